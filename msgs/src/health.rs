@@ -1,0 +1,73 @@
+//! `health/<role>`: the one heartbeat.
+
+use crate::message::{Refusal, ZeroCopySend};
+use crate::{codes, message};
+
+codes! {
+    /// How a process is.
+    pub enum HealthState: u16 {
+        /// Opening its ports or reading its first inputs.
+        Starting = 0 => "starting",
+        /// Able to answer.
+        Ready = 1 => "ready",
+        /// Working with less than it should have, see the reasons.
+        Degraded = 2 => "degraded",
+        /// Going away because it was asked to.
+        Stopping = 3 => "stopping",
+    }
+}
+
+/// Reason bit: the scan is too old or missing.
+pub const REASON_SCAN: u32 = 1;
+/// Reason bit: odometry is too old or missing.
+pub const REASON_ODOMETRY: u32 = 1 << 1;
+/// Reason bit: the map is too old, missing or out of step.
+pub const REASON_MAP: u32 = 1 << 2;
+/// Reason bit: the path is too old or missing.
+pub const REASON_PATH: u32 = 1 << 3;
+/// Reason bit: the velocity request is too old or missing.
+pub const REASON_REQUEST: u32 = 1 << 4;
+/// Reason bit: messages were refused since the last beat.
+pub const REASON_REFUSED: u32 = 1 << 5;
+/// Reason bit: an output could not be sent for lack of memory.
+pub const REASON_NO_LOAN: u32 = 1 << 6;
+
+message! {
+    /// Fixed fields of the heartbeat; the slice is empty.
+    pub struct Health = "zeronav.Health.v1" {
+        /// Grows with every wake (at least every 50 ms, also when idle) and with long work.
+        pub progress: u64,
+        /// Code of [`HealthState`].
+        pub state: u16,
+        /// Written as 0.
+        pub spare: u16,
+        /// Sum of the reason bits.
+        pub reasons: u32,
+        /// Process id.
+        pub pid: u32,
+        /// Written as 0.
+        pub spare2: u32,
+        /// Messages refused since the start.
+        pub refused: u64,
+        /// Inputs overtaken by newer ones since the start.
+        pub superseded: u64,
+        /// Run time lost because the process was late, robot only. [ns]
+        pub slipped_ns: u64,
+    }
+}
+
+impl Health {
+    /// The state.
+    #[must_use]
+    pub const fn state(&self) -> Option<HealthState> {
+        HealthState::from_code(self.state)
+    }
+
+    /// Accepts known states.
+    ///
+    /// # Errors
+    /// [`Refusal::Code`] for an unknown state.
+    pub fn check(&self) -> Result<(), Refusal> {
+        self.state().map(|_| ()).ok_or(Refusal::Code("state"))
+    }
+}

@@ -1,0 +1,41 @@
+//! The contract between the processes of zeronav.
+//!
+//! Whatever two processes would otherwise misread stands here and nowhere else: the names of the
+//! topics, the layout and meaning of every message, what an identity is, who is obeyed, and how a
+//! map arrives whole at the other end. A service in any language needs this crate (or a copy of
+//! these layouts), the flags of the shell and an exit code; nothing else is shared.
+//!
+//! Every message is `#[repr(C)]`, free of padding and made of plain numbers, so its bytes can be
+//! hashed, recorded and checked. Nothing that was received is believed before
+//! [`topics::decode`] has accepted it.
+//!
+//! Units are SI, frames follow REP-103 and REP-105 (x forward, y left, yaw counter-clockwise,
+//! `map` -> `odom` -> `base` -> `laser`), times are nanoseconds.
+
+pub mod command;
+pub mod description;
+pub mod grid;
+pub mod header;
+pub mod health;
+pub mod map;
+pub mod message;
+pub mod obstacles;
+pub mod odometry;
+pub mod path;
+pub mod pose;
+pub mod replica;
+pub mod request;
+pub mod role;
+pub mod run;
+pub mod scan;
+pub mod span;
+pub mod task;
+pub mod topics;
+pub mod truth;
+
+pub use grid::{Cell, CellRect, GridGeometry};
+pub use header::{Header, Id, Parents, Stamps};
+pub use map::{MapCell, MapTile, MapView};
+pub use message::{Message, Refusal, Wire};
+pub use pose::Pose;
+pub use role::Role;

@@ -1,0 +1,249 @@
+//! `map/update` and `map/keyframe`: the map, tile by tile.
+
+use crate::grid::{Cell, CellRect, GridGeometry};
+use crate::message;
+use crate::message::{Refusal, ZeroCopySend, ensure, number};
+use crate::pose::Pose;
+
+/// Side of a tile. [cells]
+pub const TILE_CELLS: usize = 32;
+
+/// Most tiles of one update message; a larger revision comes in several parts.
+pub const TILES_PER_UPDATE_MAX: usize = 60;
+
+/// Most tiles of a keyframe: a map of 4096 x 4096 cells.
+pub const TILES_PER_KEYFRAME_MAX: usize = 128 * 128;
+
+/// Cost of a cell without any reason to avoid it.
+pub const COST_FREE: u8 = 0;
+/// Highest cost of a cell in which the centre of the robot may stand.
+pub const COST_CIRCUMSCRIBED_MAX: u8 = 252;
+/// Cost of a cell closer to an obstacle than the inscribed radius.
+pub const COST_INSCRIBED: u8 = 253;
+/// Cost of an obstacle.
+pub const COST_LETHAL: u8 = 254;
+/// Cost of a cell about which nothing is known.
+pub const COST_UNKNOWN: u8 = 255;
+
+/// Flag: occupied by the static map.
+pub const FLAG_STATIC: u8 = 1;
+/// Flag: occupied by what the lidar saw.
+pub const FLAG_SENSED: u8 = 1 << 1;
+/// Flag: under a tracked, moving obstacle.
+pub const FLAG_MOVING: u8 = 1 << 2;
+/// Flag: a virtual obstacle.
+pub const FLAG_VIRTUAL: u8 = 1 << 3;
+/// Flag: filled by obstacle regularisation.
+pub const FLAG_REGULARISED: u8 = 1 << 4;
+/// Flag: nothing is known about the cell, whatever its cost says.
+pub const FLAG_UNKNOWN: u8 = 1 << 5;
+
+const FLAGS_ALL: u8 = (1 << 6) - 1;
+
+message! {
+    /// One cell. `cost` and `clearance_mm` come from static and sensed obstacles alone.
+    pub struct MapCell = "zeronav.MapCell.v1" {
+        /// As in Nav2: 0 free, 253 inscribed, 254 lethal, 255 unknown.
+        pub cost: u8,
+        /// Sum of the `FLAG_` bits.
+        pub flags: u8,
+        /// [mm] from the cell's centre to the nearest obstacle square, rounded down, saturated at
+        /// the map's limit; 0 inside an obstacle.
+        pub clearance_mm: u16,
+    }
+}
+
+impl MapCell {
+    /// A cell about which nothing is known.
+    #[must_use]
+    pub const fn unknown(clearance_mm: u16) -> Self {
+        Self {
+            cost: COST_UNKNOWN,
+            flags: FLAG_UNKNOWN,
+            clearance_mm,
+        }
+    }
+
+    /// True when the centre of the robot cannot be here: an obstacle is within the inscribed
+    /// radius. Unknown cells are not blocked by this rule.
+    #[must_use]
+    pub const fn blocks_centre(self) -> bool {
+        self.cost == COST_INSCRIBED || self.cost == COST_LETHAL
+    }
+
+    /// Clearance in metres.
+    #[must_use]
+    pub fn clearance_m(self) -> f64 {
+        f64::from(self.clearance_mm) / 1000.0
+    }
+}
+
+message! {
+    /// 32 x 32 cells, row-major. Cells beyond the map's edge are unknown and ignored.
+    pub struct MapTile = "zeronav.MapTile.v1" {
+        /// Column of tiles, from 0.
+        pub tile_x: u32,
+        /// Row of tiles, from 0.
+        pub tile_y: u32,
+        /// The cells.
+        pub cells: [MapCell; 1024],
+    }
+}
+
+message! {
+    /// Fixed fields of map messages. The slice holds tiles.
+    pub struct MapInfo = "zeronav.MapInfo.v1" {
+        /// Where the grid lies.
+        pub geometry: GridGeometry,
+        /// Revision that the map has after this message: the id of the update's last part.
+        pub revision: u64,
+        /// `map_from_odom`.
+        pub map_from_odom: Pose,
+        /// Covariance of `map_from_odom`, upper triangle by rows. [m, m, rad]
+        pub covariance: [f64; 6],
+        /// Which part of the revision this is, from 0.
+        pub part: u16,
+        /// Parts of the revision, at least 1; 1 in a keyframe.
+        pub parts: u16,
+        /// Tiles in the slice.
+        pub n_tiles: u32,
+        /// [mm] at which clearance is saturated.
+        pub clearance_limit_mm: u32,
+        /// 1 when scans keep coming, 0 when the map is not current.
+        pub current: u32,
+    }
+}
+
+/// Columns and rows of tiles that cover `geometry`.
+#[must_use]
+pub fn tiles_of(geometry: &GridGeometry) -> (u32, u32) {
+    let side = u32::try_from(TILE_CELLS).unwrap_or(1);
+    (
+        geometry.width.div_ceil(side),
+        geometry.height.div_ceil(side),
+    )
+}
+
+impl MapTile {
+    /// The cells of this tile that lie on the map.
+    #[must_use]
+    pub fn rect(&self, geometry: &GridGeometry) -> CellRect {
+        let side = 32;
+        let min = Cell::new(
+            self.tile_x.cast_signed().saturating_mul(side),
+            self.tile_y.cast_signed().saturating_mul(side),
+        );
+        let (width, height) = geometry.size();
+        CellRect {
+            min,
+            max: Cell::new((min.x + side).min(width), (min.y + side).min(height)),
+        }
+    }
+
+    /// Fills the tile from a row-major grid of the same geometry.
+    ///
+    /// # Panics
+    /// When `cells` is not as long as the geometry says.
+    pub fn fill_from(&mut self, geometry: &GridGeometry, cells: &[MapCell]) {
+        assert_eq!(cells.len(), geometry.len(), "grid and geometry differ");
+        let rect = self.rect(geometry);
+        self.cells = [MapCell::unknown(0); 1024];
+        for y in rect.min.y..rect.max.y {
+            let (Some(from), row) = (
+                geometry.index_of(Cell::new(rect.min.x, y)),
+                (y - rect.min.y).cast_unsigned() as usize * TILE_CELLS,
+            ) else {
+                continue;
+            };
+            let n = (rect.max.x - rect.min.x).cast_unsigned() as usize;
+            self.cells[row..row + n].copy_from_slice(&cells[from..from + n]);
+        }
+    }
+
+    /// Copies the tile into a row-major grid of the same geometry.
+    ///
+    /// # Panics
+    /// When `cells` is not as long as the geometry says.
+    pub fn copy_to(&self, geometry: &GridGeometry, cells: &mut [MapCell]) {
+        assert_eq!(cells.len(), geometry.len(), "grid and geometry differ");
+        let rect = self.rect(geometry);
+        for y in rect.min.y..rect.max.y {
+            let (Some(to), row) = (
+                geometry.index_of(Cell::new(rect.min.x, y)),
+                (y - rect.min.y).cast_unsigned() as usize * TILE_CELLS,
+            ) else {
+                continue;
+            };
+            let n = (rect.max.x - rect.min.x).cast_unsigned() as usize;
+            cells[to..to + n].copy_from_slice(&self.cells[row..row + n]);
+        }
+    }
+}
+
+impl MapInfo {
+    /// True when the revision is complete with this message.
+    #[must_use]
+    pub const fn is_last_part(&self) -> bool {
+        self.part + 1 == self.parts
+    }
+
+    /// Accepts map messages whose tiles lie on the map.
+    ///
+    /// # Errors
+    /// The first field that is wrong.
+    pub fn check(&self, tiles: &[MapTile], tiles_max: usize) -> Result<(), Refusal> {
+        self.geometry.check()?;
+        self.map_from_odom.check("map_from_odom")?;
+        for value in self.covariance {
+            number(value, -1.0e12, 1.0e12, "covariance")?;
+        }
+        ensure(self.revision != 0, Refusal::Identity)?;
+        ensure(
+            self.parts >= 1 && self.part < self.parts,
+            Refusal::OutOfRange("part"),
+        )?;
+        ensure(
+            (1..=u32::from(u16::MAX)).contains(&self.clearance_limit_mm),
+            Refusal::OutOfRange("clearance_limit_mm"),
+        )?;
+        ensure(self.current <= 1, Refusal::Code("current"))?;
+        ensure(
+            tiles.len() == self.n_tiles as usize && tiles.len() <= tiles_max,
+            Refusal::Length("tiles"),
+        )?;
+        let (columns, rows) = tiles_of(&self.geometry);
+        for tile in tiles {
+            ensure(
+                tile.tile_x < columns && tile.tile_y < rows,
+                Refusal::OutOfRange("tile"),
+            )?;
+            let right = |cell: &MapCell| {
+                u32::from(cell.clearance_mm) <= self.clearance_limit_mm
+                    && cell.flags & !FLAGS_ALL == 0
+            };
+            let wrong = !tile.cells.iter().all(right);
+            ensure(!wrong, Refusal::OutOfRange("cell"))?;
+        }
+        Ok(())
+    }
+}
+
+/// A whole map as planners see it: row-major cells of a geometry.
+#[derive(Debug, Clone, Copy)]
+pub struct MapView<'a> {
+    /// Where the cells lie.
+    pub geometry: &'a GridGeometry,
+    /// `geometry.len()` cells, row-major.
+    pub cells: &'a [MapCell],
+}
+
+impl MapView<'_> {
+    /// The cell; `None` outside the map.
+    #[must_use]
+    pub fn get(&self, cell: Cell) -> Option<MapCell> {
+        self.geometry
+            .index_of(cell)
+            .and_then(|index| self.cells.get(index))
+            .copied()
+    }
+}

@@ -1,0 +1,166 @@
+//! `plan/path`: the way to the goal, or why there is none.
+
+use crate::message::{COORDINATE_M_MAX, Refusal, ZeroCopySend, ensure, number};
+use crate::{codes, message};
+
+/// Most waypoints of a path. Grid paths are sent as their corners.
+pub const WAYPOINTS_MAX: usize = 2048;
+
+codes! {
+    /// Outcome of planning.
+    pub enum PathStatus: u16 {
+        /// Idle: nobody asked for a path, or no map has come yet.
+        NoGoal = 0 => "no_goal",
+        /// The waypoints lead from the robot to the goal.
+        Found = 1 => "found",
+        /// The robot is not on the map.
+        StartOutsideMap = 2 => "start_outside_map",
+        /// The robot stands in an obstacle and no free cell is near.
+        StartBlocked = 3 => "start_blocked",
+        /// The goal is not on the map.
+        GoalOutsideMap = 4 => "goal_outside_map",
+        /// No free cell within the tolerance of the goal.
+        GoalBlocked = 5 => "goal_blocked",
+        /// Proved: no way leads to the goal.
+        Unreachable = 6 => "unreachable",
+        /// Proved: only a way that cuts an obstacle's corner leads to the goal.
+        UnreachableCorner = 7 => "unreachable_corner",
+        /// An incomplete planner gave up.
+        DeadEnd = 8 => "dead_end",
+        /// The budget ended before the search did.
+        OutOfBudget = 9 => "out_of_budget",
+        /// The path has more corners than a message holds.
+        TooLong = 10 => "too_long",
+    }
+}
+
+codes! {
+    /// Why the geometry of a path is what it is.
+    pub enum PathCause: u16 {
+        /// Idle.
+        None = 0 => "none",
+        /// A new goal.
+        Goal = 1 => "goal",
+        /// A map update cut the corridor of the path before.
+        Obstacle = 2 => "obstacle",
+        /// The local planner asked.
+        Request = 3 => "request",
+        /// A map update opened a shorter way.
+        Shortcut = 4 => "shortcut",
+        /// The next goal of a list came up.
+        NextGoal = 5 => "next_goal",
+    }
+}
+
+message! {
+    /// Fixed fields of a path. Search statistics are counts, never times. A message with an
+    /// unchanged path repeats the waypoints and says by its parents how current it is.
+    pub struct Path = "zeronav.Path.v1" {
+        /// Key of the planner in lower case, padded with 0.
+        pub planner: [u8; 24],
+        /// Code of [`PathStatus`].
+        pub status: u16,
+        /// Code of [`PathCause`] of the geometry.
+        pub cause: u16,
+        /// Waypoints in the slice.
+        pub n_waypoints: u32,
+        /// Id of the message that brought this geometry or failure first; its own id when new.
+        pub geometry: u64,
+        /// Map revision that the search used; the header's parent is the one it was checked with.
+        pub searched_map: u64,
+        /// Nodes taken from the open list and closed.
+        pub expanded: u64,
+        /// Nodes put into the open list.
+        pub generated: u64,
+        /// Neighbours looked at, repeats counted.
+        pub evaluated: u64,
+        /// Longest open list.
+        pub peak_open: u64,
+        /// [m] length, >= 0.
+        pub length_m: f64,
+        /// Cost in the planner's own measure, >= 0.
+        pub cost: f64,
+        /// Goal that it leads to, by [`crate::task::Goal::id`].
+        pub goal: u64,
+    }
+}
+
+message! {
+    /// A pose on the path.
+    pub struct Waypoint = "zeronav.Waypoint.v1" {
+        /// [m] `map` frame.
+        pub x_m: f64,
+        /// [m] `map` frame.
+        pub y_m: f64,
+        /// [rad] direction to the next waypoint; at the last one the goal's yaw.
+        pub yaw_rad: f32,
+        /// [m] clearance when the path was made, saturated at the map's limit.
+        pub clearance_m: f32,
+    }
+}
+
+impl Path {
+    /// The outcome.
+    #[must_use]
+    pub const fn status(&self) -> Option<PathStatus> {
+        PathStatus::from_code(self.status)
+    }
+
+    /// The cause.
+    #[must_use]
+    pub const fn cause(&self) -> Option<PathCause> {
+        PathCause::from_code(self.cause)
+    }
+
+    /// The planner's key as text.
+    #[must_use]
+    pub fn planner(&self) -> &str {
+        let end = self
+            .planner
+            .iter()
+            .position(|byte| *byte == 0)
+            .unwrap_or(self.planner.len());
+        core::str::from_utf8(&self.planner[..end]).unwrap_or("")
+    }
+
+    /// `key` in the form of [`Self::planner`], cut at its length.
+    #[must_use]
+    pub fn planner_bytes(key: &str) -> [u8; 24] {
+        let mut bytes = [0; 24];
+        for (to, from) in bytes.iter_mut().zip(key.bytes()) {
+            *to = from;
+        }
+        bytes
+    }
+
+    /// Accepts paths whose fields describe `waypoints`.
+    ///
+    /// # Errors
+    /// The first field that is wrong.
+    pub fn check(&self, waypoints: &[Waypoint]) -> Result<(), Refusal> {
+        let status = self.status().ok_or(Refusal::Code("status"))?;
+        self.cause().ok_or(Refusal::Code("cause"))?;
+        ensure(
+            waypoints.len() == self.n_waypoints as usize
+                && waypoints.len() <= WAYPOINTS_MAX
+                && (status == PathStatus::Found) != waypoints.is_empty(),
+            Refusal::Length("waypoints"),
+        )?;
+        ensure(
+            self.planner
+                .iter()
+                .all(|byte| *byte == 0 || byte.is_ascii_graphic()),
+            Refusal::OutOfRange("planner"),
+        )?;
+        number(self.length_m, 0.0, 1.0e9, "length_m")?;
+        number(self.cost, 0.0, 1.0e15, "cost")?;
+        let limit = COORDINATE_M_MAX;
+        for waypoint in waypoints {
+            number(waypoint.x_m, -limit, limit, "x_m")?;
+            number(waypoint.y_m, -limit, limit, "y_m")?;
+            number(f64::from(waypoint.yaw_rad), -6.3, 6.3, "yaw_rad")?;
+            number(f64::from(waypoint.clearance_m), 0.0, 1.0e3, "clearance_m")?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,119 @@
+//! `run/clock` and `run/control`: what time means, and who is obeyed.
+
+use crate::message::{Refusal, ZeroCopySend, ensure};
+use crate::role::Role;
+use crate::{codes, message};
+
+/// Most seats of a roster.
+pub const SEATS_MAX: usize = 16;
+
+codes! {
+    /// How the run keeps time.
+    pub enum RunMode: u16 {
+        /// Not yet known.
+        None = 0 => "none",
+        /// The robot's clock drives; every stage answers the newest input of every wake.
+        RealTime = 1 => "real_time",
+        /// The lease drives; every stage answers every tick of its trigger exactly once.
+        Lockstep = 2 => "lockstep",
+    }
+}
+
+message! {
+    /// Fixed fields of the clock; the slice is empty. Written once, before any child starts.
+    pub struct RunClock = "zeronav.RunClock.v1" {
+        /// Code of [`RunMode`].
+        pub mode: u16,
+        /// Written as 0.
+        pub spare: [u16; 3],
+        /// Seed of everything random in the run.
+        pub seed: u64,
+        /// [ns] `CLOCK_MONOTONIC` at run time 0.
+        pub zero_ns: u64,
+        /// [ns] of run time from tick to tick.
+        pub tick_ns: u64,
+    }
+}
+
+message! {
+    /// Fixed fields of the control message. The slice holds the roster.
+    pub struct RunControl = "zeronav.RunControl.v1" {
+        /// Highest tick that the robot may start, lockstep only.
+        pub lease: u64,
+        /// 1 = the robot shall stand and run time stops.
+        pub paused: u16,
+        /// 1 = the run is ending: stop the robot.
+        pub stopping: u16,
+        /// Seats in the slice.
+        pub n_seats: u32,
+    }
+}
+
+message! {
+    /// One seat of the roster.
+    pub struct Seat = "zeronav.Seat.v1" {
+        /// Code of the [`Role`].
+        pub role: u16,
+        /// Written as 0.
+        pub spare: u16,
+        /// The one epoch that is obeyed in this seat; 0 = nobody yet.
+        pub epoch: u32,
+        /// First tick at which the seat is empty.
+        pub off_tick: u64,
+        /// First tick at which it is taken again; `off_tick == on_tick` = never empty.
+        pub on_tick: u64,
+        /// Messages of ticks below this one are not heard by the seat.
+        pub hear_tick: u64,
+    }
+}
+
+impl Seat {
+    /// True when the seat has to answer `tick`.
+    #[must_use]
+    pub const fn answers(&self, tick: u64) -> bool {
+        self.epoch != 0 && !(tick >= self.off_tick && tick < self.on_tick)
+    }
+}
+
+impl RunClock {
+    /// The mode.
+    #[must_use]
+    pub const fn mode(&self) -> Option<RunMode> {
+        RunMode::from_code(self.mode)
+    }
+
+    /// Accepts known modes with a tick between 1 ms and 1 s.
+    ///
+    /// # Errors
+    /// The first field that is wrong.
+    pub fn check(&self) -> Result<(), Refusal> {
+        self.mode().ok_or(Refusal::Code("mode"))?;
+        ensure(
+            (1_000_000..=1_000_000_000).contains(&self.tick_ns),
+            Refusal::OutOfRange("tick_ns"),
+        )
+    }
+}
+
+impl RunControl {
+    /// Accepts rosters of known roles.
+    ///
+    /// # Errors
+    /// The first field that is wrong.
+    pub fn check(&self, seats: &[Seat]) -> Result<(), Refusal> {
+        ensure(
+            seats.len() == self.n_seats as usize && seats.len() <= SEATS_MAX,
+            Refusal::Length("seats"),
+        )?;
+        ensure(self.paused <= 1, Refusal::Code("paused"))?;
+        ensure(self.stopping <= 1, Refusal::Code("stopping"))?;
+        for seat in seats {
+            Role::from_code(seat.role).ok_or(Refusal::Code("seat.role"))?;
+            ensure(
+                seat.off_tick <= seat.on_tick,
+                Refusal::OutOfRange("seat.on_tick"),
+            )?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,85 @@
+//! `robot/scan`: one turn of the lidar.
+
+use crate::message;
+use crate::message::{Refusal, ZeroCopySend, ensure, number};
+
+/// Most beams of a scan.
+pub const BEAMS_MAX: usize = 4096;
+
+message! {
+    /// Fixed fields of a scan. The slice holds one range per beam: [m] in the `laser` frame,
+    /// +inf = no return within `range_max_m`, NaN = invalid. Beam `i` points to
+    /// `angle_min_rad + i * angle_increment_rad`. The header's capture is that of the last beam.
+    pub struct Scan = "zeronav.Scan.v1" {
+        /// Which sensor, from 0.
+        pub sensor: u32,
+        /// Number of beams, equal to the length of the slice.
+        pub n_beams: u32,
+        /// [rad] direction of beam 0.
+        pub angle_min_rad: f32,
+        /// [rad] step from beam to beam, not 0, positive = counter-clockwise.
+        pub angle_increment_rad: f32,
+        /// [s] time from beam to beam, 0 = all at once.
+        pub time_increment_s: f32,
+        /// [m] closest valid range.
+        pub range_m_min: f32,
+        /// [m] farthest valid range.
+        pub range_m_max: f32,
+        /// Written as 0.
+        pub spare: u32,
+    }
+}
+
+impl Scan {
+    /// Direction of beam `beam_index` in the `laser` frame. [rad]
+    #[must_use]
+    #[allow(clippy::cast_precision_loss, reason = "at most 4096 beams")]
+    pub fn angle_of(&self, beam_index: usize) -> f64 {
+        f64::from(self.angle_min_rad) + beam_index as f64 * f64::from(self.angle_increment_rad)
+    }
+
+    /// True when `range_m` is a hit: finite and between the sensor's limits.
+    #[must_use]
+    pub fn is_hit(&self, range_m: f32) -> bool {
+        range_m >= self.range_m_min && range_m <= self.range_m_max
+    }
+
+    /// Accepts scans whose numbers describe `ranges`. Ranges may be anything but negative.
+    ///
+    /// # Errors
+    /// The first thing that is wrong.
+    pub fn check(&self, ranges: &[f32]) -> Result<(), Refusal> {
+        ensure(
+            ranges.len() == self.n_beams as usize && ranges.len() <= BEAMS_MAX,
+            Refusal::Length("beams"),
+        )?;
+        number(f64::from(self.angle_min_rad), -12.6, 12.6, "angle_min_rad")?;
+        number(
+            f64::from(self.angle_increment_rad),
+            -1.6,
+            1.6,
+            "angle_increment_rad",
+        )?;
+        ensure(
+            self.angle_increment_rad.abs() > 1.0e-6,
+            Refusal::OutOfRange("angle_increment_rad"),
+        )?;
+        number(
+            f64::from(self.time_increment_s),
+            0.0,
+            1.0,
+            "time_increment_s",
+        )?;
+        number(f64::from(self.range_m_min), 0.0, 1.0e3, "range_m_min")?;
+        number(
+            f64::from(self.range_m_max),
+            f64::from(self.range_m_min),
+            1.0e3,
+            "range_m_max",
+        )?;
+        ensure(
+            !ranges.iter().any(|range| *range < 0.0),
+            Refusal::OutOfRange("ranges"),
+        )
+    }
+}

@@ -1,0 +1,179 @@
+//! `task/goal` and `task/status`: where to, and what became of it.
+
+use crate::message::{Refusal, ZeroCopySend, ensure, number};
+use crate::pose::Pose;
+use crate::{codes, message};
+
+/// Most goals of a task.
+pub const GOALS_MAX: usize = 64;
+
+codes! {
+    /// What a task message asks.
+    pub enum TaskKind: u16 {
+        /// Nothing.
+        None = 0 => "none",
+        /// Drive to the goals in order.
+        Go = 1 => "go",
+        /// Stop and forget the goals.
+        Cancel = 2 => "cancel",
+    }
+}
+
+codes! {
+    /// State of a task or of one goal.
+    pub enum TaskState: u16 {
+        /// No task.
+        Idle = 0 => "idle",
+        /// On the way.
+        Active = 1 => "active",
+        /// Arrived within the tolerance and standing.
+        Reached = 2 => "reached",
+        /// Given up, see the reason.
+        Failed = 3 => "failed",
+        /// Cancelled.
+        Cancelled = 4 => "cancelled",
+    }
+}
+
+codes! {
+    /// Why a task ended.
+    pub enum EndReason: u16 {
+        /// It has not ended, or it ended as wished.
+        None = 0 => "none",
+        /// The global planner proved that there is no way.
+        Unreachable = 1 => "unreachable",
+        /// No free pose within the tolerance of the goal.
+        GoalBlocked = 2 => "goal_blocked",
+        /// The goal is not on the map.
+        GoalOutsideMap = 3 => "goal_outside_map",
+        /// The robot did not come closer for too long.
+        Stuck = 4 => "stuck",
+        /// The planner gave up: budget, dead end, blocked start.
+        NoPath = 5 => "no_path",
+        /// A later task took its place.
+        Replaced = 6 => "replaced",
+    }
+}
+
+message! {
+    /// Fixed fields of a task. The slice holds the goals in order.
+    pub struct Task = "zeronav.Task.v1" {
+        /// Code of [`TaskKind`].
+        pub kind: u16,
+        /// Written as 0.
+        pub spare: u16,
+        /// Goals in the slice.
+        pub n_goals: u32,
+        /// First tick at which it holds; 0 = at once.
+        pub from_tick: u64,
+    }
+}
+
+message! {
+    /// A goal.
+    pub struct Goal = "zeronav.Goal.v1" {
+        /// `map_from_base` to reach.
+        pub pose: Pose,
+        /// [m] how close counts, > 0.
+        pub tolerance_m: f64,
+        /// [rad] how close the yaw must be; >= pi = any yaw.
+        pub yaw_tolerance_rad: f64,
+        /// The sender's own number for it, not 0.
+        pub id: u64,
+    }
+}
+
+message! {
+    /// Fixed fields of the status. The slice holds one entry per goal that has ended.
+    pub struct TaskStatus = "zeronav.TaskStatus.v1" {
+        /// Code of [`TaskState`].
+        pub state: u16,
+        /// Code of [`EndReason`].
+        pub reason: u16,
+        /// Goals that have ended.
+        pub n_ended: u32,
+        /// Id on `task/goal` of the task.
+        pub task: u64,
+        /// [`Goal::id`] of the goal at hand, 0 = none.
+        pub goal: u64,
+        /// [m] along the path, or straight without one; >= 0.
+        pub remaining_m: f64,
+    }
+}
+
+message! {
+    /// End of a goal.
+    pub struct GoalEnd = "zeronav.GoalEnd.v1" {
+        /// [`Goal::id`].
+        pub goal: u64,
+        /// Tick at which it ended.
+        pub tick: u64,
+        /// Code of [`TaskState`].
+        pub state: u16,
+        /// Code of [`EndReason`].
+        pub reason: u16,
+        /// Written as 0.
+        pub spare: u32,
+    }
+}
+
+impl Task {
+    /// What is asked.
+    #[must_use]
+    pub const fn kind(&self) -> Option<TaskKind> {
+        TaskKind::from_code(self.kind)
+    }
+
+    /// Accepts tasks whose goals are finite and have tolerances.
+    ///
+    /// # Errors
+    /// The first field that is wrong.
+    pub fn check(&self, goals: &[Goal]) -> Result<(), Refusal> {
+        let kind = self.kind().ok_or(Refusal::Code("kind"))?;
+        ensure(
+            goals.len() == self.n_goals as usize
+                && goals.len() <= GOALS_MAX
+                && (kind == TaskKind::Go) != goals.is_empty(),
+            Refusal::Length("goals"),
+        )?;
+        for goal in goals {
+            goal.pose.check("pose")?;
+            number(goal.tolerance_m, 1.0e-3, 1.0e3, "tolerance_m")?;
+            number(goal.yaw_tolerance_rad, 1.0e-3, 1.0e3, "yaw_tolerance_rad")?;
+            ensure(goal.id != 0, Refusal::OutOfRange("id"))?;
+        }
+        Ok(())
+    }
+}
+
+impl TaskStatus {
+    /// The state.
+    #[must_use]
+    pub const fn state(&self) -> Option<TaskState> {
+        TaskState::from_code(self.state)
+    }
+
+    /// The reason.
+    #[must_use]
+    pub const fn reason(&self) -> Option<EndReason> {
+        EndReason::from_code(self.reason)
+    }
+
+    /// Accepts known states.
+    ///
+    /// # Errors
+    /// The first field that is wrong.
+    pub fn check(&self, ended: &[GoalEnd]) -> Result<(), Refusal> {
+        self.state().ok_or(Refusal::Code("state"))?;
+        self.reason().ok_or(Refusal::Code("reason"))?;
+        ensure(
+            ended.len() == self.n_ended as usize && ended.len() <= GOALS_MAX,
+            Refusal::Length("ends"),
+        )?;
+        for end in ended {
+            TaskState::from_code(end.state).ok_or(Refusal::Code("end.state"))?;
+            EndReason::from_code(end.reason).ok_or(Refusal::Code("end.reason"))?;
+        }
+        number(self.remaining_m, 0.0, 1.0e9, "remaining_m")
+    }
+}

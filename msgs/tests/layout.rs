@@ -1,0 +1,120 @@
+//! The wire does not change by accident: sizes, type names and schema hashes of every topic.
+//!
+//! A change here is a change of the contract: every service must be built anew, and the version
+//! in the type's name goes up.
+
+use std::fmt::Write;
+use zeronav_msgs::header::{Header, Parents, Stamps};
+use zeronav_msgs::map::{MapCell, MapInfo, MapTile};
+use zeronav_msgs::message::Wire;
+use zeronav_msgs::path::{Path, Waypoint};
+use zeronav_msgs::span::Span;
+use zeronav_msgs::topics::{TopicRow, topics};
+
+/// Name, bytes of header and fixed fields, bytes of an item, schema hash.
+const GOLDEN: &[(&str, usize, usize, u64)] = &[
+    ("robot/description", 264, 16, 0x2c91_0069_7c64_18bd),
+    ("robot/scan", 160, 4, 0x3f49_5fbc_f312_b64a),
+    ("robot/odometry", 200, 1, 0xa81a_5028_3e14_2917),
+    ("map/update", 256, 4104, 0xd4d4_b4a9_4240_efcf),
+    ("map/keyframe", 256, 4104, 0x3235_1be4_c460_e78c),
+    ("map/obstacles", 136, 136, 0x2712_c9b5_4150_e314),
+    ("plan/path", 232, 24, 0xc75e_878f_ca01_0509),
+    ("plan/request", 144, 1, 0xe8e8_e8d0_d733_8bbc),
+    ("task/goal", 144, 48, 0x259f_c266_e8e8_0857),
+    ("task/status", 160, 24, 0x7d08_f39a_597b_e439),
+    ("control/velocity_request", 160, 1, 0x658a_c8b9_87ea_b191),
+    ("robot/velocity_command", 152, 1, 0x3267_8c87_5464_5210),
+    ("run/clock", 160, 1, 0x67b6_becd_51d9_8eba),
+    ("run/control", 144, 32, 0xd433_a716_7e89_f9d9),
+    ("sim/ground_truth", 216, 48, 0x827a_99fb_86dc_e923),
+    ("health/robot", 176, 1, 0x94c1_620c_f083_362d),
+    ("health/mapping", 176, 1, 0x801c_eaa2_f3c0_e523),
+    ("health/global_planner", 176, 1, 0x36cf_66e2_6273_0491),
+    ("health/local_planner", 176, 1, 0x2233_6336_f3b3_e545),
+    ("health/collision_guard", 176, 1, 0x5cb6_8029_5ee9_6a43),
+    ("run/spans", 0, 128, 0xa2d0_4c83_09df_c6fa),
+];
+
+#[test]
+fn every_topic_is_as_it_was() {
+    let actual: Vec<(&str, usize, usize, u64)> = topics()
+        .iter()
+        .map(|row| (row.name, row.envelope_bytes, row.item_bytes, row.schema))
+        .collect();
+    let print = |rows: &[(&str, usize, usize, u64)]| {
+        let mut text = String::new();
+        for (name, envelope, item, schema) in rows {
+            let _ = writeln!(
+                text,
+                "    (\"{name}\", {envelope}, {item}, 0x{schema:016x}),"
+            );
+        }
+        text
+    };
+    assert!(actual == GOLDEN, "the contract is now\n{}", print(&actual));
+}
+
+#[test]
+fn fixed_offsets_that_other_languages_rely_on() {
+    assert_eq!(size_of::<Header>(), 128);
+    assert_eq!(core::mem::offset_of!(Header, schema), 4);
+    assert_eq!(core::mem::offset_of!(Header, id), 16);
+    assert_eq!(core::mem::offset_of!(Header, tick), 24);
+    assert_eq!(core::mem::offset_of!(Header, run_ns), 32);
+    assert_eq!(core::mem::offset_of!(Header, capture_ns), 40);
+    assert_eq!(core::mem::offset_of!(Header, parents), 48);
+    assert_eq!(core::mem::offset_of!(Header, stamps), 96);
+    assert_eq!((size_of::<Parents>(), size_of::<Stamps>()), (48, 24));
+    assert_eq!(size_of::<Span>(), 128);
+    assert_eq!(
+        (size_of::<MapCell>(), size_of::<MapTile>()),
+        (4, 8 + 32 * 32 * 4)
+    );
+    assert_eq!(
+        (
+            size_of::<MapInfo>(),
+            size_of::<Path>(),
+            size_of::<Waypoint>()
+        ),
+        (128, 104, 24)
+    );
+    assert_eq!(Header::NAME, "zeronav.Header.v1");
+}
+
+#[test]
+fn numbers_and_names_are_unique_and_every_schema_differs() {
+    let rows = topics();
+    assert_eq!(rows.len(), 21);
+    for (n, row) in rows.iter().enumerate() {
+        assert!(
+            row.number < zeronav_msgs::topics::EVENT_NEED_KEYFRAME,
+            "{}",
+            row.name
+        );
+        for other in &rows[n + 1..] {
+            assert_ne!(row.number, other.number, "{} and {}", row.name, other.name);
+            assert_ne!(row.name, other.name);
+            assert_ne!(row.schema, other.schema, "{} and {}", row.name, other.name);
+        }
+    }
+}
+
+#[test]
+fn the_memory_of_a_default_run_fits_a_container() {
+    // 600 x 400 cells, 360 beams, one writer per topic but five of spans.
+    let len = |row: &TopicRow| match row.name {
+        "map/keyframe" => 19 * 13,
+        "robot/scan" => 360,
+        _ => row.len_max,
+    };
+    let writers = |row: &TopicRow| if row.name == "run/spans" { 5 } else { 1 };
+    let bytes: usize = topics()
+        .iter()
+        .map(|row| row.segment_bytes(len(row)) * writers(row))
+        .sum();
+    eprintln!("{bytes} bytes");
+    assert!(bytes < 24 << 20, "{bytes} bytes");
+    // With a shadow in every seat it still fits Docker's 64 MB.
+    assert!(2 * bytes < 64 << 20);
+}

@@ -1,0 +1,208 @@
+//! A reader's map ends up equal to the writer's, whatever it missed.
+
+use proptest::prelude::*;
+use zeronav_msgs::header::Id;
+use zeronav_msgs::map::{MapInfo, MapTile, tiles_of};
+use zeronav_msgs::replica::{MapReplica, PENDING_MAX, Step};
+use zeronav_msgs::{Cell, GridGeometry, MapCell};
+
+const GEOMETRY: GridGeometry = GridGeometry {
+    origin_x_m: 0.0,
+    origin_y_m: 0.0,
+    resolution_m: 0.05,
+    width: 100,
+    height: 70,
+};
+
+/// A writer's side of the map: edits, updates and keyframes.
+struct Writer {
+    epoch: u32,
+    count: u64,
+    cells: Vec<MapCell>,
+}
+
+type Update = (Id, MapInfo, Vec<MapTile>);
+
+impl Writer {
+    fn new(epoch: u32) -> Self {
+        Self {
+            epoch,
+            count: 0,
+            cells: vec![MapCell::unknown(500); GEOMETRY.len()],
+        }
+    }
+
+    fn info(&self, n_tiles: usize) -> MapInfo {
+        MapInfo {
+            geometry: GEOMETRY,
+            revision: Id::new(self.epoch, self.count).0,
+            parts: 1,
+            n_tiles: u32::try_from(n_tiles).expect("few tiles"),
+            clearance_limit_mm: 1000,
+            current: 1,
+            ..MapInfo::default()
+        }
+    }
+
+    fn tile(&self, tile_x: u32, tile_y: u32) -> MapTile {
+        let mut tile = MapTile {
+            tile_x,
+            tile_y,
+            ..MapTile::default()
+        };
+        tile.fill_from(&GEOMETRY, &self.cells);
+        tile
+    }
+
+    /// Sets one cell and gives the update for it.
+    fn set(&mut self, x: u32, y: u32, cost: u8) -> Update {
+        let cell = Cell::new(x.cast_signed(), y.cast_signed());
+        let index = GEOMETRY.index_of(cell).expect("inside");
+        self.cells[index] = MapCell {
+            cost,
+            flags: 2,
+            clearance_mm: u16::from(cost),
+        };
+        self.count += 1;
+        let tiles = vec![self.tile(x / 32, y / 32)];
+        (Id::new(self.epoch, self.count), self.info(1), tiles)
+    }
+
+    fn keyframe(&self) -> (MapInfo, Vec<MapTile>) {
+        let (columns, rows) = tiles_of(&GEOMETRY);
+        let tiles: Vec<MapTile> = (0..rows)
+            .flat_map(|y| (0..columns).map(move |x| (x, y)))
+            .map(|(x, y)| self.tile(x, y))
+            .collect();
+        (self.info(tiles.len()), tiles)
+    }
+}
+
+fn assert_equal(replica: &MapReplica, writer: &Writer) {
+    let view = replica.view().expect("a map");
+    assert_eq!(view.cells, writer.cells, "the copies differ");
+    assert_eq!(replica.revision(), Id::new(writer.epoch, writer.count));
+    assert!(!replica.needs_keyframe());
+}
+
+fn started() -> (Writer, MapReplica) {
+    let mut writer = Writer::new(1);
+    let mut replica = MapReplica::new();
+    let first = writer.set(0, 0, 1);
+    assert_eq!(replica.update(first.0, &first.1, &first.2), Step::Kept);
+    let (info, tiles) = writer.keyframe();
+    assert_eq!(replica.keyframe(&info, &tiles), Step::Applied);
+    assert_equal(&replica, &writer);
+    (writer, replica)
+}
+
+#[test]
+fn a_reader_that_slept_through_a_hundred_updates_is_equal_again() {
+    let (mut writer, mut replica) = started();
+    let mut queue: Vec<Update> = (0..100).map(|n| writer.set(n, n % 70, 200)).collect();
+    // The queue of a stream keeps the last 32.
+    for (id, info, tiles) in queue.drain(68..) {
+        assert_eq!(replica.update(id, &info, &tiles), Step::Kept);
+    }
+    assert!(replica.needs_keyframe());
+    assert_eq!(replica.gaps(), 1);
+    let (info, tiles) = writer.keyframe();
+    let late = writer.set(7, 7, 77);
+    replica.update(late.0, &late.1, &late.2);
+    assert_eq!(replica.keyframe(&info, &tiles), Step::Applied);
+    assert_equal(&replica, &writer);
+}
+
+#[test]
+fn a_restarted_writer_is_followed_and_the_old_one_is_ignored() {
+    let (mut old, mut replica) = started();
+    let mut new = Writer::new(2);
+    let first = new.set(3, 3, 33);
+    assert_eq!(replica.update(first.0, &first.1, &first.2), Step::Kept);
+    assert!(replica.needs_keyframe());
+    let (info, tiles) = new.keyframe();
+    assert_eq!(replica.keyframe(&info, &tiles), Step::Applied);
+    assert_equal(&replica, &new);
+    let zombie = old.set(9, 9, 99);
+    assert_eq!(
+        replica.update(zombie.0, &zombie.1, &zombie.2),
+        Step::Ignored
+    );
+    let (info, tiles) = old.keyframe();
+    assert_eq!(replica.keyframe(&info, &tiles), Step::Ignored);
+    assert_equal(&replica, &new);
+}
+
+#[test]
+fn a_revision_in_parts_counts_when_the_last_part_is_in() {
+    let (mut writer, mut replica) = started();
+    let before = replica.view().expect("a map").cells.to_vec();
+    let (a, mut a_info, a_tiles) = writer.set(1, 1, 11);
+    let (b, mut b_info, b_tiles) = writer.set(99, 69, 12);
+    (a_info.parts, b_info.parts, b_info.part) = (2, 2, 1);
+    assert_eq!(replica.update(a, &a_info, &a_tiles), Step::Kept);
+    assert_eq!(
+        replica.view().expect("a map").cells,
+        before,
+        "half a revision is shown"
+    );
+    assert_eq!(replica.update(b, &b_info, &b_tiles), Step::Applied);
+    assert_equal(&replica, &writer);
+}
+
+#[test]
+fn waiting_is_bounded_and_a_keyframe_with_missing_tiles_is_no_keyframe() {
+    let mut writer = Writer::new(1);
+    let mut replica = MapReplica::new();
+    for n in 0..3 * PENDING_MAX {
+        let (id, info, tiles) = writer.set(u32::try_from(n % 90).expect("small"), 5, 9);
+        replica.update(id, &info, &tiles);
+    }
+    let (mut info, mut tiles) = writer.keyframe();
+    tiles.pop();
+    info.n_tiles -= 1;
+    assert_eq!(replica.keyframe(&info, &tiles), Step::Ignored);
+    let (info, tiles) = writer.keyframe();
+    assert_eq!(replica.keyframe(&info, &tiles), Step::Applied);
+    assert_equal(&replica, &writer);
+}
+
+proptest! {
+    /// Any losses, any keyframes in between: after one more keyframe the copies are equal, and at
+    /// no time does the replica show anything but a revision that the writer had.
+    #[test]
+    fn equal_after_any_losses(
+        events in prop::collection::vec((0_u32..100, 0_u32..70, 0_u8..=255, 0_u8..10), 1..300),
+    ) {
+        let mut writer = Writer::new(1);
+        let mut replica = MapReplica::new();
+        let mut past: Vec<Vec<MapCell>> = vec![writer.cells.clone()];
+        for (x, y, cost, fate) in events {
+            let (id, info, tiles) = writer.set(x, y, cost);
+            past.push(writer.cells.clone());
+            if fate > 0 {
+                replica.update(id, &info, &tiles);
+            }
+            if fate == 9 && replica.needs_keyframe() {
+                let (info, tiles) = writer.keyframe();
+                replica.keyframe(&info, &tiles);
+            }
+            if let Some(view) = replica.view() {
+                let count = usize::try_from(replica.revision().count()).expect("small");
+                prop_assert_eq!(view.cells, past[count].as_slice());
+            }
+        }
+        if replica.needs_keyframe() {
+            let (info, tiles) = writer.keyframe();
+            prop_assert_eq!(replica.keyframe(&info, &tiles), Step::Applied);
+        }
+        // The last update may have been lost without a successor that tells; one more does.
+        let (id, info, tiles) = writer.set(1, 1, 1);
+        replica.update(id, &info, &tiles);
+        if replica.needs_keyframe() {
+            let (info, tiles) = writer.keyframe();
+            replica.keyframe(&info, &tiles);
+        }
+        prop_assert_eq!(replica.view().expect("a map").cells, writer.cells.as_slice());
+    }
+}
