@@ -1,0 +1,138 @@
+//! Doorbells: how a process sleeps until somebody has something for it.
+//!
+//! One listener per role, the event id is the topic's number. The wait is a `ppoll` on the
+//! listener's descriptor: the middleware's own timed wait rounds deadlines up by 4 to 8 ms.
+
+use crate::clock::now_ns;
+use crate::error::StartError;
+use crate::peer::{Peer, service_name};
+use iceoryx2::port::listener::Listener;
+use iceoryx2::port::notifier::Notifier;
+use iceoryx2::prelude::{EventId, FileDescriptorBased, ipc};
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use std::os::fd::{AsFd, BorrowedFd};
+use std::os::unix::net::UnixStream;
+use zeronav_msgs::role::Role;
+
+/// Longest time without a wake, so that latched topics reach late joiners. [ns]
+pub const WAKE_AT_LEAST_NS: u64 = 50_000_000;
+
+/// Which events rang, one bit per event id.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Rung(pub u64);
+
+impl Rung {
+    /// True when `event` rang.
+    #[must_use]
+    pub fn has(self, event: usize) -> bool {
+        event < 64 && self.0 & (1 << event) != 0
+    }
+}
+
+/// The own doorbell, and the pipe that tells of signals.
+#[derive(Debug)]
+pub struct Doorbell {
+    listener: Listener<ipc::Service>,
+    signals: UnixStream,
+}
+
+impl Doorbell {
+    /// Opens the doorbell of the peer's role; `signals` becomes readable on a signal.
+    ///
+    /// # Errors
+    /// [`StartError::System`] when the doorbell is not there or taken twice.
+    pub fn open(peer: &Peer, signals: UnixStream) -> Result<Self, StartError> {
+        let name = peer.role().doorbell();
+        let failed =
+            |error: &dyn core::fmt::Display| StartError::system(format!("opening {name}"), error);
+        let listener = peer
+            .node()
+            .service_builder(&service_name(&name)?)
+            .event()
+            .open()
+            .map_err(|error| failed(&error))?
+            .listener_builder()
+            .create()
+            .map_err(|error| failed(&error))?;
+        Ok(Self { listener, signals })
+    }
+
+    /// Sleeps until a ring, a signal or `deadline_ns` of the monotonic clock; says what rang.
+    pub fn wait(&self, deadline_ns: u64) -> Rung {
+        let left_ns = deadline_ns.saturating_sub(now_ns()).min(WAKE_AT_LEAST_NS);
+        let timeout = Timespec {
+            tv_sec: 0,
+            tv_nsec: i64::try_from(left_ns).unwrap_or(0),
+        };
+        {
+            let bell = self.descriptor();
+            let mut descriptors = [
+                PollFd::new(&bell, PollFlags::IN),
+                PollFd::from_borrowed_fd(self.signals.as_fd(), PollFlags::IN),
+            ];
+            // An interrupted wait is a wake like any other.
+            let _ = poll(&mut descriptors, Some(&timeout));
+        }
+        let mut rung = Rung::default();
+        let _ = self.listener.try_wait(|event| {
+            let id = event.id.as_value();
+            if id < 64 {
+                rung.0 |= 1 << id;
+            }
+        });
+        rung
+    }
+
+    #[allow(
+        unsafe_code,
+        reason = "the middleware hands out its descriptor as a bare number only"
+    )]
+    fn descriptor(&self) -> BorrowedFd<'_> {
+        // SAFETY: the listener owns the descriptor and keeps it open and unchanged for as long as
+        // it lives; the borrow ends before the listener can be dropped, and nobody closes it.
+        unsafe { BorrowedFd::borrow_raw(self.listener.file_descriptor().native_handle()) }
+    }
+}
+
+/// The doorbells of the others.
+#[derive(Debug)]
+pub struct Bells {
+    notifiers: Vec<(Role, Notifier<ipc::Service>)>,
+}
+
+impl Bells {
+    /// Opens the doorbells of all services but the peer's own.
+    ///
+    /// # Errors
+    /// [`StartError::System`] naming the doorbell.
+    pub fn open(peer: &Peer) -> Result<Self, StartError> {
+        let mut notifiers = Vec::new();
+        for role in Role::SERVICES {
+            if role == peer.role() {
+                continue;
+            }
+            let name = role.doorbell();
+            let failed = |error: &dyn core::fmt::Display| {
+                StartError::system(format!("opening {name}"), error)
+            };
+            let notifier = peer
+                .node()
+                .service_builder(&service_name(&name)?)
+                .event()
+                .open()
+                .map_err(|error| failed(&error))?
+                .notifier_builder()
+                .create()
+                .map_err(|error| failed(&error))?;
+            notifiers.push((role, notifier));
+        }
+        Ok(Self { notifiers })
+    }
+
+    /// Rings `role` with `event`. Nobody at home is no error.
+    pub fn ring(&self, role: Role, event: usize) {
+        if let Some((_, notifier)) = self.notifiers.iter().find(|(other, _)| *other == role) {
+            let _ = notifier.notify_with_custom_event_id(EventId::new(event));
+        }
+    }
+}

@@ -1,0 +1,67 @@
+//! Why a process could not start, and the exit code that says so.
+
+use std::process::ExitCode;
+
+/// Exit code of a process that stopped because it was asked to.
+pub const EXIT_STOPPED: u8 = 0;
+/// Exit code of bad flags, bad configuration or too little memory. Not restarted.
+pub const EXIT_USAGE: u8 = 2;
+/// Exit code of a peer built from another contract. Not restarted.
+pub const EXIT_CONTRACT: u8 = 3;
+/// Exit code of everything that a restart may cure.
+pub const EXIT_CRASH: u8 = 1;
+
+/// Why a process could not start. Each names the thing that is wrong.
+#[derive(Debug, thiserror::Error)]
+pub enum StartError {
+    /// Flags or configuration.
+    #[error("{0}")]
+    Usage(String),
+    /// A topic exists with another layout, or not at all.
+    #[error("contract: topic {topic}: {problem}")]
+    Contract {
+        /// Name of the topic.
+        topic: String,
+        /// What is wrong with it.
+        problem: String,
+    },
+    /// Too little shared memory.
+    #[error(
+        "shared memory: {needed} bytes more are needed in /dev/shm and {free} are free; \
+         enlarge it (docker: --shm-size) or remove what fills it"
+    )]
+    Memory {
+        /// Bytes that the process would take.
+        needed: u64,
+        /// Bytes that are free.
+        free: u64,
+    },
+    /// The middleware or the system refused something.
+    #[error("{what}: {why}")]
+    System {
+        /// What was tried.
+        what: String,
+        /// What came back.
+        why: String,
+    },
+}
+
+impl StartError {
+    /// A refusal of the middleware or the system.
+    pub fn system(what: impl Into<String>, why: impl core::fmt::Display) -> Self {
+        Self::System {
+            what: what.into(),
+            why: why.to_string(),
+        }
+    }
+
+    /// The process's exit code.
+    #[must_use]
+    pub fn exit_code(&self) -> ExitCode {
+        ExitCode::from(match self {
+            Self::Usage(_) | Self::Memory { .. } => EXIT_USAGE,
+            Self::Contract { .. } => EXIT_CONTRACT,
+            Self::System { .. } => EXIT_CRASH,
+        })
+    }
+}

@@ -1,0 +1,71 @@
+//! Shared memory is known before it is needed: checked before the first port, then reserved.
+//!
+//! The middleware maps its segments without reserving them, so a full /dev/shm would kill the
+//! writer with SIGBUS in the middle of a drive instead of failing at the start.
+
+use crate::error::StartError;
+use rustix::fs::{FallocateFlags, fallocate, statvfs};
+use std::path::Path;
+
+/// Where the segments lie.
+pub const SHM: &str = "/dev/shm";
+
+/// Room that is left for connections, which cannot be reserved. [bytes]
+pub const HEADROOM_BYTES: u64 = 1 << 20;
+
+/// Bytes free in /dev/shm.
+///
+/// # Errors
+/// [`StartError::System`] when there is no /dev/shm.
+pub fn free_bytes() -> Result<u64, StartError> {
+    let stat = statvfs(SHM).map_err(|error| StartError::system(SHM, error))?;
+    Ok(stat.f_bavail.saturating_mul(stat.f_frsize))
+}
+
+/// Accepts `needed` more bytes and the headroom.
+///
+/// # Errors
+/// [`StartError::Memory`] when they do not fit.
+pub fn check(needed: u64) -> Result<(), StartError> {
+    let free = free_bytes()?;
+    let needed = needed + HEADROOM_BYTES;
+    if free < needed {
+        Err(StartError::Memory { needed, free })
+    } else {
+        Ok(())
+    }
+}
+
+/// Reserves the data segment of the writer with the middleware's number `publisher`.
+///
+/// # Errors
+/// [`StartError::System`] when the segment is not found or the memory is not there.
+pub fn reserve(prefix: &str, publisher: u128, topic: &str) -> Result<u64, StartError> {
+    let tail = format!("_{publisher}.data");
+    let failed = |error: &dyn core::fmt::Display| {
+        StartError::system(format!("reserving shared memory of {topic}"), error)
+    };
+    let mut reserved = 0;
+    for entry in std::fs::read_dir(SHM)
+        .map_err(|error| failed(&error))?
+        .flatten()
+    {
+        let name = entry.file_name();
+        let Some(name) = name.to_str() else { continue };
+        if name.starts_with(prefix) && name.ends_with(&tail) {
+            let file = std::fs::OpenOptions::new()
+                .read(true)
+                .write(true)
+                .open(Path::new(SHM).join(name))
+                .map_err(|error| failed(&error))?;
+            let bytes = file.metadata().map_err(|error| failed(&error))?.len();
+            fallocate(&file, FallocateFlags::empty(), 0, bytes).map_err(|error| failed(&error))?;
+            reserved += bytes;
+        }
+    }
+    if reserved == 0 {
+        Err(failed(&"segment not found"))
+    } else {
+        Ok(reserved)
+    }
+}

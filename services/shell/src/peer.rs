@@ -1,0 +1,372 @@
+//! A member of a domain with its typed ports.
+
+use crate::domain::Domain;
+use crate::error::StartError;
+use crate::memory;
+use crate::reader::{Latest, Stream};
+use crate::records::{SpanReader, SpanWriter};
+use crate::writer::Writer;
+use core::any::Any;
+use iceoryx2::node::Node;
+use iceoryx2::prelude::{
+    AttributeSpecifier, AttributeVerifier, NodeBuilder, ServiceName, SignalHandlingMode, ipc,
+};
+use iceoryx2::service::attribute::{AttributeKey, AttributeValue};
+use iceoryx2::service::builder::publish_subscribe::PublishSubscribeOpenError;
+use iceoryx2::service::port_factory::publish_subscribe::PortFactory;
+use zeronav_msgs::role::Role;
+use zeronav_msgs::span::Span;
+use zeronav_msgs::topics::{
+    EVENT_MAX, NODES_MAX, READERS_MAX, RINGERS_MAX, SPANS, Topic, TopicRow, TopicVisitor,
+    visit_topics,
+};
+
+/// Name of the attribute that carries the schema hash.
+const SCHEMA_ATTRIBUTE: &str = "schema";
+
+/// What a topic's ports are made from.
+pub(crate) type Factory<T> =
+    PortFactory<ipc::Service, [<T as Topic>::Item], <T as Topic>::Envelope>;
+
+/// A member of a domain: who it is, and the door to every topic.
+#[derive(Debug)]
+pub struct Peer {
+    role: Role,
+    epoch: u32,
+    tap: bool,
+    node: Node<ipc::Service>,
+    domain: Domain,
+}
+
+/// Keeps the topics of a domain in existence.
+#[derive(Debug, Default)]
+pub struct Topics {
+    held: Vec<Box<dyn Any>>,
+}
+
+impl Peer {
+    /// Joins `domain` as `role`, started as the `epoch`-th.
+    ///
+    /// # Errors
+    /// [`StartError::System`] when the middleware refuses.
+    pub fn join(domain: Domain, role: Role, epoch: u32) -> Result<Self, StartError> {
+        let config = domain.config()?;
+        let node = NodeBuilder::new()
+            .config(&config)
+            .signal_handling_mode(SignalHandlingMode::Disabled)
+            .create::<ipc::Service>()
+            .map_err(|error| StartError::system("joining the domain", error))?;
+        let tap = matches!(role, Role::Launch | Role::Tap);
+        Ok(Self {
+            role,
+            epoch,
+            tap,
+            node,
+            domain,
+        })
+    }
+
+    /// Who this is.
+    #[must_use]
+    pub fn role(&self) -> Role {
+        self.role
+    }
+
+    /// Which start of the role this is.
+    #[must_use]
+    pub fn epoch(&self) -> u32 {
+        self.epoch
+    }
+
+    /// The domain.
+    #[must_use]
+    pub fn domain(&self) -> &Domain {
+        &self.domain
+    }
+
+    /// Leaves the middleware and gives the domain back.
+    #[must_use]
+    pub fn leave(self) -> Domain {
+        drop(self.node);
+        self.domain
+    }
+
+    /// Removes what dead members left in the middleware's registry.
+    pub fn clean_dead_members(&self) {
+        let _ = self.node.try_cleanup_dead_nodes();
+    }
+
+    /// Makes every topic and doorbell of the domain. The stack exists as long as the result.
+    ///
+    /// # Errors
+    /// [`StartError::System`] naming the topic.
+    pub fn create_topics(&self) -> Result<Topics, StartError> {
+        let mut creator = Creator {
+            peer: self,
+            topics: Topics::default(),
+        };
+        visit_topics(&mut creator)?;
+        for role in Role::SERVICES {
+            let name = role.doorbell();
+            let bell = self
+                .node
+                .service_builder(&service_name(&name)?)
+                .event()
+                .max_notifiers(RINGERS_MAX)
+                .max_listeners(2)
+                .max_nodes(NODES_MAX)
+                .event_id_max_value(EVENT_MAX)
+                .create()
+                .map_err(|error| StartError::system(format!("making {name}"), error))?;
+            creator.topics.held.push(Box::new(bell));
+        }
+        Ok(creator.topics)
+    }
+
+    pub(crate) fn node(&self) -> &Node<ipc::Service> {
+        &self.node
+    }
+
+    /// Opens the writer of a topic with slices of up to `len` items.
+    ///
+    /// # Errors
+    /// [`StartError::Contract`] when the topic is another than this build knows,
+    /// [`StartError::Memory`] when its memory does not fit.
+    pub fn writer<T: Topic>(&self, len: usize) -> Result<Writer<T>, StartError> {
+        self.writer_on::<T>(T::ROW, len)
+    }
+
+    /// [`Self::writer`] on a row that shares its type with others, such as a heartbeat.
+    ///
+    /// # Errors
+    /// As [`Self::writer`].
+    pub fn writer_on<T: Topic>(
+        &self,
+        row: &'static TopicRow,
+        len: usize,
+    ) -> Result<Writer<T>, StartError> {
+        if len > row.len_max {
+            return Err(StartError::Usage(format!(
+                "topic {}: {len} items asked, the contract allows {}",
+                row.name, row.len_max
+            )));
+        }
+        memory::check(row.segment_bytes(len) as u64)?;
+        let factory = self.open::<T>(row)?;
+        let pool = row.pool();
+        let publisher = factory
+            .publisher_builder()
+            .initial_max_slice_len(len.max(1))
+            .max_loaned_samples(1)
+            .override_sample_preallocation(move |worst| worst.min(pool))
+            .create()
+            .map_err(|error| StartError::system(format!("writing {}", row.name), error))?;
+        memory::reserve(self.domain.prefix(), publisher.id().value(), row.name)?;
+        Ok(Writer::new(row, publisher, self.role, self.epoch))
+    }
+
+    /// Opens a reader that keeps the newest message of a latest or latched topic.
+    ///
+    /// # Errors
+    /// [`StartError::Contract`] when the topic is another than this build knows.
+    pub fn latest<T: Topic>(&self) -> Result<Latest<T>, StartError> {
+        self.latest_on::<T>(T::ROW)
+    }
+
+    /// [`Self::latest`] on a row that shares its type with others, such as a heartbeat.
+    ///
+    /// # Errors
+    /// As [`Self::latest`].
+    pub fn latest_on<T: Topic>(&self, row: &'static TopicRow) -> Result<Latest<T>, StartError> {
+        let factory = self.open::<T>(row)?;
+        Ok(Latest::new(row, self.subscriber::<T>(row, &factory)?))
+    }
+
+    /// Opens a reader that sees every message in order. Taps read latest topics so, too.
+    ///
+    /// # Errors
+    /// [`StartError::Contract`] when the topic is another than this build knows.
+    pub fn stream<T: Topic>(&self) -> Result<Stream<T>, StartError> {
+        let factory = self.open::<T>(T::ROW)?;
+        Ok(Stream::new(T::ROW, self.subscriber::<T>(T::ROW, &factory)?))
+    }
+
+    /// Opens the writer of `run/spans`.
+    ///
+    /// # Errors
+    /// As [`Self::writer`].
+    pub fn span_writer(&self) -> Result<SpanWriter, StartError> {
+        memory::check(SPANS.segment_bytes(1) as u64)?;
+        let factory = self.open_spans()?;
+        let pool = SPANS.pool();
+        let publisher = factory
+            .publisher_builder()
+            .max_loaned_samples(1)
+            .override_sample_preallocation(move |worst| worst.min(pool))
+            .create()
+            .map_err(|error| StartError::system("writing run/spans", error))?;
+        memory::reserve(self.domain.prefix(), publisher.id().value(), SPANS.name)?;
+        Ok(SpanWriter::new(publisher))
+    }
+
+    /// Opens a reader of `run/spans`.
+    ///
+    /// # Errors
+    /// As [`Self::latest`].
+    pub fn span_reader(&self) -> Result<SpanReader, StartError> {
+        let subscriber = self
+            .open_spans()?
+            .subscriber_builder()
+            .create()
+            .map_err(|error| StartError::system("reading run/spans", error))?;
+        Ok(SpanReader::new(subscriber))
+    }
+
+    fn subscriber<T: Topic>(
+        &self,
+        row: &TopicRow,
+        factory: &Factory<T>,
+    ) -> Result<crate::reader::Subscriber<T>, StartError> {
+        let buffer = if self.tap {
+            row.buffer()
+        } else {
+            row.service_buffer()
+        };
+        factory
+            .subscriber_builder()
+            .buffer_size(buffer)
+            .create()
+            .map_err(|error| StartError::system(format!("reading {}", row.name), error))
+    }
+
+    fn open<T: Topic>(&self, row: &'static TopicRow) -> Result<Factory<T>, StartError> {
+        let verifier = verifier(row)?;
+        retry(|| {
+            self.node
+                .service_builder(&service_name(row.name)?)
+                .publish_subscribe::<[T::Item]>()
+                .user_header::<T::Envelope>()
+                .open_with_attributes(&verifier)
+                .map_err(|error| open_error(row.name, error))
+        })
+    }
+
+    fn open_spans(&self) -> Result<PortFactory<ipc::Service, Span, ()>, StartError> {
+        let verifier = verifier(&SPANS)?;
+        retry(|| {
+            self.node
+                .service_builder(&service_name(SPANS.name)?)
+                .publish_subscribe::<Span>()
+                .open_with_attributes(&verifier)
+                .map_err(|error| open_error(SPANS.name, error))
+        })
+    }
+}
+
+struct Creator<'a> {
+    peer: &'a Peer,
+    topics: Topics,
+}
+
+impl TopicVisitor for Creator<'_> {
+    type Error = StartError;
+
+    fn topic<T: Topic>(&mut self, row: &'static TopicRow) -> Result<(), StartError> {
+        let factory: Factory<T> = self
+            .peer
+            .node
+            .service_builder(&service_name(row.name)?)
+            .publish_subscribe::<[T::Item]>()
+            .user_header::<T::Envelope>()
+            .history_size(row.history())
+            .subscriber_max_buffer_size(row.buffer())
+            .subscriber_max_borrowed_samples(row.borrowed())
+            .enable_safe_overflow(true)
+            .max_publishers(row.writers_max())
+            .max_subscribers(READERS_MAX)
+            .max_nodes(NODES_MAX)
+            .create_with_attributes(&specifier(row)?)
+            .map_err(|error| StartError::system(format!("making topic {}", row.name), error))?;
+        self.topics.held.push(Box::new(factory));
+        Ok(())
+    }
+
+    fn records(&mut self, row: &'static TopicRow) -> Result<(), StartError> {
+        let factory = self
+            .peer
+            .node
+            .service_builder(&service_name(row.name)?)
+            .publish_subscribe::<Span>()
+            .history_size(row.history())
+            .subscriber_max_buffer_size(row.buffer())
+            .subscriber_max_borrowed_samples(row.borrowed())
+            .enable_safe_overflow(true)
+            .max_publishers(row.writers_max())
+            .max_subscribers(READERS_MAX)
+            .max_nodes(NODES_MAX)
+            .create_with_attributes(&specifier(row)?)
+            .map_err(|error| StartError::system(format!("making topic {}", row.name), error))?;
+        self.topics.held.push(Box::new(factory));
+        Ok(())
+    }
+}
+
+pub(crate) fn service_name(name: &str) -> Result<ServiceName, StartError> {
+    ServiceName::new(name)
+        .map_err(|error| StartError::system(format!("service name {name}"), error))
+}
+
+/// Name and value of the attribute with which a topic's layout is told apart.
+fn schema_attribute(row: &TopicRow) -> Result<(AttributeKey, AttributeValue), StartError> {
+    let failed = |error| StartError::system("schema attribute", format!("{error:?}"));
+    let key = AttributeKey::try_from(SCHEMA_ATTRIBUTE).map_err(failed)?;
+    let value =
+        AttributeValue::try_from(format!("{:016x}", row.schema).as_str()).map_err(failed)?;
+    Ok((key, value))
+}
+
+fn specifier(row: &TopicRow) -> Result<AttributeSpecifier, StartError> {
+    let (key, value) = schema_attribute(row)?;
+    AttributeSpecifier::new()
+        .define(&key, &value)
+        .map_err(|error| StartError::system("schema attribute", format!("{error:?}")))
+}
+
+fn verifier(row: &TopicRow) -> Result<AttributeVerifier, StartError> {
+    let (key, value) = schema_attribute(row)?;
+    AttributeVerifier::new()
+        .require(&key, &value)
+        .map_err(|error| StartError::system("schema attribute", format!("{error:?}")))
+}
+
+/// Opening may meet a cleanup that is under way; that passes.
+fn retry<R>(mut open: impl FnMut() -> Result<R, StartError>) -> Result<R, StartError> {
+    let mut last = open();
+    for _ in 0..20 {
+        match last {
+            Err(StartError::System { .. }) => {
+                std::thread::sleep(core::time::Duration::from_millis(5));
+                last = open();
+            }
+            settled => return settled,
+        }
+    }
+    last
+}
+
+fn open_error(topic: &str, error: PublishSubscribeOpenError) -> StartError {
+    use PublishSubscribeOpenError as E;
+    let contract = |problem: &str| StartError::Contract {
+        topic: topic.to_owned(),
+        problem: problem.to_owned(),
+    };
+    match error {
+        E::IncompatibleTypes => contract("its messages have another type than this build knows"),
+        E::IncompatibleAttributes => {
+            contract("its messages have other fields than this build knows (schema hash differs)")
+        }
+        E::DoesNotExist => contract("does not exist in this domain"),
+        E::VersionMismatch => contract("made by another version of the middleware"),
+        other => StartError::system(format!("opening topic {topic}"), format!("{other:?}")),
+    }
+}

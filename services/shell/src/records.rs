@@ -1,0 +1,72 @@
+//! `run/spans`: records without header, one per cycle and process.
+
+use iceoryx2::port::publisher::Publisher;
+use iceoryx2::port::subscriber::Subscriber;
+use iceoryx2::prelude::ipc;
+use zeronav_msgs::span::Span;
+
+/// The writing end.
+#[derive(Debug)]
+pub struct SpanWriter {
+    publisher: Publisher<ipc::Service, Span, ()>,
+    failed: u64,
+}
+
+impl SpanWriter {
+    pub(crate) fn new(publisher: Publisher<ipc::Service, Span, ()>) -> Self {
+        Self {
+            publisher,
+            failed: 0,
+        }
+    }
+
+    /// Sends one record.
+    pub fn write(&mut self, span: Span) {
+        let sent = self
+            .publisher
+            .loan_uninit()
+            .map(|slot| slot.write_payload(span).send());
+        if !matches!(sent, Ok(Ok(_))) {
+            self.failed += 1;
+        }
+    }
+
+    /// Records that could not be sent.
+    #[must_use]
+    pub fn failed(&self) -> u64 {
+        self.failed
+    }
+}
+
+/// The reading end.
+#[derive(Debug)]
+pub struct SpanReader {
+    subscriber: Subscriber<ipc::Service, Span, ()>,
+    refused: u64,
+}
+
+impl SpanReader {
+    pub(crate) fn new(subscriber: Subscriber<ipc::Service, Span, ()>) -> Self {
+        Self {
+            subscriber,
+            refused: 0,
+        }
+    }
+
+    /// Shows every record that has come to `see`; of one process in order.
+    pub fn drain(&mut self, mut see: impl FnMut(&Span)) {
+        while let Ok(Some(sample)) = self.subscriber.receive() {
+            if sample.payload().check().is_ok() {
+                see(sample.payload());
+            } else {
+                self.refused += 1;
+            }
+        }
+    }
+
+    /// Records that were refused.
+    #[must_use]
+    pub fn refused(&self) -> u64 {
+        self.refused
+    }
+}

@@ -1,0 +1,117 @@
+//! Who is obeyed, who has to answer, and how the run keeps time.
+
+use crate::error::StartError;
+use crate::peer::Peer;
+use crate::reader::Latest;
+use zeronav_msgs::header::Header;
+use zeronav_msgs::role::Role;
+use zeronav_msgs::run::{RunClock, RunControl, RunMode, Seat};
+use zeronav_msgs::topics::{RunClockTopic, RunControlTopic};
+
+/// What `run/clock` and `run/control` say, as this process last read it.
+#[derive(Debug, Clone, Default)]
+pub struct Roster {
+    /// How time runs; all zero until launch has said it.
+    pub clock: RunClock,
+    /// Lease, pause, stop.
+    pub control: RunControl,
+    /// The seats.
+    pub seats: Vec<Seat>,
+    /// The reader's own role, whose `hear_tick` counts; `None` hears everything.
+    pub own: Option<Role>,
+}
+
+impl Roster {
+    /// The seat of `role`.
+    #[must_use]
+    pub fn seat(&self, role: Role) -> Option<&Seat> {
+        self.seats.iter().find(|seat| seat.role == role.code())
+    }
+
+    /// True when messages of this author are heard: it is the one that is obeyed in its seat,
+    /// and not of a tick before this reader was there.
+    #[must_use]
+    pub fn hears(&self, header: &Header) -> bool {
+        let Some(role) = header.role() else {
+            return false;
+        };
+        if role == Role::Launch {
+            return true;
+        }
+        let hear_tick = self
+            .own
+            .and_then(|own| self.seat(own))
+            .map_or(0, |seat| seat.hear_tick);
+        self.seat(role)
+            .is_some_and(|seat| seat.epoch == header.id().epoch())
+            && (header.tick == 0 || header.tick >= hear_tick)
+    }
+
+    /// True when `role` has to answer `tick`.
+    #[must_use]
+    pub fn answers(&self, role: Role, tick: u64) -> bool {
+        self.seat(role).is_some_and(|seat| seat.answers(tick))
+    }
+
+    /// True when every stage answers every tick of its trigger exactly once.
+    #[must_use]
+    pub fn lockstep(&self) -> bool {
+        self.clock.mode() == Some(RunMode::Lockstep)
+    }
+
+    /// True when the clock is known.
+    #[must_use]
+    pub fn has_clock(&self) -> bool {
+        matches!(
+            self.clock.mode(),
+            Some(RunMode::RealTime | RunMode::Lockstep)
+        )
+    }
+}
+
+/// Reads `run/clock` and `run/control`.
+#[derive(Debug)]
+pub struct RosterReader {
+    clock: Latest<RunClockTopic>,
+    control: Latest<RunControlTopic>,
+    roster: Roster,
+}
+
+impl RosterReader {
+    /// Opens both topics.
+    ///
+    /// # Errors
+    /// As [`Peer::latest`].
+    pub fn open(peer: &Peer) -> Result<Self, StartError> {
+        Ok(Self {
+            clock: peer.latest()?,
+            control: peer.latest()?,
+            roster: Roster {
+                own: Some(peer.role()),
+                ..Roster::default()
+            },
+        })
+    }
+
+    /// Takes in what has come.
+    pub fn poll(&mut self) {
+        if self.clock.poll(&self.roster)
+            && let Some(clock) = self.clock.get()
+        {
+            self.roster.clock = *clock.meta;
+        }
+        if self.control.poll(&self.roster)
+            && let Some(control) = self.control.get()
+        {
+            self.roster.control = *control.meta;
+            self.roster.seats.clear();
+            self.roster.seats.extend_from_slice(control.items);
+        }
+    }
+
+    /// What was read last.
+    #[must_use]
+    pub fn roster(&self) -> &Roster {
+        &self.roster
+    }
+}

@@ -1,0 +1,346 @@
+//! The loop that every service shares.
+
+use crate::clock::now_ns;
+use crate::domain::Domain;
+use crate::doorbell::{Bells, Doorbell, Rung, WAKE_AT_LEAST_NS};
+use crate::error::{EXIT_STOPPED, EXIT_USAGE, StartError};
+use crate::flags::Flags;
+use crate::peer::Peer;
+use crate::records::SpanWriter;
+use crate::roster::{Roster, RosterReader};
+use crate::writer::{Draft, Sent, Writer};
+use clap::Parser;
+use core::num::NonZeroU64;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use std::os::unix::net::UnixStream;
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use zeronav_msgs::header::Parents;
+use zeronav_msgs::health::{Health, HealthState, REASON_NO_LOAN, REASON_REFUSED};
+use zeronav_msgs::role::Role;
+use zeronav_msgs::span::{Span, SpanKind};
+use zeronav_msgs::topics::{HealthTopic, SPANS, Topic, TopicRow, health_of};
+
+/// Time between two heartbeats when nothing changes. [ns]
+const BEAT_NS: u64 = 20_000_000;
+
+/// What a service is to the shell.
+pub trait Service: Sized {
+    /// The seat it takes.
+    const ROLE: Role;
+    /// Its configuration, TOML; an empty file gives the defaults.
+    type Config: Serialize + DeserializeOwned;
+
+    /// Opens the ports. Nothing is known yet about the run.
+    ///
+    /// # Errors
+    /// What keeps the service from starting.
+    fn open(shell: &mut Shell, config: Self::Config) -> Result<Self, StartError>;
+
+    /// One wake: take in what has come, answer what is due, call [`Shell::finish`] per answer.
+    /// Returns when it wants to be woken at the latest, in ns of the monotonic clock.
+    ///
+    /// # Errors
+    /// What ends the process as a crash.
+    fn wake(&mut self, shell: &mut Shell, rung: Rung) -> Result<Option<u64>, StartError>;
+}
+
+/// The common part of a running service.
+#[derive(Debug)]
+pub struct Shell {
+    peer: Peer,
+    roster: RosterReader,
+    doorbell: Doorbell,
+    bells: Bells,
+    spans: SpanWriter,
+    health: Writer<HealthTopic>,
+    beat: Health,
+    beaten: Health,
+    beaten_ns: u64,
+    woken_ns: u64,
+    rings: Vec<&'static TopicRow>,
+    hash: u64,
+    superseded_told: u64,
+}
+
+/// What a finished cycle was; becomes a span.
+#[derive(Debug, Clone, Copy)]
+pub struct Cycle {
+    /// What kind of answer it was.
+    pub kind: SpanKind,
+    /// What the answer says of itself.
+    pub draft: Draft,
+    /// Its main message.
+    pub output: Option<Sent>,
+    /// Work done in the role's own unit.
+    pub work: u64,
+}
+
+impl Shell {
+    fn open(flags: &Flags, role: Role, signals: UnixStream) -> Result<Self, StartError> {
+        let root = flags
+            .domain
+            .as_ref()
+            .ok_or_else(|| StartError::Usage("--domain is missing".to_owned()))?;
+        let peer = Peer::join(Domain::join(root)?, role, flags.epoch)?;
+        let row = health_of(role)
+            .ok_or_else(|| StartError::Usage(format!("{role} is not the role of a service")))?;
+        Ok(Self {
+            roster: RosterReader::open(&peer)?,
+            doorbell: Doorbell::open(&peer, signals)?,
+            bells: Bells::open(&peer)?,
+            spans: peer.span_writer()?,
+            health: peer.writer_on(row, 1)?,
+            beat: Health {
+                pid: std::process::id(),
+                ..Health::default()
+            },
+            beaten: Health::default(),
+            beaten_ns: 0,
+            woken_ns: now_ns(),
+            rings: Vec::with_capacity(8),
+            hash: 0,
+            superseded_told: 0,
+            peer,
+        })
+    }
+
+    /// The membership, to open ports with.
+    #[must_use]
+    pub fn peer(&self) -> &Peer {
+        &self.peer
+    }
+
+    /// Who is obeyed and how time runs.
+    #[must_use]
+    pub fn roster(&self) -> &Roster {
+        self.roster.roster()
+    }
+
+    /// Moment of the return from the wait. [ns]
+    #[must_use]
+    pub fn woken_ns(&self) -> u64 {
+        self.woken_ns
+    }
+
+    /// Reads `run/clock` and `run/control` again, in the middle of long work.
+    pub fn poll_roster(&mut self) {
+        self.roster.poll();
+    }
+
+    /// Begins an answer: all inputs are taken in. In lockstep, answers to ticks count for the
+    /// run's hash.
+    #[must_use]
+    pub fn draft(&self, tick: u64, run_ns: u64, capture_ns: u64, parents: Parents) -> Draft {
+        Draft {
+            tick,
+            run_ns,
+            capture_ns,
+            parents,
+            woken_ns: self.woken_ns,
+            started_ns: now_ns(),
+            hashed: tick > 0 && self.roster().lockstep(),
+        }
+    }
+
+    /// Notes a sent message: whom to ring for it, and its share of the cycle's hash.
+    pub fn sent<T: Topic>(&mut self, writer: &Writer<T>, sent: Option<Sent>) -> Option<Sent> {
+        match sent {
+            Some(sent) => {
+                self.hash = self.hash.wrapping_mul(0x0000_0100_0000_01b3) ^ sent.hash;
+                self.rings.push(writer.row());
+            }
+            None => self.reason(REASON_NO_LOAN, true),
+        }
+        sent
+    }
+
+    /// Rings for everything sent since the last time. [`Self::finish`] does it, too.
+    pub fn ring(&mut self) {
+        let lockstep = self.roster().lockstep();
+        for row in self.rings.drain(..) {
+            let more: &[Role] = if lockstep { row.rings_in_lockstep } else { &[] };
+            for role in row.rings.iter().chain(more) {
+                self.bells.ring(*role, row.number);
+            }
+        }
+    }
+
+    /// Rings `role` with an event that belongs to no message.
+    pub fn ring_event(&self, role: Role, event: usize) {
+        self.bells.ring(role, event);
+    }
+
+    /// Ends an answer: rings, then leaves the span.
+    pub fn finish(&mut self, cycle: &Cycle) {
+        self.ring();
+        let draft = &cycle.draft;
+        let Parents {
+            odometry,
+            scan,
+            map,
+            path,
+            request,
+            goal,
+        } = draft.parents;
+        self.spans.write(Span {
+            role: self.peer.role().code(),
+            kind: cycle.kind.code(),
+            epoch: self.peer.epoch(),
+            tick: draft.tick,
+            odometry,
+            scan,
+            map,
+            path,
+            request,
+            goal,
+            output: cycle.output.map_or(0, |sent| sent.id.0),
+            capture_ns: draft.capture_ns,
+            woken_ns: draft.woken_ns,
+            started_ns: draft.started_ns,
+            published_ns: cycle.output.map_or(0, |sent| sent.published_ns),
+            superseded: u32::try_from(self.beat.superseded - self.superseded_told)
+                .unwrap_or(u32::MAX),
+            work: u32::try_from(cycle.work).unwrap_or(u32::MAX),
+            hash: core::mem::take(&mut self.hash),
+            spare: 0,
+        });
+        self.superseded_told = self.beat.superseded;
+        if self.roster().lockstep() {
+            for role in SPANS.rings_in_lockstep {
+                self.bells.ring(*role, SPANS.number);
+            }
+        }
+    }
+
+    /// Sets or clears a reason in the heartbeat.
+    pub fn reason(&mut self, bit: u32, holds: bool) {
+        if holds {
+            self.beat.reasons |= bit;
+        } else {
+            self.beat.reasons &= !bit;
+        }
+    }
+
+    /// Totals since the start, for heartbeat and spans: messages refused, inputs overtaken.
+    pub fn totals(&mut self, refused: u64, superseded: u64) {
+        self.reason(REASON_REFUSED, refused > self.beaten.refused);
+        self.beat.refused = refused;
+        self.beat.superseded = self.beat.superseded.max(superseded);
+    }
+
+    /// Run time that was lost because the process was late, for the heartbeat. [ns]
+    pub fn slipped(&mut self, slipped_ns: u64) {
+        self.beat.slipped_ns = slipped_ns;
+    }
+
+    /// Says that long work goes on. Cheap enough for every thousand steps.
+    pub fn progress(&mut self) {
+        self.beat.progress += 1;
+        self.publish_beat(now_ns());
+    }
+
+    /// True once the service has answered for the first time.
+    pub fn ready(&mut self) {
+        if self.beat.state == HealthState::Starting.code() {
+            self.beat.state = HealthState::Ready.code();
+        }
+    }
+
+    fn publish_beat(&mut self, now_ns: u64) {
+        let mut beat = self.beat;
+        if beat.state == HealthState::Ready.code() && beat.reasons != 0 {
+            beat.state = HealthState::Degraded.code();
+        }
+        let changed = beat.state != self.beaten.state || beat.reasons != self.beaten.reasons;
+        if !changed && now_ns.saturating_sub(self.beaten_ns) < BEAT_NS {
+            return;
+        }
+        let draft = Draft {
+            woken_ns: self.woken_ns,
+            started_ns: now_ns,
+            ..Draft::default()
+        };
+        if self.health.publish(&draft, beat, &[]).is_some() {
+            self.beaten = beat;
+            self.beaten_ns = now_ns;
+            self.beat.reasons &= !REASON_NO_LOAN;
+        }
+    }
+}
+
+/// `main` of a service: flags, configuration, ports, loop, exit code.
+#[must_use]
+pub fn run<S: Service>() -> ExitCode {
+    let flags = match Flags::try_parse() {
+        Ok(flags) => flags,
+        Err(error) => {
+            let _ = error.print();
+            let code = if error.use_stderr() {
+                EXIT_USAGE
+            } else {
+                EXIT_STOPPED
+            };
+            return ExitCode::from(code);
+        }
+    };
+    crate::logs::start(&flags.log_level);
+    match drive::<S>(&flags) {
+        Ok(()) => ExitCode::from(EXIT_STOPPED),
+        Err(error) => {
+            tracing::error!(role = %S::ROLE, "{error}");
+            error.exit_code()
+        }
+    }
+}
+
+fn drive<S: Service>(flags: &Flags) -> Result<(), StartError> {
+    let config: S::Config = flags.read_config()?;
+    if flags.print_config {
+        print(&Flags::config_text(&config)?);
+        return Ok(());
+    }
+    let (stop, signals) = catch_signals()?;
+    // The default slack of 50 us would be the largest part of every wait.
+    if let Some(one) = NonZeroU64::new(1) {
+        let _ = rustix::thread::set_current_timer_slack(Some(one));
+    }
+    let mut shell = Shell::open(flags, S::ROLE, signals)?;
+    let mut service = S::open(&mut shell, config)?;
+    let mut deadline_ns = 0;
+    while !stop.load(Ordering::Relaxed) {
+        let rung = shell.doorbell.wait(deadline_ns);
+        shell.woken_ns = now_ns();
+        shell.roster.poll();
+        shell.beat.progress += 1;
+        let wanted = service.wake(&mut shell, rung)?;
+        shell.ring();
+        let now = now_ns();
+        shell.publish_beat(now);
+        deadline_ns = wanted.unwrap_or(u64::MAX).min(now + WAKE_AT_LEAST_NS);
+    }
+    shell.beat.state = HealthState::Stopping.code();
+    shell.publish_beat(now_ns());
+    tracing::debug!(role = %S::ROLE, "asked to stop");
+    Ok(())
+}
+
+fn catch_signals() -> Result<(Arc<AtomicBool>, UnixStream), StartError> {
+    let failed = |error| StartError::system("catching signals", error);
+    let stop = Arc::new(AtomicBool::new(false));
+    let (reader, writer) = UnixStream::pair().map_err(failed)?;
+    writer.set_nonblocking(true).map_err(failed)?;
+    for signal in [signal_hook::consts::SIGTERM, signal_hook::consts::SIGINT] {
+        signal_hook::flag::register(signal, Arc::clone(&stop)).map_err(failed)?;
+        let writer = writer.try_clone().map_err(failed)?;
+        signal_hook::low_level::pipe::register(signal, writer).map_err(failed)?;
+    }
+    Ok((stop, reader))
+}
+
+#[allow(clippy::print_stdout, reason = "--print-config is data for the caller")]
+fn print(text: &str) {
+    print!("{text}");
+}

@@ -1,0 +1,134 @@
+//! The last second of odometry, so that a scan can be placed where the robot was at its capture.
+
+use std::collections::VecDeque;
+use zeronav_msgs::header::{Header, Id};
+use zeronav_msgs::odometry::Odometry;
+use zeronav_msgs::pose::{Pose, wrap_angle};
+
+/// Odometry messages that are kept.
+const LENGTH: usize = 64;
+
+/// One odometry message, without its place in shared memory.
+#[derive(Debug, Clone, Copy)]
+pub struct Moment {
+    /// Identity.
+    pub id: Id,
+    /// Tick.
+    pub tick: u64,
+    /// Run time. [ns]
+    pub run_ns: u64,
+    /// Capture, monotonic. [ns]
+    pub capture_ns: u64,
+    /// The message.
+    pub odometry: Odometry,
+}
+
+/// Recent odometry, oldest first.
+#[derive(Debug, Default)]
+pub struct Track {
+    moments: VecDeque<Moment>,
+}
+
+impl Track {
+    /// Adds a message. One of another writer, or of an earlier time, starts the track anew.
+    pub fn push(&mut self, header: &Header, odometry: &Odometry) {
+        let moment = Moment {
+            id: header.id(),
+            tick: header.tick,
+            run_ns: header.run_ns,
+            capture_ns: header.capture_ns,
+            odometry: *odometry,
+        };
+        let follows = self
+            .newest()
+            .is_none_or(|last| last.id.epoch() == moment.id.epoch() && last.run_ns < moment.run_ns);
+        if !follows {
+            self.moments.clear();
+        }
+        if self.moments.len() == LENGTH {
+            self.moments.pop_front();
+        }
+        self.moments.push_back(moment);
+    }
+
+    /// The newest message.
+    #[must_use]
+    pub fn newest(&self) -> Option<&Moment> {
+        self.moments.back()
+    }
+
+    /// The message of `tick`.
+    #[must_use]
+    pub fn of_tick(&self, tick: u64) -> Option<&Moment> {
+        self.moments.iter().rev().find(|moment| moment.tick == tick)
+    }
+
+    /// `odom_from_base` at a run time between two messages, or at one; `None` outside the track.
+    #[must_use]
+    #[allow(clippy::cast_precision_loss, reason = "nanoseconds between two ticks")]
+    pub fn pose_at(&self, run_ns: u64) -> Option<Pose> {
+        let after = self
+            .moments
+            .partition_point(|moment| moment.run_ns < run_ns);
+        let later = self.moments.get(after)?;
+        if later.run_ns == run_ns {
+            return Some(later.odometry.pose);
+        }
+        let earlier = self.moments.get(after.checked_sub(1)?)?;
+        let share = (run_ns - earlier.run_ns) as f64 / (later.run_ns - earlier.run_ns) as f64;
+        let (from, to) = (&earlier.odometry.pose, &later.odometry.pose);
+        Some(Pose::new(
+            from.x_m + share * (to.x_m - from.x_m),
+            from.y_m + share * (to.y_m - from.y_m),
+            wrap_angle(from.yaw_rad + share * wrap_angle(to.yaw_rad - from.yaw_rad)),
+        ))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn push(track: &mut Track, tick: u64, x_m: f64, yaw_rad: f64) {
+        let header = Header {
+            id: Id::new(1, tick).0,
+            tick,
+            run_ns: tick * 20,
+            ..Header::default()
+        };
+        let pose = Pose::new(x_m, 0.0, yaw_rad);
+        track.push(
+            &header,
+            &Odometry {
+                pose,
+                ..Odometry::default()
+            },
+        );
+    }
+
+    #[test]
+    fn poses_are_interpolated_through_the_wrap_and_never_extrapolated() {
+        let mut track = Track::default();
+        push(&mut track, 1, 1.0, 3.1);
+        push(&mut track, 2, 2.0, -3.1);
+        let pose = track.pose_at(30).expect("between the two");
+        assert!((pose.x_m - 1.5).abs() < 1e-12);
+        assert!(
+            (pose.yaw_rad.abs() - core::f64::consts::PI).abs() < 1e-9,
+            "{}",
+            pose.yaw_rad
+        );
+        assert_eq!(track.pose_at(40).map(|pose| pose.x_m), Some(2.0));
+        assert_eq!(track.pose_at(19), None);
+        assert_eq!(track.pose_at(41), None);
+    }
+
+    #[test]
+    fn time_going_back_starts_anew() {
+        let mut track = Track::default();
+        push(&mut track, 5, 1.0, 0.0);
+        push(&mut track, 4, 2.0, 0.0);
+        assert!(track.of_tick(5).is_none());
+        assert_eq!(track.newest().map(|moment| moment.tick), Some(4));
+    }
+}

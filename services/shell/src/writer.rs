@@ -1,0 +1,157 @@
+//! The writing end of a topic.
+
+use crate::clock::now_ns;
+use iceoryx2::port::publisher::Publisher;
+use iceoryx2::port::update_connections::UpdateConnections;
+use iceoryx2::prelude::ipc;
+use zeronav_msgs::header::{Header, Id, Parents, Stamps};
+use zeronav_msgs::message::{FNV_OFFSET, fnv1a};
+use zeronav_msgs::role::Role;
+use zeronav_msgs::topics::{Envelope, Topic, TopicRow};
+
+/// What the author knows about a message before it has an identity.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Draft {
+    /// Tick that is answered, 0 = idle output.
+    pub tick: u64,
+    /// Run time of it. [ns]
+    pub run_ns: u64,
+    /// Capture of the newest sensor data in it, 0 = none. [ns]
+    pub capture_ns: u64,
+    /// What it was made from.
+    pub parents: Parents,
+    /// Return from the wait. [ns]
+    pub woken_ns: u64,
+    /// Inputs taken in. [ns]
+    pub started_ns: u64,
+    /// True when the message counts for the run's hash.
+    pub hashed: bool,
+}
+
+/// A message that is out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Sent {
+    /// Its identity.
+    pub id: Id,
+    /// The one clock reading that stands in its header. [ns]
+    pub published_ns: u64,
+    /// FNV-1a of header without stamps, fixed fields and slice; 0 when not hashed.
+    pub hash: u64,
+}
+
+/// The writing end of topic `T`.
+#[derive(Debug)]
+pub struct Writer<T: Topic> {
+    row: &'static TopicRow,
+    publisher: Publisher<ipc::Service, [T::Item], T::Envelope>,
+    role: Role,
+    epoch: u32,
+    count: u64,
+    failed: u64,
+}
+
+impl<T: Topic> Writer<T> {
+    pub(crate) fn new(
+        row: &'static TopicRow,
+        publisher: Publisher<ipc::Service, [T::Item], T::Envelope>,
+        role: Role,
+        epoch: u32,
+    ) -> Self {
+        Self {
+            row,
+            publisher,
+            role,
+            epoch,
+            count: 0,
+            failed: 0,
+        }
+    }
+
+    /// The topic's row.
+    #[must_use]
+    pub fn row(&self) -> &'static TopicRow {
+        self.row
+    }
+
+    /// Identity that the next message will have.
+    #[must_use]
+    pub fn next_id(&self) -> Id {
+        Id::new(self.epoch, self.count + 1)
+    }
+
+    /// Messages that could not be sent, for lack of memory or because they were too long.
+    #[must_use]
+    pub fn failed(&self) -> u64 {
+        self.failed
+    }
+
+    /// Longest slice that fits.
+    #[must_use]
+    pub fn len_max(&self) -> usize {
+        self.publisher.initial_max_slice_len()
+    }
+
+    /// Sends one message; `None` when there is no free memory, which readers that hold old
+    /// messages can cause: keep the data and try at the next wake.
+    pub fn publish(&mut self, draft: &Draft, meta: T::Meta, items: &[T::Item]) -> Option<Sent> {
+        self.publish_with(draft, items.len(), |slot| {
+            slot.copy_from_slice(items);
+            meta
+        })
+    }
+
+    /// Like [`Self::publish`], but the slice of `len` items is filled in place, in shared memory;
+    /// what `fill` returns are the fixed fields.
+    pub fn publish_with(
+        &mut self,
+        draft: &Draft,
+        len: usize,
+        fill: impl FnOnce(&mut [T::Item]) -> T::Meta,
+    ) -> Option<Sent> {
+        let Ok(mut sample) = self.publisher.loan_slice(len) else {
+            self.failed += 1;
+            return None;
+        };
+        let meta = fill(sample.payload_mut());
+        let id = self.next_id();
+        let mut header = Header {
+            role: self.role.code(),
+            schema: u32::try_from(self.row.schema & 0xffff_ffff).unwrap_or(0),
+            id: id.0,
+            tick: draft.tick,
+            run_ns: draft.run_ns,
+            parents: draft.parents,
+            ..Header::default()
+        };
+        let hash = if draft.hashed {
+            let state = fnv1a(FNV_OFFSET, bytemuck::bytes_of(&header));
+            let state = fnv1a(state, bytemuck::bytes_of(&meta));
+            fnv1a(state, bytemuck::cast_slice(sample.payload()))
+        } else {
+            0
+        };
+        header.capture_ns = draft.capture_ns;
+        let published_ns = now_ns();
+        header.stamps = Stamps {
+            woken_ns: draft.woken_ns,
+            started_ns: draft.started_ns,
+            published_ns,
+        };
+        *sample.user_header_mut() = T::Envelope::new(header, meta);
+        if sample.send().is_err() {
+            self.failed += 1;
+            return None;
+        }
+        self.count += 1;
+        Some(Sent {
+            id,
+            published_ns,
+            hash,
+        })
+    }
+
+    /// Brings the last message of a latched topic to readers that joined since.
+    pub fn refresh(&self) {
+        let _ = self.publisher.update_connections();
+    }
+}

@@ -1,0 +1,371 @@
+//! The ports over real shared memory: several members of one domain in one process.
+
+use zeronav_msgs::command::{Validity, VelocityRequest};
+use zeronav_msgs::description::Description;
+use zeronav_msgs::header::Id;
+use zeronav_msgs::odometry::Odometry;
+use zeronav_msgs::role::Role;
+use zeronav_msgs::run::Seat;
+use zeronav_msgs::span::{Span, SpanKind};
+use zeronav_msgs::topics::{ControlRequest, RobotDescription, RobotOdometry};
+use zeronav_shell::peer::Topics;
+use zeronav_shell::{Domain, Draft, Peer, Roster, StartError, domain, memory};
+
+/// A domain with all topics. Fields drop in this order.
+struct House {
+    topics: Option<Topics>,
+    launch: Option<Peer>,
+}
+
+impl House {
+    fn new() -> Self {
+        let launch =
+            Peer::join(Domain::create().expect("a domain"), Role::Launch, 1).expect("launch joins");
+        let topics = launch.create_topics().expect("topics");
+        Self {
+            topics: Some(topics),
+            launch: Some(launch),
+        }
+    }
+
+    fn root(&self) -> std::path::PathBuf {
+        self.launch
+            .as_ref()
+            .expect("launch")
+            .domain()
+            .root()
+            .to_owned()
+    }
+
+    fn join(&self, role: Role, epoch: u32) -> Peer {
+        Peer::join(Domain::join(&self.root()).expect("the domain"), role, epoch).expect("a peer")
+    }
+}
+
+impl Drop for House {
+    fn drop(&mut self) {
+        drop(self.topics.take());
+        if let Some(launch) = self.launch.take() {
+            let root = launch.domain().root().to_owned();
+            let _ = launch.leave().close();
+            assert!(
+                !root.exists() || std::thread::panicking(),
+                "{} is left",
+                root.display()
+            );
+        }
+    }
+}
+
+fn roster(seats: &[(Role, u32)]) -> Roster {
+    Roster {
+        seats: seats
+            .iter()
+            .map(|(role, epoch)| Seat {
+                role: role.code(),
+                epoch: *epoch,
+                ..Seat::default()
+            })
+            .collect(),
+        ..Roster::default()
+    }
+}
+
+fn ask(v_mps: f64) -> VelocityRequest {
+    VelocityRequest {
+        v_mps,
+        validity: Validity::Drive.code(),
+        ..VelocityRequest::default()
+    }
+}
+
+fn description() -> Description {
+    Description {
+        inscribed_radius_m: 0.2,
+        circumscribed_radius_m: 0.2,
+        v_mps_max: 1.0,
+        w_radps_max: 1.0,
+        a_mps2_max: 1.0,
+        brake_mps2: 1.0,
+        alpha_radps2_max: 1.0,
+        angle_increment_rad: 0.1,
+        range_m_max: 10.0,
+        scan_period_ns: 100,
+        n_beams: 3,
+        ..Description::default()
+    }
+}
+
+#[test]
+fn latched_topics_reach_those_who_come_late() {
+    let house = House::new();
+    let robot = house.join(Role::Robot, 1);
+    let mut writer = robot.writer::<RobotDescription>(0).expect("a writer");
+    writer
+        .publish(&Draft::default(), description(), &[])
+        .expect("sent");
+    let mapping = house.join(Role::Mapping, 1);
+    let mut reader = mapping.latest::<RobotDescription>().expect("a reader");
+    let roster = roster(&[(Role::Robot, 1)]);
+    assert!(
+        !reader.poll(&roster),
+        "nothing before the writer's next wake"
+    );
+    writer.refresh();
+    assert!(reader.poll(&roster));
+    assert!((reader.get().expect("a message").meta.v_mps_max - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn the_newest_of_the_obeyed_writer_wins_and_zombies_are_not_heard() {
+    let house = House::new();
+    let (old, new) = (
+        house.join(Role::LocalPlanner, 1),
+        house.join(Role::LocalPlanner, 2),
+    );
+    let guard = house.join(Role::CollisionGuard, 1);
+    let mut reader = guard.latest::<ControlRequest>().expect("a reader");
+    let mut zombie = old.writer::<ControlRequest>(0).expect("a writer");
+    let mut writer = new.writer::<ControlRequest>(0).expect("a writer");
+    let draft = Draft::default();
+    let obeyed = roster(&[(Role::LocalPlanner, 2)]);
+    for n in 1..=5 {
+        writer
+            .publish(&draft, ask(f64::from(n)), &[])
+            .expect("sent");
+        zombie.publish(&draft, ask(-1.0), &[]).expect("sent");
+    }
+    assert!(reader.poll(&obeyed));
+    let view = reader.get().expect("a message");
+    assert_eq!(view.header.id(), Id::new(2, 5));
+    assert!((view.meta.v_mps - 5.0).abs() < 1e-12);
+    assert!(reader.superseded() >= 1);
+    zombie.publish(&draft, ask(-1.0), &[]).expect("sent");
+    assert!(!reader.poll(&obeyed), "the zombie was heard");
+    // Rolled back: the first writer is obeyed again, although its ids are lower.
+    zombie.publish(&draft, ask(-2.0), &[]).expect("sent");
+    assert!(reader.poll(&roster(&[(Role::LocalPlanner, 1)])));
+    assert!((reader.get().expect("a message").meta.v_mps + 2.0).abs() < 1e-12);
+}
+
+#[test]
+fn what_is_not_a_number_is_dropped_and_counted() {
+    let house = House::new();
+    let planner = house.join(Role::LocalPlanner, 1);
+    let guard = house.join(Role::CollisionGuard, 1);
+    let mut reader = guard.latest::<ControlRequest>().expect("a reader");
+    let mut writer = planner.writer::<ControlRequest>(0).expect("a writer");
+    let roster = roster(&[(Role::LocalPlanner, 1)]);
+    writer
+        .publish(&Draft::default(), ask(f64::NAN), &[])
+        .expect("sent");
+    assert!(!reader.poll(&roster));
+    assert_eq!(reader.refused(), 1);
+    writer
+        .publish(&Draft::default(), ask(0.5), &[])
+        .expect("sent");
+    assert!(reader.poll(&roster));
+}
+
+#[test]
+fn a_role_that_may_not_write_a_topic_is_not_believed() {
+    let house = House::new();
+    let impostor = house.join(Role::Mapping, 1);
+    let guard = house.join(Role::CollisionGuard, 1);
+    let mut reader = guard.latest::<ControlRequest>().expect("a reader");
+    let mut writer = impostor.writer::<ControlRequest>(0).expect("a writer");
+    writer
+        .publish(&Draft::default(), ask(0.5), &[])
+        .expect("sent");
+    assert!(!reader.poll(&roster(&[(Role::Mapping, 1), (Role::LocalPlanner, 1)])));
+    assert_eq!(reader.refused(), 1);
+}
+
+#[test]
+fn streams_come_in_order_and_tell_of_gaps() {
+    let house = House::new();
+    let robot = house.join(Role::Robot, 1);
+    let guard = house.join(Role::CollisionGuard, 1);
+    let mut reader = guard.stream::<RobotOdometry>().expect("a reader");
+    let mut writer = robot.writer::<RobotOdometry>(0).expect("a writer");
+    let roster = roster(&[(Role::Robot, 1)]);
+    let mut send = |ticks: core::ops::Range<u64>| {
+        for tick in ticks {
+            let draft = Draft {
+                tick,
+                ..Draft::default()
+            };
+            writer
+                .publish(&draft, Odometry::default(), &[])
+                .expect("sent");
+        }
+    };
+    let mut ticks = Vec::new();
+    send(1..11);
+    reader.drain(&roster, |view| ticks.push(view.header.tick));
+    assert_eq!(ticks, (1..11).collect::<Vec<_>>());
+    assert_eq!(reader.gaps(), 0);
+    // The queue keeps the last 32.
+    send(11..111);
+    ticks.clear();
+    reader.drain(&roster, |view| ticks.push(view.header.tick));
+    assert_eq!(ticks, (79..111).collect::<Vec<_>>());
+    assert_eq!(reader.gaps(), 1);
+}
+
+#[test]
+fn a_sleeping_reader_never_stops_a_writer() {
+    let house = House::new();
+    let planner = house.join(Role::LocalPlanner, 1);
+    let sleepers: Vec<_> = (0..4)
+        .map(|_| {
+            let tap = house.join(Role::Tap, 1);
+            let reader = tap.latest::<ControlRequest>().expect("a reader");
+            (reader, tap)
+        })
+        .collect();
+    let mut writer = planner.writer::<ControlRequest>(0).expect("a writer");
+    for n in 0..1000 {
+        let sent = writer.publish(&Draft::default(), ask(f64::from(n) * 0.001), &[]);
+        assert!(sent.is_some(), "message {n}");
+    }
+    assert_eq!(writer.failed(), 0);
+    drop(sleepers);
+}
+
+#[test]
+fn spans_of_several_writers_all_arrive() {
+    let house = House::new();
+    let tap = house.join(Role::Tap, 1);
+    let mut reader = tap.span_reader().expect("a reader");
+    let peers: Vec<Peer> = Role::SERVICES
+        .iter()
+        .map(|role| house.join(*role, 1))
+        .collect();
+    let mut writers: Vec<_> = peers
+        .iter()
+        .map(|peer| peer.span_writer().expect("a writer"))
+        .collect();
+    for tick in 1..=500 {
+        for (writer, peer) in writers.iter_mut().zip(&peers) {
+            writer.write(Span {
+                role: peer.role().code(),
+                kind: SpanKind::Answer.code(),
+                epoch: 1,
+                tick,
+                ..Span::default()
+            });
+        }
+    }
+    let mut count = 0;
+    reader.drain(|_| count += 1);
+    assert_eq!(count, 2500);
+    assert_eq!(reader.refused(), 0);
+}
+
+#[test]
+fn the_hash_sees_content_but_no_stamps() {
+    let house = House::new();
+    let planner = house.join(Role::LocalPlanner, 1);
+    let send = |draft: Draft, v_mps| {
+        let mut writer = planner.writer::<ControlRequest>(0).expect("a writer");
+        writer.publish(&draft, ask(v_mps), &[]).expect("sent").hash
+    };
+    let draft = Draft {
+        hashed: true,
+        tick: 3,
+        capture_ns: 5,
+        woken_ns: 7,
+        ..Draft::default()
+    };
+    let hash = send(draft, 0.5);
+    assert_ne!(hash, 0);
+    assert_eq!(
+        hash,
+        send(
+            Draft {
+                capture_ns: 6,
+                woken_ns: 8,
+                started_ns: 9,
+                ..draft
+            },
+            0.5
+        )
+    );
+    assert_ne!(hash, send(draft, 0.6));
+    assert_ne!(hash, send(Draft { tick: 4, ..draft }, 0.5));
+    assert_eq!(
+        send(
+            Draft {
+                hashed: false,
+                ..draft
+            },
+            0.5
+        ),
+        0
+    );
+}
+
+#[test]
+fn a_live_domain_is_left_alone_and_a_dead_one_is_removed() {
+    let house = House::new();
+    let root = house.root();
+    assert!(
+        !domain::sweep(&root).expect("a look"),
+        "a live domain was removed"
+    );
+    assert!(domain::all().contains(&root));
+    assert!(root.is_dir());
+
+    // A folder whose members are all gone, as after a kill -9 of everybody.
+    let dead = Domain::create().expect("a domain");
+    let dead_root = dead.root().to_owned();
+    let segment = format!("{}_segment.data", dead_root.display());
+    std::fs::write(&segment, b"left behind").expect("written");
+    drop(dead);
+    assert!(domain::sweep(&dead_root).expect("a look"));
+    assert!(!dead_root.exists() && !std::path::Path::new(&segment).exists());
+}
+
+#[test]
+fn memory_that_is_not_there_is_said_before_anything_is_opened() {
+    let error = memory::check(1 << 60).expect_err("nobody has that much");
+    assert!(matches!(error, StartError::Memory { .. }));
+    assert!(error.to_string().contains("/dev/shm"), "{error}");
+    assert!(memory::check(1 << 20).is_ok());
+}
+
+#[test]
+fn folders_that_are_no_domain_are_refused() {
+    for root in [
+        "/tmp",
+        "/dev/shm/zn_nobody_is_here_",
+        "/dev/shm",
+        "relative",
+    ] {
+        let error = Domain::join(std::path::Path::new(root)).expect_err("no domain");
+        assert!(matches!(error, StartError::Usage(_)), "{root}: {error}");
+    }
+}
+
+#[test]
+fn domains_are_made_while_others_sweep() {
+    let done = std::sync::atomic::AtomicBool::new(false);
+    let relaxed = std::sync::atomic::Ordering::Relaxed;
+    std::thread::scope(|scope| {
+        scope.spawn(|| {
+            while !done.load(relaxed) {
+                let _ = domain::sweep_dead();
+            }
+        });
+        for _ in 0..200 {
+            let made = Domain::create();
+            if made.is_err() {
+                done.store(true, relaxed);
+            }
+            let root = made.expect("a domain").root().to_owned();
+            let _ = domain::sweep(&root);
+        }
+        done.store(true, relaxed);
+    });
+}
