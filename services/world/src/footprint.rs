@@ -1,0 +1,170 @@
+//! The robot's outline.
+
+use crate::convex::Convex;
+use crate::error::{SpecError, number};
+use crate::polygon::{Order, convex_corners};
+use crate::spec::RobotSpec;
+use nalgebra::Point2;
+use parry2d::math::Vec2;
+use parry2d::query::PointQuery;
+use parry2d::shape::Segment;
+use zeronav_msgs::Pose;
+use zeronav_msgs::description::FOOTPRINT_CORNERS_MAX;
+
+/// A disc or a convex polygon around the origin of `base`.
+#[derive(Debug, Clone)]
+pub struct Footprint {
+    form: Convex,
+    corners: Vec<Point2<f64>>,
+    inscribed_radius_m: f64,
+    circumscribed_radius_m: f64,
+}
+
+impl Footprint {
+    /// The outline of `robot`.
+    ///
+    /// # Errors
+    /// Both or none of `radius_m` and `footprint_m`; a radius that is no radius; an outline that
+    /// is not convex, not counter-clockwise, or does not hold the origin of `base`.
+    pub fn new(robot: &RobotSpec) -> Result<Self, SpecError> {
+        match (robot.radius_m, &robot.footprint_m) {
+            (Some(radius_m), None) => Self::disc(radius_m),
+            (None, Some(corners_m)) => Self::polygon(corners_m),
+            (Some(_), Some(_)) => Err(SpecError::new(
+                "footprint_m",
+                "a robot has either a radius_m or a footprint_m, not both",
+            )),
+            (None, None) => Err(SpecError::new(
+                "radius_m",
+                "missing: a robot needs a radius_m or a footprint_m",
+            )),
+        }
+    }
+
+    /// A round outline.
+    ///
+    /// # Errors
+    /// Anything but 0.001 to 100 m.
+    pub fn disc(radius_m: f64) -> Result<Self, SpecError> {
+        number(radius_m, 1.0e-3, 100.0, "radius_m")?;
+        Ok(Self {
+            form: Convex::disc(Point2::origin(), radius_m),
+            corners: Vec::new(),
+            inscribed_radius_m: radius_m,
+            circumscribed_radius_m: radius_m,
+        })
+    }
+
+    /// A convex outline, counter-clockwise in `base`. [m]
+    ///
+    /// # Errors
+    /// See [`Self::new`].
+    pub fn polygon(corners_m: &[[f64; 2]]) -> Result<Self, SpecError> {
+        let field = "footprint_m";
+        if corners_m.len() > FOOTPRINT_CORNERS_MAX {
+            let why = format!("has more than {FOOTPRINT_CORNERS_MAX} corners");
+            return Err(SpecError::new(field, why));
+        }
+        for (index, corner) in corners_m.iter().enumerate() {
+            for value in corner {
+                number(*value, -100.0, 100.0, &format!("{field}[{index}]"))?;
+            }
+        }
+        let (corners, order) = convex_corners(corners_m).map_err(|error| error.within(field))?;
+        if order == Order::Clockwise {
+            let why = "runs clockwise: list its corners counter-clockwise";
+            return Err(SpecError::new(field, why));
+        }
+        let mut inscribed_radius_m = f64::INFINITY;
+        for (index, a) in corners.iter().enumerate() {
+            let b = corners[(index + 1) % corners.len()];
+            let inside = (b - a).perp(&(Point2::origin() - a)) > 0.0;
+            let edge = Segment::new(a.coords.into(), b.coords.into());
+            let edge_m = edge.distance_to_local_point(Vec2::ZERO, true);
+            if !inside || edge_m < 1.0e-3 {
+                let why = "must hold the origin of base, the point about which the robot turns";
+                return Err(SpecError::new(field, why));
+            }
+            inscribed_radius_m = inscribed_radius_m.min(edge_m);
+        }
+        let circumscribed_radius_m = corners
+            .iter()
+            .map(|corner| corner.coords.norm())
+            .fold(0.0, f64::max);
+        let form = Convex::polygon(&corners)
+            .ok_or_else(|| SpecError::new(field, "has two corners on one spot"))?;
+        Ok(Self {
+            form,
+            corners,
+            inscribed_radius_m,
+            circumscribed_radius_m,
+        })
+    }
+
+    /// Radius of the largest disc around the origin of `base` inside the outline. [m]
+    #[must_use]
+    pub const fn inscribed_radius_m(&self) -> f64 {
+        self.inscribed_radius_m
+    }
+
+    /// Radius of the smallest disc around the origin of `base` that holds the outline. [m]
+    #[must_use]
+    pub const fn circumscribed_radius_m(&self) -> f64 {
+        self.circumscribed_radius_m
+    }
+
+    /// Its form in `base`.
+    #[must_use]
+    pub const fn form(&self) -> &Convex {
+        &self.form
+    }
+
+    /// Its corners in `base`, counter-clockwise; none for a disc.
+    #[must_use]
+    pub fn corners(&self) -> &[Point2<f64>] {
+        &self.corners
+    }
+
+    /// What the robot covers when it stands at `map_from_base`. No allocation.
+    #[must_use]
+    pub fn placed(&self, map_from_base: &Pose) -> Convex {
+        self.form.placed(map_from_base)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn radii_of_a_rectangle_come_from_its_nearest_side_and_farthest_corner() {
+        let footprint =
+            Footprint::polygon(&[[-0.2, -0.3], [0.4, -0.3], [0.4, 0.3], [-0.2, 0.3]]).unwrap();
+        assert!((footprint.inscribed_radius_m() - 0.2).abs() < 1e-12);
+        assert!((footprint.circumscribed_radius_m() - 0.5).abs() < 1e-12);
+        assert_eq!(footprint.corners().len(), 4);
+        let placed = footprint.placed(&Pose::new(1.0, 0.0, core::f64::consts::PI));
+        assert!(placed.distance_to_point_m(Point2::new(0.6, 0.0)).abs() < 1e-9);
+        assert!((placed.distance_to_point_m(Point2::new(0.5, 0.0)) - 0.1).abs() < 1e-9);
+    }
+
+    #[test]
+    fn outlines_without_the_origin_or_the_wrong_way_around_are_refused() {
+        let beside = [[0.1, 0.0], [1.0, 0.0], [1.0, 1.0]];
+        let error = Footprint::polygon(&beside).unwrap_err();
+        assert!(error.why.contains("origin of base"), "{error}");
+        let clockwise = [[-1.0, -1.0], [-1.0, 1.0], [1.0, 1.0], [1.0, -1.0]];
+        let error = Footprint::polygon(&clockwise).unwrap_err();
+        assert!(error.why.contains("counter-clockwise"), "{error}");
+        let dent = [
+            [-1.0, -1.0],
+            [1.0, -1.0],
+            [0.2, 0.0],
+            [1.0, 1.0],
+            [-1.0, 1.0],
+        ];
+        let error = Footprint::polygon(&dent).unwrap_err();
+        assert!(error.why.contains("not convex"), "{error}");
+        assert_eq!(Footprint::disc(0.0).unwrap_err().field, "radius_m");
+    }
+}

@@ -1,0 +1,322 @@
+//! Map files of the ROS `map_server`: a YAML file that names an image.
+//!
+//! Pixels mean what Nav2's `map_server` makes of them, read the way its costmap reads the result:
+//! in `trinary` mode (the default) an occupancy above `occupied_thresh` is occupied, below
+//! `free_thresh` free, between them unknown; in `scale` mode what lies between is known and
+//! passable, and transparent pixels are unknown; in `raw` mode a pixel is an occupancy in percent
+//! (the thresholds sort it as in `trinary`), and pixels above 100 are unknown. The first row of
+//! the image has the largest y. The origin is the lower left corner of the lower left pixel; a
+//! turned map is laid onto an upright grid.
+
+use crate::map_image::{self, Pixels};
+use crate::static_map::{Occupancy, StaticMap, covering_geometry, upright};
+use serde::{Deserialize, Deserializer};
+use std::io::{self, Read, Write};
+use std::path::{Path, PathBuf};
+use zeronav_msgs::grid::SIDE_CELLS_MAX;
+use zeronav_msgs::message::COORDINATE_M_MAX;
+use zeronav_msgs::{Cell, Pose};
+
+/// Pixel that `map_saver` writes for unknown cells.
+const PIXEL_UNKNOWN: u8 = 205;
+/// Pixel for occupied cells.
+const PIXEL_OCCUPIED: u8 = 0;
+/// Pixel for free cells.
+const PIXEL_FREE: u8 = 254;
+
+/// Largest YAML file. [bytes]
+const YAML_BYTES_MAX: u64 = 65_536;
+
+/// Why a map file could not be read or written.
+#[derive(Debug, thiserror::Error)]
+pub enum MapFileError {
+    /// A file could not be opened or read.
+    #[error("{}: {source}", file.display())]
+    Read {
+        /// The YAML file or the image.
+        file: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// The YAML file is no YAML file of a map.
+    #[error("{}: {why}", file.display())]
+    Yaml {
+        /// The YAML file.
+        file: PathBuf,
+        /// What the parser says, with line and column.
+        why: String,
+    },
+    /// A value of the YAML file cannot be.
+    #[error("{}: {field}: {why}", file.display())]
+    Field {
+        /// The YAML file.
+        file: PathBuf,
+        /// The key.
+        field: &'static str,
+        /// What is wrong with its value.
+        why: String,
+    },
+    /// The image is no PGM or PNG image, broken, or too large.
+    #[error("{}: {why}", file.display())]
+    Image {
+        /// The image.
+        file: PathBuf,
+        /// What is wrong.
+        why: String,
+    },
+    /// A file could not be written.
+    #[error("{}: {source}", file.display())]
+    Write {
+        /// The YAML file or the image.
+        file: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+}
+
+/// Something about a map file that its author may not have meant.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum MapWarning {
+    /// Pixels of value 205, with which map savers mean "unknown", load as free.
+    #[error(
+        "{}: free_thresh {free_thresh} is above 0.196, so its {n_pixels} pixels of value 205 \
+         (unknown) load as free",
+        file.display()
+    )]
+    UnknownLoadsAsFree {
+        /// The YAML file.
+        file: PathBuf,
+        /// Its threshold.
+        free_thresh: f64,
+        /// How many pixels it concerns.
+        n_pixels: usize,
+    },
+}
+
+/// A map and what is odd about its file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LoadedMap {
+    /// The map.
+    pub map: StaticMap,
+    /// What the user should hear about.
+    pub warnings: Vec<MapWarning>,
+}
+
+#[derive(Debug, Deserialize)]
+struct MapYaml {
+    image: PathBuf,
+    resolution: f64,
+    origin: [f64; 3],
+    #[serde(deserialize_with = "zero_or_one")]
+    negate: bool,
+    occupied_thresh: f64,
+    free_thresh: f64,
+    #[serde(default)]
+    mode: Mode,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Mode {
+    #[default]
+    Trinary,
+    Scale,
+    Raw,
+}
+
+fn zero_or_one<'de, D: Deserializer<'de>>(deserializer: D) -> Result<bool, D::Error> {
+    #[derive(Deserialize)]
+    #[serde(untagged)]
+    enum Either {
+        Bool(bool),
+        Number(u8),
+    }
+    match Either::deserialize(deserializer)? {
+        Either::Bool(value) => Ok(value),
+        Either::Number(0) => Ok(false),
+        Either::Number(1) => Ok(true),
+        Either::Number(_) => Err(serde::de::Error::custom("negate must be 0 or 1")),
+    }
+}
+
+/// Reads the map that the YAML file `file` describes. The image's path is relative to it; when
+/// the image is absent and `IMAGE.gz` exists, that is unpacked and read.
+///
+/// # Errors
+/// See [`MapFileError`]; each names the file.
+pub fn load(file: &Path) -> Result<LoadedMap, MapFileError> {
+    let yaml = parse(file, &text_of(file)?)?;
+    check(file, &yaml)?;
+    let image_file = file.parent().unwrap_or(Path::new("")).join(&yaml.image);
+    let pixels = map_image::read(&image_file)?;
+    let size = (pixels.width, pixels.height);
+    let corner = Pose::new(yaml.origin[0], yaml.origin[1], yaml.origin[2]);
+    let geometry = covering_geometry(&corner, yaml.resolution, size)
+        .filter(|geometry| geometry.check().is_ok())
+        .ok_or_else(|| MapFileError::Field {
+            file: file.to_path_buf(),
+            field: "origin",
+            why: format!("turned, the map has more than {SIDE_CELLS_MAX} cells along a side"),
+        })?;
+    let n_unknown_free = unknown_that_loads_as_free(&yaml, &pixels);
+    let warnings = (n_unknown_free > 0).then(|| MapWarning::UnknownLoadsAsFree {
+        file: file.to_path_buf(),
+        free_thresh: yaml.free_thresh,
+        n_pixels: n_unknown_free,
+    });
+    let cells = cells_of(&yaml, &pixels);
+    Ok(LoadedMap {
+        map: upright(geometry, &corner, size, cells),
+        warnings: warnings.into_iter().collect(),
+    })
+}
+
+/// Writes `NAME.yaml` and `NAME.pgm` into the existing folder `dir`; [`load`] reads the same map
+/// from them. Returns the path of the YAML file.
+///
+/// # Errors
+/// [`MapFileError::Write`], naming the file.
+pub fn save(map: &StaticMap, dir: &Path, name: &str) -> Result<PathBuf, MapFileError> {
+    let geometry = &map.geometry;
+    let mut bytes = format!("P5\n{} {}\n255\n", geometry.width, geometry.height).into_bytes();
+    let (width, height) = geometry.size();
+    for y in (0..height).rev() {
+        for x in 0..width {
+            bytes.push(match map.get(Cell::new(x, y)) {
+                Some(Occupancy::Free) => PIXEL_FREE,
+                Some(Occupancy::Occupied) => PIXEL_OCCUPIED,
+                Some(Occupancy::Unknown) | None => PIXEL_UNKNOWN,
+            });
+        }
+    }
+    let image = format!("{name}.pgm");
+    let yaml = format!(
+        "image: {image}\nmode: trinary\nresolution: {:?}\norigin: [{:?}, {:?}, 0.0]\n\
+         negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n",
+        geometry.resolution_m, geometry.origin_x_m, geometry.origin_y_m
+    );
+    write(&dir.join(image), &bytes)?;
+    let yaml_file = dir.join(format!("{name}.yaml"));
+    write(&yaml_file, yaml.as_bytes())?;
+    Ok(yaml_file)
+}
+
+fn write(file: &Path, bytes: &[u8]) -> Result<(), MapFileError> {
+    std::fs::File::create(file)
+        .and_then(|mut created| created.write_all(bytes))
+        .map_err(|source| MapFileError::Write {
+            file: file.to_path_buf(),
+            source,
+        })
+}
+
+fn text_of(file: &Path) -> Result<String, MapFileError> {
+    let failed = |source: io::Error| MapFileError::Read {
+        file: file.to_path_buf(),
+        source,
+    };
+    let mut text = String::new();
+    // One byte more than allowed tells too large from just large enough.
+    std::fs::File::open(file)
+        .and_then(|opened| opened.take(YAML_BYTES_MAX + 1).read_to_string(&mut text))
+        .map_err(failed)?;
+    if text.len() as u64 > YAML_BYTES_MAX {
+        return Err(MapFileError::Yaml {
+            file: file.to_path_buf(),
+            why: format!("more than {YAML_BYTES_MAX} bytes, which no map file has"),
+        });
+    }
+    Ok(text)
+}
+
+fn parse(file: &Path, text: &str) -> Result<MapYaml, MapFileError> {
+    let options = serde_saphyr::options! { with_snippet: false };
+    serde_saphyr::from_str_with_options(text, options).map_err(|error| MapFileError::Yaml {
+        file: file.to_path_buf(),
+        why: error.to_string().replace('\n', " "),
+    })
+}
+
+fn check(file: &Path, yaml: &MapYaml) -> Result<(), MapFileError> {
+    let wrong = |field: &'static str, why: String| {
+        Err(MapFileError::Field {
+            file: file.to_path_buf(),
+            field,
+            why,
+        })
+    };
+    if !(1.0e-3..=10.0).contains(&yaml.resolution) {
+        let why = format!("must be 0.001 to 10 m per pixel, not {}", yaml.resolution);
+        return wrong("resolution", why);
+    }
+    let in_range = |value: f64| value.abs() <= COORDINATE_M_MAX;
+    if !yaml.origin.iter().copied().all(in_range) {
+        let why = format!(
+            "must be [x, y, yaw] in metres and radians, not {:?}",
+            yaml.origin
+        );
+        return wrong("origin", why);
+    }
+    for (field, value) in [
+        ("occupied_thresh", yaml.occupied_thresh),
+        ("free_thresh", yaml.free_thresh),
+    ] {
+        if !(0.0..=1.0).contains(&value) {
+            return wrong(field, format!("must be 0 to 1, not {value}"));
+        }
+    }
+    if yaml.free_thresh > yaml.occupied_thresh {
+        let why = format!(
+            "{} is above occupied_thresh {}",
+            yaml.free_thresh, yaml.occupied_thresh
+        );
+        return wrong("free_thresh", why);
+    }
+    Ok(())
+}
+
+/// Cells row-major from the lower left.
+fn cells_of(yaml: &MapYaml, pixels: &Pixels) -> Vec<Occupancy> {
+    let table: [Occupancy; 256] = core::array::from_fn(|pixel| {
+        let pixel = u8::try_from(pixel).unwrap_or(u8::MAX);
+        occupancy_of(yaml, pixel)
+    });
+    let width = pixels.width as usize;
+    let mut cells = Vec::with_capacity(pixels.grey.len());
+    for row in (0..pixels.height as usize).rev() {
+        for index in row * width..(row + 1) * width {
+            let transparent = yaml.mode == Mode::Scale && pixels.alpha_at(index) < u8::MAX;
+            cells.push(if transparent {
+                Occupancy::Unknown
+            } else {
+                table[usize::from(pixels.grey[index])]
+            });
+        }
+    }
+    cells
+}
+
+fn occupancy_of(yaml: &MapYaml, pixel: u8) -> Occupancy {
+    let shade = if yaml.negate { pixel } else { u8::MAX - pixel };
+    let ratio = match yaml.mode {
+        Mode::Trinary | Mode::Scale => f64::from(shade) / 255.0,
+        Mode::Raw if pixel > 100 => return Occupancy::Unknown,
+        Mode::Raw => f64::from(pixel) / 100.0,
+    };
+    if ratio > yaml.occupied_thresh {
+        Occupancy::Occupied
+    } else if ratio < yaml.free_thresh || yaml.mode == Mode::Scale {
+        Occupancy::Free
+    } else {
+        Occupancy::Unknown
+    }
+}
+
+fn unknown_that_loads_as_free(yaml: &MapYaml, pixels: &Pixels) -> usize {
+    let free = occupancy_of(yaml, PIXEL_UNKNOWN) == Occupancy::Free;
+    if yaml.mode != Mode::Trinary || yaml.negate || !free {
+        return 0;
+    }
+    let unknown = |pixel: &&u8| **pixel == PIXEL_UNKNOWN;
+    pixels.grey.iter().filter(unknown).count()
+}

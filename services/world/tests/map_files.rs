@@ -1,0 +1,253 @@
+//! Map files of every kind, written here and read back.
+
+use flate2::{Compression, write::GzEncoder};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use tempfile::TempDir;
+use zeronav_msgs::{Cell, GridGeometry};
+use zeronav_world::map_file::{load, save};
+use zeronav_world::{MapFileError, MapWarning, Occupancy, StaticMap};
+
+use Occupancy::{Free, Occupied, Unknown};
+
+struct Folder(TempDir);
+
+impl Folder {
+    fn new() -> Self {
+        Self(TempDir::new().unwrap())
+    }
+
+    fn path(&self) -> &Path {
+        self.0.path()
+    }
+
+    fn write(&self, name: &str, bytes: &[u8]) -> PathBuf {
+        let file = self.path().join(name);
+        std::fs::write(&file, bytes).unwrap();
+        file
+    }
+
+    fn yaml(&self, text: &str) -> PathBuf {
+        self.write("map.yaml", text.as_bytes())
+    }
+}
+
+fn yaml(image: &str, extra: &str) -> String {
+    format!(
+        "image: {image}\nresolution: 0.5\norigin: [-1.0, 2, 0]\nnegate: 0\n\
+         occupied_thresh: 0.65\nfree_thresh: 0.196\n{extra}"
+    )
+}
+
+/// 3 x 2 pixels: black, grey 205, white above; white, black, 100 below.
+const P5: &[u8] = b"P5\n# made by hand\n3 2\n255\n\x00\xcd\xff\xff\x00\x64";
+const P2: &[u8] = b"P2\n3 2\n255\n0 205 255\n255 0 100\n";
+
+/// What [`P5`] means: 100 is an occupancy of 0.61.
+const CELLS: [Occupancy; 6] = [Free, Occupied, Unknown, Occupied, Unknown, Free];
+
+#[test]
+fn binary_ascii_and_packed_images_are_the_same_map() {
+    let folder = Folder::new();
+    folder.write("binary.pgm", P5);
+    folder.write("ascii.pgm", P2);
+    let mut packed = GzEncoder::new(Vec::new(), Compression::default());
+    packed.write_all(P5).unwrap();
+    folder.write("packed.pgm.gz", &packed.finish().unwrap());
+    for image in ["binary.pgm", "ascii.pgm", "packed.pgm"] {
+        let loaded = load(&folder.yaml(&yaml(image, ""))).unwrap();
+        assert_eq!(loaded.map.cells, CELLS, "{image}");
+        assert!(loaded.warnings.is_empty());
+        let geometry = GridGeometry {
+            origin_x_m: -1.0,
+            origin_y_m: 2.0,
+            resolution_m: 0.5,
+            width: 3,
+            height: 2,
+        };
+        assert_eq!(loaded.map.geometry, geometry);
+        // First row of the image = largest y.
+        assert_eq!(loaded.map.get(Cell::new(0, 1)), Some(Occupied));
+    }
+}
+
+#[test]
+fn negate_turns_black_and_white_around() {
+    let folder = Folder::new();
+    folder.write("m.pgm", P5);
+    for word in ["1", "true"] {
+        let text = yaml("m.pgm", "").replace("negate: 0", &format!("negate: {word}"));
+        let map = load(&folder.yaml(&text)).unwrap().map;
+        let expected = [Occupied, Free, Unknown, Free, Occupied, Occupied];
+        assert_eq!(map.cells, expected, "negate: {word}");
+    }
+}
+
+#[test]
+fn scale_knows_everything_but_transparent_pixels() {
+    let folder = Folder::new();
+    let image = image::GrayAlphaImage::from_raw(
+        3,
+        1,
+        vec![
+            0, 255, /* transparent */ 255, 0, /* between */ 128, 255,
+        ],
+    );
+    image.unwrap().save(folder.path().join("m.png")).unwrap();
+    let map = load(&folder.yaml(&yaml("m.png", "mode: scale\n")))
+        .unwrap()
+        .map;
+    assert_eq!(map.cells, [Occupied, Unknown, Free]);
+    let map = load(&folder.yaml(&yaml("m.png", "mode: trinary\n")))
+        .unwrap()
+        .map;
+    assert_eq!(map.cells, [Occupied, Free, Unknown]);
+}
+
+#[test]
+fn raw_pixels_are_percent() {
+    let folder = Folder::new();
+    folder.write("m.pgm", b"P5\n5 1\n255\n\x00\x64\x32\x65\xff");
+    let map = load(&folder.yaml(&yaml("m.pgm", "mode: raw\n")))
+        .unwrap()
+        .map;
+    assert_eq!(map.cells, [Free, Occupied, Unknown, Unknown, Unknown]);
+}
+
+#[test]
+fn colours_count_by_their_mean() {
+    let folder = Folder::new();
+    let image = image::RgbImage::from_raw(3, 1, vec![255, 255, 255, 0, 0, 0, 255, 0, 0]);
+    image.unwrap().save(folder.path().join("m.png")).unwrap();
+    let map = load(&folder.yaml(&yaml("m.png", ""))).unwrap().map;
+    // Pure red is a grey of 85, an occupancy of 0.67.
+    assert_eq!(map.cells, [Free, Occupied, Occupied]);
+}
+
+#[test]
+fn grey_values_count_as_part_of_the_images_own_white() {
+    let folder = Folder::new();
+    folder.write("m.pgm", b"P2\n3 1\n100\n0 100 50\n");
+    let map = load(&folder.yaml(&yaml("m.pgm", ""))).unwrap().map;
+    assert_eq!(map.cells, [Occupied, Free, Unknown]);
+}
+
+#[test]
+fn a_threshold_that_frees_the_unknown_is_reported() {
+    let folder = Folder::new();
+    folder.write("m.pgm", P5);
+    let file = folder.yaml(&yaml("m.pgm", "").replace("0.196", "0.25"));
+    let loaded = load(&file).unwrap();
+    assert_eq!(loaded.map.get(Cell::new(1, 1)), Some(Free));
+    let warning = MapWarning::UnknownLoadsAsFree {
+        file: file.clone(),
+        free_thresh: 0.25,
+        n_pixels: 1,
+    };
+    assert_eq!(loaded.warnings, [warning]);
+    let words = loaded.warnings[0].to_string();
+    assert!(
+        words.contains("map.yaml") && words.contains("0.25"),
+        "{words}"
+    );
+}
+
+#[test]
+fn a_half_turn_in_the_origin_is_honoured() {
+    let folder = Folder::new();
+    folder.write("m.pgm", P5);
+    let half_turn = format!("[-1.0, 2, {}]", core::f64::consts::PI);
+    let text = yaml("m.pgm", "").replace("[-1.0, 2, 0]", &half_turn);
+    let map = load(&folder.yaml(&text)).unwrap().map;
+    let mut reversed = CELLS;
+    reversed.reverse();
+    assert_eq!(map.cells, reversed);
+    assert!((map.geometry.origin_x_m + 2.5).abs() < 1e-9);
+    assert!((map.geometry.origin_y_m - 1.0).abs() < 1e-9);
+}
+
+#[test]
+fn what_was_saved_is_loaded_again() {
+    let folder = Folder::new();
+    let map = StaticMap {
+        geometry: GridGeometry {
+            origin_x_m: -0.1 - 0.2,
+            origin_y_m: 1.0e-7,
+            resolution_m: 0.05,
+            width: 3,
+            height: 2,
+        },
+        cells: CELLS.to_vec(),
+    };
+    let file = save(&map, folder.path(), "saved").unwrap();
+    let loaded = load(&file).unwrap();
+    assert_eq!(loaded.map, map);
+    assert!(loaded.warnings.is_empty());
+}
+
+#[track_caller]
+fn refused(text: &str, wanted: &[&str]) -> MapFileError {
+    let folder = Folder::new();
+    folder.write("m.pgm", P5);
+    folder.write("broken.pgm", b"P5\n3 2\n255\n\x00");
+    folder.write("letter.pgm", b"Dear Sir or Madam, ");
+    folder.write("huge.pgm", b"P5\n9000 2\n255\n");
+    folder.write("mud.pgm.gz", b"not packed at all");
+    let error = load(&folder.yaml(text)).unwrap_err();
+    let words = error.to_string();
+    for part in wanted {
+        assert!(words.contains(part), "{words:?} without {part:?}");
+    }
+    assert!(!words.contains('\n'), "{words:?} is more than one line");
+    error
+}
+
+#[test]
+fn errors_name_the_file_and_what_is_wrong() {
+    let good = yaml("m.pgm", "");
+    let with = |from: &str, to: &str| good.replace(from, to);
+    refused(
+        &with("m.pgm", "absent.pgm"),
+        &["absent.pgm", "No such file"],
+    );
+    refused(&with("m.pgm", "broken.pgm"), &["broken.pgm"]);
+    refused(&with("m.pgm", "letter.pgm"), &["letter.pgm"]);
+    refused(&with("m.pgm", "mud.pgm"), &["mud.pgm.gz"]);
+    refused(
+        &with("m.pgm", "huge.pgm"),
+        &["huge.pgm", "9000 x 2", "8192"],
+    );
+    refused(&with("resolution: 0.5\n", ""), &["map.yaml", "resolution"]);
+    refused(&with("0.5", "0"), &["map.yaml", "resolution", "0.001"]);
+    refused(&with("-1.0", ".nan"), &["map.yaml", "origin"]);
+    refused(
+        &with("0.65", "1.5"),
+        &["map.yaml", "occupied_thresh", "1.5"],
+    );
+    refused(
+        &with("0.196", "0.7"),
+        &["free_thresh", "above occupied_thresh"],
+    );
+    refused(&with("negate: 0", "negate: 7"), &["map.yaml"]);
+    refused(&yaml("m.pgm", "mode: cubist\n"), &["map.yaml", "cubist"]);
+    refused("image: [", &["map.yaml"]);
+    refused(&"# a novel\n".repeat(10_000), &["map.yaml", "65536"]);
+    let error = load(Path::new("/nowhere/at/all.yaml")).unwrap_err();
+    assert!(matches!(error, MapFileError::Read { .. }));
+    assert!(error.to_string().contains("/nowhere/at/all.yaml"));
+}
+
+#[test]
+fn a_map_that_a_turn_makes_too_large_is_refused() {
+    let folder = Folder::new();
+    let mut packed = GzEncoder::new(Vec::new(), Compression::fast());
+    packed.write_all(b"P5\n8192 8192\n255\n").unwrap();
+    packed.write_all(&vec![0; 8192 * 8192]).unwrap();
+    folder.write("m.pgm.gz", &packed.finish().unwrap());
+    let text = yaml("m.pgm", "").replace("[-1.0, 2, 0]", "[-1.0, 2, 0.7]");
+    let error = load(&folder.yaml(&text)).unwrap_err().to_string();
+    assert!(
+        error.contains("origin") && error.contains("8192"),
+        "{error}"
+    );
+}
