@@ -1,0 +1,112 @@
+//! `c_astar`: A* over costs, the reference of every comparison and the default.
+//!
+//! Hart, Nilsson, Raphael, "A Formal Basis for the Heuristic Determination of Minimum Cost
+//! Paths", 1968. Eight neighbours, octile heuristic, which is consistent because no step costs
+//! less than its length, so that no node is ever opened again and the cost is that of Dijkstra.
+//!
+//! A step costs its length times `1 + weight * cost / 252` of the cell it enters. Costs are
+//! integers inside ([`crate::moves::STRAIGHT`]); the cost reported is recomputed from the path.
+//! The integers bend the optimum by at most one part in a thousand.
+
+use crate::ends::{WayOut, find_ends};
+use crate::moves::price;
+use crate::planner::{
+    CellPath, Control, CornerRule, Expansions, GlobalPlanner, PlanError, PlanQuery, PlanStats,
+};
+use crate::search::{Found, Search, Task};
+use crate::table::{COST_WEIGHT_MAX, ESCAPE_M_MAX, PlannerOptions};
+
+/// See the module's description.
+#[derive(Debug)]
+pub struct CAstar {
+    search: Search,
+    way_out: WayOut,
+    cost_weight: f64,
+    escape_m: f64,
+}
+
+impl CAstar {
+    /// A planner with empty memory. Options outside their range are taken as its nearest end.
+    #[must_use]
+    pub fn new(options: &PlannerOptions) -> Self {
+        let cost_weight = within(options.cost_weight, COST_WEIGHT_MAX);
+        Self {
+            search: Search::new(cost_weight),
+            way_out: WayOut::default(),
+            cost_weight,
+            escape_m: within(options.escape_m, ESCAPE_M_MAX),
+        }
+    }
+}
+
+impl GlobalPlanner for CAstar {
+    fn plan(
+        &mut self,
+        query: &PlanQuery<'_>,
+        budget: &mut dyn FnMut(Expansions) -> Control,
+        path: &mut CellPath,
+    ) -> Result<PlanStats, PlanError> {
+        path.clear();
+        let ends = find_ends(query, self.escape_m, &mut self.way_out)?;
+        let mut task = Task {
+            map: query.map,
+            start: ends.start,
+            goal: ends.goal,
+            unknown: query.unknown,
+            corner_rule: query.corner_rule,
+        };
+        loop {
+            match self.search.run(&task, budget, &mut path.stats) {
+                Found::Path => break,
+                Found::Stopped => return Err(PlanError::OutOfBudget),
+                Found::Nothing => {}
+            }
+            // A robot too close to an obstacle may have been led into the wrong pocket. Every
+            // search closes another one, so that together they expand no cell twice.
+            let index_of = |cell| query.map.geometry.index_of(cell);
+            let tried = |cell| index_of(cell).is_none_or(|n| self.search.has_closed(n));
+            let Some(start) = self.way_out.turn_to_next(tried) else {
+                let blocked_by_corner = query.corner_rule != CornerRule::Allow && {
+                    task.start = ends.start;
+                    task.corner_rule = CornerRule::Allow;
+                    self.search.run(&task, budget, &mut path.stats) == Found::Path
+                };
+                return Err(PlanError::Unreachable { blocked_by_corner });
+            };
+            task.start = start;
+        }
+        let way_out = self.way_out.cells();
+        path.cells
+            .extend_from_slice(&way_out[..way_out.len().saturating_sub(1)]);
+        self.search.trace(&task, &mut path.cells);
+        path.stats.cost = cost_m(query, self.cost_weight, path);
+        Ok(path.stats)
+    }
+}
+
+/// `value` between 0 and `max`; 0 for what is not a number.
+fn within(value: f64, max: f64) -> f64 {
+    if value.is_nan() {
+        0.0
+    } else {
+        value.clamp(0.0, max)
+    }
+}
+
+/// Cost of a path of single steps, in metres of free cells.
+fn cost_m(query: &PlanQuery<'_>, cost_weight: f64, path: &CellPath) -> f64 {
+    let resolution_m = query.map.geometry.resolution_m;
+    path.cells
+        .windows(2)
+        .map(|pair| {
+            let diagonal = pair[0].x != pair[1].x && pair[0].y != pair[1].y;
+            let length = if diagonal {
+                core::f64::consts::SQRT_2
+            } else {
+                1.0
+            };
+            let cost = query.map.get(pair[1]).map_or(0, |cell| cell.cost);
+            length * resolution_m * price(cost, cost_weight)
+        })
+        .sum()
+}

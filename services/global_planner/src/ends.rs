@@ -1,0 +1,227 @@
+//! Both ends of a path: out of the inflation at the start, into the tolerance at the goal.
+
+use crate::moves::STEPS;
+use crate::planner::{CornerRule, PlanError, PlanQuery, Unknown};
+use zeronav_msgs::{Cell, MapCell, MapView};
+
+/// Where a search begins and ends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Ends {
+    /// First free cell; the last of [`WayOut::cells`].
+    pub start: Cell,
+    /// The goal's own cell, or the free one that takes its place.
+    pub goal: Cell,
+}
+
+/// The way from a robot too close to an obstacle to a free cell, and other such cells. Its memory
+/// is reused.
+#[derive(Debug, Default)]
+pub struct WayOut {
+    cells: Vec<Cell>,
+    /// Free cells within reach, nearest first.
+    exits: Vec<Cell>,
+    /// Step that led to each cell of the window, `UNSEEN` or `ROOT`.
+    seen: Vec<u8>,
+    window: Window,
+    queue: Vec<Cell>,
+}
+
+impl WayOut {
+    /// Cells from the robot's own to the first free one, both included; one cell when the robot
+    /// stands free.
+    #[must_use]
+    pub fn cells(&self) -> &[Cell] {
+        &self.cells
+    }
+
+    /// Turns to the nearest free cell of which `tried` does not hold; `None` when there is none.
+    pub fn turn_to_next(&mut self, tried: impl Fn(Cell) -> bool) -> Option<Cell> {
+        self.exits.retain(|exit| !tried(*exit));
+        let exit = self.exits.first().copied()?;
+        self.cells.clear();
+        let mut cell = exit;
+        loop {
+            self.cells.push(cell);
+            let step = self.window.index_of(cell).map_or(ROOT, |n| self.seen[n]);
+            let Some((dx, dy)) = STEPS.get(usize::from(step)) else {
+                break;
+            };
+            cell = Cell::new(cell.x - dx, cell.y - dy);
+        }
+        self.cells.reverse();
+        Some(exit)
+    }
+}
+
+const UNSEEN: u8 = 255;
+const ROOT: u8 = 8;
+
+/// Finds the first and the last cell of the search.
+///
+/// A start that is blocked, but not lethal, is left on a shortest way (in steps) over cells that
+/// are not lethal, at most `escape_m` from the robot along either axis. A blocked goal is replaced
+/// by the free cell whose centre is nearest to it, within the tolerance; the lower row, then the
+/// lower column, of two equally near.
+///
+/// # Errors
+/// [`PlanError::StartOutsideMap`], [`PlanError::GoalOutsideMap`], [`PlanError::StartBlocked`],
+/// [`PlanError::GoalBlocked`], in this order.
+pub fn find_ends(
+    query: &PlanQuery<'_>,
+    escape_m: f64,
+    way_out: &mut WayOut,
+) -> Result<Ends, PlanError> {
+    let geometry = query.map.geometry;
+    let start = geometry
+        .cell_at(query.start.point())
+        .ok_or(PlanError::StartOutsideMap)?;
+    let goal = geometry
+        .cell_at(query.goal.point())
+        .ok_or(PlanError::GoalOutsideMap)?;
+    let start = leave_inflation(query, start, escape_m, way_out).ok_or(PlanError::StartBlocked)?;
+    let goal = nearest_free(query, goal).ok_or(PlanError::GoalBlocked)?;
+    Ok(Ends { start, goal })
+}
+
+/// Writes the way out and gives its last cell.
+fn leave_inflation(
+    query: &PlanQuery<'_>,
+    start: Cell,
+    escape_m: f64,
+    way_out: &mut WayOut,
+) -> Option<Cell> {
+    let (map, unknown) = (query.map, query.unknown);
+    let cell = map.get(start)?;
+    let reach = if unknown.is_lethal(cell) {
+        return None;
+    } else if unknown.blocks(cell) {
+        cells_in(escape_m, map.geometry.resolution_m)
+    } else {
+        0
+    };
+    let window = Window::around(start, reach);
+    way_out.window = window;
+    way_out.seen.clear();
+    way_out.seen.resize(window.len(), UNSEEN);
+    way_out.seen[window.index_of(start)?] = ROOT;
+    way_out.exits.clear();
+    way_out.queue.clear();
+    way_out.queue.push(start);
+    let mut next = 0;
+    while let Some(&from) = way_out.queue.get(next) {
+        next += 1;
+        if !unknown.blocks(map.get(from)?) {
+            way_out.exits.push(from);
+            continue;
+        }
+        // Straight steps first, so that ways of equal steps are the shorter ones.
+        for n in [0_u8, 2, 4, 6, 1, 3, 5, 7] {
+            let (dx, dy) = STEPS[usize::from(n)];
+            let to = Cell::new(from.x + dx, from.y + dy);
+            let Some(index) = window.index_of(to) else {
+                continue;
+            };
+            if way_out.seen[index] == UNSEEN
+                && passable(map, unknown, to)
+                && (n % 2 == 0 || corner_is_free(map, unknown, query.corner_rule, from, to))
+            {
+                way_out.seen[index] = n;
+                way_out.queue.push(to);
+            }
+        }
+    }
+    way_out.turn_to_next(|_| false)
+}
+
+fn passable(map: MapView<'_>, unknown: Unknown, cell: Cell) -> bool {
+    map.get(cell).is_some_and(|cell| !unknown.is_lethal(cell))
+}
+
+fn corner_is_free(
+    map: MapView<'_>,
+    unknown: Unknown,
+    rule: CornerRule,
+    from: Cell,
+    to: Cell,
+) -> bool {
+    rule.permits(
+        !passable(map, unknown, Cell::new(to.x, from.y)),
+        !passable(map, unknown, Cell::new(from.x, to.y)),
+    )
+}
+
+/// The free cell nearest to the goal, ring by ring.
+fn nearest_free(query: &PlanQuery<'_>, own: Cell) -> Option<Cell> {
+    let geometry = query.map.geometry;
+    let is_free = |cell: MapCell| !query.unknown.blocks(cell);
+    if query.map.get(own).is_some_and(is_free) {
+        return Some(own);
+    }
+    let mut best: Option<(f64, Cell)> = None;
+    let (width, height) = geometry.size();
+    let rings = cells_in(query.tolerance_m, geometry.resolution_m)
+        .saturating_add(1)
+        .min(width.max(height));
+    for ring in 1..=rings {
+        // Centres of this ring and all later ones are at least this far.
+        let at_least_m = (f64::from(ring) - 0.5) * geometry.resolution_m;
+        if best.is_some_and(|(distance_m, _)| distance_m < at_least_m) {
+            break;
+        }
+        for y in -ring..=ring {
+            let stride = if y.abs() == ring { 1 } else { 2 * ring };
+            let mut x = -ring;
+            while x <= ring {
+                let cell = Cell::new(own.x + x, own.y + y);
+                if query.map.get(cell).is_some_and(is_free) {
+                    let distance_m = (geometry.centre_of(cell) - query.goal.point()).norm();
+                    if distance_m <= query.tolerance_m
+                        && best.is_none_or(|(nearest_m, _)| distance_m < nearest_m)
+                    {
+                        best = Some((distance_m, cell));
+                    }
+                }
+                x += stride;
+            }
+        }
+    }
+    best.map(|(_, cell)| cell)
+}
+
+/// Whole cells in a distance; bounded, 0 for what is not a distance.
+#[allow(
+    clippy::cast_possible_truncation,
+    reason = "clamped to the side of the largest map"
+)]
+fn cells_in(distance_m: f64, resolution_m: f64) -> i32 {
+    let side = f64::from(zeronav_msgs::grid::SIDE_CELLS_MAX);
+    // Rounding must not lose the cell at the very end of the distance.
+    ((distance_m / resolution_m + 1.0e-6).floor().max(0.0)).min(side) as i32
+}
+
+/// A square of cells.
+#[derive(Debug, Clone, Copy, Default)]
+struct Window {
+    min: Cell,
+    side: i32,
+}
+
+impl Window {
+    fn around(centre: Cell, radius: i32) -> Self {
+        Self {
+            min: Cell::new(centre.x - radius, centre.y - radius),
+            side: 2 * radius + 1,
+        }
+    }
+
+    fn len(self) -> usize {
+        let side = self.side.cast_unsigned() as usize;
+        side * side
+    }
+
+    fn index_of(self, cell: Cell) -> Option<usize> {
+        let (x, y) = (cell.x - self.min.x, cell.y - self.min.y);
+        let inside = (0..self.side).contains(&x) && (0..self.side).contains(&y);
+        inside.then(|| (y * self.side + x).cast_unsigned() as usize)
+    }
+}

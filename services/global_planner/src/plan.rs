@@ -1,0 +1,149 @@
+//! The outcome of a search, ready to be published and to be held against later maps.
+
+use crate::corridor::{Corridor, Legality};
+use crate::planner::{CellPath, PlanError, PlanQuery};
+use crate::waypoints::waypoints_of;
+use zeronav_msgs::path::{Path, PathCause, PathStatus, Waypoint};
+use zeronav_msgs::{Cell, MapView, Pose};
+
+/// Where the planner is asked to lead.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Target {
+    /// Id of the message on `task/goal`.
+    pub task: u64,
+    /// [`zeronav_msgs::task::Goal::id`].
+    pub goal: u64,
+    /// `map_from_base` to reach.
+    pub pose: Pose,
+    /// [m] how close counts, > 0.
+    pub tolerance_m: f64,
+}
+
+/// A path, or why there is none.
+#[derive(Debug, Clone)]
+pub struct Plan {
+    /// Key of the planner.
+    pub planner: &'static str,
+    /// The outcome.
+    pub status: PathStatus,
+    /// Why it was looked for.
+    pub cause: PathCause,
+    /// Id of the message that brought it first; 0 = not named yet.
+    pub geometry: u64,
+    /// Revision of the map that the search used.
+    pub searched_map: u64,
+    /// What it leads to.
+    pub target: Option<Target>,
+    /// Where the robot was.
+    pub robot: Pose,
+    /// In which cell, `None` beside the map.
+    pub robot_cell: Option<Cell>,
+    /// The path in cells, with the counters of the search.
+    pub cells: CellPath,
+    /// The path in metres; empty without one.
+    pub waypoints: Vec<Waypoint>,
+    /// Length of the waypoints. [m]
+    pub length_m: f64,
+    /// The cells to be held against later maps.
+    pub corridor: Corridor,
+}
+
+impl Plan {
+    /// No path, because nobody asked for one.
+    #[must_use]
+    pub fn idle(planner: &'static str) -> Self {
+        Self {
+            planner,
+            status: PathStatus::NoGoal,
+            cause: PathCause::None,
+            geometry: 0,
+            searched_map: 0,
+            target: None,
+            robot: Pose::default(),
+            robot_cell: None,
+            cells: CellPath::default(),
+            waypoints: Vec::new(),
+            length_m: 0.0,
+            corridor: Corridor::default(),
+        }
+    }
+
+    /// Becomes [`Self::idle`], keeping its memory.
+    pub(crate) fn clear(&mut self) {
+        self.status = PathStatus::NoGoal;
+        self.cause = PathCause::None;
+        self.geometry = 0;
+        self.searched_map = 0;
+        self.target = None;
+        self.robot_cell = None;
+        self.cells.clear();
+        self.forget_way();
+    }
+
+    fn forget_way(&mut self) {
+        self.cells.cells.clear();
+        self.waypoints.clear();
+        self.length_m = 0.0;
+        self.corridor.clear();
+    }
+
+    /// Becomes the outcome of the search that wrote `self.cells`.
+    pub(crate) fn set(
+        &mut self,
+        query: &PlanQuery<'_>,
+        legality: Legality,
+        target: Target,
+        error: Option<PlanError>,
+    ) {
+        self.geometry = 0;
+        self.target = Some(target);
+        self.robot = query.start;
+        self.robot_cell = query.map.geometry.cell_at(query.start.point());
+        let length_m = error.map_or_else(
+            || {
+                let cells = &self.cells.cells;
+                waypoints_of(&query.map, cells, &query.goal, &mut self.waypoints)
+                    .map_err(|_| PathStatus::TooLong)
+            },
+            |error| Err(error.status()),
+        );
+        match length_m {
+            Ok(length_m) => {
+                self.status = PathStatus::Found;
+                self.length_m = length_m;
+                self.corridor.set(&query.map, legality, &self.cells.cells);
+            }
+            Err(status) => {
+                self.status = status;
+                self.forget_way();
+            }
+        }
+    }
+
+    /// True when this is a path and `map` does not let the robot follow what is left of it.
+    #[must_use]
+    pub fn is_cut(&self, map: &MapView<'_>) -> bool {
+        self.status == PathStatus::Found
+            && (!self.corridor.is_on(map.geometry) || self.corridor.is_cut(map).is_some())
+    }
+
+    /// Fills every field of the message; the slice is [`Self::waypoints`].
+    pub fn fill(&self, message: &mut Path) {
+        let stats = &self.cells.stats;
+        *message = Path {
+            planner: Path::planner_bytes(self.planner),
+            status: self.status.code(),
+            cause: self.cause.code(),
+            n_waypoints: u32::try_from(self.waypoints.len()).unwrap_or(u32::MAX),
+            geometry: self.geometry,
+            searched_map: self.searched_map,
+            expanded: stats.expanded,
+            generated: stats.generated,
+            evaluated: stats.evaluated,
+            peak_open: stats.peak_open,
+            length_m: self.length_m,
+            cost: stats.cost,
+            goal: self.target.map_or(0, |target| target.goal),
+        };
+    }
+}

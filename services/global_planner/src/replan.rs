@@ -1,0 +1,382 @@
+//! When to look for a new path, and when a result counts.
+//!
+//! A pure state machine. One cycle, run after every map update and when a goal or a request came:
+//!
+//! ```text
+//! let mut step = replanner.begin(&situation);
+//! while let Step::Search(_) = step {              // at most twice
+//!     replanner.search(&situation, &mut budget);
+//!     situation = newest;                         // updates and goals that came meanwhile
+//!     step = replanner.settle(&situation);
+//! }
+//! // publish replanner.plan(), as new or as unchanged
+//! ```
+//!
+//! The rules, in the order in which they are asked; the first that holds decides:
+//!
+//! 1. Without a goal or a map there is no path: status `no_goal`.
+//! 2. Another task: search, cause `goal`. Another goal of the same task: search, cause
+//!    `next_goal`.
+//! 3. The last search failed: it is repeated, with its cause, only when something happened that
+//!    can make it succeed. A proof (`unreachable`, `unreachable_corner`, `goal_blocked`) needs a
+//!    cell that opened or a robot that stands elsewhere; `goal_outside_map` needs another grid;
+//!    the others need any change of the map or a robot in another cell.
+//! 4. The map has another grid, or a cell ahead on the path blocks the robot's centre: search,
+//!    cause `obstacle`.
+//! 5. The robot is further than `off_path_m` from its path: search, cause `request`.
+//! 6. The local planner asks, about this very path, and map or robot have changed since the last
+//!    search: search, cause `request`. A request is answered once.
+//! 7. Cells became cheaper through which a way could lead that costs at least `shortcut_gain`
+//!    less than the remaining path, and no search was made for `shortcut_every_revisions`
+//!    revisions: search, cause `shortcut`. "Could" leaves nothing out: no way through a cell costs
+//!    less than the octile distances to and from it.
+//! 8. Otherwise the path stays.
+//!
+//! A result counts only after it was held against the newest map ([`Replanner::settle`]):
+//!
+//! 9. When goal or task changed meanwhile, or a newer update cuts the path found, one more search
+//!    follows, and only one. The second result is published whatever it is; the next cycle
+//!    judges it anew.
+//! 10. A shortcut counts only when it saves what it must on the newest map, or when the old path
+//!     is cut by now, then with cause `obstacle`. A search for a shortcut that fails changes
+//!     nothing.
+
+use crate::change::{Change, CostMemory};
+use crate::config::{ConfigError, GlobalPlannerConfig};
+use crate::corridor::Legality;
+use crate::moves::octile_cells;
+use crate::plan::{Plan, Target};
+use crate::planner::{Control, Expansions, GlobalPlanner, PlanQuery};
+use zeronav_msgs::path::{PathCause, PathStatus};
+use zeronav_msgs::request::RequestReason;
+use zeronav_msgs::{Cell, CellRect, MapView, Pose};
+
+/// How far a robot must have moved for a proof that there is no way to be doubted. [m]
+const ELSEWHERE_M: f64 = 0.5;
+
+/// Largest ratio of octile to straight distance.
+const OCTILE_MAX: f64 = 1.0824;
+
+/// What is known at one moment.
+#[derive(Debug, Clone, Copy)]
+pub struct Situation<'a> {
+    /// `map_from_base`.
+    pub robot: Pose,
+    /// The map, once there is one.
+    pub map: Option<MapView<'a>>,
+    /// Its revision.
+    pub revision: u64,
+    /// Rectangles written since the last situation handed in; all of the map when in doubt.
+    pub changed: &'a [CellRect],
+    /// Where to; `None` without a task.
+    pub target: Option<Target>,
+    /// The newest request of the local planner.
+    pub request: Option<Request>,
+}
+
+/// A message on `plan/request`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Request {
+    /// Its id.
+    pub id: u64,
+    /// [`zeronav_msgs::path::Path::geometry`] of the path that it is about; requests about
+    /// another path are out of date.
+    pub geometry: u64,
+    /// Why.
+    pub reason: RequestReason,
+}
+
+/// What to do next.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Step {
+    /// Call [`Replanner::search`], then [`Replanner::settle`].
+    Search(PathCause),
+    /// Publish [`Replanner::plan`].
+    Publish(News),
+}
+
+/// Whether the path of a cycle is another one than before.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum News {
+    /// New geometry, or a new failure: call [`Replanner::name_geometry`].
+    New,
+    /// As before.
+    Unchanged,
+}
+
+/// A search that was asked for.
+#[derive(Debug, Clone, Copy)]
+struct Pending {
+    cause: PathCause,
+    again: bool,
+}
+
+/// See the module's description.
+pub struct Replanner {
+    config: GlobalPlannerConfig,
+    planner: Box<dyn GlobalPlanner>,
+    plan: Plan,
+    candidate: Plan,
+    memory: CostMemory,
+    pending: Option<Pending>,
+    /// What the map did since the last search.
+    change: Change,
+    /// Cheapest way that the cells eased since the last search allow. [m of free cells]
+    promised_m: f64,
+    robot: Pose,
+    revision: u64,
+    revisions_since_search: u32,
+    request_served: u64,
+}
+
+impl Replanner {
+    /// A replanner without a path.
+    ///
+    /// # Errors
+    /// What is wrong with the configuration.
+    pub fn new(config: &GlobalPlannerConfig) -> Result<Self, ConfigError> {
+        let row = config.check()?;
+        Ok(Self {
+            config: config.clone(),
+            planner: (row.build)(&config.options),
+            plan: Plan::idle(row.key),
+            candidate: Plan::idle(row.key),
+            memory: CostMemory::default(),
+            pending: None,
+            change: Change::default(),
+            promised_m: f64::INFINITY,
+            robot: Pose::default(),
+            revision: 0,
+            revisions_since_search: 0,
+            request_served: 0,
+        })
+    }
+
+    /// The path at hand, or why there is none.
+    #[must_use]
+    pub fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    /// Names the message that brings the plan first; requests are held against it.
+    pub fn name_geometry(&mut self, id: u64) {
+        self.plan.geometry = id;
+    }
+
+    /// Begins a cycle.
+    pub fn begin(&mut self, situation: &Situation<'_>) -> Step {
+        self.pending = None;
+        self.observe(situation);
+        let (Some(map), Some(target)) = (situation.map, situation.target) else {
+            return self.stop();
+        };
+        match self.reason_to_search(situation, &map, &target) {
+            Some(cause) => self.ask(cause, false),
+            None => Step::Publish(News::Unchanged),
+        }
+    }
+
+    /// Searches, after [`Step::Search`]; nothing otherwise. `budget` may stop the search, as for
+    /// a new goal, and is then to be followed by [`Self::settle`] with what made it do so.
+    pub fn search(
+        &mut self,
+        situation: &Situation<'_>,
+        budget: &mut dyn FnMut(Expansions) -> Control,
+    ) {
+        let (Some(pending), Some(map), Some(target)) =
+            (self.pending, situation.map, situation.target)
+        else {
+            return;
+        };
+        self.observe(situation);
+        let query = PlanQuery {
+            map,
+            start: situation.robot,
+            goal: target.pose,
+            tolerance_m: target.tolerance_m,
+            unknown: self.config.unknown,
+            corner_rule: self.config.corner_rule,
+        };
+        let limit = self.config.budget_expansions;
+        let mut limited = |expansions: Expansions| {
+            if limit.is_some_and(|limit| expansions.0 >= limit) {
+                Control::Stop
+            } else {
+                budget(expansions)
+            }
+        };
+        let candidate = &mut self.candidate;
+        let result = self
+            .planner
+            .plan(&query, &mut limited, &mut candidate.cells);
+        let legality = Legality {
+            unknown: self.config.unknown,
+            corner_rule: self.config.corner_rule,
+        };
+        candidate.set(&query, legality, target, result.err());
+        candidate.cause = pending.cause;
+        candidate.searched_map = situation.revision;
+        if let Some(request) = situation.request {
+            self.request_served = self.request_served.max(request.id);
+        }
+        self.change = Change::default();
+        self.promised_m = f64::INFINITY;
+        self.revisions_since_search = 0;
+    }
+
+    /// Holds the result of the search against the newest situation: rules 9 and 10.
+    pub fn settle(&mut self, newest: &Situation<'_>) -> Step {
+        let Some(Pending { cause, again }) = self.pending.take() else {
+            return Step::Publish(News::Unchanged);
+        };
+        self.observe(newest);
+        let (Some(map), Some(target)) = (newest.map, newest.target) else {
+            return self.stop();
+        };
+        if !again {
+            if let Some(cause) = cause_of_target(self.candidate.target.as_ref(), &target) {
+                return self.ask(cause, true);
+            }
+            if self.candidate.is_cut(&map) {
+                return self.ask(cause, true);
+            }
+        }
+        if cause == PathCause::Shortcut && !self.accept_shortcut(newest, &map) {
+            return Step::Publish(News::Unchanged);
+        }
+        core::mem::swap(&mut self.plan, &mut self.candidate);
+        self.plan.geometry = 0;
+        Step::Publish(News::New)
+    }
+
+    /// Rules 2 to 8.
+    fn reason_to_search(
+        &mut self,
+        situation: &Situation<'_>,
+        map: &MapView<'_>,
+        target: &Target,
+    ) -> Option<PathCause> {
+        if let Some(cause) = cause_of_target(self.plan.target.as_ref(), target) {
+            return Some(cause);
+        }
+        let robot_cell = map.geometry.cell_at(situation.robot.point());
+        let moved = robot_cell != self.plan.robot_cell;
+        if self.plan.status != PathStatus::Found {
+            let retry = match self.plan.status {
+                PathStatus::Unreachable
+                | PathStatus::UnreachableCorner
+                | PathStatus::GoalBlocked => {
+                    self.change.opened || self.plan.robot.distance_m(&situation.robot) > ELSEWHERE_M
+                }
+                PathStatus::GoalOutsideMap => self.change.geometry,
+                _ => self.change.any || moved,
+            };
+            return retry.then_some(self.plan.cause);
+        }
+        let off_path_m = self.plan.corridor.advance(situation.robot.point());
+        if self.plan.is_cut(map) {
+            return Some(PathCause::Obstacle);
+        }
+        if off_path_m > self.config.off_path_m {
+            return Some(PathCause::Request);
+        }
+        let news = moved || situation.revision != self.plan.searched_map;
+        if news
+            && situation
+                .request
+                .is_some_and(|request| self.serves(request))
+        {
+            return Some(PathCause::Request);
+        }
+        let worth_m = (1.0 - self.config.shortcut_gain) * self.cost_ahead_m(map);
+        let due = self.revisions_since_search >= self.config.shortcut_every_revisions;
+        (due && self.promised_m < worth_m).then_some(PathCause::Shortcut)
+    }
+
+    /// Rule 10.
+    fn accept_shortcut(&mut self, newest: &Situation<'_>, map: &MapView<'_>) -> bool {
+        if self.candidate.status != PathStatus::Found {
+            return false;
+        }
+        self.plan.corridor.advance(newest.robot.point());
+        if self.plan.is_cut(map) {
+            self.candidate.cause = PathCause::Obstacle;
+            return true;
+        }
+        let weight = self.config.options.cost_weight;
+        let new_m = self.candidate.corridor.cost_ahead_m(map, weight);
+        new_m < (1.0 - self.config.shortcut_gain) * self.cost_ahead_m(map)
+    }
+
+    fn cost_ahead_m(&self, map: &MapView<'_>) -> f64 {
+        let weight = self.config.options.cost_weight;
+        self.plan.corridor.cost_ahead_m(map, weight)
+    }
+
+    fn serves(&self, request: Request) -> bool {
+        request.reason != RequestReason::None
+            && request.id > self.request_served
+            && request.geometry == self.plan.geometry
+    }
+
+    fn ask(&mut self, cause: PathCause, again: bool) -> Step {
+        self.pending = Some(Pending { cause, again });
+        Step::Search(cause)
+    }
+
+    /// Rule 1.
+    fn stop(&mut self) -> Step {
+        if self.plan.status == PathStatus::NoGoal {
+            return Step::Publish(News::Unchanged);
+        }
+        self.plan.clear();
+        Step::Publish(News::New)
+    }
+
+    /// Takes in what the map did.
+    fn observe(&mut self, situation: &Situation<'_>) {
+        // The robot may have come closer to what eased before.
+        self.promised_m -= OCTILE_MAX * self.robot.distance_m(&situation.robot);
+        self.robot = situation.robot;
+        let Some(map) = situation.map else {
+            return;
+        };
+        if situation.revision == self.revision {
+            return;
+        }
+        self.revision = situation.revision;
+        self.revisions_since_search = self.revisions_since_search.saturating_add(1);
+        let ends = situation.target.and_then(|target| {
+            let goal = map.geometry.cell_at(target.pose.point())?;
+            Some((map.geometry.cell_at(situation.robot.point())?, goal))
+        });
+        let promised_m = &mut self.promised_m;
+        let eased = |cell: Cell| {
+            if let Some((robot, goal)) = ends {
+                let cells = apart(robot, cell) + apart(cell, goal);
+                *promised_m = promised_m.min(cells * map.geometry.resolution_m);
+            }
+        };
+        let change = self
+            .memory
+            .take_in(&map, situation.changed, self.config.unknown, eased);
+        self.change.geometry |= change.geometry;
+        self.change.opened |= change.opened;
+        self.change.any |= change.any;
+        self.planner.map_changed(&map, situation.changed);
+    }
+}
+
+/// Rule 2.
+fn cause_of_target(old: Option<&Target>, new: &Target) -> Option<PathCause> {
+    match old {
+        Some(old) if old == new => None,
+        Some(old) if old.task == new.task && old.goal != new.goal => Some(PathCause::NextGoal),
+        _ => Some(PathCause::Goal),
+    }
+}
+
+/// Length of the shortest way over free cells. [cells]
+fn apart(one: Cell, other: Cell) -> f64 {
+    octile_cells(one.x.abs_diff(other.x), one.y.abs_diff(other.y))
+}

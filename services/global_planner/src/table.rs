@@ -1,0 +1,107 @@
+//! The planners by name: a new planner is one file and one row here.
+
+use crate::astar::CAstar;
+use crate::planner::GlobalPlanner;
+use serde::{Deserialize, Serialize};
+
+/// What a planner is told once, when it is built.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct PlannerOptions {
+    /// How dear cost is: a step costs its length times `1 + cost_weight * cost / 252`. 0 = the
+    /// shortest way; larger values keep away from obstacles. 0 to [`COST_WEIGHT_MAX`].
+    pub cost_weight: f64,
+    /// [m] how far a robot that stands too close to an obstacle may be led out, >= 0.
+    pub escape_m: f64,
+}
+
+/// Largest [`PlannerOptions::cost_weight`].
+pub const COST_WEIGHT_MAX: f64 = 20.0;
+
+/// Largest [`PlannerOptions::escape_m`]. [m]
+pub const ESCAPE_M_MAX: f64 = 5.0;
+
+impl Default for PlannerOptions {
+    fn default() -> Self {
+        Self {
+            cost_weight: 3.0,
+            escape_m: 0.6,
+        }
+    }
+}
+
+/// A planner that can be chosen.
+#[derive(Debug, Clone, Copy)]
+pub struct PlannerRow {
+    /// Lower-case name in configurations, messages and tables; at most 24 bytes.
+    pub key: &'static str,
+    /// Name for people.
+    pub title: &'static str,
+    /// Where the algorithm comes from.
+    pub source: &'static str,
+    /// True when it finds a path whenever there is one.
+    pub complete: bool,
+    /// Makes one.
+    pub build: fn(&PlannerOptions) -> Box<dyn GlobalPlanner>,
+}
+
+/// Every planner.
+pub const PLANNERS: &[PlannerRow] = &[PlannerRow {
+    key: "c_astar",
+    title: "A* over costs",
+    source: "Hart, Nilsson, Raphael, \"A Formal Basis for the Heuristic Determination of Minimum \
+             Cost Paths\", 1968; open list after Dial, 1969",
+    complete: true,
+    build: |options| Box::new(CAstar::new(options)),
+}];
+
+/// No planner has this key.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("no planner is called \"{key}\"; there are: {}", keys())]
+pub struct UnknownPlanner {
+    /// What was asked for.
+    pub key: String,
+}
+
+/// The row of `key`.
+///
+/// # Errors
+/// [`UnknownPlanner`], whose text lists the keys.
+pub fn row_of(key: &str) -> Result<&'static PlannerRow, UnknownPlanner> {
+    PLANNERS
+        .iter()
+        .find(|row| row.key == key)
+        .ok_or_else(|| UnknownPlanner {
+            key: key.to_owned(),
+        })
+}
+
+fn keys() -> String {
+    PLANNERS
+        .iter()
+        .map(|row| row.key)
+        .collect::<Vec<_>>()
+        .join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keys_are_unique_lower_case_and_fit_the_message() {
+        for (n, row) in PLANNERS.iter().enumerate() {
+            assert!(row.key.len() <= 24, "{}", row.key);
+            assert_eq!(row.key, row.key.to_lowercase());
+            assert!(PLANNERS[..n].iter().all(|other| other.key != row.key));
+            assert_eq!(row_of(row.key).map(|found| found.key), Ok(row.key));
+        }
+    }
+
+    #[test]
+    fn an_unknown_key_is_answered_with_the_known_ones() {
+        let error = row_of("best").map(|row| row.key).unwrap_err();
+        assert!(error.to_string().contains("\"best\""));
+        assert!(error.to_string().contains("c_astar"));
+    }
+}

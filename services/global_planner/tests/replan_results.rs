@@ -1,0 +1,154 @@
+//! The rules of replanning one by one: shortcuts, and when a result counts.
+
+mod support;
+
+use support::cycle::{Bench, ROOM};
+use support::{Map, of_cost};
+use zeronav_global_planner::{
+    Control, Expansions, GlobalPlannerConfig, News, Replanner, Situation, Step, Target,
+};
+use zeronav_msgs::map::COST_LETHAL;
+use zeronav_msgs::path::{PathCause, PathStatus};
+use zeronav_msgs::{Cell, CellRect};
+
+#[test]
+fn rule_7_a_shortcut_must_be_worth_it_and_is_not_looked_for_too_often() {
+    let wall = "S....#....G
+                .....#.....
+                .....#.....
+                .....#.....
+                .....#.....
+                ...........";
+    let (mut bench, _) = Bench::new(wall);
+    bench.expect_new(PathCause::Goal, PathStatus::Found);
+    let long_m = bench.replanner.plan().length_m;
+    let door = Cell::new(5, 5);
+    bench.update(&[door], 0);
+    for _ in 0..3 {
+        bench.expect_unchanged();
+        bench.update(&[], 0);
+    }
+    bench.expect_unchanged();
+    bench.update(&[], 0);
+    bench.expect_new(PathCause::Shortcut, PathStatus::Found);
+    assert!(bench.replanner.plan().length_m < 0.95 * long_m);
+    // What eases where no shorter way can lead is not even looked at.
+    bench.update(&[Cell::new(5, 1)], 0);
+    for _ in 0..8 {
+        bench.expect_unchanged();
+        bench.update(&[], 0);
+    }
+}
+
+#[test]
+fn rule_10_a_shortcut_that_saves_nothing_changes_nothing() {
+    let wall = "S....#....G
+                .....#.....
+                .....#.....
+                .....#.....
+                .....#.....
+                ...........";
+    let (mut bench, _) = Bench::new(wall);
+    bench.expect_new(PathCause::Goal, PathStatus::Found);
+    let geometry = bench.replanner.plan().geometry;
+    // A niche in the wall that leads nowhere.
+    bench.update(&[Cell::new(5, 4), Cell::new(6, 4)], 0);
+    bench.map.put(Cell::new(6, 4), of_cost(COST_LETHAL));
+    for y in 3..6 {
+        bench.map.put(Cell::new(6, y), of_cost(COST_LETHAL));
+        bench.changed.push(CellRect {
+            min: Cell::new(6, y),
+            max: Cell::new(7, y + 1),
+        });
+    }
+    let mut searches = Vec::new();
+    for _ in 0..12 {
+        let (causes, news) = bench.cycle();
+        assert_eq!(news, News::Unchanged);
+        searches.extend(causes);
+        bench.update(&[], 0);
+    }
+    assert_eq!(searches, [PathCause::Shortcut]);
+    assert_eq!(bench.replanner.plan().geometry, geometry);
+}
+
+#[test]
+fn rule_9_a_result_is_held_against_newer_updates_once() {
+    let (mut bench, _) = Bench::new(ROOM);
+    // Every search is overtaken by an update that cuts what it found.
+    let (causes, news) = bench.cycle_with(|bench| {
+        // Walls across the room with a gap on the far side, one after the other.
+        let column = i32::try_from(2 * bench.revision).unwrap();
+        let gap = if bench.revision == 1 { 0 } else { 4 };
+        bench.update(&[], 0);
+        for y in (0..5).filter(|y| *y != gap) {
+            bench.map.put(Cell::new(column, y), of_cost(COST_LETHAL));
+        }
+        let (min, max) = (Cell::new(column, 0), Cell::new(column + 1, 5));
+        bench.changed.push(CellRect { min, max });
+    });
+    assert_eq!(causes, [PathCause::Goal, PathCause::Goal]);
+    assert_eq!(news, News::New);
+    // The next cycle sees that the second result is cut as well.
+    bench.expect_new(PathCause::Obstacle, PathStatus::Found);
+    bench.expect_unchanged();
+}
+
+#[test]
+fn rule_9_a_goal_that_changed_meanwhile_is_searched_for() {
+    let (mut bench, at) = Bench::new(ROOM);
+    let mut searches = 0_i32;
+    let (causes, news) = bench.cycle_with(|bench| {
+        searches += 1;
+        let pose = bench.map.pose(Cell::new(searches, 0));
+        bench.target = Some(Target {
+            task: 7 + u64::from(searches.unsigned_abs()),
+            goal: 1,
+            pose,
+            tolerance_m: 0.1,
+        });
+    });
+    assert_eq!(causes, [PathCause::Goal, PathCause::Goal]);
+    assert_eq!(news, News::New);
+    assert_eq!(bench.path().last(), Some(&Cell::new(1, 0)));
+    bench.expect_new(PathCause::Goal, PathStatus::Found);
+    assert_eq!(bench.path()[0], at('S'));
+    // Cancelled while searching.
+    bench.target = bench.target.map(|target| Target { task: 99, ..target });
+    let (_, news) = bench.cycle_with(|bench| bench.target = None);
+    assert_eq!(news, News::New);
+    assert_eq!(bench.replanner.plan().status, PathStatus::NoGoal);
+}
+
+#[test]
+fn the_budget_is_that_of_the_configuration_and_of_the_caller() {
+    let map = Map::free(300, 300);
+    let config = GlobalPlannerConfig {
+        budget_expansions: Some(4000),
+        ..GlobalPlannerConfig::default()
+    };
+    let mut closed = map.clone();
+    closed.block(Cell::new(200, 0), Cell::new(202, 300));
+    for (config, stop) in [(config, false), (GlobalPlannerConfig::default(), true)] {
+        let mut replanner = Replanner::new(&config).unwrap();
+        let situation = Situation {
+            robot: map.pose(Cell::new(1, 1)),
+            map: Some(closed.view()),
+            revision: 1,
+            changed: &[],
+            target: Some(Target {
+                task: 1,
+                goal: 1,
+                pose: map.pose(Cell::new(290, 290)),
+                tolerance_m: 0.1,
+            }),
+            request: None,
+        };
+        assert_eq!(replanner.begin(&situation), Step::Search(PathCause::Goal));
+        let mut budget = |_: Expansions| if stop { Control::Stop } else { Control::Go };
+        replanner.search(&situation, &mut budget);
+        assert_eq!(replanner.settle(&situation), Step::Publish(News::New));
+        assert_eq!(replanner.plan().status, PathStatus::OutOfBudget);
+        assert!(replanner.plan().cells.stats.expanded < 7000);
+    }
+}

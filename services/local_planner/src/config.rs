@@ -1,0 +1,343 @@
+//! What a user may set. Numbers of the robot are not here: they come with its description.
+
+use serde::{Deserialize, Serialize};
+
+/// Configuration of the local planner.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct LocalPlannerConfig {
+    /// Key of a row in [`crate::table::CONTROLLERS`].
+    pub controller: String,
+    /// For the controller `dwa`.
+    pub dwa: DwaConfig,
+    /// When a task has succeeded or failed.
+    pub task: TaskConfig,
+    /// When another path is asked for.
+    pub requests: RequestConfig,
+    /// How old inputs may be.
+    pub staleness: StalenessConfig,
+}
+
+impl Default for LocalPlannerConfig {
+    fn default() -> Self {
+        Self {
+            controller: "dwa".to_owned(),
+            dwa: DwaConfig::default(),
+            task: TaskConfig::default(),
+            requests: RequestConfig::default(),
+            staleness: StalenessConfig::default(),
+        }
+    }
+}
+
+/// Parameters of the dynamic window.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct DwaConfig {
+    /// [s] length of a rollout; a robot that needs longer to stop gets longer ones.
+    pub horizon_s: f64,
+    /// [s] from pose to pose of a rollout.
+    pub step_s: f64,
+    /// [s] of acceleration that the sampled window spans. One control period would leave nothing
+    /// to choose from; the published twist is the part of the way there that one period allows.
+    pub window_s: f64,
+    /// Speeds in the window, 2 to 64.
+    pub speeds: u32,
+    /// Yaw rates in the window, 3 to 256.
+    pub yaw_rates: u32,
+    /// [m] that must stay free around the footprint.
+    pub safety_margin_m: f64,
+    /// [m] around the footprint in which nearness costs something.
+    pub soft_clearance_m: f64,
+    /// [m] that must stay free at the end of a stop along the arc.
+    pub stop_margin_m: f64,
+    /// [s] that pass before braking begins, at worst: transport, the guard, the drives.
+    pub reaction_s: f64,
+    /// [s] of acceleration by which the last command may lead the measured twist. Commands start
+    /// from the last command, not from the measurement, so latency does not halve the
+    /// acceleration; this bounds how far.
+    pub command_lead_s: f64,
+    /// [m] shortest look-ahead along the path.
+    pub lookahead_m_min: f64,
+    /// [s] of driving that the look-ahead spans.
+    pub lookahead_s: f64,
+    /// [m] by which a corner of the path may be cut or overrun; bounds the speed there.
+    pub corner_deviation_m: f64,
+    /// Share of `brake_mps2` used when slowing down in good order.
+    pub comfort_share: f64,
+    /// [rad] heading error above which the robot turns on the spot.
+    pub turn_above_rad: f64,
+    /// [rad] heading error above which a standing robot turns on the spot.
+    pub turn_above_standing_rad: f64,
+    /// [rad] heading error below which a turn on the spot ends.
+    pub turn_until_rad: f64,
+    /// [s] of standing blocked after which a robot that can drives backwards.
+    pub back_up_after_s: f64,
+    /// [m] driven backwards at most.
+    pub back_up_m: f64,
+    /// Weights of the evaluation.
+    pub weights: DwaWeights,
+}
+
+/// Weights of the evaluation, in metres of progress.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct DwaWeights {
+    /// Of a metre of progress along the path.
+    pub progress: f64,
+    /// Of a metre beside the path, on average over the rollout.
+    pub cross_track: f64,
+    /// Of heading against the path at the end (1 - cos of the error).
+    pub heading: f64,
+    /// Of touching the safety margin at full speed.
+    pub clearance: f64,
+    /// Of full speed.
+    pub speed: f64,
+    /// Of changing the chosen yaw rate by its largest value.
+    pub turn_change: f64,
+}
+
+impl Default for DwaConfig {
+    fn default() -> Self {
+        Self {
+            horizon_s: 1.5,
+            step_s: 0.1,
+            window_s: 0.3,
+            speeds: 20,
+            yaw_rates: 41,
+            safety_margin_m: 0.02,
+            soft_clearance_m: 0.20,
+            stop_margin_m: 0.05,
+            reaction_s: 0.1,
+            command_lead_s: 0.06,
+            lookahead_m_min: 0.35,
+            lookahead_s: 0.6,
+            corner_deviation_m: 0.15,
+            comfort_share: 0.7,
+            turn_above_rad: 0.9,
+            turn_above_standing_rad: 0.45,
+            turn_until_rad: 0.15,
+            back_up_after_s: 1.0,
+            back_up_m: 0.3,
+            weights: DwaWeights::default(),
+        }
+    }
+}
+
+impl Default for DwaWeights {
+    fn default() -> Self {
+        Self {
+            progress: 1.0,
+            cross_track: 3.0,
+            heading: 0.4,
+            clearance: 1.0,
+            speed: 0.1,
+            turn_change: 0.1,
+        }
+    }
+}
+
+/// When a task has succeeded or failed.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct TaskConfig {
+    /// [s] of run time that a planning failure must last, with the robot standing, before the task
+    /// fails by it.
+    pub failure_s: f64,
+    /// [m] that count as coming closer.
+    pub progress_m: f64,
+    /// [s] of run time without coming closer after which another path is asked for.
+    pub no_progress_s: f64,
+    /// [s] of run time without coming closer after which the task fails as stuck.
+    pub stuck_s: f64,
+    /// [m/s] below which the robot stands.
+    pub standing_mps: f64,
+}
+
+impl Default for TaskConfig {
+    fn default() -> Self {
+        Self {
+            failure_s: 1.0,
+            progress_m: 0.1,
+            no_progress_s: 10.0,
+            stuck_s: 30.0,
+            standing_mps: 0.02,
+        }
+    }
+}
+
+/// When another path is asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct RequestConfig {
+    /// [s] of run time between two requests at least.
+    pub every_s: f64,
+    /// [m] beyond the braking distance within which a blocked path is reported.
+    pub blocked_zone_m: f64,
+    /// [s] of run time without an admissible motion after which the path counts as blocked.
+    pub blocked_after_s: f64,
+    /// [m] beside the path beyond which the robot is off it.
+    pub off_path_m: f64,
+}
+
+impl Default for RequestConfig {
+    fn default() -> Self {
+        Self {
+            every_s: 0.5,
+            blocked_zone_m: 0.5,
+            blocked_after_s: 0.3,
+            off_path_m: 0.6,
+        }
+    }
+}
+
+/// How old inputs may be. Within the last part of an age the robot slows down, beyond it stops.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct StalenessConfig {
+    /// [s] of a scan since its capture.
+    pub scan_age_s: f64,
+    /// [s] of odometry since its capture.
+    pub odometry_age_s: f64,
+    /// [s] of the map since the scan that it is current as of.
+    pub map_age_s: f64,
+    /// [s] of the path since it was last confirmed.
+    pub path_age_s: f64,
+    /// Share of an age from which on the robot slows down, 0 to 1.
+    pub slow_from: f64,
+    /// Share of the speed that is left just before the age ends, 0 to 1.
+    pub slow_to: f64,
+}
+
+impl Default for StalenessConfig {
+    fn default() -> Self {
+        Self {
+            scan_age_s: 0.35,
+            odometry_age_s: 0.1,
+            map_age_s: 1.0,
+            path_age_s: 1.5,
+            slow_from: 0.7,
+            slow_to: 0.3,
+        }
+    }
+}
+
+/// A number is outside its range.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[error("{field} is {value}, it must be {least} to {most}")]
+pub struct ConfigError {
+    /// Name of the field.
+    pub field: &'static str,
+    /// Its value.
+    pub value: f64,
+    /// Smallest value accepted.
+    pub least: f64,
+    /// Largest value accepted.
+    pub most: f64,
+}
+
+impl LocalPlannerConfig {
+    /// Accepts numbers that the algorithms can live with. The key of the controller is checked by
+    /// [`crate::table::controller`].
+    ///
+    /// # Errors
+    /// The first field that is wrong.
+    pub fn check(&self) -> Result<(), ConfigError> {
+        let (dwa, weights, task) = (&self.dwa, &self.dwa.weights, &self.task);
+        let (requests, ages) = (&self.requests, &self.staleness);
+        let half_turn = core::f64::consts::PI;
+        for (field, value, least, most) in [
+            ("dwa.horizon_s", dwa.horizon_s, 0.2, 10.0),
+            ("dwa.step_s", dwa.step_s, 0.02, 0.5),
+            ("dwa.window_s", dwa.window_s, 0.01, 5.0),
+            ("dwa.speeds", f64::from(dwa.speeds), 2.0, 64.0),
+            ("dwa.yaw_rates", f64::from(dwa.yaw_rates), 3.0, 256.0),
+            ("dwa.safety_margin_m", dwa.safety_margin_m, 0.005, 1.0),
+            ("dwa.soft_clearance_m", dwa.soft_clearance_m, 0.01, 2.0),
+            ("dwa.stop_margin_m", dwa.stop_margin_m, 0.0, 2.0),
+            ("dwa.reaction_s", dwa.reaction_s, 0.0, 1.0),
+            ("dwa.command_lead_s", dwa.command_lead_s, 0.0, 1.0),
+            ("dwa.lookahead_m_min", dwa.lookahead_m_min, 0.05, 5.0),
+            ("dwa.lookahead_s", dwa.lookahead_s, 0.0, 5.0),
+            ("dwa.corner_deviation_m", dwa.corner_deviation_m, 0.01, 2.0),
+            ("dwa.comfort_share", dwa.comfort_share, 0.1, 1.0),
+            ("dwa.turn_above_rad", dwa.turn_above_rad, 0.1, half_turn),
+            (
+                "dwa.turn_above_standing_rad",
+                dwa.turn_above_standing_rad,
+                0.05,
+                dwa.turn_above_rad,
+            ),
+            (
+                "dwa.turn_until_rad",
+                dwa.turn_until_rad,
+                0.01,
+                0.9 * dwa.turn_above_standing_rad,
+            ),
+            ("dwa.back_up_after_s", dwa.back_up_after_s, 0.0, 60.0),
+            ("dwa.back_up_m", dwa.back_up_m, 0.0, 5.0),
+            ("dwa.weights.progress", weights.progress, 0.0, 1.0e3),
+            ("dwa.weights.cross_track", weights.cross_track, 0.0, 1.0e3),
+            ("dwa.weights.heading", weights.heading, 0.0, 1.0e3),
+            ("dwa.weights.clearance", weights.clearance, 0.0, 1.0e3),
+            ("dwa.weights.speed", weights.speed, 0.0, 1.0e3),
+            ("dwa.weights.turn_change", weights.turn_change, 0.0, 1.0e3),
+            ("task.failure_s", task.failure_s, 0.0, 600.0),
+            ("task.progress_m", task.progress_m, 0.001, 10.0),
+            ("task.no_progress_s", task.no_progress_s, 0.1, 3600.0),
+            ("task.stuck_s", task.stuck_s, task.no_progress_s, 3600.0),
+            ("task.standing_mps", task.standing_mps, 0.001, 1.0),
+            ("requests.every_s", requests.every_s, 0.0, 60.0),
+            (
+                "requests.blocked_zone_m",
+                requests.blocked_zone_m,
+                0.0,
+                100.0,
+            ),
+            (
+                "requests.blocked_after_s",
+                requests.blocked_after_s,
+                0.0,
+                60.0,
+            ),
+            ("requests.off_path_m", requests.off_path_m, 0.05, 100.0),
+            ("staleness.scan_age_s", ages.scan_age_s, 0.01, 10.0),
+            ("staleness.odometry_age_s", ages.odometry_age_s, 0.01, 10.0),
+            ("staleness.map_age_s", ages.map_age_s, 0.01, 60.0),
+            ("staleness.path_age_s", ages.path_age_s, 0.01, 60.0),
+            ("staleness.slow_from", ages.slow_from, 0.0, 1.0),
+            ("staleness.slow_to", ages.slow_to, 0.0, 1.0),
+        ] {
+            // Written so that NaN is refused.
+            if !(value >= least && value <= most) {
+                return Err(ConfigError {
+                    field,
+                    value,
+                    least,
+                    most,
+                });
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_defaults_are_accepted_and_a_nan_is_not() {
+        let mut config = LocalPlannerConfig::default();
+        assert_eq!(config.check(), Ok(()));
+        config.dwa.reaction_s = f64::NAN;
+        assert_eq!(config.check().map_err(|e| e.field), Err("dwa.reaction_s"));
+    }
+
+    #[test]
+    fn ranges_depend_on_each_other() {
+        let mut config = LocalPlannerConfig::default();
+        config.task.stuck_s = 5.0;
+        assert_eq!(config.check().map_err(|e| e.field), Err("task.stuck_s"));
+    }
+}

@@ -1,0 +1,68 @@
+//! The seam of local planning: from a situation to the next twist.
+
+use nalgebra::Point2;
+use zeronav_msgs::command::Validity;
+use zeronav_msgs::description::{Corner, Description};
+use zeronav_msgs::path::Waypoint;
+use zeronav_msgs::task::Goal;
+use zeronav_msgs::{MapView, Pose};
+
+/// What a controller may know in one control period. Everything is as of now: the caller has
+/// carried the scan's points and the pose forward to the odometry of this period.
+#[derive(Debug, Clone, Copy)]
+pub struct Situation<'a> {
+    /// `map_from_base`.
+    pub map_from_base: Pose,
+    /// [m/s] measured forward speed in `base`.
+    pub v_mps: f64,
+    /// [rad/s] measured yaw rate in `base`.
+    pub w_radps: f64,
+    /// The robot.
+    pub robot: &'a Description,
+    /// Its convex footprint in `base`, counter-clockwise; empty = a disc.
+    pub corners: &'a [Corner],
+    /// Corners of the path in the map frame. Segments may be metres long. Empty = no path.
+    pub path: &'a [Waypoint],
+    /// Id of the path's geometry; another id is another path.
+    pub path_geometry: u64,
+    /// The shared map; `None` = the points of the scan alone.
+    pub map: Option<MapView<'a>>,
+    /// Hits of the current scan, in `base` as it is now. [m]
+    pub scan_points_in_base: &'a [Point2<f64>],
+    /// Where the path leads, with its tolerances.
+    pub goal: &'a Goal,
+    /// [0, 1] share of the fastest speed that the age of the inputs allows.
+    pub speed_factor: f64,
+    /// [s] control period: the published twist holds that long.
+    pub period_s: f64,
+}
+
+/// The twist for this period and what it rests on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Decision {
+    /// [m/s] forward speed in `base`.
+    pub v_mps: f64,
+    /// [rad/s] yaw rate in `base`.
+    pub w_radps: f64,
+    /// `Drive`, or why the robot shall stop; then the twist is the first step of the ramp to rest.
+    pub validity: Validity,
+    /// [m] length of the checked arc on which the robot can still stop.
+    pub braking_arc_m: f64,
+    /// Motions looked at.
+    pub rollouts: u32,
+    /// [m] along the path to the first place where the robot would touch something, within the
+    /// controller's sight; `None` = the path is free as far as it sees.
+    pub blocked_arc_m: Option<f64>,
+}
+
+/// A local planner's control law.
+///
+/// Deterministic: the same sequence of situations gives the same decisions. No clock, no I/O, no
+/// threads; after the first periods no allocation. A controller keeps its own place along the
+/// path and starts anew when [`Situation::path_geometry`] changes.
+pub trait Controller {
+    /// The twist for this period. Finite, within the robot's limits, reachable from the twist of
+    /// the period before, and never one from which the robot cannot stop before contact as far as
+    /// the map and the scan tell.
+    fn decide(&mut self, situation: &Situation<'_>) -> Decision;
+}

@@ -1,0 +1,261 @@
+//! `dwa`: a dynamic window that follows a path.
+//!
+//! Source: Fox, Burgard, Thrun, "The Dynamic Window Approach to Collision Avoidance", IEEE
+//! Robotics and Automation Magazine 4(1), 1997: sample the twists that the accelerations allow,
+//! drop those from which the robot could not stop, take the best of the rest. The differences:
+//!
+//! - **Guidance is the path, not the goal's direction**: progress along it, distance from it and
+//!   heading against it, all at places of the rollout. A robot that faces away from the path turns
+//!   on the spot first; the speed is bounded ahead of corners and the goal.
+//! - **The window is longer than a control period.** At 50 Hz one period allows a change of some
+//!   2 cm/s, within which nothing can be told apart. The window spans
+//!   [`DwaConfig::window_s`]; rollouts ramp to their target as the robot would; the published
+//!   twist is the part of the way that this period allows.
+//! - **What is published is checked itself**: hold the twist for the reaction time, then ramp to
+//!   rest, on poses 3 cm apart, against the map and every point of the scan with the true outline.
+//!   If that is not free the robot slows down, along the stop that was checked the period before.
+//!   So a verified stop exists at every moment, and the rollouts only decide what is wise.
+//!
+//! A robot that stands inside the safety margin (noise, a new obstacle) may move as long as it
+//! does not come nearer.
+
+mod guidance;
+mod manoeuvre;
+
+use crate::config::DwaConfig;
+use crate::controller::{Controller, Decision, Situation};
+use crate::local_path::LocalPath;
+use crate::motion::{Twist, reachable, stop_distance_m, towards_rest};
+use crate::progress::{PathTracker, Place};
+use crate::rollout::Rollouts;
+use crate::surroundings::{Reach, Surroundings};
+use zeronav_msgs::command::Validity;
+
+/// [s] of standing with somewhere to go after which the robot counts as stuck.
+const STUCK_S: f64 = 0.1;
+
+/// What the robot is about.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Mode {
+    /// Driving along the path.
+    Follow,
+    /// Turning on the spot towards the path; +1 = left.
+    Turn(f64),
+    /// Within the goal's tolerance: stop, then turn to its yaw.
+    Arrive,
+    /// Backing out of a dead end, so many metres still.
+    BackUp(f64),
+}
+
+/// The target of a period.
+enum Wish {
+    /// Go on towards this twist.
+    Towards(Twist),
+    /// Ramp to rest, and why.
+    Rest(Validity),
+}
+
+/// The controller `dwa`.
+#[derive(Debug, Clone)]
+pub struct Dwa {
+    config: DwaConfig,
+    tracker: PathTracker,
+    path: LocalPath,
+    surroundings: Surroundings,
+    rollouts: Rollouts,
+    mode: Mode,
+    goal: u64,
+    /// Published last.
+    last: Twist,
+    /// Yaw rate steered for last. [rad/s]
+    steered_radps: f64,
+    /// Standing without an admissible motion for so long. [s]
+    blocked_s: f64,
+    looked_at: u32,
+}
+
+impl Dwa {
+    /// A controller at rest. The numbers must be those that
+    /// [`crate::config::LocalPlannerConfig::check`] accepts.
+    #[must_use]
+    pub fn new(config: DwaConfig) -> Self {
+        Self {
+            config,
+            tracker: PathTracker::new(),
+            path: LocalPath::default(),
+            surroundings: Surroundings::default(),
+            rollouts: Rollouts::default(),
+            mode: Mode::Follow,
+            goal: 0,
+            last: Twist::REST,
+            steered_radps: 0.0,
+            blocked_s: 0.0,
+            looked_at: 0,
+        }
+    }
+
+    /// The twist that this period's command starts from: the last command, as far as the
+    /// measured twist can have followed it.
+    fn start(&self, situation: &Situation<'_>) -> Twist {
+        let robot = situation.robot;
+        let measured = Twist::new(
+            situation.v_mps.clamp(robot.v_mps_min, robot.v_mps_max),
+            situation
+                .w_radps
+                .clamp(-robot.w_radps_max, robot.w_radps_max),
+        );
+        let lead_s = self.config.command_lead_s;
+        let up = robot.a_mps2_max.max(robot.brake_mps2) * lead_s;
+        let about = robot.alpha_radps2_max * lead_s;
+        Twist {
+            v_mps: self
+                .last
+                .v_mps
+                .clamp(measured.v_mps - up, measured.v_mps + up),
+            w_radps: self
+                .last
+                .w_radps
+                .clamp(measured.w_radps - about, measured.w_radps + about),
+        }
+    }
+
+    /// [s] length of a rollout: at least the time of a stop from full speed.
+    fn horizon_s(&self, situation: &Situation<'_>) -> f64 {
+        let robot = situation.robot;
+        let stop_m = stop_distance_m(robot, robot.v_mps_max, self.config.reaction_s)
+            + self.config.stop_margin_m;
+        self.config.horizon_s.max(stop_m / robot.v_mps_max)
+    }
+
+    /// Samples the path and looks around.
+    fn look(&mut self, situation: &Situation<'_>, place: &Place) {
+        let robot = situation.robot;
+        self.surroundings.describe(robot, situation.corners);
+        let sight_m = robot.v_mps_max * self.horizon_s(situation) + 0.5;
+        let position = situation.map_from_base.point();
+        self.path
+            .sample(&self.tracker, situation.path, place, position, sight_m);
+        let reach = Reach {
+            field_m: sight_m,
+            stop_m: stop_distance_m(robot, robot.v_mps_max, self.config.reaction_s),
+            soft_m: self.config.soft_clearance_m,
+            margin_m: self.config.safety_margin_m,
+        };
+        self.surroundings.look(
+            situation.map,
+            &situation.map_from_base,
+            situation.scan_points_in_base,
+            reach,
+        );
+    }
+
+    fn wish(&mut self, situation: &Situation<'_>, place: &Place, from: Twist) -> Wish {
+        if let Some(wish) = self.arrive(situation, place, from) {
+            return wish;
+        }
+        if let Some(wish) = self.back_up(situation, from) {
+            return wish;
+        }
+        let to_goal = self.to_local_goal(situation, place, from);
+        let error_rad = to_goal.y.atan2(to_goal.x);
+        // Too near a point to have a direction.
+        let meaningful = to_goal.norm() > 0.05;
+        let stuck = self.blocked_s > STUCK_S;
+        if meaningful && let Some(wish) = self.turn(situation, from, error_rad, stuck) {
+            return wish;
+        }
+        if stuck && situation.robot.v_mps_min < 0.0 && self.blocked_s >= self.config.back_up_after_s
+        {
+            self.blocked_s = 0.0;
+            self.mode = Mode::BackUp(self.config.back_up_m);
+        }
+        let astray = meaningful && error_rad.abs() > self.config.turn_above_rad;
+        let fastest = self.fastest_mps(situation, place, astray);
+        self.best(situation, place, from, fastest, to_goal)
+            .map_or(Wish::Rest(Validity::Blocked), Wish::Towards)
+    }
+
+    /// [m] along the path to the first obstacle in sight.
+    fn blocked_arc_m(&self) -> Option<f64> {
+        self.path.blocked_m(
+            &self.surroundings.field,
+            self.surroundings.footprint.inscribed_m,
+        )
+    }
+
+    fn stop_arc_m(&self, situation: &Situation<'_>, twist: Twist) -> Option<f64> {
+        self.surroundings
+            .stop_arc_m(situation.robot, twist, self.config.reaction_s)
+    }
+
+    /// The first step towards the wish from which a stop is free; else the first step of a stop.
+    fn publish(&mut self, situation: &Situation<'_>, from: Twist, wish: &Wish) -> Decision {
+        let (robot, period_s) = (situation.robot, situation.period_s);
+        let rest = towards_rest(robot, from, period_s);
+        let braking_m = stop_distance_m(robot, rest.v_mps, 0.0);
+        let (twist, validity, braking_arc_m) = match wish {
+            Wish::Rest(validity) => (rest, *validity, braking_m),
+            Wish::Towards(wanted) => {
+                let slowed = Twist::new(0.0, wanted.w_radps);
+                [*wanted, slowed]
+                    .into_iter()
+                    .find_map(|wanted| {
+                        let next = reachable(robot, from, wanted, period_s);
+                        let arc_m = self.stop_arc_m(situation, next)?;
+                        Some((next, Validity::Drive, arc_m))
+                    })
+                    .unwrap_or((rest, Validity::Blocked, braking_m))
+            }
+        };
+        // Standing although something was wished is being blocked, whoever is to blame.
+        let resting = matches!(wish, Wish::Rest(Validity::AtGoal | Validity::NoPath));
+        let idle = from.is_standing()
+            && twist.v_mps.abs() < 0.5 * robot.a_mps2_max * period_s
+            && twist.w_radps.abs() < 0.5 * robot.alpha_radps2_max * period_s;
+        self.blocked_s = if resting || !idle {
+            0.0
+        } else {
+            self.blocked_s + period_s
+        };
+        let validity = match validity {
+            Validity::Drive if self.blocked_s > STUCK_S => Validity::Blocked,
+            other => other,
+        };
+        self.last = twist;
+        Decision {
+            v_mps: twist.v_mps,
+            w_radps: twist.w_radps,
+            validity,
+            braking_arc_m,
+            rollouts: self.looked_at,
+            blocked_arc_m: None,
+        }
+    }
+}
+
+impl Controller for Dwa {
+    fn decide(&mut self, situation: &Situation<'_>) -> Decision {
+        self.looked_at = 0;
+        if situation.goal.id != self.goal {
+            self.goal = situation.goal.id;
+            self.mode = Mode::Follow;
+        }
+        let from = self.start(situation);
+        let place = self.tracker.advance(
+            situation.path_geometry,
+            situation.path,
+            situation.map_from_base.point(),
+        );
+        let Some(place) = place else {
+            self.mode = Mode::Follow;
+            return self.publish(situation, from, &Wish::Rest(Validity::NoPath));
+        };
+        self.look(situation, &place);
+        let wish = self.wish(situation, &place, from);
+        let blocked_arc_m = self.blocked_arc_m();
+        Decision {
+            blocked_arc_m,
+            ..self.publish(situation, from, &wish)
+        }
+    }
+}

@@ -1,0 +1,157 @@
+//! Following the path: where to steer, how fast, and which twist of the window is best.
+
+use super::Dwa;
+use crate::controller::Situation;
+use crate::motion::Twist;
+use crate::progress::Place;
+use crate::rollout::Outcome;
+use crate::window::{Range, Window};
+use nalgebra::Vector2;
+
+/// [m/s] slowest speed asked for at a corner, and speed at which a robot that must turn steers.
+const CREEP_MPS: f64 = 0.12;
+
+/// [m] of path that are left when rotation room no longer matters.
+const FINAL_M: f64 = 0.5;
+
+impl Dwa {
+    /// The local goal in `base`. [m]
+    pub(super) fn to_local_goal(
+        &self,
+        situation: &Situation<'_>,
+        place: &Place,
+        from: Twist,
+    ) -> Vector2<f64> {
+        // Beside the path it is approached at an angle, and a corner cut on the inside is left
+        // forwards.
+        let lookahead_m = self
+            .config
+            .lookahead_m_min
+            .max(self.config.lookahead_s * from.v_mps.abs())
+            + 1.5 * place.cross_track_m;
+        let inscribed_m = self.surroundings.footprint.inscribed_m;
+        let in_map = self
+            .path
+            .local_goal(&self.surroundings.field, inscribed_m, lookahead_m);
+        let (sin, cos) = situation.map_from_base.yaw_rad.sin_cos();
+        Vector2::new(
+            cos * in_map.x + sin * in_map.y,
+            cos * in_map.y - sin * in_map.x,
+        )
+    }
+
+    /// [m/s] fastest speed that the goal, the corners ahead and the age of the inputs allow.
+    pub(super) fn fastest_mps(
+        &self,
+        situation: &Situation<'_>,
+        place: &Place,
+        astray: bool,
+    ) -> f64 {
+        let (config, robot) = (&self.config, situation.robot);
+        let decel_mps2 = config.comfort_share * robot.brake_mps2;
+        let beside_m = (place.cross_track_m - situation.goal.tolerance_m).max(0.0);
+        let goal_mps = (2.0 * decel_mps2 * (place.remaining_m + beside_m)).sqrt();
+        let corner_mps = self.path.corner_speed_mps(
+            config.corner_deviation_m,
+            0.8 * robot.w_radps_max,
+            decel_mps2,
+            CREEP_MPS.min(robot.v_mps_max),
+        );
+        let astray_mps = if astray { CREEP_MPS } else { f64::INFINITY };
+        (robot.v_mps_max * situation.speed_factor.clamp(0.0, 1.0))
+            .min(goal_mps.max(0.03))
+            .min(corner_mps)
+            .min(astray_mps)
+    }
+
+    /// The best admissible twist of the window.
+    pub(super) fn best(
+        &mut self,
+        situation: &Situation<'_>,
+        place: &Place,
+        from: Twist,
+        fastest_mps: f64,
+        to_goal: Vector2<f64>,
+    ) -> Option<Twist> {
+        let (config, robot) = (self.config, situation.robot);
+        let footprint = &self.surroundings.footprint;
+        let blocked = self.blocked_arc_m().is_some();
+        let low = (from.v_mps - robot.brake_mps2 * config.window_s).max(0.0);
+        let high = (from.v_mps + robot.a_mps2_max * config.window_s).min(fastest_mps);
+        let about = robot.alpha_radps2_max * config.window_s;
+        // Pure pursuit: the arc through the local goal has the curvature 2 y / l^2.
+        let curvature = 2.0 * to_goal.y / to_goal.norm_squared().max(0.01);
+        // Before an obstacle across the path there must be room to turn away from it.
+        let rotation_room_m = if blocked && place.remaining_m > FINAL_M {
+            footprint.circumscribed_m - footprint.inscribed_m
+        } else {
+            0.0
+        };
+        let window = Window {
+            robot,
+            from,
+            speeds: Range {
+                low,
+                high: high.max(low),
+            },
+            yaw_rates: Range {
+                low: (from.w_radps - about).max(-robot.w_radps_max),
+                high: (from.w_radps + about).min(robot.w_radps_max),
+            },
+            preferred_radps: curvature * fastest_mps.clamp(low, high.max(low)),
+            yaw_rad: situation.map_from_base.yaw_rad,
+            step_s: config.step_s,
+            horizon_s: self.horizon_s(situation),
+            reaction_s: config.reaction_s,
+            stop_margin_m: config.stop_margin_m + rotation_room_m,
+            soft_m: config.soft_clearance_m,
+        };
+        self.rollouts
+            .prepare(&window, config.speeds as usize, config.yaw_rates as usize);
+        self.looked_at = u32::try_from(self.rollouts.len()).unwrap_or(u32::MAX);
+        let mut best: Option<(f64, Twist)> = None;
+        for (i, &v_mps) in self.rollouts.speeds.iter().enumerate() {
+            for (j, &w_radps) in self.rollouts.yaw_rates.iter().enumerate() {
+                let outcome = self
+                    .rollouts
+                    .outcome(&window, &self.surroundings, &self.path, i, j);
+                if let Some(outcome) = outcome {
+                    let twist = Twist::new(v_mps, w_radps);
+                    let worth = self.worth(situation, place, twist, &outcome);
+                    if best.is_none_or(|(most, _)| worth > most) {
+                        best = Some((worth, twist));
+                    }
+                }
+            }
+        }
+        let (_, twist) = best?;
+        self.steered_radps = twist.w_radps;
+        Some(twist)
+    }
+
+    /// What a rollout is worth, in metres of progress.
+    pub(super) fn worth(
+        &self,
+        situation: &Situation<'_>,
+        place: &Place,
+        twist: Twist,
+        outcome: &Outcome,
+    ) -> f64 {
+        let weights = &self.config.weights;
+        let robot = situation.robot;
+        let speed = twist.v_mps / robot.v_mps_max;
+        let turn_change = (twist.w_radps - self.steered_radps).abs() / robot.w_radps_max;
+        let soft_m = self.config.soft_clearance_m;
+        let hard_m = self.config.safety_margin_m.min(0.9 * soft_m);
+        // A goal beside a wall must be reached: nearness costs less and less on the last metre.
+        let clearance = weights.clearance * place.remaining_m.min(1.0);
+        let near = ((soft_m - outcome.margin_m) / (soft_m - hard_m)).clamp(0.0, 1.0);
+        weights.progress * outcome.progress_m + weights.speed * speed
+            - weights.cross_track * outcome.beside_m
+            - weights.heading * outcome.heading
+            - clearance * near * near * (0.3 + 0.7 * speed)
+            - weights.turn_change * turn_change
+            // Ties: the straighter one.
+            - 1.0e-6 * twist.w_radps.abs()
+    }
+}

@@ -1,0 +1,31 @@
+//! Local planning: from a path, a map and a scan to the next velocity request.
+//!
+//! [`LocalPlanner`] is one control period: which goal is at hand ([`task`]), how old the inputs
+//! are ([`staleness`]), the next twist ([`controller`], by default [`dwa`]) and whether another
+//! path is needed ([`requests`]). A new controller is a file plus a row in [`table`].
+//!
+//! The library is pure: no clock, no I/O, no threads; times are passed in, the same calls give
+//! the same answers, and after the first periods nothing is allocated.
+
+pub mod config;
+pub mod controller;
+pub mod dwa;
+mod field;
+mod footprint;
+mod local_path;
+pub mod motion;
+pub mod period;
+pub mod progress;
+pub mod requests;
+mod rollout;
+pub mod scan_points;
+pub mod staleness;
+mod stall;
+mod surroundings;
+pub mod table;
+pub mod task;
+mod turn;
+mod window;
+
+pub use config::LocalPlannerConfig;
+pub use period::{Inputs, LocalPlanner, Outputs, PathInput};

@@ -1,0 +1,378 @@
+//! The local planner as a process: answers every odometry, scan and path with a velocity request.
+
+use std::process::ExitCode;
+use zeronav_local_planner::motion::Twist;
+use zeronav_local_planner::scan_points::ScanPoints;
+use zeronav_local_planner::staleness::{Ages, StaleInput};
+use zeronav_local_planner::{Inputs, LocalPlanner, LocalPlannerConfig, Outputs, PathInput};
+use zeronav_msgs::header::{Header, Parents};
+use zeronav_msgs::health::{REASON_MAP, REASON_ODOMETRY, REASON_PATH, REASON_SCAN};
+use zeronav_msgs::pose::Pose;
+use zeronav_msgs::replica::MapReplica;
+use zeronav_msgs::role::Role;
+use zeronav_msgs::span::SpanKind;
+use zeronav_msgs::task::GOALS_MAX;
+use zeronav_msgs::topics::{
+    ControlRequest, EVENT_NEED_KEYFRAME, MapKeyframe, MapUpdate, PlanPath, PlanRequests,
+    RobotDescription, RobotOdometry, RobotScan, TaskGoal, TaskState,
+};
+use zeronav_shell::clock::now_ns;
+use zeronav_shell::doorbell::Rung;
+use zeronav_shell::{Cycle, Latest, Roster, Service, Shell, StartError, Stream, Track, Writer};
+
+/// Ticks between two statuses of an unchanged task.
+const STATUS_TICKS: u64 = 10;
+
+/// Shortest period that the controller is told of, in real time. [s]
+const PERIOD_S_MIN: f64 = 1.0e-3;
+
+/// When a message was captured and when it came in.
+#[derive(Debug, Clone, Copy, Default)]
+struct Stamp {
+    tick: u64,
+    run_ns: u64,
+    capture_ns: u64,
+    came_ns: u64,
+}
+
+impl Stamp {
+    fn of(header: &Header, came_ns: u64) -> Self {
+        Self {
+            tick: header.tick,
+            run_ns: header.run_ns,
+            capture_ns: header.capture_ns,
+            came_ns,
+        }
+    }
+}
+
+/// What the planner reads, and how old it is.
+struct Readings {
+    description: Latest<RobotDescription>,
+    odometry: Stream<RobotOdometry>,
+    scan: Latest<RobotScan>,
+    updates: Stream<MapUpdate>,
+    keyframe: Latest<MapKeyframe>,
+    path: Latest<PlanPath>,
+    goal: Latest<TaskGoal>,
+    track: Track,
+    replica: MapReplica,
+    points: ScanPoints,
+    /// `odom_from_base` at the capture of the scan whose points are held.
+    scan_pose: Option<Pose>,
+    /// The points of the newest scan are still to be taken.
+    scan_fresh: bool,
+    odometry_stamp: Option<Stamp>,
+    scan_stamp: Option<Stamp>,
+    map_stamp: Option<Stamp>,
+    path_stamp: Option<Stamp>,
+}
+
+/// What came in with a wake.
+#[derive(Debug, Clone, Copy, Default)]
+struct News {
+    scan: bool,
+    path: bool,
+    goal: bool,
+}
+
+struct PlannerService {
+    planner: LocalPlanner,
+    readings: Readings,
+    request: Writer<ControlRequest>,
+    plan_request: Writer<PlanRequests>,
+    status: Writer<TaskState>,
+    answered_tick: u64,
+    answered_ns: u64,
+    status_tick: u64,
+    idle_said: bool,
+}
+
+impl Readings {
+    /// Takes in what has come, odometry first: in lockstep it carries the tick, and whatever was
+    /// sent before it (goals, idle outputs, its scan) is then surely found by the others.
+    fn poll(&mut self, roster: &Roster, now_ns: u64) -> News {
+        let mut news = News::default();
+        let (track, odometry_stamp) = (&mut self.track, &mut self.odometry_stamp);
+        self.odometry.drain(roster, |view| {
+            track.push(view.header, view.meta);
+            *odometry_stamp = Some(Stamp::of(view.header, now_ns));
+        });
+        self.description.poll(roster);
+        news.goal = self.goal.poll(roster);
+        news.path = self.path.poll(roster);
+        if let Some(view) = self.path.get().filter(|_| news.path) {
+            self.path_stamp = Some(Stamp::of(view.header, now_ns));
+        }
+        let (replica, map_stamp) = (&mut self.replica, &mut self.map_stamp);
+        self.updates.drain(roster, |view| {
+            replica.update(view.header.id(), view.meta, view.items);
+            if view.meta.is_last_part() {
+                *map_stamp = Some(Stamp::of(view.header, now_ns));
+            }
+        });
+        // Also when none is needed: an unread one would take a place from the next.
+        if self.keyframe.poll(roster)
+            && let Some(view) = self.keyframe.get()
+        {
+            self.replica.keyframe(view.meta, view.items);
+        }
+        self.keyframe.release();
+        self.replica.take_changed();
+        news.scan = self.scan.poll(roster);
+        if let Some(view) = self.scan.get().filter(|_| news.scan) {
+            self.scan_stamp = Some(Stamp::of(view.header, now_ns));
+        }
+        self.scan_fresh |= news.scan;
+        self.take_points();
+        news
+    }
+
+    /// Takes the points of a new scan, once odometry tells where it was captured.
+    fn take_points(&mut self) {
+        if !self.scan_fresh {
+            return;
+        }
+        let (Some(scan), Some(description)) = (self.scan.get(), self.description.get()) else {
+            return;
+        };
+        let Some(pose) = self.track.pose_at(scan.header.run_ns) else {
+            return;
+        };
+        let twist = self.track.newest().map_or(Twist::REST, |moment| {
+            Twist::new(moment.odometry.v_mps, moment.odometry.w_radps)
+        });
+        let base_from_laser = &description.meta.base_from_laser;
+        self.points
+            .take(scan.meta, scan.items, base_from_laser, twist);
+        self.scan_pose = Some(pose);
+        self.scan_fresh = false;
+    }
+
+    fn ages(&self, lockstep: bool, run_ns: u64, now_ns: u64) -> Ages {
+        // Run time in lockstep. Otherwise the own clock bounds what a foreign stamp may claim.
+        let age_ns = |stamp: Stamp| {
+            if lockstep {
+                run_ns.saturating_sub(stamp.run_ns)
+            } else {
+                now_ns.saturating_sub(stamp.capture_ns.min(stamp.came_ns))
+            }
+        };
+        Ages {
+            scan_ns: self.scan_stamp.map(age_ns),
+            odometry_ns: self.odometry_stamp.map(age_ns),
+            map_ns: self.map_stamp.map(age_ns),
+            path_ns: self.path_stamp.map(age_ns),
+        }
+    }
+
+    fn parents(&self) -> Parents {
+        Parents {
+            odometry: self.track.newest().map_or(0, |moment| moment.id.0),
+            // The scan whose points are looked at, not one that still waits for its odometry.
+            scan: if self.scan_fresh { 0 } else { self.scan.id().0 },
+            map: self.replica.revision().0,
+            // An idle output is no path; whether it was heard depends on who started first.
+            path: if self.path.tick() == 0 {
+                0
+            } else {
+                self.path.id().0
+            },
+            goal: self.goal.id().0,
+            ..Parents::default()
+        }
+    }
+
+    fn refused(&self) -> u64 {
+        self.odometry.refused()
+            + self.scan.refused()
+            + self.updates.refused()
+            + self.keyframe.refused()
+            + self.path.refused()
+            + self.goal.refused()
+    }
+}
+
+impl Service for PlannerService {
+    const ROLE: Role = Role::LocalPlanner;
+    type Config = LocalPlannerConfig;
+
+    fn open(shell: &mut Shell, config: LocalPlannerConfig) -> Result<Self, StartError> {
+        let planner = LocalPlanner::new(&config)
+            .map_err(|error| StartError::Usage(format!("configuration: {error}")))?;
+        let peer = shell.peer();
+        Ok(Self {
+            planner,
+            readings: Readings {
+                description: peer.latest()?,
+                odometry: peer.stream()?,
+                scan: peer.latest()?,
+                // Updates before the keyframe, so that none is missed between the two.
+                updates: peer.stream()?,
+                keyframe: peer.latest()?,
+                path: peer.latest()?,
+                goal: peer.latest()?,
+                track: Track::default(),
+                replica: MapReplica::new(),
+                points: ScanPoints::default(),
+                scan_pose: None,
+                scan_fresh: false,
+                odometry_stamp: None,
+                scan_stamp: None,
+                map_stamp: None,
+                path_stamp: None,
+            },
+            request: peer.writer(1)?,
+            plan_request: peer.writer(1)?,
+            status: peer.writer(GOALS_MAX)?,
+            answered_tick: 0,
+            answered_ns: 0,
+            status_tick: 0,
+            idle_said: false,
+        })
+    }
+
+    fn wake(&mut self, shell: &mut Shell, _rung: Rung) -> Result<Option<u64>, StartError> {
+        self.status.refresh();
+        let news = self.readings.poll(shell.roster(), shell.woken_ns());
+        shell.totals(
+            self.readings.refused(),
+            self.readings.scan.superseded() + self.readings.path.superseded(),
+        );
+        if !shell.roster().has_clock() {
+            return Ok(None);
+        }
+        if self.readings.replica.needs_keyframe() {
+            shell.ring_event(Role::Mapping, EVENT_NEED_KEYFRAME);
+        }
+        if news.goal
+            && let Some(view) = self.readings.goal.get()
+        {
+            self.planner
+                .accept_task(view.header.id, view.meta, view.items);
+        }
+        if !self.idle_said {
+            self.idle_said = true;
+            self.answer(shell, 0, SpanKind::Idle);
+            shell.ready();
+        }
+        let Some(newest) = self.readings.track.newest() else {
+            return Ok(None);
+        };
+        let (tick, due) = (newest.tick, newest.odometry.scan_due());
+        if shell.roster().lockstep() {
+            let owes =
+                tick > self.answered_tick && shell.roster().answers(Role::LocalPlanner, tick);
+            if owes && !self.waits(shell.roster(), tick, due) {
+                self.answer(shell, tick, SpanKind::Answer);
+            }
+        } else if tick > self.answered_tick {
+            self.answer(shell, tick, SpanKind::Answer);
+        } else if news.scan || news.path {
+            self.answer(shell, tick, SpanKind::Extra);
+        }
+        Ok(None)
+    }
+}
+
+impl PlannerService {
+    /// True while something that belongs to `tick` is still on its way, lockstep only.
+    fn waits(&self, roster: &Roster, tick: u64, scan_due: bool) -> bool {
+        let came = |stamp: Option<Stamp>| stamp.is_some_and(|stamp| stamp.tick >= tick);
+        let readings = &self.readings;
+        let mapped = roster.answers(Role::Mapping, tick);
+        let planned = roster.answers(Role::GlobalPlanner, tick);
+        let scan_waits = !came(readings.scan_stamp)
+            || readings.scan_fresh
+            || (mapped && !came(readings.map_stamp))
+            || (planned && !came(readings.path_stamp));
+        (scan_due && scan_waits) || (mapped && readings.replica.needs_keyframe())
+    }
+
+    #[allow(clippy::cast_precision_loss, reason = "periods far below 2^53 ns")]
+    fn period_s(&self, shell: &Shell, now_ns: u64) -> f64 {
+        let tick_s = shell.roster().clock.tick_ns as f64 * 1.0e-9;
+        if shell.roster().lockstep() {
+            return tick_s;
+        }
+        let since_s = now_ns.saturating_sub(self.answered_ns) as f64 * 1.0e-9;
+        since_s.clamp(PERIOD_S_MIN.min(tick_s), tick_s)
+    }
+
+    fn answer(&mut self, shell: &mut Shell, tick: u64, kind: SpanKind) {
+        let clock = shell.roster().clock;
+        let lockstep = shell.roster().lockstep();
+        let run_ns = tick.saturating_mul(clock.tick_ns);
+        let now_ns = now_ns();
+        let period_s = self.period_s(shell, now_ns);
+        let readings = &mut self.readings;
+        let capture_ns = readings.scan_stamp.map_or(0, |stamp| stamp.capture_ns);
+        let draft = shell.draft(tick, run_ns, capture_ns, readings.parents());
+        let ages = readings.ages(lockstep, run_ns, now_ns);
+        let odometry = readings.track.newest().map(|moment| moment.odometry);
+        let points = match (readings.scan_pose, &odometry) {
+            (Some(at_capture), Some(now)) => readings.points.carry(&at_capture, &now.pose),
+            _ => &[],
+        };
+        let description = readings.description.get();
+        let path = readings.path.get();
+        let outputs = self.planner.step(&Inputs {
+            tick,
+            run_ns,
+            period_s,
+            robot: description.as_ref().map(|view| (view.meta, view.items)),
+            odometry: odometry.as_ref(),
+            map: readings
+                .replica
+                .view()
+                .map(|map| (readings.replica.info().map_from_odom, map)),
+            path: path.as_ref().map(|view| PathInput {
+                path: view.meta,
+                waypoints: view.items,
+            }),
+            scan_points_in_base: points,
+            ages,
+            stopping: shell.roster().control.stopping == 1,
+        });
+        let sent = self.request.publish(&draft, outputs.request, &[]);
+        let output = shell.sent(&self.request, sent);
+        if let Some(plan_request) = outputs.plan_request {
+            let sent = self.plan_request.publish(&draft, plan_request, &[]);
+            shell.sent(&self.plan_request, sent);
+        }
+        if outputs.status_changed || tick >= self.status_tick + STATUS_TICKS || tick == 0 {
+            self.send_status(shell, &draft);
+        }
+        self.answered_tick = self.answered_tick.max(tick);
+        self.answered_ns = now_ns;
+        Self::tell(shell, &outputs);
+        shell.finish(&Cycle {
+            kind,
+            draft,
+            output,
+            work: u64::from(outputs.rollouts),
+        });
+    }
+
+    fn send_status(&mut self, shell: &mut Shell, draft: &zeronav_shell::Draft) {
+        let (status, ended) = self.planner.status();
+        let sent = self.status.publish(draft, status, ended);
+        shell.sent(&self.status, sent);
+        self.status_tick = draft.tick;
+    }
+
+    fn tell(shell: &mut Shell, outputs: &Outputs) {
+        for (input, bit) in [
+            (StaleInput::Odometry, REASON_ODOMETRY),
+            (StaleInput::Scan, REASON_SCAN),
+            (StaleInput::Map, REASON_MAP),
+            (StaleInput::Path, REASON_PATH),
+        ] {
+            shell.reason(bit, outputs.stale == Some(input));
+        }
+    }
+}
+
+fn main() -> ExitCode {
+    zeronav_shell::run::<PlannerService>()
+}

@@ -1,0 +1,282 @@
+//! One control period of the local planner.
+
+use crate::config::{ConfigError, LocalPlannerConfig};
+use crate::controller::{Controller, Decision, Situation};
+use crate::motion::{Twist, stop_distance_m, towards_rest};
+use crate::progress::{PathTracker, Place};
+use crate::requests::{PathRequests, RequestInputs};
+use crate::staleness::{Ages, StaleInput, speed_factor};
+use crate::table::{UnknownController, controller};
+use crate::task::{TaskInputs, TaskMachine, TaskStep};
+use nalgebra::Point2;
+use zeronav_msgs::command::{Validity, VelocityRequest};
+use zeronav_msgs::description::{Corner, Description};
+use zeronav_msgs::odometry::Odometry;
+use zeronav_msgs::path::{Path, PathStatus, Waypoint};
+use zeronav_msgs::request::PlanRequest;
+use zeronav_msgs::task::{Goal, GoalEnd, Task, TaskState, TaskStatus};
+use zeronav_msgs::{MapView, Pose};
+
+/// The newest path message.
+#[derive(Debug, Clone, Copy)]
+pub struct PathInput<'a> {
+    /// Its fixed fields.
+    pub path: &'a Path,
+    /// Its waypoints, in the map frame.
+    pub waypoints: &'a [Waypoint],
+}
+
+/// What the local planner knows in one control period. Messages have passed their checks;
+/// `None` = never received.
+#[derive(Debug, Clone, Copy)]
+pub struct Inputs<'a> {
+    /// Control tick.
+    pub tick: u64,
+    /// [ns] run time of the tick.
+    pub run_ns: u64,
+    /// [s] control period.
+    pub period_s: f64,
+    /// The robot and its footprint.
+    pub robot: Option<(&'a Description, &'a [Corner])>,
+    /// Odometry of this tick.
+    pub odometry: Option<&'a Odometry>,
+    /// `map_from_odom` of the newest map, with the map.
+    pub map: Option<(Pose, MapView<'a>)>,
+    /// The newest path.
+    pub path: Option<PathInput<'a>>,
+    /// Hits of the newest scan in `base` of now, see [`crate::scan_points::ScanPoints`]. [m]
+    pub scan_points_in_base: &'a [Point2<f64>],
+    /// Ages of all of them.
+    pub ages: Ages,
+    /// The run is stopping.
+    pub stopping: bool,
+}
+
+/// What the local planner answers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Outputs {
+    /// For `control/velocity_request`, always.
+    pub request: VelocityRequest,
+    /// For `plan/request`, when another path is needed.
+    pub plan_request: Option<PlanRequest>,
+    /// The task's status changed: send [`LocalPlanner::status`].
+    pub status_changed: bool,
+    /// The input because of which the robot stops, if so.
+    pub stale: Option<StaleInput>,
+    /// Motions looked at.
+    pub rollouts: u32,
+    /// [m] along the path to the first obstacle in sight.
+    pub blocked_arc_m: Option<f64>,
+    /// [m] beside the path; 0 without one.
+    pub cross_track_m: f64,
+}
+
+/// Why no [`LocalPlanner`] can be made.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum BuildError {
+    /// A number of the configuration is out of range.
+    #[error(transparent)]
+    Config(#[from] ConfigError),
+    /// The configuration names a controller that there is not.
+    #[error(transparent)]
+    Controller(#[from] UnknownController),
+}
+
+/// The local planner: a task, a controller and the rules around them.
+pub struct LocalPlanner {
+    config: LocalPlannerConfig,
+    task: TaskMachine,
+    controller: Box<dyn Controller>,
+    requests: PathRequests,
+    tracker: PathTracker,
+    /// Requested last; ramps to rest start here.
+    last: Twist,
+}
+
+/// A path that leads to the goal at hand, and the robot's place on it.
+#[derive(Clone, Copy)]
+struct Route<'a> {
+    geometry: u64,
+    waypoints: &'a [Waypoint],
+    place: Place,
+}
+
+impl LocalPlanner {
+    /// A local planner without a task.
+    ///
+    /// # Errors
+    /// [`BuildError`] when the configuration is not usable.
+    pub fn new(config: &LocalPlannerConfig) -> Result<Self, BuildError> {
+        config.check()?;
+        let row = controller(&config.controller)?;
+        Ok(Self {
+            config: config.clone(),
+            task: TaskMachine::new(config.task),
+            controller: (row.build)(config),
+            requests: PathRequests::new(config.requests),
+            tracker: PathTracker::new(),
+            last: Twist::REST,
+        })
+    }
+
+    /// Takes in a task by its id on `task/goal`; repeats are ignored.
+    pub fn accept_task(&mut self, id: u64, task: &Task, goals: &[Goal]) {
+        self.task.accept(id, task, goals);
+    }
+
+    /// The task's status and the ends of its goals.
+    #[must_use]
+    pub fn status(&self) -> (TaskStatus, &[GoalEnd]) {
+        self.task.status()
+    }
+
+    /// The goal at hand.
+    #[must_use]
+    pub fn goal(&self) -> Option<&Goal> {
+        self.task.goal()
+    }
+
+    /// One control period: the task first, then the twist, then whether a path is needed.
+    pub fn step(&mut self, inputs: &Inputs<'_>) -> Outputs {
+        let map_from_base = inputs
+            .odometry
+            .zip(inputs.map)
+            .map(|(odometry, (map_from_odom, _))| map_from_odom.then(&odometry.pose));
+        let mut route = self.route(inputs, map_from_base);
+        let step = self.task.step(&TaskInputs {
+            tick: inputs.tick,
+            run_ns: inputs.run_ns,
+            robot: map_from_base.zip(inputs.odometry.map(twist_of)),
+            path: inputs
+                .path
+                .and_then(|input| Some((input.path.status()?, input.path.goal))),
+            remaining: route.map(|route| (route.place.remaining_m, route.geometry)),
+        });
+        if step.changed {
+            // Another goal may be at hand now.
+            route = self.route(inputs, map_from_base);
+        }
+        let (decision, stale) = match self.drive(inputs, map_from_base, route) {
+            Ok(decision) => (decision, None),
+            Err((validity, stale)) => (self.rest(inputs, validity), stale),
+        };
+        self.last = Twist::new(decision.v_mps, decision.w_radps);
+        Outputs {
+            request: VelocityRequest {
+                v_mps: decision.v_mps,
+                w_radps: decision.w_radps,
+                validity: decision.validity.code(),
+                spare: [0; 3],
+                braking_arc_m: decision.braking_arc_m,
+            },
+            plan_request: self.ask(inputs, route, step, &decision),
+            status_changed: step.changed,
+            stale,
+            rollouts: decision.rollouts,
+            blocked_arc_m: decision.blocked_arc_m,
+            cross_track_m: route.map_or(0.0, |route| route.place.cross_track_m),
+        }
+    }
+
+    /// The path when it leads to the goal at hand.
+    fn route<'a>(&mut self, inputs: &Inputs<'a>, map_from_base: Option<Pose>) -> Option<Route<'a>> {
+        let goal = self.task.goal()?.id;
+        let PathInput { path, waypoints } = inputs
+            .path
+            .filter(|input| input.path.goal == goal)
+            .filter(|input| input.path.status() == Some(PathStatus::Found))?;
+        let geometry = path.geometry;
+        let place = self
+            .tracker
+            .advance(geometry, waypoints, map_from_base?.point())?;
+        Some(Route {
+            geometry,
+            waypoints,
+            place,
+        })
+    }
+
+    /// The controller's decision, or why there is nothing for it to decide.
+    fn drive(
+        &mut self,
+        inputs: &Inputs<'_>,
+        map_from_base: Option<Pose>,
+        route: Option<Route<'_>>,
+    ) -> Result<Decision, (Validity, Option<StaleInput>)> {
+        if inputs.stopping {
+            return Err((Validity::Stopped, None));
+        }
+        let Some(goal) = self.task.goal() else {
+            return Err(match self.task.state() {
+                TaskState::Reached => (Validity::AtGoal, None),
+                TaskState::Cancelled => (Validity::Stopped, None),
+                TaskState::Idle | TaskState::Active | TaskState::Failed => (Validity::NoPath, None),
+            });
+        };
+        let stale = |input| (Validity::Stale, Some(input));
+        let ages = Ages {
+            // A path that never came is no path, not a stale one.
+            path_ns: inputs.ages.path_ns.or(Some(0)),
+            ..inputs.ages
+        };
+        let speed_factor = speed_factor(&ages, &self.config.staleness).map_err(stale)?;
+        let odometry = inputs.odometry.ok_or(stale(StaleInput::Odometry))?;
+        let (_, map) = inputs.map.ok_or(stale(StaleInput::Map))?;
+        let map_from_base = map_from_base.ok_or(stale(StaleInput::Map))?;
+        let (robot, corners) = inputs.robot.ok_or((Validity::Stale, None))?;
+        let route = route.ok_or((Validity::NoPath, None))?;
+        Ok(self.controller.decide(&Situation {
+            map_from_base,
+            v_mps: odometry.v_mps,
+            w_radps: odometry.w_radps,
+            robot,
+            corners,
+            path: route.waypoints,
+            path_geometry: route.geometry,
+            map: Some(map),
+            scan_points_in_base: inputs.scan_points_in_base,
+            goal,
+            speed_factor,
+            period_s: inputs.period_s,
+        }))
+    }
+
+    /// A ramp to rest from the last request; zero when nobody knows the robot's brakes.
+    fn rest(&self, inputs: &Inputs<'_>, validity: Validity) -> Decision {
+        let (twist, braking_arc_m) = inputs.robot.map_or((Twist::REST, 0.0), |(robot, _)| {
+            let twist = towards_rest(robot, self.last, inputs.period_s);
+            (twist, stop_distance_m(robot, twist.v_mps, 0.0))
+        });
+        Decision {
+            v_mps: twist.v_mps,
+            w_radps: twist.w_radps,
+            validity,
+            braking_arc_m,
+            rollouts: 0,
+            blocked_arc_m: None,
+        }
+    }
+
+    fn ask(
+        &mut self,
+        inputs: &Inputs<'_>,
+        route: Option<Route<'_>>,
+        step: TaskStep,
+        decision: &Decision,
+    ) -> Option<PlanRequest> {
+        let (route, (robot, _)) = route.zip(inputs.robot)?;
+        self.requests.step(&RequestInputs {
+            run_ns: inputs.run_ns,
+            geometry: route.geometry,
+            blocked_arc_m: decision.blocked_arc_m,
+            stop_distance_m: stop_distance_m(robot, decision.v_mps, self.config.dwa.reaction_s),
+            blocked: decision.validity == Validity::Blocked,
+            cross_track_m: route.place.cross_track_m,
+            no_progress: step.no_progress,
+        })
+    }
+}
+
+fn twist_of(odometry: &Odometry) -> Twist {
+    Twist::new(odometry.v_mps, odometry.w_radps)
+}

@@ -1,0 +1,246 @@
+//! What is near the robot, and whether a pose or a stop is free of it.
+
+use crate::field::ClearanceField;
+use crate::footprint::Footprint;
+use crate::motion::{Stop, Twist};
+use nalgebra::Point2;
+use zeronav_msgs::description::{Corner, Description};
+use zeronav_msgs::{MapView, Pose};
+
+/// [m] that must be left even where the full margin is not to be had.
+const MARGIN_LEAST_M: f64 = 0.005;
+
+/// [m] by which a robot inside the margin may come nearer in one check: noise, not motion.
+const MARGIN_NOISE_M: f64 = 0.002;
+
+/// [m] by which any point of the outline moves from one checked pose of a stop to the next.
+const STOP_SPACING_M: f64 = 0.03;
+
+/// Map and scan around the robot, and its outline.
+#[derive(Debug, Clone)]
+pub(crate) struct Surroundings {
+    pub(crate) field: ClearanceField,
+    pub(crate) footprint: Footprint,
+    described: (Description, Vec<Corner>),
+    /// Points of the scan that a stop can reach, in `base`. [m]
+    near_x: Vec<f64>,
+    near_y: Vec<f64>,
+    yaw_rad: f64,
+    /// Margin that motions of this period must keep. [m]
+    need_m: f64,
+}
+
+/// A motion's position relative to the robot along the map's axes, with its heading there.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct LocalPose {
+    /// [m]
+    pub(crate) x: f32,
+    /// [m]
+    pub(crate) y: f32,
+    /// Cosine of the yaw in the map.
+    pub(crate) cos: f32,
+    /// Sine of the yaw in the map.
+    pub(crate) sin: f32,
+}
+
+impl Default for Surroundings {
+    fn default() -> Self {
+        let robot = Description::default();
+        Self {
+            field: ClearanceField::default(),
+            footprint: Footprint::new(&robot, &[]),
+            described: (robot, Vec::new()),
+            near_x: Vec::new(),
+            near_y: Vec::new(),
+            yaw_rad: 0.0,
+            need_m: 0.0,
+        }
+    }
+}
+
+/// Reach of the queries of one period.
+#[derive(Debug, Clone, Copy)]
+#[allow(clippy::struct_field_names, reason = "the postfix is the unit")]
+pub(crate) struct Reach {
+    /// [m] how far any queried position is from the robot.
+    pub(crate) field_m: f64,
+    /// [m] how far a stop takes the robot at most.
+    pub(crate) stop_m: f64,
+    /// [m] around the outline within which clearance matters.
+    pub(crate) soft_m: f64,
+    /// [m] that shall stay free around the outline.
+    pub(crate) margin_m: f64,
+}
+
+impl Surroundings {
+    /// Takes in the robot; the outline is prepared anew only when it changed.
+    pub(crate) fn describe(&mut self, robot: &Description, corners: &[Corner]) {
+        if self.described.0 != *robot || self.described.1 != corners {
+            self.described = (*robot, corners.to_vec());
+            self.footprint = Footprint::new(robot, corners);
+        }
+    }
+
+    /// Looks around: after this the queries are as of `map_from_base`.
+    pub(crate) fn look(
+        &mut self,
+        map: Option<MapView<'_>>,
+        map_from_base: &Pose,
+        points_in_base: &[Point2<f64>],
+        reach: Reach,
+    ) {
+        let outer_m = self.footprint.circumscribed_m;
+        self.field.fill(
+            map,
+            map_from_base,
+            points_in_base,
+            reach.field_m + outer_m + reach.soft_m,
+            // A cell's diagonal more than is ever compared with.
+            outer_m + reach.soft_m + 0.15,
+        );
+        self.yaw_rad = map_from_base.yaw_rad;
+        self.near_x.clear();
+        self.near_y.clear();
+        let near_m = reach.stop_m + outer_m + reach.margin_m;
+        for point in points_in_base {
+            if point.coords.norm_squared() <= near_m * near_m {
+                self.near_x.push(point.x);
+                self.near_y.push(point.y);
+            }
+        }
+        let now_m = self.margin_m(&Pose::default());
+        // Inside the margin already: no nearer; inside the outline: only away.
+        self.need_m = if now_m >= reach.margin_m {
+            reach.margin_m
+        } else if now_m >= MARGIN_LEAST_M {
+            (now_m - MARGIN_NOISE_M).max(MARGIN_LEAST_M)
+        } else {
+            now_m - 1.0e-4
+        };
+    }
+
+    /// Space around the outline at a pose in the `base` of now: exact for the points of the scan,
+    /// a bound from below for the map. [m]
+    pub(crate) fn margin_m(&self, pose: &Pose) -> f64 {
+        let (sin, cos) = (self.yaw_rad + pose.yaw_rad).sin_cos();
+        let (base_sin, base_cos) = self.yaw_rad.sin_cos();
+        let local = LocalPose {
+            x: narrow(base_cos * pose.x_m - base_sin * pose.y_m),
+            y: narrow(base_sin * pose.x_m + base_cos * pose.y_m),
+            cos: narrow(cos),
+            sin: narrow(sin),
+        };
+        let map_m = f64::from(self.field_margin_m(local));
+        map_m.min(self.scan_margin_m(pose))
+    }
+
+    /// Space around the outline by the clearance field alone; a bound from below. [m]
+    fn field_margin_m(&self, at: LocalPose) -> f32 {
+        let mut least = f32::INFINITY;
+        for disc in &self.footprint.discs {
+            let (dx, dy) = (narrow(disc.centre.x), narrow(disc.centre.y));
+            let x = at.x + at.cos * dx - at.sin * dy;
+            let y = at.y + at.sin * dx + at.cos * dy;
+            least = least.min(self.field.bound_m(x, y) - narrow(disc.radius_m));
+        }
+        least
+    }
+
+    /// Space around the outline by the clearance field, at most `soft`; `None` when it is less
+    /// than what must be kept. Most places are settled by one cell, most discs by another. [m]
+    pub(crate) fn space(&self, at: LocalPose, soft: f32) -> Option<f32> {
+        let need = narrow(self.need_m);
+        let soft = soft.max(need);
+        let slack = self.field.slack_m();
+        let outer = narrow(self.footprint.circumscribed_m);
+        if self.field.nearest_m(at.x, at.y) >= outer + soft + slack {
+            return Some(soft);
+        }
+        let mut least = soft;
+        for disc in &self.footprint.discs {
+            let (dx, dy) = (narrow(disc.centre.x), narrow(disc.centre.y));
+            let x = at.x + at.cos * dx - at.sin * dy;
+            let y = at.y + at.sin * dx + at.cos * dy;
+            let radius = narrow(disc.radius_m);
+            if self.field.nearest_m(x, y) >= radius + least + slack {
+                continue;
+            }
+            least = least.min(self.field.bound_m(x, y) - radius);
+            if least < need {
+                return None;
+            }
+        }
+        Some(least)
+    }
+
+    /// Space between the outline and the nearest point of the scan, exact. [m]
+    fn scan_margin_m(&self, pose: &Pose) -> f64 {
+        let points = self.near_x.iter().zip(&self.near_y);
+        if self.footprint.is_disc() {
+            let squared = points.fold(f64::INFINITY, |least, (x, y)| {
+                let (dx, dy) = (x - pose.x_m, y - pose.y_m);
+                least.min(dx * dx + dy * dy)
+            });
+            return squared.sqrt() - self.footprint.circumscribed_m;
+        }
+        let (sin, cos) = pose.yaw_rad.sin_cos();
+        let mut least = f64::INFINITY;
+        for (x, y) in points {
+            let (dx, dy) = (x - pose.x_m, y - pose.y_m);
+            // The circumscribed circle settles most points.
+            if dx.hypot(dy) - self.footprint.circumscribed_m < least {
+                let point = Point2::new(cos * dx + sin * dy, cos * dy - sin * dx);
+                least = least.min(self.footprint.distance_m(point));
+            }
+        }
+        least
+    }
+
+    /// True when the outline can turn on the spot by `angle_rad`; always for a disc.
+    pub(crate) fn turn_is_free(&self, angle_rad: f64) -> bool {
+        const STEPS_MAX: u32 = 64;
+        if self.footprint.is_disc() {
+            return true;
+        }
+        // As far from pose to pose as in a stop, but never more than that many poses.
+        let swept_m = angle_rad.abs() * self.footprint.circumscribed_m;
+        (1..=STEPS_MAX)
+            .map(|step| f64::from(step) * (swept_m / f64::from(STEPS_MAX)).max(STOP_SPACING_M))
+            .take_while(|at_m| *at_m < swept_m)
+            .all(|at_m| {
+                let yaw_rad = (at_m / self.footprint.circumscribed_m).copysign(angle_rad);
+                self.margin_m(&Pose::new(0.0, 0.0, yaw_rad)) >= self.need_m
+            })
+    }
+
+    /// The arc of a stop from `twist`, when it is free all along. [m]
+    ///
+    /// Holds the twist for `reaction_s`, then ramps to rest as [`crate::motion::towards_rest`]
+    /// does; every pose keeps the margin of this period. The outline moves by at most 3 cm from pose to
+    /// pose, so an obstacle between two of them comes at most 1 mm into a 0.1 m disc's margin.
+    pub(crate) fn stop_arc_m(
+        &self,
+        robot: &Description,
+        twist: Twist,
+        reaction_s: f64,
+    ) -> Option<f64> {
+        let reach_m = if self.footprint.is_disc() {
+            0.0
+        } else {
+            self.footprint.circumscribed_m
+        };
+        let mut stop = Stop::new(robot, twist, reaction_s, reach_m, STOP_SPACING_M);
+        let free = stop
+            .by_ref()
+            .all(|(pose, _)| self.margin_m(&pose) >= self.need_m);
+        free.then(|| stop.arc_m())
+    }
+}
+
+#[allow(
+    clippy::cast_possible_truncation,
+    reason = "metres near the robot, micrometres do not matter"
+)]
+pub(crate) fn narrow(value: f64) -> f32 {
+    value as f32
+}

@@ -1,0 +1,308 @@
+//! The task: which goal is at hand, and what became of the others.
+
+use crate::config::TaskConfig;
+use crate::motion::Twist;
+use crate::stall::Stall;
+use zeronav_msgs::Pose;
+use zeronav_msgs::path::PathStatus;
+use zeronav_msgs::pose::wrap_angle;
+use zeronav_msgs::task::{
+    EndReason, GOALS_MAX, Goal, GoalEnd, Task, TaskKind, TaskState, TaskStatus,
+};
+
+/// [rad/s] below which a robot that does not drive stands.
+const STANDING_RADPS: f64 = 0.05;
+
+/// What the task is judged by in one period.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TaskInputs {
+    /// Control tick.
+    pub tick: u64,
+    /// [ns] run time of the tick.
+    pub run_ns: u64,
+    /// `map_from_base` and the measured twist; `None` = unknown.
+    pub robot: Option<(Pose, Twist)>,
+    /// Outcome of the newest path and the goal it is for.
+    pub path: Option<(PathStatus, u64)>,
+    /// [m] along the path to its end and the id of its geometry, when it leads to the goal at
+    /// hand.
+    pub remaining: Option<(f64, u64)>,
+}
+
+/// What a period did to the task.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct TaskStep {
+    /// State, goal at hand or ends differ from those before: the status is worth sending.
+    pub changed: bool,
+    /// The robot has not come closer for long: another path may help.
+    pub no_progress: bool,
+}
+
+#[derive(Debug, Clone, Default)]
+struct Assignment {
+    id: u64,
+    go: bool,
+    from_tick: u64,
+    goals: Vec<Goal>,
+}
+
+/// The task's state: `Idle`, `Active` with a goal at hand, `Reached`, `Failed` or `Cancelled`.
+///
+/// Goals are taken in order. An intermediate goal counts on passing within its tolerance, the
+/// last one standing; the yaw counts where its tolerance is below pi. Goals after a failed or
+/// cancelled one never began and get no end.
+#[derive(Debug, Clone)]
+pub struct TaskMachine {
+    config: TaskConfig,
+    task: Assignment,
+    pending: Assignment,
+    state: TaskState,
+    reason: EndReason,
+    /// Index of the goal at hand while active.
+    index: usize,
+    ends: Vec<GoalEnd>,
+    /// Since when the robot stands without a path. [ns]
+    failing_since_ns: Option<u64>,
+    stall: Stall,
+    remaining_m: f64,
+}
+
+impl TaskMachine {
+    /// No task.
+    #[must_use]
+    pub fn new(config: TaskConfig) -> Self {
+        let assignment = || Assignment {
+            goals: Vec::with_capacity(GOALS_MAX),
+            ..Assignment::default()
+        };
+        Self {
+            config,
+            task: assignment(),
+            pending: assignment(),
+            state: TaskState::Idle,
+            reason: EndReason::None,
+            index: 0,
+            ends: Vec::with_capacity(GOALS_MAX),
+            failing_since_ns: None,
+            stall: Stall::default(),
+            remaining_m: 0.0,
+        }
+    }
+
+    /// Takes in a task by its id on `task/goal`. It holds from its tick on; until then the task
+    /// before goes on. One that is still active ends at that tick as cancelled and replaced, and
+    /// the new one begins with the next period. Ids that are not newer than the newest one known, and tasks that ask
+    /// nothing, are ignored.
+    pub fn accept(&mut self, id: u64, task: &Task, goals: &[Goal]) {
+        let asks = task
+            .kind()
+            .is_some_and(|kind| matches!(kind, TaskKind::Go | TaskKind::Cancel));
+        if !asks || id <= self.pending.id.max(self.task.id) {
+            return;
+        }
+        self.pending.id = id;
+        self.pending.go = task.kind() == Some(TaskKind::Go);
+        self.pending.from_tick = task.from_tick;
+        self.pending.goals.clear();
+        self.pending
+            .goals
+            .extend_from_slice(&goals[..goals.len().min(GOALS_MAX)]);
+    }
+
+    /// The goal at hand.
+    #[must_use]
+    pub fn goal(&self) -> Option<&Goal> {
+        (self.state == TaskState::Active)
+            .then(|| self.task.goals.get(self.index))
+            .flatten()
+    }
+
+    /// True when the goal at hand is the last one.
+    #[must_use]
+    pub fn is_last_goal(&self) -> bool {
+        self.index + 1 >= self.task.goals.len()
+    }
+
+    /// The state of the task.
+    #[must_use]
+    pub const fn state(&self) -> TaskState {
+        self.state
+    }
+
+    /// Id on `task/goal` of the task, 0 = none.
+    #[must_use]
+    pub const fn task(&self) -> u64 {
+        self.task.id
+    }
+
+    /// The message of the task's state and the ends of its goals.
+    #[must_use]
+    pub fn status(&self) -> (TaskStatus, &[GoalEnd]) {
+        let status = TaskStatus {
+            state: self.state.code(),
+            reason: self.reason.code(),
+            n_ended: u32::try_from(self.ends.len()).unwrap_or(0),
+            task: self.task.id,
+            goal: self.goal().map_or(0, |goal| goal.id),
+            remaining_m: self.remaining_m,
+        };
+        (status, &self.ends)
+    }
+
+    /// One period: new tasks, then goals reached, then failures, then progress.
+    pub fn step(&mut self, inputs: &TaskInputs) -> TaskStep {
+        let mut step = TaskStep {
+            changed: self.begin(inputs),
+            no_progress: false,
+        };
+        self.remaining_m = 0.0;
+        let (Some(goal), Some((pose, twist))) = (self.goal().copied(), inputs.robot) else {
+            return step;
+        };
+        self.remaining_m = inputs.remaining.map_or_else(
+            || pose.distance_m(&goal.pose),
+            |(remaining_m, _)| remaining_m,
+        );
+        if self.is_reached(&goal, &pose, twist) {
+            self.reach(inputs);
+            step.changed = true;
+            return step;
+        }
+        if let Some(reason) = self.failure(&goal, inputs, twist) {
+            self.end(inputs.tick, TaskState::Failed, reason);
+            step.changed = true;
+            return step;
+        }
+        let geometry = inputs.remaining.map_or(0, |(_, geometry)| geometry);
+        let stalled_s = self.stall.step(
+            inputs.run_ns,
+            geometry,
+            self.remaining_m,
+            self.config.progress_m,
+        );
+        if stalled_s > self.config.stuck_s {
+            self.end(inputs.tick, TaskState::Failed, EndReason::Stuck);
+            step.changed = true;
+        } else {
+            step.no_progress = stalled_s > self.config.no_progress_s;
+        }
+        step
+    }
+
+    /// Lets the pending task take over when its tick has come.
+    fn begin(&mut self, inputs: &TaskInputs) -> bool {
+        if self.pending.id <= self.task.id || self.pending.from_tick > inputs.tick {
+            return false;
+        }
+        if !self.pending.go {
+            // A cancel ends the task at hand and keeps its goals' ends; without one it is a task
+            // of its own that is over at once.
+            if self.state == TaskState::Active {
+                self.end(inputs.tick, TaskState::Cancelled, EndReason::None);
+            } else {
+                self.ends.clear();
+                self.state = TaskState::Cancelled;
+                self.reason = EndReason::None;
+            }
+            self.task.id = self.pending.id;
+            self.task.goals.clear();
+            return true;
+        }
+        if self.state == TaskState::Active {
+            // One period tells the end of the task before, the next begins this one.
+            self.end(inputs.tick, TaskState::Cancelled, EndReason::Replaced);
+            return true;
+        }
+        core::mem::swap(&mut self.task, &mut self.pending);
+        // The id stays known, so the same task is not taken in twice.
+        self.pending.id = self.task.id;
+        self.ends.clear();
+        self.state = TaskState::Active;
+        self.reason = EndReason::None;
+        self.index = 0;
+        self.start_goal(inputs.run_ns);
+        true
+    }
+
+    fn start_goal(&mut self, run_ns: u64) {
+        self.failing_since_ns = None;
+        self.stall = Stall::starting(run_ns);
+    }
+
+    fn is_reached(&self, goal: &Goal, pose: &Pose, twist: Twist) -> bool {
+        let near = pose.distance_m(&goal.pose) <= goal.tolerance_m;
+        let any_yaw = goal.yaw_tolerance_rad >= core::f64::consts::PI;
+        let yaw_error_rad = wrap_angle(pose.yaw_rad - goal.pose.yaw_rad).abs();
+        let aligned = any_yaw || yaw_error_rad <= goal.yaw_tolerance_rad;
+        near && aligned && (!self.is_last_goal() || self.stands(twist))
+    }
+
+    fn stands(&self, twist: Twist) -> bool {
+        twist.v_mps.abs() < self.config.standing_mps && twist.w_radps.abs() < STANDING_RADPS
+    }
+
+    fn reach(&mut self, inputs: &TaskInputs) {
+        if self.is_last_goal() {
+            self.end(inputs.tick, TaskState::Reached, EndReason::None);
+        } else {
+            self.push_end(inputs.tick, TaskState::Reached, EndReason::None);
+            self.index += 1;
+            self.start_goal(inputs.run_ns);
+        }
+    }
+
+    /// The failure that has lasted long enough with the robot standing.
+    fn failure(&mut self, goal: &Goal, inputs: &TaskInputs, twist: Twist) -> Option<EndReason> {
+        let reason = inputs
+            .path
+            .filter(|(_, path_goal)| *path_goal == goal.id)
+            .and_then(|(status, _)| end_of(status))
+            .filter(|_| self.stands(twist));
+        let Some(reason) = reason else {
+            self.failing_since_ns = None;
+            return None;
+        };
+        let since_ns = *self.failing_since_ns.get_or_insert(inputs.run_ns);
+        let lasted_s = seconds(inputs.run_ns.saturating_sub(since_ns));
+        (lasted_s >= self.config.failure_s).then_some(reason)
+    }
+
+    /// The goal at hand and the task with it end.
+    fn end(&mut self, tick: u64, state: TaskState, reason: EndReason) {
+        self.push_end(tick, state, reason);
+        self.state = state;
+        self.reason = reason;
+    }
+
+    fn push_end(&mut self, tick: u64, state: TaskState, reason: EndReason) {
+        if let Some(goal) = self.task.goals.get(self.index) {
+            self.ends.push(GoalEnd {
+                goal: goal.id,
+                tick,
+                state: state.code(),
+                reason: reason.code(),
+                spare: 0,
+            });
+        }
+    }
+}
+
+/// The end that a path's status leads to when it lasts.
+const fn end_of(status: PathStatus) -> Option<EndReason> {
+    match status {
+        PathStatus::NoGoal | PathStatus::Found => None,
+        PathStatus::Unreachable | PathStatus::UnreachableCorner => Some(EndReason::Unreachable),
+        PathStatus::GoalBlocked => Some(EndReason::GoalBlocked),
+        PathStatus::GoalOutsideMap => Some(EndReason::GoalOutsideMap),
+        PathStatus::StartOutsideMap
+        | PathStatus::StartBlocked
+        | PathStatus::DeadEnd
+        | PathStatus::OutOfBudget
+        | PathStatus::TooLong => Some(EndReason::NoPath),
+    }
+}
+
+#[allow(clippy::cast_precision_loss, reason = "spans of seconds")]
+fn seconds(ns: u64) -> f64 {
+    ns as f64 * 1.0e-9
+}

@@ -1,0 +1,238 @@
+//! The task machine: what becomes of goals.
+
+use zeronav_local_planner::config::TaskConfig;
+use zeronav_local_planner::motion::Twist;
+use zeronav_local_planner::task::{TaskInputs, TaskMachine, TaskStep};
+use zeronav_msgs::Pose;
+use zeronav_msgs::path::PathStatus;
+use zeronav_msgs::task::{EndReason, Goal, Task, TaskKind, TaskState};
+
+const PERIOD_NS: u64 = 20_000_000;
+
+fn goal(id: u64, x_m: f64) -> Goal {
+    Goal {
+        pose: Pose::new(x_m, 0.0, 1.0),
+        tolerance_m: 0.2,
+        yaw_tolerance_rad: 4.0,
+        id,
+    }
+}
+
+fn task(kind: TaskKind, n_goals: u32, from_tick: u64) -> Task {
+    Task {
+        kind: kind.code(),
+        spare: 0,
+        n_goals,
+        from_tick,
+    }
+}
+
+/// A machine and its time.
+struct Bench {
+    machine: TaskMachine,
+    tick: u64,
+    pose: Pose,
+    twist: Twist,
+    path: Option<(PathStatus, u64)>,
+    remaining: Option<(f64, u64)>,
+}
+
+impl Bench {
+    fn with_goals(goals: &[Goal]) -> Self {
+        let mut machine = TaskMachine::new(TaskConfig::default());
+        let n = u32::try_from(goals.len()).expect("few goals");
+        machine.accept(7, &task(TaskKind::Go, n, 0), goals);
+        Self {
+            machine,
+            tick: 0,
+            pose: Pose::default(),
+            twist: Twist::REST,
+            path: None,
+            remaining: None,
+        }
+    }
+
+    fn step(&mut self) -> TaskStep {
+        self.tick += 1;
+        let inputs = TaskInputs {
+            tick: self.tick,
+            run_ns: self.tick * PERIOD_NS,
+            robot: Some((self.pose, self.twist)),
+            path: self.path,
+            remaining: self.remaining,
+        };
+        self.machine.step(&inputs)
+    }
+
+    /// Steps for a while; how often the status changed.
+    fn steps(&mut self, n: u32) -> u32 {
+        (0..n).map(|_| u32::from(self.step().changed)).sum()
+    }
+
+    #[track_caller]
+    fn check(&self, state: TaskState, reason: EndReason, ended: &[(u64, TaskState)]) {
+        let (status, ends) = self.machine.status();
+        assert_eq!(status.check(ends), Ok(()));
+        assert_eq!(status.state(), Some(state));
+        assert_eq!(status.reason(), Some(reason));
+        let found: Vec<(u64, u16)> = ends.iter().map(|end| (end.goal, end.state)).collect();
+        let expected: Vec<(u64, u16)> = ended.iter().map(|(g, s)| (*g, s.code())).collect();
+        assert_eq!(found, expected);
+    }
+}
+
+#[test]
+fn goals_are_taken_in_order_and_the_last_one_standing() {
+    let mut bench = Bench::with_goals(&[goal(1, 1.0), goal(2, 2.0)]);
+    assert!(bench.step().changed);
+    bench.check(TaskState::Active, EndReason::None, &[]);
+    bench.twist = Twist::new(0.8, 0.0);
+    bench.pose = Pose::new(0.85, 0.0, 0.0);
+    assert!(bench.step().changed, "passing is enough on the way");
+    bench.check(
+        TaskState::Active,
+        EndReason::None,
+        &[(1, TaskState::Reached)],
+    );
+    bench.pose = Pose::new(1.9, 0.0, 0.0);
+    assert!(!bench.step().changed, "still driving");
+    bench.twist = Twist::new(0.01, 0.0);
+    assert!(bench.step().changed);
+    let ends = [(1, TaskState::Reached), (2, TaskState::Reached)];
+    bench.check(TaskState::Reached, EndReason::None, &ends);
+    assert_eq!(bench.machine.status().0.goal, 0);
+    assert_eq!(bench.steps(500), 0, "the end is the end");
+}
+
+#[test]
+fn a_yaw_counts_where_it_is_asked_for() {
+    let aligned = Goal {
+        yaw_tolerance_rad: 0.1,
+        ..goal(1, 0.0)
+    };
+    let mut bench = Bench::with_goals(&[aligned]);
+    bench.steps(10);
+    bench.check(TaskState::Active, EndReason::None, &[]);
+    bench.pose = Pose::new(0.0, 0.1, 1.05 - core::f64::consts::TAU);
+    bench.step();
+    bench.check(
+        TaskState::Reached,
+        EndReason::None,
+        &[(1, TaskState::Reached)],
+    );
+}
+
+#[test]
+fn a_failure_must_last_while_the_robot_stands() {
+    for (status, reason) in [
+        (PathStatus::Unreachable, EndReason::Unreachable),
+        (PathStatus::UnreachableCorner, EndReason::Unreachable),
+        (PathStatus::GoalBlocked, EndReason::GoalBlocked),
+        (PathStatus::GoalOutsideMap, EndReason::GoalOutsideMap),
+        (PathStatus::StartBlocked, EndReason::NoPath),
+        (PathStatus::OutOfBudget, EndReason::NoPath),
+    ] {
+        let mut bench = Bench::with_goals(&[goal(1, 5.0)]);
+        bench.path = Some((status, 1));
+        bench.twist = Twist::new(0.5, 0.0);
+        bench.steps(100);
+        bench.check(TaskState::Active, EndReason::None, &[]);
+        bench.twist = Twist::REST;
+        bench.steps(45);
+        bench.path = Some((PathStatus::Found, 1));
+        bench.step();
+        bench.path = Some((status, 1));
+        bench.steps(45);
+        bench.check(TaskState::Active, EndReason::None, &[]);
+        bench.steps(6);
+        bench.check(TaskState::Failed, reason, &[(1, TaskState::Failed)]);
+    }
+}
+
+#[test]
+fn a_failure_for_another_goal_is_not_ours() {
+    let mut bench = Bench::with_goals(&[goal(1, 5.0)]);
+    bench.path = Some((PathStatus::Unreachable, 99));
+    bench.steps(200);
+    bench.check(TaskState::Active, EndReason::None, &[]);
+}
+
+#[test]
+fn no_progress_asks_first_and_fails_later() {
+    let mut bench = Bench::with_goals(&[goal(1, 5.0), goal(2, 9.0)]);
+    bench.remaining = Some((5.0, 1));
+    let asked = (0..1400).position(|_| bench.step().no_progress);
+    assert!(
+        asked.is_some_and(|at| (500..=502).contains(&at)),
+        "{asked:?}"
+    );
+    bench.check(TaskState::Active, EndReason::None, &[]);
+    bench.remaining = Some((4.8, 1));
+    assert!(!bench.step().no_progress);
+    bench.steps(1600);
+    bench.check(
+        TaskState::Failed,
+        EndReason::Stuck,
+        &[(1, TaskState::Failed)],
+    );
+}
+
+#[test]
+fn a_task_waits_for_its_tick_and_replaces_the_one_before() {
+    let mut bench = Bench::with_goals(&[goal(1, 5.0)]);
+    bench.step();
+    let next = task(TaskKind::Go, 1, 10);
+    bench.machine.accept(8, &next, &[goal(2, 6.0)]);
+    bench.machine.accept(8, &next, &[goal(3, 6.0)]);
+    bench.machine.accept(6, &next, &[goal(4, 6.0)]);
+    bench.steps(8);
+    assert_eq!(bench.machine.goal().map(|goal| goal.id), Some(1));
+    assert!(bench.step().changed);
+    bench.check(
+        TaskState::Cancelled,
+        EndReason::Replaced,
+        &[(1, TaskState::Cancelled)],
+    );
+    assert!(bench.step().changed);
+    bench.check(TaskState::Active, EndReason::None, &[]);
+    let (status, _) = bench.machine.status();
+    assert_eq!((status.task, status.goal), (8, 2));
+    assert_eq!(bench.steps(10), 0);
+}
+
+#[test]
+fn a_cancel_ends_the_goal_at_hand() {
+    let mut bench = Bench::with_goals(&[goal(1, 5.0), goal(2, 6.0)]);
+    bench.step();
+    bench.machine.accept(8, &task(TaskKind::Cancel, 0, 0), &[]);
+    assert!(bench.step().changed);
+    bench.check(
+        TaskState::Cancelled,
+        EndReason::None,
+        &[(1, TaskState::Cancelled)],
+    );
+    assert_eq!(bench.machine.goal(), None);
+    assert_eq!(bench.machine.status().0.task, 8);
+    assert_eq!(bench.steps(10), 0);
+    bench
+        .machine
+        .accept(9, &task(TaskKind::Go, 1, 0), &[goal(3, 1.0)]);
+    assert!(bench.step().changed);
+    bench.check(TaskState::Active, EndReason::None, &[]);
+}
+
+#[test]
+fn without_a_pose_nothing_is_judged() {
+    let mut machine = TaskMachine::new(TaskConfig::default());
+    machine.accept(1, &task(TaskKind::Go, 1, 0), &[goal(1, 0.0)]);
+    for tick in 1..3000 {
+        machine.step(&TaskInputs {
+            tick,
+            run_ns: tick * PERIOD_NS,
+            robot: None,
+            path: Some((PathStatus::Unreachable, 1)),
+            remaining: None,
+        });
+    }
+    assert_eq!(machine.state(), TaskState::Active);
+}

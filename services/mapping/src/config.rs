@@ -1,0 +1,291 @@
+//! What a user may set.
+
+use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+use zeronav_msgs::{GridGeometry, message};
+
+/// Most cells that the clearance limit may span, so that squared distances fit 16 bits.
+pub const CLEARANCE_CELLS_MAX: f64 = 90.0;
+
+/// Configuration of mapping.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct MappingConfig {
+    /// ROS `map_server` YAML of the static map. It brings its own area and resolution.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub static_map: Option<PathBuf>,
+    /// Lower left corner `[x, y]` and upper right corner `[x, y]` of the map. [m] Required without
+    /// a static map, ignored with one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub area_m: Option<[[f64; 2]; 2]>,
+    /// [m] side of a cell of a map without a static one.
+    pub resolution_m: f64,
+    /// [m] beyond which clearance is not told apart; at most 90 cells, at least the inflation
+    /// radius.
+    pub clearance_limit_m: f64,
+    /// [m] from an obstacle up to which cells have a cost.
+    pub inflation_radius_m: f64,
+    /// [1/m] how fast cost falls beyond the inscribed radius: `252 exp(-factor (clearance -
+    /// inscribed))`, as in Nav2.
+    pub cost_scaling_factor: f64,
+    /// What scans do to the belief in a cell.
+    pub log_odds: LogOdds,
+    /// [m] up to which a scan marks obstacles.
+    pub obstacle_range_m: f64,
+    /// [m] up to which a scan clears; at least the obstacle range, so that whatever was marked
+    /// can be cleared from where it was seen.
+    pub raytrace_range_m: f64,
+}
+
+/// Belief in a cell, in hundredths of the natural logarithm of the odds that it is occupied. A
+/// scan changes a cell at most once, whatever the number of its beams.
+///
+/// With the defaults one hit marks a cell in the open, whatever was believed before, because the
+/// belief in free space is limited; a cell that was hit once is free again after two scans that saw
+/// through it, one that was hit for long after four: 0.4 s at 10 Hz. A cell that is hit in more
+/// than a third of the scans stays marked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct LogOdds {
+    /// Added by a hit, > 0. 85 is a probability of 0.70.
+    pub hit: i16,
+    /// Added by a beam that passed, < 0. -40 is a probability of 0.40.
+    pub miss: i16,
+    /// Lowest belief, below the threshold by less than a hit, so that a single hit marks.
+    pub min: i16,
+    /// Highest belief, above the threshold. It decides how long a vanished obstacle stays.
+    pub max: i16,
+    /// A belief above it makes an obstacle.
+    pub occupied_above: i16,
+}
+
+impl Default for LogOdds {
+    fn default() -> Self {
+        Self {
+            hit: 85,
+            miss: -40,
+            min: -40,
+            max: 150,
+            occupied_above: 0,
+        }
+    }
+}
+
+impl Default for MappingConfig {
+    fn default() -> Self {
+        Self {
+            static_map: None,
+            area_m: None,
+            resolution_m: 0.05,
+            clearance_limit_m: 1.0,
+            inflation_radius_m: 0.6,
+            cost_scaling_factor: 4.0,
+            log_odds: LogOdds::default(),
+            obstacle_range_m: 12.0,
+            raytrace_range_m: 12.5,
+        }
+    }
+}
+
+/// Why there can be no map.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum MappingError {
+    /// Neither a static map nor an area.
+    #[error("area_m: required without static_map")]
+    NoArea,
+    /// Area and resolution make no grid.
+    #[error("area_m and resolution_m make no map: {0}")]
+    Geometry(message::Refusal),
+    /// The static map has more or fewer cells than its geometry says.
+    #[error("the static map has {n_cells} cells where its geometry has {expected}")]
+    StaticMap {
+        /// Cells that it has.
+        n_cells: usize,
+        /// Cells that it should have.
+        expected: usize,
+    },
+    /// A number outside its range.
+    #[error("{field} = {value}: {rule}")]
+    OutOfRange {
+        /// Name of the field as in the configuration.
+        field: &'static str,
+        /// What it was.
+        value: f64,
+        /// What it must be.
+        rule: &'static str,
+    },
+}
+
+impl MappingConfig {
+    /// Accepts numbers that make sense together with cells of `resolution_m`.
+    ///
+    /// # Errors
+    /// The first field that is wrong.
+    pub fn check(&self, resolution_m: f64) -> Result<(), MappingError> {
+        let limit_m = self.clearance_limit_m;
+        // Comparisons are written so that NaN fails them.
+        ensure(
+            limit_m >= resolution_m
+                && limit_m <= CLEARANCE_CELLS_MAX * resolution_m
+                && limit_m <= f64::from(u16::MAX) / 1000.0,
+            "clearance_limit_m",
+            limit_m,
+            "must be 1 to 90 cells and at most 65.535 m",
+        )?;
+        ensure(
+            self.inflation_radius_m >= 0.0 && self.inflation_radius_m <= limit_m,
+            "inflation_radius_m",
+            self.inflation_radius_m,
+            "must be 0 to clearance_limit_m",
+        )?;
+        ensure(
+            self.cost_scaling_factor >= 0.0 && self.cost_scaling_factor <= 1.0e3,
+            "cost_scaling_factor",
+            self.cost_scaling_factor,
+            "must be 0 to 1000",
+        )?;
+        ensure(
+            self.obstacle_range_m > 0.0 && self.obstacle_range_m <= 1.0e3,
+            "obstacle_range_m",
+            self.obstacle_range_m,
+            "must be above 0 and at most 1000 m",
+        )?;
+        ensure(
+            self.raytrace_range_m >= self.obstacle_range_m && self.raytrace_range_m <= 1.0e3,
+            "raytrace_range_m",
+            self.raytrace_range_m,
+            "must be obstacle_range_m to 1000 m",
+        )?;
+        self.log_odds.check()
+    }
+
+    /// The grid of a map without a static one.
+    ///
+    /// # Errors
+    /// [`MappingError::NoArea`], [`MappingError::Geometry`].
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "float to int saturates, and the check refuses what is too large"
+    )]
+    pub fn geometry(&self) -> Result<GridGeometry, MappingError> {
+        let [[x0, y0], [x1, y1]] = self.area_m.ok_or(MappingError::NoArea)?;
+        // A sliver of a millionth of a cell makes no cell.
+        let cells = |length_m: f64| (length_m / self.resolution_m - 1.0e-6).ceil() as u32;
+        let geometry = GridGeometry {
+            origin_x_m: x0,
+            origin_y_m: y0,
+            resolution_m: self.resolution_m,
+            width: cells(x1 - x0),
+            height: cells(y1 - y0),
+        };
+        geometry.check().map_err(MappingError::Geometry)?;
+        Ok(geometry)
+    }
+}
+
+impl LogOdds {
+    fn check(&self) -> Result<(), MappingError> {
+        let field = |field, value: i16, ok, rule| ensure(ok, field, f64::from(value), rule);
+        let range = -10_000..=10_000;
+        field(
+            "log_odds.hit",
+            self.hit,
+            self.hit > 0 && range.contains(&self.hit),
+            "must be 1 to 10000",
+        )?;
+        field(
+            "log_odds.miss",
+            self.miss,
+            self.miss < 0 && range.contains(&self.miss),
+            "must be -10000 to -1",
+        )?;
+        field(
+            "log_odds.occupied_above",
+            self.occupied_above,
+            range.contains(&self.occupied_above),
+            "must be -10000 to 10000",
+        )?;
+        field(
+            "log_odds.min",
+            self.min,
+            range.contains(&self.min)
+                && self.min < self.occupied_above
+                && self.min + self.hit > self.occupied_above,
+            "must be below occupied_above by less than one hit",
+        )?;
+        field(
+            "log_odds.max",
+            self.max,
+            range.contains(&self.max) && self.max > self.occupied_above,
+            "must be above occupied_above and at most 10000",
+        )
+    }
+}
+
+fn ensure(
+    ok: bool,
+    field: &'static str,
+    value: f64,
+    rule: &'static str,
+) -> Result<(), MappingError> {
+    if ok {
+        Ok(())
+    } else {
+        Err(MappingError::OutOfRange { field, value, rule })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The field that is complained about, empty when all is well.
+    fn check(change: impl FnOnce(&mut MappingConfig)) -> &'static str {
+        let mut config = MappingConfig::default();
+        change(&mut config);
+        match config.check(0.05) {
+            Ok(()) => "",
+            Err(MappingError::OutOfRange { field, .. }) => field,
+            Err(error) => panic!("{error}"),
+        }
+    }
+
+    #[test]
+    fn wrong_numbers_are_named() {
+        assert_eq!(check(|_| ()), "");
+        assert_eq!(check(|c| c.clearance_limit_m = 4.6), "clearance_limit_m");
+        assert_eq!(
+            check(|c| c.clearance_limit_m = f64::NAN),
+            "clearance_limit_m"
+        );
+        assert_eq!(check(|c| c.inflation_radius_m = 1.1), "inflation_radius_m");
+        assert_eq!(
+            check(|c| c.cost_scaling_factor = -1.0),
+            "cost_scaling_factor"
+        );
+        assert_eq!(check(|c| c.obstacle_range_m = 0.0), "obstacle_range_m");
+        assert_eq!(check(|c| c.raytrace_range_m = 11.0), "raytrace_range_m");
+        assert_eq!(check(|c| c.log_odds.hit = 0), "log_odds.hit");
+        assert_eq!(check(|c| c.log_odds.miss = 0), "log_odds.miss");
+        assert_eq!(check(|c| c.log_odds.min = -200), "log_odds.min");
+        assert_eq!(check(|c| c.log_odds.max = 0), "log_odds.max");
+    }
+
+    #[test]
+    fn an_area_makes_a_grid() {
+        let mut config = MappingConfig {
+            area_m: Some([[-1.0, 2.0], [0.5, 2.3]]),
+            resolution_m: 0.1,
+            ..MappingConfig::default()
+        };
+        let geometry = config.geometry().unwrap();
+        assert_eq!((geometry.width, geometry.height), (15, 3));
+        config.area_m = Some([[0.0, 0.0], [-1.0, 1.0]]);
+        assert!(matches!(config.geometry(), Err(MappingError::Geometry(_))));
+        config.area_m = Some([[0.0, 0.0], [f64::INFINITY, 1.0]]);
+        assert!(matches!(config.geometry(), Err(MappingError::Geometry(_))));
+        config.area_m = None;
+        assert_eq!(config.geometry(), Err(MappingError::NoArea));
+    }
+}

@@ -1,0 +1,129 @@
+//! Time of one scan of 720 beams: among 300 shapes, and on a grid map of 600 x 400 cells.
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use rand::{RngExt as _, SeedableRng as _};
+use rand_pcg::Pcg64Mcg;
+use std::hint::black_box;
+use zeronav_msgs::{GridGeometry, Pose};
+use zeronav_robot_sim::lidar::Lidar;
+use zeronav_robot_sim::solid_grid::SolidGrid;
+use zeronav_world::{Convex, LidarSpec, Occupancy, Shape, ShapeSpec, StaticMap};
+
+const SEED: u64 = 1;
+
+fn lidar() -> Lidar {
+    let spec = LidarSpec {
+        pose: [0.1, 0.0, 0.0],
+        n_beams: 720,
+        fov_rad: core::f64::consts::TAU,
+        rate_hz: 10.0,
+        range_m_min: 0.1,
+        range_m_max: 30.0,
+        sigma_m: 0.01,
+    };
+    Lidar::new(&spec, SEED)
+}
+
+/// A room of 20 x 20 m: four walls, and half discs, half turned boxes.
+fn room(rng: &mut Pcg64Mcg, n_shapes: usize) -> Vec<Convex> {
+    let mut specs = vec![];
+    for (centre_m, size_m) in [
+        ([10.0, 0.0], [0.1, 20.0]),
+        ([-10.0, 0.0], [0.1, 20.0]),
+        ([0.0, 10.0], [20.0, 0.1]),
+        ([0.0, -10.0], [20.0, 0.1]),
+    ] {
+        specs.push(ShapeSpec::Box {
+            centre_m,
+            size_m,
+            yaw_rad: 0.0,
+        });
+    }
+    while specs.len() < n_shapes {
+        let centre_m = [rng.random_range(-9.5..9.5), rng.random_range(-9.5..9.5)];
+        if f64::hypot(centre_m[0], centre_m[1]) < 1.0 {
+            continue;
+        }
+        specs.push(if specs.len() % 2 == 0 {
+            ShapeSpec::Disc {
+                centre_m,
+                radius_m: rng.random_range(0.05..0.3),
+            }
+        } else {
+            ShapeSpec::Box {
+                centre_m,
+                size_m: [rng.random_range(0.1..0.6), rng.random_range(0.1..0.6)],
+                yaw_rad: rng.random_range(-3.0..3.0),
+            }
+        });
+    }
+    specs
+        .iter()
+        .filter_map(|spec| Shape::new(spec).ok())
+        .map(|shape| shape.placed().clone())
+        .collect()
+}
+
+/// 30 x 20 m at 5 cm: a border, and `n_blocks` solid blocks of half a metre.
+fn hall(rng: &mut Pcg64Mcg, n_blocks: usize) -> SolidGrid {
+    let (width, height) = (600_usize, 400_usize);
+    let mut map = StaticMap::free(GridGeometry {
+        origin_x_m: -15.0,
+        origin_y_m: -10.0,
+        resolution_m: 0.05,
+        width: 600,
+        height: 400,
+    });
+    let mut fill = |x0: usize, y0: usize, w: usize, h: usize| {
+        for y in y0..(y0 + h).min(height) {
+            for x in x0..(x0 + w).min(width) {
+                map.cells[y * width + x] = Occupancy::Occupied;
+            }
+        }
+    };
+    fill(0, 0, width, 1);
+    fill(0, height - 1, width, 1);
+    fill(0, 0, 1, height);
+    fill(width - 1, 0, 1, height);
+    for _ in 0..n_blocks {
+        let (x, y) = (rng.random_range(0..590), rng.random_range(0..390));
+        if (280..320).contains(&x) && (180..220).contains(&y) {
+            continue;
+        }
+        fill(x, y, 10, 10);
+    }
+    SolidGrid::new(&map)
+}
+
+fn scans(criterion: &mut Criterion) {
+    let mut rng = Pcg64Mcg::seed_from_u64(SEED);
+    let mut lidar = lidar();
+    let mut ranges = vec![0.0; 720];
+    let at = Pose::new(0.02, 0.03, 0.4);
+    for n_shapes in [60, 300] {
+        let shapes = room(&mut rng, n_shapes);
+        criterion.bench_function(&format!("720 beams, {n_shapes} shapes"), |bencher| {
+            bencher.iter(|| {
+                let mut exposure = lidar.expose(black_box(&at));
+                for shape in &shapes {
+                    exposure.add_shape(shape, None);
+                }
+                exposure.finish(1, black_box(&mut ranges), &mut [])
+            });
+        });
+    }
+    for n_blocks in [0, 60] {
+        let grid = hall(&mut rng, n_blocks);
+        let name = format!("720 beams, 600 x 400 cells, {n_blocks} blocks");
+        criterion.bench_function(&name, |bencher| {
+            bencher.iter(|| {
+                let mut exposure = lidar.expose(black_box(&at));
+                exposure.add_grid(&grid);
+                exposure.finish(1, black_box(&mut ranges), &mut [])
+            });
+        });
+    }
+}
+
+criterion_group!(benches, scans);
+criterion_main!(benches);

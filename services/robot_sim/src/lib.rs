@@ -1,0 +1,32 @@
+//! A simulated differential-drive robot with a planar lidar, in a world of shapes and grid maps.
+//!
+//! Pure and deterministic: no clock, no I/O but the map file, no threads. Time comes in with
+//! [`Simulator::step`], commands with [`Simulator::set_command`], and everything that the robot
+//! would publish is asked for after a step. Same seed, same calls, same bits.
+//!
+//! ```text
+//! set point -> drive (limits, exact arcs) -> contact (exact footprint) -> pose
+//! pose + world + obstacles at the capture -> lidar (exact ranges, seeded noise) -> scan
+//! ```
+//!
+//! Geometry is parry's, in f64, and shared with launch and mapping through `zeronav-world`.
+
+#![forbid(unsafe_code)]
+
+pub mod config;
+pub mod contact;
+pub mod describe;
+pub mod drive;
+pub mod lidar;
+pub mod noise;
+pub mod obstacles;
+pub mod overlap;
+mod phase;
+pub mod ray;
+pub mod scan_schedule;
+pub mod simulator;
+pub mod solid_grid;
+
+pub use config::SimConfig;
+pub use scan_schedule::DueScan;
+pub use simulator::{SimError, Simulator};

@@ -1,0 +1,260 @@
+//! The simulated robot as a process: sensors out at every tick, velocity commands in.
+
+use std::process::ExitCode;
+use zeronav_msgs::command::Validity;
+use zeronav_msgs::header::Parents;
+use zeronav_msgs::role::Role;
+use zeronav_msgs::span::SpanKind;
+use zeronav_msgs::topics::{GroundTruth, RobotCommand, RobotDescription, RobotOdometry, RobotScan};
+use zeronav_msgs::truth::{TRUTH_OBSTACLES_MAX, TruthObstacle};
+use zeronav_robot_sim::{SimConfig, SimError, Simulator};
+use zeronav_shell::clock::now_ns;
+use zeronav_shell::doorbell::Rung;
+use zeronav_shell::records::SpanReader;
+use zeronav_shell::{Cycle, Latest, Service, Shell, StartError, Writer};
+
+struct RobotService {
+    config: SimConfig,
+    simulator: Option<Simulator>,
+    description: Writer<RobotDescription>,
+    scan: Writer<RobotScan>,
+    odometry: Writer<RobotOdometry>,
+    truth: Writer<GroundTruth>,
+    command: Latest<RobotCommand>,
+    spans: SpanReader,
+    obstacles: Vec<TruthObstacle>,
+    tick: u64,
+    /// Newest tick with a scan.
+    scan_tick: u64,
+    /// When the next tick is due, real time only. [ns]
+    due_ns: u64,
+    /// When the newest command came in: monotonic, in lockstep run time. [ns]
+    command_came_ns: Option<u64>,
+    /// Highest tick that each role has answered, lockstep only.
+    answered: [u64; 16],
+    slipped_ns: u64,
+}
+
+fn unusable(error: &SimError) -> StartError {
+    StartError::Usage(format!("configuration: {error}"))
+}
+
+impl Service for RobotService {
+    const ROLE: Role = Role::Robot;
+    type Config = SimConfig;
+
+    fn open(shell: &mut Shell, config: SimConfig) -> Result<Self, StartError> {
+        let peer = shell.peer();
+        Ok(Self {
+            simulator: None,
+            description: peer.writer(zeronav_msgs::description::FOOTPRINT_CORNERS_MAX)?,
+            scan: peer.writer(config.robot.lidar.n_beams as usize)?,
+            odometry: peer.writer(1)?,
+            truth: peer.writer(TRUTH_OBSTACLES_MAX)?,
+            command: peer.latest()?,
+            spans: peer.span_reader()?,
+            obstacles: Vec::with_capacity(TRUTH_OBSTACLES_MAX),
+            tick: 0,
+            scan_tick: 0,
+            due_ns: 0,
+            command_came_ns: None,
+            answered: [0; 16],
+            slipped_ns: 0,
+            config,
+        })
+    }
+
+    fn wake(&mut self, shell: &mut Shell, _rung: Rung) -> Result<Option<u64>, StartError> {
+        if !shell.roster().has_clock() {
+            return Ok(None);
+        }
+        if self.simulator.is_none() {
+            self.start(shell)?;
+        }
+        self.description.refresh();
+        let lockstep = shell.roster().lockstep();
+        if lockstep {
+            // Before the commands: an answer is recorded after what it answers with was sent.
+            let answered = &mut self.answered;
+            self.spans.drain(|span| {
+                if span.kind() == Some(SpanKind::Answer)
+                    && let Some(tick) = answered.get_mut(usize::from(span.role))
+                {
+                    *tick = (*tick).max(span.tick);
+                }
+            });
+        }
+        self.take_command(shell);
+        shell.totals(self.command.refused(), self.command.superseded());
+        let control = shell.roster().control;
+        if lockstep {
+            if control.paused == 0 && self.tick < control.lease && self.all_answered(shell) {
+                self.tick(shell);
+            }
+            return Ok(None);
+        }
+        let tick_ns = shell.roster().clock.tick_ns;
+        let now = now_ns();
+        if control.paused == 1 {
+            self.due_ns = now + tick_ns;
+        } else if now >= self.due_ns {
+            self.tick(shell);
+            // Never catch up: what the machine was too busy for is run time that slipped.
+            self.due_ns += tick_ns;
+            let now = now_ns();
+            if self.due_ns < now {
+                self.slipped_ns += now - self.due_ns;
+                self.due_ns = now;
+            }
+            shell.slipped(self.slipped_ns);
+        }
+        Ok(Some(self.due_ns))
+    }
+}
+
+impl RobotService {
+    /// Makes the world, says what the robot is, and that it is ready.
+    fn start(&mut self, shell: &mut Shell) -> Result<(), StartError> {
+        let clock = shell.roster().clock;
+        let simulator = Simulator::new(&self.config, clock.seed, clock.tick_ns)
+            .map_err(|error| unusable(&error))?;
+        for warning in simulator.map_warnings() {
+            tracing::warn!("{warning}");
+        }
+        let (description, corners) = simulator.description();
+        let draft = shell.draft(0, 0, 0, Parents::default());
+        let sent = self.description.publish(&draft, description, &corners);
+        let output = shell.sent(&self.description, sent);
+        shell.finish(&Cycle {
+            kind: SpanKind::Idle,
+            draft,
+            output,
+            work: 0,
+        });
+        shell.ready();
+        self.simulator = Some(simulator);
+        self.due_ns = now_ns() + clock.tick_ns;
+        Ok(())
+    }
+
+    /// Lets the newest command reach the motors.
+    fn take_command(&mut self, shell: &mut Shell) {
+        if !self.command.poll(shell.roster()) {
+            return;
+        }
+        let (Some(command), Some(simulator)) = (self.command.get(), &mut self.simulator) else {
+            return;
+        };
+        if command.meta.validity() == Some(Validity::NoRequest) {
+            simulator.no_command();
+        } else {
+            simulator.set_command(command.meta.v_mps, command.meta.w_radps);
+        }
+        let lockstep = shell.roster().lockstep();
+        self.command_came_ns = Some(if lockstep {
+            command.header.run_ns
+        } else {
+            shell.woken_ns()
+        });
+        if lockstep {
+            return;
+        }
+        let parents = Parents {
+            request: command.header.id,
+            ..Parents::default()
+        };
+        let (tick, capture_ns) = (command.header.tick, command.header.capture_ns);
+        // The draft's start is the moment at which the set point took effect.
+        let draft = shell.draft(tick, command.header.run_ns, capture_ns, parents);
+        shell.finish(&Cycle {
+            kind: SpanKind::Applied,
+            draft,
+            output: None,
+            work: 0,
+        });
+    }
+
+    /// True when every seat on the roster has answered what it owes up to this tick.
+    fn all_answered(&self, shell: &Shell) -> bool {
+        let roster = shell.roster();
+        [
+            Role::Mapping,
+            Role::GlobalPlanner,
+            Role::LocalPlanner,
+            Role::CollisionGuard,
+        ]
+        .into_iter()
+        .all(|role| {
+            let owed = match role {
+                Role::Mapping | Role::GlobalPlanner => self.scan_tick,
+                _ => self.tick,
+            };
+            !roster.answers(role, owed) || self.answered[usize::from(role.code())] >= owed
+        })
+    }
+
+    /// One tick: move, look, tell.
+    fn tick(&mut self, shell: &mut Shell) {
+        let Some(simulator) = &mut self.simulator else {
+            return;
+        };
+        let clock = shell.roster().clock;
+        let lockstep = shell.roster().lockstep();
+        let tick = self.tick + 1;
+        let run_ns = tick.saturating_mul(clock.tick_ns);
+        let began_ns = if lockstep {
+            run_ns - clock.tick_ns
+        } else {
+            now_ns()
+        };
+        let age_ns = self
+            .command_came_ns
+            .map_or(u64::MAX, |came_ns| began_ns.saturating_sub(came_ns));
+        simulator.step(run_ns, age_ns);
+        self.tick = tick;
+        // The world is still from here on: this is the moment that the sensors see.
+        let seen_ns = now_ns();
+        let due = simulator.scan_due();
+        let odometry_id = self.odometry.next_id().0;
+        let mut parents = Parents {
+            odometry: odometry_id,
+            ..Parents::default()
+        };
+        let mut capture_ns = seen_ns;
+        if let Some(due) = due {
+            self.scan_tick = tick;
+            capture_ns = seen_ns - run_ns.saturating_sub(due.capture_run_ns).min(seen_ns);
+            let draft = shell.draft(tick, due.capture_run_ns, capture_ns, parents);
+            let n_beams = simulator.n_beams();
+            let sent = self.scan.publish_with(&draft, n_beams, |ranges| {
+                simulator.scan(ranges).unwrap_or_default()
+            });
+            parents.scan = shell.sent(&self.scan, sent).map_or(0, |sent| sent.id.0);
+        }
+        let draft = shell.draft(tick, run_ns, capture_ns, parents);
+        let sent = self.odometry.publish(&draft, simulator.odometry(), &[]);
+        let output = shell.sent(&self.odometry, sent);
+        shell.finish(&Cycle {
+            kind: SpanKind::Answer,
+            draft,
+            output,
+            work: due.map_or(0, |_| simulator.n_beams() as u64),
+        });
+        if due.is_some() {
+            let mut truth = simulator.truth(&mut self.obstacles);
+            truth.scan = parents.scan;
+            truth.slipped_ns = self.slipped_ns;
+            for obstacle in &mut self.obstacles {
+                let ago_ns = run_ns.saturating_sub(obstacle.appeared_run_ns);
+                obstacle.appeared_ns = seen_ns.saturating_sub(ago_ns);
+            }
+            let mut draft = draft;
+            draft.hashed = false;
+            self.truth.publish(&draft, truth, &self.obstacles);
+        }
+    }
+}
+
+fn main() -> ExitCode {
+    zeronav_shell::run::<RobotService>()
+}

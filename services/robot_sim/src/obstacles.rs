@@ -1,0 +1,278 @@
+//! Scripted obstacles: when they are there and where.
+
+use nalgebra::Point2;
+use zeronav_msgs::Pose;
+use zeronav_msgs::pose::wrap_angle;
+use zeronav_world::Convex;
+
+/// A scripted obstacle in the course of a run.
+///
+/// It appears once: at the start, at its time, or when the robot came near (latched). It exists
+/// from that moment to `lasts_s` later, and moves along its waypoints without turning.
+#[derive(Debug, Clone)]
+pub struct Obstacle {
+    /// In its own frame.
+    form: Convex,
+    /// Where it appears, `map_from_shape`.
+    start: Pose,
+    route: Route,
+    near: Option<(Point2<f64>, f64)>,
+    appears_run_ns: Option<u64>,
+    lasts_ns: Option<u64>,
+}
+
+impl Obstacle {
+    /// The obstacle that the world describes, before the run.
+    #[must_use]
+    pub fn new(obstacle: &zeronav_world::Obstacle) -> Self {
+        let spec = &obstacle.spec;
+        let trigger = spec.appears.as_ref();
+        let near = trigger
+            .and_then(|trigger| trigger.robot_near.as_ref())
+            .map(|near| (Point2::from(near.point_m), near.distance_m));
+        let at_s = trigger.and_then(|trigger| trigger.at_s).unwrap_or(0.0);
+        let start = obstacle.shape.pose();
+        Self {
+            form: obstacle.shape.form().clone(),
+            start: Pose::new(start.x_m, start.y_m, wrap_angle(start.yaw_rad)),
+            route: Route::new(
+                start.point(),
+                &spec.waypoints_m,
+                spec.speed_mps,
+                spec.repeat,
+            ),
+            appears_run_ns: near.is_none().then(|| nanoseconds(at_s)),
+            near,
+            lasts_ns: spec.lasts_s.map(nanoseconds),
+        }
+    }
+
+    /// Appears now, at `run_ns`, if it waits for the robot and the robot's centre is near enough.
+    pub fn notice(&mut self, robot: Point2<f64>, run_ns: u64) {
+        if self.appears_run_ns.is_none()
+            && let Some((point, distance_m)) = self.near
+            && (robot - point).norm() <= distance_m
+        {
+            self.appears_run_ns = Some(run_ns);
+        }
+    }
+
+    /// Run time at which it appears or appeared; `None` while it waits for the robot. [ns]
+    #[must_use]
+    pub const fn appears_run_ns(&self) -> Option<u64> {
+        self.appears_run_ns
+    }
+
+    /// True from the moment of its appearance until it vanishes.
+    #[must_use]
+    pub fn exists_at(&self, run_ns: u64) -> bool {
+        self.appears_run_ns.is_some_and(|appears_ns| {
+            run_ns >= appears_ns
+                && self
+                    .lasts_ns
+                    .is_none_or(|lasts_ns| run_ns - appears_ns < lasts_ns)
+        })
+    }
+
+    /// `map_from_shape` at `run_ns`, where it appears before that.
+    #[must_use]
+    #[allow(
+        clippy::cast_precision_loss,
+        reason = "exact for 104 days of nanoseconds"
+    )]
+    pub fn pose_at(&self, run_ns: u64) -> Pose {
+        let moved_ns = self
+            .appears_run_ns
+            .map_or(0, |appears_ns| run_ns.saturating_sub(appears_ns));
+        let at = self.route.at(moved_ns as f64 * 1.0e-9);
+        Pose::new(at.x, at.y, self.start.yaw_rad)
+    }
+
+    /// Speed while it is on its way. [m/s]
+    #[must_use]
+    pub const fn speed_mps(&self) -> f64 {
+        self.route.speed_mps
+    }
+
+    /// What it covers at `run_ns`, `map` frame. No allocation.
+    #[must_use]
+    pub fn placed_at(&self, run_ns: u64) -> Convex {
+        self.form.placed(&self.pose_at(run_ns))
+    }
+}
+
+/// Seconds of a scenario as nanoseconds of run time.
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "scenario times are at most 1e6 s and not negative"
+)]
+fn nanoseconds(seconds: f64) -> u64 {
+    (seconds * 1.0e9).round() as u64
+}
+
+/// A chain of points that is walked at constant speed.
+#[derive(Debug, Clone)]
+struct Route {
+    /// The point where it begins, then the waypoints, then, to repeat, the first waypoint again.
+    points: Vec<Point2<f64>>,
+    /// Way from the beginning to each point. [m]
+    at_m: Vec<f64>,
+    /// Way from the beginning to the first waypoint, where a repeated round begins. [m]
+    lead_m: f64,
+    /// Length of a round that repeats; `None` when the walk ends at the last waypoint. [m]
+    round_m: Option<f64>,
+    speed_mps: f64,
+}
+
+impl Route {
+    fn new(from: Point2<f64>, waypoints_m: &[[f64; 2]], speed_mps: f64, repeat: bool) -> Self {
+        let mut points = vec![from];
+        points.extend(waypoints_m.iter().map(|at| Point2::from(*at)));
+        if repeat && points.len() > 1 {
+            points.push(points[1]);
+        }
+        let mut at_m = vec![0.0];
+        for pair in points.windows(2) {
+            let so_far_m = at_m.last().copied().unwrap_or(0.0);
+            at_m.push(so_far_m + (pair[1] - pair[0]).norm());
+        }
+        let lead_m = at_m.get(1).copied().unwrap_or(0.0);
+        let round_m = at_m.last().copied().unwrap_or(0.0) - lead_m;
+        Self {
+            points,
+            at_m,
+            lead_m,
+            round_m: (repeat && round_m > 0.0).then_some(round_m),
+            speed_mps,
+        }
+    }
+
+    /// The point reached after `moved_s`.
+    fn at(&self, moved_s: f64) -> Point2<f64> {
+        let mut way_m = self.speed_mps * moved_s;
+        if let Some(round_m) = self.round_m
+            && way_m > self.lead_m
+        {
+            way_m = self.lead_m + (way_m - self.lead_m) % round_m;
+        }
+        // The leg that holds `way_m`, or the end of the last.
+        let next = self.at_m.partition_point(|at_m| *at_m <= way_m);
+        let (Some(to), Some(to_m)) = (self.points.get(next), self.at_m.get(next)) else {
+            return self.points[self.points.len() - 1];
+        };
+        let (from, from_m) = (self.points[next - 1], self.at_m[next - 1]);
+        from + (to - from) * ((way_m - from_m) / (to_m - from_m))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use parry2d::math::Vec2;
+    use zeronav_world::spec::{Near, Trigger};
+    use zeronav_world::{ObstacleSpec, Shape, ShapeSpec};
+
+    const SECOND_NS: u64 = 1_000_000_000;
+
+    fn spec() -> ObstacleSpec {
+        ObstacleSpec {
+            name: "walker".to_owned(),
+            shape: ShapeSpec::Box {
+                centre_m: [1.0, 2.0],
+                size_m: [0.4, 0.2],
+                yaw_rad: 0.5,
+            },
+            appears: None,
+            lasts_s: None,
+            waypoints_m: vec![[4.0, 6.0], [4.0, 4.0]],
+            speed_mps: 2.0,
+            repeat: false,
+        }
+    }
+
+    fn obstacle(spec: &ObstacleSpec) -> Obstacle {
+        Obstacle::new(&zeronav_world::Obstacle {
+            spec: spec.clone(),
+            shape: Shape::new(&spec.shape).expect("a shape"),
+        })
+    }
+
+    #[track_caller]
+    fn check_at(obstacle: &Obstacle, run_ns: u64, x_m: f64, y_m: f64) {
+        let at = obstacle.pose_at(run_ns);
+        let apart_m = (at.point() - Point2::new(x_m, y_m)).norm();
+        assert!(apart_m < 1e-9, "{at:?} instead of {x_m}, {y_m}");
+    }
+
+    #[test]
+    fn waypoints_are_visited_at_constant_speed_without_turning() {
+        // 5 m to the first waypoint, 2 m to the second, at 2 m/s.
+        let walker = obstacle(&spec());
+        check_at(&walker, 0, 1.0, 2.0);
+        check_at(&walker, SECOND_NS, 2.2, 3.6);
+        check_at(&walker, 5 * SECOND_NS / 2, 4.0, 6.0);
+        check_at(&walker, 3 * SECOND_NS, 4.0, 5.0);
+        check_at(&walker, 100 * SECOND_NS, 4.0, 4.0);
+        assert!((walker.pose_at(SECOND_NS).yaw_rad - 0.5).abs() < 1e-12);
+        let middle = walker.placed_at(3 * SECOND_NS).bounds().center();
+        assert!(middle.distance(Vec2::new(4.0, 5.0)) < 1e-9);
+    }
+
+    #[test]
+    fn a_round_begins_again_at_the_first_waypoint() {
+        let mut spec = spec();
+        spec.repeat = true;
+        let walker = obstacle(&spec);
+        // 5 m lead, then rounds of 2 m down and 2 m up.
+        check_at(&walker, 7 * SECOND_NS / 2, 4.0, 4.0);
+        check_at(&walker, 4 * SECOND_NS, 4.0, 5.0);
+        check_at(&walker, 9 * SECOND_NS / 2, 4.0, 6.0);
+        check_at(&walker, (4500 + 2000 * 1000 + 250) * 1_000_000, 4.0, 5.5);
+        // A round of no length is standing there.
+        spec.waypoints_m.truncate(1);
+        check_at(&obstacle(&spec), 100 * SECOND_NS, 4.0, 6.0);
+        spec.waypoints_m = vec![[4.0, 6.0], [4.0, 6.0]];
+        check_at(&obstacle(&spec), 100 * SECOND_NS, 4.0, 6.0);
+    }
+
+    #[test]
+    fn a_time_is_kept_to_the_nanosecond() {
+        let mut spec = spec();
+        spec.appears = Some(Trigger {
+            at_s: Some(2.005),
+            robot_near: None,
+        });
+        spec.lasts_s = Some(1.0);
+        let walker = obstacle(&spec);
+        assert_eq!(walker.appears_run_ns(), Some(2_005_000_000));
+        assert!(!walker.exists_at(2_004_999_999));
+        assert!(walker.exists_at(2_005_000_000));
+        assert!(walker.exists_at(3_004_999_999));
+        assert!(!walker.exists_at(3_005_000_000));
+        check_at(&walker, 2_005_000_000, 1.0, 2.0);
+        check_at(&walker, 3_005_000_000, 2.2, 3.6);
+    }
+
+    #[test]
+    fn nearness_is_latched_once() {
+        let mut spec = spec();
+        spec.appears = Some(Trigger {
+            at_s: None,
+            robot_near: Some(Near {
+                point_m: [0.0, 0.0],
+                distance_m: 1.0,
+            }),
+        });
+        let mut walker = obstacle(&spec);
+        walker.notice(Point2::new(1.001, 0.0), SECOND_NS);
+        assert_eq!(walker.appears_run_ns(), None);
+        assert!(!walker.exists_at(u64::MAX));
+        walker.notice(Point2::new(0.6, 0.8), 2 * SECOND_NS);
+        assert_eq!(walker.appears_run_ns(), Some(2 * SECOND_NS));
+        walker.notice(Point2::new(9.0, 9.0), 3 * SECOND_NS);
+        walker.notice(Point2::new(0.0, 0.0), 4 * SECOND_NS);
+        assert_eq!(walker.appears_run_ns(), Some(2 * SECOND_NS));
+        check_at(&walker, 3 * SECOND_NS, 2.2, 3.6);
+    }
+}

@@ -1,0 +1,357 @@
+//! The simulated robot: world, body, motors and lidar, one tick after the other.
+
+use crate::config::SimConfig;
+use crate::contact::Body;
+use crate::describe::{describe, limits_of};
+use crate::drive::{DriveLimits, DriveState, Motion, Twist};
+use crate::lidar::Lidar;
+use crate::obstacles::Obstacle;
+use crate::scan_schedule::{DueScan, ScanSchedule};
+use crate::solid_grid::SolidGrid;
+use zeronav_msgs::description::{Corner, Description};
+use zeronav_msgs::odometry::Odometry;
+use zeronav_msgs::pose::wrap_angle;
+use zeronav_msgs::scan::Scan;
+use zeronav_msgs::truth::{Truth, TruthObstacle};
+use zeronav_msgs::{Pose, Refusal};
+use zeronav_world::{Footprint, MapWarning, SpecError, World, WorldError};
+
+/// Largest clearance that is told apart. [m]
+const CLEARANCE_M_MAX: f64 = 1.0e3;
+
+/// Shortest and longest tick. [ns]
+const TICK_NS: core::ops::RangeInclusive<u64> = 100_000..=1_000_000_000;
+
+/// Why a robot cannot be simulated.
+#[derive(Debug, thiserror::Error)]
+pub enum SimError {
+    /// There is no such world.
+    #[error("world.{0}")]
+    World(#[from] WorldError),
+    /// There is no such robot.
+    #[error("robot.{0}")]
+    Robot(#[from] SpecError),
+    /// The robot's description would break the contract.
+    #[error("robot: {0}")]
+    Description(Refusal),
+    /// The start is no pose.
+    #[error("{0}")]
+    Start(Refusal),
+    /// The robot would start in contact.
+    #[error("start: the robot touches {0} there")]
+    StartBlocked(String),
+    /// The tick is shorter than 0.1 ms or longer than 1 s.
+    #[error("a tick of {0} ns, must be 100000 to 1000000000 ns")]
+    Tick(u64),
+    /// More scans than ticks.
+    #[error("robot.lidar.rate_hz: {rate_hz} scans a second are more than ticks of {tick_ns} ns")]
+    ScanRate {
+        /// Turns of the lidar per second. [Hz]
+        rate_hz: f64,
+        /// Length of a tick. [ns]
+        tick_ns: u64,
+    },
+}
+
+/// A robot in its world. The same seed and the same sequence of calls give the same bits.
+#[derive(Debug, Clone)]
+pub struct Simulator {
+    world: World,
+    map_warnings: Vec<MapWarning>,
+    /// The occupied cells of the map file.
+    grid: Option<SolidGrid>,
+    obstacles: Vec<Obstacle>,
+    description: Description,
+    corners: Vec<Corner>,
+    body: Body,
+    lidar: Lidar,
+    schedule: ScanSchedule,
+    /// Limits under a command, and when the robot brakes by itself.
+    limits: DriveLimits,
+    limits_alone: DriveLimits,
+    command_timeout_ns: u64,
+    tick_ns: u64,
+    /// `None` before the first command.
+    set_point: Option<Twist>,
+    state: DriveState,
+    run_ns: u64,
+    driven_m: f64,
+    due: Option<DueScan>,
+    /// `map_from_base` at the capture of the scan that is due.
+    capture_pose: Pose,
+    /// Beams of this tick's scan on each obstacle.
+    beams_on: Vec<u32>,
+}
+
+impl Simulator {
+    /// The robot of `config` at its start, standing. `seed` draws all noise; a tick lasts
+    /// `tick_ns`. Reads the map file, if the world has one.
+    ///
+    /// # Errors
+    /// See [`SimError`].
+    pub fn new(config: &SimConfig, seed: u64, tick_ns: u64) -> Result<Self, SimError> {
+        config.robot.check()?;
+        if !TICK_NS.contains(&tick_ns) {
+            return Err(SimError::Tick(tick_ns));
+        }
+        let (world, map_warnings) = World::load(&config.world)?;
+        let footprint = Footprint::new(&config.robot)?;
+        let lidar = Lidar::new(&config.robot.lidar, seed);
+        let rate_hz = config.robot.lidar.rate_hz;
+        let schedule = ScanSchedule::new(rate_hz)
+            .filter(|schedule| schedule.period_ns() >= tick_ns)
+            .ok_or(SimError::ScanRate { rate_hz, tick_ns })?;
+        let corners: Vec<Corner> = footprint
+            .corners()
+            .iter()
+            .map(|corner| Corner {
+                x_m: corner.x,
+                y_m: corner.y,
+            })
+            .collect();
+        let description = describe(&config.robot, &footprint, &lidar, &schedule);
+        description.check(&corners).map_err(SimError::Description)?;
+
+        let [x_m, y_m, yaw_rad] = config.start;
+        let start = Pose::new(x_m, y_m, yaw_rad);
+        start.check("start").map_err(SimError::Start)?;
+        let start = Pose::new(x_m, y_m, wrap_angle(yaw_rad));
+        let obstacles: Vec<Obstacle> = world.obstacles().iter().map(Obstacle::new).collect();
+        check_start(&footprint, &start, &world, &obstacles)?;
+
+        let limits = limits_of(&config.robot);
+        Ok(Self {
+            grid: world.static_map().map(SolidGrid::new),
+            beams_on: vec![0; obstacles.len()],
+            obstacles,
+            world,
+            map_warnings,
+            description,
+            corners,
+            body: Body::new(footprint),
+            lidar,
+            schedule,
+            limits_alone: DriveLimits {
+                slow_down_mps2: description.brake_mps2,
+                ..limits
+            },
+            limits,
+            command_timeout_ns: nanoseconds(config.robot.command_timeout_s),
+            tick_ns,
+            set_point: None,
+            state: DriveState {
+                pose: start,
+                twist: Twist::ZERO,
+            },
+            run_ns: 0,
+            driven_m: 0.0,
+            due: None,
+            capture_pose: start,
+        })
+    }
+
+    /// What is odd about the map file, for the log.
+    #[must_use]
+    pub fn map_warnings(&self) -> &[MapWarning] {
+        &self.map_warnings
+    }
+
+    /// What the robot is: the message and its corners.
+    #[must_use]
+    pub fn description(&self) -> (Description, Vec<Corner>) {
+        (self.description, self.corners.clone())
+    }
+
+    /// Number of beams of a scan.
+    #[must_use]
+    pub const fn n_beams(&self) -> usize {
+        self.description.n_beams as usize
+    }
+
+    /// Run time of the last step; 0 before the first. [ns]
+    #[must_use]
+    pub const fn run_ns(&self) -> u64 {
+        self.run_ns
+    }
+
+    /// A set point has reached the motors, `base` frame. It is clamped to the robot's limits; NaN
+    /// in either number is a stop.
+    pub fn set_command(&mut self, v_mps: f64, w_radps: f64) {
+        self.set_point = Some(self.limits.clamp(Twist { v_mps, w_radps }));
+    }
+
+    /// There is no set point any more: the robot brakes as it does when commands are too old.
+    pub fn no_command(&mut self) {
+        self.set_point = None;
+    }
+
+    /// One tick, which ends at `run_ns` and began a tick earlier, but not before 0.
+    ///
+    /// The robot changes its velocity towards the set point: away from zero with `a_mps2_max`,
+    /// towards zero with the larger of that and `brake_mps2`, so that no command stops it worse than
+    /// the guard relies on. When the last command is older than the robot's timeout it stops with
+    /// `brake_mps2` alone. `command_age_ns` is the age of the last command at the start of the tick.
+    pub fn step(&mut self, run_ns: u64, command_age_ns: u64) {
+        let from_run_ns = run_ns.saturating_sub(self.tick_ns);
+        let (target, limits) = match self.set_point {
+            Some(set_point) if command_age_ns <= self.command_timeout_ns => {
+                (set_point, &self.limits)
+            }
+            _ => (Twist::ZERO, &self.limits_alone),
+        };
+        let duration_s = seconds(run_ns - from_run_ns);
+        let motion = Motion::towards(self.state, target, limits, duration_s);
+        let advance = self
+            .body
+            .advance(&motion, &self.world, &self.obstacles, from_run_ns);
+        self.state = advance.end;
+        self.driven_m += advance.driven_m;
+        self.run_ns = run_ns;
+
+        self.due = self.schedule.due(from_run_ns, run_ns);
+        if let Some(due) = self.due {
+            let into_s = seconds(due.capture_run_ns - from_run_ns);
+            self.capture_pose = match advance.stopped {
+                Some((at_s, pose)) if into_s >= at_s => pose,
+                _ => motion.at(into_s).pose,
+            };
+        }
+        for obstacle in &mut self.obstacles {
+            obstacle.notice(self.state.pose.point(), run_ns);
+        }
+        if self
+            .body
+            .settle(&self.state, &self.world, &self.obstacles, run_ns)
+        {
+            self.state.twist = Twist::ZERO;
+        }
+        self.beams_on.fill(0);
+    }
+
+    /// The scan that fell due in the last tick, with the exact run time of its capture.
+    #[must_use]
+    pub const fn scan_due(&self) -> Option<DueScan> {
+        self.due
+    }
+
+    /// Takes the scan that fell due in the last tick, of the world and from the pose at its
+    /// capture; `None` when none did, and `ranges` stays as it is. Taking it again gives the same
+    /// bits. No allocation.
+    ///
+    /// # Panics
+    /// When `ranges` has not [`Self::n_beams`] places.
+    pub fn scan(&mut self, ranges: &mut [f32]) -> Option<Scan> {
+        let due = self.due?;
+        let mut exposure = self.lidar.expose(&self.capture_pose);
+        for shape in self.world.shapes() {
+            exposure.add_shape(shape.placed(), None);
+        }
+        for (tag, obstacle) in (0..).zip(&self.obstacles) {
+            if obstacle.exists_at(due.capture_run_ns) {
+                exposure.add_shape(&obstacle.placed_at(due.capture_run_ns), Some(tag));
+            }
+        }
+        if let Some(grid) = &self.grid {
+            exposure.add_grid(grid);
+        }
+        self.beams_on.fill(0);
+        Some(exposure.finish(due.index, ranges, &mut self.beams_on))
+    }
+
+    /// Odometry at the end of the last tick. It is perfect: `odom` is `map`, the variances are 0.
+    #[must_use]
+    pub fn odometry(&self) -> Odometry {
+        Odometry {
+            pose: self.state.pose,
+            v_mps: self.state.twist.v_mps,
+            w_radps: self.state.twist.w_radps,
+            variance: [0.0; 3],
+            scan_due: u32::from(self.due.is_some()),
+            spare: 0,
+        }
+    }
+
+    /// The truth at the end of the last tick. `obstacles` becomes those that exist, with the beams
+    /// of this tick's scan on them once [`Self::scan`] has been called.
+    ///
+    /// Whoever has a clock and message ids fills in what the simulator cannot know and leaves 0:
+    /// [`Truth::scan`], [`Truth::slipped_ns`], [`TruthObstacle::appeared_ns`].
+    pub fn truth(&mut self, obstacles: &mut Vec<TruthObstacle>) -> Truth {
+        obstacles.clear();
+        for ((index, obstacle), beams) in (0..).zip(&self.obstacles).zip(&self.beams_on) {
+            // One that was seen has vanished since at the most.
+            let (true, Some(appeared_run_ns)) = (
+                obstacle.exists_at(self.run_ns) || *beams > 0,
+                obstacle.appears_run_ns(),
+            ) else {
+                continue;
+            };
+            obstacles.push(TruthObstacle {
+                index,
+                beams: *beams,
+                appeared_run_ns,
+                appeared_ns: 0,
+                pose: obstacle.pose_at(self.run_ns),
+            });
+        }
+        Truth {
+            pose: self.state.pose,
+            v_mps: self.state.twist.v_mps,
+            w_radps: self.state.twist.w_radps,
+            clearance_m: self.body.clearance_m(
+                &self.state.pose,
+                &self.world,
+                &self.obstacles,
+                self.run_ns,
+                CLEARANCE_M_MAX,
+            ),
+            driven_m: self.driven_m,
+            in_contact: u32::from(self.body.in_contact()),
+            contacts_moving: self.body.contacts_moving(),
+            contacts_standing: self.body.contacts_standing(),
+            n_obstacles: u32::try_from(obstacles.len()).unwrap_or(u32::MAX),
+            scan: 0,
+            slipped_ns: 0,
+        }
+    }
+}
+
+/// Refuses a start in contact: it would count as the first contact of the run.
+fn check_start(
+    footprint: &Footprint,
+    start: &Pose,
+    world: &World,
+    obstacles: &[Obstacle],
+) -> Result<(), SimError> {
+    let placed = footprint.placed(start);
+    if Body::touches(world.convex_distance_m(&placed, 1.0)) {
+        return Err(SimError::StartBlocked("something static".to_owned()));
+    }
+    for (obstacle, described) in obstacles.iter().zip(world.obstacles()) {
+        if obstacle.exists_at(0) && Body::touches(placed.distance_m(&obstacle.placed_at(0))) {
+            let name = described.spec.name.clone();
+            return Err(SimError::StartBlocked(name));
+        }
+    }
+    Ok(())
+}
+
+#[allow(
+    clippy::cast_precision_loss,
+    reason = "a tick or less, exact in nanoseconds"
+)]
+fn seconds(ns: u64) -> f64 {
+    ns as f64 * 1.0e-9
+}
+
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a checked timeout, at most 10 s"
+)]
+fn nanoseconds(seconds: f64) -> u64 {
+    (seconds * 1.0e9).round() as u64
+}
+
+#[cfg(test)]
+mod tests;
