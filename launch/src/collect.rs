@@ -1,0 +1,339 @@
+//! Listens to a running stack and keeps what the result needs.
+
+use crate::measure::index::{PathRecord, Sighting};
+use crate::measure::{Records, RunHash};
+use crate::supervise::stack::Taps;
+use std::collections::{BTreeSet, HashMap, VecDeque};
+use std::time::{Duration, Instant};
+use zeronav_msgs::grid::{Cell, GridGeometry};
+use zeronav_msgs::header::Id;
+use zeronav_msgs::map::{COST_LETHAL, FLAG_SENSED, FLAG_STATIC, MapView};
+use zeronav_msgs::pose::Pose;
+use zeronav_msgs::replica::{MapReplica, Step};
+use zeronav_msgs::role::Role;
+use zeronav_msgs::span::{Span, SpanKind};
+use zeronav_msgs::task::{EndReason, TaskState};
+use zeronav_msgs::truth::Truth;
+use zeronav_shell::Roster;
+
+/// Spans that are kept at most; the oldest go first.
+const SPANS_MAX: usize = 200_000;
+
+/// Distance between two points of the drawn track. [m]
+const TRACK_STEP_M: f64 = 0.05;
+
+/// Points of the drawn track at most.
+const TRACK_POINTS_MAX: usize = 50_000;
+
+/// Truths whose distance is remembered: enough for the stop after the end of the task.
+const DRIVEN_LENGTH: usize = 256;
+
+/// Least time between two requests for a keyframe.
+const KEYFRAME_PAUSE: Duration = Duration::from_millis(200);
+
+/// What the local planner says of the task.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TaskReport {
+    /// Id of the task.
+    pub task: u64,
+    /// Its state.
+    pub state: TaskState,
+    /// Why it ended.
+    pub reason: EndReason,
+    /// Tick of the end, until then the tick at which this was said.
+    pub tick: u64,
+    /// Way left. [m]
+    pub remaining_m: f64,
+}
+
+/// Tells whether a point is at the outline of a scripted obstacle: `(index, pose, point, within)`.
+pub type AtOutline<'a> = &'a dyn Fn(usize, &Pose, [f64; 2], f64) -> bool;
+
+/// Everything that was heard.
+#[derive(Debug, Default)]
+pub struct Collector {
+    /// For the measures.
+    pub records: Records,
+    /// For the run's hash.
+    pub hash: RunHash,
+    /// Where the robot really drove. [m]
+    pub track_m: Vec<[f64; 2]>,
+    /// The newest truth.
+    pub truth: Option<Truth>,
+    /// Run time [ns] and distance driven [m] of the newest truths.
+    driven_m: VecDeque<(u64, f64)>,
+    /// Smallest clearance of all. [m]
+    pub clearance_m_min: Option<f64>,
+    /// Run time of the newest truth. [ns]
+    pub run_ns: u64,
+    /// What became of the task.
+    pub task: Option<TaskReport>,
+    /// Goals that were reached, of any task.
+    pub reached: BTreeSet<u64>,
+    /// Highest tick that each role has answered.
+    pub answered: HashMap<u16, u64>,
+    /// Newest tick with a scan.
+    pub scan_tick: u64,
+    /// Scripted obstacles as they were seen last: index and pose.
+    pub obstacles: HashMap<usize, Pose>,
+    /// The map.
+    pub replica: MapReplica,
+    /// Spans that were dropped because there were too many.
+    pub spans_dropped: u64,
+    keyframe_asked: Option<Instant>,
+    /// A revision that came before the truth about its scan.
+    unlooked: Option<(Id, u64)>,
+}
+
+impl Collector {
+    /// Takes in whatever has come; true when mapping should be asked for a keyframe.
+    pub fn listen(&mut self, taps: &mut Taps, roster: &Roster, at_outline: AtOutline<'_>) -> bool {
+        taps.spans.drain(|span| self.span(span));
+        taps.truth.drain(roster, |view| {
+            self.truth(view.header.run_ns, view.meta, view.items);
+        });
+        if let Some((revision, scan)) = self.unlooked.take() {
+            self.look_for_obstacles(revision, scan, at_outline);
+        }
+        if taps.keyframe.poll(roster)
+            && let Some(view) = taps.keyframe.get()
+        {
+            self.replica.keyframe(view.meta, view.items);
+        }
+        taps.keyframe.release();
+        taps.updates.drain(roster, |view| {
+            if self.replica.update(view.header.id(), view.meta, view.items) != Step::Applied {
+                return;
+            }
+            let (revision, scan) = (view.header.id(), view.header.parents.scan);
+            if self.truth.is_some_and(|truth| truth.scan >= scan) {
+                self.look_for_obstacles(revision, scan, at_outline);
+            } else {
+                // The truth about the scan is still on its way: look when it is here.
+                self.unlooked = Some((revision, scan));
+            }
+        });
+        taps.paths.drain(roster, |view| {
+            if view.meta.geometry != view.header.id {
+                return;
+            }
+            let Some((status, cause)) = view.meta.status().zip(view.meta.cause()) else {
+                return;
+            };
+            self.records.paths.push(PathRecord {
+                id: view.header.id,
+                map: view.header.parents.map,
+                run_ns: view.header.run_ns,
+                status,
+                cause,
+                planner: view.meta.planner().to_owned(),
+                length_m: view.meta.length_m,
+                expanded: view.meta.expanded,
+                points_m: view
+                    .items
+                    .iter()
+                    .map(|point| [point.x_m, point.y_m])
+                    .collect(),
+            });
+        });
+        if taps.status.poll(roster)
+            && let Some(view) = taps.status.get()
+            && let Some((state, reason)) = view.meta.state().zip(view.meta.reason())
+        {
+            let reached = view
+                .items
+                .iter()
+                .filter(|end| end.state == TaskState::Reached.code());
+            self.reached.extend(reached.map(|end| end.goal));
+            // A task that has ended is said again and again; its end is the end of its last goal.
+            let ended = view.items.last().map(|end| end.tick);
+            let tick = match state {
+                TaskState::Idle | TaskState::Active => view.header.tick,
+                _ => ended.unwrap_or(view.header.tick),
+            };
+            self.task = Some(TaskReport {
+                task: view.meta.task,
+                state,
+                reason,
+                tick,
+                remaining_m: view.meta.remaining_m,
+            });
+        }
+        self.wants_keyframe()
+    }
+
+    fn wants_keyframe(&mut self) -> bool {
+        let now = Instant::now();
+        let pause = self
+            .keyframe_asked
+            .is_some_and(|asked| now - asked < KEYFRAME_PAUSE);
+        if !self.replica.needs_keyframe() || pause {
+            return false;
+        }
+        self.keyframe_asked = Some(now);
+        true
+    }
+
+    fn span(&mut self, span: &Span) {
+        self.hash.add(span);
+        if span.kind() == Some(SpanKind::Answer) {
+            let answered = self.answered.entry(span.role).or_default();
+            *answered = (*answered).max(span.tick);
+            if span.role == Role::Robot.code() && span.scan != 0 {
+                self.scan_tick = self.scan_tick.max(span.tick);
+            }
+        }
+        if self.records.spans.len() == SPANS_MAX {
+            self.records.spans.drain(..SPANS_MAX / 4);
+            self.spans_dropped += SPANS_MAX as u64 / 4;
+        }
+        self.records.spans.push(*span);
+    }
+
+    /// Highest tick that the robot has begun.
+    #[must_use]
+    pub fn robot_tick(&self) -> u64 {
+        self.answered_by(Role::Robot)
+    }
+
+    /// Distance that the robot had driven at a run time not long ago. [m]
+    #[must_use]
+    pub fn driven_m_at(&self, run_ns: u64) -> f64 {
+        let until = self
+            .driven_m
+            .iter()
+            .rev()
+            .find(|(then_ns, _)| *then_ns <= run_ns);
+        until
+            .or(self.driven_m.front())
+            .map_or(0.0, |(_, driven_m)| *driven_m)
+    }
+
+    /// Newest tick that `role` has answered.
+    #[must_use]
+    pub fn answered_by(&self, role: Role) -> u64 {
+        self.answered.get(&role.code()).copied().unwrap_or(0)
+    }
+
+    /// The first role in the flow of data that owes an answer to the robot's newest tick.
+    #[must_use]
+    pub fn owing(&self) -> Option<Role> {
+        let tick = self.robot_tick();
+        [
+            Role::Mapping,
+            Role::GlobalPlanner,
+            Role::LocalPlanner,
+            Role::CollisionGuard,
+        ]
+        .into_iter()
+        .find(|role| {
+            let due = match role {
+                Role::Mapping | Role::GlobalPlanner => self.scan_tick,
+                _ => tick,
+            };
+            self.answered_by(*role) < due
+        })
+    }
+
+    /// True when every role has answered every tick up to `tick`.
+    #[must_use]
+    pub fn all_answered(&self, tick: u64) -> bool {
+        self.robot_tick() >= tick && self.owing().is_none()
+    }
+
+    fn truth(
+        &mut self,
+        run_ns: u64,
+        truth: &Truth,
+        obstacles: &[zeronav_msgs::truth::TruthObstacle],
+    ) {
+        let here = [truth.pose.x_m, truth.pose.y_m];
+        let moved = self
+            .track_m
+            .last()
+            .is_none_or(|last| (last[0] - here[0]).hypot(last[1] - here[1]) >= TRACK_STEP_M);
+        if moved && self.track_m.len() < TRACK_POINTS_MAX {
+            self.track_m.push(here);
+        }
+        self.run_ns = run_ns;
+        self.truth = Some(*truth);
+        if self.driven_m.len() == DRIVEN_LENGTH {
+            self.driven_m.pop_front();
+        }
+        self.driven_m.push_back((run_ns, truth.driven_m));
+        let least = self.clearance_m_min.get_or_insert(truth.clearance_m);
+        *least = least.min(truth.clearance_m);
+        for obstacle in obstacles {
+            let index = obstacle.index as usize;
+            self.obstacles.insert(index, obstacle.pose);
+            let sightings = &mut self.records.sightings;
+            let at = sightings
+                .iter()
+                .position(|sighting| sighting.index == index);
+            let at = at.unwrap_or_else(|| {
+                sightings.push(Sighting {
+                    index,
+                    appeared_ns: obstacle.appeared_ns,
+                    ..Sighting::default()
+                });
+                sightings.len() - 1
+            });
+            let sighting = &mut sightings[at];
+            if obstacle.beams > 0 && truth.scan != 0 {
+                sighting.first_beam_scan.get_or_insert(truth.scan);
+            }
+            if obstacle.beams >= 3 && truth.scan != 0 {
+                sighting.first_scan.get_or_insert(truth.scan);
+            }
+        }
+    }
+
+    /// Notes the first revision that shows an obstacle.
+    fn look_for_obstacles(&mut self, revision: Id, scan: u64, at_outline: AtOutline<'_>) {
+        let Some(map) = self.replica.view() else {
+            return;
+        };
+        for sighting in &mut self.records.sightings {
+            let due = sighting.first_map.is_none()
+                && sighting.first_scan.is_some_and(|first| scan >= first);
+            let Some(pose) = self.obstacles.get(&sighting.index).filter(|_| due) else {
+                continue;
+            };
+            let shown = |point, within| at_outline(sighting.index, pose, point, within);
+            if shows(&map, &pose.point(), shown) {
+                sighting.first_map = Some(revision.0);
+            }
+        }
+    }
+}
+
+/// True when a sensed lethal cell that is not on the static map lies within one cell of an
+/// outline around `centre`.
+fn shows(
+    map: &MapView<'_>,
+    centre: &nalgebra::Point2<f64>,
+    at_outline: impl Fn([f64; 2], f64) -> bool,
+) -> bool {
+    /// No scripted obstacle is larger. [m]
+    const REACH_M: f64 = 5.0;
+    let geometry: &GridGeometry = map.geometry;
+    let reach = nalgebra::Vector2::new(REACH_M, REACH_M);
+    let low = geometry.unbounded_cell_at(centre - reach);
+    let high = geometry.unbounded_cell_at(centre + reach);
+    let (width, height) = geometry.size();
+    for y in low.y.max(0)..=high.y.min(height - 1) {
+        for x in low.x.max(0)..=high.x.min(width - 1) {
+            let cell = Cell::new(x, y);
+            let sensed = map.get(cell).is_some_and(|cell| {
+                cell.cost == COST_LETHAL
+                    && cell.flags & FLAG_SENSED != 0
+                    && cell.flags & FLAG_STATIC == 0
+            });
+            let point = geometry.centre_of(cell);
+            if sensed && at_outline([point.x, point.y], geometry.resolution_m) {
+                return true;
+            }
+        }
+    }
+    false
+}

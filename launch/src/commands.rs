@@ -1,0 +1,264 @@
+//! What each command does, and the exit code that it ends with.
+
+use crate::cli::{GoalArgs, RunArgs};
+use crate::ending::Ending;
+use crate::environment::Before;
+use crate::prepare::{self, Prepared};
+use crate::run::{self, Driven};
+use crate::scenario::{self, Scenario};
+use crate::show::report::RunResult;
+use crate::supervise::control::{self, Reply, Request, RunReport};
+use serde_json::json;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// The scenario's expectations were met.
+pub const EXIT_PASS: u8 = 0;
+/// An expectation was not met.
+pub const EXIT_FAIL: u8 = 1;
+/// Usage or configuration.
+pub const EXIT_USAGE: u8 = 2;
+/// A service is beyond its budget.
+pub const EXIT_SERVICE: u8 = 3;
+/// Interrupted.
+pub const EXIT_INTERRUPTED: u8 = 130;
+
+/// `zeronav run`.
+#[must_use]
+pub fn run(arguments: &RunArgs) -> ExitCode {
+    let prepared = match prepare::prepare(arguments) {
+        Ok(prepared) => prepared,
+        Err(problem) => return usage(&problem),
+    };
+    let before = Before::read();
+    let driven = match run::drive(&prepared) {
+        Ok(driven) => driven,
+        Err(problem) => return usage(&problem),
+    };
+    let result = crate::result::result(&prepared, &driven, before.environment());
+    if let Err(problem) = leave(&prepared, &driven, &result) {
+        complain(&problem);
+    }
+    explain(&driven.ending);
+    if arguments.json {
+        say_json(&result);
+    } else {
+        say(&result.to_text());
+    }
+    exit_code(&driven.ending, result.verdict == "pass")
+}
+
+fn exit_code(ending: &Ending, pass: bool) -> ExitCode {
+    ExitCode::from(match ending {
+        Ending::Interrupted => EXIT_INTERRUPTED,
+        // A service that says that its configuration is wrong.
+        Ending::Died { code: Some(2), .. } => EXIT_USAGE,
+        Ending::Died { .. } | Ending::NotReady(_) | Ending::Silent(_) => EXIT_SERVICE,
+        Ending::Task(..) | Ending::Timeout if pass => EXIT_PASS,
+        Ending::Task(..) | Ending::Timeout => EXIT_FAIL,
+    })
+}
+
+/// Writes what a run leaves in its folder.
+fn leave(prepared: &Prepared, driven: &Driven, result: &RunResult) -> Result<(), String> {
+    let write = |name: &str, text: String| {
+        let file = prepared.directory.join(name);
+        std::fs::write(&file, text).map_err(|error| format!("writing {}: {error}", file.display()))
+    };
+    let json = serde_json::to_string_pretty(result).map_err(|error| error.to_string())?;
+    write("result.json", json + "\n")?;
+    write(
+        "run.svg",
+        crate::result::picture(prepared, driven, result).to_svg(),
+    )
+}
+
+/// Says on standard error why a run could not go on.
+fn explain(ending: &Ending) {
+    match ending {
+        Ending::Died { role, how, log, .. } => {
+            complain(&format!(
+                "{role} ended during the run: {how}; the end of its log:"
+            ));
+            for line in log {
+                eprintln!("  {line}");
+            }
+        }
+        Ending::NotReady(roles) => {
+            let names: Vec<&str> = roles.iter().map(|role| role.label()).collect();
+            complain(&format!("not ready in time: {}", names.join(", ")));
+        }
+        Ending::Silent(role) => complain(&format!("{role} stopped answering")),
+        Ending::Interrupted => complain("interrupted, everything is stopped"),
+        Ending::Task(..) | Ending::Timeout => {}
+    }
+}
+
+/// `zeronav list`.
+#[must_use]
+pub fn list(json: bool) -> ExitCode {
+    let scenarios = scenario::list();
+    if json {
+        let rows: Vec<_> = scenarios
+            .iter()
+            .map(
+                |listed| json!({ "name": listed.name, "title": listed.title, "file": listed.file }),
+            )
+            .collect();
+        say_json(&json!({ "scenarios": rows }));
+    } else {
+        let width = scenarios
+            .iter()
+            .map(|listed| listed.name.len())
+            .max()
+            .unwrap_or(0);
+        for listed in &scenarios {
+            say(&format!("{:width$}  {}\n", listed.name, listed.title));
+        }
+    }
+    ExitCode::from(EXIT_PASS)
+}
+
+/// `zeronav check`.
+#[must_use]
+pub fn check(name: &str, json: bool) -> ExitCode {
+    let checked = Scenario::load(name).and_then(|scenario| {
+        let checked = scenario.validate()?;
+        Ok((scenario, checked))
+    });
+    match checked {
+        Ok((scenario, checked)) => {
+            let geometry = checked.world.geometry();
+            let warnings: Vec<String> = checked.warnings.iter().map(ToString::to_string).collect();
+            if json {
+                say_json(&json!({
+                    "scenario": scenario.name,
+                    "ok": true,
+                    "width": geometry.width,
+                    "height": geometry.height,
+                    "resolution_m": geometry.resolution_m,
+                    "goals": scenario.goals.len(),
+                    "obstacles": checked.world.obstacles().len(),
+                    "warnings": warnings,
+                }));
+            } else {
+                for warning in &warnings {
+                    say(&format!("warning: {warning}\n"));
+                }
+                say(&format!(
+                    "{}: ok, {} x {} cells of {} m, {} goals, {} obstacles\n",
+                    scenario.name,
+                    geometry.width,
+                    geometry.height,
+                    geometry.resolution_m,
+                    scenario.goals.len(),
+                    checked.world.obstacles().len()
+                ));
+            }
+            ExitCode::from(EXIT_PASS)
+        }
+        Err(error) if json => {
+            say_json(&json!({ "scenario": name, "ok": false, "error": error.to_string() }));
+            ExitCode::from(EXIT_USAGE)
+        }
+        Err(error) => usage(&error.to_string()),
+    }
+}
+
+/// The runs that answer, with their root folders.
+fn runs() -> Vec<(PathBuf, RunReport)> {
+    zeronav_shell::domain::all()
+        .into_iter()
+        .filter_map(|root| match control::ask(&root, &Request::Ps) {
+            Ok(Reply::Run(report)) => Some((root, report)),
+            _ => None,
+        })
+        .collect()
+}
+
+/// `zeronav ps`.
+#[must_use]
+pub fn ps(json: bool) -> ExitCode {
+    let runs: Vec<RunReport> = runs().into_iter().map(|(_, report)| report).collect();
+    if json {
+        say_json(&json!({ "runs": runs }));
+        return ExitCode::from(EXIT_PASS);
+    }
+    if runs.is_empty() {
+        say("no run goes on\n");
+    }
+    for run in &runs {
+        say(&format!(
+            "{}  pid {}  {}  {}  {:.1} s  task {}\n",
+            run.scenario, run.pid, run.domain, run.mode, run.time_s, run.task
+        ));
+        for service in &run.services {
+            say(&format!(
+                "  {:<16} pid {:<8} epoch {}  {:<9} {:>5.0} MB  {}\n",
+                service.role,
+                service.pid,
+                service.epoch,
+                service.state,
+                megabytes(service.memory_peak_bytes),
+                service.binary
+            ));
+        }
+    }
+    ExitCode::from(EXIT_PASS)
+}
+
+#[allow(clippy::cast_precision_loss, reason = "sizes far below 2^53")]
+fn megabytes(bytes: u64) -> f64 {
+    bytes as f64 / 1.0e6
+}
+
+/// `zeronav goal`.
+#[must_use]
+pub fn goal(arguments: &GoalArgs) -> ExitCode {
+    let root = match &arguments.domain {
+        Some(root) => root.clone(),
+        None => match runs().as_slice() {
+            [(root, _)] => root.clone(),
+            [] => return usage("no run goes on; start one with `zeronav run SCENARIO`"),
+            _ => return usage("several runs go on; name one with --domain (see `zeronav ps`)"),
+        },
+    };
+    let request = Request::Goal {
+        pose: [arguments.x, arguments.y, arguments.yaw],
+        tolerance_m: arguments.tolerance,
+    };
+    match control::ask(&root, &request) {
+        Ok(Reply::Error(problem)) => usage(&problem),
+        Ok(_) => {
+            say(&format!(
+                "on its way to ({}, {})\n",
+                arguments.x, arguments.y
+            ));
+            ExitCode::from(EXIT_PASS)
+        }
+        Err(error) => usage(&format!("no run answers at {}: {error}", root.display())),
+    }
+}
+
+fn usage(problem: &str) -> ExitCode {
+    complain(problem);
+    ExitCode::from(EXIT_USAGE)
+}
+
+fn complain(problem: &str) {
+    eprintln!("zeronav: {problem}");
+}
+
+#[allow(clippy::print_stdout, reason = "this is what the user asked for")]
+fn say(text: &str) {
+    use std::io::Write;
+    // A reader that has gone away (a closed pipe) is no reason to panic.
+    let _ = std::io::stdout().write_all(text.as_bytes());
+}
+
+fn say_json(value: &impl serde::Serialize) {
+    match serde_json::to_string_pretty(value) {
+        Ok(text) => say(&(text + "\n")),
+        Err(error) => complain(&format!("no JSON form: {error}")),
+    }
+}

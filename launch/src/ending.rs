@@ -1,0 +1,30 @@
+//! How a run ended.
+
+use zeronav_msgs::role::Role;
+use zeronav_msgs::task::{EndReason, TaskState};
+
+/// How a run ended.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Ending {
+    /// The task ended by itself.
+    Task(TaskState, EndReason),
+    /// The time limit of the scenario.
+    Timeout,
+    /// A service ended: who, how, the tail of its log, its exit code.
+    Died {
+        /// Its seat.
+        role: Role,
+        /// How it ended, in words.
+        how: String,
+        /// Its exit code, if it had one.
+        code: Option<i32>,
+        /// The last lines of its log.
+        log: Vec<String>,
+    },
+    /// Services that could not answer in time.
+    NotReady(Vec<Role>),
+    /// A service that stopped answering.
+    Silent(Role),
+    /// Ctrl-C.
+    Interrupted,
+}

@@ -1,0 +1,88 @@
+//! The machine under a run.
+
+use crate::show::report::Environment;
+
+/// Readings at the start of a run; the rest is read at its end.
+#[derive(Debug, Clone, Copy)]
+pub struct Before {
+    load: f64,
+    processor_ticks: (u64, u64),
+}
+
+impl Before {
+    /// Reads load and processor time.
+    #[must_use]
+    pub fn read() -> Self {
+        Self {
+            load: load(),
+            processor_ticks: processor_ticks(),
+        }
+    }
+
+    /// What the run was made with and on.
+    #[must_use]
+    pub fn environment(self) -> Environment {
+        let (all, stolen) = processor_ticks();
+        let all = all.saturating_sub(self.processor_ticks.0);
+        let stolen = stolen.saturating_sub(self.processor_ticks.1);
+        #[allow(clippy::cast_precision_loss, reason = "ticks of one run")]
+        let steal = if all == 0 {
+            0.0
+        } else {
+            stolen as f64 / all as f64
+        };
+        Environment {
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            build: if cfg!(debug_assertions) {
+                "debug"
+            } else {
+                "release"
+            }
+            .to_owned(),
+            cpu: line_of("/proc/cpuinfo", "model name"),
+            cores: std::thread::available_parallelism().map_or(1, usize::from),
+            kernel: read("/proc/sys/kernel/osrelease").trim().to_owned(),
+            load_start: self.load,
+            load_end: load(),
+            steal,
+        }
+    }
+}
+
+fn read(file: &str) -> String {
+    std::fs::read_to_string(file).unwrap_or_default()
+}
+
+fn line_of(file: &str, key: &str) -> String {
+    read(file)
+        .lines()
+        .find_map(|line| line.strip_prefix(key))
+        .map_or_else(String::new, |rest| {
+            rest.trim_start_matches([' ', '\t', ':']).to_owned()
+        })
+}
+
+fn load() -> f64 {
+    read("/proc/loadavg")
+        .split(' ')
+        .next()
+        .and_then(|word| word.parse().ok())
+        .unwrap_or(0.0)
+}
+
+/// Ticks of all processors together, and those that the host gave to others.
+fn processor_ticks() -> (u64, u64) {
+    let text = read("/proc/stat");
+    let fields: Vec<u64> = text
+        .lines()
+        .next()
+        .unwrap_or("")
+        .split_ascii_whitespace()
+        .skip(1)
+        .filter_map(|word| word.parse().ok())
+        .collect();
+    (
+        fields.iter().take(8).sum(),
+        fields.get(7).copied().unwrap_or(0),
+    )
+}

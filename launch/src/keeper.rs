@@ -1,0 +1,286 @@
+//! Keeps the seats taken: notices deaths and hangs, and starts successors.
+
+use crate::collect::Collector;
+use crate::ending::Ending;
+use crate::measure::seconds;
+use crate::prepare::Prepared;
+use crate::supervise::child::Child;
+use crate::supervise::hang::HangWatch;
+use crate::supervise::restart::{Decision, Restarts};
+use crate::supervise::stack::{Launch, Stack};
+use rustix::process::Signal;
+use serde::Serialize;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+use zeronav_msgs::role::Role;
+use zeronav_msgs::run::RunMode;
+
+/// How long the services may take until they can answer.
+pub const READY_LIMIT: Duration = Duration::from_secs(15);
+
+/// How long a killed process may take to be gone.
+const GONE_LIMIT: Duration = Duration::from_secs(2);
+
+/// A restart that was made.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RestartRecord {
+    /// Its seat.
+    pub service: String,
+    /// Run time at which the end was noticed. [s]
+    pub time_s: f64,
+    /// How the process ended.
+    pub how: String,
+    /// Wait before the successor. [ms]
+    pub wait_ms: u64,
+}
+
+/// A successor that cannot answer yet.
+#[derive(Debug, Clone, Copy)]
+struct Joining {
+    role: Role,
+    since: Instant,
+    /// Ticks for which its seat stays empty once it can answer, lockstep only.
+    absent_ticks: u64,
+}
+
+/// See the module's description.
+#[derive(Debug)]
+pub struct Keeper<'a> {
+    prepared: &'a Prepared,
+    configs: BTreeMap<Role, PathBuf>,
+    restarts: Restarts,
+    hangs: HangWatch,
+    looked: Instant,
+    /// Seats that were killed because they hung.
+    hung: BTreeSet<Role>,
+    /// Seats that wait for their backoff to pass, real time only.
+    due: Vec<(Role, Instant)>,
+    joining: Vec<Joining>,
+    memory_peaks: BTreeMap<Role, u64>,
+    records: Vec<RestartRecord>,
+}
+
+impl<'a> Keeper<'a> {
+    /// A keeper for the seats of `prepared`, whose configuration lies in `configs`.
+    #[must_use]
+    pub fn new(prepared: &'a Prepared, configs: BTreeMap<Role, PathBuf>) -> Self {
+        Self {
+            prepared,
+            configs,
+            restarts: Restarts::default(),
+            hangs: HangWatch::default(),
+            looked: Instant::now(),
+            hung: BTreeSet::new(),
+            due: Vec::new(),
+            joining: Vec::new(),
+            memory_peaks: BTreeMap::new(),
+            records: Vec::new(),
+        }
+    }
+
+    /// Starts the process of a seat, or says how to start one by hand.
+    ///
+    /// # Errors
+    /// One line naming the binary.
+    pub fn start(&self, stack: &mut Stack, role: Role) -> Result<(), String> {
+        let Some(config) = self.configs.get(&role) else {
+            return Err(format!("no configuration for {role}"));
+        };
+        let Some(binary) = self.prepared.binaries.get(&role) else {
+            eprintln!(
+                "waiting for {role}; start it with --domain {} --epoch {} --config {}",
+                stack.root().display(),
+                stack.epoch(role),
+                config.display()
+            );
+            return Ok(());
+        };
+        let log = self
+            .prepared
+            .directory
+            .join("logs")
+            .join(format!("{role}.log"));
+        let launch = Launch {
+            binary,
+            config,
+            log_level: &self.prepared.log_level,
+            log: &log,
+        };
+        stack
+            .start(role, &launch)
+            .map_err(|error| error.to_string())
+    }
+
+    /// The restarts that were made.
+    #[must_use]
+    pub fn records(&self) -> &[RestartRecord] {
+        &self.records
+    }
+
+    /// How many times the process of a seat was started.
+    #[must_use]
+    pub fn starts(&self, role: Role) -> u32 {
+        1 + self.restarts.of(role)
+    }
+
+    /// Largest memory of the processes of a seat that have ended. [bytes]
+    #[must_use]
+    pub fn memory_peak_bytes(&self, role: Role) -> u64 {
+        self.memory_peaks.get(&role).copied().unwrap_or(0)
+    }
+
+    /// One look at every process. Returns the seats that got a successor.
+    ///
+    /// # Errors
+    /// How the run ends when a seat cannot be filled again.
+    pub fn look(&mut self, stack: &mut Stack, collector: &Collector) -> Result<Vec<Role>, Ending> {
+        let since = self.looked.elapsed();
+        self.looked = Instant::now();
+        self.look_at_hearts(stack, collector, since);
+        let mut restarted = Vec::new();
+        while let Some(at) = stack.dead() {
+            restarted.extend(self.replace(stack, collector, at)?);
+        }
+        let now = Instant::now();
+        let (ready, waiting) = self.due.iter().partition(|(_, due)| *due <= now);
+        self.due = waiting;
+        let ready: Vec<(Role, Instant)> = ready;
+        for (role, _) in ready {
+            self.join(stack, role, 0)?;
+            stack.obey_newest(role, 0, 0);
+            restarted.push(role);
+        }
+        Ok(restarted)
+    }
+
+    fn look_at_hearts(&mut self, stack: &mut Stack, collector: &Collector, since: Duration) {
+        let limit = Duration::from_secs_f64(self.prepared.scenario.restart.hang_after_s);
+        for (role, epoch, progress, ready) in stack.heartbeats() {
+            let joined = self
+                .joining
+                .iter()
+                .position(|joining| joining.role == role && ready);
+            if let Some(joining) = joined.map(|at| self.joining.remove(at))
+                && self.plays_absence(collector)
+            {
+                // The robot stands where it waits for the seat's answer; now the roster says for
+                // how long nobody sits there, and the successor hears nothing from before.
+                let off_tick = collector.answered_by(role) + 1;
+                let on_tick = collector.robot_tick() + joining.absent_ticks;
+                stack.obey_newest(role, off_tick, on_tick);
+            }
+            if self.hangs.look(role, epoch, progress, since, limit) {
+                self.kill(stack, role);
+            }
+        }
+        let late: Vec<Role> = self
+            .joining
+            .iter()
+            .filter(|joining| joining.since.elapsed() > READY_LIMIT)
+            .map(|joining| joining.role)
+            .collect();
+        for role in late {
+            self.kill(stack, role);
+        }
+    }
+
+    /// Kills a process that makes no progress; its death is seen with the others.
+    fn kill(&mut self, stack: &mut Stack, role: Role) {
+        if !self.prepared.binaries.contains_key(&role) {
+            // Started by hand: somebody else's to end.
+            if self.hung.insert(role) {
+                tracing::warn!(%role, "no progress");
+            }
+            return;
+        }
+        if let Some(child) = stack.children.iter_mut().find(|child| child.role == role)
+            && child.ended().is_none()
+        {
+            tracing::warn!(%role, pid = child.pid(), "no progress, killed");
+            self.hung.insert(role);
+            child.signal(Signal::KILL);
+            child.wait(GONE_LIMIT);
+        }
+    }
+
+    /// Buries an ended process and sees to its successor.
+    fn replace(
+        &mut self,
+        stack: &mut Stack,
+        collector: &Collector,
+        at: usize,
+    ) -> Result<Option<Role>, Ending> {
+        let child = &mut stack.children[at];
+        let role = child.role;
+        let status = child.ended();
+        let code = status.and_then(|status| status.code());
+        let how = if self.hung.remove(&role) {
+            "made no progress and was killed".to_owned()
+        } else {
+            status.map_or_else(String::new, Child::end_in_words)
+        };
+        let peak = self.memory_peaks.entry(role).or_default();
+        *peak = (*peak).max(child.memory_peak_bytes());
+        self.joining.retain(|joining| joining.role != role);
+        let wait = match self
+            .restarts
+            .decide(&self.prepared.scenario.restart, role, code)
+        {
+            Decision::Restart(wait) => wait,
+            Decision::GiveUp(why) => {
+                let log = child.log_tail(8);
+                return Err(Ending::Died {
+                    role,
+                    how: format!("{how}; {why}"),
+                    code,
+                    log,
+                });
+            }
+        };
+        drop(stack.bury(at));
+        tracing::warn!(%role, how, ?wait, "restarting");
+        self.records.push(RestartRecord {
+            service: role.to_string(),
+            time_s: seconds(collector.robot_tick() * self.prepared.scenario.run.tick_ns()),
+            how,
+            wait_ms: u64::try_from(wait.as_millis()).unwrap_or(u64::MAX),
+        });
+        if !self.plays_absence(collector) {
+            self.due.push((role, Instant::now() + wait));
+            return Ok(None);
+        }
+        // The tick stands still until the successor can answer; its absence and its wait are
+        // played by the roster, in ticks.
+        let tick_ns = u128::from(self.prepared.scenario.run.tick_ns());
+        let wait_ticks = u64::try_from(wait.as_nanos().div_ceil(tick_ns)).unwrap_or(u64::MAX);
+        self.join(
+            stack,
+            role,
+            self.prepared.scenario.restart.absent_ticks + wait_ticks,
+        )?;
+        Ok(Some(role))
+    }
+
+    /// True in lockstep, once the robot has begun to tick.
+    fn plays_absence(&self, collector: &Collector) -> bool {
+        self.prepared.mode == RunMode::Lockstep && collector.robot_tick() > 0
+    }
+
+    /// Starts a successor. It is obeyed when somebody says so.
+    fn join(&mut self, stack: &mut Stack, role: Role, absent_ticks: u64) -> Result<(), Ending> {
+        stack.next_epoch(role);
+        self.start(stack, role).map_err(|how| Ending::Died {
+            role,
+            how,
+            code: None,
+            log: Vec::new(),
+        })?;
+        self.joining.push(Joining {
+            role,
+            since: Instant::now(),
+            absent_ticks,
+        });
+        Ok(())
+    }
+}

@@ -1,0 +1,15 @@
+//! `zeronav`: launches scenarios, supervises the services, measures replanning.
+
+pub mod cli;
+pub mod collect;
+pub mod commands;
+pub mod ending;
+pub mod environment;
+pub mod keeper;
+pub mod measure;
+pub mod prepare;
+pub mod result;
+pub mod run;
+pub mod scenario;
+pub mod show;
+pub mod supervise;

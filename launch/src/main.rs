@@ -1,0 +1,32 @@
+//! `zeronav`: see `zeronav --help`.
+
+use clap::Parser;
+use std::process::ExitCode;
+use zeronav::cli::{Cli, Command};
+use zeronav::commands;
+
+fn main() -> ExitCode {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) => {
+            let _ = error.print();
+            return ExitCode::from(if error.use_stderr() {
+                commands::EXIT_USAGE
+            } else {
+                0
+            });
+        }
+    };
+    zeronav_shell::logs::start("warn");
+    // Whatever a killed run has left is removed by the next command, whichever it is.
+    for root in zeronav_shell::domain::sweep_dead() {
+        tracing::info!(root = %root.display(), "removed the domain of a run that was killed");
+    }
+    match cli.command {
+        Command::Run(arguments) => commands::run(&arguments),
+        Command::List { json } => commands::list(json),
+        Command::Check { scenario, json } => commands::check(&scenario, json),
+        Command::Ps { json } => commands::ps(json),
+        Command::Goal(arguments) => commands::goal(&arguments),
+    }
+}

@@ -1,0 +1,137 @@
+//! A distribution of times, honest about how many there are and how many never came.
+
+use hdrhistogram::Histogram;
+use serde::Serialize;
+
+/// Times and the samples that found no answer before their deadline.
+#[derive(Debug, Clone)]
+pub struct Distribution {
+    histogram: Histogram<u64>,
+    censored: u64,
+}
+
+/// The figures of a distribution. `n` counts answered and censored samples; censored ones rank
+/// as worst. `None` where there is nothing to say.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Default)]
+pub struct Figures {
+    /// Samples, censored ones included.
+    pub n: u64,
+    /// Samples without an answer before the deadline.
+    pub censored: u64,
+    /// Median. [us]
+    pub p50_us: Option<f64>,
+    /// 90th percentile. [us]
+    pub p90_us: Option<f64>,
+    /// 99th percentile. [us]
+    pub p99_us: Option<f64>,
+    /// Worst. [us]
+    pub max_us: Option<f64>,
+}
+
+/// Longest time that is told apart. [ns]
+const LONGEST_NS: u64 = 600_000_000_000;
+
+impl Default for Distribution {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Distribution {
+    /// An empty distribution, exact to 0.1 %.
+    ///
+    /// # Panics
+    /// Never: the bounds are constants that the histogram accepts.
+    #[must_use]
+    pub fn new() -> Self {
+        let histogram = Histogram::new_with_bounds(1, LONGEST_NS, 3)
+            .unwrap_or_else(|error| unreachable!("constant bounds: {error}"));
+        Self {
+            histogram,
+            censored: 0,
+        }
+    }
+
+    /// Adds a time. [ns]
+    pub fn add(&mut self, time_ns: u64) {
+        self.histogram
+            .saturating_record(time_ns.clamp(1, LONGEST_NS));
+    }
+
+    /// Adds a sample without an answer; it ranks at its deadline. [ns]
+    pub fn censor(&mut self, deadline_ns: u64) {
+        self.censored += 1;
+        self.add(deadline_ns);
+    }
+
+    /// Samples, censored ones included.
+    #[must_use]
+    pub fn len(&self) -> u64 {
+        self.histogram.len()
+    }
+
+    /// True without samples.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The figures.
+    #[must_use]
+    pub fn figures(&self) -> Figures {
+        let us = |time_ns: u64| Some(to_us(time_ns));
+        if self.is_empty() {
+            return Figures::default();
+        }
+        Figures {
+            n: self.len(),
+            censored: self.censored,
+            p50_us: us(self.histogram.value_at_quantile(0.50)),
+            p90_us: us(self.histogram.value_at_quantile(0.90)),
+            p99_us: us(self.histogram.value_at_quantile(0.99)),
+            max_us: us(self.histogram.max()),
+        }
+    }
+}
+
+/// Nanoseconds as microseconds, to a tenth.
+#[allow(
+    clippy::cast_precision_loss,
+    reason = "times of a run are far below 2^53 ns"
+)]
+fn to_us(time_ns: u64) -> f64 {
+    (time_ns as f64 / 100.0).round() / 10.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn near(value: Option<f64>, expected: f64) {
+        let value = value.expect("a figure");
+        assert!(
+            (value - expected).abs() <= expected * 0.002,
+            "{value} is not {expected}"
+        );
+    }
+
+    #[test]
+    fn percentiles_are_nearest_rank_and_censored_samples_rank_worst() {
+        let mut distribution = Distribution::new();
+        for time_us in 1..=99_u64 {
+            distribution.add(time_us * 1000);
+        }
+        distribution.censor(5_000_000_000);
+        let figures = distribution.figures();
+        assert_eq!((figures.n, figures.censored), (100, 1));
+        near(figures.p50_us, 50.0);
+        near(figures.p90_us, 90.0);
+        near(figures.p99_us, 99.0);
+        near(figures.max_us, 5_000_000.0);
+    }
+
+    #[test]
+    fn nothing_measured_says_nothing() {
+        assert_eq!(Distribution::new().figures(), Figures::default());
+    }
+}

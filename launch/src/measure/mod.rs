@@ -1,0 +1,25 @@
+//! What a run's records say: which events were answered, how fast, and through which hops.
+//!
+//! Everything here is a pure function over records that launch collected: spans, ground truth,
+//! paths and the sightings of obstacles in the map. Nothing is measured here; every time is a
+//! difference of clock readings that the processes took themselves.
+
+pub mod distribution;
+pub mod event;
+pub mod fold;
+pub mod index;
+
+pub use distribution::Distribution;
+pub use event::{Event, EventOutcome, Latency, measure};
+pub use fold::RunHash;
+pub use index::Records;
+
+/// Nanoseconds as seconds.
+#[must_use]
+#[allow(
+    clippy::cast_precision_loss,
+    reason = "times of a run are far below 2^53 ns"
+)]
+pub fn seconds(ns: u64) -> f64 {
+    ns as f64 * 1.0e-9
+}

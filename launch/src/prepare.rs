@@ -1,0 +1,177 @@
+//! Everything that can be wrong is found here, before anything is started.
+
+use crate::cli::RunArgs;
+use crate::scenario::{Checked, Scenario};
+use crate::supervise::binaries;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use zeronav_msgs::map::tiles_of;
+use zeronav_msgs::role::Role;
+use zeronav_msgs::run::RunMode;
+use zeronav_msgs::topics::topics;
+use zeronav_shell::memory;
+use zeronav_world::{Footprint, RobotSpec, World, WorldSpec, map_file};
+
+/// A run that can be started.
+#[derive(Debug)]
+pub struct Prepared {
+    /// What to drive.
+    pub scenario: Scenario,
+    /// Its world.
+    pub world: World,
+    /// The robot's outline.
+    pub footprint: Footprint,
+    /// The binary of each seat that launch fills; the others are filled by hand.
+    pub binaries: BTreeMap<Role, PathBuf>,
+    /// The run's own folder.
+    pub directory: PathBuf,
+    /// Real time or lockstep.
+    pub mode: RunMode,
+    /// Seed of everything random.
+    pub seed: u64,
+    /// What the services log.
+    pub log_level: String,
+    /// True when a line is wanted while it runs.
+    pub progress: bool,
+}
+
+/// Reads and checks everything that can be wrong before anything is started.
+///
+/// # Errors
+/// One line that names the thing and the fix.
+pub fn prepare(arguments: &RunArgs) -> Result<Prepared, String> {
+    let scenario = Scenario::load(&arguments.scenario).map_err(|error| error.to_string())?;
+    let checked = scenario.validate().map_err(|error| error.to_string())?;
+    for warning in &checked.warnings {
+        tracing::warn!("{warning}");
+    }
+    let Checked {
+        world, footprint, ..
+    } = checked;
+    let mode = if arguments.lockstep {
+        RunMode::Lockstep
+    } else {
+        RunMode::RealTime
+    };
+    memory::check(planned_bytes(&scenario, &world)).map_err(|error| error.to_string())?;
+    binaries::refresh_under_cargo()?;
+    let mut binaries = BTreeMap::new();
+    for role in Role::SERVICES {
+        if arguments.external.contains(&role) {
+            continue;
+        }
+        let named = scenario
+            .services
+            .of(role)
+            .and_then(|service| service.binary.clone());
+        let name = named.unwrap_or_else(|| PathBuf::from(binaries::stock(role)));
+        let found = binaries::find_or_build(&name).map_err(|why| {
+            scenario
+                .error_at(&format!("services.{role}.binary"), &why)
+                .to_string()
+        })?;
+        binaries.insert(role, found);
+    }
+    let directory = run_folder(&arguments.out, &scenario.name)?;
+    Ok(Prepared {
+        seed: arguments.seed.unwrap_or(scenario.run.seed),
+        log_level: arguments.log_level.clone(),
+        progress: !arguments.headless,
+        scenario,
+        world,
+        footprint,
+        binaries,
+        directory,
+        mode,
+    })
+}
+
+/// Shared memory that the stack will reserve. [bytes]
+fn planned_bytes(scenario: &Scenario, world: &World) -> u64 {
+    let (columns, rows) = tiles_of(world.geometry());
+    topics()
+        .iter()
+        .map(|row| {
+            let len = match row.name {
+                "map/keyframe" => columns as usize * rows as usize,
+                "robot/scan" => scenario.robot.lidar.n_beams as usize,
+                _ => row.len_max,
+            };
+            let writers = if row.name == "run/spans" {
+                Role::SERVICES.len()
+            } else {
+                1
+            };
+            (row.segment_bytes(len) * writers) as u64
+        })
+        .sum()
+}
+
+/// Makes the run's own folder.
+fn run_folder(out: &Path, scenario: &str) -> Result<PathBuf, String> {
+    let now = std::time::SystemTime::now()
+        .duration_since(std::time::UNIX_EPOCH)
+        .unwrap_or_default();
+    let id = format!("{scenario}-{}-{}", now.as_secs(), std::process::id());
+    let folder = out.join(id);
+    std::fs::create_dir_all(folder.join("logs"))
+        .map_err(|error| format!("making the run's folder {}: {error}", folder.display()))?;
+    Ok(folder)
+}
+
+/// What the simulated robot reads.
+#[derive(Debug, Serialize)]
+struct RobotConfig<'a> {
+    world: &'a WorldSpec,
+    robot: &'a RobotSpec,
+    start: [f64; 3],
+}
+
+/// Writes the configuration of every seat into the domain's folder.
+///
+/// # Errors
+/// One line naming the file.
+pub fn write_configs(prepared: &Prepared, root: &Path) -> Result<BTreeMap<Role, PathBuf>, String> {
+    let scenario = &prepared.scenario;
+    let robot = toml::Table::try_from(RobotConfig {
+        world: &scenario.world,
+        robot: &scenario.robot,
+        start: [
+            scenario.start.x_m,
+            scenario.start.y_m,
+            scenario.start.yaw_rad,
+        ],
+    })
+    .map_err(|error| format!("the robot's configuration has no TOML form: {error}"))?;
+    let mut mapping = toml::Table::new();
+    if scenario.static_map {
+        let map = map_file::save(&prepared.world.rasterise(), root, "static_map")
+            .map_err(|error| error.to_string())?;
+        mapping.insert("static_map".into(), map.display().to_string().into());
+    } else {
+        let geometry = prepared.world.geometry();
+        let (x, y) = (geometry.origin_x_m, geometry.origin_y_m);
+        let far_x = x + f64::from(geometry.width) * geometry.resolution_m;
+        let far_y = y + f64::from(geometry.height) * geometry.resolution_m;
+        let area = vec![vec![x, y], vec![far_x, far_y]];
+        mapping.insert("area_m".into(), area.into());
+        mapping.insert("resolution_m".into(), geometry.resolution_m.into());
+    }
+    let mut files = BTreeMap::new();
+    for role in Role::SERVICES {
+        let mut table = match role {
+            Role::Robot => robot.clone(),
+            Role::Mapping => mapping.clone(),
+            _ => toml::Table::new(),
+        };
+        if let Some(service) = scenario.services.of(role) {
+            table.extend(service.config.clone());
+        }
+        let file = root.join(format!("{role}.toml"));
+        std::fs::write(&file, table.to_string())
+            .map_err(|error| format!("writing {}: {error}", file.display()))?;
+        files.insert(role, file);
+    }
+    Ok(files)
+}

@@ -1,0 +1,355 @@
+//! From what was seen of a run to its result and its picture.
+
+use crate::ending::Ending;
+use crate::measure;
+use crate::measure::index::PathRecord;
+use crate::measure::seconds;
+use crate::prepare::Prepared;
+use crate::run::{Driven, file_name};
+use crate::scenario::Outcome;
+use crate::show::picture::{Area, Line, Picture};
+use crate::show::report::{
+    Environment, Expectation, ObstacleResult, Plan, RunResult, ServiceResult,
+};
+use nalgebra::Point2;
+use zeronav_msgs::path::{PathCause, PathStatus};
+use zeronav_msgs::role::Role;
+use zeronav_msgs::run::RunMode;
+use zeronav_msgs::task::{EndReason, TaskState};
+use zeronav_world::static_map::Occupancy;
+
+/// Time after which an obstacle or a scan counts as unanswered. [ns]
+const DEADLINE_NS: u64 = 5_000_000_000;
+
+/// Colours of the last paths in the picture.
+const COLOURS: [&str; 4] = ["#d95f02", "#7570b3", "#e7298a", "#66a61e"];
+
+/// The outcome of a run in one word.
+#[must_use]
+pub fn outcome(ending: &Ending) -> &'static str {
+    match ending {
+        Ending::Task(TaskState::Reached, _) => "reached",
+        Ending::Task(TaskState::Cancelled, _) => "cancelled",
+        Ending::Task(_, EndReason::None) => "failed",
+        Ending::Task(_, reason) => reason.label(),
+        Ending::Timeout => "timeout",
+        Ending::Died { .. } => "service_died",
+        Ending::NotReady(_) => "not_ready",
+        Ending::Silent(_) => "silent",
+        Ending::Interrupted => "interrupted",
+    }
+}
+
+/// The result of a run.
+#[must_use]
+pub fn result(prepared: &Prepared, driven: &Driven, environment: Environment) -> RunResult {
+    let collector = &driven.collector;
+    let truth = collector.truth.unwrap_or_default();
+    let plans: Vec<Plan> = collector
+        .records
+        .paths
+        .iter()
+        .filter(|path| path.status != PathStatus::NoGoal && path.run_ns <= driven.end_run_ns)
+        .map(|path| plan(path, driven.goals_run_ns))
+        .collect();
+    let replans: Vec<Plan> = plans
+        .iter()
+        .filter(|plan| plan.cause != PathCause::Goal.label())
+        .cloned()
+        .collect();
+    let expectations = expectations(prepared, driven, &replans);
+    let outcome = outcome(&driven.ending);
+    let met = expectations.iter().all(|expectation| expectation.met);
+    let time_s = seconds(driven.end_run_ns.saturating_sub(driven.goals_run_ns));
+    let wall_s = driven.wall.as_secs_f64();
+    let lockstep = prepared.mode == RunMode::Lockstep;
+    RunResult {
+        scenario: prepared.scenario.name.clone(),
+        verdict: if met { "pass" } else { "fail" }.to_owned(),
+        reason: reason(prepared, &driven.ending, met, &expectations),
+        outcome: outcome.to_owned(),
+        reached: outcome == "reached",
+        contacts: truth.contacts_moving + truth.contacts_standing,
+        contacts_moving: truth.contacts_moving,
+        contacts_standing: truth.contacts_standing,
+        clearance_m_min: collector.clearance_m_min,
+        time_s,
+        driven_m: collector.driven_m_at(driven.end_run_ns),
+        mode: prepared.mode.to_string(),
+        seed: prepared.seed,
+        wall_s,
+        speed_factor: if wall_s > 0.0 { time_s / wall_s } else { 0.0 },
+        slipped_ms: seconds(truth.slipped_ns) * 1.0e3,
+        plans,
+        replans,
+        obstacles: obstacles(prepared, driven),
+        track_m: collector.track_m.clone(),
+        latency: (!lockstep).then(|| latency(prepared, driven)),
+        services: services(prepared, driven),
+        restarts: driven.restarts.clone(),
+        environment,
+        shared_memory_bytes: driven.shared_memory_bytes,
+        // The last tick is left out: while it is answered, launch may already stop the robot.
+        run_hash: lockstep.then(|| collector.hash.value(driven.end_tick.saturating_sub(1))),
+        expectations,
+        directory: prepared.directory.display().to_string(),
+    }
+}
+
+fn plan(path: &PathRecord, goals_run_ns: u64) -> Plan {
+    Plan {
+        time_s: seconds(path.run_ns.saturating_sub(goals_run_ns)),
+        cause: path.cause.to_string(),
+        planner: path.planner.clone(),
+        status: path.status.to_string(),
+        length_m: path.length_m,
+        expanded: path.expanded,
+        points_m: path.points_m.clone(),
+    }
+}
+
+fn latency(prepared: &Prepared, driven: &Driven) -> measure::Latency {
+    let clearance_m = |index: usize, points_m: &[[f64; 2]]| {
+        let pose = driven.collector.obstacles.get(&index);
+        let obstacle = prepared.world.obstacles().get(index);
+        obstacle
+            .zip(pose)
+            .map_or(f64::INFINITY, |(obstacle, pose)| {
+                let polyline: Vec<Point2<f64>> = points_m
+                    .iter()
+                    .map(|point| Point2::new(point[0], point[1]))
+                    .collect();
+                obstacle.shape.polyline_clearance_m(pose, &polyline)
+            })
+    };
+    let radius_m = prepared.footprint.inscribed_radius_m();
+    measure::measure(
+        &driven.collector.records,
+        &clearance_m,
+        radius_m,
+        DEADLINE_NS,
+    )
+    .1
+}
+
+fn obstacles(prepared: &Prepared, driven: &Driven) -> Vec<ObstacleResult> {
+    let seen = |(index, obstacle): (usize, &zeronav_world::Obstacle)| {
+        let pose = driven.collector.obstacles.get(&index)?;
+        let outline = obstacle.shape.placed_at(pose).outline();
+        Some(ObstacleResult {
+            name: obstacle.spec.name.clone(),
+            corners_m: outline.iter().map(|corner| [corner.x, corner.y]).collect(),
+        })
+    };
+    prepared
+        .world
+        .obstacles()
+        .iter()
+        .enumerate()
+        .filter_map(seen)
+        .collect()
+}
+
+fn services(prepared: &Prepared, driven: &Driven) -> Vec<ServiceResult> {
+    let paths = &driven.collector.records.paths;
+    let planner = paths.iter().rev().find(|path| !path.planner.is_empty());
+    let key = |role: Role| {
+        planner
+            .filter(|_| role == Role::GlobalPlanner)
+            .map(|path| path.planner.clone())
+    };
+    let started = |role: Role| driven.services.iter().find(|seat| seat.role == role);
+    let binary = |role: Role| prepared.binaries.get(&role).map(|binary| file_name(binary));
+    Role::SERVICES
+        .into_iter()
+        .filter_map(|role| match (started(role), binary(role)) {
+            (Some(seat), Some(binary)) => Some(ServiceResult {
+                name: role.to_string(),
+                binary,
+                key: key(role),
+                starts: seat.starts,
+                memory_peak_bytes: seat.memory_peak_bytes,
+                end: seat.end.clone(),
+            }),
+            (None, None) => Some(ServiceResult {
+                name: role.to_string(),
+                binary: "external".to_owned(),
+                key: key(role),
+                starts: 0,
+                memory_peak_bytes: 0,
+                end: "not ours to end".to_owned(),
+            }),
+            _ => None,
+        })
+        .collect()
+}
+
+fn expectations(prepared: &Prepared, driven: &Driven, replans: &[Plan]) -> Vec<Expectation> {
+    let expect = &prepared.scenario.expect;
+    let truth = driven.collector.truth.unwrap_or_default();
+    let actual = outcome(&driven.ending);
+    let mut list = Vec::new();
+    let mut add = |name: &str, expected: String, actual: String, met: bool| {
+        list.push(Expectation {
+            name: name.to_owned(),
+            expected,
+            actual,
+            met,
+        });
+    };
+    let (wished, met) = match expect.outcome {
+        Outcome::Unreachable => (
+            "unreachable",
+            matches!(actual, "unreachable" | "goal_blocked"),
+        ),
+        Outcome::Reached => ("reached", actual == "reached"),
+    };
+    add("outcome", wished.to_owned(), actual.to_owned(), met);
+    let contacts = truth.contacts_moving + truth.contacts_standing;
+    add(
+        "contacts",
+        format!("at most {}", expect.contacts_max),
+        contacts.to_string(),
+        contacts <= expect.contacts_max,
+    );
+    let obstacle = replans
+        .iter()
+        .filter(|replan| {
+            replan.cause == PathCause::Obstacle.label()
+                && replan.status == PathStatus::Found.label()
+        })
+        .count();
+    if let Some(least) = expect.obstacle_replans_min {
+        let met = obstacle >= least as usize;
+        add(
+            "replans because of an obstacle",
+            format!("at least {least}"),
+            obstacle.to_string(),
+            met,
+        );
+    }
+    if let Some(most) = expect.obstacle_replans_max {
+        let met = obstacle <= most as usize;
+        add(
+            "replans because of an obstacle",
+            format!("at most {most}"),
+            obstacle.to_string(),
+            met,
+        );
+    }
+    list
+}
+
+fn reason(prepared: &Prepared, ending: &Ending, met: bool, expectations: &[Expectation]) -> String {
+    let what = match ending {
+        Ending::Task(TaskState::Reached, _) => "the robot reached its goal".to_owned(),
+        Ending::Task(TaskState::Cancelled, _) => "the task was cancelled".to_owned(),
+        Ending::Task(_, EndReason::Unreachable) => "the goal is unreachable".to_owned(),
+        Ending::Task(_, EndReason::GoalBlocked) => {
+            "the goal is unreachable: no free pose within its tolerance".to_owned()
+        }
+        Ending::Task(_, reason) => format!("the robot gave up: {reason}"),
+        Ending::Timeout => {
+            format!(
+                "not done within {} s of run time",
+                prepared.scenario.run.time_limit_s
+            )
+        }
+        Ending::Died { role, how, .. } => format!("{role} ended during the run: {how}"),
+        Ending::NotReady(roles) => format!("not ready in time: {}", names(roles)),
+        Ending::Silent(role) => format!("{role} stopped answering"),
+        Ending::Interrupted => "interrupted".to_owned(),
+    };
+    let missed: Vec<String> = expectations
+        .iter()
+        .filter(|expectation| !expectation.met && expectation.name != "outcome")
+        .map(|expectation| format!("{}: {}", expectation.name, expectation.actual))
+        .collect();
+    match (met, ending) {
+        (true, Ending::Task(TaskState::Reached, _)) => what,
+        (true, _) => format!("{what}, as the scenario expects"),
+        (false, _) if missed.is_empty() => what,
+        (false, _) => format!("{what}; {}", missed.join("; ")),
+    }
+}
+
+fn names(roles: &[Role]) -> String {
+    roles
+        .iter()
+        .map(|role| role.label())
+        .collect::<Vec<_>>()
+        .join(", ")
+}
+
+/// The picture of a run.
+#[must_use]
+pub fn picture(prepared: &Prepared, driven: &Driven, result: &RunResult) -> Picture {
+    let map = prepared.world.rasterise();
+    let paths: Vec<&PathRecord> = driven
+        .collector
+        .records
+        .paths
+        .iter()
+        .filter(|path| path.status == PathStatus::Found)
+        .collect();
+    let mut lines = Vec::new();
+    let mut line = |path: &PathRecord, colour, dashed| {
+        lines.push(Line {
+            name: format!(
+                "path at {:.1} s ({}), {:.1} m",
+                seconds(path.run_ns),
+                path.cause,
+                path.length_m
+            ),
+            colour,
+            dashed,
+            points_m: path.points_m.clone(),
+        });
+    };
+    // The first path and the last ones; a run that replans all the time would hide the map.
+    if let Some((first, rest)) = paths.split_first() {
+        line(first, "#1f78b4", true);
+        let skip = rest.len().saturating_sub(COLOURS.len());
+        for (path, colour) in rest.iter().skip(skip).zip(COLOURS) {
+            line(path, colour, true);
+        }
+    }
+    lines.push(Line {
+        name: format!("driven track, {:.1} m", result.driven_m),
+        colour: "#1b9e3b",
+        dashed: false,
+        points_m: driven.collector.track_m.clone(),
+    });
+    let start = prepared.scenario.start;
+    Picture {
+        title: format!("{}: {}", result.scenario, result.reason),
+        subtitle: format!(
+            "{}, {:.1} s of run time, {} contacts, seed {}",
+            result.mode, result.time_s, result.contacts, result.seed
+        ),
+        geometry: map.geometry,
+        occupied: map
+            .cells
+            .iter()
+            .map(|cell| *cell == Occupancy::Occupied)
+            .collect(),
+        areas: result
+            .obstacles
+            .iter()
+            .map(|obstacle| Area {
+                name: obstacle.name.clone(),
+                colour: "#e34a33",
+                corners_m: obstacle.corners_m.clone(),
+            })
+            .collect(),
+        lines,
+        start_m: [start.x_m, start.y_m],
+        goals_m: prepared
+            .scenario
+            .goals
+            .iter()
+            .map(|goal| [goal.pose.x_m, goal.pose.y_m])
+            .collect(),
+        robot_radius_m: prepared.footprint.circumscribed_radius_m(),
+    }
+}

@@ -1,0 +1,478 @@
+//! One run: from a scenario to what was seen of it.
+
+use crate::collect::{Collector, TaskReport};
+use crate::ending::Ending;
+use crate::keeper::{Keeper, READY_LIMIT, RestartRecord};
+use crate::measure::seconds;
+use crate::prepare::{Prepared, write_configs};
+use crate::show::progress::{Progress, ProgressLine};
+use crate::supervise::child::Child;
+use crate::supervise::control::{Reply, Request, RunReport, Server, ServiceReport};
+use crate::supervise::stack::{self, Stack};
+use core::f64::consts::PI;
+use nalgebra::Point2;
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+use zeronav_msgs::Pose;
+use zeronav_msgs::role::Role;
+use zeronav_msgs::run::RunMode;
+use zeronav_msgs::task::{Goal, TaskState};
+
+/// How long a run may go on without the robot's next tick.
+const SILENCE_LIMIT: Duration = Duration::from_secs(10);
+
+/// How long the robot may take to stand.
+const STAND_LIMIT: Duration = Duration::from_secs(4);
+
+/// Ticks that the robot may be ahead of what launch has seen, lockstep only. The buffers of the
+/// taps hold the messages of that many ticks.
+const LEASE_TICKS: u64 = 100;
+
+/// Speed below which the robot stands. [m/s]
+const STANDING_MPS: f64 = 0.01;
+
+/// What was seen of a run.
+#[derive(Debug)]
+pub struct Driven {
+    /// How it ended.
+    pub ending: Ending,
+    /// Everything that was heard.
+    pub collector: Collector,
+    /// Run time at which the goals were sent. [ns]
+    pub goals_run_ns: u64,
+    /// Run time of the end. [ns]
+    pub end_run_ns: u64,
+    /// Tick of the end.
+    pub end_tick: u64,
+    /// Wall time of the drive.
+    pub wall: Duration,
+    /// Shared memory of the run. [bytes]
+    pub shared_memory_bytes: u64,
+    /// The seats and their processes.
+    pub services: Vec<SeatReport>,
+    /// The restarts that were made.
+    pub restarts: Vec<RestartRecord>,
+}
+
+/// A seat at the end of a run.
+#[derive(Debug, Clone)]
+pub struct SeatReport {
+    /// The seat.
+    pub role: Role,
+    /// Times its process was started.
+    pub starts: u32,
+    /// Largest resident memory of all of them. [bytes]
+    pub memory_peak_bytes: u64,
+    /// How the last one ended.
+    pub end: String,
+}
+
+/// Starts the stack, drives the scenario, stops everything, leaves nothing behind.
+///
+/// # Errors
+/// One line when the stack could not be started at all.
+pub fn drive(prepared: &Prepared) -> Result<Driven, String> {
+    let interrupted = Arc::new(AtomicBool::new(false));
+    for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM] {
+        signal_hook::flag::register(signal, Arc::clone(&interrupted))
+            .map_err(|error| format!("catching signals: {error}"))?;
+    }
+    let tick_ns = prepared.scenario.run.tick_ns();
+    let mut stack =
+        Stack::create(prepared.mode, prepared.seed, tick_ns).map_err(|error| error.to_string())?;
+    let started = Instant::now();
+    let outcome = write_configs(prepared, stack.root()).and_then(|configs| {
+        let mut drive = Drive {
+            prepared,
+            interrupted,
+            collector: Collector::default(),
+            keeper: Keeper::new(prepared, configs),
+            line: ProgressLine::new(&prepared.scenario.name, prepared.progress),
+            goals_run_ns: 0,
+            task: Vec::new(),
+            task_id: 0,
+            next_goal: 1,
+        };
+        let ending = drive.until_it_ends(&mut stack);
+        drive.line.clear();
+        Ok((ending?, drive))
+    });
+    let wall = started.elapsed();
+    let (ending, mut drive) = match outcome {
+        Ok(outcome) => outcome,
+        Err(problem) => {
+            stack::close(stack);
+            return Err(problem);
+        }
+    };
+    let end_tick = drive.end_tick(&ending);
+    drive.stand(&mut stack);
+    let shared_memory_bytes = stack.shared_memory_bytes();
+    let services = drive.stop(&mut stack);
+    drive.listen(&mut stack);
+    let driven = Driven {
+        ending,
+        goals_run_ns: drive.goals_run_ns,
+        end_run_ns: end_tick * tick_ns,
+        end_tick,
+        wall,
+        shared_memory_bytes,
+        services,
+        restarts: drive.keeper.records().to_vec(),
+        collector: drive.collector,
+    };
+    stack::close(stack);
+    Ok(driven)
+}
+
+struct Drive<'a> {
+    prepared: &'a Prepared,
+    interrupted: Arc<AtomicBool>,
+    collector: Collector,
+    keeper: Keeper<'a>,
+    line: ProgressLine,
+    goals_run_ns: u64,
+    /// The goals of the task at hand.
+    task: Vec<Goal>,
+    /// Its id, 0 = none was sent.
+    task_id: u64,
+    /// Number of the next goal.
+    next_goal: u64,
+}
+
+impl Drive<'_> {
+    fn until_it_ends(&mut self, stack: &mut Stack) -> Result<Ending, String> {
+        let server = Server::open(stack.root())
+            .map_err(|error| format!("opening the control socket: {error}"))?;
+        for role in Role::SERVICES {
+            self.keeper.start(stack, role)?;
+        }
+        if let Some(ending) = self.wait_until_ready(stack, &server) {
+            return Ok(ending);
+        }
+        self.goals_run_ns = if self.lockstep() {
+            0
+        } else {
+            self.collector.run_ns
+        };
+        let goals: Vec<Goal> = self
+            .prepared
+            .scenario
+            .goals
+            .iter()
+            .map(|goal| goal.message(0))
+            .collect();
+        if !goals.is_empty() {
+            self.send(stack, goals, 1);
+        }
+        Ok(self.watch(stack, &server))
+    }
+
+    fn lockstep(&self) -> bool {
+        self.prepared.mode == RunMode::Lockstep
+    }
+
+    /// Sends goals, numbered in the order of this run.
+    fn send(&mut self, stack: &mut Stack, mut goals: Vec<Goal>, from_tick: u64) {
+        for goal in &mut goals {
+            goal.id = self.next_goal;
+            self.next_goal += 1;
+        }
+        let from_tick = if self.lockstep() { from_tick } else { 0 };
+        self.task_id = stack.send_goals(&goals, from_tick);
+        self.task = goals;
+    }
+
+    /// Looks after the processes. A new local planner knows nothing of goals that were reached
+    /// before, so it gets those that are left.
+    fn keep(&mut self, stack: &mut Stack) -> Option<Ending> {
+        let restarted = match self.keeper.look(stack, &self.collector) {
+            Ok(restarted) => restarted,
+            Err(ending) => return Some(ending),
+        };
+        if restarted.contains(&Role::LocalPlanner) {
+            let reached = &self.collector.reached;
+            let left: Vec<Goal> = self
+                .task
+                .iter()
+                .filter(|goal| !reached.contains(&goal.id))
+                .copied()
+                .collect();
+            if left.len() < self.task.len() && !left.is_empty() {
+                let from_tick = stack.roster.control.lease + 1;
+                self.send(stack, left, from_tick);
+            }
+        }
+        None
+    }
+
+    /// One look at everything.
+    fn listen(&mut self, stack: &mut Stack) {
+        let world = &self.prepared.world;
+        let at_outline = |index: usize, pose: &Pose, point: [f64; 2], within_m: f64| {
+            world.obstacles().get(index).is_some_and(|obstacle| {
+                let point = Point2::new(point[0], point[1]);
+                obstacle.shape.placed_at(pose).distance_to_point_m(point) <= within_m
+            })
+        };
+        let Stack { taps, roster, .. } = stack;
+        if self.collector.listen(taps, roster, &at_outline) {
+            stack.ask_for_keyframe();
+        }
+        stack.refresh();
+    }
+
+    fn wait_until_ready(&mut self, stack: &mut Stack, server: &Server) -> Option<Ending> {
+        let started = Instant::now();
+        loop {
+            self.listen(stack);
+            self.serve(stack, server);
+            let missing = stack.not_ready();
+            if missing.is_empty() {
+                return None;
+            }
+            if let Some(ending) = self.keep(stack) {
+                return Some(ending);
+            }
+            if self.interrupted.load(Ordering::Relaxed) {
+                return Some(Ending::Interrupted);
+            }
+            // Whoever starts a service by hand takes the time that it takes.
+            let late: Vec<Role> = missing
+                .into_iter()
+                .filter(|role| self.prepared.binaries.contains_key(role))
+                .collect();
+            if started.elapsed() > READY_LIMIT && !late.is_empty() {
+                return Some(Ending::NotReady(late));
+            }
+            std::thread::sleep(Duration::from_millis(2));
+        }
+    }
+
+    /// Watches the drive until something ends it.
+    fn watch(&mut self, stack: &mut Stack, server: &Server) -> Ending {
+        let pause = Duration::from_millis(if self.lockstep() { 1 } else { 10 });
+        let tick_ns = self.prepared.scenario.run.tick_ns();
+        let limit_ns = self.prepared.scenario.run.time_limit_ns();
+        let last_tick = limit_ns.div_ceil(tick_ns);
+        let mut moved = (self.collector.robot_tick(), Instant::now());
+        loop {
+            self.listen(stack);
+            self.serve(stack, server);
+            if self.interrupted.load(Ordering::Relaxed) {
+                return Ending::Interrupted;
+            }
+            if let Some(ending) = self.task_ended() {
+                return ending;
+            }
+            if let Some(ending) = self.keep(stack) {
+                return ending;
+            }
+            let tick = self.collector.robot_tick();
+            if tick != moved.0 {
+                moved = (tick, Instant::now());
+            } else if moved.1.elapsed() > SILENCE_LIMIT {
+                return Ending::Silent(self.silent());
+            }
+            if self.lockstep() {
+                if self.collector.all_answered(last_tick) {
+                    return Ending::Timeout;
+                }
+                stack.extend_lease((tick + LEASE_TICKS).min(last_tick));
+            } else if self.collector.run_ns.saturating_sub(self.goals_run_ns) > limit_ns {
+                return Ending::Timeout;
+            }
+            self.line.show(&self.progress());
+            std::thread::sleep(pause);
+        }
+    }
+
+    fn task_ended(&self) -> Option<Ending> {
+        let report = self.report()?;
+        match report.state {
+            TaskState::Idle | TaskState::Active => None,
+            state => Some(Ending::Task(state, report.reason)),
+        }
+    }
+
+    /// What is said about the task at hand.
+    fn report(&self) -> Option<TaskReport> {
+        self.collector
+            .task
+            .filter(|report| self.task_id != 0 && report.task == self.task_id)
+    }
+
+    /// The first role in the flow of data that owes an answer.
+    fn silent(&self) -> Role {
+        self.collector.owing().unwrap_or(Role::Robot)
+    }
+
+    /// The tick that ends the measured part of the run: the same in every lockstep run.
+    fn end_tick(&self, ending: &Ending) -> u64 {
+        let tick_ns = self.prepared.scenario.run.tick_ns();
+        match (ending, self.report()) {
+            (Ending::Task(..), Some(report)) => report.tick,
+            (Ending::Timeout, _) if self.lockstep() => {
+                self.prepared.scenario.run.time_limit_ns().div_ceil(tick_ns)
+            }
+            _ => self.collector.robot_tick(),
+        }
+    }
+
+    /// Lets the robot come to a stand.
+    fn stand(&mut self, stack: &mut Stack) {
+        let started = Instant::now();
+        stack.stop_robot();
+        while started.elapsed() < STAND_LIMIT {
+            self.listen(stack);
+            let standing = self.collector.truth.as_ref().is_none_or(|truth| {
+                truth.v_mps.abs() < STANDING_MPS && truth.w_radps.abs() < STANDING_MPS
+            });
+            // Nobody stops without these two.
+            let hopeless = stack.children.iter_mut().any(|child| {
+                matches!(child.role, Role::Robot | Role::CollisionGuard)
+                    && child.ended().is_some()
+                    && (self.prepared.mode == RunMode::Lockstep || child.role == Role::Robot)
+            });
+            if standing || hopeless || self.collector.truth.is_none() {
+                return;
+            }
+            if self.lockstep() {
+                stack.extend_lease(self.collector.robot_tick() + LEASE_TICKS);
+            }
+            std::thread::sleep(Duration::from_millis(2));
+        }
+    }
+
+    /// Ends the processes and says how each seat did.
+    fn stop(&self, stack: &mut Stack) -> Vec<SeatReport> {
+        let died: Vec<Role> = stack
+            .children
+            .iter_mut()
+            .filter_map(|child| child.ended().map(|_| child.role))
+            .collect();
+        let killed = stack.stop_processes();
+        stack
+            .children
+            .iter_mut()
+            .map(|child| {
+                let role = child.role;
+                let end = if killed.contains(&role) {
+                    "did not stop when asked, killed".to_owned()
+                } else if died.contains(&role) {
+                    child.ended().map_or_else(String::new, Child::end_in_words)
+                } else {
+                    "stopped".to_owned()
+                };
+                let before = self.keeper.memory_peak_bytes(role);
+                SeatReport {
+                    role,
+                    starts: self.keeper.starts(role),
+                    memory_peak_bytes: before.max(child.memory_peak_bytes()),
+                    end,
+                }
+            })
+            .collect()
+    }
+
+    fn progress(&self) -> Progress {
+        let report = self.report();
+        Progress {
+            time_s: seconds(self.collector.run_ns),
+            state: report.map_or_else(|| "waiting".to_owned(), |report| report.state.to_string()),
+            remaining_m: report.map(|report| report.remaining_m),
+            last_replan: self
+                .collector
+                .records
+                .paths
+                .last()
+                .map(|path| (seconds(path.run_ns), path.cause.to_string())),
+        }
+    }
+
+    fn serve(&mut self, stack: &mut Stack, server: &Server) {
+        server.serve(|request| match request {
+            Request::Ps => Reply::Run(self.run_report(stack)),
+            Request::Goal {
+                pose: [x, y, yaw],
+                tolerance_m,
+            } => {
+                let usable = [x, y, yaw].iter().all(|value| value.is_finite())
+                    && (1.0e-3..=1.0e3).contains(&tolerance_m);
+                if !usable {
+                    return Reply::Error("a goal needs finite numbers and a tolerance".to_owned());
+                }
+                if !self.world_contains(x, y) {
+                    return Reply::Error(format!("({x}, {y}) is not on the map"));
+                }
+                let from_tick = stack.roster.control.lease + 1;
+                let pose = Pose::new(x, y, yaw);
+                let goal = Goal {
+                    pose,
+                    tolerance_m,
+                    yaw_tolerance_rad: PI,
+                    id: 0,
+                };
+                self.send(stack, vec![goal], from_tick);
+                Reply::Done
+            }
+        });
+    }
+
+    fn world_contains(&self, x_m: f64, y_m: f64) -> bool {
+        self.prepared.world.contains(Point2::new(x_m, y_m))
+    }
+
+    fn run_report(&self, stack: &mut Stack) -> RunReport {
+        stack.heartbeats();
+        let health: BTreeMap<Role, (String, u64)> = stack
+            .taps
+            .health
+            .iter()
+            .filter_map(|(role, health)| {
+                let beat = health.get()?.meta;
+                Some((*role, (beat.state()?.to_string(), beat.progress)))
+            })
+            .collect();
+        let services = stack
+            .children
+            .iter_mut()
+            .map(|child| {
+                let (state, progress) = health
+                    .get(&child.role)
+                    .cloned()
+                    .unwrap_or_else(|| ("starting".to_owned(), 0));
+                ServiceReport {
+                    role: child.role.to_string(),
+                    pid: child.pid(),
+                    epoch: child.epoch,
+                    state,
+                    progress,
+                    memory_peak_bytes: child.memory_peak_bytes(),
+                    binary: file_name(&child.binary),
+                }
+            })
+            .collect();
+        RunReport {
+            scenario: self.prepared.scenario.name.clone(),
+            domain: stack.root().display().to_string(),
+            pid: std::process::id(),
+            mode: self.prepared.mode.to_string(),
+            time_s: seconds(self.collector.run_ns),
+            task: self
+                .report()
+                .map_or_else(|| "waiting".to_owned(), |report| report.state.to_string()),
+            services,
+        }
+    }
+}
+
+/// Last part of a path.
+#[must_use]
+pub fn file_name(path: &Path) -> String {
+    path.file_name()
+        .map_or_else(String::new, |name| name.to_string_lossy().into_owned())
+}

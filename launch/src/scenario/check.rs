@@ -1,0 +1,196 @@
+//! Can it work? Everything that is known to be wrong before anything is started.
+
+use super::{Outcome, Scenario, ScenarioError};
+use core::f64::consts::PI;
+use zeronav_msgs::Pose;
+use zeronav_msgs::map::{TILES_PER_KEYFRAME_MAX, tiles_of};
+use zeronav_msgs::task::GOALS_MAX;
+use zeronav_world::error::{SpecError, number};
+use zeronav_world::{Footprint, MapWarning, World, WorldError};
+
+/// Longest run. [s]
+const TIME_LIMIT_S_MAX: f64 = 1.0e6;
+
+/// What a check of a scenario leaves: the world, ready to be asked.
+#[derive(Debug, Clone)]
+pub struct Checked {
+    /// The world of the scenario.
+    pub world: World,
+    /// The outline of its robot.
+    pub footprint: Footprint,
+    /// What its author may not have meant.
+    pub warnings: Vec<MapWarning>,
+}
+
+impl Scenario {
+    /// Checks every number, reads the map file, and asks the world whether the robot can stand at
+    /// its start and at its goals.
+    ///
+    /// # Errors
+    /// The first value that cannot be, with file, line and field.
+    pub fn validate(&self) -> Result<Checked, ScenarioError> {
+        let refused = |error: SpecError| self.error_at(&error.field, &error.why);
+        self.check_words().map_err(refused)?;
+        self.robot
+            .check()
+            .map_err(|error| refused(error.within("robot")))?;
+        self.check_run().map_err(refused)?;
+        let (world, warnings) = World::load(&self.world).map_err(|error| match error {
+            WorldError::Map(error) => self.error_at("world.map", &error.to_string()),
+            WorldError::Spec(error) => refused(error.within("world")),
+        })?;
+        self.check_size(&world).map_err(refused)?;
+        let footprint =
+            Footprint::new(&self.robot).map_err(|error| refused(error.within("robot")))?;
+        self.check_start(&world, &footprint).map_err(refused)?;
+        self.check_goals(&world, &footprint).map_err(refused)?;
+        Ok(Checked {
+            world,
+            footprint,
+            warnings,
+        })
+    }
+
+    fn check_words(&self) -> Result<(), SpecError> {
+        if self.title.trim().is_empty() {
+            return Err(SpecError::new("title", "must not be empty"));
+        }
+        let expect = &self.expect;
+        if expect.outcome == Outcome::Unreachable && self.goals.is_empty() {
+            let why = "nothing can be unreachable without a goal";
+            return Err(SpecError::new("expect.outcome", why));
+        }
+        if let (Some(min), Some(max)) = (expect.obstacle_replans_min, expect.obstacle_replans_max)
+            && min > max
+        {
+            let why = format!("{min} is above obstacle_replans_max {max}");
+            return Err(SpecError::new("expect.obstacle_replans_min", why));
+        }
+        Ok(())
+    }
+
+    fn check_run(&self) -> Result<(), SpecError> {
+        let run = &self.run;
+        number(run.time_limit_s, 0.1, TIME_LIMIT_S_MAX, "run.time_limit_s")?;
+        number(run.tick_hz, 1.0, 1000.0, "run.tick_hz")?;
+        let lidar_hz = self.robot.lidar.rate_hz;
+        if run.tick_hz < lidar_hz {
+            let why = format!(
+                "{} ticks per second are fewer than the lidar's {lidar_hz} scans",
+                run.tick_hz
+            );
+            return Err(SpecError::new("run.tick_hz", why));
+        }
+        Ok(())
+    }
+
+    /// The map must fit into one keyframe.
+    fn check_size(&self, world: &World) -> Result<(), SpecError> {
+        let geometry = world.geometry();
+        let (columns, rows) = tiles_of(geometry);
+        if columns as usize * rows as usize <= TILES_PER_KEYFRAME_MAX {
+            return Ok(());
+        }
+        let field = if self.world.map.is_some() {
+            "world.map"
+        } else {
+            "world.area_m"
+        };
+        let why = format!(
+            "{} x {} cells are more than {TILES_PER_KEYFRAME_MAX} tiles of 32 x 32: make it \
+             smaller or its cells larger",
+            geometry.width, geometry.height
+        );
+        Err(SpecError::new(field, why))
+    }
+
+    fn check_start(&self, world: &World, footprint: &Footprint) -> Result<(), SpecError> {
+        self.check_pose(world, &self.start, "start")?;
+        let standing = "the robot stands in";
+        if world.touches(footprint, &self.start) {
+            let robot = footprint.placed(&self.start);
+            let shape = world
+                .shapes()
+                .iter()
+                .position(|shape| robot.distance_m(shape.placed()) <= 0.0);
+            let what = shape.map_or_else(
+                || "an occupied cell of the map file".to_owned(),
+                |index| format!("world.shapes[{index}]"),
+            );
+            let why = format!("{standing} {what}: move start");
+            return Err(SpecError::new("start", why));
+        }
+        for (index, obstacle) in world.obstacles().iter().enumerate() {
+            let robot = footprint.placed(&self.start);
+            if obstacle.is_there_from_the_start()
+                && robot.distance_m(obstacle.shape.placed()) <= 0.0
+            {
+                let name = &obstacle.spec.name;
+                let why =
+                    format!("{standing} world.obstacles[{index}] \"{name}\": move start or it");
+                return Err(SpecError::new("start", why));
+            }
+        }
+        Ok(())
+    }
+
+    fn check_goals(&self, world: &World, footprint: &Footprint) -> Result<(), SpecError> {
+        if self.goals.len() > GOALS_MAX {
+            let why = format!("{} goals, at most {GOALS_MAX}", self.goals.len());
+            return Err(SpecError::new("goals", why));
+        }
+        for (index, goal) in self.goals.iter().enumerate() {
+            let field = format!("goals[{index}]");
+            let within = |error: SpecError| error.within(&field);
+            number(goal.tolerance_m, 1.0e-3, 1.0e3, "tolerance_m").map_err(within)?;
+            let yaw_rad = goal.yaw_tolerance_rad;
+            number(yaw_rad, 1.0e-3, 1.0e3, "yaw_tolerance_rad").map_err(within)?;
+            self.check_pose(world, &goal.pose, "pose").map_err(within)?;
+            // A goal inside a wall is a fair thing to call unreachable.
+            let wants_room = self.expect.outcome == Outcome::Reached;
+            let free = || world.free_pose_near(footprint, &goal.pose, goal.tolerance());
+            if wants_room && free().is_none() {
+                let yaw = if yaw_rad < PI {
+                    format!(" and {yaw_rad} rad")
+                } else {
+                    String::new()
+                };
+                let why = format!(
+                    "the robot finds no room within {} m{yaw} of it: move the goal or widen its \
+                     tolerance",
+                    goal.tolerance_m
+                );
+                return Err(SpecError::new("pose", why).within(&field));
+            }
+        }
+        Ok(())
+    }
+
+    /// Accepts finite poses on the map.
+    fn check_pose(&self, world: &World, pose: &Pose, field: &str) -> Result<(), SpecError> {
+        for (axis, value) in [pose.x_m, pose.y_m].into_iter().enumerate() {
+            number(value, -1.0e6, 1.0e6, &format!("{field}[{axis}]"))?;
+        }
+        number(pose.yaw_rad, -62.8, 62.8, &format!("{field}[2]"))?;
+        if world.contains(pose.point()) {
+            return Ok(());
+        }
+        let g = world.geometry();
+        let (width_m, height_m) = (
+            f64::from(g.width) * g.resolution_m,
+            f64::from(g.height) * g.resolution_m,
+        );
+        let why = format!(
+            "[{}, {}] lies beside the map of {}, which covers x {:.2} to {:.2} m, y {:.2} to \
+             {:.2} m",
+            pose.x_m,
+            pose.y_m,
+            self.name,
+            g.origin_x_m,
+            g.origin_x_m + width_m,
+            g.origin_y_m,
+            g.origin_y_m + height_m
+        );
+        Err(SpecError::new(field, why))
+    }
+}

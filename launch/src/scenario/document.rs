@@ -1,0 +1,287 @@
+//! The text of a scenario and of the files that it builds on, as one table that still knows the
+//! file and line of every value.
+//!
+//! `base = [...]` names files whose values a scenario starts from. Tables are merged key by key,
+//! everything else (numbers, texts, lists) is replaced; a later file wins over an earlier one and
+//! the scenario over all. Behind it is a trick: all texts lie, one after the other, on one number
+//! line, so a span of the TOML parser says which file it means.
+
+use super::error::ScenarioError;
+use super::library::{Kind, Library, Origin};
+use core::ops::Range;
+use serde::de::DeserializeOwned;
+use std::path::Path;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+/// Most files of one scenario, also when one builds on itself.
+const FILES_MAX: usize = 16;
+
+/// The key that names the files to build on.
+const BASE: &str = "base";
+
+#[derive(Debug, Clone)]
+struct Source {
+    origin: Origin,
+    text: String,
+    /// Where it begins on the number line of all texts.
+    start: usize,
+}
+
+/// Where a value stands.
+#[derive(Debug, Clone, PartialEq, Eq)]
+struct Place {
+    path: String,
+    key: Range<usize>,
+    value: Range<usize>,
+}
+
+/// The files of a scenario and where every value stands in them.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Places {
+    /// In the order in which they are merged; the scenario's own is the last.
+    texts: Vec<Source>,
+    places: Vec<Place>,
+}
+
+/// Reads the scenario at `origin` and what it builds on.
+pub(super) fn read<T: DeserializeOwned>(
+    library: &Library,
+    origin: Origin,
+) -> Result<(T, Places), ScenarioError> {
+    let mut texts = Vec::new();
+    gather(library, origin, &mut texts)?;
+    let mut merged = DeTable::new();
+    for text in &texts {
+        let table = parse(text)?;
+        merge(&mut merged, table);
+    }
+    merged.remove(BASE);
+    let mut places = Vec::new();
+    note_table(&merged, "", &mut places);
+    let own = texts.last().map_or(0, |text| text.start);
+    let root = Spanned::new(own..own, merged);
+    let read = T::deserialize(toml::Deserializer::from(root));
+    let error = match read {
+        Ok(value) => return Ok((value, Places { texts, places })),
+        Err(error) => error,
+    };
+    let places = Places { texts, places };
+    Err(places.at_span(error.span().unwrap_or(own..own), &one_line(error.message())))
+}
+
+/// Puts the text at `origin` behind the texts that it builds on.
+fn gather(library: &Library, origin: Origin, texts: &mut Vec<Source>) -> Result<(), ScenarioError> {
+    gather_below(library, origin, texts, &mut 0)
+}
+
+fn gather_below(
+    library: &Library,
+    origin: Origin,
+    texts: &mut Vec<Source>,
+    n_files: &mut usize,
+) -> Result<(), ScenarioError> {
+    *n_files += 1;
+    let mut own = Source {
+        text: origin.text()?,
+        origin,
+        start: 0,
+    };
+    let table = parse(&own)?;
+    let refused = |at: &Range<usize>, why: String| ScenarioError::Field {
+        file: own.origin.to_string(),
+        line: line_of(&own.text, at.start),
+        field: BASE.to_owned(),
+        why,
+    };
+    let mut bases = Vec::new();
+    if let Some(base) = table.get(BASE) {
+        let words = match base.get_ref() {
+            DeValue::Array(names) => names.iter().collect(),
+            _ => vec![base],
+        };
+        for word in words {
+            let span = word.span();
+            let Some(name) = word.get_ref().as_str() else {
+                let why = "must be a name or a path, or a list of them".to_owned();
+                return Err(refused(&span, why));
+            };
+            if *n_files + bases.len() >= FILES_MAX {
+                let why = format!("more than {FILES_MAX} files; does one build on itself?");
+                return Err(refused(&span, why));
+            }
+            let folder = own.origin.folder();
+            let found = library.find(Kind::World, name, folder);
+            bases.push(found.map_err(|why| refused(&span, why))?);
+        }
+    }
+    for base in bases {
+        gather_below(library, base, texts, n_files)?;
+    }
+    own.start = texts
+        .last()
+        .map_or(0, |last| last.start + last.text.len() + 1);
+    texts.push(own);
+    Ok(())
+}
+
+/// The table of a text, its spans on the number line of all texts.
+fn parse(text: &Source) -> Result<DeTable<'_>, ScenarioError> {
+    match DeTable::parse(&text.text) {
+        Ok(table) => Ok(shifted_table(table.into_inner(), text.start)),
+        Err(error) => Err(ScenarioError::Syntax {
+            file: text.origin.to_string(),
+            line: line_of(&text.text, error.span().map_or(0, |span| span.start)),
+            why: one_line(error.message()),
+        }),
+    }
+}
+
+fn shifted_table(table: DeTable<'_>, by: usize) -> DeTable<'_> {
+    table
+        .into_iter()
+        .map(|(key, value)| {
+            let span = key.span();
+            let key = Spanned::new(span.start + by..span.end + by, key.into_inner());
+            (key, shifted(value, by))
+        })
+        .collect()
+}
+
+fn shifted(value: Spanned<DeValue<'_>>, by: usize) -> Spanned<DeValue<'_>> {
+    let span = value.span();
+    let inner = match value.into_inner() {
+        DeValue::Table(table) => DeValue::Table(shifted_table(table, by)),
+        DeValue::Array(array) => {
+            DeValue::Array(array.into_iter().map(|item| shifted(item, by)).collect())
+        }
+        other => other,
+    };
+    Spanned::new(span.start + by..span.end + by, inner)
+}
+
+/// Lays `over` on `under`: tables are merged, everything else is replaced.
+fn merge<'a>(under: &mut DeTable<'a>, over: DeTable<'a>) {
+    for (key, value) in over {
+        let span = value.span();
+        let value = match (under.remove(&key), value.into_inner()) {
+            (Some(old), DeValue::Table(new)) => match old.into_inner() {
+                DeValue::Table(mut both) => {
+                    merge(&mut both, new);
+                    DeValue::Table(both)
+                }
+                _ => DeValue::Table(new),
+            },
+            (_, other) => other,
+        };
+        under.insert(key, Spanned::new(span, value));
+    }
+}
+
+fn note_table(table: &DeTable<'_>, prefix: &str, places: &mut Vec<Place>) {
+    for (key, value) in table {
+        let dot = if prefix.is_empty() { "" } else { "." };
+        let path = format!("{prefix}{dot}{}", key.get_ref());
+        note(value, path, key.span(), places);
+    }
+}
+
+fn note(value: &Spanned<DeValue<'_>>, path: String, key: Range<usize>, places: &mut Vec<Place>) {
+    match value.get_ref() {
+        DeValue::Table(table) => note_table(table, &path, places),
+        DeValue::Array(array) => {
+            for (index, item) in array.iter().enumerate() {
+                note(item, format!("{path}[{index}]"), item.span(), places);
+            }
+        }
+        _ => {}
+    }
+    places.push(Place {
+        path,
+        key,
+        value: value.span(),
+    });
+}
+
+impl Places {
+    /// The error that the value at `field` is wrong. A value that stands nowhere (a default) is
+    /// reported where the table that could hold it stands.
+    pub(super) fn at_field(&self, field: &str, why: &str) -> ScenarioError {
+        let mut path = field;
+        let start = loop {
+            if let Some(place) = self.places.iter().find(|place| place.path == path) {
+                break place.key.start;
+            }
+            match path.rfind(['.', '[']) {
+                Some(end) => path = &path[..end],
+                None => break self.texts.last().map_or(0, |text| text.start),
+            }
+        };
+        self.error(start, field.to_owned(), why)
+    }
+
+    /// The folder of the file in which the value at `field` stands.
+    pub(super) fn folder_of(&self, field: &str) -> Option<&Path> {
+        let place = self.places.iter().find(|place| place.path == field)?;
+        self.text_at(place.value.start)?.origin.folder()
+    }
+
+    /// The error at a span of the parser, and the value that it means.
+    fn at_span(&self, span: Range<usize>, why: &str) -> ScenarioError {
+        let exact = self
+            .places
+            .iter()
+            .find(|place| place.key == span || place.value == span);
+        let around = || {
+            let holds = |range: &Range<usize>| range.start <= span.start && span.end <= range.end;
+            self.places
+                .iter()
+                .filter(|place| holds(&place.value) || holds(&place.key))
+                .min_by_key(|place| place.value.len())
+        };
+        // The span of the whole scenario is empty.
+        let place = exact.or_else(around).filter(|_| !span.is_empty());
+        let field = place.map(|place| place.path.clone());
+        // A missing field belongs to the table that should hold it.
+        let missing = why
+            .strip_prefix("missing field `")
+            .and_then(|rest| rest.strip_suffix('`'));
+        let field = match (field, missing) {
+            (Some(table), Some(missing)) => format!("{table}.{missing}"),
+            (None, Some(missing)) => missing.to_owned(),
+            (Some(field), None) => field,
+            (None, None) => "scenario".to_owned(),
+        };
+        let why = if missing.is_some() { "is missing" } else { why };
+        self.error(span.start, field, why)
+    }
+
+    fn error(&self, start: usize, field: String, why: &str) -> ScenarioError {
+        let (file, line) = self.text_at(start).map_or_else(
+            || ("scenario".to_owned(), 1),
+            |text| {
+                let line = line_of(&text.text, start - text.start);
+                (text.origin.to_string(), line)
+            },
+        );
+        ScenarioError::Field {
+            file,
+            line,
+            field,
+            why: why.to_owned(),
+        }
+    }
+
+    fn text_at(&self, start: usize) -> Option<&Source> {
+        self.texts.iter().rev().find(|text| text.start <= start)
+    }
+}
+
+fn line_of(text: &str, offset: usize) -> usize {
+    let before = text.get(..offset).unwrap_or(text);
+    1 + before.matches('\n').count()
+}
+
+fn one_line(message: &str) -> String {
+    message.split('\n').collect::<Vec<_>>().join(", ")
+}

@@ -1,0 +1,336 @@
+//! What to run: scenario files, read and checked before anything is started.
+//!
+//! ```toml
+//! title = "A crate in the way"
+//! base = ["warehouse", "porter"]   # a world and a robot to start from
+//! start = [3.0, 8.5, 0.0]          # x, y in metres, yaw in radians
+//!
+//! [[goals]]
+//! pose = [27.0, 8.5, 0.0]
+//!
+//! [services.global_planner]
+//! config.planner = "theta_star"
+//! ```
+//!
+//! Unknown fields are refused, and every error is one line that names file, line and field.
+
+mod check;
+mod document;
+mod error;
+mod library;
+#[cfg(test)]
+mod shipped;
+#[cfg(test)]
+mod tests;
+
+pub use check::Checked;
+pub use error::ScenarioError;
+pub use library::{Library, Listed};
+
+use crate::supervise::restart::RestartSpec;
+use core::f64::consts::PI;
+use document::Places;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use std::path::{Path, PathBuf};
+use zeronav_msgs::task::Goal;
+use zeronav_msgs::{Pose, Role};
+use zeronav_world::{RobotSpec, Tolerance, WorldSpec};
+
+/// A scenario: a world, a robot, where it starts and where it shall go, who sits in the seats,
+/// and what is expected.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Scenario {
+    /// Name of its file without `.toml`.
+    #[serde(skip_deserializing)]
+    pub name: String,
+    /// One line for lists and reports.
+    pub title: String,
+    /// What happens and why it is interesting.
+    #[serde(default)]
+    pub description: String,
+    /// Time and chance.
+    #[serde(default)]
+    pub run: RunSpec,
+    /// The world. The path of its map file is absolute.
+    pub world: WorldSpec,
+    /// The robot.
+    pub robot: RobotSpec,
+    /// `map_from_base` at the start; `[x, y, yaw]` in the file. [m, m, rad]
+    #[serde(deserialize_with = "pose_of", serialize_with = "numbers_of")]
+    pub start: Pose,
+    /// Where to, in order. Without goals the run waits for goals from outside until its time is
+    /// over.
+    #[serde(default)]
+    pub goals: Vec<GoalSpec>,
+    /// Who sits in the seats.
+    #[serde(default)]
+    pub services: ServicesSpec,
+    /// Whether mapping starts from the static world ([`zeronav_world::World::rasterise`]) or from
+    /// nothing.
+    #[serde(default = "yes")]
+    pub static_map: bool,
+    /// How often services are restarted, and when they count as hung.
+    #[serde(default)]
+    pub restart: RestartSpec,
+    /// What the verdict asks for.
+    #[serde(default)]
+    pub expect: ExpectSpec,
+    #[serde(skip)]
+    folder: Option<PathBuf>,
+    #[serde(skip)]
+    places: Places,
+}
+
+/// Time and chance of a run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct RunSpec {
+    /// Run time after which the run ends. [s]
+    pub time_limit_s: f64,
+    /// Control ticks per second: never below the lidar's rate, 1 to 1000. [Hz]
+    pub tick_hz: f64,
+    /// Of everything random.
+    pub seed: u64,
+}
+
+impl RunSpec {
+    /// Run time from tick to tick. [ns]
+    #[must_use]
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "1 to 1000 ticks a second, as the scenario's check has made sure"
+    )]
+    pub fn tick_ns(&self) -> u64 {
+        (1.0e9 / self.tick_hz).round() as u64
+    }
+
+    /// Run time after which the run ends. [ns]
+    #[must_use]
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a positive number of seconds, as the scenario's check has made sure"
+    )]
+    pub fn time_limit_ns(&self) -> u64 {
+        (self.time_limit_s * 1.0e9).round() as u64
+    }
+}
+
+impl Default for RunSpec {
+    fn default() -> Self {
+        Self {
+            time_limit_s: 120.0,
+            tick_hz: 50.0,
+            seed: 1,
+        }
+    }
+}
+
+/// A goal.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GoalSpec {
+    /// `map_from_base` to reach; `[x, y, yaw]` in the file. [m, m, rad]
+    #[serde(deserialize_with = "pose_of", serialize_with = "numbers_of")]
+    pub pose: Pose,
+    /// How close counts. [m]
+    #[serde(default = "default_tolerance_m")]
+    pub tolerance_m: f64,
+    /// How close the yaw must be; pi = any yaw. [rad]
+    #[serde(default = "any_yaw_rad")]
+    pub yaw_tolerance_rad: f64,
+}
+
+impl GoalSpec {
+    /// The goal as a message, with the sender's own number for it (not 0).
+    #[must_use]
+    pub const fn message(&self, id: u64) -> Goal {
+        Goal {
+            pose: self.pose,
+            tolerance_m: self.tolerance_m,
+            yaw_tolerance_rad: self.yaw_tolerance_rad,
+            id,
+        }
+    }
+
+    /// How close counts.
+    #[must_use]
+    pub const fn tolerance(&self) -> Tolerance {
+        Tolerance {
+            distance_m: self.tolerance_m,
+            yaw_rad: self.yaw_tolerance_rad,
+        }
+    }
+}
+
+/// Who sits in the seats; an empty entry is the stock binary with its defaults.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct ServicesSpec {
+    /// The robot, simulated or real.
+    pub robot: ServiceSpec,
+    /// Scans to a map.
+    pub mapping: ServiceSpec,
+    /// Map and goal to a path.
+    pub global_planner: ServiceSpec,
+    /// Path to velocity requests.
+    pub local_planner: ServiceSpec,
+    /// The last check before the wheels.
+    pub collision_guard: ServiceSpec,
+}
+
+impl ServicesSpec {
+    /// Who sits in the seat of `role`; `None` for roles that are no service.
+    #[must_use]
+    pub const fn of(&self, role: Role) -> Option<&ServiceSpec> {
+        match role {
+            Role::Robot => Some(&self.robot),
+            Role::Mapping => Some(&self.mapping),
+            Role::GlobalPlanner => Some(&self.global_planner),
+            Role::LocalPlanner => Some(&self.local_planner),
+            Role::CollisionGuard => Some(&self.collision_guard),
+            Role::Launch | Role::Tap => None,
+        }
+    }
+
+    /// The same, to be changed by flags of the command line.
+    #[must_use]
+    pub const fn of_mut(&mut self, role: Role) -> Option<&mut ServiceSpec> {
+        match role {
+            Role::Robot => Some(&mut self.robot),
+            Role::Mapping => Some(&mut self.mapping),
+            Role::GlobalPlanner => Some(&mut self.global_planner),
+            Role::LocalPlanner => Some(&mut self.local_planner),
+            Role::CollisionGuard => Some(&mut self.collision_guard),
+            Role::Launch | Role::Tap => None,
+        }
+    }
+}
+
+/// A service: which binary and its configuration.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct ServiceSpec {
+    /// Name or path of the binary; without, the stock one. A path that leads to a file from the
+    /// folder of the scenario is absolute, any other stands as it was written.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub binary: Option<PathBuf>,
+    /// What the service finds in its configuration file.
+    pub config: toml::Table,
+}
+
+/// What the verdict asks for.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct ExpectSpec {
+    /// How the task ends.
+    pub outcome: Outcome,
+    /// Most contacts of the robot with anything.
+    pub contacts_max: u32,
+    /// Fewest new paths that an obstacle caused.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub obstacle_replans_min: Option<u32>,
+    /// Most new paths that an obstacle caused.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub obstacle_replans_max: Option<u32>,
+}
+
+/// How a task may end.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Outcome {
+    /// The robot stands at the last goal.
+    #[default]
+    Reached,
+    /// The stack says that there is no way, and the robot stands.
+    Unreachable,
+}
+
+impl Scenario {
+    /// Reads the scenario that a name or a path means from the working folder of this process.
+    /// [`Self::validate`] tells whether it can work.
+    ///
+    /// # Errors
+    /// See [`ScenarioError`].
+    pub fn load(name_or_path: &str) -> Result<Self, ScenarioError> {
+        Self::load_from(&Library::of(""), name_or_path)
+    }
+
+    /// Like [`Self::load`] from the working folder of `library`.
+    ///
+    /// # Errors
+    /// See [`ScenarioError`].
+    pub fn load_from(library: &Library, name_or_path: &str) -> Result<Self, ScenarioError> {
+        let origin = library.scenario(name_or_path)?;
+        let name = origin.name();
+        let folder = origin.folder().map(Path::to_path_buf);
+        let (mut scenario, places): (Self, Places) = document::read(library, origin)?;
+        if let Some(map) = &mut scenario.world.map {
+            let folder = places.folder_of("world.map").unwrap_or(Path::new(""));
+            *map = absolute(&folder.join(&*map));
+        }
+        for role in Role::SERVICES {
+            let field = format!("services.{}.binary", role.label());
+            let service = scenario.services.of_mut(role);
+            if let Some(binary) = service.and_then(|service| service.binary.as_mut())
+                && let Some(folder) = places.folder_of(&field)
+                && binary.components().count() > 1
+                && folder.join(&*binary).is_file()
+            {
+                *binary = absolute(&folder.join(&*binary));
+            }
+        }
+        Ok(Self {
+            name,
+            folder,
+            places,
+            ..scenario
+        })
+    }
+
+    /// The folder of its file; `None` when it is built in.
+    #[must_use]
+    pub fn folder(&self) -> Option<&Path> {
+        self.folder.as_deref()
+    }
+
+    /// The error that the value at `field` (such as `services.mapping.binary`) cannot be, naming
+    /// file and line.
+    #[must_use]
+    pub fn error_at(&self, field: &str, why: &str) -> ScenarioError {
+        self.places.at_field(field, why)
+    }
+}
+
+/// Scenarios that can be run by name from the working folder of this process.
+#[must_use]
+pub fn list() -> Vec<Listed> {
+    Library::of("").list()
+}
+
+fn absolute(path: &Path) -> PathBuf {
+    std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf())
+}
+
+fn pose_of<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Pose, D::Error> {
+    let [x_m, y_m, yaw_rad] = <[f64; 3]>::deserialize(deserializer)?;
+    Ok(Pose::new(x_m, y_m, yaw_rad))
+}
+
+fn numbers_of<S: Serializer>(pose: &Pose, serializer: S) -> Result<S::Ok, S::Error> {
+    [pose.x_m, pose.y_m, pose.yaw_rad].serialize(serializer)
+}
+
+const fn yes() -> bool {
+    true
+}
+
+const fn default_tolerance_m() -> f64 {
+    0.25
+}
+
+const fn any_yaw_rad() -> f64 {
+    PI
+}

@@ -1,0 +1,266 @@
+//! The result of a run: one object for machines, one page for people.
+
+use crate::keeper::RestartRecord;
+use crate::measure::event::Latency;
+use core::fmt::Write;
+use serde::Serialize;
+
+/// A path that was published.
+#[derive(Debug, Clone, Serialize)]
+pub struct Plan {
+    /// Run time. [s]
+    pub time_s: f64,
+    /// Why it was made.
+    pub cause: String,
+    /// Who made it.
+    pub planner: String,
+    /// `found`, or why there is none.
+    pub status: String,
+    /// Length. [m]
+    pub length_m: f64,
+    /// Nodes expanded.
+    pub expanded: u64,
+    /// Its corners, `map` frame. [m]
+    pub points_m: Vec<[f64; 2]>,
+}
+
+/// A scripted obstacle that appeared.
+#[derive(Debug, Clone, Serialize)]
+pub struct ObstacleResult {
+    /// Its name.
+    pub name: String,
+    /// Corners of its outline where it was last, `map` frame. [m]
+    pub corners_m: Vec<[f64; 2]>,
+}
+
+/// What was expected, and whether it came.
+#[derive(Debug, Clone, Serialize)]
+pub struct Expectation {
+    /// What.
+    pub name: String,
+    /// As the scenario wishes.
+    pub expected: String,
+    /// As it came.
+    pub actual: String,
+    /// True when both agree.
+    pub met: bool,
+}
+
+/// One process of the run.
+#[derive(Debug, Clone, Serialize)]
+pub struct ServiceResult {
+    /// Its seat.
+    pub name: String,
+    /// File name of its binary.
+    pub binary: String,
+    /// Key of its algorithm, where it has told one.
+    pub key: Option<String>,
+    /// How many times it was started.
+    pub starts: u32,
+    /// Largest resident memory. [bytes]
+    pub memory_peak_bytes: u64,
+    /// How it ended.
+    pub end: String,
+}
+
+/// Where and with what the run was made.
+#[derive(Debug, Clone, Serialize)]
+pub struct Environment {
+    /// Version of the project.
+    pub version: String,
+    /// `release` or `debug`.
+    pub build: String,
+    /// Processor.
+    pub cpu: String,
+    /// Processors that this process may use.
+    pub cores: usize,
+    /// Kernel.
+    pub kernel: String,
+    /// Load average of the last minute at the start.
+    pub load_start: f64,
+    /// Load average of the last minute at the end.
+    pub load_end: f64,
+    /// Share of processor time that the host gave to others during the run, 0 to 1.
+    pub steal: f64,
+}
+
+/// The result of a run.
+#[derive(Debug, Clone, Serialize)]
+pub struct RunResult {
+    /// Scenario.
+    pub scenario: String,
+    /// `pass` or `fail`.
+    pub verdict: String,
+    /// The same in words.
+    pub reason: String,
+    /// `reached`, `unreachable`, `stuck`, `timeout` and so on.
+    pub outcome: String,
+    /// True when every goal was reached.
+    pub reached: bool,
+    /// Contacts of the robot with anything.
+    pub contacts: u32,
+    /// Contacts that began while the robot moved.
+    pub contacts_moving: u32,
+    /// Contacts that began while the robot stood.
+    pub contacts_standing: u32,
+    /// Smallest distance of the footprint to anything. [m]
+    pub clearance_m_min: Option<f64>,
+    /// Run time from the first goal to the end. [s]
+    pub time_s: f64,
+    /// Distance driven. [m]
+    pub driven_m: f64,
+    /// `real_time` or `lockstep`.
+    pub mode: String,
+    /// Seed.
+    pub seed: u64,
+    /// Wall time of the drive. [s]
+    pub wall_s: f64,
+    /// Run time per wall time.
+    pub speed_factor: f64,
+    /// Run time that was lost because the machine was busy. [ms]
+    pub slipped_ms: f64,
+    /// Every path, the first ones included.
+    pub plans: Vec<Plan>,
+    /// Every path that took the place of another.
+    pub replans: Vec<Plan>,
+    /// Scripted obstacles that appeared.
+    pub obstacles: Vec<ObstacleResult>,
+    /// Where the robot really drove, every 5 cm. [m]
+    pub track_m: Vec<[f64; 2]>,
+    /// Latencies; null in lockstep.
+    pub latency: Option<Latency>,
+    /// The processes.
+    pub services: Vec<ServiceResult>,
+    /// Restarts of services during the run.
+    pub restarts: Vec<RestartRecord>,
+    /// Machine and build.
+    pub environment: Environment,
+    /// Shared memory of the run. [bytes]
+    pub shared_memory_bytes: u64,
+    /// Hash of a lockstep run.
+    pub run_hash: Option<String>,
+    /// What was expected.
+    pub expectations: Vec<Expectation>,
+    /// Folder with everything that the run left.
+    pub directory: String,
+}
+
+impl RunResult {
+    /// The page for people.
+    #[must_use]
+    pub fn to_text(&self) -> String {
+        let mut text = String::new();
+        let _ = writeln!(
+            text,
+            "{}  {}: {}",
+            self.verdict.to_uppercase(),
+            self.scenario,
+            self.reason
+        );
+        let _ = writeln!(
+            text,
+            "  drove {:.1} m in {:.1} s of run time ({}, {:.1} x real time), {} contacts{}",
+            self.driven_m,
+            self.time_s,
+            self.mode,
+            self.speed_factor,
+            self.contacts,
+            self.clearance_m_min
+                .map_or_else(String::new, |least| format!(", closest {least:.2} m")),
+        );
+        if self.slipped_ms > 0.0 {
+            let _ = writeln!(
+                text,
+                "  run time slipped by {:.1} ms: the machine was busy",
+                self.slipped_ms
+            );
+        }
+        for plan in &self.plans {
+            let _ = writeln!(
+                text,
+                "  {:8.2} s  path by {}: {}, {:.1} m, {} expanded, cause {}",
+                plan.time_s, plan.planner, plan.status, plan.length_m, plan.expanded, plan.cause
+            );
+        }
+        for restart in &self.restarts {
+            let _ = writeln!(
+                text,
+                "  {:8.2} s  {} restarted: {}",
+                restart.time_s, restart.service, restart.how
+            );
+        }
+        if let Some(latency) = &self.latency {
+            write_latency(latency, &mut text);
+        }
+        let _ = writeln!(
+            text,
+            "\n  shared memory {:.1} MB; peak memory {}",
+            megabytes(self.shared_memory_bytes),
+            self.services
+                .iter()
+                .map(|service| format!(
+                    "{} {:.0} MB",
+                    service.name,
+                    megabytes(service.memory_peak_bytes)
+                ))
+                .collect::<Vec<_>>()
+                .join(", ")
+        );
+        if let Some(hash) = &self.run_hash {
+            let _ = writeln!(text, "  run hash {hash}");
+        }
+        for expectation in self
+            .expectations
+            .iter()
+            .filter(|expectation| !expectation.met)
+        {
+            let _ = writeln!(
+                text,
+                "  expected {}: {}, but it was {}",
+                expectation.name, expectation.expected, expectation.actual
+            );
+        }
+        let _ = writeln!(text, "  {}", self.directory);
+        text
+    }
+}
+
+/// The table of latencies.
+fn write_latency(latency: &Latency, text: &mut String) {
+    let _ = writeln!(
+        text,
+        "\n  latency [us]              n  censored        p50        p90        p99        max"
+    );
+    let mut row = |name: &str, figures: &crate::measure::distribution::Figures| {
+        let cell = |value: Option<f64>| {
+            value.map_or_else(|| "-".to_owned(), |value| format!("{value:.0}"))
+        };
+        let _ = writeln!(
+            text,
+            "  {name:<20} {:>6}  {:>8} {:>10} {:>10} {:>10} {:>10}",
+            figures.n,
+            figures.censored,
+            cell(figures.p50_us),
+            cell(figures.p90_us),
+            cell(figures.p99_us),
+            cell(figures.max_us)
+        );
+    };
+    row("reaction", &latency.reaction);
+    row("replanning", &latency.replanning);
+    row("event to motion", &latency.event_to_motion);
+    for hop in &latency.hops {
+        row(&format!("  {}", hop.name), &hop.figures);
+    }
+    if let Some(error) = latency.closure_error_ns_max {
+        let _ = writeln!(
+            text,
+            "  hops and the robot's own end-to-end time differ by at most {error} ns"
+        );
+    }
+}
+
+#[allow(clippy::cast_precision_loss, reason = "sizes far below 2^53")]
+fn megabytes(bytes: u64) -> f64 {
+    bytes as f64 / 1.0e6
+}

@@ -1,0 +1,206 @@
+//! One service process.
+
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use rustix::process::{Pid, PidfdFlags, Signal, kill_process_group, pidfd_open};
+use std::ffi::OsString;
+use std::fs::File;
+use std::io::{Read, Seek, SeekFrom};
+use std::os::fd::{AsFd, OwnedFd};
+use std::os::unix::process::{CommandExt, ExitStatusExt};
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitStatus, Stdio};
+use std::time::Duration;
+use zeronav_msgs::role::Role;
+
+/// A started service in a process group of its own. It dies with launch, whatever kills launch.
+#[derive(Debug)]
+pub struct Child {
+    /// The seat it sits in.
+    pub role: Role,
+    /// Which start of the seat it is.
+    pub epoch: u32,
+    /// The binary.
+    pub binary: PathBuf,
+    /// Where its standard error goes.
+    pub log: PathBuf,
+    process: std::process::Child,
+    pidfd: OwnedFd,
+    ended: Option<ExitStatus>,
+    memory_peak_bytes: u64,
+}
+
+impl Child {
+    /// Starts `binary` with `arguments`. Call it from a thread that lives as long as the child
+    /// shall: the kernel ends the child when the thread ends.
+    ///
+    /// # Errors
+    /// What the system says, naming the binary.
+    pub fn start(
+        role: Role,
+        epoch: u32,
+        binary: &Path,
+        arguments: &[OsString],
+        log: &Path,
+    ) -> std::io::Result<Self> {
+        let name = |error: std::io::Error| {
+            std::io::Error::new(
+                error.kind(),
+                format!("starting {}: {error}", binary.display()),
+            )
+        };
+        let stderr = File::options()
+            .create(true)
+            .append(true)
+            .open(log)
+            .map_err(name)?;
+        let mut command = Command::new(binary);
+        command
+            .args(arguments)
+            .stdin(Stdio::null())
+            .stdout(stderr.try_clone().map_err(name)?)
+            .stderr(stderr)
+            .process_group(0);
+        die_with_this_thread(&mut command);
+        let process = command.spawn().map_err(name)?;
+        let pidfd = i32::try_from(process.id())
+            .ok()
+            .and_then(Pid::from_raw)
+            .ok_or_else(|| std::io::Error::other("no process id"))
+            .and_then(|pid| Ok(pidfd_open(pid, PidfdFlags::empty())?));
+        let mut process = process;
+        let pidfd = match pidfd {
+            Ok(pidfd) => pidfd,
+            Err(error) => {
+                let _ = process.kill();
+                let _ = process.wait();
+                return Err(name(error));
+            }
+        };
+        Ok(Self {
+            role,
+            epoch,
+            binary: binary.to_owned(),
+            log: log.to_owned(),
+            process,
+            pidfd,
+            ended: None,
+            memory_peak_bytes: 0,
+        })
+    }
+
+    /// Process id.
+    #[must_use]
+    pub fn pid(&self) -> u32 {
+        self.process.id()
+    }
+
+    /// How it ended, once it has.
+    pub fn ended(&mut self) -> Option<ExitStatus> {
+        if self.ended.is_none() {
+            self.ended = self.process.try_wait().ok().flatten();
+        }
+        self.ended
+    }
+
+    /// Largest resident memory so far. [bytes]
+    pub fn memory_peak_bytes(&mut self) -> u64 {
+        let status = std::fs::read_to_string(format!("/proc/{}/status", self.pid()));
+        let kibibytes = status.ok().and_then(|status| {
+            status
+                .lines()
+                .find_map(|line| line.strip_prefix("VmHWM:"))
+                .and_then(|rest| {
+                    rest.trim()
+                        .trim_end_matches("kB")
+                        .trim()
+                        .parse::<u64>()
+                        .ok()
+                })
+        });
+        if let Some(kibibytes) = kibibytes {
+            self.memory_peak_bytes = self.memory_peak_bytes.max(kibibytes * 1024);
+        }
+        self.memory_peak_bytes
+    }
+
+    /// Sends `signal` to its process group.
+    pub fn signal(&mut self, signal: Signal) {
+        if self.ended().is_none()
+            && let Some(pid) = i32::try_from(self.pid()).ok().and_then(Pid::from_raw)
+        {
+            let _ = kill_process_group(pid, signal);
+        }
+    }
+
+    /// Waits for the end; true when it came within `limit`.
+    pub fn wait(&mut self, limit: Duration) -> bool {
+        if self.ended().is_some() {
+            return true;
+        }
+        let timeout = Timespec {
+            tv_sec: limit.as_secs().cast_signed(),
+            tv_nsec: i64::from(limit.subsec_nanos()),
+        };
+        let mut descriptors = [PollFd::from_borrowed_fd(self.pidfd.as_fd(), PollFlags::IN)];
+        let _ = poll(&mut descriptors, Some(&timeout));
+        self.ended().is_some()
+    }
+
+    /// How it ended, in words.
+    #[must_use]
+    pub fn end_in_words(status: ExitStatus) -> String {
+        match (status.code(), status.signal()) {
+            (Some(135), _) | (_, Some(7)) => "killed by SIGBUS: /dev/shm is full".to_owned(),
+            (Some(code), _) => format!("exit code {code}"),
+            (None, Some(signal)) => format!("killed by signal {signal}"),
+            (None, None) => "ended".to_owned(),
+        }
+    }
+
+    /// The last lines of its log.
+    #[must_use]
+    pub fn log_tail(&self, lines: usize) -> Vec<String> {
+        const TAIL_BYTES: u64 = 16 * 1024;
+        let read = || -> std::io::Result<String> {
+            let mut file = File::open(&self.log)?;
+            let start = file.metadata()?.len().saturating_sub(TAIL_BYTES);
+            file.seek(SeekFrom::Start(start))?;
+            let mut bytes = Vec::new();
+            file.take(TAIL_BYTES).read_to_end(&mut bytes)?;
+            Ok(String::from_utf8_lossy(&bytes).into_owned())
+        };
+        let text = read().unwrap_or_default();
+        let all: Vec<&str> = text.lines().collect();
+        all[all.len().saturating_sub(lines)..]
+            .iter()
+            .map(|line| (*line).to_owned())
+            .collect()
+    }
+}
+
+impl Drop for Child {
+    fn drop(&mut self) {
+        self.signal(Signal::KILL);
+        let _ = self.process.wait();
+    }
+}
+
+#[allow(
+    unsafe_code,
+    reason = "the parent-death signal can only be set between fork and exec"
+)]
+fn die_with_this_thread(command: &mut Command) {
+    let parent = rustix::process::getpid();
+    // SAFETY: the closure runs in the forked child before exec and makes only system calls that
+    // are async-signal-safe; it allocates nothing and takes no lock.
+    unsafe {
+        command.pre_exec(move || {
+            rustix::process::set_parent_process_death_signal(Some(Signal::KILL))?;
+            // Launch may have died between fork and the call: then nobody would send the signal.
+            if rustix::process::getppid() != Some(parent) {
+                return Err(std::io::Error::from_raw_os_error(3));
+            }
+            Ok(())
+        });
+    }
+}

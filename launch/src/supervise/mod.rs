@@ -1,0 +1,11 @@
+//! Starting the processes of a stack, watching them, and leaving nothing behind.
+
+pub mod binaries;
+pub mod child;
+pub mod control;
+pub mod hang;
+pub mod restart;
+pub mod stack;
+
+pub use child::Child;
+pub use stack::Stack;

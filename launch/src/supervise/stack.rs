@@ -1,0 +1,386 @@
+//! A running stack: the domain, its topics, launch's own ports, and the processes.
+
+use super::child::Child;
+use std::ffi::OsString;
+use std::path::Path;
+use std::time::{Duration, Instant};
+use zeronav_msgs::health::HealthState;
+use zeronav_msgs::role::Role;
+use zeronav_msgs::run::{RunClock, RunControl, RunMode, Seat};
+use zeronav_msgs::task::{Goal, Task, TaskKind};
+use zeronav_msgs::topics::{
+    EVENT_NEED_KEYFRAME, GroundTruth, HealthTopic, MapKeyframe, MapUpdate, PlanPath,
+    RobotDescription, RunClockTopic, RunControlTopic, TaskGoal, TaskState, health_of,
+};
+use zeronav_shell::clock::now_ns;
+use zeronav_shell::doorbell::Bells;
+use zeronav_shell::peer::Topics;
+use zeronav_shell::records::SpanReader;
+use zeronav_shell::{Domain, Draft, Latest, Peer, Roster, StartError, Stream, Writer};
+
+/// Launch's own epoch: it is started once per domain.
+const LAUNCH_EPOCH: u32 = 1;
+
+/// Epoch of the first process in each seat.
+const FIRST_EPOCH: u32 = 1;
+
+/// How long a process may take to stop before it is killed.
+const STOP_LIMIT: Duration = Duration::from_secs(2);
+
+/// How the process of a seat is started.
+#[derive(Debug, Clone, Copy)]
+pub struct Launch<'a> {
+    /// Its binary.
+    pub binary: &'a Path,
+    /// Its configuration file.
+    pub config: &'a Path,
+    /// What it logs.
+    pub log_level: &'a str,
+    /// Where its log goes.
+    pub log: &'a Path,
+}
+
+/// What launch reads.
+#[derive(Debug)]
+pub struct Taps {
+    /// One record per cycle and process.
+    pub spans: SpanReader,
+    /// What is really so.
+    pub truth: Stream<GroundTruth>,
+    /// The map as it changes.
+    pub updates: Stream<MapUpdate>,
+    /// The whole map.
+    pub keyframe: Latest<MapKeyframe>,
+    /// Every path.
+    pub paths: Stream<PlanPath>,
+    /// What became of the task.
+    pub status: Latest<TaskState>,
+    /// The robot.
+    pub description: Latest<RobotDescription>,
+    /// The heartbeats.
+    pub health: Vec<(Role, Latest<HealthTopic>)>,
+}
+
+/// A running stack. Dropping it ends the processes and removes the domain.
+#[derive(Debug)]
+pub struct Stack {
+    /// The processes.
+    pub children: Vec<Child>,
+    /// What launch reads.
+    pub taps: Taps,
+    /// Who is obeyed and how time runs, as launch has said it.
+    pub roster: Roster,
+    /// The newest process of each seat, obeyed or not yet.
+    newest: Roster,
+    clock: Writer<RunClockTopic>,
+    control: Writer<RunControlTopic>,
+    goals: Writer<TaskGoal>,
+    bells: Bells,
+    topics: Option<Topics>,
+    peer: Option<Peer>,
+}
+
+impl Stack {
+    /// Makes a domain with every topic, and says how time runs and who will be obeyed.
+    ///
+    /// # Errors
+    /// What the middleware or the system refuses.
+    pub fn create(mode: RunMode, seed: u64, tick_ns: u64) -> Result<Self, StartError> {
+        let peer = Peer::join(Domain::create()?, Role::Launch, LAUNCH_EPOCH)?;
+        let topics = peer.create_topics()?;
+        let mut health = Vec::new();
+        for role in Role::SERVICES {
+            if let Some(row) = health_of(role) {
+                health.push((role, peer.latest_on(row)?));
+            }
+        }
+        let taps = Taps {
+            spans: peer.span_reader()?,
+            truth: peer.stream()?,
+            updates: peer.stream()?,
+            keyframe: peer.latest()?,
+            paths: peer.stream()?,
+            status: peer.latest()?,
+            description: peer.latest()?,
+            health,
+        };
+        let seats = Role::SERVICES
+            .iter()
+            .map(|role| Seat {
+                role: role.code(),
+                epoch: FIRST_EPOCH,
+                ..Seat::default()
+            })
+            .collect::<Vec<_>>();
+        let roster = Roster {
+            clock: RunClock {
+                mode: mode.code(),
+                seed,
+                zero_ns: now_ns(),
+                tick_ns,
+                ..RunClock::default()
+            },
+            control: RunControl {
+                n_seats: u32::try_from(seats.len()).unwrap_or(0),
+                ..RunControl::default()
+            },
+            seats,
+            own: None,
+        };
+        let mut stack = Self {
+            children: Vec::new(),
+            taps,
+            newest: roster.clone(),
+            roster,
+            clock: peer.writer(1)?,
+            control: peer.writer(zeronav_msgs::run::SEATS_MAX)?,
+            goals: peer.writer(zeronav_msgs::task::GOALS_MAX)?,
+            bells: Bells::open(&peer)?,
+            topics: Some(topics),
+            peer: Some(peer),
+        };
+        let clock = stack.roster.clock;
+        stack.clock.publish(&Draft::default(), clock, &[]);
+        stack.publish_control();
+        Ok(stack)
+    }
+
+    /// Root folder of the domain.
+    #[must_use]
+    pub fn root(&self) -> &Path {
+        self.peer
+            .as_ref()
+            .map_or(Path::new("/"), |peer| peer.domain().root())
+    }
+
+    /// Starts the newest process of a seat.
+    ///
+    /// # Errors
+    /// One line naming the binary.
+    pub fn start(&mut self, role: Role, launch: &Launch<'_>) -> std::io::Result<()> {
+        let epoch = self.epoch(role);
+        let arguments: Vec<OsString> = [
+            "--domain".into(),
+            self.root().into(),
+            "--epoch".into(),
+            epoch.to_string().into(),
+            "--config".into(),
+            launch.config.into(),
+            "--log-level".into(),
+            launch.log_level.into(),
+        ]
+        .into();
+        let child = Child::start(role, epoch, launch.binary, &arguments, launch.log)?;
+        self.children.push(child);
+        Ok(())
+    }
+
+    /// Epoch of the newest process in the seat of `role`.
+    #[must_use]
+    pub fn epoch(&self, role: Role) -> u32 {
+        self.newest
+            .seat(role)
+            .map_or(FIRST_EPOCH, |seat| seat.epoch)
+    }
+
+    /// Takes an ended process out and what it left out of the middleware's registry.
+    pub fn bury(&mut self, at: usize) -> Child {
+        let child = self.children.remove(at);
+        if let Some(peer) = &self.peer {
+            peer.clean_dead_members();
+        }
+        child
+    }
+
+    /// Makes the next process started in the seat of `role` a successor. It is not obeyed yet.
+    pub fn next_epoch(&mut self, role: Role) {
+        if let Some(seat) = seat_mut(&mut self.newest, role) {
+            seat.epoch += 1;
+        }
+    }
+
+    /// Lets the newest process be obeyed in the seat of `role`. In lockstep the seat is empty from
+    /// `off_tick` to before `on_tick`.
+    pub fn obey_newest(&mut self, role: Role, off_tick: u64, on_tick: u64) {
+        let epoch = self.epoch(role);
+        if let Some(seat) = seat_mut(&mut self.roster, role) {
+            seat.epoch = epoch;
+            (seat.off_tick, seat.on_tick, seat.hear_tick) = (off_tick, on_tick, on_tick);
+        }
+        self.publish_control();
+    }
+
+    /// Epoch and progress counter of the newest process of every seat that has beaten its heart,
+    /// and whether it can answer.
+    pub fn heartbeats(&mut self) -> Vec<(Role, u32, u64, bool)> {
+        let newest = &self.newest;
+        self.taps
+            .health
+            .iter_mut()
+            .filter_map(|(role, health)| {
+                health.poll(newest);
+                let view = health.get().filter(|view| newest.hears(view.header))?;
+                let state = view.meta.state();
+                let ready = matches!(state, Some(HealthState::Ready | HealthState::Degraded));
+                Some((*role, view.header.id().epoch(), view.meta.progress, ready))
+            })
+            .collect()
+    }
+
+    /// Seats whose heartbeat does not say yet that they can answer.
+    pub fn not_ready(&mut self) -> Vec<Role> {
+        let beats = self.heartbeats();
+        let ready = |role: &Role| {
+            beats
+                .iter()
+                .any(|(other, _, _, ready)| other == role && *ready)
+        };
+        Role::SERVICES
+            .iter()
+            .copied()
+            .filter(|role| !ready(role))
+            .collect()
+    }
+
+    /// The first process that has ended.
+    pub fn dead(&mut self) -> Option<usize> {
+        self.children
+            .iter_mut()
+            .position(|child| child.ended().is_some())
+    }
+
+    /// Sends a task. In lockstep `from_tick` lies above the lease.
+    pub fn send_goals(&mut self, goals: &[Goal], from_tick: u64) -> u64 {
+        let task = Task {
+            kind: TaskKind::Go.code(),
+            n_goals: u32::try_from(goals.len()).unwrap_or(0),
+            from_tick,
+            ..Task::default()
+        };
+        let sent = self.goals.publish(&Draft::default(), task, goals);
+        for role in self.goals.row().rings {
+            self.bells.ring(*role, self.goals.row().number);
+        }
+        sent.map_or(0, |sent| sent.id.0)
+    }
+
+    /// Lets the robot go up to `tick`, lockstep only.
+    pub fn extend_lease(&mut self, tick: u64) {
+        if tick > self.roster.control.lease {
+            self.roster.control.lease = tick;
+            self.publish_control();
+        }
+    }
+
+    /// Asks the stack to stop the robot.
+    pub fn stop_robot(&mut self) {
+        self.roster.control.stopping = 1;
+        self.publish_control();
+    }
+
+    /// Asks mapping for a keyframe.
+    pub fn ask_for_keyframe(&self) {
+        self.bells.ring(Role::Mapping, EVENT_NEED_KEYFRAME);
+    }
+
+    /// Brings latched topics to readers that joined since.
+    pub fn refresh(&self) {
+        self.clock.refresh();
+        self.control.refresh();
+        self.goals.refresh();
+    }
+
+    fn publish_control(&mut self) {
+        let control = self.roster.control;
+        self.control
+            .publish(&Draft::default(), control, &self.roster.seats);
+        for role in self.control.row().rings {
+            self.bells.ring(*role, self.control.row().number);
+        }
+    }
+
+    /// Shared memory that the domain has reserved or used. [bytes]
+    #[must_use]
+    pub fn shared_memory_bytes(&self) -> u64 {
+        use std::os::unix::fs::MetadataExt;
+        let Some(peer) = &self.peer else { return 0 };
+        let prefix = peer.domain().prefix();
+        let in_shm = std::fs::read_dir(zeronav_shell::memory::SHM)
+            .into_iter()
+            .flatten()
+            .flatten();
+        let in_root = std::fs::read_dir(self.root())
+            .into_iter()
+            .flatten()
+            .flatten();
+        in_shm
+            .filter(|entry| {
+                entry
+                    .file_name()
+                    .to_str()
+                    .is_some_and(|name| name.starts_with(prefix))
+            })
+            .chain(in_root)
+            .filter_map(|entry| entry.metadata().ok())
+            .filter(std::fs::Metadata::is_file)
+            .map(|meta| meta.blocks() * 512)
+            .sum()
+    }
+
+    /// Ends the processes: asks, waits, kills. Returns those that had to be killed.
+    pub fn stop_processes(&mut self) -> Vec<Role> {
+        let mut killed = Vec::new();
+        for child in &mut self.children {
+            child.memory_peak_bytes();
+            child.signal(rustix::process::Signal::TERM);
+        }
+        let deadline = Instant::now() + STOP_LIMIT;
+        for child in &mut self.children {
+            if !child.wait(deadline.saturating_duration_since(Instant::now())) {
+                killed.push(child.role);
+                child.signal(rustix::process::Signal::KILL);
+                child.wait(STOP_LIMIT);
+            }
+        }
+        killed
+    }
+}
+
+fn seat_mut(roster: &mut Roster, role: Role) -> Option<&mut Seat> {
+    roster
+        .seats
+        .iter_mut()
+        .find(|seat| seat.role == role.code())
+}
+
+impl Drop for Stack {
+    fn drop(&mut self) {
+        self.stop_processes();
+        self.children.clear();
+        if let Some(peer) = &self.peer {
+            peer.clean_dead_members();
+        }
+    }
+}
+
+/// Ends the processes and removes the domain with everything in it.
+///
+/// The ports must be gone before the middleware's node, and the node before the lock.
+pub fn close(mut stack: Stack) {
+    stack.stop_processes();
+    stack.children.clear();
+    let peer = stack.peer.take();
+    let topics = stack.topics.take();
+    if let Some(peer) = &peer {
+        peer.clean_dead_members();
+    }
+    drop(stack);
+    drop(topics);
+    if let Some(peer) = peer {
+        let domain = peer.leave();
+        let root = domain.root().to_owned();
+        if let Err(error) = domain.close() {
+            tracing::warn!(root = %root.display(), %error, "the domain could not be removed");
+        }
+    }
+}
