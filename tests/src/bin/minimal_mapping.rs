@@ -1,0 +1,311 @@
+//! The least that can sit in mapping's seat: the static map, or an empty one, and on it what the
+//! newest scan hits. It remembers no scan before the newest.
+
+use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+use std::process::ExitCode;
+use zeronav_msgs::header::{Header, Id, Parents};
+use zeronav_msgs::map::{
+    COST_CIRCUMSCRIBED_MAX, COST_INSCRIBED, COST_LETHAL, COST_UNKNOWN, FLAG_SENSED, FLAG_STATIC,
+    FLAG_UNKNOWN, MapInfo, TILES_PER_UPDATE_MAX, tiles_of,
+};
+use zeronav_msgs::pose::Pose;
+use zeronav_msgs::role::Role;
+use zeronav_msgs::span::SpanKind;
+use zeronav_msgs::topics::{
+    EVENT_NEED_KEYFRAME, MapKeyframe, MapUpdate, RobotDescription, RobotOdometry, RobotScan,
+};
+use zeronav_msgs::{Cell, GridGeometry, MapCell, MapTile};
+use zeronav_shell::doorbell::Rung;
+use zeronav_shell::{
+    Cycle, Draft, Latest, Sent, Service, Shell, StartError, Stream, Track, Writer,
+};
+use zeronav_world::{Occupancy, StaticMap, map_file};
+
+/// Where clearance is saturated. [mm]
+const LIMIT_MM: u16 = 1000;
+
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Config {
+    /// ROS map file; it brings its own area and resolution.
+    static_map: Option<PathBuf>,
+    /// Lower left and upper right corner of the map without a file. [m]
+    area_m: Option<[[f64; 2]; 2]>,
+    /// Side of its cells. [m]
+    resolution_m: Option<f64>,
+}
+
+struct MinimalMapping {
+    map: StaticMap,
+    /// Clearance of every cell from the static map alone. [mm]
+    static_mm: Vec<u16>,
+    /// The cells around an obstacle that it is nearer to than the limit, and how near. [mm]
+    disc: Vec<(i32, i32, u16)>,
+    /// The whole map as it was sent, and the tiles of it that are not out yet.
+    tiles: Vec<MapTile>,
+    unsent: Vec<usize>,
+    revision: Id,
+    description: Latest<RobotDescription>,
+    odometry: Stream<RobotOdometry>,
+    scan: Latest<RobotScan>,
+    update: Writer<MapUpdate>,
+    keyframe: Writer<MapKeyframe>,
+    track: Track,
+    answered_tick: u64,
+    keyframe_wanted: bool,
+}
+
+impl Service for MinimalMapping {
+    const ROLE: Role = Role::Mapping;
+    type Config = Config;
+
+    fn open(shell: &mut Shell, config: Config) -> Result<Self, StartError> {
+        let map = static_map(&config)?;
+        let disc = disc(map.geometry.resolution_m);
+        let mut static_mm = vec![LIMIT_MM; map.geometry.len()];
+        let (width, height) = map.geometry.size();
+        for cell in (0..height).flat_map(|y| (0..width).map(move |x| Cell::new(x, y))) {
+            if map.get(cell) == Some(Occupancy::Occupied) {
+                put_obstacle(&mut static_mm, &disc, &map.geometry, cell);
+            }
+        }
+        let (columns, rows) = tiles_of(&map.geometry);
+        let peer = shell.peer();
+        Ok(Self {
+            tiles: (0..columns * rows)
+                .map(|n| MapTile {
+                    tile_x: n % columns,
+                    tile_y: n / columns,
+                    cells: [MapCell::unknown(0); 1024],
+                })
+                .collect(),
+            unsent: Vec::new(),
+            revision: Id::NONE,
+            description: peer.latest()?,
+            odometry: peer.stream()?,
+            scan: peer.latest()?,
+            update: peer.writer(TILES_PER_UPDATE_MAX)?,
+            keyframe: peer.writer(columns as usize * rows as usize)?,
+            track: Track::default(),
+            answered_tick: 0,
+            keyframe_wanted: true,
+            map,
+            static_mm,
+            disc,
+        })
+    }
+
+    fn wake(&mut self, shell: &mut Shell, rung: Rung) -> Result<Option<u64>, StartError> {
+        self.keyframe.refresh();
+        let roster = shell.roster();
+        let track = &mut self.track;
+        self.odometry
+            .drain(roster, |view| track.push(view.header, view.meta));
+        self.description.poll(roster);
+        self.scan.poll(roster);
+        if !roster.has_clock() || self.description.get().is_none() {
+            return Ok(None);
+        }
+        if !self.revision.is_some() {
+            self.answer(shell, 0, SpanKind::Idle);
+            shell.ready();
+        }
+        // A scan is answered when odometry tells where it was taken.
+        let scan = self
+            .scan
+            .get()
+            .map(|view| (view.header.tick, view.header.run_ns));
+        if let Some((tick, run_ns)) = scan
+            && tick > self.answered_tick
+            && self.track.pose_at(run_ns).is_some()
+        {
+            self.answer(shell, tick, SpanKind::Answer);
+            self.answered_tick = tick;
+        }
+        self.keyframe_wanted |= rung.has(EVENT_NEED_KEYFRAME);
+        if self.keyframe_wanted && self.unsent.is_empty() {
+            let draft = shell.draft(0, 0, 0, Parents::default());
+            let info = self.info(self.revision, self.tiles.len());
+            let sent = self.keyframe.publish(&draft, info, &self.tiles);
+            self.keyframe_wanted = shell.sent(&self.keyframe, sent).is_none();
+        }
+        Ok(None)
+    }
+}
+
+impl MinimalMapping {
+    /// Makes the map anew from the static one and the newest scan, and sends what changed.
+    fn answer(&mut self, shell: &mut Shell, tick: u64, kind: SpanKind) {
+        let (Some(description), scan) = (self.description.get(), self.scan.get()) else {
+            return;
+        };
+        let scan = scan.filter(|_| kind == SpanKind::Answer);
+        let header = scan.map_or_else(Header::default, |view| *view.header);
+        let parents = Parents {
+            odometry: self.track.newest().map_or(0, |newest| newest.id.0),
+            scan: header.id,
+            ..Parents::default()
+        };
+        let draft = shell.draft(tick, header.run_ns, header.capture_ns, parents);
+        let work = scan.map_or(0, |view| u64::from(view.meta.n_beams));
+        let geometry = &self.map.geometry;
+        let mut clearance_mm = self.static_mm.clone();
+        let mut sensed = vec![false; geometry.len()];
+        if let (Some(scan), Some(odom_from_base)) = (scan, self.track.pose_at(header.run_ns)) {
+            let map_from_laser = odom_from_base.then(&description.meta.base_from_laser);
+            for (beam, range_m) in scan.items.iter().enumerate() {
+                let (sin, cos) = scan.meta.angle_of(beam).sin_cos();
+                let range = f64::from(*range_m);
+                let hit = map_from_laser.then(&Pose::new(range * cos, range * sin, 0.0));
+                let cell = geometry.cell_at(hit.point());
+                let cell = cell.filter(|_| scan.meta.is_hit(*range_m));
+                if let Some((cell, index)) = cell.and_then(|c| Some((c, geometry.index_of(c)?)))
+                    && !sensed[index]
+                {
+                    sensed[index] = true;
+                    put_obstacle(&mut clearance_mm, &self.disc, geometry, cell);
+                }
+            }
+        }
+        let inscribed_mm = 1000.0 * description.meta.inscribed_radius_m;
+        let cells: Vec<MapCell> = (self.map.cells.iter().zip(&sensed).zip(&clearance_mm))
+            .map(|((known, sensed), mm)| cell_of(*known, *sensed, *mm, inscribed_mm))
+            .collect();
+        for (index, old) in self.tiles.iter_mut().enumerate() {
+            let mut tile = *old;
+            tile.fill_from(geometry, &cells);
+            if tile != *old && !self.unsent.contains(&index) {
+                self.unsent.push(index);
+            }
+            *old = tile;
+        }
+        let output = self.send(shell, &draft);
+        shell.finish(&Cycle {
+            kind,
+            draft,
+            output,
+            work,
+        });
+    }
+
+    fn info(&self, revision: Id, n_tiles: usize) -> MapInfo {
+        MapInfo {
+            geometry: self.map.geometry,
+            revision: revision.0,
+            parts: 1,
+            n_tiles: u32::try_from(n_tiles).unwrap_or(u32::MAX),
+            clearance_limit_mm: u32::from(LIMIT_MM),
+            current: 1,
+            ..MapInfo::default()
+        }
+    }
+
+    /// Sends the unsent tiles as one revision, at least one message, in as many parts as it takes.
+    /// Without memory for all of it, it goes out with the next revision.
+    fn send(&mut self, shell: &mut Shell, draft: &Draft) -> Option<Sent> {
+        let parts = self.unsent.len().div_ceil(TILES_PER_UPDATE_MAX).max(1);
+        let revision = Id(self.update.next_id().0 + parts as u64 - 1);
+        let mut sent = None;
+        for part in 0..parts {
+            let indices = self.unsent.iter().skip(part * TILES_PER_UPDATE_MAX);
+            let indices = indices.take(TILES_PER_UPDATE_MAX);
+            let tiles: Vec<MapTile> = indices.map(|index| self.tiles[*index]).collect();
+            let info = MapInfo {
+                part: u16::try_from(part).unwrap_or(u16::MAX),
+                parts: u16::try_from(parts).unwrap_or(u16::MAX),
+                ..self.info(revision, tiles.len())
+            };
+            let published = self.update.publish(draft, info, &tiles);
+            sent = shell.sent(&self.update, published);
+            sent?;
+        }
+        self.unsent.clear();
+        self.revision = revision;
+        sent
+    }
+}
+
+/// The map that the configuration names.
+fn static_map(config: &Config) -> Result<StaticMap, StartError> {
+    let unusable =
+        |why: &dyn core::fmt::Display| StartError::Usage(format!("configuration: {why}"));
+    if let Some(file) = &config.static_map {
+        let loaded = map_file::load(file).map_err(|error| unusable(&error))?;
+        return Ok(loaded.map);
+    }
+    let [[x0, y0], [x1, y1]] = (config.area_m).ok_or_else(|| unusable(&"area_m is missing"))?;
+    let resolution_m = config.resolution_m.unwrap_or(0.05);
+    let cells = |length_m: f64| whole((length_m / resolution_m - 1.0e-6).ceil());
+    let geometry = GridGeometry {
+        origin_x_m: x0,
+        origin_y_m: y0,
+        resolution_m,
+        width: cells(x1 - x0),
+        height: cells(y1 - y0),
+    };
+    geometry.check().map_err(|error| unusable(&error))?;
+    Ok(StaticMap::free(geometry))
+}
+
+/// Distances from the centres of the cells around it to an obstacle's square, rounded down. [mm]
+fn disc(resolution_m: f64) -> Vec<(i32, i32, u16)> {
+    let reach = whole((f64::from(LIMIT_MM) / 1000.0 / resolution_m).ceil()).cast_signed();
+    let side_mm = |cells: i32| (f64::from(cells.abs()) - 0.5).max(0.0) * resolution_m * 1000.0;
+    (-reach..=reach)
+        .flat_map(|dy| (-reach..=reach).map(move |dx| (dx, dy)))
+        .map(|(dx, dy)| (dx, dy, side_mm(dx).hypot(side_mm(dy)) + 1.0e-6))
+        .filter(|(.., mm)| *mm < f64::from(LIMIT_MM))
+        .map(|(dx, dy, mm)| (dx, dy, u16::try_from(whole(mm)).unwrap_or(LIMIT_MM)))
+        .collect()
+}
+
+fn put_obstacle(
+    clearance_mm: &mut [u16],
+    disc: &[(i32, i32, u16)],
+    geometry: &GridGeometry,
+    cell: Cell,
+) {
+    for (dx, dy, mm) in disc {
+        if let Some(index) = geometry.index_of(Cell::new(cell.x + dx, cell.y + dy)) {
+            clearance_mm[index] = clearance_mm[index].min(*mm);
+        }
+    }
+}
+
+/// What the map says about a cell. Cost falls evenly from the inscribed radius to the limit.
+fn cell_of(known: Occupancy, sensed: bool, clearance_mm: u16, inscribed_mm: f64) -> MapCell {
+    let limit_mm = f64::from(LIMIT_MM);
+    let share = (limit_mm - f64::from(clearance_mm)) / (limit_mm - inscribed_mm);
+    let unknown = known == Occupancy::Unknown && !sensed;
+    let cost = if known == Occupancy::Occupied || sensed {
+        COST_LETHAL
+    } else if f64::from(clearance_mm) <= inscribed_mm {
+        COST_INSCRIBED
+    } else if unknown {
+        COST_UNKNOWN
+    } else {
+        u8::try_from(whole(f64::from(COST_CIRCUMSCRIBED_MAX) * share))
+            .unwrap_or(COST_CIRCUMSCRIBED_MAX)
+    };
+    MapCell {
+        cost,
+        flags: u8::from(known == Occupancy::Occupied) * FLAG_STATIC
+            + u8::from(sensed) * FLAG_SENSED
+            + u8::from(unknown) * FLAG_UNKNOWN,
+        clearance_mm,
+    }
+}
+
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "float to int saturates; what is too large is refused by whoever asked"
+)]
+fn whole(number: f64) -> u32 {
+    number as u32
+}
+
+fn main() -> ExitCode {
+    zeronav_shell::run::<MinimalMapping>()
+}

@@ -1,0 +1,367 @@
+//! What the system tests share: the real `zeronav`, run like a user would, with a watchdog.
+//!
+//! Every run has a domain and a working folder of its own, so tests run side by side and beside a
+//! live stack. Runs in real time take turns behind a lock, because two of them would only measure
+//! each other.
+
+use rustix::process::{Pid, Signal, kill_process};
+use serde_json::Value;
+use std::fs::File;
+use std::io::{BufRead, BufReader, Read, Seek, SeekFrom, Write};
+use std::os::unix::net::UnixStream;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
+use std::time::{Duration, Instant};
+
+/// No run of a test takes longer; whoever does hangs.
+pub const WATCHDOG: Duration = Duration::from_secs(240);
+
+/// Root folder of the workspace.
+#[must_use]
+pub fn workspace() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .parent()
+        .unwrap_or(Path::new("."))
+}
+
+/// The folder with external data, if this machine has it; says aloud when it does not.
+#[must_use]
+pub fn shared_data(part: &str) -> Option<PathBuf> {
+    let folder = workspace().join("../shared/data").join(part);
+    if folder.is_dir() {
+        return Some(folder);
+    }
+    eprintln!("SKIPPED: {} is not there", folder.display());
+    None
+}
+
+/// Folder of the binaries of this very build, built once per test program.
+///
+/// # Panics
+/// When they do not build.
+pub fn binaries() -> &'static Path {
+    static FOLDER: OnceLock<PathBuf> = OnceLock::new();
+    FOLDER.get_or_init(|| {
+        let program = std::env::current_exe().expect("this test has a path");
+        let folder = program
+            .parent()
+            .and_then(Path::parent)
+            .expect("test programs lie in target/PROFILE/deps")
+            .to_owned();
+        let profile = match folder.file_name().and_then(|name| name.to_str()) {
+            Some("debug") | None => "dev",
+            Some(name) => name,
+        };
+        let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+        let status = Command::new(cargo)
+            .args([
+                "build",
+                "--quiet",
+                "--workspace",
+                "--bins",
+                "--profile",
+                profile,
+            ])
+            .arg("--target-dir")
+            .arg(folder.parent().expect("a target folder"))
+            .current_dir(workspace())
+            .status()
+            .expect("cargo runs");
+        assert!(status.success(), "the binaries do not build");
+        folder
+    })
+}
+
+/// One at a time for runs in real time.
+pub fn real_time_turn() -> MutexGuard<'static, ()> {
+    static TURN: Mutex<()> = Mutex::new(());
+    TURN.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// A started `zeronav`. Dropping it ends it.
+#[derive(Debug)]
+pub struct Zeronav {
+    process: Child,
+    stdout: File,
+    stderr: File,
+    /// Its working folder; `runs/` lies there.
+    pub folder: tempfile::TempDir,
+    started: Instant,
+}
+
+/// A `zeronav` that has ended.
+#[derive(Debug)]
+pub struct Ended {
+    /// How.
+    pub status: ExitStatus,
+    /// What it wrote for machines.
+    pub stdout: String,
+    /// What it wrote for people.
+    pub stderr: String,
+    /// Its working folder; `runs/` lies there.
+    pub folder: tempfile::TempDir,
+}
+
+impl Zeronav {
+    /// Starts `zeronav` with these arguments in a new working folder.
+    ///
+    /// # Panics
+    /// When it cannot be started.
+    #[must_use]
+    pub fn start(arguments: &[&str]) -> Self {
+        let folder = tempfile::tempdir().expect("a working folder");
+        Self::start_in(folder, arguments)
+    }
+
+    /// Starts `zeronav` in a folder that holds what the test wrote there.
+    ///
+    /// # Panics
+    /// When it cannot be started.
+    #[must_use]
+    pub fn start_in(folder: tempfile::TempDir, arguments: &[&str]) -> Self {
+        let stdout = tempfile::tempfile().expect("a file");
+        let stderr = tempfile::tempfile().expect("a file");
+        let process = Command::new(binaries().join("zeronav"))
+            .args(arguments)
+            .current_dir(folder.path())
+            // The binaries are fresh: `binaries` has just built them.
+            .env_remove("CARGO")
+            .stdin(Stdio::null())
+            .stdout(stdout.try_clone().expect("a handle"))
+            .stderr(stderr.try_clone().expect("a handle"))
+            .spawn()
+            .expect("zeronav starts");
+        Self {
+            process,
+            stdout,
+            stderr,
+            folder,
+            started: Instant::now(),
+        }
+    }
+
+    /// Its process id.
+    #[must_use]
+    pub fn pid(&self) -> u32 {
+        self.process.id()
+    }
+
+    /// Sends it a signal.
+    ///
+    /// # Panics
+    /// When it is gone.
+    pub fn signal(&self, signal: Signal) {
+        let pid = i32::try_from(self.pid())
+            .ok()
+            .and_then(Pid::from_raw)
+            .expect("a process id");
+        kill_process(pid, signal).expect("zeronav is there");
+    }
+
+    /// Its children: process id and command line.
+    #[must_use]
+    pub fn children(&self) -> Vec<(u32, String)> {
+        children_of(self.pid())
+    }
+
+    /// Root folders of the domains that it made.
+    #[must_use]
+    pub fn domains(&self) -> Vec<PathBuf> {
+        let mut roots: Vec<PathBuf> = self
+            .children()
+            .iter()
+            .filter_map(|(_, line)| {
+                let mut words = line.split(' ');
+                words.find(|word| *word == "--domain")?;
+                words.next().map(PathBuf::from)
+            })
+            .collect();
+        roots.sort();
+        roots.dedup();
+        roots
+    }
+
+    /// What the run says of itself on its control socket; `None` before it listens.
+    ///
+    /// # Panics
+    /// Never: whatever goes wrong is `None`.
+    #[must_use]
+    pub fn report(&self) -> Option<Value> {
+        let root = self.domains().pop()?;
+        let mut stream = UnixStream::connect(root.join("control.sock")).ok()?;
+        stream.set_read_timeout(Some(Duration::from_secs(5))).ok()?;
+        stream.write_all(b"{\"command\":\"ps\"}\n").ok()?;
+        let mut line = String::new();
+        BufReader::new(&stream).read_line(&mut line).ok()?;
+        let reply: Value = serde_json::from_str(&line).ok()?;
+        reply.get("run").cloned()
+    }
+
+    /// True once it has ended.
+    pub fn has_ended(&mut self) -> bool {
+        self.process.try_wait().is_ok_and(|status| status.is_some())
+    }
+
+    /// Waits until `condition` holds, looking every 5 ms.
+    ///
+    /// # Panics
+    /// When it has not within the watchdog's time, or when zeronav has ended before.
+    pub fn wait_until(&mut self, what: &str, mut condition: impl FnMut(&Self) -> bool) {
+        while !condition(self) {
+            if let Ok(Some(status)) = self.process.try_wait() {
+                panic!(
+                    "zeronav ended ({status}) before {what}:\n{}",
+                    read(&mut self.stderr)
+                );
+            }
+            assert!(
+                self.started.elapsed() < WATCHDOG,
+                "waited too long until {what}"
+            );
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    }
+
+    /// Waits for its end.
+    ///
+    /// # Panics
+    /// When it has not ended within the watchdog's time.
+    #[must_use]
+    pub fn finish(mut self) -> Ended {
+        let status = loop {
+            if let Some(status) = self.process.try_wait().expect("its state") {
+                break status;
+            }
+            if self.started.elapsed() > WATCHDOG {
+                let _ = self.process.kill();
+                panic!("zeronav hangs; it said:\n{}", read(&mut self.stderr));
+            }
+            std::thread::sleep(Duration::from_millis(5));
+        };
+        let folder = std::mem::replace(&mut self.folder, tempfile::tempdir().expect("a folder"));
+        Ended {
+            status,
+            stdout: read(&mut self.stdout),
+            stderr: read(&mut self.stderr),
+            folder,
+        }
+    }
+}
+
+impl Drop for Zeronav {
+    fn drop(&mut self) {
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+    }
+}
+
+impl Ended {
+    /// Its exit code.
+    ///
+    /// # Panics
+    /// When a signal ended it.
+    #[must_use]
+    pub fn code(&self) -> i32 {
+        self.status
+            .code()
+            .unwrap_or_else(|| panic!("ended by a signal: {}", self.stderr))
+    }
+
+    /// The object on its standard output.
+    ///
+    /// # Panics
+    /// When there is none.
+    #[must_use]
+    pub fn json(&self) -> Value {
+        serde_json::from_str(&self.stdout)
+            .unwrap_or_else(|error| panic!("no JSON ({error}): {}\n{}", self.stdout, self.stderr))
+    }
+
+    /// The object, after the exit code was compared.
+    ///
+    /// # Panics
+    /// When the exit code is another or there is no object.
+    #[must_use]
+    pub fn expect(&self, code: i32) -> Value {
+        assert_eq!(self.code(), code, "{}\n{}", self.stdout, self.stderr);
+        self.json()
+    }
+}
+
+/// Runs `zeronav` with these arguments to its end.
+#[must_use]
+pub fn zeronav(arguments: &[&str]) -> Ended {
+    Zeronav::start(arguments).finish()
+}
+
+/// Process ids and command lines of the children of `pid`.
+#[must_use]
+pub fn children_of(pid: u32) -> Vec<(u32, String)> {
+    let mut children = Vec::new();
+    for entry in std::fs::read_dir("/proc").into_iter().flatten().flatten() {
+        let Some(child) = entry
+            .file_name()
+            .to_str()
+            .and_then(|name| name.parse().ok())
+        else {
+            continue;
+        };
+        let Ok(stat) = std::fs::read_to_string(entry.path().join("stat")) else {
+            continue;
+        };
+        // The name in parentheses may hold anything; the parent is the second word after it.
+        let parent = stat
+            .rsplit(") ")
+            .next()
+            .and_then(|rest| rest.split(' ').nth(1));
+        if parent.and_then(|word| word.parse::<u32>().ok()) == Some(pid) {
+            let line = std::fs::read(entry.path().join("cmdline")).unwrap_or_default();
+            children.push((child, String::from_utf8_lossy(&line).replace('\0', " ")));
+        }
+    }
+    children
+}
+
+/// Sends `signal` to a process; false when it is gone.
+#[must_use]
+pub fn send_signal(pid: u32, signal: Signal) -> bool {
+    let pid = i32::try_from(pid).ok().and_then(Pid::from_raw);
+    pid.is_some_and(|pid| kill_process(pid, signal).is_ok())
+}
+
+/// True while a process with this id runs (a zombie does not).
+#[must_use]
+pub fn is_alive(pid: u32) -> bool {
+    std::fs::read_to_string(format!("/proc/{pid}/stat"))
+        .is_ok_and(|stat| !stat.rsplit(") ").next().unwrap_or("").starts_with('Z'))
+}
+
+/// Everything in /dev/shm that belongs to the domain with this root folder.
+#[must_use]
+pub fn leftovers(root: &Path) -> Vec<PathBuf> {
+    let prefix = root
+        .file_name()
+        .and_then(|name| name.to_str())
+        .unwrap_or("?")
+        .to_owned();
+    std::fs::read_dir("/dev/shm")
+        .into_iter()
+        .flatten()
+        .flatten()
+        .filter(|entry| {
+            entry
+                .file_name()
+                .to_str()
+                .is_some_and(|name| name.starts_with(&prefix))
+        })
+        .map(|entry| entry.path())
+        .collect()
+}
+
+fn read(file: &mut File) -> String {
+    let mut bytes = Vec::new();
+    let _ = file.seek(SeekFrom::Start(0));
+    let _ = file.read_to_end(&mut bytes);
+    String::from_utf8_lossy(&bytes).into_owned()
+}

@@ -1,0 +1,172 @@
+//! Kill it, stop it: every service comes back, the robot is safe meanwhile and still arrives.
+
+use rustix::process::Signal;
+use serde_json::Value;
+use zeronav_tests::{Zeronav, leftovers, send_signal};
+
+/// The services that may die; the robot may not.
+const MORTALS: [&str; 4] = [
+    "mapping",
+    "global_planner",
+    "local_planner",
+    "collision_guard",
+];
+
+/// A small generator (PCG-like), so that kills can be repeated by seed.
+struct Dice(u64);
+
+impl Dice {
+    fn roll(&mut self, sides: usize) -> usize {
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        usize::try_from(self.0 >> 33).expect("31 bits") % sides
+    }
+}
+
+fn drive(scenario: &str) -> Zeronav {
+    let mut run = Zeronav::start(&["run", scenario, "--lockstep", "--headless", "--json"]);
+    run.wait_until("the drive has begun", |run| run.report().is_some());
+    run
+}
+
+/// Drives `blocked_aisle` with these lines more and without its expectation of a cause: a planner
+/// that starts anew behind the load has nothing to replan.
+fn drive_text(more: &str) -> Zeronav {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = zeronav_tests::workspace().join("launch/scenarios/blocked_aisle.toml");
+    let text = std::fs::read_to_string(file).expect("the scenario");
+    let text = text.replace("obstacle_replans_min = 1", "");
+    std::fs::write(folder.path().join("it.toml"), format!("{text}\n{more}")).expect("written");
+    let arguments = ["run", "./it.toml", "--lockstep", "--headless", "--json"];
+    let mut run = Zeronav::start_in(folder, &arguments);
+    run.wait_until("the drive has begun", |run| run.report().is_some());
+    run
+}
+
+/// Sends `signal` to the service in the seat `role` at the run time `time_s` or soon after; false
+/// when the run was over before.
+fn strike(run: &mut Zeronav, role: &str, signal: Signal, time_s: f64) -> bool {
+    while !run.has_ended() {
+        let Some(report) = run.report() else { continue };
+        if report["time_s"]
+            .as_f64()
+            .is_some_and(|now_s| now_s >= time_s)
+        {
+            let services = report["services"].as_array().cloned().unwrap_or_default();
+            let seat = services.iter().find(|service| service["role"] == role);
+            let pid = seat.and_then(|service| service["pid"].as_u64());
+            return pid.is_some_and(|pid| send_signal(u32::try_from(pid).unwrap_or(0), signal));
+        }
+    }
+    false
+}
+
+/// The result of a run that must have arrived safely.
+fn arrived(run: Zeronav) -> Value {
+    let result = run.finish().expect(0);
+    assert_eq!(result["reached"], true, "{result:#}");
+    assert_eq!(result["contacts"], 0, "{result:#}");
+    result
+}
+
+fn restarts(result: &Value) -> Vec<String> {
+    let restarts = result["restarts"].as_array().expect("restarts");
+    restarts
+        .iter()
+        .map(|restart| restart["service"].as_str().expect("a name").to_owned())
+        .collect()
+}
+
+#[test]
+fn every_service_may_be_killed_in_the_middle_of_a_drive() {
+    for role in MORTALS {
+        let mut run = drive("blocked_aisle");
+        assert!(
+            strike(&mut run, role, Signal::KILL, 3.0),
+            "{role} was not there"
+        );
+        assert_eq!(restarts(&arrived(run)), [role]);
+    }
+}
+
+#[test]
+fn every_service_may_hang_in_the_middle_of_a_drive() {
+    for role in MORTALS {
+        let mut run = drive("blocked_aisle");
+        assert!(
+            strike(&mut run, role, Signal::STOP, 3.0),
+            "{role} was not there"
+        );
+        let result = arrived(run);
+        assert_eq!(restarts(&result), [role]);
+        let how = result["restarts"][0]["how"]
+            .as_str()
+            .expect("a reason")
+            .to_owned();
+        assert!(how.contains("no progress"), "{how}");
+    }
+}
+
+/// The load drops while nobody makes a map: the local planner brakes for what the scan shows, and
+/// with the new mapping comes a new path.
+#[test]
+fn without_mapping_the_scan_itself_makes_the_robot_brake() {
+    // Mapping stays away for three seconds, in which the load drops. An old map alone would stop
+    // the robot before; here it may be as old as it likes.
+    let mut run = drive_text(
+        "[restart]\nabsent_ticks = 150\n\
+         [services.local_planner]\nconfig.staleness.map_age_s = 10.0\n",
+    );
+    assert!(
+        strike(&mut run, "mapping", Signal::KILL, 4.5),
+        "mapping was not there"
+    );
+    let result = arrived(run);
+    assert_eq!(restarts(&result), ["mapping"]);
+    let gone_s = result["restarts"][0]["time_s"].as_f64().expect("a time");
+    let plans = result["plans"].as_array().expect("plans");
+    let around = plans
+        .iter()
+        .find(|plan| plan["cause"] == "obstacle")
+        .expect("a new path");
+    let planned_s = around["time_s"].as_f64().expect("a time");
+    let back_s = gone_s + 3.0;
+    eprintln!("mapping gone at {gone_s} s, back at {back_s} s, new path at {planned_s} s");
+    assert!(planned_s <= back_s + 1.0, "no new path within a second");
+}
+
+#[test]
+fn a_hundred_kills_and_every_goal_is_reached() {
+    let seed = 20_260_101;
+    eprintln!("seed {seed}");
+    let mut dice = Dice(seed);
+    let (mut kills, mut drives) = (0, 0);
+    while kills < 100 {
+        let mut run = drive_text("");
+        let root = run
+            .report()
+            .and_then(|report| report["domain"].as_str().map(str::to_owned));
+        let mut time_s = 0.5;
+        let mut struck = 0;
+        for _ in 0..8 {
+            let role = MORTALS[dice.roll(MORTALS.len())];
+            time_s += 1.5 + 0.1 * f64::from(u32::try_from(dice.roll(30)).expect("small"));
+            struck += usize::from(strike(&mut run, role, Signal::KILL, time_s));
+        }
+        let result = arrived(run);
+        let restarted = restarts(&result).len();
+        assert!(
+            restarted + 1 >= struck,
+            "{struck} kills, {restarted} restarts: {result:#}"
+        );
+        kills += restarted;
+        drives += 1;
+        if let Some(root) = root {
+            let left = leftovers(std::path::Path::new(&root));
+            assert!(left.is_empty(), "{left:?}");
+        }
+    }
+    eprintln!("{kills} kills in {drives} drives");
+}
