@@ -5,7 +5,8 @@
 //! (Were the folder called like the prefix itself, the middleware would take it for a segment
 //! without a name when it cleans up after a dead process, and panic.) Each member holds a shared
 //! lock on `ROOT/lock`; whoever gets it exclusively knows that nobody is left and may remove
-//! everything.
+//! everything. Those who want to remove it take turns by a lock on the folder itself: who finds
+//! the members' lock taken has then met a member and not another sweeper.
 
 use crate::error::StartError;
 use crate::memory::SHM;
@@ -185,6 +186,12 @@ pub fn sweep(root: &Path) -> std::io::Result<bool> {
         return Ok(false);
     };
     let prefix = prefix_of(name);
+    let turn = match File::open(root) {
+        Ok(folder) => folder,
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(true),
+        Err(error) => return Err(error),
+    };
+    flock(&turn, FlockOperation::LockExclusive)?;
     if !root.is_dir() {
         return Ok(true);
     }

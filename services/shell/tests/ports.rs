@@ -358,14 +358,19 @@ fn domains_are_made_while_others_sweep() {
                 let _ = domain::sweep_dead();
             }
         });
-        for _ in 0..200 {
-            let made = Domain::create();
-            if made.is_err() {
-                done.store(true, relaxed);
-            }
-            let root = made.expect("a domain").root().to_owned();
-            let _ = domain::sweep(&root);
-        }
+        let made: Vec<_> = (0..200)
+            .map(|_| {
+                let domain = Domain::create().map_err(|error| error.to_string())?;
+                let root = domain.root().to_owned();
+                let closed = domain.close().map_err(|error| error.to_string())?;
+                (closed && !root.exists())
+                    .then_some(())
+                    .ok_or_else(|| format!("{} is left", root.display()))
+            })
+            .collect();
         done.store(true, relaxed);
+        for result in made {
+            result.expect("made, and gone when its last member left");
+        }
     });
 }
