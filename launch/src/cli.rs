@@ -1,8 +1,10 @@
 //! The command line.
 
+use crate::measure::seconds;
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
 use zeronav_msgs::role::Role;
+use zeronav_msgs::run::DELAY_STEP_NS;
 
 /// Zero-copy, multi-process navigation: launch a scenario, swap a service, profile latency.
 #[derive(Debug, Parser)]
@@ -63,6 +65,15 @@ pub struct RunArgs {
     /// one in a debugger. May be given several times.
     #[arg(long, value_name = "ROLE", value_parser = service_role)]
     pub external: Vec<Role>,
+    /// Measure: drop the scenario's obstacle before the robot N times, in three rounds, with the
+    /// floor of the transport between them.
+    #[arg(long, value_name = "N", conflicts_with = "lockstep",
+          value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    pub trials: Option<u32>,
+    /// Delay every answer of a service, to see that the delay appears in its hop and nowhere
+    /// else. May be given several times.
+    #[arg(long, value_name = "ROLE=TIME", value_parser = delay, conflicts_with = "lockstep")]
+    pub inject: Vec<(Role, u16)>,
     /// Folder in which the run's own folder is made.
     #[arg(long, value_name = "FOLDER", default_value = "runs")]
     pub out: PathBuf,
@@ -96,4 +107,35 @@ fn service_role(name: &str) -> Result<Role, String> {
         let known: Vec<&str> = Role::SERVICES.iter().map(|role| role.label()).collect();
         format!("known are {}", known.join(", "))
     })
+}
+
+/// `global_planner=5ms` as a seat and its delay in steps of
+/// [`zeronav_msgs::run::DELAY_STEP_NS`].
+fn delay(text: &str) -> Result<(Role, u16), String> {
+    let (role, time) = text
+        .split_once('=')
+        .ok_or("a delay reads like global_planner=5ms")?;
+    let role = service_role(role)?;
+    if role == Role::Robot {
+        return Err("the robot keeps the time and cannot be delayed".to_owned());
+    }
+    let (number, unit_us) = match (time.strip_suffix("ms"), time.strip_suffix("us")) {
+        (Some(number), _) => (number, 1.0e3),
+        (None, Some(number)) => (number, 1.0),
+        (None, None) => return Err("the time needs its unit, ms or us".to_owned()),
+    };
+    let number: f64 = number
+        .parse()
+        .map_err(|_| format!("`{number}` is no number"))?;
+    let step_us = 1.0e6 * seconds(DELAY_STEP_NS);
+    let steps = (number * unit_us / step_us).round();
+    if !(1.0..=f64::from(u16::MAX)).contains(&steps) {
+        return Err("a delay lasts 10us to 655ms".to_owned());
+    }
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "its range was checked"
+    )]
+    Ok((role, steps as u16))
 }

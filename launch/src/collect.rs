@@ -78,6 +78,8 @@ pub struct Collector {
     pub obstacles: HashMap<usize, Pose>,
     /// The map.
     pub replica: MapReplica,
+    /// Updates of the map that a scan made, and the tiles in them.
+    pub updates: (u64, u64),
     /// Spans that were dropped because there were too many.
     pub spans_dropped: u64,
     keyframe_asked: Option<Instant>,
@@ -106,6 +108,10 @@ impl Collector {
                 return;
             }
             let (revision, scan) = (view.header.id(), view.header.parents.scan);
+            if scan != 0 {
+                self.updates.0 += 1;
+                self.updates.1 += view.items.len() as u64;
+            }
             if self.truth.is_some_and(|truth| truth.scan >= scan) {
                 self.look_for_obstacles(revision, scan, at_outline);
             } else {
@@ -267,12 +273,13 @@ impl Collector {
             let index = obstacle.index as usize;
             self.obstacles.insert(index, obstacle.pose);
             let sightings = &mut self.records.sightings;
-            let at = sightings
-                .iter()
-                .position(|sighting| sighting.index == index);
+            let at = sightings.iter().position(|sighting| {
+                sighting.index == index && sighting.appeared_run_ns == obstacle.appeared_run_ns
+            });
             let at = at.unwrap_or_else(|| {
                 sightings.push(Sighting {
                     index,
+                    appeared_run_ns: obstacle.appeared_run_ns,
                     appeared_ns: obstacle.appeared_ns,
                     ..Sighting::default()
                 });
@@ -309,7 +316,7 @@ impl Collector {
 
 /// True when a sensed lethal cell that is not on the static map lies within one cell of an
 /// outline around `centre`.
-fn shows(
+pub fn shows(
     map: &MapView<'_>,
     centre: &nalgebra::Point2<f64>,
     at_outline: impl Fn([f64; 2], f64) -> bool,

@@ -8,6 +8,7 @@ use crate::run::{self, Driven};
 use crate::scenario::{self, Scenario};
 use crate::show::report::RunResult;
 use crate::supervise::control::{self, Reply, Request, RunReport};
+use crate::trials::{self, Trials};
 use serde_json::json;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -31,11 +32,16 @@ pub fn run(arguments: &RunArgs) -> ExitCode {
         Err(problem) => return usage(&problem),
     };
     let before = Before::read();
-    let driven = match run::drive(&prepared) {
+    let driven = match run_prepared(&prepared) {
         Ok(driven) => driven,
         Err(problem) => return usage(&problem),
     };
-    let result = crate::result::result(&prepared, &driven, before.environment());
+    let (driven, trials) = driven;
+    let environment = before.environment();
+    let result = match &trials {
+        None => crate::result::result(&prepared, &driven, environment),
+        Some(trials) => crate::result::of_trials(&prepared, &driven, trials, environment),
+    };
     if let Err(problem) = leave(&prepared, &driven, &result) {
         complain(&problem);
     }
@@ -48,14 +54,25 @@ pub fn run(arguments: &RunArgs) -> ExitCode {
     exit_code(&driven.ending, result.verdict == "pass")
 }
 
+/// The drive, or the last one of the trials and what they gave.
+fn run_prepared(prepared: &Prepared) -> Result<(Driven, Option<Trials>), String> {
+    let interrupted = run::interrupts()?;
+    let Some(wanted) = prepared.trials else {
+        return Ok((run::drive(prepared, None, &interrupted)?, None));
+    };
+    let mut trials = trials::make(prepared, wanted, &interrupted)?;
+    let last = trials.drives.pop().ok_or("no trial was made")?;
+    Ok((last, Some(trials)))
+}
+
 fn exit_code(ending: &Ending, pass: bool) -> ExitCode {
     ExitCode::from(match ending {
         Ending::Interrupted => EXIT_INTERRUPTED,
         // A service that says that its configuration is wrong.
         Ending::Died { code: Some(2), .. } => EXIT_USAGE,
         Ending::Died { .. } | Ending::NotReady(_) | Ending::Silent(_) => EXIT_SERVICE,
-        Ending::Task(..) | Ending::Timeout if pass => EXIT_PASS,
-        Ending::Task(..) | Ending::Timeout => EXIT_FAIL,
+        Ending::Task(..) | Ending::Timeout | Ending::TrialsOver if pass => EXIT_PASS,
+        Ending::Task(..) | Ending::Timeout | Ending::TrialsOver => EXIT_FAIL,
     })
 }
 
@@ -90,7 +107,7 @@ fn explain(ending: &Ending) {
         }
         Ending::Silent(role) => complain(&format!("{role} stopped answering")),
         Ending::Interrupted => complain("interrupted, everything is stopped"),
-        Ending::Task(..) | Ending::Timeout => {}
+        Ending::Task(..) | Ending::Timeout | Ending::TrialsOver => {}
     }
 }
 

@@ -8,8 +8,10 @@ use zeronav_msgs::task::{EndReason, TaskState};
 pub enum Ending {
     /// The task ended by itself.
     Task(TaskState, EndReason),
-    /// The time limit of the scenario.
+    /// The time limit of the scenario, or trials that came to no end.
     Timeout,
+    /// All trials were made.
+    TrialsOver,
     /// A service ended: who, how, the tail of its log, its exit code.
     Died {
         /// Its seat.

@@ -11,6 +11,7 @@ use zeronav_msgs::role::Role;
 use zeronav_msgs::run::RunMode;
 use zeronav_msgs::topics::topics;
 use zeronav_shell::memory;
+use zeronav_world::spec::Trigger;
 use zeronav_world::{Footprint, RobotSpec, World, WorldSpec, map_file};
 
 /// A run that can be started.
@@ -34,6 +35,23 @@ pub struct Prepared {
     pub log_level: String,
     /// True when a line is wanted while it runs.
     pub progress: bool,
+    /// Trials to make instead of the scenario's drive.
+    pub trials: Option<u32>,
+    /// Delays put into seats on purpose.
+    pub delays: BTreeMap<Role, u16>,
+}
+
+impl Prepared {
+    /// Time from scan to scan. [ns]
+    #[must_use]
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "at least a tick, as the scenario's check has made sure"
+    )]
+    pub fn scan_period_ns(&self) -> u64 {
+        (1.0e9 / self.scenario.robot.lidar.rate_hz).round() as u64
+    }
 }
 
 /// Reads and checks everything that can be wrong before anything is started.
@@ -41,7 +59,7 @@ pub struct Prepared {
 /// # Errors
 /// One line that names the thing and the fix.
 pub fn prepare(arguments: &RunArgs) -> Result<Prepared, String> {
-    let scenario = Scenario::load(&arguments.scenario).map_err(|error| error.to_string())?;
+    let mut scenario = Scenario::load(&arguments.scenario).map_err(|error| error.to_string())?;
     let checked = scenario.validate().map_err(|error| error.to_string())?;
     for warning in &checked.warnings {
         tracing::warn!("{warning}");
@@ -49,6 +67,9 @@ pub fn prepare(arguments: &RunArgs) -> Result<Prepared, String> {
     let Checked {
         world, footprint, ..
     } = checked;
+    if arguments.trials.is_some() {
+        await_trials(&mut scenario)?;
+    }
     let mode = if arguments.lockstep {
         RunMode::Lockstep
     } else {
@@ -78,6 +99,8 @@ pub fn prepare(arguments: &RunArgs) -> Result<Prepared, String> {
         seed: arguments.seed.unwrap_or(scenario.run.seed),
         log_level: arguments.log_level.clone(),
         progress: !arguments.headless,
+        trials: arguments.trials,
+        delays: arguments.inject.iter().copied().collect(),
         scenario,
         world,
         footprint,
@@ -85,6 +108,27 @@ pub fn prepare(arguments: &RunArgs) -> Result<Prepared, String> {
         directory,
         mode,
     })
+}
+
+/// Takes the script of the trials' obstacle away: it comes when it is put somewhere.
+fn await_trials(scenario: &mut Scenario) -> Result<(), String> {
+    /// Later than any run. [s]
+    const NEVER_S: f64 = 1.0e6;
+    let Some(trials) = &scenario.trials else {
+        return Err(format!(
+            "{} has no [trials]: say there which obstacle is dropped, where, and between which goals",
+            scenario.name
+        ));
+    };
+    let obstacles = scenario.world.obstacles.iter_mut();
+    for obstacle in obstacles.filter(|obstacle| obstacle.name == trials.obstacle) {
+        obstacle.appears = Some(Trigger {
+            at_s: Some(NEVER_S),
+            robot_near: None,
+        });
+        obstacle.lasts_s = None;
+    }
+    Ok(())
 }
 
 /// Shared memory that the stack will reserve. [bytes]

@@ -5,21 +5,19 @@ use crate::measure;
 use crate::measure::index::PathRecord;
 use crate::measure::seconds;
 use crate::prepare::Prepared;
-use crate::run::{Driven, file_name};
+use crate::run::{DEADLINE_NS, Driven, file_name};
 use crate::scenario::Outcome;
 use crate::show::picture::{Area, Line, Picture};
 use crate::show::report::{
-    Environment, Expectation, ObstacleResult, Plan, RunResult, ServiceResult,
+    Environment, Expectation, ObstacleResult, Plan, RunResult, ServiceResult, TrialsResult,
 };
+use crate::trials::Trials;
 use nalgebra::Point2;
 use zeronav_msgs::path::{PathCause, PathStatus};
 use zeronav_msgs::role::Role;
 use zeronav_msgs::run::RunMode;
 use zeronav_msgs::task::{EndReason, TaskState};
 use zeronav_world::static_map::Occupancy;
-
-/// Time after which an obstacle or a scan counts as unanswered. [ns]
-const DEADLINE_NS: u64 = 5_000_000_000;
 
 /// Colours of the last paths in the picture.
 const COLOURS: [&str; 4] = ["#d95f02", "#7570b3", "#e7298a", "#66a61e"];
@@ -33,6 +31,7 @@ pub fn outcome(ending: &Ending) -> &'static str {
         Ending::Task(_, EndReason::None) => "failed",
         Ending::Task(_, reason) => reason.label(),
         Ending::Timeout => "timeout",
+        Ending::TrialsOver => "trials_over",
         Ending::Died { .. } => "service_died",
         Ending::NotReady(_) => "not_ready",
         Ending::Silent(_) => "silent",
@@ -85,6 +84,12 @@ pub fn result(prepared: &Prepared, driven: &Driven, environment: Environment) ->
         obstacles: obstacles(prepared, driven),
         track_m: collector.track_m.clone(),
         latency: (!lockstep).then(|| latency(prepared, driven)),
+        trials: None,
+        injected_us: prepared
+            .delays
+            .iter()
+            .map(|(role, steps)| (role.to_string(), injected_us(*steps)))
+            .collect(),
         services: services(prepared, driven),
         restarts: driven.restarts.clone(),
         environment,
@@ -94,6 +99,88 @@ pub fn result(prepared: &Prepared, driven: &Driven, environment: Environment) ->
         expectations,
         directory: prepared.directory.display().to_string(),
     }
+}
+
+/// The result of trials, whose last drive is `driven`. Paths and track are those of that drive.
+#[must_use]
+pub fn of_trials(
+    prepared: &Prepared,
+    driven: &Driven,
+    trials: &Trials,
+    environment: Environment,
+) -> RunResult {
+    let mut whole = result(prepared, driven, environment);
+    for before in &trials.drives {
+        let truth = before.collector.truth.unwrap_or_default();
+        whole.contacts_moving += truth.contacts_moving;
+        whole.contacts_standing += truth.contacts_standing;
+        whole.driven_m += before.collector.driven_m_at(before.end_run_ns);
+        whole.time_s += seconds(before.end_run_ns.saturating_sub(before.goals_run_ns));
+        whole.wall_s += before.wall.as_secs_f64();
+        whole.slipped_ms += seconds(truth.slipped_ns) * 1.0e3;
+        whole.restarts.extend(before.restarts.iter().cloned());
+        for (whole, seat) in whole.services.iter_mut().zip(&before.services) {
+            whole.memory_peak_bytes = whole.memory_peak_bytes.max(seat.memory_peak_bytes);
+            whole.starts += seat.starts;
+        }
+        let least = before.collector.clearance_m_min;
+        whole.clearance_m_min = match (whole.clearance_m_min, least) {
+            (Some(one), Some(other)) => Some(one.min(other)),
+            (one, other) => one.or(other),
+        };
+    }
+    whole.contacts = whole.contacts_moving + whole.contacts_standing;
+    // Hundreds of paths with all their points are of no use to anybody.
+    whole.plans.clear();
+    whole.replans.clear();
+    let replanning = trials.latency.replanning;
+    let made: usize = trials.rounds.iter().map(|round| round.trials).sum();
+    let most = prepared.scenario.expect.contacts_max;
+    let expectation = |name: &str, expected: String, actual: String, met| Expectation {
+        name: name.to_owned(),
+        expected,
+        actual,
+        met,
+    };
+    whole.expectations = vec![
+        expectation(
+            "trials",
+            trials.wanted.to_string(),
+            made.to_string(),
+            made == trials.wanted,
+        ),
+        expectation(
+            "trials without an answer",
+            "0".to_owned(),
+            replanning.censored.to_string(),
+            replanning.censored == 0,
+        ),
+        expectation(
+            "contacts",
+            format!("at most {most}"),
+            whole.contacts.to_string(),
+            whole.contacts <= most,
+        ),
+    ];
+    let met = whole.expectations.iter().all(|expectation| expectation.met);
+    if met { "pass" } else { "fail" }.clone_into(&mut whole.verdict);
+    whole.reason = reason(prepared, &driven.ending, met, &whole.expectations);
+    whole.latency = Some(trials.latency.clone());
+    whole.trials = Some(TrialsResult {
+        wanted: trials.wanted,
+        made,
+        rounds: trials.rounds.clone(),
+    });
+    whole
+}
+
+/// A delay that was put into a seat on purpose. [us]
+fn injected_us(steps: u16) -> f64 {
+    let seat = zeronav_msgs::run::Seat {
+        delay: steps,
+        ..Default::default()
+    };
+    (1.0e6 * seconds(seat.delay_ns())).round()
 }
 
 fn plan(path: &PathRecord, goals_run_ns: u64) -> Plan {
@@ -255,6 +342,7 @@ fn reason(prepared: &Prepared, ending: &Ending, met: bool, expectations: &[Expec
                 prepared.scenario.run.time_limit_s
             )
         }
+        Ending::TrialsOver => "all trials were made".to_owned(),
         Ending::Died { role, how, .. } => format!("{role} ended during the run: {how}"),
         Ending::NotReady(roles) => format!("not ready in time: {}", names(roles)),
         Ending::Silent(role) => format!("{role} stopped answering"),
@@ -266,7 +354,7 @@ fn reason(prepared: &Prepared, ending: &Ending, met: bool, expectations: &[Expec
         .map(|expectation| format!("{}: {}", expectation.name, expectation.actual))
         .collect();
     match (met, ending) {
-        (true, Ending::Task(TaskState::Reached, _)) => what,
+        (true, Ending::Task(TaskState::Reached, _) | Ending::TrialsOver) => what,
         (true, _) => format!("{what}, as the scenario expects"),
         (false, _) if missed.is_empty() => what,
         (false, _) => format!("{what}; {}", missed.join("; ")),

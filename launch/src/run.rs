@@ -3,9 +3,10 @@
 use crate::collect::{Collector, TaskReport};
 use crate::ending::Ending;
 use crate::keeper::{Keeper, READY_LIMIT, RestartRecord};
-use crate::measure::seconds;
+use crate::measure::{Event, seconds};
 use crate::prepare::{Prepared, write_configs};
-use crate::show::progress::{Progress, ProgressLine};
+use crate::show::progress::{Progress, ProgressLine, TrialProgress};
+use crate::shuttle::{Course, Shuttle, Step};
 use crate::supervise::child::Child;
 use crate::supervise::control::{Reply, Request, RunReport, Server, ServiceReport};
 use crate::supervise::stack::{self, Stack};
@@ -31,6 +32,9 @@ const STAND_LIMIT: Duration = Duration::from_secs(4);
 /// taps hold the messages of that many ticks.
 const LEASE_TICKS: u64 = 100;
 
+/// Time after which an obstacle or a scan counts as unanswered. [ns]
+pub const DEADLINE_NS: u64 = 5_000_000_000;
+
 /// Speed below which the robot stands. [m/s]
 const STANDING_MPS: f64 = 0.01;
 
@@ -55,6 +59,23 @@ pub struct Driven {
     pub services: Vec<SeatReport>,
     /// The restarts that were made.
     pub restarts: Vec<RestartRecord>,
+    /// What became of the trials; empty without.
+    pub trials: Vec<Event>,
+    /// Trials that did not count because no path led through the obstacle.
+    pub trials_missed: u64,
+}
+
+/// The trials that one drive shall make.
+#[derive(Debug, Clone, Copy)]
+pub struct Quota {
+    /// How many.
+    pub n: usize,
+    /// Draws their phases.
+    pub seed: u64,
+    /// Trials that other drives have made.
+    pub before: usize,
+    /// Trials of all drives.
+    pub total: usize,
 }
 
 /// A seat at the end of a run.
@@ -70,24 +91,44 @@ pub struct SeatReport {
     pub end: String,
 }
 
-/// Starts the stack, drives the scenario, stops everything, leaves nothing behind.
+/// A flag that Ctrl-C and SIGTERM raise.
 ///
 /// # Errors
-/// One line when the stack could not be started at all.
-pub fn drive(prepared: &Prepared) -> Result<Driven, String> {
+/// One line when the system refuses.
+pub fn interrupts() -> Result<Arc<AtomicBool>, String> {
     let interrupted = Arc::new(AtomicBool::new(false));
     for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM] {
         signal_hook::flag::register(signal, Arc::clone(&interrupted))
             .map_err(|error| format!("catching signals: {error}"))?;
     }
+    Ok(interrupted)
+}
+
+/// Starts the stack, drives the scenario or the trials of `quota`, stops everything, leaves nothing
+/// behind.
+///
+/// # Errors
+/// One line when the stack could not be started at all.
+pub fn drive(
+    prepared: &Prepared,
+    quota: Option<Quota>,
+    interrupted: &Arc<AtomicBool>,
+) -> Result<Driven, String> {
+    let shuttle = quota.and_then(|quota| shuttle(prepared, quota));
     let tick_ns = prepared.scenario.run.tick_ns();
     let mut stack =
         Stack::create(prepared.mode, prepared.seed, tick_ns).map_err(|error| error.to_string())?;
     let started = Instant::now();
     let outcome = write_configs(prepared, stack.root()).and_then(|configs| {
+        for (role, delay) in &prepared.delays {
+            stack.delay(*role, *delay);
+        }
         let mut drive = Drive {
             prepared,
-            interrupted,
+            interrupted: Arc::clone(interrupted),
+            quota,
+            shuttle,
+            began: Instant::now(),
             collector: Collector::default(),
             keeper: Keeper::new(prepared, configs),
             line: ProgressLine::new(&prepared.scenario.name, prepared.progress),
@@ -113,7 +154,14 @@ pub fn drive(prepared: &Prepared) -> Result<Driven, String> {
     let shared_memory_bytes = stack.shared_memory_bytes();
     let services = drive.stop(&mut stack);
     drive.listen(&mut stack);
+    let (trials, trials_missed) = drive
+        .shuttle
+        .take()
+        .map(Shuttle::into_events)
+        .unwrap_or_default();
     let driven = Driven {
+        trials,
+        trials_missed,
         ending,
         goals_run_ns: drive.goals_run_ns,
         end_run_ns: end_tick * tick_ns,
@@ -128,9 +176,24 @@ pub fn drive(prepared: &Prepared) -> Result<Driven, String> {
     Ok(driven)
 }
 
+/// The trials of `prepared`'s scenario; `None` when it has none.
+fn shuttle(prepared: &Prepared, quota: Quota) -> Option<Shuttle<'_>> {
+    let course = Course {
+        spec: prepared.scenario.trials.as_ref()?,
+        world: &prepared.world,
+        radius_m: prepared.footprint.inscribed_radius_m(),
+        scan_period_ns: prepared.scan_period_ns(),
+        deadline_ns: DEADLINE_NS,
+    };
+    Shuttle::new(course, quota.n, quota.seed)
+}
+
 struct Drive<'a> {
     prepared: &'a Prepared,
     interrupted: Arc<AtomicBool>,
+    quota: Option<Quota>,
+    shuttle: Option<Shuttle<'a>>,
+    began: Instant,
     collector: Collector,
     keeper: Keeper<'a>,
     line: ProgressLine,
@@ -158,13 +221,12 @@ impl Drive<'_> {
         } else {
             self.collector.run_ns
         };
-        let goals: Vec<Goal> = self
-            .prepared
-            .scenario
-            .goals
-            .iter()
-            .map(|goal| goal.message(0))
-            .collect();
+        let goals: Vec<Goal> = match &self.shuttle {
+            Some(shuttle) => vec![shuttle.goal().message(0)],
+            None => (self.prepared.scenario.goals.iter())
+                .map(|goal| goal.message(0))
+                .collect(),
+        };
         if !goals.is_empty() {
             self.send(stack, goals, 1);
         }
@@ -265,10 +327,13 @@ impl Drive<'_> {
             if self.interrupted.load(Ordering::Relaxed) {
                 return Ending::Interrupted;
             }
-            if let Some(ending) = self.task_ended() {
+            if let Some(ending) = self.task_ended(stack) {
                 return ending;
             }
             if let Some(ending) = self.keep(stack) {
+                return ending;
+            }
+            if let Some(ending) = self.try_again(stack) {
                 return ending;
             }
             let tick = self.collector.robot_tick();
@@ -282,7 +347,9 @@ impl Drive<'_> {
                     return Ending::Timeout;
                 }
                 stack.extend_lease((tick + LEASE_TICKS).min(last_tick));
-            } else if self.collector.run_ns.saturating_sub(self.goals_run_ns) > limit_ns {
+            } else if self.shuttle.is_none()
+                && self.collector.run_ns.saturating_sub(self.goals_run_ns) > limit_ns
+            {
                 return Ending::Timeout;
             }
             self.line.show(&self.progress());
@@ -290,11 +357,33 @@ impl Drive<'_> {
         }
     }
 
-    fn task_ended(&self) -> Option<Ending> {
+    /// How the run ends because the task has. In trials the robot turns around at its goal.
+    fn task_ended(&mut self, stack: &mut Stack) -> Option<Ending> {
         let report = self.report()?;
-        match report.state {
-            TaskState::Idle | TaskState::Active => None,
-            state => Some(Ending::Task(state, report.reason)),
+        match (report.state, &mut self.shuttle) {
+            (TaskState::Idle | TaskState::Active, _) => None,
+            (TaskState::Reached, Some(shuttle)) => {
+                shuttle.turn();
+                let goal = shuttle.goal().message(0);
+                self.send(stack, vec![goal], 0);
+                None
+            }
+            (state, _) => Some(Ending::Task(state, report.reason)),
+        }
+    }
+
+    /// Sees to the trials, if that is what this drive is for.
+    fn try_again(&mut self, stack: &mut Stack) -> Option<Ending> {
+        let tick_ns = self.prepared.scenario.run.tick_ns();
+        let run_ns = self.collector.robot_tick() * tick_ns;
+        match self.shuttle.as_mut()?.look(&mut self.collector, run_ns) {
+            Step::Wait => None,
+            Step::Place(placement) => {
+                stack.place(&[placement]);
+                None
+            }
+            Step::Done => Some(Ending::TrialsOver),
+            Step::Stuck => Some(Ending::Timeout),
         }
     }
 
@@ -380,7 +469,14 @@ impl Drive<'_> {
 
     fn progress(&self) -> Progress {
         let report = self.report();
+        let trials = self.quota.zip(self.shuttle.as_ref());
         Progress {
+            trials: trials.map(|(quota, shuttle)| TrialProgress {
+                done: quota.before + shuttle.done(),
+                total: quota.total,
+                per_trial_s: (shuttle.done() > 0)
+                    .then(|| self.began.elapsed().as_secs_f64() / count(shuttle.done())),
+            }),
             time_s: seconds(self.collector.run_ns),
             state: report.map_or_else(|| "waiting".to_owned(), |report| report.state.to_string()),
             remaining_m: report.map(|report| report.remaining_m),
@@ -468,6 +564,11 @@ impl Drive<'_> {
             services,
         }
     }
+}
+
+#[allow(clippy::cast_precision_loss, reason = "a count far below 2^53")]
+fn count(n: usize) -> f64 {
+    n as f64
 }
 
 /// Last part of a path.

@@ -99,6 +99,7 @@ fn drive() -> Records {
     records.paths.push(path(1, 1, PathCause::Goal, 0.0));
     records.sightings.push(Sighting {
         index: 0,
+        appeared_run_ns: 0,
         appeared_ns: 199_900 * US,
         first_beam_scan: Some(2),
         first_scan: Some(2),

@@ -7,6 +7,9 @@ use crate::{codes, message};
 /// Most seats of a roster.
 pub const SEATS_MAX: usize = 16;
 
+/// Unit of [`Seat::delay`]. [ns]
+pub const DELAY_STEP_NS: u64 = 10_000;
+
 codes! {
     /// How the run keeps time.
     pub enum RunMode: u16 {
@@ -54,8 +57,9 @@ message! {
     pub struct Seat = "zeronav.Seat.v1" {
         /// Code of the [`Role`].
         pub role: u16,
-        /// Written as 0.
-        pub spare: u16,
+        /// [10 us] by which the seat delays each of its answers; 0 in earnest. A delay put in on
+        /// purpose must appear in this seat's hop and nowhere else.
+        pub delay: u16,
         /// The one epoch that is obeyed in this seat; 0 = nobody yet.
         pub epoch: u32,
         /// First tick at which the seat is empty.
@@ -68,6 +72,12 @@ message! {
 }
 
 impl Seat {
+    /// Delay of each answer. [ns]
+    #[must_use]
+    pub const fn delay_ns(&self) -> u64 {
+        self.delay as u64 * DELAY_STEP_NS
+    }
+
     /// True when the seat has to answer `tick`.
     #[must_use]
     pub const fn answers(&self, tick: u64) -> bool {

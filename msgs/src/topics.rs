@@ -23,7 +23,7 @@ use crate::run::{RunClock, RunControl, SEATS_MAX, Seat};
 use crate::scan::{BEAMS_MAX, Scan};
 use crate::span::Span;
 use crate::task::{GOALS_MAX, Goal, GoalEnd, Task, TaskStatus};
-use crate::truth::{TRUTH_OBSTACLES_MAX, Truth, TruthObstacle};
+use crate::truth::{Placement, Placements, TRUTH_OBSTACLES_MAX, Truth, TruthObstacle};
 
 /// How a topic is read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -426,6 +426,14 @@ topics! {
         envelope: TruthEnvelope = "zeronav.sim.ground_truth.v1" (Truth),
         item: TruthObstacle, Latest,
         writers: [Robot], rings: [], in_lockstep: [],
+        len_max: TRUTH_OBSTACLES_MAX,
+        check: |meta, items| meta.check(items),
+    }
+    /// `sim/placement`: obstacles that launch puts into a simulated world.
+    SimPlacement = 22 "sim/placement" {
+        envelope: PlacementEnvelope = "zeronav.sim.placement.v1" (Placements),
+        item: Placement, Latest,
+        writers: [Launch], rings: [Robot], in_lockstep: [],
         len_max: TRUTH_OBSTACLES_MAX,
         check: |meta, items| meta.check(items),
     }

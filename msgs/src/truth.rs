@@ -1,4 +1,5 @@
-//! `sim/ground_truth`: what is really so. It goes to launch alone, never to a service.
+//! `sim/ground_truth` and `sim/placement`: what is really so, and what launch makes so. Both are
+//! between launch and the simulator; no other service sees them.
 
 use crate::message;
 use crate::message::{COORDINATE_M_MAX, Refusal, SPEED_MAX, ZeroCopySend, ensure, number};
@@ -48,6 +49,52 @@ message! {
         pub appeared_ns: u64,
         /// Where it is, `map` frame.
         pub pose: Pose,
+    }
+}
+
+message! {
+    /// Fixed fields of the placements.
+    pub struct Placements = "zeronav.Placements.v1" {
+        /// Placements in the slice.
+        pub n_placements: u64,
+    }
+}
+
+message! {
+    /// Puts a scripted obstacle somewhere for a time, whatever its script says. A later placement
+    /// with the same `from_run_ns` changes only how long it stays.
+    pub struct Placement = "zeronav.Placement.v1" {
+        /// Place in the scenario's list, from 0.
+        pub index: u32,
+        /// Written as 0.
+        pub spare: u32,
+        /// [ns] run time from which it is there; in lockstep of a tick above the lease.
+        pub from_run_ns: u64,
+        /// [ns] run time from which it is gone; 0 = it stays.
+        pub until_run_ns: u64,
+        /// `map_from_shape` while it is there.
+        pub pose: Pose,
+    }
+}
+
+impl Placements {
+    /// Accepts placements of obstacles that a scenario can have.
+    ///
+    /// # Errors
+    /// The first field that is wrong.
+    pub fn check(&self, placements: &[Placement]) -> Result<(), Refusal> {
+        ensure(
+            placements.len() as u64 == self.n_placements && placements.len() <= TRUTH_OBSTACLES_MAX,
+            Refusal::Length("placements"),
+        )?;
+        for placement in placements {
+            ensure(
+                (placement.index as usize) < TRUTH_OBSTACLES_MAX,
+                Refusal::OutOfRange("index"),
+            )?;
+            placement.pose.check("pose")?;
+        }
+        Ok(())
     }
 }
 

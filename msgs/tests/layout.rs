@@ -26,8 +26,9 @@ const GOLDEN: &[(&str, usize, usize, u64)] = &[
     ("control/velocity_request", 160, 1, 0x658a_c8b9_87ea_b191),
     ("robot/velocity_command", 152, 1, 0x3267_8c87_5464_5210),
     ("run/clock", 160, 1, 0x67b6_becd_51d9_8eba),
-    ("run/control", 144, 32, 0xd433_a716_7e89_f9d9),
+    ("run/control", 144, 32, 0xea12_ba21_a4cb_c9ac),
     ("sim/ground_truth", 216, 48, 0x827a_99fb_86dc_e923),
+    ("sim/placement", 136, 48, 0xa210_ff97_228a_cb6e),
     ("health/robot", 176, 1, 0x94c1_620c_f083_362d),
     ("health/mapping", 176, 1, 0x801c_eaa2_f3c0_e523),
     ("health/global_planner", 176, 1, 0x36cf_66e2_6273_0491),
@@ -85,7 +86,7 @@ fn fixed_offsets_that_other_languages_rely_on() {
 #[test]
 fn numbers_and_names_are_unique_and_every_schema_differs() {
     let rows = topics();
-    assert_eq!(rows.len(), 21);
+    assert_eq!(rows.len(), 22);
     for (n, row) in rows.iter().enumerate() {
         assert!(
             row.number < zeronav_msgs::topics::EVENT_NEED_KEYFRAME,

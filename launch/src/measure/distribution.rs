@@ -28,6 +28,35 @@ pub struct Figures {
     pub max_us: Option<f64>,
 }
 
+impl Figures {
+    /// Several rounds as one: percentiles are the median of the rounds', the worst is the worst
+    /// of all, samples are counted together.
+    #[must_use]
+    pub fn of_rounds(rounds: &[Self]) -> Self {
+        let median = |of: fn(&Self) -> Option<f64>| {
+            let mut values: Vec<f64> = rounds.iter().filter_map(of).collect();
+            values.sort_by(f64::total_cmp);
+            let middle = values.len() / 2;
+            match values.len() {
+                0 => None,
+                n if n % 2 == 1 => values.get(middle).copied(),
+                _ => Some(f64::midpoint(values[middle - 1], values[middle])),
+            }
+        };
+        Self {
+            n: rounds.iter().map(|round| round.n).sum(),
+            censored: rounds.iter().map(|round| round.censored).sum(),
+            p50_us: median(|round| round.p50_us),
+            p90_us: median(|round| round.p90_us),
+            p99_us: median(|round| round.p99_us),
+            max_us: rounds
+                .iter()
+                .filter_map(|round| round.max_us)
+                .max_by(f64::total_cmp),
+        }
+    }
+}
+
 /// Longest time that is told apart. [ns]
 const LONGEST_NS: u64 = 600_000_000_000;
 
@@ -128,6 +157,34 @@ mod tests {
         near(figures.p90_us, 90.0);
         near(figures.p99_us, 99.0);
         near(figures.max_us, 5_000_000.0);
+    }
+
+    #[test]
+    fn rounds_give_the_median_of_their_percentiles_and_the_worst_of_all() {
+        let round = |n, p50, max| Figures {
+            n,
+            censored: 1,
+            p50_us: Some(p50),
+            p90_us: Some(2.0 * p50),
+            p99_us: Some(3.0 * p50),
+            max_us: Some(max),
+        };
+        let three = [
+            round(67, 5.0, 9.0),
+            round(67, 1.0, 50.0),
+            round(66, 2.0, 7.0),
+        ];
+        let all = Figures::of_rounds(&three);
+        assert_eq!((all.n, all.censored), (200, 3));
+        assert_eq!(
+            (all.p50_us, all.p90_us, all.p99_us, all.max_us),
+            (Some(2.0), Some(4.0), Some(6.0), Some(50.0))
+        );
+        let two = Figures::of_rounds(&three[..2]);
+        assert_eq!(two.p50_us, Some(3.0));
+        // A round without answers has no percentiles to give.
+        let with_empty = Figures::of_rounds(&[Figures::default(), three[0]]);
+        assert_eq!(with_empty.p50_us, Some(5.0));
     }
 
     #[test]

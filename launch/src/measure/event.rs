@@ -85,6 +85,13 @@ pub struct Latency {
     pub event_to_motion: Figures,
     /// The way from captured(s) to applied(c).
     pub hops: Vec<Hop>,
+    /// The same way through five processes that do nothing, at the same pace and with messages of
+    /// the same size; measured by trials only.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub transport_floor: Option<Figures>,
+    /// Median of replanning over that of the floor.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub replanning_to_floor: Option<f64>,
     /// Worst disagreement between the hops and the robot's own end-to-end time. [ns]
     pub closure_error_ns_max: Option<u64>,
     /// Events answered before the map showed three beams' worth of the obstacle.
@@ -108,63 +115,114 @@ pub fn measure(
     let events: Vec<Event> = records
         .sightings
         .iter()
-        .map(|sighting| event(records, sighting, clearance_m, radius_m, deadline_ns))
+        .map(|sighting| judge(records, sighting, clearance_m, radius_m, deadline_ns))
         .collect();
-    let mut replanning = Distribution::new();
-    let mut event_to_motion = Distribution::new();
-    let mut hops: Vec<Distribution> = HOPS.iter().map(|_| Distribution::new()).collect();
-    for event in &events {
-        match event.outcome {
-            EventOutcome::NotInTheWay => {}
-            EventOutcome::Censored => {
-                replanning.censor(deadline_ns);
-                event_to_motion.censor(deadline_ns);
-            }
-            EventOutcome::Answered | EventOutcome::Early => {
-                event
-                    .replanning_ns
-                    .into_iter()
-                    .for_each(|time| replanning.add(time));
-                event
-                    .event_to_motion_ns
-                    .into_iter()
-                    .for_each(|time| event_to_motion.add(time));
-            }
-        }
-        for (hop, time) in hops.iter_mut().zip(event.hops_ns.into_iter().flatten()) {
-            hop.add(time);
-        }
-    }
-    let count = |outcome| {
-        events
-            .iter()
-            .filter(|event| event.outcome == outcome)
-            .count() as u64
-    };
-    let latency = Latency {
-        reaction: reactions(records, deadline_ns).figures(),
-        replanning: replanning.figures(),
-        event_to_motion: event_to_motion.figures(),
-        hops: HOPS
-            .iter()
-            .zip(&hops)
-            .map(|(name, hop)| Hop {
-                name,
-                figures: hop.figures(),
-            })
-            .collect(),
-        closure_error_ns_max: events
-            .iter()
-            .filter_map(|event| event.closure_error_ns)
-            .max(),
-        early: count(EventOutcome::Early),
-        not_in_the_way: count(EventOutcome::NotInTheWay),
-    };
+    let latency = Latency::of(
+        &events,
+        reactions(records, deadline_ns).figures(),
+        deadline_ns,
+    );
     (events, latency)
 }
 
+impl Latency {
+    /// The figures of `events`.
+    #[must_use]
+    pub fn of(events: &[Event], reaction: Figures, deadline_ns: u64) -> Self {
+        let mut replanning = Distribution::new();
+        let mut event_to_motion = Distribution::new();
+        let mut hops: Vec<Distribution> = HOPS.iter().map(|_| Distribution::new()).collect();
+        for event in events {
+            match event.outcome {
+                EventOutcome::NotInTheWay => {}
+                EventOutcome::Censored => {
+                    replanning.censor(deadline_ns);
+                    event_to_motion.censor(deadline_ns);
+                }
+                EventOutcome::Answered | EventOutcome::Early => {
+                    event
+                        .replanning_ns
+                        .into_iter()
+                        .for_each(|time| replanning.add(time));
+                    event
+                        .event_to_motion_ns
+                        .into_iter()
+                        .for_each(|time| event_to_motion.add(time));
+                }
+            }
+            for (hop, time) in hops.iter_mut().zip(event.hops_ns.into_iter().flatten()) {
+                hop.add(time);
+            }
+        }
+        let count = |outcome| {
+            events
+                .iter()
+                .filter(|event| event.outcome == outcome)
+                .count() as u64
+        };
+        Self {
+            reaction,
+            replanning: replanning.figures(),
+            event_to_motion: event_to_motion.figures(),
+            hops: HOPS
+                .iter()
+                .zip(&hops)
+                .map(|(name, hop)| Hop {
+                    name,
+                    figures: hop.figures(),
+                })
+                .collect(),
+            transport_floor: None,
+            replanning_to_floor: None,
+            closure_error_ns_max: events
+                .iter()
+                .filter_map(|event| event.closure_error_ns)
+                .max(),
+            early: count(EventOutcome::Early),
+            not_in_the_way: count(EventOutcome::NotInTheWay),
+        }
+    }
+
+    /// Several rounds as one: percentiles are the median of the rounds', the worst is the worst
+    /// of all, samples are counted together.
+    #[must_use]
+    pub fn of_rounds(rounds: &[Self]) -> Self {
+        let figures = |of: &dyn Fn(&Self) -> Option<Figures>| {
+            let of_each: Vec<Figures> = rounds.iter().filter_map(of).collect();
+            (!of_each.is_empty()).then(|| Figures::of_rounds(&of_each))
+        };
+        let replanning = figures(&|round| Some(round.replanning)).unwrap_or_default();
+        let transport_floor = figures(&|round| round.transport_floor);
+        let floor_us = transport_floor.and_then(|floor| floor.p50_us);
+        Self {
+            reaction: figures(&|round| Some(round.reaction)).unwrap_or_default(),
+            replanning,
+            event_to_motion: figures(&|round| Some(round.event_to_motion)).unwrap_or_default(),
+            hops: (0..HOPS.len())
+                .map(|at| Hop {
+                    name: HOPS[at],
+                    figures: figures(&|round| round.hops.get(at).map(|hop| hop.figures))
+                        .unwrap_or_default(),
+                })
+                .collect(),
+            transport_floor,
+            replanning_to_floor: replanning
+                .p50_us
+                .zip(floor_us)
+                .map(|(replanning_us, floor_us)| replanning_us / floor_us),
+            closure_error_ns_max: rounds
+                .iter()
+                .filter_map(|round| round.closure_error_ns_max)
+                .max(),
+            early: rounds.iter().map(|round| round.early).sum(),
+            not_in_the_way: rounds.iter().map(|round| round.not_in_the_way).sum(),
+        }
+    }
+}
+
 /// Reaction times of all scans that came while a path was followed.
-fn reactions(records: &Records, deadline_ns: u64) -> Distribution {
+#[must_use]
+pub fn reactions(records: &Records, deadline_ns: u64) -> Distribution {
     let mut distribution = Distribution::new();
     let mut requests: Vec<&Span> = records
         .answers(Role::LocalPlanner)
@@ -207,7 +265,9 @@ fn reactions(records: &Records, deadline_ns: u64) -> Distribution {
     distribution
 }
 
-fn event(
+/// What became of one obstacle.
+#[must_use]
+pub fn judge(
     records: &Records,
     sighting: &Sighting,
     clearance_m: Clearance<'_>,

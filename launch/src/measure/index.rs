@@ -32,6 +32,8 @@ pub struct PathRecord {
 pub struct Sighting {
     /// Place in the scenario's list.
     pub index: usize,
+    /// Run time at which it appeared: one obstacle may appear several times. [ns]
+    pub appeared_run_ns: u64,
     /// Moment at which it appeared, [ns] monotonic.
     pub appeared_ns: u64,
     /// First scan with any beam on it.

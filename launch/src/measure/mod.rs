@@ -10,7 +10,7 @@ pub mod fold;
 pub mod index;
 
 pub use distribution::Distribution;
-pub use event::{Event, EventOutcome, Latency, measure};
+pub use event::{Event, EventOutcome, Latency, judge, measure, reactions};
 pub use fold::RunHash;
 pub use index::Records;
 

@@ -1,6 +1,6 @@
 //! Can it work? Everything that is known to be wrong before anything is started.
 
-use super::{Outcome, Scenario, ScenarioError};
+use super::{GoalSpec, Outcome, Scenario, ScenarioError};
 use core::f64::consts::PI;
 use zeronav_msgs::Pose;
 use zeronav_msgs::map::{TILES_PER_KEYFRAME_MAX, tiles_of};
@@ -44,6 +44,7 @@ impl Scenario {
             Footprint::new(&self.robot).map_err(|error| refused(error.within("robot")))?;
         self.check_start(&world, &footprint).map_err(refused)?;
         self.check_goals(&world, &footprint).map_err(refused)?;
+        self.check_trials(&world, &footprint).map_err(refused)?;
         Ok(Checked {
             world,
             footprint,
@@ -139,31 +140,80 @@ impl Scenario {
             let why = format!("{} goals, at most {GOALS_MAX}", self.goals.len());
             return Err(SpecError::new("goals", why));
         }
+        // A goal inside a wall is a fair thing to call unreachable.
+        let wants_room = self.expect.outcome == Outcome::Reached;
         for (index, goal) in self.goals.iter().enumerate() {
-            let field = format!("goals[{index}]");
-            let within = |error: SpecError| error.within(&field);
-            number(goal.tolerance_m, 1.0e-3, 1.0e3, "tolerance_m").map_err(within)?;
-            let yaw_rad = goal.yaw_tolerance_rad;
-            number(yaw_rad, 1.0e-3, 1.0e3, "yaw_tolerance_rad").map_err(within)?;
-            self.check_pose(world, &goal.pose, "pose").map_err(within)?;
-            // A goal inside a wall is a fair thing to call unreachable.
-            let wants_room = self.expect.outcome == Outcome::Reached;
-            let free = || world.free_pose_near(footprint, &goal.pose, goal.tolerance());
-            if wants_room && free().is_none() {
-                let yaw = if yaw_rad < PI {
-                    format!(" and {yaw_rad} rad")
-                } else {
-                    String::new()
-                };
-                let why = format!(
-                    "the robot finds no room within {} m{yaw} of it: move the goal or widen its \
-                     tolerance",
-                    goal.tolerance_m
-                );
-                return Err(SpecError::new("pose", why).within(&field));
-            }
+            self.check_goal(world, footprint, goal, wants_room)
+                .map_err(|error| error.within(&format!("goals[{index}]")))?;
         }
         Ok(())
+    }
+
+    fn check_goal(
+        &self,
+        world: &World,
+        footprint: &Footprint,
+        goal: &GoalSpec,
+        wants_room: bool,
+    ) -> Result<(), SpecError> {
+        number(goal.tolerance_m, 1.0e-3, 1.0e3, "tolerance_m")?;
+        let yaw_rad = goal.yaw_tolerance_rad;
+        number(yaw_rad, 1.0e-3, 1.0e3, "yaw_tolerance_rad")?;
+        self.check_pose(world, &goal.pose, "pose")?;
+        let free = || world.free_pose_near(footprint, &goal.pose, goal.tolerance());
+        if !wants_room || free().is_some() {
+            return Ok(());
+        }
+        let yaw = if yaw_rad < PI {
+            format!(" and {yaw_rad} rad")
+        } else {
+            String::new()
+        };
+        let why = format!(
+            "the robot finds no room within {} m{yaw} of it: move the goal or widen its tolerance",
+            goal.tolerance_m
+        );
+        Err(SpecError::new("pose", why))
+    }
+
+    fn check_trials(&self, world: &World, footprint: &Footprint) -> Result<(), SpecError> {
+        let Some(trials) = &self.trials else {
+            return Ok(());
+        };
+        let within = |error: SpecError| error.within("trials");
+        let known = world
+            .obstacles()
+            .iter()
+            .find(|obstacle| obstacle.spec.name == trials.obstacle);
+        let Some(obstacle) = known else {
+            let why = format!("there is no obstacle \"{}\" in the world", trials.obstacle);
+            return Err(within(SpecError::new("obstacle", why)));
+        };
+        for (index, goal) in trials.goals.iter().enumerate() {
+            self.check_goal(world, footprint, goal, true)
+                .map_err(|error| within(error.within(&format!("goals[{index}]"))))?;
+        }
+        for (index, end) in trials.line_m.iter().enumerate() {
+            let pose = Pose::new(end[0], end[1], 0.0);
+            self.check_pose(world, &pose, &format!("line_m[{index}]"))
+                .map_err(within)?;
+        }
+        let [from, to] = trials.line_m;
+        if (to[0] - from[0]).hypot(to[1] - from[1]) < 1.0e-3 {
+            return Err(within(SpecError::new(
+                "line_m",
+                "the two ends are the same",
+            )));
+        }
+        let centre = obstacle.shape.pose().point();
+        let reach_m = obstacle
+            .shape
+            .outline()
+            .iter()
+            .map(|corner| (corner - centre).norm())
+            .fold(0.0, f64::max);
+        let least_m = reach_m + footprint.circumscribed_radius_m();
+        number(trials.ahead_m, least_m, 1.0e3, "ahead_m").map_err(within)
     }
 
     /// Accepts finite poses on the map.

@@ -76,6 +76,9 @@ pub struct Scenario {
     /// What the verdict asks for.
     #[serde(default)]
     pub expect: ExpectSpec,
+    /// How `--trials` measures in this world; without, it cannot.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub trials: Option<TrialsSpec>,
     #[serde(skip)]
     folder: Option<PathBuf>,
     #[serde(skip)]
@@ -235,6 +238,22 @@ pub struct ExpectSpec {
     /// Most new paths that an obstacle caused.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub obstacle_replans_max: Option<u32>,
+}
+
+/// Trials: the robot drives to and fro, and one of the world's obstacles is dropped in front of it
+/// again and again.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TrialsSpec {
+    /// Name of the obstacle.
+    pub obstacle: String,
+    /// The two goals.
+    pub goals: [GoalSpec; 2],
+    /// The two ends `[x, y]` of the line on which the obstacle's centre may be put, turned as its
+    /// shape says. The way between the goals leads along it. [m]
+    pub line_m: [[f64; 2]; 2],
+    /// How far before the robot's centre the obstacle's is put, along the line. [m]
+    pub ahead_m: f64,
 }
 
 /// How a task may end.

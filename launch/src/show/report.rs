@@ -2,8 +2,10 @@
 
 use crate::keeper::RestartRecord;
 use crate::measure::event::Latency;
+use crate::trials::Round;
 use core::fmt::Write;
 use serde::Serialize;
+use std::collections::BTreeMap;
 
 /// A path that was published.
 #[derive(Debug, Clone, Serialize)]
@@ -84,6 +86,17 @@ pub struct Environment {
     pub steal: f64,
 }
 
+/// What the trials were.
+#[derive(Debug, Clone, Serialize)]
+pub struct TrialsResult {
+    /// Trials that were asked for.
+    pub wanted: usize,
+    /// Trials that were made and count.
+    pub made: usize,
+    /// The rounds.
+    pub rounds: Vec<Round>,
+}
+
 /// The result of a run.
 #[derive(Debug, Clone, Serialize)]
 pub struct RunResult {
@@ -127,8 +140,14 @@ pub struct RunResult {
     pub obstacles: Vec<ObstacleResult>,
     /// Where the robot really drove, every 5 cm. [m]
     pub track_m: Vec<[f64; 2]>,
-    /// Latencies; null in lockstep.
+    /// Latencies; null in lockstep. Of trials: the median of the rounds, the worst of all.
     pub latency: Option<Latency>,
+    /// The rounds of `--trials`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub trials: Option<TrialsResult>,
+    /// Delays of `--inject` by seat. [us]
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub injected_us: BTreeMap<String, f64>,
     /// The processes.
     pub services: Vec<ServiceResult>,
     /// Restarts of services during the run.
@@ -251,6 +270,15 @@ fn write_latency(latency: &Latency, text: &mut String) {
     row("event to motion", &latency.event_to_motion);
     for hop in &latency.hops {
         row(&format!("  {}", hop.name), &hop.figures);
+    }
+    if let Some(floor) = &latency.transport_floor {
+        row("transport floor", floor);
+    }
+    if let Some(ratio) = latency.replanning_to_floor {
+        let _ = writeln!(
+            text,
+            "  replanning takes {ratio:.1} times the floor (medians)"
+        );
     }
     if let Some(error) = latency.closure_error_ns_max {
         let _ = writeln!(

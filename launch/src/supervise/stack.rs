@@ -10,8 +10,9 @@ use zeronav_msgs::run::{RunClock, RunControl, RunMode, Seat};
 use zeronav_msgs::task::{Goal, Task, TaskKind};
 use zeronav_msgs::topics::{
     EVENT_NEED_KEYFRAME, GroundTruth, HealthTopic, MapKeyframe, MapUpdate, PlanPath,
-    RobotDescription, RunClockTopic, RunControlTopic, TaskGoal, TaskState, health_of,
+    RobotDescription, RunClockTopic, RunControlTopic, SimPlacement, TaskGoal, TaskState, health_of,
 };
+use zeronav_msgs::truth::{Placement, Placements};
 use zeronav_shell::clock::now_ns;
 use zeronav_shell::doorbell::Bells;
 use zeronav_shell::peer::Topics;
@@ -75,6 +76,7 @@ pub struct Stack {
     clock: Writer<RunClockTopic>,
     control: Writer<RunControlTopic>,
     goals: Writer<TaskGoal>,
+    placements: Writer<SimPlacement>,
     bells: Bells,
     topics: Option<Topics>,
     peer: Option<Peer>,
@@ -135,6 +137,7 @@ impl Stack {
             clock: peer.writer(1)?,
             control: peer.writer(zeronav_msgs::run::SEATS_MAX)?,
             goals: peer.writer(zeronav_msgs::task::GOALS_MAX)?,
+            placements: peer.writer(zeronav_msgs::truth::TRUTH_OBSTACLES_MAX)?,
             bells: Bells::open(&peer)?,
             topics: Some(topics),
             peer: Some(peer),
@@ -262,6 +265,27 @@ impl Stack {
             self.bells.ring(*role, self.goals.row().number);
         }
         sent.map_or(0, |sent| sent.id.0)
+    }
+
+    /// Puts obstacles into the simulated world.
+    pub fn place(&mut self, placements: &[Placement]) {
+        let meta = Placements {
+            n_placements: placements.len() as u64,
+        };
+        self.placements.publish(&Draft::default(), meta, placements);
+        for role in self.placements.row().rings {
+            self.bells.ring(*role, self.placements.row().number);
+        }
+    }
+
+    /// Delays every answer of a seat by so many steps of [`zeronav_msgs::run::DELAY_STEP_NS`].
+    pub fn delay(&mut self, role: Role, steps: u16) {
+        for roster in [&mut self.roster, &mut self.newest] {
+            if let Some(seat) = seat_mut(roster, role) {
+                seat.delay = steps;
+            }
+        }
+        self.publish_control();
     }
 
     /// Lets the robot go up to `tick`, lockstep only.

@@ -16,6 +16,7 @@ use zeronav_msgs::task::{TaskKind, TaskState as State};
 use zeronav_msgs::topics::{
     EVENT_NEED_KEYFRAME, MapKeyframe, MapUpdate, PlanPath, PlanRequests, RobotOdometry, TaskState,
 };
+use zeronav_shell::clock::now_ns;
 use zeronav_shell::doorbell::Rung;
 use zeronav_shell::{
     Cycle, Latest, Roster, Service, Shell, StartError, Stream, Tasks, Track, Writer,
@@ -263,7 +264,7 @@ impl PlannerService {
             return;
         };
         self.inputs.tasks.at(tick);
-        let started = shell.draft(tick, 0, 0, Parents::default());
+        let started_ns = now_ns();
         let geometry = self.replanner.plan().geometry;
         let mut step = self
             .replanner
@@ -296,13 +297,11 @@ impl PlannerService {
             Step::Publish(news) if !self.unsent => news,
             _ => News::New,
         };
-        let woken = started.started_ns;
-        self.publish_from(shell, tick, kind, news, woken);
+        self.publish_from(shell, tick, kind, news, started_ns);
     }
 
     fn publish(&mut self, shell: &mut Shell, tick: u64, kind: SpanKind, news: News) {
-        let started_ns = shell.draft(tick, 0, 0, Parents::default()).started_ns;
-        self.publish_from(shell, tick, kind, news, started_ns);
+        self.publish_from(shell, tick, kind, news, now_ns());
     }
 
     fn publish_from(

@@ -5,7 +5,9 @@ use zeronav_msgs::command::Validity;
 use zeronav_msgs::header::Parents;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::span::SpanKind;
-use zeronav_msgs::topics::{GroundTruth, RobotCommand, RobotDescription, RobotOdometry, RobotScan};
+use zeronav_msgs::topics::{
+    GroundTruth, RobotCommand, RobotDescription, RobotOdometry, RobotScan, SimPlacement,
+};
 use zeronav_msgs::truth::{TRUTH_OBSTACLES_MAX, TruthObstacle};
 use zeronav_robot_sim::{SimConfig, SimError, Simulator};
 use zeronav_shell::clock::now_ns;
@@ -21,6 +23,7 @@ struct RobotService {
     odometry: Writer<RobotOdometry>,
     truth: Writer<GroundTruth>,
     command: Latest<RobotCommand>,
+    placements: Latest<SimPlacement>,
     spans: SpanReader,
     obstacles: Vec<TruthObstacle>,
     tick: u64,
@@ -52,6 +55,7 @@ impl Service for RobotService {
             odometry: peer.writer(1)?,
             truth: peer.writer(TRUTH_OBSTACLES_MAX)?,
             command: peer.latest()?,
+            placements: peer.latest()?,
             spans: peer.span_reader()?,
             obstacles: Vec::with_capacity(TRUTH_OBSTACLES_MAX),
             tick: 0,
@@ -85,7 +89,11 @@ impl Service for RobotService {
             });
         }
         self.take_command(shell);
-        shell.totals(self.command.refused(), self.command.superseded());
+        self.take_placements(shell);
+        shell.totals(
+            self.command.refused() + self.placements.refused(),
+            self.command.superseded(),
+        );
         let control = shell.roster().control;
         if lockstep {
             if control.paused == 0 && self.tick < control.lease && self.all_answered(shell) {
@@ -138,6 +146,17 @@ impl RobotService {
     }
 
     /// Lets the newest command reach the motors.
+    fn take_placements(&mut self, shell: &Shell) {
+        if self.placements.poll(shell.roster())
+            && let Some(view) = self.placements.get()
+            && let Some(simulator) = &mut self.simulator
+        {
+            for placement in view.items {
+                simulator.place(placement);
+            }
+        }
+    }
+
     fn take_command(&mut self, shell: &mut Shell) {
         if !self.command.poll(shell.roster()) {
             return;

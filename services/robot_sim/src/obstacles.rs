@@ -19,6 +19,8 @@ pub struct Obstacle {
     near: Option<(Point2<f64>, f64)>,
     appears_run_ns: Option<u64>,
     lasts_ns: Option<u64>,
+    /// The `from_run_ns` of the newest placement.
+    placed_from: Option<u64>,
 }
 
 impl Obstacle {
@@ -44,7 +46,22 @@ impl Obstacle {
             appears_run_ns: near.is_none().then(|| nanoseconds(at_s)),
             near,
             lasts_ns: spec.lasts_s.map(nanoseconds),
+            placed_from: None,
         }
+    }
+
+    /// Puts it at `pose`, where it stands from `from_run_ns` to before `until_run_ns` (`None` = to
+    /// the end), whatever its script says. Said again with the same `from_run_ns`, it stays where
+    /// it is and only the end changes.
+    pub fn place(&mut self, pose: Pose, from_run_ns: u64, until_run_ns: Option<u64>) {
+        if self.placed_from != Some(from_run_ns) {
+            self.placed_from = Some(from_run_ns);
+            self.start = Pose::new(pose.x_m, pose.y_m, wrap_angle(pose.yaw_rad));
+            self.route = Route::new(self.start.point(), &[], 0.0, false);
+            self.near = None;
+            self.appears_run_ns = Some(from_run_ns);
+        }
+        self.lasts_ns = until_run_ns.map(|until_ns| until_ns.saturating_sub(from_run_ns));
     }
 
     /// Appears now, at `run_ns`, if it waits for the robot and the robot's centre is near enough.
@@ -252,6 +269,26 @@ mod tests {
         assert!(!walker.exists_at(3_005_000_000));
         check_at(&walker, 2_005_000_000, 1.0, 2.0);
         check_at(&walker, 3_005_000_000, 2.2, 3.6);
+    }
+
+    #[test]
+    fn a_placement_overrules_the_script_and_can_be_ended() {
+        let mut walker = obstacle(&spec());
+        let there = Pose::new(7.0, 8.0, 0.25);
+        walker.place(there, 5 * SECOND_NS, None);
+        assert!(!walker.exists_at(5 * SECOND_NS - 1));
+        assert!(walker.exists_at(5 * SECOND_NS) && walker.exists_at(u64::MAX));
+        check_at(&walker, 9 * SECOND_NS, 7.0, 8.0);
+        assert!((walker.pose_at(9 * SECOND_NS).yaw_rad - 0.25).abs() < 1e-12);
+        let middle = walker.placed_at(9 * SECOND_NS).bounds().center();
+        assert!(middle.distance(Vec2::new(7.0, 8.0)) < 1e-9);
+        // Ended, and not moved by a late repeat.
+        walker.place(Pose::default(), 5 * SECOND_NS, Some(6 * SECOND_NS));
+        assert!(walker.exists_at(6 * SECOND_NS - 1) && !walker.exists_at(6 * SECOND_NS));
+        check_at(&walker, 5 * SECOND_NS, 7.0, 8.0);
+        walker.place(Pose::default(), 8 * SECOND_NS, None);
+        assert!(!walker.exists_at(7 * SECOND_NS) && walker.exists_at(8 * SECOND_NS));
+        check_at(&walker, 8 * SECOND_NS, 0.0, 0.0);
     }
 
     #[test]

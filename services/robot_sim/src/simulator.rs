@@ -12,7 +12,7 @@ use zeronav_msgs::description::{Corner, Description};
 use zeronav_msgs::odometry::Odometry;
 use zeronav_msgs::pose::wrap_angle;
 use zeronav_msgs::scan::Scan;
-use zeronav_msgs::truth::{Truth, TruthObstacle};
+use zeronav_msgs::truth::{Placement, Truth, TruthObstacle};
 use zeronav_msgs::{Pose, Refusal};
 use zeronav_world::{Footprint, MapWarning, SpecError, World, WorldError};
 
@@ -183,6 +183,15 @@ impl Simulator {
     /// There is no set point any more: the robot brakes as it does when commands are too old.
     pub fn no_command(&mut self) {
         self.set_point = None;
+    }
+
+    /// Puts an obstacle of the scenario's list somewhere for a time. One that was due already
+    /// appears with the next step. Indices beyond the list mean nothing.
+    pub fn place(&mut self, placement: &Placement) {
+        let until_ns = (placement.until_run_ns != 0).then_some(placement.until_run_ns);
+        if let Some(obstacle) = self.obstacles.get_mut(placement.index as usize) {
+            obstacle.place(placement.pose, placement.from_run_ns, until_ns);
+        }
     }
 
     /// One tick, which ends at `run_ns` and began a tick earlier, but not before 0.

@@ -17,9 +17,11 @@ use std::os::unix::net::UnixStream;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 use zeronav_msgs::header::Parents;
 use zeronav_msgs::health::{Health, HealthState, REASON_NO_LOAN, REASON_REFUSED};
 use zeronav_msgs::role::Role;
+use zeronav_msgs::run::Seat;
 use zeronav_msgs::span::{Span, SpanKind};
 use zeronav_msgs::topics::{HealthTopic, SPANS, Topic, TopicRow, health_of};
 
@@ -131,10 +133,10 @@ impl Shell {
     }
 
     /// Begins an answer: all inputs are taken in. In lockstep, answers to ticks count for the
-    /// run's hash.
+    /// run's hash. A delay that launch put into this seat is spent here, as if the work took longer.
     #[must_use]
     pub fn draft(&self, tick: u64, run_ns: u64, capture_ns: u64, parents: Parents) -> Draft {
-        Draft {
+        let draft = Draft {
             tick,
             run_ns,
             capture_ns,
@@ -142,7 +144,12 @@ impl Shell {
             woken_ns: self.woken_ns,
             started_ns: now_ns(),
             hashed: tick > 0 && self.roster().lockstep(),
+        };
+        let seat = self.roster().seat(self.peer.role());
+        if let Some(delay_ns) = seat.map(Seat::delay_ns).filter(|ns| *ns > 0 && tick > 0) {
+            std::thread::sleep(Duration::from_nanos(delay_ns));
         }
+        draft
     }
 
     /// Notes a sent message: whom to ring for it, and its share of the cycle's hash.

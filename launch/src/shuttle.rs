@@ -1,0 +1,466 @@
+//! Trials: an obstacle is dropped before the robot again and again while it drives to and fro.
+//!
+//! A trial begins when nothing is left of the last one: the map shows no cell of the obstacle, and
+//! the path leads through where it will stand. The obstacle appears at a phase of the lidar's turn
+//! that is drawn uniformly, and is taken away as soon as a command has answered it.
+
+use crate::collect::{Collector, shows};
+use crate::measure::index::PathRecord;
+use crate::measure::{Event, EventOutcome, Records, judge};
+use crate::scenario::{GoalSpec, TrialsSpec};
+use nalgebra::Point2;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+use zeronav_msgs::Pose;
+use zeronav_msgs::path::PathStatus;
+use zeronav_msgs::role::Role;
+use zeronav_msgs::span::Span;
+use zeronav_msgs::truth::Placement;
+use zeronav_world::{Shape, World};
+
+/// Run time between the decision to drop the obstacle and the first moment at which it may
+/// appear: the robot has read the message by then. [ns]
+const LEAD_NS: u64 = 60_000_000;
+
+/// Run time for which the records of an answered trial are still gathered. [ns]
+const SETTLE_NS: u64 = 200_000_000;
+
+/// Run time without a finished trial after which the stack is given up. [ns]
+const STUCK_NS: u64 = 90_000_000_000;
+
+/// Farthest that the robot may be beside the line when an obstacle is dropped. [m]
+const BESIDE_M_MAX: f64 = 0.6;
+
+/// What launch does next.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Step {
+    /// Wait.
+    Wait,
+    /// Tell the robot's world.
+    Place(Placement),
+    /// All trials are over.
+    Done,
+    /// No trial has come to an end for too long.
+    Stuck,
+}
+
+/// An obstacle that was dropped.
+#[derive(Debug, Clone, Copy)]
+struct Dropped {
+    placement: Placement,
+    /// Record of the path that was followed then.
+    path_span: Option<Span>,
+    path_id: u64,
+    /// Monotonic time before which no record of the trial was made. [ns]
+    began_ns: u64,
+    /// Run time at which its answer was seen. [ns]
+    answered_run_ns: Option<u64>,
+}
+
+/// What trials need to know of world and robot.
+#[derive(Debug, Clone, Copy)]
+pub struct Course<'a> {
+    /// The scenario's words.
+    pub spec: &'a TrialsSpec,
+    /// The world.
+    pub world: &'a World,
+    /// Of the swept robot. [m]
+    pub radius_m: f64,
+    /// From scan to scan. [ns]
+    pub scan_period_ns: u64,
+    /// Time after which a trial counts as unanswered. [ns]
+    pub deadline_ns: u64,
+}
+
+/// The trials of one drive.
+#[derive(Debug)]
+pub struct Shuttle<'a> {
+    course: Course<'a>,
+    index: usize,
+    shape: &'a Shape,
+    wanted: usize,
+    random: Pcg64Mcg,
+    leg: usize,
+    dropped: Option<Dropped>,
+    /// Where the last obstacle stood.
+    last: Option<Pose>,
+    ended_run_ns: u64,
+    events: Vec<Event>,
+    missed: u64,
+}
+
+impl<'a> Shuttle<'a> {
+    /// `wanted` trials, their phases drawn from `seed`; `None` without such an obstacle.
+    #[must_use]
+    pub fn new(course: Course<'a>, wanted: usize, seed: u64) -> Option<Self> {
+        let obstacles = course.world.obstacles();
+        let named = |obstacle: &zeronav_world::Obstacle| obstacle.spec.name == course.spec.obstacle;
+        let index = obstacles.iter().position(named)?;
+        Some(Self {
+            course,
+            index,
+            shape: &obstacles.get(index)?.shape,
+            wanted,
+            random: Pcg64Mcg::seed_from_u64(seed),
+            leg: 0,
+            dropped: None,
+            last: None,
+            ended_run_ns: 0,
+            events: Vec::with_capacity(wanted),
+            missed: 0,
+        })
+    }
+
+    /// The goal at hand.
+    #[must_use]
+    pub const fn goal(&self) -> &'a GoalSpec {
+        &self.course.spec.goals[self.leg]
+    }
+
+    /// The goal was reached: turn around.
+    pub fn turn(&mut self) {
+        self.leg = 1 - self.leg;
+    }
+
+    /// Trials that are over.
+    #[must_use]
+    pub const fn done(&self) -> usize {
+        self.events.len()
+    }
+
+    /// Every trial that counts, and how many did not because no path led through the obstacle.
+    #[must_use]
+    pub fn into_events(self) -> (Vec<Event>, u64) {
+        (self.events, self.missed)
+    }
+
+    /// Looks at what was heard and says what to do. `run_ns` is the robot's newest run time.
+    pub fn look(&mut self, collector: &mut Collector, run_ns: u64) -> Step {
+        if self.ended_run_ns == 0 {
+            self.ended_run_ns = run_ns;
+        }
+        if let Some(dropped) = self.dropped {
+            return self.watch(collector, dropped, run_ns);
+        }
+        if self.events.len() >= self.wanted {
+            return Step::Done;
+        }
+        if run_ns.saturating_sub(self.ended_run_ns) > STUCK_NS {
+            return Step::Stuck;
+        }
+        self.start(collector, run_ns)
+    }
+
+    /// Begins a trial if everything is in place.
+    fn start(&mut self, collector: &Collector, run_ns: u64) -> Step {
+        let (Some(truth), Some(map)) = (collector.truth, collector.replica.view()) else {
+            return Step::Wait;
+        };
+        let Some(there) = self.place_ahead(truth.pose.point()) else {
+            return Step::Wait;
+        };
+        let left = self.last.is_some_and(|last| {
+            let placed = self.shape.placed_at(&last);
+            shows(&map, &last.point(), |point, within_m| {
+                placed.distance_to_point_m(Point2::from(point)) <= within_m
+            })
+        });
+        let path = collector.records.paths.last();
+        let through = path.is_some_and(|path| {
+            path.status == PathStatus::Found
+                && self.clearance_m(&there, &path.points_m) <= self.course.radius_m
+        });
+        let (false, true, Some(path)) = (left, through, path) else {
+            return Step::Wait;
+        };
+        let spans = &collector.records.spans;
+        let path_span = spans
+            .iter()
+            .rev()
+            .find(|span| span.role == Role::GlobalPlanner.code() && span.output == path.id);
+        let phase_ns = self.random.random_range(0..self.course.scan_period_ns);
+        let placement = Placement {
+            index: u32::try_from(self.index).unwrap_or(u32::MAX),
+            from_run_ns: run_ns + LEAD_NS + phase_ns,
+            pose: there,
+            ..Placement::default()
+        };
+        self.dropped = Some(Dropped {
+            placement,
+            path_span: path_span.copied(),
+            path_id: path.id,
+            began_ns: spans.last().map_or(0, |span| span.started_ns),
+            answered_run_ns: None,
+        });
+        Step::Place(placement)
+    }
+
+    /// Where the obstacle would be dropped before a robot at `robot`; `None` where it is not on
+    /// the line.
+    fn place_ahead(&self, robot: Point2<f64>) -> Option<Pose> {
+        let [from, to] = self.course.spec.line_m.map(Point2::from);
+        let other = &self.course.spec.goals[1 - self.leg];
+        let way = self.goal().pose.point() - other.pose.point();
+        let line = to - from;
+        let length_m = line.norm();
+        let along = line / length_m;
+        let forward = if way.dot(&along) < 0.0 { -1.0 } else { 1.0 };
+        let robot_m = (robot - from).dot(&along);
+        let beside_m = (robot - from).perp(&along).abs();
+        let at_m = robot_m + forward * self.course.spec.ahead_m;
+        let there = from + along * at_m;
+        let on_line = (0.0..=length_m).contains(&at_m) && beside_m <= BESIDE_M_MAX;
+        on_line.then(|| Pose::new(there.x, there.y, self.shape.pose().yaw_rad))
+    }
+
+    /// Waits for the answer to the obstacle that was dropped, then for the rest of its records.
+    fn watch(&mut self, collector: &mut Collector, dropped: Dropped, run_ns: u64) -> Step {
+        let placement = dropped.placement;
+        let sighting = collector.records.sightings.iter().find(|sighting| {
+            sighting.index == self.index && sighting.appeared_run_ns == placement.from_run_ns
+        });
+        let event = sighting.map(|sighting| {
+            let records = window(&collector.records, &dropped);
+            let clearance_m =
+                |_, points_m: &[[f64; 2]]| self.clearance_m(&placement.pose, points_m);
+            let (radius_m, deadline_ns) = (self.course.radius_m, self.course.deadline_ns);
+            judge(&records, sighting, &clearance_m, radius_m, deadline_ns)
+        });
+        let seen = sighting.is_some_and(|sighting| sighting.first_scan.is_some());
+        let outcome = event.as_ref().map(|event| event.outcome);
+        let since_ns = run_ns.saturating_sub(placement.from_run_ns);
+        if let Some(answered_run_ns) = dropped.answered_run_ns {
+            if run_ns.saturating_sub(answered_run_ns) >= SETTLE_NS {
+                self.finish(collector, event, run_ns);
+            }
+            return Step::Wait;
+        }
+        let answered = matches!(outcome, Some(EventOutcome::Answered | EventOutcome::Early));
+        let missed = outcome == Some(EventOutcome::NotInTheWay)
+            && seen
+            && since_ns > self.course.scan_period_ns + SETTLE_NS;
+        let late = since_ns > self.course.deadline_ns;
+        if !(answered || missed || late) {
+            return Step::Wait;
+        }
+        self.dropped = Some(Dropped {
+            answered_run_ns: Some(run_ns),
+            ..dropped
+        });
+        Step::Place(Placement {
+            until_run_ns: run_ns.max(placement.from_run_ns),
+            ..placement
+        })
+    }
+
+    fn finish(&mut self, collector: &mut Collector, event: Option<Event>, run_ns: u64) {
+        if let Some(dropped) = self.dropped.take() {
+            self.last = Some(dropped.placement.pose);
+            collector
+                .records
+                .sightings
+                .retain(|sighting| sighting.appeared_run_ns != dropped.placement.from_run_ns);
+        }
+        self.ended_run_ns = run_ns;
+        match event {
+            Some(event) if event.outcome != EventOutcome::NotInTheWay => self.events.push(event),
+            // One that the robot never saw, or that no path led through, asks nothing of the stack.
+            _ => self.missed += 1,
+        }
+    }
+
+    fn clearance_m(&self, there: &Pose, points_m: &[[f64; 2]]) -> f64 {
+        let polyline: Vec<Point2<f64>> = points_m.iter().copied().map(Point2::from).collect();
+        self.shape.polyline_clearance_m(there, &polyline)
+    }
+}
+
+/// The records of one trial: those since it began, and the path before it.
+fn window(records: &Records, dropped: &Dropped) -> Records {
+    /// Processes are heard one after the other, so the records of one moment come apart. [ns]
+    const SLACK_NS: u64 = 500_000_000;
+    let recent = records
+        .spans
+        .iter()
+        .rev()
+        .take_while(|span| span.started_ns + SLACK_NS > dropped.began_ns);
+    let mut spans: Vec<Span> = recent.copied().collect();
+    spans.extend(dropped.path_span);
+    spans.reverse();
+    let paths: Vec<PathRecord> = records
+        .paths
+        .iter()
+        .rev()
+        .take_while(|path| path.id >= dropped.path_id)
+        .cloned()
+        .collect();
+    Records {
+        spans,
+        paths: paths.into_iter().rev().collect(),
+        sightings: Vec::new(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use zeronav_msgs::map::{MapInfo, MapTile, tiles_of};
+    use zeronav_msgs::path::PathCause;
+    use zeronav_msgs::truth::Truth;
+    use zeronav_world::spec::Trigger;
+    use zeronav_world::{ObstacleSpec, ShapeSpec, WorldSpec};
+
+    const PERIOD_NS: u64 = 100_000_000;
+
+    fn world() -> World {
+        let spec = WorldSpec {
+            map: None,
+            area_m: Some([[0.0, 0.0], [20.0, 4.0]]),
+            resolution_m: 0.1,
+            shapes: Vec::new(),
+            obstacles: vec![ObstacleSpec {
+                name: "load".to_owned(),
+                shape: ShapeSpec::Box {
+                    centre_m: [1.0, 1.0],
+                    size_m: [0.5, 1.0],
+                    yaw_rad: 0.25,
+                },
+                appears: Some(Trigger {
+                    at_s: Some(1.0e6),
+                    robot_near: None,
+                }),
+                lasts_s: None,
+                waypoints_m: Vec::new(),
+                speed_mps: 0.0,
+                repeat: false,
+            }],
+        };
+        World::new(&spec, None).expect("a world")
+    }
+
+    fn spec() -> TrialsSpec {
+        let goal = |x_m| GoalSpec {
+            pose: Pose::new(x_m, 2.0, 0.0),
+            tolerance_m: 0.5,
+            yaw_tolerance_rad: 4.0,
+        };
+        TrialsSpec {
+            obstacle: "load".to_owned(),
+            goals: [goal(19.0), goal(1.0)],
+            line_m: [[5.0, 2.0], [15.0, 2.0]],
+            ahead_m: 3.0,
+        }
+    }
+
+    fn shuttle<'a>(world: &'a World, spec: &'a TrialsSpec) -> Shuttle<'a> {
+        let course = Course {
+            spec,
+            world,
+            radius_m: 0.3,
+            scan_period_ns: PERIOD_NS,
+            deadline_ns: 5_000_000_000,
+        };
+        Shuttle::new(course, 2, 7).expect("an obstacle of that name")
+    }
+
+    #[test]
+    fn the_obstacle_is_put_before_the_robot_on_the_line_and_nowhere_else() {
+        let (world, spec) = (world(), spec());
+        let mut shuttle = shuttle(&world, &spec);
+        let at = |shuttle: &Shuttle<'_>, x_m, y_m| {
+            let there = shuttle.place_ahead(Point2::new(x_m, y_m));
+            there.map(|pose| (pose.x_m, pose.y_m, pose.yaw_rad))
+        };
+        assert_eq!(at(&shuttle, 6.0, 2.3), Some((9.0, 2.0, 0.25)));
+        assert_eq!(at(&shuttle, 2.0, 2.0), Some((5.0, 2.0, 0.25)));
+        assert_eq!(at(&shuttle, 1.9, 2.0), None, "before the line");
+        assert_eq!(at(&shuttle, 12.1, 2.0), None, "behind the line");
+        assert_eq!(at(&shuttle, 6.0, 2.7), None, "beside the line");
+        shuttle.turn();
+        assert_eq!(at(&shuttle, 14.0, 2.0), Some((11.0, 2.0, 0.25)));
+        assert_eq!(at(&shuttle, 7.9, 2.0), None);
+    }
+
+    /// Every tile of a free map.
+    fn tiles(info: &MapInfo) -> Vec<MapTile> {
+        let (columns, rows) = tiles_of(&info.geometry);
+        let all = (0..rows).flat_map(|tile_y| (0..columns).map(move |tile_x| (tile_x, tile_y)));
+        all.map(|(tile_x, tile_y)| MapTile {
+            tile_x,
+            tile_y,
+            ..MapTile::default()
+        })
+        .collect()
+    }
+
+    #[test]
+    fn a_trial_waits_for_the_path_and_its_phase_is_drawn_from_a_whole_period() {
+        let (world, spec) = (world(), spec());
+        let mut collector = Collector::default();
+        let info = MapInfo {
+            geometry: *world.geometry(),
+            revision: 1,
+            parts: 1,
+            ..MapInfo::default()
+        };
+        collector.truth = Some(Truth {
+            pose: Pose::new(6.0, 2.0, 0.0),
+            ..Truth::default()
+        });
+        collector.replica.keyframe(&info, &tiles(&info));
+        let path = |y_m| PathRecord {
+            id: 5,
+            map: 1,
+            run_ns: 0,
+            status: PathStatus::Found,
+            cause: PathCause::Goal,
+            planner: "c_astar".to_owned(),
+            length_m: 13.0,
+            expanded: 1,
+            points_m: vec![[6.0, y_m], [19.0, y_m]],
+        };
+        let run_ns = 1_000_000_000;
+        let mut phases = Vec::new();
+        for _ in 0..64 {
+            let mut shuttle = shuttle(&world, &spec);
+            shuttle.random = Pcg64Mcg::seed_from_u64(phases.len() as u64);
+            collector.records.paths.clear();
+            assert_eq!(shuttle.look(&mut collector, run_ns), Step::Wait, "no path");
+            collector.records.paths.push(path(3.9));
+            assert_eq!(
+                shuttle.look(&mut collector, run_ns),
+                Step::Wait,
+                "a path around it"
+            );
+            collector.records.paths.push(path(2.0));
+            let Step::Place(placement) = shuttle.look(&mut collector, run_ns) else {
+                panic!("nothing was placed");
+            };
+            assert_eq!(placement.until_run_ns, 0);
+            phases.push(placement.from_run_ns - run_ns - LEAD_NS);
+            // Nothing is seen of it: after the deadline it is taken away again, and not counted.
+            let late_ns = placement.from_run_ns + 5_000_000_001;
+            assert!(matches!(
+                shuttle.look(&mut collector, late_ns),
+                Step::Place(ended) if ended.until_run_ns == late_ns
+            ));
+            assert_eq!(
+                shuttle.look(&mut collector, late_ns + SETTLE_NS),
+                Step::Wait
+            );
+            assert_eq!((shuttle.done(), shuttle.missed), (0, 1));
+        }
+        assert!(phases.iter().all(|phase| *phase < PERIOD_NS));
+        let (early, late) = (
+            phases
+                .iter()
+                .filter(|phase| **phase < PERIOD_NS / 4)
+                .count(),
+            phases
+                .iter()
+                .filter(|phase| **phase >= 3 * PERIOD_NS / 4)
+                .count(),
+        );
+        assert!(early > 4 && late > 4, "{phases:?}");
+    }
+}

@@ -1,0 +1,157 @@
+//! Latency as users measure it: trials, the floor of the transport, delays put in on purpose. All
+//! of this is real time, so the runs take turns; what is asserted are counts, order and lower
+//! bounds, never how fast a busy machine is.
+
+use serde_json::Value;
+use std::path::PathBuf;
+use zeronav_tests::{Zeronav, leftovers, real_time_turn, zeronav};
+
+/// A hop of a result. [us]
+fn hop_us(result: &Value, name: &str) -> f64 {
+    let hops = result["latency"]["hops"].as_array().expect("hops");
+    let hop = hops.iter().find(|hop| hop["name"] == name);
+    hop.expect("the hop")["p50_us"].as_f64().expect("a median")
+}
+
+#[test]
+fn trials_come_with_percentiles_and_the_floor_of_the_transport() {
+    let _turn = real_time_turn();
+    let mut run = Zeronav::start(&[
+        "run",
+        "blocked_aisle",
+        "--trials",
+        "7",
+        "--headless",
+        "--json",
+    ]);
+    let mut domains: Vec<PathBuf> = Vec::new();
+    while !run.has_ended() {
+        domains.extend(run.domains());
+        std::thread::sleep(std::time::Duration::from_millis(20));
+    }
+    let result = run.finish().expect(0);
+    assert_eq!(result["verdict"], "pass", "{result:#}");
+    assert_eq!(result["outcome"], "trials_over");
+    assert_eq!(result["contacts"], 0, "{result:#}");
+    let latency = &result["latency"];
+    for key in ["replanning", "event_to_motion"] {
+        assert_eq!(latency[key]["n"], 7, "{latency:#}");
+        assert_eq!(latency[key]["censored"], 0, "{latency:#}");
+    }
+    assert_eq!(latency["closure_error_ns_max"], 0, "{latency:#}");
+    let floor = &latency["transport_floor"];
+    let number = |value: &Value| value.as_f64().expect("a number");
+    assert!(number(&floor["n"]) >= 60.0, "{floor:#}");
+    for key in ["censored", "p50_us", "p90_us", "p99_us", "max_us"] {
+        assert!(floor[key].is_number(), "{floor:#}");
+    }
+    // A stack that thinks is slower than one that does not.
+    assert!(number(&floor["p50_us"]) < number(&latency["replanning"]["p50_us"]));
+    assert!(number(&latency["replanning_to_floor"]) > 1.0);
+    let rounds = result["trials"]["rounds"].as_array().expect("rounds");
+    let made: Vec<u64> = rounds
+        .iter()
+        .map(|round| round["trials"].as_u64().expect("a count"))
+        .collect();
+    assert_eq!(made, [3, 2, 2]);
+    // Three stacks and three rings, and nothing is left of any.
+    domains.sort();
+    domains.dedup();
+    assert_eq!(domains.len(), 6, "{domains:?}");
+    for root in &domains {
+        assert!(leftovers(root).is_empty(), "{:?}", leftovers(root));
+    }
+}
+
+#[test]
+fn a_delay_appears_in_its_hop_and_nowhere_else() {
+    let _turn = real_time_turn();
+    let result = zeronav(&[
+        "run",
+        "blocked_aisle",
+        "--trials",
+        "1",
+        "--inject",
+        "global_planner=200ms",
+        "--headless",
+        "--json",
+    ])
+    .expect(0);
+    assert_eq!(result["injected_us"]["global_planner"], 200_000.0);
+    assert!(hop_us(&result, "global_planner") >= 200_000.0, "{result:#}");
+    for other in ["mapping", "local_planner", "collision_guard", "robot"] {
+        assert!(hop_us(&result, other) < 200_000.0, "{other}: {result:#}");
+    }
+    let replanning_us = result["latency"]["replanning"]["p50_us"].as_f64();
+    assert!(replanning_us.expect("a median") >= 200_000.0);
+}
+
+#[test]
+fn a_hundred_updates_a_second_and_a_slow_planner_still_yield_paths() {
+    let _turn = real_time_turn();
+    let folder = tempfile::tempdir().expect("a folder");
+    let scenario = r#"
+title = "A lidar that is faster than the planner"
+base = ["warehouse", "porter"]
+start = [3.0, 8.5, 0.0]
+[run]
+tick_hz = 100.0
+time_limit_s = 60.0
+[robot.lidar]
+rate_hz = 100.0
+[[goals]]
+pose = [8.5, 6.425, 0.0]
+"#;
+    std::fs::write(folder.path().join("fast_lidar.toml"), scenario).expect("written");
+    let result = Zeronav::start_in(
+        folder,
+        &[
+            "run",
+            "./fast_lidar.toml",
+            "--inject",
+            "global_planner=60ms",
+            "--headless",
+            "--json",
+        ],
+    )
+    .finish()
+    .expect(0);
+    assert_eq!(result["reached"], true, "{result:#}");
+    assert_eq!(result["contacts"], 0, "{result:#}");
+    let plans = result["plans"].as_array().expect("plans");
+    assert!(plans.iter().any(|plan| plan["status"] == "found"));
+    assert_eq!(result["restarts"], serde_json::json!([]), "{result:#}");
+}
+
+#[test]
+fn what_cannot_be_measured_is_refused_in_one_line() {
+    let cases: [(&[&str], &str); 6] = [
+        (&["open_aisle", "--trials", "3"], "[trials]"),
+        (&["blocked_aisle", "--trials", "0"], "--trials"),
+        (
+            &["blocked_aisle", "--trials", "3", "--lockstep"],
+            "--lockstep",
+        ),
+        (&["blocked_aisle", "--inject", "robot=5ms"], "robot"),
+        (
+            &["blocked_aisle", "--inject", "global_planner=5"],
+            "ms or us",
+        ),
+        (
+            &["blocked_aisle", "--inject", "wheels=5ms"],
+            "global_planner",
+        ),
+    ];
+    for (arguments, said) in cases {
+        let mut line = vec!["run"];
+        line.extend(arguments);
+        let ended = zeronav(&line);
+        assert_eq!(ended.code(), 2, "{arguments:?}: {}", ended.stderr);
+        assert!(
+            ended.stderr.contains(said),
+            "{arguments:?}: {}",
+            ended.stderr
+        );
+        assert!(!ended.folder.path().join("runs").exists(), "{arguments:?}");
+    }
+}
