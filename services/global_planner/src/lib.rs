@@ -16,6 +16,7 @@ pub mod corridor;
 pub mod ends;
 pub mod line;
 pub mod moves;
+pub mod papers;
 pub mod plan;
 pub mod planner;
 pub mod replan;
