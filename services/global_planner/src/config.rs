@@ -123,6 +123,10 @@ mod tests {
         };
         let text = wrong.check().map(|row| row.key).unwrap_err().to_string();
         assert!(text.contains("off_path_m"), "{text}");
+        let mut wrong = GlobalPlannerConfig::default();
+        wrong.options.papers.weight = 0.5;
+        let text = wrong.check().map(|row| row.key).unwrap_err().to_string();
+        assert!(text.contains("options.papers.weight"), "{text}");
         let wrong = GlobalPlannerConfig {
             planner: "best".to_owned(),
             ..GlobalPlannerConfig::default()

@@ -26,6 +26,7 @@ pub mod waypoints;
 
 pub use config::{ConfigError, GlobalPlannerConfig};
 pub use corridor::{Corridor, Legality};
+pub use papers::{Fallback, PaperOptions, Remarks};
 pub use plan::{Plan, Target};
 
 pub use planner::{

@@ -52,6 +52,15 @@ impl Default for PlannerOptions {
     }
 }
 
+/// `value` between 0 and `max`; 0 for what is not a number.
+pub(crate) fn within(value: f64, max: f64) -> f64 {
+    if value.is_nan() {
+        0.0
+    } else {
+        value.clamp(0.0, max)
+    }
+}
+
 /// A planner that can be chosen.
 #[derive(Debug, Clone, Copy)]
 pub struct PlannerRow {

@@ -219,6 +219,15 @@ impl<'a> Meter<'a> {
         self.add(cells)
     }
 
+    /// One entry of a walk was taken back.
+    ///
+    /// # Errors
+    /// [`PlanError::OutOfBudget`] when the budget says so.
+    pub fn turn_back(&mut self) -> Result<(), PlanError> {
+        self.stats.remarks.turned_back += 1;
+        self.add(AUX_PER_EXPANSION)
+    }
+
     #[inline]
     fn add(&mut self, work: u64) -> Result<(), PlanError> {
         self.work += work;

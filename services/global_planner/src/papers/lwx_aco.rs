@@ -115,7 +115,8 @@ impl LwxAco {
                 .recip()
                 .powf(self.options.beta);
         }
-        *attraction * self.tau[index].powf(self.options.alpha)
+        // So that the sum of eight is a number, whatever the exponents.
+        (*attraction * self.tau[index].powf(self.options.alpha)).clamp(1e-300, 1e300)
     }
 
     /// Cuts off every part of the ant's path between two cells that one legal step connects.

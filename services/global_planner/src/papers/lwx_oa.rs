@@ -107,7 +107,7 @@ impl Solver for LwxOa {
                 DeadEndPolicy::Fail => return Err(PlanError::DeadEnd),
                 DeadEndPolicy::Backtrack => {
                     cells.pop();
-                    meter.aux(LENGTHS.len() as u64)?;
+                    meter.turn_back()?;
                 }
                 DeadEndPolicy::FallbackAstar => {
                     cells.truncate(first);

@@ -161,7 +161,7 @@ impl Solver for LwxRrt {
                 return Ok(());
             }
             meter.expand()?;
-            let sample = if rng.random_bool(options.goal_bias.clamp(0.0, 1.0)) {
+            let sample = if rng.random_range(0.0..1.0) < options.goal_bias {
                 Some(goal)
             } else {
                 (0..DRAWS)

@@ -10,7 +10,7 @@ use crate::papers::spline::curve_of;
 use crate::planner::{
     CellPath, Control, CornerRule, Expansions, GlobalPlanner, PlanError, PlanQuery, PlanStats,
 };
-use crate::table::{COST_WEIGHT_MAX, ESCAPE_M_MAX, PlannerOptions};
+use crate::table::{COST_WEIGHT_MAX, ESCAPE_M_MAX, PlannerOptions, within};
 use zeronav_msgs::Cell;
 
 /// A method that finds a way between two free cells.
@@ -66,13 +66,6 @@ impl<S: Solver> OnMap<S> {
     /// nearest end.
     #[must_use]
     pub fn new(solver: S, options: &PlannerOptions, literal: bool) -> Self {
-        let within = |value: f64, max: f64| {
-            if value.is_nan() {
-                0.0
-            } else {
-                value.clamp(0.0, max)
-            }
-        };
         Self {
             solver,
             prices: Prices::new(within(options.cost_weight, COST_WEIGHT_MAX)),

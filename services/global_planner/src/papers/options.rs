@@ -55,6 +55,12 @@ impl Default for PaperOptions {
 /// Largest [`PaperOptions::weight`].
 pub const WEIGHT_MAX: f64 = 10.0;
 
+/// Largest [`EtaOptions::p0_cells`].
+pub const P0_CELLS_MAX: f64 = 12.0;
+
+/// Largest [`WalkOptions::switch_margin_cells`].
+pub const SWITCH_MARGIN_MAX: u32 = 16;
+
 /// ZM-IM. See [`EtaOptions::eta`].
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -64,7 +70,7 @@ pub struct EtaOptions {
     /// \[1/cell\] slope of the mild zone, 0 to 5. Continuous with the emergency zone when it is
     /// `alpha^2 exp(-P0 (1 - 1/alpha)) / P0`.
     pub beta: f64,
-    /// \[cells\] distance beyond which obstacles do not count, 0.1 to 12.
+    /// \[cells\] distance beyond which obstacles do not count, 0.1 to [`P0_CELLS_MAX`].
     pub p0_cells: f64,
     /// In place of eq. (5) `alpha (1 - x / P0)^2`, which decreases and is continuous.
     pub monotone: bool,
@@ -89,7 +95,8 @@ pub struct WalkOptions {
     pub rotate: Rotate,
     /// Keeps a turned vector until the direction of the target is free.
     pub keep_heading: bool,
-    /// \[cells\] Chebyshev distance of an obstacle within which the walk takes over, 1 to 16.
+    /// \[cells\] Chebyshev distance of an obstacle within which the walk takes over, 1 to
+    /// [`SWITCH_MARGIN_MAX`].
     pub switch_margin_cells: u32,
     /// Which cells belong to one obstacle.
     pub components: Neighbours,
@@ -272,8 +279,18 @@ impl PaperOptions {
             ("options.papers.weight", self.weight, 1.0, WEIGHT_MAX),
             ("options.papers.eta.alpha", eta.alpha, 0.0, 5.0),
             ("options.papers.eta.beta", eta.beta, 0.0, 5.0),
-            ("options.papers.eta.p0_cells", eta.p0_cells, 0.1, 12.0),
-            ("options.papers.walk.switch_margin_cells", margin, 1.0, 16.0),
+            (
+                "options.papers.eta.p0_cells",
+                eta.p0_cells,
+                0.1,
+                P0_CELLS_MAX,
+            ),
+            (
+                "options.papers.walk.switch_margin_cells",
+                margin,
+                1.0,
+                f64::from(SWITCH_MARGIN_MAX),
+            ),
             ("options.papers.walk.rectangle_share_max", share, 0.0, 1.0),
             ("options.papers.ants.ants", f64::from(ants.ants), 1.0, 1.0e3),
             (

@@ -3,7 +3,7 @@
 
 use crate::moves::STEPS;
 use crate::papers::field::{Field, Meter};
-use crate::papers::options::WalkOptions;
+use crate::papers::options::{SWITCH_MARGIN_MAX, WalkOptions};
 use crate::papers::sight::first_hit;
 use crate::planner::PlanError;
 use zeronav_msgs::{Cell, CellRect};
@@ -133,7 +133,7 @@ impl Regions {
     /// rectangle included.
     #[must_use]
     pub fn is_switching(&self, field: &Field<'_>, cell: Cell, margin: u32) -> bool {
-        let margin = i32::try_from(margin).unwrap_or(1);
+        let margin = margin.min(SWITCH_MARGIN_MAX).cast_signed();
         (-margin..=margin).any(|dy| {
             (-margin..=margin).any(|dx| {
                 let at = Cell::new(cell.x + dx, cell.y + dy);

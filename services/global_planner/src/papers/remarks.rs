@@ -8,6 +8,8 @@ pub struct Remarks {
     pub literal: bool,
     /// What had to step in where the method of the paper failed.
     pub fallback: Fallback,
+    /// Entries that a walk took back because nothing was left there.
+    pub turned_back: u64,
     /// Cells looked at by sight lines, floods and the like, which the papers do not count.
     pub aux_cells: u64,
     /// Free cells past a corner, seen from any cell that was expanded, each counted once.

@@ -184,7 +184,7 @@ impl Solver for Tn3n {
                     if !self.walk.turn_back() {
                         return Err(NO_WAY);
                     }
-                    meter.aux(1)?;
+                    meter.turn_back()?;
                     at = self.walk.cells.last().copied().unwrap_or(start);
                 }
                 _ => return Err(PlanError::DeadEnd),

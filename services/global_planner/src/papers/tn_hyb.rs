@@ -137,7 +137,7 @@ impl TnHyb {
                     None if gait.remembers => {
                         self.walk.turn_back();
                         self.modes.pop();
-                        meter.aux(1)?;
+                        meter.turn_back()?;
                     }
                     None => return Err(Failure::Stuck),
                 }

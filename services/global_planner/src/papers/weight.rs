@@ -1,7 +1,7 @@
 //! Weights of the heuristic: one, fixed, or by the distance to the nearest obstacle.
 
 use crate::papers::field::Field;
-use crate::papers::options::EtaOptions;
+use crate::papers::options::{EtaOptions, P0_CELLS_MAX};
 use zeronav_msgs::Cell;
 
 /// The factor of the heuristic at a cell, >= 1.
@@ -77,6 +77,7 @@ impl EtaOptions {
 /// a field over the whole map would cost more than the search it serves.
 #[must_use]
 pub fn obstacle_distance(field: &Field<'_>, cell: Cell, limit: f64) -> Option<f64> {
+    let limit = limit.min(P0_CELLS_MAX);
     let mut nearest = f64::INFINITY;
     let mut ring = 1_i32;
     while f64::from(ring) <= limit.min(nearest) {

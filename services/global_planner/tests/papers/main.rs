@@ -6,6 +6,7 @@ mod support;
 
 mod astar;
 mod bao;
+mod edges;
 mod generate;
 mod lwx;
 mod spline;
@@ -79,6 +80,11 @@ fn plan_with(
         path,
         cost: stats.cost / map.geometry.resolution_m,
     })
+}
+
+/// A counter as a number to calculate with.
+fn count(n: u64) -> f64 {
+    f64::from(u32::try_from(n).expect("small maps"))
 }
 
 /// Median of a list that is not empty.

@@ -1,7 +1,7 @@
 //! ZM-TRA, ZM-HW, ZM-IM.
 
 use crate::generate::{any, blocky, corners};
-use crate::{assert_close, median, plain, plan};
+use crate::{assert_close, count, median, plain, plan};
 use zeronav_global_planner::CornerRule;
 use zeronav_global_planner::papers::options::EtaOptions;
 use zeronav_global_planner::papers::weight::Weight;
@@ -38,8 +38,8 @@ fn zm_hw_costs_at_most_its_weight_and_expands_less() {
             };
             assert!(weighted.cost >= proper.cost - 1e-9, "seed {seed}");
             assert!(weighted.cost <= weight * proper.cost + 1e-9, "seed {seed}");
-            hw.push(weighted.stats().expanded as f64);
-            tra.push(proper.stats().expanded as f64);
+            hw.push(count(weighted.stats().expanded));
+            tra.push(count(proper.stats().expanded));
         }
         assert!(hw.len() > 50);
         let (hw, tra) = (median(hw), median(tra));
