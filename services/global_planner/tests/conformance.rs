@@ -306,7 +306,7 @@ fn the_budget_is_asked_and_obeyed() {
     // A wall between two halves: whoever proves that there is no way must look at all of one.
     map.block(Cell::new(99, 0), Cell::new(101, 200));
     let query = query(&map, Cell::new(5, 5), Cell::new(190, 190));
-    for row in PLANNERS.iter().filter(|row| row.complete) {
+    for row in PLANNERS {
         let mut calls = Vec::new();
         let mut path = CellPath::default();
         let mut budget = |expansions: Expansions| {

@@ -35,7 +35,7 @@ pub struct BaoFull {
 /// Marks the free cells next to an obstacle in `walls`, row-major; gives their number.
 pub fn inflate(field: &Field<'_>, ring: Neighbours, walls: &mut Vec<bool>) -> u64 {
     walls.clear();
-    walls.resize(field.len(), false);
+    walls.resize(field.n_cells(), false);
     let mut marked = 0;
     for (index, wall) in (0..).zip(walls.iter_mut()) {
         let cell = field.cell(index);
@@ -58,7 +58,8 @@ impl Solver for BaoFull {
         meter: &mut Meter<'_>,
         cells: &mut Vec<Cell>,
     ) -> Result<(), PlanError> {
-        meter.aux(field.len() as u64)?;
+        // One pass over the map, as long as a search's own memory takes to be made.
+        meter.stats.remarks.aux_cells += field.n_cells() as u64;
         let marked = inflate(field, self.ring, &mut self.walls);
         self.walls[field.index(start)] = false;
         self.walls[field.index(goal)] = false;

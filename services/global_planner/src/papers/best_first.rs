@@ -145,7 +145,7 @@ impl BestFirst {
         goal: Cell,
         meter: &mut Meter<'_>,
     ) -> Result<bool, PlanError> {
-        self.begin(field.len());
+        self.begin(field.n_cells());
         let estimate = |cell| {
             let h = recipe.heuristic.between(cell, goal);
             (recipe.weight.at(field, cell) * h, h)

@@ -70,16 +70,10 @@ impl<'a> Field<'a> {
         }
     }
 
-    /// Number of cells.
+    /// Number of cells of the map.
     #[must_use]
-    pub fn len(&self) -> usize {
+    pub fn n_cells(&self) -> usize {
         self.map.cells.len()
-    }
-
-    /// True when the map has no cells.
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        self.map.cells.is_empty()
     }
 
     /// Row-major index of a cell of the map; 0 for any other.

@@ -24,7 +24,7 @@ impl Flood {
         until: Option<Cell>,
         meter: &mut Meter<'_>,
     ) -> Result<bool, PlanError> {
-        self.seen.begin(field.len());
+        self.seen.begin(field.n_cells());
         self.stack.clear();
         self.seen.insert(field.index(from));
         self.stack.push(from);

@@ -71,7 +71,7 @@ impl LwxAco {
         meter: &mut Meter<'_>,
     ) -> Result<bool, PlanError> {
         let field = colony.field;
-        self.visited.begin(field.len());
+        self.visited.begin(field.n_cells());
         self.visited.insert(field.index(start));
         self.ant.clear();
         self.ant.push(start);
@@ -152,7 +152,7 @@ impl Solver for LwxAco {
         cells: &mut Vec<Cell>,
     ) -> Result<(), PlanError> {
         let options = self.options;
-        let n_cells = field.len();
+        let n_cells = field.n_cells();
         self.tau.clear();
         self.tau.resize(n_cells, TAU_START);
         self.attraction.clear();

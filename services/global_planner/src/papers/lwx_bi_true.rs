@@ -46,7 +46,7 @@ impl Solver for LwxBiTrue {
         };
         for (frontier, (root, sign)) in self.frontiers.iter_mut().zip([(start, 1.0), (goal, -1.0)])
         {
-            frontier.begin(field.len());
+            frontier.begin(field.n_cells());
             let key = sign * potential(root);
             frontier.put(field, root, 0.0, NO_STEP, (key, key), meter);
         }

@@ -84,7 +84,7 @@ impl Solver for LwxOa {
         cells: &mut Vec<Cell>,
     ) -> Result<(), PlanError> {
         let first = cells.len();
-        self.visited.begin(field.len());
+        self.visited.begin(field.n_cells());
         self.visited.insert(field.index(start));
         cells.push(start);
         let mut is_new = true;

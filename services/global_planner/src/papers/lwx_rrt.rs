@@ -147,7 +147,7 @@ impl Solver for LwxRrt {
             .max(1.0);
         let mut rng = Pcg64Mcg::seed_from_u64(self.seed);
         self.tree.begin(width, height);
-        self.taken.begin(field.len());
+        self.taken.begin(field.n_cells());
         self.taken.insert(field.index(start));
         self.tree.add(start, 0);
         let mut newest = (start, 0);

@@ -127,7 +127,7 @@ impl<S: Solver> OnMap<S> {
 
     /// What \[BAO\] counts along the path, and how often it cuts a corner.
     fn remark(&mut self, field: &Field<'_>, cells: &[Cell], stats: &mut PlanStats) {
-        self.seen.begin(field.len());
+        self.seen.begin(field.n_cells());
         let strict = field.with_rule(CornerRule::ForbidAny);
         let ends = [cells.first(), cells.last()];
         for cell in cells {

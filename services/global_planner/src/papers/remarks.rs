@@ -12,7 +12,8 @@ pub struct Remarks {
     pub turned_back: u64,
     /// Cells looked at by sight lines, floods and the like, which the papers do not count.
     pub aux_cells: u64,
-    /// Free cells past a corner, seen from any cell that was expanded, each counted once.
+    /// Free cells past a corner, seen from any cell that was expanded, each counted once;
+    /// the cells around obstacles for `bao_full`.
     pub virtual_total: u64,
     /// Free cells past a corner, seen from a cell of the path, each counted once: what \[BAO\]
     /// prints.

@@ -167,11 +167,11 @@ impl Solver for Tn3n {
             keep_heading: self.options.keep_heading,
             remembers: !self.literal,
         };
-        self.walk.begin(field.len(), start, field.index(start));
+        self.walk.begin(field.n_cells(), start, field.index(start));
         meter.expand()?;
         let mut at = start;
         // A walk with a memory enters every cell once; one without may go in circles.
-        let mut steps_left = 4 * field.len();
+        let mut steps_left = 4 * field.n_cells();
         while at != goal {
             match self.walk.step(field, goal, gait, meter.stats) {
                 Some(to) if steps_left > 0 => {

@@ -109,11 +109,11 @@ impl TnHyb {
             },
             ..self.options
         };
-        self.regions.begin(field.len());
-        self.walk.begin(field.len(), start, field.index(start));
+        self.regions.begin(field.n_cells());
+        self.walk.begin(field.n_cells(), start, field.index(start));
         self.modes.clear();
         meter.expand()?;
-        let mut steps_left = 4 * field.len();
+        let mut steps_left = 4 * field.n_cells();
         while let Some(at) = self.walk.cells.last().copied() {
             if at == goal {
                 return Ok(());
