@@ -14,7 +14,7 @@ use crate::planner::{
     CellPath, Control, CornerRule, Expansions, GlobalPlanner, PlanError, PlanQuery, PlanStats,
 };
 use crate::search::{Found, Search, Task};
-use crate::table::{COST_WEIGHT_MAX, ESCAPE_M_MAX, PlannerOptions};
+use crate::table::{COST_WEIGHT_MAX, ESCAPE_M_MAX, PlannerOptions, within};
 
 /// See the module's description.
 #[derive(Debug)]
@@ -81,15 +81,6 @@ impl GlobalPlanner for CAstar {
         self.search.trace(&task, &mut path.cells);
         path.stats.cost = cost_m(query, self.cost_weight, path);
         Ok(path.stats)
-    }
-}
-
-/// `value` between 0 and `max`; 0 for what is not a number.
-fn within(value: f64, max: f64) -> f64 {
-    if value.is_nan() {
-        0.0
-    } else {
-        value.clamp(0.0, max)
     }
 }
 

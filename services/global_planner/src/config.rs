@@ -80,6 +80,7 @@ impl GlobalPlannerConfig {
             COST_WEIGHT_MAX,
         )?;
         within("options.escape_m", options.escape_m, 0.0, ESCAPE_M_MAX)?;
+        options.papers.check()?;
         within("off_path_m", self.off_path_m, 0.05, 1.0e3)?;
         within("shortcut_gain", self.shortcut_gain, 0.0, 1.0)?;
         let every = f64::from(self.shortcut_every_revisions);
@@ -88,7 +89,12 @@ impl GlobalPlannerConfig {
     }
 }
 
-fn within(field: &'static str, value: f64, min: f64, max: f64) -> Result<(), ConfigError> {
+pub(crate) fn within(
+    field: &'static str,
+    value: f64,
+    min: f64,
+    max: f64,
+) -> Result<(), ConfigError> {
     if (min..=max).contains(&value) {
         Ok(())
     } else {
@@ -117,6 +123,10 @@ mod tests {
         };
         let text = wrong.check().map(|row| row.key).unwrap_err().to_string();
         assert!(text.contains("off_path_m"), "{text}");
+        let mut wrong = GlobalPlannerConfig::default();
+        wrong.options.papers.weight = 0.5;
+        let text = wrong.check().map(|row| row.key).unwrap_err().to_string();
+        assert!(text.contains("options.papers.weight"), "{text}");
         let wrong = GlobalPlannerConfig {
             planner: "best".to_owned(),
             ..GlobalPlannerConfig::default()

@@ -16,6 +16,7 @@ pub mod corridor;
 pub mod ends;
 pub mod line;
 pub mod moves;
+pub mod papers;
 pub mod plan;
 pub mod planner;
 pub mod replan;
@@ -25,6 +26,7 @@ pub mod waypoints;
 
 pub use config::{ConfigError, GlobalPlannerConfig};
 pub use corridor::{Corridor, Legality};
+pub use papers::{Fallback, PaperOptions, Remarks};
 pub use plan::{Plan, Target};
 
 pub use planner::{

@@ -2,7 +2,7 @@
 
 use crate::corridor::{Corridor, Legality};
 use crate::planner::{CellPath, PlanError, PlanQuery};
-use crate::waypoints::waypoints_of;
+use crate::waypoints::{waypoints_along, waypoints_of};
 use zeronav_msgs::path::{Path, PathCause, PathStatus, Waypoint};
 use zeronav_msgs::{Cell, MapView, Pose};
 
@@ -82,6 +82,7 @@ impl Plan {
 
     fn forget_way(&mut self) {
         self.cells.cells.clear();
+        self.cells.curve.clear();
         self.waypoints.clear();
         self.length_m = 0.0;
         self.corridor.clear();
@@ -101,8 +102,9 @@ impl Plan {
         self.robot_cell = query.map.geometry.cell_at(query.start.point());
         let length_m = error.map_or_else(
             || {
-                let cells = &self.cells.cells;
-                waypoints_of(&query.map, cells, &query.goal, &mut self.waypoints)
+                let (cells, curve) = (&self.cells.cells, &self.cells.curve);
+                waypoints_along(&query.map, curve, &query.goal, &mut self.waypoints)
+                    .or_else(|_| waypoints_of(&query.map, cells, &query.goal, &mut self.waypoints))
                     .map_err(|_| PathStatus::TooLong)
             },
             |error| Err(error.status()),

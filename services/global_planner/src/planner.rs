@@ -1,5 +1,7 @@
 //! What every global planner is: a question, an answer, a budget, and the ways to fail.
 
+use crate::papers::Remarks;
+use nalgebra::Point2;
 use serde::{Deserialize, Serialize};
 use zeronav_msgs::map::{COST_LETHAL, COST_UNKNOWN};
 use zeronav_msgs::path::PathStatus;
@@ -98,6 +100,10 @@ pub struct CellPath {
     /// The way from the robot's own cell to the goal's. It is straight between the centres of two
     /// entries that follow each other; they need not be neighbours.
     pub cells: Vec<Cell>,
+    /// [m] `map` frame: the curve that rounds the path, straight between two points, from its
+    /// first cell to its last; empty when the path is not rounded. It stays in the surroundings of
+    /// the cells, which are what is held against later maps.
+    pub curve: Vec<Point2<f64>>,
     /// Counters of the search that wrote the path, also when it failed.
     pub stats: PlanStats,
 }
@@ -106,6 +112,7 @@ impl CellPath {
     /// Forgets path and counters, keeps the memory.
     pub fn clear(&mut self) {
         self.cells.clear();
+        self.curve.clear();
         self.stats = PlanStats::default();
     }
 
@@ -132,6 +139,8 @@ pub struct PlanStats {
     pub peak_open: u64,
     /// Cost of the path in the planner's own measure, >= its length [m]; 0 without a path.
     pub cost: f64,
+    /// What else is to be said about the path.
+    pub remarks: Remarks,
 }
 
 /// Expansions of the running search so far.

@@ -1,6 +1,25 @@
 //! The planners by name: a new planner is one file and one row here.
 
 use crate::astar::CAstar;
+use crate::papers::PaperOptions;
+use crate::papers::bao_full::bao_full;
+use crate::papers::bao_taa::bao_taa;
+use crate::papers::bao_virtual::{bao_aao, bao_dij, bao_iaa};
+use crate::papers::c_los::c_los;
+use crate::papers::ju_astar::ju_astar;
+use crate::papers::lwx_aco::lwx_aco;
+use crate::papers::lwx_bi::lwx_bi;
+use crate::papers::lwx_bi_true::lwx_bi_true;
+use crate::papers::lwx_oa::lwx_oa;
+use crate::papers::lwx_rrt::lwx_rrt;
+use crate::papers::lwx_ta::lwx_ta;
+use crate::papers::tn_3n::tn_3n;
+use crate::papers::tn_a8::tn_a8;
+use crate::papers::tn_apf::tn_apf;
+use crate::papers::tn_hyb::tn_hyb;
+use crate::papers::zm_hw::zm_hw;
+use crate::papers::zm_im::zm_im;
+use crate::papers::zm_tra::zm_tra;
 use crate::planner::GlobalPlanner;
 use serde::{Deserialize, Serialize};
 
@@ -13,6 +32,8 @@ pub struct PlannerOptions {
     pub cost_weight: f64,
     /// [m] how far a robot that stands too close to an obstacle may be led out, >= 0.
     pub escape_m: f64,
+    /// What only the planners of the papers read.
+    pub papers: PaperOptions,
 }
 
 /// Largest [`PlannerOptions::cost_weight`].
@@ -26,7 +47,17 @@ impl Default for PlannerOptions {
         Self {
             cost_weight: 3.0,
             escape_m: 0.6,
+            papers: PaperOptions::default(),
         }
+    }
+}
+
+/// `value` between 0 and `max`; 0 for what is not a number.
+pub(crate) fn within(value: f64, max: f64) -> f64 {
+    if value.is_nan() {
+        0.0
+    } else {
+        value.clamp(0.0, max)
     }
 }
 
@@ -45,15 +76,164 @@ pub struct PlannerRow {
     pub build: fn(&PlannerOptions) -> Box<dyn GlobalPlanner>,
 }
 
+/// Sources of the papers' planners.
+const TN: &str = "[TN] three-neighbour search A* combined with artificial potential fields";
+const JU: &str = "[JU] Ju, Luo, Yan: fusion of artificial potential fields and A*";
+const ZM: &str = "[ZM] Zhang, Meng, 2022: A* with an improved artificial potential field";
+const LWX: &str = "[LWX] Liu, Wang, Xu, 2022: optimised A*, potential field, least squares";
+const BAO: &str = "[BAO] Bao et al., 2023: improved A*";
+
 /// Every planner.
-pub const PLANNERS: &[PlannerRow] = &[PlannerRow {
-    key: "c_astar",
-    title: "A* over costs",
-    source: "Hart, Nilsson, Raphael, \"A Formal Basis for the Heuristic Determination of Minimum \
-             Cost Paths\", 1968; open list after Dial, 1969",
-    complete: true,
-    build: |options| Box::new(CAstar::new(options)),
-}];
+pub const PLANNERS: &[PlannerRow] = &[
+    PlannerRow {
+        key: "c_astar",
+        title: "A* over costs",
+        source: "Hart, Nilsson, Raphael, \"A Formal Basis for the Heuristic Determination of \
+                 Minimum Cost Paths\", 1968; open list after Dial, 1969",
+        complete: true,
+        build: |options| Box::new(CAstar::new(options)),
+    },
+    PlannerRow {
+        key: "c_los",
+        title: "A*, pulled taut",
+        source: "the any-angle baseline of the papers' comparisons",
+        complete: true,
+        build: |options| Box::new(c_los(options)),
+    },
+    PlannerRow {
+        key: "tn_a8",
+        title: "A* over eight neighbours",
+        source: TN,
+        complete: true,
+        build: |options| Box::new(tn_a8(options)),
+    },
+    PlannerRow {
+        key: "tn_apf",
+        title: "Straight to the goal",
+        source: TN,
+        complete: false,
+        build: |options| Box::new(tn_apf(options)),
+    },
+    PlannerRow {
+        key: "tn_3n",
+        title: "Walk of three neighbours",
+        source: TN,
+        complete: true,
+        build: |options| Box::new(tn_3n(options)),
+    },
+    PlannerRow {
+        key: "tn_hyb",
+        title: "Three-neighbour walk and attraction",
+        source: TN,
+        complete: true,
+        build: |options| Box::new(tn_hyb(options)),
+    },
+    PlannerRow {
+        key: "ju_astar",
+        title: "A* with the straight distance",
+        source: JU,
+        complete: true,
+        build: |options| Box::new(ju_astar(options)),
+    },
+    PlannerRow {
+        key: "zm_tra",
+        title: "Traditional A*",
+        source: ZM,
+        complete: true,
+        build: |options| Box::new(zm_tra(options)),
+    },
+    PlannerRow {
+        key: "zm_hw",
+        title: "A* with a fixed weight",
+        source: ZM,
+        complete: true,
+        build: |options| Box::new(zm_hw(options)),
+    },
+    PlannerRow {
+        key: "zm_im",
+        title: "A* with a weight by obstacle distance",
+        source: ZM,
+        complete: true,
+        build: |options| Box::new(zm_im(options)),
+    },
+    PlannerRow {
+        key: "lwx_ta",
+        title: "Traditional A*",
+        source: LWX,
+        complete: true,
+        build: |options| Box::new(lwx_ta(options)),
+    },
+    PlannerRow {
+        key: "lwx_oa",
+        title: "Greedy search without an open list",
+        source: LWX,
+        complete: true,
+        build: |options| Box::new(lwx_oa(options)),
+    },
+    PlannerRow {
+        key: "lwx_bi",
+        title: "A* from both ends to the middle",
+        source: LWX,
+        complete: true,
+        build: |options| Box::new(lwx_bi(options)),
+    },
+    PlannerRow {
+        key: "lwx_bi_true",
+        title: "Bidirectional A*",
+        source: LWX,
+        complete: true,
+        build: |options| Box::new(lwx_bi_true(options)),
+    },
+    PlannerRow {
+        key: "lwx_aco",
+        title: "Ant colony",
+        source: LWX,
+        complete: false,
+        build: |options| Box::new(lwx_aco(options)),
+    },
+    PlannerRow {
+        key: "lwx_rrt",
+        title: "Random tree",
+        source: LWX,
+        complete: false,
+        build: |options| Box::new(lwx_rrt(options)),
+    },
+    PlannerRow {
+        key: "bao_taa",
+        title: "A* with the Manhattan distance",
+        source: BAO,
+        complete: true,
+        build: |options| Box::new(bao_taa(options)),
+    },
+    PlannerRow {
+        key: "bao_aao",
+        title: "Virtual obstacles, Manhattan distance",
+        source: BAO,
+        complete: true,
+        build: |options| Box::new(bao_aao(options)),
+    },
+    PlannerRow {
+        key: "bao_iaa",
+        title: "Virtual obstacles, octile distance, spline",
+        source: BAO,
+        complete: true,
+        build: |options| Box::new(bao_iaa(options)),
+    },
+    PlannerRow {
+        key: "bao_dij",
+        title: "Dijkstra with virtual obstacles, spline",
+        source: BAO,
+        complete: true,
+        build: |options| Box::new(bao_dij(options)),
+    },
+    PlannerRow {
+        key: "bao_full",
+        title: "A* among inflated obstacles",
+        source: BAO,
+        complete: false,
+        build: |options| Box::new(bao_full(options)),
+    },
+];
 
 /// No planner has this key.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]

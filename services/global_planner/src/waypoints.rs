@@ -64,6 +64,42 @@ pub fn waypoints_of(
     Ok(turn(waypoints, goal))
 }
 
+/// No curve, or one of more points than a message holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, thiserror::Error)]
+#[error("the curve has no points, or more than {WAYPOINTS_MAX}")]
+pub struct NoCurve;
+
+/// Writes the points of a curve in the `map` frame [m] as waypoints and gives its length [m]. The
+/// yaw of the last is that of `goal`, wrapped to (-pi, pi].
+///
+/// # Errors
+/// [`NoCurve`]; `waypoints` is then empty.
+pub fn waypoints_along(
+    map: &MapView<'_>,
+    curve: &[Point2<f64>],
+    goal: &Pose,
+    waypoints: &mut Vec<Waypoint>,
+) -> Result<f64, NoCurve> {
+    waypoints.clear();
+    if curve.is_empty() {
+        return Err(NoCurve);
+    }
+    let mut line = Line { map, waypoints };
+    for (n, point) in curve.iter().enumerate() {
+        let corner = match (n.checked_sub(1).map(|n| curve[n]), curve.get(n + 1)) {
+            (Some(before), Some(after)) => {
+                let (one, other) = (point - before, after - point);
+                one.perp(&other).abs() > 1e-9 * one.norm() * other.norm()
+            }
+            _ => true,
+        };
+        if corner {
+            line.push(*point).map_err(|TooLong| NoCurve)?;
+        }
+    }
+    Ok(turn(waypoints, goal))
+}
+
 struct Line<'a> {
     map: &'a MapView<'a>,
     waypoints: &'a mut Vec<Waypoint>,

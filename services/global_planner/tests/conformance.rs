@@ -7,7 +7,7 @@ use support::{Map, Rng, of_cost};
 use zeronav_global_planner::line::supercover;
 use zeronav_global_planner::{
     CellPath, Control, CornerRule, Expansions, GlobalPlanner, PLANNERS, PlanError, PlanQuery,
-    PlannerOptions, PlannerRow, Unknown,
+    PlanStats, PlannerOptions, PlannerRow, Unknown,
 };
 use zeronav_msgs::map::{COST_INSCRIBED, COST_LETHAL};
 use zeronav_msgs::{Cell, Pose};
@@ -19,7 +19,16 @@ const RULES: [CornerRule; 3] = [
 ];
 
 fn build(row: &PlannerRow) -> Box<dyn GlobalPlanner> {
-    (row.build)(&PlannerOptions::default())
+    let mut options = PlannerOptions::default();
+    // A small colony: what is promised here does not depend on its size.
+    options.papers.ants.ants = 8;
+    options.papers.ants.patience = 4;
+    (row.build)(&options)
+}
+
+/// True when an incomplete planner gave up, which is no proof that there is no way.
+fn gave_up(row: &PlannerRow, result: Result<PlanStats, PlanError>) -> bool {
+    !row.complete && result == Err(PlanError::DeadEnd)
 }
 
 fn query(map: &Map, start: Cell, goal: Cell) -> PlanQuery<'_> {
@@ -45,12 +54,12 @@ fn check(text: &str, expected: Result<(), PlanError>) {
         let query = query(&map, at('S'), at('G'));
         let result = build(row).plan(&query, &mut go, &mut path);
         match expected {
+            Ok(()) if gave_up(row, result) => {}
             Ok(()) => {
                 assert!(result.is_ok(), "{}: {result:?}\n{text}", row.key);
                 assert_legal(row, &query, &path);
             }
-            Err(error) if row.complete => assert_eq!(result, Err(error), "{}\n{text}", row.key),
-            Err(_) => assert!(result.is_err(), "{}\n{text}", row.key),
+            Err(error) => assert_eq!(result, Err(error), "{}\n{text}", row.key),
         }
         if result.is_err() {
             assert!(
@@ -196,9 +205,11 @@ fn a_start_too_close_to_an_obstacle_is_left_the_shortest_way() {
     map.put(at('S'), of_cost(COST_INSCRIBED));
     for row in PLANNERS {
         let mut path = CellPath::default();
-        build(row)
-            .plan(&query(&map, at('S'), at('G')), &mut go, &mut path)
-            .unwrap();
+        let result = build(row).plan(&query(&map, at('S'), at('G')), &mut go, &mut path);
+        if gave_up(row, result) {
+            continue;
+        }
+        result.unwrap();
         let out = [at('S'), Cell::new(3, 1), Cell::new(4, 1)];
         assert_eq!(path.cells[..3], out, "{}", row.key);
         assert_eq!(path.cells.last(), Some(&at('G')), "{}", row.key);
@@ -230,9 +241,11 @@ fn a_start_too_close_to_an_obstacle_is_not_led_into_a_pocket() {
     map.put(at('S'), of_cost(COST_INSCRIBED));
     for row in PLANNERS {
         let mut path = CellPath::default();
-        build(row)
-            .plan(&query(&map, at('S'), at('G')), &mut go, &mut path)
-            .unwrap();
+        let result = build(row).plan(&query(&map, at('S'), at('G')), &mut go, &mut path);
+        if gave_up(row, result) {
+            continue;
+        }
+        result.unwrap();
         assert_eq!(path.cells[0], at('S'), "{}", row.key);
         assert_eq!(path.cells.last(), Some(&at('G')), "{}", row.key);
     }
@@ -258,7 +271,11 @@ fn a_blocked_goal_gives_way_within_the_tolerance() {
         );
         // The nearest free cell is one diagonal away, 0.0707 m.
         query.tolerance_m = 0.072;
-        planner.plan(&query, &mut go, &mut path).unwrap();
+        let result = planner.plan(&query, &mut go, &mut path);
+        if gave_up(row, result) {
+            continue;
+        }
+        result.unwrap();
         assert_eq!(path.cells.last(), Some(&Cell::new(2, 2)), "{}", row.key);
     }
 }
@@ -286,11 +303,10 @@ fn unknown_cells_are_what_the_query_says() {
 #[test]
 fn the_budget_is_asked_and_obeyed() {
     let mut map = Map::free(200, 200);
-    // The goal is walled in, so that every planner that is complete must look everywhere.
-    map.block(Cell::new(180, 180), Cell::new(200, 200));
-    map.put(Cell::new(190, 190), of_cost(0));
+    // A wall between two halves: whoever proves that there is no way must look at all of one.
+    map.block(Cell::new(99, 0), Cell::new(101, 200));
     let query = query(&map, Cell::new(5, 5), Cell::new(190, 190));
-    for row in PLANNERS.iter().filter(|row| row.complete) {
+    for row in PLANNERS {
         let mut calls = Vec::new();
         let mut path = CellPath::default();
         let mut budget = |expansions: Expansions| {
@@ -368,6 +384,12 @@ proptest! {
             prop_assert_eq!(first, third);
             prop_assert_eq!(&one, &two);
             prop_assert_eq!(&one, &three);
+            // The one under which every planner searches the same graph.
+            if RULES[rule] == CornerRule::ForbidAny {
+                let reference = build(&PLANNERS[0]).plan(&query, &mut go, &mut two);
+                let agrees = first.err() == reference.err();
+                prop_assert!(agrees || (reference.is_ok() && gave_up(row, first)), "{}", row.key);
+            }
             if first.is_ok() && free(from) && free(to) {
                 assert_legal(row, &query, &one);
             }

@@ -1,0 +1,80 @@
+//! `bao_full`: A* on a map whose obstacles are all inflated by one cell, reference 31 of \[BAO\].
+//!
+//! Gaps of one or two cells close, so the planner gives up where there is a way. Start and goal
+//! are exempt.
+
+use crate::moves::STEPS;
+use crate::papers::best_first::{BestFirst, Recipe};
+use crate::papers::field::{Field, Meter};
+use crate::papers::heuristic::Heuristic;
+use crate::papers::on_map::{OnMap, Solver};
+use crate::papers::options::Neighbours;
+use crate::planner::{CornerRule, PlanError};
+use crate::table::PlannerOptions;
+use zeronav_msgs::Cell;
+
+/// The planner.
+#[must_use]
+pub fn bao_full(options: &PlannerOptions) -> OnMap<BaoFull> {
+    let solver = BaoFull {
+        ring: options.papers.ring,
+        walls: Vec::new(),
+        memory: BestFirst::default(),
+    };
+    OnMap::new(solver, options, false)
+}
+
+/// See the module's description.
+#[derive(Debug)]
+pub struct BaoFull {
+    ring: Neighbours,
+    walls: Vec<bool>,
+    memory: BestFirst,
+}
+
+/// Marks the free cells next to an obstacle in `walls`, row-major; gives their number.
+pub fn inflate(field: &Field<'_>, ring: Neighbours, walls: &mut Vec<bool>) -> u64 {
+    walls.clear();
+    walls.resize(field.n_cells(), false);
+    let mut marked = 0;
+    for (index, wall) in (0..).zip(walls.iter_mut()) {
+        let cell = field.cell(index);
+        let is_obstacle = |(n, (dx, dy)): (usize, &(i32, i32))| {
+            let beside = Cell::new(cell.x + dx, cell.y + dy);
+            ring.has(n) && field.map.geometry.contains(beside) && !field.is_free(beside)
+        };
+        *wall = field.is_free(cell) && STEPS.iter().enumerate().any(is_obstacle);
+        marked += u64::from(*wall);
+    }
+    marked
+}
+
+impl Solver for BaoFull {
+    fn solve(
+        &mut self,
+        field: &Field<'_>,
+        start: Cell,
+        goal: Cell,
+        meter: &mut Meter<'_>,
+        cells: &mut Vec<Cell>,
+    ) -> Result<(), PlanError> {
+        // One pass over the map, as long as a search's own memory takes to be made.
+        meter.stats.remarks.aux_cells += field.n_cells() as u64;
+        let marked = inflate(field, self.ring, &mut self.walls);
+        self.walls[field.index(start)] = false;
+        self.walls[field.index(goal)] = false;
+        let inflated = field.with_walls(&self.walls);
+        let recipe = Recipe::plain(Heuristic::Octile);
+        let found = self.memory.search(&inflated, &recipe, start, goal, meter)?;
+        meter.stats.remarks.virtual_total = marked;
+        if !found {
+            return Err(PlanError::DeadEnd);
+        }
+        self.memory.trace(field, goal, cells);
+        Ok(())
+    }
+
+    fn corner_rule(&self) -> Option<CornerRule> {
+        Some(CornerRule::ForbidAny)
+    }
+}

@@ -1,0 +1,126 @@
+//! `lwx_oa`: the "optimised A*" of \[LWX\], which has no open list: it goes to the best neighbour
+//! of the cell where it stands.
+//!
+//! Greedy, so not the path of A*. What happens in a dead end is not printed and is an option;
+//! going back makes it a depth-first search, which is complete. Literal mode chooses by straight
+//! distance from the start plus straight distance to the goal.
+
+use crate::papers::best_first::{BestFirst, Recipe};
+use crate::papers::field::{Field, LENGTHS, Look, Marks, Meter, distance};
+use crate::papers::heuristic::Heuristic;
+use crate::papers::on_map::{NO_WAY, OnMap, Solver};
+use crate::papers::options::{ChildCost, DeadEndPolicy, GreedyOptions};
+use crate::papers::remarks::Fallback;
+use crate::planner::PlanError;
+use crate::table::PlannerOptions;
+use zeronav_msgs::Cell;
+
+/// The planner.
+#[must_use]
+pub fn lwx_oa(options: &PlannerOptions) -> OnMap<LwxOa> {
+    let papers = &options.papers;
+    let solver = LwxOa {
+        options: papers.greedy,
+        literal: papers.literal,
+        visited: Marks::default(),
+        astar: BestFirst::default(),
+    };
+    OnMap::new(solver, options, papers.literal)
+}
+
+/// See the module's description.
+#[derive(Debug)]
+pub struct LwxOa {
+    options: GreedyOptions,
+    literal: bool,
+    visited: Marks,
+    astar: BestFirst,
+}
+
+impl LwxOa {
+    /// The best neighbour that was not visited: least cost, then nearest to the goal, then the
+    /// first counter-clockwise from +x.
+    fn best_child(
+        &self,
+        field: &Field<'_>,
+        from: Cell,
+        (start, goal): (Cell, Cell),
+    ) -> Option<Cell> {
+        let mut best: Option<(f64, f64, Cell)> = None;
+        for (n, length) in LENGTHS.iter().enumerate() {
+            let Look::Free(to) = field.look(from, n) else {
+                continue;
+            };
+            if self.visited.has(field.index(to)) {
+                continue;
+            }
+            let h = distance(to, goal);
+            let cost = if self.literal {
+                distance(start, to) + h
+            } else {
+                match self.options.child_cost {
+                    ChildCost::Distance => h,
+                    ChildCost::DistanceAndStep => h + length * field.price(to),
+                }
+            };
+            let better = best.is_none_or(|(least, nearest, _)| {
+                cost < least - 1e-12 || (cost <= least + 1e-12 && h < nearest - 1e-12)
+            });
+            if better {
+                best = Some((cost, h, to));
+            }
+        }
+        best.map(|(.., to)| to)
+    }
+}
+
+impl Solver for LwxOa {
+    fn solve(
+        &mut self,
+        field: &Field<'_>,
+        start: Cell,
+        goal: Cell,
+        meter: &mut Meter<'_>,
+        cells: &mut Vec<Cell>,
+    ) -> Result<(), PlanError> {
+        let first = cells.len();
+        self.visited.begin(field.n_cells());
+        self.visited.insert(field.index(start));
+        cells.push(start);
+        let mut is_new = true;
+        while let Some(at) = cells[first..].last().copied() {
+            if core::mem::take(&mut is_new) {
+                meter.expand()?;
+            }
+            if at == goal {
+                return Ok(());
+            }
+            meter.stats.evaluated += LENGTHS.len() as u64;
+            if let Some(to) = self.best_child(field, at, (start, goal)) {
+                self.visited.insert(field.index(to));
+                cells.push(to);
+                meter.stats.generated += 1;
+                is_new = true;
+                continue;
+            }
+            match self.options.dead_end {
+                DeadEndPolicy::Fail => return Err(PlanError::DeadEnd),
+                DeadEndPolicy::Backtrack => {
+                    cells.pop();
+                    meter.turn_back()?;
+                }
+                DeadEndPolicy::FallbackAstar => {
+                    cells.truncate(first);
+                    meter.stats.remarks.fallback = Fallback::Astar;
+                    let recipe = Recipe::plain(Heuristic::Octile);
+                    if !self.astar.search(field, &recipe, start, goal, meter)? {
+                        return Err(NO_WAY);
+                    }
+                    self.astar.trace(field, goal, cells);
+                    return Ok(());
+                }
+            }
+        }
+        Err(NO_WAY)
+    }
+}

@@ -1,0 +1,196 @@
+//! `tn_3n`: \[TN\]'s walk that looks at three cells a step.
+//!
+//! As printed the walk has no memory: it may turn in circles or end in a pocket (literal mode).
+//! Here it does not enter a cell twice and goes back when nothing is left, which makes it a
+//! depth-first search: complete, but far from the shortest way.
+
+use crate::papers::field::{Field, LENGTHS, Look, Marks, Meter, distance};
+use crate::papers::on_map::{NO_WAY, OnMap, Solver};
+use crate::papers::options::{Rotate, WalkOptions};
+use crate::planner::{PlanError, PlanStats};
+use crate::table::PlannerOptions;
+use zeronav_msgs::Cell;
+
+/// The planner.
+#[must_use]
+pub fn tn_3n(options: &PlannerOptions) -> OnMap<Tn3n> {
+    let papers = &options.papers;
+    let solver = Tn3n {
+        options: papers.walk,
+        literal: papers.literal,
+        walk: Walk::default(),
+    };
+    OnMap::new(solver, options, papers.literal)
+}
+
+/// See the module's description.
+#[derive(Debug)]
+pub struct Tn3n {
+    options: WalkOptions,
+    literal: bool,
+    walk: Walk,
+}
+
+/// The way walked so far.
+#[derive(Debug, Default)]
+pub struct Walk {
+    visited: Marks,
+    /// From the start to where the walk is.
+    pub cells: Vec<Cell>,
+    /// Direction of a turned pose vector that is kept.
+    heading: Option<usize>,
+}
+
+/// How a walk goes.
+#[derive(Debug, Clone, Copy)]
+pub struct Gait {
+    /// To which side it turns.
+    pub rotate: Rotate,
+    /// See [`WalkOptions::keep_heading`].
+    pub keep_heading: bool,
+    /// False: as printed, cells are entered as often as one likes.
+    pub remembers: bool,
+}
+
+impl Walk {
+    /// Stands at `start`.
+    pub fn begin(&mut self, n_cells: usize, start: Cell, start_index: usize) {
+        self.visited.begin(n_cells);
+        self.visited.insert(start_index);
+        self.cells.clear();
+        self.cells.push(start);
+        self.heading = None;
+    }
+
+    /// True for cells that the walk has entered.
+    #[must_use]
+    pub fn has_visited(&self, index: usize) -> bool {
+        self.visited.has(index)
+    }
+
+    /// Goes to `cell`.
+    pub fn enter(&mut self, field: &Field<'_>, cell: Cell) {
+        self.visited.insert(field.index(cell));
+        self.cells.push(cell);
+    }
+
+    /// Goes back one entry; false at the start.
+    pub fn turn_back(&mut self) -> bool {
+        self.heading = None;
+        self.cells.pop();
+        !self.cells.is_empty()
+    }
+
+    /// Chooses among three cells ahead of the pose vector towards `target`, turning it by 90
+    /// degrees until one is free: where the walk goes next, `None` when nothing is left.
+    pub fn step(
+        &mut self,
+        field: &Field<'_>,
+        target: Cell,
+        gait: Gait,
+        stats: &mut PlanStats,
+    ) -> Option<Cell> {
+        let at = *self.cells.last()?;
+        let towards = direction(at, target);
+        let visited = &self.visited;
+        let open = |n: usize| match field.look(at, n) {
+            Look::Free(to) if !gait.remembers || !visited.has(field.index(to)) => Some(to),
+            _ => None,
+        };
+        if gait.keep_heading && open(towards).is_some() {
+            self.heading = None;
+        }
+        let ahead = self.heading.unwrap_or(towards);
+        let mut best_of = |ahead: usize| {
+            let mut best: Option<(f64, usize, Cell)> = None;
+            // Ahead, 45 degrees to the left, 45 degrees to the right: the order decides ties.
+            for n in [ahead, ahead + 1, ahead + 7] {
+                stats.evaluated += 1;
+                if let Some(to) = open(n) {
+                    let f = LENGTHS[n % 8] * field.price(to) + distance(to, target);
+                    if best.is_none_or(|(least, ..)| f < least - 1e-12) {
+                        best = Some((f, n % 8, to));
+                    }
+                }
+            }
+            best
+        };
+        for turn in 0..4 {
+            // In units of 45 degrees.
+            let (ccw, cw) = (ahead + 2 * turn, ahead + 8 - 2 * turn);
+            let best = match gait.rotate {
+                Rotate::Ccw => best_of(ccw),
+                Rotate::Cw => best_of(cw),
+                Rotate::Shorter if turn == 0 => best_of(ahead),
+                Rotate::Shorter => match (best_of(ccw), best_of(cw)) {
+                    (Some(left), Some(right)) if right.0 < left.0 - 1e-12 => Some(right),
+                    (left, right) => left.or(right),
+                },
+            };
+            if let Some((_, n, to)) = best {
+                if gait.keep_heading && turn > 0 {
+                    self.heading = Some(n);
+                }
+                return Some(to);
+            }
+        }
+        None
+    }
+}
+
+/// The step of [`crate::moves::STEPS`] nearest to the direction from `from` to `to`.
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a number from 0 to 7 after the remainder"
+)]
+fn direction(from: Cell, to: Cell) -> usize {
+    let angle = f64::from(to.y - from.y).atan2(f64::from(to.x - from.x));
+    // A whole vector is never half-way between two of the eight, tan 22.5 deg being irrational.
+    (angle / core::f64::consts::FRAC_PI_4)
+        .round()
+        .rem_euclid(8.0) as usize
+        % 8
+}
+
+impl Solver for Tn3n {
+    fn solve(
+        &mut self,
+        field: &Field<'_>,
+        start: Cell,
+        goal: Cell,
+        meter: &mut Meter<'_>,
+        cells: &mut Vec<Cell>,
+    ) -> Result<(), PlanError> {
+        let gait = Gait {
+            rotate: self.options.rotate,
+            keep_heading: self.options.keep_heading,
+            remembers: !self.literal,
+        };
+        self.walk.begin(field.n_cells(), start, field.index(start));
+        meter.expand()?;
+        let mut at = start;
+        // A walk with a memory enters every cell once; one without may go in circles.
+        let mut steps_left = 4 * field.n_cells();
+        while at != goal {
+            match self.walk.step(field, goal, gait, meter.stats) {
+                Some(to) if steps_left > 0 => {
+                    steps_left -= 1;
+                    meter.expand()?;
+                    self.walk.enter(field, to);
+                    at = to;
+                }
+                None if gait.remembers => {
+                    if !self.walk.turn_back() {
+                        return Err(NO_WAY);
+                    }
+                    meter.turn_back()?;
+                    at = self.walk.cells.last().copied().unwrap_or(start);
+                }
+                _ => return Err(PlanError::DeadEnd),
+            }
+        }
+        cells.extend_from_slice(&self.walk.cells);
+        Ok(())
+    }
+}

@@ -1,0 +1,43 @@
+//! `tn_apf`: \[TN\]'s potential field of attraction alone.
+//!
+//! The force m1 (target - position) always points to the target, and only its direction counts:
+//! the trajectory is the straight line. Nothing leads around an obstacle, so the planner gives up
+//! at the first.
+
+use crate::papers::field::{Field, Meter};
+use crate::papers::on_map::{OnMap, Solver};
+use crate::papers::sight::sees;
+use crate::planner::PlanError;
+use crate::table::PlannerOptions;
+use zeronav_msgs::Cell;
+
+/// The planner.
+#[must_use]
+pub fn tn_apf(options: &PlannerOptions) -> OnMap<TnApf> {
+    OnMap::new(TnApf, options, false)
+}
+
+/// See the module's description.
+#[derive(Debug)]
+pub struct TnApf;
+
+impl Solver for TnApf {
+    fn solve(
+        &mut self,
+        field: &Field<'_>,
+        start: Cell,
+        goal: Cell,
+        meter: &mut Meter<'_>,
+        cells: &mut Vec<Cell>,
+    ) -> Result<(), PlanError> {
+        if !sees(field, start, goal, meter)? {
+            return Err(PlanError::DeadEnd);
+        }
+        meter.expand()?;
+        cells.push(start);
+        if goal != start {
+            cells.push(goal);
+        }
+        Ok(())
+    }
+}

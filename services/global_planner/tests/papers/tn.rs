@@ -1,0 +1,395 @@
+//! TN-REG, TN-SW, TN-APF, TN-3N, TN-HYB.
+
+use crate::generate::{blocky, corners, iid};
+use crate::support::Map;
+use crate::{assert_close, count, median, plain, plan, plan_with};
+use zeronav_global_planner::line::supercover;
+use zeronav_global_planner::papers::Fallback;
+use zeronav_global_planner::papers::on_map::OnMap;
+use zeronav_global_planner::papers::options::Rotate;
+use zeronav_global_planner::papers::tn_hyb::{Mode, TnHyb, tn_hyb};
+use zeronav_global_planner::{CornerRule, PlanError, PlannerOptions};
+use zeronav_msgs::{Cell, CellRect, MapCell};
+
+const RULE: CornerRule = CornerRule::ForbidAny;
+
+/// The method alone.
+fn without_ladder() -> PlannerOptions {
+    let mut options = plain();
+    options.papers.walk.ladder = false;
+    options
+}
+
+/// Plans from S to G with the hybrid; the planner shows what it did.
+fn hybrid(text: &str, options: &PlannerOptions) -> (OnMap<TnHyb>, Result<f64, PlanError>) {
+    let (map, at) = Map::drawn(text);
+    let mut planner = tn_hyb(options);
+    let result = plan_with(&mut planner, &map, RULE, (at('S'), at('G')));
+    (planner, result.map(|found| found.cost))
+}
+
+fn rect(min: (i32, i32), max: (i32, i32)) -> CellRect {
+    CellRect {
+        min: Cell::new(min.0, min.1),
+        max: Cell::new(max.0, max.1),
+    }
+}
+
+#[test]
+fn tn_reg_a_u_on_the_line_becomes_its_rectangle() {
+    let (planner, result) = hybrid(
+        "............
+         ....###.....
+         S.....#....G
+         ....###.....
+         ............",
+        &without_ladder(),
+    );
+    assert!(result.is_ok());
+    let regions = planner.solver.regions();
+    assert_eq!(regions.rectangles(), [rect((4, 1), (7, 4))]);
+    // The pocket, and nothing else.
+    let filled: Vec<_> = (0_usize..)
+        .zip(regions.walls())
+        .filter_map(|(index, wall)| wall.then_some((index % 12, index / 12)))
+        .collect();
+    assert_eq!(filled, [(4, 2), (5, 2)]);
+}
+
+#[test]
+fn tn_reg_a_u_off_the_line_stays() {
+    let (planner, result) = hybrid(
+        "....###.....
+         ......#.....
+         ....###.....
+         ............
+         S..........G",
+        &without_ladder(),
+    );
+    assert_close(result.unwrap(), 11.0, 1e-12, "straight");
+    assert!(planner.solver.regions().rectangles().is_empty());
+    assert!(!planner.solver.regions().walls().contains(&true));
+}
+
+#[test]
+fn tn_reg_a_u_around_the_start_is_skipped() {
+    let text = "............
+                ....###.....
+                ....S.#....G
+                ....###.....
+                ............";
+    let (map, at) = Map::drawn(text);
+    let mut planner = tn_hyb(&without_ladder());
+    for _ in 0..2 {
+        let found = plan_with(&mut planner, &map, RULE, (at('S'), at('G'))).unwrap();
+        assert_eq!(found.stats().remarks.rectangles, 0);
+        assert!(found.stats().remarks.rectangles_skipped > 0);
+        assert!(!planner.solver.regions().walls().contains(&true));
+    }
+}
+
+#[test]
+fn tn_reg_diagonal_cells_are_one_obstacle_and_large_ones_are_left() {
+    // The paper's example: from (1, 1) to (6, 6) the line meets (4, 4).
+    let text = "........
+                ......G.
+                ...##...
+                ...##...
+                ..#.....
+                ........
+                .S......
+                ........";
+    let (planner, result) = hybrid(text, &without_ladder());
+    assert!(result.is_ok());
+    let rectangles = planner.solver.regions().rectangles();
+    assert_eq!(rectangles, [rect((2, 3), (5, 6))]);
+    let mut small = without_ladder();
+    small.papers.walk.rectangle_share_max = 0.1;
+    let (planner, result) = hybrid(text, &small);
+    assert!(result.is_ok());
+    assert!(planner.solver.regions().rectangles().is_empty());
+}
+
+#[test]
+fn tn_sw_a_block_is_walked_around_between_two_straight_lines() {
+    let (planner, result) = hybrid(
+        "................
+         ................
+         .......##.......
+         S......##......G
+         .......##.......
+         ................
+         ................",
+        &without_ladder(),
+    );
+    assert!(result.is_ok());
+    let mut modes = planner.solver.modes().to_vec();
+    modes.dedup();
+    let (straight, walk) = (Mode::Attraction, Mode::ThreeNeighbours);
+    assert_eq!(modes, [straight, walk, straight]);
+}
+
+#[test]
+fn tn_apf_a_visible_goal_is_reached_in_a_straight_line() {
+    let map = Map::free(20, 20);
+    let ends = (Cell::new(1, 2), Cell::new(18, 11));
+    let found = plan("tn_apf", &plain(), &map, RULE, ends).unwrap();
+    assert_close(found.cost, 17_f64.hypot(9.0), 1e-9, "straight");
+    let hybrid = plan("tn_hyb", &plain(), &map, RULE, ends).unwrap();
+    assert_close(hybrid.cost, found.cost, 1e-9, "the hybrid sees it too");
+    // Steps along the force m1 (target - position), m1 = 5, stay on that line.
+    let (mut x, mut y, mut length) = (1.0_f64, 2.0_f64, 0.0);
+    loop {
+        let force = (5.0 * (18.0 - x), 5.0 * (11.0 - y));
+        let norm = force.0.hypot(force.1);
+        let step = 0.5_f64.min(norm / 5.0);
+        if step < 1e-12 {
+            break;
+        }
+        (x, y) = (x + step * force.0 / norm, y + step * force.1 / norm);
+        length += step;
+        assert_close(
+            (x - 1.0) * 9.0 - (y - 2.0) * 17.0,
+            0.0,
+            1e-9,
+            "off the line",
+        );
+    }
+    assert_close(length, found.cost, 1e-9, "length");
+}
+
+#[test]
+fn tn_apf_gives_up_at_an_obstacle_and_proves_an_enclosure() {
+    let (map, at) = Map::drawn("...\nS#G\n...");
+    let result = plan("tn_apf", &plain(), &map, RULE, (at('S'), at('G')));
+    assert_eq!(result.map(|found| found.cost), Err(PlanError::DeadEnd));
+    let (map, at) = Map::drawn(".#.\nS#G\n.#.");
+    let result = plan("tn_apf", &plain(), &map, RULE, (at('S'), at('G')));
+    let blocked_by_corner = false;
+    assert_eq!(
+        result.map(|found| found.cost),
+        Err(PlanError::Unreachable { blocked_by_corner })
+    );
+}
+
+#[test]
+fn tn_3n_looks_at_9_cells_where_a_star_looks_at_24() {
+    // Figs. 4 and 5 of the paper: from (3, 2) three cells straight up.
+    let map = Map::free(7, 7);
+    let ends = (Cell::new(3, 2), Cell::new(3, 5));
+    let walk = plan("tn_3n", &plain(), &map, RULE, ends).unwrap();
+    let astar = plan("tn_a8", &plain(), &map, RULE, ends).unwrap();
+    assert_eq!(walk.stats().evaluated, 9);
+    assert_eq!(astar.stats().evaluated, 24);
+    let straight: Vec<_> = (2..=5).map(|y| Cell::new(3, y)).collect();
+    assert_eq!(walk.path.cells, straight);
+}
+
+#[test]
+fn tn_3n_turns_counter_clockwise_or_as_told() {
+    // Going right, the wall is passed above when turning to the left.
+    let (map, at) = Map::drawn(
+        ".........
+         ....#....
+         ....#....
+         S...#...G
+         ....#....
+         ....#....
+         .........",
+    );
+    let ends = (at('S'), at('G'));
+    let highest = |rotate| {
+        let mut options = plain();
+        options.papers.walk.rotate = rotate;
+        let found = plan("tn_3n", &options, &map, RULE, ends).unwrap();
+        found.path.cells.iter().any(|cell| *cell == Cell::new(4, 6))
+    };
+    assert!(highest(Rotate::Ccw));
+    assert!(!highest(Rotate::Cw));
+}
+
+#[test]
+fn tn_3n_finds_the_gap_in_a_wall_on_its_right() {
+    let (map, at) = Map::drawn(
+        ".....G...
+         .........
+         #######..
+         .........
+         .....S...",
+    );
+    for keep_heading in [false, true] {
+        let mut options = plain();
+        options.papers.walk.keep_heading = keep_heading;
+        let found = plan("tn_3n", &options, &map, RULE, (at('S'), at('G'))).unwrap();
+        let through = |cell: &Cell| cell.y == 2 && cell.x >= 7;
+        assert!(found.path.cells.iter().any(through), "keeps {keep_heading}");
+    }
+}
+
+/// A pocket that is open on the side of the start.
+const U_TRAP: &str = "............
+                      ...######...
+                      ........#...
+                      S.......#..G
+                      ........#...
+                      ...######...
+                      ............";
+
+#[test]
+fn tn_3n_leaves_a_pocket_by_going_back_and_literally_does_not() {
+    let (map, at) = Map::drawn(U_TRAP);
+    let ends = (at('S'), at('G'));
+    let found = plan("tn_3n", &plain(), &map, RULE, ends).unwrap();
+    assert!(found.cost >= 13.0);
+    let mut literal = plain();
+    literal.papers.literal = true;
+    let result = plan("tn_3n", &literal, &map, RULE, ends).map(|found| found.cost);
+    assert_eq!(result, Err(PlanError::DeadEnd));
+}
+
+#[test]
+fn tn_3n_a_closed_box_is_unreachable() {
+    let (map, at) = Map::drawn(
+        "........
+         ....####
+         S...#.G#
+         ....####
+         ........",
+    );
+    let blocked_by_corner = false;
+    for key in ["tn_3n", "tn_hyb"] {
+        let result = plan(key, &plain(), &map, RULE, (at('S'), at('G')));
+        assert_eq!(
+            result.map(|found| found.cost),
+            Err(PlanError::Unreachable { blocked_by_corner })
+        );
+    }
+}
+
+#[test]
+fn tn_hyb_the_walls_of_a_room_are_no_rectangle() {
+    // One obstacle, whose rectangle is the whole map with both ends in it.
+    let (map, at) = Map::drawn(
+        "#########
+         #...#...#
+         #S..#..G#
+         #...#...#
+         #...#...#
+         #.......#
+         #########",
+    );
+    let mut options = without_ladder();
+    options.papers.walk.rectangle_share_max = 1.0;
+    let found = plan("tn_hyb", &options, &map, RULE, (at('S'), at('G'))).unwrap();
+    assert_eq!(found.stats().remarks.rectangles, 0);
+    assert_eq!(found.stats().remarks.rectangles_skipped, 1);
+}
+
+#[test]
+fn tn_hyb_literal_walks_in_circles_until_a_star_steps_in() {
+    let mut options = plain();
+    options.papers.literal = true;
+    let mut rescued = 0;
+    for seed in 0..60 {
+        let map = iid(20, 20, 30, seed);
+        let Ok(found) = plan("tn_hyb", &options, &map, RULE, corners(&map)) else {
+            continue;
+        };
+        assert!(found.stats().remarks.literal);
+        rescued += u32::from(found.stats().remarks.fallback == Fallback::AstarFromHere);
+    }
+    assert!(rescued > 0);
+}
+
+#[test]
+fn tn_hyb_climbs_its_ladder() {
+    // The obstacle's rectangle reaches from edge to edge of the map.
+    let (map, at) = Map::drawn(
+        "...#......
+         ...#......
+         S..#...#.G
+         ...##..#..
+         ....####..
+         ..........",
+    );
+    let ends = (at('S'), at('G'));
+    let mut options = plain();
+    options.papers.walk.rectangle_share_max = 1.0;
+    let found = plan("tn_hyb", &options, &map, RULE, ends).unwrap();
+    assert_eq!(found.stats().remarks.fallback, Fallback::None);
+    let (map, at) = Map::drawn(
+        "...#......
+         ...#......
+         S..#...#.G
+         ...##..#..
+         ....####..
+         .....#....
+         ..#..#....
+         ..##......",
+    );
+    let ends = (at('S'), at('G'));
+    let found = plan("tn_hyb", &options, &map, RULE, ends).unwrap();
+    assert_eq!(found.stats().remarks.fallback, Fallback::WithoutRectangles);
+    options.papers.walk.ladder = false;
+    let result = plan("tn_hyb", &options, &map, RULE, ends).map(|found| found.cost);
+    assert_eq!(result, Err(PlanError::DeadEnd));
+}
+
+#[test]
+fn tn_hyb_finds_a_way_wherever_a_star_does_on_600_maps() {
+    let mut ratios = Vec::new();
+    let mut others = 0;
+    for percent in [15, 25, 35] {
+        for seed in 0..200 {
+            let map = if seed % 2 == 0 {
+                blocky(20, 20, percent, seed)
+            } else {
+                iid(20, 20, percent, seed)
+            };
+            let what = format!("{percent} %, seed {seed}");
+            let one = plan("tn_hyb", &plain(), &map, RULE, corners(&map));
+            let other = plan("tn_a8", &plain(), &map, RULE, corners(&map));
+            let (found, astar) = match (one, other) {
+                (Ok(found), Ok(astar)) => (found, astar),
+                (Err(one), Err(other)) => {
+                    assert_eq!(one, other, "{what}");
+                    continue;
+                }
+                _ => panic!("{what}: they disagree about whether there is a way"),
+            };
+            let blocked = |cell| map.view().get(cell).is_none_or(MapCell::blocks_centre);
+            for pair in found.path.cells.windows(2) {
+                supercover(pair[0], pair[1], |crossing| {
+                    assert!(!blocked(crossing.cell), "{what}");
+                    if let Some(touched) = crossing.touched {
+                        assert!(!touched.into_iter().any(blocked), "{what}: a corner");
+                    }
+                });
+            }
+            let remarks = found.stats().remarks;
+            if remarks.fallback == Fallback::None && remarks.turned_back == 0 {
+                let (walk, search) = (found.stats().evaluated, astar.stats().evaluated);
+                ratios.push(count(walk) / count(search));
+            } else {
+                others += 1;
+            }
+        }
+    }
+    // The method of the paper, without what had to be added to make it complete.
+    assert!(
+        ratios.len() > 200 && others > 50,
+        "{} and {others}",
+        ratios.len()
+    );
+    let dear = ratios.iter().filter(|ratio| **ratio >= 0.3).count();
+    assert!(
+        100 * dear <= ratios.len(),
+        "{dear} of {} ratios",
+        ratios.len()
+    );
+    let ratio = median(ratios);
+    assert!(
+        ratio > 0.01 && ratio < 0.1,
+        "median ratio of cells looked at {ratio}"
+    );
+}
