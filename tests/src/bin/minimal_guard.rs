@@ -60,9 +60,10 @@ impl Service for MinimalGuard {
         let roster = shell.roster();
         let early = !roster.lockstep() && !asked && now_ns() < due_ns;
         let unasked = roster.answers(Role::LocalPlanner, tick) && self.request.tick() < tick;
+        let waits = early || (roster.lockstep() && unasked);
         let trigger = Trigger {
             tick,
-            complete: !early && !(roster.lockstep() && unasked),
+            complete: !waits,
             news: asked,
         };
         for turn in shell.turns(&trigger) {
