@@ -4,6 +4,8 @@
 //! live stack. Runs in real time take turns behind a lock, because two of them would only measure
 //! each other.
 
+pub mod seats;
+
 use rustix::process::{Pid, Signal, kill_process};
 use serde_json::Value;
 use std::fs::File;

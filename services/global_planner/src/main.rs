@@ -8,36 +8,27 @@ use zeronav_msgs::header::Parents;
 use zeronav_msgs::health::REASON_MAP;
 use zeronav_msgs::path::{Path, WAYPOINTS_MAX};
 use zeronav_msgs::pose::Pose;
-use zeronav_msgs::replica::MapReplica;
 use zeronav_msgs::request::RequestReason;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::span::SpanKind;
 use zeronav_msgs::task::{TaskKind, TaskState as State};
-use zeronav_msgs::topics::{
-    EVENT_NEED_KEYFRAME, MapKeyframe, MapUpdate, PlanPath, PlanRequests, RobotOdometry, TaskState,
-};
+use zeronav_msgs::topics::{PlanPath, PlanRequests, RobotOdometry, TaskState};
 use zeronav_shell::clock::now_ns;
 use zeronav_shell::doorbell::Rung;
 use zeronav_shell::{
-    Cycle, Latest, Roster, Service, Shell, StartError, Stream, Tasks, Track, Writer,
+    Cycle, Latest, MapInput, Service, Shell, StartError, Stream, Tasks, Track, Writer,
 };
 
 /// Everything that the planner takes in.
 struct Inputs {
     odometry: Stream<RobotOdometry>,
-    updates: Stream<MapUpdate>,
-    keyframe: Latest<MapKeyframe>,
+    map: MapInput,
     request: Latest<PlanRequests>,
     tasks: Tasks,
     status: Latest<TaskState>,
     /// Task, goal at hand and state, as the local planner said them last.
     at_hand: Option<(u64, u64, u16)>,
     track: Track,
-    replica: MapReplica,
-    /// Tick, run time [ns] and capture [ns] of the newest map update.
-    map_tick: u64,
-    map_run_ns: u64,
-    map_capture_ns: u64,
     /// Rectangles written since the last situation.
     changed: Vec<CellRect>,
 }
@@ -57,33 +48,13 @@ impl Inputs {
     ///
     /// Odometry is drained first: in lockstep it carries the tick, and whatever belongs to that
     /// tick was sent before or is waited for by its own tick.
-    fn poll(&mut self, roster: &Roster) -> bool {
+    fn poll(&mut self, shell: &Shell) -> bool {
+        let roster = shell.roster();
         let track = &mut self.track;
         self.odometry
             .drain(roster, |view| track.push(view.header, view.meta));
-        let mut news = false;
-        let replica = &mut self.replica;
-        let map = (
-            &mut self.map_tick,
-            &mut self.map_run_ns,
-            &mut self.map_capture_ns,
-        );
-        self.updates.drain(roster, |view| {
-            replica.update(view.header.id(), view.meta, view.items);
-            if view.meta.is_last_part() {
-                (*map.0, *map.1, *map.2) =
-                    (view.header.tick, view.header.run_ns, view.header.capture_ns);
-                news = true;
-            }
-        });
-        // Also when none is needed: an unread one would take a place from the next.
-        if self.keyframe.poll(roster)
-            && let Some(view) = self.keyframe.get()
-        {
-            self.replica.keyframe(view.meta, view.items);
-        }
-        self.keyframe.release();
-        self.changed.append(&mut self.replica.take_changed());
+        let mut news = self.map.poll(shell);
+        self.changed.extend_from_slice(self.map.changed());
         news |= self.request.poll(roster);
         news |= self.tasks.poll(roster);
         // A status that says nothing new about the goal at hand asks for no path.
@@ -100,12 +71,7 @@ impl Inputs {
     /// Where the robot is on the map.
     fn map_from_base(&self) -> Option<Pose> {
         let odometry = self.track.newest()?;
-        Some(
-            self.replica
-                .info()
-                .map_from_odom
-                .then(&odometry.odometry.pose),
-        )
+        Some(self.map.map_from_base(&odometry.odometry.pose))
     }
 
     /// Where to, from the task and how far the local planner has come with it.
@@ -149,8 +115,8 @@ impl Inputs {
     fn situation(&self, robot: Pose, geometry: u64) -> Situation<'_> {
         Situation {
             robot,
-            map: self.replica.view(),
-            revision: self.replica.revision().0,
+            map: self.map.view(),
+            revision: self.map.revision().0,
             changed: &self.changed,
             target: self.target(),
             request: self.request(geometry),
@@ -160,7 +126,7 @@ impl Inputs {
     fn parents(&self) -> Parents {
         Parents {
             odometry: self.track.newest().map_or(0, |moment| moment.id.0),
-            map: self.replica.revision().0,
+            map: self.map.revision().0,
             request: self.request.id().0,
             goal: self.tasks.current().map_or(0, |task| task.id.0),
             ..Parents::default()
@@ -180,18 +146,12 @@ impl Service for PlannerService {
             replanner,
             inputs: Inputs {
                 odometry: peer.stream()?,
-                // Updates before the keyframe, so that none is missed between the two.
-                updates: peer.stream()?,
-                keyframe: peer.latest()?,
+                map: MapInput::open(peer)?,
                 request: peer.latest()?,
                 tasks: Tasks::open(peer)?,
                 status: peer.latest()?,
                 at_hand: None,
                 track: Track::default(),
-                replica: MapReplica::new(),
-                map_tick: 0,
-                map_run_ns: 0,
-                map_capture_ns: 0,
                 changed: Vec::new(),
             },
             path: peer.writer(WAYPOINTS_MAX)?,
@@ -202,7 +162,7 @@ impl Service for PlannerService {
     }
 
     fn wake(&mut self, shell: &mut Shell, _rung: Rung) -> Result<Option<u64>, StartError> {
-        let news = self.inputs.poll(shell.roster());
+        let news = self.inputs.poll(shell);
         self.tell(shell);
         if !shell.roster().has_clock() {
             return Ok(None);
@@ -219,14 +179,13 @@ impl Service for PlannerService {
             let (tick, due) = (newest.tick, newest.odometry.scan_due());
             let roster = shell.roster();
             let mapped = roster.answers(Role::Mapping, tick);
-            let in_step = self.inputs.map_tick >= tick && !self.inputs.replica.needs_keyframe();
-            let waits = mapped && !in_step;
+            let waits = mapped && !self.inputs.map.has(tick);
             let owes = due && tick > self.answered_tick;
             if owes && !waits && roster.answers(Role::GlobalPlanner, tick) {
                 self.answer(shell, tick, SpanKind::Answer);
             }
-        } else if news && self.inputs.map_tick > 0 {
-            let tick = self.inputs.map_tick;
+        } else if let Some(map) = self.inputs.map.stamp().filter(|map| news && map.tick > 0) {
+            let tick = map.tick;
             let kind = if tick > self.answered_tick {
                 SpanKind::Answer
             } else {
@@ -244,19 +203,15 @@ impl PlannerService {
         let inputs = &self.inputs;
         shell.reason(
             REASON_MAP,
-            inputs.replica.needs_keyframe() || inputs.replica.info().current == 0,
+            inputs.map.is_lost() || inputs.map.info().current == 0,
         );
         shell.totals(
             inputs.odometry.refused()
-                + inputs.updates.refused()
-                + inputs.keyframe.refused()
+                + inputs.map.refused()
                 + inputs.request.refused()
                 + inputs.tasks.refused(),
             inputs.request.superseded(),
         );
-        if inputs.replica.needs_keyframe() && shell.roster().has_clock() {
-            shell.ring_event(Role::Mapping, EVENT_NEED_KEYFRAME);
-        }
     }
 
     fn answer(&mut self, shell: &mut Shell, tick: u64, kind: SpanKind) {
@@ -287,7 +242,7 @@ impl PlannerService {
                 }
             });
             if !lockstep {
-                inputs.poll(shell.roster());
+                inputs.poll(shell);
                 inputs.tasks.at(tick);
             }
             step = replanner.settle(&inputs.situation(robot, geometry));
@@ -313,15 +268,13 @@ impl PlannerService {
         started_ns: u64,
     ) {
         let inputs = &self.inputs;
-        let (run_ns, capture_ns) = if tick == inputs.map_tick {
-            (inputs.map_run_ns, inputs.map_capture_ns)
+        let map = inputs.map.stamp().unwrap_or_default();
+        let run_ns = if tick == map.tick {
+            map.run_ns
         } else {
-            (
-                tick.saturating_mul(shell.roster().clock.tick_ns),
-                inputs.map_capture_ns,
-            )
+            tick.saturating_mul(shell.roster().clock.tick_ns)
         };
-        let mut draft = shell.draft(tick, run_ns, capture_ns, inputs.parents());
+        let mut draft = shell.draft(tick, run_ns, map.capture_ns, inputs.parents());
         draft.started_ns = started_ns;
         if news == News::New {
             self.replanner.name_geometry(self.path.next_id().0);

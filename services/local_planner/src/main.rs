@@ -5,20 +5,21 @@ use zeronav_local_planner::motion::Twist;
 use zeronav_local_planner::scan_points::ScanPoints;
 use zeronav_local_planner::staleness::{Ages, StaleInput};
 use zeronav_local_planner::{Inputs, LocalPlanner, LocalPlannerConfig, Outputs, PathInput};
-use zeronav_msgs::header::{Header, Parents};
+use zeronav_msgs::header::Parents;
 use zeronav_msgs::health::{REASON_MAP, REASON_ODOMETRY, REASON_PATH, REASON_SCAN};
 use zeronav_msgs::pose::Pose;
-use zeronav_msgs::replica::MapReplica;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::span::SpanKind;
 use zeronav_msgs::task::GOALS_MAX;
 use zeronav_msgs::topics::{
-    ControlRequest, EVENT_NEED_KEYFRAME, MapKeyframe, MapUpdate, PlanPath, PlanRequests,
-    RobotDescription, RobotOdometry, RobotScan, TaskGoal, TaskState,
+    ControlRequest, PlanPath, PlanRequests, RobotDescription, RobotOdometry, RobotScan, TaskGoal,
+    TaskState,
 };
 use zeronav_shell::clock::now_ns;
 use zeronav_shell::doorbell::Rung;
-use zeronav_shell::{Cycle, Latest, Roster, Service, Shell, StartError, Stream, Track, Writer};
+use zeronav_shell::{
+    Cycle, Latest, MapInput, Roster, Service, Shell, Stamp, StartError, Stream, Track, Writer,
+};
 
 /// Ticks between two statuses of an unchanged task.
 const STATUS_TICKS: u64 = 10;
@@ -26,37 +27,15 @@ const STATUS_TICKS: u64 = 10;
 /// Shortest period that the controller is told of, in real time. [s]
 const PERIOD_S_MIN: f64 = 1.0e-3;
 
-/// When a message was captured and when it came in.
-#[derive(Debug, Clone, Copy, Default)]
-struct Stamp {
-    tick: u64,
-    run_ns: u64,
-    capture_ns: u64,
-    came_ns: u64,
-}
-
-impl Stamp {
-    fn of(header: &Header, came_ns: u64) -> Self {
-        Self {
-            tick: header.tick,
-            run_ns: header.run_ns,
-            capture_ns: header.capture_ns,
-            came_ns,
-        }
-    }
-}
-
 /// What the planner reads, and how old it is.
 struct Readings {
     description: Latest<RobotDescription>,
     odometry: Stream<RobotOdometry>,
     scan: Latest<RobotScan>,
-    updates: Stream<MapUpdate>,
-    keyframe: Latest<MapKeyframe>,
+    map: MapInput,
     path: Latest<PlanPath>,
     goal: Latest<TaskGoal>,
     track: Track,
-    replica: MapReplica,
     points: ScanPoints,
     /// `odom_from_base` at the capture of the scan whose points are held.
     scan_pose: Option<Pose>,
@@ -64,7 +43,6 @@ struct Readings {
     scan_fresh: bool,
     odometry_stamp: Option<Stamp>,
     scan_stamp: Option<Stamp>,
-    map_stamp: Option<Stamp>,
     path_stamp: Option<Stamp>,
 }
 
@@ -91,7 +69,8 @@ struct PlannerService {
 impl Readings {
     /// Takes in what has come, odometry first: in lockstep it carries the tick, and whatever was
     /// sent before it (goals, idle outputs, its scan) is then surely found by the others.
-    fn poll(&mut self, roster: &Roster, now_ns: u64) -> News {
+    fn poll(&mut self, shell: &Shell) -> News {
+        let (roster, now_ns) = (shell.roster(), shell.woken_ns());
         let mut news = News::default();
         let (track, odometry_stamp) = (&mut self.track, &mut self.odometry_stamp);
         self.odometry.drain(roster, |view| {
@@ -104,21 +83,7 @@ impl Readings {
         if let Some(view) = self.path.get().filter(|_| news.path) {
             self.path_stamp = Some(Stamp::of(view.header, now_ns));
         }
-        let (replica, map_stamp) = (&mut self.replica, &mut self.map_stamp);
-        self.updates.drain(roster, |view| {
-            replica.update(view.header.id(), view.meta, view.items);
-            if view.meta.is_last_part() {
-                *map_stamp = Some(Stamp::of(view.header, now_ns));
-            }
-        });
-        // Also when none is needed: an unread one would take a place from the next.
-        if self.keyframe.poll(roster)
-            && let Some(view) = self.keyframe.get()
-        {
-            self.replica.keyframe(view.meta, view.items);
-        }
-        self.keyframe.release();
-        self.replica.take_changed();
+        self.map.poll(shell);
         news.scan = self.scan.poll(roster);
         if let Some(view) = self.scan.get().filter(|_| news.scan) {
             self.scan_stamp = Some(Stamp::of(view.header, now_ns));
@@ -161,7 +126,7 @@ impl Readings {
         Ages {
             scan_ns: self.scan_stamp.map(age_ns),
             odometry_ns: self.odometry_stamp.map(age_ns),
-            map_ns: self.map_stamp.map(age_ns),
+            map_ns: self.map.stamp().map(age_ns),
             path_ns: self.path_stamp.map(age_ns),
         }
     }
@@ -171,7 +136,7 @@ impl Readings {
             odometry: self.track.newest().map_or(0, |moment| moment.id.0),
             // The scan whose points are looked at, not one that still waits for its odometry.
             scan: if self.scan_fresh { 0 } else { self.scan.id().0 },
-            map: self.replica.revision().0,
+            map: self.map.revision().0,
             // An idle output is no path; whether it was heard depends on who started first.
             path: if self.path.tick() == 0 {
                 0
@@ -186,8 +151,7 @@ impl Readings {
     fn refused(&self) -> u64 {
         self.odometry.refused()
             + self.scan.refused()
-            + self.updates.refused()
-            + self.keyframe.refused()
+            + self.map.refused()
             + self.path.refused()
             + self.goal.refused()
     }
@@ -207,19 +171,15 @@ impl Service for PlannerService {
                 description: peer.latest()?,
                 odometry: peer.stream()?,
                 scan: peer.latest()?,
-                // Updates before the keyframe, so that none is missed between the two.
-                updates: peer.stream()?,
-                keyframe: peer.latest()?,
+                map: MapInput::open(peer)?,
                 path: peer.latest()?,
                 goal: peer.latest()?,
                 track: Track::default(),
-                replica: MapReplica::new(),
                 points: ScanPoints::default(),
                 scan_pose: None,
                 scan_fresh: false,
                 odometry_stamp: None,
                 scan_stamp: None,
-                map_stamp: None,
                 path_stamp: None,
             },
             request: peer.writer(1)?,
@@ -234,16 +194,13 @@ impl Service for PlannerService {
 
     fn wake(&mut self, shell: &mut Shell, _rung: Rung) -> Result<Option<u64>, StartError> {
         self.status.refresh();
-        let news = self.readings.poll(shell.roster(), shell.woken_ns());
+        let news = self.readings.poll(shell);
         shell.totals(
             self.readings.refused(),
             self.readings.scan.superseded() + self.readings.path.superseded(),
         );
         if !shell.roster().has_clock() {
             return Ok(None);
-        }
-        if self.readings.replica.needs_keyframe() {
-            shell.ring_event(Role::Mapping, EVENT_NEED_KEYFRAME);
         }
         if news.goal
             && let Some(view) = self.readings.goal.get()
@@ -284,9 +241,9 @@ impl PlannerService {
         let planned = roster.answers(Role::GlobalPlanner, tick);
         let scan_waits = !came(readings.scan_stamp)
             || readings.scan_fresh
-            || (mapped && !came(readings.map_stamp))
+            || (mapped && !came(readings.map.stamp()))
             || (planned && !came(readings.path_stamp));
-        (scan_due && scan_waits) || (mapped && readings.replica.needs_keyframe())
+        (scan_due && scan_waits) || (mapped && readings.map.is_lost())
     }
 
     #[allow(clippy::cast_precision_loss, reason = "periods far below 2^53 ns")]
@@ -323,9 +280,9 @@ impl PlannerService {
             robot: description.as_ref().map(|view| (view.meta, view.items)),
             odometry: odometry.as_ref(),
             map: readings
-                .replica
+                .map
                 .view()
-                .map(|map| (readings.replica.info().map_from_odom, map)),
+                .map(|map| (readings.map.info().map_from_odom, map)),
             path: path.as_ref().map(|view| PathInput {
                 path: view.meta,
                 waypoints: view.items,

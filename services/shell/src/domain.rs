@@ -6,7 +6,9 @@
 //! without a name when it cleans up after a dead process, and panic.) Each member holds a shared
 //! lock on `ROOT/lock`; whoever gets it exclusively knows that nobody is left and may remove
 //! everything. Those who want to remove it take turns by a lock on the folder itself: who finds
-//! the members' lock taken has then met a member and not another sweeper.
+//! the members' lock taken has then met a member and not another sweeper. Whoever makes a domain
+//! also holds `ROOT/launch`, which the kernel lets go of when the process ends in whatever way: by
+//! that the others see that nobody looks after the run any more.
 
 use crate::error::StartError;
 use crate::memory::SHM;
@@ -23,6 +25,9 @@ pub const PREFIX_START: &str = "zn_";
 /// Letters after [`PREFIX_START`], always as many, so that no prefix begins another.
 const RANDOM_LETTERS: usize = 10;
 
+/// Name of the file that whoever makes a domain holds.
+const LAUNCH: &str = "launch";
+
 /// How often a new domain is tried again when a sweeper was faster.
 const CREATE_TRIES: u32 = 8;
 
@@ -31,7 +36,10 @@ const CREATE_TRIES: u32 = 8;
 pub struct Domain {
     root: PathBuf,
     prefix: String,
-    _lock: File,
+    /// `ROOT/launch`, which is locked as long as whoever made the domain lives.
+    launch: File,
+    made_here: bool,
+    _member: File,
 }
 
 impl Domain {
@@ -71,7 +79,18 @@ impl Domain {
                     error,
                 )
             })?;
-        Self::join(&root)
+        let (prefix, member) = member(&root)?;
+        let failed = |error: std::io::Error| StartError::system("locking the new domain", error);
+        let launch = File::create_new(root.join(LAUNCH)).map_err(failed)?;
+        flock(&launch, FlockOperation::NonBlockingLockExclusive)
+            .map_err(|error| failed(error.into()))?;
+        Ok(Self {
+            root,
+            prefix,
+            launch,
+            made_here: true,
+            _member: member,
+        })
     }
 
     /// Joins the domain whose root folder is `root`.
@@ -80,28 +99,15 @@ impl Domain {
     /// [`StartError::Usage`] when `root` is not a folder directly under /dev/shm,
     /// [`StartError::System`] when its lock cannot be had.
     pub fn join(root: &Path) -> Result<Self, StartError> {
-        let usage =
-            |problem: &str| StartError::Usage(format!("--domain {}: {problem}", root.display()));
-        let name = root
-            .file_name()
-            .and_then(|name| name.to_str())
-            .filter(|_| root.parent() == Some(Path::new(SHM)))
-            .ok_or_else(|| usage("not a folder directly under /dev/shm"))?;
-        if name.len() > 40 || name.len() < 4 {
-            return Err(usage("the folder's name needs 4 to 40 letters"));
-        }
-        if !root.is_dir() {
-            return Err(usage(
-                "no such folder; the run is over or was never started",
-            ));
-        }
-        let lock = lock(root, FlockOperation::NonBlockingLockShared)
-            .map_err(|error| StartError::system("locking the domain", error))?
-            .ok_or_else(|| usage("the domain is being removed"))?;
+        let (prefix, member) = member(root)?;
+        let launch = File::open(root.join(LAUNCH))
+            .map_err(|error| StartError::system("looking for launch", error))?;
         Ok(Self {
             root: root.to_owned(),
-            prefix: prefix_of(name),
-            _lock: lock,
+            prefix,
+            launch,
+            made_here: false,
+            _member: member,
         })
     }
 
@@ -115,6 +121,12 @@ impl Domain {
     #[must_use]
     pub fn prefix(&self) -> &str {
         &self.prefix
+    }
+
+    /// True when whoever made the domain is gone: one system call, and no going back.
+    #[must_use]
+    pub fn is_orphaned(&self) -> bool {
+        !self.made_here && flock(&self.launch, FlockOperation::NonBlockingLockShared).is_ok()
     }
 
     /// The middleware's configuration for this domain.
@@ -142,6 +154,29 @@ impl Domain {
         drop(self);
         sweep(&root)
     }
+}
+
+/// Becomes a member of the domain at `root`: its prefix, and the lock that says so.
+fn member(root: &Path) -> Result<(String, File), StartError> {
+    let usage =
+        |problem: &str| StartError::Usage(format!("--domain {}: {problem}", root.display()));
+    let name = root
+        .file_name()
+        .and_then(|name| name.to_str())
+        .filter(|_| root.parent() == Some(Path::new(SHM)))
+        .ok_or_else(|| usage("not a folder directly under /dev/shm"))?;
+    if name.len() > 40 || name.len() < 4 {
+        return Err(usage("the folder's name needs 4 to 40 letters"));
+    }
+    if !root.is_dir() {
+        return Err(usage(
+            "no such folder; the run is over or was never started",
+        ));
+    }
+    let lock = lock(root, FlockOperation::NonBlockingLockShared)
+        .map_err(|error| StartError::system("locking the domain", error))?
+        .ok_or_else(|| usage("the domain is being removed"))?;
+    Ok((prefix_of(name), lock))
 }
 
 /// The middleware's prefix for the domain with this name.

@@ -2,8 +2,8 @@
 
 use crate::error::StartError;
 use clap::Parser;
-use serde::Serialize;
 use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
 /// The five flags of a service.
@@ -26,6 +26,11 @@ pub struct Flags {
     #[arg(long)]
     pub print_config: bool,
 }
+
+/// The configuration of a service that has nothing to set; an unknown key is refused.
+#[derive(Debug, Clone, Copy, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct NoConfig {}
 
 impl Flags {
     /// The configuration of the file; without one, that of an empty file.

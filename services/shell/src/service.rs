@@ -8,6 +8,7 @@ use crate::flags::Flags;
 use crate::peer::Peer;
 use crate::records::SpanWriter;
 use crate::roster::{Roster, RosterReader};
+use crate::turn::{self, Trigger, Turn};
 use crate::writer::{Draft, Sent, Writer};
 use clap::Parser;
 use core::num::NonZeroU64;
@@ -27,6 +28,9 @@ use zeronav_msgs::topics::{HealthTopic, SPANS, Topic, TopicRow, health_of};
 
 /// Time between two heartbeats when nothing changes. [ns]
 const BEAT_NS: u64 = 20_000_000;
+
+/// Time between two looks whether launch is still there. [ns]
+const LOOK_NS: u64 = 1_000_000_000;
 
 /// What a service is to the shell.
 pub trait Service: Sized {
@@ -65,6 +69,8 @@ pub struct Shell {
     rings: Vec<&'static TopicRow>,
     hash: u64,
     superseded_told: u64,
+    idle_said: bool,
+    answered_tick: u64,
 }
 
 /// What a finished cycle was; becomes a span.
@@ -105,8 +111,25 @@ impl Shell {
             rings: Vec::with_capacity(8),
             hash: 0,
             superseded_told: 0,
+            idle_said: false,
+            answered_tick: 0,
             peer,
         })
+    }
+
+    /// Closes the own ports, then leaves the middleware.
+    fn leave(self) -> Domain {
+        let Self {
+            peer,
+            roster,
+            doorbell,
+            bells,
+            spans,
+            health,
+            ..
+        } = self;
+        drop((roster, doorbell, bells, spans, health));
+        peer.leave()
     }
 
     /// The membership, to open ports with.
@@ -130,6 +153,20 @@ impl Shell {
     /// Reads `run/clock` and `run/control` again, in the middle of long work.
     pub fn poll_roster(&mut self) {
         self.roster.poll();
+    }
+
+    /// The answers that are due: first of all, once the clock is known, the idle output, then what
+    /// `trigger` asks for. [`Self::finish`] notes them as given.
+    pub fn turns(&self, trigger: &Trigger) -> impl Iterator<Item = Turn> + use<> {
+        let roster = self.roster();
+        let idle = (!self.idle_said).then_some(Turn::IDLE);
+        let due = turn::due(roster, self.peer.role(), self.answered_tick, trigger);
+        let turns = if roster.has_clock() {
+            [idle, due]
+        } else {
+            [None, None]
+        };
+        turns.into_iter().flatten()
     }
 
     /// Begins an answer: all inputs are taken in. In lockstep, answers to ticks count for the
@@ -164,6 +201,27 @@ impl Shell {
         sent
     }
 
+    /// Answers with one message and no more: sends it and ends the answer. `None` as
+    /// [`Writer::publish`].
+    pub fn answer<T: Topic>(
+        &mut self,
+        kind: SpanKind,
+        draft: &Draft,
+        writer: &mut Writer<T>,
+        meta: T::Meta,
+        items: &[T::Item],
+    ) -> Option<Sent> {
+        let sent = writer.publish(draft, meta, items);
+        let output = self.sent(writer, sent);
+        self.finish(&Cycle {
+            kind,
+            draft: *draft,
+            output,
+            work: 0,
+        });
+        output
+    }
+
     /// Rings for everything sent since the last time. [`Self::finish`] does it, too.
     pub fn ring(&mut self) {
         let lockstep = self.roster().lockstep();
@@ -180,9 +238,17 @@ impl Shell {
         self.bells.ring(role, event);
     }
 
-    /// Ends an answer: rings, then leaves the span.
+    /// Ends an answer: rings, then leaves the span. With its first output the service is ready.
     pub fn finish(&mut self, cycle: &Cycle) {
         self.ring();
+        match cycle.kind {
+            SpanKind::Idle if cycle.output.is_some() => {
+                self.idle_said = true;
+                self.ready();
+            }
+            SpanKind::Answer => self.answered_tick = self.answered_tick.max(cycle.draft.tick),
+            _ => {}
+        }
         let draft = &cycle.draft;
         let Parents {
             odometry,
@@ -316,10 +382,17 @@ fn drive<S: Service>(flags: &Flags) -> Result<(), StartError> {
     }
     let mut shell = Shell::open(flags, S::ROLE, signals)?;
     let mut service = S::open(&mut shell, config)?;
-    let mut deadline_ns = 0;
+    let (mut deadline_ns, mut look_ns, mut orphaned) = (0, 0, false);
     while !stop.load(Ordering::Relaxed) {
         let rung = shell.doorbell.wait(deadline_ns);
         shell.woken_ns = now_ns();
+        if shell.woken_ns >= look_ns {
+            look_ns = shell.woken_ns + LOOK_NS;
+            orphaned = shell.peer.domain().is_orphaned();
+            if orphaned {
+                break;
+            }
+        }
         shell.roster.poll();
         shell.beat.progress += 1;
         let wanted = service.wake(&mut shell, rung)?;
@@ -330,7 +403,18 @@ fn drive<S: Service>(flags: &Flags) -> Result<(), StartError> {
     }
     shell.beat.state = HealthState::Stopping.code();
     shell.publish_beat(now_ns());
-    tracing::debug!(role = %S::ROLE, "asked to stop");
+    if !orphaned {
+        tracing::debug!(role = %S::ROLE, "asked to stop");
+        return Ok(());
+    }
+    tracing::warn!(role = %S::ROLE, "launch is gone, leaving");
+    // Ports first. Nobody else is there any more to remove what is left of the run.
+    drop(service);
+    let domain = shell.leave();
+    let root = domain.root().to_owned();
+    if let Err(error) = domain.close() {
+        tracing::warn!(root = %root.display(), %error, "the domain could not be removed");
+    }
     Ok(())
 }
 

@@ -1,9 +1,14 @@
 //! The last second of odometry, so that a scan can be placed where the robot was at its capture.
 
+use crate::error::StartError;
+use crate::peer::Peer;
+use crate::reader::Stream;
+use crate::roster::Roster;
 use std::collections::VecDeque;
 use zeronav_msgs::header::{Header, Id};
 use zeronav_msgs::odometry::Odometry;
 use zeronav_msgs::pose::{Pose, wrap_angle};
+use zeronav_msgs::topics::RobotOdometry;
 
 /// Odometry messages that are kept.
 const LENGTH: usize = 64;
@@ -82,6 +87,61 @@ impl Track {
             from.y_m + share * (to.y_m - from.y_m),
             wrap_angle(from.yaw_rad + share * wrap_angle(to.yaw_rad - from.yaw_rad)),
         ))
+    }
+}
+
+/// Reads `robot/odometry`. Every role polls it before everything else: in lockstep it carries the
+/// tick, and what was sent before it is then surely found by the others.
+#[derive(Debug)]
+pub struct TrackReader {
+    stream: Stream<RobotOdometry>,
+    track: Track,
+}
+
+impl TrackReader {
+    /// Opens the topic.
+    ///
+    /// # Errors
+    /// As [`Peer::stream`].
+    pub fn open(peer: &Peer) -> Result<Self, StartError> {
+        Ok(Self {
+            stream: peer.stream()?,
+            track: Track::default(),
+        })
+    }
+
+    /// Takes in what has come; true when there is newer odometry than before.
+    pub fn poll(&mut self, roster: &Roster) -> bool {
+        let mut moved = false;
+        self.stream.drain(roster, |view| {
+            self.track.push(view.header, view.meta);
+            moved = true;
+        });
+        moved
+    }
+
+    /// What was read last.
+    #[must_use]
+    pub fn track(&self) -> &Track {
+        &self.track
+    }
+
+    /// Identity of the newest message; [`Id::NONE`] before the first.
+    #[must_use]
+    pub fn id(&self) -> Id {
+        self.track.newest().map_or(Id::NONE, |moment| moment.id)
+    }
+
+    /// Tick of the newest message; 0 before the first.
+    #[must_use]
+    pub fn tick(&self) -> u64 {
+        self.track.newest().map_or(0, |moment| moment.tick)
+    }
+
+    /// Messages that were refused.
+    #[must_use]
+    pub fn refused(&self) -> u64 {
+        self.stream.refused()
     }
 }
 

@@ -2,14 +2,18 @@
 
 use zeronav_msgs::command::{Validity, VelocityRequest};
 use zeronav_msgs::description::Description;
+use zeronav_msgs::grid::GridGeometry;
 use zeronav_msgs::header::Id;
+use zeronav_msgs::map::{MapCell, MapInfo, MapTile};
 use zeronav_msgs::odometry::Odometry;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::run::Seat;
 use zeronav_msgs::span::{Span, SpanKind};
-use zeronav_msgs::topics::{ControlRequest, RobotDescription, RobotOdometry};
+use zeronav_msgs::topics::{
+    ControlRequest, MapKeyframe, MapUpdate, RobotDescription, RobotOdometry,
+};
 use zeronav_shell::peer::Topics;
-use zeronav_shell::{Domain, Draft, Peer, Roster, StartError, domain, memory};
+use zeronav_shell::{Domain, Draft, MapInput, Peer, Roster, Stamp, StartError, domain, memory};
 
 /// A domain with all topics. Fields drop in this order.
 struct House {
@@ -213,6 +217,109 @@ fn streams_come_in_order_and_tell_of_gaps() {
     assert_eq!(reader.gaps(), 1);
 }
 
+/// A map of two tiles.
+fn map_info(revision: Id, part: u16, parts: u16, n_tiles: u32) -> MapInfo {
+    MapInfo {
+        geometry: GridGeometry {
+            origin_x_m: 0.0,
+            origin_y_m: 0.0,
+            resolution_m: 0.05,
+            width: 64,
+            height: 32,
+        },
+        revision: revision.0,
+        part,
+        parts,
+        n_tiles,
+        clearance_limit_mm: 1000,
+        current: 1,
+        ..MapInfo::default()
+    }
+}
+
+fn of_tick(tick: u64) -> Draft {
+    Draft {
+        tick,
+        ..Draft::default()
+    }
+}
+
+#[test]
+fn a_map_counts_when_its_last_part_is_in_and_a_gap_is_healed_by_a_keyframe() {
+    let house = House::new();
+    let mapping = house.join(Role::Mapping, 1);
+    let planner = house.join(Role::GlobalPlanner, 1);
+    let mut map = MapInput::open(&planner).expect("a reader");
+    let mut updates = mapping.writer::<MapUpdate>(1).expect("a writer");
+    let mut keyframes = mapping.writer::<MapKeyframe>(2).expect("a writer");
+    let roster = roster(&[(Role::Mapping, 1)]);
+    let tiles = [0, 1].map(|tile_x| MapTile {
+        tile_x,
+        tile_y: 0,
+        cells: [MapCell::unknown(0); 1024],
+    });
+    assert!(map.is_lost() && map.view().is_none() && map.stamp().is_none());
+
+    let first = updates.next_id();
+    let empty = |revision| map_info(revision, 0, 1, 0);
+    updates
+        .publish(&of_tick(1), empty(first), &[])
+        .expect("sent");
+    let whole = |revision| map_info(revision, 0, 1, 2);
+    let mut send_whole = |revision| {
+        let sent = keyframes.publish(&Draft::default(), whole(revision), &tiles);
+        assert!(sent.is_some(), "no place for a keyframe");
+    };
+    send_whole(first);
+    assert!(map.take_in(&roster, 7));
+    assert!(map.has(1) && !map.has(2));
+    assert_eq!(map.changed().len(), 1, "all of it");
+
+    let last = updates.next_id().next();
+    let part = |part| map_info(last, part, 2, 1);
+    updates
+        .publish(&of_tick(2), part(0), &tiles[..1])
+        .expect("sent");
+    assert!(!map.take_in(&roster, 8), "a part is no revision");
+    assert_eq!((map.revision(), map.has(2)), (first, false));
+    assert!(map.changed().is_empty());
+    updates
+        .publish(&of_tick(2), part(1), &tiles[1..])
+        .expect("sent");
+    assert!(map.take_in(&roster, 9));
+    assert_eq!((map.revision(), map.has(2)), (last, true));
+    assert_eq!(map.changed().len(), 2);
+    let stamp = Stamp {
+        tick: 2,
+        came_ns: 9,
+        ..Stamp::default()
+    };
+    assert_eq!(map.stamp(), Some(stamp));
+
+    // Keyframes that nobody needs are given back, or the writer would run out of places.
+    for _ in 0..20 {
+        send_whole(last);
+        assert!(!map.take_in(&roster, 10));
+    }
+
+    // The queue keeps the last 32.
+    for tick in 3..43 {
+        let revision = updates.next_id();
+        updates
+            .publish(&of_tick(tick), empty(revision), &[])
+            .expect("sent");
+    }
+    assert!(map.take_in(&roster, 11));
+    assert!(
+        map.is_lost() && !map.has(42),
+        "nobody knows what was missed"
+    );
+    send_whole(Id(updates.next_id().0 - 1));
+    map.take_in(&roster, 12);
+    assert!(map.has(42) && !map.is_lost());
+    assert_eq!(map.refused(), 0);
+}
+
 #[test]
 fn a_sleeping_reader_never_stops_a_writer() {
     let house = House::new();
@@ -325,6 +432,23 @@ fn a_live_domain_is_left_alone_and_a_dead_one_is_removed() {
     drop(dead);
     assert!(domain::sweep(&dead_root).expect("a look"));
     assert!(!dead_root.exists() && !std::path::Path::new(&segment).exists());
+}
+
+#[test]
+fn members_see_that_whoever_made_the_domain_is_gone() {
+    let launch = Domain::create().expect("a domain");
+    let root = launch.root().to_owned();
+    let [one, other] = [0, 1].map(|_| Domain::join(&root).expect("the domain"));
+    for member in [&launch, &one, &other] {
+        assert!(!member.is_orphaned());
+    }
+    drop(launch);
+    for member in [&one, &other, &one] {
+        assert!(member.is_orphaned());
+    }
+    assert!(!one.close().expect("a look"), "one is left");
+    assert!(other.close().expect("a look"), "the last takes it away");
+    assert!(!root.exists());
 }
 
 #[test]

@@ -1,23 +1,15 @@
-//! A global planner that says its idle output, says that it is ready, and with the first map or
-//! task never returns from its wake.
+//! A global planner that says its idle output, says that it is ready, and with the first task
+//! never returns from its wake.
 
-use serde::{Deserialize, Serialize};
 use std::process::ExitCode;
-use zeronav_msgs::header::Parents;
-use zeronav_msgs::path::Path;
 use zeronav_msgs::role::Role;
-use zeronav_msgs::span::SpanKind;
-use zeronav_msgs::topics::{PlanPath, TaskGoal};
 use zeronav_shell::doorbell::Rung;
-use zeronav_shell::{Cycle, Latest, Service, Shell, StartError, Writer};
-
-#[derive(Debug, Serialize, Deserialize)]
-struct AnyConfig {}
+use zeronav_shell::{PathOutput, PlanningInputs, Service, Shell, StartError};
+use zeronav_tests::seats::AnyConfig;
 
 struct HangsAfterStart {
-    goal: Latest<TaskGoal>,
-    path: Writer<PlanPath>,
-    idle_said: bool,
+    inputs: PlanningInputs,
+    path: PathOutput,
 }
 
 impl Service for HangsAfterStart {
@@ -26,37 +18,19 @@ impl Service for HangsAfterStart {
 
     fn open(shell: &mut Shell, _config: AnyConfig) -> Result<Self, StartError> {
         Ok(Self {
-            goal: shell.peer().latest()?,
-            path: shell.peer().writer(1)?,
-            idle_said: false,
+            inputs: PlanningInputs::open(shell.peer())?,
+            path: PathOutput::open(shell.peer(), "hangs", 1)?,
         })
     }
 
     fn wake(&mut self, shell: &mut Shell, _rung: Rung) -> Result<Option<u64>, StartError> {
-        if !shell.roster().has_clock() {
-            return Ok(None);
+        let news = self.inputs.poll(shell);
+        for turn in self.inputs.turns(shell, news) {
+            let draft = self.inputs.begin(shell, turn);
+            self.path.answer(shell, turn, &draft);
         }
-        if !self.idle_said {
-            self.idle_said = true;
-            let draft = shell.draft(0, 0, 0, Parents::default());
-            let geometry = self.path.next_id().0;
-            let path = Path {
-                geometry,
-                ..Path::default()
-            };
-            let sent = self.path.publish(&draft, path, &[]);
-            let output = shell.sent(&self.path, sent);
-            shell.finish(&Cycle {
-                kind: SpanKind::Idle,
-                draft,
-                output,
-                work: 0,
-            });
-            shell.ready();
-        } else if self.goal.poll(shell.roster()) {
-            loop {
-                std::thread::park();
-            }
+        while self.inputs.goals.goal().is_some() {
+            std::thread::park();
         }
         Ok(None)
     }

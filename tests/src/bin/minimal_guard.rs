@@ -1,19 +1,17 @@
 //! The least that can sit in the guard's seat: a young request is brought into the robot's limits,
 //! everything else is a stop.
 
-use serde::{Deserialize, Serialize};
 use std::process::ExitCode;
 use zeronav_msgs::command::{Intervention, Validity, VelocityCommand};
 use zeronav_msgs::header::Parents;
 use zeronav_msgs::health::REASON_REQUEST;
 use zeronav_msgs::role::Role;
-use zeronav_msgs::span::SpanKind;
-use zeronav_msgs::topics::{
-    ControlRequest, RobotCommand, RobotDescription, RobotOdometry, RobotScan,
-};
+use zeronav_msgs::topics::{ControlRequest, RobotCommand, RobotDescription, RobotScan};
 use zeronav_shell::clock::now_ns;
 use zeronav_shell::doorbell::Rung;
-use zeronav_shell::{Cycle, Latest, Service, Shell, StartError, Stream, Track, Writer};
+use zeronav_shell::{
+    Latest, NoConfig, Service, Shell, StartError, TrackReader, Trigger, Turn, Writer,
+};
 
 /// How long after odometry the guard waits for the request that belongs to it. [ns]
 const PATIENCE_NS: u64 = 5_000_000;
@@ -22,100 +20,73 @@ const STALE_NS: u64 = 100_000_000;
 /// Age from which a scan counts as missing. [ns]
 const SCAN_STALE_NS: u64 = 350_000_000;
 
-#[derive(Debug, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Config {}
-
 struct MinimalGuard {
     description: Latest<RobotDescription>,
-    odometry: Stream<RobotOdometry>,
+    odometry: TrackReader,
     scan: Latest<RobotScan>,
     request: Latest<ControlRequest>,
     command: Writer<RobotCommand>,
-    track: Track,
     /// When odometry, scan and request came in last, by the own clock. [ns]
     came_ns: [u64; 3],
-    answered_tick: u64,
-    idle_said: bool,
 }
 
 impl Service for MinimalGuard {
     const ROLE: Role = Role::CollisionGuard;
-    type Config = Config;
+    type Config = NoConfig;
 
-    fn open(shell: &mut Shell, _config: Config) -> Result<Self, StartError> {
+    fn open(shell: &mut Shell, _config: NoConfig) -> Result<Self, StartError> {
         let peer = shell.peer();
         Ok(Self {
             description: peer.latest()?,
-            odometry: peer.stream()?,
+            odometry: TrackReader::open(peer)?,
             scan: peer.latest()?,
             request: peer.latest()?,
             command: peer.writer(1)?,
-            track: Track::default(),
             came_ns: [0; 3],
-            answered_tick: 0,
-            idle_said: false,
         })
     }
 
     fn wake(&mut self, shell: &mut Shell, _rung: Rung) -> Result<Option<u64>, StartError> {
         let roster = shell.roster();
-        let (track, mut moved) = (&mut self.track, false);
-        // Odometry first: in lockstep it carries the tick, and what belongs to it was sent before.
-        self.odometry.drain(roster, |view| {
-            track.push(view.header, view.meta);
-            moved = true;
-        });
+        let moved = self.odometry.poll(roster);
         self.description.poll(roster);
         let news = [moved, self.scan.poll(roster), self.request.poll(roster)];
         for (came_ns, _) in self.came_ns.iter_mut().zip(news).filter(|(_, new)| *new) {
             *came_ns = shell.woken_ns();
         }
         shell.totals(self.request.refused() + self.odometry.refused(), 0);
-        if !shell.roster().has_clock() {
-            return Ok(None);
-        }
-        if !self.idle_said {
-            self.idle_said = true;
-            self.answer(shell, 0, SpanKind::Idle);
-            shell.ready();
-        }
-        let tick = self.track.newest().map_or(0, |newest| newest.tick);
-        let owes = tick > self.answered_tick;
-        let roster = shell.roster();
-        if roster.lockstep() {
-            let waits = roster.answers(Role::LocalPlanner, tick) && self.request.tick() < tick;
-            if owes && !waits && roster.answers(Self::ROLE, tick) {
-                self.answer(shell, tick, SpanKind::Answer);
-            }
-            return Ok(None);
-        }
+        let (tick, asked) = (self.odometry.tick(), news[2]);
         let due_ns = self.came_ns[0] + PATIENCE_NS;
-        if owes && (news[2] || now_ns() >= due_ns) {
-            self.answer(shell, tick, SpanKind::Answer);
-        } else if news[2] && tick > 0 {
-            self.answer(shell, tick, SpanKind::Extra);
-        } else if owes {
-            return Ok(Some(due_ns));
+        let roster = shell.roster();
+        let early = !roster.lockstep() && !asked && now_ns() < due_ns;
+        let unasked = roster.answers(Role::LocalPlanner, tick) && self.request.tick() < tick;
+        let waits = early || (roster.lockstep() && unasked);
+        let trigger = Trigger {
+            tick,
+            complete: !waits,
+            news: asked,
+        };
+        for turn in shell.turns(&trigger) {
+            self.answer(shell, turn);
         }
-        Ok(None)
+        Ok(early.then_some(due_ns))
     }
 }
 
 impl MinimalGuard {
-    fn answer(&mut self, shell: &mut Shell, tick: u64, kind: SpanKind) {
+    fn answer(&mut self, shell: &mut Shell, turn: Turn) {
         let scan = self.scan.get().map(|view| *view.header);
         let request = self.request.get().map(|view| *view.header);
-        let odometry = self.track.newest();
-        let run_ns = tick.saturating_mul(shell.roster().clock.tick_ns);
+        let odometry = self.odometry.track().newest();
+        let run_ns = turn.tick.saturating_mul(shell.roster().clock.tick_ns);
         let parents = Parents {
-            odometry: odometry.map_or(0, |newest| newest.id.0),
+            odometry: self.odometry.id().0,
             scan: scan.map_or(0, |header| header.id),
             request: request.map_or(0, |header| header.id),
             ..Parents::default()
         };
         let capture_ns = scan.map_or(0, |header| header.capture_ns);
-        let draft = shell.draft(tick, run_ns, capture_ns, parents);
+        let draft = shell.draft(turn.tick, run_ns, capture_ns, parents);
         // Ages are run time in lockstep and the own clock otherwise.
         let (lockstep, now_ns) = (shell.roster().lockstep(), now_ns());
         let old = |made_run_ns: Option<u64>, came_ns: u64, limit_ns: u64| {
@@ -137,16 +108,8 @@ impl MinimalGuard {
             Intervention::None
         };
         let command = self.command_of(intervention, shell.roster().control.stopping == 1);
-        let sent = self.command.publish(&draft, command, &[]);
-        self.answered_tick = self.answered_tick.max(tick);
         shell.reason(REASON_REQUEST, intervention == Intervention::RequestStale);
-        let output = shell.sent(&self.command, sent);
-        shell.finish(&Cycle {
-            kind,
-            draft,
-            output,
-            work: 0,
-        });
+        shell.answer(turn.kind, &draft, &mut self.command, command, &[]);
     }
 
     /// The command for the newest request. What is no number did not get past the port.

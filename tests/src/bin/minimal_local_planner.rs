@@ -2,7 +2,6 @@
 //! there as fast as the room ahead allows, and stops at the goal. It keeps the task.
 
 use core::f64::consts::PI;
-use serde::{Deserialize, Serialize};
 use std::process::ExitCode;
 use zeronav_msgs::command::{Validity, VelocityRequest};
 use zeronav_msgs::header::Parents;
@@ -10,15 +9,15 @@ use zeronav_msgs::health::{REASON_PATH, REASON_SCAN};
 use zeronav_msgs::path::PathStatus;
 use zeronav_msgs::pose::{Pose, wrap_angle};
 use zeronav_msgs::role::Role;
-use zeronav_msgs::span::SpanKind;
 use zeronav_msgs::task::{
     EndReason, GOALS_MAX, Goal, GoalEnd, TaskKind, TaskState as State, TaskStatus,
 };
-use zeronav_msgs::topics::{
-    ControlRequest, MapUpdate, PlanPath, RobotDescription, RobotOdometry, RobotScan, TaskState,
-};
+use zeronav_msgs::topics::{ControlRequest, PlanPath, RobotDescription, RobotScan, TaskState};
 use zeronav_shell::doorbell::Rung;
-use zeronav_shell::{Cycle, Latest, Service, Shell, StartError, Stream, Tasks, Track, Writer};
+use zeronav_shell::{
+    Cycle, Latest, MapInput, NoConfig, Service, Shell, StartError, Tasks, TrackReader, Trigger,
+    Turn, Writer,
+};
 
 /// Room that stays free in front of the robot, and at its sides. [m]
 const ROOM_AHEAD_M: f64 = 0.25;
@@ -36,23 +35,15 @@ const FAILURE_NS: u64 = 1_000_000_000;
 /// Ticks between two statuses of an unchanged task.
 const STATUS_TICKS: u64 = 10;
 
-#[derive(Debug, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Config {}
-
 struct MinimalPlanner {
     description: Latest<RobotDescription>,
-    odometry: Stream<RobotOdometry>,
+    odometry: TrackReader,
     scan: Latest<RobotScan>,
-    updates: Stream<MapUpdate>,
+    map: MapInput,
     path: Latest<PlanPath>,
     tasks: Tasks,
     request: Writer<ControlRequest>,
     status_writer: Writer<TaskState>,
-    track: Track,
-    map_tick: u64,
-    map: u64,
-    map_from_odom: Pose,
     status: TaskStatus,
     ends: Vec<GoalEnd>,
     /// Geometry of the path that is followed, and the waypoint that comes next.
@@ -60,99 +51,77 @@ struct MinimalPlanner {
     next: usize,
     /// Since when the robot stands without a path. [tick]
     failing_tick: Option<u64>,
-    answered_tick: u64,
     status_tick: u64,
-    idle_said: bool,
 }
 
 impl Service for MinimalPlanner {
     const ROLE: Role = Role::LocalPlanner;
-    type Config = Config;
+    type Config = NoConfig;
 
-    fn open(shell: &mut Shell, _config: Config) -> Result<Self, StartError> {
+    fn open(shell: &mut Shell, _config: NoConfig) -> Result<Self, StartError> {
         let peer = shell.peer();
         Ok(Self {
             description: peer.latest()?,
-            odometry: peer.stream()?,
+            odometry: TrackReader::open(peer)?,
             scan: peer.latest()?,
-            updates: peer.stream()?,
+            map: MapInput::open(peer)?,
             path: peer.latest()?,
             tasks: Tasks::open(peer)?,
             request: peer.writer(1)?,
             status_writer: peer.writer(GOALS_MAX)?,
-            track: Track::default(),
-            map_tick: 0,
-            map: 0,
-            map_from_odom: Pose::default(),
             status: TaskStatus::default(),
             ends: Vec::with_capacity(GOALS_MAX),
             geometry: 0,
             next: 0,
             failing_tick: None,
-            answered_tick: 0,
             status_tick: 0,
-            idle_said: false,
         })
     }
 
     fn wake(&mut self, shell: &mut Shell, _rung: Rung) -> Result<Option<u64>, StartError> {
         self.status_writer.refresh();
+        self.odometry.poll(shell.roster());
+        self.map.poll(shell);
         let roster = shell.roster();
-        // Odometry first: in lockstep it carries the tick, and what belongs to it was sent before.
-        let track = &mut self.track;
-        self.odometry
-            .drain(roster, |view| track.push(view.header, view.meta));
-        self.updates.drain(roster, |view| {
-            self.map_tick = view.header.tick;
-            self.map = view.meta.revision;
-            self.map_from_odom = view.meta.map_from_odom;
-        });
         self.description.poll(roster);
         self.tasks.poll(roster);
         let news = self.scan.poll(roster) | self.path.poll(roster);
         let refused = self.odometry.refused() + self.scan.refused() + self.path.refused();
         shell.totals(refused, self.scan.superseded() + self.path.superseded());
-        if !shell.roster().has_clock() {
-            return Ok(None);
-        }
-        if !self.idle_said {
-            self.idle_said = true;
-            self.answer(shell, 0, SpanKind::Idle);
-            shell.ready();
-        }
-        let Some(newest) = self.track.newest() else {
-            return Ok(None);
-        };
-        let (tick, scan_due) = (newest.tick, newest.odometry.scan_due());
-        let owes = tick > self.answered_tick;
+        let tick = self.odometry.tick();
+        let newest = self.odometry.track().newest();
+        let scan_due = newest.is_some_and(|newest| newest.odometry.scan_due());
         let roster = shell.roster();
-        if roster.lockstep() {
-            // Its scan, the map with it and the path on that come first.
-            let waits = self.scan.tick() < tick
-                || (roster.answers(Role::Mapping, tick) && self.map_tick < tick)
-                || (roster.answers(Role::GlobalPlanner, tick) && self.path.tick() < tick);
-            if owes && !(scan_due && waits) && roster.answers(Self::ROLE, tick) {
-                self.answer(shell, tick, SpanKind::Answer);
-            }
-        } else if owes {
-            self.answer(shell, tick, SpanKind::Answer);
-        } else if news {
-            self.answer(shell, tick, SpanKind::Extra);
+        // Its scan, the map with it and the path on that come first.
+        let mapped = roster.answers(Role::Mapping, tick);
+        let planned = roster.answers(Role::GlobalPlanner, tick);
+        let scan_waits = self.scan.tick() < tick
+            || (mapped && !self.map.has(tick))
+            || (planned && self.path.tick() < tick);
+        let waits = (scan_due && scan_waits) || (mapped && self.map.is_lost());
+        let trigger = Trigger {
+            tick,
+            complete: !(roster.lockstep() && waits),
+            news,
+        };
+        for turn in shell.turns(&trigger) {
+            self.answer(shell, turn);
         }
         Ok(None)
     }
 }
 
 impl MinimalPlanner {
-    fn answer(&mut self, shell: &mut Shell, tick: u64, kind: SpanKind) {
+    fn answer(&mut self, shell: &mut Shell, turn: Turn) {
+        let tick = turn.tick;
         let tick_ns = shell.roster().clock.tick_ns;
         let capture_ns = self.scan.get().map_or(0, |view| view.header.capture_ns);
         let before = self.status;
         let goal = self.goal_at(tick);
         let parents = Parents {
-            odometry: self.track.newest().map_or(0, |newest| newest.id.0),
+            odometry: self.odometry.id().0,
             scan: self.scan.id().0,
-            map: self.map,
+            map: self.map.revision().0,
             path: if self.path.tick() == 0 {
                 0
             } else {
@@ -197,11 +166,10 @@ impl MinimalPlanner {
             let sent = self.status_writer.publish(&draft, self.status, &self.ends);
             shell.sent(&self.status_writer, sent);
         }
-        self.answered_tick = self.answered_tick.max(tick);
         shell.reason(REASON_SCAN, scan_stale);
         shell.reason(REASON_PATH, path_stale);
         shell.finish(&Cycle {
-            kind,
+            kind: turn.kind,
             draft,
             output,
             work: 0,
@@ -249,13 +217,15 @@ impl MinimalPlanner {
 
     /// What to do on the way to `goal`: meaning, speed [m/s] and yaw rate [rad/s].
     fn follow(&mut self, tick: u64, goal: &Goal, failing_ns: u64) -> (Validity, f64, f64) {
-        let (Some(newest), Some(robot), Some(path)) =
-            (self.track.newest(), self.description.get(), self.path.get())
-        else {
+        let (Some(newest), Some(robot), Some(path)) = (
+            self.odometry.track().newest(),
+            self.description.get(),
+            self.path.get(),
+        ) else {
             return (Validity::Stale, 0.0, 0.0);
         };
         let robot = *robot.meta;
-        let pose = self.map_from_odom.then(&newest.odometry.pose);
+        let pose = self.map.map_from_base(&newest.odometry.pose);
         let stands =
             newest.odometry.v_mps.abs() < STANDING && newest.odometry.w_radps.abs() < STANDING;
         let left_m = pose.distance_m(&goal.pose);

@@ -13,12 +13,12 @@ use zeronav_msgs::pose::Pose;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::span::SpanKind;
 use zeronav_msgs::topics::{
-    EVENT_NEED_KEYFRAME, MapKeyframe, MapUpdate, RobotDescription, RobotOdometry, RobotScan,
+    EVENT_NEED_KEYFRAME, MapKeyframe, MapUpdate, RobotDescription, RobotScan,
 };
 use zeronav_msgs::{Cell, GridGeometry, MapCell, MapTile};
 use zeronav_shell::doorbell::Rung;
 use zeronav_shell::{
-    Cycle, Draft, Latest, Sent, Service, Shell, StartError, Stream, Track, Writer,
+    Cycle, Draft, Latest, Sent, Service, Shell, StartError, TrackReader, Trigger, Turn, Writer,
 };
 use zeronav_world::{Occupancy, StaticMap, map_file};
 
@@ -47,12 +47,10 @@ struct MinimalMapping {
     unsent: Vec<usize>,
     revision: Id,
     description: Latest<RobotDescription>,
-    odometry: Stream<RobotOdometry>,
+    odometry: TrackReader,
     scan: Latest<RobotScan>,
     update: Writer<MapUpdate>,
     keyframe: Writer<MapKeyframe>,
-    track: Track,
-    answered_tick: u64,
     keyframe_wanted: bool,
 }
 
@@ -83,12 +81,10 @@ impl Service for MinimalMapping {
             unsent: Vec::new(),
             revision: Id::NONE,
             description: peer.latest()?,
-            odometry: peer.stream()?,
+            odometry: TrackReader::open(peer)?,
             scan: peer.latest()?,
             update: peer.writer(TILES_PER_UPDATE_MAX)?,
             keyframe: peer.writer(columns as usize * rows as usize)?,
-            track: Track::default(),
-            answered_tick: 0,
             keyframe_wanted: true,
             map,
             static_mm,
@@ -99,29 +95,21 @@ impl Service for MinimalMapping {
     fn wake(&mut self, shell: &mut Shell, rung: Rung) -> Result<Option<u64>, StartError> {
         self.keyframe.refresh();
         let roster = shell.roster();
-        let track = &mut self.track;
-        self.odometry
-            .drain(roster, |view| track.push(view.header, view.meta));
+        self.odometry.poll(roster);
         self.description.poll(roster);
         self.scan.poll(roster);
         if !roster.has_clock() || self.description.get().is_none() {
             return Ok(None);
         }
-        if !self.revision.is_some() {
-            self.answer(shell, 0, SpanKind::Idle);
-            shell.ready();
-        }
         // A scan is answered when odometry tells where it was taken.
-        let scan = self
-            .scan
-            .get()
-            .map(|view| (view.header.tick, view.header.run_ns));
-        if let Some((tick, run_ns)) = scan
-            && tick > self.answered_tick
-            && self.track.pose_at(run_ns).is_some()
-        {
-            self.answer(shell, tick, SpanKind::Answer);
-            self.answered_tick = tick;
+        let scan_run_ns = self.scan.get().map(|view| view.header.run_ns);
+        let trigger = Trigger {
+            tick: self.scan.tick(),
+            complete: scan_run_ns.is_some_and(|ns| self.odometry.track().pose_at(ns).is_some()),
+            news: false,
+        };
+        for turn in shell.turns(&trigger) {
+            self.answer(shell, turn);
         }
         self.keyframe_wanted |= rung.has(EVENT_NEED_KEYFRAME);
         if self.keyframe_wanted && self.unsent.is_empty() {
@@ -136,23 +124,25 @@ impl Service for MinimalMapping {
 
 impl MinimalMapping {
     /// Makes the map anew from the static one and the newest scan, and sends what changed.
-    fn answer(&mut self, shell: &mut Shell, tick: u64, kind: SpanKind) {
+    fn answer(&mut self, shell: &mut Shell, turn: Turn) {
         let (Some(description), scan) = (self.description.get(), self.scan.get()) else {
             return;
         };
-        let scan = scan.filter(|_| kind == SpanKind::Answer);
+        let scan = scan.filter(|_| turn.kind == SpanKind::Answer);
         let header = scan.map_or_else(Header::default, |view| *view.header);
         let parents = Parents {
-            odometry: self.track.newest().map_or(0, |newest| newest.id.0),
+            odometry: self.odometry.id().0,
             scan: header.id,
             ..Parents::default()
         };
-        let draft = shell.draft(tick, header.run_ns, header.capture_ns, parents);
+        let draft = shell.draft(turn.tick, header.run_ns, header.capture_ns, parents);
         let work = scan.map_or(0, |view| u64::from(view.meta.n_beams));
         let geometry = &self.map.geometry;
         let mut clearance_mm = self.static_mm.clone();
         let mut sensed = vec![false; geometry.len()];
-        if let (Some(scan), Some(odom_from_base)) = (scan, self.track.pose_at(header.run_ns)) {
+        if let (Some(scan), Some(odom_from_base)) =
+            (scan, self.odometry.track().pose_at(header.run_ns))
+        {
             let map_from_laser = odom_from_base.then(&description.meta.base_from_laser);
             for (beam, range_m) in scan.items.iter().enumerate() {
                 let (sin, cos) = scan.meta.angle_of(beam).sin_cos();
@@ -182,7 +172,7 @@ impl MinimalMapping {
         }
         let output = self.send(shell, &draft);
         shell.finish(&Cycle {
-            kind,
+            kind: turn.kind,
             draft,
             output,
             work,

@@ -119,15 +119,8 @@ impl Service for MinimalRobot {
         }
         if self.due_ns == 0 {
             let draft = shell.draft(0, 0, 0, Parents::default());
-            let sent = (self.description_writer).publish(&draft, self.description, &self.corners);
-            let output = shell.sent(&self.description_writer, sent);
-            shell.finish(&Cycle {
-                kind: SpanKind::Idle,
-                draft,
-                output,
-                work: 0,
-            });
-            shell.ready();
+            let (writer, robot) = (&mut self.description_writer, self.description);
+            shell.answer(SpanKind::Idle, &draft, writer, robot, &self.corners);
             self.due_ns = now_ns() + shell.roster().clock.tick_ns;
         }
         self.description_writer.refresh();
@@ -245,14 +238,8 @@ impl MinimalRobot {
                 .map_or(0, |sent| sent.id.0);
             draft.parents = parents;
         }
-        let sent = self.odometry_writer.publish(&draft, self.odometry, &[]);
-        let output = shell.sent(&self.odometry_writer, sent);
-        shell.finish(&Cycle {
-            kind: SpanKind::Answer,
-            draft,
-            output,
-            work: 0,
-        });
+        let (writer, odometry) = (&mut self.odometry_writer, self.odometry);
+        shell.answer(SpanKind::Answer, &draft, writer, odometry, &[]);
         if scan_due {
             self.truth.scan = parents.scan;
             draft.hashed = false;

@@ -10,6 +10,7 @@ use zeronav_msgs::scan::BEAMS_MAX;
 use zeronav_msgs::topics::{Discipline, Envelope, RobotScan, Topic, TopicRow};
 use zeronav_shell::doorbell::Rung;
 use zeronav_shell::{Latest, Service, Shell, StartError};
+use zeronav_tests::seats::AnyConfig;
 
 message! {
     /// The scan with `range_m_min` and `range_m_max` in each other's place.
@@ -87,9 +88,9 @@ struct SwappedFields {
 
 impl Service for SwappedFields {
     const ROLE: Role = Role::Mapping;
-    type Config = any_config::Anything;
+    type Config = AnyConfig;
 
-    fn open(shell: &mut Shell, _config: Self::Config) -> Result<Self, StartError> {
+    fn open(shell: &mut Shell, _config: AnyConfig) -> Result<Self, StartError> {
         Ok(Self {
             _scan: shell.peer().latest()?,
         })
@@ -99,12 +100,6 @@ impl Service for SwappedFields {
         shell.ready();
         Ok(None)
     }
-}
-
-mod any_config {
-    /// Any configuration will do.
-    #[derive(Debug, Default, serde::Serialize, serde::Deserialize)]
-    pub(crate) struct Anything {}
 }
 
 fn main() -> ExitCode {

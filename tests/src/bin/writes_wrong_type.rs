@@ -1,7 +1,6 @@
 //! A local planner whose velocity requests carry numbers where the contract has none: the slice
 //! of its topic holds `f32` and not `u8`. Everything else, the schema hash included, agrees.
 
-use serde::{Deserialize, Serialize};
 use std::process::ExitCode;
 use zeronav_msgs::command::VelocityRequest;
 use zeronav_msgs::message::Refusal;
@@ -9,6 +8,7 @@ use zeronav_msgs::role::Role;
 use zeronav_msgs::topics::{ControlRequest, Topic, TopicRow, VelocityRequestEnvelope};
 use zeronav_shell::doorbell::Rung;
 use zeronav_shell::{Service, Shell, StartError, Writer};
+use zeronav_tests::seats::AnyConfig;
 
 #[derive(Debug)]
 enum RequestWithNumbers {}
@@ -23,9 +23,6 @@ impl Topic for RequestWithNumbers {
         Ok(())
     }
 }
-
-#[derive(Debug, Serialize, Deserialize)]
-struct AnyConfig {}
 
 struct WritesWrongType {
     _request: Writer<RequestWithNumbers>,

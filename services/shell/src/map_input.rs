@@ -1,0 +1,137 @@
+//! The map as a service takes it in: updates in order, and a keyframe when one was missed.
+
+use crate::error::StartError;
+use crate::peer::Peer;
+use crate::reader::{Latest, Stream};
+use crate::roster::Roster;
+use crate::service::Shell;
+use crate::stamp::Stamp;
+use zeronav_msgs::grid::CellRect;
+use zeronav_msgs::header::Id;
+use zeronav_msgs::map::{MapInfo, MapView};
+use zeronav_msgs::pose::Pose;
+use zeronav_msgs::replica::MapReplica;
+use zeronav_msgs::role::Role;
+use zeronav_msgs::topics::{EVENT_NEED_KEYFRAME, MapKeyframe, MapUpdate};
+
+/// Least time between two requests for a keyframe. [ns]
+const ASK_PAUSE_NS: u64 = 20_000_000;
+
+/// Reads `map/update` and `map/keyframe` into a copy of the map.
+#[derive(Debug)]
+pub struct MapInput {
+    updates: Stream<MapUpdate>,
+    keyframe: Latest<MapKeyframe>,
+    replica: MapReplica,
+    changed: Vec<CellRect>,
+    newest: Option<Stamp>,
+    asked_ns: Option<u64>,
+}
+
+impl MapInput {
+    /// Opens both topics.
+    ///
+    /// # Errors
+    /// As [`Peer::latest`].
+    pub fn open(peer: &Peer) -> Result<Self, StartError> {
+        Ok(Self {
+            // Updates before the keyframe, so that none is missed between the two.
+            updates: peer.stream()?,
+            keyframe: peer.latest()?,
+            replica: MapReplica::new(),
+            changed: Vec::new(),
+            newest: None,
+            asked_ns: None,
+        })
+    }
+
+    /// Takes in what has come and asks for a keyframe if only that helps; true when a revision was
+    /// completed.
+    pub fn poll(&mut self, shell: &Shell) -> bool {
+        let (roster, now_ns) = (shell.roster(), shell.woken_ns());
+        let completed = self.take_in(roster, now_ns);
+        let asked = |asked_ns| now_ns.saturating_sub(asked_ns) < ASK_PAUSE_NS;
+        if self.is_lost() && roster.has_clock() && !self.asked_ns.is_some_and(asked) {
+            self.asked_ns = Some(now_ns);
+            shell.ring_event(Role::Mapping, EVENT_NEED_KEYFRAME);
+        }
+        completed
+    }
+
+    /// [`Self::poll`] for members without a shell: asks for nothing.
+    pub fn take_in(&mut self, roster: &Roster, came_ns: u64) -> bool {
+        let mut completed = false;
+        self.updates.drain(roster, |view| {
+            self.replica.update(view.header.id(), view.meta, view.items);
+            // The parts before are of a revision that nobody can have yet.
+            if view.meta.is_last_part() {
+                self.newest = Some(Stamp::of(view.header, came_ns));
+                completed = true;
+            }
+        });
+        // Also when none is needed, and given back at once: there are few places for keyframes,
+        // and an unread one would take one from the next.
+        if self.keyframe.poll(roster)
+            && let Some(view) = self.keyframe.get()
+        {
+            self.replica.keyframe(view.meta, view.items);
+        }
+        self.keyframe.release();
+        self.changed = self.replica.take_changed();
+        completed
+    }
+
+    /// The map, once there is one.
+    #[must_use]
+    pub fn view(&self) -> Option<MapView<'_>> {
+        self.replica.view()
+    }
+
+    /// Fixed fields of the newest revision.
+    #[must_use]
+    pub fn info(&self) -> &MapInfo {
+        self.replica.info()
+    }
+
+    /// Revision of the cells; [`Id::NONE`] before the first.
+    #[must_use]
+    pub fn revision(&self) -> Id {
+        self.replica.revision()
+    }
+
+    /// `map_from_base`, from `odom_from_base`.
+    #[must_use]
+    pub fn map_from_base(&self, odom_from_base: &Pose) -> Pose {
+        self.info().map_from_odom.then(odom_from_base)
+    }
+
+    /// Rectangles of cells that were written by the last poll; all of the map after a keyframe.
+    #[must_use]
+    pub fn changed(&self) -> &[CellRect] {
+        &self.changed
+    }
+
+    /// Of the newest update whose last part came in.
+    #[must_use]
+    pub fn stamp(&self) -> Option<Stamp> {
+        self.newest
+    }
+
+    /// True when the copy can only go on with a keyframe.
+    #[must_use]
+    pub fn is_lost(&self) -> bool {
+        self.replica.needs_keyframe()
+    }
+
+    /// True when the map of `tick` is here, whole and without a gap before it.
+    #[must_use]
+    pub fn has(&self, tick: u64) -> bool {
+        self.newest.is_some_and(|newest| newest.tick >= tick) && !self.is_lost()
+    }
+
+    /// Messages that were refused.
+    #[must_use]
+    pub fn refused(&self) -> u64 {
+        self.updates.refused() + self.keyframe.refused()
+    }
+}
