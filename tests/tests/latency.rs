@@ -96,7 +96,9 @@ base = ["warehouse", "porter"]
 start = [3.0, 8.5, 0.0]
 [run]
 tick_hz = 100.0
-time_limit_s = 60.0
+time_limit_s = 120.0
+[restart]
+hang_after_s = 10.0
 [robot.lidar]
 rate_hz = 100.0
 [[goals]]
