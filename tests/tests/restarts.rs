@@ -25,15 +25,9 @@ impl Dice {
     }
 }
 
-fn drive(scenario: &str) -> Zeronav {
-    let mut run = Zeronav::start(&["run", scenario, "--lockstep", "--headless", "--json"]);
-    run.wait_until("the drive has begun", |run| run.report().is_some());
-    run
-}
-
 /// Drives `blocked_aisle` with these lines more and without its expectation of a cause: a planner
 /// that starts anew behind the load has nothing to replan.
-fn drive_text(more: &str) -> Zeronav {
+fn drive(more: &str) -> Zeronav {
     let folder = tempfile::tempdir().expect("a folder");
     let file = zeronav_tests::workspace().join("launch/scenarios/blocked_aisle.toml");
     let text = std::fs::read_to_string(file).expect("the scenario");
@@ -83,7 +77,7 @@ fn restarts(result: &Value) -> Vec<String> {
 fn every_service_may_be_killed_in_the_middle_of_a_drive() {
     for role in MORTALS {
         // Whoever is slow because the machine is busy shall not be taken for hung here.
-        let mut run = drive_text("[restart]\nhang_after_s = 10.0\n");
+        let mut run = drive("[restart]\nhang_after_s = 10.0\n");
         assert!(
             strike(&mut run, role, Signal::KILL, 3.0),
             "{role} was not there"
@@ -95,7 +89,7 @@ fn every_service_may_be_killed_in_the_middle_of_a_drive() {
 #[test]
 fn every_service_may_hang_in_the_middle_of_a_drive() {
     for role in MORTALS {
-        let mut run = drive_text("[restart]\nhang_after_s = 2.0\n");
+        let mut run = drive("[restart]\nhang_after_s = 2.0\n");
         assert!(
             strike(&mut run, role, Signal::STOP, 3.0),
             "{role} was not there"
@@ -116,7 +110,7 @@ fn every_service_may_hang_in_the_middle_of_a_drive() {
 fn without_mapping_the_scan_itself_makes_the_robot_brake() {
     // Mapping stays away for three seconds, in which the load drops. An old map alone would stop
     // the robot before; here it may be as old as it likes.
-    let mut run = drive_text(
+    let mut run = drive(
         "[restart]\nabsent_ticks = 150\n\
          [services.local_planner]\nconfig.staleness.map_age_s = 10.0\n",
     );
@@ -145,7 +139,7 @@ fn a_hundred_kills_and_every_goal_is_reached() {
     let mut dice = Dice(seed);
     let (mut kills, mut drives) = (0, 0);
     while kills < 100 {
-        let mut run = drive_text("");
+        let mut run = drive("");
         let root = run
             .report()
             .and_then(|report| report["domain"].as_str().map(str::to_owned));
