@@ -31,10 +31,12 @@ pub mod settled;
 pub mod tiles;
 pub mod track;
 pub mod tracker;
+pub mod tracking_score;
 pub mod virtual_obstacles;
 pub mod window;
 
 pub use config::{LogOdds, MappingConfig, MappingError};
 pub use mapper::{Integrated, Mapper};
 pub use mapping::{Mapping, Observation};
+pub use tracking_score::{TrackingReport, TrackingScore};
 pub use tiles::{TileIndex, all_tiles};

@@ -27,21 +27,21 @@ pub enum CorrectionMode {
 pub struct CorrectionConfig {
     /// Whether.
     pub mode: CorrectionMode,
-    /// [m/m] standard deviation of a step's end by its length.
-    pub noise_m_per_m: f64,
-    /// [rad/rad] standard deviation of a turn by its angle.
-    pub noise_rad_per_rad: f64,
-    /// [rad/m] standard deviation of the turn along a straight step by its length.
-    pub noise_rad_per_m: f64,
+    /// [m/sqrt(m)] standard deviation of the place after 1 m.
+    pub noise_m_per_sqrt_m: f64,
+    /// [rad/sqrt(rad)] standard deviation of the yaw after a turn of 1 rad.
+    pub noise_rad_per_sqrt_rad: f64,
+    /// [rad/sqrt(m)] standard deviation of the yaw after 1 m.
+    pub noise_rad_per_sqrt_m: f64,
 }
 
 impl Default for CorrectionConfig {
     fn default() -> Self {
         Self {
             mode: CorrectionMode::Auto,
-            noise_m_per_m: 0.1,
-            noise_rad_per_rad: 0.1,
-            noise_rad_per_m: 0.05,
+            noise_m_per_sqrt_m: 0.03,
+            noise_rad_per_sqrt_rad: 0.04,
+            noise_rad_per_sqrt_m: 0.02,
         }
     }
 }
@@ -53,9 +53,18 @@ impl CorrectionConfig {
     /// [`MappingError::OutOfRange`].
     pub fn check(&self) -> Result<(), MappingError> {
         for (field, value) in [
-            ("pose_correction.noise_m_per_m", self.noise_m_per_m),
-            ("pose_correction.noise_rad_per_rad", self.noise_rad_per_rad),
-            ("pose_correction.noise_rad_per_m", self.noise_rad_per_m),
+            (
+                "pose_correction.noise_m_per_sqrt_m",
+                self.noise_m_per_sqrt_m,
+            ),
+            (
+                "pose_correction.noise_rad_per_sqrt_rad",
+                self.noise_rad_per_sqrt_rad,
+            ),
+            (
+                "pose_correction.noise_rad_per_sqrt_m",
+                self.noise_rad_per_sqrt_m,
+            ),
         ] {
             ensure(
                 (0.0..=1.0).contains(&value),
@@ -164,9 +173,9 @@ impl Localiser {
         step[(0, 2)] = -came.y;
         step[(1, 2)] = came.x;
         let config = &self.config;
-        let place = (config.noise_m_per_m * length_m).powi(2);
-        let yaw = (config.noise_rad_per_rad * turn_rad).powi(2)
-            + (config.noise_rad_per_m * length_m).powi(2);
+        let place = config.noise_m_per_sqrt_m.powi(2) * length_m;
+        let yaw = config.noise_rad_per_sqrt_rad.powi(2) * turn_rad
+            + config.noise_rad_per_sqrt_m.powi(2) * length_m;
         self.covariance = step * self.covariance * step.transpose()
             + Matrix3::from_diagonal(&Vector3::new(place, place, yaw));
         self.limit();
