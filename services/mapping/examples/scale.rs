@@ -154,8 +154,7 @@ fn measure(side: i32) -> Row {
     let whole = |mode: CorrectionMode| {
         let mut config = config(&room);
         config.pose_correction.mode = mode;
-        let mut mapping =
-            Mapping::new(&config, Some(&known), &description(), &[]).expect("a map");
+        let mut mapping = Mapping::new(&config, Some(&known), &description(), &[]).expect("a map");
         let mut times_us = Vec::new();
         for ((scan, ranges), n) in scans.iter().zip(1..) {
             let begin = Instant::now();

@@ -99,20 +99,19 @@ impl Beams {
         let shift = sweep.last.point() - sweep.first.point();
         #[allow(clippy::cast_precision_loss, reason = "at most 4096 beams")]
         let steps = ranges.len().saturating_sub(1).max(1) as f64;
-        self.beams
-            .extend(
-                directions
-                    .zip(0_u32..)
-                    .map(|((direction, range_m), number)| {
-                        let share = f64::from(number) / steps;
-                        let (sin, cos) = (sweep.first.yaw_rad + share * turn_rad).sin_cos();
-                        Beam {
-                            origin: sweep.first.point() + shift * share,
-                            direction: rotated(direction, sin, cos),
-                            end: end_of(scan, *range_m),
-                        }
-                    }),
-            );
+        self.beams.extend(
+            directions
+                .zip(0_u32..)
+                .map(|((direction, range_m), number)| {
+                    let share = f64::from(number) / steps;
+                    let (sin, cos) = (sweep.first.yaw_rad + share * turn_rad).sin_cos();
+                    Beam {
+                        origin: sweep.first.point() + shift * share,
+                        direction: rotated(direction, sin, cos),
+                        end: end_of(scan, *range_m),
+                    }
+                }),
+        );
     }
 
     /// The beams, in the order of the scan.

@@ -84,8 +84,8 @@ impl Clusters {
         }
         let mut first = 0;
         for end in 1..=self.points.len() {
-            let ends = end == self.points.len()
-                || !together(&self.points[end - 1], &self.points[end]);
+            let ends =
+                end == self.points.len() || !together(&self.points[end - 1], &self.points[end]);
             if ends {
                 let hidden = self.is_hidden(beams, first, end, gap_m);
                 self.clusters.push(Cluster { first, end, hidden });

@@ -80,7 +80,10 @@ pub fn fit(
         let bulges = (centre - eye).norm() > (mean - eye).norm();
         *radius_m <= radius_m_max && bulges && residual < 0.25 * across_variance
     });
-    Some(circle.map_or(segment, |(centre, radius_m)| Fit::Circle { centre, radius_m }))
+    Some(circle.map_or(segment, |(centre, radius_m)| Fit::Circle {
+        centre,
+        radius_m,
+    }))
 }
 
 /// The centre of a circle of known radius through points on its side towards `eye`: least squares

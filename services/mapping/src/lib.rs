@@ -38,5 +38,5 @@ pub mod window;
 pub use config::{LogOdds, MappingConfig, MappingError};
 pub use mapper::{Integrated, Mapper};
 pub use mapping::{Mapping, Observation};
-pub use tracking_score::{TrackingReport, TrackingScore};
 pub use tiles::{TileIndex, all_tiles};
+pub use tracking_score::{TrackingReport, TrackingScore};

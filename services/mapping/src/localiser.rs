@@ -66,12 +66,7 @@ impl CorrectionConfig {
                 self.noise_rad_per_sqrt_m,
             ),
         ] {
-            ensure(
-                (0.0..=1.0).contains(&value),
-                field,
-                value,
-                "must be 0 to 1",
-            )?;
+            ensure((0.0..=1.0).contains(&value), field, value, "must be 0 to 1")?;
         }
         Ok(())
     }

@@ -34,8 +34,17 @@ const STALE_NS: u64 = 500_000_000;
 struct Going {
     tasks: Tasks,
     status: Stream<TaskState>,
-    /// Of the last two statuses: tick, task, goal at hand, and whether there is one.
-    statuses: [(u64, u64, u64, bool); 2],
+    /// The last two, the newer one last.
+    statuses: [Status; 2],
+}
+
+/// What counts of a message of `task/status`.
+#[derive(Debug, Clone, Copy, Default)]
+struct Status {
+    tick: u64,
+    task: u64,
+    goal: u64,
+    active: bool,
 }
 
 impl Going {
@@ -43,7 +52,7 @@ impl Going {
         Ok(Self {
             tasks: Tasks::open(shell.peer())?,
             status: shell.peer().stream()?,
-            statuses: [(0, 0, 0, false); 2],
+            statuses: [Status::default(); 2],
         })
     }
 
@@ -52,7 +61,12 @@ impl Going {
         let statuses = &mut self.statuses;
         self.status.drain(shell.roster(), |view| {
             let active = matches!(view.meta.state(), Some(State::Idle | State::Active));
-            let news = (view.header.tick, view.meta.task, view.meta.goal, active);
+            let news = Status {
+                tick: view.header.tick,
+                task: view.meta.task,
+                goal: view.meta.goal,
+                active,
+            };
             *statuses = [statuses[1], news];
         });
     }
@@ -64,12 +78,11 @@ impl Going {
         if task.kind != TaskKind::Go {
             return None;
         }
-        let counts = |status: &&(u64, u64, u64, bool)| {
-            status.1 == task.id.0 && (!lockstep || status.0 < tick)
-        };
+        let counts =
+            |status: &&Status| status.task == task.id.0 && (!lockstep || status.tick < tick);
         let status = self.statuses.iter().rev().find(counts);
-        let at_hand = status.map_or(0, |status| status.2);
-        if status.is_some_and(|status| !status.3) {
+        let at_hand = status.map_or(0, |status| status.goal);
+        if status.is_some_and(|status| !status.active) {
             return None;
         }
         let named = task.goals.iter().find(|goal| goal.id == at_hand);
@@ -338,9 +351,8 @@ impl MappingService {
 
     fn info(&self, revision: Id) -> MapInfo {
         let mapping = self.mapping.as_ref();
-        let (map_from_odom, covariance) = mapping.map_or_else(Default::default, |mapping| {
-            mapping.map_from_odom()
-        });
+        let (map_from_odom, covariance) =
+            mapping.map_or_else(Default::default, |mapping| mapping.map_from_odom());
         MapInfo {
             geometry: self.geometry,
             revision: revision.0,

@@ -213,10 +213,7 @@ impl Mapper {
         if self.rectangles == regulariser.rectangles() {
             return;
         }
-        let old = core::mem::replace(
-            &mut self.rectangles,
-            regulariser.rectangles().to_vec(),
-        );
+        let old = core::mem::replace(&mut self.rectangles, regulariser.rectangles().to_vec());
         for n in 0..old.len() + self.rectangles.len() {
             let rect = old.get(n).copied();
             let rect = rect.unwrap_or_else(|| self.rectangles[n - old.len()]);
@@ -345,10 +342,7 @@ impl Mapper {
             flags |= FLAG_UNKNOWN;
         }
         let is_obstacle = |index: usize| self.clearance.is_obstacle(index);
-        if self
-            .virtuals
-            .is_virtual(&self.geometry, cell, is_obstacle)
-        {
+        if self.virtuals.is_virtual(&self.geometry, cell, is_obstacle) {
             flags |= FLAG_VIRTUAL;
         }
         if !self.rectangles.is_empty()

@@ -32,38 +32,55 @@ impl PastScan {
     /// True when its beams passed a point of the map by at least `margin_m`. False when the point
     /// lay beside its field of view, and for beams that say nothing.
     #[must_use]
+    pub fn sees_through(&self, point_in_map: Point2<f64>, margin_m: f64) -> bool {
+        let (beam, range_m) = self.towards(point_in_map);
+        (beam - BESIDE..=beam + BESIDE).all(|beam| match self.range_of(beam) {
+            Some(f32::INFINITY) => range_m + margin_m <= f64::from(self.scan.range_m_max),
+            Some(seen) => self.scan.is_hit(seen) && f64::from(seen) > range_m + margin_m,
+            None => false,
+        })
+    }
+
+    /// True when its beam towards a point of the map ended there, by at most `margin_m` off.
+    #[must_use]
+    pub fn ended_at(&self, point_in_map: Point2<f64>, margin_m: f64) -> bool {
+        let (beam, range_m) = self.towards(point_in_map);
+        self.range_of(beam)
+            .is_some_and(|seen| (f64::from(seen) - range_m).abs() <= margin_m)
+    }
+
+    /// The beam that looks nearest to a point of the map, perhaps none of the scan's, and how far
+    /// the point is. [m]
     #[allow(
         clippy::cast_possible_truncation,
         reason = "angles are a few turns, beams a few thousand"
     )]
-    pub fn sees_through(&self, point_in_map: Point2<f64>, margin_m: f64) -> bool {
+    fn towards(&self, point_in_map: Point2<f64>) -> (i64, f64) {
         let offset = point_in_map - self.map_from_laser.point();
-        let range_m = offset.norm();
         let increment = f64::from(self.scan.angle_increment_rad);
         let angle = offset.y.atan2(offset.x) - self.map_from_laser.yaw_rad;
-        // The first beam at or behind this angle, going the way the lidar turns.
+        // Going the way the lidar turns.
         let from_first = (angle - f64::from(self.scan.angle_min_rad)) * increment.signum();
-        let beam = (from_first.rem_euclid(TAU) / increment.abs()).round() as i64;
+        let beam = (from_first.rem_euclid(TAU) / increment.abs()).round();
+        (beam as i64, offset.norm())
+    }
+
+    /// Range of a beam; a full turn goes on where it began. `None` beside the field of view. [m]
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_possible_wrap,
+        reason = "beams are a few thousand"
+    )]
+    fn range_of(&self, beam: i64) -> Option<f32> {
         let n_beams = self.ranges.len() as i64;
-        let per_turn = (TAU / increment.abs()).round() as i64;
-        (beam - BESIDE..=beam + BESIDE).all(|beam| {
-            // A full turn goes on where it began.
-            let beam = if n_beams >= per_turn {
-                beam.rem_euclid(n_beams.max(1))
-            } else {
-                beam
-            };
-            let Some(seen) = usize::try_from(beam)
-                .ok()
-                .and_then(|beam| self.ranges.get(beam))
-            else {
-                return false;
-            };
-            if *seen == f32::INFINITY {
-                return range_m + margin_m <= f64::from(self.scan.range_m_max);
-            }
-            self.scan.is_hit(*seen) && f64::from(*seen) > range_m + margin_m
-        })
+        let per_turn = (TAU / f64::from(self.scan.angle_increment_rad).abs()).round() as i64;
+        let beam = if n_beams >= per_turn {
+            beam.rem_euclid(n_beams.max(1))
+        } else {
+            beam
+        };
+        let beam = usize::try_from(beam).ok()?;
+        self.ranges.get(beam).copied()
     }
 }
 
@@ -141,6 +158,12 @@ mod tests {
             assert!(see(10.0, 4.8) && see(359.0, 4.8) && see(0.0, 4.8));
             assert!(!see(10.0, 4.95) && !see(10.0, 6.0));
             assert!(!see(90.0, 1.0) && !see(91.0, 1.0) && see(92.0, 1.0));
+            let ended = |range_m: f64| {
+                let angle = 0.5 + 0.3 + f64::from(way) * 10.0_f64.to_radians();
+                let point = Point2::new(1.0 + range_m * angle.cos(), 2.0 + range_m * angle.sin());
+                past.ended_at(point, 0.1)
+            };
+            assert!(ended(5.05) && ended(4.95) && !ended(4.8) && !ended(5.2));
             assert!(see(200.0, 9.8) && !see(200.0, 9.95) && !see(199.0, 6.0));
         }
     }

@@ -118,7 +118,10 @@ impl Regulariser {
         self.skipped = 0;
         self.met.clear();
         supercover(from, to, |cell| {
-            let Some(index) = self.geometry.index_of(cell).filter(|index| is_obstacle(*index))
+            let Some(index) = self
+                .geometry
+                .index_of(cell)
+                .filter(|index| is_obstacle(*index))
             else {
                 return true;
             };
@@ -221,10 +224,7 @@ fn supercover(from: Cell, to: Cell, mut see: impl FnMut(Cell) -> bool) {
         i64::from(to.x) - i64::from(from.x),
         i64::from(to.y) - i64::from(from.y),
     );
-    let (step_x, step_y) = (
-        if dx < 0 { -1 } else { 1 },
-        if dy < 0 { -1 } else { 1 },
-    );
+    let (step_x, step_y) = (if dx < 0 { -1 } else { 1 }, if dy < 0 { -1 } else { 1 });
     let (dx, dy) = (dx.abs(), dy.abs());
     let (mut nx, mut ny) = (0, 0);
     let mut at = from;
@@ -275,9 +275,6 @@ mod tests {
             line((0, 0), (-2, 2)),
             [(0, 0), (-1, 0), (0, 1), (-1, 1), (-2, 1), (-1, 2), (-2, 2)]
         );
-        assert_eq!(
-            line((0, 0), (2, 1)),
-            [(0, 0), (1, 0), (1, 1), (2, 1)]
-        );
+        assert_eq!(line((0, 0), (2, 1)), [(0, 0), (1, 0), (1, 1), (2, 1)]);
     }
 }

@@ -130,21 +130,15 @@ impl Surfaces {
             let (mut n, mut near) = (0.0, 0.0);
             for point in points() {
                 n += 1.0;
-                let turned = Vector2::new(
-                    cos * point.x - sin * point.y,
-                    sin * point.x + cos * point.y,
-                );
+                let turned =
+                    Vector2::new(cos * point.x - sin * point.y, sin * point.x + cos * point.y);
                 let Some((distance_m, slope)) =
                     self.distance(Point2::new(at.x + turned.x, at.y + turned.y))
                 else {
                     continue;
                 };
                 near += 1.0;
-                let row = Vector3::new(
-                    slope.x,
-                    slope.y,
-                    slope.y * turned.x - slope.x * turned.y,
-                );
+                let row = Vector3::new(slope.x, slope.y, slope.y * turned.x - slope.x * turned.y);
                 let weight = (1.0 + (distance_m / LETS_GO_M).powi(2)).powi(-2);
                 normal += row * row.transpose() * weight;
                 right += row * (weight * distance_m);

@@ -88,7 +88,12 @@ impl TrackingConfig {
             ("tracking.gap_m", self.gap_m, 1.0e-3, 10.0),
             ("tracking.radius_m_max", self.radius_m_max, 1.0e-3, 10.0),
             ("tracking.static_margin_m", self.static_margin_m, 0.0, 1.0),
-            ("tracking.position_sigma_m", self.position_sigma_m, 1.0e-3, 1.0),
+            (
+                "tracking.position_sigma_m",
+                self.position_sigma_m,
+                1.0e-3,
+                1.0,
+            ),
             (
                 "tracking.acceleration_sigma_mps2",
                 self.acceleration_sigma_mps2,
@@ -97,7 +102,12 @@ impl TrackingConfig {
             ),
             ("tracking.coast_s", self.coast_s, 0.0, 10.0),
             ("tracking.moving_sigmas", self.moving_sigmas, 0.0, 100.0),
-            ("tracking.moving_distance_m", self.moving_distance_m, 0.0, 100.0),
+            (
+                "tracking.moving_distance_m",
+                self.moving_distance_m,
+                0.0,
+                100.0,
+            ),
             ("tracking.rest_speed_mps", self.rest_speed_mps, 0.0, 10.0),
             ("tracking.rest_s", self.rest_s, 0.0, 100.0),
         ] {
@@ -196,12 +206,8 @@ impl Tracker {
         let eye = view.map_from_laser.point();
         self.look(eye);
         self.associate(eye);
-        self.past.push(
-            view.scan,
-            view.ranges,
-            &view.map_from_laser,
-            view.run_ns,
-        );
+        self.past
+            .push(view.scan, view.ranges, &view.map_from_laser, view.run_ns);
         for n in 0..self.seen.len() {
             match self.seen[n].track {
                 Some(track) => self.hit(track, n, eye),
@@ -287,7 +293,12 @@ impl Tracker {
     }
 
     /// Where `track` is, judged by a cluster, and how well that is known.
-    fn measured(&self, track: &Track, seen: &Seen, eye: Point2<f64>) -> (Point2<f64>, Matrix2<f64>) {
+    fn measured(
+        &self,
+        track: &Track,
+        seen: &Seen,
+        eye: Point2<f64>,
+    ) -> (Point2<f64>, Matrix2<f64>) {
         let variance = self.config.position_sigma_m.powi(2);
         let even = Matrix2::from_diagonal_element(variance);
         let points = self.clusters.points(&seen.cluster);
@@ -349,7 +360,8 @@ impl Tracker {
         } else if followed.hits >= HITS_TO_CONFIRM
             && speed_mps > self.config.moving_sigmas * followed.filter.speed_sigma_mps()
             && speed_mps > self.config.rest_speed_mps
-            && (followed.filter.position() - followed.born_at).norm() > self.config.moving_distance_m
+            && (followed.filter.position() - followed.born_at).norm()
+                > self.config.moving_distance_m
             && self.is_seen_moving(&followed, &seen.cluster)
         {
             followed.moving = true;
@@ -378,7 +390,9 @@ impl Tracker {
         let mut left = 0;
         for point in points {
             entered += usize::from(then.sees_through(point.at, self.config.gap_m));
-            left += usize::from(now.sees_through(point.at - came, self.config.gap_m));
+            let was_at = point.at - came;
+            let was_there = then.ended_at(was_at, self.config.gap_m);
+            left += usize::from(was_there && now.sees_through(was_at, self.config.gap_m));
         }
         #[allow(
             clippy::cast_possible_truncation,

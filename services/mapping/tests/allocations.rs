@@ -55,7 +55,11 @@ fn no_scan_allocates_once_they_repeat_themselves() {
     for n in 0..400_u64 {
         #[allow(clippy::cast_precision_loss, reason = "a few hundred")]
         let angle = 0.05 * n as f64;
-        let from = room.pose(200.0 + 20.0 * angle.cos(), 180.0 + 20.0 * angle.sin(), angle);
+        let from = room.pose(
+            200.0 + 20.0 * angle.cos(),
+            180.0 + 20.0 * angle.sin(),
+            angle,
+        );
         let seen = if n % 20 < 10 { &room } else { &with_box };
         let (scan, ranges) = seen.scan(&from);
         let before = COUNT.load(Ordering::Relaxed);

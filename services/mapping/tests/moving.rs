@@ -53,7 +53,11 @@ impl Scene {
         for disc in &mut self.discs {
             disc.at += disc.velocity * 0.1;
             for axis in 0..2 {
-                let low = if axis == 0 { g.origin_x_m } else { g.origin_y_m };
+                let low = if axis == 0 {
+                    g.origin_x_m
+                } else {
+                    g.origin_y_m
+                };
                 let margin = disc.radius_m + 0.4;
                 if (disc.at[axis] < low + margin && disc.velocity[axis] < 0.0)
                     || (disc.at[axis] > high[axis] - margin && disc.velocity[axis] > 0.0)
@@ -134,7 +138,10 @@ fn point(room: &Room, x: f64, y: f64) -> Point2<f64> {
 fn circling(room: &Room, n: u64) -> Pose {
     #[allow(clippy::cast_precision_loss, reason = "a few thousand scans")]
     let angle = 0.05 * n as f64;
-    let (w, h) = (f64::from(room.geometry.width), f64::from(room.geometry.height));
+    let (w, h) = (
+        f64::from(room.geometry.width),
+        f64::from(room.geometry.height),
+    );
     room.pose(
         0.5 * w + 20.0 * angle.cos(),
         0.5 * h + 20.0 * angle.sin(),
@@ -213,7 +220,10 @@ fn what_stands_is_never_called_moving() {
 }
 
 fn sensed(cells: &[MapCell]) -> usize {
-    cells.iter().filter(|cell| cell.flags & FLAG_SENSED != 0).count()
+    cells
+        .iter()
+        .filter(|cell| cell.flags & FLAG_SENSED != 0)
+        .count()
 }
 
 /// A walker leaves no trail, is marked as moving, and when it vanishes the map is as it was
@@ -238,7 +248,10 @@ fn what_moves_leaves_no_trail_and_vanishes_at_once() {
             continue;
         }
         let cells = mapping.mapper().cells();
-        let moving = cells.iter().filter(|cell| cell.flags & FLAG_MOVING != 0).count();
+        let moving = cells
+            .iter()
+            .filter(|cell| cell.flags & FLAG_MOVING != 0)
+            .count();
         assert!(moving > 3, "scan {n}: {moving} cells");
         // Everything sensed is within a step of the disc, none of it behind.
         let geometry = *mapping.mapper().geometry();

@@ -211,7 +211,10 @@ fn tn_reg_a_diagonal_chain_is_one_group_and_a_corner_is_a_hit() {
     mapper.regularise(Some(line));
     let rects = mapper.rectangles();
     assert_eq!(rects.len(), 1);
-    assert_eq!((rects[0].min, rects[0].max), (Cell::new(20, 12), Cell::new(26, 18)));
+    assert_eq!(
+        (rects[0].min, rects[0].max),
+        (Cell::new(20, 12), Cell::new(26, 18))
+    );
 }
 
 #[test]
@@ -286,8 +289,14 @@ fn bao_full_closes_gaps_of_one_and_two_cells_and_no_wider_one() {
         room.fill(20, 15 + gap, 21, 30, true);
         let mapper = mapper(&room, ring(1, RingShape::EightNeighbour));
         let cells = flagged(&mapper, FLAG_VIRTUAL);
-        let in_gap = cells.iter().filter(|cell| inside((20, 15, 21, 15 + gap))(cell));
-        assert_eq!(in_gap.count() == gap.unsigned_abs() as usize, closed, "{gap}");
+        let in_gap = cells
+            .iter()
+            .filter(|cell| inside((20, 15, 21, 15 + gap))(cell));
+        assert_eq!(
+            in_gap.count() == gap.unsigned_abs() as usize,
+            closed,
+            "{gap}"
+        );
     }
 }
 

@@ -24,7 +24,10 @@ struct WorldFile {
 
 /// The world of `blocked_aisle`.
 fn warehouse() -> World {
-    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../launch/worlds/warehouse.toml");
+    let file = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../launch/worlds/warehouse.toml"
+    );
     let text = std::fs::read_to_string(file).expect("the world");
     let file: WorldFile = toml::from_str(&text).expect("a world");
     World::new(&file.world, None).expect("a world")
@@ -135,11 +138,16 @@ fn drive(config: &MappingConfig, length_m: f64, noise: f64, drift_rad_per_m: f64
         drive.identity &= map_from_odom == Pose::default();
         let estimate = map_from_odom.then(&odometry);
         drive.worst_m = drive.worst_m.max(estimate.distance_m(&truth));
-        drive.worst_rad = drive.worst_rad.max(wrap_angle(estimate.yaw_rad - truth.yaw_rad).abs());
+        drive.worst_rad = drive
+            .worst_rad
+            .max(wrap_angle(estimate.yaw_rad - truth.yaw_rad).abs());
         drive.odometry_off_m = drive.odometry_off_m.max(odometry.distance_m(&truth));
     }
     let cells = mapping.mapper().cells();
-    drive.sensed = cells.iter().filter(|cell| cell.flags & FLAG_SENSED != 0).count();
+    drive.sensed = cells
+        .iter()
+        .filter(|cell| cell.flags & FLAG_SENSED != 0)
+        .count();
     drive
 }
 
@@ -147,7 +155,10 @@ fn drive(config: &MappingConfig, length_m: f64, noise: f64, drift_rad_per_m: f64
 fn over_200_m_the_pose_stays_within_10_cm_and_2_degrees() {
     let drive = drive(&MappingConfig::default(), 200.0, 1.0, 0.002);
     eprintln!("{drive:?}");
-    assert!(drive.odometry_off_m > 1.0, "odometry alone is lost: {drive:?}");
+    assert!(
+        drive.odometry_off_m > 1.0,
+        "odometry alone is lost: {drive:?}"
+    );
     assert!(drive.worst_m < 0.10, "{drive:?}");
     assert!(drive.worst_rad < 2.0_f64.to_radians(), "{drive:?}");
     // The map does not smear: nothing is there that the static map does not hold.

@@ -43,14 +43,20 @@ fn drive(mode: WindowMode) -> (Room, Mapping, usize) {
         if mapping.take_moved() {
             moves += 1;
             // Everything is new for whoever reads it.
-            assert_eq!(tiles, all_tiles(mapping.mapper().geometry()).collect::<Vec<_>>());
+            assert_eq!(
+                tiles,
+                all_tiles(mapping.mapper().geometry()).collect::<Vec<_>>()
+            );
         }
     }
     (room, mapping, moves)
 }
 
 fn at(mapping: &Mapping, room: &Room, x: f64, y: f64) -> Option<MapCell> {
-    let cell = mapping.mapper().geometry().cell_at(room.pose(x, y, 0.0).point())?;
+    let cell = mapping
+        .mapper()
+        .geometry()
+        .cell_at(room.pose(x, y, 0.0).point())?;
     mapping.mapper().view().get(cell)
 }
 
@@ -89,7 +95,9 @@ fn a_saved_map_is_loaded_again() {
     let unknown = map.count(Occupancy::Unknown);
     assert!(unknown > 0 && map.count(Occupancy::Occupied) > 100);
     let flagged = mapping.mapper().cells().iter();
-    let flagged = flagged.filter(|cell| cell.flags & FLAG_UNKNOWN != 0).count();
+    let flagged = flagged
+        .filter(|cell| cell.flags & FLAG_UNKNOWN != 0)
+        .count();
     assert_eq!(unknown, flagged);
     let folder = tempfile::tempdir().unwrap();
     let file = map_file::save(&map, folder.path(), "map").unwrap();
