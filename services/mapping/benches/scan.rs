@@ -73,7 +73,8 @@ fn everything(c: &mut Criterion) {
     let mut group = c.benchmark_group("720 beams, everything");
     for side in [400_i32, 4000] {
         let mut room = Room::empty(side.unsigned_abs(), side.unsigned_abs());
-        let (low, high) = ((side - 400) / 2, (side + 400) / 2);
+        let low = (side - 400) / 2;
+        let high = low + 400;
         for (x0, y0, x1, y1) in [
             (low, low, high, low + 3),
             (low, high - 3, high, high),

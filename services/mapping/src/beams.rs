@@ -66,7 +66,7 @@ impl Beam {
 /// The beams of a scan, in its order. Memory is reused.
 #[derive(Debug, Default)]
 pub struct Beams {
-    beams: Vec<Beam>,
+    cast: Vec<Beam>,
     /// Directions in the laser's own frame, and what they are of.
     directions: Vec<Vector2<f64>>,
     fan: (f32, f32),
@@ -82,12 +82,12 @@ impl Beams {
         #[allow(clippy::cast_precision_loss, reason = "at most 4096 beams")]
         let fan_rad = self.increment_rad * (ranges.len() as f64 + 0.5);
         self.full_turn = fan_rad >= core::f64::consts::TAU;
-        self.beams.clear();
+        self.cast.clear();
         let directions = self.directions.iter().zip(ranges);
         if sweep.first == sweep.last {
             let (sin, cos) = sweep.last.yaw_rad.sin_cos();
             let origin = sweep.last.point();
-            self.beams
+            self.cast
                 .extend(directions.map(|(direction, range_m)| Beam {
                     origin,
                     direction: rotated(direction, sin, cos),
@@ -99,7 +99,7 @@ impl Beams {
         let shift = sweep.last.point() - sweep.first.point();
         #[allow(clippy::cast_precision_loss, reason = "at most 4096 beams")]
         let steps = ranges.len().saturating_sub(1).max(1) as f64;
-        self.beams.extend(
+        self.cast.extend(
             directions
                 .zip(0_u32..)
                 .map(|((direction, range_m), number)| {
@@ -117,7 +117,7 @@ impl Beams {
     /// The beams, in the order of the scan.
     #[must_use]
     pub fn as_slice(&self) -> &[Beam] {
-        &self.beams
+        &self.cast
     }
 
     /// Angle from beam to beam, >= 0. [rad]

@@ -90,7 +90,7 @@ pub fn fit(
 /// by a few steps of Gauss and Newton.
 #[must_use]
 pub fn centre_of_radius(
-    points: impl Iterator<Item = Point2<f64>> + Clone,
+    points: &(impl Iterator<Item = Point2<f64>> + Clone),
     eye: Point2<f64>,
     radius_m: f64,
 ) -> Option<Point2<f64>> {
@@ -192,7 +192,7 @@ mod tests {
             assert!((c - centre).norm() < 1e-6 && (r - radius_m).abs() < 1e-6);
             // With noise, a known radius holds the centre.
             let noisy = near_side(centre, radius_m, 9, 0.01);
-            let c = centre_of_radius(noisy.iter().copied(), Point2::origin(), radius_m).unwrap();
+            let c = centre_of_radius(&noisy.iter().copied(), Point2::origin(), radius_m).unwrap();
             assert!((c - centre).norm() < 0.03, "{c} {centre}");
         }
     }

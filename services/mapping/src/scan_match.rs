@@ -5,7 +5,7 @@
 //! Kohlbrecher et al., "A Flexible and Scalable SLAM System with Full 3D Motion Estimation", 2011
 //! (eq. 7 to 13, with distances instead of occupancies, which pull from farther away), with the
 //! odometry's prediction as a prior, so that along a bare corridor nothing is made up, and with
-//! weights that let go of what is not on the map (Geman and McClure).
+//! weights that let go of what is not on the map (Geman, `McClure`, 1987).
 
 use crate::beams::Beam;
 use crate::clearance::ClearanceField;

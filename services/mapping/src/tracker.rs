@@ -313,7 +313,7 @@ impl Tracker {
         };
         let round = track
             .is_round()
-            .then(|| centre_of_radius(places, eye, track.radius_m))
+            .then(|| centre_of_radius(&places, eye, track.radius_m))
             .flatten();
         let place = round.unwrap_or(middle);
         // Of what is partly hidden the middle may lie anywhere along what is seen of it.
