@@ -77,7 +77,7 @@ fn c_edt_equals_brute_force_on_100_random_maps() {
         let limit = 2.0 + f64::from(rng.below(20));
         let mut field = ClearanceField::new(&geometry, limit);
         let mut obstacles: Vec<Cell> = Vec::new();
-        for _ in 0..1 + rng.below(width * height / 8) {
+        for _ in 0..=rng.below(width * height / 8) {
             let cell = Cell::new(rng.below(width), rng.below(height));
             if !obstacles.contains(&cell) {
                 obstacles.push(cell);
