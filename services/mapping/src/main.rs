@@ -352,7 +352,7 @@ impl MappingService {
     fn info(&self, revision: Id) -> MapInfo {
         let mapping = self.mapping.as_ref();
         let (map_from_odom, covariance) =
-            mapping.map_or_else(Default::default, |mapping| mapping.map_from_odom());
+            mapping.map_or_else(Default::default, Mapping::map_from_odom);
         MapInfo {
             geometry: self.geometry,
             revision: revision.0,
