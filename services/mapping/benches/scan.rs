@@ -1,5 +1,6 @@
 //! A scan of 720 beams into a map of 600 x 400 cells: nothing changes, a box comes and goes, the
-//! first scan of an unknown map.
+//! first scan of an unknown map; and everything that is done with a scan, with and without pose
+//! correction, into 400 x 400 and 4000 x 4000 cells.
 //!
 //! `cargo bench -p zeronav-mapping --no-default-features`
 
@@ -10,8 +11,9 @@ mod support;
 
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 use std::hint::black_box;
-use support::{Room, config, description};
-use zeronav_mapping::Mapper;
+use support::{Rng, Room, config, description};
+use zeronav_mapping::localiser::CorrectionMode;
+use zeronav_mapping::{Mapper, Mapping, Observation};
 
 fn scan(c: &mut Criterion) {
     let mut room = Room::walled(600, 400, 3);
@@ -65,5 +67,61 @@ fn scan(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, scan);
+/// Scans with 1 cm of noise of a room of 20 m x 20 m in the middle of maps of two sizes.
+#[allow(clippy::cast_possible_truncation, reason = "ranges are f32")]
+fn everything(c: &mut Criterion) {
+    let mut group = c.benchmark_group("720 beams, everything");
+    for side in [400_i32, 4000] {
+        let mut room = Room::empty(side.unsigned_abs(), side.unsigned_abs());
+        let low = (side - 400) / 2;
+        let high = low + 400;
+        for (x0, y0, x1, y1) in [
+            (low, low, high, low + 3),
+            (low, high - 3, high, high),
+            (low, low, low + 3, high),
+            (high - 3, low, high, high),
+            (low + 130, low + 90, low + 140, low + 100),
+        ] {
+            room.fill(x0, y0, x1, y1, true);
+        }
+        let middle = 0.5 * f64::from(side);
+        let from = room.pose(middle + 12.3, middle - 20.7, 0.3);
+        let (scan, exact) = room.scan(&from);
+        let mut rng = Rng(1);
+        let scans: Vec<Vec<f32>> = (0..50)
+            .map(|_| {
+                let noisy = exact.iter().map(|r| r + (0.01 * rng.normal()) as f32);
+                noisy.collect()
+            })
+            .collect();
+        for (name, mode) in [
+            ("", CorrectionMode::Off),
+            (", pose corrected", CorrectionMode::On),
+        ] {
+            let mut config = config(&room);
+            config.pose_correction.mode = mode;
+            let known = room.as_static_map();
+            let mut mapping =
+                Mapping::new(&config, Some(&known), &description(), &[]).expect("a map");
+            let mut n = 0;
+            group.bench_function(format!("{side} x {side}{name}"), |b| {
+                b.iter(|| {
+                    n += 1;
+                    mapping.take_in(&Observation {
+                        scan: &scan,
+                        ranges: black_box(&scans[n % scans.len()]),
+                        run_ns: n as u64 * 100_000_000,
+                        odom_from_base_first: from,
+                        odom_from_base: from,
+                        odometry_variance: [0.0; 3],
+                        goal: None,
+                    })
+                });
+            });
+        }
+    }
+    group.finish();
+}
+
+criterion_group!(benches, scan, everything);
 criterion_main!(benches);

@@ -1,19 +1,27 @@
-//! What scans say about the cells: log-odds, changed at most once per cell and scan.
+//! What scans say about the cells, in layers.
+//!
+//! The *static* layer is what is known beforehand and stays. The *long-lived* layer is log-odds,
+//! changed at most once per cell and scan. The *short-lived* layer holds what was hit on moving
+//! obstacles: it does not enter the log-odds, and goes as soon as a beam passes or after a moment,
+//! so that nothing leaves a trail. Unknown is a state of its own. A cell is an obstacle when any
+//! layer says so.
 //!
 //! The rules are those of Nav2's obstacle layer where they are sound: a scan clears along all its
-//! beams first and marks then; a beam without a return clears, an invalid one does nothing. Where
-//! they flicker, they are sharpened: what a scan marks no other beam of the same scan clears; a
-//! beam clears only cells that it has left again before it was returned; a hit counts half a cell
-//! behind where it was measured, so that noise around the face of an obstacle falls into the
-//! obstacle's own cell, and an obstacle marks the cells whose centre it covers; and a cell that
-//! touches an obstacle becomes one only with the second hit, because the robot's centre cannot be
-//! there anyway and it is mostly noise. What appears in the open is marked at once.
+//! beams first and marks then; a beam without a return clears, an invalid one does nothing; the
+//! robot's footprint clears. Where they flicker, they are sharpened: what a scan marks no other
+//! beam of the same scan clears; a beam clears only cells that it has left again before it was
+//! returned; a hit counts half a cell behind where it was measured, so that noise around the face
+//! of an obstacle falls into the obstacle's own cell, and an obstacle marks the cells whose centre
+//! it covers; and a cell that touches an obstacle becomes one only with the second hit, because
+//! the robot's centre cannot be there anyway and it is mostly noise. What appears in the open is
+//! marked at once.
 
+use crate::beams::{Beam, End};
 use crate::config::{LogOdds, MappingConfig};
-use crate::ray::Ray;
-use nalgebra::Vector2;
-use zeronav_msgs::scan::Scan;
-use zeronav_msgs::{GridGeometry, Pose};
+use crate::ray::{Passing, Ray};
+use crate::settled::Settled;
+use nalgebra::{Point2, Vector2};
+use zeronav_msgs::{Cell, GridGeometry, Pose};
 use zeronav_world::{Occupancy, StaticMap};
 
 /// No beam has been here, and the static map does not know the cell.
@@ -27,6 +35,14 @@ const BESIDE_STATIC: u8 = 1 << 1;
 const HIT: u8 = 1 << 2;
 /// Bit: passed by a beam of the scan at hand.
 const PASSED: u8 = 1 << 3;
+/// Bit: in the short-lived layer.
+const MOVING: u8 = 1 << 4;
+/// Bit: hit on a moving obstacle by the scan at hand.
+const MOVING_HIT: u8 = 1 << 5;
+/// Bit: an obstacle, as told by [`Flips`].
+const OBSTACLE: u8 = 1 << 6;
+/// Bit: so near to an obstacle of the static map that what is seen there is that obstacle.
+const NEAR_STATIC: u8 = 1 << 7;
 
 /// How far behind its measured end a hit counts. [cells]
 const HIT_BEHIND: f64 = 0.5;
@@ -44,6 +60,36 @@ pub struct Flips {
     pub cleared: Vec<usize>,
     /// Cells seen for the first time.
     pub revealed: Vec<usize>,
+    /// Obstacles of which another layer knows now.
+    pub relabelled: Vec<usize>,
+}
+
+impl Flips {
+    /// Forgets everything.
+    pub fn clear(&mut self) {
+        let Self {
+            marked,
+            cleared,
+            revealed,
+            relabelled,
+        } = self;
+        for list in [marked, cleared, revealed, relabelled] {
+            list.clear();
+        }
+    }
+}
+
+/// A scan as the belief takes it in.
+#[derive(Debug, Clone, Copy)]
+pub struct Sight<'a> {
+    /// Where the frame of the beams lies in the map.
+    pub map_from_frame: Pose,
+    /// The beams.
+    pub beams: &'a [Beam],
+    /// True for beams that ended on a moving obstacle; empty when nothing moves.
+    pub moving: &'a [bool],
+    /// Run time of the capture. [ns]
+    pub run_ns: u64,
 }
 
 /// Belief in every cell of the map.
@@ -53,14 +99,23 @@ pub struct Belief {
     log_odds: LogOdds,
     obstacle_range_m: f64,
     raytrace_range_m: f64,
+    moving_age_ns: u64,
     /// The robot's centre cannot be in cells that touch an obstacle.
     blocks_beside: bool,
     odds: Vec<i16>,
     bits: Vec<u8>,
+    settled: Settled,
+    /// The beams over the grid, with how they ended and whether on something that moves.
+    rays: Vec<(Ray, End, bool)>,
     hits: Vec<usize>,
     /// Of the cells hit, those that touch an obstacle of earlier scans and are none.
     doubtful: Vec<usize>,
     passed: Vec<usize>,
+    moving_hits: Vec<usize>,
+    /// The short-lived layer: cell, and until when it stays. [ns]
+    moving: Vec<(usize, u64)>,
+    /// Cells whose layers may have changed.
+    touched: Vec<usize>,
 }
 
 impl Belief {
@@ -77,17 +132,12 @@ impl Belief {
         inscribed_radius_m: f64,
     ) -> Self {
         let mut belief = Self {
-            geometry: *geometry,
-            log_odds: config.log_odds,
             obstacle_range_m: config.obstacle_range_m,
             raytrace_range_m: config.raytrace_range_m,
-            odds: vec![UNKNOWN; geometry.len()],
-            bits: vec![0; geometry.len()],
+            moving_age_ns: crate::config::nanoseconds(config.moving_age_s),
             blocks_beside: inscribed_radius_m
                 >= core::f64::consts::FRAC_1_SQRT_2 * geometry.resolution_m,
-            hits: Vec::new(),
-            doubtful: Vec::new(),
-            passed: Vec::new(),
+            ..Self::blank(geometry, config.log_odds)
         };
         for (index, occupancy) in static_map
             .iter()
@@ -97,13 +147,80 @@ impl Belief {
                 belief.odds[index] = config.log_odds.min;
             }
             if *occupancy == Occupancy::Occupied {
-                belief.bits[index] |= STATIC;
+                belief.bits[index] |= STATIC | OBSTACLE;
                 if belief.blocks_beside {
                     belief.mark_beside(index);
                 }
             }
         }
+        belief.count_open();
         belief
+    }
+
+    /// Nothing is known, and beams reach nowhere.
+    fn blank(geometry: &GridGeometry, log_odds: LogOdds) -> Self {
+        Self {
+            geometry: *geometry,
+            log_odds,
+            obstacle_range_m: 0.0,
+            raytrace_range_m: 0.0,
+            moving_age_ns: 0,
+            blocks_beside: false,
+            odds: vec![UNKNOWN; geometry.len()],
+            bits: vec![0; geometry.len()],
+            settled: Settled::new(geometry),
+            rays: Vec::new(),
+            hits: Vec::new(),
+            doubtful: Vec::new(),
+            passed: Vec::new(),
+            moving_hits: Vec::new(),
+            moving: Vec::new(),
+            touched: Vec::new(),
+        }
+    }
+
+    /// The same belief on another grid of the same resolution, `shift` cells from this one's
+    /// origin to the other's: what lies on both is kept, the rest of the new one is unknown.
+    #[must_use]
+    pub fn moved(&self, geometry: &GridGeometry, shift: Cell) -> Self {
+        let mut moved = Self {
+            obstacle_range_m: self.obstacle_range_m,
+            raytrace_range_m: self.raytrace_range_m,
+            moving_age_ns: self.moving_age_ns,
+            blocks_beside: self.blocks_beside,
+            ..Self::blank(geometry, self.log_odds)
+        };
+        let (old_width, old_height) = self.geometry.size();
+        let (width, height) = geometry.size();
+        let columns = shift.x.max(0)..(shift.x + width).min(old_width);
+        for y in shift.y.max(0)..(shift.y + height).min(old_height) {
+            let (Some(from), Some(to)) = (
+                self.geometry.index_of(Cell::new(columns.start, y)),
+                geometry.index_of(Cell::new(columns.start - shift.x, y - shift.y)),
+            ) else {
+                continue;
+            };
+            let n = columns.len();
+            moved.odds[to..to + n].copy_from_slice(&self.odds[from..from + n]);
+            for (new, old) in moved.bits[to..].iter_mut().zip(&self.bits[from..from + n]) {
+                *new = old & (STATIC | BESIDE_STATIC | NEAR_STATIC);
+            }
+        }
+        for index in 0..moved.bits.len() {
+            if moved.bits[index] & STATIC != 0 || moved.is_long_lived(index) {
+                moved.bits[index] |= OBSTACLE;
+            }
+        }
+        moved.count_open();
+        moved
+    }
+
+    fn count_open(&mut self) {
+        for (index, odds) in self.odds.iter().enumerate() {
+            if *odds != self.log_odds.min {
+                self.settled.open(index);
+            }
+        }
     }
 
     fn mark_beside(&mut self, index: usize) {
@@ -124,70 +241,153 @@ impl Belief {
         })
     }
 
+    fn is_long_lived(&self, index: usize) -> bool {
+        self.odds[index] > self.log_odds.occupied_above
+    }
+
+    /// True when some layer has an obstacle at `index`.
+    #[must_use]
+    #[inline]
+    pub fn is_obstacle(&self, index: usize) -> bool {
+        self.bits[index] & OBSTACLE != 0
+    }
+
     /// True when the static map has an obstacle at `index`.
     #[must_use]
+    #[inline]
     pub fn is_static(&self, index: usize) -> bool {
         self.bits[index] & STATIC != 0
     }
 
-    /// True when scans have put an obstacle at `index`.
+    /// True when scans have put an obstacle at `index`, whatever layer holds it.
     #[must_use]
+    #[inline]
     pub fn is_sensed(&self, index: usize) -> bool {
-        self.odds[index] > self.log_odds.occupied_above
+        self.is_moving(index) || self.is_long_lived(index)
+    }
+
+    /// True when a moving obstacle was seen at `index` a moment ago.
+    #[must_use]
+    #[inline]
+    pub fn is_moving(&self, index: usize) -> bool {
+        self.bits[index] & MOVING != 0
+    }
+
+    /// Says that what is seen at `index` is an obstacle of the static map.
+    pub fn set_near_static(&mut self, index: usize) {
+        self.bits[index] |= NEAR_STATIC;
+    }
+
+    /// True when what is seen at `index` is an obstacle of the static map.
+    #[must_use]
+    pub fn is_near_static(&self, index: usize) -> bool {
+        self.bits[index] & NEAR_STATIC != 0
     }
 
     /// True when neither the static map nor a scan has said anything about the cell at `index`.
     #[must_use]
+    #[inline]
     pub fn is_unknown(&self, index: usize) -> bool {
-        self.odds[index] == UNKNOWN
+        self.odds[index] == UNKNOWN && self.bits[index] & MOVING == 0
     }
 
-    /// Takes in a scan and writes what flipped. Nothing when the pose is not finite.
-    pub fn integrate(
-        &mut self,
-        map_from_laser: &Pose,
-        scan: &Scan,
-        ranges: &[f32],
-        flips: &mut Flips,
-    ) {
-        flips.marked.clear();
-        flips.cleared.clear();
-        flips.revealed.clear();
-        let resolution_m = self.geometry.resolution_m;
-        let origin = nalgebra::Point2::new(
-            (map_from_laser.x_m - self.geometry.origin_x_m) / resolution_m,
-            (map_from_laser.y_m - self.geometry.origin_y_m) / resolution_m,
-        );
-        if !(origin.x + origin.y + map_from_laser.yaw_rad).is_finite() {
+    /// Takes in a scan and adds what flipped. Nothing when the pose is not finite. `under_robot`
+    /// are the cells that the robot stands on, which are free.
+    pub fn integrate(&mut self, sight: &Sight<'_>, under_robot: &[usize], flips: &mut Flips) {
+        if !self.lay_out(sight) {
             return;
         }
-        let beams = || {
-            ranges.iter().enumerate().filter_map(|(n, range_m)| {
-                let end = End::of(scan, *range_m)?;
-                let (sin, cos) = (map_from_laser.yaw_rad + scan.angle_of(n)).sin_cos();
-                let direction = Vector2::new(cos, sin);
-                Some((Ray { origin, direction }, end))
-            })
-        };
-        for (ray, end) in beams() {
-            self.note_hit(&ray, end);
+        let rays = core::mem::take(&mut self.rays);
+        for (ray, end, moving) in &rays {
+            if let End::Hit(range_m) = end {
+                self.note_hit(ray, *range_m, *moving);
+            }
         }
-        for (ray, end) in beams() {
-            let until_m = end.until_m(scan).min(self.raytrace_range_m);
-            self.pass(&ray, until_m / resolution_m + PASSED_SLACK, flips);
+        let resolution_m = self.geometry.resolution_m;
+        let (width, height) = self.geometry.size();
+        for (ray, end, _) in &rays {
+            let (End::Hit(until_m) | End::NoReturn(until_m)) = end else {
+                continue;
+            };
+            let until = until_m.min(self.raytrace_range_m) / resolution_m + PASSED_SLACK;
+            let mut clearing = Clearing {
+                belief: self,
+                flips,
+            };
+            ray.left_cells(width, height, until, &mut clearing);
+        }
+        self.rays = rays;
+        for index in under_robot {
+            Clearing {
+                belief: self,
+                flips,
+            }
+            .passed(*index);
         }
         self.mark(flips);
-        let lists = [&mut self.hits, &mut self.doubtful, &mut self.passed];
+        self.renew_moving(sight.run_ns, flips);
+        self.tell(flips);
+        let lists = [
+            &mut self.hits,
+            &mut self.doubtful,
+            &mut self.passed,
+            &mut self.moving_hits,
+        ];
         for index in lists.into_iter().flat_map(|list| list.drain(..)) {
-            self.bits[index] &= !(HIT | PASSED);
+            self.bits[index] &= !(HIT | PASSED | MOVING_HIT);
         }
+    }
+
+    /// Forgets what scans have put into the long-lived layer within `radius_m` of a point of the
+    /// map: the trail of something that turned out to move. Adds what flipped.
+    pub fn forget(&mut self, centre: Point2<f64>, radius_m: f64, flips: &mut Flips) {
+        let reach = Vector2::new(radius_m, radius_m);
+        let (width, height) = self.geometry.size();
+        let min = self.geometry.unbounded_cell_at(centre - reach);
+        let max = self.geometry.unbounded_cell_at(centre + reach);
+        for y in min.y.max(0)..=max.y.min(height - 1) {
+            for x in min.x.max(0)..=max.x.min(width - 1) {
+                let cell = Cell::new(x, y);
+                let near = (self.geometry.centre_of(cell) - centre).norm() <= radius_m;
+                if let (Some(index), true) = (self.geometry.index_of(cell), near)
+                    && self.is_long_lived(index)
+                {
+                    self.set_odds(index, self.log_odds.min);
+                    self.touched.push(index);
+                }
+            }
+        }
+        self.tell(flips);
+    }
+
+    /// Lays the beams over the grid; false when they lie nowhere.
+    fn lay_out(&mut self, sight: &Sight<'_>) -> bool {
+        let Pose { x_m, y_m, yaw_rad } = sight.map_from_frame;
+        if !(x_m + y_m + yaw_rad).is_finite() {
+            return false;
+        }
+        let (sin, cos) = yaw_rad.sin_cos();
+        let per_m = 1.0 / self.geometry.resolution_m;
+        let shift = Vector2::new(
+            x_m - self.geometry.origin_x_m,
+            y_m - self.geometry.origin_y_m,
+        );
+        let turned = |v: Vector2<f64>| Vector2::new(cos * v.x - sin * v.y, sin * v.x + cos * v.y);
+        self.rays.clear();
+        self.rays
+            .extend(sight.beams.iter().enumerate().map(|(n, beam)| {
+                let ray = Ray {
+                    origin: Point2::from((turned(beam.origin.coords) + shift) * per_m),
+                    direction: turned(beam.direction),
+                };
+                let moving = sight.moving.get(n).copied().unwrap_or(false);
+                (ray, beam.end, moving)
+            }));
+        true
     }
 
     /// Remembers the cell that a beam was returned from.
-    fn note_hit(&mut self, ray: &Ray, end: End) {
-        let End::Hit(range_m) = end else {
-            return;
-        };
+    fn note_hit(&mut self, ray: &Ray, range_m: f64, moving: bool) {
         if range_m > self.obstacle_range_m {
             return;
         }
@@ -195,11 +395,18 @@ impl Belief {
         let Some(index) = self.index_at(ray, cells) else {
             return;
         };
+        if moving {
+            if self.bits[index] & (MOVING_HIT | STATIC) == 0 {
+                self.bits[index] |= MOVING_HIT;
+                self.moving_hits.push(index);
+            }
+            return;
+        }
         if self.bits[index] & (HIT | BESIDE_STATIC | STATIC) != 0 {
             return;
         }
         self.bits[index] |= HIT;
-        if self.blocks_beside && !self.is_sensed(index) && self.touches_sensed(index) {
+        if self.blocks_beside && !self.is_long_lived(index) && self.touches_sensed(index) {
             self.doubtful.push(index);
         } else {
             self.hits.push(index);
@@ -212,39 +419,19 @@ impl Belief {
     )]
     fn index_at(&self, ray: &Ray, cells: f64) -> Option<usize> {
         let at = ray.origin + ray.direction * cells;
-        let cell = zeronav_msgs::Cell::new(at.x.floor() as i32, at.y.floor() as i32);
+        let cell = Cell::new(at.x.floor() as i32, at.y.floor() as i32);
         self.geometry.index_of(cell)
     }
 
-    /// Lowers the belief in the cells that a beam has passed.
-    fn pass(&mut self, ray: &Ray, until: f64, flips: &mut Flips) {
-        let LogOdds {
-            miss,
-            min,
-            occupied_above,
-            ..
-        } = self.log_odds;
-        let (width, height) = self.geometry.size();
-        let (odds, bits, passed) = (&mut self.odds, &mut self.bits, &mut self.passed);
-        ray.left_cells(width, height, until, |index| {
-            let old = odds[index];
-            // Nearly always: free space that is known to be free.
-            if old == min || bits[index] & (HIT | PASSED) != 0 {
-                return;
-            }
-            bits[index] |= PASSED;
-            passed.push(index);
-            if old == UNKNOWN {
-                odds[index] = min;
-                flips.revealed.push(index);
-                return;
-            }
-            let new = old.saturating_add(miss).max(min);
-            odds[index] = new;
-            if old > occupied_above && new <= occupied_above {
-                flips.cleared.push(index);
-            }
-        });
+    /// Changes a belief, and whether the cell is settled.
+    fn set_odds(&mut self, index: usize, odds: i16) {
+        let old = core::mem::replace(&mut self.odds[index], odds);
+        let settled = self.log_odds.min;
+        if old == settled && odds != settled {
+            self.settled.open(index);
+        } else if old != settled && odds == settled {
+            self.settled.settle(index);
+        }
     }
 
     /// Raises the belief in the cells that were hit.
@@ -256,8 +443,14 @@ impl Belief {
             occupied_above,
             ..
         } = self.log_odds;
-        let doubtful = self.doubtful.iter().map(|index| (*index, true));
-        for (index, doubt) in self.hits.iter().map(|n| (*n, false)).chain(doubtful) {
+        for n in 0..self.hits.len() + self.doubtful.len() {
+            let hits = self.hits.len();
+            let doubt = n >= hits;
+            let index = if doubt {
+                self.doubtful[n - hits]
+            } else {
+                self.hits[n]
+            };
             let old = self.odds[index];
             if old == UNKNOWN {
                 flips.revealed.push(index);
@@ -267,10 +460,101 @@ impl Belief {
             } else {
                 old.max(min).saturating_add(hit).min(max)
             };
-            self.odds[index] = new;
+            self.set_odds(index, new);
             if old <= occupied_above && new > occupied_above {
-                flips.marked.push(index);
+                self.touched.push(index);
             }
+        }
+    }
+
+    /// Brings the short-lived layer up to date: what was hit stays for a while, what was passed or
+    /// has not been seen for a while goes.
+    fn renew_moving(&mut self, run_ns: u64, flips: &mut Flips) {
+        let until_ns = run_ns.saturating_add(self.moving_age_ns);
+        let (bits, touched, settled) = (&mut self.bits, &mut self.touched, &mut self.settled);
+        self.moving.retain_mut(|(index, stays_ns)| {
+            let seen = bits[*index] & MOVING_HIT != 0;
+            if seen {
+                *stays_ns = until_ns;
+            }
+            let stays = seen || (bits[*index] & PASSED == 0 && run_ns < *stays_ns);
+            if !stays {
+                bits[*index] &= !MOVING;
+                settled.settle(*index);
+                touched.push(*index);
+            }
+            stays
+        });
+        for index in &self.moving_hits {
+            if bits[*index] & MOVING == 0 {
+                bits[*index] |= MOVING;
+                // Beams must look at it, even where they know that nothing stays.
+                settled.open(*index);
+                self.moving.push((*index, until_ns));
+                touched.push(*index);
+                if self.odds[*index] == UNKNOWN {
+                    flips.revealed.push(*index);
+                }
+            }
+        }
+    }
+
+    /// Says of the cells that were touched which became obstacles and which are none any more.
+    fn tell(&mut self, flips: &mut Flips) {
+        for n in 0..self.touched.len() {
+            let index = self.touched[n];
+            let was = self.is_obstacle(index);
+            let is = self.is_static(index) || self.is_sensed(index);
+            if is && !was {
+                self.bits[index] |= OBSTACLE;
+                flips.marked.push(index);
+            } else if was && !is {
+                self.bits[index] &= !OBSTACLE;
+                flips.cleared.push(index);
+            } else if is {
+                flips.relabelled.push(index);
+            }
+        }
+        self.touched.clear();
+    }
+}
+
+/// Lowers the belief in the cells that a beam has passed.
+struct Clearing<'a> {
+    belief: &'a mut Belief,
+    flips: &'a mut Flips,
+}
+
+impl Passing for Clearing<'_> {
+    #[inline]
+    fn leaps(&self, x: i32, y: i32) -> bool {
+        self.belief.settled.is_settled(x, y)
+    }
+
+    #[inline]
+    fn passed(&mut self, index: usize) {
+        let belief = &mut *self.belief;
+        let LogOdds { miss, min, .. } = belief.log_odds;
+        let old = belief.odds[index];
+        // Nearly always: free space that is known to be free.
+        if old == min && belief.bits[index] & MOVING == 0 {
+            return;
+        }
+        if belief.bits[index] & (HIT | PASSED) != 0 {
+            return;
+        }
+        belief.bits[index] |= PASSED;
+        belief.passed.push(index);
+        if old == UNKNOWN {
+            belief.set_odds(index, min);
+            self.flips.revealed.push(index);
+            return;
+        }
+        let new = old.saturating_add(miss).max(min);
+        belief.set_odds(index, new);
+        let above = belief.log_odds.occupied_above;
+        if old > above && new <= above {
+            belief.touched.push(index);
         }
     }
 }
@@ -284,31 +568,4 @@ fn around(
     let (x, y) = (index % width, index / width);
     let columns = x.saturating_sub(1)..(x + 2).min(width);
     (y.saturating_sub(1)..(y + 2).min(height)).map(move |row| (row, columns.clone()))
-}
-
-/// How a beam ended.
-#[derive(Debug, Clone, Copy)]
-enum End {
-    /// Returned from here. [m]
-    Hit(f64),
-    /// Nothing within the sensor's range.
-    NoReturn,
-}
-
-impl End {
-    /// `None` for beams that say nothing: NaN, and numbers outside the sensor's range.
-    fn of(scan: &Scan, range_m: f32) -> Option<Self> {
-        if range_m == f32::INFINITY {
-            Some(Self::NoReturn)
-        } else {
-            scan.is_hit(range_m).then(|| Self::Hit(f64::from(range_m)))
-        }
-    }
-
-    fn until_m(self, scan: &Scan) -> f64 {
-        match self {
-            Self::Hit(range_m) => range_m,
-            Self::NoReturn => f64::from(scan.range_m_max),
-        }
-    }
 }

@@ -14,6 +14,9 @@ use zeronav_msgs::{Cell, CellRect, GridGeometry};
 /// Squared distance of cells without an obstacle within the limit.
 pub const FAR: i16 = i16::MAX;
 
+/// Rows that are computed together when everything is.
+const BAND_ROWS: usize = 128;
+
 /// See the module's description.
 #[derive(Debug)]
 pub struct ClearanceField {
@@ -82,6 +85,25 @@ impl ClearanceField {
     /// again after [`Self::add`] or [`Self::recompute`].
     pub fn set(&mut self, index: usize, obstacle: bool) {
         self.obstacles[index] = u8::from(obstacle);
+    }
+
+    /// True when the cell at `index` is an obstacle.
+    #[must_use]
+    #[inline]
+    pub fn is_obstacle(&self, index: usize) -> bool {
+        self.obstacles[index] != 0
+    }
+
+    /// Computes every distance anew, in bands, so that a large map needs no large memory for it.
+    pub fn recompute_all(&mut self) {
+        let (width, height) = self.geometry.size();
+        for y in (0..height).step_by(BAND_ROWS) {
+            let band = CellRect {
+                min: Cell::new(0, y),
+                max: Cell::new(width, height.min(y + offset(BAND_ROWS))),
+            };
+            self.recompute(&band);
+        }
     }
 
     /// Lowers the distances around a new obstacle.

@@ -1,5 +1,10 @@
 //! What a user may set.
 
+use crate::localiser::CorrectionConfig;
+use crate::regularise::RegularisationConfig;
+use crate::tracker::TrackingConfig;
+use crate::virtual_obstacles::VirtualConfig;
+use crate::window::WindowConfig;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use zeronav_msgs::{GridGeometry, message};
@@ -35,6 +40,25 @@ pub struct MappingConfig {
     /// [m] up to which a scan clears; at least the obstacle range, so that whatever was marked
     /// can be cleared from where it was seen.
     pub raytrace_range_m: f64,
+    /// Whether the cells under the robot are free.
+    pub footprint_clearing: bool,
+    /// [s] that a cell stays an obstacle after something that moves was last seen in it, unless a
+    /// beam passes through it before.
+    pub moving_age_s: f64,
+    /// What is taken for a moving obstacle.
+    pub tracking: TrackingConfig,
+    /// How `map_from_odom` is kept right.
+    pub pose_correction: CorrectionConfig,
+    /// Obstacle groups on the way that become rectangles.
+    pub regularisation: RegularisationConfig,
+    /// Free cells that are not to be used.
+    pub virtual_obstacles: VirtualConfig,
+    /// What happens at the edge of the map.
+    pub window: WindowConfig,
+    /// Folder into which the map is written as `map.yaml` and `map.pgm` when the process ends; it
+    /// must exist.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub save_to: Option<PathBuf>,
 }
 
 /// Belief in a cell, in hundredths of the natural logarithm of the odds that it is occupied. A
@@ -83,6 +107,14 @@ impl Default for MappingConfig {
             log_odds: LogOdds::default(),
             obstacle_range_m: 12.0,
             raytrace_range_m: 12.5,
+            footprint_clearing: true,
+            moving_age_s: 0.3,
+            tracking: TrackingConfig::default(),
+            pose_correction: CorrectionConfig::default(),
+            regularisation: RegularisationConfig::default(),
+            virtual_obstacles: VirtualConfig::default(),
+            window: WindowConfig::default(),
+            save_to: None,
         }
     }
 }
@@ -156,6 +188,17 @@ impl MappingConfig {
             self.raytrace_range_m,
             "must be obstacle_range_m to 1000 m",
         )?;
+        ensure(
+            (0.0..=10.0).contains(&self.moving_age_s),
+            "moving_age_s",
+            self.moving_age_s,
+            "must be 0 to 10 s",
+        )?;
+        self.tracking.check()?;
+        self.pose_correction.check()?;
+        self.regularisation.check()?;
+        self.virtual_obstacles.check()?;
+        self.window.check()?;
         self.log_odds.check()
     }
 
@@ -223,7 +266,29 @@ impl LogOdds {
     }
 }
 
-fn ensure(
+/// A duration as whole nanoseconds; saturates.
+#[must_use]
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "float to int saturates"
+)]
+pub fn nanoseconds(duration_s: f64) -> u64 {
+    (duration_s * 1.0e9).round() as u64
+}
+
+/// A duration in seconds.
+#[must_use]
+#[allow(clippy::cast_precision_loss, reason = "exact up to 104 days")]
+pub fn seconds(duration_ns: u64) -> f64 {
+    duration_ns as f64 * 1.0e-9
+}
+
+/// `Ok` when `ok`; otherwise names the field.
+///
+/// # Errors
+/// [`MappingError::OutOfRange`].
+pub(crate) fn ensure(
     ok: bool,
     field: &'static str,
     value: f64,

@@ -1,20 +1,42 @@
 //! Mapping: what the lidar sees and what is known beforehand become the map that planners use.
 //!
-//! A scan goes through four stages, each in its file: [`belief`] decides which cells are obstacles,
-//! [`clearance`] keeps the exact distance to them, [`cell_value`] turns distances into costs, and
-//! [`tiles`] remembers what changed. [`mapper::Mapper`] is the four in a row. Everything here is
-//! pure: no clock, no files, no threads, no processes.
+//! A scan goes through these stages, each in its file. [`beams`] straightens it, [`localiser`]
+//! finds where it was seen from ([`scan_match`]), [`tracker`] finds what moves in it ([`clusters`],
+//! [`fit`], [`kalman`], [`track`], [`past_scans`]), [`belief`] decides which cells are obstacles
+//! ([`ray`], [`settled`], [`outline`]), [`clearance`] keeps the exact distance to them,
+//! [`cell_value`] turns distances into costs, [`regularise`] and [`virtual_obstacles`] flag cells
+//! for planners that want them, and [`tiles`] remembers what changed. [`mapper::Mapper`] is the
+//! map, [`mapping::Mapping`] is everything in a row; [`window`] decides where the map lies.
+//! Everything here is pure: no clock, no files, no threads, no processes.
 //!
 //! Coordinates are those of the map: metres in the `map` frame, cells as columns and rows.
 
+pub mod beams;
 pub mod belief;
 pub mod cell_value;
 pub mod clearance;
+pub mod clusters;
 pub mod config;
+pub mod fit;
+pub mod kalman;
+pub mod localiser;
 pub mod mapper;
+pub mod mapping;
+pub mod outline;
+pub mod past_scans;
 pub mod ray;
+pub mod regularise;
+pub mod scan_match;
+pub mod settled;
 pub mod tiles;
+pub mod track;
+pub mod tracker;
+pub mod tracking_score;
+pub mod virtual_obstacles;
+pub mod window;
 
 pub use config::{LogOdds, MappingConfig, MappingError};
 pub use mapper::{Integrated, Mapper};
+pub use mapping::{Mapping, Observation};
 pub use tiles::{TileIndex, all_tiles};
+pub use tracking_score::{TrackingReport, TrackingScore};

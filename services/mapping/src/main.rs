@@ -1,21 +1,26 @@
 //! Mapping as a process: answers every scan with the tiles that changed.
 
+use nalgebra::Point2;
 use std::process::ExitCode;
-use zeronav_mapping::{Mapper, MappingConfig, TileIndex, all_tiles};
+use zeronav_mapping::config::nanoseconds;
+use zeronav_mapping::{Mapping, MappingConfig, Observation, TileIndex, all_tiles};
 use zeronav_msgs::grid::GridGeometry;
 use zeronav_msgs::header::{Id, Parents};
 use zeronav_msgs::health::{REASON_ODOMETRY, REASON_SCAN};
 use zeronav_msgs::map::{MapInfo, TILES_PER_UPDATE_MAX, tiles_of};
+use zeronav_msgs::obstacles::{OBSTACLES_MAX, Obstacle, Obstacles};
 use zeronav_msgs::pose::Pose;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::span::SpanKind;
+use zeronav_msgs::task::{TaskKind, TaskState as State};
 use zeronav_msgs::topics::{
-    EVENT_NEED_KEYFRAME, MapKeyframe, MapUpdate, RobotDescription, RobotOdometry, RobotScan,
+    EVENT_NEED_KEYFRAME, MapKeyframe, MapObstacles, MapUpdate, RobotDescription, RobotOdometry,
+    RobotScan, TaskState,
 };
 use zeronav_shell::clock::now_ns;
 use zeronav_shell::doorbell::Rung;
 use zeronav_shell::{
-    Cycle, Draft, Latest, Sent, Service, Shell, StartError, Stream, Track, Writer,
+    Cycle, Draft, Latest, Sent, Service, Shell, StartError, Stream, Tasks, Track, Writer,
 };
 use zeronav_world::StaticMap;
 
@@ -25,16 +30,80 @@ const KEYFRAME_PAUSE_NS: u64 = 50_000_000;
 /// Age of the newest scan from which the map is not current. [ns]
 const STALE_NS: u64 = 500_000_000;
 
+/// Where the robot is going: the task, and how far the local planner has come with it.
+struct Going {
+    tasks: Tasks,
+    status: Stream<TaskState>,
+    /// The last two, the newer one last.
+    statuses: [Status; 2],
+}
+
+/// What counts of a message of `task/status`.
+#[derive(Debug, Clone, Copy, Default)]
+struct Status {
+    tick: u64,
+    task: u64,
+    goal: u64,
+    active: bool,
+}
+
+impl Going {
+    fn open(shell: &Shell) -> Result<Self, StartError> {
+        Ok(Self {
+            tasks: Tasks::open(shell.peer())?,
+            status: shell.peer().stream()?,
+            statuses: [Status::default(); 2],
+        })
+    }
+
+    fn poll(&mut self, shell: &Shell) {
+        self.tasks.poll(shell.roster());
+        let statuses = &mut self.statuses;
+        self.status.drain(shell.roster(), |view| {
+            let active = matches!(view.meta.state(), Some(State::Idle | State::Active));
+            let news = Status {
+                tick: view.header.tick,
+                task: view.meta.task,
+                goal: view.meta.goal,
+                active,
+            };
+            *statuses = [statuses[1], news];
+        });
+    }
+
+    /// The goal at hand at `tick`. In lockstep a status counts from the tick after its own on, so
+    /// that it does not matter which of the two is faster.
+    fn goal(&mut self, tick: u64, lockstep: bool) -> Option<Point2<f64>> {
+        let task = self.tasks.at(tick)?;
+        if task.kind != TaskKind::Go {
+            return None;
+        }
+        let counts =
+            |status: &&Status| status.task == task.id.0 && (!lockstep || status.tick < tick);
+        let status = self.statuses.iter().rev().find(counts);
+        let at_hand = status.map_or(0, |status| status.goal);
+        if status.is_some_and(|status| !status.active) {
+            return None;
+        }
+        let named = task.goals.iter().find(|goal| goal.id == at_hand);
+        named.or(task.goals.first()).map(|goal| goal.pose.point())
+    }
+}
+
 struct MappingService {
     config: MappingConfig,
     static_map: Option<StaticMap>,
     geometry: GridGeometry,
-    mapper: Option<Mapper>,
+    mapping: Option<Mapping>,
+    /// Read when somebody needs it: regularisation.
+    going: Option<Going>,
     description: Latest<RobotDescription>,
     odometry: Stream<RobotOdometry>,
     scan: Latest<RobotScan>,
     update: Writer<MapUpdate>,
     keyframe: Writer<MapKeyframe>,
+    moving: Writer<MapObstacles>,
+    obstacles: Vec<Obstacle>,
     track: Track,
     /// Tiles that changed and are not out yet.
     tiles: Vec<TileIndex>,
@@ -44,6 +113,8 @@ struct MappingService {
     keyframe_wanted: bool,
     keyframe_ns: u64,
     scan_came_ns: u64,
+    /// Scans keep coming.
+    current: bool,
 }
 
 impl Service for MappingService {
@@ -68,25 +139,34 @@ impl Service for MappingService {
             Some(map) => map.geometry,
             None => config.geometry().map_err(|error| unusable(&error))?,
         };
-        let (columns, rows) = tiles_of(&geometry);
+        let most_tiles = config.window.most_tiles(&geometry);
+        let going = if config.regularisation.enabled {
+            Some(Going::open(shell)?)
+        } else {
+            None
+        };
         let peer = shell.peer();
         Ok(Self {
             config,
+            going,
             static_map,
             geometry,
-            mapper: None,
+            mapping: None,
             description: peer.latest()?,
             odometry: peer.stream()?,
             scan: peer.latest()?,
             update: peer.writer(TILES_PER_UPDATE_MAX)?,
-            keyframe: peer.writer(columns as usize * rows as usize)?,
+            keyframe: peer.writer(most_tiles)?,
+            moving: peer.writer(OBSTACLES_MAX)?,
+            obstacles: Vec::with_capacity(OBSTACLES_MAX),
             track: Track::default(),
-            tiles: Vec::with_capacity(columns as usize * rows as usize),
+            tiles: Vec::with_capacity(most_tiles),
             revision: Id::NONE,
             answered_tick: 0,
             keyframe_wanted: false,
             keyframe_ns: 0,
             scan_came_ns: 0,
+            current: true,
         })
     }
 
@@ -101,6 +181,9 @@ impl Service for MappingService {
         if self.scan.poll(roster) {
             self.scan_came_ns = shell.woken_ns();
         }
+        if let Some(going) = &mut self.going {
+            going.poll(shell);
+        }
         shell.totals(
             self.odometry.refused() + self.scan.refused() + self.description.refused(),
             self.scan.superseded(),
@@ -111,12 +194,16 @@ impl Service for MappingService {
         let tick = self.scan.tick();
         if tick > self.answered_tick {
             // Until the odometry around the capture is there, too.
-            if let Some(odom_from_base) = self.pose_of_scan() {
-                self.answer(shell, &odom_from_base);
+            if let Some(poses) = self.poses_of_scan() {
+                self.answer(shell, poses);
             }
         }
-        let silent = shell.woken_ns().saturating_sub(self.scan_came_ns) > STALE_NS;
-        shell.reason(REASON_SCAN, silent && !shell.roster().lockstep());
+        let silent = shell.woken_ns().saturating_sub(self.scan_came_ns) > STALE_NS
+            && !shell.roster().lockstep();
+        shell.reason(REASON_SCAN, silent);
+        if silent && self.current {
+            self.say_not_current(shell);
+        }
         shell.reason(REASON_ODOMETRY, tick > self.answered_tick);
         self.keyframe_wanted |= rung.has(EVENT_NEED_KEYFRAME);
         self.send_keyframe_if_due(shell);
@@ -127,19 +214,20 @@ impl Service for MappingService {
 impl MappingService {
     /// Makes the map once the robot is known; true when there is one.
     fn start(&mut self, shell: &mut Shell) -> Result<bool, StartError> {
-        if self.mapper.is_some() {
+        if self.mapping.is_some() {
             return Ok(true);
         }
         let Some(description) = self.description.get() else {
             return Ok(false);
         };
-        let mapper = Mapper::new(
+        let mapping = Mapping::new(
             &self.config,
             self.static_map.take().as_ref(),
             description.meta,
+            description.items,
         )
         .map_err(|error| StartError::Usage(format!("configuration: {error}")))?;
-        self.mapper = Some(mapper);
+        self.mapping = Some(mapping);
         // The first revision is the static map: an empty update, and a keyframe that holds it.
         let draft = shell.draft(0, 0, 0, Parents::default());
         let output = self.send_updates(shell, &draft);
@@ -155,31 +243,65 @@ impl MappingService {
         Ok(true)
     }
 
-    /// `odom_from_base` at the capture of the newest scan.
-    fn pose_of_scan(&self) -> Option<Pose> {
+    /// `odom_from_base` at the capture of the newest scan's first and last beam.
+    fn poses_of_scan(&self) -> Option<(Pose, Pose)> {
         let scan = self.scan.get()?;
-        self.track.pose_at(scan.header.run_ns)
+        let last_ns = scan.header.run_ns;
+        let last = self.track.pose_at(last_ns)?;
+        let steps = f64::from(scan.meta.n_beams.saturating_sub(1));
+        let turn_ns = nanoseconds(steps * f64::from(scan.meta.time_increment_s));
+        if turn_ns == 0 {
+            return Some((last, last));
+        }
+        // The first turn began before the first odometry.
+        let first = self.track.pose_at(last_ns.saturating_sub(turn_ns));
+        Some((first.unwrap_or(last), last))
     }
 
-    fn answer(&mut self, shell: &mut Shell, odom_from_base: &Pose) {
-        let (Some(scan), Some(description), Some(mapper)) =
-            (self.scan.get(), self.description.get(), &mut self.mapper)
-        else {
+    fn answer(&mut self, shell: &mut Shell, (first, last): (Pose, Pose)) {
+        let (Some(scan), Some(mapping)) = (self.scan.get(), &mut self.mapping) else {
             return;
         };
         let header = scan.header;
+        let tick = header.tick;
+        let lockstep = shell.roster().lockstep();
+        let newest = self.track.newest();
+        let goal = self
+            .going
+            .as_mut()
+            .and_then(|going| going.goal(tick, lockstep));
         let parents = Parents {
-            odometry: self.track.newest().map_or(0, |moment| moment.id.0),
+            odometry: newest.map_or(0, |moment| moment.id.0),
             scan: header.id,
             ..Parents::default()
         };
-        let tick = header.tick;
         let work = u64::from(scan.meta.n_beams);
         let draft = shell.draft(tick, header.run_ns, header.capture_ns, parents);
-        let map_from_laser = odom_from_base.then(&description.meta.base_from_laser);
-        mapper.integrate(&map_from_laser, scan.meta, scan.items);
-        mapper.take_dirty_tiles(&mut self.tiles);
+        mapping.take_in(&Observation {
+            scan: scan.meta,
+            ranges: scan.items,
+            run_ns: header.run_ns,
+            odom_from_base_first: first,
+            odom_from_base: last,
+            odometry_variance: newest.map_or([0.0; 3], |moment| moment.odometry.variance),
+            goal,
+        });
+        mapping.mapper_mut().take_dirty_tiles(&mut self.tiles);
+        self.obstacles.clear();
+        self.obstacles.extend(mapping.obstacles());
+        let moved = mapping.take_moved();
+        self.current = true;
+        self.send_obstacles(shell, &draft);
+        if moved {
+            self.move_map();
+        }
         let output = self.send_updates(shell, &draft);
+        if moved {
+            // Readers are out of step until they have it.
+            self.keyframe_ns = 0;
+            self.keyframe_wanted = true;
+            self.send_keyframe_if_due(shell);
+        }
         self.answered_tick = tick;
         shell.finish(&Cycle {
             kind: SpanKind::Answer,
@@ -189,16 +311,58 @@ impl MappingService {
         });
     }
 
+    /// The map lies elsewhere: its tiles come with the keyframe, an update has none.
+    fn move_map(&mut self) {
+        self.tiles.clear();
+        if let Some(mapping) = &self.mapping {
+            self.geometry = *mapping.mapper().geometry();
+            tracing::info!(
+                width = self.geometry.width,
+                height = self.geometry.height,
+                "the map moves to the robot"
+            );
+        }
+    }
+
+    fn send_obstacles(&mut self, shell: &mut Shell, draft: &Draft) {
+        let meta = Obstacles {
+            n_obstacles: self.obstacles.len() as u64,
+        };
+        let sent = self.moving.publish(draft, meta, &self.obstacles);
+        shell.sent(&self.moving, sent);
+    }
+
+    /// Scans have stopped coming: an empty revision that says so.
+    fn say_not_current(&mut self, shell: &mut Shell) {
+        self.current = false;
+        let (tick, run_ns, capture_ns) = self.scan.get().map_or((0, 0, 0), |scan| {
+            let header = scan.header;
+            (header.tick, header.run_ns, header.capture_ns)
+        });
+        let draft = shell.draft(tick, run_ns, capture_ns, Parents::default());
+        let output = self.send_updates(shell, &draft);
+        shell.finish(&Cycle {
+            kind: SpanKind::Extra,
+            draft,
+            output,
+            work: 0,
+        });
+    }
+
     fn info(&self, revision: Id) -> MapInfo {
+        let mapping = self.mapping.as_ref();
+        let (map_from_odom, covariance) =
+            mapping.map_or_else(Default::default, Mapping::map_from_odom);
         MapInfo {
             geometry: self.geometry,
             revision: revision.0,
-            clearance_limit_mm: self
-                .mapper
-                .as_ref()
-                .map_or(1, |mapper| u32::from(mapper.clearance_limit_mm())),
+            map_from_odom,
+            covariance,
+            clearance_limit_mm: mapping.map_or(1, |mapping| {
+                u32::from(mapping.mapper().clearance_limit_mm())
+            }),
             parts: 1,
-            current: 1,
+            current: u32::from(self.current),
             ..MapInfo::default()
         }
     }
@@ -209,7 +373,7 @@ impl MappingService {
         let parts = self.tiles.len().div_ceil(TILES_PER_UPDATE_MAX).max(1);
         let last_id = Id(self.update.next_id().0 + parts as u64 - 1);
         let info = self.info(last_id);
-        let mapper = self.mapper.as_ref()?;
+        let mapper = self.mapping.as_ref()?.mapper();
         let mut sent = None;
         for part in 0..parts {
             let from = part * TILES_PER_UPDATE_MAX;
@@ -239,7 +403,7 @@ impl MappingService {
         let due = self.keyframe_ns == 0 || now - self.keyframe_ns >= KEYFRAME_PAUSE_NS;
         // Tiles that wait for memory are in the map but not in the revision.
         let (Some(mapper), true, true, true) = (
-            &self.mapper,
+            self.mapping.as_ref().map(Mapping::mapper),
             self.keyframe_wanted,
             due,
             self.tiles.is_empty(),
@@ -261,6 +425,20 @@ impl MappingService {
         if shell.sent(&self.keyframe, published).is_some() {
             self.keyframe_wanted = false;
             self.keyframe_ns = now;
+        }
+    }
+}
+
+impl Drop for MappingService {
+    /// The process was asked to stop: what it has learned is written where the user wants it.
+    fn drop(&mut self) {
+        let (Some(folder), Some(mapping)) = (&self.config.save_to, &self.mapping) else {
+            return;
+        };
+        let map = mapping.mapper().as_static_map();
+        match zeronav_world::map_file::save(&map, folder, "map") {
+            Ok(file) => tracing::info!(file = %file.display(), "map saved"),
+            Err(error) => tracing::error!("the map could not be saved: {error}"),
         }
     }
 }

@@ -1,20 +1,23 @@
 //! From scans to the map: belief, clearance, cost, tiles.
 
-use crate::belief::{Belief, Flips};
+use crate::beams::{Beams, Sweep};
+use crate::belief::{Belief, Flips, Sight};
 use crate::cell_value::{ValueTable, clearance_limit_mm};
 use crate::clearance::ClearanceField;
 use crate::config::{MappingConfig, MappingError};
+use crate::regularise::Regulariser;
+use crate::scan_match::Surfaces;
 use crate::tiles::{TileBoxes, TileIndex};
+use crate::virtual_obstacles::VirtualConfig;
+use nalgebra::Point2;
 use zeronav_msgs::description::Description;
 use zeronav_msgs::map::{
-    COST_INSCRIBED, COST_LETHAL, COST_UNKNOWN, FLAG_SENSED, FLAG_STATIC, FLAG_UNKNOWN, MapTile,
+    COST_INSCRIBED, COST_LETHAL, COST_UNKNOWN, FLAG_MOVING, FLAG_REGULARISED, FLAG_SENSED,
+    FLAG_STATIC, FLAG_UNKNOWN, FLAG_VIRTUAL, MapTile,
 };
 use zeronav_msgs::scan::Scan;
 use zeronav_msgs::{Cell, CellRect, GridGeometry, MapCell, MapView, Pose};
-use zeronav_world::StaticMap;
-
-/// Rows that are computed together when the map is made.
-const BAND_ROWS: i32 = 128;
+use zeronav_world::{Occupancy, StaticMap};
 
 /// What a scan did to the map. Counts of cells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -37,6 +40,7 @@ pub struct Mapper {
     values: ValueTable,
     clearance_limit_mm: u16,
     cells: Vec<MapCell>,
+    beams: Beams,
     flips: Flips,
     /// Obstacles that came or went.
     flipped: TileBoxes,
@@ -44,6 +48,13 @@ pub struct Mapper {
     cleared: TileBoxes,
     /// Cells that differ from what was taken last.
     dirty: TileBoxes,
+    virtuals: VirtualConfig,
+    n_virtual: usize,
+    regulariser: Option<Regulariser>,
+    /// Rectangles of the line that was last looked along.
+    rectangles: Vec<CellRect>,
+    /// What scans are laid on, once somebody asks for it.
+    surfaces: Option<Surfaces>,
 }
 
 impl Mapper {
@@ -73,49 +84,175 @@ impl Mapper {
         }
         config.check(geometry.resolution_m)?;
         let inscribed_m = description.inscribed_radius_m;
-        let limit_cells = config.clearance_limit_m / geometry.resolution_m;
-        let mut mapper = Self {
-            geometry,
-            belief: Belief::new(&geometry, static_map, config, inscribed_m),
-            clearance: ClearanceField::new(&geometry, limit_cells),
-            values: ValueTable::new(config, inscribed_m, geometry.resolution_m),
-            clearance_limit_mm: clearance_limit_mm(config),
-            cells: vec![MapCell::default(); expected],
-            flips: Flips::default(),
-            flipped: TileBoxes::new(&geometry),
-            cleared: TileBoxes::new(&geometry),
-            dirty: TileBoxes::new(&geometry),
-        };
+        let belief = Belief::new(&geometry, static_map, config, inscribed_m);
+        let values = ValueTable::new(config, inscribed_m, geometry.resolution_m);
+        let mut mapper = Self::around(&geometry, belief, values, config);
+        // So far there are static obstacles alone.
+        let margin = (2.0 * config.tracking.static_margin_m / geometry.resolution_m).powi(2);
         for index in 0..expected {
-            mapper.clearance.set(index, mapper.belief.is_static(index));
-        }
-        let (width, height) = geometry.size();
-        // In bands, so that a large map needs no large memory for it.
-        for y in (0..height).step_by(BAND_ROWS.cast_unsigned() as usize) {
-            let band = CellRect {
-                min: Cell::new(0, y),
-                max: Cell::new(width, height.min(y + BAND_ROWS)),
-            };
-            mapper.clearance.recompute(&band);
-            mapper.refresh(&band);
+            if f64::from(mapper.clearance.squares()[index]) <= margin {
+                mapper.belief.set_near_static(index);
+            }
         }
         mapper.dirty.clear();
         Ok(mapper)
     }
 
-    /// Takes in a scan that was checked against [`Scan::check`], seen from `map_from_laser`.
+    /// The map that a belief makes. Every tile is dirty.
+    fn around(
+        geometry: &GridGeometry,
+        belief: Belief,
+        values: ValueTable,
+        config: &MappingConfig,
+    ) -> Self {
+        let limit_cells = config.clearance_limit_m / geometry.resolution_m;
+        let regulariser = config
+            .regularisation
+            .enabled
+            .then(|| Regulariser::new(geometry, &config.regularisation));
+        let mut mapper = Self {
+            geometry: *geometry,
+            belief,
+            clearance: ClearanceField::new(geometry, limit_cells),
+            values,
+            clearance_limit_mm: clearance_limit_mm(config),
+            cells: vec![MapCell::default(); geometry.len()],
+            beams: Beams::default(),
+            flips: Flips::default(),
+            flipped: TileBoxes::new(geometry),
+            cleared: TileBoxes::new(geometry),
+            dirty: TileBoxes::new(geometry),
+            virtuals: config.virtual_obstacles,
+            n_virtual: 0,
+            regulariser,
+            rectangles: Vec::new(),
+            surfaces: None,
+        };
+        for index in 0..geometry.len() {
+            let obstacle = mapper.belief.is_obstacle(index);
+            mapper.clearance.set(index, obstacle);
+        }
+        mapper.clearance.recompute_all();
+        let (width, height) = geometry.size();
+        mapper.refresh(&CellRect {
+            min: Cell::new(0, 0),
+            max: Cell::new(width, height),
+        });
+        mapper
+    }
+
+    /// The same map on another grid of the same resolution whose origin lies `shift` cells from
+    /// this one's. What lies on both is kept; every tile is dirty.
+    #[must_use]
+    pub fn moved(&self, geometry: &GridGeometry, shift: Cell, config: &MappingConfig) -> Self {
+        let belief = self.belief.moved(geometry, shift);
+        let mut mapper = Self::around(geometry, belief, self.values.clone(), config);
+        if self.surfaces.is_some() {
+            mapper.make_surfaces();
+        }
+        mapper
+    }
+
+    /// Takes in a scan that was checked against [`Scan::check`], seen from `map_from_laser`, all
+    /// beams at once and nothing in it moving.
     pub fn integrate(&mut self, map_from_laser: &Pose, scan: &Scan, ranges: &[f32]) -> Integrated {
+        let mut beams = core::mem::take(&mut self.beams);
+        beams.cast(scan, ranges, &Sweep::still(Pose::default()));
+        let sight = Sight {
+            map_from_frame: *map_from_laser,
+            beams: beams.as_slice(),
+            moving: &[],
+            run_ns: 0,
+        };
+        let integrated = self.take_in(&sight, &[]);
+        self.beams = beams;
+        integrated
+    }
+
+    /// Takes in a scan. `under_robot` are the row-major indices of the cells that the robot stands
+    /// on.
+    pub fn take_in(&mut self, sight: &Sight<'_>, under_robot: &[usize]) -> Integrated {
         let mut flips = core::mem::take(&mut self.flips);
-        self.belief
-            .integrate(map_from_laser, scan, ranges, &mut flips);
+        self.belief.integrate(sight, under_robot, &mut flips);
         self.follow(&flips);
         let integrated = Integrated {
             marked: flips.marked.len(),
             cleared: flips.cleared.len(),
             revealed: flips.revealed.len(),
         };
+        flips.clear();
         self.flips = flips;
         integrated
+    }
+
+    /// Forgets what scans have put within `radius_m` of a point of the map, except what
+    /// moves; the next scan puts back what is still there.
+    pub fn forget(&mut self, centre: Point2<f64>, radius_m: f64) {
+        let mut flips = core::mem::take(&mut self.flips);
+        self.belief.forget(centre, radius_m, &mut flips);
+        self.follow(&flips);
+        flips.clear();
+        self.flips = flips;
+    }
+
+    /// Finds the obstacle groups on the line from the robot to its goal, or none without a line,
+    /// and flags what they are filled up with. Does nothing unless regularisation is on.
+    pub fn regularise(&mut self, line: Option<(Point2<f64>, Point2<f64>)>) {
+        let Some(regulariser) = &mut self.regulariser else {
+            return;
+        };
+        let clearance = &self.clearance;
+        match line {
+            Some((from, to)) => regulariser.look_along(
+                self.geometry.unbounded_cell_at(from),
+                self.geometry.unbounded_cell_at(to),
+                |index| clearance.is_obstacle(index),
+            ),
+            None => regulariser.forget_line(),
+        }
+        if self.rectangles == regulariser.rectangles() {
+            return;
+        }
+        let old = core::mem::replace(&mut self.rectangles, regulariser.rectangles().to_vec());
+        for n in 0..old.len() + self.rectangles.len() {
+            let rect = old.get(n).copied();
+            let rect = rect.unwrap_or_else(|| self.rectangles[n - old.len()]);
+            self.refresh(&rect);
+        }
+    }
+
+    /// Rectangles that obstacle groups on the way were filled up to.
+    #[must_use]
+    pub fn rectangles(&self) -> &[CellRect] {
+        &self.rectangles
+    }
+
+    /// Number of virtual cells on the map: `virtual_total`.
+    #[must_use]
+    pub fn n_virtual(&self) -> usize {
+        self.n_virtual
+    }
+
+    /// What scans can be laid on; made at the first call and kept up from then on.
+    pub fn surfaces(&mut self) -> &Surfaces {
+        self.make_surfaces()
+    }
+
+    fn make_surfaces(&mut self) -> &Surfaces {
+        let belief = &self.belief;
+        self.surfaces.get_or_insert_with(|| {
+            Surfaces::new(&self.geometry, |index| {
+                belief.is_obstacle(index) && !belief.is_moving(index)
+            })
+        })
+    }
+
+    /// True when what is seen at a point of the map is an obstacle of the static map.
+    #[must_use]
+    pub fn is_near_static(&self, point_in_map: Point2<f64>) -> bool {
+        let cell = self.geometry.unbounded_cell_at(point_in_map);
+        let index = self.geometry.index_of(cell);
+        index.is_some_and(|index| self.belief.is_near_static(index))
     }
 
     /// Brings clearance and cells up to date with the belief.
@@ -131,21 +268,33 @@ impl Mapper {
             self.clearance.set(*index, true);
             self.flipped.add(cell);
         }
-        let reach = self.clearance.reach();
+        if let Some(regulariser) = &mut self.regulariser {
+            regulariser.changed(&flips.marked, &flips.cleared);
+        }
+        let clear = self.clearance.reach();
         // Where obstacles went first: it looks at obstacles alone, old and new.
         for n in 0..self.cleared.len() {
-            let gone = self.cleared.get(n).grown(reach, &self.geometry);
+            let gone = self.cleared.get(n).grown(clear, &self.geometry);
             self.clearance.recompute(&gone);
         }
         for index in &flips.marked {
             self.clearance.add(self.cell_of(*index));
         }
+        let reach = clear.max(self.virtuals.reach());
         for n in 0..self.flipped.len() {
             let changed = self.flipped.get(n).grown(reach, &self.geometry);
             self.refresh(&changed);
         }
-        for index in &flips.revealed {
+        for index in flips.revealed.iter().chain(&flips.relabelled) {
             self.refresh_cell(*index, self.cell_of(*index));
+        }
+        if let Some(surfaces) = &mut self.surfaces {
+            let lists = [&flips.cleared, &flips.marked, &flips.relabelled];
+            for index in lists.into_iter().flatten() {
+                let belief = &self.belief;
+                let stays = belief.is_obstacle(*index) && !belief.is_moving(*index);
+                surfaces.set(*index, stays);
+            }
         }
         self.flipped.clear();
         self.cleared.clear();
@@ -164,8 +313,11 @@ impl Mapper {
 
     #[inline]
     fn refresh_cell(&mut self, index: usize, cell: Cell) {
-        let value = self.value_of(index);
-        if self.cells[index] != value {
+        let value = self.value_of(index, cell);
+        let old = self.cells[index];
+        if old != value {
+            self.n_virtual += usize::from(value.flags & FLAG_VIRTUAL != 0);
+            self.n_virtual -= usize::from(old.flags & FLAG_VIRTUAL != 0);
             self.cells[index] = value;
             self.dirty.add(cell);
         }
@@ -173,7 +325,7 @@ impl Mapper {
 
     /// Layers are combined by their maximum: what the static map holds stays, whatever scans say.
     #[inline]
-    fn value_of(&self, index: usize) -> MapCell {
+    fn value_of(&self, index: usize, cell: Cell) -> MapCell {
         let (clearance_mm, known_cost) = self.values.get(self.clearance.squares()[index]);
         let mut flags = 0;
         if self.belief.is_static(index) {
@@ -182,9 +334,22 @@ impl Mapper {
         if self.belief.is_sensed(index) {
             flags |= FLAG_SENSED;
         }
+        if self.belief.is_moving(index) {
+            flags |= FLAG_MOVING;
+        }
         let unknown = self.belief.is_unknown(index);
         if unknown {
             flags |= FLAG_UNKNOWN;
+        }
+        let is_obstacle = |index: usize| self.clearance.is_obstacle(index);
+        if self.virtuals.is_virtual(&self.geometry, cell, is_obstacle) {
+            flags |= FLAG_VIRTUAL;
+        }
+        if !self.rectangles.is_empty()
+            && !is_obstacle(index)
+            && self.rectangles.iter().any(|rect| rect.contains(cell))
+        {
+            flags |= FLAG_REGULARISED;
         }
         let cost = match known_cost {
             blocked @ (COST_LETHAL | COST_INSCRIBED) => blocked,
@@ -222,6 +387,25 @@ impl Mapper {
         MapView {
             geometry: &self.geometry,
             cells: &self.cells,
+        }
+    }
+
+    /// The map as a map file holds it: obstacles that stay, free cells, unknown ones. What moves
+    /// is free.
+    #[must_use]
+    pub fn as_static_map(&self) -> StaticMap {
+        let occupancy = |index: usize| {
+            if self.belief.is_unknown(index) {
+                Occupancy::Unknown
+            } else if self.belief.is_obstacle(index) && !self.belief.is_moving(index) {
+                Occupancy::Occupied
+            } else {
+                Occupancy::Free
+            }
+        };
+        StaticMap {
+            geometry: self.geometry,
+            cells: (0..self.geometry.len()).map(occupancy).collect(),
         }
     }
 

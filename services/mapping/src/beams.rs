@@ -1,0 +1,240 @@
+//! A scan as rays of one frame, each from where the laser was when it looked.
+//!
+//! A lidar that turns while the robot drives sees every beam from another pose. Between the first
+//! and the last beam of a turn the laser's pose is taken as linear in time, which is right up to
+//! the accelerations within one turn.
+
+use nalgebra::{Point2, Vector2};
+use zeronav_msgs::Pose;
+use zeronav_msgs::pose::wrap_angle;
+use zeronav_msgs::scan::Scan;
+
+/// Where the laser was during a turn, in the frame that the beams shall be in.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sweep {
+    /// `frame_from_laser` at beam 0.
+    pub first: Pose,
+    /// `frame_from_laser` at the last beam.
+    pub last: Pose,
+}
+
+impl Sweep {
+    /// All beams at once.
+    #[must_use]
+    pub const fn still(frame_from_laser: Pose) -> Self {
+        Self {
+            first: frame_from_laser,
+            last: frame_from_laser,
+        }
+    }
+}
+
+/// How a beam ended.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum End {
+    /// Returned from here. [m]
+    Hit(f64),
+    /// Nothing up to here, the sensor's range. [m]
+    NoReturn(f64),
+    /// Says nothing: NaN, or a number outside the sensor's range.
+    Invalid,
+}
+
+/// One beam.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Beam {
+    /// Where the laser was. [m]
+    pub origin: Point2<f64>,
+    /// Where it looked, of length 1.
+    pub direction: Vector2<f64>,
+    /// How it ended.
+    pub end: End,
+}
+
+impl Beam {
+    /// Where it was returned from; `None` when it was not. [m]
+    #[must_use]
+    #[inline]
+    pub fn point(&self) -> Option<Point2<f64>> {
+        match self.end {
+            End::Hit(range_m) => Some(self.origin + self.direction * range_m),
+            End::NoReturn(_) | End::Invalid => None,
+        }
+    }
+}
+
+/// The beams of a scan, in its order. Memory is reused.
+#[derive(Debug, Default)]
+pub struct Beams {
+    cast: Vec<Beam>,
+    /// Directions in the laser's own frame, and what they are of.
+    directions: Vec<Vector2<f64>>,
+    fan: (f32, f32),
+    increment_rad: f64,
+    full_turn: bool,
+}
+
+impl Beams {
+    /// Takes in a scan that was checked against [`Scan::check`].
+    pub fn cast(&mut self, scan: &Scan, ranges: &[f32], sweep: &Sweep) {
+        self.look_up_directions(scan, ranges.len());
+        self.increment_rad = f64::from(scan.angle_increment_rad).abs();
+        #[allow(clippy::cast_precision_loss, reason = "at most 4096 beams")]
+        let fan_rad = self.increment_rad * (ranges.len() as f64 + 0.5);
+        self.full_turn = fan_rad >= core::f64::consts::TAU;
+        self.cast.clear();
+        let directions = self.directions.iter().zip(ranges);
+        if sweep.first == sweep.last {
+            let (sin, cos) = sweep.last.yaw_rad.sin_cos();
+            let origin = sweep.last.point();
+            self.cast
+                .extend(directions.map(|(direction, range_m)| Beam {
+                    origin,
+                    direction: rotated(direction, sin, cos),
+                    end: end_of(scan, *range_m),
+                }));
+            return;
+        }
+        let turn_rad = wrap_angle(sweep.last.yaw_rad - sweep.first.yaw_rad);
+        let shift = sweep.last.point() - sweep.first.point();
+        #[allow(clippy::cast_precision_loss, reason = "at most 4096 beams")]
+        let steps = ranges.len().saturating_sub(1).max(1) as f64;
+        self.cast.extend(
+            directions
+                .zip(0_u32..)
+                .map(|((direction, range_m), number)| {
+                    let share = f64::from(number) / steps;
+                    let (sin, cos) = (sweep.first.yaw_rad + share * turn_rad).sin_cos();
+                    Beam {
+                        origin: sweep.first.point() + shift * share,
+                        direction: rotated(direction, sin, cos),
+                        end: end_of(scan, *range_m),
+                    }
+                }),
+        );
+    }
+
+    /// The beams, in the order of the scan.
+    #[must_use]
+    pub fn as_slice(&self) -> &[Beam] {
+        &self.cast
+    }
+
+    /// Angle from beam to beam, >= 0. [rad]
+    #[must_use]
+    pub fn increment_rad(&self) -> f64 {
+        self.increment_rad
+    }
+
+    /// True when the first beam is the last one's neighbour.
+    #[must_use]
+    pub fn full_turn(&self) -> bool {
+        self.full_turn
+    }
+
+    /// Sines and cosines are the dearest part of a small scan, and a lidar's do not change.
+    fn look_up_directions(&mut self, scan: &Scan, n_beams: usize) {
+        let fan = (scan.angle_min_rad, scan.angle_increment_rad);
+        if self.fan == fan && self.directions.len() == n_beams {
+            return;
+        }
+        self.fan = fan;
+        self.directions.clear();
+        self.directions.extend((0..n_beams).map(|beam| {
+            let (sin, cos) = scan.angle_of(beam).sin_cos();
+            Vector2::new(cos, sin)
+        }));
+    }
+}
+
+fn rotated(direction: &Vector2<f64>, sin: f64, cos: f64) -> Vector2<f64> {
+    Vector2::new(
+        cos * direction.x - sin * direction.y,
+        sin * direction.x + cos * direction.y,
+    )
+}
+
+fn end_of(scan: &Scan, range_m: f32) -> End {
+    if range_m == f32::INFINITY {
+        End::NoReturn(f64::from(scan.range_m_max))
+    } else if scan.is_hit(range_m) {
+        End::Hit(f64::from(range_m))
+    } else {
+        End::Invalid
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn scan(n_beams: u32) -> Scan {
+        Scan {
+            n_beams,
+            angle_min_rad: -1.0,
+            angle_increment_rad: 0.01,
+            range_m_min: 0.1,
+            range_m_max: 10.0,
+            ..Scan::default()
+        }
+    }
+
+    #[test]
+    fn ends_are_told_apart() {
+        let mut beams = Beams::default();
+        let ranges = [2.0, f32::INFINITY, f32::NAN, 0.05, 10.5];
+        beams.cast(&scan(5), &ranges, &Sweep::still(Pose::new(1.0, 2.0, 1.0)));
+        let ends: Vec<End> = beams.as_slice().iter().map(|beam| beam.end).collect();
+        assert_eq!(
+            ends,
+            [
+                End::Hit(2.0),
+                End::NoReturn(10.0),
+                End::Invalid,
+                End::Invalid,
+                End::Invalid
+            ]
+        );
+        // Beam 0 looks along -1 rad in the laser, along 0 in the frame.
+        let point = beams.as_slice()[0].point().expect("a hit");
+        assert!((point - Point2::new(3.0, 2.0)).norm() < 1e-7, "{point}");
+    }
+
+    /// A laser that drives and turns during its turn sees a straight wall straight.
+    #[test]
+    fn a_wall_stays_straight_while_the_robot_drives_and_turns() {
+        let n = 101;
+        let at = |number: u32| {
+            let share = f64::from(number) / f64::from(n - 1);
+            Pose::new(0.7 * share, -0.2 * share, 0.5 * share)
+        };
+        let scan = scan(n);
+        let mut ranges = Vec::new();
+        for number in 0..n {
+            let pose = at(number);
+            let angle = pose.yaw_rad + scan.angle_of(number as usize);
+            // The wall is x = 4.
+            #[allow(clippy::cast_possible_truncation, reason = "ranges are f32")]
+            ranges.push(((4.0 - pose.x_m) / angle.cos()) as f32);
+        }
+        let mut beams = Beams::default();
+        let sweep = Sweep {
+            first: at(0),
+            last: at(n - 1),
+        };
+        beams.cast(&scan, &ranges, &sweep);
+        for beam in beams.as_slice() {
+            let point = beam.point().expect("a hit");
+            assert!((point.x - 4.0).abs() < 1e-5, "{point}");
+        }
+        // Taken as if all beams were taken at once, the wall bends by decimetres.
+        beams.cast(&scan, &ranges, &Sweep::still(at(n - 1)));
+        let bent = beams
+            .as_slice()
+            .iter()
+            .filter_map(Beam::point)
+            .map(|point| (point.x - 4.0).abs())
+            .fold(0.0, f64::max);
+        assert!(bent > 0.3, "{bent}");
+    }
+}

@@ -1,0 +1,186 @@
+//! Points of a scan that belong together: neighbours in angle and in space.
+
+use crate::beams::{Beams, End};
+use nalgebra::Point2;
+use zeronav_msgs::Pose;
+
+/// Most beams without a point between two points of one cluster.
+const BEAMS_APART_MAX: usize = 3;
+
+/// A point of a scan that the map does not explain.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ScanPoint {
+    /// In the map. [m]
+    pub at: Point2<f64>,
+    /// Index of its beam.
+    pub beam: usize,
+    /// Its range. [m]
+    pub range_m: f64,
+}
+
+/// Neighbouring points.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Cluster {
+    /// Its first point in [`Clusters::points`].
+    first: usize,
+    /// First point behind it.
+    end: usize,
+    /// Something nearer hides what may lie beyond one of its ends.
+    pub hidden: bool,
+}
+
+/// The clusters of a scan. Memory is reused.
+#[derive(Debug, Default)]
+pub struct Clusters {
+    points: Vec<ScanPoint>,
+    clusters: Vec<Cluster>,
+}
+
+impl Clusters {
+    /// Finds the clusters of a scan seen from `map_from_frame`. Points for which `is_background`
+    /// holds belong to none. Two neighbours belong together when they are at most `gap_m` and
+    /// twice the distance of neighbouring beams apart.
+    pub fn find(
+        &mut self,
+        beams: &Beams,
+        map_from_frame: &Pose,
+        gap_m: f64,
+        is_background: impl Fn(Point2<f64>) -> bool,
+    ) {
+        self.points.clear();
+        self.clusters.clear();
+        let (sin, cos) = map_from_frame.yaw_rad.sin_cos();
+        for (beam, seen) in beams.as_slice().iter().enumerate() {
+            let (Some(point), End::Hit(range_m)) = (seen.point(), seen.end) else {
+                continue;
+            };
+            let at = Point2::new(
+                map_from_frame.x_m + cos * point.x - sin * point.y,
+                map_from_frame.y_m + sin * point.x + cos * point.y,
+            );
+            if !is_background(at) {
+                self.points.push(ScanPoint { at, beam, range_m });
+            }
+        }
+        let n_beams = beams.as_slice().len();
+        let together = |a: &ScanPoint, b: &ScanPoint| {
+            let apart = (b.beam + n_beams - a.beam) % n_beams;
+            let far_m = a.range_m.max(b.range_m);
+            let spread_m = 2.0 * far_m * beams.increment_rad();
+            apart <= BEAMS_APART_MAX && (a.at - b.at).norm() <= gap_m + spread_m
+        };
+        // A full turn begins where two points do not belong together, so that none is cut in two.
+        if let (true, Some(first), Some(last)) = (
+            beams.full_turn(),
+            self.points.first().copied(),
+            self.points.last().copied(),
+        ) && together(&last, &first)
+            && let Some(cut) = self
+                .points
+                .windows(2)
+                .position(|pair| !together(&pair[0], &pair[1]))
+        {
+            self.points.rotate_left(cut + 1);
+        }
+        let mut first = 0;
+        for end in 1..=self.points.len() {
+            let ends =
+                end == self.points.len() || !together(&self.points[end - 1], &self.points[end]);
+            if ends {
+                let hidden = self.is_hidden(beams, first, end, gap_m);
+                self.clusters.push(Cluster { first, end, hidden });
+                first = end;
+            }
+        }
+    }
+
+    /// The clusters, in the order of the beams.
+    #[must_use]
+    pub fn as_slice(&self) -> &[Cluster] {
+        &self.clusters
+    }
+
+    /// The points of a cluster, in the order of the beams.
+    #[must_use]
+    pub fn points(&self, cluster: &Cluster) -> &[ScanPoint] {
+        &self.points[cluster.first..cluster.end]
+    }
+
+    /// True when beside the points `first..end` a beam ended nearer, or there is no beam.
+    fn is_hidden(&self, beams: &Beams, first: usize, end: usize, gap_m: f64) -> bool {
+        let n_beams = beams.as_slice().len();
+        let hides = |point: &ScanPoint, beside: Option<usize>| {
+            let beside = match beside {
+                Some(beside) if beside < n_beams => beside,
+                _ if beams.full_turn() => beside.map_or(n_beams - 1, |beside| beside % n_beams),
+                _ => return true,
+            };
+            match beams.as_slice()[beside].end {
+                End::Hit(range_m) => range_m < point.range_m - gap_m,
+                End::NoReturn(_) | End::Invalid => false,
+            }
+        };
+        let (from, to) = (&self.points[first], &self.points[end - 1]);
+        hides(from, from.beam.checked_sub(1)) || hides(to, Some(to.beam + 1))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::beams::Sweep;
+    use zeronav_msgs::scan::Scan;
+
+    fn find(ranges: &[f32], full_turn: bool) -> Vec<(Vec<usize>, bool)> {
+        #[allow(clippy::cast_precision_loss, reason = "a few beams")]
+        let turn = std::f32::consts::TAU / ranges.len() as f32;
+        let scan = Scan {
+            n_beams: u32::try_from(ranges.len()).unwrap(),
+            angle_increment_rad: if full_turn { turn } else { 0.02 },
+            range_m_min: 0.1,
+            range_m_max: 10.0,
+            ..Scan::default()
+        };
+        let mut beams = Beams::default();
+        beams.cast(&scan, ranges, &Sweep::still(Pose::default()));
+        let mut clusters = Clusters::default();
+        clusters.find(&beams, &Pose::default(), 0.1, |_| false);
+        let of = |cluster: &Cluster| {
+            let beams = clusters.points(cluster).iter().map(|point| point.beam);
+            (beams.collect(), cluster.hidden)
+        };
+        clusters.as_slice().iter().map(of).collect()
+    }
+
+    #[test]
+    fn a_step_in_range_parts_and_the_nearer_hides() {
+        let ranges = [9.0, 4.0, 4.02, 4.01, 2.0, 2.0, 2.0, 9.0];
+        let found = find(&ranges, false);
+        assert_eq!(
+            found,
+            [
+                (vec![0], true),
+                (vec![1, 2, 3], true),
+                (vec![4, 5, 6], false),
+                (vec![7], true)
+            ]
+        );
+    }
+
+    #[test]
+    fn a_cluster_across_the_seam_is_one() {
+        let mut ranges = [f32::INFINITY; 360];
+        for beam in [358, 359, 0, 1, 2] {
+            ranges[beam] = 3.0;
+        }
+        ranges[100] = 3.0;
+        ranges[101] = f32::NAN;
+        ranges[102] = 3.0;
+        let found = find(&ranges, true);
+        assert_eq!(
+            found,
+            [(vec![100, 102], false), (vec![358, 359, 0, 1, 2], false)]
+        );
+        assert_eq!(find(&[f32::NAN; 360], true), []);
+    }
+}

@@ -1,0 +1,184 @@
+//! One scan after the other: where it was seen from, what moves in it, and what it says about
+//! the map.
+
+use crate::beams::{Beams, Sweep};
+use crate::belief::Sight;
+use crate::config::{MappingConfig, MappingError};
+use crate::localiser::Localiser;
+use crate::mapper::{Integrated, Mapper};
+use crate::outline::Outline;
+use crate::tracker::{ScanView, Tracker};
+use nalgebra::Point2;
+use zeronav_msgs::Pose;
+use zeronav_msgs::description::{Corner, Description};
+use zeronav_msgs::obstacles::Obstacle;
+use zeronav_msgs::scan::Scan;
+use zeronav_world::StaticMap;
+
+/// How far beyond its radius the trail of something that moves is forgotten, in cells: its hits
+/// count half a cell behind where they were measured, and its radius is a guess.
+const TRAIL_MARGIN_CELLS: f64 = 2.0;
+
+/// A scan with what is known about where it was taken.
+#[derive(Debug, Clone, Copy)]
+pub struct Observation<'a> {
+    /// A scan that was checked against [`Scan::check`].
+    pub scan: &'a Scan,
+    /// Its ranges. [m]
+    pub ranges: &'a [f32],
+    /// Run time of the capture, which is that of the last beam. [ns]
+    pub run_ns: u64,
+    /// `odom_from_base` at beam 0.
+    pub odom_from_base_first: Pose,
+    /// `odom_from_base` at the last beam.
+    pub odom_from_base: Pose,
+    /// What odometry says about its variances of x, y and yaw; all 0 = exact. [m^2, m^2, rad^2]
+    pub odometry_variance: [f64; 3],
+    /// Where the robot is going, in the map.
+    pub goal: Option<Point2<f64>>,
+}
+
+/// The map and everything that is followed on it.
+#[derive(Debug)]
+pub struct Mapping {
+    config: MappingConfig,
+    base_from_laser: Pose,
+    outline: Outline,
+    mapper: Mapper,
+    localiser: Localiser,
+    tracker: Tracker,
+    /// The scan at hand, in `base` at its capture.
+    beams: Beams,
+    under_robot: Vec<usize>,
+    /// The grid changed with the last scan.
+    moved: bool,
+}
+
+impl Mapping {
+    /// The map before the first scan, see [`Mapper::new`]. `corners` are those of the robot's
+    /// description.
+    ///
+    /// # Errors
+    /// What is wrong with configuration or static map.
+    pub fn new(
+        config: &MappingConfig,
+        static_map: Option<&StaticMap>,
+        description: &Description,
+        corners: &[Corner],
+    ) -> Result<Self, MappingError> {
+        Ok(Self {
+            base_from_laser: description.base_from_laser,
+            outline: Outline::new(description, corners),
+            mapper: Mapper::new(config, static_map, description)?,
+            localiser: Localiser::new(&config.pose_correction),
+            tracker: Tracker::new(&config.tracking),
+            beams: Beams::default(),
+            under_robot: Vec::new(),
+            moved: false,
+            config: config.clone(),
+        })
+    }
+
+    /// Takes in a scan: corrects the pose, follows what moves, brings the map up to date.
+    pub fn take_in(&mut self, observation: &Observation<'_>) -> Integrated {
+        let odom_from_base = &observation.odom_from_base;
+        self.cast(observation);
+        if self.localiser.is_active(&observation.odometry_variance) {
+            let surfaces = self.mapper.surfaces();
+            self.localiser
+                .correct(odom_from_base, self.beams.as_slice(), surfaces);
+        }
+        let map_from_base = self.localiser.map_from_base(odom_from_base);
+        self.follow_window(map_from_base.point());
+        let mapper = &mut self.mapper;
+        if self.config.tracking.enabled {
+            let view = ScanView {
+                scan: observation.scan,
+                ranges: observation.ranges,
+                beams: &self.beams,
+                map_from_frame: map_from_base,
+                map_from_laser: map_from_base.then(&self.base_from_laser),
+                run_ns: observation.run_ns,
+            };
+            self.tracker
+                .follow(&view, |point| mapper.is_near_static(point));
+            let margin_m = TRAIL_MARGIN_CELLS * mapper.geometry().resolution_m;
+            self.tracker.new_trails(|place, radius_m| {
+                mapper.forget(place, radius_m + margin_m);
+            });
+        }
+        self.under_robot.clear();
+        if self.config.footprint_clearing {
+            let under_robot = &mut self.under_robot;
+            self.outline
+                .cells_under(mapper.geometry(), &map_from_base, |index| {
+                    under_robot.push(index);
+                });
+        }
+        let sight = Sight {
+            map_from_frame: map_from_base,
+            beams: self.beams.as_slice(),
+            moving: self.tracker.moving_beams(),
+            run_ns: observation.run_ns,
+        };
+        let integrated = mapper.take_in(&sight, &self.under_robot);
+        mapper.regularise(observation.goal.map(|goal| (map_from_base.point(), goal)));
+        integrated
+    }
+
+    /// The beams in `base` as it was at the last one.
+    fn cast(&mut self, observation: &Observation<'_>) {
+        let Observation {
+            odom_from_base_first: first,
+            odom_from_base: last,
+            ..
+        } = observation;
+        let sweep = if first == last {
+            Sweep::still(self.base_from_laser)
+        } else {
+            let base_from_first = last.isometry().inverse() * first.isometry();
+            Sweep {
+                first: Pose::from(base_from_first * self.base_from_laser.isometry()),
+                last: self.base_from_laser,
+            }
+        };
+        self.beams
+            .cast(observation.scan, observation.ranges, &sweep);
+    }
+
+    /// Lets the map go where the robot is.
+    fn follow_window(&mut self, robot: Point2<f64>) {
+        let window = &self.config.window;
+        if let Some((geometry, shift)) = window.follow(self.mapper.geometry(), robot) {
+            self.mapper = self.mapper.moved(&geometry, shift, &self.config);
+            self.moved = true;
+        }
+    }
+
+    /// True once after the map has come to lie elsewhere: readers need all of it.
+    pub fn take_moved(&mut self) -> bool {
+        core::mem::take(&mut self.moved)
+    }
+
+    /// The map.
+    #[must_use]
+    pub fn mapper(&self) -> &Mapper {
+        &self.mapper
+    }
+
+    /// The map, to take its changes.
+    pub fn mapper_mut(&mut self) -> &mut Mapper {
+        &mut self.mapper
+    }
+
+    /// `map_from_odom`, and the covariance of the robot's pose with it.
+    #[must_use]
+    pub fn map_from_odom(&self) -> (Pose, [f64; 6]) {
+        (self.localiser.map_from_odom(), self.localiser.covariance())
+    }
+
+    /// What moves, in the map, at the last scan.
+    pub fn obstacles(&self) -> impl Iterator<Item = Obstacle> + '_ {
+        self.tracker.obstacles()
+    }
+}

@@ -1,0 +1,179 @@
+//! The scans of the last second: what could be looked through then.
+
+use core::f64::consts::TAU;
+use nalgebra::Point2;
+use std::collections::VecDeque;
+use zeronav_msgs::Pose;
+use zeronav_msgs::scan::Scan;
+
+/// Scans that are kept.
+const SCANS_MAX: usize = 12;
+
+/// Beams on either side of a point that must pass it, too: a beam that slips past an edge proves
+/// nothing.
+const BESIDE: i64 = 1;
+
+/// One scan as it was seen.
+#[derive(Debug, Clone)]
+pub struct PastScan {
+    map_from_laser: Pose,
+    run_ns: u64,
+    scan: Scan,
+    ranges: Vec<f32>,
+}
+
+impl PastScan {
+    /// Run time of its capture. [ns]
+    #[must_use]
+    pub fn run_ns(&self) -> u64 {
+        self.run_ns
+    }
+
+    /// True when its beams passed a point of the map by at least `margin_m`. False when the point
+    /// lay beside its field of view, and for beams that say nothing.
+    #[must_use]
+    pub fn sees_through(&self, point_in_map: Point2<f64>, margin_m: f64) -> bool {
+        let (beam, range_m) = self.towards(point_in_map);
+        (beam - BESIDE..=beam + BESIDE).all(|beam| match self.range_of(beam) {
+            Some(f32::INFINITY) => range_m + margin_m <= f64::from(self.scan.range_m_max),
+            Some(seen) => self.scan.is_hit(seen) && f64::from(seen) > range_m + margin_m,
+            None => false,
+        })
+    }
+
+    /// True when its beam towards a point of the map ended there, by at most `margin_m` off.
+    #[must_use]
+    pub fn ended_at(&self, point_in_map: Point2<f64>, margin_m: f64) -> bool {
+        let (beam, range_m) = self.towards(point_in_map);
+        self.range_of(beam)
+            .is_some_and(|seen| (f64::from(seen) - range_m).abs() <= margin_m)
+    }
+
+    /// The beam that looks nearest to a point of the map, perhaps none of the scan's, and how far
+    /// the point is. [m]
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "angles are a few turns, beams a few thousand"
+    )]
+    fn towards(&self, point_in_map: Point2<f64>) -> (i64, f64) {
+        let offset = point_in_map - self.map_from_laser.point();
+        let increment = f64::from(self.scan.angle_increment_rad);
+        let angle = offset.y.atan2(offset.x) - self.map_from_laser.yaw_rad;
+        // Going the way the lidar turns.
+        let from_first = (angle - f64::from(self.scan.angle_min_rad)) * increment.signum();
+        let beam = (from_first.rem_euclid(TAU) / increment.abs()).round();
+        (beam as i64, offset.norm())
+    }
+
+    /// Range of a beam; a full turn goes on where it began. `None` beside the field of view. [m]
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_possible_wrap,
+        reason = "beams are a few thousand"
+    )]
+    fn range_of(&self, beam: i64) -> Option<f32> {
+        let n_beams = self.ranges.len() as i64;
+        let per_turn = (TAU / f64::from(self.scan.angle_increment_rad).abs()).round() as i64;
+        let beam = if n_beams >= per_turn {
+            beam.rem_euclid(n_beams.max(1))
+        } else {
+            beam
+        };
+        let beam = usize::try_from(beam).ok()?;
+        self.ranges.get(beam).copied()
+    }
+}
+
+/// The last scans, oldest first. Memory is reused.
+#[derive(Debug, Default)]
+pub struct PastScans {
+    scans: VecDeque<PastScan>,
+}
+
+impl PastScans {
+    /// Adds a scan seen from `map_from_laser` at run time `run_ns`.
+    pub fn push(&mut self, scan: &Scan, ranges: &[f32], map_from_laser: &Pose, run_ns: u64) {
+        let mut memory = if self.scans.len() == SCANS_MAX {
+            self.scans.pop_front().map(|past| past.ranges)
+        } else {
+            None
+        }
+        .unwrap_or_default();
+        memory.clear();
+        memory.extend_from_slice(ranges);
+        self.scans.push_back(PastScan {
+            map_from_laser: *map_from_laser,
+            run_ns,
+            scan: *scan,
+            ranges: memory,
+        });
+    }
+
+    /// The newest scan.
+    #[must_use]
+    pub fn newest(&self) -> Option<&PastScan> {
+        self.scans.back()
+    }
+
+    /// The oldest scan that is not older than `run_ns`.
+    #[must_use]
+    pub fn oldest_since(&self, run_ns: u64) -> Option<&PastScan> {
+        self.scans.iter().find(|past| past.run_ns >= run_ns)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn past(n_beams: u32, angle_min_rad: f32, increment_rad: f32, ranges: &[f32]) -> PastScan {
+        let scan = Scan {
+            n_beams,
+            angle_min_rad,
+            angle_increment_rad: increment_rad,
+            range_m_min: 0.1,
+            range_m_max: 10.0,
+            ..Scan::default()
+        };
+        let mut scans = PastScans::default();
+        scans.push(&scan, ranges, &Pose::new(1.0, 2.0, 0.5), 7);
+        scans.newest().expect("a scan").clone()
+    }
+
+    #[test]
+    fn through_what_is_farther_and_never_through_what_is_nearer() {
+        let mut ranges = vec![5.0_f32; 360];
+        ranges[90] = f32::NAN;
+        ranges[200] = f32::INFINITY;
+        ranges[199] = f32::INFINITY;
+        ranges[201] = f32::INFINITY;
+        for way in [1.0_f32, -1.0] {
+            let increment = way * std::f32::consts::TAU / 360.0;
+            let past = past(360, 0.3, increment, &ranges);
+            let see = |beam: f64, range_m: f64| {
+                let angle = 0.5 + 0.3 + f64::from(way) * beam.to_radians();
+                let point = Point2::new(1.0 + range_m * angle.cos(), 2.0 + range_m * angle.sin());
+                past.sees_through(point, 0.1)
+            };
+            assert!(see(10.0, 4.8) && see(359.0, 4.8) && see(0.0, 4.8));
+            assert!(!see(10.0, 4.95) && !see(10.0, 6.0));
+            assert!(!see(90.0, 1.0) && !see(91.0, 1.0) && see(92.0, 1.0));
+            let ended = |range_m: f64| {
+                let angle = 0.5 + 0.3 + f64::from(way) * 10.0_f64.to_radians();
+                let point = Point2::new(1.0 + range_m * angle.cos(), 2.0 + range_m * angle.sin());
+                past.ended_at(point, 0.1)
+            };
+            assert!(ended(5.05) && ended(4.95) && !ended(4.8) && !ended(5.2));
+            assert!(see(200.0, 9.8) && !see(200.0, 9.95) && !see(199.0, 6.0));
+        }
+    }
+
+    #[test]
+    fn beside_the_field_of_view_nothing_is_seen() {
+        let past = past(100, -0.5, 0.01, &[5.0; 100]);
+        let at = |angle: f64| Point2::new(1.0 + (0.5 + angle).cos(), 2.0 + (0.5 + angle).sin());
+        assert!(past.sees_through(at(0.0), 0.1) && past.sees_through(at(0.45), 0.1));
+        assert!(!past.sees_through(at(0.6), 0.1) && !past.sees_through(at(-0.6), 0.1));
+        assert!(!past.sees_through(at(3.0), 0.1));
+    }
+}

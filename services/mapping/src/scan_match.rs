@@ -1,0 +1,192 @@
+//! Where the robot is, judged by how well its scan lies on the map.
+//!
+//! The pose is the most likely one given where odometry says the robot went and how far the ends of
+//! the beams lie from the map's surfaces: Gauss and Newton on the sum of squared distances, as in
+//! Kohlbrecher et al., "A Flexible and Scalable SLAM System with Full 3D Motion Estimation", 2011
+//! (eq. 7 to 13, with distances instead of occupancies, which pull from farther away), with the
+//! odometry's prediction as a prior, so that along a bare corridor nothing is made up, and with
+//! weights that let go of what is not on the map (Geman, `McClure`, 1987).
+
+use crate::beams::Beam;
+use crate::clearance::ClearanceField;
+use nalgebra::{Matrix3, Point2, Vector2, Vector3};
+use zeronav_msgs::{Cell, CellRect, GridGeometry, Pose};
+
+/// How far from a surface a point still says something. [m]
+const REACH_M: f64 = 0.5;
+
+/// Most points that are used; of more, every n-th.
+const POINTS_MAX: usize = 180;
+
+/// What the points are worth, in independent ones: neighbours share their errors.
+const POINTS_WORTH: f64 = 40.0;
+
+/// Standard deviation of a point's distance to its surface, in cells, for cell and sensor
+/// together.
+const SIGMA_CELLS: f64 = 1.0;
+
+/// Distance at which a point's weight is a quarter. [m]
+const LETS_GO_M: f64 = 0.15;
+
+/// Share of the points that must lie near a surface for the scan to say anything.
+const NEAR_SHARE_MIN: f64 = 0.3;
+
+/// Steps of Gauss and Newton.
+const STEPS_MAX: usize = 10;
+
+/// Distances to the surfaces that scans are laid on: the visible cells of the static map, and what
+/// scans found.
+#[derive(Debug)]
+pub struct Surfaces {
+    geometry: GridGeometry,
+    field: ClearanceField,
+    /// Distance to the nearest surface by its square in half cells. [m]
+    distance_m: Vec<f64>,
+}
+
+/// What a match came to.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Match {
+    /// `map_from_base`.
+    pub pose: Pose,
+    /// Of (x, y, yaw). [m^2, m rad, rad^2]
+    pub covariance: Matrix3<f64>,
+}
+
+impl Surfaces {
+    /// The surfaces of what `is_obstacle` says about every cell.
+    #[must_use]
+    pub fn new(geometry: &GridGeometry, is_obstacle: impl Fn(usize) -> bool) -> Self {
+        let mut field = ClearanceField::new(geometry, REACH_M / geometry.resolution_m);
+        let (width, height) = geometry.size();
+        let blocked = |x: i32, y: i32| geometry.index_of(Cell::new(x, y)).map(&is_obstacle);
+        for y in 0..height {
+            for x in 0..width {
+                let beside = [(1, 0), (-1, 0), (0, 1), (0, -1)];
+                let is_surface = blocked(x, y) == Some(true)
+                    && beside
+                        .iter()
+                        .any(|(dx, dy)| blocked(x + dx, y + dy) == Some(false));
+                if let (true, Some(index)) = (is_surface, geometry.index_of(Cell::new(x, y))) {
+                    field.set(index, true);
+                }
+            }
+        }
+        field.recompute_all();
+        let half_cell_m = 0.5 * geometry.resolution_m;
+        let half_cells = 2 * field.reach() + 1;
+        let distance_m = (0..=2 * half_cells * half_cells)
+            .map(|square| (f64::from(square).sqrt() * half_cell_m).min(REACH_M))
+            .collect();
+        Self {
+            geometry: *geometry,
+            field,
+            distance_m,
+        }
+    }
+
+    /// Says whether the cell at `index` is a surface.
+    pub fn set(&mut self, index: usize, surface: bool) {
+        if self.field.is_obstacle(index) == surface {
+            return;
+        }
+        self.field.set(index, surface);
+        let width = self.geometry.width as usize;
+        let number = |cells: usize| i32::try_from(cells).unwrap_or(i32::MAX);
+        let cell = Cell::new(number(index % width), number(index / width));
+        if surface {
+            self.field.add(cell);
+        } else {
+            let here = CellRect {
+                min: cell,
+                max: Cell::new(cell.x + 1, cell.y + 1),
+            };
+            let around = here.grown(self.field.reach(), &self.geometry);
+            self.field.recompute(&around);
+        }
+    }
+
+    /// The pose near `predicted`, known to `covariance`, at which the beams, in `base`, lie best;
+    /// `None` when too few of them lie anywhere near.
+    #[must_use]
+    pub fn lay(
+        &self,
+        beams: &[Beam],
+        predicted: &Pose,
+        covariance: &Matrix3<f64>,
+    ) -> Option<Match> {
+        let n_hits = beams.iter().filter_map(Beam::point).count();
+        let every = n_hits.div_ceil(POINTS_MAX).max(1);
+        let points = || beams.iter().filter_map(Beam::point).step_by(every);
+        let prior = covariance.try_inverse()?;
+        let at_start = Vector3::new(predicted.x_m, predicted.y_m, predicted.yaw_rad);
+        let mut at = at_start;
+        let mut information = prior;
+        let sigma_m = SIGMA_CELLS * self.geometry.resolution_m;
+        for _ in 0..STEPS_MAX {
+            let (sin, cos) = at.z.sin_cos();
+            let mut normal = Matrix3::zeros();
+            let mut right = Vector3::zeros();
+            let (mut n, mut near) = (0.0, 0.0);
+            for point in points() {
+                n += 1.0;
+                let turned =
+                    Vector2::new(cos * point.x - sin * point.y, sin * point.x + cos * point.y);
+                let Some((distance_m, slope)) =
+                    self.distance(Point2::new(at.x + turned.x, at.y + turned.y))
+                else {
+                    continue;
+                };
+                near += 1.0;
+                let row = Vector3::new(slope.x, slope.y, slope.y * turned.x - slope.x * turned.y);
+                let weight = (1.0 + (distance_m / LETS_GO_M).powi(2)).powi(-2);
+                normal += row * row.transpose() * weight;
+                right += row * (weight * distance_m);
+            }
+            if near < NEAR_SHARE_MIN * n || n == 0.0 {
+                return None;
+            }
+            let worth = (POINTS_WORTH / n).min(1.0) / (sigma_m * sigma_m);
+            information = prior + normal * worth;
+            let step = information.try_inverse()? * (prior * (at - at_start) + right * worth);
+            at -= step;
+            if step.norm() < 1.0e-5 {
+                break;
+            }
+        }
+        Some(Match {
+            pose: Pose::new(at.x, at.y, zeronav_msgs::pose::wrap_angle(at.z)),
+            covariance: information.try_inverse()?,
+        })
+    }
+
+    /// Distance to the nearest surface and its slope, between four cells' centres; `None` beside
+    /// the map and where there is no surface within reach.
+    fn distance(&self, at: Point2<f64>) -> Option<(f64, Vector2<f64>)> {
+        let geometry = &self.geometry;
+        let per_m = 1.0 / geometry.resolution_m;
+        let x = (at.x - geometry.origin_x_m) * per_m - 0.5;
+        let y = (at.y - geometry.origin_y_m) * per_m - 0.5;
+        let (column, row) = (x.floor(), y.floor());
+        #[allow(
+            clippy::cast_possible_truncation,
+            reason = "float to int saturates, far outside is outside"
+        )]
+        let low = Cell::new(column as i32, row as i32);
+        let lower = geometry.index_of(low)?;
+        geometry.index_of(Cell::new(low.x + 1, low.y + 1))?;
+        let upper = lower + geometry.width as usize;
+        let d = |index: usize| {
+            let square = usize::from(self.field.squares()[index].unsigned_abs());
+            self.distance_m.get(square).copied().unwrap_or(REACH_M)
+        };
+        let (a, b, c, e) = (d(lower), d(lower + 1), d(upper), d(upper + 1));
+        if a.min(b).min(c).min(e) >= REACH_M {
+            return None;
+        }
+        let (fx, fy) = (x - column, y - row);
+        let (below, above) = (a + fx * (b - a), c + fx * (e - c));
+        let slope = Vector2::new((b - a) + fy * ((e - c) - (b - a)), above - below) * per_m;
+        Some((below + fy * (above - below), slope))
+    }
+}

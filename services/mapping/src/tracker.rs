@@ -1,0 +1,416 @@
+//! What moves: clusters of scan points, followed from scan to scan.
+//!
+//! A track begins with a cluster that the map does not explain, is confirmed by the third hit and
+//! is called moving when its speed is clear of its uncertainty, it has come some way, and it was
+//! seen to leave where it was or to enter what was free ([`crate::past_scans`]): the visible end
+//! of a wall slides along when the robot drives past, but nothing is ever seen through it.
+
+use crate::beams::Beams;
+use crate::clusters::{Cluster, Clusters};
+use crate::config::{MappingError, ensure, nanoseconds, seconds};
+use crate::fit::{Fit, centre_of_radius, fit};
+use crate::past_scans::PastScans;
+use crate::track::Track;
+use nalgebra::{Matrix2, Point2, Vector2};
+use serde::{Deserialize, Serialize};
+use zeronav_msgs::Pose;
+use zeronav_msgs::obstacles::{OBSTACLES_MAX, Obstacle};
+use zeronav_msgs::scan::Scan;
+
+/// 99 % of a chi-squared variable with two degrees of freedom lie below.
+const GATE: f64 = 9.21;
+
+/// Clusters farther than this from where a track should be are not even looked at. [m]
+const NEAR_M: f64 = 1.2;
+
+/// Scans with a hit that confirm a track.
+const HITS_TO_CONFIRM: u32 = 3;
+
+/// Share of a cluster's points that must be seen to have moved, and the least number.
+const SEEN_MOVING: (f64, usize) = (0.25, 2);
+
+/// What is taken for a moving obstacle.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct TrackingConfig {
+    /// Whether anything is tracked.
+    pub enabled: bool,
+    /// [m] between neighbouring points of one cluster, besides twice the distance of beams.
+    pub gap_m: f64,
+    /// Fewest points of a cluster.
+    pub points_min: usize,
+    /// [m] largest radius of what may move by itself.
+    pub radius_m_max: f64,
+    /// [m] from an obstacle of the static map within which points are that obstacle's.
+    pub static_margin_m: f64,
+    /// [m] standard deviation of a measured centre.
+    pub position_sigma_m: f64,
+    /// [m/s^2] standard deviation of the acceleration of what moves.
+    pub acceleration_sigma_mps2: f64,
+    /// [s] after the last hit at which a track ends.
+    pub coast_s: f64,
+    /// Speed in standard deviations from which a track may be called moving.
+    pub moving_sigmas: f64,
+    /// [m] that a track must have come before it is called moving.
+    pub moving_distance_m: f64,
+    /// [m/s] below which a track that moved comes to rest.
+    pub rest_speed_mps: f64,
+    /// [s] at rest after which a track is not called moving any more.
+    pub rest_s: f64,
+}
+
+impl Default for TrackingConfig {
+    fn default() -> Self {
+        Self {
+            enabled: true,
+            gap_m: 0.1,
+            points_min: 3,
+            radius_m_max: 0.6,
+            static_margin_m: 0.15,
+            position_sigma_m: 0.03,
+            acceleration_sigma_mps2: 1.0,
+            coast_s: 0.3,
+            moving_sigmas: 3.0,
+            moving_distance_m: 0.2,
+            rest_speed_mps: 0.15,
+            rest_s: 1.0,
+        }
+    }
+}
+
+impl TrackingConfig {
+    /// Accepts numbers that can be.
+    ///
+    /// # Errors
+    /// [`MappingError::OutOfRange`].
+    pub fn check(&self) -> Result<(), MappingError> {
+        for (field, value, low, high) in [
+            ("tracking.gap_m", self.gap_m, 1.0e-3, 10.0),
+            ("tracking.radius_m_max", self.radius_m_max, 1.0e-3, 10.0),
+            ("tracking.static_margin_m", self.static_margin_m, 0.0, 1.0),
+            (
+                "tracking.position_sigma_m",
+                self.position_sigma_m,
+                1.0e-3,
+                1.0,
+            ),
+            (
+                "tracking.acceleration_sigma_mps2",
+                self.acceleration_sigma_mps2,
+                1.0e-3,
+                100.0,
+            ),
+            ("tracking.coast_s", self.coast_s, 0.0, 10.0),
+            ("tracking.moving_sigmas", self.moving_sigmas, 0.0, 100.0),
+            (
+                "tracking.moving_distance_m",
+                self.moving_distance_m,
+                0.0,
+                100.0,
+            ),
+            ("tracking.rest_speed_mps", self.rest_speed_mps, 0.0, 10.0),
+            ("tracking.rest_s", self.rest_s, 0.0, 100.0),
+        ] {
+            let in_range = (low..=high).contains(&value);
+            ensure(in_range, field, value, "is outside its range")?;
+        }
+        ensure(
+            self.points_min >= 2,
+            "tracking.points_min",
+            f64::from(u32::try_from(self.points_min).unwrap_or(u32::MAX)),
+            "must be at least 2",
+        )
+    }
+}
+
+/// A scan as the tracker sees it.
+#[derive(Debug, Clone, Copy)]
+pub struct ScanView<'a> {
+    /// As it came.
+    pub scan: &'a Scan,
+    /// As they came. [m]
+    pub ranges: &'a [f32],
+    /// The same as beams of some frame.
+    pub beams: &'a Beams,
+    /// Where that frame lies in the map.
+    pub map_from_frame: Pose,
+    /// Where the laser was at the end of the scan.
+    pub map_from_laser: Pose,
+    /// Run time of the capture. [ns]
+    pub run_ns: u64,
+}
+
+/// A cluster that may be an obstacle of its own.
+#[derive(Debug, Clone, Copy)]
+struct Seen {
+    cluster: Cluster,
+    fit: Fit,
+    /// The track that it belongs to.
+    track: Option<usize>,
+}
+
+/// Tracks and the memory they are kept with. See the module's description.
+#[derive(Debug)]
+pub struct Tracker {
+    config: TrackingConfig,
+    clusters: Clusters,
+    past: PastScans,
+    tracks: Vec<Track>,
+    next_number: u64,
+    run_ns: u64,
+    seen: Vec<Seen>,
+    /// Squared Mahalanobis distance, track, place in `seen`.
+    pairs: Vec<(f64, usize, usize)>,
+    /// One entry per beam: it ended on something that moves.
+    moving_beams: Vec<bool>,
+}
+
+impl Tracker {
+    /// No tracks.
+    #[must_use]
+    pub fn new(config: &TrackingConfig) -> Self {
+        Self {
+            config: *config,
+            clusters: Clusters::default(),
+            past: PastScans::default(),
+            tracks: Vec::with_capacity(OBSTACLES_MAX),
+            next_number: 1,
+            run_ns: 0,
+            seen: Vec::new(),
+            pairs: Vec::new(),
+            moving_beams: Vec::new(),
+        }
+    }
+
+    /// Follows everything into a scan. Points for which `is_background` holds are the map's.
+    pub fn follow(&mut self, view: &ScanView<'_>, is_background: impl Fn(Point2<f64>) -> bool) {
+        self.moving_beams.clear();
+        self.moving_beams.resize(view.ranges.len(), false);
+        let dt_s = seconds(view.run_ns.saturating_sub(self.run_ns));
+        self.run_ns = view.run_ns;
+        let coast_ns = nanoseconds(self.config.coast_s);
+        self.tracks
+            .retain(|track| view.run_ns.saturating_sub(track.hit_ns) <= coast_ns);
+        for track in &mut self.tracks {
+            track.just_moving = false;
+            track
+                .filter
+                .predict(dt_s, self.config.acceleration_sigma_mps2);
+        }
+        self.clusters.find(
+            view.beams,
+            &view.map_from_frame,
+            self.config.gap_m,
+            is_background,
+        );
+        let eye = view.map_from_laser.point();
+        self.look(eye);
+        self.associate(eye);
+        self.past
+            .push(view.scan, view.ranges, &view.map_from_laser, view.run_ns);
+        for n in 0..self.seen.len() {
+            match self.seen[n].track {
+                Some(track) => self.hit(track, n, eye),
+                None => self.begin(n),
+            }
+        }
+    }
+
+    /// True per beam of the last scan when it ended on something that moves.
+    #[must_use]
+    pub fn moving_beams(&self) -> &[bool] {
+        &self.moving_beams
+    }
+
+    /// Calls `see` with the places, and how far around them, at which something was seen before
+    /// the last scan showed that it moves.
+    pub fn new_trails(&self, mut see: impl FnMut(Point2<f64>, f64)) {
+        for track in self.tracks.iter().filter(|track| track.just_moving) {
+            for place in track.trail.iter() {
+                see(place, track.radius_m);
+            }
+        }
+    }
+
+    /// What moves, as `map/obstacles` says it, oldest track first.
+    pub fn obstacles(&self) -> impl Iterator<Item = Obstacle> + '_ {
+        let moving = self.tracks.iter().filter(|track| track.moving);
+        moving.map(|track| track.obstacle(self.run_ns))
+    }
+
+    /// Decides which clusters may be obstacles of their own.
+    fn look(&mut self, eye: Point2<f64>) {
+        self.seen.clear();
+        for cluster in self.clusters.as_slice() {
+            let points = self.clusters.points(cluster);
+            let diameter_m = 2.0 * self.config.radius_m_max;
+            let (Some(first), Some(last)) = (points.first(), points.last()) else {
+                continue;
+            };
+            if points.len() < self.config.points_min || (first.at - last.at).norm() > diameter_m {
+                continue;
+            }
+            let places = points.iter().map(|point| point.at);
+            let fitted = fit(places, eye, self.config.radius_m_max);
+            if let Some(fit) = fitted.filter(|fit| fit.radius_m() <= self.config.radius_m_max) {
+                self.seen.push(Seen {
+                    cluster: *cluster,
+                    fit,
+                    track: None,
+                });
+            }
+        }
+    }
+
+    /// Gives clusters to tracks: the nearest pair of all first, each at most once.
+    fn associate(&mut self, eye: Point2<f64>) {
+        self.pairs.clear();
+        for (t, track) in self.tracks.iter().enumerate() {
+            for (n, seen) in self.seen.iter().enumerate() {
+                let points = self.clusters.points(&seen.cluster);
+                let near = points
+                    .first()
+                    .is_some_and(|point| (point.at - track.filter.position()).norm() < NEAR_M);
+                if !near {
+                    continue;
+                }
+                let (place, noise) = self.measured(track, seen, eye);
+                if let Some(distance) = track.filter.distance(place, &noise)
+                    && distance <= GATE
+                {
+                    self.pairs.push((distance, t, n));
+                }
+            }
+        }
+        self.pairs
+            .sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then((a.1, a.2).cmp(&(b.1, b.2))));
+        for (_, t, n) in &self.pairs {
+            let taken = self.seen.iter().any(|seen| seen.track == Some(*t));
+            if !taken && self.seen[*n].track.is_none() {
+                self.seen[*n].track = Some(*t);
+            }
+        }
+    }
+
+    /// Where `track` is, judged by a cluster, and how well that is known.
+    fn measured(
+        &self,
+        track: &Track,
+        seen: &Seen,
+        eye: Point2<f64>,
+    ) -> (Point2<f64>, Matrix2<f64>) {
+        let variance = self.config.position_sigma_m.powi(2);
+        let even = Matrix2::from_diagonal_element(variance);
+        let points = self.clusters.points(&seen.cluster);
+        let places = points.iter().map(|point| point.at);
+        let (middle, along, half_m) = match seen.fit {
+            Fit::Circle { centre, radius_m } => (centre, None, radius_m),
+            Fit::Segment {
+                middle,
+                along,
+                half_m,
+            } => (middle, Some(along), half_m),
+        };
+        let round = track
+            .is_round()
+            .then(|| centre_of_radius(&places, eye, track.radius_m))
+            .flatten();
+        let place = round.unwrap_or(middle);
+        // Of what is partly hidden the middle may lie anywhere along what is seen of it.
+        let slides = seen.cluster.hidden || half_m < 0.7 * track.radius_m;
+        let across = along.unwrap_or_else(|| {
+            let view = (place - eye).try_normalize(1.0e-9).unwrap_or(Vector2::x());
+            Vector2::new(-view.y, view.x)
+        });
+        if slides {
+            let slide = track.radius_m.max(half_m).powi(2);
+            (place, even + across * across.transpose() * slide)
+        } else {
+            (place, even)
+        }
+    }
+
+    /// Takes a cluster into its track.
+    fn hit(&mut self, track: usize, n: usize, eye: Point2<f64>) {
+        let seen = self.seen[n];
+        let Some(mut followed) = self.tracks.get(track).copied() else {
+            return;
+        };
+        let was_round = followed.is_round();
+        followed.see(&seen.fit, seen.cluster.hidden);
+        let (place, noise) = self.measured(&followed, &seen, eye);
+        if was_round != followed.is_round() {
+            followed.filter.place(place);
+            followed.born_at = place;
+        }
+        followed.filter.update(place, &noise);
+        followed.hits += 1;
+        followed.hit_ns = self.run_ns;
+        followed.trail.push(followed.filter.position());
+        let speed_mps = followed.filter.velocity().norm();
+        if followed.moving {
+            if speed_mps > self.config.rest_speed_mps {
+                followed.slow_since_ns = self.run_ns;
+            }
+            let rests_ns = self.run_ns.saturating_sub(followed.slow_since_ns);
+            if rests_ns > nanoseconds(self.config.rest_s) {
+                followed.moving = false;
+                followed.born_at = followed.filter.position();
+            }
+        } else if followed.hits >= HITS_TO_CONFIRM
+            && speed_mps > self.config.moving_sigmas * followed.filter.speed_sigma_mps()
+            && speed_mps > self.config.rest_speed_mps
+            && (followed.filter.position() - followed.born_at).norm()
+                > self.config.moving_distance_m
+            && self.is_seen_moving(&followed, &seen.cluster)
+        {
+            followed.moving = true;
+            followed.just_moving = true;
+            followed.slow_since_ns = self.run_ns;
+        }
+        if followed.moving {
+            for point in self.clusters.points(&seen.cluster) {
+                self.moving_beams[point.beam] = true;
+            }
+        }
+        self.tracks[track] = followed;
+    }
+
+    /// True when enough of a cluster lies where an earlier scan looked through, or the newest one
+    /// looks through enough of where it was then.
+    fn is_seen_moving(&self, track: &Track, cluster: &Cluster) -> bool {
+        let (Some(then), Some(now)) = (self.past.oldest_since(track.born_ns), self.past.newest())
+        else {
+            return false;
+        };
+        let ago_s = seconds(now.run_ns().saturating_sub(then.run_ns()));
+        let came = track.filter.velocity() * ago_s;
+        let points = self.clusters.points(cluster);
+        let mut entered = 0;
+        let mut left = 0;
+        for point in points {
+            entered += usize::from(then.sees_through(point.at, self.config.gap_m));
+            let was_at = point.at - came;
+            let was_there = then.ended_at(was_at, self.config.gap_m);
+            left += usize::from(was_there && now.sees_through(was_at, self.config.gap_m));
+        }
+        #[allow(
+            clippy::cast_possible_truncation,
+            clippy::cast_precision_loss,
+            clippy::cast_sign_loss,
+            reason = "at most 4096 points"
+        )]
+        let enough = ((points.len() as f64 * SEEN_MOVING.0).ceil() as usize).max(SEEN_MOVING.1);
+        entered.max(left) >= enough
+    }
+
+    /// A cluster that belongs to no track begins one, as long as there is room.
+    fn begin(&mut self, n: usize) {
+        if self.tracks.len() < OBSTACLES_MAX {
+            let fit = self.seen[n].fit;
+            let track = Track::new(self.next_number, &fit, self.run_ns, &self.config);
+            self.next_number += 1;
+            self.tracks.push(track);
+        }
+    }
+}

@@ -1,0 +1,326 @@
+//! What moves: found soon, followed well, never made up, and gone without a trail.
+
+mod support;
+
+use nalgebra::{Point2, Vector2};
+use support::{Rng, Room, config, description};
+use zeronav_mapping::{Mapping, MappingConfig, Observation, TrackingScore};
+use zeronav_msgs::map::{FLAG_MOVING, FLAG_SENSED};
+use zeronav_msgs::obstacles::Obstacle;
+use zeronav_msgs::scan::Scan;
+use zeronav_msgs::truth::TruthObstacle;
+use zeronav_msgs::{MapCell, Pose};
+
+const PERIOD_NS: u64 = 100_000_000;
+
+#[derive(Debug, Clone, Copy)]
+struct Disc {
+    at: Point2<f64>,
+    velocity: Vector2<f64>,
+    radius_m: f64,
+}
+
+/// A room, discs in it, and noise.
+struct Scene {
+    room: Room,
+    discs: Vec<Disc>,
+    rng: Rng,
+    sigma_m: f64,
+    n: u64,
+    beams_on: Vec<u32>,
+}
+
+impl Scene {
+    fn new(room: Room, sigma_m: f64) -> Self {
+        Self {
+            room,
+            discs: Vec::new(),
+            rng: Rng(5),
+            sigma_m,
+            n: 0,
+            beams_on: Vec::new(),
+        }
+    }
+
+    /// Discs bounce off the walls of the room.
+    fn step(&mut self) {
+        self.n += 1;
+        let g = self.room.geometry;
+        let high = Point2::new(
+            g.origin_x_m + f64::from(g.width) * g.resolution_m,
+            g.origin_y_m + f64::from(g.height) * g.resolution_m,
+        );
+        for disc in &mut self.discs {
+            disc.at += disc.velocity * 0.1;
+            for axis in 0..2 {
+                let low = if axis == 0 {
+                    g.origin_x_m
+                } else {
+                    g.origin_y_m
+                };
+                let margin = disc.radius_m + 0.4;
+                if (disc.at[axis] < low + margin && disc.velocity[axis] < 0.0)
+                    || (disc.at[axis] > high[axis] - margin && disc.velocity[axis] > 0.0)
+                {
+                    disc.velocity[axis] = -disc.velocity[axis];
+                }
+            }
+        }
+    }
+
+    #[allow(clippy::cast_possible_truncation, reason = "ranges are f32")]
+    fn scan(&mut self, from: &Pose) -> (Scan, Vec<f32>) {
+        let (scan, mut ranges) = self.room.scan(from);
+        self.beams_on = vec![0; self.discs.len()];
+        for (n, range_m) in ranges.iter_mut().enumerate() {
+            let angle = from.yaw_rad + scan.angle_of(n);
+            let direction = Vector2::new(angle.cos(), angle.sin());
+            let mut on = None;
+            for (d, disc) in self.discs.iter().enumerate() {
+                let to = disc.at - from.point();
+                let along = to.dot(&direction);
+                let inside = disc.radius_m.powi(2) - (to.norm_squared() - along * along);
+                if along > 0.0 && inside > 0.0 {
+                    let hit = (along - inside.sqrt()) as f32;
+                    if hit < *range_m {
+                        *range_m = hit;
+                        on = Some(d);
+                    }
+                }
+            }
+            if let Some(d) = on {
+                self.beams_on[d] += 1;
+            }
+            if range_m.is_finite() {
+                *range_m += (self.rng.normal() * self.sigma_m) as f32;
+            }
+        }
+        (scan, ranges)
+    }
+
+    fn observe(&mut self, mapping: &mut Mapping, from: &Pose) {
+        let (scan, ranges) = self.scan(from);
+        mapping.take_in(&Observation {
+            scan: &scan,
+            ranges: &ranges,
+            run_ns: self.n * PERIOD_NS,
+            odom_from_base_first: *from,
+            odom_from_base: *from,
+            odometry_variance: [0.0; 3],
+            goal: None,
+        });
+    }
+
+    fn truth(&self) -> Vec<TruthObstacle> {
+        let discs = self.discs.iter().zip(&self.beams_on);
+        (0..)
+            .zip(discs)
+            .map(|(index, (disc, beams))| TruthObstacle {
+                index,
+                beams: *beams,
+                pose: Pose::new(disc.at.x, disc.at.y, 0.0),
+                ..TruthObstacle::default()
+            })
+            .collect()
+    }
+}
+
+fn mapping(config: &MappingConfig, known: Option<&Room>) -> Mapping {
+    let known = known.map(Room::as_static_map);
+    Mapping::new(config, known.as_ref(), &description(), &[]).unwrap()
+}
+
+fn point(room: &Room, x: f64, y: f64) -> Point2<f64> {
+    room.pose(x, y, 0.0).point()
+}
+
+/// A robot that drives a circle in the middle of the room.
+fn circling(room: &Room, n: u64) -> Pose {
+    #[allow(clippy::cast_precision_loss, reason = "a few thousand scans")]
+    let angle = 0.05 * n as f64;
+    let (w, h) = (
+        f64::from(room.geometry.width),
+        f64::from(room.geometry.height),
+    );
+    room.pose(
+        0.5 * w + 20.0 * angle.cos(),
+        0.5 * h + 20.0 * angle.sin(),
+        angle + 1.5,
+    )
+}
+
+#[test]
+fn walkers_are_found_within_four_scans_and_their_velocity_is_right() {
+    let mut room = Room::walled(240, 200, 2);
+    room.n_beams = 360;
+    let mut scene = Scene::new(room.clone(), 0.01);
+    for (x, y, vx, vy, radius_m) in [
+        (40.0, 40.0, 0.9, 0.3, 0.3),
+        (200.0, 50.0, -0.5, 0.7, 0.25),
+        (60.0, 160.0, 1.2, -0.2, 0.35),
+        (180.0, 150.0, -0.6, -0.6, 0.2),
+    ] {
+        scene.discs.push(Disc {
+            at: point(&room, x, y),
+            velocity: Vector2::new(vx, vy),
+            radius_m,
+        });
+    }
+    let mut mapping = mapping(&config(&room), Some(&room));
+    let mut score = TrackingScore::default();
+    for n in 0..900 {
+        scene.step();
+        scene.observe(&mut mapping, &circling(&room, n));
+        let tracked: Vec<Obstacle> = mapping.obstacles().collect();
+        score.add(scene.n * PERIOD_NS, &scene.truth(), &tracked);
+    }
+    let report = score.report();
+    let mut delays_s = report.delays_s.clone();
+    delays_s.sort_by(f64::total_cmp);
+    eprintln!("{report:?}");
+    assert!(delays_s.len() >= 4);
+    assert!(delays_s[delays_s.len() / 2] <= 0.4, "{delays_s:?}");
+    // Discs that bounce have no constant velocity for a moment.
+    assert!(report.velocity_samples > 1500, "{report:?}");
+    assert!(report.velocity_rmse_mps <= 0.3, "{report:?}");
+    assert_eq!(report.false_tracks, 0, "{report:?}");
+}
+
+/// Five minutes past boxes, posts and wall ends that no map knows: nothing moves.
+#[test]
+fn what_stands_is_never_called_moving() {
+    let mut room = Room::walled(240, 200, 2);
+    room.n_beams = 360;
+    let known = room.clone();
+    for (x, y, w, h) in [
+        (60, 60, 8, 8),
+        (150, 50, 3, 12),
+        (180, 140, 10, 2),
+        (70, 150, 2, 2),
+        (100, 30, 20, 1),
+        (30, 100, 4, 4),
+        (200, 90, 6, 6),
+        (115, 170, 1, 1),
+    ] {
+        room.fill(x, y, x + w, y + h, true);
+    }
+    for with_map in [true, false] {
+        let mut scene = Scene::new(room.clone(), 0.01);
+        let mut mapping = mapping(&config(&room), with_map.then_some(&known));
+        let mut score = TrackingScore::default();
+        for n in 0..1500 {
+            scene.step();
+            scene.observe(&mut mapping, &circling(&room, n));
+            let tracked: Vec<Obstacle> = mapping.obstacles().collect();
+            score.add(scene.n * PERIOD_NS, &[], &tracked);
+        }
+        let report = score.report();
+        assert_eq!(report.false_tracks, 0, "map known: {with_map}, {report:?}");
+    }
+}
+
+fn sensed(cells: &[MapCell]) -> usize {
+    cells
+        .iter()
+        .filter(|cell| cell.flags & FLAG_SENSED != 0)
+        .count()
+}
+
+/// A walker leaves no trail, is marked as moving, and when it vanishes the map is as it was
+/// within 0.4 s at 10 Hz, and so is the list of obstacles.
+#[test]
+fn what_moves_leaves_no_trail_and_vanishes_at_once() {
+    let mut room = Room::walled(240, 120, 2);
+    room.n_beams = 720;
+    let mut scene = Scene::new(room.clone(), 0.008);
+    scene.discs.push(Disc {
+        at: point(&room, 60.0, 80.0),
+        velocity: Vector2::new(1.0, 0.0),
+        radius_m: 0.3,
+    });
+    let mut mapping = mapping(&config(&room), Some(&room));
+    let free = mapping.mapper().cells().to_vec();
+    let from = room.pose(120.0, 20.0, 1.5);
+    for n in 0..50 {
+        scene.step();
+        scene.observe(&mut mapping, &from);
+        if n < 8 {
+            continue;
+        }
+        let cells = mapping.mapper().cells();
+        let moving = cells
+            .iter()
+            .filter(|cell| cell.flags & FLAG_MOVING != 0)
+            .count();
+        assert!(moving > 3, "scan {n}: {moving} cells");
+        // Everything sensed is within a step of the disc, none of it behind.
+        let geometry = *mapping.mapper().geometry();
+        for (index, cell) in cells.iter().enumerate() {
+            if cell.flags & FLAG_SENSED != 0 {
+                let width = geometry.width as usize;
+                let number = |n: usize| i32::try_from(n).unwrap();
+                let centre = geometry.centre_of(zeronav_msgs::Cell::new(
+                    number(index % width),
+                    number(index / width),
+                ));
+                let far_m = (centre - scene.discs[0].at).norm();
+                assert!(far_m < 0.5, "scan {n}: {centre} is {far_m} m away");
+            }
+        }
+    }
+    assert_eq!(mapping.obstacles().count(), 1);
+    scene.discs.clear();
+    for _ in 0..4 {
+        scene.step();
+        scene.observe(&mut mapping, &from);
+    }
+    assert_eq!(sensed(mapping.mapper().cells()), 0);
+    assert_eq!(mapping.mapper().cells(), free);
+    assert_eq!(mapping.obstacles().count(), 0);
+}
+
+/// What came to rest becomes an obstacle like any other, without a gap.
+#[test]
+fn what_comes_to_rest_stays_on_the_map() {
+    let mut room = Room::walled(200, 120, 2);
+    room.n_beams = 720;
+    let mut scene = Scene::new(room.clone(), 0.008);
+    scene.discs.push(Disc {
+        at: point(&room, 60.0, 80.0),
+        velocity: Vector2::new(1.0, 0.0),
+        radius_m: 0.3,
+    });
+    let mut mapping = mapping(&config(&room), Some(&room));
+    let from = room.pose(100.0, 20.0, 1.5);
+    for n in 0..70 {
+        if n == 25 {
+            scene.discs[0].velocity = Vector2::zeros();
+        }
+        scene.step();
+        scene.observe(&mut mapping, &from);
+        assert!(sensed(mapping.mapper().cells()) > 3, "scan {n}");
+    }
+    assert_eq!(mapping.obstacles().count(), 0);
+    let cells = mapping.mapper().cells();
+    assert!(cells.iter().all(|cell| cell.flags & FLAG_MOVING == 0));
+}
+
+#[test]
+fn tracking_can_be_switched_off() {
+    let room = Room::walled(120, 120, 2);
+    let mut scene = Scene::new(room.clone(), 0.0);
+    scene.discs.push(Disc {
+        at: point(&room, 30.0, 80.0),
+        velocity: Vector2::new(1.0, 0.0),
+        radius_m: 0.3,
+    });
+    let mut config = config(&room);
+    config.tracking.enabled = false;
+    let mut mapping = mapping(&config, Some(&room));
+    for _ in 0..15 {
+        scene.step();
+        scene.observe(&mut mapping, &room.pose(60.0, 20.0, 1.5));
+    }
+    assert_eq!(mapping.obstacles().count(), 0);
+    assert!(sensed(mapping.mapper().cells()) > 3);
+}
