@@ -14,12 +14,8 @@ const SEED: u64 = 1;
 fn lidar() -> Lidar {
     let spec = LidarSpec {
         pose: [0.1, 0.0, 0.0],
-        n_beams: 720,
-        fov_rad: core::f64::consts::TAU,
-        rate_hz: 10.0,
-        range_m_min: 0.1,
-        range_m_max: 30.0,
         sigma_m: 0.01,
+        ..LidarSpec::exact(720, 10.0, 0.1..30.0)
     };
     Lidar::new(&spec, SEED)
 }

@@ -8,15 +8,7 @@ use zeronav_world::{Occupancy, Shape, ShapeSpec, StaticMap};
 const SEED: u64 = 42;
 
 fn spec(n_beams: u32) -> LidarSpec {
-    LidarSpec {
-        pose: [0.0; 3],
-        n_beams,
-        fov_rad: TAU,
-        rate_hz: 10.0,
-        range_m_min: 0.1,
-        range_m_max: 10.0,
-        sigma_m: 0.0,
-    }
+    LidarSpec::exact(n_beams, 10.0, 0.1..10.0)
 }
 
 fn shape(spec: &ShapeSpec) -> Convex {

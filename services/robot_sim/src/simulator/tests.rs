@@ -14,31 +14,16 @@ fn config(shapes: Vec<ShapeSpec>, obstacles: Vec<ObstacleSpec>) -> SimConfig {
     SimConfig {
         start: [0.0, 0.0, 0.0],
         world: WorldSpec {
-            map: None,
-            area_m: Some([[-20.0, -20.0], [20.0, 20.0]]),
-            resolution_m: 0.05,
             shapes,
             obstacles,
+            ..WorldSpec::area([-20.0, -20.0], [20.0, 20.0])
         },
         robot: RobotSpec {
-            radius_m: Some(0.25),
-            footprint_m: None,
-            v_mps_max: 5.0,
             v_mps_min: -1.0,
-            w_radps_max: 3.0,
             a_mps2_max: 2.0,
             brake_mps2: Some(4.0),
             alpha_radps2_max: 10.0,
-            command_timeout_s: 0.2,
-            lidar: LidarSpec {
-                pose: [0.0; 3],
-                n_beams: 360,
-                fov_rad: core::f64::consts::TAU,
-                rate_hz: 10.0,
-                range_m_min: 0.1,
-                range_m_max: 10.0,
-                sigma_m: 0.0,
-            },
+            ..RobotSpec::exact(0.25, 5.0, 3.0, LidarSpec::exact(360, 10.0, 0.1..10.0))
         },
     }
 }
@@ -53,13 +38,8 @@ fn a_box(centre_m: [f64; 2], size_m: [f64; 2]) -> ShapeSpec {
 
 fn obstacle(shape: ShapeSpec, appears: Option<Trigger>) -> ObstacleSpec {
     ObstacleSpec {
-        name: "box".to_owned(),
-        shape,
         appears,
-        lasts_s: None,
-        waypoints_m: Vec::new(),
-        speed_mps: 0.0,
-        repeat: false,
+        ..ObstacleSpec::standing("box", shape)
     }
 }
 
