@@ -344,13 +344,7 @@ fn worlds_of_data_sets_are_named_by_their_files() {
     assert!(error.contains("test.toml:4: world.barn: "), "{error}");
     assert!(error.contains("world.csv:2: "), "{error}");
     let absent = "[world]\npedestrians = { file = \"absent.csv\" }";
-    refused(
-        "[world]",
-        absent,
-        4,
-        "world.pedestrians.file",
-        "absent.csv",
-    );
+    refused("[world]", absent, 4, "world.pedestrians.file", "absent.csv");
     refused(
         "[world]",
         "[world]\ngenerated = { family = { kind = \"iid\" }, size_cells = [1, 5] }",
@@ -485,7 +479,10 @@ fn a_scenario_builds_on_other_files_and_errors_name_the_right_one() {
 fn what_to_build_on_must_exist_and_end() {
     for (base, why) in [
         ("\"nowhere/hall.toml\"", "no file"),
-        ("\"hall\"", "known are jackal, porter, turtlebot2, turtlebot3_burger, two_rooms, warehouse"),
+        (
+            "\"hall\"",
+            "known are jackal, porter, turtlebot2, turtlebot3_burger, two_rooms, warehouse",
+        ),
         ("[\"warehouse\", 3]", "name or a path"),
         ("\"test.toml\"", "build on itself"),
     ] {

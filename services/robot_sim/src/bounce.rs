@@ -194,7 +194,10 @@ mod tests {
         let at = walk(&mut bounce, &world, 400);
         let near = |tick: usize, x: f64, y: f64| {
             let found = at[tick - 1];
-            assert!((found - Point2::new(x, y)).norm() < 0.002, "{found} at {tick}");
+            assert!(
+                (found - Point2::new(x, y)).norm() < 0.002,
+                "{found} at {tick}"
+            );
         };
         near(100, 9.0, 4.0);
         near(125, 9.0, 4.25);

@@ -30,7 +30,11 @@ impl Delay {
     /// moment replaces it.
     pub fn push(&mut self, run_ns: u64, set_point: Option<Twist>) {
         let takes_effect_ns = run_ns.saturating_add(self.delay_ns);
-        if self.coming.back().is_some_and(|last| last.0 == takes_effect_ns) {
+        if self
+            .coming
+            .back()
+            .is_some_and(|last| last.0 == takes_effect_ns)
+        {
             self.coming.pop_back();
         }
         if self.coming.len() == COMMANDS_MAX

@@ -386,7 +386,11 @@ mod tests {
         let less = state(start.pose, 0.8, 0.3);
         let same = Motion::towards(less, less.twist, &LIMITS, 2.0);
         close(steady.at(2.0).pose.x_m, same.at(2.0).pose.x_m, 1e-12);
-        close(steady.at(2.0).pose.yaw_rad, same.at(2.0).pose.yaw_rad, 1e-12);
+        close(
+            steady.at(2.0).pose.yaw_rad,
+            same.at(2.0).pose.yaw_rad,
+            1e-12,
+        );
     }
 
     #[test]

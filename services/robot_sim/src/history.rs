@@ -52,8 +52,12 @@ impl History {
     /// `map_from_base` at `run_ns`, within the last ticks.
     #[must_use]
     pub fn at(&self, run_ns: u64) -> Pose {
-        let next = self.stretches.partition_point(|it| it.from_run_ns <= run_ns);
-        let stretch = next.checked_sub(1).and_then(|last| self.stretches.get(last));
+        let next = self
+            .stretches
+            .partition_point(|it| it.from_run_ns <= run_ns);
+        let stretch = next
+            .checked_sub(1)
+            .and_then(|last| self.stretches.get(last));
         stretch.map_or(self.before, |stretch| stretch.at(run_ns))
     }
 }

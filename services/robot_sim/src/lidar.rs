@@ -271,7 +271,8 @@ impl Exposure<'_> {
             lidar.directions.len()
         );
         let (true_m, found) = (&lidar.nearest_m, &mut lidar.found);
-        lidar.returns.of_scan(scan_index, true_m, lidar.all_around, found);
+        let all_around = lidar.all_around;
+        lidar.returns.of_scan(scan_index, true_m, all_around, found);
         for ((range, found), ended_on) in ranges.iter_mut().zip(found).zip(&lidar.ended_on) {
             *range = found.range_m as f32;
             if found.genuine
@@ -285,19 +286,14 @@ impl Exposure<'_> {
 
     /// Calls `add` with first and end of the beams that can meet something within `reach_m` of
     /// `form`.
-    fn each_range(
-        &mut self,
-        form: &Convex,
-        reach_m: f64,
-        add: impl Fn(&mut Self, usize, usize),
-    ) {
+    fn each_range(&mut self, form: &Convex, reach_m: f64, add: impl Fn(&mut Self, usize, usize)) {
         let n_beams = self.lidar.directions.len();
         let slack_m = match self.order {
             Order::Still => reach_m,
             Order::Growing { slack_m } => slack_m + reach_m,
             Order::Any => f64::INFINITY,
         };
-        if slack_m == f64::INFINITY {
+        if slack_m.is_infinite() {
             return add(self, 0, n_beams);
         }
         let origin = Vec2::from(self.origin.coords);

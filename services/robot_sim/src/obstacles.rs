@@ -73,7 +73,12 @@ impl Obstacle {
         let spec = &obstacle.spec;
         let start = obstacle.shape.pose();
         let way = if let Some(velocity_mps) = spec.bounces_mps {
-            let radius_m = obstacle.shape.form().form().as_ball().map_or(0.0, |ball| ball.radius);
+            let radius_m = obstacle
+                .shape
+                .form()
+                .form()
+                .as_ball()
+                .map_or(0.0, |ball| ball.radius);
             Way::Bounce(Bounce::new(start.point(), velocity_mps.into(), radius_m))
         } else if spec.track.is_empty() {
             let (from, speed_mps) = (start.point(), spec.speed_mps);
@@ -87,7 +92,10 @@ impl Obstacle {
             way,
             appears: Latch::new(spec.appears.as_ref()),
             lasts_ns: spec.lasts_s.map(nanoseconds),
-            starts: spec.starts.as_ref().map(|trigger| Latch::new(Some(trigger))),
+            starts: spec
+                .starts
+                .as_ref()
+                .map(|trigger| Latch::new(Some(trigger))),
         }
     }
 
@@ -415,7 +423,10 @@ mod tests {
         check_at(&cylinder, SECOND_NS, 4.0, 0.0);
         assert!((cylinder.speed_mps() - 2.0).abs() < 1e-12);
         assert_eq!(cylinder.next_jump_run_ns(0), Some(3 * SECOND_NS));
-        assert_eq!(cylinder.next_jump_run_ns(3 * SECOND_NS), Some(7 * SECOND_NS));
+        assert_eq!(
+            cylinder.next_jump_run_ns(3 * SECOND_NS),
+            Some(7 * SECOND_NS)
+        );
         check_at(&cylinder, 3 * SECOND_NS, 0.0, 0.0);
     }
 }

@@ -53,9 +53,12 @@ pub fn covered_angle(form: &Convex, origin: Point2<f64>, slack_m: f64) -> Option
         return None;
     }
     // The hull of discs of the slack around the corners.
-    let widened_rad = |way: Vector2<f64>| match slack_m > 0.0 {
-        true => (slack_m / way.norm()).min(1.0).asin(),
-        false => 0.0,
+    let widened_rad = |way: Vector2<f64>| {
+        if slack_m > 0.0 {
+            (slack_m / way.norm()).min(1.0).asin()
+        } else {
+            0.0
+        }
     };
     let mut ways = form.corners().map(|corner| corner - origin);
     let reference = ways.next()?;

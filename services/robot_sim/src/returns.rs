@@ -56,8 +56,14 @@ impl Returns {
         let noisy = spec.sigma_m > 0.0 || spec.sigma_ratio > 0.0;
         let mut errors = draws(Stream::Range);
         for (found, true_m) in found.iter_mut().zip(true_m) {
-            let sigma_m = spec.sigma_m.max(spec.sigma_ratio * true_m.min(spec.range_m_max));
-            let error_m = if noisy { sigma_m * errors.normal() } else { 0.0 };
+            let sigma_m = spec
+                .sigma_m
+                .max(spec.sigma_ratio * true_m.min(spec.range_m_max));
+            let error_m = if noisy {
+                sigma_m * errors.normal()
+            } else {
+                0.0
+            };
             let seen_m = quantised(true_m + error_m, spec.quantum_m);
             let range_m = if *true_m == 0.0 {
                 f64::NAN

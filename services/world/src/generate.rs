@@ -104,7 +104,12 @@ impl Recipe {
             Family::Concave { .. } => 3.0,
             _ => 1.0,
         };
-        number(f64::from(sides), sides_min, f64::from(width.min(height)), field)?;
+        number(
+            f64::from(sides),
+            sides_min,
+            f64::from(width.min(height)),
+            field,
+        )?;
         let geometry = GridGeometry {
             origin_x_m: 0.0,
             origin_y_m: 0.0,
@@ -121,7 +126,11 @@ impl Recipe {
         };
         let (columns, rows) = geometry.size();
         let start = cell(spec.start_cell, Cell::new(0, 0), "start_cell")?;
-        let goal = cell(spec.goal_cell, Cell::new(columns - 1, rows - 1), "goal_cell")?;
+        let goal = cell(
+            spec.goal_cell,
+            Cell::new(columns - 1, rows - 1),
+            "goal_cell",
+        )?;
         let n_kept = if start == goal { 1 } else { 2 };
         #[allow(
             clippy::cast_possible_truncation,
@@ -352,12 +361,15 @@ mod tests {
             "#.....#", //
             "#.###.#", //
             "#...#.#", //
-            "###.#.#", //
-            "..#...#", //
+            "#####.#", //
+            "......#", //
             "#######",
         ];
         assert_eq!(drawn(&spiral((7, 7)), 7, 7), expected);
-        let quarter: Vec<_> = l_trap((3, 2)).iter().map(|at| turned(*at, (3, 2), 1)).collect();
+        let quarter: Vec<_> = l_trap((3, 2))
+            .iter()
+            .map(|at| turned(*at, (3, 2), 1))
+            .collect();
         assert_eq!(drawn(&quarter, 2, 3), [".#", ".#", "##"]);
     }
 }

@@ -232,6 +232,7 @@ mod tests {
         assert_eq!(robot.slip, None);
         let odometry = robot.odometry.expect("odometry");
         assert!((odometry.turn_per_turn - 0.5).abs() < 1e-12);
+        assert!((odometry.distance_per_distance - 0.02).abs() < 1e-12);
         assert!((robot.lidar.range_m_max - 30.0).abs() < 1e-12);
         assert!(robot.lidar.sigma_m.abs() < 1e-12);
         // The other lidar sits where the robot's own sat.

@@ -59,8 +59,7 @@ pub struct RobotSpec {
 }
 
 /// Wheels that slip: the ground sees less of the motion than the wheels do. Odometry cannot tell.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct SlipSpec {
     /// Share of the wheels' forward motion that is lost on average, 0 to 0.9.
     pub forward_ratio: f64,
@@ -84,8 +83,7 @@ impl Default for SlipSpec {
 /// Errors of odometry: random walks whose variances grow with the distance driven and with the
 /// angle turned (the model of Thrun, Burgard, Fox, "Probabilistic Robotics", 2005, table 5.6, with
 /// variances instead of deviations that are linear in the way, so that the tick does not matter).
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct OdometrySpec {
     /// Deviation of the distance after 1 m. [m/sqrt(m)]
     pub distance_per_distance: f64,
@@ -184,8 +182,8 @@ struct RobotWords {
     alpha_radps2_max: Option<f64>,
     command_timeout_s: Option<f64>,
     actuation_delay_s: Option<f64>,
-    slip: Option<Perhaps<SlipSpec>>,
-    odometry: Option<Perhaps<OdometrySpec>>,
+    slip: Option<Perhaps<SlipWords>>,
+    odometry: Option<Perhaps<OdometryWords>>,
     lidar: Option<LidarWords>,
 }
 
@@ -200,13 +198,59 @@ enum Perhaps<T> {
     Table(T),
 }
 
-impl<T: Default> Perhaps<T> {
-    fn into_option(self) -> Option<T> {
-        match self {
-            Self::Flag(false) => None,
-            Self::Flag(true) => Some(T::default()),
-            Self::Table(table) => Some(table),
+/// Slip as it is written.
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+struct SlipWords {
+    forward_ratio: Option<f64>,
+    turn_ratio: Option<f64>,
+    sigma_ratio: Option<f64>,
+}
+
+impl SlipWords {
+    fn on(self, base: SlipSpec) -> SlipSpec {
+        SlipSpec {
+            forward_ratio: self.forward_ratio.unwrap_or(base.forward_ratio),
+            turn_ratio: self.turn_ratio.unwrap_or(base.turn_ratio),
+            sigma_ratio: self.sigma_ratio.unwrap_or(base.sigma_ratio),
         }
+    }
+}
+
+/// Errors of odometry as they are written.
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+struct OdometryWords {
+    distance_per_distance: Option<f64>,
+    distance_per_turn: Option<f64>,
+    turn_per_turn: Option<f64>,
+    turn_per_distance: Option<f64>,
+}
+
+impl OdometryWords {
+    fn on(self, base: OdometrySpec) -> OdometrySpec {
+        OdometrySpec {
+            distance_per_distance: self
+                .distance_per_distance
+                .unwrap_or(base.distance_per_distance),
+            distance_per_turn: self.distance_per_turn.unwrap_or(base.distance_per_turn),
+            turn_per_turn: self.turn_per_turn.unwrap_or(base.turn_per_turn),
+            turn_per_distance: self.turn_per_distance.unwrap_or(base.turn_per_distance),
+        }
+    }
+}
+
+/// What `words` and `preset` make together; `true` is the preset's, or the default.
+fn laid<W, T: Copy + Default>(
+    words: Option<Perhaps<W>>,
+    preset: Option<T>,
+    on: impl Fn(W, T) -> T,
+) -> Option<T> {
+    let base = preset.unwrap_or_default();
+    match words {
+        None => preset,
+        Some(Perhaps::Flag(wanted)) => wanted.then_some(base),
+        Some(Perhaps::Table(words)) => Some(on(words, base)),
     }
 }
 
@@ -271,14 +315,16 @@ impl TryFrom<RobotWords> for RobotSpec {
                 COMMAND_TIMEOUT_S,
             ),
             actuation_delay_s: or(words.actuation_delay_s, |it| it.actuation_delay_s, 0.0),
-            slip: match words.slip {
-                Some(slip) => slip.into_option(),
-                None => preset.as_ref().and_then(|it| it.slip),
-            },
-            odometry: match words.odometry {
-                Some(odometry) => odometry.into_option(),
-                None => preset.as_ref().and_then(|it| it.odometry),
-            },
+            slip: laid(
+                words.slip,
+                preset.as_ref().and_then(|it| it.slip),
+                SlipWords::on,
+            ),
+            odometry: laid(
+                words.odometry,
+                preset.as_ref().and_then(|it| it.odometry),
+                OdometryWords::on,
+            ),
             lidar: match (words.lidar, preset) {
                 (Some(lidar), preset) => lidar.on(preset.map(|it| it.lidar))?,
                 (None, Some(preset)) => preset.lidar,

@@ -77,7 +77,10 @@ impl Table {
             Some((_, found)) if found == header => None,
             Some((line, found)) => {
                 let found: String = found.chars().take(80).collect();
-                Some((line, format!("the header must be `{header}`, not `{found}`")))
+                Some((
+                    line,
+                    format!("the header must be `{header}`, not `{found}`"),
+                ))
             }
             None => Some((1, format!("the header `{header}` is missing"))),
         };

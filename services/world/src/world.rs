@@ -1,14 +1,14 @@
 //! A world that can be asked: what is solid, how far away it is, and what a map of it looks like.
 
+use crate::barn::BarnWorld;
 use crate::convex::Convex;
+use crate::dynabarn::DynabarnWorld;
 use crate::error::{SpecError, number};
 use crate::footprint::Footprint;
-use crate::map_file::{self, MapFileError, MapWarning};
-use crate::shape::{Shape, point};
-use crate::barn::BarnWorld;
-use crate::dynabarn::DynabarnWorld;
 use crate::generate::{GenerateError, generate};
+use crate::map_file::{self, MapFileError, MapWarning};
 use crate::pedestrians::{Playback, Scene};
+use crate::shape::{Shape, point};
 use crate::spec::{ObstacleSpec, ShapeSpec, Trigger, WorldSpec};
 use crate::static_map::{StaticMap, cells_along};
 use crate::table::DataError;
@@ -398,7 +398,12 @@ fn rectangle_to_segment_m(rectangle: &Aabb, segment: &Segment) -> f64 {
     let (a, b) = (segment.a, segment.b);
     let ends_m = [a, b].map(|end| rectangle.distance_to_local_point(end, true));
     let nearest_m = ends_m[0].min(ends_m[1]);
-    if nearest_m <= 0.0 || (a != b && rectangle.clip_segment(a, b).is_some()) {
+    // The line from a (0) to b (1) is inside from one number to the other.
+    let crosses = a != b
+        && rectangle
+            .clip_line_parameters(a, b - a)
+            .is_some_and(|(enters, leaves)| enters <= 1.0 && leaves >= 0.0);
+    if nearest_m <= 0.0 || crosses {
         return 0.0;
     }
     rectangle
@@ -507,8 +512,18 @@ fn check_motion(spec: &ObstacleSpec) -> Result<(), SpecError> {
     }
     for (given, fits, field, needed) in [
         (spec.speed_mps > 0.0, walks, "speed_mps", "waypoints_m"),
-        (spec.repeat, walks || tracks, "repeat", "waypoints_m or track"),
-        (spec.track_from_s.abs() > 0.0, tracks, "track_from_s", "track"),
+        (
+            spec.repeat,
+            walks || tracks,
+            "repeat",
+            "waypoints_m or track",
+        ),
+        (
+            spec.track_from_s.abs() > 0.0,
+            tracks,
+            "track_from_s",
+            "track",
+        ),
         (
             spec.starts.is_some(),
             walks || bounces || tracks,

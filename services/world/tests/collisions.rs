@@ -51,8 +51,14 @@ fn c_coll_a_path_that_clips_a_corner_by_a_hundredth_of_a_cell_collides() {
 fn c_coll_touching_is_colliding_and_inside_too() {
     let world = world(1.0, &[(10, 10)], Vec::new());
     let clearance = |points: &[[f64; 2]]| world.polyline_clearance_m(&path(points));
-    assert!(clearance(&[[5.0, 11.0], [15.0, 11.0]]).abs() < 1e-15, "along the edge");
-    assert!(clearance(&[[10.2, 10.2], [10.8, 10.7]]).abs() < 1e-15, "inside");
+    assert!(
+        clearance(&[[5.0, 11.0], [15.0, 11.0]]).abs() < 1e-15,
+        "along the edge"
+    );
+    assert!(
+        clearance(&[[10.2, 10.2], [10.8, 10.7]]).abs() < 1e-15,
+        "inside"
+    );
     assert!(clearance(&[[10.5, 10.5]]).abs() < 1e-15, "a point inside");
     assert!((clearance(&[[10.5, 12.5]]) - 1.5).abs() < 1e-12);
     assert!((clearance(&[[0.0, 11.5], [20.0, 11.5]]) - 0.5).abs() < 1e-12);
@@ -99,8 +105,14 @@ fn c_coll_clearance_equals_that_of_points_along_the_path() {
             }
         }
         // Between two samples at most half of 28 m / 400 is lost.
-        assert!(found <= sampled + 1e-6, "case {case}: {found} above {sampled}");
-        assert!(found >= sampled - 0.036, "case {case}: {found} below {sampled}");
+        assert!(
+            found <= sampled + 1e-6,
+            "case {case}: {found} above {sampled}"
+        );
+        assert!(
+            found >= sampled - 0.036,
+            "case {case}: {found} below {sampled}"
+        );
         collided += usize::from(sampled <= 0.0);
         clear += usize::from(found > 0.0);
     }

@@ -3,6 +3,7 @@
 //! all read.
 
 use core::f64::consts::FRAC_PI_2;
+use core::fmt::Write as _;
 use nalgebra::Point2;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
@@ -54,7 +55,10 @@ const PEOPLE: &str = "t_s,id,x_m,y_m\n0.0,1,0.0,0.0\n0.4,1,0.4,0.0\n0.4,7,5.0,5.
 fn a_barn_world_is_its_cylinders_in_the_corridor() {
     let (_folder, file) = written(BARN);
     let world = BarnWorld::load(&file).unwrap();
-    assert_eq!(world.cylinders, [[-4.425, 0.075, 0.075], [-2.25, 6.0, 0.075]]);
+    assert_eq!(
+        world.cylinders,
+        [[-4.425, 0.075, 0.075], [-2.25, 6.0, 0.075]]
+    );
     let (world, _) = World::load(&spec_of("barn = \"FILE\"", &file)).unwrap();
     assert_eq!(world.shapes().len(), 2);
     let distance_m = world.point_distance_m(barn::START.point());
@@ -73,8 +77,11 @@ fn cylinders_of_dynabarn_go_round_from_any_phase() {
     let (_folder, file) = written(DYNABARN);
     let world = DynabarnWorld::load(&file).unwrap();
     assert_eq!(world.rounds.len(), 2);
-    let (world, _) =
-        World::load(&spec_of("dynabarn = { file = \"FILE\", phase_s = 12.0 }", &file)).unwrap();
+    let (world, _) = World::load(&spec_of(
+        "dynabarn = { file = \"FILE\", phase_s = 12.0 }",
+        &file,
+    ))
+    .unwrap();
     assert_eq!((world.shapes().len(), world.obstacles().len()), (3, 2));
     // 12 s are 2 s into the first round and 4 s into the second.
     let at = |index: usize| world.obstacles()[index].shape.pose().point();
@@ -95,7 +102,10 @@ fn people_come_and_go_as_they_were_recorded() {
     assert_eq!(scene.walkers.keys().copied().collect::<Vec<_>>(), [1, 7]);
     assert_eq!(scene.span_s(), (0.0, 1.2));
     let (lower, upper) = scene.bounds();
-    assert_eq!((lower, upper), (Point2::new(0.0, 0.0), Point2::new(5.0, 5.0)));
+    assert_eq!(
+        (lower, upper),
+        (Point2::new(0.0, 0.0), Point2::new(5.0, 5.0))
+    );
     let playback = Playback {
         from_s: 0.2,
         duration_s: Some(0.6),
@@ -158,7 +168,12 @@ fn files_that_are_wrong_are_refused_by_line() {
     refused(dynabarn, &format!("{head}0,a,-9,0,0,0\n"), ":2", "-9");
     refused(people, "t_s,id,x_m,y_m\n0,1.5,0,0\n", ":2", "whole number");
     refused(people, "t_s,id,x_m,y_m\n0,1,0,0\n", ":1", "nobody");
-    refused(people, "t_s,id,x_m,y_m\n1,1,0,0\n0,1,0,0\n", ":1", "person 1");
+    refused(
+        people,
+        "t_s,id,x_m,y_m\n1,1,0,0\n0,1,0,0\n",
+        ":1",
+        "person 1",
+    );
     let (_folder, file) = written("x_m");
     std::fs::write(&file, [0xff, 0xfe, 0x00]).unwrap();
     let error = BarnWorld::load(&file).unwrap_err();
@@ -171,13 +186,16 @@ fn crowds_that_are_too_large_say_what_to_do() {
     let mut text = String::from("t_s,id,x_m,y_m\n");
     for second in [0, 1] {
         for id in 0..300 {
-            text.push_str(&format!("{second},{id},{id},0\n"));
+            let _ = writeln!(text, "{second},{id},{id},0");
         }
     }
     let (_folder, file) = written(&text);
     let words = "pedestrians = { file = \"FILE\" }";
     let error = World::load(&spec_of(words, &file)).unwrap_err().to_string();
-    assert!(error.contains("300 people") && error.contains("duration_s"), "{error}");
+    assert!(
+        error.contains("300 people") && error.contains("duration_s"),
+        "{error}"
+    );
 }
 
 #[test]

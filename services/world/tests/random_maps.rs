@@ -40,10 +40,21 @@ fn c_gen_the_same_seed_gives_the_same_map_and_another_gives_another() {
             let spec = spec(family, 0.2, seed);
             let generated = drawn(&spec);
             assert_eq!(generated, drawn(&spec), "{spec:?}");
-            maps.insert(generated.map.cells.iter().map(|cell| *cell as u8).collect::<Vec<u8>>());
+            maps.insert(
+                generated
+                    .map
+                    .cells
+                    .iter()
+                    .map(|cell| *cell as u8)
+                    .collect::<Vec<u8>>(),
+            );
         }
         // Corridors only choose on which side the first gap is.
-        let least = if matches!(family, Family::Corridor { .. }) { 2 } else { 20 };
+        let least = if matches!(family, Family::Corridor { .. }) {
+            2
+        } else {
+            20
+        };
         assert_eq!(maps.len(), least, "{family:?}");
     }
 }
@@ -138,7 +149,10 @@ fn c_gen_maps_that_cannot_be_are_refused() {
     assert_eq!(field(corridors), "ratio");
     // Nearly full: no way, after a bounded number of tries.
     let full = refused(|s| (s.family, s.ratio, s.size_cells) = (Family::Iid, 0.9, [100, 100]));
-    assert!(matches!(full, GenerateError::NoWay { tried } if tried >= 16), "{full}");
+    assert!(
+        matches!(full, GenerateError::NoWay { tried } if tried >= 16),
+        "{full}"
+    );
 }
 
 #[test]

@@ -35,7 +35,11 @@ fn deviation(found: &[Return], true_m: f64) -> f64 {
 
 #[test]
 fn without_noise_ranges_are_exact() {
-    let found = of_scan(&spec(), 1, &[0.0, 0.05, 0.1, 5.0, 10.0, 10.1, f64::INFINITY]);
+    let found = of_scan(
+        &spec(),
+        1,
+        &[0.0, 0.05, 0.1, 5.0, 10.0, 10.1, f64::INFINITY],
+    );
     let ranges = found.iter().map(|found| found.range_m);
     let expected = [
         f64::NAN,
@@ -82,7 +86,10 @@ fn ranges_are_whole_steps_after_the_noise() {
     // The step's own error is uniform: a twelfth of its square.
     let expected = (0.03_f64.powi(2) + 0.01_f64.powi(2) / 12.0).sqrt();
     let spread = deviation(&found, 3.0);
-    assert!((spread / expected - 1.0).abs() < 0.07, "seed {SEED}: {spread}");
+    assert!(
+        (spread / expected - 1.0).abs() < 0.07,
+        "seed {SEED}: {spread}"
+    );
 }
 
 #[test]
@@ -90,7 +97,9 @@ fn returns_get_lost_in_the_given_share_and_look_as_asked() {
     let mut spec = spec();
     spec.dropout_ratio = 0.05;
     let found = many(&spec, 100, 3.0);
-    let lost = share(&found, |found| found.range_m.is_infinite() && !found.genuine);
+    let lost = share(&found, |found| {
+        found.range_m.is_infinite() && !found.genuine
+    });
     assert!((lost - 0.05).abs() < 0.006, "seed {SEED}: {lost}");
     spec.dropout_as = Dropout::Invalid;
     let found = many(&spec, 100, 3.0);
@@ -109,7 +118,11 @@ fn short_returns_are_exponential_up_to_the_true_range() {
     let short: Vec<Return> = found.into_iter().filter(|found| !found.genuine).collect();
     let ratio = f64::from(u32::try_from(short.len()).unwrap()) / 72_000.0;
     assert!((ratio - 0.1).abs() < 0.006, "seed {SEED}: {ratio}");
-    assert!(short.iter().all(|found| (0.0..=4.0).contains(&found.range_m)));
+    assert!(
+        short
+            .iter()
+            .all(|found| (0.0..=4.0).contains(&found.range_m))
+    );
     // F(2 m) of the distribution that is cut at 4 m.
     let expected = (1.0 - (-1.0_f64).exp()) / (1.0 - (-2.0_f64).exp());
     let below = share(&short, |found| found.range_m < 2.0);
@@ -140,7 +153,11 @@ fn beams_behind_an_edge_mix_both_sides() {
     assert!(open[11].genuine && !open[1].genuine);
     // A step that is no edge, and nothing behind the edge.
     assert!(of_scan(&spec, 1, &[5.0, 5.05, 5.0])[1].genuine);
-    assert!(of_scan(&spec, 1, &[5.0, f64::INFINITY, 5.0])[1].range_m.is_infinite());
+    assert!(
+        of_scan(&spec, 1, &[5.0, f64::INFINITY, 5.0])[1]
+            .range_m
+            .is_infinite()
+    );
 }
 
 #[test]
