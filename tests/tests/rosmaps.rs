@@ -30,16 +30,42 @@ fn every_map_loads_and_has_room_and_walls() {
     assert!(count >= 5, "{count} maps");
 }
 
-#[test]
-fn a_real_map_is_driven_on() {
+/// Drives the scenario in lockstep: it arrives, touches nothing, and has driven so far.
+#[track_caller]
+fn drives(scenario: &str, driven_m_min: f64) {
     if shared_data("rosmaps").is_none() {
         return;
     }
-    let scenario = workspace().join("tests/scenarios/turtlebot3_world.toml");
-    let scenario = scenario.to_str().expect("a path");
-    let result = zeronav(&["run", scenario, "--lockstep", "--headless", "--json"]).expect(0);
+    let file = workspace().join(format!("tests/scenarios/{scenario}.toml"));
+    let file = file.to_str().expect("a path");
+    let result = zeronav(&["run", file, "--lockstep", "--headless", "--json"]).expect(0);
     assert_eq!(result["reached"], true, "{result:#}");
     assert_eq!(result["contacts"], 0);
     let driven_m = result["driven_m"].as_f64().expect("metres");
-    assert!(driven_m >= 5.0, "{driven_m} m");
+    assert!(driven_m >= driven_m_min, "{driven_m} m");
+}
+
+#[test]
+fn a_real_map_is_driven_on() {
+    drives("turtlebot3_world", 5.0);
+}
+
+#[test]
+fn twenty_metres_among_the_pillars_of_turtlebot3_world() {
+    drives("drive_turtlebot3_world", 20.0);
+}
+
+#[test]
+fn twenty_metres_through_the_depot() {
+    drives("drive_nav2_depot", 20.0);
+}
+
+#[test]
+fn twenty_metres_through_the_small_warehouse() {
+    drives("drive_aws_small_warehouse", 20.0);
+}
+
+#[test]
+fn twenty_metres_of_the_race_track() {
+    drives("drive_f1t_columbia", 20.0);
 }

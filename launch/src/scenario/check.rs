@@ -37,6 +37,9 @@ impl Scenario {
         self.check_run().map_err(refused)?;
         let (world, warnings) = World::load(&self.world).map_err(|error| match error {
             WorldError::Map(error) => self.error_at("world.map", &error.to_string()),
+            WorldError::Data { field, error } => {
+                self.error_at(&format!("world.{field}"), &error.to_string())
+            }
             WorldError::Spec(error) => refused(error.within("world")),
         })?;
         self.check_size(&world).map_err(refused)?;
@@ -94,6 +97,8 @@ impl Scenario {
         }
         let field = if self.world.map.is_some() {
             "world.map"
+        } else if self.world.generated.is_some() {
+            "world.generated"
         } else {
             "world.area_m"
         };

@@ -34,8 +34,14 @@ const SCENARIOS: [(&str, &str); 6] = [
 ];
 
 /// Name and text of what they build on.
-const WORLDS: [(&str, &str); 3] = [
+const WORLDS: [(&str, &str); 6] = [
+    ("jackal", include_str!("../../worlds/jackal.toml")),
     ("porter", include_str!("../../worlds/porter.toml")),
+    ("turtlebot2", include_str!("../../worlds/turtlebot2.toml")),
+    (
+        "turtlebot3_burger",
+        include_str!("../../worlds/turtlebot3_burger.toml"),
+    ),
     ("two_rooms", include_str!("../../worlds/two_rooms.toml")),
     ("warehouse", include_str!("../../worlds/warehouse.toml")),
 ];

@@ -52,7 +52,7 @@ pub struct Scenario {
     /// Time and chance.
     #[serde(default)]
     pub run: RunSpec,
-    /// The world. The path of its map file is absolute.
+    /// The world. The paths of its files are absolute.
     pub world: WorldSpec,
     /// The robot.
     pub robot: RobotSpec,
@@ -286,9 +286,9 @@ impl Scenario {
         let name = origin.name();
         let folder = origin.folder().map(Path::to_path_buf);
         let (mut scenario, places): (Self, Places) = document::read(library, origin)?;
-        if let Some(map) = &mut scenario.world.map {
-            let folder = places.folder_of("world.map").unwrap_or(Path::new(""));
-            *map = absolute(&folder.join(&*map));
+        for (field, file) in files_of(&mut scenario.world) {
+            let folder = places.folder_of(field).unwrap_or(Path::new(""));
+            *file = absolute(&folder.join(&*file));
         }
         for role in Role::SERVICES {
             let field = format!("services.{}.binary", role.label());
@@ -327,6 +327,17 @@ impl Scenario {
 #[must_use]
 pub fn list() -> Vec<Listed> {
     Library::of("").list()
+}
+
+/// The files that a world is read from, and where they are named.
+fn files_of(world: &mut WorldSpec) -> impl Iterator<Item = (&'static str, &mut PathBuf)> {
+    let map = world.map.as_mut().map(|file| ("world.map", file));
+    let barn = world.barn.as_mut().map(|file| ("world.barn", file));
+    let dynabarn = world.dynabarn.as_mut();
+    let dynabarn = dynabarn.map(|spec| ("world.dynabarn.file", &mut spec.file));
+    let people = world.pedestrians.as_mut();
+    let people = people.map(|spec| ("world.pedestrians.file", &mut spec.file));
+    [map, barn, dynabarn, people].into_iter().flatten()
 }
 
 fn absolute(path: &Path) -> PathBuf {

@@ -285,6 +285,76 @@ fn errors_of_meaning_name_line_and_field() {
 }
 
 #[test]
+fn robots_and_lidars_start_from_presets() {
+    let from = GOOD.find("[robot]").unwrap();
+    let until = GOOD.find("[[goals]]").unwrap();
+    let with = |robot: &str| format!("{}{robot}\n{}", &GOOD[..from], &GOOD[until..]);
+    let text = with("[robot]\npreset = \"turtlebot3_burger\"\nv_mps_max = 0.2");
+    let burger = load(&text).unwrap().robot;
+    assert!((burger.v_mps_max - 0.2).abs() < 1e-12);
+    assert_eq!((burger.radius_m, burger.lidar.n_beams), (Some(0.105), 360));
+    let text = with("[robot]\npreset = \"jackal\"\n[robot.lidar]\npreset = \"utm_30lx\"");
+    let jackal = load(&text).unwrap().robot;
+    assert!((jackal.lidar.range_m_max - 30.0).abs() < 1e-12);
+    for name in ["turtlebot2", "turtlebot3_burger", "jackal"] {
+        let text = GOOD.replacen("title", &format!("base = [\"{name}\"]\ntitle"), 1);
+        assert!((load(&text).unwrap().robot.v_mps_max - 1.0).abs() < 1e-12);
+        let from = text.find("[robot]").unwrap();
+        let bare = format!("{}{}", &text[..from], &GOOD[until..]);
+        assert!(load(&bare).unwrap().robot.odometry.is_some(), "{name}");
+    }
+    refused(
+        "[robot]",
+        "[robot]\npreset = \"roomba\"",
+        14,
+        "robot.preset",
+        "roomba",
+    );
+    refused(
+        "n_beams = 360",
+        "dropout_ratio = 2\nn_beams = 360",
+        20,
+        "robot.lidar.dropout_ratio",
+        "2",
+    );
+    refused(
+        "radius_m = 0.25",
+        "radius_m = 0.25\nslip.turn_ratio = 1",
+        15,
+        "robot.slip.turn_ratio",
+        "0.9",
+    );
+}
+
+#[test]
+fn worlds_of_data_sets_are_named_by_their_files() {
+    let folder = Folder::new();
+    let barn = folder.write("data/world.csv", "x_m,y_m,r_m\n-2.25,6.0,0.075\n");
+    let text = GOOD
+        .replacen("[world]", "[world]\nbarn = \"data/world.csv\"", 1)
+        .replacen("area_m = [[0.0, 0.0], [10.0, 5.0]]\n", "", 1)
+        .replacen("[9.0, 1.0, 0]", "[-2.25, 9.0, 0]", 1)
+        .replacen("[1.0, 2.0, 0.5]", "[-2.25, 3.0, 0]", 1);
+    folder.write("test.toml", &text);
+    let scenario = folder.load("test.toml").unwrap();
+    assert_eq!(scenario.world.barn.as_deref(), Some(barn.as_path()));
+    assert_eq!(scenario.validate().unwrap().world.shapes().len(), 2);
+    folder.write("data/world.csv", "x_m,y_m,r_m\n-2.25,6.0,x\n");
+    let error = scenario.validate().unwrap_err().to_string();
+    assert!(error.contains("test.toml:4: world.barn: "), "{error}");
+    assert!(error.contains("world.csv:2: "), "{error}");
+    let absent = "[world]\npedestrians = { file = \"absent.csv\" }";
+    refused("[world]", absent, 4, "world.pedestrians.file", "absent.csv");
+    refused(
+        "[world]",
+        "[world]\ngenerated = { family = { kind = \"iid\" }, size_cells = [1, 5] }",
+        4,
+        "world.generated.size_cells[0]",
+        "2 to",
+    );
+}
+
+#[test]
 fn starts_and_goals_must_have_room() {
     refused(
         "[1.0, 2.0, 0.5]",
@@ -409,7 +479,10 @@ fn a_scenario_builds_on_other_files_and_errors_name_the_right_one() {
 fn what_to_build_on_must_exist_and_end() {
     for (base, why) in [
         ("\"nowhere/hall.toml\"", "no file"),
-        ("\"hall\"", "known are porter, two_rooms, warehouse"),
+        (
+            "\"hall\"",
+            "known are jackal, porter, turtlebot2, turtlebot3_burger, two_rooms, warehouse",
+        ),
         ("[\"warehouse\", 3]", "name or a path"),
         ("\"test.toml\"", "build on itself"),
     ] {

@@ -1,4 +1,5 @@
-//! Time of one scan of 720 beams: among 300 shapes, and on a grid map of 600 x 400 cells.
+//! Time of one scan of 720 beams: among 300 shapes, and on a grid map of 600 x 400 cells; and of
+//! one of a lidar that turns while the robot moves.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use rand::{RngExt as _, SeedableRng as _};
@@ -7,21 +8,21 @@ use std::hint::black_box;
 use zeronav_msgs::{GridGeometry, Pose};
 use zeronav_robot_sim::lidar::Lidar;
 use zeronav_robot_sim::solid_grid::SolidGrid;
-use zeronav_world::{Convex, LidarSpec, Occupancy, Shape, ShapeSpec, StaticMap};
+use zeronav_world::{Convex, LidarPreset, LidarSpec, Occupancy, Shape, ShapeSpec, StaticMap};
 
 const SEED: u64 = 1;
 
 fn lidar() -> Lidar {
     let spec = LidarSpec {
         pose: [0.1, 0.0, 0.0],
-        n_beams: 720,
-        fov_rad: core::f64::consts::TAU,
-        rate_hz: 10.0,
-        range_m_min: 0.1,
-        range_m_max: 30.0,
         sigma_m: 0.01,
+        ..LidarSpec::exact(720, 10.0, 0.1..30.0)
     };
     Lidar::new(&spec, SEED)
+}
+
+fn presets_lidar() -> Lidar {
+    Lidar::new(&LidarPreset::RplidarA1.lidar(), SEED)
 }
 
 /// A room of 20 x 20 m: four walls, and half discs, half turned boxes.
@@ -112,6 +113,24 @@ fn scans(criterion: &mut Criterion) {
             });
         });
     }
+    let mut turning = presets_lidar();
+    let mut swept = vec![0.0; turning.header().n_beams as usize];
+    let shapes = room(&mut rng, 300);
+    // 1 m/s and 1 rad/s.
+    let moving = |age_ns: u64| {
+        #[allow(clippy::cast_precision_loss, reason = "a fraction of a second")]
+        let age_s = age_ns as f64 * 1.0e-9;
+        Pose::new(0.02 - age_s, 0.03, 0.4 - age_s)
+    };
+    criterion.bench_function("RPLidar A1 turning, 300 shapes, all noise", |bencher| {
+        bencher.iter(|| {
+            let mut exposure = turning.sweep(black_box(moving));
+            for shape in &shapes {
+                exposure.add_shape(shape, None);
+            }
+            exposure.finish(1, black_box(&mut swept), &mut [])
+        });
+    });
     for n_blocks in [0, 60] {
         let grid = hall(&mut rng, n_blocks);
         let name = format!("720 beams, 600 x 400 cells, {n_blocks} blocks");

@@ -162,7 +162,7 @@ impl Body {
         while now_s < duration_s {
             let step_s = (nearest_m - SKIN_M).max(step_m_min) / closing_mps;
             let next_s = (now_s + step_s)
-                .min(scene.next_appearance_s(now_s))
+                .min(scene.next_jump_s(now_s))
                 .min(duration_s);
             if self.is_blocked(motion, now_s, next_s, &scene) {
                 let free_s = self.last_free_s(motion, now_s, next_s, &scene);
@@ -312,18 +312,18 @@ impl Scene<'_> {
         self.from_run_ns + (at_s * 1.0e9).round() as u64
     }
 
-    /// Seconds into the tick at which the next obstacle appears after `now_s`.
+    /// Seconds into the tick at which the next obstacle after `now_s` appears or is somewhere else
+    /// at once.
     #[allow(
         clippy::cast_precision_loss,
         reason = "a difference within a tick; far ones need no precision"
     )]
-    fn next_appearance_s(&self, now_s: f64) -> f64 {
+    fn next_jump_s(&self, now_s: f64) -> f64 {
         let now_ns = self.run_ns(now_s);
         self.obstacles
             .iter()
-            .filter_map(Obstacle::appears_run_ns)
-            .filter(|appears_ns| *appears_ns > now_ns)
-            .map(|appears_ns| (appears_ns - self.from_run_ns) as f64 * 1.0e-9)
+            .filter_map(|obstacle| obstacle.next_jump_run_ns(now_ns))
+            .map(|jump_ns| (jump_ns - self.from_run_ns) as f64 * 1.0e-9)
             .fold(f64::INFINITY, f64::min)
     }
 }

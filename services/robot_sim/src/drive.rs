@@ -136,6 +136,26 @@ impl Motion {
         motion
     }
 
+    /// The same motion of the wheels as the ground sees it when `forward` of their speed and `turn`
+    /// of their yaw rate reach it, both 0 to 1, from the same pose.
+    #[must_use]
+    pub fn slipped(&self, forward: f64, turn: f64) -> Self {
+        let mut slipped = *self;
+        let mut pose = self.phases[0].start.pose;
+        for index in 0..self.n_phases {
+            let phase = &mut slipped.phases[index];
+            phase.start.pose = pose;
+            phase.start.twist.v_mps *= forward;
+            phase.start.twist.w_radps *= turn;
+            phase.a_mps2 *= forward;
+            phase.alpha_radps2 *= turn;
+            if index + 1 < self.n_phases {
+                pose = phase.at(self.phases[index + 1].from_s - phase.from_s).pose;
+            }
+        }
+        slipped
+    }
+
     /// State `t_s` seconds after the start, clamped to `0..=duration`.
     #[must_use]
     pub fn at(&self, t_s: f64) -> DriveState {
@@ -344,6 +364,32 @@ mod tests {
             whole.driven_m(1.6),
             whole.driven_m(0.7) + Motion::towards(first, target, &LIMITS, 0.9).driven_m(0.9),
             1e-11,
+        );
+    }
+
+    #[test]
+    fn slip_scales_the_motion_and_full_grip_changes_nothing() {
+        let start = state(Pose::new(0.3, -0.2, 1.0), -0.4, 0.0);
+        let wheels = Motion::towards(start, twist(1.5, 0.0), &LIMITS, 1.6);
+        let ground = wheels.slipped(0.5, 0.1);
+        for t_s in [0.0, 0.3, 0.9, 1.6] {
+            close(ground.driven_m(t_s), 0.5 * wheels.driven_m(t_s), 1e-12);
+            let (a, b) = (ground.at(t_s), wheels.at(t_s));
+            close(a.pose.x_m - 0.3, 0.5 * (b.pose.x_m - 0.3), 1e-12);
+            close(a.twist.v_mps, 0.5 * b.twist.v_mps, 1e-12);
+        }
+        // On a curve: the same as wheels that are told to do less, phase by phase.
+        let start = state(Pose::new(0.3, -0.2, 1.0), 1.0, 0.5);
+        let wheels = Motion::towards(start, twist(1.5, -2.0), &LIMITS, 1.6);
+        assert_eq!(wheels.slipped(1.0, 1.0).at(1.6), wheels.at(1.6));
+        let steady = Motion::towards(start, start.twist, &LIMITS, 2.0).slipped(0.8, 0.6);
+        let less = state(start.pose, 0.8, 0.3);
+        let same = Motion::towards(less, less.twist, &LIMITS, 2.0);
+        close(steady.at(2.0).pose.x_m, same.at(2.0).pose.x_m, 1e-12);
+        close(
+            steady.at(2.0).pose.yaw_rad,
+            same.at(2.0).pose.yaw_rad,
+            1e-12,
         );
     }
 

@@ -5,26 +5,33 @@
 //! would publish is asked for after a step. Same seed, same calls, same bits.
 //!
 //! ```text
-//! set point -> drive (limits, exact arcs) -> contact (exact footprint) -> pose
-//! pose + world + obstacles at the capture -> lidar (exact ranges, seeded noise) -> scan
+//! set point -> delay -> drive (limits, exact arcs) -> slip -> contact (exact footprint) -> pose
+//! wheels -> odometer (errors by distance and angle) -> odometry
+//! pose + world + obstacles at every beam -> lidar (exact ranges) -> returns (seeded noise) -> scan
 //! ```
 //!
 //! Geometry is parry's, in f64, and shared with launch and mapping through `zeronav-world`.
 
 #![forbid(unsafe_code)]
 
+pub mod bounce;
 pub mod config;
 pub mod contact;
+pub mod delay;
 pub mod describe;
 pub mod drive;
+pub mod history;
 pub mod lidar;
 pub mod noise;
 pub mod obstacles;
+pub mod odometer;
 pub mod overlap;
 mod phase;
 pub mod ray;
+pub mod returns;
 pub mod scan_schedule;
 pub mod simulator;
+pub mod slip;
 pub mod solid_grid;
 
 pub use config::SimConfig;

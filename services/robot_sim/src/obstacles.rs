@@ -1,26 +1,71 @@
 //! Scripted obstacles: when they are there and where.
 
+use crate::bounce::Bounce;
 use nalgebra::Point2;
 use zeronav_msgs::Pose;
 use zeronav_msgs::pose::wrap_angle;
-use zeronav_world::Convex;
+use zeronav_world::spec::Trigger;
+use zeronav_world::track::Track;
+use zeronav_world::{Convex, World};
 
 /// A scripted obstacle in the course of a run.
 ///
 /// It appears once: at the start, at its time, or when the robot came near (latched). It exists
-/// from that moment to `lasts_s` later, and moves along its waypoints without turning.
+/// from that moment to `lasts_s` later, and moves without turning, from its appearance or from a
+/// moment of its own.
 #[derive(Debug, Clone)]
 pub struct Obstacle {
     /// In its own frame.
     form: Convex,
     /// Where it appears, `map_from_shape`.
     start: Pose,
-    route: Route,
-    near: Option<(Point2<f64>, f64)>,
-    appears_run_ns: Option<u64>,
+    way: Way,
+    appears: Latch,
     lasts_ns: Option<u64>,
     /// The `from_run_ns` of the newest placement.
     placed_from: Option<u64>,
+    /// When it begins to move; `None` = when it appears.
+    starts: Option<Latch>,
+}
+
+/// How it moves.
+#[derive(Debug, Clone)]
+enum Way {
+    /// Not at all, or along waypoints.
+    Walk(Route),
+    /// Straight, and off what it meets.
+    Bounce(Bounce),
+    /// As it was recorded.
+    Play(Track),
+}
+
+/// A moment that comes by itself or with the robot.
+#[derive(Debug, Clone, Copy)]
+struct Latch {
+    near: Option<(Point2<f64>, f64)>,
+    run_ns: Option<u64>,
+}
+
+impl Latch {
+    fn new(trigger: Option<&Trigger>) -> Self {
+        let near = trigger
+            .and_then(|trigger| trigger.robot_near.as_ref())
+            .map(|near| (Point2::from(near.point_m), near.distance_m));
+        let at_s = trigger.and_then(|trigger| trigger.at_s).unwrap_or(0.0);
+        Self {
+            run_ns: near.is_none().then(|| nanoseconds(at_s)),
+            near,
+        }
+    }
+
+    fn notice(&mut self, robot: Point2<f64>, run_ns: u64) {
+        if self.run_ns.is_none()
+            && let Some((point, distance_m)) = self.near
+            && (robot - point).norm() <= distance_m
+        {
+            self.run_ns = Some(run_ns);
+        }
+    }
 }
 
 impl Obstacle {
@@ -28,25 +73,32 @@ impl Obstacle {
     #[must_use]
     pub fn new(obstacle: &zeronav_world::Obstacle) -> Self {
         let spec = &obstacle.spec;
-        let trigger = spec.appears.as_ref();
-        let near = trigger
-            .and_then(|trigger| trigger.robot_near.as_ref())
-            .map(|near| (Point2::from(near.point_m), near.distance_m));
-        let at_s = trigger.and_then(|trigger| trigger.at_s).unwrap_or(0.0);
         let start = obstacle.shape.pose();
+        let way = if let Some(velocity_mps) = spec.bounces_mps {
+            let radius_m = obstacle
+                .shape
+                .form()
+                .form()
+                .as_ball()
+                .map_or(0.0, |ball| ball.radius);
+            Way::Bounce(Bounce::new(start.point(), velocity_mps.into(), radius_m))
+        } else if spec.track.is_empty() {
+            let (from, speed_mps) = (start.point(), spec.speed_mps);
+            Way::Walk(Route::new(from, &spec.waypoints_m, speed_mps, spec.repeat))
+        } else {
+            Way::Play(Track::new(&spec.track, spec.repeat, spec.track_from_s))
+        };
         Self {
             form: obstacle.shape.form().clone(),
             start: Pose::new(start.x_m, start.y_m, wrap_angle(start.yaw_rad)),
-            route: Route::new(
-                start.point(),
-                &spec.waypoints_m,
-                spec.speed_mps,
-                spec.repeat,
-            ),
-            appears_run_ns: near.is_none().then(|| nanoseconds(at_s)),
-            near,
+            way,
+            appears: Latch::new(spec.appears.as_ref()),
             lasts_ns: spec.lasts_s.map(nanoseconds),
             placed_from: None,
+            starts: spec
+                .starts
+                .as_ref()
+                .map(|trigger| Latch::new(Some(trigger))),
         }
     }
 
@@ -57,33 +109,65 @@ impl Obstacle {
         if self.placed_from != Some(from_run_ns) {
             self.placed_from = Some(from_run_ns);
             self.start = Pose::new(pose.x_m, pose.y_m, wrap_angle(pose.yaw_rad));
-            self.route = Route::new(self.start.point(), &[], 0.0, false);
-            self.near = None;
-            self.appears_run_ns = Some(from_run_ns);
+            self.way = Way::Walk(Route::new(self.start.point(), &[], 0.0, false));
+            self.starts = None;
+            self.appears = Latch {
+                near: None,
+                run_ns: Some(from_run_ns),
+            };
         }
         self.lasts_ns = until_run_ns.map(|until_ns| until_ns.saturating_sub(from_run_ns));
     }
 
-    /// Appears now, at `run_ns`, if it waits for the robot and the robot's centre is near enough.
+    /// Appears or starts now, at `run_ns`, if it waits for the robot and the robot's centre is
+    /// near enough.
     pub fn notice(&mut self, robot: Point2<f64>, run_ns: u64) {
-        if self.appears_run_ns.is_none()
-            && let Some((point, distance_m)) = self.near
-            && (robot - point).norm() <= distance_m
-        {
-            self.appears_run_ns = Some(run_ns);
+        self.appears.notice(robot, run_ns);
+        if let Some(starts) = &mut self.starts {
+            starts.notice(robot, run_ns);
+        }
+    }
+
+    /// Looks as far ahead as `run_ns` at what it will bounce off in `world`. What bounces can be
+    /// asked about its pose up to there, and back for as long as the slowest lidar turns.
+    pub fn look_ahead(&mut self, world: &World, run_ns: u64) {
+        let moved_s = self.moved_s(run_ns);
+        if let Way::Bounce(bounce) = &mut self.way {
+            bounce.look_ahead(world, moved_s);
         }
     }
 
     /// Run time at which it appears or appeared; `None` while it waits for the robot. [ns]
     #[must_use]
     pub const fn appears_run_ns(&self) -> Option<u64> {
-        self.appears_run_ns
+        self.appears.run_ns
+    }
+
+    /// The first moment after `run_ns` at which it appears or is somewhere else at once. [ns]
+    #[must_use]
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "float to int saturates"
+    )]
+    pub fn next_jump_run_ns(&self, run_ns: u64) -> Option<u64> {
+        let appears_ns = self.appears.run_ns?;
+        if appears_ns > run_ns {
+            return Some(appears_ns);
+        }
+        let from_ns = self.moves_from_run_ns()?;
+        let Way::Play(track) = &self.way else {
+            return None;
+        };
+        let moved_s = self.moved_s(run_ns);
+        let jump_ns = (track.next_jump_s(moved_s)? * 1.0e9).ceil() as u64;
+        Some(from_ns.saturating_add(jump_ns).max(run_ns + 1))
     }
 
     /// True from the moment of its appearance until it vanishes.
     #[must_use]
     pub fn exists_at(&self, run_ns: u64) -> bool {
-        self.appears_run_ns.is_some_and(|appears_ns| {
+        self.appears.run_ns.is_some_and(|appears_ns| {
             run_ns >= appears_ns
                 && self
                     .lasts_ns
@@ -93,28 +177,48 @@ impl Obstacle {
 
     /// `map_from_shape` at `run_ns`, where it appears before that.
     #[must_use]
-    #[allow(
-        clippy::cast_precision_loss,
-        reason = "exact for 104 days of nanoseconds"
-    )]
     pub fn pose_at(&self, run_ns: u64) -> Pose {
-        let moved_ns = self
-            .appears_run_ns
-            .map_or(0, |appears_ns| run_ns.saturating_sub(appears_ns));
-        let at = self.route.at(moved_ns as f64 * 1.0e-9);
+        let moved_s = self.moved_s(run_ns);
+        let at = match &self.way {
+            Way::Walk(route) => route.at(moved_s),
+            Way::Bounce(bounce) => bounce.at(moved_s),
+            Way::Play(track) => track.at(moved_s),
+        };
         Pose::new(at.x, at.y, self.start.yaw_rad)
     }
 
-    /// Speed while it is on its way. [m/s]
+    /// Greatest speed on its way; jumps are none. [m/s]
     #[must_use]
-    pub const fn speed_mps(&self) -> f64 {
-        self.route.speed_mps
+    pub fn speed_mps(&self) -> f64 {
+        match &self.way {
+            Way::Walk(route) => route.speed_mps,
+            Way::Bounce(bounce) => bounce.speed_mps(),
+            Way::Play(track) => track.speed_mps_max(),
+        }
     }
 
     /// What it covers at `run_ns`, `map` frame. No allocation.
     #[must_use]
     pub fn placed_at(&self, run_ns: u64) -> Convex {
         self.form.placed(&self.pose_at(run_ns))
+    }
+
+    fn moves_from_run_ns(&self) -> Option<u64> {
+        let appears_ns = self.appears.run_ns?;
+        match &self.starts {
+            Some(starts) => starts.run_ns.map(|starts_ns| starts_ns.max(appears_ns)),
+            None => Some(appears_ns),
+        }
+    }
+
+    /// How long it has been moving. [s]
+    #[allow(
+        clippy::cast_precision_loss,
+        reason = "exact for 104 days of nanoseconds"
+    )]
+    fn moved_s(&self, run_ns: u64) -> f64 {
+        let from_ns = self.moves_from_run_ns();
+        from_ns.map_or(0, |from_ns| run_ns.saturating_sub(from_ns)) as f64 * 1.0e-9
     }
 }
 
@@ -200,11 +304,16 @@ mod tests {
                 size_m: [0.4, 0.2],
                 yaw_rad: 0.5,
             },
-            appears: None,
-            lasts_s: None,
             waypoints_m: vec![[4.0, 6.0], [4.0, 4.0]],
             speed_mps: 2.0,
-            repeat: false,
+            ..ObstacleSpec::standing("", disc_in_middle())
+        }
+    }
+
+    fn disc_in_middle() -> ShapeSpec {
+        ShapeSpec::Disc {
+            centre_m: [0.0, 0.0],
+            radius_m: 0.5,
         }
     }
 
@@ -311,5 +420,53 @@ mod tests {
         walker.notice(Point2::new(0.0, 0.0), 4 * SECOND_NS);
         assert_eq!(walker.appears_run_ns(), Some(2 * SECOND_NS));
         check_at(&walker, 3 * SECOND_NS, 2.2, 3.6);
+    }
+
+    #[test]
+    fn a_door_stands_until_it_is_told_to_slide() {
+        let mut spec = spec();
+        spec.starts = Some(Trigger {
+            at_s: None,
+            robot_near: Some(Near {
+                point_m: [0.0, 0.0],
+                distance_m: 1.0,
+            }),
+        });
+        let mut door = obstacle(&spec);
+        assert!(door.exists_at(0));
+        check_at(&door, 9 * SECOND_NS, 1.0, 2.0);
+        door.notice(Point2::new(0.5, 0.0), 10 * SECOND_NS);
+        check_at(&door, 10 * SECOND_NS, 1.0, 2.0);
+        check_at(&door, 11 * SECOND_NS, 2.2, 3.6);
+        // It cannot move before it is there.
+        spec.appears = Some(Trigger {
+            at_s: Some(5.0),
+            robot_near: None,
+        });
+        spec.starts = Some(Trigger {
+            at_s: Some(1.0),
+            robot_near: None,
+        });
+        check_at(&obstacle(&spec), 6 * SECOND_NS, 2.2, 3.6);
+    }
+
+    #[test]
+    fn a_recorded_track_is_played_from_any_moment_and_jumps_are_known() {
+        let spec = ObstacleSpec {
+            track: vec![[0.0, 0.0, 0.0], [4.0, 8.0, 0.0]],
+            track_from_s: 1.0,
+            repeat: true,
+            ..ObstacleSpec::standing("cylinder", disc_in_middle())
+        };
+        let cylinder = obstacle(&spec);
+        check_at(&cylinder, 0, 2.0, 0.0);
+        check_at(&cylinder, SECOND_NS, 4.0, 0.0);
+        assert!((cylinder.speed_mps() - 2.0).abs() < 1e-12);
+        assert_eq!(cylinder.next_jump_run_ns(0), Some(3 * SECOND_NS));
+        assert_eq!(
+            cylinder.next_jump_run_ns(3 * SECOND_NS),
+            Some(7 * SECOND_NS)
+        );
+        check_at(&cylinder, 3 * SECOND_NS, 0.0, 0.0);
     }
 }

@@ -35,13 +35,13 @@ impl<'a> Caster<'a> {
     }
 }
 
-/// Smallest and largest direction in which `form` is seen from `origin`, the difference less than
-/// pi; `None` from inside, where it is seen all around. [rad]
+/// Smallest and largest direction in which anything within `slack_m` >= 0 of `form` is seen from
+/// `origin`, the difference less than pi; `None` from inside, where it is seen all around. [rad]
 #[must_use]
-pub fn covered_angle(form: &Convex, origin: Point2<f64>) -> Option<(f64, f64)> {
+pub fn covered_angle(form: &Convex, origin: Point2<f64>, slack_m: f64) -> Option<(f64, f64)> {
     if let Some(ball) = form.form().as_ball() {
         let way = form.pose().translation - Vec2::from(origin.coords);
-        let sine = ball.radius / way.length();
+        let sine = (ball.radius + slack_m) / way.length();
         if sine >= 1.0 || sine.is_nan() {
             return None;
         }
@@ -49,16 +49,26 @@ pub fn covered_angle(form: &Convex, origin: Point2<f64>) -> Option<(f64, f64)> {
         let half_rad = sine.asin();
         return Some((middle_rad - half_rad, middle_rad + half_rad));
     }
-    if form.distance_to_point_m(origin) <= 0.0 {
+    if form.distance_to_point_m(origin) <= slack_m {
         return None;
     }
+    // The hull of discs of the slack around the corners.
+    let widened_rad = |way: Vector2<f64>| {
+        if slack_m > 0.0 {
+            (slack_m / way.norm()).min(1.0).asin()
+        } else {
+            0.0
+        }
+    };
     let mut ways = form.corners().map(|corner| corner - origin);
     let reference = ways.next()?;
-    let (mut low_rad, mut high_rad) = (0.0_f64, 0.0_f64);
+    let first_rad = widened_rad(reference);
+    let (mut low_rad, mut high_rad) = (-first_rad, first_rad);
     for way in ways {
         let turn_rad = reference.perp(&way).atan2(reference.dot(&way));
-        low_rad = low_rad.min(turn_rad);
-        high_rad = high_rad.max(turn_rad);
+        let widened_rad = widened_rad(way);
+        low_rad = low_rad.min(turn_rad - widened_rad);
+        high_rad = high_rad.max(turn_rad + widened_rad);
     }
     let middle_rad = reference.y.atan2(reference.x);
     Some((middle_rad + low_rad, middle_rad + high_rad))

@@ -2,11 +2,15 @@
 
 use crate::config::SimConfig;
 use crate::contact::Body;
+use crate::delay::Delay;
 use crate::describe::{describe, limits_of};
 use crate::drive::{DriveLimits, DriveState, Motion, Twist};
+use crate::history::{History, Stretch};
 use crate::lidar::Lidar;
 use crate::obstacles::Obstacle;
+use crate::odometer::{Odometer, WheelMotion};
 use crate::scan_schedule::{DueScan, ScanSchedule};
+use crate::slip::{Grip, Slip};
 use crate::solid_grid::SolidGrid;
 use zeronav_msgs::description::{Corner, Description};
 use zeronav_msgs::odometry::Odometry;
@@ -14,10 +18,13 @@ use zeronav_msgs::pose::wrap_angle;
 use zeronav_msgs::scan::Scan;
 use zeronav_msgs::truth::{Placement, Truth, TruthObstacle};
 use zeronav_msgs::{Pose, Refusal};
-use zeronav_world::{Footprint, MapWarning, SpecError, World, WorldError};
+use zeronav_world::{Footprint, MapWarning, OdometrySpec, RobotSpec, SpecError, World, WorldError};
 
 /// Largest clearance that is told apart. [m]
 const CLEARANCE_M_MAX: f64 = 1.0e3;
+
+/// What rounding may add to the way of an obstacle. [m]
+const REACH_SLACK_M: f64 = 1.0e-6;
 
 /// Shortest and longest tick. [ns]
 const TICK_NS: core::ops::RangeInclusive<u64> = 100_000..=1_000_000_000;
@@ -71,14 +78,19 @@ pub struct Simulator {
     limits_alone: DriveLimits,
     command_timeout_ns: u64,
     tick_ns: u64,
-    /// `None` before the first command.
-    set_point: Option<Twist>,
+    commands: Delay,
+    slip: Option<Slip>,
+    /// `None` when odometry is the truth.
+    odometer: Option<Odometer>,
+    /// What the wheels do; they may slip on the ground.
+    wheels: Twist,
+    /// On the ground.
     state: DriveState,
     run_ns: u64,
     driven_m: f64,
     due: Option<DueScan>,
-    /// `map_from_base` at the capture of the scan that is due.
-    capture_pose: Pose,
+    /// Where the robot has been since the scan that is due began.
+    history: History,
     /// Beams of this tick's scan on each obstacle.
     beams_on: Vec<u32>,
 }
@@ -97,6 +109,7 @@ impl Simulator {
         let (world, map_warnings) = World::load(&config.world)?;
         let footprint = Footprint::new(&config.robot)?;
         let lidar = Lidar::new(&config.robot.lidar, seed);
+        let sweep_ns = lidar.sweep_ns();
         let rate_hz = config.robot.lidar.rate_hz;
         let schedule = ScanSchedule::new(rate_hz)
             .filter(|schedule| schedule.period_ns() >= tick_ns)
@@ -138,7 +151,11 @@ impl Simulator {
             limits,
             command_timeout_ns: nanoseconds(config.robot.command_timeout_s),
             tick_ns,
-            set_point: None,
+            commands: Delay::new(nanoseconds(config.robot.actuation_delay_s)),
+            slip: config.robot.slip.map(|slip| Slip::new(slip, seed)),
+            odometer: odometer_of(&config.robot, seed, start),
+            wheels: Twist::ZERO,
+            history: History::new(start, sweep_ns),
             state: DriveState {
                 pose: start,
                 twist: Twist::ZERO,
@@ -146,7 +163,6 @@ impl Simulator {
             run_ns: 0,
             driven_m: 0.0,
             due: None,
-            capture_pose: start,
         })
     }
 
@@ -174,15 +190,16 @@ impl Simulator {
         self.run_ns
     }
 
-    /// A set point has reached the motors, `base` frame. It is clamped to the robot's limits; NaN
-    /// in either number is a stop.
+    /// A set point has reached the robot, `base` frame. It is clamped to the robot's limits; NaN
+    /// in either number is a stop. The motors obey after the robot's actuation delay.
     pub fn set_command(&mut self, v_mps: f64, w_radps: f64) {
-        self.set_point = Some(self.limits.clamp(Twist { v_mps, w_radps }));
+        let set_point = self.limits.clamp(Twist { v_mps, w_radps });
+        self.commands.push(self.run_ns, Some(set_point));
     }
 
     /// There is no set point any more: the robot brakes as it does when commands are too old.
     pub fn no_command(&mut self) {
-        self.set_point = None;
+        self.commands.push(self.run_ns, None);
     }
 
     /// Puts an obstacle of the scenario's list somewhere for a time. One that was due already
@@ -202,29 +219,51 @@ impl Simulator {
     /// `brake_mps2` alone. `command_age_ns` is the age of the last command at the start of the tick.
     pub fn step(&mut self, run_ns: u64, command_age_ns: u64) {
         let from_run_ns = run_ns.saturating_sub(self.tick_ns);
-        let (target, limits) = match self.set_point {
+        for obstacle in &mut self.obstacles {
+            obstacle.look_ahead(&self.world, run_ns);
+        }
+        let (target, limits) = match self.commands.set_point(from_run_ns) {
             Some(set_point) if command_age_ns <= self.command_timeout_ns => {
                 (set_point, &self.limits)
             }
             _ => (Twist::ZERO, &self.limits_alone),
         };
         let duration_s = seconds(run_ns - from_run_ns);
-        let motion = Motion::towards(self.state, target, limits, duration_s);
+        let start = DriveState {
+            pose: self.state.pose,
+            twist: self.wheels,
+        };
+        let wheels = Motion::towards(start, target, limits, duration_s);
+        let grip = self.slip.map_or(Grip::FULL, |slip| slip.at(from_run_ns));
+        let motion = if grip == Grip::FULL {
+            wheels
+        } else {
+            wheels.slipped(grip.forward, grip.turn)
+        };
         let advance = self
             .body
             .advance(&motion, &self.world, &self.obstacles, from_run_ns);
         self.state = advance.end;
         self.driven_m += advance.driven_m;
         self.run_ns = run_ns;
-
-        self.due = self.schedule.due(from_run_ns, run_ns);
-        if let Some(due) = self.due {
-            let into_s = seconds(due.capture_run_ns - from_run_ns);
-            self.capture_pose = match advance.stopped {
-                Some((at_s, pose)) if into_s >= at_s => pose,
-                _ => motion.at(into_s).pose,
-            };
+        // What stops the robot stops its wheels.
+        let moved_s = advance.stopped.map_or(duration_s, |(at_s, _)| at_s);
+        self.wheels = match advance.stopped {
+            Some(_) => Twist::ZERO,
+            None => wheels.at(duration_s).twist,
+        };
+        if let Some(odometer) = &mut self.odometer {
+            let shift = seen_from(&start.pose, &wheels.at(moved_s).pose);
+            let distance_m = wheels.driven_m(moved_s);
+            odometer.count(&WheelMotion { shift, distance_m }, run_ns);
         }
+        self.history.push(Stretch {
+            from_run_ns,
+            to_run_ns: run_ns,
+            motion,
+            stopped: advance.stopped,
+        });
+        self.due = self.schedule.due(from_run_ns, run_ns);
         for obstacle in &mut self.obstacles {
             obstacle.notice(self.state.pose.point(), run_ns);
         }
@@ -233,6 +272,7 @@ impl Simulator {
             .settle(&self.state, &self.world, &self.obstacles, run_ns)
         {
             self.state.twist = Twist::ZERO;
+            self.wheels = Twist::ZERO;
         }
         self.beams_on.fill(0);
     }
@@ -251,13 +291,42 @@ impl Simulator {
     /// When `ranges` has not [`Self::n_beams`] places.
     pub fn scan(&mut self, ranges: &mut [f32]) -> Option<Scan> {
         let due = self.due?;
-        let mut exposure = self.lidar.expose(&self.capture_pose);
+        let capture_run_ns = due.capture_run_ns;
+        let history = &self.history;
+        let sweep_ns = self.lidar.sweep_ns();
+        // Before the run everything stood.
+        let at = |age_ns: u64| capture_run_ns.saturating_sub(age_ns);
+        let mut exposure = if sweep_ns == 0 {
+            self.lidar.expose(&history.at(capture_run_ns))
+        } else {
+            self.lidar.sweep(|age_ns| history.at(at(age_ns)))
+        };
         for shape in self.world.shapes() {
             exposure.add_shape(shape.placed(), None);
         }
         for (tag, obstacle) in (0..).zip(&self.obstacles) {
-            if obstacle.exists_at(due.capture_run_ns) {
-                exposure.add_shape(&obstacle.placed_at(due.capture_run_ns), Some(tag));
+            if sweep_ns == 0 {
+                if obstacle.exists_at(capture_run_ns) {
+                    exposure.add_shape(&obstacle.placed_at(capture_run_ns), Some(tag));
+                }
+                continue;
+            }
+            let (first_ns, middle_ns) = (at(sweep_ns), at(sweep_ns / 2));
+            let there = |run_ns| obstacle.exists_at(run_ns);
+            let jumps = obstacle
+                .next_jump_run_ns(first_ns)
+                .is_some_and(|jump_ns| jump_ns <= capture_run_ns);
+            if jumps || there(first_ns) || there(capture_run_ns) {
+                let reach_m = if jumps {
+                    f64::INFINITY
+                } else {
+                    obstacle.speed_mps() * seconds(sweep_ns) * 0.5 + REACH_SLACK_M
+                };
+                let placed = obstacle.placed_at(middle_ns);
+                exposure.add_moving(&placed, reach_m, tag, |age_ns| {
+                    let run_ns = at(age_ns);
+                    there(run_ns).then(|| obstacle.placed_at(run_ns))
+                });
             }
         }
         if let Some(grid) = &self.grid {
@@ -267,14 +336,19 @@ impl Simulator {
         Some(exposure.finish(due.index, ranges, &mut self.beams_on))
     }
 
-    /// Odometry at the end of the last tick. It is perfect: `odom` is `map`, the variances are 0.
+    /// Odometry at the end of the last tick: what the wheels say. Without slip and without errors
+    /// of odometry it is the truth, `odom` is `map` and the variances are 0.
     #[must_use]
     pub fn odometry(&self) -> Odometry {
+        let (pose, variance) = match &self.odometer {
+            Some(odometer) => (odometer.pose(), odometer.variance()),
+            None => (self.state.pose, [0.0; 3]),
+        };
         Odometry {
-            pose: self.state.pose,
-            v_mps: self.state.twist.v_mps,
-            w_radps: self.state.twist.w_radps,
-            variance: [0.0; 3],
+            pose,
+            v_mps: self.wheels.v_mps,
+            w_radps: self.wheels.w_radps,
+            variance,
             scan_due: u32::from(self.due.is_some()),
             spare: 0,
         }
@@ -323,6 +397,29 @@ impl Simulator {
             slipped_ns: 0,
         }
     }
+}
+
+/// The odometer of a robot whose odometry is not the truth.
+fn odometer_of(robot: &RobotSpec, seed: u64, start: Pose) -> Option<Odometer> {
+    const EXACT: OdometrySpec = OdometrySpec {
+        distance_per_distance: 0.0,
+        distance_per_turn: 0.0,
+        turn_per_turn: 0.0,
+        turn_per_distance: 0.0,
+    };
+    let errs = robot.odometry.or(robot.slip.map(|_| EXACT));
+    errs.map(|errs| Odometer::new(errs, seed, start))
+}
+
+/// `pose` in the frame of `frame`.
+fn seen_from(frame: &Pose, pose: &Pose) -> Pose {
+    let shift = pose.point() - frame.point();
+    let (sin, cos) = frame.yaw_rad.sin_cos();
+    Pose::new(
+        cos * shift.x + sin * shift.y,
+        cos * shift.y - sin * shift.x,
+        wrap_angle(pose.yaw_rad - frame.yaw_rad),
+    )
 }
 
 /// Refuses a start in contact: it would count as the first contact of the run.

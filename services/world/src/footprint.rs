@@ -3,7 +3,7 @@
 use crate::convex::Convex;
 use crate::error::{SpecError, number};
 use crate::polygon::{Order, convex_corners};
-use crate::spec::RobotSpec;
+use crate::robot_spec::RobotSpec;
 use nalgebra::Point2;
 use parry2d::math::Vec2;
 use parry2d::query::PointQuery;

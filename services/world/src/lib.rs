@@ -10,19 +10,27 @@
 
 #![forbid(unsafe_code)]
 
+pub mod barn;
 pub mod convex;
+pub mod dynabarn;
 pub mod error;
 pub mod footprint;
 pub mod free_pose;
+pub mod generate;
 pub mod map_file;
 mod map_image;
+pub mod pedestrians;
 mod polygon;
+pub mod preset;
 mod raster;
 mod rectangles;
 pub mod robot;
+pub mod robot_spec;
 pub mod shape;
 pub mod spec;
 pub mod static_map;
+pub mod table;
+pub mod track;
 pub mod world;
 
 pub use convex::Convex;
@@ -31,7 +39,10 @@ pub use footprint::Footprint;
 pub use free_pose::Tolerance;
 pub use map_file::{LoadedMap, MapFileError, MapWarning};
 pub use polygon::POLYGON_CORNERS_MAX;
+pub use preset::{LidarPreset, RobotPreset};
+pub use robot_spec::{LidarSpec, OdometrySpec, RobotSpec, SlipSpec};
 pub use shape::{Shape, parry_pose};
-pub use spec::{LidarSpec, ObstacleSpec, RobotSpec, ShapeSpec, WorldSpec};
+pub use spec::{ObstacleSpec, ShapeSpec, WorldSpec};
 pub use static_map::{Occupancy, StaticMap};
+pub use table::DataError;
 pub use world::{Obstacle, World, WorldError};

@@ -2,7 +2,7 @@
 
 use crate::error::{SpecError, number};
 use crate::footprint::Footprint;
-use crate::spec::{LidarSpec, RobotSpec};
+use crate::robot_spec::{LidarSpec, OdometrySpec, RobotSpec, SlipSpec};
 use core::f64::consts::{PI, TAU};
 use zeronav_msgs::scan::BEAMS_MAX;
 
@@ -31,6 +31,13 @@ impl RobotSpec {
             "alpha_radps2_max",
         )?;
         number(self.command_timeout_s, 0.01, 10.0, "command_timeout_s")?;
+        number(self.actuation_delay_s, 0.0, 1.0, "actuation_delay_s")?;
+        if let Some(slip) = &self.slip {
+            slip.check().map_err(|error| error.within("slip"))?;
+        }
+        if let Some(odometry) = &self.odometry {
+            odometry.check().map_err(|error| error.within("odometry"))?;
+        }
         self.lidar.check().map_err(|error| error.within("lidar"))
     }
 
@@ -38,6 +45,36 @@ impl RobotSpec {
     #[must_use]
     pub fn reliable_brake_mps2(&self) -> f64 {
         self.brake_mps2.unwrap_or(self.a_mps2_max)
+    }
+}
+
+impl SlipSpec {
+    /// Accepts slip that leaves some motion.
+    ///
+    /// # Errors
+    /// The first field that is wrong.
+    pub fn check(&self) -> Result<(), SpecError> {
+        number(self.forward_ratio, 0.0, 0.9, "forward_ratio")?;
+        number(self.turn_ratio, 0.0, 0.9, "turn_ratio")?;
+        number(self.sigma_ratio, 0.0, 0.9, "sigma_ratio")
+    }
+}
+
+impl OdometrySpec {
+    /// Accepts deviations.
+    ///
+    /// # Errors
+    /// The first field that is wrong.
+    pub fn check(&self) -> Result<(), SpecError> {
+        number(
+            self.distance_per_distance,
+            0.0,
+            1.0,
+            "distance_per_distance",
+        )?;
+        number(self.distance_per_turn, 0.0, 1.0, "distance_per_turn")?;
+        number(self.turn_per_turn, 0.0, 1.0, "turn_per_turn")?;
+        number(self.turn_per_distance, 0.0, 1.0, "turn_per_distance")
     }
 }
 
@@ -80,7 +117,24 @@ impl LidarSpec {
             let why = format!("must be below range_m_max {}", self.range_m_max);
             return Err(SpecError::new("range_m_min", why));
         }
-        number(self.sigma_m, 0.0, 10.0, "sigma_m")
+        number(self.sigma_m, 0.0, 10.0, "sigma_m")?;
+        number(self.sigma_ratio, 0.0, 1.0, "sigma_ratio")?;
+        number(self.quantum_m, 0.0, 1.0, "quantum_m")?;
+        number(self.dropout_ratio, 0.0, 1.0, "dropout_ratio")?;
+        number(self.short_ratio, 0.0, 1.0, "short_ratio")?;
+        number(self.short_mean_m, 1.0e-3, RATE_MAX, "short_mean_m")?;
+        number(self.edge_ratio, 0.0, 1.0, "edge_ratio")
+    }
+
+    /// Time from beam to beam, 0 when all are taken at once. [s] The mirror turns evenly, also
+    /// where it sees nothing.
+    #[must_use]
+    pub fn beam_period_s(&self) -> f64 {
+        if self.motion_distortion {
+            self.directions_rad().1 / (TAU * self.rate_hz)
+        } else {
+            0.0
+        }
     }
 }
 
@@ -89,26 +143,7 @@ mod tests {
     use super::*;
 
     fn robot() -> RobotSpec {
-        RobotSpec {
-            radius_m: Some(0.25),
-            footprint_m: None,
-            v_mps_max: 1.0,
-            v_mps_min: 0.0,
-            w_radps_max: 2.0,
-            a_mps2_max: 1.0,
-            brake_mps2: None,
-            alpha_radps2_max: 4.0,
-            command_timeout_s: 0.2,
-            lidar: LidarSpec {
-                pose: [0.0; 3],
-                n_beams: 360,
-                fov_rad: TAU,
-                rate_hz: 10.0,
-                range_m_min: 0.1,
-                range_m_max: 12.0,
-                sigma_m: 0.01,
-            },
-        }
+        RobotSpec::exact(0.25, 1.0, 2.0, LidarSpec::exact(360, 10.0, 0.1..12.0))
     }
 
     #[track_caller]
@@ -144,6 +179,37 @@ mod tests {
         refused("lidar.range_m_min", |r| r.lidar.range_m_min = 12.0);
         refused("lidar.range_m_max", |r| r.lidar.range_m_max = -1.0);
         refused("lidar.sigma_m", |r| r.lidar.sigma_m = -0.1);
+        refused("lidar.sigma_ratio", |r| r.lidar.sigma_ratio = f64::NAN);
+        refused("lidar.quantum_m", |r| r.lidar.quantum_m = -1.0);
+        refused("lidar.dropout_ratio", |r| r.lidar.dropout_ratio = 1.1);
+        refused("lidar.short_ratio", |r| r.lidar.short_ratio = -0.1);
+        refused("lidar.short_mean_m", |r| r.lidar.short_mean_m = 0.0);
+        refused("lidar.edge_ratio", |r| r.lidar.edge_ratio = 2.0);
+        refused("actuation_delay_s", |r| r.actuation_delay_s = 1.5);
+        refused("slip.turn_ratio", |r| {
+            r.slip = Some(SlipSpec {
+                turn_ratio: 0.95,
+                ..SlipSpec::default()
+            });
+        });
+        refused("odometry.turn_per_turn", |r| {
+            r.odometry = Some(OdometrySpec {
+                turn_per_turn: f64::NAN,
+                ..OdometrySpec::default()
+            });
+        });
+    }
+
+    #[test]
+    fn a_mirror_takes_its_beams_one_after_the_other() {
+        let mut lidar = robot().lidar;
+        assert!(lidar.beam_period_s().abs() < 1e-15);
+        lidar.motion_distortion = true;
+        assert!((lidar.beam_period_s() * 360.0 - 0.1).abs() < 1e-12);
+        // A quarter of the turn sees nothing.
+        lidar.n_beams = 271;
+        lidar.fov_rad = 1.5 * PI;
+        assert!((lidar.beam_period_s() * 270.0 - 0.075).abs() < 1e-12);
     }
 
     #[test]

@@ -1,17 +1,34 @@
-//! The words of a scenario for world and robot. Metres, radians, seconds, `map` frame.
+//! The words of a scenario for the world. Metres, radians, seconds, `map` frame.
+//!
+//! The robot's are in [`crate::robot_spec`].
 
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
 /// The world: a map file, or an area with shapes, or both; and what happens in it.
+///
+/// At most one of `map`, `barn`, `dynabarn` and `generated`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct WorldSpec {
     /// ROS `map_server` YAML of the static world.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub map: Option<PathBuf>,
+    /// CSV of a BARN world, see [`crate::barn`]: its cylinders become shapes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub barn: Option<PathBuf>,
+    /// A DynaBARN world: its walls become shapes, its cylinders obstacles.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dynabarn: Option<DynabarnSpec>,
+    /// Recorded people, who become obstacles; may be laid on any other world.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pedestrians: Option<PedestriansSpec>,
+    /// A random map, see [`crate::generate`].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub generated: Option<GeneratedSpec>,
     /// Lower left corner `[x, y]` and upper right corner `[x, y]` of the area. [m] Required
-    /// without a map file, refused with one.
+    /// without a map file, refused with one or with a generated map. The worlds of data sets bring
+    /// one, which this replaces.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub area_m: Option<[[f64; 2]; 2]>,
     /// Cell size with which shapes are drawn into a map. [m] A map file brings its own.
@@ -27,6 +44,140 @@ pub struct WorldSpec {
 
 fn default_resolution_m() -> f64 {
     0.05
+}
+
+impl WorldSpec {
+    /// An empty area from `lower_m` to `upper_m`, cells of 5 cm.
+    #[must_use]
+    pub fn area(lower_m: [f64; 2], upper_m: [f64; 2]) -> Self {
+        Self {
+            area_m: Some([lower_m, upper_m]),
+            ..Self::none()
+        }
+    }
+
+    /// The world of a map file, with nothing on it.
+    #[must_use]
+    pub fn of_map(file: impl Into<PathBuf>) -> Self {
+        Self {
+            map: Some(file.into()),
+            ..Self::none()
+        }
+    }
+
+    fn none() -> Self {
+        Self {
+            map: None,
+            barn: None,
+            dynabarn: None,
+            pedestrians: None,
+            generated: None,
+            area_m: None,
+            resolution_m: default_resolution_m(),
+            shapes: Vec::new(),
+            obstacles: Vec::new(),
+        }
+    }
+}
+
+/// A world of `dynabarn`, see [`crate::dynabarn`].
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DynabarnSpec {
+    /// CSV of the world.
+    pub file: PathBuf,
+    /// Moment of the recorded rounds at which the run begins. [s] Every obstacle goes round with a
+    /// period of its own, so any number is one.
+    #[serde(default)]
+    pub phase_s: f64,
+}
+
+/// Recorded people, see [`crate::pedestrians`].
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PedestriansSpec {
+    /// CSV of the scene.
+    pub file: PathBuf,
+    /// Moment of the recording at which the run begins. [s]
+    #[serde(default)]
+    pub from_s: f64,
+    /// How much of the recording is played; without, all of it. [s]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub duration_s: Option<f64>,
+    /// Radius of the disc that stands for a person. [m]
+    #[serde(default = "default_person_radius_m")]
+    pub radius_m: f64,
+}
+
+fn default_person_radius_m() -> f64 {
+    0.3
+}
+
+/// A random map. Its origin is the lower left corner of cell (0, 0).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GeneratedSpec {
+    /// How obstacles are laid.
+    pub family: Family,
+    /// Columns and rows, 2 to 8192 each.
+    pub size_cells: [u32; 2],
+    /// Occupied cells / all cells, 0 to 1. Corridors have none.
+    #[serde(default)]
+    pub ratio: f64,
+    /// Column and row of the cell that stays free for the start; without, the lower left one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub start_cell: Option<[u32; 2]>,
+    /// The same for the goal; without, the upper right one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub goal_cell: Option<[u32; 2]>,
+    /// Of everything random.
+    #[serde(default)]
+    pub seed: u64,
+    /// Side of a cell. [m]
+    #[serde(default = "default_generated_resolution_m")]
+    pub resolution_m: f64,
+}
+
+fn default_generated_resolution_m() -> f64 {
+    1.0
+}
+
+/// How a random map is laid.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
+pub enum Family {
+    /// Single cells, drawn without replacement.
+    Iid,
+    /// Rectangles with sides of 1 to `side_cells_max` cells.
+    Blocky {
+        /// Largest side. [cells]
+        #[serde(default = "default_side_cells_max")]
+        side_cells_max: u32,
+    },
+    /// U, L and spiral traps with arms of up to `side_cells_max` cells.
+    Concave {
+        /// Largest side of a trap. [cells]
+        #[serde(default = "default_trap_cells_max")]
+        side_cells_max: u32,
+    },
+    /// Corridors of `width_cells` along walls with one gap each, alternately left and right.
+    Corridor {
+        /// Width of a corridor and of a gap. [cells]
+        #[serde(default = "default_corridor_cells")]
+        width_cells: u32,
+    },
+}
+
+fn default_side_cells_max() -> u32 {
+    4
+}
+
+fn default_trap_cells_max() -> u32 {
+    8
+}
+
+fn default_corridor_cells() -> u32 {
+    2
 }
 
 /// A shape in its own frame; `centre_m` places it.
@@ -77,9 +228,45 @@ pub struct ObstacleSpec {
     /// Speed along the waypoints. [m/s]
     #[serde(default)]
     pub speed_mps: f64,
-    /// Start again at the first waypoint after the last instead of standing there.
+    /// Start again at the first waypoint after the last instead of standing there. A track starts
+    /// again at its first row, where the obstacle is at once.
     #[serde(default)]
     pub repeat: bool,
+    /// When it begins to move; without, when it appears. A sliding door stands beside its opening
+    /// until then.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub starts: Option<Trigger>,
+    /// Velocity `[x, y]` of a disc that goes straight and bounces off everything static and off
+    /// the edge of the map. [m/s] Instead of waypoints.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub bounces_mps: Option<[f64; 2]>,
+    /// Rows `[t, x, y]` that its centre passes, straight from row to row, instead of waypoints.
+    /// [s, m, m] The times increase; it moves from the time of the first row.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub track: Vec<[f64; 3]>,
+    /// Moment of the track at which it begins to move. [s]
+    #[serde(default)]
+    pub track_from_s: f64,
+}
+
+impl ObstacleSpec {
+    /// An obstacle that is there from the start and stands.
+    #[must_use]
+    pub fn standing(name: impl Into<String>, shape: ShapeSpec) -> Self {
+        Self {
+            name: name.into(),
+            shape,
+            appears: None,
+            lasts_s: None,
+            waypoints_m: Vec::new(),
+            speed_mps: 0.0,
+            repeat: false,
+            starts: None,
+            bounces_mps: None,
+            track: Vec::new(),
+            track_from_s: 0.0,
+        }
+    }
 }
 
 /// What makes an obstacle appear. Exactly one of the two.
@@ -102,67 +289,4 @@ pub struct Near {
     pub point_m: [f64; 2],
     /// Distance of the robot's centre. [m]
     pub distance_m: f64,
-}
-
-/// The robot: outline, limits, lidar. The simulator turns it into `robot/description`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct RobotSpec {
-    /// Radius of a round footprint. [m] Exactly one of this and `footprint_m`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub radius_m: Option<f64>,
-    /// Corners `[x, y]` of a convex footprint around the origin of `base`, counter-clockwise. [m]
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub footprint_m: Option<Vec<[f64; 2]>>,
-    /// Fastest forward speed. [m/s]
-    pub v_mps_max: f64,
-    /// Fastest backward speed as a number <= 0. [m/s]
-    #[serde(default)]
-    pub v_mps_min: f64,
-    /// Fastest yaw rate. [rad/s]
-    pub w_radps_max: f64,
-    /// Largest acceleration. [m/s^2]
-    pub a_mps2_max: f64,
-    /// Braking that can be relied on; without, `a_mps2_max`. [m/s^2]
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub brake_mps2: Option<f64>,
-    /// Largest yaw acceleration. [rad/s^2]
-    pub alpha_radps2_max: f64,
-    /// Age of the last command from which the robot brakes by itself. [s]
-    #[serde(default = "default_command_timeout_s")]
-    pub command_timeout_s: f64,
-    /// The lidar.
-    pub lidar: LidarSpec,
-}
-
-fn default_command_timeout_s() -> f64 {
-    0.2
-}
-
-/// A planar lidar.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct LidarSpec {
-    /// `base_from_laser` as `[x, y, yaw]`. [m, m, rad]
-    #[serde(default)]
-    pub pose: [f64; 3],
-    /// Beams of a turn.
-    pub n_beams: u32,
-    /// Field of view, 2 pi = all around. [rad] Beams lie evenly in it; all around, the last beam
-    /// is one step before the first.
-    #[serde(default = "default_fov_rad")]
-    pub fov_rad: f64,
-    /// Turns per second. [Hz]
-    pub rate_hz: f64,
-    /// Closest range. [m]
-    pub range_m_min: f64,
-    /// Farthest range. [m]
-    pub range_m_max: f64,
-    /// Standard deviation of a range. [m]
-    #[serde(default)]
-    pub sigma_m: f64,
-}
-
-fn default_fov_rad() -> f64 {
-    core::f64::consts::TAU
 }

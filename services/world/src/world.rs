@@ -1,22 +1,33 @@
 //! A world that can be asked: what is solid, how far away it is, and what a map of it looks like.
 
+use crate::barn::BarnWorld;
 use crate::convex::Convex;
+use crate::dynabarn::DynabarnWorld;
 use crate::error::{SpecError, number};
 use crate::footprint::Footprint;
+use crate::generate::{GenerateError, generate};
 use crate::map_file::{self, MapFileError, MapWarning};
+use crate::pedestrians::{Playback, Scene};
 use crate::shape::{Shape, point};
-use crate::spec::{ObstacleSpec, Trigger, WorldSpec};
+use crate::spec::{ObstacleSpec, ShapeSpec, Trigger, WorldSpec};
 use crate::static_map::{StaticMap, cells_along};
+use crate::table::DataError;
+use crate::track::Track;
 use crate::{raster, rectangles};
 use nalgebra::Point2;
 use parry2d::bounding_volume::Aabb;
 use parry2d::partitioning::{Bvh, BvhBuildStrategy, BvhNode};
+use parry2d::query::PointQuery;
+use parry2d::shape::Segment;
 use zeronav_msgs::grid::SIDE_CELLS_MAX;
 use zeronav_msgs::truth::TRUTH_OBSTACLES_MAX;
 use zeronav_msgs::{GridGeometry, Pose};
 
 /// Longest time that a scenario may name. [s]
 const TIME_S_MAX: f64 = 1.0e6;
+
+/// Fastest obstacle. [m/s]
+const SPEED_MPS_MAX: f64 = 1.0e3;
 
 /// A scripted obstacle: what the scenario says and its shape. It stands on no map.
 #[derive(Debug, Clone)]
@@ -60,6 +71,14 @@ pub enum WorldError {
     /// Its map file cannot be read.
     #[error("map: {0}")]
     Map(#[from] MapFileError),
+    /// The file of a data set, named by the word `field`, cannot be used.
+    #[error("{field}: {error}")]
+    Data {
+        /// `barn`, `dynabarn.file` or `pedestrians.file`.
+        field: &'static str,
+        /// What is wrong.
+        error: DataError,
+    },
     /// A value cannot be.
     #[error(transparent)]
     Spec(#[from] SpecError),
@@ -72,21 +91,23 @@ impl World {
     /// # Errors
     /// See [`WorldError`].
     pub fn load(spec: &WorldSpec) -> Result<(Self, Vec<MapWarning>), WorldError> {
-        let (map, warnings) = match &spec.map {
-            Some(file) => {
+        let (spec, generated) = resolved(spec)?;
+        let (map, warnings) = match (&spec.map, generated) {
+            (Some(file), _) => {
                 let loaded = map_file::load(file)?;
                 (Some(loaded.map), loaded.warnings)
             }
-            None => (None, Vec::new()),
+            (None, generated) => (generated, Vec::new()),
         };
-        Ok((Self::new(spec, map)?, warnings))
+        Ok((Self::new(&spec, map)?, warnings))
     }
 
-    /// The world of `spec`, whose map file has been read as `static_map`.
+    /// The world of `spec`, whose map file has been read, or whose map has been generated, as
+    /// `static_map`. Worlds of data sets are read by [`Self::load`] alone.
     ///
     /// # Errors
-    /// The first field that is wrong. `map` when `spec` names a map file and `static_map` is
-    /// `None` or the other way around, or when its cells do not fit its geometry.
+    /// The first field that is wrong. `map` when `spec` names a map and `static_map` is `None` or
+    /// the other way around, or when its cells do not fit its geometry.
     pub fn new(spec: &WorldSpec, static_map: Option<StaticMap>) -> Result<Self, SpecError> {
         let geometry = match (&static_map, spec.area_m) {
             (Some(map), None) => map.geometry,
@@ -96,8 +117,17 @@ impl World {
             }
             (None, area_m) => geometry_of(area_m, spec.resolution_m)?,
         };
-        if static_map.is_some() != spec.map.is_some() {
+        if static_map.is_some() != (spec.map.is_some() || spec.generated.is_some()) {
             return Err(SpecError::new("map", "its file has not been read"));
+        }
+        for (unread, field) in [
+            (spec.barn.is_some(), "barn"),
+            (spec.dynabarn.is_some(), "dynabarn"),
+            (spec.pedestrians.is_some(), "pedestrians"),
+        ] {
+            if unread {
+                return Err(SpecError::new(field, "its file has not been read"));
+            }
         }
         if let Some(map) = &static_map {
             let refused = map.geometry.check().err().map(|why| why.to_string());
@@ -123,14 +153,22 @@ impl World {
             .chain(shapes.iter().map(|shape| shape.placed().bounds()))
             .collect();
         let tree = Bvh::from_leaves(BvhBuildStrategy::Binned, &solid);
-        Ok(Self {
+        let world = Self {
             geometry,
             static_map,
             shapes,
             obstacles,
             rectangles,
             tree,
-        })
+        };
+        for (index, obstacle) in world.obstacles.iter().enumerate() {
+            let placed = obstacle.shape.placed();
+            if obstacle.spec.bounces_mps.is_some() && world.convex_distance_m(placed, 1.0) <= 0.0 {
+                let why = "a disc that bounces must not begin in something static";
+                return Err(SpecError::new(format!("obstacles[{index}].shape"), why));
+            }
+        }
+        Ok(world)
     }
 
     /// Where the grid of the static map lies.
@@ -238,11 +276,141 @@ impl World {
             .map_or(limit_m, |(_, distance_m)| distance_m)
     }
 
+    /// Distance of a chain of straight lines of the map frame from everything static, 0 when they
+    /// touch: a robot of radius r whose centre drives along it stays clear when this is more than
+    /// r. A single point counts as a chain; infinite for none and in an empty world. [m]
+    ///
+    /// Distances to cells of the map file are exact to rounding: a line that clips the corner of
+    /// an occupied square by a hundredth of a cell touches it.
+    #[must_use]
+    pub fn polyline_clearance_m(&self, polyline_in_map: &[Point2<f64>]) -> f64 {
+        let ends = polyline_in_map.windows(2).map(|ends| [ends[0], ends[1]]);
+        let only = match polyline_in_map {
+            [only] => Some([*only, *only]),
+            _ => None,
+        };
+        ends.chain(only).fold(f64::INFINITY, |nearest_m, [a, b]| {
+            self.segment_distance_m(a, b, nearest_m)
+        })
+    }
+
+    fn segment_distance_m(&self, a: Point2<f64>, b: Point2<f64>, limit_m: f64) -> f64 {
+        let segment = Segment::new(a.coords.into(), b.coords.into());
+        let own = segment.local_aabb();
+        let apart_m = |node: &BvhNode, _| {
+            Aabb::new(node.mins() - own.maxs, node.maxs() - own.mins).distance_to_origin()
+        };
+        let leaf_m = |leaf: u32, _| {
+            let index = leaf as usize;
+            Some(match self.rectangles.get(index) {
+                Some(rectangle) => rectangle_to_segment_m(rectangle, &segment),
+                None => {
+                    let shape = &self.shapes[index - self.rectangles.len()];
+                    shape.placed().distance_to_segment_m(a, b)
+                }
+            })
+        };
+        self.tree
+            .find_best(limit_m, apart_m, leaf_m)
+            .map_or(limit_m, |(_, distance_m)| distance_m)
+    }
+
     /// Distance of a point of the map frame from everything static, 0 inside. [m]
     #[must_use]
     pub fn point_distance_m(&self, point_in_map: Point2<f64>) -> f64 {
         self.convex_distance_m(&Convex::disc(point_in_map, 0.0), f64::INFINITY)
     }
+}
+
+/// The same world without words that stand for files of data sets and for random maps, and the
+/// random map. Reads the files.
+fn resolved(spec: &WorldSpec) -> Result<(WorldSpec, Option<StaticMap>), WorldError> {
+    let sources = [
+        (spec.map.is_some(), "map"),
+        (spec.barn.is_some(), "barn"),
+        (spec.dynabarn.is_some(), "dynabarn"),
+        (spec.generated.is_some(), "generated"),
+    ];
+    let mut given = sources.iter().filter(|(given, _)| *given);
+    if let (Some((_, first)), Some((_, second))) = (given.next(), given.next()) {
+        let why = format!("a world comes from one place, and there is {first} too");
+        return Err(SpecError::new(*second, why).into());
+    }
+    let mut own = spec.clone();
+    // Things of the data set come first: their places in the lists are those of its file.
+    let mut add = |from: WorldSpec| {
+        own.area_m = own.area_m.or(from.area_m);
+        own.shapes.splice(0..0, from.shapes);
+        own.obstacles.splice(0..0, from.obstacles);
+    };
+    let failed = |field| move |error| WorldError::Data { field, error };
+    if let Some(file) = &spec.barn {
+        add(BarnWorld::load(file).map_err(failed("barn"))?.spec());
+    }
+    if let Some(dynabarn) = &spec.dynabarn {
+        let field = "dynabarn.phase_s";
+        number(dynabarn.phase_s, -TIME_S_MAX, TIME_S_MAX, field)?;
+        let world = DynabarnWorld::load(&dynabarn.file).map_err(failed("dynabarn.file"))?;
+        add(world.spec(dynabarn.phase_s));
+    }
+    if let Some(people) = &spec.pedestrians {
+        number(people.from_s, -TIME_S_MAX, TIME_S_MAX, "pedestrians.from_s")?;
+        if let Some(duration_s) = people.duration_s {
+            let field = "pedestrians.duration_s";
+            number(duration_s, 0.0, TIME_S_MAX, field)?;
+        }
+        let scene = Scene::load(&people.file).map_err(failed("pedestrians.file"))?;
+        let brings_area = spec.map.is_none() && spec.generated.is_none();
+        let people = scene.spec(&Playback {
+            from_s: people.from_s,
+            duration_s: people.duration_s,
+            radius_m: people.radius_m,
+        });
+        if people.obstacles.len() > TRUTH_OBSTACLES_MAX {
+            let why = format!(
+                "{} people come in that time, at most {TRUTH_OBSTACLES_MAX}: make it shorter",
+                people.obstacles.len()
+            );
+            return Err(SpecError::new("pedestrians.duration_s", why).into());
+        }
+        add(WorldSpec {
+            area_m: people.area_m.filter(|_| brings_area),
+            ..people
+        });
+    }
+    (own.barn, own.dynabarn, own.pedestrians) = (None, None, None);
+    let generated = match &spec.generated {
+        Some(recipe) => {
+            let generated = generate(recipe).map_err(|error| match error {
+                GenerateError::Spec(error) => error.within("generated"),
+                GenerateError::NoWay { .. } => SpecError::new("generated", error.to_string()),
+            });
+            Some(generated?.map)
+        }
+        None => None,
+    };
+    Ok((own, generated))
+}
+
+/// Distance between a filled upright rectangle and a segment, 0 when they touch. [m] Where two
+/// convex sets are apart, a corner of one is nearest to the other.
+fn rectangle_to_segment_m(rectangle: &Aabb, segment: &Segment) -> f64 {
+    let (a, b) = (segment.a, segment.b);
+    let ends_m = [a, b].map(|end| rectangle.distance_to_local_point(end, true));
+    let nearest_m = ends_m[0].min(ends_m[1]);
+    // The line from a (0) to b (1) is inside from one number to the other.
+    let crosses = a != b
+        && rectangle
+            .clip_line_parameters(a, b - a)
+            .is_some_and(|(enters, leaves)| enters <= 1.0 && leaves >= 0.0);
+    if nearest_m <= 0.0 || crosses {
+        return 0.0;
+    }
+    rectangle
+        .vertices()
+        .into_iter()
+        .map(|corner| segment.distance_to_local_point(corner, true))
+        .fold(nearest_m, f64::min)
 }
 
 fn geometry_of(
@@ -310,28 +478,80 @@ fn obstacle_of(spec: &ObstacleSpec) -> Result<Obstacle, SpecError> {
     if let Some(lasts_s) = spec.lasts_s {
         number(lasts_s, 1.0e-3, TIME_S_MAX, "lasts_s")?;
     }
+    if let Some(trigger) = &spec.starts {
+        check_trigger(trigger).map_err(|error| error.within("starts"))?;
+    }
+    check_motion(spec)?;
+    Ok(Obstacle {
+        spec: spec.clone(),
+        shape,
+    })
+}
+
+/// Accepts an obstacle that stands, or moves in one way.
+fn check_motion(spec: &ObstacleSpec) -> Result<(), SpecError> {
+    let ways = [
+        (!spec.waypoints_m.is_empty(), "waypoints_m"),
+        (spec.bounces_mps.is_some(), "bounces_mps"),
+        (!spec.track.is_empty(), "track"),
+    ];
+    let mut given = ways.iter().filter(|(given, _)| *given);
+    if let (Some((_, first)), Some((_, second))) = (given.next(), given.next()) {
+        let why = format!("an obstacle moves in one way, and there is {first} too");
+        return Err(SpecError::new(*second, why));
+    }
+    let [(walks, _), (bounces, _), (tracks, _)] = ways;
     for (index, waypoint) in spec.waypoints_m.iter().enumerate() {
         point(*waypoint, &format!("waypoints_m[{index}]"))?;
     }
-    number(spec.speed_mps, 0.0, 1.0e3, "speed_mps")?;
-    match (spec.waypoints_m.is_empty(), spec.speed_mps > 0.0) {
-        (false, false) => Err(SpecError::new(
-            "speed_mps",
-            "must be above 0 for an obstacle with waypoints_m",
-        )),
-        (true, true) => Err(SpecError::new(
-            "speed_mps",
-            "means nothing without waypoints_m",
-        )),
-        (true, false) if spec.repeat => Err(SpecError::new(
-            "repeat",
-            "means nothing without waypoints_m",
-        )),
-        _ => Ok(Obstacle {
-            spec: spec.clone(),
-            shape,
-        }),
+    number(spec.speed_mps, 0.0, SPEED_MPS_MAX, "speed_mps")?;
+    number(spec.track_from_s, -TIME_S_MAX, TIME_S_MAX, "track_from_s")?;
+    if walks && spec.speed_mps <= 0.0 {
+        let why = "must be above 0 for an obstacle with waypoints_m";
+        return Err(SpecError::new("speed_mps", why));
     }
+    for (given, fits, field, needed) in [
+        (spec.speed_mps > 0.0, walks, "speed_mps", "waypoints_m"),
+        (
+            spec.repeat,
+            walks || tracks,
+            "repeat",
+            "waypoints_m or track",
+        ),
+        (
+            spec.track_from_s.abs() > 0.0,
+            tracks,
+            "track_from_s",
+            "track",
+        ),
+        (
+            spec.starts.is_some(),
+            walks || bounces || tracks,
+            "starts",
+            "waypoints_m, bounces_mps or track",
+        ),
+    ] {
+        if given && !fits {
+            let why = format!("means nothing without {needed}");
+            return Err(SpecError::new(field, why));
+        }
+    }
+    if let Some(velocity) = spec.bounces_mps {
+        for (axis, value) in velocity.into_iter().enumerate() {
+            let field = format!("bounces_mps[{axis}]");
+            number(value, -SPEED_MPS_MAX, SPEED_MPS_MAX, &field)?;
+        }
+        if !matches!(spec.shape, ShapeSpec::Disc { .. }) {
+            let why = "only a disc bounces";
+            return Err(SpecError::new("bounces_mps", why));
+        }
+    }
+    if tracks {
+        Track::check(&spec.track).map_err(|error| error.within("track"))?;
+        let speed_mps = Track::new(&spec.track, false, 0.0).speed_mps_max();
+        number(speed_mps, 0.0, SPEED_MPS_MAX, "track")?;
+    }
+    Ok(())
 }
 
 fn check_trigger(trigger: &Trigger) -> Result<(), SpecError> {

@@ -63,13 +63,7 @@ fn a_map_survives_being_saved() {
 #[test]
 fn a_large_map_becomes_a_world_that_agrees_with_its_cells() {
     let Some(folder) = folder() else { return };
-    let spec = WorldSpec {
-        map: Some(folder.join("nav2_100by100_15.yaml")),
-        area_m: None,
-        resolution_m: 0.05,
-        shapes: Vec::new(),
-        obstacles: Vec::new(),
-    };
+    let spec = WorldSpec::of_map(folder.join("nav2_100by100_15.yaml"));
     let (world, _) = World::load(&spec).unwrap();
     let map = world.static_map().unwrap();
     let area_m2: f64 = world

@@ -17,24 +17,14 @@ fn a_box(centre_m: [f64; 2], size_m: [f64; 2]) -> ShapeSpec {
 
 fn spec(shapes: Vec<ShapeSpec>) -> WorldSpec {
     WorldSpec {
-        map: None,
-        area_m: Some([[0.0, 0.0], [10.0, 5.0]]),
         resolution_m: 0.1,
         shapes,
-        obstacles: Vec::new(),
+        ..WorldSpec::area([0.0, 0.0], [10.0, 5.0])
     }
 }
 
 fn obstacle(name: &str, shape: ShapeSpec) -> ObstacleSpec {
-    ObstacleSpec {
-        name: name.to_owned(),
-        shape,
-        appears: None,
-        lasts_s: None,
-        waypoints_m: Vec::new(),
-        speed_mps: 0.0,
-        repeat: false,
-    }
+    ObstacleSpec::standing(name, shape)
 }
 
 /// A map file's world of 1 m cells: a wall in column 4 with a gap in row 2.
@@ -280,6 +270,42 @@ fn every_wrong_value_is_named() {
         wrong_obstacle(|o| o.speed_mps = 1.0),
     );
     refused("obstacles[0].repeat", wrong_obstacle(|o| o.repeat = true));
+    refused(
+        "obstacles[0].track_from_s",
+        wrong_obstacle(|o| o.track_from_s = 1.0),
+    );
+    refused(
+        "obstacles[0].starts",
+        wrong_obstacle(|o| {
+            o.starts = Some(Trigger {
+                at_s: Some(1.0),
+                robot_near: None,
+            });
+        }),
+    );
+    refused(
+        "obstacles[0].bounces_mps",
+        wrong_obstacle(|o| o.bounces_mps = Some([1.0, 0.0])),
+    );
+    refused(
+        "obstacles[0].bounces_mps[1]",
+        wrong_obstacle(|o| o.bounces_mps = Some([1.0, f64::NAN])),
+    );
+    refused(
+        "obstacles[0].track[1][0]",
+        wrong_obstacle(|o| o.track = vec![[0.0, 1.0, 1.0], [0.0, 2.0, 2.0]]),
+    );
+    refused(
+        "obstacles[0].track",
+        wrong_obstacle(|o| o.track = vec![[0.0, 1.0, 1.0], [1.0e-6, 2.0, 2.0]]),
+    );
+    refused(
+        "obstacles[0].track",
+        wrong_obstacle(|o| {
+            o.track = vec![[0.0, 1.0, 1.0], [1.0, 2.0, 2.0]];
+            (o.waypoints_m, o.speed_mps) = (vec![[1.0, 1.0]], 1.0);
+        }),
+    );
     refused(
         "obstacles[0].appears",
         wrong_obstacle(|o| {

@@ -8,15 +8,7 @@ use zeronav_world::{Occupancy, Shape, ShapeSpec, StaticMap};
 const SEED: u64 = 42;
 
 fn spec(n_beams: u32) -> LidarSpec {
-    LidarSpec {
-        pose: [0.0; 3],
-        n_beams,
-        fov_rad: TAU,
-        rate_hz: 10.0,
-        range_m_min: 0.1,
-        range_m_max: 10.0,
-        sigma_m: 0.0,
-    }
+    LidarSpec::exact(n_beams, 10.0, 0.1..10.0)
 }
 
 fn shape(spec: &ShapeSpec) -> Convex {
@@ -252,4 +244,125 @@ fn noise_depends_on_seed_and_scan_and_nothing_else() {
     assert_eq!(bits(&mut first, 1), one);
     assert_eq!(bits(&mut Lidar::new(&noisy, SEED), 2), two);
     assert_ne!(bits(&mut Lidar::new(&noisy, SEED + 1), 1), one);
+}
+
+/// A scan of a lidar that turns, beam by beam from `at(age)`, by casting every beam at every form.
+fn swept_by_hand(
+    spec: &LidarSpec,
+    at: impl Fn(u64) -> Pose,
+    forms_at: impl Fn(u64) -> Vec<Convex>,
+) -> Vec<f64> {
+    let header = Lidar::new(spec, SEED).header();
+    (0..spec.n_beams as usize)
+        .map(|beam| {
+            let later = f64::from(spec.n_beams) - 1.0 - f64::from(u32::try_from(beam).unwrap());
+            let age_s = later * f64::from(header.time_increment_s);
+            #[allow(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "a fraction of a second"
+            )]
+            let age_ns = (age_s * 1.0e9).round() as u64;
+            let laser = at(age_ns).then(&Pose::new(spec.pose[0], spec.pose[1], spec.pose[2]));
+            let (sin, cos) = (laser.yaw_rad + header.angle_of(beam)).sin_cos();
+            forms_at(age_ns)
+                .iter()
+                .filter_map(|form| ray::cast(form, laser.point(), Vector2::new(cos, sin)))
+                .fold(f64::INFINITY, f64::min)
+        })
+        .collect()
+}
+
+#[test]
+#[allow(clippy::cast_precision_loss, reason = "ages are fractions of a second")]
+fn a_turning_lidar_sees_every_beam_from_where_it_was_then() {
+    let seed = 21;
+    eprintln!("seed {seed}");
+    let mut rng = Pcg64Mcg::seed_from_u64(seed);
+    let (mut hits, mut on_moving) = (0, 0);
+    for case in 0..120 {
+        let mut within = |m: f64| rng.random_range(-m..m);
+        let mut spec = spec(if case % 3 == 0 { 90 } else { 360 });
+        spec.motion_distortion = true;
+        spec.range_m_min = 0.0;
+        if case % 4 == 0 {
+            spec.fov_rad = 4.7;
+        }
+        spec.pose = [within(0.3), within(0.3), within(PI)];
+        let (start, v_mps) = (Pose::new(within(1.0), within(1.0), within(PI)), within(3.0));
+        // The last cases turn faster than the mirror, against it and with it.
+        let w_radps = within(if case < 100 { 4.0 } else { 90.0 });
+        let at = |age_ns: u64| {
+            let t_s = 0.1 - age_ns as f64 * 1.0e-9;
+            let yaw_rad = wrap_angle(start.yaw_rad + w_radps * t_s);
+            let (x, y) = (start.x_m + v_mps * t_s, start.y_m - 0.5 * v_mps * t_s);
+            Pose::new(x, y, yaw_rad)
+        };
+        let still: Vec<Convex> = (0..10)
+            .map(|i| {
+                let centre_m = [within(7.0), within(7.0)];
+                if i % 2 == 0 {
+                    disc(centre_m[0], centre_m[1], within(0.5).abs() + 0.01)
+                } else {
+                    let size_m = [within(3.0).abs() + 0.01, within(3.0).abs() + 0.01];
+                    a_box(centre_m, size_m, within(PI))
+                }
+            })
+            .collect();
+        let (from, velocity) = ([within(4.0), within(4.0)], [within(5.0), within(5.0)]);
+        let walker = |age_ns: u64| {
+            let t_s = 0.1 - age_ns as f64 * 1.0e-9;
+            // There during the second half only.
+            (t_s > 0.05).then(|| {
+                disc(
+                    from[0] + velocity[0] * t_s,
+                    from[1] + velocity[1] * t_s,
+                    0.4,
+                )
+            })
+        };
+        let expected = swept_by_hand(&spec, at, |age_ns| {
+            still.iter().cloned().chain(walker(age_ns)).collect()
+        });
+        let mut lidar = Lidar::new(&spec, SEED);
+        let middle_ns = lidar.sweep_ns() / 2;
+        let mut ranges = vec![0.0; spec.n_beams as usize];
+        let mut beams_on = [0];
+        let mut exposure = lidar.sweep(at);
+        for form in &still {
+            exposure.add_shape(form, None);
+        }
+        let middle_s = 0.1 - middle_ns as f64 * 1.0e-9;
+        let middle = disc(
+            from[0] + velocity[0] * middle_s,
+            from[1] + velocity[1] * middle_s,
+            0.4,
+        );
+        let reach_m = f64::hypot(velocity[0], velocity[1]) * 0.0501;
+        exposure.add_moving(&middle, reach_m, 0, walker);
+        let scan = exposure.finish(1, &mut ranges, &mut beams_on);
+        assert_eq!(scan.check(&ranges), Ok(()));
+        for (beam, (range, expected)) in ranges.iter().zip(expected).enumerate() {
+            if expected > spec.range_m_max {
+                assert!(range.is_infinite(), "case {case} beam {beam}: {range}");
+            } else if expected == 0.0 {
+                assert!(range.is_nan(), "case {case} beam {beam}: {range}");
+            } else {
+                hits += 1;
+                check(*range, expected);
+            }
+        }
+        on_moving += beams_on[0];
+    }
+    assert!(hits > 10_000 && on_moving > 100, "{hits} {on_moving}");
+}
+
+#[test]
+fn a_turning_lidar_says_how_long_it_takes() {
+    let mut spec = spec(360);
+    spec.motion_distortion = true;
+    let lidar = Lidar::new(&spec, SEED);
+    assert!((f64::from(lidar.header().time_increment_s) - 0.1 / 360.0).abs() < 1e-9);
+    assert!(lidar.sweep_ns().abs_diff(99_722_222) < 100);
+    assert_eq!(Lidar::new(&super::tests::spec(360), SEED).sweep_ns(), 0);
 }
