@@ -14,7 +14,7 @@ use crate::planner::{
     CellPath, Control, CornerRule, Expansions, GlobalPlanner, PlanError, PlanQuery, PlanStats,
 };
 use crate::search::{Found, Search, Task};
-use crate::table::{COST_WEIGHT_MAX, ESCAPE_M_MAX, PlannerOptions};
+use crate::table::{COST_WEIGHT_MAX, ESCAPE_M_MAX, PlannerOptions, within};
 
 /// See the module's description.
 #[derive(Debug)]
@@ -84,17 +84,8 @@ impl GlobalPlanner for CAstar {
     }
 }
 
-/// `value` between 0 and `max`; 0 for what is not a number.
-fn within(value: f64, max: f64) -> f64 {
-    if value.is_nan() {
-        0.0
-    } else {
-        value.clamp(0.0, max)
-    }
-}
-
 /// Cost of a path of single steps, in metres of free cells.
-fn cost_m(query: &PlanQuery<'_>, cost_weight: f64, path: &CellPath) -> f64 {
+pub(crate) fn cost_m(query: &PlanQuery<'_>, cost_weight: f64, path: &CellPath) -> f64 {
     let resolution_m = query.map.geometry.resolution_m;
     path.cells
         .windows(2)

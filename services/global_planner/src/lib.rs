@@ -9,15 +9,24 @@
 //! Coordinates are those of the map: metres in the `map` frame, cells as columns and rows.
 
 pub mod astar;
+mod bits;
 mod bucket_queue;
+mod canonical;
 pub mod change;
 pub mod config;
 pub mod corridor;
 pub mod ends;
+mod goal_field;
+pub mod jps;
+mod jump_map;
 pub mod line;
 pub mod moves;
+pub mod movingai;
+pub mod mpgaa;
 pub mod plan;
 pub mod planner;
+mod reach;
+mod regions;
 pub mod replan;
 mod search;
 pub mod table;
@@ -32,4 +41,4 @@ pub use planner::{
     Unknown,
 };
 pub use replan::{News, Replanner, Request, Situation, Step};
-pub use table::{PLANNERS, PlannerOptions, PlannerRow, UnknownPlanner, row_of};
+pub use table::{EXACT, PLANNERS, PlannerOptions, PlannerRow, UnknownPlanner, row_of};

@@ -22,7 +22,16 @@ pub trait GlobalPlanner: Send {
     ) -> Result<PlanStats, PlanError>;
 
     /// These cells changed since the last call (incremental planners; default: nothing).
+    ///
+    /// Who has called it once calls it for every change from then on, before the next
+    /// [`Self::plan`]. Before the first call nothing is believed to last from plan to plan.
     fn map_changed(&mut self, _map: &MapView<'_>, _changed: &[CellRect]) {}
+
+    /// Work that makes the next answer faster, done while nobody waits for one: a slice of about
+    /// `expansions` expansions. True when more is left. The default has none.
+    fn prepare(&mut self, _expansions: u64) -> bool {
+        false
+    }
 }
 
 /// Where from, where to, and what counts as free.

@@ -1,6 +1,8 @@
 //! The planners by name: a new planner is one file and one row here.
 
 use crate::astar::CAstar;
+use crate::jps::{Choose, Jps};
+use crate::mpgaa::Mpgaa;
 use crate::planner::GlobalPlanner;
 use serde::{Deserialize, Serialize};
 
@@ -30,6 +32,15 @@ impl Default for PlannerOptions {
     }
 }
 
+/// `value` between 0 and `max`; 0 for what is not a number.
+pub(crate) fn within(value: f64, max: f64) -> f64 {
+    if value.is_nan() {
+        0.0
+    } else {
+        value.clamp(0.0, max)
+    }
+}
+
 /// A planner that can be chosen.
 #[derive(Debug, Clone, Copy)]
 pub struct PlannerRow {
@@ -46,14 +57,41 @@ pub struct PlannerRow {
 }
 
 /// Every planner.
-pub const PLANNERS: &[PlannerRow] = &[PlannerRow {
-    key: "c_astar",
-    title: "A* over costs",
-    source: "Hart, Nilsson, Raphael, \"A Formal Basis for the Heuristic Determination of Minimum \
-             Cost Paths\", 1968; open list after Dial, 1969",
-    complete: true,
-    build: |options| Box::new(CAstar::new(options)),
-}];
+pub const PLANNERS: &[PlannerRow] = &[
+    PlannerRow {
+        key: "c_astar",
+        title: "A* over costs",
+        source: "Hart, Nilsson, Raphael, \"A Formal Basis for the Heuristic Determination of \
+                 Minimum Cost Paths\", 1968; open list after Dial, 1969",
+        complete: true,
+        build: |options| Box::new(CAstar::new(options)),
+    },
+    PlannerRow {
+        key: "mpgaa",
+        title: "A* over costs that keeps a field of costs to the goal",
+        source: "Hernandez, Asin, Baier, \"Reusing Previously Found A* Paths for Fast \
+                 Goal-Directed Navigation in Dynamic Terrain\", AAAI 2015",
+        complete: true,
+        build: |options| Box::new(Mpgaa::new(options)),
+    },
+    PlannerRow {
+        key: "jps",
+        title: "Jump point search on bit maps, shortest ways",
+        source: "Harabor, Grastien, \"Improving Jump Point Search\", ICAPS 2014",
+        complete: true,
+        build: |options| Box::new(Jps::new(options, Choose::ByClutter)),
+    },
+    PlannerRow {
+        key: "canonical",
+        title: "Canonical A* on a bit map, shortest ways",
+        source: "Sturtevant, Rabin, \"Canonical Orderings on Grids\", IJCAI 2016",
+        complete: true,
+        build: |options| Box::new(Jps::new(options, Choose::Canonical)),
+    },
+];
+
+/// Keys of the planners whose ways are the shortest when all costs are 0 and no corner may be cut.
+pub const EXACT: &[&str] = &["c_astar", "mpgaa", "jps", "canonical"];
 
 /// No planner has this key.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -95,6 +133,13 @@ mod tests {
             assert_eq!(row.key, row.key.to_lowercase());
             assert!(PLANNERS[..n].iter().all(|other| other.key != row.key));
             assert_eq!(row_of(row.key).map(|found| found.key), Ok(row.key));
+        }
+    }
+
+    #[test]
+    fn exact_planners_are_planners() {
+        for key in EXACT {
+            assert!(row_of(key).is_ok_and(|row| row.complete), "{key}");
         }
     }
 
