@@ -7,9 +7,16 @@
 //! cost to the goal of all cells, found by one search from the goal while nobody waits.
 //!
 //! While costs only rise the field stays a consistent lower bound, so a search expands the cells
-//! whose best way led through what changed, and the new way. It is never below the octile
-//! distance; a search with it therefore closes no cell that a search from scratch, with ties left
-//! aside, would not.
+//! whose best way led through what changed, and the new way.
+//!
+//! Where costs fell since the field was made consistent, a search does not wait for the repair.
+//! Let a box hold every step that became cheaper, and `least` be the smallest bound on the ring of
+//! cells around it. A way that avoids the box costs what the field says; one that enters it has
+//! to come there and to leave it for the last time, so it costs at least the octile distance to
+//! the box plus `least`. The smaller of the two is a consistent bound again.
+//!
+//! No bound is ever below the octile distance to the goal. A search therefore closes no cell that
+//! a search from scratch would not, ties left aside, whatever happened to the map.
 
 use crate::bucket_queue::BucketQueue;
 use crate::moves::{DIAGONAL, STEPS, STRAIGHT, octile, price};
@@ -73,6 +80,37 @@ enum State {
     Beyond,
 }
 
+/// A box in which steps became cheaper, in padded positions, and what a way through it costs at
+/// least from there on.
+#[derive(Debug, Clone, Copy)]
+struct EasedBox {
+    min: (u32, u32),
+    max: (u32, u32),
+    least: u32,
+}
+
+impl EasedBox {
+    const EMPTY: Self = Self {
+        min: (u32::MAX, u32::MAX),
+        max: (0, 0),
+        least: 0,
+    };
+
+    fn add(&mut self, x: u32, y: u32) {
+        self.min = (self.min.0.min(x), self.min.1.min(y));
+        self.max = (self.max.0.max(x), self.max.1.max(y));
+    }
+
+    /// Lower bound of the ways from a cell that enter the box.
+    #[inline]
+    fn bound(&self, x: u32, y: u32) -> u32 {
+        let apart = |at: u32, min: u32, max: u32| min.saturating_sub(at) + at.saturating_sub(max);
+        let dx = apart(x, self.min.0, self.max.0);
+        let dy = apart(y, self.min.1, self.max.1);
+        octile(dx, dy).saturating_add(self.least)
+    }
+}
+
 /// What guides a search.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Guide {
@@ -81,6 +119,11 @@ pub(crate) enum Guide {
     /// The field, see [`GoalField::is_whole_for`].
     Field,
 }
+
+/// The kinds of heuristic, as parameters of the search.
+const OCTILE: u8 = 0;
+const FIELD: u8 = 1;
+const FIELD_AND_BOX: u8 = 2;
 
 /// See the module's description.
 #[derive(Debug)]
@@ -102,6 +145,8 @@ pub(crate) struct GoalField {
     state: State,
     /// Cells that became cheaper since the field was made consistent.
     eased: Vec<Spot>,
+    /// The box of these cells: padded x and y, first and last.
+    eased_box: EasedBox,
     lowered: BinaryHeap<Reverse<u64>>,
     /// Cells that the last search closed, in order, until the field has learnt from it.
     closed: Vec<Spot>,
@@ -135,6 +180,7 @@ impl GoalField {
             goal: 0,
             state: State::Missing,
             eased: Vec::new(),
+            eased_box: EasedBox::EMPTY,
             lowered: BinaryHeap::new(),
             closed: Vec::new(),
             proved: 0,
@@ -162,7 +208,7 @@ impl GoalField {
         self.geometry = *map.geometry;
         self.unknown = unknown;
         self.state = State::Missing;
-        self.eased.clear();
+        self.forget_eased();
         self.closed.clear();
         self.generation = 0;
         let (width, height) = (map.geometry.width + 2, map.geometry.height + 2);
@@ -215,9 +261,13 @@ impl GoalField {
                         if new < old && self.state != State::Missing {
                             #[allow(
                                 clippy::cast_possible_truncation,
-                                reason = "spots fit 32 bits"
+                                reason = "spots and positions fit 32 bits"
                             )]
-                            self.eased.push((first + n) as Spot);
+                            {
+                                self.eased.push((first + n) as Spot);
+                                self.eased_box
+                                    .add((columns.start + n) as u32 + 1, y as u32 + 1);
+                            }
                         }
                     }
                 }
@@ -226,18 +276,18 @@ impl GoalField {
         // More than a repair could ever be worth: it is not kept for one.
         if self.eased.len() > self.nodes.len() {
             self.state = State::Missing;
-            self.eased.clear();
+            self.forget_eased();
         }
     }
 
-    /// True when the field of this goal may guide a search once [`Self::repair`] is through.
-    pub(crate) fn is_whole_for(&self, goal: Cell) -> bool {
-        self.state == State::Whole && self.goal == self.spot(goal)
+    fn forget_eased(&mut self) {
+        self.eased.clear();
+        self.eased_box = EasedBox::EMPTY;
     }
 
-    /// True when the search from the goal never came to this cell: no way leads from it.
-    pub(crate) fn proves_no_way(&self, start: Cell) -> bool {
-        self.nodes[self.spot(start) as usize].left == NO_WAY
+    /// True when the field of this goal can guide a search.
+    pub(crate) fn is_whole_for(&self, goal: Cell) -> bool {
+        self.state == State::Whole && self.goal == self.spot(goal)
     }
 
     /// Work for when nobody waits: learns from the last search, repairs, then grows the field of
@@ -255,7 +305,7 @@ impl GoalField {
         match self.state {
             State::Growing => self.grow(expansions),
             State::Whole => {
-                if !self.repair(expansions, &mut 0) {
+                if !self.repair(expansions) {
                     self.state = State::Missing;
                 }
                 self.state == State::Missing
@@ -264,10 +314,9 @@ impl GoalField {
         }
     }
 
-    /// Makes the field consistent where costs fell, with at most `limit` expansions, which are
-    /// added to `expanded`; false when that was not enough: the field is lost then.
-    pub(crate) fn repair(&mut self, limit: u64, expanded: &mut u64) -> bool {
-        self.learn();
+    /// Makes the field consistent where costs fell; false when that takes more than `limit`
+    /// expansions, after which the field is of no use.
+    fn repair(&mut self, limit: u64) -> bool {
         self.lowered.clear();
         let mut eased = core::mem::take(&mut self.eased);
         for spot in eased.drain(..) {
@@ -277,6 +326,7 @@ impl GoalField {
             }
         }
         self.eased = eased;
+        self.eased_box = EasedBox::EMPTY;
         let mut used = 0;
         while let Some(Reverse(item)) = self.lowered.pop() {
             #[allow(
@@ -288,8 +338,6 @@ impl GoalField {
                 continue;
             }
             if used == limit {
-                self.state = State::Missing;
-                *expanded += used;
                 return false;
             }
             used += 1;
@@ -298,8 +346,40 @@ impl GoalField {
                     .push(Reverse(u64::from(left) << 32 | u64::from(spot)));
             });
         }
-        *expanded += used;
         true
+    }
+
+    /// The box of all steps that became cheaper, with what the ways through it cost at least.
+    fn whole_box(&self) -> EasedBox {
+        let EasedBox { min, max, .. } = self.eased_box;
+        let last = (self.geometry.width, self.geometry.height);
+        // A cell that opened also frees the diagonal steps past it.
+        let mut grown = EasedBox {
+            min: (min.0.max(2) - 1, min.1.max(2) - 1),
+            max: ((max.0 + 1).min(last.0), (max.1 + 1).min(last.1)),
+            least: NO_WAY,
+        };
+        let goal = (self.goal % self.width, self.goal / self.width);
+        if (grown.min.0..=grown.max.0).contains(&goal.0)
+            && (grown.min.1..=grown.max.1).contains(&goal.1)
+        {
+            grown.least = 0;
+            return grown;
+        }
+        let mut least = NO_WAY;
+        let mut see = |x: u32, y: u32| {
+            least = least.min(self.nodes[(y * self.width + x) as usize].left);
+        };
+        for x in grown.min.0 - 1..=grown.max.0 + 1 {
+            see(x, grown.min.1 - 1);
+            see(x, grown.max.1 + 1);
+        }
+        for y in grown.min.1..=grown.max.1 {
+            see(grown.min.0 - 1, y);
+            see(grown.max.0 + 1, y);
+        }
+        grown.least = least;
+        grown
     }
 
     /// Searches from `start` to `goal`, both free, adding to the counters of `stats`.
@@ -320,6 +400,11 @@ impl GoalField {
         }
         self.generation += 1;
         let ends = (self.spot(start), self.spot(goal));
+        let eased_box = if guide == Guide::Field && !self.eased.is_empty() {
+            Some(self.whole_box())
+        } else {
+            None
+        };
         let mut run = Run {
             nodes: &mut self.nodes,
             open: &mut self.open,
@@ -331,12 +416,16 @@ impl GoalField {
             generation: self.generation,
             goal: ends.1,
             goal_xy: (ends.1 % self.width, ends.1 / self.width),
+            eased_box: eased_box.unwrap_or(EasedBox::EMPTY),
             generated: 0,
             overflow: false,
         };
-        let found = match guide {
-            Guide::Octile => run.search::<false>(ends.0, self.span, budget, stats),
-            Guide::Field => run.search::<true>(ends.0, self.span, budget, stats),
+        let found = match (guide, eased_box) {
+            (Guide::Octile, _) => run.search::<OCTILE>(ends.0, self.span, budget, stats),
+            (Guide::Field, None) => run.search::<FIELD>(ends.0, self.span, budget, stats),
+            (Guide::Field, Some(_)) => {
+                run.search::<FIELD_AND_BOX>(ends.0, self.span, budget, stats)
+            }
         };
         stats.generated += run.generated;
         stats.peak_open = stats.peak_open.max(self.open.peak() as u64);
@@ -393,7 +482,7 @@ impl GoalField {
             node.left = NO_WAY;
         }
         self.goal = goal;
-        self.eased.clear();
+        self.forget_eased();
         self.closed.clear();
         self.nodes[goal as usize].left = 0;
         self.open.reset(0, self.span);
@@ -523,12 +612,13 @@ struct Run<'a> {
     generation: u32,
     goal: Spot,
     goal_xy: (u32, u32),
+    eased_box: EasedBox,
     generated: u64,
     overflow: bool,
 }
 
 impl Run<'_> {
-    fn search<const FIELD: bool>(
+    fn search<const GUIDE: u8>(
         &mut self,
         start: Spot,
         span: u32,
@@ -538,11 +628,7 @@ impl Run<'_> {
         self.closed.clear();
         let node = &mut self.nodes[start as usize];
         let xy = (start % self.width, start / self.width);
-        let key = if FIELD {
-            node.left
-        } else {
-            octile(xy.0.abs_diff(self.goal_xy.0), xy.1.abs_diff(self.goal_xy.1))
-        };
+        let key = bound::<GUIDE>(node.left, xy, self.goal_xy, &self.eased_box);
         if key == NO_WAY {
             return Found::Nothing;
         }
@@ -571,12 +657,12 @@ impl Run<'_> {
                 return Found::Stopped;
             }
             stats.evaluated += if step == NO_STEP { 8 } else { 5 };
-            let xy = if FIELD {
+            let xy = if GUIDE == FIELD {
                 (0, 0)
             } else {
                 (spot % self.width, spot / self.width)
             };
-            self.expand::<FIELD>(spot, xy, so_far, step);
+            self.expand::<GUIDE>(spot, xy, so_far, step);
         }
         if self.overflow {
             Found::Stopped
@@ -588,38 +674,38 @@ impl Run<'_> {
     /// The neighbours that the cell before does not reach at least as well without this one:
     /// valid for costs of cells entered, since both ways enter the same cell last.
     #[inline]
-    fn expand<const FIELD: bool>(&mut self, spot: Spot, xy: (u32, u32), so_far: u32, step: u32) {
+    fn expand<const GUIDE: u8>(&mut self, spot: Spot, xy: (u32, u32), so_far: u32, step: u32) {
         let rule = self.rule;
         if step == NO_STEP {
             let straight =
-                [0, 2, 4, 6].map(|step| self.offer::<FIELD>(spot, xy, so_far, step));
+                [0, 2, 4, 6].map(|step| self.offer::<GUIDE>(spot, xy, so_far, step));
             for n in 0..4 {
                 let (one, other) = (straight[n as usize], straight[(n as usize + 1) % 4]);
                 if rule.permits(!one, !other) {
-                    self.offer::<FIELD>(spot, xy, so_far, 2 * n + 1);
+                    self.offer::<GUIDE>(spot, xy, so_far, 2 * n + 1);
                 }
             }
         } else if step.is_multiple_of(2) {
-            let ahead = self.offer::<FIELD>(spot, xy, so_far, step);
-            let left = self.offer::<FIELD>(spot, xy, so_far, step + 2);
-            let right = self.offer::<FIELD>(spot, xy, so_far, step + 6);
+            let ahead = self.offer::<GUIDE>(spot, xy, so_far, step);
+            let left = self.offer::<GUIDE>(spot, xy, so_far, step + 2);
+            let right = self.offer::<GUIDE>(spot, xy, so_far, step + 6);
             if rule.permits(!ahead, !left) {
-                self.offer::<FIELD>(spot, xy, so_far, step + 1);
+                self.offer::<GUIDE>(spot, xy, so_far, step + 1);
             }
             if rule.permits(!ahead, !right) {
-                self.offer::<FIELD>(spot, xy, so_far, step + 7);
+                self.offer::<GUIDE>(spot, xy, so_far, step + 7);
             }
         } else {
-            let left = self.offer::<FIELD>(spot, xy, so_far, step + 1);
-            let right = self.offer::<FIELD>(spot, xy, so_far, step + 7);
+            let left = self.offer::<GUIDE>(spot, xy, so_far, step + 1);
+            let right = self.offer::<GUIDE>(spot, xy, so_far, step + 7);
             if rule.permits(!left, !right) {
-                self.offer::<FIELD>(spot, xy, so_far, step);
+                self.offer::<GUIDE>(spot, xy, so_far, step);
             }
             if rule.permits(!left, self.is_blocked_behind(spot, step + 3)) {
-                self.offer::<FIELD>(spot, xy, so_far, step + 2);
+                self.offer::<GUIDE>(spot, xy, so_far, step + 2);
             }
             if rule.permits(!right, self.is_blocked_behind(spot, step + 5)) {
-                self.offer::<FIELD>(spot, xy, so_far, step + 6);
+                self.offer::<GUIDE>(spot, xy, so_far, step + 6);
             }
         }
     }
@@ -640,7 +726,7 @@ impl Run<'_> {
     /// Offers a way of cost `so_far` to `spot` and one more step. False when it is blocked.
     #[inline(always)]
     #[allow(clippy::inline_always, reason = "called five times per expansion")]
-    fn offer<const FIELD: bool>(
+    fn offer<const GUIDE: u8>(
         &mut self,
         spot: Spot,
         xy: (u32, u32),
@@ -663,13 +749,9 @@ impl Run<'_> {
             self.overflow = true;
             return true;
         }
-        let left = if FIELD {
-            node.left
-        } else {
-            let (dx, dy) = STEPS[step as usize];
-            let (x, y) = (xy.0.wrapping_add_signed(dx), xy.1.wrapping_add_signed(dy));
-            octile(x.abs_diff(self.goal_xy.0), y.abs_diff(self.goal_xy.1))
-        };
+        let (dx, dy) = STEPS[step as usize];
+        let xy = (xy.0.wrapping_add_signed(dx), xy.1.wrapping_add_signed(dy));
+        let left = bound::<GUIDE>(node.left, xy, self.goal_xy, &self.eased_box);
         if left == NO_WAY {
             return true;
         }
@@ -679,5 +761,21 @@ impl Run<'_> {
         self.generated += 1;
         self.open.push(so_far + left, spot);
         true
+    }
+}
+
+/// Lower bound of what is left from the cell at `xy`, of which the field says `left`.
+#[inline]
+fn bound<const GUIDE: u8>(
+    left: u32,
+    xy: (u32, u32),
+    goal: (u32, u32),
+    eased: &EasedBox,
+) -> u32 {
+    let straight = || octile(xy.0.abs_diff(goal.0), xy.1.abs_diff(goal.1));
+    match GUIDE {
+        FIELD => left,
+        FIELD_AND_BOX => left.min(eased.bound(xy.0, xy.1)).max(straight()),
+        _ => straight(),
     }
 }
