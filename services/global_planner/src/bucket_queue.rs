@@ -93,6 +93,12 @@ impl BucketQueue {
             + self.entries.capacity() * size_of::<Entry>()
     }
 
+    /// Key of the item popped last; no key in the queue is lower.
+    #[inline]
+    pub(crate) const fn key(&self) -> u32 {
+        self.key
+    }
+
     /// Like [`Self::pop`], with the item's key before it.
     #[inline]
     pub(crate) fn pop_with_key(&mut self) -> Option<(u32, u32)> {

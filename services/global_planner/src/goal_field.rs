@@ -118,12 +118,21 @@ pub(crate) enum Guide {
     Octile,
     /// The field, see [`GoalField::is_whole_for`].
     Field,
+    /// So many quarters of the octile distance, at least four: the way costs at most as many
+    /// quarters of the least. Only ways cheaper than `below` count.
+    Weighted {
+        /// Weight times four.
+        quarters: u32,
+        /// In the integer costs of the search.
+        below: u32,
+    },
 }
 
 /// The kinds of heuristic, as parameters of the search.
 const OCTILE: u8 = 0;
 const FIELD: u8 = 1;
 const FIELD_AND_BOX: u8 = 2;
+const WEIGHTED: u8 = 3;
 
 /// See the module's description.
 #[derive(Debug)]
@@ -137,6 +146,8 @@ pub(crate) struct GoalField {
     nodes: Vec<Node>,
     generation: u32,
     open: BucketQueue,
+    /// Open list of the search from the goal, which goes on between other searches.
+    front: BucketQueue,
     steps: [[u32; 256]; 2],
     span: u32,
     /// Differences of spots in the order of [`STEPS`].
@@ -173,6 +184,7 @@ impl GoalField {
             nodes: Vec::new(),
             generation: 0,
             open: BucketQueue::default(),
+            front: BucketQueue::default(),
             steps,
             // A key exceeds that of the node it came from by the step there and back.
             span: 2 * largest,
@@ -190,6 +202,7 @@ impl GoalField {
     pub(crate) fn bytes(&self) -> usize {
         self.nodes.capacity() * size_of::<Node>()
             + self.open.bytes()
+            + self.front.bytes()
             + (self.eased.capacity() + self.closed.capacity()) * size_of::<Spot>()
             + self.lowered.capacity() * size_of::<Reverse<u64>>()
     }
@@ -417,6 +430,8 @@ impl GoalField {
             goal: ends.1,
             goal_xy: (ends.1 % self.width, ends.1 / self.width),
             eased_box: eased_box.unwrap_or(EasedBox::EMPTY),
+            quarters: 4,
+            below: NO_WAY,
             generated: 0,
             overflow: false,
         };
@@ -425,6 +440,11 @@ impl GoalField {
             (Guide::Field, None) => run.search::<FIELD>(ends.0, self.span, budget, stats),
             (Guide::Field, Some(_)) => {
                 run.search::<FIELD_AND_BOX>(ends.0, self.span, budget, stats)
+            }
+            (Guide::Weighted { quarters, below }, _) => {
+                (run.quarters, run.below) = (quarters, below);
+                let span = self.span + DIAGONAL * quarters;
+                run.search::<WEIGHTED>(ends.0, span, budget, stats)
             }
         };
         stats.generated += run.generated;
@@ -441,6 +461,11 @@ impl GoalField {
             self.closed.clear();
         }
         found
+    }
+
+    /// Integer cost of the way that the last search found.
+    pub(crate) fn cost_of(&self, goal: Cell) -> u32 {
+        self.nodes[self.spot(goal) as usize].so_far
     }
 
     /// Appends the way that was found, both ends included.
@@ -485,15 +510,15 @@ impl GoalField {
         self.forget_eased();
         self.closed.clear();
         self.nodes[goal as usize].left = 0;
-        self.open.reset(0, self.span);
-        self.open.push(0, goal);
+        self.front.reset(0, self.span);
+        self.front.push(0, goal);
         self.state = State::Growing;
     }
 
     fn grow(&mut self, expansions: u64) -> bool {
         let mut used = 0;
         while used < expansions {
-            let Some((left, spot)) = self.open.pop_with_key() else {
+            let Some((left, spot)) = self.front.pop_with_key() else {
                 self.state = State::Whole;
                 return !self.eased.is_empty();
             };
@@ -531,7 +556,7 @@ impl GoalField {
             let other = &mut self.nodes[from as usize];
             if left < other.left {
                 other.left = left;
-                push((&mut self.open, &mut self.lowered), left, from);
+                push((&mut self.front, &mut self.lowered), left, from);
             }
         }
     }
@@ -613,6 +638,8 @@ struct Run<'a> {
     goal: Spot,
     goal_xy: (u32, u32),
     eased_box: EasedBox,
+    quarters: u32,
+    below: u32,
     generated: u64,
     overflow: bool,
 }
@@ -752,14 +779,20 @@ impl Run<'_> {
         let (dx, dy) = STEPS[step as usize];
         let xy = (xy.0.wrapping_add_signed(dx), xy.1.wrapping_add_signed(dy));
         let left = bound::<GUIDE>(node.left, xy, self.goal_xy, &self.eased_box);
-        if left == NO_WAY {
+        if left == NO_WAY || GUIDE == WEIGHTED && so_far + left >= self.below {
             return true;
         }
         node.so_far = so_far;
         node.meta =
             self.generation << GENERATION_SHIFT | price << PRICE_SHIFT | step << STEP_SHIFT;
         self.generated += 1;
-        self.open.push(so_far + left, spot);
+        let key = if GUIDE == WEIGHTED {
+            // A weighted heuristic may fall by more than the step costs; the key must not.
+            (so_far + left / 4 * self.quarters).max(self.open.key())
+        } else {
+            so_far + left
+        };
+        self.open.push(key, spot);
         true
     }
 }

@@ -26,8 +26,9 @@ use zeronav_msgs::{Cell, CellRect, MapView};
 /// Expansions between two looks at the budget; jumps can be long.
 const BUDGET_EVERY: u64 = 256;
 
-/// Share of cells with a forced neighbour above which jumping does not pay.
-const CLUTTER_SHARE: f64 = 0.04;
+/// Share of cells with a forced neighbour above which jumping does not pay. Measured: jumps are 13
+/// times faster in a maze with a share of 0.10, 1.8 times slower in clutter with one of 0.16.
+const CLUTTER_SHARE: f64 = 0.13;
 
 /// A padded position in the open list and in the nodes: `y * (width + 2) + x`.
 type Spot = u32;
@@ -114,7 +115,8 @@ impl Jps {
             return found;
         }
         let (bits, reach) = (self.map.bits(), &mut self.reach);
-        let may_reach = &mut |expanded| reach.may(bits, start, goal, expanded);
+        let ends = (start, goal);
+        let may_reach = &mut |expanded| reach.may(bits, task.corner_rule, ends, expanded);
         if !may_reach(0) {
             return Found::Nothing;
         }

@@ -8,6 +8,8 @@
 //!
 //! Coordinates are those of the map: metres in the `map` frame, cells as columns and rows.
 
+pub mod any_angle;
+pub mod anytime;
 pub mod astar;
 mod bits;
 mod bucket_queue;
@@ -19,16 +21,19 @@ pub mod ends;
 mod goal_field;
 pub mod jps;
 mod jump_map;
+pub mod lazy_theta;
 pub mod line;
 pub mod moves;
 pub mod movingai;
 pub mod mpgaa;
 pub mod plan;
 pub mod planner;
+mod pull;
 mod reach;
 mod regions;
 pub mod replan;
 mod search;
+mod sight;
 pub mod table;
 pub mod waypoints;
 
@@ -37,7 +42,7 @@ pub use corridor::{Corridor, Legality};
 pub use plan::{Plan, Target};
 
 pub use planner::{
-    CellPath, Control, CornerRule, Expansions, GlobalPlanner, PlanError, PlanQuery, PlanStats,
+    CellPath, Control, CornerRule, Expansions, GlobalPlanner, Improvement, PlanError, PlanQuery, PlanStats,
     Unknown,
 };
 pub use replan::{News, Replanner, Request, Situation, Step};

@@ -57,17 +57,18 @@ impl Mpgaa {
         &mut self,
         start: Cell,
         goal: Cell,
+        rule: CornerRule,
         budget: &mut dyn FnMut(Expansions) -> Control,
         stats: &mut PlanStats,
     ) -> Found {
         self.goal = Some(goal);
         let (bits, reach) = (&self.bits, &mut self.reach);
-        if !reach.may(bits, start, goal, 0) {
+        if !reach.may(bits, rule, (start, goal), 0) {
             return Found::Nothing;
         }
         let mut no_way = false;
         let mut watched = |expansions: Expansions| {
-            no_way = !reach.may(bits, start, goal, expansions.0);
+            no_way = !reach.may(bits, rule, (start, goal), expansions.0);
             if no_way {
                 Control::Stop
             } else {
@@ -103,7 +104,7 @@ impl GlobalPlanner for Mpgaa {
             let tried = |exit| !reach.known(bits, query.corner_rule, exit, ends.goal);
             start = self.way_out.turn_to_next(tried).unwrap_or(start);
         }
-        match self.search(start, ends.goal, budget, &mut path.stats) {
+        match self.search(start, ends.goal, query.corner_rule, budget, &mut path.stats) {
             Found::Path => {}
             Found::Stopped => return Err(PlanError::OutOfBudget),
             Found::Nothing => {

@@ -141,6 +141,20 @@ pub struct PlanStats {
     pub peak_open: u64,
     /// Cost of the path in the planner's own measure, >= its length [m]; 0 without a path.
     pub cost: f64,
+    /// Paths that an anytime planner had on the way, dearer ones first; the rest is 0.
+    pub improved: [Improvement; IMPROVEMENTS_MAX],
+}
+
+/// Most entries of [`PlanStats::improved`].
+pub const IMPROVEMENTS_MAX: usize = 4;
+
+/// A path that was found while the search went on.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Improvement {
+    /// Expansions until then.
+    pub expanded: u64,
+    /// Its cost, as [`PlanStats::cost`].
+    pub cost: f64,
 }
 
 /// Expansions of the running search so far.

@@ -15,12 +15,18 @@ pub(crate) struct Reach {
 }
 
 impl Reach {
-    /// False when it is proved that no way that cuts no corner leads from `start` to `goal`.
+    /// False when it is proved that no way leads from `start` to `goal` under `rule`.
     ///
     /// Known regions are asked at once; unknown ones are found only after so many expansions
     /// that finding them costs about as much as the search did so far.
     #[inline]
-    pub(crate) fn may(&mut self, bits: &BitMap, start: Cell, goal: Cell, expanded: u64) -> bool {
+    pub(crate) fn may(
+        &mut self,
+        bits: &BitMap,
+        rule: CornerRule,
+        (start, goal): (Cell, Cell),
+        expanded: u64,
+    ) -> bool {
         if expanded == 0 {
             self.asked = false;
         }
@@ -29,22 +35,26 @@ impl Reach {
         }
         let rows = bits.rows();
         let worth = expanded >= 256 + rows.words().len() as u64 / 64;
-        if !worth && (expanded > 0 || !self.edges.is_current(bits, CornerRule::ForbidAny)) {
+        if !worth && (expanded > 0 || !self.regions(rule).is_current(bits, rule)) {
             return true;
         }
         self.asked = true;
-        self.known(bits, CornerRule::ForbidAny, start, goal)
+        self.known(bits, rule, start, goal)
     }
 
     /// True when the two cells are connected; finds the regions if need be.
     pub(crate) fn known(&mut self, bits: &BitMap, rule: CornerRule, a: Cell, b: Cell) -> bool {
-        let regions = if rule == CornerRule::Allow {
+        let regions = self.regions(rule);
+        regions.follow(bits, rule);
+        regions.connected(padded(a), padded(b))
+    }
+
+    fn regions(&mut self, rule: CornerRule) -> &mut Regions {
+        if rule == CornerRule::Allow {
             &mut self.corners
         } else {
             &mut self.edges
-        };
-        regions.follow(bits, rule);
-        regions.connected(padded(a), padded(b))
+        }
     }
 
     pub(crate) fn bytes(&self) -> usize {

@@ -1,7 +1,10 @@
 //! The planners by name: a new planner is one file and one row here.
 
+use crate::any_angle::AnyAngle;
+use crate::anytime::Anytime;
 use crate::astar::CAstar;
 use crate::jps::{Choose, Jps};
+use crate::lazy_theta::LazyTheta;
 use crate::mpgaa::Mpgaa;
 use crate::planner::GlobalPlanner;
 use serde::{Deserialize, Serialize};
@@ -88,10 +91,34 @@ pub const PLANNERS: &[PlannerRow] = &[
         complete: true,
         build: |options| Box::new(Jps::new(options, Choose::Canonical)),
     },
+    PlannerRow {
+        key: "lazy_theta",
+        title: "Lazy Theta*, ways at any angle",
+        source: "Nash, Koenig, Tovey, \"Lazy Theta*: Any-Angle Path Planning and Path Length \
+                 Analysis in 3D\", AAAI 2010",
+        complete: true,
+        build: |options| Box::new(LazyTheta::new(options)),
+    },
+    PlannerRow {
+        key: "any_angle",
+        title: "A* over costs, pulled straight where that is no dearer",
+        source: "the search of mpgaa; Botea, Mueller, Schaeffer, \"Near Optimal Hierarchical \
+                 Path-Finding\", 2004, for the pulling",
+        complete: true,
+        build: |options| Box::new(AnyAngle::new(options)),
+    },
+    PlannerRow {
+        key: "anytime",
+        title: "Weighted A* over costs, started again with less weight while time is left",
+        source: "Richter, Thayer, Ruml, \"The Joy of Forgetting: Faster Anytime Search via \
+                 Restarting\", ICAPS 2010",
+        complete: true,
+        build: |options| Box::new(Anytime::new(options)),
+    },
 ];
 
 /// Keys of the planners whose ways are the shortest when all costs are 0 and no corner may be cut.
-pub const EXACT: &[&str] = &["c_astar", "mpgaa", "jps", "canonical"];
+pub const EXACT: &[&str] = &["c_astar", "mpgaa", "jps", "canonical", "anytime"];
 
 /// No planner has this key.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
