@@ -15,8 +15,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
 use zeronav_global_planner::{
-    CellPath, Control, CornerRule, EXACT, GlobalPlanner, PlanQuery, PlannerOptions, Unknown,
-    row_of,
+    CellPath, Control, CornerRule, EXACT, GlobalPlanner, PlanQuery, PlannerOptions, Unknown, row_of,
 };
 use zeronav_msgs::{Cell, CellRect};
 

@@ -86,7 +86,12 @@ fn query<'a>(map: MapView<'a>, question: &Scenario) -> PlanQuery<'a> {
 }
 
 /// Sum of the times of a planner, and the cost of each answer [m].
-fn ours(key: &str, cost_weight: f64, set: &Set, map: MapView<'_>) -> Result<(f64, Vec<f64>), String> {
+fn ours(
+    key: &str,
+    cost_weight: f64,
+    set: &Set,
+    map: MapView<'_>,
+) -> Result<(f64, Vec<f64>), String> {
     let options = PlannerOptions {
         cost_weight,
         ..PlannerOptions::default()
@@ -211,7 +216,11 @@ fn told(set: &Set) -> Result<f64, String> {
     // Bits are made with the first answer.
     if let Some(question) = set.scenarios.first() {
         let mut path = CellPath::default();
-        let _ = planner.plan(&query(map.view(), question), &mut |_| Control::Go, &mut path);
+        let _ = planner.plan(
+            &query(map.view(), question),
+            &mut |_| Control::Go,
+            &mut path,
+        );
     }
     for n in 0..10 {
         if n % 2 == 0 {
@@ -278,7 +287,11 @@ fn robot_map(file: &Path, sample: usize) -> Result<Set, String> {
     let cells = picture
         .pixels()
         .map(|pixel| MapCell {
-            cost: if pixel.0[0] < 250 { COST_LETHAL } else { COST_FREE },
+            cost: if pixel.0[0] < 250 {
+                COST_LETHAL
+            } else {
+                COST_FREE
+            },
             flags: 0,
             clearance_mm: 0,
         })
@@ -298,7 +311,10 @@ fn robot_map(file: &Path, sample: usize) -> Result<Set, String> {
             optimal_cells: 0.0,
         };
         let query = query(map.view(), &question);
-        if planner.plan(&query, &mut |_| Control::Go, &mut path).is_ok() {
+        if planner
+            .plan(&query, &mut |_| Control::Go, &mut path)
+            .is_ok()
+        {
             question.optimal_cells = path.length_cells();
             scenarios.push(question);
         }
@@ -322,8 +338,16 @@ fn run(flags: &Flags) -> Result<usize, String> {
     println!("mean time of a question [us]; a change of 10 x 10 cells [us]");
     println!(
         "{:<30} {:>9} {:>9} {:>9} {:>10} {:>11} | {:>9} {:>11} | {:>6} {:>10}",
-        "map", "jps", "canonical", "c_astar", "grid_path.", "pathfinding", "costs", "pathfinding",
-        "told", "grid_path."
+        "map",
+        "jps",
+        "canonical",
+        "c_astar",
+        "grid_path.",
+        "pathfinding",
+        "costs",
+        "pathfinding",
+        "told",
+        "grid_path."
     );
     let mut add = |set: &Set| -> Result<(), String> {
         let row = compare(set)?;
@@ -363,7 +387,9 @@ fn run(flags: &Flags) -> Result<usize, String> {
     ratio("grid_pathfinding 0.3 (cuts corners) / jps", |row| {
         row.grid_pathfinding / row.jps
     });
-    ratio("pathfinding 4.16 astar / jps", |row| row.pathfinding / row.jps);
+    ratio("pathfinding 4.16 astar / jps", |row| {
+        row.pathfinding / row.jps
+    });
     ratio("pathfinding 4.16 astar / c_astar", |row| {
         row.pathfinding / row.astar
     });

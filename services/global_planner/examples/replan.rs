@@ -318,7 +318,11 @@ impl Bench {
         let mut path = CellPath::default();
         // The way before the change, and everything that is known about it.
         self.kept
-            .plan(&Self::query(&self.map, ends), &mut |_| Control::Go, &mut path)
+            .plan(
+                &Self::query(&self.map, ends),
+                &mut |_| Control::Go,
+                &mut path,
+            )
             .ok()?;
         self.task += 1;
         self.cycle(ends, &[]);
@@ -337,7 +341,11 @@ impl Bench {
                 // The block is there, everybody knows, and it goes.
                 self.tell(rect);
                 self.kept
-                    .plan(&Self::query(&self.map, ends), &mut |_| Control::Go, &mut path)
+                    .plan(
+                        &Self::query(&self.map, ends),
+                        &mut |_| Control::Go,
+                        &mut path,
+                    )
                     .ok()?;
                 self.cycle(ends, &[rect]);
                 self.ahead();
@@ -374,7 +382,11 @@ impl Bench {
                 self.undo(rect, &before);
                 self.tell(rect);
                 self.kept
-                    .plan(&Self::query(&self.map, ends), &mut |_| Control::Go, &mut path)
+                    .plan(
+                        &Self::query(&self.map, ends),
+                        &mut |_| Control::Go,
+                        &mut path,
+                    )
                     .ok()?;
                 // Another task of the same goal: back on the way before the change.
                 self.task += 1;
@@ -403,8 +415,17 @@ fn table(name: &str, map: &Map, uniform: bool, n_events: usize) -> Result<usize,
     println!("\n{name}, {costs}: p50 / p99 / worst [us]; expansions: incremental over scratch");
     println!(
         "{:<8} {:>4} {:>5} {:>6} {:>5} {:>24} {:>26} {:>24} {:>24} {:>8} {:>11}",
-        "event", "n", "kept", "told", "check", "incremental", "A* from scratch", "jps (no costs)",
-        "replanner's cycle", "ahead", "expansions"
+        "event",
+        "n",
+        "kept",
+        "told",
+        "check",
+        "incremental",
+        "A* from scratch",
+        "jps (no costs)",
+        "replanner's cycle",
+        "ahead",
+        "expansions"
     );
     let (width, height) = bench.map.geometry.size();
     for (name, kind) in KINDS {
@@ -415,14 +436,21 @@ fn table(name: &str, map: &Map, uniform: bool, n_events: usize) -> Result<usize,
             // A new way every eight events.
             let mut ends_rng = Rng(100 + (tries / 8) as u64);
             tries += 1;
-            let mut end =
-                |shift: i32| bench.map.free_near(Cell::new(
-                    shift + ends_rng.below(width / 3), ends_rng.below(height)));
+            let mut end = |shift: i32| {
+                bench.map.free_near(Cell::new(
+                    shift + ends_rng.below(width / 3),
+                    ends_rng.below(height),
+                ))
+            };
             let (mut start, goal) = (end(0), end(width * 2 / 3));
             // The robot has come a little further each time.
             let mut path = CellPath::default();
             let query = Bench::query(&bench.map, (start, goal));
-            if bench.anew.plan(&query, &mut |_| Control::Go, &mut path).is_err() {
+            if bench
+                .anew
+                .plan(&query, &mut |_| Control::Go, &mut path)
+                .is_err()
+            {
                 continue;
             }
             start = path.cells.get((tries % 8) * 10).copied().unwrap_or(start);
@@ -454,7 +482,10 @@ fn table(name: &str, map: &Map, uniform: bool, n_events: usize) -> Result<usize,
         );
     }
     if bench.wrong > 0 {
-        println!("{} events with another cost or too many expansions", bench.wrong);
+        println!(
+            "{} events with another cost or too many expansions",
+            bench.wrong
+        );
     }
     Ok(bench.wrong)
 }

@@ -58,7 +58,8 @@ impl GlobalPlanner for AnyAngle {
             .cells
             .windows(2)
             .map(|pair| {
-                let straight = f64::from(pair[1].x - pair[0].x).hypot(f64::from(pair[1].y - pair[0].y));
+                let straight =
+                    f64::from(pair[1].x - pair[0].x).hypot(f64::from(pair[1].y - pair[0].y));
                 cost_of_line(query, self.cost_weight, pair[0], pair[1]).unwrap_or(straight)
                     * resolution_m
             })

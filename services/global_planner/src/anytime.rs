@@ -10,7 +10,7 @@ use crate::bits::BitMap;
 use crate::ends::{WayOut, find_ends};
 use crate::goal_field::{GoalField, Guide};
 use crate::planner::{
-    CellPath, Control, CornerRule, Expansions, GlobalPlanner, Improvement, IMPROVEMENTS_MAX,
+    CellPath, Control, CornerRule, Expansions, GlobalPlanner, IMPROVEMENTS_MAX, Improvement,
     PlanError, PlanQuery, PlanStats,
 };
 use crate::reach::Reach;

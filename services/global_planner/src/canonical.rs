@@ -56,8 +56,8 @@ const fn successors_of(step: u32, blocked: u32) -> u8 {
     let mut legal = 0;
     let mut n = 0;
     while n < 8 {
-        let corner_free = n % 2 == 0
-            || (blocked >> (n - 1) & 1 == 0 && blocked >> ((n + 1) & 7) & 1 == 0);
+        let corner_free =
+            n % 2 == 0 || (blocked >> (n - 1) & 1 == 0 && blocked >> ((n + 1) & 7) & 1 == 0);
         if wanted >> n & 1 == 1 && blocked >> n & 1 == 0 && corner_free {
             legal |= 1 << n;
         }

@@ -236,8 +236,7 @@ impl GoalField {
             meta: BLOCKED << PRICE_SHIFT,
         };
         self.nodes.clear();
-        self.nodes
-            .resize(width as usize * height as usize, border);
+        self.nodes.resize(width as usize * height as usize, border);
         let rows = map.cells.chunks_exact(map.geometry.width.max(1) as usize);
         for (row, nodes) in rows.zip(self.nodes.chunks_exact_mut(width as usize).skip(1)) {
             for (cell, node) in row.iter().zip(&mut nodes[1..]) {
@@ -342,10 +341,7 @@ impl GoalField {
         self.eased_box = EasedBox::EMPTY;
         let mut used = 0;
         while let Some(Reverse(item)) = self.lowered.pop() {
-            #[allow(
-                clippy::cast_possible_truncation,
-                reason = "the two halves, as pushed"
-            )]
+            #[allow(clippy::cast_possible_truncation, reason = "the two halves, as pushed")]
             let (left, spot) = ((item >> 32) as u32, item as u32);
             if self.nodes[spot as usize].left != left {
                 continue;
@@ -704,8 +700,7 @@ impl Run<'_> {
     fn expand<const GUIDE: u8>(&mut self, spot: Spot, xy: (u32, u32), so_far: u32, step: u32) {
         let rule = self.rule;
         if step == NO_STEP {
-            let straight =
-                [0, 2, 4, 6].map(|step| self.offer::<GUIDE>(spot, xy, so_far, step));
+            let straight = [0, 2, 4, 6].map(|step| self.offer::<GUIDE>(spot, xy, so_far, step));
             for n in 0..4 {
                 let (one, other) = (straight[n as usize], straight[(n as usize + 1) % 4]);
                 if rule.permits(!one, !other) {
@@ -768,8 +763,10 @@ impl Run<'_> {
             return false;
         }
         let so_far = so_far + self.steps[step as usize & 1][price as usize];
-        // Also refuses closed nodes: with a consistent heuristic theirs is the best way already.
-        if node.meta >> GENERATION_SHIFT == self.generation && so_far >= node.so_far {
+        // Also refuses closed nodes: with a consistent heuristic theirs is the best way already,
+        // and with a weighted one it is good enough for the weight.
+        let closed = GUIDE == WEIGHTED && node.meta & CLOSED != 0;
+        if node.meta >> GENERATION_SHIFT == self.generation && (closed || so_far >= node.so_far) {
             return true;
         }
         if so_far > COST_SO_FAR_MAX {
@@ -783,12 +780,11 @@ impl Run<'_> {
             return true;
         }
         node.so_far = so_far;
-        node.meta =
-            self.generation << GENERATION_SHIFT | price << PRICE_SHIFT | step << STEP_SHIFT;
+        node.meta = self.generation << GENERATION_SHIFT | price << PRICE_SHIFT | step << STEP_SHIFT;
         self.generated += 1;
         let key = if GUIDE == WEIGHTED {
             // A weighted heuristic may fall by more than the step costs; the key must not.
-            (so_far + left / 4 * self.quarters).max(self.open.key())
+            (so_far + left + left / 4 * (self.quarters - 4)).max(self.open.key())
         } else {
             so_far + left
         };
@@ -799,12 +795,7 @@ impl Run<'_> {
 
 /// Lower bound of what is left from the cell at `xy`, of which the field says `left`.
 #[inline]
-fn bound<const GUIDE: u8>(
-    left: u32,
-    xy: (u32, u32),
-    goal: (u32, u32),
-    eased: &EasedBox,
-) -> u32 {
+fn bound<const GUIDE: u8>(left: u32, xy: (u32, u32), goal: (u32, u32), eased: &EasedBox) -> u32 {
     let straight = || octile(xy.0.abs_diff(goal.0), xy.1.abs_diff(goal.1));
     match GUIDE {
         FIELD => left,

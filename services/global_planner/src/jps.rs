@@ -444,8 +444,10 @@ impl Run<'_> {
     #[inline]
     fn expand(&mut self, at: (u32, u32), so_far: u32, spot: Spot, step: u32) {
         self.straight(at, so_far, spot, step);
-        for (side, behind, ahead) in [(step + 2, step + 3, step + 1), (step + 6, step + 5, step + 7)]
-        {
+        for (side, behind, ahead) in [
+            (step + 2, step + 3, step + 1),
+            (step + 6, step + 5, step + 7),
+        ] {
             let (behind_x, behind_y) = beside(at.0, at.1, behind);
             let (side_x, side_y) = beside(at.0, at.1, side);
             if self.map.is_blocked(behind_x, behind_y) && !self.map.is_blocked(side_x, side_y) {

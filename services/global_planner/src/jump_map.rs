@@ -36,7 +36,11 @@ impl Scans {
             let mut down = here[n];
             for side in [before, after] {
                 let lower = if n > 0 { side[n - 1] >> 63 } else { 1 };
-                let higher = if n + 1 < stride { side[n + 1] << 63 } else { 1 << 63 };
+                let higher = if n + 1 < stride {
+                    side[n + 1] << 63
+                } else {
+                    1 << 63
+                };
                 up |= (side[n] << 1 | lower) & !side[n];
                 down |= (side[n] >> 1 | higher) & !side[n];
             }

@@ -140,7 +140,10 @@ impl LazyTheta {
             {
                 return Found::Stopped;
             }
-            if !self.reach.may(&self.bits, rule, (start, goal), stats.expanded) {
+            if !self
+                .reach
+                .may(&self.bits, rule, (start, goal), stats.expanded)
+            {
                 return Found::Nothing;
             }
             let parent = unpack(node.parent);

@@ -42,8 +42,8 @@ pub use corridor::{Corridor, Legality};
 pub use plan::{Plan, Target};
 
 pub use planner::{
-    CellPath, Control, CornerRule, Expansions, GlobalPlanner, Improvement, PlanError, PlanQuery, PlanStats,
-    Unknown,
+    CellPath, Control, CornerRule, Expansions, GlobalPlanner, Improvement, PlanError, PlanQuery,
+    PlanStats, Unknown,
 };
 pub use replan::{News, Replanner, Request, Situation, Step};
 pub use table::{EXACT, PLANNERS, PlannerOptions, PlannerRow, UnknownPlanner, row_of};

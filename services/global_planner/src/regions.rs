@@ -140,9 +140,7 @@ impl Regions {
         let end = *self.rows.get(y as usize + 1)? as usize;
         let row = &self.runs[first..end];
         let n = row.partition_point(|run| run.to <= x);
-        row.get(n)
-            .filter(|run| run.from <= x)
-            .map(|_| first + n)
+        row.get(n).filter(|run| run.from <= x).map(|_| first + n)
     }
 }
 

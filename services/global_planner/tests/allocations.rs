@@ -14,7 +14,10 @@ struct Counting;
 
 static ALLOCATIONS: AtomicU64 = AtomicU64::new(0);
 
-#[allow(unsafe_code, reason = "an allocator is unsafe; this one counts and passes on")]
+#[allow(
+    unsafe_code,
+    reason = "an allocator is unsafe; this one counts and passes on"
+)]
 // SAFETY: every call is passed on to the system's allocator as it came.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {

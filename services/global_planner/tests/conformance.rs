@@ -290,7 +290,10 @@ fn the_budget_is_asked_and_obeyed() {
     let mut map = Map::free(300, 300);
     let mut rng = Rng(17);
     for _ in 0..9000 {
-        map.put(Cell::new(rng.below(300), rng.below(300)), of_cost(COST_LETHAL));
+        map.put(
+            Cell::new(rng.below(300), rng.below(300)),
+            of_cost(COST_LETHAL),
+        );
     }
     map.block(Cell::new(270, 10), Cell::new(272, 290));
     map.block(Cell::new(20, 10), Cell::new(272, 12));
