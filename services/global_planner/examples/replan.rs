@@ -26,7 +26,9 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
 use support::{Map, Rng, of_cost};
+use zeronav_global_planner::jps::{Choose, Jps};
 use zeronav_global_planner::movingai::GridMap;
+use zeronav_global_planner::mpgaa::Mpgaa;
 use zeronav_global_planner::{
     CellPath, Control, CornerRule, Corridor, GlobalPlanner, GlobalPlannerConfig, Legality,
     PlanQuery, PlannerOptions, Replanner, Situation, Step, Target, Unknown, row_of,
@@ -504,6 +506,33 @@ fn cell_by_cell(corners: &[Cell]) -> Vec<Cell> {
     cells
 }
 
+/// Bytes per cell that the planners hold after a question was answered and all work ahead done.
+fn print_memory(map: &Map) {
+    let options = PlannerOptions::default();
+    let (mut kept, mut jumps) = (Mpgaa::new(&options), Jps::new(&options, Choose::Jumps));
+    let mut canonical = Jps::new(&options, Choose::Canonical);
+    let (width, height) = map.geometry.size();
+    let ends = (
+        map.free_near(Cell::new(width / 30, height / 20)),
+        map.free_near(Cell::new(width - width / 30, height - height / 20)),
+    );
+    let mut path = CellPath::default();
+    let planners: [&mut dyn GlobalPlanner; 3] = [&mut kept, &mut jumps, &mut canonical];
+    for planner in planners {
+        planner.map_changed(&map.view(), &[whole(map)]);
+        let query = Bench::query(map, ends);
+        let _ = planner.plan(&query, &mut |_| Control::Go, &mut path);
+        while planner.prepare(10_000) {}
+    }
+    let per_cell = |bytes: usize| bytes as f64 / map.cells.len() as f64;
+    println!(
+        "memory per cell [bytes]: mpgaa {:.1}, jps {:.1}, canonical {:.1}",
+        per_cell(kept.memory_bytes()),
+        per_cell(jumps.memory_bytes()),
+        per_cell(canonical.memory_bytes()),
+    );
+}
+
 fn without_costs(map: &Map) -> Map {
     let mut map = map.clone();
     for cell in &mut map.cells {
@@ -540,6 +569,8 @@ fn run(flags: &Flags) -> Result<usize, String> {
         } else {
             flags.events
         };
+        println!("\n{name}");
+        print_memory(map);
         wrong += table(name, map, false, n_events)?;
         wrong += table(name, &without_costs(map), true, n_events)?;
     }
