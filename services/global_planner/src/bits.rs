@@ -149,8 +149,11 @@ impl BitMap {
         let mut any = false;
         for rect in changed {
             let rect = rect.grown(0, map.geometry);
-            let columns = rect.min.x.cast_unsigned() as usize..rect.max.x.max(0) as usize;
-            for y in rect.min.y.cast_unsigned() as usize..rect.max.y.max(0) as usize {
+            let columns =
+                rect.min.x.cast_unsigned() as usize..rect.max.x.max(0).cast_unsigned() as usize;
+            let rows =
+                rect.min.y.cast_unsigned() as usize..rect.max.y.max(0).cast_unsigned() as usize;
+            for y in rows {
                 for x in columns.clone() {
                     let blocked = self.unknown.blocks(map.cells[y * width + x]);
                     if blocked != self.rows.is_blocked(y + 1, x + 1) {

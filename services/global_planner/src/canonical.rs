@@ -23,6 +23,7 @@ const NO_STEP: u32 = 8;
 /// [`STEPS`].
 static SUCCESSORS: [[u8; 256]; 9] = successors();
 
+#[allow(clippy::cast_possible_truncation, reason = "numbers below 256")]
 const fn successors() -> [[u8; 256]; 9] {
     let mut table = [[0; 256]; 9];
     let mut step = 0;

@@ -341,14 +341,10 @@ impl Jumps {
                 let before = (before % width, before / width);
                 if from == before {
                     let short = at.0.abs_diff(from.0).min(at.1.abs_diff(from.1));
-                    let toward = |from: u32, to: u32| {
-                        if to > from {
-                            from + short
-                        } else if to < from {
-                            from - short
-                        } else {
-                            from
-                        }
+                    let toward = |from: u32, to: u32| match to.cmp(&from) {
+                        core::cmp::Ordering::Greater => from + short,
+                        core::cmp::Ordering::Less => from - short,
+                        core::cmp::Ordering::Equal => from,
                     };
                     push_cell(path, (toward(from.0, at.0), toward(from.1, at.1)));
                 }

@@ -198,7 +198,7 @@ fn down(lines: &Lines, stops: &[u64], line: u32, from: u32, goal: Option<u32>) -
         word -= 1;
         bits = stops[base + word];
     }
-    let stop = (word as u32) << 6 | (63 - bits.leading_zeros());
+    let stop = (word as u32) << 6 | bits.ilog2();
     if let Some(goal) = goal.filter(|goal| (stop..=first).contains(goal)) {
         return Some(goal);
     }
