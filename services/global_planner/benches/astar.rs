@@ -1,5 +1,5 @@
-//! `c_astar` on maps of 600 x 400 cells: across an office, parts of it, no way at all; and the
-//! check of a path against a map update.
+//! Every exact planner on maps of 600 x 400 cells: across an office, parts of it, no way at all;
+//! what a change of the map costs them; and the check of a path against a map update.
 //!
 //! `cargo bench -p zeronav-global-planner --no-default-features`
 
@@ -12,9 +12,10 @@ use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use std::hint::black_box;
 use support::Map;
 use zeronav_global_planner::{
-    CellPath, Control, CornerRule, Corridor, Legality, PlanQuery, PlannerOptions, Unknown, row_of,
+    CellPath, Control, CornerRule, Corridor, EXACT, Legality, PlanQuery, PlannerOptions, Unknown,
+    row_of,
 };
-use zeronav_msgs::Cell;
+use zeronav_msgs::{Cell, CellRect};
 
 fn query(map: &Map, from: Cell, to: Cell) -> PlanQuery<'_> {
     PlanQuery {
@@ -25,6 +26,62 @@ fn query(map: &Map, from: Cell, to: Cell) -> PlanQuery<'_> {
         unknown: Unknown::Free,
         corner_rule: CornerRule::ForbidAny,
     }
+}
+
+fn whole(map: &Map) -> CellRect {
+    let (width, height) = map.geometry.size();
+    CellRect {
+        min: Cell::new(0, 0),
+        max: Cell::new(width, height),
+    }
+}
+
+/// A block of 10 x 10 cells comes and goes before every answer; work ahead is not timed.
+fn change(c: &mut Criterion) {
+    let mut map = Map::office(600, 400, 7);
+    let (from, to) = (Cell::new(20, 20), Cell::new(580, 380));
+    let mut group = c.benchmark_group("block on the way, 600x400");
+    for key in EXACT {
+        let mut planner = (row_of(key).expect("a row").build)(&PlannerOptions::default());
+        planner.map_changed(&map.view(), &[whole(&map)]);
+        let mut path = CellPath::default();
+        planner
+            .plan(&query(&map, from, to), &mut |_| Control::Go, &mut path)
+            .expect("a way");
+        while planner.prepare(10_000) {}
+        let middle = path.cells[path.cells.len() / 2];
+        let rect = CellRect {
+            min: Cell::new(middle.x - 5, middle.y - 5),
+            max: Cell::new(middle.x + 5, middle.y + 5),
+        };
+        let free = map.clone();
+        let mut blocked = map.clone();
+        blocked.block(rect.min, rect.max);
+        let ends = (map.free_near(from), map.free_near(to));
+        let mut times = 0_u32;
+        group.bench_function(*key, |b| {
+            b.iter_custom(|n| {
+                let mut sum = core::time::Duration::ZERO;
+                for _ in 0..n {
+                    times += 1;
+                    let map = if times.is_multiple_of(2) {
+                        &free
+                    } else {
+                        &blocked
+                    };
+                    let query = query(map, ends.0, ends.1);
+                    let started = std::time::Instant::now();
+                    planner.map_changed(&query.map, &[rect]);
+                    let _ = planner.plan(black_box(&query), &mut |_| Control::Go, &mut path);
+                    sum += started.elapsed();
+                    while planner.prepare(10_000) {}
+                }
+                sum
+            });
+        });
+        map = free;
+    }
+    group.finish();
 }
 
 fn astar(c: &mut Criterion) {
@@ -57,29 +114,32 @@ fn astar(c: &mut Criterion) {
         ),
         ("no way through office", &closed, corner, opposite),
     ];
-    let mut group = c.benchmark_group("c_astar 600x400");
-    for (name, map, from, to) in cases {
-        let query = query(map, from, to);
-        let mut planner = (row_of("c_astar").expect("a row").build)(&PlannerOptions::default());
-        let mut path = CellPath::default();
-        let _ = planner.plan(&query, &mut |_| Control::Go, &mut path);
-        group.throughput(Throughput::Elements(path.stats.expanded));
-        group.bench_function(
-            format!(
-                "{name} ({} expanded, {} cells)",
-                path.stats.expanded,
-                path.cells.len()
-            ),
-            |b| {
-                b.iter(|| {
-                    planner
-                        .plan(black_box(&query), &mut |_| Control::Go, &mut path)
-                        .is_ok()
-                });
-            },
-        );
+    for key in EXACT {
+        let mut group = c.benchmark_group(format!("{key} 600x400"));
+        for (name, map, from, to) in &cases {
+            let query = query(map, *from, *to);
+            let mut planner = (row_of(key).expect("a row").build)(&PlannerOptions::default());
+            planner.map_changed(&map.view(), &[whole(map)]);
+            let mut path = CellPath::default();
+            let _ = planner.plan(&query, &mut |_| Control::Go, &mut path);
+            group.throughput(Throughput::Elements(path.stats.expanded.max(1)));
+            group.bench_function(
+                format!(
+                    "{name} ({} expanded, {} cells)",
+                    path.stats.expanded,
+                    path.cells.len()
+                ),
+                |b| {
+                    b.iter(|| {
+                        planner
+                            .plan(black_box(&query), &mut |_| Control::Go, &mut path)
+                            .is_ok()
+                    });
+                },
+            );
+        }
+        group.finish();
     }
-    group.finish();
 
     let query = query(&office, corner, opposite);
     let mut planner = (row_of("c_astar").expect("a row").build)(&PlannerOptions::default());
@@ -101,5 +161,5 @@ fn astar(c: &mut Criterion) {
     );
 }
 
-criterion_group!(benches, astar);
+criterion_group!(benches, astar, change);
 criterion_main!(benches);

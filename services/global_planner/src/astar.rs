@@ -85,7 +85,7 @@ impl GlobalPlanner for CAstar {
 }
 
 /// Cost of a path of single steps, in metres of free cells.
-fn cost_m(query: &PlanQuery<'_>, cost_weight: f64, path: &CellPath) -> f64 {
+pub(crate) fn cost_m(query: &PlanQuery<'_>, cost_weight: f64, path: &CellPath) -> f64 {
     let resolution_m = query.map.geometry.resolution_m;
     path.cells
         .windows(2)

@@ -86,6 +86,25 @@ impl BucketQueue {
         self.peak = self.peak.max(self.len);
     }
 
+    /// Bytes held.
+    pub(crate) fn bytes(&self) -> usize {
+        self.heads.capacity() * size_of::<u32>()
+            + (self.full.capacity() + self.summary.capacity()) * size_of::<u64>()
+            + self.entries.capacity() * size_of::<Entry>()
+    }
+
+    /// Key of the item popped last; no key in the queue is lower.
+    #[inline]
+    pub(crate) const fn key(&self) -> u32 {
+        self.key
+    }
+
+    /// Like [`Self::pop`], with the item's key before it.
+    #[inline]
+    pub(crate) fn pop_with_key(&mut self) -> Option<(u32, u32)> {
+        self.pop().map(|item| (self.key, item))
+    }
+
     /// Takes an item with the lowest key, of those the one that was added last.
     #[inline]
     pub(crate) fn pop(&mut self) -> Option<u32> {

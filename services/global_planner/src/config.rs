@@ -33,7 +33,7 @@ pub struct GlobalPlannerConfig {
 impl Default for GlobalPlannerConfig {
     fn default() -> Self {
         Self {
-            planner: "c_astar".to_owned(),
+            planner: "mpgaa".to_owned(),
             options: PlannerOptions::default(),
             unknown: Unknown::default(),
             corner_rule: CornerRule::default(),
@@ -115,7 +115,7 @@ mod tests {
     fn the_default_is_valid_and_wrong_numbers_are_named() {
         assert_eq!(
             GlobalPlannerConfig::default().check().map(|row| row.key),
-            Ok("c_astar")
+            Ok("mpgaa")
         );
         let wrong = GlobalPlannerConfig {
             off_path_m: f64::NAN,

@@ -35,7 +35,7 @@ impl WayOut {
     }
 
     /// Turns to the nearest free cell of which `tried` does not hold; `None` when there is none.
-    pub fn turn_to_next(&mut self, tried: impl Fn(Cell) -> bool) -> Option<Cell> {
+    pub fn turn_to_next(&mut self, mut tried: impl FnMut(Cell) -> bool) -> Option<Cell> {
         self.exits.retain(|exit| !tried(*exit));
         let exit = self.exits.first().copied()?;
         self.cells.clear();

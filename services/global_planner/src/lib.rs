@@ -8,19 +8,33 @@
 //!
 //! Coordinates are those of the map: metres in the `map` frame, cells as columns and rows.
 
+pub mod any_angle;
+pub mod anytime;
 pub mod astar;
+mod bits;
 mod bucket_queue;
+mod canonical;
 pub mod change;
 pub mod config;
 pub mod corridor;
 pub mod ends;
+mod goal_field;
+pub mod jps;
+mod jump_map;
+pub mod lazy_theta;
 pub mod line;
 pub mod moves;
+pub mod movingai;
+pub mod mpgaa;
 pub mod papers;
 pub mod plan;
 pub mod planner;
+mod pull;
+mod reach;
+mod regions;
 pub mod replan;
 mod search;
+mod sight;
 pub mod table;
 pub mod waypoints;
 
@@ -30,8 +44,8 @@ pub use papers::{Fallback, PaperOptions, Remarks};
 pub use plan::{Plan, Target};
 
 pub use planner::{
-    CellPath, Control, CornerRule, Expansions, GlobalPlanner, PlanError, PlanQuery, PlanStats,
-    Unknown,
+    CellPath, Control, CornerRule, Expansions, GlobalPlanner, Improvement, PlanError, PlanQuery,
+    PlanStats, Unknown,
 };
 pub use replan::{News, Replanner, Request, Situation, Step};
-pub use table::{PLANNERS, PlannerOptions, PlannerRow, UnknownPlanner, row_of};
+pub use table::{EXACT, PLANNERS, PlannerOptions, PlannerRow, UnknownPlanner, row_of};

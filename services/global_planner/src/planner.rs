@@ -24,7 +24,16 @@ pub trait GlobalPlanner: Send {
     ) -> Result<PlanStats, PlanError>;
 
     /// These cells changed since the last call (incremental planners; default: nothing).
+    ///
+    /// Who has called it once calls it for every change from then on, before the next
+    /// [`Self::plan`]. Before the first call nothing is believed to last from plan to plan.
     fn map_changed(&mut self, _map: &MapView<'_>, _changed: &[CellRect]) {}
+
+    /// Work that makes the next answer faster, done while nobody waits for one: a slice of about
+    /// `expansions` expansions. True when more is left. The default has none.
+    fn prepare(&mut self, _expansions: u64) -> bool {
+        false
+    }
 }
 
 /// Where from, where to, and what counts as free.
@@ -141,6 +150,20 @@ pub struct PlanStats {
     pub cost: f64,
     /// What else is to be said about the path.
     pub remarks: Remarks,
+    /// Paths that an anytime planner had on the way, dearer ones first; the rest is 0.
+    pub improved: [Improvement; IMPROVEMENTS_MAX],
+}
+
+/// Most entries of [`PlanStats::improved`].
+pub const IMPROVEMENTS_MAX: usize = 4;
+
+/// A path that was found while the search went on.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Improvement {
+    /// Expansions until then.
+    pub expanded: u64,
+    /// Its cost, as [`PlanStats::cost`].
+    pub cost: f64,
 }
 
 /// Expansions of the running search so far.

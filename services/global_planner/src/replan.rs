@@ -163,6 +163,12 @@ impl Replanner {
         self.plan.geometry = id;
     }
 
+    /// Works ahead for the next search, when the answer has been sent: a slice of about
+    /// `expansions` expansions. True when more is left.
+    pub fn prepare(&mut self, expansions: u64) -> bool {
+        self.planner.prepare(expansions)
+    }
+
     /// Begins a cycle.
     pub fn begin(&mut self, situation: &Situation<'_>) -> Step {
         self.pending = None;

@@ -15,7 +15,7 @@ const BUDGET_EVERY: u64 = 2048;
 
 /// Largest cost so far that may still grow by a step and a heuristic without wrapping: about four
 /// million free cells.
-const COST_SO_FAR_MAX: u32 = u32::MAX - (1 << 27);
+pub(crate) const COST_SO_FAR_MAX: u32 = u32::MAX - (1 << 27);
 
 /// In place of a price: the cell may not be entered.
 const BLOCKED: u8 = u8::MAX;

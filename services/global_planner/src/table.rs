@@ -1,6 +1,11 @@
 //! The planners by name: a new planner is one file and one row here.
 
+use crate::any_angle::AnyAngle;
+use crate::anytime::Anytime;
 use crate::astar::CAstar;
+use crate::jps::{Choose, Jps};
+use crate::lazy_theta::LazyTheta;
+use crate::mpgaa::Mpgaa;
 use crate::papers::PaperOptions;
 use crate::papers::bao_full::bao_full;
 use crate::papers::bao_taa::bao_taa;
@@ -92,6 +97,52 @@ pub const PLANNERS: &[PlannerRow] = &[
                  Minimum Cost Paths\", 1968; open list after Dial, 1969",
         complete: true,
         build: |options| Box::new(CAstar::new(options)),
+    },
+    PlannerRow {
+        key: "mpgaa",
+        title: "A* over costs that keeps a field of costs to the goal",
+        source: "Hernandez, Asin, Baier, \"Reusing Previously Found A* Paths for Fast \
+                 Goal-Directed Navigation in Dynamic Terrain\", AAAI 2015",
+        complete: true,
+        build: |options| Box::new(Mpgaa::new(options)),
+    },
+    PlannerRow {
+        key: "jps",
+        title: "Jump point search on bit maps, shortest ways",
+        source: "Harabor, Grastien, \"Improving Jump Point Search\", ICAPS 2014",
+        complete: true,
+        build: |options| Box::new(Jps::new(options, Choose::ByClutter)),
+    },
+    PlannerRow {
+        key: "canonical",
+        title: "Canonical A* on a bit map, shortest ways",
+        source: "Sturtevant, Rabin, \"Canonical Orderings on Grids\", IJCAI 2016",
+        complete: true,
+        build: |options| Box::new(Jps::new(options, Choose::Canonical)),
+    },
+    PlannerRow {
+        key: "lazy_theta",
+        title: "Lazy Theta*, ways at any angle",
+        source: "Nash, Koenig, Tovey, \"Lazy Theta*: Any-Angle Path Planning and Path Length \
+                 Analysis in 3D\", AAAI 2010",
+        complete: true,
+        build: |options| Box::new(LazyTheta::new(options)),
+    },
+    PlannerRow {
+        key: "any_angle",
+        title: "A* over costs, pulled straight where that is no dearer",
+        source: "the search of mpgaa; Botea, Mueller, Schaeffer, \"Near Optimal Hierarchical \
+                 Path-Finding\", 2004, for the pulling",
+        complete: true,
+        build: |options| Box::new(AnyAngle::new(options)),
+    },
+    PlannerRow {
+        key: "anytime",
+        title: "Weighted A* over costs, started again with less weight while time is left",
+        source: "Richter, Thayer, Ruml, \"The Joy of Forgetting: Faster Anytime Search via \
+                 Restarting\", ICAPS 2010",
+        complete: true,
+        build: |options| Box::new(Anytime::new(options)),
     },
     PlannerRow {
         key: "c_los",
@@ -235,6 +286,9 @@ pub const PLANNERS: &[PlannerRow] = &[
     },
 ];
 
+/// Keys of the planners whose ways are the shortest when all costs are 0 and no corner may be cut.
+pub const EXACT: &[&str] = &["c_astar", "mpgaa", "jps", "canonical", "anytime"];
+
 /// No planner has this key.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("no planner is called \"{key}\"; there are: {}", keys())]
@@ -275,6 +329,13 @@ mod tests {
             assert_eq!(row.key, row.key.to_lowercase());
             assert!(PLANNERS[..n].iter().all(|other| other.key != row.key));
             assert_eq!(row_of(row.key).map(|found| found.key), Ok(row.key));
+        }
+    }
+
+    #[test]
+    fn exact_planners_are_planners() {
+        for key in EXACT {
+            assert!(row_of(key).is_ok_and(|row| row.complete), "{key}");
         }
     }
 

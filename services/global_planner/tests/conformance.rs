@@ -302,11 +302,24 @@ fn unknown_cells_are_what_the_query_says() {
 
 #[test]
 fn the_budget_is_asked_and_obeyed() {
-    let mut map = Map::free(200, 200);
-    // A wall between two halves: whoever proves that there is no way must look at all of one.
-    map.block(Cell::new(99, 0), Cell::new(101, 200));
-    let query = query(&map, Cell::new(5, 5), Cell::new(190, 190));
-    for row in PLANNERS {
+    // A bag of clutter, open on the robot's side: every planner that is complete must look into
+    // most of it.
+    let mut map = Map::free(300, 300);
+    let mut rng = Rng(17);
+    for _ in 0..9000 {
+        map.put(
+            Cell::new(rng.below(300), rng.below(300)),
+            of_cost(COST_LETHAL),
+        );
+    }
+    map.block(Cell::new(270, 10), Cell::new(272, 290));
+    map.block(Cell::new(20, 10), Cell::new(272, 12));
+    map.block(Cell::new(20, 288), Cell::new(272, 290));
+    let (start, goal) = (Cell::new(25, 150), Cell::new(290, 150));
+    map.put(start, of_cost(0));
+    map.put(goal, of_cost(0));
+    let query = query(&map, start, goal);
+    for row in PLANNERS.iter().filter(|row| row.complete) {
         let mut calls = Vec::new();
         let mut path = CellPath::default();
         let mut budget = |expansions: Expansions| {

@@ -127,19 +127,22 @@ fn the_budget_is_that_of_the_configuration_and_of_the_caller() {
         budget_expansions: Some(4000),
         ..GlobalPlannerConfig::default()
     };
-    let mut closed = map.clone();
-    closed.block(Cell::new(200, 0), Cell::new(202, 300));
+    // A bag before the goal, open on the robot's side.
+    let mut bag = map.clone();
+    bag.block(Cell::new(200, 2), Cell::new(202, 298));
+    bag.block(Cell::new(2, 296), Cell::new(202, 298));
+    bag.block(Cell::new(4, 2), Cell::new(202, 4));
     for (config, stop) in [(config, false), (GlobalPlannerConfig::default(), true)] {
         let mut replanner = Replanner::new(&config).unwrap();
         let situation = Situation {
-            robot: map.pose(Cell::new(1, 1)),
-            map: Some(closed.view()),
+            robot: map.pose(Cell::new(60, 150)),
+            map: Some(bag.view()),
             revision: 1,
             changed: &[],
             target: Some(Target {
                 task: 1,
                 goal: 1,
-                pose: map.pose(Cell::new(290, 290)),
+                pose: map.pose(Cell::new(290, 150)),
                 tolerance_m: 0.1,
             }),
             request: None,

@@ -109,7 +109,7 @@ impl Bench {
         let mut message = Path::default();
         plan.fill(&mut message);
         message.check(&plan.waypoints).unwrap();
-        assert_eq!(message.planner(), "c_astar");
+        assert_eq!(message.planner(), GlobalPlannerConfig::default().planner);
         assert_eq!(message.goal, plan.target.map_or(0, |target| target.goal));
     }
 

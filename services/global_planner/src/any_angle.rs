@@ -1,0 +1,77 @@
+//! `any_angle`: the way of `mpgaa`, pulled straight where the straight line costs no more.
+//!
+//! Costs are those of lines: the length in each cell times the cell's price. A single step costs
+//! by that measure half of each of its two cells, so the numbers are not those of `mpgaa`.
+
+use crate::mpgaa::Mpgaa;
+use crate::planner::{
+    CellPath, Control, Expansions, GlobalPlanner, PlanError, PlanQuery, PlanStats,
+};
+use crate::pull::{Pull, cost_of_line};
+use crate::table::{COST_WEIGHT_MAX, PlannerOptions, within};
+use zeronav_msgs::{CellRect, MapView};
+
+/// See the module's description.
+#[derive(Debug)]
+pub struct AnyAngle {
+    search: Mpgaa,
+    pull: Pull,
+    cost_weight: f64,
+}
+
+impl AnyAngle {
+    /// A planner with empty memory. Options outside their range are taken as its nearest end.
+    #[must_use]
+    pub fn new(options: &PlannerOptions) -> Self {
+        Self {
+            search: Mpgaa::new(options),
+            pull: Pull::default(),
+            cost_weight: within(options.cost_weight, COST_WEIGHT_MAX),
+        }
+    }
+}
+
+impl GlobalPlanner for AnyAngle {
+    fn plan(
+        &mut self,
+        query: &PlanQuery<'_>,
+        budget: &mut dyn FnMut(Expansions) -> Control,
+        path: &mut CellPath,
+    ) -> Result<PlanStats, PlanError> {
+        self.search.plan(query, budget, path)?;
+        // The way out of the inflation stays as it is.
+        let blocked = |cell| {
+            query
+                .map
+                .get(cell)
+                .is_none_or(|cell| query.unknown.blocks(cell))
+        };
+        let first = path
+            .cells
+            .iter()
+            .position(|cell| !blocked(*cell))
+            .unwrap_or(0);
+        self.pull
+            .run(query, self.cost_weight, first, &mut path.cells);
+        let resolution_m = query.map.geometry.resolution_m;
+        path.stats.cost = path
+            .cells
+            .windows(2)
+            .map(|pair| {
+                let straight =
+                    f64::from(pair[1].x - pair[0].x).hypot(f64::from(pair[1].y - pair[0].y));
+                cost_of_line(query, self.cost_weight, pair[0], pair[1]).unwrap_or(straight)
+                    * resolution_m
+            })
+            .sum();
+        Ok(path.stats)
+    }
+
+    fn map_changed(&mut self, map: &MapView<'_>, changed: &[CellRect]) {
+        self.search.map_changed(map, changed);
+    }
+
+    fn prepare(&mut self, expansions: u64) -> bool {
+        self.search.prepare(expansions)
+    }
+}

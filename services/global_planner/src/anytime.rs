@@ -1,0 +1,146 @@
+//! `anytime`: a way soon, better ones while the budget lasts, the cheapest in the end.
+//!
+//! Richter, Thayer, Ruml, "The Joy of Forgetting: Faster Anytime Search via Restarting", ICAPS
+//! 2010: weighted A* with falling weights, each search from scratch and only for ways cheaper than
+//! the one at hand. When the budget ends after the first way, the best so far is the answer; how
+//! cost fell over the expansions stands in [`PlanStats::improved`].
+
+use crate::astar::cost_m;
+use crate::bits::BitMap;
+use crate::ends::{WayOut, find_ends};
+use crate::goal_field::{GoalField, Guide};
+use crate::planner::{
+    CellPath, Control, CornerRule, Expansions, GlobalPlanner, IMPROVEMENTS_MAX, Improvement,
+    PlanError, PlanQuery, PlanStats,
+};
+use crate::reach::Reach;
+use crate::search::Found;
+use crate::table::{COST_WEIGHT_MAX, ESCAPE_M_MAX, PlannerOptions, within};
+use zeronav_msgs::{Cell, CellRect, MapView};
+
+/// Weights of the heuristic, times four.
+const QUARTERS: [u32; IMPROVEMENTS_MAX] = [20, 10, 6, 4];
+
+/// See the module's description.
+#[derive(Debug)]
+pub struct Anytime {
+    search: GoalField,
+    bits: BitMap,
+    reach: Reach,
+    way_out: WayOut,
+    cost_weight: f64,
+    escape_m: f64,
+}
+
+impl Anytime {
+    /// A planner with empty memory. Options outside their range are taken as its nearest end.
+    #[must_use]
+    pub fn new(options: &PlannerOptions) -> Self {
+        let cost_weight = within(options.cost_weight, COST_WEIGHT_MAX);
+        Self {
+            search: GoalField::new(cost_weight),
+            bits: BitMap::default(),
+            reach: Reach::default(),
+            way_out: WayOut::default(),
+            cost_weight,
+            escape_m: within(options.escape_m, ESCAPE_M_MAX),
+        }
+    }
+
+    fn improve(
+        &mut self,
+        query: &PlanQuery<'_>,
+        (start, goal): (Cell, Cell),
+        budget: &mut dyn FnMut(Expansions) -> Control,
+        path: &mut CellPath,
+    ) -> Found {
+        let n_way_out = path.cells.len();
+        let mut below = u32::MAX;
+        let (bits, reach, rule) = (&self.bits, &mut self.reach, query.corner_rule);
+        if !reach.may(bits, rule, (start, goal), 0) {
+            return Found::Nothing;
+        }
+        let mut found_any = Found::Nothing;
+        let mut n = 0;
+        for quarters in QUARTERS {
+            let mut no_way = false;
+            let mut watched = |expansions: Expansions| {
+                no_way = below == u32::MAX && !reach.may(bits, rule, (start, goal), expansions.0);
+                if no_way {
+                    Control::Stop
+                } else {
+                    budget(expansions)
+                }
+            };
+            let guide = Guide::Weighted { quarters, below };
+            let found = self
+                .search
+                .search(start, goal, guide, &mut watched, &mut path.stats);
+            match found {
+                Found::Path => {
+                    found_any = Found::Path;
+                    below = self.search.cost_of(goal);
+                    path.cells.truncate(n_way_out);
+                    self.search.trace(goal, &mut path.cells);
+                    path.stats.cost = cost_m(query, self.cost_weight, path);
+                    path.stats.improved[n] = Improvement {
+                        expanded: path.stats.expanded,
+                        cost: path.stats.cost,
+                    };
+                    n += 1;
+                }
+                Found::Stopped if no_way => return Found::Nothing,
+                Found::Stopped if found_any == Found::Path => return Found::Path,
+                Found::Stopped => return Found::Stopped,
+                // Nothing cheaper: with less weight there is nothing either, or there is no way.
+                Found::Nothing => break,
+            }
+        }
+        found_any
+    }
+}
+
+impl GlobalPlanner for Anytime {
+    fn plan(
+        &mut self,
+        query: &PlanQuery<'_>,
+        budget: &mut dyn FnMut(Expansions) -> Control,
+        path: &mut CellPath,
+    ) -> Result<PlanStats, PlanError> {
+        path.clear();
+        let ends = find_ends(query, self.escape_m, &mut self.way_out)?;
+        self.bits.follow(&query.map, query.unknown);
+        self.search
+            .follow(&query.map, query.unknown, query.corner_rule);
+        let mut start = ends.start;
+        if self.way_out.cells().len() > 1 {
+            // A robot too close to an obstacle must not be led into the wrong pocket.
+            let (bits, reach) = (&self.bits, &mut self.reach);
+            let tried = |exit| !reach.known(bits, query.corner_rule, exit, ends.goal);
+            start = self.way_out.turn_to_next(tried).unwrap_or(start);
+        }
+        let way_out = self.way_out.cells();
+        path.cells
+            .extend_from_slice(&way_out[..way_out.len().saturating_sub(1)]);
+        match self.improve(query, (start, ends.goal), budget, path) {
+            Found::Path => Ok(path.stats),
+            Found::Stopped => {
+                path.cells.clear();
+                Err(PlanError::OutOfBudget)
+            }
+            Found::Nothing => {
+                path.cells.clear();
+                let blocked_by_corner = query.corner_rule != CornerRule::Allow
+                    && self
+                        .reach
+                        .known(&self.bits, CornerRule::Allow, ends.start, ends.goal);
+                Err(PlanError::Unreachable { blocked_by_corner })
+            }
+        }
+    }
+
+    fn map_changed(&mut self, map: &MapView<'_>, changed: &[CellRect]) {
+        self.bits.change(map, changed, |_, _, _| {});
+        self.search.change(map, changed);
+    }
+}

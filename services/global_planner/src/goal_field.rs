@@ -1,0 +1,805 @@
+//! What is left to the goal from every cell, kept from search to search as the heuristic of A*.
+//!
+//! Hernandez, Asin, Baier, "Reusing Previously Found A* Paths for Fast Goal-Directed Navigation in
+//! Dynamic Terrain" (MPGAA*), AAAI 2015, and Sun, Koenig, Yeoh, "Generalized Adaptive A*", AAMAS
+//! 2008, of which come: raising the heuristic of expanded cells to what the search proved, and
+//! making it consistent again where costs fell. What is added: the heuristic begins as the exact
+//! cost to the goal of all cells, found by one search from the goal while nobody waits.
+//!
+//! While costs only rise the field stays a consistent lower bound, so a search expands the cells
+//! whose best way led through what changed, and the new way.
+//!
+//! Where costs fell since the field was made consistent, a search does not wait for the repair.
+//! Let a box hold every step that became cheaper, and `least` be the smallest bound on the ring of
+//! cells around it. A way that avoids the box costs what the field says; one that enters it has
+//! to come there and to leave it for the last time, so it costs at least the octile distance to
+//! the box plus `least`. The smaller of the two is a consistent bound again.
+//!
+//! No bound is ever below the octile distance to the goal. A search therefore closes no cell that
+//! a search from scratch would not, ties left aside, whatever happened to the map.
+
+use crate::bucket_queue::BucketQueue;
+use crate::moves::{DIAGONAL, STEPS, STRAIGHT, octile, price};
+use crate::planner::{Control, CornerRule, Expansions, PlanStats, Unknown};
+use crate::search::{COST_SO_FAR_MAX, Found};
+use core::cmp::Reverse;
+use std::collections::BinaryHeap;
+use zeronav_msgs::map::COST_UNKNOWN;
+use zeronav_msgs::{Cell, CellRect, GridGeometry, MapCell, MapView};
+
+/// Expansions between two looks at the budget.
+const BUDGET_EVERY: u64 = 2048;
+
+/// In place of what is left: no way leads to the goal.
+const NO_WAY: u32 = u32::MAX;
+
+/// In place of a price: the cell may not be entered.
+const BLOCKED: u32 = u8::MAX as u32;
+
+/// A padded position: `(y + 1) * (width + 2) + x + 1`.
+type Spot = u32;
+
+/// What is known about a cell.
+#[derive(Debug, Clone, Copy)]
+struct Node {
+    /// Lower bound of the cost to the goal.
+    left: u32,
+    /// Cost of the best way from the start found so far.
+    so_far: u32,
+    /// `generation << 13 | price << 5 | step that led here << 1 | closed`; only the price
+    /// outlives a search.
+    meta: u32,
+}
+
+const CLOSED: u32 = 1;
+const STEP_SHIFT: u32 = 1;
+const STEP_MASK: u32 = 0b1_1110;
+const NO_STEP: u32 = 8;
+const PRICE_SHIFT: u32 = 5;
+const PRICE_MASK: u32 = 0xff << PRICE_SHIFT;
+const GENERATION_SHIFT: u32 = 13;
+const GENERATION_MAX: u32 = (1 << (32 - GENERATION_SHIFT)) - 1;
+
+impl Node {
+    #[inline]
+    const fn price(self) -> u32 {
+        (self.meta & PRICE_MASK) >> PRICE_SHIFT
+    }
+}
+
+/// How far the field is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum State {
+    /// There is none.
+    Missing,
+    /// The search from the goal is under way.
+    Growing,
+    /// Every cell has its bound.
+    Whole,
+    /// Ways are longer than the numbers reach.
+    Beyond,
+}
+
+/// A box in which steps became cheaper, in padded positions, and what a way through it costs at
+/// least from there on.
+#[derive(Debug, Clone, Copy)]
+struct EasedBox {
+    min: (u32, u32),
+    max: (u32, u32),
+    least: u32,
+}
+
+impl EasedBox {
+    const EMPTY: Self = Self {
+        min: (u32::MAX, u32::MAX),
+        max: (0, 0),
+        least: 0,
+    };
+
+    fn add(&mut self, x: u32, y: u32) {
+        self.min = (self.min.0.min(x), self.min.1.min(y));
+        self.max = (self.max.0.max(x), self.max.1.max(y));
+    }
+
+    /// Lower bound of the ways from a cell that enter the box.
+    #[inline]
+    fn bound(&self, x: u32, y: u32) -> u32 {
+        let apart = |at: u32, min: u32, max: u32| min.saturating_sub(at) + at.saturating_sub(max);
+        let dx = apart(x, self.min.0, self.max.0);
+        let dy = apart(y, self.min.1, self.max.1);
+        octile(dx, dy).saturating_add(self.least)
+    }
+}
+
+/// What guides a search.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Guide {
+    /// The octile distance.
+    Octile,
+    /// The field, see [`GoalField::is_whole_for`].
+    Field,
+    /// So many quarters of the octile distance, at least four: the way costs at most as many
+    /// quarters of the least. Only ways cheaper than `below` count.
+    Weighted {
+        /// Weight times four.
+        quarters: u32,
+        /// In the integer costs of the search.
+        below: u32,
+    },
+}
+
+/// The kinds of heuristic, as parameters of the search.
+const OCTILE: u8 = 0;
+const FIELD: u8 = 1;
+const FIELD_AND_BOX: u8 = 2;
+const WEIGHTED: u8 = 3;
+
+/// See the module's description.
+#[derive(Debug)]
+pub(crate) struct GoalField {
+    geometry: GridGeometry,
+    unknown: Unknown,
+    rule: CornerRule,
+    told: bool,
+    built: bool,
+    width: u32,
+    nodes: Vec<Node>,
+    generation: u32,
+    open: BucketQueue,
+    /// Open list of the search from the goal, which goes on between other searches.
+    front: BucketQueue,
+    steps: [[u32; 256]; 2],
+    span: u32,
+    /// Differences of spots in the order of [`STEPS`].
+    offsets: [u32; 8],
+    goal: Spot,
+    state: State,
+    /// Cells that became cheaper since the field was made consistent.
+    eased: Vec<Spot>,
+    /// The box of these cells: padded x and y, first and last.
+    eased_box: EasedBox,
+    lowered: BinaryHeap<Reverse<u64>>,
+    /// Cells that the last search closed, in order, until the field has learnt from it.
+    closed: Vec<Spot>,
+    /// Cost of the way that it found, [`NO_WAY`] when there was none.
+    proved: u32,
+}
+
+impl GoalField {
+    pub(crate) fn new(cost_weight: f64) -> Self {
+        let mut steps = [[0; 256]; 2];
+        for (cost, (straight, diagonal)) in (0..=u8::MAX).map(|cost| (cost, (STRAIGHT, DIAGONAL))) {
+            let price = price(cost, cost_weight);
+            steps[0][usize::from(cost)] = rounded(straight, price);
+            steps[1][usize::from(cost)] = rounded(diagonal, price);
+        }
+        let largest = steps[1].iter().max().copied().unwrap_or(DIAGONAL);
+        Self {
+            geometry: GridGeometry::default(),
+            unknown: Unknown::default(),
+            rule: CornerRule::default(),
+            told: false,
+            built: false,
+            width: 0,
+            nodes: Vec::new(),
+            generation: 0,
+            open: BucketQueue::default(),
+            front: BucketQueue::default(),
+            steps,
+            // A key exceeds that of the node it came from by the step there and back.
+            span: 2 * largest,
+            offsets: [0; 8],
+            goal: 0,
+            state: State::Missing,
+            eased: Vec::new(),
+            eased_box: EasedBox::EMPTY,
+            lowered: BinaryHeap::new(),
+            closed: Vec::new(),
+            proved: 0,
+        }
+    }
+
+    pub(crate) fn bytes(&self) -> usize {
+        self.nodes.capacity() * size_of::<Node>()
+            + self.open.bytes()
+            + self.front.bytes()
+            + (self.eased.capacity() + self.closed.capacity()) * size_of::<Spot>()
+            + self.lowered.capacity() * size_of::<Reverse<u64>>()
+    }
+
+    /// Makes the prices those of the map.
+    pub(crate) fn follow(&mut self, map: &MapView<'_>, unknown: Unknown, rule: CornerRule) {
+        if rule != self.rule {
+            self.rule = rule;
+            self.state = State::Missing;
+        }
+        let fits = self.built && *map.geometry == self.geometry && unknown == self.unknown;
+        if fits && self.told {
+            return;
+        }
+        self.built = true;
+        self.geometry = *map.geometry;
+        self.unknown = unknown;
+        self.state = State::Missing;
+        self.forget_eased();
+        self.closed.clear();
+        self.generation = 0;
+        let (width, height) = (map.geometry.width + 2, map.geometry.height + 2);
+        self.width = width;
+        self.offsets = STEPS.map(|(dx, dy)| {
+            dx.cast_unsigned()
+                .wrapping_add(dy.cast_unsigned().wrapping_mul(width))
+        });
+        let border = Node {
+            left: NO_WAY,
+            so_far: 0,
+            meta: BLOCKED << PRICE_SHIFT,
+        };
+        self.nodes.clear();
+        self.nodes.resize(width as usize * height as usize, border);
+        let rows = map.cells.chunks_exact(map.geometry.width.max(1) as usize);
+        for (row, nodes) in rows.zip(self.nodes.chunks_exact_mut(width as usize).skip(1)) {
+            for (cell, node) in row.iter().zip(&mut nodes[1..]) {
+                node.meta = price_of(*cell, unknown) << PRICE_SHIFT;
+            }
+        }
+    }
+
+    /// Takes in the cells of `changed`. From now on every change has to be told.
+    pub(crate) fn change(&mut self, map: &MapView<'_>, changed: &[CellRect]) {
+        self.told = true;
+        if !self.built || *map.geometry != self.geometry {
+            self.built = false;
+            self.follow(map, self.unknown, self.rule);
+            return;
+        }
+        let row = map.geometry.width as usize;
+        for rect in changed {
+            let rect = rect.grown(0, map.geometry);
+            if rect.min.x >= rect.max.x {
+                continue;
+            }
+            let columns = rect.min.x.cast_unsigned() as usize..rect.max.x.cast_unsigned() as usize;
+            for y in rect.min.y.max(0)..rect.max.y {
+                let y = y.cast_unsigned() as usize;
+                let first = (y + 1) * self.width as usize + columns.start + 1;
+                let cells = &map.cells[y * row..][columns.clone()];
+                let nodes = &mut self.nodes[first..first + cells.len()];
+                for (n, (cell, node)) in cells.iter().zip(nodes).enumerate() {
+                    let new = price_of(*cell, self.unknown);
+                    let old = node.price();
+                    if new != old {
+                        node.meta = node.meta & !PRICE_MASK | new << PRICE_SHIFT;
+                        if new < old && self.state != State::Missing {
+                            #[allow(
+                                clippy::cast_possible_truncation,
+                                reason = "spots and positions fit 32 bits"
+                            )]
+                            {
+                                self.eased.push((first + n) as Spot);
+                                self.eased_box
+                                    .add((columns.start + n) as u32 + 1, y as u32 + 1);
+                            }
+                        }
+                    }
+                }
+            }
+        }
+        // More than a repair could ever be worth: it is not kept for one.
+        if self.eased.len() > self.nodes.len() {
+            self.state = State::Missing;
+            self.forget_eased();
+        }
+    }
+
+    fn forget_eased(&mut self) {
+        self.eased.clear();
+        self.eased_box = EasedBox::EMPTY;
+    }
+
+    /// True when the field of this goal can guide a search.
+    pub(crate) fn is_whole_for(&self, goal: Cell) -> bool {
+        self.state == State::Whole && self.goal == self.spot(goal)
+    }
+
+    /// Work for when nobody waits: learns from the last search, repairs, then grows the field of
+    /// `goal`, by `expansions` at most. True when work is left.
+    pub(crate) fn improve(&mut self, goal: Cell, expansions: u64) -> bool {
+        if !self.built {
+            return false;
+        }
+        let goal = self.spot(goal);
+        if goal != self.goal || self.state == State::Missing {
+            self.begin(goal);
+            return true;
+        }
+        self.learn();
+        match self.state {
+            State::Growing => self.grow(expansions),
+            State::Whole => {
+                if !self.repair(expansions) {
+                    self.state = State::Missing;
+                }
+                self.state == State::Missing
+            }
+            State::Missing | State::Beyond => false,
+        }
+    }
+
+    /// Makes the field consistent where costs fell; false when that takes more than `limit`
+    /// expansions, after which the field is of no use.
+    fn repair(&mut self, limit: u64) -> bool {
+        self.lowered.clear();
+        let mut eased = core::mem::take(&mut self.eased);
+        for spot in eased.drain(..) {
+            self.lower(spot);
+            for offset in self.offsets {
+                self.lower(spot.wrapping_add(offset));
+            }
+        }
+        self.eased = eased;
+        self.eased_box = EasedBox::EMPTY;
+        let mut used = 0;
+        while let Some(Reverse(item)) = self.lowered.pop() {
+            #[allow(clippy::cast_possible_truncation, reason = "the two halves, as pushed")]
+            let (left, spot) = ((item >> 32) as u32, item as u32);
+            if self.nodes[spot as usize].left != left {
+                continue;
+            }
+            if used == limit {
+                return false;
+            }
+            used += 1;
+            self.relax(spot, |heap, left, spot| {
+                heap.1
+                    .push(Reverse(u64::from(left) << 32 | u64::from(spot)));
+            });
+        }
+        true
+    }
+
+    /// The box of all steps that became cheaper, with what the ways through it cost at least.
+    fn whole_box(&self) -> EasedBox {
+        let EasedBox { min, max, .. } = self.eased_box;
+        let last = (self.geometry.width, self.geometry.height);
+        // A cell that opened also frees the diagonal steps past it.
+        let mut grown = EasedBox {
+            min: (min.0.max(2) - 1, min.1.max(2) - 1),
+            max: ((max.0 + 1).min(last.0), (max.1 + 1).min(last.1)),
+            least: NO_WAY,
+        };
+        let goal = (self.goal % self.width, self.goal / self.width);
+        if (grown.min.0..=grown.max.0).contains(&goal.0)
+            && (grown.min.1..=grown.max.1).contains(&goal.1)
+        {
+            grown.least = 0;
+            return grown;
+        }
+        let mut least = NO_WAY;
+        let mut see = |x: u32, y: u32| {
+            least = least.min(self.nodes[(y * self.width + x) as usize].left);
+        };
+        for x in grown.min.0 - 1..=grown.max.0 + 1 {
+            see(x, grown.min.1 - 1);
+            see(x, grown.max.1 + 1);
+        }
+        for y in grown.min.1..=grown.max.1 {
+            see(grown.min.0 - 1, y);
+            see(grown.max.0 + 1, y);
+        }
+        grown.least = least;
+        grown
+    }
+
+    /// Searches from `start` to `goal`, both free, adding to the counters of `stats`.
+    pub(crate) fn search(
+        &mut self,
+        start: Cell,
+        goal: Cell,
+        guide: Guide,
+        budget: &mut dyn FnMut(Expansions) -> Control,
+        stats: &mut PlanStats,
+    ) -> Found {
+        self.learn();
+        if self.generation == GENERATION_MAX {
+            for node in &mut self.nodes {
+                node.meta &= PRICE_MASK;
+            }
+            self.generation = 0;
+        }
+        self.generation += 1;
+        let ends = (self.spot(start), self.spot(goal));
+        let eased_box = if guide == Guide::Field && !self.eased.is_empty() {
+            Some(self.whole_box())
+        } else {
+            None
+        };
+        let mut run = Run {
+            nodes: &mut self.nodes,
+            open: &mut self.open,
+            closed: &mut self.closed,
+            steps: &self.steps,
+            offsets: self.offsets,
+            rule: self.rule,
+            width: self.width,
+            generation: self.generation,
+            goal: ends.1,
+            goal_xy: (ends.1 % self.width, ends.1 / self.width),
+            eased_box: eased_box.unwrap_or(EasedBox::EMPTY),
+            quarters: 4,
+            below: NO_WAY,
+            generated: 0,
+            overflow: false,
+        };
+        let found = match (guide, eased_box) {
+            (Guide::Octile, _) => run.search::<OCTILE>(ends.0, self.span, budget, stats),
+            (Guide::Field, None) => run.search::<FIELD>(ends.0, self.span, budget, stats),
+            (Guide::Field, Some(_)) => {
+                run.search::<FIELD_AND_BOX>(ends.0, self.span, budget, stats)
+            }
+            (Guide::Weighted { quarters, below }, _) => {
+                (run.quarters, run.below) = (quarters, below);
+                let span = self.span + DIAGONAL * quarters;
+                run.search::<WEIGHTED>(ends.0, span, budget, stats)
+            }
+        };
+        stats.generated += run.generated;
+        stats.peak_open = stats.peak_open.max(self.open.peak() as u64);
+        self.proved = match found {
+            Found::Path => self.nodes[ends.1 as usize].so_far,
+            Found::Nothing => NO_WAY,
+            Found::Stopped => {
+                self.closed.clear();
+                0
+            }
+        };
+        if self.state != State::Whole || self.goal != ends.1 {
+            self.closed.clear();
+        }
+        found
+    }
+
+    /// Integer cost of the way that the last search found.
+    pub(crate) fn cost_of(&self, goal: Cell) -> u32 {
+        self.nodes[self.spot(goal) as usize].so_far
+    }
+
+    /// Appends the way that was found, both ends included.
+    pub(crate) fn trace(&self, goal: Cell, cells: &mut Vec<Cell>) {
+        let first = cells.len();
+        let mut cell = goal;
+        for _ in 0..self.nodes.len() {
+            cells.push(cell);
+            let node = self.nodes[self.spot(cell) as usize];
+            let step = (node.meta & STEP_MASK) >> STEP_SHIFT;
+            let Some((dx, dy)) = STEPS.get(step as usize) else {
+                break;
+            };
+            cell = Cell::new(cell.x - dx, cell.y - dy);
+        }
+        cells[first..].reverse();
+    }
+
+    const fn spot(&self, cell: Cell) -> Spot {
+        (cell.y.cast_unsigned() + 1) * self.width + cell.x.cast_unsigned() + 1
+    }
+
+    /// What the last search proved: from a cell that it closed, the rest costs what its way cost
+    /// less the way to the cell.
+    fn learn(&mut self) {
+        for spot in self.closed.drain(..) {
+            let node = &mut self.nodes[spot as usize];
+            let left = if self.proved == NO_WAY {
+                NO_WAY
+            } else {
+                self.proved.saturating_sub(node.so_far)
+            };
+            node.left = node.left.max(left);
+        }
+    }
+
+    fn begin(&mut self, goal: Spot) {
+        for node in &mut self.nodes {
+            node.left = NO_WAY;
+        }
+        self.goal = goal;
+        self.forget_eased();
+        self.closed.clear();
+        self.nodes[goal as usize].left = 0;
+        self.front.reset(0, self.span);
+        self.front.push(0, goal);
+        self.state = State::Growing;
+    }
+
+    fn grow(&mut self, expansions: u64) -> bool {
+        let mut used = 0;
+        while used < expansions {
+            let Some((left, spot)) = self.front.pop_with_key() else {
+                self.state = State::Whole;
+                return !self.eased.is_empty();
+            };
+            if self.nodes[spot as usize].left != left {
+                continue;
+            }
+            if left > COST_SO_FAR_MAX {
+                self.state = State::Beyond;
+                return false;
+            }
+            used += 1;
+            self.relax(spot, |queue, left, spot| queue.0.push(left, spot));
+        }
+        true
+    }
+
+    /// Offers what is left from `spot` to the cells from which a step leads there.
+    #[inline]
+    fn relax(
+        &mut self,
+        spot: Spot,
+        mut push: impl FnMut((&mut BucketQueue, &mut BinaryHeap<Reverse<u64>>), u32, Spot),
+    ) {
+        let node = self.nodes[spot as usize];
+        if node.price() == BLOCKED {
+            return;
+        }
+        let blocked = self.around(spot);
+        for (step, offset) in (0_u32..).zip(self.offsets) {
+            if blocked >> step & 1 != 0 || !self.corner_permits(blocked, step) {
+                continue;
+            }
+            let from = spot.wrapping_add(offset);
+            let left = node.left + self.steps[step as usize & 1][node.price() as usize];
+            let other = &mut self.nodes[from as usize];
+            if left < other.left {
+                other.left = left;
+                push((&mut self.front, &mut self.lowered), left, from);
+            }
+        }
+    }
+
+    /// Lowers what is left from `spot` to what its neighbours allow.
+    fn lower(&mut self, spot: Spot) {
+        if self.nodes[spot as usize].price() == BLOCKED || spot == self.goal {
+            return;
+        }
+        let blocked = self.around(spot);
+        let mut least = NO_WAY;
+        for (step, offset) in (0_u32..).zip(self.offsets) {
+            if blocked >> step & 1 != 0 || !self.corner_permits(blocked, step) {
+                continue;
+            }
+            let to = self.nodes[spot.wrapping_add(offset) as usize];
+            if to.left != NO_WAY {
+                least = least.min(to.left + self.steps[step as usize & 1][to.price() as usize]);
+            }
+        }
+        let node = &mut self.nodes[spot as usize];
+        if least < node.left {
+            node.left = least;
+            self.lowered
+                .push(Reverse(u64::from(least) << 32 | u64::from(spot)));
+        }
+    }
+
+    /// Blocked neighbours, a bit for each of [`STEPS`].
+    #[inline]
+    fn around(&self, spot: Spot) -> u32 {
+        let mut blocked = 0;
+        for (step, offset) in self.offsets.iter().enumerate() {
+            let node = self.nodes[spot.wrapping_add(*offset) as usize];
+            blocked |= u32::from(node.price() == BLOCKED) << step;
+        }
+        blocked
+    }
+
+    #[inline]
+    const fn corner_permits(&self, blocked: u32, step: u32) -> bool {
+        step.is_multiple_of(2)
+            || self.rule.permits(
+                blocked >> (step - 1) & 1 != 0,
+                blocked >> ((step + 1) & 7) & 1 != 0,
+            )
+    }
+}
+
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "prices lie between 1 and 21"
+)]
+fn rounded(step: u32, price: f64) -> u32 {
+    (f64::from(step) * price).round() as u32
+}
+
+fn price_of(cell: MapCell, unknown: Unknown) -> u32 {
+    if unknown.blocks(cell) {
+        BLOCKED
+    } else if cell.cost == COST_UNKNOWN {
+        0
+    } else {
+        u32::from(cell.cost)
+    }
+}
+
+/// A search under way: slices and numbers in one place, so that the inner loop sees no `Vec`.
+struct Run<'a> {
+    nodes: &'a mut [Node],
+    open: &'a mut BucketQueue,
+    closed: &'a mut Vec<Spot>,
+    steps: &'a [[u32; 256]; 2],
+    offsets: [u32; 8],
+    rule: CornerRule,
+    width: u32,
+    generation: u32,
+    goal: Spot,
+    goal_xy: (u32, u32),
+    eased_box: EasedBox,
+    quarters: u32,
+    below: u32,
+    generated: u64,
+    overflow: bool,
+}
+
+impl Run<'_> {
+    fn search<const GUIDE: u8>(
+        &mut self,
+        start: Spot,
+        span: u32,
+        budget: &mut dyn FnMut(Expansions) -> Control,
+        stats: &mut PlanStats,
+    ) -> Found {
+        self.closed.clear();
+        let node = &mut self.nodes[start as usize];
+        let xy = (start % self.width, start / self.width);
+        let key = bound::<GUIDE>(node.left, xy, self.goal_xy, &self.eased_box);
+        if key == NO_WAY {
+            return Found::Nothing;
+        }
+        node.so_far = 0;
+        node.meta =
+            self.generation << GENERATION_SHIFT | node.meta & PRICE_MASK | NO_STEP << STEP_SHIFT;
+        self.open.reset(key, span);
+        self.open.push(key, start);
+        self.generated += 1;
+        while let Some(spot) = self.open.pop() {
+            let node = &mut self.nodes[spot as usize];
+            if node.meta & CLOSED != 0 {
+                // A dearer way to a cell that has been closed since.
+                continue;
+            }
+            node.meta |= CLOSED;
+            let (so_far, step) = (node.so_far, (node.meta & STEP_MASK) >> STEP_SHIFT);
+            stats.expanded += 1;
+            if spot == self.goal {
+                return Found::Path;
+            }
+            self.closed.push(spot);
+            if stats.expanded.is_multiple_of(BUDGET_EVERY)
+                && budget(Expansions(stats.expanded)) == Control::Stop
+            {
+                return Found::Stopped;
+            }
+            stats.evaluated += if step == NO_STEP { 8 } else { 5 };
+            let xy = if GUIDE == FIELD {
+                (0, 0)
+            } else {
+                (spot % self.width, spot / self.width)
+            };
+            self.expand::<GUIDE>(spot, xy, so_far, step);
+        }
+        if self.overflow {
+            Found::Stopped
+        } else {
+            Found::Nothing
+        }
+    }
+
+    /// The neighbours that the cell before does not reach at least as well without this one:
+    /// valid for costs of cells entered, since both ways enter the same cell last.
+    #[inline]
+    fn expand<const GUIDE: u8>(&mut self, spot: Spot, xy: (u32, u32), so_far: u32, step: u32) {
+        let rule = self.rule;
+        if step == NO_STEP {
+            let straight = [0, 2, 4, 6].map(|step| self.offer::<GUIDE>(spot, xy, so_far, step));
+            for n in 0..4 {
+                let (one, other) = (straight[n as usize], straight[(n as usize + 1) % 4]);
+                if rule.permits(!one, !other) {
+                    self.offer::<GUIDE>(spot, xy, so_far, 2 * n + 1);
+                }
+            }
+        } else if step.is_multiple_of(2) {
+            let ahead = self.offer::<GUIDE>(spot, xy, so_far, step);
+            let left = self.offer::<GUIDE>(spot, xy, so_far, step + 2);
+            let right = self.offer::<GUIDE>(spot, xy, so_far, step + 6);
+            if rule.permits(!ahead, !left) {
+                self.offer::<GUIDE>(spot, xy, so_far, step + 1);
+            }
+            if rule.permits(!ahead, !right) {
+                self.offer::<GUIDE>(spot, xy, so_far, step + 7);
+            }
+        } else {
+            let left = self.offer::<GUIDE>(spot, xy, so_far, step + 1);
+            let right = self.offer::<GUIDE>(spot, xy, so_far, step + 7);
+            if rule.permits(!left, !right) {
+                self.offer::<GUIDE>(spot, xy, so_far, step);
+            }
+            if rule.permits(!left, self.is_blocked_behind(spot, step + 3)) {
+                self.offer::<GUIDE>(spot, xy, so_far, step + 2);
+            }
+            if rule.permits(!right, self.is_blocked_behind(spot, step + 5)) {
+                self.offer::<GUIDE>(spot, xy, so_far, step + 6);
+            }
+        }
+    }
+
+    /// Whether a cell beside a diagonal step that was taken is blocked.
+    #[inline]
+    fn is_blocked_behind(&self, spot: Spot, step: u32) -> bool {
+        match self.rule {
+            // Not asked for, and not blocked, else the step would not have been legal.
+            CornerRule::Allow | CornerRule::ForbidAny => false,
+            CornerRule::ForbidBoth => {
+                let spot = spot.wrapping_add(self.offsets[(step & 7) as usize]);
+                self.nodes[spot as usize].price() == BLOCKED
+            }
+        }
+    }
+
+    /// Offers a way of cost `so_far` to `spot` and one more step. False when it is blocked.
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "called five times per expansion")]
+    fn offer<const GUIDE: u8>(
+        &mut self,
+        spot: Spot,
+        xy: (u32, u32),
+        so_far: u32,
+        step: u32,
+    ) -> bool {
+        let step = step & 7;
+        let spot = spot.wrapping_add(self.offsets[step as usize]);
+        let node = &mut self.nodes[spot as usize];
+        let price = node.price();
+        if price == BLOCKED {
+            return false;
+        }
+        let so_far = so_far + self.steps[step as usize & 1][price as usize];
+        // Also refuses closed nodes: with a consistent heuristic theirs is the best way already,
+        // and with a weighted one it is good enough for the weight.
+        let closed = GUIDE == WEIGHTED && node.meta & CLOSED != 0;
+        if node.meta >> GENERATION_SHIFT == self.generation && (closed || so_far >= node.so_far) {
+            return true;
+        }
+        if so_far > COST_SO_FAR_MAX {
+            self.overflow = true;
+            return true;
+        }
+        let (dx, dy) = STEPS[step as usize];
+        let xy = (xy.0.wrapping_add_signed(dx), xy.1.wrapping_add_signed(dy));
+        let left = bound::<GUIDE>(node.left, xy, self.goal_xy, &self.eased_box);
+        if left == NO_WAY || GUIDE == WEIGHTED && so_far + left >= self.below {
+            return true;
+        }
+        node.so_far = so_far;
+        node.meta = self.generation << GENERATION_SHIFT | price << PRICE_SHIFT | step << STEP_SHIFT;
+        self.generated += 1;
+        let key = if GUIDE == WEIGHTED {
+            // A weighted heuristic may fall by more than the step costs; the key must not.
+            (so_far + left + left / 4 * (self.quarters - 4)).max(self.open.key())
+        } else {
+            so_far + left
+        };
+        self.open.push(key, spot);
+        true
+    }
+}
+
+/// Lower bound of what is left from the cell at `xy`, of which the field says `left`.
+#[inline]
+fn bound<const GUIDE: u8>(left: u32, xy: (u32, u32), goal: (u32, u32), eased: &EasedBox) -> u32 {
+    let straight = || octile(xy.0.abs_diff(goal.0), xy.1.abs_diff(goal.1));
+    match GUIDE {
+        FIELD => left,
+        FIELD_AND_BOX => left.min(eased.bound(xy.0, xy.1)).max(straight()),
+        _ => straight(),
+    }
+}

@@ -1,0 +1,86 @@
+//! Whether the straight line between two cell centres is free, on a bit map.
+
+use crate::bits::Lines;
+use crate::planner::CornerRule;
+
+/// True when no cell that the line passes is blocked, and every corner that it touches may be
+/// passed. Padded positions; the same cells as [`crate::line::supercover`], but it stops at the
+/// first that is blocked.
+pub(crate) fn sees(lines: &Lines, rule: CornerRule, from: (u32, u32), to: (u32, u32)) -> bool {
+    let (nx, ny) = (
+        i64::from(to.0.abs_diff(from.0)),
+        i64::from(to.1.abs_diff(from.1)),
+    );
+    let step = |from: u32, to: u32| -> usize { if to > from { 1 } else { usize::MAX } };
+    let (sx, sy) = (step(from.0, to.0), step(from.1, to.1));
+    let (mut x, mut y) = (from.0 as usize, from.1 as usize);
+    let (mut ix, mut iy) = (0_i64, 0_i64);
+    loop {
+        if lines.is_blocked(y, x) {
+            return false;
+        }
+        if ix == nx && iy == ny {
+            return true;
+        }
+        // The next vertical border is crossed at (2 ix + 1) / 2 nx, the next horizontal one at
+        // (2 iy + 1) / 2 ny.
+        let order = ((2 * ix + 1) * ny).cmp(&((2 * iy + 1) * nx));
+        let beside = (x.wrapping_add(sx), y.wrapping_add(sy));
+        if order.is_eq() {
+            let one = lines.is_blocked(y, beside.0);
+            let other = lines.is_blocked(beside.1, x);
+            if !rule.permits(one, other) {
+                return false;
+            }
+        }
+        if order.is_le() {
+            x = beside.0;
+            ix += 1;
+        }
+        if order.is_ge() {
+            y = beside.1;
+            iy += 1;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::jps::cell_of;
+    use crate::line::supercover;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn sees_along_the_cells_of_the_line(
+            seed: u64,
+            from in (1_u32..30, 1_u32..20),
+            to in (1_u32..30, 1_u32..20),
+            rule in 0_usize..3,
+        ) {
+            let rule = [CornerRule::Allow, CornerRule::ForbidAny, CornerRule::ForbidBoth][rule];
+            let mut lines = Lines::default();
+            lines.reset(30, 20);
+            let mut state = seed;
+            for y in 1..=20 {
+                for x in 1..=30 {
+                    state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+                    lines.set(y, x, state >> 33 & 15 == 0);
+                }
+            }
+            let mut free = true;
+            let blocked = |cell: zeronav_msgs::Cell| {
+                let (x, y) = crate::jps::padded(cell);
+                lines.is_blocked(y as usize, x as usize)
+            };
+            supercover(cell_of(from), cell_of(to), |crossing| {
+                free &= !blocked(crossing.cell);
+                if let Some([one, other]) = crossing.touched {
+                    free &= rule.permits(blocked(one), blocked(other));
+                }
+            });
+            prop_assert_eq!(sees(&lines, rule, from, to), free);
+        }
+    }
+}

@@ -1,0 +1,265 @@
+//! The planners that are fast against the plain one: same costs, whatever happened to the map.
+
+mod support;
+
+use proptest::prelude::*;
+use support::{Map, Rng, of_cost};
+use zeronav_global_planner::{
+    CellPath, Control, CornerRule, GlobalPlanner, PlanError, PlanQuery, PlanStats, PlannerOptions,
+    Unknown, row_of,
+};
+use zeronav_msgs::map::COST_LETHAL;
+use zeronav_msgs::{Cell, CellRect};
+
+const RULES: [CornerRule; 3] = [
+    CornerRule::Allow,
+    CornerRule::ForbidAny,
+    CornerRule::ForbidBoth,
+];
+
+fn build(key: &str, cost_weight: f64) -> Box<dyn GlobalPlanner> {
+    let options = PlannerOptions {
+        cost_weight,
+        ..PlannerOptions::default()
+    };
+    (row_of(key).unwrap().build)(&options)
+}
+
+fn query(map: &Map, start: Cell, goal: Cell, rule: CornerRule) -> PlanQuery<'_> {
+    PlanQuery {
+        map: map.view(),
+        start: map.pose(start),
+        goal: map.pose(goal),
+        tolerance_m: 0.01,
+        unknown: Unknown::Free,
+        corner_rule: rule,
+    }
+}
+
+fn plan(
+    planner: &mut dyn GlobalPlanner,
+    query: &PlanQuery<'_>,
+    path: &mut CellPath,
+) -> Result<PlanStats, PlanError> {
+    planner.plan(query, &mut |_| Control::Go, path)
+}
+
+fn whole(map: &Map) -> CellRect {
+    let (width, height) = map.geometry.size();
+    CellRect {
+        min: Cell::new(0, 0),
+        max: Cell::new(width, height),
+    }
+}
+
+/// Same outcome, costs within what integers bend.
+fn assert_same(
+    what: &str,
+    one: Result<PlanStats, PlanError>,
+    other: Result<PlanStats, PlanError>,
+    bend: f64,
+) {
+    match (one, other) {
+        (Ok(one), Ok(other)) => {
+            let limit = bend * other.cost + 1e-9;
+            let apart = (one.cost - other.cost).abs();
+            assert!(apart <= limit, "{what}: {} is not {}", one.cost, other.cost);
+        }
+        (one, other) => {
+            let (one, other) = (one.map(|_| ()), other.map(|_| ()));
+            assert_eq!(one, other, "{what}");
+        }
+    }
+}
+
+fn drawn_by(seed: u64, width: u32, height: u32, blocked_percent: i32, cost_percent: i32) -> Map {
+    let mut map = Map::free(width, height);
+    let mut rng = Rng(seed);
+    for cell in &mut map.cells {
+        *cell = if rng.below(100) < blocked_percent {
+            of_cost(COST_LETHAL)
+        } else if rng.below(100) < cost_percent {
+            of_cost(u8::try_from(rng.below(253)).unwrap())
+        } else {
+            of_cost(0)
+        };
+    }
+    map
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(1000))]
+
+    /// Jumps, canonical steps and plain A* find ways of one length.
+    #[test]
+    fn jps_and_canonical_are_a_star(
+        width in 1_u32..140,
+        height in 1_u32..70,
+        seed: u64,
+        blocked_percent in 0_i32..55,
+        rule in 0_usize..3,
+    ) {
+        let map = drawn_by(seed, width, height, blocked_percent, 0);
+        let mut rng = Rng(!seed);
+        let (w, h) = map.geometry.size();
+        let mut planners = ["c_astar", "jps", "canonical", "mpgaa"].map(|key| build(key, 0.0));
+        let mut path = CellPath::default();
+        for _ in 0..4 {
+            let start = Cell::new(rng.below(w), rng.below(h));
+            let goal = Cell::new(rng.below(w), rng.below(h));
+            let query = query(&map, start, goal, RULES[rule]);
+            let [expected, rest @ ..] = &mut planners;
+            let expected = plan(expected.as_mut(), &query, &mut path);
+            for (key, planner) in ["jps", "canonical", "mpgaa"].iter().zip(rest) {
+                let result = plan(planner.as_mut(), &query, &mut path);
+                assert_same(key, result, expected, 1e-6);
+            }
+        }
+    }
+}
+
+/// Edits of small maps: as many as `ZERONAV_EDITS` says.
+fn edits() -> u64 {
+    std::env::var("ZERONAV_EDITS")
+        .ok()
+        .and_then(|text| text.parse().ok())
+        .unwrap_or(100_000)
+}
+
+/// One random edit; what it wrote.
+fn edit(map: &mut Map, rng: &mut Rng, side: i32) -> CellRect {
+    let (w, h) = map.geometry.size();
+    let min = Cell::new(rng.below(w), rng.below(h));
+    let max = Cell::new(
+        (min.x + 1 + rng.below(side)).min(w),
+        (min.y + 1 + rng.below(side)).min(h),
+    );
+    let kind = rng.below(4);
+    let cost = u8::try_from(rng.below(253)).unwrap();
+    for y in min.y..max.y {
+        for x in min.x..max.x {
+            let value = match kind {
+                0 => COST_LETHAL,
+                1 => 0,
+                2 => cost,
+                _ if rng.below(3) == 0 => COST_LETHAL,
+                _ => u8::try_from(rng.below(253)).unwrap(),
+            };
+            map.put(Cell::new(x, y), of_cost(value));
+        }
+    }
+    CellRect { min, max }
+}
+
+/// Runs planners that are told of every edit beside ones that start anew each time.
+fn compare_under_edits(
+    seed: u64,
+    n_edits: u64,
+    mut map: Map,
+    side: i32,
+    every: i32,
+) -> (u64, u64, u64) {
+    let mut rng = Rng(seed);
+    let (w, h) = map.geometry.size();
+    let rule = RULES[usize::try_from(seed % 3).unwrap()];
+    let (mut kept, mut jumps) = (build("mpgaa", 3.0), build("jps", 3.0));
+    for planner in [&mut kept, &mut jumps] {
+        planner.map_changed(&map.view(), &[whole(&map)]);
+    }
+    let mut goal = map.free_near(Cell::new(rng.below(w), rng.below(h)));
+    let mut robot = map.free_near(Cell::new(rng.below(w), rng.below(h)));
+    let (mut path, mut spare) = (CellPath::default(), CellPath::default());
+    let (mut found, mut total_kept, mut total_anew) = (0, 0, 0);
+    for n in 0..n_edits {
+        let rect = edit(&mut map, &mut rng, side);
+        kept.map_changed(&map.view(), &[rect]);
+        jumps.map_changed(&map.view(), &[rect]);
+        if rng.below(every) > 0 {
+            continue;
+        }
+        let query = query(&map, robot, goal, rule);
+        let what = format!("seed {seed}, edit {n}, {robot:?} to {goal:?}, {rule:?}");
+        let expected = plan(build("c_astar", 3.0).as_mut(), &query, &mut spare);
+        let anew = spare.stats.expanded;
+        let result = plan(kept.as_mut(), &query, &mut path);
+        assert_same(&format!("mpgaa, {what}"), result, expected, 1e-3);
+        assert!(
+            path.stats.expanded <= anew + anew * 3 / 10 + 1,
+            "{what}: {} expansions, from scratch {anew}",
+            path.stats.expanded
+        );
+        total_kept += path.stats.expanded;
+        total_anew += anew;
+        found += u64::from(result.is_ok());
+        let expected = plan(build("c_astar", 0.0).as_mut(), &query, &mut spare);
+        let result = plan(jumps.as_mut(), &query, &mut spare);
+        assert_same(&format!("jps, {what}"), result, expected, 1e-6);
+        // The robot goes on, now and then far; goals come and go; work ahead is done or not.
+        if let Some(cell) = path.cells.get(1 + usize::try_from(rng.below(4)).unwrap()) {
+            robot = *cell;
+        }
+        match rng.below(40) {
+            0 => goal = Cell::new(rng.below(w), rng.below(h)),
+            1 => robot = Cell::new(rng.below(w), rng.below(h)),
+            _ => {}
+        }
+        for _ in 0..rng.below(4) {
+            kept.prepare(64 + u64::from(rng.below(3).cast_unsigned()) * 100_000);
+        }
+    }
+    (found, total_kept, total_anew)
+}
+
+#[test]
+fn mpgaa_is_a_star_under_edits_of_small_maps() {
+    let n_edits = edits();
+    let (mut found, mut searches) = (0, 0);
+    for seed in 0..n_edits / 100 {
+        let mut rng = Rng(seed);
+        let (w, h) = (3 + rng.below(22), 3 + rng.below(22));
+        let map = drawn_by(seed, w.cast_unsigned(), h.cast_unsigned(), 15, 40);
+        let (ways, _, _) = compare_under_edits(seed, 100, map, 4, 2);
+        found += ways;
+        searches += 50;
+    }
+    assert!(
+        found * 3 > searches,
+        "{found} of {searches} have a way: too few to say anything"
+    );
+}
+
+#[test]
+fn mpgaa_is_a_star_under_edits_of_a_large_map_and_expands_less() {
+    let map = Map::office(600, 400, 3);
+    let n_edits = (edits() / 100).max(60);
+    let (found, kept, anew) = compare_under_edits(3, n_edits, map, 14, 1);
+    assert!(found * 2 > n_edits, "{found} of {n_edits} have a way");
+    assert!(kept * 2 < anew, "{kept} expansions, from scratch {anew}");
+}
+
+#[test]
+fn a_walled_in_goal_is_told_without_a_flood() {
+    let mut map = Map::free(1200, 1200);
+    map.block(Cell::new(600, 600), Cell::new(660, 660));
+    for y in 610..650 {
+        for x in 610..650 {
+            map.put(Cell::new(x, y), of_cost(0));
+        }
+    }
+    for key in ["jps", "canonical", "mpgaa"] {
+        let mut planner = build(key, 3.0);
+        planner.map_changed(&map.view(), &[whole(&map)]);
+        let (start, goal) = (Cell::new(20, 30), Cell::new(630, 630));
+        let query = query(&map, start, goal, CornerRule::ForbidAny);
+        let mut path = CellPath::default();
+        let none = Err(PlanError::Unreachable {
+            blocked_by_corner: false,
+        });
+        assert_eq!(plan(planner.as_mut(), &query, &mut path), none, "{key}");
+        assert!(path.stats.expanded <= 4096, "{key}: {:?}", path.stats);
+        let first = path.stats.expanded;
+        assert_eq!(plan(planner.as_mut(), &query, &mut path), none, "{key}");
+        // Known by now, unless it was found out on the way.
+        assert!(path.stats.expanded == 0 || first < 256, "{key}");
+    }
+}
