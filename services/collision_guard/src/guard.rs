@@ -91,6 +91,8 @@ enum Verdict {
 pub struct Guard {
     config: GuardConfig,
     last: Twist,
+    /// The last command was a step of a ramp.
+    ramping: bool,
     had_request: bool,
     view: View,
     scan_order: Order,
@@ -112,6 +114,7 @@ impl Guard {
         Self {
             config,
             last: Twist::REST,
+            ramping: false,
             had_request: false,
             view: View::default(),
             scan_order: Order::default(),
@@ -151,6 +154,7 @@ impl Guard {
             (Verdict::Rest(validity, intervention), None) => (Twist::REST, validity, intervention),
         };
         self.last = twist;
+        self.ramping = validity != Validity::Drive;
         VelocityCommand {
             v_mps: twist.v_mps,
             w_radps: twist.w_radps,
@@ -363,24 +367,31 @@ impl Guard {
         fine.then_some(*input.odometry)
     }
 
-    /// Where a ramp begins: at the last command, as far as the robot can have followed it. A
-    /// request far beyond what the robot drives must not make it faster while it ramps down.
+    /// Where the next step of a ramp begins: at the last command once ramping, so that the stop
+    /// keeps its arc; at first on the arc that the robot is on, because the stops that were checked
+    /// begin there, with a speed as far from its own as the last command can be ahead of it.
     fn ramp_start(&self, inputs: &GuardInputs<'_>, limits: &Limits) -> Twist {
-        let Some(odometry) = self.feels(inputs) else {
+        let Some(odometry) = self.feels(inputs).filter(|_| !self.ramping) else {
             return self.last;
         };
-        let bounded = |last: f64, measured: f64, lead: f64| {
-            let most = (measured * last.signum()).max(0.0) + lead;
-            last.clamp(-most, most)
+        let lead_mps = limits.a_mps2_max.max(limits.brake_mps2) * LEAD_S;
+        // Not faster than the robot is: a request far beyond that must not make it faster yet.
+        let (low, high) = if odometry.v_mps > 0.0 {
+            (odometry.v_mps - lead_mps, odometry.v_mps)
+        } else {
+            (odometry.v_mps, odometry.v_mps + lead_mps)
         };
-        Twist {
-            v_mps: bounded(self.last.v_mps, odometry.v_mps, limits.a_mps2_max * LEAD_S),
-            w_radps: bounded(
-                self.last.w_radps,
-                odometry.w_radps,
-                limits.alpha_radps2_max * LEAD_S,
-            ),
-        }
+        let v_mps = self.last.v_mps.clamp(low, high);
+        // On the arc that the robot is on.
+        let w_radps = if odometry.v_mps.abs() > 0.01 {
+            odometry.w_radps * (v_mps / odometry.v_mps).max(0.0)
+        } else {
+            let lead_radps = limits.alpha_radps2_max * LEAD_S;
+            self.last
+                .w_radps
+                .clamp(odometry.w_radps - lead_radps, odometry.w_radps + lead_radps)
+        };
+        Twist { v_mps, w_radps }
     }
 }
 

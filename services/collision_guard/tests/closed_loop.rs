@@ -362,10 +362,13 @@ fn posts_that_appear_are_touched_only_when_braking_cannot_help() {
         for _ in 0..n_before {
             run.step(asked);
         }
-        let before = run.world.posts.len();
-        while run.world.posts.len() == before {
-            run.drop_post(&mut random, 0.0);
-        }
+        // Before the nose, now and then too near to stop.
+        let stop_m = run.twist.v_mps.powi(2) / (2.0 * run.limits.brake_mps2);
+        let reach_m = run.description.circumscribed_radius_m;
+        let ahead_m = reach_m + 0.22 + random.random_range(0.0..1.5) * stop_m;
+        let aside_m = random.random_range(-0.3..0.3);
+        let at = run.pose.transform(Point2::new(ahead_m, aside_m));
+        run.world.posts.push(Post { at, radius_m: 0.2 });
         appeared += 1;
         // Unavoidable when the robot touches it although it brakes from the first command on that
         // can know of it: the period of the next scan.
@@ -401,7 +404,7 @@ fn posts_that_appear_are_touched_only_when_braking_cannot_help() {
         }
     }
     println!("{contacts} contacts with {appeared} posts, all of them unavoidable");
-    assert!(appeared == 400 && contacts > 0, "nothing was at stake");
+    assert!(appeared == 400 && (20..300).contains(&contacts), "nothing was at stake");
 }
 
 #[test]
