@@ -18,12 +18,20 @@ pub struct ControllerRow {
 }
 
 /// Every controller.
-pub const CONTROLLERS: &[ControllerRow] = &[ControllerRow {
+pub const CONTROLLERS: &[ControllerRow] = &[
+    ControllerRow {
+        key: "dwa_t",
+        title: "Time-indexed dynamic window: predicted obstacles, cost-to-go, speed by clearance",
+        source: "dwa, with rollouts in time, a local navigation function and constant-velocity tracks",
+        build: |config| Box::new(Dwa::timed(config.dwa, config.dwa_t)),
+    },
+    ControllerRow {
     key: "dwa",
     title: "Dynamic window that follows the path, checked against map and scan",
     source: "Fox, Burgard, Thrun: The Dynamic Window Approach to Collision Avoidance, IEEE RAM 4(1), 1997",
     build: |config| Box::new(Dwa::new(config.dwa)),
-}];
+    },
+];
 
 /// No controller has this key.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]

@@ -1,0 +1,401 @@
+//! Cost-to-go over the map around the robot, seeded from the path.
+//!
+//! Every cell of a window knows how far it is to the path's end by the shortest free way to the
+//! path and along it (Dijkstra from all of the path's points in the window at once), so a motion
+//! into a dead end is worth nothing however near it brings the robot to the path. Recomputed only
+//! when the path or the map's cells changed, or when the robot has come near the window's edge.
+
+#![allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_possible_wrap,
+    clippy::cast_precision_loss,
+    clippy::cast_sign_loss,
+    reason = "indices of a window of at most 160 x 160 cells, clamped before use"
+)]
+
+use crate::progress::{PathTracker, Place};
+use core::cmp::Reverse;
+use nalgebra::Point2;
+use std::collections::BinaryHeap;
+use zeronav_msgs::path::Waypoint;
+use zeronav_msgs::{Cell, MapView};
+
+/// [m] smallest side of a cell; finer maps are taken in blocks.
+const CELL_M: f64 = 0.1;
+
+/// Most cells on a side.
+const SIDE_MAX: i32 = 160;
+
+/// Steps to neighbours and their lengths in thousandths of a cell.
+const STEPS: [(i32, i32, u32); 8] = [
+    (1, 0, 1000),
+    (0, 1, 1000),
+    (-1, 0, 1000),
+    (0, -1, 1000),
+    (1, 1, 1414),
+    (-1, 1, 1414),
+    (-1, -1, 1414),
+    (1, -1, 1414),
+];
+
+/// [m] between seeds along the path.
+const SEED_M: f64 = 0.05;
+
+/// Cost of a cell that leads nowhere.
+const UNREACHED: u32 = u32::MAX;
+
+/// What a cell knows.
+#[derive(Debug, Clone, Copy, Default)]
+struct Knowledge {
+    /// [m] to the path's end.
+    to_go: f32,
+    /// [m] straight to the place where the way joins the path.
+    beside: f32,
+    /// Direction of the path there.
+    direction: (f32, f32),
+}
+
+/// Guidance at a point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Guide {
+    /// [m] to the path's end, by the shortest free way.
+    pub(crate) to_go: f32,
+    /// [m] beside the path.
+    pub(crate) beside: f32,
+    /// Direction of the path where the way joins it.
+    pub(crate) direction: (f32, f32),
+}
+
+/// What the window was made from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+struct Key {
+    geometry: u64,
+    cells: u64,
+    /// Rows and columns of cells around the robot.
+    half: i32,
+}
+
+/// The window.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Funnel {
+    key: Option<Key>,
+    cell_m: f64,
+    /// Map frame, centre of cell (0, 0). [m]
+    origin: Point2<f64>,
+    side: i32,
+    /// Where the robot was, in cells.
+    made_at: (i32, i32),
+    cells: Vec<Knowledge>,
+    costs: Vec<u32>,
+    /// Cost factor in 256ths, 0 = not free.
+    factors: Vec<u32>,
+    seeds: Vec<u32>,
+    seed_points: Vec<(Point2<f64>, (f32, f32))>,
+    open: BinaryHeap<Reverse<(u32, u32)>>,
+}
+
+/// What the window is made from.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct FunnelInputs<'a> {
+    pub(crate) map: MapView<'a>,
+    /// Grows when cells of the map change.
+    pub(crate) map_cells: u64,
+    pub(crate) path: &'a [Waypoint],
+    pub(crate) geometry: u64,
+    pub(crate) place: Place,
+    pub(crate) position: Point2<f64>,
+    /// [m] around the robot that must be known.
+    pub(crate) reach_m: f64,
+    /// [m] nearer than which obstacles block the robot's centre.
+    pub(crate) inscribed_m: f64,
+    /// [m] from obstacles below which a way costs more.
+    pub(crate) soft_m: f64,
+}
+
+impl Funnel {
+    /// Makes the window anew when it has to be; true when it was.
+    pub(crate) fn update(&mut self, tracker: &PathTracker, inputs: &FunnelInputs<'_>) -> bool {
+        let geometry = inputs.map.geometry;
+        let stride = (CELL_M / geometry.resolution_m).ceil().max(1.0);
+        let cell_m = stride * geometry.resolution_m;
+        let half = ((1.35 * inputs.reach_m / cell_m).ceil() as i32 + 2).min(SIDE_MAX / 2 - 1);
+        let key = Key {
+            geometry: inputs.geometry,
+            cells: inputs.map_cells,
+            half,
+        };
+        let at = inputs.position;
+        let stride = stride as i32;
+        let cell = geometry.unbounded_cell_at(at);
+        let block = (cell.x.div_euclid(stride), cell.y.div_euclid(stride));
+        let drifted = (block.0 - self.made_at.0).abs().max((block.1 - self.made_at.1).abs());
+        let inner = (inputs.reach_m / cell_m).ceil() as i32;
+        if self.key == Some(key) && drifted <= (half - inner).max(2) {
+            return false;
+        }
+        self.key = Some(key);
+        self.made_at = block;
+        self.cell_m = cell_m;
+        self.side = 2 * half + 1;
+        let first = (block.0 - half, block.1 - half);
+        self.origin = Point2::new(
+            geometry.origin_x_m + (f64::from(first.0) + 0.5) * cell_m,
+            geometry.origin_y_m + (f64::from(first.1) + 0.5) * cell_m,
+        );
+        self.weigh(inputs, first, stride);
+        self.seed(tracker, inputs);
+        self.spread();
+        true
+    }
+
+    /// Cost factors of all cells: a block is as free as its freest cell.
+    fn weigh(&mut self, inputs: &FunnelInputs<'_>, first: (i32, i32), stride: i32) {
+        let n = (self.side * self.side) as usize;
+        self.factors.clear();
+        self.factors.reserve(n);
+        let soft_m = inputs.inscribed_m + inputs.soft_m;
+        for row in 0..self.side {
+            for column in 0..self.side {
+                let (x, y) = ((first.0 + column) * stride, (first.1 + row) * stride);
+                let mut clearance_mm = 0;
+                for dy in 0..stride {
+                    for dx in 0..stride {
+                        if let Some(cell) = inputs.map.get(Cell::new(x + dx, y + dy)) {
+                            clearance_mm = clearance_mm.max(cell.clearance_mm);
+                        }
+                    }
+                }
+                let clearance_m = f64::from(clearance_mm) * 1.0e-3;
+                let near = ((soft_m - clearance_m) / inputs.soft_m).clamp(0.0, 1.0);
+                self.factors.push(if clearance_m < inputs.inscribed_m {
+                    0
+                } else {
+                    256 + (512.0 * near * near) as u32
+                });
+            }
+        }
+    }
+
+    /// Index of the cell that holds a point of the map frame.
+    fn index_of(&self, at: Point2<f64>) -> Option<usize> {
+        let column = ((at.x - self.origin.x) / self.cell_m).round() as i32;
+        let row = ((at.y - self.origin.y) / self.cell_m).round() as i32;
+        let inside = column >= 0 && row >= 0 && column < self.side && row < self.side;
+        inside.then_some((row * self.side + column) as usize)
+    }
+
+    /// Puts the path's points in the window into the queue.
+    fn seed(&mut self, tracker: &PathTracker, inputs: &FunnelInputs<'_>) {
+        let n = self.factors.len();
+        self.costs.clear();
+        self.costs.resize(n, UNREACHED);
+        self.seeds.clear();
+        self.seeds.resize(n, 0);
+        self.open.clear();
+        self.open.reserve(4 * n);
+        self.seed_points.clear();
+        let length_m = tracker.length_m();
+        let around_m = f64::from(self.side) * self.cell_m;
+        let mut arc_m = (inputs.place.arc_m - 1.0).max(0.0);
+        let until_m = (inputs.place.arc_m + 2.0 * around_m).min(length_m);
+        loop {
+            let at = tracker.point_at(inputs.path, arc_m);
+            if let Some(index) = self.index_of(at)
+                && self.factors[index] > 0
+            {
+                let ahead = tracker.point_at(inputs.path, arc_m + 0.15);
+                let behind = tracker.point_at(inputs.path, (arc_m - 0.15).max(0.0));
+                let along = (ahead - behind).try_normalize(1.0e-9);
+                let direction = along.map_or((0.0, 0.0), |d| (d.x as f32, d.y as f32));
+                let cost = ((length_m - arc_m) / self.cell_m * 1000.0).min(4.0e9) as u32;
+                if cost < self.costs[index] {
+                    self.costs[index] = cost;
+                    self.seeds[index] = self.seed_points.len() as u32;
+                    self.seed_points.push((at, direction));
+                    self.open.push(Reverse((cost, index as u32)));
+                }
+            }
+            if arc_m >= until_m {
+                break;
+            }
+            arc_m = (arc_m + SEED_M).min(until_m);
+        }
+    }
+
+    /// Dijkstra from all seeds.
+    fn spread(&mut self) {
+        while let Some(Reverse((cost, index))) = self.open.pop() {
+            let index = index as usize;
+            if cost > self.costs[index] {
+                continue;
+            }
+            let (column, row) = (index as i32 % self.side, index as i32 / self.side);
+            for (dx, dy, length) in STEPS {
+                let (x, y) = (column + dx, row + dy);
+                if x < 0 || y < 0 || x >= self.side || y >= self.side {
+                    continue;
+                }
+                let next = (y * self.side + x) as usize;
+                let factor = self.factors[next];
+                if factor == 0 {
+                    continue;
+                }
+                let through = cost.saturating_add(length * factor / 256);
+                if through < self.costs[next] {
+                    self.costs[next] = through;
+                    self.seeds[next] = self.seeds[index];
+                    self.open.push(Reverse((through, next as u32)));
+                }
+            }
+        }
+        self.cells.clear();
+        let thousandth_m = (self.cell_m * 1.0e-3) as f32;
+        for (index, (&cost, &seed)) in self.costs.iter().zip(&self.seeds).enumerate() {
+            let known = self.seed_points.get(seed as usize).filter(|_| cost != UNREACHED);
+            self.cells.push(known.map_or(
+                Knowledge {
+                    to_go: f32::INFINITY,
+                    ..Knowledge::default()
+                },
+                |(at, direction)| {
+                    let column = f64::from(index as i32 % self.side);
+                    let row = f64::from(index as i32 / self.side);
+                    let here = Point2::new(
+                        self.origin.x + column * self.cell_m,
+                        self.origin.y + row * self.cell_m,
+                    );
+                    Knowledge {
+                        to_go: cost as f32 * thousandth_m,
+                        beside: (here - at).norm() as f32,
+                        direction: *direction,
+                    }
+                },
+            ));
+        }
+    }
+
+    /// Guidance at a point of the map frame; `None` where no free way is known. Bilinear in the
+    /// way to go and beside, where all four neighbours know it.
+    pub(crate) fn at(&self, point: Point2<f64>) -> Option<Guide> {
+        let u = ((point.x - self.origin.x) / self.cell_m) as f32;
+        let v = ((point.y - self.origin.y) / self.cell_m) as f32;
+        let last = (self.side - 1) as f32;
+        if !(u >= 0.0 && v >= 0.0 && u < last && v < last) {
+            return None;
+        }
+        let (column, row) = (u as usize, v as usize);
+        let (fu, fv) = (u - column as f32, v - row as f32);
+        let side = self.side as usize;
+        let start = row * side + column;
+        let quad = [start, start + 1, start + side, start + side + 1].map(|i| self.cells[i]);
+        let nearest = quad[usize::from(fu > 0.5) + 2 * usize::from(fv > 0.5)];
+        if quad.iter().all(|cell| cell.to_go.is_finite()) {
+            let weights = [
+                (1.0 - fu) * (1.0 - fv),
+                fu * (1.0 - fv),
+                (1.0 - fu) * fv,
+                fu * fv,
+            ];
+            let mean = |of: fn(&Knowledge) -> f32| {
+                quad.iter().zip(weights).map(|(cell, w)| of(cell) * w).sum()
+            };
+            return Some(Guide {
+                to_go: mean(|cell| cell.to_go),
+                beside: mean(|cell| cell.beside),
+                direction: nearest.direction,
+            });
+        }
+        // Beside an obstacle: the nearest neighbour that knows a way.
+        quad.iter()
+            .min_by(|a, b| a.to_go.total_cmp(&b.to_go))
+            .filter(|cell| cell.to_go.is_finite())
+            .map(|cell| Guide {
+                to_go: cell.to_go,
+                beside: cell.beside,
+                direction: cell.direction,
+            })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use zeronav_msgs::{GridGeometry, MapCell};
+
+    const GEOMETRY: GridGeometry = GridGeometry {
+        origin_x_m: 0.0,
+        origin_y_m: 0.0,
+        resolution_m: 0.1,
+        width: 80,
+        height: 60,
+    };
+
+    /// A wall along x = 4 m from y = 0 to `top_m`; the path goes round its upper end.
+    fn world(top_m: f64) -> Vec<MapCell> {
+        let mut cells = vec![MapCell::default(); GEOMETRY.len()];
+        for (index, cell) in cells.iter_mut().enumerate() {
+            let at = GEOMETRY.centre_of(Cell::new(index as i32 % 80, index as i32 / 80));
+            let (dx, dy) = ((at.x - 4.0).abs() - 0.1, (at.y - top_m).max(0.0));
+            cell.clearance_mm = (dx.max(0.0).hypot(dy).min(1.5) * 1000.0) as u16;
+        }
+        cells
+    }
+
+    fn funnel(cells: &[MapCell]) -> Funnel {
+        let corners = [(1.0, 1.0), (1.0, 5.5), (7.0, 5.5), (7.0, 1.0)];
+        let path = corners.map(|(x_m, y_m)| Waypoint {
+            x_m,
+            y_m,
+            ..Waypoint::default()
+        });
+        let mut tracker = PathTracker::new();
+        let position = Point2::new(1.0, 1.0);
+        let place = tracker.advance(1, &path, position).expect("a path");
+        let mut funnel = Funnel::default();
+        let inputs = FunnelInputs {
+            map: MapView {
+                geometry: &GEOMETRY,
+                cells,
+            },
+            map_cells: 1,
+            path: &path,
+            geometry: 1,
+            place,
+            position,
+            reach_m: 4.0,
+            inscribed_m: 0.25,
+            soft_m: 0.2,
+        };
+        assert!(funnel.update(&tracker, &inputs));
+        assert!(!funnel.update(&tracker, &inputs), "nothing changed");
+        let moved = FunnelInputs {
+            map_cells: 2,
+            ..inputs
+        };
+        assert!(funnel.update(&tracker, &moved), "the map changed");
+        funnel
+    }
+
+    #[test]
+    fn on_the_path_the_way_is_what_is_left_of_it() {
+        let funnel = funnel(&world(4.0));
+        for (x, y, left_m) in [(1.0, 1.0, 15.0), (1.0, 3.0, 13.0), (2.5, 5.5, 9.0)] {
+            let guide = funnel.at(Point2::new(x, y)).expect("on the path");
+            assert!((f64::from(guide.to_go) - left_m).abs() < 0.1, "{guide:?}");
+            assert!(guide.beside < 0.11);
+        }
+        let guide = funnel.at(Point2::new(1.0, 3.0)).expect("on the path");
+        assert!(guide.direction.1 > 0.99);
+    }
+
+    #[test]
+    fn before_a_wall_the_way_leads_back_round_it() {
+        let funnel = funnel(&world(4.0));
+        // 1 m before the wall, 2 m from the path's last leg behind it.
+        let guide = funnel.at(Point2::new(3.0, 1.5)).expect("free");
+        let nearer = funnel.at(Point2::new(3.5, 1.5)).expect("free");
+        assert!(guide.to_go > 8.0, "{guide:?}");
+        assert!(nearer.to_go > guide.to_go - 0.05, "{nearer:?} {guide:?}");
+        assert_eq!(funnel.at(Point2::new(4.0, 1.5)), None);
+    }
+}
