@@ -12,6 +12,8 @@ pub struct LocalPlannerConfig {
     pub dwa: DwaConfig,
     /// For the controller `dwa_t`, which takes the rest from `dwa`.
     pub dwa_t: DwaTConfig,
+    /// For the controllers of the papers: obstacles are points, as printed, instead of areas.
+    pub literal: bool,
     /// When a task has succeeded or failed.
     pub task: TaskConfig,
     /// When another path is asked for.
@@ -26,6 +28,7 @@ impl Default for LocalPlannerConfig {
             controller: "dwa".to_owned(),
             dwa: DwaConfig::default(),
             dwa_t: DwaTConfig::default(),
+            literal: false,
             task: TaskConfig::default(),
             requests: RequestConfig::default(),
             staleness: StalenessConfig::default(),

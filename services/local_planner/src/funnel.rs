@@ -379,13 +379,17 @@ mod tests {
     #[test]
     fn on_the_path_the_way_is_what_is_left_of_it() {
         let funnel = funnel(&world(4.0));
-        for (x, y, left_m) in [(1.0, 1.0, 15.0), (1.0, 3.0, 13.0), (2.5, 5.5, 9.0)] {
+        for (x, y, left_m) in [(7.0, 3.0, 2.0), (7.0, 4.5, 3.5)] {
             let guide = funnel.at(Point2::new(x, y)).expect("on the path");
             assert!((f64::from(guide.to_go) - left_m).abs() < 0.1, "{guide:?}");
-            assert!(guide.beside < 0.11);
+            assert!(guide.beside < 0.15, "{guide:?}");
         }
-        let guide = funnel.at(Point2::new(1.0, 3.0)).expect("on the path");
-        assert!(guide.direction.1 > 0.99);
+        // Corners may be cut, but never is the way longer than along the path.
+        for (x, y, left_m) in [(1.0, 1.0, 15.0), (1.0, 3.0, 13.0), (2.5, 5.5, 9.0)] {
+            let guide = funnel.at(Point2::new(x, y)).expect("on the path");
+            let to_go_m = f64::from(guide.to_go);
+            assert!(to_go_m < left_m + 0.1 && to_go_m > 0.75 * left_m, "{guide:?}");
+        }
     }
 
     #[test]
@@ -395,7 +399,7 @@ mod tests {
         let guide = funnel.at(Point2::new(3.0, 1.5)).expect("free");
         let nearer = funnel.at(Point2::new(3.5, 1.5)).expect("free");
         assert!(guide.to_go > 8.0, "{guide:?}");
-        assert!(nearer.to_go > guide.to_go - 0.05, "{nearer:?} {guide:?}");
+        assert!(nearer.to_go > guide.to_go - 0.25, "{nearer:?} {guide:?}");
         assert_eq!(funnel.at(Point2::new(4.0, 1.5)), None);
     }
 }

@@ -18,6 +18,7 @@ mod lanes;
 mod local_path;
 pub mod motion;
 mod moving;
+pub mod papers;
 pub mod period;
 pub mod progress;
 pub mod requests;

@@ -13,7 +13,7 @@ use zeronav_msgs::role::Role;
 use zeronav_msgs::span::SpanKind;
 use zeronav_msgs::task::GOALS_MAX;
 use zeronav_msgs::topics::{
-    ControlRequest, EVENT_NEED_KEYFRAME, MapKeyframe, MapUpdate, PlanPath, PlanRequests,
+    ControlRequest, EVENT_NEED_KEYFRAME, MapKeyframe, MapObstacles, MapUpdate, PlanPath, PlanRequests,
     RobotDescription, RobotOdometry, RobotScan, TaskGoal, TaskState,
 };
 use zeronav_shell::clock::now_ns;
@@ -22,6 +22,9 @@ use zeronav_shell::{Cycle, Latest, Roster, Service, Shell, StartError, Stream, T
 
 /// Ticks between two statuses of an unchanged task.
 const STATUS_TICKS: u64 = 10;
+
+/// Age beyond which tracked obstacles are forgotten. [s]
+const OBSTACLES_AGE_S_MAX: f64 = 0.5;
 
 /// Shortest period that the controller is told of, in real time. [s]
 const PERIOD_S_MIN: f64 = 1.0e-3;
@@ -53,10 +56,13 @@ struct Readings {
     scan: Latest<RobotScan>,
     updates: Stream<MapUpdate>,
     keyframe: Latest<MapKeyframe>,
+    obstacles: Latest<MapObstacles>,
     path: Latest<PlanPath>,
     goal: Latest<TaskGoal>,
     track: Track,
     replica: MapReplica,
+    /// Grows when cells of the map change.
+    map_cells: u64,
     points: ScanPoints,
     /// `odom_from_base` at the capture of the scan whose points are held.
     scan_pose: Option<Pose>,
@@ -118,7 +124,8 @@ impl Readings {
             self.replica.keyframe(view.meta, view.items);
         }
         self.keyframe.release();
-        self.replica.take_changed();
+        self.map_cells += u64::from(!self.replica.take_changed().is_empty());
+        self.obstacles.poll(roster);
         news.scan = self.scan.poll(roster);
         if let Some(view) = self.scan.get().filter(|_| news.scan) {
             self.scan_stamp = Some(Stamp::of(view.header, now_ns));
@@ -188,6 +195,7 @@ impl Readings {
             + self.scan.refused()
             + self.updates.refused()
             + self.keyframe.refused()
+            + self.obstacles.refused()
             + self.path.refused()
             + self.goal.refused()
     }
@@ -210,10 +218,12 @@ impl Service for PlannerService {
                 // Updates before the keyframe, so that none is missed between the two.
                 updates: peer.stream()?,
                 keyframe: peer.latest()?,
+                obstacles: peer.latest()?,
                 path: peer.latest()?,
                 goal: peer.latest()?,
                 track: Track::default(),
                 replica: MapReplica::new(),
+                map_cells: 0,
                 points: ScanPoints::default(),
                 scan_pose: None,
                 scan_fresh: false,
@@ -299,6 +309,7 @@ impl PlannerService {
         since_s.clamp(PERIOD_S_MIN.min(tick_s), tick_s)
     }
 
+    #[allow(clippy::cast_precision_loss, reason = "ages far below 2^53 ns")]
     fn answer(&mut self, shell: &mut Shell, tick: u64, kind: SpanKind) {
         let clock = shell.roster().clock;
         let lockstep = shell.roster().lockstep();
@@ -316,6 +327,12 @@ impl PlannerService {
         };
         let description = readings.description.get();
         let path = readings.path.get();
+        // Older than the map may be, nobody knows where they are.
+        let tracked = readings.obstacles.get().map(|view| {
+            let age_ns = run_ns.saturating_sub(view.header.run_ns);
+            (view.items, age_ns as f64 * 1.0e-9)
+        });
+        let tracked = tracked.filter(|(_, age_s)| *age_s <= OBSTACLES_AGE_S_MAX);
         let outputs = self.planner.step(&Inputs {
             tick,
             run_ns,
@@ -326,6 +343,8 @@ impl PlannerService {
                 .replica
                 .view()
                 .map(|map| (readings.replica.info().map_from_odom, map)),
+            map_cells: readings.map_cells,
+            obstacles: tracked.unwrap_or((&[], 0.0)),
             path: path.as_ref().map(|view| PathInput {
                 path: view.meta,
                 waypoints: view.items,

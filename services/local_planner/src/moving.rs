@@ -1,7 +1,7 @@
 //! Where tracked obstacles will be: discs that drive on and grow less and less certain.
 
 use crate::surroundings::narrow;
-use nalgebra::Point2;
+use nalgebra::{Point2, Vector2};
 use zeronav_msgs::Pose;
 use zeronav_msgs::obstacles::{OBSTACLES_MAX, Obstacle};
 
@@ -94,6 +94,22 @@ impl Moving {
         self.tracks.iter().any(|track| {
             (local - track.at).norm_squared() <= (track.radius_m + OWN_POINTS_M).powi(2)
         })
+    }
+
+    /// Velocity, in the map frame, of the obstacle that a point in `base` belongs to; zero for what
+    /// stands. [m/s]
+    pub(crate) fn velocity_at(&self, point_in_base: Point2<f64>) -> Vector2<f64> {
+        let (sin, cos) = self.yaw_rad.sin_cos();
+        let local = Point2::new(
+            cos * point_in_base.x - sin * point_in_base.y,
+            sin * point_in_base.x + cos * point_in_base.y,
+        );
+        self.tracks
+            .iter()
+            .find(|track| (local - track.at).norm() <= track.radius_m + OWN_POINTS_M)
+            .map_or_else(Vector2::zeros, |track| {
+                Vector2::new(track.velocity.0, track.velocity.1)
+            })
     }
 
     /// Centre and grown radius of a track after `elapsed_s`. [m]

@@ -6,14 +6,15 @@ mod support;
 
 use core::f64::consts::{FRAC_PI_2, PI};
 use support::{Block, Loop, Robot, block, disc, goal_at, jackal, path};
-use zeronav_local_planner::config::DwaConfig;
+use zeronav_local_planner::config::{DwaConfig, DwaTConfig};
 use zeronav_local_planner::dwa::Dwa;
 use zeronav_msgs::Pose;
 use zeronav_msgs::command::Validity;
 use zeronav_msgs::pose::wrap_angle;
 
 fn dwa() -> Dwa {
-    Dwa::new(DwaConfig::default())
+    if std::env::var_os("DWA").is_some() { return Dwa::new(DwaConfig::default()); }
+    Dwa::timed(DwaConfig::default(), DwaTConfig::default())
 }
 
 /// A warehouse robot: 0.8 m/s, 1 m/s^2.
