@@ -25,7 +25,7 @@ pub struct LocalPlannerConfig {
 impl Default for LocalPlannerConfig {
     fn default() -> Self {
         Self {
-            controller: "dwa".to_owned(),
+            controller: "dwa_t".to_owned(),
             dwa: DwaConfig::default(),
             dwa_t: DwaTConfig::default(),
             literal: false,
@@ -144,7 +144,7 @@ impl Default for DwaTConfig {
             speed_base_mps: 0.5,
             speed_gain_hz: 6.0,
             weight_speed: 1.0,
-            weight_moving: 3.0,
+            weight_moving: 6.0,
         }
     }
 }

@@ -37,6 +37,9 @@ use zeronav_msgs::command::Validity;
 /// [s] of standing with somewhere to go after which the robot counts as stuck.
 const STUCK_S: f64 = 0.1;
 
+/// [s] of driving at full speed that the sampled stretch of the path spans at most.
+const PATH_HORIZON_S: f64 = 1.5;
+
 /// Twists that are tried at most, best first, when the best one is not free.
 const RESERVE: usize = 6;
 
@@ -158,8 +161,10 @@ impl Dwa {
         self.surroundings.describe(robot, situation.corners);
         let sight_m = robot.v_mps_max * self.horizon_s(situation) + 0.5;
         let position = situation.map_from_base.point();
+        // Sampled as densely as the weights of the evaluation are meant for.
+        let path_m = robot.v_mps_max * self.horizon_s(situation).min(PATH_HORIZON_S) + 0.5;
         self.path
-            .sample(&self.tracker, situation.path, place, position, sight_m);
+            .sample(&self.tracker, situation.path, place, position, path_m);
         let reach = Reach {
             field_m: sight_m,
             stop_m: stop_distance_m(robot, robot.v_mps_max, self.config.reaction_s),

@@ -280,7 +280,7 @@ impl Fan {
 }
 
 /// [m] kept from predicted obstacles.
-const MOVING_MARGIN_M: f64 = 0.05;
+const MOVING_MARGIN_M: f64 = 0.15;
 
 /// [m] by which an overlap with a predicted disc is left per rollout at least.
 const OVERLAP_M: f32 = 0.01;

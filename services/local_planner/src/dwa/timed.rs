@@ -9,7 +9,7 @@
 //! - **All yaw rates at once** ([`crate::fan`]), and the best of every speed in reserve for the
 //!   exact check.
 
-use super::Dwa;
+use super::{Dwa, PATH_HORIZON_S};
 use crate::config::DwaTConfig;
 use crate::controller::Situation;
 use crate::fan::Fan;
@@ -23,8 +23,8 @@ use crate::window::Window;
 use nalgebra::Point2;
 use zeronav_msgs::scan::BEAMS_MAX;
 
-/// [s] horizon for which the weights of the evaluation are meant.
-const WEIGHTS_HORIZON_S: f64 = 1.5;
+/// [m] by which the free way may be longer than the way along the path before it counts.
+const DEAD_END_M: f32 = 0.3;
 
 /// [m/s] below which being hit is not the robot's doing.
 const STANDING_MPS: f64 = 0.05;
@@ -118,13 +118,14 @@ impl Dwa {
         self.moving.tabulate(steps, window.step_s);
         let here = situation.map_from_base.point();
         let now = timed.funnel.at(here);
-        let scale = WEIGHTS_HORIZON_S / window.horizon_s;
+        // Scored as far as the weights are meant for; beyond, only what moves counts.
+        let judged = steps_of(PATH_HORIZON_S, window.step_s).clamp(1, steps) - 1;
         timed.reserve.clear();
         for speed in 0..fan.speeds.len() {
             let v_mps = fan.speeds[speed];
             let ahead = narrow(self.path.ahead_m);
             let arcs = fan.arcs_m(speed);
-            let scored = arcs.partition_point(|arc| *arc < ahead).clamp(0, steps - 1);
+            let scored = arcs.partition_point(|arc| *arc < ahead).min(judged);
             fan.drive(speed, &self.surroundings, &self.moving, window.soft_m, scored);
             let mut best: Option<(f64, Twist)> = None;
             for lane in 0..fan.yaw_rates.len() {
@@ -136,24 +137,25 @@ impl Dwa {
                 }
                 let end = scored.min(free.saturating_sub(1));
                 let look = |step: usize| {
-                    let (x, y) = (fan.row.x[step][lane], fan.row.y[step][lane]);
-                    let at = Point2::new(here.x + f64::from(x), here.y + f64::from(y));
-                    timed.funnel.at(at).zip(now).map_or_else(
-                        || {
-                            let place = self.path.project(x, y);
-                            (place.along, place.beside, place.direction)
-                        },
-                        |(then, now)| (now.to_go - then.to_go, then.beside, then.direction),
-                    )
+                    self.path.project(fan.row.x[step][lane], fan.row.y[step][lane])
                 };
-                let (progress, beside, direction) = look(end);
-                let (_, beside_half, _) = look(end / 2);
+                let (place_then, half) = (look(end), look(end / 2));
+                let (x, y) = (fan.row.x[end][lane], fan.row.y[end][lane]);
+                let at = Point2::new(here.x + f64::from(x), here.y + f64::from(y));
+                // Along the path, unless the free way from there is longer than that.
+                let nearer = timed.funnel.at(at).zip(now).map(|(then, now)| now - then);
+                let progress = match nearer {
+                    Some(nearer) if nearer < place_then.along - DEAD_END_M => nearer,
+                    _ => place_then.along,
+                };
+                let direction = place_then.direction;
                 let heading = fan.heading(end, lane);
                 let cos = heading.0 * direction.0 + heading.1 * direction.1;
                 let pathless = direction == (0.0, 0.0);
                 let outcome = Outcome {
-                    progress_m: scale * f64::from(progress),
-                    beside_m: 0.5 * f64::from(cost_beside(beside) + cost_beside(beside_half)),
+                    progress_m: f64::from(progress),
+                    beside_m: 0.5
+                        * f64::from(cost_beside(place_then.beside) + cost_beside(half.beside)),
                     heading: if pathless { 0.0 } else { 1.0 - f64::from(cos) },
                     margin_m: f64::from(fan.row.space[lane]),
                 };
@@ -161,7 +163,7 @@ impl Dwa {
                 let calm_mps = config.speed_base_mps + config.speed_gain_hz * outcome.margin_m;
                 let worth = self.worth(situation, place, twist, &outcome)
                     - config.weight_speed * (v_mps - calm_mps).max(0.0)
-                    - config.weight_moving * share_left(struck, steps);
+                    - config.weight_moving * badness(struck, steps);
                 if best.is_none_or(|(most, _)| worth > most) {
                     best = Some((worth, twist));
                 }
@@ -175,6 +177,16 @@ impl Dwa {
     }
 }
 
+/// Whole steps in a time.
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a few dozen"
+)]
+fn steps_of(time_s: f64, step_s: f64) -> usize {
+    (time_s / step_s).round().max(0.0) as usize
+}
+
 /// The step that a lane of [`Fan`] was marked with; `n` when it was not.
 #[allow(
     clippy::cast_possible_truncation,
@@ -185,10 +197,15 @@ fn steps_until(mark: f32, n: usize) -> usize {
     if mark.is_finite() { mark as usize } else { n }
 }
 
-/// Share of the rollout that is left when an obstacle is touched; 0 for none.
+/// How bad it is to touch an obstacle: 0 when none is touched, 1 when at once, never less than a
+/// third, so that the robot gives way as soon as it sees it coming.
 #[allow(clippy::cast_precision_loss, reason = "at most 64 steps")]
-fn share_left(struck: usize, n: usize) -> f64 {
-    1.0 - struck as f64 / n as f64
+fn badness(struck: usize, n: usize) -> f64 {
+    if struck >= n {
+        0.0
+    } else {
+        1.0 / 3.0 + 2.0 / 3.0 * (1.0 - struck as f64 / n as f64)
+    }
 }
 
 /// True when the robot can stop before what stands (`v^2 / 2a + v t_reaction + margin <= free
