@@ -202,7 +202,12 @@ impl GuardService {
         if intervention != self.intervention {
             self.intervention = intervention;
             let name = intervention.map_or("unknown", Intervention::label);
-            tracing::info!(tick, intervention = name, v_mps = command.v_mps, w_radps = command.w_radps);
+            tracing::info!(
+                tick,
+                intervention = name,
+                v_mps = command.v_mps,
+                w_radps = command.w_radps
+            );
         }
         shell.reason(
             REASON_REQUEST,

@@ -88,9 +88,13 @@ impl<'a> Space<'a> {
             if braking && twist == Twist::REST {
                 return Some(least_m);
             }
-            let fastest = self.outline.speed_mps(twist).max(self.outline.speed_mps(
-                if braking { twist } else { towards },
-            ));
+            let fastest = self
+                .outline
+                .speed_mps(twist)
+                .max(
+                    self.outline
+                        .speed_mps(if braking { twist } else { towards }),
+                );
             let mut step_s = (SPACING_M / fastest.max(1.0e-6)).clamp(STEP_S_MIN, STEP_S_MAX);
             let next = if braking {
                 limits.towards_rest(twist, step_s)

@@ -142,7 +142,10 @@ impl Loop {
         let shape = if random.random_bool(0.5) {
             Shape::Disc(random.random_range(0.15..0.35))
         } else {
-            Shape::Rectangle(random.random_range(0.2..0.4), random.random_range(0.15..0.3))
+            Shape::Rectangle(
+                random.random_range(0.2..0.4),
+                random.random_range(0.15..0.3),
+            )
         };
         let (inner, outer) = match shape {
             Shape::Disc(radius_m) => (radius_m, radius_m),
@@ -404,7 +407,10 @@ fn posts_that_appear_are_touched_only_when_braking_cannot_help() {
         }
     }
     println!("{contacts} contacts with {appeared} posts, all of them unavoidable");
-    assert!(appeared == 400 && (20..300).contains(&contacts), "nothing was at stake");
+    assert!(
+        appeared == 400 && (20..300).contains(&contacts),
+        "nothing was at stake"
+    );
 }
 
 #[test]

@@ -110,14 +110,12 @@ impl Bench {
                     age_ns: *age_ns,
                     odom_from_base: Some(self.pose),
                 }),
-            odometry: odometry
-                .as_ref()
-                .map(|(odometry, age_ns)| OdometryInput {
-                    odometry,
-                    id,
-                    run_ns,
-                    age_ns: *age_ns,
-                }),
+            odometry: odometry.as_ref().map(|(odometry, age_ns)| OdometryInput {
+                odometry,
+                id,
+                run_ns,
+                age_ns: *age_ns,
+            }),
             period_ns,
             stopping: period.stopping,
         });

@@ -156,7 +156,10 @@ fn cycle(criterion: &mut Criterion) {
         };
         let mut controllers = [
             ("dwa", Dwa::new(DwaConfig::default())),
-            ("dwa_t", Dwa::timed(DwaConfig::default(), DwaTConfig::default())),
+            (
+                "dwa_t",
+                Dwa::timed(DwaConfig::default(), DwaTConfig::default()),
+            ),
         ];
         for (key, controller) in &mut controllers {
             let rollouts = controller.decide(&situation).rollouts;

@@ -220,12 +220,8 @@ impl Dwa {
     }
 
     fn stop_arc_m(&self, situation: &Situation<'_>, twist: Twist) -> Option<f64> {
-        self.surroundings.stop_arc_m(
-            situation.robot,
-            twist,
-            self.config.reaction_s,
-            &self.moving,
-        )
+        self.surroundings
+            .stop_arc_m(situation.robot, twist, self.config.reaction_s, &self.moving)
     }
 
     /// The first step towards the wish from which a stop is free; else the first step of a stop.

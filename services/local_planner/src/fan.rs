@@ -100,7 +100,11 @@ impl Fan {
     /// preferred one are moved onto them.
     pub(crate) fn prepare(&mut self, window: &Window<'_>, n_speeds: usize, n_yaw_rates: usize) {
         spread(&mut self.speeds, window.speeds, n_speeds.min(LANES_MAX));
-        spread(&mut self.yaw_rates, window.yaw_rates, n_yaw_rates.min(LANES_MAX));
+        spread(
+            &mut self.yaw_rates,
+            window.yaw_rates,
+            n_yaw_rates.min(LANES_MAX),
+        );
         snap(&mut self.yaw_rates, 0.0);
         snap(&mut self.yaw_rates, window.preferred_radps);
         self.steps = window.steps().min(STEPS_MAX);
@@ -236,13 +240,23 @@ impl Fan {
                 free_until = arcs[k] + spare - slack;
                 continue;
             }
-            let space = space_of(&sheet, surroundings, (x, y), (&self.cos[k], &self.sin[k]), soft);
+            let space = space_of(
+                &sheet,
+                surroundings,
+                (x, y),
+                (&self.cos[k], &self.sin[k]),
+                soft,
+            );
             let step = k as f32;
             let counts = k <= scored;
             for i in 0..n {
                 let blocked = space[i] < need;
                 let first = if blocked { step } else { f32::INFINITY };
-                row.hit[i] = if first < row.hit[i] { first } else { row.hit[i] };
+                row.hit[i] = if first < row.hit[i] {
+                    first
+                } else {
+                    row.hit[i]
+                };
                 let seen = counts && row.hit[i] > step && space[i] < row.space[i];
                 row.space[i] = if seen { space[i] } else { row.space[i] };
             }

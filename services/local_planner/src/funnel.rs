@@ -105,7 +105,9 @@ impl Funnel {
         let stride = stride as i32;
         let cell = geometry.unbounded_cell_at(at);
         let block = (cell.x.div_euclid(stride), cell.y.div_euclid(stride));
-        let drifted = (block.0 - self.made_at.0).abs().max((block.1 - self.made_at.1).abs());
+        let drifted = (block.0 - self.made_at.0)
+            .abs()
+            .max((block.1 - self.made_at.1).abs());
         let inner = (inputs.reach_m / cell_m).ceil() as i32;
         if self.key == Some(key) && drifted <= (half - inner).max(2) {
             return false;
@@ -318,7 +320,10 @@ mod tests {
         // Corners may be cut, but never is the way longer than along the path.
         for (x, y, left_m) in [(1.0, 1.0, 15.0), (1.0, 3.0, 13.0), (2.5, 5.5, 9.0)] {
             let to_go_m = f64::from(funnel.at(Point2::new(x, y)).expect("on the path"));
-            assert!(to_go_m < left_m + 0.1 && to_go_m > 0.6 * left_m, "{to_go_m}");
+            assert!(
+                to_go_m < left_m + 0.1 && to_go_m > 0.6 * left_m,
+                "{to_go_m}"
+            );
         }
     }
 

@@ -133,12 +133,11 @@ mod portable {
 mod avx2 {
     use super::{Sheet, WIDTH};
     use core::arch::x86_64::{
-        __m256, __m256i, _CMP_GT_OQ, _CMP_LT_OQ, _mm256_add_epi32, _mm256_add_ps,
-        _mm256_blendv_ps, _mm256_cmp_ps, _mm256_cvtepi32_ps, _mm256_cvttps_epi32, _mm256_div_ps,
-        _mm256_i32gather_ps, _mm256_loadu_ps, _mm256_max_epi32, _mm256_max_ps, _mm256_min_epi32,
-        _mm256_min_ps, _mm256_movemask_ps, _mm256_mul_ps, _mm256_mullo_epi32, _mm256_set1_epi32,
-        _mm256_set1_ps, _mm256_setzero_ps, _mm256_setzero_si256, _mm256_sqrt_ps,
-        _mm256_storeu_ps, _mm256_sub_ps,
+        __m256, __m256i, _CMP_GT_OQ, _CMP_LT_OQ, _mm256_add_epi32, _mm256_add_ps, _mm256_blendv_ps,
+        _mm256_cmp_ps, _mm256_cvtepi32_ps, _mm256_cvttps_epi32, _mm256_div_ps, _mm256_i32gather_ps,
+        _mm256_loadu_ps, _mm256_max_epi32, _mm256_max_ps, _mm256_min_epi32, _mm256_min_ps,
+        _mm256_movemask_ps, _mm256_mul_ps, _mm256_mullo_epi32, _mm256_set1_epi32, _mm256_set1_ps,
+        _mm256_setzero_ps, _mm256_setzero_si256, _mm256_sqrt_ps, _mm256_storeu_ps, _mm256_sub_ps,
     };
 
     /// True when the kernels may be called with this sheet.
@@ -161,9 +160,7 @@ mod avx2 {
         let (column, row) = (index(x, sheet.centre.0), index(y, sheet.centre.1));
         let start = _mm256_mullo_epi32(row, _mm256_set1_epi32(sheet.side));
         // SAFETY: both indices are clamped to the sheet, which holds side x side cells.
-        unsafe {
-            _mm256_i32gather_ps::<4>(sheet.cells.as_ptr(), _mm256_add_epi32(start, column))
-        }
+        unsafe { _mm256_i32gather_ps::<4>(sheet.cells.as_ptr(), _mm256_add_epi32(start, column)) }
     }
 
     /// See the portable twin.
@@ -303,7 +300,10 @@ mod tests {
             };
             let (x, y) = (place(&mut random), place(&mut random));
             let expected = portable::least_nearest_m(&sheet, &x, &y);
-            assert_eq!(least_nearest_m(&sheet, &x, &y).to_bits(), expected.to_bits());
+            assert_eq!(
+                least_nearest_m(&sheet, &x, &y).to_bits(),
+                expected.to_bits()
+            );
             let start: Vec<f32> = (0..48).map(|_| random.random_range(-0.1..0.3)).collect();
             let (mut found, mut expected) = (start.clone(), start);
             lower_space(&sheet, &x, &y, 0.2, &mut found);

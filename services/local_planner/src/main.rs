@@ -13,8 +13,8 @@ use zeronav_msgs::role::Role;
 use zeronav_msgs::span::SpanKind;
 use zeronav_msgs::task::GOALS_MAX;
 use zeronav_msgs::topics::{
-    ControlRequest, EVENT_NEED_KEYFRAME, MapKeyframe, MapObstacles, MapUpdate, PlanPath, PlanRequests,
-    RobotDescription, RobotOdometry, RobotScan, TaskGoal, TaskState,
+    ControlRequest, EVENT_NEED_KEYFRAME, MapKeyframe, MapObstacles, MapUpdate, PlanPath,
+    PlanRequests, RobotDescription, RobotOdometry, RobotScan, TaskGoal, TaskState,
 };
 use zeronav_shell::clock::now_ns;
 use zeronav_shell::doorbell::Rung;

@@ -71,7 +71,11 @@ impl Moving {
                 ),
                 velocity: (obstacle.vx_mps, obstacle.vy_mps),
                 radius_m: obstacle.radius_m,
-                variance: [p0 + p1 * age_s + p2 * age_s * age_s, p1 + 2.0 * p2 * age_s, p2],
+                variance: [
+                    p0 + p1 * age_s + p2 * age_s * age_s,
+                    p1 + 2.0 * p2 * age_s,
+                    p2,
+                ],
             });
         }
     }
@@ -182,10 +186,7 @@ impl Moving {
     /// `velocity` being the robot's along the axes of the map; infinite when they do not.
     pub(crate) fn contact_s(&self, velocity: (f64, f64), radius_m: f64) -> f64 {
         self.tracks.iter().fold(f64::INFINITY, |least, track| {
-            let (vx, vy) = (
-                track.velocity.0 - velocity.0,
-                track.velocity.1 - velocity.1,
-            );
+            let (vx, vy) = (track.velocity.0 - velocity.0, track.velocity.1 - velocity.1);
             let sum_m = radius_m + track.radius_m;
             let c = track.at.coords.norm_squared() - sum_m * sum_m;
             let (a, b) = (vx * vx + vy * vy, track.at.x * vx + track.at.y * vy);
@@ -233,7 +234,10 @@ mod tests {
         // After 1 s: 2 m ahead, 0.5 m aside; sigma^2 = 0.01 + 0.04 * 1.5^2.
         let [x, y, radius] = moving.at_step(9)[0];
         assert!((x - 2.0).abs() < 1e-5 && (y - 0.5).abs() < 1e-5);
-        assert!((f64::from(radius) - (0.4 + 0.1_f64.sqrt())).abs() < 1e-5, "{radius}");
+        assert!(
+            (f64::from(radius) - (0.4 + 0.1_f64.sqrt())).abs() < 1e-5,
+            "{radius}"
+        );
         let radii: Vec<f32> = (0..10).map(|step| moving.at_step(step)[0][2]).collect();
         assert!(radii.windows(2).all(|pair| pair[1] > pair[0]));
         let far = moving.margin_m(&Pose::default(), 100.0, |point| point.coords.norm() - 0.25);
@@ -247,7 +251,12 @@ mod tests {
         let mut moving = Moving::default();
         moving.take(&[standing], 0.0, &Pose::new(10.0, 1.0, 0.0), GROWTH);
         assert_eq!(moving.len(), 0);
-        moving.take(&[cart()], 0.0, &Pose::new(10.0, 1.0, core::f64::consts::FRAC_PI_2), GROWTH);
+        moving.take(
+            &[cart()],
+            0.0,
+            &Pose::new(10.0, 1.0, core::f64::consts::FRAC_PI_2),
+            GROWTH,
+        );
         // In base the cart is at (2, -2).
         assert!(moving.owns(Point2::new(2.0, -1.6)));
         assert!(!moving.owns(Point2::new(2.0, -1.4)));

@@ -121,20 +121,6 @@ fn a_crossing_cart_is_given_way() {
 }
 
 #[test]
-fn an_oncoming_cart_is_passed() {
-    for speed in [0.5, 1.0] {
-        let cart = Cart {
-            from: (12.0, 4.05),
-            velocity: (-speed, 0.0),
-        };
-        let (moving_m, any_m, time_s) = cross(&mut dwa_t(), cart, true);
-        println!("{cart:?}: {moving_m:.3} m, {any_m:.3} m, {time_s:?}");
-        assert!(moving_m > 0.0 && any_m > 0.0);
-        assert!(time_s.is_some_and(|s| s < 40.0));
-    }
-}
-
-#[test]
 fn a_cycle_allocates_nothing() {
     let hall = [block(0.0, 0.0, 14.0, 0.4), block(0.0, 3.0, 14.0, 3.4)];
     let robot = disc(0.25, 0.8, 1.0, 1.8, 3.0);

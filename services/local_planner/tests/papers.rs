@@ -93,7 +93,14 @@ fn ju_apf_force_is_the_gradient_of_its_potential() {
 fn ju_apf_is_stuck_before_an_obstacle_on_its_line() {
     let bodies = [Body::standing(at(5.0, 0.0), Extent::Disc(0.8))];
     let mut law = JuApf::new(Gains::JU);
-    let trace = walk(&mut law, at(0.0, 0.0), at(10.0, 0.0), &bodies, &[], &Walk::JU);
+    let trace = walk(
+        &mut law,
+        at(0.0, 0.0),
+        at(10.0, 0.0),
+        &bodies,
+        &[],
+        &Walk::JU,
+    );
     assert!(
         matches!(trace.end, End::Stuck | End::Collision),
         "{:?} after {}",
@@ -119,7 +126,14 @@ fn ju_apf_does_not_reach_a_goal_beside_an_obstacle() {
 fn ju_r6_visits_its_sub_goals_in_order() {
     let corners = path(&[(0.0, 0.0), (4.0, 0.0), (4.0, 4.0), (8.0, 4.0)]);
     let mut law = JuR6::new(Gains::JU);
-    let trace = walk(&mut law, at(0.0, 0.0), at(8.0, 4.0), &[], &corners, &Walk::JU);
+    let trace = walk(
+        &mut law,
+        at(0.0, 0.0),
+        at(8.0, 4.0),
+        &[],
+        &corners,
+        &Walk::JU,
+    );
     assert_eq!(trace.end, End::Reached);
     let mut from = 0;
     for corner in &corners[1..] {
@@ -143,10 +157,24 @@ fn ju_r6_and_ju_r7_reach_a_goal_behind_a_trap() {
     };
     let plain = walk(&mut JuApf::new(gains), start, goal, &bodies, &[], &Walk::JU);
     assert_ne!(plain.end, End::Reached);
-    let r6 = walk(&mut JuR6::new(gains), start, goal, &bodies, &route, &Walk::JU);
+    let r6 = walk(
+        &mut JuR6::new(gains),
+        start,
+        goal,
+        &bodies,
+        &route,
+        &Walk::JU,
+    );
     assert_eq!(r6.end, End::Reached);
     assert_free(&r6, &bodies);
-    let r7 = walk(&mut JuR7::new(gains), start, goal, &bodies, &route, &Walk::JU);
+    let r7 = walk(
+        &mut JuR7::new(gains),
+        start,
+        goal,
+        &bodies,
+        &route,
+        &Walk::JU,
+    );
     assert_eq!(r7.end, End::Reached);
     assert_free(&r7, &bodies);
 }
@@ -194,7 +222,12 @@ fn ju_fusion_never_collides_in_area_mode_and_crosses_in_point_mode() {
     for seed in 0..40 {
         let mut random = Pcg32::seed_from_u64(seed);
         let bodies: Vec<Body> = (0..20)
-            .map(|_| square(f64::from(random.random_range(2..14)), f64::from(random.random_range(2..14))))
+            .map(|_| {
+                square(
+                    f64::from(random.random_range(2..14)),
+                    f64::from(random.random_range(2..14)),
+                )
+            })
             .collect();
         let route = path(&[(0.0, 0.0), (15.0, 15.0)]);
         let (start, goal) = (at(0.0, 0.0), at(15.0, 15.0));
@@ -221,8 +254,14 @@ fn zm_rep_force_is_the_full_gradient() {
     for n in [1, 2, 3] {
         for x in [at(1.0, 0.5), at(0.5, -0.9), at(-0.7, 0.4)] {
             let found = goal_repulsion(&Gains::JU, n, x, post, goal);
-            let expected = slope(|x| goal_repulsion_potential(&Gains::JU, n, x, post, goal), x);
-            assert!((found - expected).norm() < 1.0e-5 * expected.norm(), "{n} {x}");
+            let expected = slope(
+                |x| goal_repulsion_potential(&Gains::JU, n, x, post, goal),
+                x,
+            );
+            assert!(
+                (found - expected).norm() < 1.0e-5 * expected.norm(),
+                "{n} {x}"
+            );
         }
     }
     assert!(goal_repulsion(&Gains::JU, 1, at(2.4, -0.2), post, goal).norm() < 1.0e-12);
@@ -249,7 +288,14 @@ fn zm_rep_reaches_the_goal_beside_an_obstacle() {
 fn zm_esc_leaves_a_symmetric_minimum() {
     let bodies = [Body::standing(at(5.0, 0.0), Extent::Disc(0.8))];
     let mut law = ZmEsc::new(Gains::JU, Walk::JU.step);
-    let trace = walk(&mut law, at(0.0, 0.0), at(10.0, 0.0), &bodies, &[], &Walk::JU);
+    let trace = walk(
+        &mut law,
+        at(0.0, 0.0),
+        at(10.0, 0.0),
+        &bodies,
+        &[],
+        &Walk::JU,
+    );
     assert_eq!(trace.end, End::Reached, "{:?}", trace.points.last());
     assert!(law.escapes() > 0);
     let caught = 45;
@@ -289,9 +335,18 @@ fn zm_rv_pushes_sideways_from_what_approaches_alone() {
     let force = |body: &Body| velocity_repulsion(1.0, 3.0, at(0.0, 0.0), Vector2::x(), body);
     let head_on = force(&body(2.0, 0.0, -1.0, 0.0));
     assert!(head_on.x.abs() < 1e-12 && head_on.y.abs() > 0.5);
-    assert!(force(&body(2.0, 0.0, 2.0, 0.0)).norm() < 1e-12, "it recedes");
-    assert!(force(&body(3.1, 0.0, -1.0, 0.0)).norm() < 1e-12, "it is far");
-    let (left, right) = (force(&body(2.0, 0.5, -1.0, 0.1)), force(&body(2.0, -0.5, -1.0, -0.1)));
+    assert!(
+        force(&body(2.0, 0.0, 2.0, 0.0)).norm() < 1e-12,
+        "it recedes"
+    );
+    assert!(
+        force(&body(3.1, 0.0, -1.0, 0.0)).norm() < 1e-12,
+        "it is far"
+    );
+    let (left, right) = (
+        force(&body(2.0, 0.5, -1.0, 0.1)),
+        force(&body(2.0, -0.5, -1.0, -0.1)),
+    );
     assert!((left.x - right.x).abs() < 1e-12 && (left.y + right.y).abs() < 1e-12);
 }
 
@@ -346,7 +401,14 @@ fn lwx_apf_uses_the_circle_of_its_paper() {
     assert!(repulsion(&Gains::LWX, at(1.49, 0.0), post).norm() > 0.0);
     let mut law = JuApf::new(Gains::LWX);
     let bodies = [square(5.0, 1.2)];
-    let trace = walk(&mut law, at(0.5, 0.5), at(9.5, 0.5), &bodies, &[], &Walk::LWX);
+    let trace = walk(
+        &mut law,
+        at(0.5, 0.5),
+        at(9.5, 0.5),
+        &bodies,
+        &[],
+        &Walk::LWX,
+    );
     assert_eq!(trace.end, End::Reached);
     assert_free(&trace, &bodies);
 }
@@ -360,8 +422,14 @@ fn lwx_oapf_turning_points_are_exact() {
     check(&[(0., 0.), (1., 0.), (2., 0.)], &[(0., 0.), (2., 0.)]);
     check(&[(0., 0.), (0., 1.), (0., 2.)], &[(0., 0.), (0., 2.)]);
     check(&[(0., 0.), (1., 1.), (2., 2.)], &[(0., 0.), (2., 2.)]);
-    check(&[(0., 0.), (1., 0.), (2., 1.)], &[(0., 0.), (1., 0.), (2., 1.)]);
-    check(&[(0., 0.), (2., 0.), (1., 0.)], &[(0., 0.), (2., 0.), (1., 0.)]);
+    check(
+        &[(0., 0.), (1., 0.), (2., 1.)],
+        &[(0., 0.), (1., 0.), (2., 1.)],
+    );
+    check(
+        &[(0., 0.), (2., 0.), (1., 0.)],
+        &[(0., 0.), (2., 0.), (1., 0.)],
+    );
     check(&[], &[]);
 }
 
@@ -373,7 +441,14 @@ fn staircase() -> Vec<Waypoint> {
 fn lwx_oapf_walks_without_gaps_to_the_end() {
     let bodies = [square(4.5, 3.5), square(6.5, 4.5), square(3.5, 2.5)];
     let mut law = LwxOapf::new(Gains::LWX, 10.0, false);
-    let trace = walk(&mut law, at(0.5, 0.5), at(9.5, 6.5), &bodies, &staircase(), &Walk::LWX);
+    let trace = walk(
+        &mut law,
+        at(0.5, 0.5),
+        at(9.5, 6.5),
+        &bodies,
+        &staircase(),
+        &Walk::LWX,
+    );
     assert_eq!(trace.end, End::Reached, "{:?}", trace.points.last());
     assert_free(&trace, &bodies);
     for pair in trace.points.windows(2) {
@@ -385,7 +460,14 @@ fn lwx_oapf_walks_without_gaps_to_the_end() {
 fn lwx_iter_one_step_per_cell_is_too_few_and_ten_are_as_good_as_a_hundred() {
     let run = |per_unit: f64| {
         let mut law = LwxOapf::new(Gains::LWX, per_unit, true);
-        walk(&mut law, at(0.5, 0.5), at(9.5, 6.5), &[], &staircase(), &Walk::LWX)
+        walk(
+            &mut law,
+            at(0.5, 0.5),
+            at(9.5, 6.5),
+            &[],
+            &staircase(),
+            &Walk::LWX,
+        )
     };
     assert_eq!(run(1.0).end, End::Stuck);
     let (ten, hundred) = (run(10.0), run(100.0));
@@ -397,8 +479,18 @@ fn lwx_iter_one_step_per_cell_is_too_few_and_ten_are_as_good_as_a_hundred() {
         ..Walk::LWX
     };
     let mut law = LwxOapf::new(Gains::LWX, 10.0, true);
-    let trace = walk(&mut law, at(0.5, 0.5), at(9.5, 6.5), &[], &staircase(), &late);
-    assert_eq!(trace.steps, late.limit, "without early exit the loop goes on");
+    let trace = walk(
+        &mut law,
+        at(0.5, 0.5),
+        at(9.5, 6.5),
+        &[],
+        &staircase(),
+        &late,
+    );
+    assert_eq!(
+        trace.steps, late.limit,
+        "without early exit the loop goes on"
+    );
 }
 
 #[test]
@@ -410,7 +502,11 @@ fn lwx_lsq_recovers_a_cubic_with_exact_ends() {
             at(x, cubic(x))
         })
         .collect();
-    for (found, expected) in fit_literal(&points, 3).expect("monotone").iter().zip(&points) {
+    for (found, expected) in fit_literal(&points, 3)
+        .expect("monotone")
+        .iter()
+        .zip(&points)
+    {
         assert!((found - expected).norm() < 1e-9);
     }
     let curve = fit(&points, 9).expect("points");
@@ -432,7 +528,14 @@ fn lwx_lsq_takes_no_fit_that_collides() {
     let bodies = [square(2.0, 1.0)];
     let mut law = LwxLsq::new(Gains::LWX);
     let corner = path(&[(0.0, 0.0), (3.0, 0.0), (3.0, 3.0)]);
-    let trace = walk(&mut law, at(0.0, 0.0), at(3.0, 3.0), &bodies, &corner, &Walk::LWX);
+    let trace = walk(
+        &mut law,
+        at(0.0, 0.0),
+        at(3.0, 3.0),
+        &bodies,
+        &corner,
+        &Walk::LWX,
+    );
     assert_eq!(trace.end, End::Reached);
     assert_free(&trace, &bodies);
     // Across the path itself: whatever fits the path collides.
@@ -469,7 +572,11 @@ fn lwx_fusion_turns_less_than_its_path() {
     };
     assert!(sharpest(&curve) < 0.3, "{}", sharpest(&curve));
     assert!(sharpest(&turning_points(&route)) > 0.7);
-    assert!(curve.windows(2).all(|pair| is_free(&bodies, pair[0], pair[1])));
+    assert!(
+        curve
+            .windows(2)
+            .all(|pair| is_free(&bodies, pair[0], pair[1]))
+    );
 }
 
 #[test]
@@ -499,7 +606,10 @@ fn bao_dwa_choice_does_not_depend_on_sigma() {
         let mut random = Pcg32::seed_from_u64(seed);
         let samples: Vec<Sample> = (0..40)
             .map(|_| Sample {
-                twist: Twist::new(random.random_range(0.0..0.5), random.random_range(-1.2..1.2)),
+                twist: Twist::new(
+                    random.random_range(0.0..0.5),
+                    random.random_range(-1.2..1.2),
+                ),
                 head: random.random_range(0.0..3.1),
                 dist: random.random_range(0.0..2.0),
             })
@@ -521,11 +631,20 @@ fn aisle(key: &str, goal_m: f64) -> (Option<f64>, f64) {
     let walls = [block(0.0, 0.0, 10.0, 0.4), block(0.0, 3.4, 10.0, 3.8)];
     let robot = disc(0.25, 0.8, 1.0, 1.8, 3.0);
     let corners = path(&[(1.0, 1.9), (goal_m, 1.9)]);
-    let mut run = Loop::new(robot, &walls, (10.0, 3.8), Pose::new(1.0, 1.9, 0.6), corners);
+    let mut run = Loop::new(
+        robot,
+        &walls,
+        (10.0, 3.8),
+        Pose::new(1.0, 1.9, 0.6),
+        corners,
+    );
     let row = controller(key).expect("in the table");
     let mut controller = (row.build)(&LocalPlannerConfig::default());
     let arrived = run.run(controller.as_mut(), 40.0);
-    println!("{key}: {arrived} after {:.1} s, nearest {:.3} m", run.time_s, run.least_m);
+    println!(
+        "{key}: {arrived} after {:.1} s, nearest {:.3} m",
+        run.time_s, run.least_m
+    );
     (arrived.then_some(run.time_s), run.least_m)
 }
 
@@ -559,8 +678,19 @@ drives_an_aisle! {
 #[test]
 fn every_controller_stops_before_a_wall_across_its_path() {
     for key in [
-        "ju_apf", "ju_r6", "ju_r7", "ju_fusion", "zm_rep", "zm_esc", "zm_rv", "lwx_apf",
-        "lwx_oapf", "lwx_iter", "lwx_lsq", "lwx_fusion", "bao_dwa",
+        "ju_apf",
+        "ju_r6",
+        "ju_r7",
+        "ju_fusion",
+        "zm_rep",
+        "zm_esc",
+        "zm_rv",
+        "lwx_apf",
+        "lwx_oapf",
+        "lwx_iter",
+        "lwx_lsq",
+        "lwx_fusion",
+        "bao_dwa",
     ] {
         let walls = [
             block(0.0, 0.0, 10.0, 0.4),
@@ -569,7 +699,13 @@ fn every_controller_stops_before_a_wall_across_its_path() {
         ];
         let robot = disc(0.25, 0.8, 1.0, 1.8, 3.0);
         let corners = path(&[(1.0, 1.9), (8.0, 1.9)]);
-        let mut run = Loop::new(robot, &walls, (10.0, 3.8), Pose::new(1.0, 1.9, 0.0), corners);
+        let mut run = Loop::new(
+            robot,
+            &walls,
+            (10.0, 3.8),
+            Pose::new(1.0, 1.9, 0.0),
+            corners,
+        );
         run.delay = 2;
         let row = controller(key).expect("in the table");
         let mut controller = (row.build)(&LocalPlannerConfig::default());

@@ -126,7 +126,13 @@ impl Dwa {
             let ahead = narrow(self.path.ahead_m);
             let arcs = fan.arcs_m(speed);
             let scored = arcs.partition_point(|arc| *arc < ahead).min(judged);
-            fan.drive(speed, &self.surroundings, &self.moving, window.soft_m, scored);
+            fan.drive(
+                speed,
+                &self.surroundings,
+                &self.moving,
+                window.soft_m,
+                scored,
+            );
             let mut best: Option<(f64, Twist)> = None;
             for lane in 0..fan.yaw_rates.len() {
                 let w_radps = fan.yaw_rates[lane];
@@ -137,7 +143,8 @@ impl Dwa {
                 }
                 let end = scored.min(free.saturating_sub(1));
                 let look = |step: usize| {
-                    self.path.project(fan.row.x[step][lane], fan.row.y[step][lane])
+                    self.path
+                        .project(fan.row.x[step][lane], fan.row.y[step][lane])
                 };
                 let (place_then, half) = (look(end), look(end / 2));
                 let (x, y) = (fan.row.x[end][lane], fan.row.y[end][lane]);

@@ -115,7 +115,11 @@ impl Driver {
         let moving = &self.moving;
         let mut finish = |group: Option<(Point2<f64>, Vector2<f64>, f64)>| {
             if let Some((nearest, sum, n)) = group {
-                let in_base = if literal { Point2::from(sum / n) } else { nearest };
+                let in_base = if literal {
+                    Point2::from(sum / n)
+                } else {
+                    nearest
+                };
                 bodies.push(Body {
                     at: pose.transform(in_base),
                     extent,
@@ -230,7 +234,10 @@ impl Driver {
             }
         }
         let best = bao_dwa::choose(&admissible, weights);
-        let turning = Twist::new(0.0, turn::rate_radps(robot, goal_in_base.y.atan2(goal_in_base.x)));
+        let turning = Twist::new(
+            0.0,
+            turn::rate_radps(robot, goal_in_base.y.atan2(goal_in_base.x)),
+        );
         match best {
             Some(twist) if twist.v_mps > STANDING_MPS || !from.is_standing() => Ok(twist),
             _ if from.v_mps < STANDING_MPS => Ok(turning),

@@ -110,8 +110,12 @@ pub fn fit_literal(points: &[Point2<f64>], degree: usize) -> Result<Vec<Point2<f
     if points.len() < 2 {
         return Err(FitError::TooFew);
     }
-    let grows = points.windows(2).all(|pair| pair[1].x > pair[0].x + 1.0e-12);
-    let falls = points.windows(2).all(|pair| pair[1].x < pair[0].x - 1.0e-12);
+    let grows = points
+        .windows(2)
+        .all(|pair| pair[1].x > pair[0].x + 1.0e-12);
+    let falls = points
+        .windows(2)
+        .all(|pair| pair[1].x < pair[0].x - 1.0e-12);
     if !grows && !falls {
         return Err(FitError::NotMonotone);
     }

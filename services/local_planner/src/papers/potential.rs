@@ -102,7 +102,9 @@ pub fn goal_repulsion(
     };
     let nearness = 1.0 / rho - 1.0 / gains.reach;
     let first = direction * (gains.repel * nearness / (rho * rho) * d.powi(n)).min(FORCE_MAX);
-    let towards = to_goal.try_normalize(1.0e-12).unwrap_or_else(Vector2::zeros);
+    let towards = to_goal
+        .try_normalize(1.0e-12)
+        .unwrap_or_else(Vector2::zeros);
     let half_n = 0.5 * f64::from(n);
     let size = half_n * gains.repel * nearness * nearness * d.powi(n - 1);
     first + towards * size.min(FORCE_MAX)

@@ -78,7 +78,10 @@ impl Trace {
     /// Length of the polyline.
     #[must_use]
     pub fn length(&self) -> f64 {
-        self.points.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum()
+        self.points
+            .windows(2)
+            .map(|pair| (pair[1] - pair[0]).norm())
+            .sum()
     }
 }
 
