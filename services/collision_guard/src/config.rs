@@ -1,9 +1,12 @@
-//! How old the guard's inputs may be.
+//! How old the guard's inputs may be, and how near the robot may come.
 
+use crate::sweep::SPACING_M;
 use serde::{Deserialize, Serialize};
 
-/// Ages beyond which an input counts as missing: since a request or odometry came in, and since a
-/// scan was captured, by the guard's own clock; in lockstep all of them in run time.
+/// What a user may set. Numbers of the robot are not here: they come with its description.
+///
+/// Ages are those beyond which an input counts as missing: since a request or odometry came in,
+/// and since a scan was captured, by the guard's own clock; in lockstep all of them in run time.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct GuardConfig {
@@ -13,6 +16,21 @@ pub struct GuardConfig {
     pub scan_age_s: f64,
     /// [s] of odometry. Must exceed two control periods.
     pub odometry_age_s: f64,
+    /// [s] for which a command is obeyed before braking begins, at worst: one control period,
+    /// transport and the drives. 0 to 2.
+    pub reaction_s: f64,
+    /// [m] that stay free around the footprint. At least half the spacing of the looked-at poses
+    /// (0.01), or something could be touched between two of them.
+    pub margin_m: f64,
+    /// [m] beyond the margin within which the robot is slow, 0 = nowhere.
+    pub slow_zone_m: f64,
+    /// [m/s] of the outline's fastest point in the slow zone, > 0.
+    pub slow_mps: f64,
+    /// [m] driven while all ranges stay bitwise the same after which the lidar counts as frozen.
+    /// A lidar without any noise in an endless straight corridor would be mistaken for one.
+    pub frozen_m: f64,
+    /// [rad] turned, likewise.
+    pub frozen_rad: f64,
 }
 
 impl Default for GuardConfig {
@@ -21,6 +39,12 @@ impl Default for GuardConfig {
             request_age_s: 0.1,
             scan_age_s: 0.35,
             odometry_age_s: 0.1,
+            reaction_s: 0.08,
+            margin_m: 0.01,
+            slow_zone_m: 0.01,
+            slow_mps: 0.5,
+            frozen_m: 0.1,
+            frozen_rad: 0.2,
         }
     }
 }
@@ -46,6 +70,18 @@ pub enum ConfigError {
         /// [s] what it must exceed.
         least_s: f64,
     },
+    /// A number is outside its range.
+    #[error("{field} is {value}, it must be {least} to {most}")]
+    OutOfRange {
+        /// Name of the field.
+        field: &'static str,
+        /// Its value.
+        value: f64,
+        /// Smallest value accepted.
+        least: f64,
+        /// Largest value accepted.
+        most: f64,
+    },
 }
 
 impl GuardConfig {
@@ -68,6 +104,24 @@ impl GuardConfig {
                     field,
                     value_s,
                     least_s,
+                });
+            }
+        }
+        for (field, value, least, most) in [
+            ("reaction_s", self.reaction_s, 0.0, 2.0),
+            ("margin_m", self.margin_m, 0.5 * SPACING_M, 1.0),
+            ("slow_zone_m", self.slow_zone_m, 0.0, 2.0),
+            ("slow_mps", self.slow_mps, 0.01, 100.0),
+            ("frozen_m", self.frozen_m, 0.01, 1.0e3),
+            ("frozen_rad", self.frozen_rad, 0.01, 1.0e3),
+        ] {
+            // Written so that NaN is refused.
+            if !(value >= least && value <= most) {
+                return Err(ConfigError::OutOfRange {
+                    field,
+                    value,
+                    least,
+                    most,
                 });
             }
         }
@@ -105,6 +159,21 @@ mod tests {
             config.check(0.02, 0.1),
             Err(ConfigError::NotPositive {
                 field: "scan_age_s",
+                ..
+            })
+        ));
+    }
+
+    #[test]
+    fn margins_that_prove_nothing_are_refused() {
+        let config = GuardConfig {
+            margin_m: 0.009,
+            ..GuardConfig::default()
+        };
+        assert!(matches!(
+            config.check(0.02, 0.1),
+            Err(ConfigError::OutOfRange {
+                field: "margin_m",
                 ..
             })
         ));

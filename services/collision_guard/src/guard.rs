@@ -1,9 +1,14 @@
-//! One decision per control period: pass on, clamp, or ramp to rest.
+//! One decision per control period: pass on, clamp, slow down, or ramp to rest.
 
 use crate::config::GuardConfig;
 use crate::limits::{Limits, Twist};
+use crate::outline::Outline;
+use crate::sweep::Space;
+use crate::view::View;
+use crate::watch::{FrozenScan, OdometrySense, Order, seconds};
+use zeronav_msgs::Pose;
 use zeronav_msgs::command::{Intervention, Validity, VelocityCommand, VelocityRequest};
-use zeronav_msgs::description::Description;
+use zeronav_msgs::description::{Corner, Description};
 use zeronav_msgs::odometry::Odometry;
 use zeronav_msgs::scan::Scan;
 
@@ -11,18 +16,61 @@ use zeronav_msgs::scan::Scan;
 /// sensor.
 const VALID_SHARE_MIN: f64 = 0.1;
 
-/// What the guard knows in one control period. `None` = never received. Ages are those of
-/// [`GuardConfig`]; nothing here is believed before the guard has checked it.
+/// [rad] by which a scan's geometry may differ from the description's at its ends.
+const GEOMETRY_RAD: f64 = 0.02;
+
+/// [s] of acceleration by which the last command may be ahead of the measured twist when a ramp
+/// begins there.
+const LEAD_S: f64 = 0.06;
+
+/// Share of the reaction time after which braking begins at the earliest.
+const EARLIEST: f64 = 0.25;
+
+/// Halvings in the search for the fastest free speed on an arc.
+const HALVINGS: u32 = 5;
+
+/// A scan as the guard takes it in.
+#[derive(Debug, Clone, Copy)]
+pub struct ScanInput<'a> {
+    /// Its fixed fields.
+    pub scan: &'a Scan,
+    /// Its ranges. [m]
+    pub ranges: &'a [f32],
+    /// Id of the message.
+    pub id: u64,
+    /// [ns] run time of its capture.
+    pub run_ns: u64,
+    /// [ns] since its capture.
+    pub age_ns: u64,
+    /// `odom_from_base` at its capture; `None` = odometry does not reach there yet.
+    pub odom_from_base: Option<Pose>,
+}
+
+/// Odometry as the guard takes it in.
+#[derive(Debug, Clone, Copy)]
+pub struct OdometryInput<'a> {
+    /// The message.
+    pub odometry: &'a Odometry,
+    /// Id of the message.
+    pub id: u64,
+    /// [ns] run time of its capture.
+    pub run_ns: u64,
+    /// [ns] since its capture.
+    pub age_ns: u64,
+}
+
+/// What the guard knows in one control period. `None` = never received. Nothing here is believed
+/// before the guard has checked it.
 #[derive(Debug, Clone, Copy)]
 pub struct GuardInputs<'a> {
-    /// The robot, the home of the limits.
-    pub description: Option<&'a Description>,
+    /// The robot, the home of the limits, and its footprint.
+    pub robot: Option<(&'a Description, &'a [Corner])>,
     /// Newest request of the obeyed local planner and its age. [ns]
     pub request: Option<(VelocityRequest, u64)>,
-    /// Newest scan, its ranges and its age since capture. [ns]
-    pub scan: Option<(&'a Scan, &'a [f32], u64)>,
-    /// Newest odometry and its age since capture. [ns]
-    pub odometry: Option<(&'a Odometry, u64)>,
+    /// Newest scan.
+    pub scan: Option<ScanInput<'a>>,
+    /// Newest odometry.
+    pub odometry: Option<OdometryInput<'a>>,
     /// [ns] since the tick of the previous decision: normally one control period, 0 for another
     /// answer within the same tick. Ramps advance by this much.
     pub period_ns: u64,
@@ -38,45 +86,75 @@ enum Verdict {
     Rest(Validity, Intervention),
 }
 
-/// The guard. Remembers its last command, from which ramps start.
+/// The guard. Remembers its last command, from which ramps start, and the last two scans.
 #[derive(Debug, Clone)]
 pub struct Guard {
     config: GuardConfig,
     last: Twist,
+    /// The last command was a step of a ramp.
+    ramping: bool,
     had_request: bool,
+    view: View,
+    scan_order: Order,
+    odometry_order: Order,
+    frozen_scan: FrozenScan,
+    sense: OdometrySense,
+    /// Id and run time of the newest scan in the view.
+    seen: Option<(u64, u64)>,
+    /// Scans captured before this run time are of no use: odometry has jumped since. [ns]
+    blind_before_ns: u64,
+    described: Option<(Description, Limits, Outline)>,
+    corners: Vec<Corner>,
 }
 
 impl Guard {
     /// A guard that has not seen a request yet; its commands are zero until then.
     #[must_use]
-    pub const fn new(config: GuardConfig) -> Self {
+    pub fn new(config: GuardConfig) -> Self {
         Self {
             config,
             last: Twist::REST,
+            ramping: false,
             had_request: false,
+            view: View::default(),
+            scan_order: Order::default(),
+            odometry_order: Order::default(),
+            frozen_scan: FrozenScan::default(),
+            sense: OdometrySense::default(),
+            seen: None,
+            blind_before_ns: 0,
+            described: None,
+            corners: Vec::new(),
         }
     }
 
     /// The command of this period: always finite and within the limits.
     ///
-    /// Only a request that means [`Validity::Drive`] moves the robot; any other meaning, a stale
-    /// or missing input (`RequestStale`, `ScanStale`, `OdometryStale`, in this order), a request
-    /// that is no number (`Refused`) and the end of the run become [`Limits::towards_rest`].
-    /// Without a usable description the command is zero, because nothing bounds a ramp.
+    /// Only a request that means [`Validity::Drive`] moves the robot; any other meaning, a stale,
+    /// missing, frozen or malformed input (`RequestStale`, `ScanStale`, `OdometryStale`, in this
+    /// order), a request that is no number (`Refused`) and the end of the run become
+    /// [`Limits::towards_rest`]. A request whose way (obeyed for the reaction time, then braked) is
+    /// not free is slowed down on its arc as far as needed (`Slowed`), and when no speed is slow
+    /// enough the robot stops (`StoppedShort`). Without a usable description the command is zero,
+    /// because nothing bounds a ramp.
     pub fn decide(&mut self, inputs: &GuardInputs<'_>) -> VelocityCommand {
         self.had_request |= inputs.request.is_some();
-        let limits = inputs.description.and_then(Limits::of);
-        let (twist, validity, intervention) = match (self.verdict(inputs, limits.as_ref()), limits)
-        {
+        self.describe(inputs.robot);
+        self.take_odometry(inputs);
+        self.take_scan(inputs);
+        let limits = self.described.as_ref().map(|(_, limits, _)| *limits);
+        let (twist, validity, intervention) = match (self.verdict(inputs), limits) {
             (Verdict::Pass(twist, intervention), Some(_)) => (twist, Validity::Drive, intervention),
             (Verdict::Rest(validity, intervention), Some(limits)) => {
-                let ramped = limits.towards_rest(self.last, seconds(inputs.period_ns));
+                let from = self.ramp_start(inputs, &limits);
+                let ramped = limits.towards_rest(from, seconds(inputs.period_ns));
                 (limits.clamp(ramped), validity, intervention)
             }
             (Verdict::Pass(..), None) => (Twist::REST, Validity::Stale, Intervention::Refused),
             (Verdict::Rest(validity, intervention), None) => (Twist::REST, validity, intervention),
         };
         self.last = twist;
+        self.ramping = validity != Validity::Drive;
         VelocityCommand {
             v_mps: twist.v_mps,
             w_radps: twist.w_radps,
@@ -86,7 +164,74 @@ impl Guard {
         }
     }
 
-    fn verdict(&self, inputs: &GuardInputs<'_>, limits: Option<&Limits>) -> Verdict {
+    /// Takes in the robot; its outline is prepared anew only when it changed.
+    fn describe(&mut self, robot: Option<(&Description, &[Corner])>) {
+        let Some((description, corners)) = robot else {
+            self.described = None;
+            return;
+        };
+        let known = self.described.as_ref().map(|(known, ..)| known);
+        if known == Some(description) && self.corners == corners {
+            return;
+        }
+        self.corners.clear();
+        self.corners.extend_from_slice(corners);
+        self.described = Limits::of(description)
+            .filter(|_| description.check(corners).is_ok())
+            .map(|limits| (*description, limits, Outline::new(description, corners)));
+    }
+
+    fn take_odometry(&mut self, inputs: &GuardInputs<'_>) {
+        let (Some(input), Some((_, limits, _))) = (&inputs.odometry, &self.described) else {
+            return;
+        };
+        let fastest = (limits.v_mps_max.max(-limits.v_mps_min), limits.w_radps_max);
+        if !self.odometry_order.take(input.id, input.run_ns) || input.odometry.check().is_err() {
+            return;
+        }
+        let jumped = self.sense.take(input.odometry, input.run_ns, fastest);
+        if jumped || !self.odometry_order.is_forward() {
+            self.view.clear();
+            self.seen = None;
+            self.blind_before_ns = input.run_ns;
+        }
+    }
+
+    fn take_scan(&mut self, inputs: &GuardInputs<'_>) {
+        let (Some(input), Some((description, ..))) = (&inputs.scan, &self.described) else {
+            return;
+        };
+        let Some(odom_from_base) = input.odom_from_base else {
+            return;
+        };
+        if !self.scan_order.take(input.id, input.run_ns) {
+            return;
+        }
+        if !self.scan_order.is_forward() {
+            self.view.clear();
+            self.seen = None;
+        }
+        if input.run_ns < self.blind_before_ns || !is_usable(input.scan, input.ranges, description)
+        {
+            return;
+        }
+        let twist = inputs.odometry.map_or(Twist::REST, |input| Twist {
+            v_mps: input.odometry.v_mps,
+            w_radps: input.odometry.w_radps,
+        });
+        self.frozen_scan.take(input.ranges, &odom_from_base);
+        let base_from_laser = &description.base_from_laser;
+        self.view.take(
+            input.scan,
+            input.ranges,
+            base_from_laser,
+            &odom_from_base,
+            twist,
+        );
+        self.seen = Some((input.id, input.run_ns));
+    }
+
+    fn verdict(&mut self, inputs: &GuardInputs<'_>) -> Verdict {
         if inputs.stopping {
             return Verdict::Rest(Validity::Stopped, Intervention::None);
         }
@@ -100,8 +245,11 @@ impl Guard {
         if seconds(*age_ns) > self.config.request_age_s {
             return Verdict::Rest(Validity::Stale, Intervention::RequestStale);
         }
-        let (Ok(()), Some(validity), Some(limits)) = (request.check(), request.validity(), limits)
-        else {
+        let (Ok(()), Some(validity), true) = (
+            request.check(),
+            request.validity(),
+            self.described.is_some(),
+        ) else {
             return Verdict::Rest(Validity::Stale, Intervention::Refused);
         };
         if validity != Validity::Drive {
@@ -110,50 +258,165 @@ impl Guard {
         if !self.sees(inputs) {
             return Verdict::Rest(Validity::Stale, Intervention::ScanStale);
         }
-        if !self.feels(inputs) {
+        let Some(odometry) = self.feels(inputs) else {
             return Verdict::Rest(Validity::Stale, Intervention::OdometryStale);
-        }
+        };
         let asked = Twist {
             v_mps: request.v_mps,
             w_radps: request.w_radps,
         };
-        let clamped = limits.clamp(asked);
-        let intervention = if clamped == asked {
-            Intervention::None
-        } else {
-            Intervention::Clamped
+        self.drive(asked, &odometry)
+    }
+
+    /// The fastest twist on the arc asked for from which the robot can still stop.
+    fn drive(&mut self, asked: Twist, odometry: &Odometry) -> Verdict {
+        let Some((_, limits, outline)) = &self.described else {
+            return Verdict::Rest(Validity::Stale, Intervention::Refused);
         };
-        Verdict::Pass(clamped, intervention)
+        let config = &self.config;
+        let clamped = limits.clamp(asked);
+        let measured = Twist {
+            v_mps: odometry.v_mps,
+            w_radps: odometry.w_radps,
+        };
+        let fastest_mps = measured.v_mps.abs().max(clamped.v_mps.abs());
+        let reach_m = stop_distance_m(limits, fastest_mps, config.reaction_s)
+            + outline.radius_m
+            + config.margin_m
+            + config.slow_zone_m
+            + 0.1;
+        self.view.look(&odometry.pose, reach_m);
+        let space = Space::new(outline, &self.view.near, config.margin_m);
+        let enough_m = config.margin_m + config.slow_zone_m;
+        // Braking may begin with the next command or at the end of the reaction time, on another
+        // curvature when the robot is still turning in: both stops must be free.
+        let way = |twist: Twist| {
+            let soon_s = EARLIEST * config.reaction_s;
+            let soon_m = space.way(limits, measured, twist, soon_s, enough_m)?;
+            let late_m = space.way(limits, measured, twist, config.reaction_s, enough_m)?;
+            Some(soon_m.min(late_m))
+        };
+        // Near obstacles the robot may not be faster than this.
+        let slow = |twist: Twist, least_m: f64| {
+            let speed_mps = outline.speed_mps(twist);
+            if least_m < enough_m && speed_mps > config.slow_mps {
+                twist.scaled(config.slow_mps / speed_mps)
+            } else {
+                twist
+            }
+        };
+        if let Some(least_m) = way(clamped) {
+            let slowed = slow(clamped, least_m);
+            let intervention = if slowed != clamped {
+                Intervention::Slowed
+            } else if clamped != asked {
+                Intervention::Clamped
+            } else {
+                Intervention::None
+            };
+            return Verdict::Pass(slowed, intervention);
+        }
+        let mut best: Option<(Twist, f64)> = None;
+        let (mut low, mut high) = (0.0, 1.0);
+        for _ in 0..HALVINGS {
+            let share = 0.5 * (low + high);
+            let slower = clamped.scaled(share);
+            if let Some(least_m) = way(slower) {
+                best = Some((slower, least_m));
+                low = share;
+            } else {
+                high = share;
+            }
+        }
+        best.map_or(
+            Verdict::Rest(Validity::Blocked, Intervention::StoppedShort),
+            |(slower, least_m)| Verdict::Pass(slow(slower, least_m), Intervention::Slowed),
+        )
     }
 
-    /// True while a young, well-formed scan is at hand that is not blind.
+    /// True while a young, well-formed scan is at hand that is neither blind nor frozen.
     fn sees(&self, inputs: &GuardInputs<'_>) -> bool {
-        inputs.scan.is_some_and(|(scan, ranges, age_ns)| {
-            seconds(age_ns) <= self.config.scan_age_s
-                && !ranges.is_empty()
-                && scan.check(ranges).is_ok()
-                && valid_share(ranges) >= VALID_SHARE_MIN
-        })
+        let (Some(input), Some((description, ..))) = (&inputs.scan, &self.described) else {
+            return false;
+        };
+        let Some((seen_id, seen_ns)) = self.seen else {
+            return false;
+        };
+        // While the newest one waits for its odometry, the one before is looked at.
+        let behind_ns = if input.id == seen_id {
+            0
+        } else {
+            input.run_ns.saturating_sub(seen_ns)
+        };
+        let age_ns = input.age_ns.saturating_add(behind_ns);
+        seconds(age_ns) <= self.config.scan_age_s
+            && is_usable(input.scan, input.ranges, description)
+            && self.scan_order.is_forward()
+            && !self
+                .frozen_scan
+                .is_frozen(self.config.frozen_m, self.config.frozen_rad)
     }
 
-    /// True while young, well-formed odometry is at hand.
-    fn feels(&self, inputs: &GuardInputs<'_>) -> bool {
-        inputs.odometry.is_some_and(|(odometry, age_ns)| {
-            seconds(age_ns) <= self.config.odometry_age_s && odometry.check().is_ok()
-        })
+    /// Young, well-formed odometry that agrees with itself.
+    fn feels(&self, inputs: &GuardInputs<'_>) -> Option<Odometry> {
+        let input = inputs.odometry.as_ref()?;
+        let fine = seconds(input.age_ns) <= self.config.odometry_age_s
+            && input.odometry.check().is_ok()
+            && self.odometry_order.is_forward()
+            && self.sense.frozen_s(input.run_ns) <= self.config.odometry_age_s;
+        fine.then_some(*input.odometry)
     }
+
+    /// Where the next step of a ramp begins: at the last command once ramping, so that the stop
+    /// keeps its arc; at first on the arc that the robot is on, because the stops that were checked
+    /// begin there, with a speed as far from its own as the last command can be ahead of it.
+    fn ramp_start(&self, inputs: &GuardInputs<'_>, limits: &Limits) -> Twist {
+        let Some(odometry) = self.feels(inputs).filter(|_| !self.ramping) else {
+            return self.last;
+        };
+        let lead_mps = limits.a_mps2_max.max(limits.brake_mps2) * LEAD_S;
+        // Not faster than the robot is: a request far beyond that must not make it faster yet.
+        let (low, high) = if odometry.v_mps > 0.0 {
+            (odometry.v_mps - lead_mps, odometry.v_mps)
+        } else {
+            (odometry.v_mps, odometry.v_mps + lead_mps)
+        };
+        let v_mps = self.last.v_mps.clamp(low, high);
+        // On the arc that the robot is on.
+        let w_radps = if odometry.v_mps.abs() > 0.01 {
+            odometry.w_radps * (v_mps / odometry.v_mps).max(0.0)
+        } else {
+            let lead_radps = limits.alpha_radps2_max * LEAD_S;
+            self.last
+                .w_radps
+                .clamp(odometry.w_radps - lead_radps, odometry.w_radps + lead_radps)
+        };
+        Twist { v_mps, w_radps }
+    }
+}
+
+/// [m] driven until rest from `v_mps` when braking begins after `reaction_s`:
+/// `|v| t_reaction + v^2 / (2 brake)`.
+#[must_use]
+pub fn stop_distance_m(limits: &Limits, v_mps: f64, reaction_s: f64) -> f64 {
+    v_mps.abs() * reaction_s + v_mps * v_mps / (2.0 * limits.brake_mps2)
+}
+
+/// True for a scan that describes its ranges, fits the robot's lidar and is not blind.
+fn is_usable(scan: &Scan, ranges: &[f32], description: &Description) -> bool {
+    let last = f64::from(scan.n_beams.saturating_sub(1));
+    let first_off = f64::from(scan.angle_min_rad) - description.angle_min_rad;
+    let step_off = f64::from(scan.angle_increment_rad) - description.angle_increment_rad;
+    !ranges.is_empty()
+        && scan.check(ranges).is_ok()
+        && scan.n_beams == description.n_beams
+        && first_off.abs() <= GEOMETRY_RAD
+        && (first_off + last * step_off).abs() <= GEOMETRY_RAD
+        && valid_share(ranges) >= VALID_SHARE_MIN
 }
 
 #[allow(clippy::cast_precision_loss, reason = "at most 4096 beams")]
 fn valid_share(ranges: &[f32]) -> f64 {
     let valid = ranges.iter().filter(|range| !range.is_nan()).count();
     valid as f64 / ranges.len() as f64
-}
-
-#[allow(
-    clippy::cast_precision_loss,
-    reason = "ages are compared with tenths of seconds"
-)]
-fn seconds(ns: u64) -> f64 {
-    ns as f64 * 1.0e-9
 }

@@ -2,21 +2,24 @@
 //!
 //! It sees only the robot's description, the raw scan, odometry and the request, shares no state
 //! with the planners and passes a request on only while every one of its inputs is present,
-//! well-formed and young enough. Whatever goes wrong becomes a ramp to rest at the deceleration
-//! that braking can rely on, with the reason in the command.
+//! well-formed and young enough and the robot could still stop: the way that it takes when it
+//! obeys for the reaction time and then brakes must be free of the raw points of the last two
+//! scans, with the true footprint. Otherwise the request is slowed down on its arc, or becomes a
+//! ramp to rest at the deceleration that braking can rely on, with the reason in the command.
 //!
-//! **What it does not do.** It does not yet compare the braking arc with the points of the scan:
-//! that an arc is free is checked by the author of the request alone. The scan is required here
-//! because a robot whose lidar is silent must not move, not because its points are looked at.
-//! This is not a certified safety function.
+//! This is not a certified safety function. The README says what it does not see.
 //!
-//! The library is pure: no clock, no I/O, no threads, no allocation. Ages and periods are passed
+//! The library is pure: no clock, no I/O, no threads, no allocation after the first scan. Ages and periods are passed
 //! in, so a recorded run gives the same commands again.
 
 mod config;
 mod guard;
 mod limits;
+mod outline;
+mod sweep;
+mod view;
+mod watch;
 
 pub use config::{ConfigError, GuardConfig};
-pub use guard::{Guard, GuardInputs};
+pub use guard::{Guard, GuardInputs, OdometryInput, ScanInput, stop_distance_m};
 pub use limits::{Limits, Twist};

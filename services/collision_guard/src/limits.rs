@@ -1,5 +1,6 @@
 //! What the robot can do, and the two ways a twist is brought into it.
 
+use zeronav_msgs::Pose;
 use zeronav_msgs::description::Description;
 
 /// Forward speed and yaw rate in `base`.
@@ -17,6 +18,31 @@ impl Twist {
         v_mps: 0.0,
         w_radps: 0.0,
     };
+
+    /// Both speeds times `share`: the same arc, slower.
+    #[must_use]
+    pub fn scaled(self, share: f64) -> Self {
+        Self {
+            v_mps: self.v_mps * share,
+            w_radps: self.w_radps * share,
+        }
+    }
+
+    /// `base` before the motion from `base` after `elapsed_s` of this twist: the exact arc
+    /// (Fox, Burgard, Thrun 1997, Eq. 7, with the limit of a straight line).
+    #[must_use]
+    pub fn arc(self, elapsed_s: f64) -> Pose {
+        let yaw_rad = self.w_radps * elapsed_s;
+        let half = 0.5 * yaw_rad;
+        // The chord of an arc of length s and angle 2h is s sin(h) / h long and points along h.
+        let share = if half.abs() < 1.0e-4 {
+            1.0 - half * half / 6.0
+        } else {
+            half.sin() / half
+        };
+        let chord_m = self.v_mps * elapsed_s * share;
+        Pose::new(chord_m * half.cos(), chord_m * half.sin(), yaw_rad)
+    }
 }
 
 /// The limits of a [`Description`] that bound a command; every number is finite.
@@ -28,6 +54,8 @@ pub struct Limits {
     pub v_mps_min: f64,
     /// [rad/s] fastest yaw rate either way, > 0.
     pub w_radps_max: f64,
+    /// [m/s^2] acceleration when speeding up, > 0.
+    pub a_mps2_max: f64,
     /// [m/s^2] deceleration of the ramp to rest, > 0.
     pub brake_mps2: f64,
     /// [rad/s^2] yaw deceleration of the ramp to rest, > 0.
@@ -44,12 +72,14 @@ impl Limits {
             && backward.is_finite()
             && backward <= 0.0
             && positive(description.w_radps_max)
+            && positive(description.a_mps2_max)
             && positive(description.brake_mps2)
             && positive(description.alpha_radps2_max))
         .then_some(Self {
             v_mps_max: description.v_mps_max,
             v_mps_min: backward,
             w_radps_max: description.w_radps_max,
+            a_mps2_max: description.a_mps2_max,
             brake_mps2: description.brake_mps2,
             alpha_radps2_max: description.alpha_radps2_max,
         })
@@ -77,6 +107,28 @@ impl Limits {
         Twist {
             v_mps: (asked.v_mps * share).clamp(self.v_mps_min, self.v_mps_max),
             w_radps: (asked.w_radps * share).clamp(-self.w_radps_max, self.w_radps_max),
+        }
+    }
+
+    /// The twist nearest to `wanted` that `elapsed_s` can reach from `from`: speeding up is bounded
+    /// by `a_mps2_max`, slowing down by `brake_mps2`, turning by `alpha_radps2_max`.
+    #[must_use]
+    pub fn towards(&self, from: Twist, wanted: Twist, elapsed_s: f64) -> Twist {
+        let up = self.a_mps2_max * elapsed_s;
+        let down = self.brake_mps2 * elapsed_s;
+        let (lowest, highest) = if from.v_mps > 0.0 {
+            (from.v_mps - down, from.v_mps + up)
+        } else if from.v_mps < 0.0 {
+            (from.v_mps - up, from.v_mps + down)
+        } else {
+            (-up, up)
+        };
+        let yaw_step = self.alpha_radps2_max * elapsed_s;
+        Twist {
+            v_mps: wanted.v_mps.clamp(lowest, highest),
+            w_radps: wanted
+                .w_radps
+                .clamp(from.w_radps - yaw_step, from.w_radps + yaw_step),
         }
     }
 
@@ -114,6 +166,7 @@ mod tests {
         v_mps_max: 1.0,
         v_mps_min: 0.0,
         w_radps_max: 2.0,
+        a_mps2_max: 1.0,
         brake_mps2: 1.0,
         alpha_radps2_max: 3.0,
     };

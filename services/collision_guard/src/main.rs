@@ -1,7 +1,7 @@
 //! The guard as a process: answers every velocity request, and odometry that no request follows.
 
 use std::process::ExitCode;
-use zeronav_collision_guard::{Guard, GuardConfig, GuardInputs};
+use zeronav_collision_guard::{Guard, GuardConfig, GuardInputs, OdometryInput, ScanInput};
 use zeronav_msgs::command::Intervention;
 use zeronav_msgs::header::Parents;
 use zeronav_msgs::health::{REASON_ODOMETRY, REASON_REQUEST, REASON_SCAN};
@@ -33,6 +33,8 @@ struct GuardService {
     request_came_ns: u64,
     answered_tick: u64,
     idle_said: bool,
+    /// Of the last command, to tell when it changes.
+    intervention: Option<Intervention>,
 }
 
 impl Service for GuardService {
@@ -55,6 +57,7 @@ impl Service for GuardService {
             request_came_ns: 0,
             answered_tick: 0,
             idle_said: false,
+            intervention: Some(Intervention::None),
         })
     }
 
@@ -168,18 +171,25 @@ impl GuardService {
         let draft = shell.draft(tick, run_ns, capture_ns, parents);
         let description = self.description.get();
         let command = self.guard.decide(&GuardInputs {
-            description: description.as_ref().map(|view| view.meta),
+            robot: description.as_ref().map(|view| (view.meta, view.items)),
             request: request
                 .map(|view| (*view.meta, age_ns(view.header.run_ns, self.request_came_ns))),
             scan: scan.map(|view| {
                 let came_ns = self.scan_came_ns.min(view.header.capture_ns);
-                (view.meta, view.items, age_ns(view.header.run_ns, came_ns))
+                ScanInput {
+                    scan: view.meta,
+                    ranges: view.items,
+                    id: view.header.id,
+                    run_ns: view.header.run_ns,
+                    age_ns: age_ns(view.header.run_ns, came_ns),
+                    odom_from_base: self.track.pose_at(view.header.run_ns),
+                }
             }),
-            odometry: moment.map(|moment| {
-                (
-                    &moment.odometry,
-                    age_ns(moment.run_ns, self.odometry_came_ns),
-                )
+            odometry: moment.map(|moment| OdometryInput {
+                odometry: &moment.odometry,
+                id: moment.id.0,
+                run_ns: moment.run_ns,
+                age_ns: age_ns(moment.run_ns, self.odometry_came_ns),
             }),
             period_ns: tick
                 .saturating_sub(self.answered_tick)
@@ -189,6 +199,16 @@ impl GuardService {
         let sent = self.command.publish(&draft, command, &[]);
         self.answered_tick = self.answered_tick.max(tick);
         let intervention = command.intervention();
+        if intervention != self.intervention {
+            self.intervention = intervention;
+            let name = intervention.map_or("unknown", Intervention::label);
+            tracing::info!(
+                tick,
+                intervention = name,
+                v_mps = command.v_mps,
+                w_radps = command.w_radps
+            );
+        }
         shell.reason(
             REASON_REQUEST,
             intervention == Some(Intervention::RequestStale),

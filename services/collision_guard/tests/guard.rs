@@ -1,7 +1,8 @@
 //! Laws of the guard over random sequences of inputs, and each of its reasons once.
 
 use proptest::prelude::*;
-use zeronav_collision_guard::{Guard, GuardConfig, GuardInputs};
+use zeronav_collision_guard::{Guard, GuardConfig, GuardInputs, OdometryInput, ScanInput};
+use zeronav_msgs::Pose;
 use zeronav_msgs::command::{Intervention, Validity, VelocityCommand, VelocityRequest};
 use zeronav_msgs::description::Description;
 use zeronav_msgs::odometry::Odometry;
@@ -20,6 +21,12 @@ fn robot() -> Description {
         a_mps2_max: 1.0,
         brake_mps2: 1.5,
         alpha_radps2_max: 3.0,
+        inscribed_radius_m: 0.25,
+        circumscribed_radius_m: 0.25,
+        angle_increment_rad: 0.1,
+        range_m_max: 10.0,
+        scan_period_ns: 100 * MS,
+        n_beams: 4,
         ..Description::default()
     }
 }
@@ -57,32 +64,75 @@ impl Period {
         Self {
             robot: Some(robot()),
             request: Some((request, 3 * MS)),
-            scan: Some((scan(4), vec![1.0, f32::INFINITY, 2.0, f32::NAN], 30 * MS)),
+            scan: Some((scan(4), vec![9.0, f32::INFINITY, 8.0, f32::NAN], 30 * MS)),
             odometry: Some((Odometry::default(), 2 * MS)),
             stopping: false,
         }
     }
 
-    fn decide(&self, guard: &mut Guard) -> VelocityCommand {
-        guard.decide(&GuardInputs {
-            description: self.robot.as_ref(),
-            request: self.request,
-            scan: self
-                .scan
-                .as_ref()
-                .map(|(scan, ranges, age)| (scan, ranges.as_slice(), *age)),
-            odometry: self
-                .odometry
-                .as_ref()
-                .map(|(odometry, age)| (odometry, *age)),
-            period_ns: PERIOD_NS,
-            stopping: self.stopping,
-        })
+    fn decide(&self, bench: &mut Bench) -> VelocityCommand {
+        bench.decide(self, PERIOD_NS)
     }
 }
 
-fn guard() -> Guard {
-    Guard::new(GuardConfig::default())
+/// A guard, and a robot that does at once what it is told.
+struct Bench {
+    guard: Guard,
+    count: u64,
+    moves: (f64, f64),
+    pose: Pose,
+}
+
+impl Bench {
+    fn decide(&mut self, period: &Period, period_ns: u64) -> VelocityCommand {
+        self.count += 1;
+        let (id, run_ns) = (self.count, self.count * PERIOD_NS);
+        let odometry = period.odometry.map(|(odometry, age_ns)| {
+            let moving = Odometry {
+                pose: self.pose,
+                v_mps: odometry.v_mps + self.moves.0,
+                w_radps: odometry.w_radps + self.moves.1,
+                ..odometry
+            };
+            (moving, age_ns)
+        });
+        let command = self.guard.decide(&GuardInputs {
+            robot: period.robot.as_ref().map(|robot| (robot, &[][..])),
+            request: period.request,
+            scan: period
+                .scan
+                .as_ref()
+                .map(|(scan, ranges, age_ns)| ScanInput {
+                    scan,
+                    ranges,
+                    id,
+                    run_ns,
+                    age_ns: *age_ns,
+                    odom_from_base: Some(self.pose),
+                }),
+            odometry: odometry.as_ref().map(|(odometry, age_ns)| OdometryInput {
+                odometry,
+                id,
+                run_ns,
+                age_ns: *age_ns,
+            }),
+            period_ns,
+            stopping: period.stopping,
+        });
+        self.moves = (command.v_mps, command.w_radps);
+        // Odometry that stood still while it moves would be refused: a step to and fro.
+        self.pose.x_m = if self.pose.x_m > 0.0 { 0.0 } else { 0.001 };
+        command
+    }
+}
+
+fn guard() -> Bench {
+    Bench {
+        guard: Guard::new(GuardConfig::default()),
+        count: 0,
+        moves: (0.0, 0.0),
+        pose: Pose::default(),
+    }
 }
 
 /// Drives at 0.6 m/s, then lives through `period`: its answer and whether it was a ramp step.
@@ -134,7 +184,7 @@ fn every_lost_input_has_its_name() {
     lost = Period::fresh(drive(0.6, 0.3));
     lost.scan = None;
     check_ramp(&lost, Validity::Stale, Intervention::ScanStale);
-    lost.scan = Some((scan(1), vec![1.0], 351 * MS));
+    lost.scan = Some((scan(4), vec![9.0; 4], 351 * MS));
     check_ramp(&lost, Validity::Stale, Intervention::ScanStale);
     lost = Period::fresh(drive(0.6, 0.3));
     lost.odometry = None;
@@ -148,7 +198,16 @@ fn malformed_inputs_count_as_lost() {
     let mut bad = Period::fresh(drive(0.6, 0.3));
     bad.scan = Some((scan(3), vec![1.0], 0));
     check_ramp(&bad, Validity::Stale, Intervention::ScanStale);
-    bad.scan = Some((scan(2), vec![f32::NAN; 2], 0));
+    bad.scan = Some((scan(4), vec![f32::NAN; 4], 0));
+    check_ramp(&bad, Validity::Stale, Intervention::ScanStale);
+    // Fewer beams than the robot's lidar has, and another field of view.
+    bad.scan = Some((scan(3), vec![9.0; 3], 0));
+    check_ramp(&bad, Validity::Stale, Intervention::ScanStale);
+    let turned = Scan {
+        angle_min_rad: 0.5,
+        ..scan(4)
+    };
+    bad.scan = Some((turned, vec![9.0; 4], 0));
     check_ramp(&bad, Validity::Stale, Intervention::ScanStale);
     bad.scan = Some((scan(0), Vec::new(), 0));
     check_ramp(&bad, Validity::Stale, Intervention::ScanStale);
@@ -201,15 +260,9 @@ fn a_stop_keeps_its_meaning_and_ramps() {
 fn a_second_answer_in_the_same_tick_does_not_brake_twice() {
     let mut guard = guard();
     Period::fresh(drive(0.6, 0.0)).decide(&mut guard);
-    let inputs = GuardInputs {
-        description: Some(&robot()),
-        request: None,
-        scan: None,
-        odometry: None,
-        period_ns: 0,
-        stopping: false,
-    };
-    assert!((guard.decide(&inputs).v_mps - 0.6).abs() < 1e-15);
+    let mut nothing = Period::fresh(drive(0.6, 0.0));
+    nothing.request = None;
+    assert!((guard.decide(&nothing, 0).v_mps - 0.6).abs() < 1e-15);
 }
 
 #[test]
@@ -240,7 +293,7 @@ prop_compose! {
         ages in prop::array::uniform3(prop_oneof![4 => 0..90 * MS, 1 => Just(OLD)]),
         present in prop::array::uniform3(prop::bool::weighted(0.9)),
         stopping in prop::bool::weighted(0.05),
-        range in any::<f32>(),
+        range in prop_oneof![2 => 5.0f32..20.0, 1 => any::<f32>()],
     ) -> Period {
         Period {
             robot: Some(robot()),
@@ -248,7 +301,7 @@ prop_compose! {
                 VelocityRequest { validity, ..drive(v, w) },
                 ages[0],
             )),
-            scan: present[1].then_some((scan(1), vec![range], ages[1])),
+            scan: present[1].then_some((scan(4), vec![range; 4], ages[1])),
             odometry: present[2].then_some((Odometry::default(), ages[2])),
             stopping,
         }
@@ -268,6 +321,7 @@ proptest! {
             prop_assert!(command.v_mps >= robot.v_mps_min && command.v_mps <= robot.v_mps_max);
             prop_assert!(command.w_radps.abs() <= robot.w_radps_max);
             if command.validity() != Some(Validity::Drive) {
+                // The robot of this bench does at once what it is told, so a ramp starts there.
                 let dv = command.v_mps - last.0;
                 let dw = command.w_radps - last.1;
                 prop_assert!(dv.abs() <= robot.brake_mps2 * PERIOD_S + 1e-12);
@@ -284,6 +338,7 @@ proptest! {
         let mut guard = guard();
         let command = period.decide(&mut guard);
         if command.validity() == Some(Validity::Drive) {
+            prop_assert!(period.robot.is_some());
             let (request, age) = period.request.expect("a request drove");
             prop_assert!(request.check().is_ok() && age <= 100 * MS);
             prop_assert!(period.scan.is_some_and(|(_, _, age)| age <= 350 * MS));

@@ -1,14 +1,16 @@
-//! One control cycle of the dynamic window: disc and rectangle, known and unknown surroundings.
+//! One control cycle of the dynamic windows: disc and rectangle, known and unknown surroundings,
+//! and of `dwa_t` with 20 tracked obstacles.
 //!
 //! `cargo bench -p zeronav-local-planner --no-default-features`
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use nalgebra::Point2;
 use std::hint::black_box;
-use zeronav_local_planner::config::DwaConfig;
+use zeronav_local_planner::config::{DwaConfig, DwaTConfig};
 use zeronav_local_planner::controller::{Controller, Situation};
 use zeronav_local_planner::dwa::Dwa;
 use zeronav_msgs::description::{Corner, Description};
+use zeronav_msgs::obstacles::Obstacle;
 use zeronav_msgs::path::Waypoint;
 use zeronav_msgs::task::Goal;
 use zeronav_msgs::{Cell, GridGeometry, MapCell, MapView, Pose};
@@ -89,6 +91,21 @@ fn jackal() -> (Description, Vec<Corner>) {
     (robot, outline.map(corner).to_vec())
 }
 
+/// Twenty that walk along the aisle and across it, some within reach.
+fn crowd() -> Vec<Obstacle> {
+    (0..20)
+        .map(|i| Obstacle {
+            track: i + 1,
+            x_m: 6.5 + 0.3 * f64::from(u8::try_from(i).unwrap_or(0)),
+            y_m: if i % 2 == 0 { 1.2 } else { 1.9 },
+            vx_mps: if i % 3 == 0 { -0.8 } else { 0.4 },
+            vy_mps: if i % 2 == 0 { 0.2 } else { -0.2 },
+            radius_m: 0.2,
+            ..Obstacle::default()
+        })
+        .collect()
+}
+
 fn cycle(criterion: &mut Criterion) {
     let cells = aisle();
     let waypoint = |x_m| Waypoint {
@@ -129,15 +146,35 @@ fn cycle(criterion: &mut Criterion) {
                 geometry: &GEOMETRY,
                 cells: &cells,
             }),
+            map_cells: 1,
+            obstacles: &[],
+            obstacles_age_s: 0.0,
             scan_points_in_base: &points,
             goal: &goal,
             speed_factor: 1.0,
             period_s: 0.02,
         };
-        let mut controller = Dwa::new(DwaConfig::default());
-        let rollouts = controller.decide(&situation).rollouts;
-        criterion.bench_function(&format!("{name}, {rollouts} rollouts"), |bencher| {
-            bencher.iter(|| controller.decide(black_box(&situation)));
+        let mut controllers = [
+            ("dwa", Dwa::new(DwaConfig::default())),
+            (
+                "dwa_t",
+                Dwa::timed(DwaConfig::default(), DwaTConfig::default()),
+            ),
+        ];
+        for (key, controller) in &mut controllers {
+            let rollouts = controller.decide(&situation).rollouts;
+            criterion.bench_function(&format!("{key}, {name}, {rollouts} rollouts"), |bencher| {
+                bencher.iter(|| controller.decide(black_box(&situation)));
+            });
+        }
+        let obstacles = crowd();
+        let crowded = Situation {
+            obstacles: &obstacles,
+            ..situation
+        };
+        let (_, controller) = &mut controllers[1];
+        criterion.bench_function(&format!("dwa_t, {name}, 20 tracked"), |bencher| {
+            bencher.iter(|| controller.decide(black_box(&crowded)));
         });
     }
 }

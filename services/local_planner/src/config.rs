@@ -10,6 +10,10 @@ pub struct LocalPlannerConfig {
     pub controller: String,
     /// For the controller `dwa`.
     pub dwa: DwaConfig,
+    /// For the controller `dwa_t`, which takes the rest from `dwa`.
+    pub dwa_t: DwaTConfig,
+    /// For the controllers of the papers: obstacles are points, as printed, instead of areas.
+    pub literal: bool,
     /// When a task has succeeded or failed.
     pub task: TaskConfig,
     /// When another path is asked for.
@@ -21,8 +25,10 @@ pub struct LocalPlannerConfig {
 impl Default for LocalPlannerConfig {
     fn default() -> Self {
         Self {
-            controller: "dwa".to_owned(),
+            controller: "dwa_t".to_owned(),
             dwa: DwaConfig::default(),
+            dwa_t: DwaTConfig::default(),
+            literal: false,
             task: TaskConfig::default(),
             requests: RequestConfig::default(),
             staleness: StalenessConfig::default(),
@@ -95,6 +101,52 @@ pub struct DwaWeights {
     pub speed: f64,
     /// Of changing the chosen yaw rate by its largest value.
     pub turn_change: f64,
+}
+
+/// What the time-indexed dynamic window has besides [`DwaConfig`].
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct DwaTConfig {
+    /// [s] length of a rollout; a robot that needs longer to stop gets longer ones.
+    pub horizon_s: f64,
+    /// Poses of a rollout, 5 to 64.
+    pub steps: u32,
+    /// Speeds in the window, 2 to 64.
+    pub speeds: u32,
+    /// Yaw rates in the window, 3 to 64; multiples of 8 cost least.
+    pub yaw_rates: u32,
+    /// Standard deviations of a predicted position that are added to the radius.
+    pub growth_sigmas: f64,
+    /// [m/s] by which a predicted radius grows at least.
+    pub growth_mps_min: f64,
+    /// [m] by which a predicted radius grows at most.
+    pub growth_m_max: f64,
+    /// [m/s] that cost nothing however near obstacles are.
+    pub speed_base_mps: f64,
+    /// [1/s] speed that costs nothing for each metre of space around the outline.
+    pub speed_gain_hz: f64,
+    /// Of a metre per second beyond that.
+    pub weight_speed: f64,
+    /// Of touching a predicted obstacle at once; later ones count less.
+    pub weight_moving: f64,
+}
+
+impl Default for DwaTConfig {
+    fn default() -> Self {
+        Self {
+            horizon_s: 2.4,
+            steps: 30,
+            speeds: 20,
+            yaw_rates: 40,
+            growth_sigmas: 1.0,
+            growth_mps_min: 0.08,
+            growth_m_max: 0.5,
+            speed_base_mps: 0.5,
+            speed_gain_hz: 6.0,
+            weight_speed: 1.0,
+            weight_moving: 6.0,
+        }
+    }
 }
 
 impl Default for DwaConfig {
@@ -244,6 +296,7 @@ impl LocalPlannerConfig {
     /// The first field that is wrong.
     pub fn check(&self) -> Result<(), ConfigError> {
         let (dwa, weights, task) = (&self.dwa, &self.dwa.weights, &self.task);
+        let timed = &self.dwa_t;
         let (requests, ages) = (&self.requests, &self.staleness);
         let half_turn = core::f64::consts::PI;
         for (field, value, least, most) in [
@@ -282,6 +335,17 @@ impl LocalPlannerConfig {
             ("dwa.weights.clearance", weights.clearance, 0.0, 1.0e3),
             ("dwa.weights.speed", weights.speed, 0.0, 1.0e3),
             ("dwa.weights.turn_change", weights.turn_change, 0.0, 1.0e3),
+            ("dwa_t.horizon_s", timed.horizon_s, 0.2, 10.0),
+            ("dwa_t.steps", f64::from(timed.steps), 5.0, 64.0),
+            ("dwa_t.speeds", f64::from(timed.speeds), 2.0, 64.0),
+            ("dwa_t.yaw_rates", f64::from(timed.yaw_rates), 3.0, 64.0),
+            ("dwa_t.growth_sigmas", timed.growth_sigmas, 0.0, 5.0),
+            ("dwa_t.growth_mps_min", timed.growth_mps_min, 0.0, 2.0),
+            ("dwa_t.growth_m_max", timed.growth_m_max, 0.0, 5.0),
+            ("dwa_t.speed_base_mps", timed.speed_base_mps, 0.01, 100.0),
+            ("dwa_t.speed_gain_hz", timed.speed_gain_hz, 0.0, 1.0e3),
+            ("dwa_t.weight_speed", timed.weight_speed, 0.0, 1.0e3),
+            ("dwa_t.weight_moving", timed.weight_moving, 0.0, 1.0e3),
             ("task.failure_s", task.failure_s, 0.0, 600.0),
             ("task.progress_m", task.progress_m, 0.001, 10.0),
             ("task.no_progress_s", task.no_progress_s, 0.1, 3600.0),

@@ -3,6 +3,7 @@
 use nalgebra::Point2;
 use zeronav_msgs::command::Validity;
 use zeronav_msgs::description::{Corner, Description};
+use zeronav_msgs::obstacles::Obstacle;
 use zeronav_msgs::path::Waypoint;
 use zeronav_msgs::task::Goal;
 use zeronav_msgs::{MapView, Pose};
@@ -27,6 +28,12 @@ pub struct Situation<'a> {
     pub path_geometry: u64,
     /// The shared map; `None` = the points of the scan alone.
     pub map: Option<MapView<'a>>,
+    /// Grows when cells of the map change; the same number means the same cells.
+    pub map_cells: u64,
+    /// Tracked obstacles in the map frame, as they were `obstacles_age_s` ago.
+    pub obstacles: &'a [Obstacle],
+    /// [s] since the tracked obstacles were so.
+    pub obstacles_age_s: f64,
     /// Hits of the current scan, in `base` as it is now. [m]
     pub scan_points_in_base: &'a [Point2<f64>],
     /// Where the path leads, with its tolerances.

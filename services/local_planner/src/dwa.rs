@@ -21,18 +21,27 @@
 
 mod guidance;
 mod manoeuvre;
+mod timed;
 
-use crate::config::DwaConfig;
+use crate::config::{DwaConfig, DwaTConfig};
 use crate::controller::{Controller, Decision, Situation};
 use crate::local_path::LocalPath;
 use crate::motion::{Twist, reachable, stop_distance_m, towards_rest};
+use crate::moving::Moving;
 use crate::progress::{PathTracker, Place};
 use crate::rollout::Rollouts;
 use crate::surroundings::{Reach, Surroundings};
+use timed::Timed;
 use zeronav_msgs::command::Validity;
 
 /// [s] of standing with somewhere to go after which the robot counts as stuck.
 const STUCK_S: f64 = 0.1;
+
+/// [s] of driving at full speed that the sampled stretch of the path spans at most.
+const PATH_HORIZON_S: f64 = 1.5;
+
+/// Twists that are tried at most, best first, when the best one is not free.
+const RESERVE: usize = 6;
 
 /// What the robot is about.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -55,7 +64,7 @@ enum Wish {
     Rest(Validity),
 }
 
-/// The controller `dwa`.
+/// The controllers `dwa` and `dwa_t`.
 #[derive(Debug, Clone)]
 pub struct Dwa {
     config: DwaConfig,
@@ -72,6 +81,9 @@ pub struct Dwa {
     /// Standing without an admissible motion for so long. [s]
     blocked_s: f64,
     looked_at: u32,
+    moving: Moving,
+    /// What `dwa_t` adds.
+    timed: Option<Timed>,
 }
 
 impl Dwa {
@@ -91,6 +103,22 @@ impl Dwa {
             steered_radps: 0.0,
             blocked_s: 0.0,
             looked_at: 0,
+            moving: Moving::default(),
+            timed: None,
+        }
+    }
+
+    /// The time-indexed dynamic window, at rest.
+    #[must_use]
+    pub fn timed(config: DwaConfig, timed: DwaTConfig) -> Self {
+        let config = DwaConfig {
+            horizon_s: timed.horizon_s,
+            step_s: timed.horizon_s / f64::from(timed.steps),
+            ..config
+        };
+        Self {
+            timed: Some(Timed::new(timed)),
+            ..Self::new(config)
         }
     }
 
@@ -133,20 +161,28 @@ impl Dwa {
         self.surroundings.describe(robot, situation.corners);
         let sight_m = robot.v_mps_max * self.horizon_s(situation) + 0.5;
         let position = situation.map_from_base.point();
+        // Sampled as densely as the weights of the evaluation are meant for.
+        let path_m = robot.v_mps_max * self.horizon_s(situation).min(PATH_HORIZON_S) + 0.5;
         self.path
-            .sample(&self.tracker, situation.path, place, position, sight_m);
+            .sample(&self.tracker, situation.path, place, position, path_m);
         let reach = Reach {
             field_m: sight_m,
             stop_m: stop_distance_m(robot, robot.v_mps_max, self.config.reaction_s),
             soft_m: self.config.soft_clearance_m,
             margin_m: self.config.safety_margin_m,
         };
+        let points = situation.scan_points_in_base;
+        let stamped = self.timed.as_mut().map_or(points, |timed| {
+            timed.standing_points(situation, &mut self.moving)
+        });
         self.surroundings.look(
             situation.map,
             &situation.map_from_base,
-            situation.scan_points_in_base,
+            points,
+            stamped,
             reach,
         );
+        self.guide(situation, place, sight_m);
     }
 
     fn wish(&mut self, situation: &Situation<'_>, place: &Place, from: Twist) -> Wish {
@@ -185,7 +221,7 @@ impl Dwa {
 
     fn stop_arc_m(&self, situation: &Situation<'_>, twist: Twist) -> Option<f64> {
         self.surroundings
-            .stop_arc_m(situation.robot, twist, self.config.reaction_s)
+            .stop_arc_m(situation.robot, twist, self.config.reaction_s, &self.moving)
     }
 
     /// The first step towards the wish from which a stop is free; else the first step of a stop.
@@ -197,8 +233,10 @@ impl Dwa {
             Wish::Rest(validity) => (rest, *validity, braking_m),
             Wish::Towards(wanted) => {
                 let slowed = Twist::new(0.0, wanted.w_radps);
-                [*wanted, slowed]
-                    .into_iter()
+                let reserve = self.timed.iter().flat_map(|timed| &timed.reserve);
+                core::iter::once(*wanted)
+                    .chain(reserve.map(|(_, twist)| *twist).take(RESERVE).skip(1))
+                    .chain(core::iter::once(slowed))
                     .find_map(|wanted| {
                         let next = reachable(robot, from, wanted, period_s);
                         let arc_m = self.stop_arc_m(situation, next)?;
@@ -236,6 +274,9 @@ impl Dwa {
 impl Controller for Dwa {
     fn decide(&mut self, situation: &Situation<'_>) -> Decision {
         self.looked_at = 0;
+        if let Some(timed) = &mut self.timed {
+            timed.reserve.clear();
+        }
         if situation.goal.id != self.goal {
             self.goal = situation.goal.id;
             self.mode = Mode::Follow;

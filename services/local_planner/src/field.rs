@@ -40,6 +40,20 @@ pub(crate) struct ClearanceField {
     inverse: f32,
 }
 
+/// The filled window: `side x side` clearances, row-major.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Sheet<'a> {
+    /// [m] at cell centres.
+    pub(crate) cells: &'a [f32],
+    pub(crate) side: i32,
+    /// Index of the robot's centre, in cells.
+    pub(crate) centre: (f32, f32),
+    /// [m]
+    pub(crate) resolution_m: f32,
+    /// [1/m]
+    pub(crate) inverse: f32,
+}
+
 impl ClearanceField {
     /// Fills a window that reaches `half_m` from the robot on every side. Points (in `base`) lower
     /// the clearance within `stamp_m` of them. Cells beside the map are obstacles.
@@ -156,6 +170,17 @@ impl ClearanceField {
                 *cell = cell.min(squared.sqrt());
                 *squared = f32::INFINITY;
             }
+        }
+    }
+
+    /// The window as the lane-wise kernels see it.
+    pub(crate) fn sheet(&self) -> Sheet<'_> {
+        Sheet {
+            cells: &self.cells,
+            side: self.side,
+            centre: self.centre,
+            resolution_m: self.resolution_m,
+            inverse: self.inverse,
         }
     }
 

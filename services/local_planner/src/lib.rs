@@ -10,10 +10,15 @@
 pub mod config;
 pub mod controller;
 pub mod dwa;
+mod fan;
 mod field;
 mod footprint;
+mod funnel;
+mod lanes;
 mod local_path;
 pub mod motion;
+mod moving;
+pub mod papers;
 pub mod period;
 pub mod progress;
 pub mod requests;

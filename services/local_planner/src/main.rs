@@ -12,8 +12,8 @@ use zeronav_msgs::role::Role;
 use zeronav_msgs::span::SpanKind;
 use zeronav_msgs::task::GOALS_MAX;
 use zeronav_msgs::topics::{
-    ControlRequest, PlanPath, PlanRequests, RobotDescription, RobotOdometry, RobotScan, TaskGoal,
-    TaskState,
+    ControlRequest, MapObstacles, PlanPath, PlanRequests, RobotDescription, RobotOdometry,
+    RobotScan, TaskGoal, TaskState,
 };
 use zeronav_shell::clock::now_ns;
 use zeronav_shell::doorbell::Rung;
@@ -24,6 +24,9 @@ use zeronav_shell::{
 /// Ticks between two statuses of an unchanged task.
 const STATUS_TICKS: u64 = 10;
 
+/// Age beyond which tracked obstacles are forgotten. [s]
+const OBSTACLES_AGE_S_MAX: f64 = 0.5;
+
 /// Shortest period that the controller is told of, in real time. [s]
 const PERIOD_S_MIN: f64 = 1.0e-3;
 
@@ -33,9 +36,12 @@ struct Readings {
     odometry: Stream<RobotOdometry>,
     scan: Latest<RobotScan>,
     map: MapInput,
+    obstacles: Latest<MapObstacles>,
     path: Latest<PlanPath>,
     goal: Latest<TaskGoal>,
     track: Track,
+    /// Grows when cells of the map change.
+    map_cells: u64,
     points: ScanPoints,
     /// `odom_from_base` at the capture of the scan whose points are held.
     scan_pose: Option<Pose>,
@@ -84,6 +90,8 @@ impl Readings {
             self.path_stamp = Some(Stamp::of(view.header, now_ns));
         }
         self.map.poll(shell);
+        self.map_cells += u64::from(!self.map.changed().is_empty());
+        self.obstacles.poll(roster);
         news.scan = self.scan.poll(roster);
         if let Some(view) = self.scan.get().filter(|_| news.scan) {
             self.scan_stamp = Some(Stamp::of(view.header, now_ns));
@@ -152,6 +160,7 @@ impl Readings {
         self.odometry.refused()
             + self.scan.refused()
             + self.map.refused()
+            + self.obstacles.refused()
             + self.path.refused()
             + self.goal.refused()
     }
@@ -172,9 +181,11 @@ impl Service for PlannerService {
                 odometry: peer.stream()?,
                 scan: peer.latest()?,
                 map: MapInput::open(peer)?,
+                obstacles: peer.latest()?,
                 path: peer.latest()?,
                 goal: peer.latest()?,
                 track: Track::default(),
+                map_cells: 0,
                 points: ScanPoints::default(),
                 scan_pose: None,
                 scan_fresh: false,
@@ -256,6 +267,7 @@ impl PlannerService {
         since_s.clamp(PERIOD_S_MIN.min(tick_s), tick_s)
     }
 
+    #[allow(clippy::cast_precision_loss, reason = "ages far below 2^53 ns")]
     fn answer(&mut self, shell: &mut Shell, tick: u64, kind: SpanKind) {
         let clock = shell.roster().clock;
         let lockstep = shell.roster().lockstep();
@@ -273,6 +285,12 @@ impl PlannerService {
         };
         let description = readings.description.get();
         let path = readings.path.get();
+        // Older than the map may be, nobody knows where they are.
+        let tracked = readings.obstacles.get().map(|view| {
+            let age_ns = run_ns.saturating_sub(view.header.run_ns);
+            (view.items, age_ns as f64 * 1.0e-9)
+        });
+        let tracked = tracked.filter(|(_, age_s)| *age_s <= OBSTACLES_AGE_S_MAX);
         let outputs = self.planner.step(&Inputs {
             tick,
             run_ns,
@@ -283,6 +301,8 @@ impl PlannerService {
                 .map
                 .view()
                 .map(|map| (readings.map.info().map_from_odom, map)),
+            map_cells: readings.map_cells,
+            obstacles: tracked.unwrap_or((&[], 0.0)),
             path: path.as_ref().map(|view| PathInput {
                 path: view.meta,
                 waypoints: view.items,

@@ -146,6 +146,11 @@ impl<'a> Stop<'a> {
         }
     }
 
+    /// [s] from pose to pose.
+    pub(crate) const fn step_s(&self) -> f64 {
+        self.step_s
+    }
+
     /// [m] driven up to the last pose given out.
     pub(crate) const fn arc_m(&self) -> f64 {
         self.arc_m

@@ -11,6 +11,7 @@ use crate::task::{TaskInputs, TaskMachine, TaskStep};
 use nalgebra::Point2;
 use zeronav_msgs::command::{Validity, VelocityRequest};
 use zeronav_msgs::description::{Corner, Description};
+use zeronav_msgs::obstacles::Obstacle;
 use zeronav_msgs::odometry::Odometry;
 use zeronav_msgs::path::{Path, PathStatus, Waypoint};
 use zeronav_msgs::request::PlanRequest;
@@ -42,6 +43,10 @@ pub struct Inputs<'a> {
     pub odometry: Option<&'a Odometry>,
     /// `map_from_odom` of the newest map, with the map.
     pub map: Option<(Pose, MapView<'a>)>,
+    /// Grows when cells of the map change.
+    pub map_cells: u64,
+    /// Tracked obstacles in the map frame and their age. [s]
+    pub obstacles: (&'a [Obstacle], f64),
     /// The newest path.
     pub path: Option<PathInput<'a>>,
     /// Hits of the newest scan in `base` of now, see [`crate::scan_points::ScanPoints`]. [m]
@@ -234,6 +239,9 @@ impl LocalPlanner {
             path: route.waypoints,
             path_geometry: route.geometry,
             map: Some(map),
+            map_cells: inputs.map_cells,
+            obstacles: inputs.obstacles.0,
+            obstacles_age_s: inputs.obstacles.1,
             scan_points_in_base: inputs.scan_points_in_base,
             goal,
             speed_factor,

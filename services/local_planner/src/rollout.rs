@@ -16,7 +16,7 @@ use crate::surroundings::{LocalPose, Surroundings, narrow};
 use crate::window::{Window, ramp_mean, snap, spread};
 
 /// [m/s] below which a motion is a turn on the spot.
-const TURNING_MPS: f64 = 0.02;
+pub(crate) const TURNING_MPS: f64 = 0.02;
 
 /// Places of a rollout that are compared with the path, as shares of its scored length.
 const MARKS: usize = 2;
@@ -251,7 +251,7 @@ fn tail_is_free(surroundings: &Surroundings, from: LocalPose, curvature: f64, ar
 }
 
 /// Quadratic up to 30 cm, so that millimetres beside the path do not make the robot weave.
-fn cost_beside(beside: f32) -> f32 {
+pub(crate) fn cost_beside(beside: f32) -> f32 {
     const BEND: f32 = 0.3;
     if beside < BEND {
         beside * beside / (2.0 * BEND)

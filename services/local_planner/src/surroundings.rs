@@ -3,6 +3,7 @@
 use crate::field::ClearanceField;
 use crate::footprint::Footprint;
 use crate::motion::{Stop, Twist};
+use crate::moving::Moving;
 use nalgebra::Point2;
 use zeronav_msgs::description::{Corner, Description};
 use zeronav_msgs::{MapView, Pose};
@@ -81,19 +82,21 @@ impl Surroundings {
         }
     }
 
-    /// Looks around: after this the queries are as of `map_from_base`.
+    /// Looks around: after this the queries are as of `map_from_base`. Stops are checked against
+    /// all points; those of `stamped_in_base`, normally the same, lower the clearance field.
     pub(crate) fn look(
         &mut self,
         map: Option<MapView<'_>>,
         map_from_base: &Pose,
         points_in_base: &[Point2<f64>],
+        stamped_in_base: &[Point2<f64>],
         reach: Reach,
     ) {
         let outer_m = self.footprint.circumscribed_m;
         self.field.fill(
             map,
             map_from_base,
-            points_in_base,
+            stamped_in_base,
             reach.field_m + outer_m + reach.soft_m,
             // A cell's diagonal more than is ever compared with.
             outer_m + reach.soft_m + 0.15,
@@ -117,6 +120,11 @@ impl Surroundings {
         } else {
             now_m - 1.0e-4
         };
+    }
+
+    /// Margin that motions of this period must keep. [m]
+    pub(crate) const fn need_m(&self) -> f64 {
+        self.need_m
     }
 
     /// Space around the outline at a pose in the `base` of now: exact for the points of the scan,
@@ -216,23 +224,33 @@ impl Surroundings {
     /// The arc of a stop from `twist`, when it is free all along. [m]
     ///
     /// Holds the twist for `reaction_s`, then ramps to rest as [`crate::motion::towards_rest`]
-    /// does; every pose keeps the margin of this period. The outline moves by at most 3 cm from pose to
-    /// pose, so an obstacle between two of them comes at most 1 mm into a 0.1 m disc's margin.
+    /// does; every pose keeps the margin of this period from the map and the scan, and from where
+    /// the moving obstacles will be by then, or comes no nearer to them than it is now. The outline
+    /// moves by at most 3 cm from pose to pose, so an obstacle between two of them comes at most
+    /// 1 mm into a 0.1 m disc's margin.
     pub(crate) fn stop_arc_m(
         &self,
         robot: &Description,
         twist: Twist,
         reaction_s: f64,
+        moving: &Moving,
     ) -> Option<f64> {
         let reach_m = if self.footprint.is_disc() {
             0.0
         } else {
             self.footprint.circumscribed_m
         };
+        let outline_m = |point| self.footprint.distance_m(point);
+        let now_m = moving.margin_m(&Pose::default(), 0.0, outline_m);
+        let keep_m = self.need_m.max(0.0).min(now_m - MARGIN_NOISE_M);
         let mut stop = Stop::new(robot, twist, reaction_s, reach_m, STOP_SPACING_M);
-        let free = stop
-            .by_ref()
-            .all(|(pose, _)| self.margin_m(&pose) >= self.need_m);
+        let mut elapsed_s = 0.0;
+        let step_s = stop.step_s();
+        let free = stop.by_ref().all(|(pose, _)| {
+            elapsed_s += step_s;
+            self.margin_m(&pose) >= self.need_m
+                && moving.margin_m(&pose, elapsed_s, outline_m) >= keep_m
+        });
         free.then(|| stop.arc_m())
     }
 }

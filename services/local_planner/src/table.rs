@@ -3,6 +3,21 @@
 use crate::config::LocalPlannerConfig;
 use crate::controller::Controller;
 use crate::dwa::Dwa;
+use crate::papers::Law;
+use crate::papers::bao_dwa::BaoWeights;
+use crate::papers::drive::Driver;
+use crate::papers::ju_apf::JuApf;
+use crate::papers::ju_fusion::JuFusion;
+use crate::papers::ju_r6::JuR6;
+use crate::papers::ju_r7::JuR7;
+use crate::papers::lwx_fusion::LwxFusion;
+use crate::papers::lwx_lsq::LwxLsq;
+use crate::papers::lwx_oapf::LwxOapf;
+use crate::papers::potential::Gains;
+use crate::papers::walk::Walk;
+use crate::papers::zm_esc::ZmEsc;
+use crate::papers::zm_rep::ZmRep;
+use crate::papers::zm_rv::ZmRv;
 
 /// A controller that can be chosen.
 #[derive(Debug, Clone, Copy)]
@@ -17,13 +32,110 @@ pub struct ControllerRow {
     pub build: fn(&LocalPlannerConfig) -> Box<dyn Controller>,
 }
 
-/// Every controller.
-pub const CONTROLLERS: &[ControllerRow] = &[ControllerRow {
-    key: "dwa",
-    title: "Dynamic window that follows the path, checked against map and scan",
-    source: "Fox, Burgard, Thrun: The Dynamic Window Approach to Collision Avoidance, IEEE RAM 4(1), 1997",
-    build: |config| Box::new(Dwa::new(config.dwa)),
-}];
+/// [m] that a control period at full speed covers, more or less.
+const ESCAPE_STEP_M: f64 = 0.01;
+
+/// Control periods per metre that an interim goal may take.
+const PERIODS_PER_M: f64 = 500.0;
+
+/// A potential-field law at the wheels.
+fn law(law: impl Law + 'static, config: &LocalPlannerConfig) -> Box<dyn Controller> {
+    Box::new(Driver::new(Box::new(law), config.dwa, config.literal))
+}
+
+/// Every controller; the first one is the default.
+pub const CONTROLLERS: &[ControllerRow] = &[
+    ControllerRow {
+        key: "dwa_t",
+        title: "Time-indexed dynamic window: predicted obstacles, cost-to-go, speed by clearance",
+        source: "dwa, with rollouts in time, a local navigation function and constant-velocity tracks",
+        build: |config| Box::new(Dwa::timed(config.dwa, config.dwa_t)),
+    },
+    ControllerRow {
+        key: "dwa",
+        title: "Dynamic window that follows the path, checked against map and scan",
+        source: "Fox, Burgard, Thrun: The Dynamic Window Approach to Collision Avoidance, IEEE RAM 4(1), 1997",
+        build: |config| Box::new(Dwa::new(config.dwa)),
+    },
+    ControllerRow {
+        key: "ju_apf",
+        title: "Artificial potential field towards the goal",
+        source: "JU-APF",
+        build: |config| law(JuApf::new(Gains::JU), config),
+    },
+    ControllerRow {
+        key: "ju_r6",
+        title: "The path's inflection points as sub-goals of a potential field",
+        source: "JU-R6",
+        build: |config| law(JuR6::new(Gains::JU), config),
+    },
+    ControllerRow {
+        key: "ju_r7",
+        title: "Potential field towards a carrot on the path",
+        source: "JU-R7",
+        build: |config| law(JuR7::new(Gains::JU), config),
+    },
+    ControllerRow {
+        key: "ju_fusion",
+        title: "The path's points around the robot attract besides the goal",
+        source: "JU-FUSION",
+        build: |config| law(JuFusion::new(Gains::JU, false), config),
+    },
+    ControllerRow {
+        key: "zm_rep",
+        title: "Repulsion that fades at the goal",
+        source: "ZM-REP",
+        build: |config| law(ZmRep::new(Gains::JU), config),
+    },
+    ControllerRow {
+        key: "zm_esc",
+        title: "Potential field that escapes from local minima",
+        source: "ZM-ESC",
+        build: |config| law(ZmEsc::new(Gains::JU, ESCAPE_STEP_M), config),
+    },
+    ControllerRow {
+        key: "zm_rv",
+        title: "Sideways repulsion from what approaches",
+        source: "ZM-RV",
+        build: |config| law(ZmRv::new(Gains::JU, 1.0), config),
+    },
+    ControllerRow {
+        key: "lwx_apf",
+        title: "Artificial potential field with a small reach",
+        source: "LWX-APF",
+        build: |config| law(JuApf::new(Gains::LWX_M), config),
+    },
+    ControllerRow {
+        key: "lwx_oapf",
+        title: "The path's turning points as interim goals",
+        source: "LWX-OAPF",
+        build: |config| law(LwxOapf::new(Gains::LWX_M, PERIODS_PER_M, false), config),
+    },
+    ControllerRow {
+        key: "lwx_iter",
+        title: "The same with a strict budget of steps for every interim goal",
+        source: "LWX-ITER",
+        build: |config| law(LwxOapf::new(Gains::LWX_M, PERIODS_PER_M, true), config),
+    },
+    ControllerRow {
+        key: "lwx_lsq",
+        title: "The path fitted by least squares, followed by a carrot",
+        source: "LWX-LSQ",
+        build: |config| law(LwxLsq::new(Gains::LWX_M), config),
+    },
+    ControllerRow {
+        key: "lwx_fusion",
+        title: "Potential field over turning points, fitted by least squares",
+        source: "LWX-FUSION",
+        build: |config| law(LwxFusion::new(Gains::LWX_M, Walk::LWX_M), config),
+    },
+    ControllerRow {
+        key: "bao_dwa",
+        title: "Dynamic window with normalised heading, distance and speed",
+        source: "BAO-DWA",
+        build: |config| Box::new(Driver::window(BaoWeights::default(), config.dwa)),
+    },
+];
 
 /// No controller has this key.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]

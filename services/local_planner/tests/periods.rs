@@ -91,6 +91,8 @@ impl Bench {
                 .path
                 .as_ref()
                 .map(|(path, waypoints)| PathInput { path, waypoints }),
+            map_cells: 1,
+            obstacles: (&[], 0.0),
             scan_points_in_base: &[],
             ages: self.ages,
             stopping: false,

@@ -74,7 +74,10 @@ impl Dwa {
         to_goal: Vector2<f64>,
     ) -> Option<Twist> {
         let (config, robot) = (self.config, situation.robot);
-        let footprint = &self.surroundings.footprint;
+        let (circumscribed_m, inscribed_m) = {
+            let footprint = &self.surroundings.footprint;
+            (footprint.circumscribed_m, footprint.inscribed_m)
+        };
         let blocked = self.blocked_arc_m().is_some();
         let low = (from.v_mps - robot.brake_mps2 * config.window_s).max(0.0);
         let high = (from.v_mps + robot.a_mps2_max * config.window_s).min(fastest_mps);
@@ -83,7 +86,7 @@ impl Dwa {
         let curvature = 2.0 * to_goal.y / to_goal.norm_squared().max(0.01);
         // Before an obstacle across the path there must be room to turn away from it.
         let rotation_room_m = if blocked && place.remaining_m > FINAL_M {
-            footprint.circumscribed_m - footprint.inscribed_m
+            circumscribed_m - inscribed_m
         } else {
             0.0
         };
@@ -106,6 +109,11 @@ impl Dwa {
             stop_margin_m: config.stop_margin_m + rotation_room_m,
             soft_m: config.soft_clearance_m,
         };
+        if let Some(mut timed) = self.timed.take() {
+            let best = self.best_timed(&mut timed, situation, place, &window);
+            self.timed = Some(timed);
+            return best;
+        }
         self.rollouts
             .prepare(&window, config.speeds as usize, config.yaw_rates as usize);
         self.looked_at = u32::try_from(self.rollouts.len()).unwrap_or(u32::MAX);

@@ -15,6 +15,7 @@ use zeronav_local_planner::motion::{Twist, reachable, stop_distance_m};
 use zeronav_msgs::Pose;
 use zeronav_msgs::command::Validity;
 use zeronav_msgs::description::{Corner, Description};
+use zeronav_msgs::obstacles::Obstacle;
 use zeronav_msgs::path::Waypoint;
 use zeronav_msgs::task::Goal;
 
@@ -147,6 +148,8 @@ pub(crate) struct Loop {
     pub(crate) driven_m: f64,
     /// Commands so far.
     pub(crate) history: Vec<Decision>,
+    /// Tracked obstacles, as the controller is told of them.
+    pub(crate) obstacles: Vec<Obstacle>,
     /// Periods between a decision and its effect.
     pub(crate) delay: usize,
     outline: Vec<Point2<f64>>,
@@ -176,6 +179,7 @@ impl Loop {
             least_m: f64::INFINITY,
             driven_m: 0.0,
             history: Vec::new(),
+            obstacles: Vec::new(),
             delay: 0,
         }
     }
@@ -237,6 +241,9 @@ impl Loop {
             path: &self.path,
             path_geometry: self.geometry,
             map: Some(self.map.view()),
+            map_cells: 1,
+            obstacles: &self.obstacles,
+            obstacles_age_s: 0.0,
             scan_points_in_base: &scan,
             goal: &self.goal,
             speed_factor: 1.0,

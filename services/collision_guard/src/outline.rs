@@ -1,0 +1,154 @@
+//! The robot's true outline, and how far points are from it.
+
+use crate::limits::Twist;
+use nalgebra::{Point2, Vector2};
+use zeronav_msgs::description::{Corner, Description, FOOTPRINT_CORNERS_MAX};
+
+/// An edge of the outline.
+#[derive(Debug, Clone, Copy, Default)]
+struct Edge {
+    /// Where it begins, in `base`. [m]
+    from: Vector2<f64>,
+    /// Unit vector along it.
+    along: Vector2<f64>,
+    /// [m]
+    length_m: f64,
+}
+
+/// A disc or a convex polygon in `base`. No allocation.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Outline {
+    edges: [Edge; FOOTPRINT_CORNERS_MAX],
+    /// 0 = a disc of the radius below.
+    n_edges: usize,
+    /// [m] of the smallest disc around the origin of `base` that holds the outline.
+    pub(crate) radius_m: f64,
+}
+
+impl Outline {
+    /// The outline of a description that passed its check; no corners = a disc.
+    pub(crate) fn new(description: &Description, corners: &[Corner]) -> Self {
+        let mut outline = Self {
+            edges: [Edge::default(); FOOTPRINT_CORNERS_MAX],
+            n_edges: 0,
+            radius_m: description.circumscribed_radius_m,
+        };
+        let at = |corner: &Corner| Vector2::new(corner.x_m, corner.y_m);
+        let next = corners.iter().skip(1).chain(corners.first());
+        let edges = corners
+            .iter()
+            .zip(next)
+            .map(|(from, to)| (at(from), at(to)));
+        for (from, to) in edges.take(FOOTPRINT_CORNERS_MAX) {
+            outline.radius_m = outline.radius_m.max(from.norm());
+            let length_m = (to - from).norm();
+            if length_m > 0.0 {
+                outline.edges[outline.n_edges] = Edge {
+                    from,
+                    along: (to - from) / length_m,
+                    length_m,
+                };
+                outline.n_edges += 1;
+            }
+        }
+        outline
+    }
+
+    /// True for a disc, which turns in itself.
+    pub(crate) const fn is_disc(&self) -> bool {
+        self.n_edges == 0
+    }
+
+    /// [m/s] of the outline's fastest point.
+    pub(crate) fn speed_mps(&self, twist: Twist) -> f64 {
+        let reach_m = if self.is_disc() { 0.0 } else { self.radius_m };
+        twist.v_mps.abs() + twist.w_radps.abs() * reach_m
+    }
+
+    /// Signed distance of a point in `base`, negative inside. Exact when it is below `enough_m`;
+    /// beyond it may be anything from `enough_m` up. [m]
+    pub(crate) fn distance_m(&self, point: Vector2<f64>, enough_m: f64) -> f64 {
+        let from_circle_m = point.norm() - self.radius_m;
+        if self.is_disc() || from_circle_m >= enough_m {
+            return from_circle_m;
+        }
+        let edges = &self.edges[..self.n_edges];
+        // The largest distance from an edge's line is a bound from below, and exact inside.
+        let across_m = edges.iter().fold(f64::NEG_INFINITY, |most, edge| {
+            let offset = point - edge.from;
+            most.max(offset.x * edge.along.y - offset.y * edge.along.x)
+        });
+        if across_m <= 0.0 || across_m >= enough_m {
+            return across_m;
+        }
+        let squared = edges.iter().fold(f64::INFINITY, |least, edge| {
+            let offset = point - edge.from;
+            let share_m = offset.dot(&edge.along).clamp(0.0, edge.length_m);
+            least.min((offset - edge.along * share_m).norm_squared())
+        });
+        squared.sqrt()
+    }
+
+    /// The same for a point given in another frame, in which `base` stands at `at` with this sine
+    /// and cosine of its yaw.
+    pub(crate) fn distance_from_m(
+        &self,
+        at: Point2<f64>,
+        (sin, cos): (f64, f64),
+        point: Point2<f64>,
+        enough_m: f64,
+    ) -> f64 {
+        let offset = point - at;
+        let in_base = Vector2::new(
+            cos * offset.x + sin * offset.y,
+            cos * offset.y - sin * offset.x,
+        );
+        self.distance_m(in_base, enough_m)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use parry2d::math::{Pose2, Vec2};
+    use parry2d::query::PointQuery;
+    use parry2d::shape::ConvexPolygon;
+    use proptest::prelude::*;
+
+    fn wedge() -> Vec<Corner> {
+        [(0.4, 0.0), (-0.2, 0.3), (-0.3, 0.0), (-0.2, -0.3)]
+            .map(|(x_m, y_m)| Corner { x_m, y_m })
+            .to_vec()
+    }
+
+    proptest! {
+        #[test]
+        fn distances_are_those_of_parry(x in -1.0f64..1.0, y in -1.0f64..1.0) {
+            let corners = wedge();
+            let outline = Outline::new(&Description::default(), &corners);
+            let points = corners.iter().map(|c| Vec2::new(c.x_m, c.y_m)).collect();
+            let polygon = ConvexPolygon::from_convex_polyline(points).expect("a convex outline");
+            let expected = polygon.distance_to_point(&Pose2::IDENTITY, Vec2::new(x, y), false);
+            let found = outline.distance_m(Vector2::new(x, y), f64::INFINITY);
+            prop_assert!((found - expected).abs() < 1e-6, "{} against {}", found, expected);
+            let culled = outline.distance_m(Vector2::new(x, y), 0.2);
+            prop_assert!((culled - found).abs() < 1e-12 || (culled >= 0.2 && found >= 0.2));
+        }
+    }
+
+    #[test]
+    fn no_corners_are_a_disc_that_does_not_move_by_turning() {
+        let description = Description {
+            circumscribed_radius_m: 0.25,
+            ..Description::default()
+        };
+        let outline = Outline::new(&description, &[]);
+        let distance_m = outline.distance_m(Vector2::new(0.3, 0.4), f64::INFINITY);
+        assert!((distance_m - 0.25).abs() < 1e-12);
+        let turning = Twist {
+            v_mps: 0.1,
+            w_radps: 3.0,
+        };
+        assert!((outline.speed_mps(turning) - 0.1).abs() < 1e-12);
+    }
+}

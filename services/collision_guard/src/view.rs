@@ -1,0 +1,183 @@
+//! What the lidar shows: the hits of the last two scans, carried by odometry to where the robot is.
+
+use crate::limits::Twist;
+use nalgebra::{Isometry2, Point2, Vector2};
+use zeronav_msgs::Pose;
+use zeronav_msgs::scan::{BEAMS_MAX, Scan};
+
+/// Direction of every beam, kept as long as the scans have the same geometry.
+#[derive(Debug, Clone, Default)]
+struct Directions {
+    key: (u32, u32, u32),
+    table: Vec<Vector2<f64>>,
+}
+
+impl Directions {
+    fn of(&mut self, scan: &Scan) -> &[Vector2<f64>] {
+        let key = (
+            scan.n_beams,
+            scan.angle_min_rad.to_bits(),
+            scan.angle_increment_rad.to_bits(),
+        );
+        if key != self.key || self.table.is_empty() {
+            self.key = key;
+            self.table.clear();
+            let n = (scan.n_beams as usize).min(BEAMS_MAX);
+            self.table.extend((0..n).map(|i| {
+                let (sin, cos) = scan.angle_of(i).sin_cos();
+                Vector2::new(cos, sin)
+            }));
+        }
+        &self.table
+    }
+}
+
+/// One scan's hits in `odom`.
+#[derive(Debug, Clone, Default)]
+struct Sight {
+    points_in_odom: Vec<Point2<f64>>,
+}
+
+/// The hits of the newest scan and of the one before.
+///
+/// A motion must be free of both: one scan is enough to show an obstacle, and it takes two in a
+/// row without it to be rid of it (debounce 1 to trigger, 2 to release), place by place, so that
+/// a vanishing obstacle on one side never holds back a motion to the other.
+#[derive(Debug, Clone)]
+pub(crate) struct View {
+    sights: [Sight; 2],
+    newest: usize,
+    directions: Directions,
+    /// Hits near the robot, in `base` of now. [m]
+    pub(crate) near: Vec<Point2<f64>>,
+}
+
+impl Default for View {
+    fn default() -> Self {
+        let sight = || Sight {
+            points_in_odom: Vec::with_capacity(BEAMS_MAX),
+        };
+        Self {
+            sights: [sight(), sight()],
+            newest: 0,
+            directions: Directions {
+                table: Vec::with_capacity(BEAMS_MAX),
+                ..Directions::default()
+            },
+            near: Vec::with_capacity(2 * BEAMS_MAX),
+        }
+    }
+}
+
+impl View {
+    /// Takes in a scan that passed its check. `odom_from_base` holds at its capture, the time of
+    /// the last beam; `twist` is the robot's while the lidar turned. Ranges that are no hits give
+    /// no point.
+    pub(crate) fn take(
+        &mut self,
+        scan: &Scan,
+        ranges: &[f32],
+        base_from_laser: &Pose,
+        odom_from_base: &Pose,
+        twist: Twist,
+    ) {
+        self.newest = 1 - self.newest;
+        let points = &mut self.sights[self.newest].points_in_odom;
+        points.clear();
+        let directions = self.directions.of(scan);
+        let odom_from_laser = odom_from_base.isometry() * base_from_laser.isometry();
+        let beam_s = f64::from(scan.time_increment_s);
+        let at_once = beam_s <= 0.0 || (twist.v_mps == 0.0 && twist.w_radps == 0.0);
+        let mut elapsed_s = -f64::from(scan.n_beams.saturating_sub(1)) * beam_s;
+        for (range_m, direction) in ranges.iter().zip(directions) {
+            if scan.is_hit(*range_m) {
+                let in_laser = Point2::from(direction * f64::from(*range_m));
+                points.push(if at_once {
+                    odom_from_laser * in_laser
+                } else {
+                    let in_base = base_from_laser.transform(in_laser);
+                    odom_from_base.transform(twist.arc(elapsed_s).transform(in_base))
+                });
+            }
+            elapsed_s += beam_s;
+        }
+    }
+
+    /// Forgets everything: odometry has jumped, or an input went back in time.
+    pub(crate) fn clear(&mut self) {
+        for sight in &mut self.sights {
+            sight.points_in_odom.clear();
+        }
+    }
+
+    /// Picks the hits within `reach_m` of a robot at `odom_from_base`.
+    pub(crate) fn look(&mut self, odom_from_base: &Pose, reach_m: f64) {
+        let base_from_odom: Isometry2<f64> = odom_from_base.isometry().inverse();
+        let centre = odom_from_base.point();
+        let reach_squared = reach_m * reach_m;
+        self.near.clear();
+        for sight in &self.sights {
+            let near = sight
+                .points_in_odom
+                .iter()
+                .filter(|point| (*point - centre).norm_squared() <= reach_squared);
+            self.near.extend(near.map(|point| base_from_odom * point));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn scan(time_increment_s: f32) -> Scan {
+        Scan {
+            n_beams: 4,
+            angle_increment_rad: core::f32::consts::FRAC_PI_2,
+            time_increment_s,
+            range_m_min: 0.1,
+            range_m_max: 10.0,
+            ..Scan::default()
+        }
+    }
+
+    fn ahead(view: &mut View, at: Pose) -> Vec<Point2<f64>> {
+        view.look(&at, 5.0);
+        view.near.clone()
+    }
+
+    #[test]
+    fn an_obstacle_is_gone_after_two_scans_without_it() {
+        let mut view = View::default();
+        let (here, rest) = (Pose::default(), Twist::REST);
+        let nothing = [f32::INFINITY; 4];
+        let something = [1.0, f32::NAN, f32::INFINITY, f32::INFINITY];
+        view.take(&scan(0.0), &something, &here, &here, rest);
+        assert_eq!(ahead(&mut view, here).len(), 1, "one is enough");
+        view.take(&scan(0.0), &nothing, &here, &here, rest);
+        assert_eq!(ahead(&mut view, here).len(), 1, "one does not release");
+        view.take(&scan(0.0), &nothing, &here, &here, rest);
+        assert_eq!(ahead(&mut view, here).len(), 0, "two do");
+    }
+
+    #[test]
+    fn points_stand_still_while_the_robot_moves_and_the_lidar_turns() {
+        let mut view = View::default();
+        let at = Pose::new(2.0, 1.0, core::f64::consts::FRAC_PI_2);
+        let ranges = [1.0, f32::INFINITY, f32::INFINITY, f32::INFINITY];
+        let laser = Pose::new(0.2, 0.0, 0.0);
+        view.take(&scan(0.0), &ranges, &laser, &at, Twist::REST);
+        // 1.2 m ahead of a robot that looks along +y.
+        let found = ahead(&mut view, Pose::new(2.0, 1.5, 0.0));
+        assert!((found[0] - Point2::new(0.0, 0.7)).norm() < 1e-6);
+        let mut view = View::default();
+        let ahead_1 = Twist {
+            v_mps: 1.0,
+            w_radps: 0.0,
+        };
+        // 0.1 s per beam: beam 0 was seen 0.3 m further back.
+        let origin = Pose::default();
+        view.take(&scan(0.1), &ranges, &origin, &origin, ahead_1);
+        assert!((ahead(&mut view, origin)[0] - Point2::new(0.7, 0.0)).norm() < 1e-6);
+    }
+}

@@ -1,0 +1,323 @@
+//! The rollouts of one time-indexed dynamic window, speed by speed, all yaw rates side by side.
+//!
+//! A rollout speeds up or slows down to its target twist within the robot's accelerations and
+//! holds it; each step is the chord of the exact arc of the step's mean twist. Its speed depends
+//! on the target speed alone and its heading on the target yaw rate alone, so the trigonometry is
+//! done once per yaw rate and step. Positions lie in lanes (structure of arrays), so that a step of
+//! a whole row is a handful of vector instructions. Steps that no position can have left the free
+//! space in are passed over: the least clearance of the row bounds how far it may drive unseen.
+
+#![allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_precision_loss,
+    clippy::cast_sign_loss,
+    reason = "at most 64 speeds, 64 yaw rates and 64 steps"
+)]
+
+use crate::field::Sheet;
+use crate::lanes::{WIDTH, least_nearest_m, lower_space, strike};
+use crate::motion::{Twist, reachable, sinc};
+use crate::moving::Moving;
+use crate::surroundings::{Surroundings, narrow};
+use crate::window::{Window, ramp_mean, snap, spread};
+
+/// Most yaw rates of a window.
+pub(crate) const LANES_MAX: usize = 64;
+
+/// Most steps of a rollout.
+pub(crate) const STEPS_MAX: usize = 64;
+
+type Lanes = [f32; LANES_MAX];
+
+/// The sampled window; buffers are reused.
+#[derive(Debug, Clone)]
+pub(crate) struct Fan {
+    /// Steps of a rollout.
+    pub(crate) steps: usize,
+    /// Target speeds. [m/s]
+    pub(crate) speeds: Vec<f64>,
+    /// Target yaw rates. [rad/s]
+    pub(crate) yaw_rates: Vec<f64>,
+    /// Yaw rates, rounded up to whole vectors; the rest repeats the last one.
+    lanes: usize,
+    /// Driven in each step, speeds x steps. [m]
+    driven: Vec<f32>,
+    /// Driven up to the end of each step, speeds x steps. [m]
+    arcs: Vec<f32>,
+    /// Per step: chord per metre driven along x and y, then cosine and sine of the heading.
+    chord_x: Vec<Lanes>,
+    chord_y: Vec<Lanes>,
+    cos: Vec<Lanes>,
+    sin: Vec<Lanes>,
+    /// Turned up to the end of each step. [rad]
+    turned: Vec<Lanes>,
+    /// The row at hand.
+    pub(crate) row: Row,
+}
+
+/// All rollouts of one speed.
+#[derive(Debug, Clone)]
+pub(crate) struct Row {
+    /// Positions at the ends of the steps, relative to the robot along the axes of the map. [m]
+    pub(crate) x: Vec<Lanes>,
+    pub(crate) y: Vec<Lanes>,
+    /// Least space around the outline up to the last scored step, at most the soft clearance. [m]
+    pub(crate) space: Lanes,
+    /// First step that is not free of the map and the scan; infinite for none.
+    pub(crate) hit: Lanes,
+    /// First step in which a predicted obstacle is touched; infinite for none.
+    pub(crate) struck: Lanes,
+}
+
+impl Default for Fan {
+    fn default() -> Self {
+        let lanes = || vec![[0.0; LANES_MAX]; STEPS_MAX];
+        Self {
+            steps: 0,
+            speeds: Vec::with_capacity(LANES_MAX),
+            yaw_rates: Vec::with_capacity(LANES_MAX),
+            lanes: 0,
+            driven: Vec::with_capacity(LANES_MAX * STEPS_MAX),
+            arcs: Vec::with_capacity(LANES_MAX * STEPS_MAX),
+            chord_x: lanes(),
+            chord_y: lanes(),
+            cos: lanes(),
+            sin: lanes(),
+            turned: lanes(),
+            row: Row {
+                x: lanes(),
+                y: lanes(),
+                space: [0.0; LANES_MAX],
+                hit: [0.0; LANES_MAX],
+                struck: [0.0; LANES_MAX],
+            },
+        }
+    }
+}
+
+impl Fan {
+    /// Samples `n_speeds x n_yaw_rates` targets evenly; the yaw rates nearest to zero and to the
+    /// preferred one are moved onto them.
+    pub(crate) fn prepare(&mut self, window: &Window<'_>, n_speeds: usize, n_yaw_rates: usize) {
+        spread(&mut self.speeds, window.speeds, n_speeds.min(LANES_MAX));
+        spread(
+            &mut self.yaw_rates,
+            window.yaw_rates,
+            n_yaw_rates.min(LANES_MAX),
+        );
+        snap(&mut self.yaw_rates, 0.0);
+        snap(&mut self.yaw_rates, window.preferred_radps);
+        self.steps = window.steps().min(STEPS_MAX);
+        self.lanes = self.yaw_rates.len().div_ceil(WIDTH) * WIDTH;
+        let (dt, robot, from) = (window.step_s, window.robot, window.from);
+        self.driven.clear();
+        self.arcs.clear();
+        for &target in &self.speeds {
+            let (mut v, mut arc_m) = (from.v_mps, 0.0);
+            for _ in 0..self.steps {
+                let next = reachable(robot, Twist::new(v, 0.0), Twist::new(target, 0.0), dt).v_mps;
+                let rate = if next.abs() > v.abs() {
+                    robot.a_mps2_max
+                } else {
+                    robot.brake_mps2
+                };
+                let step_m = ramp_mean(v, next, rate, dt) * dt;
+                arc_m += step_m.abs();
+                self.driven.push(narrow(step_m));
+                self.arcs.push(narrow(arc_m));
+                v = next;
+            }
+        }
+        for lane in 0..self.lanes {
+            let target = self.yaw_rates[lane.min(self.yaw_rates.len() - 1)];
+            self.turn(window, lane, target);
+        }
+    }
+
+    /// Headings and chords of one lane.
+    fn turn(&mut self, window: &Window<'_>, lane: usize, target: f64) {
+        let (dt, robot) = (window.step_s, window.robot);
+        let (mut w, mut turned) = (window.from.w_radps, 0.0);
+        let (mut sin, mut cos) = window.yaw_rad.sin_cos();
+        // Once the target is reached every step turns alike.
+        let mut step: Option<(f64, (f64, f64), f64)> = None;
+        for k in 0..self.steps {
+            let (angle, (half_sin, half_cos), chord) = match step {
+                Some(step) => step,
+                None => {
+                    let next =
+                        reachable(robot, Twist::new(0.0, w), Twist::new(0.0, target), dt).w_radps;
+                    let angle = ramp_mean(w, next, robot.alpha_radps2_max, dt) * dt;
+                    let found = (angle, (0.5 * angle).sin_cos(), sinc(0.5 * angle));
+                    #[allow(clippy::float_cmp, reason = "a clamp that no longer clamps")]
+                    if w == target {
+                        step = Some(found);
+                    }
+                    w = next;
+                    found
+                }
+            };
+            // The chord points along half the step's turn.
+            let along = (
+                cos * half_cos - sin * half_sin,
+                sin * half_cos + cos * half_sin,
+            );
+            self.chord_x[k][lane] = narrow(chord * along.0);
+            self.chord_y[k][lane] = narrow(chord * along.1);
+            cos = along.0 * half_cos - along.1 * half_sin;
+            sin = along.1 * half_cos + along.0 * half_sin;
+            self.cos[k][lane] = narrow(cos);
+            self.sin[k][lane] = narrow(sin);
+            turned += angle;
+            self.turned[k][lane] = narrow(turned);
+        }
+    }
+
+    /// How many rollouts there are.
+    pub(crate) fn len(&self) -> usize {
+        self.speeds.len() * self.yaw_rates.len()
+    }
+
+    /// [m] driven up to the end of each step at a speed.
+    pub(crate) fn arcs_m(&self, speed: usize) -> &[f32] {
+        &self.arcs[speed * self.steps..(speed + 1) * self.steps]
+    }
+
+    /// [rad] turned up to the end of a step.
+    pub(crate) fn turned_rad(&self, step: usize, lane: usize) -> f32 {
+        self.turned[step][lane]
+    }
+
+    /// Cosine and sine of the heading in the map at the end of a step.
+    pub(crate) fn heading(&self, step: usize, lane: usize) -> (f32, f32) {
+        (self.cos[step][lane], self.sin[step][lane])
+    }
+
+    /// Follows all rollouts of one speed into [`Self::row`]: through the map and the scan with
+    /// `need_m` kept, and through the predicted obstacles, for which the robot is a disc of
+    /// `radius_m`. Space counts up to the step `scored`.
+    pub(crate) fn drive(
+        &mut self,
+        speed: usize,
+        surroundings: &Surroundings,
+        moving: &Moving,
+        soft_m: f64,
+        scored: usize,
+    ) {
+        let n = self.lanes;
+        let (soft, need) = (narrow(soft_m), narrow(surroundings.need_m()));
+        let soft = soft.max(need);
+        let row = &mut self.row;
+        row.space[..n].fill(soft);
+        row.hit[..n].fill(f32::INFINITY);
+        row.struck[..n].fill(f32::INFINITY);
+        let arcs = &self.arcs[speed * self.steps..(speed + 1) * self.steps];
+        let driven = &self.driven[speed * self.steps..(speed + 1) * self.steps];
+        let (mut x, mut y) = ([0.0_f32; LANES_MAX], [0.0_f32; LANES_MAX]);
+        for k in 0..self.steps {
+            let (cx, cy) = (&self.chord_x[k], &self.chord_y[k]);
+            for i in 0..n {
+                x[i] += driven[k] * cx[i];
+                y[i] += driven[k] * cy[i];
+            }
+            row.x[k][..n].copy_from_slice(&x[..n]);
+            row.y[k][..n].copy_from_slice(&y[..n]);
+        }
+        let sheet = surroundings.field.sheet();
+        let outer = narrow(surroundings.footprint.circumscribed_m);
+        let slack = surroundings.field.slack_m();
+        // Arc length up to which nothing can be near.
+        let mut free_until = f32::NEG_INFINITY;
+        for k in 0..self.steps {
+            if arcs[k] <= free_until {
+                continue;
+            }
+            let (x, y) = (&row.x[k][..n], &row.y[k][..n]);
+            let nearest = least_nearest_m(&sheet, x, y);
+            // Anywhere in a cell the clearance differs from its centre's by the slack at most.
+            let spare = nearest - outer - soft - slack;
+            if spare >= 0.0 {
+                free_until = arcs[k] + spare - slack;
+                continue;
+            }
+            let space = space_of(
+                &sheet,
+                surroundings,
+                (x, y),
+                (&self.cos[k], &self.sin[k]),
+                soft,
+            );
+            let step = k as f32;
+            let counts = k <= scored;
+            for i in 0..n {
+                let blocked = space[i] < need;
+                let first = if blocked { step } else { f32::INFINITY };
+                row.hit[i] = if first < row.hit[i] {
+                    first
+                } else {
+                    row.hit[i]
+                };
+                let seen = counts && row.hit[i] > step && space[i] < row.space[i];
+                row.space[i] = if seen { space[i] } else { row.space[i] };
+            }
+        }
+        if moving.len() > 0 {
+            self.strike_row(speed, moving, surroundings);
+        }
+    }
+
+    /// Marks the first step in which each rollout of the row touches a predicted obstacle.
+    fn strike_row(&mut self, speed: usize, moving: &Moving, surroundings: &Surroundings) {
+        let n = self.lanes;
+        let arcs = &self.arcs[speed * self.steps..(speed + 1) * self.steps];
+        let robot_m = narrow(surroundings.footprint.circumscribed_m + MOVING_MARGIN_M);
+        let row = &mut self.row;
+        for k in 0..self.steps {
+            for (disc, now) in moving.at_step(k).iter().zip(moving.now()) {
+                // Who overlaps the grown disc already must be able to leave it.
+                let overlap = (robot_m + now[2] - now[0].hypot(now[1]) + OVERLAP_M).max(0.0);
+                let radius = robot_m + disc[2] - if overlap > OVERLAP_M { overlap } else { 0.0 };
+                if radius <= 0.0 {
+                    continue;
+                }
+                let away = disc[0] * disc[0] + disc[1] * disc[1];
+                let reach = arcs[k] + radius;
+                if away > reach * reach {
+                    continue;
+                }
+                let centre = [disc[0], disc[1], radius];
+                let (x, y) = (&row.x[k][..n], &row.y[k][..n]);
+                strike(x, y, centre, k as f32, &mut row.struck[..n]);
+            }
+        }
+    }
+}
+
+/// [m] kept from predicted obstacles.
+const MOVING_MARGIN_M: f64 = 0.15;
+
+/// [m] by which an overlap with a predicted disc is left per rollout at least.
+const OVERLAP_M: f32 = 0.01;
+
+/// Space around the outline at every lane, at most `soft`. [m]
+fn space_of(
+    sheet: &Sheet<'_>,
+    surroundings: &Surroundings,
+    (x, y): (&[f32], &[f32]),
+    (cos, sin): (&Lanes, &Lanes),
+    soft: f32,
+) -> Lanes {
+    let n = x.len();
+    let mut space = [soft; LANES_MAX];
+    let (mut at_x, mut at_y) = ([0.0_f32; LANES_MAX], [0.0_f32; LANES_MAX]);
+    for disc in &surroundings.footprint.discs {
+        let (dx, dy) = (narrow(disc.centre.x), narrow(disc.centre.y));
+        for i in 0..n {
+            at_x[i] = x[i] + cos[i] * dx - sin[i] * dy;
+            at_y[i] = y[i] + sin[i] * dx + cos[i] * dy;
+        }
+        let radius = narrow(disc.radius_m);
+        lower_space(sheet, &at_x[..n], &at_y[..n], radius, &mut space[..n]);
+    }
+    space
+}

@@ -1,0 +1,315 @@
+//! Clearance for many positions at once: eight lanes of AVX2 where the processor has them, and the
+//! same numbers, bit for bit, without.
+//!
+//! This is the one file of the package with `unsafe`: the gathers read through a pointer, and the
+//! choice of the instruction set is made at run time. The portable twin is the meaning; the tests
+//! compare the two.
+
+#![allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_precision_loss,
+    clippy::cast_sign_loss,
+    reason = "indices of a window of at most 1024 cells, clamped before use"
+)]
+
+use crate::field::Sheet;
+
+/// Lanes that are worked on together; slices are multiples of it.
+pub(crate) const WIDTH: usize = 8;
+
+/// Least clearance at the cells that hold the positions, at most infinity. [m]
+///
+/// The slices are equally long, a multiple of [`WIDTH`].
+pub(crate) fn least_nearest_m(sheet: &Sheet<'_>, x: &[f32], y: &[f32]) -> f32 {
+    #[cfg(target_arch = "x86_64")]
+    if avx2::is_here(sheet) {
+        // SAFETY: the processor has AVX2, and the sheet holds side x side cells.
+        #[allow(unsafe_code, reason = "chosen at run time")]
+        return unsafe { avx2::least_nearest_m(sheet, x, y) };
+    }
+    portable::least_nearest_m(sheet, x, y)
+}
+
+/// Lowers `space` at every lane to the bound on the clearance less `radius_m`, unless the cell
+/// that holds the position already tells that it would not be lower. [m]
+///
+/// All slices are equally long, a multiple of [`WIDTH`].
+pub(crate) fn lower_space(
+    sheet: &Sheet<'_>,
+    x: &[f32],
+    y: &[f32],
+    radius_m: f32,
+    space: &mut [f32],
+) {
+    #[cfg(target_arch = "x86_64")]
+    if avx2::is_here(sheet) {
+        // SAFETY: the processor has AVX2, and the sheet holds side x side cells.
+        #[allow(unsafe_code, reason = "chosen at run time")]
+        unsafe {
+            avx2::lower_space(sheet, x, y, radius_m, space);
+        }
+        return;
+    }
+    portable::lower_space(sheet, x, y, radius_m, space);
+}
+
+/// Below which the squared distance from a disc's centre is a contact: marks `first` of those
+/// lanes with `step` unless an earlier one stands there.
+#[inline]
+pub(crate) fn strike(x: &[f32], y: &[f32], disc: [f32; 3], step: f32, first: &mut [f32]) {
+    let squared = disc[2] * disc[2];
+    for ((x, y), first) in x.iter().zip(y).zip(first) {
+        let (dx, dy) = (x - disc[0], y - disc[1]);
+        let struck = if dx * dx + dy * dy < squared {
+            step
+        } else {
+            f32::INFINITY
+        };
+        *first = if struck < *first { struck } else { *first };
+    }
+}
+
+/// The meaning of the kernels.
+mod portable {
+    use super::Sheet;
+
+    fn nearest(sheet: &Sheet<'_>, x: f32, y: f32) -> f32 {
+        let last = sheet.side - 1;
+        let column = ((x * sheet.inverse + sheet.centre.0 + 0.5) as i32).clamp(0, last);
+        let row = ((y * sheet.inverse + sheet.centre.1 + 0.5) as i32).clamp(0, last);
+        sheet.cells[(row * sheet.side + column) as usize]
+    }
+
+    pub(super) fn least_nearest_m(sheet: &Sheet<'_>, x: &[f32], y: &[f32]) -> f32 {
+        x.iter().zip(y).fold(f32::INFINITY, |least, (x, y)| {
+            least.min(nearest(sheet, *x, *y))
+        })
+    }
+
+    /// See [`crate::field::ClearanceField::bound_m`].
+    fn bound(sheet: &Sheet<'_>, x: f32, y: f32) -> f32 {
+        let last = (sheet.side - 2) as f32;
+        let u = (x * sheet.inverse + sheet.centre.0).clamp(0.0, last);
+        let v = (y * sheet.inverse + sheet.centre.1).clamp(0.0, last);
+        let (column, row) = (u as i32, v as i32);
+        let (fu, fv) = (u - column as f32, v - row as f32);
+        let start = (row * sheet.side + column) as usize;
+        let side = sheet.side as usize;
+        let (b0, b1) = (sheet.cells[start], sheet.cells[start + 1]);
+        let (a0, a1) = (sheet.cells[start + side], sheet.cells[start + side + 1]);
+        let low = b0 + (b1 - b0) * fu;
+        let high = a0 + (a1 - a0) * fu;
+        let value = low + (high - low) * fv;
+        let h = sheet.resolution_m;
+        if value > 1.5 * h {
+            value - h * h / (8.0 * (value - core::f32::consts::FRAC_1_SQRT_2 * h))
+        } else {
+            let (du, dv) = (fu.min(1.0 - fu), fv.min(1.0 - fv));
+            let below = if fu < 0.5 { b0 } else { b1 };
+            let above = if fu < 0.5 { a0 } else { a1 };
+            let nearest = if fv < 0.5 { below } else { above };
+            nearest - (du * du + dv * dv).sqrt() * h
+        }
+    }
+
+    pub(super) fn lower_space(
+        sheet: &Sheet<'_>,
+        x: &[f32],
+        y: &[f32],
+        radius_m: f32,
+        space: &mut [f32],
+    ) {
+        let slack = core::f32::consts::FRAC_1_SQRT_2 * sheet.resolution_m;
+        for ((x, y), space) in x.iter().zip(y).zip(space) {
+            if nearest(sheet, *x, *y) < radius_m + *space + slack {
+                *space = space.min(bound(sheet, *x, *y) - radius_m);
+            }
+        }
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+#[allow(unsafe_code, reason = "gathers read through a pointer")]
+mod avx2 {
+    use super::{Sheet, WIDTH};
+    use core::arch::x86_64::{
+        __m256, __m256i, _CMP_GT_OQ, _CMP_LT_OQ, _mm256_add_epi32, _mm256_add_ps, _mm256_blendv_ps,
+        _mm256_cmp_ps, _mm256_cvtepi32_ps, _mm256_cvttps_epi32, _mm256_div_ps, _mm256_i32gather_ps,
+        _mm256_loadu_ps, _mm256_max_epi32, _mm256_max_ps, _mm256_min_epi32, _mm256_min_ps,
+        _mm256_movemask_ps, _mm256_mul_ps, _mm256_mullo_epi32, _mm256_set1_epi32, _mm256_set1_ps,
+        _mm256_setzero_ps, _mm256_setzero_si256, _mm256_sqrt_ps, _mm256_storeu_ps, _mm256_sub_ps,
+    };
+
+    /// True when the kernels may be called with this sheet.
+    pub(super) fn is_here(sheet: &Sheet<'_>) -> bool {
+        let side = sheet.side.max(0) as usize;
+        std::is_x86_feature_detected!("avx2") && side >= 2 && sheet.cells.len() >= side * side
+    }
+
+    /// Clearance at the cells that hold eight positions.
+    #[target_feature(enable = "avx2")]
+    unsafe fn nearest(sheet: &Sheet<'_>, x: __m256, y: __m256) -> __m256 {
+        let inverse = _mm256_set1_ps(sheet.inverse);
+        let half = _mm256_set1_ps(0.5);
+        let (zero, last) = (_mm256_setzero_si256(), _mm256_set1_epi32(sheet.side - 1));
+        let index = |at: __m256, centre: f32| -> __m256i {
+            let shifted = _mm256_add_ps(_mm256_mul_ps(at, inverse), _mm256_set1_ps(centre));
+            let index = _mm256_cvttps_epi32(_mm256_add_ps(shifted, half));
+            _mm256_min_epi32(_mm256_max_epi32(index, zero), last)
+        };
+        let (column, row) = (index(x, sheet.centre.0), index(y, sheet.centre.1));
+        let start = _mm256_mullo_epi32(row, _mm256_set1_epi32(sheet.side));
+        // SAFETY: both indices are clamped to the sheet, which holds side x side cells.
+        unsafe { _mm256_i32gather_ps::<4>(sheet.cells.as_ptr(), _mm256_add_epi32(start, column)) }
+    }
+
+    /// See the portable twin.
+    ///
+    /// # Safety
+    /// Only where [`is_here`] says so.
+    #[target_feature(enable = "avx2")]
+    pub(super) unsafe fn least_nearest_m(sheet: &Sheet<'_>, x: &[f32], y: &[f32]) -> f32 {
+        let mut least = _mm256_set1_ps(f32::INFINITY);
+        for (x, y) in x.chunks_exact(WIDTH).zip(y.chunks_exact(WIDTH)) {
+            // SAFETY: chunks of eight; the caller vouches for the sheet.
+            unsafe {
+                let at = (_mm256_loadu_ps(x.as_ptr()), _mm256_loadu_ps(y.as_ptr()));
+                least = _mm256_min_ps(least, nearest(sheet, at.0, at.1));
+            }
+        }
+        let mut lanes = [0.0_f32; WIDTH];
+        // SAFETY: eight lanes.
+        unsafe { _mm256_storeu_ps(lanes.as_mut_ptr(), least) };
+        lanes.into_iter().fold(f32::INFINITY, f32::min)
+    }
+
+    /// The portable `bound` for eight positions, the same operations in the same order.
+    #[target_feature(enable = "avx2")]
+    unsafe fn bound(sheet: &Sheet<'_>, x: __m256, y: __m256) -> __m256 {
+        let inverse = _mm256_set1_ps(sheet.inverse);
+        let zero = _mm256_setzero_ps();
+        let last = _mm256_set1_ps((sheet.side - 2) as f32);
+        let place = |at: __m256, centre: f32| {
+            let shifted = _mm256_add_ps(_mm256_mul_ps(at, inverse), _mm256_set1_ps(centre));
+            _mm256_min_ps(_mm256_max_ps(shifted, zero), last)
+        };
+        let (u, v) = (place(x, sheet.centre.0), place(y, sheet.centre.1));
+        let (column, row) = (_mm256_cvttps_epi32(u), _mm256_cvttps_epi32(v));
+        let fu = _mm256_sub_ps(u, _mm256_cvtepi32_ps(column));
+        let fv = _mm256_sub_ps(v, _mm256_cvtepi32_ps(row));
+        let side = _mm256_set1_epi32(sheet.side);
+        let start = _mm256_add_epi32(_mm256_mullo_epi32(row, side), column);
+        let up = _mm256_add_epi32(start, side);
+        let base = sheet.cells.as_ptr();
+        let one = _mm256_set1_epi32(1);
+        // SAFETY: the places are clamped below the last cell, so all four neighbours exist.
+        let (b0, b1, a0, a1) = unsafe {
+            (
+                _mm256_i32gather_ps::<4>(base, start),
+                _mm256_i32gather_ps::<4>(base, _mm256_add_epi32(start, one)),
+                _mm256_i32gather_ps::<4>(base, up),
+                _mm256_i32gather_ps::<4>(base, _mm256_add_epi32(up, one)),
+            )
+        };
+        let between = |from: __m256, to: __m256, share: __m256| {
+            _mm256_add_ps(from, _mm256_mul_ps(_mm256_sub_ps(to, from), share))
+        };
+        let low = between(b0, b1, fu);
+        let high = between(a0, a1, fu);
+        let value = between(low, high, fv);
+        let h = sheet.resolution_m;
+        let ridge = _mm256_set1_ps(core::f32::consts::FRAC_1_SQRT_2 * h);
+        let curved = _mm256_div_ps(
+            _mm256_set1_ps(h * h),
+            _mm256_mul_ps(_mm256_set1_ps(8.0), _mm256_sub_ps(value, ridge)),
+        );
+        let far = _mm256_sub_ps(value, curved);
+        let unit = _mm256_set1_ps(1.0);
+        let du = _mm256_min_ps(fu, _mm256_sub_ps(unit, fu));
+        let dv = _mm256_min_ps(fv, _mm256_sub_ps(unit, fv));
+        let half = _mm256_set1_ps(0.5);
+        let left = _mm256_cmp_ps::<_CMP_LT_OQ>(fu, half);
+        let lower = _mm256_cmp_ps::<_CMP_LT_OQ>(fv, half);
+        let below = _mm256_blendv_ps(b1, b0, left);
+        let above = _mm256_blendv_ps(a1, a0, left);
+        let corner = _mm256_blendv_ps(above, below, lower);
+        let squared = _mm256_add_ps(_mm256_mul_ps(du, du), _mm256_mul_ps(dv, dv));
+        let way = _mm256_mul_ps(_mm256_sqrt_ps(squared), _mm256_set1_ps(h));
+        let near = _mm256_sub_ps(corner, way);
+        let is_far = _mm256_cmp_ps::<_CMP_GT_OQ>(value, _mm256_set1_ps(1.5 * h));
+        _mm256_blendv_ps(near, far, is_far)
+    }
+
+    /// See the portable twin.
+    ///
+    /// # Safety
+    /// Only where [`is_here`] says so.
+    #[target_feature(enable = "avx2")]
+    pub(super) unsafe fn lower_space(
+        sheet: &Sheet<'_>,
+        x: &[f32],
+        y: &[f32],
+        radius_m: f32,
+        space: &mut [f32],
+    ) {
+        let slack = _mm256_set1_ps(core::f32::consts::FRAC_1_SQRT_2 * sheet.resolution_m);
+        let radius = _mm256_set1_ps(radius_m);
+        let places = x.chunks_exact(WIDTH).zip(y.chunks_exact(WIDTH));
+        for ((x, y), space) in places.zip(space.chunks_exact_mut(WIDTH)) {
+            // SAFETY: chunks of eight; the caller vouches for the sheet.
+            unsafe {
+                let (x, y) = (_mm256_loadu_ps(x.as_ptr()), _mm256_loadu_ps(y.as_ptr()));
+                let now = _mm256_loadu_ps(space.as_ptr());
+                let enough = _mm256_add_ps(_mm256_add_ps(radius, now), slack);
+                let short = _mm256_cmp_ps::<_CMP_LT_OQ>(nearest(sheet, x, y), enough);
+                if _mm256_movemask_ps(short) == 0 {
+                    continue;
+                }
+                let lowered = _mm256_min_ps(now, _mm256_sub_ps(bound(sheet, x, y), radius));
+                let chosen = _mm256_blendv_ps(now, lowered, short);
+                _mm256_storeu_ps(space.as_mut_ptr(), chosen);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{RngExt, SeedableRng};
+    use rand_pcg::Pcg32;
+
+    #[test]
+    fn the_twins_agree_bit_for_bit() {
+        let mut random = Pcg32::seed_from_u64(5);
+        let side = 61;
+        let cells: Vec<f32> = (0..side * side)
+            .map(|_| random.random_range(0.0..0.8))
+            .collect();
+        let sheet = Sheet {
+            cells: &cells,
+            side,
+            centre: (30.2, 29.7),
+            resolution_m: 0.05,
+            inverse: 20.0,
+        };
+        for _ in 0..200 {
+            let place = |random: &mut Pcg32| {
+                let places: Vec<f32> = (0..48).map(|_| random.random_range(-2.0..2.0)).collect();
+                places
+            };
+            let (x, y) = (place(&mut random), place(&mut random));
+            let expected = portable::least_nearest_m(&sheet, &x, &y);
+            assert_eq!(
+                least_nearest_m(&sheet, &x, &y).to_bits(),
+                expected.to_bits()
+            );
+            let start: Vec<f32> = (0..48).map(|_| random.random_range(-0.1..0.3)).collect();
+            let (mut found, mut expected) = (start.clone(), start);
+            lower_space(&sheet, &x, &y, 0.2, &mut found);
+            portable::lower_space(&sheet, &x, &y, 0.2, &mut expected);
+            let bits = |space: &[f32]| space.iter().map(|s| s.to_bits()).collect::<Vec<_>>();
+            assert_eq!(bits(&found), bits(&expected));
+        }
+    }
+}

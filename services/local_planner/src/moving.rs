@@ -1,0 +1,273 @@
+//! Where tracked obstacles will be: discs that drive on and grow less and less certain.
+
+use crate::surroundings::narrow;
+use nalgebra::{Point2, Vector2};
+use zeronav_msgs::Pose;
+use zeronav_msgs::obstacles::{OBSTACLES_MAX, Obstacle};
+
+/// [m/s] below which a tracked obstacle stands, and is an obstacle like any other.
+const STANDING_MPS: f64 = 0.1;
+
+/// [m] around a tracked obstacle within which points of the scan are its own.
+const OWN_POINTS_M: f64 = 0.12;
+
+/// How the prediction's uncertainty becomes a radius.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Growth {
+    /// Standard deviations of the predicted position that are added to the radius.
+    pub(crate) sigmas: f64,
+    /// [m/s] by which the radius grows at least.
+    pub(crate) least_mps: f64,
+    /// [m] by which it grows at most.
+    pub(crate) most_m: f64,
+}
+
+/// A tracked obstacle, relative to the robot's centre along the axes of the map.
+#[derive(Debug, Clone, Copy)]
+struct Track {
+    at: Point2<f64>,
+    velocity: (f64, f64),
+    radius_m: f64,
+    /// Mean variance of the position after `t`: `p0 + p1 t + p2 t^2`. [m^2]
+    variance: [f64; 3],
+}
+
+/// The tracked obstacles that move, as of one period.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Moving {
+    tracks: Vec<Track>,
+    growth: Option<Growth>,
+    yaw_rad: f64,
+    /// Centres and radii at the ends of the steps of a rollout, steps x tracks. [m]
+    table: Vec<[f32; 3]>,
+    /// The same as of now.
+    current: Vec<[f32; 3]>,
+}
+
+impl Moving {
+    /// Takes in obstacles in the map frame, `age_s` after they were so.
+    pub(crate) fn take(
+        &mut self,
+        obstacles: &[Obstacle],
+        age_s: f64,
+        map_from_base: &Pose,
+        growth: Growth,
+    ) {
+        self.growth = Some(growth);
+        self.yaw_rad = map_from_base.yaw_rad;
+        self.tracks.clear();
+        let centre = map_from_base.point();
+        for obstacle in obstacles.iter().take(OBSTACLES_MAX) {
+            if obstacle.vx_mps.hypot(obstacle.vy_mps) < STANDING_MPS {
+                continue;
+            }
+            let c = &obstacle.covariance;
+            // Upper triangle by rows: xx xy xvx xvy, yy yvx yvy, vxvx vxvy, vyvy.
+            let [p0, p1, p2] = [0.5 * (c[0] + c[4]), c[2] + c[6], 0.5 * (c[7] + c[9])];
+            self.tracks.push(Track {
+                at: Point2::new(
+                    obstacle.x_m + obstacle.vx_mps * age_s - centre.x,
+                    obstacle.y_m + obstacle.vy_mps * age_s - centre.y,
+                ),
+                velocity: (obstacle.vx_mps, obstacle.vy_mps),
+                radius_m: obstacle.radius_m,
+                variance: [
+                    p0 + p1 * age_s + p2 * age_s * age_s,
+                    p1 + 2.0 * p2 * age_s,
+                    p2,
+                ],
+            });
+        }
+    }
+
+    /// How many there are.
+    pub(crate) fn len(&self) -> usize {
+        self.tracks.len()
+    }
+
+    /// True when a point in `base` belongs to one of them.
+    pub(crate) fn owns(&self, point_in_base: Point2<f64>) -> bool {
+        if self.tracks.is_empty() {
+            return false;
+        }
+        let (sin, cos) = self.yaw_rad.sin_cos();
+        let local = Point2::new(
+            cos * point_in_base.x - sin * point_in_base.y,
+            sin * point_in_base.x + cos * point_in_base.y,
+        );
+        self.tracks.iter().any(|track| {
+            (local - track.at).norm_squared() <= (track.radius_m + OWN_POINTS_M).powi(2)
+        })
+    }
+
+    /// Velocity, in the map frame, of the obstacle that a point in `base` belongs to; zero for what
+    /// stands. [m/s]
+    pub(crate) fn velocity_at(&self, point_in_base: Point2<f64>) -> Vector2<f64> {
+        let (sin, cos) = self.yaw_rad.sin_cos();
+        let local = Point2::new(
+            cos * point_in_base.x - sin * point_in_base.y,
+            sin * point_in_base.x + cos * point_in_base.y,
+        );
+        self.tracks
+            .iter()
+            .find(|track| (local - track.at).norm() <= track.radius_m + OWN_POINTS_M)
+            .map_or_else(Vector2::zeros, |track| {
+                Vector2::new(track.velocity.0, track.velocity.1)
+            })
+    }
+
+    /// Centre and grown radius of a track after `elapsed_s`. [m]
+    fn after(&self, track: &Track, elapsed_s: f64) -> (Point2<f64>, f64) {
+        let at = Point2::new(
+            track.at.x + track.velocity.0 * elapsed_s,
+            track.at.y + track.velocity.1 * elapsed_s,
+        );
+        let grown_m = self.growth.map_or(0.0, |growth| {
+            let [p0, p1, p2] = track.variance;
+            let variance = p0 + (p1 + p2 * elapsed_s) * elapsed_s;
+            (growth.sigmas * variance.max(0.0).sqrt())
+                .max(growth.least_mps * elapsed_s)
+                .min(growth.most_m)
+        });
+        (at, track.radius_m + grown_m)
+    }
+
+    /// Predicts every track at the ends of `n` steps.
+    pub(crate) fn tabulate(&mut self, n: usize, step_s: f64) {
+        let mut current = core::mem::take(&mut self.current);
+        current.clear();
+        current.extend(self.tracks.iter().map(|track| {
+            let (at, radius_m) = self.after(track, 0.0);
+            [narrow(at.x), narrow(at.y), narrow(radius_m)]
+        }));
+        self.current = current;
+        let mut table = core::mem::take(&mut self.table);
+        table.clear();
+        let mut elapsed_s = 0.0;
+        for _ in 0..n {
+            elapsed_s += step_s;
+            table.extend(self.tracks.iter().map(|track| {
+                let (at, radius_m) = self.after(track, elapsed_s);
+                [narrow(at.x), narrow(at.y), narrow(radius_m)]
+            }));
+        }
+        self.table = table;
+    }
+
+    /// The discs at the end of a step of [`Self::tabulate`]: x, y, radius. [m]
+    pub(crate) fn at_step(&self, step: usize) -> &[[f32; 3]] {
+        let n = self.tracks.len();
+        self.table.get(step * n..(step + 1) * n).unwrap_or(&[])
+    }
+
+    /// The discs of now, in the order of [`Self::at_step`].
+    pub(crate) fn now(&self) -> &[[f32; 3]] {
+        &self.current
+    }
+
+    /// Least distance between an outline and the discs after `elapsed_s`, when the robot then
+    /// stands at `pose` (in the `base` of now). `distance_m` is the signed distance of a point in
+    /// `base` from the outline. Infinite without obstacles. [m]
+    pub(crate) fn margin_m(
+        &self,
+        pose: &Pose,
+        elapsed_s: f64,
+        distance_m: impl Fn(Point2<f64>) -> f64,
+    ) -> f64 {
+        let base = Pose::new(0.0, 0.0, self.yaw_rad);
+        let local_from_base = base.then(pose).isometry().inverse();
+        self.tracks.iter().fold(f64::INFINITY, |least, track| {
+            let (at, radius_m) = self.after(track, elapsed_s);
+            least.min(distance_m(local_from_base * at) - radius_m)
+        })
+    }
+
+    /// [s] until the discs of the robot (with `radius_m`) and of a track touch when both go on,
+    /// `velocity` being the robot's along the axes of the map; infinite when they do not.
+    pub(crate) fn contact_s(&self, velocity: (f64, f64), radius_m: f64) -> f64 {
+        self.tracks.iter().fold(f64::INFINITY, |least, track| {
+            let (vx, vy) = (track.velocity.0 - velocity.0, track.velocity.1 - velocity.1);
+            let sum_m = radius_m + track.radius_m;
+            let c = track.at.coords.norm_squared() - sum_m * sum_m;
+            let (a, b) = (vx * vx + vy * vy, track.at.x * vx + track.at.y * vy);
+            if c <= 0.0 {
+                return 0.0;
+            }
+            let root = b * b - a * c;
+            if b >= 0.0 || a < 1.0e-12 || root < 0.0 {
+                least
+            } else {
+                least.min((-b - root.sqrt()) / a)
+            }
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn cart() -> Obstacle {
+        Obstacle {
+            track: 1,
+            x_m: 12.0,
+            y_m: 3.0,
+            vx_mps: 0.0,
+            vy_mps: -1.0,
+            radius_m: 0.4,
+            covariance: [0.01, 0.0, 0.0, 0.0, 0.01, 0.0, 0.0, 0.04, 0.0, 0.04],
+            ..Obstacle::default()
+        }
+    }
+
+    const GROWTH: Growth = Growth {
+        sigmas: 1.0,
+        least_mps: 0.08,
+        most_m: 0.5,
+    };
+
+    #[test]
+    fn discs_drive_on_and_grow() {
+        let mut moving = Moving::default();
+        moving.take(&[cart()], 0.5, &Pose::new(10.0, 1.0, 0.3), GROWTH);
+        moving.tabulate(10, 0.1);
+        // After 1 s: 2 m ahead, 0.5 m aside; sigma^2 = 0.01 + 0.04 * 1.5^2.
+        let [x, y, radius] = moving.at_step(9)[0];
+        assert!((x - 2.0).abs() < 1e-5 && (y - 0.5).abs() < 1e-5);
+        assert!(
+            (f64::from(radius) - (0.4 + 0.1_f64.sqrt())).abs() < 1e-5,
+            "{radius}"
+        );
+        let radii: Vec<f32> = (0..10).map(|step| moving.at_step(step)[0][2]).collect();
+        assert!(radii.windows(2).all(|pair| pair[1] > pair[0]));
+        let far = moving.margin_m(&Pose::default(), 100.0, |point| point.coords.norm() - 0.25);
+        assert!((far - (98.5_f64.hypot(2.0) - 0.25 - 0.9)).abs() < 1e-9);
+    }
+
+    #[test]
+    fn what_stands_is_not_moving_and_points_have_owners() {
+        let mut standing = cart();
+        standing.vy_mps = 0.0;
+        let mut moving = Moving::default();
+        moving.take(&[standing], 0.0, &Pose::new(10.0, 1.0, 0.0), GROWTH);
+        assert_eq!(moving.len(), 0);
+        moving.take(
+            &[cart()],
+            0.0,
+            &Pose::new(10.0, 1.0, core::f64::consts::FRAC_PI_2),
+            GROWTH,
+        );
+        // In base the cart is at (2, -2).
+        assert!(moving.owns(Point2::new(2.0, -1.6)));
+        assert!(!moving.owns(Point2::new(2.0, -1.4)));
+    }
+
+    #[test]
+    fn contacts_come_when_discs_meet() {
+        let mut moving = Moving::default();
+        moving.take(&[cart()], 0.0, &Pose::new(12.0, 0.0, 0.0), GROWTH);
+        assert!((moving.contact_s((0.0, 0.0), 0.3) - 2.3).abs() < 1e-9);
+        assert!((moving.contact_s((0.0, 1.0), 0.3) - 1.15).abs() < 1e-9);
+        assert!(moving.contact_s((1.0, 0.0), 0.3).is_infinite());
+    }
+}

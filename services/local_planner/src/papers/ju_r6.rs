@@ -1,0 +1,71 @@
+//! `ju_r6` [JU, its reference 6]: the path's inflection points in order as sub-goals of a field
+//! whose repulsion fades at the sub-goal (`ZM-REP`, n = 2).
+
+use super::potential::{Gains, all_goal_repulsions, attraction};
+use super::route::turning_points;
+use super::scene::{Law, Push, Scene};
+use nalgebra::Point2;
+
+/// [m] from a sub-goal at which the next one is taken.
+const SUB_TOLERANCE_M: f64 = 0.3;
+
+/// Exponent of the goal's distance in the repulsion.
+const N: i32 = 2;
+
+/// The field towards one sub-goal after the other.
+#[derive(Debug, Clone)]
+pub struct JuR6 {
+    gains: Gains,
+    geometry: u64,
+    subgoals: Vec<Point2<f64>>,
+    next: usize,
+}
+
+impl JuR6 {
+    /// The field with these gains.
+    #[must_use]
+    pub const fn new(gains: Gains) -> Self {
+        Self {
+            gains,
+            geometry: 0,
+            subgoals: Vec::new(),
+            next: 0,
+        }
+    }
+
+    /// Index of the sub-goal at hand, from 1.
+    #[must_use]
+    pub const fn subgoal(&self) -> usize {
+        self.next
+    }
+
+    /// The sub-goal at hand; the next one when it is near or its half plane is passed.
+    fn advance(&mut self, scene: &Scene<'_>) -> Point2<f64> {
+        if self.geometry != scene.geometry {
+            self.geometry = scene.geometry;
+            self.subgoals = turning_points(scene.path);
+            self.next = 1;
+        }
+        while let (Some(&before), Some(&here)) = (
+            self.subgoals.get(self.next.wrapping_sub(1)),
+            self.subgoals.get(self.next),
+        ) {
+            let near = (scene.at - here).norm() < SUB_TOLERANCE_M;
+            let passed = (scene.at - here).dot(&(here - before)) > 0.0;
+            let last = self.next + 1 >= self.subgoals.len();
+            if last || !(near || passed) {
+                return here;
+            }
+            self.next += 1;
+        }
+        scene.goal
+    }
+}
+
+impl Law for JuR6 {
+    fn push(&mut self, scene: &Scene<'_>) -> Push {
+        let goal = self.advance(scene);
+        let pull = attraction(self.gains.attract, scene.at, goal);
+        Push::Along(pull + all_goal_repulsions(&self.gains, N, scene, goal))
+    }
+}

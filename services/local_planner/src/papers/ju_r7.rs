@@ -1,0 +1,46 @@
+//! `ju_r7` [JU, its reference 7]: the plain field towards a carrot on the path.
+
+use super::potential::{Gains, all_repulsions, attraction};
+use super::route::Route;
+use super::scene::{Law, Push, Scene};
+
+/// [m] from the robot's place to the carrot.
+const LOOKAHEAD_M: f64 = 1.5;
+
+/// The field towards the carrot, in the end towards the goal.
+#[derive(Debug, Clone)]
+pub struct JuR7 {
+    gains: Gains,
+    route: Route,
+    /// [m] along the path, never falling.
+    pub(crate) arc_m: f64,
+}
+
+impl JuR7 {
+    /// The field with these gains.
+    #[must_use]
+    pub fn new(gains: Gains) -> Self {
+        Self {
+            gains,
+            route: Route::default(),
+            arc_m: 0.0,
+        }
+    }
+
+    /// Place along the path. [m]
+    #[must_use]
+    pub const fn arc_m(&self) -> f64 {
+        self.arc_m
+    }
+}
+
+impl Law for JuR7 {
+    fn push(&mut self, scene: &Scene<'_>) -> Push {
+        let carrot = self.route.place(scene).map_or(scene.goal, |place| {
+            self.arc_m = place.arc_m;
+            self.route.ahead(scene, &place, LOOKAHEAD_M)
+        });
+        let pull = attraction(self.gains.attract, scene.at, carrot);
+        Push::Along(pull + all_repulsions(&self.gains, scene))
+    }
+}

@@ -1,0 +1,99 @@
+//! `lwx_oapf` and `lwx_iter` [LWX]: the path's turning points as interim goals of the field, each
+//! with a budget of steps.
+//!
+//! The interim goal is the turning point after the next one. The printed method begins anew at
+//! the turning point that was passed, so its path jumps; here the robot goes on from where it is,
+//! the only way that a robot can. When an interim goal is not reached within `L` steps per unit of
+//! distance, the nearer turning point is taken instead.
+
+use super::potential::{Gains, all_repulsions, attraction};
+use super::route::turning_points;
+use super::scene::{Law, Push, Scene};
+use nalgebra::Point2;
+
+/// The field towards one interim goal after the other.
+#[derive(Debug, Clone)]
+pub struct LwxOapf {
+    gains: Gains,
+    /// Steps per unit of distance (`L`).
+    per_unit: f64,
+    /// Out of steps, give up instead of taking the nearer turning point (`lwx_iter`).
+    strict: bool,
+    geometry: u64,
+    points: Vec<Point2<f64>>,
+    /// The turning point passed last.
+    passed: usize,
+    /// Turning points that the interim goal is ahead of it.
+    ahead: usize,
+    /// Steps left for the interim goal.
+    budget: u32,
+}
+
+impl LwxOapf {
+    /// The field with these gains and `L` steps per unit of distance.
+    #[must_use]
+    pub const fn new(gains: Gains, per_unit: f64, strict: bool) -> Self {
+        Self {
+            gains,
+            per_unit,
+            strict,
+            geometry: 0,
+            points: Vec::new(),
+            passed: 0,
+            ahead: 2,
+            budget: 0,
+        }
+    }
+
+    /// The interim goal; the path's end near the end.
+    fn interim(&self, scene: &Scene<'_>) -> Point2<f64> {
+        let index = (self.passed + self.ahead).min(self.points.len().saturating_sub(1));
+        self.points.get(index).copied().unwrap_or(scene.goal)
+    }
+
+    /// Eq. 11: `I = ceil(L |R - T|)`, at least what a step takes.
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "positive and bounded"
+    )]
+    fn refill(&mut self, scene: &Scene<'_>) {
+        let distance = (scene.at - self.interim(scene)).norm();
+        self.budget = (self.per_unit * distance).ceil().clamp(1.0, 1.0e6) as u32;
+    }
+}
+
+fn manhattan(a: Point2<f64>, b: Point2<f64>) -> f64 {
+    (a.x - b.x).abs() + (a.y - b.y).abs()
+}
+
+impl Law for LwxOapf {
+    fn push(&mut self, scene: &Scene<'_>) -> Push {
+        if self.geometry != scene.geometry {
+            self.geometry = scene.geometry;
+            self.points = turning_points(scene.path);
+            self.passed = 0;
+            self.ahead = 2;
+            self.refill(scene);
+        }
+        while self.passed + 2 < self.points.len() {
+            let (here, next) = (self.points[self.passed], self.points[self.passed + 1]);
+            if manhattan(scene.at, here) <= manhattan(here, next) {
+                break;
+            }
+            self.passed += 1;
+            self.ahead = 2;
+            self.refill(scene);
+        }
+        if self.budget == 0 {
+            if self.strict {
+                return Push::Stuck;
+            }
+            self.ahead = 3 - self.ahead;
+            self.refill(scene);
+        }
+        self.budget -= 1;
+        let pull = attraction(self.gains.attract, scene.at, self.interim(scene));
+        Push::Along(pull + all_repulsions(&self.gains, scene))
+    }
+}

@@ -1,0 +1,103 @@
+//! What a potential-field law knows, and what it answers.
+
+use nalgebra::{Point2, Vector2};
+use zeronav_msgs::path::Waypoint;
+
+/// The shape of an obstacle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Extent {
+    /// All points within a radius. [m]
+    Disc(f64),
+    /// An upright square of this half side, as a cell of a grid. [m]
+    Square(f64),
+}
+
+/// An obstacle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Body {
+    /// Its centre. [m]
+    pub at: Point2<f64>,
+    /// Its shape.
+    pub extent: Extent,
+    /// [m/s]
+    pub velocity: Vector2<f64>,
+}
+
+impl Body {
+    /// A body that stands.
+    #[must_use]
+    pub fn standing(at: Point2<f64>, extent: Extent) -> Self {
+        Self {
+            at,
+            extent,
+            velocity: Vector2::zeros(),
+        }
+    }
+
+    /// The point that repels: the nearest one of the area, or the centre when `literal`, as the
+    /// papers print it.
+    #[must_use]
+    pub fn nearest(&self, from: Point2<f64>, literal: bool) -> Point2<f64> {
+        if literal {
+            return self.at;
+        }
+        let offset = from - self.at;
+        match self.extent {
+            Extent::Disc(radius_m) => {
+                let distance_m = offset.norm();
+                if distance_m <= radius_m {
+                    from
+                } else {
+                    self.at + offset * (radius_m / distance_m)
+                }
+            }
+            Extent::Square(half_m) => {
+                let inside = Vector2::new(
+                    offset.x.clamp(-half_m, half_m),
+                    offset.y.clamp(-half_m, half_m),
+                );
+                self.at + inside
+            }
+        }
+    }
+
+    /// Distance of a point from the area, 0 inside. [m]
+    #[must_use]
+    pub fn distance_m(&self, from: Point2<f64>) -> f64 {
+        (self.nearest(from, false) - from).norm()
+    }
+}
+
+/// A situation in the plane. Lengths in metres, or in cells where a law's gains are meant so.
+#[derive(Debug, Clone, Copy)]
+pub struct Scene<'a> {
+    /// The robot's centre.
+    pub at: Point2<f64>,
+    /// The robot's velocity. [m/s]
+    pub velocity: Vector2<f64>,
+    /// Where the path leads.
+    pub goal: Point2<f64>,
+    /// What is around. A robot's radius is already part of the areas.
+    pub bodies: &'a [Body],
+    /// The path of a global planner; may be empty.
+    pub path: &'a [Waypoint],
+    /// Id of the path; another id is another path.
+    pub geometry: u64,
+    /// Obstacles are points, as printed; default on the robot: areas.
+    pub literal: bool,
+}
+
+/// What a law says.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Push {
+    /// Go this way; only the direction counts.
+    Along(Vector2<f64>),
+    /// Forces cancel and nothing is left to try.
+    Stuck,
+}
+
+/// A potential-field method. Deterministic; remembers what it needs from step to step.
+pub trait Law {
+    /// The force at the scene's position.
+    fn push(&mut self, scene: &Scene<'_>) -> Push;
+}

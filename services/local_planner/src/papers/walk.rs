@@ -1,0 +1,153 @@
+//! The roll-out that all potential-field methods share (paper notes, Appendix D).
+
+use super::scene::{Body, Law, Push, Scene};
+use nalgebra::{Point2, Vector2};
+use zeronav_msgs::path::Waypoint;
+
+/// Steps over which a displacement is looked at for [`End::Stuck`].
+const STUCK_STEPS: usize = 40;
+
+/// How a roll-out is done.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Walk {
+    /// Length of a step. [m or cells]
+    pub step: f64,
+    /// Distance from the goal that counts as there.
+    pub tolerance: f64,
+    /// Most steps.
+    pub limit: usize,
+    /// Obstacles are points and may be walked through, as printed.
+    pub literal: bool,
+    /// Stop on arrival. Without it the steps left are counted as done, as a loop without that
+    /// test would do them.
+    pub early_exit: bool,
+}
+
+impl Walk {
+    /// [JU]: 0.1 m, 0.2 m, 2000 steps.
+    pub const JU: Self = Self {
+        step: 0.1,
+        tolerance: 0.2,
+        limit: 2000,
+        literal: false,
+        early_exit: true,
+    };
+
+    /// [LWX], in cells: 0.2, 0.5, 4000 steps.
+    pub const LWX: Self = Self {
+        step: 0.2,
+        tolerance: 0.5,
+        limit: 4000,
+        ..Self::JU
+    };
+
+    /// The same in metres.
+    pub const LWX_M: Self = Self {
+        step: 0.1,
+        tolerance: 0.2,
+        limit: 2000,
+        ..Self::JU
+    };
+}
+
+/// How a roll-out ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum End {
+    /// At the goal.
+    Reached,
+    /// No way on: forces cancel, or the walk turns round and round on one spot.
+    Stuck,
+    /// Out of steps.
+    Limit,
+    /// The next step hits an obstacle, however short.
+    Collision,
+}
+
+/// A roll-out.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Trace {
+    /// Positions from the start on.
+    pub points: Vec<Point2<f64>>,
+    /// How it ended.
+    pub end: End,
+    /// Steps done.
+    pub steps: usize,
+}
+
+impl Trace {
+    /// Length of the polyline.
+    #[must_use]
+    pub fn length(&self) -> f64 {
+        self.points
+            .windows(2)
+            .map(|pair| (pair[1] - pair[0]).norm())
+            .sum()
+    }
+}
+
+/// Walks from `start` to `goal` by `law`. Unless literal, a step that would enter an area is
+/// halved up to four times.
+pub fn walk(
+    law: &mut dyn Law,
+    start: Point2<f64>,
+    goal: Point2<f64>,
+    bodies: &[Body],
+    path: &[Waypoint],
+    how: &Walk,
+) -> Trace {
+    let mut points = vec![start];
+    let mut at = start;
+    let mut velocity = Vector2::zeros();
+    let done = |points: Vec<Point2<f64>>, end, steps| Trace { points, end, steps };
+    for steps in 0..how.limit {
+        if (at - goal).norm() < how.tolerance {
+            let steps = if how.early_exit { steps } else { how.limit };
+            return done(points, End::Reached, steps);
+        }
+        let scene = Scene {
+            at,
+            velocity,
+            goal,
+            bodies,
+            path,
+            geometry: 1,
+            literal: how.literal,
+        };
+        let Push::Along(force) = law.push(&scene) else {
+            return done(points, End::Stuck, steps);
+        };
+        let Some(direction) = force.try_normalize(1.0e-9) else {
+            return done(points, End::Stuck, steps);
+        };
+        let mut length = how.step.min((at - goal).norm());
+        let mut halvings = 0;
+        while !how.literal && !is_free(bodies, at, at + direction * length) {
+            if halvings == 4 {
+                return done(points, End::Collision, steps);
+            }
+            halvings += 1;
+            length *= 0.5;
+        }
+        at += direction * length;
+        velocity = direction;
+        points.push(at);
+        if points.len() > STUCK_STEPS {
+            let before = points[points.len() - 1 - STUCK_STEPS];
+            if (at - before).norm() < 0.5 * how.step * 20.0 * 0.25 {
+                return done(points, End::Stuck, steps + 1);
+            }
+        }
+    }
+    done(points, End::Limit, how.limit)
+}
+
+/// True when a segment touches no area.
+#[must_use]
+pub fn is_free(bodies: &[Body], from: Point2<f64>, to: Point2<f64>) -> bool {
+    // Sampled at a fifth of the smallest thing that matters; ends included.
+    const SAMPLES: u8 = 8;
+    (0..=SAMPLES).all(|i| {
+        let at = from + (to - from) * (f64::from(i) / f64::from(SAMPLES));
+        bodies.iter().all(|body| body.distance_m(at) > 0.0)
+    })
+}

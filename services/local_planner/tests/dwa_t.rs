@@ -1,0 +1,167 @@
+//! What the time-indexed dynamic window is for: moving obstacles, and that it costs no allocation.
+
+#![allow(clippy::print_stdout, reason = "results of a failed run")]
+
+mod support;
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell as Counter;
+use support::{Loop, PERIOD_S, block, disc, path};
+use zeronav_local_planner::config::{DwaConfig, DwaTConfig};
+use zeronav_local_planner::controller::{Controller, Situation};
+use zeronav_local_planner::dwa::Dwa;
+use zeronav_msgs::Pose;
+use zeronav_msgs::obstacles::Obstacle;
+
+thread_local! {
+    static ALLOCATIONS: Counter<u64> = const { Counter::new(0) };
+}
+
+/// Counts what a thread asks for.
+struct Counting;
+
+#[allow(unsafe_code, reason = "a counting allocator")]
+// SAFETY: everything is passed on to the system's allocator.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        let _ = ALLOCATIONS.try_with(|count| count.set(count.get() + 1));
+        // SAFETY: the caller's promise is passed on.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        // SAFETY: the caller's promise is passed on.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+fn dwa_t() -> Dwa {
+    Dwa::timed(DwaConfig::default(), DwaTConfig::default())
+}
+
+/// A cart of 0.4 m that crosses the way of a robot in a hall: where it starts and how fast.
+#[derive(Debug, Clone, Copy)]
+struct Cart {
+    from: (f64, f64),
+    velocity: (f64, f64),
+}
+
+/// Drives along the hall while the cart passes: least distance while the robot moved faster than
+/// 0.05 m/s, least distance at all, seconds to the goal.
+fn cross(controller: &mut dyn Controller, cart: Cart, told: bool) -> (f64, f64, Option<f64>) {
+    let hall = [block(0.0, 0.0, 14.0, 0.2), block(0.0, 7.8, 14.0, 8.0)];
+    let robot = disc(0.25, 0.8, 1.0, 1.8, 3.0);
+    let corners = path(&[(1.0, 4.0), (12.0, 4.0)]);
+    let mut run = Loop::new(robot, &hall, (14.0, 8.0), Pose::new(1.0, 4.0, 0.0), corners);
+    let radius_m = 0.4;
+    let (mut moving_m, mut any_m) = (f64::INFINITY, f64::INFINITY);
+    for _ in 0..2000 {
+        let (x, y) = (
+            cart.from.0 + cart.velocity.0 * run.time_s,
+            cart.from.1 + cart.velocity.1 * run.time_s,
+        );
+        run.obstacles.clear();
+        if told {
+            run.obstacles.push(Obstacle {
+                track: 1,
+                x_m: x,
+                y_m: y,
+                vx_mps: cart.velocity.0,
+                vy_mps: cart.velocity.1,
+                radius_m,
+                covariance: [1e-3, 0.0, 0.0, 0.0, 1e-3, 0.0, 0.0, 0.02, 0.0, 0.02],
+                ..Obstacle::default()
+            });
+        }
+        // The lidar sees the cart as a square of its size.
+        run.blocks.truncate(2);
+        let half_m = 0.7 * radius_m;
+        run.blocks
+            .push(block(x - half_m, y - half_m, x + half_m, y + half_m));
+        run.step(controller);
+        let distance_m = (run.pose.x_m - x).hypot(run.pose.y_m - y) - radius_m - 0.25;
+        any_m = any_m.min(distance_m);
+        if run.twist.v_mps.abs() > 0.05 {
+            moving_m = moving_m.min(distance_m);
+        }
+        if run.pose.distance_m(&run.goal.pose) < run.goal.tolerance_m && run.twist.is_standing() {
+            return (moving_m, any_m, Some(run.time_s));
+        }
+    }
+    (moving_m, any_m, None)
+}
+
+#[test]
+fn a_crossing_cart_is_given_way() {
+    let mut without = 0;
+    for speed in [0.5, 1.0, 1.5] {
+        for meets_at in [3.0, 4.0, 5.0, 6.0, 7.0] {
+            // On the robot's line when an undisturbed robot would be there.
+            let arrives_s = (meets_at - 1.0) / 0.8 + 0.4;
+            for side in [-1.0, 1.0] {
+                let cart = Cart {
+                    from: (meets_at, 4.0 + side * speed * arrives_s),
+                    velocity: (0.0, -side * speed),
+                };
+                let (moving_m, any_m, time_s) = cross(&mut dwa_t(), cart, true);
+                println!("{cart:?}: {moving_m:.3} m, {any_m:.3} m, {time_s:?}");
+                assert!(moving_m > 0.0, "{cart:?}: the robot drove into it");
+                assert!(any_m > 0.0, "{cart:?}: it was run into");
+                assert!(time_s.is_some_and(|s| s < 30.0), "{cart:?}: {time_s:?}");
+                let (_, any_m, _) = cross(&mut dwa_t(), cart, false);
+                without += u32::from(any_m <= 0.0);
+            }
+        }
+    }
+    println!("{without} of 30 touch without prediction");
+    assert!(without > 5, "the carts were no danger");
+}
+
+#[test]
+fn a_cycle_allocates_nothing() {
+    let hall = [block(0.0, 0.0, 14.0, 0.4), block(0.0, 3.0, 14.0, 3.4)];
+    let robot = disc(0.25, 0.8, 1.0, 1.8, 3.0);
+    let corners = path(&[(1.0, 1.7), (12.0, 1.7)]);
+    let mut run = Loop::new(robot, &hall, (14.0, 3.4), Pose::new(1.0, 1.7, 0.0), corners);
+    let mut controller = dwa_t();
+    for _ in 0..50 {
+        run.step(&mut controller);
+    }
+    let obstacles = [Obstacle {
+        track: 1,
+        x_m: 6.0,
+        y_m: 1.5,
+        vx_mps: 0.5,
+        radius_m: 0.3,
+        ..Obstacle::default()
+    }];
+    let scan = run.scan();
+    let mut situation = Situation {
+        map_from_base: run.pose,
+        v_mps: run.twist.v_mps,
+        w_radps: run.twist.w_radps,
+        robot: &run.robot.description,
+        corners: &run.robot.corners,
+        path: &run.path,
+        path_geometry: run.geometry,
+        map: Some(run.map.view()),
+        map_cells: 2,
+        obstacles: &obstacles,
+        obstacles_age_s: 0.1,
+        scan_points_in_base: &scan,
+        goal: &run.goal,
+        speed_factor: 1.0,
+        period_s: PERIOD_S,
+    };
+    controller.decide(&situation);
+    let before = ALLOCATIONS.with(Counter::get);
+    // Ready cycles, and some with changed cells.
+    for cycle in 0..20 {
+        situation.map_cells = 2 + cycle / 5;
+        assert!(controller.decide(&situation).rollouts >= 800);
+    }
+    assert_eq!(ALLOCATIONS.with(Counter::get), before);
+}
