@@ -313,28 +313,20 @@ mod tests {
     const PERIOD_NS: u64 = 100_000_000;
 
     fn world() -> World {
-        let spec = WorldSpec {
-            map: None,
-            area_m: Some([[0.0, 0.0], [20.0, 4.0]]),
-            resolution_m: 0.1,
-            shapes: Vec::new(),
-            obstacles: vec![ObstacleSpec {
-                name: "load".to_owned(),
-                shape: ShapeSpec::Box {
-                    centre_m: [1.0, 1.0],
-                    size_m: [0.5, 1.0],
-                    yaw_rad: 0.25,
-                },
-                appears: Some(Trigger {
-                    at_s: Some(1.0e6),
-                    robot_near: None,
-                }),
-                lasts_s: None,
-                waypoints_m: Vec::new(),
-                speed_mps: 0.0,
-                repeat: false,
-            }],
+        let shape = ShapeSpec::Box {
+            centre_m: [1.0, 1.0],
+            size_m: [0.5, 1.0],
+            yaw_rad: 0.25,
         };
+        let mut spec = WorldSpec::area([0.0, 0.0], [20.0, 4.0]);
+        spec.resolution_m = 0.1;
+        spec.obstacles.push(ObstacleSpec {
+            appears: Some(Trigger {
+                at_s: Some(1.0e6),
+                robot_near: None,
+            }),
+            ..ObstacleSpec::standing("load", shape)
+        });
         World::new(&spec, None).expect("a world")
     }
 

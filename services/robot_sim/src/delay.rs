@@ -9,7 +9,7 @@ const COMMANDS_MAX: usize = 16_384;
 /// Commands on their way to the motors.
 #[derive(Debug, Clone)]
 pub struct Delay {
-    delay_ns: u64,
+    length_ns: u64,
     /// When each takes effect, in order. [ns]
     coming: VecDeque<(u64, Option<Twist>)>,
     present: Option<Twist>,
@@ -20,7 +20,7 @@ impl Delay {
     #[must_use]
     pub fn new(delay_ns: u64) -> Self {
         Self {
-            delay_ns,
+            length_ns: delay_ns,
             coming: VecDeque::new(),
             present: None,
         }
@@ -29,7 +29,7 @@ impl Delay {
     /// A command, or that there is none any more, arrives at `run_ns`. A later one of the same
     /// moment replaces it.
     pub fn push(&mut self, run_ns: u64, set_point: Option<Twist>) {
-        let takes_effect_ns = run_ns.saturating_add(self.delay_ns);
+        let takes_effect_ns = run_ns.saturating_add(self.length_ns);
         if self
             .coming
             .back()

@@ -1,5 +1,5 @@
-//! Worlds of DynaBARN, cylinders that go round in an arena whatever the robot does (Nair et al.,
-//! "DynaBARN: Benchmarking Metric Ground Navigation in Dynamic Environments", SSRR 2022), as CSV
+//! Worlds of `DynaBARN`, cylinders that go round in an arena whatever the robot does (Nair et al.,
+//! "`DynaBARN`: Benchmarking Metric Ground Navigation in Dynamic Environments", SSRR 2022), as CSV
 //! files `obstacle,plugin,period_s,t_s,x_m,y_m` with one key frame a line.
 //!
 //! Between key frames obstacles go straight (the benchmark's simulator lays a spline through

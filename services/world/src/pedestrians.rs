@@ -130,7 +130,7 @@ impl Scene {
                 radius_m: playback.radius_m,
             };
             Some(ObstacleSpec {
-                appears: (came_s > from_s).then(|| Trigger {
+                appears: (came_s > from_s).then_some(Trigger {
                     at_s: Some(came_s - from_s),
                     robot_near: None,
                 }),

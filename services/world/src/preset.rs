@@ -11,9 +11,9 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum RobotPreset {
-    /// TurtleBot 2 on a Kobuki base, with an RPLidar A1.
+    /// `TurtleBot` 2 on a Kobuki base, with an `RPLidar` A1.
     Turtlebot2,
-    /// TurtleBot3 burger, with its LDS-01.
+    /// `TurtleBot3` burger, with its LDS-01.
     Turtlebot3Burger,
     /// Clearpath Jackal, skid-steered, with a Hokuyo UST-10LX in front.
     Jackal,
@@ -22,7 +22,7 @@ pub enum RobotPreset {
 /// A lidar by name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum LidarPreset {
-    /// Slamtec RPLidar A1M8 at 5.5 turns a second.
+    /// Slamtec `RPLidar` A1M8 at 5.5 turns a second.
     #[serde(rename = "rplidar_a1")]
     RplidarA1,
     /// Hokuyo UST-10LX.
@@ -31,7 +31,7 @@ pub enum LidarPreset {
     /// Hokuyo UTM-30LX.
     #[serde(rename = "utm_30lx")]
     Utm30lx,
-    /// LDS-01 of the TurtleBot3.
+    /// LDS-01 of the `TurtleBot3`.
     #[serde(rename = "lds_01")]
     Lds01,
 }

@@ -201,6 +201,7 @@ enum Perhaps<T> {
 /// Slip as it is written.
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
+#[allow(clippy::struct_field_names, reason = "the words of a scenario")]
 struct SlipWords {
     forward_ratio: Option<f64>,
     turn_ratio: Option<f64>,

@@ -17,7 +17,7 @@ pub struct WorldSpec {
     /// CSV of a BARN world, see [`crate::barn`]: its cylinders become shapes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub barn: Option<PathBuf>,
-    /// A DynaBARN world: its walls become shapes, its cylinders obstacles.
+    /// A `DynaBARN` world: its walls become shapes, its cylinders obstacles.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dynabarn: Option<DynabarnSpec>,
     /// Recorded people, who become obstacles; may be laid on any other world.

@@ -302,12 +302,11 @@ impl World {
         };
         let leaf_m = |leaf: u32, _| {
             let index = leaf as usize;
-            Some(match self.rectangles.get(index) {
-                Some(rectangle) => rectangle_to_segment_m(rectangle, &segment),
-                None => {
-                    let shape = &self.shapes[index - self.rectangles.len()];
-                    shape.placed().distance_to_segment_m(a, b)
-                }
+            Some(if let Some(rectangle) = self.rectangles.get(index) {
+                rectangle_to_segment_m(rectangle, &segment)
+            } else {
+                let shape = &self.shapes[index - self.rectangles.len()];
+                shape.placed().distance_to_segment_m(a, b)
             })
         };
         self.tree
