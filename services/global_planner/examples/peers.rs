@@ -11,7 +11,8 @@
 #![allow(
     clippy::cast_precision_loss,
     clippy::cast_possible_truncation,
-    reason = "numbers of questions, costs of at most 21 cells"
+    clippy::cast_possible_wrap,
+    reason = "positions within a side, numbers of questions, costs of at most 21 cells"
 )]
 
 mod common;

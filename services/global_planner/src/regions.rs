@@ -180,7 +180,10 @@ mod tests {
             let rule = if corners { CornerRule::Allow } else { CornerRule::ForbidAny };
             let mut regions = Regions::default();
             regions.follow(&bits, rule);
-            let at = |n: usize| (n as u32 % width, n as u32 / width);
+            let at = |n: usize| {
+                let n = u32::try_from(n).unwrap();
+                (n % width, n / width)
+            };
             let mut label = vec![0; cells.len()];
             for seed in 0..cells.len() {
                 if cells[seed].blocks_centre() || label[seed] != 0 {

@@ -66,7 +66,7 @@ mod tests {
             for y in 1..=20 {
                 for x in 1..=30 {
                     state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
-                    lines.set(y, x, state >> 33 & 15 == 0);
+                    lines.set(y, x, (state >> 33).is_multiple_of(16));
                 }
             }
             let mut free = true;

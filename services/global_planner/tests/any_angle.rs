@@ -1,5 +1,7 @@
 //! Ways at any angle against the shortest there are, and what pulling and time make of a way.
 
+#![allow(clippy::print_stdout, reason = "the quality is worth a line")]
+
 mod support;
 
 use support::{Map, Rng};

@@ -3,6 +3,8 @@
 //! A sample; all of them: `cargo run --release -p zeronav-global-planner --example movingai --
 //! --data DIR`.
 
+#![allow(clippy::print_stdout, reason = "a skip is said aloud")]
+
 use std::path::{Path, PathBuf};
 use zeronav_global_planner::movingai::{GridMap, Scenario};
 use zeronav_global_planner::{
