@@ -44,7 +44,7 @@ impl Shape {
     }
 
     /// Distance between the outline at `pose` and a post. [m]
-    fn from_post_m(self, pose: &Pose, post: &Post) -> f64 {
+    fn to_post_m(self, pose: &Pose, post: &Post) -> f64 {
         let offset = pose.isometry().inverse() * post.at;
         let centre_m = match self {
             Self::Disc(radius_m) => offset.coords.norm() - radius_m,
@@ -58,7 +58,7 @@ impl Shape {
     }
 
     /// Distance between the outline at `pose` and the four walls. [m]
-    fn from_walls_m(self, pose: &Pose) -> f64 {
+    fn to_walls_m(self, pose: &Pose) -> f64 {
         let least = |point: Point2<f64>| HALF_M - point.x.abs().max(point.y.abs());
         match self {
             Self::Disc(radius_m) => least(pose.point()) - radius_m,
@@ -86,8 +86,8 @@ impl World {
     fn distance_m(&self, shape: Shape, pose: &Pose) -> f64 {
         self.posts
             .iter()
-            .map(|post| shape.from_post_m(pose, post))
-            .fold(shape.from_walls_m(pose), f64::min)
+            .map(|post| shape.to_post_m(pose, post))
+            .fold(shape.to_walls_m(pose), f64::min)
     }
 
     fn range_m(&self, from: Point2<f64>, direction: Vector2<f64>) -> f64 {
@@ -204,7 +204,7 @@ impl Loop {
             ),
             radius_m: random.random_range(0.05..0.4),
         };
-        if self.shape.from_post_m(&self.pose, &post) > least_m {
+        if self.shape.to_post_m(&self.pose, &post) > least_m {
             self.world.posts.push(post);
         }
     }
