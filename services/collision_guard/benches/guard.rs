@@ -43,9 +43,9 @@ fn cycle(criterion: &mut Criterion) {
     for (shape, corners) in [("disc", &[][..]), ("rectangle", &rectangle[..])] {
         for (scene, n, ahead_m, expected) in [
             ("free, 720 beams", 720, 8.0, Intervention::None),
-            ("slowed, 720 beams", 720, 1.1, Intervention::Slowed),
+            ("slowed, 720 beams", 720, 0.81, Intervention::Slowed),
             ("free, 1080 beams", 1080, 8.0, Intervention::None),
-            ("slowed, 1080 beams", 1080, 1.1, Intervention::Slowed),
+            ("slowed, 1080 beams", 1080, 0.81, Intervention::Slowed),
             ("stopped, 1080 beams", 1080, 0.6, Intervention::StoppedShort),
         ] {
             let step_rad = std::f32::consts::TAU / f32::from(n);

@@ -13,6 +13,11 @@
     clippy::cast_sign_loss,
     reason = "at most 64 speeds, 64 yaw rates and 64 steps"
 )]
+#![allow(
+    clippy::needless_range_loop,
+    clippy::single_match_else,
+    reason = "several arrays step by step and lane by lane"
+)]
 
 use crate::field::Sheet;
 use crate::lanes::{WIDTH, least_nearest_m, lower_space, strike};

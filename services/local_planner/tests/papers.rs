@@ -49,7 +49,7 @@ fn u_trap() -> Vec<Body> {
     back.chain(arms).collect()
 }
 
-fn scene<'a>(from: Point2<f64>, goal: Point2<f64>, bodies: &'a [Body]) -> Scene<'a> {
+fn scene(from: Point2<f64>, goal: Point2<f64>, bodies: &[Body]) -> Scene<'_> {
     Scene {
         at: from,
         velocity: Vector2::zeros(),

@@ -264,13 +264,12 @@ impl Driver {
             };
             let outline_m = |point| self.surroundings.footprint.distance_m(point);
             let struck = self.moving.margin_m(&at, elapsed_s, outline_m) < 0.0;
-            match self.surroundings.space(local, soft).filter(|_| !struck) {
-                Some(space) => least_m = least_m.min(f64::from(space)),
-                None => {
-                    let before_s = elapsed_s - weights.horizon_s / f64::from(STEPS);
-                    return (twist.v_mps.abs() * before_s, least_m);
-                }
-            }
+            let space = self.surroundings.space(local, soft);
+            let Some(space) = space.filter(|_| !struck) else {
+                let before_s = elapsed_s - weights.horizon_s / f64::from(STEPS);
+                return (twist.v_mps.abs() * before_s, least_m);
+            };
+            least_m = least_m.min(f64::from(space));
         }
         // Free as far as the arc goes: nothing in sight of a slow one bounds it.
         let stop_m = stop_distance_m(situation.robot, twist.v_mps, 0.0);
