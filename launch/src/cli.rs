@@ -34,6 +34,18 @@ pub enum Command {
         #[arg(long)]
         json: bool,
     },
+    /// The global planners that `services.global_planner.config.planner` can name.
+    Planners {
+        /// Print one JSON object.
+        #[arg(long)]
+        json: bool,
+    },
+    /// The controllers that `services.local_planner.config.controller` can name.
+    Controllers {
+        /// Print one JSON object.
+        #[arg(long)]
+        json: bool,
+    },
     /// The runs that go on, and their processes.
     Ps {
         /// Print one JSON object.

@@ -7,11 +7,13 @@ use crate::prepare::{self, Prepared};
 use crate::run::{self, Driven};
 use crate::scenario::{self, Scenario};
 use crate::show::report::RunResult;
+use crate::supervise::binaries;
 use crate::supervise::control::{self, Reply, Request, RunReport};
 use crate::trials::{self, Trials};
 use serde_json::json;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use zeronav_msgs::role::Role;
 
 /// The scenario's expectations were met.
 pub const EXIT_PASS: u8 = 0;
@@ -180,6 +182,44 @@ pub fn check(name: &str, json: bool) -> ExitCode {
         }
         Err(error) => usage(&error.to_string()),
     }
+}
+
+/// `zeronav planners` and `zeronav controllers`: what the stock service in this seat can do, in its
+/// own words.
+#[must_use]
+pub fn algorithms(role: Role, json: bool) -> ExitCode {
+    let listed = binaries::refresh_under_cargo()
+        .and_then(|()| binaries::find(Path::new(binaries::stock(role))))
+        .and_then(|binary| {
+            let output = std::process::Command::new(&binary).arg("--list").output();
+            let output = output.map_err(|error| format!("{}: {error}", binary.display()))?;
+            if output.status.success() {
+                Ok(String::from_utf8_lossy(&output.stdout).into_owned())
+            } else {
+                Err(format!("{} --list failed", binary.display()))
+            }
+        });
+    let text = match listed {
+        Ok(text) => text,
+        Err(problem) => return usage(&problem),
+    };
+    let rows: Vec<(&str, &str)> = text
+        .lines()
+        .filter_map(|line| line.split_once('\t'))
+        .collect();
+    if json {
+        let rows: Vec<_> = rows
+            .iter()
+            .map(|(key, line)| json!({ "key": key, "title": line }))
+            .collect();
+        say_json(&json!({ "algorithms": rows }));
+    } else {
+        let width = rows.iter().map(|(key, _)| key.len()).max().unwrap_or(0);
+        for (key, line) in rows {
+            say(&format!("{key:width$}  {line}\n"));
+        }
+    }
+    ExitCode::from(EXIT_PASS)
 }
 
 /// The runs that answer, with their root folders.

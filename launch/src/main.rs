@@ -4,6 +4,7 @@ use clap::Parser;
 use std::process::ExitCode;
 use zeronav::cli::{Cli, Command};
 use zeronav::commands;
+use zeronav_msgs::role::Role;
 
 fn main() -> ExitCode {
     let cli = match Cli::try_parse() {
@@ -26,6 +27,8 @@ fn main() -> ExitCode {
         Command::Run(arguments) => commands::run(&arguments),
         Command::List { json } => commands::list(json),
         Command::Check { scenario, json } => commands::check(&scenario, json),
+        Command::Planners { json } => commands::algorithms(Role::GlobalPlanner, json),
+        Command::Controllers { json } => commands::algorithms(Role::LocalPlanner, json),
         Command::Ps { json } => commands::ps(json),
         Command::Goal(arguments) => commands::goal(&arguments),
     }

@@ -285,3 +285,41 @@ fn ctrl_c_stops_the_robot_and_then_everything() {
         assert!(!zeronav_tests::is_alive(pid), "{line} is still there");
     }
 }
+
+/// A cart that nobody steers away from anything, at five timings. Whoever stands may be run into;
+/// the robot runs into nobody, and arrives.
+#[test]
+fn a_crossing_cart_is_let_pass_whenever_it_comes() {
+    let shipped = lockstep("crossing_cart");
+    assert_eq!(shipped["reached"], true, "{shipped:#}");
+    let file = zeronav_tests::workspace().join("launch/scenarios/crossing_cart.toml");
+    let text = std::fs::read_to_string(file).expect("the scenario");
+    for from_y_m in [9.4, 9.8, 10.6, 11.0] {
+        let moved = text
+            .replace("[5.8, 10.2]", &format!("[5.8, {from_y_m}]"))
+            .replace("contacts_max = 0", "contacts_max = 1");
+        assert_ne!(moved, text);
+        let folder = tempfile::tempdir().expect("a folder");
+        std::fs::write(folder.path().join("it.toml"), moved).expect("written");
+        let arguments = ["run", "./it.toml", "--lockstep", "--headless", "--json"];
+        let result = Zeronav::start_in(folder, &arguments).finish().expect(0);
+        assert_eq!(result["reached"], true, "from {from_y_m}: {result:#}");
+        assert_eq!(result["contacts_moving"], 0, "from {from_y_m}: {result:#}");
+    }
+}
+
+#[test]
+fn planners_and_controllers_are_listed_with_a_line_each() {
+    for (command, known) in [("planners", "c_astar"), ("controllers", "dwa")] {
+        let listed = zeronav(&[command, "--json"]).expect(0);
+        let rows = listed["algorithms"].as_array().expect("rows");
+        assert!(rows.iter().any(|row| row["key"] == known), "{listed:#}");
+        assert!(
+            rows.iter()
+                .all(|row| row["title"].as_str().is_some_and(|title| title.len() > 10)),
+            "{listed:#}"
+        );
+        let text = zeronav(&[command]).stdout;
+        assert_eq!(text.lines().count(), rows.len());
+    }
+}

@@ -12,10 +12,14 @@ use std::path::{Path, PathBuf};
 const TEXT_BYTES_MAX: u64 = 4 << 20;
 
 /// Name and text of the scenarios in this program. The files are those that users read.
-const SCENARIOS: [(&str, &str); 6] = [
+const SCENARIOS: [(&str, &str); 7] = [
     (
         "blocked_aisle",
         include_str!("../../scenarios/blocked_aisle.toml"),
+    ),
+    (
+        "crossing_cart",
+        include_str!("../../scenarios/crossing_cart.toml"),
     ),
     (
         "door_closes",

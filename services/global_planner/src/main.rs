@@ -2,6 +2,7 @@
 
 use std::process::ExitCode;
 use zeronav_global_planner::replan::{News, Replanner, Request, Situation, Step};
+use zeronav_global_planner::table::{PLANNERS, PlannerRow};
 use zeronav_global_planner::{Control, GlobalPlannerConfig, Target};
 use zeronav_msgs::CellRect;
 use zeronav_msgs::header::Parents;
@@ -141,6 +142,18 @@ impl Inputs {
 impl Service for PlannerService {
     const ROLE: Role = Role::GlobalPlanner;
     type Config = GlobalPlannerConfig;
+
+    fn algorithms() -> Vec<(&'static str, String)> {
+        let line = |row: &PlannerRow| {
+            let may_fail = if row.complete {
+                ""
+            } else {
+                "; may miss a way that there is"
+            };
+            (row.key, format!("{}{may_fail} ({})", row.title, row.source))
+        };
+        PLANNERS.iter().map(line).collect()
+    }
 
     fn open(shell: &mut Shell, config: GlobalPlannerConfig) -> Result<Self, StartError> {
         let replanner = Replanner::new(&config)

@@ -4,6 +4,7 @@ use std::process::ExitCode;
 use zeronav_local_planner::motion::Twist;
 use zeronav_local_planner::scan_points::ScanPoints;
 use zeronav_local_planner::staleness::{Ages, StaleInput};
+use zeronav_local_planner::table::{CONTROLLERS, ControllerRow};
 use zeronav_local_planner::{Inputs, LocalPlanner, LocalPlannerConfig, Outputs, PathInput};
 use zeronav_msgs::header::Parents;
 use zeronav_msgs::health::{REASON_MAP, REASON_ODOMETRY, REASON_PATH, REASON_SCAN};
@@ -169,6 +170,11 @@ impl Readings {
 impl Service for PlannerService {
     const ROLE: Role = Role::LocalPlanner;
     type Config = LocalPlannerConfig;
+
+    fn algorithms() -> Vec<(&'static str, String)> {
+        let line = |row: &ControllerRow| (row.key, format!("{} ({})", row.title, row.source));
+        CONTROLLERS.iter().map(line).collect()
+    }
 
     fn open(shell: &mut Shell, config: LocalPlannerConfig) -> Result<Self, StartError> {
         let planner = LocalPlanner::new(&config)

@@ -6,12 +6,12 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
-/// The five flags of a service.
+/// The five flags of a service, and one for curious people.
 #[derive(Debug, Clone, Parser)]
 #[command(about = "A service of a zeronav stack; normally started by `zeronav run`.", long_about = None)]
 pub struct Flags {
     /// Root folder of the run, directly under /dev/shm; its name is the prefix of everything.
-    #[arg(long, value_name = "ROOT", required_unless_present = "print_config")]
+    #[arg(long, value_name = "ROOT", required_unless_present_any = ["print_config", "list"])]
     pub domain: Option<PathBuf>,
     /// Which start of this role this is; launch gives every process a higher one.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=0xff_ffff))]
@@ -25,6 +25,9 @@ pub struct Flags {
     /// Print the configuration that would be used as TOML and leave.
     #[arg(long)]
     pub print_config: bool,
+    /// Print the algorithms that the configuration can name, one a line, and leave.
+    #[arg(long)]
+    pub list: bool,
 }
 
 /// The configuration of a service that has nothing to set; an unknown key is refused.

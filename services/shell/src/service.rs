@@ -39,6 +39,12 @@ pub trait Service: Sized {
     /// Its configuration, TOML; an empty file gives the defaults.
     type Config: Serialize + DeserializeOwned;
 
+    /// The algorithms that the configuration can name: key and one line for people.
+    #[must_use]
+    fn algorithms() -> Vec<(&'static str, String)> {
+        Vec::new()
+    }
+
     /// Opens the ports. Nothing is known yet about the run.
     ///
     /// # Errors
@@ -370,6 +376,12 @@ pub fn run<S: Service>() -> ExitCode {
 }
 
 fn drive<S: Service>(flags: &Flags) -> Result<(), StartError> {
+    if flags.list {
+        for (key, line) in S::algorithms() {
+            print(&format!("{key}\t{line}\n"));
+        }
+        return Ok(());
+    }
     let config: S::Config = flags.read_config()?;
     if flags.print_config {
         print(&Flags::config_text(&config)?);
@@ -431,7 +443,10 @@ fn catch_signals() -> Result<(Arc<AtomicBool>, UnixStream), StartError> {
     Ok((stop, reader))
 }
 
-#[allow(clippy::print_stdout, reason = "--print-config is data for the caller")]
+#[allow(
+    clippy::print_stdout,
+    reason = "--print-config and --list are data for the caller"
+)]
 fn print(text: &str) {
     print!("{text}");
 }
