@@ -14,6 +14,7 @@ use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use zeronav_msgs::role::Role;
+use zeronav_msgs::run::RunMode;
 
 /// The scenario's expectations were met.
 pub const EXIT_PASS: u8 = 0;
@@ -86,6 +87,10 @@ fn leave(prepared: &Prepared, driven: &Driven, result: &RunResult) -> Result<(),
     };
     let json = serde_json::to_string_pretty(result).map_err(|error| error.to_string())?;
     write("result.json", json + "\n")?;
+    if prepared.mode == RunMode::Lockstep {
+        let last_tick = driven.end_tick.saturating_sub(1);
+        write("answers.csv", driven.collector.hash.to_csv(last_tick))?;
+    }
     write(
         "run.svg",
         crate::result::picture(prepared, driven, result).to_svg(),

@@ -10,7 +10,7 @@ use crate::supervise::restart::{Decision, Restarts};
 use crate::supervise::stack::{Launch, Stack};
 use rustix::process::Signal;
 use serde::Serialize;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 use zeronav_msgs::role::Role;
@@ -52,8 +52,8 @@ pub struct Keeper<'a> {
     restarts: Restarts,
     hangs: HangWatch,
     looked: Instant,
-    /// Seats that were killed because they hung.
-    hung: BTreeSet<Role>,
+    /// Seats that were killed because they hung, and what the kernel said of the process.
+    hung: BTreeMap<Role, String>,
     /// Seats that wait for their backoff to pass, real time only.
     due: Vec<(Role, Instant)>,
     joining: Vec<Joining>,
@@ -71,7 +71,7 @@ impl<'a> Keeper<'a> {
             restarts: Restarts::default(),
             hangs: HangWatch::default(),
             looked: Instant::now(),
-            hung: BTreeSet::new(),
+            hung: BTreeMap::new(),
             due: Vec::new(),
             joining: Vec::new(),
             memory_peaks: BTreeMap::new(),
@@ -189,7 +189,7 @@ impl<'a> Keeper<'a> {
     fn kill(&mut self, stack: &mut Stack, role: Role) {
         if !self.prepared.binaries.contains_key(&role) {
             // Started by hand: somebody else's to end.
-            if self.hung.insert(role) {
+            if self.hung.insert(role, String::new()).is_none() {
                 tracing::warn!(%role, "no progress");
             }
             return;
@@ -197,8 +197,9 @@ impl<'a> Keeper<'a> {
         if let Some(child) = stack.children.iter_mut().find(|child| child.role == role)
             && child.ended().is_none()
         {
-            tracing::warn!(%role, pid = child.pid(), "no progress, killed");
-            self.hung.insert(role);
+            let condition = child.condition();
+            tracing::warn!(%role, pid = child.pid(), condition, "no progress, killed");
+            self.hung.insert(role, condition);
             child.signal(Signal::KILL);
             child.wait(GONE_LIMIT);
         }
@@ -215,8 +216,8 @@ impl<'a> Keeper<'a> {
         let role = child.role;
         let status = child.ended();
         let code = status.and_then(|status| status.code());
-        let how = if self.hung.remove(&role) {
-            "made no progress and was killed".to_owned()
+        let how = if let Some(condition) = self.hung.remove(&role) {
+            format!("made no progress and was killed ({condition})")
         } else {
             status.map_or_else(String::new, Child::end_in_words)
         };

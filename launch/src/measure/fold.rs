@@ -1,7 +1,9 @@
 //! The hash of a lockstep run.
 
+use core::fmt::Write;
 use std::collections::BTreeMap;
 use zeronav_msgs::message::{FNV_OFFSET, fnv1a};
+use zeronav_msgs::role::Role;
 use zeronav_msgs::span::{Span, SpanKind};
 
 /// Folds the hashes of all answers by (tick, role). Two runs with the same seed and the same
@@ -17,6 +19,18 @@ impl RunHash {
         if span.kind() == Some(SpanKind::Answer) && span.tick > 0 {
             self.answers.insert((span.tick, span.role), span.hash);
         }
+    }
+
+    /// Every answer up to `last_tick` as lines `tick,role,hash`, so that two runs that should be
+    /// alike can be laid side by side.
+    #[must_use]
+    pub fn to_csv(&self, last_tick: u64) -> String {
+        let mut text = "tick,role,hash\n".to_owned();
+        for ((tick, role), hash) in self.answers.range(..=(last_tick, u16::MAX)) {
+            let role = Role::from_code(*role).map_or("unknown", Role::label);
+            let _ = writeln!(text, "{tick},{role},{hash:016x}");
+        }
+        text
     }
 
     /// The hash over ticks 1 to `last_tick`, as 16 hexadecimal digits.

@@ -102,6 +102,31 @@ impl Child {
         self.ended
     }
 
+    /// What the kernel says that it is doing, for whoever wants to know why it does nothing: its
+    /// state, where it sleeps, and how long it has run and waited for a processor in all.
+    #[must_use]
+    pub fn condition(&self) -> String {
+        let read = |name: &str| {
+            std::fs::read_to_string(format!("/proc/{}/{name}", self.pid())).unwrap_or_default()
+        };
+        let stat = read("stat");
+        let state = stat
+            .rsplit(") ")
+            .next()
+            .and_then(|rest| rest.split(' ').next())
+            .unwrap_or("?")
+            .to_owned();
+        let times = read("schedstat");
+        let mut times_s = times
+            .split_ascii_whitespace()
+            .map(|ns| ns.parse::<u64>().map_or(0.0, crate::measure::seconds));
+        let (ran_s, waited_s) = (times_s.next().unwrap_or(0.0), times_s.next().unwrap_or(0.0));
+        let place = read("wchan");
+        format!(
+            "state {state} in {place}, ran {ran_s:.3} s, waited for a processor {waited_s:.3} s"
+        )
+    }
+
     /// Largest resident memory so far. [bytes]
     pub fn memory_peak_bytes(&mut self) -> u64 {
         let status = std::fs::read_to_string(format!("/proc/{}/status", self.pid()));

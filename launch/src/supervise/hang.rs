@@ -1,7 +1,9 @@
 //! Who does not make progress. Pure over progress counters.
 //!
 //! Time counts only as far as launch itself was awake: a machine that stands still, or a load that
-//! keeps launch from looking, makes nobody look hung.
+//! keeps launch from looking, makes nobody look hung. Seats that stand still together are more likely
+//! kept waiting by the machine (a processor that the host took away) than hung at the same moment:
+//! they get [`TOGETHER`] times as long.
 
 use core::time::Duration;
 use std::collections::HashMap;
@@ -11,6 +13,9 @@ use zeronav_msgs::role::Role;
 /// Most time that one look adds.
 const LOOK_MAX: Duration = Duration::from_millis(20);
 
+/// How many times longer seats may stand still that do it together.
+pub const TOGETHER: u32 = 10;
+
 /// Progress of every seat, as it was seen last.
 #[derive(Debug, Clone, Default)]
 pub struct HangWatch {
@@ -19,7 +24,7 @@ pub struct HangWatch {
 
 impl HangWatch {
     /// One look, `since` after the one before: the seat's epoch and progress counter. True when
-    /// the counter has stood still for longer than `limit`.
+    /// the counter has stood still for longer than `limit`, or much longer beside others.
     pub fn look(
         &mut self,
         role: Role,
@@ -41,7 +46,9 @@ impl HangWatch {
                 seen
             }
         };
-        seen.2 > limit
+        let still = seen.2;
+        let together = self.seen.values().filter(|seen| seen.2 > limit / 2).count() > 1;
+        still > if together { limit * TOGETHER } else { limit }
     }
 }
 
@@ -62,6 +69,26 @@ mod tests {
         }
         assert!(look(1, 10));
         assert!(!look(2, 10), "it goes on");
+    }
+
+    #[test]
+    fn seats_that_stand_still_together_get_more_time() {
+        let limit = Duration::from_millis(100);
+        let since = Duration::from_millis(10);
+        let mut watch = HangWatch::default();
+        let (mut first, mut looks) = (0, 0);
+        while first == 0 {
+            looks += 1;
+            let alone = watch.look(Role::Mapping, 1, looks, since, limit);
+            assert!(!alone, "it goes on");
+            let one = watch.look(Role::GlobalPlanner, 1, 7, since, limit);
+            let other = watch.look(Role::CollisionGuard, 1, 9, since, limit);
+            if one || other {
+                first = looks;
+            }
+        }
+        // The first look counts no time, and standing still has to last longer than the limit.
+        assert_eq!(first, 10 * u64::from(TOGETHER) + 2);
     }
 
     #[test]
