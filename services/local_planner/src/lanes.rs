@@ -3,7 +3,8 @@
 //!
 //! This is the one file of the package with `unsafe`: the gathers read through a pointer, and the
 //! choice of the instruction set is made at run time. The portable twin is the meaning; the tests
-//! compare the two.
+//! compare the two. Where no gather is needed the twin itself is compiled a second time with AVX2
+//! allowed; without contraction of products and sums that gives the same bits.
 
 #![allow(
     clippy::cast_possible_truncation,
@@ -13,6 +14,7 @@
 )]
 
 use crate::field::Sheet;
+use zeronav_msgs::MapCell;
 
 /// Lanes that are worked on together; slices are multiples of it.
 pub(crate) const WIDTH: usize = 8;
@@ -53,25 +55,174 @@ pub(crate) fn lower_space(
     portable::lower_space(sheet, x, y, radius_m, space);
 }
 
-/// Below which the squared distance from a disc's centre is a contact: marks `first` of those
-/// lanes with `step` unless an earlier one stands there.
-#[inline]
-pub(crate) fn strike(x: &[f32], y: &[f32], disc: [f32; 3], step: f32, first: &mut [f32]) {
-    let squared = disc[2] * disc[2];
-    for ((x, y), first) in x.iter().zip(y).zip(first) {
-        let (dx, dy) = (x - disc[0], y - disc[1]);
-        let struck = if dx * dx + dy * dy < squared {
-            step
-        } else {
-            f32::INFINITY
-        };
-        *first = if struck < *first { struck } else { *first };
-    }
+/// Compiles a portable kernel twice and chooses at run time.
+macro_rules! compiled_twice {
+    ($($(#[$meta:meta])* fn $name:ident($($argument:ident: $type:ty),* $(,)?);)*) => {
+        $(
+            $(#[$meta])*
+            pub(crate) fn $name($($argument: $type),*) {
+                #[cfg(target_arch = "x86_64")]
+                {
+                    #[target_feature(enable = "avx2")]
+                    fn wide($($argument: $type),*) {
+                        portable::$name($($argument),*);
+                    }
+                    if std::is_x86_feature_detected!("avx2") {
+                        // SAFETY: the processor has AVX2.
+                        #[allow(unsafe_code, reason = "chosen at run time")]
+                        return unsafe { wide($($argument),*) };
+                    }
+                }
+                portable::$name($($argument),*);
+            }
+        )*
+    };
+}
+
+compiled_twice! {
+    /// Marks `first` with `step` at the lanes that are nearer to the centre of a disc (x, y,
+    /// radius) than its radius, unless an earlier step stands there.
+    fn strike(x: &[f32], y: &[f32], disc: [f32; 3], step: f32, first: &mut [f32]);
+
+    /// One step of a row: the ends of chords of `driven` metres.
+    fn advance(
+        driven: f32,
+        chord: (&[f32], &[f32]),
+        from: (&[f32], &[f32]),
+        x: &mut [f32],
+        y: &mut [f32],
+    );
+
+    /// With (need, step, counts): marks the lanes with less than `need` as hit in `step` unless
+    /// they were hit before, and lowers the least space of those that were not, when it `counts`.
+    fn note_space(
+        space: &[f32],
+        terms: (f32, f32, bool),
+        hit: &mut [f32],
+        least: &mut [f32],
+    );
+
+    /// Per place the squared distance to the nearest of at most 32 samples, with the sample's
+    /// index in its last five bits (micrometres), so that a minimum finds both without branches.
+    fn nearest_keys(sample_x: &[f32], sample_y: &[f32], x: &[f32], y: &[f32], keys: &mut [u32]);
+
+    /// Lowers squared distances in whole rows of `side` cells, between the columns `from` and `to`
+    /// (inclusive), to those from a point `at` (column, row). Cells are `scale` metres wide. [m^2]
+    fn lower_block(
+        cells: &mut [f32],
+        columns: (usize, usize, usize),
+        at: (f32, f32),
+        scale: f32,
+    );
+
+    /// Lowers clearances to the roots of squared distances, and forgets these.
+    fn settle_row(cells: &mut [f32], squared: &mut [f32]);
+
+    /// Clearances of a row of the map. [m]
+    fn clearances(cells: &[MapCell], clearances: &mut [f32]);
 }
 
 /// The meaning of the kernels.
 mod portable {
-    use super::Sheet;
+    use super::{MapCell, Sheet};
+
+    #[inline(always)]
+    pub(super) fn strike(x: &[f32], y: &[f32], disc: [f32; 3], step: f32, first: &mut [f32]) {
+        let squared = disc[2] * disc[2];
+        for ((x, y), first) in x.iter().zip(y).zip(first) {
+            let (dx, dy) = (x - disc[0], y - disc[1]);
+            let struck = if dx * dx + dy * dy < squared {
+                step
+            } else {
+                f32::INFINITY
+            };
+            *first = if struck < *first { struck } else { *first };
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn advance(
+        driven: f32,
+        chord: (&[f32], &[f32]),
+        from: (&[f32], &[f32]),
+        x: &mut [f32],
+        y: &mut [f32],
+    ) {
+        for ((x, from), chord) in x.iter_mut().zip(from.0).zip(chord.0) {
+            *x = from + driven * chord;
+        }
+        for ((y, from), chord) in y.iter_mut().zip(from.1).zip(chord.1) {
+            *y = from + driven * chord;
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn note_space(
+        space: &[f32],
+        (need, step, counts): (f32, f32, bool),
+        hit: &mut [f32],
+        least: &mut [f32],
+    ) {
+        for ((space, hit), least) in space.iter().zip(hit).zip(least) {
+            let first = if *space < need { step } else { f32::INFINITY };
+            *hit = if first < *hit { first } else { *hit };
+            let seen = counts && *hit > step && *space < *least;
+            *least = if seen { *space } else { *least };
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn nearest_keys(
+        sample_x: &[f32],
+        sample_y: &[f32],
+        x: &[f32],
+        y: &[f32],
+        keys: &mut [u32],
+    ) {
+        keys.fill(f32::MAX.to_bits());
+        let samples = sample_x.iter().zip(sample_y).zip(0_u32..32);
+        for ((sample_x, sample_y), i) in samples {
+            for ((x, y), least) in x.iter().zip(y).zip(keys.iter_mut()) {
+                let (dx, dy) = (sample_x - x, sample_y - y);
+                let key = ((dx * dx + dy * dy).to_bits() & !31) | i;
+                // Numbers that are not negative are in the order of their bits.
+                *least = key.min(*least);
+            }
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn lower_block(
+        cells: &mut [f32],
+        (from, to, side): (usize, usize, usize),
+        (x, y): (f32, f32),
+        scale: f32,
+    ) {
+        for (row, cells) in cells.chunks_exact_mut(side).enumerate() {
+            let dy = (row as f32 - y) * scale;
+            for (cell, column) in cells[from..=to].iter_mut().zip(from as i32..) {
+                let dx = (column as f32 - x) * scale;
+                let squared = dx * dx + dy * dy;
+                *cell = if squared < *cell { squared } else { *cell };
+            }
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn settle_row(cells: &mut [f32], squared: &mut [f32]) {
+        for (cell, squared) in cells.iter_mut().zip(squared) {
+            let distance = squared.sqrt();
+            *cell = if distance < *cell { distance } else { *cell };
+            *squared = f32::INFINITY;
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn clearances(cells: &[MapCell], clearances: &mut [f32]) {
+        for (to, from) in clearances.iter_mut().zip(cells) {
+            *to = f32::from(from.clearance_mm) * 1.0e-3;
+        }
+    }
 
     fn nearest(sheet: &Sheet<'_>, x: f32, y: f32) -> f32 {
         let last = sheet.side - 1;
