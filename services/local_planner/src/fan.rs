@@ -20,7 +20,10 @@
 )]
 
 use crate::field::Sheet;
-use crate::lanes::{WIDTH, advance, least_nearest_m, lower_space, note_space, strike};
+use crate::footprint::DISCS_MAX;
+use crate::lanes::{
+    WIDTH, advance, least_nearest_m, lower_space, lower_space_around, note_space, strike,
+};
 use crate::motion::{Twist, reachable, sinc};
 use crate::moving::Moving;
 use crate::surroundings::{Surroundings, narrow};
@@ -225,10 +228,10 @@ impl Fan {
         let arcs = &self.arcs[speed * self.steps..(speed + 1) * self.steps];
         let driven = &self.driven[speed * self.steps..(speed + 1) * self.steps];
         // Who is looked at beyond that are those that move.
-        let rolled = if !self.overlaps.is_empty() {
-            self.steps
-        } else {
+        let rolled = if self.overlaps.is_empty() {
             looked
+        } else {
+            self.steps
         };
         let origin = [0.0_f32; LANES_MAX];
         let (mut from_x, mut from_y) = (&origin, &origin);
@@ -352,25 +355,17 @@ fn fill_space(
         return;
     }
     let enough = narrow(footprint.circumscribed_m) + soft + surroundings.field.slack_m();
+    let mut discs = [[0.0; 3]; DISCS_MAX];
+    for (to, disc) in discs.iter_mut().zip(&footprint.discs) {
+        *to = [disc.centre.x, disc.centre.y, disc.radius_m].map(narrow);
+    }
+    let discs = &discs[..footprint.discs.len().min(DISCS_MAX)];
     for start in (0..x.len()).step_by(WIDTH) {
         let lanes = start..start + WIDTH;
-        let (x, y) = (&x[lanes.clone()], &y[lanes.clone()]);
-        if least_nearest_m(sheet, x, y) >= enough {
-            continue;
-        }
-        let (cos, sin) = (&cos[lanes.clone()], &sin[lanes.clone()]);
-        let space = &mut space[lanes];
-        for disc in &footprint.discs {
-            let (dx, dy) = (narrow(disc.centre.x), narrow(disc.centre.y));
-            let (mut at_x, mut at_y) = ([0.0_f32; WIDTH], [0.0_f32; WIDTH]);
-            for i in 0..WIDTH {
-                at_x[i] = x[i] + cos[i] * dx - sin[i] * dy;
-                at_y[i] = y[i] + sin[i] * dx + cos[i] * dy;
-            }
-            lower_space(sheet, &at_x, &at_y, narrow(disc.radius_m), space);
-            if space.iter().all(|space| *space < need) {
-                break;
-            }
+        let at = (&x[lanes.clone()], &y[lanes.clone()]);
+        if least_nearest_m(sheet, at.0, at.1) < enough {
+            let heading = (&cos[lanes.clone()], &sin[lanes.clone()]);
+            lower_space_around(sheet, at, heading, (discs, need), &mut space[lanes]);
         }
     }
 }

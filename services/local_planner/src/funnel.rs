@@ -450,7 +450,7 @@ mod tests {
             let mut seeds: Vec<(u32, u32)> = (0..6)
                 .map(|_| (random.random_range(0..40_000), random.random_range(0..576)))
                 .collect();
-            seeds.sort_unstable_by(|a, b| b.0.cmp(&a.0));
+            seeds.sort_unstable_by_key(|seed| core::cmp::Reverse(seed.0));
             let mut funnel = Funnel {
                 side,
                 cell_m: 1.0,

@@ -8,6 +8,7 @@
 
 #![allow(
     clippy::cast_possible_truncation,
+    clippy::cast_possible_wrap,
     clippy::cast_precision_loss,
     clippy::cast_sign_loss,
     reason = "indices of a window of at most 1024 cells, clamped before use"
@@ -53,6 +54,29 @@ pub(crate) fn lower_space(
         return;
     }
     portable::lower_space(sheet, x, y, radius_m, space);
+}
+
+/// [`lower_space`] around an outline covered by `discs` (x, y in `base`, radius), at headings with
+/// this cosine and sine. Exact where the space stays at least `need`. [m]
+///
+/// All slices are equally long, a multiple of [`WIDTH`].
+pub(crate) fn lower_space_around(
+    sheet: &Sheet<'_>,
+    at: (&[f32], &[f32]),
+    heading: (&[f32], &[f32]),
+    (discs, need): (&[[f32; 3]], f32),
+    space: &mut [f32],
+) {
+    #[cfg(target_arch = "x86_64")]
+    if avx2::is_here(sheet) {
+        // SAFETY: the processor has AVX2, and the sheet holds side x side cells.
+        #[allow(unsafe_code, reason = "chosen at run time")]
+        unsafe {
+            avx2::lower_space_around(sheet, at, heading, (discs, need), space);
+        }
+        return;
+    }
+    portable::lower_space_around(sheet, at, heading, (discs, need), space);
 }
 
 /// Compiles a portable kernel twice and chooses at run time.
@@ -123,8 +147,12 @@ compiled_twice! {
 }
 
 /// The meaning of the kernels.
+#[allow(
+    clippy::inline_always,
+    reason = "compiled once more with AVX2 only where it is inlined"
+)]
 mod portable {
-    use super::{MapCell, Sheet};
+    use super::{MapCell, Sheet, WIDTH};
 
     #[inline(always)]
     pub(super) fn strike(x: &[f32], y: &[f32], disc: [f32; 3], step: f32, first: &mut [f32]) {
@@ -260,6 +288,30 @@ mod portable {
             let above = if fu < 0.5 { a0 } else { a1 };
             let nearest = if fv < 0.5 { below } else { above };
             nearest - (du * du + dv * dv).sqrt() * h
+        }
+    }
+
+    pub(super) fn lower_space_around(
+        sheet: &Sheet<'_>,
+        (x, y): (&[f32], &[f32]),
+        (cos, sin): (&[f32], &[f32]),
+        (discs, need): (&[[f32; 3]], f32),
+        space: &mut [f32],
+    ) {
+        for start in (0..x.len()).step_by(WIDTH) {
+            let space = &mut space[start..start + WIDTH];
+            for [dx, dy, radius] in discs {
+                let (mut at_x, mut at_y) = ([0.0_f32; WIDTH], [0.0_f32; WIDTH]);
+                for i in 0..WIDTH {
+                    let (cos, sin) = (cos[start + i], sin[start + i]);
+                    at_x[i] = x[start + i] + cos * dx - sin * dy;
+                    at_y[i] = y[start + i] + sin * dx + cos * dy;
+                }
+                lower_space(sheet, &at_x, &at_y, *radius, space);
+                if space.iter().all(|space| *space < need) {
+                    break;
+                }
+            }
         }
     }
 
@@ -422,6 +474,60 @@ mod avx2 {
             }
         }
     }
+
+    /// See the portable twin.
+    ///
+    /// # Safety
+    /// Only where [`is_here`] says so.
+    #[target_feature(enable = "avx2")]
+    pub(super) unsafe fn lower_space_around(
+        sheet: &Sheet<'_>,
+        at: (&[f32], &[f32]),
+        heading: (&[f32], &[f32]),
+        (discs, need): (&[[f32; 3]], f32),
+        space: &mut [f32],
+    ) {
+        let slack = _mm256_set1_ps(core::f32::consts::FRAC_1_SQRT_2 * sheet.resolution_m);
+        let need = _mm256_set1_ps(need);
+        let places = at.0.chunks_exact(WIDTH).zip(at.1.chunks_exact(WIDTH));
+        let headings = heading
+            .0
+            .chunks_exact(WIDTH)
+            .zip(heading.1.chunks_exact(WIDTH));
+        let lanes = places.zip(headings).zip(space.chunks_exact_mut(WIDTH));
+        for (((x, y), (cos, sin)), space) in lanes {
+            // SAFETY: chunks of eight; the caller vouches for the sheet.
+            unsafe {
+                let (x, y) = (_mm256_loadu_ps(x.as_ptr()), _mm256_loadu_ps(y.as_ptr()));
+                let (cos, sin) = (_mm256_loadu_ps(cos.as_ptr()), _mm256_loadu_ps(sin.as_ptr()));
+                let mut now = _mm256_loadu_ps(space.as_ptr());
+                for disc in discs {
+                    let (dx, dy) = (_mm256_set1_ps(disc[0]), _mm256_set1_ps(disc[1]));
+                    let radius = _mm256_set1_ps(disc[2]);
+                    let at_x = _mm256_sub_ps(
+                        _mm256_add_ps(x, _mm256_mul_ps(cos, dx)),
+                        _mm256_mul_ps(sin, dy),
+                    );
+                    let at_y = _mm256_add_ps(
+                        _mm256_add_ps(y, _mm256_mul_ps(sin, dx)),
+                        _mm256_mul_ps(cos, dy),
+                    );
+                    let enough = _mm256_add_ps(_mm256_add_ps(radius, now), slack);
+                    let short = _mm256_cmp_ps::<_CMP_LT_OQ>(nearest(sheet, at_x, at_y), enough);
+                    if _mm256_movemask_ps(short) != 0 {
+                        let bound = bound(sheet, at_x, at_y);
+                        let lowered = _mm256_min_ps(now, _mm256_sub_ps(bound, radius));
+                        now = _mm256_blendv_ps(now, lowered, short);
+                    }
+                    let blocked = _mm256_cmp_ps::<_CMP_LT_OQ>(now, need);
+                    if _mm256_movemask_ps(blocked) == 0xFF {
+                        break;
+                    }
+                }
+                _mm256_storeu_ps(space.as_mut_ptr(), now);
+            }
+        }
+    }
 }
 
 #[cfg(test)]
@@ -460,6 +566,15 @@ mod tests {
             lower_space(&sheet, &x, &y, 0.2, &mut found);
             portable::lower_space(&sheet, &x, &y, 0.2, &mut expected);
             let bits = |space: &[f32]| space.iter().map(|s| s.to_bits()).collect::<Vec<_>>();
+            assert_eq!(bits(&found), bits(&expected));
+            let yaws: Vec<f32> = (0..48).map(|_| random.random_range(-3.0..3.0)).collect();
+            let cos: Vec<f32> = yaws.iter().map(|yaw| yaw.cos()).collect();
+            let sin: Vec<f32> = yaws.iter().map(|yaw| yaw.sin()).collect();
+            let discs = [[0.1, 0.05, 0.1], [-0.1, 0.02, 0.15], [0.2, -0.1, 0.05]];
+            let (at, heading) = ((&x[..], &y[..]), (&cos[..], &sin[..]));
+            let (mut found, mut expected) = (vec![0.2; 48], vec![0.2; 48]);
+            lower_space_around(&sheet, at, heading, (&discs, 0.02), &mut found);
+            portable::lower_space_around(&sheet, at, heading, (&discs, 0.02), &mut expected);
             assert_eq!(bits(&found), bits(&expected));
         }
     }
