@@ -4,6 +4,7 @@ use crate::config::GuardConfig;
 use crate::limits::{Limits, Twist};
 use crate::outline::Outline;
 use crate::sweep::Space;
+use crate::swept::Swept;
 use crate::view::View;
 use crate::watch::{FrozenScan, OdometrySense, Order, seconds};
 use zeronav_msgs::Pose;
@@ -279,15 +280,11 @@ impl Guard {
             v_mps: odometry.v_mps,
             w_radps: odometry.w_radps,
         };
-        let fastest_mps = measured.v_mps.abs().max(clamped.v_mps.abs());
-        let reach_m = stop_distance_m(limits, fastest_mps, config.reaction_s)
-            + outline.radius_m
-            + config.margin_m
-            + config.slow_zone_m
-            + 0.1;
-        self.view.look(&odometry.pose, reach_m);
-        let space = Space::new(outline, &self.view.near, config.margin_m);
         let enough_m = config.margin_m + config.slow_zone_m;
+        let ends = (measured, clamped);
+        let swept = Swept::new(limits, outline, ends, config.reaction_s, enough_m);
+        self.view.look(&odometry.pose, &swept);
+        let space = Space::new(outline, &self.view.near, config.margin_m);
         // Braking may begin with the next command or at the end of the reaction time, on another
         // curvature when the robot is still turning in: both stops must be free.
         let way = |twist: Twist| {

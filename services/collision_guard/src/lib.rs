@@ -17,6 +17,7 @@ mod guard;
 mod limits;
 mod outline;
 mod sweep;
+mod swept;
 mod view;
 mod watch;
 

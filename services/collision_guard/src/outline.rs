@@ -65,6 +65,34 @@ impl Outline {
         twist.v_mps.abs() + twist.w_radps.abs() * reach_m
     }
 
+    /// How far the outline reaches forwards, backwards and to the left and right when it has turned
+    /// by at most `turned_rad` to either side: bounds from above. [m]
+    pub(crate) fn extents(&self, turned_rad: f64) -> (f64, f64, (f64, f64)) {
+        let radius_m = self.radius_m;
+        if self.is_disc() {
+            return (radius_m, radius_m, (radius_m, radius_m));
+        }
+        let sin = if turned_rad < core::f64::consts::FRAC_PI_2 {
+            turned_rad.sin()
+        } else {
+            return (radius_m, radius_m, (radius_m, radius_m));
+        };
+        // Of a corner (x, y) the new x is at most max(x, 0) + |y| sin, and so on.
+        let most = |of: fn(Vector2<f64>, f64) -> f64| {
+            let corners = self.edges[..self.n_edges].iter();
+            corners.fold(0.0, |most: f64, edge| most.max(of(edge.from, sin)))
+        };
+        let forward = most(|at, sin| at.x.max(0.0) + at.y.abs() * sin);
+        let backward = most(|at, sin| (-at.x).max(0.0) + at.y.abs() * sin);
+        let left = most(|at, sin| at.y.max(0.0) + at.x.abs() * sin);
+        let right = most(|at, sin| (-at.y).max(0.0) + at.x.abs() * sin);
+        (
+            forward.min(radius_m),
+            backward.min(radius_m),
+            (left.min(radius_m), right.min(radius_m)),
+        )
+    }
+
     /// Signed distance of a point in `base`, negative inside. Exact when it is below `enough_m`;
     /// beyond it may be anything from `enough_m` up. [m]
     pub(crate) fn distance_m(&self, point: Vector2<f64>, enough_m: f64) -> f64 {

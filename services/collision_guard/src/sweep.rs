@@ -13,7 +13,7 @@ pub(crate) const SPACING_M: f64 = 0.02;
 const STEP_S_MIN: f64 = 2.0e-3;
 
 /// [s] longest step, over which a ramp is taken as one mean twist.
-const STEP_S_MAX: f64 = 0.05;
+pub(crate) const STEP_S_MAX: f64 = 0.05;
 
 /// Most poses of one way.
 const POSES_MAX: u32 = 1000;

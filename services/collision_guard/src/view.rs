@@ -1,6 +1,7 @@
 //! What the lidar shows: the hits of the last two scans, carried by odometry to where the robot is.
 
 use crate::limits::Twist;
+use crate::swept::Swept;
 use nalgebra::{Isometry2, Point2, Vector2};
 use zeronav_msgs::Pose;
 use zeronav_msgs::scan::{BEAMS_MAX, Scan};
@@ -110,18 +111,24 @@ impl View {
         }
     }
 
-    /// Picks the hits within `reach_m` of a robot at `odom_from_base`.
-    pub(crate) fn look(&mut self, odom_from_base: &Pose, reach_m: f64) {
+    /// Picks the hits that can matter to a robot at `odom_from_base`.
+    pub(crate) fn look(&mut self, odom_from_base: &Pose, swept: &Swept) {
         let base_from_odom: Isometry2<f64> = odom_from_base.isometry().inverse();
-        let centre = odom_from_base.point();
-        let reach_squared = reach_m * reach_m;
+        let (translation, rotation) = (
+            base_from_odom.translation.vector,
+            base_from_odom.rotation.into_inner(),
+        );
+        let (cos, sin) = (rotation.re, rotation.im);
         self.near.clear();
         for sight in &self.sights {
-            let near = sight
-                .points_in_odom
-                .iter()
-                .filter(|point| (*point - centre).norm_squared() <= reach_squared);
-            self.near.extend(near.map(|point| base_from_odom * point));
+            let in_base = sight.points_in_odom.iter().map(|point| {
+                Point2::new(
+                    cos * point.x - sin * point.y + translation.x,
+                    sin * point.x + cos * point.y + translation.y,
+                )
+            });
+            self.near
+                .extend(in_base.filter(|point| swept.holds(*point)));
         }
     }
 }
@@ -129,6 +136,9 @@ impl View {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::limits::Limits;
+    use crate::outline::Outline;
+    use zeronav_msgs::description::Description;
 
     fn scan(time_increment_s: f32) -> Scan {
         Scan {
@@ -141,8 +151,22 @@ mod tests {
         }
     }
 
+    /// Five metres around a robot that stands.
+    fn all_around() -> Swept {
+        let limits = Limits {
+            v_mps_max: 1.0,
+            v_mps_min: 0.0,
+            w_radps_max: 1.0,
+            a_mps2_max: 1.0,
+            brake_mps2: 1.0,
+            alpha_radps2_max: 1.0,
+        };
+        let outline = Outline::new(&Description::default(), &[]);
+        Swept::new(&limits, &outline, (Twist::REST, Twist::REST), 0.0, 5.0)
+    }
+
     fn ahead(view: &mut View, at: Pose) -> Vec<Point2<f64>> {
-        view.look(&at, 5.0);
+        view.look(&at, &all_around());
         view.near.clone()
     }
 

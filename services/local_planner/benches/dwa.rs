@@ -1,10 +1,13 @@
 //! One control cycle of the dynamic windows: disc and rectangle, known and unknown surroundings,
-//! and of `dwa_t` with 20 tracked obstacles.
+//! and of `dwa_t` with 20 tracked obstacles. "ready" is a cycle between two scans, in which map and
+//! points lie where they lay; "new scan" one with noisy points and a map some cells of which changed.
 //!
 //! `cargo bench -p zeronav-local-planner --no-default-features`
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use nalgebra::Point2;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg32;
 use std::hint::black_box;
 use zeronav_local_planner::config::{DwaConfig, DwaTConfig};
 use zeronav_local_planner::controller::{Controller, Situation};
@@ -60,6 +63,16 @@ fn scan(n: u32, box_ahead: bool) -> Vec<Point2<f64>> {
     points
 }
 
+/// The points with a centimetre of noise.
+fn noisy(points: &[Point2<f64>], seed: u64) -> Vec<Point2<f64>> {
+    let mut random = Pcg32::seed_from_u64(seed);
+    let mut off = || random.random_range(-0.017..0.017);
+    points
+        .iter()
+        .map(|point| Point2::new(point.x + off(), point.y + off()))
+        .collect()
+}
+
 fn disc() -> (Description, Vec<Corner>) {
     let robot = Description {
         inscribed_radius_m: 0.25,
@@ -108,6 +121,10 @@ fn crowd() -> Vec<Obstacle> {
 
 fn cycle(criterion: &mut Criterion) {
     let cells = aisle();
+    let mut others = cells.clone();
+    // 1.2 m ahead less space beside the wall, so that the cost-to-go is made anew.
+    others[23 * 400 + 124].clearance_mm -= 100;
+    others[23 * 400 + 125].clearance_mm -= 100;
     let waypoint = |x_m| Waypoint {
         x_m,
         y_m: 1.5,
@@ -161,21 +178,40 @@ fn cycle(criterion: &mut Criterion) {
                 Dwa::timed(DwaConfig::default(), DwaTConfig::default()),
             ),
         ];
-        for (key, controller) in &mut controllers {
-            let rollouts = controller.decide(&situation).rollouts;
-            criterion.bench_function(&format!("{key}, {name}, {rollouts} rollouts"), |bencher| {
-                bencher.iter(|| controller.decide(black_box(&situation)));
-            });
-        }
         let obstacles = crowd();
         let crowded = Situation {
             obstacles: &obstacles,
             ..situation
         };
-        let (_, controller) = &mut controllers[1];
-        criterion.bench_function(&format!("dwa_t, {name}, 20 tracked"), |bencher| {
-            bencher.iter(|| controller.decide(black_box(&crowded)));
-        });
+        let rings = [noisy(&points, 1), noisy(&points, 2)];
+        for (key, controller) in &mut controllers {
+            for (with, situation) in [("", situation), (", 20 tracked", crowded)] {
+                if *key == "dwa" && !with.is_empty() {
+                    continue;
+                }
+                assert!(controller.decide(&situation).rollouts >= 800);
+                criterion.bench_function(&format!("{key}, {name}{with}, ready"), |bencher| {
+                    bencher.iter(|| controller.decide(black_box(&situation)));
+                });
+                let mut scans = 1;
+                criterion.bench_function(&format!("{key}, {name}{with}, new scan"), |bencher| {
+                    bencher.iter(|| {
+                        scans += 1;
+                        let changed = scans % 2;
+                        let situation = Situation {
+                            map: Some(MapView {
+                                geometry: &GEOMETRY,
+                                cells: if changed == 0 { &cells } else { &others },
+                            }),
+                            map_cells: scans,
+                            scan_points_in_base: if changed == 0 { &rings[0] } else { &rings[1] },
+                            ..situation
+                        };
+                        controller.decide(black_box(&situation))
+                    });
+                });
+            }
+        }
     }
 }
 

@@ -176,7 +176,7 @@ impl Dwa {
             timed.standing_points(situation, &mut self.moving)
         });
         self.surroundings.look(
-            situation.map,
+            situation.map.map(|map| (map, situation.map_cells)),
             &situation.map_from_base,
             points,
             stamped,

@@ -20,11 +20,15 @@
 )]
 
 use crate::field::Sheet;
-use crate::lanes::{WIDTH, least_nearest_m, lower_space, strike};
+use crate::footprint::DISCS_MAX;
+use crate::lanes::{
+    WIDTH, advance, least_nearest_m, lower_space, lower_space_around, note_space, strike,
+};
 use crate::motion::{Twist, reachable, sinc};
 use crate::moving::Moving;
 use crate::surroundings::{Surroundings, narrow};
 use crate::window::{Window, ramp_mean, snap, spread};
+use zeronav_msgs::obstacles::OBSTACLES_MAX;
 
 /// Most yaw rates of a window.
 pub(crate) const LANES_MAX: usize = 64;
@@ -56,6 +60,10 @@ pub(crate) struct Fan {
     sin: Vec<Lanes>,
     /// Turned up to the end of each step. [rad]
     turned: Vec<Lanes>,
+    /// By how much the robot overlaps each predicted obstacle now. [m]
+    overlaps: Vec<f32>,
+    /// Centres of predicted obstacles and the distances of contact, steps x obstacles. [m]
+    discs: Vec<[f32; 3]>,
     /// The row at hand.
     pub(crate) row: Row,
 }
@@ -89,6 +97,8 @@ impl Default for Fan {
             cos: lanes(),
             sin: lanes(),
             turned: lanes(),
+            overlaps: Vec::with_capacity(OBSTACLES_MAX),
+            discs: Vec::with_capacity(OBSTACLES_MAX * STEPS_MAX),
             row: Row {
                 x: lanes(),
                 y: lanes(),
@@ -199,15 +209,14 @@ impl Fan {
     }
 
     /// Follows all rollouts of one speed into [`Self::row`]: through the map and the scan with
-    /// `need_m` kept, and through the predicted obstacles, for which the robot is a disc of
-    /// `radius_m`. Space counts up to the step `scored`.
+    /// what must be kept, and through the obstacles of [`Self::foresee`]. Space counts up to the step `scored`; what stands is looked for in the first
+    /// `looked` steps, at least as many as are scored.
     pub(crate) fn drive(
         &mut self,
         speed: usize,
         surroundings: &Surroundings,
-        moving: &Moving,
         soft_m: f64,
-        scored: usize,
+        (scored, looked): (usize, usize),
     ) {
         let n = self.lanes;
         let (soft, need) = (narrow(soft_m), narrow(surroundings.need_m()));
@@ -218,81 +227,107 @@ impl Fan {
         row.struck[..n].fill(f32::INFINITY);
         let arcs = &self.arcs[speed * self.steps..(speed + 1) * self.steps];
         let driven = &self.driven[speed * self.steps..(speed + 1) * self.steps];
-        let (mut x, mut y) = ([0.0_f32; LANES_MAX], [0.0_f32; LANES_MAX]);
-        for k in 0..self.steps {
-            let (cx, cy) = (&self.chord_x[k], &self.chord_y[k]);
-            for i in 0..n {
-                x[i] += driven[k] * cx[i];
-                y[i] += driven[k] * cy[i];
-            }
-            row.x[k][..n].copy_from_slice(&x[..n]);
-            row.y[k][..n].copy_from_slice(&y[..n]);
+        // Who is looked at beyond that are those that move.
+        let rolled = if self.overlaps.is_empty() {
+            looked
+        } else {
+            self.steps
+        };
+        let origin = [0.0_f32; LANES_MAX];
+        let (mut from_x, mut from_y) = (&origin, &origin);
+        let chords = self.chord_x.iter().zip(&self.chord_y);
+        let ends = row.x.iter_mut().zip(&mut row.y);
+        for ((chord, driven), (x, y)) in chords.zip(driven).zip(ends).take(rolled) {
+            advance(
+                *driven,
+                (&chord.0[..n], &chord.1[..n]),
+                (&from_x[..n], &from_y[..n]),
+                &mut x[..n],
+                &mut y[..n],
+            );
+            (from_x, from_y) = (x, y);
         }
         let sheet = surroundings.field.sheet();
         let outer = narrow(surroundings.footprint.circumscribed_m);
         let slack = surroundings.field.slack_m();
+        let is_disc = surroundings.footprint.is_disc();
         // Arc length up to which nothing can be near.
         let mut free_until = f32::NEG_INFINITY;
-        for k in 0..self.steps {
+        let mut was_free = true;
+        for k in 0..looked {
             if arcs[k] <= free_until {
                 continue;
             }
-            let (x, y) = (&row.x[k][..n], &row.y[k][..n]);
-            let nearest = least_nearest_m(&sheet, x, y);
-            // Anywhere in a cell the clearance differs from its centre's by the slack at most.
-            let spare = nearest - outer - soft - slack;
-            if spare >= 0.0 {
-                free_until = arcs[k] + spare - slack;
-                continue;
-            }
-            let space = space_of(
-                &sheet,
-                surroundings,
-                (x, y),
-                (&self.cos[k], &self.sin[k]),
-                soft,
-            );
             let step = k as f32;
-            let counts = k <= scored;
-            for i in 0..n {
-                let blocked = space[i] < need;
-                let first = if blocked { step } else { f32::INFINITY };
-                row.hit[i] = if first < row.hit[i] {
-                    first
-                } else {
-                    row.hit[i]
-                };
-                let seen = counts && row.hit[i] > step && space[i] < row.space[i];
-                row.space[i] = if seen { space[i] } else { row.space[i] };
+            // Rollouts that have ended tell nothing more.
+            let ended = |lanes: &[f32]| lanes.iter().all(|hit| *hit < step);
+            let hits = row.hit[..n].chunks_exact(WIDTH);
+            let Some(first) = hits.clone().position(|lanes| !ended(lanes)) else {
+                break;
+            };
+            let last = hits.rev().take_while(|lanes| ended(lanes)).count();
+            let open = first * WIDTH..n - last * WIDTH;
+            let (x, y) = (&row.x[k][open.clone()], &row.y[k][open.clone()]);
+            // For a disc the look at all of them costs as much as it may save.
+            if was_free || !is_disc || k % 4 == 0 {
+                let nearest = least_nearest_m(&sheet, x, y);
+                // Anywhere in a cell the clearance differs from its centre's by the slack at most.
+                let spare = nearest - outer - soft - slack;
+                was_free = spare >= 0.0;
+                if was_free {
+                    free_until = arcs[k] + spare - slack;
+                    continue;
+                }
             }
+            let mut space = [soft; LANES_MAX];
+            let space = &mut space[..x.len()];
+            let heading = (&self.cos[k][open.clone()], &self.sin[k][open.clone()]);
+            fill_space(&sheet, surroundings, (x, y), heading, (need, soft), space);
+            note_space(
+                space,
+                (need, step, k <= scored),
+                &mut row.hit[open.clone()],
+                &mut row.space[open],
+            );
         }
-        if moving.len() > 0 {
-            self.strike_row(speed, moving, surroundings);
+        if !self.overlaps.is_empty() {
+            self.strike_row(speed);
+        }
+    }
+
+    /// Takes in the predictions of [`Moving::tabulate`] for a robot of `radius_m`.
+    pub(crate) fn foresee(&mut self, moving: &Moving, radius_m: f64) {
+        let robot_m = narrow(radius_m + MOVING_MARGIN_M);
+        // Who overlaps the grown disc already must be able to leave it.
+        self.overlaps.clear();
+        self.overlaps.extend(moving.now().iter().map(|now| {
+            let overlap = (robot_m + now[2] - now[0].hypot(now[1]) + OVERLAP_M).max(0.0);
+            if overlap > OVERLAP_M { overlap } else { 0.0 }
+        }));
+        self.discs.clear();
+        for k in 0..self.steps {
+            let discs = moving.at_step(k).iter().zip(&self.overlaps);
+            self.discs.extend(discs.map(|(disc, overlap)| {
+                let radius = robot_m + disc[2] - overlap;
+                [disc[0], disc[1], radius]
+            }));
         }
     }
 
     /// Marks the first step in which each rollout of the row touches a predicted obstacle.
-    fn strike_row(&mut self, speed: usize, moving: &Moving, surroundings: &Surroundings) {
+    fn strike_row(&mut self, speed: usize) {
         let n = self.lanes;
         let arcs = &self.arcs[speed * self.steps..(speed + 1) * self.steps];
-        let robot_m = narrow(surroundings.footprint.circumscribed_m + MOVING_MARGIN_M);
+        let tracks = self.overlaps.len();
         let row = &mut self.row;
-        for k in 0..self.steps {
-            for (disc, now) in moving.at_step(k).iter().zip(moving.now()) {
-                // Who overlaps the grown disc already must be able to leave it.
-                let overlap = (robot_m + now[2] - now[0].hypot(now[1]) + OVERLAP_M).max(0.0);
-                let radius = robot_m + disc[2] - if overlap > OVERLAP_M { overlap } else { 0.0 };
-                if radius <= 0.0 {
-                    continue;
-                }
+        for (k, discs) in self.discs.chunks_exact(tracks.max(1)).enumerate() {
+            let (x, y) = (&row.x[k][..n], &row.y[k][..n]);
+            for disc in discs {
                 let away = disc[0] * disc[0] + disc[1] * disc[1];
-                let reach = arcs[k] + radius;
-                if away > reach * reach {
-                    continue;
+                let reach = arcs[k] + disc[2];
+                if disc[2] > 0.0 && away <= reach * reach {
+                    strike(x, y, *disc, k as f32, &mut row.struck[..n]);
                 }
-                let centre = [disc[0], disc[1], radius];
-                let (x, y) = (&row.x[k][..n], &row.y[k][..n]);
-                strike(x, y, centre, k as f32, &mut row.struck[..n]);
             }
         }
     }
@@ -304,25 +339,33 @@ const MOVING_MARGIN_M: f64 = 0.15;
 /// [m] by which an overlap with a predicted disc is left per rollout at least.
 const OVERLAP_M: f32 = 0.01;
 
-/// Space around the outline at every lane, at most `soft`. [m]
-fn space_of(
+/// Lowers `space`, which is `soft`, to that around the outline at every lane. Exact where it is
+/// at least `need`. [m]
+fn fill_space(
     sheet: &Sheet<'_>,
     surroundings: &Surroundings,
     (x, y): (&[f32], &[f32]),
-    (cos, sin): (&Lanes, &Lanes),
-    soft: f32,
-) -> Lanes {
-    let n = x.len();
-    let mut space = [soft; LANES_MAX];
-    let (mut at_x, mut at_y) = ([0.0_f32; LANES_MAX], [0.0_f32; LANES_MAX]);
-    for disc in &surroundings.footprint.discs {
-        let (dx, dy) = (narrow(disc.centre.x), narrow(disc.centre.y));
-        for i in 0..n {
-            at_x[i] = x[i] + cos[i] * dx - sin[i] * dy;
-            at_y[i] = y[i] + sin[i] * dx + cos[i] * dy;
-        }
-        let radius = narrow(disc.radius_m);
-        lower_space(sheet, &at_x[..n], &at_y[..n], radius, &mut space[..n]);
+    (cos, sin): (&[f32], &[f32]),
+    (need, soft): (f32, f32),
+    space: &mut [f32],
+) {
+    let footprint = &surroundings.footprint;
+    if footprint.is_disc() {
+        lower_space(sheet, x, y, narrow(footprint.circumscribed_m), space);
+        return;
     }
-    space
+    let enough = narrow(footprint.circumscribed_m) + soft + surroundings.field.slack_m();
+    let mut discs = [[0.0; 3]; DISCS_MAX];
+    for (to, disc) in discs.iter_mut().zip(&footprint.discs) {
+        *to = [disc.centre.x, disc.centre.y, disc.radius_m].map(narrow);
+    }
+    let discs = &discs[..footprint.discs.len().min(DISCS_MAX)];
+    for start in (0..x.len()).step_by(WIDTH) {
+        let lanes = start..start + WIDTH;
+        let at = (&x[lanes.clone()], &y[lanes.clone()]);
+        if least_nearest_m(sheet, at.0, at.1) < enough {
+            let heading = (&cos[lanes.clone()], &sin[lanes.clone()]);
+            lower_space_around(sheet, at, heading, (discs, need), &mut space[lanes]);
+        }
+    }
 }

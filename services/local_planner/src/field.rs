@@ -5,6 +5,9 @@
 //! point that lies in an obstacle's square adds nothing (the square is at least as near from
 //! anywhere) and is skipped; the others lower the cells around them to their exact distance. In
 //! steady state nearly every point is skipped, so the cost follows what the map does not know yet.
+//!
+//! The window is a little larger than needed and stays where it is while the robot drives inside it
+//! and neither the map nor the points (as they lie in the map) change.
 
 #![allow(
     clippy::cast_possible_truncation,
@@ -14,8 +17,9 @@
     reason = "indices of a window of at most a few hundred cells, clamped before use"
 )]
 
+use crate::lanes::{clearances, lower_block, settle_row};
 use nalgebra::Point2;
-use zeronav_msgs::{MapView, Pose};
+use zeronav_msgs::{GridGeometry, MapView, Pose};
 
 /// Clearance without any map. [m] Far more than any footprint needs.
 const FAR_M: f32 = 1.0e3;
@@ -26,9 +30,31 @@ const RESOLUTION_M: f64 = 0.05;
 /// Most cells on a side of the window.
 const SIDE_MAX: i32 = 1024;
 
+/// [m] by which the window is larger than asked for, on every side.
+const SPARE_M: f64 = 0.4;
+
+/// [m] within which a point of the scan lies where it lay; far more than rounding, far less than
+/// any clearance that is told apart.
+const SAME_M: f64 = 1.0e-6;
+
+/// What a window was filled from, besides the points.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Source {
+    /// The map's geometry and the number of its cells' state.
+    map: Option<(GridGeometry, u64)>,
+    /// Rows and columns around the cell it was made at.
+    half: i32,
+    stamp_m: f64,
+}
+
 /// Clearance in a square window around the robot.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct ClearanceField {
+    source: Option<Source>,
+    /// Lowest cell of the window.
+    min: (i32, i32),
+    /// The points that were stamped, in the map. [m]
+    stamped: Vec<Point2<f64>>,
     /// [m] at cell centres, row-major.
     cells: Vec<f32>,
     /// Squared distance to the stamped points, infinite elsewhere. [m^2]
@@ -55,17 +81,18 @@ pub(crate) struct Sheet<'a> {
 }
 
 impl ClearanceField {
-    /// Fills a window that reaches `half_m` from the robot on every side. Points (in `base`) lower
-    /// the clearance within `stamp_m` of them. Cells beside the map are obstacles.
+    /// Has a window that reaches `half_m` from the robot on every side; `map_cells` grows when
+    /// cells of the map change. Points (in `base`) lower the clearance within `stamp_m` of them.
+    /// Cells beside the map are obstacles. True when the window had to be filled.
     pub(crate) fn fill(
         &mut self,
-        map: Option<MapView<'_>>,
+        map: Option<(MapView<'_>, u64)>,
         map_from_base: &Pose,
         points_in_base: &[Point2<f64>],
         half_m: f64,
         stamp_m: f64,
-    ) {
-        let (origin_x, origin_y, resolution) = map.map_or((0.0, 0.0, RESOLUTION_M), |map| {
+    ) -> bool {
+        let (origin_x, origin_y, resolution) = map.map_or((0.0, 0.0, RESOLUTION_M), |(map, _)| {
             let geometry = map.geometry;
             (
                 geometry.origin_x_m,
@@ -75,17 +102,53 @@ impl ClearanceField {
         });
         let at_x = (map_from_base.x_m - origin_x) / resolution;
         let at_y = (map_from_base.y_m - origin_y) / resolution;
-        let half = ((half_m / resolution).ceil() as i32 + 2).min(SIDE_MAX / 2);
-        let (min_x, min_y) = (at_x.floor() as i32 - half, at_y.floor() as i32 - half);
+        let inner = (half_m / resolution).ceil() as i32 + 2;
+        let half = (inner + (SPARE_M / resolution).ceil() as i32).min(SIDE_MAX / 2);
+        let source = Source {
+            map: map.map(|(map, cells)| (*map.geometry, cells)),
+            half,
+            stamp_m,
+        };
+        let base = (at_x.floor() as i32, at_y.floor() as i32);
+        let within = |min: i32, at: i32| {
+            let middle = min.saturating_add(half);
+            at.abs_diff(middle) <= half.saturating_sub(inner).unsigned_abs()
+        };
+        let stays = self.source == Some(source)
+            && within(self.min.0, base.0)
+            && within(self.min.1, base.1)
+            && self.same_points(map_from_base, points_in_base);
+        if !stays {
+            self.source = Some(source);
+            self.min = (base.0.saturating_sub(half), base.1.saturating_sub(half));
+        }
         self.side = 2 * half + 1;
         self.centre = (
-            (at_x - f64::from(min_x) - 0.5) as f32,
-            (at_y - f64::from(min_y) - 0.5) as f32,
+            (at_x - f64::from(self.min.0) - 0.5) as f32,
+            (at_y - f64::from(self.min.1) - 0.5) as f32,
         );
         self.resolution_m = resolution as f32;
         self.inverse = (1.0 / resolution) as f32;
-        self.copy_map(map, min_x, min_y);
+        if stays {
+            return false;
+        }
+        self.copy_map(map.map(|(map, _)| map), self.min.0, self.min.1);
         self.stamp(points_in_base, map_from_base.yaw_rad, stamp_m as f32);
+        self.stamped.clear();
+        let in_map = map_from_base.isometry();
+        self.stamped
+            .extend(points_in_base.iter().map(|point| in_map * point));
+        true
+    }
+
+    /// True when the points lie in the map where the stamped ones lie.
+    fn same_points(&self, map_from_base: &Pose, points_in_base: &[Point2<f64>]) -> bool {
+        let in_map = map_from_base.isometry();
+        self.stamped.len() == points_in_base.len()
+            && self.stamped.iter().zip(points_in_base).all(|(was, point)| {
+                let off = in_map * point - was;
+                off.x.abs() <= SAME_M && off.y.abs() <= SAME_M
+            })
     }
 
     fn copy_map(&mut self, map: Option<MapView<'_>>, min_x: i32, min_y: i32) {
@@ -109,9 +172,7 @@ impl ClearanceField {
             let Some(source) = map.cells.get(source..source + n) else {
                 continue;
             };
-            for (to, from) in self.cells[target..target + n].iter_mut().zip(source) {
-                *to = f32::from(from.clearance_mm) * 1.0e-3;
-            }
+            clearances(source, &mut self.cells[target..target + n]);
         }
     }
 
@@ -150,26 +211,18 @@ impl ClearanceField {
             low = (low.0.min(from_x), low.1.min(from_y));
             high = (high.0.max(to_x), high.1.max(to_y));
             let scale = self.resolution_m;
-            for row in from_y..=to_y {
-                let dy = (row as f32 - y) * scale;
-                let start = (row * self.side) as usize;
-                let cells = &mut self.squared[start + from_x as usize..=start + to_x as usize];
-                for (i, cell) in cells.iter_mut().enumerate() {
-                    let dx = ((from_x + i as i32) as f32 - x) * scale;
-                    *cell = cell.min(dx * dx + dy * dy);
-                }
-            }
+            let rows = &mut self.squared[from_y as usize * side..(to_y as usize + 1) * side];
+            lower_block(
+                rows,
+                (from_x as usize, to_x as usize, side),
+                (x, y - from_y as f32),
+                scale,
+            );
         }
         for row in low.1..=high.1 {
             let start = (row * self.side) as usize;
             let range = start + low.0 as usize..start + (high.0 as usize + 1).max(low.0 as usize);
-            for (cell, squared) in self.cells[range.clone()]
-                .iter_mut()
-                .zip(&mut self.squared[range])
-            {
-                *cell = cell.min(squared.sqrt());
-                *squared = f32::INFINITY;
-            }
+            settle_row(&mut self.cells[range.clone()], &mut self.squared[range]);
         }
     }
 
@@ -298,7 +351,7 @@ mod tests {
             let points: Vec<Point2<f64>> =
                 points_in_base.iter().map(|p| pose.transform(*p)).collect();
             let mut field = ClearanceField::default();
-            field.fill(Some(map), &pose, &points_in_base, 1.5, 0.5);
+            field.fill(Some((map, 1)), &pose, &points_in_base, 1.5, 0.5);
             for _ in 0..2000 {
                 let x: f32 = random.random_range(-1.4..1.4);
                 let y: f32 = random.random_range(-1.4..1.4);
@@ -322,6 +375,56 @@ mod tests {
     }
 
     #[test]
+    fn a_window_that_stays_tells_what_a_new_one_would() {
+        let geometry = GridGeometry {
+            resolution_m: 0.05,
+            width: 200,
+            height: 200,
+            ..GridGeometry::default()
+        };
+        let mut random = Pcg32::seed_from_u64(9);
+        let cells: Vec<MapCell> = (0..geometry.len())
+            .map(|_| MapCell {
+                clearance_mm: random.random_range(100..1500),
+                ..MapCell::default()
+            })
+            .collect();
+        let map = MapView {
+            geometry: &geometry,
+            cells: &cells,
+        };
+        let in_map: Vec<Point2<f64>> = (0..40)
+            .map(|_| Point2::new(random.random_range(3.0..7.0), random.random_range(3.0..7.0)))
+            .collect();
+        let mut field = ClearanceField::default();
+        let mut filled = 0;
+        for step in 0..40 {
+            let share = f64::from(step);
+            let pose = Pose::new(4.0 + 0.03 * share, 5.0 - 0.01 * share, 0.02 * share);
+            let from_map = pose.isometry().inverse();
+            let points: Vec<Point2<f64>> = in_map.iter().map(|point| from_map * point).collect();
+            filled += u32::from(field.fill(Some((map, 1)), &pose, &points, 1.5, 0.5));
+            let mut fresh = ClearanceField::default();
+            assert!(fresh.fill(Some((map, 1)), &pose, &points, 1.5, 0.5));
+            for _ in 0..200 {
+                let x: f32 = random.random_range(-1.5..1.5);
+                let y: f32 = random.random_range(-1.5..1.5);
+                let (kept_m, fresh_m) = (field.bound_m(x, y), fresh.bound_m(x, y));
+                assert!((kept_m - fresh_m).abs() < 2e-3, "{kept_m} {fresh_m} {step}");
+            }
+        }
+        // 1.17 m in windows with 0.4 m to spare.
+        assert!((2..=4).contains(&filled), "{filled}");
+        let pose = Pose::new(5.0, 5.0, 0.0);
+        let full = Some((map, 1));
+        assert!(field.fill(full, &pose, &in_map, 1.5, 0.5), "other points");
+        assert!(!field.fill(full, &pose, &in_map, 1.5, 0.5), "nothing new");
+        assert!(field.fill(full, &pose, &in_map[1..], 1.5, 0.5), "one less");
+        let changed = Some((map, 2));
+        assert!(field.fill(changed, &pose, &in_map[1..], 1.5, 0.5), "cells");
+    }
+
+    #[test]
     fn beside_the_map_is_an_obstacle_and_without_a_map_is_not() {
         let geometry = GridGeometry {
             resolution_m: 0.05,
@@ -341,7 +444,7 @@ mod tests {
             cells: &cells,
         };
         let mut field = ClearanceField::default();
-        field.fill(Some(map), &Pose::new(0.5, 0.5, 0.0), &[], 1.0, 0.4);
+        field.fill(Some((map, 1)), &Pose::new(0.5, 0.5, 0.0), &[], 1.0, 0.4);
         assert!(field.nearest_m(0.0, 0.0) > 0.8);
         assert!(field.nearest_m(-0.6, 0.0) < 1e-6);
         field.fill(None, &Pose::new(0.5, 0.5, 0.0), &[], 1.0, 0.4);

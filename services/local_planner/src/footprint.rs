@@ -10,7 +10,7 @@ const OVERHANG_SHARE: f64 = 0.04;
 const LATTICE: i32 = 40;
 
 /// Most covering discs.
-const DISCS_MAX: usize = 64;
+pub(crate) const DISCS_MAX: usize = 64;
 
 /// A disc of a covering.
 #[derive(Debug, Clone, Copy, PartialEq)]

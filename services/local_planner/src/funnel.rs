@@ -3,7 +3,12 @@
 //! Every cell of a window knows how far it is to the path's end by the shortest free way to the
 //! path and along it (Dijkstra from all of the path's points in the window at once), so a motion
 //! into a dead end is worth nothing however near it brings the robot to the path. Recomputed only
-//! when the path or the map's cells changed, or when the robot has come near the window's edge.
+//! when the path changed, when cells of the window changed what they cost, or when the robot has
+//! come near the window's edge.
+//!
+//! No step costs less than 1000, so cells within 1000 of each other cannot improve one another: the
+//! queue is a ring of buckets that wide (Denardo and Fox 1979, "Shortest-Route Methods: 1"), each
+//! emptied in any order, and the costs are those of a heap.
 
 #![allow(
     clippy::cast_possible_truncation,
@@ -14,11 +19,9 @@
 )]
 
 use crate::progress::{PathTracker, Place};
-use core::cmp::Reverse;
 use nalgebra::Point2;
-use std::collections::BinaryHeap;
+use zeronav_msgs::MapView;
 use zeronav_msgs::path::Waypoint;
-use zeronav_msgs::{Cell, MapView};
 
 /// [m] smallest side of a cell; finer maps are taken in blocks.
 const CELL_M: f64 = 0.1;
@@ -37,6 +40,12 @@ const STEPS: [(i32, i32, u32); 8] = [
     (-1, -1, 1414),
     (1, -1, 1414),
 ];
+
+/// Cost of the cheapest step, and width of a bucket.
+const BUCKET: u32 = 1000;
+
+/// Buckets of the ring: more than the dearest step (1414 at three times the cost) spans.
+const BUCKETS: usize = 8;
 
 /// [m] between seeds along the path.
 const SEED_M: f64 = 0.05;
@@ -67,8 +76,13 @@ pub(crate) struct Funnel {
     to_go: Vec<f32>,
     costs: Vec<u32>,
     /// Cost factor in 256ths, 0 = not free.
-    factors: Vec<u32>,
-    open: BinaryHeap<Reverse<(u32, u32)>>,
+    factors: Vec<u16>,
+    /// The factors that the costs were made with.
+    spread_factors: Vec<u16>,
+    /// Costs and cells of the path's points, the dearest first.
+    seeds: Vec<(u32, u32)>,
+    /// Cells to be looked at, by their cost in buckets, modulo the ring.
+    ring: [Vec<(u32, u32)>; BUCKETS],
 }
 
 /// What the window is made from.
@@ -109,19 +123,31 @@ impl Funnel {
             .abs()
             .max((block.1 - self.made_at.1).abs());
         let inner = (inputs.reach_m / cell_m).ceil() as i32;
-        if self.key == Some(key) && drifted <= (half - inner).max(2) {
+        let near = drifted <= (half - inner).max(2);
+        if self.key == Some(key) && near {
             return false;
         }
+        // Other cells, perhaps none that matter here: then the window stays where it is.
+        let same_path = self.key.map(|key| (key.geometry, key.half)) == Some((key.geometry, half));
+        let stays = same_path && near;
         self.key = Some(key);
-        self.made_at = block;
-        self.cell_m = cell_m;
-        self.side = 2 * half + 1;
-        let first = (block.0 - half, block.1 - half);
-        self.origin = Point2::new(
+        if !stays {
+            self.made_at = block;
+        }
+        let first = (self.made_at.0 - half, self.made_at.1 - half);
+        let origin = Point2::new(
             geometry.origin_x_m + (f64::from(first.0) + 0.5) * cell_m,
             geometry.origin_y_m + (f64::from(first.1) + 0.5) * cell_m,
         );
+        let stays = stays && origin == self.origin;
+        self.cell_m = cell_m;
+        self.side = 2 * half + 1;
+        self.origin = origin;
         self.weigh(inputs, first, stride);
+        if stays && self.factors == self.spread_factors {
+            return false;
+        }
+        self.spread_factors.clone_from(&self.factors);
         self.seed(tracker, inputs);
         self.spread();
         true
@@ -129,29 +155,45 @@ impl Funnel {
 
     /// Cost factors of all cells: a block is as free as its freest cell.
     fn weigh(&mut self, inputs: &FunnelInputs<'_>, first: (i32, i32), stride: i32) {
-        let n = (self.side * self.side) as usize;
-        self.factors.clear();
-        self.factors.reserve(n);
+        let side = self.side as usize;
         let soft_m = inputs.inscribed_m + inputs.soft_m;
-        for row in 0..self.side {
-            for column in 0..self.side {
-                let (x, y) = ((first.0 + column) * stride, (first.1 + row) * stride);
-                let mut clearance_mm = 0;
-                for dy in 0..stride {
-                    for dx in 0..stride {
-                        if let Some(cell) = inputs.map.get(Cell::new(x + dx, y + dy)) {
-                            clearance_mm = clearance_mm.max(cell.clearance_mm);
-                        }
+        let (width, height) = inputs.map.geometry.size();
+        // Freest cell of every block, first; beside the map nothing is free.
+        self.factors.clear();
+        self.factors.resize(side * side, 0);
+        let from_x = (first.0 * stride).max(0);
+        let to_x = ((first.0 + self.side) * stride).min(width);
+        for (row, freest) in self.factors.chunks_exact_mut(side).enumerate() {
+            let top = (first.1 + row as i32) * stride;
+            for y in top.max(0)..(top + stride).min(height) {
+                if from_x >= to_x {
+                    break;
+                }
+                let start = y as usize * width as usize;
+                let cells = start + from_x as usize..start + to_x as usize;
+                let Some(cells) = inputs.map.cells.get(cells) else {
+                    continue;
+                };
+                let mut block = (from_x - first.0 * stride) / stride;
+                let mut left = stride - (from_x - first.0 * stride) % stride;
+                for cell in cells {
+                    let freest = &mut freest[block as usize];
+                    *freest = (*freest).max(cell.clearance_mm);
+                    left -= 1;
+                    if left == 0 {
+                        (block, left) = (block + 1, stride);
                     }
                 }
-                let clearance_m = f64::from(clearance_mm) * 1.0e-3;
-                let near = ((soft_m - clearance_m) / inputs.soft_m).clamp(0.0, 1.0);
-                self.factors.push(if clearance_m < inputs.inscribed_m {
-                    0
-                } else {
-                    256 + (512.0 * near * near) as u32
-                });
             }
+        }
+        for factor in &mut self.factors {
+            let clearance_m = f64::from(*factor) * 1.0e-3;
+            let near = ((soft_m - clearance_m) / inputs.soft_m).clamp(0.0, 1.0);
+            *factor = if clearance_m < inputs.inscribed_m {
+                0
+            } else {
+                256 + (512.0 * near * near) as u16
+            };
         }
     }
 
@@ -163,13 +205,12 @@ impl Funnel {
         inside.then_some((row * self.side + column) as usize)
     }
 
-    /// Puts the path's points in the window into the queue.
+    /// Gathers the path's points in the window.
     fn seed(&mut self, tracker: &PathTracker, inputs: &FunnelInputs<'_>) {
         let n = self.factors.len();
         self.costs.clear();
         self.costs.resize(n, UNREACHED);
-        self.open.clear();
-        self.open.reserve(4 * n);
+        self.seeds.clear();
         let length_m = tracker.length_m();
         let around_m = f64::from(self.side) * self.cell_m;
         let mut arc_m = (inputs.place.arc_m - 1.0).max(0.0);
@@ -182,7 +223,7 @@ impl Funnel {
                 let cost = ((length_m - arc_m) / self.cell_m * 1000.0).min(4.0e9) as u32;
                 if cost < self.costs[index] {
                     self.costs[index] = cost;
-                    self.open.push(Reverse((cost, index as u32)));
+                    self.seeds.push((cost, index as u32));
                 }
             }
             if arc_m >= until_m {
@@ -192,30 +233,34 @@ impl Funnel {
         }
     }
 
-    /// Dijkstra from all seeds.
+    /// Shortest ways from all seeds.
     fn spread(&mut self) {
-        while let Some(Reverse((cost, index))) = self.open.pop() {
-            let index = index as usize;
-            if cost > self.costs[index] {
+        for bucket in &mut self.ring {
+            bucket.reserve(self.factors.len());
+        }
+        let mut bucket = self.seeds.last().map_or(0, |(cost, _)| cost / BUCKET);
+        let mut waiting = 0;
+        loop {
+            // Along the path costs only fall, so the cheapest seeds are the last ones.
+            while let Some(&(cost, index)) = self.seeds.last()
+                && cost / BUCKET <= bucket
+            {
+                self.seeds.pop();
+                self.ring[cost as usize / BUCKET as usize % BUCKETS].push((cost, index));
+                waiting += 1;
+            }
+            if waiting == 0 {
+                match self.seeds.last() {
+                    Some((cost, _)) => bucket = cost / BUCKET,
+                    None => break,
+                }
                 continue;
             }
-            let (column, row) = (index as i32 % self.side, index as i32 / self.side);
-            for (dx, dy, length) in STEPS {
-                let (x, y) = (column + dx, row + dy);
-                if x < 0 || y < 0 || x >= self.side || y >= self.side {
-                    continue;
-                }
-                let next = (y * self.side + x) as usize;
-                let factor = self.factors[next];
-                if factor == 0 {
-                    continue;
-                }
-                let through = cost.saturating_add(length * factor / 256);
-                if through < self.costs[next] {
-                    self.costs[next] = through;
-                    self.open.push(Reverse((through, next as u32)));
-                }
+            while let Some((cost, index)) = self.ring[bucket as usize % BUCKETS].pop() {
+                waiting -= 1;
+                self.relax(&mut waiting, cost, index as usize);
             }
+            bucket += 1;
         }
         self.to_go.clear();
         let thousandth_m = (self.cell_m * 1.0e-3) as f32;
@@ -223,6 +268,31 @@ impl Funnel {
             UNREACHED => f32::INFINITY,
             cost => cost as f32 * thousandth_m,
         }));
+    }
+
+    /// Offers the neighbours of a cell the way through it.
+    fn relax(&mut self, waiting: &mut usize, cost: u32, index: usize) {
+        if cost > self.costs[index] {
+            return;
+        }
+        let (column, row) = (index as i32 % self.side, index as i32 / self.side);
+        for (dx, dy, length) in STEPS {
+            let (x, y) = (column + dx, row + dy);
+            if x < 0 || y < 0 || x >= self.side || y >= self.side {
+                continue;
+            }
+            let next = (y * self.side + x) as usize;
+            let factor = u32::from(self.factors[next]);
+            if factor == 0 {
+                continue;
+            }
+            let through = cost.saturating_add(length * factor / 256);
+            if through < self.costs[next] {
+                self.costs[next] = through;
+                self.ring[(through / BUCKET) as usize % BUCKETS].push((through, next as u32));
+                *waiting += 1;
+            }
+        }
     }
 
     /// The way to go from a point of the map frame, bilinear where all four neighbours know it;
@@ -253,8 +323,12 @@ impl Funnel {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::print_stdout, reason = "the seed of a failed run")]
+
     use super::*;
-    use zeronav_msgs::{GridGeometry, MapCell};
+    use rand::{RngExt, SeedableRng};
+    use rand_pcg::Pcg32;
+    use zeronav_msgs::{Cell, GridGeometry, MapCell};
 
     const GEOMETRY: GridGeometry = GridGeometry {
         origin_x_m: 0.0,
@@ -302,12 +376,97 @@ mod tests {
         };
         assert!(funnel.update(&tracker, &inputs));
         assert!(!funnel.update(&tracker, &inputs), "nothing changed");
-        let moved = FunnelInputs {
+        let elsewhere = FunnelInputs {
             map_cells: 2,
             ..inputs
         };
+        assert!(!funnel.update(&tracker, &elsewhere), "nothing that matters");
+        let mut other = cells.to_vec();
+        // Half a metre before the wall, on its soft side.
+        other[35].clearance_mm -= 100;
+        let view = |cells| MapView {
+            geometry: &GEOMETRY,
+            cells,
+        };
+        let moved = FunnelInputs {
+            map: view(&other),
+            map_cells: 3,
+            ..inputs
+        };
         assert!(funnel.update(&tracker, &moved), "the map changed");
+        let back = FunnelInputs {
+            map_cells: 4,
+            ..inputs
+        };
+        assert!(funnel.update(&tracker, &back), "and changed back");
         funnel
+    }
+
+    /// Relaxes every edge until nothing changes.
+    fn oracle(funnel: &Funnel, seeds: &[(u32, u32)]) -> Vec<u32> {
+        let side = funnel.side;
+        let mut costs = vec![UNREACHED; funnel.factors.len()];
+        for (cost, index) in seeds {
+            let known = &mut costs[*index as usize];
+            *known = (*known).min(*cost);
+        }
+        loop {
+            let before = costs.clone();
+            for index in 0..side * side {
+                let cost = costs[index as usize];
+                if cost == UNREACHED {
+                    continue;
+                }
+                for (dx, dy, length) in STEPS {
+                    let (x, y) = (index % side + dx, index / side + dy);
+                    if x < 0 || y < 0 || x >= side || y >= side {
+                        continue;
+                    }
+                    let next = (y * side + x) as usize;
+                    let factor = u32::from(funnel.factors[next]);
+                    if factor > 0 {
+                        costs[next] = costs[next].min(cost + length * factor / 256);
+                    }
+                }
+            }
+            if costs == before {
+                return costs;
+            }
+        }
+    }
+
+    #[test]
+    fn buckets_give_the_costs_of_full_relaxation() {
+        for seed in 0..20 {
+            println!("seed {seed}");
+            let mut random = Pcg32::seed_from_u64(seed);
+            let side = 24;
+            let factors: Vec<u16> = (0..side * side)
+                .map(|_| match random.random_range(0..4) {
+                    0 => 0,
+                    _ => random.random_range(256..=768),
+                })
+                .collect();
+            let mut seeds: Vec<(u32, u32)> = (0..6)
+                .map(|_| (random.random_range(0..40_000), random.random_range(0..576)))
+                .collect();
+            seeds.sort_unstable_by_key(|seed| core::cmp::Reverse(seed.0));
+            let mut funnel = Funnel {
+                side,
+                cell_m: 1.0,
+                costs: vec![UNREACHED; factors.len()],
+                factors,
+                seeds: seeds.clone(),
+                ..Funnel::default()
+            };
+            for (cost, index) in &seeds {
+                let known = &mut funnel.costs[*index as usize];
+                *known = (*known).min(*cost);
+            }
+            let expected = oracle(&funnel, &seeds);
+            funnel.spread();
+            assert_eq!(funnel.costs, expected);
+        }
     }
 
     #[test]

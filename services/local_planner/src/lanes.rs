@@ -3,16 +3,19 @@
 //!
 //! This is the one file of the package with `unsafe`: the gathers read through a pointer, and the
 //! choice of the instruction set is made at run time. The portable twin is the meaning; the tests
-//! compare the two.
+//! compare the two. Where no gather is needed the twin itself is compiled a second time with AVX2
+//! allowed; without contraction of products and sums that gives the same bits.
 
 #![allow(
     clippy::cast_possible_truncation,
+    clippy::cast_possible_wrap,
     clippy::cast_precision_loss,
     clippy::cast_sign_loss,
     reason = "indices of a window of at most 1024 cells, clamped before use"
 )]
 
 use crate::field::Sheet;
+use zeronav_msgs::MapCell;
 
 /// Lanes that are worked on together; slices are multiples of it.
 pub(crate) const WIDTH: usize = 8;
@@ -53,25 +56,201 @@ pub(crate) fn lower_space(
     portable::lower_space(sheet, x, y, radius_m, space);
 }
 
-/// Below which the squared distance from a disc's centre is a contact: marks `first` of those
-/// lanes with `step` unless an earlier one stands there.
-#[inline]
-pub(crate) fn strike(x: &[f32], y: &[f32], disc: [f32; 3], step: f32, first: &mut [f32]) {
-    let squared = disc[2] * disc[2];
-    for ((x, y), first) in x.iter().zip(y).zip(first) {
-        let (dx, dy) = (x - disc[0], y - disc[1]);
-        let struck = if dx * dx + dy * dy < squared {
-            step
-        } else {
-            f32::INFINITY
-        };
-        *first = if struck < *first { struck } else { *first };
+/// [`lower_space`] around an outline covered by `discs` (x, y in `base`, radius), at headings with
+/// this cosine and sine. Exact where the space stays at least `need`. [m]
+///
+/// All slices are equally long, a multiple of [`WIDTH`].
+pub(crate) fn lower_space_around(
+    sheet: &Sheet<'_>,
+    at: (&[f32], &[f32]),
+    heading: (&[f32], &[f32]),
+    (discs, need): (&[[f32; 3]], f32),
+    space: &mut [f32],
+) {
+    #[cfg(target_arch = "x86_64")]
+    if avx2::is_here(sheet) {
+        // SAFETY: the processor has AVX2, and the sheet holds side x side cells.
+        #[allow(unsafe_code, reason = "chosen at run time")]
+        unsafe {
+            avx2::lower_space_around(sheet, at, heading, (discs, need), space);
+        }
+        return;
     }
+    portable::lower_space_around(sheet, at, heading, (discs, need), space);
+}
+
+/// Compiles a portable kernel twice and chooses at run time.
+macro_rules! compiled_twice {
+    ($($(#[$meta:meta])* fn $name:ident($($argument:ident: $type:ty),* $(,)?);)*) => {
+        $(
+            $(#[$meta])*
+            pub(crate) fn $name($($argument: $type),*) {
+                #[cfg(target_arch = "x86_64")]
+                {
+                    #[target_feature(enable = "avx2")]
+                    fn wide($($argument: $type),*) {
+                        portable::$name($($argument),*);
+                    }
+                    if std::is_x86_feature_detected!("avx2") {
+                        // SAFETY: the processor has AVX2.
+                        #[allow(unsafe_code, reason = "chosen at run time")]
+                        return unsafe { wide($($argument),*) };
+                    }
+                }
+                portable::$name($($argument),*);
+            }
+        )*
+    };
+}
+
+compiled_twice! {
+    /// Marks `first` with `step` at the lanes that are nearer to the centre of a disc (x, y,
+    /// radius) than its radius, unless an earlier step stands there.
+    fn strike(x: &[f32], y: &[f32], disc: [f32; 3], step: f32, first: &mut [f32]);
+
+    /// One step of a row: the ends of chords of `driven` metres.
+    fn advance(
+        driven: f32,
+        chord: (&[f32], &[f32]),
+        from: (&[f32], &[f32]),
+        x: &mut [f32],
+        y: &mut [f32],
+    );
+
+    /// With (need, step, counts): marks the lanes with less than `need` as hit in `step` unless
+    /// they were hit before, and lowers the least space of those that were not, when it `counts`.
+    fn note_space(
+        space: &[f32],
+        terms: (f32, f32, bool),
+        hit: &mut [f32],
+        least: &mut [f32],
+    );
+
+    /// Per place the squared distance to the nearest of at most 32 samples, with the sample's
+    /// index in its last five bits (micrometres), so that a minimum finds both without branches.
+    fn nearest_keys(sample_x: &[f32], sample_y: &[f32], x: &[f32], y: &[f32], keys: &mut [u32]);
+
+    /// Lowers squared distances in whole rows of `side` cells, between the columns `from` and `to`
+    /// (inclusive), to those from a point `at` (column, row). Cells are `scale` metres wide. [m^2]
+    fn lower_block(
+        cells: &mut [f32],
+        columns: (usize, usize, usize),
+        at: (f32, f32),
+        scale: f32,
+    );
+
+    /// Lowers clearances to the roots of squared distances, and forgets these.
+    fn settle_row(cells: &mut [f32], squared: &mut [f32]);
+
+    /// Clearances of a row of the map. [m]
+    fn clearances(cells: &[MapCell], clearances: &mut [f32]);
 }
 
 /// The meaning of the kernels.
+#[allow(
+    clippy::inline_always,
+    reason = "compiled once more with AVX2 only where it is inlined"
+)]
 mod portable {
-    use super::Sheet;
+    use super::{MapCell, Sheet, WIDTH};
+
+    #[inline(always)]
+    pub(super) fn strike(x: &[f32], y: &[f32], disc: [f32; 3], step: f32, first: &mut [f32]) {
+        let squared = disc[2] * disc[2];
+        for ((x, y), first) in x.iter().zip(y).zip(first) {
+            let (dx, dy) = (x - disc[0], y - disc[1]);
+            let struck = if dx * dx + dy * dy < squared {
+                step
+            } else {
+                f32::INFINITY
+            };
+            *first = if struck < *first { struck } else { *first };
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn advance(
+        driven: f32,
+        chord: (&[f32], &[f32]),
+        from: (&[f32], &[f32]),
+        x: &mut [f32],
+        y: &mut [f32],
+    ) {
+        for ((x, from), chord) in x.iter_mut().zip(from.0).zip(chord.0) {
+            *x = from + driven * chord;
+        }
+        for ((y, from), chord) in y.iter_mut().zip(from.1).zip(chord.1) {
+            *y = from + driven * chord;
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn note_space(
+        space: &[f32],
+        (need, step, counts): (f32, f32, bool),
+        hit: &mut [f32],
+        least: &mut [f32],
+    ) {
+        for ((space, hit), least) in space.iter().zip(hit).zip(least) {
+            let first = if *space < need { step } else { f32::INFINITY };
+            *hit = if first < *hit { first } else { *hit };
+            let seen = counts && *hit > step && *space < *least;
+            *least = if seen { *space } else { *least };
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn nearest_keys(
+        sample_x: &[f32],
+        sample_y: &[f32],
+        x: &[f32],
+        y: &[f32],
+        keys: &mut [u32],
+    ) {
+        keys.fill(f32::MAX.to_bits());
+        let samples = sample_x.iter().zip(sample_y).zip(0_u32..32);
+        for ((sample_x, sample_y), i) in samples {
+            for ((x, y), least) in x.iter().zip(y).zip(keys.iter_mut()) {
+                let (dx, dy) = (sample_x - x, sample_y - y);
+                let key = ((dx * dx + dy * dy).to_bits() & !31) | i;
+                // Numbers that are not negative are in the order of their bits.
+                *least = key.min(*least);
+            }
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn lower_block(
+        cells: &mut [f32],
+        (from, to, side): (usize, usize, usize),
+        (x, y): (f32, f32),
+        scale: f32,
+    ) {
+        for (row, cells) in cells.chunks_exact_mut(side).enumerate() {
+            let dy = (row as f32 - y) * scale;
+            for (cell, column) in cells[from..=to].iter_mut().zip(from as i32..) {
+                let dx = (column as f32 - x) * scale;
+                let squared = dx * dx + dy * dy;
+                *cell = if squared < *cell { squared } else { *cell };
+            }
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn settle_row(cells: &mut [f32], squared: &mut [f32]) {
+        for (cell, squared) in cells.iter_mut().zip(squared) {
+            let distance = squared.sqrt();
+            *cell = if distance < *cell { distance } else { *cell };
+            *squared = f32::INFINITY;
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn clearances(cells: &[MapCell], clearances: &mut [f32]) {
+        for (to, from) in clearances.iter_mut().zip(cells) {
+            *to = f32::from(from.clearance_mm) * 1.0e-3;
+        }
+    }
 
     fn nearest(sheet: &Sheet<'_>, x: f32, y: f32) -> f32 {
         let last = sheet.side - 1;
@@ -109,6 +288,30 @@ mod portable {
             let above = if fu < 0.5 { a0 } else { a1 };
             let nearest = if fv < 0.5 { below } else { above };
             nearest - (du * du + dv * dv).sqrt() * h
+        }
+    }
+
+    pub(super) fn lower_space_around(
+        sheet: &Sheet<'_>,
+        (x, y): (&[f32], &[f32]),
+        (cos, sin): (&[f32], &[f32]),
+        (discs, need): (&[[f32; 3]], f32),
+        space: &mut [f32],
+    ) {
+        for start in (0..x.len()).step_by(WIDTH) {
+            let space = &mut space[start..start + WIDTH];
+            for [dx, dy, radius] in discs {
+                let (mut at_x, mut at_y) = ([0.0_f32; WIDTH], [0.0_f32; WIDTH]);
+                for i in 0..WIDTH {
+                    let (cos, sin) = (cos[start + i], sin[start + i]);
+                    at_x[i] = x[start + i] + cos * dx - sin * dy;
+                    at_y[i] = y[start + i] + sin * dx + cos * dy;
+                }
+                lower_space(sheet, &at_x, &at_y, *radius, space);
+                if space.iter().all(|space| *space < need) {
+                    break;
+                }
+            }
         }
     }
 
@@ -271,6 +474,60 @@ mod avx2 {
             }
         }
     }
+
+    /// See the portable twin.
+    ///
+    /// # Safety
+    /// Only where [`is_here`] says so.
+    #[target_feature(enable = "avx2")]
+    pub(super) unsafe fn lower_space_around(
+        sheet: &Sheet<'_>,
+        at: (&[f32], &[f32]),
+        heading: (&[f32], &[f32]),
+        (discs, need): (&[[f32; 3]], f32),
+        space: &mut [f32],
+    ) {
+        let slack = _mm256_set1_ps(core::f32::consts::FRAC_1_SQRT_2 * sheet.resolution_m);
+        let need = _mm256_set1_ps(need);
+        let places = at.0.chunks_exact(WIDTH).zip(at.1.chunks_exact(WIDTH));
+        let headings = heading
+            .0
+            .chunks_exact(WIDTH)
+            .zip(heading.1.chunks_exact(WIDTH));
+        let lanes = places.zip(headings).zip(space.chunks_exact_mut(WIDTH));
+        for (((x, y), (cos, sin)), space) in lanes {
+            // SAFETY: chunks of eight; the caller vouches for the sheet.
+            unsafe {
+                let (x, y) = (_mm256_loadu_ps(x.as_ptr()), _mm256_loadu_ps(y.as_ptr()));
+                let (cos, sin) = (_mm256_loadu_ps(cos.as_ptr()), _mm256_loadu_ps(sin.as_ptr()));
+                let mut now = _mm256_loadu_ps(space.as_ptr());
+                for disc in discs {
+                    let (dx, dy) = (_mm256_set1_ps(disc[0]), _mm256_set1_ps(disc[1]));
+                    let radius = _mm256_set1_ps(disc[2]);
+                    let at_x = _mm256_sub_ps(
+                        _mm256_add_ps(x, _mm256_mul_ps(cos, dx)),
+                        _mm256_mul_ps(sin, dy),
+                    );
+                    let at_y = _mm256_add_ps(
+                        _mm256_add_ps(y, _mm256_mul_ps(sin, dx)),
+                        _mm256_mul_ps(cos, dy),
+                    );
+                    let enough = _mm256_add_ps(_mm256_add_ps(radius, now), slack);
+                    let short = _mm256_cmp_ps::<_CMP_LT_OQ>(nearest(sheet, at_x, at_y), enough);
+                    if _mm256_movemask_ps(short) != 0 {
+                        let bound = bound(sheet, at_x, at_y);
+                        let lowered = _mm256_min_ps(now, _mm256_sub_ps(bound, radius));
+                        now = _mm256_blendv_ps(now, lowered, short);
+                    }
+                    let blocked = _mm256_cmp_ps::<_CMP_LT_OQ>(now, need);
+                    if _mm256_movemask_ps(blocked) == 0xFF {
+                        break;
+                    }
+                }
+                _mm256_storeu_ps(space.as_mut_ptr(), now);
+            }
+        }
+    }
 }
 
 #[cfg(test)]
@@ -309,6 +566,15 @@ mod tests {
             lower_space(&sheet, &x, &y, 0.2, &mut found);
             portable::lower_space(&sheet, &x, &y, 0.2, &mut expected);
             let bits = |space: &[f32]| space.iter().map(|s| s.to_bits()).collect::<Vec<_>>();
+            assert_eq!(bits(&found), bits(&expected));
+            let yaws: Vec<f32> = (0..48).map(|_| random.random_range(-3.0..3.0)).collect();
+            let cos: Vec<f32> = yaws.iter().map(|yaw| yaw.cos()).collect();
+            let sin: Vec<f32> = yaws.iter().map(|yaw| yaw.sin()).collect();
+            let discs = [[0.1, 0.05, 0.1], [-0.1, 0.02, 0.15], [0.2, -0.1, 0.05]];
+            let (at, heading) = ((&x[..], &y[..]), (&cos[..], &sin[..]));
+            let (mut found, mut expected) = (vec![0.2; 48], vec![0.2; 48]);
+            lower_space_around(&sheet, at, heading, (&discs, 0.02), &mut found);
+            portable::lower_space_around(&sheet, at, heading, (&discs, 0.02), &mut expected);
             assert_eq!(bits(&found), bits(&expected));
         }
     }

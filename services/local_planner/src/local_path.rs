@@ -2,7 +2,9 @@
 
 #![allow(clippy::cast_possible_truncation, reason = "indices of 32 samples")]
 
+use crate::fan::LANES_MAX;
 use crate::field::ClearanceField;
+use crate::lanes::nearest_keys;
 use crate::progress::{PathTracker, Place};
 use crate::surroundings::narrow;
 use nalgebra::{Point2, Vector2};
@@ -16,9 +18,6 @@ pub(crate) const SAMPLES: usize = 32;
 
 /// [m] closest samples: with [`TURN_SPAN`] some 20 cm, the scale of a turn.
 const SPACING_M_MIN: f64 = 0.06;
-
-/// Samples compared at once.
-const LANES: usize = 8;
 
 /// Samples behind the robot, so that a corner is still seen while it is taken.
 const BEHIND: usize = 3;
@@ -35,7 +34,7 @@ const SMOOTH_SPAN: usize = 2;
 const OVERLAP_M: f64 = 0.05;
 
 /// A point's place on the stretch.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Projection {
     /// [m] along the path from the robot's place, negative behind it.
     pub(crate) along: f32,
@@ -139,9 +138,36 @@ impl LocalPath {
         }
     }
 
+    /// The nearest places on the stretch of `x.len()` points. A point beyond the end is beside it.
+    pub(crate) fn project_all(&self, x: &[f32], y: &[f32], found: &mut [Projection]) {
+        let mut keys = [0; LANES_MAX];
+        let n = x.len().min(LANES_MAX);
+        // Where there is no sample the nearest one is infinitely far away.
+        let samples = self.n.max(1);
+        nearest_keys(
+            &self.x[..samples],
+            &self.y[..samples],
+            &x[..n],
+            &y[..n],
+            &mut keys[..n],
+        );
+        for (i, found) in found.iter_mut().enumerate().take(n) {
+            *found = self.refine(x[i], y[i], keys[i]);
+        }
+    }
+
     /// The nearest place on the stretch. A point beyond the end is beside it.
     pub(crate) fn project(&self, x: f32, y: f32) -> Projection {
-        let (nearest, beside) = self.nearest(x, y);
+        let mut found = [Projection::default()];
+        self.project_all(&[x], &[y], &mut found);
+        found[0]
+    }
+
+    /// The nearest place beside the sample of a key of [`nearest_keys`].
+    #[inline]
+    fn refine(&self, x: f32, y: f32, key: u32) -> Projection {
+        const INDEX: u32 = SAMPLES as u32 - 1;
+        let (nearest, beside) = ((key & INDEX) as usize, f32::from_bits(key & !INDEX).sqrt());
         let mut found = Projection {
             along: f32::INFINITY,
             beside,
@@ -168,29 +194,6 @@ impl LocalPath {
             found.along = self.arc_of(nearest);
         }
         found
-    }
-
-    /// The sample nearest to a point, and its distance. [m]
-    ///
-    /// The index is written into the last five bits of the squared distance (micrometres), so a
-    /// lane-wise minimum finds both without branches. Unused samples lie far away.
-    fn nearest(&self, x: f32, y: f32) -> (usize, f32) {
-        const INDEX: u32 = SAMPLES as u32 - 1;
-        let mut least = [f32::MAX; LANES];
-        for chunk in 0..SAMPLES / LANES {
-            for (lane, least) in least.iter_mut().enumerate() {
-                let i = chunk * LANES + lane;
-                let (dx, dy) = (self.x[i] - x, self.y[i] - y);
-                let bits = (dx * dx + dy * dy).to_bits();
-                let key = f32::from_bits((bits & !INDEX) | i as u32);
-                *least = if key < *least { key } else { *least };
-            }
-        }
-        let bits = least.into_iter().fold(f32::MAX, f32::min).to_bits();
-        (
-            (bits & INDEX) as usize,
-            f32::from_bits(bits & !INDEX).sqrt(),
-        )
     }
 
     /// [m] along the path from the robot's place to a sample.

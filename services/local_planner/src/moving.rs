@@ -80,11 +80,6 @@ impl Moving {
         }
     }
 
-    /// How many there are.
-    pub(crate) fn len(&self) -> usize {
-        self.tracks.len()
-    }
-
     /// True when a point in `base` belongs to one of them.
     pub(crate) fn owns(&self, point_in_base: Point2<f64>) -> bool {
         if self.tracks.is_empty() {
@@ -250,7 +245,7 @@ mod tests {
         standing.vy_mps = 0.0;
         let mut moving = Moving::default();
         moving.take(&[standing], 0.0, &Pose::new(10.0, 1.0, 0.0), GROWTH);
-        assert_eq!(moving.len(), 0);
+        assert!(moving.tracks.is_empty());
         moving.take(
             &[cart()],
             0.0,

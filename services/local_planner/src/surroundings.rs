@@ -82,11 +82,12 @@ impl Surroundings {
         }
     }
 
-    /// Looks around: after this the queries are as of `map_from_base`. Stops are checked against
+    /// Looks around: after this the queries are as of `map_from_base`. The number beside the map
+    /// grows when its cells change. Stops are checked against
     /// all points; those of `stamped_in_base`, normally the same, lower the clearance field.
     pub(crate) fn look(
         &mut self,
-        map: Option<MapView<'_>>,
+        map: Option<(MapView<'_>, u64)>,
         map_from_base: &Pose,
         points_in_base: &[Point2<f64>],
         stamped_in_base: &[Point2<f64>],
@@ -129,17 +130,26 @@ impl Surroundings {
 
     /// Space around the outline at a pose in the `base` of now: exact for the points of the scan,
     /// a bound from below for the map. [m]
-    pub(crate) fn margin_m(&self, pose: &Pose) -> f64 {
+    fn margin_m(&self, pose: &Pose) -> f64 {
+        let map_m = f64::from(self.field_margin_m(self.local(pose)));
+        map_m.min(self.scan_margin_m(pose))
+    }
+
+    /// True when the outline keeps the margin of this period at a pose in the `base` of now.
+    fn keeps_margin(&self, pose: &Pose) -> bool {
+        self.space(self.local(pose), 0.0).is_some() && self.scan_keeps(pose)
+    }
+
+    /// A pose in the `base` of now as the clearance field takes it.
+    fn local(&self, pose: &Pose) -> LocalPose {
         let (sin, cos) = (self.yaw_rad + pose.yaw_rad).sin_cos();
         let (base_sin, base_cos) = self.yaw_rad.sin_cos();
-        let local = LocalPose {
+        LocalPose {
             x: narrow(base_cos * pose.x_m - base_sin * pose.y_m),
             y: narrow(base_sin * pose.x_m + base_cos * pose.y_m),
             cos: narrow(cos),
             sin: narrow(sin),
-        };
-        let map_m = f64::from(self.field_margin_m(local));
-        map_m.min(self.scan_margin_m(pose))
+        }
     }
 
     /// Space around the outline by the clearance field alone; a bound from below. [m]
@@ -204,6 +214,29 @@ impl Surroundings {
         least
     }
 
+    /// True when no point of the scan is nearer to the outline than the margin of this period.
+    fn scan_keeps(&self, pose: &Pose) -> bool {
+        let footprint = &self.footprint;
+        let reach_m = footprint.circumscribed_m + self.need_m;
+        if reach_m <= 0.0 {
+            return self.scan_margin_m(pose) >= self.need_m;
+        }
+        let near = |x: f64, y: f64| {
+            let (dx, dy) = (x - pose.x_m, y - pose.y_m);
+            dx * dx + dy * dy < reach_m * reach_m
+        };
+        let mut points = self.near_x.iter().zip(&self.near_y);
+        if footprint.is_disc() {
+            return !points.fold(false, |any, (x, y)| any | near(*x, *y));
+        }
+        let (sin, cos) = pose.yaw_rad.sin_cos();
+        points.all(|(x, y)| {
+            let (dx, dy) = (x - pose.x_m, y - pose.y_m);
+            let point = Point2::new(cos * dx + sin * dy, cos * dy - sin * dx);
+            !near(*x, *y) || footprint.distance_m(point) >= self.need_m
+        })
+    }
+
     /// True when the outline can turn on the spot by `angle_rad`; always for a disc.
     pub(crate) fn turn_is_free(&self, angle_rad: f64) -> bool {
         const STEPS_MAX: u32 = 64;
@@ -217,7 +250,7 @@ impl Surroundings {
             .take_while(|at_m| *at_m < swept_m)
             .all(|at_m| {
                 let yaw_rad = (at_m / self.footprint.circumscribed_m).copysign(angle_rad);
-                self.margin_m(&Pose::new(0.0, 0.0, yaw_rad)) >= self.need_m
+                self.keeps_margin(&Pose::new(0.0, 0.0, yaw_rad))
             })
     }
 
@@ -248,8 +281,7 @@ impl Surroundings {
         let step_s = stop.step_s();
         let free = stop.by_ref().all(|(pose, _)| {
             elapsed_s += step_s;
-            self.margin_m(&pose) >= self.need_m
-                && moving.margin_m(&pose, elapsed_s, outline_m) >= keep_m
+            self.keeps_margin(&pose) && moving.margin_m(&pose, elapsed_s, outline_m) >= keep_m
         });
         free.then(|| stop.arc_m())
     }

@@ -12,8 +12,9 @@
 use super::{Dwa, PATH_HORIZON_S};
 use crate::config::DwaTConfig;
 use crate::controller::Situation;
-use crate::fan::Fan;
+use crate::fan::{Fan, LANES_MAX};
 use crate::funnel::{Funnel, FunnelInputs};
+use crate::local_path::Projection;
 use crate::motion::{Twist, stop_angle_rad, stop_distance_m};
 use crate::moving::Growth;
 use crate::progress::Place;
@@ -29,6 +30,13 @@ const DEAD_END_M: f32 = 0.3;
 /// [m/s] below which being hit is not the robot's doing.
 const STANDING_MPS: f64 = 0.05;
 
+/// No place yet.
+const PLACE: Projection = Projection {
+    along: 0.0,
+    beside: 0.0,
+    direction: (0.0, 0.0),
+};
+
 /// What `dwa_t` has besides the dynamic window.
 #[derive(Debug, Clone)]
 pub(super) struct Timed {
@@ -37,6 +45,8 @@ pub(super) struct Timed {
     fan: Fan,
     /// Points of the scan that belong to nothing that moves.
     stamped: Vec<Point2<f64>>,
+    /// Last step of every rollout of a row that is scored.
+    ends: [usize; LANES_MAX],
     /// The best twist of each speed with its worth, best first.
     pub(super) reserve: Vec<(f64, Twist)>,
 }
@@ -48,7 +58,8 @@ impl Timed {
             funnel: Funnel::default(),
             fan: Fan::default(),
             stamped: Vec::with_capacity(BEAMS_MAX),
-            reserve: Vec::with_capacity(crate::fan::LANES_MAX),
+            ends: [0; LANES_MAX],
+            reserve: Vec::with_capacity(LANES_MAX),
         }
     }
 
@@ -116,6 +127,7 @@ impl Dwa {
         let steps = fan.steps;
         self.looked_at = u32::try_from(fan.len()).unwrap_or(u32::MAX);
         self.moving.tabulate(steps, window.step_s);
+        fan.foresee(&self.moving, self.surroundings.footprint.circumscribed_m);
         let here = situation.map_from_base.point();
         let now = timed.funnel.at(here);
         // Scored as far as the weights are meant for; beyond, only what moves counts.
@@ -126,41 +138,38 @@ impl Dwa {
             let ahead = narrow(self.path.ahead_m);
             let arcs = fan.arcs_m(speed);
             let scored = arcs.partition_point(|arc| *arc < ahead).min(judged);
-            fan.drive(
-                speed,
-                &self.surroundings,
-                &self.moving,
-                window.soft_m,
-                scored,
-            );
+            let looked = looked(fan, window, speed, scored);
+            fan.drive(speed, &self.surroundings, window.soft_m, (scored, looked));
+            let lanes = fan.yaw_rates.len();
+            for lane in 0..lanes {
+                let free = steps_until(fan.row.hit[lane], steps);
+                timed.ends[lane] = scored.min(free.saturating_sub(1));
+            }
+            let (mut then, mut half) = ([PLACE; LANES_MAX], [PLACE; LANES_MAX]);
+            for (found, share) in [(&mut then, 1), (&mut half, 2)] {
+                let (mut x, mut y) = ([0.0; LANES_MAX], [0.0; LANES_MAX]);
+                for (lane, end) in timed.ends[..lanes].iter().enumerate() {
+                    x[lane] = fan.row.x[end / share][lane];
+                    y[lane] = fan.row.y[end / share][lane];
+                }
+                self.path.project_all(&x[..lanes], &y[..lanes], found);
+            }
             let mut best: Option<(f64, Twist)> = None;
-            for lane in 0..fan.yaw_rates.len() {
+            for lane in 0..lanes {
                 let w_radps = fan.yaw_rates[lane];
                 let free = steps_until(fan.row.hit[lane], steps);
                 let struck = steps_until(fan.row.struck[lane], steps);
                 if !can_stop(fan, window, (speed, lane), free, struck) {
                     continue;
                 }
-                let end = scored.min(free.saturating_sub(1));
-                let look = |step: usize| {
-                    self.path
-                        .project(fan.row.x[step][lane], fan.row.y[step][lane])
-                };
-                let (place_then, half) = (look(end), look(end / 2));
-                let (x, y) = (fan.row.x[end][lane], fan.row.y[end][lane]);
-                let at = Point2::new(here.x + f64::from(x), here.y + f64::from(y));
-                // Along the path, unless the free way from there is longer than that.
-                let nearer = timed.funnel.at(at).zip(now).map(|(then, now)| now - then);
-                let progress = match nearer {
-                    Some(nearer) if nearer < place_then.along - DEAD_END_M => nearer,
-                    _ => place_then.along,
-                };
+                let end = timed.ends[lane];
+                let (place_then, half) = (then[lane], half[lane]);
                 let direction = place_then.direction;
                 let heading = fan.heading(end, lane);
                 let cos = heading.0 * direction.0 + heading.1 * direction.1;
                 let pathless = direction == (0.0, 0.0);
-                let outcome = Outcome {
-                    progress_m: f64::from(progress),
+                let mut outcome = Outcome {
+                    progress_m: f64::from(place_then.along),
                     beside_m: 0.5
                         * f64::from(cost_beside(place_then.beside) + cost_beside(half.beside)),
                     heading: if pathless { 0.0 } else { 1.0 - f64::from(cos) },
@@ -168,9 +177,26 @@ impl Dwa {
                 };
                 let twist = Twist::new(v_mps, w_radps);
                 let calm_mps = config.speed_base_mps + config.speed_gain_hz * outcome.margin_m;
-                let worth = self.worth(situation, place, twist, &outcome)
-                    - config.weight_speed * (v_mps - calm_mps).max(0.0)
-                    - config.weight_moving * badness(struck, steps);
+                let worth_of = |outcome: &Outcome| {
+                    self.worth(situation, place, twist, outcome)
+                        - config.weight_speed * (v_mps - calm_mps).max(0.0)
+                        - config.weight_moving * badness(struck, steps)
+                };
+                let mut worth = worth_of(&outcome);
+                // The free way can only make it worth less.
+                if best.is_some_and(|(most, _)| worth <= most) {
+                    continue;
+                }
+                let (x, y) = (fan.row.x[end][lane], fan.row.y[end][lane]);
+                let at = Point2::new(here.x + f64::from(x), here.y + f64::from(y));
+                // Along the path, unless the free way from there is longer than that.
+                let nearer = timed.funnel.at(at).zip(now).map(|(then, now)| now - then);
+                if let Some(nearer) = nearer
+                    && nearer < place_then.along - DEAD_END_M
+                {
+                    outcome.progress_m = f64::from(nearer);
+                    worth = worth_of(&outcome);
+                }
                 if best.is_none_or(|(most, _)| worth > most) {
                     best = Some((worth, twist));
                 }
@@ -182,6 +208,19 @@ impl Dwa {
         self.steered_radps = twist.w_radps;
         Some(twist)
     }
+}
+
+/// How many steps must be free of what stands for a row to be judged: the scored ones, and as many
+/// as a stop needs. Whatever lies beyond neither [`can_stop`] nor the evaluation asks for.
+fn looked(fan: &Fan, window: &Window<'_>, speed: usize, scored: usize) -> usize {
+    let v = fan.speeds[speed];
+    if v.abs() < TURNING_MPS {
+        return fan.steps;
+    }
+    let needed_m = stop_distance_m(window.robot, v, window.reaction_s) + window.stop_margin_m;
+    let arcs = fan.arcs_m(speed);
+    let stopped = arcs.partition_point(|arc| f64::from(*arc) < needed_m) + 1;
+    stopped.max(scored + 1).min(fan.steps)
 }
 
 /// Whole steps in a time.

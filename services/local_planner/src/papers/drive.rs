@@ -332,7 +332,7 @@ impl Controller for Driver {
             self.path
                 .sample(&self.tracker, situation.path, &place, position, sight_m);
             self.surroundings.look(
-                situation.map,
+                situation.map.map(|map| (map, situation.map_cells)),
                 &situation.map_from_base,
                 situation.scan_points_in_base,
                 situation.scan_points_in_base,

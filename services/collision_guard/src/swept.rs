@@ -1,0 +1,162 @@
+//! Where the outline can be on any way of one period: most hits are settled by one box.
+
+use crate::limits::{Limits, Twist};
+use crate::outline::Outline;
+use crate::sweep::{SPACING_M, STEP_S_MAX};
+use core::f64::consts::FRAC_PI_2;
+use nalgebra::Point2;
+
+/// A box along the axes of the `base` of now. Hits beside it tell nothing.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Swept {
+    low: Point2<f64>,
+    high: Point2<f64>,
+}
+
+/// Bounds on one kind of motion: how fast, how far, how long.
+struct Drive {
+    v_mps: f64,
+    stop_m: f64,
+    stop_s: f64,
+    reaction_s: f64,
+}
+
+impl Drive {
+    fn new(limits: &Limits, v_mps: f64, reaction_s: f64) -> Self {
+        let braking_s = v_mps / limits.brake_mps2;
+        Self {
+            v_mps,
+            // The last step of a ramp is a whole one.
+            stop_m: v_mps * reaction_s + 0.5 * v_mps * braking_s + SPACING_M,
+            stop_s: reaction_s + braking_s + STEP_S_MAX,
+            reaction_s,
+        }
+    }
+
+    /// [m] sideways while turning by at most `w_radps`: the speed times a heading of `w t`,
+    /// integrated over reaction and ramp.
+    fn aside_m(&self, w_radps: f64) -> f64 {
+        let (r, b) = (self.reaction_s + STEP_S_MAX, self.stop_s - self.reaction_s);
+        let turned_m = self.v_mps * w_radps * (0.5 * r * r + 0.5 * r * b + b * b / 6.0);
+        (turned_m + SPACING_M).min(self.stop_m)
+    }
+}
+
+impl Swept {
+    /// Holds every point within `around_m` of the outline on every way that begins at `from`, nears
+    /// some share in [0, 1] of `towards` for at most `reaction_s` and then ramps to rest.
+    ///
+    /// Neither speed ever exceeds the larger of the two ends of the way or changes to a sign that
+    /// neither of them has. While the robot still drives, for `v / brake` at most, the yaw rate only
+    /// falls; what is left of it then falls by the yaw acceleration.
+    pub(crate) fn new(
+        limits: &Limits,
+        outline: &Outline,
+        (from, towards): (Twist, Twist),
+        reaction_s: f64,
+        around_m: f64,
+    ) -> Self {
+        let most = |a: f64, b: f64| a.max(b).max(0.0);
+        let ahead = Drive::new(limits, most(from.v_mps, towards.v_mps), reaction_s);
+        let back = Drive::new(limits, most(-from.v_mps, -towards.v_mps), reaction_s);
+        let left_radps = most(from.w_radps, towards.w_radps);
+        let right_radps = most(-from.w_radps, -towards.w_radps);
+        let turned_rad = |w_radps: f64| {
+            let driving_s = ahead.stop_s.max(back.stop_s);
+            w_radps * (driving_s + STEP_S_MAX) + w_radps * w_radps / (2.0 * limits.alpha_radps2_max)
+        };
+        let most_rad = turned_rad(left_radps.max(right_radps));
+        let (forward, backward, aside) = outline.extents(most_rad);
+        // Beyond a quarter turn ahead is back.
+        let (far_ahead_m, far_back_m) = if most_rad < FRAC_PI_2 {
+            (ahead.stop_m, back.stop_m)
+        } else {
+            let either_m = ahead.stop_m.max(back.stop_m);
+            (either_m, either_m)
+        };
+        let to_left_m = ahead.aside_m(left_radps).max(back.aside_m(right_radps));
+        let to_right_m = ahead.aside_m(right_radps).max(back.aside_m(left_radps));
+        Self {
+            low: Point2::new(
+                -(far_back_m + backward + around_m),
+                -(to_right_m + aside.1 + around_m),
+            ),
+            high: Point2::new(
+                far_ahead_m + forward + around_m,
+                to_left_m + aside.0 + around_m,
+            ),
+        }
+    }
+
+    /// True for a point in `base` that may be within the distance asked for.
+    pub(crate) fn holds(&self, point: Point2<f64>) -> bool {
+        point.x >= self.low.x
+            && point.x <= self.high.x
+            && point.y >= self.low.y
+            && point.y <= self.high.y
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sweep::Space;
+    use proptest::prelude::*;
+    use zeronav_msgs::description::{Corner, Description};
+
+    proptest! {
+        /// With and without the points beside the box every way ends alike.
+        #[test]
+        fn points_beside_the_box_tell_nothing(
+            shape in 0_usize..3,
+            limits in (0.3..2.5_f64, -1.0..0.0_f64, 0.5..4.0_f64, 0.3..3.0_f64, 0.5..8.0_f64),
+            from in (-1.0..1.0_f64, -1.0..1.0_f64),
+            towards in (-1.0..1.0_f64, -1.0..1.0_f64),
+            share in 0.0..1.0_f64,
+            reaction_s in 0.0..0.3_f64,
+            points in prop::collection::vec((-2.0..2.0_f64, -2.0..2.0_f64), 1..60),
+        ) {
+            let corner = |(x_m, y_m)| Corner { x_m, y_m };
+            let corners: &[(f64, f64)] = match shape {
+                0 => &[],
+                1 => &[(0.254, 0.215), (-0.254, 0.215), (-0.254, -0.215), (0.254, -0.215)],
+                _ => &[(0.6, 0.0), (-0.2, 0.3), (-0.3, 0.0), (-0.2, -0.3)],
+            };
+            let corners: Vec<Corner> = corners.iter().copied().map(corner).collect();
+            let description = Description {
+                circumscribed_radius_m: 0.3,
+                ..Description::default()
+            };
+            let outline = Outline::new(&description, &corners);
+            let limits = Limits {
+                v_mps_max: limits.0,
+                v_mps_min: limits.1,
+                w_radps_max: limits.2,
+                a_mps2_max: limits.3,
+                brake_mps2: limits.3,
+                alpha_radps2_max: limits.4,
+            };
+            let twist = |(v, w): (f64, f64)| Twist {
+                v_mps: v * if v > 0.0 { limits.v_mps_max } else { -limits.v_mps_min },
+                w_radps: w * limits.w_radps_max,
+            };
+            let (from, towards) = (twist(from), twist(towards));
+            let (margin_m, enough_m) = (0.01, 0.02);
+            let swept = Swept::new(&limits, &outline, (from, towards), reaction_s, enough_m);
+            let all: Vec<Point2<f64>> = points.iter().map(|&(x, y)| Point2::new(x, y)).collect();
+            let near: Vec<Point2<f64>> =
+                all.iter().copied().filter(|point| swept.holds(*point)).collect();
+            let way = |points: &[Point2<f64>], reaction_s: f64| {
+                let space = Space::new(&outline, points, margin_m);
+                space.way(&limits, from, towards.scaled(share), reaction_s, enough_m)
+            };
+            for reaction_s in [reaction_s, 0.25 * reaction_s] {
+                let (full, fast) = (way(&all, reaction_s), way(&near, reaction_s));
+                prop_assert_eq!(full.is_some(), fast.is_some());
+                if let (Some(full), Some(fast)) = (full, fast) {
+                    prop_assert!((full - fast).abs() < 1.0e-12, "{} {}", full, fast);
+                }
+            }
+        }
+    }
+}
