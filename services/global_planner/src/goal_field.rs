@@ -806,7 +806,11 @@ impl Run<'_> {
         node.meta = self.generation << GENERATION_SHIFT | price << PRICE_SHIFT | step << STEP_SHIFT;
         self.generated += 1;
         // A weighted heuristic may fall by more than the step costs; the key must not.
-        let least = if GUIDE == WEIGHTED { self.open.key() } else { 0 };
+        let least = if GUIDE == WEIGHTED {
+            self.open.key()
+        } else {
+            0
+        };
         let key = (so_far + weighted::<GUIDE>(left, self.quarters)).max(least);
         self.open.push(key, spot);
         true
