@@ -10,8 +10,8 @@ use crate::bits::BitMap;
 use crate::ends::{WayOut, find_ends};
 use crate::goal_field::{GoalField, Guide};
 use crate::planner::{
-    CellPath, Control, CornerRule, Expansions, GlobalPlanner, IMPROVEMENTS_MAX, Improvement,
-    PlanError, PlanQuery, PlanStats,
+    CellPath, Control, Expansions, GlobalPlanner, IMPROVEMENTS_MAX, Improvement, PlanError,
+    PlanQuery, PlanStats,
 };
 use crate::reach::Reach;
 use crate::search::Found;
@@ -112,13 +112,9 @@ impl GlobalPlanner for Anytime {
         self.bits.follow(&query.map, query.unknown);
         self.search
             .follow(&query.map, query.unknown, query.corner_rule);
-        let mut start = ends.start;
-        if self.way_out.cells().len() > 1 {
-            // A robot too close to an obstacle must not be led into the wrong pocket.
-            let (bits, reach) = (&self.bits, &mut self.reach);
-            let tried = |exit| !reach.known(bits, query.corner_rule, exit, ends.goal);
-            start = self.way_out.turn_to_next(tried).unwrap_or(start);
-        }
+        let start = self
+            .reach
+            .exit(&self.bits, query.corner_rule, &ends, &mut self.way_out);
         let way_out = self.way_out.cells();
         path.cells
             .extend_from_slice(&way_out[..way_out.len().saturating_sub(1)]);
@@ -130,11 +126,7 @@ impl GlobalPlanner for Anytime {
             }
             Found::Nothing => {
                 path.cells.clear();
-                let blocked_by_corner = query.corner_rule != CornerRule::Allow
-                    && self
-                        .reach
-                        .known(&self.bits, CornerRule::Allow, ends.start, ends.goal);
-                Err(PlanError::Unreachable { blocked_by_corner })
+                Err(self.reach.no_way(&self.bits, query.corner_rule, &ends))
             }
         }
     }

@@ -101,13 +101,19 @@ impl EasedBox {
         self.max = (self.max.0.max(x), self.max.1.max(y));
     }
 
-    /// Lower bound of the ways from a cell that enter the box.
+    /// Lower bound of all ways from a cell of which the field says `left`: those that enter the
+    /// box and those that do not. Inside it the field, which may be lower there than `least`, does
+    /// not count: with it the bound could fall by more than a step costs.
     #[inline]
-    fn bound(&self, x: u32, y: u32) -> u32 {
+    fn bound(&self, left: u32, x: u32, y: u32) -> u32 {
         let apart = |at: u32, min: u32, max: u32| min.saturating_sub(at) + at.saturating_sub(max);
         let dx = apart(x, self.min.0, self.max.0);
         let dy = apart(y, self.min.1, self.max.1);
-        octile(dx, dy).saturating_add(self.least)
+        if (dx, dy) == (0, 0) {
+            self.least
+        } else {
+            left.min(octile(dx, dy).saturating_add(self.least))
+        }
     }
 }
 
@@ -163,6 +169,8 @@ pub(crate) struct GoalField {
     closed: Vec<Spot>,
     /// Cost of the way that it found, [`NO_WAY`] when there was none.
     proved: u32,
+    /// The box that bounded it, if any.
+    closed_box: Option<EasedBox>,
 }
 
 impl GoalField {
@@ -196,6 +204,7 @@ impl GoalField {
             lowered: BinaryHeap::new(),
             closed: Vec::new(),
             proved: 0,
+            closed_box: None,
         }
     }
 
@@ -445,6 +454,7 @@ impl GoalField {
         };
         stats.generated += run.generated;
         stats.peak_open = stats.peak_open.max(self.open.peak() as u64);
+        self.closed_box = eased_box;
         self.proved = match found {
             Found::Path => self.nodes[ends.1 as usize].so_far,
             Found::Nothing => NO_WAY,
@@ -487,6 +497,18 @@ impl GoalField {
     /// What the last search proved: from a cell that it closed, the rest costs what its way cost
     /// less the way to the cell.
     fn learn(&mut self) {
+        if let Some(EasedBox { min, max, least }) = self.closed_box.take()
+            && !self.closed.is_empty()
+        {
+            // What was proved beside the box rests on this bound inside it.
+            for y in min.1..=max.1 {
+                let first = (y * self.width + min.0) as usize;
+                let row = &mut self.nodes[first..=first + (max.0 - min.0) as usize];
+                for node in row {
+                    node.left = node.left.max(least);
+                }
+            }
+        }
         for spot in self.closed.drain(..) {
             let node = &mut self.nodes[spot as usize];
             let left = if self.proved == NO_WAY {
@@ -651,10 +673,11 @@ impl Run<'_> {
         self.closed.clear();
         let node = &mut self.nodes[start as usize];
         let xy = (start % self.width, start / self.width);
-        let key = bound::<GUIDE>(node.left, xy, self.goal_xy, &self.eased_box);
-        if key == NO_WAY {
+        let left = bound::<GUIDE>(node.left, xy, self.goal_xy, &self.eased_box);
+        if left == NO_WAY {
             return Found::Nothing;
         }
+        let key = weighted::<GUIDE>(left, self.quarters);
         node.so_far = 0;
         node.meta =
             self.generation << GENERATION_SHIFT | node.meta & PRICE_MASK | NO_STEP << STEP_SHIFT;
@@ -782,14 +805,25 @@ impl Run<'_> {
         node.so_far = so_far;
         node.meta = self.generation << GENERATION_SHIFT | price << PRICE_SHIFT | step << STEP_SHIFT;
         self.generated += 1;
-        let key = if GUIDE == WEIGHTED {
-            // A weighted heuristic may fall by more than the step costs; the key must not.
-            (so_far + left + left / 4 * (self.quarters - 4)).max(self.open.key())
+        // A weighted heuristic may fall by more than the step costs; the key must not.
+        let least = if GUIDE == WEIGHTED {
+            self.open.key()
         } else {
-            so_far + left
+            0
         };
+        let key = (so_far + weighted::<GUIDE>(left, self.quarters)).max(least);
         self.open.push(key, spot);
         true
+    }
+}
+
+/// What is left as the keys count it.
+#[inline]
+const fn weighted<const GUIDE: u8>(left: u32, quarters: u32) -> u32 {
+    if GUIDE == WEIGHTED {
+        left + left / 4 * (quarters - 4)
+    } else {
+        left
     }
 }
 
@@ -799,7 +833,7 @@ fn bound<const GUIDE: u8>(left: u32, xy: (u32, u32), goal: (u32, u32), eased: &E
     let straight = || octile(xy.0.abs_diff(goal.0), xy.1.abs_diff(goal.1));
     match GUIDE {
         FIELD => left,
-        FIELD_AND_BOX => left.min(eased.bound(xy.0, xy.1)).max(straight()),
+        FIELD_AND_BOX => eased.bound(left, xy.0, xy.1).max(straight()),
         _ => straight(),
     }
 }

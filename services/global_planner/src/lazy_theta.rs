@@ -200,13 +200,9 @@ impl GlobalPlanner for LazyTheta {
         path.clear();
         let ends = find_ends(query, self.escape_m, &mut self.way_out)?;
         self.bits.follow(&query.map, query.unknown);
-        let mut start = ends.start;
-        if self.way_out.cells().len() > 1 {
-            // A robot too close to an obstacle must not be led into the wrong pocket.
-            let (bits, reach) = (&self.bits, &mut self.reach);
-            let tried = |exit| !reach.known(bits, query.corner_rule, exit, ends.goal);
-            start = self.way_out.turn_to_next(tried).unwrap_or(start);
-        }
+        let start = self
+            .reach
+            .exit(&self.bits, query.corner_rule, &ends, &mut self.way_out);
         let ways = (start, ends.goal);
         let found = if self.reach.may(&self.bits, query.corner_rule, ways, 0) {
             self.search(ways, query.corner_rule, budget, &mut path.stats)
@@ -223,13 +219,7 @@ impl GlobalPlanner for LazyTheta {
                 Ok(path.stats)
             }
             Found::Stopped => Err(PlanError::OutOfBudget),
-            Found::Nothing => {
-                let blocked_by_corner = query.corner_rule != CornerRule::Allow
-                    && self
-                        .reach
-                        .known(&self.bits, CornerRule::Allow, ends.start, ends.goal);
-                Err(PlanError::Unreachable { blocked_by_corner })
-            }
+            Found::Nothing => Err(self.reach.no_way(&self.bits, query.corner_rule, &ends)),
         }
     }
 

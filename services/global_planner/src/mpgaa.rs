@@ -97,22 +97,14 @@ impl GlobalPlanner for Mpgaa {
         self.bits.follow(&query.map, query.unknown);
         self.field
             .follow(&query.map, query.unknown, query.corner_rule);
-        let mut start = ends.start;
-        if self.way_out.cells().len() > 1 {
-            // A robot too close to an obstacle must not be led into the wrong pocket.
-            let (bits, reach) = (&self.bits, &mut self.reach);
-            let tried = |exit| !reach.known(bits, query.corner_rule, exit, ends.goal);
-            start = self.way_out.turn_to_next(tried).unwrap_or(start);
-        }
+        let start = self
+            .reach
+            .exit(&self.bits, query.corner_rule, &ends, &mut self.way_out);
         match self.search(start, ends.goal, query.corner_rule, budget, &mut path.stats) {
             Found::Path => {}
             Found::Stopped => return Err(PlanError::OutOfBudget),
             Found::Nothing => {
-                let blocked_by_corner = query.corner_rule != CornerRule::Allow
-                    && self
-                        .reach
-                        .known(&self.bits, CornerRule::Allow, ends.start, ends.goal);
-                return Err(PlanError::Unreachable { blocked_by_corner });
+                return Err(self.reach.no_way(&self.bits, query.corner_rule, &ends));
             }
         }
         let way_out = self.way_out.cells();

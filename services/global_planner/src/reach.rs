@@ -1,8 +1,9 @@
 //! When a search asks whether there is a way at all.
 
 use crate::bits::BitMap;
+use crate::ends::{Ends, WayOut};
 use crate::jps::padded;
-use crate::planner::CornerRule;
+use crate::planner::{CornerRule, PlanError};
 use crate::regions::Regions;
 use zeronav_msgs::Cell;
 
@@ -47,6 +48,30 @@ impl Reach {
         let regions = self.regions(rule);
         regions.follow(bits, rule);
         regions.connected(padded(a), padded(b))
+    }
+
+    /// Where the search begins: at the start, or at the exit from the inflation around it that is
+    /// not in a pocket cut off from the goal.
+    pub(crate) fn exit(
+        &mut self,
+        bits: &BitMap,
+        rule: CornerRule,
+        ends: &Ends,
+        way_out: &mut WayOut,
+    ) -> Cell {
+        if way_out.cells().len() <= 1 {
+            return ends.start;
+        }
+        way_out
+            .turn_to_next(|exit| !self.known(bits, rule, exit, ends.goal))
+            .unwrap_or(ends.start)
+    }
+
+    /// The answer where there is no way.
+    pub(crate) fn no_way(&mut self, bits: &BitMap, rule: CornerRule, ends: &Ends) -> PlanError {
+        let blocked_by_corner =
+            rule != CornerRule::Allow && self.known(bits, CornerRule::Allow, ends.start, ends.goal);
+        PlanError::Unreachable { blocked_by_corner }
     }
 
     fn regions(&mut self, rule: CornerRule) -> &mut Regions {

@@ -1,36 +1,51 @@
-//! Whether the straight line between two cell centres is free, on a bit map.
+//! Whether the straight line between two cell centres is free.
 
 use crate::bits::Lines;
 use crate::planner::CornerRule;
 
-/// True when no cell that the line passes is blocked, and every corner that it touches may be
-/// passed. Padded positions; the same cells as [`crate::line::supercover`], but it stops at the
-/// first that is blocked.
-pub(crate) fn sees(lines: &Lines, rule: CornerRule, from: (u32, u32), to: (u32, u32)) -> bool {
+/// A position: column and row.
+type At = (u32, u32);
+
+/// What a look along a line met.
+pub(crate) struct Look {
+    /// First blocked cell that the line passes or touches at a corner that may not be passed.
+    pub hit: Option<At>,
+    /// Cells that the line passes up to there.
+    pub cells: u64,
+}
+
+/// Looks along the line from one centre to another on a map: the same cells as
+/// [`crate::line::supercover`], but only up to the first that is blocked.
+#[inline]
+pub(crate) fn look(rule: CornerRule, from: At, to: At, blocked: impl Fn(At) -> bool) -> Look {
     let (nx, ny) = (
         i64::from(to.0.abs_diff(from.0)),
         i64::from(to.1.abs_diff(from.1)),
     );
-    let step = |from: u32, to: u32| -> usize { if to > from { 1 } else { usize::MAX } };
+    let step = |from: u32, to: u32| -> u32 { if to > from { 1 } else { u32::MAX } };
     let (sx, sy) = (step(from.0, to.0), step(from.1, to.1));
-    let (mut x, mut y) = (from.0 as usize, from.1 as usize);
+    let (mut x, mut y) = from;
     let (mut ix, mut iy) = (0_i64, 0_i64);
+    let mut cells = 1;
     loop {
-        if lines.is_blocked(y, x) {
-            return false;
+        if blocked((x, y)) {
+            let hit = Some((x, y));
+            return Look { hit, cells };
         }
         if ix == nx && iy == ny {
-            return true;
+            return Look { hit: None, cells };
         }
+        cells += 1;
         // The next vertical border is crossed at (2 ix + 1) / 2 nx, the next horizontal one at
         // (2 iy + 1) / 2 ny.
         let order = ((2 * ix + 1) * ny).cmp(&((2 * iy + 1) * nx));
         let beside = (x.wrapping_add(sx), y.wrapping_add(sy));
         if order.is_eq() {
-            let one = lines.is_blocked(y, beside.0);
-            let other = lines.is_blocked(beside.1, x);
+            let sides = [(beside.0, y), (x, beside.1)];
+            let [one, other] = sides.map(&blocked);
             if !rule.permits(one, other) {
-                return false;
+                let hit = Some(if one { sides[0] } else { sides[1] });
+                return Look { hit, cells };
             }
         }
         if order.is_le() {
@@ -42,6 +57,13 @@ pub(crate) fn sees(lines: &Lines, rule: CornerRule, from: (u32, u32), to: (u32, 
             iy += 1;
         }
     }
+}
+
+/// True when no cell that the line passes is blocked on a bit map, and every corner that it touches
+/// may be passed. Padded positions.
+pub(crate) fn sees(lines: &Lines, rule: CornerRule, from: At, to: At) -> bool {
+    let blocked = |(x, y): At| lines.is_blocked(y as usize, x as usize);
+    look(rule, from, to, blocked).hit.is_none()
 }
 
 #[cfg(test)]

@@ -19,6 +19,7 @@ pub mod free_pose;
 pub mod generate;
 pub mod map_file;
 mod map_image;
+pub mod movingai_map;
 pub mod pedestrians;
 mod polygon;
 pub mod preset;

@@ -11,7 +11,7 @@ use std::path::PathBuf;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct WorldSpec {
-    /// ROS `map_server` YAML of the static world.
+    /// ROS `map_server` YAML of the static world, or a file `.map`, see [`crate::movingai_map`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub map: Option<PathBuf>,
     /// CSV of a BARN world, see [`crate::barn`]: its cylinders become shapes.
@@ -31,7 +31,8 @@ pub struct WorldSpec {
     /// one, which this replaces.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub area_m: Option<[[f64; 2]; 2]>,
-    /// Cell size with which shapes are drawn into a map. [m] A map file brings its own.
+    /// Cell size with which shapes are drawn into a map, and of a file `.map`. [m] Any other map
+    /// file brings its own.
     #[serde(default = "default_resolution_m")]
     pub resolution_m: f64,
     /// Walls and other things that never move and stand on the static map.

@@ -7,6 +7,7 @@ use crate::error::{SpecError, number};
 use crate::footprint::Footprint;
 use crate::generate::{GenerateError, generate};
 use crate::map_file::{self, MapFileError, MapWarning};
+use crate::movingai_map;
 use crate::pedestrians::{Playback, Scene};
 use crate::shape::{Shape, point};
 use crate::spec::{ObstacleSpec, ShapeSpec, Trigger, WorldSpec};
@@ -74,7 +75,7 @@ pub enum WorldError {
     /// The file of a data set, named by the word `field`, cannot be used.
     #[error("{field}: {error}")]
     Data {
-        /// `barn`, `dynabarn.file` or `pedestrians.file`.
+        /// `map`, `barn`, `dynabarn.file` or `pedestrians.file`.
         field: &'static str,
         /// What is wrong.
         error: DataError,
@@ -93,6 +94,12 @@ impl World {
     pub fn load(spec: &WorldSpec) -> Result<(Self, Vec<MapWarning>), WorldError> {
         let (spec, generated) = resolved(spec)?;
         let (map, warnings) = match (&spec.map, generated) {
+            (Some(file), _) if movingai_map::is_one(file) => {
+                let loaded = movingai_map::load(file, spec.resolution_m);
+                let field = "map";
+                let map = loaded.map_err(|error| WorldError::Data { field, error })?;
+                (Some(map), Vec::new())
+            }
             (Some(file), _) => {
                 let loaded = map_file::load(file)?;
                 (Some(loaded.map), loaded.warnings)

@@ -1,11 +1,11 @@
 //! C-LOS: lines of sight and string pulling, PAPERS 0.6.
 
-use crate::line::supercover;
 use crate::papers::field::{Field, Meter};
-use crate::planner::PlanError;
+use crate::planner::{CornerRule, PlanError};
+use crate::sight::look;
 use zeronav_msgs::Cell;
 
-/// First obstacle on the straight line between two cells' centres: every cell whose closed square
+/// First obstacle on the straight line between the centres of two cells of the map: every cell whose closed square
 /// the line touches counts, also at a corner.
 ///
 /// # Errors
@@ -16,19 +16,12 @@ pub fn first_hit(
     to: Cell,
     meter: &mut Meter<'_>,
 ) -> Result<Option<Cell>, PlanError> {
-    let mut hit = None;
-    let mut cells = 0;
-    supercover(from, to, |crossing| {
-        if hit.is_none() {
-            cells += 1;
-            let [one, other] = crossing.touched.unwrap_or([crossing.cell; 2]);
-            hit = [one, other, crossing.cell]
-                .into_iter()
-                .find(|cell| !field.is_free(*cell));
-        }
-    });
-    meter.aux(cells)?;
-    Ok(hit)
+    let at = |cell: Cell| (cell.x.cast_unsigned(), cell.y.cast_unsigned());
+    let cell = |(x, y): (u32, u32)| Cell::new(x.cast_signed(), y.cast_signed());
+    let blocked = |at| !field.is_free(cell(at));
+    let seen = look(CornerRule::ForbidAny, at(from), at(to), blocked);
+    meter.aux(seen.cells)?;
+    Ok(seen.hit.map(cell))
 }
 
 /// True when the straight line between two cells' centres touches no obstacle.

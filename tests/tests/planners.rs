@@ -1,0 +1,87 @@
+//! Every planner of the table in the stack, by its key: it drives the porter past a load that
+//! drops into the aisle, or says that it cannot.
+
+use serde_json::Value;
+use std::collections::VecDeque;
+use std::sync::{Mutex, PoisonError};
+use zeronav_global_planner::{PLANNERS, PlannerRow};
+use zeronav_tests::Zeronav;
+
+/// Runs side by side: in lockstep the five processes of a run mostly wait for each other.
+const SIDE_BY_SIDE: usize = 3;
+
+/// `blocked_aisle` with this planner. Which way it takes first is its own affair, so the load need
+/// not be what makes it look for another.
+fn scenario(key: &str) -> String {
+    let file = zeronav_tests::workspace().join("launch/scenarios/blocked_aisle.toml");
+    let text = std::fs::read_to_string(file).expect("the scenario");
+    let text = text.replace("obstacle_replans_min = 1", "");
+    format!("{text}\n[services.global_planner]\nconfig.planner = \"{key}\"\n")
+}
+
+fn drive(row: &PlannerRow) -> (i32, Value) {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::write(folder.path().join("it.toml"), scenario(row.key)).expect("written");
+    let arguments = ["run", "./it.toml", "--lockstep", "--headless", "--json"];
+    let ended = Zeronav::start_in(folder, &arguments).finish();
+    (ended.code(), ended.json())
+}
+
+/// What is wrong with a run of this planner, if anything.
+fn fault(row: &PlannerRow, code: i32, result: &Value) -> Option<String> {
+    let outcome = result["outcome"].as_str().unwrap_or("none");
+    let reached = code == 0 && result["reached"] == true;
+    let plans = result["plans"].as_array();
+    let gave_up = plans
+        .and_then(|plans| plans.last())
+        .is_some_and(|plan| plan["status"] == "dead_end");
+    let by_another = plans.is_none_or(|plans| {
+        plans.is_empty() || plans.iter().any(|plan| plan["planner"] != row.key)
+    });
+    let fault = if result["contacts"] != 0 {
+        "a contact"
+    } else if by_another {
+        "not the planner that was asked for"
+    } else if reached {
+        return None;
+    } else if row.complete {
+        "a complete planner does not arrive"
+    } else if outcome == "no_path" && gave_up {
+        return None;
+    } else {
+        "an incomplete planner does not say that it gave up"
+    };
+    Some(format!("{}: {fault} (code {code}, {outcome})", row.key))
+}
+
+#[test]
+fn every_planner_answers_the_blocked_aisle_or_says_that_it_cannot() {
+    let waiting: Mutex<VecDeque<&PlannerRow>> = Mutex::new(PLANNERS.iter().collect());
+    let next = || {
+        let mut waiting = waiting.lock().unwrap_or_else(PoisonError::into_inner);
+        waiting.pop_front()
+    };
+    let faults = Mutex::new(Vec::new());
+    std::thread::scope(|scope| {
+        for _ in 0..SIDE_BY_SIDE {
+            scope.spawn(|| {
+                while let Some(row) = next() {
+                    let (code, result) = drive(row);
+                    eprintln!(
+                        "{:12} {:12} {} m, {} paths, {} contacts, {} s",
+                        row.key,
+                        result["outcome"].as_str().unwrap_or("none"),
+                        result["driven_m"],
+                        result["plans"].as_array().map_or(0, Vec::len),
+                        result["contacts"],
+                        result["time_s"],
+                    );
+                    let mut faults = faults.lock().unwrap_or_else(PoisonError::into_inner);
+                    faults.extend(fault(row, code, &result));
+                }
+            });
+        }
+    });
+    let faults = faults.into_inner().unwrap_or_else(PoisonError::into_inner);
+    assert!(faults.is_empty(), "{faults:#?}");
+}
