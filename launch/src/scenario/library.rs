@@ -12,14 +12,22 @@ use std::path::{Path, PathBuf};
 const TEXT_BYTES_MAX: u64 = 4 << 20;
 
 /// Name and text of the scenarios in this program. The files are those that users read.
-const SCENARIOS: [(&str, &str); 6] = [
+const SCENARIOS: [(&str, &str); 8] = [
     (
         "blocked_aisle",
         include_str!("../../scenarios/blocked_aisle.toml"),
     ),
     (
+        "crossing_walkers",
+        include_str!("../../scenarios/crossing_walkers.toml"),
+    ),
+    (
         "door_closes",
         include_str!("../../scenarios/door_closes.toml"),
+    ),
+    (
+        "moving_discs",
+        include_str!("../../scenarios/moving_discs.toml"),
     ),
     (
         "open_aisle",

@@ -4,7 +4,7 @@ mod support;
 
 use nalgebra::{Point2, Vector2};
 use support::{Rng, Room, config, description};
-use zeronav_mapping::{Mapping, MappingConfig, Observation, TrackingScore};
+use zeronav_mapping::{Mapping, MappingConfig, Observation};
 use zeronav_msgs::map::{FLAG_MOVING, FLAG_SENSED};
 use zeronav_msgs::obstacles::Obstacle;
 use zeronav_msgs::scan::Scan;
