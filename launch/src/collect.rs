@@ -104,7 +104,7 @@ impl Collector {
             }
         });
         taps.moving.drain(roster, |view| {
-            self.witness.obstacles(view.header.run_ns, view.items);
+            (self.witness).obstacles(view.header.parents.scan, view.items);
         });
         if let Some((revision, scan)) = self.unlooked.take() {
             self.look_for_obstacles(revision, scan, at_outline);
@@ -116,8 +116,9 @@ impl Collector {
         }
         taps.keyframe.release();
         taps.updates.drain(roster, |view| {
-            if view.header.parents.scan != 0 && view.meta.is_last_part() {
-                (self.witness).placed(view.header.run_ns, &view.meta.map_from_odom);
+            let scan = view.header.parents.scan;
+            if scan != 0 && view.meta.is_last_part() {
+                self.witness.placed(scan, &view.meta.map_from_odom);
             }
             if self.replica.update(view.header.id(), view.meta, view.items) != Step::Applied {
                 return;

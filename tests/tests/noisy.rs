@@ -23,10 +23,19 @@ fn with_every_noise_on_a_run_is_the_same_bit_for_bit() {
     let run = |seed: &str| lockstep("tests/scenarios/noisy_rooms.toml", &["--seed", seed]);
     let (first, again, other) = (run("7"), run("7"), run("8"));
     let pose = &first["pose"];
-    assert!(number(&pose["odometry_error_m_max"]) > 0.01, "it drifts: {pose}");
+    assert!(
+        number(&pose["odometry_error_m_max"]) > 0.01,
+        "it drifts: {pose}"
+    );
     assert!(number(&pose["error_m_max"]) < 0.1, "{pose}");
     assert!(first["run_hash"].is_string());
-    for same in ["run_hash", "driven_m", "time_s", "track_m", "clearance_m_min"] {
+    for same in [
+        "run_hash",
+        "driven_m",
+        "time_s",
+        "track_m",
+        "clearance_m_min",
+    ] {
         assert_eq!(first[same], again[same], "{same}");
     }
     assert_ne!(first["run_hash"], other["run_hash"], "the seed counts");
@@ -40,7 +49,10 @@ fn over_200_m_with_slip_and_drift_the_pose_is_within_10_cm_and_2_degrees() {
     assert!(number(&result["driven_m"]) > 200.0);
     assert!(number(&pose["odometry_error_m_max"]) > 0.5, "{pose}");
     assert!(number(&pose["error_m_max"]) < 0.10, "{pose}");
-    assert!(number(&pose["error_rad_max"]) < 2.0_f64.to_radians(), "{pose}");
+    assert!(
+        number(&pose["error_rad_max"]) < 2.0_f64.to_radians(),
+        "{pose}"
+    );
 }
 
 #[test]

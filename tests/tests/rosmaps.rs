@@ -59,7 +59,10 @@ fn drives(scenario_name: &str, driven_m_min: f64) {
     let off_m = f64::hypot(coordinate(0), coordinate(1));
     let tolerance_m = goal.get("tolerance_m").and_then(toml::Value::as_float);
     let most_m = tolerance_m.unwrap_or(0.25) + POSE_ERROR_M;
-    eprintln!("{scenario_name}: {off_m:.3} m from the goal, {}", result["pose"]);
+    eprintln!(
+        "{scenario_name}: {off_m:.3} m from the goal, {}",
+        result["pose"]
+    );
     assert!(off_m <= most_m, "{off_m} m from the goal");
 }
 

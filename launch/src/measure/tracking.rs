@@ -1,11 +1,12 @@
 //! What mapping says of the world against what is so: where the robot is, and what moves.
 //!
-//! Truth, odometry, tracked obstacles and map updates of one scan carry the same run time. Whatever
-//! of them is here waits for the rest; a scan of which a message was lost is left out.
+//! Truth, tracked obstacles and map updates name the scan that they are about; truth and odometry of
+//! one tick carry the same run time. Whatever of a scan is here waits for the rest; one of which a
+//! message was lost is left out.
 
 use core::fmt::Write;
 use serde::Serialize;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 use zeronav_msgs::Pose;
 use zeronav_msgs::obstacles::Obstacle;
 use zeronav_msgs::pose::wrap_angle;
@@ -82,7 +83,8 @@ pub struct TrackingResult {
 impl TrackingResult {
     /// The line for people.
     pub fn write(&self, text: &mut String) {
-        let number = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.2}"));
+        let number =
+            |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.2}"));
         let _ = writeln!(
             text,
             "  moving obstacles: {} found after {} s (at most {} s), {} missed, {} made up in {:.0} s; \
@@ -101,25 +103,25 @@ impl TrackingResult {
 /// The messages about one scan.
 #[derive(Debug, Default)]
 struct Scan {
-    truth: Option<(Pose, Vec<TruthObstacle>)>,
-    odometry: Option<Pose>,
+    /// With its run time. [ns]
+    truth: Option<(u64, Pose, Vec<TruthObstacle>)>,
     tracked: Option<Vec<Obstacle>>,
     map_from_odom: Option<Pose>,
 }
 
 impl Scan {
     fn is_whole(&self) -> bool {
-        self.truth.is_some()
-            && self.odometry.is_some()
-            && self.tracked.is_some()
-            && self.map_from_odom.is_some()
+        self.truth.is_some() && self.tracked.is_some() && self.map_from_odom.is_some()
     }
 }
 
 /// Compares mapping with the truth. See the module's description.
 #[derive(Debug, Default)]
 pub struct Witness {
+    /// By the scans' ids.
     waiting: BTreeMap<u64, Scan>,
+    /// Run time [ns] and `odom_from_base` of the ticks with a scan, in order.
+    odometry: VecDeque<(u64, Pose)>,
     pose: PoseResult,
     squares_m2: f64,
     score: TrackingScore,
@@ -138,22 +140,26 @@ impl Witness {
             let first = *self.first.entry(obstacle.index).or_insert(obstacle.pose);
             self.moving |= first != obstacle.pose;
         }
-        self.waiting.entry(run_ns).or_default().truth = Some((*pose, obstacles.to_vec()));
+        let waiting = self.waiting.entry(scan).or_default();
+        waiting.truth = Some((run_ns, *pose, obstacles.to_vec()));
     }
 
-    /// Takes in `odom_from_base` at the capture of a scan.
+    /// Takes in `odom_from_base` at a tick with a scan.
     pub fn odometry(&mut self, run_ns: u64, odom_from_base: &Pose) {
-        self.waiting.entry(run_ns).or_default().odometry = Some(*odom_from_base);
+        if self.odometry.len() == WAITING_MAX {
+            self.odometry.pop_front();
+        }
+        self.odometry.push_back((run_ns, *odom_from_base));
     }
 
     /// Takes in what mapping saw moving in a scan.
-    pub fn obstacles(&mut self, run_ns: u64, tracked: &[Obstacle]) {
-        self.waiting.entry(run_ns).or_default().tracked = Some(tracked.to_vec());
+    pub fn obstacles(&mut self, scan: u64, tracked: &[Obstacle]) {
+        self.waiting.entry(scan).or_default().tracked = Some(tracked.to_vec());
     }
 
     /// Takes in where mapping has placed a scan.
-    pub fn placed(&mut self, run_ns: u64, map_from_odom: &Pose) {
-        self.waiting.entry(run_ns).or_default().map_from_odom = Some(*map_from_odom);
+    pub fn placed(&mut self, scan: u64, map_from_odom: &Pose) {
+        self.waiting.entry(scan).or_default().map_from_odom = Some(*map_from_odom);
     }
 
     /// Compares the scans of which everything is here. Every topic is read in order, so what is
@@ -166,15 +172,23 @@ impl Witness {
             return;
         };
         let later = self.waiting.split_off(&(newest.0 + 1));
-        for (run_ns, scan) in core::mem::replace(&mut self.waiting, later) {
-            self.compare_scan(run_ns, scan);
+        for scan in core::mem::replace(&mut self.waiting, later).into_values() {
+            self.compare_scan(scan);
         }
     }
 
-    fn compare_scan(&mut self, run_ns: u64, scan: Scan) {
-        let (Some((truth, obstacles)), Some(odometry), Some(tracked), Some(map_from_odom)) =
-            (scan.truth, scan.odometry, scan.tracked, scan.map_from_odom)
+    fn compare_scan(&mut self, scan: Scan) {
+        let (Some((run_ns, truth, obstacles)), Some(tracked), Some(map_from_odom)) =
+            (scan.truth, scan.tracked, scan.map_from_odom)
         else {
+            return;
+        };
+        let odometry = self
+            .odometry
+            .iter()
+            .rev()
+            .find(|(then_ns, _)| *then_ns == run_ns);
+        let Some((_, odometry)) = odometry.copied() else {
             return;
         };
         let here = map_from_odom.then(&odometry);
@@ -240,7 +254,8 @@ mod tests {
             pose: Pose::new(at_m, 2.0, 0.0),
             ..TruthObstacle::default()
         };
-        witness.truth(run_ns, 5, &Pose::new(0.0, 0.03, 0.1), &[walker]);
+        let id = 40 + u64::from(n);
+        witness.truth(run_ns, id, &Pose::new(0.0, 0.03, 0.1), &[walker]);
         witness.odometry(run_ns, &Pose::new(0.0, 0.0, 0.0));
         let tracked = Obstacle {
             x_m: at_m,
@@ -248,9 +263,16 @@ mod tests {
             vx_mps: 1.0,
             ..Obstacle::default()
         };
-        witness.obstacles(run_ns, if n < 4 { &[] } else { core::slice::from_ref(&tracked) });
+        witness.obstacles(
+            id,
+            if n < 4 {
+                &[]
+            } else {
+                core::slice::from_ref(&tracked)
+            },
+        );
         if !lost {
-            witness.placed(run_ns, &Pose::new(0.0, if n == 9 { -0.02 } else { 0.0 }, 0.1));
+            witness.placed(id, &Pose::new(0.0, if n == 9 { -0.02 } else { 0.0 }, 0.1));
         }
         witness.compare();
     }
@@ -271,7 +293,10 @@ mod tests {
         let rms_m = ((28.0 * 0.0009 + 0.0025) / 29.0_f64).sqrt();
         assert!((pose.error_m_rms - rms_m).abs() < 1e-9, "{pose:?}");
         let tracking = witness.tracking().expect("a walker");
-        assert_eq!((tracking.found, tracking.missed, tracking.false_moving), (1, 0, 0));
+        assert_eq!(
+            (tracking.found, tracking.missed, tracking.false_moving),
+            (1, 0, 0)
+        );
         let delay_s = tracking.detection_delay_s_median.expect("a delay");
         assert!((delay_s - 0.3).abs() < 1e-9, "{tracking:?}");
         assert!(tracking.velocity_rmse_mps.expect("samples") < 1e-9);
@@ -287,9 +312,11 @@ mod tests {
         let mut witness = Witness::default();
         for n in 0..1000 {
             witness.odometry(n, &Pose::default());
+            witness.truth(n, n + 1, &Pose::default(), &[]);
             witness.compare();
         }
         assert!(witness.waiting.len() <= WAITING_MAX);
+        assert!(witness.odometry.len() <= WAITING_MAX);
         assert_eq!(witness.pose(), None);
     }
 }

@@ -10,7 +10,8 @@ use zeronav_msgs::run::{RunClock, RunControl, RunMode, Seat};
 use zeronav_msgs::task::{Goal, Task, TaskKind};
 use zeronav_msgs::topics::{
     EVENT_NEED_KEYFRAME, GroundTruth, HealthTopic, MapKeyframe, MapObstacles, MapUpdate, PlanPath,
-    RobotDescription, RobotOdometry, RunClockTopic, RunControlTopic, SimPlacement, TaskGoal, TaskState, health_of,
+    RobotDescription, RobotOdometry, RunClockTopic, RunControlTopic, SimPlacement, TaskGoal,
+    TaskState, health_of,
 };
 use zeronav_msgs::truth::{Placement, Placements};
 use zeronav_shell::clock::now_ns;

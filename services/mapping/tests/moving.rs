@@ -10,6 +10,7 @@ use zeronav_msgs::obstacles::Obstacle;
 use zeronav_msgs::scan::Scan;
 use zeronav_msgs::truth::TruthObstacle;
 use zeronav_msgs::{MapCell, Pose};
+use zeronav_world::TrackingScore;
 
 const PERIOD_NS: u64 = 100_000_000;
 
