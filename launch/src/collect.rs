@@ -1,7 +1,7 @@
 //! Listens to a running stack and keeps what the result needs.
 
 use crate::measure::index::{PathRecord, Sighting};
-use crate::measure::{Records, RunHash};
+use crate::measure::{Records, RunHash, Witness};
 use crate::supervise::stack::Taps;
 use std::collections::{BTreeSet, HashMap, VecDeque};
 use std::time::{Duration, Instant};
@@ -56,6 +56,8 @@ pub struct Collector {
     pub records: Records,
     /// For the run's hash.
     pub hash: RunHash,
+    /// What mapping says against what is so.
+    pub witness: Witness,
     /// Where the robot really drove. [m]
     pub track_m: Vec<[f64; 2]>,
     /// The newest truth.
@@ -93,6 +95,16 @@ impl Collector {
         taps.spans.drain(|span| self.span(span));
         taps.truth.drain(roster, |view| {
             self.truth(view.header.run_ns, view.meta, view.items);
+            let truth = view.meta;
+            (self.witness).truth(view.header.run_ns, truth.scan, &truth.pose, view.items);
+        });
+        taps.odometry.drain(roster, |view| {
+            if view.meta.scan_due() {
+                (self.witness).odometry(view.header.run_ns, &view.meta.pose);
+            }
+        });
+        taps.moving.drain(roster, |view| {
+            (self.witness).obstacles(view.header.parents.scan, view.items);
         });
         if let Some((revision, scan)) = self.unlooked.take() {
             self.look_for_obstacles(revision, scan, at_outline);
@@ -104,6 +116,10 @@ impl Collector {
         }
         taps.keyframe.release();
         taps.updates.drain(roster, |view| {
+            let scan = view.header.parents.scan;
+            if scan != 0 && view.meta.is_last_part() {
+                self.witness.placed(scan, &view.meta.map_from_odom);
+            }
             if self.replica.update(view.header.id(), view.meta, view.items) != Step::Applied {
                 return;
             }
@@ -165,6 +181,7 @@ impl Collector {
                 remaining_m: view.meta.remaining_m,
             });
         }
+        self.witness.compare();
         self.wants_keyframe()
     }
 

@@ -83,6 +83,8 @@ pub fn result(prepared: &Prepared, driven: &Driven, environment: Environment) ->
         replans,
         obstacles: obstacles(prepared, driven),
         track_m: collector.track_m.clone(),
+        pose: collector.witness.pose(),
+        tracking: collector.witness.tracking(),
         latency: (!lockstep).then(|| latency(prepared, driven)),
         trials: None,
         injected_us: prepared

@@ -2,7 +2,8 @@
 //!
 //! Updates are counted without gaps. After a gap, or when the writer starts again, the replica
 //! keeps what it had, collects the updates that still arrive, and says that it needs a keyframe;
-//! with the keyframe and the updates after it the copies are equal again.
+//! with the keyframe and the updates after it the copies are equal again. A map that has moved is
+//! told by a keyframe with another geometry; it counts whether or not the replica is in step.
 
 use crate::grid::{CellRect, GridGeometry};
 use crate::header::Id;
@@ -116,7 +117,8 @@ impl MapReplica {
     /// Takes in one message of `map/keyframe`.
     pub fn keyframe(&mut self, info: &MapInfo, tiles: &[MapTile]) -> Step {
         let revision = Id(info.revision);
-        if self.in_step && revision.epoch() == self.last.epoch() {
+        let moved = info.geometry != self.info.geometry;
+        if self.in_step && revision.epoch() == self.last.epoch() && !moved {
             return Step::Ignored;
         }
         if revision < self.revision || !covers(info, tiles) {

@@ -133,6 +133,44 @@ fn a_restarted_writer_is_followed_and_the_old_one_is_ignored() {
     assert_equal(&replica, &new);
 }
 
+/// The same map with its origin elsewhere, as a rolling window sends it.
+fn elsewhere(mut info: MapInfo, origin_x_m: f64) -> MapInfo {
+    info.geometry.origin_x_m = origin_x_m;
+    info
+}
+
+#[test]
+fn a_map_that_moves_is_followed_whatever_comes_first() {
+    for keyframe_first in [true, false] {
+        let (mut writer, mut replica) = started();
+        let (stale, stale_tiles) = writer.keyframe();
+        let (id, info, _) = writer.set(5, 5, 55);
+        let moving = MapInfo {
+            n_tiles: 0,
+            ..elsewhere(info, 1.6)
+        };
+        let (whole, tiles) = writer.keyframe();
+        let whole = elsewhere(whole, 1.6);
+        if keyframe_first {
+            assert_eq!(replica.keyframe(&whole, &tiles), Step::Applied);
+            assert_eq!(replica.update(id, &moving, &[]), Step::Ignored);
+        } else {
+            assert_eq!(replica.update(id, &moving, &[]), Step::Kept);
+            assert!(replica.needs_keyframe());
+            assert_eq!(replica.keyframe(&whole, &tiles), Step::Applied);
+        }
+        assert_equal(&replica, &writer);
+        assert_eq!(replica.info().geometry, whole.geometry);
+        assert_eq!(replica.gaps(), u64::from(!keyframe_first));
+        // One from before the move does not bring the old place back.
+        assert_eq!(replica.keyframe(&stale, &stale_tiles), Step::Ignored);
+        let (id, info, tiles) = writer.set(6, 6, 66);
+        let step = replica.update(id, &elsewhere(info, 1.6), &tiles);
+        assert_eq!(step, Step::Applied);
+        assert_equal(&replica, &writer);
+    }
+}
+
 #[test]
 fn a_revision_in_parts_counts_when_the_last_part_is_in() {
     let (mut writer, mut replica) = started();

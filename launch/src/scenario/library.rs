@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 const TEXT_BYTES_MAX: u64 = 4 << 20;
 
 /// Name and text of the scenarios in this program. The files are those that users read.
-const SCENARIOS: [(&str, &str); 7] = [
+const SCENARIOS: [(&str, &str); 9] = [
     (
         "blocked_aisle",
         include_str!("../../scenarios/blocked_aisle.toml"),
@@ -22,8 +22,16 @@ const SCENARIOS: [(&str, &str); 7] = [
         include_str!("../../scenarios/crossing_cart.toml"),
     ),
     (
+        "crossing_walkers",
+        include_str!("../../scenarios/crossing_walkers.toml"),
+    ),
+    (
         "door_closes",
         include_str!("../../scenarios/door_closes.toml"),
+    ),
+    (
+        "moving_discs",
+        include_str!("../../scenarios/moving_discs.toml"),
     ),
     (
         "open_aisle",

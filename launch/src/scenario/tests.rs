@@ -526,7 +526,8 @@ fn unknown_names_get_a_guess() {
     assert_eq!(
         error,
         "there is no scenario `blocked_ailse`, did you mean `blocked_aisle`?; known are \
-         blocked_aisle, crossing_cart, door_closes, open_aisle, sealed, swap_planner, unsealed"
+         blocked_aisle, crossing_cart, crossing_walkers, door_closes, moving_discs, open_aisle, \
+         sealed, swap_planner, unsealed"
     );
     let error = folder.load("no/such.toml").unwrap_err();
     assert!(matches!(error, ScenarioError::Read { .. }), "{error}");
@@ -548,15 +549,17 @@ fn files_of_the_working_folder_come_before_built_in_ones() {
     let expected = [
         "blocked_aisle",
         "crossing_cart",
+        "crossing_walkers",
         "door_closes",
         "mine",
+        "moving_discs",
         "open_aisle",
         "sealed",
         "swap_planner",
         "unsealed",
     ];
     assert_eq!(names, expected);
-    assert_eq!(listed[5].file.as_deref(), Some(own.as_path()));
-    assert_eq!(listed[5].title, "Test");
+    assert_eq!(listed[7].file.as_deref(), Some(own.as_path()));
+    assert_eq!(listed[7].title, "Test");
     assert_eq!(listed[0].file, None);
 }

@@ -2,6 +2,7 @@
 
 use crate::keeper::RestartRecord;
 use crate::measure::event::Latency;
+use crate::measure::tracking::{PoseResult, TrackingResult};
 use crate::trials::Round;
 use core::fmt::Write;
 use serde::Serialize;
@@ -140,6 +141,11 @@ pub struct RunResult {
     pub obstacles: Vec<ObstacleResult>,
     /// Where the robot really drove, every 5 cm. [m]
     pub track_m: Vec<[f64; 2]>,
+    /// Where mapping said the robot was against where it was; of trials: of the last drive.
+    pub pose: Option<PoseResult>,
+    /// Moving obstacles as mapping followed them; null when nothing moved. Of trials: of the last
+    /// drive.
+    pub tracking: Option<TrackingResult>,
     /// Latencies; null in lockstep. Of trials: the median of the rounds, the worst of all.
     pub latency: Option<Latency>,
     /// The rounds of `--trials`.
@@ -207,6 +213,12 @@ impl RunResult {
                 "  {:8.2} s  {} restarted: {}",
                 restart.time_s, restart.service, restart.how
             );
+        }
+        if let Some(pose) = &self.pose {
+            pose.write(&mut text);
+        }
+        if let Some(tracking) = &self.tracking {
+            tracking.write(&mut text);
         }
         if let Some(latency) = &self.latency {
             write_latency(latency, &mut text);

@@ -9,8 +9,9 @@ use zeronav_msgs::role::Role;
 use zeronav_msgs::run::{RunClock, RunControl, RunMode, Seat};
 use zeronav_msgs::task::{Goal, Task, TaskKind};
 use zeronav_msgs::topics::{
-    EVENT_NEED_KEYFRAME, GroundTruth, HealthTopic, MapKeyframe, MapUpdate, PlanPath,
-    RobotDescription, RunClockTopic, RunControlTopic, SimPlacement, TaskGoal, TaskState, health_of,
+    EVENT_NEED_KEYFRAME, GroundTruth, HealthTopic, MapKeyframe, MapObstacles, MapUpdate, PlanPath,
+    RobotDescription, RobotOdometry, RunClockTopic, RunControlTopic, SimPlacement, TaskGoal,
+    TaskState, health_of,
 };
 use zeronav_msgs::truth::{Placement, Placements};
 use zeronav_shell::clock::now_ns;
@@ -48,6 +49,10 @@ pub struct Taps {
     pub spans: SpanReader,
     /// What is really so.
     pub truth: Stream<GroundTruth>,
+    /// Where the wheels say the robot is.
+    pub odometry: Stream<RobotOdometry>,
+    /// What mapping has seen moving.
+    pub moving: Stream<MapObstacles>,
     /// The map as it changes.
     pub updates: Stream<MapUpdate>,
     /// The whole map.
@@ -99,6 +104,8 @@ impl Stack {
         let taps = Taps {
             spans: peer.span_reader()?,
             truth: peer.stream()?,
+            odometry: peer.stream()?,
+            moving: peer.stream()?,
             updates: peer.stream()?,
             keyframe: peer.latest()?,
             paths: peer.stream()?,

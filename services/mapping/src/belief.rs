@@ -12,9 +12,11 @@
 //! beam of the same scan clears; a beam clears only cells that it has left again before it was
 //! returned; a hit counts half a cell behind where it was measured, so that noise around the face
 //! of an obstacle falls into the obstacle's own cell, and an obstacle marks the cells whose centre
-//! it covers; and a cell that touches an obstacle becomes one only with the second hit, because
-//! the robot's centre cannot be there anyway and it is mostly noise. What appears in the open is
-//! marked at once.
+//! it covers; a cell that touches an obstacle becomes one only with the second hit, because
+//! the robot's centre cannot be there anyway and it is mostly noise; and so does a free cell that
+//! a single beam was returned from while its neighbours saw nothing near, because one beam in a
+//! thousand comes back from dust, rain or between two edges. What two neighbouring beams see in
+//! the open is marked at once.
 
 use crate::beams::{Beam, End};
 use crate::config::{LogOdds, MappingConfig};
@@ -50,6 +52,15 @@ const HIT_BEHIND: f64 = 0.5;
 /// How much earlier than it left a cell a beam may have been returned and still clear it, against
 /// ranges rounded to single precision. [cells]
 const PASSED_SLACK: f64 = 1.0e-3;
+
+/// How far apart the ends of neighbouring beams on one thing may lie, besides [`LONE_SPREADS`]. [m]
+const LONE_M: f64 = 0.1;
+
+/// The same in distances of the beams there, for things that are seen at a slant.
+const LONE_SPREADS: f64 = 3.0;
+
+/// Directions that differ by more are no neighbours'. [rad]
+const NEIGHBOURS_SPREAD_MAX: f64 = 0.3;
 
 /// What a scan changed. Row-major indices; reused.
 #[derive(Debug, Default)]
@@ -108,7 +119,7 @@ pub struct Belief {
     /// The beams over the grid, with how they ended and whether on something that moves.
     rays: Vec<(Ray, End, bool)>,
     hits: Vec<usize>,
-    /// Of the cells hit, those that touch an obstacle of earlier scans and are none.
+    /// Of the cells hit, those that are no obstacles and need a second hit to become one.
     doubtful: Vec<usize>,
     passed: Vec<usize>,
     moving_hits: Vec<usize>,
@@ -298,9 +309,9 @@ impl Belief {
             return;
         }
         let rays = core::mem::take(&mut self.rays);
-        for (ray, end, moving) in &rays {
+        for (n, (ray, end, moving)) in rays.iter().enumerate() {
             if let End::Hit(range_m) = end {
-                self.note_hit(ray, *range_m, *moving);
+                self.note_hit(ray, *range_m, *moving, || is_lone(sight.beams, n));
             }
         }
         let resolution_m = self.geometry.resolution_m;
@@ -387,7 +398,7 @@ impl Belief {
     }
 
     /// Remembers the cell that a beam was returned from.
-    fn note_hit(&mut self, ray: &Ray, range_m: f64, moving: bool) {
+    fn note_hit(&mut self, ray: &Ray, range_m: f64, moving: bool, is_lone: impl Fn() -> bool) {
         if range_m > self.obstacle_range_m {
             return;
         }
@@ -406,7 +417,10 @@ impl Belief {
             return;
         }
         self.bits[index] |= HIT;
-        if self.blocks_beside && !self.is_long_lived(index) && self.touches_sensed(index) {
+        let old = self.odds[index];
+        let beside = || self.blocks_beside && self.touches_sensed(index);
+        // An obstacle that is known needs no proof; of the unknown nobody has seen that it is free.
+        if !self.is_long_lived(index) && (beside() || old != UNKNOWN && is_lone()) {
             self.doubtful.push(index);
         } else {
             self.hits.push(index);
@@ -517,6 +531,26 @@ impl Belief {
         }
         self.touched.clear();
     }
+}
+
+/// True when neither neighbour of beam `n` was returned from anywhere near its own end.
+fn is_lone(beams: &[Beam], n: usize) -> bool {
+    let Some((beam, point)) = beams.get(n).and_then(|beam| Some((beam, beam.point()?))) else {
+        return false;
+    };
+    let range_m = (point - beam.origin).norm();
+    let sees_it = |other: usize| {
+        let other = &beams[other];
+        let spread = (other.direction - beam.direction).norm();
+        let gap_m = LONE_M + LONE_SPREADS * spread * range_m;
+        let near = |end: Point2<f64>| (end - point).norm() <= gap_m;
+        // The last beam is the first one's neighbour only when the lidar looks all around.
+        spread < NEIGHBOURS_SPREAD_MAX && other.point().is_some_and(near)
+    };
+    let last = beams.len() - 1;
+    let before = if n == 0 { last } else { n - 1 };
+    let after = if n == last { 0 } else { n + 1 };
+    !sees_it(before) && !sees_it(after)
 }
 
 /// Lowers the belief in the cells that a beam has passed.

@@ -31,7 +31,6 @@ pub mod settled;
 pub mod tiles;
 pub mod track;
 pub mod tracker;
-pub mod tracking_score;
 pub mod virtual_obstacles;
 pub mod window;
 
@@ -39,4 +38,3 @@ pub use config::{LogOdds, MappingConfig, MappingError};
 pub use mapper::{Integrated, Mapper};
 pub use mapping::{Mapping, Observation};
 pub use tiles::{TileIndex, all_tiles};
-pub use tracking_score::{TrackingReport, TrackingScore};

@@ -68,7 +68,7 @@ impl Default for TrackingConfig {
             radius_m_max: 0.6,
             static_margin_m: 0.15,
             position_sigma_m: 0.03,
-            acceleration_sigma_mps2: 1.0,
+            acceleration_sigma_mps2: 0.5,
             coast_s: 0.3,
             moving_sigmas: 3.0,
             moving_distance_m: 0.2,

@@ -200,6 +200,47 @@ fn beside_an_obstacle_the_second_hit_marks() {
     assert!(is_sensed(&mapper, 38, 20));
 }
 
+/// One beam in a thousand comes back from something that is not there.
+#[test]
+fn a_lone_return_needs_a_second_one() {
+    let room = Room::walled(200, 100, 3);
+    let from = room.pose(50.5, 50.5, 0.3);
+    let (scan, clean) = room.scan(&from);
+    let n_sensed = |mapper: &Mapper| {
+        let cells = mapper.cells().iter();
+        cells.filter(|cell| cell.flags & FLAG_SENSED != 0).count()
+    };
+    let with = |beams: &[usize], range_m: f32| {
+        let mut ranges = clean.clone();
+        for beam in beams {
+            ranges[*beam] = range_m;
+        }
+        ranges
+    };
+    let mut mapper = knowing(&room);
+    for beam in [0, 100, 333, 719] {
+        mapper.integrate(&from, &scan, &with(&[beam], 0.8));
+        assert_eq!(n_sensed(&mapper), 0, "beam {beam}");
+        mapper.integrate(&from, &scan, &clean);
+    }
+    // It is doubted anew each time, not in the end believed.
+    mapper.integrate(&from, &scan, &with(&[333], 0.8));
+    assert_eq!(n_sensed(&mapper), 0);
+    // A pole that one beam sees stays where it is.
+    mapper.integrate(&from, &scan, &with(&[333], 0.8));
+    assert_eq!(n_sensed(&mapper), 1);
+    for _ in 0..4 {
+        mapper.integrate(&from, &scan, &clean);
+    }
+    assert_eq!(n_sensed(&mapper), 0);
+    // Two neighbours see it: it is there at once, also across the seam of the turn.
+    for pair in [[500, 501], [719, 0]] {
+        let mut mapper = knowing(&room);
+        mapper.integrate(&from, &scan, &with(&pair, 0.8));
+        assert!(n_sensed(&mapper) > 0, "beams {pair:?}");
+    }
+}
+
 #[test]
 fn the_static_map_stays_whatever_scans_say() {
     let room = Room::walled(100, 60, 2);

@@ -4,12 +4,13 @@ mod support;
 
 use nalgebra::{Point2, Vector2};
 use support::{Rng, Room, config, description};
-use zeronav_mapping::{Mapping, MappingConfig, Observation, TrackingScore};
+use zeronav_mapping::{Mapping, MappingConfig, Observation};
 use zeronav_msgs::map::{FLAG_MOVING, FLAG_SENSED};
 use zeronav_msgs::obstacles::Obstacle;
 use zeronav_msgs::scan::Scan;
 use zeronav_msgs::truth::TruthObstacle;
 use zeronav_msgs::{MapCell, Pose};
+use zeronav_world::TrackingScore;
 
 const PERIOD_NS: u64 = 100_000_000;
 

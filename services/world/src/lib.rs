@@ -32,6 +32,7 @@ pub mod spec;
 pub mod static_map;
 pub mod table;
 pub mod track;
+pub mod tracking_score;
 pub mod world;
 
 pub use convex::Convex;
@@ -46,4 +47,5 @@ pub use shape::{Shape, parry_pose};
 pub use spec::{ObstacleSpec, ShapeSpec, WorldSpec};
 pub use static_map::{Occupancy, StaticMap};
 pub use table::DataError;
+pub use tracking_score::{TrackingReport, TrackingScore};
 pub use world::{Obstacle, World, WorldError};

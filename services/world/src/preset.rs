@@ -153,7 +153,7 @@ impl LidarPreset {
                 sigma_m: 0.040 / 3.0,
                 quantum_m: 0.001,
                 dropout_ratio: 0.005,
-                short_ratio: 0.000_01,
+                short_ratio: 0.000_5,
                 edge_ratio: 0.3,
                 ..LidarSpec::exact(1081, 40.0, 0.06..10.0)
             },
@@ -166,7 +166,7 @@ impl LidarPreset {
                 sigma_ratio: 0.050 / 3.0 / 30.0,
                 quantum_m: 0.001,
                 dropout_ratio: 0.005,
-                short_ratio: 0.000_01,
+                short_ratio: 0.000_5,
                 edge_ratio: 0.3,
                 ..LidarSpec::exact(1081, 40.0, 0.1..30.0)
             },

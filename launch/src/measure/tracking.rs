@@ -1,0 +1,322 @@
+//! What mapping says of the world against what is so: where the robot is, and what moves.
+//!
+//! Truth, tracked obstacles and map updates name the scan that they are about; truth and odometry of
+//! one tick carry the same run time. Whatever of a scan is here waits for the rest; one of which a
+//! message was lost is left out.
+
+use core::fmt::Write;
+use serde::Serialize;
+use std::collections::{BTreeMap, VecDeque};
+use zeronav_msgs::Pose;
+use zeronav_msgs::obstacles::Obstacle;
+use zeronav_msgs::pose::wrap_angle;
+use zeronav_msgs::truth::TruthObstacle;
+use zeronav_world::TrackingScore;
+
+/// Scans that wait for all their messages at most; the oldest go first.
+const WAITING_MAX: usize = 128;
+
+/// Odometry that is never farther from the truth than this is the truth. [m]
+const EXACT_M: f64 = 1.0e-6;
+
+/// Where mapping said the robot was, scan by scan, against where it was.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct PoseResult {
+    /// Scans that were compared.
+    pub scans: usize,
+    /// Largest distance of `map_from_odom * odom_from_base` from the true place. [m]
+    pub error_m_max: f64,
+    /// Root of its mean square. [m]
+    pub error_m_rms: f64,
+    /// Distance at the last scan. [m]
+    pub error_m_last: f64,
+    /// Largest error of the yaw. [rad]
+    pub error_rad_max: f64,
+    /// True place and yaw of the robot at the last scan, `map` frame. [m, m, rad]
+    pub true_pose_last: [f64; 3],
+    /// Largest distance of the odometry alone from the true place. [m]
+    pub odometry_error_m_max: f64,
+}
+
+impl PoseResult {
+    /// The line for people; nothing when odometry was the truth and was left alone.
+    pub fn write(&self, text: &mut String) {
+        if self.odometry_error_m_max <= EXACT_M && self.error_m_max <= EXACT_M {
+            return;
+        }
+        let _ = writeln!(
+            text,
+            "  pose off by at most {:.1} cm and {:.2} degrees, {:.1} cm in the mean, over {} scans; \
+             odometry alone by {:.2} m",
+            1.0e2 * self.error_m_max,
+            self.error_rad_max.to_degrees(),
+            1.0e2 * self.error_m_rms,
+            self.scans,
+            self.odometry_error_m_max,
+        );
+    }
+}
+
+/// How well mapping followed what moved.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct TrackingResult {
+    /// Times a moving obstacle came into sight and was found.
+    pub found: usize,
+    /// Moving obstacles that were in sight for more than a second and not found.
+    pub missed: usize,
+    /// From the first scan with three beams on it to the first in which it is tracked, median. [s]
+    pub detection_delay_s_median: Option<f64>,
+    /// The longest. [s]
+    pub detection_delay_s_max: Option<f64>,
+    /// Root of the mean squared error of the velocity vector; null without a sample. [m/s]
+    pub velocity_rmse_mps: Option<f64>,
+    /// Samples of it.
+    pub velocity_samples: usize,
+    /// Tracks that were called moving where nothing moved.
+    pub false_moving: usize,
+    /// The same per minute of run time.
+    pub false_moving_per_min: f64,
+    /// Run time that was looked at. [s]
+    pub duration_s: f64,
+}
+
+impl TrackingResult {
+    /// The line for people.
+    pub fn write(&self, text: &mut String) {
+        let number =
+            |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.2}"));
+        let _ = writeln!(
+            text,
+            "  moving obstacles: {} found after {} s (at most {} s), {} missed, {} made up in {:.0} s; \
+             velocity RMSE {} m/s",
+            self.found,
+            number(self.detection_delay_s_median),
+            number(self.detection_delay_s_max),
+            self.missed,
+            self.false_moving,
+            self.duration_s,
+            number(self.velocity_rmse_mps),
+        );
+    }
+}
+
+/// The messages about one scan.
+#[derive(Debug, Default)]
+struct Scan {
+    /// With its run time. [ns]
+    truth: Option<(u64, Pose, Vec<TruthObstacle>)>,
+    tracked: Option<Vec<Obstacle>>,
+    map_from_odom: Option<Pose>,
+}
+
+impl Scan {
+    fn is_whole(&self) -> bool {
+        self.truth.is_some() && self.tracked.is_some() && self.map_from_odom.is_some()
+    }
+}
+
+/// Compares mapping with the truth. See the module's description.
+#[derive(Debug, Default)]
+pub struct Witness {
+    /// By the scans' ids.
+    waiting: BTreeMap<u64, Scan>,
+    /// Run time [ns] and `odom_from_base` of the ticks with a scan, in order.
+    odometry: VecDeque<(u64, Pose)>,
+    pose: PoseResult,
+    squares_m2: f64,
+    score: TrackingScore,
+    /// Where every scripted obstacle was first.
+    first: BTreeMap<u32, Pose>,
+    moving: bool,
+}
+
+impl Witness {
+    /// Takes in the truth at `run_ns`; only that of scans counts.
+    pub fn truth(&mut self, run_ns: u64, scan: u64, pose: &Pose, obstacles: &[TruthObstacle]) {
+        if scan == 0 {
+            return;
+        }
+        for obstacle in obstacles {
+            let first = *self.first.entry(obstacle.index).or_insert(obstacle.pose);
+            self.moving |= first != obstacle.pose;
+        }
+        let waiting = self.waiting.entry(scan).or_default();
+        waiting.truth = Some((run_ns, *pose, obstacles.to_vec()));
+    }
+
+    /// Takes in `odom_from_base` at a tick with a scan.
+    pub fn odometry(&mut self, run_ns: u64, odom_from_base: &Pose) {
+        if self.odometry.len() == WAITING_MAX {
+            self.odometry.pop_front();
+        }
+        self.odometry.push_back((run_ns, *odom_from_base));
+    }
+
+    /// Takes in what mapping saw moving in a scan.
+    pub fn obstacles(&mut self, scan: u64, tracked: &[Obstacle]) {
+        self.waiting.entry(scan).or_default().tracked = Some(tracked.to_vec());
+    }
+
+    /// Takes in where mapping has placed a scan.
+    pub fn placed(&mut self, scan: u64, map_from_odom: &Pose) {
+        self.waiting.entry(scan).or_default().map_from_odom = Some(*map_from_odom);
+    }
+
+    /// Compares the scans of which everything is here. Every topic is read in order, so what is
+    /// missing of a scan before one of these has been lost.
+    pub fn compare(&mut self) {
+        let Some(newest) = self.waiting.iter().rev().find(|(_, scan)| scan.is_whole()) else {
+            while self.waiting.len() > WAITING_MAX {
+                self.waiting.pop_first();
+            }
+            return;
+        };
+        let later = self.waiting.split_off(&(newest.0 + 1));
+        for scan in core::mem::replace(&mut self.waiting, later).into_values() {
+            self.compare_scan(scan);
+        }
+    }
+
+    fn compare_scan(&mut self, scan: Scan) {
+        let (Some((run_ns, truth, obstacles)), Some(tracked), Some(map_from_odom)) =
+            (scan.truth, scan.tracked, scan.map_from_odom)
+        else {
+            return;
+        };
+        let odometry = self
+            .odometry
+            .iter()
+            .rev()
+            .find(|(then_ns, _)| *then_ns == run_ns);
+        let Some((_, odometry)) = odometry.copied() else {
+            return;
+        };
+        let here = map_from_odom.then(&odometry);
+        let pose = &mut self.pose;
+        let error_m = here.distance_m(&truth);
+        let error_rad = wrap_angle(here.yaw_rad - truth.yaw_rad).abs();
+        pose.scans += 1;
+        pose.error_m_last = error_m;
+        pose.true_pose_last = [truth.x_m, truth.y_m, truth.yaw_rad];
+        pose.error_m_max = pose.error_m_max.max(error_m);
+        pose.error_rad_max = pose.error_rad_max.max(error_rad);
+        pose.odometry_error_m_max = pose.odometry_error_m_max.max(odometry.distance_m(&truth));
+        self.squares_m2 += error_m * error_m;
+        self.score.add(run_ns, &obstacles, &tracked);
+    }
+
+    /// Where the robot was said to be; `None` before the first scan.
+    #[must_use]
+    pub fn pose(&self) -> Option<PoseResult> {
+        #[allow(clippy::cast_precision_loss, reason = "a count of scans")]
+        let n = self.pose.scans as f64;
+        (self.pose.scans > 0).then(|| PoseResult {
+            error_m_rms: (self.squares_m2 / n).sqrt(),
+            ..self.pose.clone()
+        })
+    }
+
+    /// What moved; `None` when nothing did.
+    #[must_use]
+    pub fn tracking(&self) -> Option<TrackingResult> {
+        if !self.moving {
+            return None;
+        }
+        let report = self.score.report();
+        let mut delays_s = report.delays_s;
+        delays_s.sort_by(f64::total_cmp);
+        #[allow(clippy::cast_precision_loss, reason = "a count of tracks")]
+        let made_up = report.false_tracks as f64;
+        Some(TrackingResult {
+            found: delays_s.len(),
+            missed: report.missed,
+            detection_delay_s_median: delays_s.get(delays_s.len() / 2).copied(),
+            detection_delay_s_max: delays_s.last().copied(),
+            velocity_rmse_mps: (report.velocity_samples > 0).then_some(report.velocity_rmse_mps),
+            velocity_samples: report.velocity_samples,
+            false_moving: report.false_tracks,
+            false_moving_per_min: 60.0 * made_up / report.duration_s.max(1.0),
+            duration_s: report.duration_s,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A walker along x at 1 m/s, and a robot that is 3 cm and 0.1 rad beside its odometry.
+    fn scan(witness: &mut Witness, n: u32, lost: bool) {
+        let run_ns = u64::from(n) * 100_000_000;
+        let at_m = 1.0 + 0.1 * f64::from(n);
+        let walker = TruthObstacle {
+            beams: 9,
+            pose: Pose::new(at_m, 2.0, 0.0),
+            ..TruthObstacle::default()
+        };
+        let id = 40 + u64::from(n);
+        witness.truth(run_ns, id, &Pose::new(0.0, 0.03, 0.1), &[walker]);
+        witness.odometry(run_ns, &Pose::new(0.0, 0.0, 0.0));
+        let tracked = Obstacle {
+            x_m: at_m,
+            y_m: 2.0,
+            vx_mps: 1.0,
+            ..Obstacle::default()
+        };
+        witness.obstacles(
+            id,
+            if n < 4 {
+                &[]
+            } else {
+                core::slice::from_ref(&tracked)
+            },
+        );
+        if !lost {
+            witness.placed(id, &Pose::new(0.0, if n == 9 { -0.02 } else { 0.0 }, 0.1));
+        }
+        witness.compare();
+    }
+
+    #[test]
+    fn pose_and_movers_are_compared_scan_by_scan() {
+        let mut witness = Witness::default();
+        assert_eq!((witness.pose(), witness.tracking()), (None, None));
+        for n in 0..30 {
+            scan(&mut witness, n, n == 20);
+        }
+        let pose = witness.pose().expect("scans");
+        assert_eq!(pose.scans, 29, "one update was lost");
+        assert!((pose.error_m_max - 0.05).abs() < 1e-9, "{pose:?}");
+        assert!((pose.error_m_last - 0.03).abs() < 1e-9, "{pose:?}");
+        assert!(pose.error_rad_max < 1e-9, "{pose:?}");
+        assert_eq!(pose.true_pose_last, [0.0, 0.03, 0.1]);
+        let rms_m = ((28.0 * 0.0009 + 0.0025) / 29.0_f64).sqrt();
+        assert!((pose.error_m_rms - rms_m).abs() < 1e-9, "{pose:?}");
+        let tracking = witness.tracking().expect("a walker");
+        assert_eq!(
+            (tracking.found, tracking.missed, tracking.false_moving),
+            (1, 0, 0)
+        );
+        let delay_s = tracking.detection_delay_s_median.expect("a delay");
+        assert!((delay_s - 0.3).abs() < 1e-9, "{tracking:?}");
+        assert!(tracking.velocity_rmse_mps.expect("samples") < 1e-9);
+        let mut text = String::new();
+        pose.write(&mut text);
+        tracking.write(&mut text);
+        assert!(text.contains("at most 5.0 cm"), "{text}");
+        assert!(text.contains("1 found after 0.30 s"), "{text}");
+    }
+
+    #[test]
+    fn what_never_becomes_whole_does_not_pile_up() {
+        let mut witness = Witness::default();
+        for n in 0..1000 {
+            witness.odometry(n, &Pose::default());
+            witness.truth(n, n + 1, &Pose::default(), &[]);
+            witness.compare();
+        }
+        assert!(witness.waiting.len() <= WAITING_MAX);
+        assert!(witness.odometry.len() <= WAITING_MAX);
+        assert_eq!(witness.pose(), None);
+    }
+}
