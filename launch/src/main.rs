@@ -28,5 +28,6 @@ fn main() -> ExitCode {
         Command::Check { scenario, json } => commands::check(&scenario, json),
         Command::Ps { json } => commands::ps(json),
         Command::Goal(arguments) => commands::goal(&arguments),
+        Command::Suite(arguments) => commands::suite(&arguments),
     }
 }
