@@ -84,6 +84,10 @@ pub(super) struct Sheet {
     pub(super) time_limit_s: f64,
 }
 
+/// Wall time without progress after which a service counts as hung. A busy machine shall not
+/// decide how a lockstep run goes on. [s]
+const HANG_AFTER_S: f64 = 5.0;
+
 impl Sheet {
     /// Writes the scenario: a Jackal that knows nothing of the world.
     ///
@@ -94,6 +98,8 @@ impl Sheet {
         robot.insert("preset".into(), "jackal".into());
         let mut run = Table::new();
         run.insert("time_limit_s".into(), self.time_limit_s.into());
+        let mut restart = Table::new();
+        restart.insert("hang_after_s".into(), HANG_AFTER_S.into());
         let mut goal = Table::new();
         goal.insert("pose".into(), numbers(self.goal));
         goal.insert("tolerance_m".into(), self.goal_tolerance_m.into());
@@ -102,6 +108,7 @@ impl Sheet {
         sheet.insert("start".into(), numbers(self.start));
         sheet.insert("static_map".into(), false.into());
         sheet.insert("run".into(), run.into());
+        sheet.insert("restart".into(), restart.into());
         sheet.insert("world".into(), self.world.into());
         sheet.insert("robot".into(), robot.into());
         sheet.insert("goals".into(), vec![goal].into());

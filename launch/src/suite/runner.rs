@@ -27,7 +27,7 @@ pub(super) struct Finish {
     pub(super) code: Option<i32>,
     /// True when it was stopped because it took too long.
     pub(super) hung: bool,
-    /// The first line that it complained in.
+    /// The first line that it complained in; empty when it did not.
     pub(super) complaint: String,
 }
 
@@ -229,14 +229,15 @@ impl Going<'_> {
         if complaint.is_empty() {
             remove(complaints);
         }
-        let complaint = complaint.lines().next().unwrap_or_default();
         Finish {
             result: serde_json::from_str(&text).ok(),
             code: status.code(),
             hung: self.asked.is_some_and(|(_, hung)| hung),
+            // Warnings of the log may stand before it.
             complaint: complaint
-                .strip_prefix("zeronav: ")
-                .unwrap_or(complaint)
+                .lines()
+                .find_map(|line| line.strip_prefix("zeronav: "))
+                .unwrap_or_default()
                 .to_owned(),
         }
     }
