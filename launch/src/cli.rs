@@ -1,7 +1,10 @@
 //! The command line.
 
 use crate::measure::seconds;
+use crate::suite::Noise;
 use clap::{Args, Parser, Subcommand};
+use core::ops::Range;
+use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::run::DELAY_STEP_NS;
@@ -54,6 +57,8 @@ pub enum Command {
     },
     /// Send a running robot somewhere else.
     Goal(GoalArgs),
+    /// Run the worlds of a data set, or a folder of scenarios, in lockstep on all cores.
+    Suite(SuiteArgs),
 }
 
 /// Arguments of `zeronav run`.
@@ -110,6 +115,57 @@ pub struct GoalArgs {
     /// Root folder of the run, when several go on (see `zeronav ps`).
     #[arg(long, value_name = "ROOT")]
     pub domain: Option<PathBuf>,
+}
+
+/// Arguments of `zeronav suite`.
+#[derive(Debug, Clone, Args)]
+pub struct SuiteArgs {
+    /// barn, dynabarn, pedestrians, or a folder of scenarios.
+    #[arg(value_name = "barn|dynabarn|pedestrians|FOLDER")]
+    pub suite: String,
+    /// Key of the local planner's controller; without, its default or the scenario's.
+    #[arg(long, value_name = "KEY")]
+    pub controller: Option<String>,
+    /// Runs of each world, with the seeds 1 to N.
+    #[arg(long, value_name = "N", default_value_t = 1,
+          value_parser = clap::value_parser!(u64).range(1..=10_000))]
+    pub seeds: u64,
+    /// Only the worlds with a number from A up to, but not including, B. Scenes and scenarios are
+    /// numbered from 0 by name.
+    #[arg(long, value_name = "A..B", value_parser = world_range)]
+    pub worlds: Option<Range<u32>>,
+    /// How badly wheels, odometry and lidar do.
+    #[arg(long, value_enum, default_value_t)]
+    pub noise: Noise,
+    /// Folder of the data sets: barn, dynabarn and pedestrians lie in it.
+    #[arg(long, value_name = "DIR", default_value = "../shared/data")]
+    pub data: PathBuf,
+    /// Runs at a time; without, as many as there are cores.
+    #[arg(long, value_name = "N")]
+    pub jobs: Option<NonZeroUsize>,
+    /// Print the report as one JSON object on standard output.
+    #[arg(long)]
+    pub json: bool,
+    /// Show nothing while it runs.
+    #[arg(long)]
+    pub headless: bool,
+    /// Folder in which the suite's own folder is made.
+    #[arg(long, value_name = "FOLDER", default_value = "runs")]
+    pub out: PathBuf,
+}
+
+/// `0..20` as 0 to 19.
+fn world_range(text: &str) -> Result<Range<u32>, String> {
+    let (from, until) = text.split_once("..").ok_or("worlds read like 0..20")?;
+    let number = |text: &str| {
+        text.parse::<u32>()
+            .map_err(|_| format!("`{text}` is no number of a world"))
+    };
+    let range = number(from)?..number(until)?;
+    if range.is_empty() {
+        return Err(format!("no world lies in {text}"));
+    }
+    Ok(range)
 }
 
 /// The seat of a service by its name.

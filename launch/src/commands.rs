@@ -1,12 +1,13 @@
 //! What each command does, and the exit code that it ends with.
 
-use crate::cli::{GoalArgs, RunArgs};
+use crate::cli::{GoalArgs, RunArgs, SuiteArgs};
 use crate::ending::Ending;
 use crate::environment::Before;
 use crate::prepare::{self, Prepared};
 use crate::run::{self, Driven};
 use crate::scenario::{self, Scenario};
 use crate::show::report::RunResult;
+use crate::suite::{self, SuiteError};
 use crate::supervise::binaries;
 use crate::supervise::control::{self, Reply, Request, RunReport};
 use crate::trials::{self, Trials};
@@ -300,6 +301,25 @@ pub fn goal(arguments: &GoalArgs) -> ExitCode {
         }
         Err(error) => usage(&format!("no run answers at {}: {error}", root.display())),
     }
+}
+
+/// `zeronav suite`.
+#[must_use]
+pub fn suite(arguments: &SuiteArgs) -> ExitCode {
+    let interrupted = match run::interrupts() {
+        Ok(interrupted) => interrupted,
+        Err(problem) => return usage(&problem),
+    };
+    match suite::suite(arguments, &interrupted) {
+        Ok(report) if arguments.json => say_json(&report),
+        Ok(report) => say(&report.to_text()),
+        Err(SuiteError::Usage(problem)) => return usage(&problem),
+        Err(SuiteError::Interrupted) => {
+            complain("interrupted, every run is stopped");
+            return ExitCode::from(EXIT_INTERRUPTED);
+        }
+    }
+    ExitCode::from(EXIT_PASS)
 }
 
 fn usage(problem: &str) -> ExitCode {

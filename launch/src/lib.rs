@@ -14,5 +14,6 @@ pub mod run;
 pub mod scenario;
 pub mod show;
 pub mod shuttle;
+pub mod suite;
 pub mod supervise;
 pub mod trials;

@@ -31,5 +31,6 @@ fn main() -> ExitCode {
         Command::Controllers { json } => commands::algorithms(Role::LocalPlanner, json),
         Command::Ps { json } => commands::ps(json),
         Command::Goal(arguments) => commands::goal(&arguments),
+        Command::Suite(arguments) => commands::suite(&arguments),
     }
 }

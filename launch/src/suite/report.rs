@@ -1,0 +1,261 @@
+//! What a suite gave: one object for machines, one page for people, and files for both.
+
+use super::row::Row;
+use super::summary::Summary;
+use super::{csv_file, junit};
+use crate::cli::SuiteArgs;
+use crate::show::report::Environment;
+use core::fmt::Write;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// Failures that the page names at most; the files have them all.
+const FAILURES_SHOWN: usize = 40;
+
+/// What a suite is made of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kind {
+    Barn,
+    Dynabarn,
+    Pedestrians,
+    Folder,
+}
+
+impl Kind {
+    /// What the first word after `suite` means.
+    pub(super) fn of(word: &str) -> Self {
+        match word {
+            "barn" => Self::Barn,
+            "dynabarn" => Self::Dynabarn,
+            "pedestrians" => Self::Pedestrians,
+            _ => Self::Folder,
+        }
+    }
+
+    pub(super) const fn label(self) -> &'static str {
+        match self {
+            Self::Barn => "barn",
+            Self::Dynabarn => "dynabarn",
+            Self::Pedestrians => "pedestrians",
+            Self::Folder => "folder",
+        }
+    }
+
+    /// What the numbers are, and what they are not.
+    const fn note(self) -> &'static str {
+        match self {
+            Self::Barn => {
+                "BARN worlds in our own 2-D simulator, unknown to the robot at the start: \
+                 no leaderboard entry"
+            }
+            Self::Dynabarn => {
+                "DynaBARN worlds in our own 2-D simulator, obstacles straight from key frame to \
+                 key frame: no leaderboard entry"
+            }
+            Self::Pedestrians => {
+                "recorded people in our own 2-D simulator, who do not see the robot; starts and \
+                 goals are ours: no published figure compares"
+            }
+            Self::Folder => "scenarios in our own 2-D simulator, judged by what they expect",
+        }
+    }
+}
+
+/// A class of worlds.
+#[derive(Debug, Clone, Serialize)]
+pub struct Group {
+    /// Its name.
+    pub name: String,
+    /// Its numbers.
+    pub summary: Summary,
+}
+
+/// What a suite gave.
+#[derive(Debug, Clone, Serialize)]
+pub struct Report {
+    /// Which suite.
+    pub suite: String,
+    /// What the numbers are.
+    pub note: String,
+    /// Key of the local planner's controller; `default` is its own default.
+    pub controller: String,
+    /// How badly the robot did.
+    pub noise: String,
+    /// Runs of each world.
+    pub seeds: u64,
+    /// All runs together.
+    pub summary: Summary,
+    /// Each class of worlds, where there are several.
+    pub groups: Vec<Group>,
+    /// The runs.
+    pub runs: Vec<Row>,
+    /// Wall time. [s]
+    pub wall_s: f64,
+    /// Machine and build.
+    pub environment: Environment,
+    /// Folder with everything.
+    pub directory: String,
+}
+
+impl Report {
+    pub(super) fn new(
+        arguments: &SuiteArgs,
+        kind: Kind,
+        runs: Vec<Row>,
+        directory: &Path,
+        wall_s: f64,
+        environment: Environment,
+    ) -> Self {
+        let mut classes: BTreeMap<&str, Vec<&Row>> = BTreeMap::new();
+        for row in &runs {
+            if let Some(class) = &row.class {
+                classes.entry(class).or_default().push(row);
+            }
+        }
+        let groups = classes
+            .iter()
+            .map(|(name, rows)| Group {
+                name: (*name).to_owned(),
+                summary: Summary::of(rows),
+            })
+            .collect();
+        Self {
+            suite: arguments.suite.clone(),
+            note: kind.note().to_owned(),
+            controller: arguments
+                .controller
+                .clone()
+                .unwrap_or_else(|| "default".to_owned()),
+            noise: arguments.noise.label().to_owned(),
+            seeds: arguments.seeds,
+            summary: Summary::of(&runs.iter().collect::<Vec<_>>()),
+            groups,
+            runs,
+            wall_s,
+            environment,
+            directory: directory.display().to_string(),
+        }
+    }
+
+    /// Writes `suite.json`, `runs.csv` and `junit.xml` into the suite's folder.
+    ///
+    /// # Errors
+    /// One line naming the file.
+    pub(super) fn leave(&self) -> Result<(), String> {
+        let directory = PathBuf::from(&self.directory);
+        let write = |name: &str, text: String| {
+            let file = directory.join(name);
+            std::fs::write(&file, text)
+                .map_err(|error| format!("writing {}: {error}", file.display()))
+        };
+        let json = serde_json::to_string_pretty(self).map_err(|error| error.to_string())?;
+        write("suite.json", json + "\n")?;
+        write("junit.xml", junit::text(&self.suite, &self.runs))?;
+        csv_file::write(&directory.join("runs.csv"), &self.runs)
+    }
+
+    /// The page for people.
+    #[must_use]
+    pub fn to_text(&self) -> String {
+        let mut text = String::new();
+        let _ = writeln!(
+            text,
+            "{}: controller {}, noise {}, {} worlds, {} runs in {:.0} s of wall time\n  {}\n",
+            self.suite,
+            self.controller,
+            self.noise,
+            self.summary.worlds,
+            self.summary.runs,
+            self.wall_s,
+            self.note
+        );
+        let names = self.groups.iter().map(|group| group.name.len());
+        let width = names.max().unwrap_or(0).max("all".len());
+        let _ = writeln!(
+            text,
+            "  {:width$} {:>5} {:>8} {:>7} {:>8} {:>8} {:>6} {:>7} {:>7} {:>7} {:>6} {:>9} \
+             {:>8} {:>13}",
+            "",
+            "runs",
+            "success",
+            "contact",
+            "contact",
+            "timeout",
+            "other",
+            "time",
+            "score",
+            "score",
+            "path",
+            "clearance",
+            "turning",
+            "interventions"
+        );
+        let _ = writeln!(
+            text,
+            "  {:width$} {:>5} {:>8} {:>7} {:>8} {:>8} {:>6} {:>7} {:>7} {:>7} {:>6} {:>9} \
+             {:>8} {:>13}",
+            "", "", "", "moving", "standing", "", "", "s", "2-OT", "4-OT", "ratio", "m", "rad", ""
+        );
+        let all = Group {
+            name: "all".to_owned(),
+            summary: self.summary.clone(),
+        };
+        let groups = Some(&self.groups).filter(|groups| groups.len() > 1);
+        for group in groups.into_iter().flatten().chain([&all]) {
+            write_group(group, width, &mut text);
+        }
+        for (cause, n) in &self.summary.causes {
+            let _ = writeln!(text, "\n  {n} x {cause}:");
+            let failures = self
+                .runs
+                .iter()
+                .filter(|row| row.cause.as_ref() == Some(cause));
+            for row in failures.take(FAILURES_SHOWN) {
+                let _ = writeln!(
+                    text,
+                    "    {} seed {}  {}",
+                    row.world,
+                    row.seed,
+                    row.directory.as_deref().unwrap_or("")
+                );
+            }
+        }
+        let _ = writeln!(text, "\n  {}", self.directory);
+        text
+    }
+}
+
+fn write_group(group: &Group, width: usize, text: &mut String) {
+    let sum = &group.summary;
+    let cell = |value: Option<f64>, digits: usize| {
+        value.map_or_else(|| "-".to_owned(), |value| format!("{value:.digits$}"))
+    };
+    let named = |cause: &str| cause.starts_with("contact") || cause == "timeout";
+    let other: usize = sum
+        .causes
+        .iter()
+        .filter(|(cause, _)| !named(cause))
+        .map(|(_, n)| n)
+        .sum();
+    let _ = writeln!(
+        text,
+        "  {:width$} {:>5} {:>8.4} {:>7} {:>8} {:>8} {:>6} {:>7} {:>7} {:>7} {:>6} {:>9} {:>8} \
+         {:>13}",
+        group.name,
+        sum.runs,
+        sum.success,
+        sum.contacts_moving,
+        sum.contacts_standing,
+        sum.timeouts,
+        other,
+        cell(sum.mean_time_s, 2),
+        cell(sum.score, 4),
+        cell(sum.score_4ot, 4),
+        cell(sum.mean_path_ratio, 3),
+        cell(sum.mean_clearance_m_min, 3),
+        cell(sum.mean_turning_rad, 2),
+        sum.interventions
+            .map_or_else(|| "-".to_owned(), |n| n.to_string())
+    );
+}

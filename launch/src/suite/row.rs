@@ -1,0 +1,305 @@
+//! One run of a suite as it is reported.
+
+use super::case::{Case, Success};
+use super::runner::Finish;
+use super::score::{RULES, score};
+use super::track::{closest_m, turning_rad};
+use serde::{Deserialize, Serialize};
+
+/// One run.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Row {
+    /// World.
+    pub world: String,
+    /// What the world is sorted by.
+    pub class: Option<String>,
+    /// Seed.
+    pub seed: u64,
+    /// True when everything was as the suite asks.
+    pub success: bool,
+    /// Why it was not.
+    pub cause: Option<String>,
+    /// How the run ended, see `outcome` in a run's result.
+    pub outcome: Option<String>,
+    /// Contacts that began while the robot moved.
+    pub contacts_moving: u32,
+    /// Contacts that began while it stood.
+    pub contacts_standing: u32,
+    /// From the goal to its end. [s]
+    pub time_s: Option<f64>,
+    /// Score by the rule of 2 OT; only where the benchmark has one.
+    pub score: Option<f64>,
+    /// Score by the rule of 4 OT.
+    pub score_4ot: Option<f64>,
+    /// Distance driven per length of reference, of successes.
+    pub path_ratio: Option<f64>,
+    /// Smallest distance of the footprint to anything. [m]
+    pub clearance_m_min: Option<f64>,
+    /// Sum of the changes of direction of the track. [rad]
+    pub turning_rad: Option<f64>,
+    /// Interventions of the collision guard, where the result has them.
+    pub interventions: Option<u64>,
+    /// Distance driven. [m]
+    pub driven_m: Option<f64>,
+    /// How near the robot's centre really came to the goal. [m]
+    pub goal_distance_m: Option<f64>,
+    /// Wall time of the drive. [s]
+    pub wall_s: Option<f64>,
+    /// Hash of the run.
+    pub run_hash: Option<String>,
+    /// The run's folder.
+    pub directory: Option<String>,
+}
+
+/// What of a run's result is needed.
+#[derive(Debug, Clone, Default, Deserialize)]
+struct RunSummary {
+    verdict: String,
+    outcome: String,
+    reached: bool,
+    contacts_moving: u32,
+    contacts_standing: u32,
+    clearance_m_min: Option<f64>,
+    time_s: f64,
+    driven_m: f64,
+    wall_s: f64,
+    track_m: Vec<[f64; 2]>,
+    #[serde(default)]
+    interventions: Option<u64>,
+    run_hash: Option<String>,
+    directory: String,
+}
+
+impl Row {
+    /// The row of a run.
+    #[must_use]
+    pub(super) fn new(case: &Case, finish: &Finish) -> Self {
+        let result = finish
+            .result
+            .as_ref()
+            .and_then(|result| RunSummary::deserialize(result).ok());
+        let Some(run) = result else {
+            return Self::without_result(case, finish);
+        };
+        let goal_distance_m = match case.rule.success {
+            Success::Arrival { goal_m, .. } => closest_m(&run.track_m, goal_m),
+            Success::Expectations => None,
+        };
+        let cause = if finish.hung {
+            Some("hung".to_owned())
+        } else {
+            cause(&case.rule.success, &run, goal_distance_m)
+        };
+        let success = cause.is_none();
+        let by_rule = |fastest| {
+            let optimal_time_s = case.rule.optimal_time_s?;
+            Some(score(success, optimal_time_s, run.time_s, fastest))
+        };
+        Self {
+            success,
+            cause,
+            outcome: Some(run.outcome),
+            contacts_moving: run.contacts_moving,
+            contacts_standing: run.contacts_standing,
+            time_s: Some(run.time_s),
+            score: by_rule(RULES[0]),
+            score_4ot: by_rule(RULES[1]),
+            path_ratio: case
+                .rule
+                .reference_m
+                .filter(|_| success)
+                .map(|reference_m| run.driven_m / reference_m),
+            clearance_m_min: run.clearance_m_min,
+            turning_rad: Some(turning_rad(&run.track_m)),
+            interventions: run.interventions,
+            driven_m: Some(run.driven_m),
+            goal_distance_m,
+            wall_s: Some(run.wall_s),
+            run_hash: run.run_hash,
+            directory: Some(run.directory),
+            ..Self::of(case)
+        }
+    }
+
+    /// A run that left no result has failed like any other.
+    fn without_result(case: &Case, finish: &Finish) -> Self {
+        let nothing = case.rule.optimal_time_s.map(|_| 0.0);
+        let cause = if finish.hung {
+            "hung".to_owned()
+        } else {
+            match finish.code {
+                Some(code) => format!("no result, exit code {code}: {}", finish.complaint),
+                None => "no result, ended by a signal".to_owned(),
+            }
+        };
+        Self {
+            cause: Some(cause),
+            score: nothing,
+            score_4ot: nothing,
+            ..Self::of(case)
+        }
+    }
+
+    fn of(case: &Case) -> Self {
+        Self {
+            world: case.world.clone(),
+            class: case.class.clone(),
+            seed: case.seed,
+            success: false,
+            cause: None,
+            outcome: None,
+            contacts_moving: 0,
+            contacts_standing: 0,
+            time_s: None,
+            score: None,
+            score_4ot: None,
+            path_ratio: None,
+            clearance_m_min: None,
+            turning_rad: None,
+            interventions: None,
+            driven_m: None,
+            goal_distance_m: None,
+            wall_s: None,
+            run_hash: None,
+            directory: None,
+        }
+    }
+
+    /// True when the time was over.
+    #[must_use]
+    pub fn is_timeout(&self) -> bool {
+        self.outcome.as_deref() == Some("timeout")
+    }
+}
+
+/// Why a run is no success: contacts come before everything else, then how it ended.
+fn cause(success: &Success, run: &RunSummary, goal_distance_m: Option<f64>) -> Option<String> {
+    let Success::Arrival {
+        tolerance_m,
+        standing_counts,
+        ..
+    } = success
+    else {
+        return (run.verdict != "pass").then(|| {
+            if run.contacts_moving + run.contacts_standing > 0 {
+                "contact".to_owned()
+            } else {
+                run.outcome.clone()
+            }
+        });
+    };
+    let cause = if run.contacts_moving > 0 {
+        "contact while moving"
+    } else if *standing_counts && run.contacts_standing > 0 {
+        "contact while standing"
+    } else if !run.reached {
+        &run.outcome
+    } else if goal_distance_m.is_none_or(|distance_m| distance_m > *tolerance_m) {
+        "stopped beside the goal"
+    } else {
+        return None;
+    };
+    Some(cause.to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::case::Rule;
+    use super::*;
+    use serde_json::{Value, json};
+    use std::path::PathBuf;
+
+    fn case(standing_counts: bool) -> Case {
+        Case {
+            world: "world_001".to_owned(),
+            class: None,
+            seed: 3,
+            scenario: PathBuf::from("barn_world_001.toml"),
+            time_limit_s: 100.0,
+            rule: Rule {
+                success: Success::Arrival {
+                    goal_m: [0.0, 10.0],
+                    tolerance_m: 1.0,
+                    standing_counts,
+                },
+                optimal_time_s: Some(5.0),
+                reference_m: Some(9.0),
+            },
+        }
+    }
+
+    fn run() -> Value {
+        json!({
+            "verdict": "pass", "outcome": "reached", "reached": true,
+            "contacts_moving": 0, "contacts_standing": 0, "clearance_m_min": 0.12,
+            "time_s": 12.5, "driven_m": 9.9, "wall_s": 0.7,
+            "track_m": [[0.0, 0.0], [0.0, 9.2]], "run_hash": "00ff", "directory": "runs/x",
+        })
+    }
+
+    fn row(standing_counts: bool, changes: &[(&str, Value)]) -> Row {
+        let mut result = run();
+        for (name, value) in changes {
+            result[*name] = value.clone();
+        }
+        let finish = Finish {
+            result: Some(result),
+            code: Some(0),
+            hung: false,
+            complaint: String::new(),
+        };
+        Row::new(&case(standing_counts), &finish)
+    }
+
+    #[test]
+    fn a_success_has_its_score_and_its_ratio() {
+        let row = row(true, &[]);
+        assert!(row.success, "{row:?}");
+        // OT / T = 5 / 12.5; by the older rule T counts as 4 OT = 20.
+        assert!((row.score.unwrap() - 0.4).abs() < 1e-12);
+        assert!((row.score_4ot.unwrap() - 0.25).abs() < 1e-12);
+        assert!((row.path_ratio.unwrap() - 1.1).abs() < 1e-12);
+        assert!((row.goal_distance_m.unwrap() - 0.8).abs() < 1e-12);
+        assert_eq!(row.interventions, None);
+    }
+
+    #[test]
+    fn every_failure_has_its_cause() {
+        let cause = |standing_counts, changes: &[(&str, Value)]| {
+            let row = row(standing_counts, changes);
+            assert_eq!(row.score, Some(if row.success { 0.4 } else { 0.0 }));
+            row.cause
+        };
+        let touched = [
+            ("contacts_moving", json!(1)),
+            ("contacts_standing", json!(1)),
+        ];
+        assert_eq!(cause(false, &touched).unwrap(), "contact while moving");
+        assert_eq!(
+            cause(true, &touched[1..]).unwrap(),
+            "contact while standing"
+        );
+        assert_eq!(cause(false, &touched[1..]), None);
+        let late = [("reached", json!(false)), ("outcome", json!("timeout"))];
+        assert_eq!(cause(true, &late).unwrap(), "timeout");
+        // The robot believes to be there and is not.
+        let beside = [("track_m", json!([[0.0, 0.0], [0.0, 8.9]]))];
+        assert_eq!(cause(true, &beside).unwrap(), "stopped beside the goal");
+    }
+
+    #[test]
+    fn a_run_without_result_is_a_failure_with_its_reason() {
+        let mut finish = Finish {
+            result: None,
+            code: Some(3),
+            hung: false,
+            complaint: "mapping stopped answering".to_owned(),
+        };
+        let row = Row::new(&case(true), &finish);
+        assert_eq!((row.success, row.score), (false, Some(0.0)));
+        assert!(row.cause.unwrap().contains("mapping stopped answering"));
+        finish.hung = true;
+        let row = Row::new(&case(true), &finish);
+        assert_eq!(row.cause.as_deref(), Some("hung"));
+    }
+}

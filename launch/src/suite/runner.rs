@@ -1,0 +1,249 @@
+//! Runs side by side: each a `zeronav run --lockstep` of its own.
+
+use super::case::Case;
+use crate::cli::SuiteArgs;
+use crate::commands::{EXIT_INTERRUPTED, EXIT_USAGE};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use rustix::process::{Pid, Signal, kill_process};
+use serde_json::Value;
+use std::fs::File;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+/// How long a run that was asked to stop may take, before it is killed.
+const STOP_LIMIT: Duration = Duration::from_secs(20);
+
+/// Between two looks at the runs.
+const PAUSE: Duration = Duration::from_millis(10);
+
+/// How a run finished.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Finish {
+    /// Its result; `None` when it left none.
+    pub(super) result: Option<Value>,
+    /// Its exit code, `None` when a signal ended it.
+    pub(super) code: Option<i32>,
+    /// True when it was stopped because it took too long.
+    pub(super) hung: bool,
+    /// The first line that it complained in; empty when it did not.
+    pub(super) complaint: String,
+}
+
+/// Why not all runs were made.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) enum Stopped {
+    /// A run could not be started or was refused as wrongly configured, and so would the others.
+    Refused(String),
+    /// Ctrl-C.
+    Interrupted,
+}
+
+/// Where and how the runs are made.
+#[derive(Debug)]
+pub(super) struct Runner<'a> {
+    program: PathBuf,
+    out: PathBuf,
+    jobs: usize,
+    headless: bool,
+    interrupted: &'a AtomicBool,
+}
+
+/// A run that goes on.
+#[derive(Debug)]
+struct Going<'a> {
+    index: usize,
+    case: &'a Case,
+    process: Child,
+    /// What it writes, and what it complains.
+    files: [PathBuf; 2],
+    started: Instant,
+    /// When it was asked to stop, and whether because it took too long.
+    asked: Option<(Instant, bool)>,
+}
+
+impl<'a> Runner<'a> {
+    /// Runs of this very program whose folders lie in `out`.
+    ///
+    /// # Errors
+    /// One line when this program cannot be found.
+    pub(super) fn new(
+        arguments: &SuiteArgs,
+        out: PathBuf,
+        interrupted: &'a AtomicBool,
+    ) -> Result<Self, String> {
+        let cores = std::thread::available_parallelism().map_or(1, usize::from);
+        Ok(Self {
+            program: std::env::current_exe()
+                .map_err(|error| format!("looking for this program: {error}"))?,
+            out,
+            jobs: arguments.jobs.map_or(cores, usize::from),
+            headless: arguments.headless,
+            interrupted,
+        })
+    }
+
+    /// Makes all runs, some at a time; what each finished with, in the order of `cases`.
+    ///
+    /// # Errors
+    /// [`Stopped`], when all that were going on are stopped, too.
+    pub(super) fn run(&self, title: &str, cases: &[Case]) -> Result<Vec<Finish>, Stopped> {
+        let bar = self.bar(title, cases.len());
+        let mut waiting = cases.iter().enumerate();
+        let mut going: Vec<Going<'_>> = Vec::new();
+        let mut finishes: Vec<Option<Finish>> = vec![None; cases.len()];
+        let mut stopped: Option<Stopped> = None;
+        let mut passed = 0;
+        loop {
+            while stopped.is_none() && going.len() < self.jobs {
+                let Some((index, case)) = waiting.next() else {
+                    break;
+                };
+                match self.start(index, case) {
+                    Ok(one) => going.push(one),
+                    Err(problem) => stopped = Some(Stopped::Refused(problem)),
+                }
+            }
+            if self.interrupted.load(Ordering::Relaxed) {
+                stopped = Some(Stopped::Interrupted);
+            }
+            let mut still = Vec::with_capacity(going.len());
+            for mut one in going.drain(..) {
+                one.hurry(stopped.is_some());
+                let Some(status) = one.ended() else {
+                    still.push(one);
+                    continue;
+                };
+                let finish = one.finish(status);
+                match finish.code.and_then(|code| u8::try_from(code).ok()) {
+                    Some(EXIT_USAGE) if stopped.is_none() => {
+                        stopped = Some(Stopped::Refused(finish.complaint.clone()));
+                    }
+                    Some(EXIT_INTERRUPTED) if !finish.hung => {
+                        stopped = Some(Stopped::Interrupted);
+                    }
+                    Some(0) => passed += 1,
+                    _ => {}
+                }
+                finishes[one.index] = Some(finish);
+                bar.inc(1);
+                bar.set_message(format!("{passed} passed, last {}", one.case.world));
+            }
+            going = still;
+            if going.is_empty() && (stopped.is_some() || waiting.len() == 0) {
+                break;
+            }
+            std::thread::sleep(PAUSE);
+        }
+        bar.finish_and_clear();
+        // What runs that had to be killed have left.
+        for root in zeronav_shell::domain::sweep_dead() {
+            tracing::info!(root = %root.display(), "removed the domain of a run that was killed");
+        }
+        match stopped {
+            Some(stopped) => Err(stopped),
+            None => Ok(finishes.into_iter().flatten().collect()),
+        }
+    }
+
+    fn start(&self, index: usize, case: &'a Case) -> Result<Going<'a>, String> {
+        let name = case.scenario.file_stem().unwrap_or_default();
+        let name = format!("{}-seed{}", name.to_string_lossy(), case.seed);
+        let files = ["json", "txt"].map(|ending| self.out.join(format!("{name}.{ending}")));
+        let failed = |error: std::io::Error| format!("starting a run of {name}: {error}");
+        let process = Command::new(&self.program)
+            .arg("run")
+            .arg(&case.scenario)
+            .args(["--lockstep", "--headless", "--json", "--log-level", "warn"])
+            .args(["--seed", &case.seed.to_string()])
+            .arg("--out")
+            .arg(&self.out)
+            // The binaries were built before the first run, if cargo started the suite.
+            .env_remove("CARGO")
+            .stdin(Stdio::null())
+            .stdout(File::create(&files[0]).map_err(failed)?)
+            .stderr(File::create(&files[1]).map_err(failed)?)
+            .spawn()
+            .map_err(failed)?;
+        Ok(Going {
+            index,
+            case,
+            process,
+            files,
+            started: Instant::now(),
+            asked: None,
+        })
+    }
+
+    fn bar(&self, title: &str, n: usize) -> ProgressBar {
+        let target = if self.headless {
+            ProgressDrawTarget::hidden()
+        } else {
+            ProgressDrawTarget::stderr_with_hz(5)
+        };
+        let bar = ProgressBar::with_draw_target(Some(n as u64), target);
+        let template = "{spinner} {prefix}  {pos} of {len} runs, {eta} left  {msg}";
+        if let Ok(style) = ProgressStyle::with_template(template) {
+            bar.set_style(style);
+        }
+        bar.set_prefix(title.to_owned());
+        bar.enable_steady_tick(Duration::from_millis(200));
+        bar
+    }
+}
+
+impl Going<'_> {
+    /// Asks a run to stop that takes too long, or when all shall; kills it when it does not.
+    fn hurry(&mut self, all: bool) {
+        match self.asked {
+            None => {
+                let late = self.started.elapsed() > self.case.wall_limit();
+                if all || late {
+                    self.asked = Some((Instant::now(), !all));
+                    let pid = i32::try_from(self.process.id()).ok();
+                    if let Some(pid) = pid.and_then(Pid::from_raw) {
+                        // It may have ended by itself just now.
+                        let _ = kill_process(pid, Signal::TERM);
+                    }
+                }
+            }
+            Some((when, _)) if when.elapsed() > STOP_LIMIT => {
+                let _ = self.process.kill();
+            }
+            Some(_) => {}
+        }
+    }
+
+    fn ended(&mut self) -> Option<ExitStatus> {
+        self.process.try_wait().ok().flatten()
+    }
+
+    /// Takes in what the run has written.
+    fn finish(&self, status: ExitStatus) -> Finish {
+        let [result, complaints] = &self.files;
+        let text = std::fs::read_to_string(result).unwrap_or_default();
+        // The same lies in the run's own folder.
+        remove(result);
+        let complaint = std::fs::read_to_string(complaints).unwrap_or_default();
+        if complaint.is_empty() {
+            remove(complaints);
+        }
+        Finish {
+            result: serde_json::from_str(&text).ok(),
+            code: status.code(),
+            hung: self.asked.is_some_and(|(_, hung)| hung),
+            // Warnings of the log may stand before it.
+            complaint: complaint
+                .lines()
+                .find_map(|line| line.strip_prefix("zeronav: "))
+                .unwrap_or_default()
+                .to_owned(),
+        }
+    }
+}
+
+/// A file that stays is no harm.
+fn remove(file: &Path) {
+    let _ = std::fs::remove_file(file);
+}

@@ -1,0 +1,205 @@
+//! `zeronav suite`: runs side by side, and what they leave.
+
+use rustix::process::Signal;
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use zeronav_tests::{Zeronav, children_of, is_alive, leftovers, shared_data, zeronav};
+
+/// Three metres past a box.
+const TINY: &str = r#"
+title = "Past a box"
+start = [1.0, 1.0, 0.0]
+
+[run]
+time_limit_s = 30.0
+
+[world]
+area_m = [[0.0, 0.0], [6.0, 4.0]]
+resolution_m = 0.05
+shapes = [{ kind = "box", centre_m = [2.5, 0.6], size_m = [0.4, 0.6] }]
+
+[robot]
+radius_m = 0.2
+v_mps_max = 1.0
+w_radps_max = 2.0
+a_mps2_max = 1.0
+alpha_radps2_max = 4.0
+lidar = { n_beams = 180, rate_hz = 10.0, range_m_min = 0.05, range_m_max = 10.0 }
+
+[[goals]]
+pose = [4.5, 1.0, 0.0]
+"#;
+
+/// A working folder with `scenarios/tiny.toml`.
+fn working_folder(scenario: &str) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().expect("a working folder");
+    std::fs::create_dir(folder.path().join("scenarios")).expect("a folder");
+    std::fs::write(folder.path().join("scenarios/tiny.toml"), scenario).expect("a file");
+    folder
+}
+
+/// The folder that a report names.
+fn directory(folder: &Path, report: &Value) -> PathBuf {
+    folder.join(report["directory"].as_str().expect("its folder"))
+}
+
+#[test]
+fn a_folder_runs_once_per_seed_and_leaves_json_csv_and_junit() {
+    let folder = working_folder(TINY);
+    let arguments = ["suite", "scenarios", "--seeds", "2", "--json"];
+    let ended = Zeronav::start_in(folder, &arguments).finish();
+    let report = ended.expect(0);
+    let summary = &report["summary"];
+    assert_eq!(summary["worlds"], 1);
+    assert_eq!(summary["runs"], 2);
+    assert_eq!(summary["success"], 1.0, "{report:#}");
+    assert_eq!(summary["contacts_moving"], 0);
+    assert_eq!(summary["contacts_standing"], 0);
+    assert_eq!(summary["timeouts"], 0);
+    // A folder has no benchmark, so no score is made up.
+    assert_eq!(summary["score"], Value::Null);
+    assert_eq!(summary["score_4ot"], Value::Null);
+    let time_s = summary["mean_time_s"].as_f64().expect("seconds");
+    assert!((3.0..15.0).contains(&time_s), "{time_s} s for 3.5 m");
+    let ratio = summary["mean_path_ratio"].as_f64().expect("a ratio");
+    assert!((0.95..1.5).contains(&ratio), "{ratio}");
+    let runs = report["runs"].as_array().expect("runs");
+    let seeds: Vec<u64> = runs.iter().filter_map(|run| run["seed"].as_u64()).collect();
+    assert_eq!(seeds, [1, 2]);
+    for run in runs {
+        let own = ended
+            .folder
+            .path()
+            .join(run["directory"].as_str().expect("its folder"));
+        for name in ["result.json", "run.svg"] {
+            assert!(own.join(name).is_file(), "{}/{name}", own.display());
+        }
+    }
+
+    let left = directory(ended.folder.path(), &report);
+    let read = |name: &str| std::fs::read_to_string(left.join(name)).expect(name);
+    let json: Value = serde_json::from_str(&read("suite.json")).expect("JSON");
+    assert_eq!(json["summary"], report["summary"]);
+    let csv = read("runs.csv");
+    let lines: Vec<&str> = csv.lines().collect();
+    assert_eq!(lines.len(), 3, "{csv}");
+    assert!(
+        lines[0].starts_with("world,class,seed,success,cause,"),
+        "{csv}"
+    );
+    assert!(lines[1].starts_with("tiny,tiny,1,true,,"), "{csv}");
+    assert!(lines[2].starts_with("tiny,tiny,2,true,,"), "{csv}");
+    let junit = read("junit.xml");
+    assert!(junit.contains("tests=\"2\" failures=\"0\""), "{junit}");
+    assert_eq!(junit.matches("<testcase ").count(), 2, "{junit}");
+}
+
+#[test]
+fn a_run_that_fails_is_a_row_with_its_cause_and_no_failure_of_the_suite() {
+    let late = TINY.replace("time_limit_s = 30.0", "time_limit_s = 1.0");
+    let ended = Zeronav::start_in(working_folder(&late), &["suite", "scenarios", "--json"]);
+    let ended = ended.finish();
+    let report = ended.expect(0);
+    assert_eq!(report["summary"]["success"], 0.0);
+    assert_eq!(report["summary"]["timeouts"], 1);
+    assert_eq!(report["runs"][0]["cause"], "timeout");
+    let left = directory(ended.folder.path(), &report);
+    let junit = std::fs::read_to_string(left.join("junit.xml")).expect("junit.xml");
+    assert!(junit.contains("<failure message=\"timeout\">"), "{junit}");
+}
+
+#[test]
+fn what_cannot_be_run_is_one_line_and_exit_code_2() {
+    for (arguments, why) in [
+        (&["suite", "barn", "--data", "nowhere"][..], "nowhere/barn"),
+        (&["suite", "no_such_folder"], "no_such_folder"),
+        (&["suite", "barn", "--worlds", "5..5"], "5..5"),
+    ] {
+        let ended = zeronav(arguments);
+        assert_eq!(ended.code(), 2, "{}", ended.stderr);
+        assert!(ended.stderr.contains(why), "{}", ended.stderr);
+        assert!(!ended.folder.path().join("runs").exists(), "{arguments:?}");
+    }
+    // A configuration that no run can start with ends the suite, whatever else waits.
+    let arguments = [
+        "suite",
+        "scenarios",
+        "--controller",
+        "no_such",
+        "--seeds",
+        "9",
+    ];
+    let ended = Zeronav::start_in(working_folder(TINY), &arguments).finish();
+    assert_eq!(ended.code(), 2, "{}", ended.stderr);
+    assert!(ended.stderr.contains("local_planner"), "{}", ended.stderr);
+}
+
+#[test]
+fn an_interrupted_suite_stops_its_runs_and_leaves_nothing() {
+    // A goal that is never reached: the run goes on until it is stopped.
+    let endless = TINY
+        .replace("time_limit_s = 30.0", "time_limit_s = 100000.0")
+        .replace("[[goals]]\npose = [4.5, 1.0, 0.0]\n", "");
+    let arguments = ["suite", "scenarios", "--seeds", "2", "--jobs", "2"];
+    let mut suite = Zeronav::start_in(working_folder(&endless), &arguments);
+    suite.wait_until("both runs drive", |suite| {
+        let runs = suite.children();
+        runs.len() == 2 && runs.iter().all(|(run, _)| children_of(*run).len() == 5)
+    });
+    let runs: Vec<u32> = suite.children().into_iter().map(|(run, _)| run).collect();
+    let services: Vec<(u32, String)> = runs.iter().flat_map(|run| children_of(*run)).collect();
+    let mut roots: Vec<PathBuf> = services
+        .iter()
+        .filter_map(|(_, line)| {
+            let mut words = line.split(' ');
+            words.find(|word| *word == "--domain")?;
+            words.next().map(PathBuf::from)
+        })
+        .collect();
+    roots.sort();
+    roots.dedup();
+    assert_eq!(roots.len(), 2, "each run has a domain of its own");
+    suite.signal(Signal::TERM);
+    let ended = suite.finish();
+    assert_eq!(ended.code(), 130, "{}", ended.stderr);
+    for pid in runs.iter().chain(services.iter().map(|(pid, _)| pid)) {
+        assert!(!is_alive(*pid), "{pid} lives");
+    }
+    for root in &roots {
+        assert_eq!(leftovers(root), Vec::<PathBuf>::new());
+    }
+}
+
+#[test]
+fn a_world_of_barn_has_its_score() {
+    let Some(data) = shared_data("") else {
+        return;
+    };
+    let data = data.to_str().expect("a path");
+    let arguments = [
+        "suite", "barn", "--data", data, "--worlds", "1..2", "--json",
+    ];
+    let report = zeronav(&arguments).expect(0);
+    assert!(
+        report["note"]
+            .as_str()
+            .expect("a note")
+            .contains("no leaderboard entry")
+    );
+    assert_eq!(report["summary"]["worlds"], 1);
+    let run = &report["runs"][0];
+    assert_eq!(run["world"], "world_001");
+    let (score, success) = (
+        run["score"].as_f64().expect("a score"),
+        run["success"] == true,
+    );
+    if success {
+        let time_s = run["time_s"].as_f64().expect("seconds");
+        // OT of world 1 in the data's index.
+        let golden = 6.2156 / time_s.clamp(2.0 * 6.2156, 8.0 * 6.2156);
+        assert!((score - golden).abs() < 1e-9, "{score}, not {golden}");
+    } else {
+        assert!(score.abs() < 1e-12, "{report:#}");
+        assert!(run["cause"].is_string(), "{report:#}");
+    }
+}
