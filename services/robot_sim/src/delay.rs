@@ -61,42 +61,42 @@ impl Delay {
 mod tests {
     use super::*;
 
-    fn forward(v_mps: f64) -> Option<Twist> {
-        Some(Twist {
+    fn forward(v_mps: f64) -> Twist {
+        Twist {
             v_mps,
             w_radps: 0.0,
-        })
+        }
     }
 
     #[test]
     fn commands_take_effect_after_the_delay_and_in_order() {
         let mut line = Delay::new(50);
-        line.push(0, forward(1.0));
-        line.push(20, forward(2.0));
-        line.push(20, forward(3.0));
+        line.push(0, Some(forward(1.0)));
+        line.push(20, Some(forward(2.0)));
+        line.push(20, Some(forward(3.0)));
         line.push(40, None);
         assert_eq!(line.set_point(49), None);
-        assert_eq!(line.set_point(50), forward(1.0));
-        assert_eq!(line.set_point(69), forward(1.0));
-        assert_eq!(line.set_point(89), forward(3.0));
+        assert_eq!(line.set_point(50), Some(forward(1.0)));
+        assert_eq!(line.set_point(69), Some(forward(1.0)));
+        assert_eq!(line.set_point(89), Some(forward(3.0)));
         assert_eq!(line.set_point(90), None);
     }
 
     #[test]
     fn without_delay_the_newest_counts_at_once() {
         let mut line = Delay::new(0);
-        line.push(7, forward(1.0));
-        line.push(7, forward(2.0));
-        assert_eq!(line.set_point(7), forward(2.0));
+        line.push(7, Some(forward(1.0)));
+        line.push(7, Some(forward(2.0)));
+        assert_eq!(line.set_point(7), Some(forward(2.0)));
     }
 
     #[test]
     fn too_many_commands_take_no_more_room() {
         let mut line = Delay::new(1_000_000);
         for run_ns in 0..50_000 {
-            line.push(run_ns, forward(1.0));
+            line.push(run_ns, Some(forward(1.0)));
         }
         assert_eq!(line.coming.len(), COMMANDS_MAX);
-        assert_eq!(line.set_point(0), forward(1.0));
+        assert_eq!(line.set_point(0), Some(forward(1.0)));
     }
 }
