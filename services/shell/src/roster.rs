@@ -59,6 +59,12 @@ impl Roster {
         self.clock.mode() == Some(RunMode::Lockstep)
     }
 
+    /// True when launch has said how time runs and who is obeyed.
+    #[must_use]
+    pub fn is_known(&self) -> bool {
+        self.has_clock() && !self.seats.is_empty()
+    }
+
     /// True when the clock is known.
     #[must_use]
     pub fn has_clock(&self) -> bool {

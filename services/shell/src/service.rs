@@ -407,7 +407,13 @@ fn drive<S: Service>(flags: &Flags) -> Result<(), StartError> {
         }
         shell.roster.poll();
         shell.beat.progress += 1;
-        let wanted = service.wake(&mut shell, rung)?;
+        // Whoever does not know yet who is obeyed would not believe anybody, and what he does not
+        // believe is gone: a latched message comes once.
+        let wanted = if shell.roster().is_known() {
+            service.wake(&mut shell, rung)?
+        } else {
+            None
+        };
         shell.ring();
         let now = now_ns();
         shell.publish_beat(now);
