@@ -61,6 +61,10 @@ impl Delay {
 mod tests {
     use super::*;
 
+    #[allow(
+        clippy::unnecessary_wraps,
+        reason = "commands are pushed and compared as options"
+    )]
     fn forward(v_mps: f64) -> Option<Twist> {
         Some(Twist {
             v_mps,

@@ -238,6 +238,10 @@ fn refused(field: &str, change: impl FnOnce(&mut WorldSpec)) {
 }
 
 #[test]
+#[allow(
+    clippy::too_many_lines,
+    reason = "a table of wrong values, one per line"
+)]
 fn every_wrong_value_is_named() {
     refused("area_m", |w| w.area_m = None);
     refused("area_m", |w| w.area_m = Some([[5.0, 0.0], [0.0, 5.0]]));
