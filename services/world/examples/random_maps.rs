@@ -44,7 +44,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                     resolution_m: 1.0,
                 })?;
                 tried += generated.tried;
-                if seed == 0 && (ratio - 0.2).abs() < 0.01 || *ratio <= 0.0 && seed == 0 {
+                if seed == 0 && ((ratio - 0.2).abs() < 0.01 || *ratio <= 0.0) {
                     shown.push((name, generated));
                 }
             }
