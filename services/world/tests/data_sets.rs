@@ -35,7 +35,10 @@ fn real(part: &str) -> Vec<PathBuf> {
         .map(|entry| entry.path())
         .filter(|file| {
             let name = file.file_name().and_then(|name| name.to_str());
-            name.is_some_and(|name| name.ends_with(".csv") && name != "index.csv")
+            name.is_some_and(|name| {
+                name.strip_suffix(".csv")
+                    .is_some_and(|stem| stem != "index")
+            })
         })
         .collect();
     files.sort();
