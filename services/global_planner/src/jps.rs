@@ -3,10 +3,10 @@
 //! Harabor, Grastien, "Improving Jump Point Search", ICAPS 2014: block scans (B) and the pruning
 //! of intermediate points (P), so that only the ends of straight jumps enter the open list; with
 //! the rules for steps that cut no corner. Added to it: one bit per cell that stops a scan
-//! ([`crate::jump_map`]), and one look along the diagonal-then-straight way from the start, which
+//! (`jump_map`), and one look along the diagonal-then-straight way from the start, which
 //! answers most questions of open maps.
 //!
-//! Where jumps are short, as in clutter, [`crate::canonical`] is faster and takes over. With
+//! Where jumps are short, as in clutter, `canonical` is faster and takes over. With
 //! another rule than [`CornerRule::ForbidAny`] the search is that of `c_astar` without costs.
 
 use crate::canonical::Canonical;

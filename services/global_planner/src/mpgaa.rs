@@ -1,7 +1,7 @@
 //! `mpgaa`: A* over costs that keeps what it knows about the goal, for maps that change.
 //!
 //! The first search to a goal is A* from scratch. When it has been answered, the cost to the goal
-//! is found for every cell ([`crate::goal_field`]) and guides all further searches to it. The
+//! is found for every cell (`goal_field`) and guides all further searches to it. The
 //! field stays valid while obstacles appear; where they vanish it is bounded at once and repaired
 //! when the answer is out. Whatever happens, an answer expands no more nodes than a search from
 //! scratch, ties left aside: the tests hold it to 1.3 times.
