@@ -64,13 +64,12 @@ pub fn make(
             before,
             total: wanted,
         };
-        let driven = drive(prepared, Some(quota), interrupted)?;
+        let mut driven = drive(prepared, Some(quota), interrupted)?;
         before += driven.trials.len();
         let reaction = reactions(&driven.collector.records, DEADLINE_NS).figures();
         let mut latency = Latency::of(&driven.trials, reaction, DEADLINE_NS);
         latency.not_in_the_way = driven.trials_missed;
-        let over = driven.ending == Ending::TrialsOver;
-        let load = over.then(|| load(prepared, &driven));
+        let load = (driven.ending == Ending::TrialsOver).then(|| load(prepared, &driven));
         if let Some(load) = load {
             latency.transport_floor = Some(floor::measure(
                 prepared,
@@ -79,6 +78,11 @@ pub fn make(
                 interrupted,
             )?);
         }
+        // Ctrl-C may also have come while the floor was measured.
+        if interrupted.load(Ordering::Relaxed) {
+            driven.ending = Ending::Interrupted;
+        }
+        let over = driven.ending == Ending::TrialsOver;
         rounds.push(Round {
             trials: driven.trials.len(),
             missed: driven.trials_missed,
@@ -87,7 +91,7 @@ pub fn make(
             latency,
         });
         drives.push(driven);
-        if !over || interrupted.load(Ordering::Relaxed) {
+        if !over {
             break;
         }
     }
