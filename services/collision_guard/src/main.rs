@@ -139,7 +139,7 @@ impl GuardService {
             return;
         };
         let roster = shell.roster();
-        let waits = roster.answers(Role::LocalPlanner, tick) && self.request.tick() < tick;
+        let waits = roster.answers(Role::LocalPlanner, tick) && self.request.spoken_tick() < tick;
         if tick > self.answered_tick && !waits && roster.answers(Role::CollisionGuard, tick) {
             self.answer(shell, tick, SpanKind::Answer);
         }

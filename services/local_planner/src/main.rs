@@ -259,7 +259,7 @@ impl PlannerService {
         let scan_waits = !came(readings.scan_stamp)
             || readings.scan_fresh
             || (mapped && !came(readings.map.stamp()))
-            || (planned && !came(readings.path_stamp));
+            || (planned && readings.path.spoken_tick() < tick);
         (scan_due && scan_waits) || (mapped && readings.map.is_lost())
     }
 

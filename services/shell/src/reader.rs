@@ -48,6 +48,8 @@ fn view<T: Topic>(sample: &Received<T>) -> View<'_, T> {
 struct Gate {
     row: &'static TopicRow,
     refused: u64,
+    /// Newest tick of a message whose sender is heard though its content is refused.
+    refused_tick: u64,
     seen: Vec<Refusal>,
 }
 
@@ -56,6 +58,7 @@ impl Gate {
         Self {
             row,
             refused: 0,
+            refused_tick: 0,
             seen: Vec::new(),
         }
     }
@@ -65,6 +68,9 @@ impl Gate {
         let header = envelope.header();
         if let Err(refusal) = decode::<T>(self.row, envelope, sample.payload()) {
             self.refused += 1;
+            if header.check(self.row.schema, self.row.writers).is_ok() && roster.hears(header) {
+                self.refused_tick = self.refused_tick.max(header.tick);
+            }
             if !self.seen.contains(&refusal) {
                 self.seen.push(refusal);
                 tracing::warn!(topic = self.row.name, id = %header.id(), %refusal, "message refused");
@@ -147,6 +153,13 @@ impl<T: Topic> Latest<T> {
     #[must_use]
     pub fn tick(&self) -> u64 {
         self.get().map_or(0, |view| view.header.tick)
+    }
+
+    /// Tick up to which the writer has spoken, whether what it said could be used or not; in
+    /// lockstep nobody waits any longer for a message that was refused.
+    #[must_use]
+    pub fn spoken_tick(&self) -> u64 {
+        self.tick().max(self.gate.refused_tick)
     }
 
     /// Messages overtaken by newer ones before they were looked at.
