@@ -29,6 +29,7 @@ use crate::local_path::LocalPath;
 use crate::motion::{Twist, reachable, stop_distance_m, towards_rest};
 use crate::moving::Moving;
 use crate::progress::{PathTracker, Place};
+use crate::refine::{Refine, Sight};
 use crate::rollout::Rollouts;
 use crate::surroundings::{Reach, Surroundings};
 use timed::Timed;
@@ -185,7 +186,13 @@ impl Dwa {
         self.guide(situation, place, sight_m);
     }
 
-    fn wish(&mut self, situation: &Situation<'_>, place: &Place, from: Twist) -> Wish {
+    fn wish(
+        &mut self,
+        situation: &Situation<'_>,
+        place: &Place,
+        from: Twist,
+        refiner: Option<&mut dyn Refine>,
+    ) -> Wish {
         if let Some(wish) = self.arrive(situation, place, from) {
             return wish;
         }
@@ -207,8 +214,42 @@ impl Dwa {
         }
         let astray = meaningful && error_rad.abs() > self.config.turn_above_rad;
         let fastest = self.fastest_mps(situation, place, astray);
-        self.best(situation, place, from, fastest, to_goal)
+        let best = self.best(situation, place, from, fastest, to_goal);
+        let refined = refiner
+            .and_then(|refiner| refiner.refine(self.sight(situation, place, from, fastest, best)));
+        if let Some(twist) = refined {
+            self.steered_radps = twist.w_radps;
+        }
+        refined
+            .or(best)
             .map_or(Wish::Rest(Validity::Blocked), Wish::Towards)
+    }
+
+    /// What an optimiser in place of the window gets to see.
+    fn sight<'a>(
+        &'a mut self,
+        situation: &'a Situation<'a>,
+        place: &Place,
+        from: Twist,
+        fastest_mps: f64,
+        best: Option<Twist>,
+    ) -> Sight<'a> {
+        Sight {
+            situation,
+            config: &self.config,
+            tracker: &self.tracker,
+            place: *place,
+            from,
+            fastest_mps,
+            surroundings: &self.surroundings,
+            moving: &mut self.moving,
+            funnel: self
+                .timed
+                .as_ref()
+                .filter(|_| situation.map.is_some())
+                .map(Timed::funnel),
+            best,
+        }
     }
 
     /// [m] along the path to the first obstacle in sight.
@@ -234,8 +275,12 @@ impl Dwa {
             Wish::Towards(wanted) => {
                 let slowed = Twist::new(0.0, wanted.w_radps);
                 let reserve = self.timed.iter().flat_map(|timed| &timed.reserve);
+                let others = reserve
+                    .map(|(_, twist)| *twist)
+                    .take(RESERVE)
+                    .filter(|twist| twist != wanted);
                 core::iter::once(*wanted)
-                    .chain(reserve.map(|(_, twist)| *twist).take(RESERVE).skip(1))
+                    .chain(others)
                     .chain(core::iter::once(slowed))
                     .find_map(|wanted| {
                         let next = reachable(robot, from, wanted, period_s);
@@ -273,6 +318,17 @@ impl Dwa {
 
 impl Controller for Dwa {
     fn decide(&mut self, situation: &Situation<'_>) -> Decision {
+        self.decide_with(situation, None)
+    }
+}
+
+impl Dwa {
+    /// [`Controller::decide`] with another optimiser for the twist that follows the path.
+    pub(crate) fn decide_with(
+        &mut self,
+        situation: &Situation<'_>,
+        refiner: Option<&mut dyn Refine>,
+    ) -> Decision {
         self.looked_at = 0;
         if let Some(timed) = &mut self.timed {
             timed.reserve.clear();
@@ -292,7 +348,7 @@ impl Controller for Dwa {
             return self.publish(situation, from, &Wish::Rest(Validity::NoPath));
         };
         self.look(situation, &place);
-        let wish = self.wish(situation, &place, from);
+        let wish = self.wish(situation, &place, from, refiner);
         let blocked_arc_m = self.blocked_arc_m();
         Decision {
             blocked_arc_m,

@@ -3,6 +3,7 @@
 use crate::config::LocalPlannerConfig;
 use crate::controller::Controller;
 use crate::dwa::Dwa;
+use crate::mppi::Mppi;
 use crate::papers::Law;
 use crate::papers::bao_dwa::BaoWeights;
 use crate::papers::drive::Driver;
@@ -56,6 +57,12 @@ pub const CONTROLLERS: &[ControllerRow] = &[
         title: "Dynamic window that follows the path, checked against map and scan",
         source: "Fox, Burgard, Thrun: The Dynamic Window Approach to Collision Avoidance, IEEE RAM 4(1), 1997",
         build: |config| Box::new(Dwa::new(config.dwa)),
+    },
+    ControllerRow {
+        key: "mppi",
+        title: "Model predictive path integral control around the choice of dwa_t",
+        source: "Williams et al.: Information-Theoretic Model Predictive Control, IEEE T-RO 34(6), 2018",
+        build: |config| Box::new(Mppi::new(config.dwa, config.dwa_t, config.mppi)),
     },
     ControllerRow {
         key: "ju_apf",
