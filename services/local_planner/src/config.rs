@@ -15,6 +15,10 @@ pub struct LocalPlannerConfig {
     pub dwa_t: DwaTConfig,
     /// For the controller `mppi`, which takes the rest from `dwa` and `dwa_t`.
     pub mppi: MppiConfig,
+    /// How fast accelerations change.
+    pub shaping: ShapingConfig,
+    /// What is done when the robot does not get on.
+    pub recovery: RecoveryConfig,
     /// For the controllers of the papers: obstacles are points, as printed, instead of areas.
     pub literal: bool,
     /// When a task has succeeded or failed.
@@ -32,6 +36,8 @@ impl Default for LocalPlannerConfig {
             dwa: DwaConfig::default(),
             dwa_t: DwaTConfig::default(),
             mppi: MppiConfig::default(),
+            shaping: ShapingConfig::default(),
+            recovery: RecoveryConfig::default(),
             literal: false,
             task: TaskConfig::default(),
             requests: RequestConfig::default(),
@@ -277,7 +283,80 @@ impl Default for CriticWeights {
             goal: 0.5,
             goal_angle: 0.3,
             prefer_forward: 1.0,
-            smooth: 0.1,
+            smooth: 0.2,
+        }
+    }
+}
+
+/// How fast accelerations change; braking in an emergency is exempt.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct ShapingConfig {
+    /// [m/s^3]
+    pub jerk_mps3: f64,
+    /// [rad/s^3]
+    pub jerk_radps3: f64,
+}
+
+impl Default for ShapingConfig {
+    fn default() -> Self {
+        Self {
+            jerk_mps3: 10.0,
+            jerk_radps3: 60.0,
+        }
+    }
+}
+
+impl ShapingConfig {
+    /// Accelerations may jump.
+    pub const OFF: Self = Self {
+        jerk_mps3: 1.0e6,
+        jerk_radps3: 1.0e6,
+    };
+}
+
+/// What is done when the robot does not get on, see [`crate::recovery`].
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct RecoveryConfig {
+    /// False: the task waits until it is stuck, and the dynamic windows back up straight.
+    pub enabled: bool,
+    /// Also for the controllers of the papers, which have no such thing.
+    pub for_papers: bool,
+    /// [s] without an admissible motion after which something is done.
+    pub patience_s: f64,
+    /// [s] for another path to come.
+    pub ask_s: f64,
+    /// Paths that are asked for in a row before the robot moves out of the way.
+    pub asks: u32,
+    /// [s] for something that moves to pass.
+    pub wait_s: f64,
+    /// [m] driven back along the track.
+    pub back_up_m: f64,
+    /// [m/s] backwards.
+    pub back_up_mps: f64,
+    /// [rad] turned on the spot to look around.
+    pub rotate_rad: f64,
+    /// [s] that any of it may take.
+    pub manoeuvre_s: f64,
+    /// Manoeuvres and waits for one goal before the task is given up.
+    pub attempts: u32,
+}
+
+impl Default for RecoveryConfig {
+    fn default() -> Self {
+        Self {
+            enabled: true,
+            for_papers: false,
+            patience_s: 0.5,
+            ask_s: 1.0,
+            asks: 1,
+            wait_s: 3.0,
+            back_up_m: 0.4,
+            back_up_mps: 0.2,
+            rotate_rad: 1.6,
+            manoeuvre_s: 6.0,
+            attempts: 20,
         }
     }
 }
@@ -390,7 +469,7 @@ impl LocalPlannerConfig {
     pub fn check(&self) -> Result<(), ConfigError> {
         let (dwa, weights, task) = (&self.dwa, &self.dwa.weights, &self.task);
         let timed = &self.dwa_t;
-        let mppi = &self.mppi;
+        let (mppi, shaping, recovery) = (&self.mppi, &self.shaping, &self.recovery);
         let (requests, ages) = (&self.requests, &self.staleness);
         let half_turn = core::f64::consts::PI;
         let weights_of_critics = CRITICS
@@ -456,6 +535,22 @@ impl LocalPlannerConfig {
             ("mppi.temperature_m", mppi.temperature_m, 0.001, 10.0),
             ("mppi.speed_base_mps", mppi.speed_base_mps, 0.01, 100.0),
             ("mppi.speed_gain_hz", mppi.speed_gain_hz, 0.0, 1.0e3),
+            ("shaping.jerk_mps3", shaping.jerk_mps3, 0.1, 1.0e6),
+            ("shaping.jerk_radps3", shaping.jerk_radps3, 0.1, 1.0e6),
+            ("recovery.patience_s", recovery.patience_s, 0.0, 60.0),
+            ("recovery.ask_s", recovery.ask_s, 0.05, 60.0),
+            ("recovery.asks", f64::from(recovery.asks), 1.0, 1.0e3),
+            ("recovery.wait_s", recovery.wait_s, 0.05, 600.0),
+            ("recovery.back_up_m", recovery.back_up_m, 0.0, 4.0),
+            ("recovery.back_up_mps", recovery.back_up_mps, 0.01, 5.0),
+            ("recovery.rotate_rad", recovery.rotate_rad, 0.0, half_turn),
+            ("recovery.manoeuvre_s", recovery.manoeuvre_s, 0.1, 60.0),
+            (
+                "recovery.attempts",
+                f64::from(recovery.attempts),
+                1.0,
+                1.0e4,
+            ),
             ("task.failure_s", task.failure_s, 0.0, 600.0),
             ("task.progress_m", task.progress_m, 0.001, 10.0),
             ("task.no_progress_s", task.no_progress_s, 0.1, 3600.0),

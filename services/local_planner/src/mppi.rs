@@ -21,7 +21,7 @@ mod limits;
 mod noise;
 mod plan;
 
-use crate::config::{DwaConfig, DwaTConfig, MppiConfig};
+use crate::config::{DwaConfig, DwaTConfig, MppiConfig, ShapingConfig};
 use crate::controller::{Controller, Decision, Situation};
 use crate::critics::{CRITICS, Scene};
 use crate::dwa::Dwa;
@@ -69,6 +69,17 @@ impl Mppi {
     }
 }
 
+impl Mppi {
+    /// The same with commands whose accelerations change no faster than this.
+    #[must_use]
+    pub fn shaped(self, config: ShapingConfig) -> Self {
+        Self {
+            dwa: self.dwa.shaped(config),
+            ..self
+        }
+    }
+}
+
 impl Controller for Mppi {
     fn decide(&mut self, situation: &Situation<'_>) -> Decision {
         self.optimiser.looked_at = 0;
@@ -81,6 +92,11 @@ impl Controller for Mppi {
             rollouts: decision.rollouts.max(self.optimiser.looked_at),
             ..decision
         }
+    }
+
+    fn overruled(&mut self, published: Twist, period_s: f64) {
+        self.dwa.overruled(published, period_s);
+        self.optimiser.plan.forget();
     }
 }
 
