@@ -467,10 +467,9 @@ impl LocalPlannerConfig {
     /// # Errors
     /// The first field that is wrong.
     pub fn check(&self) -> Result<(), ConfigError> {
-        let (dwa, weights, task) = (&self.dwa, &self.dwa.weights, &self.task);
+        let (dwa, weights) = (&self.dwa, &self.dwa.weights);
         let timed = &self.dwa_t;
-        let (mppi, shaping, recovery) = (&self.mppi, &self.shaping, &self.recovery);
-        let (requests, ages) = (&self.requests, &self.staleness);
+        let mppi = &self.mppi;
         let half_turn = core::f64::consts::PI;
         let weights_of_critics = CRITICS
             .iter()
@@ -535,6 +534,30 @@ impl LocalPlannerConfig {
             ("mppi.temperature_m", mppi.temperature_m, 0.001, 10.0),
             ("mppi.speed_base_mps", mppi.speed_base_mps, 0.01, 100.0),
             ("mppi.speed_gain_hz", mppi.speed_gain_hz, 0.0, 1.0e3),
+        ]
+        .into_iter()
+        .chain(weights_of_critics)
+        .chain(self.rules())
+        {
+            // Written so that NaN is refused.
+            if !(value >= least && value <= most) {
+                return Err(ConfigError {
+                    field,
+                    value,
+                    least,
+                    most,
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// Names, values and ranges of what is around the controllers.
+    fn rules(&self) -> impl Iterator<Item = (&'static str, f64, f64, f64)> {
+        let (task, requests, ages) = (&self.task, &self.requests, &self.staleness);
+        let (shaping, recovery) = (&self.shaping, &self.recovery);
+        let half_turn = core::f64::consts::PI;
+        [
             ("shaping.jerk_mps3", shaping.jerk_mps3, 0.1, 1.0e6),
             ("shaping.jerk_radps3", shaping.jerk_radps3, 0.1, 1.0e6),
             ("recovery.patience_s", recovery.patience_s, 0.0, 60.0),
@@ -578,19 +601,6 @@ impl LocalPlannerConfig {
             ("staleness.slow_to", ages.slow_to, 0.0, 1.0),
         ]
         .into_iter()
-        .chain(weights_of_critics)
-        {
-            // Written so that NaN is refused.
-            if !(value >= least && value <= most) {
-                return Err(ConfigError {
-                    field,
-                    value,
-                    least,
-                    most,
-                });
-            }
-        }
-        Ok(())
     }
 }
 

@@ -88,6 +88,10 @@ pub struct Transition {
 
 /// What a period is judged by.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[allow(
+    clippy::struct_excessive_bools,
+    reason = "observations that have nothing to do with each other"
+)]
 pub struct Facts {
     /// [s] run time.
     pub now_s: f64,
