@@ -1,5 +1,6 @@
 //! What a user may set. Numbers of the robot are not here: they come with its description.
 
+use crate::critics::CRITICS;
 use serde::{Deserialize, Serialize};
 
 /// Configuration of the local planner.
@@ -12,6 +13,12 @@ pub struct LocalPlannerConfig {
     pub dwa: DwaConfig,
     /// For the controller `dwa_t`, which takes the rest from `dwa`.
     pub dwa_t: DwaTConfig,
+    /// For the controller `mppi`, which takes the rest from `dwa` and `dwa_t`.
+    pub mppi: MppiConfig,
+    /// How fast accelerations change.
+    pub shaping: ShapingConfig,
+    /// What is done when the robot does not get on.
+    pub recovery: RecoveryConfig,
     /// For the controllers of the papers: obstacles are points, as printed, instead of areas.
     pub literal: bool,
     /// When a task has succeeded or failed.
@@ -28,6 +35,9 @@ impl Default for LocalPlannerConfig {
             controller: "dwa_t".to_owned(),
             dwa: DwaConfig::default(),
             dwa_t: DwaTConfig::default(),
+            mppi: MppiConfig::default(),
+            shaping: ShapingConfig::default(),
+            recovery: RecoveryConfig::default(),
             literal: false,
             task: TaskConfig::default(),
             requests: RequestConfig::default(),
@@ -189,6 +199,168 @@ impl Default for DwaWeights {
     }
 }
 
+/// Parameters of model predictive path integral control.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct MppiConfig {
+    /// Samples of a cycle, rounded up to a multiple of 40.
+    pub samples: u32,
+    /// Steps of a sample, 14 to 64.
+    pub steps: u32,
+    /// [s] of a step.
+    pub step_s: f64,
+    /// [m/s] standard deviation of a sample's speeds.
+    pub speed_std_mps: f64,
+    /// [rad/s] standard deviation of a sample's yaw rates.
+    pub yaw_rate_std_radps: f64,
+    /// [m] of progress by which a sample must be worse to count 1 / e of another.
+    pub temperature_m: f64,
+    /// [m/s] that cost nothing however near obstacles are.
+    pub speed_base_mps: f64,
+    /// [1/s] speed that costs nothing for each metre of space around the outline.
+    pub speed_gain_hz: f64,
+    /// Of the noise.
+    pub seed: u64,
+    /// Weights of the critics.
+    pub critics: CriticWeights,
+}
+
+/// Weights of the critics in `src/critics`, in metres of progress; 0 = not asked.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct CriticWeights {
+    /// Of touching what stands at once; later ones count less.
+    pub obstacles: f64,
+    /// Of touching the safety margin at full speed.
+    pub clearance: f64,
+    /// Of a metre per second beyond what the clearance allows.
+    pub calm: f64,
+    /// Of touching a predicted obstacle at once; later ones count less.
+    pub moving: f64,
+    /// Of a metre of path that is left at the end.
+    pub path_follow: f64,
+    /// Of a metre beside the path, on average.
+    pub path_align: f64,
+    /// Of heading against the path, on average (1 - cos of the error).
+    pub path_angle: f64,
+    /// Of a metre from the goal at the end, on the last metre.
+    pub goal: f64,
+    /// Of heading against the goal's yaw at the end (1 - cos), on the last half metre.
+    pub goal_angle: f64,
+    /// Of a metre driven backwards.
+    pub prefer_forward: f64,
+    /// Of changing the yaw rate by its largest value.
+    pub smooth: f64,
+}
+
+impl Default for MppiConfig {
+    fn default() -> Self {
+        Self {
+            samples: 2000,
+            steps: 56,
+            step_s: 0.05,
+            speed_std_mps: 0.2,
+            yaw_rate_std_radps: 0.5,
+            temperature_m: 0.05,
+            speed_base_mps: 0.5,
+            speed_gain_hz: 6.0,
+            seed: 1,
+            critics: CriticWeights::default(),
+        }
+    }
+}
+
+impl Default for CriticWeights {
+    fn default() -> Self {
+        Self {
+            obstacles: 8.0,
+            clearance: 1.0,
+            calm: 1.0,
+            moving: 6.0,
+            path_follow: 1.0,
+            path_align: 3.0,
+            path_angle: 0.4,
+            goal: 0.5,
+            goal_angle: 0.3,
+            prefer_forward: 1.0,
+            smooth: 0.2,
+        }
+    }
+}
+
+/// How fast accelerations change; braking in an emergency is exempt.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct ShapingConfig {
+    /// [m/s^3]
+    pub jerk_mps3: f64,
+    /// [rad/s^3]
+    pub jerk_radps3: f64,
+}
+
+impl Default for ShapingConfig {
+    fn default() -> Self {
+        Self {
+            jerk_mps3: 10.0,
+            jerk_radps3: 60.0,
+        }
+    }
+}
+
+impl ShapingConfig {
+    /// Accelerations may jump.
+    pub const OFF: Self = Self {
+        jerk_mps3: 1.0e6,
+        jerk_radps3: 1.0e6,
+    };
+}
+
+/// What is done when the robot does not get on, see [`crate::recovery`].
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct RecoveryConfig {
+    /// False: the task waits until it is stuck, and the dynamic windows back up straight.
+    pub enabled: bool,
+    /// Also for the controllers of the papers, which have no such thing.
+    pub for_papers: bool,
+    /// [s] without an admissible motion after which something is done.
+    pub patience_s: f64,
+    /// [s] for another path to come.
+    pub ask_s: f64,
+    /// Paths that are asked for in a row before the robot moves out of the way.
+    pub asks: u32,
+    /// [s] for something that moves to pass.
+    pub wait_s: f64,
+    /// [m] driven back along the track.
+    pub back_up_m: f64,
+    /// [m/s] backwards.
+    pub back_up_mps: f64,
+    /// [rad] turned on the spot to look around.
+    pub rotate_rad: f64,
+    /// [s] that any of it may take.
+    pub manoeuvre_s: f64,
+    /// Manoeuvres and waits for one goal before the task is given up.
+    pub attempts: u32,
+}
+
+impl Default for RecoveryConfig {
+    fn default() -> Self {
+        Self {
+            enabled: true,
+            for_papers: false,
+            patience_s: 0.5,
+            ask_s: 1.0,
+            asks: 1,
+            wait_s: 3.0,
+            back_up_m: 0.4,
+            back_up_mps: 0.2,
+            rotate_rad: 1.6,
+            manoeuvre_s: 6.0,
+            attempts: 20,
+        }
+    }
+}
+
 /// When a task has succeeded or failed.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -295,10 +467,13 @@ impl LocalPlannerConfig {
     /// # Errors
     /// The first field that is wrong.
     pub fn check(&self) -> Result<(), ConfigError> {
-        let (dwa, weights, task) = (&self.dwa, &self.dwa.weights, &self.task);
+        let (dwa, weights) = (&self.dwa, &self.dwa.weights);
         let timed = &self.dwa_t;
-        let (requests, ages) = (&self.requests, &self.staleness);
+        let mppi = &self.mppi;
         let half_turn = core::f64::consts::PI;
+        let weights_of_critics = CRITICS
+            .iter()
+            .map(|row| (row.key, (row.weight)(&mppi.critics), 0.0, 1.0e3));
         for (field, value, least, most) in [
             ("dwa.horizon_s", dwa.horizon_s, 0.2, 10.0),
             ("dwa.step_s", dwa.step_s, 0.02, 0.5),
@@ -346,6 +521,59 @@ impl LocalPlannerConfig {
             ("dwa_t.speed_gain_hz", timed.speed_gain_hz, 0.0, 1.0e3),
             ("dwa_t.weight_speed", timed.weight_speed, 0.0, 1.0e3),
             ("dwa_t.weight_moving", timed.weight_moving, 0.0, 1.0e3),
+            ("mppi.samples", f64::from(mppi.samples), 40.0, 20_000.0),
+            ("mppi.steps", f64::from(mppi.steps), 14.0, 64.0),
+            ("mppi.step_s", mppi.step_s, 0.02, 0.1),
+            ("mppi.speed_std_mps", mppi.speed_std_mps, 0.001, 10.0),
+            (
+                "mppi.yaw_rate_std_radps",
+                mppi.yaw_rate_std_radps,
+                0.001,
+                10.0,
+            ),
+            ("mppi.temperature_m", mppi.temperature_m, 0.001, 10.0),
+            ("mppi.speed_base_mps", mppi.speed_base_mps, 0.01, 100.0),
+            ("mppi.speed_gain_hz", mppi.speed_gain_hz, 0.0, 1.0e3),
+        ]
+        .into_iter()
+        .chain(weights_of_critics)
+        .chain(self.rules())
+        {
+            // Written so that NaN is refused.
+            if !(value >= least && value <= most) {
+                return Err(ConfigError {
+                    field,
+                    value,
+                    least,
+                    most,
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// Names, values and ranges of what is around the controllers.
+    fn rules(&self) -> impl Iterator<Item = (&'static str, f64, f64, f64)> {
+        let (task, requests, ages) = (&self.task, &self.requests, &self.staleness);
+        let (shaping, recovery) = (&self.shaping, &self.recovery);
+        let half_turn = core::f64::consts::PI;
+        [
+            ("shaping.jerk_mps3", shaping.jerk_mps3, 0.1, 1.0e6),
+            ("shaping.jerk_radps3", shaping.jerk_radps3, 0.1, 1.0e6),
+            ("recovery.patience_s", recovery.patience_s, 0.0, 60.0),
+            ("recovery.ask_s", recovery.ask_s, 0.05, 60.0),
+            ("recovery.asks", f64::from(recovery.asks), 1.0, 1.0e3),
+            ("recovery.wait_s", recovery.wait_s, 0.05, 600.0),
+            ("recovery.back_up_m", recovery.back_up_m, 0.0, 4.0),
+            ("recovery.back_up_mps", recovery.back_up_mps, 0.01, 5.0),
+            ("recovery.rotate_rad", recovery.rotate_rad, 0.0, half_turn),
+            ("recovery.manoeuvre_s", recovery.manoeuvre_s, 0.1, 60.0),
+            (
+                "recovery.attempts",
+                f64::from(recovery.attempts),
+                1.0,
+                1.0e4,
+            ),
             ("task.failure_s", task.failure_s, 0.0, 600.0),
             ("task.progress_m", task.progress_m, 0.001, 10.0),
             ("task.no_progress_s", task.no_progress_s, 0.1, 3600.0),
@@ -371,18 +599,8 @@ impl LocalPlannerConfig {
             ("staleness.path_age_s", ages.path_age_s, 0.01, 60.0),
             ("staleness.slow_from", ages.slow_from, 0.0, 1.0),
             ("staleness.slow_to", ages.slow_to, 0.0, 1.0),
-        ] {
-            // Written so that NaN is refused.
-            if !(value >= least && value <= most) {
-                return Err(ConfigError {
-                    field,
-                    value,
-                    least,
-                    most,
-                });
-            }
-        }
-        Ok(())
+        ]
+        .into_iter()
     }
 }
 
@@ -396,6 +614,14 @@ mod tests {
         assert_eq!(config.check(), Ok(()));
         config.dwa.reaction_s = f64::NAN;
         assert_eq!(config.check().map_err(|e| e.field), Err("dwa.reaction_s"));
+    }
+
+    #[test]
+    fn every_critic_s_weight_is_checked() {
+        let mut config = LocalPlannerConfig::default();
+        config.mppi.critics.smooth = -1.0;
+        let field = config.check().map_err(|e| e.field);
+        assert_eq!(field, Err("mppi.critics.smooth"));
     }
 
     #[test]

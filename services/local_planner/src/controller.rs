@@ -1,5 +1,6 @@
 //! The seam of local planning: from a situation to the next twist.
 
+use crate::motion::Twist;
 use nalgebra::Point2;
 use zeronav_msgs::command::Validity;
 use zeronav_msgs::description::{Corner, Description};
@@ -72,4 +73,9 @@ pub trait Controller {
     /// the period before, and never one from which the robot cannot stop before contact as far as
     /// the map and the scan tell.
     fn decide(&mut self, situation: &Situation<'_>) -> Decision;
+
+    /// Another command than the controller's was published for a period: its next one starts there.
+    fn overruled(&mut self, published: Twist, period_s: f64) {
+        let _ = (published, period_s);
+    }
 }

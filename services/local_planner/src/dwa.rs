@@ -23,13 +23,15 @@ mod guidance;
 mod manoeuvre;
 mod timed;
 
-use crate::config::{DwaConfig, DwaTConfig};
+use crate::config::{DwaConfig, DwaTConfig, ShapingConfig};
 use crate::controller::{Controller, Decision, Situation};
 use crate::local_path::LocalPath;
-use crate::motion::{Twist, reachable, stop_distance_m, towards_rest};
+use crate::motion::{Twist, stop_distance_m, towards_rest};
 use crate::moving::Moving;
 use crate::progress::{PathTracker, Place};
+use crate::refine::{Refine, Sight};
 use crate::rollout::Rollouts;
+use crate::shaping::Shaper;
 use crate::surroundings::{Reach, Surroundings};
 use timed::Timed;
 use zeronav_msgs::command::Validity;
@@ -82,6 +84,7 @@ pub struct Dwa {
     blocked_s: f64,
     looked_at: u32,
     moving: Moving,
+    shaper: Shaper,
     /// What `dwa_t` adds.
     timed: Option<Timed>,
 }
@@ -104,6 +107,7 @@ impl Dwa {
             blocked_s: 0.0,
             looked_at: 0,
             moving: Moving::default(),
+            shaper: Shaper::new(ShapingConfig::OFF),
             timed: None,
         }
     }
@@ -122,29 +126,21 @@ impl Dwa {
         }
     }
 
+    /// The same with commands whose accelerations change no faster than this.
+    #[must_use]
+    pub fn shaped(self, config: ShapingConfig) -> Self {
+        Self {
+            shaper: Shaper::new(config),
+            ..self
+        }
+    }
+
     /// The twist that this period's command starts from: the last command, as far as the
     /// measured twist can have followed it.
     fn start(&self, situation: &Situation<'_>) -> Twist {
-        let robot = situation.robot;
-        let measured = Twist::new(
-            situation.v_mps.clamp(robot.v_mps_min, robot.v_mps_max),
-            situation
-                .w_radps
-                .clamp(-robot.w_radps_max, robot.w_radps_max),
-        );
-        let lead_s = self.config.command_lead_s;
-        let up = robot.a_mps2_max.max(robot.brake_mps2) * lead_s;
-        let about = robot.alpha_radps2_max * lead_s;
-        Twist {
-            v_mps: self
-                .last
-                .v_mps
-                .clamp(measured.v_mps - up, measured.v_mps + up),
-            w_radps: self
-                .last
-                .w_radps
-                .clamp(measured.w_radps - about, measured.w_radps + about),
-        }
+        let measured = Twist::new(situation.v_mps, situation.w_radps);
+        self.last
+            .near(situation.robot, measured, self.config.command_lead_s)
     }
 
     /// [s] length of a rollout: at least the time of a stop from full speed.
@@ -185,7 +181,13 @@ impl Dwa {
         self.guide(situation, place, sight_m);
     }
 
-    fn wish(&mut self, situation: &Situation<'_>, place: &Place, from: Twist) -> Wish {
+    fn wish(
+        &mut self,
+        situation: &Situation<'_>,
+        place: &Place,
+        from: Twist,
+        refiner: Option<&mut dyn Refine>,
+    ) -> Wish {
         if let Some(wish) = self.arrive(situation, place, from) {
             return wish;
         }
@@ -207,8 +209,42 @@ impl Dwa {
         }
         let astray = meaningful && error_rad.abs() > self.config.turn_above_rad;
         let fastest = self.fastest_mps(situation, place, astray);
-        self.best(situation, place, from, fastest, to_goal)
+        let best = self.best(situation, place, from, fastest, to_goal);
+        let refined = refiner
+            .and_then(|refiner| refiner.refine(self.sight(situation, place, from, fastest, best)));
+        if let Some(twist) = refined {
+            self.steered_radps = twist.w_radps;
+        }
+        refined
+            .or(best)
             .map_or(Wish::Rest(Validity::Blocked), Wish::Towards)
+    }
+
+    /// What an optimiser in place of the window gets to see.
+    fn sight<'a>(
+        &'a mut self,
+        situation: &'a Situation<'a>,
+        place: &Place,
+        from: Twist,
+        fastest_mps: f64,
+        best: Option<Twist>,
+    ) -> Sight<'a> {
+        Sight {
+            situation,
+            config: &self.config,
+            tracker: &self.tracker,
+            place: *place,
+            from,
+            fastest_mps,
+            surroundings: &self.surroundings,
+            moving: &mut self.moving,
+            funnel: self
+                .timed
+                .as_ref()
+                .filter(|_| situation.map.is_some())
+                .map(Timed::funnel),
+            best,
+        }
     }
 
     /// [m] along the path to the first obstacle in sight.
@@ -234,11 +270,15 @@ impl Dwa {
             Wish::Towards(wanted) => {
                 let slowed = Twist::new(0.0, wanted.w_radps);
                 let reserve = self.timed.iter().flat_map(|timed| &timed.reserve);
+                let others = reserve
+                    .map(|(_, twist)| *twist)
+                    .take(RESERVE)
+                    .filter(|twist| twist != wanted);
                 core::iter::once(*wanted)
-                    .chain(reserve.map(|(_, twist)| *twist).take(RESERVE).skip(1))
+                    .chain(others)
                     .chain(core::iter::once(slowed))
                     .find_map(|wanted| {
-                        let next = reachable(robot, from, wanted, period_s);
+                        let next = self.shaper.next(robot, from, wanted, period_s);
                         let arc_m = self.stop_arc_m(situation, next)?;
                         Some((next, Validity::Drive, arc_m))
                     })
@@ -260,6 +300,7 @@ impl Dwa {
             other => other,
         };
         self.last = twist;
+        self.shaper.published(from, twist, period_s);
         Decision {
             v_mps: twist.v_mps,
             w_radps: twist.w_radps,
@@ -273,6 +314,22 @@ impl Dwa {
 
 impl Controller for Dwa {
     fn decide(&mut self, situation: &Situation<'_>) -> Decision {
+        self.decide_with(situation, None)
+    }
+
+    fn overruled(&mut self, published: Twist, period_s: f64) {
+        self.shaper.published(self.last, published, period_s);
+        self.last = published;
+    }
+}
+
+impl Dwa {
+    /// [`Controller::decide`] with another optimiser for the twist that follows the path.
+    pub(crate) fn decide_with(
+        &mut self,
+        situation: &Situation<'_>,
+        refiner: Option<&mut dyn Refine>,
+    ) -> Decision {
         self.looked_at = 0;
         if let Some(timed) = &mut self.timed {
             timed.reserve.clear();
@@ -292,7 +349,7 @@ impl Controller for Dwa {
             return self.publish(situation, from, &Wish::Rest(Validity::NoPath));
         };
         self.look(situation, &place);
-        let wish = self.wish(situation, &place, from);
+        let wish = self.wish(situation, &place, from, refiner);
         let blocked_arc_m = self.blocked_arc_m();
         Decision {
             blocked_arc_m,

@@ -6,6 +6,10 @@ use zeronav_msgs::description::{Corner, Description};
 /// Share of a polygon's extent by which a covering disc may stand out over its edges.
 const OVERHANG_SHARE: f64 = 0.04;
 
+/// The same for the rough covering; its discs are then made smaller by half of that, so that it is
+/// right to within half of that either way.
+const ROUGH_SHARE: f64 = 0.12;
+
 /// Cells of the sampling lattice along a polygon's extent.
 const LATTICE: i32 = 40;
 
@@ -31,6 +35,9 @@ pub(crate) struct Footprint {
     pub(crate) circumscribed_m: f64,
     /// Discs whose union holds the outline; a disc robot is one.
     pub(crate) discs: Vec<Disc>,
+    /// A few discs whose union is the outline give or take 6 % of its extent, for what is checked
+    /// again before it counts.
+    pub(crate) rough: Vec<Disc>,
 }
 
 impl Footprint {
@@ -42,20 +49,23 @@ impl Footprint {
             .collect();
         if corners.len() < 3 {
             let radius_m = robot.circumscribed_radius_m;
+            let disc = Disc {
+                centre: Point2::origin(),
+                radius_m,
+            };
             return Self {
                 corners: Vec::new(),
                 inscribed_m: radius_m,
                 circumscribed_m: radius_m,
-                discs: vec![Disc {
-                    centre: Point2::origin(),
-                    radius_m,
-                }],
+                discs: vec![disc],
+                rough: vec![disc],
             };
         }
         let reach_m = corners.iter().map(|c| c.coords.norm()).fold(0.0, f64::max);
         let inside_m = -polygon_distance_m(&corners, Point2::origin());
         Self {
-            discs: cover(&corners),
+            discs: cover(&corners, OVERHANG_SHARE),
+            rough: rough(&corners),
             corners,
             // The outline decides; the description may say less, never more.
             inscribed_m: inside_m.clamp(0.0, robot.inscribed_radius_m),
@@ -108,16 +118,26 @@ fn extent(corners: &[Point2<f64>]) -> (Point2<f64>, f64) {
     (low, (high - low).max())
 }
 
-/// Discs whose union holds the polygon, none standing out by more than [`OVERHANG_SHARE`].
+/// Few discs whose union is nearly the polygon.
+fn rough(corners: &[Point2<f64>]) -> Vec<Disc> {
+    let mut discs = cover(corners, ROUGH_SHARE);
+    let less_m = 0.5 * ROUGH_SHARE * extent(corners).1;
+    for disc in &mut discs {
+        disc.radius_m -= less_m;
+    }
+    discs
+}
+
+/// Discs whose union holds the polygon, none standing out by more than a share of its extent.
 ///
 /// Greedy set cover over a lattice of the inside and points on the edges. Every point of the
 /// polygon is within 0.87 pitches of a sample, and a disc covers a sample only together with
 /// that surrounding, so nothing between the samples is missed.
-fn cover(corners: &[Point2<f64>]) -> Vec<Disc> {
+fn cover(corners: &[Point2<f64>], overhang_share: f64) -> Vec<Disc> {
     let (low, extent_m) = extent(corners);
     let pitch_m = extent_m / f64::from(LATTICE);
     let around_m = 0.87 * pitch_m;
-    let overhang_m = OVERHANG_SHARE * extent_m;
+    let overhang_m = overhang_share * extent_m;
     let mut samples: Vec<Point2<f64>> = Vec::new();
     let mut candidates: Vec<Disc> = Vec::new();
     for row in 0..=LATTICE {
@@ -236,7 +256,9 @@ mod tests {
             };
             let footprint = Footprint::new(&robot, &outline);
             assert!(footprint.discs.len() <= 40);
+            assert!(footprint.rough.len() <= 12, "{}", footprint.rough.len());
             let overhang_m = OVERHANG_SHARE * extent(&footprint.corners).1;
+            let rough_m = 0.5 * ROUGH_SHARE * extent(&footprint.corners).1 + 1e-9;
             let mut random = Pcg32::seed_from_u64(3);
             for _ in 0..20_000 {
                 let at = Point2::new(
@@ -248,6 +270,12 @@ mod tests {
                     .iter()
                     .any(|disc| (at - disc.centre).norm() <= disc.radius_m);
                 let distance_m = footprint.distance_m(at);
+                let rough = footprint.rough.iter();
+                let about_m = rough
+                    .map(|disc| (at - disc.centre).norm() - disc.radius_m)
+                    .fold(f64::INFINITY, f64::min);
+                assert!(distance_m > 0.0 || about_m <= rough_m, "{at} is inside");
+                assert!(about_m > 0.0 || distance_m <= rough_m, "{at} is outside");
                 assert!(covered || distance_m > 0.0, "{at} is inside, not covered");
                 assert!(
                     !covered || distance_m <= overhang_m + 1e-9,

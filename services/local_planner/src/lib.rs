@@ -9,6 +9,7 @@
 
 pub mod config;
 pub mod controller;
+mod critics;
 pub mod dwa;
 mod fan;
 mod field;
@@ -18,12 +19,16 @@ mod lanes;
 mod local_path;
 pub mod motion;
 mod moving;
+pub mod mppi;
 pub mod papers;
 pub mod period;
 pub mod progress;
+pub mod recovery;
+mod refine;
 pub mod requests;
 mod rollout;
 pub mod scan_points;
+pub mod shaping;
 pub mod staleness;
 mod stall;
 mod surroundings;

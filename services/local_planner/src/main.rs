@@ -2,6 +2,7 @@
 
 use std::process::ExitCode;
 use zeronav_local_planner::motion::Twist;
+use zeronav_local_planner::recovery::Behaviour;
 use zeronav_local_planner::scan_points::ScanPoints;
 use zeronav_local_planner::staleness::{Ages, StaleInput};
 use zeronav_local_planner::table::{CONTROLLERS, ControllerRow};
@@ -351,7 +352,18 @@ impl PlannerService {
             (StaleInput::Map, REASON_MAP),
             (StaleInput::Path, REASON_PATH),
         ] {
-            shell.reason(bit, outputs.stale == Some(input));
+            shell.reason(
+                bit,
+                outputs.stale == Some(input) || outputs.ageing.includes(input),
+            );
+        }
+        if let Some(change) = outputs.recovery {
+            // Turns towards the path are everyday business.
+            if change.from == Behaviour::Align || change.to == Behaviour::Align {
+                tracing::debug!(from = ?change.from, to = ?change.to, reason = ?change.reason, "recovery");
+            } else {
+                tracing::info!(from = ?change.from, to = ?change.to, reason = ?change.reason, "recovery");
+            }
         }
     }
 }

@@ -30,6 +30,21 @@ impl Twist {
         self.v_mps.abs() < 0.02 && self.w_radps.abs() < 0.05
     }
 
+    /// Where the next command starts from when this one was the last: as far as the measured twist
+    /// can have followed it within `lead_s`.
+    pub(crate) fn near(self, robot: &Description, measured: Self, lead_s: f64) -> Self {
+        let v = measured.v_mps.clamp(robot.v_mps_min, robot.v_mps_max);
+        let w = measured
+            .w_radps
+            .clamp(-robot.w_radps_max, robot.w_radps_max);
+        let up = robot.a_mps2_max.max(robot.brake_mps2) * lead_s;
+        let about = robot.alpha_radps2_max * lead_s;
+        Self {
+            v_mps: self.v_mps.clamp(v - up, v + up),
+            w_radps: self.w_radps.clamp(w - about, w + about),
+        }
+    }
+
     /// `base` before the motion from `base` after `elapsed_s` of this twist: the exact arc
     /// (Fox, Burgard, Thrun 1997, Eq. 7, with the limit of a straight line).
     #[must_use]

@@ -4,8 +4,12 @@ use crate::config::{ConfigError, LocalPlannerConfig};
 use crate::controller::{Controller, Decision, Situation};
 use crate::motion::{Twist, stop_distance_m, towards_rest};
 use crate::progress::{PathTracker, Place};
+use crate::recovery::escape::Escape;
+use crate::recovery::trail::Trail;
+use crate::recovery::{Behaviour, Facts, Recovery, Transition};
 use crate::requests::{PathRequests, RequestInputs};
-use crate::staleness::{Ages, StaleInput, speed_factor};
+use crate::shaping::Shaper;
+use crate::staleness::{Ageing, Ages, StaleInput, ageing, speed_factor};
 use crate::table::{UnknownController, controller};
 use crate::task::{TaskInputs, TaskMachine, TaskStep};
 use nalgebra::Point2;
@@ -68,6 +72,10 @@ pub struct Outputs {
     pub status_changed: bool,
     /// The input because of which the robot stops, if so.
     pub stale: Option<StaleInput>,
+    /// The inputs because of which it slows down or stops.
+    pub ageing: Ageing,
+    /// What the recovery does instead from now on, and why.
+    pub recovery: Option<Transition>,
     /// Motions looked at.
     pub rollouts: u32,
     /// [m] along the path to the first obstacle in sight.
@@ -94,9 +102,19 @@ pub struct LocalPlanner {
     controller: Box<dyn Controller>,
     requests: PathRequests,
     tracker: PathTracker,
+    /// `None` = the controller is left alone.
+    recovery: Option<Recovery>,
+    escape: Escape,
+    trail: Trail,
     /// Requested last; ramps to rest start here.
     last: Twist,
 }
+
+/// [m] within which something that moves may be what is in the way.
+const NEAR_M: f64 = 2.5;
+
+/// [m/s] from which on it moves.
+const MOVING_MPS: f64 = 0.1;
 
 /// A path that leads to the goal at hand, and the robot's place on it.
 #[derive(Clone, Copy)]
@@ -114,12 +132,21 @@ impl LocalPlanner {
     pub fn new(config: &LocalPlannerConfig) -> Result<Self, BuildError> {
         config.check()?;
         let row = controller(&config.controller)?;
+        let recovers = config.recovery.enabled && (config.recovery.for_papers || !row.of_a_paper);
+        let mut of_controller = config.clone();
+        if recovers {
+            // Backing up is not the controller's any more.
+            of_controller.dwa.back_up_after_s = f64::INFINITY;
+        }
         Ok(Self {
             config: config.clone(),
             task: TaskMachine::new(config.task),
-            controller: (row.build)(config),
+            controller: (row.build)(&of_controller),
             requests: PathRequests::new(config.requests),
             tracker: PathTracker::new(),
+            recovery: recovers.then(|| Recovery::new(config.recovery)),
+            escape: Escape::new(config.recovery, config.dwa, Shaper::new(config.shaping)),
+            trail: Trail::new(),
             last: Twist::REST,
         })
     }
@@ -156,14 +183,29 @@ impl LocalPlanner {
                 .path
                 .and_then(|input| Some((input.path.status()?, input.path.goal))),
             remaining: route.map(|route| (route.place.remaining_m, route.geometry)),
+            given_up: matches!(self.behaviour(), Behaviour::GiveUp(_)),
         });
         if step.changed {
             // Another goal may be at hand now.
             route = self.route(inputs, map_from_base);
         }
-        let (decision, stale) = match self.drive(inputs, map_from_base, route) {
-            Ok(decision) => (decision, None),
-            Err((validity, stale)) => (self.rest(inputs, validity), stale),
+        if let Some(odometry) = inputs.odometry {
+            if self.behaviour() == Behaviour::BackUp {
+                self.trail.retrace(&odometry.pose);
+            } else {
+                self.trail.note(&odometry.pose);
+            }
+        }
+        let driven = self.drive(inputs, map_from_base, route, step);
+        let (decision, recovery, stale) = match driven {
+            Ok((decision, recovery)) => (decision, recovery, None),
+            Err((validity, stale)) => {
+                let recovery = self.idle_recovery(inputs, step);
+                let rest = self.rest(inputs, validity);
+                let twist = Twist::new(rest.v_mps, rest.w_radps);
+                self.controller.overruled(twist, inputs.period_s);
+                (rest, recovery, stale)
+            }
         };
         self.last = Twist::new(decision.v_mps, decision.w_radps);
         Outputs {
@@ -177,6 +219,8 @@ impl LocalPlanner {
             plan_request: self.ask(inputs, route, step, &decision),
             status_changed: step.changed,
             stale,
+            ageing: ageing(&self.ages(inputs), &self.config.staleness),
+            recovery,
             rollouts: decision.rollouts,
             blocked_arc_m: decision.blocked_arc_m,
             cross_track_m: route.map_or(0.0, |route| route.place.cross_track_m),
@@ -201,17 +245,36 @@ impl LocalPlanner {
         })
     }
 
-    /// The controller's decision, or why there is nothing for it to decide.
+    /// What the robot is about.
+    #[must_use]
+    pub fn behaviour(&self) -> Behaviour {
+        self.recovery
+            .as_ref()
+            .map_or(Behaviour::Follow, Recovery::behaviour)
+    }
+
+    /// Ages of what matters now: a path that never came is no path, not a stale one, and without a
+    /// goal nobody needs one.
+    fn ages(&self, inputs: &Inputs<'_>) -> Ages {
+        let path_ns = inputs.ages.path_ns.filter(|_| self.task.goal().is_some());
+        Ages {
+            path_ns: path_ns.or(Some(0)),
+            ..inputs.ages
+        }
+    }
+
+    /// The decision of the controller or the recovery, or why there is nothing to decide.
     fn drive(
         &mut self,
         inputs: &Inputs<'_>,
         map_from_base: Option<Pose>,
         route: Option<Route<'_>>,
-    ) -> Result<Decision, (Validity, Option<StaleInput>)> {
+        step: TaskStep,
+    ) -> Result<(Decision, Option<Transition>), (Validity, Option<StaleInput>)> {
         if inputs.stopping {
             return Err((Validity::Stopped, None));
         }
-        let Some(goal) = self.task.goal() else {
+        let Some(goal) = self.task.goal().copied() else {
             return Err(match self.task.state() {
                 TaskState::Reached => (Validity::AtGoal, None),
                 TaskState::Cancelled => (Validity::Stopped, None),
@@ -219,18 +282,14 @@ impl LocalPlanner {
             });
         };
         let stale = |input| (Validity::Stale, Some(input));
-        let ages = Ages {
-            // A path that never came is no path, not a stale one.
-            path_ns: inputs.ages.path_ns.or(Some(0)),
-            ..inputs.ages
-        };
-        let speed_factor = speed_factor(&ages, &self.config.staleness).map_err(stale)?;
+        let speed_factor =
+            speed_factor(&self.ages(inputs), &self.config.staleness).map_err(stale)?;
         let odometry = inputs.odometry.ok_or(stale(StaleInput::Odometry))?;
         let (_, map) = inputs.map.ok_or(stale(StaleInput::Map))?;
         let map_from_base = map_from_base.ok_or(stale(StaleInput::Map))?;
         let (robot, corners) = inputs.robot.ok_or((Validity::Stale, None))?;
         let route = route.ok_or((Validity::NoPath, None))?;
-        Ok(self.controller.decide(&Situation {
+        let situation = Situation {
             map_from_base,
             v_mps: odometry.v_mps,
             w_radps: odometry.w_radps,
@@ -243,10 +302,85 @@ impl LocalPlanner {
             obstacles: inputs.obstacles.0,
             obstacles_age_s: inputs.obstacles.1,
             scan_points_in_base: inputs.scan_points_in_base,
-            goal,
+            goal: &goal,
             speed_factor,
             period_s: inputs.period_s,
-        }))
+        };
+        Ok(self.recover(inputs, &situation, odometry, step))
+    }
+
+    /// The controller's decision, or that of the recovery where that has a manoeuvre of its own.
+    fn recover(
+        &mut self,
+        inputs: &Inputs<'_>,
+        situation: &Situation<'_>,
+        odometry: &Odometry,
+        step: TaskStep,
+    ) -> (Decision, Option<Transition>) {
+        let (last, pose) = (self.last, &odometry.pose);
+        let behaviour = self.behaviour();
+        let decision = match behaviour {
+            Behaviour::BackUp => {
+                self.escape.look(situation);
+                self.escape.back_up(situation, &self.trail, pose, last)
+            }
+            Behaviour::Rotate => {
+                self.escape.look(situation);
+                self.escape.rotate(situation, pose, last)
+            }
+            _ => self.controller.decide(situation),
+        };
+        let Some(recovery) = &mut self.recovery else {
+            return (decision, None);
+        };
+        let manoeuvring = matches!(behaviour, Behaviour::BackUp | Behaviour::Rotate);
+        let twist = Twist::new(decision.v_mps, decision.w_radps);
+        if manoeuvring {
+            self.controller.overruled(twist, situation.period_s);
+        } else {
+            self.escape.published(last, twist, situation.period_s);
+        }
+        let blocked = decision.validity == Validity::Blocked;
+        // Only who may begin a manoeuvre, or is in one, needs to know.
+        if !manoeuvring && blocked {
+            self.escape.look(situation);
+        }
+        let asks = manoeuvring || blocked;
+        let here = situation.map_from_base.point();
+        let facts = Facts {
+            now_s: seconds(inputs.run_ns),
+            goal: situation.goal.id,
+            geometry: situation.path_geometry,
+            // A manoeuvre's own check is none of the controller.
+            blocked: blocked && !manoeuvring,
+            turns: decision.validity == Validity::Drive
+                && decision.v_mps.abs() < 0.03
+                && decision.w_radps.abs() > 0.05,
+            stalled_s: step.stalled_s,
+            no_progress: step.no_progress,
+            stuck: step.stuck,
+            something_moves: situation.obstacles.iter().any(|obstacle| {
+                let away_m = (obstacle.x_m - here.x).hypot(obstacle.y_m - here.y);
+                away_m < NEAR_M && obstacle.vx_mps.hypot(obstacle.vy_mps) > MOVING_MPS
+            }),
+            free_behind: asks && self.escape.is_free_behind(situation, &self.trail, pose),
+            room_to_turn: asks && self.escape.has_room_to_turn(),
+            backed_m: self.escape.backed_m(pose),
+            rotated_rad: self.escape.turned_rad(),
+        };
+        let transition = recovery.step(&facts);
+        if transition.is_some() {
+            self.escape.begin(pose);
+        }
+        (decision, transition)
+    }
+
+    /// The recovery while nobody drives: it forgets its goal, or hears that the task has failed.
+    fn idle_recovery(&mut self, inputs: &Inputs<'_>, step: TaskStep) -> Option<Transition> {
+        let goal = self.task.goal().map_or(0, |goal| goal.id);
+        self.recovery
+            .as_mut()?
+            .idle(seconds(inputs.run_ns), goal, step.stuck)
     }
 
     /// A ramp to rest from the last request; zero when nobody knows the robot's brakes.
@@ -281,8 +415,14 @@ impl LocalPlanner {
             blocked: decision.validity == Validity::Blocked,
             cross_track_m: route.place.cross_track_m,
             no_progress: step.no_progress,
+            wanted: self.behaviour() == Behaviour::AskForPath,
         })
     }
+}
+
+#[allow(clippy::cast_precision_loss, reason = "run times far below 2^53 ns")]
+fn seconds(ns: u64) -> f64 {
+    ns as f64 * 1.0e-9
 }
 
 fn twist_of(odometry: &Odometry) -> Twist {

@@ -20,6 +20,8 @@ pub struct RequestInputs {
     pub cross_track_m: f64,
     /// The task's progress checker asks for another path.
     pub no_progress: bool,
+    /// The recovery waits for one.
+    pub wanted: bool,
 }
 
 /// Decides when to ask.
@@ -65,11 +67,11 @@ impl PathRequests {
         let waited = self
             .blocked_since_ns
             .is_some_and(|then| since(then) > self.config.blocked_after_s);
-        let reason = if cut || waited {
+        let reason = if cut || waited || (inputs.wanted && inputs.blocked) {
             RequestReason::Blocked
         } else if inputs.cross_track_m > self.config.off_path_m {
             RequestReason::OffPath
-        } else if inputs.no_progress {
+        } else if inputs.no_progress || inputs.wanted {
             RequestReason::NoProgress
         } else {
             return None;
@@ -109,6 +111,7 @@ mod tests {
             blocked: false,
             cross_track_m: 0.1,
             no_progress: false,
+            wanted: false,
         }
     }
 
@@ -166,6 +169,26 @@ mod tests {
         assert_eq!(requests.step(&blocked(580, 2)), None);
         let found = reason(&mut requests, &blocked(620, 2));
         assert_eq!(found, Some(RequestReason::Blocked));
+    }
+
+    #[test]
+    fn a_recovery_that_waits_for_a_path_gets_its_request_at_once() {
+        let mut requests = PathRequests::new(RequestConfig::default());
+        let blocked = RequestInputs {
+            wanted: true,
+            blocked: true,
+            ..fine(0)
+        };
+        assert_eq!(
+            reason(&mut requests, &blocked),
+            Some(RequestReason::Blocked)
+        );
+        let stalled = RequestInputs {
+            wanted: true,
+            ..fine(600 * MS)
+        };
+        let found = reason(&mut requests, &stalled);
+        assert_eq!(found, Some(RequestReason::NoProgress));
     }
 
     #[test]

@@ -28,6 +28,52 @@ pub enum StaleInput {
     Path,
 }
 
+/// Which inputs are so old that the robot slows down or stops; for its health.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Ageing([bool; 4]);
+
+impl Ageing {
+    /// True when it is this one, too.
+    #[must_use]
+    pub fn includes(self, input: StaleInput) -> bool {
+        INPUTS
+            .iter()
+            .zip(self.0)
+            .any(|(known, old)| old && *known == input)
+    }
+
+    /// True when it is any.
+    #[must_use]
+    pub fn any(self) -> bool {
+        self.0.contains(&true)
+    }
+}
+
+/// In the order in which they are reported.
+const INPUTS: [StaleInput; 4] = [
+    StaleInput::Odometry,
+    StaleInput::Scan,
+    StaleInput::Map,
+    StaleInput::Path,
+];
+
+/// Ages as shares of their limits, in the order of [`INPUTS`]; `None` = never received.
+fn shares(ages: &Ages, config: &StalenessConfig) -> [Option<f64>; 4] {
+    [
+        (ages.odometry_ns, config.odometry_age_s),
+        (ages.scan_ns, config.scan_age_s),
+        (ages.map_ns, config.map_age_s),
+        (ages.path_ns, config.path_age_s),
+    ]
+    .map(|(age_ns, limit_s)| Some(nanoseconds(age_ns?) / (limit_s * 1.0e9)))
+}
+
+/// The inputs that came once and are old enough for the robot to slow down.
+#[must_use]
+pub fn ageing(ages: &Ages, config: &StalenessConfig) -> Ageing {
+    Ageing(shares(ages, config).map(|share| share.is_some_and(|share| share > config.slow_from)))
+}
+
 /// Share of the fastest speed that `ages` allow: 1 while every input is young, falling linearly
 /// to `slow_to` over the last part of an age.
 ///
@@ -35,17 +81,8 @@ pub enum StaleInput {
 /// The first input whose age is beyond its limit: the robot must stop.
 pub fn speed_factor(ages: &Ages, config: &StalenessConfig) -> Result<f64, StaleInput> {
     let mut factor = 1.0_f64;
-    for (input, age_ns, limit_s) in [
-        (
-            StaleInput::Odometry,
-            ages.odometry_ns,
-            config.odometry_age_s,
-        ),
-        (StaleInput::Scan, ages.scan_ns, config.scan_age_s),
-        (StaleInput::Map, ages.map_ns, config.map_age_s),
-        (StaleInput::Path, ages.path_ns, config.path_age_s),
-    ] {
-        let share = nanoseconds(age_ns.ok_or(input)?) / (limit_s * 1.0e9);
+    for (input, share) in INPUTS.into_iter().zip(shares(ages, config)) {
+        let share = share.ok_or(input)?;
         if share > 1.0 {
             return Err(input);
         }
@@ -115,6 +152,50 @@ mod tests {
         check(Ages { map_ns, ..young() }, Err(StaleInput::Map));
         let path_ns = Some(1501 * MS);
         check(Ages { path_ns, ..young() }, Err(StaleInput::Path));
+    }
+
+    #[test]
+    fn each_of_the_four_slows_then_stops_and_is_named_all_along() {
+        let config = StalenessConfig::default();
+        for (input, limit_s) in [
+            (StaleInput::Odometry, config.odometry_age_s),
+            (StaleInput::Scan, config.scan_age_s),
+            (StaleInput::Map, config.map_age_s),
+            (StaleInput::Path, config.path_age_s),
+        ] {
+            let at = |share: f64| {
+                #[allow(
+                    clippy::cast_possible_truncation,
+                    clippy::cast_sign_loss,
+                    reason = "an age"
+                )]
+                let age = Some((share * limit_s * 1.0e9) as u64);
+                let mut ages = young();
+                match input {
+                    StaleInput::Odometry => ages.odometry_ns = age,
+                    StaleInput::Scan => ages.scan_ns = age,
+                    StaleInput::Map => ages.map_ns = age,
+                    StaleInput::Path => ages.path_ns = age,
+                }
+                ages
+            };
+            assert_eq!(ageing(&at(0.69), &config), Ageing::default());
+            check(at(0.69), Ok(1.0));
+            let mut last = 1.0;
+            for percent in [72, 80, 90, 99] {
+                let ages = at(f64::from(percent) / 100.0);
+                let factor = speed_factor(&ages, &config).expect("not stale yet");
+                assert!(factor < last && factor > config.slow_to - 1e-9, "{input:?}");
+                last = factor;
+                let old = ageing(&ages, &config);
+                assert!(old.includes(input) && old.any());
+                for other in INPUTS.into_iter().filter(|other| *other != input) {
+                    assert!(!old.includes(other), "{other:?} beside {input:?}");
+                }
+            }
+            check(at(1.01), Err(input));
+            assert!(ageing(&at(1.01), &config).includes(input));
+        }
     }
 
     #[test]

@@ -136,7 +136,7 @@ impl Surroundings {
     }
 
     /// True when the outline keeps the margin of this period at a pose in the `base` of now.
-    fn keeps_margin(&self, pose: &Pose) -> bool {
+    pub(crate) fn keeps_margin(&self, pose: &Pose) -> bool {
         self.space(self.local(pose), 0.0).is_some() && self.scan_keeps(pose)
     }
 

@@ -3,6 +3,7 @@
 use crate::config::LocalPlannerConfig;
 use crate::controller::Controller;
 use crate::dwa::Dwa;
+use crate::mppi::Mppi;
 use crate::papers::Law;
 use crate::papers::bao_dwa::BaoWeights;
 use crate::papers::drive::Driver;
@@ -28,6 +29,8 @@ pub struct ControllerRow {
     pub title: &'static str,
     /// Where it comes from.
     pub source: &'static str,
+    /// It is one of the papers', which is driven as they say.
+    pub of_a_paper: bool,
     /// Makes one.
     pub build: fn(&LocalPlannerConfig) -> Box<dyn Controller>,
 }
@@ -40,7 +43,7 @@ const PERIODS_PER_M: f64 = 500.0;
 
 /// A potential-field law at the wheels.
 fn law(law: impl Law + 'static, config: &LocalPlannerConfig) -> Box<dyn Controller> {
-    Box::new(Driver::new(Box::new(law), config.dwa, config.literal))
+    Box::new(Driver::new(Box::new(law), config.dwa, config.literal).shaped(config.shaping))
 }
 
 /// Every controller; the first one is the default.
@@ -49,91 +52,117 @@ pub const CONTROLLERS: &[ControllerRow] = &[
         key: "dwa_t",
         title: "Time-indexed dynamic window: predicted obstacles, cost-to-go, speed by clearance",
         source: "dwa, with rollouts in time, a local navigation function and constant-velocity tracks",
-        build: |config| Box::new(Dwa::timed(config.dwa, config.dwa_t)),
+        of_a_paper: false,
+        build: |config| Box::new(Dwa::timed(config.dwa, config.dwa_t).shaped(config.shaping)),
     },
     ControllerRow {
         key: "dwa",
         title: "Dynamic window that follows the path, checked against map and scan",
         source: "Fox, Burgard, Thrun: The Dynamic Window Approach to Collision Avoidance, IEEE RAM 4(1), 1997",
-        build: |config| Box::new(Dwa::new(config.dwa)),
+        of_a_paper: false,
+        build: |config| Box::new(Dwa::new(config.dwa).shaped(config.shaping)),
+    },
+    ControllerRow {
+        key: "mppi",
+        title: "Model predictive path integral control around the choice of dwa_t",
+        source: "Williams et al.: Information-Theoretic Model Predictive Control, IEEE T-RO 34(6), 2018",
+        of_a_paper: false,
+        build: |config| {
+            Box::new(Mppi::new(config.dwa, config.dwa_t, config.mppi).shaped(config.shaping))
+        },
     },
     ControllerRow {
         key: "ju_apf",
         title: "Artificial potential field towards the goal",
         source: "JU-APF",
+        of_a_paper: true,
         build: |config| law(JuApf::new(Gains::JU), config),
     },
     ControllerRow {
         key: "ju_r6",
         title: "The path's inflection points as sub-goals of a potential field",
         source: "JU-R6",
+        of_a_paper: true,
         build: |config| law(JuR6::new(Gains::JU), config),
     },
     ControllerRow {
         key: "ju_r7",
         title: "Potential field towards a carrot on the path",
         source: "JU-R7",
+        of_a_paper: true,
         build: |config| law(JuR7::new(Gains::JU), config),
     },
     ControllerRow {
         key: "ju_fusion",
         title: "The path's points around the robot attract besides the goal",
         source: "JU-FUSION",
+        of_a_paper: true,
         build: |config| law(JuFusion::new(Gains::JU, false), config),
     },
     ControllerRow {
         key: "zm_rep",
         title: "Repulsion that fades at the goal",
         source: "ZM-REP",
+        of_a_paper: true,
         build: |config| law(ZmRep::new(Gains::JU), config),
     },
     ControllerRow {
         key: "zm_esc",
         title: "Potential field that escapes from local minima",
         source: "ZM-ESC",
+        of_a_paper: true,
         build: |config| law(ZmEsc::new(Gains::JU, ESCAPE_STEP_M), config),
     },
     ControllerRow {
         key: "zm_rv",
         title: "Sideways repulsion from what approaches",
         source: "ZM-RV",
+        of_a_paper: true,
         build: |config| law(ZmRv::new(Gains::JU, 1.0), config),
     },
     ControllerRow {
         key: "lwx_apf",
         title: "Artificial potential field with a small reach",
         source: "LWX-APF",
+        of_a_paper: true,
         build: |config| law(JuApf::new(Gains::LWX_M), config),
     },
     ControllerRow {
         key: "lwx_oapf",
         title: "The path's turning points as interim goals",
         source: "LWX-OAPF",
+        of_a_paper: true,
         build: |config| law(LwxOapf::new(Gains::LWX_M, PERIODS_PER_M, false), config),
     },
     ControllerRow {
         key: "lwx_iter",
         title: "The same with a strict budget of steps for every interim goal",
         source: "LWX-ITER",
+        of_a_paper: true,
         build: |config| law(LwxOapf::new(Gains::LWX_M, PERIODS_PER_M, true), config),
     },
     ControllerRow {
         key: "lwx_lsq",
         title: "The path fitted by least squares, followed by a carrot",
         source: "LWX-LSQ",
+        of_a_paper: true,
         build: |config| law(LwxLsq::new(Gains::LWX_M), config),
     },
     ControllerRow {
         key: "lwx_fusion",
         title: "Potential field over turning points, fitted by least squares",
         source: "LWX-FUSION",
+        of_a_paper: true,
         build: |config| law(LwxFusion::new(Gains::LWX_M, Walk::LWX_M), config),
     },
     ControllerRow {
         key: "bao_dwa",
         title: "Dynamic window with normalised heading, distance and speed",
         source: "BAO-DWA",
-        build: |config| Box::new(Driver::window(BaoWeights::default(), config.dwa)),
+        of_a_paper: true,
+        build: |config| {
+            Box::new(Driver::window(BaoWeights::default(), config.dwa).shaped(config.shaping))
+        },
     },
 ];
 

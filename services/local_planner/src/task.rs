@@ -27,15 +27,21 @@ pub struct TaskInputs {
     /// [m] along the path to its end and the id of its geometry, when it leads to the goal at
     /// hand.
     pub remaining: Option<(f64, u64)>,
+    /// Nothing more can be tried.
+    pub given_up: bool,
 }
 
 /// What a period did to the task.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct TaskStep {
     /// State, goal at hand or ends differ from those before: the status is worth sending.
     pub changed: bool,
     /// The robot has not come closer for long: another path may help.
     pub no_progress: bool,
+    /// It has not for so long that the task has failed, or nothing more can be tried.
+    pub stuck: bool,
+    /// [s] since it came closer to the goal at hand.
+    pub stalled_s: f64,
 }
 
 #[derive(Debug, Clone, Default)]
@@ -153,7 +159,7 @@ impl TaskMachine {
     pub fn step(&mut self, inputs: &TaskInputs) -> TaskStep {
         let mut step = TaskStep {
             changed: self.begin(inputs),
-            no_progress: false,
+            ..TaskStep::default()
         };
         self.remaining_m = 0.0;
         let (Some(goal), Some((pose, twist))) = (self.goal().copied(), inputs.robot) else {
@@ -180,7 +186,9 @@ impl TaskMachine {
             self.remaining_m,
             self.config.progress_m,
         );
-        if stalled_s > self.config.stuck_s {
+        step.stalled_s = stalled_s;
+        if stalled_s > self.config.stuck_s || inputs.given_up {
+            step.stuck = true;
             self.end(inputs.tick, TaskState::Failed, EndReason::Stuck);
             step.changed = true;
         } else {

@@ -60,6 +60,7 @@ impl Bench {
             robot: Some((self.pose, self.twist)),
             path: self.path,
             remaining: self.remaining,
+            given_up: false,
         };
         self.machine.step(&inputs)
     }
@@ -232,7 +233,28 @@ fn without_a_pose_nothing_is_judged() {
             robot: None,
             path: Some((PathStatus::Unreachable, 1)),
             remaining: None,
+            given_up: false,
         });
     }
     assert_eq!(machine.state(), TaskState::Active);
+}
+
+#[test]
+fn a_task_that_was_given_up_fails_as_stuck() {
+    let mut machine = TaskMachine::new(TaskConfig::default());
+    machine.accept(7, &task(TaskKind::Go, 1, 0), &[goal(1, 5.0)]);
+    let inputs = |tick: u64, given_up| TaskInputs {
+        tick,
+        run_ns: tick * PERIOD_NS,
+        robot: Some((Pose::default(), Twist::REST)),
+        path: Some((PathStatus::Found, 1)),
+        remaining: Some((5.0, 1)),
+        given_up,
+    };
+    machine.step(&inputs(1, false));
+    machine.step(&inputs(2, false));
+    assert_eq!(machine.state(), TaskState::Active);
+    let step = machine.step(&inputs(3, true));
+    assert!(step.changed && step.stuck);
+    assert_eq!(machine.status().0.reason(), Some(EndReason::Stuck));
 }

@@ -63,6 +63,11 @@ impl Timed {
         }
     }
 
+    /// The cost-to-go.
+    pub(super) const fn funnel(&self) -> &Funnel {
+        &self.funnel
+    }
+
     /// [m] how fast uncertainty grows.
     const fn growth(&self) -> Growth {
         Growth {

@@ -7,12 +7,13 @@
 
 use super::bao_dwa::{self, BaoWeights};
 use super::scene::{Body, Extent, Law, Push, Scene};
-use crate::config::DwaConfig;
+use crate::config::{DwaConfig, ShapingConfig};
 use crate::controller::{Controller, Decision, Situation};
 use crate::local_path::LocalPath;
-use crate::motion::{Twist, reachable, stop_distance_m, towards_rest};
+use crate::motion::{Twist, stop_distance_m, towards_rest};
 use crate::moving::{Growth, Moving};
 use crate::progress::PathTracker;
+use crate::shaping::Shaper;
 use crate::surroundings::{LocalPose, Reach, Surroundings, narrow};
 use crate::turn;
 use nalgebra::{Point2, Vector2};
@@ -67,6 +68,7 @@ pub struct Driver {
     bodies: Vec<Body>,
     last: Twist,
     blocked_s: f64,
+    shaper: Shaper,
 }
 
 impl Driver {
@@ -94,6 +96,16 @@ impl Driver {
             bodies: Vec::new(),
             last: Twist::REST,
             blocked_s: 0.0,
+            shaper: Shaper::new(ShapingConfig::OFF),
+        }
+    }
+
+    /// The same with commands whose accelerations change no faster than this.
+    #[must_use]
+    pub fn shaped(self, config: ShapingConfig) -> Self {
+        Self {
+            shaper: Shaper::new(config),
+            ..self
         }
     }
 
@@ -295,7 +307,7 @@ impl Driver {
             .into_iter()
             .find_map(|share| {
                 let slower = Twist::new(wanted.v_mps * share, wanted.w_radps);
-                let next = reachable(robot, from, slower, period_s);
+                let next = self.shaper.next(robot, from, slower, period_s);
                 let reaction_s = self.config.reaction_s;
                 let arc_m = self
                     .surroundings
@@ -309,17 +321,8 @@ impl Driver {
 impl Controller for Driver {
     fn decide(&mut self, situation: &Situation<'_>) -> Decision {
         let robot = situation.robot;
-        let lead_s = self.config.command_lead_s;
-        let up = robot.a_mps2_max.max(robot.brake_mps2) * lead_s;
-        let about = robot.alpha_radps2_max * lead_s;
-        let v = situation.v_mps.clamp(robot.v_mps_min, robot.v_mps_max);
-        let w = situation
-            .w_radps
-            .clamp(-robot.w_radps_max, robot.w_radps_max);
-        let from = Twist::new(
-            self.last.v_mps.clamp(v - up, v + up),
-            self.last.w_radps.clamp(w - about, w + about),
-        );
+        let measured = Twist::new(situation.v_mps, situation.w_radps);
+        let from = self.last.near(robot, measured, self.config.command_lead_s);
         let position = situation.map_from_base.point();
         let place = self
             .tracker
@@ -364,6 +367,7 @@ impl Controller for Driver {
             0.0
         };
         self.last = twist;
+        self.shaper.published(from, twist, situation.period_s);
         Decision {
             v_mps: twist.v_mps,
             w_radps: twist.w_radps,
@@ -376,5 +380,10 @@ impl Controller for Driver {
             rollouts: 1,
             blocked_arc_m,
         }
+    }
+
+    fn overruled(&mut self, published: Twist, period_s: f64) {
+        self.shaper.published(self.last, published, period_s);
+        self.last = published;
     }
 }

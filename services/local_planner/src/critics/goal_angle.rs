@@ -1,0 +1,18 @@
+//! Heading against the goal's yaw at the end, on the last half metre, where a yaw is asked for.
+
+use super::Scene;
+use crate::mppi::batch::{Batch, Lanes};
+
+/// [m] of path that are left when it begins to count.
+const FROM_M: f32 = 0.5;
+
+pub(super) fn score(scene: &Scene<'_>, batch: &Batch, weight: f32, costs: &mut Lanes) {
+    let Some((cos, sin)) = scene.goal_heading.filter(|_| scene.remaining_m < FROM_M) else {
+        return;
+    };
+    let last = batch.steps - 1;
+    for (lane, cost) in costs.iter_mut().enumerate() {
+        let aligned = batch.cos[last][lane] * cos + batch.sin[last][lane] * sin;
+        *cost += weight * (1.0 - aligned);
+    }
+}

@@ -1,0 +1,55 @@
+//! Contact with a tracked obstacle where it will be by then, with the radius that its uncertainty has
+//! grown to. Never less than a third, so that the robot gives way as soon as it sees it coming.
+
+use super::Scene;
+use crate::lanes::strike;
+use crate::mppi::batch::{Batch, LANES, Lanes};
+use crate::surroundings::narrow;
+
+/// [m] kept from predicted obstacles.
+const MARGIN_M: f32 = 0.15;
+
+/// [m] by which an overlap with a predicted disc is left at least.
+const OVERLAP_M: f32 = 0.01;
+
+#[allow(clippy::cast_precision_loss, reason = "at most 64 steps")]
+pub(super) fn score(scene: &Scene<'_>, batch: &Batch, weight: f32, costs: &mut Lanes) {
+    if scene.moving.now().is_empty() {
+        return;
+    }
+    let robot_m = scene.radius_m + MARGIN_M;
+    let step_s = narrow(scene.config.step_s);
+    let fastest_mps = narrow(scene.robot.v_mps_max.max(-scene.robot.v_mps_min));
+    let mut struck = [f32::INFINITY; LANES];
+    for &step in &batch.looks {
+        let discs = scene.moving.at_step(step).iter().zip(scene.moving.now());
+        let reach_m = fastest_mps * step_s * (step as f32 + 1.0);
+        for (disc, now) in discs {
+            // Who overlaps the grown disc already must be able to leave it.
+            let overlap = robot_m + now[2] - now[0].hypot(now[1]);
+            let left = if overlap > 0.0 {
+                overlap + OVERLAP_M
+            } else {
+                0.0
+            };
+            let radius = robot_m + disc[2] - left;
+            let away = disc[0] * disc[0] + disc[1] * disc[1];
+            if radius > 0.0 && away <= (reach_m + radius) * (reach_m + radius) {
+                let disc = [disc[0], disc[1], radius];
+                strike(
+                    &batch.x[step],
+                    &batch.y[step],
+                    disc,
+                    step as f32,
+                    &mut struck,
+                );
+            }
+        }
+    }
+    let steps = batch.steps as f32;
+    for (cost, struck) in costs.iter_mut().zip(&struck) {
+        if struck.is_finite() {
+            *cost += weight * (1.0 / 3.0 + 2.0 / 3.0 * (1.0 - struck / steps));
+        }
+    }
+}

@@ -1,0 +1,16 @@
+//! Contact with the map or the scan: the sooner, the worse. What comes after the robot could have
+//! stopped is a bad plan, not a danger, and still costs a quarter.
+
+use super::Scene;
+use crate::mppi::batch::{Batch, Lanes};
+
+#[allow(clippy::cast_precision_loss, reason = "at most 64 steps")]
+pub(super) fn score(_: &Scene<'_>, batch: &Batch, weight: f32, costs: &mut Lanes) {
+    let steps = batch.steps as f32;
+    for (cost, hit) in costs.iter_mut().zip(&batch.hit) {
+        if hit.is_finite() {
+            let early = 1.0 - hit / steps;
+            *cost += weight * (0.25 + 0.75 * early * early);
+        }
+    }
+}

@@ -1,0 +1,21 @@
+//! Heading against the path: one less the cosine of the angle, on average.
+
+use super::Scene;
+use crate::mppi::batch::{Batch, Lanes};
+
+#[allow(clippy::cast_precision_loss, reason = "a handful of stations")]
+pub(super) fn score(_: &Scene<'_>, batch: &Batch, weight: f32, costs: &mut Lanes) {
+    for (lane, cost) in costs.iter_mut().enumerate() {
+        let free = batch.free[lane];
+        let mut sum = 0.0;
+        for (index, station) in batch.projections[..free].iter().enumerate() {
+            let step = batch.station(index);
+            let (x, y) = station[lane].direction;
+            // A path that is a single point has no direction.
+            if (x, y) != (0.0, 0.0) {
+                sum += 1.0 - (batch.cos[step][lane] * x + batch.sin[step][lane] * y);
+            }
+        }
+        *cost += weight * sum / free as f32;
+    }
+}

@@ -1,0 +1,32 @@
+//! What is left of the way: along the path from the last place before a contact, or by the free way
+//! where that is longer (a dead end beside the path is no progress). Half of it counts half way, so
+//! that being there early is better where all arrive.
+
+use super::Scene;
+use crate::mppi::batch::{Batch, Lanes, least};
+use crate::surroundings::narrow;
+use nalgebra::Point2;
+
+/// [m] by which the free way may be longer than the way along the path before it counts.
+const DEAD_END_M: f32 = 0.3;
+
+pub(super) fn score(scene: &Scene<'_>, batch: &Batch, weight: f32, costs: &mut Lanes) {
+    let ahead = narrow(scene.path.ahead_m);
+    for (lane, cost) in costs.iter_mut().enumerate() {
+        let last = batch.free[lane] - 1;
+        let mut progress = batch.projections[last][lane].along;
+        if let Some((funnel, Some(now))) = scene.funnel {
+            let step = batch.station(last);
+            let at = Point2::new(
+                scene.here.x + f64::from(batch.x[step][lane]),
+                scene.here.y + f64::from(batch.y[step][lane]),
+            );
+            let nearer = funnel.at(at).map_or(progress, |then| now - then);
+            if nearer < progress - DEAD_END_M {
+                progress = nearer;
+            }
+        }
+        let half = batch.projections[last / 2][lane].along;
+        *cost += weight * (ahead - 0.5 * (progress + least(progress, half)));
+    }
+}

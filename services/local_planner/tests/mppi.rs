@@ -1,0 +1,221 @@
+//! Model predictive path integral control: what every controller that follows a path has to do,
+//! moving obstacles, the laws of what it publishes, and that a cycle costs no allocation.
+
+#![allow(clippy::print_stdout, reason = "seeds and results of a failed run")]
+
+mod support;
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell as Counter;
+use support::{Loop, PERIOD_S, block, disc, jackal, path};
+use zeronav_local_planner::config::{DwaConfig, DwaTConfig, MppiConfig};
+use zeronav_local_planner::controller::{Controller, Situation};
+use zeronav_local_planner::motion::Twist;
+use zeronav_local_planner::mppi::Mppi;
+use zeronav_msgs::Pose;
+use zeronav_msgs::obstacles::Obstacle;
+
+thread_local! {
+    static ALLOCATIONS: Counter<u64> = const { Counter::new(0) };
+}
+
+/// Counts what a thread asks for.
+struct Counting;
+
+#[allow(unsafe_code, reason = "a counting allocator")]
+// SAFETY: everything is passed on to the system's allocator.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        let _ = ALLOCATIONS.try_with(|count| count.set(count.get() + 1));
+        // SAFETY: the caller's promise is passed on.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        // SAFETY: the caller's promise is passed on.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+/// With fewer samples than on the robot, so that minutes of driving take seconds.
+fn mppi(samples: u32) -> Mppi {
+    let config = MppiConfig {
+        samples,
+        ..MppiConfig::default()
+    };
+    Mppi::new(DwaConfig::default(), DwaTConfig::default(), config)
+}
+
+mod manoeuvres {
+    use super::mppi;
+    use super::support::{Block, Loop, Robot, block, disc, goal_at, jackal, path};
+    use core::f64::consts::{FRAC_PI_2, PI};
+    use zeronav_local_planner::mppi::Mppi as Dwa;
+    use zeronav_msgs::Pose;
+    use zeronav_msgs::command::Validity;
+    use zeronav_msgs::pose::wrap_angle;
+
+    /// Changes of direction allowed per metre at a corner.
+    const WEAVING_PER_M_MAX: f64 = 0.6;
+    /// The same on a path in steps.
+    const STEPS_WEAVING_PER_M_MAX: f64 = 1.0;
+
+    fn dwa() -> Dwa {
+        mppi(200)
+    }
+
+    include!("support/manoeuvres.rs");
+}
+
+/// A cart of 0.4 m that meets a robot in a hall: least distance while the robot moved faster than
+/// 0.05 m/s, and seconds to the goal.
+fn meet(from: (f64, f64), velocity: (f64, f64)) -> (f64, Option<f64>) {
+    let hall = [block(0.0, 0.0, 14.0, 0.2), block(0.0, 7.8, 14.0, 8.0)];
+    let robot = disc(0.25, 0.8, 1.0, 1.8, 3.0);
+    let corners = path(&[(1.0, 4.0), (12.0, 4.0)]);
+    let mut run = Loop::new(robot, &hall, (14.0, 8.0), Pose::new(1.0, 4.0, 0.0), corners);
+    let mut controller = mppi(200);
+    let radius_m = 0.4;
+    let mut least_m = f64::INFINITY;
+    for _ in 0..1500 {
+        let x = from.0 + velocity.0 * run.time_s;
+        let y = from.1 + velocity.1 * run.time_s;
+        run.obstacles = vec![Obstacle {
+            track: 1,
+            x_m: x,
+            y_m: y,
+            vx_mps: velocity.0,
+            vy_mps: velocity.1,
+            radius_m,
+            covariance: [1e-3, 0.0, 0.0, 0.0, 1e-3, 0.0, 0.0, 0.02, 0.0, 0.02],
+            ..Obstacle::default()
+        }];
+        run.blocks.truncate(2);
+        let half_m = 0.7 * radius_m;
+        run.blocks
+            .push(block(x - half_m, y - half_m, x + half_m, y + half_m));
+        run.step(&mut controller);
+        if run.twist.v_mps.abs() > 0.05 {
+            let distance_m = (run.pose.x_m - x).hypot(run.pose.y_m - y) - radius_m - 0.25;
+            least_m = least_m.min(distance_m);
+        }
+        if run.pose.distance_m(&run.goal.pose) < run.goal.tolerance_m && run.twist.is_standing() {
+            return (least_m, Some(run.time_s));
+        }
+    }
+    (least_m, None)
+}
+
+#[test]
+fn a_crossing_cart_is_given_way() {
+    for speed in [0.5, 1.0, 1.5] {
+        for meets_at in [4.0, 6.0] {
+            for side in [-1.0, 1.0] {
+                let arrives_s = (meets_at - 1.0) / 0.8 + 0.4;
+                let from = (meets_at, 4.0 + side * speed * arrives_s);
+                let (least_m, time_s) = meet(from, (0.0, -side * speed));
+                println!("{speed} m/s at {meets_at} m from {side}: {least_m:.3} m, {time_s:?}");
+                assert!(least_m > 0.0, "the robot drove into it");
+                assert!(time_s.is_some(), "did not arrive");
+            }
+        }
+    }
+}
+
+#[test]
+fn commands_obey_the_limits_and_leave_room_to_brake() {
+    let blocks = [
+        block(0.0, 0.0, 8.0, 0.4),
+        block(0.0, 3.0, 8.0, 3.4),
+        block(3.0, 0.4, 3.2, 1.35),
+        block(3.0, 2.0, 3.2, 3.0),
+    ];
+    for delay in [0, 2] {
+        let corners = path(&[(1.0, 2.2), (2.5, 1.675), (4.0, 1.675), (7.0, 1.7)]);
+        let pose = Pose::new(1.0, 2.2, 1.0);
+        let mut run = Loop::new(jackal(), &blocks, (8.0, 3.4), pose, corners);
+        run.delay = delay;
+        // Neither the map nor the path know it.
+        run.blocks.push(block(5.5, 1.2, 5.7, 2.0));
+        let mut controller = mppi(400);
+        let mut before = Twist::REST;
+        for _ in 0..500 {
+            let pose = run.pose;
+            let decision = run.step(&mut controller);
+            run.check_command(before, &pose, &decision);
+            before = Twist::new(decision.v_mps, decision.w_radps);
+            assert!(run.least_m > 0.0, "contact at {:?}", run.pose);
+        }
+        println!(
+            "delay {delay}: {:.2} m driven, nearest {:.3}",
+            run.driven_m, run.least_m
+        );
+        assert!(run.driven_m > 4.0, "hardly moved: {}", run.driven_m);
+    }
+}
+
+#[test]
+fn the_same_situations_give_the_same_decisions() {
+    let decisions = || {
+        let hall = [block(0.0, 0.0, 8.0, 0.4), block(0.0, 2.0, 8.0, 2.4)];
+        let corners = path(&[(1.0, 1.2), (7.0, 1.2)]);
+        let pose = Pose::new(1.0, 1.2, 0.4);
+        let mut run = Loop::new(jackal(), &hall, (8.0, 2.4), pose, corners);
+        let mut controller = mppi(400);
+        for _ in 0..100 {
+            run.step(&mut controller);
+        }
+        run.history
+    };
+    assert_eq!(decisions(), decisions());
+}
+
+#[test]
+fn a_cycle_allocates_nothing() {
+    let hall = [block(0.0, 0.0, 14.0, 0.4), block(0.0, 3.0, 14.0, 3.4)];
+    let corners = path(&[(1.0, 1.7), (12.0, 1.7)]);
+    for robot in [disc(0.25, 0.8, 1.0, 1.8, 3.0), jackal()] {
+        let pose = Pose::new(1.0, 1.7, 0.0);
+        let mut run = Loop::new(robot, &hall, (14.0, 3.4), pose, corners.clone());
+        let mut controller = mppi(2000);
+        for _ in 0..30 {
+            run.step(&mut controller);
+        }
+        let obstacles = [Obstacle {
+            track: 1,
+            x_m: 6.0,
+            y_m: 1.5,
+            vx_mps: 0.5,
+            radius_m: 0.3,
+            ..Obstacle::default()
+        }];
+        let scan = run.scan();
+        let mut situation = Situation {
+            map_from_base: run.pose,
+            v_mps: run.twist.v_mps,
+            w_radps: run.twist.w_radps,
+            robot: &run.robot.description,
+            corners: &run.robot.corners,
+            path: &run.path,
+            path_geometry: run.geometry,
+            map: Some(run.map.view()),
+            map_cells: 2,
+            obstacles: &obstacles,
+            obstacles_age_s: 0.1,
+            scan_points_in_base: &scan,
+            goal: &run.goal,
+            speed_factor: 1.0,
+            period_s: PERIOD_S,
+        };
+        controller.decide(&situation);
+        let before = ALLOCATIONS.with(Counter::get);
+        for cycle in 0..10 {
+            situation.map_cells = 2 + cycle / 5;
+            assert!(controller.decide(&situation).rollouts >= 2000);
+        }
+        assert_eq!(ALLOCATIONS.with(Counter::get), before);
+    }
+}
