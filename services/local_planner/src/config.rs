@@ -119,6 +119,9 @@ pub struct DwaWeights {
 pub struct DwaTConfig {
     /// [s] length of a rollout; a robot that needs longer to stop gets longer ones.
     pub horizon_s: f64,
+    /// [s] of a rollout that are compared with the path and what stands where there is no room
+    /// around the robot; 1.5 s in the open. Later only what moves counts.
+    pub scored_s: f64,
     /// Poses of a rollout, 5 to 64.
     pub steps: u32,
     /// Speeds in the window, 2 to 64.
@@ -145,6 +148,7 @@ impl Default for DwaTConfig {
     fn default() -> Self {
         Self {
             horizon_s: 2.4,
+            scored_s: 0.8,
             steps: 30,
             speeds: 20,
             yaw_rates: 40,
@@ -511,6 +515,7 @@ impl LocalPlannerConfig {
             ("dwa.weights.speed", weights.speed, 0.0, 1.0e3),
             ("dwa.weights.turn_change", weights.turn_change, 0.0, 1.0e3),
             ("dwa_t.horizon_s", timed.horizon_s, 0.2, 10.0),
+            ("dwa_t.scored_s", timed.scored_s, 0.1, timed.horizon_s),
             ("dwa_t.steps", f64::from(timed.steps), 5.0, 64.0),
             ("dwa_t.speeds", f64::from(timed.speeds), 2.0, 64.0),
             ("dwa_t.yaw_rates", f64::from(timed.yaw_rates), 3.0, 64.0),

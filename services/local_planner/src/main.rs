@@ -119,7 +119,7 @@ impl Readings {
         });
         let base_from_laser = &description.meta.base_from_laser;
         self.points
-            .take(scan.meta, scan.items, base_from_laser, twist);
+            .take(scan.meta, scan.items, base_from_laser, &pose, twist);
         self.scan_pose = Some(pose);
         self.scan_fresh = false;
     }

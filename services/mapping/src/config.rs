@@ -28,6 +28,9 @@ pub struct MappingConfig {
     /// [m] beyond which clearance is not told apart; at most 90 cells, at least the inflation
     /// radius.
     pub clearance_limit_m: f64,
+    /// [m] by which cells must be clearer than the inscribed radius to be of use: what the local
+    /// planner keeps around the outline. Without it paths lead into gaps that no controller enters.
+    pub padding_m: f64,
     /// [m] from an obstacle up to which cells have a cost.
     pub inflation_radius_m: f64,
     /// [1/m] how fast cost falls beyond the inscribed radius: `252 exp(-factor (clearance -
@@ -102,6 +105,7 @@ impl Default for MappingConfig {
             area_m: None,
             resolution_m: 0.05,
             clearance_limit_m: 1.0,
+            padding_m: 0.02,
             inflation_radius_m: 0.6,
             cost_scaling_factor: 4.0,
             log_odds: LogOdds::default(),
@@ -163,6 +167,12 @@ impl MappingConfig {
             "clearance_limit_m",
             limit_m,
             "must be 1 to 90 cells and at most 65.535 m",
+        )?;
+        ensure(
+            (0.0..=1.0).contains(&self.padding_m),
+            "padding_m",
+            self.padding_m,
+            "must be 0 to 1 m",
         )?;
         ensure(
             self.inflation_radius_m >= 0.0 && self.inflation_radius_m <= limit_m,

@@ -99,10 +99,11 @@ impl Dwa {
         for error_rad in [error_rad, other_rad] {
             let wanted = Twist::new(0.0, turn::rate_radps(robot, error_rad));
             let next = reachable(robot, from, wanted, situation.period_s);
+            // Slowing down is free wherever the robot could get to.
             let slowing = next.w_radps.abs() < from.w_radps.abs();
             let free = self.surroundings.turn_is_free(error_rad)
-                && self.stop_arc_m(situation, next).is_some();
-            if slowing || free {
+                && (slowing || self.stop_arc_m(situation, next).is_some());
+            if free {
                 return Wish::Towards(wanted);
             }
         }

@@ -111,10 +111,24 @@ impl Dwa {
             place: *place,
             position: situation.map_from_base.point(),
             reach_m,
-            inscribed_m: self.surroundings.footprint.inscribed_m,
+            // Narrower than that no stop is free, however the robot stands.
+            inscribed_m: self.surroundings.footprint.inscribed_m + self.config.safety_margin_m,
             soft_m: self.config.soft_clearance_m,
         };
         timed.funnel.update(&self.tracker, &inputs);
+    }
+
+    /// [s] that rollouts are compared with the path and what stands: in the open as long as the
+    /// weights are meant for, where there is no room around the robot `tight_s`. There ways bend
+    /// within a metre, and a robot that wants one arc to fit them for longer goes at a crawl.
+    fn scored_s(&self, tight_s: f64) -> f64 {
+        let soft_m = self.config.soft_clearance_m;
+        let surroundings = &self.surroundings;
+        let space_m = f64::from(surroundings.field.nearest_m(0.0, 0.0))
+            - surroundings.footprint.circumscribed_m;
+        let open = ((space_m - soft_m) / soft_m).clamp(0.0, 1.0);
+        let open_s = PATH_HORIZON_S.max(tight_s);
+        tight_s + open * (open_s - tight_s)
     }
 
     /// The best twist of the time-indexed window; the best of the other speeds go into the
@@ -135,8 +149,9 @@ impl Dwa {
         fan.foresee(&self.moving, self.surroundings.footprint.circumscribed_m);
         let here = situation.map_from_base.point();
         let now = timed.funnel.at(here);
-        // Scored as far as the weights are meant for; beyond, only what moves counts.
-        let judged = steps_of(PATH_HORIZON_S, window.step_s).clamp(1, steps) - 1;
+        // Beyond, only what moves counts.
+        let scored_s = self.scored_s(config.scored_s);
+        let judged = steps_of(scored_s, window.step_s).clamp(1, steps) - 1;
         timed.reserve.clear();
         for speed in 0..fan.speeds.len() {
             let v_mps = fan.speeds[speed];
