@@ -138,7 +138,7 @@ fn planned_bytes(scenario: &Scenario, world: &World) -> u64 {
         .iter()
         .map(|row| {
             let len = match row.name {
-                "map/keyframe" => columns as usize * rows as usize,
+                "map/keyframe" => keyframe_tiles(scenario, columns as usize * rows as usize),
                 "robot/scan" => scenario.robot.lidar.n_beams as usize,
                 _ => row.len_max,
             };
@@ -150,6 +150,20 @@ fn planned_bytes(scenario: &Scenario, world: &World) -> u64 {
             (row.segment_bytes(len) * writers) as u64
         })
         .sum()
+}
+
+/// Most tiles that the keyframe of a world of `tiles` will ever have: a map that grows takes the
+/// memory of its largest at once.
+fn keyframe_tiles(scenario: &Scenario, tiles: usize) -> usize {
+    /// What mapping grows to that is told nothing else.
+    const TILES_MAX: usize = 1024;
+    let window = scenario.services.mapping.config.get("window");
+    let word = |name| window.and_then(|window| window.get(name));
+    if word("mode").and_then(toml::Value::as_str) != Some("growing") {
+        return tiles;
+    }
+    let most = word("tiles_max").and_then(toml::Value::as_integer);
+    tiles.max(most.map_or(TILES_MAX, |most| usize::try_from(most).unwrap_or(0)))
 }
 
 /// Makes the run's own folder.
