@@ -4,6 +4,7 @@
 //! `cargo bench -p zeronav-global-planner --no-default-features`
 
 #![allow(missing_docs, reason = "the macros of criterion make public functions")]
+#![allow(clippy::print_stdout, reason = "expansions beside the times")]
 
 #[path = "../tests/support/mod.rs"]
 mod support;
@@ -161,5 +162,38 @@ fn astar(c: &mut Criterion) {
     );
 }
 
-criterion_group!(benches, astar, change);
+/// A load fills the aisle before the robot, and the way round is the other aisle.
+fn blocked_aisle(c: &mut Criterion) {
+    let (free, from, to) = Map::warehouse();
+    let mut blocked = free.clone();
+    let rect = blocked.drop_load();
+    let mut group = c.benchmark_group("load in the aisle, 600x400");
+    for key in EXACT {
+        let mut planner = (row_of(key).expect("a row").build)(&PlannerOptions::default());
+        planner.map_changed(&free.view(), &[whole(&free)]);
+        let mut path = CellPath::default();
+        let mut expanded = 0;
+        group.bench_function(*key, |b| {
+            b.iter_custom(|n| {
+                let mut sum = core::time::Duration::ZERO;
+                for _ in 0..n {
+                    planner.map_changed(&free.view(), &[rect]);
+                    let _ = planner.plan(&query(&free, from, to), &mut |_| Control::Go, &mut path);
+                    while planner.prepare(10_000) {}
+                    let query = query(&blocked, from, to);
+                    let started = std::time::Instant::now();
+                    planner.map_changed(&query.map, &[rect]);
+                    let _ = planner.plan(black_box(&query), &mut |_| Control::Go, &mut path);
+                    sum += started.elapsed();
+                    expanded = path.stats.expanded;
+                }
+                sum
+            });
+        });
+        println!("{key}: {expanded} expanded");
+    }
+    group.finish();
+}
+
+criterion_group!(benches, astar, change, blocked_aisle);
 criterion_main!(benches);

@@ -19,28 +19,27 @@
 //! a search from scratch would not, ties left aside, whatever happened to the map.
 
 mod eased_box;
+mod prices;
 mod run;
+mod upkeep;
 
 use eased_box::EasedBox;
+use prices::{Prices, price_of};
 use run::Run;
 
 use crate::bucket_queue::BucketQueue;
 use crate::moves::{DIAGONAL, STEPS, STRAIGHT, price};
 use crate::planner::{Control, CornerRule, Expansions, PlanStats, Unknown};
-use crate::search::{COST_SO_FAR_MAX, Found};
+use crate::search::Found;
 use core::cmp::Reverse;
 use std::collections::BinaryHeap;
-use zeronav_msgs::map::COST_UNKNOWN;
-use zeronav_msgs::{Cell, CellRect, GridGeometry, MapCell, MapView};
+use zeronav_msgs::{Cell, CellRect, GridGeometry, MapView};
 
 /// Expansions between two looks at the budget.
 const BUDGET_EVERY: u64 = 2048;
 
 /// In place of what is left: no way leads to the goal.
 const NO_WAY: u32 = u32::MAX;
-
-/// In place of a price: the cell may not be entered.
-const BLOCKED: u32 = u8::MAX as u32;
 
 /// A padded position: `(y + 1) * (width + 2) + x + 1`.
 type Spot = u32;
@@ -52,8 +51,7 @@ struct Node {
     left: u32,
     /// Cost of the best way from the start found so far.
     so_far: u32,
-    /// `generation << 13 | price << 5 | step that led here << 1 | closed`; only the price
-    /// outlives a search.
+    /// `generation << 5 | step that led here << 1 | closed`.
     meta: u32,
 }
 
@@ -61,17 +59,8 @@ const CLOSED: u32 = 1;
 const STEP_SHIFT: u32 = 1;
 const STEP_MASK: u32 = 0b1_1110;
 const NO_STEP: u32 = 8;
-const PRICE_SHIFT: u32 = 5;
-const PRICE_MASK: u32 = 0xff << PRICE_SHIFT;
-const GENERATION_SHIFT: u32 = 13;
+const GENERATION_SHIFT: u32 = 5;
 const GENERATION_MAX: u32 = (1 << (32 - GENERATION_SHIFT)) - 1;
-
-impl Node {
-    #[inline]
-    const fn price(self) -> u32 {
-        (self.meta & PRICE_MASK) >> PRICE_SHIFT
-    }
-}
 
 /// How far the field is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -118,6 +107,7 @@ pub(crate) struct GoalField {
     told: bool,
     built: bool,
     width: u32,
+    prices: Prices,
     nodes: Vec<Node>,
     generation: u32,
     open: BucketQueue,
@@ -158,6 +148,7 @@ impl GoalField {
             told: false,
             built: false,
             width: 0,
+            prices: Prices::default(),
             nodes: Vec::new(),
             generation: 0,
             open: BucketQueue::default(),
@@ -178,7 +169,8 @@ impl GoalField {
     }
 
     pub(crate) fn bytes(&self) -> usize {
-        self.nodes.capacity() * size_of::<Node>()
+        self.prices.bytes()
+            + self.nodes.capacity() * size_of::<Node>()
             + self.open.bytes()
             + self.front.bytes()
             + (self.eased.capacity() + self.closed.capacity()) * size_of::<Spot>()
@@ -208,19 +200,15 @@ impl GoalField {
             dx.cast_unsigned()
                 .wrapping_add(dy.cast_unsigned().wrapping_mul(width))
         });
-        let border = Node {
+        let n_nodes = width as usize * height as usize;
+        self.prices.reset(map, unknown, width, n_nodes);
+        let nothing = Node {
             left: NO_WAY,
             so_far: 0,
-            meta: BLOCKED << PRICE_SHIFT,
+            meta: 0,
         };
         self.nodes.clear();
-        self.nodes.resize(width as usize * height as usize, border);
-        let rows = map.cells.chunks_exact(map.geometry.width.max(1) as usize);
-        for (row, nodes) in rows.zip(self.nodes.chunks_exact_mut(width as usize).skip(1)) {
-            for (cell, node) in row.iter().zip(&mut nodes[1..]) {
-                node.meta = price_of(*cell, unknown) << PRICE_SHIFT;
-            }
-        }
+        self.nodes.resize(n_nodes, nothing);
     }
 
     /// Takes in the cells of `changed`. From now on every change has to be told.
@@ -242,22 +230,19 @@ impl GoalField {
                 let y = y.cast_unsigned() as usize;
                 let first = (y + 1) * self.width as usize + columns.start + 1;
                 let cells = &map.cells[y * row..][columns.clone()];
-                let nodes = &mut self.nodes[first..first + cells.len()];
-                for (n, (cell, node)) in cells.iter().zip(nodes).enumerate() {
+                let prices = self.prices.row_mut(first, cells.len());
+                for (n, (cell, price)) in cells.iter().zip(prices).enumerate() {
                     let new = price_of(*cell, self.unknown);
-                    let old = node.price();
-                    if new != old {
-                        node.meta = node.meta & !PRICE_MASK | new << PRICE_SHIFT;
-                        if new < old && self.state != State::Missing {
-                            #[allow(
-                                clippy::cast_possible_truncation,
-                                reason = "spots and positions fit 32 bits"
-                            )]
-                            {
-                                self.eased.push((first + n) as Spot);
-                                self.eased_box
-                                    .add((columns.start + n) as u32 + 1, y as u32 + 1);
-                            }
+                    let old = core::mem::replace(price, new);
+                    if new < old && self.state != State::Missing {
+                        #[allow(
+                            clippy::cast_possible_truncation,
+                            reason = "spots and positions fit 32 bits"
+                        )]
+                        {
+                            self.eased.push((first + n) as Spot);
+                            self.eased_box
+                                .add((columns.start + n) as u32 + 1, y as u32 + 1);
                         }
                     }
                 }
@@ -278,62 +263,6 @@ impl GoalField {
     /// True when the field of this goal can guide a search.
     pub(crate) fn is_whole_for(&self, goal: Cell) -> bool {
         self.state == State::Whole && self.goal == self.spot(goal)
-    }
-
-    /// Work for when nobody waits: learns from the last search, repairs, then grows the field of
-    /// `goal`, by `expansions` at most. True when work is left.
-    pub(crate) fn improve(&mut self, goal: Cell, expansions: u64) -> bool {
-        if !self.built {
-            return false;
-        }
-        let goal = self.spot(goal);
-        if goal != self.goal || self.state == State::Missing {
-            self.begin(goal);
-            return true;
-        }
-        self.learn();
-        match self.state {
-            State::Growing => self.grow(expansions),
-            State::Whole => {
-                if !self.repair(expansions) {
-                    self.state = State::Missing;
-                }
-                self.state == State::Missing
-            }
-            State::Missing | State::Beyond => false,
-        }
-    }
-
-    /// Makes the field consistent where costs fell; false when that takes more than `limit`
-    /// expansions, after which the field is of no use.
-    fn repair(&mut self, limit: u64) -> bool {
-        self.lowered.clear();
-        let mut eased = core::mem::take(&mut self.eased);
-        for spot in eased.drain(..) {
-            self.lower(spot);
-            for offset in self.offsets {
-                self.lower(spot.wrapping_add(offset));
-            }
-        }
-        self.eased = eased;
-        self.eased_box = EasedBox::EMPTY;
-        let mut used = 0;
-        while let Some(Reverse(item)) = self.lowered.pop() {
-            #[allow(clippy::cast_possible_truncation, reason = "the two halves, as pushed")]
-            let (left, spot) = ((item >> 32) as u32, item as u32);
-            if self.nodes[spot as usize].left != left {
-                continue;
-            }
-            if used == limit {
-                return false;
-            }
-            used += 1;
-            self.relax(spot, |heap, left, spot| {
-                heap.1
-                    .push(Reverse(u64::from(left) << 32 | u64::from(spot)));
-            });
-        }
-        true
     }
 
     /// The box of all steps that became cheaper, with what the ways through it cost at least.
@@ -381,7 +310,7 @@ impl GoalField {
         self.learn();
         if self.generation == GENERATION_MAX {
             for node in &mut self.nodes {
-                node.meta &= PRICE_MASK;
+                node.meta = 0;
             }
             self.generation = 0;
         }
@@ -394,6 +323,7 @@ impl GoalField {
         };
         let mut run = Run {
             nodes: &mut self.nodes,
+            prices: &self.prices,
             open: &mut self.open,
             closed: &mut self.closed,
             steps: &self.steps,
@@ -462,135 +392,6 @@ impl GoalField {
     const fn spot(&self, cell: Cell) -> Spot {
         (cell.y.cast_unsigned() + 1) * self.width + cell.x.cast_unsigned() + 1
     }
-
-    /// What the last search proved: from a cell that it closed, the rest costs what its way cost
-    /// less the way to the cell.
-    fn learn(&mut self) {
-        if let Some(EasedBox { min, max, least }) = self.closed_box.take()
-            && !self.closed.is_empty()
-        {
-            // What was proved beside the box rests on this bound inside it.
-            for y in min.1..=max.1 {
-                let first = (y * self.width + min.0) as usize;
-                let row = &mut self.nodes[first..=first + (max.0 - min.0) as usize];
-                for node in row {
-                    node.left = node.left.max(least);
-                }
-            }
-        }
-        for spot in self.closed.drain(..) {
-            let node = &mut self.nodes[spot as usize];
-            let left = if self.proved == NO_WAY {
-                NO_WAY
-            } else {
-                self.proved.saturating_sub(node.so_far)
-            };
-            node.left = node.left.max(left);
-        }
-    }
-
-    fn begin(&mut self, goal: Spot) {
-        for node in &mut self.nodes {
-            node.left = NO_WAY;
-        }
-        self.goal = goal;
-        self.forget_eased();
-        self.closed.clear();
-        self.nodes[goal as usize].left = 0;
-        self.front.reset(0, self.span);
-        self.front.push(0, goal);
-        self.state = State::Growing;
-    }
-
-    fn grow(&mut self, expansions: u64) -> bool {
-        let mut used = 0;
-        while used < expansions {
-            let Some((left, spot)) = self.front.pop_with_key() else {
-                self.state = State::Whole;
-                return !self.eased.is_empty();
-            };
-            if self.nodes[spot as usize].left != left {
-                continue;
-            }
-            if left > COST_SO_FAR_MAX {
-                self.state = State::Beyond;
-                return false;
-            }
-            used += 1;
-            self.relax(spot, |queue, left, spot| queue.0.push(left, spot));
-        }
-        true
-    }
-
-    /// Offers what is left from `spot` to the cells from which a step leads there.
-    #[inline]
-    fn relax(
-        &mut self,
-        spot: Spot,
-        mut push: impl FnMut((&mut BucketQueue, &mut BinaryHeap<Reverse<u64>>), u32, Spot),
-    ) {
-        let node = self.nodes[spot as usize];
-        if node.price() == BLOCKED {
-            return;
-        }
-        let blocked = self.around(spot);
-        for (step, offset) in (0_u32..).zip(self.offsets) {
-            if blocked >> step & 1 != 0 || !self.corner_permits(blocked, step) {
-                continue;
-            }
-            let from = spot.wrapping_add(offset);
-            let left = node.left + self.steps[step as usize & 1][node.price() as usize];
-            let other = &mut self.nodes[from as usize];
-            if left < other.left {
-                other.left = left;
-                push((&mut self.front, &mut self.lowered), left, from);
-            }
-        }
-    }
-
-    /// Lowers what is left from `spot` to what its neighbours allow.
-    fn lower(&mut self, spot: Spot) {
-        if self.nodes[spot as usize].price() == BLOCKED || spot == self.goal {
-            return;
-        }
-        let blocked = self.around(spot);
-        let mut least = NO_WAY;
-        for (step, offset) in (0_u32..).zip(self.offsets) {
-            if blocked >> step & 1 != 0 || !self.corner_permits(blocked, step) {
-                continue;
-            }
-            let to = self.nodes[spot.wrapping_add(offset) as usize];
-            if to.left != NO_WAY {
-                least = least.min(to.left + self.steps[step as usize & 1][to.price() as usize]);
-            }
-        }
-        let node = &mut self.nodes[spot as usize];
-        if least < node.left {
-            node.left = least;
-            self.lowered
-                .push(Reverse(u64::from(least) << 32 | u64::from(spot)));
-        }
-    }
-
-    /// Blocked neighbours, a bit for each of [`STEPS`].
-    #[inline]
-    fn around(&self, spot: Spot) -> u32 {
-        let mut blocked = 0;
-        for (step, offset) in self.offsets.iter().enumerate() {
-            let node = self.nodes[spot.wrapping_add(*offset) as usize];
-            blocked |= u32::from(node.price() == BLOCKED) << step;
-        }
-        blocked
-    }
-
-    #[inline]
-    const fn corner_permits(&self, blocked: u32, step: u32) -> bool {
-        step.is_multiple_of(2)
-            || self.rule.permits(
-                blocked >> (step - 1) & 1 != 0,
-                blocked >> ((step + 1) & 7) & 1 != 0,
-            )
-    }
 }
 
 #[allow(
@@ -600,14 +401,4 @@ impl GoalField {
 )]
 fn rounded(step: u32, price: f64) -> u32 {
     (f64::from(step) * price).round() as u32
-}
-
-fn price_of(cell: MapCell, unknown: Unknown) -> u32 {
-    if unknown.blocks(cell) {
-        BLOCKED
-    } else if cell.cost == COST_UNKNOWN {
-        0
-    } else {
-        u32::from(cell.cost)
-    }
 }

@@ -1,9 +1,10 @@
 //! One search under the guidance of the field.
 
 use super::eased_box::EasedBox;
+use super::prices::{BLOCKED, Prices};
 use super::{
-    BLOCKED, BUDGET_EVERY, CLOSED, FIELD, FIELD_AND_BOX, GENERATION_SHIFT, NO_STEP, NO_WAY, Node,
-    PRICE_MASK, PRICE_SHIFT, STEP_MASK, STEP_SHIFT, Spot, WEIGHTED,
+    BUDGET_EVERY, CLOSED, FIELD, FIELD_AND_BOX, GENERATION_SHIFT, NO_STEP, NO_WAY, Node, STEP_MASK,
+    STEP_SHIFT, Spot, WEIGHTED,
 };
 use crate::bucket_queue::BucketQueue;
 use crate::moves::{STEPS, octile};
@@ -13,6 +14,7 @@ use crate::search::{COST_SO_FAR_MAX, Found};
 /// A search under way: slices and numbers in one place, so that the inner loop sees no `Vec`.
 pub(super) struct Run<'a> {
     pub(super) nodes: &'a mut [Node],
+    pub(super) prices: &'a Prices,
     pub(super) open: &'a mut BucketQueue,
     pub(super) closed: &'a mut Vec<Spot>,
     pub(super) steps: &'a [[u32; 256]; 2],
@@ -46,8 +48,7 @@ impl Run<'_> {
         }
         let key = weighted::<GUIDE>(left, self.quarters);
         node.so_far = 0;
-        node.meta =
-            self.generation << GENERATION_SHIFT | node.meta & PRICE_MASK | NO_STEP << STEP_SHIFT;
+        node.meta = self.generation << GENERATION_SHIFT | NO_STEP << STEP_SHIFT;
         self.open.reset(key, span);
         self.open.push(key, start);
         self.generated += 1;
@@ -84,93 +85,129 @@ impl Run<'_> {
         }
     }
 
-    /// The neighbours that the cell before does not reach at least as well without this one:
-    /// valid for costs of cells entered, since both ways enter the same cell last.
+    /// Offers the ways over `spot` to the neighbours that it may improve.
+    ///
+    /// A neighbour is left out when the cell before reaches it without `spot` for less, by the
+    /// prices of the very cells: the three behind always, those beside where the direct diagonal
+    /// step is cheaper. Of two equally dear ways, straight then diagonal and diagonal then
+    /// straight, only the second is followed (Sturtevant, Rabin, "Canonical Orderings on Grids",
+    /// IJCAI 2016, on equal prices). The last step of that one is straight and as dear as any
+    /// other way there, so it is never left out itself.
+    ///
+    /// With a weighted heuristic closed cells need not have their least cost: then nothing but
+    /// what lies behind is left out.
     #[inline]
     fn expand<const GUIDE: u8>(&mut self, spot: Spot, xy: (u32, u32), so_far: u32, step: u32) {
         let rule = self.rule;
+        let (own, around) = self.prices.around(spot);
+        // Prices by the number of eighth turns from the direction of arrival.
+        let turned = around.rotate_right(8 * (step & 7));
+        #[allow(clippy::cast_possible_truncation, reason = "one byte of eight")]
+        let at = |turn: u32| (turned >> (8 * turn)) as u8;
+        let [straight, diagonal] = self.steps;
+        let dear = |table: &[u32; 256], price: u8| table[usize::from(price)];
+        let mut offer = |turn: u32| {
+            self.offer::<GUIDE>(spot, xy, so_far, (step + turn) & 7, at(turn));
+        };
         if step == NO_STEP {
-            let straight = [0, 2, 4, 6].map(|step| self.offer::<GUIDE>(spot, xy, so_far, step));
-            for n in 0..4 {
-                let (one, other) = (straight[n as usize], straight[(n as usize + 1) % 4]);
-                if rule.permits(!one, !other) {
-                    self.offer::<GUIDE>(spot, xy, so_far, 2 * n + 1);
+            for turn in 0..8 {
+                let corner = |turn: u32| at(turn & 7) == BLOCKED;
+                if at(turn) != BLOCKED
+                    && (turn.is_multiple_of(2) || rule.permits(corner(turn + 7), corner(turn + 1)))
+                {
+                    offer(turn);
                 }
             }
         } else if step.is_multiple_of(2) {
-            let ahead = self.offer::<GUIDE>(spot, xy, so_far, step);
-            let left = self.offer::<GUIDE>(spot, xy, so_far, step + 2);
-            let right = self.offer::<GUIDE>(spot, xy, so_far, step + 6);
-            if rule.permits(!ahead, !left) {
-                self.offer::<GUIDE>(spot, xy, so_far, step + 1);
+            let ahead_blocked = at(0) == BLOCKED;
+            if !ahead_blocked {
+                offer(0);
             }
-            if rule.permits(!ahead, !right) {
-                self.offer::<GUIDE>(spot, xy, so_far, step + 7);
+            let mut fronts = [None; 2];
+            for ((side, front, behind), ahead) in
+                [(2, 1, 3), (6, 7, 5)].into_iter().zip(&mut fronts)
+            {
+                let (beside, before) = (at(side), at(front));
+                let short = GUIDE != WEIGHTED
+                    && beside != BLOCKED
+                    && rule.permits(at(behind) == BLOCKED, false);
+                let to_side = dear(diagonal, beside);
+                if beside != BLOCKED
+                    && !(short && to_side < dear(straight, own) + dear(straight, beside))
+                {
+                    offer(side);
+                }
+                if before != BLOCKED
+                    && rule.permits(ahead_blocked, beside == BLOCKED)
+                    && !(short
+                        && to_side + dear(straight, before)
+                            < dear(straight, own) + dear(diagonal, before))
+                {
+                    *ahead = Some(front);
+                }
+            }
+            for front in fronts.into_iter().flatten() {
+                offer(front);
             }
         } else {
-            let left = self.offer::<GUIDE>(spot, xy, so_far, step + 1);
-            let right = self.offer::<GUIDE>(spot, xy, so_far, step + 7);
-            if rule.permits(!left, !right) {
-                self.offer::<GUIDE>(spot, xy, so_far, step);
+            let [left_blocked, right_blocked] = [at(1) == BLOCKED, at(7) == BLOCKED];
+            if !left_blocked {
+                offer(1);
             }
-            if rule.permits(!left, self.is_blocked_behind(spot, step + 3)) {
-                self.offer::<GUIDE>(spot, xy, so_far, step + 2);
+            if !right_blocked {
+                offer(7);
             }
-            if rule.permits(!right, self.is_blocked_behind(spot, step + 5)) {
-                self.offer::<GUIDE>(spot, xy, so_far, step + 6);
+            if at(0) != BLOCKED && rule.permits(left_blocked, right_blocked) {
+                offer(0);
+            }
+            for (side, back, behind) in [(left_blocked, 2, 3), (right_blocked, 6, 5)] {
+                let (passed, target) = (at(behind), at(back));
+                if target == BLOCKED || !rule.permits(side, passed == BLOCKED) {
+                    continue;
+                }
+                let short = GUIDE != WEIGHTED
+                    && passed != BLOCKED
+                    && dear(straight, passed) + dear(straight, target)
+                        < dear(diagonal, own) + dear(diagonal, target);
+                if !short {
+                    offer(back);
+                }
             }
         }
     }
 
-    /// Whether a cell beside a diagonal step that was taken is blocked.
-    #[inline]
-    fn is_blocked_behind(&self, spot: Spot, step: u32) -> bool {
-        match self.rule {
-            // Not asked for, and not blocked, else the step would not have been legal.
-            CornerRule::Allow | CornerRule::ForbidAny => false,
-            CornerRule::ForbidBoth => {
-                let spot = spot.wrapping_add(self.offsets[(step & 7) as usize]);
-                self.nodes[spot as usize].price() == BLOCKED
-            }
-        }
-    }
-
-    /// Offers a way of cost `so_far` to `spot` and one more step. False when it is blocked.
+    /// Offers a way of cost `so_far` to `spot` and one more step to a free cell of this price.
     #[inline(always)]
-    #[allow(clippy::inline_always, reason = "called five times per expansion")]
+    #[allow(clippy::inline_always, reason = "called several times per expansion")]
     fn offer<const GUIDE: u8>(
         &mut self,
         spot: Spot,
         xy: (u32, u32),
         so_far: u32,
         step: u32,
-    ) -> bool {
-        let step = step & 7;
-        let spot = spot.wrapping_add(self.offsets[step as usize]);
+        price: u8,
+    ) {
+        let spot = spot.wrapping_add(self.offsets[step as usize & 7]);
         let node = &mut self.nodes[spot as usize];
-        let price = node.price();
-        if price == BLOCKED {
-            return false;
-        }
-        let so_far = so_far + self.steps[step as usize & 1][price as usize];
+        let so_far = so_far + self.steps[step as usize & 1][usize::from(price)];
         // Also refuses closed nodes: with a consistent heuristic theirs is the best way already,
         // and with a weighted one it is good enough for the weight.
         let closed = GUIDE == WEIGHTED && node.meta & CLOSED != 0;
         if node.meta >> GENERATION_SHIFT == self.generation && (closed || so_far >= node.so_far) {
-            return true;
+            return;
         }
         if so_far > COST_SO_FAR_MAX {
             self.overflow = true;
-            return true;
+            return;
         }
-        let (dx, dy) = STEPS[step as usize];
+        let (dx, dy) = STEPS[step as usize & 7];
         let xy = (xy.0.wrapping_add_signed(dx), xy.1.wrapping_add_signed(dy));
         let left = bound::<GUIDE>(node.left, xy, self.goal_xy, &self.eased_box);
         if left == NO_WAY || GUIDE == WEIGHTED && so_far + left >= self.below {
-            return true;
+            return;
         }
         node.so_far = so_far;
-        node.meta = self.generation << GENERATION_SHIFT | price << PRICE_SHIFT | step << STEP_SHIFT;
+        node.meta = self.generation << GENERATION_SHIFT | step << STEP_SHIFT;
         self.generated += 1;
         // A weighted heuristic may fall by more than the step costs; the key must not.
         let least = if GUIDE == WEIGHTED {
@@ -180,7 +217,6 @@ impl Run<'_> {
         };
         let key = (so_far + weighted::<GUIDE>(left, self.quarters)).max(least);
         self.open.push(key, spot);
-        true
     }
 }
 

@@ -10,7 +10,7 @@
 pub(crate) mod cycle;
 
 use zeronav_msgs::map::{COST_INSCRIBED, COST_LETHAL, FLAG_SENSED, FLAG_STATIC};
-use zeronav_msgs::{Cell, GridGeometry, MapCell, MapView, Pose};
+use zeronav_msgs::{Cell, CellRect, GridGeometry, MapCell, MapView, Pose};
 
 /// A map that owns its cells.
 #[derive(Debug, Clone)]
@@ -167,6 +167,46 @@ impl Map {
         }
         map.inflate(0.2, 0.6, 4.0);
         map
+    }
+
+    /// Three blocks of racks with two aisles of 2 m between them, 30 m x 20 m, and the ends of a
+    /// way through the south aisle.
+    pub(crate) fn warehouse() -> (Self, Cell, Cell) {
+        let mut map = Self::free(600, 400);
+        let (w, h) = map.geometry.size();
+        for (min, max) in [
+            ((0, 0), (w, 4)),
+            ((0, h - 4), (w, h)),
+            ((0, 0), (4, h)),
+            ((w - 4, 0), (w, h)),
+            ((140, 6), (458, 108)),
+            ((140, 149), (458, 251)),
+            ((140, 292), (458, 394)),
+        ] {
+            map.block(Cell::new(min.0, min.1), Cell::new(max.0, max.1));
+        }
+        for (x, y) in [
+            (92, 68),
+            (92, 200),
+            (92, 332),
+            (508, 68),
+            (508, 200),
+            (508, 332),
+        ] {
+            map.block(Cell::new(x - 4, y - 4), Cell::new(x + 4, y + 4));
+        }
+        map.inflate(0.2, 0.6, 4.0);
+        (map, Cell::new(165, 128), Cell::new(540, 170))
+    }
+
+    /// A load fills the south aisle of the warehouse 3 m before the robot; what changed.
+    pub(crate) fn drop_load(&mut self) -> CellRect {
+        self.block(Cell::new(218, 110), Cell::new(234, 147));
+        self.inflate(0.2, 0.6, 4.0);
+        CellRect {
+            min: Cell::new(204, 96),
+            max: Cell::new(248, 161),
+        }
     }
 
     /// The free cell nearest to `cell` in reading order of growing squares.

@@ -1,0 +1,189 @@
+//! The field's upkeep: what is done while nobody waits for an answer.
+
+use super::eased_box::EasedBox;
+use super::prices::{BLOCKED, is_blocked};
+use super::{GoalField, NO_WAY, Spot, State};
+use crate::bucket_queue::BucketQueue;
+use crate::search::COST_SO_FAR_MAX;
+use core::cmp::Reverse;
+use std::collections::BinaryHeap;
+use zeronav_msgs::Cell;
+
+impl GoalField {
+    /// Work for when nobody waits: learns from the last search, repairs, then grows the field of
+    /// `goal`, by `expansions` at most. True when work is left.
+    pub(crate) fn improve(&mut self, goal: Cell, expansions: u64) -> bool {
+        if !self.built {
+            return false;
+        }
+        let goal = self.spot(goal);
+        if goal != self.goal || self.state == State::Missing {
+            self.begin(goal);
+            return true;
+        }
+        self.learn();
+        match self.state {
+            State::Growing => self.grow(expansions),
+            State::Whole => {
+                if !self.repair(expansions) {
+                    self.state = State::Missing;
+                }
+                self.state == State::Missing
+            }
+            State::Missing | State::Beyond => false,
+        }
+    }
+
+    /// Makes the field consistent where costs fell; false when that takes more than `limit`
+    /// expansions, after which the field is of no use.
+    fn repair(&mut self, limit: u64) -> bool {
+        self.lowered.clear();
+        let mut eased = core::mem::take(&mut self.eased);
+        for spot in eased.drain(..) {
+            self.lower(spot);
+            for offset in self.offsets {
+                self.lower(spot.wrapping_add(offset));
+            }
+        }
+        self.eased = eased;
+        self.eased_box = EasedBox::EMPTY;
+        let mut used = 0;
+        while let Some(Reverse(item)) = self.lowered.pop() {
+            #[allow(clippy::cast_possible_truncation, reason = "the two halves, as pushed")]
+            let (left, spot) = ((item >> 32) as u32, item as u32);
+            if self.nodes[spot as usize].left != left {
+                continue;
+            }
+            if used == limit {
+                return false;
+            }
+            used += 1;
+            self.relax(spot, |heap, left, spot| {
+                heap.1
+                    .push(Reverse(u64::from(left) << 32 | u64::from(spot)));
+            });
+        }
+        true
+    }
+
+    /// What the last search proved: from a cell that it closed, the rest costs what its way cost
+    /// less the way to the cell.
+    pub(super) fn learn(&mut self) {
+        if let Some(EasedBox { min, max, least }) = self.closed_box.take()
+            && !self.closed.is_empty()
+        {
+            // What was proved beside the box rests on this bound inside it.
+            for y in min.1..=max.1 {
+                let first = (y * self.width + min.0) as usize;
+                let row = &mut self.nodes[first..=first + (max.0 - min.0) as usize];
+                for node in row {
+                    node.left = node.left.max(least);
+                }
+            }
+        }
+        for spot in self.closed.drain(..) {
+            let node = &mut self.nodes[spot as usize];
+            let left = if self.proved == NO_WAY {
+                NO_WAY
+            } else {
+                self.proved.saturating_sub(node.so_far)
+            };
+            node.left = node.left.max(left);
+        }
+    }
+
+    fn begin(&mut self, goal: Spot) {
+        for node in &mut self.nodes {
+            node.left = NO_WAY;
+        }
+        self.goal = goal;
+        self.forget_eased();
+        self.closed.clear();
+        self.nodes[goal as usize].left = 0;
+        self.front.reset(0, self.span);
+        self.front.push(0, goal);
+        self.state = State::Growing;
+    }
+
+    fn grow(&mut self, expansions: u64) -> bool {
+        let mut used = 0;
+        while used < expansions {
+            let Some((left, spot)) = self.front.pop_with_key() else {
+                self.state = State::Whole;
+                return !self.eased.is_empty();
+            };
+            if self.nodes[spot as usize].left != left {
+                continue;
+            }
+            if left > COST_SO_FAR_MAX {
+                self.state = State::Beyond;
+                return false;
+            }
+            used += 1;
+            self.relax(spot, |queue, left, spot| queue.0.push(left, spot));
+        }
+        true
+    }
+
+    /// Offers what is left from `spot` to the cells from which a step leads there.
+    #[inline]
+    fn relax(
+        &mut self,
+        spot: Spot,
+        mut push: impl FnMut((&mut BucketQueue, &mut BinaryHeap<Reverse<u64>>), u32, Spot),
+    ) {
+        let (own, around) = self.prices.around(spot);
+        if own == BLOCKED {
+            return;
+        }
+        let left = self.nodes[spot as usize].left;
+        let costs = self.steps.each_ref().map(|steps| steps[usize::from(own)]);
+        for (step, offset) in (0_u32..).zip(self.offsets) {
+            if is_blocked(around, step) || !self.corner_permits(around, step) {
+                continue;
+            }
+            let from = spot.wrapping_add(offset);
+            let left = left + costs[step as usize & 1];
+            let other = &mut self.nodes[from as usize];
+            if left < other.left {
+                other.left = left;
+                push((&mut self.front, &mut self.lowered), left, from);
+            }
+        }
+    }
+
+    /// Lowers what is left from `spot` to what its neighbours allow.
+    fn lower(&mut self, spot: Spot) {
+        // Beside the border there may be nothing at all.
+        if self.prices.at(spot) == BLOCKED || spot == self.goal {
+            return;
+        }
+        let (_, around) = self.prices.around(spot);
+        let mut least = NO_WAY;
+        for (step, offset) in (0_u32..).zip(self.offsets) {
+            if is_blocked(around, step) || !self.corner_permits(around, step) {
+                continue;
+            }
+            let to = spot.wrapping_add(offset);
+            let left = self.nodes[to as usize].left;
+            if left != NO_WAY {
+                let price = usize::from(self.prices.at(to));
+                least = least.min(left + self.steps[step as usize & 1][price]);
+            }
+        }
+        let node = &mut self.nodes[spot as usize];
+        if least < node.left {
+            node.left = least;
+            self.lowered
+                .push(Reverse(u64::from(least) << 32 | u64::from(spot)));
+        }
+    }
+
+    #[inline]
+    const fn corner_permits(&self, around: u64, step: u32) -> bool {
+        step.is_multiple_of(2)
+            || self
+                .rule
+                .permits(is_blocked(around, step - 1), is_blocked(around, step + 1))
+    }
+}
