@@ -20,6 +20,7 @@ pub mod contact;
 pub mod delay;
 pub mod describe;
 pub mod drive;
+pub mod faults;
 pub mod history;
 pub mod lidar;
 pub mod noise;

@@ -31,6 +31,8 @@ const SLACK_BEAMS: f64 = 0.01;
 #[derive(Debug, Clone)]
 pub struct Lidar {
     base_from_laser: Pose,
+    /// By how much it is turned in its mount. [rad]
+    turned_rad: f64,
     scan: Scan,
     range_m_max: f64,
     /// The last beam is the neighbour of the first.
@@ -114,6 +116,7 @@ impl Lidar {
         };
         Self {
             base_from_laser: Pose::new(spec.pose[0], spec.pose[1], spec.pose[2]),
+            turned_rad: 0.0,
             scan,
             range_m_max: spec.range_m_max,
             all_around: spec.fov_rad >= TAU - 1.0e-6,
@@ -129,7 +132,20 @@ impl Lidar {
         }
     }
 
-    /// `base_from_laser`.
+    /// Turns the lidar in its mount, from its own place, by `turned_rad`; nothing that it says of
+    /// itself shows it.
+    pub const fn turn(&mut self, turned_rad: f64) {
+        self.turned_rad = turned_rad;
+    }
+
+    /// Where it really looks from.
+    fn mounted(&self) -> Pose {
+        let mut base_from_laser = self.base_from_laser;
+        base_from_laser.yaw_rad += self.turned_rad;
+        base_from_laser
+    }
+
+    /// `base_from_laser` as it is described.
     #[must_use]
     pub const fn base_from_laser(&self) -> Pose {
         self.base_from_laser
@@ -149,7 +165,7 @@ impl Lidar {
 
     /// Begins a scan of all beams at once with the robot at `map_from_base`.
     pub fn expose(&mut self, map_from_base: &Pose) -> Exposure<'_> {
-        let map_from_laser = map_from_base.then(&self.base_from_laser);
+        let map_from_laser = map_from_base.then(&self.mounted());
         let (sin, cos) = map_from_laser.yaw_rad.sin_cos();
         self.origins.fill(map_from_laser.point());
         for (in_map, in_laser) in self.directions_in_map.iter_mut().zip(&self.directions) {
@@ -164,10 +180,11 @@ impl Lidar {
     /// Begins a scan with the robot at `map_from_base_at(age)` so many nanoseconds before the
     /// capture.
     pub fn sweep(&mut self, mut map_from_base_at: impl FnMut(u64) -> Pose) -> Exposure<'_> {
+        let base_from_laser = self.mounted();
         let mut last_yaw_rad: Option<f64> = None;
         let mut growing = true;
         for beam in 0..self.directions.len() {
-            let map_from_laser = map_from_base_at(self.ages_ns[beam]).then(&self.base_from_laser);
+            let map_from_laser = map_from_base_at(self.ages_ns[beam]).then(&base_from_laser);
             let (sin, cos) = map_from_laser.yaw_rad.sin_cos();
             let in_laser = self.directions[beam];
             self.origins[beam] = map_from_laser.point();
@@ -184,7 +201,7 @@ impl Lidar {
             self.angles_rad[beam] = yaw_rad + self.scan.angle_of(beam);
             growing &= beam == 0 || self.angles_rad[beam] >= self.angles_rad[beam - 1];
         }
-        let middle = map_from_base_at(self.sweep_ns() / 2).then(&self.base_from_laser);
+        let middle = map_from_base_at(self.sweep_ns() / 2).then(&base_from_laser);
         let away_m = |at: &Point2<f64>| (at - middle.point()).norm();
         let slack_m = self.origins.iter().map(away_m).fold(0.0, f64::max);
         let order = if growing {

@@ -259,7 +259,7 @@ impl RobotService {
             output,
             work: due.map_or(0, |_| simulator.n_beams() as u64),
         });
-        if due.is_some() {
+        if simulator.truth_due() {
             let mut truth = simulator.truth(&mut self.obstacles);
             truth.scan = parents.scan;
             truth.slipped_ns = self.slipped_ns;

@@ -228,7 +228,7 @@ impl Obstacle {
     clippy::cast_sign_loss,
     reason = "scenario times are at most 1e6 s and not negative"
 )]
-fn nanoseconds(seconds: f64) -> u64 {
+pub(crate) fn nanoseconds(seconds: f64) -> u64 {
     (seconds * 1.0e9).round() as u64
 }
 

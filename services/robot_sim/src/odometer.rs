@@ -51,6 +51,11 @@ impl Odometer {
         [diagonal.x, diagonal.y, diagonal.z]
     }
 
+    /// Says at once that the robot has moved by `shift` in its own frame; the variances stay.
+    pub fn jump(&mut self, shift: &Pose) {
+        self.pose = self.pose.then(shift);
+    }
+
     /// Counts a tick that ends at `run_ns`.
     pub fn count(&mut self, wheels: &WheelMotion, run_ns: u64) {
         let spec = &self.spec;

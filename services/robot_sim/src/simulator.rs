@@ -5,6 +5,7 @@ use crate::contact::Body;
 use crate::delay::Delay;
 use crate::describe::{describe, limits_of};
 use crate::drive::{DriveLimits, DriveState, Motion, Twist};
+use crate::faults::Faults;
 use crate::history::{History, Stretch};
 use crate::lidar::Lidar;
 use crate::obstacles::Obstacle;
@@ -18,7 +19,9 @@ use zeronav_msgs::pose::wrap_angle;
 use zeronav_msgs::scan::Scan;
 use zeronav_msgs::truth::{Placement, Truth, TruthObstacle};
 use zeronav_msgs::{Pose, Refusal};
-use zeronav_world::{Footprint, MapWarning, OdometrySpec, RobotSpec, SpecError, World, WorldError};
+use zeronav_world::{
+    FaultSpec, Footprint, MapWarning, OdometrySpec, RobotSpec, SpecError, World, WorldError,
+};
 
 /// Largest clearance that is told apart. [m]
 const CLEARANCE_M_MAX: f64 = 1.0e3;
@@ -80,6 +83,7 @@ pub struct Simulator {
     tick_ns: u64,
     commands: Delay,
     slip: Option<Slip>,
+    faults: Faults,
     /// `None` when odometry is the truth.
     odometer: Option<Odometer>,
     /// What the wheels do; they may slip on the ground.
@@ -153,6 +157,7 @@ impl Simulator {
             tick_ns,
             commands: Delay::new(nanoseconds(config.robot.actuation_delay_s)),
             slip: config.robot.slip.map(|slip| Slip::new(slip, seed)),
+            faults: Faults::new(&config.robot.faults, config.robot.lidar.n_beams as usize),
             odometer: odometer_of(&config.robot, seed, start),
             wheels: Twist::ZERO,
             history: History::new(start, sweep_ns),
@@ -234,7 +239,9 @@ impl Simulator {
             twist: self.wheels,
         };
         let wheels = Motion::towards(start, target, limits, duration_s);
-        let grip = self.slip.map_or(Grip::FULL, |slip| slip.at(from_run_ns));
+        self.faults.notice(from_run_ns, self.driven_m);
+        let own = self.slip.map_or(Grip::FULL, |slip| slip.at(from_run_ns));
+        let grip = own.and(self.faults.grip(from_run_ns));
         let motion = if grip == Grip::FULL {
             wheels
         } else {
@@ -256,6 +263,9 @@ impl Simulator {
             let shift = seen_from(&start.pose, &wheels.at(moved_s).pose);
             let distance_m = wheels.driven_m(moved_s);
             odometer.count(&WheelMotion { shift, distance_m }, run_ns);
+            if let Some(shift) = self.faults.take_jump(run_ns) {
+                odometer.jump(&shift);
+            }
         }
         self.history.push(Stretch {
             from_run_ns,
@@ -277,21 +287,29 @@ impl Simulator {
         self.beams_on.fill(0);
     }
 
-    /// The scan that fell due in the last tick, with the exact run time of its capture.
+    /// The scan that fell due in the last tick and is sent, with the exact run time of its capture.
     #[must_use]
-    pub const fn scan_due(&self) -> Option<DueScan> {
-        self.due
+    pub fn scan_due(&self) -> Option<DueScan> {
+        let sent = |due: &DueScan| !self.faults.is_silent(due.capture_run_ns);
+        self.due.filter(sent)
+    }
+
+    /// True when the last tick is one of the lidar's rate, sent or not.
+    #[must_use]
+    pub const fn truth_due(&self) -> bool {
+        self.due.is_some()
     }
 
     /// Takes the scan that fell due in the last tick, of the world and from the pose at its
-    /// capture; `None` when none did, and `ranges` stays as it is. Taking it again gives the same
+    /// capture; `None` when none did or it is not sent, and `ranges` stays as it is. Taking it again gives the same
     /// bits. No allocation.
     ///
     /// # Panics
     /// When `ranges` has not [`Self::n_beams`] places.
     pub fn scan(&mut self, ranges: &mut [f32]) -> Option<Scan> {
-        let due = self.due?;
+        let due = self.scan_due()?;
         let capture_run_ns = due.capture_run_ns;
+        self.lidar.turn(self.faults.turned_rad(capture_run_ns));
         let history = &self.history;
         let sweep_ns = self.lidar.sweep_ns();
         // Before the run everything stood.
@@ -333,11 +351,15 @@ impl Simulator {
             exposure.add_grid(grid);
         }
         self.beams_on.fill(0);
-        Some(exposure.finish(due.index, ranges, &mut self.beams_on))
+        let scan = exposure.finish(due.index, ranges, &mut self.beams_on);
+        if !self.faults.spoil(capture_run_ns, ranges) {
+            self.beams_on.fill(0);
+        }
+        Some(scan)
     }
 
-    /// Odometry at the end of the last tick: what the wheels say. Without slip and without errors
-    /// of odometry it is the truth, `odom` is `map` and the variances are 0.
+    /// Odometry at the end of the last tick: what the wheels say. Without slip, errors of odometry
+    /// and faults that mislead it, it is the truth, `odom` is `map` and the variances are 0.
     #[must_use]
     pub fn odometry(&self) -> Odometry {
         let (pose, variance) = match &self.odometer {
@@ -349,7 +371,7 @@ impl Simulator {
             v_mps: self.wheels.v_mps,
             w_radps: self.wheels.w_radps,
             variance,
-            scan_due: u32::from(self.due.is_some()),
+            scan_due: u32::from(self.scan_due().is_some()),
             spare: 0,
         }
     }
@@ -407,7 +429,8 @@ fn odometer_of(robot: &RobotSpec, seed: u64, start: Pose) -> Option<Odometer> {
         turn_per_turn: 0.0,
         turn_per_distance: 0.0,
     };
-    let errs = robot.odometry.or(robot.slip.map(|_| EXACT));
+    let misled = robot.slip.is_some() || robot.faults.iter().any(FaultSpec::misleads_odometry);
+    let errs = robot.odometry.or(misled.then_some(EXACT));
     errs.map(|errs| Odometer::new(errs, seed, start))
 }
 

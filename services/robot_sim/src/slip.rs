@@ -31,6 +31,15 @@ impl Grip {
         forward: 1.0,
         turn: 1.0,
     };
+
+    /// What is left when both take their share.
+    #[must_use]
+    pub fn and(self, other: Self) -> Self {
+        Self {
+            forward: self.forward * other.forward,
+            turn: self.turn * other.turn,
+        }
+    }
 }
 
 impl Slip {

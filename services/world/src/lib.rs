@@ -14,6 +14,7 @@ pub mod barn;
 pub mod convex;
 pub mod dynabarn;
 pub mod error;
+pub mod faults;
 pub mod footprint;
 pub mod free_pose;
 pub mod generate;
@@ -37,6 +38,7 @@ pub mod world;
 
 pub use convex::Convex;
 pub use error::SpecError;
+pub use faults::FaultSpec;
 pub use footprint::Footprint;
 pub use free_pose::Tolerance;
 pub use map_file::{LoadedMap, MapFileError, MapWarning};

@@ -65,6 +65,7 @@ impl RobotPreset {
                     ..OdometrySpec::default()
                 }),
                 lidar: LidarPreset::RplidarA1.lidar(),
+                faults: Vec::new(),
             },
             // Robotis e-Manual (0.22 m/s, 2.84 rad/s), accelerations of its navigation parameters,
             // base_scan of its URDF.
@@ -85,6 +86,7 @@ impl RobotPreset {
                     pose: [-0.032, 0.0, 0.0],
                     ..LidarPreset::Lds01.lidar()
                 },
+                faults: Vec::new(),
             },
             // Clearpath data sheet (0.508 x 0.430 m, 2.0 m/s, 4.0 rad/s); its controller allows
             // 20 m/s^2, which its tyres do not.
@@ -120,6 +122,7 @@ impl RobotPreset {
                     pose: [0.12, 0.0, 0.0],
                     ..LidarPreset::Ust10lx.lidar()
                 },
+                faults: Vec::new(),
             },
         }
     }

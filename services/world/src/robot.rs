@@ -1,6 +1,7 @@
 //! A robot that can exist: what its numbers must be.
 
 use crate::error::{SpecError, number};
+use crate::faults::FAULTS_MAX;
 use crate::footprint::Footprint;
 use crate::robot_spec::{LidarSpec, OdometrySpec, RobotSpec, SlipSpec};
 use core::f64::consts::{PI, TAU};
@@ -38,7 +39,17 @@ impl RobotSpec {
         if let Some(odometry) = &self.odometry {
             odometry.check().map_err(|error| error.within("odometry"))?;
         }
-        self.lidar.check().map_err(|error| error.within("lidar"))
+        self.lidar.check().map_err(|error| error.within("lidar"))?;
+        if self.faults.len() > FAULTS_MAX {
+            let why = format!("{} faults, at most {FAULTS_MAX}", self.faults.len());
+            return Err(SpecError::new("faults", why));
+        }
+        for (index, fault) in self.faults.iter().enumerate() {
+            fault
+                .check()
+                .map_err(|error| error.within(&format!("faults[{index}]")))?;
+        }
+        Ok(())
     }
 
     /// Braking that can be relied on: `brake_mps2`, or else `a_mps2_max`. [m/s^2]
@@ -141,6 +152,7 @@ impl LidarSpec {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::faults::{Begin, FaultSpec};
 
     fn robot() -> RobotSpec {
         RobotSpec::exact(0.25, 1.0, 2.0, LidarSpec::exact(360, 10.0, 0.1..12.0))
@@ -191,6 +203,13 @@ mod tests {
                 turn_ratio: 0.95,
                 ..SlipSpec::default()
             });
+        });
+        refused("faults[1].begins.at_s", |r| {
+            let frozen = |at_s| FaultSpec::LidarFrozen {
+                begins: Begin::at(at_s),
+                lasts_s: None,
+            };
+            r.faults = vec![frozen(1.0), frozen(-1.0)];
         });
         refused("odometry.turn_per_turn", |r| {
             r.odometry = Some(OdometrySpec {

@@ -17,6 +17,7 @@
 //! assert_eq!((robot.v_mps_max, robot.lidar.n_beams), (0.2, 720));
 //! ```
 
+use crate::faults::FaultSpec;
 use crate::preset::{LidarPreset, RobotPreset};
 use serde::{Deserialize, Serialize};
 
@@ -56,6 +57,9 @@ pub struct RobotSpec {
     pub odometry: Option<OdometrySpec>,
     /// The lidar.
     pub lidar: LidarSpec,
+    /// What breaks in the course of a run.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub faults: Vec<FaultSpec>,
 }
 
 /// Wheels that slip: the ground sees less of the motion than the wheels do. Odometry cannot tell.
@@ -185,6 +189,7 @@ struct RobotWords {
     slip: Option<Perhaps<SlipWords>>,
     odometry: Option<Perhaps<OdometryWords>>,
     lidar: Option<LidarWords>,
+    faults: Vec<FaultSpec>,
 }
 
 /// A table, or `false` for none: so a preset's can be switched off.
@@ -331,6 +336,7 @@ impl TryFrom<RobotWords> for RobotSpec {
                 (None, Some(preset)) => preset.lidar,
                 (None, None) => return Err(Missing("lidar")),
             },
+            faults: words.faults,
         })
     }
 }
@@ -423,6 +429,7 @@ impl RobotSpec {
             slip: None,
             odometry: None,
             lidar,
+            faults: Vec::new(),
         }
     }
 }
