@@ -413,6 +413,16 @@ fn expectations(
             driven_m >= least_m,
         );
     }
+    if let (Some(most_m), Some(goal)) = (expect.goal_distance_m_max, prepared.scenario.goals.last())
+    {
+        let distance_m = truth.pose.distance_m(&goal.pose);
+        add(
+            "metres from the goal",
+            format!("at most {most_m}"),
+            format!("{distance_m:.2}"),
+            distance_m <= most_m,
+        );
+    }
     for (reason, least) in &expect.interventions_min {
         let n = by_reason.get(reason).copied().unwrap_or(0);
         add(

@@ -42,6 +42,14 @@ drives! {
     crossing_person_0_5mps
     crossing_person_1mps
     crossing_person_1_5mps
+    blackout_0_2s
+    blackout_0_5s
+    blackout_2s
+    blackout_invalid
+    frozen_scan
+    turned_scan
+    odometry_jump
+    slip
     hostile_planner_full_speed
     #[ignore = "the stack takes a gap of the robot's width and 6 cm for shut"]
     narrow_passage

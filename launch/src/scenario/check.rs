@@ -75,6 +75,9 @@ impl Scenario {
         if let Some(driven_m) = expect.driven_m_min {
             number(driven_m, 0.0, 1.0e6, "expect.driven_m_min")?;
         }
+        if let Some(distance_m) = expect.goal_distance_m_max {
+            number(distance_m, 0.0, 1.0e6, "expect.goal_distance_m_max")?;
+        }
         for label in expect.interventions_min.keys() {
             let known = |code| Intervention::from_code(code).map(Intervention::label);
             if !(1..=u16::MAX).map_while(known).any(|known| known == label) {

@@ -171,7 +171,6 @@ impl Library {
             ScenarioError::Unknown {
                 name: name_or_path.to_owned(),
                 closest: closest(name_or_path, &known).map(str::to_owned),
-                known,
             }
         })
     }

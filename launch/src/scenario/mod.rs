@@ -251,6 +251,10 @@ pub struct ExpectSpec {
     /// Shortest drive. [m]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub driven_m_min: Option<f64>,
+    /// Largest true distance of the robot's centre from the last goal at the end, whatever the stack
+    /// believes. [m]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub goal_distance_m_max: Option<f64>,
     /// Fewest times that the collision guard stepped in, for each reason that it must have had: the
     /// labels of [`zeronav_msgs::command::Intervention`].
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
