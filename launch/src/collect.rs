@@ -1,7 +1,7 @@
 //! Listens to a running stack and keeps what the result needs.
 
 use crate::measure::index::{PathRecord, Sighting};
-use crate::measure::{Records, RunHash, Witness};
+use crate::measure::{Motion, Records, RunHash, Witness};
 use crate::supervise::stack::Taps;
 use std::collections::{BTreeSet, HashMap, VecDeque};
 use std::time::{Duration, Instant};
@@ -58,6 +58,8 @@ pub struct Collector {
     pub hash: RunHash,
     /// What mapping says against what is so.
     pub witness: Witness,
+    /// How the robot really moved, and what became of it.
+    pub motion: Motion,
     /// Where the robot really drove. [m]
     pub track_m: Vec<[f64; 2]>,
     /// The newest truth.
@@ -97,6 +99,10 @@ impl Collector {
             self.truth(view.header.run_ns, view.meta, view.items);
             let truth = view.meta;
             (self.witness).truth(view.header.run_ns, truth.scan, &truth.pose, view.items);
+        });
+        taps.commands.drain(roster, |view| {
+            let why = view.meta.intervention();
+            self.motion.command(view.header.run_ns, why);
         });
         taps.odometry.drain(roster, |view| {
             if view.meta.scan_due() {
@@ -278,6 +284,7 @@ impl Collector {
         if moved && self.track_m.len() < TRACK_POINTS_MAX {
             self.track_m.push(here);
         }
+        self.motion.truth(run_ns, truth, obstacles);
         self.run_ns = run_ns;
         self.truth = Some(*truth);
         if self.driven_m.len() == DRIVEN_LENGTH {

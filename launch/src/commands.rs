@@ -127,7 +127,7 @@ pub fn list(json: bool) -> ExitCode {
         let rows: Vec<_> = scenarios
             .iter()
             .map(
-                |listed| json!({ "name": listed.name, "title": listed.title, "file": listed.file }),
+                |listed| json!({ "group": listed.group, "name": listed.name, "title": listed.title, "file": listed.file }),
             )
             .collect();
         say_json(&json!({ "scenarios": rows }));
@@ -137,8 +137,12 @@ pub fn list(json: bool) -> ExitCode {
             .map(|listed| listed.name.len())
             .max()
             .unwrap_or(0);
+        let mut group = None;
         for listed in &scenarios {
-            say(&format!("{:width$}  {}\n", listed.name, listed.title));
+            if group.replace(&listed.group) != Some(&listed.group) && !listed.group.is_empty() {
+                say(&format!("{}\n", listed.group));
+            }
+            say(&format!("  {:width$}  {}\n", listed.name, listed.title));
         }
     }
     ExitCode::from(EXIT_PASS)

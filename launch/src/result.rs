@@ -3,16 +3,18 @@
 use crate::ending::Ending;
 use crate::measure;
 use crate::measure::index::PathRecord;
+use crate::measure::motion::{Contact, Moment, jerk_mps3};
 use crate::measure::seconds;
 use crate::prepare::Prepared;
 use crate::run::{DEADLINE_NS, Driven, file_name};
 use crate::scenario::Outcome;
 use crate::show::picture::{Area, Line, Picture};
 use crate::show::report::{
-    Environment, Expectation, ObstacleResult, Plan, RunResult, ServiceResult, TrialsResult,
+    Environment, Expectation, ObstacleResult, Plan, RunResult, ServiceResult, Touch, TrialsResult,
 };
 use crate::trials::Trials;
 use nalgebra::Point2;
+use std::collections::BTreeMap;
 use zeronav_msgs::path::{PathCause, PathStatus};
 use zeronav_msgs::role::Role;
 use zeronav_msgs::run::RunMode;
@@ -56,7 +58,9 @@ pub fn result(prepared: &Prepared, driven: &Driven, environment: Environment) ->
         .filter(|plan| plan.cause != PathCause::Goal.label())
         .cloned()
         .collect();
-    let expectations = expectations(prepared, driven, &replans);
+    let by_reason = interventions(driven);
+    let moments = moments(driven);
+    let expectations = expectations(prepared, driven, &replans, &by_reason);
     let outcome = outcome(&driven.ending);
     let met = expectations.iter().all(|expectation| expectation.met);
     let time_s = seconds(driven.end_run_ns.saturating_sub(driven.goals_run_ns));
@@ -83,6 +87,11 @@ pub fn result(prepared: &Prepared, driven: &Driven, environment: Environment) ->
         replans,
         obstacles: obstacles(prepared, driven),
         track_m: collector.track_m.clone(),
+        motion: moments.iter().map(|moment| row(moment, driven)).collect(),
+        jerk_mps3: jerk_mps3(moments),
+        touches: touches(prepared, driven),
+        interventions: by_reason.values().sum(),
+        interventions_by_reason: by_reason,
         pose: collector.witness.pose(),
         tracking: collector.witness.tracking(),
         latency: (!lockstep).then(|| latency(prepared, driven)),
@@ -135,6 +144,7 @@ pub fn of_trials(
     // Hundreds of paths with all their points are of no use to anybody.
     whole.plans.clear();
     whole.replans.clear();
+    whole.motion.clear();
     let replanning = trials.latency.replanning;
     let made: usize = trials.rounds.iter().map(|round| round.trials).sum();
     let most = prepared.scenario.expect.contacts_max;
@@ -183,6 +193,68 @@ fn injected_us(steps: u16) -> f64 {
         ..Default::default()
     };
     (1.0e6 * seconds(seat.delay_ns())).round()
+}
+
+/// The moments from the first goal to the end of the task.
+fn moments(driven: &Driven) -> &[Moment] {
+    let moments = &driven.collector.motion.moments;
+    let from = moments.partition_point(|moment| moment.run_ns < driven.goals_run_ns);
+    let to = moments.partition_point(|moment| moment.run_ns <= driven.end_run_ns);
+    moments.get(from..to).unwrap_or_default()
+}
+
+fn row(moment: &Moment, driven: &Driven) -> [f64; 6] {
+    [
+        seconds(moment.run_ns.saturating_sub(driven.goals_run_ns)),
+        moment.pose.x_m,
+        moment.pose.y_m,
+        moment.pose.yaw_rad,
+        moment.v_mps,
+        moment.w_radps,
+    ]
+}
+
+fn touches(prepared: &Prepared, driven: &Driven) -> Vec<Touch> {
+    let touch = |contact: &Contact| {
+        let Contact { at, moving, .. } = contact;
+        Touch {
+            time_s: seconds(at.run_ns.saturating_sub(driven.goals_run_ns)),
+            moving: *moving,
+            v_mps: contact.v_before_mps,
+            with: touched(prepared, contact),
+            pose: [at.pose.x_m, at.pose.y_m, at.pose.yaw_rad],
+        }
+    };
+    driven.collector.motion.contacts.iter().map(touch).collect()
+}
+
+/// The nearest thing at a contact.
+fn touched(prepared: &Prepared, contact: &Contact) -> String {
+    /// Nothing that is farther away can be touched. [m]
+    const REACH_M: f64 = 0.5;
+    let robot = prepared.footprint.placed(&contact.at.pose);
+    let mut nearest = ("world", prepared.world.convex_distance_m(&robot, REACH_M));
+    for (index, pose) in &contact.obstacles {
+        let Some(obstacle) = prepared.world.obstacles().get(*index) else {
+            continue;
+        };
+        let distance_m = robot.distance_m(&obstacle.shape.placed_at(pose));
+        if distance_m < nearest.1 {
+            nearest = (&obstacle.spec.name, distance_m);
+        }
+    }
+    nearest.0.to_owned()
+}
+
+/// How often the guard stepped in until the end of the task, by reason.
+fn interventions(driven: &Driven) -> BTreeMap<String, usize> {
+    let mut by_reason = BTreeMap::new();
+    for (run_ns, why) in &driven.collector.motion.interventions {
+        if (driven.goals_run_ns..=driven.end_run_ns).contains(run_ns) {
+            *by_reason.entry(why.label().to_owned()).or_default() += 1;
+        }
+    }
+    by_reason
 }
 
 fn plan(path: &PathRecord, goals_run_ns: u64) -> Plan {
@@ -273,7 +345,12 @@ fn services(prepared: &Prepared, driven: &Driven) -> Vec<ServiceResult> {
         .collect()
 }
 
-fn expectations(prepared: &Prepared, driven: &Driven, replans: &[Plan]) -> Vec<Expectation> {
+fn expectations(
+    prepared: &Prepared,
+    driven: &Driven,
+    replans: &[Plan],
+    by_reason: &BTreeMap<String, usize>,
+) -> Vec<Expectation> {
     let expect = &prepared.scenario.expect;
     let truth = driven.collector.truth.unwrap_or_default();
     let actual = outcome(&driven.ending);
@@ -292,6 +369,7 @@ fn expectations(prepared: &Prepared, driven: &Driven, replans: &[Plan]) -> Vec<E
             matches!(actual, "unreachable" | "goal_blocked"),
         ),
         Outcome::Reached => ("reached", actual == "reached"),
+        Outcome::Timeout => ("timeout", actual == "timeout"),
     };
     add("outcome", wished.to_owned(), actual.to_owned(), met);
     let contacts = truth.contacts_moving + truth.contacts_standing;
@@ -324,6 +402,43 @@ fn expectations(prepared: &Prepared, driven: &Driven, replans: &[Plan]) -> Vec<E
             format!("at most {most}"),
             obstacle.to_string(),
             met,
+        );
+    }
+    if let Some(least_m) = expect.driven_m_min {
+        let driven_m = driven.collector.driven_m_at(driven.end_run_ns);
+        add(
+            "metres driven",
+            format!("at least {least_m}"),
+            format!("{driven_m:.2}"),
+            driven_m >= least_m,
+        );
+    }
+    if let (Some(most_m), Some(goal)) = (expect.goal_distance_m_max, prepared.scenario.goals.last())
+    {
+        let distance_m = truth.pose.distance_m(&goal.pose);
+        add(
+            "metres from the goal",
+            format!("at most {most_m}"),
+            format!("{distance_m:.2}"),
+            distance_m <= most_m,
+        );
+    }
+    for (reason, least) in &expect.interventions_min {
+        let n = by_reason.get(reason).copied().unwrap_or(0);
+        add(
+            &format!("interventions of the guard, {reason}"),
+            format!("at least {least}"),
+            n.to_string(),
+            n >= *least as usize,
+        );
+    }
+    if let Some(least) = expect.restarts_min {
+        let n = driven.restarts.len();
+        add(
+            "restarts",
+            format!("at least {least}"),
+            n.to_string(),
+            n >= least as usize,
         );
     }
     list

@@ -21,6 +21,7 @@ use zeronav_msgs::Pose;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::run::RunMode;
 use zeronav_msgs::task::{Goal, TaskState};
+use zeronav_msgs::topics::{GroundTruth, Topic};
 
 /// How long a run may go on without the robot's next tick.
 const SILENCE_LIMIT: Duration = Duration::from_secs(10);
@@ -29,8 +30,10 @@ const SILENCE_LIMIT: Duration = Duration::from_secs(10);
 const STAND_LIMIT: Duration = Duration::from_secs(4);
 
 /// Ticks that the robot may be ahead of what launch has seen, lockstep only. The buffers of the
-/// taps hold the messages of that many ticks.
-const LEASE_TICKS: u64 = 100;
+/// taps hold the messages of that many ticks, so that nothing is lost however late launch is.
+const LEASE_TICKS: u64 = 30;
+
+const _: () = assert!(LEASE_TICKS <= GroundTruth::ROW.buffer() as u64);
 
 /// Time after which an obstacle or a scan counts as unanswered. [ns]
 pub const DEADLINE_NS: u64 = 5_000_000_000;
@@ -133,6 +136,7 @@ pub fn drive(
             keeper: Keeper::new(prepared, configs),
             line: ProgressLine::new(&prepared.scenario.name, prepared.progress),
             goals_run_ns: 0,
+            struck: 0,
             task: Vec::new(),
             task_id: 0,
             next_goal: 1,
@@ -198,6 +202,8 @@ struct Drive<'a> {
     keeper: Keeper<'a>,
     line: ProgressLine,
     goals_run_ns: u64,
+    /// Kills of the scenario that were made.
+    struck: usize,
     /// The goals of the task at hand.
     task: Vec<Goal>,
     /// Its id, 0 = none was sent.
@@ -336,6 +342,7 @@ impl Drive<'_> {
             if let Some(ending) = self.try_again(stack) {
                 return ending;
             }
+            self.strike(stack);
             let tick = self.collector.robot_tick();
             if tick != moved.0 {
                 moved = (tick, Instant::now());
@@ -384,6 +391,21 @@ impl Drive<'_> {
             }
             Step::Done => Some(Ending::TrialsOver),
             Step::Stuck => Some(Ending::Timeout),
+        }
+    }
+
+    /// Kills what the scenario wants killed by now.
+    fn strike(&mut self, stack: &mut Stack) {
+        let tick_ns = self.prepared.scenario.run.tick_ns();
+        let now_s = seconds(self.collector.robot_tick() * tick_ns);
+        let kills = &self.prepared.scenario.kills;
+        while let Some(kill) = kills.get(self.struck)
+            && kill.at_s <= now_s
+        {
+            self.struck += 1;
+            if let Some(role) = kill.role() {
+                stack.kill(role);
+            }
         }
     }
 

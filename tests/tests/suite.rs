@@ -61,6 +61,13 @@ fn a_folder_runs_once_per_seed_and_leaves_json_csv_and_junit() {
     assert_eq!(summary["score_4ot"], Value::Null);
     let time_s = summary["mean_time_s"].as_f64().expect("seconds");
     assert!((3.0..15.0).contains(&time_s), "{time_s} s for 3.5 m");
+    // From rest to 1 m/s and back: some acceleration comes and goes.
+    let jerk_mps3 = summary["mean_jerk_mps3"].as_f64().expect("a jerk");
+    assert!((0.05..5.0).contains(&jerk_mps3), "{jerk_mps3}");
+    assert!(summary["interventions"].is_u64(), "{report:#}");
+    // Nobody walks here, so there is nobody whose future could be known.
+    assert_eq!(summary["unavoidable"], Value::Null);
+    assert_eq!(summary["arrival"], 1.0);
     let ratio = summary["mean_path_ratio"].as_f64().expect("a ratio");
     assert!((0.95..1.5).contains(&ratio), "{ratio}");
     let runs = report["runs"].as_array().expect("runs");
@@ -194,9 +201,11 @@ fn a_world_of_barn_has_its_score() {
         run["success"] == true,
     );
     if success {
-        let time_s = run["time_s"].as_f64().expect("seconds");
+        let (clock_s, time_s) = (&run["clock_s"], &run["time_s"]);
+        let clock_s = clock_s.as_f64().expect("seconds");
+        assert!(clock_s > 4.0 && clock_s < time_s.as_f64().expect("seconds"));
         // OT of world 1 in the data's index.
-        let golden = 6.2156 / time_s.clamp(2.0 * 6.2156, 8.0 * 6.2156);
+        let golden = 6.2156 / clock_s.clamp(2.0 * 6.2156, 8.0 * 6.2156);
         assert!((score - golden).abs() < 1e-9, "{score}, not {golden}");
     } else {
         assert!(score.abs() < 1e-12, "{report:#}");

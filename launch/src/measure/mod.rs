@@ -8,12 +8,14 @@ pub mod distribution;
 pub mod event;
 pub mod fold;
 pub mod index;
+pub mod motion;
 pub mod tracking;
 
 pub use distribution::Distribution;
 pub use event::{Event, EventOutcome, Latency, judge, measure, reactions};
 pub use fold::RunHash;
 pub use index::Records;
+pub use motion::Motion;
 pub use tracking::Witness;
 
 /// Nanoseconds as seconds.

@@ -3,6 +3,7 @@
 use super::{GoalSpec, Outcome, Scenario, ScenarioError};
 use core::f64::consts::PI;
 use zeronav_msgs::Pose;
+use zeronav_msgs::command::Intervention;
 use zeronav_msgs::map::{TILES_PER_KEYFRAME_MAX, tiles_of};
 use zeronav_msgs::task::GOALS_MAX;
 use zeronav_world::error::{SpecError, number};
@@ -35,6 +36,7 @@ impl Scenario {
             .check()
             .map_err(|error| refused(error.within("robot")))?;
         self.check_run().map_err(refused)?;
+        self.check_kills().map_err(refused)?;
         let (world, warnings) = World::load(&self.world).map_err(|error| match error {
             WorldError::Map(error) => self.error_at("world.map", &error.to_string()),
             WorldError::Data { field, error } => {
@@ -69,6 +71,37 @@ impl Scenario {
         {
             let why = format!("{min} is above obstacle_replans_max {max}");
             return Err(SpecError::new("expect.obstacle_replans_min", why));
+        }
+        if let Some(driven_m) = expect.driven_m_min {
+            number(driven_m, 0.0, 1.0e6, "expect.driven_m_min")?;
+        }
+        if let Some(distance_m) = expect.goal_distance_m_max {
+            number(distance_m, 0.0, 1.0e6, "expect.goal_distance_m_max")?;
+        }
+        for label in expect.interventions_min.keys() {
+            let known = |code| Intervention::from_code(code).map(Intervention::label);
+            if !(1..=u16::MAX).map_while(known).any(|known| known == label) {
+                let field = format!("expect.interventions_min.{label}");
+                return Err(SpecError::new(field, "is no reason of the guard's"));
+            }
+        }
+        Ok(())
+    }
+
+    fn check_kills(&self) -> Result<(), SpecError> {
+        let mut last_s = 0.0;
+        for (index, kill) in self.kills.iter().enumerate() {
+            let at = format!("kills[{index}]");
+            number(kill.at_s, 0.0, TIME_LIMIT_S_MAX, &format!("{at}.at_s"))?;
+            if kill.at_s < last_s {
+                let why = format!("{} s is before the one above, {last_s} s", kill.at_s);
+                return Err(SpecError::new(format!("{at}.at_s"), why));
+            }
+            last_s = kill.at_s;
+            if kill.role().is_none() {
+                let why = format!("`{}` is no service that may be killed", kill.service);
+                return Err(SpecError::new(format!("{at}.service"), why));
+            }
         }
         Ok(())
     }

@@ -3,7 +3,7 @@
 //!
 //! `base = [...]` names files whose values a scenario starts from. Tables are merged key by key,
 //! everything else (numbers, texts, lists) is replaced; a later file wins over an earlier one and
-//! the scenario over all. Behind it is a trick: all texts lie, one after the other, on one number
+//! the scenario over all. `variant = "name"` lays the table `[variants.name]` over that. Behind it is a trick: all texts lie, one after the other, on one number
 //! line, so a span of the TOML parser says which file it means.
 
 use super::error::ScenarioError;
@@ -19,6 +19,12 @@ const FILES_MAX: usize = 16;
 
 /// The key that names the files to build on.
 const BASE: &str = "base";
+
+/// The key that holds the variants: tables that are laid over the scenario, by name.
+pub(super) const VARIANTS: &str = "variants";
+
+/// The key that names one of them.
+const VARIANT: &str = "variant";
 
 #[derive(Debug, Clone)]
 struct Source {
@@ -44,10 +50,12 @@ pub(super) struct Places {
     places: Vec<Place>,
 }
 
-/// Reads the scenario at `origin` and what it builds on.
+/// Reads the scenario at `origin` and what it builds on, as its variant of that name if there is
+/// one.
 pub(super) fn read<T: DeserializeOwned>(
     library: &Library,
     origin: Origin,
+    variant: Option<&str>,
 ) -> Result<(T, Places), ScenarioError> {
     let mut texts = Vec::new();
     gather(library, origin, &mut texts)?;
@@ -57,6 +65,21 @@ pub(super) fn read<T: DeserializeOwned>(
         merge(&mut merged, table);
     }
     merged.remove(BASE);
+    let named = merged.remove(VARIANT);
+    let variants = merged.remove(VARIANTS);
+    let named = named.as_ref().map(|named| (named.span(), named.get_ref()));
+    let wanted = variant.or_else(|| named.as_ref().and_then(|(_, named)| named.as_str()));
+    let changes = wanted.and_then(|wanted| match variants.map(Spanned::into_inner) {
+        Some(DeValue::Table(mut variants)) => variants.remove(wanted).map(Spanned::into_inner),
+        _ => None,
+    });
+    if let Some(DeValue::Table(changes)) = changes {
+        merge(&mut merged, changes);
+    } else if let Some((span, _)) = named {
+        let places = Vec::new();
+        let why = "must be the name of one of the variants";
+        return Err(Places { texts, places }.error(span.start, VARIANT.to_owned(), why));
+    }
     let mut places = Vec::new();
     note_table(&merged, "", &mut places);
     let own = texts.last().map_or(0, |text| text.start);

@@ -6,14 +6,12 @@ use std::path::PathBuf;
 #[derive(Debug, thiserror::Error)]
 pub enum ScenarioError {
     /// There is none of this name.
-    #[error("there is no scenario `{name}`{}; known are {}", guess(closest.as_deref()), known.join(", "))]
+    #[error("there is no scenario `{name}`{}; `zeronav list` names all", guess(closest.as_deref()))]
     Unknown {
         /// What was asked for.
         name: String,
         /// The known name that looks most like it.
         closest: Option<String>,
-        /// All known names.
-        known: Vec<String>,
     },
     /// A file cannot be opened or read.
     #[error("scenario {}: {source}", file.display())]

@@ -3,7 +3,11 @@
 //! What contains a `/` or ends with `.toml` is a path. A name is looked up among the files of the
 //! working folder (`launch/scenarios/NAME.toml`, `launch/worlds/NAME.toml`), then among those that
 //! are built into the program, so the program works in any folder and files override.
+//!
+//! The variants of a scenario have names of their own: variant `4m` of `u_trap.toml` is `u_trap_4m`.
+//! They are what is listed then; `u_trap` is the file as it stands.
 
+use super::document::VARIANTS;
 use super::error::{ScenarioError, closest};
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -11,52 +15,8 @@ use std::path::{Path, PathBuf};
 /// Largest scenario file. [bytes]
 const TEXT_BYTES_MAX: u64 = 4 << 20;
 
-/// Name and text of the scenarios in this program. The files are those that users read.
-const SCENARIOS: [(&str, &str); 9] = [
-    (
-        "blocked_aisle",
-        include_str!("../../scenarios/blocked_aisle.toml"),
-    ),
-    (
-        "crossing_cart",
-        include_str!("../../scenarios/crossing_cart.toml"),
-    ),
-    (
-        "crossing_walkers",
-        include_str!("../../scenarios/crossing_walkers.toml"),
-    ),
-    (
-        "door_closes",
-        include_str!("../../scenarios/door_closes.toml"),
-    ),
-    (
-        "moving_discs",
-        include_str!("../../scenarios/moving_discs.toml"),
-    ),
-    (
-        "open_aisle",
-        include_str!("../../scenarios/open_aisle.toml"),
-    ),
-    ("sealed", include_str!("../../scenarios/sealed.toml")),
-    (
-        "swap_planner",
-        include_str!("../../scenarios/swap_planner.toml"),
-    ),
-    ("unsealed", include_str!("../../scenarios/unsealed.toml")),
-];
-
-/// Name and text of what they build on.
-const WORLDS: [(&str, &str); 6] = [
-    ("jackal", include_str!("../../worlds/jackal.toml")),
-    ("porter", include_str!("../../worlds/porter.toml")),
-    ("turtlebot2", include_str!("../../worlds/turtlebot2.toml")),
-    (
-        "turtlebot3_burger",
-        include_str!("../../worlds/turtlebot3_burger.toml"),
-    ),
-    ("two_rooms", include_str!("../../worlds/two_rooms.toml")),
-    ("warehouse", include_str!("../../worlds/warehouse.toml")),
-];
+// `SCENARIOS` and `WORLDS`: name and text of the files that users read, listed by `build.rs`.
+include!(concat!(env!("OUT_DIR"), "/library.rs"));
 
 /// Which shelf a name is looked up on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -144,6 +104,8 @@ impl core::fmt::Display for Origin {
 /// A scenario that can be run by its name.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Listed {
+    /// What it belongs to in a list; empty when its file does not say.
+    pub group: String,
     /// Its name.
     pub name: String,
     /// Its title; of a file without a readable one, what is wrong with it.
@@ -167,44 +129,48 @@ impl Library {
         }
     }
 
-    /// All scenarios that a name can mean, by name.
+    /// All scenarios that there are, by group and name.
     #[must_use]
     pub fn list(&self) -> Vec<Listed> {
         let kind = Kind::Scenario;
         let mut names = self.names(kind);
         names.sort();
         names.dedup();
-        names
+        let mut listed: Vec<Listed> = names
             .into_iter()
-            .filter_map(|name| {
-                let origin = self.named(kind, &name)?;
-                let title = match origin.text() {
-                    Ok(text) => title_of(&text),
-                    Err(error) => format!("({error})"),
-                };
-                let file = match origin {
-                    Origin::File(file) => Some(file),
-                    Origin::BuiltIn(..) => None,
-                };
-                Some(Listed { name, title, file })
-            })
-            .collect()
+            .filter_map(|name| Some((self.named(kind, &name)?, name)))
+            .flat_map(|(origin, name)| listed(&origin, name))
+            .collect();
+        // A file comes before a variant of the same name, here and when it is looked up.
+        listed.sort_by(|one, other| (&one.group, &one.name).cmp(&(&other.group, &other.name)));
+        listed.dedup_by(|one, other| one.name == other.name);
+        listed
     }
 
-    /// The scenario that `name_or_path` means.
-    pub(super) fn scenario(&self, name_or_path: &str) -> Result<Origin, ScenarioError> {
+    /// The scenario that `name_or_path` means, and which of its variants.
+    pub(super) fn scenario(
+        &self,
+        name_or_path: &str,
+    ) -> Result<(Origin, Option<String>), ScenarioError> {
         if is_path(name_or_path) {
-            return Ok(Origin::File(self.folder.join(name_or_path)));
+            return Ok((Origin::File(self.folder.join(name_or_path)), None));
         }
         let kind = Kind::Scenario;
-        self.named(kind, name_or_path).ok_or_else(|| {
-            let mut known = self.names(kind);
-            known.sort();
-            known.dedup();
+        if let Some(origin) = self.named(kind, name_or_path) {
+            return Ok((origin, None));
+        }
+        let of_file = |(at, _): (usize, &str)| {
+            let (file, variant) = (&name_or_path[..at], &name_or_path[at + 1..]);
+            let origin = self.named(kind, file)?;
+            let known = variants_of(&table_of(&origin)).any(|(known, _)| known == variant);
+            known.then(|| (origin, Some(variant.to_owned())))
+        };
+        let found = name_or_path.match_indices('_').find_map(of_file);
+        found.ok_or_else(|| {
+            let known: Vec<String> = self.list().into_iter().map(|listed| listed.name).collect();
             ScenarioError::Unknown {
                 name: name_or_path.to_owned(),
                 closest: closest(name_or_path, &known).map(str::to_owned),
-                known,
             }
         })
     }
@@ -265,10 +231,57 @@ fn is_path(name_or_path: &str) -> bool {
             .is_some_and(|end| end == "toml")
 }
 
-fn title_of(text: &str) -> String {
-    let title = text
-        .parse::<toml::Table>()
-        .ok()
-        .and_then(|table| Some(table.get("title")?.as_str()?.to_owned()));
-    title.unwrap_or_else(|| "(no readable title)".to_owned())
+/// The variants of a scenario, or the scenario when it has none.
+fn listed(origin: &Origin, name: String) -> Vec<Listed> {
+    let table = table_of(origin);
+    let word = |table: &toml::Table, key: &str| {
+        let word = table.get(key).and_then(toml::Value::as_str);
+        word.map(str::to_owned)
+    };
+    let title = word(&table, "title").unwrap_or_else(|| match origin.text() {
+        Ok(_) => "(no readable title)".to_owned(),
+        Err(error) => format!("({error})"),
+    });
+    let group = word(&table, "group").unwrap_or_default();
+    let file = match origin {
+        Origin::File(file) => Some(file.clone()),
+        Origin::BuiltIn(..) => None,
+    };
+    let of_variant = |(variant, changes): (&str, &toml::Table)| Listed {
+        group: group.clone(),
+        name: format!("{name}_{variant}"),
+        title: word(changes, "title").unwrap_or_else(|| title.clone()),
+        file: file.clone(),
+    };
+    let variants: Vec<Listed> = variants_of(&table).map(of_variant).collect();
+    if !variants.is_empty() {
+        return variants;
+    }
+    vec![Listed {
+        group,
+        name,
+        title,
+        file,
+    }]
+}
+
+/// The table of a scenario's own file; empty when it is none.
+fn table_of(origin: &Origin) -> toml::Table {
+    let text = origin.text().unwrap_or_default();
+    text.parse().unwrap_or_default()
+}
+
+/// The names of the variants of the scenario in `file`.
+pub(super) fn variants_in(file: &Path) -> Vec<String> {
+    let table = table_of(&Origin::File(file.to_owned()));
+    variants_of(&table)
+        .map(|(name, _)| name.to_owned())
+        .collect()
+}
+
+/// Name and changes of the variants of a scenario's own file.
+fn variants_of(table: &toml::Table) -> impl Iterator<Item = (&str, &toml::Table)> {
+    let variants = table.get(VARIANTS).and_then(toml::Value::as_table);
+    let variants = variants.into_iter().flatten();
+    variants.filter_map(|(name, changes)| Some((name.as_str(), changes.as_table()?)))
 }

@@ -10,6 +10,9 @@
 //!
 //! [services.global_planner]
 //! config.planner = "theta_star"
+//!
+//! [variants.slow]                  # `zeronav run NAME_slow`: the same with these values
+//! robot.v_mps_max = 0.3
 //! ```
 //!
 //! Unknown fields are refused, and every error is one line that names file, line and field.
@@ -31,6 +34,7 @@ use crate::supervise::restart::RestartSpec;
 use core::f64::consts::PI;
 use document::Places;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use zeronav_msgs::task::Goal;
 use zeronav_msgs::{Pose, Role};
@@ -44,6 +48,9 @@ pub struct Scenario {
     /// Name of its file without `.toml`.
     #[serde(skip_deserializing)]
     pub name: String,
+    /// What it belongs to in lists.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub group: String,
     /// One line for lists and reports.
     pub title: String,
     /// What happens and why it is interesting.
@@ -73,6 +80,9 @@ pub struct Scenario {
     /// How often services are restarted, and when they count as hung.
     #[serde(default)]
     pub restart: RestartSpec,
+    /// Services that are killed in the middle of the drive, in the order of time.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub kills: Vec<KillSpec>,
     /// What the verdict asks for.
     #[serde(default)]
     pub expect: ExpectSpec,
@@ -238,6 +248,40 @@ pub struct ExpectSpec {
     /// Most new paths that an obstacle caused.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub obstacle_replans_max: Option<u32>,
+    /// Shortest drive. [m]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub driven_m_min: Option<f64>,
+    /// Largest true distance of the robot's centre from the last goal at the end, whatever the stack
+    /// believes. [m]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub goal_distance_m_max: Option<f64>,
+    /// Fewest times that the collision guard stepped in, for each reason that it must have had: the
+    /// labels of [`zeronav_msgs::command::Intervention`].
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub interventions_min: BTreeMap<String, u32>,
+    /// Fewest restarts of services.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub restarts_min: Option<u32>,
+}
+
+/// A service that is killed (SIGKILL), as if it had crashed.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct KillSpec {
+    /// Its seat: `mapping`, `global_planner`, `local_planner` or `collision_guard`.
+    pub service: String,
+    /// Run time from which it is. [s] Launch looks at the run every millisecond, so even in
+    /// lockstep the tick differs a little from run to run.
+    pub at_s: f64,
+}
+
+impl KillSpec {
+    /// The seat; `None` when there is none of that name that may be killed.
+    #[must_use]
+    pub fn role(&self) -> Option<Role> {
+        let mortal = |role: &Role| *role != Role::Robot && role.label() == self.service;
+        Role::SERVICES.into_iter().find(mortal)
+    }
 }
 
 /// Trials: the robot drives to and fro, and one of the world's obstacles is dropped in front of it
@@ -265,6 +309,9 @@ pub enum Outcome {
     Reached,
     /// The stack says that there is no way, and the robot stands.
     Unreachable,
+    /// Nobody says anything until the time is over: what is asked for is asked by the other
+    /// expectations.
+    Timeout,
 }
 
 impl Scenario {
@@ -282,10 +329,14 @@ impl Scenario {
     /// # Errors
     /// See [`ScenarioError`].
     pub fn load_from(library: &Library, name_or_path: &str) -> Result<Self, ScenarioError> {
-        let origin = library.scenario(name_or_path)?;
-        let name = origin.name();
+        let (origin, variant) = library.scenario(name_or_path)?;
+        let name = match &variant {
+            Some(variant) => format!("{}_{variant}", origin.name()),
+            None => origin.name(),
+        };
         let folder = origin.folder().map(Path::to_path_buf);
-        let (mut scenario, places): (Self, Places) = document::read(library, origin)?;
+        let (mut scenario, places): (Self, Places) =
+            document::read(library, origin, variant.as_deref())?;
         for (field, file) in files_of(&mut scenario.world) {
             let folder = places.folder_of(field).unwrap_or(Path::new(""));
             *file = absolute(&folder.join(&*file));
@@ -307,6 +358,12 @@ impl Scenario {
             places,
             ..scenario
         })
+    }
+
+    /// The names of the variants of the scenario in `file`; none when it has none or cannot be read.
+    #[must_use]
+    pub fn variants(file: &Path) -> Vec<String> {
+        library::variants_in(file)
     }
 
     /// The folder of its file; `None` when it is built in.

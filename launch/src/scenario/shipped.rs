@@ -90,7 +90,6 @@ fn the_drawn_files_and_the_built_in_ones_are_the_same() {
     let names = |library: &Library| -> Vec<String> {
         library.list().into_iter().map(|one| one.name).collect()
     };
-    // A file that was forgotten in the list of built-in ones is named here.
     assert_eq!(names(&here), names(&nowhere));
     for name in names(&nowhere) {
         let scenario = Scenario::load_from(&nowhere, &name).unwrap();
@@ -98,6 +97,17 @@ fn the_drawn_files_and_the_built_in_ones_are_the_same() {
         assert!(!scenario.description.is_empty(), "{name}");
         let file = Scenario::load_from(&here, &name).unwrap();
         assert_eq!(file.world, scenario.world, "{name}");
+        assert!(!scenario.group.is_empty(), "{name} is in no group");
+        scenario.validate().unwrap();
+    }
+}
+
+#[test]
+fn the_readme_names_every_scenario() {
+    let readme = include_str!("../../../README.md");
+    for listed in Library::of("/nowhere").list() {
+        let name = format!("`{}`", listed.name);
+        assert!(readme.contains(&name), "README.md does not name {name}");
     }
 }
 

@@ -36,6 +36,21 @@ pub struct ObstacleResult {
     pub corners_m: Vec<[f64; 2]>,
 }
 
+/// The begin of a contact.
+#[derive(Debug, Clone, Serialize)]
+pub struct Touch {
+    /// Time since the first goal. [s]
+    pub time_s: f64,
+    /// True when the robot moved.
+    pub moving: bool,
+    /// Forward speed just before. [m/s]
+    pub v_mps: f64,
+    /// What was touched: a scripted obstacle's name, or `world`.
+    pub with: String,
+    /// True `map_from_base`: x [m], y [m], yaw [rad].
+    pub pose: [f64; 3],
+}
+
 /// What was expected, and whether it came.
 #[derive(Debug, Clone, Serialize)]
 pub struct Expectation {
@@ -141,6 +156,17 @@ pub struct RunResult {
     pub obstacles: Vec<ObstacleResult>,
     /// Where the robot really drove, every 5 cm. [m]
     pub track_m: Vec<[f64; 2]>,
+    /// Ten times a second: time since the first goal [s], true x [m], y [m] and yaw [rad], forward
+    /// speed [m/s], yaw rate [rad/s]. Empty after trials.
+    pub motion: Vec<[f64; 6]>,
+    /// Mean absolute jerk of the forward speed. [m/s^3] Of trials: of the last drive.
+    pub jerk_mps3: Option<f64>,
+    /// What the robot touched. Of trials: in the last drive.
+    pub touches: Vec<Touch>,
+    /// How often the collision guard stepped in. Of trials: in the last drive.
+    pub interventions: usize,
+    /// The same by reason.
+    pub interventions_by_reason: BTreeMap<String, usize>,
     /// Where mapping said the robot was against where it was; of trials: of the last drive.
     pub pose: Option<PoseResult>,
     /// Moving obstacles as mapping followed them; null when nothing moved. Of trials: of the last

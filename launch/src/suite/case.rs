@@ -2,6 +2,7 @@
 
 use super::Setup;
 use super::noise;
+use super::track::Clock;
 use std::path::PathBuf;
 use std::time::Duration;
 use toml::{Table, Value};
@@ -33,6 +34,8 @@ pub(super) struct Rule {
     pub(super) optimal_time_s: Option<f64>,
     /// Length that the driven one is compared with. [m]
     pub(super) reference_m: Option<f64>,
+    /// True when everything moves as it was recorded, whatever the robot does.
+    pub(super) future_is_known: bool,
 }
 
 /// What counts as a success.
@@ -53,6 +56,22 @@ pub(super) enum Success {
 }
 
 impl Case {
+    /// The benchmark's clock; `None` where the benchmark has no score by time.
+    pub(super) fn clock(&self) -> Option<Clock> {
+        let Success::Arrival {
+            goal_m,
+            tolerance_m,
+            ..
+        } = self.rule.success
+        else {
+            return None;
+        };
+        self.rule.optimal_time_s.map(|_| Clock {
+            goal_m,
+            tolerance_m,
+        })
+    }
+
     /// Wall time after which the run counts as hung: far more than a lockstep run takes.
     pub(super) fn wall_limit(&self) -> Duration {
         /// Time to start and stop on a busy machine. [s]

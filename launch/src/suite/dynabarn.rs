@@ -74,6 +74,7 @@ pub(super) fn cases(setup: &Setup<'_>, worlds: &[WorldFile]) -> Result<Vec<Case>
                     },
                     optimal_time_s: None,
                     reference_m: Some(straight_m - GOAL_TOLERANCE_M),
+                    future_is_known: true,
                 },
             });
         }

@@ -30,33 +30,56 @@ pub(super) fn worlds(arguments: &SuiteArgs) -> Result<Vec<WorldFile>, String> {
 pub(super) fn cases(setup: &Setup<'_>, worlds: &[WorldFile]) -> Result<Vec<Case>, String> {
     let mut cases = Vec::new();
     for world in worlds {
-        let file = world.file.display().to_string();
-        let own = Scenario::load(&file).map_err(|error| error.to_string())?;
-        own.validate().map_err(|error| error.to_string())?;
-        let mut sheet = Table::new();
-        sheet.insert("base".into(), vec![file].into());
-        let robot = noise::robot(setup.arguments.noise, &own.robot);
-        if !robot.is_empty() {
-            sheet.insert("robot".into(), robot.into());
-        }
-        let scenario = write(setup, &world.name, sheet)?;
-        let time_limit_s = own.run.time_limit_s;
-        for seed in 1..=setup.arguments.seeds {
-            cases.push(Case {
-                world: world.name.clone(),
-                class: Some(world.name.clone()),
-                seed,
-                scenario: scenario.clone(),
-                time_limit_s,
-                rule: Rule {
-                    success: Success::Expectations,
-                    optimal_time_s: None,
-                    reference_m: straight_m(&own),
-                },
-            });
+        let variants = Scenario::variants(&world.file);
+        let variants: Vec<Option<&str>> = match &variants[..] {
+            [] => vec![None],
+            some => some.iter().map(|name| Some(name.as_str())).collect(),
+        };
+        for variant in variants {
+            cases.extend(of_scenario(setup, world, variant)?);
         }
     }
     Ok(cases)
+}
+
+/// A scenario with every seed.
+fn of_scenario(
+    setup: &Setup<'_>,
+    world: &WorldFile,
+    variant: Option<&str>,
+) -> Result<Vec<Case>, String> {
+    let mut sheet = Table::new();
+    let file = world.file.display().to_string();
+    sheet.insert("base".into(), vec![file].into());
+    let mut name = world.name.clone();
+    if let Some(variant) = variant {
+        sheet.insert("variant".into(), variant.into());
+        name = format!("{name}_{variant}");
+    }
+    // What the noise makes of the robot depends on the robot, so the scenario is read first.
+    let scenario = write(setup, &name, sheet.clone())?;
+    let own = Scenario::load(&scenario.display().to_string()).map_err(|error| error.to_string())?;
+    own.validate().map_err(|error| error.to_string())?;
+    let robot = noise::robot(setup.arguments.noise, &own.robot);
+    if !robot.is_empty() {
+        sheet.insert("robot".into(), robot.into());
+        write(setup, &name, sheet)?;
+    }
+    let time_limit_s = own.run.time_limit_s;
+    let case = |seed| Case {
+        world: name.clone(),
+        class: Some(name.clone()),
+        seed,
+        scenario: scenario.clone(),
+        time_limit_s,
+        rule: Rule {
+            success: Success::Expectations,
+            optimal_time_s: None,
+            reference_m: straight_m(&own),
+            future_is_known: false,
+        },
+    };
+    Ok((1..=setup.arguments.seeds).map(case).collect())
 }
 
 /// Length of the straight lines from start to goal to goal, up to the last one's tolerance; `None`

@@ -1,5 +1,6 @@
 //! What a suite gave: one object for machines, one page for people, and files for both.
 
+use super::hindsight::ContactRow;
 use super::row::Row;
 use super::summary::Summary;
 use super::{csv_file, junit};
@@ -90,6 +91,8 @@ pub struct Report {
     pub groups: Vec<Group>,
     /// The runs.
     pub runs: Vec<Row>,
+    /// Every contact of every run.
+    pub contacts: Vec<ContactRow>,
     /// Wall time. [s]
     pub wall_s: f64,
     /// Machine and build.
@@ -131,6 +134,7 @@ impl Report {
             seeds: arguments.seeds,
             summary: Summary::of(&runs.iter().collect::<Vec<_>>()),
             groups,
+            contacts: runs.iter().flat_map(|row| row.contacts.clone()).collect(),
             runs,
             wall_s,
             environment,
@@ -175,7 +179,7 @@ impl Report {
         let _ = writeln!(
             text,
             "  {:width$} {:>5} {:>8} {:>7} {:>8} {:>8} {:>6} {:>7} {:>7} {:>7} {:>6} {:>9} \
-             {:>8} {:>13}",
+             {:>8} {:>6} {:>13}",
             "",
             "runs",
             "success",
@@ -189,13 +193,28 @@ impl Report {
             "path",
             "clearance",
             "turning",
+            "jerk",
             "interventions"
         );
         let _ = writeln!(
             text,
             "  {:width$} {:>5} {:>8} {:>7} {:>8} {:>8} {:>6} {:>7} {:>7} {:>7} {:>6} {:>9} \
-             {:>8} {:>13}",
-            "", "", "", "moving", "standing", "", "", "s", "2-OT", "4-OT", "ratio", "m", "rad", ""
+             {:>8} {:>6} {:>13}",
+            "",
+            "",
+            "",
+            "moving",
+            "standing",
+            "",
+            "",
+            "s",
+            "2-OT",
+            "4-OT",
+            "ratio",
+            "m",
+            "rad",
+            "m/s^3",
+            ""
         );
         let all = Group {
             name: "all".to_owned(),
@@ -221,8 +240,33 @@ impl Report {
                 );
             }
         }
+        self.write_faults(&mut text);
         let _ = writeln!(text, "\n  {}", self.directory);
         text
+    }
+}
+
+impl Report {
+    /// Whose fault the contacts were, where that can be told.
+    fn write_faults(&self, text: &mut String) {
+        let sum = &self.summary;
+        let Some(unavoidable) = sum.unavoidable else {
+            return;
+        };
+        let _ = writeln!(
+            text,
+            "\n  arrived {:.4}; runs with a contact by own fault {}; contacts while moving that an \
+             oracle could not avoid either {unavoidable}",
+            sum.arrival, sum.contacts_own_fault
+        );
+        let listed = |contact: &&ContactRow| contact.moving && contact.unavoidable;
+        for contact in self.contacts.iter().filter(listed) {
+            let _ = writeln!(
+                text,
+                "    {} seed {} at {:.1} s: {}",
+                contact.world, contact.seed, contact.time_s, contact.with
+            );
+        }
     }
 }
 
@@ -241,7 +285,7 @@ fn write_group(group: &Group, width: usize, text: &mut String) {
     let _ = writeln!(
         text,
         "  {:width$} {:>5} {:>8.4} {:>7} {:>8} {:>8} {:>6} {:>7} {:>7} {:>7} {:>6} {:>9} {:>8} \
-         {:>13}",
+         {:>6} {:>13}",
         group.name,
         sum.runs,
         sum.success,
@@ -255,6 +299,7 @@ fn write_group(group: &Group, width: usize, text: &mut String) {
         cell(sum.mean_path_ratio, 3),
         cell(sum.mean_clearance_m_min, 3),
         cell(sum.mean_turning_rad, 2),
+        cell(sum.mean_jerk_mps3, 2),
         sum.interventions
             .map_or_else(|| "-".to_owned(), |n| n.to_string())
     );

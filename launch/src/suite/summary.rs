@@ -22,10 +22,20 @@ pub struct Summary {
     pub contacts_moving: usize,
     /// Runs with a contact that began while it stood.
     pub contacts_standing: usize,
+    /// Runs with a contact that began while the robot moved and that an oracle who knows every
+    /// future could have avoided.
+    pub contacts_own_fault: usize,
+    /// Contacts that began while the robot moved and that the oracle could not avoid either; null
+    /// where the future depends on the robot.
+    pub unavoidable: Option<u32>,
+    /// Share of the runs in which the robot came to its goal in time, whatever it touched.
+    pub arrival: f64,
     /// Runs whose time was over.
     pub timeouts: usize,
     /// Time of the successes. [s]
     pub mean_time_s: Option<f64>,
+    /// The same by the benchmark's clock, where it has one. [s]
+    pub mean_clock_s: Option<f64>,
     /// Distance driven per length of reference, of the successes.
     pub mean_path_ratio: Option<f64>,
     /// Smallest clearance of all runs. [m]
@@ -34,7 +44,9 @@ pub struct Summary {
     pub mean_clearance_m_min: Option<f64>,
     /// Sum of the changes of direction of a track, of the successes. [rad]
     pub mean_turning_rad: Option<f64>,
-    /// Interventions of the collision guard in all runs, where the results have them.
+    /// Mean absolute jerk of the true forward speed, of the successes. [m/s^3]
+    pub mean_jerk_mps3: Option<f64>,
+    /// Interventions of the collision guard in all runs.
     pub interventions: Option<u64>,
     /// Failures by cause.
     pub causes: BTreeMap<String, usize>,
@@ -67,8 +79,15 @@ impl Summary {
             score_4ot: mean(&|row| row.score_4ot),
             contacts_moving: count(&|row| row.contacts_moving > 0),
             contacts_standing: count(&|row| row.contacts_standing > 0),
+            contacts_own_fault: count(&Row::is_at_fault),
+            unavoidable: rows
+                .iter()
+                .filter_map(|row| row.unavoidable)
+                .reduce(u32::saturating_add),
+            arrival: mean(&|row| Some(f64::from(u8::from(row.arrived)))).unwrap_or(0.0),
             timeouts: count(&Row::is_timeout),
             mean_time_s: of_success(|row| row.time_s),
+            mean_clock_s: of_success(|row| row.clock_s),
             mean_path_ratio: of_success(|row| row.path_ratio),
             clearance_m_min: rows
                 .iter()
@@ -76,6 +95,7 @@ impl Summary {
                 .reduce(f64::min),
             mean_clearance_m_min: mean(&|row| row.clearance_m_min),
             mean_turning_rad: of_success(|row| row.turning_rad),
+            mean_jerk_mps3: of_success(|row| row.jerk_mps3),
             interventions: rows
                 .iter()
                 .filter_map(|row| row.interventions)

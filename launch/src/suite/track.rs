@@ -1,4 +1,4 @@
-//! What the track that was really driven says: points `[x, y]` every 5 cm, without times. [m]
+//! What the track that was really driven says: points `[x, y]` every 5 cm [m], or rows in time.
 
 /// Chords over which directions are compared: shorter ones would measure the spacing of the
 /// points. [m]
@@ -22,6 +22,36 @@ pub(super) fn closest_m(track: &[[f64; 2]], to: [f64; 2]) -> Option<f64> {
         (a[0] + share * along[0] - to[0]).hypot(a[1] + share * along[1] - to[1])
     };
     Some(track.windows(2).map(on_segment).fold(start, f64::min))
+}
+
+/// The clock of BARN: it starts when the robot has really left its start and stops when its centre
+/// really is at the goal.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Clock {
+    /// The goal. [m]
+    pub(super) goal_m: [f64; 2],
+    /// How near counts. [m]
+    pub(super) tolerance_m: f64,
+}
+
+impl Clock {
+    /// Way after which it starts. [m]
+    const LEFT_M: f64 = 0.1;
+
+    /// Time from start to stop of a motion in rows of time [s], x [m], y [m] and more; `None` when
+    /// it did not start or did not stop. [s]
+    #[must_use]
+    pub(super) fn time_s(&self, motion: &[[f64; 6]]) -> Option<f64> {
+        let [_, x0, y0, ..] = *motion.first()?;
+        let far_m = |row: &[f64; 6], from: [f64; 2]| (row[1] - from[0]).hypot(row[2] - from[1]);
+        let left = motion
+            .iter()
+            .find(|row| far_m(row, [x0, y0]) > Self::LEFT_M)?;
+        let there = motion
+            .iter()
+            .find(|row| far_m(row, self.goal_m) <= self.tolerance_m)?;
+        Some(there[0] - left[0])
+    }
 }
 
 /// Sum of the changes of direction from chord to chord of [`CHORD_M`] or a little more, without
@@ -60,6 +90,26 @@ mod tests {
         assert!((closest_m(&track, [7.0, 4.0]).unwrap() - 5.0).abs() < 1e-12);
         assert!((closest_m(&track[..1], [3.0, 4.0]).unwrap() - 5.0).abs() < 1e-12);
         assert_eq!(closest_m(&[], [1.0, 0.5]), None);
+    }
+
+    #[test]
+    fn the_clock_runs_from_the_first_decimetre_to_the_tolerance() {
+        let row = |t: f64, x: f64| [t, x, 0.0, 0.0, 0.0, 0.0];
+        let motion = [
+            row(0.0, 0.0),
+            row(0.5, 0.1),
+            row(0.6, 0.2),
+            row(3.0, 4.0),
+            row(4.0, 4.5),
+        ];
+        let clock = |goal_x| Clock {
+            goal_m: [goal_x, 0.0],
+            tolerance_m: 1.0,
+        };
+        assert!((clock(5.0).time_s(&motion).unwrap() - 2.4).abs() < 1e-12);
+        assert_eq!(clock(9.0).time_s(&motion), None);
+        assert_eq!(clock(5.0).time_s(&motion[..2]), None);
+        assert_eq!(clock(5.0).time_s(&[]), None);
     }
 
     #[test]

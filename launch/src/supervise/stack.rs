@@ -1,6 +1,7 @@
 //! A running stack: the domain, its topics, launch's own ports, and the processes.
 
 use super::child::Child;
+use rustix::process::Signal;
 use std::ffi::OsString;
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -10,8 +11,8 @@ use zeronav_msgs::run::{RunClock, RunControl, RunMode, Seat};
 use zeronav_msgs::task::{Goal, Task, TaskKind};
 use zeronav_msgs::topics::{
     EVENT_NEED_KEYFRAME, GroundTruth, HealthTopic, MapKeyframe, MapObstacles, MapUpdate, PlanPath,
-    RobotDescription, RobotOdometry, RunClockTopic, RunControlTopic, SimPlacement, TaskGoal,
-    TaskState, health_of,
+    RobotCommand, RobotDescription, RobotOdometry, RunClockTopic, RunControlTopic, SimPlacement,
+    TaskGoal, TaskState, health_of,
 };
 use zeronav_msgs::truth::{Placement, Placements};
 use zeronav_shell::clock::now_ns;
@@ -49,6 +50,8 @@ pub struct Taps {
     pub spans: SpanReader,
     /// What is really so.
     pub truth: Stream<GroundTruth>,
+    /// What the guard lets the wheels do.
+    pub commands: Stream<RobotCommand>,
     /// Where the wheels say the robot is.
     pub odometry: Stream<RobotOdometry>,
     /// What mapping has seen moving.
@@ -104,6 +107,7 @@ impl Stack {
         let taps = Taps {
             spans: peer.span_reader()?,
             truth: peer.stream()?,
+            commands: peer.stream()?,
             odometry: peer.stream()?,
             moving: peer.stream()?,
             updates: peer.stream()?,
@@ -153,6 +157,13 @@ impl Stack {
         stack.clock.publish(&Draft::default(), clock, &[]);
         stack.publish_control();
         Ok(stack)
+    }
+
+    /// Kills the process of a seat, as if it had crashed.
+    pub fn kill(&mut self, role: Role) {
+        for child in self.children.iter_mut().filter(|child| child.role == role) {
+            child.signal(Signal::KILL);
+        }
     }
 
     /// Root folder of the domain.

@@ -1,0 +1,39 @@
+//! A local planner that asks for the robot's full speed straight on with every odometry, whatever
+//! is there, and says that it can stop at once.
+
+use std::process::ExitCode;
+use zeronav_msgs::command::{Validity, VelocityRequest};
+use zeronav_msgs::role::Role;
+use zeronav_shell::doorbell::Rung;
+use zeronav_shell::{Service, Shell, StartError};
+use zeronav_tests::seats::{AnyConfig, RequestSeat};
+
+/// Faster than any robot of this project. [m/s]
+const FULL_MPS: f64 = 5.0;
+
+struct RequestsFullSpeed(RequestSeat);
+
+impl Service for RequestsFullSpeed {
+    const ROLE: Role = Role::LocalPlanner;
+    type Config = AnyConfig;
+
+    fn open(shell: &mut Shell, _config: AnyConfig) -> Result<Self, StartError> {
+        Ok(Self(RequestSeat::open(shell)?))
+    }
+
+    fn wake(&mut self, shell: &mut Shell, _rung: Rung) -> Result<Option<u64>, StartError> {
+        for turn in self.0.turns(shell) {
+            let request = VelocityRequest {
+                v_mps: FULL_MPS,
+                validity: Validity::Drive.code(),
+                ..VelocityRequest::default()
+            };
+            self.0.answer(shell, turn, request);
+        }
+        Ok(None)
+    }
+}
+
+fn main() -> ExitCode {
+    zeronav_shell::run::<RequestsFullSpeed>()
+}
