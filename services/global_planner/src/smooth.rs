@@ -14,6 +14,7 @@ use crate::papers::spline::{point_on, segments};
 use crate::planner::{CellPath, PlanQuery};
 use nalgebra::Point2;
 use zeronav_msgs::Cell;
+use zeronav_msgs::path::WAYPOINTS_MAX;
 
 /// Control points in place of one where the path is followed closely.
 const CLOSER: u32 = 4;
@@ -61,7 +62,8 @@ pub(crate) struct Smooth {
 
 impl Smooth {
     /// Rounds the path and makes `path.cells` those of the curve, unless it is rounded already or
-    /// no piece of it can be. `spacing_m`: distance of the control points, > 0.
+    /// no piece of it can be, or the curve has more points than a message holds. `spacing_m`:
+    /// distance of the control points, at least a cell's side.
     pub(crate) fn run(&mut self, query: &PlanQuery<'_>, spacing_m: f64, path: &mut CellPath) {
         if !path.curve.is_empty() || path.cells.len() < 3 {
             return;
@@ -77,8 +79,11 @@ impl Smooth {
             }
             self.place(n);
             if self.draw(query, &path.cells) {
-                core::mem::swap(&mut path.curve, &mut self.curve);
-                core::mem::swap(&mut path.cells, &mut self.chain);
+                // A curve that no message holds must not take the place of a path that one does.
+                if self.curve.len() <= WAYPOINTS_MAX {
+                    core::mem::swap(&mut path.curve, &mut self.curve);
+                    core::mem::swap(&mut path.cells, &mut self.chain);
+                }
                 return;
             }
         }
@@ -106,7 +111,8 @@ impl Smooth {
                 .map_or(0.0, |(last, _)| (at - last).norm());
             self.corners.push((at, arc_m));
         }
-        let n = ((arc_m / spacing_m).round() as usize).clamp(2, 4 * cells.len() + 2);
+        let spacing_m = spacing_m.max(geometry.resolution_m);
+        let n = ((arc_m / spacing_m).round() as usize).max(2);
         let interval = |at_m: f64| ((at_m / arc_m * n as f64) as usize).min(n - 1);
         self.closeness.clear();
         self.closeness.resize(n, Closeness::Loose);
