@@ -6,6 +6,9 @@ use crate::table::{
 };
 use serde::{Deserialize, Serialize};
 
+/// Largest [`GlobalPlannerConfig::smooth_m`]. [m]
+pub const SMOOTH_M_MAX: f64 = 2.0;
+
 /// Configuration of the global planner.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -22,6 +25,9 @@ pub struct GlobalPlannerConfig {
     /// cell has been expanded.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub budget_expansions: Option<u64>,
+    /// [m] distance of the control points of the curve that rounds the path, 0 to [`SMOOTH_M_MAX`];
+    /// 0 = the path stays as the planner made it.
+    pub smooth_m: f64,
     /// [m] distance of the robot from its path from which a new one is made, > 0.
     pub off_path_m: f64,
     /// Part of the remaining cost that a shortcut must save, 0 to 1.
@@ -38,6 +44,7 @@ impl Default for GlobalPlannerConfig {
             unknown: Unknown::default(),
             corner_rule: CornerRule::default(),
             budget_expansions: None,
+            smooth_m: 0.0,
             off_path_m: 1.5,
             shortcut_gain: 0.05,
             shortcut_every_revisions: 5,
@@ -81,6 +88,7 @@ impl GlobalPlannerConfig {
         )?;
         within("options.escape_m", options.escape_m, 0.0, ESCAPE_M_MAX)?;
         options.papers.check()?;
+        within("smooth_m", self.smooth_m, 0.0, SMOOTH_M_MAX)?;
         within("off_path_m", self.off_path_m, 0.05, 1.0e3)?;
         within("shortcut_gain", self.shortcut_gain, 0.0, 1.0)?;
         let every = f64::from(self.shortcut_every_revisions);

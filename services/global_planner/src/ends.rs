@@ -1,8 +1,10 @@
 //! Both ends of a path: out of the inflation at the start, into the tolerance at the goal.
 
+use crate::goal_cell::GoalCell;
 use crate::moves::STEPS;
 use crate::planner::{CornerRule, PlanError, PlanQuery, Unknown};
-use zeronav_msgs::{Cell, MapCell, MapView};
+use crate::window::{Window, cells_in};
+use zeronav_msgs::{Cell, MapView};
 
 /// Where a search begins and ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -24,6 +26,7 @@ pub struct WayOut {
     seen: Vec<u8>,
     window: Window,
     queue: Vec<Cell>,
+    goal: GoalCell,
 }
 
 impl WayOut {
@@ -79,7 +82,10 @@ pub fn find_ends(
         .cell_at(query.goal.point())
         .ok_or(PlanError::GoalOutsideMap)?;
     let start = leave_inflation(query, start, escape_m, way_out).ok_or(PlanError::StartBlocked)?;
-    let goal = nearest_free(query, goal).ok_or(PlanError::GoalBlocked)?;
+    let goal = way_out
+        .goal
+        .find(query, goal, &way_out.exits)
+        .ok_or(PlanError::GoalBlocked)?;
     Ok(Ends { start, goal })
 }
 
@@ -148,80 +154,4 @@ fn corner_is_free(
         !passable(map, unknown, Cell::new(to.x, from.y)),
         !passable(map, unknown, Cell::new(from.x, to.y)),
     )
-}
-
-/// The free cell nearest to the goal, ring by ring.
-fn nearest_free(query: &PlanQuery<'_>, own: Cell) -> Option<Cell> {
-    let geometry = query.map.geometry;
-    let is_free = |cell: MapCell| !query.unknown.blocks(cell);
-    if query.map.get(own).is_some_and(is_free) {
-        return Some(own);
-    }
-    let mut best: Option<(f64, Cell)> = None;
-    let (width, height) = geometry.size();
-    let rings = cells_in(query.tolerance_m, geometry.resolution_m)
-        .saturating_add(1)
-        .min(width.max(height));
-    for ring in 1..=rings {
-        // Centres of this ring and all later ones are at least this far.
-        let at_least_m = (f64::from(ring) - 0.5) * geometry.resolution_m;
-        if best.is_some_and(|(distance_m, _)| distance_m < at_least_m) {
-            break;
-        }
-        for y in -ring..=ring {
-            let stride = if y.abs() == ring { 1 } else { 2 * ring };
-            let mut x = -ring;
-            while x <= ring {
-                let cell = Cell::new(own.x + x, own.y + y);
-                if query.map.get(cell).is_some_and(is_free) {
-                    let distance_m = (geometry.centre_of(cell) - query.goal.point()).norm();
-                    if distance_m <= query.tolerance_m
-                        && best.is_none_or(|(nearest_m, _)| distance_m < nearest_m)
-                    {
-                        best = Some((distance_m, cell));
-                    }
-                }
-                x += stride;
-            }
-        }
-    }
-    best.map(|(_, cell)| cell)
-}
-
-/// Whole cells in a distance; bounded, 0 for what is not a distance.
-#[allow(
-    clippy::cast_possible_truncation,
-    reason = "clamped to the side of the largest map"
-)]
-fn cells_in(distance_m: f64, resolution_m: f64) -> i32 {
-    let side = f64::from(zeronav_msgs::grid::SIDE_CELLS_MAX);
-    // Rounding must not lose the cell at the very end of the distance.
-    ((distance_m / resolution_m + 1.0e-6).floor().max(0.0)).min(side) as i32
-}
-
-/// A square of cells.
-#[derive(Debug, Clone, Copy, Default)]
-struct Window {
-    min: Cell,
-    side: i32,
-}
-
-impl Window {
-    fn around(centre: Cell, radius: i32) -> Self {
-        Self {
-            min: Cell::new(centre.x - radius, centre.y - radius),
-            side: 2 * radius + 1,
-        }
-    }
-
-    fn len(self) -> usize {
-        let side = self.side.cast_unsigned() as usize;
-        side * side
-    }
-
-    fn index_of(self, cell: Cell) -> Option<usize> {
-        let (x, y) = (cell.x - self.min.x, cell.y - self.min.y);
-        let inside = (0..self.side).contains(&x) && (0..self.side).contains(&y);
-        inside.then(|| (y * self.side + x).cast_unsigned() as usize)
-    }
 }

@@ -47,6 +47,7 @@ use crate::corridor::Legality;
 use crate::moves::octile_cells;
 use crate::plan::{Plan, Target};
 use crate::planner::{Control, Expansions, GlobalPlanner, PlanQuery};
+use crate::smooth::Smooth;
 use zeronav_msgs::path::{PathCause, PathStatus};
 use zeronav_msgs::request::RequestReason;
 use zeronav_msgs::{Cell, CellRect, MapView, Pose};
@@ -118,6 +119,7 @@ pub struct Replanner {
     plan: Plan,
     candidate: Plan,
     memory: CostMemory,
+    smooth: Smooth,
     pending: Option<Pending>,
     /// What the map did since the last search.
     change: Change,
@@ -142,6 +144,7 @@ impl Replanner {
             plan: Plan::idle(row.key),
             candidate: Plan::idle(row.key),
             memory: CostMemory::default(),
+            smooth: Smooth::default(),
             pending: None,
             change: Change::default(),
             promised_m: f64::INFINITY,
@@ -215,6 +218,10 @@ impl Replanner {
         let result = self
             .planner
             .plan(&query, &mut limited, &mut candidate.cells);
+        if result.is_ok() && self.config.smooth_m > 0.0 {
+            self.smooth
+                .run(&query, self.config.smooth_m, &mut candidate.cells);
+        }
         let legality = Legality {
             unknown: self.config.unknown,
             corner_rule: self.config.corner_rule,

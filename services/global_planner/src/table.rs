@@ -26,6 +26,7 @@ use crate::papers::zm_hw::zm_hw;
 use crate::papers::zm_im::zm_im;
 use crate::papers::zm_tra::zm_tra;
 use crate::planner::GlobalPlanner;
+use crate::policy::Policy;
 use serde::{Deserialize, Serialize};
 
 /// What a planner is told once, when it is built.
@@ -105,6 +106,13 @@ pub const PLANNERS: &[PlannerRow] = &[
                  Goal-Directed Navigation in Dynamic Terrain\", AAAI 2015",
         complete: true,
         build: |options| Box::new(Mpgaa::new(options)),
+    },
+    PlannerRow {
+        key: "policy",
+        title: "Jumps where all cells cost the same, the kept field where they do not",
+        source: "the searches of jps and mpgaa; which, is counted on the map",
+        complete: true,
+        build: |options| Box::new(Policy::new(options)),
     },
     PlannerRow {
         key: "jps",
@@ -287,7 +295,7 @@ pub const PLANNERS: &[PlannerRow] = &[
 ];
 
 /// Keys of the planners whose ways are the shortest when all costs are 0 and no corner may be cut.
-pub const EXACT: &[&str] = &["c_astar", "mpgaa", "jps", "canonical", "anytime"];
+pub const EXACT: &[&str] = &["c_astar", "mpgaa", "policy", "jps", "canonical", "anytime"];
 
 /// No planner has this key.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]

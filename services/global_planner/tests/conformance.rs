@@ -281,6 +281,42 @@ fn a_blocked_goal_gives_way_within_the_tolerance() {
 }
 
 #[test]
+fn a_blocked_goal_gives_way_to_a_cell_that_can_be_reached() {
+    // In the wall between a room and a box: the inside of the box is nearer.
+    let (mut map, at) = Map::drawn(
+        "S....####
+         .....#..#
+         ....#G..#
+         .....#..#
+         .....####",
+    );
+    map.put(at('G'), of_cost(COST_LETHAL));
+    for row in PLANNERS {
+        let mut query = query(&map, at('S'), at('G'));
+        query.tolerance_m = 0.101;
+        let mut path = CellPath::default();
+        let result = build(row).plan(&query, &mut go, &mut path);
+        if gave_up(row, result) {
+            continue;
+        }
+        result.unwrap_or_else(|error| panic!("{}: {error}", row.key));
+        let last = *path.cells.last().unwrap();
+        assert!(last.x < 5, "{}: {last:?}", row.key);
+        let apart = f64::from(last.x - at('G').x).hypot(f64::from(last.y - at('G').y));
+        assert!((1.3..=2.01).contains(&apart), "{}: {last:?}", row.key);
+        // With less tolerance only the box is left.
+        query.tolerance_m = 0.06;
+        let result = build(row).plan(&query, &mut go, &mut path);
+        if !gave_up(row, result) {
+            let none = PlanError::Unreachable {
+                blocked_by_corner: false,
+            };
+            assert_eq!(result, Err(none), "{}", row.key);
+        }
+    }
+}
+
+#[test]
 fn unknown_cells_are_what_the_query_says() {
     let (map, at) = Map::drawn("S?G");
     for row in PLANNERS {
