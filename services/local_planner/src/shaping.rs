@@ -10,14 +10,13 @@ use crate::config::ShapingConfig;
 use crate::motion::{Twist, reachable};
 use zeronav_msgs::description::Description;
 
-/// A change of the last command that is none. [m/s], [rad/s]
-const SAME: f64 = 1.0e-9;
+/// A speed that is none: whatever led to it has ended there. [m/s], [rad/s]
+const STANDING: f64 = 1.0e-9;
 
 /// Remembers the acceleration of the last command.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Shaper {
     config: ShapingConfig,
-    last: Twist,
     /// [m/s^2] and [rad/s^2] that led to it.
     a_mps2: f64,
     alpha_radps2: f64,
@@ -29,7 +28,6 @@ impl Shaper {
     pub const fn new(config: ShapingConfig) -> Self {
         Self {
             config,
-            last: Twist::REST,
             a_mps2: 0.0,
             alpha_radps2: 0.0,
         }
@@ -38,20 +36,14 @@ impl Shaper {
     /// The twist nearest to `wanted` that a command of `period_s` reaches from `from`: within the
     /// accelerations of the robot, and with accelerations that change by no more than the jerk and
     /// can end at `wanted`. Never across rest unless `wanted` lies there, and never beyond the
-    /// robot's speeds: the jerk yields to both. So does it, the other way, where `from` is not the
-    /// command before: then nobody knows the acceleration, and it counts as none.
+    /// robot's speeds: the jerk yields to both. `from` may lie beside the last command, because the
+    /// robot follows late; the acceleration that was asked for last goes on all the same.
     #[must_use]
     pub fn next(&self, robot: &Description, from: Twist, wanted: Twist, period_s: f64) -> Twist {
         let straight = reachable(robot, from, wanted, period_s);
-        let known = |now: f64, last: f64, rate: f64| {
-            if (now - last).abs() <= SAME && now.abs() > SAME {
-                rate
-            } else {
-                0.0
-            }
-        };
-        let a = known(from.v_mps, self.last.v_mps, self.a_mps2);
-        let alpha = known(from.w_radps, self.last.w_radps, self.alpha_radps2);
+        let known = |now: f64, rate: f64| if now.abs() > STANDING { rate } else { 0.0 };
+        let a = known(from.v_mps, self.a_mps2);
+        let alpha = known(from.w_radps, self.alpha_radps2);
         let jerk = &self.config;
         let v = ease(from.v_mps, wanted.v_mps, a, jerk.jerk_mps3, period_s);
         let w = ease(
@@ -87,7 +79,6 @@ impl Shaper {
     pub fn published(&mut self, from: Twist, twist: Twist, period_s: f64) {
         self.a_mps2 = (twist.v_mps - from.v_mps) / period_s;
         self.alpha_radps2 = (twist.w_radps - from.w_radps) / period_s;
-        self.last = twist;
     }
 }
 
@@ -140,7 +131,6 @@ mod tests {
         for (from, to) in [(0.0, 0.8), (0.8, 0.2), (0.5, -0.2), (-0.3, 0.9), (0.8, 0.0)] {
             let mut shaper = Shaper::new(config());
             let mut twist = Twist::new(from, 0.0);
-            shaper.last = twist;
             let (mut rate, mut most) = (0.0_f64, 0.0_f64);
             for _ in 0..250 {
                 let next = shaper.next(&robot(), twist, Twist::new(to, 0.0), PERIOD_S);
