@@ -75,6 +75,12 @@ impl Shaper {
         Twist::new(v_mps, w_radps)
     }
 
+    /// Takes in that the robot brakes or does what another one decided: the way back from there is
+    /// no jerk of ours, or one period of braking would go on for as long as the jerk takes to end it.
+    pub fn interrupted(&mut self) {
+        (self.a_mps2, self.alpha_radps2) = (0.0, 0.0);
+    }
+
     /// Takes in the command that was published after `from`.
     pub fn published(&mut self, from: Twist, twist: Twist, period_s: f64) {
         self.a_mps2 = (twist.v_mps - from.v_mps) / period_s;
@@ -162,7 +168,7 @@ mod tests {
             let mut shaper = Shaper::new(config());
             let mut twist = Twist::REST;
             let (mut a, mut alpha) = (0.0_f64, 0.0_f64);
-            let mut was_at_rest = true;
+            let (mut was_at_rest, mut was_emergency) = (true, false);
             let periods = wanted.iter().flat_map(|(v, w, n)| std::iter::repeat_n((*v, *w), *n));
             for (period, (v, w)) in periods.enumerate() {
                 let wanted = Twist::new(
@@ -175,7 +181,11 @@ mod tests {
                 } else {
                     shaper.next(&robot, twist, wanted, PERIOD_S)
                 };
-                shaper.published(twist, next, PERIOD_S);
+                if emergency {
+                    shaper.interrupted();
+                } else {
+                    shaper.published(twist, next, PERIOD_S);
+                }
                 let now = (next.v_mps - twist.v_mps) / PERIOD_S;
                 let turning = (next.w_radps - twist.w_radps) / PERIOD_S;
                 prop_assert!(next.v_mps >= robot.v_mps_min - 1e-9);
@@ -186,21 +196,21 @@ mod tests {
                 let bound = if away { 1.0 } else { 2.0 };
                 prop_assert!(now.abs() <= bound + 1e-9, "{twist:?} to {next:?}");
                 prop_assert!(turning.abs() <= 4.0 + 1e-9);
-                // Exempt: emergencies, and where a speed ends or turns round.
+                // Exempt: emergencies, the way back from them, and where a speed ends or turns round.
                 let at_rest = twist.v_mps * next.v_mps <= 1e-9;
                 let at_limit = next.v_mps >= robot.v_mps_max - 1e-9
                     || next.v_mps <= robot.v_mps_min + 1e-9;
-                if !emergency && !at_rest && !was_at_rest && !at_limit {
+                if !emergency && !was_emergency && !at_rest && !was_at_rest && !at_limit {
                     prop_assert!((now - a).abs() <= 10.0 * PERIOD_S + 1e-9, "{a} to {now}");
                 }
                 let turn_ends = twist.w_radps.abs() <= 1e-9
                     || next.w_radps.abs() >= robot.w_radps_max - 1e-9;
-                if !emergency && !turn_ends {
+                if !emergency && !was_emergency && !turn_ends {
                     let change = (turning - alpha).abs();
                     prop_assert!(change <= 60.0 * PERIOD_S + 1e-9, "{alpha} to {turning}");
                 }
                 (a, alpha, twist) = (now, turning, next);
-                was_at_rest = at_rest;
+                (was_at_rest, was_emergency) = (at_rest, emergency);
             }
         }
     }
