@@ -305,8 +305,8 @@ pub struct ShapingConfig {
 impl Default for ShapingConfig {
     fn default() -> Self {
         Self {
-            jerk_mps3: 10.0,
-            jerk_radps3: 60.0,
+            jerk_mps3: 300.0,
+            jerk_radps3: 2000.0,
         }
     }
 }

@@ -75,7 +75,7 @@ pub trait Controller {
     fn decide(&mut self, situation: &Situation<'_>) -> Decision;
 
     /// Another command than the controller's was published for a period: its next one starts there.
-    fn overruled(&mut self, published: Twist, period_s: f64) {
-        let _ = (published, period_s);
+    fn overruled(&mut self, published: Twist) {
+        let _ = published;
     }
 }

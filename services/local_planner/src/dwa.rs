@@ -300,7 +300,11 @@ impl Dwa {
             other => other,
         };
         self.last = twist;
-        self.shaper.published(from, twist, period_s);
+        if twist == rest {
+            self.shaper.interrupted();
+        } else {
+            self.shaper.published(from, twist, period_s);
+        }
         Decision {
             v_mps: twist.v_mps,
             w_radps: twist.w_radps,
@@ -317,8 +321,8 @@ impl Controller for Dwa {
         self.decide_with(situation, None)
     }
 
-    fn overruled(&mut self, published: Twist, period_s: f64) {
-        self.shaper.published(self.last, published, period_s);
+    fn overruled(&mut self, published: Twist) {
+        self.shaper.interrupted();
         self.last = published;
     }
 }

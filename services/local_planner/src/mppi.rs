@@ -94,8 +94,8 @@ impl Controller for Mppi {
         }
     }
 
-    fn overruled(&mut self, published: Twist, period_s: f64) {
-        self.dwa.overruled(published, period_s);
+    fn overruled(&mut self, published: Twist) {
+        self.dwa.overruled(published);
         self.optimiser.plan.forget();
     }
 }

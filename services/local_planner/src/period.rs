@@ -203,7 +203,7 @@ impl LocalPlanner {
                 let recovery = self.idle_recovery(inputs, step);
                 let rest = self.rest(inputs, validity);
                 let twist = Twist::new(rest.v_mps, rest.w_radps);
-                self.controller.overruled(twist, inputs.period_s);
+                self.controller.overruled(twist);
                 (rest, recovery, stale)
             }
         };
@@ -336,9 +336,9 @@ impl LocalPlanner {
         let manoeuvring = matches!(behaviour, Behaviour::BackUp | Behaviour::Rotate);
         let twist = Twist::new(decision.v_mps, decision.w_radps);
         if manoeuvring {
-            self.controller.overruled(twist, situation.period_s);
+            self.controller.overruled(twist);
         } else {
-            self.escape.published(last, twist, situation.period_s);
+            self.escape.interrupted();
         }
         let blocked = decision.validity == Validity::Blocked;
         // Only who may begin a manoeuvre, or is in one, needs to know.

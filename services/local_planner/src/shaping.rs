@@ -10,14 +10,13 @@ use crate::config::ShapingConfig;
 use crate::motion::{Twist, reachable};
 use zeronav_msgs::description::Description;
 
-/// A change of the last command that is none. [m/s], [rad/s]
-const SAME: f64 = 1.0e-9;
+/// A speed that is none: whatever led to it has ended there. [m/s], [rad/s]
+const STANDING: f64 = 1.0e-9;
 
 /// Remembers the acceleration of the last command.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Shaper {
     config: ShapingConfig,
-    last: Twist,
     /// [m/s^2] and [rad/s^2] that led to it.
     a_mps2: f64,
     alpha_radps2: f64,
@@ -29,7 +28,6 @@ impl Shaper {
     pub const fn new(config: ShapingConfig) -> Self {
         Self {
             config,
-            last: Twist::REST,
             a_mps2: 0.0,
             alpha_radps2: 0.0,
         }
@@ -38,20 +36,14 @@ impl Shaper {
     /// The twist nearest to `wanted` that a command of `period_s` reaches from `from`: within the
     /// accelerations of the robot, and with accelerations that change by no more than the jerk and
     /// can end at `wanted`. Never across rest unless `wanted` lies there, and never beyond the
-    /// robot's speeds: the jerk yields to both. So does it, the other way, where `from` is not the
-    /// command before: then nobody knows the acceleration, and it counts as none.
+    /// robot's speeds: the jerk yields to both. `from` may lie beside the last command, because the
+    /// robot follows late; the acceleration that was asked for last goes on all the same.
     #[must_use]
     pub fn next(&self, robot: &Description, from: Twist, wanted: Twist, period_s: f64) -> Twist {
         let straight = reachable(robot, from, wanted, period_s);
-        let known = |now: f64, last: f64, rate: f64| {
-            if (now - last).abs() <= SAME && now.abs() > SAME {
-                rate
-            } else {
-                0.0
-            }
-        };
-        let a = known(from.v_mps, self.last.v_mps, self.a_mps2);
-        let alpha = known(from.w_radps, self.last.w_radps, self.alpha_radps2);
+        let known = |now: f64, rate: f64| if now.abs() > STANDING { rate } else { 0.0 };
+        let a = known(from.v_mps, self.a_mps2);
+        let alpha = known(from.w_radps, self.alpha_radps2);
         let jerk = &self.config;
         let v = ease(from.v_mps, wanted.v_mps, a, jerk.jerk_mps3, period_s);
         let w = ease(
@@ -83,11 +75,16 @@ impl Shaper {
         Twist::new(v_mps, w_radps)
     }
 
+    /// Takes in that the robot brakes or does what another one decided: the way back from there is
+    /// no jerk of ours, or one period of braking would go on for as long as the jerk takes to end it.
+    pub fn interrupted(&mut self) {
+        (self.a_mps2, self.alpha_radps2) = (0.0, 0.0);
+    }
+
     /// Takes in the command that was published after `from`.
     pub fn published(&mut self, from: Twist, twist: Twist, period_s: f64) {
         self.a_mps2 = (twist.v_mps - from.v_mps) / period_s;
         self.alpha_radps2 = (twist.w_radps - from.w_radps) / period_s;
-        self.last = twist;
     }
 }
 
@@ -140,7 +137,6 @@ mod tests {
         for (from, to) in [(0.0, 0.8), (0.8, 0.2), (0.5, -0.2), (-0.3, 0.9), (0.8, 0.0)] {
             let mut shaper = Shaper::new(config());
             let mut twist = Twist::new(from, 0.0);
-            shaper.last = twist;
             let (mut rate, mut most) = (0.0_f64, 0.0_f64);
             for _ in 0..250 {
                 let next = shaper.next(&robot(), twist, Twist::new(to, 0.0), PERIOD_S);
@@ -172,7 +168,7 @@ mod tests {
             let mut shaper = Shaper::new(config());
             let mut twist = Twist::REST;
             let (mut a, mut alpha) = (0.0_f64, 0.0_f64);
-            let mut was_at_rest = true;
+            let (mut was_at_rest, mut was_emergency) = (true, false);
             let periods = wanted.iter().flat_map(|(v, w, n)| std::iter::repeat_n((*v, *w), *n));
             for (period, (v, w)) in periods.enumerate() {
                 let wanted = Twist::new(
@@ -185,7 +181,11 @@ mod tests {
                 } else {
                     shaper.next(&robot, twist, wanted, PERIOD_S)
                 };
-                shaper.published(twist, next, PERIOD_S);
+                if emergency {
+                    shaper.interrupted();
+                } else {
+                    shaper.published(twist, next, PERIOD_S);
+                }
                 let now = (next.v_mps - twist.v_mps) / PERIOD_S;
                 let turning = (next.w_radps - twist.w_radps) / PERIOD_S;
                 prop_assert!(next.v_mps >= robot.v_mps_min - 1e-9);
@@ -196,21 +196,21 @@ mod tests {
                 let bound = if away { 1.0 } else { 2.0 };
                 prop_assert!(now.abs() <= bound + 1e-9, "{twist:?} to {next:?}");
                 prop_assert!(turning.abs() <= 4.0 + 1e-9);
-                // Exempt: emergencies, and where a speed ends or turns round.
+                // Exempt: emergencies, the way back from them, and where a speed ends or turns round.
                 let at_rest = twist.v_mps * next.v_mps <= 1e-9;
                 let at_limit = next.v_mps >= robot.v_mps_max - 1e-9
                     || next.v_mps <= robot.v_mps_min + 1e-9;
-                if !emergency && !at_rest && !was_at_rest && !at_limit {
+                if !emergency && !was_emergency && !at_rest && !was_at_rest && !at_limit {
                     prop_assert!((now - a).abs() <= 10.0 * PERIOD_S + 1e-9, "{a} to {now}");
                 }
                 let turn_ends = twist.w_radps.abs() <= 1e-9
                     || next.w_radps.abs() >= robot.w_radps_max - 1e-9;
-                if !emergency && !turn_ends {
+                if !emergency && !was_emergency && !turn_ends {
                     let change = (turning - alpha).abs();
                     prop_assert!(change <= 60.0 * PERIOD_S + 1e-9, "{alpha} to {turning}");
                 }
                 (a, alpha, twist) = (now, turning, next);
-                was_at_rest = at_rest;
+                (was_at_rest, was_emergency) = (at_rest, emergency);
             }
         }
     }

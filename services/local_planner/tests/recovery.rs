@@ -491,3 +491,22 @@ fn goals_with_a_yaw_are_turned_to_and_goals_without_are_not() {
         }
     }
 }
+
+#[test]
+fn shaped_commands_are_as_fast_when_the_robot_follows_late() {
+    for key in ["dwa_t", "dwa"] {
+        for delay in [0, 4] {
+            let walls = [block(0.0, 0.0, 12.0, 0.4), block(0.0, 1.8, 12.0, 2.2)];
+            let robot = disc(0.25, 0.8, 1.0, 1.8, 3.0);
+            let corners = path(&[(1.0, 1.1), (11.0, 1.1)]);
+            let pose = Pose::new(1.0, 1.1, 0.3);
+            let mut run = Loop::new(robot, &walls, (12.0, 2.2), pose, corners);
+            run.delay = delay;
+            let mut whole = Whole::with(key);
+            let arrived = run.run(&mut whole, 16.0);
+            println!("{key}, delay {delay}: {:.2} s, {arrived}", run.time_s);
+            // Full speed with both ramps takes 13.3 s.
+            assert!(arrived && run.time_s < 13.3 * 1.08, "{}", run.time_s);
+        }
+    }
+}

@@ -367,7 +367,11 @@ impl Controller for Driver {
             0.0
         };
         self.last = twist;
-        self.shaper.published(from, twist, situation.period_s);
+        if validity == Validity::Drive {
+            self.shaper.published(from, twist, situation.period_s);
+        } else {
+            self.shaper.interrupted();
+        }
         Decision {
             v_mps: twist.v_mps,
             w_radps: twist.w_radps,
@@ -382,8 +386,8 @@ impl Controller for Driver {
         }
     }
 
-    fn overruled(&mut self, published: Twist, period_s: f64) {
-        self.shaper.published(self.last, published, period_s);
+    fn overruled(&mut self, published: Twist) {
+        self.shaper.interrupted();
         self.last = published;
     }
 }

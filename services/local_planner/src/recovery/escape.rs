@@ -95,9 +95,9 @@ impl Escape {
         self.direction = if left { 1.0 } else { -1.0 };
     }
 
-    /// Takes in a command of the controller.
-    pub(crate) fn published(&mut self, last: Twist, twist: Twist, period_s: f64) {
-        self.shaper.published(last, twist, period_s);
+    /// The controller drives.
+    pub(crate) fn interrupted(&mut self) {
+        self.shaper.interrupted();
     }
 
     /// [m] from where it began.
@@ -198,7 +198,11 @@ impl Escape {
             let braking_m = stop_distance_m(robot, rest.v_mps, 0.0);
             (rest, Validity::Blocked, braking_m)
         });
-        self.shaper.published(from, twist, period_s);
+        if validity == Validity::Drive {
+            self.shaper.published(from, twist, period_s);
+        } else {
+            self.shaper.interrupted();
+        }
         Decision {
             v_mps: twist.v_mps,
             w_radps: twist.w_radps,
