@@ -192,6 +192,12 @@ fn an_interval_of_wilson_is_that_of_the_textbook() {
     assert!((low - 0.2553).abs() < 1e-4 && (high - 0.3662).abs() < 1e-4);
 }
 
+/// What a scenario says about how a disc comes or goes.
+fn script_of(text: &str, name: &str) -> Option<String> {
+    let (_, rest) = text.split_once(&format!("name = \"{name}\""))?;
+    rest.lines().nth(2).map(str::to_owned)
+}
+
 /// Runs scenarios as a suite.
 fn suite<'a>(controller: &str, texts: impl Iterator<Item = &'a str>) -> Ended {
     let folder = tempfile::tempdir().expect("a folder");
@@ -213,9 +219,20 @@ fn lwx_dyn_suite(controller: &str, mode: Mode, seeds: std::ops::RangeInclusive<u
         }
     }
     for touch in report["contacts"].as_array().expect("contacts") {
+        let (world, with) = (touch["world"].as_str(), touch["with"].as_str());
+        let index = world.and_then(|world| world.strip_prefix("scene_")?.parse().ok());
+        let text = index.and_then(|index: usize| texts.get(index));
+        let script = text
+            .zip(with)
+            .and_then(|(text, with)| script_of(text, with));
         eprintln!(
-            "  {} at {} s: {}, moving {} at {} m/s",
-            touch["world"], touch["time_s"], touch["with"], touch["moving"], touch["v_mps"]
+            "  {} at {} s: {} ({}), moving {} at {} m/s",
+            touch["world"],
+            touch["time_s"],
+            touch["with"],
+            script.unwrap_or_default(),
+            touch["moving"],
+            touch["v_mps"]
         );
     }
     let tally = Tally::of(&report);
