@@ -51,7 +51,7 @@ drives! {
     odometry_jump
     slip
     hostile_planner_full_speed
-    #[ignore = "the stack takes a gap of the robot's width and 6 cm for shut"]
+    #[ignore = "the local planner stops before a gap of the robot's width and 6 cm"]
     narrow_passage
 }
 

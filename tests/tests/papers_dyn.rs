@@ -7,7 +7,7 @@ use rand_pcg::Pcg64Mcg;
 use serde_json::Value;
 use std::path::Path;
 use zeronav_msgs::Cell;
-use zeronav_tests::Zeronav;
+use zeronav_tests::{Ended, Zeronav};
 use zeronav_world::generate::generate;
 use zeronav_world::spec::{Family, GeneratedSpec};
 use zeronav_world::static_map::Occupancy;
@@ -52,18 +52,13 @@ impl Scene {
     fn clearance_m(&self, [x, y]: [f64; 2]) -> f64 {
         let side_m = f64::from(CELLS);
         let mut least_m = x.min(y).min(side_m - x).min(side_m - y);
-        for cell in self.cells().filter(|cell| !self.is_free(*cell)) {
+        for cell in cells().filter(|cell| !self.is_free(*cell)) {
             let (left, low) = (f64::from(cell.x), f64::from(cell.y));
             let dx = (left - x).max(x - left - 1.0).max(0.0);
             let dy = (low - y).max(y - low - 1.0).max(0.0);
             least_m = least_m.min(dx.hypot(dy));
         }
         least_m
-    }
-
-    fn cells(&self) -> impl Iterator<Item = Cell> + use<> {
-        let side = i32::try_from(CELLS).expect("small");
-        (0..side * side).map(move |index| Cell::new(index % side, index / side))
     }
 
     /// A scenario without its obstacles.
@@ -87,11 +82,17 @@ impl Scene {
         ] {
             put(centre, size);
         }
-        for cell in self.cells().filter(|cell| !self.is_free(*cell)) {
+        for cell in cells().filter(|cell| !self.is_free(*cell)) {
             put(middle(cell), [1.0, 1.0]);
         }
         text + "\n]\n"
     }
+}
+
+/// Every cell of a scene, row by row.
+fn cells() -> impl Iterator<Item = Cell> {
+    let side = i32::try_from(CELLS).expect("small");
+    (0..side * side).map(move |index| Cell::new(index % side, index / side))
 }
 
 fn middle(cell: Cell) -> [f64; 2] {
@@ -124,7 +125,7 @@ fn lwx_dyn(mode: Mode, seed: u64) -> String {
         let from = |end: i32| (cell.x - end).abs().max((cell.y - end).abs());
         from(1) > 2 && from(18) > 2
     };
-    let mut cells: Vec<Cell> = (scene.cells())
+    let mut cells: Vec<Cell> = cells()
         .filter(|cell| scene.is_free(*cell) && far(cell))
         .collect();
     for index in 1..=20 {
@@ -191,35 +192,52 @@ fn an_interval_of_wilson_is_that_of_the_textbook() {
     assert!((low - 0.2553).abs() < 1e-4 && (high - 0.3662).abs() < 1e-4);
 }
 
-/// Runs scenarios as a suite; its report.
-fn suite(texts: impl Iterator<Item = (String, String)>) -> Value {
+/// What a scenario says about how a disc comes or goes.
+fn script_of(text: &str, name: &str) -> Option<String> {
+    let (_, rest) = text.split_once(&format!("name = \"{name}\""))?;
+    rest.lines().nth(2).map(str::to_owned)
+}
+
+/// Runs scenarios as a suite.
+fn suite<'a>(controller: &str, texts: impl Iterator<Item = &'a str>) -> Ended {
     let folder = tempfile::tempdir().expect("a folder");
     let scenes = folder.path().join("scenes");
     std::fs::create_dir(&scenes).expect("a folder");
-    for (name, text) in texts {
-        std::fs::write(scenes.join(format!("{name}.toml")), text).expect("written");
+    for (index, text) in texts.enumerate() {
+        std::fs::write(scenes.join(format!("scene_{index:03}.toml")), text).expect("written");
     }
-    Zeronav::start_in(folder, &["suite", "scenes", "--json"])
-        .finish()
-        .expect(0)
+    let arguments = ["suite", "scenes", "--controller", controller, "--json"];
+    Zeronav::start_in(folder, &arguments).finish()
 }
 
-fn lwx_dyn_suite(mode: Mode, seeds: std::ops::RangeInclusive<u64>) -> Tally {
-    let report = suite(seeds.map(|seed| (format!("seed_{seed:03}"), lwx_dyn(mode, seed))));
+fn lwx_dyn_suite(controller: &str, mode: Mode, seeds: std::ops::RangeInclusive<u64>) -> Tally {
+    let texts: Vec<String> = seeds.map(|seed| lwx_dyn(mode, seed)).collect();
+    let report = suite(controller, texts.iter().map(String::as_str)).expect(0);
     for row in report["runs"].as_array().expect("runs") {
         if row["success"] != true {
             eprintln!("  {}: {}", row["world"], row["cause"]);
         }
     }
     for touch in report["contacts"].as_array().expect("contacts") {
+        let (world, with) = (touch["world"].as_str(), touch["with"].as_str());
+        let index = world.and_then(|world| world.strip_prefix("scene_")?.parse().ok());
+        let text = index.and_then(|index: usize| texts.get(index));
+        let script = text
+            .zip(with)
+            .and_then(|(text, with)| script_of(text, with));
         eprintln!(
-            "  {} at {} s: {}, moving {} at {} m/s",
-            touch["world"], touch["time_s"], touch["with"], touch["moving"], touch["v_mps"]
+            "  {} at {} s: {} ({}), moving {} at {} m/s",
+            touch["world"],
+            touch["time_s"],
+            touch["with"],
+            script.unwrap_or_default(),
+            touch["moving"],
+            touch["v_mps"]
         );
     }
     let tally = Tally::of(&report);
     eprintln!(
-        "LWX-DYN {mode:?}: arrived {}, never touched anything while moving {}, touched nothing {}",
+        "LWX-DYN {mode:?} with {controller}: arrived {}, never touched anything while moving {}, touched nothing {}",
         tally.rate(tally.arrived),
         tally.rate(tally.blameless),
         tally.rate(tally.free)
@@ -382,19 +400,7 @@ fn bao_dyn_suite(seeds: std::ops::RangeInclusive<u64>) -> BaoTally {
         .iter()
         .filter(|scene| scene.blind_follower_collides())
         .count();
-    let name = |index: usize| format!("scene_{index:03}");
-    let texts = scenes
-        .iter()
-        .enumerate()
-        .map(|(index, scene)| (name(index), scene.text.clone()));
-    let folder = tempfile::tempdir().expect("a folder");
-    let shelf = folder.path().join("scenes");
-    std::fs::create_dir(&shelf).expect("a folder");
-    for (name, text) in texts {
-        std::fs::write(shelf.join(format!("{name}.toml")), text).expect("written");
-    }
-    let arguments = ["suite", "scenes", "--controller", "bao_dwa", "--json"];
-    let ended = Zeronav::start_in(folder, &arguments).finish();
+    let ended = suite("bao_dwa", scenes.iter().map(|scene| scene.text.as_str()));
     let report = ended.expect(0);
     let mut ratios = Vec::new();
     for (row, scene) in report["runs"].as_array().expect("runs").iter().zip(&scenes) {
@@ -438,22 +444,46 @@ fn bao_dyn_suite(seeds: std::ops::RangeInclusive<u64>) -> BaoTally {
     BaoTally { tally, blind }
 }
 
+/// Twenty discs that stand where they appear, some of them right before the robot.
 #[test]
 fn lwx_dyn_among_discs_that_appear() {
-    let tally = lwx_dyn_suite(Mode::Appear, 1..=10);
+    let tally = lwx_dyn_suite("dwa_t", Mode::Appear, 1..=10);
     assert!(10 * tally.free >= 9 * tally.runs);
 }
 
+/// Discs that know nothing of the robot run into it when it stands in a corridor of their own
+/// width; what counts is that it never drives into one.
 #[test]
 fn lwx_dyn_among_discs_that_move() {
-    let tally = lwx_dyn_suite(Mode::Move, 1..=10);
+    let tally = lwx_dyn_suite("dwa_t", Mode::Move, 1..=4);
+    assert!(10 * tally.arrived >= 9 * tally.runs);
     assert!(10 * tally.blameless >= 9 * tally.runs);
+}
+
+/// The acceptance over many seeds, and the paper's own controller beside the default one.
+#[test]
+#[ignore = "800 drives take an hour; `cargo test --release ... -- --ignored --nocapture` prints the rates"]
+fn lwx_dyn_over_two_hundred_seeds() {
+    for mode in [Mode::Appear, Mode::Move] {
+        lwx_dyn_suite("lwx_oapf", mode, 1..=200);
+        let tally = lwx_dyn_suite("dwa_t", mode, 1..=200);
+        assert!(10 * tally.free >= 9 * tally.runs, "{mode:?}");
+    }
 }
 
 #[test]
 fn bao_dyn_leaves_its_path_and_arrives() {
-    let BaoTally { tally, blind } = bao_dyn_suite(1..=8);
+    let BaoTally { tally, blind } = bao_dyn_suite(1..=2);
     // Otherwise the scene means nothing.
     assert!(2 * blind > tally.runs);
-    assert!(10 * tally.blameless >= 9 * tally.runs);
+    assert_eq!(tally.arrived, tally.runs);
+}
+
+/// The rates over many seeds; the paper has no number to compare.
+#[test]
+#[ignore = "200 drives of two minutes; prints the rates"]
+fn bao_dyn_over_two_hundred_seeds() {
+    let BaoTally { tally, blind } = bao_dyn_suite(1..=200);
+    assert!(2 * blind > tally.runs);
+    assert!(10 * tally.arrived >= 9 * tally.runs);
 }

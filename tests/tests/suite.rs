@@ -102,6 +102,24 @@ fn a_folder_runs_once_per_seed_and_leaves_json_csv_and_junit() {
 }
 
 #[test]
+fn every_variant_of_a_scenario_is_a_world() {
+    let variants = "[variants.near]\ngoals = [{ pose = [3.5, 1.0, 0.0] }]\n[variants.far]\n";
+    let folder = working_folder(&format!("{TINY}{variants}"));
+    let report = Zeronav::start_in(folder, &["suite", "scenarios", "--json"])
+        .finish()
+        .expect(0);
+    let runs = report["runs"].as_array().expect("runs");
+    let worlds: Vec<&str> = runs
+        .iter()
+        .filter_map(|run| run["world"].as_str())
+        .collect();
+    assert_eq!(worlds, ["tiny_far", "tiny_near"]);
+    assert_eq!(report["summary"]["success"], 1.0, "{report:#}");
+    let driven_m = |index: usize| runs[index]["driven_m"].as_f64().expect("metres");
+    assert!(driven_m(0) > driven_m(1) + 0.5, "{report:#}");
+}
+
+#[test]
 fn a_run_that_fails_is_a_row_with_its_cause_and_no_failure_of_the_suite() {
     let late = TINY.replace("time_limit_s = 30.0", "time_limit_s = 1.0");
     let ended = Zeronav::start_in(working_folder(&late), &["suite", "scenarios", "--json"]);

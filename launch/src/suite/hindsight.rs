@@ -130,3 +130,77 @@ impl Hindsight {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A hall, a robot of 0.25 m that brakes with 1 m/s^2, and somebody who walks past x = 5 from
+    /// `y = 0` at 1 m/s, from the second second on.
+    fn scenario(more: &str) -> tempfile::TempDir {
+        let folder = tempfile::tempdir().unwrap();
+        let text = format!(
+            r#"
+            title = "Test"
+            start = [1.0, 2.0, 0.0]
+            [world]
+            area_m = [[0.0, 0.0], [10.0, 5.0]]
+            [[world.obstacles]]
+            name = "walker"
+            shape = {{ kind = "disc", centre_m = [5.0, 0.0], radius_m = 0.3 }}
+            appears = {{ at_s = 2.0 }}
+            track = [[7.0, 5.0, 0.0], [11.0, 5.0, 4.0]]
+            track_from_s = 7.0
+            {more}
+            [robot]
+            radius_m = 0.25
+            v_mps_max = 1.0
+            w_radps_max = 2.0
+            a_mps2_max = 1.0
+            alpha_radps2_max = 4.0
+            lidar = {{ n_beams = 360, rate_hz = 10.0, range_m_min = 0.1, range_m_max = 12.0 }}
+            "#
+        );
+        std::fs::write(folder.path().join("it.toml"), text).unwrap();
+        folder
+    }
+
+    fn of(more: &str) -> Option<Hindsight> {
+        Hindsight::of(&scenario(more).path().join("it.toml"))
+    }
+
+    #[test]
+    fn people_are_where_they_were_recorded() {
+        let walker = &of("").unwrap().movers[0];
+        assert_eq!(walker.at(1.9), None);
+        assert_eq!(walker.at(3.5), Some(([5.0, 1.5], 0.3)));
+        assert!(of("lasts_s = 1.0").unwrap().movers[0].at(3.1).is_none());
+        // Who waits for the robot has no future of its own.
+        let near = "starts = { robot_near = { point_m = [1.0, 1.0], distance_m = 1.0 } }";
+        assert!(of(near).is_none());
+    }
+
+    #[test]
+    fn how_long_before_a_contact_could_be_avoided_depends_on_the_speed() {
+        let hindsight = of("").unwrap();
+        // The walker is at (5, 2) at 4 s; the robot would be `x` west of him then, at `v`.
+        let touch = Touch {
+            time_s: 4.0,
+            moving: true,
+            v_mps: 1.0,
+            with: "walker".to_owned(),
+        };
+        let avoidable_s = |x: f64, v: f64| {
+            let row = |tenth: u32| {
+                let t = 0.1 * f64::from(tenth);
+                [t, 5.0 - x - v * (4.0 - t), 2.0, 0.0, v, 0.0]
+            };
+            hindsight.avoidable_s(&touch, &(0..=40).map(row).collect::<Vec<_>>())
+        };
+        // At a crawl it can stop in time; at 1 m/s half a second is not enough, a second is.
+        assert_eq!(avoidable_s(0.54, 0.1), Some(0.5));
+        assert_eq!(avoidable_s(0.1, 1.0), Some(1.0));
+        // Without a motion nothing is proved.
+        assert_eq!(hindsight.avoidable_s(&touch, &[]), Some(LEADS_S[0]));
+    }
+}
