@@ -9,7 +9,7 @@ use crate::window::{Range, Window};
 use nalgebra::Vector2;
 
 /// [m/s] slowest speed asked for at a corner, and speed at which a robot that must turn steers.
-const CREEP_MPS: f64 = 0.12;
+pub(super) const CREEP_MPS: f64 = 0.12;
 
 /// [m] of path that are left when rotation room no longer matters.
 const FINAL_M: f64 = 0.5;

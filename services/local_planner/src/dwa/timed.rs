@@ -119,12 +119,12 @@ impl Dwa {
     }
 
     /// [s] that rollouts are compared with the path and what stands: in the open as long as the
-    /// weights are meant for, where there is no room around the robot `tight_s`. There ways bend
+    /// weights are meant for, where the path leads through narrow places `tight_s`. There ways bend
     /// within a metre, and a robot that wants one arc to fit them for longer goes at a crawl.
     fn scored_s(&self, tight_s: f64) -> f64 {
         let soft_m = self.config.soft_clearance_m;
         let surroundings = &self.surroundings;
-        let space_m = f64::from(surroundings.field.nearest_m(0.0, 0.0))
+        let space_m = f64::from(self.path.clearance_m(&surroundings.field))
             - surroundings.footprint.circumscribed_m;
         let open = ((space_m - soft_m) / soft_m).clamp(0.0, 1.0);
         let open_s = PATH_HORIZON_S.max(tight_s);
