@@ -7,6 +7,12 @@ use zeronav_msgs::Pose;
 /// Most beams without a point between two points of one cluster.
 const BEAMS_APART_MAX: usize = 3;
 
+/// How far beside the line through the two points before it a point may lie and continue it. [m]
+const LINE_MARGIN_M: f64 = 0.06;
+
+/// How much longer than the step before it such a step may be, and how long at most. [m]
+const LINE_STEP_MAX: (f64, f64) = (3.0, 1.0);
+
 /// A point of a scan that the map does not explain.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ScanPoint {
@@ -37,14 +43,15 @@ pub struct Clusters {
 }
 
 impl Clusters {
-    /// Finds the clusters of a scan seen from `map_from_frame`. Points for which `is_background`
-    /// holds belong to none. Two neighbours belong together when they are at most `gap_m` and
-    /// twice the distance of neighbouring beams apart.
+    /// Finds the clusters of a scan seen from `map_from_frame`. Points beyond `range_m_max` or for
+    /// which `is_background` holds belong to none. Two neighbours belong together when they are at
+    /// most `gap_m` and twice the distance of neighbouring beams apart, or when the second goes on
+    /// along the line of those before it: a wall seen at a slant is not many small things.
     pub fn find(
         &mut self,
         beams: &Beams,
         map_from_frame: &Pose,
-        gap_m: f64,
+        (gap_m, range_m_max): (f64, f64),
         is_background: impl Fn(Point2<f64>) -> bool,
     ) {
         self.points.clear();
@@ -58,7 +65,7 @@ impl Clusters {
                 map_from_frame.x_m + cos * point.x - sin * point.y,
                 map_from_frame.y_m + sin * point.x + cos * point.y,
             );
-            if !is_background(at) {
+            if range_m <= range_m_max && !is_background(at) {
                 self.points.push(ScanPoint { at, beam, range_m });
             }
         }
@@ -84,9 +91,10 @@ impl Clusters {
         }
         let mut first = 0;
         for end in 1..=self.points.len() {
-            let ends =
-                end == self.points.len() || !together(&self.points[end - 1], &self.points[end]);
-            if ends {
+            let goes_on = end < self.points.len()
+                && (together(&self.points[end - 1], &self.points[end])
+                    || continues_line(&self.points[first..=end], n_beams));
+            if !goes_on {
                 let hidden = self.is_hidden(beams, first, end, gap_m);
                 self.clusters.push(Cluster { first, end, hidden });
                 first = end;
@@ -125,6 +133,22 @@ impl Clusters {
     }
 }
 
+/// True when the last of `points` goes on along the line through the two before it.
+fn continues_line(points: &[ScanPoint], n_beams: usize) -> bool {
+    let [.., a, b, c] = points else {
+        return false;
+    };
+    let apart = (c.beam + n_beams - b.beam) % n_beams;
+    let (step, next) = (b.at - a.at, c.at - b.at);
+    let (step_m, next_m) = (step.norm(), next.norm());
+    let (times, at_most_m) = LINE_STEP_MAX;
+    apart <= BEAMS_APART_MAX
+        && step_m > LINE_MARGIN_M
+        && next_m <= (times * step_m).min(at_most_m)
+        && step.dot(&next) > 0.0
+        && step.perp(&next).abs() <= LINE_MARGIN_M * step_m
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -144,7 +168,7 @@ mod tests {
         let mut beams = Beams::default();
         beams.cast(&scan, ranges, &Sweep::still(Pose::default()));
         let mut clusters = Clusters::default();
-        clusters.find(&beams, &Pose::default(), 0.1, |_| false);
+        clusters.find(&beams, &Pose::default(), (0.1, 10.0), |_| false);
         let of = |cluster: &Cluster| {
             let beams = clusters.points(cluster).iter().map(|point| point.beam);
             (beams.collect(), cluster.hidden)
@@ -165,6 +189,33 @@ mod tests {
                 (vec![7], true)
             ]
         );
+    }
+
+    #[test]
+    fn a_wall_at_a_slant_is_one_and_what_stands_off_it_is_not() {
+        // The wall y = 1, from beside to 5 degrees.
+        #[allow(clippy::cast_precision_loss, reason = "small")]
+        let range = |n: i32| 1.0 / (1.57 + 0.02 * n as f32).sin();
+        let wall: Vec<f32> = (0..75).map(range).collect();
+        let mut beams = Beams::default();
+        let mut count = |ranges: &[f32]| {
+            let scan = Scan {
+                n_beams: u32::try_from(ranges.len()).unwrap(),
+                angle_min_rad: 1.57,
+                angle_increment_rad: 0.02,
+                range_m_min: 0.1,
+                range_m_max: 20.0,
+                ..Scan::default()
+            };
+            beams.cast(&scan, ranges, &Sweep::still(Pose::default()));
+            let mut clusters = Clusters::default();
+            clusters.find(&beams, &Pose::default(), (0.1, 12.0), |_| false);
+            clusters.as_slice().len()
+        };
+        assert_eq!(count(&wall), 1);
+        let mut with_post = wall;
+        with_post[55..58].fill(1.5);
+        assert_eq!(count(&with_post), 3);
     }
 
     #[test]

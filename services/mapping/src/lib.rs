@@ -28,6 +28,7 @@ pub mod ray;
 pub mod regularise;
 pub mod scan_match;
 pub mod settled;
+mod settling;
 pub mod tiles;
 pub mod track;
 pub mod tracker;

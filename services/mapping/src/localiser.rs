@@ -1,9 +1,8 @@
 //! `map_from_odom`: what odometry has drifted away by.
 
-use crate::beams::Beam;
 use crate::config::{MappingError, ensure};
 use crate::scan_match::Surfaces;
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, Point2, Vector3};
 use serde::{Deserialize, Serialize};
 use zeronav_msgs::Pose;
 use zeronav_msgs::pose::wrap_angle;
@@ -143,10 +142,11 @@ impl Localiser {
         ]
     }
 
-    /// Takes in where odometry says the robot is and what it sees from there, in `base`.
-    pub fn correct(&mut self, odom_from_base: &Pose, beams: &[Beam], surfaces: &Surfaces) {
+    /// Takes in where odometry says the robot is, and where beams ended that are on what stands, in
+    /// `base`. [m]
+    pub fn correct(&mut self, odom_from_base: &Pose, ends: &[Point2<f64>], surfaces: &Surfaces) {
         let predicted = self.predict(odom_from_base);
-        if let Some(matched) = surfaces.lay(beams, &predicted, &self.covariance) {
+        if let Some(matched) = surfaces.lay(ends, &predicted, &self.covariance) {
             self.covariance = matched.covariance;
             self.limit();
             let base_from_odom = odom_from_base.isometry().inverse();

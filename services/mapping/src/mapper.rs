@@ -7,6 +7,7 @@ use crate::clearance::ClearanceField;
 use crate::config::{MappingConfig, MappingError};
 use crate::regularise::Regulariser;
 use crate::scan_match::Surfaces;
+use crate::settling::Settling;
 use crate::tiles::{TileBoxes, TileIndex};
 use crate::virtual_obstacles::VirtualConfig;
 use nalgebra::Point2;
@@ -55,6 +56,10 @@ pub struct Mapper {
     rectangles: Vec<CellRect>,
     /// What scans are laid on, once somebody asks for it.
     surfaces: Option<Surfaces>,
+    /// What may become a surface.
+    settling: Settling,
+    /// Of the last scan. [ns]
+    run_ns: u64,
 }
 
 impl Mapper {
@@ -128,6 +133,8 @@ impl Mapper {
             regulariser,
             rectangles: Vec::new(),
             surfaces: None,
+            settling: Settling::default(),
+            run_ns: 0,
         };
         for index in 0..geometry.len() {
             let obstacle = mapper.belief.is_obstacle(index);
@@ -148,8 +155,19 @@ impl Mapper {
     pub fn moved(&self, geometry: &GridGeometry, shift: Cell, config: &MappingConfig) -> Self {
         let belief = self.belief.moved(geometry, shift);
         let mut mapper = Self::around(geometry, belief, self.values.clone(), config);
+        mapper.run_ns = self.run_ns;
         if self.surfaces.is_some() {
             mapper.make_surfaces();
+            for (index, since_ns) in self.settling.waiting() {
+                let cell = self.cell_of(index);
+                let there = Cell::new(cell.x - shift.x, cell.y - shift.y);
+                if let Some(index) = geometry.index_of(there) {
+                    mapper.settling.begin(index, since_ns);
+                    if let Some(surfaces) = &mut mapper.surfaces {
+                        surfaces.set(index, false);
+                    }
+                }
+            }
         }
         mapper
     }
@@ -175,6 +193,7 @@ impl Mapper {
     pub fn take_in(&mut self, sight: &Sight<'_>, under_robot: &[usize]) -> Integrated {
         let mut flips = core::mem::take(&mut self.flips);
         self.belief.integrate(sight, under_robot, &mut flips);
+        self.run_ns = sight.run_ns;
         self.follow(&flips);
         let integrated = Integrated {
             marked: flips.marked.len(),
@@ -248,6 +267,21 @@ impl Mapper {
         })
     }
 
+    /// True when what is seen at a point of the map may be laid on the surfaces: no cell there waits
+    /// to become one. What is seen of a wall whose other end is a surface already would be pulled
+    /// towards that end.
+    #[must_use]
+    pub fn is_settled(&self, point_in_map: Point2<f64>) -> bool {
+        let cell = self.geometry.unbounded_cell_at(point_in_map);
+        (-1..=1).all(|dy| {
+            (-1..=1).all(|dx| {
+                let beside = Cell::new(cell.x.saturating_add(dx), cell.y.saturating_add(dy));
+                let index = self.geometry.index_of(beside);
+                !index.is_some_and(|index| self.settling.waits(index))
+            })
+        })
+    }
+
     /// True when what is seen at a point of the map is an obstacle of the static map.
     #[must_use]
     pub fn is_near_static(&self, point_in_map: Point2<f64>) -> bool {
@@ -293,8 +327,15 @@ impl Mapper {
             let lists = [&flips.cleared, &flips.marked, &flips.relabelled];
             for index in lists.into_iter().flatten() {
                 let belief = &self.belief;
-                let stays = belief.is_obstacle(*index) && !belief.is_moving(*index);
-                surfaces.set(*index, stays);
+                if !belief.is_obstacle(*index) || belief.is_moving(*index) {
+                    surfaces.set(*index, false);
+                    self.settling.end(*index);
+                } else if !surfaces.is_surface(*index) {
+                    self.settling.begin(*index, self.run_ns);
+                }
+            }
+            while let Some(index) = self.settling.take(self.run_ns) {
+                surfaces.set(index, true);
             }
         }
         self.flipped.clear();

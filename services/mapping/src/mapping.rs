@@ -1,7 +1,7 @@
 //! One scan after the other: where it was seen from, what moves in it, and what it says about
 //! the map.
 
-use crate::beams::{Beams, Sweep};
+use crate::beams::{Beam, Beams, End, Sweep};
 use crate::belief::Sight;
 use crate::config::{MappingConfig, MappingError};
 use crate::localiser::Localiser;
@@ -50,6 +50,8 @@ pub struct Mapping {
     /// The scan at hand, in `base` at its capture.
     beams: Beams,
     under_robot: Vec<usize>,
+    /// Scratch: where beams ended on what may be trusted to stand, in `base`. [m]
+    landmarks: Vec<Point2<f64>>,
     /// The grid changed with the last scan.
     moved: bool,
 }
@@ -74,6 +76,7 @@ impl Mapping {
             tracker: Tracker::new(&config.tracking),
             beams: Beams::default(),
             under_robot: Vec::new(),
+            landmarks: Vec::new(),
             moved: false,
             config: config.clone(),
         })
@@ -84,9 +87,10 @@ impl Mapping {
         let odom_from_base = &observation.odom_from_base;
         self.cast(observation);
         if self.localiser.is_active(&observation.odometry_variance) {
+            self.find_landmarks(odom_from_base, observation.run_ns);
             let surfaces = self.mapper.surfaces();
             self.localiser
-                .correct(odom_from_base, self.beams.as_slice(), surfaces);
+                .correct(odom_from_base, &self.landmarks, surfaces);
         }
         let map_from_base = self.localiser.map_from_base(odom_from_base);
         self.follow_window(map_from_base.point());
@@ -144,6 +148,30 @@ impl Mapping {
         };
         self.beams
             .cast(observation.scan, observation.ranges, &sweep);
+    }
+
+    /// Leaves out the beams that ended on what may move: laid onto the map of a moment ago they
+    /// would carry the robot along.
+    fn find_landmarks(&mut self, odom_from_base: &Pose, run_ns: u64) {
+        let guess = self.localiser.map_from_base(odom_from_base);
+        let (sin, cos) = guess.yaw_rad.sin_cos();
+        let (tracker, mapper) = (&self.tracker, &self.mapper);
+        let stands = |end: &Point2<f64>| {
+            let in_map = Point2::new(
+                guess.x_m + cos * end.x - sin * end.y,
+                guess.y_m + sin * end.x + cos * end.y,
+            );
+            mapper.is_settled(in_map) && !tracker.is_restless_at(in_map, run_ns)
+        };
+        // What lies beyond is on no map.
+        let range_m_max = self.config.obstacle_range_m;
+        let end = |beam: &Beam| match beam.end {
+            End::Hit(range_m) if range_m <= range_m_max => beam.point(),
+            _ => None,
+        };
+        let ends = self.beams.as_slice().iter().filter_map(end);
+        self.landmarks.clear();
+        self.landmarks.extend(ends.filter(stands));
     }
 
     /// Lets the map go where the robot is.

@@ -7,7 +7,6 @@
 //! odometry's prediction as a prior, so that along a bare corridor nothing is made up, and with
 //! weights that let go of what is not on the map (Geman, `McClure`, 1987).
 
-use crate::beams::Beam;
 use crate::clearance::ClearanceField;
 use nalgebra::{Matrix3, Point2, Vector2, Vector3};
 use zeronav_msgs::{Cell, CellRect, GridGeometry, Pose};
@@ -30,6 +29,9 @@ const LETS_GO_M: f64 = 0.15;
 
 /// Share of the points that must lie near a surface for the scan to say anything.
 const NEAR_SHARE_MIN: f64 = 0.3;
+
+/// Fewest points near a surface: of fewer, what is wrong with one decides.
+const NEAR_MIN: f64 = 20.0;
 
 /// Steps of Gauss and Newton.
 const STEPS_MAX: usize = 10;
@@ -85,6 +87,12 @@ impl Surfaces {
         }
     }
 
+    /// True when the cell at `index` is a surface.
+    #[must_use]
+    pub fn is_surface(&self, index: usize) -> bool {
+        self.field.is_obstacle(index)
+    }
+
     /// Says whether the cell at `index` is a surface.
     pub fn set(&mut self, index: usize, surface: bool) {
         if self.field.is_obstacle(index) == surface {
@@ -106,18 +114,17 @@ impl Surfaces {
         }
     }
 
-    /// The pose near `predicted`, known to `covariance`, at which the beams, in `base`, lie best;
-    /// `None` when too few of them lie anywhere near.
+    /// The pose near `predicted`, known to `covariance`, at which the ends of the beams, in `base`
+    /// [m], lie best; `None` when too few of them lie anywhere near.
     #[must_use]
     pub fn lay(
         &self,
-        beams: &[Beam],
+        ends: &[Point2<f64>],
         predicted: &Pose,
         covariance: &Matrix3<f64>,
     ) -> Option<Match> {
-        let n_hits = beams.iter().filter_map(Beam::point).count();
-        let every = n_hits.div_ceil(POINTS_MAX).max(1);
-        let points = || beams.iter().filter_map(Beam::point).step_by(every);
+        let every = ends.len().div_ceil(POINTS_MAX).max(1);
+        let points = || ends.iter().step_by(every);
         let prior = covariance.try_inverse()?;
         let at_start = Vector3::new(predicted.x_m, predicted.y_m, predicted.yaw_rad);
         let mut at = at_start;
@@ -143,7 +150,7 @@ impl Surfaces {
                 normal += row * row.transpose() * weight;
                 right += row * (weight * distance_m);
             }
-            if near < NEAR_SHARE_MIN * n || n == 0.0 {
+            if near < (NEAR_SHARE_MIN * n).max(NEAR_MIN) {
                 return None;
             }
             let worth = (POINTS_WORTH / n).min(1.0) / (sigma_m * sigma_m);

@@ -26,6 +26,14 @@ const NEAR_M: f64 = 1.2;
 /// Scans with a hit that confirm a track.
 const HITS_TO_CONFIRM: u32 = 3;
 
+/// How far from where a track should be its points may lie, for what its place and form are not
+/// known. [m]
+const RESTLESS_MARGIN_M: f64 = 0.15;
+
+/// How much farther a beam must reach behind a point to have looked through it, per metre of range.
+/// [m]
+const MARGIN_PER_M: f64 = 0.03;
+
 /// Share of a cluster's points that must be seen to have moved, and the least number.
 const SEEN_MOVING: (f64, usize) = (0.25, 2);
 
@@ -41,6 +49,8 @@ pub struct TrackingConfig {
     pub points_min: usize,
     /// [m] largest radius of what may move by itself.
     pub radius_m_max: f64,
+    /// [m] beyond which nothing is followed: points lie far apart there.
+    pub range_m_max: f64,
     /// [m] from an obstacle of the static map within which points are that obstacle's.
     pub static_margin_m: f64,
     /// [m] standard deviation of a measured centre.
@@ -66,6 +76,7 @@ impl Default for TrackingConfig {
             gap_m: 0.1,
             points_min: 3,
             radius_m_max: 0.6,
+            range_m_max: 12.0,
             static_margin_m: 0.15,
             position_sigma_m: 0.03,
             acceleration_sigma_mps2: 0.5,
@@ -87,6 +98,7 @@ impl TrackingConfig {
         for (field, value, low, high) in [
             ("tracking.gap_m", self.gap_m, 1.0e-3, 10.0),
             ("tracking.radius_m_max", self.radius_m_max, 1.0e-3, 10.0),
+            ("tracking.range_m_max", self.range_m_max, 0.1, 1.0e3),
             ("tracking.static_margin_m", self.static_margin_m, 0.0, 1.0),
             (
                 "tracking.position_sigma_m",
@@ -200,7 +212,7 @@ impl Tracker {
         self.clusters.find(
             view.beams,
             &view.map_from_frame,
-            self.config.gap_m,
+            (self.config.gap_m, self.config.range_m_max),
             is_background,
         );
         let eye = view.map_from_laser.point();
@@ -220,6 +232,19 @@ impl Tracker {
     #[must_use]
     pub fn moving_beams(&self) -> &[bool] {
         &self.moving_beams
+    }
+
+    /// True when a point of the map is where something should be at `run_ns` that moves, or that
+    /// seems to, however uncertain that is.
+    #[must_use]
+    pub fn is_restless_at(&self, point_in_map: Point2<f64>, run_ns: u64) -> bool {
+        let ahead_s = seconds(run_ns.saturating_sub(self.run_ns));
+        self.tracks.iter().any(|track| {
+            let place = track.filter.position() + track.filter.velocity() * ahead_s;
+            let reach_m = track.radius_m + RESTLESS_MARGIN_M;
+            (point_in_map - place).norm_squared() <= reach_m * reach_m
+                && (track.moving || track.filter.velocity().norm() > self.config.rest_speed_mps)
+        })
     }
 
     /// Calls `see` with the places, and how far around them, at which something was seen before
@@ -389,10 +414,12 @@ impl Tracker {
         let mut entered = 0;
         let mut left = 0;
         for point in points {
-            entered += usize::from(then.sees_through(point.at, self.config.gap_m));
+            // Far away a pose that is a little off looks past the ends of what stands.
+            let margin_m = self.config.gap_m + MARGIN_PER_M * point.range_m;
+            entered += usize::from(then.sees_through(point.at, margin_m));
             let was_at = point.at - came;
             let was_there = then.ended_at(was_at, self.config.gap_m);
-            left += usize::from(was_there && now.sees_through(was_at, self.config.gap_m));
+            left += usize::from(was_there && now.sees_through(was_at, margin_m));
         }
         #[allow(
             clippy::cast_possible_truncation,
