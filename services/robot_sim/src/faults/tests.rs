@@ -37,7 +37,7 @@ impl Drive {
     }
 
     /// Drives to `tick`; every scan on the way is taken. True when the last tick sent one.
-    fn to_tick(&mut self, tick: u64) -> bool {
+    fn reach_tick(&mut self, tick: u64) -> bool {
         let mut sent = false;
         while self.robot.run_ns() < tick * TICK {
             self.robot.step(self.robot.run_ns() + TICK, 0);
@@ -67,7 +67,7 @@ fn a_silent_lidar_sends_no_scans_and_then_does_again() {
     let mut drive = Drive::with(vec![blackout(Begin::at(0.3), Blackout::Silent)]);
     // Scans at 0.1 s, 0.2 s, ...: those at 0.3 s and 0.4 s are not sent, the truth still is.
     for (tick, sent) in [(5, true), (10, true), (15, false), (20, false), (25, true)] {
-        assert_eq!(drive.to_tick(tick), sent, "tick {tick}");
+        assert_eq!(drive.reach_tick(tick), sent, "tick {tick}");
         assert!(drive.robot.truth_due());
     }
 }
@@ -76,20 +76,20 @@ fn a_silent_lidar_sends_no_scans_and_then_does_again() {
 fn a_fault_after_a_distance_begins_with_the_next_tick() {
     // 0.25 m at 1 m/s, but for the first tick's half millimetre and so: just after 0.25 s.
     let mut drive = Drive::with(vec![blackout(Begin::after(0.25), Blackout::Invalid)]);
-    drive.to_tick(10);
+    drive.reach_tick(10);
     assert!(drive.ranges.iter().all(|range| !range.is_nan()));
-    drive.to_tick(15);
+    drive.reach_tick(15);
     assert!(drive.ranges.iter().all(|range| range.is_nan()));
-    drive.to_tick(25);
+    drive.reach_tick(25);
     assert!(drive.ranges.iter().all(|range| !range.is_nan()));
 }
 
 #[test]
 fn a_covered_lidar_sees_nothing_come_back() {
     let mut drive = Drive::with(vec![blackout(Begin::at(0.3), Blackout::NoReturn)]);
-    drive.to_tick(10);
+    drive.reach_tick(10);
     assert!(drive.ranges.iter().any(|range| range.is_finite()));
-    drive.to_tick(15);
+    drive.reach_tick(15);
     assert!(drive.ranges.iter().all(|range| *range == f32::INFINITY));
 }
 
@@ -99,16 +99,16 @@ fn a_frozen_lidar_repeats_its_last_scan() {
         begins: Begin::at(0.3),
         lasts_s: Some(0.2),
     }]);
-    drive.to_tick(10);
+    drive.reach_tick(10);
     let last = drive.ranges.clone();
     for tick in [15, 20] {
-        drive.to_tick(tick);
+        drive.reach_tick(tick);
         assert_eq!(drive.ranges, last, "tick {tick}");
         // Asking again changes nothing.
         assert!(drive.robot.scan(&mut drive.ranges).is_some());
         assert_eq!(drive.ranges, last, "tick {tick}");
     }
-    drive.to_tick(25);
+    drive.reach_tick(25);
     assert_ne!(drive.ranges, last);
 }
 
@@ -121,13 +121,13 @@ fn a_turned_lidar_sees_the_same_elsewhere() {
         angle_rad: 10.0_f64.to_radians(),
     };
     let (mut turned, mut straight) = (Drive::with(vec![turned]), Drive::with(Vec::new()));
-    turned.to_tick(20);
-    straight.to_tick(20);
+    turned.reach_tick(20);
+    straight.reach_tick(20);
     let mut seen = 0;
     for beam in 0..360 {
         let (found, expected) = (turned.ranges[beam], straight.ranges[(beam + 10) % 360]);
         seen += u32::from(expected.is_finite());
-        let same = (found - expected).abs() < 1e-4 || found == expected;
+        let same = (found - expected).abs() < 1e-4 || found.total_cmp(&expected).is_eq();
         assert!(same, "beam {beam}: {found}, not {expected}");
     }
     assert!(seen >= 10, "{seen} beams on the disc");
@@ -140,19 +140,19 @@ fn odometry_jumps_once_and_the_robot_does_not() {
         shift: [0.2, 0.3, 0.5],
     };
     let (mut drive, mut straight) = (Drive::with(vec![jump]), Drive::with(Vec::new()));
-    drive.to_tick(24);
-    straight.to_tick(24);
+    drive.reach_tick(24);
+    straight.reach_tick(24);
     let before = drive.robot.odometry().pose;
     assert!(
         before.distance_m(&straight.true_pose()) < 1e-9,
         "{before:?}"
     );
-    drive.to_tick(25);
+    drive.reach_tick(25);
     let after = drive.robot.odometry().pose;
     assert!((after.x_m - before.x_m - 0.22).abs() < 1e-9, "{after:?}");
     assert!((after.y_m - 0.3).abs() < 1e-9 && (after.yaw_rad - 0.5).abs() < 1e-9);
-    drive.to_tick(50);
-    straight.to_tick(50);
+    drive.reach_tick(50);
+    straight.reach_tick(50);
     // It drives on along the yaw that it believes in.
     let end = drive.robot.odometry().pose;
     assert!((end.distance_m(&after) - 0.5).abs() < 1e-9, "{end:?}");
@@ -168,8 +168,8 @@ fn on_a_slippery_floor_wheels_turn_for_nothing() {
         turn_ratio: 0.0,
     };
     let (mut drive, mut straight) = (Drive::with(vec![slip]), Drive::with(Vec::new()));
-    drive.to_tick(50);
-    straight.to_tick(50);
+    drive.reach_tick(50);
+    straight.reach_tick(50);
     let full_m = straight.true_pose().x_m;
     assert!((drive.true_pose().x_m - (full_m - 0.4)).abs() < 1e-9);
     assert!((drive.robot.odometry().pose.x_m - full_m).abs() < 1e-9);
