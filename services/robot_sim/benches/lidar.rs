@@ -1,14 +1,22 @@
 //! Time of one scan of 720 beams: among 300 shapes, and on a grid map of 600 x 400 cells; and of
-//! one of a lidar that turns while the robot moves.
+//! one of a lidar that turns while the robot moves. For grid maps also 720 bare rays and one contact
+//! of a disc, ours beside parry's voxels on the same cells.
 
 use criterion::{Criterion, criterion_group, criterion_main};
+use nalgebra::{Point2, Vector2};
+use parry2d::math::{IVector, Pose2, Vector};
+use parry2d::query::{self, Ray, RayCast as _};
+use parry2d::shape::{Ball, Voxels};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_pcg::Pcg64Mcg;
 use std::hint::black_box;
 use zeronav_msgs::{GridGeometry, Pose};
 use zeronav_robot_sim::lidar::Lidar;
 use zeronav_robot_sim::solid_grid::SolidGrid;
-use zeronav_world::{Convex, LidarPreset, LidarSpec, Occupancy, Shape, ShapeSpec, StaticMap};
+use zeronav_world::{
+    Convex, Footprint, LidarPreset, LidarSpec, Occupancy, Shape, ShapeSpec, StaticMap, World,
+    WorldSpec,
+};
 
 const SEED: u64 = 1;
 
@@ -66,7 +74,7 @@ fn room(rng: &mut Pcg64Mcg, n_shapes: usize) -> Vec<Convex> {
 }
 
 /// 30 x 20 m at 5 cm: a border, and `n_blocks` solid blocks of half a metre.
-fn hall(rng: &mut Pcg64Mcg, n_blocks: usize) -> SolidGrid {
+fn hall(rng: &mut Pcg64Mcg, n_blocks: usize) -> StaticMap {
     let (width, height) = (600_usize, 400_usize);
     let mut map = StaticMap::free(GridGeometry {
         origin_x_m: -15.0,
@@ -93,7 +101,66 @@ fn hall(rng: &mut Pcg64Mcg, n_blocks: usize) -> SolidGrid {
         }
         fill(x, y, 10, 10);
     }
-    SolidGrid::new(&map)
+    map
+}
+
+/// The occupied cells of a map as voxels, in coordinates that begin at the map's origin.
+fn voxels(map: &StaticMap) -> Voxels {
+    let width = map.geometry.width as usize;
+    let occupied = |n: &usize| map.cells[*n] == Occupancy::Occupied;
+    let number = |n: usize| i64::try_from(n).unwrap_or(i64::MAX);
+    let cells: Vec<IVector> = (0..map.cells.len())
+        .filter(occupied)
+        .map(|n| IVector::new(number(n % width), number(n / width)))
+        .collect();
+    Voxels::new(Vector::splat(map.geometry.resolution_m), &cells)
+}
+
+/// The same 720 rays, and the same disc beside a wall, through our grid and through voxels.
+fn grids(criterion: &mut Criterion) {
+    let map = hall(&mut Pcg64Mcg::seed_from_u64(SEED), 60);
+    let (grid, voxels) = (SolidGrid::new(&map), voxels(&map));
+    let eye = Point2::new(0.02, 0.03);
+    let from_origin = Vector::new(eye.x + 15.0, eye.y + 10.0);
+    let directions: Vec<Vector2<f64>> = (0..720)
+        .map(|n| std::f64::consts::TAU * f64::from(n) / 720.0)
+        .map(|angle| Vector2::new(angle.cos(), angle.sin()))
+        .collect();
+    let ours = || {
+        let ray = |direction: &Vector2<f64>| grid.cast(eye, *direction, 30.0);
+        directions.iter().filter_map(ray).sum::<f64>()
+    };
+    let theirs = || {
+        let ray = |direction: &Vector2<f64>| {
+            let ray = Ray::new(from_origin, Vector::new(direction.x, direction.y));
+            voxels.cast_local_ray(&ray, 30.0, true)
+        };
+        directions.iter().filter_map(ray).sum::<f64>()
+    };
+    let (a, b) = (ours(), theirs());
+    assert!(
+        (a - b).abs() < 1.0e-6 * a,
+        "the two see another map: {a} and {b}"
+    );
+    criterion.bench_function("720 bare rays, 600 x 400 cells, grid", |bencher| {
+        bencher.iter(|| black_box(ours()));
+    });
+    criterion.bench_function("720 bare rays, 600 x 400 cells, voxels", |bencher| {
+        bencher.iter(|| black_box(theirs()));
+    });
+    let disc = Ball::new(0.25);
+    let in_voxels = Pose2::from_translation(from_origin);
+    criterion.bench_function("a disc touches, 600 x 400 cells, voxels", |bencher| {
+        bencher.iter(|| {
+            query::intersection_test(black_box(&in_voxels), &disc, &Pose2::IDENTITY, &voxels)
+        });
+    });
+    let world = World::new(&WorldSpec::of_map("hall.yaml"), Some(map)).expect("a world");
+    let footprint = Footprint::disc(0.25).expect("a disc");
+    let on_map = Pose::new(eye.x, eye.y, 0.0);
+    criterion.bench_function("a disc touches, 600 x 400 cells, rectangles", |bencher| {
+        bencher.iter(|| world.touches(&footprint, black_box(&on_map)));
+    });
 }
 
 fn scans(criterion: &mut Criterion) {
@@ -132,7 +199,7 @@ fn scans(criterion: &mut Criterion) {
         });
     });
     for n_blocks in [0, 60] {
-        let grid = hall(&mut rng, n_blocks);
+        let grid = SolidGrid::new(&hall(&mut rng, n_blocks));
         let name = format!("720 beams, 600 x 400 cells, {n_blocks} blocks");
         criterion.bench_function(&name, |bencher| {
             bencher.iter(|| {
@@ -144,5 +211,5 @@ fn scans(criterion: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, scans);
+criterion_group!(benches, scans, grids);
 criterion_main!(benches);
