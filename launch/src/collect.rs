@@ -156,6 +156,7 @@ impl Collector {
                 cause,
                 planner: view.meta.planner().to_owned(),
                 length_m: view.meta.length_m,
+                beside_goal_m: view.meta.beside_goal_m,
                 expanded: view.meta.expanded,
                 points_m: view
                     .items

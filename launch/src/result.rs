@@ -264,6 +264,7 @@ fn plan(path: &PathRecord, goals_run_ns: u64) -> Plan {
         planner: path.planner.clone(),
         status: path.status.to_string(),
         length_m: path.length_m,
+        beside_goal_m: path.beside_goal_m,
         expanded: path.expanded,
         points_m: path.points_m.clone(),
     }

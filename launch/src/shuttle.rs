@@ -408,6 +408,7 @@ mod tests {
             cause: PathCause::Goal,
             planner: "c_astar".to_owned(),
             length_m: 13.0,
+            beside_goal_m: 0.0,
             expanded: 1,
             points_m: vec![[6.0, y_m], [19.0, y_m]],
         };

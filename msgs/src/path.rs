@@ -82,6 +82,9 @@ message! {
         pub cost: f64,
         /// Goal that it leads to, by [`crate::task::Goal::id`].
         pub goal: u64,
+        /// [m] from the last waypoint to the goal, >= 0: above 0 when the goal's own place cannot be
+        /// reached and the nearest one within its tolerance that can is taken.
+        pub beside_goal_m: f64,
     }
 }
 
@@ -154,6 +157,7 @@ impl Path {
         )?;
         number(self.length_m, 0.0, 1.0e9, "length_m")?;
         number(self.cost, 0.0, 1.0e15, "cost")?;
+        number(self.beside_goal_m, 0.0, 1.0e9, "beside_goal_m")?;
         let limit = COORDINATE_M_MAX;
         for waypoint in waypoints {
             number(waypoint.x_m, -limit, limit, "x_m")?;

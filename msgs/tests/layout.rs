@@ -78,7 +78,7 @@ fn fixed_offsets_that_other_languages_rely_on() {
             size_of::<Path>(),
             size_of::<Waypoint>()
         ),
-        (128, 104, 24)
+        (128, 112, 24)
     );
     assert_eq!(Header::NAME, "zeronav.Header.v1");
 }

@@ -21,6 +21,8 @@ pub struct PathRecord {
     pub planner: String,
     /// Length. [m]
     pub length_m: f64,
+    /// From its end to the goal. [m]
+    pub beside_goal_m: f64,
     /// Nodes expanded.
     pub expanded: u64,
     /// Waypoints, `map` frame. [m]

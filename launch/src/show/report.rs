@@ -21,10 +21,20 @@ pub struct Plan {
     pub status: String,
     /// Length. [m]
     pub length_m: f64,
+    /// From its end to the goal, above 0 when the goal itself cannot be reached. [m]
+    pub beside_goal_m: f64,
     /// Nodes expanded.
     pub expanded: u64,
     /// Its corners, `map` frame. [m]
     pub points_m: Vec<[f64; 2]>,
+}
+
+/// Says where a path ends that does not end at its goal.
+fn beside(beside_goal_m: f64) -> String {
+    if beside_goal_m < 0.005 {
+        return String::new();
+    }
+    format!(", to {beside_goal_m:.2} m beside the goal, which is blocked")
 }
 
 /// A scripted obstacle that appeared.
@@ -229,8 +239,14 @@ impl RunResult {
         for plan in &self.plans {
             let _ = writeln!(
                 text,
-                "  {:8.2} s  path by {}: {}, {:.1} m, {} expanded, cause {}",
-                plan.time_s, plan.planner, plan.status, plan.length_m, plan.expanded, plan.cause
+                "  {:8.2} s  path by {}: {}, {:.1} m, {} expanded, cause {}{}",
+                plan.time_s,
+                plan.planner,
+                plan.status,
+                plan.length_m,
+                plan.expanded,
+                plan.cause,
+                beside(plan.beside_goal_m)
             );
         }
         for restart in &self.restarts {

@@ -3,6 +3,7 @@
 use crate::corridor::{Corridor, Legality};
 use crate::planner::{CellPath, PlanError, PlanQuery};
 use crate::waypoints::{waypoints_along, waypoints_of};
+use nalgebra::Point2;
 use zeronav_msgs::path::{Path, PathCause, PathStatus, Waypoint};
 use zeronav_msgs::{Cell, MapView, Pose};
 
@@ -122,6 +123,16 @@ impl Plan {
         }
     }
 
+    /// [m] from the path's end to the goal; 0 without a path.
+    fn beside_goal_m(&self) -> f64 {
+        self.waypoints
+            .last()
+            .zip(self.target)
+            .map_or(0.0, |(last, target)| {
+                (Point2::new(last.x_m, last.y_m) - target.pose.point()).norm()
+            })
+    }
+
     /// True when this is a path and `map` does not let the robot follow what is left of it.
     #[must_use]
     pub fn is_cut(&self, map: &MapView<'_>) -> bool {
@@ -146,6 +157,33 @@ impl Plan {
             length_m: self.length_m,
             cost: stats.cost,
             goal: self.target.map_or(0, |target| target.goal),
+            beside_goal_m: self.beside_goal_m(),
         };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_path_says_how_far_beside_its_goal_it_ends() {
+        let mut plan = Plan::idle("c_astar");
+        let mut message = Path::default();
+        plan.fill(&mut message);
+        assert!(message.beside_goal_m.abs() < f64::EPSILON);
+        plan.target = Some(Target {
+            task: 1,
+            goal: 1,
+            pose: Pose::new(2.0, 1.0, 0.0),
+            tolerance_m: 0.5,
+        });
+        plan.waypoints.push(Waypoint {
+            x_m: 1.7,
+            y_m: 1.4,
+            ..Waypoint::default()
+        });
+        plan.fill(&mut message);
+        assert!((message.beside_goal_m - 0.5).abs() < 1.0e-12, "{message:?}");
     }
 }

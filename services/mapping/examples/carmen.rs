@@ -110,13 +110,20 @@ fn laser_of(line: &str) -> Option<Laser> {
     (ranges.len() == n).then_some(Laser { pose, ranges })
 }
 
-/// Half a turn from right to left; readings without a return become infinite.
+/// Half a turn from right to left: an odd number of readings, 181 or 361, has one at either end, an
+/// even one begins and ends half a step inside. Readings without a return say nothing.
 fn scan_of(laser: &Laser) -> (Scan, Vec<f32>) {
     #[allow(clippy::cast_precision_loss, reason = "a few hundred beams")]
-    let step = std::f32::consts::PI / laser.ranges.len() as f32;
+    let steps = (laser.ranges.len() / 2 * 2).max(1) as f32;
+    let step = std::f32::consts::PI / steps;
+    let inside = if laser.ranges.len() % 2 == 0 {
+        0.5
+    } else {
+        0.0
+    };
     let scan = Scan {
         n_beams: u32::try_from(laser.ranges.len()).unwrap_or(0),
-        angle_min_rad: -std::f32::consts::FRAC_PI_2 + 0.5 * step,
+        angle_min_rad: -std::f32::consts::FRAC_PI_2 + inside * step,
         angle_increment_rad: step,
         range_m_min: 0.05,
         range_m_max: RANGE_M_MAX,

@@ -54,6 +54,8 @@ pub struct Mapper {
     regulariser: Option<Regulariser>,
     /// Rectangles of the line that was last looked along.
     rectangles: Vec<CellRect>,
+    /// Scratch: those of the line before it.
+    rectangles_before: Vec<CellRect>,
     /// What scans are laid on, once somebody asks for it.
     surfaces: Option<Surfaces>,
     /// What may become a surface.
@@ -132,6 +134,7 @@ impl Mapper {
             n_virtual: 0,
             regulariser,
             rectangles: Vec::new(),
+            rectangles_before: Vec::new(),
             surfaces: None,
             settling: Settling::default(),
             run_ns: 0,
@@ -233,10 +236,15 @@ impl Mapper {
         if self.rectangles == regulariser.rectangles() {
             return;
         }
-        let old = core::mem::replace(&mut self.rectangles, regulariser.rectangles().to_vec());
-        for n in 0..old.len() + self.rectangles.len() {
-            let rect = old.get(n).copied();
-            let rect = rect.unwrap_or_else(|| self.rectangles[n - old.len()]);
+        core::mem::swap(&mut self.rectangles, &mut self.rectangles_before);
+        self.rectangles.clear();
+        self.rectangles.extend_from_slice(regulariser.rectangles());
+        for n in 0..self.rectangles_before.len() {
+            let rect = self.rectangles_before[n];
+            self.refresh(&rect);
+        }
+        for n in 0..self.rectangles.len() {
+            let rect = self.rectangles[n];
             self.refresh(&rect);
         }
     }
