@@ -193,10 +193,10 @@ mod tests {
 
     #[test]
     fn a_wall_at_a_slant_is_one_and_what_stands_off_it_is_not() {
-        // The wall y = 1, from beside to 5 degrees.
+        // The wall y = 1, from beside to 13 degrees.
         #[allow(clippy::cast_precision_loss, reason = "small")]
         let range = |n: i32| 1.0 / (1.57 + 0.02 * n as f32).sin();
-        let wall: Vec<f32> = (0..75).map(range).collect();
+        let wall: Vec<f32> = (0..68).map(range).collect();
         let mut beams = Beams::default();
         let mut count = |ranges: &[f32]| {
             let scan = Scan {

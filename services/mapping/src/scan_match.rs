@@ -17,6 +17,10 @@ const REACH_M: f64 = 0.5;
 /// Most points that are used; of more, every n-th.
 const POINTS_MAX: usize = 180;
 
+/// How far from a surface a point is used as long as most lie nearer at the predicted pose, in cells:
+/// what has just come into view beyond the end of a known wall would be pulled towards that end.
+const HELD_CELLS: f64 = 2.0;
+
 /// What the points are worth, in independent ones: neighbours share their errors.
 const POINTS_WORTH: f64 = 40.0;
 
@@ -130,6 +134,12 @@ impl Surfaces {
         let mut at = at_start;
         let mut information = prior;
         let sigma_m = SIGMA_CELLS * self.geometry.resolution_m;
+        let held_m = HELD_CELLS * self.geometry.resolution_m;
+        let reach_m = if self.is_held(points(), predicted, held_m) {
+            held_m
+        } else {
+            REACH_M
+        };
         for _ in 0..STEPS_MAX {
             let (sin, cos) = at.z.sin_cos();
             let mut normal = Matrix3::zeros();
@@ -145,6 +155,9 @@ impl Surfaces {
                     continue;
                 };
                 near += 1.0;
+                if distance_m > reach_m {
+                    continue;
+                }
                 let row = Vector3::new(slope.x, slope.y, slope.y * turned.x - slope.x * turned.y);
                 let weight = (1.0 + (distance_m / LETS_GO_M).powi(2)).powi(-2);
                 normal += row * row.transpose() * weight;
@@ -165,6 +178,28 @@ impl Surfaces {
             pose: Pose::new(at.x, at.y, zeronav_msgs::pose::wrap_angle(at.z)),
             covariance: information.try_inverse()?,
         })
+    }
+
+    /// True when most of the points that lie near a surface at `pose` lie within `held_m` of it.
+    fn is_held<'a>(
+        &self,
+        points: impl Iterator<Item = &'a Point2<f64>>,
+        pose: &Pose,
+        held_m: f64,
+    ) -> bool {
+        let (sin, cos) = pose.yaw_rad.sin_cos();
+        let (mut near, mut held) = (0_u32, 0_u32);
+        for point in points {
+            let at = Point2::new(
+                pose.x_m + cos * point.x - sin * point.y,
+                pose.y_m + sin * point.x + cos * point.y,
+            );
+            if let Some((distance_m, _)) = self.distance(at) {
+                near += 1;
+                held += u32::from(distance_m <= held_m);
+            }
+        }
+        2 * held >= near
     }
 
     /// Distance to the nearest surface and its slope, between four cells' centres; `None` beside

@@ -1,13 +1,14 @@
 //! Obstacles that were found a moment ago and are not yet known to stand.
 //!
-//! A scan laid on what walks is carried along with it, so a cell counts as a surface only after it
-//! has been an obstacle without a break for as long as a walking person never stays in one place.
+//! A scan laid on what walks is carried along with it, and the end of a wall that is coming into view
+//! holds the robot back, so a cell counts as a surface only after it has been an obstacle without a
+//! break for a moment.
 
 use std::collections::{HashMap, VecDeque};
 
-/// How long a cell must have been an obstacle: a person of 0.6 m who walks at 1 m/s needs 0.6 s
-/// to leave it. [ns]
-const STANDS_NS: u64 = 1_000_000_000;
+/// How long a cell must have been an obstacle: what moves is known as such by then; longer, and a
+/// robot that drives fast among small things has little to hold on to. [ns]
+const STANDS_NS: u64 = 250_000_000;
 
 /// Cells that wait, in the order in which they became obstacles.
 #[derive(Debug, Default)]

@@ -30,10 +30,6 @@ const HITS_TO_CONFIRM: u32 = 3;
 /// known. [m]
 const RESTLESS_MARGIN_M: f64 = 0.15;
 
-/// How much farther a beam must reach behind a point to have looked through it, per metre of range.
-/// [m]
-const MARGIN_PER_M: f64 = 0.03;
-
 /// Share of a cluster's points that must be seen to have moved, and the least number.
 const SEEN_MOVING: (f64, usize) = (0.25, 2);
 
@@ -414,12 +410,10 @@ impl Tracker {
         let mut entered = 0;
         let mut left = 0;
         for point in points {
-            // Far away a pose that is a little off looks past the ends of what stands.
-            let margin_m = self.config.gap_m + MARGIN_PER_M * point.range_m;
-            entered += usize::from(then.sees_through(point.at, margin_m));
+            entered += usize::from(then.sees_through(point.at, self.config.gap_m));
             let was_at = point.at - came;
             let was_there = then.ended_at(was_at, self.config.gap_m);
-            left += usize::from(was_there && now.sees_through(was_at, margin_m));
+            left += usize::from(was_there && now.sees_through(was_at, self.config.gap_m));
         }
         #[allow(
             clippy::cast_possible_truncation,

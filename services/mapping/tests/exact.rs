@@ -38,7 +38,7 @@ fn check_against_brute_force(mapper: &Mapper) {
             "{at:?}: {exact_mm} {value:?}"
         );
         let unknown = value.flags & FLAG_UNKNOWN != 0;
-        let beyond_m = clearance_m - 0.2;
+        let beyond_m = clearance_m - 0.2 - config.padding_m;
         let cost = if obstacles.contains(&at) {
             COST_LETHAL
         } else if beyond_m <= 1e-9 {

@@ -9,6 +9,7 @@
 //! - **All yaw rates at once** ([`crate::fan`]), and the best of every speed in reserve for the
 //!   exact check.
 
+use super::guidance::CREEP_MPS;
 use super::{Dwa, PATH_HORIZON_S};
 use crate::config::DwaTConfig;
 use crate::controller::Situation;
@@ -120,7 +121,8 @@ impl Dwa {
 
     /// [s] that rollouts are compared with the path and what stands: in the open as long as the
     /// weights are meant for, where the path leads through narrow places `tight_s`. There ways bend
-    /// within a metre, and a robot that wants one arc to fit them for longer goes at a crawl.
+    /// within a metre, and a robot that wants one arc to fit them for longer goes at a crawl. Who is
+    /// at a crawl already gets nowhere in `tight_s` and would find every motion as good as none.
     fn scored_s(&self, tight_s: f64) -> f64 {
         let soft_m = self.config.soft_clearance_m;
         let surroundings = &self.surroundings;
@@ -128,6 +130,9 @@ impl Dwa {
             - surroundings.footprint.circumscribed_m;
         let open = ((space_m - soft_m) / soft_m).clamp(0.0, 1.0);
         let open_s = PATH_HORIZON_S.max(tight_s);
+        if self.last.v_mps.abs() < CREEP_MPS {
+            return open_s;
+        }
         tight_s + open * (open_s - tight_s)
     }
 
