@@ -38,6 +38,7 @@ fn path(id: u64, map: u64, cause: PathCause, y_m: f64) -> PathRecord {
         cause,
         planner: "test".to_owned(),
         length_m: 1.0,
+        beside_goal_m: 0.0,
         expanded: 1,
         points_m: vec![[0.0, y_m], [1.0, y_m]],
     }

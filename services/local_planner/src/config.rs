@@ -119,8 +119,8 @@ pub struct DwaWeights {
 pub struct DwaTConfig {
     /// [s] length of a rollout; a robot that needs longer to stop gets longer ones.
     pub horizon_s: f64,
-    /// [s] of a rollout that are compared with the path and what stands where the path leads
-    /// through narrow places; 1.5 s in the open. Later only what moves counts.
+    /// [s] of a rollout that are compared with the path and what stands where there is no room
+    /// around the robot; 1.5 s in the open. Later only what moves counts.
     pub scored_s: f64,
     /// Poses of a rollout, 5 to 64.
     pub steps: u32,
@@ -148,7 +148,7 @@ impl Default for DwaTConfig {
     fn default() -> Self {
         Self {
             horizon_s: 2.4,
-            scored_s: 0.7,
+            scored_s: 0.8,
             steps: 30,
             speeds: 20,
             yaw_rates: 40,

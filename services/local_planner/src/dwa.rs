@@ -39,13 +39,6 @@ use zeronav_msgs::command::Validity;
 /// [s] of standing with somewhere to go after which the robot counts as stuck.
 const STUCK_S: f64 = 0.1;
 
-/// [s] of going at a crawl after which the robot turns on the spot to its local goal: no arc leads
-/// on from where it looks (align, then go).
-const CRAWLING_S: f64 = 0.3;
-
-/// [s] after such a turn in which no other one is begun, unless the robot got on: or it would rock.
-const ALIGN_AGAIN_S: f64 = 3.0;
-
 /// [s] of driving at full speed that the sampled stretch of the path spans at most.
 const PATH_HORIZON_S: f64 = 1.5;
 
@@ -89,8 +82,6 @@ pub struct Dwa {
     steered_radps: f64,
     /// Standing without an admissible motion for so long. [s]
     blocked_s: f64,
-    /// At a crawl while following the path, for so long. [s]
-    crawling_s: f64,
     looked_at: u32,
     moving: Moving,
     shaper: Shaper,
@@ -114,7 +105,6 @@ impl Dwa {
             last: Twist::REST,
             steered_radps: 0.0,
             blocked_s: 0.0,
-            crawling_s: 0.0,
             looked_at: 0,
             moving: Moving::default(),
             shaper: Shaper::new(ShapingConfig::OFF),
@@ -209,11 +199,7 @@ impl Dwa {
         // Too near a point to have a direction.
         let meaningful = to_goal.norm() > 0.05;
         let stuck = self.blocked_s > STUCK_S;
-        let align = stuck || self.crawling_s > CRAWLING_S;
-        if meaningful && let Some(wish) = self.turn(situation, from, error_rad, align) {
-            if align && !stuck {
-                self.crawling_s = -ALIGN_AGAIN_S;
-            }
+        if meaningful && let Some(wish) = self.turn(situation, from, error_rad, stuck) {
             return wish;
         }
         if stuck && situation.robot.v_mps_min < 0.0 && self.blocked_s >= self.config.back_up_after_s
@@ -309,12 +295,6 @@ impl Dwa {
         } else {
             self.blocked_s + period_s
         };
-        let crawl_mps = guidance::CREEP_MPS.min(0.25 * robot.v_mps_max);
-        if resting || twist.v_mps.abs() >= crawl_mps {
-            self.crawling_s = 0.0;
-        } else if self.mode == Mode::Follow {
-            self.crawling_s += period_s;
-        }
         let validity = match validity {
             Validity::Drive if self.blocked_s > STUCK_S => Validity::Blocked,
             other => other,

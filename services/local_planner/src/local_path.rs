@@ -231,13 +231,6 @@ impl LocalPath {
         })
     }
 
-    /// Least clearance of the robot and the stretch ahead of it, at the samples' cells. [m]
-    pub(crate) fn clearance_m(&self, field: &ClearanceField) -> f32 {
-        (self.behind..self.n)
-            .map(|i| field.nearest_m(self.x[i], self.y[i]))
-            .fold(field.nearest_m(0.0, 0.0), f32::min)
-    }
-
     /// [m] along the path to the first place where the inscribed disc overlaps an obstacle;
     /// `None` when the stretch is free.
     pub(crate) fn blocked_m(&self, field: &ClearanceField, inscribed_m: f64) -> Option<f64> {

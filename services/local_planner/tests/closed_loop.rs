@@ -17,6 +17,8 @@ mod dwa {
     const WEAVING_PER_M_MAX: f64 = 0.15;
     /// The same on a path in steps.
     const STEPS_WEAVING_PER_M_MAX: f64 = 0.5;
+    /// To get around a box on the way. [s]
+    const ROUND_THE_BOX_S: f64 = 25.0;
 
     fn dwa() -> Dwa {
         Dwa::new(DwaConfig::default())
@@ -38,6 +40,8 @@ mod dwa_t {
     const WEAVING_PER_M_MAX: f64 = 0.25;
     /// The same on a path in steps.
     const STEPS_WEAVING_PER_M_MAX: f64 = 0.6;
+    /// To get around a box on the way. [s]
+    const ROUND_THE_BOX_S: f64 = 25.0;
 
     fn dwa() -> Dwa {
         Dwa::timed(DwaConfig::default(), DwaTConfig::default())

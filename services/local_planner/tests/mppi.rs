@@ -62,6 +62,8 @@ mod manoeuvres {
     const WEAVING_PER_M_MAX: f64 = 0.6;
     /// The same on a path in steps.
     const STEPS_WEAVING_PER_M_MAX: f64 = 1.0;
+    /// To get around a box on the way: it hesitates before it leaves the line. [s]
+    const ROUND_THE_BOX_S: f64 = 60.0;
 
     fn dwa() -> Dwa {
         mppi(200)

@@ -58,19 +58,18 @@ impl Dwa {
         Some(self.turn_by(situation, from, error_rad))
     }
 
-    /// Align, then go: a slow robot that faces away from its local goal turns on the spot, one that
-    /// does not get on (`align`) also when it faces away a little.
+    /// Align, then go: a slow robot that faces away from its local goal turns on the spot.
     pub(super) fn turn(
         &mut self,
         situation: &Situation<'_>,
         from: Twist,
         error_rad: f64,
-        align: bool,
+        stuck: bool,
     ) -> Option<Wish> {
         let config = &self.config;
         let (direction, limit_rad) = match self.mode {
             Mode::Turn(direction) => (direction, config.turn_until_rad),
-            _ if align => (0.0, config.turn_until_rad),
+            _ if stuck => (0.0, config.turn_until_rad),
             _ if from.is_standing() => (0.0, config.turn_above_standing_rad),
             _ if from.v_mps.abs() < TURN_FROM_MPS => (0.0, config.turn_above_rad),
             _ => return None,

@@ -10,7 +10,7 @@
 //!   exact check.
 
 use super::guidance::CREEP_MPS;
-use super::{Dwa, PATH_HORIZON_S};
+use super::{Dwa, Mode, PATH_HORIZON_S};
 use crate::config::DwaTConfig;
 use crate::controller::Situation;
 use crate::fan::{Fan, LANES_MAX};
@@ -120,17 +120,19 @@ impl Dwa {
     }
 
     /// [s] that rollouts are compared with the path and what stands: in the open as long as the
-    /// weights are meant for, where the path leads through narrow places `tight_s`. There ways bend
+    /// weights are meant for, where there is no room around the robot `tight_s`. There ways bend
     /// within a metre, and a robot that wants one arc to fit them for longer goes at a crawl. Who is
     /// at a crawl already gets nowhere in `tight_s` and would find every motion as good as none.
-    fn scored_s(&self, tight_s: f64) -> f64 {
+    fn scored_s(&self, tight_s: f64, v_mps_max: f64) -> f64 {
         let soft_m = self.config.soft_clearance_m;
         let surroundings = &self.surroundings;
-        let space_m = f64::from(self.path.clearance_m(&surroundings.field))
+        let space_m = f64::from(surroundings.field.nearest_m(0.0, 0.0))
             - surroundings.footprint.circumscribed_m;
         let open = ((space_m - soft_m) / soft_m).clamp(0.0, 1.0);
         let open_s = PATH_HORIZON_S.max(tight_s);
-        if self.last.v_mps.abs() < CREEP_MPS {
+        let creep_mps = CREEP_MPS.min(0.25 * v_mps_max);
+        let creeping = !self.last.is_standing() && self.last.v_mps.abs() < creep_mps;
+        if creeping && self.mode == Mode::Follow {
             return open_s;
         }
         tight_s + open * (open_s - tight_s)
@@ -155,7 +157,7 @@ impl Dwa {
         let here = situation.map_from_base.point();
         let now = timed.funnel.at(here);
         // Beyond, only what moves counts.
-        let scored_s = self.scored_s(config.scored_s);
+        let scored_s = self.scored_s(config.scored_s, situation.robot.v_mps_max);
         let judged = steps_of(scored_s, window.step_s).clamp(1, steps) - 1;
         timed.reserve.clear();
         for speed in 0..fan.speeds.len() {

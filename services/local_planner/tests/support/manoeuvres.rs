@@ -180,7 +180,7 @@ fn a_box_dropped_ahead_stops_the_robot_and_a_new_path_frees_it() {
         assert_eq!(last.validity, Validity::Blocked);
         let (here, y) = (run.pose.x_m, run.pose.y_m);
         run.replan(path(&[(here, y), (here, 3.2), (x + 1.0, 3.2), (11.0, 1.1)]));
-        check_arrives("round the box", &mut run, &mut controller, 25.0);
+        check_arrives("round the box", &mut run, &mut controller, ROUND_THE_BOX_S);
     }
 }
 
