@@ -116,7 +116,7 @@ fn scan_of(laser: &Laser) -> (Scan, Vec<f32>) {
     #[allow(clippy::cast_precision_loss, reason = "a few hundred beams")]
     let steps = (laser.ranges.len() / 2 * 2).max(1) as f32;
     let step = std::f32::consts::PI / steps;
-    let inside = if laser.ranges.len() % 2 == 0 {
+    let inside = if laser.ranges.len().is_multiple_of(2) {
         0.5
     } else {
         0.0
