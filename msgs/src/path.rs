@@ -55,7 +55,7 @@ codes! {
 message! {
     /// Fixed fields of a path. Search statistics are counts, never times. A message with an
     /// unchanged path repeats the waypoints and says by its parents how current it is.
-    pub struct Path = "zeronav.Path.v1" {
+    pub struct Path = "zeronav.Path.v2" {
         /// Key of the planner in lower case, padded with 0.
         pub planner: [u8; 24],
         /// Code of [`PathStatus`].

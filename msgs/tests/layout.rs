@@ -19,7 +19,7 @@ const GOLDEN: &[(&str, usize, usize, u64)] = &[
     ("map/update", 256, 4104, 0xd4d4_b4a9_4240_efcf),
     ("map/keyframe", 256, 4104, 0x3235_1be4_c460_e78c),
     ("map/obstacles", 136, 136, 0x2712_c9b5_4150_e314),
-    ("plan/path", 232, 24, 0xc75e_878f_ca01_0509),
+    ("plan/path", 240, 24, 0xf295_3d95_ebe4_e756),
     ("plan/request", 144, 1, 0xe8e8_e8d0_d733_8bbc),
     ("task/goal", 144, 48, 0x259f_c266_e8e8_0857),
     ("task/status", 160, 24, 0x7d08_f39a_597b_e439),
