@@ -5,7 +5,7 @@
 //! the next sequence is their mean, weighted by `exp(-cost / temperature)`. The differences:
 //!
 //! - **Samples obey the accelerations**, so the mean does, and are drawn with low-frequency noise
-//!   ([`noise`]); what the importance weights of the source do for smooth commands, a critic does.
+//!   (`noise.rs`); what the importance weights of the source do for smooth commands, a critic does.
 //! - **Four samples are no noise**: last period's sequence, the choice of the dynamic window in time,
 //!   braking to rest, and driving backwards. So never do only colliding ones compete.
 //! - **The mean is not believed.** The mean of two ways round a post leads into it. Mean, best sample,

@@ -5,7 +5,7 @@
 //! waited for first. Coming closer to the goal goes back to its foot. Every state but following the
 //! path ends after a bounded time, and every goal has a bounded number of attempts, so the end is
 //! arrival or a given-up task with a named cause. The machine is pure: what it does is driven by
-//! [`escape`], which checks every piece of the way.
+//! `escape.rs`, which checks every piece of the way.
 
 pub(crate) mod escape;
 pub(crate) mod trail;
