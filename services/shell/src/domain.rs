@@ -28,6 +28,9 @@ const RANDOM_LETTERS: usize = 10;
 /// Name of the file that whoever makes a domain holds.
 const LAUNCH: &str = "launch";
 
+/// For how long a segment must be half made until its maker counts as dead.
+const HALF_MADE: std::time::Duration = std::time::Duration::from_millis(100);
+
 /// How often a new domain is tried again when a sweeper was faster.
 const CREATE_TRIES: u32 = 8;
 
@@ -243,6 +246,37 @@ pub fn sweep(root: &Path) -> std::io::Result<bool> {
     Ok(true)
 }
 
+/// Removes the segments of a domain whose maker died while it made them. The middleware gives the
+/// right to read with the last step, and whoever cleans up waits for that step for ever.
+pub fn remove_half_made(prefix: &str) {
+    let first = half_made(prefix);
+    if first.is_empty() {
+        return;
+    }
+    // Who lives needs far less than this for it.
+    std::thread::sleep(HALF_MADE);
+    for (path, inode) in half_made(prefix) {
+        if first.contains(&(path.clone(), inode)) {
+            let _ = std::fs::remove_file(path);
+        }
+    }
+}
+
+/// The segments that nobody may read, with their inodes.
+fn half_made(prefix: &str) -> Vec<(PathBuf, u64)> {
+    let entries = std::fs::read_dir(SHM).into_iter().flatten().flatten();
+    entries
+        .filter(|entry| {
+            let name = entry.file_name();
+            name.to_str().is_some_and(|name| name.starts_with(prefix))
+        })
+        .filter_map(|entry| {
+            let metadata = entry.metadata().ok().filter(std::fs::Metadata::is_file)?;
+            (metadata.mode() & 0o400 == 0).then(|| (entry.path(), metadata.ino()))
+        })
+        .collect()
+}
+
 /// Root folders of all domains on this host, dead or alive.
 #[must_use]
 pub fn all() -> Vec<PathBuf> {
@@ -268,4 +302,28 @@ pub fn sweep_dead() -> Vec<PathBuf> {
         .into_iter()
         .filter(|root| sweep(root).unwrap_or(false))
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::os::unix::fs::OpenOptionsExt;
+
+    #[test]
+    fn segments_that_were_never_finished_are_removed_and_the_others_stay() {
+        let domain = Domain::create().unwrap();
+        let make = |name: &str, mode: u32| {
+            let path = Path::new(SHM).join(format!("{}{name}", domain.prefix()));
+            let mut options = OpenOptions::new();
+            options.write(true).create_new(true).mode(mode);
+            options.open(&path).unwrap();
+            path
+        };
+        let (half, whole) = (make("a.connection", 0o200), make("b.connection", 0o600));
+        remove_half_made(domain.prefix());
+        assert!(!half.exists());
+        assert!(whole.exists());
+        assert!(domain.close().unwrap());
+        assert!(!whole.exists());
+    }
 }

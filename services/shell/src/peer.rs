@@ -93,6 +93,7 @@ impl Peer {
 
     /// Removes what dead members left in the middleware's registry.
     pub fn clean_dead_members(&self) {
+        crate::domain::remove_half_made(self.domain.prefix());
         let _ = self.node.try_cleanup_dead_nodes();
     }
 
