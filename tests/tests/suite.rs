@@ -30,6 +30,12 @@ lidar = { n_beams = 180, rate_hz = 10.0, range_m_min = 0.05, range_m_max = 10.0 
 pose = [4.5, 1.0, 0.0]
 "#;
 
+/// The same without a goal: it goes on until it is stopped.
+fn endless() -> String {
+    TINY.replace("time_limit_s = 30.0", "time_limit_s = 100000.0")
+        .replace("[[goals]]\npose = [4.5, 1.0, 0.0]\n", "")
+}
+
 /// A working folder with `scenarios/tiny.toml`.
 fn working_folder(scenario: &str) -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("a working folder");
@@ -160,13 +166,20 @@ fn what_cannot_be_run_is_one_line_and_exit_code_2() {
 }
 
 #[test]
+fn a_world_that_cannot_be_run_stops_those_beside_it_and_is_the_cause() {
+    let folder = working_folder(&endless());
+    let unknown = format!("{TINY}[services.local_planner.config]\ncontroller = \"no_such\"\n");
+    std::fs::write(folder.path().join("scenarios/unknown.toml"), unknown).expect("a file");
+    let arguments = ["suite", "scenarios", "--jobs", "2"];
+    let ended = Zeronav::start_in(folder, &arguments).finish();
+    assert_eq!(ended.code(), 2, "{}", ended.stderr);
+    assert!(ended.stderr.contains("no_such"), "{}", ended.stderr);
+}
+
+#[test]
 fn an_interrupted_suite_stops_its_runs_and_leaves_nothing() {
-    // A goal that is never reached: the run goes on until it is stopped.
-    let endless = TINY
-        .replace("time_limit_s = 30.0", "time_limit_s = 100000.0")
-        .replace("[[goals]]\npose = [4.5, 1.0, 0.0]\n", "");
     let arguments = ["suite", "scenarios", "--seeds", "2", "--jobs", "2"];
-    let mut suite = Zeronav::start_in(working_folder(&endless), &arguments);
+    let mut suite = Zeronav::start_in(working_folder(&endless()), &arguments);
     suite.wait_until("both runs drive", |suite| {
         let runs = suite.children();
         runs.len() == 2 && runs.iter().all(|(run, _)| children_of(*run).len() == 5)

@@ -158,7 +158,7 @@ impl Row {
             "hung".to_owned()
         } else {
             match finish.code {
-                Some(code) => format!("no result, exit code {code}: {}", finish.complaint),
+                Some(code) => format!("no result, exit code {code}: {}", finish.headline()),
                 None => "no result, ended by a signal".to_owned(),
             }
         };

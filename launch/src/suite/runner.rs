@@ -18,6 +18,9 @@ const STOP_LIMIT: Duration = Duration::from_secs(20);
 /// Between two looks at the runs.
 const PAUSE: Duration = Duration::from_millis(10);
 
+/// How a run begins what it complains; warnings of the log may stand before it.
+const COMPLAINT: &str = "zeronav: ";
+
 /// How a run finished.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Finish {
@@ -27,8 +30,15 @@ pub(super) struct Finish {
     pub(super) code: Option<i32>,
     /// True when it was stopped because it took too long.
     pub(super) hung: bool,
-    /// The first line that it complained in; empty when it did not.
+    /// What it complained, without the log before; empty when it did not.
     pub(super) complaint: String,
+}
+
+impl Finish {
+    /// The first line that it complained in; empty when it did not.
+    pub(super) fn headline(&self) -> &str {
+        self.complaint.lines().next().unwrap_or_default()
+    }
 }
 
 /// Why not all runs were made.
@@ -106,7 +116,7 @@ impl<'a> Runner<'a> {
                 }
             }
             if self.interrupted.load(Ordering::Relaxed) {
-                stopped = Some(Stopped::Interrupted);
+                stopped.get_or_insert(Stopped::Interrupted);
             }
             let mut still = Vec::with_capacity(going.len());
             for mut one in going.drain(..) {
@@ -116,12 +126,14 @@ impl<'a> Runner<'a> {
                     continue;
                 };
                 let finish = one.finish(status);
+                // The first cause counts: runs that are stopped for it end as interrupted.
                 match finish.code.and_then(|code| u8::try_from(code).ok()) {
-                    Some(EXIT_USAGE) if stopped.is_none() => {
-                        stopped = Some(Stopped::Refused(finish.complaint.clone()));
+                    Some(EXIT_USAGE) => {
+                        let why = format!("{}: {}", one.case.world, finish.complaint);
+                        stopped.get_or_insert(Stopped::Refused(why));
                     }
                     Some(EXIT_INTERRUPTED) if !finish.hung => {
-                        stopped = Some(Stopped::Interrupted);
+                        stopped.get_or_insert(Stopped::Interrupted);
                     }
                     Some(0) => passed += 1,
                     _ => {}
@@ -229,14 +241,17 @@ impl Going<'_> {
         if complaint.is_empty() {
             remove(complaints);
         }
+        let complaint = complaint
+            .lines()
+            .skip_while(|line| !line.starts_with(COMPLAINT))
+            .collect::<Vec<&str>>()
+            .join("\n");
         Finish {
             result: serde_json::from_str(&text).ok(),
             code: status.code(),
             hung: self.asked.is_some_and(|(_, hung)| hung),
-            // Warnings of the log may stand before it.
             complaint: complaint
-                .lines()
-                .find_map(|line| line.strip_prefix("zeronav: "))
+                .strip_prefix(COMPLAINT)
                 .unwrap_or_default()
                 .to_owned(),
         }
