@@ -2,46 +2,12 @@
 
 mod support;
 
-use core::sync::atomic::{AtomicU64, Ordering};
-use std::alloc::{GlobalAlloc, Layout, System};
 use support::Map;
 use zeronav_global_planner::{
     CellPath, Control, CornerRule, EXACT, PlanQuery, PlannerOptions, Unknown, row_of,
 };
 use zeronav_msgs::{Cell, CellRect};
 
-struct Counting;
-
-static ALLOCATIONS: AtomicU64 = AtomicU64::new(0);
-
-#[allow(
-    unsafe_code,
-    reason = "an allocator is unsafe; this one counts and passes on"
-)]
-// SAFETY: every call is passed on to the system's allocator as it came.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        ALLOCATIONS.fetch_add(1, Ordering::Relaxed);
-        // SAFETY: the caller's promises are those that `System` asks for.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, memory: *mut u8, layout: Layout) {
-        // SAFETY: the memory came from `System` with this layout.
-        unsafe { System.dealloc(memory, layout) }
-    }
-
-    unsafe fn realloc(&self, memory: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        ALLOCATIONS.fetch_add(1, Ordering::Relaxed);
-        // SAFETY: the memory came from `System` with this layout.
-        unsafe { System.realloc(memory, layout, size) }
-    }
-}
-
-#[global_allocator]
-static COUNTING: Counting = Counting;
-
-/// One test in this file: others would allocate at the same time.
 #[test]
 fn a_question_asked_again_allocates_nothing() {
     let mut map = Map::office(600, 400, 11);
@@ -64,7 +30,6 @@ fn a_question_asked_again_allocates_nothing() {
         let mut path = CellPath::default();
         let mut counted = [0; 8];
         for count in &mut counted {
-            let before = ALLOCATIONS.load(Ordering::Relaxed);
             // A block comes and goes.
             let mut other = core::mem::take(&mut map.cells);
             for y in rect.min.y..rect.max.y {
@@ -74,20 +39,22 @@ fn a_question_asked_again_allocates_nothing() {
                 }
             }
             map.cells = other;
-            planner.map_changed(&map.view(), &[rect]);
-            let query = PlanQuery {
-                map: map.view(),
-                start: map.pose(ends.0),
-                goal: map.pose(ends.1),
-                tolerance_m: 0.1,
-                unknown: Unknown::Free,
-                corner_rule: CornerRule::ForbidAny,
-            };
-            planner
-                .plan(&query, &mut |_| Control::Go, &mut path)
-                .unwrap_or_else(|error| panic!("{key}: {error}"));
-            while planner.prepare(10_000) {}
-            *count = ALLOCATIONS.load(Ordering::Relaxed) - before;
+            let allocated = allocation_counter::measure(|| {
+                planner.map_changed(&map.view(), &[rect]);
+                let query = PlanQuery {
+                    map: map.view(),
+                    start: map.pose(ends.0),
+                    goal: map.pose(ends.1),
+                    tolerance_m: 0.1,
+                    unknown: Unknown::Free,
+                    corner_rule: CornerRule::ForbidAny,
+                };
+                planner
+                    .plan(&query, &mut |_| Control::Go, &mut path)
+                    .unwrap_or_else(|error| panic!("{key}: {error}"));
+                while planner.prepare(10_000) {}
+            });
+            *count = allocated.count_total;
         }
         assert_eq!(counted[4..], [0; 4], "{key}: {counted:?}");
     }

@@ -4,39 +4,12 @@
 
 mod support;
 
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell as Counter;
-use support::{Loop, PERIOD_S, block, disc, path};
+use support::{Loop, block, disc, path};
 use zeronav_local_planner::config::{DwaConfig, DwaTConfig};
-use zeronav_local_planner::controller::{Controller, Situation};
+use zeronav_local_planner::controller::Controller;
 use zeronav_local_planner::dwa::Dwa;
 use zeronav_msgs::Pose;
 use zeronav_msgs::obstacles::Obstacle;
-
-thread_local! {
-    static ALLOCATIONS: Counter<u64> = const { Counter::new(0) };
-}
-
-/// Counts what a thread asks for.
-struct Counting;
-
-#[allow(unsafe_code, reason = "a counting allocator")]
-// SAFETY: everything is passed on to the system's allocator.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        let _ = ALLOCATIONS.try_with(|count| count.set(count.get() + 1));
-        // SAFETY: the caller's promise is passed on.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // SAFETY: the caller's promise is passed on.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
 
 fn dwa_t() -> Dwa {
     Dwa::timed(DwaConfig::default(), DwaTConfig::default())
@@ -118,50 +91,4 @@ fn a_crossing_cart_is_given_way() {
     }
     println!("{without} of 30 touch without prediction");
     assert!(without > 5, "the carts were no danger");
-}
-
-#[test]
-fn a_cycle_allocates_nothing() {
-    let hall = [block(0.0, 0.0, 14.0, 0.4), block(0.0, 3.0, 14.0, 3.4)];
-    let robot = disc(0.25, 0.8, 1.0, 1.8, 3.0);
-    let corners = path(&[(1.0, 1.7), (12.0, 1.7)]);
-    let mut run = Loop::new(robot, &hall, (14.0, 3.4), Pose::new(1.0, 1.7, 0.0), corners);
-    let mut controller = dwa_t();
-    for _ in 0..50 {
-        run.step(&mut controller);
-    }
-    let obstacles = [Obstacle {
-        track: 1,
-        x_m: 6.0,
-        y_m: 1.5,
-        vx_mps: 0.5,
-        radius_m: 0.3,
-        ..Obstacle::default()
-    }];
-    let scan = run.scan();
-    let mut situation = Situation {
-        map_from_base: run.pose,
-        v_mps: run.twist.v_mps,
-        w_radps: run.twist.w_radps,
-        robot: &run.robot.description,
-        corners: &run.robot.corners,
-        path: &run.path,
-        path_geometry: run.geometry,
-        map: Some(run.map.view()),
-        map_cells: 2,
-        obstacles: &obstacles,
-        obstacles_age_s: 0.1,
-        scan_points_in_base: &scan,
-        goal: &run.goal,
-        speed_factor: 1.0,
-        period_s: PERIOD_S,
-    };
-    controller.decide(&situation);
-    let before = ALLOCATIONS.with(Counter::get);
-    // Ready cycles, and some with changed cells.
-    for cycle in 0..20 {
-        situation.map_cells = 2 + cycle / 5;
-        assert!(controller.decide(&situation).rollouts >= 800);
-    }
-    assert_eq!(ALLOCATIONS.with(Counter::get), before);
 }

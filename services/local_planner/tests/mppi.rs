@@ -5,40 +5,12 @@
 
 mod support;
 
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell as Counter;
-use support::{Loop, PERIOD_S, block, disc, jackal, path};
+use support::{Loop, block, disc, jackal, path};
 use zeronav_local_planner::config::{DwaConfig, DwaTConfig, MppiConfig};
-use zeronav_local_planner::controller::{Controller, Situation};
 use zeronav_local_planner::motion::Twist;
 use zeronav_local_planner::mppi::Mppi;
 use zeronav_msgs::Pose;
 use zeronav_msgs::obstacles::Obstacle;
-
-thread_local! {
-    static ALLOCATIONS: Counter<u64> = const { Counter::new(0) };
-}
-
-/// Counts what a thread asks for.
-struct Counting;
-
-#[allow(unsafe_code, reason = "a counting allocator")]
-// SAFETY: everything is passed on to the system's allocator.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        let _ = ALLOCATIONS.try_with(|count| count.set(count.get() + 1));
-        // SAFETY: the caller's promise is passed on.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // SAFETY: the caller's promise is passed on.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
 
 /// With fewer samples than on the robot, so that minutes of driving take seconds.
 fn mppi(samples: u32) -> Mppi {
@@ -173,51 +145,4 @@ fn the_same_situations_give_the_same_decisions() {
         run.history
     };
     assert_eq!(decisions(), decisions());
-}
-
-#[test]
-fn a_cycle_allocates_nothing() {
-    let hall = [block(0.0, 0.0, 14.0, 0.4), block(0.0, 3.0, 14.0, 3.4)];
-    let corners = path(&[(1.0, 1.7), (12.0, 1.7)]);
-    for robot in [disc(0.25, 0.8, 1.0, 1.8, 3.0), jackal()] {
-        let pose = Pose::new(1.0, 1.7, 0.0);
-        let mut run = Loop::new(robot, &hall, (14.0, 3.4), pose, corners.clone());
-        let mut controller = mppi(2000);
-        for _ in 0..30 {
-            run.step(&mut controller);
-        }
-        let obstacles = [Obstacle {
-            track: 1,
-            x_m: 6.0,
-            y_m: 1.5,
-            vx_mps: 0.5,
-            radius_m: 0.3,
-            ..Obstacle::default()
-        }];
-        let scan = run.scan();
-        let mut situation = Situation {
-            map_from_base: run.pose,
-            v_mps: run.twist.v_mps,
-            w_radps: run.twist.w_radps,
-            robot: &run.robot.description,
-            corners: &run.robot.corners,
-            path: &run.path,
-            path_geometry: run.geometry,
-            map: Some(run.map.view()),
-            map_cells: 2,
-            obstacles: &obstacles,
-            obstacles_age_s: 0.1,
-            scan_points_in_base: &scan,
-            goal: &run.goal,
-            speed_factor: 1.0,
-            period_s: PERIOD_S,
-        };
-        controller.decide(&situation);
-        let before = ALLOCATIONS.with(Counter::get);
-        for cycle in 0..10 {
-            situation.map_cells = 2 + cycle / 5;
-            assert!(controller.decide(&situation).rollouts >= 2000);
-        }
-        assert_eq!(ALLOCATIONS.with(Counter::get), before);
-    }
 }

@@ -1,0 +1,78 @@
+//! A cycle of a controller allocates nothing once it has driven for a second.
+
+mod support;
+
+use support::{Loop, PERIOD_S, block, disc, jackal, path};
+use zeronav_local_planner::config::{DwaConfig, DwaTConfig, MppiConfig};
+use zeronav_local_planner::controller::{Controller, Situation};
+use zeronav_local_planner::dwa::Dwa;
+use zeronav_local_planner::mppi::Mppi;
+use zeronav_msgs::Pose;
+use zeronav_msgs::obstacles::Obstacle;
+
+#[test]
+fn a_cycle_allocates_nothing() {
+    let hall = [block(0.0, 0.0, 14.0, 0.4), block(0.0, 3.0, 14.0, 3.4)];
+    let corners = path(&[(1.0, 1.7), (12.0, 1.7)]);
+    let dwa = DwaConfig::default;
+    let timed = DwaTConfig::default;
+    let controllers = || -> [(Box<dyn Controller>, u32); 3] {
+        [
+            (Box::new(Dwa::new(dwa())), 800),
+            (Box::new(Dwa::timed(dwa(), timed())), 800),
+            (
+                Box::new(Mppi::new(dwa(), timed(), MppiConfig::default())),
+                2000,
+            ),
+        ]
+    };
+    for robot in [disc(0.25, 0.8, 1.0, 1.8, 3.0), jackal()] {
+        for (mut controller, least_rollouts) in controllers() {
+            let pose = Pose::new(1.0, 1.7, 0.0);
+            let mut run = Loop::new(robot.clone(), &hall, (14.0, 3.4), pose, corners.clone());
+            for _ in 0..50 {
+                run.step(controller.as_mut());
+            }
+            let obstacles = [Obstacle {
+                track: 1,
+                x_m: 6.0,
+                y_m: 1.5,
+                vx_mps: 0.5,
+                radius_m: 0.3,
+                ..Obstacle::default()
+            }];
+            let scan = run.scan();
+            let mut situation = Situation {
+                map_from_base: run.pose,
+                v_mps: run.twist.v_mps,
+                w_radps: run.twist.w_radps,
+                robot: &run.robot.description,
+                corners: &run.robot.corners,
+                path: &run.path,
+                path_geometry: run.geometry,
+                map: Some(run.map.view()),
+                map_cells: 2,
+                obstacles: &obstacles,
+                obstacles_age_s: 0.1,
+                scan_points_in_base: &scan,
+                goal: &run.goal,
+                speed_factor: 1.0,
+                period_s: PERIOD_S,
+            };
+            controller.decide(&situation);
+            // Ready cycles, and some with changed cells.
+            for cycle in 0..20 {
+                situation.map_cells = 2 + cycle / 5;
+                let mut rollouts = 0;
+                let allocated = allocation_counter::measure(|| {
+                    rollouts = controller.decide(&situation).rollouts;
+                });
+                assert!(rollouts >= least_rollouts);
+                assert_eq!(
+                    allocated.count_total, 0,
+                    "cycle {cycle} of {least_rollouts}"
+                );
+            }
+        }
+    }
+}
