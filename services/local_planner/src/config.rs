@@ -1,6 +1,7 @@
 //! What a user may set. Numbers of the robot are not here: they come with its description.
 
 use crate::critics::CRITICS;
+use crate::moving::Growth;
 use serde::{Deserialize, Serialize};
 
 /// Configuration of the local planner.
@@ -146,15 +147,16 @@ pub struct DwaTConfig {
 
 impl Default for DwaTConfig {
     fn default() -> Self {
+        let growth = Growth::default();
         Self {
             horizon_s: 2.4,
             scored_s: 0.8,
             steps: 30,
             speeds: 20,
             yaw_rates: 40,
-            growth_sigmas: 1.0,
-            growth_mps_min: 0.08,
-            growth_m_max: 0.5,
+            growth_sigmas: growth.sigmas,
+            growth_mps_min: growth.least_mps,
+            growth_m_max: growth.most_m,
             speed_base_mps: 0.7,
             speed_gain_hz: 6.0,
             weight_speed: 1.0,

@@ -201,8 +201,16 @@ impl Iterator for Stop<'_> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
+
+    /// One that may drive backwards, too.
+    pub(crate) fn reversing() -> Description {
+        Description {
+            v_mps_min: -0.3,
+            ..robot()
+        }
+    }
 
     fn robot() -> Description {
         Description {

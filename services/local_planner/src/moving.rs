@@ -22,6 +22,16 @@ pub(crate) struct Growth {
     pub(crate) most_m: f64,
 }
 
+impl Default for Growth {
+    fn default() -> Self {
+        Self {
+            sigmas: 1.0,
+            least_mps: 0.08,
+            most_m: 0.5,
+        }
+    }
+}
+
 /// A tracked obstacle, relative to the robot's centre along the axes of the map.
 #[derive(Debug, Clone, Copy)]
 struct Track {

@@ -109,21 +109,10 @@ fn ease(from: f64, wanted: f64, rate: f64, jerk: f64, period_s: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::motion::tests::reversing as robot;
     use proptest::prelude::*;
 
     const PERIOD_S: f64 = 0.02;
-
-    fn robot() -> Description {
-        Description {
-            v_mps_max: 1.0,
-            v_mps_min: -0.3,
-            w_radps_max: 2.0,
-            a_mps2_max: 1.0,
-            brake_mps2: 2.0,
-            alpha_radps2_max: 4.0,
-            ..Description::default()
-        }
-    }
 
     fn config() -> ShapingConfig {
         ShapingConfig {

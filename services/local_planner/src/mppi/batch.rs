@@ -224,21 +224,10 @@ pub(crate) fn most(a: f32, b: f32) -> f32 {
 mod tests {
     use super::*;
     use crate::motion::Twist;
+    use crate::motion::tests::reversing as robot;
     use nalgebra::Point2;
     use zeronav_msgs::Pose;
     use zeronav_msgs::description::Description;
-
-    fn robot() -> Description {
-        Description {
-            v_mps_max: 1.0,
-            v_mps_min: -0.3,
-            w_radps_max: 2.0,
-            a_mps2_max: 1.0,
-            brake_mps2: 2.0,
-            alpha_radps2_max: 4.0,
-            ..Description::default()
-        }
-    }
 
     fn asking(twists: impl Fn(usize) -> (f32, f32)) -> Batch {
         let mut batch = Batch::new(56);

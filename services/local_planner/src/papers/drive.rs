@@ -41,13 +41,6 @@ const CONTENT: f64 = 0.7;
 /// [m/s] below which the robot stands.
 const STANDING_MPS: f64 = 0.02;
 
-/// Uncertainty of tracks, as in `dwa_t`.
-const GROWTH: Growth = Growth {
-    sigmas: 1.0,
-    least_mps: 0.08,
-    most_m: 0.5,
-};
-
 /// What says where to go.
 enum Steer {
     /// A direction.
@@ -350,7 +343,7 @@ impl Controller for Driver {
                 situation.obstacles,
                 situation.obstacles_age_s,
                 &situation.map_from_base,
-                GROWTH,
+                Growth::default(),
             );
             let inscribed_m = self.surroundings.footprint.inscribed_m;
             blocked_arc_m = self.path.blocked_m(&self.surroundings.field, inscribed_m);

@@ -23,13 +23,6 @@ const LOOKBACK_M: f64 = 0.25;
 /// [rad] of a turn that must be free before it goes on.
 const PIECE_RAD: f64 = 0.35;
 
-/// Uncertainty of tracks, as everywhere.
-const GROWTH: Growth = Growth {
-    sigmas: 1.0,
-    least_mps: 0.08,
-    most_m: 0.5,
-};
-
 /// The robot out of the way.
 #[derive(Debug, Clone)]
 pub(crate) struct Escape {
@@ -82,7 +75,7 @@ impl Escape {
             situation.obstacles,
             situation.obstacles_age_s,
             &situation.map_from_base,
-            GROWTH,
+            Growth::default(),
         );
     }
 
