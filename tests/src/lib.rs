@@ -38,7 +38,8 @@ pub fn shared_data(part: &str) -> Option<PathBuf> {
     None
 }
 
-/// Folder of the binaries of this very build, built once per test program.
+/// Folder of the binaries of this very build and of the example service, built once per test
+/// program.
 ///
 /// # Panics
 /// When they do not build.
@@ -56,15 +57,12 @@ pub fn binaries() -> &'static Path {
             Some(name) => name,
         };
         let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+        // With an example cargo counts in what only tests depend on, as `cargo test --workspace`
+        // does: its build of all dependencies serves this one, too.
         let status = Command::new(cargo)
-            .args([
-                "build",
-                "--quiet",
-                "--workspace",
-                "--bins",
-                "--profile",
-                profile,
-            ])
+            .args(["build", "--quiet", "--workspace", "--bins"])
+            .args(["--example", "straight_line_service"])
+            .args(["--profile", profile])
             .arg("--target-dir")
             .arg(folder.parent().expect("a target folder"))
             .current_dir(workspace())

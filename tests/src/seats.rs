@@ -46,6 +46,13 @@ impl RequestSeat {
         shell.answer(turn.kind, &draft, &mut self.request, request, &[]);
     }
 
+    /// Answers everything that is due with the same request.
+    pub fn answer_all(&mut self, shell: &mut Shell, request: VelocityRequest) {
+        for turn in self.turns(shell) {
+            self.answer(shell, turn, request);
+        }
+    }
+
     /// Sends a request that answers nothing.
     pub fn send(&mut self, shell: &mut Shell, request: VelocityRequest) {
         let draft = self.draft(shell, self.odometry.tick());

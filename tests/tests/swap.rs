@@ -3,8 +3,6 @@
 use rustix::process::Signal;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
-use std::process::Command;
-use std::sync::OnceLock;
 use zeronav_msgs::command::{Intervention, Validity, VelocityCommand};
 use zeronav_msgs::role::Role;
 use zeronav_msgs::topics::{
@@ -13,9 +11,7 @@ use zeronav_msgs::topics::{
 use zeronav_msgs::truth::Truth;
 use zeronav_shell::roster::RosterReader;
 use zeronav_shell::{Domain, Latest, Peer, Stream};
-use zeronav_tests::{
-    Ended, Zeronav, binaries, is_alive, leftovers, real_time_turn, send_signal, workspace, zeronav,
-};
+use zeronav_tests::{Ended, Zeronav, is_alive, leftovers, real_time_turn, send_signal, zeronav};
 
 /// Through a door into the other room: around two corners and past a screen.
 const TWO_ROOMS: &str = r#"
@@ -34,25 +30,6 @@ run.time_limit_s = 60.0
 [[goals]]
 pose = [12.5, 6.425, 0.0]
 "#;
-
-/// Builds the example beside the binaries of this build, with the features that the tests have.
-fn with_examples() {
-    static BUILT: OnceLock<()> = OnceLock::new();
-    BUILT.get_or_init(|| {
-        let folder = binaries();
-        let name = folder.file_name().and_then(|name| name.to_str());
-        let profile = name.filter(|name| *name != "debug").unwrap_or("dev");
-        let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-        let status = Command::new(cargo)
-            .args(["build", "--quiet", "--workspace", "--profile", profile])
-            .args(["--example", "straight_line_service", "--target-dir"])
-            .arg(folder.parent().expect("a target folder"))
-            .current_dir(workspace())
-            .status()
-            .expect("cargo runs");
-        assert!(status.success(), "the example does not build");
-    });
-}
 
 /// A folder with a scenario in which others sit in these seats.
 fn scenario(rest: &str, seats: &[(&str, &str)]) -> tempfile::TempDir {
@@ -104,7 +81,6 @@ fn metres(result: &Value, key: &str) -> f64 {
 
 #[test]
 fn the_straight_line_takes_the_planners_seat() {
-    with_examples();
     let arguments = ["run", "swap_planner", "--lockstep", "--headless", "--json"];
     let ended = zeronav(&arguments);
     let result = arrived(&ended, &[("global_planner", "straight_line_service")]);
@@ -122,7 +98,6 @@ fn the_straight_line_takes_the_planners_seat() {
 
 #[test]
 fn a_straight_line_through_the_racks_is_a_dead_end() {
-    with_examples();
     let seats = [("global_planner", "straight_line_service")];
     let behind_the_racks = AISLE.replace("[12.5, 6.425, 0.0]", "[12.5, 13.575, 0.0]");
     let result = lockstep(&behind_the_racks, &seats).expect(1);
@@ -214,7 +189,6 @@ const ALL_MINIMAL: [(&str, &str); 5] = [
 
 #[test]
 fn nothing_of_the_stock_is_needed_and_every_run_is_the_same() {
-    with_examples();
     let first = arrived(&lockstep(AISLE, &ALL_MINIMAL), &ALL_MINIMAL);
     let second = arrived(&lockstep(AISLE, &ALL_MINIMAL), &ALL_MINIMAL);
     assert!(first["run_hash"].is_string(), "{first:#}");
@@ -224,7 +198,6 @@ fn nothing_of_the_stock_is_needed_and_every_run_is_the_same() {
 #[test]
 fn nothing_of_the_stock_is_needed_in_real_time() {
     let _turn = real_time_turn();
-    with_examples();
     let result = arrived(
         &start(&REAL_TIME, AISLE, &ALL_MINIMAL).finish(),
         &ALL_MINIMAL,
@@ -238,7 +211,6 @@ fn nothing_of_the_stock_is_needed_in_real_time() {
 
 #[test]
 fn minimal_services_that_are_killed_come_back() {
-    with_examples();
     for (seat, _) in &ALL_MINIMAL[1..] {
         let mut run = start(&LOCKSTEP, AISLE, &ALL_MINIMAL);
         run.wait_until("the robot is on its way", |run| {

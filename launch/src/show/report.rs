@@ -29,14 +29,6 @@ pub struct Plan {
     pub points_m: Vec<[f64; 2]>,
 }
 
-/// Says where a path ends that does not end at its goal.
-fn beside(beside_goal_m: f64) -> String {
-    if beside_goal_m < 0.005 {
-        return String::new();
-    }
-    format!(", to {beside_goal_m:.2} m beside the goal, which is blocked")
-}
-
 /// A scripted obstacle that appeared.
 #[derive(Debug, Clone, Serialize)]
 pub struct ObstacleResult {
@@ -296,6 +288,14 @@ impl RunResult {
         let _ = writeln!(text, "  {}", self.directory);
         text
     }
+}
+
+/// Says where a path ends that does not end at its goal.
+fn beside(beside_goal_m: f64) -> String {
+    if beside_goal_m < 0.005 {
+        return String::new();
+    }
+    format!(", to {beside_goal_m:.2} m beside the goal, which is blocked")
 }
 
 /// The table of latencies.

@@ -71,31 +71,32 @@ fn is_executable(path: &Path) -> bool {
         .is_ok_and(|meta| meta.is_file() && meta.permissions().mode() & 0o111 != 0)
 }
 
-/// Under cargo, builds every binary of the workspace in this program's own profile, so that a
-/// stale service is never driven. Elsewhere it does nothing.
+/// Under cargo, builds every binary of the workspace but those of the tests in this program's own
+/// profile, so that a stale service is never driven. Elsewhere it does nothing.
 ///
 /// # Errors
 /// One line when cargo cannot be run or the build fails; cargo's own words went to stderr.
 pub fn refresh_under_cargo() -> Result<(), String> {
-    match build(&["--bins"]) {
+    match build(&["--exclude", "zeronav-tests", "--bins"]) {
         Some(Ok(false)) => Err("the services do not build, see above".to_owned()),
         Some(Err(error)) => Err(format!("running cargo to build the services: {error}")),
         Some(Ok(true)) | None => Ok(()),
     }
 }
 
-/// Finds a binary like [`find`]; under cargo, a name that is not there may be an example that is
-/// still to be built.
+/// Finds a binary like [`find`]; under cargo, a name that is not there may be an example or a binary
+/// of the tests that is still to be built.
 ///
 /// # Errors
 /// As [`find`].
 pub fn find_or_build(name: &Path) -> Result<PathBuf, String> {
     let found = find(name);
-    let (Err(_), Some(example)) = (&found, name.to_str()) else {
+    let (Err(_), Some(target)) = (&found, name.to_str()) else {
         return found;
     };
     let is_name = name.components().count() == 1;
-    if is_name && matches!(build(&["--example", example]), Some(Ok(true))) {
+    let mut kinds = ["--example", "--bin"].into_iter();
+    if is_name && kinds.any(|kind| matches!(build(&[kind, target]), Some(Ok(true)))) {
         return find(name);
     }
     found

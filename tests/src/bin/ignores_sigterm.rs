@@ -18,9 +18,7 @@ impl Service for IgnoresSigterm {
     }
 
     fn wake(&mut self, shell: &mut Shell, _rung: Rung) -> Result<Option<u64>, StartError> {
-        for turn in self.0.turns(shell) {
-            self.0.answer(shell, turn, VelocityRequest::default());
-        }
+        self.0.answer_all(shell, VelocityRequest::default());
         Ok(None)
     }
 }

@@ -18,15 +18,13 @@ impl Service for RequestsNan {
     }
 
     fn wake(&mut self, shell: &mut Shell, _rung: Rung) -> Result<Option<u64>, StartError> {
-        for turn in self.0.turns(shell) {
-            let request = VelocityRequest {
-                v_mps: f64::NAN,
-                w_radps: f64::NAN,
-                validity: Validity::Drive.code(),
-                ..VelocityRequest::default()
-            };
-            self.0.answer(shell, turn, request);
-        }
+        let request = VelocityRequest {
+            v_mps: f64::NAN,
+            w_radps: f64::NAN,
+            validity: Validity::Drive.code(),
+            ..VelocityRequest::default()
+        };
+        self.0.answer_all(shell, request);
         Ok(None)
     }
 }
