@@ -73,9 +73,13 @@ impl Anytime {
                 }
             };
             let guide = Guide::Weighted { quarters, below };
-            let found = self
-                .search
-                .search(start, goal, guide, &mut watched, &mut path.stats);
+            let found = self.search.search(
+                (start, goal),
+                guide,
+                u64::MAX,
+                &mut watched,
+                &mut path.stats,
+            );
             match found {
                 Found::Path => {
                     found_any = Found::Path;

@@ -298,12 +298,13 @@ impl GoalField {
         grown
     }
 
-    /// Searches from `start` to `goal`, both free, adding to the counters of `stats`.
+    /// Searches from `start` to `goal`, both free, adding to the counters of `stats`; stops after
+    /// `most` expansions.
     pub(crate) fn search(
         &mut self,
-        start: Cell,
-        goal: Cell,
+        (start, goal): (Cell, Cell),
         guide: Guide,
+        most: u64,
         budget: &mut dyn FnMut(Expansions) -> Control,
         stats: &mut PlanStats,
     ) -> Found {
@@ -336,6 +337,7 @@ impl GoalField {
             eased_box: eased_box.unwrap_or(EasedBox::EMPTY),
             quarters: 4,
             below: NO_WAY,
+            last: stats.expanded.saturating_add(most),
             generated: 0,
             overflow: false,
         };

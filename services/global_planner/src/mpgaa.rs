@@ -53,42 +53,26 @@ impl Mpgaa {
         self.field.bytes() + self.bits.bytes() + self.reach.bytes()
     }
 
-    fn search(
-        &mut self,
-        start: Cell,
-        goal: Cell,
-        rule: CornerRule,
-        budget: &mut dyn FnMut(Expansions) -> Control,
-        stats: &mut PlanStats,
-    ) -> Found {
-        self.goal = Some(goal);
-        let (bits, reach) = (&self.bits, &mut self.reach);
-        if !reach.may(bits, rule, (start, goal), 0) {
-            return Found::Nothing;
-        }
-        let mut no_way = false;
-        let mut watched = |expansions: Expansions| {
-            no_way = !reach.may(bits, rule, (start, goal), expansions.0);
-            if no_way {
-                Control::Stop
-            } else {
-                budget(expansions)
-            }
-        };
-        let guide = if self.field.is_whole_for(goal) {
-            Guide::Field
-        } else {
-            Guide::Octile
-        };
-        let found = self.field.search(start, goal, guide, &mut watched, stats);
-        if no_way { Found::Nothing } else { found }
-    }
-}
-
-impl GlobalPlanner for Mpgaa {
-    fn plan(
+    /// An answer that costs at most `most` expansions, from the field of the query's goal alone.
+    ///
+    /// # Errors
+    /// [`PlanError::OutOfBudget`] also when there is no such field yet: [`GlobalPlanner::prepare`]
+    /// then makes it.
+    pub(crate) fn plan_by_field(
         &mut self,
         query: &PlanQuery<'_>,
+        most: u64,
+        budget: &mut dyn FnMut(Expansions) -> Control,
+        path: &mut CellPath,
+    ) -> Result<PlanStats, PlanError> {
+        self.answer(query, Some(most), budget, path)
+    }
+
+    /// With `most` from the field alone.
+    fn answer(
+        &mut self,
+        query: &PlanQuery<'_>,
+        most: Option<u64>,
         budget: &mut dyn FnMut(Expansions) -> Control,
         path: &mut CellPath,
     ) -> Result<PlanStats, PlanError> {
@@ -97,10 +81,16 @@ impl GlobalPlanner for Mpgaa {
         self.bits.follow(&query.map, query.unknown);
         self.field
             .follow(&query.map, query.unknown, query.corner_rule);
+        self.goal = Some(ends.goal);
+        if most.is_some_and(|most| most == 0 || !self.field.is_whole_for(ends.goal)) {
+            return Err(PlanError::OutOfBudget);
+        }
         let start = self
             .reach
             .exit(&self.bits, query.corner_rule, &ends, &mut self.way_out);
-        match self.search(start, ends.goal, query.corner_rule, budget, &mut path.stats) {
+        let most = most.unwrap_or(u64::MAX);
+        let rule = query.corner_rule;
+        match self.search((start, ends.goal), rule, most, budget, &mut path.stats) {
             Found::Path => {}
             Found::Stopped => return Err(PlanError::OutOfBudget),
             Found::Nothing => {
@@ -113,6 +103,47 @@ impl GlobalPlanner for Mpgaa {
         self.field.trace(ends.goal, &mut path.cells);
         path.stats.cost = cost_m(query, self.cost_weight, path);
         Ok(path.stats)
+    }
+
+    fn search(
+        &mut self,
+        ends: (Cell, Cell),
+        rule: CornerRule,
+        most: u64,
+        budget: &mut dyn FnMut(Expansions) -> Control,
+        stats: &mut PlanStats,
+    ) -> Found {
+        let (bits, reach) = (&self.bits, &mut self.reach);
+        if !reach.may(bits, rule, ends, 0) {
+            return Found::Nothing;
+        }
+        let mut no_way = false;
+        let mut watched = |expansions: Expansions| {
+            no_way = !reach.may(bits, rule, ends, expansions.0);
+            if no_way {
+                Control::Stop
+            } else {
+                budget(expansions)
+            }
+        };
+        let guide = if self.field.is_whole_for(ends.1) {
+            Guide::Field
+        } else {
+            Guide::Octile
+        };
+        let found = self.field.search(ends, guide, most, &mut watched, stats);
+        if no_way { Found::Nothing } else { found }
+    }
+}
+
+impl GlobalPlanner for Mpgaa {
+    fn plan(
+        &mut self,
+        query: &PlanQuery<'_>,
+        budget: &mut dyn FnMut(Expansions) -> Control,
+        path: &mut CellPath,
+    ) -> Result<PlanStats, PlanError> {
+        self.answer(query, None, budget, path)
     }
 
     fn map_changed(&mut self, map: &MapView<'_>, changed: &[CellRect]) {

@@ -271,7 +271,7 @@ fn policy_is_a_star_on_maps_with_and_without_prices() {
             assert_same(&what, result, expected, 1e-3);
             let is_priced = |cell: &MapCell| cell.cost > 0 && !cell.blocks_centre();
             priced = (priced && n != 30) || map.cells.iter().any(is_priced);
-            if !priced {
+            if !priced && rule == CornerRule::ForbidAny {
                 // From scratch is then the search by jumps.
                 let result = plan(build("jps", 3.0).as_mut(), &query, &mut spare);
                 assert_same(&what, result, expected, 1e-6);
@@ -285,6 +285,77 @@ fn policy_is_a_star_on_maps_with_and_without_prices() {
             policy.prepare(1 << 20);
         }
     }
+}
+
+/// On a large map without prices the field answers what it can answer for less, jumps the rest.
+#[test]
+fn policy_takes_the_field_or_jumps_where_nothing_has_a_price() {
+    let mut map = Map::office(1200, 800, 11);
+    for cell in &mut map.cells {
+        *cell = of_cost(if cell.blocks_centre() { COST_LETHAL } else { 0 });
+    }
+    let mut policy = build("policy", 3.0);
+    policy.map_changed(&map.view(), &[whole(&map)]);
+    let goal = map.free_near(Cell::new(1180, 780));
+    let mut robot = map.free_near(Cell::new(20, 20));
+    let (mut path, mut spare) = (CellPath::default(), CellPath::default());
+    let (mut by_field, mut by_jumps) = (0, 0);
+    let mut rng = Rng(5);
+    for n in 0..90 {
+        // A block near the robot, half way, or anywhere; some are cleared again.
+        let next = path.cells.get(1).copied().unwrap_or(robot);
+        let ahead = |at: i32, next: i32| at + 12 * (next - at).signum();
+        let near = Cell::new(ahead(robot.x, next.x), ahead(robot.y, next.y));
+        let half = path.cells.get(path.cells.len() / 2).copied();
+        let at = match n % 3 {
+            0 => near,
+            1 => half.unwrap_or(robot),
+            _ => Cell::new(rng.below(1200), rng.below(800)),
+        };
+        let min = Cell::new(at.x - 3, at.y - 3);
+        let max = Cell::new(at.x + 4, at.y + 4);
+        let cost = if rng.below(3) == 0 { 0 } else { COST_LETHAL };
+        for y in min.y..max.y {
+            for x in min.x..max.x {
+                if Cell::new(x, y) != robot && Cell::new(x, y) != goal {
+                    map.put(Cell::new(x, y), of_cost(cost));
+                }
+            }
+        }
+        policy.map_changed(&map.view(), &[CellRect { min, max }]);
+        let query = query(&map, robot, goal, CornerRule::ForbidAny);
+        let expected = plan(build("c_astar", 0.0).as_mut(), &query, &mut spare);
+        let result = plan(policy.as_mut(), &query, &mut path);
+        let what = format!("edit {n}, {robot:?} to {goal:?}");
+        assert_same(&what, result, expected, 1e-6);
+        let (anew, expanded) = (spare.stats.expanded, path.stats.expanded);
+        assert!(
+            expanded <= anew + anew * 3 / 10 + 1,
+            "{what}: {expanded} expansions, from scratch {anew}"
+        );
+        // The field's ways go from neighbour to neighbour, those of jumps from turn to turn.
+        let is_step = |pair: &[Cell]| {
+            (pair[1].x - pair[0].x).abs() <= 1 && (pair[1].y - pair[0].y).abs() <= 1
+        };
+        if path.cells.windows(2).all(is_step) {
+            by_field += 1;
+        } else {
+            by_jumps += 1;
+        }
+        if let Some(next) = path.cells.get(1) {
+            robot.x += (next.x - robot.x).signum();
+            robot.y += (next.y - robot.y).signum();
+        }
+        while policy.prepare(1 << 20) {}
+    }
+    assert!(
+        by_field >= 15,
+        "{by_field} by the field, {by_jumps} by jumps"
+    );
+    assert!(
+        by_jumps >= 15,
+        "{by_field} by the field, {by_jumps} by jumps"
+    );
 }
 
 /// A wall closes the straight way and opens again, with prices and without.

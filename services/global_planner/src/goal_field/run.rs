@@ -27,6 +27,8 @@ pub(super) struct Run<'a> {
     pub(super) eased_box: EasedBox,
     pub(super) quarters: u32,
     pub(super) below: u32,
+    /// Counter of expansions at which the search gives up.
+    pub(super) last: u64,
     pub(super) generated: u64,
     pub(super) overflow: bool,
 }
@@ -65,8 +67,9 @@ impl Run<'_> {
                 return Found::Path;
             }
             self.closed.push(spot);
-            if stats.expanded.is_multiple_of(BUDGET_EVERY)
-                && budget(Expansions(stats.expanded)) == Control::Stop
+            let asks = stats.expanded.is_multiple_of(BUDGET_EVERY);
+            if stats.expanded >= self.last
+                || asks && budget(Expansions(stats.expanded)) == Control::Stop
             {
                 return Found::Stopped;
             }
