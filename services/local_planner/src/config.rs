@@ -62,7 +62,8 @@ pub struct DwaConfig {
     pub speeds: u32,
     /// Yaw rates in the window, 3 to 256.
     pub yaw_rates: u32,
-    /// [m] that must stay free around the footprint.
+    /// [m] that must stay free around the footprint. Less leads through narrower gaps; there has to
+    /// be a band beside the path's line to drive in.
     pub safety_margin_m: f64,
     /// [m] around the footprint in which nearness costs something.
     pub soft_clearance_m: f64,

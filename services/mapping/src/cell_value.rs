@@ -20,9 +20,10 @@ impl ValueTable {
     /// The table of a robot with this inscribed radius on cells of this size.
     ///
     /// Clearance is rounded down and ends at the limit. Cost is that of Nav2's inflation layer:
-    /// 254 in obstacles, 253 where the clearance is at most the inscribed radius, then `252 exp(-k
-    /// (clearance - inscribed))` rounded down, 0 beyond the inflation radius. Nav2 measures from
-    /// the obstacle's centre, we from its edge, so that costs reach half a cell further.
+    /// 254 in obstacles, 253 where the clearance is at most the inscribed radius or less than that
+    /// and the padding, then `252 exp(-k (clearance - inscribed - padding))` rounded down, 0 beyond
+    /// the inflation radius. Nav2 measures from the obstacle's centre, we from its edge, so that
+    /// costs reach half a cell further.
     #[must_use]
     #[allow(
         clippy::cast_possible_truncation,
@@ -37,12 +38,13 @@ impl ValueTable {
             let clearance_m = f64::from(square).sqrt() / 2.0 * resolution_m;
             let clearance_mm = (clearance_m * 1000.0 + ROUNDING_MM) as u16;
             let beyond_m = clearance_m - inscribed_radius_m;
+            let spare_m = beyond_m - config.padding_m;
             let cost = if square == 0 {
                 COST_LETHAL
-            } else if beyond_m * 1000.0 <= ROUNDING_MM {
+            } else if beyond_m * 1000.0 <= ROUNDING_MM || spare_m * 1000.0 < -ROUNDING_MM {
                 COST_INSCRIBED
             } else if clearance_m * 1000.0 <= config.inflation_radius_m * 1000.0 + ROUNDING_MM {
-                let fall = (-config.cost_scaling_factor * beyond_m).exp();
+                let fall = (-config.cost_scaling_factor * spare_m).exp();
                 (f64::from(COST_CIRCUMSCRIBED_MAX) * fall) as u8
             } else {
                 COST_FREE
@@ -79,7 +81,15 @@ mod tests {
     use super::*;
 
     fn table() -> ValueTable {
-        ValueTable::new(&MappingConfig::default(), 0.2, 0.05)
+        padded(0.0, 0.2)
+    }
+
+    fn padded(padding_m: f64, inscribed_radius_m: f64) -> ValueTable {
+        let config = MappingConfig {
+            padding_m,
+            ..MappingConfig::default()
+        };
+        ValueTable::new(&config, inscribed_radius_m, 0.05)
     }
 
     #[test]
@@ -102,8 +112,18 @@ mod tests {
 
     #[test]
     fn a_clearance_equal_to_the_radius_is_inscribed() {
-        let table = ValueTable::new(&MappingConfig::default(), 0.225, 0.05);
+        let table = padded(0.0, 0.225);
         assert_eq!(table.get(9 * 9), (225, 253));
+        // 0.275 m: 252 exp(-0.2) = 206.3.
+        assert_eq!(table.get(11 * 11), (275, 206));
+    }
+
+    #[test]
+    fn a_clearance_equal_to_radius_and_padding_is_of_use() {
+        let table = padded(0.025, 0.2);
+        assert_eq!(table.get(8 * 8), (200, 253));
+        assert_eq!(table.get(8 * 8 + 1), (201, 253));
+        assert_eq!(table.get(9 * 9), (225, 252));
         // 0.275 m: 252 exp(-0.2) = 206.3.
         assert_eq!(table.get(11 * 11), (275, 206));
     }

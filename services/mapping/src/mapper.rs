@@ -92,8 +92,7 @@ impl Mapper {
         config.check(geometry.resolution_m)?;
         let inscribed_m = description.inscribed_radius_m;
         let belief = Belief::new(&geometry, static_map, config, inscribed_m);
-        let keep_m = inscribed_m + config.padding_m;
-        let values = ValueTable::new(config, keep_m, geometry.resolution_m);
+        let values = ValueTable::new(config, inscribed_m, geometry.resolution_m);
         let mut mapper = Self::around(&geometry, belief, values, config);
         // So far there are static obstacles alone.
         let margin = (2.0 * config.tracking.static_margin_m / geometry.resolution_m).powi(2);

@@ -38,15 +38,15 @@ fn check_against_brute_force(mapper: &Mapper) {
             "{at:?}: {exact_mm} {value:?}"
         );
         let unknown = value.flags & FLAG_UNKNOWN != 0;
-        let beyond_m = clearance_m - 0.2 - config.padding_m;
+        let spare_m = clearance_m - 0.2 - config.padding_m;
         let cost = if obstacles.contains(&at) {
             COST_LETHAL
-        } else if beyond_m <= 1e-9 {
+        } else if clearance_m <= 0.2 + 1e-9 || spare_m < -1e-9 {
             COST_INSCRIBED
         } else if unknown {
             COST_UNKNOWN
         } else if clearance_m <= config.inflation_radius_m + 1e-9 {
-            (252.0 * (-4.0 * beyond_m).exp()) as u8
+            (252.0 * (-4.0 * spare_m).exp()) as u8
         } else {
             0
         };
