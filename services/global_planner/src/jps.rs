@@ -483,7 +483,7 @@ impl Run<'_> {
         while let Some(next) = diagonal_step(self.map, x, y, step) {
             (x, y) = next;
             way += DIAGONAL;
-            self.evaluated += 3;
+            self.evaluated += 1;
             if next == self.goal {
                 self.offer(next, so_far, way, parent, one);
                 return;
