@@ -119,9 +119,7 @@ impl GlobalPlanner for Anytime {
         let start = self
             .reach
             .exit(&self.bits, query.corner_rule, &ends, &mut self.way_out);
-        let way_out = self.way_out.cells();
-        path.cells
-            .extend_from_slice(&way_out[..way_out.len().saturating_sub(1)]);
+        self.way_out.lead(path);
         match self.improve(query, (start, ends.goal), budget, path) {
             Found::Path => Ok(path.stats),
             Found::Stopped => {

@@ -75,9 +75,7 @@ impl GlobalPlanner for CAstar {
             };
             task.start = start;
         }
-        let way_out = self.way_out.cells();
-        path.cells
-            .extend_from_slice(&way_out[..way_out.len().saturating_sub(1)]);
+        self.way_out.lead(path);
         self.search.trace(&task, &mut path.cells);
         path.stats.cost = cost_m(query, self.cost_weight, path);
         Ok(path.stats)

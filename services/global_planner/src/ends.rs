@@ -2,7 +2,7 @@
 
 use crate::goal_cell::GoalCell;
 use crate::moves::STEPS;
-use crate::planner::{CornerRule, PlanError, PlanQuery, Unknown};
+use crate::planner::{CellPath, CornerRule, PlanError, PlanQuery, Unknown};
 use crate::window::{Window, cells_in};
 use zeronav_msgs::{Cell, MapView};
 
@@ -35,6 +35,12 @@ impl WayOut {
     #[must_use]
     pub fn cells(&self) -> &[Cell] {
         &self.cells
+    }
+
+    /// Begins a path with the way out, but for the cell where the search begins.
+    pub fn lead(&self, path: &mut CellPath) {
+        let last = self.cells.len().saturating_sub(1);
+        path.cells.extend_from_slice(&self.cells[..last]);
     }
 
     /// Turns to the nearest free cell of which `tried` does not hold; `None` when there is none.

@@ -162,24 +162,17 @@ impl GlobalPlanner for Jps {
                 Choose::Canonical => true,
             };
         }
-        let mut task = Task {
+        let bits = self.map.bits();
+        let task = Task {
             map: query.map,
-            start: ends.start,
+            start: self
+                .reach
+                .exit(bits, query.corner_rule, &ends, &mut self.way_out),
             goal: ends.goal,
             unknown: query.unknown,
             corner_rule: query.corner_rule,
         };
-        if self.way_out.cells().len() > 1 {
-            // A robot too close to an obstacle must not be led into the wrong pocket.
-            let (bits, reach) = (self.map.bits(), &mut self.reach);
-            let tried = |exit| !reach.known(bits, query.corner_rule, exit, ends.goal);
-            if let Some(exit) = self.way_out.turn_to_next(tried) {
-                task.start = exit;
-            }
-        }
-        let way_out = self.way_out.cells();
-        path.cells
-            .extend_from_slice(&way_out[..way_out.len().saturating_sub(1)]);
+        self.way_out.lead(path);
         match self.search(&task, budget, path) {
             Found::Path => {
                 path.stats.cost = path.length_cells() * query.map.geometry.resolution_m;
@@ -192,11 +185,7 @@ impl GlobalPlanner for Jps {
             Found::Nothing => {
                 path.cells.clear();
                 let bits = self.map.bits();
-                let blocked_by_corner = query.corner_rule != CornerRule::Allow
-                    && self
-                        .reach
-                        .known(bits, CornerRule::Allow, ends.start, ends.goal);
-                Err(PlanError::Unreachable { blocked_by_corner })
+                Err(self.reach.no_way(bits, query.corner_rule, &ends))
             }
         }
     }

@@ -211,9 +211,7 @@ impl GlobalPlanner for LazyTheta {
         };
         match found {
             Found::Path => {
-                let way_out = self.way_out.cells();
-                path.cells
-                    .extend_from_slice(&way_out[..way_out.len().saturating_sub(1)]);
+                self.way_out.lead(path);
                 self.trace(ends.goal, path);
                 path.stats.cost = path.length_cells() * query.map.geometry.resolution_m;
                 Ok(path.stats)

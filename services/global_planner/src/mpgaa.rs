@@ -97,9 +97,7 @@ impl Mpgaa {
                 return Err(self.reach.no_way(&self.bits, query.corner_rule, &ends));
             }
         }
-        let way_out = self.way_out.cells();
-        path.cells
-            .extend_from_slice(&way_out[..way_out.len().saturating_sub(1)]);
+        self.way_out.lead(path);
         self.field.trace(ends.goal, &mut path.cells);
         path.stats.cost = cost_m(query, self.cost_weight, path);
         Ok(path.stats)
