@@ -2,9 +2,9 @@
 
 mod support;
 
-use support::{Loop, PERIOD_S, block, disc, jackal, path};
+use support::{Loop, block, disc, jackal, path};
 use zeronav_local_planner::config::{DwaConfig, DwaTConfig, MppiConfig};
-use zeronav_local_planner::controller::{Controller, Situation};
+use zeronav_local_planner::controller::Controller;
 use zeronav_local_planner::dwa::Dwa;
 use zeronav_local_planner::mppi::Mppi;
 use zeronav_msgs::Pose;
@@ -33,7 +33,7 @@ fn a_cycle_allocates_nothing() {
             for _ in 0..50 {
                 run.step(controller.as_mut());
             }
-            let obstacles = [Obstacle {
+            run.obstacles = vec![Obstacle {
                 track: 1,
                 x_m: 6.0,
                 y_m: 1.5,
@@ -42,27 +42,11 @@ fn a_cycle_allocates_nothing() {
                 ..Obstacle::default()
             }];
             let scan = run.scan();
-            let mut situation = Situation {
-                map_from_base: run.pose,
-                v_mps: run.twist.v_mps,
-                w_radps: run.twist.w_radps,
-                robot: &run.robot.description,
-                corners: &run.robot.corners,
-                path: &run.path,
-                path_geometry: run.geometry,
-                map: Some(run.map.view()),
-                map_cells: 2,
-                obstacles: &obstacles,
-                obstacles_age_s: 0.1,
-                scan_points_in_base: &scan,
-                goal: &run.goal,
-                speed_factor: 1.0,
-                period_s: PERIOD_S,
-            };
+            let mut situation = run.situation(&scan);
             controller.decide(&situation);
             // Ready cycles, and some with changed cells.
             for cycle in 0..20 {
-                situation.map_cells = 2 + cycle / 5;
+                situation.map_cells = 1 + cycle / 5;
                 let mut rollouts = 0;
                 let allocated = allocation_counter::measure(|| {
                     rollouts = controller.decide(&situation).rollouts;

@@ -229,10 +229,9 @@ impl Loop {
         points.fold(f64::INFINITY, f64::min)
     }
 
-    /// One control period.
-    pub(crate) fn step(&mut self, controller: &mut dyn Controller) -> Decision {
-        let scan = self.scan();
-        let decision = controller.decide(&Situation {
+    /// What the robot knows when its scan hits `scan`.
+    pub(crate) fn situation<'a>(&'a self, scan: &'a [Point2<f64>]) -> Situation<'a> {
+        Situation {
             map_from_base: self.pose,
             v_mps: self.twist.v_mps,
             w_radps: self.twist.w_radps,
@@ -244,11 +243,17 @@ impl Loop {
             map_cells: 1,
             obstacles: &self.obstacles,
             obstacles_age_s: 0.0,
-            scan_points_in_base: &scan,
+            scan_points_in_base: scan,
             goal: &self.goal,
             speed_factor: 1.0,
             period_s: PERIOD_S,
-        });
+        }
+    }
+
+    /// One control period.
+    pub(crate) fn step(&mut self, controller: &mut dyn Controller) -> Decision {
+        let scan = self.scan();
+        let decision = controller.decide(&self.situation(&scan));
         self.history.push(decision);
         let applied = self
             .history
