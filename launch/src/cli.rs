@@ -112,6 +112,9 @@ pub struct GoalArgs {
     /// How close counts. [m]
     #[arg(long, value_name = "METRES", default_value_t = 0.25)]
     pub tolerance: f64,
+    /// How close the yaw must be; 3.15 takes any. [rad]
+    #[arg(long, value_name = "RADIANS", default_value_t = 0.25)]
+    pub yaw_tolerance: f64,
     /// Root folder of the run, when several go on (see `zeronav ps`).
     #[arg(long, value_name = "ROOT")]
     pub domain: Option<PathBuf>,

@@ -293,13 +293,14 @@ pub fn goal(arguments: &GoalArgs) -> ExitCode {
     let request = Request::Goal {
         pose: [arguments.x, arguments.y, arguments.yaw],
         tolerance_m: arguments.tolerance,
+        yaw_tolerance_rad: arguments.yaw_tolerance,
     };
     match control::ask(&root, &request) {
         Ok(Reply::Error(problem)) => usage(&problem),
         Ok(_) => {
             say(&format!(
-                "on its way to ({}, {})\n",
-                arguments.x, arguments.y
+                "on its way to ({}, {}, {})\n",
+                arguments.x, arguments.y, arguments.yaw
             ));
             ExitCode::from(EXIT_PASS)
         }

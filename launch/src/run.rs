@@ -10,7 +10,6 @@ use crate::shuttle::{Course, Shuttle, Step};
 use crate::supervise::child::Child;
 use crate::supervise::control::{Reply, Request, RunReport, Server, ServiceReport};
 use crate::supervise::stack::{self, Stack};
-use core::f64::consts::PI;
 use nalgebra::Point2;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -517,11 +516,17 @@ impl Drive<'_> {
             Request::Goal {
                 pose: [x, y, yaw],
                 tolerance_m,
+                yaw_tolerance_rad,
             } => {
+                let tolerances = [tolerance_m, yaw_tolerance_rad];
                 let usable = [x, y, yaw].iter().all(|value| value.is_finite())
-                    && (1.0e-3..=1.0e3).contains(&tolerance_m);
+                    && tolerances
+                        .iter()
+                        .all(|value| (1.0e-3..=1.0e3).contains(value));
                 if !usable {
-                    return Reply::Error("a goal needs finite numbers and a tolerance".to_owned());
+                    return Reply::Error(
+                        "a goal needs finite numbers and tolerances of 0.001 to 1000".to_owned(),
+                    );
                 }
                 if !self.world_contains(x, y) {
                     return Reply::Error(format!("({x}, {y}) is not on the map"));
@@ -531,7 +536,7 @@ impl Drive<'_> {
                 let goal = Goal {
                     pose,
                     tolerance_m,
-                    yaw_tolerance_rad: PI,
+                    yaw_tolerance_rad,
                     id: 0,
                 };
                 self.send(stack, vec![goal], from_tick);

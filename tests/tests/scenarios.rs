@@ -242,7 +242,7 @@ fn a_goal_from_outside_takes_the_place_of_the_scenarios() {
         "goal",
         &x,
         &y,
-        "0",
+        "1.57",
         "--tolerance",
         "0.5",
         "--domain",
@@ -254,6 +254,10 @@ fn a_goal_from_outside_takes_the_place_of_the_scenarios() {
         result["driven_m"].as_f64().expect("metres") < 20.0,
         "it drove on: {result:#}"
     );
+    let motion = result["motion"].as_array().expect("a track");
+    let yaw_rad = motion.last().and_then(|at| at[3].as_f64());
+    let yaw_rad = yaw_rad.expect("where it stood");
+    assert!((yaw_rad - 1.57).abs() < 0.35, "it looked to {yaw_rad} rad");
     assert_eq!(leftovers(&root), Vec::<std::path::PathBuf>::new());
 }
 

@@ -28,13 +28,10 @@ pub enum Request {
         /// `[x, y, yaw]`. [m, m, rad]
         pose: [f64; 3],
         /// How close counts. [m]
-        #[serde(default = "default_tolerance_m")]
         tolerance_m: f64,
+        /// How close the yaw must be; pi or more takes any. [rad]
+        yaw_tolerance_rad: f64,
     },
-}
-
-fn default_tolerance_m() -> f64 {
-    0.25
 }
 
 /// One process of a run.
@@ -166,6 +163,7 @@ mod tests {
                 &Request::Goal {
                     pose: [1.0, 2.0, 0.0],
                     tolerance_m: 0.2,
+                    yaw_tolerance_rad: 0.1,
                 },
             );
             let mut stream = UnixStream::connect(asked.join(SOCKET)).expect("a connection");
@@ -193,7 +191,8 @@ mod tests {
             seen,
             [Request::Goal {
                 pose: [1.0, 2.0, 0.0],
-                tolerance_m: 0.2
+                tolerance_m: 0.2,
+                yaw_tolerance_rad: 0.1,
             }]
         );
         std::fs::remove_dir_all(&folder).expect("removed");
