@@ -96,8 +96,10 @@ impl Anytime {
                 Found::Stopped if no_way => return Found::Nothing,
                 Found::Stopped if found_any == Found::Path => return Found::Path,
                 Found::Stopped => return Found::Stopped,
-                // Nothing cheaper: with less weight there is nothing either, or there is no way.
-                Found::Nothing => break,
+                Found::Nothing if found_any == Found::Nothing => break,
+                // Nothing cheaper with this weight: cells that were closed too dear may hide a
+                // cheaper way, so only the last round, without a weight, proves that there is none.
+                Found::Nothing => {}
             }
         }
         found_any

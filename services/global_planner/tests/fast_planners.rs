@@ -237,6 +237,29 @@ fn mpgaa_is_a_star_under_edits_of_a_large_map_and_expands_less() {
     assert!(kept * 2 < anew, "{kept} expansions, from scratch {anew}");
 }
 
+/// In clutter a weighted round may find nothing although there is something cheaper.
+#[test]
+fn anytime_ends_with_the_cost_of_a_star() {
+    let (mut anytime, mut a_star) = (build("anytime", 0.0), build("c_astar", 0.0));
+    let (mut path, mut spare) = (CellPath::default(), CellPath::default());
+    let mut found = 0;
+    for seed in 0..150 {
+        let map = drawn_by(seed, 150, 150, 33, 0);
+        let mut rng = Rng(!seed);
+        for _ in 0..4 {
+            let start = map.free_near(Cell::new(rng.below(150), rng.below(150)));
+            let goal = map.free_near(Cell::new(rng.below(150), rng.below(150)));
+            let query = query(&map, start, goal, CornerRule::ForbidAny);
+            let expected = plan(a_star.as_mut(), &query, &mut spare);
+            let result = plan(anytime.as_mut(), &query, &mut path);
+            let what = format!("seed {seed}, {start:?} to {goal:?}");
+            assert_same(&what, result, expected, 1e-6);
+            found += u64::from(result.is_ok());
+        }
+    }
+    assert!(found > 100, "{found} of 600 have a way");
+}
+
 /// The policy beside a plain A*: first nothing has a price, then something has.
 #[test]
 fn policy_is_a_star_on_maps_with_and_without_prices() {
