@@ -6,16 +6,14 @@
 //! cost fell over the expansions stands in [`PlanStats::improved`].
 
 use crate::astar::cost_m;
-use crate::bits::BitMap;
-use crate::ends::{WayOut, find_ends};
 use crate::goal_field::{GoalField, Guide};
+use crate::ground::Ground;
 use crate::planner::{
     CellPath, Control, Expansions, GlobalPlanner, IMPROVEMENTS_MAX, Improvement, PlanError,
     PlanQuery, PlanStats,
 };
-use crate::reach::Reach;
 use crate::search::Found;
-use crate::table::{COST_WEIGHT_MAX, ESCAPE_M_MAX, PlannerOptions, within};
+use crate::table::{COST_WEIGHT_MAX, PlannerOptions, within};
 use zeronav_msgs::{Cell, CellRect, MapView};
 
 /// Weights of the heuristic, times four.
@@ -25,11 +23,8 @@ const QUARTERS: [u32; IMPROVEMENTS_MAX] = [20, 10, 6, 4];
 #[derive(Debug)]
 pub struct Anytime {
     search: GoalField,
-    bits: BitMap,
-    reach: Reach,
-    way_out: WayOut,
+    ground: Ground,
     cost_weight: f64,
-    escape_m: f64,
 }
 
 impl Anytime {
@@ -39,11 +34,8 @@ impl Anytime {
         let cost_weight = within(options.cost_weight, COST_WEIGHT_MAX);
         Self {
             search: GoalField::new(cost_weight),
-            bits: BitMap::default(),
-            reach: Reach::default(),
-            way_out: WayOut::default(),
+            ground: Ground::new(options),
             cost_weight,
-            escape_m: within(options.escape_m, ESCAPE_M_MAX),
         }
     }
 
@@ -56,8 +48,8 @@ impl Anytime {
     ) -> Found {
         let n_way_out = path.cells.len();
         let mut below = u32::MAX;
-        let (bits, reach, rule) = (&self.bits, &mut self.reach, query.corner_rule);
-        if !reach.may(bits, rule, (start, goal), 0) {
+        let (ground, rule) = (&mut self.ground, query.corner_rule);
+        if !ground.may(rule, (start, goal), 0) {
             return Found::Nothing;
         }
         let mut found_any = Found::Nothing;
@@ -65,7 +57,7 @@ impl Anytime {
         for quarters in QUARTERS {
             let mut no_way = false;
             let mut watched = |expansions: Expansions| {
-                no_way = below == u32::MAX && !reach.may(bits, rule, (start, goal), expansions.0);
+                no_way = below == u32::MAX && !ground.may(rule, (start, goal), expansions.0);
                 if no_way {
                     Control::Stop
                 } else {
@@ -114,14 +106,11 @@ impl GlobalPlanner for Anytime {
         path: &mut CellPath,
     ) -> Result<PlanStats, PlanError> {
         path.clear();
-        let ends = find_ends(query, self.escape_m, &mut self.way_out)?;
-        self.bits.follow(&query.map, query.unknown);
+        let ends = self.ground.ends(query)?;
         self.search
             .follow(&query.map, query.unknown, query.corner_rule);
-        let start = self
-            .reach
-            .exit(&self.bits, query.corner_rule, &ends, &mut self.way_out);
-        self.way_out.lead(path);
+        let start = self.ground.start(query.corner_rule, &ends);
+        self.ground.lead(&mut path.cells);
         match self.improve(query, (start, ends.goal), budget, path) {
             Found::Path => Ok(path.stats),
             Found::Stopped => {
@@ -130,13 +119,13 @@ impl GlobalPlanner for Anytime {
             }
             Found::Nothing => {
                 path.cells.clear();
-                Err(self.reach.no_way(&self.bits, query.corner_rule, &ends))
+                Err(self.ground.no_way(query.corner_rule, &ends))
             }
         }
     }
 
     fn map_changed(&mut self, map: &MapView<'_>, changed: &[CellRect]) {
-        self.bits.change(map, changed, |_, _, _| {});
+        self.ground.change(map, changed);
         self.search.change(map, changed);
     }
 }

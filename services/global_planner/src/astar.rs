@@ -14,7 +14,7 @@ use crate::planner::{
     CellPath, Control, CornerRule, Expansions, GlobalPlanner, PlanError, PlanQuery, PlanStats,
 };
 use crate::search::{Found, Search, Task};
-use crate::table::{COST_WEIGHT_MAX, ESCAPE_M_MAX, PlannerOptions, within};
+use crate::table::{COST_WEIGHT_MAX, PlannerOptions, within};
 
 /// See the module's description.
 #[derive(Debug)]
@@ -22,7 +22,6 @@ pub struct CAstar {
     search: Search,
     way_out: WayOut,
     cost_weight: f64,
-    escape_m: f64,
 }
 
 impl CAstar {
@@ -32,9 +31,8 @@ impl CAstar {
         let cost_weight = within(options.cost_weight, COST_WEIGHT_MAX);
         Self {
             search: Search::new(cost_weight),
-            way_out: WayOut::default(),
+            way_out: WayOut::new(options),
             cost_weight,
-            escape_m: within(options.escape_m, ESCAPE_M_MAX),
         }
     }
 }
@@ -47,7 +45,7 @@ impl GlobalPlanner for CAstar {
         path: &mut CellPath,
     ) -> Result<PlanStats, PlanError> {
         path.clear();
-        let ends = find_ends(query, self.escape_m, &mut self.way_out)?;
+        let ends = find_ends(query, &mut self.way_out)?;
         let mut task = Task {
             map: query.map,
             start: ends.start,
@@ -75,7 +73,7 @@ impl GlobalPlanner for CAstar {
             };
             task.start = start;
         }
-        self.way_out.lead(path);
+        self.way_out.lead(&mut path.cells);
         self.search.trace(&task, &mut path.cells);
         path.stats.cost = cost_m(query, self.cost_weight, path);
         Ok(path.stats)

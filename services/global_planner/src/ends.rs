@@ -2,7 +2,8 @@
 
 use crate::goal_cell::GoalCell;
 use crate::moves::STEPS;
-use crate::planner::{CellPath, CornerRule, PlanError, PlanQuery, Unknown};
+use crate::planner::{CornerRule, PlanError, PlanQuery, Unknown};
+use crate::table::{ESCAPE_M_MAX, PlannerOptions, within};
 use crate::window::{Window, cells_in};
 use zeronav_msgs::{Cell, MapView};
 
@@ -19,6 +20,7 @@ pub struct Ends {
 /// is reused.
 #[derive(Debug, Default)]
 pub struct WayOut {
+    escape_m: f64,
     cells: Vec<Cell>,
     /// Free cells within reach, nearest first.
     exits: Vec<Cell>,
@@ -30,6 +32,15 @@ pub struct WayOut {
 }
 
 impl WayOut {
+    /// Without memory of any question. An option outside its range is taken as its nearest end.
+    #[must_use]
+    pub fn new(options: &PlannerOptions) -> Self {
+        Self {
+            escape_m: within(options.escape_m, ESCAPE_M_MAX),
+            ..Self::default()
+        }
+    }
+
     /// Cells from the robot's own to the first free one, both included; one cell when the robot
     /// stands free.
     #[must_use]
@@ -38,9 +49,9 @@ impl WayOut {
     }
 
     /// Begins a path with the way out, but for the cell where the search begins.
-    pub fn lead(&self, path: &mut CellPath) {
+    pub fn lead(&self, path: &mut Vec<Cell>) {
         let last = self.cells.len().saturating_sub(1);
-        path.cells.extend_from_slice(&self.cells[..last]);
+        path.extend_from_slice(&self.cells[..last]);
     }
 
     /// Turns to the nearest free cell of which `tried` does not hold; `None` when there is none.
@@ -68,18 +79,14 @@ const ROOT: u8 = 8;
 /// Finds the first and the last cell of the search.
 ///
 /// A start that is blocked, but not lethal, is left on a shortest way (in steps) over cells that
-/// are not lethal, at most `escape_m` from the robot along either axis. A blocked goal is replaced
+/// are not lethal, at most [`PlannerOptions::escape_m`] from the robot along either axis. A blocked goal is replaced
 /// by the free cell whose centre is nearest to it, within the tolerance; the lower row, then the
 /// lower column, of two equally near.
 ///
 /// # Errors
 /// [`PlanError::StartOutsideMap`], [`PlanError::GoalOutsideMap`], [`PlanError::StartBlocked`],
 /// [`PlanError::GoalBlocked`], in this order.
-pub fn find_ends(
-    query: &PlanQuery<'_>,
-    escape_m: f64,
-    way_out: &mut WayOut,
-) -> Result<Ends, PlanError> {
+pub fn find_ends(query: &PlanQuery<'_>, way_out: &mut WayOut) -> Result<Ends, PlanError> {
     let geometry = query.map.geometry;
     let start = geometry
         .cell_at(query.start.point())
@@ -87,7 +94,7 @@ pub fn find_ends(
     let goal = geometry
         .cell_at(query.goal.point())
         .ok_or(PlanError::GoalOutsideMap)?;
-    let start = leave_inflation(query, start, escape_m, way_out).ok_or(PlanError::StartBlocked)?;
+    let start = leave_inflation(query, start, way_out).ok_or(PlanError::StartBlocked)?;
     let goal = way_out
         .goal
         .find(query, goal, &way_out.exits)
@@ -96,18 +103,13 @@ pub fn find_ends(
 }
 
 /// Writes the way out and gives its last cell.
-fn leave_inflation(
-    query: &PlanQuery<'_>,
-    start: Cell,
-    escape_m: f64,
-    way_out: &mut WayOut,
-) -> Option<Cell> {
+fn leave_inflation(query: &PlanQuery<'_>, start: Cell, way_out: &mut WayOut) -> Option<Cell> {
     let (map, unknown) = (query.map, query.unknown);
     let cell = map.get(start)?;
     let reach = if unknown.is_lethal(cell) {
         return None;
     } else if unknown.blocks(cell) {
-        cells_in(escape_m, map.geometry.resolution_m)
+        cells_in(way_out.escape_m, map.geometry.resolution_m)
     } else {
         0
     };

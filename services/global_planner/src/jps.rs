@@ -18,7 +18,7 @@ use crate::planner::{
 };
 use crate::reach::Reach;
 use crate::search::{COST_SO_FAR_MAX, Found, Search, Task};
-use crate::table::{ESCAPE_M_MAX, PlannerOptions, within};
+use crate::table::PlannerOptions;
 use core::cmp::Reverse;
 use std::collections::BinaryHeap;
 use zeronav_msgs::{Cell, CellRect, MapView};
@@ -57,7 +57,6 @@ pub struct Jps {
     /// For the other corner rules.
     plain: Search,
     way_out: WayOut,
-    escape_m: f64,
     is_clutter: bool,
     choose: Choose,
 }
@@ -83,8 +82,7 @@ impl Jps {
             jumps: Jumps::default(),
             canonical: Canonical::default(),
             plain: Search::new(0.0),
-            way_out: WayOut::default(),
-            escape_m: within(options.escape_m, ESCAPE_M_MAX),
+            way_out: WayOut::new(options),
             is_clutter: false,
             choose,
         }
@@ -100,8 +98,8 @@ impl Jps {
             + self.canonical.bytes()
     }
 
-    /// What a search with these counters took, in expansions of canonical A*, some 15 ns each: a
-    /// jump and a diagonal step take about as long.
+    /// What a search with these counters took: a jump or a diagonal step counts as much as an
+    /// expansion of canonical A*, which takes a time of the same order.
     pub(crate) const fn effort(&self, stats: &PlanStats) -> u64 {
         if self.is_clutter {
             stats.expanded
@@ -153,7 +151,7 @@ impl GlobalPlanner for Jps {
         path: &mut CellPath,
     ) -> Result<PlanStats, PlanError> {
         path.clear();
-        let ends = find_ends(query, self.escape_m, &mut self.way_out)?;
+        let ends = find_ends(query, &mut self.way_out)?;
         if self.map.follow(&query.map, query.unknown) {
             // Once per map: local changes do not turn halls into clutter.
             self.is_clutter = match self.choose {
@@ -172,7 +170,7 @@ impl GlobalPlanner for Jps {
             unknown: query.unknown,
             corner_rule: query.corner_rule,
         };
-        self.way_out.lead(path);
+        self.way_out.lead(&mut path.cells);
         match self.search(&task, budget, path) {
             Found::Path => {
                 path.stats.cost = path.length_cells() * query.map.geometry.resolution_m;

@@ -5,17 +5,15 @@
 //! looked at only when the cell is taken from the open list. Not always the shortest of all ways,
 //! but rarely more than a percent longer.
 
-use crate::bits::BitMap;
-use crate::ends::{WayOut, find_ends};
+use crate::ground::Ground;
 use crate::jps::{padded, push_cell};
 use crate::moves::STEPS;
 use crate::planner::{
     CellPath, Control, CornerRule, Expansions, GlobalPlanner, PlanError, PlanQuery, PlanStats,
 };
-use crate::reach::Reach;
 use crate::search::Found;
 use crate::sight::sees;
-use crate::table::{ESCAPE_M_MAX, PlannerOptions, within};
+use crate::table::PlannerOptions;
 use core::cmp::Reverse;
 use std::collections::BinaryHeap;
 use zeronav_msgs::{Cell, CellRect, MapView};
@@ -42,10 +40,7 @@ const GENERATION_MAX: u32 = (1 << 31) - 1;
 /// See the module's description.
 #[derive(Debug)]
 pub struct LazyTheta {
-    bits: BitMap,
-    reach: Reach,
-    way_out: WayOut,
-    escape_m: f64,
+    ground: Ground,
     nodes: Vec<Node>,
     generation: u32,
     open: BinaryHeap<Reverse<u64>>,
@@ -57,10 +52,7 @@ impl LazyTheta {
     #[must_use]
     pub fn new(options: &PlannerOptions) -> Self {
         Self {
-            bits: BitMap::default(),
-            reach: Reach::default(),
-            way_out: WayOut::default(),
-            escape_m: within(options.escape_m, ESCAPE_M_MAX),
+            ground: Ground::new(options),
             nodes: Vec::new(),
             generation: 0,
             open: BinaryHeap::new(),
@@ -75,7 +67,7 @@ impl LazyTheta {
         budget: &mut dyn FnMut(Expansions) -> Control,
         stats: &mut PlanStats,
     ) -> Found {
-        let rows = self.bits.rows();
+        let rows = self.ground.bits.rows();
         let width = rows.length() + 2;
         let n_nodes = width * (rows.count() + 2);
         if self.nodes.len() != n_nodes || self.generation == GENERATION_MAX {
@@ -141,8 +133,9 @@ impl LazyTheta {
                 return Found::Stopped;
             }
             if !self
+                .ground
                 .reach
-                .may(&self.bits, rule, (start, goal), stats.expanded)
+                .may(&self.ground.bits, rule, (start, goal), stats.expanded)
             {
                 return Found::Nothing;
             }
@@ -172,7 +165,7 @@ impl LazyTheta {
     }
 
     fn trace(&mut self, goal: Cell, path: &mut CellPath) {
-        let width = self.bits.rows().length() + 2;
+        let width = self.ground.bits.rows().length() + 2;
         self.corners.clear();
         let mut at = pack(padded(goal));
         for _ in 0..self.nodes.len() {
@@ -198,31 +191,28 @@ impl GlobalPlanner for LazyTheta {
         path: &mut CellPath,
     ) -> Result<PlanStats, PlanError> {
         path.clear();
-        let ends = find_ends(query, self.escape_m, &mut self.way_out)?;
-        self.bits.follow(&query.map, query.unknown);
-        let start = self
-            .reach
-            .exit(&self.bits, query.corner_rule, &ends, &mut self.way_out);
+        let ends = self.ground.ends(query)?;
+        let start = self.ground.start(query.corner_rule, &ends);
         let ways = (start, ends.goal);
-        let found = if self.reach.may(&self.bits, query.corner_rule, ways, 0) {
+        let found = if self.ground.may(query.corner_rule, ways, 0) {
             self.search(ways, query.corner_rule, budget, &mut path.stats)
         } else {
             Found::Nothing
         };
         match found {
             Found::Path => {
-                self.way_out.lead(path);
+                self.ground.lead(&mut path.cells);
                 self.trace(ends.goal, path);
                 path.stats.cost = path.length_cells() * query.map.geometry.resolution_m;
                 Ok(path.stats)
             }
             Found::Stopped => Err(PlanError::OutOfBudget),
-            Found::Nothing => Err(self.reach.no_way(&self.bits, query.corner_rule, &ends)),
+            Found::Nothing => Err(self.ground.no_way(query.corner_rule, &ends)),
         }
     }
 
     fn map_changed(&mut self, map: &MapView<'_>, changed: &[CellRect]) {
-        self.bits.change(map, changed, |_, _, _| {});
+        self.ground.change(map, changed);
     }
 }
 

@@ -20,6 +20,7 @@ pub mod corridor;
 pub mod ends;
 mod goal_cell;
 mod goal_field;
+mod ground;
 pub mod jps;
 mod jump_map;
 pub mod lazy_theta;

@@ -7,26 +7,21 @@
 //! scratch, ties left aside: the tests hold it to 1.3 times.
 
 use crate::astar::cost_m;
-use crate::bits::BitMap;
-use crate::ends::{WayOut, find_ends};
 use crate::goal_field::{GoalField, Guide};
+use crate::ground::Ground;
 use crate::planner::{
     CellPath, Control, CornerRule, Expansions, GlobalPlanner, PlanError, PlanQuery, PlanStats,
 };
-use crate::reach::Reach;
 use crate::search::Found;
-use crate::table::{COST_WEIGHT_MAX, ESCAPE_M_MAX, PlannerOptions, within};
+use crate::table::{COST_WEIGHT_MAX, PlannerOptions, within};
 use zeronav_msgs::{Cell, CellRect, MapView};
 
 /// See the module's description.
 #[derive(Debug)]
 pub struct Mpgaa {
     field: GoalField,
-    bits: BitMap,
-    reach: Reach,
-    way_out: WayOut,
+    ground: Ground,
     cost_weight: f64,
-    escape_m: f64,
     /// Where the last search led.
     goal: Option<Cell>,
 }
@@ -38,11 +33,8 @@ impl Mpgaa {
         let cost_weight = within(options.cost_weight, COST_WEIGHT_MAX);
         Self {
             field: GoalField::new(cost_weight),
-            bits: BitMap::default(),
-            reach: Reach::default(),
-            way_out: WayOut::default(),
+            ground: Ground::new(options),
             cost_weight,
-            escape_m: within(options.escape_m, ESCAPE_M_MAX),
             goal: None,
         }
     }
@@ -50,7 +42,7 @@ impl Mpgaa {
     /// Bytes held for the map and the search.
     #[must_use]
     pub fn memory_bytes(&self) -> usize {
-        self.field.bytes() + self.bits.bytes() + self.reach.bytes()
+        self.field.bytes() + self.ground.bytes()
     }
 
     /// An answer that costs at most `most` expansions, from the field of the query's goal alone.
@@ -77,27 +69,24 @@ impl Mpgaa {
         path: &mut CellPath,
     ) -> Result<PlanStats, PlanError> {
         path.clear();
-        let ends = find_ends(query, self.escape_m, &mut self.way_out)?;
-        self.bits.follow(&query.map, query.unknown);
+        let ends = self.ground.ends(query)?;
         self.field
             .follow(&query.map, query.unknown, query.corner_rule);
         self.goal = Some(ends.goal);
         if most.is_some_and(|most| most == 0 || !self.field.is_whole_for(ends.goal)) {
             return Err(PlanError::OutOfBudget);
         }
-        let start = self
-            .reach
-            .exit(&self.bits, query.corner_rule, &ends, &mut self.way_out);
+        let start = self.ground.start(query.corner_rule, &ends);
         let most = most.unwrap_or(u64::MAX);
         let rule = query.corner_rule;
         match self.search((start, ends.goal), rule, most, budget, &mut path.stats) {
             Found::Path => {}
             Found::Stopped => return Err(PlanError::OutOfBudget),
             Found::Nothing => {
-                return Err(self.reach.no_way(&self.bits, query.corner_rule, &ends));
+                return Err(self.ground.no_way(query.corner_rule, &ends));
             }
         }
-        self.way_out.lead(path);
+        self.ground.lead(&mut path.cells);
         self.field.trace(ends.goal, &mut path.cells);
         path.stats.cost = cost_m(query, self.cost_weight, path);
         Ok(path.stats)
@@ -111,13 +100,13 @@ impl Mpgaa {
         budget: &mut dyn FnMut(Expansions) -> Control,
         stats: &mut PlanStats,
     ) -> Found {
-        let (bits, reach) = (&self.bits, &mut self.reach);
-        if !reach.may(bits, rule, ends, 0) {
+        let ground = &mut self.ground;
+        if !ground.may(rule, ends, 0) {
             return Found::Nothing;
         }
         let mut no_way = false;
         let mut watched = |expansions: Expansions| {
-            no_way = !reach.may(bits, rule, ends, expansions.0);
+            no_way = !ground.may(rule, ends, expansions.0);
             if no_way {
                 Control::Stop
             } else {
@@ -145,7 +134,7 @@ impl GlobalPlanner for Mpgaa {
     }
 
     fn map_changed(&mut self, map: &MapView<'_>, changed: &[CellRect]) {
-        self.bits.change(map, changed, |_, _, _| {});
+        self.ground.change(map, changed);
         self.field.change(map, changed);
     }
 

@@ -22,8 +22,8 @@ use crate::table::{COST_WEIGHT_MAX, PlannerOptions, within};
 use zeronav_msgs::map::COST_UNKNOWN;
 use zeronav_msgs::{Cell, CellRect, GridGeometry, MapCell, MapView};
 
-/// Effort of a search from scratch for each expansion of a trial: by measurement a trial that fails
-/// costs a fifth to a half of the answer, most on maps that no cache holds.
+/// Effort of a search from scratch for each expansion of a trial. Measured on 4000 x 4000 cells: a
+/// trial that fails costs an eighth to a fifth of the answer; those that succeed take some 0.2 ms.
 const EFFORT_PER_EXPANSION: u64 = 8;
 
 /// Searches from scratch of less effort take at most some 0.3 ms: there is little to gain.

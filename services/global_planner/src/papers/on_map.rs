@@ -10,7 +10,7 @@ use crate::papers::spline::curve_of;
 use crate::planner::{
     CellPath, Control, CornerRule, Expansions, GlobalPlanner, PlanError, PlanQuery, PlanStats,
 };
-use crate::table::{COST_WEIGHT_MAX, ESCAPE_M_MAX, PlannerOptions, within};
+use crate::table::{COST_WEIGHT_MAX, PlannerOptions, within};
 use zeronav_msgs::Cell;
 
 /// A method that finds a way between two free cells.
@@ -49,7 +49,6 @@ pub struct OnMap<S> {
     /// The method.
     pub solver: S,
     prices: Prices,
-    escape_m: f64,
     literal: bool,
     way_out: WayOut,
     flood: Flood,
@@ -69,9 +68,8 @@ impl<S: Solver> OnMap<S> {
         Self {
             solver,
             prices: Prices::new(within(options.cost_weight, COST_WEIGHT_MAX)),
-            escape_m: within(options.escape_m, ESCAPE_M_MAX),
             literal,
-            way_out: WayOut::default(),
+            way_out: WayOut::new(options),
             flood: Flood::default(),
             seen: Marks::default(),
         }
@@ -97,8 +95,7 @@ impl<S: Solver> OnMap<S> {
                 None => return Err(self.kind_of_no_way(field, start, goal, meter)?),
             }
         }
-        let way_out = self.way_out.cells();
-        cells.extend_from_slice(&way_out[..way_out.len().saturating_sub(1)]);
+        self.way_out.lead(cells);
         match self.solver.solve(field, start, goal, meter, cells) {
             Err(PlanError::Unreachable { .. }) => {
                 Err(self.kind_of_no_way(field, start, goal, meter)?)
@@ -158,7 +155,7 @@ impl<S: Solver> GlobalPlanner for OnMap<S> {
     ) -> Result<PlanStats, PlanError> {
         path.clear();
         path.stats.remarks.literal = self.literal;
-        let ends = find_ends(query, self.escape_m, &mut self.way_out)?;
+        let ends = find_ends(query, &mut self.way_out)?;
         let prices = self.prices.clone();
         let field = Field {
             map: query.map,
