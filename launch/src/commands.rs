@@ -8,7 +8,7 @@ use crate::run::{self, Driven};
 use crate::scenario::{self, Scenario};
 use crate::show::report::RunResult;
 use crate::suite::{self, SuiteError};
-use crate::supervise::binaries;
+use crate::supervise::binaries::{self, Needed};
 use crate::supervise::control::{self, Reply, Request, RunReport};
 use crate::trials::{self, Trials};
 use serde_json::json;
@@ -198,7 +198,7 @@ pub fn check(name: &str, json: bool) -> ExitCode {
 /// own words.
 #[must_use]
 pub fn algorithms(role: Role, json: bool) -> ExitCode {
-    let listed = binaries::refresh_under_cargo()
+    let listed = binaries::refresh_under_cargo(Needed::Stock)
         .and_then(|()| binaries::find(Path::new(binaries::stock(role))))
         .and_then(|binary| {
             let output = std::process::Command::new(&binary).arg("--list").output();

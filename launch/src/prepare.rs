@@ -2,7 +2,7 @@
 
 use crate::cli::RunArgs;
 use crate::scenario::{Checked, Scenario};
-use crate::supervise::binaries;
+use crate::supervise::binaries::{self, Needed};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -76,17 +76,19 @@ pub fn prepare(arguments: &RunArgs) -> Result<Prepared, String> {
         RunMode::RealTime
     };
     memory::check(planned_bytes(&scenario, &world)).map_err(|error| error.to_string())?;
-    binaries::refresh_under_cargo()?;
+    let named = |role: Role| scenario.services.of(role)?.binary.clone();
+    let any_named = Role::SERVICES.iter().any(|role| named(*role).is_some());
+    binaries::refresh_under_cargo(if any_named {
+        Needed::Any
+    } else {
+        Needed::Stock
+    })?;
     let mut binaries = BTreeMap::new();
     for role in Role::SERVICES {
         if arguments.external.contains(&role) {
             continue;
         }
-        let named = scenario
-            .services
-            .of(role)
-            .and_then(|service| service.binary.clone());
-        let name = named.unwrap_or_else(|| PathBuf::from(binaries::stock(role)));
+        let name = named(role).unwrap_or_else(|| PathBuf::from(binaries::stock(role)));
         let found = binaries::find_or_build(&name).map_err(|why| {
             scenario
                 .error_at(&format!("services.{role}.binary"), &why)

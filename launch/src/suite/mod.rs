@@ -27,7 +27,7 @@ pub use report::Report;
 
 use crate::cli::SuiteArgs;
 use crate::environment::Before;
-use crate::supervise::binaries;
+use crate::supervise::binaries::{self, Needed};
 use case::Case;
 use report::Kind;
 use row::Row;
@@ -80,7 +80,11 @@ pub fn suite(arguments: &SuiteArgs, interrupted: &AtomicBool) -> Result<Report, 
         Kind::Pedestrians => pedestrians::worlds(arguments)?,
         Kind::Folder => folder::worlds(arguments)?,
     };
-    binaries::refresh_under_cargo()?;
+    // A folder's scenarios may name whatever they want.
+    binaries::refresh_under_cargo(match kind {
+        Kind::Folder => Needed::Any,
+        Kind::Barn | Kind::Dynabarn | Kind::Pedestrians => Needed::Stock,
+    })?;
     let before = Before::read();
     let started = Instant::now();
     let directory = suite_folder(&arguments.out, kind)?;

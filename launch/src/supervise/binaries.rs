@@ -71,32 +71,44 @@ fn is_executable(path: &Path) -> bool {
         .is_ok_and(|meta| meta.is_file() && meta.permissions().mode() & 0o111 != 0)
 }
 
-/// Under cargo, builds every binary of the workspace but those of the tests in this program's own
-/// profile, so that a stale service is never driven. Elsewhere it does nothing.
+/// Which binaries a run may need.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Needed {
+    /// The stock ones alone.
+    Stock,
+    /// Any of the workspace, those of the tests too.
+    Any,
+}
+
+/// Under cargo, builds the binaries of the workspace that are needed in this program's own profile,
+/// so that a stale service is never driven. Elsewhere it does nothing.
 ///
 /// # Errors
 /// One line when cargo cannot be run or the build fails; cargo's own words went to stderr.
-pub fn refresh_under_cargo() -> Result<(), String> {
-    match build(&["--exclude", "zeronav-tests", "--bins"]) {
+pub fn refresh_under_cargo(needed: Needed) -> Result<(), String> {
+    let bins: &[&str] = match needed {
+        Needed::Stock => &["--exclude", "zeronav-tests", "--bins"],
+        Needed::Any => &["--bins"],
+    };
+    match build(bins) {
         Some(Ok(false)) => Err("the services do not build, see above".to_owned()),
         Some(Err(error)) => Err(format!("running cargo to build the services: {error}")),
         Some(Ok(true)) | None => Ok(()),
     }
 }
 
-/// Finds a binary like [`find`]; under cargo, a name that is not there may be an example or a binary
-/// of the tests that is still to be built.
+/// Finds a binary like [`find`]; under cargo, a name that is not there may be an example that is
+/// still to be built.
 ///
 /// # Errors
 /// As [`find`].
 pub fn find_or_build(name: &Path) -> Result<PathBuf, String> {
     let found = find(name);
-    let (Err(_), Some(target)) = (&found, name.to_str()) else {
+    let (Err(_), Some(example)) = (&found, name.to_str()) else {
         return found;
     };
     let is_name = name.components().count() == 1;
-    let mut kinds = ["--example", "--bin"].into_iter();
-    if is_name && kinds.any(|kind| matches!(build(&[kind, target]), Some(Ok(true)))) {
+    if is_name && matches!(build(&["--example", example]), Some(Ok(true))) {
         return find(name);
     }
     found
