@@ -2,7 +2,8 @@
 
 use crate::config::{MappingError, ensure};
 use crate::scan_match::Surfaces;
-use nalgebra::{Matrix3, Point2, Vector3};
+use crate::scan_odometry::ScanOdometry;
+use nalgebra::{Matrix3, Point2, Rotation2, Vector2, Vector3};
 use serde::{Deserialize, Serialize};
 use zeronav_msgs::Pose;
 use zeronav_msgs::pose::wrap_angle;
@@ -82,8 +83,11 @@ const CEILING: (f64, f64) = (0.5, 0.2);
 pub struct Localiser {
     config: CorrectionConfig,
     map_from_odom: Pose,
+    /// At the last scan.
+    map_from_base: Pose,
     covariance: Matrix3<f64>,
     last_odom_from_base: Option<Pose>,
+    scans: ScanOdometry,
     active: bool,
 }
 
@@ -94,8 +98,10 @@ impl Localiser {
         Self {
             config: *config,
             map_from_odom: Pose::default(),
+            map_from_base: Pose::default(),
             covariance: Matrix3::zeros(),
             last_odom_from_base: None,
+            scans: ScanOdometry::default(),
             active: false,
         }
     }
@@ -142,37 +148,55 @@ impl Localiser {
         ]
     }
 
-    /// Takes in where odometry says the robot is, and where beams ended that are on what stands, in
-    /// `base`. [m]
-    pub fn correct(&mut self, odom_from_base: &Pose, ends: &[Point2<f64>], surfaces: &Surfaces) {
-        let predicted = self.predict(odom_from_base);
-        if let Some(matched) = surfaces.lay(ends, &predicted, &self.covariance) {
+    /// Takes in where odometry says the robot is, and where beams ended, in `base` [m]: on what
+    /// stands, and of these on what is on the map.
+    pub fn correct(
+        &mut self,
+        odom_from_base: &Pose,
+        standing: &[Point2<f64>],
+        known: &[Point2<f64>],
+        surfaces: &Surfaces,
+        something_moves: bool,
+    ) {
+        let mut pose = self.predict(odom_from_base, standing, something_moves);
+        if let Some(matched) = surfaces.lay(known, &pose, &self.covariance) {
             self.covariance = matched.covariance;
             self.limit();
-            let base_from_odom = odom_from_base.isometry().inverse();
-            let map_from_odom = matched.pose.isometry() * base_from_odom;
-            self.map_from_odom = Pose::from(map_from_odom);
+            pose = matched.pose;
         }
+        self.map_from_base = pose;
+        let base_from_odom = odom_from_base.isometry().inverse();
+        self.map_from_odom = Pose::from(pose.isometry() * base_from_odom);
     }
 
-    /// Where odometry says the robot is now, with what that is worth.
-    fn predict(&mut self, odom_from_base: &Pose) -> Pose {
-        let predicted = self.map_from_odom.then(odom_from_base);
-        let last = self.last_odom_from_base.replace(*odom_from_base);
-        let last = last.unwrap_or(*odom_from_base);
+    /// Where odometry and the scans say the robot is now, with what that is worth.
+    fn predict(
+        &mut self,
+        odom_from_base: &Pose,
+        standing: &[Point2<f64>],
+        something_moves: bool,
+    ) -> Pose {
+        let Some(last) = self.last_odom_from_base.replace(*odom_from_base) else {
+            self.map_from_base = *odom_from_base;
+            self.scans.begin(odom_from_base, standing);
+            return *odom_from_base;
+        };
         let length_m = last.distance_m(odom_from_base);
         let turn_rad = wrap_angle(odom_from_base.yaw_rad - last.yaw_rad).abs();
-        let came = predicted.point() - self.map_from_odom.then(&last).point();
-        // A wrong yaw swings the step's end around its beginning.
-        let mut step = Matrix3::identity();
-        step[(0, 2)] = -came.y;
-        step[(1, 2)] = came.x;
         let config = &self.config;
         let place = config.noise_m_per_sqrt_m.powi(2) * length_m;
         let yaw = config.noise_rad_per_sqrt_rad.powi(2) * turn_rad
             + config.noise_rad_per_sqrt_m.powi(2) * length_m;
-        self.covariance = step * self.covariance * step.transpose()
-            + Matrix3::from_diagonal(&Vector3::new(place, place, yaw));
+        let noise = Matrix3::from_diagonal(&Vector3::new(place, place, yaw));
+        let moved = self
+            .scans
+            .follow(odom_from_base, &noise, standing, something_moves);
+        let predicted = self.map_from_base.then(&moved.last_from_base);
+        let came = predicted.point() - self.map_from_base.point();
+        let step = swing(&came);
+        let left = turned(predicted.yaw_rad) * moved.left;
+        self.covariance =
+            step * self.covariance * step.transpose() + left * noise * left.transpose();
         self.limit();
         predicted
     }
@@ -199,4 +223,18 @@ impl Localiser {
             }
         }
     }
+}
+
+/// How an error of a pose changes when the robot has come a way from there, in the axes of the way: a
+/// wrong yaw swings its end around its beginning.
+pub(crate) fn swing(came: &Vector2<f64>) -> Matrix3<f64> {
+    let mut step = Matrix3::identity();
+    step[(0, 2)] = -came.y;
+    step[(1, 2)] = came.x;
+    step
+}
+
+/// Turns the axes of an error of a pose.
+pub(crate) fn turned(yaw_rad: f64) -> Matrix3<f64> {
+    Rotation2::new(yaw_rad).to_homogeneous()
 }

@@ -50,7 +50,9 @@ pub struct Mapping {
     /// The scan at hand, in `base` at its capture.
     beams: Beams,
     under_robot: Vec<usize>,
-    /// Scratch: where beams ended on what may be trusted to stand, in `base`. [m]
+    /// Scratch: where beams ended on what is not known to move, in `base`. [m]
+    standing: Vec<Point2<f64>>,
+    /// Scratch: those that may be trusted to be on the map.
     landmarks: Vec<Point2<f64>>,
     /// The grid changed with the last scan.
     moved: bool,
@@ -76,6 +78,7 @@ impl Mapping {
             tracker: Tracker::new(&config.tracking),
             beams: Beams::default(),
             under_robot: Vec::new(),
+            standing: Vec::new(),
             landmarks: Vec::new(),
             moved: false,
             config: config.clone(),
@@ -89,8 +92,13 @@ impl Mapping {
         if self.localiser.is_active(&observation.odometry_variance) {
             self.find_landmarks(odom_from_base, observation.run_ns);
             let surfaces = self.mapper.surfaces();
-            self.localiser
-                .correct(odom_from_base, &self.landmarks, surfaces);
+            self.localiser.correct(
+                odom_from_base,
+                &self.standing,
+                &self.landmarks,
+                surfaces,
+                self.tracker.sees_motion(),
+            );
         }
         let map_from_base = self.localiser.map_from_base(odom_from_base);
         self.follow_window(map_from_base.point());
@@ -155,13 +163,11 @@ impl Mapping {
     fn find_landmarks(&mut self, odom_from_base: &Pose, run_ns: u64) {
         let guess = self.localiser.map_from_base(odom_from_base);
         let (sin, cos) = guess.yaw_rad.sin_cos();
-        let (tracker, mapper) = (&self.tracker, &self.mapper);
-        let stands = |end: &Point2<f64>| {
-            let in_map = Point2::new(
+        let in_map = |end: &Point2<f64>| {
+            Point2::new(
                 guess.x_m + cos * end.x - sin * end.y,
                 guess.y_m + sin * end.x + cos * end.y,
-            );
-            mapper.is_settled(in_map) && !tracker.is_restless_at(in_map, run_ns)
+            )
         };
         // What lies beyond is on no map.
         let range_m_max = self.config.obstacle_range_m;
@@ -170,8 +176,19 @@ impl Mapping {
             _ => None,
         };
         let ends = self.beams.as_slice().iter().filter_map(end);
+        let (tracker, mapper) = (&self.tracker, &self.mapper);
+        self.standing.clear();
+        self.standing.extend(
+            ends.clone()
+                .filter(|end| !tracker.is_restless_at(in_map(end), run_ns)),
+        );
+        if tracker.sees_motion() && 4 * self.standing.len() < 3 * ends.clone().count() {
+            self.standing.clear();
+        }
+        let known = |end: &&Point2<f64>| mapper.is_settled(in_map(end));
         self.landmarks.clear();
-        self.landmarks.extend(ends.filter(stands));
+        self.landmarks
+            .extend(self.standing.iter().filter(known).copied());
     }
 
     /// Lets the map go where the robot is.

@@ -230,6 +230,12 @@ impl Tracker {
         &self.moving_beams
     }
 
+    /// True when something moves.
+    #[must_use]
+    pub fn sees_motion(&self) -> bool {
+        self.tracks.iter().any(|track| track.moving)
+    }
+
     /// True when a point of the map is where something should be at `run_ns` that moves, or that
     /// seems to, however uncertain that is.
     #[must_use]

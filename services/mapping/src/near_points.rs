@@ -1,0 +1,195 @@
+//! The hits of a scan, to be found by place, with the lines that they lie on.
+
+use nalgebra::{Point2, Vector2};
+
+/// Side of a bucket, and how far from a hit its line is found at least. [m]
+const BUCKET_M: f64 = 0.15;
+
+/// Buckets along a side: 24 m.
+const BUCKETS: usize = 160;
+
+/// Neighbours on either side that a line is drawn through at most.
+const BESIDE: usize = 3;
+
+/// Farthest that neighbouring hits of one surface lie apart, and least length of a line. [m]
+const GAP_M: f64 = 0.15;
+const LENGTH_M_MIN: f64 = 0.03;
+
+/// No hit.
+const NONE: u16 = u16::MAX;
+
+/// A hit with the line through it and its neighbours.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Line {
+    /// The hit. [m]
+    pub(crate) at: Point2<f64>,
+    /// Unit vector across the line.
+    pub(crate) normal: Vector2<f64>,
+}
+
+/// See the module's description. Buffers are reused.
+#[derive(Debug, Default)]
+pub(crate) struct NearPoints {
+    lines: Vec<Line>,
+    /// The next line of the same bucket.
+    next: Vec<u16>,
+    /// The first line of every bucket.
+    first: Vec<u16>,
+}
+
+impl NearPoints {
+    /// Takes in hits in the order of their beams. [m]
+    pub(crate) fn fill(&mut self, hits: &[Point2<f64>]) {
+        self.lines.clear();
+        self.next.clear();
+        self.first.clear();
+        self.first.resize(BUCKETS * BUCKETS, NONE);
+        for n in 0..hits.len() {
+            let Some(line) = line_through(hits, n) else {
+                continue;
+            };
+            let (Some(bucket), Ok(index)) = (bucket(line.at), u16::try_from(self.lines.len()))
+            else {
+                continue;
+            };
+            self.lines.push(line);
+            self.next.push(self.first[bucket]);
+            self.first[bucket] = index;
+        }
+    }
+
+    /// The line of the hit that is nearest to a place; `None` where none is within [`BUCKET_M`].
+    pub(crate) fn line_near(&self, place: Point2<f64>) -> Option<&Line> {
+        let middle = bucket(place)?;
+        let mut least = BUCKET_M * BUCKET_M;
+        let mut nearest = None;
+        for row in [
+            middle.checked_sub(BUCKETS),
+            Some(middle),
+            Some(middle + BUCKETS),
+        ] {
+            for bucket in row.into_iter().flat_map(|at| at.saturating_sub(1)..=at + 1) {
+                let mut index = self.first.get(bucket).copied().unwrap_or(NONE);
+                while let Some(line) = self.lines.get(usize::from(index)) {
+                    let squared = (line.at - place).norm_squared();
+                    if squared < least {
+                        least = squared;
+                        nearest = Some(line);
+                    }
+                    index = self.next[usize::from(index)];
+                }
+            }
+        }
+        nearest
+    }
+}
+
+/// The line through a hit and its neighbours on the same surface; `None` when it stands alone.
+fn line_through(hits: &[Point2<f64>], n: usize) -> Option<Line> {
+    let joins = |pair: &[Point2<f64>]| (pair[1] - pair[0]).norm() < GAP_M;
+    let after = hits[n..]
+        .windows(2)
+        .take(BESIDE)
+        .take_while(|pair| joins(pair))
+        .count();
+    let before = hits[..=n]
+        .windows(2)
+        .rev()
+        .take(BESIDE)
+        .take_while(|pair| joins(pair))
+        .count();
+    let along = hits[n + after] - hits[n - before];
+    let length_m = along.norm();
+    (length_m >= LENGTH_M_MIN).then(|| Line {
+        at: hits[n],
+        normal: Vector2::new(-along.y, along.x) / length_m,
+    })
+}
+
+/// Index of the bucket of a place; `None` farther away than buckets reach.
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    clippy::cast_precision_loss,
+    reason = "checked to be a small number that is not negative"
+)]
+fn bucket(place: Point2<f64>) -> Option<usize> {
+    let index = |m: f64| {
+        let cells = m / BUCKET_M + BUCKETS as f64 / 2.0;
+        (0.0..BUCKETS as f64)
+            .contains(&cells)
+            .then_some(cells as usize)
+    };
+    Some(index(place.y)? * BUCKETS + index(place.x)?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn wall() -> Vec<Point2<f64>> {
+        (0..100)
+            .map(|n| Point2::new(2.0, -1.0 + 0.02 * f64::from(n)))
+            .collect()
+    }
+
+    #[test]
+    fn the_line_of_the_nearest_hit_lies_along_its_surface() {
+        let mut points = NearPoints::default();
+        for _ in 0..2 {
+            points.fill(&wall());
+        }
+        let line = points.line_near(Point2::new(2.1, 0.503)).unwrap();
+        assert!((line.at - Point2::new(2.0, 0.5)).norm() < 1e-9);
+        assert!(line.normal.x.abs() > 1.0 - 1e-12);
+        assert!(points.line_near(Point2::new(2.2, 0.5)).is_none(), "too far");
+        assert!(points.line_near(Point2::new(-1.0e9, f64::NAN)).is_none());
+    }
+
+    #[test]
+    fn hits_that_stand_alone_and_far_ones_have_no_line() {
+        let mut hits = wall();
+        hits.push(Point2::new(-1.0, 0.0));
+        hits.push(Point2::new(-1.0, 1.0));
+        hits.extend((0..10).map(|n| Point2::new(50.0, 0.02 * f64::from(n))));
+        let mut points = NearPoints::default();
+        points.fill(&hits);
+        assert_eq!(points.lines.len(), 100);
+        assert!(points.line_near(Point2::new(-1.0, 0.0)).is_none());
+        points.fill(&[]);
+        assert!(
+            points.line_near(Point2::new(2.0, 0.5)).is_none(),
+            "forgotten"
+        );
+    }
+
+    /// The nearest of all hits, looked for one by one.
+    #[test]
+    fn no_hit_is_nearer_than_the_one_found() {
+        let hits: Vec<Point2<f64>> = (0..600)
+            .map(|n| {
+                let (turn, n) = (0.01 * f64::from(n), f64::from(n));
+                let range_m = 1.0 + 0.5 * (0.37 * n).sin().abs().sqrt();
+                Point2::new(range_m * turn.cos(), range_m * turn.sin())
+            })
+            .collect();
+        let mut points = NearPoints::default();
+        points.fill(&hits);
+        for n in 0..400 {
+            let place = Point2::new(
+                -2.0 + 0.2 * f64::from(n % 20),
+                -2.0 + 0.2 * f64::from(n / 20),
+            );
+            let away_m = |line: &Line| (line.at - place).norm();
+            let least_m = points
+                .lines
+                .iter()
+                .map(away_m)
+                .fold(f64::INFINITY, f64::min);
+            match points.line_near(place) {
+                Some(line) => assert!((away_m(line) - least_m).abs() < 1e-12, "{place}"),
+                None => assert!(least_m >= BUCKET_M, "{place} {least_m}"),
+            }
+        }
+    }
+}
