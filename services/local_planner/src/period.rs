@@ -116,6 +116,14 @@ const NEAR_M: f64 = 2.5;
 /// [m/s] from which on it moves.
 const MOVING_MPS: f64 = 0.1;
 
+/// True when something that moves is near a place.
+fn moves_near(obstacles: &[Obstacle], place: &Pose) -> bool {
+    obstacles.iter().any(|obstacle| {
+        let away_m = (obstacle.x_m - place.x_m).hypot(obstacle.y_m - place.y_m);
+        away_m < NEAR_M && obstacle.vx_mps.hypot(obstacle.vy_mps) > MOVING_MPS
+    })
+}
+
 /// A path that leads to the goal at hand, and the robot's place on it.
 #[derive(Clone, Copy)]
 struct Route<'a> {
@@ -184,6 +192,10 @@ impl LocalPlanner {
                 .and_then(|input| Some((input.path.status()?, input.path.goal))),
             remaining: route.map(|route| (route.place.remaining_m, route.geometry)),
             given_up: matches!(self.behaviour(), Behaviour::GiveUp(_)),
+            moves_at_goal: self
+                .task
+                .goal()
+                .is_some_and(|goal| moves_near(inputs.obstacles.0, &goal.pose)),
         });
         if step.changed {
             // Another goal may be at hand now.
@@ -346,7 +358,6 @@ impl LocalPlanner {
             self.escape.look(situation);
         }
         let asks = manoeuvring || blocked;
-        let here = situation.map_from_base.point();
         let facts = Facts {
             now_s: seconds(inputs.run_ns),
             goal: situation.goal.id,
@@ -359,10 +370,7 @@ impl LocalPlanner {
             stalled_s: step.stalled_s,
             no_progress: step.no_progress,
             stuck: step.stuck,
-            something_moves: situation.obstacles.iter().any(|obstacle| {
-                let away_m = (obstacle.x_m - here.x).hypot(obstacle.y_m - here.y);
-                away_m < NEAR_M && obstacle.vx_mps.hypot(obstacle.vy_mps) > MOVING_MPS
-            }),
+            something_moves: moves_near(situation.obstacles, &situation.map_from_base),
             free_behind: asks && self.escape.is_free_behind(situation, &self.trail, pose),
             room_to_turn: asks && self.escape.has_room_to_turn(),
             backed_m: self.escape.backed_m(pose),

@@ -29,6 +29,8 @@ pub struct TaskInputs {
     pub remaining: Option<(f64, u64)>,
     /// Nothing more can be tried.
     pub given_up: bool,
+    /// Something that moves is near the goal at hand, which may be free again soon.
+    pub moves_at_goal: bool,
 }
 
 /// What a period did to the task.
@@ -265,7 +267,8 @@ impl TaskMachine {
             .path
             .filter(|(_, path_goal)| *path_goal == goal.id)
             .and_then(|(status, _)| end_of(status))
-            .filter(|_| self.stands(twist));
+            .filter(|_| self.stands(twist))
+            .filter(|reason| *reason != EndReason::GoalBlocked || !inputs.moves_at_goal);
         let Some(reason) = reason else {
             self.failing_since_ns = None;
             return None;

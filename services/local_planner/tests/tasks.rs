@@ -35,6 +35,7 @@ struct Bench {
     twist: Twist,
     path: Option<(PathStatus, u64)>,
     remaining: Option<(f64, u64)>,
+    moves_at_goal: bool,
 }
 
 impl Bench {
@@ -49,6 +50,7 @@ impl Bench {
             twist: Twist::REST,
             path: None,
             remaining: None,
+            moves_at_goal: false,
         }
     }
 
@@ -61,6 +63,7 @@ impl Bench {
             path: self.path,
             remaining: self.remaining,
             given_up: false,
+            moves_at_goal: self.moves_at_goal,
         };
         self.machine.step(&inputs)
     }
@@ -234,6 +237,7 @@ fn without_a_pose_nothing_is_judged() {
             path: Some((PathStatus::Unreachable, 1)),
             remaining: None,
             given_up: false,
+            moves_at_goal: false,
         });
     }
     assert_eq!(machine.state(), TaskState::Active);
@@ -250,6 +254,7 @@ fn a_task_that_was_given_up_fails_as_stuck() {
         path: Some((PathStatus::Found, 1)),
         remaining: Some((5.0, 1)),
         given_up,
+        moves_at_goal: false,
     };
     machine.step(&inputs(1, false));
     machine.step(&inputs(2, false));
@@ -257,4 +262,29 @@ fn a_task_that_was_given_up_fails_as_stuck() {
     let step = machine.step(&inputs(3, true));
     assert!(step.changed && step.stuck);
     assert_eq!(machine.status().0.reason(), Some(EndReason::Stuck));
+}
+
+/// Whoever stands on the goal and moves will be gone; what moves there makes no other failure wait.
+#[test]
+fn a_goal_that_something_moving_blocks_is_waited_for() {
+    let mut bench = Bench::with_goals(&[goal(1, 5.0)]);
+    bench.moves_at_goal = true;
+    bench.path = Some((PathStatus::GoalBlocked, 1));
+    bench.steps(500);
+    assert_eq!(bench.machine.state(), TaskState::Active);
+    bench.moves_at_goal = false;
+    bench.steps(500);
+    assert_eq!(
+        bench.machine.status().0.reason(),
+        Some(EndReason::GoalBlocked)
+    );
+
+    let mut bench = Bench::with_goals(&[goal(1, 5.0)]);
+    bench.moves_at_goal = true;
+    bench.path = Some((PathStatus::Unreachable, 1));
+    bench.steps(500);
+    assert_eq!(
+        bench.machine.status().0.reason(),
+        Some(EndReason::Unreachable)
+    );
 }
