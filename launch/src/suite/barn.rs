@@ -18,7 +18,7 @@ struct Entry {
 
 /// Share of the benchmark's tolerance that the robot is asked to keep: what its odometry errs shall
 /// not decide whether it has arrived.
-pub(super) const TOLERANCE_SHARE: f64 = 0.5;
+pub(super) const TOLERANCE_SHARE: f64 = 0.25;
 
 /// The worlds that are there.
 ///
