@@ -97,7 +97,7 @@ impl Mapping {
                 &self.standing,
                 &self.landmarks,
                 surfaces,
-                self.tracker.sees_motion(),
+                self.tracker.sees_motion(observation.run_ns),
             );
         }
         let map_from_base = self.localiser.map_from_base(odom_from_base);
@@ -182,7 +182,7 @@ impl Mapping {
             ends.clone()
                 .filter(|end| !tracker.is_restless_at(in_map(end), run_ns)),
         );
-        if tracker.sees_motion() && 4 * self.standing.len() < 3 * ends.clone().count() {
+        if tracker.sees_motion(run_ns) && 4 * self.standing.len() < 3 * ends.clone().count() {
             self.standing.clear();
         }
         let known = |end: &&Point2<f64>| mapper.is_settled(in_map(end));

@@ -64,8 +64,10 @@ pub(crate) struct Moved {
 }
 
 impl ScanOdometry {
-    /// The motion since the last scan, given where odometry says the robot is, where it was at the last
-    /// scan, the covariance of the step between, and where beams ended on what stands. [m]
+    /// The motion since the last scan, given where odometry says the robot is, the covariance of its
+    /// step since then (x and y alike), and where beams ended that are not known to be on what moves, in
+    /// `base`. [m] Where something moves, a scan that contradicts odometry is not believed; elsewhere the
+    /// wheels may well have slipped.
     pub(crate) fn follow(
         &mut self,
         odom_from_base: &Pose,
@@ -75,12 +77,17 @@ impl ScanOdometry {
     ) -> Moved {
         let before = self.key_from_base;
         let by_odometry = between(&self.odom_from_key, odom_from_base);
-        let step = swing(&(by_odometry.point() - before.point()));
+        let step = swing(&(by_odometry.point() - self.odometry.point()));
         self.drift = step * self.drift * step.transpose() + noise;
-        let by_last_scan = before.then(&between(&self.odometry, &by_odometry));
+        // Those who walk would carry the robot along from scan to scan.
+        let guess = if something_moves {
+            by_odometry
+        } else {
+            before.then(&between(&self.odometry, &by_odometry))
+        };
         self.odometry = by_odometry;
         let laid = self
-            .lay(ends, (&by_odometry, &by_last_scan))
+            .lay(ends, (&by_odometry, &guess))
             .filter(|laid| !(something_moves && laid.surprise > GATE));
         let (at, left) = laid
             .as_ref()

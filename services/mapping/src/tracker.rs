@@ -30,6 +30,9 @@ const HITS_TO_CONFIRM: u32 = 3;
 /// known. [m]
 const RESTLESS_MARGIN_M: f64 = 0.15;
 
+/// How long after something moved more of it is expected. [s]
+const MOTION_LASTS_S: f64 = 5.0;
+
 /// Share of a cluster's points that must be seen to have moved, and the least number.
 const SEEN_MOVING: (f64, usize) = (0.25, 2);
 
@@ -166,6 +169,8 @@ pub struct Tracker {
     tracks: Vec<Track>,
     next_number: u64,
     run_ns: u64,
+    /// When something moved last. [ns]
+    moved_ns: Option<u64>,
     seen: Vec<Seen>,
     /// Squared Mahalanobis distance, track, place in `seen`.
     pairs: Vec<(f64, usize, usize)>,
@@ -184,6 +189,7 @@ impl Tracker {
             tracks: Vec::with_capacity(OBSTACLES_MAX),
             next_number: 1,
             run_ns: 0,
+            moved_ns: None,
             seen: Vec::new(),
             pairs: Vec::new(),
             moving_beams: Vec::new(),
@@ -222,6 +228,9 @@ impl Tracker {
                 None => self.begin(n),
             }
         }
+        if self.tracks.iter().any(|track| track.moving) {
+            self.moved_ns = Some(view.run_ns);
+        }
     }
 
     /// True per beam of the last scan when it ended on something that moves.
@@ -230,10 +239,13 @@ impl Tracker {
         &self.moving_beams
     }
 
-    /// True when something moves.
+    /// True when something moves at `run_ns`, or did a moment ago: who comes into view is not known
+    /// to move at once.
     #[must_use]
-    pub fn sees_motion(&self) -> bool {
-        self.tracks.iter().any(|track| track.moving)
+    pub fn sees_motion(&self, run_ns: u64) -> bool {
+        let ago_ns = |moved_ns| run_ns.saturating_sub(moved_ns);
+        self.moved_ns
+            .is_some_and(|moved_ns| ago_ns(moved_ns) <= nanoseconds(MOTION_LASTS_S))
     }
 
     /// True when a point of the map is where something should be at `run_ns` that moves, or that

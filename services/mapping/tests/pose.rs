@@ -86,7 +86,8 @@ struct Drive {
 fn drive(config: &MappingConfig, length_m: f64, noise: f64, drift_rad_per_m: f64) -> Drive {
     let world = warehouse();
     let map = world.rasterise();
-    let mut mapping = Mapping::new(config, Some(&map), &description(), &[]).expect("a map");
+    let known = config.area_m.is_none().then_some(&map);
+    let mut mapping = Mapping::new(config, known, &description(), &[]).expect("a map");
     let mut rng = Rng(3);
     let corners = [(25.5, 6.425), (25.5, 13.575), (4.5, 13.575), (4.5, 6.425)];
     let mut next = 0;
@@ -163,6 +164,19 @@ fn over_200_m_the_pose_stays_within_10_cm_and_2_degrees() {
     assert!(drive.worst_rad < 2.0_f64.to_radians(), "{drive:?}");
     // The map does not smear: nothing is there that the static map does not hold.
     assert!(drive.sensed < 60, "{drive:?}");
+}
+
+/// Without a map to begin with the pose drifts with every key scan, but far less than odometry.
+#[test]
+fn on_an_unknown_map_the_pose_drifts_far_less_than_odometry() {
+    let config = MappingConfig {
+        area_m: Some([[-1.0, -1.0], [31.0, 21.0]]),
+        ..MappingConfig::default()
+    };
+    let drive = drive(&config, 60.0, 1.0, 0.01);
+    eprintln!("{drive:?}");
+    assert!(drive.odometry_off_m > 2.0, "{drive:?}");
+    assert!(drive.worst_m < 0.25 * drive.odometry_off_m, "{drive:?}");
 }
 
 #[test]
