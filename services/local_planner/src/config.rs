@@ -373,7 +373,7 @@ impl Default for RecoveryConfig {
 #[serde(deny_unknown_fields, default)]
 pub struct TaskConfig {
     /// [s] of run time that a planning failure must last, with the robot standing, before the task
-    /// fails by it.
+    /// fails by it; a goal that something moving stands on is waited for.
     pub failure_s: f64,
     /// [m] that count as coming closer.
     pub progress_m: f64,

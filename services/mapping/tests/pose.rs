@@ -176,7 +176,7 @@ fn on_an_unknown_map_the_pose_drifts_far_less_than_odometry() {
     let drive = drive(&config, 60.0, 1.0, 0.01);
     eprintln!("{drive:?}");
     assert!(drive.odometry_off_m > 2.0, "{drive:?}");
-    assert!(drive.worst_m < 0.25 * drive.odometry_off_m, "{drive:?}");
+    assert!(drive.worst_m < 0.1 * drive.odometry_off_m, "{drive:?}");
 }
 
 #[test]
