@@ -5,6 +5,7 @@ use iceoryx2::prelude::ipc;
 use iceoryx2::sample::Sample;
 use zeronav_msgs::header::{Header, Id};
 use zeronav_msgs::message::Refusal;
+use zeronav_msgs::role::Role;
 use zeronav_msgs::topics::{Envelope, Topic, TopicRow, decode};
 
 pub(crate) type Subscriber<T> = iceoryx2::port::subscriber::Subscriber<
@@ -103,8 +104,12 @@ impl<T: Topic> Latest<T> {
     /// Takes in what has come; true when there is a newer message than before.
     ///
     /// Messages of several writers arrive writer by writer, so the newest is the one with the
-    /// highest id and not the one that came last.
+    /// highest id and not the one that came last. Before it is known who is obeyed, messages of
+    /// services are left where they are: a latched one comes once, and nobody would believe it yet.
     pub fn poll(&mut self, roster: &Roster) -> bool {
+        if roster.seats.is_empty() && !self.gate.row.writers.contains(&Role::Launch) {
+            return false;
+        }
         let mut fresh = false;
         while let Ok(Some(sample)) = self.subscriber.receive() {
             if !self.gate.admits::<T>(&sample, roster) {

@@ -407,8 +407,8 @@ fn drive<S: Service>(flags: &Flags) -> Result<(), StartError> {
         }
         shell.roster.poll();
         shell.beat.progress += 1;
-        // Whoever does not know yet who is obeyed would not believe anybody, and what he does not
-        // believe is gone: a latched message comes once.
+        // Whoever does not know yet who is obeyed would not believe anybody, and what comes on a
+        // stream meanwhile would be gone.
         let wanted = if shell.roster().is_known() {
             service.wake(&mut shell, rung)?
         } else {

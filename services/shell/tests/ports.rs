@@ -116,7 +116,11 @@ fn latched_topics_reach_those_who_come_late() {
         "nothing before the writer's next wake"
     );
     writer.refresh();
-    assert!(reader.poll(&roster));
+    assert!(
+        !reader.poll(&Roster::default()),
+        "nobody is believed before it is known who is obeyed"
+    );
+    assert!(reader.poll(&roster), "and nothing is lost by it");
     assert!((reader.get().expect("a message").meta.v_mps_max - 1.0).abs() < 1e-12);
 }
 
