@@ -9,11 +9,12 @@
 //!
 //! This is not a certified safety function. The README says what it does not see.
 //!
-//! The library is pure: no clock, no I/O, no threads, no allocation after the first scan. Ages and periods are passed
-//! in, so a recorded run gives the same commands again.
+//! The library is pure: no clock, no I/O, no threads, no allocation after the first scan. Ages and
+//! periods are passed in, so a recorded run gives the same commands again.
 
 mod config;
 mod guard;
+mod hits;
 mod limits;
 mod outline;
 mod sweep;

@@ -32,16 +32,22 @@ impl Twist {
     /// (Fox, Burgard, Thrun 1997, Eq. 7, with the limit of a straight line).
     #[must_use]
     pub fn arc(self, elapsed_s: f64) -> Pose {
-        let yaw_rad = self.w_radps * elapsed_s;
-        let half = 0.5 * yaw_rad;
+        let (chord_m, (sin, cos)) = self.chord(elapsed_s);
+        Pose::new(chord_m * cos, chord_m * sin, self.w_radps * elapsed_s)
+    }
+
+    /// The chord of that arc: its length [m] and the sine and cosine of its direction, which is
+    /// half the angle turned.
+    pub(crate) fn chord(self, elapsed_s: f64) -> (f64, (f64, f64)) {
+        let half = 0.5 * self.w_radps * elapsed_s;
+        let (sin, cos) = half.sin_cos();
         // The chord of an arc of length s and angle 2h is s sin(h) / h long and points along h.
         let share = if half.abs() < 1.0e-4 {
             1.0 - half * half / 6.0
         } else {
-            half.sin() / half
+            sin / half
         };
-        let chord_m = self.v_mps * elapsed_s * share;
-        Pose::new(chord_m * half.cos(), chord_m * half.sin(), yaw_rad)
+        (self.v_mps * elapsed_s * share, (sin, cos))
     }
 }
 

@@ -1,26 +1,46 @@
 //! The robot's true outline, and how far points are from it.
 
 use crate::limits::Twist;
-use nalgebra::{Point2, Vector2};
+use nalgebra::Vector2;
 use zeronav_msgs::description::{Corner, Description, FOOTPRINT_CORNERS_MAX};
 
 /// An edge of the outline.
 #[derive(Debug, Clone, Copy, Default)]
 struct Edge {
-    /// Where it begins, in `base`. [m]
+    /// Where it begins. [m]
     from: Vector2<f64>,
-    /// Unit vector along it.
+    /// Unit vector along it, the outline to its left.
     along: Vector2<f64>,
     /// [m]
     length_m: f64,
+    /// [m] from the origin of the frame to the edge's line, along the outward normal.
+    offset_m: f64,
 }
 
-/// A disc or a convex polygon in `base`. No allocation.
+impl Edge {
+    fn new(from: Vector2<f64>, along: Vector2<f64>, length_m: f64) -> Self {
+        Self {
+            from,
+            along,
+            length_m,
+            offset_m: from.x * along.y - from.y * along.x,
+        }
+    }
+
+    /// Signed distance from the edge's line, positive outside. [m]
+    fn across_m(&self, x: f64, y: f64) -> f64 {
+        x * self.along.y - y * self.along.x - self.offset_m
+    }
+}
+
+/// A disc or a convex polygon. No allocation.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Outline {
     edges: [Edge; FOOTPRINT_CORNERS_MAX],
     /// 0 = a disc of the radius below.
     n_edges: usize,
+    /// Where the origin of `base` is; zero for an outline in `base`.
+    middle: Vector2<f64>,
     /// [m] of the smallest disc around the origin of `base` that holds the outline.
     pub(crate) radius_m: f64,
 }
@@ -31,6 +51,7 @@ impl Outline {
         let mut outline = Self {
             edges: [Edge::default(); FOOTPRINT_CORNERS_MAX],
             n_edges: 0,
+            middle: Vector2::zeros(),
             radius_m: description.circumscribed_radius_m,
         };
         let at = |corner: &Corner| Vector2::new(corner.x_m, corner.y_m);
@@ -43,11 +64,7 @@ impl Outline {
             outline.radius_m = outline.radius_m.max(from.norm());
             let length_m = (to - from).norm();
             if length_m > 0.0 {
-                outline.edges[outline.n_edges] = Edge {
-                    from,
-                    along: (to - from) / length_m,
-                    length_m,
-                };
+                outline.edges[outline.n_edges] = Edge::new(from, (to - from) / length_m, length_m);
                 outline.n_edges += 1;
             }
         }
@@ -93,45 +110,62 @@ impl Outline {
         )
     }
 
-    /// Signed distance of a point in `base`, negative inside. Exact when it is below `enough_m`;
-    /// beyond it may be anything from `enough_m` up. [m]
+    /// Becomes the outline of a robot that stands at `at` with this sine and cosine of its yaw, in
+    /// the frame of these; `in_base` is the one that this outline was copied from.
+    pub(crate) fn place(&mut self, in_base: &Self, at: Vector2<f64>, (sin, cos): (f64, f64)) {
+        let turned = |v: Vector2<f64>| Vector2::new(cos * v.x - sin * v.y, sin * v.x + cos * v.y);
+        self.middle = at;
+        let edges = self.edges[..self.n_edges].iter_mut();
+        for (edge, from) in edges.zip(&in_base.edges) {
+            *edge = Edge::new(at + turned(from.from), turned(from.along), from.length_m);
+        }
+    }
+
+    /// Bounds from below on the signed distances of several points, `x` and `y` in the outline's
+    /// frame; exact inside and where an edge is nearest. [m]
+    pub(crate) fn at_least_m<const N: usize>(&self, x: &[f64; N], y: &[f64; N]) -> [f64; N] {
+        if self.is_disc() {
+            return core::array::from_fn(|i| self.circle_m(Vector2::new(x[i], y[i])));
+        }
+        let mut most_m = [f64::NEG_INFINITY; N];
+        for edge in &self.edges[..self.n_edges] {
+            for i in 0..N {
+                let across_m = edge.across_m(x[i], y[i]);
+                // Not `max`, whose rule for NaN costs as much as the rest.
+                most_m[i] = if across_m > most_m[i] {
+                    across_m
+                } else {
+                    most_m[i]
+                };
+            }
+        }
+        most_m
+    }
+
+    /// Signed distance from the disc that holds the outline. [m]
+    pub(crate) fn circle_m(&self, point: Vector2<f64>) -> f64 {
+        (point - self.middle).norm() - self.radius_m
+    }
+
+    /// Signed distance of a point in the outline's frame, negative inside. Exact when it is below
+    /// `enough_m`; beyond it may be anything from `enough_m` up. [m]
     pub(crate) fn distance_m(&self, point: Vector2<f64>, enough_m: f64) -> f64 {
-        let from_circle_m = point.norm() - self.radius_m;
+        let from_circle_m = self.circle_m(point);
         if self.is_disc() || from_circle_m >= enough_m {
             return from_circle_m;
         }
-        let edges = &self.edges[..self.n_edges];
         // The largest distance from an edge's line is a bound from below, and exact inside.
-        let across_m = edges.iter().fold(f64::NEG_INFINITY, |most, edge| {
-            let offset = point - edge.from;
-            most.max(offset.x * edge.along.y - offset.y * edge.along.x)
-        });
+        let [across_m] = self.at_least_m(&[point.x], &[point.y]);
         if across_m <= 0.0 || across_m >= enough_m {
             return across_m;
         }
+        let edges = &self.edges[..self.n_edges];
         let squared = edges.iter().fold(f64::INFINITY, |least, edge| {
             let offset = point - edge.from;
             let share_m = offset.dot(&edge.along).clamp(0.0, edge.length_m);
             least.min((offset - edge.along * share_m).norm_squared())
         });
         squared.sqrt()
-    }
-
-    /// The same for a point given in another frame, in which `base` stands at `at` with this sine
-    /// and cosine of its yaw.
-    pub(crate) fn distance_from_m(
-        &self,
-        at: Point2<f64>,
-        (sin, cos): (f64, f64),
-        point: Point2<f64>,
-        enough_m: f64,
-    ) -> f64 {
-        let offset = point - at;
-        let in_base = Vector2::new(
-            cos * offset.x + sin * offset.y,
-            cos * offset.y - sin * offset.x,
-        );
-        self.distance_m(in_base, enough_m)
     }
 }
 
@@ -161,6 +195,8 @@ mod tests {
             prop_assert!((found - expected).abs() < 1e-6, "{} against {}", found, expected);
             let culled = outline.distance_m(Vector2::new(x, y), 0.2);
             prop_assert!((culled - found).abs() < 1e-12 || (culled >= 0.2 && found >= 0.2));
+            let [bound] = outline.at_least_m(&[x], &[y]);
+            prop_assert!(bound <= found + 1e-12, "{} is no bound of {}", bound, found);
         }
     }
 

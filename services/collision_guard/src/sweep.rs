@@ -1,9 +1,10 @@
 //! The way a robot takes when it obeys a command for the reaction time and then brakes, and
 //! whether that way is free.
 
+use crate::hits::Hits;
 use crate::limits::{Limits, Twist};
 use crate::outline::Outline;
-use nalgebra::Point2;
+use nalgebra::Vector2;
 
 /// [m] the outline moves at most from one looked-at pose to the next. Half of it is the smallest
 /// margin that proves that nothing was touched in between.
@@ -25,21 +26,28 @@ const TOLERANCE_M: f64 = 1.0e-6;
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Space<'a> {
     pub(crate) outline: &'a Outline,
-    /// Hits in `base` of now. [m]
-    pub(crate) points: &'a [Point2<f64>],
+    pub(crate) hits: &'a Hits,
     /// [m] that shall stay free around the outline.
     margin_m: f64,
     /// [m] that is free now, at most the margin. Inside the margin the robot comes no nearer.
     now_m: f64,
 }
 
+/// What one look leaves for the next.
+struct Look {
+    /// Room for the outline at a pose.
+    placed: Outline,
+    /// The run of hits that was nearest.
+    nearest: usize,
+}
+
 impl<'a> Space<'a> {
     /// The space around a robot that shall keep `margin_m`.
-    pub(crate) fn new(outline: &'a Outline, points: &'a [Point2<f64>], margin_m: f64) -> Self {
-        let now_m = nearest_m(outline, points, Point2::origin(), (0.0, 1.0), margin_m);
+    pub(crate) fn new(outline: &'a Outline, hits: &'a Hits, margin_m: f64) -> Self {
+        let now_m = hits.nearest_m(outline, margin_m, &mut 0);
         Self {
             outline,
-            points,
+            hits,
             margin_m,
             now_m,
         }
@@ -49,16 +57,22 @@ impl<'a> Space<'a> {
     ///
     /// Where points lie inside the outline already (noise, a person who came too near), each of
     /// them counts for itself: none may get nearer than the margin, or deeper than it is.
-    fn free_m(&self, at: Point2<f64>, heading: (f64, f64), enough_m: f64) -> Option<f64> {
-        let outline = self.outline;
-        let here_m = nearest_m(outline, self.points, at, heading, enough_m);
+    fn free_m(
+        &self,
+        look: &mut Look,
+        at: Vector2<f64>,
+        heading: (f64, f64),
+        enough_m: f64,
+    ) -> Option<f64> {
+        let Look { placed, nearest } = look;
+        placed.place(self.outline, at, heading);
+        let here_m = self.hits.nearest_m(placed, enough_m, nearest);
         if self.now_m > 0.0 {
             return (here_m >= self.margin_m.min(self.now_m - TOLERANCE_M)).then_some(here_m);
         }
-        let origin = Point2::origin();
-        let free = self.points.iter().all(|point| {
-            let now_m = outline.distance_from_m(origin, (0.0, 1.0), *point, self.margin_m);
-            let then_m = outline.distance_from_m(at, heading, *point, self.margin_m);
+        let free = self.hits.iter().all(|hit| {
+            let now_m = self.outline.distance_m(hit, self.margin_m);
+            let then_m = placed.distance_m(hit, self.margin_m);
             then_m >= self.margin_m.min(now_m - TOLERANCE_M)
         });
         free.then_some(here_m)
@@ -79,10 +93,14 @@ impl<'a> Space<'a> {
     ) -> Option<f64> {
         let mut twist = from;
         let mut left_s = reaction_s;
-        let (mut x, mut y, mut yaw) = (0.0, 0.0, 0.0_f64);
+        let (mut at, mut heading) = (Vector2::zeros(), (0.0, 1.0));
         let mut least_m = enough_m;
         // What the outline may still move before another look can tell anything new.
         let mut blind_m = 0.0;
+        let mut look = Look {
+            placed: *self.outline,
+            nearest: 0,
+        };
         for _ in 0..POSES_MAX {
             let braking = left_s <= 0.0;
             if braking && twist == Twist::REST {
@@ -107,11 +125,10 @@ impl<'a> Space<'a> {
                 v_mps: 0.5 * (twist.v_mps + next.v_mps),
                 w_radps: 0.5 * (twist.w_radps + next.w_radps),
             };
-            let moved = mean.arc(step_s);
-            let (sin, cos) = yaw.sin_cos();
-            x += cos * moved.x_m - sin * moved.y_m;
-            y += sin * moved.x_m + cos * moved.y_m;
-            yaw += moved.yaw_rad;
+            let (chord_m, half) = mean.chord(step_s);
+            let (sin, cos) = turned(heading, half);
+            at += chord_m * Vector2::new(cos, sin);
+            heading = turned((sin, cos), half);
             twist = next;
             blind_m -= self.outline.speed_mps(mean) * step_s;
             if blind_m > 0.0 {
@@ -119,8 +136,7 @@ impl<'a> Space<'a> {
             }
             // Far enough to see what the next moves cannot reach.
             let far_m = enough_m + 0.5;
-            let heading = yaw.sin_cos();
-            let here_m = self.free_m(Point2::new(x, y), heading, far_m)?;
+            let here_m = self.free_m(&mut look, at, heading, far_m)?;
             least_m = least_m.min(here_m);
             blind_m = here_m - enough_m;
         }
@@ -129,28 +145,7 @@ impl<'a> Space<'a> {
     }
 }
 
-/// Least signed distance between the outline at a pose and the points, at most `enough_m`. [m]
-fn nearest_m(
-    outline: &Outline,
-    points: &[Point2<f64>],
-    at: Point2<f64>,
-    (sin, cos): (f64, f64),
-    enough_m: f64,
-) -> f64 {
-    if outline.is_disc() {
-        let squared = points.iter().fold(f64::INFINITY, |least, point| {
-            let (dx, dy) = (point.x - at.x, point.y - at.y);
-            least.min(dx * dx + dy * dy)
-        });
-        return (squared.sqrt() - outline.radius_m).min(enough_m);
-    }
-    let mut least_m = enough_m;
-    for point in points {
-        let reach_m = outline.radius_m + least_m.max(0.0);
-        let (dx, dy) = (point.x - at.x, point.y - at.y);
-        if dx * dx + dy * dy < reach_m * reach_m {
-            least_m = least_m.min(outline.distance_from_m(at, (sin, cos), *point, least_m));
-        }
-    }
-    least_m
+/// Sine and cosine of the sum of two angles given by theirs.
+fn turned((sin_a, cos_a): (f64, f64), (sin_b, cos_b): (f64, f64)) -> (f64, f64) {
+    (sin_a * cos_b + cos_a * sin_b, cos_a * cos_b - sin_a * sin_b)
 }

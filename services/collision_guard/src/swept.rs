@@ -4,13 +4,13 @@ use crate::limits::{Limits, Twist};
 use crate::outline::Outline;
 use crate::sweep::{SPACING_M, STEP_S_MAX};
 use core::f64::consts::FRAC_PI_2;
-use nalgebra::Point2;
+use nalgebra::Vector2;
 
 /// A box along the axes of the `base` of now. Hits beside it tell nothing.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Swept {
-    low: Point2<f64>,
-    high: Point2<f64>,
+    low: Vector2<f64>,
+    high: Vector2<f64>,
 }
 
 /// Bounds on one kind of motion: how fast, how far, how long.
@@ -77,11 +77,11 @@ impl Swept {
         let to_left_m = ahead.aside_m(left_radps).max(back.aside_m(right_radps));
         let to_right_m = ahead.aside_m(right_radps).max(back.aside_m(left_radps));
         Self {
-            low: Point2::new(
+            low: Vector2::new(
                 -(far_back_m + backward + around_m),
                 -(to_right_m + aside.1 + around_m),
             ),
-            high: Point2::new(
+            high: Vector2::new(
                 far_ahead_m + forward + around_m,
                 to_left_m + aside.0 + around_m,
             ),
@@ -89,7 +89,7 @@ impl Swept {
     }
 
     /// True for a point in `base` that may be within the distance asked for.
-    pub(crate) fn holds(&self, point: Point2<f64>) -> bool {
+    pub(crate) fn holds(&self, point: Vector2<f64>) -> bool {
         point.x >= self.low.x
             && point.x <= self.high.x
             && point.y >= self.low.y
@@ -100,6 +100,7 @@ impl Swept {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::hits::Hits;
     use crate::sweep::Space;
     use proptest::prelude::*;
     use zeronav_msgs::description::{Corner, Description};
@@ -143,11 +144,13 @@ mod tests {
             let (from, towards) = (twist(from), twist(towards));
             let (margin_m, enough_m) = (0.01, 0.02);
             let swept = Swept::new(&limits, &outline, (from, towards), reaction_s, enough_m);
-            let all: Vec<Point2<f64>> = points.iter().map(|&(x, y)| Point2::new(x, y)).collect();
-            let near: Vec<Point2<f64>> =
+            let all: Vec<Vector2<f64>> = points.iter().map(|&(x, y)| Vector2::new(x, y)).collect();
+            let near: Vec<Vector2<f64>> =
                 all.iter().copied().filter(|point| swept.holds(*point)).collect();
-            let way = |points: &[Point2<f64>], reaction_s: f64| {
-                let space = Space::new(&outline, points, margin_m);
+            let way = |points: &[Vector2<f64>], reaction_s: f64| {
+                let mut hits = Hits::default();
+                hits.refill(points.iter().copied());
+                let space = Space::new(&outline, &hits, margin_m);
                 space.way(&limits, from, towards.scaled(share), reaction_s, enough_m)
             };
             for reaction_s in [reaction_s, 0.25 * reaction_s] {

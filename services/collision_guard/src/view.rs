@@ -1,5 +1,6 @@
 //! What the lidar shows: the hits of the last two scans, carried by odometry to where the robot is.
 
+use crate::hits::Hits;
 use crate::limits::Twist;
 use crate::swept::Swept;
 use nalgebra::{Isometry2, Point2, Vector2};
@@ -50,7 +51,7 @@ pub(crate) struct View {
     newest: usize,
     directions: Directions,
     /// Hits near the robot, in `base` of now. [m]
-    pub(crate) near: Vec<Point2<f64>>,
+    pub(crate) near: Hits,
 }
 
 impl Default for View {
@@ -65,7 +66,7 @@ impl Default for View {
                 table: Vec::with_capacity(BEAMS_MAX),
                 ..Directions::default()
             },
-            near: Vec::with_capacity(2 * BEAMS_MAX),
+            near: Hits::with_capacity(2 * BEAMS_MAX),
         }
     }
 }
@@ -119,17 +120,15 @@ impl View {
             base_from_odom.rotation.into_inner(),
         );
         let (cos, sin) = (rotation.re, rotation.im);
-        self.near.clear();
-        for sight in &self.sights {
-            let in_base = sight.points_in_odom.iter().map(|point| {
-                Point2::new(
-                    cos * point.x - sin * point.y + translation.x,
-                    sin * point.x + cos * point.y + translation.y,
-                )
-            });
-            self.near
-                .extend(in_base.filter(|point| swept.holds(*point)));
-        }
+        let points = self.sights.iter().flat_map(|sight| &sight.points_in_odom);
+        let in_base = points.map(|point| {
+            Vector2::new(
+                cos * point.x - sin * point.y + translation.x,
+                sin * point.x + cos * point.y + translation.y,
+            )
+        });
+        self.near
+            .refill(in_base.filter(|point| swept.holds(*point)));
     }
 }
 
@@ -165,9 +164,9 @@ mod tests {
         Swept::new(&limits, &outline, (Twist::REST, Twist::REST), 0.0, 5.0)
     }
 
-    fn ahead(view: &mut View, at: Pose) -> Vec<Point2<f64>> {
+    fn ahead(view: &mut View, at: Pose) -> Vec<Vector2<f64>> {
         view.look(&at, &all_around());
-        view.near.clone()
+        view.near.iter().collect()
     }
 
     #[test]
@@ -193,7 +192,7 @@ mod tests {
         view.take(&scan(0.0), &ranges, &laser, &at, Twist::REST);
         // 1.2 m ahead of a robot that looks along +y.
         let found = ahead(&mut view, Pose::new(2.0, 1.5, 0.0));
-        assert!((found[0] - Point2::new(0.0, 0.7)).norm() < 1e-6);
+        assert!((found[0] - Vector2::new(0.0, 0.7)).norm() < 1e-6);
         let mut view = View::default();
         let ahead_1 = Twist {
             v_mps: 1.0,
@@ -202,6 +201,6 @@ mod tests {
         // 0.1 s per beam: beam 0 was seen 0.3 m further back.
         let origin = Pose::default();
         view.take(&scan(0.1), &ranges, &origin, &origin, ahead_1);
-        assert!((ahead(&mut view, origin)[0] - Point2::new(0.7, 0.0)).norm() < 1e-6);
+        assert!((ahead(&mut view, origin)[0] - Vector2::new(0.7, 0.0)).norm() < 1e-6);
     }
 }
