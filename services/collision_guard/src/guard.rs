@@ -24,8 +24,11 @@ const GEOMETRY_RAD: f64 = 0.02;
 /// begins there.
 const LEAD_S: f64 = 0.06;
 
-/// Share of the reaction time after which braking begins at the earliest.
-const EARLIEST: f64 = 0.25;
+/// [m/s] up to which a robot turns on the spot.
+const CREEP_MPS: f64 = 0.01;
+
+/// Shares of the reaction time after which braking may begin, and at which stops are looked at.
+const STARTS: [f64; 3] = [1.0, 0.6, 0.25];
 
 /// Halvings in the search for the fastest free speed on an arc.
 const HALVINGS: u32 = 5;
@@ -87,13 +90,44 @@ enum Verdict {
     Rest(Validity, Intervention),
 }
 
+/// A ramp to rest under way.
+#[derive(Debug, Clone, Copy)]
+struct Ramp {
+    /// What a robot that obeys does by now: it brakes on the arc that it was on.
+    expected: Twist,
+    /// [m/s] >= 0 by which commands are slower than that, so that a robot that was slowing down
+    /// already does not pause.
+    lead_mps: f64,
+}
+
+impl Ramp {
+    /// A ramp whose commands begin at this twist.
+    const fn from(expected: Twist) -> Self {
+        Self {
+            expected,
+            lead_mps: 0.0,
+        }
+    }
+
+    /// The command one step later. The yaw rate is the one for the speed that the robot has, not
+    /// for the one commanded.
+    fn step(&mut self, limits: &Limits, elapsed_s: f64) -> Twist {
+        self.expected = limits.towards_rest(self.expected, elapsed_s);
+        let speed_mps = (self.expected.v_mps.abs() - self.lead_mps).max(0.0);
+        limits.clamp(Twist {
+            v_mps: speed_mps.copysign(self.expected.v_mps),
+            w_radps: self.expected.w_radps,
+        })
+    }
+}
+
 /// The guard. Remembers its last command, from which ramps start, and the last two scans.
 #[derive(Debug, Clone)]
 pub struct Guard {
     config: GuardConfig,
     last: Twist,
-    /// The last command was a step of a ramp.
-    ramping: bool,
+    /// The last command was a step of this ramp.
+    ramp: Option<Ramp>,
     had_request: bool,
     view: View,
     scan_order: Order,
@@ -115,7 +149,7 @@ impl Guard {
         Self {
             config,
             last: Twist::REST,
-            ramping: false,
+            ramp: None,
             had_request: false,
             view: View::default(),
             scan_order: Order::default(),
@@ -144,18 +178,26 @@ impl Guard {
         self.take_odometry(inputs);
         self.take_scan(inputs);
         let limits = self.described.as_ref().map(|(_, limits, _)| *limits);
-        let (twist, validity, intervention) = match (self.verdict(inputs), limits) {
+        let verdict = self.verdict(inputs);
+        let (twist, validity, intervention) = match (verdict, limits) {
             (Verdict::Pass(twist, intervention), Some(_)) => (twist, Validity::Drive, intervention),
             (Verdict::Rest(validity, intervention), Some(limits)) => {
-                let from = self.ramp_start(inputs, &limits);
-                let ramped = limits.towards_rest(from, seconds(inputs.period_ns));
-                (limits.clamp(ramped), validity, intervention)
+                let measured = self.feels(inputs).map(Twist::of);
+                let start = || self.ramp_start(measured, &limits);
+                let mut ramp = self.ramp.unwrap_or_else(start);
+                let twist = ramp.step(&limits, seconds(inputs.period_ns));
+                self.ramp = Some(ramp);
+                (twist, validity, intervention)
             }
             (Verdict::Pass(..), None) => (Twist::REST, Validity::Stale, Intervention::Refused),
             (Verdict::Rest(validity, intervention), None) => (Twist::REST, validity, intervention),
         };
         self.last = twist;
-        self.ramping = validity != Validity::Drive;
+        if validity == Validity::Drive {
+            self.ramp = None;
+        } else if limits.is_none() {
+            self.ramp = Some(Ramp::from(Twist::REST));
+        }
         VelocityCommand {
             v_mps: twist.v_mps,
             w_radps: twist.w_radps,
@@ -216,10 +258,8 @@ impl Guard {
         {
             return;
         }
-        let twist = inputs.odometry.map_or(Twist::REST, |input| Twist {
-            v_mps: input.odometry.v_mps,
-            w_radps: input.odometry.w_radps,
-        });
+        let odometry = inputs.odometry.map(|input| input.odometry);
+        let twist = odometry.map_or(Twist::REST, Twist::of);
         self.frozen_scan.take(input.ranges, &odom_from_base);
         let base_from_laser = &description.base_from_laser;
         self.view.take(
@@ -266,7 +306,7 @@ impl Guard {
             v_mps: request.v_mps,
             w_radps: request.w_radps,
         };
-        self.drive(asked, &odometry)
+        self.drive(asked, odometry)
     }
 
     /// The fastest twist on the arc asked for from which the robot can still stop.
@@ -276,31 +316,35 @@ impl Guard {
         };
         let config = &self.config;
         let clamped = limits.clamp(asked);
-        let measured = Twist {
-            v_mps: odometry.v_mps,
-            w_radps: odometry.w_radps,
-        };
+        let measured = Twist::of(odometry);
         let enough_m = config.margin_m + config.slow_zone_m;
         let ends = (measured, clamped);
         let swept = Swept::new(limits, outline, ends, config.reaction_s, enough_m);
         self.view.look(&odometry.pose, &swept);
         let space = Space::new(outline, &self.view.near, config.margin_m);
         // Braking may begin with the next command or at the end of the reaction time, on another
-        // curvature when the robot is still turning in: both stops must be free.
+        // curvature when the robot is still turning in: the stops must be free, those that reach
+        // farthest first.
         let way = |twist: Twist| {
-            let soon_s = EARLIEST * config.reaction_s;
-            let soon_m = space.way(limits, measured, twist, soon_s, enough_m)?;
-            let late_m = space.way(limits, measured, twist, config.reaction_s, enough_m)?;
-            Some(soon_m.min(late_m))
+            STARTS
+                .iter()
+                .try_fold(f64::INFINITY, |least_m: f64, share| {
+                    let reaction_s = share * config.reaction_s;
+                    let here_m = space.way(limits, measured, twist, reaction_s, enough_m)?;
+                    Some(least_m.min(here_m))
+                })
         };
-        // Near obstacles the robot may not be faster than this.
+        // Near obstacles the robot may not be faster than this. It gets there on its arc: a yaw rate
+        // for a speed that it does not have yet would lead it off the way that was looked at.
         let slow = |twist: Twist, least_m: f64| {
             let speed_mps = outline.speed_mps(twist);
-            if least_m < enough_m && speed_mps > config.slow_mps {
-                twist.scaled(config.slow_mps / speed_mps)
-            } else {
-                twist
+            let soon_mps = outline.speed_mps(measured) - limits.brake_mps2 * LEAD_S;
+            let most_mps = config.slow_mps.max(soon_mps);
+            if least_m >= enough_m || speed_mps <= most_mps {
+                return twist;
             }
+            let slower = twist.scaled(most_mps / speed_mps);
+            if way(slower).is_some() { slower } else { twist }
         };
         if let Some(least_m) = way(clamped) {
             let slowed = slow(clamped, least_m);
@@ -355,40 +399,35 @@ impl Guard {
     }
 
     /// Young, well-formed odometry that agrees with itself.
-    fn feels(&self, inputs: &GuardInputs<'_>) -> Option<Odometry> {
+    fn feels<'a>(&self, inputs: &GuardInputs<'a>) -> Option<&'a Odometry> {
         let input = inputs.odometry.as_ref()?;
         let fine = seconds(input.age_ns) <= self.config.odometry_age_s
             && input.odometry.check().is_ok()
             && self.odometry_order.is_forward()
             && self.sense.frozen_s(input.run_ns) <= self.config.odometry_age_s;
-        fine.then_some(*input.odometry)
+        fine.then_some(input.odometry)
     }
 
-    /// Where the next step of a ramp begins: at the last command once ramping, so that the stop
-    /// keeps its arc; at first on the arc that the robot is on, because the stops that were checked
-    /// begin there, with a speed as far from its own as the last command can be ahead of it.
-    fn ramp_start(&self, inputs: &GuardInputs<'_>, limits: &Limits) -> Twist {
-        let Some(odometry) = self.feels(inputs).filter(|_| !self.ramping) else {
-            return self.last;
+    /// Where a ramp begins: on the arc that the robot is on, because the stops that were checked
+    /// begin there, with commands as far below its speed as the last one can be ahead of it.
+    fn ramp_start(&self, measured: Option<Twist>, limits: &Limits) -> Ramp {
+        let Some(Twist { v_mps, w_radps }) = measured else {
+            return Ramp::from(self.last);
         };
         let lead_mps = limits.a_mps2_max.max(limits.brake_mps2) * LEAD_S;
-        // Not faster than the robot is: a request far beyond that must not make it faster yet.
-        let (low, high) = if odometry.v_mps > 0.0 {
-            (odometry.v_mps - lead_mps, odometry.v_mps)
-        } else {
-            (odometry.v_mps, odometry.v_mps + lead_mps)
-        };
-        let v_mps = self.last.v_mps.clamp(low, high);
-        // On the arc that the robot is on.
-        let w_radps = if odometry.v_mps.abs() > 0.01 {
-            odometry.w_radps * (v_mps / odometry.v_mps).max(0.0)
+        let ahead_mps = (v_mps - self.last.v_mps) * v_mps.signum();
+        let w_radps = if v_mps.abs() > CREEP_MPS {
+            w_radps
         } else {
             let lead_radps = limits.alpha_radps2_max * LEAD_S;
-            self.last
-                .w_radps
-                .clamp(odometry.w_radps - lead_radps, odometry.w_radps + lead_radps)
+            let (low, high) = (w_radps - lead_radps, w_radps + lead_radps);
+            self.last.w_radps.clamp(low, high)
         };
-        Twist { v_mps, w_radps }
+        Ramp {
+            expected: Twist { v_mps, w_radps },
+            // A request far beyond its speed must not make it faster yet.
+            lead_mps: ahead_mps.clamp(0.0, lead_mps),
+        }
     }
 }
 

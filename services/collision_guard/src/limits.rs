@@ -2,6 +2,7 @@
 
 use zeronav_msgs::Pose;
 use zeronav_msgs::description::Description;
+use zeronav_msgs::odometry::Odometry;
 
 /// Forward speed and yaw rate in `base`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -18,6 +19,14 @@ impl Twist {
         v_mps: 0.0,
         w_radps: 0.0,
     };
+
+    /// As odometry measured it.
+    pub(crate) fn of(odometry: &Odometry) -> Self {
+        Self {
+            v_mps: odometry.v_mps,
+            w_radps: odometry.w_radps,
+        }
+    }
 
     /// Both speeds times `share`: the same arc, slower.
     #[must_use]
