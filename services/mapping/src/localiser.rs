@@ -86,6 +86,10 @@ pub struct Localiser {
     /// At the last scan.
     map_from_base: Pose,
     covariance: Matrix3<f64>,
+    /// Variance of the yaw that the last step added. [rad^2]
+    step_yaw: f64,
+    /// All that was added so far. [rad^2]
+    yaw_doubt: f64,
     last_odom_from_base: Option<Pose>,
     scans: ScanOdometry,
     active: bool,
@@ -100,6 +104,8 @@ impl Localiser {
             map_from_odom: Pose::default(),
             map_from_base: Pose::default(),
             covariance: Matrix3::zeros(),
+            step_yaw: 0.0,
+            yaw_doubt: 0.0,
             last_odom_from_base: None,
             scans: ScanOdometry::default(),
             active: false,
@@ -148,6 +154,13 @@ impl Localiser {
         ]
     }
 
+    /// Variance of the yaw that steps have added so far which nothing but odometry speaks for: by
+    /// how much the yaw may be off against what it was a while ago. Never falls. [rad^2]
+    #[must_use]
+    pub fn yaw_doubt(&self) -> f64 {
+        self.yaw_doubt
+    }
+
     /// Takes in where odometry says the robot is, and where beams ended, in `base` [m]: on what
     /// stands, and of these on what is on the map.
     pub fn correct(
@@ -164,6 +177,7 @@ impl Localiser {
             self.limit();
             pose = matched.pose;
         }
+        self.yaw_doubt += self.step_yaw.min(self.covariance[(2, 2)]);
         self.map_from_base = pose;
         let base_from_odom = odom_from_base.isometry().inverse();
         self.map_from_odom = Pose::from(pose.isometry() * base_from_odom);
@@ -195,8 +209,9 @@ impl Localiser {
         let came = predicted.point() - self.map_from_base.point();
         let step = swing(&came);
         let left = turned(predicted.yaw_rad) * moved.left;
-        self.covariance =
-            step * self.covariance * step.transpose() + left * noise * left.transpose();
+        let added = left * noise * left.transpose();
+        self.step_yaw = added[(2, 2)];
+        self.covariance = step * self.covariance * step.transpose() + added;
         self.limit();
         predicted
     }

@@ -111,6 +111,7 @@ impl Mapping {
                 map_from_frame: map_from_base,
                 map_from_laser: map_from_base.then(&self.base_from_laser),
                 run_ns: observation.run_ns,
+                yaw_doubt: self.localiser.yaw_doubt(),
             };
             self.tracker
                 .follow(&view, |point| mapper.is_near_static(point));

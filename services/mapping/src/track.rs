@@ -56,6 +56,8 @@ pub struct Track {
     pub hit_ns: u64,
     /// Where it began, or came to rest.
     pub born_at: Point2<f64>,
+    /// [`crate::tracker::ScanView::yaw_doubt`] then. [rad^2]
+    pub born_yaw_doubt: f64,
     /// It moves.
     pub moving: bool,
     /// The last scan showed that it moves.
@@ -67,9 +69,14 @@ pub struct Track {
 }
 
 impl Track {
-    /// Begins with what was seen at run time `run_ns`.
+    /// Begins with what was seen at run time `run_ns`, with the yaw's doubt of then.
     #[must_use]
-    pub fn new(number: u64, fit: &Fit, run_ns: u64, config: &TrackingConfig) -> Self {
+    pub fn new(
+        number: u64,
+        fit: &Fit,
+        (run_ns, yaw_doubt): (u64, f64),
+        config: &TrackingConfig,
+    ) -> Self {
         let (place, roundness) = match fit {
             Fit::Circle { centre, .. } => (*centre, 1),
             Fit::Segment { middle, .. } => (*middle, 0),
@@ -89,6 +96,7 @@ impl Track {
             born_ns: run_ns,
             hit_ns: run_ns,
             born_at: place,
+            born_yaw_doubt: yaw_doubt,
             moving: false,
             just_moving: false,
             slow_since_ns: run_ns,

@@ -33,6 +33,9 @@ const RESTLESS_MARGIN_M: f64 = 0.15;
 /// How long after something moved more of it is expected. [s]
 const MOTION_LASTS_S: f64 = 5.0;
 
+/// Standard deviations of the yaw by which what stands may seem to have come.
+const YAW_SIGMAS: f64 = 2.0;
+
 /// Share of a cluster's points that must be seen to have moved, and the least number.
 const SEEN_MOVING: (f64, usize) = (0.25, 2);
 
@@ -149,6 +152,8 @@ pub struct ScanView<'a> {
     pub map_from_laser: Pose,
     /// Run time of the capture. [ns]
     pub run_ns: u64,
+    /// How much variance the yaw has gathered so far; 0 where the pose is exact. [rad^2]
+    pub yaw_doubt: f64,
 }
 
 /// A cluster that may be an obstacle of its own.
@@ -169,6 +174,8 @@ pub struct Tracker {
     tracks: Vec<Track>,
     next_number: u64,
     run_ns: u64,
+    /// Of the last scan. [rad^2]
+    yaw_doubt: f64,
     /// When something moved last. [ns]
     moved_ns: Option<u64>,
     seen: Vec<Seen>,
@@ -189,6 +196,7 @@ impl Tracker {
             tracks: Vec::with_capacity(OBSTACLES_MAX),
             next_number: 1,
             run_ns: 0,
+            yaw_doubt: 0.0,
             moved_ns: None,
             seen: Vec::new(),
             pairs: Vec::new(),
@@ -202,6 +210,7 @@ impl Tracker {
         self.moving_beams.resize(view.ranges.len(), false);
         let dt_s = seconds(view.run_ns.saturating_sub(self.run_ns));
         self.run_ns = view.run_ns;
+        self.yaw_doubt = view.yaw_doubt;
         let coast_ns = nanoseconds(self.config.coast_s);
         self.tracks
             .retain(|track| view.run_ns.saturating_sub(track.hit_ns) <= coast_ns);
@@ -228,7 +237,9 @@ impl Tracker {
                 None => self.begin(n),
             }
         }
-        if self.tracks.iter().any(|track| track.moving) {
+        let now_ns = view.run_ns;
+        let mut tracks = self.tracks.iter();
+        if tracks.any(|track| track.moving && track.hit_ns == now_ns) {
             self.moved_ns = Some(view.run_ns);
         }
     }
@@ -381,6 +392,7 @@ impl Tracker {
         if was_round != followed.is_round() {
             followed.filter.place(place);
             followed.born_at = place;
+            followed.born_yaw_doubt = self.yaw_doubt;
         }
         followed.filter.update(place, &noise);
         followed.hits += 1;
@@ -395,12 +407,13 @@ impl Tracker {
             if rests_ns > nanoseconds(self.config.rest_s) {
                 followed.moving = false;
                 followed.born_at = followed.filter.position();
+                followed.born_yaw_doubt = self.yaw_doubt;
             }
         } else if followed.hits >= HITS_TO_CONFIRM
             && speed_mps > self.config.moving_sigmas * followed.filter.speed_sigma_mps()
             && speed_mps > self.config.rest_speed_mps
             && (followed.filter.position() - followed.born_at).norm()
-                > self.config.moving_distance_m
+                > self.config.moving_distance_m + self.swing_m(&followed, eye)
             && self.is_seen_moving(&followed, &seen.cluster)
         {
             followed.moving = true;
@@ -413,6 +426,14 @@ impl Tracker {
             }
         }
         self.tracks[track] = followed;
+    }
+
+    /// How far what stands may seem to have come since it was first seen because the yaw is not
+    /// known so well. [m]
+    fn swing_m(&self, track: &Track, eye: Point2<f64>) -> f64 {
+        let doubt = (self.yaw_doubt - track.born_yaw_doubt).max(0.0);
+        let range_m = (track.filter.position() - eye).norm();
+        YAW_SIGMAS * doubt.sqrt() * range_m
     }
 
     /// True when enough of a cluster lies where an earlier scan looked through, or the newest one
@@ -447,7 +468,12 @@ impl Tracker {
     fn begin(&mut self, n: usize) {
         if self.tracks.len() < OBSTACLES_MAX {
             let fit = self.seen[n].fit;
-            let track = Track::new(self.next_number, &fit, self.run_ns, &self.config);
+            let track = Track::new(
+                self.next_number,
+                &fit,
+                (self.run_ns, self.yaw_doubt),
+                &self.config,
+            );
             self.next_number += 1;
             self.tracks.push(track);
         }
