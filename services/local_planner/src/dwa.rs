@@ -82,6 +82,8 @@ pub struct Dwa {
     steered_radps: f64,
     /// Standing without an admissible motion for so long. [s]
     blocked_s: f64,
+    /// Facing away from the path, slow or standing, for so long. [s]
+    astray_s: f64,
     looked_at: u32,
     moving: Moving,
     shaper: Shaper,
@@ -105,6 +107,7 @@ impl Dwa {
             last: Twist::REST,
             steered_radps: 0.0,
             blocked_s: 0.0,
+            astray_s: 0.0,
             looked_at: 0,
             moving: Moving::default(),
             shaper: Shaper::new(ShapingConfig::OFF),

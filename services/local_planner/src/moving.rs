@@ -8,6 +8,9 @@ use zeronav_msgs::obstacles::{OBSTACLES_MAX, Obstacle};
 /// [m/s] below which a tracked obstacle stands, and is an obstacle like any other.
 const STANDING_MPS: f64 = 0.1;
 
+/// [m/s] from which a tracked obstacle is taken for somebody who walks.
+const WALKING_MPS: f64 = 0.3;
+
 /// [m] around a tracked obstacle within which points of the scan are its own.
 const OWN_POINTS_M: f64 = 0.12;
 
@@ -40,6 +43,13 @@ struct Track {
     radius_m: f64,
     /// Mean variance of the position after `t`: `p0 + p1 t + p2 t^2`. [m^2]
     variance: [f64; 3],
+}
+
+impl Track {
+    /// True for what surely moves: the end of a wall that seems to is not waited for.
+    fn comes_fast(&self) -> bool {
+        self.velocity.0.hypot(self.velocity.1) >= WALKING_MPS
+    }
 }
 
 /// The tracked obstacles that move, as of one period.
@@ -102,6 +112,22 @@ impl Moving {
         );
         self.tracks.iter().any(|track| {
             (local - track.at).norm_squared() <= (track.radius_m + OWN_POINTS_M).powi(2)
+        })
+    }
+
+    /// True when one that walks is nearer to the robot's centre than this. [m]
+    pub(crate) fn is_within(&self, reach_m: f64) -> bool {
+        let mut tracks = self.tracks.iter().filter(|track| track.comes_fast());
+        tracks.any(|track| track.at.coords.norm() < reach_m + track.radius_m)
+    }
+
+    /// Least distance between a disc of this radius around the robot that stays where it is and
+    /// what moves, after `elapsed_s`. Infinite without. [m]
+    pub(crate) fn around_m(&self, radius_m: f64, elapsed_s: f64) -> f64 {
+        let tracks = self.tracks.iter().filter(|track| track.comes_fast());
+        tracks.fold(f64::INFINITY, |least, track| {
+            let (at, of_track_m) = self.after(track, elapsed_s);
+            least.min(at.coords.norm() - of_track_m - radius_m)
         })
     }
 

@@ -17,6 +17,14 @@ const MARGIN_NOISE_M: f64 = 0.002;
 /// [m] by which any point of the outline moves from one checked pose of a stop to the next.
 const STOP_SPACING_M: f64 = 0.03;
 
+/// [m/s] up to which and [rad/s] from which a robot turns rather than drives.
+const TURNING_MPS: f64 = 0.15;
+const TURNING_RADPS: f64 = 0.1;
+
+/// For so many steps of [s] a turn keeps clear of what comes.
+const COMING_STEPS: u32 = 6;
+const COMING_STEP_S: f64 = 0.1;
+
 /// Map and scan around the robot, and its outline.
 #[derive(Debug, Clone)]
 pub(crate) struct Surroundings {
@@ -254,6 +262,20 @@ impl Surroundings {
             })
     }
 
+    /// False for a turn on the spot while something that moves comes into reach of the corners:
+    /// whoever stands still is walked around, a corner that swings is walked into.
+    fn turns_clear(&self, twist: Twist, moving: &Moving) -> bool {
+        if self.footprint.is_disc()
+            || twist.v_mps.abs() > TURNING_MPS
+            || twist.w_radps.abs() < TURNING_RADPS
+        {
+            return true;
+        }
+        let at = |elapsed_s| moving.around_m(self.footprint.circumscribed_m, elapsed_s);
+        let keep_m = self.need_m.max(0.0).min(at(0.0) - MARGIN_NOISE_M);
+        (1..=COMING_STEPS).all(|step| at(COMING_STEP_S * f64::from(step)) >= keep_m)
+    }
+
     /// The arc of a stop from `twist`, when it is free all along. [m]
     ///
     /// Holds the twist for `reaction_s`, then ramps to rest as [`crate::motion::towards_rest`]
@@ -276,6 +298,9 @@ impl Surroundings {
         let outline_m = |point| self.footprint.distance_m(point);
         let now_m = moving.margin_m(&Pose::default(), 0.0, outline_m);
         let keep_m = self.need_m.max(0.0).min(now_m - MARGIN_NOISE_M);
+        if !self.turns_clear(twist, moving) {
+            return None;
+        }
         let mut stop = Stop::new(robot, twist, reaction_s, reach_m, STOP_SPACING_M);
         let mut elapsed_s = 0.0;
         let step_s = stop.step_s();

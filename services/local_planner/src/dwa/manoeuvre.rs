@@ -14,6 +14,11 @@ const TURN_FROM_MPS: f64 = 0.15;
 /// [m/s] fastest way backwards out of a dead end.
 const BACK_UP_MPS: f64 = 0.15;
 
+/// [m] within which something that moves is waited for before a turn on the spot, and [s] how long.
+/// The way that it blocks is mostly free again by then.
+const NEAR_M: f64 = 2.5;
+const PATIENCE_S: f64 = 0.6;
+
 /// Share of the goal's tolerances within which the robot is content.
 const CONTENT: f64 = 0.7;
 
@@ -76,7 +81,13 @@ impl Dwa {
         };
         if error_rad.abs() <= limit_rad {
             self.mode = Mode::Follow;
+            self.astray_s = 0.0;
             return None;
+        }
+        self.astray_s += situation.period_s;
+        if self.mode == Mode::Follow && self.moving.is_within(NEAR_M) && self.astray_s < PATIENCE_S
+        {
+            return Some(Wish::Towards(Twist::REST));
         }
         let error_rad = turn::committed_rad(error_rad, direction);
         self.mode = Mode::Turn(sign(error_rad));
