@@ -398,7 +398,8 @@ fn ten_thousand_random_commands_touch_nothing_that_braking_could_have_avoided() 
     let config = GuardConfig::default();
     let (mut asked_for, mut periods, mut safe, mut reduced, mut stops) = (0, 0_u32, 0, 0_u32, 0);
     let (mut driven_m, mut hidden) = (0.0, 0);
-    'worlds: for seed in 0.. {
+    // The first one once left its arc on the way to rest.
+    'worlds: for seed in [300_140].into_iter().chain(0..) {
         let mut random = Pcg32::seed_from_u64(seed);
         let mut run = Loop::new(&mut random);
         for _ in 0..40 {
@@ -443,7 +444,8 @@ fn ten_thousand_random_commands_touch_nothing_that_braking_could_have_avoided() 
 #[test]
 fn posts_that_appear_are_touched_only_when_braking_cannot_help() {
     let (mut contacts, mut appeared) = (0, 0);
-    for seed in 0..400 {
+    // In the last one the robot once left its arc when it was slowed down.
+    for seed in (0..400).chain([200_162]) {
         let mut random = Pcg32::seed_from_u64(10_000 + seed);
         let mut run = Loop::new(&mut random);
         let asked = Twist {
@@ -484,7 +486,7 @@ fn posts_that_appear_are_touched_only_when_braking_cannot_help() {
     }
     println!("{contacts} contacts with {appeared} posts, all of them unavoidable");
     assert!(
-        appeared == 400 && (20..300).contains(&contacts),
+        appeared == 401 && (20..300).contains(&contacts),
         "nothing was at stake"
     );
 }
