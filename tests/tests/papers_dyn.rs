@@ -455,7 +455,7 @@ fn lwx_dyn_among_discs_that_appear() {
 /// width; what counts is that it never drives into one.
 #[test]
 fn lwx_dyn_among_discs_that_move() {
-    let tally = lwx_dyn_suite("dwa_t", Mode::Move, 1..=4);
+    let tally = lwx_dyn_suite("dwa_t", Mode::Move, 1..=10);
     assert!(10 * tally.arrived >= 9 * tally.runs);
     assert!(10 * tally.blameless >= 9 * tally.runs);
 }

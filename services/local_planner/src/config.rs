@@ -375,6 +375,8 @@ pub struct TaskConfig {
     /// [s] of run time that a planning failure must last, with the robot standing, before the task
     /// fails by it; a goal that something moving stands on is waited for.
     pub failure_s: f64,
+    /// The same for a goal that is blocked but was not before. [s]
+    pub blocked_goal_s: f64,
     /// [m] that count as coming closer.
     pub progress_m: f64,
     /// [s] of run time without coming closer after which another path is asked for.
@@ -389,6 +391,7 @@ impl Default for TaskConfig {
     fn default() -> Self {
         Self {
             failure_s: 1.0,
+            blocked_goal_s: 10.0,
             progress_m: 0.1,
             no_progress_s: 10.0,
             stuck_s: 30.0,
@@ -583,6 +586,7 @@ impl LocalPlannerConfig {
                 1.0e4,
             ),
             ("task.failure_s", task.failure_s, 0.0, 600.0),
+            ("task.blocked_goal_s", task.blocked_goal_s, 0.0, 600.0),
             ("task.progress_m", task.progress_m, 0.001, 10.0),
             ("task.no_progress_s", task.no_progress_s, 0.1, 3600.0),
             ("task.stuck_s", task.stuck_s, task.no_progress_s, 3600.0),

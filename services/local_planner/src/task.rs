@@ -71,6 +71,8 @@ pub struct TaskMachine {
     ends: Vec<GoalEnd>,
     /// Since when the robot stands without a path. [ns]
     failing_since_ns: Option<u64>,
+    /// A path has led to the goal at hand.
+    was_free: bool,
     stall: Stall,
     remaining_m: f64,
 }
@@ -92,6 +94,7 @@ impl TaskMachine {
             index: 0,
             ends: Vec::with_capacity(GOALS_MAX),
             failing_since_ns: None,
+            was_free: false,
             stall: Stall::default(),
             remaining_m: 0.0,
         }
@@ -236,6 +239,7 @@ impl TaskMachine {
 
     fn start_goal(&mut self, run_ns: u64) {
         self.failing_since_ns = None;
+        self.was_free = false;
         self.stall = Stall::starting(run_ns);
     }
 
@@ -263,10 +267,13 @@ impl TaskMachine {
 
     /// The failure that has lasted long enough with the robot standing.
     fn failure(&mut self, goal: &Goal, inputs: &TaskInputs, twist: Twist) -> Option<EndReason> {
-        let reason = inputs
+        let status = inputs
             .path
             .filter(|(_, path_goal)| *path_goal == goal.id)
-            .and_then(|(status, _)| end_of(status))
+            .map(|(status, _)| status);
+        self.was_free |= status == Some(PathStatus::Found);
+        let reason = status
+            .and_then(end_of)
             .filter(|_| self.stands(twist))
             .filter(|reason| *reason != EndReason::GoalBlocked || !inputs.moves_at_goal);
         let Some(reason) = reason else {
@@ -275,7 +282,14 @@ impl TaskMachine {
         };
         let since_ns = *self.failing_since_ns.get_or_insert(inputs.run_ns);
         let lasted_s = seconds(inputs.run_ns.saturating_sub(since_ns));
-        (lasted_s >= self.config.failure_s).then_some(reason)
+        // What came onto the goal since may go as it came.
+        let waits = reason == EndReason::GoalBlocked && self.was_free;
+        let patience_s = if waits {
+            self.config.blocked_goal_s
+        } else {
+            self.config.failure_s
+        };
+        (lasted_s >= patience_s).then_some(reason)
     }
 
     /// The goal at hand and the task with it end.

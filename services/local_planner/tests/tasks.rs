@@ -143,7 +143,7 @@ fn a_failure_must_last_while_the_robot_stands() {
         bench.check(TaskState::Active, EndReason::None, &[]);
         bench.twist = Twist::REST;
         bench.steps(45);
-        bench.path = Some((PathStatus::Found, 1));
+        bench.path = Some((PathStatus::NoGoal, 1));
         bench.step();
         bench.path = Some((status, 1));
         bench.steps(45);
@@ -287,4 +287,26 @@ fn a_goal_that_something_moving_blocks_is_waited_for() {
         bench.machine.status().0.reason(),
         Some(EndReason::Unreachable)
     );
+}
+
+/// What came onto a goal while the robot was on its way may leave it; a goal that was never free
+/// fails at once.
+#[test]
+fn a_goal_that_was_free_is_waited_for() {
+    let mut bench = Bench::with_goals(&[goal(1, 5.0)]);
+    for _ in 0..3 {
+        bench.path = Some((PathStatus::Found, 1));
+        bench.steps(2);
+        bench.path = Some((PathStatus::GoalBlocked, 1));
+        bench.steps(400);
+        assert_eq!(bench.machine.state(), TaskState::Active);
+    }
+    bench.steps(200);
+    let reason = |bench: &Bench| bench.machine.status().0.reason();
+    assert_eq!(reason(&bench), Some(EndReason::GoalBlocked));
+
+    let mut bench = Bench::with_goals(&[goal(1, 5.0)]);
+    bench.path = Some((PathStatus::GoalBlocked, 1));
+    bench.steps(100);
+    assert_eq!(reason(&bench), Some(EndReason::GoalBlocked));
 }
