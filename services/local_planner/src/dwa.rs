@@ -21,6 +21,7 @@
 
 mod guidance;
 mod manoeuvre;
+pub(crate) mod row;
 mod timed;
 
 use crate::config::{DwaConfig, DwaTConfig, ShapingConfig};

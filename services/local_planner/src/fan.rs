@@ -22,7 +22,7 @@
 use crate::field::Sheet;
 use crate::footprint::DISCS_MAX;
 use crate::lanes::{
-    WIDTH, advance, least_nearest_m, lower_space, lower_space_around, note_space, strike,
+    WIDTH, advance, least_nearest_m, lower_space, lower_space_around, note_space, strike, turn,
 };
 use crate::motion::{Twist, reachable, sinc};
 use crate::moving::Moving;
@@ -36,7 +36,21 @@ pub(crate) const LANES_MAX: usize = 64;
 /// Most steps of a rollout.
 pub(crate) const STEPS_MAX: usize = 64;
 
-type Lanes = [f32; LANES_MAX];
+pub(crate) type Lanes = [f32; LANES_MAX];
+
+/// Where the lanes of a fan look, and how each turns in the step at hand.
+#[derive(Debug, Clone)]
+pub(crate) struct Turns {
+    pub(crate) cos: [f64; LANES_MAX],
+    pub(crate) sin: [f64; LANES_MAX],
+    /// Turned so far. [rad]
+    pub(crate) turned: [f64; LANES_MAX],
+    /// Of the step: its angle [rad], cosine and sine of half of it, chord per metre driven.
+    pub(crate) angle: [f64; LANES_MAX],
+    pub(crate) half_cos: [f64; LANES_MAX],
+    pub(crate) half_sin: [f64; LANES_MAX],
+    pub(crate) chord: [f64; LANES_MAX],
+}
 
 /// The sampled window; buffers are reused.
 #[derive(Debug, Clone)]
@@ -56,10 +70,11 @@ pub(crate) struct Fan {
     /// Per step: chord per metre driven along x and y, then cosine and sine of the heading.
     chord_x: Vec<Lanes>,
     chord_y: Vec<Lanes>,
-    cos: Vec<Lanes>,
-    sin: Vec<Lanes>,
+    pub(crate) cos: Vec<Lanes>,
+    pub(crate) sin: Vec<Lanes>,
     /// Turned up to the end of each step. [rad]
     turned: Vec<Lanes>,
+    turns: Box<Turns>,
     /// By how much the robot overlaps each predicted obstacle now. [m]
     overlaps: Vec<f32>,
     /// Centres of predicted obstacles and the distances of contact, steps x obstacles. [m]
@@ -97,6 +112,15 @@ impl Default for Fan {
             cos: lanes(),
             sin: lanes(),
             turned: lanes(),
+            turns: Box::new(Turns {
+                cos: [1.0; LANES_MAX],
+                sin: [0.0; LANES_MAX],
+                turned: [0.0; LANES_MAX],
+                angle: [0.0; LANES_MAX],
+                half_cos: [1.0; LANES_MAX],
+                half_sin: [0.0; LANES_MAX],
+                chord: [1.0; LANES_MAX],
+            }),
             overlaps: Vec::with_capacity(OBSTACLES_MAX),
             discs: Vec::with_capacity(OBSTACLES_MAX * STEPS_MAX),
             row: Row {
@@ -130,61 +154,60 @@ impl Fan {
         for &target in &self.speeds {
             let (mut v, mut arc_m) = (from.v_mps, 0.0);
             for _ in 0..self.steps {
-                let next = reachable(robot, Twist::new(v, 0.0), Twist::new(target, 0.0), dt).v_mps;
-                let rate = if next.abs() > v.abs() {
-                    robot.a_mps2_max
+                #[allow(clippy::float_cmp, reason = "a clamp that no longer clamps")]
+                let step_m = if v == target {
+                    target * dt
                 } else {
-                    robot.brake_mps2
+                    let (was, to) = (Twist::new(v, 0.0), Twist::new(target, 0.0));
+                    let next = reachable(robot, was, to, dt).v_mps;
+                    let rate = if next.abs() > v.abs() {
+                        robot.a_mps2_max
+                    } else {
+                        robot.brake_mps2
+                    };
+                    ramp_mean(core::mem::replace(&mut v, next), next, rate, dt) * dt
                 };
-                let step_m = ramp_mean(v, next, rate, dt) * dt;
                 arc_m += step_m.abs();
                 self.driven.push(narrow(step_m));
                 self.arcs.push(narrow(arc_m));
-                v = next;
             }
         }
-        for lane in 0..self.lanes {
-            let target = self.yaw_rates[lane.min(self.yaw_rates.len() - 1)];
-            self.turn(window, lane, target);
-        }
+        self.turn(window);
     }
 
-    /// Headings and chords of one lane.
-    fn turn(&mut self, window: &Window<'_>, lane: usize, target: f64) {
-        let (dt, robot) = (window.step_s, window.robot);
-        let (mut w, mut turned) = (window.from.w_radps, 0.0);
-        let (mut sin, mut cos) = window.yaw_rad.sin_cos();
-        // Once the target is reached every step turns alike.
-        let mut step: Option<(f64, (f64, f64), f64)> = None;
+    /// Headings and chords of every lane.
+    fn turn(&mut self, window: &Window<'_>) {
+        let (dt, robot, n) = (window.step_s, window.robot, self.lanes);
+        let last = self.yaw_rates.len() - 1;
+        let (sin, cos) = window.yaw_rad.sin_cos();
+        let turns = &mut self.turns;
+        turns.cos[..n].fill(cos);
+        turns.sin[..n].fill(sin);
+        turns.turned[..n].fill(0.0);
+        let mut rates = [window.from.w_radps; LANES_MAX];
+        // Once its target is reached every step of a lane turns alike.
+        let mut ramping: u64 = u64::MAX >> (LANES_MAX - n);
         for k in 0..self.steps {
-            let (angle, (half_sin, half_cos), chord) = match step {
-                Some(step) => step,
-                None => {
-                    let next =
-                        reachable(robot, Twist::new(0.0, w), Twist::new(0.0, target), dt).w_radps;
-                    let angle = ramp_mean(w, next, robot.alpha_radps2_max, dt) * dt;
-                    let found = (angle, (0.5 * angle).sin_cos(), sinc(0.5 * angle));
-                    #[allow(clippy::float_cmp, reason = "a clamp that no longer clamps")]
-                    if w == target {
-                        step = Some(found);
-                    }
-                    w = next;
-                    found
+            let mut left = ramping;
+            while left != 0 {
+                let lane = left.trailing_zeros() as usize;
+                left &= left - 1;
+                let (w, target) = (rates[lane], self.yaw_rates[lane.min(last)]);
+                let next =
+                    reachable(robot, Twist::new(0.0, w), Twist::new(0.0, target), dt).w_radps;
+                let angle = ramp_mean(w, next, robot.alpha_radps2_max, dt) * dt;
+                (turns.half_sin[lane], turns.half_cos[lane]) = (0.5 * angle).sin_cos();
+                turns.chord[lane] = sinc(0.5 * angle);
+                turns.angle[lane] = angle;
+                #[allow(clippy::float_cmp, reason = "a clamp that no longer clamps")]
+                if w == target {
+                    ramping &= !(1 << lane);
                 }
-            };
-            // The chord points along half the step's turn.
-            let along = (
-                cos * half_cos - sin * half_sin,
-                sin * half_cos + cos * half_sin,
-            );
-            self.chord_x[k][lane] = narrow(chord * along.0);
-            self.chord_y[k][lane] = narrow(chord * along.1);
-            cos = along.0 * half_cos - along.1 * half_sin;
-            sin = along.1 * half_cos + along.0 * half_sin;
-            self.cos[k][lane] = narrow(cos);
-            self.sin[k][lane] = narrow(sin);
-            turned += angle;
-            self.turned[k][lane] = narrow(turned);
+                rates[lane] = next;
+            }
+            let chords = (&mut self.chord_x[k], &mut self.chord_y[k]);
+            let headings = (&mut self.cos[k], &mut self.sin[k]);
+            turn(n, turns, chords, headings, &mut self.turned[k]);
         }
     }
 
@@ -201,11 +224,6 @@ impl Fan {
     /// [rad] turned up to the end of a step.
     pub(crate) fn turned_rad(&self, step: usize, lane: usize) -> f32 {
         self.turned[step][lane]
-    }
-
-    /// Cosine and sine of the heading in the map at the end of a step.
-    pub(crate) fn heading(&self, step: usize, lane: usize) -> (f32, f32) {
-        (self.cos[step][lane], self.sin[step][lane])
     }
 
     /// Follows all rollouts of one speed into [`Self::row`]: through the map and the scan with

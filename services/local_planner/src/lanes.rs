@@ -14,7 +14,11 @@
     reason = "indices of a window of at most 1024 cells, clamped before use"
 )]
 
+use crate::dwa::row::{Rated, TimedWorth};
+use crate::fan::{LANES_MAX, Lanes, Turns};
 use crate::field::Sheet;
+use crate::local_path::{Projection, Projections, SAMPLES, Stretch};
+use crate::surroundings::narrow;
 use zeronav_msgs::MapCell;
 
 /// Lanes that are worked on together; slices are multiples of it.
@@ -79,6 +83,28 @@ pub(crate) fn lower_space_around(
     portable::lower_space_around(sheet, at, heading, (discs, need), space);
 }
 
+/// Bits of a number that tell a sample of a stretch.
+const SAMPLE: u32 = SAMPLES as u32 - 1;
+
+/// The nearest place on a stretch of at most 32 samples.
+pub(crate) fn place_on(stretch: &Stretch, x: f32, y: f32) -> Projection {
+    portable::place_on(stretch, x, y)
+}
+
+/// [`place_on`] for a multiple of [`WIDTH`] points, at most [`LANES_MAX`].
+pub(crate) fn places_on(stretch: &Stretch, x: &[f32], y: &[f32], found: &mut Projections) {
+    #[cfg(target_arch = "x86_64")]
+    if std::is_x86_feature_detected!("avx2") && stretch.n >= 2 {
+        // SAFETY: the processor has AVX2.
+        #[allow(unsafe_code, reason = "chosen at run time")]
+        unsafe {
+            avx2::places_on(stretch, x, y, found);
+        }
+        return;
+    }
+    portable::places_on(stretch, x, y, found);
+}
+
 /// Compiles a portable kernel twice and chooses at run time.
 macro_rules! compiled_twice {
     ($($(#[$meta:meta])* fn $name:ident($($argument:ident: $type:ty),* $(,)?);)*) => {
@@ -117,6 +143,16 @@ compiled_twice! {
         y: &mut [f32],
     );
 
+    /// One step of the turns of `n` lanes: chords per metre driven (x, y), headings at its end
+    /// (cosine, sine), and what was turned until then. [rad]
+    fn turn(
+        n: usize,
+        turns: &mut Turns,
+        chords: (&mut Lanes, &mut Lanes),
+        headings: (&mut Lanes, &mut Lanes),
+        turned: &mut Lanes,
+    );
+
     /// With (need, step, counts): marks the lanes with less than `need` as hit in `step` unless
     /// they were hit before, and lowers the least space of those that were not, when it `counts`.
     fn note_space(
@@ -126,9 +162,8 @@ compiled_twice! {
         least: &mut [f32],
     );
 
-    /// Per place the squared distance to the nearest of at most 32 samples, with the sample's
-    /// index in its last five bits (micrometres), so that a minimum finds both without branches.
-    fn nearest_keys(sample_x: &[f32], sample_y: &[f32], x: &[f32], y: &[f32], keys: &mut [u32]);
+    /// What the rollouts of a speed with these yaw rates are worth.
+    fn rate(terms: &TimedWorth, yaw_rates: &[f64], rated: &mut Rated);
 
     /// Lowers squared distances in whole rows of `side` cells, between the columns `from` and `to`
     /// (inclusive), to those from a point `at` (column, row). Cells are `scale` metres wide. [m^2]
@@ -152,7 +187,10 @@ compiled_twice! {
     reason = "compiled once more with AVX2 only where it is inlined"
 )]
 mod portable {
-    use super::{MapCell, Sheet, WIDTH};
+    use super::{
+        LANES_MAX, Lanes, MapCell, Projection, Projections, Rated, SAMPLE, Sheet, Stretch,
+        TimedWorth, Turns, WIDTH, narrow,
+    };
 
     #[inline(always)]
     pub(super) fn strike(x: &[f32], y: &[f32], disc: [f32; 3], step: f32, first: &mut [f32]) {
@@ -184,6 +222,34 @@ mod portable {
         }
     }
 
+    #[allow(clippy::needless_range_loop, reason = "a dozen arrays lane by lane")]
+    #[inline(always)]
+    pub(super) fn turn(
+        n: usize,
+        turns: &mut Turns,
+        (chord_x, chord_y): (&mut Lanes, &mut Lanes),
+        (cos, sin): (&mut Lanes, &mut Lanes),
+        turned: &mut Lanes,
+    ) {
+        for i in 0..n.min(LANES_MAX) {
+            let (half_cos, half_sin) = (turns.half_cos[i], turns.half_sin[i]);
+            let from = (turns.cos[i], turns.sin[i]);
+            // The chord points along half the step's turn.
+            let along = (
+                from.0 * half_cos - from.1 * half_sin,
+                from.1 * half_cos + from.0 * half_sin,
+            );
+            chord_x[i] = narrow(turns.chord[i] * along.0);
+            chord_y[i] = narrow(turns.chord[i] * along.1);
+            turns.cos[i] = along.0 * half_cos - along.1 * half_sin;
+            turns.sin[i] = along.1 * half_cos + along.0 * half_sin;
+            cos[i] = narrow(turns.cos[i]);
+            sin[i] = narrow(turns.sin[i]);
+            turns.turned[i] += turns.angle[i];
+            turned[i] = narrow(turns.turned[i]);
+        }
+    }
+
     #[inline(always)]
     pub(super) fn note_space(
         space: &[f32],
@@ -200,23 +266,8 @@ mod portable {
     }
 
     #[inline(always)]
-    pub(super) fn nearest_keys(
-        sample_x: &[f32],
-        sample_y: &[f32],
-        x: &[f32],
-        y: &[f32],
-        keys: &mut [u32],
-    ) {
-        keys.fill(f32::MAX.to_bits());
-        let samples = sample_x.iter().zip(sample_y).zip(0_u32..32);
-        for ((sample_x, sample_y), i) in samples {
-            for ((x, y), least) in x.iter().zip(y).zip(keys.iter_mut()) {
-                let (dx, dy) = (sample_x - x, sample_y - y);
-                let key = ((dx * dx + dy * dy).to_bits() & !31) | i;
-                // Numbers that are not negative are in the order of their bits.
-                *least = key.min(*least);
-            }
-        }
+    pub(super) fn rate(terms: &TimedWorth, yaw_rates: &[f64], rated: &mut Rated) {
+        rated.rate(terms, yaw_rates);
     }
 
     #[inline(always)]
@@ -249,6 +300,57 @@ mod portable {
     pub(super) fn clearances(cells: &[MapCell], clearances: &mut [f32]) {
         for (to, from) in clearances.iter_mut().zip(cells) {
             *to = f32::from(from.clearance_mm) * 1.0e-3;
+        }
+    }
+
+    /// See [`super::place_on`].
+    pub(super) fn place_on(stretch: &Stretch, x: f32, y: f32) -> Projection {
+        // The squared distance with the sample's index in its last five bits (micrometres), so
+        // that a minimum finds both without branches: numbers that are not negative are in the
+        // order of their bits.
+        let mut key = f32::MAX.to_bits();
+        for (i, bits) in (0..stretch.n.max(1)).zip(0_u32..) {
+            let (dx, dy) = (stretch.x[i] - x, stretch.y[i] - y);
+            key = key.min(((dx * dx + dy * dy).to_bits() & !SAMPLE) | bits);
+        }
+        let nearest = (key & SAMPLE) as usize;
+        let direction = (stretch.direction_x[nearest], stretch.direction_y[nearest]);
+        let Some(last) = stretch.n.checked_sub(2) else {
+            return Projection {
+                along: stretch.start[nearest],
+                beside: f32::from_bits(key & !SAMPLE).sqrt(),
+                direction,
+            };
+        };
+        // The nearest point lies on one of the two ways that meet at the nearest sample.
+        let on = |i: usize| {
+            let (dx, dy) = (x - stretch.x[i], y - stretch.y[i]);
+            let along = (dx * stretch.step_x[i] + dy * stretch.step_y[i]) * stretch.inverse[i];
+            let along = along.clamp(0.0, 1.0);
+            let (dx, dy) = (
+                dx - along * stretch.step_x[i],
+                dy - along * stretch.step_y[i],
+            );
+            let squared = dx * dx + dy * dy;
+            (squared, stretch.start[i] + along * stretch.arc[i])
+        };
+        let before = on(nearest.saturating_sub(1).min(last));
+        let after = on(nearest.min(last));
+        let (squared, along) = if after.0 < before.0 { after } else { before };
+        Projection {
+            along,
+            beside: squared.sqrt(),
+            direction,
+        }
+    }
+
+    /// See [`super::places_on`].
+    pub(super) fn places_on(stretch: &Stretch, x: &[f32], y: &[f32], found: &mut Projections) {
+        for (i, (x, y)) in x.iter().zip(y).enumerate().take(LANES_MAX) {
+            let place = place_on(stretch, *x, *y);
+            found.along[i] = place.along;
+            found.beside[i] = place.beside;
+            (found.direction_x[i], found.direction_y[i]) = place.direction;
         }
     }
 
@@ -334,13 +436,16 @@ mod portable {
 #[cfg(target_arch = "x86_64")]
 #[allow(unsafe_code, reason = "gathers read through a pointer")]
 mod avx2 {
-    use super::{Sheet, WIDTH};
+    use super::{LANES_MAX, Projections, SAMPLE, SAMPLES, Sheet, Stretch, WIDTH};
     use core::arch::x86_64::{
-        __m256, __m256i, _CMP_GT_OQ, _CMP_LT_OQ, _mm256_add_epi32, _mm256_add_ps, _mm256_blendv_ps,
+        __m256, __m256i, _CMP_GT_OQ, _CMP_LT_OQ, _mm256_add_epi32, _mm256_add_ps, _mm256_and_si256,
+        _mm256_andnot_si256, _mm256_blendv_ps, _mm256_castps_si256, _mm256_castsi256_ps,
         _mm256_cmp_ps, _mm256_cvtepi32_ps, _mm256_cvttps_epi32, _mm256_div_ps, _mm256_i32gather_ps,
-        _mm256_loadu_ps, _mm256_max_epi32, _mm256_max_ps, _mm256_min_epi32, _mm256_min_ps,
-        _mm256_movemask_ps, _mm256_mul_ps, _mm256_mullo_epi32, _mm256_set1_epi32, _mm256_set1_ps,
-        _mm256_setzero_ps, _mm256_setzero_si256, _mm256_sqrt_ps, _mm256_storeu_ps, _mm256_sub_ps,
+        _mm256_loadu_ps, _mm256_max_epi32, _mm256_max_ps, _mm256_min_epi32, _mm256_min_epu32,
+        _mm256_min_ps, _mm256_movemask_ps, _mm256_mul_ps, _mm256_mullo_epi32, _mm256_or_si256,
+        _mm256_permutevar8x32_ps, _mm256_set1_epi32, _mm256_set1_ps, _mm256_setzero_ps,
+        _mm256_setzero_si256, _mm256_slli_epi32, _mm256_sqrt_ps, _mm256_storeu_ps,
+        _mm256_sub_epi32, _mm256_sub_ps,
     };
 
     /// True when the kernels may be called with this sheet.
@@ -441,6 +546,95 @@ mod avx2 {
         let near = _mm256_sub_ps(corner, way);
         let is_far = _mm256_cmp_ps::<_CMP_GT_OQ>(value, _mm256_set1_ps(1.5 * h));
         _mm256_blendv_ps(near, far, is_far)
+    }
+
+    /// Entries of a table at eight samples; bits 3 and 4 of the indices lie in the signs of `high`.
+    #[target_feature(enable = "avx2")]
+    fn look_up(table: &[f32; SAMPLES], at: __m256i, high: (__m256, __m256)) -> __m256 {
+        let part = |n: usize| {
+            // SAFETY: four parts of eight.
+            let part = unsafe { _mm256_loadu_ps(table[WIDTH * n..][..WIDTH].as_ptr()) };
+            _mm256_permutevar8x32_ps(part, at)
+        };
+        let low = _mm256_blendv_ps(part(0), part(1), high.0);
+        _mm256_blendv_ps(low, _mm256_blendv_ps(part(2), part(3), high.0), high.1)
+    }
+
+    /// The nearest place on eight ways of a stretch: squared distance, and along the path.
+    #[target_feature(enable = "avx2")]
+    fn nearest_on(stretch: &Stretch, at: (__m256, __m256), way: __m256i) -> (__m256, __m256) {
+        let high = high_bits(way);
+        let of = |table: &[f32; SAMPLES]| look_up(table, way, high);
+        let (step_x, step_y) = (of(&stretch.step_x), of(&stretch.step_y));
+        let dx = _mm256_sub_ps(at.0, of(&stretch.x));
+        let dy = _mm256_sub_ps(at.1, of(&stretch.y));
+        let dot = _mm256_add_ps(_mm256_mul_ps(dx, step_x), _mm256_mul_ps(dy, step_y));
+        let share = _mm256_mul_ps(dot, of(&stretch.inverse));
+        let share = _mm256_max_ps(_mm256_setzero_ps(), share);
+        let share = _mm256_min_ps(_mm256_set1_ps(1.0), share);
+        let dx = _mm256_sub_ps(dx, _mm256_mul_ps(share, step_x));
+        let dy = _mm256_sub_ps(dy, _mm256_mul_ps(share, step_y));
+        let squared = _mm256_add_ps(_mm256_mul_ps(dx, dx), _mm256_mul_ps(dy, dy));
+        let along = _mm256_mul_ps(share, of(&stretch.arc));
+        (squared, _mm256_add_ps(of(&stretch.start), along))
+    }
+
+    /// Bits 3 and 4 of eight indices as signs.
+    #[target_feature(enable = "avx2")]
+    fn high_bits(index: __m256i) -> (__m256, __m256) {
+        (
+            _mm256_castsi256_ps(_mm256_slli_epi32::<28>(index)),
+            _mm256_castsi256_ps(_mm256_slli_epi32::<27>(index)),
+        )
+    }
+
+    /// See the portable twin; for at least two samples.
+    #[target_feature(enable = "avx2")]
+    pub(super) fn places_on(stretch: &Stretch, x: &[f32], y: &[f32], found: &mut Projections) {
+        let n = stretch.n.min(SAMPLES);
+        let last = _mm256_set1_epi32(n as i32 - 2);
+        let (zero, one) = (_mm256_setzero_si256(), _mm256_set1_epi32(1));
+        let sample = _mm256_set1_epi32(SAMPLE as i32);
+        let places = x.chunks_exact(WIDTH).zip(y.chunks_exact(WIDTH));
+        for (start, (x, y)) in (0..LANES_MAX).step_by(WIDTH).zip(places) {
+            // SAFETY: chunks of eight.
+            let at = unsafe { (_mm256_loadu_ps(x.as_ptr()), _mm256_loadu_ps(y.as_ptr())) };
+            let mut key = _mm256_set1_epi32(f32::MAX.to_bits() as i32);
+            let mut index = zero;
+            for (x, y) in stretch.x[..n].iter().zip(&stretch.y[..n]) {
+                let dx = _mm256_sub_ps(_mm256_set1_ps(*x), at.0);
+                let dy = _mm256_sub_ps(_mm256_set1_ps(*y), at.1);
+                let squared = _mm256_add_ps(_mm256_mul_ps(dx, dx), _mm256_mul_ps(dy, dy));
+                let bits = _mm256_andnot_si256(sample, _mm256_castps_si256(squared));
+                key = _mm256_min_epu32(key, _mm256_or_si256(bits, index));
+                index = _mm256_add_epi32(index, one);
+            }
+            let nearest = _mm256_and_si256(key, sample);
+            let before = _mm256_max_epi32(_mm256_sub_epi32(nearest, one), zero);
+            let before = nearest_on(stretch, at, _mm256_min_epi32(before, last));
+            let after = nearest_on(stretch, at, _mm256_min_epi32(nearest, last));
+            let nearer = _mm256_cmp_ps::<_CMP_LT_OQ>(after.0, before.0);
+            let squared = _mm256_blendv_ps(before.0, after.0, nearer);
+            let high = high_bits(nearest);
+            let lanes = start..start + WIDTH;
+            let put = |to: &mut [f32; LANES_MAX], value: __m256| {
+                // SAFETY: eight lanes.
+                unsafe { _mm256_storeu_ps(to[lanes.clone()].as_mut_ptr(), value) };
+            };
+            put(
+                &mut found.along,
+                _mm256_blendv_ps(before.1, after.1, nearer),
+            );
+            put(&mut found.beside, _mm256_sqrt_ps(squared));
+            put(
+                &mut found.direction_x,
+                look_up(&stretch.direction_x, nearest, high),
+            );
+            put(
+                &mut found.direction_y,
+                look_up(&stretch.direction_y, nearest, high),
+            );
+        }
     }
 
     /// See the portable twin.
@@ -576,6 +770,39 @@ mod tests {
             lower_space_around(&sheet, at, heading, (&discs, 0.02), &mut found);
             portable::lower_space_around(&sheet, at, heading, (&discs, 0.02), &mut expected);
             assert_eq!(bits(&found), bits(&expected));
+        }
+    }
+
+    #[test]
+    fn the_twins_find_the_same_places_on_a_stretch() {
+        let mut random = Pcg32::seed_from_u64(6);
+        for n in [1, 2, 3, 7, 8, 9, 31, 32].repeat(20) {
+            let mut samples = || core::array::from_fn(|_| random.random_range(-1.5_f32..1.5));
+            let stretch = Stretch {
+                n,
+                x: samples(),
+                y: samples(),
+                step_x: samples(),
+                step_y: samples(),
+                inverse: samples().map(f32::abs),
+                arc: samples(),
+                start: samples(),
+                direction_x: samples(),
+                direction_y: samples(),
+            };
+            let mut points = || -> Vec<f32> {
+                let lanes = 0..LANES_MAX;
+                lanes.map(|_| random.random_range(-2.0..2.0)).collect()
+            };
+            let (x, y) = (points(), points());
+            let (mut found, mut expected) = (Projections::default(), Projections::default());
+            places_on(&stretch, &x, &y, &mut found);
+            portable::places_on(&stretch, &x, &y, &mut expected);
+            let bits = |lanes: &Lanes| lanes.map(f32::to_bits);
+            assert_eq!(bits(&found.along), bits(&expected.along));
+            assert_eq!(bits(&found.beside), bits(&expected.beside));
+            assert_eq!(bits(&found.direction_x), bits(&expected.direction_x));
+            assert_eq!(bits(&found.direction_y), bits(&expected.direction_y));
         }
     }
 }

@@ -2,9 +2,9 @@
 
 #![allow(clippy::cast_possible_truncation, reason = "indices of 32 samples")]
 
-use crate::fan::LANES_MAX;
+use crate::fan::{LANES_MAX, Lanes};
 use crate::field::ClearanceField;
-use crate::lanes::nearest_keys;
+use crate::lanes::{place_on, places_on};
 use crate::progress::{PathTracker, Place};
 use crate::surroundings::narrow;
 use nalgebra::{Point2, Vector2};
@@ -44,32 +44,89 @@ pub(crate) struct Projection {
     pub(crate) direction: (f32, f32),
 }
 
-/// The way from a sample to the next one. [m]
-#[derive(Debug, Clone, Copy, Default)]
-struct Segment {
-    x: f32,
-    y: f32,
-    /// One over its squared length; 0 for none. [1/m^2]
-    inverse: f32,
-    /// Along the path, more than the length where a corner is cut.
-    arc: f32,
+/// Places on the stretch of as many points as there are lanes; see [`Projection`].
+#[derive(Debug, Clone)]
+pub(crate) struct Projections {
+    pub(crate) along: Lanes,
+    pub(crate) beside: Lanes,
+    pub(crate) direction_x: Lanes,
+    pub(crate) direction_y: Lanes,
 }
 
-/// Positions relative to the robot along the axes of the map. [m]
+impl Default for Projections {
+    fn default() -> Self {
+        let lanes = [0.0; LANES_MAX];
+        Self {
+            along: lanes,
+            beside: lanes,
+            direction_x: lanes,
+            direction_y: lanes,
+        }
+    }
+}
+
+type Samples = [f32; SAMPLES];
+
+/// Samples relative to the robot along the axes of the map, and the ways from each to the next. [m]
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Stretch {
+    pub(crate) n: usize,
+    pub(crate) x: Samples,
+    pub(crate) y: Samples,
+    /// To the next sample.
+    pub(crate) step_x: Samples,
+    pub(crate) step_y: Samples,
+    /// One over the squared length of that; 0 for none. [1/m^2]
+    pub(crate) inverse: Samples,
+    /// Along the path to the next sample, more than the length where a corner is cut.
+    pub(crate) arc: Samples,
+    /// Along the path from the robot's place to the sample.
+    pub(crate) start: Samples,
+    /// Direction of the path at the sample, over its neighbours.
+    pub(crate) direction_x: Samples,
+    pub(crate) direction_y: Samples,
+}
+
+/// The stretch and where the robot is on it.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct LocalPath {
-    x: [f32; SAMPLES],
-    y: [f32; SAMPLES],
-    /// From every sample to the next one.
-    segments: [Segment; SAMPLES],
-    /// Direction of the path at every sample, over its neighbours.
-    directions: [(f32, f32); SAMPLES],
-    n: usize,
+    stretch: Stretch,
     /// Samples before the robot's place.
     behind: usize,
     spacing_m: f64,
     /// [m] from the robot's place to the last sample.
     pub(crate) ahead_m: f64,
+}
+
+impl Stretch {
+    /// Fills what follows from the samples and their places along the path.
+    fn connect(&mut self) {
+        for i in 0..self.n.saturating_sub(1) {
+            let (x, y) = (self.x[i + 1] - self.x[i], self.y[i + 1] - self.y[i]);
+            let squared = x * x + y * y;
+            self.step_x[i] = x;
+            self.step_y[i] = y;
+            self.inverse[i] = if squared > 1.0e-12 {
+                1.0 / squared
+            } else {
+                0.0
+            };
+            self.arc[i] = self.start[i + 1] - self.start[i];
+        }
+        for i in 0..self.n {
+            let (from, to) = (
+                i.saturating_sub(SMOOTH_SPAN),
+                (i + SMOOTH_SPAN).min(self.n - 1),
+            );
+            let (dx, dy) = (self.x[to] - self.x[from], self.y[to] - self.y[from]);
+            let length = dx.hypot(dy);
+            (self.direction_x[i], self.direction_y[i]) = if length > 1.0e-6 {
+                (dx / length, dy / length)
+            } else {
+                (0.0, 0.0)
+            };
+        }
+    }
 }
 
 impl LocalPath {
@@ -85,9 +142,10 @@ impl LocalPath {
         let ahead = SAMPLES - 1 - BEHIND;
         self.spacing_m =
             (reach_m / f64::from(u32::try_from(ahead).unwrap_or(1))).max(SPACING_M_MIN);
-        self.n = 0;
         self.behind = 0;
         self.ahead_m = 0.0;
+        let stretch = &mut self.stretch;
+        stretch.n = 0;
         for i in 0..SAMPLES {
             let steps = f64::from(u32::try_from(i).unwrap_or(0))
                 - f64::from(u32::try_from(BEHIND).unwrap_or(0));
@@ -98,102 +156,32 @@ impl LocalPath {
             let last = along_m >= place.remaining_m;
             let along_m = along_m.min(place.remaining_m);
             let at = tracker.point_at(path, place.arc_m + along_m) - robot;
-            self.x[self.n] = narrow(at.x);
-            self.y[self.n] = narrow(at.y);
+            stretch.x[stretch.n] = narrow(at.x);
+            stretch.y[stretch.n] = narrow(at.y);
             self.behind += usize::from(i < BEHIND);
-            self.n += 1;
+            stretch.n += 1;
             self.ahead_m = along_m.max(0.0);
             if last && i >= BEHIND {
                 break;
             }
         }
-        self.x[self.n..].fill(FAR_M);
-        self.y[self.n..].fill(FAR_M);
-        for i in 0..self.n.saturating_sub(1) {
-            let (x, y) = (self.x[i + 1] - self.x[i], self.y[i + 1] - self.y[i]);
-            let squared = x * x + y * y;
-            self.segments[i] = Segment {
-                x,
-                y,
-                inverse: if squared > 1.0e-12 {
-                    1.0 / squared
-                } else {
-                    0.0
-                },
-                arc: self.arc_of(i + 1) - self.arc_of(i),
-            };
+        stretch.x[stretch.n..].fill(FAR_M);
+        stretch.y[stretch.n..].fill(FAR_M);
+        for i in 0..self.stretch.n {
+            self.stretch.start[i] = self.arc_of(i);
         }
-        for i in 0..self.n {
-            let (from, to) = (
-                i.saturating_sub(SMOOTH_SPAN),
-                (i + SMOOTH_SPAN).min(self.n - 1),
-            );
-            let (dx, dy) = (self.x[to] - self.x[from], self.y[to] - self.y[from]);
-            let length = dx.hypot(dy);
-            self.directions[i] = if length > 1.0e-6 {
-                (dx / length, dy / length)
-            } else {
-                (0.0, 0.0)
-            };
-        }
+        self.stretch.connect();
     }
 
-    /// The nearest places on the stretch of `x.len()` points. A point beyond the end is beside it.
-    pub(crate) fn project_all(&self, x: &[f32], y: &[f32], found: &mut [Projection]) {
-        let mut keys = [0; LANES_MAX];
-        let n = x.len().min(LANES_MAX);
-        // Where there is no sample the nearest one is infinitely far away.
-        let samples = self.n.max(1);
-        nearest_keys(
-            &self.x[..samples],
-            &self.y[..samples],
-            &x[..n],
-            &y[..n],
-            &mut keys[..n],
-        );
-        for (i, found) in found.iter_mut().enumerate().take(n) {
-            *found = self.refine(x[i], y[i], keys[i]);
-        }
+    /// The nearest places on the stretch of points, a multiple of [`crate::lanes::WIDTH`] and at
+    /// most [`LANES_MAX`]. A point beyond the end is beside it.
+    pub(crate) fn project_all(&self, x: &[f32], y: &[f32], found: &mut Projections) {
+        places_on(&self.stretch, x, y, found);
     }
 
     /// The nearest place on the stretch. A point beyond the end is beside it.
     pub(crate) fn project(&self, x: f32, y: f32) -> Projection {
-        let mut found = [Projection::default()];
-        self.project_all(&[x], &[y], &mut found);
-        found[0]
-    }
-
-    /// The nearest place beside the sample of a key of [`nearest_keys`].
-    #[inline]
-    fn refine(&self, x: f32, y: f32, key: u32) -> Projection {
-        const INDEX: u32 = SAMPLES as u32 - 1;
-        let (nearest, beside) = ((key & INDEX) as usize, f32::from_bits(key & !INDEX).sqrt());
-        let mut found = Projection {
-            along: f32::INFINITY,
-            beside,
-            direction: self.directions[nearest],
-        };
-        // The nearest point lies on one of the two segments that meet at the nearest sample.
-        let first = nearest.saturating_sub(1);
-        let mut squared = f32::INFINITY;
-        for i in first..(nearest + 1).min(self.n.saturating_sub(1)) {
-            let segment = &self.segments[i];
-            let (dx, dy) = (x - self.x[i], y - self.y[i]);
-            let along = ((dx * segment.x + dy * segment.y) * segment.inverse).clamp(0.0, 1.0);
-            let (dx, dy) = (dx - along * segment.x, dy - along * segment.y);
-            let distance = dx * dx + dy * dy;
-            if distance < squared {
-                squared = distance;
-                found.along = self.arc_of(i) + along * segment.arc;
-            }
-        }
-        if squared.is_finite() {
-            found.beside = squared.sqrt();
-        }
-        if found.along.is_infinite() {
-            found.along = self.arc_of(nearest);
-        }
-        found
+        place_on(&self.stretch, x, y)
     }
 
     /// [m] along the path from the robot's place to a sample.
@@ -211,15 +199,18 @@ impl LocalPath {
         inscribed_m: f64,
         lookahead_m: f64,
     ) -> Vector2<f64> {
-        let first = (self.behind + 1).min(self.n.saturating_sub(1));
+        let first = (self.behind + 1).min(self.stretch.n.saturating_sub(1));
         let mut index = first;
-        for i in first..self.n {
+        for i in first..self.stretch.n {
             if f64::from(self.arc_of(i)) > lookahead_m || !self.sees(field, i, inscribed_m) {
                 break;
             }
             index = i;
         }
-        Vector2::new(f64::from(self.x[index]), f64::from(self.y[index]))
+        Vector2::new(
+            f64::from(self.stretch.x[index]),
+            f64::from(self.stretch.y[index]),
+        )
     }
 
     fn sees(&self, field: &ClearanceField, index: usize, inscribed_m: f64) -> bool {
@@ -227,7 +218,7 @@ impl LocalPath {
         let need = narrow(inscribed_m);
         (1..=CHECKS).all(|step| {
             let share = f32::from(step) / f32::from(CHECKS);
-            field.bound_m(self.x[index] * share, self.y[index] * share) >= need
+            field.bound_m(self.stretch.x[index] * share, self.stretch.y[index] * share) >= need
         })
     }
 
@@ -235,8 +226,10 @@ impl LocalPath {
     /// `None` when the stretch is free.
     pub(crate) fn blocked_m(&self, field: &ClearanceField, inscribed_m: f64) -> Option<f64> {
         let need = narrow(inscribed_m - OVERLAP_M.min(0.3 * inscribed_m));
-        (self.behind..self.n)
-            .find(|&i| field.bound_m(self.x[i], self.y[i]) + 0.25 * field.slack_m() < need)
+        (self.behind..self.stretch.n)
+            .find(|&i| {
+                field.bound_m(self.stretch.x[i], self.stretch.y[i]) + 0.25 * field.slack_m() < need
+            })
             .map(|i| f64::from(self.arc_of(i)).max(0.0))
     }
 
@@ -252,10 +245,12 @@ impl LocalPath {
         least_mps: f64,
     ) -> f64 {
         let mut fastest = f64::INFINITY;
-        for i in TURN_SPAN..self.n.saturating_sub(TURN_SPAN) {
-            let at = Vector2::new(self.x[i], self.y[i]);
-            let before = at - Vector2::new(self.x[i - TURN_SPAN], self.y[i - TURN_SPAN]);
-            let after = Vector2::new(self.x[i + TURN_SPAN], self.y[i + TURN_SPAN]) - at;
+        for i in TURN_SPAN..self.stretch.n.saturating_sub(TURN_SPAN) {
+            let at = Vector2::new(self.stretch.x[i], self.stretch.y[i]);
+            let before =
+                at - Vector2::new(self.stretch.x[i - TURN_SPAN], self.stretch.y[i - TURN_SPAN]);
+            let after =
+                Vector2::new(self.stretch.x[i + TURN_SPAN], self.stretch.y[i + TURN_SPAN]) - at;
             let turn_rad = f64::from(before.perp(&after).atan2(before.dot(&after)).abs());
             if turn_rad < 0.2 {
                 continue;

@@ -251,6 +251,7 @@ fn tail_is_free(surroundings: &Surroundings, from: LocalPose, curvature: f64, ar
 }
 
 /// Quadratic up to 30 cm, so that millimetres beside the path do not make the robot weave.
+#[inline]
 pub(crate) fn cost_beside(beside: f32) -> f32 {
     const BEND: f32 = 0.3;
     if beside < BEND {

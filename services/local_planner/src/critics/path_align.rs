@@ -11,7 +11,7 @@ pub(super) fn score(_: &Scene<'_>, batch: &Batch, weight: f32, costs: &mut Lanes
         let stations = &batch.projections[..free];
         let sum: f32 = stations
             .iter()
-            .map(|station| cost_beside(station[lane].beside))
+            .map(|station| cost_beside(station.beside[lane]))
             .sum();
         *cost += weight * sum / free as f32;
     }

@@ -10,7 +10,7 @@ pub(super) fn score(_: &Scene<'_>, batch: &Batch, weight: f32, costs: &mut Lanes
         let mut sum = 0.0;
         for (index, station) in batch.projections[..free].iter().enumerate() {
             let step = batch.station(index);
-            let (x, y) = station[lane].direction;
+            let (x, y) = (station.direction_x[lane], station.direction_y[lane]);
             // A path that is a single point has no direction.
             if (x, y) != (0.0, 0.0) {
                 sum += 1.0 - (batch.cos[step][lane] * x + batch.sin[step][lane] * y);

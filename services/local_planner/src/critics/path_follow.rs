@@ -14,7 +14,7 @@ pub(super) fn score(scene: &Scene<'_>, batch: &Batch, weight: f32, costs: &mut L
     let ahead = narrow(scene.path.ahead_m);
     for (lane, cost) in costs.iter_mut().enumerate() {
         let last = batch.free[lane] - 1;
-        let mut progress = batch.projections[last][lane].along;
+        let mut progress = batch.projections[last].along[lane];
         if let Some((funnel, Some(now))) = scene.funnel {
             let step = batch.station(last);
             let at = Point2::new(
@@ -26,7 +26,7 @@ pub(super) fn score(scene: &Scene<'_>, batch: &Batch, weight: f32, costs: &mut L
                 progress = nearer;
             }
         }
-        let half = batch.projections[last / 2][lane].along;
+        let half = batch.projections[last / 2].along[lane];
         *cost += weight * (ahead - 0.5 * (progress + least(progress, half)));
     }
 }

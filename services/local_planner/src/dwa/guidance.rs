@@ -1,10 +1,11 @@
 //! Following the path: where to steer, how fast, and which twist of the window is best.
 
 use super::Dwa;
+use super::row::Worth;
+use crate::config::DwaWeights;
 use crate::controller::Situation;
 use crate::motion::Twist;
 use crate::progress::Place;
-use crate::rollout::Outcome;
 use crate::window::{Range, Window};
 use nalgebra::Vector2;
 
@@ -119,13 +120,14 @@ impl Dwa {
         self.looked_at = u32::try_from(self.rollouts.len()).unwrap_or(u32::MAX);
         let mut best: Option<(f64, Twist)> = None;
         for (i, &v_mps) in self.rollouts.speeds.iter().enumerate() {
+            let terms = self.worth_at(situation, place, v_mps);
             for (j, &w_radps) in self.rollouts.yaw_rates.iter().enumerate() {
                 let outcome = self
                     .rollouts
                     .outcome(&window, &self.surroundings, &self.path, i, j);
                 if let Some(outcome) = outcome {
                     let twist = Twist::new(v_mps, w_radps);
-                    let worth = self.worth(situation, place, twist, &outcome);
+                    let worth = terms.of(w_radps, &outcome);
                     if best.is_none_or(|(most, _)| worth > most) {
                         best = Some((worth, twist));
                     }
@@ -137,29 +139,21 @@ impl Dwa {
         Some(twist)
     }
 
-    /// What a rollout is worth, in metres of progress.
-    pub(super) fn worth(
-        &self,
-        situation: &Situation<'_>,
-        place: &Place,
-        twist: Twist,
-        outcome: &Outcome,
-    ) -> f64 {
-        let weights = &self.config.weights;
-        let robot = situation.robot;
-        let speed = twist.v_mps / robot.v_mps_max;
-        let turn_change = (twist.w_radps - self.steered_radps).abs() / robot.w_radps_max;
-        let soft_m = self.config.soft_clearance_m;
-        let hard_m = self.config.safety_margin_m.min(0.9 * soft_m);
+    /// What a rollout at a speed is worth besides what it leads to.
+    pub(super) fn worth_at(&self, situation: &Situation<'_>, place: &Place, v_mps: f64) -> Worth {
+        let (config, robot) = (&self.config, situation.robot);
         // A goal beside a wall must be reached: nearness costs less and less on the last metre.
-        let clearance = weights.clearance * place.remaining_m.min(1.0);
-        let near = ((soft_m - outcome.margin_m) / (soft_m - hard_m)).clamp(0.0, 1.0);
-        weights.progress * outcome.progress_m + weights.speed * speed
-            - weights.cross_track * outcome.beside_m
-            - weights.heading * outcome.heading
-            - clearance * near * near * (0.3 + 0.7 * speed)
-            - weights.turn_change * turn_change
-            // Ties: the straighter one.
-            - 1.0e-6 * twist.w_radps.abs()
+        let clearance = config.weights.clearance * place.remaining_m.min(1.0);
+        Worth {
+            weights: DwaWeights {
+                clearance,
+                ..config.weights
+            },
+            speed: v_mps / robot.v_mps_max,
+            steered_radps: self.steered_radps,
+            w_radps_max: robot.w_radps_max,
+            soft_m: config.soft_clearance_m,
+            hard_m: config.safety_margin_m.min(0.9 * config.soft_clearance_m),
+        }
     }
 }

@@ -10,16 +10,17 @@
 //!   exact check.
 
 use super::guidance::CREEP_MPS;
+use super::row::{Rated, TimedWorth};
 use super::{Dwa, Mode, PATH_HORIZON_S};
 use crate::config::DwaTConfig;
 use crate::controller::Situation;
 use crate::fan::{Fan, LANES_MAX};
 use crate::funnel::{Funnel, FunnelInputs};
-use crate::local_path::Projection;
+use crate::lanes::{WIDTH, rate};
 use crate::motion::{Twist, stop_angle_rad, stop_distance_m};
 use crate::moving::Growth;
 use crate::progress::Place;
-use crate::rollout::{Outcome, TURNING_MPS, cost_beside};
+use crate::rollout::{Outcome, TURNING_MPS};
 use crate::surroundings::narrow;
 use crate::window::Window;
 use nalgebra::Point2;
@@ -31,13 +32,6 @@ const DEAD_END_M: f32 = 0.3;
 /// [m/s] below which being hit is not the robot's doing.
 const STANDING_MPS: f64 = 0.05;
 
-/// No place yet.
-const PLACE: Projection = Projection {
-    along: 0.0,
-    beside: 0.0,
-    direction: (0.0, 0.0),
-};
-
 /// What `dwa_t` has besides the dynamic window.
 #[derive(Debug, Clone)]
 pub(super) struct Timed {
@@ -46,8 +40,8 @@ pub(super) struct Timed {
     fan: Fan,
     /// Points of the scan that belong to nothing that moves.
     stamped: Vec<Point2<f64>>,
-    /// Last step of every rollout of a row that is scored.
-    ends: [usize; LANES_MAX],
+    /// The row at hand.
+    rated: Box<Rated>,
     /// The best twist of each speed with its worth, best first.
     pub(super) reserve: Vec<(f64, Twist)>,
 }
@@ -59,7 +53,7 @@ impl Timed {
             funnel: Funnel::default(),
             fan: Fan::default(),
             stamped: Vec::with_capacity(BEAMS_MAX),
-            ends: [0; LANES_MAX],
+            rated: Box::default(),
             reserve: Vec::with_capacity(LANES_MAX),
         }
     }
@@ -160,6 +154,7 @@ impl Dwa {
         let scored_s = self.scored_s(config.scored_s, situation.robot.v_mps_max);
         let judged = steps_of(scored_s, window.step_s).clamp(1, steps) - 1;
         timed.reserve.clear();
+        let lanes = fan.yaw_rates.len();
         for speed in 0..fan.speeds.len() {
             let v_mps = fan.speeds[speed];
             let ahead = narrow(self.path.ahead_m);
@@ -167,68 +162,58 @@ impl Dwa {
             let scored = arcs.partition_point(|arc| *arc < ahead).min(judged);
             let looked = looked(fan, window, speed, scored);
             fan.drive(speed, &self.surroundings, window.soft_m, (scored, looked));
-            let lanes = fan.yaw_rates.len();
-            for lane in 0..lanes {
-                let free = steps_until(fan.row.hit[lane], steps);
-                timed.ends[lane] = scored.min(free.saturating_sub(1));
+            let rated = &mut *timed.rated;
+            settle(fan, window, speed, scored, rated);
+            if rated.admissible == 0 {
+                continue;
             }
-            let (mut then, mut half) = ([PLACE; LANES_MAX], [PLACE; LANES_MAX]);
-            for (found, share) in [(&mut then, 1), (&mut half, 2)] {
-                let (mut x, mut y) = ([0.0; LANES_MAX], [0.0; LANES_MAX]);
-                for (lane, end) in timed.ends[..lanes].iter().enumerate() {
-                    x[lane] = fan.row.x[end / share][lane];
-                    y[lane] = fan.row.y[end / share][lane];
-                }
-                self.path.project_all(&x[..lanes], &y[..lanes], found);
+            let padded = lanes.next_multiple_of(WIDTH);
+            for (x, y, found) in [
+                (&rated.x, &rated.y, &mut rated.then),
+                (&rated.half_x, &rated.half_y, &mut rated.half),
+            ] {
+                self.path.project_all(&x[..padded], &y[..padded], found);
             }
-            let mut best: Option<(f64, Twist)> = None;
-            for lane in 0..lanes {
-                let w_radps = fan.yaw_rates[lane];
-                let free = steps_until(fan.row.hit[lane], steps);
-                let struck = steps_until(fan.row.struck[lane], steps);
-                if !can_stop(fan, window, (speed, lane), free, struck) {
-                    continue;
-                }
-                let end = timed.ends[lane];
-                let (place_then, half) = (then[lane], half[lane]);
-                let direction = place_then.direction;
-                let heading = fan.heading(end, lane);
-                let cos = heading.0 * direction.0 + heading.1 * direction.1;
-                let pathless = direction == (0.0, 0.0);
-                let mut outcome = Outcome {
-                    progress_m: f64::from(place_then.along),
-                    beside_m: 0.5
-                        * f64::from(cost_beside(place_then.beside) + cost_beside(half.beside)),
-                    heading: if pathless { 0.0 } else { 1.0 - f64::from(cos) },
-                    margin_m: f64::from(fan.row.space[lane]),
-                };
-                let twist = Twist::new(v_mps, w_radps);
-                let calm_mps = config.speed_base_mps + config.speed_gain_hz * outcome.margin_m;
-                let worth_of = |outcome: &Outcome| {
-                    self.worth(situation, place, twist, outcome)
-                        - config.weight_speed * (v_mps - calm_mps).max(0.0)
-                        - config.weight_moving * badness(struck, steps)
-                };
-                let mut worth = worth_of(&outcome);
-                // The free way can only make it worth less.
-                if best.is_some_and(|(most, _)| worth <= most) {
-                    continue;
-                }
-                let (x, y) = (fan.row.x[end][lane], fan.row.y[end][lane]);
-                let at = Point2::new(here.x + f64::from(x), here.y + f64::from(y));
-                // Along the path, unless the free way from there is longer than that.
+            let terms = TimedWorth {
+                worth: self.worth_at(situation, place, v_mps),
+                v_mps,
+                config,
+            };
+            rate(&terms, &fan.yaw_rates, rated);
+            // Along the path, unless the free way from there is longer than that.
+            let worth_of = |lane: usize| {
+                let (x, y) = (f64::from(rated.x[lane]), f64::from(rated.y[lane]));
+                let at = Point2::new(here.x + x, here.y + y);
                 let nearer = timed.funnel.at(at).zip(now).map(|(then, now)| now - then);
-                if let Some(nearer) = nearer
-                    && nearer < place_then.along - DEAD_END_M
-                {
-                    outcome.progress_m = f64::from(nearer);
-                    worth = worth_of(&outcome);
+                match nearer.filter(|nearer| *nearer < rated.then.along[lane] - DEAD_END_M) {
+                    None => rated.worth[lane],
+                    Some(nearer) => {
+                        let outcome = Outcome {
+                            progress_m: f64::from(nearer),
+                            ..rated.outcome(lane)
+                        };
+                        terms.of(fan.yaw_rates[lane], &outcome, rated.badness[lane])
+                    }
                 }
-                if best.is_none_or(|(most, _)| worth > most) {
-                    best = Some((worth, twist));
+            };
+            // Which can only make it worth less: most are out of question once the most promising
+            // one is known.
+            let Some(first) = rated.most_promising(lanes) else {
+                continue;
+            };
+            let mut best = (worth_of(first), first);
+            for lane in (0..lanes).filter(|lane| *lane != first) {
+                // Of two that are worth the same the lower yaw rate.
+                let is_better = |worth: f64| worth > best.0 || worth >= best.0 && lane < best.1;
+                if is_better(rated.worth[lane]) && rated.is_admissible(lane) {
+                    let worth = worth_of(lane);
+                    if is_better(worth) {
+                        best = (worth, lane);
+                    }
                 }
             }
-            timed.reserve.extend(best);
+            let twist = Twist::new(v_mps, fan.yaw_rates[best.1]);
+            timed.reserve.push((best.0, twist));
         }
         timed.reserve.sort_by(|a, b| b.0.total_cmp(&a.0));
         let (_, twist) = *timed.reserve.first()?;
@@ -238,16 +223,20 @@ impl Dwa {
 }
 
 /// How many steps must be free of what stands for a row to be judged: the scored ones, and as many
-/// as a stop needs. Whatever lies beyond neither [`can_stop`] nor the evaluation asks for.
+/// as a stop needs. Whatever lies beyond neither [`settle`] nor the evaluation asks for.
 fn looked(fan: &Fan, window: &Window<'_>, speed: usize, scored: usize) -> usize {
     let v = fan.speeds[speed];
     if v.abs() < TURNING_MPS {
         return fan.steps;
     }
     let needed_m = stop_distance_m(window.robot, v, window.reaction_s) + window.stop_margin_m;
-    let arcs = fan.arcs_m(speed);
-    let stopped = arcs.partition_point(|arc| f64::from(*arc) < needed_m) + 1;
-    stopped.max(scored + 1).min(fan.steps)
+    steps_to(fan, speed, needed_m).max((scored + 1).min(fan.steps))
+}
+
+/// Steps after which an arc has been driven, all of them at most.
+fn steps_to(fan: &Fan, speed: usize, arc_m: f64) -> usize {
+    let short = |arc: &f32| f64::from(*arc) < arc_m;
+    (fan.arcs_m(speed).partition_point(short) + 1).min(fan.steps)
 }
 
 /// Whole steps in a time.
@@ -267,7 +256,8 @@ fn steps_of(time_s: f64, step_s: f64) -> usize {
     reason = "a step's index"
 )]
 fn steps_until(mark: f32, n: usize) -> usize {
-    if mark.is_finite() { mark as usize } else { n }
+    // What is infinite becomes the largest number.
+    (mark as u32 as usize).min(n)
 }
 
 /// How bad it is to touch an obstacle: 0 when none is touched, 1 when at once, never less than a
@@ -281,30 +271,50 @@ fn badness(struck: usize, n: usize) -> f64 {
     }
 }
 
-/// True when the robot can stop before what stands (`v^2 / 2a + v t_reaction + margin <= free
-/// arc`, on the spot the same with angles) and before what comes.
-fn can_stop(
-    fan: &Fan,
-    window: &Window<'_>,
-    (speed, lane): (usize, usize),
-    free: usize,
-    struck: usize,
-) -> bool {
-    let (v, w) = (fan.speeds[speed], fan.yaw_rates[lane]);
-    let n = fan.steps;
-    if v.abs() < TURNING_MPS {
-        let free_rad = match free.checked_sub(1) {
-            Some(last) => f64::from(fan.turned_rad(last, lane)).abs(),
-            None => 0.0,
-        };
-        return free == n || stop_angle_rad(window.robot, w, window.reaction_s) <= free_rad;
-    }
-    let arc_m = |free: usize| {
-        free.checked_sub(1)
-            .map_or(0.0, |last| f64::from(fan.arcs_m(speed)[last]))
-    };
+/// Takes in where the rollouts of a speed end: with the scored steps or before what stands, and
+/// on which the robot can stop before what stands (`v^2 / 2a + v t_reaction + margin <= free arc`,
+/// on the spot the same with angles) and before what comes.
+#[allow(clippy::cast_precision_loss, reason = "at most 64 steps")]
+fn settle(fan: &Fan, window: &Window<'_>, speed: usize, scored: usize, rated: &mut Rated) {
+    let (v, steps, row) = (fan.speeds[speed], fan.steps, &fan.row);
     let needed_m = stop_distance_m(window.robot, v, window.reaction_s);
-    let stands = free == n || needed_m + window.stop_margin_m <= arc_m(free);
-    let comes = struck == n || v.abs() < STANDING_MPS || needed_m <= arc_m(struck);
-    stands && comes
+    let stands = steps_to(fan, speed, needed_m + window.stop_margin_m) as f32;
+    let comes = if v.abs() < STANDING_MPS {
+        0.0
+    } else {
+        steps_to(fan, speed, needed_m) as f32
+    };
+    rated.admissible = 0;
+    for (lane, &w_radps) in fan.yaw_rates.iter().enumerate().take(LANES_MAX) {
+        let stops = if v.abs() < TURNING_MPS {
+            let free = steps_until(row.hit[lane], steps);
+            let free_rad = free
+                .checked_sub(1)
+                .map_or(0.0, |last| f64::from(fan.turned_rad(last, lane)).abs());
+            free == steps || stop_angle_rad(window.robot, w_radps, window.reaction_s) <= free_rad
+        } else {
+            row.hit[lane] >= stands && row.struck[lane] >= comes
+        };
+        rated.admissible |= u64::from(stops) << lane;
+    }
+    if rated.admissible == 0 {
+        return;
+    }
+    (rated.x, rated.y) = (row.x[scored], row.y[scored]);
+    (rated.half_x, rated.half_y) = (row.x[scored / 2], row.y[scored / 2]);
+    (rated.cos, rated.sin) = (fan.cos[scored], fan.sin[scored]);
+    rated.space = row.space;
+    rated.badness.fill(0.0);
+    for lane in 0..fan.yaw_rates.len() {
+        if row.hit[lane] <= scored as f32 {
+            let end = steps_until(row.hit[lane], steps).saturating_sub(1);
+            (rated.x[lane], rated.y[lane]) = (row.x[end][lane], row.y[end][lane]);
+            rated.half_x[lane] = row.x[end / 2][lane];
+            rated.half_y[lane] = row.y[end / 2][lane];
+            (rated.cos[lane], rated.sin[lane]) = (fan.cos[end][lane], fan.sin[end][lane]);
+        }
+        if row.struck[lane].is_finite() {
+            rated.badness[lane] = badness(steps_until(row.struck[lane], steps), steps);
+        }
+    }
 }

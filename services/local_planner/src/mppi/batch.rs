@@ -8,7 +8,7 @@ use super::limits::Limits;
 use crate::field::Sheet;
 use crate::footprint::DISCS_MAX;
 use crate::lanes::{least_nearest_m, lower_space};
-use crate::local_path::{LocalPath, Projection};
+use crate::local_path::{LocalPath, Projections};
 use crate::surroundings::{Surroundings, narrow};
 
 /// Samples of a batch: whole vectors, and not more than can be projected at once.
@@ -52,7 +52,7 @@ pub(crate) struct Batch {
     /// Stations before that, at least one.
     pub(crate) free: [usize; LANES],
     /// Places on the path at the ends of the stations.
-    pub(crate) projections: Vec<[Projection; LANES]>,
+    pub(crate) projections: Vec<Projections>,
 }
 
 impl Batch {
@@ -81,7 +81,7 @@ impl Batch {
             space: lanes(),
             hit: [0.0; LANES],
             free: [0; LANES],
-            projections: vec![[Projection::default(); LANES]; STATIONS],
+            projections: vec![Projections::default(); STATIONS],
         }
     }
 

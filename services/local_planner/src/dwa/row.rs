@@ -1,0 +1,159 @@
+//! The evaluation of rollouts, one or a row of them at a time.
+
+use crate::config::{DwaTConfig, DwaWeights};
+use crate::fan::{LANES_MAX, Lanes};
+use crate::local_path::Projections;
+use crate::rollout::{Outcome, cost_beside};
+
+/// What decides, besides where they lead, how much the rollouts of a speed are worth.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Worth {
+    pub(super) weights: DwaWeights,
+    /// Share of the highest speed.
+    pub(super) speed: f64,
+    /// [rad/s] steered in the period before.
+    pub(super) steered_radps: f64,
+    pub(super) w_radps_max: f64,
+    /// [m] of space from which on nearness costs nothing, and at which it costs most.
+    pub(super) soft_m: f64,
+    pub(super) hard_m: f64,
+}
+
+impl Worth {
+    /// What a rollout is worth, in metres of progress.
+    #[allow(
+        clippy::inline_always,
+        reason = "compiled once more with AVX2 only where it is inlined"
+    )]
+    #[inline(always)]
+    pub(crate) fn of(&self, w_radps: f64, outcome: &Outcome) -> f64 {
+        let weights = &self.weights;
+        let turn_change = (w_radps - self.steered_radps).abs() / self.w_radps_max;
+        let near = ((self.soft_m - outcome.margin_m) / (self.soft_m - self.hard_m)).clamp(0.0, 1.0);
+        weights.progress * outcome.progress_m + weights.speed * self.speed
+            - weights.cross_track * outcome.beside_m
+            - weights.heading * outcome.heading
+            - weights.clearance * near * near * (0.3 + 0.7 * self.speed)
+            - weights.turn_change * turn_change
+            // Ties: the straighter one.
+            - 1.0e-6 * w_radps.abs()
+    }
+}
+
+/// [`Worth`] with what `dwa_t` adds.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct TimedWorth {
+    pub(super) worth: Worth,
+    pub(super) v_mps: f64,
+    pub(super) config: DwaTConfig,
+}
+
+impl TimedWorth {
+    /// See [`Worth::of`]; `badness` tells what comes.
+    #[allow(
+        clippy::inline_always,
+        reason = "compiled once more with AVX2 only where it is inlined"
+    )]
+    #[inline(always)]
+    pub(crate) fn of(&self, w_radps: f64, outcome: &Outcome, badness: f64) -> f64 {
+        let config = &self.config;
+        let calm_mps = config.speed_base_mps + config.speed_gain_hz * outcome.margin_m;
+        self.worth.of(w_radps, outcome)
+            - config.weight_speed * (self.v_mps - calm_mps).max(0.0)
+            - config.weight_moving * badness
+    }
+}
+
+/// The rollouts of one speed, side by side, in the terms of the evaluation.
+#[derive(Debug, Clone)]
+pub(crate) struct Rated {
+    /// Where they end and where they are half way, relative to the robot along the map's axes. [m]
+    pub(super) x: Lanes,
+    pub(super) y: Lanes,
+    pub(super) half_x: Lanes,
+    pub(super) half_y: Lanes,
+    /// Headings at their ends.
+    pub(super) cos: Lanes,
+    pub(super) sin: Lanes,
+    /// The least space around the outline, at most the soft clearance. [m]
+    pub(super) space: Lanes,
+    /// How bad it is what they touch that moves.
+    pub(super) badness: [f64; LANES_MAX],
+    /// Where they end on the path, and where they are half way.
+    pub(super) then: Projections,
+    pub(super) half: Projections,
+    /// Bit by bit: the robot can stop on it.
+    pub(super) admissible: u64,
+    /// What they are worth, admissible or not.
+    pub(super) worth: [f64; LANES_MAX],
+}
+
+impl Default for Rated {
+    fn default() -> Self {
+        let (lanes, numbers) = ([0.0; LANES_MAX], [0.0; LANES_MAX]);
+        Self {
+            x: lanes,
+            y: lanes,
+            half_x: lanes,
+            half_y: lanes,
+            cos: lanes,
+            sin: lanes,
+            space: lanes,
+            badness: numbers,
+            then: Projections::default(),
+            half: Projections::default(),
+            admissible: 0,
+            worth: numbers,
+        }
+    }
+}
+
+impl Rated {
+    /// One of them in the terms of the evaluation.
+    #[allow(
+        clippy::inline_always,
+        reason = "compiled once more with AVX2 only where it is inlined"
+    )]
+    #[inline(always)]
+    pub(super) fn outcome(&self, lane: usize) -> Outcome {
+        let (along_x, along_y) = (self.then.direction_x[lane], self.then.direction_y[lane]);
+        let cos = self.cos[lane] * along_x + self.sin[lane] * along_y;
+        let pathless = (along_x, along_y) == (0.0, 0.0);
+        let beside = [self.then.beside[lane], self.half.beside[lane]].map(cost_beside);
+        Outcome {
+            progress_m: f64::from(self.then.along[lane]),
+            beside_m: 0.5 * f64::from(beside[0] + beside[1]),
+            heading: if pathless { 0.0 } else { 1.0 - f64::from(cos) },
+            margin_m: f64::from(self.space[lane]),
+        }
+    }
+
+    /// Rates rollouts with these yaw rates.
+    #[allow(
+        clippy::inline_always,
+        reason = "compiled once more with AVX2 only where it is inlined"
+    )]
+    #[inline(always)]
+    pub(crate) fn rate(&mut self, terms: &TimedWorth, yaw_rates: &[f64]) {
+        for (lane, w_radps) in yaw_rates.iter().enumerate().take(LANES_MAX) {
+            self.worth[lane] = terms.of(*w_radps, &self.outcome(lane), self.badness[lane]);
+        }
+    }
+
+    /// True when the robot can stop on it.
+    pub(super) const fn is_admissible(&self, lane: usize) -> bool {
+        self.admissible >> lane & 1 == 1
+    }
+
+    /// The admissible one that is worth most, the first of those.
+    pub(super) fn most_promising(&self, lanes: usize) -> Option<usize> {
+        let mut best = None;
+        let mut most = f64::NEG_INFINITY;
+        for (lane, worth) in self.worth[..lanes].iter().enumerate() {
+            if *worth > most && self.is_admissible(lane) {
+                (best, most) = (Some(lane), *worth);
+            }
+        }
+        best
+    }
+}
