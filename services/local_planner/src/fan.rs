@@ -22,7 +22,8 @@
 use crate::field::Sheet;
 use crate::footprint::DISCS_MAX;
 use crate::lanes::{
-    WIDTH, advance, least_nearest_m, lower_space, lower_space_around, note_space, strike, turn,
+    LANES_MAX, Lanes, WIDTH, advance, least_nearest_m, lower_space, lower_space_around, note_space,
+    strike, turn,
 };
 use crate::motion::{Twist, reachable, sinc};
 use crate::moving::Moving;
@@ -30,13 +31,8 @@ use crate::surroundings::{Surroundings, narrow};
 use crate::window::{Window, ramp_mean, snap, spread};
 use zeronav_msgs::obstacles::OBSTACLES_MAX;
 
-/// Most yaw rates of a window.
-pub(crate) const LANES_MAX: usize = 64;
-
 /// Most steps of a rollout.
 pub(crate) const STEPS_MAX: usize = 64;
-
-pub(crate) type Lanes = [f32; LANES_MAX];
 
 /// Where the lanes of a fan look, and how each turns in the step at hand.
 #[derive(Debug, Clone)]

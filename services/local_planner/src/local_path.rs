@@ -2,9 +2,8 @@
 
 #![allow(clippy::cast_possible_truncation, reason = "indices of 32 samples")]
 
-use crate::fan::{LANES_MAX, Lanes};
 use crate::field::ClearanceField;
-use crate::lanes::{place_on, places_on};
+use crate::lanes::{LANES_MAX, Lanes, place_on, places_on};
 use crate::progress::{PathTracker, Place};
 use crate::surroundings::narrow;
 use nalgebra::{Point2, Vector2};

@@ -1,7 +1,12 @@
 //! The evaluation of rollouts, one or a row of them at a time.
 
+#![allow(
+    clippy::inline_always,
+    reason = "compiled once more with AVX2 only where it is inlined"
+)]
+
 use crate::config::{DwaTConfig, DwaWeights};
-use crate::fan::{LANES_MAX, Lanes};
+use crate::lanes::{LANES_MAX, Lanes};
 use crate::local_path::Projections;
 use crate::rollout::{Outcome, cost_beside};
 
@@ -21,10 +26,6 @@ pub(crate) struct Worth {
 
 impl Worth {
     /// What a rollout is worth, in metres of progress.
-    #[allow(
-        clippy::inline_always,
-        reason = "compiled once more with AVX2 only where it is inlined"
-    )]
     #[inline(always)]
     pub(crate) fn of(&self, w_radps: f64, outcome: &Outcome) -> f64 {
         let weights = &self.weights;
@@ -50,10 +51,6 @@ pub(crate) struct TimedWorth {
 
 impl TimedWorth {
     /// See [`Worth::of`]; `badness` tells what comes.
-    #[allow(
-        clippy::inline_always,
-        reason = "compiled once more with AVX2 only where it is inlined"
-    )]
     #[inline(always)]
     pub(crate) fn of(&self, w_radps: f64, outcome: &Outcome, badness: f64) -> f64 {
         let config = &self.config;
@@ -110,10 +107,6 @@ impl Default for Rated {
 
 impl Rated {
     /// One of them in the terms of the evaluation.
-    #[allow(
-        clippy::inline_always,
-        reason = "compiled once more with AVX2 only where it is inlined"
-    )]
     #[inline(always)]
     pub(super) fn outcome(&self, lane: usize) -> Outcome {
         let (along_x, along_y) = (self.then.direction_x[lane], self.then.direction_y[lane]);
@@ -129,10 +122,6 @@ impl Rated {
     }
 
     /// Rates rollouts with these yaw rates.
-    #[allow(
-        clippy::inline_always,
-        reason = "compiled once more with AVX2 only where it is inlined"
-    )]
     #[inline(always)]
     pub(crate) fn rate(&mut self, terms: &TimedWorth, yaw_rates: &[f64]) {
         for (lane, w_radps) in yaw_rates.iter().enumerate().take(LANES_MAX) {
