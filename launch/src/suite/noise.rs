@@ -149,7 +149,8 @@ mod tests {
         let hard = read(jackal(Noise::Hard));
         assert!((hard.actuation_delay_s - 0.1).abs() < 1e-12);
         assert!((hard.slip.unwrap().turn_ratio - 0.06).abs() < 1e-12);
-        assert!((hard.odometry.unwrap().turn_per_turn - 0.06).abs() < 1e-12);
+        let odometry = hard.odometry.unwrap();
+        assert!((odometry.turn_per_turn - 0.02).abs() < 1e-12 && odometry.gyro);
         assert!((hard.lidar.sigma_m - 2.0 * preset.lidar.sigma_m).abs() < 1e-12);
         assert!((hard.lidar.edge_ratio - 0.6).abs() < 1e-12);
         assert_eq!(hard.lidar.n_beams, preset.lidar.n_beams);

@@ -1,5 +1,5 @@
-//! What the wheels say about the way: their own motion, with errors that grow by distance and by
-//! angle.
+//! What the wheels, and a gyro where there is one, say about the way: their own motion, with errors
+//! that grow by distance and by angle.
 
 use crate::noise::{Draws, Stream};
 use nalgebra::Matrix3;
@@ -22,8 +22,20 @@ pub struct Odometer {
 pub struct WheelMotion {
     /// Pose at the end of the tick in the frame of its beginning, if nothing slips.
     pub shift: Pose,
+    /// By how much the robot really turned. [rad]
+    pub turned_rad: f64,
     /// Way of the wheels' middle, forwards and backwards. [m] >= 0
     pub distance_m: f64,
+}
+
+impl WheelMotion {
+    /// The shift of wheels that roll as far, on an arc that turns as far as the robot really did.
+    fn turned_by_gyro(&self) -> Pose {
+        let (sin, cos) = (0.5 * self.shift.yaw_rad).sin_cos();
+        let chord_m = cos * self.shift.x_m + sin * self.shift.y_m;
+        let (sin, cos) = (0.5 * self.turned_rad).sin_cos();
+        Pose::new(chord_m * cos, chord_m * sin, self.turned_rad)
+    }
 }
 
 impl Odometer {
@@ -44,6 +56,12 @@ impl Odometer {
         self.pose
     }
 
+    /// True when the yaw is a gyro's.
+    #[must_use]
+    pub const fn has_gyro(&self) -> bool {
+        self.spec.gyro
+    }
+
     /// Variances of x [m^2], y [m^2] and yaw [rad^2] since the start, to first order.
     #[must_use]
     pub fn variance(&self) -> [f64; 3] {
@@ -59,7 +77,12 @@ impl Odometer {
     /// Counts a tick that ends at `run_ns`.
     pub fn count(&mut self, wheels: &WheelMotion, run_ns: u64) {
         let spec = &self.spec;
-        let turned_rad = wheels.shift.yaw_rad.abs();
+        let shift = if spec.gyro {
+            wheels.turned_by_gyro()
+        } else {
+            wheels.shift
+        };
+        let turned_rad = shift.yaw_rad.abs();
         let variance_of = |by_distance: f64, by_turn: f64| {
             by_distance.powi(2) * wheels.distance_m + by_turn.powi(2) * turned_rad
         };
@@ -71,17 +94,17 @@ impl Odometer {
             turn_rad2.sqrt() * draws.normal(),
         );
         // The error along the way points where the wheels do in the middle of the tick.
-        let (sin, cos) = (0.5 * wheels.shift.yaw_rad).sin_cos();
+        let (sin, cos) = (0.5 * shift.yaw_rad).sin_cos();
         let seen = Pose::new(
-            wheels.shift.x_m + cos * along_m,
-            wheels.shift.y_m + sin * along_m,
-            wrap_angle(wheels.shift.yaw_rad + turn_rad),
+            shift.x_m + cos * along_m,
+            shift.y_m + sin * along_m,
+            wrap_angle(shift.yaw_rad + turn_rad),
         );
         let before = self.pose;
         self.pose = before.then(&seen);
         let (x, y) = (self.pose.x_m - before.x_m, self.pose.y_m - before.y_m);
         let carry = Matrix3::new(1.0, 0.0, -y, 0.0, 1.0, x, 0.0, 0.0, 1.0);
-        let (sin, cos) = (before.yaw_rad + 0.5 * wheels.shift.yaw_rad).sin_cos();
+        let (sin, cos) = (before.yaw_rad + 0.5 * shift.yaw_rad).sin_cos();
         let added = Matrix3::new(
             cos * cos * distance_m2,
             cos * sin * distance_m2,
@@ -108,6 +131,7 @@ mod tests {
         distance_per_turn: 0.01,
         turn_per_turn: 0.03,
         turn_per_distance: 0.01,
+        gyro: false,
     };
 
     /// Error after `ticks` ticks of the same motion, and the variances that the odometer claims.
@@ -116,6 +140,7 @@ mod tests {
         let mut truth = odometer.pose();
         let wheels = WheelMotion {
             shift,
+            turned_rad: shift.yaw_rad,
             distance_m: shift.x_m.abs(),
         };
         for tick in 1..=ticks {
@@ -158,6 +183,47 @@ mod tests {
                 let ratio = squares[axis] / claimed[axis];
                 assert!((ratio - 1.0).abs() < 0.2, "{shift:?} axis {axis}: {ratio}");
             }
+        }
+    }
+
+    #[test]
+    fn a_gyro_sees_the_robot_turn_and_not_its_wheels() {
+        let exact = |gyro| OdometrySpec {
+            distance_per_distance: 0.0,
+            distance_per_turn: 0.0,
+            turn_per_turn: 0.0,
+            turn_per_distance: 0.0,
+            gyro,
+        };
+        // The wheels roll 2 m on an arc of 1 rad; half of the turning is lost.
+        let yaw_rad = 0.005_f64;
+        let radius_m = 0.01 / yaw_rad;
+        let wheels = WheelMotion {
+            shift: Pose::new(
+                radius_m * yaw_rad.sin(),
+                radius_m * (1.0 - yaw_rad.cos()),
+                yaw_rad,
+            ),
+            turned_rad: 0.5 * yaw_rad,
+            distance_m: 0.01,
+        };
+        let driven = |gyro| {
+            let mut odometer = Odometer::new(exact(gyro), 1, Pose::default());
+            for tick in 1..=200 {
+                odometer.count(&wheels, tick * TICK_NS);
+            }
+            odometer.pose()
+        };
+        let arc = |turned: f64| {
+            Pose::new(
+                2.0 * turned.sin() / turned,
+                2.0 * (1.0 - turned.cos()) / turned,
+                turned,
+            )
+        };
+        for (pose, truth) in [(driven(false), arc(1.0)), (driven(true), arc(0.5))] {
+            assert!(pose.distance_m(&truth) < 1e-4, "{pose:?} {truth:?}");
+            assert!((pose.yaw_rad - truth.yaw_rad).abs() < 1e-9);
         }
     }
 

@@ -261,8 +261,12 @@ impl Simulator {
         };
         if let Some(odometer) = &mut self.odometer {
             let shift = seen_from(&start.pose, &wheels.at(moved_s).pose);
-            let distance_m = wheels.driven_m(moved_s);
-            odometer.count(&WheelMotion { shift, distance_m }, run_ns);
+            let motion = WheelMotion {
+                shift,
+                turned_rad: wrap_angle(self.state.pose.yaw_rad - start.pose.yaw_rad),
+                distance_m: wheels.driven_m(moved_s),
+            };
+            odometer.count(&motion, run_ns);
             if let Some(shift) = self.faults.take_jump(run_ns) {
                 odometer.jump(&shift);
             }
@@ -358,7 +362,7 @@ impl Simulator {
         Some(scan)
     }
 
-    /// Odometry at the end of the last tick: what the wheels say. Without slip, errors of odometry
+    /// Odometry at the end of the last tick: what the wheels say, and the gyro. Without slip, errors of odometry
     /// and faults that mislead it, it is the truth, `odom` is `map` and the variances are 0.
     #[must_use]
     pub fn odometry(&self) -> Odometry {
@@ -369,7 +373,11 @@ impl Simulator {
         Odometry {
             pose,
             v_mps: self.wheels.v_mps,
-            w_radps: self.wheels.w_radps,
+            w_radps: if self.odometer.as_ref().is_some_and(Odometer::has_gyro) {
+                self.state.twist.w_radps
+            } else {
+                self.wheels.w_radps
+            },
             variance,
             scan_due: u32::from(self.scan_due().is_some()),
             spare: 0,
@@ -428,6 +436,7 @@ fn odometer_of(robot: &RobotSpec, seed: u64, start: Pose) -> Option<Odometer> {
         distance_per_turn: 0.0,
         turn_per_turn: 0.0,
         turn_per_distance: 0.0,
+        gyro: false,
     };
     let misled = robot.slip.is_some() || robot.faults.iter().any(FaultSpec::misleads_odometry);
     let errs = robot.odometry.or(misled.then_some(EXACT));

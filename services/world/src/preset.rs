@@ -58,10 +58,10 @@ impl RobotPreset {
                 command_timeout_s: 0.6,
                 actuation_delay_s: 0.04,
                 slip: Some(SlipSpec::default()),
-                // Its yaw comes from a gyro.
                 odometry: Some(OdometrySpec {
                     turn_per_turn: 0.01,
                     turn_per_distance: 0.005,
+                    gyro: true,
                     ..OdometrySpec::default()
                 }),
                 lidar: LidarPreset::RplidarA1.lidar(),
@@ -106,8 +106,8 @@ impl RobotPreset {
                 alpha_radps2_max: 8.0,
                 command_timeout_s: 0.25,
                 actuation_delay_s: 0.04,
-                // Its odometry is scaled for the turning that four scrubbing wheels lose on
-                // average; what remains varies with the floor.
+                // Four scrubbing wheels turn it by less than they should, by how much varies with
+                // the floor.
                 slip: Some(SlipSpec {
                     forward_ratio: 0.01,
                     turn_ratio: 0.03,
@@ -115,7 +115,11 @@ impl RobotPreset {
                 }),
                 odometry: Some(OdometrySpec {
                     distance_per_distance: 0.02,
-                    turn_per_turn: 0.03,
+                    // That is why the odometry that it comes with takes its yaw from the inertial
+                    // unit on board (`jackal_control`, robot_localization.yaml).
+                    turn_per_turn: 0.01,
+                    turn_per_distance: 0.005,
+                    gyro: true,
                     ..OdometrySpec::default()
                 }),
                 lidar: LidarSpec {

@@ -62,7 +62,8 @@ pub struct RobotSpec {
     pub faults: Vec<FaultSpec>,
 }
 
-/// Wheels that slip: the ground sees less of the motion than the wheels do. Odometry cannot tell.
+/// Wheels that slip: the ground sees less of the motion than the wheels do. Odometry cannot tell,
+/// but for the yaw of one with a gyro ([`OdometrySpec::gyro`]).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct SlipSpec {
     /// Share of the wheels' forward motion that is lost on average, 0 to 0.9.
@@ -97,6 +98,8 @@ pub struct OdometrySpec {
     pub turn_per_turn: f64,
     /// Deviation of the yaw after 1 m. [rad/sqrt(m)]
     pub turn_per_distance: f64,
+    /// The yaw is a gyro's: it sees the robot turn and not its wheels, whose slip is not in it.
+    pub gyro: bool,
 }
 
 impl Default for OdometrySpec {
@@ -107,6 +110,7 @@ impl Default for OdometrySpec {
             distance_per_turn: 0.002,
             turn_per_turn: 0.02,
             turn_per_distance: 0.01,
+            gyro: false,
         }
     }
 }
@@ -231,6 +235,7 @@ struct OdometryWords {
     distance_per_turn: Option<f64>,
     turn_per_turn: Option<f64>,
     turn_per_distance: Option<f64>,
+    gyro: Option<bool>,
 }
 
 impl OdometryWords {
@@ -242,6 +247,7 @@ impl OdometryWords {
             distance_per_turn: self.distance_per_turn.unwrap_or(base.distance_per_turn),
             turn_per_turn: self.turn_per_turn.unwrap_or(base.turn_per_turn),
             turn_per_distance: self.turn_per_distance.unwrap_or(base.turn_per_distance),
+            gyro: self.gyro.unwrap_or(base.gyro),
         }
     }
 }
