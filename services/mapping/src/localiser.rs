@@ -78,6 +78,10 @@ const FLOOR: (f64, f64) = (0.005, 0.002);
 /// Largest standard deviations: a robot that has been lost for long is not lost everywhere.
 const CEILING: (f64, f64) = (0.5, 0.2);
 
+/// Times the deviation of the yaw that odometry claims by which it is trusted, when that is less than
+/// the configuration's: with a gyro it knows the yaw better than scans do among those who walk.
+const CLAIM: f64 = 2.0;
+
 /// Keeps `map_from_odom` right.
 #[derive(Debug)]
 pub struct Localiser {
@@ -91,6 +95,10 @@ pub struct Localiser {
     /// All that was added so far. [rad^2]
     yaw_doubt: f64,
     last_odom_from_base: Option<Pose>,
+    /// Variance of the yaw that odometry claims, at the first scan and now, and what the
+    /// configuration makes of the way between them. [rad^2]
+    claimed_yaw: [f64; 2],
+    assumed_yaw: f64,
     scans: ScanOdometry,
     active: bool,
 }
@@ -107,13 +115,17 @@ impl Localiser {
             step_yaw: 0.0,
             yaw_doubt: 0.0,
             last_odom_from_base: None,
+            claimed_yaw: [0.0; 2],
+            assumed_yaw: 0.0,
             scans: ScanOdometry::default(),
             active: false,
         }
     }
 
-    /// True when the pose is corrected, given the variances that odometry states of itself.
+    /// True when the pose is corrected, given the variances of x, y [m^2] and yaw [rad^2] that
+    /// odometry states of itself as of the scan that comes next.
     pub fn is_active(&mut self, odometry_variance: &[f64; 3]) -> bool {
+        self.claimed_yaw[1] = odometry_variance[2];
         self.active = match self.config.mode {
             CorrectionMode::Off => false,
             CorrectionMode::On => true,
@@ -192,6 +204,7 @@ impl Localiser {
     ) -> Pose {
         let Some(last) = self.last_odom_from_base.replace(*odom_from_base) else {
             self.map_from_base = *odom_from_base;
+            self.claimed_yaw[0] = self.claimed_yaw[1];
             self.scans.begin(odom_from_base, standing);
             return *odom_from_base;
         };
@@ -201,6 +214,7 @@ impl Localiser {
         let place = config.noise_m_per_sqrt_m.powi(2) * length_m;
         let yaw = config.noise_rad_per_sqrt_rad.powi(2) * turn_rad
             + config.noise_rad_per_sqrt_m.powi(2) * length_m;
+        let yaw = yaw * self.yaw_trust(yaw);
         let noise = Matrix3::from_diagonal(&Vector3::new(place, place, yaw));
         let moved = self
             .scans
@@ -214,6 +228,18 @@ impl Localiser {
         self.covariance = step * self.covariance * step.transpose() + added;
         self.limit();
         predicted
+    }
+
+    /// By what share the variance `yaw` of a step is less because odometry claims so. [rad^2] The
+    /// claim is that for the whole way: what jumps or slips has not claimed that it does.
+    fn yaw_trust(&mut self, yaw: f64) -> f64 {
+        self.assumed_yaw += yaw;
+        let claimed = self.claimed_yaw[1] - self.claimed_yaw[0];
+        if claimed > 0.0 && self.assumed_yaw > 0.0 {
+            (CLAIM.powi(2) * claimed / self.assumed_yaw).min(1.0)
+        } else {
+            1.0
+        }
     }
 
     /// Keeps the covariance between floor and ceiling.
