@@ -46,7 +46,8 @@ impl Clusters {
     /// Finds the clusters of a scan seen from `map_from_frame`. Points beyond `range_m_max` or for
     /// which `is_background` holds belong to none. Two neighbours belong together when they are at
     /// most `gap_m` and twice the distance of neighbouring beams apart, or when the second goes on
-    /// along the line of those before it: a wall seen at a slant is not many small things.
+    /// along the line of those before it: a wall seen at a slant is not many small things. What is
+    /// hollow by `gap_m` is parted at its deepest point: two people who walk side by side are two.
     pub fn find(
         &mut self,
         beams: &Beams,
@@ -95,11 +96,19 @@ impl Clusters {
                 && (together(&self.points[end - 1], &self.points[end])
                     || continues_line(&self.points[first..=end], n_beams));
             if !goes_on {
-                let hidden = self.is_hidden(beams, first, end, gap_m);
-                self.clusters.push(Cluster { first, end, hidden });
+                while let Some(n) = hollow(&self.points[first..end], gap_m) {
+                    self.push(beams, first, first + n, gap_m);
+                    first += n;
+                }
+                self.push(beams, first, end, gap_m);
                 first = end;
             }
         }
+    }
+
+    fn push(&mut self, beams: &Beams, first: usize, end: usize, gap_m: f64) {
+        let hidden = self.is_hidden(beams, first, end, gap_m);
+        self.clusters.push(Cluster { first, end, hidden });
     }
 
     /// The clusters, in the order of the beams.
@@ -131,6 +140,26 @@ impl Clusters {
         let (from, to) = (&self.points[first], &self.points[end - 1]);
         hides(from, from.beam.checked_sub(1)) || hides(to, Some(to.beam + 1))
     }
+}
+
+/// The first point that is farther than some before and some behind it by `depth_m`.
+fn hollow(points: &[ScanPoint], depth_m: f64) -> Option<usize> {
+    let mut nearest_m = f64::INFINITY;
+    // Farthest behind that one.
+    let mut deepest = (f64::INFINITY, 0);
+    for (n, point) in points.iter().enumerate() {
+        let (deepest_m, at) = deepest;
+        if deepest_m - nearest_m >= depth_m && deepest_m - point.range_m >= depth_m {
+            return Some(at);
+        }
+        if point.range_m < nearest_m {
+            nearest_m = point.range_m;
+            deepest = (nearest_m, n);
+        } else if point.range_m > deepest_m {
+            deepest = (point.range_m, n);
+        }
+    }
+    None
 }
 
 /// True when the last of `points` goes on along the line through the two before it.
@@ -216,6 +245,58 @@ mod tests {
         let mut with_post = wall;
         with_post[55..58].fill(1.5);
         assert_eq!(count(&with_post), 3);
+    }
+
+    #[test]
+    fn two_who_stand_side_by_side_are_two() {
+        // Discs of 0.3 m, 0.62 m apart.
+        let range = |angle: f32, x: f32, y: f32| {
+            let along = x * angle.cos() + y * angle.sin();
+            let beside = x * angle.sin() - y * angle.cos();
+            let half = (0.09 - beside * beside).sqrt();
+            if half.is_nan() {
+                f32::NAN
+            } else {
+                along - half
+            }
+        };
+        let pair = |x: f32| -> Vec<f32> {
+            (0..100_u16)
+                .map(|n| 0.02 * f32::from(n) - 1.0)
+                .map(|angle| range(angle, x, 0.31).min(range(angle, x, -0.31)))
+                .collect()
+        };
+        let mut beams = Beams::default();
+        let mut sizes = |ranges: &[f32]| -> Vec<usize> {
+            let scan = Scan {
+                n_beams: 100,
+                angle_min_rad: -1.0,
+                angle_increment_rad: 0.02,
+                range_m_min: 0.1,
+                range_m_max: 10.0,
+                ..Scan::default()
+            };
+            beams.cast(&scan, ranges, &Sweep::still(Pose::default()));
+            let mut clusters = Clusters::default();
+            clusters.find(&beams, &Pose::default(), (0.1, 10.0), |_| false);
+            let found = clusters.as_slice().iter();
+            found
+                .map(|cluster| clusters.points(cluster).len())
+                .collect()
+        };
+        let pair = sizes(&pair(2.0));
+        assert_eq!(pair.len(), 2, "{pair:?}");
+        assert!(pair[0].abs_diff(pair[1]) <= 2, "{pair:?}");
+        // One disc is one, a room's corner is two walls.
+        let one: Vec<f32> = (0..100_u16)
+            .map(|n| range(0.02 * f32::from(n) - 1.0, 2.0, 0.0))
+            .collect();
+        assert_eq!(sizes(&one).len(), 1);
+        let corner: Vec<f32> = (0..100_u16)
+            .map(|n| 0.02 * f32::from(n) - 1.0)
+            .map(|angle| 2.0 / (angle.cos() + angle.sin().abs()))
+            .collect();
+        assert_eq!(sizes(&corner).len(), 2);
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! The scans of the last second: what could be looked through then.
+//! Scans of the last second: what could be looked through then.
 
 use core::f64::consts::TAU;
 use nalgebra::Point2;
@@ -6,8 +6,10 @@ use std::collections::VecDeque;
 use zeronav_msgs::Pose;
 use zeronav_msgs::scan::Scan;
 
-/// Scans that are kept.
+/// Scans that are kept, and the time between them: fast lidars would fill the memory with the last
+/// moment, in which nobody comes far. [ns]
 const SCANS_MAX: usize = 12;
+const APART_NS: u64 = 90_000_000;
 
 /// Beams on either side of a point that must pass it, too: a beam that slips past an edge proves
 /// nothing.
@@ -93,12 +95,20 @@ pub struct PastScans {
 impl PastScans {
     /// Adds a scan seen from `map_from_laser` at run time `run_ns`.
     pub fn push(&mut self, scan: &Scan, ranges: &[f32], map_from_laser: &Pose, run_ns: u64) {
-        let mut memory = if self.scans.len() == SCANS_MAX {
-            self.scans.pop_front().map(|past| past.ranges)
+        // The newest one always, in place of the one before when that followed too soon.
+        let mut latest = self.scans.iter().rev().map(PastScan::run_ns);
+        let too_soon = latest
+            .next()
+            .zip(latest.next())
+            .is_some_and(|(last_ns, before_ns)| last_ns.saturating_sub(before_ns) < APART_NS);
+        let spare = if too_soon {
+            self.scans.pop_back()
+        } else if self.scans.len() == SCANS_MAX {
+            self.scans.pop_front()
         } else {
             None
-        }
-        .unwrap_or_default();
+        };
+        let mut memory = spare.map(|past| past.ranges).unwrap_or_default();
         memory.clear();
         memory.extend_from_slice(ranges);
         self.scans.push_back(PastScan {
