@@ -29,7 +29,7 @@ impl Default for Growth {
     fn default() -> Self {
         Self {
             sigmas: 1.0,
-            least_mps: 0.08,
+            least_mps: 0.2,
             most_m: 0.5,
         }
     }

@@ -130,6 +130,8 @@ pub struct Recovery {
     config: RecoveryConfig,
     behaviour: Behaviour,
     since_s: f64,
+    /// When the last manoeuvre or wait ended. [s]
+    tried_s: f64,
     goal: u64,
     /// Of the path when it was asked for another one.
     geometry: u64,
@@ -150,6 +152,7 @@ impl Recovery {
             config,
             behaviour: Behaviour::Follow,
             since_s: 0.0,
+            tried_s: f64::NEG_INFINITY,
             goal: 0,
             geometry: 0,
             blocked_since_s: None,
@@ -247,6 +250,9 @@ impl Recovery {
 
     fn enter(&mut self, facts: &Facts, to: Behaviour, reason: Reason) -> Option<Transition> {
         let from = self.behaviour;
+        if !matches!(from, Behaviour::Follow | Behaviour::Align) {
+            self.tried_s = facts.now_s;
+        }
         self.behaviour = to;
         self.since_s = facts.now_s;
         self.geometry = facts.geometry;
@@ -277,7 +283,12 @@ impl Recovery {
         }
         let turned_s = self.lasted_s(facts);
         match self.behaviour {
-            Behaviour::Follow if facts.no_progress => self.trouble(facts, Reason::NoProgress),
+            // What was tried needs time to show.
+            Behaviour::Follow
+                if facts.no_progress && facts.now_s - self.tried_s > self.config.wait_s =>
+            {
+                self.trouble(facts, Reason::NoProgress)
+            }
             Behaviour::Follow if facts.turns => {
                 self.enter(facts, Behaviour::Align, Reason::TurnsOnTheSpot)
             }

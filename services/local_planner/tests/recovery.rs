@@ -201,6 +201,32 @@ fn the_ladder_is_climbed_and_left_when_the_robot_comes_closer() {
 }
 
 #[test]
+fn what_is_tried_is_given_time_to_help() {
+    // In a crowd: it could move, but comes no closer, can neither back up nor turn, and every wait
+    // ends at once.
+    let config = RecoveryConfig::default();
+    let mut recovery = Recovery::new(config);
+    recovery.step(&fine(0.0));
+    let mut tries_s = Vec::new();
+    let times_s = (1..).map(|n| PERIOD_S * f64::from(n));
+    for now_s in times_s.take_while(|now_s| *now_s < 20.0) {
+        let change = recovery.step(&Facts {
+            stalled_s: 10.0 + now_s,
+            no_progress: true,
+            something_moves: true,
+            ..fine(now_s)
+        });
+        let is_try = change.is_some_and(|change| change.reason == Reason::NoProgress);
+        tries_s.extend(is_try.then_some(now_s));
+    }
+    println!("{tries_s:?}");
+    assert!((3..=7).contains(&tries_s.len()), "{tries_s:?}");
+    let apart = tries_s.windows(2).map(|pair| pair[1] - pair[0]);
+    assert!(apart.fold(f64::INFINITY, f64::min) > config.wait_s);
+    assert!(!matches!(recovery.behaviour(), Behaviour::GiveUp(_)));
+}
+
+#[test]
 fn being_stuck_names_what_it_was() {
     for (blocked, cause) in [(true, Cause::Blocked), (false, Cause::NoProgress)] {
         let mut recovery = Recovery::new(RecoveryConfig::default());
