@@ -9,7 +9,8 @@ use zeronav_world::track::Track;
 use zeronav_world::{Obstacle, World};
 
 /// Times before a contact from which the oracle tries, shortest first. [s] A contact that not even
-/// the last avoids is unavoidable.
+/// the last avoids is unavoidable. Nobody knows of somebody who does not exist yet: with whom a
+/// recording begins in front of the robot, the oracle tries from that moment on.
 const LEADS_S: [f64; 4] = [0.5, 1.0, 2.0, 3.0];
 
 /// A contact as the result of a run has it.
@@ -37,7 +38,7 @@ pub struct ContactRow {
     /// Its forward speed just before. [m/s]
     pub v_mps: f64,
     /// How long before an oracle that knows every future could still avoid it, the shortest of
-    /// 0.5, 1, 2 and 3 s; null when not even then. [s]
+    /// 0.5, 1, 2 and 3 s, or the time since what was touched appeared; null when not even then. [s]
     pub avoidable_s: Option<f64>,
     /// True when not even then.
     pub unavoidable: bool,
@@ -52,6 +53,7 @@ pub(super) struct Hindsight {
 
 /// A disc on a track.
 struct Mover {
+    name: String,
     track: Track,
     radius_m: f64,
     appears_s: f64,
@@ -69,6 +71,7 @@ impl Mover {
         };
         let is_played = !spec.track.is_empty() && spec.starts.is_none();
         is_played.then(|| Self {
+            name: spec.name.clone(),
             track: Track::new(&spec.track, spec.repeat, spec.track_from_s),
             radius_m,
             appears_s,
@@ -98,8 +101,9 @@ impl Hindsight {
         })
     }
 
-    /// The shortest of [`LEADS_S`] from which the contact could still have been avoided. `motion`
-    /// has rows of time, x, y, yaw, speed and yaw rate, as a run's result has them.
+    /// The shortest of [`LEADS_S`] from which the contact could still have been avoided, at most
+    /// the time since what was touched appeared. `motion` has rows of time, x, y, yaw, speed and
+    /// yaw rate, as a run's result has them.
     pub(super) fn avoidable_s(&self, contact: &Touch, motion: &[[f64; 6]]) -> Option<f64> {
         let discs_at = |t_s: f64| {
             self.movers
@@ -112,7 +116,20 @@ impl Hindsight {
             discs_at: &discs_at,
             fixed_m: &fixed_m,
         };
-        LEADS_S.into_iter().find(|lead_s| {
+        let mut touched = self
+            .movers
+            .iter()
+            .filter(|mover| mover.name == contact.with);
+        let age_s = touched.next().map_or(f64::INFINITY, |mover| {
+            // Who is there from the start was there before.
+            if mover.appears_s > 0.0 {
+                (contact.time_s - mover.appears_s).max(0.0)
+            } else {
+                f64::INFINITY
+            }
+        });
+        let known_s = LEADS_S.map(|lead_s| lead_s.min(age_s));
+        known_s.into_iter().find(|lead_s| {
             let until_s = contact.time_s - lead_s;
             let before = motion.partition_point(|row| row[0] <= until_s);
             let Some(row) = motion.get(before.saturating_sub(1)) else {
@@ -178,6 +195,35 @@ mod tests {
         // Who waits for the robot has no future of its own.
         let near = "starts = { robot_near = { point_m = [1.0, 1.0], distance_m = 1.0 } }";
         assert!(of(near).is_none());
+    }
+
+    #[test]
+    fn nobody_knows_of_somebody_who_is_not_there_yet() {
+        // He appears at 2 s at (5, 0), walking towards a robot that drives at 1 m/s.
+        let hindsight = of("").unwrap();
+        let motion: Vec<[f64; 6]> = (0..=30)
+            .map(|tenth| 0.1 * f64::from(tenth))
+            .map(|t| {
+                [
+                    t,
+                    5.0,
+                    0.6 - (t - 2.0),
+                    -core::f64::consts::FRAC_PI_2,
+                    1.0,
+                    0.0,
+                ]
+            })
+            .collect();
+        let touch = |with: &str| Touch {
+            time_s: 2.06,
+            moving: true,
+            v_mps: 1.0,
+            with: with.to_owned(),
+        };
+        assert_eq!(hindsight.avoidable_s(&touch("walker"), &motion), None);
+        // Who had been there all the time could have been seen.
+        let other = hindsight.avoidable_s(&touch("another"), &motion);
+        assert!(other.is_some(), "{other:?}");
     }
 
     #[test]
