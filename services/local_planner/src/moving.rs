@@ -11,6 +11,9 @@ const STANDING_MPS: f64 = 0.1;
 /// [m/s] from which a tracked obstacle is taken for somebody who walks.
 const WALKING_MPS: f64 = 0.3;
 
+/// Share of its speed by which a tracked obstacle's radius grows at least: who walks may turn.
+const TURNS_SHARE: f64 = 0.2;
+
 /// [m] around a tracked obstacle within which points of the scan are its own.
 const OWN_POINTS_M: f64 = 0.12;
 
@@ -29,7 +32,7 @@ impl Default for Growth {
     fn default() -> Self {
         Self {
             sigmas: 1.0,
-            least_mps: 0.2,
+            least_mps: 0.08,
             most_m: 0.5,
         }
     }
@@ -48,7 +51,11 @@ struct Track {
 impl Track {
     /// True for what surely moves: the end of a wall that seems to is not waited for.
     fn comes_fast(&self) -> bool {
-        self.velocity.0.hypot(self.velocity.1) >= WALKING_MPS
+        self.speed_mps() >= WALKING_MPS
+    }
+
+    fn speed_mps(&self) -> f64 {
+        self.velocity.0.hypot(self.velocity.1)
     }
 }
 
@@ -157,7 +164,7 @@ impl Moving {
             let [p0, p1, p2] = track.variance;
             let variance = p0 + (p1 + p2 * elapsed_s) * elapsed_s;
             (growth.sigmas * variance.max(0.0).sqrt())
-                .max(growth.least_mps * elapsed_s)
+                .max(growth.least_mps.max(TURNS_SHARE * track.speed_mps()) * elapsed_s)
                 .min(growth.most_m)
         });
         (at, track.radius_m + grown_m)
