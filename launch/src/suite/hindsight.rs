@@ -116,19 +116,11 @@ impl Hindsight {
             discs_at: &discs_at,
             fixed_m: &fixed_m,
         };
-        let mut touched = self
-            .movers
-            .iter()
-            .filter(|mover| mover.name == contact.with);
-        let age_s = touched.next().map_or(f64::INFINITY, |mover| {
-            // Who is there from the start was there before.
-            if mover.appears_s > 0.0 {
-                (contact.time_s - mover.appears_s).max(0.0)
-            } else {
-                f64::INFINITY
-            }
-        });
-        let known_s = LEADS_S.map(|lead_s| lead_s.min(age_s));
+        // Who is there from the start was there before.
+        let is_late = |mover: &&Mover| mover.name == contact.with && mover.appears_s > 0.0;
+        let late = self.movers.iter().find(is_late);
+        let age_s = late.map_or(f64::INFINITY, |mover| contact.time_s - mover.appears_s);
+        let known_s = LEADS_S.map(|lead_s| lead_s.min(age_s.max(0.0)));
         known_s.into_iter().find(|lead_s| {
             let until_s = contact.time_s - lead_s;
             let before = motion.partition_point(|row| row[0] <= until_s);

@@ -132,7 +132,8 @@ pub struct DwaTConfig {
     pub yaw_rates: u32,
     /// Standard deviations of a predicted position that are added to the radius.
     pub growth_sigmas: f64,
-    /// [m/s] by which a predicted radius grows at least.
+    /// [m/s] by which a predicted radius grows at least; it never grows by less than a fifth of the
+    /// obstacle's speed.
     pub growth_mps_min: f64,
     /// [m] by which a predicted radius grows at most.
     pub growth_m_max: f64,

@@ -22,7 +22,7 @@ const OWN_POINTS_M: f64 = 0.12;
 pub(crate) struct Growth {
     /// Standard deviations of the predicted position that are added to the radius.
     pub(crate) sigmas: f64,
-    /// [m/s] by which the radius grows at least.
+    /// [m/s] by which the radius grows at least, if not by [`TURNS_SHARE`] of the speed.
     pub(crate) least_mps: f64,
     /// [m] by which it grows at most.
     pub(crate) most_m: f64,
@@ -43,6 +43,7 @@ impl Default for Growth {
 struct Track {
     at: Point2<f64>,
     velocity: (f64, f64),
+    speed_mps: f64,
     radius_m: f64,
     /// Mean variance of the position after `t`: `p0 + p1 t + p2 t^2`. [m^2]
     variance: [f64; 3],
@@ -51,11 +52,7 @@ struct Track {
 impl Track {
     /// True for what surely moves: the end of a wall that seems to is not waited for.
     fn comes_fast(&self) -> bool {
-        self.speed_mps() >= WALKING_MPS
-    }
-
-    fn speed_mps(&self) -> f64 {
-        self.velocity.0.hypot(self.velocity.1)
+        self.speed_mps >= WALKING_MPS
     }
 }
 
@@ -85,7 +82,8 @@ impl Moving {
         self.tracks.clear();
         let centre = map_from_base.point();
         for obstacle in obstacles.iter().take(OBSTACLES_MAX) {
-            if obstacle.vx_mps.hypot(obstacle.vy_mps) < STANDING_MPS {
+            let speed_mps = obstacle.vx_mps.hypot(obstacle.vy_mps);
+            if speed_mps < STANDING_MPS {
                 continue;
             }
             let c = &obstacle.covariance;
@@ -97,6 +95,7 @@ impl Moving {
                     obstacle.y_m + obstacle.vy_mps * age_s - centre.y,
                 ),
                 velocity: (obstacle.vx_mps, obstacle.vy_mps),
+                speed_mps,
                 radius_m: obstacle.radius_m,
                 variance: [
                     p0 + p1 * age_s + p2 * age_s * age_s,
@@ -164,7 +163,7 @@ impl Moving {
             let [p0, p1, p2] = track.variance;
             let variance = p0 + (p1 + p2 * elapsed_s) * elapsed_s;
             (growth.sigmas * variance.max(0.0).sqrt())
-                .max(growth.least_mps.max(TURNS_SHARE * track.speed_mps()) * elapsed_s)
+                .max(growth.least_mps.max(TURNS_SHARE * track.speed_mps) * elapsed_s)
                 .min(growth.most_m)
         });
         (at, track.radius_m + grown_m)

@@ -122,10 +122,8 @@ impl Localiser {
         }
     }
 
-    /// True when the pose is corrected, given the variances of x, y [m^2] and yaw [rad^2] that
-    /// odometry states of itself as of the scan that comes next.
+    /// True when the pose is corrected, given the variances that odometry states of itself.
     pub fn is_active(&mut self, odometry_variance: &[f64; 3]) -> bool {
-        self.claimed_yaw[1] = odometry_variance[2];
         self.active = match self.config.mode {
             CorrectionMode::Off => false,
             CorrectionMode::On => true,
@@ -173,16 +171,18 @@ impl Localiser {
         self.yaw_doubt
     }
 
-    /// Takes in where odometry says the robot is, and where beams ended, in `base` [m]: on what
-    /// stands, and of these on what is on the map.
+    /// Takes in where odometry says the robot is, with the variance of the yaw [rad^2] that it claims
+    /// since it began, and where beams ended, in `base` [m]: on what stands, and of these on what is
+    /// on the map.
     pub fn correct(
         &mut self,
-        odom_from_base: &Pose,
+        (odom_from_base, claimed_yaw): (&Pose, f64),
         standing: &[Point2<f64>],
         known: &[Point2<f64>],
         surfaces: &Surfaces,
         something_moves: bool,
     ) {
+        self.claimed_yaw[1] = claimed_yaw;
         let mut pose = self.predict(odom_from_base, standing, something_moves);
         if let Some(matched) = surfaces.lay(known, &pose, &self.covariance) {
             self.covariance = matched.covariance;
@@ -230,8 +230,8 @@ impl Localiser {
         predicted
     }
 
-    /// By what share the variance `yaw` of a step is less because odometry claims so. [rad^2] The
-    /// claim is that for the whole way: what jumps or slips has not claimed that it does.
+    /// Share, 0 to 1, that is left of the variance `yaw` [rad^2] of a step by what odometry claims.
+    /// The claim counts for the whole way: what jumps or slips has not claimed that it does.
     fn yaw_trust(&mut self, yaw: f64) -> f64 {
         self.assumed_yaw += yaw;
         let claimed = self.claimed_yaw[1] - self.claimed_yaw[0];

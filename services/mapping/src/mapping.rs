@@ -93,7 +93,7 @@ impl Mapping {
             self.find_landmarks(odom_from_base, observation.run_ns);
             let surfaces = self.mapper.surfaces();
             self.localiser.correct(
-                odom_from_base,
+                (odom_from_base, observation.odometry_variance[2]),
                 &self.standing,
                 &self.landmarks,
                 surfaces,

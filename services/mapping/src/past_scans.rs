@@ -6,9 +6,11 @@ use std::collections::VecDeque;
 use zeronav_msgs::Pose;
 use zeronav_msgs::scan::Scan;
 
-/// Scans that are kept, and the time between them: fast lidars would fill the memory with the last
-/// moment, in which nobody comes far. [ns]
+/// Scans that are kept.
 const SCANS_MAX: usize = 12;
+
+/// Least time between them, but for the newest: fast lidars would fill the memory with the last
+/// moment, in which nobody comes far. [ns]
 const APART_NS: u64 = 90_000_000;
 
 /// Beams on either side of a point that must pass it, too: a beam that slips past an edge proves

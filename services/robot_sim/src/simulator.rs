@@ -362,8 +362,9 @@ impl Simulator {
         Some(scan)
     }
 
-    /// Odometry at the end of the last tick: what the wheels say, and the gyro. Without slip, errors of odometry
-    /// and faults that mislead it, it is the truth, `odom` is `map` and the variances are 0.
+    /// Odometry at the end of the last tick: what the wheels say, and the gyro. Without slip, errors
+    /// of odometry and faults that mislead it, it is the truth, `odom` is `map` and the variances
+    /// are 0.
     #[must_use]
     pub fn odometry(&self) -> Odometry {
         let (pose, variance) = match &self.odometer {
