@@ -12,7 +12,7 @@ use zeronav_msgs::pose::Pose;
 use zeronav_msgs::replica::{MapReplica, Step};
 use zeronav_msgs::role::Role;
 use zeronav_msgs::span::{Span, SpanKind};
-use zeronav_msgs::task::{EndReason, TaskState};
+use zeronav_msgs::task::{EndReason, StuckCause, TaskState};
 use zeronav_msgs::truth::Truth;
 use zeronav_shell::Roster;
 
@@ -44,6 +44,10 @@ pub struct TaskReport {
     pub tick: u64,
     /// Way left. [m]
     pub remaining_m: f64,
+    /// Manoeuvres and waits of the recovery since the task began.
+    pub recoveries: u32,
+    /// Why it got stuck.
+    pub cause: StuckCause,
 }
 
 /// Tells whether a point is at the outline of a scripted obstacle: `(index, pose, point, within)`.
@@ -186,6 +190,8 @@ impl Collector {
                 reason,
                 tick,
                 remaining_m: view.meta.remaining_m,
+                recoveries: view.meta.recoveries,
+                cause: view.meta.cause().unwrap_or(StuckCause::None),
             });
         }
         self.witness.compare();

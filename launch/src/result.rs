@@ -18,7 +18,7 @@ use std::collections::BTreeMap;
 use zeronav_msgs::path::{PathCause, PathStatus};
 use zeronav_msgs::role::Role;
 use zeronav_msgs::run::RunMode;
-use zeronav_msgs::task::{EndReason, TaskState};
+use zeronav_msgs::task::{EndReason, StuckCause, TaskState};
 use zeronav_world::static_map::Occupancy;
 
 /// Colours of the last paths in the picture.
@@ -69,7 +69,7 @@ pub fn result(prepared: &Prepared, driven: &Driven, environment: Environment) ->
     RunResult {
         scenario: prepared.scenario.name.clone(),
         verdict: if met { "pass" } else { "fail" }.to_owned(),
-        reason: reason(prepared, &driven.ending, met, &expectations),
+        reason: reason(prepared, driven, met, &expectations),
         outcome: outcome.to_owned(),
         reached: outcome == "reached",
         contacts: truth.contacts_moving + truth.contacts_standing,
@@ -89,6 +89,8 @@ pub fn result(prepared: &Prepared, driven: &Driven, environment: Environment) ->
         track_m: collector.track_m.clone(),
         motion: moments.iter().map(|moment| row(moment, driven)).collect(),
         jerk_mps3: jerk_mps3(moments),
+        recoveries: collector.task.map_or(0, |task| task.recoveries),
+        stuck_cause: stuck_cause(driven).map(|cause| cause.to_string()),
         touches: touches(prepared, driven),
         interventions: by_reason.values().sum(),
         interventions_by_reason: by_reason,
@@ -176,7 +178,7 @@ pub fn of_trials(
     ];
     let met = whole.expectations.iter().all(|expectation| expectation.met);
     if met { "pass" } else { "fail" }.clone_into(&mut whole.verdict);
-    whole.reason = reason(prepared, &driven.ending, met, &whole.expectations);
+    whole.reason = reason(prepared, driven, met, &whole.expectations);
     whole.latency = Some(trials.latency.clone());
     whole.trials = Some(TrialsResult {
         wanted: trials.wanted,
@@ -445,7 +447,14 @@ fn expectations(
     list
 }
 
-fn reason(prepared: &Prepared, ending: &Ending, met: bool, expectations: &[Expectation]) -> String {
+/// Why the robot got stuck, if it did.
+fn stuck_cause(driven: &Driven) -> Option<StuckCause> {
+    let cause = driven.collector.task?.cause;
+    (cause != StuckCause::None).then_some(cause)
+}
+
+fn reason(prepared: &Prepared, driven: &Driven, met: bool, expectations: &[Expectation]) -> String {
+    let ending = &driven.ending;
     let what = match ending {
         Ending::Task(TaskState::Reached, _) => "the robot reached its goal".to_owned(),
         Ending::Task(TaskState::Cancelled, _) => "the task was cancelled".to_owned(),
@@ -453,7 +462,13 @@ fn reason(prepared: &Prepared, ending: &Ending, met: bool, expectations: &[Expec
         Ending::Task(_, EndReason::GoalBlocked) => {
             "the goal is unreachable: no free pose within its tolerance".to_owned()
         }
-        Ending::Task(_, reason) => format!("the robot gave up: {reason}"),
+        Ending::Task(_, reason) => match stuck_cause(driven) {
+            Some(cause) => {
+                let recoveries = driven.collector.task.map_or(0, |task| task.recoveries);
+                format!("the robot gave up: {reason} ({cause}) after {recoveries} recoveries")
+            }
+            None => format!("the robot gave up: {reason}"),
+        },
         Ending::Timeout => {
             format!(
                 "not done within {} s of run time",

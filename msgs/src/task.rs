@@ -55,6 +55,20 @@ codes! {
     }
 }
 
+codes! {
+    /// What was wrong with a robot that got stuck.
+    pub enum StuckCause: u16 {
+        /// It has not got stuck, or nobody knows.
+        None = 0 => "none",
+        /// No motion was admissible.
+        Blocked = 1 => "blocked",
+        /// It moved, but came no closer.
+        NoProgress = 2 => "no_progress",
+        /// It came closer now and then, but every attempt that it has was made.
+        TooManyAttempts = 3 => "too_many_attempts",
+    }
+}
+
 message! {
     /// Fixed fields of a task. The slice holds the goals in order.
     pub struct Task = "zeronav.Task.v1" {
@@ -85,7 +99,7 @@ message! {
 
 message! {
     /// Fixed fields of the status. The slice holds one entry per goal that has ended.
-    pub struct TaskStatus = "zeronav.TaskStatus.v1" {
+    pub struct TaskStatus = "zeronav.TaskStatus.v2" {
         /// Code of [`TaskState`].
         pub state: u16,
         /// Code of [`EndReason`].
@@ -98,6 +112,12 @@ message! {
         pub goal: u64,
         /// [m] along the path, or straight without one; >= 0.
         pub remaining_m: f64,
+        /// Manoeuvres and waits of the recovery since the task began.
+        pub recoveries: u32,
+        /// Code of [`StuckCause`], with the reason `stuck`.
+        pub cause: u16,
+        /// Written as 0.
+        pub spare: u16,
     }
 }
 
@@ -159,6 +179,12 @@ impl TaskStatus {
         EndReason::from_code(self.reason)
     }
 
+    /// Why it got stuck.
+    #[must_use]
+    pub const fn cause(&self) -> Option<StuckCause> {
+        StuckCause::from_code(self.cause)
+    }
+
     /// Accepts known states.
     ///
     /// # Errors
@@ -166,6 +192,7 @@ impl TaskStatus {
     pub fn check(&self, ended: &[GoalEnd]) -> Result<(), Refusal> {
         self.state().ok_or(Refusal::Code("state"))?;
         self.reason().ok_or(Refusal::Code("reason"))?;
+        self.cause().ok_or(Refusal::Code("cause"))?;
         ensure(
             ended.len() == self.n_ended as usize && ended.len() <= GOALS_MAX,
             Refusal::Length("ends"),

@@ -22,7 +22,7 @@ const GOLDEN: &[(&str, usize, usize, u64)] = &[
     ("plan/path", 240, 24, 0xf295_3d95_ebe4_e756),
     ("plan/request", 144, 1, 0xe8e8_e8d0_d733_8bbc),
     ("task/goal", 144, 48, 0x259f_c266_e8e8_0857),
-    ("task/status", 160, 24, 0x7d08_f39a_597b_e439),
+    ("task/status", 168, 24, 0xe797_a159_e4e4_fd18),
     ("control/velocity_request", 160, 1, 0x658a_c8b9_87ea_b191),
     ("robot/velocity_command", 152, 1, 0x3267_8c87_5464_5210),
     ("run/clock", 160, 1, 0x67b6_becd_51d9_8eba),

@@ -71,6 +71,8 @@ fn a_folder_runs_once_per_seed_and_leaves_json_csv_and_junit() {
     let jerk_mps3 = summary["mean_jerk_mps3"].as_f64().expect("a jerk");
     assert!((0.05..5.0).contains(&jerk_mps3), "{jerk_mps3}");
     assert!(summary["interventions"].is_u64(), "{report:#}");
+    // Nothing was in the way.
+    assert_eq!(summary["recoveries"], 0, "{report:#}");
     // Nobody walks here, so there is nobody whose future could be known.
     assert_eq!(summary["unavoidable"], Value::Null);
     assert_eq!(summary["arrival"], 1.0);

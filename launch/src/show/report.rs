@@ -163,6 +163,12 @@ pub struct RunResult {
     pub motion: Vec<[f64; 6]>,
     /// Mean absolute jerk of the forward speed. [m/s^3] Of trials: of the last drive.
     pub jerk_mps3: Option<f64>,
+    /// Manoeuvres and waits of the local planner's recovery. Of trials: in the last drive.
+    pub recoveries: u32,
+    /// Why the robot got stuck, `blocked`, `no_progress` or `too_many_attempts`; null when it has
+    /// not.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stuck_cause: Option<String>,
     /// What the robot touched. Of trials: in the last drive.
     pub touches: Vec<Touch>,
     /// How often the collision guard stepped in. Of trials: in the last drive.

@@ -50,6 +50,10 @@ pub struct Row {
     pub jerk_mps3: Option<f64>,
     /// Interventions of the collision guard.
     pub interventions: Option<u64>,
+    /// Manoeuvres and waits of the local planner's recovery.
+    pub recoveries: Option<u64>,
+    /// Why it got stuck: `blocked`, `no_progress`, `too_many_attempts`; null when it has not.
+    pub stuck_cause: Option<String>,
     /// Distance driven. [m]
     pub driven_m: Option<f64>,
     /// How near the robot's centre really came to the goal. [m]
@@ -82,6 +86,8 @@ struct RunSummary {
     touches: Vec<Touch>,
     jerk_mps3: Option<f64>,
     interventions: Option<u64>,
+    recoveries: Option<u64>,
+    stuck_cause: Option<String>,
     run_hash: Option<String>,
     directory: String,
 }
@@ -141,6 +147,8 @@ impl Row {
             turning_rad: Some(turning_rad(&run.track_m)),
             jerk_mps3: run.jerk_mps3,
             interventions: run.interventions,
+            recoveries: run.recoveries,
+            stuck_cause: run.stuck_cause,
             driven_m: Some(run.driven_m),
             goal_distance_m,
             wall_s: Some(run.wall_s),
@@ -191,6 +199,8 @@ impl Row {
             turning_rad: None,
             jerk_mps3: None,
             interventions: None,
+            recoveries: None,
+            stuck_cause: None,
             driven_m: None,
             goal_distance_m: None,
             wall_s: None,
@@ -313,7 +323,7 @@ mod tests {
             "contacts_moving": 0, "contacts_standing": 0, "clearance_m_min": 0.12,
             "time_s": 12.5, "driven_m": 9.9, "wall_s": 0.7,
             "track_m": [[0.0, 0.0], [0.0, 9.2]], "motion": motion(), "touches": [],
-            "jerk_mps3": 0.75, "interventions": 2, "run_hash": "00ff", "directory": "runs/x",
+            "jerk_mps3": 0.75, "interventions": 2, "recoveries": 3, "run_hash": "00ff", "directory": "runs/x",
         })
     }
 
@@ -343,6 +353,10 @@ mod tests {
         assert!((row.path_ratio.unwrap() - 1.1).abs() < 1e-12);
         assert!((row.goal_distance_m.unwrap() - 0.8).abs() < 1e-12);
         assert_eq!((row.interventions, row.jerk_mps3), (Some(2), Some(0.75)));
+        assert_eq!(
+            (row.recoveries, row.stuck_cause.as_deref()),
+            (Some(3), None)
+        );
         assert!(row.arrived && !row.is_at_fault());
     }
 

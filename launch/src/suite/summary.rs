@@ -48,6 +48,8 @@ pub struct Summary {
     pub mean_jerk_mps3: Option<f64>,
     /// Interventions of the collision guard in all runs.
     pub interventions: Option<u64>,
+    /// Manoeuvres and waits of the recovery in all runs.
+    pub recoveries: Option<u64>,
     /// Failures by cause.
     pub causes: BTreeMap<String, usize>,
 }
@@ -66,6 +68,10 @@ impl Summary {
             mean(&move |row| row.success.then(|| value(row)).flatten())
         };
         let count = |is: &dyn Fn(&Row) -> bool| rows.iter().filter(|row| is(row)).count();
+        let total = |number: &dyn Fn(&Row) -> Option<u64>| {
+            let numbers = rows.iter().filter_map(|row| number(row));
+            numbers.reduce(u64::saturating_add)
+        };
         let mut causes = BTreeMap::new();
         for cause in rows.iter().filter_map(|row| row.cause.clone()) {
             *causes.entry(cause).or_default() += 1;
@@ -96,10 +102,8 @@ impl Summary {
             mean_clearance_m_min: mean(&|row| row.clearance_m_min),
             mean_turning_rad: of_success(|row| row.turning_rad),
             mean_jerk_mps3: of_success(|row| row.jerk_mps3),
-            interventions: rows
-                .iter()
-                .filter_map(|row| row.interventions)
-                .reduce(u64::saturating_add),
+            interventions: total(&|row| row.interventions),
+            recoveries: total(&|row| row.recoveries),
             causes,
         }
     }

@@ -6,7 +6,7 @@ use crate::motion::{Twist, stop_distance_m, towards_rest};
 use crate::progress::{PathTracker, Place};
 use crate::recovery::escape::Escape;
 use crate::recovery::trail::Trail;
-use crate::recovery::{Behaviour, Facts, Recovery, Transition};
+use crate::recovery::{Behaviour, Cause, Facts, Recovery, Transition};
 use crate::requests::{PathRequests, RequestInputs};
 use crate::shaping::Shaper;
 use crate::staleness::{Ageing, Ages, StaleInput, ageing, speed_factor};
@@ -19,7 +19,7 @@ use zeronav_msgs::obstacles::Obstacle;
 use zeronav_msgs::odometry::Odometry;
 use zeronav_msgs::path::{Path, PathStatus, Waypoint};
 use zeronav_msgs::request::PlanRequest;
-use zeronav_msgs::task::{Goal, GoalEnd, Task, TaskState, TaskStatus};
+use zeronav_msgs::task::{Goal, GoalEnd, StuckCause, Task, TaskState, TaskStatus};
 use zeronav_msgs::{MapView, Pose};
 
 /// The newest path message.
@@ -104,10 +104,31 @@ pub struct LocalPlanner {
     tracker: PathTracker,
     /// `None` = the controller is left alone.
     recovery: Option<Recovery>,
+    recovered: Recovered,
     escape: Escape,
     trail: Trail,
     /// Requested last; ramps to rest start here.
     last: Twist,
+}
+
+/// What the recovery did for a task.
+struct Recovered {
+    /// Id of the task.
+    task: u64,
+    /// Manoeuvres and waits.
+    attempts: u32,
+    /// Why it gave up.
+    cause: StuckCause,
+}
+
+impl Recovered {
+    const fn of(task: u64) -> Self {
+        Self {
+            task,
+            attempts: 0,
+            cause: StuckCause::None,
+        }
+    }
 }
 
 /// [m] within which something that moves may be what is in the way.
@@ -153,6 +174,7 @@ impl LocalPlanner {
             requests: PathRequests::new(config.requests),
             tracker: PathTracker::new(),
             recovery: recovers.then(|| Recovery::new(config.recovery)),
+            recovered: Recovered::of(0),
             escape: Escape::new(config.recovery, config.dwa, Shaper::new(config.shaping)),
             trail: Trail::new(),
             last: Twist::REST,
@@ -167,7 +189,34 @@ impl LocalPlanner {
     /// The task's status and the ends of its goals.
     #[must_use]
     pub fn status(&self) -> (TaskStatus, &[GoalEnd]) {
-        self.task.status()
+        let (status, ends) = self.task.status();
+        if self.recovered.task != status.task {
+            return (status, ends);
+        }
+        let status = TaskStatus {
+            recoveries: self.recovered.attempts,
+            cause: self.recovered.cause.code(),
+            ..status
+        };
+        (status, ends)
+    }
+
+    /// Takes down what the recovery begins for the task at hand.
+    fn note_recovery(&mut self, behaviour: Behaviour) {
+        let task = self.task.task();
+        if self.recovered.task != task {
+            self.recovered = Recovered::of(task);
+        }
+        if behaviour.is_attempt() {
+            self.recovered.attempts = self.recovered.attempts.saturating_add(1);
+        }
+        if let Behaviour::GiveUp(cause) = behaviour {
+            self.recovered.cause = match cause {
+                Cause::Blocked => StuckCause::Blocked,
+                Cause::NoProgress => StuckCause::NoProgress,
+                Cause::TooManyAttempts => StuckCause::TooManyAttempts,
+            };
+        }
     }
 
     /// The goal at hand.
@@ -220,6 +269,9 @@ impl LocalPlanner {
             }
         };
         self.last = Twist::new(decision.v_mps, decision.w_radps);
+        if let Some(change) = &recovery {
+            self.note_recovery(change.to);
+        }
         Outputs {
             request: VelocityRequest {
                 v_mps: decision.v_mps,

@@ -42,6 +42,14 @@ pub enum Cause {
     TooManyAttempts,
 }
 
+impl Behaviour {
+    /// True for what is tried to get on again.
+    #[must_use]
+    pub const fn is_attempt(self) -> bool {
+        matches!(self, Self::BackUp | Self::Rotate | Self::Wait)
+    }
+}
+
 /// Why a behaviour ended and the next one began.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Reason {

@@ -146,7 +146,7 @@ impl TaskMachine {
         self.task.id
     }
 
-    /// The message of the task's state and the ends of its goals.
+    /// The message of the task's state and the ends of its goals, without what the recovery did.
     #[must_use]
     pub fn status(&self) -> (TaskStatus, &[GoalEnd]) {
         let status = TaskStatus {
@@ -156,6 +156,7 @@ impl TaskMachine {
             task: self.task.id,
             goal: self.goal().map_or(0, |goal| goal.id),
             remaining_m: self.remaining_m,
+            ..TaskStatus::default()
         };
         (status, &self.ends)
     }

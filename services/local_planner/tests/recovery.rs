@@ -23,7 +23,7 @@ use zeronav_msgs::odometry::Odometry;
 use zeronav_msgs::path::{Path, PathStatus};
 use zeronav_msgs::pose::wrap_angle;
 use zeronav_msgs::request::PlanRequest;
-use zeronav_msgs::task::{Task, TaskKind, TaskState};
+use zeronav_msgs::task::{StuckCause, Task, TaskKind, TaskState};
 
 fn fine(now_s: f64) -> Facts {
     Facts {
@@ -438,8 +438,17 @@ fn a_way_that_never_opens_ends_with_a_cause_and_without_contact() {
     println!("{:.1} s {:?}", run.time_s, whole.changes);
     assert!(run.least_m > 0.0, "touched something");
     assert_eq!(whole.state(), Some(TaskState::Failed));
-    let given_up = |change: &Transition| matches!(change.to, Behaviour::GiveUp(_));
-    assert!(whole.changes.iter().any(given_up));
+    let causes = whole.changes.iter().filter_map(|change| match change.to {
+        Behaviour::GiveUp(cause) => Some(cause),
+        _ => None,
+    });
+    assert_eq!(causes.collect::<Vec<_>>(), [Cause::TooManyAttempts]);
+    // And the status says so to everybody.
+    let (status, ends) = whole.planner.status();
+    let attempts = whole.changes.iter().filter(|it| it.to.is_attempt());
+    assert_eq!((status.recoveries, attempts.count()), (4, 4));
+    assert_eq!(status.cause(), Some(StuckCause::TooManyAttempts));
+    assert_eq!(status.check(ends), Ok(()));
     assert!(whole.changes.iter().all(|change| change.from != change.to));
 }
 
