@@ -56,10 +56,15 @@ impl Odometer {
         self.pose
     }
 
-    /// True when the yaw is a gyro's.
+    /// The yaw rate that it says of wheels that turn with `wheels_radps` under a robot that turns
+    /// with `robot_radps`. [rad/s]
     #[must_use]
-    pub const fn has_gyro(&self) -> bool {
-        self.spec.gyro
+    pub const fn w_radps(&self, wheels_radps: f64, robot_radps: f64) -> f64 {
+        if self.spec.gyro {
+            robot_radps
+        } else {
+            wheels_radps
+        }
     }
 
     /// Variances of x [m^2], y [m^2] and yaw [rad^2] since the start, to first order.

@@ -367,18 +367,19 @@ impl Simulator {
     /// are 0.
     #[must_use]
     pub fn odometry(&self) -> Odometry {
-        let (pose, variance) = match &self.odometer {
-            Some(odometer) => (odometer.pose(), odometer.variance()),
-            None => (self.state.pose, [0.0; 3]),
+        let wheels_radps = self.wheels.w_radps;
+        let (pose, w_radps, variance) = match &self.odometer {
+            Some(odometer) => (
+                odometer.pose(),
+                odometer.w_radps(wheels_radps, self.state.twist.w_radps),
+                odometer.variance(),
+            ),
+            None => (self.state.pose, wheels_radps, [0.0; 3]),
         };
         Odometry {
             pose,
             v_mps: self.wheels.v_mps,
-            w_radps: if self.odometer.as_ref().is_some_and(Odometer::has_gyro) {
-                self.state.twist.w_radps
-            } else {
-                self.wheels.w_radps
-            },
+            w_radps,
             variance,
             scan_due: u32::from(self.scan_due().is_some()),
             spare: 0,
