@@ -1,0 +1,188 @@
+//! The potential field and the fit of LWX.
+
+use super::*;
+
+#[test]
+fn lwx_apf_uses_the_circle_of_its_paper() {
+    let post = at(0.0, 0.0);
+    assert!(repulsion(&Gains::LWX, at(1.51, 0.0), post).norm() < 1.0e-12);
+    assert!(repulsion(&Gains::LWX, at(1.49, 0.0), post).norm() > 0.0);
+    let mut law = JuApf::new(Gains::LWX);
+    let bodies = [square(5.0, 1.2)];
+    let trace = walk(
+        &mut law,
+        at(0.5, 0.5),
+        at(9.5, 0.5),
+        &bodies,
+        &[],
+        &Walk::LWX,
+    );
+    assert_eq!(trace.end, End::Reached);
+    assert_free(&trace, &bodies);
+}
+
+#[test]
+fn lwx_oapf_turning_points_are_exact() {
+    let check = |corners: &[(f64, f64)], expected: &[(f64, f64)]| {
+        let expected: Vec<Point2<f64>> = expected.iter().map(|&(x, y)| at(x, y)).collect();
+        assert_eq!(turning_points(&path(corners)), expected);
+    };
+    check(&[(0., 0.), (1., 0.), (2., 0.)], &[(0., 0.), (2., 0.)]);
+    check(&[(0., 0.), (0., 1.), (0., 2.)], &[(0., 0.), (0., 2.)]);
+    check(&[(0., 0.), (1., 1.), (2., 2.)], &[(0., 0.), (2., 2.)]);
+    check(
+        &[(0., 0.), (1., 0.), (2., 1.)],
+        &[(0., 0.), (1., 0.), (2., 1.)],
+    );
+    check(
+        &[(0., 0.), (2., 0.), (1., 0.)],
+        &[(0., 0.), (2., 0.), (1., 0.)],
+    );
+    check(&[], &[]);
+}
+
+fn staircase() -> Vec<Waypoint> {
+    path(&[(0.5, 0.5), (3.5, 0.5), (5.5, 2.5), (5.5, 6.5), (9.5, 6.5)])
+}
+
+#[test]
+fn lwx_oapf_walks_without_gaps_to_the_end() {
+    let bodies = [square(4.5, 3.5), square(6.5, 4.5), square(3.5, 2.5)];
+    let mut law = LwxOapf::new(Gains::LWX, 10.0, false);
+    let trace = walk(
+        &mut law,
+        at(0.5, 0.5),
+        at(9.5, 6.5),
+        &bodies,
+        &staircase(),
+        &Walk::LWX,
+    );
+    assert_eq!(trace.end, End::Reached, "{:?}", trace.points.last());
+    assert_free(&trace, &bodies);
+    for pair in trace.points.windows(2) {
+        assert!((pair[1] - pair[0]).norm() <= Walk::LWX.step + 1e-12);
+    }
+}
+
+#[test]
+fn lwx_iter_one_step_per_cell_is_too_few_and_ten_are_as_good_as_a_hundred() {
+    let run = |per_unit: f64| {
+        let mut law = LwxOapf::new(Gains::LWX, per_unit, true);
+        walk(
+            &mut law,
+            at(0.5, 0.5),
+            at(9.5, 6.5),
+            &[],
+            &staircase(),
+            &Walk::LWX,
+        )
+    };
+    assert_eq!(run(1.0).end, End::Stuck);
+    let (ten, hundred) = (run(10.0), run(100.0));
+    assert_eq!((ten.end, hundred.end), (End::Reached, End::Reached));
+    assert_eq!(ten.points, hundred.points);
+    assert_eq!(ten.steps, hundred.steps);
+    let late = Walk {
+        early_exit: false,
+        ..Walk::LWX
+    };
+    let mut law = LwxOapf::new(Gains::LWX, 10.0, true);
+    let trace = walk(
+        &mut law,
+        at(0.5, 0.5),
+        at(9.5, 6.5),
+        &[],
+        &staircase(),
+        &late,
+    );
+    assert_eq!(
+        trace.steps, late.limit,
+        "without early exit the loop goes on"
+    );
+}
+
+#[test]
+fn lwx_lsq_recovers_a_cubic_with_exact_ends() {
+    let cubic = |x: f64| 0.2 * x * x * x - 0.5 * x + 1.0;
+    let points: Vec<Point2<f64>> = (0..=40)
+        .map(|i| {
+            let x = f64::from(i) * 0.05 - 1.0;
+            at(x, cubic(x))
+        })
+        .collect();
+    for (found, expected) in fit_literal(&points, 3)
+        .expect("monotone")
+        .iter()
+        .zip(&points)
+    {
+        assert!((found - expected).norm() < 1e-9);
+    }
+    let curve = fit(&points, 9).expect("points");
+    assert!((curve[0] - points[0]).norm() < 1e-9);
+    assert!((curve[100] - points[40]).norm() < 1e-9);
+    for point in &curve {
+        assert!((point.y - cubic(point.x)).abs() < 2e-3, "{point}");
+    }
+    let vertical: Vec<Point2<f64>> = (0..10).map(|i| at(2.0, f64::from(i))).collect();
+    assert_eq!(fit_literal(&vertical, 3), Err(FitError::NotMonotone));
+    let curve = fit(&vertical, 5).expect("parametric");
+    assert!(curve.iter().all(|point| (point.x - 2.0).abs() < 1e-9));
+    assert_eq!(fit(&[at(1.0, 1.0)], 3), Err(FitError::TooFew));
+}
+
+#[test]
+fn lwx_lsq_takes_no_fit_that_collides() {
+    // A corner around a square: low degrees cut it.
+    let bodies = [square(2.0, 1.0)];
+    let mut law = LwxLsq::new(Gains::LWX);
+    let corner = path(&[(0.0, 0.0), (3.0, 0.0), (3.0, 3.0)]);
+    let trace = walk(
+        &mut law,
+        at(0.0, 0.0),
+        at(3.0, 3.0),
+        &bodies,
+        &corner,
+        &Walk::LWX,
+    );
+    assert_eq!(trace.end, End::Reached);
+    assert_free(&trace, &bodies);
+    // Across the path itself: whatever fits the path collides.
+    let walled = [Body::standing(at(1.5, 0.0), Extent::Disc(0.3))];
+    let mut law = LwxLsq::new(Gains::LWX);
+    let scene = Scene {
+        path: &corner,
+        ..scene(at(0.0, 0.0), at(3.0, 3.0), &walled)
+    };
+    law.push(&scene);
+    assert!(!law.is_fitted(), "a fit through the post");
+}
+
+#[test]
+fn lwx_fusion_turns_less_than_its_path() {
+    let bodies = [square(4.5, 3.5), square(6.5, 4.5), square(3.5, 2.5)];
+    let law = LwxFusion::new(Gains::LWX, Walk::LWX);
+    let route = staircase();
+    let scene = Scene {
+        path: &route,
+        ..scene(at(0.5, 0.5), at(9.5, 6.5), &bodies)
+    };
+    let (trace, curve) = law.plan(&scene);
+    assert_eq!(trace.end, End::Reached);
+    let curve = curve.expect("a free fit");
+    let sharpest = |points: &[Point2<f64>]| {
+        points
+            .windows(3)
+            .map(|w| {
+                let (a, b) = (w[1] - w[0], w[2] - w[1]);
+                a.perp(&b).atan2(a.dot(&b)).abs()
+            })
+            .fold(0.0, f64::max)
+    };
+    assert!(sharpest(&curve) < 0.3, "{}", sharpest(&curve));
+    assert!(sharpest(&turning_points(&route)) > 0.7);
+    assert!(
+        curve
+            .windows(2)
+            .all(|pair| is_free(&bodies, pair[0], pair[1]))
+    );
+}

@@ -1,0 +1,149 @@
+//! The potential fields of ZM.
+
+use super::*;
+
+#[test]
+fn zm_rep_force_is_the_full_gradient() {
+    let (post, goal) = (at(0.3, -0.2), at(2.0, 1.0));
+    for n in [1, 2, 3] {
+        for x in [at(1.0, 0.5), at(0.5, -0.9), at(-0.7, 0.4)] {
+            let found = goal_repulsion(&Gains::JU, n, x, post, goal);
+            let expected = slope(
+                |x| goal_repulsion_potential(&Gains::JU, n, x, post, goal),
+                x,
+            );
+            assert!(
+                (found - expected).norm() < 1.0e-5 * expected.norm(),
+                "{n} {x}"
+            );
+        }
+    }
+    assert!(goal_repulsion(&Gains::JU, 1, at(2.4, -0.2), post, goal).norm() < 1.0e-12);
+    // The part away from the obstacle fades at the goal.
+    let near = |d: f64| {
+        let x = goal - Vector2::new(d, 0.0);
+        goal_repulsion(&Gains::JU, 2, x, post, goal).norm()
+    };
+    assert!(near(0.01) < 0.2 * near(0.1));
+}
+
+#[test]
+fn zm_rep_reaches_the_goal_beside_an_obstacle() {
+    let goal = at(5.0, 0.0);
+    let bodies = [Body::standing(at(5.3, 0.0), Extent::Disc(0.0))];
+    let mut law = ZmRep::new(Gains::JU);
+    let trace = walk(&mut law, at(0.0, 0.0), goal, &bodies, &[], &Walk::JU);
+    assert_eq!(trace.end, End::Reached, "{:?}", trace.points.last());
+    let last = scene(goal, goal, &bodies);
+    assert!(all_goal_repulsions(&Gains::JU, 2, &last, goal).norm() < 1.0e-9);
+}
+
+#[test]
+fn zm_esc_leaves_a_symmetric_minimum() {
+    let bodies = [Body::standing(at(5.0, 0.0), Extent::Disc(0.8))];
+    let mut law = ZmEsc::new(Gains::JU, Walk::JU.step);
+    let trace = walk(
+        &mut law,
+        at(0.0, 0.0),
+        at(10.0, 0.0),
+        &bodies,
+        &[],
+        &Walk::JU,
+    );
+    assert_eq!(trace.end, End::Reached, "{:?}", trace.points.last());
+    assert!(law.escapes() > 0);
+    let caught = 45;
+    assert!(trace.steps < caught + 200, "{} steps", trace.steps);
+    assert_free(&trace, &bodies);
+}
+
+#[test]
+fn zm_esc_does_not_stir_in_the_open_and_gives_up_in_a_pocket() {
+    let mut law = ZmEsc::new(Gains::JU, Walk::JU.step);
+    let trace = walk(&mut law, at(0.0, 0.0), at(10.0, 3.0), &[], &[], &Walk::JU);
+    assert_eq!((trace.end, law.escapes()), (End::Reached, 0));
+    let ring: Vec<Body> = (0..40)
+        .map(|i| {
+            let (sin, cos) = (core::f64::consts::TAU * f64::from(i) / 40.0).sin_cos();
+            Body::standing(at(2.0 * cos, 2.0 * sin), Extent::Disc(0.2))
+        })
+        .collect();
+    let mut law = ZmEsc::new(Gains::JU, Walk::JU.step);
+    let trace = walk(&mut law, at(0.0, 0.0), at(10.0, 3.0), &ring, &[], &Walk::JU);
+    assert!(
+        matches!(trace.end, End::Stuck | End::Collision),
+        "{:?}",
+        trace.end
+    );
+    assert!(trace.steps < 1000);
+    assert_free(&trace, &ring);
+}
+
+#[test]
+fn zm_rv_pushes_sideways_from_what_approaches_alone() {
+    let body = |x: f64, y: f64, vx: f64, vy: f64| Body {
+        at: at(x, y),
+        extent: Extent::Disc(0.3),
+        velocity: Vector2::new(vx, vy),
+    };
+    let force = |body: &Body| velocity_repulsion(1.0, 3.0, at(0.0, 0.0), Vector2::x(), body);
+    let head_on = force(&body(2.0, 0.0, -1.0, 0.0));
+    assert!(head_on.x.abs() < 1e-12 && head_on.y.abs() > 0.5);
+    assert!(
+        force(&body(2.0, 0.0, 2.0, 0.0)).norm() < 1e-12,
+        "it recedes"
+    );
+    assert!(
+        force(&body(3.1, 0.0, -1.0, 0.0)).norm() < 1e-12,
+        "it is far"
+    );
+    let (left, right) = (
+        force(&body(2.0, 0.5, -1.0, 0.1)),
+        force(&body(2.0, -0.5, -1.0, -0.1)),
+    );
+    assert!((left.x - right.x).abs() < 1e-12 && (left.y + right.y).abs() < 1e-12);
+}
+
+/// A point robot of constant speed against a disc on a collision course, as in the notes:
+/// share of seeds without contact.
+fn crossing_share(gain: f64) -> f64 {
+    let mut clear = 0;
+    for seed in 0..300 {
+        let mut random = Pcg32::seed_from_u64(seed);
+        let speed = [0.5, 1.0, 1.5][random.random_range(0..3)];
+        let angle: f64 = random.random_range(-2.6..2.6);
+        let meet = at(5.0, random.random_range(-0.3..0.3));
+        let velocity = Vector2::new(angle.cos(), angle.sin()) * speed;
+        let mut body = Body {
+            at: meet - velocity * 5.0,
+            extent: Extent::Disc(0.0),
+            velocity,
+        };
+        let (mut here, goal) = (at(0.0, 0.0), at(10.0, 0.0));
+        let mut heading = Vector2::x();
+        let gains = Gains {
+            attract: 1.0,
+            repel: 1.0,
+            reach: 2.5,
+        };
+        let mut least = f64::INFINITY;
+        for _ in 0..200 {
+            let push = attraction(gains.attract, here, goal).normalize()
+                + repulsion(&gains, here, body.at)
+                + velocity_repulsion(gain, gains.reach, here, heading, &body);
+            heading = push.try_normalize(1e-9).unwrap_or(heading);
+            here += heading * 0.05;
+            body.at += body.velocity * 0.05;
+            least = least.min((here - body.at).norm());
+        }
+        clear += u32::from(least > 0.6);
+    }
+    f64::from(clear) / 300.0
+}
+
+#[test]
+fn zm_rv_avoids_what_crosses_and_is_not_worse_than_off() {
+    let (on, off) = (crossing_share(1.0), crossing_share(0.0));
+    println!("without contact: {on:.3} with, {off:.3} without");
+    assert!(on >= 0.9 && on >= off, "{on} {off}");
+}
