@@ -1,5 +1,6 @@
 //! What a user may set. Numbers of the robot are not here: they come with its description.
 
+use crate::beam::WIDTH_MAX;
 use crate::critics::CRITICS;
 use crate::moving::Growth;
 use serde::{Deserialize, Serialize};
@@ -16,6 +17,8 @@ pub struct LocalPlannerConfig {
     pub dwa_t: DwaTConfig,
     /// For the controller `mppi`, which takes the rest from `dwa` and `dwa_t`.
     pub mppi: MppiConfig,
+    /// For the controller `beam`, which takes the rest from `dwa` and `dwa_t`.
+    pub beam: BeamConfig,
     /// How fast accelerations change.
     pub shaping: ShapingConfig,
     /// What is done when the robot does not get on.
@@ -37,6 +40,7 @@ impl Default for LocalPlannerConfig {
             dwa: DwaConfig::default(),
             dwa_t: DwaTConfig::default(),
             mppi: MppiConfig::default(),
+            beam: BeamConfig::default(),
             shaping: ShapingConfig::default(),
             recovery: RecoveryConfig::default(),
             literal: false,
@@ -296,6 +300,51 @@ impl Default for CriticWeights {
     }
 }
 
+/// Parameters of the search in time, see [`crate::beam`].
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct BeamConfig {
+    /// Nodes that are kept of every layer, 1 to 1024.
+    pub width: u32,
+    /// Manoeuvres one after the other, 1 to 16.
+    pub layers: u32,
+    /// [s] length of a manoeuvre.
+    pub manoeuvre_s: f64,
+    /// [s] after which it is searched again, at most the length of a manoeuvre.
+    pub replan_s: f64,
+    /// [m] kept from predicted obstacles.
+    pub margin_m: f64,
+    /// [m] beyond that in which nearness costs something.
+    pub near_m: f64,
+    /// Of touching that at 0.8 m/s, against the time that passes.
+    pub weight_near: f64,
+    /// [s] for which predictions are relied on; what is predicted to be touched later costs.
+    pub certain_s: f64,
+}
+
+impl BeamConfig {
+    /// [s] from pose to pose that is looked at.
+    #[allow(clippy::cast_precision_loss, reason = "a handful")]
+    pub(crate) fn look_s(&self) -> f64 {
+        self.manoeuvre_s / crate::beam::LOOKS as f64
+    }
+}
+
+impl Default for BeamConfig {
+    fn default() -> Self {
+        Self {
+            width: 60,
+            layers: 8,
+            manoeuvre_s: 0.4,
+            replan_s: 0.2,
+            margin_m: 0.05,
+            near_m: 0.4,
+            weight_near: 3.0,
+            certain_s: 1.5,
+        }
+    }
+}
+
 /// How fast accelerations change; braking in an emergency is exempt.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -481,6 +530,7 @@ impl LocalPlannerConfig {
         let (dwa, weights) = (&self.dwa, &self.dwa.weights);
         let timed = &self.dwa_t;
         let mppi = &self.mppi;
+        let beam = &self.beam;
         let half_turn = core::f64::consts::PI;
         let weights_of_critics = CRITICS
             .iter()
@@ -533,6 +583,19 @@ impl LocalPlannerConfig {
             ("dwa_t.speed_gain_hz", timed.speed_gain_hz, 0.0, 1.0e3),
             ("dwa_t.weight_speed", timed.weight_speed, 0.0, 1.0e3),
             ("dwa_t.weight_moving", timed.weight_moving, 0.0, 1.0e3),
+            (
+                "beam.width",
+                f64::from(beam.width),
+                1.0,
+                f64::from(WIDTH_MAX),
+            ),
+            ("beam.layers", f64::from(beam.layers), 1.0, 16.0),
+            ("beam.manoeuvre_s", beam.manoeuvre_s, 0.1, 1.0),
+            ("beam.replan_s", beam.replan_s, 0.0, beam.manoeuvre_s),
+            ("beam.margin_m", beam.margin_m, 0.0, 1.0),
+            ("beam.near_m", beam.near_m, 0.01, 2.0),
+            ("beam.weight_near", beam.weight_near, 0.0, 1.0e3),
+            ("beam.certain_s", beam.certain_s, 0.0, 20.0),
             ("mppi.samples", f64::from(mppi.samples), 40.0, 20_000.0),
             ("mppi.steps", f64::from(mppi.steps), 14.0, 64.0),
             ("mppi.step_s", mppi.step_s, 0.02, 0.1),

@@ -26,6 +26,7 @@ mod timed;
 
 use crate::config::{DwaConfig, DwaTConfig, ShapingConfig};
 use crate::controller::{Controller, Decision, Situation};
+use crate::funnel::Funnel;
 use crate::local_path::LocalPath;
 use crate::motion::{Twist, stop_distance_m, towards_rest};
 use crate::moving::Moving;
@@ -33,6 +34,7 @@ use crate::progress::{PathTracker, Place};
 use crate::refine::{Refine, Sight};
 use crate::rollout::Rollouts;
 use crate::shaping::Shaper;
+use crate::standing::StandingMap;
 use crate::surroundings::{Reach, Surroundings};
 use timed::Timed;
 use zeronav_msgs::command::Validity;
@@ -90,6 +92,9 @@ pub struct Dwa {
     shaper: Shaper,
     /// What `dwa_t` adds.
     timed: Option<Timed>,
+    /// [m] that must be known around the robot, and the map without what moves; `None` = what moves
+    /// is avoided where it was seen, too.
+    standing: Option<(f64, StandingMap)>,
 }
 
 impl Dwa {
@@ -113,6 +118,7 @@ impl Dwa {
             moving: Moving::default(),
             shaper: Shaper::new(ShapingConfig::OFF),
             timed: None,
+            standing: None,
         }
     }
 
@@ -127,6 +133,16 @@ impl Dwa {
         Self {
             timed: Some(Timed::new(timed)),
             ..Self::new(config)
+        }
+    }
+
+    /// The same that takes what moves for an obstacle where it will be alone, and knows its
+    /// surroundings as far as `sight_m`.
+    #[must_use]
+    pub(crate) fn among_what_moves(self, sight_m: f64) -> Self {
+        Self {
+            standing: Some((sight_m, StandingMap::default())),
+            ..self
         }
     }
 
@@ -159,12 +175,21 @@ impl Dwa {
     fn look(&mut self, situation: &Situation<'_>, place: &Place) {
         let robot = situation.robot;
         self.surroundings.describe(robot, situation.corners);
-        let sight_m = robot.v_mps_max * self.horizon_s(situation) + 0.5;
+        let mut sight_m = robot.v_mps_max * self.horizon_s(situation) + 0.5;
         let position = situation.map_from_base.point();
         // Sampled as densely as the weights of the evaluation are meant for.
         let path_m = robot.v_mps_max * self.horizon_s(situation).min(PATH_HORIZON_S) + 0.5;
         self.path
             .sample(&self.tracker, situation.path, place, position, path_m);
+        // Taken out for as long as the map is looked at through it.
+        let mut standing = self.standing.take();
+        let mut map = situation.map.map(|map| (map, situation.map_cells));
+        if let (Some((known_m, standing)), Some((whole, cells))) = (&mut standing, map)
+            && !situation.obstacles.is_empty()
+        {
+            sight_m = sight_m.max(*known_m);
+            map = Some(standing.view(whole, cells, position, Funnel::half_m(sight_m)));
+        }
         let reach = Reach {
             field_m: sight_m,
             stop_m: stop_distance_m(robot, robot.v_mps_max, self.config.reaction_s),
@@ -175,14 +200,10 @@ impl Dwa {
         let stamped = self.timed.as_mut().map_or(points, |timed| {
             timed.standing_points(situation, &mut self.moving)
         });
-        self.surroundings.look(
-            situation.map.map(|map| (map, situation.map_cells)),
-            &situation.map_from_base,
-            points,
-            stamped,
-            reach,
-        );
-        self.guide(situation, place, sight_m);
+        self.surroundings
+            .look(map, &situation.map_from_base, points, stamped, reach);
+        self.guide(situation, map, place, sight_m);
+        self.standing = standing;
     }
 
     fn wish(
@@ -190,13 +211,23 @@ impl Dwa {
         situation: &Situation<'_>,
         place: &Place,
         from: Twist,
-        refiner: Option<&mut dyn Refine>,
+        mut refiner: Option<&mut dyn Refine>,
     ) -> Wish {
         if let Some(wish) = self.arrive(situation, place, from) {
             return wish;
         }
         if let Some(wish) = self.back_up(situation, from) {
             return wish;
+        }
+        let fastest = situation.robot.v_mps_max * situation.speed_factor.clamp(0.0, 1.0);
+        let led = refiner
+            .as_mut()
+            .and_then(|refiner| refiner.lead(self.sight(situation, place, from, fastest, None)));
+        if let Some(twist) = led {
+            self.mode = Mode::Follow;
+            self.astray_s = 0.0;
+            self.steered_radps = twist.w_radps;
+            return Wish::Towards(twist);
         }
         let to_goal = self.to_local_goal(situation, place, from);
         let error_rad = to_goal.y.atan2(to_goal.x);

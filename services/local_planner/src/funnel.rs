@@ -26,6 +26,9 @@ use zeronav_msgs::path::Waypoint;
 /// [m] smallest side of a cell; finer maps are taken in blocks.
 const CELL_M: f64 = 0.1;
 
+/// By how much the window reaches farther than what must be known.
+const REACH_SHARE: f64 = 1.35;
+
 /// Most cells on a side.
 const SIDE_MAX: i32 = 160;
 
@@ -104,12 +107,18 @@ pub(crate) struct FunnelInputs<'a> {
 }
 
 impl Funnel {
+    /// [m] around the robot that a window which knows `reach_m` looks at, at most.
+    pub(crate) const fn half_m(reach_m: f64) -> f64 {
+        REACH_SHARE * reach_m + 1.0
+    }
+
     /// Makes the window anew when it has to be; true when it was.
     pub(crate) fn update(&mut self, tracker: &PathTracker, inputs: &FunnelInputs<'_>) -> bool {
         let geometry = inputs.map.geometry;
         let stride = (CELL_M / geometry.resolution_m).ceil().max(1.0);
         let cell_m = stride * geometry.resolution_m;
-        let half = ((1.35 * inputs.reach_m / cell_m).ceil() as i32 + 2).min(SIDE_MAX / 2 - 1);
+        let half =
+            ((REACH_SHARE * inputs.reach_m / cell_m).ceil() as i32 + 2).min(SIDE_MAX / 2 - 1);
         let key = Key {
             geometry: inputs.geometry,
             cells: inputs.map_cells,

@@ -7,6 +7,7 @@
 //! The library is pure: no clock, no I/O, no threads; times are passed in, the same calls give
 //! the same answers, and after the first periods nothing is allocated.
 
+pub mod beam;
 pub mod config;
 pub mod controller;
 mod critics;
@@ -31,6 +32,7 @@ pub mod scan_points;
 pub mod shaping;
 pub mod staleness;
 mod stall;
+mod standing;
 mod surroundings;
 pub mod table;
 pub mod task;

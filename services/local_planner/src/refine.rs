@@ -32,6 +32,12 @@ pub(crate) struct Sight<'a> {
 
 /// Chooses a twist instead of the dynamic window.
 pub(crate) trait Refine {
+    /// The twist to go towards before anything else is thought of but arriving; `None` = the path
+    /// is followed.
+    fn lead(&mut self, _sight: Sight<'_>) -> Option<Twist> {
+        None
+    }
+
     /// The twist to go towards; `None` = none that is better than the dynamic window's.
     fn refine(&mut self, sight: Sight<'_>) -> Option<Twist>;
 }

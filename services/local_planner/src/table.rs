@@ -1,5 +1,6 @@
 //! The controllers by key. A new one is a file plus a row here.
 
+use crate::beam::Beam;
 use crate::config::LocalPlannerConfig;
 use crate::controller::Controller;
 use crate::dwa::Dwa;
@@ -69,6 +70,15 @@ pub const CONTROLLERS: &[ControllerRow] = &[
         of_a_paper: false,
         build: |config| {
             Box::new(Mppi::new(config.dwa, config.dwa_t, config.mppi).shaped(config.shaping))
+        },
+    },
+    ControllerRow {
+        key: "beam",
+        title: "Beam search in time among what moves, dwa_t where nothing does",
+        source: "beam search over manoeuvres, with constant-velocity tracks",
+        of_a_paper: false,
+        build: |config| {
+            Box::new(Beam::new(config.dwa, config.dwa_t, config.beam).shaped(config.shaping))
         },
     },
     ControllerRow {

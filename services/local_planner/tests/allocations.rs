@@ -3,7 +3,8 @@
 mod support;
 
 use support::{Loop, block, disc, jackal, path};
-use zeronav_local_planner::config::{DwaConfig, DwaTConfig, MppiConfig};
+use zeronav_local_planner::beam::Beam;
+use zeronav_local_planner::config::{BeamConfig, DwaConfig, DwaTConfig, MppiConfig};
 use zeronav_local_planner::controller::Controller;
 use zeronav_local_planner::dwa::Dwa;
 use zeronav_local_planner::mppi::Mppi;
@@ -16,12 +17,16 @@ fn a_cycle_allocates_nothing() {
     let corners = path(&[(1.0, 1.7), (12.0, 1.7)]);
     let dwa = DwaConfig::default;
     let timed = DwaTConfig::default;
-    let controllers = || -> [(Box<dyn Controller>, u32); 3] {
+    let controllers = || -> [(Box<dyn Controller>, u32); 4] {
         [
             (Box::new(Dwa::new(dwa())), 800),
             (Box::new(Dwa::timed(dwa(), timed())), 800),
             (
                 Box::new(Mppi::new(dwa(), timed(), MppiConfig::default())),
+                2000,
+            ),
+            (
+                Box::new(Beam::new(dwa(), timed(), BeamConfig::default())),
                 2000,
             ),
         ]

@@ -5,12 +5,12 @@
 
 mod support;
 
-use support::{Loop, block, disc, jackal, path};
+use support::cart::{Cart, cross};
+use support::{Loop, block, jackal, path};
 use zeronav_local_planner::config::{DwaConfig, DwaTConfig, MppiConfig};
 use zeronav_local_planner::motion::Twist;
 use zeronav_local_planner::mppi::Mppi;
 use zeronav_msgs::Pose;
-use zeronav_msgs::obstacles::Obstacle;
 
 /// With fewer samples than on the robot, so that minutes of driving take seconds.
 fn mppi(samples: u32) -> Mppi {
@@ -44,53 +44,13 @@ mod manoeuvres {
     include!("support/manoeuvres.rs");
 }
 
-/// A cart of 0.4 m that meets a robot in a hall: least distance while the robot moved faster than
-/// 0.05 m/s, and seconds to the goal.
-fn meet(from: (f64, f64), velocity: (f64, f64)) -> (f64, Option<f64>) {
-    let hall = [block(0.0, 0.0, 14.0, 0.2), block(0.0, 7.8, 14.0, 8.0)];
-    let robot = disc(0.25, 0.8, 1.0, 1.8, 3.0);
-    let corners = path(&[(1.0, 4.0), (12.0, 4.0)]);
-    let mut run = Loop::new(robot, &hall, (14.0, 8.0), Pose::new(1.0, 4.0, 0.0), corners);
-    let mut controller = mppi(200);
-    let radius_m = 0.4;
-    let mut least_m = f64::INFINITY;
-    for _ in 0..1500 {
-        let x = from.0 + velocity.0 * run.time_s;
-        let y = from.1 + velocity.1 * run.time_s;
-        run.obstacles = vec![Obstacle {
-            track: 1,
-            x_m: x,
-            y_m: y,
-            vx_mps: velocity.0,
-            vy_mps: velocity.1,
-            radius_m,
-            covariance: [1e-3, 0.0, 0.0, 0.0, 1e-3, 0.0, 0.0, 0.02, 0.0, 0.02],
-            ..Obstacle::default()
-        }];
-        run.blocks.truncate(2);
-        let half_m = 0.7 * radius_m;
-        run.blocks
-            .push(block(x - half_m, y - half_m, x + half_m, y + half_m));
-        run.step(&mut controller);
-        if run.twist.v_mps.abs() > 0.05 {
-            let distance_m = (run.pose.x_m - x).hypot(run.pose.y_m - y) - radius_m - 0.25;
-            least_m = least_m.min(distance_m);
-        }
-        if run.pose.distance_m(&run.goal.pose) < run.goal.tolerance_m && run.twist.is_standing() {
-            return (least_m, Some(run.time_s));
-        }
-    }
-    (least_m, None)
-}
-
 #[test]
 fn a_crossing_cart_is_given_way() {
     for speed in [0.5, 1.0, 1.5] {
         for meets_at in [4.0, 6.0] {
             for side in [-1.0, 1.0] {
-                let arrives_s = (meets_at - 1.0) / 0.8 + 0.4;
-                let from = (meets_at, 4.0 + side * speed * arrives_s);
-                let (least_m, time_s) = meet(from, (0.0, -side * speed));
+                let cart = Cart::crossing(speed, meets_at, side);
+                let (least_m, _, time_s) = cross(&mut mppi(200), cart, true);
                 println!("{speed} m/s at {meets_at} m from {side}: {least_m:.3} m, {time_s:?}");
                 assert!(least_m > 0.0, "the robot drove into it");
                 assert!(time_s.is_some(), "did not arrive");

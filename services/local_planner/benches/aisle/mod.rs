@@ -7,6 +7,7 @@ use rand_pcg::Pcg32;
 use std::hint::black_box;
 use zeronav_local_planner::controller::{Controller, Situation};
 use zeronav_msgs::description::{Corner, Description};
+use zeronav_msgs::map::COST_LETHAL;
 use zeronav_msgs::obstacles::Obstacle;
 use zeronav_msgs::path::Waypoint;
 use zeronav_msgs::task::Goal;
@@ -138,6 +139,9 @@ fn cells() -> Vec<MapCell> {
             let mut cell = MapCell::default();
             while f64::from(cell.clearance_mm) + 1.0 <= clearance(y) * 1000.0 {
                 cell.clearance_mm += 1;
+            }
+            if cell.clearance_mm == 0 {
+                cell.cost = COST_LETHAL;
             }
             std::iter::repeat_n(cell, 400)
         })

@@ -24,6 +24,7 @@ use crate::rollout::{Outcome, TURNING_MPS};
 use crate::surroundings::narrow;
 use crate::window::Window;
 use nalgebra::Point2;
+use zeronav_msgs::MapView;
 use zeronav_msgs::scan::BEAMS_MAX;
 
 /// [m] by which the free way may be longer than the way along the path before it counts.
@@ -94,13 +95,19 @@ impl Timed {
 
 impl Dwa {
     /// Takes in map and path for the cost-to-go.
-    pub(super) fn guide(&mut self, situation: &Situation<'_>, place: &Place, reach_m: f64) {
-        let (Some(timed), Some(map)) = (&mut self.timed, situation.map) else {
+    pub(super) fn guide(
+        &mut self,
+        situation: &Situation<'_>,
+        map: Option<(MapView<'_>, u64)>,
+        place: &Place,
+        reach_m: f64,
+    ) {
+        let (Some(timed), Some((map, map_cells))) = (&mut self.timed, map) else {
             return;
         };
         let inputs = FunnelInputs {
             map,
-            map_cells: situation.map_cells,
+            map_cells,
             path: situation.path,
             geometry: situation.path_geometry,
             place: *place,

@@ -7,6 +7,7 @@
     reason = "yaw on the wire is f32, and outlines have a few hundred points"
 )]
 
+pub(crate) mod cart;
 mod world;
 
 use nalgebra::{Point2, Vector2};

@@ -1,0 +1,292 @@
+//! `beam`: a search in time among what moves.
+//!
+//! One arc, held for seconds, does not lead through a crowd: the way is to slow down now, pass
+//! behind one and before the next. So sequences of manoeuvres are searched, each [`BeamConfig::manoeuvre_s`]
+//! of a speed and a yaw rate that are asked for, within the robot's accelerations, and compared with
+//! the predictions of their own moment. It is a beam search (Lowerre, "The Harpy Speech Recognition
+//! System", 1976): of every layer of manoeuvres the [`BeamConfig::width`] best nodes are kept, by the
+//! time spent and risked plus the time that the way to go still takes, at most one in each cell of
+//! position, yaw and speed. The first manoeuvre of the best sequence is driven for
+//! [`BeamConfig::replan_s`]; then it is searched again.
+//!
+//! - **What moves is where it will be, and nowhere else.** The shared map shows it where it was; this
+//!   controller takes the map without it ([`crate::standing`]), so the way behind somebody is free.
+//! - **The way to go** is the cost-to-go of `dwa_t` on that map ([`crate::funnel`]): the search
+//!   follows no path, so it does not turn back and forth with every path that comes.
+//! - **A robot that stands may be walked into**, at a cost; one that drives may not, as far as
+//!   predictions are to be relied on ([`BeamConfig::certain_s`]).
+//! - Where nobody walks near, at the goal, and for the exact check of what is published it is
+//!   `dwa_t`.
+
+mod scene;
+mod visited;
+
+use crate::config::{BeamConfig, DwaConfig, DwaTConfig, ShapingConfig};
+use crate::controller::{Controller, Decision, Situation};
+use crate::dwa::Dwa;
+use crate::motion::Twist;
+use crate::refine::{Refine, Sight};
+use crate::surroundings::narrow;
+pub(crate) use scene::LOOKS;
+use scene::{Scene, State};
+use visited::Visited;
+pub(crate) use visited::WIDTH_MAX;
+use zeronav_msgs::obstacles::OBSTACLES_MAX;
+
+/// Speeds that are asked for, as shares of the fastest.
+const SPEEDS: [f32; 6] = [0.0, 0.15, 0.35, 0.6, 0.8, 1.0];
+
+/// Yaw rates that are asked for, as shares of the fastest.
+const YAW_RATES: [f32; 7] = [0.0, 0.125, -0.125, 0.3, -0.3, 0.625, -0.625];
+
+/// [m/s^2] sideways beyond which a speed and a yaw rate are not asked for together.
+const SIDEWAYS_MPS2: f32 = 2.6;
+
+/// [m] around the robot that the search knows.
+const SIGHT_M: f64 = 6.0;
+
+/// [m] within which somebody who walks makes the robot search.
+const WALKS_M: f64 = 6.0;
+
+/// [m] before the goal where it ends.
+const FINAL_M: f64 = 1.0;
+
+/// Sides of a cell: [m], [rad], [m/s].
+const CELL_M: f32 = 0.15;
+const CELL_RAD: f32 = 0.4;
+const CELL_MPS: f32 = 0.4;
+
+/// The controller `beam`.
+#[derive(Debug, Clone)]
+pub struct Beam {
+    dwa: Dwa,
+    search: Search,
+}
+
+impl Beam {
+    /// A controller at rest. The numbers must be those that
+    /// [`crate::config::LocalPlannerConfig::check`] accepts.
+    #[must_use]
+    pub fn new(dwa: DwaConfig, timed: DwaTConfig, config: BeamConfig) -> Self {
+        Self {
+            dwa: Dwa::timed(dwa, timed).among_what_moves(SIGHT_M),
+            search: Search::new(config),
+        }
+    }
+
+    /// The same with commands whose accelerations change no faster than this.
+    #[must_use]
+    pub fn shaped(self, config: ShapingConfig) -> Self {
+        Self {
+            dwa: self.dwa.shaped(config),
+            ..self
+        }
+    }
+}
+
+impl Controller for Beam {
+    fn decide(&mut self, situation: &Situation<'_>) -> Decision {
+        self.search.leads = false;
+        let decision = self.dwa.decide_with(situation, Some(&mut self.search));
+        if !self.search.leads {
+            self.search.forget();
+        }
+        Decision {
+            rollouts: decision.rollouts.max(self.search.looked_at),
+            ..decision
+        }
+    }
+
+    fn overruled(&mut self, published: Twist) {
+        self.dwa.overruled(published);
+        self.search.forget();
+    }
+}
+
+/// The end of a sequence of manoeuvres.
+#[derive(Debug, Clone, Copy)]
+struct Node {
+    state: State,
+    /// Spent and risked so far. [s]
+    cost: f32,
+    /// The same with what is still to come. [s]
+    total: f32,
+    /// The way to go. [m]
+    to_go: f32,
+    /// Index of the node before.
+    parent: usize,
+    /// Speed [m/s] and yaw rate [rad/s] of the last manoeuvre.
+    asked: (f32, f32),
+    /// Bit by bit: discs that the robot was in from the beginning.
+    inside: u64,
+}
+
+impl Node {
+    /// The cell that it is in.
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "some metres in cells; saturates"
+    )]
+    fn cell(&self) -> visited::Cell {
+        let State { x, y, yaw, v, .. } = self.state;
+        [
+            (x / CELL_M).floor() as i16,
+            (y / CELL_M).floor() as i16,
+            (yaw / CELL_RAD).round() as i16,
+            (v / CELL_MPS).round() as i16,
+        ]
+    }
+}
+
+/// The search and what it found last.
+#[derive(Debug, Clone)]
+struct Search {
+    config: BeamConfig,
+    /// The twist to go towards, and for how long it has been that. [s]
+    found: Option<(Twist, f64)>,
+    /// It had a say in this period.
+    leads: bool,
+    looked_at: u32,
+    /// All layers, one after the other.
+    nodes: Vec<Node>,
+    /// The layer at hand before it is thinned out, and its order.
+    fresh: Vec<Node>,
+    order: Vec<u32>,
+    /// Discs near a node.
+    near: Vec<usize>,
+    visited: Visited,
+}
+
+impl Search {
+    fn new(config: BeamConfig) -> Self {
+        let width = config.width as usize;
+        let most = width * SPEEDS.len() * YAW_RATES.len();
+        Self {
+            config,
+            found: None,
+            leads: false,
+            looked_at: 0,
+            nodes: Vec::with_capacity(1 + width * config.layers as usize),
+            fresh: Vec::with_capacity(most),
+            order: Vec::with_capacity(most),
+            near: Vec::with_capacity(OBSTACLES_MAX),
+            visited: Visited::new(),
+        }
+    }
+
+    fn forget(&mut self) {
+        self.found = None;
+        self.looked_at = 0;
+    }
+
+    /// The first manoeuvre of the best sequence; `None` when no manoeuvre is free.
+    fn search(&mut self, scene: &Scene<'_>, from: Twist) -> Option<Twist> {
+        self.looked_at = 0;
+        self.nodes.clear();
+        self.nodes.push(scene.root(from.v_mps, from.w_radps));
+        let mut layer = 0..1;
+        for number in 0..self.config.layers as usize {
+            self.expand(scene, layer.clone(), number);
+            if self.fresh.is_empty() {
+                break;
+            }
+            layer = self.keep_the_best();
+        }
+        // The best of the last layer is its first node.
+        let mut best = *self.nodes.get(layer.start)?;
+        if layer.start == 0 {
+            return None;
+        }
+        while best.parent != 0 {
+            best = self.nodes[best.parent];
+        }
+        let (v, w) = best.asked;
+        Some(Twist::new(f64::from(v), f64::from(w)))
+    }
+
+    /// Drives every manoeuvre from every node of a layer.
+    fn expand(&mut self, scene: &Scene<'_>, layer: core::ops::Range<usize>, number: usize) {
+        let jump = narrow(scene.robot.a_mps2_max.max(scene.robot.brake_mps2))
+            * narrow(self.config.manoeuvre_s);
+        let w_max = narrow(scene.robot.w_radps_max);
+        self.fresh.clear();
+        for parent in layer {
+            let node = self.nodes[parent];
+            scene.gather(&node, number, &mut self.near);
+            for v in SPEEDS.map(|share| share * scene.fastest) {
+                // Which is out of reach is another manoeuvre's end.
+                if (v - node.state.v).abs() > 1.1 * jump {
+                    continue;
+                }
+                for w in YAW_RATES.map(|share| share * w_max) {
+                    if (v * w).abs() > SIDEWAYS_MPS2 {
+                        continue;
+                    }
+                    self.looked_at += 1;
+                    let next = scene.drive(&node, (v, w), number, &self.near);
+                    self.fresh.extend(next.map(|next| Node { parent, ..next }));
+                }
+            }
+        }
+    }
+
+    /// Makes the best nodes of the layer at hand, one in a cell, the next layer.
+    fn keep_the_best(&mut self) -> core::ops::Range<usize> {
+        let fresh = &self.fresh;
+        self.order.clear();
+        self.order.extend((0_u32..).take(fresh.len()));
+        self.order.sort_unstable_by(|a, b| {
+            let total = |index: &u32| fresh[*index as usize].total;
+            total(a).total_cmp(&total(b)).then(a.cmp(b))
+        });
+        self.visited.clear();
+        let start = self.nodes.len();
+        for index in &self.order {
+            let node = self.fresh[*index as usize];
+            if self.visited.insert(node.cell()) {
+                self.nodes.push(node);
+                if self.nodes.len() - start == self.config.width as usize {
+                    break;
+                }
+            }
+        }
+        start..self.nodes.len()
+    }
+}
+
+impl Refine for Search {
+    fn lead(&mut self, sight: Sight<'_>) -> Option<Twist> {
+        if !sight.moving.is_within(WALKS_M) || sight.place.remaining_m < FINAL_M {
+            return None;
+        }
+        self.leads = true;
+        let situation = sight.situation;
+        if let Some((twist, age_s)) = &mut self.found {
+            *age_s += situation.period_s;
+            if *age_s < self.config.replan_s - 0.5 * situation.period_s {
+                return Some(*twist);
+            }
+        }
+        let looks = self.config.layers as usize * LOOKS;
+        sight.moving.tabulate(looks, self.config.look_s());
+        let goal = situation.goal.pose.point() - situation.map_from_base.point();
+        let scene = Scene {
+            config: self.config,
+            robot: situation.robot,
+            surroundings: sight.surroundings,
+            moving: sight.moving,
+            funnel: sight.funnel,
+            here: situation.map_from_base,
+            goal: (narrow(goal.x), narrow(goal.y)),
+            fastest: narrow(sight.fastest_mps),
+            soft: narrow(sight.config.soft_clearance_m),
+        };
+        let twist = self.search(&scene, sight.from);
+        self.found = twist.map(|twist| (twist, 0.0));
+        twist
+    }
+
+    fn refine(&mut self, _sight: Sight<'_>) -> Option<Twist> {
+        None
+    }
+}

@@ -1,0 +1,292 @@
+//! What a search drives through: how the robot moves, what is in its way, what that costs.
+
+use super::Node;
+use crate::config::BeamConfig;
+use crate::funnel::Funnel;
+use crate::moving::Moving;
+use crate::surroundings::{LocalPose, Surroundings, narrow};
+use nalgebra::Point2;
+use zeronav_msgs::Pose;
+use zeronav_msgs::description::Description;
+
+/// Poses of a manoeuvre that are looked at.
+pub(crate) const LOOKS: usize = 4;
+
+/// Discs of which a node knows whether the robot has left them; the others count as left.
+const INSIDE_MAX: usize = 64;
+
+/// [m/s] below which being hit is not the robot's doing, and what each such look costs. [s]
+const STANDING_MPS: f32 = 0.05;
+const HIT_STANDING: f32 = 0.3;
+
+/// [m/s] and [rad/s] below which the robot stays where it is, free or not.
+const RESTING: f32 = 0.01;
+
+/// What driving into a prediction of the far future costs. [1]
+const HIT_DRIVING: f32 = 40.0;
+
+/// [m/s] towards a disc that the robot is in already; less is no motion.
+const APPROACH_MPS: f32 = 0.02;
+
+/// [m/s] at which a robot is expected to go on after the last manoeuvre.
+const LATER_MPS: f32 = 1.5;
+
+/// [m] ahead of the robot where the way to go tells whether it heads along it, and what heading
+/// the other way costs. [s]
+const AHEAD_M: f32 = 0.4;
+const ASTRAY: f32 = 0.8;
+
+/// [s] that each metre per second at the end is worth.
+const MOMENTUM: f32 = 0.15;
+
+/// Costs that keep manoeuvres calm: of a squared yaw rate for a second, of a change of speed.
+const TURNING: f32 = 0.006;
+const CHANGING: f32 = 0.01;
+
+/// The robot after some manoeuvres: position relative to where it is now along the axes of the map
+/// [m], yaw in the map [rad] with its cosine and sine, speed [m/s] and yaw rate [rad/s].
+#[derive(Debug, Clone, Copy)]
+pub(super) struct State {
+    pub(super) x: f32,
+    pub(super) y: f32,
+    pub(super) yaw: f32,
+    pub(super) cos: f32,
+    pub(super) sin: f32,
+    pub(super) v: f32,
+    pub(super) w: f32,
+}
+
+/// What does not change during a search.
+#[derive(Debug)]
+pub(super) struct Scene<'a> {
+    pub(super) config: BeamConfig,
+    pub(super) robot: &'a Description,
+    pub(super) surroundings: &'a Surroundings,
+    /// Tabulated at the looks of all manoeuvres.
+    pub(super) moving: &'a Moving,
+    /// Without one the way to go is the straight line.
+    pub(super) funnel: Option<&'a Funnel>,
+    /// `map_from_base` now.
+    pub(super) here: Pose,
+    /// Goal relative to the robot along the axes of the map. [m]
+    pub(super) goal: (f32, f32),
+    /// [m/s] fastest speed.
+    pub(super) fastest: f32,
+    /// [m] of space to what stands from which on nearness costs nothing.
+    pub(super) soft: f32,
+}
+
+impl Scene<'_> {
+    /// [s] from look to look.
+    fn look_s(&self) -> f32 {
+        narrow(self.config.look_s())
+    }
+
+    /// The node that a search begins with.
+    pub(super) fn root(&self, v_mps: f64, w_radps: f64) -> Node {
+        let (sin, cos) = self.here.yaw_rad.sin_cos();
+        let state = State {
+            x: 0.0,
+            y: 0.0,
+            yaw: narrow(self.here.yaw_rad),
+            cos: narrow(cos),
+            sin: narrow(sin),
+            v: narrow(v_mps),
+            w: narrow(w_radps),
+        };
+        let margin = narrow(self.config.margin_m);
+        let discs = self.moving.now().iter().take(INSIDE_MAX).enumerate();
+        let inside = discs
+            .filter(|(_, disc)| self.apart(&state, disc) < margin)
+            .fold(0, |inside, (i, _)| inside | 1 << i);
+        let mut root = Node {
+            state,
+            cost: 0.0,
+            total: 0.0,
+            to_go: self.goal.0.hypot(self.goal.1),
+            parent: 0,
+            asked: (state.v, state.w),
+            inside,
+        };
+        self.value(&mut root);
+        root
+    }
+
+    /// [m] between the outline and a disc; negative when they overlap.
+    fn apart(&self, state: &State, disc: &[f32; 3]) -> f32 {
+        let (dx, dy) = (disc[0] - state.x, disc[1] - state.y);
+        let in_base = Point2::new(
+            f64::from(state.cos * dx + state.sin * dy),
+            f64::from(state.cos * dy - state.sin * dx),
+        );
+        narrow(self.surroundings.footprint.distance_m(in_base)) - disc[2]
+    }
+
+    /// [m] of the way to go from a position.
+    fn to_go(&self, x: f32, y: f32) -> Option<f32> {
+        let Some(funnel) = self.funnel else {
+            return Some((self.goal.0 - x).hypot(self.goal.1 - y));
+        };
+        let here = self.here.point();
+        funnel.at(Point2::new(here.x + f64::from(x), here.y + f64::from(y)))
+    }
+
+    /// Adds what is still to come to a node that knows its parent's way to go, in seconds.
+    fn value(&self, node: &mut Node) {
+        let at = &node.state;
+        node.to_go = self.to_go(at.x, at.y).unwrap_or(node.to_go);
+        let ahead = self.to_go(at.x + AHEAD_M * at.cos, at.y + AHEAD_M * at.sin);
+        let along = ahead.map_or(0.0, |ahead| {
+            ((node.to_go - ahead) / AHEAD_M).clamp(-1.0, 1.0)
+        });
+        let astray = 0.5 * ASTRAY * (1.0 - along);
+        node.total = node.cost + node.to_go / LATER_MPS + astray - MOMENTUM * at.v;
+    }
+
+    /// The state a look later, when this speed and yaw rate are asked for.
+    fn step(&self, from: &State, asked: (f32, f32)) -> State {
+        let (robot, step_s) = (self.robot, self.look_s());
+        let up = narrow(robot.a_mps2_max) * step_s;
+        let down = narrow(robot.brake_mps2) * step_s;
+        let turn = narrow(robot.alpha_radps2_max) * step_s;
+        let v = asked.0.clamp(from.v - down, from.v + up);
+        let w = asked.1.clamp(from.w - turn, from.w + turn);
+        let (mean_v, mean_w) = (0.5 * (v + from.v), 0.5 * (w + from.w));
+        let half = rotation(0.5 * mean_w * step_s);
+        let (mid_cos, mid_sin) = rotated((from.cos, from.sin), half);
+        let (cos, sin) = rotated((mid_cos, mid_sin), half);
+        State {
+            x: from.x + mean_v * mid_cos * step_s,
+            y: from.y + mean_v * mid_sin * step_s,
+            yaw: from.yaw + mean_w * step_s,
+            cos,
+            sin,
+            v,
+            w,
+        }
+    }
+
+    /// The discs that a manoeuvre of this layer can meet when it begins at `node`.
+    pub(super) fn gather(&self, node: &Node, layer: usize, near: &mut Vec<usize>) {
+        near.clear();
+        let first = self.moving.at_step(layer * LOOKS);
+        let last = self.moving.at_step((layer + 1) * LOOKS - 1);
+        let outer_m = self.surroundings.footprint.circumscribed_m;
+        let driven = self.fastest * narrow(self.config.manoeuvre_s);
+        let reach = driven + narrow(outer_m + self.config.margin_m + self.config.near_m);
+        for (i, (from, to)) in first.iter().zip(last).enumerate() {
+            let middle = (0.5 * (from[0] + to[0]), 0.5 * (from[1] + to[1]));
+            let half = 0.5 * (to[0] - from[0]).hypot(to[1] - from[1]);
+            let away = (middle.0 - node.state.x).hypot(middle.1 - node.state.y);
+            if away < reach + half + to[2] {
+                near.push(i);
+            }
+        }
+    }
+
+    /// Where a manoeuvre from `node` leads; `None` when something is in the way. `near` are the
+    /// discs that it can meet.
+    #[allow(clippy::cast_precision_loss, reason = "at most some hundred looks")]
+    pub(super) fn drive(
+        &self,
+        node: &Node,
+        asked: (f32, f32),
+        layer: usize,
+        near: &[usize],
+    ) -> Option<Node> {
+        let step_s = self.look_s();
+        let (margin, near_m) = (narrow(self.config.margin_m), narrow(self.config.near_m));
+        let outer = narrow(self.surroundings.footprint.circumscribed_m);
+        let mut next = Node { asked, ..*node };
+        for look in layer * LOOKS..(layer + 1) * LOOKS {
+            let state = self.step(&next.state, asked);
+            next.state = state;
+            let stands = state.v.abs() < RESTING && state.w.abs() < RESTING;
+            let space = if stands {
+                self.soft
+            } else {
+                let at = LocalPose {
+                    x: state.x,
+                    y: state.y,
+                    cos: state.cos,
+                    sin: state.sin,
+                };
+                self.surroundings.space(at, self.soft)?
+            };
+            let elapsed_s = (look + 1) as f32 * step_s;
+            let discs = self.moving.at_step(look);
+            let mut least = near_m;
+            for &i in near {
+                let disc = &discs[i];
+                let (dx, dy) = (disc[0] - state.x, disc[1] - state.y);
+                let reach = disc[2] + margin + near_m + outer;
+                if dx * dx + dy * dy > reach * reach {
+                    continue;
+                }
+                let apart = self.apart(&state, disc) - margin;
+                if i < INSIDE_MAX && next.inside >> i & 1 == 1 {
+                    // Who is in it must be able to leave it.
+                    if apart > 0.0 {
+                        next.inside &= !(1 << i);
+                    } else if (dx * state.cos + dy * state.sin) * state.v > APPROACH_MPS {
+                        return None;
+                    } else {
+                        continue;
+                    }
+                }
+                if apart < 0.0 {
+                    if state.v.abs() <= STANDING_MPS {
+                        next.cost += HIT_STANDING;
+                    } else if elapsed_s <= narrow(self.config.certain_s) {
+                        return None;
+                    } else {
+                        next.cost += HIT_DRIVING * step_s * faded(elapsed_s);
+                    }
+                }
+                least = least.min(apart);
+            }
+            let beside = (near_m - least.max(0.0)) / near_m;
+            let tight = (self.soft - space) / self.soft;
+            let nearness = narrow(self.config.weight_near) * faded(elapsed_s) * beside * beside
+                + tight * tight;
+            next.cost += step_s * ((0.2 + state.v.abs()) * nearness + TURNING * asked.1 * asked.1);
+        }
+        next.cost += CHANGING * (asked.0 - node.asked.0).abs();
+        self.value(&mut next);
+        Some(next)
+    }
+}
+
+/// How much of a cost is left for what is so far in the future.
+fn faded(elapsed_s: f32) -> f32 {
+    (1.0 - 0.13 * elapsed_s).max(0.25)
+}
+
+/// Cosine and sine of a small angle, below half a radian right to 1e-5; the same on all machines.
+fn rotation(angle: f32) -> (f32, f32) {
+    let square = angle * angle;
+    (
+        1.0 - 0.5 * square * (1.0 - square / 12.0),
+        angle * (1.0 - square / 6.0 * (1.0 - square / 20.0)),
+    )
+}
+
+/// A direction turned by an angle, both as cosine and sine.
+fn rotated((cos, sin): (f32, f32), (by_cos, by_sin): (f32, f32)) -> (f32, f32) {
+    (cos * by_cos - sin * by_sin, sin * by_cos + cos * by_sin)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn small_angles_are_turned_by_exactly() {
+        for hundredth in -50_i16..=50 {
+            let angle = 0.01 * f32::from(hundredth);
+            let (cos, sin) = rotation(angle);
+            assert!((cos - angle.cos()).abs() < 3e-5, "{angle}");
+            assert!((sin - angle.sin()).abs() < 3e-6, "{angle}");
+        }
+    }
+}
