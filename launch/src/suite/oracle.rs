@@ -14,7 +14,7 @@ use zeronav_world::RobotSpec;
 /// Side of a cell. [m]
 const CELL_M: f64 = 0.06;
 
-/// Time from look to look. [s]
+/// Time from look to look, at most. [s]
 const STEP_S: f64 = 0.2;
 
 /// Steps of the integrals over a look.
@@ -89,21 +89,30 @@ pub(super) fn is_unavoidable(
     abilities: &Abilities,
     around: &Surroundings<'_>,
 ) -> bool {
-    let looks = looks(contact_s + AFTER_S - state.t_s);
-    let mut set = Set::new(state, abilities, looks);
+    // The moment of the contact is one of those that are looked at.
+    let spans = [
+        (state.t_s, contact_s - state.t_s),
+        (contact_s.max(state.t_s), AFTER_S),
+    ];
+    let fastest_mps = abilities.v_mps[1].max(-abilities.v_mps[0]);
+    let whole_s: f64 = spans.iter().map(|(_, lasts_s)| lasts_s.max(0.0)).sum();
+    let mut set = Set::new(state, fastest_mps * whole_s);
     let mut box_m = Reach::new(state, abilities);
-    for look in 1..=looks {
-        let t_s = state.t_s + f64::from(look) * STEP_S;
-        box_m.advance();
-        set.grow(abilities.v_mps[1].max(-abilities.v_mps[0]) * STEP_S);
-        set.retain(
-            &box_m,
-            abilities.radius_m,
-            &(around.discs_at)(t_s),
-            around.fixed_m,
-        );
-        if set.is_empty() {
-            return true;
+    for (from_s, lasts_s) in spans {
+        let looks = looks(lasts_s);
+        let step_s = lasts_s / f64::from(looks.max(1));
+        for look in 1..=looks {
+            box_m.advance(step_s);
+            set.grow(fastest_mps * step_s);
+            set.retain(
+                &box_m,
+                abilities.radius_m,
+                &(around.discs_at)(from_s + f64::from(look) * step_s),
+                around.fixed_m,
+            );
+            if set.is_empty() {
+                return true;
+            }
         }
     }
     false
@@ -115,7 +124,7 @@ pub(super) fn is_unavoidable(
     reason = "a few seconds in steps of a fifth"
 )]
 fn looks(duration_s: f64) -> u32 {
-    (duration_s / STEP_S).ceil().clamp(1.0, 1000.0) as u32
+    (duration_s / STEP_S).ceil().clamp(0.0, 1000.0) as u32
 }
 
 /// The box, in the robot's frame at the beginning, that holds every position that it can have.
@@ -141,10 +150,10 @@ impl Reach {
         }
     }
 
-    /// Grows by one look. A fine step has the speeds of its end, which are the widest, and the
+    /// Grows by the time of one look. A fine step has the speeds of its end, which are the widest, and the
     /// angles of its beginning and its end.
-    fn advance(&mut self) {
-        let step_s = STEP_S / f64::from(FINE);
+    fn advance(&mut self, look_s: f64) {
+        let step_s = look_s / f64::from(FINE);
         for _ in 0..FINE {
             self.t_s += step_s;
             let Abilities {
@@ -226,9 +235,7 @@ impl Set {
         clippy::cast_precision_loss,
         reason = "a window of some metres in cells"
     )]
-    fn new(state: &State, abilities: &Abilities, looks: u32) -> Self {
-        let fastest = abilities.v_mps[1].max(-abilities.v_mps[0]);
-        let reach_m = fastest * f64::from(looks) * STEP_S;
+    fn new(state: &State, reach_m: f64) -> Self {
         let half = ((reach_m / CELL_M).ceil() as usize + 2).min(SIDE_MAX / 2);
         let side = 2 * half + 1;
         let mut cells = vec![false; side * side];
@@ -414,6 +421,19 @@ mod tests {
         // From far before there is time to get out, of a ring that is open.
         let open = |t: f64| closing(t)[2..].to_vec();
         assert!(!unavoidable(&state(0.0), 5.5, &open));
+    }
+
+    #[test]
+    fn who_appears_on_top_of_the_robot_cannot_be_avoided() {
+        // There for 50 ms only: it is the moment of the contact that tells.
+        let passing = |ahead_m: f64| {
+            move |t: f64| -> Vec<Disc> {
+                let there = (t < 5.05).then_some(([1.0 + ahead_m, 2.0], 0.3));
+                there.into_iter().collect()
+            }
+        };
+        assert!(unavoidable(&state(1.5), 5.012, &passing(0.4)));
+        assert!(!unavoidable(&state(1.5), 5.012, &passing(0.6)));
     }
 
     #[test]
