@@ -126,7 +126,8 @@ pub struct SuiteArgs {
     /// barn, dynabarn, pedestrians, or a folder of scenarios.
     #[arg(value_name = "barn|dynabarn|pedestrians|FOLDER")]
     pub suite: String,
-    /// Key of the local planner's controller; without, its default or the scenario's.
+    /// Key of the local planner's controller; without, beam for dynabarn and pedestrians, else its
+    /// default or the scenario's.
     #[arg(long, value_name = "KEY")]
     pub controller: Option<String>,
     /// Runs of each world, with the seeds 1 to N.

@@ -140,9 +140,9 @@ impl Sheet {
 /// # Errors
 /// One line naming the file.
 pub(super) fn write(setup: &Setup<'_>, name: &str, mut sheet: Table) -> Result<PathBuf, String> {
-    if let Some(controller) = &setup.arguments.controller {
+    if let Some(controller) = setup.controller {
         let mut config = Table::new();
-        config.insert("controller".into(), controller.clone().into());
+        config.insert("controller".into(), controller.into());
         let mut seat = Table::new();
         seat.insert("config".into(), config.into());
         let mut services = Table::new();

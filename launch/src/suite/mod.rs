@@ -64,6 +64,8 @@ impl From<Stopped> for SuiteError {
 #[derive(Debug, Clone, Copy)]
 struct Setup<'a> {
     arguments: &'a SuiteArgs,
+    /// Key of the local planner's controller; `None` = its own default, or the scenario's.
+    controller: Option<&'a str>,
     /// Folder for the scenarios that are written.
     scenarios: &'a Path,
 }
@@ -91,6 +93,7 @@ pub fn suite(arguments: &SuiteArgs, interrupted: &AtomicBool) -> Result<Report, 
     let scenarios = directory.join("scenarios");
     let setup = Setup {
         arguments,
+        controller: arguments.controller.as_deref().or(kind.controller()),
         scenarios: &scenarios,
     };
     let runner = Runner::new(arguments, directory.join("runs"), interrupted)?;
@@ -102,7 +105,7 @@ pub fn suite(arguments: &SuiteArgs, interrupted: &AtomicBool) -> Result<Report, 
     };
     let rows = drive(&runner, kind.label(), &cases)?;
     let report = Report::new(
-        arguments,
+        &setup,
         kind,
         rows,
         &directory,

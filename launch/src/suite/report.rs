@@ -1,10 +1,10 @@
 //! What a suite gave: one object for machines, one page for people, and files for both.
 
+use super::Setup;
 use super::hindsight::ContactRow;
 use super::row::Row;
 use super::summary::Summary;
 use super::{csv_file, junit};
-use crate::cli::SuiteArgs;
 use crate::show::report::Environment;
 use core::fmt::Write;
 use serde::Serialize;
@@ -40,6 +40,15 @@ impl Kind {
             Self::Dynabarn => "dynabarn",
             Self::Pedestrians => "pedestrians",
             Self::Folder => "folder",
+        }
+    }
+
+    /// The controller unless another is asked for; `None` = the local planner's own default. Among
+    /// what moves it is the one that searches in time.
+    pub(super) const fn controller(self) -> Option<&'static str> {
+        match self {
+            Self::Dynabarn | Self::Pedestrians => Some("beam"),
+            Self::Barn | Self::Folder => None,
         }
     }
 
@@ -103,13 +112,14 @@ pub struct Report {
 
 impl Report {
     pub(super) fn new(
-        arguments: &SuiteArgs,
+        setup: &Setup<'_>,
         kind: Kind,
         runs: Vec<Row>,
         directory: &Path,
         wall_s: f64,
         environment: Environment,
     ) -> Self {
+        let arguments = setup.arguments;
         let mut classes: BTreeMap<&str, Vec<&Row>> = BTreeMap::new();
         for row in &runs {
             if let Some(class) = &row.class {
@@ -126,10 +136,7 @@ impl Report {
         Self {
             suite: arguments.suite.clone(),
             note: kind.note().to_owned(),
-            controller: arguments
-                .controller
-                .clone()
-                .unwrap_or_else(|| "default".to_owned()),
+            controller: setup.controller.unwrap_or("default").to_owned(),
             noise: arguments.noise.label().to_owned(),
             seeds: arguments.seeds,
             summary: Summary::of(&runs.iter().collect::<Vec<_>>()),
