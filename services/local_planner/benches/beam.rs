@@ -1,7 +1,6 @@
-//! One cycle of `beam` in which it searches, disc and rectangle, among 20 tracked obstacles. On the
-//! robot every tenth cycle does (`replan_s`); the others cost a check of what is published. "ready"
-//! is a cycle between two scans, "new scan" one with noisy points and a map some cells of which
-//! changed.
+//! One cycle of `beam`, disc and rectangle, among 20 tracked obstacles: one that searches, and the
+//! mean of ten of which one does, as on the robot (`replan_s`). "ready" is a cycle between two
+//! scans, "new scan" one with noisy points and a map some cells of which changed.
 //!
 //! `cargo bench -p zeronav-local-planner --no-default-features --bench beam`
 
@@ -16,13 +15,14 @@ fn cycle(criterion: &mut Criterion) {
     let aisle = Aisle::new();
     let crowd = crowd();
     for (name, robot) in [("disc", disc()), ("rectangle", jackal())] {
-        for (often, replan_s) in [("search", 0.0), ("no search", 0.4)] {
+        let default = BeamConfig::default();
+        let always = BeamConfig {
+            replan_s: 0.0,
+            ..default
+        };
+        for (often, config) in [("search", always), ("mean of ten", default)] {
             let points = scan(360, false);
             let situation = aisle.situation(&robot, &points, &crowd);
-            let config = BeamConfig {
-                replan_s,
-                ..BeamConfig::default()
-            };
             let mut beam = Beam::new(DwaConfig::default(), DwaTConfig::default(), config);
             let name = format!("beam, {name}, 20 tracked, {often}");
             aisle.time(criterion, &name, &mut beam, &situation, 0);
