@@ -10,9 +10,9 @@
 //! [`BeamConfig::replan_s`]; then it is searched again.
 //!
 //! - **What moves is where it will be, and nowhere else.** The shared map shows it where it was; this
-//!   controller takes the map without it ([`crate::standing`]), so the way behind somebody is free.
-//! - **The way to go** is the cost-to-go of `dwa_t` on that map ([`crate::funnel`]): the search
-//!   follows no path, so it does not turn back and forth with every path that comes.
+//!   controller takes the map without it, so the way behind somebody is free.
+//! - **The way to go** is the cost-to-go of `dwa_t` on that map: the search follows no path, so it
+//!   does not turn back and forth with every path that comes.
 //! - **A robot that stands may be walked into**, at a cost; one that drives may not, as far as
 //!   predictions are to be relied on ([`BeamConfig::certain_s`]).
 //! - Where nobody walks near, at the goal, and for the exact check of what is published it is
