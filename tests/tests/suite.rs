@@ -167,6 +167,43 @@ fn what_cannot_be_run_is_one_line_and_exit_code_2() {
     assert!(ended.stderr.contains("local_planner"), "{}", ended.stderr);
 }
 
+/// A recording of four who walk to and fro across the robot's way, 6 m each.
+fn recording() -> String {
+    let mut text = "t_s,id,x_m,y_m\n".to_owned();
+    for sample in 0..=75 {
+        let t = 0.4 * f64::from(sample);
+        for id in 1..=4 {
+            let gone_m = ((0.6 + 0.1 * f64::from(id)) * (t + 3.0 * f64::from(id))) % 12.0;
+            let (x, y) = (1.5 * f64::from(id), 6.0 - (gone_m - 6.0).abs());
+            text += &format!("{t:.1},{id},{x:.3},{y:.3}\n");
+        }
+    }
+    text
+}
+
+#[test]
+fn recorded_people_are_passed_by_the_controller_that_searches_in_time() {
+    let folder = tempfile::tempdir().expect("a working folder");
+    let people = folder.path().join("data/pedestrians");
+    std::fs::create_dir_all(&people).expect("a folder");
+    std::fs::write(people.join("crossing.csv"), recording()).expect("a file");
+    let arguments = [
+        "suite",
+        "pedestrians",
+        "--data",
+        "data",
+        "--seeds",
+        "2",
+        "--json",
+    ];
+    let report = Zeronav::start_in(folder, &arguments).finish().expect(0);
+    assert_eq!(report["controller"], "beam");
+    let summary = &report["summary"];
+    assert_eq!(summary["runs"], 2);
+    assert_eq!(summary["arrival"], 1.0, "{summary}");
+    assert_eq!(summary["contacts_moving"], 0, "{summary}");
+}
+
 #[test]
 fn a_world_that_cannot_be_run_stops_those_beside_it_and_is_the_cause() {
     let folder = working_folder(&endless());
