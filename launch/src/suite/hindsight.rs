@@ -96,7 +96,7 @@ impl Hindsight {
         let movers = checked.world.obstacles().iter().map(Mover::new);
         Some(Self {
             movers: movers.collect::<Option<_>>()?,
-            abilities: Abilities::new(&scenario.robot, checked.footprint.inscribed_radius_m()),
+            abilities: Abilities::new(&scenario.robot, &checked.footprint),
             world: checked.world,
         })
     }

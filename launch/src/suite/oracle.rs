@@ -6,10 +6,19 @@
 //! radius, it may jump between the moments that are looked at, and in each of them it goes any way
 //! within its top speed (a grid of positions over time), as long as it stays in the box that its
 //! accelerations, its yaw rate and its state at the beginning leave it. When nothing is left of the
-//! set, no command at all would have helped. When something is left, the contact counts as
-//! avoidable, whether a real robot could have got there or not.
+//! set, no command at all would have helped.
+//!
+//! Of somebody who appears right before the robot a disc is too little of it to tell. So the moments
+//! after the contact are looked at one by one, too, with the robot's true outline: when there is one
+//! at which it touches somebody wherever in that box it is, no command would have helped either.
+//!
+//! When neither is so, the contact counts as avoidable, whether a real robot could have got out of
+//! it or not.
 
-use zeronav_world::RobotSpec;
+mod reach;
+
+use reach::Reach;
+use zeronav_world::{Convex, Footprint, RobotSpec};
 
 /// Side of a cell. [m]
 const CELL_M: f64 = 0.06;
@@ -17,18 +26,23 @@ const CELL_M: f64 = 0.06;
 /// Time from look to look, at most. [s]
 const STEP_S: f64 = 0.2;
 
-/// Steps of the integrals over a look.
-const FINE: u32 = 20;
-
 /// Time after the contact for which the robot must stay clear. [s]
 const AFTER_S: f64 = 1.0;
+
+/// Time from moment to moment at which every pose is looked at [s], and how many after the contact.
+const MOMENT_S: f64 = 0.02;
+const MOMENTS: u32 = 15;
 
 /// Most cells along a side of the window, for robots that are faster than any here.
 const SIDE_MAX: usize = 1024;
 
 /// What the robot can do, at best.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone)]
 pub(super) struct Abilities {
+    /// Its outline in `base`.
+    pub(super) outline: Convex,
+    /// How far that reaches from its centre. [m]
+    pub(super) reach_m: f64,
     /// Radius of a disc that is within its outline everywhere. [m]
     pub(super) radius_m: f64,
     /// Least and largest forward speed. [m/s]
@@ -42,10 +56,12 @@ pub(super) struct Abilities {
 }
 
 impl Abilities {
-    /// Those of a robot with the inscribed radius `radius_m`.
-    pub(super) fn new(robot: &RobotSpec, radius_m: f64) -> Self {
+    /// Those of a robot with this outline.
+    pub(super) fn new(robot: &RobotSpec, footprint: &Footprint) -> Self {
         Self {
-            radius_m,
+            outline: footprint.form().clone(),
+            reach_m: footprint.circumscribed_radius_m(),
+            radius_m: footprint.inscribed_radius_m(),
             v_mps: [robot.v_mps_min.min(0.0), robot.v_mps_max],
             w_radps_max: robot.w_radps_max,
             a_mps2_max: robot.brake_mps2.unwrap_or(0.0).max(robot.a_mps2_max),
@@ -89,6 +105,9 @@ pub(super) fn is_unavoidable(
     abilities: &Abilities,
     around: &Surroundings<'_>,
 ) -> bool {
+    if touches_anyhow(state, contact_s, abilities, around) {
+        return true;
+    }
     // The moment of the contact is one of those that are looked at.
     let spans = [
         (state.t_s, contact_s - state.t_s),
@@ -118,6 +137,25 @@ pub(super) fn is_unavoidable(
     false
 }
 
+/// True when there is a moment at or soon after `contact_s` at which the robot touches something that
+/// moves, wherever it can be then.
+fn touches_anyhow(
+    state: &State,
+    contact_s: f64,
+    abilities: &Abilities,
+    around: &Surroundings<'_>,
+) -> bool {
+    let mut box_m = Reach::new(state, abilities);
+    box_m.advance((contact_s - state.t_s).max(0.0));
+    (0..=MOMENTS).any(|moment| {
+        if moment > 0 {
+            box_m.advance(MOMENT_S);
+        }
+        let t_s = contact_s.max(state.t_s) + MOMENT_S * f64::from(moment);
+        box_m.touches_anyhow(&(around.discs_at)(t_s))
+    })
+}
+
 #[allow(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
@@ -125,96 +163,6 @@ pub(super) fn is_unavoidable(
 )]
 fn looks(duration_s: f64) -> u32 {
     (duration_s / STEP_S).ceil().clamp(0.0, 1000.0) as u32
-}
-
-/// The box, in the robot's frame at the beginning, that holds every position that it can have.
-#[derive(Debug)]
-struct Reach {
-    state: State,
-    abilities: Abilities,
-    t_s: f64,
-    x_m: [f64; 2],
-    y_m: [f64; 2],
-    turned_rad: [f64; 2],
-}
-
-impl Reach {
-    fn new(state: &State, abilities: &Abilities) -> Self {
-        Self {
-            state: *state,
-            abilities: *abilities,
-            t_s: 0.0,
-            x_m: [0.0; 2],
-            y_m: [0.0; 2],
-            turned_rad: [0.0; 2],
-        }
-    }
-
-    /// Grows by the time of one look. A fine step has the speeds of its end, which are the widest, and the
-    /// angles of its beginning and its end.
-    fn advance(&mut self, look_s: f64) {
-        let step_s = look_s / f64::from(FINE);
-        for _ in 0..FINE {
-            self.t_s += step_s;
-            let Abilities {
-                v_mps,
-                w_radps_max,
-                a_mps2_max,
-                alpha_radps2_max,
-                ..
-            } = self.abilities;
-            let State {
-                v_mps: v,
-                w_radps: w,
-                ..
-            } = self.state;
-            let (dv, dw) = (a_mps2_max * self.t_s, alpha_radps2_max * self.t_s);
-            let speeds = [(v - dv).max(v_mps[0].min(v)), (v + dv).min(v_mps[1].max(v))];
-            let rates = [
-                (w - dw).max((-w_radps_max).min(w)),
-                (w + dw).min(w_radps_max.max(w)),
-            ];
-            let before = self.turned_rad;
-            self.turned_rad[0] += rates[0] * step_s;
-            self.turned_rad[1] += rates[1] * step_s;
-            let right = before[0].min(self.turned_rad[0]);
-            let left = before[1].max(self.turned_rad[1]);
-            let along = span(speeds, [right, left]);
-            // sin a = cos(a - pi / 2).
-            let quarter = core::f64::consts::FRAC_PI_2;
-            let across = span(speeds, [right - quarter, left - quarter]);
-            for (bounds, per_s) in [(&mut self.x_m, along), (&mut self.y_m, across)] {
-                bounds[0] += per_s[0] * step_s;
-                bounds[1] += per_s[1] * step_s;
-            }
-        }
-    }
-
-    /// True when a point within `slack_m` of `at_m` is in the box.
-    fn holds(&self, at_m: [f64; 2], slack_m: f64) -> bool {
-        let (sin, cos) = self.state.yaw_rad.sin_cos();
-        let (dx, dy) = (at_m[0] - self.state.at_m[0], at_m[1] - self.state.at_m[1]);
-        let (x, y) = (cos * dx + sin * dy, cos * dy - sin * dx);
-        let within = |value: f64, bounds: [f64; 2]| {
-            value >= bounds[0] - slack_m && value <= bounds[1] + slack_m
-        };
-        within(x, self.x_m) && within(y, self.y_m)
-    }
-}
-
-/// Least and largest `v cos a` for `v` and `a` in these intervals.
-fn span(v: [f64; 2], angles: [f64; 2]) -> [f64; 2] {
-    use core::f64::consts::{PI, TAU};
-    // The largest cosine is 1 when a multiple of 2 pi lies in the interval.
-    let has = |of: f64| ((angles[0] - of) / TAU).ceil() * TAU + of <= angles[1];
-    let ends = [angles[0].cos(), angles[1].cos()];
-    let largest = if has(0.0) { 1.0 } else { ends[0].max(ends[1]) };
-    let least = if has(PI) { -1.0 } else { ends[0].min(ends[1]) };
-    let products = [v[0] * least, v[0] * largest, v[1] * least, v[1] * largest];
-    [
-        products.into_iter().fold(f64::INFINITY, f64::min),
-        products.into_iter().fold(f64::NEG_INFINITY, f64::max),
-    ]
 }
 
 /// The cells that hold a place where the robot may be.
@@ -358,16 +306,32 @@ impl Set {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use nalgebra::Point2;
     use rand::{RngExt, SeedableRng};
     use rand_pcg::Pcg64Mcg;
+    use zeronav_msgs::Pose;
 
-    const ABILITIES: Abilities = Abilities {
-        radius_m: 0.215,
-        v_mps: [0.0, 2.0],
-        w_radps_max: 4.0,
-        a_mps2_max: 3.0,
-        alpha_radps2_max: 8.0,
-    };
+    const RADIUS_M: f64 = 0.215;
+
+    /// Those of a robot of 0.508 m by 0.43 m.
+    fn abilities() -> Abilities {
+        let corners = [
+            [-0.254, -0.215],
+            [0.254, -0.215],
+            [0.254, 0.215],
+            [-0.254, 0.215],
+        ];
+        let footprint = Footprint::polygon(&corners).unwrap();
+        Abilities {
+            outline: footprint.form().clone(),
+            reach_m: footprint.circumscribed_radius_m(),
+            radius_m: footprint.inscribed_radius_m(),
+            v_mps: [0.0, 2.0],
+            w_radps_max: 4.0,
+            a_mps2_max: 3.0,
+            alpha_radps2_max: 8.0,
+        }
+    }
 
     const fn state(v_mps: f64) -> State {
         State {
@@ -384,12 +348,12 @@ mod tests {
             discs_at,
             fixed_m: &|_| f64::INFINITY,
         };
-        is_unavoidable(state, contact_s, &ABILITIES, &around)
+        is_unavoidable(state, contact_s, &abilities(), &around)
     }
 
     /// A wall of discs across the way, `ahead_m` before the robot's nose.
     fn wall(ahead_m: f64) -> Vec<Disc> {
-        let x = 1.0 + ABILITIES.radius_m + ahead_m + 0.3;
+        let x = 1.0 + RADIUS_M + ahead_m + 0.3;
         (-20..=20)
             .map(|i| ([x, 2.0 + 0.2 * f64::from(i)], 0.3))
             .collect()
@@ -446,7 +410,7 @@ mod tests {
                 discs_at: &none,
                 fixed_m,
             };
-            is_unavoidable(&state(2.0), 5.4, &ABILITIES, &around)
+            is_unavoidable(&state(2.0), 5.4, &abilities(), &around)
         };
         assert!(!run(&corridor));
         assert!(run(&dead_end));
@@ -492,6 +456,69 @@ mod tests {
         );
     }
 
+    /// Goes towards a speed and a yaw rate for a moment.
+    fn go(now: &mut State, (v, w): (f64, f64), step_s: f64) {
+        now.v_mps += (v - now.v_mps).clamp(-3.0 * step_s, 3.0 * step_s);
+        now.w_radps += (w - now.w_radps).clamp(-8.0 * step_s, 8.0 * step_s);
+        now.yaw_rad += now.w_radps * step_s;
+        now.at_m[0] += now.v_mps * now.yaw_rad.cos() * step_s;
+        now.at_m[1] += now.v_mps * now.yaw_rad.sin() * step_s;
+        now.t_s += step_s;
+    }
+
+    /// The same of the other proof, with the robot's outline and somebody who has just appeared.
+    #[test]
+    fn no_drive_escapes_who_is_touched_anyhow() {
+        let abilities = abilities();
+        let mut dice = Pcg64Mcg::seed_from_u64(9);
+        let (mut proved, mut escaped) = (0, 0);
+        for _ in 0..300 {
+            let start = State {
+                yaw_rad: dice.random_range(-3.0..3.0),
+                w_radps: dice.random_range(-2.0..2.0),
+                ..state(dice.random_range(0.0..2.0))
+            };
+            let (sin, cos) = (start.yaw_rad + dice.random_range(-1.0..1.0_f64)).sin_cos();
+            let (far_m, speed_mps) = (dice.random_range(0.5..1.2), dice.random_range(0.0..1.5));
+            let discs_at = |t: f64| -> Vec<Disc> {
+                let far_m = far_m - speed_mps * (t - start.t_s);
+                vec![([1.0 + far_m * cos, 2.0 + far_m * sin], 0.3)]
+            };
+            let lead_s = MOMENT_S * f64::from(dice.random_range(0..12_u8));
+            let around = Surroundings {
+                discs_at: &discs_at,
+                fixed_m: &|_| f64::INFINITY,
+            };
+            let verdict = touches_anyhow(&start, start.t_s + lead_s, &abilities, &around);
+            let mut gets_away = || {
+                let mut now = start;
+                let asked = [(0.0, 2.0), (-4.0, 4.0)]
+                    .map(|(low, high)| [low, high, dice.random_range(low..=high)]);
+                let which = [0, 1].map(|n| asked[n][dice.random_range(0..3_usize)]);
+                while now.t_s < start.t_s + lead_s + MOMENT_S * f64::from(MOMENTS) + 1e-9 {
+                    let pose = Pose::new(now.at_m[0], now.at_m[1], now.yaw_rad);
+                    let body = abilities.outline.placed(&pose);
+                    let looked_at = now.t_s > start.t_s + lead_s - 1e-9;
+                    let touches = |([x, y], radius_m): &Disc| {
+                        body.distance_to_point_m(Point2::new(*x, *y)) < *radius_m
+                    };
+                    if looked_at && discs_at(now.t_s).iter().any(touches) {
+                        return false;
+                    }
+                    for _ in 0..20 {
+                        go(&mut now, (which[0], which[1]), MOMENT_S / 20.0);
+                    }
+                }
+                true
+            };
+            let got_away = (0..60).any(|_| gets_away());
+            assert!(!(verdict && got_away), "{start:?} {lead_s}");
+            proved += usize::from(verdict);
+            escaped += usize::from(got_away);
+        }
+        assert!(proved >= 30 && escaped >= 30, "{proved} {escaped}");
+    }
+
     /// A drive with commands at random, every fifth of a second; true when it touches nothing at
     /// the moments that the oracle looks at.
     fn drive(
@@ -505,15 +532,10 @@ mod tests {
             let (v, w) = (dice.random_range(0.0..=2.0), dice.random_range(-4.0..=4.0));
             let step_s = STEP_S / 100.0;
             for _ in 0..100 {
-                now.v_mps += (v - now.v_mps).clamp(-3.0 * step_s, 3.0 * step_s);
-                now.w_radps += (w - now.w_radps).clamp(-8.0 * step_s, 8.0 * step_s);
-                now.yaw_rad += now.w_radps * step_s;
-                now.at_m[0] += now.v_mps * now.yaw_rad.cos() * step_s;
-                now.at_m[1] += now.v_mps * now.yaw_rad.sin() * step_s;
+                go(&mut now, (v, w), step_s);
             }
-            now.t_s += STEP_S;
             let touches = |(at, radius): &Disc| {
-                (at[0] - now.at_m[0]).hypot(at[1] - now.at_m[1]) <= radius + ABILITIES.radius_m
+                (at[0] - now.at_m[0]).hypot(at[1] - now.at_m[1]) <= radius + RADIUS_M
             };
             if discs_at(now.t_s).iter().any(touches) {
                 return false;
