@@ -86,14 +86,25 @@ pub fn fit(
     }))
 }
 
-/// The centre of a circle of known radius through points on its side towards `eye`: least squares
-/// by a few steps of Gauss and Newton.
+/// Where a disc of known radius is, and how well that is known.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Place {
+    /// [m]
+    pub centre: Point2<f64>,
+    /// [m^2]
+    pub covariance: Matrix2<f64>,
+}
+
+/// The disc of `radius_m`, known to `radius_sigma_m`, through points on its side towards `eye`, each
+/// known to `point_sigma_m`: least squares by a few steps of Gauss and Newton. Of a disc that is
+/// partly hidden the points tell little across the line of sight, which is what the covariance says.
 #[must_use]
-pub fn centre_of_radius(
+pub fn disc_through(
     points: &(impl Iterator<Item = Point2<f64>> + Clone),
     eye: Point2<f64>,
-    radius_m: f64,
-) -> Option<Point2<f64>> {
+    (radius_m, radius_sigma_m): (f64, f64),
+    point_sigma_m: f64,
+) -> Option<Place> {
     let mut n = 0.0;
     let mut sum = Vector2::zeros();
     for point in points.clone() {
@@ -105,26 +116,39 @@ pub fn centre_of_radius(
     }
     let mean = Point2::from(sum / n);
     let away = (mean - eye).try_normalize(1.0e-9)?;
-    let mut centre = mean + away * (0.8 * radius_m);
+    let start = mean + away * (0.8 * radius_m);
+    // No disc is farther from where it seems to be than its own size.
+    let pull = (point_sigma_m / radius_m.max(point_sigma_m)).powi(2);
+    let mut centre = start;
+    let mut normal = Matrix2::zeros();
+    let mut towards = Vector2::zeros();
     for _ in 0..6 {
-        let mut normal = Matrix2::zeros();
-        let mut right = Vector2::zeros();
+        normal = Matrix2::identity() * pull;
+        towards = Vector2::zeros();
+        let mut right = (centre - start) * pull;
         for point in points.clone() {
             let offset = centre - point;
             let distance_m = offset.norm().max(1.0e-9);
             let gradient = offset / distance_m;
-            normal += gradient * gradient.transpose();
-            right += gradient * (distance_m - radius_m);
+            let off_m = distance_m - radius_m;
+            // What lies off the disc, between it and what is behind, says little.
+            let weight = 1.0 / (1.0 + (off_m / (3.0 * point_sigma_m)).powi(2));
+            normal += gradient * gradient.transpose() * weight;
+            towards += gradient * weight;
+            right += gradient * (off_m * weight);
         }
-        // A weak pull to where it is, for the few points of something far or small.
-        normal += Matrix2::identity() * (0.02 * n);
         let step = normal.try_inverse()? * right;
         centre -= step;
         if step.norm() < 1.0e-5 {
             break;
         }
     }
-    Some(centre)
+    let inverse = normal.try_inverse()?;
+    let by_radius = inverse * towards * radius_sigma_m;
+    Some(Place {
+        centre,
+        covariance: inverse * (point_sigma_m * point_sigma_m) + by_radius * by_radius.transpose(),
+    })
 }
 
 /// Direction of the largest spread, and the variance across it.
@@ -192,9 +216,46 @@ mod tests {
             assert!((c - centre).norm() < 1e-6 && (r - radius_m).abs() < 1e-6);
             // With noise, a known radius holds the centre.
             let noisy = near_side(centre, radius_m, 9, 0.01);
-            let c = centre_of_radius(&noisy.iter().copied(), Point2::origin(), radius_m).unwrap();
-            assert!((c - centre).norm() < 0.03, "{c} {centre}");
+            let points = noisy.iter().copied();
+            let place = disc_through(&points, Point2::origin(), (radius_m, 0.0), 0.02).unwrap();
+            assert!((place.centre - centre).norm() < 0.03, "{place:?} {centre}");
         }
+    }
+
+    /// What can be seen of a disc holds its centre as well as the covariance says, and a sliver of it
+    /// holds it along the line of sight alone.
+    #[test]
+    fn a_disc_that_is_half_hidden_is_where_its_covariance_says() {
+        let (centre, radius_m, sigma_m) = (Point2::new(3.0, 0.0), 0.3, 0.01);
+        let whole = near_side(centre, radius_m, 40, sigma_m);
+        let place = |points: &[Point2<f64>], radius: (f64, f64)| {
+            disc_through(&points.iter().copied(), Point2::origin(), radius, sigma_m).unwrap()
+        };
+        let all = place(&whole, (radius_m, 0.0));
+        let half = place(&whole[..20], (radius_m, 0.0));
+        let sliver = place(&whole[18..22], (radius_m, 0.0));
+        for (seen, across_m) in [(all, 0.01), (half, 0.02), (sliver, 0.3)] {
+            assert!((seen.centre - centre).norm() < across_m, "{seen:?}");
+            // Three standard deviations hold what is off.
+            let off = seen.centre - centre;
+            for axis in 0..2 {
+                let sigma_m = seen.covariance[(axis, axis)].sqrt();
+                assert!(off[axis].abs() < 3.0 * sigma_m + 2.0e-3, "{seen:?}");
+            }
+        }
+        let across_m = |seen: &Place| seen.covariance[(1, 1)].sqrt();
+        assert!(across_m(&all) < across_m(&half));
+        assert!(across_m(&sliver) > 10.0 * across_m(&all), "{sliver:?}");
+        // A radius that is not known is an error along the line of sight.
+        let unsure = place(&whole, (radius_m, 0.1));
+        let along_m = unsure.covariance[(0, 0)].sqrt();
+        assert!((0.1..0.15).contains(&along_m), "{unsure:?}");
+        assert!(across_m(&unsure) < 0.01, "{unsure:?}");
+        // A point on what is behind moves it little.
+        let mut with_edge = whole;
+        with_edge[0] *= 1.05;
+        let edged = place(&with_edge, (radius_m, 0.0));
+        assert!((edged.centre - all.centre).norm() < 3.0e-3, "{edged:?}");
     }
 
     #[test]

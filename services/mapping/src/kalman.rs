@@ -11,33 +11,33 @@ pub struct ConstantVelocity {
 }
 
 impl ConstantVelocity {
-    /// At `position`, known to `position_sigma_m`; the velocity is 0, known to `speed_sigma_mps`.
+    /// At `position`, with covariance `measured`; the velocity is 0, known to `speed_sigma_mps`.
     #[must_use]
-    pub fn new(position: Point2<f64>, position_sigma_m: f64, speed_sigma_mps: f64) -> Self {
-        let (p, v) = (
-            position_sigma_m * position_sigma_m,
-            speed_sigma_mps * speed_sigma_mps,
-        );
+    pub fn new(position: Point2<f64>, measured: &Matrix2<f64>, speed_sigma_mps: f64) -> Self {
+        let mut covariance = Matrix4::zeros();
+        covariance.fixed_view_mut::<2, 2>(0, 0).copy_from(measured);
+        let speed_variance = speed_sigma_mps * speed_sigma_mps;
+        covariance
+            .fixed_view_mut::<2, 2>(2, 2)
+            .fill_diagonal(speed_variance);
         Self {
             state: Vector4::new(position.x, position.y, 0.0, 0.0),
-            covariance: Matrix4::from_diagonal(&Vector4::new(p, p, v, v)),
+            covariance,
         }
     }
 
-    /// `dt_s` later. The acceleration of each axis is constant over the step, normal with
-    /// standard deviation `acceleration_sigma_mps2`.
-    pub fn predict(&mut self, dt_s: f64, acceleration_sigma_mps2: f64) {
+    /// `dt_s` later. The acceleration of each axis is white noise whose integral over a second has
+    /// the variance `acceleration_m2ps3`, in whatever steps that second passes.
+    pub fn predict(&mut self, dt_s: f64, acceleration_m2ps3: f64) {
         let mut step = Matrix4::identity();
         step[(0, 2)] = dt_s;
         step[(1, 3)] = dt_s;
-        let (half, whole) = (0.5 * dt_s * dt_s, dt_s);
-        let variance = acceleration_sigma_mps2 * acceleration_sigma_mps2;
         let mut noise = Matrix4::zeros();
         for (at, speed) in [(0, 2), (1, 3)] {
-            noise[(at, at)] = half * half * variance;
-            noise[(at, speed)] = half * whole * variance;
-            noise[(speed, at)] = half * whole * variance;
-            noise[(speed, speed)] = whole * whole * variance;
+            noise[(at, at)] = dt_s.powi(3) / 3.0 * acceleration_m2ps3;
+            noise[(at, speed)] = dt_s * dt_s / 2.0 * acceleration_m2ps3;
+            noise[(speed, at)] = noise[(at, speed)];
+            noise[(speed, speed)] = dt_s * acceleration_m2ps3;
         }
         self.state = step * self.state;
         self.covariance = step * self.covariance * step.transpose() + noise;
@@ -126,9 +126,9 @@ mod tests {
     fn a_noiseless_walker_is_found_out() {
         let at = |t: f64| Point2::new(1.0 + 1.2 * t, 2.0 - 0.4 * t);
         let measured = Matrix2::from_diagonal_element(0.03 * 0.03);
-        let mut filter = ConstantVelocity::new(at(0.0), 0.03, 1.5);
+        let mut filter = ConstantVelocity::new(at(0.0), &measured, 1.5);
         for n in 1..=8_u32 {
-            filter.predict(0.1, 1.0);
+            filter.predict(0.1, 0.1);
             assert!(filter.distance(at(0.1 * f64::from(n)), &measured).unwrap() < 9.21);
             filter.update(at(0.1 * f64::from(n)), &measured);
         }
@@ -136,7 +136,7 @@ mod tests {
         assert!((filter.position() - at(0.8)).norm() < 0.01);
         assert!((0.05..0.25).contains(&filter.speed_sigma_mps()));
         // Half a metre beside is somebody else.
-        filter.predict(0.1, 1.0);
+        filter.predict(0.1, 0.1);
         let beside = at(0.9) + Vector2::new(0.0, 0.5);
         assert!(filter.distance(beside, &measured).unwrap() > 50.0);
     }
@@ -145,7 +145,8 @@ mod tests {
     /// those of a weighted mean.
     #[test]
     fn one_update_is_a_weighted_mean() {
-        let mut filter = ConstantVelocity::new(Point2::new(0.0, 0.0), 0.2, 1.0);
+        let begun = Matrix2::from_diagonal_element(0.2 * 0.2);
+        let mut filter = ConstantVelocity::new(Point2::new(0.0, 0.0), &begun, 1.0);
         let measured = Matrix2::from_diagonal_element(0.1 * 0.1);
         filter.update(Point2::new(1.0, -1.0), &measured);
         let gain = 0.04 / (0.04 + 0.01);

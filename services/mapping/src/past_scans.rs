@@ -13,9 +13,9 @@ const SCANS_MAX: usize = 12;
 /// moment, in which nobody comes far. [ns]
 const APART_NS: u64 = 90_000_000;
 
-/// Beams on either side of a point that must pass it, too: a beam that slips past an edge proves
-/// nothing.
-const BESIDE: i64 = 1;
+/// Beams on either side of a point that must pass it at least: a beam that slips past an edge
+/// proves nothing.
+const BESIDE_MIN: i64 = 1;
 
 /// One scan as it was seen.
 #[derive(Debug, Clone)]
@@ -33,12 +33,14 @@ impl PastScan {
         self.run_ns
     }
 
-    /// True when its beams passed a point of the map by at least `margin_m`. False when the point
-    /// lay beside its field of view, and for beams that say nothing.
+    /// True when all its beams within `margin_m` beside a point of the map passed it by at least
+    /// `margin_m`: where the pose is off by a little, what stands is never looked through, however
+    /// thin. False when the point lay beside its field of view, and for beams that say nothing.
     #[must_use]
     pub fn sees_through(&self, point_in_map: Point2<f64>, margin_m: f64) -> bool {
         let (beam, range_m) = self.towards(point_in_map);
-        (beam - BESIDE..=beam + BESIDE).all(|beam| match self.range_of(beam) {
+        let beside = self.beams_within(margin_m, range_m);
+        (beam - beside..=beam + beside).all(|beam| match self.range_of(beam) {
             Some(f32::INFINITY) => range_m + margin_m <= f64::from(self.scan.range_m_max),
             Some(seen) => self.scan.is_hit(seen) && f64::from(seen) > range_m + margin_m,
             None => false,
@@ -51,6 +53,18 @@ impl PastScan {
         let (beam, range_m) = self.towards(point_in_map);
         self.range_of(beam)
             .is_some_and(|seen| (f64::from(seen) - range_m).abs() <= margin_m)
+    }
+
+    /// How many beams on either side are within `margin_m` at `range_m`.
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_possible_wrap,
+        reason = "beams are a few thousand; saturates"
+    )]
+    fn beams_within(&self, margin_m: f64, range_m: f64) -> i64 {
+        let spread_m = range_m * f64::from(self.scan.angle_increment_rad).abs();
+        let beside = (margin_m / spread_m).ceil() as i64;
+        beside.clamp(BESIDE_MIN, self.ranges.len() as i64)
     }
 
     /// The beam that looks nearest to a point of the map, perhaps none of the scan's, and how far
@@ -121,6 +135,13 @@ impl PastScans {
         });
     }
 
+    /// True when one of them saw through a point of the map, see [`PastScan::sees_through`].
+    #[must_use]
+    pub fn saw_through(&self, point_in_map: Point2<f64>, margin_m: f64) -> bool {
+        let mut scans = self.scans.iter();
+        scans.any(|past| past.sees_through(point_in_map, margin_m))
+    }
+
     /// The newest scan.
     #[must_use]
     pub fn newest(&self) -> Option<&PastScan> {
@@ -169,7 +190,8 @@ mod tests {
             };
             assert!(see(10.0, 4.8) && see(359.0, 4.8) && see(0.0, 4.8));
             assert!(!see(10.0, 4.95) && !see(10.0, 6.0));
-            assert!(!see(90.0, 1.0) && !see(91.0, 1.0) && see(92.0, 1.0));
+            // 10 cm at 1 m are six beams.
+            assert!(!see(90.0, 1.0) && !see(96.0, 1.0) && see(97.0, 1.0));
             let ended = |range_m: f64| {
                 let angle = 0.5 + 0.3 + f64::from(way) * 10.0_f64.to_radians();
                 let point = Point2::new(1.0 + range_m * angle.cos(), 2.0 + range_m * angle.sin());
@@ -181,10 +203,30 @@ mod tests {
     }
 
     #[test]
+    fn a_thin_post_is_not_looked_through_from_beside_itself() {
+        // 3 m away, one beam of a quarter of a degree wide.
+        let mut ranges = vec![5.0_f32; 400];
+        ranges[200] = 3.0;
+        let increment = 0.25_f32.to_radians();
+        let past = past(400, 0.0, increment, &ranges);
+        let angle = 0.5 + f64::from(increment) * 200.0;
+        let beside = |off_m: f64| {
+            let angle = angle + off_m / 3.0;
+            Point2::new(1.0 + 3.0 * angle.cos(), 2.0 + 3.0 * angle.sin())
+        };
+        for off_m in [0.0, 0.05, -0.09] {
+            assert!(!past.sees_through(beside(off_m), 0.1), "{off_m}");
+        }
+        assert!(past.sees_through(beside(0.13), 0.1));
+    }
+
+    #[test]
     fn beside_the_field_of_view_nothing_is_seen() {
         let past = past(100, -0.5, 0.01, &[5.0; 100]);
         let at = |angle: f64| Point2::new(1.0 + (0.5 + angle).cos(), 2.0 + (0.5 + angle).sin());
-        assert!(past.sees_through(at(0.0), 0.1) && past.sees_through(at(0.45), 0.1));
+        assert!(past.sees_through(at(0.0), 0.1) && past.sees_through(at(0.37), 0.1));
+        // What lies right beside the edge is not known to be free all around.
+        assert!(!past.sees_through(at(0.45), 0.1));
         assert!(!past.sees_through(at(0.6), 0.1) && !past.sees_through(at(-0.6), 0.1));
         assert!(!past.sees_through(at(3.0), 0.1));
     }

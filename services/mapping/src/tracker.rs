@@ -8,7 +8,7 @@
 use crate::beams::Beams;
 use crate::clusters::{Cluster, Clusters};
 use crate::config::{MappingError, ensure, nanoseconds, seconds};
-use crate::fit::{Fit, centre_of_radius, fit};
+use crate::fit::{Fit, disc_through, fit};
 use crate::past_scans::PastScans;
 use crate::track::Track;
 use nalgebra::{Matrix2, Point2, Vector2};
@@ -36,6 +36,12 @@ const MOTION_LASTS_S: f64 = 5.0;
 /// Standard deviations of the yaw by which what stands may seem to have come.
 const YAW_SIGMAS: f64 = 2.0;
 
+/// Standard deviation of a point of a scan across what it lies on. [m]
+const POINT_SIGMA_M: f64 = 0.02;
+
+/// How long what moves keeps an acceleration. [s]
+const ACCELERATION_LASTS_S: f64 = 0.1;
+
 /// Share of a cluster's points that must be seen to have moved, and the least number.
 const SEEN_MOVING: (f64, usize) = (0.25, 2);
 
@@ -45,7 +51,8 @@ const SEEN_MOVING: (f64, usize) = (0.25, 2);
 pub struct TrackingConfig {
     /// Whether anything is tracked.
     pub enabled: bool,
-    /// [m] between neighbouring points of one cluster, besides twice the distance of beams.
+    /// [m] between neighbouring points of one cluster, besides twice the distance of beams; and how
+    /// far around a point an earlier scan must have looked through to have seen nothing there.
     pub gap_m: f64,
     /// Fewest points of a cluster.
     pub points_min: usize,
@@ -80,11 +87,11 @@ impl Default for TrackingConfig {
             radius_m_max: 0.6,
             range_m_max: 12.0,
             static_margin_m: 0.15,
-            position_sigma_m: 0.03,
-            acceleration_sigma_mps2: 0.5,
+            position_sigma_m: 0.02,
+            acceleration_sigma_mps2: 1.0,
             coast_s: 0.3,
-            moving_sigmas: 3.0,
-            moving_distance_m: 0.2,
+            moving_sigmas: 2.0,
+            moving_distance_m: 0.1,
             rest_speed_mps: 0.15,
             rest_s: 1.0,
         }
@@ -214,11 +221,10 @@ impl Tracker {
         let coast_ns = nanoseconds(self.config.coast_s);
         self.tracks
             .retain(|track| view.run_ns.saturating_sub(track.hit_ns) <= coast_ns);
+        let acceleration_m2ps3 = self.config.acceleration_sigma_mps2.powi(2) * ACCELERATION_LASTS_S;
         for track in &mut self.tracks {
             track.just_moving = false;
-            track
-                .filter
-                .predict(dt_s, self.config.acceleration_sigma_mps2);
+            track.filter.predict(dt_s, acceleration_m2ps3);
         }
         self.clusters.find(
             view.beams,
@@ -234,7 +240,7 @@ impl Tracker {
         for n in 0..self.seen.len() {
             match self.seen[n].track {
                 Some(track) => self.hit(track, n, eye),
-                None => self.begin(n),
+                None => self.begin(n, eye),
             }
         }
         let now_ns = view.run_ns;
@@ -361,22 +367,23 @@ impl Tracker {
                 half_m,
             } => (middle, Some(along), half_m),
         };
-        let round = track
-            .is_round()
-            .then(|| centre_of_radius(&places, eye, track.radius_m))
-            .flatten();
-        let place = round.unwrap_or(middle);
+        if track.is_round() {
+            let radius = (track.radius_m, track.radius_sigma_m());
+            if let Some(place) = disc_through(&places, eye, radius, POINT_SIGMA_M) {
+                return (place.centre, even + place.covariance);
+            }
+        }
         // Of what is partly hidden the middle may lie anywhere along what is seen of it.
         let slides = seen.cluster.hidden || half_m < 0.7 * track.radius_m;
         let across = along.unwrap_or_else(|| {
-            let view = (place - eye).try_normalize(1.0e-9).unwrap_or(Vector2::x());
+            let view = (middle - eye).try_normalize(1.0e-9).unwrap_or(Vector2::x());
             Vector2::new(-view.y, view.x)
         });
         if slides {
             let slide = track.radius_m.max(half_m).powi(2);
-            (place, even + across * across.transpose() * slide)
+            (middle, even + across * across.transpose() * slide)
         } else {
-            (place, even)
+            (middle, even)
         }
     }
 
@@ -390,9 +397,8 @@ impl Tracker {
         followed.see(&seen.fit, seen.cluster.hidden);
         let (place, noise) = self.measured(&followed, &seen, eye);
         if was_round != followed.is_round() {
+            followed.born_at += place - followed.filter.position();
             followed.filter.place(place);
-            followed.born_at = place;
-            followed.born_yaw_doubt = self.yaw_doubt;
         }
         followed.filter.update(place, &noise);
         followed.hits += 1;
@@ -437,7 +443,7 @@ impl Tracker {
     }
 
     /// True when enough of a cluster lies where an earlier scan looked through, or the newest one
-    /// looks through enough of where it was then.
+    /// looks through enough of where it was when the track began.
     fn is_seen_moving(&self, track: &Track, cluster: &Cluster) -> bool {
         let (Some(then), Some(now)) = (self.past.oldest_since(track.born_ns), self.past.newest())
         else {
@@ -449,7 +455,7 @@ impl Tracker {
         let mut entered = 0;
         let mut left = 0;
         for point in points {
-            entered += usize::from(then.sees_through(point.at, self.config.gap_m));
+            entered += usize::from(self.past.saw_through(point.at, self.config.gap_m));
             let was_at = point.at - came;
             let was_there = then.ended_at(was_at, self.config.gap_m);
             left += usize::from(was_there && now.sees_through(was_at, self.config.gap_m));
@@ -465,15 +471,13 @@ impl Tracker {
     }
 
     /// A cluster that belongs to no track begins one, as long as there is room.
-    fn begin(&mut self, n: usize) {
+    fn begin(&mut self, n: usize, eye: Point2<f64>) {
         if self.tracks.len() < OBSTACLES_MAX {
-            let fit = self.seen[n].fit;
-            let track = Track::new(
-                self.next_number,
-                &fit,
-                (self.run_ns, self.yaw_doubt),
-                &self.config,
-            );
+            let seen = self.seen[n];
+            let form = (&seen.fit, seen.cluster.hidden);
+            let mut track = Track::new(self.next_number, form, (self.run_ns, self.yaw_doubt));
+            let (place, noise) = self.measured(&track, &seen, eye);
+            track.begin_at(place, &noise);
             self.next_number += 1;
             self.tracks.push(track);
         }
