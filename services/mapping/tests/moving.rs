@@ -192,6 +192,51 @@ fn walkers_are_found_within_four_scans_and_their_velocity_is_right() {
     assert_eq!(report.false_tracks, 0, "{report:?}");
 }
 
+/// A wall of 1 m, 3 m before the robot, and somebody who comes out from behind it. With 10 scans a
+/// second the third hit comes 0.2 s after the first; by then the velocity is right, though part
+/// of him may be hidden still.
+#[test]
+fn who_comes_out_from_behind_a_wall_is_known_with_his_velocity() {
+    let mut room = Room::empty(200, 160);
+    room.fill(80, 60, 100, 64, true);
+    let robot = room.pose(90.0, 0.0, core::f64::consts::FRAC_PI_2);
+    for (seed, speed_mps) in (1..=20).zip([0.6, 0.8, 1.0, 1.2, 1.4].into_iter().cycle()) {
+        let mut scene = Scene::new(room.clone(), 0.01);
+        scene.rng = Rng(seed);
+        scene.discs.push(Disc {
+            // He begins hidden.
+            at: point(&room, 90.0, 80.0),
+            velocity: Vector2::new(speed_mps, 0.0),
+            radius_m: 0.3,
+        });
+        let mut mapping = mapping(&config(&room), None);
+        let mut first_seen = None;
+        for _ in 0..30 {
+            scene.step();
+            scene.observe(&mut mapping, &robot);
+            if scene.beams_on[0] >= 5 && first_seen.is_none() {
+                first_seen = Some(scene.n);
+            }
+            let Some(seen_for) = first_seen.map(|first| scene.n - first) else {
+                assert_eq!(mapping.obstacles().count(), 0, "seed {seed}");
+                continue;
+            };
+            if seen_for == 4 {
+                let found: Vec<Obstacle> = mapping.obstacles().collect();
+                let [walker] = &found[..] else {
+                    panic!("seed {seed}: {found:?}");
+                };
+                let off_mps = (walker.vx_mps - speed_mps).hypot(walker.vy_mps);
+                assert!(off_mps < 0.3, "seed {seed}: {walker:?}");
+                let at = scene.discs[0].at;
+                let off_m = (walker.x_m - at.x).hypot(walker.y_m - at.y);
+                assert!(off_m < 0.1, "seed {seed}: {walker:?}");
+            }
+        }
+        assert!(first_seen.is_some(), "seed {seed}: nobody came out");
+    }
+}
+
 /// Posts in the open, people who walk, so that scans are doubted, and a robot that turns to and fro
 /// with odometry that errs by 0.03 rad in a turn of 1 rad.
 #[test]
