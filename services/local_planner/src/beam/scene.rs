@@ -15,7 +15,8 @@ pub(crate) const LOOKS: usize = 4;
 /// Discs of which a node knows whether the robot has left them; the others count as left.
 const INSIDE_MAX: usize = 64;
 
-/// [m/s] below which being hit is not the robot's doing, and what each such look costs. [s]
+/// [m/s] of the outline below which being hit is not the robot's doing, and what each such look
+/// costs. [s]
 const STANDING_MPS: f32 = 0.05;
 const HIT_STANDING: f32 = 0.3;
 
@@ -196,7 +197,11 @@ impl Scene<'_> {
     ) -> Option<Node> {
         let step_s = self.look_s();
         let (margin, near_m) = (narrow(self.config.margin_m), narrow(self.config.near_m));
-        let outer = narrow(self.surroundings.footprint.circumscribed_m);
+        let footprint = &self.surroundings.footprint;
+        let (inner, outer) = (footprint.inscribed_m, footprint.circumscribed_m);
+        // A disc turns within its own outline.
+        let swing = if inner < outer { narrow(outer) } else { 0.0 };
+        let outer = narrow(outer);
         let mut next = Node { asked, ..*node };
         for look in layer * LOOKS..(layer + 1) * LOOKS {
             let state = self.step(&next.state, asked);
@@ -235,7 +240,7 @@ impl Scene<'_> {
                     }
                 }
                 if apart < 0.0 {
-                    if state.v.abs() <= STANDING_MPS {
+                    if state.v.abs() + state.w.abs() * swing <= STANDING_MPS {
                         next.cost += HIT_STANDING;
                     } else if elapsed_s <= narrow(self.config.certain_s) {
                         return None;
