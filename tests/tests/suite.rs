@@ -169,16 +169,15 @@ fn what_cannot_be_run_is_one_line_and_exit_code_2() {
 
 /// A recording of four who walk to and fro across the robot's way, 6 m each.
 fn recording() -> String {
-    let mut text = "t_s,id,x_m,y_m\n".to_owned();
-    for sample in 0..=75 {
-        let t = 0.4 * f64::from(sample);
-        for id in 1..=4 {
-            let gone_m = ((0.6 + 0.1 * f64::from(id)) * (t + 3.0 * f64::from(id))) % 12.0;
-            let (x, y) = (1.5 * f64::from(id), 6.0 - (gone_m - 6.0).abs());
-            text += &format!("{t:.1},{id},{x:.3},{y:.3}\n");
-        }
-    }
-    text
+    let row = |(sample, id): (i32, i32)| {
+        let (t, id) = (0.4 * f64::from(sample), f64::from(id));
+        let gone_m = ((0.6 + 0.1 * id) * (t + 3.0 * id)) % 12.0;
+        let (x, y) = (1.5 * id, 6.0 - (gone_m - 6.0).abs());
+        format!("{t:.1},{id},{x:.3},{y:.3}")
+    };
+    let samples = (0..=75).flat_map(|sample| (1..=4).map(move |id| (sample, id)));
+    let rows: Vec<String> = samples.map(row).collect();
+    format!("t_s,id,x_m,y_m\n{}\n", rows.join("\n"))
 }
 
 #[test]
