@@ -18,6 +18,7 @@ pub mod clearance;
 pub mod clusters;
 pub mod config;
 pub mod fit;
+pub mod form;
 pub mod kalman;
 pub mod localiser;
 pub mod mapper;

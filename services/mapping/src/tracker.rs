@@ -8,7 +8,8 @@
 use crate::beams::Beams;
 use crate::clusters::{Cluster, Clusters};
 use crate::config::{MappingError, ensure, nanoseconds, seconds};
-use crate::fit::{Fit, disc_through, fit};
+use crate::fit::{Fit, Place, disc_through, fit};
+use crate::form::Form;
 use crate::past_scans::PastScans;
 use crate::track::Track;
 use nalgebra::{Matrix2, Point2, Vector2};
@@ -272,7 +273,7 @@ impl Tracker {
         let ahead_s = seconds(run_ns.saturating_sub(self.run_ns));
         self.tracks.iter().any(|track| {
             let place = track.filter.position() + track.filter.velocity() * ahead_s;
-            let reach_m = track.radius_m + RESTLESS_MARGIN_M;
+            let reach_m = track.form.radius_m + RESTLESS_MARGIN_M;
             (point_in_map - place).norm_squared() <= reach_m * reach_m
                 && (track.moving || track.filter.velocity().norm() > self.config.rest_speed_mps)
         })
@@ -283,7 +284,7 @@ impl Tracker {
     pub fn new_trails(&self, mut see: impl FnMut(Point2<f64>, f64)) {
         for track in self.tracks.iter().filter(|track| track.just_moving) {
             for place in track.trail.iter() {
-                see(place, track.radius_m);
+                see(place, track.form.radius_m);
             }
         }
     }
@@ -330,8 +331,8 @@ impl Tracker {
                 if !near {
                     continue;
                 }
-                let (place, noise) = self.measured(track, seen, eye);
-                if let Some(distance) = track.filter.distance(place, &noise)
+                let place = self.measured(&track.form, seen, eye);
+                if let Some(distance) = track.filter.distance(place.centre, &place.covariance)
                     && distance <= GATE
                 {
                     self.pairs.push((distance, t, n));
@@ -348,13 +349,8 @@ impl Tracker {
         }
     }
 
-    /// Where `track` is, judged by a cluster, and how well that is known.
-    fn measured(
-        &self,
-        track: &Track,
-        seen: &Seen,
-        eye: Point2<f64>,
-    ) -> (Point2<f64>, Matrix2<f64>) {
+    /// Where something of this form is, judged by a cluster.
+    fn measured(&self, form: &Form, seen: &Seen, eye: Point2<f64>) -> Place {
         let variance = self.config.position_sigma_m.powi(2);
         let even = Matrix2::from_diagonal_element(variance);
         let points = self.clusters.points(&seen.cluster);
@@ -367,23 +363,29 @@ impl Tracker {
                 half_m,
             } => (middle, Some(along), half_m),
         };
-        if track.is_round() {
-            let radius = (track.radius_m, track.radius_sigma_m());
+        if form.is_round() {
+            let radius = (form.radius_m, form.radius_sigma_m());
             if let Some(place) = disc_through(&places, eye, radius, POINT_SIGMA_M) {
-                return (place.centre, even + place.covariance);
+                return Place {
+                    covariance: even + place.covariance,
+                    ..place
+                };
             }
         }
         // Of what is partly hidden the middle may lie anywhere along what is seen of it.
-        let slides = seen.cluster.hidden || half_m < 0.7 * track.radius_m;
+        let slides = seen.cluster.hidden || half_m < 0.7 * form.radius_m;
         let across = along.unwrap_or_else(|| {
             let view = (middle - eye).try_normalize(1.0e-9).unwrap_or(Vector2::x());
             Vector2::new(-view.y, view.x)
         });
-        if slides {
-            let slide = track.radius_m.max(half_m).powi(2);
-            (middle, even + across * across.transpose() * slide)
+        let slide = if slides {
+            form.radius_m.max(half_m).powi(2)
         } else {
-            (middle, even)
+            0.0
+        };
+        Place {
+            centre: middle,
+            covariance: even + across * across.transpose() * slide,
         }
     }
 
@@ -393,14 +395,14 @@ impl Tracker {
         let Some(mut followed) = self.tracks.get(track).copied() else {
             return;
         };
-        let was_round = followed.is_round();
-        followed.see(&seen.fit, seen.cluster.hidden);
-        let (place, noise) = self.measured(&followed, &seen, eye);
-        if was_round != followed.is_round() {
-            followed.born_at += place - followed.filter.position();
-            followed.filter.place(place);
+        let was_round = followed.form.is_round();
+        followed.form.see(&seen.fit, seen.cluster.hidden);
+        let place = self.measured(&followed.form, &seen, eye);
+        if was_round != followed.form.is_round() {
+            followed.born_at += place.centre - followed.filter.position();
+            followed.filter.place(place.centre);
         }
-        followed.filter.update(place, &noise);
+        followed.filter.update(place.centre, &place.covariance);
         followed.hits += 1;
         followed.hit_ns = self.run_ns;
         followed.trail.push(followed.filter.position());
@@ -474,12 +476,12 @@ impl Tracker {
     fn begin(&mut self, n: usize, eye: Point2<f64>) {
         if self.tracks.len() < OBSTACLES_MAX {
             let seen = self.seen[n];
-            let form = (&seen.fit, seen.cluster.hidden);
-            let mut track = Track::new(self.next_number, form, (self.run_ns, self.yaw_doubt));
-            let (place, noise) = self.measured(&track, &seen, eye);
-            track.begin_at(place, &noise);
+            let form = Form::of(&seen.fit, seen.cluster.hidden);
+            let place = self.measured(&form, &seen, eye);
+            let now = (self.run_ns, self.yaw_doubt);
+            self.tracks
+                .push(Track::new(self.next_number, form, &place, now));
             self.next_number += 1;
-            self.tracks.push(track);
         }
     }
 }
