@@ -133,6 +133,22 @@ fn a_restarted_writer_is_followed_and_the_old_one_is_ignored() {
     assert_equal(&replica, &new);
 }
 
+#[test]
+fn a_restarted_writer_is_followed_from_its_first_keyframe_on() {
+    let (_, mut replica) = started();
+    let mut new = Writer::new(2);
+    new.set(3, 3, 33);
+    let (info, tiles) = new.keyframe();
+    // Its updates may be a long time coming: nothing changes.
+    assert_eq!(replica.keyframe(&info, &tiles), Step::Applied);
+    assert_equal(&replica, &new);
+    // Another one of the same says nothing new.
+    assert_eq!(replica.keyframe(&info, &tiles), Step::Ignored);
+    let (id, info, tiles) = new.set(4, 4, 44);
+    assert_eq!(replica.update(id, &info, &tiles), Step::Applied);
+    assert_equal(&replica, &new);
+}
+
 /// The same map with its origin elsewhere, as a rolling window sends it.
 fn elsewhere(mut info: MapInfo, origin_x_m: f64) -> MapInfo {
     info.geometry.origin_x_m = origin_x_m;

@@ -176,6 +176,19 @@ mod tests {
         assert_eq!(queue.peak(), 4);
     }
 
+    #[test]
+    fn keys_a_whole_span_apart_have_buckets_of_their_own() {
+        for span in [63, 64, 65, 127, 128, 4095, 4096, 8192] {
+            let mut queue = BucketQueue::default();
+            queue.reset(7, span);
+            queue.push(7, 1);
+            queue.push(7 + span, 2);
+            queue.push(7 + span - 1, 3);
+            let order: Vec<u32> = core::iter::from_fn(|| queue.pop()).collect();
+            assert_eq!(order, [1, 3, 2], "span {span}");
+        }
+    }
+
     proptest! {
         /// Against a sorted list, with keys that run round the ring several times.
         #[test]

@@ -5,10 +5,11 @@ mod support;
 use support::cycle::{Bench, ROOM};
 use support::{Map, of_cost};
 use zeronav_global_planner::{
-    Control, Expansions, GlobalPlannerConfig, News, Replanner, Situation, Step, Target,
+    Control, Expansions, GlobalPlannerConfig, News, Replanner, Request, Situation, Step, Target,
 };
 use zeronav_msgs::map::COST_LETHAL;
 use zeronav_msgs::path::{PathCause, PathStatus};
+use zeronav_msgs::request::RequestReason;
 use zeronav_msgs::{Cell, CellRect};
 
 #[test]
@@ -72,6 +73,46 @@ fn rule_10_a_shortcut_that_saves_nothing_changes_nothing() {
     assert_eq!(bench.replanner.plan().geometry, geometry);
 }
 
+/// A wall with the way round its upper end, and a door that opens at `door`: what came of it. A
+/// niche right before the robot opens, too, and promises more than the door holds.
+fn door_opens(door: i32) -> (Vec<PathCause>, News, f64) {
+    let row = |y: i32| match y {
+        10 => ".".repeat(41),
+        0 => format!("S{}#{}G", ".".repeat(19), ".".repeat(19)),
+        _ => format!("{0}#{0}", ".".repeat(20)),
+    };
+    let drawing: Vec<String> = (0..=10).rev().map(row).collect();
+    let (mut bench, _) = Bench::new(&drawing.join("\n"));
+    bench.expect_new(PathCause::Goal, PathStatus::Found);
+    let long_m = bench.replanner.plan().length_m;
+    bench.update(&[Cell::new(21, 0), Cell::new(21, 1)], COST_LETHAL);
+    bench.expect_unchanged();
+    bench.update(&[Cell::new(20, 0), Cell::new(20, door)], 0);
+    let mut searches = Vec::new();
+    for _ in 0..8 {
+        let (causes, news) = bench.cycle();
+        searches.extend(causes);
+        if news == News::New {
+            return (searches, news, bench.replanner.plan().length_m / long_m);
+        }
+        bench.update(&[], 0);
+    }
+    (searches, News::Unchanged, 1.0)
+}
+
+#[test]
+fn rule_10_a_shortcut_must_save_what_it_must() {
+    // The way through the lower door saves 7 % of the way round, through the upper one 3 %.
+    let (searches, news, share) = door_opens(6);
+    assert_eq!((searches, news), (vec![PathCause::Shortcut], News::New));
+    assert!((0.9..0.95).contains(&share), "{share}");
+    let (searches, news, _) = door_opens(8);
+    assert_eq!(
+        (searches, news),
+        (vec![PathCause::Shortcut], News::Unchanged)
+    );
+}
+
 #[test]
 fn rule_9_a_result_is_held_against_newer_updates_once() {
     let (mut bench, _) = Bench::new(ROOM);
@@ -118,6 +159,62 @@ fn rule_9_a_goal_that_changed_meanwhile_is_searched_for() {
     let (_, news) = bench.cycle_with(|bench| bench.target = None);
     assert_eq!(news, News::New);
     assert_eq!(bench.replanner.plan().status, PathStatus::NoGoal);
+}
+
+#[test]
+fn rule_6_a_request_that_a_search_has_served_is_not_served_again() {
+    let (mut bench, _) = Bench::new(
+        "S....#....G
+         .....#.....
+         .....#.....
+         .....#.....
+         .....#.....
+         ...........",
+    );
+    bench.expect_new(PathCause::Goal, PathStatus::Found);
+    // A niche that leads nowhere is worth a search, and the path stays.
+    bench.update(
+        &[Cell::new(6, 3), Cell::new(6, 4), Cell::new(6, 5)],
+        COST_LETHAL,
+    );
+    bench.expect_unchanged();
+    bench.update(&[Cell::new(5, 4)], 0);
+    for _ in 0..3 {
+        bench.expect_unchanged();
+        bench.update(&[], 0);
+    }
+    let geometry = bench.replanner.plan().geometry;
+    let step = bench.replanner.begin(&Situation {
+        robot: bench.robot,
+        map: Some(bench.map.view()),
+        revision: bench.revision,
+        changed: &bench.changed,
+        target: bench.target,
+        request: None,
+    });
+    assert_eq!(step, Step::Search(PathCause::Shortcut));
+    // The request comes in before the search, which serves it as well.
+    bench.request = Some(Request {
+        id: 9,
+        geometry,
+        reason: RequestReason::Blocked,
+    });
+    let newest = Situation {
+        robot: bench.robot,
+        map: Some(bench.map.view()),
+        revision: bench.revision,
+        changed: &[],
+        target: bench.target,
+        request: bench.request,
+    };
+    bench.replanner.search(&newest, &mut |_| Control::Go);
+    let step = bench.replanner.settle(&newest);
+    assert_eq!(step, Step::Publish(News::Unchanged));
+    bench.update(&[], 0);
+    bench.expect_unchanged();
+    // The next one is another matter.
+    bench.request = bench.request.map(|request| Request { id: 10, ..request });
+    bench.expect_new(PathCause::Request, PathStatus::Found);
 }
 
 #[test]
