@@ -147,6 +147,27 @@ mod tests {
         }
     }
 
+    #[test]
+    fn after_braking_nothing_of_its_acceleration_is_left() {
+        let from = Twist::new(0.5, 0.6);
+        let braked = crate::motion::towards_rest(&robot(), from, PERIOD_S);
+        let mut shaper = Shaper::new(config());
+        shaper.published(from, braked, PERIOD_S);
+        let wanted = Twist::new(0.9, 1.5);
+        // A command of its own goes on for as long as the jerk takes to end it.
+        let slower = shaper.next(&robot(), braked, wanted, PERIOD_S);
+        assert!(slower.v_mps < braked.v_mps && slower.w_radps < braked.w_radps);
+        // The way back from a stop begins at once, with the jerk's first step.
+        shaper.interrupted();
+        let next = shaper.next(&robot(), braked, wanted, PERIOD_S);
+        let (a, alpha) = (
+            (next.v_mps - braked.v_mps) / PERIOD_S,
+            (next.w_radps - braked.w_radps) / PERIOD_S,
+        );
+        assert!((a - 10.0 * PERIOD_S).abs() < 1e-9, "{a}");
+        assert!((alpha - 60.0 * PERIOD_S).abs() < 1e-9, "{alpha}");
+    }
+
     proptest! {
         #[test]
         fn commands_keep_the_limits_whatever_is_wanted(

@@ -319,3 +319,6 @@ impl Surroundings {
 pub(crate) fn narrow(value: f64) -> f32 {
     value as f32
 }
+
+#[cfg(test)]
+mod tests;

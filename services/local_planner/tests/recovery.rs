@@ -9,21 +9,17 @@
 mod support;
 
 use proptest::prelude::*;
+use support::whole::Whole;
 use support::{Loop, PERIOD_S, block, disc, goal_at, jackal, path};
+use zeronav_local_planner::LocalPlannerConfig;
 use zeronav_local_planner::config::RecoveryConfig;
-use zeronav_local_planner::controller::{Controller, Decision, Situation};
 use zeronav_local_planner::motion::Twist;
 use zeronav_local_planner::recovery::{Behaviour, Cause, Facts, Reason, Recovery, Transition};
-use zeronav_local_planner::staleness::Ages;
 use zeronav_local_planner::table::CONTROLLERS;
-use zeronav_local_planner::{Inputs, LocalPlanner, LocalPlannerConfig, PathInput};
 use zeronav_msgs::Pose;
 use zeronav_msgs::command::Validity;
-use zeronav_msgs::odometry::Odometry;
-use zeronav_msgs::path::{Path, PathStatus};
 use zeronav_msgs::pose::wrap_angle;
-use zeronav_msgs::request::PlanRequest;
-use zeronav_msgs::task::{StuckCause, Task, TaskKind, TaskState};
+use zeronav_msgs::task::{StuckCause, TaskState};
 
 fn fine(now_s: f64) -> Facts {
     Facts {
@@ -252,96 +248,6 @@ fn being_stuck_names_what_it_was() {
         // And the next goal begins anew.
         let change = recovery.idle(0.06, 0, false).map(|change| change.to);
         assert_eq!(change, Some(Behaviour::Follow));
-    }
-}
-
-/// A whole local planner in the place of a controller; the map's frame is the odometry's.
-struct Whole {
-    planner: LocalPlanner,
-    tick: u64,
-    changes: Vec<Transition>,
-    asked: Vec<PlanRequest>,
-}
-
-impl Whole {
-    fn new(config: &LocalPlannerConfig) -> Self {
-        Self {
-            planner: LocalPlanner::new(config).expect("a usable configuration"),
-            tick: 0,
-            changes: Vec::new(),
-            asked: Vec::new(),
-        }
-    }
-
-    fn with(controller: &str) -> Self {
-        let mut config = LocalPlannerConfig {
-            controller: controller.to_owned(),
-            ..LocalPlannerConfig::default()
-        };
-        config.mppi.samples = 240;
-        Self::new(&config)
-    }
-
-    fn state(&self) -> Option<TaskState> {
-        self.planner.status().0.state()
-    }
-}
-
-impl Controller for Whole {
-    fn decide(&mut self, situation: &Situation<'_>) -> Decision {
-        self.tick += 1;
-        let task = Task {
-            kind: TaskKind::Go.code(),
-            n_goals: 1,
-            ..Task::default()
-        };
-        self.planner.accept_task(1, &task, &[*situation.goal]);
-        let odometry = Odometry {
-            pose: situation.map_from_base,
-            v_mps: situation.v_mps,
-            w_radps: situation.w_radps,
-            ..Odometry::default()
-        };
-        let fields = Path {
-            status: PathStatus::Found.code(),
-            n_waypoints: u32::try_from(situation.path.len()).unwrap_or(0),
-            geometry: situation.path_geometry,
-            goal: situation.goal.id,
-            ..Path::default()
-        };
-        let young = Some(1_000_000);
-        let outputs = self.planner.step(&Inputs {
-            tick: self.tick,
-            run_ns: self.tick * 20_000_000,
-            period_s: situation.period_s,
-            robot: Some((situation.robot, situation.corners)),
-            odometry: Some(&odometry),
-            map: situation.map.map(|map| (Pose::default(), map)),
-            map_cells: situation.map_cells,
-            obstacles: (situation.obstacles, situation.obstacles_age_s),
-            path: Some(PathInput {
-                path: &fields,
-                waypoints: situation.path,
-            }),
-            scan_points_in_base: situation.scan_points_in_base,
-            ages: Ages {
-                scan_ns: young,
-                odometry_ns: young,
-                map_ns: young,
-                path_ns: young,
-            },
-            stopping: false,
-        });
-        self.changes.extend(outputs.recovery);
-        self.asked.extend(outputs.plan_request);
-        Decision {
-            v_mps: outputs.request.v_mps,
-            w_radps: outputs.request.w_radps,
-            validity: outputs.request.validity().expect("a known code"),
-            braking_arc_m: outputs.request.braking_arc_m,
-            rollouts: outputs.rollouts,
-            blocked_arc_m: outputs.blocked_arc_m,
-        }
     }
 }
 

@@ -18,8 +18,8 @@ pub struct Walk {
     pub limit: usize,
     /// Obstacles are points and may be walked through, as printed.
     pub literal: bool,
-    /// Stop on arrival. Without it the steps left are counted as done, as a loop without that
-    /// test would do them.
+    /// Stop on arrival. Without it the loop goes on until the law gives up or the steps are used
+    /// up, as a loop without that test does.
     pub early_exit: bool,
 }
 
@@ -70,7 +70,7 @@ pub struct Trace {
     pub points: Vec<Point2<f64>>,
     /// How it ended.
     pub end: End,
-    /// Steps done.
+    /// Steps done, each of which asked the law once.
     pub steps: usize,
 }
 
@@ -98,11 +98,19 @@ pub fn walk(
     let mut points = vec![start];
     let mut at = start;
     let mut velocity = Vector2::zeros();
-    let done = |points: Vec<Point2<f64>>, end, steps| Trace { points, end, steps };
+    let mut reached = false;
+    // Once at the goal, whatever ends the loop ends a walk that has arrived.
+    let done = |points: Vec<Point2<f64>>, reached, end, steps| Trace {
+        points,
+        end: if reached { End::Reached } else { end },
+        steps,
+    };
     for steps in 0..how.limit {
         if (at - goal).norm() < how.tolerance {
-            let steps = if how.early_exit { steps } else { how.limit };
-            return done(points, End::Reached, steps);
+            reached = true;
+            if how.early_exit {
+                return done(points, reached, End::Reached, steps);
+            }
         }
         let scene = Scene {
             at,
@@ -114,31 +122,50 @@ pub fn walk(
             literal: how.literal,
         };
         let Push::Along(force) = law.push(&scene) else {
-            return done(points, End::Stuck, steps);
+            return done(points, reached, End::Stuck, steps);
         };
-        let Some(direction) = force.try_normalize(1.0e-9) else {
-            return done(points, End::Stuck, steps);
-        };
-        let mut length = how.step.min((at - goal).norm());
-        let mut halvings = 0;
-        while !how.literal && !is_free(bodies, at, at + direction * length) {
-            if halvings == 4 {
-                return done(points, End::Collision, steps);
+        let next = force
+            .try_normalize(1.0e-9)
+            .ok_or(End::Stuck)
+            .and_then(|direction| Ok((direction, stride(bodies, at, goal, direction, how)?)));
+        match next {
+            // A loop that does not stop at the goal stands there.
+            Err(_) if reached => continue,
+            Err(end) => return done(points, reached, end, steps),
+            Ok((direction, length)) => {
+                at += direction * length;
+                velocity = direction;
+                points.push(at);
             }
-            halvings += 1;
-            length *= 0.5;
         }
-        at += direction * length;
-        velocity = direction;
-        points.push(at);
-        if points.len() > STUCK_STEPS {
+        if !reached && points.len() > STUCK_STEPS {
             let before = points[points.len() - 1 - STUCK_STEPS];
             if (at - before).norm() < 0.5 * how.step * 20.0 * 0.25 {
-                return done(points, End::Stuck, steps + 1);
+                return done(points, reached, End::Stuck, steps + 1);
             }
         }
     }
-    done(points, End::Limit, how.limit)
+    done(points, reached, End::Limit, how.limit)
+}
+
+/// Length of the next step: at most to the goal, halved until it is free.
+fn stride(
+    bodies: &[Body],
+    at: Point2<f64>,
+    goal: Point2<f64>,
+    direction: Vector2<f64>,
+    how: &Walk,
+) -> Result<f64, End> {
+    let mut length = how.step.min((at - goal).norm());
+    let mut halvings = 0;
+    while !how.literal && !is_free(bodies, at, at + direction * length) {
+        if halvings == 4 {
+            return Err(End::Collision);
+        }
+        halvings += 1;
+        length *= 0.5;
+    }
+    Ok(length)
 }
 
 /// True when a segment touches no area.

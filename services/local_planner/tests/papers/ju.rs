@@ -145,6 +145,28 @@ fn ju_fusion_takes_the_points_ahead_in_every_quadrant() {
 }
 
 #[test]
+fn ju_fusion_is_drawn_to_the_goal_as_well_as_to_the_path() {
+    // The path leads off to the side: its points pull along +y, the goal along +x.
+    let route = path(&[(0.0, 0.0), (0.0, 10.0)]);
+    for normalised in [false, true] {
+        let mut law = JuFusion::new(Gains::JU, normalised);
+        let scene = Scene {
+            path: &route,
+            ..scene(at(0.0, 0.0), at(6.0, 0.0), &[])
+        };
+        let path_pull = law.path_pull(&scene);
+        assert!(path_pull.x.abs() < 1e-9 && path_pull.y > 1.0);
+        let Push::Along(force) = law.push(&scene) else {
+            panic!("a field always says where to");
+        };
+        let goal_pull = force - path_pull;
+        let expected = Gains::JU.attract * if normalised { 1.0 } else { 6.0 };
+        assert!((goal_pull.x - expected).abs() < 1e-9, "{goal_pull}");
+        assert!(goal_pull.y.abs() < 1e-9, "{goal_pull}");
+    }
+}
+
+#[test]
 fn ju_fusion_never_collides_in_area_mode_and_crosses_in_point_mode() {
     let (mut arrived, mut crossed) = (0, 0);
     for seed in 0..40 {
@@ -169,9 +191,9 @@ fn ju_fusion_never_collides_in_area_mode_and_crosses_in_point_mode() {
         };
         let mut law = JuFusion::new(Gains::JU, false);
         let trace = walk(&mut law, start, goal, &bodies, &route, &literal);
-        let free = |pair: &[Point2<f64>]| is_free(&bodies, pair[0], pair[1]);
-        crossed += u32::from(!trace.points.windows(2).all(free));
+        crossed += u32::from(deepest(&trace.points, &bodies) > 0.0);
     }
     println!("areas: {arrived} of 40 arrive; points: {crossed} of 40 cross an obstacle");
+    assert!(arrived >= 20, "areas: {arrived} of 40 arrive");
     assert!(crossed > 20, "points were no worse than areas");
 }

@@ -64,41 +64,79 @@ fn lwx_oapf_walks_without_gaps_to_the_end() {
     }
 }
 
+/// A law that counts how often it was asked.
+struct Counted {
+    law: LwxOapf,
+    asked: usize,
+}
+
+impl Law for Counted {
+    fn push(&mut self, scene: &Scene<'_>) -> Push {
+        self.asked += 1;
+        self.law.push(scene)
+    }
+}
+
+/// `lwx_iter` with `L` steps per cell up the staircase, and how often the law was asked.
+fn iterated(per_unit: f64, how: &Walk) -> (Trace, usize) {
+    let mut law = Counted {
+        law: LwxOapf::new(Gains::LWX, per_unit, true),
+        asked: 0,
+    };
+    let trace = walk(&mut law, at(0.5, 0.5), at(9.5, 6.5), &[], &staircase(), how);
+    (trace, law.asked)
+}
+
 #[test]
 fn lwx_iter_one_step_per_cell_is_too_few_and_ten_are_as_good_as_a_hundred() {
-    let run = |per_unit: f64| {
-        let mut law = LwxOapf::new(Gains::LWX, per_unit, true);
-        walk(
-            &mut law,
-            at(0.5, 0.5),
-            at(9.5, 6.5),
-            &[],
-            &staircase(),
-            &Walk::LWX,
-        )
-    };
-    assert_eq!(run(1.0).end, End::Stuck);
-    let (ten, hundred) = (run(10.0), run(100.0));
+    assert_eq!(iterated(1.0, &Walk::LWX).0.end, End::Stuck);
+    let (ten, asked) = iterated(10.0, &Walk::LWX);
+    let (hundred, _) = iterated(100.0, &Walk::LWX);
     assert_eq!((ten.end, hundred.end), (End::Reached, End::Reached));
     assert_eq!(ten.points, hundred.points);
-    assert_eq!(ten.steps, hundred.steps);
+    assert_eq!((ten.steps, hundred.steps), (asked, asked));
+}
+
+#[test]
+fn lwx_iter_without_early_exit_pays_for_the_steps_that_it_does_not_need() {
     let late = Walk {
         early_exit: false,
         ..Walk::LWX
     };
-    let mut law = LwxOapf::new(Gains::LWX, 10.0, true);
-    let trace = walk(
-        &mut law,
-        at(0.5, 0.5),
-        at(9.5, 6.5),
-        &[],
-        &staircase(),
-        &late,
+    let (early, _) = iterated(10.0, &Walk::LWX);
+    let (ten, ten_asked) = iterated(10.0, &late);
+    let (hundred, hundred_asked) = iterated(100.0, &late);
+    for (trace, asked) in [(&ten, ten_asked), (&hundred, hundred_asked)] {
+        assert_eq!(trace.end, End::Reached);
+        // The last question is the one that the law declines: its steps are used up.
+        assert_eq!(trace.steps + 1, asked);
+        // The same way there; what follows stays at the goal.
+        let way = early.points.len();
+        assert_eq!(trace.points[..way], early.points);
+        for point in &trace.points[way..] {
+            assert!((point - at(9.5, 6.5)).norm() < Walk::LWX.tolerance);
+        }
+    }
+    println!(
+        "steps: {} with early exit, {} without at L = 10, {} at L = 100",
+        early.steps, ten.steps, hundred.steps
     );
-    assert_eq!(
-        trace.steps, late.limit,
-        "without early exit the loop goes on"
-    );
+    assert!(ten.steps > early.steps && hundred.steps > 2 * ten.steps);
+    assert!(hundred.steps < late.limit, "the law ends the loop");
+}
+
+#[test]
+fn a_walk_without_early_exit_goes_on_to_its_limit() {
+    let late = Walk {
+        early_exit: false,
+        limit: 150,
+        ..Walk::LWX
+    };
+    let mut law = JuApf::new(Gains::LWX);
+    let trace = walk(&mut law, at(0.5, 0.5), at(9.5, 0.5), &[], &[], &late);
+    assert_eq!((trace.end, trace.steps), (End::Reached, 150));
+    let last = trace.points[trace.points.len() - 1];
+    assert!((last - at(9.5, 0.5)).norm() < 1.0e-9);
 }
 
 #[test]

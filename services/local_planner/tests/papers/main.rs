@@ -1,6 +1,11 @@
 //! The controllers of the papers: the acceptance tests of the paper notes, by key.
 
 #![allow(clippy::print_stdout, reason = "shares and seeds of a failed run")]
+#![allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a few thousand places on a segment"
+)]
 
 #[path = "../support/mod.rs"]
 mod support;
@@ -33,6 +38,7 @@ use zeronav_local_planner::papers::route::turning_points;
 use zeronav_local_planner::papers::walk::{End, Trace, Walk, is_free, walk};
 use zeronav_local_planner::papers::zm_esc::ZmEsc;
 use zeronav_local_planner::papers::zm_rep::ZmRep;
+use zeronav_local_planner::papers::zm_rv::ZmRv;
 use zeronav_local_planner::papers::{Body, Extent, Law, Push, Scene};
 use zeronav_local_planner::table::controller;
 use zeronav_msgs::Pose;
@@ -74,10 +80,53 @@ fn slope(potential: impl Fn(Point2<f64>) -> f64, x: Point2<f64>) -> Vector2<f64>
     -Vector2::new(along(Vector2::x()), along(Vector2::y()))
 }
 
+/// How deep a segment enters a body, from its outline alone: not by the predicate that the walk
+/// asks before it takes a step. Looked at every half millimetre and at the nearest approach.
+fn depth(body: &Body, from: Point2<f64>, to: Point2<f64>) -> f64 {
+    let way = to - from;
+    let nearest = ((body.at - from).dot(&way) / way.norm_squared().max(1e-18)).clamp(0.0, 1.0);
+    let steps = (way.norm() / 0.0005).ceil().max(1.0) as u32;
+    (0..=steps)
+        .map(|step| f64::from(step) / f64::from(steps))
+        .chain([nearest])
+        .map(|share| {
+            let offset = from + way * share - body.at;
+            match body.extent {
+                Extent::Disc(radius) => radius - offset.norm(),
+                Extent::Square(half) => half - offset.x.abs().max(offset.y.abs()),
+            }
+        })
+        .fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// The deepest that a polyline enters any of the bodies; negative when it touches none.
+fn deepest(points: &[Point2<f64>], bodies: &[Body]) -> f64 {
+    points
+        .windows(2)
+        .flat_map(|pair| bodies.iter().map(|body| depth(body, pair[0], pair[1])))
+        .fold(f64::NEG_INFINITY, f64::max)
+}
+
 fn assert_free(trace: &Trace, bodies: &[Body]) {
-    for pair in trace.points.windows(2) {
-        assert!(is_free(bodies, pair[0], pair[1]), "contact at {}", pair[1]);
-    }
+    let deep = deepest(&trace.points, bodies);
+    assert!(deep <= 0.0, "{deep} inside an area");
+}
+
+#[test]
+fn a_polyline_is_measured_against_outlines() {
+    let bodies = [square(0.0, 0.0)];
+    let check = |points: &[(f64, f64)], expected: f64| {
+        let points: Vec<_> = points.iter().map(|&(x, y)| at(x, y)).collect();
+        let found = deepest(&points, &bodies);
+        assert!((found - expected).abs() < 1e-3, "{found}");
+    };
+    check(&[(-2.0, 0.6), (2.0, 0.6)], -0.1);
+    check(&[(-2.0, 0.4), (2.0, 0.4)], 0.1);
+    // Across a corner, both ends outside.
+    check(&[(0.3, 0.6), (0.6, 0.3)], 0.05);
+    let disc = [Body::standing(at(0.0, 0.0), Extent::Disc(0.3))];
+    let found = deepest(&[at(-1.0, 0.2), at(1.0, 0.2)], &disc);
+    assert!((found - 0.1).abs() < 1e-9, "{found}");
 }
 
 /// Drives a controller of the table along an aisle: seconds, or none, and the nearest approach.

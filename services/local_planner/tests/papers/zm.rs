@@ -104,9 +104,31 @@ fn zm_rv_pushes_sideways_from_what_approaches_alone() {
     assert!((left.x - right.x).abs() < 1e-12 && (left.y + right.y).abs() < 1e-12);
 }
 
-/// A point robot of constant speed against a disc on a collision course, as in the notes:
-/// share of seeds without contact.
-fn crossing_share(gain: f64) -> f64 {
+/// The side is that to which the relative motion leans, so that the push makes the miss wider.
+#[test]
+fn zm_rv_pushes_to_the_side_on_which_it_will_pass_anyway() {
+    let force = |x: f64, y: f64, vx: f64, vy: f64| {
+        let body = Body {
+            at: at(x, y),
+            extent: Extent::Disc(0.0),
+            velocity: Vector2::new(vx, vy),
+        };
+        velocity_repulsion(1.0, 3.0, at(0.0, 0.0), Vector2::x(), &body)
+    };
+    // It passes on the right (y < 0): pushed to the left, and the other way round.
+    assert!(force(2.0, -0.5, -1.0, 0.0).y > 0.1);
+    assert!(force(2.0, 0.5, -1.0, 0.0).y < -0.1);
+    // One that crosses to the left will have left the line that way: pushed to the right.
+    assert!(force(2.0, 0.0, -1.0, 0.4).y < -0.1);
+    assert!(force(2.0, 0.0, -1.0, -0.4).y > 0.1);
+}
+
+/// What is left between the centres of a robot and a disc that touch. [m]
+const TOUCH_M: f64 = 0.6;
+
+/// A robot of constant speed against a disc on a collision course, as in the notes, steered by a
+/// law as the table has it: share of 300 seeds without contact.
+fn crossing_share(mut law: impl Law + Clone) -> f64 {
     let mut clear = 0;
     for seed in 0..300 {
         let mut random = Pcg32::seed_from_u64(seed);
@@ -116,34 +138,46 @@ fn crossing_share(gain: f64) -> f64 {
         let velocity = Vector2::new(angle.cos(), angle.sin()) * speed;
         let mut body = Body {
             at: meet - velocity * 5.0,
-            extent: Extent::Disc(0.0),
+            extent: Extent::Disc(TOUCH_M),
             velocity,
         };
         let (mut here, goal) = (at(0.0, 0.0), at(10.0, 0.0));
         let mut heading = Vector2::x();
-        let gains = Gains {
-            attract: 1.0,
-            repel: 1.0,
-            reach: 2.5,
-        };
         let mut least = f64::INFINITY;
         for _ in 0..200 {
-            let push = attraction(gains.attract, here, goal).normalize()
-                + repulsion(&gains, here, body.at)
-                + velocity_repulsion(gain, gains.reach, here, heading, &body);
-            heading = push.try_normalize(1e-9).unwrap_or(heading);
+            let scene = Scene {
+                velocity: heading,
+                ..scene(here, goal, core::slice::from_ref(&body))
+            };
+            if let Push::Along(force) = law.push(&scene) {
+                heading = force.try_normalize(1e-9).unwrap_or(heading);
+            }
             here += heading * 0.05;
             body.at += body.velocity * 0.05;
             least = least.min((here - body.at).norm());
         }
-        clear += u32::from(least > 0.6);
+        clear += u32::from(least > TOUCH_M);
     }
     f64::from(clear) / 300.0
 }
 
+/// With the gains of the table the field's own forces drown the sideways push. A gain of their size
+/// would be felt.
 #[test]
-fn zm_rv_avoids_what_crosses_and_is_not_worse_than_off() {
-    let (on, off) = (crossing_share(1.0), crossing_share(0.0));
-    println!("without contact: {on:.3} with, {off:.3} without");
-    assert!(on >= 0.9 && on >= off, "{on} {off}");
+fn zm_rv_at_the_gains_of_the_table_is_hardly_more_than_zm_rep() {
+    let with = |gain| crossing_share(ZmRv::new(Gains::JU, gain));
+    let without = crossing_share(ZmRep::new(Gains::JU));
+    println!(
+        "without contact: zm_rep {without:.3}, zm_rv {:.3}; with the gain times 30, 100, 300, 1000: {:.3} {:.3} {:.3} {:.3}",
+        with(1.0),
+        with(30.0),
+        with(100.0),
+        with(300.0),
+        with(1000.0)
+    );
+    assert!(
+        (with(1.0) - without).abs() <= 0.02,
+        "{} {without}",
+        with(1.0)
+    );
 }

@@ -8,6 +8,7 @@
 )]
 
 pub(crate) mod cart;
+pub(crate) mod whole;
 mod world;
 
 use nalgebra::{Point2, Vector2};
