@@ -123,11 +123,11 @@ pub struct GoalArgs {
 /// Arguments of `zeronav suite`.
 #[derive(Debug, Clone, Args)]
 pub struct SuiteArgs {
-    /// barn, dynabarn, pedestrians, or a folder of scenarios.
-    #[arg(value_name = "barn|dynabarn|pedestrians|FOLDER")]
+    /// generated (needs no data), barn, dynabarn, pedestrians, or a folder of scenarios.
+    #[arg(value_name = "generated|barn|dynabarn|pedestrians|FOLDER")]
     pub suite: String,
-    /// Key of the local planner's controller; without, beam for dynabarn and pedestrians, else its
-    /// default or the scenario's.
+    /// Key of the local planner's controller; without, beam for dynabarn, pedestrians and what moves
+    /// in generated, else its default or the scenario's.
     #[arg(long, value_name = "KEY")]
     pub controller: Option<String>,
     /// Runs of each world, with the seeds 1 to N.
@@ -141,9 +141,10 @@ pub struct SuiteArgs {
     /// How badly wheels, odometry and lidar do.
     #[arg(long, value_enum, default_value_t)]
     pub noise: Noise,
-    /// Folder of the data sets: barn, dynabarn and pedestrians lie in it.
-    #[arg(long, value_name = "DIR", default_value = "../shared/data")]
-    pub data: PathBuf,
+    /// Folder of the data sets: barn, dynabarn and pedestrians lie in it. Without, the environment's
+    /// `$ZERONAV_DATA`, then ./data.
+    #[arg(long, value_name = "DIR")]
+    pub data: Option<PathBuf>,
     /// Runs at a time; without, as many as there are cores.
     #[arg(long, value_name = "N")]
     pub jobs: Option<NonZeroUsize>,

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use zeronav_msgs::map::tiles_of;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::run::RunMode;
-use zeronav_msgs::topics::topics;
+use zeronav_msgs::topics::{MapKeyframe, RobotScan, SPANS, Topic, topics};
 use zeronav_shell::memory;
 use zeronav_world::spec::Trigger;
 use zeronav_world::{Footprint, RobotSpec, World, WorldSpec, map_file};
@@ -139,12 +139,14 @@ fn planned_bytes(scenario: &Scenario, world: &World) -> u64 {
     topics()
         .iter()
         .map(|row| {
-            let len = match row.name {
-                "map/keyframe" => keyframe_tiles(scenario, columns as usize * rows as usize),
-                "robot/scan" => scenario.robot.lidar.n_beams as usize,
-                _ => row.len_max,
+            let len = if row.number == MapKeyframe::ROW.number {
+                keyframe_tiles(scenario, columns as usize * rows as usize)
+            } else if row.number == RobotScan::ROW.number {
+                scenario.robot.lidar.n_beams as usize
+            } else {
+                row.len_max
             };
-            let writers = if row.name == "run/spans" {
+            let writers = if row.number == SPANS.number {
                 Role::SERVICES.len()
             } else {
                 1

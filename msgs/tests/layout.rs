@@ -9,7 +9,7 @@ use zeronav_msgs::map::{MapCell, MapInfo, MapTile};
 use zeronav_msgs::message::Wire;
 use zeronav_msgs::path::{Path, Waypoint};
 use zeronav_msgs::span::Span;
-use zeronav_msgs::topics::{TopicRow, topics};
+use zeronav_msgs::topics::{MapKeyframe, RobotScan, SPANS, Topic, TopicRow, topics};
 
 /// Name, bytes of header and fixed fields, bytes of an item, schema hash.
 const GOLDEN: &[(&str, usize, usize, u64)] = &[
@@ -104,12 +104,15 @@ fn numbers_and_names_are_unique_and_every_schema_differs() {
 #[test]
 fn the_memory_of_a_default_run_fits_a_container() {
     // 600 x 400 cells, 360 beams, one writer per topic but five of spans.
-    let len = |row: &TopicRow| match row.name {
-        "map/keyframe" => 19 * 13,
-        "robot/scan" => 360,
+    let len = |row: &TopicRow| match row.number {
+        number if number == MapKeyframe::ROW.number => 19 * 13,
+        number if number == RobotScan::ROW.number => 360,
         _ => row.len_max,
     };
-    let writers = |row: &TopicRow| if row.name == "run/spans" { 5 } else { 1 };
+    let writers = |row: &TopicRow| match row.number {
+        number if number == SPANS.number => 5,
+        _ => 1,
+    };
     let bytes: usize = topics()
         .iter()
         .map(|row| row.segment_bytes(len(row)) * writers(row))

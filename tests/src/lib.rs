@@ -4,6 +4,8 @@
 //! live stack. Runs in real time take turns behind a lock, because two of them would only measure
 //! each other.
 
+#[path = "../data/folder.rs"]
+pub mod data;
 pub mod seats;
 
 use rustix::process::{Pid, Signal, kill_process};
@@ -25,17 +27,6 @@ pub fn workspace() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
         .parent()
         .unwrap_or(Path::new("."))
-}
-
-/// The folder with external data, if this machine has it; says aloud when it does not.
-#[must_use]
-pub fn shared_data(part: &str) -> Option<PathBuf> {
-    let folder = workspace().join("../shared/data").join(part);
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    eprintln!("SKIPPED: {} is not there", folder.display());
-    None
 }
 
 /// Folder of the binaries of this very build and of the example service, built once per test

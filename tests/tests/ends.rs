@@ -3,6 +3,7 @@
 use rustix::process::{Pid, Signal, kill_process};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
+use zeronav_msgs::topics::{RobotScan, Topic};
 use zeronav_tests::{Zeronav, binaries, is_alive, leftovers, real_time_turn, zeronav};
 
 /// Starts a drive in real time and waits until all five services are there.
@@ -154,7 +155,7 @@ fn a_peer_with_two_swapped_fields_is_refused_by_topic() {
     std::fs::write(folder.path().join("it.toml"), scenario).expect("written");
     let ended = Zeronav::start_in(folder, &["run", "./it.toml", "--headless", "--json"]).finish();
     assert_eq!(ended.code(), 3, "{}", ended.stderr);
-    for word in ["mapping", "robot/scan", "schema"] {
+    for word in ["mapping", RobotScan::ROW.name, "schema"] {
         assert!(
             ended.stderr.contains(word),
             "`{word}` is not named:\n{}",

@@ -25,7 +25,7 @@ pub(super) const TOLERANCE_SHARE: f64 = 0.25;
 /// # Errors
 /// One line when there are none.
 pub(super) fn worlds(arguments: &SuiteArgs) -> Result<Vec<WorldFile>, String> {
-    let folder = data::folder(arguments, "barn")?.join("worlds");
+    let folder = data::folder(arguments, data::BARN)?.join("worlds");
     data::worlds(arguments, &folder, "world_", "csv")
 }
 
@@ -34,7 +34,7 @@ pub(super) fn worlds(arguments: &SuiteArgs) -> Result<Vec<WorldFile>, String> {
 /// # Errors
 /// One line naming a file.
 pub(super) fn cases(setup: &Setup<'_>, worlds: &[WorldFile]) -> Result<Vec<Case>, String> {
-    let index = data::folder(setup.arguments, "barn")?.join("index.csv");
+    let index = data::folder(setup.arguments, data::BARN)?.join("index.csv");
     let entries: HashMap<u32, Entry> = data::index(&index)?
         .into_iter()
         .map(|entry: Entry| (entry.world, entry))

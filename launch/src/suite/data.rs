@@ -2,6 +2,7 @@
 
 use crate::cli::SuiteArgs;
 use serde::de::DeserializeOwned;
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 /// A world that a suite runs.
@@ -12,22 +13,70 @@ pub(super) struct WorldFile {
     /// Its number, by which `--worlds` picks: the one in its name, or else its place in the
     /// alphabet.
     pub(super) number: u32,
-    /// The file.
+    /// The file; empty for a world that is drawn from its number.
     pub(super) file: PathBuf,
 }
 
-/// The folder of a data set below `--data`.
+/// A data set of others: the name of its folder, where it comes from, and how it is laid out.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct DataSet {
+    /// Its folder below `--data`.
+    pub(super) part: &'static str,
+    /// Its home.
+    pub(super) home: &'static str,
+    /// Its files.
+    pub(super) layout: &'static str,
+}
+
+/// Static worlds.
+pub(super) const BARN: DataSet = DataSet {
+    part: "barn",
+    home: "github.com/Daffan/the-barn-challenge (jackal_helper/worlds/BARN)",
+    layout: "index.csv with world,path_length_m,ot_s and worlds/world_NNN.csv with x_m,y_m,r_m per \
+             cylinder",
+};
+
+/// Worlds of moving cylinders.
+pub(super) const DYNABARN: DataSet = DataSet {
+    part: "dynabarn",
+    home: "github.com/Daffan/the-barn-challenge (jackal_helper/worlds/DynaBARN)",
+    layout: "index.csv with world,difficulty and world_NN.csv with \
+             obstacle,plugin,period_s,t_s,x_m,y_m per key frame",
+};
+
+/// Recorded people.
+pub(super) const PEDESTRIANS: DataSet = DataSet {
+    part: "pedestrians",
+    home: "github.com/abduallahmohamed/Social-STGCNN (datasets/raw/all_data)",
+    layout: "NAME.csv with t_s,id,x_m,y_m per sample, sorted by time and id",
+};
+
+/// The folder of the data sets: `--data`, then `$ZERONAV_DATA`, then `./data`.
+fn root(given: Option<&Path>, environment: Option<OsString>) -> PathBuf {
+    let named = environment.filter(|root| !root.is_empty());
+    given
+        .map(Path::to_owned)
+        .or_else(|| named.map(PathBuf::from))
+        .unwrap_or_else(|| PathBuf::from("data"))
+}
+
+/// The folder of a data set.
 ///
 /// # Errors
-/// One line when it is not there.
-pub(super) fn folder(arguments: &SuiteArgs, part: &str) -> Result<PathBuf, String> {
-    let folder = arguments.data.join(part);
+/// One line when it is not there, with where to get it and how to lay it out.
+pub(super) fn folder(arguments: &SuiteArgs, set: DataSet) -> Result<PathBuf, String> {
+    let root = root(arguments.data.as_deref(), std::env::var_os("ZERONAV_DATA"));
+    let folder = root.join(set.part);
     if folder.is_dir() {
         return Ok(absolute(&folder));
     }
     Err(format!(
-        "there is no folder {}: name the one that holds {part} with --data",
-        folder.display()
+        "there is no folder {}: get the data set from {}, lay it out as {}, and name the folder that \
+         holds {} with --data DIR or ZERONAV_DATA; `zeronav suite generated` needs no data",
+        folder.display(),
+        set.home,
+        set.layout,
+        set.part
     ))
 }
 
@@ -99,4 +148,19 @@ pub(super) fn index<T: DeserializeOwned>(file: &Path) -> Result<Vec<T>, String> 
 
 fn absolute(path: &Path) -> PathBuf {
     std::path::absolute(path).unwrap_or_else(|_| path.to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_flag_comes_before_the_environment_and_that_before_the_working_folder() {
+        let given = Some(Path::new("here"));
+        let named = || Some(OsString::from("/there"));
+        assert_eq!(root(given, named()), Path::new("here"));
+        assert_eq!(root(None, named()), Path::new("/there"));
+        assert_eq!(root(None, Some(OsString::new())), Path::new("data"));
+        assert_eq!(root(None, None), Path::new("data"));
+    }
 }

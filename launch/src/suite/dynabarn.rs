@@ -26,7 +26,7 @@ const PHASE_S_MAX: f64 = 600.0;
 /// # Errors
 /// One line when there are none.
 pub(super) fn worlds(arguments: &SuiteArgs) -> Result<Vec<WorldFile>, String> {
-    let folder = data::folder(arguments, "dynabarn")?;
+    let folder = data::folder(arguments, data::DYNABARN)?;
     data::worlds(arguments, &folder, "world_", "csv")
 }
 
@@ -35,7 +35,7 @@ pub(super) fn worlds(arguments: &SuiteArgs) -> Result<Vec<WorldFile>, String> {
 /// # Errors
 /// One line naming a file.
 pub(super) fn cases(setup: &Setup<'_>, worlds: &[WorldFile]) -> Result<Vec<Case>, String> {
-    let index = data::folder(setup.arguments, "dynabarn")?.join("index.csv");
+    let index = data::folder(setup.arguments, data::DYNABARN)?.join("index.csv");
     let mut classes: HashMap<u32, String> = data::index(&index)?
         .into_iter()
         .map(|entry: Entry| (entry.world, entry.difficulty))

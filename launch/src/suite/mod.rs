@@ -10,6 +10,7 @@ mod csv_file;
 mod data;
 mod dynabarn;
 mod folder;
+mod generated;
 mod hindsight;
 mod junit;
 mod noise;
@@ -80,12 +81,13 @@ pub fn suite(arguments: &SuiteArgs, interrupted: &AtomicBool) -> Result<Report, 
         Kind::Barn => barn::worlds(arguments)?,
         Kind::Dynabarn => dynabarn::worlds(arguments)?,
         Kind::Pedestrians => pedestrians::worlds(arguments)?,
+        Kind::Generated => generated::worlds(arguments),
         Kind::Folder => folder::worlds(arguments)?,
     };
     // A folder's scenarios may name whatever they want.
     binaries::refresh_under_cargo(match kind {
         Kind::Folder => Needed::Any,
-        Kind::Barn | Kind::Dynabarn | Kind::Pedestrians => Needed::Stock,
+        Kind::Barn | Kind::Dynabarn | Kind::Pedestrians | Kind::Generated => Needed::Stock,
     })?;
     let before = Before::read();
     let started = Instant::now();
@@ -101,6 +103,7 @@ pub fn suite(arguments: &SuiteArgs, interrupted: &AtomicBool) -> Result<Report, 
         Kind::Barn => barn::cases(&setup, &worlds)?,
         Kind::Dynabarn => dynabarn::cases(&setup, &worlds)?,
         Kind::Pedestrians => pedestrians::cases(&setup, &worlds, &runner)?,
+        Kind::Generated => generated::cases(&setup, &worlds)?,
         Kind::Folder => folder::cases(&setup, &worlds)?,
     };
     let rows = drive(&runner, kind.label(), &cases)?;

@@ -37,7 +37,7 @@ const WAYS: [&str; 4] = ["east", "north", "west", "south"];
 /// # Errors
 /// One line when there are none.
 pub(super) fn worlds(arguments: &SuiteArgs) -> Result<Vec<WorldFile>, String> {
-    let folder = data::folder(arguments, "pedestrians")?;
+    let folder = data::folder(arguments, data::PEDESTRIANS)?;
     data::worlds(arguments, &folder, "", "csv")
 }
 

@@ -20,6 +20,7 @@ pub(super) enum Kind {
     Barn,
     Dynabarn,
     Pedestrians,
+    Generated,
     Folder,
 }
 
@@ -30,6 +31,7 @@ impl Kind {
             "barn" => Self::Barn,
             "dynabarn" => Self::Dynabarn,
             "pedestrians" => Self::Pedestrians,
+            "generated" => Self::Generated,
             _ => Self::Folder,
         }
     }
@@ -39,6 +41,7 @@ impl Kind {
             Self::Barn => "barn",
             Self::Dynabarn => "dynabarn",
             Self::Pedestrians => "pedestrians",
+            Self::Generated => "generated",
             Self::Folder => "folder",
         }
     }
@@ -48,7 +51,7 @@ impl Kind {
     pub(super) const fn controller(self) -> Option<&'static str> {
         match self {
             Self::Dynabarn | Self::Pedestrians => Some("beam"),
-            Self::Barn | Self::Folder => None,
+            Self::Barn | Self::Generated | Self::Folder => None,
         }
     }
 
@@ -66,6 +69,10 @@ impl Kind {
             Self::Pedestrians => {
                 "recorded people in our own 2-D simulator, who do not see the robot; starts and \
                  goals are ours: no published figure compares"
+            }
+            Self::Generated => {
+                "worlds drawn from their numbers in our own 2-D simulator, driven with beam where \
+                 things move: no benchmark of others"
             }
             Self::Folder => "scenarios in our own 2-D simulator, judged by what they expect",
         }

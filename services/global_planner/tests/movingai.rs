@@ -1,50 +1,42 @@
-//! The questions of the `MovingAI` collection, when it is there: lengths as known, two-sided.
+//! Questions in the form of the `MovingAI` collection: lengths as known, two-sided.
 //!
 //! A sample; all of them: `cargo run --release -p zeronav-global-planner --example movingai --
 //! --data DIR`.
 
-#![allow(clippy::print_stdout, reason = "a skip is said aloud")]
+#[path = "../../../tests/data/folder.rs"]
+mod data;
 
-use std::path::{Path, PathBuf};
+use data::{external_data, files, shipped_data};
+use std::path::Path;
 use zeronav_global_planner::movingai::{GridMap, Scenario};
 use zeronav_global_planner::{
     CellPath, Control, CornerRule, EXACT, PlanQuery, PlannerOptions, Unknown, row_of,
 };
+use zeronav_msgs::map::COST_FREE;
 use zeronav_msgs::{Cell, CellRect};
 
 /// Questions per map: of the planners that need microseconds, and of the others.
 const SAMPLES: [usize; 2] = [8, 1];
 
-fn folder() -> Option<PathBuf> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let folders = [
-        root.join("../shared/data/movingai"),
-        root.join("../../shared/data/movingai"),
-    ];
-    let found = folders.into_iter().find(|folder| folder.is_dir());
-    if found.is_none() {
-        println!("SKIPPED: ../shared/data/movingai is not there");
-    }
-    found
+/// A map and its questions.
+fn read(file: &Path) -> (GridMap, Vec<Scenario>) {
+    let name = file.display();
+    let map = GridMap::parse(&std::fs::read_to_string(file).unwrap())
+        .unwrap_or_else(|error| panic!("{name}: {error}"));
+    let questions = std::fs::read_to_string(format!("{name}.scen")).unwrap();
+    let questions = Scenario::parse_all(&questions, &map.geometry)
+        .unwrap_or_else(|error| panic!("{name}.scen: {error}"));
+    assert!(!questions.is_empty(), "{name}.scen asks nothing");
+    (map, questions)
 }
 
-#[test]
-fn every_exact_planner_finds_the_known_lengths() {
-    let Some(folder) = folder() else {
-        return;
-    };
+/// Every exact planner answers a sample of the questions with the known lengths; how many were
+/// asked.
+fn every_exact_planner_finds_the_known_lengths(folder: &Path) -> usize {
     let mut asked = 0;
-    for entry in std::fs::read_dir(&folder).unwrap().flatten() {
-        let file = entry.path();
-        if file.extension().is_none_or(|extension| extension != "map") {
-            continue;
-        }
+    for file in files(folder, "map") {
         let name = file.display();
-        let map = GridMap::parse(&std::fs::read_to_string(&file).unwrap())
-            .unwrap_or_else(|error| panic!("{name}: {error}"));
-        let questions = std::fs::read_to_string(format!("{name}.scen")).unwrap();
-        let questions = Scenario::parse_all(&questions, &map.geometry)
-            .unwrap_or_else(|error| panic!("{name}.scen: {error}"));
+        let (map, questions) = read(&file);
         let (width, height) = map.geometry.size();
         let whole = CellRect {
             min: Cell::new(0, 0),
@@ -78,5 +70,74 @@ fn every_exact_planner_finds_the_known_lengths() {
             }
         }
     }
+    asked
+}
+
+/// Lengths from a cell to all others by sweeps over the whole map until nothing changes any more:
+/// no queue, no heuristic, nothing in common with what made the files or with the planners.
+/// Infinite where no way leads.
+fn lengths_by_sweeps(map: &GridMap, from: Cell) -> Vec<f64> {
+    let geometry = &map.geometry;
+    let (width, height) = geometry.size();
+    let free = |cell: Cell| {
+        let index = geometry.index_of(cell);
+        index.is_some_and(|index| map.cells[index].cost == COST_FREE)
+    };
+    let mut lengths = vec![f64::INFINITY; geometry.len()];
+    lengths[geometry.index_of(from).unwrap()] = 0.0;
+    loop {
+        let mut changed = false;
+        for y in 0..height {
+            for x in (0..width).filter(|x| free(Cell::new(*x, y))) {
+                let index = geometry.index_of(Cell::new(x, y)).unwrap();
+                for (dx, dy) in (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (dx, dy))) {
+                    let beside = [
+                        Cell::new(x + dx, y),
+                        Cell::new(x, y + dy),
+                        Cell::new(x + dx, y + dy),
+                    ];
+                    if beside.into_iter().all(free) {
+                        let other = lengths[geometry.index_of(beside[2]).unwrap()];
+                        let length = other + f64::from(dx).hypot(f64::from(dy));
+                        if length < lengths[index] - 1.0e-9 {
+                            lengths[index] = length;
+                            changed = true;
+                        }
+                    }
+                }
+            }
+        }
+        if !changed {
+            return lengths;
+        }
+    }
+}
+
+#[test]
+fn the_shipped_lengths_are_those_of_a_search_by_sweeps() {
+    let mut asked = 0;
+    for file in files(&shipped_data("movingai"), "map") {
+        let (map, questions) = read(&file);
+        for question in questions {
+            let lengths = lengths_by_sweeps(&map, question.start);
+            let length = lengths[map.geometry.index_of(question.goal).unwrap()];
+            let error = length - question.optimal_cells;
+            assert!(error.abs() < 1.0e-6, "{question:?}: {length}");
+            asked += 1;
+        }
+    }
+    assert_eq!(asked, 120);
+}
+
+#[test]
+fn every_exact_planner_finds_the_shipped_lengths() {
+    let asked = every_exact_planner_finds_the_known_lengths(&shipped_data("movingai"));
+    assert!(asked >= 60, "{asked} questions");
+}
+
+#[test]
+#[ignore = "needs movingai at $ZERONAV_DATA"]
+fn every_exact_planner_finds_the_lengths_on_external_data() {
+    let asked = every_exact_planner_finds_the_known_lengths(&external_data("movingai"));
     assert!(asked >= 100, "{asked} questions");
 }

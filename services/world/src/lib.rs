@@ -31,6 +31,7 @@ pub mod robot_spec;
 pub mod shape;
 pub mod spec;
 pub mod static_map;
+pub mod synthetic;
 pub mod table;
 pub mod track;
 pub mod tracking_score;

@@ -1,6 +1,9 @@
-//! Worlds of data sets: what is read, what is refused, and how a scenario says it. The files are
-//! written here; the real ones, when the folder `../shared/data` beside the workspace is there, are
-//! all read.
+//! Worlds of data sets: what is read, what is refused, and how a scenario says it. Single rows are
+//! written here; whole files are the shipped ones, and those of others where the environment names
+//! them.
+
+#[path = "../../../tests/data/folder.rs"]
+mod data;
 
 use core::f64::consts::FRAC_PI_2;
 use core::fmt::Write as _;
@@ -21,28 +24,6 @@ fn written(text: &str) -> (TempDir, PathBuf) {
 
 fn spec_of(words: &str, file: &Path) -> WorldSpec {
     toml::from_str(&words.replace("FILE", file.to_str().unwrap())).unwrap()
-}
-
-/// The real files of a data set, if this machine has them.
-fn real(part: &str) -> Vec<PathBuf> {
-    let data = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
-    let Ok(entries) = std::fs::read_dir(data.join(part)) else {
-        eprintln!("SKIPPED: {} is not there", data.join(part).display());
-        return Vec::new();
-    };
-    let mut files: Vec<PathBuf> = entries
-        .flatten()
-        .map(|entry| entry.path())
-        .filter(|file| {
-            let name = file.file_name().and_then(|name| name.to_str());
-            name.is_some_and(|name| {
-                name.strip_suffix(".csv")
-                    .is_some_and(|stem| stem != "index")
-            })
-        })
-        .collect();
-    files.sort();
-    files
 }
 
 const BARN: &str = "x_m,y_m,r_m\n-4.425,0.075,0.075\n-2.25,6.0,0.075\n";
@@ -201,11 +182,11 @@ fn crowds_that_are_too_large_say_what_to_do() {
     );
 }
 
-#[test]
-fn every_real_world_of_barn_has_room_at_start_and_goal() {
+/// Every world has room for a Jackal at start and goal.
+fn check_barn(folder: &Path) {
     let robot = Footprint::polygon(&[[-0.26, -0.22], [0.26, -0.22], [0.26, 0.22], [-0.26, 0.22]]);
     let robot = robot.unwrap();
-    for file in real("barn/worlds") {
+    for file in data::files(folder, "csv") {
         let (world, _) = World::load(&spec_of("barn = \"FILE\"", &file)).unwrap();
         assert!(world.shapes().len() > 150, "{}", file.display());
         for pose in [barn::START, barn::GOAL] {
@@ -214,10 +195,11 @@ fn every_real_world_of_barn_has_room_at_start_and_goal() {
     }
 }
 
-#[test]
-fn every_real_world_of_dynabarn_is_read_at_every_phase() {
-    for file in real("dynabarn") {
+/// Every world is read at every phase.
+fn check_dynabarn(folder: &Path) {
+    for file in data::files(folder, "csv") {
         let world = DynabarnWorld::load(&file).unwrap();
+        assert!(world.rounds.len() > 2, "{}", file.display());
         for phase_s in [0.0, 17.3, 1.0e4] {
             let (world, n) = (World::new(&world.spec(phase_s), None), world.rounds.len());
             assert_eq!(world.unwrap().obstacles().len(), n, "{}", file.display());
@@ -225,9 +207,9 @@ fn every_real_world_of_dynabarn_is_read_at_every_phase() {
     }
 }
 
-#[test]
-fn every_real_crowd_is_played() {
-    for file in real("pedestrians") {
+/// Every crowd is played from its beginning and from its middle.
+fn check_pedestrians(folder: &Path) {
+    for file in data::files(folder, "csv") {
         let scene = Scene::load(&file).unwrap();
         let (first_s, last_s) = scene.span_s();
         assert!(last_s - first_s > 100.0, "{}", file.display());
@@ -241,4 +223,37 @@ fn every_real_crowd_is_played() {
             assert!(world.unwrap().obstacles().len() > 5, "{}", file.display());
         }
     }
+}
+
+#[test]
+fn every_shipped_world_of_barn_has_room_at_start_and_goal() {
+    check_barn(&data::shipped_data("barn/worlds"));
+}
+
+#[test]
+fn every_shipped_world_of_dynabarn_is_read_at_every_phase() {
+    check_dynabarn(&data::shipped_data("dynabarn"));
+}
+
+#[test]
+fn every_shipped_crowd_is_played() {
+    check_pedestrians(&data::shipped_data("pedestrians"));
+}
+
+#[test]
+#[ignore = "needs barn at $ZERONAV_DATA"]
+fn every_world_of_barn_has_room_on_external_data() {
+    check_barn(&data::external_data("barn/worlds"));
+}
+
+#[test]
+#[ignore = "needs dynabarn at $ZERONAV_DATA"]
+fn every_world_of_dynabarn_is_read_on_external_data() {
+    check_dynabarn(&data::external_data("dynabarn"));
+}
+
+#[test]
+#[ignore = "needs pedestrians at $ZERONAV_DATA"]
+fn every_crowd_is_played_on_external_data() {
+    check_pedestrians(&data::external_data("pedestrians"));
 }

@@ -1,0 +1,89 @@
+//! Worlds that are drawn from a seed: no data is needed.
+
+use super::barn::TOLERANCE_SHARE;
+use super::case::{Case, Rule, Sheet, Success};
+use super::data::WorldFile;
+use super::{Setup, SuiteArgs};
+use core::ops::Range;
+use std::path::PathBuf;
+use toml::Table;
+use zeronav_world::RobotPreset;
+use zeronav_world::synthetic::Robot;
+use zeronav_world::synthetic::course::{self, Class, Kind};
+
+/// The worlds that are driven unless others are asked for: two of each class.
+const WORLDS: Range<u32> = 0..2 * Class::COUNT;
+
+/// Controller among what moves unless another is asked for: the one that searches in time.
+const AMONG_MOVERS: &str = "beam";
+
+/// The worlds that are asked for.
+pub(super) fn worlds(arguments: &SuiteArgs) -> Vec<WorldFile> {
+    let numbers = arguments.worlds.clone().unwrap_or(WORLDS);
+    numbers
+        .map(|number| WorldFile {
+            name: format!("{}_{number:03}", Class::of(number).label()),
+            number,
+            file: PathBuf::new(),
+        })
+        .collect()
+}
+
+/// Every world with every seed.
+///
+/// # Errors
+/// One line naming a world that cannot be drawn, or a file.
+pub(super) fn cases(setup: &Setup<'_>, worlds: &[WorldFile]) -> Result<Vec<Case>, String> {
+    let robot = Robot::new(&RobotPreset::Jackal.robot()).map_err(|error| error.to_string())?;
+    let mut cases = Vec::new();
+    for world in worlds {
+        for seed in 1..=setup.arguments.seeds {
+            cases.push(case(setup, world, seed, robot)?);
+        }
+    }
+    Ok(cases)
+}
+
+fn case(setup: &Setup<'_>, world: &WorldFile, seed: u64, robot: Robot) -> Result<Case, String> {
+    let class = Class::of(world.number);
+    let drawn = course::draw(world.number, seed, robot)
+        .map_err(|error| format!("{}: {error}", world.name))?;
+    let table = Table::try_from(&drawn.spec)
+        .map_err(|error| format!("{} has no TOML form: {error}", world.name))?;
+    let sheet = Sheet {
+        name: format!("{}_{seed}", world.name),
+        title: format!("Generated world {}, unknown to the robot", world.name),
+        world: table,
+        start: drawn.start,
+        goal: drawn.goal,
+        goal_tolerance_m: TOLERANCE_SHARE * drawn.goal_tolerance_m,
+        time_limit_s: drawn.time_limit_s,
+    };
+    let among_movers = setup.controller.or(Some(AMONG_MOVERS));
+    let own = Setup {
+        controller: if drawn.moves {
+            among_movers
+        } else {
+            setup.controller
+        },
+        ..*setup
+    };
+    Ok(Case {
+        world: world.name.clone(),
+        class: Some(class.label().to_owned()),
+        seed,
+        scenario: sheet.write(&own)?,
+        time_limit_s: drawn.time_limit_s,
+        rule: Rule {
+            success: Success::Arrival {
+                goal_m: [drawn.goal.x_m, drawn.goal.y_m],
+                tolerance_m: drawn.goal_tolerance_m,
+                // People do not see the robot: a contact while it stands is not its fault.
+                standing_counts: class.kind != Kind::Walkers,
+            },
+            optimal_time_s: None,
+            reference_m: Some(drawn.reference_m - drawn.goal_tolerance_m),
+            future_is_known: drawn.moves,
+        },
+    })
+}
