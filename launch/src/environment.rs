@@ -22,15 +22,6 @@ impl Before {
     /// What the run was made with and on.
     #[must_use]
     pub fn environment(self) -> Environment {
-        let (all, stolen) = processor_ticks();
-        let all = all.saturating_sub(self.processor_ticks.0);
-        let stolen = stolen.saturating_sub(self.processor_ticks.1);
-        #[allow(clippy::cast_precision_loss, reason = "ticks of one run")]
-        let steal = if all == 0 {
-            0.0
-        } else {
-            stolen as f64 / all as f64
-        };
         Environment {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             build: if cfg!(debug_assertions) {
@@ -44,7 +35,7 @@ impl Before {
             kernel: read("/proc/sys/kernel/osrelease").trim().to_owned(),
             load_start: self.load,
             load_end: load(),
-            steal,
+            steal: steal(self.processor_ticks, processor_ticks()),
         }
     }
 }
@@ -62,7 +53,8 @@ fn line_of(file: &str, key: &str) -> String {
         })
 }
 
-fn load() -> f64 {
+/// Load average of the last minute.
+pub(crate) fn load() -> f64 {
     read("/proc/loadavg")
         .split(' ')
         .next()
@@ -71,7 +63,7 @@ fn load() -> f64 {
 }
 
 /// Ticks of all processors together, and those that the host gave to others.
-fn processor_ticks() -> (u64, u64) {
+pub(crate) fn processor_ticks() -> (u64, u64) {
     let text = read("/proc/stat");
     let fields: Vec<u64> = text
         .lines()
@@ -85,4 +77,17 @@ fn processor_ticks() -> (u64, u64) {
         fields.iter().take(8).sum(),
         fields.get(7).copied().unwrap_or(0),
     )
+}
+
+/// Share of the processors' time that the host gave to others between two readings of
+/// [`processor_ticks`], 0 to 1.
+#[allow(clippy::cast_precision_loss, reason = "ticks of one run")]
+pub(crate) fn steal(before: (u64, u64), after: (u64, u64)) -> f64 {
+    let all = after.0.saturating_sub(before.0);
+    let stolen = after.1.saturating_sub(before.1);
+    if all == 0 {
+        0.0
+    } else {
+        stolen as f64 / all as f64
+    }
 }

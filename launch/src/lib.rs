@@ -3,6 +3,7 @@
 pub mod cli;
 pub mod collect;
 pub mod commands;
+pub mod disturbance;
 pub mod ending;
 pub mod environment;
 pub mod floor;

@@ -184,6 +184,7 @@ pub fn of_trials(
         wanted: trials.wanted,
         made,
         rounds: trials.rounds.clone(),
+        worst: trials.worst.clone(),
     });
     whole
 }

@@ -1,12 +1,13 @@
 //! One run: from a scenario to what was seen of it.
 
 use crate::collect::{Collector, TaskReport};
+use crate::disturbance::{Disturbance, Reading};
 use crate::ending::Ending;
 use crate::keeper::{Keeper, READY_LIMIT, RestartRecord};
-use crate::measure::{Event, seconds};
+use crate::measure::seconds;
 use crate::prepare::{Prepared, write_configs};
 use crate::show::progress::{Progress, ProgressLine, TrialProgress};
-use crate::shuttle::{Course, Shuttle, Step};
+use crate::shuttle::{Course, Shuttle, Step, Trial};
 use crate::supervise::child::Child;
 use crate::supervise::control::{Reply, Request, RunReport, Server, ServiceReport};
 use crate::supervise::stack::{self, Stack};
@@ -62,9 +63,11 @@ pub struct Driven {
     /// The restarts that were made.
     pub restarts: Vec<RestartRecord>,
     /// What became of the trials; empty without.
-    pub trials: Vec<Event>,
+    pub trials: Vec<Trial>,
     /// Trials that did not count because no path led through the obstacle.
     pub trials_missed: u64,
+    /// What disturbed the machine from the first goal to the end; trials only.
+    pub disturbance: Option<Disturbance>,
 }
 
 /// The trials that one drive shall make.
@@ -139,6 +142,7 @@ pub fn drive(
             task: Vec::new(),
             task_id: 0,
             next_goal: 1,
+            at_start: None,
         };
         let ending = drive.until_it_ends(&mut stack);
         drive.line.clear();
@@ -153,6 +157,10 @@ pub fn drive(
         }
     };
     let end_tick = drive.end_tick(&ending);
+    let disturbance = drive.at_start.take().map(|before| {
+        let spans = drive.collector.records.spans.iter();
+        reading(&stack).since(&before, spans)
+    });
     drive.stand(&mut stack);
     let shared_memory_bytes = stack.shared_memory_bytes();
     let services = drive.stop(&mut stack);
@@ -160,11 +168,12 @@ pub fn drive(
     let (trials, trials_missed) = drive
         .shuttle
         .take()
-        .map(Shuttle::into_events)
+        .map(Shuttle::into_trials)
         .unwrap_or_default();
     let driven = Driven {
         trials,
         trials_missed,
+        disturbance,
         ending,
         goals_run_ns: drive.goals_run_ns,
         end_run_ns: end_tick * tick_ns,
@@ -177,6 +186,12 @@ pub fn drive(
     };
     stack::close(stack);
     Ok(driven)
+}
+
+/// The kernel's counters of all processes.
+fn reading(stack: &Stack) -> Reading {
+    let children = stack.children.iter();
+    Reading::take(children.map(|child| (child.role, child.pid())))
 }
 
 /// The trials of `prepared`'s scenario; `None` when it has none.
@@ -209,6 +224,8 @@ struct Drive<'a> {
     task_id: u64,
     /// Number of the next goal.
     next_goal: u64,
+    /// The kernel's counters when the first goal was sent; trials only.
+    at_start: Option<Reading>,
 }
 
 impl Drive<'_> {
@@ -232,6 +249,9 @@ impl Drive<'_> {
                 .map(|goal| goal.message(0))
                 .collect(),
         };
+        if self.shuttle.is_some() {
+            self.at_start = Some(reading(stack));
+        }
         if !goals.is_empty() {
             self.send(stack, goals, 1);
         }
@@ -382,10 +402,12 @@ impl Drive<'_> {
     fn try_again(&mut self, stack: &mut Stack) -> Option<Ending> {
         let tick_ns = self.prepared.scenario.run.tick_ns();
         let run_ns = self.collector.robot_tick() * tick_ns;
-        match self.shuttle.as_mut()?.look(&mut self.collector, run_ns) {
+        let shuttle = self.shuttle.as_mut()?;
+        match shuttle.look(&mut self.collector, run_ns) {
             Step::Wait => None,
             Step::Place(placement) => {
                 stack.place(&[placement]);
+                shuttle.note(reading(stack), &self.collector.records);
                 None
             }
             Step::Done => Some(Ending::TrialsOver),

@@ -5,6 +5,7 @@
 //! that is drawn uniformly, and is taken away as soon as a command has answered it.
 
 use crate::collect::{Collector, shows};
+use crate::disturbance::{Disturbance, Reading};
 use crate::measure::index::PathRecord;
 use crate::measure::{Event, EventOutcome, Records, judge};
 use crate::scenario::{GoalSpec, TrialsSpec};
@@ -57,6 +58,15 @@ struct Dropped {
     answered_run_ns: Option<u64>,
 }
 
+/// One trial that counts.
+#[derive(Debug, Clone)]
+pub struct Trial {
+    /// What became of its obstacle.
+    pub event: Event,
+    /// What disturbed the machine from the decision to drop the obstacle to its answer.
+    pub disturbance: Option<Disturbance>,
+}
+
 /// What trials need to know of world and robot.
 #[derive(Debug, Clone, Copy)]
 pub struct Course<'a> {
@@ -85,7 +95,10 @@ pub struct Shuttle<'a> {
     /// Where the last obstacle stood.
     last: Option<Pose>,
     ended_run_ns: u64,
-    events: Vec<Event>,
+    trials: Vec<Trial>,
+    /// The kernel's counters when the obstacle was dropped.
+    before: Option<Reading>,
+    disturbance: Option<Disturbance>,
     missed: u64,
 }
 
@@ -106,7 +119,9 @@ impl<'a> Shuttle<'a> {
             dropped: None,
             last: None,
             ended_run_ns: 0,
-            events: Vec::with_capacity(wanted),
+            trials: Vec::with_capacity(wanted),
+            before: None,
+            disturbance: None,
             missed: 0,
         })
     }
@@ -125,13 +140,13 @@ impl<'a> Shuttle<'a> {
     /// Trials that are over.
     #[must_use]
     pub const fn done(&self) -> usize {
-        self.events.len()
+        self.trials.len()
     }
 
     /// Every trial that counts, and how many did not because no path led through the obstacle.
     #[must_use]
-    pub fn into_events(self) -> (Vec<Event>, u64) {
-        (self.events, self.missed)
+    pub fn into_trials(self) -> (Vec<Trial>, u64) {
+        (self.trials, self.missed)
     }
 
     /// Looks at what was heard and says what to do. `run_ns` is the robot's newest run time.
@@ -142,13 +157,29 @@ impl<'a> Shuttle<'a> {
         if let Some(dropped) = self.dropped {
             return self.watch(collector, dropped, run_ns);
         }
-        if self.events.len() >= self.wanted {
+        if self.trials.len() >= self.wanted {
             return Step::Done;
         }
         if run_ns.saturating_sub(self.ended_run_ns) > STUCK_NS {
             return Step::Stuck;
         }
         self.start(collector, run_ns)
+    }
+
+    /// Takes the kernel's counters after a [`Step::Place`]: once when the obstacle is dropped and
+    /// once when it is taken away.
+    pub fn note(&mut self, reading: Reading, records: &Records) {
+        let Some(dropped) = self.dropped else {
+            return;
+        };
+        if dropped.placement.until_run_ns == 0 && dropped.answered_run_ns.is_none() {
+            self.before = Some(reading);
+            return;
+        }
+        let recent = records.spans.iter().rev();
+        let of_trial = recent.take_while(|span| span.started_ns >= dropped.began_ns);
+        let before = self.before.take();
+        self.disturbance = before.map(|before| reading.since(&before, of_trial));
     }
 
     /// Begins a trial if everything is in place.
@@ -262,8 +293,11 @@ impl<'a> Shuttle<'a> {
                 .retain(|sighting| sighting.appeared_run_ns != dropped.placement.from_run_ns);
         }
         self.ended_run_ns = run_ns;
+        let disturbance = self.disturbance.take();
         match event {
-            Some(event) if event.outcome != EventOutcome::NotInTheWay => self.events.push(event),
+            Some(event) if event.outcome != EventOutcome::NotInTheWay => {
+                self.trials.push(Trial { event, disturbance });
+            }
             // One that the robot never saw, or that no path led through, asks nothing of the stack.
             _ => self.missed += 1,
         }

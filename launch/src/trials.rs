@@ -1,16 +1,27 @@
 //! `zeronav run SCENARIO --trials N`: three rounds of trials, and the floor between them.
 
+use crate::disturbance::Disturbance;
 use crate::ending::Ending;
 use crate::floor::{self, Load};
-use crate::measure::{Latency, reactions};
+use crate::measure::distribution::to_us;
+use crate::measure::event::HOPS;
+use crate::measure::{Event, Latency, reactions};
 use crate::prepare::Prepared;
 use crate::run::{DEADLINE_NS, Driven, Quota, drive};
+use crate::shuttle::Trial;
+use core::fmt::Write;
 use serde::Serialize;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Rounds, each with a stack of its own.
 const ROUNDS: usize = 3;
+
+/// Services that were off the processor for less in a cycle are not named to people. [us]
+const SHOWN_US: f64 = 100.0;
+
+/// Slowest trials that are listed with what disturbed them.
+const WORST: usize = 5;
 
 /// One round.
 #[derive(Debug, Clone, Serialize)]
@@ -23,8 +34,72 @@ pub struct Round {
     pub time_s: f64,
     /// What the stages of the floor passed on.
     pub floor_load: Option<Load>,
+    /// What disturbed it.
+    pub disturbance: Option<Disturbance>,
     /// Its figures.
     pub latency: Latency,
+}
+
+/// One of the slowest trials, with what is needed to explain it.
+#[derive(Debug, Clone, Serialize)]
+pub struct SlowTrial {
+    /// Round, from 1.
+    pub round: usize,
+    /// Trial of the round, from 1.
+    pub trial: usize,
+    /// Its replanning latency; null when it was not answered in time. [us]
+    pub replanning_us: Option<f64>,
+    /// The hop that took longest beyond its median in that round.
+    pub hop: Option<SlowHop>,
+    /// What disturbed the machine from the decision to drop the obstacle to the answer.
+    pub disturbance: Option<Disturbance>,
+}
+
+impl SlowTrial {
+    /// One line for people: the hop, and the service that was disturbed most.
+    pub fn write(&self, text: &mut String) {
+        let time = self.replanning_us;
+        let time = time.map_or_else(|| "unanswered".to_owned(), |us| format!("{us:.0} us"));
+        let _ = write!(
+            text,
+            "    round {} trial {}: {time}",
+            self.round, self.trial
+        );
+        if let Some(SlowHop {
+            name,
+            time_us,
+            p50_us,
+        }) = self.hop
+        {
+            let _ = write!(text, ", {name} {time_us:.0} us");
+            if let Some(p50_us) = p50_us {
+                let _ = write!(text, " (median {p50_us:.0})");
+            }
+        }
+        let services = self.disturbance.iter().flat_map(|all| &all.services);
+        for service in services.filter(|service| service.off_processor_us_max >= SHOWN_US) {
+            let _ = write!(
+                text,
+                "; {} off the processor for {:.0} us, queued {:.0} us, {} preemptions",
+                service.name,
+                service.off_processor_us_max,
+                service.queue_us,
+                service.involuntary_switches
+            );
+        }
+        text.push('\n');
+    }
+}
+
+/// A hop that took long.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SlowHop {
+    /// Its name.
+    pub name: &'static str,
+    /// How long it took. [us]
+    pub time_us: f64,
+    /// Its median in the same round; null where there are too few trials for one. [us]
+    pub p50_us: Option<f64>,
 }
 
 /// All rounds.
@@ -38,6 +113,8 @@ pub struct Trials {
     pub drives: Vec<Driven>,
     /// All rounds together.
     pub latency: Latency,
+    /// The slowest trials, slowest first.
+    pub worst: Vec<SlowTrial>,
 }
 
 /// Makes `wanted` trials in three rounds. A round that ends early ends the trials.
@@ -52,6 +129,7 @@ pub fn make(
     let wanted = wanted as usize;
     let mut rounds = Vec::new();
     let mut drives = Vec::new();
+    let mut worst = Vec::new();
     let mut before = 0;
     for round in 0..ROUNDS {
         let n = wanted / ROUNDS + usize::from(round < wanted % ROUNDS);
@@ -66,15 +144,17 @@ pub fn make(
         };
         let mut driven = drive(prepared, Some(quota), interrupted)?;
         before += driven.trials.len();
+        let trials = std::mem::take(&mut driven.trials);
+        let events: Vec<Event> = trials.iter().map(|trial| trial.event.clone()).collect();
         let reaction = reactions(&driven.collector.records, DEADLINE_NS).figures();
-        let mut latency = Latency::of(&driven.trials, reaction, DEADLINE_NS);
+        let mut latency = Latency::of(&events, reaction, DEADLINE_NS);
         latency.not_in_the_way = driven.trials_missed;
         let load = (driven.ending == Ending::TrialsOver).then(|| load(prepared, &driven));
         if let Some(load) = load {
             latency.transport_floor = Some(floor::measure(
                 prepared,
                 load,
-                2 * driven.trials.len() as u64,
+                2 * trials.len() as u64,
                 interrupted,
             )?);
         }
@@ -82,12 +162,14 @@ pub fn make(
         if interrupted.load(Ordering::Relaxed) {
             driven.ending = Ending::Interrupted;
         }
+        slow(round + 1, &trials, &latency, &mut worst);
         let over = driven.ending == Ending::TrialsOver;
         rounds.push(Round {
-            trials: driven.trials.len(),
+            trials: trials.len(),
             missed: driven.trials_missed,
             time_s: crate::measure::seconds(driven.end_run_ns.saturating_sub(driven.goals_run_ns)),
             floor_load: load,
+            disturbance: driven.disturbance.clone(),
             latency,
         });
         drives.push(driven);
@@ -105,8 +187,36 @@ pub fn make(
         wanted,
         rounds,
         drives,
+        worst,
         latency: Latency::of_rounds(&of_each),
     })
+}
+
+/// Adds the trials of a round to the slowest of all, which stay few.
+fn slow(round: usize, trials: &[Trial], latency: &Latency, worst: &mut Vec<SlowTrial>) {
+    worst.extend(trials.iter().enumerate().map(|(at, trial)| SlowTrial {
+        round,
+        trial: at + 1,
+        replanning_us: trial.event.replanning_ns.map(to_us),
+        hop: slow_hop(&trial.event, latency),
+        disturbance: trial.disturbance.clone(),
+    }));
+    // One without an answer is slower than any with one.
+    let time_us = |trial: &SlowTrial| trial.replanning_us.unwrap_or(f64::INFINITY);
+    worst.sort_by(|a, b| time_us(b).total_cmp(&time_us(a)));
+    worst.truncate(WORST);
+}
+
+/// The hop of this trial that took longest beyond its median.
+fn slow_hop(event: &Event, latency: &Latency) -> Option<SlowHop> {
+    let hops = HOPS.iter().zip(event.hops_ns?).zip(&latency.hops);
+    let slow = hops.map(|((name, time_ns), hop)| SlowHop {
+        name,
+        time_us: to_us(time_ns),
+        p50_us: hop.figures.p50_us,
+    });
+    let beyond_us = |hop: &SlowHop| hop.time_us - hop.p50_us.unwrap_or(0.0);
+    slow.max_by(|a, b| beyond_us(a).total_cmp(&beyond_us(b)))
 }
 
 /// What the stages of this drive passed on in the middle.
@@ -123,5 +233,67 @@ fn load(prepared: &Prepared, driven: &Driven) -> Load {
         ),
         waypoints: mean(waypoints, paths.len()),
         period_ns: prepared.scan_period_ns(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::measure::distribution::Figures;
+    use crate::measure::event::{EventOutcome, Hop};
+
+    fn trial(replanning_us: Option<u64>, hops_us: [u64; HOPS.len()]) -> Trial {
+        Trial {
+            event: Event {
+                index: 0,
+                outcome: EventOutcome::Answered,
+                replanning_ns: replanning_us.map(|us| us * 1000),
+                event_to_motion_ns: None,
+                hops_ns: Some(hops_us.map(|us| us * 1000)),
+                closure_error_ns: None,
+            },
+            disturbance: None,
+        }
+    }
+
+    #[test]
+    fn the_slowest_trials_name_the_hop_that_is_farthest_beyond_its_median() {
+        let mut latency = Latency::of(&[], Figures::default(), DEADLINE_NS);
+        for (at, Hop { figures, .. }) in latency.hops.iter_mut().enumerate() {
+            figures.p50_us = Some(if at == 5 { 1500.0 } else { 100.0 });
+        }
+        let mut usual = [100; HOPS.len()];
+        usual[5] = 1500;
+        // The longest hop is the search, but it is a wake that took longer than usual.
+        let mut late_wake = usual;
+        late_wake[4] = 900;
+        let mut trials: Vec<Trial> = (0..7).map(|at| trial(Some(2000 + at), usual)).collect();
+        trials.push(trial(Some(3000), late_wake));
+        trials.push(trial(None, usual));
+        let mut worst = Vec::new();
+        slow(2, &trials, &latency, &mut worst);
+        assert_eq!(worst.len(), WORST);
+        let order: Vec<_> = worst
+            .iter()
+            .map(|slow| (slow.trial, slow.replanning_us))
+            .collect();
+        let expected = [
+            (9, None),
+            (8, Some(3000.0)),
+            (7, Some(2006.0)),
+            (6, Some(2005.0)),
+            (5, Some(2004.0)),
+        ];
+        assert_eq!(order, expected);
+        let hop = SlowHop {
+            name: "to_global_planner",
+            time_us: 900.0,
+            p50_us: Some(100.0),
+        };
+        assert_eq!(worst[1].hop, Some(hop));
+        // Those of a later round take their places.
+        slow(3, &[trial(Some(9000), usual)], &latency, &mut worst);
+        assert_eq!((worst[1].round, worst[1].trial), (3, 1));
+        assert_eq!(worst.len(), WORST);
     }
 }

@@ -57,8 +57,9 @@ message! {
         pub work: u32,
         /// FNV-1a of what the cycle published (headers without stamps, and payload); lockstep only.
         pub hash: u64,
-        /// Written as 0.
-        pub spare: u64,
+        /// [ns] between the wake and the end of the cycle in which the thread did not run: it was
+        /// preempted, waited for a page, or slept for a delay put in on purpose.
+        pub off_processor_ns: u64,
     }
 }
 

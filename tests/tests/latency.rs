@@ -54,6 +54,23 @@ fn trials_come_with_percentiles_and_the_floor_of_the_transport() {
         .map(|round| round["trials"].as_u64().expect("a count"))
         .collect();
     assert_eq!(made, [3, 2, 2]);
+    for round in rounds {
+        check_disturbance(&round["disturbance"]);
+    }
+    let worst = result["trials"]["worst"].as_array().expect("worst trials");
+    assert_eq!(worst.len(), 5, "{worst:#?}");
+    let times: Vec<f64> = worst
+        .iter()
+        .map(|slow| number(&slow["replanning_us"]))
+        .collect();
+    assert!(times.is_sorted_by(|a, b| a >= b), "{times:?}");
+    // The distribution rounds to a thousandth.
+    let max_us = number(&latency["replanning"]["max_us"]);
+    assert!((times[0] / max_us - 1.0).abs() < 0.002, "{worst:#?}");
+    for slow in worst {
+        assert!(number(&slow["hop"]["time_us"]) <= number(&slow["replanning_us"]));
+        check_disturbance(&slow["disturbance"]);
+    }
     // Three stacks and three rings, and nothing is left of any.
     domains.sort();
     domains.dedup();
@@ -61,6 +78,37 @@ fn trials_come_with_percentiles_and_the_floor_of_the_transport() {
     for root in &domains {
         assert!(leftovers(root).is_empty(), "{:?}", leftovers(root));
     }
+}
+
+/// Every service is in it, and what has to be counted was.
+fn check_disturbance(disturbance: &Value) {
+    let services = disturbance["services"].as_array().expect("services");
+    let names: Vec<&str> = services
+        .iter()
+        .filter_map(|service| service["name"].as_str())
+        .collect();
+    let roles = [
+        "robot",
+        "mapping",
+        "global_planner",
+        "local_planner",
+        "collision_guard",
+    ];
+    assert_eq!(names, roles, "{disturbance:#}");
+    for service in services {
+        // All of them answered at least once, and slept before it.
+        assert!(service["processor_us"].as_f64() > Some(0.0), "{service:#}");
+        assert!(
+            service["voluntary_switches"].as_u64() > Some(0),
+            "{service:#}"
+        );
+    }
+    assert!(
+        disturbance["load_end"].as_f64() > Some(0.0),
+        "{disturbance:#}"
+    );
+    let steal = disturbance["steal"].as_f64().expect("steal");
+    assert!((0.0..=1.0).contains(&steal), "{disturbance:#}");
 }
 
 #[test]
@@ -84,6 +132,16 @@ fn a_delay_appears_in_its_hop_and_nowhere_else() {
     }
     let replanning_us = result["latency"]["replanning"]["p50_us"].as_f64();
     assert!(replanning_us.expect("a median") >= 200_000.0);
+    // Whoever looks for the cause finds the hop, and that its service did not compute meanwhile.
+    let slow = &result["trials"]["worst"][0];
+    assert_eq!(slow["hop"]["name"], "global_planner", "{slow:#}");
+    let off_us = |name: &str| {
+        let services = slow["disturbance"]["services"].as_array()?;
+        let service = services.iter().find(|service| service["name"] == name)?;
+        service["off_processor_us_max"].as_f64()
+    };
+    assert!(off_us("global_planner") >= Some(200_000.0), "{slow:#}");
+    assert!(off_us("mapping") < Some(200_000.0), "{slow:#}");
 }
 
 #[test]

@@ -128,7 +128,8 @@ impl Distribution {
     clippy::cast_precision_loss,
     reason = "times of a run are far below 2^53 ns"
 )]
-fn to_us(time_ns: u64) -> f64 {
+#[must_use]
+pub fn to_us(time_ns: u64) -> f64 {
     (time_ns as f64 / 100.0).round() / 10.0
 }
 

@@ -3,7 +3,7 @@
 use crate::keeper::RestartRecord;
 use crate::measure::event::Latency;
 use crate::measure::tracking::{PoseResult, TrackingResult};
-use crate::trials::Round;
+use crate::trials::{Round, SlowTrial};
 use core::fmt::Write;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -113,6 +113,8 @@ pub struct TrialsResult {
     pub made: usize,
     /// The rounds.
     pub rounds: Vec<Round>,
+    /// The slowest trials with what disturbed them, slowest first.
+    pub worst: Vec<SlowTrial>,
 }
 
 /// The result of a run.
@@ -262,6 +264,10 @@ impl RunResult {
         }
         if let Some(latency) = &self.latency {
             write_latency(latency, &mut text);
+        }
+        if let Some(trials) = &self.trials {
+            text.push_str("  slowest trials\n");
+            trials.worst.iter().for_each(|slow| slow.write(&mut text));
         }
         let _ = writeln!(
             text,

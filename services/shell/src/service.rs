@@ -1,6 +1,6 @@
 //! The loop that every service shares.
 
-use crate::clock::now_ns;
+use crate::clock::{now_ns, thread_cpu_ns};
 use crate::domain::Domain;
 use crate::doorbell::{Bells, Doorbell, Rung, WAKE_AT_LEAST_NS};
 use crate::error::{EXIT_STOPPED, EXIT_USAGE, StartError};
@@ -72,6 +72,8 @@ pub struct Shell {
     beaten: Health,
     beaten_ns: u64,
     woken_ns: u64,
+    /// Processor time of this thread at `woken_ns`. [ns]
+    woken_cpu_ns: u64,
     rings: Vec<&'static TopicRow>,
     hash: u64,
     superseded_told: u64,
@@ -114,6 +116,7 @@ impl Shell {
             beaten: Health::default(),
             beaten_ns: 0,
             woken_ns: now_ns(),
+            woken_cpu_ns: thread_cpu_ns(),
             rings: Vec::with_capacity(8),
             hash: 0,
             superseded_told: 0,
@@ -284,7 +287,7 @@ impl Shell {
                 .unwrap_or(u32::MAX),
             work: u32::try_from(cycle.work).unwrap_or(u32::MAX),
             hash: core::mem::take(&mut self.hash),
-            spare: 0,
+            off_processor_ns: self.off_processor_ns(),
         });
         self.superseded_told = self.beat.superseded;
         if self.roster().lockstep() {
@@ -292,6 +295,14 @@ impl Shell {
                 self.bells.ring(*role, SPANS.number);
             }
         }
+    }
+
+    /// Time since the wake in which this thread did not run. [ns]
+    fn off_processor_ns(&self) -> u64 {
+        let ran_ns = thread_cpu_ns().saturating_sub(self.woken_cpu_ns);
+        now_ns()
+            .saturating_sub(self.woken_ns)
+            .saturating_sub(ran_ns)
     }
 
     /// Sets or clears a reason in the heartbeat.
@@ -398,6 +409,7 @@ fn drive<S: Service>(flags: &Flags) -> Result<(), StartError> {
     while !stop.load(Ordering::Relaxed) {
         let rung = shell.doorbell.wait(deadline_ns);
         shell.woken_ns = now_ns();
+        shell.woken_cpu_ns = thread_cpu_ns();
         if shell.woken_ns >= look_ns {
             look_ns = shell.woken_ns + LOOK_NS;
             orphaned = shell.peer.domain().is_orphaned();

@@ -1,0 +1,248 @@
+//! What disturbed a measurement, as the kernel counted it: load and steal of the machine, and for
+//! each service how long it ran, how long it waited for a processor, and what interrupted it.
+
+use crate::environment;
+use crate::measure::distribution::to_us;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use zeronav_msgs::role::Role;
+use zeronav_msgs::span::Span;
+
+/// Totals of one process since its start, over all its threads.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+struct Counters {
+    pid: u32,
+    processor_ns: u64,
+    queue_ns: u64,
+    voluntary: u64,
+    involuntary: u64,
+    minor_faults: u64,
+    major_faults: u64,
+}
+
+/// One reading of the kernel's counters.
+#[derive(Debug, Clone, Default)]
+pub struct Reading {
+    load: f64,
+    processor_ticks: (u64, u64),
+    services: BTreeMap<Role, Counters>,
+}
+
+/// What happened between two readings.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Disturbance {
+    /// Load average of the last minute at the first reading.
+    pub load_start: f64,
+    /// The same at the second.
+    pub load_end: f64,
+    /// Share of processor time that the host gave to others in between, 0 to 1.
+    pub steal: f64,
+    /// Each service.
+    pub services: Vec<ServiceDisturbance>,
+}
+
+/// What happened to one service between two readings.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ServiceDisturbance {
+    /// Its seat.
+    pub name: String,
+    /// Processor time that it used. [us]
+    pub processor_us: f64,
+    /// Time for which it could have run but waited for a processor. [us]
+    pub queue_us: f64,
+    /// Longest time for which it was off the processor within one cycle, from its wake to the end
+    /// of its answer: preempted, waiting for a page, or delayed on purpose. [us]
+    pub off_processor_us_max: f64,
+    /// Context switches because it waited for something.
+    pub voluntary_switches: u64,
+    /// Context switches because another process was given its processor.
+    pub involuntary_switches: u64,
+    /// Pages that were mapped at their first use.
+    pub minor_faults: u64,
+    /// Pages that were read from a disk.
+    pub major_faults: u64,
+}
+
+impl Reading {
+    /// Reads the counters of these processes. One that has ended counts nothing.
+    #[must_use]
+    pub fn take(processes: impl Iterator<Item = (Role, u32)>) -> Self {
+        Self {
+            load: environment::load(),
+            processor_ticks: environment::processor_ticks(),
+            services: processes
+                .filter_map(|(role, pid)| Some((role, Counters::read(pid)?)))
+                .collect(),
+        }
+    }
+
+    /// What happened since `before`. `spans` are the records of that time.
+    #[must_use]
+    pub fn since<'a>(&self, before: &Self, spans: impl Iterator<Item = &'a Span>) -> Disturbance {
+        let mut longest_ns: BTreeMap<u16, u64> = BTreeMap::new();
+        for span in spans {
+            let longest = longest_ns.entry(span.role).or_default();
+            *longest = (*longest).max(span.off_processor_ns);
+        }
+        let row = |(role, now): (&Role, &Counters)| {
+            // A process that was started in between has counted from zero.
+            let same = |then: &&Counters| then.pid == now.pid;
+            let then = before.services.get(role).filter(same).copied();
+            let then = then.unwrap_or_default();
+            let longest_ns = longest_ns.get(&role.code()).copied().unwrap_or(0);
+            ServiceDisturbance {
+                name: role.to_string(),
+                processor_us: to_us(now.processor_ns.saturating_sub(then.processor_ns)),
+                queue_us: to_us(now.queue_ns.saturating_sub(then.queue_ns)),
+                off_processor_us_max: to_us(longest_ns),
+                voluntary_switches: now.voluntary.saturating_sub(then.voluntary),
+                involuntary_switches: now.involuntary.saturating_sub(then.involuntary),
+                minor_faults: now.minor_faults.saturating_sub(then.minor_faults),
+                major_faults: now.major_faults.saturating_sub(then.major_faults),
+            }
+        };
+        Disturbance {
+            load_start: before.load,
+            load_end: self.load,
+            steal: environment::steal(before.processor_ticks, self.processor_ticks),
+            services: self.services.iter().map(row).collect(),
+        }
+    }
+}
+
+impl Counters {
+    /// `None` when there is no such process.
+    fn read(pid: u32) -> Option<Self> {
+        let folder = format!("/proc/{pid}");
+        let stat = std::fs::read_to_string(format!("{folder}/stat")).ok()?;
+        let mut counters = Self {
+            pid,
+            ..Self::default()
+        };
+        counters.add_faults(&stat);
+        // Switches and waits are counted per thread.
+        for thread in std::fs::read_dir(format!("{folder}/task")).ok()?.flatten() {
+            let read = |name: &str| std::fs::read_to_string(thread.path().join(name));
+            counters.add_schedule(&read("schedstat").unwrap_or_default());
+            counters.add_switches(&read("status").unwrap_or_default());
+        }
+        Some(counters)
+    }
+
+    /// From the line of `/proc/PID/stat`: see `proc_pid_stat(5)`, fields 10 and 12.
+    fn add_faults(&mut self, stat: &str) {
+        // The name in parentheses may hold anything; field 3 follows it.
+        let fields = stat.rsplit(") ").next().unwrap_or("");
+        let mut fields = fields.split_ascii_whitespace().skip(7);
+        let mut next = || {
+            fields
+                .next()
+                .and_then(|word| word.parse().ok())
+                .unwrap_or(0)
+        };
+        self.minor_faults += next();
+        next();
+        self.major_faults += next();
+    }
+
+    /// From `schedstat`: time on a processor and time waiting for one. [ns]
+    fn add_schedule(&mut self, schedstat: &str) {
+        let mut fields = schedstat.split_ascii_whitespace();
+        let mut next = || {
+            fields
+                .next()
+                .and_then(|word| word.parse().ok())
+                .unwrap_or(0)
+        };
+        self.processor_ns += next();
+        self.queue_ns += next();
+    }
+
+    /// From `status`.
+    fn add_switches(&mut self, status: &str) {
+        let count = |key: &str| {
+            let line = status.lines().find_map(|line| line.strip_prefix(key));
+            line.and_then(|rest| rest.trim().parse::<u64>().ok())
+                .unwrap_or(0)
+        };
+        self.voluntary += count("voluntary_ctxt_switches:");
+        self.involuntary += count("nonvoluntary_ctxt_switches:");
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_kernels_lines_are_read_by_their_fields() {
+        let mut counters = Counters::default();
+        counters.add_faults("77 (a ) 9 b) S 1 77 77 0 -1 4194560 1234 11 56 22 300 400 0 0");
+        counters.add_schedule("5000000 70000 12\n");
+        counters.add_schedule("1 2 3\n");
+        counters.add_switches(
+            "Name:\ta\nvoluntary_ctxt_switches:\t40\nnonvoluntary_ctxt_switches:\t6\n",
+        );
+        let expected = Counters {
+            pid: 0,
+            processor_ns: 5_000_001,
+            queue_ns: 70_002,
+            voluntary: 40,
+            involuntary: 6,
+            minor_faults: 1234,
+            major_faults: 56,
+        };
+        assert_eq!(counters, expected);
+    }
+
+    #[test]
+    fn a_reading_tells_differences_and_a_restarted_process_counts_from_zero() {
+        let reading = |load, ticks, pid, waited_ns| Reading {
+            load,
+            processor_ticks: ticks,
+            services: [(
+                Role::Mapping,
+                Counters {
+                    pid,
+                    queue_ns: waited_ns,
+                    involuntary: waited_ns / 1000,
+                    ..Counters::default()
+                },
+            )]
+            .into(),
+        };
+        let before = reading(1.0, (1000, 10), 7, 40_000);
+        let span = |role: Role, ns| Span {
+            role: role.code(),
+            off_processor_ns: ns,
+            ..Span::default()
+        };
+        let spans = [
+            span(Role::Mapping, 2_000),
+            span(Role::Mapping, 9_000),
+            span(Role::Robot, 50_000),
+        ];
+        let same = reading(3.0, (1200, 60), 7, 100_000).since(&before, spans.iter());
+        assert_eq!((same.load_start, same.load_end), (1.0, 3.0));
+        assert!((same.steal - 0.25).abs() < 1e-12, "{}", same.steal);
+        let service = &same.services[0];
+        assert_eq!((service.queue_us, service.involuntary_switches), (60.0, 60));
+        assert!((service.off_processor_us_max - 9.0).abs() < 1e-9);
+        let other = reading(3.0, (1200, 60), 8, 5_000).since(&before, [].iter());
+        assert!((other.services[0].queue_us - 5.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn the_own_process_is_read() {
+        let pid = std::process::id();
+        let roles = || [(Role::Mapping, pid), (Role::Robot, u32::MAX)].into_iter();
+        let before = Reading::take(roles());
+        assert_eq!(before.services.len(), 1, "only what runs is read");
+        let until = std::time::Instant::now() + std::time::Duration::from_millis(20);
+        while std::time::Instant::now() < until {
+            std::hint::spin_loop();
+        }
+        let used = Reading::take(roles()).since(&before, [].iter());
+        assert!(used.services[0].processor_us > 0.0, "{used:?}");
+    }
+}
