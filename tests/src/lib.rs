@@ -6,6 +6,7 @@
 
 #[path = "../data/folder.rs"]
 pub mod data;
+pub mod results;
 pub mod seats;
 
 use rustix::process::{Pid, Signal, kill_process};

@@ -1,0 +1,407 @@
+//! What is measured: one row per experiment. A figure in a README is one of these or none.
+
+use super::bench::{Bench, Measured};
+use super::extract;
+use super::record::Table;
+
+/// One experiment.
+#[derive(Debug)]
+pub struct Experiment {
+    /// Its name on the command line and in the marks of the READMEs.
+    pub key: &'static str,
+    /// What it answers.
+    pub title: &'static str,
+    /// Rough wall time on two cores. [min]
+    pub minutes: f64,
+    /// True when `measure` without names makes it.
+    pub by_default: bool,
+    /// What a reader has to know to read the figures.
+    pub note: Option<&'static str>,
+    /// Makes it.
+    pub make: fn(&mut Bench) -> Result<Measured, String>,
+}
+
+/// Every experiment, in the order of the page.
+pub const EXPERIMENTS: &[Experiment] = &[
+    Experiment {
+        key: "example",
+        title: "what a run prints",
+        minutes: 1.0,
+        by_default: true,
+        note: None,
+        make: example,
+    },
+    Experiment {
+        key: "replanning",
+        title: "from a scan that shows an obstacle to the wheels, 200 trials in real time",
+        minutes: 6.0,
+        by_default: true,
+        note: Some(
+            "Percentiles are the median of three rounds, behind the median stand the lowest and \
+             the highest round; the worst is that of all rounds.",
+        ),
+        make: replanning,
+    },
+    Experiment {
+        key: "lockstep",
+        title: "speed and repeatability without a clock",
+        minutes: 0.5,
+        by_default: true,
+        note: None,
+        make: lockstep,
+    },
+    Experiment {
+        key: "memory",
+        title: "memory of a run",
+        minutes: 0.3,
+        by_default: true,
+        note: None,
+        make: memory,
+    },
+    Experiment {
+        key: "drives",
+        title: "long drives with every noise on, seeds 1 to 5, lockstep",
+        minutes: 2.0,
+        by_default: true,
+        note: Some(
+            "The pose is that of mapping at every scan, against the truth; quartiles over the seeds.",
+        ),
+        make: drives,
+    },
+    Experiment {
+        key: "generated",
+        title: "worlds drawn from seeds, which need no data: clutter, cylinders, walkers",
+        minutes: 3.0,
+        by_default: true,
+        note: None,
+        make: generated,
+    },
+    Experiment {
+        key: "barn",
+        title: "every public BARN world once, in our own 2-D simulator: no leaderboard entry",
+        minutes: 6.0,
+        by_default: true,
+        note: None,
+        make: barn,
+    },
+    Experiment {
+        key: "barn_controllers",
+        title: "every controller on the same 10 BARN worlds",
+        minutes: 10.0,
+        by_default: false,
+        note: Some("Ten worlds show how controllers differ, not how often they fail."),
+        make: barn_controllers,
+    },
+    Experiment {
+        key: "pedestrians",
+        title: "recorded people who do not see the robot, 60 runs for each controller",
+        minutes: 12.0,
+        by_default: false,
+        note: None,
+        make: pedestrians,
+    },
+    Experiment {
+        key: "dynabarn",
+        title: "every DynaBARN world once for each controller",
+        minutes: 6.0,
+        by_default: false,
+        note: None,
+        make: dynabarn,
+    },
+    Experiment {
+        key: "papers_dyn",
+        title: "the papers' scenes with moving things",
+        minutes: 4.0,
+        by_default: false,
+        note: Some("In brackets the 95 % intervals of Wilson."),
+        make: papers_dyn,
+    },
+    Experiment {
+        key: "bench_guard",
+        title: "a cycle of the collision guard in an aisle 0.9 m wide at 1 m/s",
+        minutes: 1.0,
+        by_default: true,
+        note: None,
+        make: |bench| criterion(bench, "zeronav-collision-guard", &["guard"]),
+    },
+    Experiment {
+        key: "bench_controllers",
+        title: "a cycle of the local planner's controllers",
+        minutes: 1.5,
+        by_default: true,
+        note: Some(
+            "`ready`: between two scans; `new scan`: points with noise and a changed map, so that \
+             the cost-to-go is made anew.",
+        ),
+        make: |bench| criterion(bench, "zeronav-local-planner", &["dwa", "mppi", "beam"]),
+    },
+    Experiment {
+        key: "bench_mapping",
+        title: "a scan into the map",
+        minutes: 1.0,
+        by_default: true,
+        note: None,
+        make: |bench| criterion(bench, "zeronav-mapping", &["scan"]),
+    },
+    Experiment {
+        key: "bench_search",
+        title: "searches of the global planner",
+        minutes: 2.0,
+        by_default: true,
+        note: None,
+        make: |bench| criterion(bench, "zeronav-global-planner", &["astar"]),
+    },
+    Experiment {
+        key: "bench_simulator",
+        title: "a scan of the simulated lidar",
+        minutes: 1.0,
+        by_default: true,
+        note: None,
+        make: |bench| criterion(bench, "zeronav-robot-sim", &["lidar"]),
+    },
+    Experiment {
+        key: "planner_replan",
+        title: "searching again after a local change of the map",
+        minutes: 6.0,
+        by_default: false,
+        note: None,
+        make: planner_replan,
+    },
+    Experiment {
+        key: "planner_lengths",
+        title: "lengths of paths on MovingAI maps",
+        minutes: 5.0,
+        by_default: false,
+        note: None,
+        make: |bench| with_data(bench, "movingai", "100"),
+    },
+    Experiment {
+        key: "planner_peers",
+        title: "searches against published crates on MovingAI maps",
+        minutes: 10.0,
+        by_default: false,
+        note: None,
+        make: |bench| with_data(bench, "peers", "20"),
+    },
+    Experiment {
+        key: "mapping_scale",
+        title: "time of a scan against the size of the map",
+        minutes: 1.0,
+        by_default: false,
+        note: None,
+        make: mapping_scale,
+    },
+];
+
+/// Runs of an experiment in lockstep, with the seeds from 1.
+const LOCKSTEP_RUNS: usize = 12;
+
+fn tables(tables: Vec<Table>) -> Measured {
+    Measured { tables, text: None }
+}
+
+fn printed(text: &str) -> Measured {
+    Measured {
+        tables: Vec::new(),
+        text: Some(text.to_owned()),
+    }
+}
+
+fn example(bench: &mut Bench) -> Result<Measured, String> {
+    let page = bench.zeronav_page(&["run", "blocked_aisle"])?;
+    // The last line is the folder.
+    let lines: Vec<&str> = page.trim_end().lines().collect();
+    Ok(printed(&lines[..lines.len().saturating_sub(1)].join("\n")))
+}
+
+fn replanning(bench: &mut Bench) -> Result<Measured, String> {
+    let result = bench.zeronav(&["run", "blocked_aisle", "--trials", "200"])?;
+    Ok(tables(vec![
+        extract::latency(&result),
+        extract::slowest(&result),
+        extract::disturbance(&result),
+    ]))
+}
+
+fn lockstep_runs(bench: &mut Bench, n: usize) -> Result<Vec<serde_json::Value>, String> {
+    (0..n)
+        .map(|_| bench.zeronav(&["run", "blocked_aisle", "--lockstep"]))
+        .collect()
+}
+
+fn lockstep(bench: &mut Bench) -> Result<Measured, String> {
+    let results = lockstep_runs(bench, LOCKSTEP_RUNS)?;
+    Ok(tables(vec![extract::lockstep("`blocked_aisle`", &results)]))
+}
+
+fn memory(bench: &mut Bench) -> Result<Measured, String> {
+    let results = lockstep_runs(bench, 5)?;
+    Ok(tables(vec![extract::memory(&results)]))
+}
+
+fn drives(bench: &mut Bench) -> Result<Measured, String> {
+    let scenarios = [
+        ("drive_warehouse", "tests/scenarios/drive_warehouse.toml"),
+        ("noisy_rooms", "tests/scenarios/noisy_rooms.toml"),
+        ("moving_discs", "moving_discs"),
+        ("crossing_walkers", "crossing_walkers"),
+    ];
+    let mut runs = Vec::new();
+    for (name, scenario) in scenarios {
+        let mut results = Vec::new();
+        for seed in ["1", "2", "3", "4", "5"] {
+            results.push(bench.zeronav(&["run", scenario, "--lockstep", "--seed", seed])?);
+        }
+        runs.push((name, results));
+    }
+    Ok(tables(vec![extract::drives(&runs)]))
+}
+
+/// One suite with each of the controllers, on the same worlds and seeds.
+fn suite(bench: &mut Bench, words: &[&str], controllers: &[&str]) -> Result<Measured, String> {
+    let mut reports = Vec::new();
+    for controller in controllers {
+        let mut arguments = vec!["suite"];
+        arguments.extend(words);
+        arguments.extend(["--controller", controller]);
+        reports.push((*controller, bench.zeronav(&arguments)?));
+    }
+    Ok(tables(vec![extract::suites(&reports)?]))
+}
+
+fn generated(bench: &mut Bench) -> Result<Measured, String> {
+    suite(bench, &["generated", "--seeds", "5"], &["dwa_t", "beam"])
+}
+
+fn barn(bench: &mut Bench) -> Result<Measured, String> {
+    suite(bench, &["barn"], &["dwa_t"])
+}
+
+fn barn_controllers(bench: &mut Bench) -> Result<Measured, String> {
+    let controllers = [
+        "dwa_t",
+        "dwa",
+        "mppi",
+        "beam",
+        "ju_fusion",
+        "ju_apf",
+        "ju_r6",
+        "ju_r7",
+        "zm_rep",
+        "zm_esc",
+        "zm_rv",
+        "lwx_apf",
+        "lwx_oapf",
+        "lwx_lsq",
+        "lwx_fusion",
+        "bao_dwa",
+    ];
+    suite(bench, &["barn", "--worlds", "0..20"], &controllers)
+}
+
+fn pedestrians(bench: &mut Bench) -> Result<Measured, String> {
+    suite(bench, &["pedestrians", "--seeds", "20"], &["beam", "dwa_t"])
+}
+
+fn dynabarn(bench: &mut Bench) -> Result<Measured, String> {
+    suite(bench, &["dynabarn"], &["beam", "dwa_t"])
+}
+
+fn papers_dyn(bench: &mut Bench) -> Result<Measured, String> {
+    let text = bench.cargo(&[
+        "test",
+        "--release",
+        "-p",
+        "zeronav-tests",
+        "--test",
+        "papers_dyn",
+        "--",
+        "--show-output",
+        "--test-threads",
+        "1",
+    ])?;
+    let lines: Vec<&str> = text
+        .lines()
+        .filter(|line| line.starts_with("LWX-DYN") || line.starts_with("BAO-DYN"))
+        .collect();
+    if lines.is_empty() {
+        return Err("papers_dyn printed no rates".to_owned());
+    }
+    Ok(printed(&lines.join("\n")))
+}
+
+fn criterion(bench: &mut Bench, package: &str, benches: &[&str]) -> Result<Measured, String> {
+    let mut timings = Vec::new();
+    for name in benches {
+        for mut timing in bench.criterion(package, name)? {
+            if benches.len() > 1 {
+                timing.name = format!("{name}: {}", timing.name);
+            }
+            timings.push(timing);
+        }
+    }
+    Ok(tables(vec![extract::timings(&timings)]))
+}
+
+/// Arguments of an example of the global planner.
+fn example_of_planner(name: &str) -> [&str; 9] {
+    [
+        "run",
+        "--release",
+        "--quiet",
+        "-p",
+        "zeronav-global-planner",
+        "--no-default-features",
+        "--example",
+        name,
+        "--",
+    ]
+}
+
+fn planner_replan(bench: &mut Bench) -> Result<Measured, String> {
+    let mut arguments = example_of_planner("replan").to_vec();
+    arguments.extend(["--events", "20"]);
+    Ok(printed(&bench.cargo(&arguments)?))
+}
+
+fn with_data(bench: &mut Bench, example: &str, sample: &str) -> Result<Measured, String> {
+    let mut arguments = example_of_planner(example).to_vec();
+    arguments.extend(["--sample", sample]);
+    Ok(printed(&bench.cargo_with_data(&arguments, "movingai")?))
+}
+
+fn mapping_scale(bench: &mut Bench) -> Result<Measured, String> {
+    let text = bench.cargo(&[
+        "run",
+        "--release",
+        "--quiet",
+        "-p",
+        "zeronav-mapping",
+        "--no-default-features",
+        "--example",
+        "scale",
+    ])?;
+    Ok(printed(&text))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keys_are_words_and_the_default_set_takes_less_than_25_minutes() {
+        let mut keys: Vec<&str> = EXPERIMENTS.iter().map(|one| one.key).collect();
+        let word = |key: &&str| {
+            key.bytes()
+                .all(|byte| byte.is_ascii_lowercase() || byte == b'_')
+        };
+        assert!(keys.iter().all(word), "{keys:?}");
+        let n = keys.len();
+        keys.sort_unstable();
+        keys.dedup();
+        assert_eq!(keys.len(), n, "twice the same key");
+        let by_default = EXPERIMENTS.iter().filter(|one| one.by_default);
+        let minutes: f64 = by_default.map(|one| one.minutes).sum();
+        assert!(minutes < 25.0, "{minutes} minutes");
+    }
+}

@@ -1,0 +1,453 @@
+//! From the results of `zeronav` and the samples of criterion to tables.
+
+use super::bench::Timing;
+use super::record::{Row, Table};
+use super::spread::Figure;
+use serde_json::Value;
+
+fn list<'a>(value: &'a Value, key: &str) -> &'a [Value] {
+    value[key].as_array().map_or(&[], Vec::as_slice)
+}
+
+fn text(value: &Value) -> String {
+    value.as_str().unwrap_or("?").to_owned()
+}
+
+fn table(title: &str, columns: &[&str], rows: Vec<Row>) -> Table {
+    Table {
+        title: title.to_owned(),
+        columns: columns.iter().map(|&column| column.to_owned()).collect(),
+        rows,
+    }
+}
+
+fn count(n: usize) -> u64 {
+    n as u64
+}
+
+/// Latencies of `--trials`: behind the median the lowest and highest of the rounds'.
+#[must_use]
+pub fn latency(result: &Value) -> Table {
+    let rounds = list(&result["trials"], "rounds");
+    let row = |name: &str, of: &dyn Fn(&Value) -> Value| {
+        let figures = of(&result["latency"]);
+        let medians = rounds
+            .iter()
+            .filter_map(|round| of(&round["latency"])["p50_us"].as_f64());
+        let median = Figure {
+            value: figures["p50_us"].as_f64(),
+            low: medians.clone().reduce(f64::min),
+            high: medians.reduce(f64::max),
+        };
+        let plain = |key: &str| Figure::plain(figures[key].as_f64());
+        Row {
+            name: name.to_owned(),
+            n: figures["n"].as_u64().unwrap_or(0),
+            figures: vec![
+                median,
+                plain("p90_us"),
+                plain("p99_us"),
+                plain("max_us"),
+                plain("censored"),
+            ],
+        }
+    };
+    let named = |key: &'static str| move |latency: &Value| latency[key].clone();
+    let mut rows = vec![row("**replanning**", &named("replanning"))];
+    for hop in list(&result["latency"], "hops") {
+        let name = text(&hop["name"]);
+        let of = |latency: &Value| {
+            let hops = list(latency, "hops").iter();
+            let mut same = hops.filter(|other| other["name"] == hop["name"]);
+            same.next().cloned().unwrap_or_default()
+        };
+        rows.push(row(&format!("of it `{name}`"), &of));
+    }
+    rows.push(row("event to motion", &named("event_to_motion")));
+    rows.push(row("reaction", &named("reaction")));
+    rows.push(row("transport floor", &named("transport_floor")));
+    table(
+        "",
+        &["p50 [us]", "p90 [us]", "p99 [us]", "max [us]", "unanswered"],
+        rows,
+    )
+}
+
+/// What disturbed the rounds of `--trials`, service by service.
+#[must_use]
+pub fn disturbance(result: &Value) -> Table {
+    let mut rows = Vec::new();
+    for (at, round) in list(&result["trials"], "rounds").iter().enumerate() {
+        let all = &round["disturbance"];
+        for service in list(all, "services") {
+            let plain = |value: &Value, scale: f64| {
+                Figure::plain(value.as_f64().map(|value| value * scale))
+            };
+            rows.push(Row {
+                name: format!("round {}, {}", at + 1, text(&service["name"])),
+                n: round["trials"].as_u64().unwrap_or(0),
+                figures: vec![
+                    plain(&service["processor_us"], 1e-3),
+                    plain(&service["queue_us"], 1e-3),
+                    plain(&service["off_processor_us_max"], 1.0),
+                    plain(&service["involuntary_switches"], 1.0),
+                    plain(&service["major_faults"], 1.0),
+                    plain(&all["load_end"], 1.0),
+                    plain(&all["steal"], 100.0),
+                ],
+            });
+        }
+    }
+    table(
+        "",
+        &[
+            "processor time [ms]",
+            "waited for a processor [ms]",
+            "longest off the processor in a cycle [us]",
+            "preemptions",
+            "major faults",
+            "load at the end",
+            "steal [%]",
+        ],
+        rows,
+    )
+}
+
+/// The slowest trials, each with its hop and the service that was off the processor longest.
+#[must_use]
+pub fn slowest(result: &Value) -> Table {
+    let rows = list(&result["trials"], "worst").iter().map(|slow| {
+        let hop = &slow["hop"];
+        let off_us = |service: &&Value| service["off_processor_us_max"].as_f64().unwrap_or(0.0);
+        let services = list(&slow["disturbance"], "services").iter();
+        let worst = services.max_by(|a, b| off_us(a).total_cmp(&off_us(b)));
+        let worst = worst.cloned().unwrap_or_default();
+        let plain = |value: &Value| Figure::plain(value.as_f64());
+        Row {
+            name: format!(
+                "round {} trial {}: `{}`; {} off the processor longest",
+                slow["round"],
+                slow["trial"],
+                text(&hop["name"]),
+                text(&worst["name"])
+            ),
+            n: 1,
+            figures: vec![
+                plain(&slow["replanning_us"]),
+                plain(&hop["time_us"]),
+                plain(&hop["p50_us"]),
+                plain(&worst["off_processor_us_max"]),
+                plain(&worst["queue_us"]),
+                plain(&worst["involuntary_switches"]),
+            ],
+        }
+    });
+    table(
+        "slowest trials",
+        &[
+            "replanning [us]",
+            "that hop [us]",
+            "its median [us]",
+            "off the processor [us]",
+            "queued in the trial [us]",
+            "preemptions",
+        ],
+        rows.collect(),
+    )
+}
+
+/// Speed and sameness of lockstep runs of one scenario.
+#[must_use]
+pub fn lockstep(name: &str, results: &[Value]) -> Table {
+    let of = |key: &str| -> Vec<f64> {
+        let values = results.iter();
+        values.filter_map(|result| result[key].as_f64()).collect()
+    };
+    let mut hashes: Vec<&str> = results
+        .iter()
+        .filter_map(|result| result["run_hash"].as_str())
+        .collect();
+    hashes.sort_unstable();
+    hashes.dedup();
+    let different = u32::try_from(hashes.len()).ok().map(f64::from);
+    let row = Row {
+        name: name.to_owned(),
+        n: count(results.len()),
+        figures: vec![
+            Figure::median(&of("speed_factor")),
+            Figure::median(&of("wall_s")),
+            Figure::plain(different),
+        ],
+    };
+    table(
+        "lockstep runs",
+        &[
+            "speed [x real time]",
+            "wall time [s]",
+            "different run hashes",
+        ],
+        vec![row],
+    )
+}
+
+/// Memory of runs of one scenario.
+#[must_use]
+pub fn memory(results: &[Value]) -> Table {
+    let row = |name: String, of: &dyn Fn(&Value) -> Option<f64>| {
+        let megabytes: Vec<f64> = results.iter().filter_map(of).map(|b| b / 1e6).collect();
+        Row {
+            name,
+            n: count(megabytes.len()),
+            figures: vec![Figure::median(&megabytes)],
+        }
+    };
+    let mut rows = vec![row("shared memory of the run".to_owned(), &|result| {
+        result["shared_memory_bytes"].as_f64()
+    })];
+    let first = results.first().cloned().unwrap_or_default();
+    for service in list(&first, "services") {
+        let name = text(&service["name"]);
+        rows.push(row(format!("peak memory of {name}"), &|result| {
+            let services = list(result, "services").iter();
+            let mut same = services.filter(|other| other["name"] == service["name"]);
+            same.next()?["memory_peak_bytes"].as_f64()
+        }));
+    }
+    table("", &["MB"], rows)
+}
+
+/// Drives of scenarios with several seeds: pose, distance, contacts.
+#[must_use]
+pub fn drives(runs: &[(&str, Vec<Value>)]) -> Table {
+    let rows = runs.iter().map(|(name, results)| {
+        let of = |pointer: &str| -> Vec<f64> {
+            let values = results.iter().filter_map(|result| result.pointer(pointer));
+            values.filter_map(Value::as_f64).collect()
+        };
+        let arrived = results.iter().filter(|result| result["reached"] == true);
+        let free = results.iter().filter(|result| result["contacts"] == 0);
+        let scaled = |pointer: &str, by: f64| -> Vec<f64> {
+            of(pointer).iter().map(|value| value * by).collect()
+        };
+        Row {
+            name: format!("`{name}`"),
+            n: count(results.len()),
+            figures: vec![
+                Figure::rate(arrived.count(), results.len()),
+                Figure::rate(free.count(), results.len()),
+                Figure::median(&of("/driven_m")),
+                Figure::median(&of("/time_s")),
+                Figure::median(&of("/clearance_m_min")),
+                Figure::median(&scaled("/pose/error_m_max", 100.0)),
+                Figure::median(&scaled(
+                    "/pose/error_rad_max",
+                    180.0 / core::f64::consts::PI,
+                )),
+                Figure::median(&of("/pose/odometry_error_m_max")),
+                Figure::median(&of("/tracking/found")),
+                Figure::median(&of("/tracking/missed")),
+                Figure::median(&of("/tracking/false_moving")),
+            ],
+        }
+    });
+    table(
+        "scenario",
+        &[
+            "arrived",
+            "without contact",
+            "driven [m]",
+            "run time [s]",
+            "closest [m]",
+            "largest pose error [cm]",
+            "largest yaw error [degrees]",
+            "odometry alone, largest error [m]",
+            "moving things found",
+            "missed",
+            "made up",
+        ],
+        rows.collect(),
+    )
+}
+
+/// Suites of several controllers on the same worlds with the same seeds.
+///
+/// # Errors
+/// One line when two of them drove different worlds: those are never set side by side.
+pub fn suites(reports: &[(&str, Value)]) -> Result<Table, String> {
+    let worlds = |report: &Value| -> Vec<(String, String)> {
+        let runs = list(report, "runs").iter();
+        runs.map(|run| (text(&run["world"]), run["seed"].to_string()))
+            .collect()
+    };
+    let mut rows = Vec::new();
+    for (name, report) in reports {
+        if worlds(report) != worlds(&reports[0].1) {
+            return Err(format!(
+                "{name} and {} drove different worlds",
+                reports[0].0
+            ));
+        }
+        let runs: Vec<&Value> = list(report, "runs").iter().collect();
+        rows.push(suite_row((*name).to_owned(), &runs));
+        let mut classes: Vec<&str> = runs
+            .iter()
+            .filter_map(|run| run["class"].as_str())
+            .collect();
+        classes.sort_unstable();
+        classes.dedup();
+        for class in classes.iter().filter(|_| classes.len() > 1) {
+            let of_class = runs.iter().filter(|run| run["class"] == **class);
+            let of_class: Vec<&Value> = of_class.copied().collect();
+            rows.push(suite_row(format!("{name}, {class}"), &of_class));
+        }
+    }
+    Ok(table("", &SUITE_COLUMNS, rows))
+}
+
+const SUITE_COLUMNS: [&str; 9] = [
+    "success",
+    "arrived",
+    "contact while moving",
+    "contact while standing",
+    "contact by own fault",
+    "score (2 OT), mean",
+    "clock or time of successes [s]",
+    "closest [m]",
+    "guard interventions per run",
+];
+
+fn suite_row(name: String, runs: &[&Value]) -> Row {
+    let rate = |is: &dyn Fn(&Value) -> bool| {
+        Figure::rate(runs.iter().filter(|run| is(run)).count(), runs.len())
+    };
+    let values = |of: &dyn Fn(&Value) -> Option<f64>| -> Vec<f64> {
+        runs.iter().filter_map(|run| of(run)).collect()
+    };
+    let number = |run: &Value, key: &str| run[key].as_f64();
+    // Only where the future of everything that moves is known.
+    let judged = runs.iter().any(|run| run["unavoidable"].is_u64());
+    let own_fault = |run: &Value| run["contacts_moving"].as_u64() > run["unavoidable"].as_u64();
+    let time_s = |run: &Value| {
+        let time = number(run, "clock_s").or_else(|| number(run, "time_s"));
+        time.filter(|_| run["success"] == true)
+    };
+    Row {
+        name,
+        n: count(runs.len()),
+        figures: vec![
+            rate(&|run| run["success"] == true),
+            rate(&|run| run["arrived"] == true),
+            rate(&|run| run["contacts_moving"].as_u64() > Some(0)),
+            rate(&|run| run["contacts_standing"].as_u64() > Some(0)),
+            if judged {
+                rate(&own_fault)
+            } else {
+                Figure::default()
+            },
+            Figure::mean(&values(&|run| number(run, "score"))),
+            Figure::median(&values(&time_s)),
+            Figure::median(&values(&|run| number(run, "clearance_m_min"))),
+            Figure::median(&values(&|run| number(run, "interventions"))),
+        ],
+    }
+}
+
+/// Criterion's samples.
+#[must_use]
+pub fn timings(timings: &[Timing]) -> Table {
+    let row = |timing: &Timing| Row {
+        name: timing.name.clone(),
+        n: count(timing.samples_us.len()),
+        figures: vec![Figure::median(&timing.samples_us)],
+    };
+    table("", &["time [us]"], timings.iter().map(row).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn worlds_that_differ_are_not_set_side_by_side() {
+        let report = |worlds: &[&str]| {
+            let run = |world: &&str| json!({"world": world, "seed": 1, "success": true});
+            json!({"runs": worlds.iter().map(run).collect::<Vec<_>>()})
+        };
+        let (ten, other) = (report(&["a", "b"]), report(&["a", "c"]));
+        assert!(suites(&[("x", ten.clone()), ("y", ten.clone())]).is_ok());
+        let error = suites(&[("x", ten.clone()), ("y", other)]).expect_err("different");
+        assert!(error.contains("different worlds"), "{error}");
+        assert!(suites(&[("x", ten), ("y", report(&["a"]))]).is_err());
+    }
+
+    #[test]
+    fn suites_count_runs_and_say_how_sure_the_rates_are() {
+        let run = |success: bool, own: bool, class: &str| {
+            json!({"world": class, "seed": 1, "class": class, "success": success,
+                   "arrived": true, "contacts_moving": u32::from(own) + 1, "unavoidable": 1,
+                   "contacts_standing": 0, "score": 0.5, "clock_s": 6.0, "time_s": 9.0,
+                   "interventions": 3})
+        };
+        let report = json!({"runs": [run(true, false, "easy"), run(false, true, "hard")]});
+        let all = suites(&[("beam", report)]).expect("a table");
+        let names: Vec<&str> = all.rows.iter().map(|row| row.name.as_str()).collect();
+        assert_eq!(names, ["beam", "beam, easy", "beam, hard"]);
+        let row = &all.rows[0];
+        assert_eq!(row.n, 2);
+        assert_eq!(row.figures[0], Figure::rate(1, 2));
+        assert_eq!(row.figures[4], Figure::rate(1, 2), "one avoidable contact");
+        assert_eq!(
+            row.figures[6].value,
+            Some(6.0),
+            "of successes, by the clock"
+        );
+        assert_eq!(row.figures.len(), all.columns.len());
+    }
+
+    #[test]
+    fn trials_give_percentiles_and_what_disturbed_them() {
+        let figures = |p50: f64| {
+            json!({"n": 5, "censored": 0, "p50_us": p50, "p90_us": 3.0, "p99_us": null,
+                   "max_us": 9.0})
+        };
+        let latency_of = |p50: f64| {
+            let mut hop = figures(p50 / 2.0);
+            hop["name"] = json!("mapping");
+            json!({"replanning": figures(p50), "hops": [hop], "event_to_motion": figures(4.0),
+                   "reaction": figures(2.0), "transport_floor": figures(1.0)})
+        };
+        let service = json!({"name": "mapping", "processor_us": 1000.0, "queue_us": 500.0,
+            "off_processor_us_max": 70.0, "involuntary_switches": 2, "major_faults": 0});
+        let disturbance_of = json!({"load_end": 1.5, "steal": 0.01, "services": [service]});
+        let round = |p50: f64| json!({"trials": 5, "latency": latency_of(p50), "disturbance": disturbance_of});
+        let slow = json!({"round": 2, "trial": 4, "replanning_us": 9.0,
+            "hop": {"name": "mapping", "time_us": 7.0, "p50_us": 1.0},
+            "disturbance": disturbance_of});
+        let result = json!({"latency": latency_of(2.0),
+            "trials": {"rounds": [round(1.0), round(2.0), round(5.0)], "worst": [slow]}});
+        let latencies = latency(&result);
+        let replanning = &latencies.rows[0].figures[0];
+        assert_eq!(
+            (replanning.value, replanning.low, replanning.high),
+            (Some(2.0), Some(1.0), Some(5.0))
+        );
+        let hop = &latencies.rows[1];
+        assert_eq!(
+            (hop.name.as_str(), hop.figures[0].high),
+            ("of it `mapping`", Some(2.5))
+        );
+        assert_eq!(
+            hop.figures[2],
+            Figure::plain(None),
+            "no percentile is made up"
+        );
+        assert_eq!(latencies.rows.len(), 5);
+        let rounds = disturbance(&result);
+        assert_eq!(rounds.rows.len(), 3);
+        assert_eq!(rounds.rows[0].figures[1].value, Some(0.5));
+        let slowest = slowest(&result);
+        assert!(slowest.rows[0].name.contains("round 2 trial 4: `mapping`"));
+        assert_eq!(slowest.rows[0].figures[3].value, Some(70.0));
+    }
+}

@@ -1,0 +1,62 @@
+//! The figures of the READMEs are what the results tool measured, and nothing else.
+
+use zeronav_tests::results::{experiments::EXPERIMENTS, page, page_file, readmes, record};
+
+fn stored() -> record::Records {
+    record::load(&zeronav_tests::results::records_file()).expect("records")
+}
+
+#[test]
+fn pages_are_what_the_stored_records_render_to() {
+    let records = stored();
+    let hint = "run `cargo run --release -p zeronav-tests --bin zeronav-results -- render`";
+    let page = std::fs::read_to_string(page_file()).expect("tests/RESULTS.md");
+    assert!(page == page::page(&records), "tests/RESULTS.md: {hint}");
+    for file in readmes() {
+        let text = std::fs::read_to_string(&file).expect("a README");
+        let rendered = page::with_blocks(&text, &records);
+        let rendered = rendered.unwrap_or_else(|error| panic!("{}: {error}", file.display()));
+        assert!(rendered == text, "{}: {hint}", file.display());
+    }
+}
+
+#[test]
+fn no_readme_has_figures_by_hand() {
+    for file in readmes() {
+        let text = std::fs::read_to_string(&file).expect("a README");
+        let by_hand = page::figures_by_hand(&text);
+        assert!(by_hand.is_empty(), "{}: {by_hand:#?}", file.display());
+    }
+}
+
+#[test]
+fn every_record_says_how_it_was_made_and_how_sure_it_is() {
+    for (key, record) in stored() {
+        assert!(
+            EXPERIMENTS.iter().any(|one| one.key == key),
+            "{key} is no experiment"
+        );
+        assert!(
+            !record.commit.is_empty() && !record.commands.is_empty(),
+            "{key}"
+        );
+        assert!(
+            !record.machine.cpu.is_empty() && record.machine.cores > 0,
+            "{key}"
+        );
+        assert!(
+            record.text.is_some() || !record.tables.is_empty(),
+            "{key} gave nothing"
+        );
+        for table in &record.tables {
+            for row in &table.rows {
+                assert_eq!(
+                    row.figures.len(),
+                    table.columns.len(),
+                    "{key}, {}",
+                    row.name
+                );
+            }
+        }
+    }
+}
