@@ -2,6 +2,7 @@
 
 use crate::measure::seconds;
 use crate::suite::Noise;
+use crate::supervise::cleaner;
 use clap::{Args, Parser, Subcommand};
 use core::ops::Range;
 use std::num::NonZeroUsize;
@@ -59,6 +60,12 @@ pub enum Command {
     Goal(GoalArgs),
     /// Run the worlds of a data set, or a folder of scenarios, in lockstep on all cores.
     Suite(SuiteArgs),
+    /// Remove what a dead service left in a domain; `zeronav run` starts it by itself.
+    #[command(name = cleaner::COMMAND, hide = true)]
+    Clean {
+        /// Root folder of the domain.
+        root: PathBuf,
+    },
 }
 
 /// Arguments of `zeronav run`.

@@ -1,6 +1,6 @@
 //! What each command does, and the exit code that it ends with.
 
-use crate::cli::{GoalArgs, RunArgs, SuiteArgs};
+use crate::cli::{RunArgs, SuiteArgs};
 use crate::ending::Ending;
 use crate::environment::Before;
 use crate::prepare::{self, Prepared};
@@ -9,13 +9,13 @@ use crate::scenario::{self, Scenario};
 use crate::show::report::RunResult;
 use crate::suite::{self, SuiteError};
 use crate::supervise::binaries::{self, Needed};
-use crate::supervise::control::{self, Reply, Request, RunReport};
 use crate::trials::{self, Trials};
 use serde_json::json;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::ExitCode;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::run::RunMode;
+use zeronav_shell::printable::{printable, printable_json, printable_lines};
 
 /// The scenario's expectations were met.
 pub const EXIT_PASS: u8 = 0;
@@ -106,7 +106,7 @@ fn explain(ending: &Ending) {
                 "{role} ended during the run: {how}; the end of its log:"
             ));
             for line in log {
-                eprintln!("  {line}");
+                eprintln!("  {}", printable(line));
             }
         }
         Ending::NotReady(roles) => {
@@ -232,82 +232,6 @@ pub fn algorithms(role: Role, json: bool) -> ExitCode {
     ExitCode::from(EXIT_PASS)
 }
 
-/// The runs that answer, with their root folders.
-fn runs() -> Vec<(PathBuf, RunReport)> {
-    zeronav_shell::domain::all()
-        .into_iter()
-        .filter_map(|root| match control::ask(&root, &Request::Ps) {
-            Ok(Reply::Run(report)) => Some((root, report)),
-            _ => None,
-        })
-        .collect()
-}
-
-/// `zeronav ps`.
-#[must_use]
-pub fn ps(json: bool) -> ExitCode {
-    let runs: Vec<RunReport> = runs().into_iter().map(|(_, report)| report).collect();
-    if json {
-        say_json(&json!({ "runs": runs }));
-        return ExitCode::from(EXIT_PASS);
-    }
-    if runs.is_empty() {
-        say("no run goes on\n");
-    }
-    for run in &runs {
-        say(&format!(
-            "{}  pid {}  {}  {}  {:.1} s  task {}\n",
-            run.scenario, run.pid, run.domain, run.mode, run.time_s, run.task
-        ));
-        for service in &run.services {
-            say(&format!(
-                "  {:<16} pid {:<8} epoch {}  {:<9} {:>5.0} MB  {}\n",
-                service.role,
-                service.pid,
-                service.epoch,
-                service.state,
-                megabytes(service.memory_peak_bytes),
-                service.binary
-            ));
-        }
-    }
-    ExitCode::from(EXIT_PASS)
-}
-
-#[allow(clippy::cast_precision_loss, reason = "sizes far below 2^53")]
-fn megabytes(bytes: u64) -> f64 {
-    bytes as f64 / 1.0e6
-}
-
-/// `zeronav goal`.
-#[must_use]
-pub fn goal(arguments: &GoalArgs) -> ExitCode {
-    let root = match &arguments.domain {
-        Some(root) => root.clone(),
-        None => match runs().as_slice() {
-            [(root, _)] => root.clone(),
-            [] => return usage("no run goes on; start one with `zeronav run SCENARIO`"),
-            _ => return usage("several runs go on; name one with --domain (see `zeronav ps`)"),
-        },
-    };
-    let request = Request::Goal {
-        pose: [arguments.x, arguments.y, arguments.yaw],
-        tolerance_m: arguments.tolerance,
-        yaw_tolerance_rad: arguments.yaw_tolerance,
-    };
-    match control::ask(&root, &request) {
-        Ok(Reply::Error(problem)) => usage(&problem),
-        Ok(_) => {
-            say(&format!(
-                "on its way to ({}, {}, {})\n",
-                arguments.x, arguments.y, arguments.yaw
-            ));
-            ExitCode::from(EXIT_PASS)
-        }
-        Err(error) => usage(&format!("no run answers at {}: {error}", root.display())),
-    }
-}
-
 /// `zeronav suite`.
 #[must_use]
 pub fn suite(arguments: &SuiteArgs) -> ExitCode {
@@ -327,25 +251,27 @@ pub fn suite(arguments: &SuiteArgs) -> ExitCode {
     ExitCode::from(EXIT_PASS)
 }
 
-fn usage(problem: &str) -> ExitCode {
+/// Complains in one line; the exit code of usage and configuration.
+#[must_use]
+pub fn usage(problem: &str) -> ExitCode {
     complain(problem);
     ExitCode::from(EXIT_USAGE)
 }
 
 fn complain(problem: &str) {
-    eprintln!("zeronav: {problem}");
+    eprintln!("zeronav: {}", printable_lines(problem));
 }
 
 #[allow(clippy::print_stdout, reason = "this is what the user asked for")]
-fn say(text: &str) {
+pub(crate) fn say(text: &str) {
     use std::io::Write;
     // A reader that has gone away (a closed pipe) is no reason to panic.
-    let _ = std::io::stdout().write_all(text.as_bytes());
+    let _ = std::io::stdout().write_all(printable_lines(text).as_bytes());
 }
 
-fn say_json(value: &impl serde::Serialize) {
+pub(crate) fn say_json(value: &impl serde::Serialize) {
     match serde_json::to_string_pretty(value) {
-        Ok(text) => say(&(text + "\n")),
+        Ok(text) => say(&(printable_json(&text).into_owned() + "\n")),
         Err(error) => complain(&format!("no JSON form: {error}")),
     }
 }

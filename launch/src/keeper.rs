@@ -5,6 +5,7 @@ use crate::ending::Ending;
 use crate::measure::seconds;
 use crate::prepare::Prepared;
 use crate::supervise::child::Child;
+use crate::supervise::cleaner::Ticket;
 use crate::supervise::hang::HangWatch;
 use crate::supervise::restart::{Decision, Restarts};
 use crate::supervise::stack::{Launch, Stack};
@@ -19,9 +20,6 @@ use zeronav_msgs::run::RunMode;
 /// How long the services may take until they can answer.
 pub const READY_LIMIT: Duration = Duration::from_secs(15);
 
-/// How long a killed process may take to be gone.
-const GONE_LIMIT: Duration = Duration::from_secs(2);
-
 /// A restart that was made.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct RestartRecord {
@@ -33,6 +31,19 @@ pub struct RestartRecord {
     pub how: String,
     /// Wait before the successor. [ms]
     pub wait_ms: u64,
+}
+
+/// A seat that waits for its successor.
+#[derive(Debug, Clone, Copy)]
+struct Vacant {
+    role: Role,
+    /// When the backoff is over.
+    due: Instant,
+    /// Removes what the dead process has left.
+    cleaning: Ticket,
+    /// Ticks for which the seat stays empty once the successor can answer; `None` when it is
+    /// obeyed from its start.
+    absent_ticks: Option<u64>,
 }
 
 /// A successor that cannot answer yet.
@@ -54,8 +65,7 @@ pub struct Keeper<'a> {
     looked: Instant,
     /// Seats that were killed because they hung, and what the kernel said of the process.
     hung: BTreeMap<Role, String>,
-    /// Seats that wait for their backoff to pass, real time only.
-    due: Vec<(Role, Instant)>,
+    vacant: Vec<Vacant>,
     joining: Vec<Joining>,
     memory_peaks: BTreeMap<Role, u64>,
     records: Vec<RestartRecord>,
@@ -72,7 +82,7 @@ impl<'a> Keeper<'a> {
             hangs: HangWatch::default(),
             looked: Instant::now(),
             hung: BTreeMap::new(),
-            due: Vec::new(),
+            vacant: Vec::new(),
             joining: Vec::new(),
             memory_peaks: BTreeMap::new(),
             records: Vec::new(),
@@ -138,20 +148,33 @@ impl<'a> Keeper<'a> {
         let since = self.looked.elapsed();
         self.looked = Instant::now();
         self.look_at_hearts(stack, collector, since);
-        let mut restarted = Vec::new();
         while let Some(at) = stack.dead() {
-            restarted.extend(self.replace(stack, collector, at)?);
+            self.replace(stack, collector, at)?;
         }
-        let now = Instant::now();
-        let (ready, waiting) = self.due.iter().partition(|(_, due)| *due <= now);
-        self.due = waiting;
-        let ready: Vec<(Role, Instant)> = ready;
-        for (role, _) in ready {
-            self.join(stack, role, 0)?;
-            stack.obey_newest(role, 0, 0);
-            restarted.push(role);
+        self.fill_seats(stack)
+    }
+
+    /// True while a seat waits for its successor: then the next look should come soon.
+    #[must_use]
+    pub fn is_busy(&self) -> bool {
+        !self.vacant.is_empty()
+    }
+
+    /// Starts the successors whose time has come. Returns their seats.
+    fn fill_seats(&mut self, stack: &mut Stack) -> Result<Vec<Role>, Ending> {
+        let mut filled = Vec::new();
+        for vacant in core::mem::take(&mut self.vacant) {
+            if Instant::now() < vacant.due || !stack.is_clean(vacant.cleaning) {
+                self.vacant.push(vacant);
+                continue;
+            }
+            self.join(stack, vacant.role, vacant.absent_ticks.unwrap_or(0))?;
+            if vacant.absent_ticks.is_none() {
+                stack.obey_newest(vacant.role, 0, 0);
+            }
+            filled.push(vacant.role);
         }
-        Ok(restarted)
+        Ok(filled)
     }
 
     fn look_at_hearts(&mut self, stack: &mut Stack, collector: &Collector, since: Duration) {
@@ -196,22 +219,22 @@ impl<'a> Keeper<'a> {
         }
         if let Some(child) = stack.children.iter_mut().find(|child| child.role == role)
             && child.ended().is_none()
+            && !self.hung.contains_key(&role)
         {
             let condition = child.condition();
             tracing::warn!(%role, pid = child.pid(), condition, "no progress, killed");
             self.hung.insert(role, condition);
             child.signal(Signal::KILL);
-            child.wait(GONE_LIMIT);
         }
     }
 
-    /// Buries an ended process and sees to its successor.
+    /// Buries an ended process; its seat is vacant, or the run is over.
     fn replace(
         &mut self,
         stack: &mut Stack,
         collector: &Collector,
         at: usize,
-    ) -> Result<Option<Role>, Ending> {
+    ) -> Result<(), Ending> {
         let child = &mut stack.children[at];
         let role = child.role;
         let status = child.ended();
@@ -239,7 +262,7 @@ impl<'a> Keeper<'a> {
                 });
             }
         };
-        drop(stack.bury(at));
+        let cleaning = stack.bury(at);
         tracing::warn!(%role, how, ?wait, "restarting");
         self.records.push(RestartRecord {
             service: role.to_string(),
@@ -247,20 +270,19 @@ impl<'a> Keeper<'a> {
             how,
             wait_ms: u64::try_from(wait.as_millis()).unwrap_or(u64::MAX),
         });
-        if !self.plays_absence(collector) {
-            self.due.push((role, Instant::now() + wait));
-            return Ok(None);
-        }
-        // The tick stands still until the successor can answer; its absence and its wait are
+        let played = self.plays_absence(collector);
+        // Then the tick stands still until the successor can answer; its absence and its wait are
         // played by the roster, in ticks.
         let tick_ns = u128::from(self.prepared.scenario.run.tick_ns());
         let wait_ticks = u64::try_from(wait.as_nanos().div_ceil(tick_ns)).unwrap_or(u64::MAX);
-        self.join(
-            stack,
+        let now = Instant::now();
+        self.vacant.push(Vacant {
             role,
-            self.prepared.scenario.restart.absent_ticks + wait_ticks,
-        )?;
-        Ok(Some(role))
+            due: if played { now } else { now + wait },
+            cleaning,
+            absent_ticks: played.then(|| self.prepared.scenario.restart.absent_ticks + wait_ticks),
+        });
+        Ok(())
     }
 
     /// True in lockstep, once the robot has begun to tick.

@@ -10,6 +10,7 @@ pub mod floor;
 pub mod keeper;
 pub mod measure;
 pub mod prepare;
+pub mod remote;
 pub mod result;
 pub mod run;
 pub mod scenario;

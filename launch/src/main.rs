@@ -3,7 +3,8 @@
 use clap::Parser;
 use std::process::ExitCode;
 use zeronav::cli::{Cli, Command};
-use zeronav::commands;
+use zeronav::supervise::cleaner;
+use zeronav::{commands, remote};
 use zeronav_msgs::role::Role;
 
 fn main() -> ExitCode {
@@ -18,6 +19,9 @@ fn main() -> ExitCode {
             });
         }
     };
+    if let Command::Clean { root } = &cli.command {
+        return ExitCode::from(u8::from(!cleaner::run(root)));
+    }
     zeronav_shell::logs::start("warn");
     // Whatever a killed run has left is removed by the next command, whichever it is.
     for root in zeronav_shell::domain::sweep_dead() {
@@ -29,8 +33,9 @@ fn main() -> ExitCode {
         Command::Check { scenario, json } => commands::check(&scenario, json),
         Command::Planners { json } => commands::algorithms(Role::GlobalPlanner, json),
         Command::Controllers { json } => commands::algorithms(Role::LocalPlanner, json),
-        Command::Ps { json } => commands::ps(json),
-        Command::Goal(arguments) => commands::goal(&arguments),
+        Command::Ps { json } => remote::ps(json),
+        Command::Goal(arguments) => remote::goal(&arguments),
         Command::Suite(arguments) => commands::suite(&arguments),
+        Command::Clean { .. } => ExitCode::SUCCESS,
     }
 }

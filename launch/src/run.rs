@@ -230,12 +230,16 @@ struct Drive<'a> {
 
 impl Drive<'_> {
     fn until_it_ends(&mut self, stack: &mut Stack) -> Result<Ending, String> {
-        let server = Server::open(stack.root())
-            .map_err(|error| format!("opening the control socket: {error}"))?;
+        let folder = stack.folder().ok_or("the stack is closed")?;
+        folder
+            .make_files_private()
+            .map_err(|error| error.to_string())?;
+        let mut server =
+            Server::open(folder).map_err(|error| format!("opening the control socket: {error}"))?;
         for role in Role::SERVICES {
             self.keeper.start(stack, role)?;
         }
-        if let Some(ending) = self.wait_until_ready(stack, &server) {
+        if let Some(ending) = self.wait_until_ready(stack, &mut server) {
             return Ok(ending);
         }
         self.goals_run_ns = if self.lockstep() {
@@ -255,7 +259,7 @@ impl Drive<'_> {
         if !goals.is_empty() {
             self.send(stack, goals, 1);
         }
-        Ok(self.watch(stack, &server))
+        Ok(self.watch(stack, &mut server))
     }
 
     fn lockstep(&self) -> bool {
@@ -312,7 +316,7 @@ impl Drive<'_> {
         stack.refresh();
     }
 
-    fn wait_until_ready(&mut self, stack: &mut Stack, server: &Server) -> Option<Ending> {
+    fn wait_until_ready(&mut self, stack: &mut Stack, server: &mut Server) -> Option<Ending> {
         let started = Instant::now();
         loop {
             self.listen(stack);
@@ -340,7 +344,7 @@ impl Drive<'_> {
     }
 
     /// Watches the drive until something ends it.
-    fn watch(&mut self, stack: &mut Stack, server: &Server) -> Ending {
+    fn watch(&mut self, stack: &mut Stack, server: &mut Server) -> Ending {
         let pause = Duration::from_millis(if self.lockstep() { 1 } else { 10 });
         let tick_ns = self.prepared.scenario.run.tick_ns();
         let limit_ns = self.prepared.scenario.run.time_limit_ns();
@@ -379,7 +383,8 @@ impl Drive<'_> {
                 return Ending::Timeout;
             }
             self.line.show(&self.progress());
-            std::thread::sleep(pause);
+            let soon = Duration::from_millis(1);
+            std::thread::sleep(if self.keeper.is_busy() { soon } else { pause });
         }
     }
 
@@ -532,7 +537,7 @@ impl Drive<'_> {
         }
     }
 
-    fn serve(&mut self, stack: &mut Stack, server: &Server) {
+    fn serve(&mut self, stack: &mut Stack, server: &mut Server) {
         server.serve(|request| match request {
             Request::Ps => Reply::Run(self.run_report(stack)),
             Request::Goal {

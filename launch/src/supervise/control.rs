@@ -1,21 +1,32 @@
 //! The control socket of a run: one JSON object per line, asked and answered.
 //!
-//! It lies in the domain's root folder, which only the same user can enter.
+//! It lies in the domain's root folder, which only the same user can enter; both ends look at the
+//! other's user id all the same. The run's end never waits: one poll over the listener and every
+//! connection, a bounded number of connections, bounded lines, a time limit for each.
 
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use serde::{Deserialize, Serialize};
-use std::io::{BufRead, BufReader, Read, Write};
+use std::collections::VecDeque;
+use std::io::{BufRead, BufReader, Error, ErrorKind, Read, Write};
+use std::os::fd::AsFd;
 use std::os::unix::net::{UnixListener, UnixStream};
-use std::path::Path;
-use std::time::Duration;
+use std::time::{Duration, Instant};
+use zeronav_shell::folder::{FILE_MODE, Folder};
 
 /// File name of the socket in the domain's root folder.
 pub const SOCKET: &str = "control.sock";
 
-/// Longest request line. [bytes]
-const LINE_BYTES_MAX: u64 = 64 * 1024;
+/// Longest line, asked or answered. [bytes]
+const LINE_BYTES_MAX: usize = 64 * 1024;
 
-/// How long an asker waits for an answer.
+/// How long a client waits for an answer, and how long the run keeps a connection.
 const PATIENCE: Duration = Duration::from_secs(5);
+
+/// Connections that the run keeps at a time; one more takes the place of the oldest.
+const CLIENTS_MAX: usize = 16;
+
+/// Connections that one look accepts.
+const ACCEPTS_MAX: usize = 64;
 
 /// What can be asked of a run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -88,113 +99,298 @@ pub enum Reply {
 #[derive(Debug)]
 pub struct Server {
     listener: UnixListener,
+    /// The oldest first.
+    clients: VecDeque<Client>,
+}
+
+/// A connection that has asked or been answered in part.
+#[derive(Debug)]
+struct Client {
+    stream: UnixStream,
+    since: Instant,
+    asked: Vec<u8>,
+    /// What is left of the answer; empty until the line was complete.
+    answer: Vec<u8>,
 }
 
 impl Server {
-    /// Opens the socket in `root`.
+    /// Opens the socket in the domain's root folder.
     ///
     /// # Errors
     /// What the system says.
-    pub fn open(root: &Path) -> std::io::Result<Self> {
-        let listener = UnixListener::bind(root.join(SOCKET))?;
+    pub fn open(folder: &Folder) -> std::io::Result<Self> {
+        let path = folder.entry(SOCKET);
+        let listener = UnixListener::bind(&path)?;
+        let mode = rustix::fs::Mode::from_raw_mode(FILE_MODE);
+        rustix::fs::chmod(&path, mode)?;
         listener.set_nonblocking(true)?;
-        Ok(Self { listener })
+        Ok(Self {
+            listener,
+            clients: VecDeque::new(),
+        })
     }
 
-    /// Answers whoever has asked since the last call. A silent or endless asker costs at most
-    /// 100 ms and 64 kB.
-    pub fn serve(&self, mut answer: impl FnMut(Request) -> Reply) {
-        while let Ok((stream, _)) = self.listener.accept() {
-            let _ = serve_one(&stream, &mut answer);
+    /// Answers what has been asked completely since the last call. It waits for nothing.
+    pub fn serve(&mut self, mut answer: impl FnMut(Request) -> Reply) {
+        let (news, ready) = self.poll();
+        let mut ready = ready.into_iter();
+        self.clients.retain_mut(|client| {
+            let ready = ready.next().unwrap_or(false);
+            client.since.elapsed() < PATIENCE && (!ready || client.go_on(&mut answer))
+        });
+        if !news {
+            return;
+        }
+        for _ in 0..ACCEPTS_MAX {
+            let Ok((stream, _)) = self.listener.accept() else {
+                return;
+            };
+            if is_same_user(&stream).is_err() || stream.set_nonblocking(true).is_err() {
+                continue;
+            }
+            let mut client = Client {
+                stream,
+                since: Instant::now(),
+                asked: Vec::new(),
+                answer: Vec::new(),
+            };
+            // Most have asked by now and are answered at once, however many others are silent.
+            if client.go_on(&mut answer) {
+                if self.clients.len() == CLIENTS_MAX {
+                    self.clients.pop_front();
+                }
+                self.clients.push_back(client);
+            }
+        }
+    }
+
+    /// One look: whether connections wait to be accepted, and which of the clients can go on.
+    fn poll(&self) -> (bool, Vec<bool>) {
+        let wanted = |client: &Client| {
+            if client.answer.is_empty() {
+                PollFlags::IN
+            } else {
+                PollFlags::OUT
+            }
+        };
+        let mut looks: Vec<PollFd<'_>> = self
+            .clients
+            .iter()
+            .map(|client| PollFd::from_borrowed_fd(client.stream.as_fd(), wanted(client)))
+            .collect();
+        looks.push(PollFd::new(&self.listener, PollFlags::IN));
+        if poll(&mut looks, Some(&Timespec::default())).is_err() {
+            return (false, vec![false; self.clients.len()]);
+        }
+        let mut ready: Vec<bool> = looks
+            .iter()
+            .map(|look| !look.revents().is_empty())
+            .collect();
+        let news = ready.pop().unwrap_or(false);
+        (news, ready)
+    }
+}
+
+impl Client {
+    /// Reads what is there and writes what can be taken; false when the connection is done.
+    fn go_on(&mut self, answer: &mut impl FnMut(Request) -> Reply) -> bool {
+        self.exchange(answer)
+            .unwrap_or_else(|error| error.kind() == ErrorKind::WouldBlock)
+    }
+
+    fn exchange(&mut self, answer: &mut impl FnMut(Request) -> Reply) -> std::io::Result<bool> {
+        if self.answer.is_empty() {
+            let Some(line) = self.line()? else {
+                return Ok(false);
+            };
+            let reply = match serde_json::from_slice(&line) {
+                Ok(request) => answer(request),
+                Err(error) => Reply::Error(format!("not a request: {error}")),
+            };
+            self.answer = serde_json::to_vec(&reply).map_err(Error::other)?;
+            self.answer.push(b'\n');
+        }
+        while !self.answer.is_empty() {
+            let written = self.stream.write(&self.answer)?;
+            if written == 0 {
+                return Ok(false);
+            }
+            self.answer.drain(..written);
+        }
+        Ok(false)
+    }
+
+    /// The complete line; `WouldBlock` before it is, `None` when it never will be.
+    fn line(&mut self) -> std::io::Result<Option<Vec<u8>>> {
+        let mut piece = [0; 4096];
+        loop {
+            if let Some(end) = self.asked.iter().position(|byte| *byte == b'\n') {
+                self.asked.truncate(end);
+                return Ok(Some(core::mem::take(&mut self.asked)));
+            }
+            if self.asked.len() >= LINE_BYTES_MAX {
+                return Ok(None);
+            }
+            match self.stream.read(&mut piece)? {
+                0 => return Ok(None),
+                read => self.asked.extend_from_slice(&piece[..read]),
+            }
         }
     }
 }
 
-fn serve_one(
-    stream: &UnixStream,
-    answer: &mut impl FnMut(Request) -> Reply,
-) -> std::io::Result<()> {
-    stream.set_nonblocking(false)?;
-    stream.set_read_timeout(Some(Duration::from_millis(100)))?;
-    stream.set_write_timeout(Some(Duration::from_millis(100)))?;
-    let mut line = String::new();
-    BufReader::new(stream)
-        .take(LINE_BYTES_MAX)
-        .read_line(&mut line)?;
-    let reply = match serde_json::from_str(&line) {
-        Ok(request) => answer(request),
-        Err(error) => Reply::Error(format!("not a request: {error}")),
-    };
-    let mut text = serde_json::to_string(&reply).map_err(std::io::Error::other)?;
-    text.push('\n');
-    let mut stream = stream;
-    stream.write_all(text.as_bytes())
+/// Accepts a peer with the caller's own user id.
+fn is_same_user(stream: &UnixStream) -> std::io::Result<()> {
+    let peer = rustix::net::sockopt::socket_peercred(stream)?;
+    if peer.uid == rustix::process::geteuid() {
+        Ok(())
+    } else {
+        Err(Error::new(
+            ErrorKind::PermissionDenied,
+            format!("the other end belongs to user id {}", peer.uid.as_raw()),
+        ))
+    }
 }
 
-/// Asks the run in `root`.
+/// Asks the run in the domain's root folder.
 ///
 /// # Errors
-/// What the system says, or an answer that is none.
-pub fn ask(root: &Path, request: &Request) -> std::io::Result<Reply> {
-    let mut stream = UnixStream::connect(root.join(SOCKET))?;
+/// What the system says, `PermissionDenied` when the other end is not the same user, or an answer
+/// that cannot be read.
+pub fn ask(folder: &Folder, request: &Request) -> std::io::Result<Reply> {
+    let mut stream = UnixStream::connect(folder.entry(SOCKET))?;
+    is_same_user(&stream)?;
     stream.set_read_timeout(Some(PATIENCE))?;
     stream.set_write_timeout(Some(PATIENCE))?;
-    let mut text = serde_json::to_string(request).map_err(std::io::Error::other)?;
+    let mut text = serde_json::to_string(request).map_err(Error::other)?;
     text.push('\n');
     stream.write_all(text.as_bytes())?;
-    let mut line = String::new();
-    BufReader::new(&stream).take(1 << 20).read_line(&mut line)?;
-    serde_json::from_str(&line).map_err(std::io::Error::other)
+    let mut line = Vec::new();
+    let limit = u64::try_from(LINE_BYTES_MAX).unwrap_or(u64::MAX);
+    BufReader::new(&stream)
+        .take(limit)
+        .read_until(b'\n', &mut line)?;
+    serde_json::from_slice(&line).map_err(Error::other)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    /// A folder with a server in it, removed with the first field.
+    fn opened() -> (tempfile::TempDir, Folder, Server) {
+        let place = tempfile::tempdir().expect("a temporary folder");
+        let folder = Folder::create(&place.path().join("root")).expect("a folder");
+        let server = Server::open(&folder).expect("a socket");
+        (place, folder, server)
+    }
+
+    fn connect(folder: &Folder) -> UnixStream {
+        UnixStream::connect(folder.entry(SOCKET)).expect("a connection")
+    }
+
+    fn answered(stream: &UnixStream) -> String {
+        let mut line = String::new();
+        let limit = Some(Duration::from_secs(5));
+        stream.set_read_timeout(limit).expect("a limit");
+        let _ = BufReader::new(stream).read_line(&mut line);
+        line
+    }
+
     #[test]
     fn requests_and_bad_lines_get_one_answer_each() {
-        let folder = std::env::temp_dir().join(format!("zeronav-control-{}", std::process::id()));
-        std::fs::create_dir_all(&folder).expect("a temporary folder");
-        let server = Server::open(&folder).expect("a socket");
-        let asked = folder.clone();
-        let asker = std::thread::spawn(move || {
-            let good = ask(
-                &asked,
-                &Request::Goal {
-                    pose: [1.0, 2.0, 0.0],
-                    tolerance_m: 0.2,
-                    yaw_tolerance_rad: 0.1,
-                },
-            );
-            let mut stream = UnixStream::connect(asked.join(SOCKET)).expect("a connection");
+        let (_place, folder, mut server) = opened();
+        let request = Request::Goal {
+            pose: [1.0, 2.0, 0.0],
+            tolerance_m: 0.2,
+            yaw_tolerance_rad: 0.1,
+        };
+        let wanted = request.clone();
+        let client = std::thread::spawn(move || {
+            let good = ask(&folder, &request);
+            let mut stream = connect(&folder);
             stream
                 .write_all(b"{\"command\":\"fly\"}\n")
                 .expect("written");
-            let mut line = String::new();
-            BufReader::new(&stream)
-                .read_line(&mut line)
-                .expect("an answer");
-            (good, line)
+            (good, answered(&stream))
         });
         let mut seen = Vec::new();
-        while !asker.is_finished() {
+        while !client.is_finished() {
             server.serve(|request| {
                 seen.push(request);
                 Reply::Done
             });
             std::thread::yield_now();
         }
-        let (good, bad) = asker.join().expect("the asker ends");
+        let (good, bad) = client.join().expect("the client ends");
         assert_eq!(good.expect("an answer"), Reply::Done);
         assert!(bad.contains("not a request"), "{bad}");
-        assert_eq!(
-            seen,
-            [Request::Goal {
-                pose: [1.0, 2.0, 0.0],
-                tolerance_m: 0.2,
-                yaw_tolerance_rad: 0.1,
-            }]
-        );
-        std::fs::remove_dir_all(&folder).expect("removed");
+        assert_eq!(seen, [wanted]);
+    }
+
+    #[test]
+    fn silent_and_slow_connections_cost_nothing_and_keep_no_other_from_its_answer() {
+        let (_place, folder, mut server) = opened();
+        let silent: Vec<UnixStream> = (0..50).map(|_| connect(&folder)).collect();
+        let mut slow = connect(&folder);
+        slow.write_all(b"{\"command\":").expect("written");
+        let mut quick = connect(&folder);
+        quick.write_all(b"{\"command\":\"ps\"}\n").expect("written");
+        let started = Instant::now();
+        server.serve(|_| Reply::Done);
+        let took = started.elapsed();
+        assert!(took < Duration::from_millis(50), "one look took {took:?}");
+        assert_eq!(server.clients.len(), CLIENTS_MAX);
+        assert_eq!(answered(&quick), "\"done\"\n");
+        slow.write_all(b"\"ps\"}\n").expect("written");
+        server.serve(|_| Reply::Done);
+        assert_eq!(answered(&slow), "\"done\"\n");
+        assert_eq!(server.clients.len(), CLIENTS_MAX - 1);
+        // The oldest had to go; the others are still connected.
+        let mut first = &silent[0];
+        assert_eq!(first.read(&mut [0]).expect("its end"), 0);
+    }
+
+    #[test]
+    fn a_line_without_end_is_cut_off() {
+        let (_place, folder, mut server) = opened();
+        let mut stream = connect(&folder);
+        stream.set_nonblocking(true).expect("a mode");
+        let mut sent = 0;
+        loop {
+            match stream.write(&[b'x'; 4096]) {
+                Ok(written) => sent += written,
+                Err(error) if error.kind() == ErrorKind::WouldBlock => {}
+                Err(_) => break,
+            }
+            server.serve(|_| Reply::Done);
+            let kept = server
+                .clients
+                .front()
+                .map_or(0, |client| client.asked.len());
+            assert!(kept <= LINE_BYTES_MAX, "{kept} bytes are kept");
+            assert!(sent < 100 * LINE_BYTES_MAX, "never cut off");
+        }
+        assert!(server.clients.is_empty());
+    }
+
+    #[test]
+    fn an_answer_that_is_not_taken_waits_in_the_background() {
+        let (_place, folder, mut server) = opened();
+        let mut stream = connect(&folder);
+        stream
+            .write_all(b"{\"command\":\"ps\"}\n")
+            .expect("written");
+        // More than the kernel buffers for a connection.
+        let long = Reply::Error("x".repeat(1 << 20));
+        server.serve(|_| long.clone());
+        assert_eq!(server.clients.len(), 1);
+        let reader = std::thread::spawn(move || answered(&stream).len());
+        while !reader.is_finished() {
+            server.serve(|_| Reply::Done);
+            std::thread::yield_now();
+        }
+        assert!(reader.join().expect("the reader ends") > 1 << 20);
+        assert!(server.clients.is_empty());
     }
 }

@@ -2,6 +2,7 @@
 
 pub mod binaries;
 pub mod child;
+pub mod cleaner;
 pub mod control;
 pub mod hang;
 pub mod restart;

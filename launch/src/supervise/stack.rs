@@ -1,6 +1,7 @@
 //! A running stack: the domain, its topics, launch's own ports, and the processes.
 
 use super::child::Child;
+use super::cleaner::{Cleaner, Ticket};
 use rustix::process::Signal;
 use std::ffi::OsString;
 use std::path::Path;
@@ -17,6 +18,7 @@ use zeronav_msgs::topics::{
 use zeronav_msgs::truth::{Placement, Placements};
 use zeronav_shell::clock::now_ns;
 use zeronav_shell::doorbell::Bells;
+use zeronav_shell::folder::Folder;
 use zeronav_shell::peer::Topics;
 use zeronav_shell::records::SpanReader;
 use zeronav_shell::{Domain, Draft, Latest, Peer, Roster, StartError, Stream, Writer};
@@ -86,6 +88,7 @@ pub struct Stack {
     goals: Writer<TaskGoal>,
     placements: Writer<SimPlacement>,
     bells: Bells,
+    cleaner: Cleaner,
     topics: Option<Topics>,
     peer: Option<Peer>,
 }
@@ -150,6 +153,7 @@ impl Stack {
             goals: peer.writer(zeronav_msgs::task::GOALS_MAX)?,
             placements: peer.writer(zeronav_msgs::truth::TRUTH_OBSTACLES_MAX)?,
             bells: Bells::open(&peer)?,
+            cleaner: Cleaner::new(peer.domain().root()),
             topics: Some(topics),
             peer: Some(peer),
         };
@@ -204,13 +208,21 @@ impl Stack {
             .map_or(FIRST_EPOCH, |seat| seat.epoch)
     }
 
-    /// Takes an ended process out and what it left out of the middleware's registry.
-    pub fn bury(&mut self, at: usize) -> Child {
-        let child = self.children.remove(at);
-        if let Some(peer) = &self.peer {
-            peer.clean_dead_members();
-        }
-        child
+    /// Takes an ended process out, and has removed what it left in the middleware's registry.
+    pub fn bury(&mut self, at: usize) -> Ticket {
+        drop(self.children.remove(at));
+        self.cleaner.ask()
+    }
+
+    /// True once that cleaning has ended.
+    pub fn is_clean(&mut self, ticket: Ticket) -> bool {
+        self.cleaner.is_done(ticket)
+    }
+
+    /// The domain's root folder as it was opened.
+    #[must_use]
+    pub fn folder(&self) -> Option<&Folder> {
+        self.peer.as_ref().map(|peer| peer.domain().folder())
     }
 
     /// Makes the next process started in the seat of `role` a successor. It is not obeyed yet.
@@ -399,9 +411,6 @@ impl Drop for Stack {
     fn drop(&mut self) {
         self.stop_processes();
         self.children.clear();
-        if let Some(peer) = &self.peer {
-            peer.clean_dead_members();
-        }
     }
 }
 
@@ -411,18 +420,21 @@ impl Drop for Stack {
 pub fn close(mut stack: Stack) {
     stack.stop_processes();
     stack.children.clear();
-    let peer = stack.peer.take();
-    let topics = stack.topics.take();
-    if let Some(peer) = &peer {
-        peer.clean_dead_members();
-    }
-    drop(stack);
-    drop(topics);
-    if let Some(peer) = peer {
-        let domain = peer.leave();
-        let root = domain.root().to_owned();
-        if let Err(error) = domain.close() {
-            tracing::warn!(root = %root.display(), %error, "the domain could not be removed");
-        }
+    let (peer, topics) = (stack.peer.take(), stack.topics.take());
+    let domain = if stack.cleaner.has_failed() {
+        // Closing a port touches files that may be corrupt. They go with the domain, and the memory
+        // with this process.
+        stack.cleaner = Cleaner::new(Path::new("/"));
+        core::mem::forget((stack, topics));
+        peer.map(Peer::abandon)
+    } else {
+        drop(stack);
+        drop(topics);
+        peer.map(Peer::leave)
+    };
+    let Some(domain) = domain else { return };
+    let root = domain.root().to_owned();
+    if let Err(error) = domain.close() {
+        tracing::warn!(root = %root.display(), %error, "the domain could not be removed");
     }
 }

@@ -11,12 +11,14 @@
 //! that the others see that nobody looks after the run any more.
 
 use crate::error::StartError;
-use crate::memory::SHM;
+use crate::folder::{Folder, own_file};
+use crate::memory::{SHM, segments};
 use iceoryx2::prelude::{Config, FileName, Path as IoxPath, SemanticString};
-use rustix::fs::{FlockOperation, flock};
-use std::fs::{File, OpenOptions};
+use rustix::fs::{CWD, FlockOperation, OFlags, flock};
+use std::fs::File;
 use std::hash::{BuildHasher, Hasher};
-use std::os::unix::fs::{DirBuilderExt, MetadataExt};
+use std::io::{ErrorKind, Write};
+use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 
 /// First letters of every domain that launch makes.
@@ -28,6 +30,19 @@ const RANDOM_LETTERS: usize = 10;
 /// Name of the file that whoever makes a domain holds.
 const LAUNCH: &str = "launch";
 
+/// Name of the file that every member holds.
+const LOCK: &str = "lock";
+
+/// Version of the middleware that the workspace pins, with which it names and stamps its counter
+/// of nodes.
+const MIDDLEWARE: [u16; 3] = [0, 10, 0];
+
+/// What else it has in its name: the SHA-1 of the type `iceoryx2::node::global_management_segment::State`.
+const NODE_COUNTER_TYPE: &str = "9204dd183d1c4d8e1ff592a30766ffa6765aa8b5";
+
+/// Size of that counter.
+const NODE_COUNTER_BYTES: usize = 16;
+
 /// For how long a segment must be half made until its maker counts as dead.
 const HALF_MADE: std::time::Duration = std::time::Duration::from_millis(100);
 
@@ -37,7 +52,7 @@ const CREATE_TRIES: u32 = 8;
 /// A domain and this process's membership in it.
 #[derive(Debug)]
 pub struct Domain {
-    root: PathBuf,
+    folder: Folder,
     prefix: String,
     /// `ROOT/launch`, which is locked as long as whoever made the domain lives.
     launch: File,
@@ -73,22 +88,27 @@ impl Domain {
             bits /= 36;
         }
         let root = Path::new(SHM).join(&name);
-        std::fs::DirBuilder::new()
-            .mode(0o700)
-            .create(&root)
-            .map_err(|error| {
-                StartError::system(
-                    format!("making the domain's folder {}", root.display()),
-                    error,
-                )
-            })?;
-        let (prefix, member) = member(&root)?;
+        // Another user may have made a folder of that name: then another one.
+        let folder = Folder::create(&root).map_err(|error| match error.kind() {
+            ErrorKind::AlreadyExists | ErrorKind::NotFound => {
+                StartError::Usage(format!("making the domain's folder: {error}"))
+            }
+            _ => StartError::system(
+                format!("making the domain's folder {}", root.display()),
+                error,
+            ),
+        })?;
+        let (prefix, member) = member(&folder)?;
         let failed = |error: std::io::Error| StartError::system("locking the new domain", error);
-        let launch = File::create_new(root.join(LAUNCH)).map_err(failed)?;
+        let launch = folder
+            .file(LAUNCH, OFlags::RDWR | OFlags::CREATE | OFlags::EXCL)
+            .map_err(failed)?;
         flock(&launch, FlockOperation::NonBlockingLockExclusive)
             .map_err(|error| failed(error.into()))?;
+        make_node_counter(&prefix)
+            .map_err(|error| StartError::system("making the counter of nodes", error))?;
         Ok(Self {
-            root,
+            folder,
             prefix,
             launch,
             made_here: true,
@@ -99,14 +119,27 @@ impl Domain {
     /// Joins the domain whose root folder is `root`.
     ///
     /// # Errors
-    /// [`StartError::Usage`] when `root` is not a folder directly under /dev/shm,
+    /// [`StartError::Usage`] when `root` is not a folder of the caller directly under /dev/shm,
     /// [`StartError::System`] when its lock cannot be had.
     pub fn join(root: &Path) -> Result<Self, StartError> {
-        let (prefix, member) = member(root)?;
-        let launch = File::open(root.join(LAUNCH))
+        let usage =
+            |problem: &str| StartError::Usage(format!("--domain {}: {problem}", root.display()));
+        name_of(root).ok_or_else(|| {
+            usage("not a folder directly under /dev/shm with a name of 4 to 40 letters")
+        })?;
+        let folder = Folder::open(root).map_err(|error| match error.kind() {
+            ErrorKind::NotFound => usage("no such folder; the run is over or was never started"),
+            ErrorKind::PermissionDenied => usage(&format!("not a run of this user: {error}")),
+            _ => StartError::system(format!("--domain {}", root.display()), error),
+        })?;
+        let (prefix, member) = member(&folder)?;
+        check_node_counter(&prefix)
+            .map_err(|error| StartError::system("the domain's counter of nodes", error))?;
+        let launch = folder
+            .file(LAUNCH, OFlags::RDONLY)
             .map_err(|error| StartError::system("looking for launch", error))?;
         Ok(Self {
-            root: root.to_owned(),
+            folder,
             prefix,
             launch,
             made_here: false,
@@ -117,7 +150,13 @@ impl Domain {
     /// The root folder.
     #[must_use]
     pub fn root(&self) -> &Path {
-        &self.root
+        self.folder.path()
+    }
+
+    /// The root folder as it was opened.
+    #[must_use]
+    pub fn folder(&self) -> &Folder {
+        &self.folder
     }
 
     /// First letters of everything that belongs to the domain.
@@ -137,15 +176,7 @@ impl Domain {
     /// # Errors
     /// [`StartError::Usage`] when the middleware cannot use the name.
     pub fn config(&self) -> Result<Config, StartError> {
-        let unusable =
-            |_| StartError::Usage(format!("--domain {}: unusable name", self.root.display()));
-        let mut config = Config::default();
-        config.global.prefix = FileName::new(self.prefix.as_bytes()).map_err(unusable)?;
-        let root = self.root.to_str().unwrap_or("");
-        config
-            .global
-            .set_root_path(&IoxPath::new(root.as_bytes()).map_err(unusable)?);
-        Ok(config)
+        config(self.root(), &self.prefix)
     }
 
     /// Leaves the domain and removes it, if this was its last member.
@@ -153,30 +184,57 @@ impl Domain {
     /// # Errors
     /// What the file system says.
     pub fn close(self) -> std::io::Result<bool> {
-        let root = self.root.clone();
+        let root = self.root().to_owned();
         drop(self);
         sweep(&root)
     }
 }
 
-/// Becomes a member of the domain at `root`: its prefix, and the lock that says so.
-fn member(root: &Path) -> Result<(String, File), StartError> {
-    let usage =
-        |problem: &str| StartError::Usage(format!("--domain {}: {problem}", root.display()));
-    let name = root
-        .file_name()
-        .and_then(|name| name.to_str())
-        .filter(|_| root.parent() == Some(Path::new(SHM)))
-        .ok_or_else(|| usage("not a folder directly under /dev/shm"))?;
-    if name.len() > 40 || name.len() < 4 {
-        return Err(usage("the folder's name needs 4 to 40 letters"));
-    }
-    if !root.is_dir() {
-        return Err(usage(
-            "no such folder; the run is over or was never started",
-        ));
-    }
-    let lock = lock(root, FlockOperation::NonBlockingLockShared)
+/// The prefix of the caller's own domain at `root`, and the middleware's configuration for it.
+///
+/// # Errors
+/// [`StartError::Usage`] when there is no such domain.
+pub fn look_up(root: &Path) -> Result<(String, Config), StartError> {
+    let unusable = |problem: &dyn core::fmt::Display| {
+        StartError::Usage(format!("--domain {}: {problem}", root.display()))
+    };
+    let name = name_of(root).ok_or_else(|| unusable(&"not a folder directly under /dev/shm"))?;
+    Folder::open(root).map_err(|error| unusable(&error))?;
+    let prefix = prefix_of(name);
+    let config = config(root, &prefix)?;
+    Ok((prefix, config))
+}
+
+/// The middleware's configuration for the domain at `root`.
+fn config(root: &Path, prefix: &str) -> Result<Config, StartError> {
+    let unusable = |_| StartError::Usage(format!("--domain {}: unusable name", root.display()));
+    let mut config = Config::default();
+    // What dead members left is removed by a process of its own (see [`crate::cleaning`]): a member
+    // that did it would wait for files that may be corrupt.
+    config.global.node.cleanup_dead_nodes_on_creation = false;
+    config.global.node.cleanup_dead_nodes_on_destruction = false;
+    config.global.service.cleanup_dead_nodes_on_open = false;
+    config.global.prefix = FileName::new(prefix.as_bytes()).map_err(unusable)?;
+    let root = root.to_str().unwrap_or("");
+    config
+        .global
+        .set_root_path(&IoxPath::new(root.as_bytes()).map_err(unusable)?);
+    Ok(config)
+}
+
+/// The name of a domain's root folder, when `root` can be one.
+fn name_of(root: &Path) -> Option<&str> {
+    let name = root.file_name()?.to_str()?;
+    (root.parent() == Some(Path::new(SHM)) && (4..=40).contains(&name.len())).then_some(name)
+}
+
+/// Becomes a member of the domain in `folder`: its prefix, and the lock that says so.
+fn member(folder: &Folder) -> Result<(String, File), StartError> {
+    let root = folder.path();
+    let usage = |problem| StartError::Usage(format!("--domain {}: {problem}", root.display()));
+    let name = name_of(root).ok_or_else(|| usage("unusable name"))?;
+    let lock = folder
+        .lock(LOCK, FlockOperation::NonBlockingLockShared)
         .map_err(|error| StartError::system("locking the domain", error))?
         .ok_or_else(|| usage("the domain is being removed"))?;
     Ok((prefix_of(name), lock))
@@ -187,61 +245,65 @@ fn prefix_of(name: &str) -> String {
     format!("{name}_")
 }
 
-/// Takes the lock of the domain at `root`; `None` when others hold it.
-fn lock(root: &Path, how: FlockOperation) -> std::io::Result<Option<File>> {
-    loop {
-        let path = root.join("lock");
-        let file = match OpenOptions::new()
-            .create(true)
-            .truncate(false)
-            .read(true)
-            .write(true)
-            .open(&path)
-        {
-            Ok(file) => file,
-            Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
-            Err(error) => return Err(error),
-        };
-        match flock(&file, how) {
-            Ok(()) => {}
-            Err(error) if error == rustix::io::Errno::WOULDBLOCK => return Ok(None),
-            Err(error) => return Err(error.into()),
-        }
-        // A sweeper may have unlinked the file between open and lock: then try again.
-        match std::fs::metadata(&path) {
-            Ok(meta) if meta.ino() == file.metadata()?.ino() => return Ok(Some(file)),
-            _ => {}
-        }
+/// The file in which the middleware counts its nodes.
+fn node_counter(prefix: &str) -> PathBuf {
+    let [major, minor, patch] = MIDDLEWARE;
+    Path::new(SHM).join(format!(
+        "{prefix}{NODE_COUNTER_TYPE}_node.{major}_{minor}_{patch}.global_mgmt"
+    ))
+}
+
+/// Makes the counter of nodes: a version and a number. Without it the first node would make it, and
+/// give every user of the machine the right to write it.
+fn make_node_counter(prefix: &str) -> std::io::Result<()> {
+    let flags = OFlags::WRONLY | OFlags::CREATE | OFlags::EXCL;
+    let mut file = own_file(CWD, &node_counter(prefix), flags)?;
+    let [major, minor, patch] = MIDDLEWARE.map(u64::from);
+    let mut bytes = [0; NODE_COUNTER_BYTES];
+    let version = (major << 32) | (minor << 16) | patch;
+    bytes[..8].copy_from_slice(&version.to_ne_bytes());
+    file.write_all(&bytes)
+}
+
+/// Accepts a counter of nodes that the middleware can map: it waits for ever for an empty one.
+fn check_node_counter(prefix: &str) -> std::io::Result<()> {
+    let bytes = own_file(CWD, &node_counter(prefix), OFlags::RDONLY)?
+        .metadata()?
+        .len();
+    if bytes >= NODE_COUNTER_BYTES as u64 {
+        Ok(())
+    } else {
+        Err(std::io::Error::other(format!("corrupt: {bytes} bytes")))
     }
 }
 
 /// Removes the domain at `root` if no member is left; true when it is gone.
 ///
 /// # Errors
-/// What the file system says.
+/// `PermissionDenied` when it is not a folder of the caller, and what the file system says.
 pub fn sweep(root: &Path) -> std::io::Result<bool> {
-    let Some(name) = root.file_name().and_then(|name| name.to_str()) else {
+    let Some(name) = name_of(root) else {
         return Ok(false);
     };
-    let prefix = prefix_of(name);
-    let turn = match File::open(root) {
+    let folder = match Folder::open(root) {
         Ok(folder) => folder,
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(true),
+        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(true),
         Err(error) => return Err(error),
     };
-    flock(&turn, FlockOperation::LockExclusive)?;
-    if !root.is_dir() {
+    if !folder.take_turn()? {
+        return Ok(false);
+    }
+    if folder.is_gone() {
         return Ok(true);
     }
-    let Some(_held) = lock(root, FlockOperation::NonBlockingLockExclusive)? else {
+    let Some(_held) = folder.lock(LOCK, FlockOperation::NonBlockingLockExclusive)? else {
         return Ok(false);
     };
-    for entry in std::fs::read_dir(SHM)?.flatten() {
-        let name = entry.file_name();
-        if name.to_str().is_some_and(|name| name.starts_with(&prefix)) {
-            let _ = std::fs::remove_file(entry.path());
-        }
+    for (segment, _) in segments(&prefix_of(name)) {
+        let _ = std::fs::remove_file(segment);
     }
+    // The folder is the caller's own in a sticky one: no other user can have put another in its
+    // place.
     std::fs::remove_dir_all(root)?;
     Ok(true)
 }
@@ -262,22 +324,15 @@ pub fn remove_half_made(prefix: &str) {
     }
 }
 
-/// The segments that nobody may read, with their inodes.
+/// The segments that cannot be read yet, with their inodes.
 fn half_made(prefix: &str) -> Vec<(PathBuf, u64)> {
-    let entries = std::fs::read_dir(SHM).into_iter().flatten().flatten();
-    entries
-        .filter(|entry| {
-            let name = entry.file_name();
-            name.to_str().is_some_and(|name| name.starts_with(prefix))
-        })
-        .filter_map(|entry| {
-            let metadata = entry.metadata().ok().filter(std::fs::Metadata::is_file)?;
-            (metadata.mode() & 0o400 == 0).then(|| (entry.path(), metadata.ino()))
-        })
+    segments(prefix)
+        .filter(|(_, metadata)| metadata.mode() & 0o400 == 0)
+        .map(|(path, metadata)| (path, metadata.ino()))
         .collect()
 }
 
-/// Root folders of all domains on this host, dead or alive.
+/// Root folders of all domains of the caller on this host, dead or alive.
 #[must_use]
 pub fn all() -> Vec<PathBuf> {
     let mut roots: Vec<PathBuf> = std::fs::read_dir(SHM)
@@ -287,9 +342,10 @@ pub fn all() -> Vec<PathBuf> {
         .filter(|entry| {
             entry.file_name().to_str().is_some_and(|name| {
                 name.len() == PREFIX_START.len() + RANDOM_LETTERS && name.starts_with(PREFIX_START)
-            }) && entry.path().is_dir()
+            })
         })
         .map(|entry| entry.path())
+        .filter(|root| Folder::open(root).is_ok())
         .collect();
     roots.sort();
     roots
@@ -307,6 +363,7 @@ pub fn sweep_dead() -> Vec<PathBuf> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::fs::OpenOptions;
     use std::os::unix::fs::OpenOptionsExt;
 
     #[test]

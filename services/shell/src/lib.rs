@@ -11,11 +11,13 @@
 //! to which [`PathOutput`] is the other end.
 //! [`Shell::turns`] says which answers are due.
 
+pub mod cleaning;
 pub mod clock;
 pub mod domain;
 pub mod doorbell;
 pub mod error;
 pub mod flags;
+pub mod folder;
 pub mod goal_at_hand;
 pub mod logs;
 pub mod map_input;
@@ -23,6 +25,7 @@ pub mod memory;
 pub mod path_output;
 pub mod peer;
 pub mod planning_inputs;
+pub mod printable;
 pub mod reader;
 pub mod records;
 pub mod roster;
@@ -41,6 +44,7 @@ pub use map_input::MapInput;
 pub use path_output::PathOutput;
 pub use peer::Peer;
 pub use planning_inputs::PlanningInputs;
+pub use printable::printable;
 pub use reader::{Latest, Stream, View};
 pub use roster::Roster;
 pub use service::{Cycle, Service, Shell, run};

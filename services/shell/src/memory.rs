@@ -4,14 +4,33 @@
 //! writer with SIGBUS in the middle of a drive instead of failing at the start.
 
 use crate::error::StartError;
-use rustix::fs::{FallocateFlags, fallocate, statvfs};
-use std::path::Path;
+use crate::folder::own_file;
+use rustix::fs::{CWD, FallocateFlags, OFlags, fallocate, statvfs};
+use std::os::unix::fs::MetadataExt;
+use std::path::PathBuf;
 
 /// Where the segments lie.
 pub const SHM: &str = "/dev/shm";
 
 /// Room that is left for connections, which cannot be reserved. [bytes]
 pub const HEADROOM_BYTES: u64 = 1 << 20;
+
+/// The caller's own files in /dev/shm whose names begin with `prefix`. Other users may have made
+/// files with such names.
+pub(crate) fn segments(prefix: &str) -> impl Iterator<Item = (PathBuf, std::fs::Metadata)> {
+    let entries = std::fs::read_dir(SHM).into_iter().flatten().flatten();
+    let uid = rustix::process::geteuid().as_raw();
+    entries
+        .filter(move |entry| {
+            let name = entry.file_name();
+            name.to_str().is_some_and(|name| name.starts_with(prefix))
+        })
+        .filter_map(move |entry| {
+            // Of the entry itself, whatever it links to.
+            let metadata = entry.metadata().ok()?;
+            (metadata.is_file() && metadata.uid() == uid).then(|| (entry.path(), metadata))
+        })
+}
 
 /// Bytes free in /dev/shm.
 ///
@@ -46,18 +65,10 @@ pub fn reserve(prefix: &str, publisher: u128, topic: &str) -> Result<u64, StartE
         StartError::system(format!("reserving shared memory of {topic}"), error)
     };
     let mut reserved = 0;
-    for entry in std::fs::read_dir(SHM)
-        .map_err(|error| failed(&error))?
-        .flatten()
-    {
-        let name = entry.file_name();
-        let Some(name) = name.to_str() else { continue };
-        if name.starts_with(prefix) && name.ends_with(&tail) {
-            let file = std::fs::OpenOptions::new()
-                .read(true)
-                .write(true)
-                .open(Path::new(SHM).join(name))
-                .map_err(|error| failed(&error))?;
+    for (path, _) in segments(prefix) {
+        let name = path.file_name().and_then(|name| name.to_str());
+        if name.is_some_and(|name| name.ends_with(&tail)) {
+            let file = own_file(CWD, &path, OFlags::RDWR).map_err(|error| failed(&error))?;
             let bytes = file.metadata().map_err(|error| failed(&error))?.len();
             fallocate(&file, FallocateFlags::empty(), 0, bytes).map_err(|error| failed(&error))?;
             reserved += bytes;

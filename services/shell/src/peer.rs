@@ -91,10 +91,12 @@ impl Peer {
         self.domain
     }
 
-    /// Removes what dead members left in the middleware's registry.
-    pub fn clean_dead_members(&self) {
-        crate::domain::remove_half_made(self.domain.prefix());
-        let _ = self.node.try_cleanup_dead_nodes();
+    /// Gives the domain back without touching the middleware's files: for a domain whose files may
+    /// be corrupt. They are removed with the domain.
+    #[must_use]
+    pub fn abandon(self) -> Domain {
+        core::mem::forget(self.node);
+        self.domain
     }
 
     /// Makes every topic and doorbell of the domain. The stack exists as long as the result.

@@ -439,6 +439,55 @@ fn a_live_domain_is_left_alone_and_a_dead_one_is_removed() {
 }
 
 #[test]
+fn no_file_of_a_domain_is_open_to_other_users() {
+    use std::os::unix::fs::MetadataExt;
+    let house = House::new();
+    let _writer = house.join(Role::Mapping, 1).writer::<MapUpdate>(4);
+    let root = house.root();
+    let folder = std::fs::symlink_metadata(&root).expect("the root folder");
+    assert_eq!(folder.mode() & 0o7777, 0o700);
+    let name = root.file_name().and_then(|name| name.to_str());
+    let name = name.expect("a name").to_owned() + "_";
+    let (mut files, mut counters) = (0, 0);
+    for entry in std::fs::read_dir("/dev/shm")
+        .expect("it is there")
+        .flatten()
+    {
+        let file = entry.file_name().into_string().unwrap_or_default();
+        let Ok(metadata) = entry.metadata() else {
+            continue;
+        };
+        if file.starts_with(&name) {
+            let mode = metadata.mode() & 0o7777;
+            assert_eq!(mode & 0o077, 0, "{file} has mode {mode:04o}");
+            counters += usize::from(file.ends_with(".global_mgmt"));
+            files += 1;
+        }
+    }
+    assert!(files > 20, "{files} files");
+    assert_eq!(counters, 1, "the middleware made a counter of its own");
+}
+
+#[test]
+fn a_corrupt_counter_of_nodes_is_named_and_not_waited_for() {
+    let domain = Domain::create().expect("a domain");
+    let entries = std::fs::read_dir("/dev/shm")
+        .expect("it is there")
+        .flatten();
+    let counter = entries.map(|entry| entry.path()).find(|path| {
+        let path = path.to_string_lossy();
+        path.contains(domain.prefix()) && path.ends_with(".global_mgmt")
+    });
+    let counter = std::fs::File::options()
+        .write(true)
+        .open(counter.expect("a counter"));
+    counter.expect("it is ours").set_len(0).expect("cut");
+    let error = Domain::join(domain.root()).expect_err("it is corrupt");
+    assert!(error.to_string().contains("counter of nodes"), "{error}");
+    assert!(domain.close().expect("closed"));
+}
+
+#[test]
 fn members_see_that_whoever_made_the_domain_is_gone() {
     let launch = Domain::create().expect("a domain");
     let root = launch.root().to_owned();

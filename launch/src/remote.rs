@@ -1,0 +1,105 @@
+//! What is asked of a run that goes on: `zeronav ps` and `zeronav goal`.
+
+use crate::cli::GoalArgs;
+use crate::commands::{EXIT_PASS, say, say_json, usage};
+use crate::supervise::control::{self, Reply, Request, RunReport};
+use serde_json::json;
+use std::io::ErrorKind;
+use std::path::PathBuf;
+use std::process::ExitCode;
+use zeronav_shell::folder::Folder;
+use zeronav_shell::{domain, printable};
+
+/// The runs of this user that answer, with their root folders.
+fn runs() -> Vec<(PathBuf, RunReport)> {
+    let answer = |root: &PathBuf| {
+        let folder = Folder::open(root).ok()?;
+        match control::ask(&folder, &Request::Ps) {
+            Ok(Reply::Run(report)) => Some(report),
+            _ => None,
+        }
+    };
+    domain::all()
+        .into_iter()
+        .filter_map(|root| answer(&root).map(|report| (root, report)))
+        .collect()
+}
+
+/// `zeronav ps`.
+#[must_use]
+pub fn ps(json: bool) -> ExitCode {
+    let runs: Vec<RunReport> = runs().into_iter().map(|(_, report)| report).collect();
+    if json {
+        say_json(&json!({ "runs": runs }));
+        return ExitCode::from(EXIT_PASS);
+    }
+    if runs.is_empty() {
+        say("no run goes on\n");
+    }
+    for run in &runs {
+        say(&format!(
+            "{}  pid {}  {}  {}  {:.1} s  task {}\n",
+            printable(&run.scenario),
+            run.pid,
+            printable(&run.domain),
+            printable(&run.mode),
+            run.time_s,
+            printable(&run.task)
+        ));
+        for service in &run.services {
+            say(&format!(
+                "  {:<16} pid {:<8} epoch {}  {:<9} {:>5.0} MB  {}\n",
+                printable(&service.role),
+                service.pid,
+                service.epoch,
+                printable(&service.state),
+                megabytes(service.memory_peak_bytes),
+                printable(&service.binary)
+            ));
+        }
+    }
+    ExitCode::from(EXIT_PASS)
+}
+
+#[allow(clippy::cast_precision_loss, reason = "sizes far below 2^53")]
+fn megabytes(bytes: u64) -> f64 {
+    bytes as f64 / 1.0e6
+}
+
+/// `zeronav goal`.
+#[must_use]
+pub fn goal(arguments: &GoalArgs) -> ExitCode {
+    let root = match &arguments.domain {
+        Some(root) => root.clone(),
+        None => match runs().as_slice() {
+            [(root, _)] => root.clone(),
+            [] => return usage("no run goes on; start one with `zeronav run SCENARIO`"),
+            _ => return usage("several runs go on; name one with --domain (see `zeronav ps`)"),
+        },
+    };
+    let request = Request::Goal {
+        pose: [arguments.x, arguments.y, arguments.yaw],
+        tolerance_m: arguments.tolerance,
+        yaw_tolerance_rad: arguments.yaw_tolerance,
+    };
+    let refused = |problem: &str| usage(&format!("{}: {}", root.display(), printable(problem)));
+    let folder = match Folder::open(&root) {
+        Ok(folder) => folder,
+        Err(error) if error.kind() == ErrorKind::NotFound => {
+            return refused("no such folder; the run is over or was never started");
+        }
+        Err(error) => return refused(&format!("not a run of this user: {error}")),
+    };
+    match control::ask(&folder, &request) {
+        Ok(Reply::Done) => {
+            say(&format!(
+                "on its way to ({}, {}, {})\n",
+                arguments.x, arguments.y, arguments.yaw
+            ));
+            ExitCode::from(EXIT_PASS)
+        }
+        Ok(Reply::Error(problem)) => usage(&printable(&problem)),
+        Ok(Reply::Run(_)) => refused("the answer is not one to a goal"),
+        Err(error) => refused(&format!("no run answers: {error}")),
+    }
+}

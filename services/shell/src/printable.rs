@@ -1,0 +1,91 @@
+//! Foreign text as it may be shown on a terminal.
+//!
+//! File names, names in scenarios, logs of services and answers of a control socket may hold
+//! sequences that move the cursor, change colours, clear the screen or reverse the direction of
+//! what follows. They are shown, not obeyed.
+
+use std::borrow::Cow;
+use std::fmt::Write;
+
+/// `text` on one line, every character that a terminal could obey escaped like `\u{1b}`.
+#[must_use]
+pub fn printable(text: &str) -> Cow<'_, str> {
+    escaped(text, |character| is_obeyed(character).then_some(Form::Rust))
+}
+
+/// As [`printable`], with the lines of `text` kept.
+#[must_use]
+pub fn printable_lines(text: &str) -> Cow<'_, str> {
+    escaped(text, |character| {
+        (character != '\n' && is_obeyed(character)).then_some(Form::Rust)
+    })
+}
+
+/// A JSON document without characters that a terminal could obey. Outside of strings it has none
+/// but line ends, and inside it has no line ends: so `\u001b` always means the same.
+#[must_use]
+pub fn printable_json(json: &str) -> Cow<'_, str> {
+    escaped(json, |character| {
+        (character != '\n' && is_obeyed(character)).then_some(Form::Json)
+    })
+}
+
+/// How a character is written out.
+enum Form {
+    Rust,
+    Json,
+}
+
+fn escaped(text: &str, form: impl Fn(char) -> Option<Form>) -> Cow<'_, str> {
+    if !text.chars().any(|character| form(character).is_some()) {
+        return Cow::Borrowed(text);
+    }
+    let mut out = String::with_capacity(text.len() + 16);
+    for character in text.chars() {
+        match form(character) {
+            None => out.push(character),
+            Some(Form::Rust) => out.extend(character.escape_default()),
+            // All that are obeyed lie in the first plane: four digits say them.
+            Some(Form::Json) => {
+                let _ = write!(out, "\\u{:04x}", u32::from(character));
+            }
+        }
+    }
+    Cow::Owned(out)
+}
+
+/// Control characters, line and paragraph separators, and the marks that turn the direction of text.
+fn is_obeyed(character: char) -> bool {
+    character.is_control()
+        || matches!(
+            character,
+            '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}'
+        )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn plain_text_stays_and_what_a_terminal_obeys_is_written_out() {
+        assert_eq!(printable("Lager Süd, 3 m²"), "Lager Süd, 3 m²");
+        assert_eq!(printable("\u{1b}[2J\u{9b}31m"), "\\u{1b}[2J\\u{9b}31m");
+        assert_eq!(printable("a\nb\r\u{7}"), "a\\nb\\r\\u{7}");
+        assert_eq!(printable("\u{202e}txt.exe"), "\\u{202e}txt.exe");
+        assert_eq!(printable_lines("a\n\u{1b}b"), "a\n\\u{1b}b");
+    }
+
+    #[test]
+    fn json_says_the_same_as_before() {
+        let value = serde_json::json!({ "name": "\u{1b}[2J\u{9b}\u{7f}\u{202e}", "n": [1, 2] });
+        let text = serde_json::to_string_pretty(&value).unwrap();
+        let shown = printable_json(&text);
+        assert!(
+            !shown.chars().any(|it| it != '\n' && is_obeyed(it)),
+            "{shown}"
+        );
+        let read: serde_json::Value = serde_json::from_str(&shown).unwrap();
+        assert_eq!(read, value);
+    }
+}
