@@ -20,7 +20,7 @@ codes! {
 
 message! {
     /// A self-contained record of one cycle. Sent without a header.
-    pub struct Span = "zeronav.Span.v1" {
+    pub struct Span = "zeronav.Span.v2" {
         /// Code of the [`Role`].
         pub role: u16,
         /// Code of [`SpanKind`].
@@ -60,6 +60,9 @@ message! {
         /// [ns] between the wake and the end of the cycle in which the thread did not run: it was
         /// preempted, waited for a page, or slept for a delay put in on purpose.
         pub off_processor_ns: u64,
+        /// Robot only, real time: `CLOCK_MONOTONIC_RAW` at `capture_ns`, of a command that was applied
+        /// at `started_ns`; 0 = none. [ns]
+        pub raw_ns: u64,
     }
 }
 

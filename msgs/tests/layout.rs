@@ -34,7 +34,7 @@ const GOLDEN: &[(&str, usize, usize, u64)] = &[
     ("health/global_planner", 176, 1, 0x36cf_66e2_6273_0491),
     ("health/local_planner", 176, 1, 0x2233_6336_f3b3_e545),
     ("health/collision_guard", 176, 1, 0x5cb6_8029_5ee9_6a43),
-    ("run/spans", 0, 128, 0xa2d0_4c83_09df_c6fa),
+    ("run/spans", 0, 136, 0x4482_7d2d_f814_4749),
 ];
 
 #[test]
@@ -67,7 +67,7 @@ fn fixed_offsets_that_other_languages_rely_on() {
     assert_eq!(core::mem::offset_of!(Header, parents), 48);
     assert_eq!(core::mem::offset_of!(Header, stamps), 96);
     assert_eq!((size_of::<Parents>(), size_of::<Stamps>()), (48, 24));
-    assert_eq!(size_of::<Span>(), 128);
+    assert_eq!(size_of::<Span>(), 136);
     assert_eq!(
         (size_of::<MapCell>(), size_of::<MapTile>()),
         (4, 8 + 32 * 32 * 4)

@@ -278,7 +278,12 @@ impl PlannerService {
     fn answer(&mut self, shell: &mut Shell, tick: u64, kind: SpanKind) {
         let clock = shell.roster().clock;
         let lockstep = shell.roster().lockstep();
-        let run_ns = tick.saturating_mul(clock.tick_ns);
+        // In real time a scan between two ticks brings odometry of its own moment.
+        let newest = self.readings.track.newest();
+        let run_ns = match newest.filter(|newest| !lockstep && newest.tick == tick) {
+            Some(newest) => newest.run_ns,
+            None => tick.saturating_mul(clock.tick_ns),
+        };
         let now_ns = now_ns();
         let period_s = self.period_s(shell, now_ns);
         let readings = &mut self.readings;

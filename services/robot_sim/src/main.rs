@@ -10,7 +10,7 @@ use zeronav_msgs::topics::{
 };
 use zeronav_msgs::truth::{TRUTH_OBSTACLES_MAX, TruthObstacle};
 use zeronav_robot_sim::{SimConfig, SimError, Simulator};
-use zeronav_shell::clock::now_ns;
+use zeronav_shell::clock::{both_ns, now_ns};
 use zeronav_shell::doorbell::Rung;
 use zeronav_shell::records::SpanReader;
 use zeronav_shell::{Cycle, Latest, Service, Shell, StartError, Writer};
@@ -101,22 +101,11 @@ impl Service for RobotService {
             }
             return Ok(None);
         }
-        let tick_ns = shell.roster().clock.tick_ns;
-        let now = now_ns();
         if control.paused == 1 {
-            self.due_ns = now + tick_ns;
-        } else if now >= self.due_ns {
-            self.tick(shell);
-            // Never catch up: what the machine was too busy for is run time that slipped.
-            self.due_ns += tick_ns;
-            let now = now_ns();
-            if self.due_ns < now {
-                self.slipped_ns += now - self.due_ns;
-                self.due_ns = now;
-            }
-            shell.slipped(self.slipped_ns);
+            self.due_ns = now_ns() + shell.roster().clock.tick_ns;
+            return Ok(Some(self.due_ns));
         }
-        Ok(Some(self.due_ns))
+        Ok(Some(self.keep_time(shell)))
     }
 }
 
@@ -184,7 +173,8 @@ impl RobotService {
         };
         let (tick, capture_ns) = (command.header.tick, command.header.capture_ns);
         // The draft's start is the moment at which the set point took effect.
-        let draft = shell.draft(tick, command.header.run_ns, capture_ns, parents);
+        let mut draft = shell.draft(tick, command.header.run_ns, capture_ns, parents);
+        (draft.started_ns, draft.raw_ns) = both_ns();
         shell.finish(&Cycle {
             kind: SpanKind::Applied,
             draft,
@@ -212,17 +202,63 @@ impl RobotService {
         })
     }
 
-    /// One tick: move, look, tell.
+    /// When the next step is due by the own clock, and the run time of its scan if that is captured
+    /// between two ticks. [ns]
+    fn next_due(&self, tick_ns: u64) -> (u64, Option<u64>) {
+        let tick_run_ns = (self.tick + 1).saturating_mul(tick_ns);
+        let simulator = self.simulator.as_ref();
+        let capture_run_ns = simulator.and_then(|it| it.next_capture_run_ns(tick_run_ns));
+        match capture_run_ns.filter(|capture_run_ns| *capture_run_ns < tick_run_ns) {
+            Some(capture_run_ns) => {
+                let before_ns = tick_run_ns - capture_run_ns;
+                (self.due_ns.saturating_sub(before_ns), Some(capture_run_ns))
+            }
+            None => (self.due_ns, None),
+        }
+    }
+
+    /// Does what is due by the own clock: a scan that is captured between two ticks, then a tick.
+    /// Returns when the next of them is due. [ns]
+    fn keep_time(&mut self, shell: &mut Shell) -> u64 {
+        let tick_ns = shell.roster().clock.tick_ns;
+        let (mut due_ns, mut capture_run_ns) = self.next_due(tick_ns);
+        if let Some(run_ns) = capture_run_ns.filter(|_| now_ns() >= due_ns) {
+            self.step(shell, run_ns, SpanKind::Extra);
+            (due_ns, capture_run_ns) = self.next_due(tick_ns);
+        }
+        if capture_run_ns.is_none() && now_ns() >= due_ns {
+            self.tick(shell);
+            // Never catch up: what the machine was too busy for is run time that slipped.
+            self.due_ns += tick_ns;
+            let now = now_ns();
+            if self.due_ns < now {
+                self.slipped_ns += now - self.due_ns;
+                self.due_ns = now;
+            }
+            shell.slipped(self.slipped_ns);
+            due_ns = self.next_due(tick_ns).0;
+        }
+        due_ns
+    }
+
+    /// One tick.
     fn tick(&mut self, shell: &mut Shell) {
+        let tick = self.tick + 1;
+        let run_ns = tick.saturating_mul(shell.roster().clock.tick_ns);
+        self.tick = tick;
+        self.step(shell, run_ns, SpanKind::Answer);
+    }
+
+    /// Moves until `run_ns`, looks, tells. Between two ticks it tells of a scan, with the odometry
+    /// of its capture so that nobody has to guess where the robot was, under the tick before.
+    fn step(&mut self, shell: &mut Shell, run_ns: u64, kind: SpanKind) {
         let Some(simulator) = &mut self.simulator else {
             return;
         };
-        let clock = shell.roster().clock;
         let lockstep = shell.roster().lockstep();
-        let tick = self.tick + 1;
-        let run_ns = tick.saturating_mul(clock.tick_ns);
+        let tick = self.tick;
         let began_ns = if lockstep {
-            run_ns - clock.tick_ns
+            simulator.run_ns()
         } else {
             now_ns()
         };
@@ -230,9 +266,8 @@ impl RobotService {
             .command_came_ns
             .map_or(u64::MAX, |came_ns| began_ns.saturating_sub(came_ns));
         simulator.step(run_ns, age_ns);
-        self.tick = tick;
         // The world is still from here on: this is the moment that the sensors see.
-        let seen_ns = now_ns();
+        let (seen_ns, seen_raw_ns) = both_ns();
         let due = simulator.scan_due();
         let odometry_id = self.odometry.next_id().0;
         let mut parents = Parents {
@@ -250,11 +285,14 @@ impl RobotService {
             });
             parents.scan = shell.sent(&self.scan, sent).map_or(0, |sent| sent.id.0);
         }
-        let draft = shell.draft(tick, run_ns, capture_ns, parents);
+        let mut draft = shell.draft(tick, run_ns, capture_ns, parents);
+        if !lockstep {
+            draft.raw_ns = seen_raw_ns.saturating_sub(seen_ns - capture_ns);
+        }
         let sent = self.odometry.publish(&draft, simulator.odometry(), &[]);
         let output = shell.sent(&self.odometry, sent);
         shell.finish(&Cycle {
-            kind: SpanKind::Answer,
+            kind,
             draft,
             output,
             work: due.map_or(0, |_| simulator.n_beams() as u64),
@@ -267,7 +305,6 @@ impl RobotService {
                 let ago_ns = run_ns.saturating_sub(obstacle.appeared_run_ns);
                 obstacle.appeared_ns = seen_ns.saturating_sub(ago_ns);
             }
-            let mut draft = draft;
             draft.hashed = false;
             self.truth.publish(&draft, truth, &self.obstacles);
         }

@@ -8,7 +8,7 @@ use crate::drive::{DriveLimits, DriveState, Motion, Twist};
 use crate::faults::Faults;
 use crate::history::{History, Stretch};
 use crate::lidar::Lidar;
-use crate::obstacles::Obstacle;
+use crate::obstacles::{Obstacle, nanoseconds};
 use crate::odometer::{Odometer, WheelMotion};
 use crate::scan_schedule::{DueScan, ScanSchedule};
 use crate::slip::{Grip, Slip};
@@ -216,14 +216,15 @@ impl Simulator {
         }
     }
 
-    /// One tick, which ends at `run_ns` and began a tick earlier, but not before 0.
+    /// A step, which ends at `run_ns` and begins where the last one ended, but at most a tick
+    /// earlier. A tick is one step, or two when its scan is taken between two ticks.
     ///
     /// The robot changes its velocity towards the set point: away from zero with `a_mps2_max`,
     /// towards zero with the larger of that and `brake_mps2`, so that no command stops it worse than
     /// the guard relies on. When the last command is older than the robot's timeout it stops with
-    /// `brake_mps2` alone. `command_age_ns` is the age of the last command at the start of the tick.
+    /// `brake_mps2` alone. `command_age_ns` is the age of the last command at the start of the step.
     pub fn step(&mut self, run_ns: u64, command_age_ns: u64) {
-        let from_run_ns = run_ns.saturating_sub(self.tick_ns);
+        let from_run_ns = run_ns.saturating_sub(self.tick_ns).max(self.run_ns);
         for obstacle in &mut self.obstacles {
             obstacle.look_ahead(&self.world, run_ns);
         }
@@ -291,20 +292,27 @@ impl Simulator {
         self.beams_on.fill(0);
     }
 
-    /// The scan that fell due in the last tick and is sent, with the exact run time of its capture.
+    /// Run time of the first scan that is captured after the last step and up to `run_ns`. [ns]
+    #[must_use]
+    pub fn next_capture_run_ns(&self, run_ns: u64) -> Option<u64> {
+        let due = self.schedule.due(self.run_ns, run_ns)?;
+        Some(due.capture_run_ns)
+    }
+
+    /// The scan that fell due in the last step and is sent, with the exact run time of its capture.
     #[must_use]
     pub fn scan_due(&self) -> Option<DueScan> {
         let sent = |due: &DueScan| !self.faults.is_silent(due.capture_run_ns);
         self.due.filter(sent)
     }
 
-    /// True when the last tick is one of the lidar's rate, sent or not.
+    /// True when the last step is one of the lidar's rate, sent or not.
     #[must_use]
     pub const fn truth_due(&self) -> bool {
         self.due.is_some()
     }
 
-    /// Takes the scan that fell due in the last tick, of the world and from the pose at its
+    /// Takes the scan that fell due in the last step, of the world and from the pose at its
     /// capture; `None` when none did or it is not sent, and `ranges` stays as it is. Taking it again gives the same
     /// bits. No allocation.
     ///
@@ -482,15 +490,6 @@ fn check_start(
 )]
 fn seconds(ns: u64) -> f64 {
     ns as f64 * 1.0e-9
-}
-
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a checked timeout, at most 10 s"
-)]
-fn nanoseconds(seconds: f64) -> u64 {
-    (seconds * 1.0e9).round() as u64
 }
 
 #[cfg(test)]

@@ -15,3 +15,27 @@ pub fn thread_cpu_ns() -> u64 {
     let time = clock_gettime(ClockId::ThreadCPUTime);
     time.tv_sec.cast_unsigned() * 1_000_000_000 + time.tv_nsec.cast_unsigned()
 }
+
+/// One moment on two clocks: [`now_ns`] and `CLOCK_MONOTONIC_RAW`, which the kernel does not slew.
+///
+/// A process that is put aside between the two readings would make moments of them, so they are
+/// taken again until they lie close together, a few times at most.
+#[must_use]
+pub fn both_ns() -> (u64, u64) {
+    const CLOSE_NS: u64 = 2_000;
+    const TRIES: u32 = 8;
+    let mut best = (u64::MAX, 0, 0);
+    for _ in 0..TRIES {
+        let before_ns = now_ns();
+        let raw = clock_gettime(ClockId::MonotonicRaw);
+        let apart_ns = now_ns().saturating_sub(before_ns);
+        if apart_ns < best.0 {
+            let raw_ns = raw.tv_sec.cast_unsigned() * 1_000_000_000 + raw.tv_nsec.cast_unsigned();
+            best = (apart_ns, before_ns, raw_ns);
+        }
+        if apart_ns <= CLOSE_NS {
+            break;
+        }
+    }
+    (best.1, best.2)
+}

@@ -189,6 +189,7 @@ impl Shell {
             parents,
             woken_ns: self.woken_ns,
             started_ns: now_ns(),
+            raw_ns: 0,
             hashed: tick > 0 && self.roster().lockstep(),
         };
         let seat = self.roster().seat(self.peer.role());
@@ -288,6 +289,7 @@ impl Shell {
             work: u32::try_from(cycle.work).unwrap_or(u32::MAX),
             hash: core::mem::take(&mut self.hash),
             off_processor_ns: self.off_processor_ns(),
+            raw_ns: draft.raw_ns,
         });
         self.superseded_told = self.beat.superseded;
         if self.roster().lockstep() {

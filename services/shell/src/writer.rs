@@ -24,6 +24,8 @@ pub struct Draft {
     pub woken_ns: u64,
     /// Inputs taken in. [ns]
     pub started_ns: u64,
+    /// For the record: the robot's moment on its second clock, 0 = none. [ns]
+    pub raw_ns: u64,
     /// True when the message counts for the run's hash.
     pub hashed: bool,
 }

@@ -260,6 +260,57 @@ fn a_scan_between_ticks_is_taken_at_its_capture() {
     assert_eq!(due_ticks[..6], [4, 7, 10, 14, 17, 20]);
 }
 
+/// In lockstep a scan between two ticks is taken after the tick, in real time at its capture.
+#[test]
+fn a_tick_in_two_steps_sees_and_ends_as_in_one() {
+    let mut config = config(vec![a_box([9.5, 0.0], [1.0, 9.0])], Vec::new());
+    config.robot.lidar.rate_hz = 15.0;
+    let (mut whole, mut split) = (simulator(&config), simulator(&config));
+    let (mut late, mut at_once) = (vec![0.0; 360], vec![0.0; 360]);
+    let mut between = 0;
+    for tick in 1..=60 {
+        if tick % 15 == 1 {
+            let w_radps = if tick < 30 { 0.4 } else { -0.7 };
+            whole.set_command(1.0, w_radps);
+            split.set_command(1.0, w_radps);
+        }
+        whole.step(tick * TICK, 0);
+        let due = whole.scan_due();
+        assert_eq!(
+            split.next_capture_run_ns(tick * TICK),
+            due.map(|due| due.capture_run_ns)
+        );
+        if let Some(due) = due.filter(|due| due.capture_run_ns < tick * TICK) {
+            split.step(due.capture_run_ns, 0);
+            assert_eq!(split.scan_due(), Some(due));
+            assert_eq!(split.odometry().scan_due, 1);
+            assert_eq!(split.next_capture_run_ns(tick * TICK), None);
+            let scan = split.scan(&mut at_once);
+            assert_eq!(whole.scan(&mut late), scan);
+            for (late, at_once) in late
+                .iter()
+                .zip(&at_once)
+                .filter(|(late, _)| late.is_finite())
+            {
+                close(f64::from(*at_once), f64::from(*late), 1e-6);
+            }
+            between += 1;
+            split.step(tick * TICK, 0);
+            assert!(!split.truth_due(), "told once");
+        } else {
+            split.step(tick * TICK, 0);
+            assert_eq!(split.scan_due(), due);
+        }
+        let (one, other) = (truth(&mut whole), truth(&mut split));
+        close(other.pose.x_m, one.pose.x_m, 1e-12);
+        close(other.pose.y_m, one.pose.y_m, 1e-12);
+        close(other.pose.yaw_rad, one.pose.yaw_rad, 1e-12);
+        close(other.v_mps, one.v_mps, 1e-12);
+        close(other.driven_m, one.driven_m, 1e-12);
+    }
+    assert_eq!(between, 12, "of 18 scans six fall on a tick");
+}
+
 #[test]
 fn the_map_file_is_seen_and_touched_cell_by_cell() {
     let folder = tempfile::tempdir().expect("a folder");
