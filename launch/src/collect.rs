@@ -1,6 +1,6 @@
 //! Listens to a running stack and keeps what the result needs.
 
-use crate::measure::index::{PathRecord, Sighting};
+use crate::measure::index::{PathRecord, Sensed, Sighting};
 use crate::measure::{Motion, Records, RunHash, Witness};
 use crate::supervise::stack::Taps;
 use std::collections::{BTreeSet, HashMap, VecDeque};
@@ -15,6 +15,7 @@ use zeronav_msgs::span::{Span, SpanKind};
 use zeronav_msgs::task::{EndReason, StuckCause, TaskState};
 use zeronav_msgs::truth::Truth;
 use zeronav_shell::Roster;
+use zeronav_world::Convex;
 
 /// Spans that are kept at most; the oldest go first.
 const SPANS_MAX: usize = 200_000;
@@ -50,8 +51,11 @@ pub struct TaskReport {
     pub cause: StuckCause,
 }
 
-/// Tells whether a point is at the outline of a scripted obstacle: `(index, pose, point, within)`.
-pub type AtOutline<'a> = &'a dyn Fn(usize, &Pose, [f64; 2], f64) -> bool;
+/// The form of a scripted obstacle at a pose.
+pub type Placed<'a> = &'a dyn Fn(usize, &Pose) -> Option<Convex>;
+
+/// Changes of what the map shows of one obstacle that are kept at most; the oldest go first.
+const SENSED_MAX: usize = 1000;
 
 /// Everything that was heard.
 #[derive(Debug, Default)]
@@ -97,7 +101,7 @@ pub struct Collector {
 
 impl Collector {
     /// Takes in whatever has come; true when mapping should be asked for a keyframe.
-    pub fn listen(&mut self, taps: &mut Taps, roster: &Roster, at_outline: AtOutline<'_>) -> bool {
+    pub fn listen(&mut self, taps: &mut Taps, roster: &Roster, placed: Placed<'_>) -> bool {
         taps.spans.drain(|span| self.span(span));
         taps.truth.drain(roster, |view| {
             self.truth(view.header.run_ns, view.meta, view.items);
@@ -116,8 +120,10 @@ impl Collector {
         taps.moving.drain(roster, |view| {
             (self.witness).obstacles(view.header.parents.scan, view.items);
         });
+        // In lockstep there are no latencies.
+        let looks = !roster.lockstep();
         if let Some((revision, scan)) = self.unlooked.take() {
-            self.look_for_obstacles(revision, scan, at_outline);
+            self.look_for_obstacles(revision, scan, placed);
         }
         if taps.keyframe.poll(roster)
             && let Some(view) = taps.keyframe.get()
@@ -138,8 +144,11 @@ impl Collector {
                 self.updates.0 += 1;
                 self.updates.1 += view.items.len() as u64;
             }
+            if !looks {
+                return;
+            }
             if self.truth.is_some_and(|truth| truth.scan >= scan) {
-                self.look_for_obstacles(revision, scan, at_outline);
+                self.look_for_obstacles(revision, scan, placed);
             } else {
                 // The truth about the scan is still on its way: look when it is here.
                 self.unlooked = Some((revision, scan));
@@ -212,12 +221,13 @@ impl Collector {
 
     fn span(&mut self, span: &Span) {
         self.hash.add(span);
+        let scanned = span.role == Role::Robot.code() && span.scan != 0;
+        if scanned && matches!(span.kind(), Some(SpanKind::Answer | SpanKind::Extra)) {
+            self.scan_tick = self.scan_tick.max(span.tick);
+        }
         if span.kind() == Some(SpanKind::Answer) {
             let answered = self.answered.entry(span.role).or_default();
             *answered = (*answered).max(span.tick);
-            if span.role == Role::Robot.code() && span.scan != 0 {
-                self.scan_tick = self.scan_tick.max(span.tick);
-            }
         }
         if self.records.spans.len() == SPANS_MAX {
             self.records.spans.drain(..SPANS_MAX / 4);
@@ -326,39 +336,53 @@ impl Collector {
         }
     }
 
-    /// Notes the first revision that shows an obstacle.
-    fn look_for_obstacles(&mut self, revision: Id, scan: u64, at_outline: AtOutline<'_>) {
+    /// Notes what a revision shows of the obstacles that have been seen.
+    fn look_for_obstacles(&mut self, revision: Id, scan: u64, placed: Placed<'_>) {
         let Some(map) = self.replica.view() else {
             return;
         };
         for sighting in &mut self.records.sightings {
-            let due = sighting.first_map.is_none()
-                && sighting.first_scan.is_some_and(|first| scan >= first);
-            let Some(pose) = self.obstacles.get(&sighting.index).filter(|_| due) else {
+            let seen = sighting.first_beam_scan.is_some_and(|first| scan >= first);
+            let pose = self.obstacles.get(&sighting.index).filter(|_| seen);
+            let Some(obstacle) = pose.and_then(|pose| placed(sighting.index, pose)) else {
                 continue;
             };
-            let shown = |point, within| at_outline(sighting.index, pose, point, within);
-            if shows(&map, &pose.point(), shown) {
-                sighting.first_map = Some(revision.0);
+            let cells_m = sensed_at(&map, &obstacle);
+            let due = sighting.first_scan.is_some_and(|first| scan >= first);
+            if due && !cells_m.is_empty() {
+                sighting.first_map.get_or_insert(revision.0);
+            }
+            let before = sighting.sensed.last().map(|sensed| &sensed.cells_m[..]);
+            if before.unwrap_or_default() != cells_m {
+                if sighting.sensed.len() == SENSED_MAX {
+                    sighting.sensed.remove(0);
+                }
+                let map = revision.0;
+                sighting.sensed.push(Sensed { map, cells_m });
             }
         }
     }
 }
 
-/// True when a sensed lethal cell that is not on the static map lies within one cell of an
-/// outline around `centre`.
-pub fn shows(
-    map: &MapView<'_>,
-    centre: &nalgebra::Point2<f64>,
-    at_outline: impl Fn([f64; 2], f64) -> bool,
-) -> bool {
-    /// No scripted obstacle is larger. [m]
-    const REACH_M: f64 = 5.0;
+/// Centres of the sensed lethal cells, not those of the static map, within one cell of the outline
+/// of `obstacle`. [m]
+#[must_use]
+pub fn sensed_at(map: &MapView<'_>, obstacle: &Convex) -> Vec<[f64; 2]> {
     let geometry: &GridGeometry = map.geometry;
-    let reach = nalgebra::Vector2::new(REACH_M, REACH_M);
-    let low = geometry.unbounded_cell_at(centre - reach);
-    let high = geometry.unbounded_cell_at(centre + reach);
+    let margin = nalgebra::Vector2::repeat(2.0 * geometry.resolution_m);
+    let corners = obstacle.outline();
+    let Some(first) = corners.first() else {
+        return Vec::new();
+    };
+    let (mut low, mut high) = (first.coords, first.coords);
+    for corner in &corners {
+        low = low.inf(&corner.coords);
+        high = high.sup(&corner.coords);
+    }
+    let low = geometry.unbounded_cell_at((low - margin).into());
+    let high = geometry.unbounded_cell_at((high + margin).into());
     let (width, height) = geometry.size();
+    let mut cells_m = Vec::new();
     for y in low.y.max(0)..=high.y.min(height - 1) {
         for x in low.x.max(0)..=high.x.min(width - 1) {
             let cell = Cell::new(x, y);
@@ -368,10 +392,10 @@ pub fn shows(
                     && cell.flags & FLAG_STATIC == 0
             });
             let point = geometry.centre_of(cell);
-            if sensed && at_outline([point.x, point.y], geometry.resolution_m) {
-                return true;
+            if sensed && obstacle.distance_to_point_m(point) <= geometry.resolution_m {
+                cells_m.push([point.x, point.y]);
             }
         }
     }
-    false
+    cells_m
 }

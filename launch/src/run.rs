@@ -303,14 +303,12 @@ impl Drive<'_> {
     /// One look at everything.
     fn listen(&mut self, stack: &mut Stack) {
         let world = &self.prepared.world;
-        let at_outline = |index: usize, pose: &Pose, point: [f64; 2], within_m: f64| {
-            world.obstacles().get(index).is_some_and(|obstacle| {
-                let point = Point2::new(point[0], point[1]);
-                obstacle.shape.placed_at(pose).distance_to_point_m(point) <= within_m
-            })
+        let placed = |index: usize, pose: &Pose| {
+            let obstacle = world.obstacles().get(index)?;
+            Some(obstacle.shape.placed_at(pose))
         };
         let Stack { taps, roster, .. } = stack;
-        if self.collector.listen(taps, roster, &at_outline) {
+        if self.collector.listen(taps, roster, &placed) {
             stack.ask_for_keyframe();
         }
         stack.refresh();

@@ -4,7 +4,7 @@
 //! the path leads through where it will stand. The obstacle appears at a phase of the lidar's turn
 //! that is drawn uniformly, and is taken away as soon as a command has answered it.
 
-use crate::collect::{Collector, shows};
+use crate::collect::{Collector, sensed_at};
 use crate::disturbance::{Disturbance, Reading};
 use crate::measure::index::PathRecord;
 use crate::measure::{Event, EventOutcome, Records, judge};
@@ -190,12 +190,9 @@ impl<'a> Shuttle<'a> {
         let Some(there) = self.place_ahead(truth.pose.point()) else {
             return Step::Wait;
         };
-        let left = self.last.is_some_and(|last| {
-            let placed = self.shape.placed_at(&last);
-            shows(&map, &last.point(), |point, within_m| {
-                placed.distance_to_point_m(Point2::from(point)) <= within_m
-            })
-        });
+        let left = self
+            .last
+            .is_some_and(|last| !sensed_at(&map, &self.shape.placed_at(&last)).is_empty());
         let path = collector.records.paths.last();
         let through = path.is_some_and(|path| {
             path.status == PathStatus::Found

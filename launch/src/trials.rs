@@ -4,8 +4,8 @@ use crate::disturbance::Disturbance;
 use crate::ending::Ending;
 use crate::floor::{self, Load};
 use crate::measure::distribution::to_us;
-use crate::measure::event::HOPS;
-use crate::measure::{Event, Latency, reactions};
+use crate::measure::way::HOPS;
+use crate::measure::{Event, Latency};
 use crate::prepare::Prepared;
 use crate::run::{DEADLINE_NS, Driven, Quota, drive};
 use crate::shuttle::Trial;
@@ -146,8 +146,7 @@ pub fn make(
         before += driven.trials.len();
         let trials = std::mem::take(&mut driven.trials);
         let events: Vec<Event> = trials.iter().map(|trial| trial.event.clone()).collect();
-        let reaction = reactions(&driven.collector.records, DEADLINE_NS).figures();
-        let mut latency = Latency::of(&events, reaction, DEADLINE_NS);
+        let mut latency = Latency::of(&events, &driven.collector.records, DEADLINE_NS);
         latency.not_in_the_way = driven.trials_missed;
         let load = (driven.ending == Ending::TrialsOver).then(|| load(prepared, &driven));
         if let Some(load) = load {
@@ -209,7 +208,7 @@ fn slow(round: usize, trials: &[Trial], latency: &Latency, worst: &mut Vec<SlowT
 
 /// The hop of this trial that took longest beyond its median.
 fn slow_hop(event: &Event, latency: &Latency) -> Option<SlowHop> {
-    let hops = HOPS.iter().zip(event.hops_ns?).zip(&latency.hops);
+    let hops = HOPS.iter().zip(event.hops_ns()?).zip(&latency.hops);
     let slow = hops.map(|((name, time_ns), hop)| SlowHop {
         name,
         time_us: to_us(time_ns),
@@ -239,18 +238,30 @@ fn load(prepared: &Prepared, driven: &Driven) -> Load {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::measure::distribution::Figures;
-    use crate::measure::event::{EventOutcome, Hop};
+    use crate::measure::latency::Hop;
+    use crate::measure::way::{ALL, Way};
+    use crate::measure::{EventOutcome, Records};
 
     fn trial(replanning_us: Option<u64>, hops_us: [u64; HOPS.len()]) -> Trial {
+        let mut boundaries_ns = vec![0];
+        let mut at_ns = 0;
+        for us in hops_us {
+            at_ns += us * 1000;
+            boundaries_ns.push(at_ns);
+        }
         Trial {
             event: Event {
                 index: 0,
                 outcome: EventOutcome::Answered,
                 replanning_ns: replanning_us.map(|us| us * 1000),
                 event_to_motion_ns: None,
-                hops_ns: Some(hops_us.map(|us| us * 1000)),
-                closure_error_ns: None,
+                way: Some(Way {
+                    hops: &ALL,
+                    boundaries_ns,
+                    second_ns: None,
+                }),
+                way_broken: false,
+                revised: 0,
             },
             disturbance: None,
         }
@@ -258,7 +269,7 @@ mod tests {
 
     #[test]
     fn the_slowest_trials_name_the_hop_that_is_farthest_beyond_its_median() {
-        let mut latency = Latency::of(&[], Figures::default(), DEADLINE_NS);
+        let mut latency = Latency::of(&[], &Records::default(), DEADLINE_NS);
         for (at, Hop { figures, .. }) in latency.hops.iter_mut().enumerate() {
             figures.p50_us = Some(if at == 5 { 1500.0 } else { 100.0 });
         }

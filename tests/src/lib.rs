@@ -71,6 +71,22 @@ pub fn real_time_turn() -> MutexGuard<'static, ()> {
     TURN.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
+/// What must hold of every `latency` of a run: no stamp before its predecessor, no record missing,
+/// and the robot's second clock agrees with the hops.
+///
+/// # Panics
+/// When it does not.
+pub fn assert_books_close(latency: &Value) {
+    let disorder = latency["hops_out_of_order"].as_object().expect("hops");
+    assert_eq!(disorder.len(), 11, "{latency:#}");
+    assert!(disorder.values().all(|n| n == 0), "{disorder:?}");
+    assert!(latency["ways"].as_u64() > Some(20), "{latency:#}");
+    assert_eq!(latency["ways_broken"], 0, "{latency:#}");
+    let clock = &latency["second_clock"];
+    assert_eq!(clock["end_to_end"]["n"], latency["ways"], "{clock:#}");
+    assert_eq!(clock["beyond"], 0, "{clock:#}");
+}
+
 /// A started `zeronav`. Dropping it ends it.
 #[derive(Debug)]
 pub struct Zeronav {

@@ -4,14 +4,7 @@
 
 use serde_json::Value;
 use std::path::PathBuf;
-use zeronav_tests::{Zeronav, leftovers, real_time_turn, zeronav};
-
-/// A hop of a result. [us]
-fn hop_us(result: &Value, name: &str) -> f64 {
-    let hops = result["latency"]["hops"].as_array().expect("hops");
-    let hop = hops.iter().find(|hop| hop["name"] == name);
-    hop.expect("the hop")["p50_us"].as_f64().expect("a median")
-}
+use zeronav_tests::{Zeronav, assert_books_close, leftovers, real_time_turn, zeronav};
 
 #[test]
 fn trials_come_with_percentiles_and_the_floor_of_the_transport() {
@@ -38,7 +31,7 @@ fn trials_come_with_percentiles_and_the_floor_of_the_transport() {
         assert_eq!(latency[key]["n"], 7, "{latency:#}");
         assert_eq!(latency[key]["censored"], 0, "{latency:#}");
     }
-    assert_eq!(latency["closure_error_ns_max"], 0, "{latency:#}");
+    assert_books_close(latency);
     let floor = &latency["transport_floor"];
     let number = |value: &Value| value.as_f64().expect("a number");
     assert!(number(&floor["n"]) >= 60.0, "{floor:#}");
@@ -111,8 +104,79 @@ fn check_disturbance(disturbance: &Value) {
     assert!((0.0..=1.0).contains(&steal), "{disturbance:#}");
 }
 
+/// The shortest way leads close around the front that is seen and cuts the hidden back, which comes
+/// into sight when the robot drives around it. It does so at once and corrects its path later; an
+/// answer that had to clear the back from the beginning came seconds late, or never.
 #[test]
-fn a_delay_appears_in_its_hop_and_nowhere_else() {
+fn a_disc_that_is_driven_around_at_once_is_answered_at_once() {
+    let _turn = real_time_turn();
+    let folder = tempfile::tempdir().expect("a folder");
+    let scenario = r#"
+title = "A disc appears 1.5 m ahead in a corridor"
+base = ["turtlebot2"]
+start = [1.5, 2.0, 0.0]
+[world]
+area_m = [[0.0, 0.0], [12.0, 4.0]]
+resolution_m = 0.05
+shapes = [
+    { kind = "box", centre_m = [6.0, 0.4], size_m = [12.0, 0.2] },
+    { kind = "box", centre_m = [6.0, 3.6], size_m = [12.0, 0.2] },
+]
+[[world.obstacles]]
+name = "disc"
+shape = { kind = "disc", centre_m = [5.5, 2.0], radius_m = 0.3 }
+appears = { robot_near = { point_m = [5.5, 2.0], distance_m = 1.5 } }
+[services.global_planner]
+config.planner = "jps"
+[run]
+time_limit_s = 60.0
+[[goals]]
+pose = [7.0, 2.0, 0.0]
+"#;
+    std::fs::write(folder.path().join("disc.toml"), scenario).expect("written");
+    let run = Zeronav::start_in(folder, &["run", "./disc.toml", "--headless", "--json"]);
+    let result = run.finish().expect(0);
+    assert_eq!(result["reached"], true, "{result:#}");
+    assert_eq!(result["contacts"], 0, "{result:#}");
+    let latency = &result["latency"];
+    assert_eq!(latency["replanning"]["n"], 1, "{latency:#}");
+    assert_eq!(latency["replanning"]["censored"], 0, "{latency:#}");
+    assert_eq!(latency["revised"], 1, "{latency:#}");
+    let replanning_us = latency["replanning"]["p50_us"].as_f64();
+    assert!(replanning_us < Some(500_000.0), "{latency:#}");
+}
+
+/// Its lidar turns 5.5 times a second, so that hardly a scan falls on a tick of 20 ms. One that
+/// waited for the next tick would be 10 ms old at the median when it is sent.
+#[test]
+fn in_real_time_a_scan_is_sent_when_it_is_captured() {
+    let _turn = real_time_turn();
+    let folder = tempfile::tempdir().expect("a folder");
+    let scenario = r#"
+title = "A TurtleBot 2 in an empty hall"
+base = ["hall", "turtlebot2"]
+start = [1.5, 4.0, 0.0]
+[run]
+time_limit_s = 60.0
+[[goals]]
+pose = [7.5, 4.0, 0.0]
+"#;
+    std::fs::write(folder.path().join("hall.toml"), scenario).expect("written");
+    let run = Zeronav::start_in(folder, &["run", "./hall.toml", "--headless", "--json"]);
+    let result = run.finish().expect(0);
+    assert_eq!(result["reached"], true, "{result:#}");
+    let latency = &result["latency"];
+    assert_books_close(latency);
+    let direct = latency["every_scan"]["direct"].as_array().expect("hops");
+    assert_eq!(direct[0]["name"], "robot");
+    assert!(direct[0]["n"].as_u64() > Some(40), "{direct:#?}");
+    let robot_us = direct[0]["p50_us"].as_f64().expect("a median");
+    assert!(robot_us < 5000.0, "sent after {robot_us} us: {latency:#}");
+    eprintln!("reaction {} us", latency["reaction"]["p50_us"]);
+}
+
+#[test]
+fn a_slow_trial_names_its_hop_and_that_its_service_did_not_compute() {
     let _turn = real_time_turn();
     let result = zeronav(&[
         "run",
@@ -126,12 +190,6 @@ fn a_delay_appears_in_its_hop_and_nowhere_else() {
     ])
     .expect(0);
     assert_eq!(result["injected_us"]["global_planner"], 200_000.0);
-    assert!(hop_us(&result, "global_planner") >= 200_000.0, "{result:#}");
-    for other in ["mapping", "local_planner", "collision_guard", "robot"] {
-        assert!(hop_us(&result, other) < 200_000.0, "{other}: {result:#}");
-    }
-    let replanning_us = result["latency"]["replanning"]["p50_us"].as_f64();
-    assert!(replanning_us.expect("a median") >= 200_000.0);
     // Whoever looks for the cause finds the hop, and that its service did not compute meanwhile.
     let slow = &result["trials"]["worst"][0];
     assert_eq!(slow["hop"]["name"], "global_planner", "{slow:#}");

@@ -1,8 +1,7 @@
-//! The records of a run, and the joins that every measure needs.
+//! The records of a run.
 
 use zeronav_msgs::path::{PathCause, PathStatus};
-use zeronav_msgs::role::Role;
-use zeronav_msgs::span::{Span, SpanKind};
+use zeronav_msgs::span::Span;
 
 /// A path as it was published, without repeats of an unchanged one.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,6 +44,27 @@ pub struct Sighting {
     /// First map revision, current as of that scan or later, with a sensed lethal cell at its
     /// outline.
     pub first_map: Option<u64>,
+    /// What the map showed of it, in order of the revisions that changed that.
+    pub sensed: Vec<Sensed>,
+}
+
+/// What a map showed of an obstacle.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Sensed {
+    /// The first revision with it.
+    pub map: u64,
+    /// Centres of the sensed lethal cells within one cell of the outline. [m]
+    pub cells_m: Vec<[f64; 2]>,
+}
+
+impl Sighting {
+    /// What revision `map` showed of it. [m]
+    #[must_use]
+    pub fn sensed_by(&self, map: u64) -> &[[f64; 2]] {
+        let until = self.sensed.partition_point(|sensed| sensed.map <= map);
+        let newest = until.checked_sub(1).and_then(|at| self.sensed.get(at));
+        newest.map_or(&[], |sensed| &sensed.cells_m)
+    }
 }
 
 /// Everything that launch collected.
@@ -56,63 +76,4 @@ pub struct Records {
     pub paths: Vec<PathRecord>,
     /// All scripted obstacles that appeared.
     pub sightings: Vec<Sighting>,
-}
-
-impl Records {
-    /// Spans of `role` that are answers or extra answers, in order of their output.
-    pub fn answers(&self, role: Role) -> impl Iterator<Item = &Span> {
-        self.spans.iter().filter(move |span| {
-            span.role == role.code()
-                && matches!(span.kind(), Some(SpanKind::Answer | SpanKind::Extra))
-        })
-    }
-
-    /// The robot's record of the tick whose scan is `scan`.
-    #[must_use]
-    pub fn scan(&self, scan: u64) -> Option<&Span> {
-        self.answers(Role::Robot).find(|span| span.scan == scan)
-    }
-
-    /// The first velocity request made with `path` or a later one.
-    #[must_use]
-    pub fn first_request_with_path(&self, path: u64) -> Option<&Span> {
-        self.answers(Role::LocalPlanner)
-            .filter(|span| span.path >= path && span.output != 0)
-            .min_by_key(|span| span.output)
-    }
-
-    /// The first velocity request that checked the points of `scan` or of a later one.
-    #[must_use]
-    pub fn first_request_with_scan(&self, scan: u64) -> Option<&Span> {
-        self.answers(Role::LocalPlanner)
-            .filter(|span| span.scan >= scan && span.output != 0)
-            .min_by_key(|span| span.output)
-    }
-
-    /// The first command made from `request` or a later one.
-    #[must_use]
-    pub fn first_command(&self, request: u64) -> Option<&Span> {
-        self.answers(Role::CollisionGuard)
-            .filter(|span| span.request >= request && span.output != 0)
-            .min_by_key(|span| span.output)
-    }
-
-    /// The robot's record of `command` or a later one reaching the wheels.
-    #[must_use]
-    pub fn applied(&self, command: u64) -> Option<&Span> {
-        self.spans
-            .iter()
-            .filter(|span| {
-                span.role == Role::Robot.code()
-                    && span.kind() == Some(SpanKind::Applied)
-                    && span.request >= command
-            })
-            .min_by_key(|span| span.request)
-    }
-
-    /// The record of `role` whose main message is `output`.
-    #[must_use]
-    pub fn output(&self, role: Role, output: u64) -> Option<&Span> {
-        self.answers(role).find(|span| span.output == output)
-    }
 }

@@ -8,14 +8,20 @@ pub mod distribution;
 pub mod event;
 pub mod fold;
 pub mod index;
+pub mod joins;
+pub mod latency;
 pub mod motion;
+pub mod reaction;
 pub mod tracking;
+pub mod way;
 
 pub use distribution::Distribution;
-pub use event::{Event, EventOutcome, Latency, judge, measure, reactions};
+pub use event::{Event, EventOutcome, judge};
 pub use fold::RunHash;
 pub use index::Records;
+pub use latency::{Latency, measure};
 pub use motion::Motion;
+pub use reaction::reactions;
 pub use tracking::Witness;
 
 /// Nanoseconds as seconds.

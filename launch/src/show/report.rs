@@ -1,7 +1,7 @@
 //! The result of a run: one object for machines, one page for people.
 
 use crate::keeper::RestartRecord;
-use crate::measure::event::Latency;
+use crate::measure::Latency;
 use crate::measure::tracking::{PoseResult, TrackingResult};
 use crate::trials::{Round, SlowTrial};
 use core::fmt::Write;
@@ -346,10 +346,28 @@ fn write_latency(latency: &Latency, text: &mut String) {
             "  replanning takes {ratio:.1} times the floor (medians)"
         );
     }
-    if let Some(error) = latency.closure_error_ns_max {
+    let disorder: u64 = latency.hops_out_of_order.values().sum();
+    let _ = writeln!(
+        text,
+        "  {} commands followed back to their scan: {} records missing, {disorder} stamps before \
+         their predecessor",
+        latency.ways, latency.ways_broken
+    );
+    if let Some(clock) = &latency.second_clock
+        && let Some((median_us, most_us)) = clock.difference.p50_us.zip(clock.difference.max_us)
+    {
         let _ = writeln!(
             text,
-            "  hops and the robot's own end-to-end time differ by at most {error} ns"
+            "  the hops add up to the robot's time on its second clock within {median_us:.0} us \
+             (median), {most_us:.0} us (most); {} beyond what the clocks' rates allow",
+            clock.beyond
+        );
+    }
+    if latency.revised > 0 {
+        let _ = writeln!(
+            text,
+            "  {} answers corrected later, when more of the obstacle had been seen",
+            latency.revised
         );
     }
 }

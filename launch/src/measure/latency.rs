@@ -1,0 +1,322 @@
+//! The latency part of a result: distributions over events, scans and commands.
+
+use super::distribution::{Distribution, Figures};
+use super::event::{Clearance, Event, EventOutcome, judge};
+use super::index::Records;
+use super::joins::{End, Joins};
+use super::reaction::reactions;
+use super::way::{ALL, DIRECT, HOPS, THROUGH_MAP, Way};
+use serde::Serialize;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// One hop of the table.
+#[derive(Debug, Clone, Serialize)]
+pub struct Hop {
+    /// Its name.
+    pub name: &'static str,
+    /// Its figures.
+    #[serde(flatten)]
+    pub figures: Figures,
+}
+
+/// The latency part of a result.
+#[derive(Debug, Clone, Serialize)]
+pub struct Latency {
+    /// captured(scan) -> published(first command whose request checked that scan's points).
+    pub reaction: Figures,
+    /// captured(s) -> published(c).
+    pub replanning: Figures,
+    /// Appearance -> applied(c).
+    pub event_to_motion: Figures,
+    /// The way from captured(s) to applied(c).
+    pub hops: Vec<Hop>,
+    /// The same way through five processes that do nothing, at the same pace and with messages of
+    /// the same size; measured by trials only.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub transport_floor: Option<Figures>,
+    /// Median of replanning over that of the floor.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub replanning_to_floor: Option<f64>,
+    /// The same hops for every scan.
+    pub every_scan: EveryScan,
+    /// Stamps that lie before their predecessor, by the hop between the two; of all commands that
+    /// reached the wheels and of the events.
+    pub hops_out_of_order: BTreeMap<&'static str, u64>,
+    /// Commands that were followed back to their scan.
+    pub ways: u64,
+    /// Commands and events whose way could not be followed because a record is missing.
+    pub ways_broken: u64,
+    /// The robot's own end-to-end time on its second clock; null when it has left none.
+    pub second_clock: Option<SecondClock>,
+    /// Events answered before the map showed three beams' worth of the obstacle.
+    pub early: u64,
+    /// Answered events whose path did not clear all of the obstacle and was corrected later.
+    pub revised: u64,
+    /// Obstacles that no path led through.
+    pub not_in_the_way: u64,
+}
+
+/// The way of every scan to the wheels, hop by hop, whether or not anything had changed: the first
+/// command that reached the wheels behind each.
+#[derive(Debug, Clone, Serialize)]
+pub struct EveryScan {
+    /// Through the local planner, which checks the points of the scan itself.
+    pub direct: Vec<Hop>,
+    /// Through the map and a path that is current as of it.
+    pub through_map: Vec<Hop>,
+}
+
+/// The robot's own time from capture to application on a second clock, `CLOCK_MONOTONIC_RAW`, for
+/// every command, through the ids in its ancestry.
+#[derive(Debug, Clone, Serialize)]
+pub struct SecondClock {
+    /// That time.
+    pub end_to_end: Figures,
+    /// By how much it differs from the sum of the hops.
+    pub difference: Figures,
+    /// Commands for which that is more than the rates of the two clocks allow.
+    pub beyond: u64,
+}
+
+/// Latencies of all events and all scans. `radius_m` is that of the swept robot, `deadline_ns`
+/// the time after which an event or a scan counts as unanswered.
+#[must_use]
+pub fn measure(
+    records: &Records,
+    clearance_m: Clearance<'_>,
+    radius_m: f64,
+    deadline_ns: u64,
+) -> (Vec<Event>, Latency) {
+    let events: Vec<Event> = records
+        .sightings
+        .iter()
+        .map(|sighting| judge(records, sighting, clearance_m, radius_m, deadline_ns))
+        .collect();
+    let latency = Latency::of(&events, records, deadline_ns);
+    (events, latency)
+}
+
+/// What is gathered over ways.
+#[derive(Debug)]
+struct Ways {
+    /// Ways share hops: each pair of stamps counts once.
+    out_of_order: BTreeSet<(usize, u64, u64)>,
+    followed: u64,
+    broken: u64,
+    direct: [Distribution; HOPS.len()],
+    through_map: [Distribution; HOPS.len()],
+    second: Distribution,
+    difference: Distribution,
+    beyond: u64,
+}
+
+impl Ways {
+    fn new() -> Self {
+        Self {
+            out_of_order: BTreeSet::new(),
+            followed: 0,
+            broken: 0,
+            direct: core::array::from_fn(|_| Distribution::new()),
+            through_map: core::array::from_fn(|_| Distribution::new()),
+            second: Distribution::new(),
+            difference: Distribution::new(),
+            beyond: 0,
+        }
+    }
+
+    /// Follows every command that reached the wheels back to its scans.
+    fn follow(records: &Records) -> Self {
+        let joins = Joins::of(records);
+        let mut ways = Self::new();
+        let (mut scans, mut paths) = (BTreeSet::new(), BTreeSet::new());
+        for applied in joins.applied() {
+            if let Some((way, scan)) = ways.look(Way::direct(&joins, applied))
+                && scans.insert(scan)
+            {
+                add(&mut ways.direct, &way);
+            }
+            if let Some((way, path)) = ways.look(Way::through_map(&joins, applied)) {
+                ways.followed += 1;
+                ways.compare(&way);
+                // What is said again about the same scan is no further way of that scan.
+                if paths.insert(path) {
+                    add(&mut ways.through_map, &way);
+                }
+            }
+        }
+        ways
+    }
+
+    /// Counts what is wrong with a way.
+    fn look(&mut self, followed: Result<(Way, u64), End>) -> Option<(Way, u64)> {
+        match followed {
+            Ok((way, id)) => {
+                self.count(&way);
+                Some((way, id))
+            }
+            Err(End::Nothing) => None,
+            Err(End::Missing) => {
+                self.broken += 1;
+                None
+            }
+        }
+    }
+
+    fn count(&mut self, way: &Way) {
+        self.out_of_order.extend(way.out_of_order());
+    }
+
+    fn compare(&mut self, way: &Way) {
+        let (Some(second_ns), Some(difference_ns)) = (way.second_ns, way.difference_ns()) else {
+            return;
+        };
+        self.second.add(second_ns);
+        self.difference.add(difference_ns);
+        self.beyond += u64::from(way.is_beyond());
+    }
+
+    fn disorder(&self) -> BTreeMap<&'static str, u64> {
+        let mut disorder: BTreeMap<_, _> = HOPS.into_iter().map(|hop| (hop, 0)).collect();
+        for (hop, ..) in &self.out_of_order {
+            *disorder.entry(HOPS[*hop]).or_default() += 1;
+        }
+        disorder
+    }
+
+    fn second_clock(&self) -> Option<SecondClock> {
+        (!self.second.is_empty()).then(|| SecondClock {
+            end_to_end: self.second.figures(),
+            difference: self.difference.figures(),
+            beyond: self.beyond,
+        })
+    }
+}
+
+fn add(hops: &mut [Distribution; HOPS.len()], way: &Way) {
+    for (place, length_ns) in way.lengths_ns() {
+        hops[place].add(length_ns);
+    }
+}
+
+fn table(places: &[usize], hops: &[Distribution; HOPS.len()]) -> Vec<Hop> {
+    let row = |place: &usize| Hop {
+        name: HOPS[*place],
+        figures: hops[*place].figures(),
+    };
+    places.iter().map(row).collect()
+}
+
+impl Latency {
+    /// The figures of `events`, and of all scans and commands of `records`.
+    #[must_use]
+    pub fn of(events: &[Event], records: &Records, deadline_ns: u64) -> Self {
+        let mut replanning = Distribution::new();
+        let mut event_to_motion = Distribution::new();
+        let mut hops: [Distribution; HOPS.len()] = core::array::from_fn(|_| Distribution::new());
+        let mut ways = Ways::follow(records);
+        for event in events {
+            match event.outcome {
+                EventOutcome::NotInTheWay => {}
+                EventOutcome::Censored => {
+                    replanning.censor(deadline_ns);
+                    event_to_motion.censor(deadline_ns);
+                }
+                EventOutcome::Answered | EventOutcome::Early => {
+                    if let Some(time_ns) = event.replanning_ns {
+                        replanning.add(time_ns);
+                    }
+                    if let Some(time_ns) = event.event_to_motion_ns {
+                        event_to_motion.add(time_ns);
+                    }
+                }
+            }
+            ways.broken += u64::from(event.way_broken);
+            if let Some(way) = &event.way {
+                ways.count(way);
+                add(&mut hops, way);
+            }
+        }
+        let count = |is: &dyn Fn(&Event) -> bool| events.iter().filter(|event| is(event)).count();
+        let outcome = |outcome| count(&|event| event.outcome == outcome) as u64;
+        Self {
+            reaction: reactions(records, deadline_ns).figures(),
+            replanning: replanning.figures(),
+            event_to_motion: event_to_motion.figures(),
+            hops: table(&ALL, &hops),
+            transport_floor: None,
+            replanning_to_floor: None,
+            every_scan: EveryScan {
+                direct: table(&DIRECT, &ways.direct),
+                through_map: table(&THROUGH_MAP, &ways.through_map),
+            },
+            hops_out_of_order: ways.disorder(),
+            ways: ways.followed,
+            ways_broken: ways.broken,
+            second_clock: ways.second_clock(),
+            early: outcome(EventOutcome::Early),
+            revised: count(&|event| event.revised > 0) as u64,
+            not_in_the_way: outcome(EventOutcome::NotInTheWay),
+        }
+    }
+
+    /// Several rounds as one: percentiles are the median of the rounds', the worst is the worst
+    /// of all, samples are counted together.
+    #[must_use]
+    pub fn of_rounds(rounds: &[Self]) -> Self {
+        let figures = |of: &dyn Fn(&Self) -> Option<Figures>| {
+            let of_each: Vec<Figures> = rounds.iter().filter_map(of).collect();
+            (!of_each.is_empty()).then(|| Figures::of_rounds(&of_each))
+        };
+        let hops = |of: fn(&Self) -> &Vec<Hop>| {
+            let first = rounds.first().map_or(&[][..], |round| of(round));
+            let row = |(at, hop): (usize, &Hop)| Hop {
+                name: hop.name,
+                figures: figures(&|round| of(round).get(at).map(|hop| hop.figures))
+                    .unwrap_or_default(),
+            };
+            first.iter().enumerate().map(row).collect()
+        };
+        let sum = |of: fn(&Self) -> u64| rounds.iter().map(of).sum::<u64>();
+        let replanning = figures(&|round| Some(round.replanning)).unwrap_or_default();
+        let transport_floor = figures(&|round| round.transport_floor);
+        let floor_us = transport_floor.and_then(|floor| floor.p50_us);
+        let clocks = || {
+            rounds
+                .iter()
+                .filter_map(|round| round.second_clock.as_ref())
+        };
+        let clock = |of: fn(&SecondClock) -> Figures| {
+            Figures::of_rounds(&clocks().map(of).collect::<Vec<Figures>>())
+        };
+        let mut hops_out_of_order = BTreeMap::new();
+        for (hop, n) in rounds.iter().flat_map(|round| &round.hops_out_of_order) {
+            *hops_out_of_order.entry(*hop).or_default() += n;
+        }
+        Self {
+            reaction: figures(&|round| Some(round.reaction)).unwrap_or_default(),
+            replanning,
+            event_to_motion: figures(&|round| Some(round.event_to_motion)).unwrap_or_default(),
+            hops: hops(|round| &round.hops),
+            transport_floor,
+            replanning_to_floor: replanning
+                .p50_us
+                .zip(floor_us)
+                .map(|(replanning_us, floor_us)| replanning_us / floor_us),
+            every_scan: EveryScan {
+                direct: hops(|round| &round.every_scan.direct),
+                through_map: hops(|round| &round.every_scan.through_map),
+            },
+            hops_out_of_order,
+            ways: sum(|round| round.ways),
+            ways_broken: sum(|round| round.ways_broken),
+            second_clock: clocks().next().map(|_| SecondClock {
+                end_to_end: clock(|second| second.end_to_end),
+                difference: clock(|second| second.difference),
+                beyond: clocks().map(|second| second.beyond).sum(),
+            }),
+            early: sum(|round| round.early),
+            revised: sum(|round| round.revised),
+            not_in_the_way: sum(|round| round.not_in_the_way),
+        }
+    }
+}

@@ -1,0 +1,124 @@
+//! The self-test of the hops: 5 ms put into a service appear in its hop and nowhere else.
+//!
+//! Every scan of a short drive gives one sample per hop, so that medians of some hundred samples
+//! are compared with those of the same drive without a delay, made before, between and after. A
+//! machine on which these differ among themselves says nothing; then all is measured again.
+
+use serde_json::Value;
+use std::collections::BTreeMap;
+use zeronav_tests::{Zeronav, assert_books_close, real_time_turn};
+
+/// What is put in, and how far a median may be from where it should be. [us]
+const INJECTED_US: f64 = 5000.0;
+const TOLERANCE_US: f64 = 500.0;
+
+/// Medians that differ by more without any delay come from a busy machine. [us]
+const QUIET_US: f64 = 250.0;
+
+/// How often all is measured at most.
+const ATTEMPTS: usize = 3;
+
+/// An empty hall, a lidar that turns so often that half of its scans fall between two ticks.
+const SCENARIO: &str = r#"
+title = "A short way through an empty hall"
+base = ["hall", "porter"]
+start = [1.5, 4.0, 0.0]
+[run]
+time_limit_s = 60.0
+[robot.lidar]
+rate_hz = 20.0
+[[goals]]
+pose = [5.5, 4.0, 0.0]
+"#;
+
+/// The tables of `every_scan`: by table and hop, the median. [us]
+type Medians = BTreeMap<(&'static str, String), f64>;
+
+/// One drive.
+fn drive(inject: Option<&str>) -> Medians {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::write(folder.path().join("hall.toml"), SCENARIO).expect("written");
+    let mut arguments = vec!["run", "./hall.toml", "--headless", "--json"];
+    let injected = inject.map(|role| format!("{role}=5ms"));
+    arguments.extend(injected.iter().flat_map(|delay| ["--inject", delay]));
+    let result = Zeronav::start_in(folder, &arguments).finish().expect(0);
+    assert_eq!(result["reached"], true, "{result:#}");
+    let latency = &result["latency"];
+    assert_books_close(latency);
+    let mut medians = Medians::new();
+    for table in ["direct", "through_map"] {
+        for hop in latency["every_scan"][table].as_array().expect("hops") {
+            let name = hop["name"].as_str().expect("a name").to_owned();
+            assert!(hop["n"].as_u64() >= Some(80), "{table} {hop:#}");
+            medians.insert((table, name), number(&hop["p50_us"]));
+        }
+    }
+    assert_eq!(medians.len(), 16, "{medians:?}");
+    medians
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().expect("a number")
+}
+
+/// What is wrong with a drive in which `role` was delayed.
+fn wrong(role: &str, base: &Medians, delayed: &Medians) -> Vec<String> {
+    let mut wrong = Vec::new();
+    for ((table, hop), before_us) in base {
+        let moved_us = delayed[&(*table, hop.clone())] - before_us;
+        let expected_us = if hop == role { INJECTED_US } else { 0.0 };
+        // The path of a scan finds these two at work on their answer to the scan itself.
+        let waits = *table == "through_map"
+            && ["local_planner", "collision_guard"].contains(&role)
+            && *hop == format!("to_{role}");
+        let fine = if waits {
+            (-TOLERANCE_US..=INJECTED_US + TOLERANCE_US).contains(&moved_us)
+        } else {
+            (moved_us - expected_us).abs() <= TOLERANCE_US
+        };
+        if !fine {
+            wrong.push(format!("{role}: {table} {hop} moved by {moved_us:.0} us"));
+        }
+    }
+    wrong
+}
+
+#[test]
+fn five_milliseconds_appear_in_their_hop_and_nowhere_else() {
+    let _turn = real_time_turn();
+    let mut wrongs = Vec::new();
+    for attempt in 1..=ATTEMPTS {
+        let mut bases = vec![drive(None)];
+        let mut delayed = Vec::new();
+        for roles in [
+            ["mapping", "global_planner"],
+            ["local_planner", "collision_guard"],
+        ] {
+            delayed.extend(roles.map(|role| (role, drive(Some(role)))));
+            bases.push(drive(None));
+        }
+        let middle: Medians = bases[0]
+            .keys()
+            .map(|hop| {
+                let mut each: Vec<f64> = bases.iter().map(|base| base[hop]).collect();
+                each.sort_by(f64::total_cmp);
+                (hop.clone(), each[1])
+            })
+            .collect();
+        let unrest_us = bases
+            .iter()
+            .flat_map(|base| middle.iter().map(|(hop, us)| (base[hop] - us).abs()))
+            .fold(0.0, f64::max);
+        wrongs = delayed
+            .iter()
+            .flat_map(|(role, delayed)| wrong(role, &middle, delayed))
+            .collect();
+        eprintln!(
+            "attempt {attempt}: without a delay medians differ by {unrest_us:.0} us; {wrongs:?}"
+        );
+        if wrongs.is_empty() || unrest_us <= QUIET_US {
+            break;
+        }
+    }
+    assert!(wrongs.is_empty(), "{wrongs:#?}");
+}
