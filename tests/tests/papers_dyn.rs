@@ -236,6 +236,7 @@ fn lwx_dyn_suite(controller: &str, mode: Mode, seeds: std::ops::RangeInclusive<u
         );
     }
     let tally = Tally::of(&report);
+    assert_eq!(tally.runs, texts.len(), "a scene without its run");
     eprintln!(
         "LWX-DYN {mode:?} with {controller}: arrived {}, never touched anything while moving {}, touched nothing {}",
         tally.rate(tally.arrived),
@@ -432,6 +433,7 @@ fn bao_dyn_suite(seeds: std::ops::RangeInclusive<u64>) -> BaoTally {
         }
     }
     let tally = Tally::of(&report);
+    assert_eq!(tally.runs, scenes.len(), "a scene without its run");
     let mean: f64 =
         ratios.iter().sum::<f64>() / f64::from(u32::try_from(ratios.len().max(1)).expect("few"));
     eprintln!(

@@ -209,7 +209,9 @@ fn a_run_in_real_time_replans_and_its_books_close() {
     zeronav_tests::assert_books_close(latency);
     // Printed, never asserted: this machine is shared.
     eprintln!("replanning {} us", latency["replanning"]["p50_us"]);
-    for service in result["services"].as_array().expect("services") {
+    let services = result["services"].as_array().expect("services");
+    assert_eq!(services.len(), 5, "{result:#}");
+    for service in services {
         let bytes = service["memory_peak_bytes"].as_u64().expect("bytes");
         assert!((1..60_000_000).contains(&bytes), "{service:#}");
     }
