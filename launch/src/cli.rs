@@ -1,6 +1,7 @@
 //! The command line.
 
 use crate::measure::seconds;
+use crate::scenario::{COORDINATE_M_MAX, TOLERANCE, YAW_RAD_MAX};
 use crate::suite::Noise;
 use crate::supervise::cleaner;
 use clap::{Args, Parser, Subcommand};
@@ -9,6 +10,9 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::run::DELAY_STEP_NS;
+use zeronav_shell::logs;
+use zeronav_shell::nearest::unknown;
+use zeronav_world::error::number;
 
 /// Zero-copy, multi-process navigation: launch a scenario, swap a service, profile latency.
 #[derive(Debug, Parser)]
@@ -102,7 +106,7 @@ pub struct RunArgs {
     #[arg(long, value_name = "FOLDER", default_value = "runs")]
     pub out: PathBuf,
     /// What the services log: error, warn, info, debug, trace, or a filter.
-    #[arg(long, value_name = "LEVEL", default_value = "info")]
+    #[arg(long, value_name = "LEVEL", default_value = "info", value_parser = logs::filter)]
     pub log_level: String,
 }
 
@@ -111,16 +115,19 @@ pub struct RunArgs {
 #[command(allow_negative_numbers = true)]
 pub struct GoalArgs {
     /// [m] in the map frame.
+    #[arg(value_parser = coordinate)]
     pub x: f64,
     /// [m] in the map frame.
+    #[arg(value_parser = coordinate)]
     pub y: f64,
     /// [rad] counter-clockwise from +x.
+    #[arg(value_parser = yaw)]
     pub yaw: f64,
     /// How close counts. [m]
-    #[arg(long, value_name = "METRES", default_value_t = 0.25)]
+    #[arg(long, value_name = "METRES", default_value_t = 0.25, value_parser = tolerance)]
     pub tolerance: f64,
     /// How close the yaw must be; 3.15 takes any. [rad]
-    #[arg(long, value_name = "RADIANS", default_value_t = 0.25)]
+    #[arg(long, value_name = "RADIANS", default_value_t = 0.25, value_parser = tolerance)]
     pub yaw_tolerance: f64,
     /// Root folder of the run, when several go on (see `zeronav ps`).
     #[arg(long, value_name = "ROOT")]
@@ -166,6 +173,25 @@ pub struct SuiteArgs {
     pub out: PathBuf,
 }
 
+/// A number within a range.
+fn ranged(text: &str, [min, max]: [f64; 2]) -> Result<f64, String> {
+    let value: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
+    number(value, min, max, "").map_err(|error| error.why)?;
+    Ok(value)
+}
+
+fn coordinate(text: &str) -> Result<f64, String> {
+    ranged(text, [-COORDINATE_M_MAX, COORDINATE_M_MAX])
+}
+
+fn yaw(text: &str) -> Result<f64, String> {
+    ranged(text, [-YAW_RAD_MAX, YAW_RAD_MAX])
+}
+
+fn tolerance(text: &str) -> Result<f64, String> {
+    ranged(text, TOLERANCE)
+}
+
 /// `0..20` as 0 to 19.
 fn world_range(text: &str) -> Result<Range<u32>, String> {
     let (from, until) = text.split_once("..").ok_or("worlds read like 0..20")?;
@@ -184,8 +210,11 @@ fn world_range(text: &str) -> Result<Range<u32>, String> {
 fn service_role(name: &str) -> Result<Role, String> {
     let role = Role::from_label(name).filter(|role| Role::SERVICES.contains(role));
     role.ok_or_else(|| {
-        let known: Vec<&str> = Role::SERVICES.iter().map(|role| role.label()).collect();
-        format!("known are {}", known.join(", "))
+        unknown(
+            "service",
+            name,
+            Role::SERVICES.iter().map(|role| role.label()),
+        )
     })
 }
 

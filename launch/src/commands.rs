@@ -5,15 +5,10 @@ use crate::ending::Ending;
 use crate::environment::Before;
 use crate::prepare::{self, Prepared};
 use crate::run::{self, Driven};
-use crate::scenario::{self, Scenario};
 use crate::show::report::RunResult;
 use crate::suite::{self, SuiteError};
-use crate::supervise::binaries::{self, Needed};
 use crate::trials::{self, Trials};
-use serde_json::json;
-use std::path::Path;
 use std::process::ExitCode;
-use zeronav_msgs::role::Role;
 use zeronav_msgs::run::RunMode;
 use zeronav_shell::printable::{printable, printable_json, printable_lines};
 
@@ -117,119 +112,6 @@ fn explain(ending: &Ending) {
         Ending::Interrupted => complain("interrupted, everything is stopped"),
         Ending::Task(..) | Ending::Timeout | Ending::TrialsOver => {}
     }
-}
-
-/// `zeronav list`.
-#[must_use]
-pub fn list(json: bool) -> ExitCode {
-    let scenarios = scenario::list();
-    if json {
-        let rows: Vec<_> = scenarios
-            .iter()
-            .map(
-                |listed| json!({ "group": listed.group, "name": listed.name, "title": listed.title, "file": listed.file }),
-            )
-            .collect();
-        say_json(&json!({ "scenarios": rows }));
-    } else {
-        let width = scenarios
-            .iter()
-            .map(|listed| listed.name.len())
-            .max()
-            .unwrap_or(0);
-        let mut group = None;
-        for listed in &scenarios {
-            if group.replace(&listed.group) != Some(&listed.group) && !listed.group.is_empty() {
-                say(&format!("{}\n", listed.group));
-            }
-            say(&format!("  {:width$}  {}\n", listed.name, listed.title));
-        }
-    }
-    ExitCode::from(EXIT_PASS)
-}
-
-/// `zeronav check`.
-#[must_use]
-pub fn check(name: &str, json: bool) -> ExitCode {
-    let checked = Scenario::load(name).and_then(|scenario| {
-        let checked = scenario.validate()?;
-        Ok((scenario, checked))
-    });
-    match checked {
-        Ok((scenario, checked)) => {
-            let geometry = checked.world.geometry();
-            let warnings: Vec<String> = checked.warnings.iter().map(ToString::to_string).collect();
-            if json {
-                say_json(&json!({
-                    "scenario": scenario.name,
-                    "ok": true,
-                    "width": geometry.width,
-                    "height": geometry.height,
-                    "resolution_m": geometry.resolution_m,
-                    "goals": scenario.goals.len(),
-                    "obstacles": checked.world.obstacles().len(),
-                    "warnings": warnings,
-                }));
-            } else {
-                for warning in &warnings {
-                    say(&format!("warning: {warning}\n"));
-                }
-                say(&format!(
-                    "{}: ok, {} x {} cells of {} m, {} goals, {} obstacles\n",
-                    scenario.name,
-                    geometry.width,
-                    geometry.height,
-                    geometry.resolution_m,
-                    scenario.goals.len(),
-                    checked.world.obstacles().len()
-                ));
-            }
-            ExitCode::from(EXIT_PASS)
-        }
-        Err(error) if json => {
-            say_json(&json!({ "scenario": name, "ok": false, "error": error.to_string() }));
-            ExitCode::from(EXIT_USAGE)
-        }
-        Err(error) => usage(&error.to_string()),
-    }
-}
-
-/// `zeronav planners` and `zeronav controllers`: what the stock service in this seat can do, in its
-/// own words.
-#[must_use]
-pub fn algorithms(role: Role, json: bool) -> ExitCode {
-    let listed = binaries::refresh_under_cargo(Needed::Stock)
-        .and_then(|()| binaries::find(Path::new(binaries::stock(role))))
-        .and_then(|binary| {
-            let output = std::process::Command::new(&binary).arg("--list").output();
-            let output = output.map_err(|error| format!("{}: {error}", binary.display()))?;
-            if output.status.success() {
-                Ok(String::from_utf8_lossy(&output.stdout).into_owned())
-            } else {
-                Err(format!("{} --list failed", binary.display()))
-            }
-        });
-    let text = match listed {
-        Ok(text) => text,
-        Err(problem) => return usage(&problem),
-    };
-    let rows: Vec<(&str, &str)> = text
-        .lines()
-        .filter_map(|line| line.split_once('\t'))
-        .collect();
-    if json {
-        let rows: Vec<_> = rows
-            .iter()
-            .map(|(key, line)| json!({ "key": key, "title": line }))
-            .collect();
-        say_json(&json!({ "algorithms": rows }));
-    } else {
-        let width = rows.iter().map(|(key, _)| key.len()).max().unwrap_or(0);
-        for (key, line) in rows {
-            say(&format!("{key:width$}  {line}\n"));
-        }
-    }
-    ExitCode::from(EXIT_PASS)
 }
 
 /// `zeronav suite`.

@@ -178,7 +178,7 @@ impl<'a> Keeper<'a> {
     }
 
     fn look_at_hearts(&mut self, stack: &mut Stack, collector: &Collector, since: Duration) {
-        let limit = Duration::from_secs_f64(self.prepared.scenario.restart.hang_after_s);
+        let limit = self.prepared.scenario.restart.hang_after();
         for (role, epoch, progress, ready) in stack.heartbeats() {
             let joined = self
                 .joining

@@ -3,11 +3,13 @@
 pub mod cli;
 pub mod collect;
 pub mod commands;
+pub mod configs;
 pub mod disturbance;
 pub mod ending;
 pub mod environment;
 pub mod floor;
 pub mod keeper;
+pub mod look;
 pub mod measure;
 pub mod prepare;
 pub mod remote;

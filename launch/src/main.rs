@@ -1,22 +1,25 @@
 //! `zeronav`: see `zeronav --help`.
 
 use clap::Parser;
+use clap::error::ErrorKind;
 use std::process::ExitCode;
 use zeronav::cli::{Cli, Command};
 use zeronav::supervise::cleaner;
-use zeronav::{commands, remote};
+use zeronav::{commands, look, remote};
 use zeronav_msgs::role::Role;
+use zeronav_shell::flags::one_line;
 
 fn main() -> ExitCode {
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
         Err(error) => {
+            // Help for a command line without a command is help, too.
+            let help = error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand;
+            if error.use_stderr() && !help {
+                return commands::usage(&one_line(&error));
+            }
             let _ = error.print();
-            return ExitCode::from(if error.use_stderr() {
-                commands::EXIT_USAGE
-            } else {
-                0
-            });
+            return ExitCode::from(if help { commands::EXIT_USAGE } else { 0 });
         }
     };
     if let Command::Clean { root } = &cli.command {
@@ -29,10 +32,10 @@ fn main() -> ExitCode {
     }
     match cli.command {
         Command::Run(arguments) => commands::run(&arguments),
-        Command::List { json } => commands::list(json),
-        Command::Check { scenario, json } => commands::check(&scenario, json),
-        Command::Planners { json } => commands::algorithms(Role::GlobalPlanner, json),
-        Command::Controllers { json } => commands::algorithms(Role::LocalPlanner, json),
+        Command::List { json } => look::list(json),
+        Command::Check { scenario, json } => look::check(&scenario, json),
+        Command::Planners { json } => look::algorithms_of(Role::GlobalPlanner, json),
+        Command::Controllers { json } => look::algorithms_of(Role::LocalPlanner, json),
         Command::Ps { json } => remote::ps(json),
         Command::Goal(arguments) => remote::goal(&arguments),
         Command::Suite(arguments) => commands::suite(&arguments),

@@ -1,18 +1,19 @@
 //! Everything that can be wrong is found here, before anything is started.
 
 use crate::cli::RunArgs;
+use crate::configs;
 use crate::scenario::{Checked, Scenario};
 use crate::supervise::binaries::{self, Needed};
-use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 use zeronav_msgs::map::tiles_of;
 use zeronav_msgs::role::Role;
-use zeronav_msgs::run::RunMode;
+use zeronav_msgs::run::{DELAY_STEP_NS, RunMode};
 use zeronav_msgs::topics::{MapKeyframe, RobotScan, SPANS, Topic, topics};
 use zeronav_shell::memory;
 use zeronav_world::spec::Trigger;
-use zeronav_world::{Footprint, RobotSpec, World, WorldSpec, map_file};
+use zeronav_world::{Footprint, World};
 
 /// A run that can be started.
 #[derive(Debug)]
@@ -54,28 +55,33 @@ impl Prepared {
     }
 }
 
-/// Reads and checks everything that can be wrong before anything is started.
+/// What a scenario comes to before anything is started.
+#[derive(Debug)]
+pub struct Plan {
+    /// What to drive.
+    pub scenario: Scenario,
+    /// Its world.
+    pub world: World,
+    /// The robot's outline.
+    pub footprint: Footprint,
+    /// What its author may not have meant.
+    pub warnings: Vec<String>,
+    /// The binary of each seat that launch fills. Each has accepted its configuration.
+    pub binaries: BTreeMap<Role, PathBuf>,
+}
+
+/// Reads a scenario and looks for everything that is wrong with it and with the binaries in its
+/// seats, but for those that are `external`.
 ///
 /// # Errors
 /// One line that names the thing and the fix.
-pub fn prepare(arguments: &RunArgs) -> Result<Prepared, String> {
-    let mut scenario = Scenario::load(&arguments.scenario).map_err(|error| error.to_string())?;
-    let checked = scenario.validate().map_err(|error| error.to_string())?;
-    for warning in &checked.warnings {
-        tracing::warn!("{warning}");
-    }
+pub fn plan(name_or_path: &str, external: &[Role]) -> Result<Plan, String> {
+    let scenario = Scenario::load(name_or_path).map_err(|error| error.to_string())?;
     let Checked {
-        world, footprint, ..
-    } = checked;
-    if arguments.trials.is_some() {
-        await_trials(&mut scenario)?;
-    }
-    let mode = if arguments.lockstep {
-        RunMode::Lockstep
-    } else {
-        RunMode::RealTime
-    };
-    memory::check(planned_bytes(&scenario, &world)).map_err(|error| error.to_string())?;
+        world,
+        footprint,
+        warnings,
+    } = scenario.validate().map_err(|error| error.to_string())?;
     let named = |role: Role| scenario.services.of(role)?.binary.clone();
     let any_named = Role::SERVICES.iter().any(|role| named(*role).is_some());
     binaries::refresh_under_cargo(if any_named {
@@ -85,7 +91,7 @@ pub fn prepare(arguments: &RunArgs) -> Result<Prepared, String> {
     })?;
     let mut binaries = BTreeMap::new();
     for role in Role::SERVICES {
-        if arguments.external.contains(&role) {
+        if external.contains(&role) {
             continue;
         }
         let name = named(role).unwrap_or_else(|| PathBuf::from(binaries::stock(role)));
@@ -96,6 +102,43 @@ pub fn prepare(arguments: &RunArgs) -> Result<Prepared, String> {
         })?;
         binaries.insert(role, found);
     }
+    configs::check(&scenario, &world, &binaries)?;
+    Ok(Plan {
+        scenario,
+        world,
+        footprint,
+        warnings: warnings.iter().map(ToString::to_string).collect(),
+        binaries,
+    })
+}
+
+/// Reads and checks everything that can be wrong before anything is started.
+///
+/// # Errors
+/// One line that names the thing and the fix.
+pub fn prepare(arguments: &RunArgs) -> Result<Prepared, String> {
+    let Plan {
+        mut scenario,
+        world,
+        footprint,
+        warnings,
+        binaries,
+    } = plan(&arguments.scenario, &arguments.external)?;
+    for warning in &warnings {
+        tracing::warn!("{warning}");
+    }
+    if arguments.trials.is_some() {
+        await_trials(&mut scenario)?;
+    }
+    let mode = if arguments.lockstep {
+        RunMode::Lockstep
+    } else {
+        RunMode::RealTime
+    };
+    for (role, steps) in &arguments.inject {
+        check_delay(*role, *steps, &scenario)?;
+    }
+    memory::check(planned_bytes(&scenario, &world)).map_err(|error| error.to_string())?;
     let directory = run_folder(&arguments.out, &scenario.name)?;
     Ok(Prepared {
         seed: arguments.seed.unwrap_or(scenario.run.seed),
@@ -110,6 +153,21 @@ pub fn prepare(arguments: &RunArgs) -> Result<Prepared, String> {
         directory,
         mode,
     })
+}
+
+/// Accepts delays that the hang watch does not take for a hang: a service that sleeps through a delay
+/// does not beat, and the work of the answer itself takes its time, too.
+fn check_delay(role: Role, steps: u16, scenario: &Scenario) -> Result<(), String> {
+    let delay = Duration::from_nanos(u64::from(steps) * DELAY_STEP_NS);
+    let most = scenario.restart.hang_after() / 2;
+    if delay <= most {
+        return Ok(());
+    }
+    Err(format!(
+        "--inject {role}={}ms would be taken for a hang: at most half of restart.hang_after_s, {} ms",
+        delay.as_millis(),
+        most.as_millis()
+    ))
 }
 
 /// Takes the script of the trials' obstacle away: it comes when it is put somewhere.
@@ -180,60 +238,4 @@ fn run_folder(out: &Path, scenario: &str) -> Result<PathBuf, String> {
     std::fs::create_dir_all(folder.join("logs"))
         .map_err(|error| format!("making the run's folder {}: {error}", folder.display()))?;
     Ok(folder)
-}
-
-/// What the simulated robot reads.
-#[derive(Debug, Serialize)]
-struct RobotConfig<'a> {
-    world: &'a WorldSpec,
-    robot: &'a RobotSpec,
-    start: [f64; 3],
-}
-
-/// Writes the configuration of every seat into the domain's folder.
-///
-/// # Errors
-/// One line naming the file.
-pub fn write_configs(prepared: &Prepared, root: &Path) -> Result<BTreeMap<Role, PathBuf>, String> {
-    let scenario = &prepared.scenario;
-    let robot = toml::Table::try_from(RobotConfig {
-        world: &scenario.world,
-        robot: &scenario.robot,
-        start: [
-            scenario.start.x_m,
-            scenario.start.y_m,
-            scenario.start.yaw_rad,
-        ],
-    })
-    .map_err(|error| format!("the robot's configuration has no TOML form: {error}"))?;
-    let mut mapping = toml::Table::new();
-    if scenario.static_map {
-        let map = map_file::save(&prepared.world.rasterise(), root, "static_map")
-            .map_err(|error| error.to_string())?;
-        mapping.insert("static_map".into(), map.display().to_string().into());
-    } else {
-        let geometry = prepared.world.geometry();
-        let (x, y) = (geometry.origin_x_m, geometry.origin_y_m);
-        let far_x = x + f64::from(geometry.width) * geometry.resolution_m;
-        let far_y = y + f64::from(geometry.height) * geometry.resolution_m;
-        let area = vec![vec![x, y], vec![far_x, far_y]];
-        mapping.insert("area_m".into(), area.into());
-        mapping.insert("resolution_m".into(), geometry.resolution_m.into());
-    }
-    let mut files = BTreeMap::new();
-    for role in Role::SERVICES {
-        let mut table = match role {
-            Role::Robot => robot.clone(),
-            Role::Mapping => mapping.clone(),
-            _ => toml::Table::new(),
-        };
-        if let Some(service) = scenario.services.of(role) {
-            table.extend(service.config.clone());
-        }
-        let file = root.join(format!("{role}.toml"));
-        std::fs::write(&file, table.to_string())
-            .map_err(|error| format!("writing {}: {error}", file.display()))?;
-        files.insert(role, file);
-    }
-    Ok(files)
 }

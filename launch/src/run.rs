@@ -1,11 +1,12 @@
 //! One run: from a scenario to what was seen of it.
 
 use crate::collect::{Collector, TaskReport};
+use crate::configs;
 use crate::disturbance::{Disturbance, Reading};
 use crate::ending::Ending;
 use crate::keeper::{Keeper, READY_LIMIT, RestartRecord};
 use crate::measure::seconds;
-use crate::prepare::{Prepared, write_configs};
+use crate::prepare::Prepared;
 use crate::show::progress::{Progress, ProgressLine, TrialProgress};
 use crate::shuttle::{Course, Shuttle, Step, Trial};
 use crate::supervise::child::Child;
@@ -124,7 +125,8 @@ pub fn drive(
     let mut stack =
         Stack::create(prepared.mode, prepared.seed, tick_ns).map_err(|error| error.to_string())?;
     let started = Instant::now();
-    let outcome = write_configs(prepared, stack.root()).and_then(|configs| {
+    let configs = configs::write(&prepared.scenario, &prepared.world, stack.root());
+    let outcome = configs.and_then(|configs| {
         for (role, delay) in &prepared.delays {
             stack.delay(*role, *delay);
         }

@@ -1,6 +1,8 @@
 //! Whatever a user gets wrong: one clear line, exit code 2, nothing half-started.
 
+use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
+use std::process::Command;
 use zeronav_tests::{Ended, Zeronav, zeronav};
 
 const WORLD: &str = r#"
@@ -131,37 +133,305 @@ fn a_binary_that_does_not_exist() {
     }
 }
 
+/// The line of the scenario that begins with `start`.
+fn line_of(text: &str, start: &str) -> usize {
+    let line = text.lines().position(|line| line.starts_with(start));
+    1 + line.expect("the line")
+}
+
 #[test]
-fn a_service_that_does_not_know_its_configuration_is_named() {
+fn what_a_service_would_refuse_is_found_by_check_and_before_a_run() {
+    for (seat, line, words) in [
+        (
+            "mapping",
+            "binary = \"./plain.txt\"",
+            &["binary", "not executable"][..],
+        ),
+        ("mapping", "binary = \"./absent\"", &["binary", "./absent"]),
+        (
+            "mapping",
+            "config.padding = 0.1",
+            &["padding", "did you mean `padding_m`?"],
+        ),
+        (
+            "mapping",
+            "config.padding_m = nan",
+            &["padding_m", "0 to 1 m", "NaN"],
+        ),
+        (
+            "mapping",
+            "config.static_map = \"absent.yaml\"",
+            &["static_map", "absent.yaml"],
+        ),
+        (
+            "mapping",
+            "config.save_to = \"absent\"",
+            &["save_to", "absent"],
+        ),
+        (
+            "mapping",
+            "config.log_odds.hit = 0",
+            &["log_odds.hit", "1 to 10000"],
+        ),
+        (
+            "global_planner",
+            "config.planner = \"best\"",
+            &["planner", "c_astar"],
+        ),
+        (
+            "global_planner",
+            "config.planner = \"lazy_teta\"",
+            &["did you mean `lazy_theta`?"],
+        ),
+        (
+            "global_planner",
+            "config.smooth_m = 1e308",
+            &["smooth_m", "0 to 2, not 1e308"],
+        ),
+        (
+            "local_planner",
+            "config.controller = \"bean\"",
+            &["did you mean `beam`?"],
+        ),
+        (
+            "local_planner",
+            "config.dwa.horizont_s = 1.0",
+            &["dwa.horizont_s", "`horizon_s`"],
+        ),
+        (
+            "local_planner",
+            "config.dwa.horizon_s = \"x\"",
+            &["dwa.horizon_s", "string"],
+        ),
+        (
+            "collision_guard",
+            "config.margin_m = inf",
+            &["margin_m", "0.01 to 1"],
+        ),
+        (
+            "robot",
+            "config.worlt = 1",
+            &["worlt", "did you mean `world`?"],
+        ),
+        (
+            "robot",
+            "config.start = [1.0, 1.0, 0.0, 0.0]",
+            &["start", "3 entries"],
+        ),
+    ] {
+        let text = format!("{}\n[services.{seat}]\n{line}\n", scenario(HEAD));
+        let place = format!("it.toml:{}: services.{seat}.", line_of(&text, line));
+        for command in [
+            &["check", "./it.toml"][..],
+            &["run", "./it.toml", "--headless"],
+        ] {
+            let folder = tempfile::tempdir().expect("a folder");
+            std::fs::write(folder.path().join("it.toml"), &text).expect("written");
+            std::fs::write(folder.path().join("plain.txt"), "no program").expect("written");
+            let ended = Zeronav::start_in(folder, command).finish();
+            let words: Vec<&str> = [place.as_str()].iter().chain(words).copied().collect();
+            refused(&ended, &words);
+            assert!(ended.stdout.is_empty(), "{}", ended.stdout);
+            assert!(!ended.folder.path().join("runs").exists(), "{command:?}");
+        }
+    }
+}
+
+#[test]
+fn a_seat_that_is_filled_by_hand_is_not_asked() {
     let text = format!(
-        "{}\n[services.global_planner]\nconfig.planner = \"best\"\n",
+        "{}\n[services.mapping]\nbinary = \"no-such-service\"\n",
         scenario(HEAD)
     );
     let folder = tempfile::tempdir().expect("a folder");
     std::fs::write(folder.path().join("it.toml"), text).expect("written");
-    let ended = Zeronav::start_in(folder, &["run", "./it.toml", "--headless"]).finish();
-    assert_eq!(ended.code(), 2, "{}", ended.stderr);
-    for word in ["global_planner", "best", "c_astar"] {
-        assert!(
-            ended.stderr.contains(word),
-            "`{word}` is not named:\n{}",
-            ended.stderr
+    let mut run = Zeronav::start_in(
+        folder,
+        &["run", "./it.toml", "--headless", "--external", "mapping"],
+    );
+    run.wait_until("the other services are there", |run| {
+        run.children().len() >= 4
+    });
+    run.signal(rustix::process::Signal::INT);
+    assert_eq!(run.finish().code(), 130);
+}
+
+#[test]
+fn programs_that_do_not_answer_for_their_configuration_are_named() {
+    for (program, said) in [
+        ("echo no such flag >&2; exit 1", "exit code 1: no such flag"),
+        ("exec sleep 1000", "no answer within 5 s"),
+        ("yes & exec yes", "more than 4 MB of answer"),
+        ("sleep 1000 & exit 3", "exit code 3"),
+        ("printf 'red \\033[31m\\n' >&2; exit 1", "red \\u{1b}[31m"),
+    ] {
+        let text = format!(
+            "{}\n[services.mapping]\nbinary = \"./guest\"\n",
+            scenario(HEAD)
         );
+        let folder = tempfile::tempdir().expect("a folder");
+        std::fs::write(folder.path().join("it.toml"), &text).expect("written");
+        let guest = folder.path().join("guest");
+        std::fs::write(&guest, format!("#!/bin/sh\n{program}\n")).expect("written");
+        std::fs::set_permissions(&guest, PermissionsExt::from_mode(0o755)).expect("a program");
+        let place = format!(
+            "it.toml:{}: services.mapping.binary",
+            line_of(&text, "binary")
+        );
+        refused(
+            &Zeronav::start_in(folder, &["check", "it.toml"]).finish(),
+            &[&place, "--print-config", said],
+        );
+    }
+}
+
+/// Cargo exports its variables to the tests of any project.
+#[test]
+fn cargo_is_not_asked_to_build_another_project() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let built = folder.path().join("built");
+    let cargo = folder.path().join("cargo");
+    std::fs::write(
+        &cargo,
+        format!("#!/bin/sh\necho \"$@\" > {}\n", built.display()),
+    )
+    .expect("written");
+    std::fs::set_permissions(&cargo, PermissionsExt::from_mode(0o755)).expect("a program");
+    let check = |package: &Path| {
+        let checked = Command::new(zeronav_tests::binaries().join("zeronav"))
+            .args(["check", "open_aisle"])
+            .current_dir(folder.path())
+            .env("CARGO", &cargo)
+            .env("CARGO_MANIFEST_DIR", package)
+            .output()
+            .expect("zeronav starts");
+        assert!(checked.status.success(), "{checked:?}");
+        std::fs::read_to_string(&built).ok()
+    };
+    std::fs::write(folder.path().join("Cargo.toml"), "[package]\n").expect("written");
+    assert_eq!(check(folder.path()), None);
+    let own = zeronav_tests::workspace();
+    let manifest = own.join("Cargo.toml");
+    let asked = check(&own.join("launch")).expect("its own project is built");
+    assert!(
+        asked.contains(manifest.to_str().expect("a name")),
+        "{asked}"
+    );
+}
+
+#[test]
+fn numbers_and_names_that_cannot_be() {
+    let good = scenario(HEAD);
+    for (from, to, words) in [
+        (
+            "start = [1.0, 1.0, 0.0]",
+            "start = [1.0, 1.0, 0.0, 0.0]",
+            &["start", "3 entries"][..],
+        ),
+        (
+            "start = [1.0, 1.0, 0.0]",
+            "start = [1e308, 1.0, 0.0]",
+            &["start[0]", "not 1e308"],
+        ),
+        (
+            "title = \"test\"",
+            "title = \"t\\u001b[31m\"",
+            &["title", "control", "\\u{1b}"],
+        ),
+        (
+            "\n[[goals]]",
+            "\nbase = [\"warehous\"]\n[[goals]]",
+            &["base", "`warehouse`"],
+        ),
+    ] {
+        refused(&run(&good.replacen(from, to, 1)), words);
+    }
+    for value in ["nan", "inf", "-1.0", "0", "1e300"] {
+        let text = scenario(HEAD).replacen(
+            "\n[world]",
+            &format!("\n[restart]\nhang_after_s = {value}\n[world]"),
+            1,
+        );
+        let place = format!(
+            "it.toml:{}: restart.hang_after_s",
+            line_of(&text, "hang_after_s")
+        );
+        refused(&run(&text), &[&place, "from 0.1 to 3600"]);
     }
 }
 
 #[test]
 fn wrong_arguments() {
-    for arguments in [
-        &["run"][..],
-        &["run", "blocked_aisle", "--seed", "x"],
-        &["fly"],
-        &["goal", "1", "2"],
-        &["goal", "1", "2", "0", "--domain", "/dev/shm/zn_nobody"],
+    for (arguments, words) in [
+        (&["run"][..], &["SCENARIO"][..]),
+        (&["run", "blocked_aisle", "--seed", "x"], &["--seed", "'x'"]),
+        (&["run", "blocked\u{1b}[31m"], &["\\u{1b}[31m"]),
+        (
+            &["run", "blocked_aisle", "--log-level", "nonsense"],
+            &["--log-level", "nonsense", "info"],
+        ),
+        (
+            &["run", "blocked_aisle", "--log-level", "inf"],
+            &["did you mean `info`?"],
+        ),
+        (
+            &["run", "blocked_aisle", "--inject", "mapping=1e308ms"],
+            &["--inject", "10us to 655ms"],
+        ),
+        (
+            &["run", "blocked_aisle", "--inject", "maping=5ms"],
+            &["did you mean `mapping`?"],
+        ),
+        (
+            &["run", "blocked_aisle", "--inject", "collision_guard=600ms"],
+            &["collision_guard=600ms", "restart.hang_after_s", "250 ms"],
+        ),
+        (&["fly"], &["fly"]),
+        (&["chek", "open_aisle"], &["chek", "'check'"]),
+        (&["suite", "pedestrian"], &["did you mean `pedestrians`?"]),
+        (&["goal", "1", "2"], &["YAW"]),
+        (
+            &["goal", "nan", "2", "0"],
+            &["from -1000000 to 1000000, not NaN"],
+        ),
+        (&["goal", "1", "1e308", "0"], &["not 1e308"]),
+        (&["goal", "1", "2", "1e9"], &["from -62.8 to 62.8"]),
+        (
+            &["goal", "1", "2", "0", "--tolerance", "-1"],
+            &["--tolerance", "not -1.0"],
+        ),
+        (
+            &["goal", "1", "2", "0", "--domain", "/dev/shm/zn_nobody"],
+            &["zn_nobody"],
+        ),
     ] {
-        let ended = zeronav(arguments);
-        assert_eq!(ended.code(), 2, "{arguments:?}: {}", ended.stderr);
-        assert!(!ended.stderr.is_empty());
+        refused(&zeronav(arguments), words);
+    }
+}
+
+#[test]
+fn services_refuse_wrong_arguments_in_one_line() {
+    for (arguments, word) in [
+        (
+            &["--log-level", "nonsense", "--print-config"][..],
+            "nonsense",
+        ),
+        (&["--no-such-flag"], "--no-such-flag"),
+        (&[], "--domain"),
+        (
+            &["--config", "/absent.toml", "--print-config"],
+            "/absent.toml",
+        ),
+    ] {
+        let mapping = zeronav_tests::binaries().join("zeronav-mapping");
+        let ended = Command::new(mapping)
+            .args(arguments)
+            .output()
+            .expect("it starts");
+        let said = String::from_utf8_lossy(&ended.stderr);
+        assert_eq!(ended.status.code(), Some(2), "{arguments:?}: {said}");
+        assert_eq!(said.lines().count(), 1, "{arguments:?}: {said}");
+        assert!(said.contains(word), "{arguments:?}: {said}");
     }
 }
 

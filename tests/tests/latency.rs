@@ -203,6 +203,25 @@ fn a_slow_trial_names_its_hop_and_that_its_service_did_not_compute() {
 }
 
 #[test]
+fn the_page_for_people_names_injected_delays() {
+    let _turn = real_time_turn();
+    let folder = tempfile::tempdir().expect("a folder");
+    let scenario = "title = \"A second of standing\"\nbase = [\"warehouse\", \"porter\"]\n\
+                    start = [3.0, 8.5, 0.0]\n[run]\ntime_limit_s = 1.0\n\
+                    [expect]\noutcome = \"timeout\"\n";
+    std::fs::write(folder.path().join("it.toml"), scenario).expect("written");
+    let arguments = ["run", "./it.toml", "--headless", "--inject", "mapping=5ms"];
+    let ended = Zeronav::start_in(folder, &arguments).finish();
+    let said = "delays were injected: mapping 5.00 ms";
+    assert!(
+        ended.stdout.contains(said),
+        "{}\n{}",
+        ended.stdout,
+        ended.stderr
+    );
+}
+
+#[test]
 fn a_hundred_updates_a_second_and_a_slow_planner_still_yield_paths() {
     let _turn = real_time_turn();
     let folder = tempfile::tempdir().expect("a folder");

@@ -238,7 +238,7 @@ impl Stage for Guard {
 
 fn main() -> ExitCode {
     // The seat stands in the configuration; the shell reads flags and configuration again.
-    let seat = Flags::parse().read_config::<StageConfig>();
+    let seat = Flags::parse().read_config(|_: &StageConfig| Ok(()));
     match seat.map(|config| Role::from_label(&config.seat)) {
         Ok(Some(Role::Robot)) => zeronav_shell::run::<Source>(),
         Ok(Some(Role::Mapping)) => zeronav_shell::run::<Passing<Mapping>>(),

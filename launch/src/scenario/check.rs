@@ -1,11 +1,13 @@
 //! Can it work? Everything that is known to be wrong before anything is started.
 
-use super::{GoalSpec, Outcome, Scenario, ScenarioError};
+use super::{COORDINATE_M_MAX, GoalSpec, Outcome, Scenario, ScenarioError, TOLERANCE, YAW_RAD_MAX};
 use core::f64::consts::PI;
-use zeronav_msgs::Pose;
 use zeronav_msgs::command::Intervention;
 use zeronav_msgs::map::{TILES_PER_KEYFRAME_MAX, tiles_of};
 use zeronav_msgs::task::GOALS_MAX;
+use zeronav_msgs::{Pose, Role};
+use zeronav_shell::nearest::unknown;
+use zeronav_shell::printable::{printable, printable_lines};
 use zeronav_world::error::{SpecError, number};
 use zeronav_world::{Footprint, MapWarning, World, WorldError};
 
@@ -61,6 +63,17 @@ impl Scenario {
         if self.title.trim().is_empty() {
             return Err(SpecError::new("title", "must not be empty"));
         }
+        check_text(&self.name, "name of the file", false)?;
+        check_text(&self.group, "group", false)?;
+        check_text(&self.title, "title", false)?;
+        check_text(&self.description, "description", true)?;
+        for (index, obstacle) in self.world.obstacles.iter().enumerate() {
+            check_text(
+                &obstacle.name,
+                &format!("world.obstacles[{index}].name"),
+                false,
+            )?;
+        }
         let expect = &self.expect;
         if expect.outcome == Outcome::Unreachable && self.goals.is_empty() {
             let why = "nothing can be unreachable without a goal";
@@ -80,9 +93,10 @@ impl Scenario {
         }
         for label in expect.interventions_min.keys() {
             let known = |code| Intervention::from_code(code).map(Intervention::label);
-            if !(1..=u16::MAX).map_while(known).any(|known| known == label) {
+            let known: Vec<&str> = (1..=u16::MAX).map_while(known).collect();
+            if !known.contains(&label.as_str()) {
                 let field = format!("expect.interventions_min.{label}");
-                return Err(SpecError::new(field, "is no reason of the guard's"));
+                return Err(SpecError::new(field, unknown("reason", label, known)));
             }
         }
         Ok(())
@@ -99,7 +113,11 @@ impl Scenario {
             }
             last_s = kill.at_s;
             if kill.role().is_none() {
-                let why = format!("`{}` is no service that may be killed", kill.service);
+                let mortal = Role::SERVICES
+                    .into_iter()
+                    .filter(|role| *role != Role::Robot);
+                let mortal = mortal.map(Role::label);
+                let why = unknown("service that may be killed", &kill.service, mortal);
                 return Err(SpecError::new(format!("{at}.service"), why));
             }
         }
@@ -118,7 +136,9 @@ impl Scenario {
             );
             return Err(SpecError::new("run.tick_hz", why));
         }
-        Ok(())
+        self.restart
+            .check()
+            .map_err(|error| error.within("restart"))
     }
 
     /// The map must fit into one keyframe.
@@ -194,9 +214,10 @@ impl Scenario {
         goal: &GoalSpec,
         wants_room: bool,
     ) -> Result<(), SpecError> {
-        number(goal.tolerance_m, 1.0e-3, 1.0e3, "tolerance_m")?;
+        let [least, most] = TOLERANCE;
+        number(goal.tolerance_m, least, most, "tolerance_m")?;
         let yaw_rad = goal.yaw_tolerance_rad;
-        number(yaw_rad, 1.0e-3, 1.0e3, "yaw_tolerance_rad")?;
+        number(yaw_rad, least, most, "yaw_tolerance_rad")?;
         self.check_pose(world, &goal.pose, "pose")?;
         let free = || world.free_pose_near(footprint, &goal.pose, goal.tolerance());
         if !wants_room || free().is_some() {
@@ -224,7 +245,8 @@ impl Scenario {
             .iter()
             .find(|obstacle| obstacle.spec.name == trials.obstacle);
         let Some(obstacle) = known else {
-            let why = format!("there is no obstacle \"{}\" in the world", trials.obstacle);
+            let known = world.obstacles().iter().map(|one| one.spec.name.as_str());
+            let why = unknown("obstacle", &trials.obstacle, known);
             return Err(within(SpecError::new("obstacle", why)));
         };
         for (index, goal) in trials.goals.iter().enumerate() {
@@ -257,9 +279,15 @@ impl Scenario {
     /// Accepts finite poses on the map.
     fn check_pose(&self, world: &World, pose: &Pose, field: &str) -> Result<(), SpecError> {
         for (axis, value) in [pose.x_m, pose.y_m].into_iter().enumerate() {
-            number(value, -1.0e6, 1.0e6, &format!("{field}[{axis}]"))?;
+            let field = format!("{field}[{axis}]");
+            number(value, -COORDINATE_M_MAX, COORDINATE_M_MAX, &field)?;
         }
-        number(pose.yaw_rad, -62.8, 62.8, &format!("{field}[2]"))?;
+        number(
+            pose.yaw_rad,
+            -YAW_RAD_MAX,
+            YAW_RAD_MAX,
+            &format!("{field}[2]"),
+        )?;
         if world.contains(pose.point()) {
             return Ok(());
         }
@@ -281,4 +309,19 @@ impl Scenario {
         );
         Err(SpecError::new(field, why))
     }
+}
+
+/// Accepts texts that look in a terminal as they do in the file; with `lines`, of several lines.
+fn check_text(text: &str, field: &str, lines: bool) -> Result<(), SpecError> {
+    let text = text.replace('\t', " ");
+    let shown = if lines {
+        printable_lines(&text)
+    } else {
+        printable(&text)
+    };
+    if shown == text {
+        return Ok(());
+    }
+    let why = format!("must not hold control characters: {shown}");
+    Err(SpecError::new(field, why))
 }

@@ -3,16 +3,19 @@
 //!
 //! `base = [...]` names files whose values a scenario starts from. Tables are merged key by key,
 //! everything else (numbers, texts, lists) is replaced; a later file wins over an earlier one and
-//! the scenario over all. `variant = "name"` lays the table `[variants.name]` over that. Behind it is a trick: all texts lie, one after the other, on one number
-//! line, so a span of the TOML parser says which file it means.
+//! the scenario over all. `variant = "name"` lays the table `[variants.name]` over that. All texts lie,
+//! one after the other, on one number line, so a span of the TOML parser says which file it means.
 
 use super::error::ScenarioError;
 use super::library::{Kind, Library, Origin};
 use core::ops::Range;
+use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::path::Path;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
+use zeronav_shell::nearest::{hinted, unknown};
+use zeronav_shell::places::{Places, line_of};
 
 /// Most files of one scenario, also when one builds on itself.
 const FILES_MAX: usize = 16;
@@ -34,29 +37,21 @@ struct Source {
     start: usize,
 }
 
-/// Where a value stands.
-#[derive(Debug, Clone, PartialEq, Eq)]
-struct Place {
-    path: String,
-    key: Range<usize>,
-    value: Range<usize>,
-}
-
 /// The files of a scenario and where every value stands in them.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Places {
+pub(super) struct Document {
     /// In the order in which they are merged; the scenario's own is the last.
     texts: Vec<Source>,
-    places: Vec<Place>,
+    places: Places,
 }
 
 /// Reads the scenario at `origin` and what it builds on, as its variant of that name if there is
 /// one.
-pub(super) fn read<T: DeserializeOwned>(
+pub(super) fn read<T: Serialize + DeserializeOwned>(
     library: &Library,
     origin: Origin,
     variant: Option<&str>,
-) -> Result<(T, Places), ScenarioError> {
+) -> Result<(T, Document), ScenarioError> {
     let mut texts = Vec::new();
     gather(library, origin, &mut texts)?;
     let mut merged = DeTable::new();
@@ -69,28 +64,40 @@ pub(super) fn read<T: DeserializeOwned>(
     let variants = merged.remove(VARIANTS);
     let named = named.as_ref().map(|named| (named.span(), named.get_ref()));
     let wanted = variant.or_else(|| named.as_ref().and_then(|(_, named)| named.as_str()));
-    let changes = wanted.and_then(|wanted| match variants.map(Spanned::into_inner) {
-        Some(DeValue::Table(mut variants)) => variants.remove(wanted).map(Spanned::into_inner),
-        _ => None,
-    });
-    if let Some(DeValue::Table(changes)) = changes {
+    let mut variants = match variants.map(Spanned::into_inner) {
+        Some(DeValue::Table(variants)) => variants,
+        _ => DeTable::new(),
+    };
+    let changes = wanted.and_then(|wanted| variants.remove(wanted));
+    if let Some(DeValue::Table(changes)) = changes.map(Spanned::into_inner) {
         merge(&mut merged, changes);
-    } else if let Some((span, _)) = named {
-        let places = Vec::new();
-        let why = "must be the name of one of the variants";
-        return Err(Places { texts, places }.error(span.start, VARIANT.to_owned(), why));
+    } else if let Some((span, wanted)) = named {
+        let known: Vec<&str> = variants
+            .keys()
+            .map(|name| name.get_ref().as_ref())
+            .collect();
+        let why = match wanted.as_str() {
+            Some(wanted) if !known.is_empty() => unknown("variant", wanted, known),
+            _ => "must be the name of one of the variants".to_owned(),
+        };
+        let places = Places::default();
+        return Err(Document { texts, places }.error(span.start, VARIANT.to_owned(), &why));
     }
-    let mut places = Vec::new();
-    note_table(&merged, "", &mut places);
+    let places = Places::of(&merged);
     let own = texts.last().map_or(0, |text| text.start);
     let root = Spanned::new(own..own, merged);
     let read = T::deserialize(toml::Deserializer::from(root));
-    let error = match read {
-        Ok(value) => return Ok((value, Places { texts, places })),
-        Err(error) => error,
-    };
-    let places = Places { texts, places };
-    Err(places.at_span(error.span().unwrap_or(own..own), &one_line(error.message())))
+    let document = Document { texts, places };
+    match read {
+        Ok(value) => match document.places.surplus(&value) {
+            Some((field, why)) => Err(document.at_field(&field, &why)),
+            None => Ok((value, document)),
+        },
+        Err(error) => {
+            let span = error.span().unwrap_or(own..own);
+            Err(document.at_span(&span, error.message()))
+        }
+    }
 }
 
 /// Puts the text at `origin` behind the texts that it builds on.
@@ -155,7 +162,7 @@ fn parse(text: &Source) -> Result<DeTable<'_>, ScenarioError> {
         Err(error) => Err(ScenarioError::Syntax {
             file: text.origin.to_string(),
             line: line_of(&text.text, error.span().map_or(0, |span| span.start)),
-            why: one_line(error.message()),
+            why: hinted(error.message()),
         }),
     }
 }
@@ -201,82 +208,27 @@ fn merge<'a>(under: &mut DeTable<'a>, over: DeTable<'a>) {
     }
 }
 
-fn note_table(table: &DeTable<'_>, prefix: &str, places: &mut Vec<Place>) {
-    for (key, value) in table {
-        let dot = if prefix.is_empty() { "" } else { "." };
-        let path = format!("{prefix}{dot}{}", key.get_ref());
-        note(value, path, key.span(), places);
-    }
-}
-
-fn note(value: &Spanned<DeValue<'_>>, path: String, key: Range<usize>, places: &mut Vec<Place>) {
-    match value.get_ref() {
-        DeValue::Table(table) => note_table(table, &path, places),
-        DeValue::Array(array) => {
-            for (index, item) in array.iter().enumerate() {
-                note(item, format!("{path}[{index}]"), item.span(), places);
-            }
-        }
-        _ => {}
-    }
-    places.push(Place {
-        path,
-        key,
-        value: value.span(),
-    });
-}
-
-impl Places {
+impl Document {
     /// The error that the value at `field` is wrong. A value that stands nowhere (a default) is
     /// reported where the table that could hold it stands.
     pub(super) fn at_field(&self, field: &str, why: &str) -> ScenarioError {
-        let mut path = field;
-        let start = loop {
-            if let Some(place) = self.places.iter().find(|place| place.path == path) {
-                break place.key.start;
-            }
-            match path.rfind(['.', '[']) {
-                Some(end) => path = &path[..end],
-                None => break self.texts.last().map_or(0, |text| text.start),
-            }
-        };
+        let start = self.places.key_of(field);
+        let start = start.unwrap_or_else(|| self.texts.last().map_or(0, |text| text.start));
         self.error(start, field.to_owned(), why)
     }
 
     /// The folder of the file in which the value at `field` stands.
     pub(super) fn folder_of(&self, field: &str) -> Option<&Path> {
-        let place = self.places.iter().find(|place| place.path == field)?;
-        self.text_at(place.value.start)?.origin.folder()
+        self.text_at(self.places.value_of(field)?)?.origin.folder()
     }
 
     /// The error at a span of the parser, and the value that it means.
-    fn at_span(&self, span: Range<usize>, why: &str) -> ScenarioError {
-        let exact = self
-            .places
-            .iter()
-            .find(|place| place.key == span || place.value == span);
-        let around = || {
-            let holds = |range: &Range<usize>| range.start <= span.start && span.end <= range.end;
-            self.places
-                .iter()
-                .filter(|place| holds(&place.value) || holds(&place.key))
-                .min_by_key(|place| place.value.len())
+    fn at_span(&self, span: &Range<usize>, why: &str) -> ScenarioError {
+        let (field, why) = match self.places.at_span(span, why) {
+            (field, why) if field.is_empty() => ("scenario".to_owned(), why),
+            placed => placed,
         };
-        // The span of the whole scenario is empty.
-        let place = exact.or_else(around).filter(|_| !span.is_empty());
-        let field = place.map(|place| place.path.clone());
-        // A missing field belongs to the table that should hold it.
-        let missing = why
-            .strip_prefix("missing field `")
-            .and_then(|rest| rest.strip_suffix('`'));
-        let field = match (field, missing) {
-            (Some(table), Some(missing)) => format!("{table}.{missing}"),
-            (None, Some(missing)) => missing.to_owned(),
-            (Some(field), None) => field,
-            (None, None) => "scenario".to_owned(),
-        };
-        let why = if missing.is_some() { "is missing" } else { why };
-        self.error(span.start, field, why)
+        self.error(span.start, field, &why)
     }
 
     fn error(&self, start: usize, field: String, why: &str) -> ScenarioError {
@@ -298,13 +250,4 @@ impl Places {
     fn text_at(&self, start: usize) -> Option<&Source> {
         self.texts.iter().rev().find(|text| text.start <= start)
     }
-}
-
-fn line_of(text: &str, offset: usize) -> usize {
-    let before = text.get(..offset).unwrap_or(text);
-    1 + before.matches('\n').count()
-}
-
-fn one_line(message: &str) -> String {
-    message.split('\n').collect::<Vec<_>>().join(", ")
 }

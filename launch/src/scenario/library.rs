@@ -8,9 +8,10 @@
 //! They are what is listed then; `u_trap` is the file as it stands.
 
 use super::document::VARIANTS;
-use super::error::{ScenarioError, closest};
+use super::error::ScenarioError;
 use std::io::Read;
 use std::path::{Path, PathBuf};
+use zeronav_shell::nearest::{nearest, unknown};
 
 /// Largest scenario file. [bytes]
 const TEXT_BYTES_MAX: u64 = 4 << 20;
@@ -170,7 +171,7 @@ impl Library {
             let known: Vec<String> = self.list().into_iter().map(|listed| listed.name).collect();
             ScenarioError::Unknown {
                 name: name_or_path.to_owned(),
-                closest: closest(name_or_path, &known).map(str::to_owned),
+                closest: nearest(name_or_path, known.iter().map(String::as_str)).map(str::to_owned),
             }
         })
     }
@@ -194,8 +195,7 @@ impl Library {
             let mut known = self.names(kind);
             known.sort();
             known.dedup();
-            let known = known.join(", ");
-            format!("there is no `{name_or_path}` to build on; known are {known}")
+            unknown("base", name_or_path, known.iter().map(String::as_str))
         })
     }
 

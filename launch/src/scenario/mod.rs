@@ -20,6 +20,8 @@
 mod check;
 mod document;
 mod error;
+#[cfg(test)]
+mod every_field;
 mod library;
 #[cfg(test)]
 mod shipped;
@@ -32,13 +34,22 @@ pub use library::{Library, Listed};
 
 use crate::supervise::restart::RestartSpec;
 use core::f64::consts::PI;
-use document::Places;
+use document::Document;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use zeronav_msgs::task::Goal;
 use zeronav_msgs::{Pose, Role};
 use zeronav_world::{RobotSpec, Tolerance, WorldSpec};
+
+/// Largest coordinate of a pose. [m]
+pub const COORDINATE_M_MAX: f64 = 1.0e6;
+
+/// Largest yaw of a pose: ten turns. [rad]
+pub const YAW_RAD_MAX: f64 = 62.8;
+
+/// Smallest and largest tolerance of a goal. [m or rad]
+pub const TOLERANCE: [f64; 2] = [1.0e-3, 1.0e3];
 
 /// A scenario: a world, a robot, where it starts and where it shall go, who sits in the seats,
 /// and what is expected.
@@ -92,7 +103,7 @@ pub struct Scenario {
     #[serde(skip)]
     folder: Option<PathBuf>,
     #[serde(skip)]
-    places: Places,
+    document: Document,
 }
 
 /// Time and chance of a run.
@@ -335,17 +346,17 @@ impl Scenario {
             None => origin.name(),
         };
         let folder = origin.folder().map(Path::to_path_buf);
-        let (mut scenario, places): (Self, Places) =
+        let (mut scenario, document): (Self, Document) =
             document::read(library, origin, variant.as_deref())?;
         for (field, file) in files_of(&mut scenario.world) {
-            let folder = places.folder_of(field).unwrap_or(Path::new(""));
+            let folder = document.folder_of(field).unwrap_or(Path::new(""));
             *file = absolute(&folder.join(&*file));
         }
         for role in Role::SERVICES {
             let field = format!("services.{}.binary", role.label());
             let service = scenario.services.of_mut(role);
             if let Some(binary) = service.and_then(|service| service.binary.as_mut())
-                && let Some(folder) = places.folder_of(&field)
+                && let Some(folder) = document.folder_of(&field)
                 && binary.components().count() > 1
                 && folder.join(&*binary).is_file()
             {
@@ -355,7 +366,7 @@ impl Scenario {
         Ok(Self {
             name,
             folder,
-            places,
+            document,
             ..scenario
         })
     }
@@ -376,7 +387,7 @@ impl Scenario {
     /// file and line.
     #[must_use]
     pub fn error_at(&self, field: &str, why: &str) -> ScenarioError {
-        self.places.at_field(field, why)
+        self.document.at_field(field, why)
     }
 }
 

@@ -612,7 +612,7 @@ fn a_scenario_may_build_on_a_variant_of_another() {
     folder.write("none.toml", "base = \"hall.toml\"\nvariant = \"slow\"\n");
     let error = folder.load("./none.toml").unwrap_err().to_string();
     assert!(
-        error.contains("none.toml:2: variant: must be the name of one"),
+        error.contains("none.toml:2: variant: there is no variant `slow`; known are"),
         "{error}"
     );
 }

@@ -236,6 +236,13 @@ impl RunResult {
                 self.slipped_ms
             );
         }
+        if !self.injected_us.is_empty() {
+            let delays = self.injected_us.iter();
+            let delays: Vec<String> = delays
+                .map(|(role, delay_us)| format!("{role} {:.2} ms", delay_us / 1.0e3))
+                .collect();
+            let _ = writeln!(text, "  delays were injected: {}", delays.join(", "));
+        }
         for plan in &self.plans {
             let _ = writeln!(
                 text,

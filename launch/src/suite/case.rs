@@ -80,7 +80,8 @@ impl Case {
         const SLOWEST: f64 = 6.0;
         /// A day. [s]
         const LONGEST_S: f64 = 86_400.0;
-        Duration::from_secs_f64((AROUND_S + SLOWEST * self.time_limit_s).min(LONGEST_S))
+        let limit_s = (AROUND_S + SLOWEST * self.time_limit_s).min(LONGEST_S);
+        Duration::try_from_secs_f64(limit_s).unwrap_or(Duration::MAX)
     }
 }
 

@@ -7,6 +7,7 @@ use super::{Setup, SuiteArgs};
 use crate::scenario::Scenario;
 use std::path::Path;
 use toml::Table;
+use zeronav_shell::nearest::unknown;
 
 /// The scenarios that are there.
 ///
@@ -15,10 +16,9 @@ use toml::Table;
 pub(super) fn worlds(arguments: &SuiteArgs) -> Result<Vec<WorldFile>, String> {
     let folder = Path::new(&arguments.suite);
     if !folder.is_dir() {
-        return Err(format!(
-            "a suite is barn, dynabarn, pedestrians or a folder of scenarios, and {} is none",
-            folder.display()
-        ));
+        let known = ["generated", "barn", "dynabarn", "pedestrians"];
+        let why = unknown("suite", &arguments.suite, known);
+        return Err(format!("{why} (no folder of scenarios is called so)"));
     }
     data::worlds(arguments, folder, "", "toml")
 }

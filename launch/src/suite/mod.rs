@@ -28,6 +28,7 @@ pub use report::Report;
 
 use crate::cli::SuiteArgs;
 use crate::environment::Before;
+use crate::supervise::algorithms;
 use crate::supervise::binaries::{self, Needed};
 use case::Case;
 use report::Kind;
@@ -89,6 +90,14 @@ pub fn suite(arguments: &SuiteArgs, interrupted: &AtomicBool) -> Result<Report, 
         Kind::Folder => Needed::Any,
         Kind::Barn | Kind::Dynabarn | Kind::Pedestrians | Kind::Generated => Needed::Stock,
     })?;
+    // A folder's scenarios may have another local planner, with keys of its own.
+    if let Some(key) = arguments
+        .controller
+        .as_deref()
+        .filter(|_| kind != Kind::Folder)
+    {
+        algorithms::check_controller(key)?;
+    }
     let before = Before::read();
     let started = Instant::now();
     let directory = suite_folder(&arguments.out, kind)?;

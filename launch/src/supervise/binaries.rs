@@ -47,6 +47,7 @@ pub fn find(name: &Path) -> Result<PathBuf, String> {
                 name.display(),
                 folder.join("zeronav").display()
             ),
+            _ if name.is_file() => format!("{} is not executable: chmod +x it", name.display()),
             _ => format!(
                 "no executable {}; build it or name another path",
                 name.display()
@@ -115,10 +116,11 @@ pub fn find_or_build(name: &Path) -> Result<PathBuf, String> {
 }
 
 /// Runs `cargo build --workspace` with `what` in this program's own profile and target folder:
-/// whether it succeeded, or `None` when this program does not run under cargo.
+/// whether it succeeded, or `None` when this program does not run under its own cargo.
 fn build(what: &[&str]) -> Option<std::io::Result<bool>> {
     let cargo = std::env::var_os("CARGO")?;
-    let manifest = std::env::var_os("CARGO_MANIFEST_DIR").map(PathBuf::from)?;
+    let package = std::env::var_os("CARGO_MANIFEST_DIR").map(PathBuf::from)?;
+    let workspace = own_workspace(&package)?;
     let folder = beside_this_program()?;
     let (target, profile) = folder.parent().zip(folder.file_name())?;
     if !target.join(".rustc_info.json").exists() && !target.join("CACHEDIR.TAG").exists() {
@@ -130,15 +132,43 @@ fn build(what: &[&str]) -> Option<std::io::Result<bool>> {
         profile
     };
     let status = Command::new(cargo)
-        .args(["build", "--quiet", "--workspace"])
+        .args(["build", "--quiet", "--workspace", "--manifest-path"])
+        .arg(workspace.join("Cargo.toml"))
         .args(what)
         .arg("--profile")
         .arg(profile)
         .arg("--target-dir")
         .arg(target)
-        .current_dir(&manifest)
+        .current_dir(&workspace)
         .stdin(Stdio::null())
         .stdout(Stdio::null())
         .status();
     Some(status.map(|status| status.success()))
+}
+
+/// The workspace that this program was built from, when cargo runs one of its packages. Cargo
+/// exports the same variables to the tests of any project that starts this program, and that
+/// project is not to be built here.
+fn own_workspace(package: &Path) -> Option<PathBuf> {
+    let own = Path::new(env!("CARGO_MANIFEST_DIR")).parent()?;
+    let own = own.canonicalize().ok()?;
+    let package = package.canonicalize().ok()?;
+    (package.starts_with(&own) && own.join("Cargo.toml").is_file()).then_some(own)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::own_workspace;
+    use std::path::Path;
+
+    #[test]
+    fn only_packages_of_this_workspace_are_built() {
+        let package = Path::new(env!("CARGO_MANIFEST_DIR"));
+        let own = own_workspace(package).expect("this very workspace");
+        assert_eq!(Some(own.as_path()), package.parent());
+        let other = tempfile::tempdir().expect("a folder");
+        std::fs::write(other.path().join("Cargo.toml"), "[package]").expect("written");
+        assert_eq!(own_workspace(other.path()), None);
+        assert_eq!(own_workspace(&other.path().join("absent")), None);
+    }
 }

@@ -214,7 +214,7 @@ impl Drop for Child {
     unsafe_code,
     reason = "the parent-death signal can only be set between fork and exec"
 )]
-fn die_with_this_thread(command: &mut Command) {
+pub(super) fn die_with_this_thread(command: &mut Command) {
     let parent = rustix::process::getpid();
     // SAFETY: the closure runs in the forked child before exec and makes only system calls that
     // are async-signal-safe; it allocates nothing and takes no lock.

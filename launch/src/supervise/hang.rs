@@ -48,7 +48,8 @@ impl HangWatch {
         };
         let still = seen.2;
         let together = self.seen.values().filter(|seen| seen.2 > limit / 2).count() > 1;
-        still > if together { limit * TOGETHER } else { limit }
+        let times = if together { TOGETHER } else { 1 };
+        still > limit.saturating_mul(times)
     }
 }
 

@@ -12,6 +12,7 @@ use core::time::Duration;
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 use zeronav_msgs::role::Role;
+use zeronav_world::error::{SpecError, number};
 
 /// Wait before the second restart of a seat.
 const BACKOFF: Duration = Duration::from_millis(100);
@@ -27,9 +28,9 @@ pub struct RestartSpec {
     pub per_service: u32,
     /// Most restarts of all services together.
     pub per_run: u32,
-    /// Time without progress after which a service counts as hung. [s]
+    /// Time without progress after which a service counts as hung, 0.1 to 3600. [s]
     pub hang_after_s: f64,
-    /// Ticks for which a restarted seat stays empty, lockstep only.
+    /// Ticks for which a restarted seat stays empty, lockstep only; at most a million.
     pub absent_ticks: u64,
 }
 
@@ -41,6 +42,41 @@ impl Default for RestartSpec {
             hang_after_s: 0.5,
             absent_ticks: 20,
         }
+    }
+}
+
+/// Most restarts of all services together that a scenario may allow.
+const RESTARTS_MAX: u32 = 10_000;
+
+/// Most ticks that a seat may stay empty.
+const ABSENT_TICKS_MAX: u64 = 1_000_000;
+
+impl RestartSpec {
+    /// Accepts budgets and limits that work. A service beats every 50 ms when it has nothing to do,
+    /// so that a limit below 0.1 s would kill those that are well.
+    ///
+    /// # Errors
+    /// The first field that is wrong.
+    pub fn check(&self) -> Result<(), SpecError> {
+        number(self.hang_after_s, 0.1, 3600.0, "hang_after_s")?;
+        for (field, value, most) in [
+            ("per_service", self.per_service.into(), RESTARTS_MAX.into()),
+            ("per_run", self.per_run.into(), RESTARTS_MAX.into()),
+            ("absent_ticks", self.absent_ticks, ABSENT_TICKS_MAX),
+        ] {
+            if value > most {
+                let why = format!("must be a number from 0 to {most}, not {value}");
+                return Err(SpecError::new(field, why));
+            }
+        }
+        Ok(())
+    }
+
+    /// Time without progress after which a service counts as hung; the longest there is for a number
+    /// of seconds that is none.
+    #[must_use]
+    pub fn hang_after(&self) -> Duration {
+        Duration::try_from_secs_f64(self.hang_after_s).unwrap_or(Duration::MAX)
     }
 }
 

@@ -1,7 +1,9 @@
 //! The guard as a process: answers every velocity request, and odometry that no request follows.
 
 use std::process::ExitCode;
-use zeronav_collision_guard::{Guard, GuardConfig, GuardInputs, OdometryInput, ScanInput};
+use zeronav_collision_guard::{
+    ConfigError, Guard, GuardConfig, GuardInputs, OdometryInput, ScanInput,
+};
 use zeronav_msgs::command::Intervention;
 use zeronav_msgs::header::Parents;
 use zeronav_msgs::health::{REASON_ODOMETRY, REASON_REQUEST, REASON_SCAN};
@@ -37,9 +39,36 @@ struct GuardService {
     intervention: Option<Intervention>,
 }
 
+fn unusable(error: &ConfigError) -> StartError {
+    match *error {
+        ConfigError::NotPositive { field, value_s } => {
+            StartError::config(field, format!("must be a positive number, not {value_s:?}"))
+        }
+        ConfigError::TooShort {
+            field,
+            value_s,
+            least_s,
+        } => StartError::config(field, format!("must exceed {least_s} s, not {value_s:?}")),
+        ConfigError::OutOfRange {
+            field,
+            value,
+            least,
+            most,
+        } => StartError::config(
+            field,
+            format!("must be a number from {least} to {most}, not {value:?}"),
+        ),
+    }
+}
+
 impl Service for GuardService {
     const ROLE: Role = Role::CollisionGuard;
     type Config = GuardConfig;
+
+    fn check(config: &GuardConfig) -> Result<(), StartError> {
+        // The periods that the ages must exceed come with the run.
+        config.check(0.0, 0.0).map_err(|error| unusable(&error))
+    }
 
     fn open(shell: &mut Shell, config: GuardConfig) -> Result<Self, StartError> {
         let peer = shell.peer();
@@ -128,7 +157,7 @@ impl GuardService {
         let scan_period_s = description.meta.scan_period_ns as f64 * 1.0e-9;
         config
             .check(period_s, scan_period_s)
-            .map_err(|error| StartError::Usage(format!("configuration: {error}")))?;
+            .map_err(|error| unusable(&error))?;
         self.config = None;
         Ok(())
     }

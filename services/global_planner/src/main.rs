@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 use zeronav_global_planner::replan::{News, Replanner, Request, Situation, Step};
 use zeronav_global_planner::table::{PLANNERS, PlannerRow};
-use zeronav_global_planner::{Control, GlobalPlannerConfig, Target};
+use zeronav_global_planner::{ConfigError, Control, GlobalPlannerConfig, Target, UnknownPlanner};
 use zeronav_msgs::CellRect;
 use zeronav_msgs::header::Parents;
 use zeronav_msgs::health::REASON_MAP;
@@ -16,6 +16,7 @@ use zeronav_msgs::task::{TaskKind, TaskState as State};
 use zeronav_msgs::topics::{PlanPath, PlanRequests, RobotOdometry, TaskState};
 use zeronav_shell::clock::now_ns;
 use zeronav_shell::doorbell::Rung;
+use zeronav_shell::nearest::unknown;
 use zeronav_shell::{
     Cycle, Latest, MapInput, Service, Shell, StartError, Stream, Tasks, Track, Writer,
 };
@@ -139,6 +140,24 @@ impl Inputs {
     }
 }
 
+fn unusable(error: ConfigError) -> StartError {
+    match error {
+        ConfigError::Planner(UnknownPlanner { key }) => {
+            let known = PLANNERS.iter().map(|row| row.key);
+            StartError::config("planner", unknown("planner", &key, known))
+        }
+        ConfigError::OutOfRange {
+            field,
+            value,
+            min,
+            max,
+        } => StartError::config(
+            field,
+            format!("must be a number from {min} to {max}, not {value:?}"),
+        ),
+    }
+}
+
 impl Service for PlannerService {
     const ROLE: Role = Role::GlobalPlanner;
     type Config = GlobalPlannerConfig;
@@ -155,9 +174,12 @@ impl Service for PlannerService {
         PLANNERS.iter().map(line).collect()
     }
 
+    fn check(config: &GlobalPlannerConfig) -> Result<(), StartError> {
+        config.check().map(|_| ()).map_err(unusable)
+    }
+
     fn open(shell: &mut Shell, config: GlobalPlannerConfig) -> Result<Self, StartError> {
-        let replanner = Replanner::new(&config)
-            .map_err(|error| StartError::Usage(format!("configuration: {error}")))?;
+        let replanner = Replanner::new(&config).map_err(unusable)?;
         let peer = shell.peer();
         Ok(Self {
             replanner,

@@ -1,11 +1,13 @@
 //! The local planner as a process: answers every odometry, scan and path with a velocity request.
 
 use std::process::ExitCode;
+use zeronav_local_planner::config::ConfigError;
 use zeronav_local_planner::motion::Twist;
+use zeronav_local_planner::period::BuildError;
 use zeronav_local_planner::recovery::Behaviour;
 use zeronav_local_planner::scan_points::ScanPoints;
 use zeronav_local_planner::staleness::{Ages, StaleInput};
-use zeronav_local_planner::table::{CONTROLLERS, ControllerRow};
+use zeronav_local_planner::table::{CONTROLLERS, ControllerRow, UnknownController};
 use zeronav_local_planner::{Inputs, LocalPlanner, LocalPlannerConfig, Outputs, PathInput};
 use zeronav_msgs::header::Parents;
 use zeronav_msgs::health::{REASON_MAP, REASON_ODOMETRY, REASON_PATH, REASON_SCAN};
@@ -19,6 +21,7 @@ use zeronav_msgs::topics::{
 };
 use zeronav_shell::clock::now_ns;
 use zeronav_shell::doorbell::Rung;
+use zeronav_shell::nearest::unknown;
 use zeronav_shell::{
     Cycle, Latest, MapInput, Roster, Service, Shell, Stamp, StartError, Stream, Track, Writer,
 };
@@ -168,6 +171,25 @@ impl Readings {
     }
 }
 
+fn unusable(error: BuildError) -> StartError {
+    match error {
+        BuildError::Controller(UnknownController { key }) => {
+            let known = CONTROLLERS.iter().map(|row| row.key);
+            StartError::config("controller", unknown("controller", &key, known))
+        }
+        BuildError::Config(error) => {
+            let ConfigError {
+                field,
+                value,
+                least,
+                most,
+            } = error;
+            let why = format!("must be a number from {least} to {most}, not {value:?}");
+            StartError::config(field, why)
+        }
+    }
+}
+
 impl Service for PlannerService {
     const ROLE: Role = Role::LocalPlanner;
     type Config = LocalPlannerConfig;
@@ -177,9 +199,12 @@ impl Service for PlannerService {
         CONTROLLERS.iter().map(line).collect()
     }
 
+    fn check(config: &LocalPlannerConfig) -> Result<(), StartError> {
+        LocalPlanner::new(config).map(|_| ()).map_err(unusable)
+    }
+
     fn open(shell: &mut Shell, config: LocalPlannerConfig) -> Result<Self, StartError> {
-        let planner = LocalPlanner::new(&config)
-            .map_err(|error| StartError::Usage(format!("configuration: {error}")))?;
+        let planner = LocalPlanner::new(&config).map_err(unusable)?;
         let peer = shell.peer();
         Ok(Self {
             planner,

@@ -3,7 +3,7 @@
 use nalgebra::Point2;
 use std::process::ExitCode;
 use zeronav_mapping::config::nanoseconds;
-use zeronav_mapping::{Mapping, MappingConfig, Observation, TileIndex, all_tiles};
+use zeronav_mapping::{Mapping, MappingConfig, MappingError, Observation, TileIndex, all_tiles};
 use zeronav_msgs::grid::GridGeometry;
 use zeronav_msgs::header::{Id, Parents};
 use zeronav_msgs::health::{REASON_ODOMETRY, REASON_SCAN};
@@ -23,6 +23,7 @@ use zeronav_shell::{
     Cycle, Draft, Latest, Sent, Service, Shell, StartError, Stream, Tasks, Track, Writer,
 };
 use zeronav_world::StaticMap;
+use zeronav_world::map_file::{self, LoadedMap};
 
 /// Least time between two keyframes. [ns]
 const KEYFRAME_PAUSE_NS: u64 = 50_000_000;
@@ -117,28 +118,52 @@ struct MappingService {
     current: bool,
 }
 
+/// The static map, if there is one, and the grid.
+fn map_of(config: &MappingConfig) -> Result<(Option<LoadedMap>, GridGeometry), StartError> {
+    let Some(file) = &config.static_map else {
+        return Ok((None, config.geometry().map_err(unusable)?));
+    };
+    let loaded = map_file::load(file).map_err(|error| StartError::config("static_map", error))?;
+    let geometry = loaded.map.geometry;
+    geometry
+        .check()
+        .map_err(|refusal| StartError::config("static_map", refusal))?;
+    Ok((Some(loaded), geometry))
+}
+
+fn unusable(error: MappingError) -> StartError {
+    match error {
+        MappingError::NoArea => StartError::config("area_m", "required without static_map"),
+        MappingError::Geometry(_) => StartError::config("area_m", error),
+        MappingError::StaticMap { .. } => StartError::config("static_map", error),
+        MappingError::OutOfRange { field, value, rule } => {
+            StartError::config(field, format!("{rule}, not {value:?}"))
+        }
+    }
+}
+
 impl Service for MappingService {
     const ROLE: Role = Role::Mapping;
     type Config = MappingConfig;
 
-    fn open(shell: &mut Shell, config: MappingConfig) -> Result<Self, StartError> {
-        let unusable =
-            |error: &dyn core::fmt::Display| StartError::Usage(format!("configuration: {error}"));
-        let static_map = match &config.static_map {
-            Some(file) => {
-                let loaded =
-                    zeronav_world::map_file::load(file).map_err(|error| unusable(&error))?;
-                for warning in &loaded.warnings {
-                    tracing::warn!("{warning}");
-                }
-                Some(loaded.map)
+    fn check(config: &MappingConfig) -> Result<(), StartError> {
+        let (_, geometry) = map_of(config)?;
+        config.check(geometry.resolution_m).map_err(unusable)?;
+        match &config.save_to {
+            Some(folder) if !folder.is_dir() => {
+                let why = format!("there is no folder {}", folder.display());
+                Err(StartError::config("save_to", why))
             }
-            None => None,
-        };
-        let geometry = match &static_map {
-            Some(map) => map.geometry,
-            None => config.geometry().map_err(|error| unusable(&error))?,
-        };
+            _ => Ok(()),
+        }
+    }
+
+    fn open(shell: &mut Shell, config: MappingConfig) -> Result<Self, StartError> {
+        let (loaded, geometry) = map_of(&config)?;
+        for warning in loaded.iter().flat_map(|loaded| &loaded.warnings) {
+            tracing::warn!("{warning}");
+        }
+        let static_map = loaded.map(|loaded| loaded.map);
         let most_tiles = config.window.most_tiles(&geometry);
         let going = if config.regularisation.enabled {
             Some(Going::open(shell)?)
@@ -226,7 +251,7 @@ impl MappingService {
             description.meta,
             description.items,
         )
-        .map_err(|error| StartError::Usage(format!("configuration: {error}")))?;
+        .map_err(unusable)?;
         self.mapping = Some(mapping);
         // The first revision is the static map: an empty update, and a keyframe that holds it.
         let draft = shell.draft(0, 0, 0, Parents::default());
@@ -436,7 +461,7 @@ impl Drop for MappingService {
             return;
         };
         let map = mapping.mapper().as_static_map();
-        match zeronav_world::map_file::save(&map, folder, "map") {
+        match map_file::save(&map, folder, "map") {
             Ok(file) => tracing::info!(file = %file.display(), "map saved"),
             Err(error) => tracing::error!("the map could not be saved: {error}"),
         }

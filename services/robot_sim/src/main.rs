@@ -9,11 +9,13 @@ use zeronav_msgs::topics::{
     GroundTruth, RobotCommand, RobotDescription, RobotOdometry, RobotScan, SimPlacement,
 };
 use zeronav_msgs::truth::{TRUTH_OBSTACLES_MAX, TruthObstacle};
+use zeronav_robot_sim::simulator::TICK_NS_MIN;
 use zeronav_robot_sim::{SimConfig, SimError, Simulator};
 use zeronav_shell::clock::{both_ns, now_ns};
 use zeronav_shell::doorbell::Rung;
 use zeronav_shell::records::SpanReader;
 use zeronav_shell::{Cycle, Latest, Service, Shell, StartError, Writer};
+use zeronav_world::{SpecError, WorldError};
 
 struct RobotService {
     config: SimConfig,
@@ -38,13 +40,35 @@ struct RobotService {
     slipped_ns: u64,
 }
 
-fn unusable(error: &SimError) -> StartError {
-    StartError::Usage(format!("configuration: {error}"))
+fn unusable(error: SimError) -> StartError {
+    let of = |error: SpecError| StartError::config(error.field, error.why);
+    match error {
+        SimError::World(WorldError::Spec(error)) => of(error.within("world")),
+        SimError::World(WorldError::Map(error)) => StartError::config("world.map", error),
+        SimError::World(WorldError::Data { field, error }) => {
+            StartError::config(format!("world.{field}"), error)
+        }
+        SimError::Robot(error) => of(error.within("robot")),
+        SimError::Description(refusal) => StartError::config("robot", refusal),
+        SimError::Start(refusal) => StartError::config("start", refusal),
+        SimError::StartBlocked(what) => {
+            StartError::config("start", format!("the robot touches {what} there"))
+        }
+        SimError::ScanRate { .. } => StartError::config("robot.lidar.rate_hz", error),
+        SimError::Tick(_) => StartError::Usage(error.to_string()),
+    }
 }
 
 impl Service for RobotService {
     const ROLE: Role = Role::Robot;
     type Config = SimConfig;
+
+    fn check(config: &SimConfig) -> Result<(), StartError> {
+        // The length of a tick and the seed come with the run.
+        Simulator::new(config, 0, TICK_NS_MIN)
+            .map(|_| ())
+            .map_err(unusable)
+    }
 
     fn open(shell: &mut Shell, config: SimConfig) -> Result<Self, StartError> {
         let peer = shell.peer();
@@ -113,8 +137,8 @@ impl RobotService {
     /// Makes the world, says what the robot is, and that it is ready.
     fn start(&mut self, shell: &mut Shell) -> Result<(), StartError> {
         let clock = shell.roster().clock;
-        let simulator = Simulator::new(&self.config, clock.seed, clock.tick_ns)
-            .map_err(|error| unusable(&error))?;
+        let simulator =
+            Simulator::new(&self.config, clock.seed, clock.tick_ns).map_err(unusable)?;
         for warning in simulator.map_warnings() {
             tracing::warn!("{warning}");
         }

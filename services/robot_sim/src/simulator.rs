@@ -29,8 +29,11 @@ const CLEARANCE_M_MAX: f64 = 1.0e3;
 /// What rounding may add to the way of an obstacle. [m]
 const REACH_SLACK_M: f64 = 1.0e-6;
 
+/// Shortest tick. [ns]
+pub const TICK_NS_MIN: u64 = 100_000;
+
 /// Shortest and longest tick. [ns]
-const TICK_NS: core::ops::RangeInclusive<u64> = 100_000..=1_000_000_000;
+const TICK_NS: core::ops::RangeInclusive<u64> = TICK_NS_MIN..=1_000_000_000;
 
 /// Why a robot cannot be simulated.
 #[derive(Debug, thiserror::Error)]

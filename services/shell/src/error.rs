@@ -17,6 +17,14 @@ pub enum StartError {
     /// Flags or configuration.
     #[error("{0}")]
     Usage(String),
+    /// A value of the configuration.
+    #[error("configuration: {field}: {why}")]
+    Config {
+        /// Path of the value, such as `dwa.horizon_s`.
+        field: String,
+        /// What is wrong and what would be right.
+        why: String,
+    },
     /// A topic exists with another layout, or not at all.
     #[error("contract: topic {topic}: {problem}")]
     Contract {
@@ -55,11 +63,19 @@ impl StartError {
         }
     }
 
+    /// A value of the configuration that cannot be.
+    pub fn config(field: impl Into<String>, why: impl core::fmt::Display) -> Self {
+        Self::Config {
+            field: field.into(),
+            why: why.to_string(),
+        }
+    }
+
     /// The process's exit code.
     #[must_use]
     pub fn exit_code(&self) -> ExitCode {
         ExitCode::from(match self {
-            Self::Usage(_) | Self::Memory { .. } => EXIT_USAGE,
+            Self::Usage(_) | Self::Config { .. } | Self::Memory { .. } => EXIT_USAGE,
             Self::Contract { .. } => EXIT_CONTRACT,
             Self::System { .. } => EXIT_CRASH,
         })

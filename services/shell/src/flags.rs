@@ -1,10 +1,16 @@
 //! The flags that every service understands.
 
 use crate::error::StartError;
+use crate::logs;
+use crate::nearest::hinted;
+use crate::places::{Places, line_of};
+use crate::printable::printable;
 use clap::Parser;
+use core::ops::Range;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
+use toml::de::DeTable;
 
 /// The five flags of a service, and one for curious people.
 #[derive(Debug, Clone, Parser)]
@@ -20,7 +26,7 @@ pub struct Flags {
     #[arg(long, value_name = "FILE")]
     pub config: Option<PathBuf>,
     /// error, warn, info, debug, trace, or a filter such as `warn,zeronav_mapping=debug`.
-    #[arg(long, value_name = "LEVEL", default_value = "info")]
+    #[arg(long, value_name = "LEVEL", default_value = "info", value_parser = logs::filter)]
     pub log_level: String,
     /// Print the configuration that would be used as TOML and leave.
     #[arg(long)]
@@ -36,29 +42,50 @@ pub struct Flags {
 pub struct NoConfig {}
 
 impl Flags {
-    /// The configuration of the file; without one, that of an empty file.
+    /// The configuration of the file; without one, that of an empty file. What `check` refuses is
+    /// reported like what cannot be read.
     ///
     /// # Errors
     /// [`StartError::Usage`] naming file, line and field.
-    pub fn read_config<C: DeserializeOwned>(&self) -> Result<C, StartError> {
+    pub fn read_config<C: Serialize + DeserializeOwned>(
+        &self,
+        check: impl FnOnce(&C) -> Result<(), StartError>,
+    ) -> Result<C, StartError> {
         let Some(path) = &self.config else {
-            return toml::from_str("").map_err(|error| {
+            let config = toml::from_str("").map_err(|error| {
                 StartError::Usage(format!("--config FILE is needed: {}", error.message()))
-            });
+            })?;
+            return check(&config).map(|()| config);
         };
-        let text = std::fs::read_to_string(path).map_err(|error| {
-            StartError::Usage(format!("configuration {}: {error}", path.display()))
+        let file = path.display();
+        let text = std::fs::read_to_string(path)
+            .map_err(|error| StartError::Usage(format!("configuration {file}: {error}")))?;
+        let at = |offset: usize, why: &str| {
+            let line = line_of(&text, offset);
+            StartError::Usage(format!("configuration {file}:{line}: {why}"))
+        };
+        let start = |span: Option<Range<usize>>| span.unwrap_or_default();
+        let table = DeTable::parse(&text)
+            .map_err(|error| at(start(error.span()).start, &hinted(error.message())))?;
+        let places = Places::of(table.get_ref());
+        let refused = |field: &str, why: &str| {
+            let offset = places.key_of(field).unwrap_or(0);
+            at(offset, &format!("{field}: {why}"))
+        };
+        let config = C::deserialize(toml::Deserializer::from(table)).map_err(|error| {
+            let span = start(error.span());
+            match places.at_span(&span, error.message()) {
+                (field, why) if field.is_empty() => at(span.start, &why),
+                (field, why) => at(span.start, &format!("{field}: {why}")),
+            }
         })?;
-        toml::from_str(&text).map_err(|error| {
-            let line = error.span().map_or(1, |span| {
-                text[..span.start.min(text.len())].matches('\n').count() + 1
-            });
-            StartError::Usage(format!(
-                "configuration {}:{line}: {}",
-                path.display(),
-                error.message()
-            ))
-        })
+        if let Some((field, why)) = places.surplus(&config) {
+            return Err(refused(&field, &why));
+        }
+        match check(&config) {
+            Err(StartError::Config { field, why }) => Err(refused(&field, &why)),
+            other => other.map(|()| config),
+        }
     }
 
     /// The configuration as TOML, for `--print-config`.
@@ -69,4 +96,17 @@ impl Flags {
         toml::to_string_pretty(config)
             .map_err(|error| StartError::Usage(format!("configuration has no TOML form: {error}")))
     }
+}
+
+/// What is wrong with the arguments of a command line, in one line.
+#[must_use]
+pub fn one_line(error: &clap::Error) -> String {
+    let text = error.to_string();
+    let parts = text
+        .split("\n\n")
+        .take_while(|part| !part.starts_with("Usage:") && !part.starts_with("For more"));
+    let in_one = |part: &str| part.split_whitespace().collect::<Vec<_>>().join(" ");
+    let line = parts.map(in_one).collect::<Vec<_>>().join("; ");
+    let line = line.strip_prefix("error: ").unwrap_or(&line);
+    printable(line).into_owned()
 }

@@ -4,8 +4,9 @@ use crate::clock::{now_ns, thread_cpu_ns};
 use crate::domain::Domain;
 use crate::doorbell::{Bells, Doorbell, Rung, WAKE_AT_LEAST_NS};
 use crate::error::{EXIT_STOPPED, EXIT_USAGE, StartError};
-use crate::flags::Flags;
+use crate::flags::{Flags, one_line};
 use crate::peer::Peer;
+use crate::printable::printable;
 use crate::records::SpanWriter;
 use crate::roster::{Roster, RosterReader};
 use crate::turn::{self, Trigger, Turn};
@@ -43,6 +44,15 @@ pub trait Service: Sized {
     #[must_use]
     fn algorithms() -> Vec<(&'static str, String)> {
         Vec::new()
+    }
+
+    /// Accepts configurations that it can work with, as far as that is known without a run: asked
+    /// by `--print-config`, and before [`Self::open`].
+    ///
+    /// # Errors
+    /// [`StartError::config`], naming the field.
+    fn check(_config: &Self::Config) -> Result<(), StartError> {
+        Ok(())
     }
 
     /// Opens the ports. Nothing is known yet about the run.
@@ -369,18 +379,21 @@ pub fn run<S: Service>() -> ExitCode {
     let flags = match Flags::try_parse() {
         Ok(flags) => flags,
         Err(error) => {
+            if error.use_stderr() {
+                complain(&one_line(&error));
+                return ExitCode::from(EXIT_USAGE);
+            }
             let _ = error.print();
-            let code = if error.use_stderr() {
-                EXIT_USAGE
-            } else {
-                EXIT_STOPPED
-            };
-            return ExitCode::from(code);
+            return ExitCode::from(EXIT_STOPPED);
         }
     };
     crate::logs::start(&flags.log_level);
     match drive::<S>(&flags) {
         Ok(()) => ExitCode::from(EXIT_STOPPED),
+        Err(error) if flags.print_config => {
+            complain(&error.to_string());
+            error.exit_code()
+        }
         Err(error) => {
             tracing::error!(role = %S::ROLE, "{error}");
             error.exit_code()
@@ -395,7 +408,7 @@ fn drive<S: Service>(flags: &Flags) -> Result<(), StartError> {
         }
         return Ok(());
     }
-    let config: S::Config = flags.read_config()?;
+    let config: S::Config = flags.read_config(S::check)?;
     if flags.print_config {
         print(&Flags::config_text(&config)?);
         return Ok(());
@@ -463,10 +476,15 @@ fn catch_signals() -> Result<(Arc<AtomicBool>, UnixStream), StartError> {
     Ok((stop, reader))
 }
 
-#[allow(
-    clippy::print_stdout,
-    reason = "--print-config and --list are data for the caller"
-)]
+/// What `--print-config` and `--list` say to the caller.
 fn print(text: &str) {
-    print!("{text}");
+    use std::io::Write;
+    // A reader that has gone away (a closed pipe) is no reason to panic.
+    let _ = std::io::stdout().write_all(text.as_bytes());
+}
+
+/// One line on standard error.
+fn complain(problem: &str) {
+    use std::io::Write;
+    let _ = writeln!(std::io::stderr(), "{}", printable(problem));
 }

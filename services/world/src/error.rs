@@ -43,7 +43,8 @@ pub fn number(value: f64, min: f64, max: f64, field: &str) -> Result<(), SpecErr
     }
     Err(SpecError::new(
         field,
-        format!("must be a number from {min} to {max}, not {value}"),
+        // Debug writes what is very large or small with an exponent.
+        format!("must be a number from {min} to {max}, not {value:?}"),
     ))
 }
 

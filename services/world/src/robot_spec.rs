@@ -19,7 +19,11 @@
 
 use crate::faults::FaultSpec;
 use crate::preset::{LidarPreset, RobotPreset};
-use serde::{Deserialize, Serialize};
+use core::fmt::Formatter;
+use core::marker::PhantomData;
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{MapAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
 
 /// The robot: outline, limits, lidar, and how badly its wheels and its odometry do. The simulator
 /// turns it into `robot/description`.
@@ -197,14 +201,33 @@ struct RobotWords {
 }
 
 /// A table, or `false` for none: so a preset's can be switched off.
-#[derive(Debug, Deserialize)]
-#[serde(
-    untagged,
-    expecting = "must be true, false, or a table of its own known fields"
-)]
+#[derive(Debug)]
 enum Perhaps<T> {
     Flag(bool),
     Table(T),
+}
+
+/// By hand: an untagged enum does not say what is wrong with the table.
+impl<'de, T: Deserialize<'de>> Deserialize<'de> for Perhaps<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Either<T>(PhantomData<T>);
+        impl<'de, T: Deserialize<'de>> Visitor<'de> for Either<T> {
+            type Value = Perhaps<T>;
+
+            fn expecting(&self, formatter: &mut Formatter<'_>) -> core::fmt::Result {
+                formatter.write_str("true, false or a table")
+            }
+
+            fn visit_bool<E>(self, wanted: bool) -> Result<Self::Value, E> {
+                Ok(Perhaps::Flag(wanted))
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Self::Value, A::Error> {
+                T::deserialize(MapAccessDeserializer::new(map)).map(Perhaps::Table)
+            }
+        }
+        deserializer.deserialize_any(Either(PhantomData))
+    }
 }
 
 /// Slip as it is written.

@@ -342,6 +342,7 @@ fn resolved(spec: &WorldSpec) -> Result<(WorldSpec, Option<StaticMap>), WorldErr
         let why = format!("a world comes from one place, and there is {first} too");
         return Err(SpecError::new(*second, why).into());
     }
+    number(spec.resolution_m, 1.0e-3, 10.0, "resolution_m")?;
     let mut own = spec.clone();
     // Things of the data set come first: their places in the lists are those of its file.
     let mut add = |from: WorldSpec| {
@@ -365,6 +366,7 @@ fn resolved(spec: &WorldSpec) -> Result<(WorldSpec, Option<StaticMap>), WorldErr
             let field = "pedestrians.duration_s";
             number(duration_s, 0.0, TIME_S_MAX, field)?;
         }
+        number(people.radius_m, 1.0e-3, 10.0, "pedestrians.radius_m")?;
         let scene = Scene::load(&people.file).map_err(failed("pedestrians.file"))?;
         let brings_area = spec.map.is_none() && spec.generated.is_none();
         let people = scene.spec(&Playback {

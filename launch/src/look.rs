@@ -1,0 +1,108 @@
+//! The commands that start nothing: what there is, and whether it can work.
+
+use crate::commands::{EXIT_PASS, EXIT_USAGE, say, say_json, usage};
+use crate::prepare::{self, Plan};
+use crate::scenario;
+use crate::supervise::algorithms;
+use crate::supervise::binaries::{self, Needed};
+use serde_json::json;
+use std::process::ExitCode;
+use zeronav_msgs::role::Role;
+
+/// `zeronav list`.
+#[must_use]
+pub fn list(json: bool) -> ExitCode {
+    let scenarios = scenario::list();
+    if json {
+        let rows: Vec<_> = scenarios
+            .iter()
+            .map(
+                |listed| json!({ "group": listed.group, "name": listed.name, "title": listed.title, "file": listed.file }),
+            )
+            .collect();
+        say_json(&json!({ "scenarios": rows }));
+        return ExitCode::from(EXIT_PASS);
+    }
+    let names = scenarios.iter().map(|listed| listed.name.len());
+    let width = names.max().unwrap_or(0);
+    let mut group = None;
+    for listed in &scenarios {
+        if group.replace(&listed.group) != Some(&listed.group) && !listed.group.is_empty() {
+            say(&format!("{}\n", listed.group));
+        }
+        let (name, title) = (&listed.name, &listed.title);
+        say(&format!("  {name:width$}  {title}\n"));
+    }
+    ExitCode::from(EXIT_PASS)
+}
+
+/// `zeronav check`: everything that can be known without starting the stack.
+#[must_use]
+pub fn check(name: &str, json: bool) -> ExitCode {
+    let plan = match prepare::plan(name, &[]) {
+        Ok(plan) => plan,
+        Err(problem) if json => {
+            say_json(&json!({ "scenario": name, "ok": false, "error": problem }));
+            return ExitCode::from(EXIT_USAGE);
+        }
+        Err(problem) => return usage(&problem),
+    };
+    let Plan {
+        scenario,
+        world,
+        warnings,
+        ..
+    } = plan;
+    let geometry = world.geometry();
+    if json {
+        say_json(&json!({
+            "scenario": scenario.name,
+            "ok": true,
+            "width": geometry.width,
+            "height": geometry.height,
+            "resolution_m": geometry.resolution_m,
+            "goals": scenario.goals.len(),
+            "obstacles": world.obstacles().len(),
+            "warnings": warnings,
+        }));
+        return ExitCode::from(EXIT_PASS);
+    }
+    for warning in &warnings {
+        say(&format!("warning: {warning}\n"));
+    }
+    say(&format!(
+        "{}: ok, {} x {} cells of {} m, {} goals, {} obstacles\n",
+        scenario.name,
+        geometry.width,
+        geometry.height,
+        geometry.resolution_m,
+        scenario.goals.len(),
+        world.obstacles().len()
+    ));
+    ExitCode::from(EXIT_PASS)
+}
+
+/// `zeronav planners` and `zeronav controllers`: what the stock service in this seat can do, in its
+/// own words.
+#[must_use]
+pub fn algorithms_of(role: Role, json: bool) -> ExitCode {
+    let listed = binaries::refresh_under_cargo(Needed::Stock);
+    let rows = match listed.and_then(|()| algorithms::of(role)) {
+        Ok(rows) => rows,
+        Err(problem) => return usage(&problem),
+    };
+    if json {
+        let rows: Vec<_> = rows
+            .iter()
+            .map(|row| json!({ "key": row.key, "title": row.title }))
+            .collect();
+        say_json(&json!({ "algorithms": rows }));
+    } else {
+        let width = rows.iter().map(|row| row.key.len()).max().unwrap_or(0);
+        for row in rows {
+            let (key, title) = (row.key, row.title);
+            say(&format!("{key:width$}  {title}\n"));
+        }
+    }
+    ExitCode::from(EXIT_PASS)
+}
