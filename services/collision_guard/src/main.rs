@@ -14,7 +14,7 @@ use zeronav_msgs::topics::{
 };
 use zeronav_shell::clock::now_ns;
 use zeronav_shell::doorbell::Rung;
-use zeronav_shell::{Cycle, Latest, Service, Shell, StartError, Stream, Track, Writer};
+use zeronav_shell::{Cycle, Latest, Service, Shell, Stamp, StartError, Stream, Track, Writer};
 
 /// How long after odometry the guard waits for the request that belongs to it. [ns]
 const PATIENCE_NS: u64 = 5_000_000;
@@ -179,13 +179,15 @@ impl GuardService {
         let tick_ns = shell.roster().clock.tick_ns;
         let run_ns = tick.saturating_mul(tick_ns);
         let now_ns = now_ns();
-        // Run time in lockstep, the own clock otherwise: a foreign stamp is no proof of youth.
+        // A message is as old as its arrival, a scan as its capture.
         let age_ns = |message_run_ns: u64, came_ns: u64| {
-            if lockstep {
-                run_ns.saturating_sub(message_run_ns)
-            } else {
-                now_ns.saturating_sub(came_ns)
-            }
+            let stamp = Stamp {
+                tick,
+                run_ns: message_run_ns,
+                capture_ns: came_ns,
+                came_ns,
+            };
+            stamp.age_ns(lockstep, run_ns, now_ns)
         };
         let moment = self.track.newest();
         let scan = self.scan.get();

@@ -128,14 +128,7 @@ impl Readings {
     }
 
     fn ages(&self, lockstep: bool, run_ns: u64, now_ns: u64) -> Ages {
-        // Run time in lockstep. Otherwise the own clock bounds what a foreign stamp may claim.
-        let age_ns = |stamp: Stamp| {
-            if lockstep {
-                run_ns.saturating_sub(stamp.run_ns)
-            } else {
-                now_ns.saturating_sub(stamp.capture_ns.min(stamp.came_ns))
-            }
-        };
+        let age_ns = |stamp: Stamp| stamp.age_ns(lockstep, run_ns, now_ns);
         Ages {
             scan_ns: self.scan_stamp.map(age_ns),
             odometry_ns: self.odometry_stamp.map(age_ns),

@@ -26,4 +26,41 @@ impl Stamp {
             came_ns,
         }
     }
+
+    /// Its age at run time `run_ns`, which is `now_ns` by this process's own clock. [ns]
+    ///
+    /// Run time in lockstep. Otherwise the own clock, which bounds what a foreign stamp may claim:
+    /// a capture that lies ahead of the arrival makes nothing younger.
+    #[must_use]
+    pub fn age_ns(&self, lockstep: bool, run_ns: u64, now_ns: u64) -> u64 {
+        if lockstep {
+            run_ns.saturating_sub(self.run_ns)
+        } else {
+            now_ns.saturating_sub(self.capture_ns.min(self.came_ns))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ages_are_run_time_in_lockstep_and_the_own_clock_otherwise() {
+        let stamp = Stamp {
+            tick: 3,
+            run_ns: 60,
+            capture_ns: 1_000,
+            came_ns: 1_200,
+        };
+        assert_eq!(stamp.age_ns(true, 100, 9_000), 40);
+        assert_eq!(stamp.age_ns(true, 50, 9_000), 0);
+        assert_eq!(stamp.age_ns(false, 100, 9_000), 8_000);
+        // A capture from the future is not believed.
+        let ahead = Stamp {
+            capture_ns: 5_000,
+            ..stamp
+        };
+        assert_eq!(ahead.age_ns(false, 100, 9_000), 7_800);
+    }
 }

@@ -35,7 +35,7 @@ use zeronav_local_planner::papers::potential::{
     repulsion_potential, velocity_repulsion,
 };
 use zeronav_local_planner::papers::route::turning_points;
-use zeronav_local_planner::papers::walk::{End, Trace, Walk, is_free, walk};
+use zeronav_local_planner::papers::walk::{End, Trace, Walk, walk};
 use zeronav_local_planner::papers::zm_esc::ZmEsc;
 use zeronav_local_planner::papers::zm_rep::ZmRep;
 use zeronav_local_planner::papers::zm_rv::ZmRv;
