@@ -10,6 +10,7 @@ fn blind(more: &str) -> Value {
     let folder = tempfile::tempdir().expect("a folder");
     let text = format!(
         r#"
+        title = "The lidar goes blind for a while"
         base = ["hall", "porter"]
         start = [1.5, 4.0, 0.0]
 

@@ -310,6 +310,19 @@ mod tests {
     }
 
     #[test]
+    fn errors_of_the_yaw_go_the_short_way_round() {
+        let mut witness = Witness::default();
+        witness.truth(7, 1, &Pose::new(0.0, 0.0, 3.1), &[]);
+        witness.odometry(7, &Pose::default());
+        witness.odometry(8, &Pose::default());
+        witness.obstacles(1, &[]);
+        witness.placed(1, &Pose::new(0.0, 0.0, -3.1));
+        witness.compare();
+        let error_rad = witness.pose().expect("a scan").error_rad_max;
+        assert!((error_rad - (core::f64::consts::TAU - 6.2)).abs() < 1e-9);
+    }
+
+    #[test]
     fn what_never_becomes_whole_does_not_pile_up() {
         let mut witness = Witness::default();
         for n in 0..1000 {

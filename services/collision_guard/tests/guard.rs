@@ -275,6 +275,38 @@ fn without_a_description_nothing_moves() {
     assert_eq!(command.intervention(), Some(Intervention::Refused));
 }
 
+#[test]
+fn another_description_holds_from_the_next_command_on() {
+    let mut guard = guard();
+    let mut period = Period::fresh(drive(0.9, 0.0));
+    assert!((period.decide(&mut guard).v_mps - 0.9).abs() < 1e-12);
+    period.robot = Some(Description {
+        v_mps_max: 0.5,
+        ..robot()
+    });
+    let command = period.decide(&mut guard);
+    assert_eq!(command.intervention(), Some(Intervention::Clamped));
+    assert!((command.v_mps - 0.5).abs() < 1e-12);
+}
+
+/// A robot that is slowing down follows its commands late: a ramp that began at its speed would
+/// ask it to speed up again.
+#[test]
+fn a_ramp_of_a_robot_that_slows_down_begins_below_its_last_command() {
+    let mut guard = guard();
+    Period::fresh(drive(0.5, 0.0)).decide(&mut guard);
+    guard.moves = (0.56, 0.0);
+    let mut lost = Period::fresh(drive(0.5, 0.0));
+    lost.request = None;
+    let command = lost.decide(&mut guard);
+    assert_eq!(command.intervention(), Some(Intervention::RequestStale));
+    assert!(
+        (command.v_mps - (0.5 - 1.5 * PERIOD_S)).abs() < 1e-12,
+        "{}",
+        command.v_mps
+    );
+}
+
 fn any_speed() -> impl Strategy<Value = f64> {
     prop_oneof![
         8 => -3.0..3.0,

@@ -244,6 +244,17 @@ mod tests {
     }
 
     #[test]
+    fn a_jump_is_in_the_frame_of_the_robot_and_leaves_the_variances() {
+        let mut odometer =
+            Odometer::new(SPEC, 1, Pose::new(1.0, 2.0, core::f64::consts::FRAC_PI_2));
+        odometer.jump(&Pose::new(0.3, 0.1, 0.2));
+        let pose = odometer.pose();
+        assert!((pose.x_m - 0.9).abs() < 1e-12 && (pose.y_m - 2.3).abs() < 1e-12);
+        assert!((pose.yaw_rad - core::f64::consts::FRAC_PI_2 - 0.2).abs() < 1e-12);
+        assert_eq!(odometer.variance(), [0.0; 3]);
+    }
+
+    #[test]
     fn a_robot_that_stands_counts_nothing() {
         let (error, variance) = drive(1, 1000, TICK_NS, Pose::default());
         assert_eq!((error, variance), ([0.0; 3], [0.0; 3]));

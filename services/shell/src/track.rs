@@ -184,6 +184,23 @@ mod tests {
     }
 
     #[test]
+    fn another_writer_starts_anew() {
+        let mut track = Track::default();
+        push(&mut track, 5, 1.0, 0.0);
+        let header = Header {
+            id: Id::new(2, 1).0,
+            tick: 6,
+            run_ns: 120,
+            ..Header::default()
+        };
+        track.push(&header, &Odometry::default());
+        // Between the two frames nothing is interpolated.
+        assert!(track.of_tick(5).is_none());
+        assert_eq!(track.pose_at(110), None);
+        assert!(track.pose_at(120).is_some());
+    }
+
+    #[test]
     fn time_going_back_starts_anew() {
         let mut track = Track::default();
         push(&mut track, 5, 1.0, 0.0);
