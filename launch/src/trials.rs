@@ -206,10 +206,12 @@ fn slow(round: usize, trials: &[Trial], latency: &Latency, worst: &mut Vec<SlowT
     worst.truncate(WORST);
 }
 
-/// The hop of this trial that took longest beyond its median.
+/// The hop of this trial that took longest beyond its median. The last, from the command to the
+/// wheels, is no part of replanning.
 fn slow_hop(event: &Event, latency: &Latency) -> Option<SlowHop> {
     let hops = HOPS.iter().zip(event.hops_ns()?).zip(&latency.hops);
-    let slow = hops.map(|((name, time_ns), hop)| SlowHop {
+    let slow = hops.take(HOPS.len() - 1);
+    let slow = slow.map(|((name, time_ns), hop)| SlowHop {
         name,
         time_us: to_us(time_ns),
         p50_us: hop.figures.p50_us,
@@ -278,6 +280,8 @@ mod tests {
         // The longest hop is the search, but it is a wake that took longer than usual.
         let mut late_wake = usual;
         late_wake[4] = 900;
+        // Behind the command, so it explains nothing.
+        late_wake[HOPS.len() - 1] = 20_000;
         let mut trials: Vec<Trial> = (0..7).map(|at| trial(Some(2000 + at), usual)).collect();
         trials.push(trial(Some(3000), late_wake));
         trials.push(trial(None, usual));

@@ -4,6 +4,7 @@
 
 use serde_json::Value;
 use std::path::PathBuf;
+use zeronav_tests::results::{extract, record::Row};
 use zeronav_tests::{Zeronav, assert_books_close, leftovers, real_time_turn, zeronav};
 
 #[test]
@@ -64,6 +65,28 @@ fn trials_come_with_percentiles_and_the_floor_of_the_transport() {
         assert!(number(&slow["hop"]["time_us"]) <= number(&slow["replanning_us"]));
         check_disturbance(&slow["disturbance"]);
     }
+    // The results page finds all of it.
+    let latencies = extract::latency(&result);
+    let is_there = |at: usize| move |row: &Row| row.figures[at].value.is_some();
+    assert!(latencies.rows.iter().all(is_there(3)), "{latencies:#?}");
+    assert_eq!(latencies.rows[0].n, 7, "{latencies:#?}");
+    let disturbance = extract::disturbance(&result);
+    assert_eq!(
+        disturbance.rows.len(),
+        3 * 5,
+        "three rounds of five services"
+    );
+    for at in 0..disturbance.columns.len() {
+        assert!(
+            disturbance.rows.iter().all(is_there(at)),
+            "{disturbance:#?}"
+        );
+    }
+    let slowest = extract::slowest(&result);
+    assert!(
+        slowest.rows.len() == 5 && slowest.rows.iter().all(is_there(0)),
+        "{slowest:#?}"
+    );
     // Three stacks and three rings, and nothing is left of any.
     domains.sort();
     domains.dedup();

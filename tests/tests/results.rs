@@ -1,6 +1,8 @@
 //! The figures of the READMEs are what the results tool measured, and nothing else.
 
-use zeronav_tests::results::{experiments::EXPERIMENTS, page, page_file, readmes, record};
+use zeronav_tests::results::record::Table;
+use zeronav_tests::results::{experiments::EXPERIMENTS, extract, page, page_file, readmes, record};
+use zeronav_tests::zeronav;
 
 fn stored() -> record::Records {
     record::load(&zeronav_tests::results::records_file()).expect("records")
@@ -59,4 +61,43 @@ fn every_record_says_how_it_was_made_and_how_sure_it_is() {
             }
         }
     }
+}
+
+/// Every figure of the first `columns` has a value.
+#[track_caller]
+fn filled(table: &Table, columns: usize) {
+    assert!(!table.rows.is_empty(), "{table:#?}");
+    for row in &table.rows {
+        let figures = &row.figures[..columns];
+        assert!(
+            figures.iter().all(|figure| figure.value.is_some()),
+            "{row:#?}"
+        );
+        assert!(row.n > 0, "{row:#?}");
+    }
+}
+
+#[test]
+fn figures_are_found_in_what_zeronav_gives() {
+    let run = || zeronav(&["run", "blocked_aisle", "--lockstep", "--headless", "--json"]).expect(0);
+    let results = [run(), run()];
+    let lockstep = extract::lockstep("blocked_aisle", &results);
+    filled(&lockstep, 3);
+    let hashes = &lockstep.rows[0].figures[2];
+    assert_eq!(hashes.value, Some(1.0), "one hash");
+    let memory = extract::memory(&results);
+    filled(&memory, 1);
+    assert_eq!(memory.rows.len(), 6, "shared memory and five services");
+    filled(&extract::drives(&[("blocked_aisle", results.to_vec())]), 5);
+    let suite = [
+        "suite",
+        "generated",
+        "--worlds",
+        "0..2",
+        "--headless",
+        "--json",
+    ];
+    let report = zeronav(&suite).expect(0);
+    let suites = extract::suites(&[("beam", report)]).expect("a table");
+    filled(&suites, 4);
 }

@@ -66,10 +66,47 @@ pub fn latency(result: &Value) -> Table {
     rows.push(row("event to motion", &named("event_to_motion")));
     rows.push(row("reaction", &named("reaction")));
     rows.push(row("transport floor", &named("transport_floor")));
+    for (name, key) in [
+        ("scan to wheels by the robot's second clock", "end_to_end"),
+        ("of it not in the hops", "difference"),
+    ] {
+        let of = move |latency: &Value| latency["second_clock"][key].clone();
+        if of(&result["latency"]).is_object() {
+            rows.push(row(name, &of));
+        }
+    }
     table(
         "",
         &["p50 [us]", "p90 [us]", "p99 [us]", "max [us]", "unanswered"],
         rows,
+    )
+}
+
+/// What the records of `--trials` were checked for; above 0 is a fault of the measurement.
+#[must_use]
+pub fn checks(result: &Value) -> Table {
+    let latency = &result["latency"];
+    let by_hop = latency["hops_out_of_order"].as_object();
+    let out_of_order = by_hop.map(|hops| hops.values().filter_map(Value::as_f64).sum());
+    let row = Row {
+        name: "commands whose way was followed back to their scan".to_owned(),
+        n: latency["ways"].as_u64().unwrap_or(0),
+        figures: vec![
+            Figure::plain(out_of_order),
+            Figure::plain(latency["ways_broken"].as_f64()),
+            Figure::plain(latency["second_clock"]["beyond"].as_f64()),
+            Figure::plain(latency["revised"].as_f64()),
+        ],
+    };
+    table(
+        "checks",
+        &[
+            "stamps before their predecessor",
+            "records missing",
+            "beyond what the two clocks' rates allow",
+            "paths corrected later",
+        ],
+        vec![row],
     )
 }
 
@@ -446,6 +483,19 @@ mod tests {
         let rounds = disturbance(&result);
         assert_eq!(rounds.rows.len(), 3);
         assert_eq!(rounds.rows[0].figures[1].value, Some(0.5));
+        let unchecked = checks(&result);
+        assert_eq!(unchecked.rows[0].figures[0], Figure::plain(None));
+        let mut checked = result.clone();
+        checked["latency"]["ways"] = json!(70);
+        checked["latency"]["hops_out_of_order"] = json!({"mapping": 1, "to_robot": 2});
+        checked["latency"]["second_clock"] =
+            json!({"end_to_end": figures(3.0), "difference": figures(0.5), "beyond": 0});
+        assert_eq!(latency(&checked).rows.len(), 7);
+        let checked = checks(&checked);
+        assert_eq!(
+            (checked.rows[0].n, checked.rows[0].figures[0].value),
+            (70, Some(3.0))
+        );
         let slowest = slowest(&result);
         assert!(slowest.rows[0].name.contains("round 2 trial 4: `mapping`"));
         assert_eq!(slowest.rows[0].figures[3].value, Some(70.0));

@@ -33,7 +33,8 @@ pub fn page_file() -> PathBuf {
 /// Every README of the project.
 #[must_use]
 pub fn readmes() -> Vec<PathBuf> {
-    let mut files = vec![workspace().join("README.md")];
+    let data = workspace().join("tests").join("data");
+    let mut files = vec![workspace().join("README.md"), data.join("README.md")];
     let services = workspace().join("services");
     files.push(services.join("README.md"));
     for entry in std::fs::read_dir(services).into_iter().flatten().flatten() {
