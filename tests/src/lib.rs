@@ -303,7 +303,7 @@ pub fn zeronav(arguments: &[&str]) -> Ended {
     Zeronav::start(arguments).finish()
 }
 
-/// Process ids and command lines of the children of `pid`.
+/// Process ids and command lines of the children of `pid` that are at work.
 #[must_use]
 pub fn children_of(pid: u32) -> Vec<(u32, String)> {
     let mut children = Vec::new();
@@ -324,11 +324,22 @@ pub fn children_of(pid: u32) -> Vec<(u32, String)> {
             .next()
             .and_then(|rest| rest.split(' ').nth(1));
         if parent.and_then(|word| word.parse::<u32>().ok()) == Some(pid) {
-            let line = std::fs::read(entry.path().join("cmdline")).unwrap_or_default();
-            children.push((child, String::from_utf8_lossy(&line).replace('\0', " ")));
+            let line = command_line(child);
+            // Not one that has ended, is only asked for its configuration, or is still a copy of
+            // its parent.
+            let asked = line.contains("--print-config");
+            if !line.is_empty() && !asked && line != command_line(pid) {
+                children.push((child, line));
+            }
         }
     }
     children
+}
+
+/// Command line of a process; empty when it has ended.
+fn command_line(pid: u32) -> String {
+    let line = std::fs::read(format!("/proc/{pid}/cmdline")).unwrap_or_default();
+    String::from_utf8_lossy(&line).replace('\0', " ")
 }
 
 /// Sends `signal` to a process; false when it is gone.
