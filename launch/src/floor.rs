@@ -87,6 +87,10 @@ fn start(ring: &mut Stack, prepared: &Prepared, load: Load, binary: &Path) -> Re
         let config = ring.root().join(format!("{role}.toml"));
         std::fs::write(&config, text)
             .map_err(|error| format!("writing {}: {error}", config.display()))?;
+        if let Some(folder) = ring.folder() {
+            let private = folder.make_files_private();
+            private.map_err(|error| error.to_string())?;
+        }
         let log = prepared
             .directory
             .join("logs")

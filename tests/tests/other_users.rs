@@ -379,6 +379,14 @@ fn a_registry_that_does_not_answer_delays_neither_answers_nor_restarts_nor_signa
 }
 
 #[test]
+fn a_run_ends_although_its_registry_does_not_answer() {
+    let _turn = real_time_turn();
+    let (run, root) = driving();
+    assert!(block_registry(&root) >= 6, "five services and launch");
+    stop(run, &root);
+}
+
+#[test]
 fn a_truncated_counter_of_nodes_ends_the_run_in_order() {
     let _turn = real_time_turn();
     let (run, root) = driving();
