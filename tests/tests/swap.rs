@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use zeronav_msgs::command::{Intervention, Validity, VelocityCommand};
 use zeronav_msgs::role::Role;
 use zeronav_msgs::topics::{
-    ControlRequest, GroundTruth, HealthTopic, RobotCommand, RobotDescription, health_of,
+    ControlRequest, GroundTruth, HealthTopic, RobotCommand, RobotDescription, Topic, health_of,
 };
 use zeronav_msgs::truth::Truth;
 use zeronav_shell::roster::RosterReader;
@@ -284,7 +284,7 @@ fn a_service_that_stays_silent_is_not_ready_by_name() {
 fn a_service_that_writes_another_type_is_refused_by_topic() {
     let ended = lockstep(AISLE, &[("local_planner", "writes_wrong_type")]);
     let result = ended.expect(3);
-    for word in ["local_planner", "control/velocity_request", "type"] {
+    for word in ["local_planner", ControlRequest::ROW.name, "type"] {
         assert!(
             ended.stderr.contains(word),
             "`{word}` is not named:\n{}",
