@@ -1,9 +1,10 @@
 //! Listens to a running stack and keeps what the result needs.
 
 use crate::measure::index::{PathRecord, Sensed, Sighting};
-use crate::measure::{Motion, Records, RunHash, Witness};
+use crate::measure::{Records, RunHash};
+use crate::seen::{Fact, Seen};
 use crate::supervise::stack::Taps;
-use std::collections::{BTreeSet, HashMap, VecDeque};
+use std::collections::{BTreeSet, HashMap};
 use std::time::{Duration, Instant};
 use zeronav_msgs::grid::{Cell, GridGeometry};
 use zeronav_msgs::header::Id;
@@ -19,15 +20,6 @@ use zeronav_world::Convex;
 
 /// Spans that are kept at most; the oldest go first.
 const SPANS_MAX: usize = 200_000;
-
-/// Distance between two points of the drawn track. [m]
-const TRACK_STEP_M: f64 = 0.05;
-
-/// Points of the drawn track at most.
-const TRACK_POINTS_MAX: usize = 50_000;
-
-/// Truths whose distance is remembered: enough for the stop after the end of the task.
-const DRIVEN_LENGTH: usize = 256;
 
 /// Least time between two requests for a keyframe.
 const KEYFRAME_PAUSE: Duration = Duration::from_millis(200);
@@ -64,21 +56,13 @@ pub struct Collector {
     pub records: Records,
     /// For the run's hash.
     pub hash: RunHash,
-    /// What mapping says against what is so.
-    pub witness: Witness,
-    /// How the robot really moved, and what became of it.
-    pub motion: Motion,
-    /// Where the robot really drove. [m]
-    pub track_m: Vec<[f64; 2]>,
-    /// The newest truth.
+    /// What counts of the run: everything up to its end.
+    pub seen: Seen,
+    /// The newest truth, also after the end.
     pub truth: Option<Truth>,
-    /// Run time [ns] and distance driven [m] of the newest truths.
-    driven_m: VecDeque<(u64, f64)>,
-    /// Smallest clearance of all. [m]
-    pub clearance_m_min: Option<f64>,
     /// Run time of the newest truth. [ns]
     pub run_ns: u64,
-    /// What became of the task.
+    /// What is said of the task, also after the end.
     pub task: Option<TaskReport>,
     /// Goals that were reached, of any task.
     pub reached: BTreeSet<u64>,
@@ -103,23 +87,7 @@ impl Collector {
     /// Takes in whatever has come; true when mapping should be asked for a keyframe.
     pub fn listen(&mut self, taps: &mut Taps, roster: &Roster, placed: Placed<'_>) -> bool {
         taps.spans.drain(|span| self.span(span));
-        taps.truth.drain(roster, |view| {
-            self.truth(view.header.run_ns, view.meta, view.items);
-            let truth = view.meta;
-            (self.witness).truth(view.header.run_ns, truth.scan, &truth.pose, view.items);
-        });
-        taps.commands.drain(roster, |view| {
-            let why = view.meta.intervention();
-            self.motion.command(view.header.run_ns, why);
-        });
-        taps.odometry.drain(roster, |view| {
-            if view.meta.scan_due() {
-                (self.witness).odometry(view.header.run_ns, &view.meta.pose);
-            }
-        });
-        taps.moving.drain(roster, |view| {
-            (self.witness).obstacles(view.header.parents.scan, view.items);
-        });
+        self.hear(taps, roster);
         // In lockstep there are no latencies.
         let looks = !roster.lockstep();
         if let Some((revision, scan)) = self.unlooked.take() {
@@ -134,7 +102,8 @@ impl Collector {
         taps.updates.drain(roster, |view| {
             let scan = view.header.parents.scan;
             if scan != 0 && view.meta.is_last_part() {
-                self.witness.placed(scan, &view.meta.map_from_odom);
+                let fact = Fact::Placed(scan, view.meta.map_from_odom);
+                (self.seen).hear(view.header.tick, view.header.run_ns, fact);
             }
             if self.replica.update(view.header.id(), view.meta, view.items) != Step::Applied {
                 return;
@@ -193,7 +162,7 @@ impl Collector {
                 TaskState::Idle | TaskState::Active => view.header.tick,
                 _ => ended.unwrap_or(view.header.tick),
             };
-            self.task = Some(TaskReport {
+            let report = TaskReport {
                 task: view.meta.task,
                 state,
                 reason,
@@ -201,10 +170,35 @@ impl Collector {
                 remaining_m: view.meta.remaining_m,
                 recoveries: view.meta.recoveries,
                 cause: view.meta.cause().unwrap_or(StuckCause::None),
-            });
+            };
+            self.task = Some(report);
+            self.seen.hear(tick, view.header.run_ns, Fact::Task(report));
         }
-        self.witness.compare();
         self.wants_keyframe()
+    }
+
+    /// Takes in what is so, what the guard does, and what mapping sees moving.
+    fn hear(&mut self, taps: &mut Taps, roster: &Roster) {
+        taps.truth.drain(roster, |view| {
+            let (tick, run_ns) = (view.header.tick, view.header.run_ns);
+            self.truth(run_ns, view.meta, view.items);
+            let fact = Fact::Truth(*view.meta, view.items.to_vec());
+            self.seen.hear(tick, run_ns, fact);
+        });
+        taps.commands.drain(roster, |view| {
+            let fact = Fact::Command(view.meta.intervention());
+            (self.seen).hear(view.header.tick, view.header.run_ns, fact);
+        });
+        taps.odometry.drain(roster, |view| {
+            if view.meta.scan_due() {
+                let fact = Fact::Odometry(view.meta.pose);
+                (self.seen).hear(view.header.tick, view.header.run_ns, fact);
+            }
+        });
+        taps.moving.drain(roster, |view| {
+            let fact = Fact::Moving(view.header.parents.scan, view.items.to_vec());
+            (self.seen).hear(view.header.tick, view.header.run_ns, fact);
+        });
     }
 
     fn wants_keyframe(&mut self) -> bool {
@@ -240,19 +234,6 @@ impl Collector {
     #[must_use]
     pub fn robot_tick(&self) -> u64 {
         self.answered_by(Role::Robot)
-    }
-
-    /// Distance that the robot had driven at a run time not long ago. [m]
-    #[must_use]
-    pub fn driven_m_at(&self, run_ns: u64) -> f64 {
-        let until = self
-            .driven_m
-            .iter()
-            .rev()
-            .find(|(then_ns, _)| *then_ns <= run_ns);
-        until
-            .or(self.driven_m.front())
-            .map_or(0.0, |(_, driven_m)| *driven_m)
     }
 
     /// Newest tick that `role` has answered.
@@ -293,23 +274,8 @@ impl Collector {
         truth: &Truth,
         obstacles: &[zeronav_msgs::truth::TruthObstacle],
     ) {
-        let here = [truth.pose.x_m, truth.pose.y_m];
-        let moved = self
-            .track_m
-            .last()
-            .is_none_or(|last| (last[0] - here[0]).hypot(last[1] - here[1]) >= TRACK_STEP_M);
-        if moved && self.track_m.len() < TRACK_POINTS_MAX {
-            self.track_m.push(here);
-        }
-        self.motion.truth(run_ns, truth, obstacles);
         self.run_ns = run_ns;
         self.truth = Some(*truth);
-        if self.driven_m.len() == DRIVEN_LENGTH {
-            self.driven_m.pop_front();
-        }
-        self.driven_m.push_back((run_ns, truth.driven_m));
-        let least = self.clearance_m_min.get_or_insert(truth.clearance_m);
-        *least = least.min(truth.clearance_m);
         for obstacle in obstacles {
             let index = obstacle.index as usize;
             self.obstacles.insert(index, obstacle.pose);

@@ -6,11 +6,12 @@ use crate::environment::Before;
 use crate::prepare::{self, Prepared};
 use crate::run::{self, Driven};
 use crate::show::report::RunResult;
+use crate::show::terminal::{complain, lose, note, say};
 use crate::suite::{self, SuiteError};
 use crate::trials::{self, Trials};
 use std::process::ExitCode;
 use zeronav_msgs::run::RunMode;
-use zeronav_shell::printable::{printable, printable_json, printable_lines};
+use zeronav_shell::printable::{printable, printable_json};
 
 /// The scenario's expectations were met.
 pub const EXIT_PASS: u8 = 0;
@@ -20,6 +21,7 @@ pub const EXIT_FAIL: u8 = 1;
 pub const EXIT_USAGE: u8 = 2;
 /// A service is beyond its budget.
 pub const EXIT_SERVICE: u8 = 3;
+pub use crate::show::terminal::EXIT_OUTPUT;
 /// Interrupted.
 pub const EXIT_INTERRUPTED: u8 = 130;
 
@@ -42,7 +44,7 @@ pub fn run(arguments: &RunArgs) -> ExitCode {
         Some(trials) => crate::result::of_trials(&prepared, &driven, trials, environment),
     };
     if let Err(problem) = leave(&prepared, &driven, &result) {
-        complain(&problem);
+        lose(&problem);
     }
     explain(&driven.ending);
     if arguments.json {
@@ -77,10 +79,8 @@ fn exit_code(ending: &Ending, pass: bool) -> ExitCode {
 
 /// Writes what a run leaves in its folder.
 fn leave(prepared: &Prepared, driven: &Driven, result: &RunResult) -> Result<(), String> {
-    let write = |name: &str, text: String| {
-        let file = prepared.directory.join(name);
-        std::fs::write(&file, text).map_err(|error| format!("writing {}: {error}", file.display()))
-    };
+    let write =
+        |name: &str, text: String| crate::leave::write(&prepared.directory.join(name), &text);
     let json = serde_json::to_string_pretty(result).map_err(|error| error.to_string())?;
     write("result.json", json + "\n")?;
     if prepared.mode == RunMode::Lockstep {
@@ -101,7 +101,7 @@ fn explain(ending: &Ending) {
                 "{role} ended during the run: {how}; the end of its log:"
             ));
             for line in log {
-                eprintln!("  {}", printable(line));
+                note(&format!("  {}", printable(line)));
             }
         }
         Ending::NotReady(roles) => {
@@ -138,17 +138,6 @@ pub fn suite(arguments: &SuiteArgs) -> ExitCode {
 pub fn usage(problem: &str) -> ExitCode {
     complain(problem);
     ExitCode::from(EXIT_USAGE)
-}
-
-fn complain(problem: &str) {
-    eprintln!("zeronav: {}", printable_lines(problem));
-}
-
-#[allow(clippy::print_stdout, reason = "this is what the user asked for")]
-pub(crate) fn say(text: &str) {
-    use std::io::Write;
-    // A reader that has gone away (a closed pipe) is no reason to panic.
-    let _ = std::io::stdout().write_all(printable_lines(text).as_bytes());
 }
 
 pub(crate) fn say_json(value: &impl serde::Serialize) {

@@ -4,6 +4,7 @@ use crate::collect::Collector;
 use crate::ending::Ending;
 use crate::measure::seconds;
 use crate::prepare::Prepared;
+use crate::show::terminal::note;
 use crate::supervise::child::Child;
 use crate::supervise::cleaner::Ticket;
 use crate::supervise::hang::HangWatch;
@@ -98,12 +99,12 @@ impl<'a> Keeper<'a> {
             return Err(format!("no configuration for {role}"));
         };
         let Some(binary) = self.prepared.binaries.get(&role) else {
-            eprintln!(
+            note(&format!(
                 "waiting for {role}; start it with --domain {} --epoch {} --config {}",
                 stack.root().display(),
                 stack.epoch(role),
                 config.display()
-            );
+            ));
             return Ok(());
         };
         let log = self
@@ -119,7 +120,12 @@ impl<'a> Keeper<'a> {
         };
         stack
             .start(role, &launch)
-            .map_err(|error| error.to_string())
+            .map_err(|error| error.to_string())?;
+        if let Some(child) = stack.children.last() {
+            let (pid, epoch) = (child.pid(), child.epoch);
+            tracing::info!(%role, pid, epoch, binary = %binary.display(), "started");
+        }
+        Ok(())
     }
 
     /// The restarts that were made.

@@ -1,5 +1,7 @@
 //! `zeronav`: launches scenarios, supervises the services, measures replanning.
 
+#![warn(clippy::print_stderr)]
+
 pub mod cli;
 pub mod collect;
 pub mod commands;
@@ -9,6 +11,7 @@ pub mod ending;
 pub mod environment;
 pub mod floor;
 pub mod keeper;
+pub mod leave;
 pub mod look;
 pub mod measure;
 pub mod prepare;
@@ -16,6 +19,7 @@ pub mod remote;
 pub mod result;
 pub mod run;
 pub mod scenario;
+pub mod seen;
 pub mod show;
 pub mod shuttle;
 pub mod suite;

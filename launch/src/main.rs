@@ -1,9 +1,12 @@
 //! `zeronav`: see `zeronav --help`.
 
+#![warn(clippy::print_stderr)]
+
 use clap::Parser;
 use clap::error::ErrorKind;
 use std::process::ExitCode;
 use zeronav::cli::{Cli, Command};
+use zeronav::show::{log, terminal};
 use zeronav::supervise::cleaner;
 use zeronav::{commands, look, remote};
 use zeronav_msgs::role::Role;
@@ -25,12 +28,12 @@ fn main() -> ExitCode {
     if let Command::Clean { root } = &cli.command {
         return ExitCode::from(u8::from(!cleaner::run(root)));
     }
-    zeronav_shell::logs::start("warn");
+    log::start();
     // Whatever a killed run has left is removed by the next command, whichever it is.
     for root in zeronav_shell::domain::sweep_dead() {
         tracing::info!(root = %root.display(), "removed the domain of a run that was killed");
     }
-    match cli.command {
+    terminal::settle(match cli.command {
         Command::Run(arguments) => commands::run(&arguments),
         Command::List { json } => look::list(json),
         Command::Check { scenario, json } => look::check(&scenario, json),
@@ -40,5 +43,5 @@ fn main() -> ExitCode {
         Command::Goal(arguments) => remote::goal(&arguments),
         Command::Suite(arguments) => commands::suite(&arguments),
         Command::Clean { .. } => ExitCode::SUCCESS,
-    }
+    })
 }

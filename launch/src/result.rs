@@ -45,7 +45,8 @@ pub fn outcome(ending: &Ending) -> &'static str {
 #[must_use]
 pub fn result(prepared: &Prepared, driven: &Driven, environment: Environment) -> RunResult {
     let collector = &driven.collector;
-    let truth = collector.truth.unwrap_or_default();
+    let seen = &collector.seen;
+    let truth = seen.truth.unwrap_or_default();
     let plans: Vec<Plan> = collector
         .records
         .paths
@@ -75,9 +76,9 @@ pub fn result(prepared: &Prepared, driven: &Driven, environment: Environment) ->
         contacts: truth.contacts_moving + truth.contacts_standing,
         contacts_moving: truth.contacts_moving,
         contacts_standing: truth.contacts_standing,
-        clearance_m_min: collector.clearance_m_min,
+        clearance_m_min: seen.clearance_m_min,
         time_s,
-        driven_m: collector.driven_m_at(driven.end_run_ns),
+        driven_m: seen.driven_m(),
         mode: prepared.mode.to_string(),
         seed: prepared.seed,
         wall_s,
@@ -86,16 +87,16 @@ pub fn result(prepared: &Prepared, driven: &Driven, environment: Environment) ->
         plans,
         replans,
         obstacles: obstacles(prepared, driven),
-        track_m: collector.track_m.clone(),
+        track_m: seen.track_m.clone(),
         motion: moments.iter().map(|moment| row(moment, driven)).collect(),
         jerk_mps3: jerk_mps3(moments),
-        recoveries: collector.task.map_or(0, |task| task.recoveries),
+        recoveries: seen.task.map_or(0, |task| task.recoveries),
         stuck_cause: stuck_cause(driven).map(|cause| cause.to_string()),
         touches: touches(prepared, driven),
         interventions: by_reason.values().sum(),
         interventions_by_reason: by_reason,
-        pose: collector.witness.pose(),
-        tracking: collector.witness.tracking(),
+        pose: seen.witness.pose(),
+        tracking: seen.witness.tracking(),
         latency: (!lockstep).then(|| latency(prepared, driven)),
         trials: None,
         injected_us: prepared
@@ -124,10 +125,11 @@ pub fn of_trials(
 ) -> RunResult {
     let mut whole = result(prepared, driven, environment);
     for before in &trials.drives {
-        let truth = before.collector.truth.unwrap_or_default();
+        let seen = &before.collector.seen;
+        let truth = seen.truth.unwrap_or_default();
         whole.contacts_moving += truth.contacts_moving;
         whole.contacts_standing += truth.contacts_standing;
-        whole.driven_m += before.collector.driven_m_at(before.end_run_ns);
+        whole.driven_m += seen.driven_m();
         whole.time_s += seconds(before.end_run_ns.saturating_sub(before.goals_run_ns));
         whole.wall_s += before.wall.as_secs_f64();
         whole.slipped_ms += seconds(truth.slipped_ns) * 1.0e3;
@@ -136,7 +138,7 @@ pub fn of_trials(
             whole.memory_peak_bytes = whole.memory_peak_bytes.max(seat.memory_peak_bytes);
             whole.starts += seat.starts;
         }
-        let least = before.collector.clearance_m_min;
+        let least = seen.clearance_m_min;
         whole.clearance_m_min = match (whole.clearance_m_min, least) {
             (Some(one), Some(other)) => Some(one.min(other)),
             (one, other) => one.or(other),
@@ -200,7 +202,7 @@ fn injected_us(steps: u16) -> f64 {
 
 /// The moments from the first goal to the end of the task.
 fn moments(driven: &Driven) -> &[Moment] {
-    let moments = &driven.collector.motion.moments;
+    let moments = &driven.collector.seen.motion.moments;
     let from = moments.partition_point(|moment| moment.run_ns < driven.goals_run_ns);
     let to = moments.partition_point(|moment| moment.run_ns <= driven.end_run_ns);
     moments.get(from..to).unwrap_or_default()
@@ -228,7 +230,14 @@ fn touches(prepared: &Prepared, driven: &Driven) -> Vec<Touch> {
             pose: [at.pose.x_m, at.pose.y_m, at.pose.yaw_rad],
         }
     };
-    driven.collector.motion.contacts.iter().map(touch).collect()
+    driven
+        .collector
+        .seen
+        .motion
+        .contacts
+        .iter()
+        .map(touch)
+        .collect()
 }
 
 /// The nearest thing at a contact.
@@ -252,7 +261,7 @@ fn touched(prepared: &Prepared, contact: &Contact) -> String {
 /// How often the guard stepped in until the end of the task, by reason.
 fn interventions(driven: &Driven) -> BTreeMap<String, usize> {
     let mut by_reason = BTreeMap::new();
-    for (run_ns, why) in &driven.collector.motion.interventions {
+    for (run_ns, why) in &driven.collector.seen.motion.interventions {
         if (driven.goals_run_ns..=driven.end_run_ns).contains(run_ns) {
             *by_reason.entry(why.label().to_owned()).or_default() += 1;
         }
@@ -299,7 +308,7 @@ fn latency(prepared: &Prepared, driven: &Driven) -> measure::Latency {
 
 fn obstacles(prepared: &Prepared, driven: &Driven) -> Vec<ObstacleResult> {
     let seen = |(index, obstacle): (usize, &zeronav_world::Obstacle)| {
-        let pose = driven.collector.obstacles.get(&index)?;
+        let pose = driven.collector.seen.obstacles.get(&index)?;
         let outline = obstacle.shape.placed_at(pose).outline();
         Some(ObstacleResult {
             name: obstacle.spec.name.clone(),
@@ -356,7 +365,7 @@ fn expectations(
     by_reason: &BTreeMap<String, usize>,
 ) -> Vec<Expectation> {
     let expect = &prepared.scenario.expect;
-    let truth = driven.collector.truth.unwrap_or_default();
+    let truth = driven.collector.seen.truth.unwrap_or_default();
     let actual = outcome(&driven.ending);
     let mut list = Vec::new();
     let mut add = |name: &str, expected: String, actual: String, met: bool| {
@@ -409,7 +418,7 @@ fn expectations(
         );
     }
     if let Some(least_m) = expect.driven_m_min {
-        let driven_m = driven.collector.driven_m_at(driven.end_run_ns);
+        let driven_m = driven.collector.seen.driven_m();
         add(
             "metres driven",
             format!("at least {least_m}"),
@@ -450,7 +459,7 @@ fn expectations(
 
 /// Why the robot got stuck, if it did.
 fn stuck_cause(driven: &Driven) -> Option<StuckCause> {
-    let cause = driven.collector.task?.cause;
+    let cause = driven.collector.seen.task?.cause;
     (cause != StuckCause::None).then_some(cause)
 }
 
@@ -465,7 +474,7 @@ fn reason(prepared: &Prepared, driven: &Driven, met: bool, expectations: &[Expec
         }
         Ending::Task(_, reason) => match stuck_cause(driven) {
             Some(cause) => {
-                let recoveries = driven.collector.task.map_or(0, |task| task.recoveries);
+                let recoveries = driven.collector.seen.task.map_or(0, |task| task.recoveries);
                 format!("the robot gave up: {reason} ({cause}) after {recoveries} recoveries")
             }
             None => format!("the robot gave up: {reason}"),
@@ -512,7 +521,7 @@ pub fn picture(prepared: &Prepared, driven: &Driven, result: &RunResult) -> Pict
         .records
         .paths
         .iter()
-        .filter(|path| path.status == PathStatus::Found)
+        .filter(|path| path.status == PathStatus::Found && path.run_ns <= driven.end_run_ns)
         .collect();
     let mut lines = Vec::new();
     let mut line = |path: &PathRecord, colour, dashed| {
@@ -540,7 +549,7 @@ pub fn picture(prepared: &Prepared, driven: &Driven, result: &RunResult) -> Pict
         name: format!("driven track, {:.1} m", result.driven_m),
         colour: "#1b9e3b",
         dashed: false,
-        points_m: driven.collector.track_m.clone(),
+        points_m: driven.collector.seen.track_m.clone(),
     });
     let start = prepared.scenario.start;
     Picture {

@@ -7,7 +7,9 @@ use crate::ending::Ending;
 use crate::keeper::{Keeper, READY_LIMIT, RestartRecord};
 use crate::measure::seconds;
 use crate::prepare::Prepared;
-use crate::show::progress::{Progress, ProgressLine, TrialProgress};
+use crate::result::outcome as outcome_of;
+use crate::show::log;
+use crate::show::progress::{Progress, ProgressLine, Tally};
 use crate::shuttle::{Course, Shuttle, Step, Trial};
 use crate::supervise::child::Child;
 use crate::supervise::control::{Reply, Request, RunReport, Server, ServiceReport};
@@ -124,6 +126,16 @@ pub fn drive(
     let tick_ns = prepared.scenario.run.tick_ns();
     let mut stack =
         Stack::create(prepared.mode, prepared.seed, tick_ns).map_err(|error| error.to_string())?;
+    if let Err(error) = log::open(&prepared.directory.join("logs/launch.log")) {
+        tracing::warn!(%error, "no log of the supervisor");
+    }
+    tracing::info!(
+        scenario = prepared.scenario.name,
+        mode = %prepared.mode,
+        seed = prepared.seed,
+        domain = %stack.root().display(),
+        "the run begins"
+    );
     let started = Instant::now();
     let configs = configs::write(&prepared.scenario, &prepared.world, stack.root());
     let outcome = configs.and_then(|configs| {
@@ -159,6 +171,8 @@ pub fn drive(
         }
     };
     let end_tick = drive.end_tick(&ending);
+    drive.collector.seen.end_at(end_tick);
+    tracing::info!(outcome = outcome_of(&ending), end_tick, "the run ends");
     let disturbance = drive.at_start.take().map(|before| {
         let spans = drive.collector.records.spans.iter();
         reading(&stack).since(&before, spans)
@@ -276,6 +290,10 @@ impl Drive<'_> {
         }
         let from_tick = if self.lockstep() { from_tick } else { 0 };
         self.task_id = stack.send_goals(&goals, from_tick);
+        for Goal { id, pose, .. } in &goals {
+            let (x_m, y_m, yaw_rad) = (pose.x_m, pose.y_m, pose.yaw_rad);
+            tracing::info!(task = self.task_id, goal = id, x_m, y_m, yaw_rad, "sent");
+        }
         self.task = goals;
     }
 
@@ -382,7 +400,8 @@ impl Drive<'_> {
             {
                 return Ending::Timeout;
             }
-            self.line.show(&self.progress());
+            let progress = self.progress();
+            self.line.show(|| progress);
             let soon = Duration::from_millis(1);
             std::thread::sleep(if self.keeper.is_busy() { soon } else { pause });
         }
@@ -519,10 +538,10 @@ impl Drive<'_> {
         let report = self.report();
         let trials = self.quota.zip(self.shuttle.as_ref());
         Progress {
-            trials: trials.map(|(quota, shuttle)| TrialProgress {
+            trials: trials.map(|(quota, shuttle)| Tally {
                 done: quota.before + shuttle.done(),
                 total: quota.total,
-                per_trial_s: (shuttle.done() > 0)
+                each_s: (shuttle.done() > 0)
                     .then(|| self.began.elapsed().as_secs_f64() / count(shuttle.done())),
             }),
             time_s: seconds(self.collector.run_ns),

@@ -31,6 +31,9 @@ pub const REASON_REQUEST: u32 = 1 << 4;
 pub const REASON_REFUSED: u32 = 1 << 5;
 /// Reason bit: an output could not be sent for lack of memory.
 pub const REASON_NO_LOAN: u32 = 1 << 6;
+/// Reason bit: an output was longer than its writer was opened for and was dropped, since the
+/// start.
+pub const REASON_TOO_LONG: u32 = 1 << 7;
 
 message! {
     /// Fixed fields of the heartbeat; the slice is empty.

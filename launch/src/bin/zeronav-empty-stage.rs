@@ -4,6 +4,7 @@
 use clap::Parser;
 use std::process::ExitCode;
 use zeronav::floor::{Load, StageConfig};
+use zeronav::show::terminal::note;
 use zeronav_msgs::GridGeometry;
 use zeronav_msgs::command::{Validity, VelocityCommand, VelocityRequest};
 use zeronav_msgs::header::{Id, Parents};
@@ -246,11 +247,11 @@ fn main() -> ExitCode {
         Ok(Some(Role::LocalPlanner)) => zeronav_shell::run::<Passing<LocalPlanner>>(),
         Ok(Some(Role::CollisionGuard)) => zeronav_shell::run::<Passing<Guard>>(),
         Ok(_) => {
-            eprintln!("the configuration's `seat` names no seat of the ring");
+            note("the configuration's `seat` names no seat of the ring");
             ExitCode::from(EXIT_USAGE)
         }
         Err(error) => {
-            eprintln!("{error}");
+            note(&error.to_string());
             error.exit_code()
         }
     }

@@ -11,8 +11,10 @@ pub struct Distribution {
 }
 
 /// The figures of a distribution. `n` counts answered and censored samples; censored ones rank
-/// as worst. `None` where there is nothing to say.
+/// as worst. `None` where there is nothing to say. What is shown and serialised is
+/// [`Self::supported`].
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Default)]
+#[serde(into = "Shown")]
 pub struct Figures {
     /// Samples, censored ones included.
     pub n: u64,
@@ -28,7 +30,51 @@ pub struct Figures {
     pub max_us: Option<f64>,
 }
 
+/// The form in which figures are serialised.
+#[derive(Serialize)]
+struct Shown {
+    n: u64,
+    censored: u64,
+    p50_us: Option<f64>,
+    p90_us: Option<f64>,
+    p99_us: Option<f64>,
+    max_us: Option<f64>,
+}
+
+impl From<Figures> for Shown {
+    fn from(figures: Figures) -> Self {
+        let Figures {
+            n,
+            censored,
+            p50_us,
+            p90_us,
+            p99_us,
+            max_us,
+        } = figures.supported();
+        Self {
+            n,
+            censored,
+            p50_us,
+            p90_us,
+            p99_us,
+            max_us,
+        }
+    }
+}
+
 impl Figures {
+    /// Without the percentiles above (n - 1) / n: so few samples do not tell them from the worst.
+    #[must_use]
+    pub fn supported(self) -> Self {
+        let from = |n_min: u64, value: Option<f64>| value.filter(|_| self.n >= n_min);
+        Self {
+            p50_us: from(2, self.p50_us),
+            p90_us: from(10, self.p90_us),
+            p99_us: from(100, self.p99_us),
+            ..self
+        }
+    }
+
     /// Several rounds as one: percentiles are the median of the rounds', the worst is the worst
     /// of all, samples are counted together.
     #[must_use]
@@ -186,6 +232,27 @@ mod tests {
         // A round without answers has no percentiles to give.
         let with_empty = Figures::of_rounds(&[Figures::default(), three[0]]);
         assert_eq!(with_empty.p50_us, Some(5.0));
+    }
+
+    #[test]
+    fn percentiles_that_the_samples_do_not_support_are_not_shown() {
+        for (n, shown) in [
+            (1, [false, false, false]),
+            (3, [true, false, false]),
+            (10, [true, true, false]),
+            (99, [true, true, false]),
+            (100, [true, true, true]),
+        ] {
+            let mut distribution = Distribution::new();
+            for time_us in 1..=n {
+                distribution.add(1000 * time_us);
+            }
+            let json = serde_json::to_value(distribution.figures()).expect("JSON");
+            for (name, shown) in ["p50_us", "p90_us", "p99_us"].iter().zip(shown) {
+                assert_eq!(json[name].is_f64(), shown, "{name} of {n}: {json}");
+            }
+            assert!(json["max_us"].is_f64(), "{json}");
+        }
     }
 
     #[test]

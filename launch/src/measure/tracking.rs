@@ -83,19 +83,19 @@ pub struct TrackingResult {
 impl TrackingResult {
     /// The line for people.
     pub fn write(&self, text: &mut String) {
-        let number =
-            |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.2}"));
+        let delays = self
+            .detection_delay_s_median
+            .zip(self.detection_delay_s_max)
+            .map_or_else(String::new, |(median_s, most_s)| {
+                format!(" after {median_s:.2} s (at most {most_s:.2} s)")
+            });
+        let rmse = self
+            .velocity_rmse_mps
+            .map_or_else(String::new, |rmse| format!("; velocity RMSE {rmse:.2} m/s"));
         let _ = writeln!(
             text,
-            "  moving obstacles: {} found after {} s (at most {} s), {} missed, {} made up in {:.0} s; \
-             velocity RMSE {} m/s",
-            self.found,
-            number(self.detection_delay_s_median),
-            number(self.detection_delay_s_max),
-            self.missed,
-            self.false_moving,
-            self.duration_s,
-            number(self.velocity_rmse_mps),
+            "  moving obstacles: {} found{delays}, {} missed, {} made up in {:.0} s{rmse}",
+            self.found, self.missed, self.false_moving, self.duration_s,
         );
     }
 }
@@ -162,10 +162,15 @@ impl Witness {
         self.waiting.entry(scan).or_default().map_from_odom = Some(*map_from_odom);
     }
 
-    /// Compares the scans of which everything is here. Every topic is read in order, so what is
-    /// missing of a scan before one of these has been lost.
+    /// Compares the scans of which everything is here, the odometry of their tick included. Every
+    /// topic is read in order, so what is missing of a scan before one of these has been lost.
     pub fn compare(&mut self) {
-        let Some(newest) = self.waiting.iter().rev().find(|(_, scan)| scan.is_whole()) else {
+        let placed_ns = self.odometry.back().map(|(run_ns, _)| *run_ns);
+        let is_whole = |scan: &Scan| {
+            let run_ns = scan.truth.as_ref().map(|(run_ns, ..)| *run_ns);
+            scan.is_whole() && run_ns <= placed_ns
+        };
+        let Some(newest) = self.waiting.iter().rev().find(|(_, scan)| is_whole(scan)) else {
             while self.waiting.len() > WAITING_MAX {
                 self.waiting.pop_first();
             }
@@ -320,6 +325,34 @@ mod tests {
         witness.compare();
         let error_rad = witness.pose().expect("a scan").error_rad_max;
         assert!((error_rad - (core::f64::consts::TAU - 6.2)).abs() < 1e-9);
+    }
+
+    #[test]
+    fn where_nothing_was_found_no_delay_is_said() {
+        let mut text = String::new();
+        let nothing = TrackingResult {
+            missed: 2,
+            duration_s: 30.0,
+            ..TrackingResult::default()
+        };
+        nothing.write(&mut text);
+        assert_eq!(
+            text,
+            "  moving obstacles: 0 found, 2 missed, 0 made up in 30 s\n"
+        );
+    }
+
+    #[test]
+    fn a_scan_waits_for_its_odometry() {
+        let mut witness = Witness::default();
+        witness.truth(0, 40, &Pose::default(), &[]);
+        witness.obstacles(40, &[]);
+        witness.placed(40, &Pose::default());
+        witness.compare();
+        assert_eq!(witness.pose(), None);
+        witness.odometry(0, &Pose::default());
+        witness.compare();
+        assert_eq!(witness.pose().map(|pose| pose.scans), Some(1));
     }
 
     #[test]

@@ -136,7 +136,7 @@ pub struct RunResult {
     pub contacts_moving: u32,
     /// Contacts that began while the robot stood.
     pub contacts_standing: u32,
-    /// Smallest distance of the footprint to anything. [m]
+    /// Smallest distance of the footprint to anything; null when nothing was near. [m]
     pub clearance_m_min: Option<f64>,
     /// Run time from the first goal to the end. [s]
     pub time_s: f64,
@@ -324,6 +324,7 @@ fn write_latency(latency: &Latency, text: &mut String) {
         "\n  latency [us]              n  censored        p50        p90        p99        max"
     );
     let mut row = |name: &str, figures: &crate::measure::distribution::Figures| {
+        let figures = figures.supported();
         let cell = |value: Option<f64>| {
             value.map_or_else(|| "-".to_owned(), |value| format!("{value:.0}"))
         };

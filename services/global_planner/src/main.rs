@@ -329,6 +329,18 @@ impl PlannerService {
             self.replanner.name_geometry(self.path.next_id().0);
         }
         let plan = self.replanner.plan();
+        if news == News::New {
+            tracing::info!(
+                tick,
+                cause = plan.cause.label(),
+                status = plan.status.label(),
+                length_m = plan.length_m,
+                cost = plan.cells.stats.cost,
+                expanded = plan.cells.stats.expanded,
+                planner = plan.planner,
+                "path"
+            );
+        }
         let waypoints = &plan.waypoints;
         let sent = self.path.publish_with(&draft, waypoints.len(), |slot| {
             slot.copy_from_slice(waypoints);

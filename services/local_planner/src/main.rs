@@ -14,7 +14,7 @@ use zeronav_msgs::health::{REASON_MAP, REASON_ODOMETRY, REASON_PATH, REASON_SCAN
 use zeronav_msgs::pose::Pose;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::span::SpanKind;
-use zeronav_msgs::task::GOALS_MAX;
+use zeronav_msgs::task::{EndReason, GOALS_MAX, TaskState as State};
 use zeronav_msgs::topics::{
     ControlRequest, MapObstacles, PlanPath, PlanRequests, RobotDescription, RobotOdometry,
     RobotScan, TaskGoal, TaskState,
@@ -75,6 +75,10 @@ struct PlannerService {
     answered_ns: u64,
     status_tick: u64,
     idle_said: bool,
+    /// Task and goal at hand, as the log has them.
+    told_goal: (u64, u64),
+    /// Ends of goals of that task that the log has.
+    told_ended: usize,
 }
 
 impl Readings {
@@ -225,6 +229,8 @@ impl Service for PlannerService {
             answered_ns: 0,
             status_tick: 0,
             idle_said: false,
+            told_goal: (0, 0),
+            told_ended: 0,
         })
     }
 
@@ -363,6 +369,26 @@ impl PlannerService {
 
     fn send_status(&mut self, shell: &mut Shell, draft: &zeronav_shell::Draft) {
         let (status, ended) = self.planner.status();
+        if (status.task, status.goal) != self.told_goal && status.goal != 0 {
+            let (task, goal) = (status.task, status.goal);
+            tracing::info!(tick = draft.tick, task, goal, "goal accepted");
+        }
+        if status.task != self.told_goal.0 {
+            self.told_ended = 0;
+        }
+        for end in ended.iter().skip(self.told_ended) {
+            let state = State::from_code(end.state).map_or("unknown", State::label);
+            let reason = EndReason::from_code(end.reason).map_or("unknown", EndReason::label);
+            tracing::info!(
+                tick = end.tick,
+                goal = end.goal,
+                state,
+                reason,
+                "goal ended"
+            );
+        }
+        self.told_goal = (status.task, status.goal);
+        self.told_ended = ended.len();
         let sent = self.status.publish(draft, status, ended);
         shell.sent(&self.status, sent);
         self.status_tick = draft.tick;

@@ -1,5 +1,7 @@
 //! Mapping as a process: answers every scan with the tiles that changed.
 
+mod told;
+
 use nalgebra::Point2;
 use std::process::ExitCode;
 use zeronav_mapping::config::nanoseconds;
@@ -116,6 +118,7 @@ struct MappingService {
     scan_came_ns: u64,
     /// Scans keep coming.
     current: bool,
+    told: told::Told,
 }
 
 /// The static map, if there is one, and the grid.
@@ -192,6 +195,7 @@ impl Service for MappingService {
             keyframe_ns: 0,
             scan_came_ns: 0,
             current: true,
+            told: told::Told::default(),
         })
     }
 
@@ -253,6 +257,9 @@ impl MappingService {
         )
         .map_err(unusable)?;
         self.mapping = Some(mapping);
+        let (width, height) = (self.geometry.width, self.geometry.height);
+        let resolution_m = self.geometry.resolution_m;
+        tracing::info!(width, height, resolution_m, "the map begins");
         // The first revision is the static map: an empty update, and a keyframe that holds it.
         let draft = shell.draft(0, 0, 0, Parents::default());
         let output = self.send_updates(shell, &draft);
@@ -314,6 +321,8 @@ impl MappingService {
         mapping.mapper_mut().take_dirty_tiles(&mut self.tiles);
         self.obstacles.clear();
         self.obstacles.extend(mapping.obstacles());
+        let (map_from_odom, _) = mapping.map_from_odom();
+        (self.told).tell(tick, header.run_ns, &map_from_odom, self.obstacles.len());
         let moved = mapping.take_moved();
         self.current = true;
         self.send_obstacles(shell, &draft);
@@ -360,6 +369,7 @@ impl MappingService {
     /// Scans have stopped coming: an empty revision that says so.
     fn say_not_current(&mut self, shell: &mut Shell) {
         self.current = false;
+        tracing::warn!("scans have stopped coming, the map is not current");
         let (tick, run_ns, capture_ns) = self.scan.get().map_or((0, 0, 0), |scan| {
             let header = scan.header;
             (header.tick, header.run_ns, header.capture_ns)

@@ -38,6 +38,8 @@ struct RobotService {
     /// Highest tick that each role has answered, lockstep only.
     answered: [u64; 16],
     slipped_ns: u64,
+    /// Contacts that the log has.
+    told_contacts: u32,
 }
 
 fn unusable(error: SimError) -> StartError {
@@ -88,6 +90,7 @@ impl Service for RobotService {
             command_came_ns: None,
             answered: [0; 16],
             slipped_ns: 0,
+            told_contacts: 0,
             config,
         })
     }
@@ -153,6 +156,8 @@ impl RobotService {
             work: 0,
         });
         shell.ready();
+        let seed = clock.seed;
+        tracing::info!(seed, tick_ns = clock.tick_ns, "the robot begins");
         self.simulator = Some(simulator);
         self.due_ns = now_ns() + clock.tick_ns;
         Ok(())
@@ -323,6 +328,12 @@ impl RobotService {
         });
         if simulator.truth_due() {
             let mut truth = simulator.truth(&mut self.obstacles);
+            let contacts = truth.contacts_moving + truth.contacts_standing;
+            if contacts != self.told_contacts {
+                self.told_contacts = contacts;
+                let (x_m, y_m, v_mps) = (truth.pose.x_m, truth.pose.y_m, truth.v_mps);
+                tracing::info!(tick, contacts, x_m, y_m, v_mps, "contact");
+            }
             truth.scan = parents.scan;
             truth.slipped_ns = self.slipped_ns;
             for obstacle in &mut self.obstacles {

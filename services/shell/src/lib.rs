@@ -11,6 +11,8 @@
 //! to which [`PathOutput`] is the other end.
 //! [`Shell::turns`] says which answers are due.
 
+#![warn(clippy::print_stderr)]
+
 pub mod cleaning;
 pub mod clock;
 pub mod domain;

@@ -1,7 +1,61 @@
-//! Logs: `tracing` to stderr, one line per event.
+//! Logs: `tracing` to stderr, one line per event, bounded in size.
 
 use crate::nearest::unknown;
+use std::io::Write;
+use std::sync::Mutex;
 use tracing_subscriber::EnvFilter;
+
+/// Most that one process logs. [bytes]
+pub const LOG_BYTES_MAX: u64 = 8 << 20;
+
+/// Last line of a log that has become too long.
+const LAST_LINE: &[u8] = b"the log is full, nothing more is written\n";
+
+/// A writer that takes everything and passes on [`LOG_BYTES_MAX`] of it. What cannot be written is
+/// gone: a log must not stop what it tells of.
+#[derive(Debug)]
+pub struct Bounded<W> {
+    writer: W,
+    left: u64,
+}
+
+impl<W> Bounded<W> {
+    /// Nothing was written yet.
+    pub fn new(writer: W) -> Self {
+        Self::with_limit(writer, LOG_BYTES_MAX)
+    }
+
+    fn with_limit(writer: W, bytes: u64) -> Self {
+        Self {
+            writer,
+            left: bytes,
+        }
+    }
+}
+
+impl<W: Write> Write for Bounded<W> {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        let len = bytes.len() as u64;
+        if len < self.left {
+            self.left -= len;
+            let _ = self.writer.write_all(bytes);
+        } else if self.left > 0 {
+            self.left = 0;
+            let _ = self.writer.write_all(LAST_LINE);
+        }
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        let _ = self.writer.flush();
+        Ok(())
+    }
+}
+
+/// Quiets the middleware, whose complaints go nowhere else.
+pub fn quiet_middleware() {
+    iceoryx2::prelude::set_log_level(iceoryx2::prelude::LogLevel::Fatal);
+}
 
 /// The levels of a log.
 const LEVELS: [&str; 6] = ["error", "warn", "info", "debug", "trace", "off"];
@@ -28,7 +82,7 @@ pub fn filter(text: &str) -> Result<String, String> {
 ///
 /// `filter` is a level or a filter directive; an unusable one falls back to `info`, aloud.
 pub fn start(filter: &str) {
-    iceoryx2::prelude::set_log_level(iceoryx2::prelude::LogLevel::Fatal);
+    quiet_middleware();
     let (directives, problem) = match EnvFilter::try_new(filter) {
         Ok(directives) => (directives, None),
         Err(error) => (EnvFilter::new("info"), Some(error)),
@@ -36,8 +90,9 @@ pub fn start(filter: &str) {
     // A second call in one process (tests) keeps the first subscriber, which is what is wanted.
     let _ = tracing_subscriber::fmt()
         .with_env_filter(directives)
-        .with_writer(std::io::stderr)
+        .with_writer(Mutex::new(Bounded::new(std::io::stderr())))
         .with_ansi(false)
+        .log_internal_errors(false)
         .try_init();
     if let Some(error) = problem {
         tracing::warn!(filter, %error, "unusable log filter, using info");
@@ -46,7 +101,7 @@ pub fn start(filter: &str) {
 
 #[cfg(test)]
 mod tests {
-    use super::filter;
+    use super::*;
 
     #[test]
     fn levels_and_filters_are_told_from_other_words() {
@@ -66,5 +121,24 @@ mod tests {
         for bad in ["nonsense", "", "warn,nonsense", "a=loud", "info,,warn"] {
             assert!(filter(bad).is_err(), "{bad:?} was accepted");
         }
+    }
+
+    #[test]
+    fn a_log_ends_at_its_limit_with_a_line_that_says_so() {
+        let mut log = Bounded::with_limit(Vec::new(), 100);
+        for _ in 0..1000 {
+            assert_eq!(log.write(b"thirty bytes of a log's lines\n").ok(), Some(30));
+        }
+        let text = String::from_utf8(log.writer).expect("text");
+        let lines: Vec<&str> = text.lines().collect();
+        assert_eq!(lines.len(), 4, "{text}");
+        assert_eq!(lines[3].as_bytes(), &LAST_LINE[..LAST_LINE.len() - 1]);
+    }
+
+    #[test]
+    fn a_full_disk_is_no_error_of_the_log() {
+        let full = std::fs::File::options().write(true).open("/dev/full");
+        let mut log = Bounded::new(full.expect("/dev/full"));
+        assert!(writeln!(log, "a line").is_ok());
     }
 }

@@ -15,13 +15,14 @@ use clap::Parser;
 use core::num::NonZeroU64;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+use std::io::Write;
 use std::os::unix::net::UnixStream;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 use zeronav_msgs::header::Parents;
-use zeronav_msgs::health::{Health, HealthState, REASON_NO_LOAN, REASON_REFUSED};
+use zeronav_msgs::health::{Health, HealthState, REASON_NO_LOAN, REASON_REFUSED, REASON_TOO_LONG};
 use zeronav_msgs::role::Role;
 use zeronav_msgs::run::Seat;
 use zeronav_msgs::span::{Span, SpanKind};
@@ -216,6 +217,7 @@ impl Shell {
                 self.hash = self.hash.wrapping_mul(0x0000_0100_0000_01b3) ^ sent.hash;
                 self.rings.push(writer.row());
             }
+            None if writer.too_long() > 0 => self.reason(REASON_TOO_LONG, true),
             None => self.reason(REASON_NO_LOAN, true),
         }
         sent
@@ -404,14 +406,13 @@ pub fn run<S: Service>() -> ExitCode {
 fn drive<S: Service>(flags: &Flags) -> Result<(), StartError> {
     if flags.list {
         for (key, line) in S::algorithms() {
-            print(&format!("{key}\t{line}\n"));
+            print(&format!("{key}\t{line}\n"))?;
         }
         return Ok(());
     }
     let config: S::Config = flags.read_config(S::check)?;
     if flags.print_config {
-        print(&Flags::config_text(&config)?);
-        return Ok(());
+        return print(&Flags::config_text(&config)?);
     }
     let (stop, signals) = catch_signals()?;
     // The default slack of 50 us would be the largest part of every wait.
@@ -476,15 +477,16 @@ fn catch_signals() -> Result<(Arc<AtomicBool>, UnixStream), StartError> {
     Ok((stop, reader))
 }
 
-/// What `--print-config` and `--list` say to the caller.
-fn print(text: &str) {
-    use std::io::Write;
-    // A reader that has gone away (a closed pipe) is no reason to panic.
-    let _ = std::io::stdout().write_all(text.as_bytes());
+/// `--print-config` and `--list` are data for the caller.
+fn print(text: &str) -> Result<(), StartError> {
+    let mut output = std::io::stdout().lock();
+    output
+        .write_all(text.as_bytes())
+        .and_then(|()| output.flush())
+        .map_err(|error| StartError::system("writing to standard output", error))
 }
 
 /// One line on standard error.
 fn complain(problem: &str) {
-    use std::io::Write;
     let _ = writeln!(std::io::stderr(), "{}", printable(problem));
 }

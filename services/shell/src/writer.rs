@@ -50,6 +50,7 @@ pub struct Writer<T: Topic> {
     epoch: u32,
     count: u64,
     failed: u64,
+    too_long: u64,
 }
 
 impl<T: Topic> Writer<T> {
@@ -66,6 +67,7 @@ impl<T: Topic> Writer<T> {
             epoch,
             count: 0,
             failed: 0,
+            too_long: 0,
         }
     }
 
@@ -87,6 +89,12 @@ impl<T: Topic> Writer<T> {
         self.failed
     }
 
+    /// Messages among them that were longer than [`Self::len_max`]: a mistake of the author.
+    #[must_use]
+    pub fn too_long(&self) -> u64 {
+        self.too_long
+    }
+
     /// Longest slice that fits.
     #[must_use]
     pub fn len_max(&self) -> usize {
@@ -94,7 +102,8 @@ impl<T: Topic> Writer<T> {
     }
 
     /// Sends one message; `None` when there is no free memory, which readers that hold old
-    /// messages can cause: keep the data and try at the next wake.
+    /// messages can cause: keep the data and try at the next wake. `None`, too, when it is longer
+    /// than the writer was opened for, which is logged and stands in the heartbeat.
     pub fn publish(&mut self, draft: &Draft, meta: T::Meta, items: &[T::Item]) -> Option<Sent> {
         self.publish_with(draft, items.len(), |slot| {
             slot.copy_from_slice(items);
@@ -110,7 +119,25 @@ impl<T: Topic> Writer<T> {
         len: usize,
         fill: impl FnOnce(&mut [T::Item]) -> T::Meta,
     ) -> Option<Sent> {
+        if len > self.len_max() {
+            self.failed += 1;
+            self.too_long += 1;
+            if self.too_long == 1 {
+                let (topic, len_max) = (self.row.name, self.len_max());
+                tracing::error!(
+                    topic,
+                    len,
+                    len_max,
+                    "dropped: longer than its writer was opened for; said once"
+                );
+            }
+            return None;
+        }
         let Ok(mut sample) = self.publisher.loan_slice(len) else {
+            if self.failed == self.too_long {
+                let topic = self.row.name;
+                tracing::warn!(topic, len, "dropped: no free memory; said once");
+            }
             self.failed += 1;
             return None;
         };

@@ -1,0 +1,80 @@
+//! Standard output and standard error. Either may be full, closed, or a terminal with a progress
+//! line on it; writing to them never panics.
+
+use indicatif::ProgressBar;
+use std::io::{ErrorKind, Write};
+use std::process::ExitCode;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, PoisonError};
+use zeronav_shell::printable::printable_lines;
+
+/// Exit code when a result could not be written, be it to a file or to standard output.
+pub const EXIT_OUTPUT: u8 = 4;
+
+/// Something of the result was lost.
+static LOST: AtomicBool = AtomicBool::new(false);
+
+/// The progress line that is on the terminal.
+static LINE: Mutex<Option<ProgressBar>> = Mutex::new(None);
+
+/// Writes to standard output what the user asked for. A reader that has seen enough (`| head`) is
+/// no error; whatever else keeps the text from being written ends the command with
+/// [`EXIT_OUTPUT`].
+pub fn say(text: &str) {
+    let mut output = std::io::stdout().lock();
+    let written = output
+        .write_all(printable_lines(text).as_bytes())
+        .and_then(|()| output.flush());
+    if let Err(error) = written
+        && error.kind() != ErrorKind::BrokenPipe
+    {
+        lose(&format!("writing to standard output: {error}"));
+    }
+}
+
+/// Writes a complaint to standard error, on a line of its own.
+pub fn complain(problem: &str) {
+    note(&format!("zeronav: {}", printable_lines(problem)));
+}
+
+/// Writes a line to standard error.
+pub fn note(line: &str) {
+    beside_the_line(|| {
+        // Nothing is left to which this failure could be told.
+        let _ = writeln!(std::io::stderr(), "{line}");
+    });
+}
+
+/// Complains about a result that could not be written, once however many there are: the command
+/// ends with [`EXIT_OUTPUT`].
+pub fn lose(problem: &str) {
+    if !LOST.swap(true, Ordering::Relaxed) {
+        complain(problem);
+    }
+}
+
+/// The exit code of the command: [`EXIT_OUTPUT`] in place of success or of a failed expectation
+/// when something of the result was lost.
+#[must_use]
+pub fn settle(code: ExitCode) -> ExitCode {
+    let was_judged = code == ExitCode::SUCCESS || code == ExitCode::FAILURE;
+    if was_judged && LOST.load(Ordering::Relaxed) {
+        ExitCode::from(EXIT_OUTPUT)
+    } else {
+        code
+    }
+}
+
+/// From now on this line is on the terminal; `None` = none.
+pub(super) fn show_line(line: Option<ProgressBar>) {
+    *LINE.lock().unwrap_or_else(PoisonError::into_inner) = line;
+}
+
+/// Writes to the terminal while the progress line is out of the way.
+pub fn beside_the_line<R>(write: impl FnOnce() -> R) -> R {
+    let line = LINE.lock().unwrap_or_else(PoisonError::into_inner).clone();
+    match line {
+        Some(line) => line.suspend(write),
+        None => write(),
+    }
+}
