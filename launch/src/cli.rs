@@ -138,8 +138,18 @@ pub struct GoalArgs {
 #[derive(Debug, Clone, Args)]
 pub struct SuiteArgs {
     /// generated (needs no data), barn, dynabarn, pedestrians, or a folder of scenarios.
-    #[arg(value_name = "generated|barn|dynabarn|pedestrians|FOLDER")]
+    #[arg(
+        value_name = "generated|barn|dynabarn|pedestrians|FOLDER",
+        default_value = "",
+        hide_default_value = true,
+        required_unless_present = "resume"
+    )]
     pub suite: String,
+    /// Go on with the suite in this folder, which was interrupted, with the arguments that it was
+    /// begun with.
+    #[arg(long, value_name = "FOLDER",
+          conflicts_with_all = ["suite", "controller", "seeds", "worlds", "noise", "data", "out"])]
+    pub resume: Option<PathBuf>,
     /// Key of the local planner's controller; without, beam for dynabarn, pedestrians and what moves
     /// in generated, else its default or the scenario's.
     #[arg(long, value_name = "KEY")]

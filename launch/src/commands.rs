@@ -125,7 +125,16 @@ pub fn suite(arguments: &SuiteArgs) -> ExitCode {
         Ok(report) if arguments.json => say_json(&report),
         Ok(report) => say(&report.to_text()),
         Err(SuiteError::Usage(problem)) => return usage(&problem),
-        Err(SuiteError::Interrupted) => {
+        Err(SuiteError::Lost(problem)) => {
+            lose(&problem);
+            return ExitCode::from(EXIT_OUTPUT);
+        }
+        Err(SuiteError::Interrupted(report)) => {
+            match report {
+                Some(report) if arguments.json => say_json(&report),
+                Some(report) => say(&report.to_text()),
+                None => {}
+            }
             complain("interrupted, every run is stopped");
             return ExitCode::from(EXIT_INTERRUPTED);
         }

@@ -205,14 +205,82 @@ fn recorded_people_are_passed_by_the_controller_that_searches_in_time() {
 }
 
 #[test]
-fn a_world_that_cannot_be_run_stops_those_beside_it_and_is_the_cause() {
-    let folder = working_folder(&endless());
+fn a_world_that_cannot_be_run_is_a_row_and_the_others_are_run() {
+    let folder = working_folder(TINY);
     let unknown = format!("{TINY}[services.local_planner.config]\ncontroller = \"no_such\"\n");
     std::fs::write(folder.path().join("scenarios/unknown.toml"), unknown).expect("a file");
-    let arguments = ["suite", "scenarios", "--jobs", "2"];
-    let ended = Zeronav::start_in(folder, &arguments).finish();
-    assert_eq!(ended.code(), 2, "{}", ended.stderr);
-    assert!(ended.stderr.contains("no_such"), "{}", ended.stderr);
+    let arguments = ["suite", "scenarios", "--jobs", "2", "--json"];
+    let report = Zeronav::start_in(folder, &arguments).finish().expect(0);
+    let runs = report["runs"].as_array().expect("runs");
+    assert_eq!(runs.len(), 2, "{report:#}");
+    assert_eq!(runs[0]["success"], true, "{report:#}");
+    let cause = runs[1]["cause"].as_str().expect("a cause");
+    assert!(cause.contains("exit code 2"), "{cause}");
+}
+
+/// The only folder of a suite.
+fn suite_folder(folder: &Path) -> Option<PathBuf> {
+    let mut suites = std::fs::read_dir(folder.join("runs")).ok()?.flatten();
+    suites.next().map(|entry| entry.path())
+}
+
+/// A report without what the clock on the wall and the folder say.
+fn without_wall_clock(mut report: Value) -> Value {
+    let whole = report.as_object_mut().expect("an object");
+    for name in ["wall_s", "environment", "directory"] {
+        assert!(whole.remove(name).is_some(), "no {name}");
+    }
+    for run in whole["runs"].as_array_mut().expect("runs") {
+        let run = run.as_object_mut().expect("an object");
+        for name in ["wall_s", "directory"] {
+            assert!(run.remove(name).is_some(), "no {name}");
+        }
+    }
+    report
+}
+
+#[test]
+fn an_interrupted_suite_goes_on_and_gives_what_a_whole_one_gives() {
+    let arguments = [
+        "suite",
+        "scenarios",
+        "--seeds",
+        "5",
+        "--jobs",
+        "1",
+        "--json",
+    ];
+    let mut suite = Zeronav::start_in(working_folder(TINY), &arguments);
+    suite.wait_until("a run has finished", |suite| {
+        suite_folder(suite.folder.path())
+            .and_then(|folder| std::fs::read_to_string(folder.join("runs.jsonl")).ok())
+            .is_some_and(|text| text.lines().count() >= 2)
+    });
+    suite.signal(Signal::INT);
+    let ended = suite.finish();
+    let partial = ended.expect(130);
+    assert_eq!(partial["complete"], false, "{partial:#}");
+    assert_eq!(partial["planned"], 5);
+    let made = partial["runs"].as_array().expect("runs").len();
+    assert!((1..5).contains(&made), "{made} runs");
+    let folder = suite_folder(ended.folder.path()).expect("its folder");
+    let left = std::fs::read_to_string(folder.join("suite.json")).expect("suite.json");
+    assert_eq!(serde_json::from_str::<Value>(&left).expect("JSON"), partial);
+    let name = folder.strip_prefix(ended.folder.path()).expect("inside");
+    let name = name.to_str().expect("a name").to_owned();
+
+    // Other arguments than those it was begun with are refused.
+    let arguments = ["suite", "--resume", &name, "--seeds", "7"];
+    let refused = Zeronav::start_in(ended.folder, &arguments).finish();
+    assert_eq!(refused.code(), 2, "{}", refused.stderr);
+    let arguments = ["suite", "--resume", &name, "--json"];
+    let resumed = Zeronav::start_in(refused.folder, &arguments).finish();
+    let resumed = resumed.expect(0);
+    assert_eq!(resumed["complete"], true);
+    let arguments = ["suite", "scenarios", "--seeds", "5", "--json"];
+    let whole = Zeronav::start_in(working_folder(TINY), &arguments).finish();
+    let whole = whole.expect(0);
+    assert_eq!(without_wall_clock(resumed), without_wall_clock(whole));
 }
 
 #[test]

@@ -1,17 +1,16 @@
 //! The runs of a suite as a table for other programs.
 
 use super::row::Row;
-use std::path::Path;
 
-/// Writes one line a run.
+/// One line a run.
 ///
 /// # Errors
-/// One line naming the file.
-pub(super) fn write(file: &Path, rows: &[Row]) -> Result<(), String> {
-    let failed = |error: csv::Error| format!("writing {}: {error}", file.display());
-    let mut writer = csv::Writer::from_path(file).map_err(failed)?;
+/// One line.
+pub(super) fn text(rows: &[Row]) -> Result<String, String> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
     for row in rows {
-        writer.serialize(row).map_err(failed)?;
+        writer.serialize(row).map_err(|error| error.to_string())?;
     }
-    writer.flush().map_err(|error| failed(error.into()))
+    let bytes = writer.into_inner().map_err(|error| error.to_string())?;
+    String::from_utf8(bytes).map_err(|error| error.to_string())
 }

@@ -23,7 +23,7 @@ pub(super) struct Touch {
 }
 
 /// A contact in the report of a suite.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ContactRow {
     /// World of the run.
     pub world: String,

@@ -12,6 +12,7 @@ mod dynabarn;
 mod folder;
 mod generated;
 mod hindsight;
+mod journal;
 mod junit;
 mod noise;
 mod oracle;
@@ -31,6 +32,7 @@ use crate::environment::Before;
 use crate::supervise::algorithms;
 use crate::supervise::binaries::{self, Needed};
 use case::Case;
+use journal::{Journal, Order};
 use report::Kind;
 use row::Row;
 use runner::{Runner, Stopped};
@@ -39,12 +41,14 @@ use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 /// Why a suite did not run to its end.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug)]
 pub enum SuiteError {
     /// Usage or configuration, in one line.
     Usage(String),
-    /// Ctrl-C: everything is stopped.
-    Interrupted,
+    /// Ctrl-C: everything is stopped, the report says what there is.
+    Interrupted(Option<Box<Report>>),
+    /// A file could not be written, in one line.
+    Lost(String),
 }
 
 impl From<String> for SuiteError {
@@ -57,7 +61,8 @@ impl From<Stopped> for SuiteError {
     fn from(stopped: Stopped) -> Self {
         match stopped {
             Stopped::Refused(problem) => Self::Usage(problem),
-            Stopped::Interrupted => Self::Interrupted,
+            Stopped::Lost(problem) => Self::Lost(problem),
+            Stopped::Interrupted => Self::Interrupted(None),
         }
     }
 }
@@ -72,11 +77,32 @@ struct Setup<'a> {
     scenarios: &'a Path,
 }
 
-/// Runs a suite and writes what it gave into a folder of its own.
+/// Runs a suite, or what is left of one, and writes what it gave into a folder of its own.
 ///
 /// # Errors
 /// [`SuiteError`]; runs that fail are no error but rows of the report.
 pub fn suite(arguments: &SuiteArgs, interrupted: &AtomicBool) -> Result<Report, SuiteError> {
+    let Some(directory) = &arguments.resume else {
+        return begin(arguments, interrupted, None);
+    };
+    let (order, journal) = Journal::resume(directory)?;
+    let arguments = SuiteArgs {
+        suite: order.suite.clone(),
+        controller: order.controller.clone(),
+        seeds: order.seeds,
+        worlds: order.worlds.map(|[from, until]| from..until),
+        noise: Noise::from_label(&order.noise).unwrap_or_default(),
+        data: order.data.clone(),
+        ..arguments.clone()
+    };
+    begin(&arguments, interrupted, Some((directory, &order, journal)))
+}
+
+fn begin(
+    arguments: &SuiteArgs,
+    interrupted: &AtomicBool,
+    resumed: Option<(&Path, &Order, Journal)>,
+) -> Result<Report, SuiteError> {
     let kind = Kind::of(&arguments.suite);
     let worlds = match kind {
         Kind::Barn => barn::worlds(arguments)?,
@@ -100,12 +126,26 @@ pub fn suite(arguments: &SuiteArgs, interrupted: &AtomicBool) -> Result<Report, 
     }
     let before = Before::read();
     let started = Instant::now();
-    let directory = suite_folder(&arguments.out, kind)?;
+    let directory = match &resumed {
+        Some((directory, ..)) => (*directory).to_owned(),
+        None => suite_folder(&arguments.out, kind)?,
+    };
     let scenarios = directory.join("scenarios");
     let setup = Setup {
         arguments,
         controller: arguments.controller.as_deref().or(kind.controller()),
         scenarios: &scenarios,
+    };
+    let order = Order::of(&setup)?;
+    let mut journal = match resumed {
+        Some((_, begun, journal)) if *begun == order => journal,
+        Some(_) => {
+            return Err(SuiteError::Usage(format!(
+                "{} was begun with other binaries or data than are here now: run the suite again",
+                directory.display()
+            )));
+        }
+        None => Journal::begin(&directory, &order).map_err(SuiteError::Lost)?,
     };
     let runner = Runner::new(arguments, directory.join("runs"), interrupted)?;
     let cases = match kind {
@@ -115,27 +155,58 @@ pub fn suite(arguments: &SuiteArgs, interrupted: &AtomicBool) -> Result<Report, 
         Kind::Generated => generated::cases(&setup, &worlds)?,
         Kind::Folder => folder::cases(&setup, &worlds)?,
     };
-    let rows = drive(&runner, kind.label(), &cases)?;
+    let ended = drive_rest(&runner, kind.label(), &cases, &mut journal);
+    let rows: Vec<Row> = cases
+        .iter()
+        .filter_map(|case| journal.row(case).cloned())
+        .collect();
     let report = Report::new(
         &setup,
         kind,
+        cases.len(),
         rows,
         &directory,
         started.elapsed().as_secs_f64(),
         before.environment(),
     );
-    report.leave()?;
-    Ok(report)
+    report.leave().map_err(SuiteError::Lost)?;
+    match ended {
+        Ok(()) => {}
+        Err(Stopped::Interrupted) => return Err(SuiteError::Interrupted(Some(Box::new(report)))),
+        Err(other) => return Err(other.into()),
+    }
+    match report.refusal() {
+        Some(problem) => Err(SuiteError::Usage(problem)),
+        None => Ok(report),
+    }
 }
 
 /// Runs the cases; their rows in the order of the cases.
 fn drive(runner: &Runner<'_>, title: &str, cases: &[Case]) -> Result<Vec<Row>, Stopped> {
-    let finishes = runner.run(title, cases)?;
-    Ok(cases
+    let mut rows: Vec<Option<Row>> = vec![None; cases.len()];
+    let all: Vec<&Case> = cases.iter().collect();
+    runner.each(title, &all, |index, finish| {
+        rows[index] = Some(Row::new(&cases[index], &finish));
+        Ok(())
+    })?;
+    Ok(rows.into_iter().flatten().collect())
+}
+
+/// Makes the runs that the journal does not have yet.
+fn drive_rest(
+    runner: &Runner<'_>,
+    title: &str,
+    cases: &[Case],
+    journal: &mut Journal,
+) -> Result<(), Stopped> {
+    let left: Vec<&Case> = cases
         .iter()
-        .zip(&finishes)
-        .map(|(case, finish)| Row::new(case, finish))
-        .collect())
+        .filter(|case| journal.row(case).is_none())
+        .collect();
+    runner.each(title, &left, |index, finish| {
+        let case = left[index];
+        journal.note(case, Row::new(case, &finish))
+    })
 }
 
 /// Makes the suite's own folder.

@@ -19,6 +19,13 @@ pub enum Noise {
 }
 
 impl Noise {
+    /// The one of that name.
+    #[must_use]
+    pub fn from_label(label: &str) -> Option<Self> {
+        let all = [Self::Off, Self::Default, Self::Hard];
+        all.into_iter().find(|noise| noise.label() == label)
+    }
+
     /// Its name on the command line.
     #[must_use]
     pub const fn label(self) -> &'static str {

@@ -101,6 +101,10 @@ pub struct Report {
     pub noise: String,
     /// Runs of each world.
     pub seeds: u64,
+    /// False when the suite was stopped before its last run.
+    pub complete: bool,
+    /// Runs that were asked for.
+    pub planned: usize,
     /// All runs together.
     pub summary: Summary,
     /// Each class of worlds, where there are several.
@@ -121,6 +125,7 @@ impl Report {
     pub(super) fn new(
         setup: &Setup<'_>,
         kind: Kind,
+        planned: usize,
         runs: Vec<Row>,
         directory: &Path,
         wall_s: f64,
@@ -146,6 +151,8 @@ impl Report {
             controller: setup.controller.unwrap_or("default").to_owned(),
             noise: arguments.noise.label().to_owned(),
             seeds: arguments.seeds,
+            complete: runs.len() == planned,
+            planned,
             summary: Summary::of(&runs.iter().collect::<Vec<_>>()),
             groups,
             contacts: runs.iter().flat_map(|row| row.contacts.clone()).collect(),
@@ -162,21 +169,33 @@ impl Report {
     /// One line naming the file.
     pub(super) fn leave(&self) -> Result<(), String> {
         let directory = PathBuf::from(&self.directory);
-        let write = |name: &str, text: String| {
-            let file = directory.join(name);
-            std::fs::write(&file, text)
-                .map_err(|error| format!("writing {}: {error}", file.display()))
-        };
+        let write = |name: &str, text: String| crate::leave::write(&directory.join(name), &text);
         let json = serde_json::to_string_pretty(self).map_err(|error| error.to_string())?;
         write("suite.json", json + "\n")?;
         write("junit.xml", junit::text(&self.suite, &self.runs))?;
-        csv_file::write(&directory.join("runs.csv"), &self.runs)
+        write("runs.csv", csv_file::text(&self.runs)?)
+    }
+
+    /// Why no run at all could begin, if none could.
+    pub(super) fn refusal(&self) -> Option<String> {
+        let all = !self.runs.is_empty() && self.runs.iter().all(|row| row.refusal.is_some());
+        let first = self.runs.first().filter(|_| all);
+        first.and_then(|row| row.refusal.clone())
     }
 
     /// The page for people.
     #[must_use]
     pub fn to_text(&self) -> String {
         let mut text = String::new();
+        if !self.complete {
+            let _ = writeln!(
+                text,
+                "interrupted: {} of {} runs; go on with `zeronav suite --resume {}`",
+                self.runs.len(),
+                self.planned,
+                self.directory
+            );
+        }
         let _ = writeln!(
             text,
             "{}: controller {}, noise {}, {} worlds, {} runs in {:.0} s of wall time\n  {}\n",

@@ -5,10 +5,11 @@ use super::hindsight::{ContactRow, Hindsight, Touch};
 use super::runner::Finish;
 use super::score::{RULES, score};
 use super::track::{closest_m, turning_rad};
+use crate::commands::EXIT_USAGE;
 use serde::{Deserialize, Serialize};
 
 /// One run.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Row {
     /// World.
     pub world: String,
@@ -64,6 +65,9 @@ pub struct Row {
     pub run_hash: Option<String>,
     /// The run's folder.
     pub directory: Option<String>,
+    /// Why it could not begin, exit code 2; the report has it once.
+    #[serde(skip)]
+    pub refusal: Option<String>,
     /// What it touched; the report has it in a list of its own.
     #[serde(skip)]
     pub contacts: Vec<ContactRow>,
@@ -170,7 +174,9 @@ impl Row {
                 None => "no result, ended by a signal".to_owned(),
             }
         };
+        let refused = finish.code == Some(i32::from(EXIT_USAGE));
         Self {
+            refusal: refused.then(|| format!("{}: {}", case.world, finish.complaint)),
             cause: Some(cause),
             score: nothing,
             score_4ot: nothing,
@@ -206,6 +212,7 @@ impl Row {
             wall_s: None,
             run_hash: None,
             directory: None,
+            refusal: None,
             contacts: Vec::new(),
         }
     }

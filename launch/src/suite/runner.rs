@@ -2,8 +2,8 @@
 
 use super::case::Case;
 use crate::cli::SuiteArgs;
-use crate::commands::{EXIT_INTERRUPTED, EXIT_USAGE};
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use crate::commands::EXIT_INTERRUPTED;
+use crate::show::progress::{ProgressLine, Tally};
 use rustix::process::{Pid, Signal, kill_process};
 use serde_json::Value;
 use std::fs::File;
@@ -44,8 +44,10 @@ impl Finish {
 /// Why not all runs were made.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Stopped {
-    /// A run could not be started or was refused as wrongly configured, and so would the others.
+    /// A run could not be started, and so could the others.
     Refused(String),
+    /// What a run gave could not be written.
+    Lost(String),
     /// Ctrl-C.
     Interrupted,
 }
@@ -94,17 +96,25 @@ impl<'a> Runner<'a> {
         })
     }
 
-    /// Makes all runs, some at a time; what each finished with, in the order of `cases`.
+    /// Makes all runs, some at a time, and hands over what each finished with as it does. A run
+    /// that was stopped before its end has not finished.
     ///
     /// # Errors
-    /// [`Stopped`], when all that were going on are stopped, too.
-    pub(super) fn run(&self, title: &str, cases: &[Case]) -> Result<Vec<Finish>, Stopped> {
-        let bar = self.bar(title, cases.len());
+    /// [`Stopped`], when all that were going on are stopped, too; what `finished` complains of is
+    /// [`Stopped::Lost`].
+    pub(super) fn each(
+        &self,
+        title: &str,
+        cases: &[&Case],
+        mut finished: impl FnMut(usize, Finish) -> Result<(), String>,
+    ) -> Result<(), Stopped> {
+        let mut line = ProgressLine::new(title, !self.headless);
+        let began = Instant::now();
         let mut waiting = cases.iter().enumerate();
         let mut going: Vec<Going<'_>> = Vec::new();
-        let mut finishes: Vec<Option<Finish>> = vec![None; cases.len()];
         let mut stopped: Option<Stopped> = None;
-        let mut passed = 0;
+        let (mut done, mut passed) = (0, 0);
+        let mut last = String::new();
         loop {
             while stopped.is_none() && going.len() < self.jobs {
                 let Some((index, case)) = waiting.next() else {
@@ -126,40 +136,42 @@ impl<'a> Runner<'a> {
                     continue;
                 };
                 let finish = one.finish(status);
-                // The first cause counts: runs that are stopped for it end as interrupted.
-                match finish.code.and_then(|code| u8::try_from(code).ok()) {
-                    Some(EXIT_USAGE) => {
-                        let why = format!("{}: {}", one.case.world, finish.complaint);
-                        stopped.get_or_insert(Stopped::Refused(why));
-                    }
-                    Some(EXIT_INTERRUPTED) if !finish.hung => {
-                        stopped.get_or_insert(Stopped::Interrupted);
-                    }
-                    Some(0) => passed += 1,
-                    _ => {}
+                let code = finish.code.and_then(|code| u8::try_from(code).ok());
+                if code == Some(EXIT_INTERRUPTED) && !finish.hung {
+                    stopped.get_or_insert(Stopped::Interrupted);
+                    continue;
                 }
-                finishes[one.index] = Some(finish);
-                bar.inc(1);
-                bar.set_message(format!("{passed} passed, last {}", one.case.world));
+                if one.is_cut_short() && finish.result.is_none() {
+                    continue;
+                }
+                done += 1;
+                passed += usize::from(code == Some(0));
+                one.case.world.clone_into(&mut last);
+                if let Err(problem) = finished(one.index, finish) {
+                    stopped.get_or_insert(Stopped::Lost(problem));
+                }
             }
             going = still;
             if going.is_empty() && (stopped.is_some() || waiting.len() == 0) {
                 break;
             }
+            let tally = Tally {
+                done,
+                total: cases.len(),
+                each_s: (done > 0).then(|| began.elapsed().as_secs_f64() / count(done)),
+            };
+            line.show(|| format!("{}  {passed} passed  {last}", tally.in_words("runs")));
             std::thread::sleep(PAUSE);
         }
-        bar.finish_and_clear();
+        line.clear();
         // What runs that had to be killed have left.
         for root in zeronav_shell::domain::sweep_dead() {
             tracing::info!(root = %root.display(), "removed the domain of a run that was killed");
         }
-        match stopped {
-            Some(stopped) => Err(stopped),
-            None => Ok(finishes.into_iter().flatten().collect()),
-        }
+        stopped.map_or(Ok(()), Err)
     }
 
-    fn start(&self, index: usize, case: &'a Case) -> Result<Going<'a>, String> {
+    fn start<'c>(&self, index: usize, case: &'c Case) -> Result<Going<'c>, String> {
         let name = case.scenario.file_stem().unwrap_or_default();
         let name = format!("{}-seed{}", name.to_string_lossy(), case.seed);
         let files = ["json", "txt"].map(|ending| self.out.join(format!("{name}.{ending}")));
@@ -187,22 +199,11 @@ impl<'a> Runner<'a> {
             asked: None,
         })
     }
+}
 
-    fn bar(&self, title: &str, n: usize) -> ProgressBar {
-        let target = if self.headless {
-            ProgressDrawTarget::hidden()
-        } else {
-            ProgressDrawTarget::stderr_with_hz(5)
-        };
-        let bar = ProgressBar::with_draw_target(Some(n as u64), target);
-        let template = "{spinner} {prefix}  {pos} of {len} runs, {eta} left  {msg}";
-        if let Ok(style) = ProgressStyle::with_template(template) {
-            bar.set_style(style);
-        }
-        bar.set_prefix(title.to_owned());
-        bar.enable_steady_tick(Duration::from_millis(200));
-        bar
-    }
+#[allow(clippy::cast_precision_loss, reason = "a count far below 2^53")]
+fn count(n: usize) -> f64 {
+    n as f64
 }
 
 impl Going<'_> {
@@ -225,6 +226,11 @@ impl Going<'_> {
             }
             Some(_) => {}
         }
+    }
+
+    /// True when it was asked to stop because all were.
+    fn is_cut_short(&self) -> bool {
+        self.asked.is_some_and(|(_, hung)| !hung)
     }
 
     fn ended(&mut self) -> Option<ExitStatus> {
