@@ -72,8 +72,10 @@ fn exit_code(ending: &Ending, pass: bool) -> ExitCode {
         // A service that says that its configuration is wrong.
         Ending::Died { code: Some(2), .. } => EXIT_USAGE,
         Ending::Died { .. } | Ending::NotReady(_) | Ending::Silent(_) => EXIT_SERVICE,
-        Ending::Task(..) | Ending::Timeout | Ending::TrialsOver if pass => EXIT_PASS,
-        Ending::Task(..) | Ending::Timeout | Ending::TrialsOver => EXIT_FAIL,
+        Ending::Task(..) | Ending::Redirected | Ending::Timeout | Ending::TrialsOver if pass => {
+            EXIT_PASS
+        }
+        Ending::Task(..) | Ending::Redirected | Ending::Timeout | Ending::TrialsOver => EXIT_FAIL,
     })
 }
 
@@ -110,7 +112,7 @@ fn explain(ending: &Ending) {
         }
         Ending::Silent(role) => complain(&format!("{role} stopped answering")),
         Ending::Interrupted => complain("interrupted, everything is stopped"),
-        Ending::Task(..) | Ending::Timeout | Ending::TrialsOver => {}
+        Ending::Task(..) | Ending::Redirected | Ending::Timeout | Ending::TrialsOver => {}
     }
 }
 

@@ -8,6 +8,8 @@ use zeronav_msgs::task::{EndReason, TaskState};
 pub enum Ending {
     /// The task ended by itself.
     Task(TaskState, EndReason),
+    /// The robot reached a goal that was given by hand, and not all of the scenario's.
+    Redirected,
     /// The time limit of the scenario, or trials that came to no end.
     Timeout,
     /// All trials were made.

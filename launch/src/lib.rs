@@ -15,6 +15,7 @@ pub mod leave;
 pub mod look;
 pub mod measure;
 pub mod prepare;
+pub mod redirect;
 pub mod remote;
 pub mod result;
 pub mod run;

@@ -32,6 +32,7 @@ pub fn outcome(ending: &Ending) -> &'static str {
         Ending::Task(TaskState::Cancelled, _) => "cancelled",
         Ending::Task(_, EndReason::None) => "failed",
         Ending::Task(_, reason) => reason.label(),
+        Ending::Redirected => "redirected",
         Ending::Timeout => "timeout",
         Ending::TrialsOver => "trials_over",
         Ending::Died { .. } => "service_died",
@@ -106,6 +107,7 @@ pub fn result(prepared: &Prepared, driven: &Driven, environment: Environment) ->
             .collect(),
         services: services(prepared, driven),
         restarts: driven.restarts.clone(),
+        redirects: driven.redirects.clone(),
         environment,
         shared_memory_bytes: driven.shared_memory_bytes,
         // The last tick is left out: while it is answered, launch may already stop the robot.
@@ -479,6 +481,9 @@ fn reason(prepared: &Prepared, driven: &Driven, met: bool, expectations: &[Expec
             }
             None => format!("the robot gave up: {reason}"),
         },
+        Ending::Redirected => {
+            "the robot reached a goal that was given by hand, not the scenario's".to_owned()
+        }
         Ending::Timeout => {
             format!(
                 "not done within {} s of run time",

@@ -7,6 +7,7 @@ use crate::ending::Ending;
 use crate::keeper::{Keeper, READY_LIMIT, RestartRecord};
 use crate::measure::seconds;
 use crate::prepare::Prepared;
+use crate::redirect::{Redirect, Redirects};
 use crate::result::outcome as outcome_of;
 use crate::show::log;
 use crate::show::progress::{Progress, ProgressLine, Tally};
@@ -23,7 +24,7 @@ use std::time::{Duration, Instant};
 use zeronav_msgs::Pose;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::run::RunMode;
-use zeronav_msgs::task::{Goal, TaskState};
+use zeronav_msgs::task::{EndReason, Goal, TaskState};
 use zeronav_msgs::topics::{GroundTruth, Topic};
 
 /// How long a run may go on without the robot's next tick.
@@ -65,6 +66,8 @@ pub struct Driven {
     pub services: Vec<SeatReport>,
     /// The restarts that were made.
     pub restarts: Vec<RestartRecord>,
+    /// Goals that were given by hand.
+    pub redirects: Vec<Redirect>,
     /// What became of the trials; empty without.
     pub trials: Vec<Trial>,
     /// Trials that did not count because no path led through the obstacle.
@@ -198,6 +201,7 @@ pub fn drive(
         shared_memory_bytes,
         services,
         restarts: drive.keeper.records().to_vec(),
+        redirects: drive.redirects.given().to_vec(),
         collector: drive.collector,
     };
     stack::close(stack);
@@ -297,6 +301,13 @@ impl Drive<'_> {
         self.task = goals;
     }
 
+    /// The goals of the task at hand that are not reached yet.
+    fn left(&self) -> Vec<Goal> {
+        let reached = &self.collector.reached;
+        let left = self.task.iter().filter(|goal| !reached.contains(&goal.id));
+        left.copied().collect()
+    }
+
     /// Looks after the processes. A new local planner knows nothing of goals that were reached
     /// before, so it gets those that are left.
     fn keep(&mut self, stack: &mut Stack) -> Option<Ending> {
@@ -305,13 +316,7 @@ impl Drive<'_> {
             Err(ending) => return Some(ending),
         };
         if restarted.contains(&Role::LocalPlanner) {
-            let reached = &self.collector.reached;
-            let left: Vec<Goal> = self
-                .task
-                .iter()
-                .filter(|goal| !reached.contains(&goal.id))
-                .copied()
-                .collect();
+            let left = self.left();
             if left.len() < self.task.len() && !left.is_empty() {
                 let from_tick = stack.roster.control.lease + 1;
                 self.send(stack, left, from_tick);
@@ -418,8 +423,33 @@ impl Drive<'_> {
                 self.send(stack, vec![goal], 0);
                 None
             }
+            (state, None) => self.over(stack, state, report.reason),
             (state, _) => Some(Ending::Task(state, report.reason)),
         }
+    }
+
+    /// The task is over: how the run ends, or nothing when it goes on with the task that a goal
+    /// given by hand had taken the place of.
+    fn over(&mut self, stack: &mut Stack, state: TaskState, reason: EndReason) -> Option<Ending> {
+        let Some(left) = self.redirects.ended(state, reason) else {
+            return Some(if self.redirects.is_redirected() {
+                Ending::Redirected
+            } else {
+                Ending::Task(state, reason)
+            });
+        };
+        tracing::warn!(
+            %reason,
+            "the goal given by hand cannot be reached, going on with the task before it"
+        );
+        // Without goals of its own the scenario waits for its time limit.
+        self.task_id = 0;
+        self.task.clear();
+        if !left.is_empty() {
+            let from_tick = stack.roster.control.lease + 1;
+            self.send(stack, left, from_tick);
+        }
+        None
     }
 
     /// Sees to the trials, if that is what this drive is for.
@@ -470,7 +500,7 @@ impl Drive<'_> {
     fn end_tick(&self, ending: &Ending) -> u64 {
         let tick_ns = self.prepared.scenario.run.tick_ns();
         match (ending, self.report()) {
-            (Ending::Task(..), Some(report)) => report.tick,
+            (Ending::Task(..) | Ending::Redirected, Some(report)) => report.tick,
             (Ending::Timeout, _) if self.lockstep() => {
                 self.prepared.scenario.run.time_limit_ns().div_ceil(tick_ns)
             }
@@ -585,6 +615,12 @@ impl Drive<'_> {
                     yaw_tolerance_rad,
                     id: 0,
                 };
+                if self.shuttle.is_some() {
+                    return Reply::Error("the run makes trials and takes no other goal".to_owned());
+                }
+                let left = self.left();
+                let time_s = seconds(self.collector.run_ns.saturating_sub(self.goals_run_ns));
+                self.redirects.give(time_s, &goal, left);
                 self.send(stack, vec![goal], from_tick);
                 Reply::Done
             }

@@ -247,7 +247,11 @@ fn a_goal_from_outside_takes_the_place_of_the_scenarios() {
         &domain,
     ]);
     assert_eq!(sent.code(), 0, "{}", sent.stderr);
-    let result = run.finish().expect(0);
+    // The scenario's own goal was not reached.
+    let result = run.finish().expect(1);
+    assert_eq!(result["outcome"], "redirected", "{result:#}");
+    assert_eq!(result["reached"], false);
+    assert_eq!(result["redirects"][0]["outcome"], "reached");
     assert!(
         result["driven_m"].as_f64().expect("metres") < 20.0,
         "it drove on: {result:#}"
@@ -257,6 +261,27 @@ fn a_goal_from_outside_takes_the_place_of_the_scenarios() {
     let yaw_rad = yaw_rad.expect("where it stood");
     assert!((yaw_rad - 1.57).abs() < 0.35, "it looked to {yaw_rad} rad");
     assert_eq!(leftovers(&root), Vec::<std::path::PathBuf>::new());
+}
+
+#[test]
+fn a_goal_in_a_rack_is_given_up_for_the_scenarios() {
+    let _turn = zeronav_tests::real_time_turn();
+    let mut run = Zeronav::start(&["run", "open_aisle", "--headless", "--json"]);
+    run.wait_until("the task is at hand", |run| {
+        run.report()
+            .is_some_and(|report| report["task"] == "active")
+    });
+    let domain = run.domains().pop().expect("a domain");
+    let domain = domain.to_str().expect("a path").to_owned();
+    let sent = zeronav(&["goal", "13.0", "8.05", "0", "--domain", &domain]);
+    assert_eq!(sent.code(), 0, "{}", sent.stderr);
+    let result = run.finish().expect(0);
+    assert_eq!(result["reached"], true, "{result:#}");
+    let outcome = result["redirects"][0]["outcome"].as_str();
+    assert!(
+        matches!(outcome, Some("goal_blocked" | "unreachable")),
+        "{result:#}"
+    );
 }
 
 fn start_of(scenario: &str) -> [f64; 3] {

@@ -3,6 +3,7 @@
 use crate::keeper::RestartRecord;
 use crate::measure::Latency;
 use crate::measure::tracking::{PoseResult, TrackingResult};
+use crate::redirect::Redirect;
 use crate::trials::{Round, SlowTrial};
 use core::fmt::Write;
 use serde::Serialize;
@@ -194,6 +195,8 @@ pub struct RunResult {
     pub services: Vec<ServiceResult>,
     /// Restarts of services during the run.
     pub restarts: Vec<RestartRecord>,
+    /// Goals that were given by hand.
+    pub redirects: Vec<Redirect>,
     /// Machine and build.
     pub environment: Environment,
     /// Shared memory of the run. [bytes]
@@ -261,6 +264,17 @@ impl RunResult {
                 text,
                 "  {:8.2} s  {} restarted: {}",
                 restart.time_s, restart.service, restart.how
+            );
+        }
+        for Redirect {
+            time_s,
+            goal: [x_m, y_m, yaw_rad],
+            outcome,
+        } in &self.redirects
+        {
+            let _ = writeln!(
+                text,
+                "  {time_s:8.2} s  sent to ({x_m:.2}, {y_m:.2}, {yaw_rad:.2}) by hand: {outcome}"
             );
         }
         if let Some(pose) = &self.pose {
