@@ -195,7 +195,7 @@ fn logs_tell_what_a_run_did() {
             &["goal accepted", "goal ended", "reached"],
         ),
         ("mapping.log", &["the map begins"]),
-        ("collision_guard.log", &["intervention="]),
+        ("collision_guard.log", &["the guard begins"]),
         ("robot.log", &["the robot begins"]),
     ] {
         let text = log(&ended, name);

@@ -159,6 +159,7 @@ impl GuardService {
             .check(period_s, scan_period_s)
             .map_err(|error| unusable(&error))?;
         self.config = None;
+        tracing::info!(period_s, scan_period_s, "the guard begins");
         Ok(())
     }
 
