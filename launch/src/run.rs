@@ -158,6 +158,7 @@ pub fn drive(
             struck: 0,
             task: Vec::new(),
             task_id: 0,
+            redirects: Redirects::default(),
             next_goal: 1,
             at_start: None,
         };
@@ -242,6 +243,8 @@ struct Drive<'a> {
     task: Vec<Goal>,
     /// Its id, 0 = none was sent.
     task_id: u64,
+    /// Goals given by hand.
+    redirects: Redirects,
     /// Number of the next goal.
     next_goal: u64,
     /// The kernel's counters when the first goal was sent; trials only.
