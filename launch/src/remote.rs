@@ -1,7 +1,8 @@
 //! What is asked of a run that goes on: `zeronav ps` and `zeronav goal`.
 
 use crate::cli::GoalArgs;
-use crate::commands::{EXIT_PASS, say, say_json, usage};
+use crate::commands::{EXIT_PASS, say_json, usage};
+use crate::show::terminal::say;
 use crate::supervise::control::{self, Reply, Request, RunReport};
 use serde_json::json;
 use std::io::ErrorKind;
