@@ -1,8 +1,9 @@
 //! The commands that start nothing: what there is, and whether it can work.
 
-use crate::commands::{EXIT_PASS, EXIT_USAGE, say, say_json, usage};
+use crate::commands::{EXIT_PASS, EXIT_USAGE, say_json, usage};
 use crate::prepare::{self, Plan};
 use crate::scenario;
+use crate::show::terminal::say;
 use crate::supervise::algorithms;
 use crate::supervise::binaries::{self, Needed};
 use serde_json::json;
