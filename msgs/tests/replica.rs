@@ -140,13 +140,31 @@ fn a_restarted_writer_is_followed_from_its_first_keyframe_on() {
     new.set(3, 3, 33);
     let (info, tiles) = new.keyframe();
     // Its updates may be a long time coming: nothing changes.
+    replica.take_changed();
     assert_eq!(replica.keyframe(&info, &tiles), Step::Applied);
     assert_equal(&replica, &new);
+    // Any of its cells may be another one now.
+    let all = replica.take_changed();
+    assert_eq!(all.len(), 1);
+    assert_eq!(
+        (all[0].min, all[0].max),
+        (Cell::new(0, 0), Cell::new(100, 70))
+    );
     // Another one of the same says nothing new.
     assert_eq!(replica.keyframe(&info, &tiles), Step::Ignored);
     let (id, info, tiles) = new.set(4, 4, 44);
     assert_eq!(replica.update(id, &info, &tiles), Step::Applied);
     assert_equal(&replica, &new);
+}
+
+#[test]
+fn a_replica_that_forgot_its_step_regains_it_with_the_revision_that_it_has() {
+    let (writer, mut replica) = started();
+    replica.resync();
+    assert!(replica.needs_keyframe());
+    let (info, tiles) = writer.keyframe();
+    assert_eq!(replica.keyframe(&info, &tiles), Step::Applied);
+    assert_equal(&replica, &writer);
 }
 
 /// The same map with its origin elsewhere, as a rolling window sends it.

@@ -74,6 +74,28 @@ fn rule_3_a_proof_is_doubted_only_when_a_cell_opened() {
 }
 
 #[test]
+fn rule_3_what_opened_during_a_search_is_not_forgotten() {
+    let (mut bench, _) = Bench::new("S.#..\n..#..\n..#.G");
+    let (causes, news) = bench.cycle_with(|bench| bench.update(&[Cell::new(2, 0)], 0));
+    assert_eq!((causes, news), (vec![PathCause::Goal], News::New));
+    assert_eq!(bench.replanner.plan().status, PathStatus::Unreachable);
+    // The next update opens nothing, the one before did.
+    bench.update(&[Cell::new(3, 1)], COST_LETHAL);
+    bench.expect_new(PathCause::Goal, PathStatus::Found);
+}
+
+#[test]
+fn rule_3_a_proof_is_doubted_by_a_robot_that_stands_elsewhere() {
+    let (mut bench, _) = Bench::new("S...............#..G");
+    bench.expect_new(PathCause::Goal, PathStatus::Unreachable);
+    bench.robot = bench.map.pose(Cell::new(8, 0));
+    bench.expect_unchanged();
+    bench.robot = bench.map.pose(Cell::new(12, 0));
+    bench.expect_new(PathCause::Goal, PathStatus::Unreachable);
+    bench.expect_unchanged();
+}
+
+#[test]
 fn rule_3_the_cause_survives_a_failure() {
     let (mut bench, _) = Bench::new("S....G");
     bench.expect_new(PathCause::Goal, PathStatus::Found);

@@ -73,9 +73,9 @@ fn rule_10_a_shortcut_that_saves_nothing_changes_nothing() {
     assert_eq!(bench.replanner.plan().geometry, geometry);
 }
 
-/// A wall with the way round its upper end, and a door that opens at `door`: what came of it. A
-/// niche right before the robot opens, too, and promises more than the door holds.
-fn door_opens(door: i32) -> (Vec<PathCause>, News, f64) {
+/// A wall with the way round its upper end, and a door that opens at `door`. A niche right before
+/// the robot opens, too, and promises more than the door holds. The length of the way round, too.
+fn with_a_door(door: i32) -> (Bench, f64) {
     let row = |y: i32| match y {
         10 => ".".repeat(41),
         0 => format!("S{}#{}G", ".".repeat(19), ".".repeat(19)),
@@ -88,6 +88,12 @@ fn door_opens(door: i32) -> (Vec<PathCause>, News, f64) {
     bench.update(&[Cell::new(21, 0), Cell::new(21, 1)], COST_LETHAL);
     bench.expect_unchanged();
     bench.update(&[Cell::new(20, 0), Cell::new(20, door)], 0);
+    (bench, long_m)
+}
+
+/// What comes of the door.
+fn door_opens(door: i32) -> (Vec<PathCause>, News, f64) {
+    let (mut bench, long_m) = with_a_door(door);
     let mut searches = Vec::new();
     for _ in 0..8 {
         let (causes, news) = bench.cycle();
