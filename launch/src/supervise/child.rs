@@ -176,6 +176,7 @@ impl Child {
     pub fn end_in_words(status: ExitStatus) -> String {
         match (status.code(), status.signal()) {
             (Some(135), _) | (_, Some(7)) => "killed by SIGBUS: /dev/shm is full".to_owned(),
+            (Some(4), _) => "exit code 4: too little shared memory in /dev/shm".to_owned(),
             (Some(code), _) => format!("exit code {code}"),
             (None, Some(signal)) => format!("killed by signal {signal}"),
             (None, None) => "ended".to_owned(),
