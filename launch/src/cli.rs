@@ -70,6 +70,9 @@ pub enum Command {
         /// Root folder of the domain.
         root: PathBuf,
     },
+    /// Watch over a run from outside; started by zeronav itself.
+    #[command(hide = true)]
+    Warden,
 }
 
 /// Arguments of `zeronav run`.

@@ -3,6 +3,7 @@
 use crate::cli::{RunArgs, SuiteArgs};
 use crate::ending::Ending;
 use crate::environment::Before;
+use crate::interrupts::interrupts;
 use crate::prepare::{self, Prepared};
 use crate::run::{self, Driven};
 use crate::show::report::RunResult;
@@ -57,7 +58,7 @@ pub fn run(arguments: &RunArgs) -> ExitCode {
 
 /// The drive, or the last one of the trials and what they gave.
 fn run_prepared(prepared: &Prepared) -> Result<(Driven, Option<Trials>), String> {
-    let interrupted = run::interrupts()?;
+    let interrupted = interrupts()?;
     let Some(wanted) = prepared.trials else {
         return Ok((run::drive(prepared, None, &interrupted)?, None));
     };
@@ -119,7 +120,7 @@ fn explain(ending: &Ending) {
 /// `zeronav suite`.
 #[must_use]
 pub fn suite(arguments: &SuiteArgs) -> ExitCode {
-    let interrupted = match run::interrupts() {
+    let interrupted = match interrupts() {
         Ok(interrupted) => interrupted,
         Err(problem) => return usage(&problem),
     };

@@ -157,6 +157,7 @@ impl<'a> Keeper<'a> {
         while let Some(at) = stack.dead() {
             self.replace(stack, collector, at)?;
         }
+        self.vacate(stack, collector);
         self.fill_seats(stack)
     }
 
@@ -181,6 +182,34 @@ impl<'a> Keeper<'a> {
             filled.push(vacant.role);
         }
         Ok(filled)
+    }
+
+    /// Lets the next process started by hand take a seat whose owner, started by hand, has ended. In
+    /// lockstep the tick would wait for an answer to what the next one never heard.
+    fn vacate(&mut self, stack: &mut Stack, collector: &Collector) {
+        if self.prepared.mode == RunMode::Lockstep {
+            return;
+        }
+        let ended = |role: &Role| {
+            let owner = stack.occupants.get(role);
+            owner.is_some_and(|owner| owner.epoch == stack.epoch(*role) && owner.has_ended())
+        };
+        let external = Role::SERVICES
+            .into_iter()
+            .filter(|role| !self.prepared.binaries.contains_key(role));
+        for role in external.filter(ended).collect::<Vec<_>>() {
+            self.records.push(RestartRecord {
+                service: role.to_string(),
+                time_s: seconds(collector.robot_tick() * self.prepared.scenario.run.tick_ns()),
+                how: "started by hand, ended".to_owned(),
+                wait_ms: 0,
+            });
+            stack.next_epoch(role);
+            stack.obey_newest(role, 0, 0);
+            if let Err(problem) = self.start(stack, role) {
+                tracing::warn!(%role, problem, "the seat stays empty");
+            }
+        }
     }
 
     fn look_at_hearts(&mut self, stack: &mut Stack, collector: &Collector, since: Duration) {

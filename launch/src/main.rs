@@ -7,7 +7,7 @@ use clap::error::ErrorKind;
 use std::process::ExitCode;
 use zeronav::cli::{Cli, Command};
 use zeronav::show::{log, terminal};
-use zeronav::supervise::cleaner;
+use zeronav::supervise::{cleaner, warden};
 use zeronav::{commands, look, remote};
 use zeronav_msgs::role::Role;
 use zeronav_shell::flags::one_line;
@@ -28,6 +28,11 @@ fn main() -> ExitCode {
     if let Command::Clean { root } = &cli.command {
         return ExitCode::from(u8::from(!cleaner::run(root)));
     }
+    if matches!(cli.command, Command::Warden) {
+        warden::run();
+        return ExitCode::SUCCESS;
+    }
+    warden::enable();
     log::start();
     // Whatever a killed run has left is removed by the next command, whichever it is.
     for root in zeronav_shell::domain::sweep_dead() {
@@ -42,6 +47,6 @@ fn main() -> ExitCode {
         Command::Ps { json } => remote::ps(json),
         Command::Goal(arguments) => remote::goal(&arguments),
         Command::Suite(arguments) => commands::suite(&arguments),
-        Command::Clean { .. } => ExitCode::SUCCESS,
+        Command::Clean { .. } | Command::Warden => ExitCode::SUCCESS,
     })
 }

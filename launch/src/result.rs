@@ -6,8 +6,9 @@ use crate::measure::index::PathRecord;
 use crate::measure::motion::{Contact, Moment, jerk_mps3};
 use crate::measure::seconds;
 use crate::prepare::Prepared;
-use crate::run::{DEADLINE_NS, Driven, file_name};
+use crate::run::{DEADLINE_NS, Driven};
 use crate::scenario::Outcome;
+use crate::seat_report::SeatReport;
 use crate::show::picture::{Area, Line, Picture};
 use crate::show::report::{
     Environment, Expectation, ObstacleResult, Plan, RunResult, ServiceResult, Touch, TrialsResult,
@@ -105,7 +106,7 @@ pub fn result(prepared: &Prepared, driven: &Driven, environment: Environment) ->
             .iter()
             .map(|(role, steps)| (role.to_string(), injected_us(*steps)))
             .collect(),
-        services: services(prepared, driven),
+        services: services(driven),
         restarts: driven.restarts.clone(),
         redirects: driven.redirects.clone(),
         environment,
@@ -326,7 +327,7 @@ fn obstacles(prepared: &Prepared, driven: &Driven) -> Vec<ObstacleResult> {
         .collect()
 }
 
-fn services(prepared: &Prepared, driven: &Driven) -> Vec<ServiceResult> {
+fn services(driven: &Driven) -> Vec<ServiceResult> {
     let paths = &driven.collector.records.paths;
     let planner = paths.iter().rev().find(|path| !path.planner.is_empty());
     let key = |role: Role| {
@@ -334,30 +335,17 @@ fn services(prepared: &Prepared, driven: &Driven) -> Vec<ServiceResult> {
             .filter(|_| role == Role::GlobalPlanner)
             .map(|path| path.planner.clone())
     };
-    let started = |role: Role| driven.services.iter().find(|seat| seat.role == role);
-    let binary = |role: Role| prepared.binaries.get(&role).map(|binary| file_name(binary));
-    Role::SERVICES
-        .into_iter()
-        .filter_map(|role| match (started(role), binary(role)) {
-            (Some(seat), Some(binary)) => Some(ServiceResult {
-                name: role.to_string(),
-                binary,
-                key: key(role),
-                starts: seat.starts,
-                memory_peak_bytes: seat.memory_peak_bytes,
-                end: seat.end.clone(),
-            }),
-            (None, None) => Some(ServiceResult {
-                name: role.to_string(),
-                binary: "external".to_owned(),
-                key: key(role),
-                starts: 0,
-                memory_peak_bytes: 0,
-                end: "not ours to end".to_owned(),
-            }),
-            _ => None,
-        })
-        .collect()
+    let row = |seat: &SeatReport| ServiceResult {
+        name: seat.role.to_string(),
+        binary: seat.binary.clone(),
+        pid: seat.pid,
+        external: seat.external,
+        key: key(seat.role),
+        starts: seat.starts,
+        memory_peak_bytes: seat.memory_peak_bytes,
+        end: seat.end.clone(),
+    };
+    driven.services.iter().map(row).collect()
 }
 
 fn expectations(

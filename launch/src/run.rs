@@ -9,15 +9,15 @@ use crate::measure::seconds;
 use crate::prepare::Prepared;
 use crate::redirect::{Redirect, Redirects};
 use crate::result::outcome as outcome_of;
+use crate::seat_report::{self, SeatReport};
 use crate::show::log;
 use crate::show::progress::{Progress, ProgressLine, Tally};
 use crate::shuttle::{Course, Shuttle, Step, Trial};
-use crate::supervise::child::Child;
 use crate::supervise::control::{Reply, Request, RunReport, Server, ServiceReport};
+use crate::supervise::occupant::file_name;
 use crate::supervise::stack::{self, Stack};
 use nalgebra::Point2;
 use std::collections::BTreeMap;
-use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -89,32 +89,6 @@ pub struct Quota {
     pub total: usize,
 }
 
-/// A seat at the end of a run.
-#[derive(Debug, Clone)]
-pub struct SeatReport {
-    /// The seat.
-    pub role: Role,
-    /// Times its process was started.
-    pub starts: u32,
-    /// Largest resident memory of all of them. [bytes]
-    pub memory_peak_bytes: u64,
-    /// How the last one ended.
-    pub end: String,
-}
-
-/// A flag that Ctrl-C and SIGTERM raise.
-///
-/// # Errors
-/// One line when the system refuses.
-pub fn interrupts() -> Result<Arc<AtomicBool>, String> {
-    let interrupted = Arc::new(AtomicBool::new(false));
-    for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM] {
-        signal_hook::flag::register(signal, Arc::clone(&interrupted))
-            .map_err(|error| format!("catching signals: {error}"))?;
-    }
-    Ok(interrupted)
-}
-
 /// Starts the stack, drives the scenario or the trials of `quota`, stops everything, leaves nothing
 /// behind.
 ///
@@ -183,7 +157,7 @@ pub fn drive(
     });
     drive.stand(&mut stack);
     let shared_memory_bytes = stack.shared_memory_bytes();
-    let services = drive.stop(&mut stack);
+    let services = seat_report::stop(&mut stack, &drive.keeper, &prepared.binaries);
     drive.listen(&mut stack);
     let (trials, trials_missed) = drive
         .shuttle
@@ -259,6 +233,10 @@ impl Drive<'_> {
             .map_err(|error| error.to_string())?;
         let mut server =
             Server::open(folder).map_err(|error| format!("opening the control socket: {error}"))?;
+        // All of them before the first start: no process started by hand gets in between.
+        for role in self.prepared.binaries.keys() {
+            stack.hold_seat(*role).map_err(|error| error.to_string())?;
+        }
         for role in Role::SERVICES {
             self.keeper.start(stack, role)?;
         }
@@ -536,37 +514,6 @@ impl Drive<'_> {
         }
     }
 
-    /// Ends the processes and says how each seat did.
-    fn stop(&self, stack: &mut Stack) -> Vec<SeatReport> {
-        let died: Vec<Role> = stack
-            .children
-            .iter_mut()
-            .filter_map(|child| child.ended().map(|_| child.role))
-            .collect();
-        let killed = stack.stop_processes();
-        stack
-            .children
-            .iter_mut()
-            .map(|child| {
-                let role = child.role;
-                let end = if killed.contains(&role) {
-                    "did not stop when asked, killed".to_owned()
-                } else if died.contains(&role) {
-                    child.ended().map_or_else(String::new, Child::end_in_words)
-                } else {
-                    "stopped".to_owned()
-                };
-                let before = self.keeper.memory_peak_bytes(role);
-                SeatReport {
-                    role,
-                    starts: self.keeper.starts(role),
-                    memory_peak_bytes: before.max(child.memory_peak_bytes()),
-                    end,
-                }
-            })
-            .collect()
-    }
-
     fn progress(&self) -> Progress {
         let report = self.report();
         let trials = self.quota.zip(self.shuttle.as_ref());
@@ -645,14 +592,15 @@ impl Drive<'_> {
                 Some((*role, (beat.state()?.to_string(), beat.progress)))
             })
             .collect();
-        let services = stack
+        let state = |role: Role| {
+            let said = health.get(&role).cloned();
+            said.unwrap_or_else(|| ("starting".to_owned(), 0))
+        };
+        let mut services: Vec<ServiceReport> = stack
             .children
             .iter_mut()
             .map(|child| {
-                let (state, progress) = health
-                    .get(&child.role)
-                    .cloned()
-                    .unwrap_or_else(|| ("starting".to_owned(), 0));
+                let (state, progress) = state(child.role);
                 ServiceReport {
                     role: child.role.to_string(),
                     pid: child.pid(),
@@ -664,6 +612,21 @@ impl Drive<'_> {
                 }
             })
             .collect();
+        for (role, occupant) in &stack.occupants {
+            if self.prepared.binaries.contains_key(role) {
+                continue;
+            }
+            let (state, progress) = state(*role);
+            services.push(ServiceReport {
+                role: role.to_string(),
+                pid: occupant.pid,
+                epoch: occupant.epoch,
+                state,
+                progress,
+                memory_peak_bytes: 0,
+                binary: occupant.binary.clone(),
+            });
+        }
         RunReport {
             scenario: self.prepared.scenario.name.clone(),
             domain: stack.root().display().to_string(),
@@ -681,11 +644,4 @@ impl Drive<'_> {
 #[allow(clippy::cast_precision_loss, reason = "a count far below 2^53")]
 fn count(n: usize) -> f64 {
     n as f64
-}
-
-/// Last part of a path.
-#[must_use]
-pub fn file_name(path: &Path) -> String {
-    path.file_name()
-        .map_or_else(String::new, |name| name.to_string_lossy().into_owned())
 }

@@ -5,6 +5,10 @@ use crate::message::{Refusal, ZeroCopySend, ensure};
 use crate::role::Role;
 use core::fmt;
 
+/// Lowest epoch of a shadow: a process that runs beside the one in its seat and is never obeyed.
+/// Launch gives out lower ones only.
+pub const SHADOW_EPOCH_MIN: u32 = 0x80_0000;
+
 /// Identity of a message on its topic: `epoch << 40 | count`.
 ///
 /// It grows across restarts of the writer, so it is the sequence number, the map revision and the

@@ -40,8 +40,9 @@ pub enum Discipline {
 
 /// Most readers of a topic, guests included.
 pub const READERS_MAX: usize = 12;
-/// Most writers of a swappable output: the obeyed process and its shadow.
-pub const WRITERS_MAX: usize = 2;
+/// Most writers of a swappable output: the obeyed process, its successor or what is left of the one
+/// before, and shadows.
+pub const WRITERS_MAX: usize = 4;
 /// Most writers of `run/spans`.
 pub const SPAN_WRITERS_MAX: usize = 16;
 /// Most processes in a domain.

@@ -22,6 +22,9 @@ use std::time::{Duration, Instant};
 /// No run of a test takes longer; whoever does hangs.
 pub const WATCHDOG: Duration = Duration::from_secs(240);
 
+/// A service that a test started and that has not left by itself by then stays.
+const STRANGER_LIMIT: Duration = Duration::from_secs(10);
+
 /// Root folder of the workspace.
 #[must_use]
 pub fn workspace() -> &'static Path {
@@ -167,10 +170,22 @@ impl Zeronav {
         kill_process(pid, signal).expect("zeronav is there");
     }
 
-    /// Its children: process id and command line.
+    /// Its services: process id and command line. A child that was forked and does not run its
+    /// service's program yet is none: it still has the command line of zeronav.
     #[must_use]
     pub fn children(&self) -> Vec<(u32, String)> {
-        children_of(self.pid())
+        let mut children = children_of(self.pid());
+        children.retain(|(_, line)| line.contains(" --domain "));
+        children
+    }
+
+    /// Process id of the service in the seat of `role`, as the run itself says.
+    #[must_use]
+    pub fn service(&self, role: &str) -> Option<u32> {
+        let report = self.report()?;
+        let services = report["services"].as_array()?;
+        let seat = services.iter().find(|service| service["role"] == role)?;
+        u32::try_from(seat["pid"].as_u64()?).ok()
     }
 
     /// Root folders of the domains that it made.
@@ -342,6 +357,80 @@ fn command_line(pid: u32) -> String {
     String::from_utf8_lossy(&line).replace('\0', " ")
 }
 
+/// A service that the test itself starts. Dropping it ends it.
+#[derive(Debug)]
+pub struct Stranger {
+    process: Child,
+    stderr: File,
+}
+
+impl Stranger {
+    /// Starts the program `binary` in the domain `root` with these flags more.
+    ///
+    /// # Panics
+    /// When it cannot be started.
+    #[must_use]
+    pub fn start(binary: &str, root: &Path, flags: &[&str]) -> Self {
+        let stderr = tempfile::tempfile().expect("a file");
+        let process = Command::new(binaries().join(binary))
+            .arg("--domain")
+            .arg(root)
+            .args(flags)
+            .stdin(Stdio::null())
+            .stdout(Stdio::null())
+            .stderr(stderr.try_clone().expect("a handle"))
+            .spawn()
+            .expect("the service starts");
+        Self { process, stderr }
+    }
+
+    /// Its process id.
+    #[must_use]
+    pub fn pid(&self) -> u32 {
+        self.process.id()
+    }
+
+    /// True while it runs.
+    pub fn runs(&mut self) -> bool {
+        self.process.try_wait().is_ok_and(|status| status.is_none())
+    }
+
+    /// What it has logged.
+    pub fn log(&mut self) -> String {
+        read(&mut self.stderr)
+    }
+
+    /// Waits until it has ended by itself: its exit code and what it logged.
+    ///
+    /// # Panics
+    /// When it stays, or when a signal ended it.
+    #[must_use]
+    pub fn left(mut self) -> (i32, String) {
+        let started = Instant::now();
+        while self.runs() {
+            assert!(
+                started.elapsed() < STRANGER_LIMIT,
+                "the service stays: {}",
+                self.log()
+            );
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        let status = self.process.wait().expect("its end");
+        let log = self.log();
+        let code = status
+            .code()
+            .unwrap_or_else(|| panic!("ended by a signal: {log}"));
+        (code, log)
+    }
+}
+
+impl Drop for Stranger {
+    fn drop(&mut self) {
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+    }
+}
+
 /// Sends `signal` to a process; false when it is gone.
 #[must_use]
 pub fn send_signal(pid: u32, signal: Signal) -> bool {
@@ -354,6 +443,22 @@ pub fn send_signal(pid: u32, signal: Signal) -> bool {
 pub fn is_alive(pid: u32) -> bool {
     std::fs::read_to_string(format!("/proc/{pid}/stat"))
         .is_ok_and(|stat| !stat.rsplit(") ").next().unwrap_or("").starts_with('Z'))
+}
+
+/// Waits for what must happen by itself; prints how long it took.
+///
+/// # Panics
+/// When it takes longer than 10 s.
+pub fn await_by_itself(what: &str, mut condition: impl FnMut() -> bool) {
+    let started = Instant::now();
+    while !condition() {
+        assert!(
+            started.elapsed() < STRANGER_LIMIT,
+            "waited too long until {what}"
+        );
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    eprintln!("{what} after {:?}", started.elapsed());
 }
 
 /// Everything in /dev/shm that belongs to the domain with this root folder.

@@ -1,58 +1,11 @@
 //! A service that somebody started by hand leaves by itself when launch is gone.
 
 use rustix::process::Signal;
-use std::path::{Path, PathBuf};
-use std::process::{Child, Command, ExitStatus, Stdio};
-use std::time::{Duration, Instant};
-use zeronav_tests::{Zeronav, binaries, is_alive, leftovers, zeronav};
-
-/// Whoever has not left by then stays.
-const WATCHDOG: Duration = Duration::from_secs(10);
-
-/// A collision guard that was started by hand. Dropping it ends it.
-struct Guard {
-    process: Child,
-    log: tempfile::NamedTempFile,
-}
-
-impl Guard {
-    fn start(root: &Path) -> Self {
-        let log = tempfile::NamedTempFile::new().expect("a file");
-        let process = Command::new(binaries().join("zeronav-collision-guard"))
-            .args(["--epoch", "1", "--domain"])
-            .arg(root)
-            .stdin(Stdio::null())
-            .stderr(log.reopen().expect("a handle"))
-            .spawn()
-            .expect("the guard starts");
-        Self { process, log }
-    }
-
-    /// Waits until it has left by itself: how, and what it logged.
-    fn left(mut self) -> (ExitStatus, String) {
-        let started = Instant::now();
-        let status = loop {
-            if let Some(status) = self.process.try_wait().expect("its state") {
-                break status;
-            }
-            assert!(started.elapsed() < WATCHDOG, "the guard stays");
-            std::thread::sleep(Duration::from_millis(5));
-        };
-        eprintln!("the guard left after {:?}", started.elapsed());
-        let log = std::fs::read_to_string(self.log.path()).expect("its log");
-        (status, log)
-    }
-}
-
-impl Drop for Guard {
-    fn drop(&mut self) {
-        let _ = self.process.kill();
-        let _ = self.process.wait();
-    }
-}
+use std::path::PathBuf;
+use zeronav_tests::{Stranger, Zeronav, await_by_itself, is_alive, leftovers, real_time_turn};
 
 /// A drive in lockstep whose guard was started by hand, and its domain.
-fn driving() -> (Zeronav, PathBuf, Guard) {
+fn driving() -> (Zeronav, PathBuf, Stranger) {
     let mut run = Zeronav::start(&[
         "run",
         "unsealed",
@@ -65,7 +18,7 @@ fn driving() -> (Zeronav, PathBuf, Guard) {
     run.wait_until("the others run", |run| run.children().len() == 4);
     run.wait_until("they know their domain", |run| run.domains().len() == 1);
     let root = run.domains().pop().expect("a domain");
-    let guard = Guard::start(&root);
+    let guard = Stranger::start("zeronav-collision-guard", &root, &["--epoch", "1"]);
     (run, root, guard)
 }
 
@@ -76,14 +29,12 @@ fn a_service_started_by_hand_leaves_when_launch_is_killed() {
         let report = run.report().unwrap_or_default();
         report["time_s"].as_f64().is_some_and(|time_s| time_s > 0.5)
     });
-    assert!(is_alive(guard.process.id()));
+    assert!(is_alive(guard.pid()));
     run.signal(Signal::KILL);
-    let (status, log) = guard.left();
-    assert_eq!(status.code(), Some(0), "{log}");
+    let (code, log) = guard.left();
+    assert_eq!(code, 0, "{log}");
     assert!(log.contains("launch is gone"), "{log}");
-    // Whoever died last may have been a child of launch: then the next command cleans up.
-    assert_eq!(zeronav(&["list"]).code(), 0);
-    assert_eq!(leftovers(&root), Vec::<PathBuf>::new());
+    await_by_itself("nothing is left", || leftovers(&root).is_empty());
 }
 
 #[test]
@@ -91,8 +42,53 @@ fn a_service_started_by_hand_leaves_after_the_run_and_takes_the_domain_with_it()
     let (run, root, guard) = driving();
     let result = run.finish().expect(0);
     assert_eq!(result["reached"], true, "{result:#}");
-    let (status, log) = guard.left();
-    assert_eq!(status.code(), Some(0), "{log}");
+    let services = result["services"].as_array().expect("services");
+    let seat = services
+        .iter()
+        .find(|seat| seat["name"] == "collision_guard");
+    let seat = seat.expect("the guard's seat");
+    assert_eq!(seat["binary"], "zeronav-collision-guard", "{seat:#}");
+    assert_eq!(seat["pid"], guard.pid(), "{seat:#}");
+    assert_eq!(seat["external"], true, "{seat:#}");
+    let (code, log) = guard.left();
+    assert_eq!(code, 0, "{log}");
     assert!(log.contains("launch is gone"), "{log}");
+    assert_eq!(leftovers(&root), Vec::<PathBuf>::new());
+}
+
+#[test]
+fn a_service_started_by_hand_may_be_started_again_with_the_next_epoch() {
+    let _turn = real_time_turn();
+    let mut run = Zeronav::start(&[
+        "run",
+        "unsealed",
+        "--headless",
+        "--json",
+        "--external",
+        "collision_guard",
+    ]);
+    run.wait_until("the others run", |run| run.children().len() == 4);
+    let root = run.domains().pop().expect("a domain");
+    let guard = |epoch| Stranger::start("zeronav-collision-guard", &root, &["--epoch", epoch]);
+    let first = guard("1");
+    run.wait_until("the robot is on its way", |run| {
+        let report = run.report().unwrap_or_default();
+        report["time_s"].as_f64().is_some_and(|time_s| time_s > 0.5)
+    });
+    assert_eq!(run.service("collision_guard"), Some(first.pid()));
+    drop(first);
+    run.wait_until("the next epoch is expected", |_| {
+        let (code, log) = guard("1").left();
+        assert_eq!(code, 2, "{log}");
+        log.contains("expects --epoch 2")
+    });
+    let second = guard("2");
+    let result = run.finish().expect(0);
+    assert_eq!(result["reached"], true, "{result:#}");
+    assert_eq!(result["contacts"], 0, "{result:#}");
+    assert_eq!(result["restarts"][0]["service"], "collision_guard");
+    let services = result["services"].as_array().expect("services");
+    assert!(services.iter().any(|seat| seat["pid"] == second.pid()));
+    assert_eq!(second.left().0, 0);
     assert_eq!(leftovers(&root), Vec::<PathBuf>::new());
 }

@@ -72,8 +72,12 @@ pub struct Expectation {
 pub struct ServiceResult {
     /// Its seat.
     pub name: String,
-    /// File name of its binary.
+    /// File name of the program that answered.
     pub binary: String,
+    /// Its process id; 0 when none answered.
+    pub pid: u32,
+    /// True when the seat was left to a process that was started by hand.
+    pub external: bool,
     /// Key of its algorithm, where it has told one.
     pub key: Option<String>,
     /// How many times it was started.
@@ -82,6 +86,18 @@ pub struct ServiceResult {
     pub memory_peak_bytes: u64,
     /// How it ended.
     pub end: String,
+}
+
+impl ServiceResult {
+    /// The process that answered, for people.
+    fn who(&self) -> String {
+        let by_hand = if self.external {
+            ", started by hand"
+        } else {
+            ""
+        };
+        format!("{} {} (pid {}{by_hand})", self.name, self.binary, self.pid)
+    }
 }
 
 /// Where and with what the run was made.
@@ -210,6 +226,12 @@ pub struct RunResult {
 }
 
 impl RunResult {
+    /// The processes that answered, for people.
+    fn who_answered(&self) -> String {
+        let who: Vec<String> = self.services.iter().map(ServiceResult::who).collect();
+        who.join(", ")
+    }
+
     /// The page for people.
     #[must_use]
     pub fn to_text(&self) -> String {
@@ -304,6 +326,7 @@ impl RunResult {
                 .collect::<Vec<_>>()
                 .join(", ")
         );
+        let _ = writeln!(text, "  answered by {}", self.who_answered());
         if let Some(hash) = &self.run_hash {
             let _ = writeln!(text, "  run hash {hash}");
         }

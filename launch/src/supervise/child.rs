@@ -1,5 +1,6 @@
 //! One service process.
 
+use super::warden;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::process::{Pid, PidfdFlags, Signal, kill_process_group, pidfd_open};
 use std::ffi::OsString;
@@ -12,7 +13,8 @@ use std::process::{Command, ExitStatus, Stdio};
 use std::time::Duration;
 use zeronav_msgs::role::Role;
 
-/// A started service in a process group of its own. It dies with launch, whatever kills launch.
+/// A started service in a process group of its own. When launch dies, whatever kills it, the service
+/// is asked to leave, and the warden ends it if it does not.
 #[derive(Debug)]
 pub struct Child {
     /// The seat it sits in.
@@ -30,8 +32,8 @@ pub struct Child {
 }
 
 impl Child {
-    /// Starts `binary` with `arguments`. Call it from a thread that lives as long as the child
-    /// shall: the kernel ends the child when the thread ends.
+    /// Starts `binary` with `arguments`; `stdin` is the seat that it sits in. Call it from a thread that lives as long as the child
+    /// shall: the kernel asks the child to leave when the thread ends.
     ///
     /// # Errors
     /// What the system says, naming the binary.
@@ -40,6 +42,7 @@ impl Child {
         epoch: u32,
         binary: &Path,
         arguments: &[OsString],
+        stdin: Stdio,
         log: &Path,
     ) -> std::io::Result<Self> {
         let name = |error: std::io::Error| {
@@ -56,11 +59,11 @@ impl Child {
         let mut command = Command::new(binary);
         command
             .args(arguments)
-            .stdin(Stdio::null())
+            .stdin(stdin)
             .stdout(stderr.try_clone().map_err(name)?)
             .stderr(stderr)
             .process_group(0);
-        die_with_this_thread(&mut command);
+        end_with_this_thread(&mut command, Signal::TERM);
         let process = command.spawn().map_err(name)?;
         let pidfd = i32::try_from(process.id())
             .ok()
@@ -76,6 +79,7 @@ impl Child {
                 return Err(name(error));
             }
         };
+        warden::watch_service(process.id(), pidfd.as_fd());
         Ok(Self {
             role,
             epoch,
@@ -215,13 +219,13 @@ impl Drop for Child {
     unsafe_code,
     reason = "the parent-death signal can only be set between fork and exec"
 )]
-pub(super) fn die_with_this_thread(command: &mut Command) {
+pub(super) fn end_with_this_thread(command: &mut Command, signal: Signal) {
     let parent = rustix::process::getpid();
     // SAFETY: the closure runs in the forked child before exec and makes only system calls that
     // are async-signal-safe; it allocates nothing and takes no lock.
     unsafe {
         command.pre_exec(move || {
-            rustix::process::set_parent_process_death_signal(Some(Signal::KILL))?;
+            rustix::process::set_parent_process_death_signal(Some(signal))?;
             // Launch may have died between fork and the call: then nobody would send the signal.
             if rustix::process::getppid() != Some(parent) {
                 return Err(std::io::Error::from_raw_os_error(3));

@@ -6,9 +6,11 @@ pub mod child;
 pub mod cleaner;
 pub mod control;
 pub mod hang;
+pub mod occupant;
 pub mod question;
 pub mod restart;
 pub mod stack;
+pub mod warden;
 
 pub use child::Child;
 pub use stack::Stack;

@@ -1,7 +1,7 @@
 //! What a binary answers to a flag that makes it print something and leave. It may be any program:
 //! it may print without end, hang, or be none.
 
-use super::child::{Child, die_with_this_thread};
+use super::child::{Child, end_with_this_thread};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::process::{Pid, PidfdFlags, Signal, kill_process_group, pidfd_open};
 use std::ffi::OsStr;
@@ -70,7 +70,7 @@ pub fn ask(binary: &Path, arguments: &[&OsStr]) -> Result<String, Silence> {
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
         .process_group(0);
-    die_with_this_thread(&mut command);
+    end_with_this_thread(&mut command, Signal::KILL);
     let mut process = command.spawn()?;
     let heard = listen(&mut process);
     if heard.is_err() {

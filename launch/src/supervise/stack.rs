@@ -2,7 +2,11 @@
 
 use super::child::Child;
 use super::cleaner::{Cleaner, Ticket};
+use super::occupant::Occupant;
+use super::warden;
 use rustix::process::Signal;
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::ffi::OsString;
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -21,6 +25,7 @@ use zeronav_shell::doorbell::Bells;
 use zeronav_shell::folder::Folder;
 use zeronav_shell::peer::Topics;
 use zeronav_shell::records::SpanReader;
+use zeronav_shell::seat::SeatLock;
 use zeronav_shell::{Domain, Draft, Latest, Peer, Roster, StartError, Stream, Writer};
 
 /// Launch's own epoch: it is started once per domain.
@@ -79,6 +84,10 @@ pub struct Stack {
     pub children: Vec<Child>,
     /// What launch reads.
     pub taps: Taps,
+    /// The seats that launch fills, held for the whole run.
+    seats: BTreeMap<Role, SeatLock>,
+    /// The process in each seat that has beaten its heart and is the newest there.
+    pub occupants: BTreeMap<Role, Occupant>,
     /// Who is obeyed and how time runs, as launch has said it.
     pub roster: Roster,
     /// The newest process of each seat, obeyed or not yet.
@@ -100,6 +109,7 @@ impl Stack {
     /// What the middleware or the system refuses.
     pub fn create(mode: RunMode, seed: u64, tick_ns: u64) -> Result<Self, StartError> {
         let peer = Peer::join(Domain::create()?, Role::Launch, LAUNCH_EPOCH)?;
+        warden::watch_domain(peer.domain().root());
         let topics = peer.create_topics()?;
         let mut health = Vec::new();
         for role in Role::SERVICES {
@@ -146,6 +156,8 @@ impl Stack {
         let mut stack = Self {
             children: Vec::new(),
             taps,
+            seats: BTreeMap::new(),
+            occupants: BTreeMap::new(),
             newest: roster.clone(),
             roster,
             clock: peer.writer(1)?,
@@ -178,6 +190,21 @@ impl Stack {
             .map_or(Path::new("/"), |peer| peer.domain().root())
     }
 
+    /// Holds the seat of `role` for the whole run, so that no process but those that are started
+    /// here sits in it.
+    ///
+    /// # Errors
+    /// One line with the process that sits there already.
+    pub fn hold_seat(&mut self, role: Role) -> Result<&SeatLock, StartError> {
+        let Some(peer) = &self.peer else {
+            return Err(StartError::Usage("the stack is closed".to_owned()));
+        };
+        Ok(match self.seats.entry(role) {
+            Entry::Occupied(seat) => seat.into_mut(),
+            Entry::Vacant(seat) => seat.insert(SeatLock::take_free(peer.domain(), role)?),
+        })
+    }
+
     /// Starts the newest process of a seat.
     ///
     /// # Errors
@@ -195,9 +222,19 @@ impl Stack {
             launch.log_level.into(),
         ]
         .into();
-        let child = Child::start(role, epoch, launch.binary, &arguments, launch.log)?;
+        let seat = self.hold_seat(role).map_err(std::io::Error::other)?;
+        let stdin = seat.for_child()?;
+        let child = Child::start(role, epoch, launch.binary, &arguments, stdin, launch.log)?;
+        self.name_owner(role, child.pid());
         self.children.push(child);
         Ok(())
+    }
+
+    /// Says in the seat of `role` who sits there, for a process that comes second.
+    fn name_owner(&self, role: Role, pid: u32) {
+        if let Some(Err(error)) = self.seats.get(&role).map(|seat| seat.name_owner(pid)) {
+            tracing::warn!(%role, %error, "the owner of the seat could not be written");
+        }
     }
 
     /// Epoch of the newest process in the seat of `role`.
@@ -210,7 +247,9 @@ impl Stack {
 
     /// Takes an ended process out, and has removed what it left in the middleware's registry.
     pub fn bury(&mut self, at: usize) -> Ticket {
-        drop(self.children.remove(at));
+        let child = self.children.remove(at);
+        self.name_owner(child.role, std::process::id());
+        drop(child);
         self.cleaner.ask()
     }
 
@@ -246,16 +285,21 @@ impl Stack {
     /// Epoch and progress counter of the newest process of every seat that has beaten its heart,
     /// and whether it can answer.
     pub fn heartbeats(&mut self) -> Vec<(Role, u32, u64, bool)> {
-        let newest = &self.newest;
+        let (newest, occupants) = (&self.newest, &mut self.occupants);
         self.taps
             .health
             .iter_mut()
             .filter_map(|(role, health)| {
                 health.poll(newest);
                 let view = health.get().filter(|view| newest.hears(view.header))?;
+                let (epoch, pid) = (view.header.id().epoch(), view.meta.pid);
+                let known = occupants.get(role).map(|known| (known.epoch, known.pid));
+                if known != Some((epoch, pid)) {
+                    occupants.insert(*role, Occupant::of(epoch, pid));
+                }
                 let state = view.meta.state();
                 let ready = matches!(state, Some(HealthState::Ready | HealthState::Degraded));
-                Some((*role, view.header.id().epoch(), view.meta.progress, ready))
+                Some((*role, epoch, view.meta.progress, ready))
             })
             .collect()
     }

@@ -141,6 +141,10 @@ impl Service for GuardService {
         }
         Ok(None)
     }
+
+    fn is_at_rest(&self) -> bool {
+        self.track.is_at_rest()
+    }
 }
 
 impl GuardService {

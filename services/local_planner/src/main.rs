@@ -272,6 +272,10 @@ impl Service for PlannerService {
         }
         Ok(None)
     }
+
+    fn is_at_rest(&self) -> bool {
+        self.readings.track.is_at_rest()
+    }
 }
 
 impl PlannerService {

@@ -14,6 +14,7 @@ use zeronav_robot_sim::{SimConfig, SimError, Simulator};
 use zeronav_shell::clock::{both_ns, now_ns};
 use zeronav_shell::doorbell::Rung;
 use zeronav_shell::records::SpanReader;
+use zeronav_shell::track;
 use zeronav_shell::{Cycle, Latest, Service, Shell, StartError, Writer};
 use zeronav_world::{SpecError, WorldError};
 
@@ -40,6 +41,8 @@ struct RobotService {
     slipped_ns: u64,
     /// Contacts that the log has.
     told_contacts: u32,
+    /// Ticks in a row that the wheels have stood.
+    standing_ticks: usize,
 }
 
 fn unusable(error: SimError) -> StartError {
@@ -91,6 +94,7 @@ impl Service for RobotService {
             answered: [0; 16],
             slipped_ns: 0,
             told_contacts: 0,
+            standing_ticks: 0,
             config,
         })
     }
@@ -133,6 +137,10 @@ impl Service for RobotService {
             return Ok(Some(self.due_ns));
         }
         Ok(Some(self.keep_time(shell)))
+    }
+
+    fn is_at_rest(&self) -> bool {
+        self.standing_ticks >= track::REST_MESSAGES
     }
 }
 
@@ -291,8 +299,10 @@ impl RobotService {
         } else {
             now_ns()
         };
+        // Without launch no command counts any more: the driver brings the robot to rest.
         let age_ns = self
             .command_came_ns
+            .filter(|_| !shell.is_orphaned())
             .map_or(u64::MAX, |came_ns| began_ns.saturating_sub(came_ns));
         simulator.step(run_ns, age_ns);
         // The world is still from here on: this is the moment that the sensors see.
@@ -318,7 +328,13 @@ impl RobotService {
         if !lockstep {
             draft.raw_ns = seen_raw_ns.saturating_sub(seen_ns - capture_ns);
         }
-        let sent = self.odometry.publish(&draft, simulator.odometry(), &[]);
+        let odometry = simulator.odometry();
+        self.standing_ticks = if track::stands(&odometry) {
+            self.standing_ticks.saturating_add(1)
+        } else {
+            0
+        };
+        let sent = self.odometry.publish(&draft, odometry, &[]);
         let output = shell.sent(&self.odometry, sent);
         shell.finish(&Cycle {
             kind,

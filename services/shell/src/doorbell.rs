@@ -10,6 +10,7 @@ use iceoryx2::port::listener::Listener;
 use iceoryx2::port::notifier::Notifier;
 use iceoryx2::prelude::{EventId, FileDescriptorBased, ipc};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use std::io::Read;
 use std::os::fd::{AsFd, BorrowedFd};
 use std::os::unix::net::UnixStream;
 use zeronav_msgs::role::Role;
@@ -37,7 +38,8 @@ pub struct Doorbell {
 }
 
 impl Doorbell {
-    /// Opens the doorbell of the peer's role; `signals` becomes readable on a signal.
+    /// Opens the doorbell of the peer's role; `signals` becomes readable on a signal and never
+    /// blocks.
     ///
     /// # Errors
     /// [`StartError::System`] when the doorbell is not there or taken twice.
@@ -73,6 +75,12 @@ impl Doorbell {
             // An interrupted wait is a wake like any other.
             let _ = poll(&mut descriptors, Some(&timeout));
         }
+        // What a signal means stands in its flag; its byte has done its work by waking.
+        let mut bytes = [0; 16];
+        while (&self.signals)
+            .read(&mut bytes)
+            .is_ok_and(|n| n == bytes.len())
+        {}
         let mut rung = Rung::default();
         let _ = self.listener.try_wait(|event| {
             let id = event.id.as_value();

@@ -12,16 +12,23 @@ use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use toml::de::DeTable;
 
-/// The five flags of a service, and one for curious people.
+/// Highest epoch of a process that may be obeyed; those above are for shadows.
+const EPOCH_MAX: i64 = zeronav_msgs::header::SHADOW_EPOCH_MIN as i64 - 1;
+
+/// The five flags of a service, and what people want to know of one.
 #[derive(Debug, Clone, Parser)]
 #[command(about = "A service of a zeronav stack; normally started by `zeronav run`.", long_about = None)]
 pub struct Flags {
     /// Root folder of the run, directly under /dev/shm; its name is the prefix of everything.
     #[arg(long, value_name = "ROOT", required_unless_present_any = ["print_config", "list"])]
     pub domain: Option<PathBuf>,
-    /// Which start of this role this is; launch gives every process a higher one.
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=0xff_ffff))]
-    pub epoch: u32,
+    /// Which start of this role this is, as launch says: it gives every process a higher one and
+    /// obeys that one alone.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=EPOCH_MAX), required_unless_present_any = ["print_config", "list", "shadow"], conflicts_with = "shadow")]
+    pub epoch: Option<u32>,
+    /// Run beside the process that sits in this seat: hear and answer, but never be obeyed.
+    #[arg(long)]
+    pub shadow: bool,
     /// TOML file with the service's configuration; without it, defaults.
     #[arg(long, value_name = "FILE")]
     pub config: Option<PathBuf>,

@@ -4,7 +4,8 @@
 //!
 //! A service implements [`Service`] and calls [`run`]. The loop is always the same: wait for a
 //! ring or the next deadline, read who is obeyed, let the service take in its inputs and answer,
-//! ring whoever waits for the answer, leave a span, beat. A process leaves when launch is gone.
+//! ring whoever waits for the answer, leave a span, beat. A process leaves when launch is gone, with
+//! the robot at rest.
 //!
 //! What several services take in alike has a type of its own: [`TrackReader`] (odometry),
 //! [`MapInput`], [`Tasks`], [`GoalAtHand`], and [`PlanningInputs`], all that a global planner needs,
@@ -21,6 +22,7 @@ pub mod error;
 pub mod flags;
 pub mod folder;
 pub mod goal_at_hand;
+mod leaving;
 pub mod logs;
 pub mod map_input;
 pub mod memory;
@@ -33,7 +35,9 @@ pub mod printable;
 pub mod reader;
 pub mod records;
 pub mod roster;
+pub mod seat;
 pub mod service;
+pub mod signals;
 pub mod stamp;
 pub mod tasks;
 pub mod track;

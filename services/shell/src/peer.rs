@@ -18,7 +18,7 @@ use zeronav_msgs::role::Role;
 use zeronav_msgs::span::Span;
 use zeronav_msgs::topics::{
     EVENT_MAX, NODES_MAX, READERS_MAX, RINGERS_MAX, SPANS, Topic, TopicRow, TopicVisitor,
-    visit_topics,
+    WRITERS_MAX, visit_topics,
 };
 
 /// Name of the attribute that carries the schema hash.
@@ -116,7 +116,7 @@ impl Peer {
                 .service_builder(&service_name(&name)?)
                 .event()
                 .max_notifiers(RINGERS_MAX)
-                .max_listeners(2)
+                .max_listeners(WRITERS_MAX)
                 .max_nodes(NODES_MAX)
                 .event_id_max_value(EVENT_MAX)
                 .create()

@@ -3,6 +3,7 @@
 use iceoryx2::port::publisher::Publisher;
 use iceoryx2::port::subscriber::Subscriber;
 use iceoryx2::prelude::ipc;
+use zeronav_msgs::header::SHADOW_EPOCH_MIN;
 use zeronav_msgs::span::Span;
 
 /// The writing end.
@@ -53,13 +54,15 @@ impl SpanReader {
         }
     }
 
-    /// Shows every record that has come to `see`; of one process in order.
+    /// Shows every record that has come to `see`; of one process in order. What a shadow did
+    /// counts nowhere, so its records are left out.
     pub fn drain(&mut self, mut see: impl FnMut(&Span)) {
         while let Ok(Some(sample)) = self.subscriber.receive() {
-            if sample.payload().check().is_ok() {
-                see(sample.payload());
-            } else {
+            let span = sample.payload();
+            if span.check().is_err() {
                 self.refused += 1;
+            } else if span.epoch < SHADOW_EPOCH_MIN {
+                see(span);
             }
         }
     }

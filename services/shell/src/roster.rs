@@ -3,10 +3,17 @@
 use crate::error::StartError;
 use crate::peer::Peer;
 use crate::reader::Latest;
+use std::time::{Duration, Instant};
 use zeronav_msgs::header::Header;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::run::{RunClock, RunControl, RunMode, Seat};
 use zeronav_msgs::topics::{RunClockTopic, RunControlTopic};
+
+/// How long launch may take to say who is obeyed.
+const KNOWN_LIMIT: Duration = Duration::from_secs(5);
+
+/// Time between two looks at what launch says.
+const KNOWN_PAUSE: Duration = Duration::from_millis(5);
 
 /// What `run/clock` and `run/control` say, as this process last read it.
 #[derive(Debug, Clone, Default)]
@@ -81,6 +88,8 @@ pub struct RosterReader {
     clock: Latest<RunClockTopic>,
     control: Latest<RunControlTopic>,
     roster: Roster,
+    /// Launch is gone: what it said last about going on does not hold any more.
+    rest: bool,
 }
 
 impl RosterReader {
@@ -96,7 +105,43 @@ impl RosterReader {
                 own: Some(peer.role()),
                 ..Roster::default()
             },
+            rest: false,
         })
+    }
+
+    /// From now on the roster says that the robot shall stop.
+    pub(crate) fn come_to_rest(&mut self) {
+        self.rest = true;
+        self.poll();
+    }
+
+    /// Makes sure that `epoch` is the one that is obeyed in the seat of `role`, once launch says
+    /// who is.
+    ///
+    /// # Errors
+    /// [`StartError::Usage`] naming the epoch that launch expects.
+    pub fn expects(&mut self, role: Role, epoch: u32) -> Result<(), StartError> {
+        let started = Instant::now();
+        while !self.roster.is_known() {
+            if started.elapsed() > KNOWN_LIMIT {
+                return Err(StartError::system(
+                    "reading run/control",
+                    "launch says nothing",
+                ));
+            }
+            std::thread::sleep(KNOWN_PAUSE);
+            self.poll();
+        }
+        match self.roster.seat(role) {
+            Some(seat) if seat.epoch == epoch => Ok(()),
+            Some(seat) => Err(StartError::Usage(format!(
+                "--epoch {epoch}: the seat of {role} expects --epoch {}, no other is obeyed",
+                seat.epoch
+            ))),
+            None => Err(StartError::Usage(format!(
+                "this run has no seat for {role}"
+            ))),
+        }
     }
 
     /// Takes in what has come.
@@ -113,11 +158,46 @@ impl RosterReader {
             self.roster.seats.clear();
             self.roster.seats.extend_from_slice(control.items);
         }
+        if self.rest {
+            (self.roster.control.stopping, self.roster.control.paused) = (1, 0);
+        }
     }
 
     /// What was read last.
     #[must_use]
     pub fn roster(&self) -> &Roster {
         &self.roster
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use zeronav_msgs::header::Id;
+
+    #[test]
+    fn a_successor_hears_nothing_from_before_its_first_tick() {
+        let seat = |role: Role, epoch, hear_tick| Seat {
+            role: role.code(),
+            epoch,
+            hear_tick,
+            ..Seat::default()
+        };
+        let mut roster = Roster {
+            seats: vec![seat(Role::Robot, 1, 0), seat(Role::Mapping, 2, 10)],
+            own: Some(Role::Mapping),
+            ..Roster::default()
+        };
+        let header = |tick| Header {
+            id: Id::new(1, 7).0,
+            role: Role::Robot.code(),
+            tick,
+            ..Header::default()
+        };
+        assert!(!roster.hears(&header(9)), "a message from before");
+        assert!(roster.hears(&header(10)));
+        assert!(roster.hears(&header(0)), "what belongs to no tick");
+        roster.own = None;
+        assert!(roster.hears(&header(9)), "a guest hears everything");
     }
 }

@@ -5,10 +5,13 @@ use crate::domain::Domain;
 use crate::doorbell::{Bells, Doorbell, Rung, WAKE_AT_LEAST_NS};
 use crate::error::{EXIT_STOPPED, EXIT_USAGE, StartError};
 use crate::flags::{Flags, one_line};
+use crate::leaving::Leaving;
 use crate::peer::Peer;
 use crate::printable::printable;
 use crate::records::SpanWriter;
 use crate::roster::{Roster, RosterReader};
+use crate::seat::{self, SeatLock};
+use crate::signals;
 use crate::turn::{self, Trigger, Turn};
 use crate::writer::{Draft, Sent, Writer};
 use clap::Parser;
@@ -18,8 +21,6 @@ use serde::de::DeserializeOwned;
 use std::io::Write;
 use std::os::unix::net::UnixStream;
 use std::process::ExitCode;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 use zeronav_msgs::header::Parents;
 use zeronav_msgs::health::{Health, HealthState, REASON_NO_LOAN, REASON_REFUSED, REASON_TOO_LONG};
@@ -30,9 +31,6 @@ use zeronav_msgs::topics::{HealthTopic, SPANS, Topic, TopicRow, health_of};
 
 /// Time between two heartbeats when nothing changes. [ns]
 const BEAT_NS: u64 = 20_000_000;
-
-/// Time between two looks whether launch is still there. [ns]
-const LOOK_NS: u64 = 1_000_000_000;
 
 /// What a service is to the shell.
 pub trait Service: Sized {
@@ -68,11 +66,19 @@ pub trait Service: Sized {
     /// # Errors
     /// What ends the process as a crash.
     fn wake(&mut self, shell: &mut Shell, rung: Rung) -> Result<Option<u64>, StartError>;
+
+    /// Whether the robot stands, as far as this service knows. When launch is gone, a service
+    /// between requests and wheels goes on until it does, or for 1.5 s.
+    fn is_at_rest(&self) -> bool {
+        false
+    }
 }
 
 /// The common part of a running service.
 #[derive(Debug)]
 pub struct Shell {
+    /// Held for life; a shadow has none.
+    seat: Option<SeatLock>,
     peer: Peer,
     roster: RosterReader,
     doorbell: Doorbell,
@@ -90,6 +96,7 @@ pub struct Shell {
     superseded_told: u64,
     idle_said: bool,
     answered_tick: u64,
+    orphaned: bool,
 }
 
 /// What a finished cycle was; becomes a span.
@@ -111,11 +118,22 @@ impl Shell {
             .domain
             .as_ref()
             .ok_or_else(|| StartError::Usage("--domain is missing".to_owned()))?;
-        let peer = Peer::join(Domain::join(root)?, role, flags.epoch)?;
+        let domain = Domain::join(root)?;
+        let (seat, epoch) = match flags.epoch {
+            Some(epoch) if !flags.shadow => (Some(SeatLock::take(&domain, role)?), epoch),
+            _ => (None, seat::shadow_epoch()),
+        };
+        let peer = Peer::join(domain, role, epoch)?;
+        let mut roster = RosterReader::open(&peer)?;
+        if seat.as_ref().is_some_and(|seat| !seat.is_from_launch()) {
+            roster.expects(role, epoch)?;
+        }
         let row = health_of(role)
             .ok_or_else(|| StartError::Usage(format!("{role} is not the role of a service")))?;
         Ok(Self {
-            roster: RosterReader::open(&peer)?,
+            seat,
+            orphaned: false,
+            roster,
             doorbell: Doorbell::open(&peer, signals)?,
             bells: Bells::open(&peer)?,
             spans: peer.span_writer()?,
@@ -162,6 +180,23 @@ impl Shell {
     #[must_use]
     pub fn roster(&self) -> &Roster {
         self.roster.roster()
+    }
+
+    /// True when launch is gone: the robot comes to rest, whatever it is told.
+    #[must_use]
+    pub fn is_orphaned(&self) -> bool {
+        self.orphaned
+    }
+
+    /// True when this process holds its seat; a shadow does not.
+    pub(crate) fn is_obeyable(&self) -> bool {
+        self.seat.is_some()
+    }
+
+    /// Behaves from now on as if launch had asked for a stop.
+    pub(crate) fn come_to_rest(&mut self) {
+        self.orphaned = true;
+        self.roster.come_to_rest();
     }
 
     /// Moment of the return from the wait. [ns]
@@ -414,26 +449,23 @@ fn drive<S: Service>(flags: &Flags) -> Result<(), StartError> {
     if flags.print_config {
         return print(&Flags::config_text(&config)?);
     }
-    let (stop, signals) = catch_signals()?;
+    let (stop, signals) = signals::catch()?;
     // The default slack of 50 us would be the largest part of every wait.
     if let Some(one) = NonZeroU64::new(1) {
         let _ = rustix::thread::set_current_timer_slack(Some(one));
     }
     let mut shell = Shell::open(flags, S::ROLE, signals)?;
     let mut service = S::open(&mut shell, config)?;
-    let (mut deadline_ns, mut look_ns, mut orphaned) = (0, 0, false);
-    while !stop.load(Ordering::Relaxed) {
+    let mut leaving = Leaving::new(stop);
+    let mut deadline_ns = 0;
+    loop {
         let rung = shell.doorbell.wait(deadline_ns);
         shell.woken_ns = now_ns();
         shell.woken_cpu_ns = thread_cpu_ns();
-        if shell.woken_ns >= look_ns {
-            look_ns = shell.woken_ns + LOOK_NS;
-            orphaned = shell.peer.domain().is_orphaned();
-            if orphaned {
-                break;
-            }
-        }
         shell.roster.poll();
+        if leaving.look::<S>(&mut shell) {
+            break;
+        }
         shell.beat.progress += 1;
         // Whoever does not know yet who is obeyed would not believe anybody, and what comes on a
         // stream meanwhile would be gone.
@@ -445,15 +477,19 @@ fn drive<S: Service>(flags: &Flags) -> Result<(), StartError> {
         shell.ring();
         let now = now_ns();
         shell.publish_beat(now);
-        deadline_ns = wanted.unwrap_or(u64::MAX).min(now + WAKE_AT_LEAST_NS);
+        if leaving.rests(&shell, &service) {
+            break;
+        }
+        deadline_ns = (wanted.unwrap_or(u64::MAX))
+            .min(now + WAKE_AT_LEAST_NS)
+            .min(leaving.deadline_ns());
     }
     shell.beat.state = HealthState::Stopping.code();
     shell.publish_beat(now_ns());
-    if !orphaned {
+    if !leaving.is_orphaned() {
         tracing::debug!(role = %S::ROLE, "asked to stop");
         return Ok(());
     }
-    tracing::warn!(role = %S::ROLE, "launch is gone, leaving");
     // Ports first. Nobody else is there any more to remove what is left of the run.
     drop(service);
     let domain = shell.leave();
@@ -462,19 +498,6 @@ fn drive<S: Service>(flags: &Flags) -> Result<(), StartError> {
         tracing::warn!(root = %root.display(), %error, "the domain could not be removed");
     }
     Ok(())
-}
-
-fn catch_signals() -> Result<(Arc<AtomicBool>, UnixStream), StartError> {
-    let failed = |error| StartError::system("catching signals", error);
-    let stop = Arc::new(AtomicBool::new(false));
-    let (reader, writer) = UnixStream::pair().map_err(failed)?;
-    writer.set_nonblocking(true).map_err(failed)?;
-    for signal in [signal_hook::consts::SIGTERM, signal_hook::consts::SIGINT] {
-        signal_hook::flag::register(signal, Arc::clone(&stop)).map_err(failed)?;
-        let writer = writer.try_clone().map_err(failed)?;
-        signal_hook::low_level::pipe::register(signal, writer).map_err(failed)?;
-    }
-    Ok((stop, reader))
 }
 
 /// `--print-config` and `--list` are data for the caller.

@@ -13,6 +13,19 @@ use zeronav_msgs::topics::RobotOdometry;
 /// Odometry messages that are kept.
 const LENGTH: usize = 64;
 
+/// Messages in a row that say that the robot stands.
+pub const REST_MESSAGES: usize = 5;
+
+/// Speeds below which it does; a standing robot's odometry may be noisy. [m/s], [rad/s]
+const REST_MPS: f64 = 0.02;
+const REST_RADPS: f64 = 0.05;
+
+/// True when this message alone says that the robot stands.
+#[must_use]
+pub fn stands(odometry: &Odometry) -> bool {
+    odometry.v_mps.abs() < REST_MPS && odometry.w_radps.abs() < REST_RADPS
+}
+
 /// One odometry message, without its place in shared memory.
 #[derive(Debug, Clone, Copy)]
 pub struct Moment {
@@ -66,6 +79,14 @@ impl Track {
     #[must_use]
     pub fn of_tick(&self, tick: u64) -> Option<&Moment> {
         self.moments.iter().rev().find(|moment| moment.tick == tick)
+    }
+
+    /// True when the newest messages say that the robot stands.
+    #[must_use]
+    pub fn is_at_rest(&self) -> bool {
+        self.moments.len() >= REST_MESSAGES
+            && (self.moments.iter().rev().take(REST_MESSAGES))
+                .all(|moment| stands(&moment.odometry))
     }
 
     /// `odom_from_base` at a run time between two messages, or at one; `None` outside the track.
@@ -198,6 +219,32 @@ mod tests {
         assert!(track.of_tick(5).is_none());
         assert_eq!(track.pose_at(110), None);
         assert!(track.pose_at(120).is_some());
+    }
+
+    #[test]
+    fn the_robot_stands_when_five_messages_in_a_row_say_so() {
+        let mut track = Track::default();
+        let mut push = |tick, v_mps, w_radps| {
+            let header = Header {
+                id: Id::new(1, tick).0,
+                tick,
+                run_ns: tick * 20,
+                ..Header::default()
+            };
+            let odometry = Odometry {
+                v_mps,
+                w_radps,
+                ..Odometry::default()
+            };
+            track.push(&header, &odometry);
+            track.is_at_rest()
+        };
+        assert!(!(1..5).any(|tick| push(tick, 0.0, 0.0)));
+        assert!(push(5, 0.01, -0.04));
+        assert!(!push(6, -0.03, 0.0));
+        assert!(!(7..11).any(|tick| push(tick, 0.0, 0.0)));
+        assert!(push(11, 0.0, 0.0));
+        assert!(!push(12, 0.0, 0.06));
     }
 
     #[test]

@@ -1,5 +1,8 @@
 //! The ports over real shared memory: several members of one domain in one process.
 
+mod support;
+
+use support::House;
 use zeronav_msgs::command::{Validity, VelocityRequest};
 use zeronav_msgs::description::Description;
 use zeronav_msgs::grid::GridGeometry;
@@ -12,54 +15,7 @@ use zeronav_msgs::span::{Span, SpanKind};
 use zeronav_msgs::topics::{
     ControlRequest, MapKeyframe, MapUpdate, RobotDescription, RobotOdometry,
 };
-use zeronav_shell::peer::Topics;
-use zeronav_shell::{Domain, Draft, MapInput, Peer, Roster, Stamp, StartError, domain, memory};
-
-/// A domain with all topics. Fields drop in this order.
-struct House {
-    topics: Option<Topics>,
-    launch: Option<Peer>,
-}
-
-impl House {
-    fn new() -> Self {
-        let launch =
-            Peer::join(Domain::create().expect("a domain"), Role::Launch, 1).expect("launch joins");
-        let topics = launch.create_topics().expect("topics");
-        Self {
-            topics: Some(topics),
-            launch: Some(launch),
-        }
-    }
-
-    fn root(&self) -> std::path::PathBuf {
-        self.launch
-            .as_ref()
-            .expect("launch")
-            .domain()
-            .root()
-            .to_owned()
-    }
-
-    fn join(&self, role: Role, epoch: u32) -> Peer {
-        Peer::join(Domain::join(&self.root()).expect("the domain"), role, epoch).expect("a peer")
-    }
-}
-
-impl Drop for House {
-    fn drop(&mut self) {
-        drop(self.topics.take());
-        if let Some(launch) = self.launch.take() {
-            let root = launch.domain().root().to_owned();
-            let _ = launch.leave().close();
-            assert!(
-                !root.exists() || std::thread::panicking(),
-                "{} is left",
-                root.display()
-            );
-        }
-    }
-}
+use zeronav_shell::{Draft, MapInput, Peer, Roster, Stamp, StartError, memory};
 
 fn roster(seats: &[(Role, u32)]) -> Roster {
     Roster {
@@ -154,6 +110,28 @@ fn the_newest_of_the_obeyed_writer_wins_and_zombies_are_not_heard() {
     zombie.publish(&draft, ask(-2.0), &[]).expect("sent");
     assert!(reader.poll(&roster(&[(Role::LocalPlanner, 1)])));
     assert!((reader.get().expect("a message").meta.v_mps + 2.0).abs() < 1e-12);
+}
+
+#[test]
+fn the_newest_message_is_the_one_with_the_highest_id_in_whatever_order_they_come() {
+    let house = House::new();
+    let planner = house.join(Role::LocalPlanner, 1);
+    let guard = house.join(Role::CollisionGuard, 1);
+    let mut reader = guard.latest::<ControlRequest>().expect("a reader");
+    // The ports of one process: what they sent arrives port by port.
+    let mut ahead = planner.writer::<ControlRequest>(0).expect("a writer");
+    let mut behind = planner.writer::<ControlRequest>(0).expect("a writer");
+    let draft = Draft::default();
+    let roster = roster(&[(Role::LocalPlanner, 1)]);
+    for n in 1..=5 {
+        ahead.publish(&draft, ask(f64::from(n)), &[]).expect("sent");
+    }
+    assert!(reader.poll(&roster));
+    behind.publish(&draft, ask(-1.0), &[]).expect("sent");
+    assert!(!reader.poll(&roster), "an older message was taken for news");
+    let view = reader.get().expect("a message");
+    assert_eq!(view.header.id(), Id::new(1, 5));
+    assert!((view.meta.v_mps - 5.0).abs() < 1e-12);
 }
 
 #[test]
@@ -418,136 +396,9 @@ fn the_hash_sees_content_but_no_stamps() {
 }
 
 #[test]
-fn a_live_domain_is_left_alone_and_a_dead_one_is_removed() {
-    let house = House::new();
-    let root = house.root();
-    assert!(
-        !domain::sweep(&root).expect("a look"),
-        "a live domain was removed"
-    );
-    assert!(domain::all().contains(&root));
-    assert!(root.is_dir());
-
-    // A folder whose members are all gone, as after a kill -9 of everybody.
-    let dead = Domain::create().expect("a domain");
-    let dead_root = dead.root().to_owned();
-    let segment = format!("{}_segment.data", dead_root.display());
-    std::fs::write(&segment, b"left behind").expect("written");
-    drop(dead);
-    assert!(domain::sweep(&dead_root).expect("a look"));
-    assert!(!dead_root.exists() && !std::path::Path::new(&segment).exists());
-}
-
-#[test]
-fn no_file_of_a_domain_is_open_to_other_users() {
-    use std::os::unix::fs::MetadataExt;
-    let house = House::new();
-    let _writer = house.join(Role::Mapping, 1).writer::<MapUpdate>(4);
-    let root = house.root();
-    let folder = std::fs::symlink_metadata(&root).expect("the root folder");
-    assert_eq!(folder.mode() & 0o7777, 0o700);
-    let name = root.file_name().and_then(|name| name.to_str());
-    let name = name.expect("a name").to_owned() + "_";
-    let (mut files, mut counters) = (0, 0);
-    for entry in std::fs::read_dir("/dev/shm")
-        .expect("it is there")
-        .flatten()
-    {
-        let file = entry.file_name().into_string().unwrap_or_default();
-        let Ok(metadata) = entry.metadata() else {
-            continue;
-        };
-        if file.starts_with(&name) {
-            let mode = metadata.mode() & 0o7777;
-            assert_eq!(mode & 0o077, 0, "{file} has mode {mode:04o}");
-            counters += usize::from(file.ends_with(".global_mgmt"));
-            files += 1;
-        }
-    }
-    assert!(files > 20, "{files} files");
-    assert_eq!(counters, 1, "the middleware made a counter of its own");
-}
-
-#[test]
-fn a_corrupt_counter_of_nodes_is_named_and_not_waited_for() {
-    let domain = Domain::create().expect("a domain");
-    let entries = std::fs::read_dir("/dev/shm")
-        .expect("it is there")
-        .flatten();
-    let counter = entries.map(|entry| entry.path()).find(|path| {
-        let path = path.to_string_lossy();
-        path.contains(domain.prefix()) && path.ends_with(".global_mgmt")
-    });
-    let counter = std::fs::File::options()
-        .write(true)
-        .open(counter.expect("a counter"));
-    counter.expect("it is ours").set_len(0).expect("cut");
-    let error = Domain::join(domain.root()).expect_err("it is corrupt");
-    assert!(error.to_string().contains("counter of nodes"), "{error}");
-    assert!(domain.close().expect("closed"));
-}
-
-#[test]
-fn members_see_that_whoever_made_the_domain_is_gone() {
-    let launch = Domain::create().expect("a domain");
-    let root = launch.root().to_owned();
-    let [one, other] = [0, 1].map(|_| Domain::join(&root).expect("the domain"));
-    for member in [&launch, &one, &other] {
-        assert!(!member.is_orphaned());
-    }
-    drop(launch);
-    for member in [&one, &other, &one] {
-        assert!(member.is_orphaned());
-    }
-    assert!(!one.close().expect("a look"), "one is left");
-    assert!(other.close().expect("a look"), "the last takes it away");
-    assert!(!root.exists());
-}
-
-#[test]
 fn memory_that_is_not_there_is_said_before_anything_is_opened() {
     let error = memory::check(1 << 60).expect_err("nobody has that much");
     assert!(matches!(error, StartError::Memory { .. }));
     assert!(error.to_string().contains("/dev/shm"), "{error}");
     assert!(memory::check(1 << 20).is_ok());
-}
-
-#[test]
-fn folders_that_are_no_domain_are_refused() {
-    for root in [
-        "/tmp",
-        "/dev/shm/zn_nobody_is_here_",
-        "/dev/shm",
-        "relative",
-    ] {
-        let error = Domain::join(std::path::Path::new(root)).expect_err("no domain");
-        assert!(matches!(error, StartError::Usage(_)), "{root}: {error}");
-    }
-}
-
-#[test]
-fn domains_are_made_while_others_sweep() {
-    let done = std::sync::atomic::AtomicBool::new(false);
-    let relaxed = std::sync::atomic::Ordering::Relaxed;
-    std::thread::scope(|scope| {
-        scope.spawn(|| {
-            while !done.load(relaxed) {
-                let _ = domain::sweep_dead();
-            }
-        });
-        let made: Vec<_> = (0..200)
-            .map(|_| {
-                let domain = Domain::create().map_err(|error| error.to_string())?;
-                let root = domain.root().to_owned();
-                let closed = domain.close().map_err(|error| error.to_string())?;
-                (closed && !root.exists())
-                    .then_some(())
-                    .ok_or_else(|| format!("{} is left", root.display()))
-            })
-            .collect();
-        done.store(true, relaxed);
-        for result in made {
-            result.expect("made, and gone when its last member left");
-        }
-    });
 }

@@ -1,0 +1,228 @@
+//! Launch is killed while the robot drives: the robot comes to rest, and nothing is left.
+
+use rustix::process::Signal;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+use zeronav_msgs::command::VelocityCommand;
+use zeronav_msgs::odometry::Odometry;
+use zeronav_msgs::role::Role;
+use zeronav_msgs::topics::{RobotCommand, RobotDescription, RobotOdometry};
+use zeronav_shell::roster::RosterReader;
+use zeronav_shell::{Domain, Latest, Peer, Stream};
+use zeronav_tests::{Zeronav, await_by_itself, is_alive, leftovers, real_time_turn, send_signal};
+
+/// By then everything is over.
+const LIMIT: Duration = Duration::from_secs(2);
+
+/// How much later a service may end that hangs, and how much later a domain is removed.
+const LAST_RESORT: Duration = Duration::from_millis(700);
+
+/// Speed at which launch is killed, and from which on the robot drives in earnest. [m/s]
+const AT_SPEED_MPS: f64 = 0.45;
+const DRIVING_MPS: f64 = 0.3;
+
+/// A guest that reads what goes to the wheels and what comes from them.
+struct Tap {
+    roster: RosterReader,
+    description: Latest<RobotDescription>,
+    command: Stream<RobotCommand>,
+    odometry: Stream<RobotOdometry>,
+    commands: Vec<VelocityCommand>,
+    track: Vec<Odometry>,
+    peer: Peer,
+}
+
+impl Tap {
+    fn on(root: &Path) -> Self {
+        let domain = Domain::join(root).expect("the domain is there");
+        let peer = Peer::join(domain, Role::Tap, 1).expect("guests are welcome");
+        Self {
+            roster: RosterReader::open(&peer).expect("the roster"),
+            description: peer.latest().expect("the description"),
+            command: peer.stream().expect("the commands"),
+            odometry: peer.stream().expect("the odometry"),
+            commands: Vec::new(),
+            track: Vec::new(),
+            peer,
+        }
+    }
+
+    /// Leaves the domain, and removes it as its last member.
+    fn leave(self) {
+        let Self { peer, .. } = self;
+        let _ = peer.leave().close();
+    }
+
+    fn listen(&mut self) {
+        self.roster.poll();
+        let roster = self.roster.roster();
+        self.description.poll(roster);
+        self.command
+            .drain(roster, |view| self.commands.push(*view.meta));
+        self.odometry
+            .drain(roster, |view| self.track.push(*view.meta));
+    }
+
+    fn is_driving(&self) -> bool {
+        self.track
+            .last()
+            .is_some_and(|last| last.v_mps > AT_SPEED_MPS)
+    }
+}
+
+/// A run whose robot drives, and its services.
+fn driving(tap: bool) -> (Zeronav, PathBuf, Vec<u32>, Option<Tap>) {
+    let mut run = Zeronav::start(&["run", "open_aisle", "--headless", "--json"]);
+    run.wait_until("every service runs", |run| run.children().len() == 5);
+    let root = run.domains().pop().expect("a domain");
+    let mut guest = Tap::on(&root);
+    run.wait_until("the robot drives", |_| {
+        guest.listen();
+        guest.is_driving()
+    });
+    let children = run.children().into_iter().map(|(pid, _)| pid).collect();
+    guest.commands.clear();
+    guest.track.clear();
+    if tap {
+        return (run, root, children, Some(guest));
+    }
+    guest.leave();
+    (run, root, children, None)
+}
+
+/// Listens until no service is left: how long that took.
+fn until_all_are_gone(tap: &mut Tap, children: &[u32]) -> Duration {
+    let started = Instant::now();
+    while children.iter().any(|pid| is_alive(*pid)) {
+        tap.listen();
+        assert!(started.elapsed() < 3 * LIMIT, "services stay");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    tap.listen();
+    let took = started.elapsed();
+    eprintln!("every service is gone after {took:?}");
+    took
+}
+
+/// The robot was brought to rest within its limits, and told so until the end.
+#[track_caller]
+fn came_to_rest(tap: &Tap) {
+    let robot = *tap.description.get().expect("the robot").meta;
+    let track = &tap.track;
+    assert!(track.len() > 10, "{} odometry messages", track.len());
+    let from_mps = track[0].v_mps;
+    assert!(from_mps > DRIVING_MPS, "it did not drive: {from_mps} m/s");
+    for last in &track[track.len() - 5..] {
+        assert!(
+            last.v_mps.abs() < 0.02 && last.w_radps.abs() < 0.05,
+            "{last:?}"
+        );
+    }
+    // 50 Hz: no jump, it really braked.
+    let most_mps = 1.05 * robot.brake_mps2.max(robot.a_mps2_max) * 0.02;
+    for pair in track.windows(2) {
+        assert!(
+            (pair[1].v_mps - pair[0].v_mps).abs() <= most_mps,
+            "{pair:?}"
+        );
+    }
+}
+
+#[test]
+fn the_robot_comes_to_rest_when_launch_is_killed() {
+    let _turn = real_time_turn();
+    let (run, _root, children, tap) = driving(true);
+    let mut tap = tap.expect("a guest");
+    run.signal(Signal::KILL);
+    let took = until_all_are_gone(&mut tap, &children);
+    assert!(took < LIMIT, "{took:?}");
+    came_to_rest(&tap);
+    // The guard itself ramped down to zero and said so until the end.
+    let commands = &tap.commands;
+    let last = commands.last().expect("commands");
+    assert!(last.v_mps.abs() + last.w_radps.abs() < 1.0e-9, "{last:?}");
+    let between = (commands.iter())
+        .filter(|command| command.v_mps > 0.02 && command.v_mps < DRIVING_MPS)
+        .count();
+    assert!(between >= 3, "no ramp: {commands:?}");
+    tap.leave();
+}
+
+#[test]
+fn nothing_is_left_two_seconds_after_launch_was_killed() {
+    let _turn = real_time_turn();
+    let (run, root, children, _) = driving(false);
+    let started = Instant::now();
+    run.signal(Signal::KILL);
+    await_by_itself("every service is gone", || {
+        !children.iter().any(|pid| is_alive(*pid))
+    });
+    await_by_itself("nothing is left", || leftovers(&root).is_empty());
+    assert!(started.elapsed() < LIMIT, "{:?}", started.elapsed());
+}
+
+#[test]
+fn a_robot_without_guard_comes_to_rest_when_launch_is_killed() {
+    let _turn = real_time_turn();
+    let (run, _root, children, tap) = driving(true);
+    let mut tap = tap.expect("a guest");
+    let guard = run.service("collision_guard").expect("the guard");
+    run.signal(Signal::STOP);
+    assert!(send_signal(guard, Signal::KILL));
+    run.signal(Signal::KILL);
+    let took = until_all_are_gone(&mut tap, &children);
+    assert!(took < LIMIT, "{took:?}");
+    came_to_rest(&tap);
+    tap.leave();
+}
+
+#[test]
+fn a_service_that_hangs_when_launch_is_killed_is_ended() {
+    let _turn = real_time_turn();
+    for role in ["collision_guard", "local_planner", "mapping", "robot"] {
+        let (run, root, children, _) = driving(false);
+        let hangs = run.service(role).expect("a service");
+        let started = Instant::now();
+        assert!(send_signal(hangs, Signal::STOP));
+        run.signal(Signal::KILL);
+        await_by_itself("every service is gone", || {
+            !children.iter().any(|pid| is_alive(*pid))
+        });
+        await_by_itself("nothing is left", || leftovers(&root).is_empty());
+        let took = started.elapsed();
+        assert!(took < LIMIT + LAST_RESORT, "{role}: {took:?}");
+    }
+}
+
+#[test]
+fn a_robot_whose_guard_hangs_comes_to_rest_when_launch_is_killed() {
+    let _turn = real_time_turn();
+    let (run, _root, children, tap) = driving(true);
+    let mut tap = tap.expect("a guest");
+    let guard = run.service("collision_guard").expect("the guard");
+    assert!(send_signal(guard, Signal::STOP));
+    run.signal(Signal::KILL);
+    let took = until_all_are_gone(&mut tap, &children);
+    assert!(took < LIMIT + LAST_RESORT, "{took:?}");
+    came_to_rest(&tap);
+    tap.leave();
+}
+
+#[test]
+fn in_lockstep_everything_ends_when_launch_is_killed() {
+    let mut run = Zeronav::start(&["run", "unsealed", "--lockstep", "--headless", "--json"]);
+    run.wait_until("the robot is on its way", |run| {
+        let report = run.report().unwrap_or_default();
+        report["time_s"].as_f64().is_some_and(|time_s| time_s > 0.2)
+    });
+    let root = run.domains().pop().expect("a domain");
+    let children: Vec<u32> = run.children().into_iter().map(|(pid, _)| pid).collect();
+    assert_eq!(children.len(), 5);
+    let started = Instant::now();
+    run.signal(Signal::KILL);
+    await_by_itself("every service is gone", || {
+        !children.iter().any(|pid| is_alive(*pid))
+    });
+    await_by_itself("nothing is left", || leftovers(&root).is_empty());
+    assert!(started.elapsed() < LIMIT, "{:?}", started.elapsed());
+}
