@@ -77,9 +77,23 @@ impl StartError {
     #[must_use]
     pub fn exit_code(&self) -> ExitCode {
         ExitCode::from(match self {
-            Self::Usage(_) | Self::Config { .. } | Self::Memory { .. } => EXIT_USAGE,
+            Self::Usage(_) | Self::Config { .. } => EXIT_USAGE,
+            Self::Memory { .. } => EXIT_MEMORY,
             Self::Contract { .. } => EXIT_CONTRACT,
             Self::System { .. } => EXIT_CRASH,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn too_little_memory_is_not_called_bad_configuration() {
+        let shortage = StartError::Memory { needed: 2, free: 1 };
+        assert_eq!(shortage.exit_code(), ExitCode::from(EXIT_MEMORY));
+        let usage = StartError::Usage(String::new());
+        assert_eq!(usage.exit_code(), ExitCode::from(EXIT_USAGE));
     }
 }
