@@ -226,6 +226,25 @@ pub struct RunResult {
 }
 
 impl RunResult {
+    /// What the services took, and which processes they were.
+    fn write_services(&self, text: &mut String) {
+        let _ = writeln!(
+            text,
+            "\n  shared memory {:.1} MB; peak memory {}",
+            megabytes(self.shared_memory_bytes),
+            self.services
+                .iter()
+                .map(|service| format!(
+                    "{} {:.0} MB",
+                    service.name,
+                    megabytes(service.memory_peak_bytes)
+                ))
+                .collect::<Vec<_>>()
+                .join(", ")
+        );
+        let _ = writeln!(text, "  answered by {}", self.who_answered());
+    }
+
     /// The processes that answered, for people.
     fn who_answered(&self) -> String {
         let who: Vec<String> = self.services.iter().map(ServiceResult::who).collect();
@@ -312,21 +331,7 @@ impl RunResult {
             text.push_str("  slowest trials\n");
             trials.worst.iter().for_each(|slow| slow.write(&mut text));
         }
-        let _ = writeln!(
-            text,
-            "\n  shared memory {:.1} MB; peak memory {}",
-            megabytes(self.shared_memory_bytes),
-            self.services
-                .iter()
-                .map(|service| format!(
-                    "{} {:.0} MB",
-                    service.name,
-                    megabytes(service.memory_peak_bytes)
-                ))
-                .collect::<Vec<_>>()
-                .join(", ")
-        );
-        let _ = writeln!(text, "  answered by {}", self.who_answered());
+        self.write_services(&mut text);
         if let Some(hash) = &self.run_hash {
             let _ = writeln!(text, "  run hash {hash}");
         }
