@@ -15,6 +15,7 @@ pub mod keeper;
 pub mod leave;
 pub mod look;
 pub mod measure;
+pub mod open_files;
 pub mod prepare;
 pub mod redirect;
 pub mod remote;

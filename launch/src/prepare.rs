@@ -2,6 +2,7 @@
 
 use crate::cli::RunArgs;
 use crate::configs;
+use crate::open_files;
 use crate::scenario::{Checked, Scenario};
 use crate::supervise::binaries::{self, Needed};
 use std::collections::BTreeMap;
@@ -138,6 +139,7 @@ pub fn prepare(arguments: &RunArgs) -> Result<Prepared, String> {
     for (role, steps) in &arguments.inject {
         check_delay(*role, *steps, &scenario)?;
     }
+    open_files::raise()?;
     memory::check(planned_bytes(&scenario, &world)).map_err(|error| error.to_string())?;
     let directory = run_folder(&arguments.out, &scenario.name)?;
     Ok(Prepared {

@@ -1,5 +1,7 @@
 //! One run: from a scenario to what was seen of it.
 
+mod serve;
+
 use crate::collect::{Collector, TaskReport};
 use crate::configs;
 use crate::disturbance::{Disturbance, Reading};
@@ -13,11 +15,8 @@ use crate::seat_report::{self, SeatReport};
 use crate::show::log;
 use crate::show::progress::{Progress, ProgressLine, Tally};
 use crate::shuttle::{Course, Shuttle, Step, Trial};
-use crate::supervise::control::{Reply, Request, RunReport, Server, ServiceReport};
-use crate::supervise::occupant::file_name;
+use crate::supervise::control::Server;
 use crate::supervise::stack::{self, Stack};
-use nalgebra::Point2;
-use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -533,110 +532,6 @@ impl Drive<'_> {
                 .paths
                 .last()
                 .map(|path| (seconds(path.run_ns), path.cause.to_string())),
-        }
-    }
-
-    fn serve(&mut self, stack: &mut Stack, server: &mut Server) {
-        server.serve(|request| match request {
-            Request::Ps => Reply::Run(self.run_report(stack)),
-            Request::Goal {
-                pose: [x, y, yaw],
-                tolerance_m,
-                yaw_tolerance_rad,
-            } => {
-                let tolerances = [tolerance_m, yaw_tolerance_rad];
-                let usable = [x, y, yaw].iter().all(|value| value.is_finite())
-                    && tolerances
-                        .iter()
-                        .all(|value| (1.0e-3..=1.0e3).contains(value));
-                if !usable {
-                    return Reply::Error(
-                        "a goal needs finite numbers and tolerances of 0.001 to 1000".to_owned(),
-                    );
-                }
-                if !self.world_contains(x, y) {
-                    return Reply::Error(format!("({x}, {y}) is not on the map"));
-                }
-                let from_tick = stack.roster.control.lease + 1;
-                let pose = Pose::new(x, y, yaw);
-                let goal = Goal {
-                    pose,
-                    tolerance_m,
-                    yaw_tolerance_rad,
-                    id: 0,
-                };
-                if self.shuttle.is_some() {
-                    return Reply::Error("the run makes trials and takes no other goal".to_owned());
-                }
-                let left = self.left();
-                let time_s = seconds(self.collector.run_ns.saturating_sub(self.goals_run_ns));
-                self.redirects.give(time_s, &goal, left);
-                self.send(stack, vec![goal], from_tick);
-                Reply::Done
-            }
-        });
-    }
-
-    fn world_contains(&self, x_m: f64, y_m: f64) -> bool {
-        self.prepared.world.contains(Point2::new(x_m, y_m))
-    }
-
-    fn run_report(&self, stack: &mut Stack) -> RunReport {
-        stack.heartbeats();
-        let health: BTreeMap<Role, (String, u64)> = stack
-            .taps
-            .health
-            .iter()
-            .filter_map(|(role, health)| {
-                let beat = health.get()?.meta;
-                Some((*role, (beat.state()?.to_string(), beat.progress)))
-            })
-            .collect();
-        let state = |role: Role| {
-            let said = health.get(&role).cloned();
-            said.unwrap_or_else(|| ("starting".to_owned(), 0))
-        };
-        let mut services: Vec<ServiceReport> = stack
-            .children
-            .iter_mut()
-            .map(|child| {
-                let (state, progress) = state(child.role);
-                ServiceReport {
-                    role: child.role.to_string(),
-                    pid: child.pid(),
-                    epoch: child.epoch,
-                    state,
-                    progress,
-                    memory_peak_bytes: child.memory_peak_bytes(),
-                    binary: file_name(&child.binary),
-                }
-            })
-            .collect();
-        for (role, occupant) in &stack.occupants {
-            if self.prepared.binaries.contains_key(role) {
-                continue;
-            }
-            let (state, progress) = state(*role);
-            services.push(ServiceReport {
-                role: role.to_string(),
-                pid: occupant.pid,
-                epoch: occupant.epoch,
-                state,
-                progress,
-                memory_peak_bytes: 0,
-                binary: occupant.binary.clone(),
-            });
-        }
-        RunReport {
-            scenario: self.prepared.scenario.name.clone(),
-            domain: stack.root().display().to_string(),
-            pid: std::process::id(),
-            mode: self.prepared.mode.to_string(),
-            time_s: seconds(self.collector.run_ns),
-            task: self
-                .report()
-                .map_or_else(|| "waiting".to_owned(), |report| report.state.to_string()),
-            services,
         }
     }
 }

@@ -214,7 +214,7 @@ fn slow_hop(event: &Event, latency: &Latency) -> Option<SlowHop> {
     let slow = slow.map(|((name, time_ns), hop)| SlowHop {
         name,
         time_us: to_us(time_ns),
-        p50_us: hop.figures.p50_us,
+        p50_us: hop.figures.supported().p50_us,
     });
     let beyond_us = |hop: &SlowHop| hop.time_us - hop.p50_us.unwrap_or(0.0);
     slow.max_by(|a, b| beyond_us(a).total_cmp(&beyond_us(b)))

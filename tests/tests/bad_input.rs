@@ -452,3 +452,34 @@ fn list_and_check_know_the_shipped_scenarios() {
     }
     assert!(Path::new("/dev/shm").is_dir());
 }
+
+/// `zeronav` with at most so many open files: soft and hard limit.
+fn with_open_files(soft: u32, hard: u32) -> std::process::Output {
+    let folder = tempfile::tempdir().expect("a folder");
+    let shell = format!(
+        "ulimit -Hn {hard} && ulimit -Sn {soft} && exec \"$0\" run open_aisle --lockstep --headless"
+    );
+    Command::new("sh")
+        .args(["-c", &shell])
+        .arg(zeronav_tests::binaries().join("zeronav"))
+        .current_dir(folder.path())
+        .env_remove("CARGO")
+        .output()
+        .expect("a shell")
+}
+
+#[test]
+fn too_few_open_files_are_named_with_the_number_needed() {
+    let refused = with_open_files(100, 100);
+    let said = String::from_utf8_lossy(&refused.stderr);
+    assert_eq!(refused.status.code(), Some(2), "{said}");
+    assert_eq!(said.lines().count(), 1, "{said}");
+    assert!(
+        said.contains("100 open files") && said.contains("512"),
+        "{said}"
+    );
+    // Where only the soft limit is low it is raised, and 512 are enough.
+    let driven = with_open_files(100, 512);
+    let said = String::from_utf8_lossy(&driven.stderr);
+    assert_eq!(driven.status.code(), Some(0), "{said}");
+}

@@ -2,6 +2,7 @@
 
 use serde_json::Value;
 use std::path::PathBuf;
+use zeronav_msgs::topics::{PlanPath, Topic};
 use zeronav_tests::{Ended, Zeronav, real_time_turn, zeronav};
 
 const ROOM: &str = r#"
@@ -125,7 +126,10 @@ fn a_stage_that_stops_answering_is_exit_code_3_and_too_long_a_path_is_named() {
     let log = log(&ended, "global_planner.log");
     let said = log.lines().filter(|line| line.contains("ERROR"));
     assert_eq!(said.count(), 1, "{log}");
-    assert!(log.contains("plan/path") && log.contains("len=3"), "{log}");
+    assert!(
+        log.contains(PlanPath::ROW.name) && log.contains("len=3"),
+        "{log}"
+    );
 }
 
 /// Takes out of a result what the clock on the wall, the memory or the folder says.

@@ -6,6 +6,7 @@
 use crate::error::StartError;
 use crate::folder::own_file;
 use rustix::fs::{CWD, FallocateFlags, OFlags, fallocate, statvfs};
+use rustix::io::Errno;
 use std::os::unix::fs::MetadataExt;
 use std::path::PathBuf;
 
@@ -58,7 +59,8 @@ pub fn check(needed: u64) -> Result<(), StartError> {
 /// Reserves the data segment of the writer with the middleware's number `publisher`.
 ///
 /// # Errors
-/// [`StartError::System`] when the segment is not found or the memory is not there.
+/// [`StartError::Memory`] when the memory is not there, [`StartError::System`] when the segment is
+/// not found.
 pub fn reserve(prefix: &str, publisher: u128, topic: &str) -> Result<u64, StartError> {
     let tail = format!("_{publisher}.data");
     let failed = |error: &dyn core::fmt::Display| {
@@ -70,7 +72,18 @@ pub fn reserve(prefix: &str, publisher: u128, topic: &str) -> Result<u64, StartE
         if name.is_some_and(|name| name.ends_with(&tail)) {
             let file = own_file(CWD, &path, OFlags::RDWR).map_err(|error| failed(&error))?;
             let bytes = file.metadata().map_err(|error| failed(&error))?.len();
-            fallocate(&file, FallocateFlags::empty(), 0, bytes).map_err(|error| failed(&error))?;
+            match fallocate(&file, FallocateFlags::empty(), 0, bytes) {
+                Ok(()) => {}
+                // Another process took what was free since it was checked.
+                Err(Errno::NOSPC) => {
+                    let free = free_bytes()?;
+                    return Err(StartError::Memory {
+                        needed: bytes,
+                        free,
+                    });
+                }
+                Err(error) => return Err(failed(&error)),
+            }
             reserved += bytes;
         }
     }

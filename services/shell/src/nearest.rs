@@ -2,19 +2,20 @@
 
 use strsim::osa_distance;
 
-/// The known word that takes the fewest edits to become `word`, when these are few enough to be a
-/// slip: at most half of its letters.
+/// The known word that `word` is a part of, or else the one that takes the fewest edits to become
+/// it, when these are few enough to be a slip: at most half of its letters.
 #[must_use]
 pub fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     known
         .into_iter()
-        .map(|known| (osa_distance(word, known), known))
-        .min()
-        .filter(|(edits, known)| {
-            let half = known.chars().count().div_ceil(2);
-            *edits <= half || known.contains(word) && word.len() > 2
+        .filter_map(|known| {
+            let is_part = word.len() > 2 && known.contains(word);
+            let edits = osa_distance(word, known);
+            let is_slip = edits <= known.chars().count().div_ceil(2);
+            (is_part || is_slip).then_some((!is_part, edits, known))
         })
-        .map(|(_, known)| known)
+        .min()
+        .map(|(_, _, known)| known)
 }
 
 /// `there is no KIND WORD`, with the nearest known word, or all of them when none is near.
