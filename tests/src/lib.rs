@@ -174,9 +174,7 @@ impl Zeronav {
     /// service's program yet is none: it still has the command line of zeronav.
     #[must_use]
     pub fn children(&self) -> Vec<(u32, String)> {
-        let mut children = children_of(self.pid());
-        children.retain(|(_, line)| line.contains(" --domain "));
-        children
+        services_of(self.pid())
     }
 
     /// Process id of the service in the seat of `role`, as the run itself says.
@@ -316,6 +314,14 @@ impl Ended {
 #[must_use]
 pub fn zeronav(arguments: &[&str]) -> Ended {
     Zeronav::start(arguments).finish()
+}
+
+/// The services among the children of `pid`: process ids and command lines.
+#[must_use]
+pub fn services_of(pid: u32) -> Vec<(u32, String)> {
+    let mut children = children_of(pid);
+    children.retain(|(_, line)| line.contains(" --domain "));
+    children
 }
 
 /// Process ids and command lines of the children of `pid` that are at work.

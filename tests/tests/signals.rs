@@ -7,7 +7,9 @@ use zeronav_msgs::role::Role;
 use zeronav_msgs::topics::GroundTruth;
 use zeronav_shell::roster::RosterReader;
 use zeronav_shell::{Domain, Peer};
-use zeronav_tests::{Zeronav, await_by_itself, children_of, leftovers, real_time_turn, workspace};
+use zeronav_tests::{
+    Zeronav, await_by_itself, children_of, leftovers, real_time_turn, services_of, workspace,
+};
 
 /// Signals that stop.
 const STOPS: [Signal; 4] = [Signal::HUP, Signal::QUIT, Signal::TERM, Signal::INT];
@@ -95,9 +97,8 @@ fn a_hangup_stops_a_suite() {
     // Each run is a zeronav of its own.
     let services = |suite: &Zeronav| -> Vec<String> {
         let runs = children_of(suite.pid()).into_iter();
-        runs.flat_map(|(pid, _)| children_of(pid))
+        runs.flat_map(|(pid, _)| services_of(pid))
             .map(|(_, line)| line)
-            .filter(|line| line.contains(" --domain "))
             .collect()
     };
     suite.wait_until("a run goes on", |suite| !services(suite).is_empty());

@@ -4,7 +4,7 @@ use rustix::process::Signal;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use zeronav_tests::data::{external_data, shipped_data};
-use zeronav_tests::{Zeronav, children_of, is_alive, leftovers, zeronav};
+use zeronav_tests::{Zeronav, children_of, is_alive, leftovers, services_of, zeronav};
 
 /// Three metres past a box.
 const TINY: &str = r#"
@@ -288,11 +288,12 @@ fn an_interrupted_suite_stops_its_runs_and_leaves_nothing() {
     let arguments = ["suite", "scenarios", "--seeds", "2", "--jobs", "2"];
     let mut suite = Zeronav::start_in(working_folder(&endless()), &arguments);
     suite.wait_until("both runs drive", |suite| {
-        let runs = suite.children();
-        runs.len() == 2 && runs.iter().all(|(run, _)| children_of(*run).len() == 5)
+        let runs = children_of(suite.pid());
+        runs.len() == 2 && runs.iter().all(|(run, _)| services_of(*run).len() == 5)
     });
-    let runs: Vec<u32> = suite.children().into_iter().map(|(run, _)| run).collect();
-    let services: Vec<(u32, String)> = runs.iter().flat_map(|run| children_of(*run)).collect();
+    let runs = children_of(suite.pid()).into_iter();
+    let runs: Vec<u32> = runs.map(|(run, _)| run).collect();
+    let services: Vec<(u32, String)> = runs.iter().flat_map(|run| services_of(*run)).collect();
     let mut roots: Vec<PathBuf> = services
         .iter()
         .filter_map(|(_, line)| {
