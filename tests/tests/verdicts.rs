@@ -91,8 +91,11 @@ goals = [{ pose = [2.0, 3.0, 3.1416] }, { pose = [12.0, 3.0, 0.0] }]
 line_m = [[3.5, 3.0], [10.5, 3.0]]
 ahead_m = 2.0
 "#;
+    // So near that it arrives before the first trial is over.
+    let cart = CART.replace("[2.0, 5.0]", "[2.0, 3.8]");
+    assert_ne!(cart, CART);
     let arguments = ["--trials", "1", "--headless", "--json"];
-    let result = start(&format!("{ROOM}{CART}{trials}"), &arguments)
+    let result = start(&format!("{ROOM}{cart}{trials}"), &arguments)
         .finish()
         .expect(1);
     assert_eq!(result["verdict"], "fail", "{result:#}");
