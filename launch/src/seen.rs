@@ -102,7 +102,9 @@ impl Seen {
     fn settle(&mut self, tick: u64, run_ns: u64, fact: Fact) {
         let end_tick = self.end_tick.unwrap_or(u64::MAX);
         let is_late = match fact {
-            Fact::Command(_) => tick >= end_tick,
+            // The guard's idle output, before the first tick, depends on what it had received by
+            // then.
+            Fact::Command(_) => tick == 0 || tick >= end_tick,
             _ => tick > end_tick,
         };
         if is_late {
@@ -213,6 +215,15 @@ mod tests {
             assert_eq!(seen.motion.interventions, exact.motion.interventions);
             assert_eq!(seen.clearance_m_min, exact.clearance_m_min);
         }
+    }
+
+    #[test]
+    fn the_idle_output_of_the_guard_is_no_intervention() {
+        let mut seen = Seen::default();
+        hear(&mut seen, 0, Fact::Command(Some(Intervention::Refused)));
+        hear(&mut seen, 1, Fact::Command(Some(Intervention::None)));
+        seen.end_at(9);
+        assert_eq!(seen.motion.interventions, []);
     }
 
     #[test]

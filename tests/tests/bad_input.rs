@@ -457,7 +457,7 @@ fn list_and_check_know_the_shipped_scenarios() {
 fn with_open_files(soft: u32, hard: u32) -> std::process::Output {
     let folder = tempfile::tempdir().expect("a folder");
     let shell = format!(
-        "ulimit -Hn {hard} && ulimit -Sn {soft} && exec \"$0\" run open_aisle --lockstep --headless"
+        "ulimit -Sn {soft} && ulimit -Hn {hard} && exec \"$0\" run open_aisle --lockstep --headless"
     );
     Command::new("sh")
         .args(["-c", &shell])
