@@ -273,6 +273,7 @@ mod tests {
     fn the_slowest_trials_name_the_hop_that_is_farthest_beyond_its_median() {
         let mut latency = Latency::of(&[], &Records::default(), DEADLINE_NS);
         for (at, Hop { figures, .. }) in latency.hops.iter_mut().enumerate() {
+            figures.n = 7;
             figures.p50_us = Some(if at == 5 { 1500.0 } else { 100.0 });
         }
         let mut usual = [100; HOPS.len()];

@@ -84,5 +84,7 @@ mod tests {
             ..answer(0, 4, 3)
         };
         assert_eq!(fold(&[a, b]), fold(&[a, b, idle]));
+        // Before the first tick nothing is owed, so whether there is an answer is chance.
+        assert_eq!(fold(&[a, b]), fold(&[a, b, answer(0, 4, 3)]));
     }
 }

@@ -162,6 +162,15 @@ mod tests {
     }
 
     #[test]
+    fn equal_scans_are_frozen_once_the_robot_has_turned() {
+        let mut frozen = FrozenScan::default();
+        for (yaw_rad, expected) in [(3.0, false), (3.1, false), (-3.05, true)] {
+            frozen.take(&[1.0, 2.0], &Pose::new(0.0, 0.0, yaw_rad));
+            assert_eq!(frozen.is_frozen(0.1, 0.2), expected, "at {yaw_rad}");
+        }
+    }
+
+    #[test]
     fn odometry_that_jumps_or_stands_while_it_moves_is_noticed() {
         let mut sense = OdometrySense::default();
         let at = |x_m, v_mps| Odometry {

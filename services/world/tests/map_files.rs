@@ -153,6 +153,16 @@ fn a_threshold_that_frees_the_unknown_is_reported() {
 }
 
 #[test]
+fn an_occupancy_at_a_threshold_is_unknown() {
+    let folder = Folder::new();
+    // 204 is an occupancy of exactly 0.2, as a fraction and as a number of the file.
+    folder.write("m.pgm", b"P5\n3 1\n255\n\xcb\xcc\xcd");
+    let text = yaml("m.pgm", "").replace("0.65", "0.2");
+    let low = load(&folder.yaml(&text.replace("0.196", "0.2"))).unwrap();
+    assert_eq!(low.map.cells, [Occupied, Unknown, Free]);
+}
+
+#[test]
 fn a_half_turn_in_the_origin_is_honoured() {
     let folder = Folder::new();
     folder.write("m.pgm", P5);
