@@ -7,15 +7,24 @@ use zeronav_tests::workspace;
 /// Who may depend on whom, inside the workspace. `services` stands for every service library.
 fn allowed(from: &str) -> &'static [&'static str] {
     match from {
-        "zeronav-msgs" => &[],
-        "zeronav-shell" | "zeronav-world" => &["zeronav-msgs"],
-        "zeronav-mapping" | "zeronav-robot-sim" => {
-            &["zeronav-msgs", "zeronav-world", "zeronav-shell"]
-        }
+        "zeronav-msgs" | "zeronav-params" => &[],
+        "zeronav-shell" => &["zeronav-msgs", "zeronav-params"],
+        "zeronav-world" => &["zeronav-msgs"],
+        "zeronav-mapping" | "zeronav-robot-sim" => &[
+            "zeronav-msgs",
+            "zeronav-params",
+            "zeronav-world",
+            "zeronav-shell",
+        ],
         "zeronav-global-planner" | "zeronav-local-planner" | "zeronav-collision-guard" => {
-            &["zeronav-msgs", "zeronav-shell"]
+            &["zeronav-msgs", "zeronav-params", "zeronav-shell"]
         }
-        "zeronav" => &["zeronav-msgs", "zeronav-shell", "zeronav-world"],
+        "zeronav" => &[
+            "zeronav-msgs",
+            "zeronav-params",
+            "zeronav-shell",
+            "zeronav-world",
+        ],
         _ => panic!("{from} has no place on the floor plan"),
     }
 }

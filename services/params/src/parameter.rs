@@ -1,0 +1,230 @@
+//! One parameter: what it is called, what it may be, and what it is.
+
+use crate::setting::Setting;
+use core::fmt;
+use serde::{Deserialize, Serialize};
+
+/// Type of a parameter, by the names of JSON schema.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Type {
+    /// A floating-point number.
+    Number,
+    /// A whole number.
+    Integer,
+    /// True or false.
+    Boolean,
+    /// A text, see [`Parameter::choices`].
+    String,
+    /// Numbers in lists of fixed length.
+    Array,
+}
+
+impl fmt::Display for Type {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.pad(match self {
+            Self::Number => "number",
+            Self::Integer => "integer",
+            Self::Boolean => "boolean",
+            Self::String => "string",
+            Self::Array => "array",
+        })
+    }
+}
+
+/// Value of a parameter.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Value {
+    /// Of [`Type::Boolean`].
+    Boolean(bool),
+    /// Of [`Type::Integer`], saturated.
+    Integer(i64),
+    /// Of [`Type::Number`].
+    Number(f64),
+    /// Of [`Type::String`].
+    String(String),
+    /// Of [`Type::Array`].
+    Array(Vec<Value>),
+    /// An optional parameter that is not set.
+    Unset,
+}
+
+impl Value {
+    /// The first number of the value for which `wrong` holds.
+    fn find(&self, wrong: &impl Fn(f64) -> bool) -> Option<&Self> {
+        #[allow(
+            clippy::cast_precision_loss,
+            reason = "bounds are far from where it matters"
+        )]
+        match self {
+            Self::Integer(value) => wrong(*value as f64).then_some(self),
+            Self::Number(value) => wrong(*value).then_some(self),
+            Self::Array(items) => items.iter().find_map(|item| item.find(wrong)),
+            Self::Boolean(_) | Self::String(_) | Self::Unset => None,
+        }
+    }
+}
+
+impl fmt::Display for Value {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Boolean(value) => write!(formatter, "{value}"),
+            Self::Integer(value) => write!(formatter, "{value}"),
+            Self::Number(value) => write!(formatter, "{value:?}"),
+            Self::String(value) => write!(formatter, "{value}"),
+            Self::Array(items) => formatter.debug_list().entries(items).finish(),
+            Self::Unset => Ok(()),
+        }
+    }
+}
+
+/// An allowed value of a string.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Choice {
+    /// The value.
+    pub key: String,
+    /// What it means.
+    pub description: String,
+}
+
+/// What must hold between a parameter and others of its group.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct Relation {
+    /// In words: `must be at most horizon_s`.
+    pub rule: String,
+    /// Whether it holds for the visited configuration.
+    #[serde(skip, default = "holds")]
+    pub holds: bool,
+}
+
+const fn holds() -> bool {
+    true
+}
+
+/// One parameter of a configuration.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Parameter {
+    /// Names of its groups and its own, such as `dwa.horizon_s`.
+    pub path: String,
+    /// Type.
+    #[serde(rename = "type")]
+    pub kind: Type,
+    /// Unit, empty for none.
+    #[serde(default)]
+    pub unit: String,
+    /// The visited configuration's value; the default in a description.
+    #[serde(rename = "default")]
+    pub value: Value,
+    /// Smallest value accepted. [unit]
+    #[serde(default)]
+    pub min: Option<f64>,
+    /// Largest value accepted. [unit]
+    #[serde(default)]
+    pub max: Option<f64>,
+    /// Allowed values of a string; empty when any text may be.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub choices: Vec<Choice>,
+    /// What else must hold.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub relations: Vec<Relation>,
+    /// One or a few sentences.
+    pub description: String,
+}
+
+/// A parameter has a value that it must not have.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{path} {rule}, not {value}")]
+pub struct ParameterError {
+    /// Which one, such as `dwa.horizon_s`.
+    pub path: String,
+    /// What it must be, such as `must be a number from 0 to 1`.
+    pub rule: String,
+    /// What it is.
+    pub value: String,
+}
+
+impl Parameter {
+    /// A parameter as [`crate::parameters!`] declares it.
+    #[doc(hidden)]
+    pub fn new<S: Setting>(
+        setting: &S,
+        group: &str,
+        name: &str,
+        unit: &str,
+        range: Option<(f64, f64)>,
+        relations: &[(&str, Relation)],
+        doc: &str,
+    ) -> Self {
+        let own = relations.iter().filter(|(of, _)| *of == name);
+        Self {
+            path: Self::path_of(group, name),
+            kind: S::TYPE,
+            unit: unit.to_owned(),
+            value: setting.value(),
+            min: range.map(|(min, _)| min),
+            max: range.map(|(_, max)| max),
+            choices: S::choices(),
+            relations: own.map(|(_, relation)| relation.clone()).collect(),
+            description: doc.trim().to_owned(),
+        }
+    }
+
+    /// Path of a member of `group`.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn path_of(group: &str, name: &str) -> String {
+        let dot = if group.is_empty() { "" } else { "." };
+        format!("{group}{dot}{name}")
+    }
+
+    /// The range in words, such as `0 to 1` or `above 0, at most 1`; empty without one.
+    #[must_use]
+    pub fn range(&self) -> String {
+        match (self.min, self.max) {
+            (Some(f64::MIN_POSITIVE), Some(max)) => format!("above 0, at most {}", plain(max)),
+            (Some(min), Some(max)) => format!("{} to {}", plain(min), plain(max)),
+            _ => String::new(),
+        }
+    }
+
+    /// The error when a number is not finite or out of its range.
+    pub(crate) fn out_of_range(&self) -> Option<ParameterError> {
+        let (min, max) = (self.min.unwrap_or(f64::MIN), self.max.unwrap_or(f64::MAX));
+        let wrong = self
+            .value
+            .find(&|value| !(value.is_finite() && (min..=max).contains(&value)))?;
+        let rule = match self.range() {
+            range if range.is_empty() => "must be a finite number".to_owned(),
+            range if range.starts_with("above") => format!("must be a number {range}"),
+            range => format!("must be a number from {range}"),
+        };
+        Some(self.error(rule, wrong))
+    }
+
+    /// The error when a relation does not hold.
+    pub(crate) fn broken_relation(&self) -> Option<ParameterError> {
+        let broken = self.relations.iter().find(|relation| !relation.holds)?;
+        Some(self.error(broken.rule.clone(), &self.value))
+    }
+
+    fn error(&self, rule: String, value: &Value) -> ParameterError {
+        ParameterError {
+            path: self.path.clone(),
+            rule,
+            value: value.to_string(),
+        }
+    }
+}
+
+/// A bound as people write it: `0.05`, `1000`, `1e6`.
+fn plain(bound: f64) -> String {
+    if bound.abs() >= 1.0e5 {
+        let exponential = format!("{bound:e}");
+        if exponential.len() <= 5 {
+            return exponential;
+        }
+    }
+    format!("{bound}")
+}
