@@ -8,6 +8,7 @@
 pub mod data;
 pub mod results;
 pub mod seats;
+pub mod structure;
 
 use rustix::process::{Pid, Signal, kill_process};
 use serde_json::Value;

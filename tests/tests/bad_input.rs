@@ -139,86 +139,89 @@ fn line_of(text: &str, start: &str) -> usize {
     1 + line.expect("the line")
 }
 
+/// Seat, line of its section that is wrong, and words of the message.
+const WRONG_SERVICES: &[(&str, &str, &[&str])] = &[
+    (
+        "mapping",
+        "binary = \"./plain.txt\"",
+        &["binary", "not executable"],
+    ),
+    ("mapping", "binary = \"./absent\"", &["binary", "./absent"]),
+    (
+        "mapping",
+        "config.padding = 0.1",
+        &["padding", "did you mean `padding_m`?"],
+    ),
+    (
+        "mapping",
+        "config.padding_m = nan",
+        &["padding_m", "0 to 1 m", "NaN"],
+    ),
+    (
+        "mapping",
+        "config.static_map = \"absent.yaml\"",
+        &["static_map", "absent.yaml"],
+    ),
+    (
+        "mapping",
+        "config.save_to = \"absent\"",
+        &["save_to", "absent"],
+    ),
+    (
+        "mapping",
+        "config.log_odds.hit = 0",
+        &["log_odds.hit", "1 to 10000"],
+    ),
+    (
+        "global_planner",
+        "config.planner = \"best\"",
+        &["planner", "c_astar"],
+    ),
+    (
+        "global_planner",
+        "config.planner = \"lazy_teta\"",
+        &["did you mean `lazy_theta`?"],
+    ),
+    (
+        "global_planner",
+        "config.smooth_m = 1e308",
+        &["smooth_m", "0 to 2, not 1e308"],
+    ),
+    (
+        "local_planner",
+        "config.controller = \"bean\"",
+        &["did you mean `beam`?"],
+    ),
+    (
+        "local_planner",
+        "config.dwa.horizont_s = 1.0",
+        &["dwa.horizont_s", "`horizon_s`"],
+    ),
+    (
+        "local_planner",
+        "config.dwa.horizon_s = \"x\"",
+        &["dwa.horizon_s", "string"],
+    ),
+    (
+        "collision_guard",
+        "config.margin_m = inf",
+        &["margin_m", "0.01 to 1"],
+    ),
+    (
+        "robot",
+        "config.worlt = 1",
+        &["worlt", "did you mean `world`?"],
+    ),
+    (
+        "robot",
+        "config.start = [1.0, 1.0, 0.0, 0.0]",
+        &["start", "3 entries"],
+    ),
+];
+
 #[test]
 fn what_a_service_would_refuse_is_found_by_check_and_before_a_run() {
-    for (seat, line, words) in [
-        (
-            "mapping",
-            "binary = \"./plain.txt\"",
-            &["binary", "not executable"][..],
-        ),
-        ("mapping", "binary = \"./absent\"", &["binary", "./absent"]),
-        (
-            "mapping",
-            "config.padding = 0.1",
-            &["padding", "did you mean `padding_m`?"],
-        ),
-        (
-            "mapping",
-            "config.padding_m = nan",
-            &["padding_m", "0 to 1 m", "NaN"],
-        ),
-        (
-            "mapping",
-            "config.static_map = \"absent.yaml\"",
-            &["static_map", "absent.yaml"],
-        ),
-        (
-            "mapping",
-            "config.save_to = \"absent\"",
-            &["save_to", "absent"],
-        ),
-        (
-            "mapping",
-            "config.log_odds.hit = 0",
-            &["log_odds.hit", "1 to 10000"],
-        ),
-        (
-            "global_planner",
-            "config.planner = \"best\"",
-            &["planner", "c_astar"],
-        ),
-        (
-            "global_planner",
-            "config.planner = \"lazy_teta\"",
-            &["did you mean `lazy_theta`?"],
-        ),
-        (
-            "global_planner",
-            "config.smooth_m = 1e308",
-            &["smooth_m", "0 to 2, not 1e308"],
-        ),
-        (
-            "local_planner",
-            "config.controller = \"bean\"",
-            &["did you mean `beam`?"],
-        ),
-        (
-            "local_planner",
-            "config.dwa.horizont_s = 1.0",
-            &["dwa.horizont_s", "`horizon_s`"],
-        ),
-        (
-            "local_planner",
-            "config.dwa.horizon_s = \"x\"",
-            &["dwa.horizon_s", "string"],
-        ),
-        (
-            "collision_guard",
-            "config.margin_m = inf",
-            &["margin_m", "0.01 to 1"],
-        ),
-        (
-            "robot",
-            "config.worlt = 1",
-            &["worlt", "did you mean `world`?"],
-        ),
-        (
-            "robot",
-            "config.start = [1.0, 1.0, 0.0, 0.0]",
-            &["start", "3 entries"],
-        ),
-    ] {
+    for (seat, line, words) in WRONG_SERVICES {
         let text = format!("{}\n[services.{seat}]\n{line}\n", scenario(HEAD));
         let place = format!("it.toml:{}: services.{seat}.", line_of(&text, line));
         for command in [
@@ -229,7 +232,7 @@ fn what_a_service_would_refuse_is_found_by_check_and_before_a_run() {
             std::fs::write(folder.path().join("it.toml"), &text).expect("written");
             std::fs::write(folder.path().join("plain.txt"), "no program").expect("written");
             let ended = Zeronav::start_in(folder, command).finish();
-            let words: Vec<&str> = [place.as_str()].iter().chain(words).copied().collect();
+            let words: Vec<&str> = [place.as_str()].iter().chain(*words).copied().collect();
             refused(&ended, &words);
             assert!(ended.stdout.is_empty(), "{}", ended.stdout);
             assert!(!ended.folder.path().join("runs").exists(), "{command:?}");

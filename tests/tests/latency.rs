@@ -4,7 +4,7 @@
 
 use serde_json::Value;
 use std::path::PathBuf;
-use zeronav_tests::results::{extract, record::Row};
+use zeronav_tests::results::{record::Row, trials};
 use zeronav_tests::{Zeronav, assert_books_close, leftovers, real_time_turn, zeronav};
 
 #[test]
@@ -68,12 +68,23 @@ fn trials_come_with_percentiles_and_the_floor_of_the_transport() {
         assert!(number(&slow["hop"]["time_us"]) <= number(&slow["replanning_us"]));
         check_disturbance(&slow["disturbance"]);
     }
-    // The results page finds all of it.
-    let latencies = extract::latency(&result);
+    check_tables(&result);
+    // Three stacks and three rings, and nothing is left of any.
+    domains.sort();
+    domains.dedup();
+    assert_eq!(domains.len(), 6, "{domains:?}");
+    for root in &domains {
+        assert!(leftovers(root).is_empty(), "{:?}", leftovers(root));
+    }
+}
+
+/// The tables of the results page are filled from the result of seven trials.
+fn check_tables(result: &Value) {
+    let latencies = trials::latency(result);
     let is_there = |at: usize| move |row: &Row| row.figures[at].value.is_some();
     assert!(latencies.rows.iter().all(is_there(3)), "{latencies:#?}");
     assert_eq!(latencies.rows[0].n, 7, "{latencies:#?}");
-    let disturbance = extract::disturbance(&result);
+    let disturbance = trials::disturbance(result);
     assert_eq!(
         disturbance.rows.len(),
         3 * 5,
@@ -85,18 +96,11 @@ fn trials_come_with_percentiles_and_the_floor_of_the_transport() {
             "{disturbance:#?}"
         );
     }
-    let slowest = extract::slowest(&result);
+    let slowest = trials::slowest(result);
     assert!(
         slowest.rows.len() == 5 && slowest.rows.iter().all(is_there(0)),
         "{slowest:#?}"
     );
-    // Three stacks and three rings, and nothing is left of any.
-    domains.sort();
-    domains.dedup();
-    assert_eq!(domains.len(), 6, "{domains:?}");
-    for root in &domains {
-        assert!(leftovers(root).is_empty(), "{:?}", leftovers(root));
-    }
 }
 
 /// Every service is in it, and what has to be counted was.

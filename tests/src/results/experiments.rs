@@ -1,8 +1,8 @@
 //! What is measured: one row per experiment. A figure in a README is one of these or none.
 
 use super::bench::{Bench, Measured};
-use super::extract;
 use super::record::Table;
+use super::{extract, trials};
 
 /// One experiment.
 #[derive(Debug)]
@@ -217,10 +217,10 @@ fn example(bench: &mut Bench) -> Result<Measured, String> {
 fn replanning(bench: &mut Bench) -> Result<Measured, String> {
     let result = bench.zeronav(&["run", "blocked_aisle", "--trials", "200"])?;
     Ok(tables(vec![
-        extract::latency(&result),
-        extract::checks(&result),
-        extract::slowest(&result),
-        extract::disturbance(&result),
+        trials::latency(&result),
+        trials::checks(&result),
+        trials::slowest(&result),
+        trials::disturbance(&result),
     ]))
 }
 

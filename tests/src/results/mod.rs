@@ -1,7 +1,7 @@
 //! How the figures of the READMEs are made: experiments, what they gave, and the pages from that.
 //!
-//! `experiments` says what is measured, `bench` runs it, `extract` takes the figures out of the
-//! results, `record` keeps them in `tests/results.json`, and `page` writes them into
+//! `experiments` says what is measured, `bench` runs it, `extract` and `trials` take the figures
+//! out of the results, `record` keeps them in `tests/results.json`, and `page` writes them into
 //! `tests/RESULTS.md` and into the marked blocks of the READMEs.
 
 pub mod bench;
@@ -10,6 +10,7 @@ pub mod extract;
 pub mod page;
 pub mod record;
 pub mod spread;
+pub mod trials;
 
 use crate::workspace;
 use bench::Bench;
