@@ -1,6 +1,5 @@
 //! The command line.
 
-use crate::measure::seconds;
 use crate::scenario::{COORDINATE_M_MAX, TOLERANCE, YAW_RAD_MAX};
 use crate::suite::Noise;
 use crate::supervise::cleaner;
@@ -10,6 +9,7 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::run::DELAY_STEP_NS;
+use zeronav_msgs::time::seconds;
 use zeronav_shell::logs;
 use zeronav_shell::nearest::unknown;
 use zeronav_world::error::number;

@@ -2,7 +2,6 @@
 
 use crate::collect::Collector;
 use crate::ending::Ending;
-use crate::measure::seconds;
 use crate::prepare::Prepared;
 use crate::show::terminal::note;
 use crate::supervise::child::Child;
@@ -17,6 +16,7 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 use zeronav_msgs::role::Role;
 use zeronav_msgs::run::RunMode;
+use zeronav_msgs::time::seconds;
 
 /// How long the services may take until they can answer.
 pub const READY_LIMIT: Duration = Duration::from_secs(15);

@@ -4,7 +4,6 @@ use crate::ending::Ending;
 use crate::measure;
 use crate::measure::index::PathRecord;
 use crate::measure::motion::{Contact, Moment, jerk_mps3};
-use crate::measure::seconds;
 use crate::prepare::Prepared;
 use crate::run::{DEADLINE_NS, Driven};
 use crate::scenario::Outcome;
@@ -20,6 +19,7 @@ use zeronav_msgs::path::{PathCause, PathStatus};
 use zeronav_msgs::role::Role;
 use zeronav_msgs::run::RunMode;
 use zeronav_msgs::task::{EndReason, StuckCause, TaskState};
+use zeronav_msgs::time::seconds;
 use zeronav_world::static_map::Occupancy;
 
 /// Colours of the last paths in the picture.

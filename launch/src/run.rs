@@ -7,7 +7,6 @@ use crate::configs;
 use crate::disturbance::{Disturbance, Reading};
 use crate::ending::Ending;
 use crate::keeper::{Keeper, READY_LIMIT, RestartRecord};
-use crate::measure::seconds;
 use crate::prepare::Prepared;
 use crate::redirect::{Redirect, Redirects};
 use crate::result::outcome as outcome_of;
@@ -24,6 +23,7 @@ use zeronav_msgs::Pose;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::run::RunMode;
 use zeronav_msgs::task::{EndReason, Goal, TaskState};
+use zeronav_msgs::time::seconds;
 use zeronav_msgs::topics::{GroundTruth, Topic};
 
 /// How long a run may go on without the robot's next tick.

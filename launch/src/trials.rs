@@ -166,7 +166,9 @@ pub fn make(
         rounds.push(Round {
             trials: trials.len(),
             missed: driven.trials_missed,
-            time_s: crate::measure::seconds(driven.end_run_ns.saturating_sub(driven.goals_run_ns)),
+            time_s: zeronav_msgs::time::seconds(
+                driven.end_run_ns.saturating_sub(driven.goals_run_ns),
+            ),
             floor_load: load,
             disturbance: driven.disturbance.clone(),
             latency,

@@ -30,6 +30,7 @@ pub mod run;
 pub mod scan;
 pub mod span;
 pub mod task;
+pub mod time;
 pub mod topics;
 pub mod truth;
 

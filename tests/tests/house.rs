@@ -17,16 +17,27 @@ fn allowed(from: &str) -> &'static [&'static str] {
     match from {
         "zeronav-msgs" | "zeronav-params" => &[],
         "zeronav-shell" => &["zeronav-msgs", "zeronav-params"],
-        "zeronav-world" => &["zeronav-msgs"],
-        "zeronav-mapping" | "zeronav-robot-sim" => &[
+        "zeronav-world" | "zeronav-motion" => &["zeronav-msgs"],
+        "zeronav-mapping" => &[
             "zeronav-msgs",
             "zeronav-params",
             "zeronav-world",
             "zeronav-shell",
         ],
-        "zeronav-global-planner" | "zeronav-local-planner" | "zeronav-collision-guard" => {
-            &["zeronav-msgs", "zeronav-params", "zeronav-shell"]
-        }
+        "zeronav-robot-sim" => &[
+            "zeronav-msgs",
+            "zeronav-params",
+            "zeronav-motion",
+            "zeronav-world",
+            "zeronav-shell",
+        ],
+        "zeronav-global-planner" => &["zeronav-msgs", "zeronav-params", "zeronav-shell"],
+        "zeronav-local-planner" | "zeronav-collision-guard" => &[
+            "zeronav-msgs",
+            "zeronav-params",
+            "zeronav-motion",
+            "zeronav-shell",
+        ],
         "zeronav" => &[
             "zeronav-msgs",
             "zeronav-params",

@@ -23,13 +23,3 @@ pub use latency::{Latency, measure};
 pub use motion::Motion;
 pub use reaction::reactions;
 pub use tracking::Witness;
-
-/// Nanoseconds as seconds.
-#[must_use]
-#[allow(
-    clippy::cast_precision_loss,
-    reason = "times of a run are far below 2^53 ns"
-)]
-pub fn seconds(ns: u64) -> f64 {
-    ns as f64 * 1.0e-9
-}

@@ -110,7 +110,8 @@ impl Motion {
 pub fn jerk_mps3(moments: &[Moment]) -> Option<f64> {
     let (mut sum, mut duration_s) = (0.0, 0.0);
     for three in moments.windows(3) {
-        let step_s = |from: &Moment, to: &Moment| super::seconds(to.run_ns - from.run_ns);
+        let step_s =
+            |from: &Moment, to: &Moment| zeronav_msgs::time::seconds(to.run_ns - from.run_ns);
         let (before_s, after_s) = (step_s(&three[0], &three[1]), step_s(&three[1], &three[2]));
         let a_before = (three[1].v_mps - three[0].v_mps) / before_s;
         let a_after = (three[2].v_mps - three[1].v_mps) / after_s;

@@ -1,7 +1,6 @@
 //! What a run answers on its control socket.
 
 use super::Drive;
-use crate::measure::seconds;
 use crate::supervise::control::{Reply, Request, RunReport, Server, ServiceReport};
 use crate::supervise::occupant::file_name;
 use crate::supervise::stack::Stack;
@@ -10,6 +9,7 @@ use std::collections::BTreeMap;
 use zeronav_msgs::Pose;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::task::Goal;
+use zeronav_msgs::time::seconds;
 use zeronav_world::Tolerance;
 
 impl Drive<'_> {

@@ -123,7 +123,7 @@ impl Child {
         let times = read("schedstat");
         let mut times_s = times
             .split_ascii_whitespace()
-            .map(|ns| ns.parse::<u64>().map_or(0.0, crate::measure::seconds));
+            .map(|ns| ns.parse::<u64>().map_or(0.0, zeronav_msgs::time::seconds));
         let (ran_s, waited_s) = (times_s.next().unwrap_or(0.0), times_s.next().unwrap_or(0.0));
         let place = read("wchan");
         format!(

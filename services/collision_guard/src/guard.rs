@@ -1,17 +1,19 @@
 //! One decision per control period: pass on, clamp, slow down, or ramp to rest.
 
 use crate::config::GuardConfig;
-use crate::limits::{Limits, Twist};
+use crate::limits::Limits;
 use crate::outline::Outline;
 use crate::sweep::Space;
 use crate::swept::Swept;
 use crate::view::View;
-use crate::watch::{FrozenScan, OdometrySense, Order, seconds};
+use crate::watch::{FrozenScan, OdometrySense, Order};
+use zeronav_motion::Twist;
 use zeronav_msgs::Pose;
 use zeronav_msgs::command::{Intervention, Validity, VelocityCommand, VelocityRequest};
 use zeronav_msgs::description::{Corner, Description};
 use zeronav_msgs::odometry::Odometry;
 use zeronav_msgs::scan::Scan;
+use zeronav_msgs::time::seconds;
 
 /// Share of beams that must say anything (a range or "no return"); a scan with fewer is a blind
 /// sensor.
@@ -182,7 +184,7 @@ impl Guard {
         let (twist, validity, intervention) = match (verdict, limits) {
             (Verdict::Pass(twist, intervention), Some(_)) => (twist, Validity::Drive, intervention),
             (Verdict::Rest(validity, intervention), Some(limits)) => {
-                let measured = self.feels(inputs).map(Twist::of);
+                let measured = self.feels(inputs).map(Twist::measured);
                 let start = || self.ramp_start(measured, &limits);
                 let mut ramp = self.ramp.unwrap_or_else(start);
                 let twist = ramp.step(&limits, seconds(inputs.period_ns));
@@ -259,7 +261,7 @@ impl Guard {
             return;
         }
         let odometry = inputs.odometry.map(|input| input.odometry);
-        let twist = odometry.map_or(Twist::REST, Twist::of);
+        let twist = odometry.map_or(Twist::REST, Twist::measured);
         self.frozen_scan.take(input.ranges, &odom_from_base);
         let base_from_laser = &description.base_from_laser;
         self.view.take(
@@ -316,7 +318,7 @@ impl Guard {
         };
         let config = &self.config;
         let clamped = limits.clamp(asked);
-        let measured = Twist::of(odometry);
+        let measured = Twist::measured(odometry);
         let enough_m = config.margin_m + config.slow_zone_m;
         let ends = (measured, clamped);
         let swept = Swept::new(limits, outline, ends, config.reaction_s, enough_m);

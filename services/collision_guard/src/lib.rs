@@ -24,4 +24,4 @@ mod watch;
 
 pub use config::{ConfigError, GuardConfig};
 pub use guard::{Guard, GuardInputs, OdometryInput, ScanInput, stop_distance_m};
-pub use limits::{Limits, Twist};
+pub use limits::Limits;

@@ -1,64 +1,13 @@
-//! What the robot can do, and the two ways a twist is brought into it.
+//! The robot's limits, and the two ways a twist is brought within them.
+//!
+//! The guard keeps arithmetic of its own on purpose (diverse redundancy): a defect in
+//! `zeronav_motion`, which the local planner drives by, must not hide itself from the last check
+//! before the wheels. `tests/limits.rs` compares the two. They differ where the robot changes
+//! direction: the guard lets `brake_mps2` act through zero, so it sweeps at least what the local
+//! planner can ask for.
 
-use zeronav_msgs::Pose;
+use zeronav_motion::Twist;
 use zeronav_msgs::description::Description;
-use zeronav_msgs::odometry::Odometry;
-
-/// Forward speed and yaw rate in `base`.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Twist {
-    /// [m/s] forward.
-    pub v_mps: f64,
-    /// [rad/s] counter-clockwise.
-    pub w_radps: f64,
-}
-
-impl Twist {
-    /// No motion.
-    pub const REST: Self = Self {
-        v_mps: 0.0,
-        w_radps: 0.0,
-    };
-
-    /// As odometry measured it.
-    pub(crate) fn of(odometry: &Odometry) -> Self {
-        Self {
-            v_mps: odometry.v_mps,
-            w_radps: odometry.w_radps,
-        }
-    }
-
-    /// Both speeds times `share`: the same arc, slower.
-    #[must_use]
-    pub fn scaled(self, share: f64) -> Self {
-        Self {
-            v_mps: self.v_mps * share,
-            w_radps: self.w_radps * share,
-        }
-    }
-
-    /// `base` before the motion from `base` after `elapsed_s` of this twist: the exact arc
-    /// (Fox, Burgard, Thrun 1997, Eq. 7, with the limit of a straight line).
-    #[must_use]
-    pub fn arc(self, elapsed_s: f64) -> Pose {
-        let (chord_m, (sin, cos)) = self.chord(elapsed_s);
-        Pose::new(chord_m * cos, chord_m * sin, self.w_radps * elapsed_s)
-    }
-
-    /// The chord of that arc: its length [m] and the sine and cosine of its direction, which is
-    /// half the angle turned.
-    pub(crate) fn chord(self, elapsed_s: f64) -> (f64, (f64, f64)) {
-        let half = 0.5 * self.w_radps * elapsed_s;
-        let (sin, cos) = half.sin_cos();
-        // The chord of an arc of length s and angle 2h is s sin(h) / h long and points along h.
-        let share = if half.abs() < 1.0e-4 {
-            1.0 - half * half / 6.0
-        } else {
-            sin / half
-        };
-        (self.v_mps * elapsed_s * share, (sin, cos))
-    }
-}
 
 /// The limits of a [`Description`] that bound a command; every number is finite.
 #[derive(Debug, Clone, Copy, PartialEq)]

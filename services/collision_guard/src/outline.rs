@@ -1,7 +1,7 @@
 //! The robot's true outline, and how far points are from it.
 
-use crate::limits::Twist;
 use nalgebra::Vector2;
+use zeronav_motion::Twist;
 use zeronav_msgs::description::{Corner, Description, FOOTPRINT_CORNERS_MAX};
 
 /// An edge of the outline.

@@ -2,9 +2,10 @@
 //! whether that way is free.
 
 use crate::hits::Hits;
-use crate::limits::{Limits, Twist};
+use crate::limits::Limits;
 use crate::outline::Outline;
 use nalgebra::Vector2;
+use zeronav_motion::Twist;
 
 /// [m] the outline moves at most from one looked-at pose to the next. Half of it is the smallest
 /// margin that proves that nothing was touched in between.

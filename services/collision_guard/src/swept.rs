@@ -1,10 +1,11 @@
 //! Where the outline can be on any way of one period: most hits are settled by one box.
 
-use crate::limits::{Limits, Twist};
+use crate::limits::Limits;
 use crate::outline::Outline;
 use crate::sweep::{SPACING_M, STEP_S_MAX};
 use core::f64::consts::FRAC_PI_2;
 use nalgebra::Vector2;
+use zeronav_motion::Twist;
 
 /// A box along the axes of the `base` of now. Hits beside it tell nothing.
 #[derive(Debug, Clone, Copy)]

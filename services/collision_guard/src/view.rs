@@ -1,9 +1,9 @@
 //! What the lidar shows: the hits of the last two scans, carried by odometry to where the robot is.
 
 use crate::hits::Hits;
-use crate::limits::Twist;
 use crate::swept::Swept;
 use nalgebra::{Isometry2, Point2, Vector2};
+use zeronav_motion::Twist;
 use zeronav_msgs::Pose;
 use zeronav_msgs::scan::{BEAMS_MAX, Scan};
 

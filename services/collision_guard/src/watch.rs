@@ -3,6 +3,7 @@
 use zeronav_msgs::Pose;
 use zeronav_msgs::odometry::Odometry;
 use zeronav_msgs::pose::wrap_angle;
+use zeronav_msgs::time::seconds;
 
 /// Messages in a row that must go forward in time after one that went back.
 const FORWARD_MIN: u8 = 2;
@@ -116,11 +117,6 @@ impl OdometrySense {
         self.still_since_ns
             .map_or(0.0, |since| seconds(run_ns.saturating_sub(since)))
     }
-}
-
-#[allow(clippy::cast_precision_loss, reason = "spans of seconds")]
-pub(crate) fn seconds(ns: u64) -> f64 {
-    ns as f64 * 1.0e-9
 }
 
 #[cfg(test)]

@@ -9,9 +9,8 @@
 use nalgebra::{Point2, Vector2};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
-use zeronav_collision_guard::{
-    Guard, GuardConfig, GuardInputs, Limits, OdometryInput, ScanInput, Twist,
-};
+use zeronav_collision_guard::{Guard, GuardConfig, GuardInputs, Limits, OdometryInput, ScanInput};
+use zeronav_motion::Twist;
 use zeronav_msgs::Pose;
 use zeronav_msgs::command::{Intervention, Validity, VelocityRequest};
 use zeronav_msgs::description::{Corner, Description};

@@ -1,9 +1,8 @@
 //! Near obstacles: how fast the robot may still be, and from when on it must be able to stop.
 
 use nalgebra::{Point2, Vector2};
-use zeronav_collision_guard::{
-    Guard, GuardConfig, GuardInputs, Limits, OdometryInput, ScanInput, Twist,
-};
+use zeronav_collision_guard::{Guard, GuardConfig, GuardInputs, Limits, OdometryInput, ScanInput};
+use zeronav_motion::Twist;
 use zeronav_msgs::Pose;
 use zeronav_msgs::command::{Intervention, Validity, VelocityCommand, VelocityRequest};
 use zeronav_msgs::description::Description;

@@ -24,13 +24,13 @@ mod visited;
 use crate::config::{BeamConfig, DwaConfig, DwaTConfig, ShapingConfig};
 use crate::controller::{Controller, Decision, Situation};
 use crate::dwa::Dwa;
-use crate::motion::Twist;
 use crate::refine::{Refine, Sight};
 use crate::surroundings::narrow;
 pub(crate) use scene::LOOKS;
 use scene::{Scene, State};
 use visited::Visited;
 pub(crate) use visited::WIDTH_MAX;
+use zeronav_motion::Twist;
 use zeronav_msgs::obstacles::OBSTACLES_MAX;
 
 /// Speeds that are asked for, as shares of the fastest.

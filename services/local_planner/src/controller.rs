@@ -1,7 +1,7 @@
 //! The seam of local planning: from a situation to the next twist.
 
-use crate::motion::Twist;
 use nalgebra::Point2;
+use zeronav_motion::Twist;
 use zeronav_msgs::command::Validity;
 use zeronav_msgs::description::{Corner, Description};
 use zeronav_msgs::obstacles::Obstacle;

@@ -28,7 +28,6 @@ use crate::config::{DwaConfig, DwaTConfig, ShapingConfig};
 use crate::controller::{Controller, Decision, Situation};
 use crate::funnel::Funnel;
 use crate::local_path::LocalPath;
-use crate::motion::{Twist, stop_distance_m, towards_rest};
 use crate::moving::Moving;
 use crate::progress::{PathTracker, Place};
 use crate::refine::{Refine, Sight};
@@ -37,6 +36,7 @@ use crate::shaping::Shaper;
 use crate::standing::StandingMap;
 use crate::surroundings::{Reach, Surroundings};
 use timed::Timed;
+use zeronav_motion::{Twist, stop_distance_m, towards_rest};
 use zeronav_msgs::command::Validity;
 
 /// [s] of standing with somewhere to go after which the robot counts as stuck.
@@ -322,7 +322,7 @@ impl Dwa {
         };
         // Standing although something was wished is being blocked, whoever is to blame.
         let resting = matches!(wish, Wish::Rest(Validity::AtGoal | Validity::NoPath));
-        let idle = from.is_standing()
+        let idle = from.is_stopped()
             && twist.v_mps.abs() < 0.5 * robot.a_mps2_max * period_s
             && twist.w_radps.abs() < 0.5 * robot.alpha_radps2_max * period_s;
         self.blocked_s = if resting || !idle {

@@ -25,10 +25,10 @@ use crate::lanes::{
     LANES_MAX, Lanes, WIDTH, advance, least_nearest_m, lower_space, lower_space_around, note_space,
     strike, turn,
 };
-use crate::motion::{Twist, reachable, sinc};
 use crate::moving::Moving;
 use crate::surroundings::{Surroundings, narrow};
 use crate::window::{Window, ramp_mean, snap, spread};
+use zeronav_motion::{Twist, reachable, sinc};
 use zeronav_msgs::obstacles::OBSTACLES_MAX;
 
 /// Most steps of a rollout.

@@ -18,7 +18,6 @@ mod footprint;
 mod funnel;
 mod lanes;
 mod local_path;
-pub mod motion;
 mod moving;
 pub mod mppi;
 pub mod papers;
@@ -36,6 +35,8 @@ mod standing;
 mod surroundings;
 pub mod table;
 pub mod task;
+#[cfg(test)]
+mod test_robot;
 mod turn;
 mod window;
 

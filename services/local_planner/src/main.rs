@@ -2,13 +2,13 @@
 
 use std::process::ExitCode;
 use zeronav_local_planner::config::ConfigError;
-use zeronav_local_planner::motion::Twist;
 use zeronav_local_planner::period::BuildError;
 use zeronav_local_planner::recovery::Behaviour;
 use zeronav_local_planner::scan_points::ScanPoints;
 use zeronav_local_planner::staleness::{Ages, StaleInput};
 use zeronav_local_planner::table::{CONTROLLERS, ControllerRow, UnknownController};
 use zeronav_local_planner::{Inputs, LocalPlanner, LocalPlannerConfig, Outputs, PathInput};
+use zeronav_motion::Twist;
 use zeronav_msgs::header::Parents;
 use zeronav_msgs::health::{REASON_MAP, REASON_ODOMETRY, REASON_PATH, REASON_SCAN};
 use zeronav_msgs::pose::Pose;

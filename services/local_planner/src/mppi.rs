@@ -26,7 +26,6 @@ use crate::controller::{Controller, Decision, Situation};
 use crate::critics::{CRITICS, Scene};
 use crate::dwa::Dwa;
 use crate::local_path::LocalPath;
-use crate::motion::Twist;
 use crate::refine::{Refine, Sight};
 use crate::surroundings::narrow;
 use batch::{Batch, LANES, Lanes};
@@ -34,6 +33,7 @@ use limits::Limits;
 use nalgebra::{Point2, Vector2};
 use noise::Noise;
 use plan::Plan;
+use zeronav_motion::Twist;
 use zeronav_msgs::Pose;
 
 /// Exponent of a weight below which a sample does not count.

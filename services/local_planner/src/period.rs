@@ -2,7 +2,6 @@
 
 use crate::config::{ConfigError, LocalPlannerConfig};
 use crate::controller::{Controller, Decision, Situation};
-use crate::motion::{Twist, stop_distance_m, towards_rest};
 use crate::progress::{PathTracker, Place};
 use crate::recovery::escape::Escape;
 use crate::recovery::trail::Trail;
@@ -13,6 +12,7 @@ use crate::staleness::{Ageing, Ages, StaleInput, ageing, speed_factor};
 use crate::table::{UnknownController, controller};
 use crate::task::{TaskInputs, TaskMachine, TaskStep};
 use nalgebra::Point2;
+use zeronav_motion::{Twist, stop_distance_m, towards_rest};
 use zeronav_msgs::command::{Validity, VelocityRequest};
 use zeronav_msgs::description::{Corner, Description};
 use zeronav_msgs::obstacles::Obstacle;
@@ -20,6 +20,7 @@ use zeronav_msgs::odometry::Odometry;
 use zeronav_msgs::path::{Path, PathStatus, Waypoint};
 use zeronav_msgs::request::PlanRequest;
 use zeronav_msgs::task::{Goal, GoalEnd, StuckCause, Task, TaskState, TaskStatus};
+use zeronav_msgs::time::seconds;
 use zeronav_msgs::{MapView, Pose};
 
 /// The newest path message.
@@ -235,7 +236,7 @@ impl LocalPlanner {
         let step = self.task.step(&TaskInputs {
             tick: inputs.tick,
             run_ns: inputs.run_ns,
-            robot: map_from_base.zip(inputs.odometry.map(twist_of)),
+            robot: map_from_base.zip(inputs.odometry.map(Twist::measured)),
             path: inputs
                 .path
                 .and_then(|input| Some((input.path.status()?, input.path.goal))),
@@ -478,13 +479,4 @@ impl LocalPlanner {
             wanted: self.behaviour() == Behaviour::AskForPath,
         })
     }
-}
-
-#[allow(clippy::cast_precision_loss, reason = "run times far below 2^53 ns")]
-fn seconds(ns: u64) -> f64 {
-    ns as f64 * 1.0e-9
-}
-
-fn twist_of(odometry: &Odometry) -> Twist {
-    Twist::new(odometry.v_mps, odometry.w_radps)
 }

@@ -6,10 +6,10 @@
 use crate::config::DwaConfig;
 use crate::controller::Situation;
 use crate::funnel::Funnel;
-use crate::motion::Twist;
 use crate::moving::Moving;
 use crate::progress::{PathTracker, Place};
 use crate::surroundings::Surroundings;
+use zeronav_motion::Twist;
 
 /// What the dynamic window knows when it follows the path.
 #[derive(Debug)]

@@ -2,6 +2,7 @@
 
 use crate::config::RequestConfig;
 use zeronav_msgs::request::{PlanRequest, RequestReason};
+use zeronav_msgs::time::seconds;
 
 /// What a request is decided by.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -89,11 +90,6 @@ impl PathRequests {
             blocked_arc_m: inputs.blocked_arc_m.unwrap_or(0.0),
         })
     }
-}
-
-#[allow(clippy::cast_precision_loss, reason = "spans of seconds")]
-fn seconds(ns: u64) -> f64 {
-    ns as f64 * 1.0e-9
 }
 
 #[cfg(test)]

@@ -11,9 +11,9 @@
 )]
 
 use crate::local_path::LocalPath;
-use crate::motion::{Twist, reachable, sinc, stop_angle_rad, stop_distance_m};
 use crate::surroundings::{LocalPose, Surroundings, narrow};
 use crate::window::{Window, ramp_mean, snap, spread};
+use zeronav_motion::{Twist, reachable, sinc, stop_angle_rad, stop_distance_m};
 
 /// [m/s] below which a motion is a turn on the spot.
 pub(crate) const TURNING_MPS: f64 = 0.02;

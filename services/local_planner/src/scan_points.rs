@@ -6,8 +6,8 @@
 //! scan confirms it. A real thing is wider than one beam wherever it is near enough to matter, or it
 //! is there again one scan later; the guard looks at the raw scan all the same.
 
-use crate::motion::Twist;
 use nalgebra::{Isometry2, Point2};
+use zeronav_motion::Twist;
 use zeronav_msgs::Pose;
 use zeronav_msgs::scan::{BEAMS_MAX, Scan};
 

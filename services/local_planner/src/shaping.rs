@@ -3,11 +3,11 @@
 //!
 //! Shaping comes before the check that the robot can stop, so what is checked is what is published.
 //! **Braking before an obstacle, for a stale input or at the end of the run is exempt from the jerk**
-//! ([`crate::motion::towards_rest`]): the verified stop brakes at once, and a limit there would only
+//! ([`zeronav_motion::towards_rest`]): the verified stop brakes at once, and a limit there would only
 //! make it longer.
 
 use crate::config::ShapingConfig;
-use crate::motion::{Twist, reachable};
+use zeronav_motion::{Twist, reachable};
 use zeronav_msgs::description::Description;
 
 /// A speed that is none: whatever led to it has ended there. [m/s], [rad/s]
@@ -109,7 +109,7 @@ fn ease(from: f64, wanted: f64, rate: f64, jerk: f64, period_s: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::motion::tests::reversing as robot;
+    use crate::test_robot::robot;
     use proptest::prelude::*;
 
     const PERIOD_S: f64 = 0.02;
@@ -150,7 +150,7 @@ mod tests {
     #[test]
     fn after_braking_nothing_of_its_acceleration_is_left() {
         let from = Twist::new(0.5, 0.6);
-        let braked = crate::motion::towards_rest(&robot(), from, PERIOD_S);
+        let braked = zeronav_motion::towards_rest(&robot(), from, PERIOD_S);
         let mut shaper = Shaper::new(config());
         shaper.published(from, braked, PERIOD_S);
         let wanted = Twist::new(0.9, 1.5);
@@ -187,7 +187,7 @@ mod tests {
                 );
                 let emergency = brakes.contains(&period);
                 let next = if emergency {
-                    crate::motion::towards_rest(&robot, twist, PERIOD_S)
+                    zeronav_motion::towards_rest(&robot, twist, PERIOD_S)
                 } else {
                     shaper.next(&robot, twist, wanted, PERIOD_S)
                 };

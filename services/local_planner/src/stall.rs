@@ -1,5 +1,7 @@
 //! Whether the robot comes closer to its goal.
 
+use zeronav_msgs::time::seconds;
+
 /// The progress checker of one goal.
 ///
 /// Coming closer is measured along the path. Another geometry is measured anew, but the time goes
@@ -45,11 +47,6 @@ impl Stall {
         }
         seconds(run_ns.saturating_sub(self.since_ns))
     }
-}
-
-#[allow(clippy::cast_precision_loss, reason = "spans of seconds")]
-fn seconds(ns: u64) -> f64 {
-    ns as f64 * 1.0e-9
 }
 
 #[cfg(test)]

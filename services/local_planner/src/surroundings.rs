@@ -2,9 +2,9 @@
 
 use crate::field::ClearanceField;
 use crate::footprint::Footprint;
-use crate::motion::{Stop, Twist};
 use crate::moving::Moving;
 use nalgebra::Point2;
+use zeronav_motion::{Stop, Twist};
 use zeronav_msgs::description::{Corner, Description};
 use zeronav_msgs::{MapView, Pose};
 
@@ -278,7 +278,7 @@ impl Surroundings {
 
     /// The arc of a stop from `twist`, when it is free all along. [m]
     ///
-    /// Holds the twist for `reaction_s`, then ramps to rest as [`crate::motion::towards_rest`]
+    /// Holds the twist for `reaction_s`, then ramps to rest as [`zeronav_motion::towards_rest`]
     /// does; every pose keeps the margin of this period from the map and the scan, and from where
     /// the moving obstacles will be by then, or comes no nearer to them than it is now. The outline
     /// moves by at most 3 cm from pose to pose, so an obstacle between two of them comes at most

@@ -1,14 +1,15 @@
 //! The task: which goal is at hand, and what became of the others.
 
 use crate::config::TaskConfig;
-use crate::motion::Twist;
 use crate::stall::Stall;
+use zeronav_motion::Twist;
 use zeronav_msgs::Pose;
 use zeronav_msgs::path::PathStatus;
 use zeronav_msgs::pose::wrap_angle;
 use zeronav_msgs::task::{
     EndReason, GOALS_MAX, Goal, GoalEnd, Task, TaskKind, TaskState, TaskStatus,
 };
+use zeronav_msgs::time::seconds;
 
 /// [rad/s] below which a robot that does not drive stands.
 const STANDING_RADPS: f64 = 0.05;
@@ -326,9 +327,4 @@ const fn end_of(status: PathStatus) -> Option<EndReason> {
         | PathStatus::OutOfBudget
         | PathStatus::TooLong => Some(EndReason::NoPath),
     }
-}
-
-#[allow(clippy::cast_precision_loss, reason = "spans of seconds")]
-fn seconds(ns: u64) -> f64 {
-    ns as f64 * 1.0e-9
 }

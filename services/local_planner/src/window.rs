@@ -5,7 +5,7 @@
     reason = "at most 64 speeds, 256 yaw rates and 100 steps"
 )]
 
-use crate::motion::Twist;
+use zeronav_motion::Twist;
 use zeronav_msgs::description::Description;
 
 /// Most steps of a rollout.

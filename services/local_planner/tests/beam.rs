@@ -11,7 +11,7 @@ use support::cart::{Cart, cross};
 use support::{Loop, block, jackal, path};
 use zeronav_local_planner::beam::Beam;
 use zeronav_local_planner::config::{BeamConfig, DwaConfig, DwaTConfig};
-use zeronav_local_planner::motion::Twist;
+use zeronav_motion::Twist;
 use zeronav_msgs::Pose;
 use zeronav_msgs::map::{COST_LETHAL, FLAG_MOVING, FLAG_SENSED};
 use zeronav_msgs::obstacles::Obstacle;

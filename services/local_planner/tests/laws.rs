@@ -15,7 +15,7 @@ use rand_pcg::Pcg32;
 use support::{Block, Loop, Robot, block, disc, jackal, path};
 use zeronav_local_planner::config::DwaConfig;
 use zeronav_local_planner::dwa::Dwa;
-use zeronav_local_planner::motion::Twist;
+use zeronav_motion::Twist;
 use zeronav_msgs::Pose;
 use zeronav_msgs::command::Validity;
 
@@ -104,7 +104,7 @@ fn check_laws(run: &mut Loop, periods: usize) -> bool {
         run.check_command(before, &pose, &decision);
         before = Twist::new(decision.v_mps, decision.w_radps);
         assert!(run.least_m > 0.0, "contact at {:?}", run.pose);
-        if decision.validity == Validity::AtGoal && run.twist.is_standing() {
+        if decision.validity == Validity::AtGoal && run.twist.is_stopped() {
             return true;
         }
     }

@@ -8,8 +8,8 @@ mod support;
 use support::cart::{Cart, cross};
 use support::{Loop, block, jackal, path};
 use zeronav_local_planner::config::{DwaConfig, DwaTConfig, MppiConfig};
-use zeronav_local_planner::motion::Twist;
 use zeronav_local_planner::mppi::Mppi;
+use zeronav_motion::Twist;
 use zeronav_msgs::Pose;
 
 /// With fewer samples than on the robot, so that minutes of driving take seconds.

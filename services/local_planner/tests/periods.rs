@@ -3,10 +3,10 @@
 mod support;
 
 use support::{Map, PERIOD_S, block, disc, path};
-use zeronav_local_planner::motion::{Twist, reachable};
 use zeronav_local_planner::period::BuildError;
 use zeronav_local_planner::staleness::{Ages, StaleInput};
 use zeronav_local_planner::{Inputs, LocalPlanner, LocalPlannerConfig, Outputs, PathInput};
+use zeronav_motion::{Twist, reachable};
 use zeronav_msgs::Pose;
 use zeronav_msgs::command::Validity;
 use zeronav_msgs::odometry::Odometry;

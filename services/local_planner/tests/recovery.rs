@@ -13,9 +13,9 @@ use support::whole::Whole;
 use support::{Loop, PERIOD_S, block, disc, goal_at, jackal, path};
 use zeronav_local_planner::LocalPlannerConfig;
 use zeronav_local_planner::config::RecoveryConfig;
-use zeronav_local_planner::motion::Twist;
 use zeronav_local_planner::recovery::{Behaviour, Cause, Facts, Reason, Recovery, Transition};
 use zeronav_local_planner::table::CONTROLLERS;
+use zeronav_motion::Twist;
 use zeronav_msgs::Pose;
 use zeronav_msgs::command::Validity;
 use zeronav_msgs::pose::wrap_angle;
@@ -337,7 +337,7 @@ fn a_way_that_never_opens_ends_with_a_cause_and_without_contact() {
     let mut whole = Whole::new(&config);
     for _ in 0..4000 {
         run.step(&mut whole);
-        if whole.state() == Some(TaskState::Failed) && run.twist.is_standing() {
+        if whole.state() == Some(TaskState::Failed) && run.twist.is_stopped() {
             break;
         }
     }

@@ -20,7 +20,7 @@ fn at_the_end_of_an_aisle(behind: bool) -> (bool, f64) {
     let corners = path(&[(1.0, 0.9), (7.0, 0.9)]);
     let mut run = Loop::new(jackal(), &walls, (8.0, 1.8), start, corners);
     let mut whole = Whole::new(&LocalPlannerConfig::default());
-    let ends = |run: &Loop| run.twist.is_standing() && run.pose.x_m > 4.0;
+    let ends = |run: &Loop| run.twist.is_stopped() && run.pose.x_m > 4.0;
     for _ in 0..1000 {
         run.step(&mut whole);
         if ends(&run) {

@@ -1,8 +1,8 @@
 //! The task machine: what becomes of goals.
 
 use zeronav_local_planner::config::TaskConfig;
-use zeronav_local_planner::motion::Twist;
 use zeronav_local_planner::task::{TaskInputs, TaskMachine, TaskStep};
+use zeronav_motion::Twist;
 use zeronav_msgs::Pose;
 use zeronav_msgs::path::PathStatus;
 use zeronav_msgs::task::{EndReason, Goal, Task, TaskKind, TaskState};

@@ -145,7 +145,7 @@ impl Belief {
         let mut belief = Self {
             obstacle_range_m: config.obstacle_range_m,
             raytrace_range_m: config.raytrace_range_m,
-            moving_age_ns: crate::config::nanoseconds(config.moving_age_s),
+            moving_age_ns: zeronav_msgs::time::nanoseconds(config.moving_age_s),
             blocks_beside: inscribed_radius_m
                 >= core::f64::consts::FRAC_1_SQRT_2 * geometry.resolution_m,
             ..Self::blank(geometry, config.log_odds)

@@ -276,24 +276,6 @@ impl LogOdds {
     }
 }
 
-/// A duration as whole nanoseconds; saturates.
-#[must_use]
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "float to int saturates"
-)]
-pub fn nanoseconds(duration_s: f64) -> u64 {
-    (duration_s * 1.0e9).round() as u64
-}
-
-/// A duration in seconds.
-#[must_use]
-#[allow(clippy::cast_precision_loss, reason = "exact up to 104 days")]
-pub fn seconds(duration_ns: u64) -> f64 {
-    duration_ns as f64 * 1.0e-9
-}
-
 /// `Ok` when `ok`; otherwise names the field.
 ///
 /// # Errors

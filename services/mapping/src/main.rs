@@ -4,7 +4,6 @@ mod told;
 
 use nalgebra::Point2;
 use std::process::ExitCode;
-use zeronav_mapping::config::nanoseconds;
 use zeronav_mapping::{Mapping, MappingConfig, MappingError, Observation, TileIndex, all_tiles};
 use zeronav_msgs::grid::GridGeometry;
 use zeronav_msgs::header::{Id, Parents};
@@ -15,6 +14,7 @@ use zeronav_msgs::pose::Pose;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::span::SpanKind;
 use zeronav_msgs::task::{TaskKind, TaskState as State};
+use zeronav_msgs::time::nanoseconds;
 use zeronav_msgs::topics::{
     EVENT_NEED_KEYFRAME, MapKeyframe, MapObstacles, MapUpdate, RobotDescription, RobotOdometry,
     RobotScan, TaskState,

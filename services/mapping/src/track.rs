@@ -1,12 +1,12 @@
 //! One thing that is followed from scan to scan.
 
-use crate::config::seconds;
 use crate::fit::Place;
 use crate::form::Form;
 use crate::kalman::ConstantVelocity;
 use nalgebra::Point2;
 use zeronav_msgs::message::SPEED_MAX;
 use zeronav_msgs::obstacles::Obstacle;
+use zeronav_msgs::time::seconds;
 
 /// Standard deviation of the speed of what has just appeared. [m/s]
 const NEW_SPEED_SIGMA_MPS: f64 = 1.0;

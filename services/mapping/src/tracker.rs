@@ -7,7 +7,7 @@
 
 use crate::beams::Beams;
 use crate::clusters::{Cluster, Clusters};
-use crate::config::{MappingError, ensure, nanoseconds, seconds};
+use crate::config::{MappingError, ensure};
 use crate::fit::{Fit, Place, disc_through, fit};
 use crate::form::Form;
 use crate::past_scans::PastScans;
@@ -17,6 +17,7 @@ use serde::{Deserialize, Serialize};
 use zeronav_msgs::Pose;
 use zeronav_msgs::obstacles::{OBSTACLES_MAX, Obstacle};
 use zeronav_msgs::scan::Scan;
+use zeronav_msgs::time::{nanoseconds, seconds};
 
 /// 99 % of a chi-squared variable with two degrees of freedom lie below.
 const GATE: f64 = 9.21;

@@ -6,10 +6,12 @@
 //! At a contact the robot stands where it was still free. From there it may move wherever it does
 //! not get nearer to what it touches.
 
-use crate::drive::{DriveState, Motion, Twist};
+use crate::drive::{DriveState, Motion};
 use crate::obstacles::Obstacle;
 use crate::overlap::signed_distance_m;
+use zeronav_motion::Twist;
 use zeronav_msgs::Pose;
+use zeronav_msgs::time::{nanoseconds, seconds};
 use zeronav_world::{Convex, Footprint, World};
 
 /// Distance from which two things touch. [m]
@@ -231,7 +233,7 @@ impl Body {
         Advance {
             end: DriveState {
                 pose,
-                twist: Twist::ZERO,
+                twist: Twist::REST,
             },
             driven_m: motion.driven_m(at_s),
             stopped: Some((at_s, pose)),
@@ -303,27 +305,18 @@ impl Scene<'_> {
         self.world.convex_distance_m(robot, self.horizon_m)
     }
 
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "seconds of one tick, not negative"
-    )]
     fn run_ns(&self, at_s: f64) -> u64 {
-        self.from_run_ns + (at_s * 1.0e9).round() as u64
+        self.from_run_ns + nanoseconds(at_s)
     }
 
     /// Seconds into the tick at which the next obstacle after `now_s` appears or is somewhere else
     /// at once.
-    #[allow(
-        clippy::cast_precision_loss,
-        reason = "a difference within a tick; far ones need no precision"
-    )]
     fn next_jump_s(&self, now_s: f64) -> f64 {
         let now_ns = self.run_ns(now_s);
         self.obstacles
             .iter()
             .filter_map(|obstacle| obstacle.next_jump_run_ns(now_ns))
-            .map(|jump_ns| (jump_ns - self.from_run_ns) as f64 * 1.0e-9)
+            .map(|jump_ns| seconds(jump_ns - self.from_run_ns))
             .fold(f64::INFINITY, f64::min)
     }
 }

@@ -1,7 +1,7 @@
 //! The time between a command's arrival and its taking effect.
 
-use crate::drive::Twist;
 use std::collections::VecDeque;
+use zeronav_motion::Twist;
 
 /// Most commands on their way; with more, the oldest takes effect early.
 const COMMANDS_MAX: usize = 16_384;

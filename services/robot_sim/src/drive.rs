@@ -5,24 +5,8 @@
 //! scans fall between ticks.
 
 use crate::phase::{Phase, Ramp};
+use zeronav_motion::Twist;
 use zeronav_msgs::Pose;
-
-/// Velocity of the robot in `base`.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Twist {
-    /// [m/s] forward.
-    pub v_mps: f64,
-    /// [rad/s] counter-clockwise.
-    pub w_radps: f64,
-}
-
-impl Twist {
-    /// Standing still.
-    pub const ZERO: Self = Self {
-        v_mps: 0.0,
-        w_radps: 0.0,
-    };
-}
 
 /// Where the robot is and how it moves.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -55,7 +39,7 @@ impl DriveLimits {
     #[must_use]
     pub fn clamp(&self, asked: Twist) -> Twist {
         if asked.v_mps.is_nan() || asked.w_radps.is_nan() {
-            return Twist::ZERO;
+            return Twist::REST;
         }
         Twist {
             v_mps: asked.v_mps.clamp(self.v_mps_min, self.v_mps_max),
@@ -191,7 +175,7 @@ impl Motion {
             .iter()
             .map(|phase| phase.start.twist)
             .chain([end.twist])
-            .fold(Twist::ZERO, |most, twist| Twist {
+            .fold(Twist::REST, |most, twist| Twist {
                 v_mps: most.v_mps.max(twist.v_mps.abs()),
                 w_radps: most.w_radps.max(twist.w_radps.abs()),
             })
@@ -299,13 +283,13 @@ mod tests {
     #[test]
     fn the_stop_distance_is_v_squared_over_twice_the_brake() {
         let start = state(Pose::new(0.0, 0.0, PI / 6.0), 1.5, 0.0);
-        let motion = Motion::towards(start, Twist::ZERO, &LIMITS, 2.0);
+        let motion = Motion::towards(start, Twist::REST, &LIMITS, 2.0);
         let stop_m = 1.5 * 1.5 / (2.0 * 2.0);
         let end = motion.at(2.0);
         close(end.pose.distance_m(&start.pose), stop_m, 1e-12);
         close(motion.driven_m(2.0), stop_m, 1e-12);
         close(end.pose.y_m, 0.5 * stop_m, 1e-12);
-        assert_eq!(end.twist, Twist::ZERO);
+        assert_eq!(end.twist, Twist::REST);
         close(motion.at(0.75 - 1e-6).twist.v_mps, 2e-6, 1e-12);
     }
 
@@ -398,14 +382,14 @@ mod tests {
         assert_eq!(LIMITS.clamp(twist(9.0, -9.0)), twist(1.5, -2.0));
         assert_eq!(LIMITS.clamp(twist(-9.0, 0.1)), twist(-0.5, 0.1));
         assert_eq!(LIMITS.clamp(twist(f64::INFINITY, 0.0)), twist(1.5, 0.0));
-        assert_eq!(LIMITS.clamp(twist(f64::NAN, 1.0)), Twist::ZERO);
-        assert_eq!(LIMITS.clamp(twist(1.0, f64::NAN)), Twist::ZERO);
+        assert_eq!(LIMITS.clamp(twist(f64::NAN, 1.0)), Twist::REST);
+        assert_eq!(LIMITS.clamp(twist(1.0, f64::NAN)), Twist::REST);
     }
 
     #[test]
     fn no_time_is_no_motion() {
         let start = state(Pose::new(1.0, 1.0, 1.0), 1.0, 1.0);
-        let motion = Motion::towards(start, Twist::ZERO, &LIMITS, 0.0);
+        let motion = Motion::towards(start, Twist::REST, &LIMITS, 0.0);
         assert_eq!(motion.at(0.0), start);
         assert_eq!(motion.at(5.0), start);
         close(motion.driven_m(1.0), 0.0, 0.0);

@@ -1,8 +1,8 @@
 //! What breaks by script: which faults hold at a moment, and what they do to a scan.
 
-use crate::obstacles::nanoseconds;
 use crate::slip::Grip;
 use zeronav_msgs::Pose;
+use zeronav_msgs::time::nanoseconds;
 use zeronav_world::FaultSpec;
 use zeronav_world::faults::Blackout;
 

@@ -3,6 +3,7 @@
 use crate::drive::Motion;
 use std::collections::VecDeque;
 use zeronav_msgs::Pose;
+use zeronav_msgs::time::seconds;
 
 /// The motion of one tick.
 #[derive(Debug, Clone)]
@@ -63,12 +64,8 @@ impl History {
 }
 
 impl Stretch {
-    #[allow(
-        clippy::cast_precision_loss,
-        reason = "a tick or less, exact in nanoseconds"
-    )]
     fn at(&self, run_ns: u64) -> Pose {
-        let into_s = run_ns.saturating_sub(self.from_run_ns) as f64 * 1.0e-9;
+        let into_s = seconds(run_ns.saturating_sub(self.from_run_ns));
         match self.stopped {
             Some((at_s, pose)) if into_s >= at_s => pose,
             _ => self.motion.at(into_s).pose,
@@ -79,7 +76,8 @@ impl Stretch {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::drive::{DriveLimits, DriveState, Twist};
+    use crate::drive::{DriveLimits, DriveState};
+    use zeronav_motion::Twist;
 
     const TICK_NS: u64 = 20_000_000;
 

@@ -19,6 +19,7 @@ use parry2d::query::PointQuery;
 use zeronav_msgs::Pose;
 use zeronav_msgs::pose::wrap_angle;
 use zeronav_msgs::scan::Scan;
+use zeronav_msgs::time::nanoseconds;
 use zeronav_world::{Convex, LidarSpec};
 
 /// Nothing, as the thing that a beam ended on.
@@ -112,7 +113,7 @@ impl Lidar {
             .collect();
         let age_ns = |beam: usize| {
             let beams_later = (n_beams - 1 - beam) as f64;
-            (beams_later * f64::from(scan.time_increment_s) * 1.0e9).round() as u64
+            nanoseconds(beams_later * f64::from(scan.time_increment_s))
         };
         Self {
             base_from_laser: Pose::new(spec.pose[0], spec.pose[1], spec.pose[2]),

@@ -4,6 +4,7 @@ use crate::bounce::Bounce;
 use nalgebra::Point2;
 use zeronav_msgs::Pose;
 use zeronav_msgs::pose::wrap_angle;
+use zeronav_msgs::time::{nanoseconds, seconds};
 use zeronav_world::spec::Trigger;
 use zeronav_world::track::Track;
 use zeronav_world::{Convex, World};
@@ -212,24 +213,10 @@ impl Obstacle {
     }
 
     /// How long it has been moving. [s]
-    #[allow(
-        clippy::cast_precision_loss,
-        reason = "exact for 104 days of nanoseconds"
-    )]
     fn moved_s(&self, run_ns: u64) -> f64 {
         let from_ns = self.moves_from_run_ns();
-        from_ns.map_or(0, |from_ns| run_ns.saturating_sub(from_ns)) as f64 * 1.0e-9
+        seconds(from_ns.map_or(0, |from_ns| run_ns.saturating_sub(from_ns)))
     }
-}
-
-/// Seconds of a scenario as nanoseconds of run time.
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "scenario times are at most 1e6 s and not negative"
-)]
-pub(crate) fn nanoseconds(seconds: f64) -> u64 {
-    (seconds * 1.0e9).round() as u64
 }
 
 /// A chain of points that is walked at constant speed.

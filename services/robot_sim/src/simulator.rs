@@ -4,19 +4,21 @@ use crate::config::SimConfig;
 use crate::contact::Body;
 use crate::delay::Delay;
 use crate::describe::{describe, limits_of};
-use crate::drive::{DriveLimits, DriveState, Motion, Twist};
+use crate::drive::{DriveLimits, DriveState, Motion};
 use crate::faults::Faults;
 use crate::history::{History, Stretch};
 use crate::lidar::Lidar;
-use crate::obstacles::{Obstacle, nanoseconds};
+use crate::obstacles::Obstacle;
 use crate::odometer::{Odometer, WheelMotion};
 use crate::scan_schedule::{DueScan, ScanSchedule};
 use crate::slip::{Grip, Slip};
 use crate::solid_grid::SolidGrid;
+use zeronav_motion::Twist;
 use zeronav_msgs::description::{Corner, Description};
 use zeronav_msgs::odometry::Odometry;
 use zeronav_msgs::pose::wrap_angle;
 use zeronav_msgs::scan::Scan;
+use zeronav_msgs::time::{nanoseconds, seconds};
 use zeronav_msgs::truth::{Placement, Truth, TruthObstacle};
 use zeronav_msgs::{Pose, Refusal};
 use zeronav_world::{
@@ -162,11 +164,11 @@ impl Simulator {
             slip: config.robot.slip.map(|slip| Slip::new(slip, seed)),
             faults: Faults::new(&config.robot.faults, config.robot.lidar.n_beams as usize),
             odometer: odometer_of(&config.robot, seed, start),
-            wheels: Twist::ZERO,
+            wheels: Twist::REST,
             history: History::new(start, sweep_ns),
             state: DriveState {
                 pose: start,
-                twist: Twist::ZERO,
+                twist: Twist::REST,
             },
             run_ns: 0,
             driven_m: 0.0,
@@ -235,7 +237,7 @@ impl Simulator {
             Some(set_point) if command_age_ns <= self.command_timeout_ns => {
                 (set_point, &self.limits)
             }
-            _ => (Twist::ZERO, &self.limits_alone),
+            _ => (Twist::REST, &self.limits_alone),
         };
         let duration_s = seconds(run_ns - from_run_ns);
         let start = DriveState {
@@ -260,7 +262,7 @@ impl Simulator {
         // What stops the robot stops its wheels.
         let moved_s = advance.stopped.map_or(duration_s, |(at_s, _)| at_s);
         self.wheels = match advance.stopped {
-            Some(_) => Twist::ZERO,
+            Some(_) => Twist::REST,
             None => wheels.at(duration_s).twist,
         };
         if let Some(odometer) = &mut self.odometer {
@@ -289,8 +291,8 @@ impl Simulator {
             .body
             .settle(&self.state, &self.world, &self.obstacles, run_ns)
         {
-            self.state.twist = Twist::ZERO;
-            self.wheels = Twist::ZERO;
+            self.state.twist = Twist::REST;
+            self.wheels = Twist::REST;
         }
         self.beams_on.fill(0);
     }
@@ -485,14 +487,6 @@ fn check_start(
         }
     }
     Ok(())
-}
-
-#[allow(
-    clippy::cast_precision_loss,
-    reason = "a tick or less, exact in nanoseconds"
-)]
-fn seconds(ns: u64) -> f64 {
-    ns as f64 * 1.0e-9
 }
 
 #[cfg(test)]

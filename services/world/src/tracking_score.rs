@@ -4,6 +4,7 @@
 
 use nalgebra::{Point2, Vector2};
 use zeronav_msgs::obstacles::Obstacle;
+use zeronav_msgs::time::seconds;
 use zeronav_msgs::truth::TruthObstacle;
 
 /// A tracked obstacle is this one when it is no farther from it. [m]
@@ -14,14 +15,6 @@ const MOVING_MPS: f64 = 0.1;
 
 /// Beams on a moving obstacle from which on it should be found.
 const BEAMS_MIN: u32 = 3;
-
-#[allow(
-    clippy::cast_precision_loss,
-    reason = "times of a run are far below 2^53 ns"
-)]
-fn seconds(ns: u64) -> f64 {
-    ns as f64 * 1.0e-9
-}
 
 /// A true obstacle from scan to scan.
 #[derive(Debug, Clone, Copy)]

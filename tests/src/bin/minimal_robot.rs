@@ -11,6 +11,7 @@ use zeronav_msgs::pose::{Pose, wrap_angle};
 use zeronav_msgs::role::Role;
 use zeronav_msgs::scan::Scan;
 use zeronav_msgs::span::SpanKind;
+use zeronav_msgs::time::{nanoseconds, seconds};
 use zeronav_msgs::topics::{GroundTruth, RobotCommand, RobotDescription, RobotOdometry, RobotScan};
 use zeronav_msgs::truth::Truth;
 use zeronav_shell::clock::now_ns;
@@ -285,23 +286,6 @@ impl MinimalRobot {
             ..Scan::default()
         }
     }
-}
-
-#[allow(
-    clippy::cast_precision_loss,
-    reason = "a control period is far below 2^53 ns"
-)]
-fn seconds(ns: u64) -> f64 {
-    ns as f64 * 1.0e-9
-}
-
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "checked to be positive and below a day"
-)]
-fn nanoseconds(seconds: f64) -> u64 {
-    (seconds * 1.0e9).round() as u64
 }
 
 fn main() -> ExitCode {

@@ -4,10 +4,10 @@ use super::Dwa;
 use super::row::Worth;
 use crate::config::DwaWeights;
 use crate::controller::Situation;
-use crate::motion::Twist;
 use crate::progress::Place;
 use crate::window::{Range, Window};
 use nalgebra::Vector2;
+use zeronav_motion::Twist;
 
 /// [m/s] slowest speed asked for at a corner, and speed at which a robot that must turn steers.
 pub(super) const CREEP_MPS: f64 = 0.12;

@@ -2,9 +2,9 @@
 
 use super::{Dwa, Mode, Wish};
 use crate::controller::Situation;
-use crate::motion::{Twist, reachable, towards_rest};
 use crate::progress::Place;
 use crate::turn;
+use zeronav_motion::{Twist, reachable, towards_rest};
 use zeronav_msgs::command::Validity;
 use zeronav_msgs::pose::wrap_angle;
 
@@ -75,7 +75,7 @@ impl Dwa {
         let (direction, limit_rad) = match self.mode {
             Mode::Turn(direction) => (direction, config.turn_until_rad),
             _ if stuck => (0.0, config.turn_until_rad),
-            _ if from.is_standing() => (0.0, config.turn_above_standing_rad),
+            _ if from.is_stopped() => (0.0, config.turn_above_standing_rad),
             _ if from.v_mps.abs() < TURN_FROM_MPS => (0.0, config.turn_above_rad),
             _ => return None,
         };

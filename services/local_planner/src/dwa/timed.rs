@@ -17,13 +17,13 @@ use crate::controller::Situation;
 use crate::fan::Fan;
 use crate::funnel::{Funnel, FunnelInputs};
 use crate::lanes::{LANES_MAX, WIDTH, rate};
-use crate::motion::{Twist, stop_angle_rad, stop_distance_m};
 use crate::moving::Growth;
 use crate::progress::Place;
 use crate::rollout::{Outcome, TURNING_MPS};
 use crate::surroundings::narrow;
 use crate::window::Window;
 use nalgebra::Point2;
+use zeronav_motion::{Twist, stop_angle_rad, stop_distance_m};
 use zeronav_msgs::MapView;
 use zeronav_msgs::scan::BEAMS_MAX;
 
@@ -132,7 +132,7 @@ impl Dwa {
         let open = ((space_m - soft_m) / soft_m).clamp(0.0, 1.0);
         let open_s = PATH_HORIZON_S.max(tight_s);
         let creep_mps = CREEP_MPS.min(0.25 * v_mps_max);
-        let creeping = !self.last.is_standing() && self.last.v_mps.abs() < creep_mps;
+        let creeping = !self.last.is_stopped() && self.last.v_mps.abs() < creep_mps;
         if creeping && self.mode == Mode::Follow {
             return open_s;
         }

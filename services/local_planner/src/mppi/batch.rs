@@ -223,9 +223,9 @@ pub(crate) fn most(a: f32, b: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::motion::Twist;
-    use crate::motion::tests::reversing as robot;
+    use crate::test_robot::robot;
     use nalgebra::Point2;
+    use zeronav_motion::Twist;
     use zeronav_msgs::Pose;
     use zeronav_msgs::description::Description;
 

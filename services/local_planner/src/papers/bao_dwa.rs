@@ -5,7 +5,7 @@
 //! divided by its sum over the admissible set, sigma the identity), exact arcs, a local goal at a
 //! look-ahead along the path.
 
-use crate::motion::Twist;
+use zeronav_motion::Twist;
 use zeronav_msgs::description::Description;
 
 /// [m/s] between sampled speeds.

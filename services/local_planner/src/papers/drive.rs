@@ -10,13 +10,13 @@ use super::scene::{Body, Extent, Law, Push, Scene};
 use crate::config::{DwaConfig, ShapingConfig};
 use crate::controller::{Controller, Decision, Situation};
 use crate::local_path::LocalPath;
-use crate::motion::{Twist, stop_distance_m, towards_rest};
 use crate::moving::{Growth, Moving};
 use crate::progress::PathTracker;
 use crate::shaping::Shaper;
 use crate::surroundings::{LocalPose, Reach, Surroundings, narrow};
 use crate::turn;
 use nalgebra::{Point2, Vector2};
+use zeronav_motion::{Twist, stop_distance_m, towards_rest};
 use zeronav_msgs::command::Validity;
 use zeronav_msgs::pose::wrap_angle;
 
@@ -244,7 +244,7 @@ impl Driver {
             turn::rate_radps(robot, goal_in_base.y.atan2(goal_in_base.x)),
         );
         match best {
-            Some(twist) if twist.v_mps > STANDING_MPS || !from.is_standing() => Ok(twist),
+            Some(twist) if twist.v_mps > STANDING_MPS || !from.is_stopped() => Ok(twist),
             _ if from.v_mps < STANDING_MPS => Ok(turning),
             _ => Err(Validity::Blocked),
         }
@@ -353,7 +353,7 @@ impl Controller for Driver {
             Err(Validity::NoPath)
         };
         let (twist, validity, braking_arc_m) = self.publish(situation, from, wish);
-        let idle = twist.is_standing() && validity == Validity::Drive;
+        let idle = twist.is_stopped() && validity == Validity::Drive;
         self.blocked_s = if idle {
             self.blocked_s + situation.period_s
         } else {

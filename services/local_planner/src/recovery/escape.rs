@@ -6,11 +6,11 @@
 use super::trail::Trail;
 use crate::config::{DwaConfig, RecoveryConfig};
 use crate::controller::{Decision, Situation};
-use crate::motion::{Twist, stop_distance_m, towards_rest};
 use crate::moving::{Growth, Moving};
 use crate::shaping::Shaper;
 use crate::surroundings::{Reach, Surroundings};
 use crate::turn;
+use zeronav_motion::{Twist, stop_distance_m, towards_rest};
 use zeronav_msgs::Pose;
 use zeronav_msgs::command::Validity;
 

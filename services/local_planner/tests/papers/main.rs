@@ -20,7 +20,6 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
 use support::{Loop, block, disc, path};
 use zeronav_local_planner::LocalPlannerConfig;
-use zeronav_local_planner::motion::Twist;
 use zeronav_local_planner::papers::bao_dwa::{BaoWeights, Sample, choose, is_admissible, window};
 use zeronav_local_planner::papers::fit::{FitError, fit, fit_literal};
 use zeronav_local_planner::papers::ju_apf::JuApf;
@@ -41,6 +40,7 @@ use zeronav_local_planner::papers::zm_rep::ZmRep;
 use zeronav_local_planner::papers::zm_rv::ZmRv;
 use zeronav_local_planner::papers::{Body, Extent, Law, Push, Scene};
 use zeronav_local_planner::table::controller;
+use zeronav_motion::Twist;
 use zeronav_msgs::Pose;
 use zeronav_msgs::path::Waypoint;
 

@@ -66,7 +66,7 @@ pub(crate) fn cross(
         if run.twist.v_mps.abs() > 0.05 {
             moving_m = moving_m.min(distance_m);
         }
-        if run.pose.distance_m(&run.goal.pose) < run.goal.tolerance_m && run.twist.is_standing() {
+        if run.pose.distance_m(&run.goal.pose) < run.goal.tolerance_m && run.twist.is_stopped() {
             return (moving_m, any_m, Some(run.time_s));
         }
     }

@@ -174,7 +174,7 @@ fn a_box_dropped_ahead_stops_the_robot_and_a_new_path_frees_it() {
         }
         println!("stopped {:.3} m before the box", run.least_m);
         assert!(told, "nobody said that the path is blocked");
-        assert!(run.twist.is_standing());
+        assert!(run.twist.is_stopped());
         assert!(run.least_m > 0.02);
         let last = run.history.last().expect("decisions were made");
         assert_eq!(last.validity, Validity::Blocked);

@@ -13,7 +13,7 @@ mod world;
 
 use nalgebra::{Point2, Vector2};
 use zeronav_local_planner::controller::{Controller, Decision, Situation};
-use zeronav_local_planner::motion::{Twist, reachable, stop_distance_m};
+use zeronav_motion::{Twist, reachable, stop_distance_m};
 use zeronav_msgs::Pose;
 use zeronav_msgs::command::Validity;
 use zeronav_msgs::description::{Corner, Description};
@@ -283,7 +283,7 @@ impl Loop {
     pub(crate) fn run(&mut self, controller: &mut dyn Controller, limit_s: f64) -> bool {
         let end_s = self.time_s + limit_s;
         while self.time_s < end_s {
-            if self.step(controller).validity == Validity::AtGoal && self.twist.is_standing() {
+            if self.step(controller).validity == Validity::AtGoal && self.twist.is_stopped() {
                 return true;
             }
         }
