@@ -6,7 +6,9 @@
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use zeronav_local_planner::beam::Beam;
-use zeronav_local_planner::config::{BeamConfig, DwaConfig, DwaTConfig};
+use zeronav_local_planner::beam::options::BeamConfig;
+use zeronav_local_planner::dwa::options::DwaConfig;
+use zeronav_local_planner::dwa_t::options::DwaTConfig;
 
 mod aisle;
 use aisle::{Aisle, crowd, disc, jackal, scan};

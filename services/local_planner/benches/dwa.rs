@@ -5,8 +5,9 @@
 //! `cargo bench -p zeronav-local-planner --no-default-features`
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use zeronav_local_planner::config::{DwaConfig, DwaTConfig};
 use zeronav_local_planner::dwa::Dwa;
+use zeronav_local_planner::dwa::options::DwaConfig;
+use zeronav_local_planner::dwa_t::options::DwaTConfig;
 
 mod aisle;
 use aisle::{Aisle, crowd, disc, jackal, scan};

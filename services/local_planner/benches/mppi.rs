@@ -5,8 +5,10 @@
 //! `cargo bench -p zeronav-local-planner --no-default-features --bench mppi`
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use zeronav_local_planner::config::{DwaConfig, DwaTConfig, MppiConfig};
+use zeronav_local_planner::dwa::options::DwaConfig;
+use zeronav_local_planner::dwa_t::options::DwaTConfig;
 use zeronav_local_planner::mppi::Mppi;
+use zeronav_local_planner::mppi::options::MppiConfig;
 
 mod aisle;
 use aisle::{Aisle, crowd, disc, jackal, scan};

@@ -18,18 +18,20 @@
 //! - Where nobody walks near, at the goal, and for the exact check of what is published it is
 //!   `dwa_t`.
 
+pub mod options;
 mod scene;
 mod visited;
 
-use crate::config::{BeamConfig, DwaConfig, DwaTConfig, ShapingConfig};
+use crate::beam::options::BeamConfig;
 use crate::controller::{Controller, Decision, Situation};
 use crate::dwa::Dwa;
+use crate::dwa::options::DwaConfig;
+use crate::dwa_t::options::DwaTConfig;
 use crate::refine::{Refine, Sight};
+use crate::shaping::ShapingConfig;
 use crate::surroundings::narrow;
-pub(crate) use scene::LOOKS;
-use scene::{Scene, State};
+use scene::{LOOKS, Scene, State};
 use visited::Visited;
-pub(crate) use visited::WIDTH_MAX;
 use zeronav_motion::Twist;
 use zeronav_msgs::obstacles::OBSTACLES_MAX;
 

@@ -21,11 +21,13 @@
 
 mod guidance;
 mod manoeuvre;
+pub mod options;
 pub(crate) mod row;
 mod timed;
 
-use crate::config::{DwaConfig, DwaTConfig, ShapingConfig};
 use crate::controller::{Controller, Decision, Situation};
+use crate::dwa::options::DwaConfig;
+use crate::dwa_t::options::DwaTConfig;
 use crate::funnel::Funnel;
 use crate::local_path::LocalPath;
 use crate::moving::Moving;
@@ -33,6 +35,7 @@ use crate::progress::{PathTracker, Place};
 use crate::refine::{Refine, Sight};
 use crate::rollout::Rollouts;
 use crate::shaping::Shaper;
+use crate::shaping::ShapingConfig;
 use crate::standing::StandingMap;
 use crate::surroundings::{Reach, Surroundings};
 use timed::Timed;

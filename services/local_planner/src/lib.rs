@@ -12,6 +12,11 @@ pub mod config;
 pub mod controller;
 mod critics;
 pub mod dwa;
+pub mod dwa_t {
+    //! The dynamic window in time.
+
+    pub mod options;
+}
 mod fan;
 mod field;
 mod footprint;

@@ -1,7 +1,6 @@
 //! The local planner as a process: answers every odometry, scan and path with a velocity request.
 
 use std::process::ExitCode;
-use zeronav_local_planner::config::ConfigError;
 use zeronav_local_planner::period::BuildError;
 use zeronav_local_planner::recovery::Behaviour;
 use zeronav_local_planner::scan_points::ScanPoints;
@@ -174,16 +173,7 @@ fn unusable(error: BuildError) -> StartError {
             let known = CONTROLLERS.iter().map(|row| row.key);
             StartError::config("controller", unknown("controller", &key, known))
         }
-        BuildError::Config(error) => {
-            let ConfigError {
-                field,
-                value,
-                least,
-                most,
-            } = error;
-            let why = format!("must be a number from {least} to {most}, not {value:?}");
-            StartError::config(field, why)
-        }
+        BuildError::Config(error) => error.into(),
     }
 }
 

@@ -1,5 +1,6 @@
 //! Where tracked obstacles will be: discs that drive on and grow less and less certain.
 
+use crate::dwa_t::options::DwaTConfig;
 use crate::surroundings::narrow;
 use nalgebra::{Point2, Vector2};
 use zeronav_msgs::Pose;
@@ -28,13 +29,19 @@ pub(crate) struct Growth {
     pub(crate) most_m: f64,
 }
 
+impl From<&DwaTConfig> for Growth {
+    fn from(config: &DwaTConfig) -> Self {
+        Self {
+            sigmas: config.growth_sigmas,
+            least_mps: config.growth_mps_min,
+            most_m: config.growth_m_max,
+        }
+    }
+}
+
 impl Default for Growth {
     fn default() -> Self {
-        Self {
-            sigmas: 1.0,
-            least_mps: 0.08,
-            most_m: 0.5,
-        }
+        Self::from(&DwaTConfig::default())
     }
 }
 

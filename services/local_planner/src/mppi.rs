@@ -19,14 +19,18 @@
 pub(crate) mod batch;
 mod limits;
 mod noise;
+pub mod options;
 mod plan;
 
-use crate::config::{DwaConfig, DwaTConfig, MppiConfig, ShapingConfig};
 use crate::controller::{Controller, Decision, Situation};
 use crate::critics::{CRITICS, Scene};
 use crate::dwa::Dwa;
+use crate::dwa::options::DwaConfig;
+use crate::dwa_t::options::DwaTConfig;
 use crate::local_path::LocalPath;
+use crate::mppi::options::MppiConfig;
 use crate::refine::{Refine, Sight};
+use crate::shaping::ShapingConfig;
 use crate::surroundings::narrow;
 use batch::{Batch, LANES, Lanes};
 use limits::Limits;

@@ -1,6 +1,6 @@
 //! One control period of the local planner.
 
-use crate::config::{ConfigError, LocalPlannerConfig};
+use crate::config::LocalPlannerConfig;
 use crate::controller::{Controller, Decision, Situation};
 use crate::progress::{PathTracker, Place};
 use crate::recovery::escape::Escape;
@@ -22,6 +22,7 @@ use zeronav_msgs::request::PlanRequest;
 use zeronav_msgs::task::{Goal, GoalEnd, StuckCause, Task, TaskState, TaskStatus};
 use zeronav_msgs::time::seconds;
 use zeronav_msgs::{MapView, Pose};
+use zeronav_params::ParameterError;
 
 /// The newest path message.
 #[derive(Debug, Clone, Copy)]
@@ -90,7 +91,7 @@ pub struct Outputs {
 pub enum BuildError {
     /// A number of the configuration is out of range.
     #[error(transparent)]
-    Config(#[from] ConfigError),
+    Config(#[from] ParameterError),
     /// The configuration names a controller that there is not.
     #[error(transparent)]
     Controller(#[from] UnknownController),
@@ -160,7 +161,7 @@ impl LocalPlanner {
     /// # Errors
     /// [`BuildError`] when the configuration is not usable.
     pub fn new(config: &LocalPlannerConfig) -> Result<Self, BuildError> {
-        config.check()?;
+        zeronav_params::check(config)?;
         let row = controller(&config.controller)?;
         let recovers = config.recovery.enabled && (config.recovery.for_papers || !row.of_a_paper);
         let mut of_controller = config.clone();

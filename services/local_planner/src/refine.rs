@@ -3,8 +3,8 @@
 //! Where to go, when to turn on the spot, arriving, what must stay free and the check before a twist
 //! is published remain those of [`crate::dwa`], so that they exist once.
 
-use crate::config::DwaConfig;
 use crate::controller::Situation;
+use crate::dwa::options::DwaConfig;
 use crate::funnel::Funnel;
 use crate::moving::Moving;
 use crate::progress::{PathTracker, Place};

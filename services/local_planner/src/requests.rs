@@ -1,8 +1,23 @@
 //! When the path at hand does not serve: asking for another one, not too often.
 
-use crate::config::RequestConfig;
 use zeronav_msgs::request::{PlanRequest, RequestReason};
 use zeronav_msgs::time::seconds;
+use zeronav_params::parameters;
+
+parameters! {
+    /// When another path is requested.
+    #[derive(Copy)]
+    pub struct RequestConfig {
+        /// Shortest run time between two requests.
+        every_s: f64 = 0.5, [0.0, 60.0] "s";
+        /// Distance beyond the braking distance within which a blocked path is reported.
+        blocked_zone_m: f64 = 0.5, [0.0, 100.0] "m";
+        /// Run time without an admissible motion after which the path counts as blocked.
+        blocked_after_s: f64 = 0.3, [0.0, 60.0] "s";
+        /// Distance from the path beyond which the robot is off it.
+        off_path_m: f64 = 0.6, [0.05, 100.0] "m";
+    }
+}
 
 /// What a request is decided by.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -6,9 +6,28 @@
 //! ([`zeronav_motion::towards_rest`]): the verified stop brakes at once, and a limit there would only
 //! make it longer.
 
-use crate::config::ShapingConfig;
 use zeronav_motion::{Twist, reachable};
 use zeronav_msgs::description::Description;
+use zeronav_params::parameters;
+
+parameters! {
+    /// How fast accelerations change; emergency braking is exempt.
+    #[derive(Copy)]
+    pub struct ShapingConfig {
+        /// Largest jerk along the driving direction.
+        jerk_mps3: f64 = 300.0, [0.1, 1.0e6] "m/s^3";
+        /// Largest angular jerk.
+        jerk_radps3: f64 = 2000.0, [0.1, 1.0e6] "rad/s^3";
+    }
+}
+
+impl ShapingConfig {
+    /// Accelerations may jump.
+    pub const OFF: Self = Self {
+        jerk_mps3: 1.0e6,
+        jerk_radps3: 1.0e6,
+    };
+}
 
 /// A speed that is none: whatever led to it has ended there. [m/s], [rad/s]
 const STANDING: f64 = 1.0e-9;

@@ -1,6 +1,25 @@
 //! How fast the robot may go by what it knows, given how old that is.
 
-use crate::config::StalenessConfig;
+use zeronav_params::parameters;
+
+parameters! {
+    /// How old inputs may be. Within the last part of an age the robot slows down, beyond it stops.
+    #[derive(Copy)]
+    pub struct StalenessConfig {
+        /// Age of a scan since its capture.
+        scan_age_s: f64 = 0.35, [0.01, 10.0] "s";
+        /// Age of odometry since its capture.
+        odometry_age_s: f64 = 0.1, [0.01, 10.0] "s";
+        /// Age of the map since the scan that it is current as of.
+        map_age_s: f64 = 1.0, [0.01, 60.0] "s";
+        /// Age of the path since it was last confirmed.
+        path_age_s: f64 = 1.5, [0.01, 60.0] "s";
+        /// Share of an age from which on the robot slows down.
+        slow_from: f64 = 0.7, [0.0, 1.0];
+        /// Share of the speed that is left just before the age ends.
+        slow_to: f64 = 0.3, [0.0, 1.0];
+    }
+}
 
 /// Ages of the inputs; `None` = never received. [ns]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

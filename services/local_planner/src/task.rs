@@ -1,6 +1,5 @@
 //! The task: which goal is at hand, and what became of the others.
 
-use crate::config::TaskConfig;
 use crate::stall::Stall;
 use zeronav_motion::Twist;
 use zeronav_msgs::Pose;
@@ -10,6 +9,30 @@ use zeronav_msgs::task::{
     EndReason, GOALS_MAX, Goal, GoalEnd, Task, TaskKind, TaskState, TaskStatus,
 };
 use zeronav_msgs::time::seconds;
+use zeronav_params::parameters;
+
+parameters! {
+    /// When a task has succeeded or failed.
+    #[derive(Copy)]
+    pub struct TaskConfig {
+        /// Run time that a planning failure must last, with the robot stopped, before the task
+        /// fails by it; a goal that a dynamic obstacle occupies is waited for.
+        failure_s: f64 = 1.0, [0.0, 600.0] "s";
+        /// The same for a goal that is blocked but was not before.
+        blocked_goal_s: f64 = 10.0, [0.0, 600.0] "s";
+        /// Decrease of the remaining path that counts as progress.
+        progress_m: f64 = 0.1, [0.001, 10.0] "m";
+        /// Run time without progress after which another path is requested.
+        no_progress_s: f64 = 10.0, [0.1, 3600.0] "s";
+        /// Run time without progress after which the task fails as stuck.
+        stuck_s: f64 = 30.0, [0.1, 3600.0] "s";
+        /// Speed below which the robot counts as stopped.
+        standing_mps: f64 = 0.02, [0.001, 1.0] "m/s";
+    }
+    relations |own| {
+        stuck_s: own.stuck_s >= own.no_progress_s, "must be at least no_progress_s";
+    }
+}
 
 /// [rad/s] below which a robot that does not drive stands.
 const STANDING_RADPS: f64 = 0.05;

@@ -4,10 +4,13 @@ mod support;
 
 use support::{Loop, block, disc, jackal, path};
 use zeronav_local_planner::beam::Beam;
-use zeronav_local_planner::config::{BeamConfig, DwaConfig, DwaTConfig, MppiConfig};
+use zeronav_local_planner::beam::options::BeamConfig;
 use zeronav_local_planner::controller::Controller;
 use zeronav_local_planner::dwa::Dwa;
+use zeronav_local_planner::dwa::options::DwaConfig;
+use zeronav_local_planner::dwa_t::options::DwaTConfig;
 use zeronav_local_planner::mppi::Mppi;
+use zeronav_local_planner::mppi::options::MppiConfig;
 use zeronav_msgs::Pose;
 use zeronav_msgs::obstacles::Obstacle;
 

@@ -7,8 +7,8 @@ mod support;
 mod dwa {
     use super::support::{Block, Loop, Robot, block, disc, goal_at, jackal, path};
     use core::f64::consts::{FRAC_PI_2, PI};
-    use zeronav_local_planner::config::DwaConfig;
     use zeronav_local_planner::dwa::Dwa;
+    use zeronav_local_planner::dwa::options::DwaConfig;
     use zeronav_msgs::Pose;
     use zeronav_msgs::command::Validity;
     use zeronav_msgs::pose::wrap_angle;
@@ -30,8 +30,9 @@ mod dwa {
 mod dwa_t {
     use super::support::{Block, Loop, Robot, block, disc, goal_at, jackal, path};
     use core::f64::consts::{FRAC_PI_2, PI};
-    use zeronav_local_planner::config::{DwaConfig, DwaTConfig};
     use zeronav_local_planner::dwa::Dwa;
+    use zeronav_local_planner::dwa::options::DwaConfig;
+    use zeronav_local_planner::dwa_t::options::DwaTConfig;
     use zeronav_msgs::Pose;
     use zeronav_msgs::command::Validity;
     use zeronav_msgs::pose::wrap_angle;

@@ -6,8 +6,9 @@ mod support;
 
 use support::cart::{Cart, cross};
 use support::{Loop, PERIOD_S, block, jackal, path};
-use zeronav_local_planner::config::{DwaConfig, DwaTConfig};
 use zeronav_local_planner::dwa::Dwa;
+use zeronav_local_planner::dwa::options::DwaConfig;
+use zeronav_local_planner::dwa_t::options::DwaTConfig;
 use zeronav_msgs::Pose;
 use zeronav_msgs::obstacles::Obstacle;
 

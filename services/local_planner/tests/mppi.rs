@@ -7,8 +7,10 @@ mod support;
 
 use support::cart::{Cart, cross};
 use support::{Loop, block, jackal, path};
-use zeronav_local_planner::config::{DwaConfig, DwaTConfig, MppiConfig};
+use zeronav_local_planner::dwa::options::DwaConfig;
+use zeronav_local_planner::dwa_t::options::DwaTConfig;
 use zeronav_local_planner::mppi::Mppi;
+use zeronav_local_planner::mppi::options::MppiConfig;
 use zeronav_motion::Twist;
 use zeronav_msgs::Pose;
 

@@ -12,7 +12,7 @@ use proptest::prelude::*;
 use support::whole::Whole;
 use support::{Loop, PERIOD_S, block, disc, goal_at, jackal, path};
 use zeronav_local_planner::LocalPlannerConfig;
-use zeronav_local_planner::config::RecoveryConfig;
+use zeronav_local_planner::recovery::RecoveryConfig;
 use zeronav_local_planner::recovery::{Behaviour, Cause, Facts, Reason, Recovery, Transition};
 use zeronav_local_planner::table::CONTROLLERS;
 use zeronav_motion::Twist;

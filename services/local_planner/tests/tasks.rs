@@ -1,6 +1,6 @@
 //! The task machine: what becomes of goals.
 
-use zeronav_local_planner::config::TaskConfig;
+use zeronav_local_planner::task::TaskConfig;
 use zeronav_local_planner::task::{TaskInputs, TaskMachine, TaskStep};
 use zeronav_motion::Twist;
 use zeronav_msgs::Pose;

@@ -1,6 +1,7 @@
 //! Why a process could not start, and the exit code that says so.
 
 use std::process::ExitCode;
+use zeronav_params::ParameterError;
 
 /// Exit code of a process that stopped because it was asked to.
 pub const EXIT_STOPPED: u8 = 0;
@@ -54,6 +55,13 @@ pub enum StartError {
         /// What came back.
         why: String,
     },
+}
+
+impl From<ParameterError> for StartError {
+    fn from(error: ParameterError) -> Self {
+        let why = format!("{}, not {}", error.rule, error.value);
+        Self::config(error.path, why)
+    }
 }
 
 impl StartError {

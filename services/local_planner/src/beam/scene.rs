@@ -1,7 +1,7 @@
 //! What a search drives through: how the robot moves, what is in its way, what that costs.
 
 use super::Node;
-use crate::config::BeamConfig;
+use crate::beam::options::BeamConfig;
 use crate::funnel::Funnel;
 use crate::moving::Moving;
 use crate::surroundings::{LocalPose, Surroundings, narrow};
@@ -10,7 +10,15 @@ use zeronav_msgs::Pose;
 use zeronav_msgs::description::Description;
 
 /// Poses of a manoeuvre that are looked at.
-pub(crate) const LOOKS: usize = 4;
+pub(super) const LOOKS: usize = 4;
+
+impl BeamConfig {
+    /// [s] between two checked poses.
+    #[allow(clippy::cast_precision_loss, reason = "a handful")]
+    pub(super) fn look_s(&self) -> f64 {
+        self.manoeuvre_s / LOOKS as f64
+    }
+}
 
 /// Discs of which a node knows whether the robot has left them; the others count as left.
 const INSIDE_MAX: usize = 64;

@@ -15,11 +15,11 @@ mod path_follow;
 mod prefer_forward;
 mod smooth;
 
-use crate::config::{CriticWeights, MppiConfig};
 use crate::funnel::Funnel;
 use crate::local_path::LocalPath;
 use crate::moving::Moving;
 use crate::mppi::batch::{Batch, Lanes};
+use crate::mppi::options::{CriticWeights, MppiConfig};
 use nalgebra::Point2;
 use zeronav_msgs::description::Description;
 
@@ -53,8 +53,6 @@ type Critic = fn(scene: &Scene<'_>, batch: &Batch, weight: f32, costs: &mut Lane
 
 /// A cost term.
 pub(crate) struct CriticRow {
-    /// Of its weight in the configuration.
-    pub(crate) key: &'static str,
     pub(crate) score: Critic,
     pub(crate) weight: fn(&CriticWeights) -> f64,
 }
@@ -62,57 +60,46 @@ pub(crate) struct CriticRow {
 /// Every critic.
 pub(crate) const CRITICS: &[CriticRow] = &[
     CriticRow {
-        key: "mppi.critics.obstacles",
         score: obstacles::score,
         weight: |weights| weights.obstacles,
     },
     CriticRow {
-        key: "mppi.critics.clearance",
         score: clearance::score,
         weight: |weights| weights.clearance,
     },
     CriticRow {
-        key: "mppi.critics.calm",
         score: calm::score,
         weight: |weights| weights.calm,
     },
     CriticRow {
-        key: "mppi.critics.moving",
         score: moving::score,
         weight: |weights| weights.moving,
     },
     CriticRow {
-        key: "mppi.critics.path_follow",
         score: path_follow::score,
         weight: |weights| weights.path_follow,
     },
     CriticRow {
-        key: "mppi.critics.path_align",
         score: path_align::score,
         weight: |weights| weights.path_align,
     },
     CriticRow {
-        key: "mppi.critics.path_angle",
         score: path_angle::score,
         weight: |weights| weights.path_angle,
     },
     CriticRow {
-        key: "mppi.critics.goal",
         score: goal::score,
         weight: |weights| weights.goal,
     },
     CriticRow {
-        key: "mppi.critics.goal_angle",
         score: goal_angle::score,
         weight: |weights| weights.goal_angle,
     },
     CriticRow {
-        key: "mppi.critics.prefer_forward",
         score: prefer_forward::score,
         weight: |weights| weights.prefer_forward,
     },
     CriticRow {
-        key: "mppi.critics.smooth",
         score: smooth::score,
         weight: |weights| weights.smooth,
     },

@@ -2,8 +2,8 @@
 
 use super::Dwa;
 use super::row::Worth;
-use crate::config::DwaWeights;
 use crate::controller::Situation;
+use crate::dwa::options::DwaWeights;
 use crate::progress::Place;
 use crate::window::{Range, Window};
 use nalgebra::Vector2;

@@ -5,7 +5,8 @@
     reason = "compiled once more with AVX2 only where it is inlined"
 )]
 
-use crate::config::{DwaTConfig, DwaWeights};
+use crate::dwa::options::DwaWeights;
+use crate::dwa_t::options::DwaTConfig;
 use crate::lanes::{LANES_MAX, Lanes};
 use crate::local_path::Projections;
 use crate::rollout::{Outcome, cost_beside};

@@ -12,8 +12,8 @@
 use super::guidance::CREEP_MPS;
 use super::row::{Rated, TimedWorth};
 use super::{Dwa, Mode, PATH_HORIZON_S};
-use crate::config::DwaTConfig;
 use crate::controller::Situation;
+use crate::dwa_t::options::DwaTConfig;
 use crate::fan::Fan;
 use crate::funnel::{Funnel, FunnelInputs};
 use crate::lanes::{LANES_MAX, WIDTH, rate};
@@ -64,15 +64,6 @@ impl Timed {
         &self.funnel
     }
 
-    /// [m] how fast uncertainty grows.
-    const fn growth(&self) -> Growth {
-        Growth {
-            sigmas: self.config.growth_sigmas,
-            least_mps: self.config.growth_mps_min,
-            most_m: self.config.growth_m_max,
-        }
-    }
-
     /// The points of the scan that stand.
     pub(super) fn standing_points(
         &mut self,
@@ -83,7 +74,7 @@ impl Timed {
             situation.obstacles,
             situation.obstacles_age_s,
             &situation.map_from_base,
-            self.growth(),
+            Growth::from(&self.config),
         );
         let points = situation.scan_points_in_base.iter();
         self.stamped.clear();

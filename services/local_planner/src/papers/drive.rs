@@ -7,12 +7,13 @@
 
 use super::bao_dwa::{self, BaoWeights};
 use super::scene::{Body, Extent, Law, Push, Scene};
-use crate::config::{DwaConfig, ShapingConfig};
 use crate::controller::{Controller, Decision, Situation};
+use crate::dwa::options::DwaConfig;
 use crate::local_path::LocalPath;
 use crate::moving::{Growth, Moving};
 use crate::progress::PathTracker;
 use crate::shaping::Shaper;
+use crate::shaping::ShapingConfig;
 use crate::surroundings::{LocalPose, Reach, Surroundings, narrow};
 use crate::turn;
 use nalgebra::{Point2, Vector2};

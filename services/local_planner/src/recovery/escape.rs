@@ -4,9 +4,10 @@
 //! the next twist is free, by the same check as that of every other command.
 
 use super::trail::Trail;
-use crate::config::{DwaConfig, RecoveryConfig};
 use crate::controller::{Decision, Situation};
+use crate::dwa::options::DwaConfig;
 use crate::moving::{Growth, Moving};
+use crate::recovery::RecoveryConfig;
 use crate::shaping::Shaper;
 use crate::surroundings::{Reach, Surroundings};
 use crate::turn;

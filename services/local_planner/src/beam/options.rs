@@ -1,0 +1,30 @@
+//! Parameters of the beam search.
+
+use super::visited::WIDTH_MAX;
+use zeronav_params::parameters;
+
+parameters! {
+    /// Parameters of the beam search in time.
+    #[derive(Copy)]
+    pub struct BeamConfig {
+        /// Nodes that are kept of every layer.
+        width: u32 = 60, [1, WIDTH_MAX];
+        /// Manoeuvres in sequence.
+        layers: u32 = 8, [1, 16];
+        /// Duration of a manoeuvre.
+        manoeuvre_s: f64 = 0.4, [0.1, 1.0] "s";
+        /// Time after which the search is repeated.
+        replan_s: f64 = 0.2, [0.0, 1.0] "s";
+        /// Distance that is kept from predicted obstacles.
+        margin_m: f64 = 0.05, [0.0, 1.0] "m";
+        /// Distance beyond that within which predicted obstacles cost.
+        near_m: f64 = 0.4, [0.01, 2.0] "m";
+        /// Cost weight of a predicted obstacle at the margin at 0.8 m/s, per second.
+        weight_near: f64 = 3.0, [0.0, 1.0e3];
+        /// Time for which predictions are relied on; predicted collisions after it only cost.
+        certain_s: f64 = 1.5, [0.0, 20.0] "s";
+    }
+    relations |own| {
+        replan_s: own.replan_s <= own.manoeuvre_s, "must be at most manoeuvre_s";
+    }
+}
