@@ -64,6 +64,8 @@ pub enum Command {
     Goal(GoalArgs),
     /// Run the worlds of a data set, or a folder of scenarios, in lockstep on all cores.
     Suite(SuiteArgs),
+    /// Draw a recorded run as an animated SVG.
+    Draw(DrawArgs),
     /// Remove what a dead service left in a domain; `zeronav run` starts it by itself.
     #[command(name = cleaner::COMMAND, hide = true)]
     Clean {
@@ -184,6 +186,16 @@ pub struct SuiteArgs {
     /// Folder in which the suite's own folder is made.
     #[arg(long, value_name = "FOLDER", default_value = "runs")]
     pub out: PathBuf,
+}
+
+/// Arguments of `zeronav draw`.
+#[derive(Debug, Clone, Args)]
+pub struct DrawArgs {
+    /// Folder of a run, as `zeronav run` left it.
+    pub run: PathBuf,
+    /// File to write; without, animation.svg in that folder.
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
 }
 
 /// A number within a range.

@@ -6,6 +6,7 @@ use crate::environment::Before;
 use crate::interrupts::interrupts;
 use crate::prepare::{self, Prepared};
 use crate::run::{self, Driven};
+use crate::show::recording;
 use crate::show::report::RunResult;
 use crate::show::terminal::{complain, lose, note, say};
 use crate::suite::{self, SuiteError};
@@ -89,6 +90,11 @@ fn leave(prepared: &Prepared, driven: &Driven, result: &RunResult) -> Result<(),
     if prepared.mode == RunMode::Lockstep {
         let last_tick = driven.end_tick.saturating_sub(1);
         write("answers.csv", driven.collector.hash.to_csv(last_tick))?;
+    }
+    if prepared.trials.is_none() {
+        let recording = crate::record::recording(prepared, driven, result);
+        let json = serde_json::to_string(&recording).map_err(|error| error.to_string())?;
+        write(recording::FILE, json + "\n")?;
     }
     write(
         "run.svg",

@@ -8,7 +8,7 @@ use std::process::ExitCode;
 use zeronav::cli::{Cli, Command};
 use zeronav::show::{log, terminal};
 use zeronav::supervise::{cleaner, warden};
-use zeronav::{commands, look, remote};
+use zeronav::{commands, draw, look, remote};
 use zeronav_msgs::role::Role;
 use zeronav_shell::flags::one_line;
 
@@ -46,6 +46,7 @@ fn main() -> ExitCode {
         Command::Controllers { json } => look::algorithms_of(Role::LocalPlanner, json),
         Command::Ps { json } => remote::ps(json),
         Command::Goal(arguments) => remote::goal(&arguments),
+        Command::Draw(arguments) => draw::draw(&arguments),
         Command::Suite(arguments) => commands::suite(&arguments),
         Command::Clean { .. } | Command::Warden => ExitCode::SUCCESS,
     })

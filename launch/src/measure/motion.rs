@@ -1,5 +1,6 @@
 //! How the robot really moved: its motion in time, what it touched, and when its guard stepped in.
 
+use std::collections::BTreeMap;
 use zeronav_msgs::Pose;
 use zeronav_msgs::command::Intervention;
 use zeronav_msgs::truth::{Truth, TruthObstacle};
@@ -12,6 +13,9 @@ const MOMENTS_MAX: usize = 200_000;
 
 /// Contacts that are kept at most.
 const CONTACTS_MAX: usize = 256;
+
+/// Poses of scripted obstacles that are kept at most, of all together.
+const OBSTACLE_POSES_MAX: usize = 500_000;
 
 /// Interventions that are kept at most.
 const INTERVENTIONS_MAX: usize = 100_000;
@@ -47,6 +51,9 @@ pub struct Contact {
 pub struct Motion {
     /// Ten a second.
     pub moments: Vec<Moment>,
+    /// Scripted obstacles by index: run time [ns] and `map_from_shape` when it appeared, and ten
+    /// times a second where it had changed.
+    pub obstacles: BTreeMap<usize, Vec<(u64, Pose)>>,
     /// Every begin of a contact.
     pub contacts: Vec<Contact>,
     /// Run time [ns] at which the guard began to step in, and why. As long as it does so for the
@@ -56,6 +63,7 @@ pub struct Motion {
     counted: (u32, u32),
     v_before_mps: f64,
     guard: Option<Intervention>,
+    obstacle_poses: usize,
 }
 
 impl Motion {
@@ -68,8 +76,17 @@ impl Motion {
             w_radps: truth.w_radps,
         };
         let due = |last: &Moment| run_ns >= last.run_ns + STEP_NS;
-        if self.moments.last().is_none_or(due) && self.moments.len() < MOMENTS_MAX {
+        let is_due = self.moments.last().is_none_or(due);
+        if is_due && self.moments.len() < MOMENTS_MAX {
             self.moments.push(now);
+        }
+        for obstacle in obstacles {
+            let poses = self.obstacles.entry(obstacle.index as usize).or_default();
+            let changed = |(_, last): &(u64, Pose)| is_due && *last != obstacle.pose;
+            if poses.last().is_none_or(changed) && self.obstacle_poses < OBSTACLE_POSES_MAX {
+                poses.push((run_ns, obstacle.pose));
+                self.obstacle_poses += 1;
+            }
         }
         let (moving, standing) = (truth.contacts_moving, truth.contacts_standing);
         if (moving, standing) != self.counted && self.contacts.len() < CONTACTS_MAX {

@@ -1,7 +1,11 @@
-//! What a person sees: the picture of a run, the table at its end, the line while it runs.
+//! What a person sees: the picture of a run, its animation, the table at its end, the line while it runs.
 
+pub mod animation;
+mod captions;
 pub mod log;
 pub mod picture;
 pub mod progress;
+pub mod recording;
 pub mod report;
+mod svg;
 pub mod terminal;

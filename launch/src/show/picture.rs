@@ -1,5 +1,6 @@
 //! The picture of a run, as SVG: map, obstacles, planned paths, driven track.
 
+use super::svg::escape;
 use core::fmt::Write;
 use zeronav_msgs::grid::GridGeometry;
 
@@ -217,14 +218,6 @@ impl Picture {
             );
         }
     }
-}
-
-/// `text` safe inside SVG.
-fn escape(text: &str) -> String {
-    text.replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;")
-        .replace('"', "&quot;")
 }
 
 #[cfg(test)]
