@@ -19,10 +19,12 @@
 //! the open is marked at once.
 
 use crate::beams::{Beam, End};
-use crate::config::{LogOdds, MappingConfig};
+use crate::config::MappingConfig;
+use crate::log_odds::LogOdds;
 use crate::ray::{Passing, Ray};
 use crate::settled::Settled;
 use nalgebra::{Point2, Vector2};
+use zeronav_msgs::time::nanoseconds;
 use zeronav_msgs::{Cell, GridGeometry, Pose};
 use zeronav_world::{Occupancy, StaticMap};
 
@@ -145,7 +147,7 @@ impl Belief {
         let mut belief = Self {
             obstacle_range_m: config.obstacle_range_m,
             raytrace_range_m: config.raytrace_range_m,
-            moving_age_ns: zeronav_msgs::time::nanoseconds(config.moving_age_s),
+            moving_age_ns: nanoseconds(config.moving_age_s),
             blocks_beside: inscribed_radius_m
                 >= core::f64::consts::FRAC_1_SQRT_2 * geometry.resolution_m,
             ..Self::blank(geometry, config.log_odds)

@@ -14,6 +14,9 @@ use zeronav_msgs::{Cell, CellRect, GridGeometry};
 /// Squared distance of cells without an obstacle within the limit.
 pub const FAR: i16 = i16::MAX;
 
+/// Most cells that the limit may span, so that squared distances fit 16 bits.
+pub const CLEARANCE_CELLS_MAX: f64 = 90.0;
+
 /// Rows that are computed together when everything is.
 const BAND_ROWS: usize = 128;
 
@@ -47,12 +50,12 @@ fn square(cells: i32) -> i16 {
 
 impl ClearanceField {
     /// A field without obstacles whose distances are exact up to `limit_cells`, at most
-    /// [`crate::config::CLEARANCE_CELLS_MAX`].
+    /// [`CLEARANCE_CELLS_MAX`].
     #[must_use]
     #[allow(clippy::cast_possible_truncation, reason = "at most 90 cells")]
     pub fn new(geometry: &GridGeometry, limit_cells: f64) -> Self {
         // Cells at reach + 1 are at least the limit away.
-        let reach = (limit_cells - 0.5).ceil().clamp(0.0, 90.0) as i32;
+        let reach = (limit_cells - 0.5).ceil().clamp(0.0, CLEARANCE_CELLS_MAX) as i32;
         let mut stamp = Vec::new();
         for y in -reach..=reach {
             stamp.extend((-reach..=reach).map(|x| square(x).saturating_add(square(y))));

@@ -1,16 +1,16 @@
 //! What a user may set.
 
+use crate::clearance::CLEARANCE_CELLS_MAX;
+use crate::error::{MappingError, ensure};
 use crate::localiser::CorrectionConfig;
+use crate::log_odds::LogOdds;
 use crate::regularise::RegularisationConfig;
 use crate::tracker::TrackingConfig;
 use crate::virtual_obstacles::VirtualConfig;
 use crate::window::WindowConfig;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
-use zeronav_msgs::{GridGeometry, message};
-
-/// Most cells that the clearance limit may span, so that squared distances fit 16 bits.
-pub const CLEARANCE_CELLS_MAX: f64 = 90.0;
+use zeronav_msgs::GridGeometry;
 
 /// Configuration of mapping.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -64,40 +64,6 @@ pub struct MappingConfig {
     pub save_to: Option<PathBuf>,
 }
 
-/// Belief in a cell, in hundredths of the natural logarithm of the odds that it is occupied. A
-/// scan changes a cell at most once, whatever the number of its beams.
-///
-/// With the defaults one hit marks a cell in the open, whatever was believed before, because the
-/// belief in free space is limited; a cell that was hit once is free again after two scans that saw
-/// through it, one that was hit for long after four: 0.4 s at 10 Hz. A cell that is hit in more
-/// than a third of the scans stays marked.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct LogOdds {
-    /// Added by a hit, > 0. 85 is a probability of 0.70.
-    pub hit: i16,
-    /// Added by a beam that passed, < 0. -40 is a probability of 0.40.
-    pub miss: i16,
-    /// Lowest belief, below the threshold by less than a hit, so that a single hit marks.
-    pub min: i16,
-    /// Highest belief, above the threshold. It decides how long a vanished obstacle stays.
-    pub max: i16,
-    /// A belief above it makes an obstacle.
-    pub occupied_above: i16,
-}
-
-impl Default for LogOdds {
-    fn default() -> Self {
-        Self {
-            hit: 85,
-            miss: -40,
-            min: -40,
-            max: 150,
-            occupied_above: 0,
-        }
-    }
-}
-
 impl Default for MappingConfig {
     fn default() -> Self {
         Self {
@@ -121,35 +87,6 @@ impl Default for MappingConfig {
             save_to: None,
         }
     }
-}
-
-/// Why there can be no map.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum MappingError {
-    /// Neither a static map nor an area.
-    #[error("area_m: required without static_map")]
-    NoArea,
-    /// Area and resolution make no grid.
-    #[error("area_m and resolution_m make no map: {0}")]
-    Geometry(message::Refusal),
-    /// The static map has more or fewer cells than its geometry says.
-    #[error("the static map has {n_cells} cells where its geometry has {expected}")]
-    StaticMap {
-        /// Cells that it has.
-        n_cells: usize,
-        /// Cells that it should have.
-        expected: usize,
-    },
-    /// A number outside its range.
-    #[error("{field} = {value}: {rule}")]
-    OutOfRange {
-        /// Name of the field as in the configuration.
-        field: &'static str,
-        /// What it was.
-        value: f64,
-        /// What it must be.
-        rule: &'static str,
-    },
 }
 
 impl MappingConfig {
@@ -234,62 +171,6 @@ impl MappingConfig {
         };
         geometry.check().map_err(MappingError::Geometry)?;
         Ok(geometry)
-    }
-}
-
-impl LogOdds {
-    fn check(&self) -> Result<(), MappingError> {
-        let field = |field, value: i16, ok, rule| ensure(ok, field, f64::from(value), rule);
-        let range = -10_000..=10_000;
-        field(
-            "log_odds.hit",
-            self.hit,
-            self.hit > 0 && range.contains(&self.hit),
-            "must be 1 to 10000",
-        )?;
-        field(
-            "log_odds.miss",
-            self.miss,
-            self.miss < 0 && range.contains(&self.miss),
-            "must be -10000 to -1",
-        )?;
-        field(
-            "log_odds.occupied_above",
-            self.occupied_above,
-            range.contains(&self.occupied_above),
-            "must be -10000 to 10000",
-        )?;
-        field(
-            "log_odds.min",
-            self.min,
-            range.contains(&self.min)
-                && self.min < self.occupied_above
-                && self.min + self.hit > self.occupied_above,
-            "must be below occupied_above by less than one hit",
-        )?;
-        field(
-            "log_odds.max",
-            self.max,
-            range.contains(&self.max) && self.max > self.occupied_above,
-            "must be above occupied_above and at most 10000",
-        )
-    }
-}
-
-/// `Ok` when `ok`; otherwise names the field.
-///
-/// # Errors
-/// [`MappingError::OutOfRange`].
-pub(crate) fn ensure(
-    ok: bool,
-    field: &'static str,
-    value: f64,
-    rule: &'static str,
-) -> Result<(), MappingError> {
-    if ok {
-        Ok(())
-    } else {
-        Err(MappingError::OutOfRange { field, value, rule })
     }
 }
 

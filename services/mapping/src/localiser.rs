@@ -1,9 +1,10 @@
 //! `map_from_odom`: what odometry has drifted away by.
 
-use crate::config::{MappingError, ensure};
+use crate::error::{MappingError, ensure};
+use crate::pose_error::{swing, turned};
 use crate::scan_match::Surfaces;
 use crate::scan_odometry::ScanOdometry;
-use nalgebra::{Matrix3, Point2, Rotation2, Vector2, Vector3};
+use nalgebra::{Matrix3, Point2, Vector3};
 use serde::{Deserialize, Serialize};
 use zeronav_msgs::Pose;
 use zeronav_msgs::pose::wrap_angle;
@@ -264,18 +265,4 @@ impl Localiser {
             }
         }
     }
-}
-
-/// How an error of a pose changes when the robot has come a way from there, in the axes of the way: a
-/// wrong yaw swings its end around its beginning.
-pub(crate) fn swing(came: &Vector2<f64>) -> Matrix3<f64> {
-    let mut step = Matrix3::identity();
-    step[(0, 2)] = -came.y;
-    step[(1, 2)] = came.x;
-    step
-}
-
-/// Turns the axes of an error of a pose.
-pub(crate) fn turned(yaw_rad: f64) -> Matrix3<f64> {
-    Rotation2::new(yaw_rad).to_homogeneous()
 }

@@ -3,7 +3,8 @@
 
 use crate::beams::{Beam, Beams, End, Sweep};
 use crate::belief::Sight;
-use crate::config::{MappingConfig, MappingError};
+use crate::config::MappingConfig;
+use crate::error::MappingError;
 use crate::localiser::Localiser;
 use crate::mapper::{Integrated, Mapper};
 use crate::outline::Outline;

@@ -7,7 +7,7 @@
 //! hold the robot or the goal, or is too large. Nothing but the list of rectangles is made: what
 //! is an obstacle stays the business of the other layers.
 
-use crate::config::{MappingError, ensure};
+use crate::error::{MappingError, ensure};
 use serde::{Deserialize, Serialize};
 use zeronav_msgs::{Cell, CellRect, GridGeometry};
 

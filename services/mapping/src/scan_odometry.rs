@@ -7,8 +7,8 @@
 //! weights that let go of what has moved by itself (Geman, `McClure`, 1987). A key scan serves until
 //! the robot has gone or turned some way or sees too little of it, so drift grows with their number.
 
-use crate::localiser::{swing, turned};
 use crate::near_points::NearPoints;
+use crate::pose_error::{swing, turned};
 use nalgebra::{Isometry2, Matrix3, Point2, Vector2, Vector3};
 use zeronav_msgs::Pose;
 use zeronav_msgs::pose::wrap_angle;

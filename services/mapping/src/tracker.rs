@@ -7,7 +7,7 @@
 
 use crate::beams::Beams;
 use crate::clusters::{Cluster, Clusters};
-use crate::config::{MappingError, ensure};
+use crate::error::{MappingError, ensure};
 use crate::fit::{Fit, Place, disc_through, fit};
 use crate::form::Form;
 use crate::past_scans::PastScans;

@@ -4,7 +4,7 @@
 //! (BAO-AAO) forbids a diagonal move past an obstacle; the cells that such moves would enter are
 //! flagged for whoever shows or counts them, the rule itself stays in the planners.
 
-use crate::config::{MappingError, ensure};
+use crate::error::{MappingError, ensure};
 use serde::{Deserialize, Serialize};
 use zeronav_msgs::{Cell, GridGeometry};
 

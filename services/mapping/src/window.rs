@@ -1,6 +1,6 @@
 //! Where the map lies when the robot comes to its edge.
 
-use crate::config::{MappingError, ensure};
+use crate::error::{MappingError, ensure};
 use nalgebra::Point2;
 use serde::{Deserialize, Serialize};
 use zeronav_msgs::grid::SIDE_CELLS_MAX;
