@@ -520,9 +520,9 @@ fn cell_by_cell(corners: &[Cell]) -> Vec<Cell> {
 
 /// Bytes per cell that the planners hold after a question was answered and all work ahead done.
 fn print_memory(map: &Map) {
-    let options = PlannerOptions::default();
-    let (mut kept, mut jumps) = (Mpgaa::new(&options), Jps::new(&options, Choose::Jumps));
-    let mut canonical = Jps::new(&options, Choose::Canonical);
+    let options = PlannerOptions::default().map();
+    let (mut kept, mut jumps) = (Mpgaa::new(options), Jps::new(options, Choose::Jumps));
+    let mut canonical = Jps::new(options, Choose::Canonical);
     let (width, height) = map.geometry.size();
     let ends = (
         map.free_near(Cell::new(width / 30, height / 20)),

@@ -3,12 +3,12 @@
 //! Costs are those of lines: the length in each cell times the cell's price. A single step costs
 //! by that measure half of each of its two cells, so the numbers are not those of `mpgaa`.
 
+use crate::map_options::MapOptions;
 use crate::mpgaa::Mpgaa;
 use crate::planner::{
     CellPath, Control, Expansions, GlobalPlanner, PlanError, PlanQuery, PlanStats,
 };
 use crate::pull::{Pull, cost_of_line};
-use crate::table::{COST_WEIGHT_MAX, PlannerOptions, within};
 use zeronav_msgs::{CellRect, MapView};
 
 /// See the module's description.
@@ -20,13 +20,13 @@ pub struct AnyAngle {
 }
 
 impl AnyAngle {
-    /// A planner with empty memory. Options outside their range are taken as its nearest end.
+    /// A planner with empty memory.
     #[must_use]
-    pub fn new(options: &PlannerOptions) -> Self {
+    pub fn new(options: MapOptions) -> Self {
         Self {
             search: Mpgaa::new(options),
             pull: Pull::default(),
-            cost_weight: within(options.cost_weight, COST_WEIGHT_MAX),
+            cost_weight: options.cost_weight(),
         }
     }
 }

@@ -9,12 +9,12 @@
 //! The integers bend the optimum by at most one part in a thousand.
 
 use crate::ends::{WayOut, find_ends};
+use crate::map_options::MapOptions;
 use crate::moves::price;
 use crate::planner::{
     CellPath, Control, CornerRule, Expansions, GlobalPlanner, PlanError, PlanQuery, PlanStats,
 };
 use crate::search::{Found, Search, Task};
-use crate::table::{COST_WEIGHT_MAX, PlannerOptions, within};
 
 /// See the module's description.
 #[derive(Debug)]
@@ -25,10 +25,10 @@ pub struct CAstar {
 }
 
 impl CAstar {
-    /// A planner with empty memory. Options outside their range are taken as its nearest end.
+    /// A planner with empty memory.
     #[must_use]
-    pub fn new(options: &PlannerOptions) -> Self {
-        let cost_weight = within(options.cost_weight, COST_WEIGHT_MAX);
+    pub fn new(options: MapOptions) -> Self {
+        let cost_weight = options.cost_weight();
         Self {
             search: Search::new(cost_weight),
             way_out: WayOut::new(options),

@@ -8,8 +8,8 @@
 
 use crate::bits::Lines;
 use crate::bucket_queue::BucketQueue;
-use crate::jps::push_cell;
 use crate::moves::{DIAGONAL, STEPS, STRAIGHT, octile};
+use crate::padded::push_cell;
 use crate::planner::{CellPath, Control, Expansions, PlanStats};
 use crate::search::{COST_SO_FAR_MAX, Found};
 
@@ -214,7 +214,7 @@ impl Canonical {
         }
         self.turns.push((x, y));
         for at in self.turns.iter().rev() {
-            push_cell(path, *at);
+            push_cell(&mut path.cells, *at);
         }
     }
 }

@@ -1,9 +1,9 @@
 //! Both ends of a path: out of the inflation at the start, into the tolerance at the goal.
 
 use crate::goal_cell::GoalCell;
+use crate::map_options::MapOptions;
 use crate::moves::STEPS;
 use crate::planner::{CornerRule, PlanError, PlanQuery, Unknown};
-use crate::table::{ESCAPE_M_MAX, PlannerOptions, within};
 use crate::window::{Window, cells_in};
 use zeronav_msgs::{Cell, MapView};
 
@@ -32,11 +32,11 @@ pub struct WayOut {
 }
 
 impl WayOut {
-    /// Without memory of any question. An option outside its range is taken as its nearest end.
+    /// Without memory of any question.
     #[must_use]
-    pub fn new(options: &PlannerOptions) -> Self {
+    pub fn new(options: MapOptions) -> Self {
         Self {
-            escape_m: within(options.escape_m, ESCAPE_M_MAX),
+            escape_m: options.escape_m(),
             ..Self::default()
         }
     }
@@ -79,7 +79,7 @@ const ROOT: u8 = 8;
 /// Finds the first and the last cell of the search.
 ///
 /// A start that is blocked, but not lethal, is left on a shortest way (in steps) over cells that
-/// are not lethal, at most [`PlannerOptions::escape_m`] from the robot along either axis. A blocked goal is replaced
+/// are not lethal, at most [`MapOptions::escape_m`] from the robot along either axis. A blocked goal is replaced
 /// by the free cell whose centre is nearest to it, within the tolerance; the lower row, then the
 /// lower column, of two equally near.
 ///

@@ -1,8 +1,8 @@
 //! Which cell a path leads to when the goal's own is blocked.
 
 use crate::bits::BitMap;
-use crate::jps::padded;
 use crate::moves::STEPS;
+use crate::padded::padded;
 use crate::planner::{CornerRule, PlanQuery};
 use crate::regions::Regions;
 use crate::window::{Window, cells_in};

@@ -2,9 +2,9 @@
 
 use crate::bits::BitMap;
 use crate::ends::{Ends, WayOut, find_ends};
+use crate::map_options::MapOptions;
 use crate::planner::{CornerRule, PlanError, PlanQuery};
 use crate::reach::Reach;
-use crate::table::PlannerOptions;
 use zeronav_msgs::{Cell, CellRect, MapView};
 
 /// See the module's description.
@@ -17,7 +17,7 @@ pub(crate) struct Ground {
 
 impl Ground {
     /// Nothing is known yet.
-    pub(crate) fn new(options: &PlannerOptions) -> Self {
+    pub(crate) fn new(options: MapOptions) -> Self {
         Self {
             bits: BitMap::default(),
             reach: Reach::default(),

@@ -12,16 +12,17 @@
 use crate::canonical::Canonical;
 use crate::ends::{WayOut, find_ends};
 use crate::jump_map::JumpMap;
+use crate::map_options::MapOptions;
 use crate::moves::{DIAGONAL, STEPS, STRAIGHT, octile};
+use crate::padded::{padded, push_cell};
 use crate::planner::{
     CellPath, Control, CornerRule, Expansions, GlobalPlanner, PlanError, PlanQuery, PlanStats,
 };
 use crate::reach::Reach;
 use crate::search::{COST_SO_FAR_MAX, Found, Search, Task};
-use crate::table::PlannerOptions;
 use core::cmp::Reverse;
 use std::collections::BinaryHeap;
-use zeronav_msgs::{Cell, CellRect, MapView};
+use zeronav_msgs::{CellRect, MapView};
 
 /// Expansions between two looks at the budget; jumps can be long.
 const BUDGET_EVERY: u64 = 256;
@@ -73,9 +74,9 @@ pub enum Choose {
 }
 
 impl Jps {
-    /// A planner with empty memory. Options outside their range are taken as its nearest end.
+    /// A planner with empty memory.
     #[must_use]
-    pub fn new(options: &PlannerOptions, choose: Choose) -> Self {
+    pub fn new(options: MapOptions, choose: Choose) -> Self {
         Self {
             map: JumpMap::default(),
             reach: Reach::default(),
@@ -193,18 +194,6 @@ impl GlobalPlanner for Jps {
     }
 }
 
-pub(crate) const fn padded(cell: Cell) -> (u32, u32) {
-    (cell.x.cast_unsigned() + 1, cell.y.cast_unsigned() + 1)
-}
-
-#[allow(
-    clippy::cast_possible_wrap,
-    reason = "positions lie within a side of the map"
-)]
-pub(crate) const fn cell_of((x, y): (u32, u32)) -> Cell {
-    Cell::new(x as i32 - 1, y as i32 - 1)
-}
-
 /// Goes diagonally, then straight, and writes the way if it is free: none is shorter.
 fn straight_way(map: &JumpMap, start: (u32, u32), goal: (u32, u32), path: &mut CellPath) -> bool {
     let (dx, dy) = (goal.0.abs_diff(start.0), goal.1.abs_diff(start.1));
@@ -228,17 +217,9 @@ fn straight_way(map: &JumpMap, start: (u32, u32), goal: (u32, u32), path: &mut C
     path.stats.generated += 1;
     path.stats.peak_open = path.stats.peak_open.max(1);
     for at in [start, turn, goal] {
-        push_cell(path, at);
+        push_cell(&mut path.cells, at);
     }
     true
-}
-
-/// Appends a cell, unless the path ends there already.
-pub(crate) fn push_cell(path: &mut CellPath, at: (u32, u32)) {
-    let cell = cell_of(at);
-    if path.cells.last() != Some(&cell) {
-        path.cells.push(cell);
-    }
 }
 
 /// The step that leads from one position towards the other: diagonal when neither coordinate is
@@ -345,10 +326,13 @@ impl Jumps {
                         core::cmp::Ordering::Less => from - short,
                         core::cmp::Ordering::Equal => from,
                     };
-                    push_cell(path, (toward(from.0, at.0), toward(from.1, at.1)));
+                    push_cell(
+                        &mut path.cells,
+                        (toward(from.0, at.0), toward(from.1, at.1)),
+                    );
                 }
             }
-            push_cell(path, at);
+            push_cell(&mut path.cells, at);
         }
     }
 }

@@ -6,14 +6,14 @@
 //! but rarely more than a percent longer.
 
 use crate::ground::Ground;
-use crate::jps::{padded, push_cell};
+use crate::map_options::MapOptions;
 use crate::moves::STEPS;
+use crate::padded::{padded, push_cell};
 use crate::planner::{
     CellPath, Control, CornerRule, Expansions, GlobalPlanner, PlanError, PlanQuery, PlanStats,
 };
 use crate::search::Found;
 use crate::sight::sees;
-use crate::table::PlannerOptions;
 use core::cmp::Reverse;
 use std::collections::BinaryHeap;
 use zeronav_msgs::{Cell, CellRect, MapView};
@@ -48,9 +48,9 @@ pub struct LazyTheta {
 }
 
 impl LazyTheta {
-    /// A planner with empty memory. Options outside their range are taken as its nearest end.
+    /// A planner with empty memory.
     #[must_use]
-    pub fn new(options: &PlannerOptions) -> Self {
+    pub fn new(options: MapOptions) -> Self {
         Self {
             ground: Ground::new(options),
             nodes: Vec::new(),
@@ -178,7 +178,7 @@ impl LazyTheta {
             at = parent;
         }
         for at in self.corners.iter().rev() {
-            push_cell(path, unpack(*at));
+            push_cell(&mut path.cells, unpack(*at));
         }
     }
 }

@@ -25,9 +25,12 @@ pub mod jps;
 mod jump_map;
 pub mod lazy_theta;
 pub mod line;
+mod map_options;
 pub mod moves;
 pub mod movingai;
 pub mod mpgaa;
+mod options;
+mod padded;
 pub mod papers;
 pub mod plan;
 pub mod planner;
@@ -35,6 +38,7 @@ pub mod policy;
 mod pull;
 mod reach;
 mod regions;
+mod remarks;
 pub mod replan;
 mod search;
 mod sight;
@@ -43,14 +47,17 @@ pub mod table;
 pub mod waypoints;
 mod window;
 
-pub use config::{ConfigError, GlobalPlannerConfig};
+pub use config::GlobalPlannerConfig;
 pub use corridor::{Corridor, Legality};
-pub use papers::{Fallback, PaperOptions, Remarks};
+pub use map_options::MapOptions;
+pub use options::PlannerOptions;
+pub use papers::options::PaperOptions;
 pub use plan::{Plan, Target};
 
 pub use planner::{
     CellPath, Control, CornerRule, Expansions, GlobalPlanner, Improvement, PlanError, PlanQuery,
     PlanStats, Unknown,
 };
+pub use remarks::{Fallback, Remarks};
 pub use replan::{News, Replanner, Request, Situation, Step};
-pub use table::{EXACT, PLANNERS, PlannerOptions, PlannerRow, UnknownPlanner, row_of};
+pub use table::{EXACT, PLANNERS, PlannerRow, UnknownPlanner, row_of};

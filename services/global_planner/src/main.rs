@@ -1,9 +1,9 @@
 //! The global planner as a process: answers every map update, goal and request with a path.
 
 use std::process::ExitCode;
-use zeronav_global_planner::replan::{News, Replanner, Request, Situation, Step};
+use zeronav_global_planner::replan::{BuildError, News, Replanner, Request, Situation, Step};
 use zeronav_global_planner::table::{PLANNERS, PlannerRow};
-use zeronav_global_planner::{ConfigError, Control, GlobalPlannerConfig, Target, UnknownPlanner};
+use zeronav_global_planner::{Control, GlobalPlannerConfig, Target, UnknownPlanner};
 use zeronav_msgs::CellRect;
 use zeronav_msgs::header::Parents;
 use zeronav_msgs::health::REASON_MAP;
@@ -140,21 +140,13 @@ impl Inputs {
     }
 }
 
-fn unusable(error: ConfigError) -> StartError {
+fn unusable(error: BuildError) -> StartError {
     match error {
-        ConfigError::Planner(UnknownPlanner { key }) => {
+        BuildError::Planner(UnknownPlanner { key }) => {
             let known = PLANNERS.iter().map(|row| row.key);
             StartError::config("planner", unknown("planner", &key, known))
         }
-        ConfigError::OutOfRange {
-            field,
-            value,
-            min,
-            max,
-        } => StartError::config(
-            field,
-            format!("must be a number from {min} to {max}, not {value:?}"),
-        ),
+        BuildError::Parameter(error) => error.into(),
     }
 }
 
@@ -175,7 +167,7 @@ impl Service for PlannerService {
     }
 
     fn check(config: &GlobalPlannerConfig) -> Result<(), StartError> {
-        config.check().map(|_| ()).map_err(unusable)
+        Replanner::new(config).map(|_| ()).map_err(unusable)
     }
 
     fn open(shell: &mut Shell, config: GlobalPlannerConfig) -> Result<Self, StartError> {

@@ -1,5 +1,7 @@
 //! The eight steps from a cell to its neighbours.
 
+use zeronav_params::choices;
+
 /// Offsets `(x, y)` of the steps; even numbers are straight, odd ones diagonal, counter-clockwise
 /// from +x. `STEPS[(n + 4) % 8]` is the way back.
 pub const STEPS: [(i32, i32); 8] = [
@@ -12,6 +14,25 @@ pub const STEPS: [(i32, i32); 8] = [
     (0, -1),
     (1, -1),
 ];
+
+choices! {
+    /// Which cells are neighbours.
+    pub enum Neighbours {
+        /// Those that share an edge or a corner.
+        #[default]
+        Eight = "eight",
+        /// Those that share an edge.
+        Four = "four",
+    }
+}
+
+impl Neighbours {
+    /// True when step `n` of [`STEPS`] leads to one.
+    #[must_use]
+    pub const fn has(self, n: usize) -> bool {
+        matches!(self, Self::Eight) || n.is_multiple_of(2)
+    }
+}
 
 /// Integer cost of a straight step over free cells.
 pub const STRAIGHT: u32 = 985;

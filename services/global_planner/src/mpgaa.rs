@@ -9,11 +9,11 @@
 use crate::astar::cost_m;
 use crate::goal_field::{GoalField, Guide};
 use crate::ground::Ground;
+use crate::map_options::MapOptions;
 use crate::planner::{
     CellPath, Control, CornerRule, Expansions, GlobalPlanner, PlanError, PlanQuery, PlanStats,
 };
 use crate::search::Found;
-use crate::table::{COST_WEIGHT_MAX, PlannerOptions, within};
 use zeronav_msgs::{Cell, CellRect, MapView};
 
 /// See the module's description.
@@ -27,10 +27,10 @@ pub struct Mpgaa {
 }
 
 impl Mpgaa {
-    /// A planner with empty memory. Options outside their range are taken as its nearest end.
+    /// A planner with empty memory.
     #[must_use]
-    pub fn new(options: &PlannerOptions) -> Self {
-        let cost_weight = within(options.cost_weight, COST_WEIGHT_MAX);
+    pub fn new(options: MapOptions) -> Self {
+        let cost_weight = options.cost_weight();
         Self {
             field: GoalField::new(cost_weight),
             ground: Ground::new(options),

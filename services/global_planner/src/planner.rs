@@ -1,11 +1,11 @@
 //! What every global planner is: a question, an answer, a budget, and the ways to fail.
 
-use crate::papers::Remarks;
+use crate::remarks::Remarks;
 use nalgebra::Point2;
-use serde::{Deserialize, Serialize};
 use zeronav_msgs::map::{COST_LETHAL, COST_UNKNOWN};
 use zeronav_msgs::path::PathStatus;
 use zeronav_msgs::{Cell, CellRect, MapCell, MapView, Pose};
+use zeronav_params::choices;
 
 /// A search over the map. Every row of [`crate::table::PLANNERS`] is one.
 pub trait GlobalPlanner: Send {
@@ -53,15 +53,15 @@ pub struct PlanQuery<'a> {
     pub corner_rule: CornerRule,
 }
 
-/// Policy for cells about which nothing is known.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Unknown {
-    /// They may be crossed, at the price of free cells.
-    #[default]
-    Free,
-    /// They block like obstacles.
-    Lethal,
+choices! {
+    /// Policy for cells about which nothing is known.
+    pub enum Unknown {
+        /// They may be crossed, at the price of free cells.
+        #[default]
+        Free = "free",
+        /// They block like obstacles.
+        Lethal = "lethal",
+    }
 }
 
 impl Unknown {
@@ -78,17 +78,17 @@ impl Unknown {
     }
 }
 
-/// When a diagonal step is legal, given the two cells that share an edge with both its ends.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum CornerRule {
-    /// Always: the path may pass between two obstacles that touch at a corner.
-    Allow,
-    /// When neither of the two is blocked. Reachability is then that of 4-connected grids.
-    #[default]
-    ForbidAny,
-    /// When not both are blocked.
-    ForbidBoth,
+choices! {
+    /// When a diagonal step is legal, given the two cells that share an edge with both its ends.
+    pub enum CornerRule {
+        /// Always: the path may pass between two obstacles that touch at a corner.
+        Allow = "allow",
+        /// When neither of the two is blocked. Reachability is then that of 4-connected grids.
+        #[default]
+        ForbidAny = "forbid_any",
+        /// When not both are blocked.
+        ForbidBoth = "forbid_both",
+    }
 }
 
 impl CornerRule {

@@ -14,11 +14,11 @@
 //! enough. Until a map is all written anew it then stays one with prices.
 
 use crate::jps::{Choose, Jps};
+use crate::map_options::MapOptions;
 use crate::mpgaa::Mpgaa;
 use crate::planner::{
     CellPath, Control, CornerRule, Expansions, GlobalPlanner, PlanError, PlanQuery, PlanStats,
 };
-use crate::table::{COST_WEIGHT_MAX, PlannerOptions, within};
 use zeronav_msgs::map::COST_UNKNOWN;
 use zeronav_msgs::{Cell, CellRect, GridGeometry, MapCell, MapView};
 
@@ -43,13 +43,13 @@ pub struct Policy {
 }
 
 impl Policy {
-    /// A planner with empty memory. Options outside their range are taken as its nearest end.
+    /// A planner with empty memory.
     #[must_use]
-    pub fn new(options: &PlannerOptions) -> Self {
+    pub fn new(options: MapOptions) -> Self {
         Self {
             jumps: Jps::new(options, Choose::ByClutter),
             field: Mpgaa::new(options),
-            cost_weight: within(options.cost_weight, COST_WEIGHT_MAX),
+            cost_weight: options.cost_weight(),
             geometry: GridGeometry::default(),
             told: false,
             priced: false,

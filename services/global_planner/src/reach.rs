@@ -2,7 +2,7 @@
 
 use crate::bits::BitMap;
 use crate::ends::{Ends, WayOut};
-use crate::jps::padded;
+use crate::padded::padded;
 use crate::planner::{CornerRule, PlanError};
 use crate::regions::Regions;
 use zeronav_msgs::Cell;

@@ -42,15 +42,17 @@
 //!     nothing.
 
 use crate::change::{Change, CostMemory};
-use crate::config::{ConfigError, GlobalPlannerConfig};
+use crate::config::GlobalPlannerConfig;
 use crate::corridor::Legality;
 use crate::moves::octile_cells;
 use crate::plan::{Plan, Target};
 use crate::planner::{Control, Expansions, GlobalPlanner, PlanQuery};
 use crate::smooth::Smooth;
+use crate::table::{UnknownPlanner, row_of};
 use zeronav_msgs::path::{PathCause, PathStatus};
 use zeronav_msgs::request::RequestReason;
 use zeronav_msgs::{Cell, CellRect, MapView, Pose};
+use zeronav_params::ParameterError;
 
 /// How far a robot must have moved for a proof that there is no way to be doubted. [m]
 const ELSEWHERE_M: f64 = 0.5;
@@ -105,6 +107,17 @@ pub enum News {
     Unchanged,
 }
 
+/// A configuration that makes no planner.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum BuildError {
+    /// A parameter has a value that it must not have.
+    #[error(transparent)]
+    Parameter(#[from] ParameterError),
+    /// The configuration names a planner that there is not.
+    #[error(transparent)]
+    Planner(#[from] UnknownPlanner),
+}
+
 /// A search that was asked for.
 #[derive(Debug, Clone, Copy)]
 struct Pending {
@@ -135,9 +148,10 @@ impl Replanner {
     /// A replanner without a path.
     ///
     /// # Errors
-    /// What is wrong with the configuration.
-    pub fn new(config: &GlobalPlannerConfig) -> Result<Self, ConfigError> {
-        let row = config.check()?;
+    /// [`BuildError`] when the configuration is not usable.
+    pub fn new(config: &GlobalPlannerConfig) -> Result<Self, BuildError> {
+        zeronav_params::check(config)?;
+        let row = row_of(&config.planner)?;
         Ok(Self {
             config: config.clone(),
             planner: (row.build)(&config.options),

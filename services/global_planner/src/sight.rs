@@ -69,8 +69,8 @@ pub(crate) fn sees(lines: &Lines, rule: CornerRule, from: At, to: At) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::jps::cell_of;
     use crate::line::supercover;
+    use crate::padded::cell_of;
     use proptest::prelude::*;
 
     proptest! {
@@ -93,7 +93,7 @@ mod tests {
             }
             let mut free = true;
             let blocked = |cell: zeronav_msgs::Cell| {
-                let (x, y) = crate::jps::padded(cell);
+                let (x, y) = crate::padded::padded(cell);
                 lines.is_blocked(y as usize, x as usize)
             };
             supercover(cell_of(from), cell_of(to), |crossing| {

@@ -9,8 +9,7 @@
 //! line.
 
 use crate::line::supercover;
-use crate::papers::options::SplineEnds;
-use crate::papers::spline::{point_on, segments};
+use crate::papers::spline::{SplineEnds, point_on, segments};
 use crate::planner::{CellPath, PlanQuery};
 use nalgebra::Point2;
 use zeronav_msgs::Cell;

@@ -6,66 +6,20 @@ use crate::astar::CAstar;
 use crate::jps::{Choose, Jps};
 use crate::lazy_theta::LazyTheta;
 use crate::mpgaa::Mpgaa;
-use crate::papers::PaperOptions;
+use crate::options::PlannerOptions;
 use crate::papers::bao_full::bao_full;
-use crate::papers::bao_taa::bao_taa;
-use crate::papers::bao_virtual::{bao_aao, bao_dij, bao_iaa};
-use crate::papers::c_los::c_los;
-use crate::papers::ju_astar::ju_astar;
 use crate::papers::lwx_aco::lwx_aco;
 use crate::papers::lwx_bi::lwx_bi;
-use crate::papers::lwx_bi_true::lwx_bi_true;
+use crate::papers::lwx_bi_true::LwxBiTrue;
 use crate::papers::lwx_oa::lwx_oa;
 use crate::papers::lwx_rrt::lwx_rrt;
-use crate::papers::lwx_ta::lwx_ta;
+use crate::papers::on_map::{OnMap, Solver};
 use crate::papers::tn_3n::tn_3n;
-use crate::papers::tn_a8::tn_a8;
-use crate::papers::tn_apf::tn_apf;
+use crate::papers::tn_apf::TnApf;
 use crate::papers::tn_hyb::tn_hyb;
-use crate::papers::zm_hw::zm_hw;
-use crate::papers::zm_im::zm_im;
-use crate::papers::zm_tra::zm_tra;
+use crate::papers::variants;
 use crate::planner::GlobalPlanner;
 use crate::policy::Policy;
-use serde::{Deserialize, Serialize};
-
-/// What a planner is told once, when it is built.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct PlannerOptions {
-    /// How dear cost is: a step costs its length times `1 + cost_weight * cost / 252`. 0 = the
-    /// shortest way; larger values keep away from obstacles. 0 to [`COST_WEIGHT_MAX`].
-    pub cost_weight: f64,
-    /// [m] how far a robot that stands too close to an obstacle may be led out, >= 0.
-    pub escape_m: f64,
-    /// What only the planners of the papers read.
-    pub papers: PaperOptions,
-}
-
-/// Largest [`PlannerOptions::cost_weight`].
-pub const COST_WEIGHT_MAX: f64 = 20.0;
-
-/// Largest [`PlannerOptions::escape_m`]. [m]
-pub const ESCAPE_M_MAX: f64 = 5.0;
-
-impl Default for PlannerOptions {
-    fn default() -> Self {
-        Self {
-            cost_weight: 3.0,
-            escape_m: 0.6,
-            papers: PaperOptions::default(),
-        }
-    }
-}
-
-/// `value` between 0 and `max`; 0 for what is not a number.
-pub(crate) fn within(value: f64, max: f64) -> f64 {
-    if value.is_nan() {
-        0.0
-    } else {
-        value.clamp(0.0, max)
-    }
-}
 
 /// A planner that can be chosen.
 #[derive(Debug, Clone, Copy)]
@@ -97,7 +51,7 @@ pub const PLANNERS: &[PlannerRow] = &[
         source: "Hart, Nilsson, Raphael, \"A Formal Basis for the Heuristic Determination of \
                  Minimum Cost Paths\", 1968; open list after Dial, 1969",
         complete: true,
-        build: |options| Box::new(CAstar::new(options)),
+        build: |options| Box::new(CAstar::new(options.map())),
     },
     PlannerRow {
         key: "mpgaa",
@@ -105,28 +59,28 @@ pub const PLANNERS: &[PlannerRow] = &[
         source: "Hernandez, Asin, Baier, \"Reusing Previously Found A* Paths for Fast \
                  Goal-Directed Navigation in Dynamic Terrain\", AAAI 2015",
         complete: true,
-        build: |options| Box::new(Mpgaa::new(options)),
+        build: |options| Box::new(Mpgaa::new(options.map())),
     },
     PlannerRow {
         key: "policy",
         title: "Jumps where all cells cost the same, the kept field where they do not",
         source: "the searches of jps and mpgaa; which, is counted on the map",
         complete: true,
-        build: |options| Box::new(Policy::new(options)),
+        build: |options| Box::new(Policy::new(options.map())),
     },
     PlannerRow {
         key: "jps",
         title: "Jump point search on bit maps, shortest ways",
         source: "Harabor, Grastien, \"Improving Jump Point Search\", ICAPS 2014",
         complete: true,
-        build: |options| Box::new(Jps::new(options, Choose::ByClutter)),
+        build: |options| Box::new(Jps::new(options.map(), Choose::ByClutter)),
     },
     PlannerRow {
         key: "canonical",
         title: "Canonical A* on a bit map, shortest ways",
         source: "Sturtevant, Rabin, \"Canonical Orderings on Grids\", IJCAI 2016",
         complete: true,
-        build: |options| Box::new(Jps::new(options, Choose::Canonical)),
+        build: |options| Box::new(Jps::new(options.map(), Choose::Canonical)),
     },
     PlannerRow {
         key: "lazy_theta",
@@ -134,7 +88,7 @@ pub const PLANNERS: &[PlannerRow] = &[
         source: "Nash, Koenig, Tovey, \"Lazy Theta*: Any-Angle Path Planning and Path Length \
                  Analysis in 3D\", AAAI 2010",
         complete: true,
-        build: |options| Box::new(LazyTheta::new(options)),
+        build: |options| Box::new(LazyTheta::new(options.map())),
     },
     PlannerRow {
         key: "any_angle",
@@ -142,7 +96,7 @@ pub const PLANNERS: &[PlannerRow] = &[
         source: "the search of mpgaa; Botea, Mueller, Schaeffer, \"Near Optimal Hierarchical \
                  Path-Finding\", 2004, for the pulling",
         complete: true,
-        build: |options| Box::new(AnyAngle::new(options)),
+        build: |options| Box::new(AnyAngle::new(options.map())),
     },
     PlannerRow {
         key: "anytime",
@@ -150,152 +104,172 @@ pub const PLANNERS: &[PlannerRow] = &[
         source: "Richter, Thayer, Ruml, \"The Joy of Forgetting: Faster Anytime Search via \
                  Restarting\", ICAPS 2010",
         complete: true,
-        build: |options| Box::new(Anytime::new(options)),
+        build: |options| Box::new(Anytime::new(options.map())),
     },
     PlannerRow {
         key: "c_los",
         title: "A*, pulled taut",
         source: "the any-angle baseline of the papers' comparisons",
         complete: true,
-        build: |options| Box::new(c_los(options)),
+        build: |options| on_map(variants::c_los(), options),
     },
     PlannerRow {
         key: "tn_a8",
         title: "A* over eight neighbours",
         source: TN,
         complete: true,
-        build: |options| Box::new(tn_a8(options)),
+        build: |options| on_map(variants::tn_a8(options.papers.heuristic), options),
     },
     PlannerRow {
         key: "tn_apf",
         title: "Straight to the goal",
         source: TN,
         complete: false,
-        build: |options| Box::new(tn_apf(options)),
+        build: |options| on_map(TnApf, options),
     },
     PlannerRow {
         key: "tn_3n",
         title: "Walk of three neighbours",
         source: TN,
         complete: true,
-        build: |options| Box::new(tn_3n(options)),
+        build: |options| on_map(tn_3n(options.papers.walk, options.papers.literal), options),
     },
     PlannerRow {
         key: "tn_hyb",
         title: "Three-neighbour walk and attraction",
         source: TN,
         complete: true,
-        build: |options| Box::new(tn_hyb(options)),
+        build: |options| on_map(tn_hyb(options.papers.walk, options.papers.literal), options),
     },
     PlannerRow {
         key: "ju_astar",
         title: "A* with the straight distance",
         source: JU,
         complete: true,
-        build: |options| Box::new(ju_astar(options)),
+        build: |options| on_map(variants::ju_astar(), options),
     },
     PlannerRow {
         key: "zm_tra",
         title: "Traditional A*",
         source: ZM,
         complete: true,
-        build: |options| Box::new(zm_tra(options)),
+        build: |options| on_map(variants::zm_tra(), options),
     },
     PlannerRow {
         key: "zm_hw",
         title: "A* with a fixed weight",
         source: ZM,
         complete: true,
-        build: |options| Box::new(zm_hw(options)),
+        build: |options| on_map(variants::zm_hw(options.papers.weight), options),
     },
     PlannerRow {
         key: "zm_im",
         title: "A* with a weight by obstacle distance",
         source: ZM,
         complete: true,
-        build: |options| Box::new(zm_im(options)),
+        build: |options| on_map(variants::zm_im(options.papers.eta), options),
     },
     PlannerRow {
         key: "lwx_ta",
         title: "Traditional A*",
         source: LWX,
         complete: true,
-        build: |options| Box::new(lwx_ta(options)),
+        build: |options| on_map(variants::lwx_ta(options.papers.literal), options),
     },
     PlannerRow {
         key: "lwx_oa",
         title: "Greedy search without an open list",
         source: LWX,
         complete: true,
-        build: |options| Box::new(lwx_oa(options)),
+        build: |options| {
+            on_map(
+                lwx_oa(options.papers.greedy, options.papers.literal),
+                options,
+            )
+        },
     },
     PlannerRow {
         key: "lwx_bi",
         title: "A* from both ends to the middle",
         source: LWX,
         complete: true,
-        build: |options| Box::new(lwx_bi(options)),
+        build: |options| on_map(lwx_bi(), options),
     },
     PlannerRow {
         key: "lwx_bi_true",
         title: "Bidirectional A*",
         source: LWX,
         complete: true,
-        build: |options| Box::new(lwx_bi_true(options)),
+        build: |options| on_map(LwxBiTrue::default(), options),
     },
     PlannerRow {
         key: "lwx_aco",
         title: "Ant colony",
         source: LWX,
         complete: false,
-        build: |options| Box::new(lwx_aco(options)),
+        build: |options| on_map(lwx_aco(options.papers.ants, options.papers.seed), options),
     },
     PlannerRow {
         key: "lwx_rrt",
         title: "Random tree",
         source: LWX,
         complete: false,
-        build: |options| Box::new(lwx_rrt(options)),
+        build: |options| on_map(lwx_rrt(options.papers.tree, options.papers.seed), options),
     },
     PlannerRow {
         key: "bao_taa",
         title: "A* with the Manhattan distance",
         source: BAO,
         complete: true,
-        build: |options| Box::new(bao_taa(options)),
+        build: |options| on_map(variants::bao_taa(options.papers.literal), options),
     },
     PlannerRow {
         key: "bao_aao",
         title: "Virtual obstacles, Manhattan distance",
         source: BAO,
         complete: true,
-        build: |options| Box::new(bao_aao(options)),
+        build: |options| on_map(variants::bao_aao(options.papers.literal), options),
     },
     PlannerRow {
         key: "bao_iaa",
         title: "Virtual obstacles, octile distance, spline",
         source: BAO,
         complete: true,
-        build: |options| Box::new(bao_iaa(options)),
+        build: |options| {
+            on_map(
+                variants::bao_iaa(options.papers.spline, options.papers.literal),
+                options,
+            )
+        },
     },
     PlannerRow {
         key: "bao_dij",
         title: "Dijkstra with virtual obstacles, spline",
         source: BAO,
         complete: true,
-        build: |options| Box::new(bao_dij(options)),
+        build: |options| {
+            on_map(
+                variants::bao_dij(options.papers.spline, options.papers.literal),
+                options,
+            )
+        },
     },
     PlannerRow {
         key: "bao_full",
         title: "A* among inflated obstacles",
         source: BAO,
         complete: false,
-        build: |options| Box::new(bao_full(options)),
+        build: |options| on_map(bao_full(options.papers.ring), options),
     },
 ];
 
 /// Keys of the planners whose ways are the shortest when all costs are 0 and no corner may be cut.
 pub const EXACT: &[&str] = &["c_astar", "mpgaa", "policy", "jps", "canonical", "anytime"];
+
+/// A method of a paper as a planner.
+fn on_map<S: Solver + 'static>(solver: S, options: &PlannerOptions) -> Box<dyn GlobalPlanner> {
+    Box::new(OnMap::new(solver, options.map()))
+}
 
 /// No planner has this key.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]

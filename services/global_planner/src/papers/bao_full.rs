@@ -3,25 +3,22 @@
 //! Gaps of one or two cells close, so the planner gives up where there is a way. Start and goal
 //! are exempt.
 
-use crate::moves::STEPS;
+use crate::moves::{Neighbours, STEPS};
 use crate::papers::best_first::{BestFirst, Recipe};
 use crate::papers::field::{Field, Meter};
 use crate::papers::heuristic::Heuristic;
-use crate::papers::on_map::{OnMap, Solver};
-use crate::papers::options::Neighbours;
+use crate::papers::on_map::Solver;
 use crate::planner::{CornerRule, PlanError};
-use crate::table::PlannerOptions;
 use zeronav_msgs::Cell;
 
-/// The planner.
+/// The planner's method.
 #[must_use]
-pub fn bao_full(options: &PlannerOptions) -> OnMap<BaoFull> {
-    let solver = BaoFull {
-        ring: options.papers.ring,
+pub fn bao_full(ring: Neighbours) -> BaoFull {
+    BaoFull {
+        ring,
         walls: Vec::new(),
         memory: BestFirst::default(),
-    };
-    OnMap::new(solver, options, false)
+    }
 }
 
 /// See the module's description.

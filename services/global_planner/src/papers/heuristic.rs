@@ -2,22 +2,22 @@
 
 use crate::moves::octile_cells;
 use crate::papers::field::distance;
-use serde::{Deserialize, Serialize};
 use zeronav_msgs::Cell;
+use zeronav_params::choices;
 
-/// An estimate of the cost between two cells. [cells]
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Heuristic {
-    /// 0: Dijkstra's algorithm.
-    Zero,
-    /// Straight distance; admissible and consistent.
-    #[default]
-    Euclid,
-    /// Exact on an empty grid, [BAO] eq. (8); admissible and consistent.
-    Octile,
-    /// dx + dy: too large by up to sqrt 2 where diagonal steps are allowed, so not admissible.
-    Manhattan,
+choices! {
+    /// An estimate of the cost between two cells. [cells]
+    pub enum Heuristic {
+        /// 0: Dijkstra's algorithm.
+        Zero = "zero",
+        /// Straight distance; admissible and consistent.
+        #[default]
+        Euclid = "euclid",
+        /// Exact on an empty grid, [BAO] eq. (8); admissible and consistent.
+        Octile = "octile",
+        /// dx + dy: too large by up to sqrt 2 where diagonal steps are allowed, so not admissible.
+        Manhattan = "manhattan",
+    }
 }
 
 impl Heuristic {

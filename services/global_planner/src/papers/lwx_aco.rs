@@ -6,13 +6,12 @@
 //! all so far, leave some on the cells of their path, loops removed.
 
 use crate::papers::field::{Field, LENGTHS, Look, Marks, Meter, distance};
-use crate::papers::on_map::{OnMap, Solver};
-use crate::papers::options::AntOptions;
+use crate::papers::on_map::Solver;
 use crate::planner::PlanError;
-use crate::table::PlannerOptions;
 use rand::{RngExt as _, SeedableRng as _};
 use rand_pcg::Pcg64Mcg;
 use zeronav_msgs::Cell;
+use zeronav_params::parameters;
 
 /// Pheromone everywhere at the beginning.
 const TAU_START: f64 = 1.0;
@@ -20,21 +19,42 @@ const TAU_START: f64 = 1.0;
 /// Pheromone that never evaporates, so that no way is ever ruled out.
 const TAU_MIN: f64 = 1e-9;
 
-/// The planner.
+/// The planner's method.
 #[must_use]
-pub fn lwx_aco(options: &PlannerOptions) -> OnMap<LwxAco> {
-    let papers = &options.papers;
-    let solver = LwxAco {
-        options: papers.ants,
-        seed: papers.seed,
+pub fn lwx_aco(options: AntOptions, seed: u64) -> LwxAco {
+    LwxAco {
+        options,
+        seed,
         tau: Vec::new(),
         attraction: Vec::new(),
         visited: Marks::default(),
         position: Vec::new(),
         ant: Vec::new(),
         arrived: Vec::new(),
-    };
-    OnMap::new(solver, options, false)
+    }
+}
+
+parameters! {
+    /// `lwx_aco`: the ant colony, PAPERS Appendix D.
+    #[derive(Copy)]
+    pub struct AntOptions {
+        /// Ants in every iteration.
+        ants: u32 = 50, [1, 1_000];
+        /// Most iterations.
+        iterations: u32 = 100, [1, 10_000];
+        /// Iterations without a better path after which the search ends.
+        patience: u32 = 30, [1, u32::MAX];
+        /// Exponent of the pheromone.
+        alpha: f64 = 1.0, [0.0, 20.0];
+        /// Exponent of 1 / distance to the goal.
+        beta: f64 = 7.0, [0.0, 20.0];
+        /// Part of the pheromone that is lost in an iteration.
+        evaporation: f64 = 0.3, [0.0, 1.0];
+        /// Pheromone of an ant times the length of its path.
+        deposit: f64 = 1.0, [1.0e-6, 1.0e6] "cells";
+        /// Steps of all ants together, which bound the search on large maps.
+        steps_max: u32 = 2_000_000, [1, u32::MAX];
+    }
 }
 
 /// See the module's description.

@@ -7,23 +7,21 @@
 use crate::papers::best_first::{BestFirst, Recipe};
 use crate::papers::field::{Field, Meter, distance};
 use crate::papers::heuristic::Heuristic;
-use crate::papers::on_map::{NO_WAY, OnMap, Solver};
-use crate::papers::remarks::Fallback;
+use crate::papers::on_map::{NO_WAY, Solver};
 use crate::planner::PlanError;
-use crate::table::PlannerOptions;
+use crate::remarks::Fallback;
 use zeronav_msgs::Cell;
 
 /// Cells near the middle that are tried before the search goes without.
 const ATTEMPTS: usize = 8;
 
-/// The planner.
+/// The planner's method.
 #[must_use]
-pub fn lwx_bi(options: &PlannerOptions) -> OnMap<LwxBi> {
-    let solver = LwxBi {
+pub fn lwx_bi() -> LwxBi {
+    LwxBi {
         middles: Vec::new(),
         astar: BestFirst::default(),
-    };
-    OnMap::new(solver, options, false)
+    }
 }
 
 /// See the module's description.

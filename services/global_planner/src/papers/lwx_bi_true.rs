@@ -9,16 +9,9 @@ use crate::moves::STEPS;
 use crate::papers::best_first::{BestFirst, step_number};
 use crate::papers::field::{Field, LENGTHS, Look, Meter};
 use crate::papers::heuristic::Heuristic;
-use crate::papers::on_map::{NO_WAY, OnMap, Solver};
+use crate::papers::on_map::{NO_WAY, Solver};
 use crate::planner::PlanError;
-use crate::table::PlannerOptions;
 use zeronav_msgs::Cell;
-
-/// The planner.
-#[must_use]
-pub fn lwx_bi_true(options: &PlannerOptions) -> OnMap<LwxBiTrue> {
-    OnMap::new(LwxBiTrue::default(), options, false)
-}
 
 /// See the module's description.
 #[derive(Debug, Default)]

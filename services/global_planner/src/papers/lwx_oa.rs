@@ -8,24 +8,56 @@
 use crate::papers::best_first::{BestFirst, Recipe};
 use crate::papers::field::{Field, LENGTHS, Look, Marks, Meter, distance};
 use crate::papers::heuristic::Heuristic;
-use crate::papers::on_map::{NO_WAY, OnMap, Solver};
-use crate::papers::options::{ChildCost, DeadEndPolicy, GreedyOptions};
-use crate::papers::remarks::Fallback;
+use crate::papers::on_map::{NO_WAY, Solver};
 use crate::planner::PlanError;
-use crate::table::PlannerOptions;
+use crate::remarks::Fallback;
 use zeronav_msgs::Cell;
+use zeronav_params::{choices, parameters};
 
-/// The planner.
+/// The planner's method.
 #[must_use]
-pub fn lwx_oa(options: &PlannerOptions) -> OnMap<LwxOa> {
-    let papers = &options.papers;
-    let solver = LwxOa {
-        options: papers.greedy,
-        literal: papers.literal,
+pub fn lwx_oa(options: GreedyOptions, literal: bool) -> LwxOa {
+    LwxOa {
+        options,
+        literal,
         visited: Marks::default(),
         astar: BestFirst::default(),
-    };
-    OnMap::new(solver, options, papers.literal)
+    }
+}
+
+parameters! {
+    /// `lwx_oa`: the greedy search.
+    #[derive(Copy)]
+    pub struct GreedyOptions {
+        /// What happens where no neighbour is left.
+        dead_end: DeadEndPolicy = DeadEndPolicy::default();
+        /// By what the best neighbour is chosen.
+        child_cost: ChildCost = ChildCost::default();
+    }
+}
+
+choices! {
+    /// What the greedy search does where no neighbour is left.
+    pub enum DeadEndPolicy {
+        /// Gives up.
+        Fail = "fail",
+        /// Goes back to the last cell that has one: depth-first search, complete.
+        #[default]
+        Backtrack = "backtrack",
+        /// A* from the start.
+        FallbackAstar = "fallback_astar",
+    }
+}
+
+choices! {
+    /// By what the greedy search chooses.
+    pub enum ChildCost {
+        /// Distance to the goal.
+        #[default]
+        Distance = "distance",
+        /// Distance to the goal and cost of the step.
+        DistanceAndStep = "distance_and_step",
+    }
 }
 
 /// See the module's description.
@@ -122,5 +154,9 @@ impl Solver for LwxOa {
             }
         }
         Err(NO_WAY)
+    }
+
+    fn is_literal(&self) -> bool {
+        self.literal
     }
 }

@@ -5,14 +5,13 @@
 //! sees it.
 
 use crate::papers::field::{Field, Marks, Meter, distance};
-use crate::papers::on_map::{OnMap, Solver};
-use crate::papers::options::TreeOptions;
+use crate::papers::on_map::Solver;
 use crate::papers::sight::sees;
 use crate::planner::PlanError;
-use crate::table::PlannerOptions;
 use rand::{RngExt as _, SeedableRng as _};
 use rand_pcg::Pcg64Mcg;
 use zeronav_msgs::Cell;
+use zeronav_params::parameters;
 
 /// Draws for one free cell before a sample is given up.
 const DRAWS: u32 = 64;
@@ -23,17 +22,32 @@ const BUCKETS: i32 = 64;
 /// Branches on the longer side of the map, without [`TreeOptions::step_cells`].
 const BRANCHES: f64 = 20.0;
 
-/// The planner.
+/// The planner's method.
 #[must_use]
-pub fn lwx_rrt(options: &PlannerOptions) -> OnMap<LwxRrt> {
-    let papers = &options.papers;
-    let solver = LwxRrt {
-        options: papers.tree,
-        seed: papers.seed,
+pub fn lwx_rrt(options: TreeOptions, seed: u64) -> LwxRrt {
+    LwxRrt {
+        options,
+        seed,
         tree: Tree::default(),
         taken: Marks::default(),
-    };
-    OnMap::new(solver, options, false)
+    }
+}
+
+parameters! {
+    /// `lwx_rrt`: the random tree.
+    #[derive(Copy)]
+    pub struct TreeOptions {
+        /// Length of a branch. Without, a twentieth of the map's longer side: one cell on the maps
+        /// of the paper.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        step_cells: Option<f64> = None, [1.0, 1.0e4] "cells";
+        /// Part of the samples that is the goal.
+        goal_bias: f64 = 0.05, [0.0, 1.0];
+        /// Most samples.
+        samples: u32 = 20_000, [1, 10_000_000];
+        /// Distance to the goal that the tree must reach.
+        region_cells: f64 = 1.0, [0.0, 1.0e4] "cells";
+    }
 }
 
 /// See the module's description.

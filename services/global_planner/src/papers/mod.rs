@@ -16,35 +16,22 @@
 //! know no costs, and on their maps every price is one.
 
 pub mod bao_full;
-pub mod bao_taa;
-pub mod bao_virtual;
 pub mod best_first;
-pub mod c_los;
 pub mod field;
 pub mod flood;
 pub mod heuristic;
-pub mod ju_astar;
 pub mod lwx_aco;
 pub mod lwx_bi;
 pub mod lwx_bi_true;
 pub mod lwx_oa;
 pub mod lwx_rrt;
-pub mod lwx_ta;
 pub mod on_map;
 pub mod options;
 pub mod regularise;
-pub mod remarks;
 pub mod sight;
 pub mod spline;
 pub mod tn_3n;
-pub mod tn_a8;
 pub mod tn_apf;
 pub mod tn_hyb;
 pub mod variants;
 pub mod weight;
-pub mod zm_hw;
-pub mod zm_im;
-pub mod zm_tra;
-
-pub use options::PaperOptions;
-pub use remarks::{Fallback, Remarks};

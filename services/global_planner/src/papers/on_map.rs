@@ -2,15 +2,14 @@
 //! start, proof that there is no way, cost and remarks.
 
 use crate::ends::{WayOut, find_ends};
+use crate::map_options::MapOptions;
 use crate::moves::STEPS;
 use crate::papers::field::{Field, Look, Marks, Meter, Prices};
 use crate::papers::flood::Flood;
-use crate::papers::options::SplineEnds;
-use crate::papers::spline::curve_of;
+use crate::papers::spline::{SplineEnds, curve_of};
 use crate::planner::{
     CellPath, Control, CornerRule, Expansions, GlobalPlanner, PlanError, PlanQuery, PlanStats,
 };
-use crate::table::{COST_WEIGHT_MAX, PlannerOptions, within};
 use zeronav_msgs::Cell;
 
 /// A method that finds a way between two free cells.
@@ -37,6 +36,11 @@ pub trait Solver: Send {
         None
     }
 
+    /// True when a fault that is printed in the paper is switched on.
+    fn is_literal(&self) -> bool {
+        false
+    }
+
     /// How the path is rounded.
     fn spline(&self) -> SplineEnds {
         SplineEnds::Off
@@ -49,7 +53,6 @@ pub struct OnMap<S> {
     /// The method.
     pub solver: S,
     prices: Prices,
-    literal: bool,
     way_out: WayOut,
     flood: Flood,
     seen: Marks,
@@ -61,14 +64,12 @@ pub(crate) const NO_WAY: PlanError = PlanError::Unreachable {
 };
 
 impl<S: Solver> OnMap<S> {
-    /// `literal`: a printed fault is switched on. Options outside their range are taken as its
-    /// nearest end.
+    /// A planner with empty memory.
     #[must_use]
-    pub fn new(solver: S, options: &PlannerOptions, literal: bool) -> Self {
+    pub fn new(solver: S, options: MapOptions) -> Self {
         Self {
             solver,
-            prices: Prices::new(within(options.cost_weight, COST_WEIGHT_MAX)),
-            literal,
+            prices: Prices::new(options.cost_weight()),
             way_out: WayOut::new(options),
             flood: Flood::default(),
             seen: Marks::default(),
@@ -154,7 +155,7 @@ impl<S: Solver> GlobalPlanner for OnMap<S> {
         path: &mut CellPath,
     ) -> Result<PlanStats, PlanError> {
         path.clear();
-        path.stats.remarks.literal = self.literal;
+        path.stats.remarks.literal = self.solver.is_literal();
         let ends = find_ends(query, &mut self.way_out)?;
         let prices = self.prices.clone();
         let field = Field {

@@ -3,8 +3,8 @@
 
 use crate::moves::STEPS;
 use crate::papers::field::{Field, Meter};
-use crate::papers::options::{SWITCH_MARGIN_MAX, WalkOptions};
 use crate::papers::sight::first_hit;
+use crate::papers::tn_3n::{SWITCH_MARGIN_MAX, WalkOptions};
 use crate::planner::PlanError;
 use zeronav_msgs::{Cell, CellRect};
 

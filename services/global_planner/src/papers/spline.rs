@@ -4,13 +4,26 @@
 //! path is a control point: the curve then stays within 0.24 cells of the path's corners and, on
 //! a path that cuts no corner, at least 0.465 cells from every cell that is not known to be free.
 
-use crate::papers::options::SplineEnds;
 use crate::planner::PlanQuery;
 use nalgebra::{Point2, Vector2};
 use zeronav_msgs::Cell;
+use zeronav_params::choices;
 
 /// Samples on a piece of the curve that is not straight, as it is sent to other processes.
 const PIECES_PER_SEGMENT: u32 = 4;
+
+choices! {
+    /// `bao_iaa`, `bao_dij`: how the cubic B-spline meets its first and last control point.
+    pub enum SplineEnds {
+        /// A mirrored point beyond each end: exact ends, along the path.
+        #[default]
+        Phantom = "phantom",
+        /// The end points three times: exact ends, straight first piece.
+        Triple = "triple",
+        /// No curve: the cells' centres are the path.
+        Off = "off",
+    }
+}
 
 /// A point of the curve.
 #[derive(Debug, Clone, Copy, PartialEq)]

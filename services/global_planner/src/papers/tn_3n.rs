@@ -4,23 +4,58 @@
 //! Here it does not enter a cell twice and goes back when nothing is left, which makes it a
 //! depth-first search: complete, but far from the shortest way.
 
+use crate::moves::Neighbours;
 use crate::papers::field::{Field, LENGTHS, Look, Marks, Meter, distance};
-use crate::papers::on_map::{NO_WAY, OnMap, Solver};
-use crate::papers::options::{Rotate, WalkOptions};
+use crate::papers::on_map::{NO_WAY, Solver};
 use crate::planner::{PlanError, PlanStats};
-use crate::table::PlannerOptions;
 use zeronav_msgs::Cell;
+use zeronav_params::{choices, parameters};
 
-/// The planner.
+/// The planner's method.
 #[must_use]
-pub fn tn_3n(options: &PlannerOptions) -> OnMap<Tn3n> {
-    let papers = &options.papers;
-    let solver = Tn3n {
-        options: papers.walk,
-        literal: papers.literal,
+pub fn tn_3n(options: WalkOptions, literal: bool) -> Tn3n {
+    Tn3n {
+        options,
+        literal,
         walk: Walk::default(),
-    };
-    OnMap::new(solver, options, papers.literal)
+    }
+}
+
+/// Largest [`WalkOptions::switch_margin_cells`].
+pub const SWITCH_MARGIN_MAX: u32 = 16;
+
+parameters! {
+    /// `tn_3n`, `tn_hyb`: the walk of three neighbours and what is around it.
+    #[derive(Copy)]
+    pub struct WalkOptions {
+        /// To which side the pose vector turns when the three cells are blocked.
+        rotate: Rotate = Rotate::default();
+        /// Keeps a turned vector until the direction of the target is free.
+        keep_heading: bool = false;
+        /// Chebyshev distance of an obstacle within which the walk takes over.
+        switch_margin_cells: u32 = 1, [1, SWITCH_MARGIN_MAX] "cells";
+        /// Which cells belong to one obstacle.
+        components: Neighbours = Neighbours::default();
+        /// Part of the map that a rectangle may cover.
+        rectangle_share_max: f64 = 0.25, [0.0, 1.0];
+        /// Whether other methods step in when the walk fails.
+        ladder: bool = true;
+        /// Whether the path is pulled taut afterwards.
+        pull: bool = false;
+    }
+}
+
+choices! {
+    /// To which side the walk turns.
+    pub enum Rotate {
+        /// Counter-clockwise, as printed.
+        #[default]
+        Ccw = "ccw",
+        /// Clockwise.
+        Cw = "cw",
+        /// To the side whose best cell is cheaper; counter-clockwise of two equal ones.
+        Shorter = "shorter",
+    }
 }
 
 /// See the module's description.
@@ -192,5 +227,9 @@ impl Solver for Tn3n {
         }
         cells.extend_from_slice(&self.walk.cells);
         Ok(())
+    }
+
+    fn is_literal(&self) -> bool {
+        self.literal
     }
 }

@@ -5,17 +5,10 @@
 //! at the first.
 
 use crate::papers::field::{Field, Meter};
-use crate::papers::on_map::{OnMap, Solver};
+use crate::papers::on_map::Solver;
 use crate::papers::sight::sees;
 use crate::planner::PlanError;
-use crate::table::PlannerOptions;
 use zeronav_msgs::Cell;
-
-/// The planner.
-#[must_use]
-pub fn tn_apf(options: &PlannerOptions) -> OnMap<TnApf> {
-    OnMap::new(TnApf, options, false)
-}
 
 /// See the module's description.
 #[derive(Debug)]

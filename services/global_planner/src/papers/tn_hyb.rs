@@ -3,36 +3,32 @@
 //!
 //! Other methods step in when it fails (`options.papers.walk.ladder`): the walk on the other side
 //! of obstacles, the walk without rectangles, A* from where the last walk gave up. That last one
-//! finds a way whenever there is one. [`crate::papers::Remarks::fallback`] says which it was.
+//! finds a way whenever there is one. [`crate::remarks::Remarks::fallback`] says which it was.
 
 use crate::line::supercover;
 use crate::papers::best_first::{BestFirst, Recipe};
 use crate::papers::field::{Field, Meter};
 use crate::papers::heuristic::Heuristic;
-use crate::papers::on_map::{NO_WAY, OnMap, Solver};
-use crate::papers::options::{Rotate, WalkOptions};
+use crate::papers::on_map::{NO_WAY, Solver};
 use crate::papers::regularise::Regions;
-use crate::papers::remarks::Fallback;
 use crate::papers::sight::{pull, sees};
-use crate::papers::tn_3n::{Gait, Walk};
+use crate::papers::tn_3n::{Gait, Rotate, Walk, WalkOptions};
 use crate::planner::PlanError;
-use crate::table::PlannerOptions;
+use crate::remarks::Fallback;
 use zeronav_msgs::Cell;
 
-/// The planner.
+/// The planner's method.
 #[must_use]
-pub fn tn_hyb(options: &PlannerOptions) -> OnMap<TnHyb> {
-    let papers = &options.papers;
-    let solver = TnHyb {
-        options: papers.walk,
-        literal: papers.literal,
+pub fn tn_hyb(options: WalkOptions, literal: bool) -> TnHyb {
+    TnHyb {
+        options,
+        literal,
         regions: Regions::default(),
         walk: Walk::default(),
         modes: Vec::new(),
         line: Vec::new(),
         astar: BestFirst::default(),
-    };
-    OnMap::new(solver, options, papers.literal)
+    }
 }
 
 /// See the module's description.
@@ -248,5 +244,9 @@ impl Solver for TnHyb {
         cells.pop();
         self.astar.trace(field, goal, cells);
         Ok(())
+    }
+
+    fn is_literal(&self) -> bool {
+        self.literal
     }
 }

@@ -1,8 +1,27 @@
 //! Weights of the heuristic: one, fixed, or by the distance to the nearest obstacle.
 
 use crate::papers::field::Field;
-use crate::papers::options::{EtaOptions, P0_CELLS_MAX};
 use zeronav_msgs::Cell;
+use zeronav_params::parameters;
+
+/// Largest [`EtaOptions::p0_cells`].
+pub const P0_CELLS_MAX: f64 = 12.0;
+
+parameters! {
+    /// `zm_im`: the weight of the heuristic by the distance to the nearest obstacle, [ZM] eq. (5).
+    #[derive(Copy)]
+    pub struct EtaOptions {
+        /// Gain of the emergency zone.
+        alpha: f64 = 2.0, [0.0, 5.0];
+        /// Slope of the mild zone. Continuous with the emergency zone when it is
+        /// `alpha^2 exp(-P0 (1 - 1/alpha)) / P0`.
+        beta: f64 = 0.2975, [0.0, 5.0] "1/cell";
+        /// Distance beyond which obstacles do not count.
+        p0_cells: f64 = 3.0, [0.1, P0_CELLS_MAX] "cells";
+        /// In place of eq. (5) `alpha (1 - x / P0)^2`, which decreases and is continuous.
+        monotone: bool = false;
+    }
+}
 
 /// The factor of the heuristic at a cell, >= 1.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -4,10 +4,9 @@ use crate::generate::{any, blocky, corners};
 use crate::support::Map;
 use crate::{assert_close, plain, plan};
 use core::f64::consts::SQRT_2;
-use zeronav_global_planner::papers::Fallback;
 use zeronav_global_planner::papers::lwx_bi::middle_of;
-use zeronav_global_planner::papers::options::{ChildCost, DeadEndPolicy};
-use zeronav_global_planner::{CornerRule, PlanError, PlannerOptions};
+use zeronav_global_planner::papers::lwx_oa::{ChildCost, DeadEndPolicy};
+use zeronav_global_planner::{CornerRule, Fallback, PlanError, PlannerOptions};
 use zeronav_msgs::Cell;
 
 const RULE: CornerRule = CornerRule::ForbidAny;

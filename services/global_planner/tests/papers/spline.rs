@@ -4,7 +4,7 @@ use crate::generate::{any, corners};
 use crate::support::{Map, Rng};
 use crate::{assert_close, plain, plan};
 use nalgebra::Point2;
-use zeronav_global_planner::papers::options::SplineEnds;
+use zeronav_global_planner::papers::spline::SplineEnds;
 use zeronav_global_planner::papers::spline::{point_on, segments};
 use zeronav_global_planner::waypoints::waypoints_along;
 use zeronav_global_planner::{CornerRule, PlannerOptions};

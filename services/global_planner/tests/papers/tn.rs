@@ -4,11 +4,10 @@ use crate::generate::{blocky, corners, iid};
 use crate::support::Map;
 use crate::{assert_close, count, median, plain, plan, plan_with};
 use zeronav_global_planner::line::supercover;
-use zeronav_global_planner::papers::Fallback;
 use zeronav_global_planner::papers::on_map::OnMap;
-use zeronav_global_planner::papers::options::Rotate;
+use zeronav_global_planner::papers::tn_3n::Rotate;
 use zeronav_global_planner::papers::tn_hyb::{Mode, TnHyb, tn_hyb};
-use zeronav_global_planner::{CornerRule, PlanError, PlannerOptions};
+use zeronav_global_planner::{CornerRule, Fallback, PlanError, PlannerOptions};
 use zeronav_msgs::{Cell, CellRect, MapCell};
 
 const RULE: CornerRule = CornerRule::ForbidAny;
@@ -20,10 +19,16 @@ fn without_ladder() -> PlannerOptions {
     options
 }
 
+/// The hybrid as the table builds it.
+fn hybrid_planner(options: &PlannerOptions) -> OnMap<TnHyb> {
+    let papers = &options.papers;
+    OnMap::new(tn_hyb(papers.walk, papers.literal), options.map())
+}
+
 /// Plans from S to G with the hybrid; the planner shows what it did.
 fn hybrid(text: &str, options: &PlannerOptions) -> (OnMap<TnHyb>, Result<f64, PlanError>) {
     let (map, at) = Map::drawn(text);
-    let mut planner = tn_hyb(options);
+    let mut planner = hybrid_planner(options);
     let result = plan_with(&mut planner, &map, RULE, (at('S'), at('G')));
     (planner, result.map(|found| found.cost))
 }
@@ -79,7 +84,7 @@ fn tn_reg_a_u_around_the_start_is_skipped() {
                 ....###.....
                 ............";
     let (map, at) = Map::drawn(text);
-    let mut planner = tn_hyb(&without_ladder());
+    let mut planner = hybrid_planner(&without_ladder());
     for _ in 0..2 {
         let found = plan_with(&mut planner, &map, RULE, (at('S'), at('G'))).unwrap();
         assert_eq!(found.stats().remarks.rectangles, 0);

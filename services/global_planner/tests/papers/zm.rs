@@ -3,7 +3,7 @@
 use crate::generate::{any, blocky, corners};
 use crate::{assert_close, count, median, plain, plan};
 use zeronav_global_planner::CornerRule;
-use zeronav_global_planner::papers::options::EtaOptions;
+use zeronav_global_planner::papers::weight::EtaOptions;
 use zeronav_global_planner::papers::weight::Weight;
 
 const RULE: CornerRule = CornerRule::ForbidAny;

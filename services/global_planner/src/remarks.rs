@@ -4,7 +4,7 @@
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Remarks {
     /// A fault that is printed in the paper was switched on
-    /// ([`crate::papers::PaperOptions::literal`]): the result is for reproduction only.
+    /// ([`crate::papers::options::PaperOptions::literal`]): the result is for reproduction only.
     pub literal: bool,
     /// What had to step in where the method of the paper failed.
     pub fallback: Fallback,
