@@ -3,6 +3,7 @@
 use crate::scenario::{COORDINATE_M_MAX, TOLERANCE, YAW_RAD_MAX};
 use crate::suite::Noise;
 use crate::supervise::cleaner;
+use crate::version::VERSION;
 use clap::{Args, Parser, Subcommand};
 use core::ops::Range;
 use std::num::NonZeroUsize;
@@ -16,7 +17,7 @@ use zeronav_world::error::number;
 
 /// Zero-copy, multi-process navigation: launch a scenario, swap a service, profile latency.
 #[derive(Debug, Parser)]
-#[command(name = "zeronav", version, propagate_version = true)]
+#[command(name = "zeronav", version = VERSION, propagate_version = true)]
 pub struct Cli {
     /// What to do.
     #[command(subcommand)]

@@ -1,6 +1,7 @@
 //! The machine under a run.
 
 use crate::show::report::Environment;
+use crate::version::VERSION;
 
 /// Readings at the start of a run; the rest is read at its end.
 #[derive(Debug, Clone, Copy)]
@@ -23,7 +24,7 @@ impl Before {
     #[must_use]
     pub fn environment(self) -> Environment {
         Environment {
-            version: env!("CARGO_PKG_VERSION").to_owned(),
+            version: VERSION.to_owned(),
             build: if cfg!(debug_assertions) {
                 "debug"
             } else {

@@ -31,3 +31,4 @@ pub mod shuttle;
 pub mod suite;
 pub mod supervise;
 pub mod trials;
+pub mod version;

@@ -89,9 +89,10 @@ fn no_forbidden_dependencies() {
         else {
             continue;
         };
+        let installed = installed_with(manifest);
         for dependency in dependencies
             .keys()
-            .filter(|key| manifests.contains_key(*key))
+            .filter(|key| manifests.contains_key(*key) && !installed.contains(key))
         {
             if !allowed(name).contains(&dependency.as_str()) {
                 extra.push(format!("{name} -> {dependency}"));
@@ -102,6 +103,63 @@ fn no_forbidden_dependencies() {
         extra.is_empty(),
         "dependencies that are not allowed: {extra:?}"
     );
+}
+
+/// Packages that a package depends on only to install their binaries together with its own: its
+/// library is built and tested without them.
+fn installed_with(manifest: &toml::Table) -> Vec<&String> {
+    let feature = manifest.get("features").and_then(|all| all.get("services"));
+    let enabled = feature
+        .and_then(toml::Value::as_array)
+        .into_iter()
+        .flatten();
+    let enabled: Vec<&str> = enabled.filter_map(toml::Value::as_str).collect();
+    let dependencies = manifest["dependencies"].as_table().expect("dependencies");
+    let only_there = |(name, dependency): &(&String, &toml::Value)| {
+        let optional = dependency.get("optional").and_then(toml::Value::as_bool);
+        optional == Some(true) && enabled.contains(&format!("dep:{name}").as_str())
+    };
+    let names = dependencies.iter().filter(only_there);
+    names.map(|(name, _)| name).collect()
+}
+
+/// Name, path from the root of the workspace, and required features of the binaries of a package.
+fn binaries(folder: &Path, manifest: &toml::Table) -> Vec<(String, PathBuf, String)> {
+    let all = manifest.get("bin").and_then(toml::Value::as_array);
+    let all = all.into_iter().flatten();
+    all.map(|bin| {
+        let file = folder.join(bin["path"].as_str().expect("a path"));
+        let file = file.canonicalize().expect("the file of a binary");
+        let features = bin.get("required-features").map(toml::Value::to_string);
+        let name = bin["name"].as_str().expect("a name").to_owned();
+        (name, file, features.unwrap_or_default())
+    })
+    .collect()
+}
+
+#[test]
+fn one_package_installs_every_service() {
+    let packages = packages();
+    let folder = &packages["zeronav"];
+    let together = binaries(folder, &manifests()["zeronav"]);
+    let mut services = 0;
+    for (name, manifest) in manifests() {
+        if manifest
+            .get("features")
+            .is_none_or(|all| all.get("process").is_none())
+        {
+            continue;
+        }
+        for (binary, file, _) in binaries(&packages[&name], &manifest) {
+            let expected = (binary, file, "[\"services\"]".to_owned());
+            assert!(
+                together.contains(&expected),
+                "{expected:?} is not in launch/Cargo.toml"
+            );
+            services += 1;
+        }
+    }
+    assert_eq!(services, 5, "{together:#?}");
 }
 
 #[test]
@@ -197,6 +255,7 @@ const WITH_CIRCLES: &[&str] = &[
     "zeronav-global-planner",
     "zeronav-local-planner",
     "zeronav-mapping",
+    "zeronav-params",
     "zeronav-robot-sim",
     "zeronav-shell",
     "zeronav-world",
@@ -219,7 +278,6 @@ const STILL_LONG: &[&str] = &[
     "services/global_planner/src/jps.rs",
     "services/global_planner/src/lazy_theta.rs",
     "services/global_planner/src/smooth.rs",
-    "services/local_planner/src/config.rs",
     "services/local_planner/src/dwa/timed.rs",
     "services/local_planner/src/fan.rs",
     "services/local_planner/src/funnel.rs",
