@@ -16,7 +16,7 @@ fn pages_are_what_the_stored_records_render_to() {
     assert!(page == page::page(&records), "tests/RESULTS.md: {hint}");
     for file in readmes() {
         let text = std::fs::read_to_string(&file).expect("a README");
-        let rendered = page::with_blocks(&text, &records);
+        let rendered = page::filled(&text, &records);
         let rendered = rendered.unwrap_or_else(|error| panic!("{}: {error}", file.display()));
         assert!(rendered == text, "{}: {hint}", file.display());
     }

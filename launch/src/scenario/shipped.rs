@@ -104,10 +104,13 @@ fn the_drawn_files_and_the_built_in_ones_are_the_same() {
 
 #[test]
 fn the_readme_names_every_scenario() {
-    let readme = include_str!("../../../README.md");
+    let readme = include_str!("../../README.md");
     for listed in Library::of("/nowhere").list() {
         let name = format!("`{}`", listed.name);
-        assert!(readme.contains(&name), "README.md does not name {name}");
+        assert!(
+            readme.contains(&name),
+            "launch/README.md does not name {name}"
+        );
     }
 }
 

@@ -34,12 +34,18 @@ pub fn page_file() -> PathBuf {
 /// Every README of the project.
 #[must_use]
 pub fn readmes() -> Vec<PathBuf> {
-    let data = workspace().join("tests").join("data");
-    let mut files = vec![workspace().join("README.md"), data.join("README.md")];
-    let services = workspace().join("services");
-    files.push(services.join("README.md"));
-    for entry in std::fs::read_dir(services).into_iter().flatten().flatten() {
-        files.push(entry.path().join("README.md"));
+    let folders = ["", "launch", "msgs", "services", "tests", "tests/data"];
+    let mut files: Vec<PathBuf> = folders.iter().map(|one| workspace().join(one)).collect();
+    let services = std::fs::read_dir(workspace().join("services"));
+    files.extend(
+        services
+            .into_iter()
+            .flatten()
+            .flatten()
+            .map(|entry| entry.path()),
+    );
+    for file in &mut files {
+        file.push("README.md");
     }
     files.retain(|file| file.is_file());
     files.sort();
@@ -117,7 +123,7 @@ pub fn render(records: &Records) -> Result<(), String> {
     for file in readmes() {
         let name = |error: &dyn core::fmt::Display| format!("{}: {error}", file.display());
         let text = std::fs::read_to_string(&file).map_err(|error| name(&error))?;
-        let new = page::with_blocks(&text, records).map_err(|error| name(&error))?;
+        let new = page::filled(&text, records).map_err(|error| name(&error))?;
         if new != text {
             write(&file, &new)?;
         }

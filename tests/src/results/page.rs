@@ -14,6 +14,12 @@ const BEGIN_END: &str = " -->";
 /// Ends a block.
 const END: &str = "<!-- /results -->";
 
+/// Begins a single figure in a line; `KEY / ROW / COLUMN` follows.
+const FIGURE: &str = "<!-- figure: ";
+
+/// Ends a single figure.
+const FIGURE_END: &str = "<!-- /figure -->";
+
 /// The page with every record.
 #[must_use]
 pub fn page(records: &Records) -> String {
@@ -31,11 +37,68 @@ pub fn page(records: &Records) -> String {
     text
 }
 
+/// `text` with the content of its marked blocks and its single figures replaced.
+///
+/// # Errors
+/// One line about a block that is not closed or names no experiment, or about a figure that its
+/// record does not have.
+pub fn filled(text: &str, records: &Records) -> Result<String, String> {
+    with_figures(&with_blocks(text, records)?, records)
+}
+
+/// `text` with its single figures replaced: `<!-- figure: KEY / ROW / COLUMN -->value<!-- /figure -->`,
+/// where the column is that of a table or `n`.
+fn with_figures(text: &str, records: &Records) -> Result<String, String> {
+    let mut out = String::with_capacity(text.len());
+    let mut rest = text;
+    while let Some((before, after)) = rest.split_once(FIGURE) {
+        let unclosed = || format!("a figure has no `{BEGIN_END}` or `{FIGURE_END}`");
+        let (mark, after) = after.split_once(BEGIN_END).ok_or_else(unclosed)?;
+        let (old, after) = after.split_once(FIGURE_END).ok_or_else(unclosed)?;
+        if old.contains(FIGURE) {
+            return Err(unclosed());
+        }
+        let value = single(mark, records)?;
+        let _ = write!(out, "{before}{FIGURE}{mark}{BEGIN_END}{value}{FIGURE_END}");
+        rest = after;
+    }
+    Ok(out + rest)
+}
+
+/// The figure that `KEY / ROW / COLUMN` names.
+fn single(mark: &str, records: &Records) -> Result<String, String> {
+    let words: Vec<&str> = mark.split(" / ").collect();
+    let [key, row_name, column] = words[..] else {
+        return Err(format!(
+            "a figure is named `KEY / ROW / COLUMN`, not `{mark}`"
+        ));
+    };
+    if !EXPERIMENTS.iter().any(|experiment| experiment.key == key) {
+        return Err(format!("no experiment is called `{key}`"));
+    }
+    let Some(record) = records.get(key) else {
+        return Ok("(not measured yet)".to_owned());
+    };
+    for table in &record.tables {
+        let Some(row) = table.rows.iter().find(|row| row.name == row_name) else {
+            continue;
+        };
+        if column == "n" {
+            return Ok(row.n.to_string());
+        }
+        let at = table.columns.iter().position(|name| name == column);
+        if let Some(value) = at.and_then(|at| row.figures[at].value) {
+            return Ok(short(value));
+        }
+    }
+    Err(format!("`{key}` has no figure `{row_name} / {column}`"))
+}
+
 /// `text` with the content of its marked blocks replaced.
 ///
 /// # Errors
 /// One line about a block that is not closed or names no experiment.
-pub fn with_blocks(text: &str, records: &Records) -> Result<String, String> {
+fn with_blocks(text: &str, records: &Records) -> Result<String, String> {
     let mut out = String::with_capacity(text.len());
     let mut rest = text;
     while let Some(at) = rest.find(BEGIN) {
@@ -253,6 +316,40 @@ mod tests {
         );
         let without = with_blocks(&new, &Records::new()).expect("blocks");
         assert!(without.contains(&format!("measure {key}`")), "{without}");
+    }
+
+    #[test]
+    fn single_figures_come_from_their_records() {
+        let key = EXPERIMENTS[0].key;
+        let records = Records::from([(key.to_owned(), record())]);
+        let line = |column: &str, value: &str| {
+            format!("a {FIGURE}{key} / mapping / {column}{BEGIN_END}{value}{FIGURE_END} b\n")
+        };
+        for (column, value) in [("p50 [us]", "2.50"), ("n", "200")] {
+            let new = filled(&line(column, "old"), &records);
+            assert_eq!(new, Ok(line(column, value)));
+            let without = filled(&line(column, "old"), &Records::new());
+            assert_eq!(without, Ok(line(column, "(not measured yet)")));
+        }
+        for column in ["max [us]", "mean"] {
+            let error = filled(&line(column, "old"), &records).expect_err("no value");
+            assert!(error.contains(column), "{error}");
+        }
+        assert!(
+            filled(
+                &format!("{FIGURE}nothing / a / b{BEGIN_END}{FIGURE_END}"),
+                &records
+            )
+            .is_err()
+        );
+        assert!(
+            filled(
+                &format!("{FIGURE}{key} / mapping{BEGIN_END}{FIGURE_END}"),
+                &records
+            )
+            .is_err()
+        );
+        assert!(filled(&format!("{FIGURE}{key} / mapping / n{BEGIN_END}"), &records).is_err());
     }
 
     #[test]

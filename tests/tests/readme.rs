@@ -1,0 +1,278 @@
+//! The READMEs say what the code says: topics, commands, scenarios, links, examples.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use zeronav_msgs::role::Role;
+use zeronav_msgs::topics::{Discipline, topics};
+use zeronav_tests::results::readmes;
+use zeronav_tests::{Zeronav, workspace, zeronav};
+
+fn read(file: &Path) -> String {
+    std::fs::read_to_string(file).unwrap_or_else(|error| panic!("{}: {error}", file.display()))
+}
+
+fn page(name: &str) -> String {
+    read(&workspace().join(name))
+}
+
+/// Every page for people: READMEs and the pages at the top.
+fn pages() -> Vec<PathBuf> {
+    let mut pages = readmes();
+    pages.extend(["CONTRIBUTING.md", "CHANGELOG.md"].map(|name| workspace().join(name)));
+    pages
+}
+
+/// The code blocks of a page in a language.
+fn blocks(text: &str, language: &str) -> Vec<String> {
+    let mut blocks = Vec::new();
+    let mut open: Option<(bool, String)> = None;
+    for line in text.lines() {
+        match (&mut open, line.strip_prefix("```")) {
+            (None, Some(name)) => open = Some((name == language, String::new())),
+            (Some((wanted, block)), Some(_)) => {
+                if *wanted {
+                    blocks.push(std::mem::take(block));
+                }
+                open = None;
+            }
+            (Some((_, block)), None) => {
+                block.push_str(line);
+                block.push('\n');
+            }
+            (None, None) => {}
+        }
+    }
+    blocks
+}
+
+/// The text without comments, links' targets and code blocks.
+fn words_of(text: &str) -> usize {
+    let mut prose = String::new();
+    let mut rest = text;
+    while let Some((before, after)) = rest.split_once("<!--") {
+        prose += before;
+        rest = after.split_once("-->").map_or("", |(_, after)| after);
+    }
+    (prose + rest).split_whitespace().count()
+}
+
+/// The anchor of a heading, as GitHub makes it.
+fn anchor(heading: &str) -> String {
+    let text = heading.trim_start_matches('#').trim().to_lowercase();
+    let kept = text
+        .chars()
+        .filter(|c| c.is_alphanumeric() || " -_".contains(*c));
+    kept.map(|c| if c == ' ' { '-' } else { c }).collect()
+}
+
+#[test]
+fn every_link_leads_somewhere() {
+    let mut broken = Vec::new();
+    let mut links = 0;
+    for page in pages() {
+        let text = read(&page);
+        for part in text.split("](").skip(1) {
+            let target = part.split(')').next().expect("the end of a link");
+            if target.starts_with("http") {
+                continue;
+            }
+            links += 1;
+            let (file, heading) = target.split_once('#').unwrap_or((target, ""));
+            let file = match file {
+                "" => page.clone(),
+                file => page.parent().expect("a folder").join(file),
+            };
+            let leads = file.exists()
+                && (heading.is_empty() || {
+                    let text = read(&file);
+                    let mut headings = text.lines().filter(|line| line.starts_with('#'));
+                    headings.any(|line| anchor(line) == heading)
+                });
+            if !leads {
+                broken.push(format!("{}: {target}", page.display()));
+            }
+        }
+    }
+    assert!(links > 30, "{links} links");
+    assert!(broken.is_empty(), "{broken:#?}");
+}
+
+#[test]
+fn the_front_page_is_short() {
+    let words = words_of(&page("README.md"));
+    assert!((700..=900).contains(&words), "{words} words");
+}
+
+#[test]
+fn the_table_of_topics_is_that_of_the_code() {
+    let text = page("msgs/README.md");
+    let labels = |roles: &[Role]| match roles {
+        [] => "-".to_owned(),
+        roles => roles
+            .iter()
+            .map(|role| role.label())
+            .collect::<Vec<_>>()
+            .join(", "),
+    };
+    let rows: Vec<Vec<&str>> = text
+        .lines()
+        .filter(|line| line.starts_with("| `") && line.contains('/'))
+        .map(|line| line.trim_matches('|').split('|').map(str::trim).collect())
+        .collect();
+    let mut named = BTreeSet::new();
+    for topic in topics()
+        .iter()
+        .filter(|topic| !topic.name.starts_with("health"))
+    {
+        let name = format!("`{}`", topic.name);
+        let row = rows.iter().find(|row| row[0] == name);
+        let row = row.unwrap_or_else(|| panic!("{name} is not in msgs/README.md"));
+        let discipline = match topic.discipline {
+            Discipline::Latest => "latest",
+            Discipline::Latched => "latched",
+            Discipline::Stream => "stream",
+            Discipline::Records => "records",
+        };
+        let expected = [
+            labels(topic.writers),
+            labels(topic.rings),
+            discipline.to_owned(),
+        ];
+        assert_eq!(row[2..], expected, "{name}");
+        named.insert(name);
+    }
+    let unknown = rows.iter().filter(|row| !named.contains(row[0]));
+    assert_eq!(unknown.count(), 0, "topics that are no longer there");
+}
+
+#[test]
+fn every_command_is_described() {
+    let text = page("launch/README.md");
+    let help = zeronav(&["--help"]);
+    assert_eq!(help.code(), 0, "{}", help.stderr);
+    let commands = help.stdout.split("Commands:").nth(1).expect("commands");
+    let names: Vec<&str> = commands
+        .lines()
+        .skip(1)
+        .take_while(|line| !line.is_empty())
+        .filter_map(|line| line.strip_prefix("  ")?.split(' ').next())
+        .filter(|name| !name.is_empty() && *name != "help")
+        .collect();
+    assert!(names.len() >= 9, "{names:?}");
+    for name in names {
+        assert!(
+            text.contains(&format!("`zeronav {name}")),
+            "{name} is not described"
+        );
+    }
+}
+
+#[test]
+fn flags_in_examples_exist() {
+    let mut checked = 0;
+    for page in pages() {
+        let blocks = blocks(&read(&page), "sh");
+        let lines = blocks.iter().flat_map(|block| block.lines());
+        for line in lines.filter(|line| line.starts_with("zeronav ")) {
+            let words: Vec<&str> = line.split(" #").next().unwrap_or("").split(' ').collect();
+            let help = zeronav(&[words[1], "--help"]);
+            for flag in words.iter().filter(|word| word.starts_with("--")) {
+                assert!(help.stdout.contains(flag), "{line}: {flag}");
+                checked += 1;
+            }
+        }
+    }
+    assert!(checked > 5, "{checked} flags");
+}
+
+#[test]
+fn packages_and_tests_in_examples_exist() {
+    let mut checked = 0;
+    for page in pages() {
+        let blocks = blocks(&read(&page), "sh");
+        for line in blocks.iter().flat_map(|block| block.lines()) {
+            let words: Vec<&str> = line.split_whitespace().collect();
+            if words.first() != Some(&"cargo") {
+                continue;
+            }
+            for pair in words.windows(2) {
+                let found = match pair[0] {
+                    "-p" => page_of_package(pair[1]),
+                    "--test" => is_test(pair[1]),
+                    _ => continue,
+                };
+                assert!(found, "{}: {line}", page.display());
+                checked += 1;
+            }
+        }
+    }
+    assert!(checked > 10, "{checked} names");
+}
+
+/// True for the name of a package of the workspace.
+fn page_of_package(name: &str) -> bool {
+    let manifest = page("Cargo.toml");
+    manifest.contains(&format!("\n{name} = {{ path")) || name == "zeronav-tests"
+}
+
+/// True for a test program of a package.
+fn is_test(name: &str) -> bool {
+    let services = workspace().join("services").read_dir().expect("services");
+    let mut folders: Vec<PathBuf> = services
+        .map(|entry| entry.expect("an entry").path())
+        .collect();
+    folders.extend(["msgs", "launch", "tests"].map(|folder| workspace().join(folder)));
+    folders
+        .iter()
+        .any(|folder| folder.join(format!("tests/{name}.rs")).is_file())
+}
+
+#[test]
+fn the_planner_of_the_front_page_is_the_example() {
+    let code = blocks(&page("README.md"), "rust");
+    let example = page("services/global_planner/examples/straight_line_service.rs");
+    assert_eq!(code.len(), 1);
+    assert!(
+        example.contains(&code[0]),
+        "not in the example:\n{}",
+        code[0]
+    );
+    assert_eq!(code[0].lines().count(), 10, "ten lines");
+    let lines = format!("{} lines in all", example.lines().count());
+    assert!(page("README.md").contains(&lines), "{lines}");
+}
+
+#[test]
+fn the_scenario_of_the_front_page_is_accepted() {
+    let scenarios = blocks(&page("README.md"), "toml");
+    let scenario = scenarios.iter().find(|block| block.contains("[robot]"));
+    let folder = tempfile::tempdir().expect("a folder");
+    let scenario = scenario.expect("a scenario");
+    std::fs::write(folder.path().join("mine.toml"), scenario).expect("written");
+    // Ten metres by ten without anything.
+    let image = [b"P5\n200 200\n255\n".as_slice(), &[254; 40_000]].concat();
+    std::fs::write(folder.path().join("building.pgm"), image).expect("written");
+    let yaml = "image: building.pgm\nresolution: 0.05\norigin: [0.0, 0.0, 0.0]\nnegate: 0\n\
+        occupied_thresh: 0.65\nfree_thresh: 0.196\n";
+    std::fs::write(folder.path().join("building.yaml"), yaml).expect("written");
+    let ended = Zeronav::start_in(folder, &["check", "mine.toml"]).finish();
+    assert_eq!(ended.code(), 0, "{}", ended.stderr);
+}
+
+#[test]
+fn the_version_names_the_commit() {
+    let ended = zeronav(&["--version"]);
+    let expected = format!("zeronav {} (commit ", env!("CARGO_PKG_VERSION"));
+    let is_checkout = workspace().join(".git").exists();
+    assert_eq!(
+        ended.stdout.starts_with(&expected),
+        is_checkout,
+        "{}",
+        ended.stdout
+    );
+    assert!(
+        ended.stdout.starts_with(&expected[..expected.len() - 9]),
+        "{}",
+        ended.stdout
+    );
+}
