@@ -7,6 +7,7 @@
 #[path = "../data/folder.rs"]
 pub mod data;
 pub mod results;
+pub mod rooms;
 pub mod seats;
 pub mod structure;
 

@@ -48,7 +48,7 @@ fn stale_scans(result: &Value) -> u64 {
 }
 
 #[test]
-fn in_real_time_the_local_planner_stops_by_itself_for_a_scan_that_is_too_old() {
+fn local_planner_stops_for_a_stale_scan_in_real_time() {
     // The guard would go on for ten seconds.
     let result = blind(
         "[services.collision_guard]\nconfig.scan_age_s = 10.0\n\
@@ -68,7 +68,7 @@ fn in_real_time_the_local_planner_stops_by_itself_for_a_scan_that_is_too_old() {
 }
 
 #[test]
-fn in_real_time_the_guard_stops_by_itself_for_a_scan_that_is_too_old() {
+fn guard_stops_for_a_stale_scan_in_real_time() {
     // The local planner asks for full speed, whatever it sees or does not.
     let result = blind(
         "[services.local_planner]\nbinary = \"requests_full_speed\"\n\

@@ -61,7 +61,7 @@ fn refused(ended: &Ended, words: &[&str]) {
 }
 
 #[test]
-fn the_good_one_is_good() {
+fn valid_scenario_is_accepted() {
     let folder = tempfile::tempdir().expect("a folder");
     std::fs::write(folder.path().join("it.toml"), scenario(HEAD)).expect("written");
     let ended = Zeronav::start_in(folder, &["check", "it.toml"]).finish();
@@ -220,7 +220,7 @@ const WRONG_SERVICES: &[(&str, &str, &[&str])] = &[
 ];
 
 #[test]
-fn what_a_service_would_refuse_is_found_by_check_and_before_a_run() {
+fn invalid_service_configuration_is_found_by_check_and_before_a_run() {
     for (seat, line, words) in WRONG_SERVICES {
         let text = format!("{}\n[services.{seat}]\n{line}\n", scenario(HEAD));
         let place = format!("it.toml:{}: services.{seat}.", line_of(&text, line));
@@ -241,7 +241,7 @@ fn what_a_service_would_refuse_is_found_by_check_and_before_a_run() {
 }
 
 #[test]
-fn a_seat_that_is_filled_by_hand_is_not_asked() {
+fn external_seats_are_not_asked_for_their_configuration() {
     let text = format!(
         "{}\n[services.mapping]\nbinary = \"no-such-service\"\n",
         scenario(HEAD)
@@ -260,7 +260,7 @@ fn a_seat_that_is_filled_by_hand_is_not_asked() {
 }
 
 #[test]
-fn programs_that_do_not_answer_for_their_configuration_are_named() {
+fn binaries_that_do_not_print_their_configuration_are_named() {
     for (program, said) in [
         ("echo no such flag >&2; exit 1", "exit code 1: no such flag"),
         ("exec sleep 1000", "no answer within 5 s"),
@@ -290,7 +290,7 @@ fn programs_that_do_not_answer_for_their_configuration_are_named() {
 
 /// Cargo exports its variables to the tests of any project.
 #[test]
-fn cargo_is_not_asked_to_build_another_project() {
+fn cargo_never_builds_another_project() {
     let folder = tempfile::tempdir().expect("a folder");
     let built = folder.path().join("built");
     let cargo = folder.path().join("cargo");
@@ -323,7 +323,7 @@ fn cargo_is_not_asked_to_build_another_project() {
 }
 
 #[test]
-fn numbers_and_names_that_cannot_be() {
+fn impossible_numbers_and_names_are_rejected() {
     let good = scenario(HEAD);
     for (from, to, words) in [
         (
@@ -413,7 +413,7 @@ fn wrong_arguments() {
 }
 
 #[test]
-fn services_refuse_wrong_arguments_in_one_line() {
+fn services_reject_wrong_arguments_in_one_line() {
     for (arguments, word) in [
         (
             &["--log-level", "nonsense", "--print-config"][..],
@@ -439,7 +439,7 @@ fn services_refuse_wrong_arguments_in_one_line() {
 }
 
 #[test]
-fn a_folder_that_cannot_be_written() {
+fn unwritable_folder_is_named() {
     let ended = zeronav(&["run", "open_aisle", "--headless", "--out", "/proc/runs"]);
     refused(&ended, &["/proc/runs"]);
 }

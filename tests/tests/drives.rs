@@ -92,7 +92,7 @@ fn a_scenario_with_variants_is_run_by_its_own_name_too() {
 }
 
 #[test]
-fn a_planner_that_asks_for_nan_moves_nothing() {
+fn planner_requesting_nan_does_not_move_the_robot() {
     let result = drive("hostile_planner_nan");
     assert!(result["driven_m"].as_f64().expect("metres") < 0.01);
 }

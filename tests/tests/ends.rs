@@ -49,7 +49,7 @@ fn the_death_of_the_robot_ends_the_run_by_name() {
 }
 
 #[test]
-fn a_service_killed_in_real_time_comes_back() {
+fn killed_service_restarts_in_real_time() {
     let _turn = real_time_turn();
     let (run, root) = driving();
     let (pid, _) = run
@@ -66,7 +66,7 @@ fn a_service_killed_in_real_time_comes_back() {
 }
 
 #[test]
-fn when_the_supervisor_is_killed_only_its_own_run_ends() {
+fn killing_launch_ends_only_its_own_run() {
     let _turn = real_time_turn();
     let (run, root) = driving();
     let children: Vec<u32> = run.children().into_iter().map(|(pid, _)| pid).collect();
@@ -85,7 +85,7 @@ fn when_the_supervisor_is_killed_only_its_own_run_ends() {
 }
 
 #[test]
-fn a_service_may_be_started_by_hand() {
+fn external_service_takes_its_seat() {
     let arguments = [
         "run",
         "unsealed",
@@ -130,7 +130,7 @@ fn a_service_may_be_started_by_hand() {
 }
 
 #[test]
-fn a_peer_with_two_swapped_fields_is_refused_by_topic() {
+fn peer_with_swapped_fields_is_rejected_by_topic() {
     let folder = tempfile::tempdir().expect("a folder");
     let scenario = "title = \"test\"\nbase = [\"warehouse\", \"porter\"]\n\
                     start = [3.0, 8.5, 0.0]\n\

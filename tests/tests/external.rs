@@ -23,7 +23,7 @@ fn driving() -> (Zeronav, PathBuf, Stranger) {
 }
 
 #[test]
-fn a_service_started_by_hand_leaves_when_launch_is_killed() {
+fn external_service_exits_when_launch_is_killed() {
     let (mut run, root, guard) = driving();
     run.wait_until("the robot is on its way", |run| {
         let report = run.report().unwrap_or_default();
@@ -38,7 +38,7 @@ fn a_service_started_by_hand_leaves_when_launch_is_killed() {
 }
 
 #[test]
-fn a_service_started_by_hand_leaves_after_the_run_and_takes_the_domain_with_it() {
+fn external_service_exits_after_the_run_and_removes_the_domain() {
     let (run, root, guard) = driving();
     let result = run.finish().expect(0);
     assert_eq!(result["reached"], true, "{result:#}");
@@ -57,7 +57,7 @@ fn a_service_started_by_hand_leaves_after_the_run_and_takes_the_domain_with_it()
 }
 
 #[test]
-fn a_service_started_by_hand_may_be_started_again_with_the_next_epoch() {
+fn external_service_restarts_with_the_next_epoch() {
     let _turn = real_time_turn();
     let mut run = Zeronav::start(&[
         "run",

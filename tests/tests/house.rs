@@ -254,7 +254,6 @@ const WITH_CIRCLES: &[&str] = &[
     "zeronav",
     "zeronav-global-planner",
     "zeronav-local-planner",
-    "zeronav-mapping",
     "zeronav-params",
     "zeronav-robot-sim",
     "zeronav-shell",

@@ -84,7 +84,7 @@ fn wrong(role: &str, base: &Medians, delayed: &Medians) -> Vec<String> {
 }
 
 #[test]
-fn five_milliseconds_appear_in_their_hop_and_nowhere_else() {
+fn injected_delay_appears_in_its_hop_only() {
     let _turn = real_time_turn();
     let mut wrongs = Vec::new();
     for attempt in 1..=ATTEMPTS {

@@ -138,7 +138,7 @@ fn check_disturbance(disturbance: &Value) {
 /// into sight when the robot drives around it. It does so at once and corrects its path later; an
 /// answer that had to clear the back from the beginning came seconds late, or never.
 #[test]
-fn a_disc_that_is_driven_around_at_once_is_answered_at_once() {
+fn disc_is_answered_in_the_first_scan_that_shows_it() {
     let _turn = real_time_turn();
     let folder = tempfile::tempdir().expect("a folder");
     let scenario = r#"
@@ -206,7 +206,7 @@ pose = [7.5, 4.0, 0.0]
 }
 
 #[test]
-fn a_slow_trial_names_its_hop_and_that_its_service_did_not_compute() {
+fn slow_trial_names_its_hop_and_its_service_off_the_processor() {
     let _turn = real_time_turn();
     let result = zeronav(&[
         "run",
@@ -291,7 +291,7 @@ pose = [8.5, 6.425, 0.0]
 }
 
 #[test]
-fn what_cannot_be_measured_is_refused_in_one_line() {
+fn unmeasurable_requests_are_rejected_in_one_line() {
     let cases: [(&[&str], &str); 6] = [
         (&["open_aisle", "--trials", "3"], "[trials]"),
         (&["blocked_aisle", "--trials", "0"], "--trials"),

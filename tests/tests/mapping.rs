@@ -39,12 +39,12 @@ fn leaves_its_window(name: &str) {
 }
 
 #[test]
-fn a_rolling_map_comes_along() {
+fn rolling_map_follows_the_robot() {
     leaves_its_window("drive_rolling_window");
 }
 
 #[test]
-fn a_growing_map_comes_along() {
+fn growing_map_follows_the_robot() {
     leaves_its_window("drive_growing_window");
 }
 
@@ -105,7 +105,7 @@ impl Tap {
 }
 
 #[test]
-fn without_scans_the_map_is_not_current_in_message_and_health() {
+fn without_scans_map_and_health_report_not_current() {
     let _turn = real_time_turn();
     let arguments = ["run", "./it.toml", "--headless", "--json"];
     let mut run = Zeronav::start_in(scenario(BLACKOUT), &arguments);
@@ -160,7 +160,7 @@ contacts_max = 0
 "#;
 
 #[test]
-fn who_has_passed_leaves_no_trail_that_a_path_would_avoid() {
+fn passed_pedestrians_leave_no_trail_on_the_map() {
     let saved = tempfile::tempdir().expect("a folder");
     let folder = saved.path().display();
     let text = format!("{WALKERS}\n[services.mapping.config]\nsave_to = \"{folder}\"\n");

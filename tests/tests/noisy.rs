@@ -56,7 +56,7 @@ fn over_200_m_with_slip_and_drift_the_pose_is_within_10_cm_and_2_degrees() {
 }
 
 #[test]
-fn the_robot_gets_through_what_moves_and_says_how_well_it_saw_it() {
+fn robot_drives_among_dynamic_obstacles_and_scores_its_tracking() {
     // At 0.3 m/s a walker needs two thirds of a second for the 0.2 m that make it a moving one.
     for (scenario, movers, delay_s_max) in [("moving_discs", 5, 1.0), ("crossing_walkers", 2, 1.5)]
     {

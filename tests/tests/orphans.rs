@@ -129,7 +129,7 @@ fn came_to_rest(tap: &Tap) {
 }
 
 #[test]
-fn the_robot_comes_to_rest_when_launch_is_killed() {
+fn robot_stops_when_launch_is_killed() {
     let _turn = real_time_turn();
     let (run, _root, children, tap) = driving(true);
     let mut tap = tap.expect("a guest");
@@ -162,7 +162,7 @@ fn nothing_is_left_two_seconds_after_launch_was_killed() {
 }
 
 #[test]
-fn a_robot_without_guard_comes_to_rest_when_launch_is_killed() {
+fn robot_without_guard_stops_when_launch_is_killed() {
     let _turn = real_time_turn();
     let (run, _root, children, tap) = driving(true);
     let mut tap = tap.expect("a guest");
@@ -177,7 +177,7 @@ fn a_robot_without_guard_comes_to_rest_when_launch_is_killed() {
 }
 
 #[test]
-fn a_service_that_hangs_when_launch_is_killed_is_ended() {
+fn hung_service_is_ended_when_launch_is_killed() {
     let _turn = real_time_turn();
     for role in ["collision_guard", "local_planner", "mapping", "robot"] {
         let (run, root, children, _) = driving(false);
@@ -195,7 +195,7 @@ fn a_service_that_hangs_when_launch_is_killed_is_ended() {
 }
 
 #[test]
-fn a_robot_whose_guard_hangs_comes_to_rest_when_launch_is_killed() {
+fn robot_with_a_hung_guard_stops_when_launch_is_killed() {
     let _turn = real_time_turn();
     let (run, _root, children, tap) = driving(true);
     let mut tap = tap.expect("a guest");
@@ -209,7 +209,7 @@ fn a_robot_whose_guard_hangs_comes_to_rest_when_launch_is_killed() {
 }
 
 #[test]
-fn in_lockstep_everything_ends_when_launch_is_killed() {
+fn lockstep_processes_end_when_launch_is_killed() {
     let mut run = Zeronav::start(&["run", "unsealed", "--lockstep", "--headless", "--json"]);
     run.wait_until("the robot is on its way", |run| {
         let report = run.report().unwrap_or_default();

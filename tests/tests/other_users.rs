@@ -185,7 +185,7 @@ fn no_file_of_a_run_is_open_to_other_users() {
 }
 
 #[test]
-fn a_planted_link_makes_no_file_and_the_planted_folder_is_left_alone() {
+fn planted_link_creates_no_file_and_planted_folder_is_untouched() {
     let Some(planted) = Planted::new("plantlink0", 0o777) else {
         return;
     };
@@ -201,7 +201,7 @@ fn a_planted_link_makes_no_file_and_the_planted_folder_is_left_alone() {
 }
 
 #[test]
-fn a_lock_that_another_user_holds_blocks_no_command() {
+fn lock_held_by_another_user_blocks_no_command() {
     for mode in [0o777, 0o700] {
         let Some(planted) = Planted::new("plantlock0", mode) else {
             return;
@@ -253,7 +253,7 @@ fn end_answers(socket: &Path) {
 }
 
 #[test]
-fn a_planted_control_socket_is_asked_nothing() {
+fn planted_control_socket_is_ignored() {
     let Some(planted) = Planted::new("plantsock0", 0o777) else {
         return;
     };
@@ -284,7 +284,7 @@ fn a_planted_control_socket_is_asked_nothing() {
 }
 
 #[test]
-fn answers_are_shown_and_not_obeyed() {
+fn foreign_answers_are_printed_and_not_executed() {
     let domain = Domain::create().expect("a domain");
     let socket = domain.root().join("control.sock");
     let listener = UnixListener::bind(&socket).expect("a socket");
@@ -356,7 +356,7 @@ fn block_registry(root: &Path) -> usize {
 }
 
 #[test]
-fn a_registry_that_does_not_answer_delays_neither_answers_nor_restarts_nor_signals() {
+fn blocked_registry_delays_neither_answers_nor_restarts_nor_signals() {
     let _turn = real_time_turn();
     let (run, root) = driving();
     let before = pid_of(&run, "global_planner").expect("a planner");
@@ -379,7 +379,7 @@ fn a_registry_that_does_not_answer_delays_neither_answers_nor_restarts_nor_signa
 }
 
 #[test]
-fn a_run_ends_although_its_registry_does_not_answer() {
+fn run_ends_with_a_blocked_registry() {
     let _turn = real_time_turn();
     let (run, root) = driving();
     assert!(block_registry(&root) >= 6, "five services and launch");
@@ -387,7 +387,7 @@ fn a_run_ends_although_its_registry_does_not_answer() {
 }
 
 #[test]
-fn a_truncated_counter_of_nodes_ends_the_run_in_order() {
+fn truncated_node_counter_ends_the_run_cleanly() {
     let _turn = real_time_turn();
     let (run, root) = driving();
     let counter = leftovers(&root)
@@ -410,7 +410,7 @@ fn a_truncated_counter_of_nodes_ends_the_run_in_order() {
 }
 
 #[test]
-fn a_foreign_domain_cannot_be_joined_or_removed() {
+fn foreign_domain_can_be_neither_joined_nor_removed() {
     let Some(planted) = Planted::new("plantjoin0", 0o700) else {
         return;
     };

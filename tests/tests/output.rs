@@ -5,34 +5,12 @@ use std::fs::File;
 use std::os::fd::OwnedFd;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
+use zeronav_tests::rooms::short_drive;
 use zeronav_tests::{Zeronav, binaries};
-
-/// Three metres over an empty floor.
-const SHORT: &str = r#"
-title = "An empty floor"
-start = [1.0, 1.0, 0.0]
-
-[run]
-time_limit_s = 30.0
-
-[world]
-area_m = [[0.0, 0.0], [6.0, 4.0]]
-
-[robot]
-radius_m = 0.2
-v_mps_max = 1.0
-w_radps_max = 2.0
-a_mps2_max = 1.0
-alpha_radps2_max = 4.0
-lidar = { n_beams = 90, rate_hz = 10.0, range_m_min = 0.05, range_m_max = 10.0 }
-
-[[goals]]
-pose = [4.5, 1.0, 0.0]
-"#;
 
 fn short() -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("a folder");
-    std::fs::write(folder.path().join("short.toml"), SHORT).expect("written");
+    std::fs::write(folder.path().join("short.toml"), short_drive("")).expect("written");
     folder
 }
 
@@ -75,7 +53,7 @@ fn run_folder(folder: &Path) -> Option<PathBuf> {
 }
 
 #[test]
-fn standard_output_that_is_full_is_one_line_and_exit_code_4() {
+fn full_standard_output_ends_with_one_line_and_exit_code_4() {
     let folder = short();
     for arguments in [
         &["list"][..],
@@ -91,7 +69,7 @@ fn standard_output_that_is_full_is_one_line_and_exit_code_4() {
 }
 
 #[test]
-fn a_reader_that_has_seen_enough_is_no_error() {
+fn closed_pipe_is_not_an_error() {
     let folder = short();
     let ended = with_output(folder.path(), &["list"], unread(), Stdio::piped());
     assert_eq!(ended.status.code(), Some(0), "{ended:?}");
@@ -99,7 +77,7 @@ fn a_reader_that_has_seen_enough_is_no_error() {
 }
 
 #[test]
-fn complaints_that_cannot_be_written_change_no_exit_code() {
+fn unwritable_standard_error_keeps_the_exit_code() {
     let folder = short();
     for err in [full as fn() -> Stdio, unread] {
         let arguments = ["run", "no_such_scenario"];
@@ -112,7 +90,7 @@ fn complaints_that_cannot_be_written_change_no_exit_code() {
 }
 
 #[test]
-fn a_result_that_cannot_be_written_is_one_line_and_exit_code_4() {
+fn unwritable_result_ends_with_one_line_and_exit_code_4() {
     let arguments = ["run", "./short.toml", "--lockstep", "--headless", "--json"];
     let mut run = Zeronav::start_in(short(), &arguments);
     run.wait_until("its folder is there", |run| {
@@ -136,8 +114,8 @@ fn a_result_that_cannot_be_written_is_one_line_and_exit_code_4() {
 }
 
 #[test]
-fn without_a_terminal_a_line_is_said_every_five_seconds() {
-    let endless = SHORT
+fn without_a_terminal_progress_is_a_line_every_five_seconds() {
+    let endless = short_drive("")
         .replace("time_limit_s = 30.0", "time_limit_s = 100000.0")
         .replace("[[goals]]\npose = [4.5, 1.0, 0.0]\n", "");
     let folder = tempfile::tempdir().expect("a folder");

@@ -448,7 +448,7 @@ fn bao_dyn_suite(seeds: std::ops::RangeInclusive<u64>) -> BaoTally {
 
 /// Twenty discs that stand where they appear, some of them right before the robot.
 #[test]
-fn lwx_dyn_among_discs_that_appear() {
+fn lwx_dyn_with_appearing_discs() {
     let tally = lwx_dyn_suite("dwa_t", Mode::Appear, 1..=10);
     assert!(10 * tally.free >= 9 * tally.runs);
 }
@@ -456,7 +456,7 @@ fn lwx_dyn_among_discs_that_appear() {
 /// Discs that know nothing of the robot run into it when it stands in a corridor of their own
 /// width; what counts is that it never drives into one.
 #[test]
-fn lwx_dyn_among_discs_that_move() {
+fn lwx_dyn_with_moving_discs() {
     let tally = lwx_dyn_suite("dwa_t", Mode::Move, 1..=10);
     assert!(10 * tally.arrived >= 9 * tally.runs);
     assert!(10 * tally.blameless >= 9 * tally.runs);

@@ -57,7 +57,7 @@ fn fault(row: &PlannerRow, code: i32, result: &Value) -> Option<String> {
 }
 
 #[test]
-fn every_planner_answers_the_blocked_aisle_or_says_that_it_cannot() {
+fn every_planner_solves_the_blocked_aisle_or_reports_failure() {
     // Three of them once more with rounded paths.
     let rounded = ["mpgaa", "any_angle", "lazy_theta"];
     let runs = PLANNERS.iter().map(|row| (row, 0.0)).chain(

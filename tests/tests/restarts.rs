@@ -107,7 +107,7 @@ fn every_service_may_hang_in_the_middle_of_a_drive() {
 /// The load drops while nobody makes a map: the local planner brakes for what the scan shows, and
 /// with the new mapping comes a new path.
 #[test]
-fn without_mapping_the_scan_itself_makes_the_robot_brake() {
+fn without_mapping_the_guard_brakes_for_the_scan() {
     // Mapping stays away for three seconds, in which the load drops. An old map alone would stop
     // the robot before; here it may be as old as it likes.
     let mut run = drive(

@@ -9,7 +9,7 @@ fn stored() -> record::Records {
 }
 
 #[test]
-fn pages_are_what_the_stored_records_render_to() {
+fn pages_match_the_stored_records() {
     let records = stored();
     let hint = "run `cargo run --release -p zeronav-tests --bin zeronav-results -- render`";
     let page = std::fs::read_to_string(page_file()).expect("tests/RESULTS.md");
@@ -23,7 +23,7 @@ fn pages_are_what_the_stored_records_render_to() {
 }
 
 #[test]
-fn no_readme_has_figures_by_hand() {
+fn readmes_have_no_figures_typed_by_hand() {
     for file in readmes() {
         let text = std::fs::read_to_string(&file).expect("a README");
         let by_hand = page::figures_by_hand(&text);
@@ -32,7 +32,7 @@ fn no_readme_has_figures_by_hand() {
 }
 
 #[test]
-fn every_record_says_how_it_was_made_and_how_sure_it_is() {
+fn records_hold_command_commit_machine_and_spread() {
     for (key, record) in stored() {
         assert!(
             EXPERIMENTS.iter().any(|one| one.key == key),
@@ -78,7 +78,7 @@ fn filled(table: &Table, columns: usize) {
 }
 
 #[test]
-fn figures_are_found_in_what_zeronav_gives() {
+fn figures_are_extracted_from_real_results() {
     let run = || zeronav(&["run", "blocked_aisle", "--lockstep", "--headless", "--json"]).expect(0);
     let results = [run(), run()];
     let lockstep = extract::lockstep("blocked_aisle", &results);

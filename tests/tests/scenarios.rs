@@ -27,7 +27,7 @@ fn points(value: &Value) -> Vec<[f64; 2]> {
 }
 
 #[test]
-fn blocked_aisle_is_answered_through_the_other_aisle() {
+fn blocked_aisle_replans_through_the_other_aisle() {
     let ended = zeronav(&["run", "blocked_aisle", "--lockstep", "--headless", "--json"]);
     let result = ended.expect(0);
     assert_eq!(result["verdict"], "pass", "{result:#}");
@@ -110,7 +110,7 @@ fn open_aisle_needs_no_second_path() {
 }
 
 #[test]
-fn sealed_is_said_to_be_unreachable_and_the_robot_stands() {
+fn sealed_is_reported_unreachable_and_the_robot_stays() {
     let result = lockstep("sealed");
     assert_eq!(result["reached"], false);
     assert_eq!(result["outcome"], "unreachable");
@@ -122,7 +122,7 @@ fn unsealed_is_reached() {
 }
 
 #[test]
-fn a_door_that_closes_is_answered_through_the_other_one() {
+fn closing_door_replans_through_the_other_one() {
     let result = lockstep("door_closes");
     assert!(
         causes(&result).iter().any(|cause| cause == "obstacle"),
@@ -194,7 +194,7 @@ fn the_same_seed_gives_the_same_run_whatever_the_load() {
 }
 
 #[test]
-fn a_run_in_real_time_replans_and_its_books_close() {
+fn real_time_run_replans_and_its_latencies_add_up() {
     let _turn = zeronav_tests::real_time_turn();
     let result = zeronav(&["run", "blocked_aisle", "--headless", "--json"]).expect(0);
     assert_eq!(result["verdict"], "pass", "{result:#}");
@@ -219,7 +219,7 @@ fn a_run_in_real_time_replans_and_its_books_close() {
 }
 
 #[test]
-fn a_goal_from_outside_takes_the_place_of_the_scenarios() {
+fn external_goal_replaces_the_scenarios_goal() {
     let _turn = zeronav_tests::real_time_turn();
     let mut run = Zeronav::start(&["run", "open_aisle", "--headless", "--json"]);
     run.wait_until("every service runs", |run| run.children().len() == 5);
@@ -264,7 +264,7 @@ fn a_goal_from_outside_takes_the_place_of_the_scenarios() {
 }
 
 #[test]
-fn a_goal_in_a_rack_is_refused_and_the_run_goes_on() {
+fn goal_in_a_rack_is_rejected_and_the_run_continues() {
     let _turn = zeronav_tests::real_time_turn();
     let mut run = Zeronav::start(&["run", "open_aisle", "--headless", "--json"]);
     let domain = domain_of_active(&mut run);
@@ -278,7 +278,7 @@ fn a_goal_in_a_rack_is_refused_and_the_run_goes_on() {
 }
 
 #[test]
-fn a_goal_that_proves_unreachable_is_given_up_for_the_scenarios() {
+fn unreachable_external_goal_falls_back_to_the_scenarios() {
     let _turn = zeronav_tests::real_time_turn();
     let folder = tempfile::tempdir().expect("a folder");
     let sealed = zeronav_tests::workspace().join("launch/scenarios/sealed.toml");
@@ -343,7 +343,7 @@ fn ctrl_c_stops_the_robot_and_then_everything() {
 /// A cart that nobody steers away from anything, at five timings. Whoever stands may be run into;
 /// the robot runs into nobody, and arrives.
 #[test]
-fn a_crossing_cart_is_let_pass_whenever_it_comes() {
+fn crossing_cart_is_given_way_at_any_time() {
     let shipped = lockstep("crossing_cart");
     assert_eq!(shipped["reached"], true, "{shipped:#}");
     let file = zeronav_tests::workspace().join("launch/scenarios/crossing_cart.toml");
@@ -363,7 +363,7 @@ fn a_crossing_cart_is_let_pass_whenever_it_comes() {
 }
 
 #[test]
-fn planners_and_controllers_are_listed_with_a_line_each() {
+fn planners_and_controllers_are_listed_one_per_line() {
     for (command, known) in [("planners", "c_astar"), ("controllers", "dwa")] {
         let listed = zeronav(&[command, "--json"]).expect(0);
         let rows = listed["algorithms"].as_array().expect("rows");

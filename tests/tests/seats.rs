@@ -84,13 +84,13 @@ fn twins(mode: &[&str]) -> Value {
 }
 
 #[test]
-fn a_twin_in_real_time_is_refused_with_the_owners_process_id() {
+fn second_process_in_a_seat_is_rejected_with_the_owners_pid() {
     let _turn = real_time_turn();
     let _ = twins(&[]);
 }
 
 #[test]
-fn twins_and_shadows_change_nothing_in_lockstep() {
+fn second_processes_and_shadows_keep_the_lockstep_hash() {
     let alone = arrived(&start(&["--lockstep"]).finish());
     assert!(alone["run_hash"].is_string(), "{alone:#}");
     assert_eq!(alone["run_hash"], twins(&["--lockstep"])["run_hash"]);
@@ -134,7 +134,7 @@ fn shadows_in_real_time_do_not_steer() {
 }
 
 #[test]
-fn the_seat_of_a_successor_is_refused_to_every_epoch() {
+fn successors_seat_is_denied_to_every_epoch() {
     let _turn = real_time_turn();
     let mut run = start(&[]);
     let root = driving(&mut run, 0.2);
@@ -166,7 +166,7 @@ fn the_seat_of_a_successor_is_refused_to_every_epoch() {
 }
 
 #[test]
-fn a_seat_left_to_others_is_taken_by_the_first_of_the_right_epoch() {
+fn external_seat_goes_to_the_first_process_with_the_right_epoch() {
     let mut run = start(&["--lockstep", "--external", "collision_guard"]);
     run.wait_until("the others run", |run| run.children().len() == 4);
     let root = run.domains().pop().expect("a domain");

@@ -93,7 +93,7 @@ fn every_number_of_a_service_has_a_range() {
 }
 
 #[test]
-fn every_misspelt_key_of_a_service_is_found_by_line_and_field() {
+fn misspelt_service_keys_are_reported_with_line_and_field() {
     let folder = tempfile::tempdir().expect("a folder");
     for service in SERVICES {
         let printed = defaults(service, folder.path());

@@ -53,7 +53,7 @@ fn every_signal_stops_a_run_in_lockstep() {
 }
 
 #[test]
-fn every_signal_stops_a_run_in_real_time_with_the_robot_at_rest() {
+fn every_signal_stops_a_run_in_real_time_with_the_robot_stopped() {
     let _turn = real_time_turn();
     for signal in STOPS {
         let (mut run, root) = driving(&[]);

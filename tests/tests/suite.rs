@@ -4,36 +4,19 @@ use rustix::process::Signal;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use zeronav_tests::data::{external_data, shipped_data};
+use zeronav_tests::rooms::short_drive;
 use zeronav_tests::{Zeronav, children_of, is_alive, leftovers, services_of, zeronav};
 
-/// Three metres past a box.
-const TINY: &str = r#"
-title = "Past a box"
-start = [1.0, 1.0, 0.0]
-
-[run]
-time_limit_s = 30.0
-
-[world]
-area_m = [[0.0, 0.0], [6.0, 4.0]]
-resolution_m = 0.05
-shapes = [{ kind = "box", centre_m = [2.5, 0.6], size_m = [0.4, 0.6] }]
-
-[robot]
-radius_m = 0.2
-v_mps_max = 1.0
-w_radps_max = 2.0
-a_mps2_max = 1.0
-alpha_radps2_max = 4.0
-lidar = { n_beams = 180, rate_hz = 10.0, range_m_min = 0.05, range_m_max = 10.0 }
-
-[[goals]]
-pose = [4.5, 1.0, 0.0]
-"#;
+/// A drive past a box.
+fn tiny() -> String {
+    let shape = "{ kind = \"box\", centre_m = [2.5, 0.6], size_m = [0.4, 0.6] }";
+    short_drive(&format!("resolution_m = 0.05\nshapes = [{shape}]"))
+}
 
 /// The same without a goal: it goes on until it is stopped.
 fn endless() -> String {
-    TINY.replace("time_limit_s = 30.0", "time_limit_s = 100000.0")
+    tiny()
+        .replace("time_limit_s = 30.0", "time_limit_s = 100000.0")
         .replace("[[goals]]\npose = [4.5, 1.0, 0.0]\n", "")
 }
 
@@ -51,8 +34,8 @@ fn directory(folder: &Path, report: &Value) -> PathBuf {
 }
 
 #[test]
-fn a_folder_runs_once_per_seed_and_leaves_json_csv_and_junit() {
-    let folder = working_folder(TINY);
+fn folder_runs_once_per_seed_and_writes_json_csv_and_junit() {
+    let folder = working_folder(&tiny());
     let arguments = ["suite", "scenarios", "--seeds", "2", "--json"];
     let ended = Zeronav::start_in(folder, &arguments).finish();
     let report = ended.expect(0);
@@ -113,7 +96,7 @@ fn a_folder_runs_once_per_seed_and_leaves_json_csv_and_junit() {
 #[test]
 fn every_variant_of_a_scenario_is_a_world() {
     let variants = "[variants.near]\ngoals = [{ pose = [3.5, 1.0, 0.0] }]\n[variants.far]\n";
-    let folder = working_folder(&format!("{TINY}{variants}"));
+    let folder = working_folder(&(tiny() + variants));
     let report = Zeronav::start_in(folder, &["suite", "scenarios", "--json"])
         .finish()
         .expect(0);
@@ -129,8 +112,8 @@ fn every_variant_of_a_scenario_is_a_world() {
 }
 
 #[test]
-fn a_run_that_fails_is_a_row_with_its_cause_and_no_failure_of_the_suite() {
-    let late = TINY.replace("time_limit_s = 30.0", "time_limit_s = 1.0");
+fn failed_run_is_a_row_with_its_cause_and_not_a_suite_failure() {
+    let late = tiny().replace("time_limit_s = 30.0", "time_limit_s = 1.0");
     let ended = Zeronav::start_in(working_folder(&late), &["suite", "scenarios", "--json"]);
     let ended = ended.finish();
     let report = ended.expect(0);
@@ -143,7 +126,7 @@ fn a_run_that_fails_is_a_row_with_its_cause_and_no_failure_of_the_suite() {
 }
 
 #[test]
-fn what_cannot_be_run_is_one_line_and_exit_code_2() {
+fn invalid_suites_end_with_one_line_and_exit_code_2() {
     for (arguments, why) in [
         (&["suite", "barn", "--data", "nowhere"][..], "nowhere/barn"),
         (&["suite", "no_such_folder"], "no_such_folder"),
@@ -163,7 +146,7 @@ fn what_cannot_be_run_is_one_line_and_exit_code_2() {
         "--seeds",
         "9",
     ];
-    let ended = Zeronav::start_in(working_folder(TINY), &arguments).finish();
+    let ended = Zeronav::start_in(working_folder(&tiny()), &arguments).finish();
     assert_eq!(ended.code(), 2, "{}", ended.stderr);
     assert!(ended.stderr.contains("local_planner"), "{}", ended.stderr);
 }
@@ -182,7 +165,7 @@ fn recording() -> String {
 }
 
 #[test]
-fn recorded_people_are_passed_by_the_controller_that_searches_in_time() {
+fn beam_passes_recorded_pedestrians() {
     let folder = tempfile::tempdir().expect("a working folder");
     let people = folder.path().join("data/pedestrians");
     std::fs::create_dir_all(&people).expect("a folder");
@@ -205,9 +188,10 @@ fn recorded_people_are_passed_by_the_controller_that_searches_in_time() {
 }
 
 #[test]
-fn a_world_that_cannot_be_run_is_a_row_and_the_others_are_run() {
-    let folder = working_folder(TINY);
-    let unknown = format!("{TINY}[services.local_planner.config]\ncontroller = \"no_such\"\n");
+fn invalid_world_is_a_row_and_the_others_run() {
+    let folder = working_folder(&tiny());
+    let tiny = tiny();
+    let unknown = format!("{tiny}[services.local_planner.config]\ncontroller = \"no_such\"\n");
     std::fs::write(folder.path().join("scenarios/unknown.toml"), unknown).expect("a file");
     let arguments = ["suite", "scenarios", "--jobs", "2", "--json"];
     let report = Zeronav::start_in(folder, &arguments).finish().expect(0);
@@ -240,7 +224,7 @@ fn without_wall_clock(mut report: Value) -> Value {
 }
 
 #[test]
-fn an_interrupted_suite_goes_on_and_gives_what_a_whole_one_gives() {
+fn resumed_suite_equals_an_uninterrupted_one() {
     let arguments = [
         "suite",
         "scenarios",
@@ -250,7 +234,7 @@ fn an_interrupted_suite_goes_on_and_gives_what_a_whole_one_gives() {
         "1",
         "--json",
     ];
-    let mut suite = Zeronav::start_in(working_folder(TINY), &arguments);
+    let mut suite = Zeronav::start_in(working_folder(&tiny()), &arguments);
     suite.wait_until("a run has finished", |suite| {
         suite_folder(suite.folder.path())
             .and_then(|folder| std::fs::read_to_string(folder.join("runs.jsonl")).ok())
@@ -278,13 +262,13 @@ fn an_interrupted_suite_goes_on_and_gives_what_a_whole_one_gives() {
     let resumed = resumed.expect(0);
     assert_eq!(resumed["complete"], true);
     let arguments = ["suite", "scenarios", "--seeds", "5", "--json"];
-    let whole = Zeronav::start_in(working_folder(TINY), &arguments).finish();
+    let whole = Zeronav::start_in(working_folder(&tiny()), &arguments).finish();
     let whole = whole.expect(0);
     assert_eq!(without_wall_clock(resumed), without_wall_clock(whole));
 }
 
 #[test]
-fn an_interrupted_suite_stops_its_runs_and_leaves_nothing() {
+fn interrupted_suite_stops_its_runs_and_cleans_up() {
     let arguments = ["suite", "scenarios", "--seeds", "2", "--jobs", "2"];
     let mut suite = Zeronav::start_in(working_folder(&endless()), &arguments);
     suite.wait_until("both runs drive", |suite| {
@@ -356,7 +340,7 @@ fn a_world_of_barn_has_its_score_on_external_data() {
 }
 
 #[test]
-fn the_shipped_cylinders_and_people_are_driven_among() {
+fn shipped_dynabarn_and_pedestrian_worlds_run() {
     let data = shipped_data("");
     let data = data.to_str().expect("a path");
     for (suite, class) in [("dynabarn", "easy"), ("pedestrians", "hall")] {
@@ -376,7 +360,7 @@ fn the_shipped_cylinders_and_people_are_driven_among() {
 /// The environment names the folder when the flag does not, and an absent set is named with its
 /// home and its layout.
 #[test]
-fn an_absent_data_set_says_where_it_comes_from() {
+fn missing_data_set_names_its_source() {
     for (suite, home, layout) in [
         ("barn", "Daffan/the-barn-challenge", "worlds/world_NNN.csv"),
         ("dynabarn", "Daffan/the-barn-challenge", "world_NN.csv"),
@@ -392,7 +376,7 @@ fn an_absent_data_set_says_where_it_comes_from() {
 }
 
 #[test]
-fn a_generated_suite_needs_no_data_and_has_a_row_per_class() {
+fn generated_suite_needs_no_data_and_has_a_row_per_class() {
     let arguments = ["suite", "generated", "--worlds", "0..9", "--json"];
     let report = zeronav(&arguments).expect(0);
     assert_eq!(report["summary"]["runs"], 9);

@@ -80,7 +80,7 @@ fn metres(result: &Value, key: &str) -> f64 {
 }
 
 #[test]
-fn the_straight_line_takes_the_planners_seat() {
+fn straight_line_service_takes_the_planners_seat() {
     let arguments = ["run", "swap_planner", "--lockstep", "--headless", "--json"];
     let ended = zeronav(&arguments);
     let result = arrived(&ended, &[("global_planner", "straight_line_service")]);
@@ -114,13 +114,13 @@ fn a_straight_line_through_the_racks_is_a_dead_end() {
 }
 
 #[test]
-fn a_minimal_mapping_is_enough_for_two_rooms() {
+fn minimal_mapping_drives_two_rooms() {
     let seats = [("mapping", "minimal_mapping")];
     arrived(&lockstep(TWO_ROOMS, &seats), &seats);
 }
 
 #[test]
-fn a_minimal_mapping_without_a_static_map_shows_what_the_lidar_sees() {
+fn minimal_mapping_without_a_static_map_shows_the_scan() {
     let seats = [("mapping", "minimal_mapping")];
     // A wall that no map shows stands across the straight way.
     let unmapped = r#"
@@ -144,13 +144,13 @@ obstacle_replans_min = 0
 }
 
 #[test]
-fn a_minimal_local_planner_is_enough_for_two_rooms() {
+fn minimal_local_planner_drives_two_rooms() {
     let seats = [("local_planner", "minimal_local_planner")];
     arrived(&lockstep(TWO_ROOMS, &seats), &seats);
 }
 
 #[test]
-fn a_minimal_local_planner_stops_for_what_drops_in_front_of_it() {
+fn minimal_local_planner_stops_for_a_dropped_obstacle() {
     let seats = [("local_planner", "minimal_local_planner")];
     let blocked = format!(
         r#"{AISLE}
@@ -166,13 +166,13 @@ appears = {{ robot_near = {{ point_m = [7.5, 6.425], distance_m = 0.5 }} }}
 }
 
 #[test]
-fn a_minimal_guard_is_enough_for_two_rooms() {
+fn minimal_guard_drives_two_rooms() {
     let seats = [("collision_guard", "minimal_guard")];
     arrived(&lockstep(TWO_ROOMS, &seats), &seats);
 }
 
 #[test]
-fn a_minimal_robot_is_driven_like_any_other() {
+fn minimal_robot_is_driven() {
     let seats = [("robot", "minimal_robot")];
     let result = arrived(&lockstep(TWO_ROOMS, &seats), &seats);
     // Its world is empty, but the map is not: the stack drives around the screen.
@@ -188,7 +188,7 @@ const ALL_MINIMAL: [(&str, &str); 5] = [
 ];
 
 #[test]
-fn nothing_of_the_stock_is_needed_and_every_run_is_the_same() {
+fn minimal_stack_drives_without_stock_services_and_repeats() {
     let first = arrived(&lockstep(AISLE, &ALL_MINIMAL), &ALL_MINIMAL);
     let second = arrived(&lockstep(AISLE, &ALL_MINIMAL), &ALL_MINIMAL);
     assert!(first["run_hash"].is_string(), "{first:#}");
@@ -196,7 +196,7 @@ fn nothing_of_the_stock_is_needed_and_every_run_is_the_same() {
 }
 
 #[test]
-fn nothing_of_the_stock_is_needed_in_real_time() {
+fn minimal_stack_drives_in_real_time() {
     let _turn = real_time_turn();
     let result = arrived(
         &start(&REAL_TIME, AISLE, &ALL_MINIMAL).finish(),
@@ -210,7 +210,7 @@ fn nothing_of_the_stock_is_needed_in_real_time() {
 }
 
 #[test]
-fn minimal_services_that_are_killed_come_back() {
+fn killed_minimal_services_restart() {
     for (seat, _) in &ALL_MINIMAL[1..] {
         let mut run = start(&LOCKSTEP, AISLE, &ALL_MINIMAL);
         run.wait_until("the robot is on its way", |run| {
@@ -357,7 +357,7 @@ impl Tap {
 }
 
 #[test]
-fn requests_that_are_no_numbers_never_reach_the_wheels() {
+fn nan_requests_never_reach_the_wheels() {
     let _turn = real_time_turn();
     let mut run = start(&REAL_TIME, AISLE, &[("local_planner", "requests_nan")]);
     let (root, children) = running(&mut run);
@@ -390,7 +390,7 @@ fn requests_that_are_no_numbers_never_reach_the_wheels() {
 }
 
 #[test]
-fn a_flood_of_requests_moves_the_robot_within_its_limits() {
+fn flooded_requests_keep_the_robot_within_its_limits() {
     let _turn = real_time_turn();
     let mut run = start(&REAL_TIME, AISLE, &[("local_planner", "floods_requests")]);
     let (root, children) = running(&mut run);

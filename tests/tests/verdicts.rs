@@ -3,26 +3,12 @@
 use serde_json::Value;
 use std::path::PathBuf;
 use zeronav_msgs::topics::{PlanPath, Topic};
-use zeronav_tests::{Ended, Zeronav, real_time_turn, zeronav};
+use zeronav_tests::{Ended, Zeronav, real_time_turn, rooms, zeronav};
 
-const ROOM: &str = r#"
-title = "A room"
-start = [2.0, 3.0, 0.0]
-
-[run]
-time_limit_s = 6.0
-
-[world]
-area_m = [[0.0, 0.0], [14.0, 6.0]]
-
-[robot]
-radius_m = 0.2
-v_mps_max = 1.0
-w_radps_max = 2.0
-a_mps2_max = 1.0
-alpha_radps2_max = 4.0
-lidar = { n_beams = 180, rate_hz = 10.0, range_m_min = 0.05, range_m_max = 12.0 }
-"#;
+/// A room for a robot that is given six seconds.
+fn room() -> String {
+    rooms::room([14.0, 6.0], [2.0, 3.0, 0.0], 6.0, "")
+}
 
 /// A cart that is pushed over the robot's start.
 const CART: &str = r#"
@@ -62,7 +48,7 @@ fn expectation<'a>(result: &'a Value, name: &str) -> &'a Value {
 fn a_contact_fails_the_run_unless_the_scenario_allows_it() {
     for (allowed, code, verdict) in [(0, 1, "fail"), (9, 0, "pass")] {
         let expect = format!("[expect]\noutcome = \"timeout\"\ncontacts_max = {allowed}\n");
-        let text = format!("{ROOM}{CART}{expect}");
+        let text = room() + CART + &expect;
         let ended = start(&text, &["--lockstep", "--headless", "--json"]).finish();
         let result = ended.expect(code);
         assert_eq!(result["verdict"], verdict, "{result:#}");
@@ -95,7 +81,7 @@ ahead_m = 2.0
     let cart = CART.replace("[2.0, 5.0]", "[2.0, 3.8]");
     assert_ne!(cart, CART);
     let arguments = ["--trials", "1", "--headless", "--json"];
-    let result = start(&format!("{ROOM}{cart}{trials}"), &arguments)
+    let result = start(&(room() + &cart + trials), &arguments)
         .finish()
         .expect(1);
     assert_eq!(result["verdict"], "fail", "{result:#}");
@@ -105,10 +91,9 @@ ahead_m = 2.0
 
 #[test]
 fn a_stage_that_stops_answering_is_exit_code_3_and_too_long_a_path_is_named() {
-    let text = format!(
-        "{ROOM}[[goals]]\npose = [9.0, 3.0, 0.0]\n\
-         [services.global_planner]\nbinary = \"too_many_waypoints\"\n"
-    );
+    let text = room()
+        + "[[goals]]\npose = [9.0, 3.0, 0.0]\n\
+           [services.global_planner]\nbinary = \"too_many_waypoints\"\n";
     let mut run = start(&text, &["--lockstep", "--headless", "--json"]);
     run.wait_until("the planner says that it is degraded", |run| {
         run.report().is_some_and(|report| {
@@ -157,7 +142,7 @@ fn without_wall_clock(mut result: Value) -> Value {
 }
 
 #[test]
-fn runs_in_lockstep_side_by_side_have_one_result() {
+fn parallel_lockstep_runs_are_identical() {
     for scenario in ["crossing_walkers", "drop_box_1_2m"] {
         let arguments = ["run", scenario, "--lockstep", "--headless", "--json"];
         let runs: Vec<Zeronav> = (0..6).map(|_| Zeronav::start(&arguments)).collect();
@@ -174,7 +159,7 @@ fn runs_in_lockstep_side_by_side_have_one_result() {
 
 #[test]
 fn nothing_near_is_null_and_one_replan_has_no_percentiles() {
-    let text = format!("{ROOM}[expect]\noutcome = \"timeout\"\n");
+    let text = room() + "[expect]\noutcome = \"timeout\"\n";
     let text = text.replace("time_limit_s = 6.0", "time_limit_s = 1.0");
     let result = start(&text, &["--lockstep", "--headless", "--json"])
         .finish()

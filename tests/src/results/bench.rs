@@ -316,7 +316,7 @@ mod tests {
     }
 
     #[test]
-    fn what_fails_is_named_with_the_end_of_what_it_said() {
+    fn failures_are_named_with_the_end_of_their_output() {
         let error = output(Command::new("sh").args(["-c", "echo no such thing >&2; exit 3"]));
         let error = error.expect_err("a failure");
         assert!(

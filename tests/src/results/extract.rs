@@ -238,7 +238,7 @@ mod tests {
     use serde_json::json;
 
     #[test]
-    fn worlds_that_differ_are_not_set_side_by_side() {
+    fn suites_on_different_worlds_are_not_compared() {
         let report = |worlds: &[&str]| {
             let run = |world: &&str| json!({"world": world, "seed": 1, "success": true});
             json!({"runs": worlds.iter().map(run).collect::<Vec<_>>()})
@@ -251,7 +251,7 @@ mod tests {
     }
 
     #[test]
-    fn suites_count_runs_and_say_how_sure_the_rates_are() {
+    fn suites_count_runs_with_intervals() {
         let run = |success: bool, own: bool, class: &str| {
             json!({"world": class, "seed": 1, "class": class, "success": success,
                    "arrived": true, "contacts_moving": u32::from(own) + 1, "unavoidable": 1,

@@ -179,7 +179,7 @@ mod tests {
     use serde_json::json;
 
     #[test]
-    fn trials_give_percentiles_and_what_disturbed_them() {
+    fn trials_give_percentiles_and_disturbances() {
         let figures = |p50: f64| {
             json!({"n": 5, "censored": 0, "p50_us": p50, "p90_us": 3.0, "p99_us": null,
                    "max_us": 9.0})
