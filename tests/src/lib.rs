@@ -21,10 +21,10 @@ use std::process::{Child, Command, ExitStatus, Stdio};
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
-/// No run of a test takes longer; whoever does hangs.
+/// No run of a test takes longer; one that does hangs.
 pub const WATCHDOG: Duration = Duration::from_secs(240);
 
-/// A service that a test started and that has not left by itself by then stays.
+/// A service that a test started and that has not exited by then never will.
 const STRANGER_LIMIT: Duration = Duration::from_secs(10);
 
 /// Root folder of the workspace.
@@ -76,12 +76,12 @@ pub fn real_time_turn() -> MutexGuard<'static, ()> {
     TURN.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// What must hold of every `latency` of a run: no stamp before its predecessor, no record missing,
-/// and the robot's second clock agrees with the hops.
+/// Checks the `latency` of a run: no stamp before its predecessor, no record missing, and the robot's
+/// second clock agrees with the hops.
 ///
 /// # Panics
 /// When it does not.
-pub fn assert_books_close(latency: &Value) {
+pub fn assert_latencies_add_up(latency: &Value) {
     let disorder = latency["hops_out_of_order"].as_object().expect("hops");
     assert_eq!(disorder.len(), 11, "{latency:#}");
     assert!(disorder.values().all(|n| n == 0), "{disorder:?}");

@@ -1,4 +1,4 @@
-//! A service that somebody started by hand leaves by itself when launch is gone.
+//! A service that was started by hand exits by itself when launch is gone.
 
 use rustix::process::Signal;
 use std::path::PathBuf;

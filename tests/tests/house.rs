@@ -184,6 +184,26 @@ fn service_libraries_do_not_depend_on_the_middleware() {
 }
 
 #[test]
+fn benches_take_the_options_of_criterion() {
+    // `cargo bench -- --save-baseline x` also reaches libtest in every target that it benches.
+    for (name, manifest) in manifests() {
+        let list = |key: &str| manifest.get(key).and_then(toml::Value::as_array);
+        if list("bench").is_none() {
+            continue;
+        }
+        let targets = list("bin").into_iter().flatten().chain(manifest.get("lib"));
+        for target in targets {
+            let bench = target.get("bench").and_then(toml::Value::as_bool);
+            assert_eq!(
+                bench,
+                Some(false),
+                "{name}: `bench = false` is missing in {target}"
+            );
+        }
+    }
+}
+
+#[test]
 fn top_level_folders_are_fixed() {
     let mut rooms: BTreeSet<String> = std::fs::read_dir(workspace())
         .expect("the workspace")

@@ -5,7 +5,7 @@
 use serde_json::Value;
 use std::path::PathBuf;
 use zeronav_tests::results::{record::Row, trials};
-use zeronav_tests::{Zeronav, assert_books_close, leftovers, real_time_turn, zeronav};
+use zeronav_tests::{Zeronav, assert_latencies_add_up, leftovers, real_time_turn, zeronav};
 
 #[test]
 fn trials_come_with_percentiles_and_the_floor_of_the_transport() {
@@ -32,7 +32,7 @@ fn trials_come_with_percentiles_and_the_floor_of_the_transport() {
         assert_eq!(latency[key]["n"], 7, "{latency:#}");
         assert_eq!(latency[key]["censored"], 0, "{latency:#}");
     }
-    assert_books_close(latency);
+    assert_latencies_add_up(latency);
     let floor = &latency["transport_floor"];
     let number = |value: &Value| value.as_f64().expect("a number");
     let n = number(&floor["n"]);
@@ -196,7 +196,7 @@ pose = [7.5, 4.0, 0.0]
     let result = run.finish().expect(0);
     assert_eq!(result["reached"], true, "{result:#}");
     let latency = &result["latency"];
-    assert_books_close(latency);
+    assert_latencies_add_up(latency);
     let direct = latency["every_scan"]["direct"].as_array().expect("hops");
     assert_eq!(direct[0]["name"], "robot");
     assert!(direct[0]["n"].as_u64() > Some(40), "{direct:#?}");
@@ -236,7 +236,7 @@ fn slow_trial_names_its_hop_and_its_service_off_the_processor() {
 fn the_page_for_people_names_injected_delays() {
     let _turn = real_time_turn();
     let folder = tempfile::tempdir().expect("a folder");
-    let scenario = "title = \"A second of standing\"\nbase = [\"warehouse\", \"porter\"]\n\
+    let scenario = "title = \"A second at rest\"\nbase = [\"warehouse\", \"porter\"]\n\
                     start = [3.0, 8.5, 0.0]\n[run]\ntime_limit_s = 1.0\n\
                     [expect]\noutcome = \"timeout\"\n";
     std::fs::write(folder.path().join("it.toml"), scenario).expect("written");

@@ -177,7 +177,7 @@ fn passed_pedestrians_leave_no_trail_on_the_map() {
     let file = saved.path().join("map.yaml");
     let map = zeronav_world::map_file::load(&file).expect("the map").map;
     let mut seen = 0;
-    // Each stands at one end in the end; the first 0.8 m are walked before anybody can tell.
+    // Each stops at one end; the first 0.8 m are walked before tracking can confirm it.
     for (x, from, to) in [(CROSSINGS_M[0], 20, 60), (CROSSINGS_M[1], 20, 60)] {
         for y in from..to {
             for across in -8..=8 {

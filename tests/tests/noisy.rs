@@ -1,4 +1,4 @@
-//! The stack with a robot as awkward as a real one, and among things that move.
+//! The stack with every noise of a real robot, and among dynamic obstacles.
 
 use serde_json::Value;
 use zeronav_tests::{workspace, zeronav};

@@ -1,4 +1,4 @@
-//! The papers' experiments with things that move, driven by the real processes: LWX-DYN and
+//! The papers' experiments with dynamic obstacles, driven by the real processes: LWX-DYN and
 //! BAO-DYN. Neither paper gives positions, speeds or numbers; the scenes follow the project's
 //! defaults for them, a new arrangement for every seed.
 
@@ -111,7 +111,7 @@ fn disc(name: &str, [x, y]: [f64; 2], script: &str) -> String {
 enum Mode {
     /// Once, at a random time, and they stay.
     Appear,
-    /// They are there, go straight and bounce off what stands.
+    /// They exist from the start, move straight and bounce off static obstacles.
     Move,
 }
 
@@ -246,7 +246,7 @@ fn lwx_dyn_suite(controller: &str, mode: Mode, seeds: std::ops::RangeInclusive<u
     tally
 }
 
-/// BAO-DYN: the path of the improved A* on the static map, three discs on it that nobody knows,
+/// BAO-DYN: the path of the improved A* on the static map, three discs on it that no map shows,
 /// and three that cross it at 0.3 m/s again and again; the robot sees three metres.
 struct BaoDyn {
     text: String,
@@ -446,14 +446,14 @@ fn bao_dyn_suite(seeds: std::ops::RangeInclusive<u64>) -> BaoTally {
     BaoTally { tally, blind }
 }
 
-/// Twenty discs that stand where they appear, some of them right before the robot.
+/// Twenty discs that stay where they appear, some of them right in front of the robot.
 #[test]
 fn lwx_dyn_with_appearing_discs() {
     let tally = lwx_dyn_suite("dwa_t", Mode::Appear, 1..=10);
     assert!(10 * tally.free >= 9 * tally.runs);
 }
 
-/// Discs that know nothing of the robot run into it when it stands in a corridor of their own
+/// Discs that know nothing of the robot run into it when it waits in a corridor of their own
 /// width; what counts is that it never drives into one.
 #[test]
 fn lwx_dyn_with_moving_discs() {

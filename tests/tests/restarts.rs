@@ -26,7 +26,7 @@ impl Dice {
 }
 
 /// Drives `blocked_aisle` with these lines more and without its expectation of a cause: a planner
-/// that starts anew behind the load has nothing to replan.
+/// that restarts behind the load has nothing to replan.
 fn drive(more: &str) -> Zeronav {
     let folder = tempfile::tempdir().expect("a folder");
     let file = zeronav_tests::workspace().join("launch/scenarios/blocked_aisle.toml");
@@ -104,7 +104,7 @@ fn every_service_may_hang_in_the_middle_of_a_drive() {
     }
 }
 
-/// The load drops while nobody makes a map: the local planner brakes for what the scan shows, and
+/// The load drops while no process makes a map: the local planner brakes for what the scan shows, and
 /// with the new mapping comes a new path.
 #[test]
 fn without_mapping_the_guard_brakes_for_the_scan() {

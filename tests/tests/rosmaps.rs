@@ -36,10 +36,10 @@ fn every_map_loads_and_has_room_and_walls_on_external_data() {
     assert!(every_map_has_room_and_walls(&external_data("rosmaps")) >= 5);
 }
 
-/// How far beside the goal's tolerance the robot may really stand. [m]
+/// How far outside the goal's tolerance the robot may really stop. [m]
 const POSE_ERROR_M: f64 = 0.1;
 
-/// Drives the scenario in lockstep: it arrives, touches nothing, has driven so far, and stands
+/// Drives the scenario in lockstep: it arrives, touches nothing, has driven so far, and stops
 /// where it was sent, whatever its odometry says.
 #[track_caller]
 fn drives(text: &str, driven_m_min: f64) {

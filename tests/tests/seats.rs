@@ -1,4 +1,5 @@
-//! One process sits in a seat: a second one is refused by name, a shadow is never obeyed.
+//! One process per seat: a second one is rejected with a message that names the owner, a shadow is
+//! never obeyed.
 
 use rustix::process::Signal;
 use serde_json::Value;

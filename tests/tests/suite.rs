@@ -57,7 +57,7 @@ fn folder_runs_once_per_seed_and_writes_json_csv_and_junit() {
     assert!(summary["interventions"].is_u64(), "{report:#}");
     // Nothing was in the way.
     assert_eq!(summary["recoveries"], 0, "{report:#}");
-    // Nobody walks here, so there is nobody whose future could be known.
+    // No pedestrians here, so there is no future that an oracle could know.
     assert_eq!(summary["unavoidable"], Value::Null);
     assert_eq!(summary["arrival"], 1.0);
     let ratio = summary["mean_path_ratio"].as_f64().expect("a ratio");
@@ -151,7 +151,7 @@ fn invalid_suites_end_with_one_line_and_exit_code_2() {
     assert!(ended.stderr.contains("local_planner"), "{}", ended.stderr);
 }
 
-/// A recording of four who walk to and fro across the robot's way, 6 m each.
+/// A recording of four people walking to and fro across the robot's path, 6 m each.
 fn recording() -> String {
     let row = |(sample, id): (i32, i32)| {
         let (t, id) = (0.4 * f64::from(sample), f64::from(id));
@@ -253,7 +253,7 @@ fn resumed_suite_equals_an_uninterrupted_one() {
     let name = folder.strip_prefix(ended.folder.path()).expect("inside");
     let name = name.to_str().expect("a name").to_owned();
 
-    // Other arguments than those it was begun with are refused.
+    // Other arguments than those it was begun with are rejected.
     let arguments = ["suite", "--resume", &name, "--seeds", "7"];
     let refused = Zeronav::start_in(ended.folder, &arguments).finish();
     assert_eq!(refused.code(), 2, "{}", refused.stderr);

@@ -108,7 +108,7 @@ fn a_straight_line_through_the_racks_is_a_dead_end() {
     assert_eq!(
         plans.len(),
         1,
-        "a failure that goes on is no news: {plans:#?}"
+        "a failure that continues is not reported again: {plans:#?}"
     );
     assert_eq!(plans[0]["status"], "dead_end");
 }
@@ -122,7 +122,7 @@ fn minimal_mapping_drives_two_rooms() {
 #[test]
 fn minimal_mapping_without_a_static_map_shows_the_scan() {
     let seats = [("mapping", "minimal_mapping")];
-    // A wall that no map shows stands across the straight way.
+    // A wall that no map shows crosses the straight line.
     let unmapped = r#"
 base = "porter"
 start = [1.0, 3.0, 0.0]
@@ -260,7 +260,7 @@ fn a_service_that_hangs_whenever_it_is_started_ends_the_run_by_name() {
     assert_eq!(result["contacts"], 0);
     assert!(
         metres(&result, "driven_m") < 0.01,
-        "nobody said where to: {result:#}"
+        "no goal was sent: {result:#}"
     );
 }
 
@@ -362,7 +362,7 @@ fn nan_requests_never_reach_the_wheels() {
     let mut run = start(&REAL_TIME, AISLE, &[("local_planner", "requests_nan")]);
     let (root, children) = running(&mut run);
     let mut tap = Tap::on(&root);
-    run.wait_until("the guard has refused a hundred requests", |_| {
+    run.wait_until("the guard has rejected a hundred requests", |_| {
         tap.listen();
         let refused = tap.guard.get().map_or(0, |health| health.meta.refused);
         refused >= 100 && tap.truths.len() >= 20

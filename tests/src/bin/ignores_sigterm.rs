@@ -1,4 +1,4 @@
-//! A local planner that stands still in good order and, asked to leave, keeps its ports and stays.
+//! A local planner that keeps the robot stopped and ignores the request to exit.
 
 use std::process::ExitCode;
 use zeronav_msgs::command::VelocityRequest;

@@ -1,4 +1,4 @@
-//! A local planner whose requests are no numbers: with every odometry it asks for NaN.
+//! A local planner that requests NaN with every odometry message.
 
 use std::process::ExitCode;
 use zeronav_msgs::command::{Validity, VelocityRequest};

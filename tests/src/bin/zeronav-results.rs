@@ -26,7 +26,7 @@ enum Command {
         #[arg(long, env = "ZERONAV_DATA")]
         data: Option<PathBuf>,
     },
-    /// Writes the pages anew from what is stored.
+    /// Writes the pages again from the stored records.
     Render,
     /// Lists the experiments and how long they take.
     List,

@@ -37,7 +37,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
         minutes: 5.2,
         by_default: true,
         note: Some(
-            "Percentiles are the median of three rounds, behind the median stand the lowest and \
+            "Percentiles are the median of three rounds, behind the median are the lowest and \
              the highest round; the worst is that of all rounds.",
         ),
         make: replanning,
@@ -110,7 +110,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
     },
     Experiment {
         key: "papers_dyn",
-        title: "the papers' scenes with moving things",
+        title: "the papers' scenes with dynamic obstacles",
         minutes: 4.0,
         by_default: false,
         note: Some("In brackets the 95 % intervals of Wilson."),
@@ -131,7 +131,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
         by_default: true,
         note: Some(
             "`ready`: between two scans; `new scan`: points with noise and a changed map, so that \
-             the cost-to-go is made anew.",
+             the cost-to-go is recomputed.",
         ),
         make: |bench| criterion(bench, "zeronav-local-planner", &["dwa", "mppi", "beam"]),
     },

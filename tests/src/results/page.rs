@@ -27,7 +27,7 @@ pub fn page(records: &Records) -> String {
         "# Results\n\n\
          Written by `cargo run --release -p zeronav-tests --bin zeronav-results -- measure`, which \
          also writes the marked\nblocks of the READMEs; never edited by hand. Behind a figure \
-         stands its spread in brackets: quartiles for\nmedians, the 95 % interval for rates \
+         is its spread in brackets: quartiles for\nmedians, the 95 % interval for rates \
          (Wilson) and means; one number alone is a count or a percentile.\n",
     );
     for experiment in EXPERIMENTS {
@@ -123,7 +123,7 @@ fn with_blocks(text: &str, records: &Records) -> Result<String, String> {
     Ok(out)
 }
 
-/// Lines of a page that look like a measured figure but stand in no marked block: times in `us` or
+/// Lines of a page that look like a measured figure but are in no marked block: times in `us` or
 /// `ns` and sizes in `MB` anywhere, and tables of numbers under a heading `Measured` or with a
 /// column of a measurement. Code is left out.
 #[must_use]
@@ -161,7 +161,7 @@ pub fn figures_by_hand(text: &str) -> Vec<String> {
     found
 }
 
-/// True when a number with one of the units of measurements stands in the line.
+/// True when the line has a number with one of the units of measurements.
 fn has_measured_unit(line: &str) -> bool {
     let words: Vec<&str> = line.split([' ', '|', '(', ')', ',', ';', '`']).collect();
     let is_number = |word: &str| word.starts_with(|first: char| first.is_ascii_digit());
