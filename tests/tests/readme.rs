@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
+use zeronav_global_planner::table::PLANNERS;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::topics::{Discipline, topics};
 use zeronav_tests::results::readmes;
@@ -240,6 +241,39 @@ fn the_planner_of_the_front_page_is_the_example() {
     assert_eq!(code[0].lines().count(), 10, "ten lines");
     let lines = format!("{} lines in all", example.lines().count());
     assert!(page("README.md").contains(&lines), "{lines}");
+}
+
+#[test]
+fn planners_are_counted_and_groups_named() {
+    let planners = format!("{} planners by name", PLANNERS.len());
+    for name in ["README.md", "CHANGELOG.md"] {
+        assert!(page(name).contains(&planners), "{name}: {planners}");
+    }
+    let list = zeronav(&["list", "--json"]);
+    let list: serde_json::Value = serde_json::from_str(&list.stdout).expect("a list");
+    let groups: BTreeSet<String> = texts(&list, "group");
+    assert!(groups.len() >= 5, "{groups:?}");
+    let text = page("launch/README.md");
+    for group in groups {
+        assert!(
+            text.contains(&format!("| {group} | |")),
+            "no table of group {group}"
+        );
+    }
+}
+
+/// Every text with this key, at any depth.
+fn texts(value: &serde_json::Value, key: &str) -> BTreeSet<String> {
+    use serde_json::Value;
+    match value {
+        Value::Array(all) => all.iter().flat_map(|one| texts(one, key)).collect(),
+        Value::Object(map) => {
+            let own = map.get(key).and_then(Value::as_str).map(str::to_owned);
+            let inner = map.values().flat_map(|one| texts(one, key));
+            own.into_iter().chain(inner).collect()
+        }
+        _ => BTreeSet::new(),
+    }
 }
 
 #[test]
