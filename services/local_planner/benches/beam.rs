@@ -5,7 +5,7 @@
 //! `cargo bench -p zeronav-local-planner --no-default-features --bench beam`
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use zeronav_local_planner::beam::Beam;
+use zeronav_local_planner::beam;
 use zeronav_local_planner::beam::options::BeamConfig;
 use zeronav_local_planner::dwa::options::DwaConfig;
 use zeronav_local_planner::dwa_t::options::DwaTConfig;
@@ -25,7 +25,7 @@ fn cycle(criterion: &mut Criterion) {
         for (often, config) in [("search", always), ("mean of ten", default)] {
             let points = scan(360, false);
             let situation = aisle.situation(&robot, &points, &crowd);
-            let mut beam = Beam::new(DwaConfig::default(), DwaTConfig::default(), config);
+            let mut beam = beam::beam(DwaConfig::default(), DwaTConfig::default(), config);
             let name = format!("beam, {name}, 20 tracked, {often}");
             aisle.time(criterion, &name, &mut beam, &situation, 0);
         }

@@ -5,9 +5,9 @@
 //! `cargo bench -p zeronav-local-planner --no-default-features`
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use zeronav_local_planner::dwa::Dwa;
 use zeronav_local_planner::dwa::options::DwaConfig;
 use zeronav_local_planner::dwa_t::options::DwaTConfig;
+use zeronav_local_planner::{dwa, dwa_t};
 
 mod aisle;
 use aisle::{Aisle, crowd, disc, jackal, scan};
@@ -31,9 +31,9 @@ fn cycle(criterion: &mut Criterion) {
     ] {
         let alone = aisle.situation(&robot, &points, &[]);
         let crowded = aisle.situation(&robot, &points, &crowd);
-        let mut dwa = Dwa::new(DwaConfig::default());
+        let mut dwa = dwa::dwa(DwaConfig::default());
         aisle.time(criterion, &format!("dwa, {name}"), &mut dwa, &alone, 800);
-        let mut dwa_t = Dwa::timed(DwaConfig::default(), DwaTConfig::default());
+        let mut dwa_t = dwa_t::dwa_t(DwaConfig::default(), DwaTConfig::default());
         for (with, situation) in [("", alone), (", 20 tracked", crowded)] {
             let name = format!("dwa_t, {name}{with}");
             aisle.time(criterion, &name, &mut dwa_t, &situation, 800);

@@ -7,7 +7,7 @@
 use criterion::{Criterion, criterion_group, criterion_main};
 use zeronav_local_planner::dwa::options::DwaConfig;
 use zeronav_local_planner::dwa_t::options::DwaTConfig;
-use zeronav_local_planner::mppi::Mppi;
+use zeronav_local_planner::mppi;
 use zeronav_local_planner::mppi::options::MppiConfig;
 
 mod aisle;
@@ -29,7 +29,7 @@ fn cycle(criterion: &mut Criterion) {
         ),
     ] {
         let situation = aisle.situation(&robot, &points, obstacles);
-        let mut mppi = Mppi::new(
+        let mut mppi = mppi::mppi(
             DwaConfig::default(),
             DwaTConfig::default(),
             MppiConfig::default(),

@@ -19,18 +19,19 @@
 //!   `dwa_t`.
 
 pub mod options;
-mod scene;
+mod space;
 mod visited;
 
 use crate::beam::options::BeamConfig;
-use crate::controller::{Controller, Decision, Situation};
-use crate::dwa::Dwa;
 use crate::dwa::options::DwaConfig;
 use crate::dwa_t::options::DwaTConfig;
-use crate::refine::{Refine, Sight};
-use crate::shaping::ShapingConfig;
+use crate::dwa_t::{TimedWindow, in_time};
+use crate::dynamic_obstacles::Growth;
+use crate::pilot::Pilot;
+use crate::pilot::perception::Prediction;
+use crate::pilot::scene::{Choose, Mode, Scene, Wish};
 use crate::surroundings::narrow;
-use scene::{LOOKS, Scene, State};
+use space::{LOOKS, Space, State};
 use visited::Visited;
 use zeronav_motion::Twist;
 use zeronav_msgs::obstacles::OBSTACLES_MAX;
@@ -58,49 +59,45 @@ const CELL_M: f32 = 0.15;
 const CELL_RAD: f32 = 0.4;
 const CELL_MPS: f32 = 0.4;
 
-/// The controller `beam`.
-#[derive(Debug, Clone)]
-pub struct Beam {
-    dwa: Dwa,
-    search: Search,
-}
-
-impl Beam {
-    /// A controller at rest. The numbers must be those that
-    /// [`crate::config::LocalPlannerConfig::check`] accepts.
-    #[must_use]
-    pub fn new(dwa: DwaConfig, timed: DwaTConfig, config: BeamConfig) -> Self {
-        Self {
-            dwa: Dwa::timed(dwa, timed).among_what_moves(SIGHT_M),
+/// The controller `beam` at rest. The numbers must be within the ranges of their structs.
+#[must_use]
+pub fn beam(dwa: DwaConfig, timed: DwaTConfig, config: BeamConfig) -> Pilot {
+    Pilot::new(
+        in_time(dwa, timed),
+        Some(Prediction::new(Growth::from(&timed)).on_static_map(SIGHT_M)),
+        Box::new(Beam {
             search: Search::new(config),
-        }
-    }
-
-    /// The same with commands whose accelerations change no faster than this.
-    #[must_use]
-    pub fn shaped(self, config: ShapingConfig) -> Self {
-        Self {
-            dwa: self.dwa.shaped(config),
-            ..self
-        }
-    }
+            alone: TimedWindow::new(timed),
+        }),
+    )
 }
 
-impl Controller for Beam {
-    fn decide(&mut self, situation: &Situation<'_>) -> Decision {
-        self.search.leads = false;
-        let decision = self.dwa.decide_with(situation, Some(&mut self.search));
-        if !self.search.leads {
+/// The search among dynamic obstacles, the time-indexed window where there are none.
+#[derive(Debug)]
+struct Beam {
+    search: Search,
+    alone: TimedWindow,
+}
+
+impl Choose for Beam {
+    fn choose(&mut self, scene: &mut Scene<'_>) -> Wish {
+        if !Search::is_needed(scene) {
             self.search.forget();
+            return self.alone.choose(scene);
         }
-        Decision {
-            rollouts: decision.rollouts.max(self.search.looked_at),
-            ..decision
-        }
+        let wish = match self.search.lead(scene) {
+            Some(twist) => {
+                scene.memory.mode = Mode::Follow;
+                scene.memory.astray_s = 0.0;
+                scene.steer(twist)
+            }
+            None => self.alone.choose(scene),
+        };
+        scene.memory.rollouts = scene.memory.rollouts.max(self.search.looked_at);
+        wish
     }
 
-    fn overruled(&mut self, published: Twist) {
-        self.dwa.overruled(published);
+    fn forget(&mut self) {
         self.search.forget();
     }
 }
@@ -146,8 +143,6 @@ struct Search {
     config: BeamConfig,
     /// The twist to go towards, and for how long it has been that. [s]
     found: Option<(Twist, f64)>,
-    /// It had a say in this period.
-    leads: bool,
     looked_at: u32,
     /// All layers, one after the other.
     nodes: Vec<Node>,
@@ -166,7 +161,6 @@ impl Search {
         Self {
             config,
             found: None,
-            leads: false,
             looked_at: 0,
             nodes: Vec::with_capacity(1 + width * config.layers as usize),
             fresh: Vec::with_capacity(most),
@@ -181,14 +175,48 @@ impl Search {
         self.looked_at = 0;
     }
 
+    /// True when somebody walks nearby and the goal is not.
+    fn is_needed(scene: &Scene<'_>) -> bool {
+        scene.seen.dynamic.is_within(WALKS_M) && scene.place.remaining_m >= FINAL_M
+    }
+
+    /// The twist of the manoeuvre that was found last or, when that is old, is found now.
+    fn lead(&mut self, scene: &mut Scene<'_>) -> Option<Twist> {
+        let situation = scene.situation;
+        if let Some((twist, age_s)) = &mut self.found {
+            *age_s += situation.period_s;
+            if *age_s < self.config.replan_s - 0.5 * situation.period_s {
+                return Some(*twist);
+            }
+        }
+        let looks = self.config.layers as usize * LOOKS;
+        scene.seen.dynamic.tabulate(looks, self.config.look_s());
+        let goal = situation.goal.pose.point() - situation.map_from_base.point();
+        let seen = &*scene.seen;
+        let space = Space {
+            config: self.config,
+            robot: situation.robot,
+            surroundings: &seen.surroundings,
+            dynamic: &seen.dynamic,
+            cost_to_go: seen.cost_to_go().filter(|_| situation.map.is_some()),
+            here: situation.map_from_base,
+            goal: (narrow(goal.x), narrow(goal.y)),
+            fastest: narrow(scene.top_speed_mps()),
+            soft: narrow(scene.config.soft_clearance_m),
+        };
+        let twist = self.search(&space, scene.from);
+        self.found = twist.map(|twist| (twist, 0.0));
+        twist
+    }
+
     /// The first manoeuvre of the best sequence; `None` when no manoeuvre is free.
-    fn search(&mut self, scene: &Scene<'_>, from: Twist) -> Option<Twist> {
+    fn search(&mut self, space: &Space<'_>, from: Twist) -> Option<Twist> {
         self.looked_at = 0;
         self.nodes.clear();
-        self.nodes.push(scene.root(from.v_mps, from.w_radps));
+        self.nodes.push(space.root(from.v_mps, from.w_radps));
         let mut layer = 0..1;
         for number in 0..self.config.layers as usize {
-            self.expand(scene, layer.clone(), number);
+            self.expand(space, layer.clone(), number);
             if self.fresh.is_empty() {
                 break;
             }
@@ -207,15 +235,15 @@ impl Search {
     }
 
     /// Drives every manoeuvre from every node of a layer.
-    fn expand(&mut self, scene: &Scene<'_>, layer: core::ops::Range<usize>, number: usize) {
-        let jump = narrow(scene.robot.a_mps2_max.max(scene.robot.brake_mps2))
+    fn expand(&mut self, space: &Space<'_>, layer: core::ops::Range<usize>, number: usize) {
+        let jump = narrow(space.robot.a_mps2_max.max(space.robot.brake_mps2))
             * narrow(self.config.manoeuvre_s);
-        let w_max = narrow(scene.robot.w_radps_max);
+        let w_max = narrow(space.robot.w_radps_max);
         self.fresh.clear();
         for parent in layer {
             let node = self.nodes[parent];
-            scene.gather(&node, number, &mut self.near);
-            for v in SPEEDS.map(|share| share * scene.fastest) {
+            space.gather(&node, number, &mut self.near);
+            for v in SPEEDS.map(|share| share * space.fastest) {
                 // Which is out of reach is another manoeuvre's end.
                 if (v - node.state.v).abs() > 1.1 * jump {
                     continue;
@@ -225,7 +253,7 @@ impl Search {
                         continue;
                     }
                     self.looked_at += 1;
-                    let next = scene.drive(&node, (v, w), number, &self.near);
+                    let next = space.drive(&node, (v, w), number, &self.near);
                     self.fresh.extend(next.map(|next| Node { parent, ..next }));
                 }
             }
@@ -253,42 +281,5 @@ impl Search {
             }
         }
         start..self.nodes.len()
-    }
-}
-
-impl Refine for Search {
-    fn lead(&mut self, sight: Sight<'_>) -> Option<Twist> {
-        if !sight.moving.is_within(WALKS_M) || sight.place.remaining_m < FINAL_M {
-            return None;
-        }
-        self.leads = true;
-        let situation = sight.situation;
-        if let Some((twist, age_s)) = &mut self.found {
-            *age_s += situation.period_s;
-            if *age_s < self.config.replan_s - 0.5 * situation.period_s {
-                return Some(*twist);
-            }
-        }
-        let looks = self.config.layers as usize * LOOKS;
-        sight.moving.tabulate(looks, self.config.look_s());
-        let goal = situation.goal.pose.point() - situation.map_from_base.point();
-        let scene = Scene {
-            config: self.config,
-            robot: situation.robot,
-            surroundings: sight.surroundings,
-            moving: sight.moving,
-            funnel: sight.funnel,
-            here: situation.map_from_base,
-            goal: (narrow(goal.x), narrow(goal.y)),
-            fastest: narrow(sight.fastest_mps),
-            soft: narrow(sight.config.soft_clearance_m),
-        };
-        let twist = self.search(&scene, sight.from);
-        self.found = twist.map(|twist| (twist, 0.0));
-        twist
-    }
-
-    fn refine(&mut self, _sight: Sight<'_>) -> Option<Twist> {
-        None
     }
 }

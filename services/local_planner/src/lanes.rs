@@ -14,10 +14,10 @@
     reason = "indices of a window of at most 1024 cells, clamped before use"
 )]
 
-use crate::dwa::row::{Rated, TimedWorth};
-use crate::fan::Turns;
+use crate::dwa_t::rollout_grid::Turns;
 use crate::field::Sheet;
 use crate::local_path::{Projection, Projections, SAMPLES, Stretch};
+use crate::rated::{Rated, TimedWorth};
 use crate::surroundings::narrow;
 use zeronav_msgs::MapCell;
 

@@ -10,40 +10,33 @@
 pub mod beam;
 pub mod config;
 pub mod controller;
-mod critics;
+mod cost_to_go;
 pub mod dwa;
-pub mod dwa_t {
-    //! The dynamic window in time.
-
-    pub mod options;
-}
-mod fan;
+pub mod dwa_t;
+mod dynamic_obstacles;
 mod field;
 mod footprint;
-mod funnel;
 mod lanes;
 mod local_path;
-mod moving;
 pub mod mppi;
 pub mod papers;
 pub mod period;
+pub mod pilot;
 pub mod progress;
+mod rated;
 pub mod recovery;
-mod refine;
 pub mod requests;
-mod rollout;
 pub mod scan_points;
 pub mod shaping;
 pub mod staleness;
 mod stall;
-mod standing;
+mod static_map;
 mod surroundings;
 pub mod table;
 pub mod task;
 #[cfg(test)]
 mod test_robot;
 mod turn;
-mod window;
 
 pub use config::LocalPlannerConfig;
 pub use period::{Inputs, LocalPlanner, Outputs, PathInput};

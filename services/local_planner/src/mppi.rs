@@ -17,20 +17,22 @@
 //! The weighted mean is built batch by batch with a running minimum, so no sample is kept.
 
 pub(crate) mod batch;
+pub(crate) mod critics;
 mod limits;
 mod noise;
 pub mod options;
 mod plan;
 
-use crate::controller::{Controller, Decision, Situation};
-use crate::critics::{CRITICS, Scene};
-use crate::dwa::Dwa;
 use crate::dwa::options::DwaConfig;
 use crate::dwa_t::options::DwaTConfig;
+use crate::dwa_t::{TimedWindow, in_time};
+use crate::dynamic_obstacles::Growth;
 use crate::local_path::LocalPath;
+use crate::mppi::critics::{CRITICS, Cycle};
 use crate::mppi::options::MppiConfig;
-use crate::refine::{Refine, Sight};
-use crate::shaping::ShapingConfig;
+use crate::pilot::Pilot;
+use crate::pilot::perception::Prediction;
+use crate::pilot::scene::{Choose, Scene, Wish};
 use crate::surroundings::narrow;
 use batch::{Batch, LANES, Lanes};
 use limits::Limits;
@@ -49,57 +51,47 @@ const CHECK_SPACING_M: f64 = 0.03;
 /// [s] of the chosen sequence that are checked at least.
 const CHECK_S_MIN: f64 = 0.5;
 
-/// The controller `mppi`.
-#[derive(Debug, Clone)]
-pub struct Mppi {
-    dwa: Dwa,
+/// The controller `mppi` at rest. The numbers must be within the ranges of their structs.
+#[must_use]
+pub fn mppi(dwa: DwaConfig, timed: DwaTConfig, config: MppiConfig) -> Pilot {
+    let timed = DwaTConfig {
+        // As far as the samples go, so that they stay where the surroundings are known.
+        horizon_s: timed.horizon_s.max(config.step_s * f64::from(config.steps)),
+        ..timed
+    };
+    Pilot::new(
+        in_time(dwa, timed),
+        Some(Prediction::new(Growth::from(&timed))),
+        Box::new(Mppi {
+            window: TimedWindow::new(timed),
+            optimiser: Optimiser::new(config),
+        }),
+    )
+}
+
+/// The optimiser around the choice of the time-indexed window.
+#[derive(Debug)]
+struct Mppi {
+    window: TimedWindow,
     optimiser: Optimiser,
 }
 
-impl Mppi {
-    /// A controller at rest. The numbers must be those that
-    /// [`crate::config::LocalPlannerConfig::check`] accepts.
-    #[must_use]
-    pub fn new(dwa: DwaConfig, timed: DwaTConfig, config: MppiConfig) -> Self {
-        let timed = DwaTConfig {
-            // As far as the samples go, so that they stay where the surroundings are known.
-            horizon_s: timed.horizon_s.max(config.step_s * f64::from(config.steps)),
-            ..timed
+impl Choose for Mppi {
+    fn choose(&mut self, scene: &mut Scene<'_>) -> Wish {
+        let heading = match scene.heading() {
+            Ok(heading) => heading,
+            Err(turn) => {
+                self.forget();
+                return turn;
+            }
         };
-        Self {
-            dwa: Dwa::timed(dwa, timed),
-            optimiser: Optimiser::new(config),
-        }
-    }
-}
-
-impl Mppi {
-    /// The same with commands whose accelerations change no faster than this.
-    #[must_use]
-    pub fn shaped(self, config: ShapingConfig) -> Self {
-        Self {
-            dwa: self.dwa.shaped(config),
-            ..self
-        }
-    }
-}
-
-impl Controller for Mppi {
-    fn decide(&mut self, situation: &Situation<'_>) -> Decision {
-        self.optimiser.looked_at = 0;
-        let decision = self.dwa.decide_with(situation, Some(&mut self.optimiser));
-        if self.optimiser.looked_at == 0 {
-            // Something else than following the path; afterwards the plan is an old one.
-            self.optimiser.plan.forget();
-        }
-        Decision {
-            rollouts: decision.rollouts.max(self.optimiser.looked_at),
-            ..decision
-        }
+        let best = self.window.best(scene, &heading);
+        let refined = self.optimiser.refine(scene, heading.fastest_mps, best);
+        scene.memory.rollouts = scene.memory.rollouts.max(self.optimiser.looked_at);
+        scene.steer_or_rest(refined.or(best))
     }
 
-    fn overruled(&mut self, published: Twist) {
-        self.dwa.overruled(published);
+    fn forget(&mut self) {
         self.optimiser.plan.forget();
     }
 }
@@ -150,7 +142,7 @@ impl Optimiser {
     }
 
     /// The plan with noise, for one row of samples.
-    fn ask(&mut self, row: usize, sight: &Sight<'_>) {
+    fn ask(&mut self, row: usize, back_mps: f32, window: (f32, f32)) {
         let (std_v, std_w) = (
             narrow(self.config.speed_std_mps),
             narrow(self.config.yaw_rate_std_radps),
@@ -166,8 +158,6 @@ impl Optimiser {
             }
         }
         if row == 0 {
-            let back_mps = narrow(sight.situation.robot.v_mps_min);
-            let window = sight.best.map_or((0.0, 0.0), pair);
             for step in 0..batch.steps {
                 let seeds = [self.plan.at(step), window, (0.0, 0.0), (back_mps, 0.0)];
                 for (lane, (v, w)) in seeds.into_iter().enumerate() {
@@ -221,17 +211,18 @@ impl Optimiser {
     }
 
     /// Follows what is asked for and judges it.
-    fn judge(&mut self, limits: &Limits, scene: &Scene<'_>, sight: &Sight<'_>, costs: &mut Lanes) {
-        let (sin, cos) = sight.situation.map_from_base.yaw_rad.sin_cos();
+    fn judge(&mut self, limits: &Limits, cycle: &Cycle<'_>, scene: &Scene<'_>, costs: &mut Lanes) {
+        let (sin, cos) = scene.situation.map_from_base.yaw_rad.sin_cos();
         self.batch
-            .roll(limits, pair(sight.from), (narrow(sin), narrow(cos)));
-        self.batch.look(sight.surroundings, f64::from(scene.soft_m));
-        self.batch.project(scene.path);
+            .roll(limits, pair(scene.from), (narrow(sin), narrow(cos)));
+        self.batch
+            .look(&scene.seen.surroundings, f64::from(cycle.soft_m));
+        self.batch.project(cycle.path);
         *costs = [0.0; LANES];
         for critic in CRITICS {
             let weight = narrow((critic.weight)(&self.config.critics));
             if weight > 0.0 {
-                (critic.score)(scene, &self.batch, weight, costs);
+                (critic.score)(cycle, &self.batch, weight, costs);
             }
         }
     }
@@ -255,14 +246,14 @@ impl Optimiser {
     }
 
     /// True when the outline is free along a sample for as long as a stop lasts.
-    fn is_free(&self, sight: &Sight<'_>, lane: usize) -> bool {
-        let (robot, batch) = (sight.situation.robot, &self.batch);
+    fn is_free(&self, scene: &Scene<'_>, lane: usize) -> bool {
+        let (robot, batch, seen) = (scene.situation.robot, &self.batch, &*scene.seen);
         let fastest_mps = batch.v.iter().map(|v| v[lane].abs()).fold(0.0, f32::max);
-        let stop_s = sight.config.reaction_s + f64::from(fastest_mps) / robot.brake_mps2;
-        let outline_m = |point| sight.surroundings.footprint.distance_m(point);
-        let now_m = sight.moving.margin_m(&Pose::default(), 0.0, outline_m);
-        let keep_m = sight.surroundings.need_m().max(0.0).min(now_m - NOISE_M);
-        let (base_sin, base_cos) = sight.situation.map_from_base.yaw_rad.sin_cos();
+        let stop_s = scene.config.reaction_s + f64::from(fastest_mps) / robot.brake_mps2;
+        let outline_m = |point| seen.surroundings.footprint.distance_m(point);
+        let now_m = seen.dynamic.margin_m(&Pose::default(), 0.0, outline_m);
+        let keep_m = seen.surroundings.need_m().max(0.0).min(now_m - NOISE_M);
+        let (base_sin, base_cos) = scene.situation.map_from_base.yaw_rad.sin_cos();
         let (mut from, mut elapsed_s) = (Pose::default(), 0.0);
         for step in 0..batch.steps {
             let (x, y) = (
@@ -277,7 +268,7 @@ impl Optimiser {
             let at = Point2::new(base_cos * x + base_sin * y, base_cos * y - base_sin * x);
             let way: Vector2<f64> = at - from.point();
             let turn_rad = zeronav_msgs::pose::wrap_angle(yaw_rad - from.yaw_rad);
-            let outer_m = sight.surroundings.footprint.circumscribed_m;
+            let outer_m = seen.surroundings.footprint.circumscribed_m;
             let pieces = ((way.norm() + turn_rad.abs() * outer_m) / CHECK_SPACING_M)
                 .ceil()
                 .max(1.0);
@@ -290,8 +281,8 @@ impl Optimiser {
                     from.yaw_rad + turn_rad * share,
                 );
                 let then_s = elapsed_s + self.config.step_s * share;
-                let clear = sight.moving.margin_m(&pose, then_s, outline_m) >= keep_m;
-                if !clear || !sight.surroundings.keeps_margin(&pose) {
+                let clear = seen.dynamic.margin_m(&pose, then_s, outline_m) >= keep_m;
+                if !clear || !seen.surroundings.keeps_margin(&pose) {
                     return false;
                 }
                 piece += 1.0;
@@ -304,68 +295,74 @@ impl Optimiser {
         }
         true
     }
-}
 
-/// [m] by which a robot may come nearer to a prediction in one check: noise, not motion.
-const NOISE_M: f64 = 0.002;
-
-impl Refine for Optimiser {
-    fn refine(&mut self, sight: Sight<'_>) -> Option<Twist> {
-        let situation = sight.situation;
+    /// The first twist of the cheapest free sequence; `None` = none that is better than `best`, the
+    /// window's choice.
+    fn refine(
+        &mut self,
+        scene: &mut Scene<'_>,
+        fastest_mps: f64,
+        best: Option<Twist>,
+    ) -> Option<Twist> {
+        let situation = scene.situation;
         let (robot, goal) = (situation.robot, situation.goal);
         let steps = self.batch.steps;
         let here = situation.map_from_base.point();
-        let beside_m = (sight.place.cross_track_m - goal.tolerance_m).max(0.0);
+        let beside_m = (scene.place.cross_track_m - goal.tolerance_m).max(0.0);
         let limits = Limits::new(
             robot,
-            sight.fastest_mps,
+            fastest_mps,
             self.config.step_s,
             (
-                sight.place.remaining_m + beside_m,
-                sight.config.comfort_share * robot.brake_mps2,
+                scene.place.remaining_m + beside_m,
+                scene.config.comfort_share * robot.brake_mps2,
             ),
         );
         let horizon_s = self.config.step_s * f64::from(self.config.steps);
         self.path.sample(
-            sight.tracker,
+            &scene.seen.tracker,
             situation.path,
-            &sight.place,
+            &scene.place,
             here,
             robot.v_mps_max * horizon_s + 0.5,
         );
-        let window = pair(sight.best.unwrap_or(Twist::REST));
+        let window = pair(best.unwrap_or(Twist::REST));
         if self.plan.is_known() {
             self.plan
                 .advance(narrow(situation.period_s / self.config.step_s));
         } else {
             self.plan.hold(window);
         }
-        sight.moving.tabulate(steps, self.config.step_s);
+        scene.seen.dynamic.tabulate(steps, self.config.step_s);
+        let (scene, seen) = (&*scene, &*scene.seen);
         let path = core::mem::take(&mut self.path);
         let config = self.config;
         let any_yaw = goal.yaw_tolerance_rad >= core::f64::consts::PI;
         let (goal_sin, goal_cos) = goal.pose.yaw_rad.sin_cos();
-        let scene = Scene {
+        let cycle = Cycle {
             robot,
             config: &config,
-            radius_m: narrow(sight.surroundings.footprint.circumscribed_m),
+            radius_m: narrow(seen.surroundings.footprint.circumscribed_m),
             soft_m: narrow(
-                sight
+                scene
                     .config
                     .soft_clearance_m
-                    .max(sight.surroundings.need_m()),
+                    .max(seen.surroundings.need_m()),
             ),
-            need_m: narrow(sight.surroundings.need_m()),
+            need_m: narrow(seen.surroundings.need_m()),
             path: &path,
-            funnel: sight.funnel.map(|funnel| (funnel, funnel.at(here))),
+            cost_to_go: seen
+                .cost_to_go()
+                .filter(|_| situation.map.is_some())
+                .map(|cost_to_go| (cost_to_go, cost_to_go.at(here))),
             here,
-            moving: sight.moving,
+            dynamic: &seen.dynamic,
             goal: (
                 narrow(goal.pose.x_m - here.x),
                 narrow(goal.pose.y_m - here.y),
             ),
             goal_heading: (!any_yaw).then(|| (narrow(goal_cos), narrow(goal_sin))),
-            remaining_m: narrow(sight.place.remaining_m),
+            remaining_m: narrow(scene.place.remaining_m),
         };
         self.noise.shuffle();
         self.least = f32::INFINITY;
@@ -375,16 +372,16 @@ impl Refine for Optimiser {
         }
         let mut costs = [0.0; LANES];
         for row in 0..self.noise.rows() {
-            self.ask(row, &sight);
-            self.judge(&limits, &scene, &sight, &mut costs);
+            self.ask(row, narrow(robot.v_mps_min), window);
+            self.judge(&limits, &cycle, scene, &mut costs);
             self.weigh(&costs);
         }
         self.looked_at = u32::try_from(self.noise.rows() * LANES).unwrap_or(u32::MAX);
-        self.finalists(window, narrow(sight.fastest_mps));
-        self.judge(&limits, &scene, &sight, &mut costs);
+        self.finalists(window, narrow(fastest_mps));
+        self.judge(&limits, &cycle, scene, &mut costs);
         let mut order = [MEAN, BEST, WINDOW, BRISK];
         order.sort_by(|a, b| costs[*a].total_cmp(&costs[*b]));
-        let chosen = order.into_iter().find(|lane| self.is_free(&sight, *lane));
+        let chosen = order.into_iter().find(|lane| self.is_free(scene, *lane));
         self.path = path;
         let Some(lane) = chosen else {
             self.plan.forget();
@@ -395,6 +392,9 @@ impl Refine for Optimiser {
         Some(Twist::new(f64::from(v), f64::from(w)))
     }
 }
+
+/// [m] by which a robot may come nearer to a prediction in one check: noise, not motion.
+const NOISE_M: f64 = 0.002;
 
 fn pair(twist: Twist) -> (f32, f32) {
     (narrow(twist.v_mps), narrow(twist.w_radps))

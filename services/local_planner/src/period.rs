@@ -164,15 +164,10 @@ impl LocalPlanner {
         zeronav_params::check(config)?;
         let row = controller(&config.controller)?;
         let recovers = config.recovery.enabled && (config.recovery.for_papers || !row.of_a_paper);
-        let mut of_controller = config.clone();
-        if recovers {
-            // Backing up is not the controller's any more.
-            of_controller.dwa.back_up_after_s = f64::INFINITY;
-        }
         Ok(Self {
             config: config.clone(),
             task: TaskMachine::new(config.task),
-            controller: (row.build)(&of_controller),
+            controller: (row.build)(config),
             requests: PathRequests::new(config.requests),
             tracker: PathTracker::new(),
             recovery: recovers.then(|| Recovery::new(config.recovery)),

@@ -1,8 +1,8 @@
 //! What is near the robot, and whether a pose or a stop is free of it.
 
+use crate::dynamic_obstacles::DynamicObstacles;
 use crate::field::ClearanceField;
 use crate::footprint::Footprint;
-use crate::moving::Moving;
 use nalgebra::Point2;
 use zeronav_motion::{Stop, Twist};
 use zeronav_msgs::description::{Corner, Description};
@@ -264,7 +264,7 @@ impl Surroundings {
 
     /// False for a turn on the spot while something that moves comes into reach of the corners:
     /// whoever stands still is walked around, a corner that swings is walked into.
-    fn turns_clear(&self, twist: Twist, moving: &Moving) -> bool {
+    fn turns_clear(&self, twist: Twist, moving: &DynamicObstacles) -> bool {
         if self.footprint.is_disc()
             || twist.v_mps.abs() > TURNING_MPS
             || twist.w_radps.abs() < TURNING_RADPS
@@ -288,7 +288,7 @@ impl Surroundings {
         robot: &Description,
         twist: Twist,
         reaction_s: f64,
-        moving: &Moving,
+        moving: &DynamicObstacles,
     ) -> Option<f64> {
         let reach_m = if self.footprint.is_disc() {
             0.0

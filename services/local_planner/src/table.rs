@@ -1,10 +1,11 @@
 //! The controllers by key. A new one is a file plus a row here.
 
-use crate::beam::Beam;
+use crate::beam::beam;
 use crate::config::LocalPlannerConfig;
 use crate::controller::Controller;
-use crate::dwa::Dwa;
-use crate::mppi::Mppi;
+use crate::dwa::dwa;
+use crate::dwa_t::dwa_t;
+use crate::mppi::mppi;
 use crate::papers::Law;
 use crate::papers::bao_dwa::BaoWeights;
 use crate::papers::drive::Driver;
@@ -54,14 +55,14 @@ pub const CONTROLLERS: &[ControllerRow] = &[
         title: "Time-indexed dynamic window: predicted obstacles, cost-to-go, speed by clearance",
         source: "dwa, with rollouts in time, a local navigation function and constant-velocity tracks",
         of_a_paper: false,
-        build: |config| Box::new(Dwa::timed(config.dwa, config.dwa_t).shaped(config.shaping)),
+        build: |config| Box::new(dwa_t(config.dwa, config.dwa_t).shaped(config.shaping)),
     },
     ControllerRow {
         key: "dwa",
         title: "Dynamic window that follows the path, checked against map and scan",
         source: "Fox, Burgard, Thrun: The Dynamic Window Approach to Collision Avoidance, IEEE RAM 4(1), 1997",
         of_a_paper: false,
-        build: |config| Box::new(Dwa::new(config.dwa).shaped(config.shaping)),
+        build: |config| Box::new(dwa(config.dwa).shaped(config.shaping)),
     },
     ControllerRow {
         key: "mppi",
@@ -69,7 +70,7 @@ pub const CONTROLLERS: &[ControllerRow] = &[
         source: "Williams et al.: Information-Theoretic Model Predictive Control, IEEE T-RO 34(6), 2018",
         of_a_paper: false,
         build: |config| {
-            Box::new(Mppi::new(config.dwa, config.dwa_t, config.mppi).shaped(config.shaping))
+            Box::new(mppi(config.dwa, config.dwa_t, config.mppi).shaped(config.shaping))
         },
     },
     ControllerRow {
@@ -78,7 +79,7 @@ pub const CONTROLLERS: &[ControllerRow] = &[
         source: "beam search over manoeuvres, with constant-velocity tracks",
         of_a_paper: false,
         build: |config| {
-            Box::new(Beam::new(config.dwa, config.dwa_t, config.beam).shaped(config.shaping))
+            Box::new(beam(config.dwa, config.dwa_t, config.beam).shaped(config.shaping))
         },
     },
     ControllerRow {

@@ -3,14 +3,14 @@
 mod support;
 
 use support::{Loop, block, disc, jackal, path};
-use zeronav_local_planner::beam::Beam;
+use zeronav_local_planner::beam;
 use zeronav_local_planner::beam::options::BeamConfig;
 use zeronav_local_planner::controller::Controller;
-use zeronav_local_planner::dwa::Dwa;
 use zeronav_local_planner::dwa::options::DwaConfig;
 use zeronav_local_planner::dwa_t::options::DwaTConfig;
-use zeronav_local_planner::mppi::Mppi;
+use zeronav_local_planner::mppi;
 use zeronav_local_planner::mppi::options::MppiConfig;
+use zeronav_local_planner::{dwa, dwa_t};
 use zeronav_msgs::Pose;
 use zeronav_msgs::obstacles::Obstacle;
 
@@ -22,14 +22,14 @@ fn a_cycle_allocates_nothing() {
     let timed = DwaTConfig::default;
     let controllers = || -> [(Box<dyn Controller>, u32); 4] {
         [
-            (Box::new(Dwa::new(dwa())), 800),
-            (Box::new(Dwa::timed(dwa(), timed())), 800),
+            (Box::new(dwa::dwa(dwa())), 800),
+            (Box::new(dwa_t::dwa_t(dwa(), timed())), 800),
             (
-                Box::new(Mppi::new(dwa(), timed(), MppiConfig::default())),
+                Box::new(mppi::mppi(dwa(), timed(), MppiConfig::default())),
                 2000,
             ),
             (
-                Box::new(Beam::new(dwa(), timed(), BeamConfig::default())),
+                Box::new(beam::beam(dwa(), timed(), BeamConfig::default())),
                 2000,
             ),
         ]

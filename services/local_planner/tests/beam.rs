@@ -9,17 +9,17 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
 use support::cart::{Cart, cross};
 use support::{Loop, block, jackal, path};
-use zeronav_local_planner::beam::Beam;
 use zeronav_local_planner::beam::options::BeamConfig;
 use zeronav_local_planner::dwa::options::DwaConfig;
 use zeronav_local_planner::dwa_t::options::DwaTConfig;
+use zeronav_local_planner::{beam, pilot::Pilot};
 use zeronav_motion::Twist;
 use zeronav_msgs::Pose;
 use zeronav_msgs::map::{COST_LETHAL, FLAG_MOVING, FLAG_SENSED};
 use zeronav_msgs::obstacles::Obstacle;
 
-fn beam() -> Beam {
-    Beam::new(
+fn beam() -> Pilot {
+    beam::beam(
         DwaConfig::default(),
         DwaTConfig::default(),
         BeamConfig::default(),

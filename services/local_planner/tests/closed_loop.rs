@@ -7,8 +7,8 @@ mod support;
 mod dwa {
     use super::support::{Block, Loop, Robot, block, disc, goal_at, jackal, path};
     use core::f64::consts::{FRAC_PI_2, PI};
-    use zeronav_local_planner::dwa::Dwa;
     use zeronav_local_planner::dwa::options::DwaConfig;
+    use zeronav_local_planner::{dwa, pilot::Pilot};
     use zeronav_msgs::Pose;
     use zeronav_msgs::command::Validity;
     use zeronav_msgs::pose::wrap_angle;
@@ -20,8 +20,8 @@ mod dwa {
     /// To get around a box on the way. [s]
     const ROUND_THE_BOX_S: f64 = 25.0;
 
-    fn dwa() -> Dwa {
-        Dwa::new(DwaConfig::default())
+    fn dwa() -> Pilot {
+        dwa::dwa(DwaConfig::default())
     }
 
     include!("support/manoeuvres.rs");
@@ -30,9 +30,9 @@ mod dwa {
 mod dwa_t {
     use super::support::{Block, Loop, Robot, block, disc, goal_at, jackal, path};
     use core::f64::consts::{FRAC_PI_2, PI};
-    use zeronav_local_planner::dwa::Dwa;
     use zeronav_local_planner::dwa::options::DwaConfig;
     use zeronav_local_planner::dwa_t::options::DwaTConfig;
+    use zeronav_local_planner::{dwa_t, pilot::Pilot};
     use zeronav_msgs::Pose;
     use zeronav_msgs::command::Validity;
     use zeronav_msgs::pose::wrap_angle;
@@ -44,8 +44,8 @@ mod dwa_t {
     /// To get around a box on the way. [s]
     const ROUND_THE_BOX_S: f64 = 25.0;
 
-    fn dwa() -> Dwa {
-        Dwa::timed(DwaConfig::default(), DwaTConfig::default())
+    fn dwa() -> Pilot {
+        dwa_t::dwa_t(DwaConfig::default(), DwaTConfig::default())
     }
 
     include!("support/manoeuvres.rs");

@@ -6,14 +6,14 @@ mod support;
 
 use support::cart::{Cart, cross};
 use support::{Loop, PERIOD_S, block, jackal, path};
-use zeronav_local_planner::dwa::Dwa;
 use zeronav_local_planner::dwa::options::DwaConfig;
 use zeronav_local_planner::dwa_t::options::DwaTConfig;
+use zeronav_local_planner::{dwa_t, pilot::Pilot};
 use zeronav_msgs::Pose;
 use zeronav_msgs::obstacles::Obstacle;
 
-fn dwa_t() -> Dwa {
-    Dwa::timed(DwaConfig::default(), DwaTConfig::default())
+fn dwa_t() -> Pilot {
+    dwa_t::dwa_t(DwaConfig::default(), DwaTConfig::default())
 }
 
 #[test]

@@ -13,7 +13,7 @@ mod support;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
 use support::{Block, Loop, Robot, block, disc, jackal, path};
-use zeronav_local_planner::dwa::Dwa;
+use zeronav_local_planner::dwa;
 use zeronav_local_planner::dwa::options::DwaConfig;
 use zeronav_motion::Twist;
 use zeronav_msgs::Pose;
@@ -96,7 +96,7 @@ fn random_loop(seed: u64, unknown: usize) -> Loop {
 
 /// Runs for a while and checks every command; true when the robot arrived.
 fn check_laws(run: &mut Loop, periods: usize) -> bool {
-    let mut controller = Dwa::new(DwaConfig::default());
+    let mut controller = dwa::dwa(DwaConfig::default());
     let mut before = Twist::REST;
     for _ in 0..periods {
         let pose = run.pose;
@@ -155,7 +155,7 @@ fn the_same_situations_give_the_same_decisions() {
         println!("seed {seed}");
         let decisions = || {
             let mut run = random_loop(seed, 4);
-            let mut controller = Dwa::new(DwaConfig::default());
+            let mut controller = dwa::dwa(DwaConfig::default());
             for _ in 0..200 {
                 run.step(&mut controller);
             }

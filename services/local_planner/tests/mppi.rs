@@ -9,25 +9,25 @@ use support::cart::{Cart, cross};
 use support::{Loop, block, jackal, path};
 use zeronav_local_planner::dwa::options::DwaConfig;
 use zeronav_local_planner::dwa_t::options::DwaTConfig;
-use zeronav_local_planner::mppi::Mppi;
 use zeronav_local_planner::mppi::options::MppiConfig;
+use zeronav_local_planner::{mppi, pilot::Pilot};
 use zeronav_motion::Twist;
 use zeronav_msgs::Pose;
 
 /// With fewer samples than on the robot, so that minutes of driving take seconds.
-fn mppi(samples: u32) -> Mppi {
+fn mppi(samples: u32) -> Pilot {
     let config = MppiConfig {
         samples,
         ..MppiConfig::default()
     };
-    Mppi::new(DwaConfig::default(), DwaTConfig::default(), config)
+    mppi::mppi(DwaConfig::default(), DwaTConfig::default(), config)
 }
 
 mod manoeuvres {
     use super::mppi;
     use super::support::{Block, Loop, Robot, block, disc, goal_at, jackal, path};
     use core::f64::consts::{FRAC_PI_2, PI};
-    use zeronav_local_planner::mppi::Mppi as Dwa;
+    use zeronav_local_planner::pilot::Pilot;
     use zeronav_msgs::Pose;
     use zeronav_msgs::command::Validity;
     use zeronav_msgs::pose::wrap_angle;
@@ -39,7 +39,7 @@ mod manoeuvres {
     /// To get around a box on the way: it hesitates before it leaves the line. [s]
     const ROUND_THE_BOX_S: f64 = 60.0;
 
-    fn dwa() -> Dwa {
+    fn dwa() -> Pilot {
         mppi(200)
     }
 

@@ -45,10 +45,6 @@ parameters! {
         turn_above_standing_rad: f64 = 0.45, [0.05, PI] "rad";
         /// Heading error below which a turn on the spot ends.
         turn_until_rad: f64 = 0.15, [0.01, PI] "rad";
-        /// Time stopped and blocked after which a robot that can drives backwards.
-        back_up_after_s: f64 = 1.0, [0.0, 60.0] "s";
-        /// Longest distance driven backwards.
-        back_up_m: f64 = 0.3, [0.0, 5.0] "m";
         /// Weights of the evaluation.
         weights: DwaWeights;
     }

@@ -9,8 +9,9 @@ use super::bao_dwa::{self, BaoWeights};
 use super::scene::{Body, Extent, Law, Push, Scene};
 use crate::controller::{Controller, Decision, Situation};
 use crate::dwa::options::DwaConfig;
+use crate::dynamic_obstacles::{DynamicObstacles, Growth};
 use crate::local_path::LocalPath;
-use crate::moving::{Growth, Moving};
+use crate::pilot::verify::first_with_free_stop;
 use crate::progress::PathTracker;
 use crate::shaping::Shaper;
 use crate::shaping::ShapingConfig;
@@ -58,7 +59,7 @@ pub struct Driver {
     tracker: PathTracker,
     path: LocalPath,
     surroundings: Surroundings,
-    moving: Moving,
+    moving: DynamicObstacles,
     bodies: Vec<Body>,
     last: Twist,
     blocked_s: f64,
@@ -86,7 +87,7 @@ impl Driver {
             tracker: PathTracker::new(),
             path: LocalPath::default(),
             surroundings: Surroundings::default(),
-            moving: Moving::default(),
+            moving: DynamicObstacles::default(),
             bodies: Vec::new(),
             last: Twist::REST,
             blocked_s: 0.0,
@@ -297,18 +298,18 @@ impl Driver {
             Ok(wanted) => wanted,
             Err(validity) => return (rest, validity, stopped),
         };
-        [1.0, 0.5, 0.2, 0.0]
-            .into_iter()
-            .find_map(|share| {
-                let slower = Twist::new(wanted.v_mps * share, wanted.w_radps);
-                let next = self.shaper.next(robot, from, slower, period_s);
-                let reaction_s = self.config.reaction_s;
-                let arc_m = self
-                    .surroundings
-                    .stop_arc_m(robot, next, reaction_s, &self.moving)?;
-                Some((next, Validity::Drive, arc_m))
-            })
-            .unwrap_or((rest, Validity::Blocked, stopped))
+        let slower = [1.0, 0.5, 0.2, 0.0].into_iter().map(|share| {
+            let slower = Twist::new(wanted.v_mps * share, wanted.w_radps);
+            self.shaper.next(robot, from, slower, period_s)
+        });
+        let reaction_s = self.config.reaction_s;
+        first_with_free_stop(slower, |twist| {
+            self.surroundings
+                .stop_arc_m(robot, twist, reaction_s, &self.moving)
+        })
+        .map_or((rest, Validity::Blocked, stopped), |(twist, arc_m)| {
+            (twist, Validity::Drive, arc_m)
+        })
     }
 }
 

@@ -6,7 +6,7 @@
 use super::trail::Trail;
 use crate::controller::{Decision, Situation};
 use crate::dwa::options::DwaConfig;
-use crate::moving::{Growth, Moving};
+use crate::dynamic_obstacles::{DynamicObstacles, Growth};
 use crate::recovery::RecoveryConfig;
 use crate::shaping::Shaper;
 use crate::surroundings::{Reach, Surroundings};
@@ -30,7 +30,7 @@ pub(crate) struct Escape {
     config: RecoveryConfig,
     dwa: DwaConfig,
     surroundings: Surroundings,
-    moving: Moving,
+    moving: DynamicObstacles,
     shaper: Shaper,
     /// Where it began, `odom_from_base`.
     begun: Pose,
@@ -46,7 +46,7 @@ impl Escape {
             config,
             dwa,
             surroundings: Surroundings::default(),
-            moving: Moving::default(),
+            moving: DynamicObstacles::default(),
             shaper,
             begun: Pose::default(),
             direction: 1.0,

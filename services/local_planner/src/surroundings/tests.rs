@@ -1,7 +1,7 @@
 //! What a stop is checked against, each source on its own.
 
 use super::*;
-use crate::moving::Growth;
+use crate::dynamic_obstacles::Growth;
 use zeronav_msgs::obstacles::Obstacle;
 
 const REACTION_S: f64 = 0.1;
@@ -55,7 +55,7 @@ fn looked(
 fn arc_m(
     (robot, surroundings): &(Description, Surroundings),
     v_mps: f64,
-    moving: &Moving,
+    moving: &DynamicObstacles,
 ) -> Option<f64> {
     surroundings.stop_arc_m(robot, Twist::new(v_mps, 0.0), REACTION_S, moving)
 }
@@ -64,7 +64,7 @@ fn arc_m(
 #[test]
 fn points_of_the_scan_alone_stop_the_robot() {
     for corners in [Vec::new(), rectangle()] {
-        let none = Moving::default();
+        let none = DynamicObstacles::default();
         // Known to the scan, not to the field: as what moves is kept out of it.
         let ahead = |x_m: f64| looked(&corners, &[Point2::new(x_m, 0.05)], &[]);
         assert!(arc_m(&ahead(0.95), 1.0, &none).is_some());
@@ -78,15 +78,15 @@ fn points_of_the_scan_alone_stop_the_robot() {
 
 #[test]
 fn points_in_the_clearance_field_alone_stop_the_robot() {
-    let none = Moving::default();
+    let none = DynamicObstacles::default();
     let ahead = |x_m: f64| looked(&[], &[], &[Point2::new(x_m, 0.0)]);
     assert_eq!(arc_m(&ahead(0.8), 1.0, &none), None);
     assert!(arc_m(&ahead(1.1), 1.0, &none).is_some());
 }
 
 /// An obstacle of 0.3 m with this place and velocity in `base`.
-fn tracked(x_m: f64, y_m: f64, vx_mps: f64, vy_mps: f64) -> Moving {
-    let mut moving = Moving::default();
+fn tracked(x_m: f64, y_m: f64, vx_mps: f64, vy_mps: f64) -> DynamicObstacles {
+    let mut moving = DynamicObstacles::default();
     let map_from_base = Pose::new(3.0, -2.0, 0.7);
     let (sin, cos) = map_from_base.yaw_rad.sin_cos();
     let at = map_from_base.transform(Point2::new(x_m, y_m));
@@ -111,11 +111,11 @@ fn tracked(x_m: f64, y_m: f64, vx_mps: f64, vy_mps: f64) -> Moving {
 fn a_stop_must_be_free_of_where_what_moves_will_be() {
     for corners in [Vec::new(), rectangle()] {
         let open = looked(&corners, &[], &[]);
-        let check = |moving: Moving, expected: bool, what: &str| {
+        let check = |moving: DynamicObstacles, expected: bool, what: &str| {
             let found = arc_m(&open, 1.0, &moving).is_some();
             assert_eq!(found, expected, "{what}, {} corners", corners.len());
         };
-        check(Moving::default(), true, "nobody");
+        check(DynamicObstacles::default(), true, "nobody");
         check(tracked(2.0, 0.0, -1.0, 0.0), false, "who comes");
         check(tracked(2.0, 0.0, 1.0, 0.0), true, "who leaves");
         // After half a second in the middle of the way.

@@ -1,17 +1,17 @@
 //! Metres driven backwards.
 
-use super::Scene;
+use super::Cycle;
 use crate::mppi::batch::{Batch, LANES, Lanes, most};
 use crate::surroundings::narrow;
 
-pub(super) fn score(scene: &Scene<'_>, batch: &Batch, weight: f32, costs: &mut Lanes) {
+pub(super) fn score(cycle: &Cycle<'_>, batch: &Batch, weight: f32, costs: &mut Lanes) {
     let mut backwards = [0.0; LANES];
     for v in &batch.v[..batch.steps] {
         for (sum, v) in backwards.iter_mut().zip(v) {
             *sum += most(-v, 0.0);
         }
     }
-    let weight = weight * narrow(scene.config.step_s);
+    let weight = weight * narrow(cycle.config.step_s);
     for (cost, sum) in costs.iter_mut().zip(&backwards) {
         *cost += weight * sum;
     }

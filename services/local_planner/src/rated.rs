@@ -6,10 +6,10 @@
 )]
 
 use crate::dwa::options::DwaWeights;
+use crate::dwa::rollouts::{Outcome, cost_beside};
 use crate::dwa_t::options::DwaTConfig;
 use crate::lanes::{LANES_MAX, Lanes};
 use crate::local_path::Projections;
-use crate::rollout::{Outcome, cost_beside};
 
 /// What decides, besides where they lead, how much the rollouts of a speed are worth.
 #[derive(Debug, Clone, Copy)]

@@ -19,15 +19,15 @@
     reason = "several arrays step by step and lane by lane"
 )]
 
+use crate::dwa::window::{Window, ramp_mean, snap, spread};
+use crate::dynamic_obstacles::DynamicObstacles;
 use crate::field::Sheet;
 use crate::footprint::DISCS_MAX;
 use crate::lanes::{
     LANES_MAX, Lanes, WIDTH, advance, least_nearest_m, lower_space, lower_space_around, note_space,
     strike, turn,
 };
-use crate::moving::Moving;
 use crate::surroundings::{Surroundings, narrow};
-use crate::window::{Window, ramp_mean, snap, spread};
 use zeronav_motion::{Twist, reachable, sinc};
 use zeronav_msgs::obstacles::OBSTACLES_MAX;
 
@@ -50,7 +50,7 @@ pub(crate) struct Turns {
 
 /// The sampled window; buffers are reused.
 #[derive(Debug, Clone)]
-pub(crate) struct Fan {
+pub(crate) struct RolloutGrid {
     /// Steps of a rollout.
     pub(crate) steps: usize,
     /// Target speeds. [m/s]
@@ -93,7 +93,7 @@ pub(crate) struct Row {
     pub(crate) struck: Lanes,
 }
 
-impl Default for Fan {
+impl Default for RolloutGrid {
     fn default() -> Self {
         let lanes = || vec![[0.0; LANES_MAX]; STEPS_MAX];
         Self {
@@ -130,7 +130,7 @@ impl Default for Fan {
     }
 }
 
-impl Fan {
+impl RolloutGrid {
     /// Samples `n_speeds x n_yaw_rates` targets evenly; the yaw rates nearest to zero and to the
     /// preferred one are moved onto them.
     pub(crate) fn prepare(&mut self, window: &Window<'_>, n_speeds: usize, n_yaw_rates: usize) {
@@ -309,8 +309,8 @@ impl Fan {
         }
     }
 
-    /// Takes in the predictions of [`Moving::tabulate`] for a robot of `radius_m`.
-    pub(crate) fn foresee(&mut self, moving: &Moving, radius_m: f64) {
+    /// Takes in the predictions of [`DynamicObstacles::tabulate`] for a robot of `radius_m`.
+    pub(crate) fn foresee(&mut self, moving: &DynamicObstacles, radius_m: f64) {
         let robot_m = narrow(radius_m + MOVING_MARGIN_M);
         // Who overlaps the grown disc already must be able to leave it.
         self.overlaps.clear();

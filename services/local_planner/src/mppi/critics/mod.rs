@@ -15,9 +15,9 @@ mod path_follow;
 mod prefer_forward;
 mod smooth;
 
-use crate::funnel::Funnel;
+use crate::cost_to_go::CostToGo;
+use crate::dynamic_obstacles::DynamicObstacles;
 use crate::local_path::LocalPath;
-use crate::moving::Moving;
 use crate::mppi::batch::{Batch, Lanes};
 use crate::mppi::options::{CriticWeights, MppiConfig};
 use nalgebra::Point2;
@@ -25,7 +25,7 @@ use zeronav_msgs::description::Description;
 
 /// What the samples of a cycle are judged by.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Scene<'a> {
+pub(crate) struct Cycle<'a> {
     pub(crate) robot: &'a Description,
     pub(crate) config: &'a MppiConfig,
     /// [m] disc around the origin that holds the outline.
@@ -35,11 +35,11 @@ pub(crate) struct Scene<'a> {
     pub(crate) need_m: f32,
     pub(crate) path: &'a LocalPath,
     /// Cost-to-go and what is to go from here. [m]
-    pub(crate) funnel: Option<(&'a Funnel, Option<f32>)>,
+    pub(crate) cost_to_go: Option<(&'a CostToGo, Option<f32>)>,
     /// Where the robot is in the map.
     pub(crate) here: Point2<f64>,
     /// Predictions at the ends of the steps.
-    pub(crate) moving: &'a Moving,
+    pub(crate) dynamic: &'a DynamicObstacles,
     /// The goal relative to the robot, along the axes of the map. [m]
     pub(crate) goal: (f32, f32),
     /// Cosine and sine of the goal's yaw, where one is asked for.
@@ -49,7 +49,7 @@ pub(crate) struct Scene<'a> {
 }
 
 /// Adds `weight` times the cost of every sample.
-type Critic = fn(scene: &Scene<'_>, batch: &Batch, weight: f32, costs: &mut Lanes);
+type Critic = fn(cycle: &Cycle<'_>, batch: &Batch, weight: f32, costs: &mut Lanes);
 
 /// A cost term.
 pub(crate) struct CriticRow {

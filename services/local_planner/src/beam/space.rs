@@ -2,8 +2,8 @@
 
 use super::Node;
 use crate::beam::options::BeamConfig;
-use crate::funnel::Funnel;
-use crate::moving::Moving;
+use crate::cost_to_go::CostToGo;
+use crate::dynamic_obstacles::DynamicObstacles;
 use crate::surroundings::{LocalPose, Surroundings, narrow};
 use nalgebra::Point2;
 use zeronav_msgs::Pose;
@@ -67,14 +67,14 @@ pub(super) struct State {
 
 /// What does not change during a search.
 #[derive(Debug)]
-pub(super) struct Scene<'a> {
+pub(super) struct Space<'a> {
     pub(super) config: BeamConfig,
     pub(super) robot: &'a Description,
     pub(super) surroundings: &'a Surroundings,
     /// Tabulated at the looks of all manoeuvres.
-    pub(super) moving: &'a Moving,
+    pub(super) dynamic: &'a DynamicObstacles,
     /// Without one the way to go is the straight line.
-    pub(super) funnel: Option<&'a Funnel>,
+    pub(super) cost_to_go: Option<&'a CostToGo>,
     /// `map_from_base` now.
     pub(super) here: Pose,
     /// Goal relative to the robot along the axes of the map. [m]
@@ -85,7 +85,7 @@ pub(super) struct Scene<'a> {
     pub(super) soft: f32,
 }
 
-impl Scene<'_> {
+impl Space<'_> {
     /// [s] from look to look.
     fn look_s(&self) -> f32 {
         narrow(self.config.look_s())
@@ -104,7 +104,7 @@ impl Scene<'_> {
             w: narrow(w_radps),
         };
         let margin = narrow(self.config.margin_m);
-        let discs = self.moving.now().iter().take(INSIDE_MAX).enumerate();
+        let discs = self.dynamic.now().iter().take(INSIDE_MAX).enumerate();
         let inside = discs
             .filter(|(_, disc)| self.apart(&state, disc) < margin)
             .fold(0, |inside, (i, _)| inside | 1 << i);
@@ -133,11 +133,11 @@ impl Scene<'_> {
 
     /// [m] of the way to go from a position.
     fn to_go(&self, x: f32, y: f32) -> Option<f32> {
-        let Some(funnel) = self.funnel else {
+        let Some(cost_to_go) = self.cost_to_go else {
             return Some((self.goal.0 - x).hypot(self.goal.1 - y));
         };
         let here = self.here.point();
-        funnel.at(Point2::new(here.x + f64::from(x), here.y + f64::from(y)))
+        cost_to_go.at(Point2::new(here.x + f64::from(x), here.y + f64::from(y)))
     }
 
     /// Adds what is still to come to a node that knows its parent's way to go, in seconds.
@@ -178,8 +178,8 @@ impl Scene<'_> {
     /// The discs that a manoeuvre of this layer can meet when it begins at `node`.
     pub(super) fn gather(&self, node: &Node, layer: usize, near: &mut Vec<usize>) {
         near.clear();
-        let first = self.moving.at_step(layer * LOOKS);
-        let last = self.moving.at_step((layer + 1) * LOOKS - 1);
+        let first = self.dynamic.at_step(layer * LOOKS);
+        let last = self.dynamic.at_step((layer + 1) * LOOKS - 1);
         let outer_m = self.surroundings.footprint.circumscribed_m;
         let driven = self.fastest * narrow(self.config.manoeuvre_s);
         let reach = driven + narrow(outer_m + self.config.margin_m + self.config.near_m);
@@ -227,7 +227,7 @@ impl Scene<'_> {
                 self.surroundings.space(at, self.soft)?
             };
             let elapsed_s = (look + 1) as f32 * step_s;
-            let discs = self.moving.at_step(look);
+            let discs = self.dynamic.at_step(look);
             let mut least = near_m;
             for &i in near {
                 let disc = &discs[i];

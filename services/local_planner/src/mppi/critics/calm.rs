@@ -1,12 +1,12 @@
 //! Speed by clearance: a metre per second beyond what the space allows costs the weight.
 
-use super::Scene;
+use super::Cycle;
 use crate::mppi::batch::{Batch, LANES, Lanes, most};
 use crate::surroundings::narrow;
 
-pub(super) fn score(scene: &Scene<'_>, batch: &Batch, weight: f32, costs: &mut Lanes) {
-    let base = narrow(scene.config.speed_base_mps);
-    let gain = narrow(scene.config.speed_gain_hz);
+pub(super) fn score(cycle: &Cycle<'_>, batch: &Batch, weight: f32, costs: &mut Lanes) {
+    let base = narrow(cycle.config.speed_base_mps);
+    let gain = narrow(cycle.config.speed_gain_hz);
     let mut worst = [0.0; LANES];
     for &step in &batch.looks {
         let (space, v) = (&batch.space[step], &batch.v[step]);

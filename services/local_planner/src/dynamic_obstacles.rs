@@ -65,7 +65,7 @@ impl Track {
 
 /// The tracked obstacles that move, as of one period.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Moving {
+pub(crate) struct DynamicObstacles {
     tracks: Vec<Track>,
     growth: Option<Growth>,
     yaw_rad: f64,
@@ -75,7 +75,7 @@ pub(crate) struct Moving {
     current: Vec<[f32; 3]>,
 }
 
-impl Moving {
+impl DynamicObstacles {
     /// Takes in obstacles in the map frame, `age_s` after they were so.
     pub(crate) fn take(
         &mut self,
@@ -272,7 +272,7 @@ mod tests {
 
     #[test]
     fn discs_drive_on_and_grow() {
-        let mut moving = Moving::default();
+        let mut moving = DynamicObstacles::default();
         moving.take(&[cart()], 0.5, &Pose::new(10.0, 1.0, 0.3), GROWTH);
         moving.tabulate(10, 0.1);
         // After 1 s: 2 m ahead, 0.5 m aside; sigma^2 = 0.01 + 0.04 * 1.5^2.
@@ -292,7 +292,7 @@ mod tests {
     fn what_stands_is_not_moving_and_points_have_owners() {
         let mut standing = cart();
         standing.vy_mps = 0.0;
-        let mut moving = Moving::default();
+        let mut moving = DynamicObstacles::default();
         moving.take(&[standing], 0.0, &Pose::new(10.0, 1.0, 0.0), GROWTH);
         assert!(moving.tracks.is_empty());
         moving.take(
@@ -308,7 +308,7 @@ mod tests {
 
     #[test]
     fn contacts_come_when_discs_meet() {
-        let mut moving = Moving::default();
+        let mut moving = DynamicObstacles::default();
         moving.take(&[cart()], 0.0, &Pose::new(12.0, 0.0, 0.0), GROWTH);
         assert!((moving.contact_s((0.0, 0.0), 0.3) - 2.3).abs() < 1e-9);
         assert!((moving.contact_s((0.0, 1.0), 0.3) - 1.15).abs() < 1e-9);

@@ -10,9 +10,9 @@
     reason = "at most 64 speeds, 256 yaw rates and 100 steps"
 )]
 
+use crate::dwa::window::{Window, ramp_mean, snap, spread};
 use crate::local_path::LocalPath;
 use crate::surroundings::{LocalPose, Surroundings, narrow};
-use crate::window::{Window, ramp_mean, snap, spread};
 use zeronav_motion::{Twist, reachable, sinc, stop_angle_rad, stop_distance_m};
 
 /// [m/s] below which a motion is a turn on the spot.
@@ -264,7 +264,7 @@ pub(crate) fn cost_beside(beside: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::window::Range;
+    use crate::dwa::window::Range;
     use zeronav_msgs::description::Description;
 
     #[test]

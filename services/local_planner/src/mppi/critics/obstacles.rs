@@ -1,11 +1,11 @@
 //! Contact with the map or the scan: the sooner, the worse. What comes after the robot could have
 //! stopped is a bad plan, not a danger, and still costs a quarter.
 
-use super::Scene;
+use super::Cycle;
 use crate::mppi::batch::{Batch, Lanes};
 
 #[allow(clippy::cast_precision_loss, reason = "at most 64 steps")]
-pub(super) fn score(_: &Scene<'_>, batch: &Batch, weight: f32, costs: &mut Lanes) {
+pub(super) fn score(_: &Cycle<'_>, batch: &Batch, weight: f32, costs: &mut Lanes) {
     let steps = batch.steps as f32;
     for (cost, hit) in costs.iter_mut().zip(&batch.hit) {
         if hit.is_finite() {

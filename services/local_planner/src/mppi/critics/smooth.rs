@@ -1,15 +1,15 @@
 //! Changes of the yaw rate and of the speed, as shares of their largest values, summed up.
 
-use super::Scene;
+use super::Cycle;
 use crate::mppi::batch::{Batch, LANES, Lanes};
 use crate::surroundings::narrow;
 
 /// What a change of speed counts beside one of the yaw rate.
 const SPEED_SHARE: f32 = 0.5;
 
-pub(super) fn score(scene: &Scene<'_>, batch: &Batch, weight: f32, costs: &mut Lanes) {
-    let per_w = 1.0 / narrow(scene.robot.w_radps_max);
-    let per_v = SPEED_SHARE / narrow(scene.robot.v_mps_max);
+pub(super) fn score(cycle: &Cycle<'_>, batch: &Batch, weight: f32, costs: &mut Lanes) {
+    let per_w = 1.0 / narrow(cycle.robot.w_radps_max);
+    let per_v = SPEED_SHARE / narrow(cycle.robot.v_mps_max);
     let mut changes = [0.0; LANES];
     for step in 1..batch.steps {
         let (v0, v1) = (&batch.v[step - 1], &batch.v[step]);

@@ -1,7 +1,7 @@
 //! Contact with a tracked obstacle where it will be by then, with the radius that its uncertainty has
 //! grown to. Never less than a third, so that the robot gives way as soon as it sees it coming.
 
-use super::Scene;
+use super::Cycle;
 use crate::lanes::strike;
 use crate::mppi::batch::{Batch, LANES, Lanes};
 use crate::surroundings::narrow;
@@ -13,16 +13,16 @@ const MARGIN_M: f32 = 0.15;
 const OVERLAP_M: f32 = 0.01;
 
 #[allow(clippy::cast_precision_loss, reason = "at most 64 steps")]
-pub(super) fn score(scene: &Scene<'_>, batch: &Batch, weight: f32, costs: &mut Lanes) {
-    if scene.moving.now().is_empty() {
+pub(super) fn score(cycle: &Cycle<'_>, batch: &Batch, weight: f32, costs: &mut Lanes) {
+    if cycle.dynamic.now().is_empty() {
         return;
     }
-    let robot_m = scene.radius_m + MARGIN_M;
-    let step_s = narrow(scene.config.step_s);
-    let fastest_mps = narrow(scene.robot.v_mps_max.max(-scene.robot.v_mps_min));
+    let robot_m = cycle.radius_m + MARGIN_M;
+    let step_s = narrow(cycle.config.step_s);
+    let fastest_mps = narrow(cycle.robot.v_mps_max.max(-cycle.robot.v_mps_min));
     let mut struck = [f32::INFINITY; LANES];
     for &step in &batch.looks {
-        let discs = scene.moving.at_step(step).iter().zip(scene.moving.now());
+        let discs = cycle.dynamic.at_step(step).iter().zip(cycle.dynamic.now());
         let reach_m = fastest_mps * step_s * (step as f32 + 1.0);
         for (disc, now) in discs {
             // Who overlaps the grown disc already must be able to leave it.

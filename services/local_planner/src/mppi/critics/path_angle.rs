@@ -1,10 +1,10 @@
 //! Heading against the path: one less the cosine of the angle, on average.
 
-use super::Scene;
+use super::Cycle;
 use crate::mppi::batch::{Batch, Lanes};
 
 #[allow(clippy::cast_precision_loss, reason = "a handful of stations")]
-pub(super) fn score(_: &Scene<'_>, batch: &Batch, weight: f32, costs: &mut Lanes) {
+pub(super) fn score(_: &Cycle<'_>, batch: &Batch, weight: f32, costs: &mut Lanes) {
     for (lane, cost) in costs.iter_mut().enumerate() {
         let free = batch.free[lane];
         let mut sum = 0.0;

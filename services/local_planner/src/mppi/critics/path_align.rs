@@ -1,11 +1,11 @@
 //! Distance from the path, quadratic up to 30 cm and linear beyond, on average.
 
-use super::Scene;
+use super::Cycle;
+use crate::dwa::rollouts::cost_beside;
 use crate::mppi::batch::{Batch, Lanes};
-use crate::rollout::cost_beside;
 
 #[allow(clippy::cast_precision_loss, reason = "a handful of stations")]
-pub(super) fn score(_: &Scene<'_>, batch: &Batch, weight: f32, costs: &mut Lanes) {
+pub(super) fn score(_: &Cycle<'_>, batch: &Batch, weight: f32, costs: &mut Lanes) {
     for (lane, cost) in costs.iter_mut().enumerate() {
         let free = batch.free[lane];
         let stations = &batch.projections[..free];

@@ -67,7 +67,7 @@ struct Key {
 
 /// The window.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Funnel {
+pub(crate) struct CostToGo {
     key: Option<Key>,
     cell_m: f64,
     /// Map frame, centre of cell (0, 0). [m]
@@ -90,7 +90,7 @@ pub(crate) struct Funnel {
 
 /// What the window is made from.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct FunnelInputs<'a> {
+pub(crate) struct CostToGoInputs<'a> {
     pub(crate) map: MapView<'a>,
     /// Grows when cells of the map change.
     pub(crate) map_cells: u64,
@@ -106,14 +106,14 @@ pub(crate) struct FunnelInputs<'a> {
     pub(crate) soft_m: f64,
 }
 
-impl Funnel {
+impl CostToGo {
     /// [m] around the robot that a window which knows `reach_m` looks at, at most.
     pub(crate) const fn half_m(reach_m: f64) -> f64 {
         REACH_SHARE * reach_m + 1.0
     }
 
     /// Makes the window anew when it has to be; true when it was.
-    pub(crate) fn update(&mut self, tracker: &PathTracker, inputs: &FunnelInputs<'_>) -> bool {
+    pub(crate) fn update(&mut self, tracker: &PathTracker, inputs: &CostToGoInputs<'_>) -> bool {
         let geometry = inputs.map.geometry;
         let stride = (CELL_M / geometry.resolution_m).ceil().max(1.0);
         let cell_m = stride * geometry.resolution_m;
@@ -163,7 +163,7 @@ impl Funnel {
     }
 
     /// Cost factors of all cells: a block is as free as its freest cell.
-    fn weigh(&mut self, inputs: &FunnelInputs<'_>, first: (i32, i32), stride: i32) {
+    fn weigh(&mut self, inputs: &CostToGoInputs<'_>, first: (i32, i32), stride: i32) {
         let side = self.side as usize;
         let soft_m = inputs.inscribed_m + inputs.soft_m;
         let (width, height) = inputs.map.geometry.size();
@@ -215,7 +215,7 @@ impl Funnel {
     }
 
     /// Gathers the path's points in the window.
-    fn seed(&mut self, tracker: &PathTracker, inputs: &FunnelInputs<'_>) {
+    fn seed(&mut self, tracker: &PathTracker, inputs: &CostToGoInputs<'_>) {
         let n = self.factors.len();
         self.costs.clear();
         self.costs.resize(n, UNREACHED);
@@ -358,7 +358,7 @@ mod tests {
         cells
     }
 
-    fn funnel(cells: &[MapCell]) -> Funnel {
+    fn cost_to_go(cells: &[MapCell]) -> CostToGo {
         let corners = [(1.0, 1.0), (1.0, 5.5), (7.0, 5.5), (7.0, 1.0)];
         let path = corners.map(|(x_m, y_m)| Waypoint {
             x_m,
@@ -368,8 +368,8 @@ mod tests {
         let mut tracker = PathTracker::new();
         let position = Point2::new(1.0, 1.0);
         let place = tracker.advance(1, &path, position).expect("a path");
-        let mut funnel = Funnel::default();
-        let inputs = FunnelInputs {
+        let mut cost_to_go = CostToGo::default();
+        let inputs = CostToGoInputs {
             map: MapView {
                 geometry: &GEOMETRY,
                 cells,
@@ -383,13 +383,16 @@ mod tests {
             inscribed_m: 0.25,
             soft_m: 0.2,
         };
-        assert!(funnel.update(&tracker, &inputs));
-        assert!(!funnel.update(&tracker, &inputs), "nothing changed");
-        let elsewhere = FunnelInputs {
+        assert!(cost_to_go.update(&tracker, &inputs));
+        assert!(!cost_to_go.update(&tracker, &inputs), "nothing changed");
+        let elsewhere = CostToGoInputs {
             map_cells: 2,
             ..inputs
         };
-        assert!(!funnel.update(&tracker, &elsewhere), "nothing that matters");
+        assert!(
+            !cost_to_go.update(&tracker, &elsewhere),
+            "nothing that matters"
+        );
         let mut other = cells.to_vec();
         // Half a metre before the wall, on its soft side.
         other[35].clearance_mm -= 100;
@@ -397,24 +400,24 @@ mod tests {
             geometry: &GEOMETRY,
             cells,
         };
-        let moved = FunnelInputs {
+        let moved = CostToGoInputs {
             map: view(&other),
             map_cells: 3,
             ..inputs
         };
-        assert!(funnel.update(&tracker, &moved), "the map changed");
-        let back = FunnelInputs {
+        assert!(cost_to_go.update(&tracker, &moved), "the map changed");
+        let back = CostToGoInputs {
             map_cells: 4,
             ..inputs
         };
-        assert!(funnel.update(&tracker, &back), "and changed back");
-        funnel
+        assert!(cost_to_go.update(&tracker, &back), "and changed back");
+        cost_to_go
     }
 
     /// Relaxes every edge until nothing changes.
-    fn oracle(funnel: &Funnel, seeds: &[(u32, u32)]) -> Vec<u32> {
-        let side = funnel.side;
-        let mut costs = vec![UNREACHED; funnel.factors.len()];
+    fn oracle(cost_to_go: &CostToGo, seeds: &[(u32, u32)]) -> Vec<u32> {
+        let side = cost_to_go.side;
+        let mut costs = vec![UNREACHED; cost_to_go.factors.len()];
         for (cost, index) in seeds {
             let known = &mut costs[*index as usize];
             *known = (*known).min(*cost);
@@ -432,7 +435,7 @@ mod tests {
                         continue;
                     }
                     let next = (y * side + x) as usize;
-                    let factor = u32::from(funnel.factors[next]);
+                    let factor = u32::from(cost_to_go.factors[next]);
                     if factor > 0 {
                         costs[next] = costs[next].min(cost + length * factor / 256);
                     }
@@ -460,34 +463,34 @@ mod tests {
                 .map(|_| (random.random_range(0..40_000), random.random_range(0..576)))
                 .collect();
             seeds.sort_unstable_by_key(|seed| core::cmp::Reverse(seed.0));
-            let mut funnel = Funnel {
+            let mut cost_to_go = CostToGo {
                 side,
                 cell_m: 1.0,
                 costs: vec![UNREACHED; factors.len()],
                 factors,
                 seeds: seeds.clone(),
-                ..Funnel::default()
+                ..CostToGo::default()
             };
             for (cost, index) in &seeds {
-                let known = &mut funnel.costs[*index as usize];
+                let known = &mut cost_to_go.costs[*index as usize];
                 *known = (*known).min(*cost);
             }
-            let expected = oracle(&funnel, &seeds);
-            funnel.spread();
-            assert_eq!(funnel.costs, expected);
+            let expected = oracle(&cost_to_go, &seeds);
+            cost_to_go.spread();
+            assert_eq!(cost_to_go.costs, expected);
         }
     }
 
     #[test]
     fn on_the_path_the_way_is_what_is_left_of_it() {
-        let funnel = funnel(&world(4.0));
+        let cost_to_go = cost_to_go(&world(4.0));
         for (x, y, left_m) in [(7.0, 3.0, 2.0), (7.0, 4.5, 3.5)] {
-            let to_go_m = f64::from(funnel.at(Point2::new(x, y)).expect("on the path"));
+            let to_go_m = f64::from(cost_to_go.at(Point2::new(x, y)).expect("on the path"));
             assert!((to_go_m - left_m).abs() < 0.1, "{to_go_m}");
         }
         // Corners may be cut, but never is the way longer than along the path.
         for (x, y, left_m) in [(1.0, 1.0, 15.0), (1.0, 3.0, 13.0), (2.5, 5.5, 9.0)] {
-            let to_go_m = f64::from(funnel.at(Point2::new(x, y)).expect("on the path"));
+            let to_go_m = f64::from(cost_to_go.at(Point2::new(x, y)).expect("on the path"));
             assert!(
                 to_go_m < left_m + 0.1 && to_go_m > 0.6 * left_m,
                 "{to_go_m}"
@@ -497,12 +500,12 @@ mod tests {
 
     #[test]
     fn before_a_wall_the_way_leads_back_round_it() {
-        let funnel = funnel(&world(4.0));
+        let cost_to_go = cost_to_go(&world(4.0));
         // 1 m before the wall, 2 m from the path's last leg behind it.
-        let far = funnel.at(Point2::new(3.0, 1.5)).expect("free");
-        let near = funnel.at(Point2::new(3.5, 1.5)).expect("free");
+        let far = cost_to_go.at(Point2::new(3.0, 1.5)).expect("free");
+        let near = cost_to_go.at(Point2::new(3.5, 1.5)).expect("free");
         assert!(far > 6.0, "{far}");
         assert!(near > far - 0.3, "{near} {far}");
-        assert_eq!(funnel.at(Point2::new(4.0, 1.5)), None);
+        assert_eq!(cost_to_go.at(Point2::new(4.0, 1.5)), None);
     }
 }

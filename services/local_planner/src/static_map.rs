@@ -31,7 +31,7 @@ struct Source {
 
 /// The window.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct StandingMap {
+pub(crate) struct StaticMap {
     source: Option<Source>,
     /// Column and row of the map that are the window's first, if the map reaches that far.
     min: (i32, i32),
@@ -53,7 +53,7 @@ const fn square(cells: i16) -> i16 {
     half_cells * half_cells
 }
 
-impl StandingMap {
+impl StaticMap {
     /// The window around `position` that reaches at least `half_m` to every side, where the map
     /// does, and the number of its state. `map_cells` grows when cells of the map change.
     pub(crate) fn view(
@@ -223,7 +223,7 @@ mod tests {
                 geometry: &GEOMETRY,
                 cells: &cells,
             };
-            let mut standing = StandingMap::default();
+            let mut standing = StaticMap::default();
             let (view, _) = standing.view(map, seed, Point2::new(1.0, 3.5), 6.0);
             assert_eq!(view.geometry, &GEOMETRY);
             for (index, cell) in view.cells.iter().enumerate() {
@@ -250,7 +250,7 @@ mod tests {
             geometry: &big,
             cells: &cells,
         };
-        let mut standing = StandingMap::default();
+        let mut standing = StaticMap::default();
         let mut at = |map_cells, x| {
             let (view, revision) = standing.view(map, map_cells, Point2::new(x, 15.0), 4.0);
             let left_m = x - view.geometry.origin_x_m;

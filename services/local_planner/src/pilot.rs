@@ -1,0 +1,179 @@
+//! What every controller of the dynamic-window family has in common: arriving, turning on the spot,
+//! verifying the stop, and the command.
+//!
+//! A [`Pilot`] asks its chooser for a [`Wish`] ([`scene::Choose`], one method) and publishes the
+//! part of the way towards it that one control period allows:
+//!
+//! - **What is published is checked itself**: hold the twist for the reaction time, then ramp to
+//!   rest, on poses 3 cm apart, against the map and every point of the scan with the true outline.
+//!   If that is not free, the chooser's next best wishes follow, then slowing down, then the stop
+//!   that was checked the period before. So a verified stop exists at every moment, and choosers
+//!   only decide what is wise.
+//! - A robot inside the safety margin (noise, a new obstacle) may move as long as it does not come
+//!   nearer.
+
+mod arrive_and_turn;
+pub(crate) mod perception;
+pub(crate) mod scene;
+pub(crate) mod verify;
+
+use crate::controller::{Controller, Decision, Situation};
+use crate::dwa::options::DwaConfig;
+use crate::shaping::{Shaper, ShapingConfig};
+use perception::{Perception, Prediction};
+use scene::{Choose, Memory, Mode, Scene, Wish};
+use verify::first_with_free_stop;
+use zeronav_motion::{Twist, stop_distance_m, towards_rest};
+use zeronav_msgs::command::Validity;
+
+/// [s] stopped with somewhere to go after which the robot counts as blocked.
+const BLOCKED_S: f64 = 0.1;
+
+/// Twists that are tried at most, best first, when the best one is not free.
+const RESERVE: usize = 6;
+
+/// A controller: a chooser and what all choosers have in common.
+#[derive(Debug)]
+pub struct Pilot {
+    config: DwaConfig,
+    perception: Perception,
+    memory: Memory,
+    shaper: Shaper,
+    chooser: Box<dyn Choose>,
+}
+
+impl Pilot {
+    /// A controller at rest. The numbers must be those that the range check of the configuration
+    /// accepts. With a prediction, dynamic obstacles are avoided where they will be.
+    pub(crate) fn new(
+        config: DwaConfig,
+        prediction: Option<Prediction>,
+        chooser: Box<dyn Choose>,
+    ) -> Self {
+        Self {
+            config,
+            perception: Perception::new(prediction),
+            memory: Memory::default(),
+            shaper: Shaper::new(ShapingConfig::OFF),
+            chooser,
+        }
+    }
+
+    /// The same with commands whose accelerations change no faster than this.
+    #[must_use]
+    pub fn shaped(self, config: ShapingConfig) -> Self {
+        Self {
+            shaper: Shaper::new(config),
+            ..self
+        }
+    }
+
+    /// The twist that this period's command starts from: the last command, as far as the
+    /// measured twist can have followed it.
+    fn start(&self, situation: &Situation<'_>) -> Twist {
+        let measured = Twist::new(situation.v_mps, situation.w_radps);
+        self.memory
+            .last
+            .near(situation.robot, measured, self.config.command_lead_s)
+    }
+
+    /// The wish of this period, or `None` without a path.
+    fn wish(&mut self, situation: &Situation<'_>, from: Twist) -> Option<Wish> {
+        let place = self.perception.tracker.advance(
+            situation.path_geometry,
+            situation.path,
+            situation.map_from_base.point(),
+        )?;
+        self.perception.look(&self.config, situation, &place);
+        let mut scene = Scene {
+            situation,
+            config: &self.config,
+            place,
+            from,
+            seen: &mut self.perception,
+            memory: &mut self.memory,
+        };
+        let arriving = scene.arrive();
+        if arriving.is_some() {
+            self.chooser.forget();
+        }
+        Some(arriving.unwrap_or_else(|| self.chooser.choose(&mut scene)))
+    }
+
+    /// The first step towards the wish from which a stop is free; else the first step of a stop.
+    fn publish(&mut self, situation: &Situation<'_>, from: Twist, wish: &Wish) -> Decision {
+        let (robot, period_s) = (situation.robot, situation.period_s);
+        let rest = towards_rest(robot, from, period_s);
+        let braking_m = stop_distance_m(robot, rest.v_mps, 0.0);
+        let memory = &mut self.memory;
+        let (twist, validity, braking_arc_m) = match wish {
+            Wish::Rest(validity) => (rest, *validity, braking_m),
+            Wish::Towards(wanted) => {
+                let slowed = Twist::new(0.0, wanted.w_radps);
+                let others = memory.reserve.iter().map(|(_, twist)| *twist);
+                let others = others.take(RESERVE).filter(|twist| twist != wanted);
+                let candidates = core::iter::once(*wanted)
+                    .chain(others)
+                    .chain(core::iter::once(slowed))
+                    .map(|wanted| self.shaper.next(robot, from, wanted, period_s));
+                first_with_free_stop(candidates, |twist| {
+                    self.perception.stop_arc_m(&self.config, robot, twist)
+                })
+                .map_or((rest, Validity::Blocked, braking_m), |(twist, arc_m)| {
+                    (twist, Validity::Drive, arc_m)
+                })
+            }
+        };
+        // Not moving although a motion is wanted is being blocked, whatever the cause.
+        let resting = matches!(wish, Wish::Rest(Validity::AtGoal | Validity::NoPath));
+        let idle = from.is_stopped()
+            && twist.v_mps.abs() < 0.5 * robot.a_mps2_max * period_s
+            && twist.w_radps.abs() < 0.5 * robot.alpha_radps2_max * period_s;
+        memory.blocked_s = if resting || !idle {
+            0.0
+        } else {
+            memory.blocked_s + period_s
+        };
+        let validity = match validity {
+            Validity::Drive if memory.blocked_s > BLOCKED_S => Validity::Blocked,
+            other => other,
+        };
+        memory.last = twist;
+        if twist == rest {
+            self.shaper.interrupted();
+        } else {
+            self.shaper.published(from, twist, period_s);
+        }
+        Decision {
+            v_mps: twist.v_mps,
+            w_radps: twist.w_radps,
+            validity,
+            braking_arc_m,
+            rollouts: memory.rollouts,
+            blocked_arc_m: None,
+        }
+    }
+}
+
+impl Controller for Pilot {
+    fn decide(&mut self, situation: &Situation<'_>) -> Decision {
+        self.memory.begin(situation.goal.id);
+        let from = self.start(situation);
+        let Some(wish) = self.wish(situation, from) else {
+            self.memory.mode = Mode::Follow;
+            self.chooser.forget();
+            return self.publish(situation, from, &Wish::Rest(Validity::NoPath));
+        };
+        let blocked_arc_m = self.perception.blocked_arc_m();
+        Decision {
+            blocked_arc_m,
+            ..self.publish(situation, from, &wish)
+        }
+    }
+
+    fn overruled(&mut self, published: Twist) {
+        self.shaper.interrupted();
+        self.memory.last = published;
+        self.chooser.forget();
+    }
+}

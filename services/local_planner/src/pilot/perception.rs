@@ -1,0 +1,167 @@
+//! What a controller sees of path, map, scan and dynamic obstacles in a control period.
+//!
+//! Which map and which points of the scan a chooser sees is decided here and nowhere else.
+
+use crate::controller::Situation;
+use crate::cost_to_go::{CostToGo, CostToGoInputs};
+use crate::dwa::options::DwaConfig;
+use crate::dynamic_obstacles::{DynamicObstacles, Growth};
+use crate::local_path::LocalPath;
+use crate::progress::{PathTracker, Place};
+use crate::static_map::StaticMap;
+use crate::surroundings::{Reach, Surroundings};
+use nalgebra::Point2;
+use zeronav_motion::{Twist, stop_distance_m};
+use zeronav_msgs::description::Description;
+use zeronav_msgs::scan::BEAMS_MAX;
+
+/// [s] of driving at full speed that the sampled stretch of the path spans at most.
+pub(crate) const PATH_HORIZON_S: f64 = 1.5;
+
+/// What is seen in a period.
+#[derive(Debug)]
+pub(crate) struct Perception {
+    pub(crate) tracker: PathTracker,
+    pub(crate) path: LocalPath,
+    pub(crate) surroundings: Surroundings,
+    pub(crate) dynamic: DynamicObstacles,
+    prediction: Option<Prediction>,
+}
+
+/// What a chooser in time sees besides: dynamic obstacles where they will be instead of where the
+/// scan met them, and the cost-to-go.
+#[derive(Debug)]
+pub(crate) struct Prediction {
+    growth: Growth,
+    cost_to_go: CostToGo,
+    /// Points of the scan that belong to no dynamic obstacle.
+    static_points: Vec<Point2<f64>>,
+    /// Sight [m], and the map without dynamic obstacles; `None` = they are avoided in the map, too.
+    static_map: Option<(f64, StaticMap)>,
+}
+
+impl Prediction {
+    /// Predictions whose radii grow like this.
+    pub(crate) fn new(growth: Growth) -> Self {
+        Self {
+            growth,
+            cost_to_go: CostToGo::default(),
+            static_points: Vec::with_capacity(BEAMS_MAX),
+            static_map: None,
+        }
+    }
+
+    /// The same on the map without dynamic obstacles, as far as `sight_m`.
+    pub(crate) fn on_static_map(self, sight_m: f64) -> Self {
+        Self {
+            static_map: Some((sight_m, StaticMap::default())),
+            ..self
+        }
+    }
+}
+
+/// [s] length of a rollout: at least the time of a stop from full speed.
+pub(crate) fn horizon_s(config: &DwaConfig, robot: &Description) -> f64 {
+    let stop_m = stop_distance_m(robot, robot.v_mps_max, config.reaction_s) + config.stop_margin_m;
+    config.horizon_s.max(stop_m / robot.v_mps_max)
+}
+
+impl Perception {
+    pub(crate) fn new(prediction: Option<Prediction>) -> Self {
+        Self {
+            tracker: PathTracker::new(),
+            path: LocalPath::default(),
+            surroundings: Surroundings::default(),
+            dynamic: DynamicObstacles::default(),
+            prediction,
+        }
+    }
+
+    /// Samples the path and takes in map, scan and dynamic obstacles.
+    pub(crate) fn look(&mut self, config: &DwaConfig, situation: &Situation<'_>, place: &Place) {
+        let robot = situation.robot;
+        let horizon_s = horizon_s(config, robot);
+        self.surroundings.describe(robot, situation.corners);
+        let mut sight_m = robot.v_mps_max * horizon_s + 0.5;
+        let position = situation.map_from_base.point();
+        // Sampled as densely as the weights of the evaluation are meant for.
+        let path_m = robot.v_mps_max * horizon_s.min(PATH_HORIZON_S) + 0.5;
+        self.path
+            .sample(&self.tracker, situation.path, place, position, path_m);
+        let mut map = situation.map.map(|map| (map, situation.map_cells));
+        let mut stamped = situation.scan_points_in_base;
+        let mut cost_to_go = None;
+        if let Some(prediction) = &mut self.prediction {
+            self.dynamic.take(
+                situation.obstacles,
+                situation.obstacles_age_s,
+                &situation.map_from_base,
+                prediction.growth,
+            );
+            let points = situation.scan_points_in_base.iter();
+            prediction.static_points.clear();
+            prediction
+                .static_points
+                .extend(points.filter(|point| !self.dynamic.owns(**point)));
+            stamped = &prediction.static_points;
+            if let (Some((known_m, static_map)), Some((whole, cells))) =
+                (&mut prediction.static_map, map)
+                && !situation.obstacles.is_empty()
+            {
+                sight_m = sight_m.max(*known_m);
+                map = Some(static_map.view(whole, cells, position, CostToGo::half_m(sight_m)));
+            }
+            cost_to_go = Some(&mut prediction.cost_to_go);
+        }
+        let reach = Reach {
+            field_m: sight_m,
+            stop_m: stop_distance_m(robot, robot.v_mps_max, config.reaction_s),
+            soft_m: config.soft_clearance_m,
+            margin_m: config.safety_margin_m,
+        };
+        let points = situation.scan_points_in_base;
+        self.surroundings
+            .look(map, &situation.map_from_base, points, stamped, reach);
+        if let (Some(cost_to_go), Some((map, map_cells))) = (cost_to_go, map) {
+            let inputs = CostToGoInputs {
+                map,
+                map_cells,
+                path: situation.path,
+                geometry: situation.path_geometry,
+                place: *place,
+                position,
+                reach_m: sight_m,
+                // Narrower than that no stop is free, whatever the robot's heading.
+                inscribed_m: self.surroundings.footprint.inscribed_m + config.safety_margin_m,
+                soft_m: config.soft_clearance_m,
+            };
+            cost_to_go.update(&self.tracker, &inputs);
+        }
+    }
+
+    /// The cost-to-go of a chooser in time; empty before the first map.
+    pub(crate) fn cost_to_go(&self) -> Option<&CostToGo> {
+        self.prediction
+            .as_ref()
+            .map(|prediction| &prediction.cost_to_go)
+    }
+
+    /// [m] along the path to the first obstacle in sight.
+    pub(crate) fn blocked_arc_m(&self) -> Option<f64> {
+        self.path.blocked_m(
+            &self.surroundings.field,
+            self.surroundings.footprint.inscribed_m,
+        )
+    }
+
+    /// [m] length of the stop from `twist`; `None` when it is not free.
+    pub(crate) fn stop_arc_m(
+        &self,
+        config: &DwaConfig,
+        robot: &Description,
+        twist: Twist,
+    ) -> Option<f64> {
+        self.surroundings
+            .stop_arc_m(robot, twist, config.reaction_s, &self.dynamic)
+    }
+}
