@@ -284,7 +284,7 @@ fn the_scenario_of_the_front_page_is_accepted() {
     let scenario = scenario.expect("a scenario");
     std::fs::write(folder.path().join("mine.toml"), scenario).expect("written");
     // Ten metres by ten without anything.
-    let image = [b"P5\n200 200\n255\n".as_slice(), &[254; 40_000]].concat();
+    let image = [b"P5\n200 200\n255\n".as_slice(), &vec![254; 40_000]].concat();
     std::fs::write(folder.path().join("building.pgm"), image).expect("written");
     let yaml = "image: building.pgm\nresolution: 0.05\norigin: [0.0, 0.0, 0.0]\nnegate: 0\n\
         occupied_thresh: 0.65\nfree_thresh: 0.196\n";

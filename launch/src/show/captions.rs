@@ -36,7 +36,11 @@ pub(super) fn captions(run: &Recording) -> Vec<(f64, String)> {
     for (time_s, text) in events {
         match captions.last_mut() {
             Some((before_s, line)) if time_s - *before_s < TOGETHER_S && time_s < run.time_s => {
-                *line = format!("{line}: {text}");
+                // An obstacle and the path around it are one line; of two paths the newer counts.
+                *line = match line.find(" appears") {
+                    Some(at) => format!("{} appears: {text}", &line[..at]),
+                    None => text,
+                };
             }
             _ => captions.push((time_s, text)),
         }

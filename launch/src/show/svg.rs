@@ -48,9 +48,10 @@ fn simplified(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
 /// A number with at most `digits` digits after the point.
 pub(super) fn short(value: f64, digits: usize) -> String {
     let text = format!("{value:.digits$}");
-    let text = match text.contains('.') {
-        true => text.trim_end_matches('0').trim_end_matches('.'),
-        false => &text,
+    let text = if digits > 0 {
+        text.trim_end_matches('0').trim_end_matches('.')
+    } else {
+        &text
     };
     if text == "-0" { "0" } else { text }.to_owned()
 }

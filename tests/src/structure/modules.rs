@@ -15,6 +15,7 @@ use super::paths::{self, Import, Named};
 use super::tokens;
 use proc_macro2::TokenTree;
 use std::collections::{BTreeMap, BTreeSet, HashMap, VecDeque};
+use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 /// Re-exports that are followed from one path at most.
@@ -154,7 +155,7 @@ impl Crate {
         for (at, &file) in circle.iter().enumerate() {
             let next = circle[(at + 1) % circle.len()];
             let items: Vec<&str> = uses[file][&next].iter().map(String::as_str).collect();
-            text += &format!("{} -({})-> ", name(file), items.join(", "));
+            let _ = write!(text, "{} -({})-> ", name(file), items.join(", "));
         }
         text + &name(circle[0])
     }

@@ -89,6 +89,17 @@ fn paths_obstacles_and_texts_appear_at_their_times() {
 }
 
 #[test]
+fn of_two_paths_at_once_the_newer_is_told() {
+    let mut run = run();
+    let mut newer = run.paths[1].clone();
+    (newer.time_s, newer.length_m) = (4.3, 1.5);
+    run.paths.push(newer);
+    let svg = run.to_animation();
+    assert!(svg.contains(">load appears: new path of 1.5 m<"), "{svg}");
+    assert!(!svg.contains("new path of 2.0 m"), "{svg}");
+}
+
+#[test]
 fn the_robot_moves_with_its_poses_and_the_end_is_the_still_picture() {
     let svg = run().to_animation();
     let scale = (WIDTH_PX - 2.0 * BORDER_PX) / 4.0;
