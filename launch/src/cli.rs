@@ -1,7 +1,9 @@
 //! The command line.
 
+use crate::run_plan::RunPlan;
 use crate::scenario::{COORDINATE_M_MAX, TOLERANCE, YAW_RAD_MAX};
-use crate::suite::Noise;
+use crate::suite::noise::Noise;
+use crate::suite::plan::SuitePlan;
 use crate::supervise::cleaner;
 use crate::version::VERSION;
 use clap::{Args, Parser, Subcommand};
@@ -9,7 +11,7 @@ use core::ops::Range;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use zeronav_msgs::role::Role;
-use zeronav_msgs::run::DELAY_STEP_NS;
+use zeronav_msgs::run::{DELAY_STEP_NS, RunMode};
 use zeronav_msgs::time::seconds;
 use zeronav_shell::logs;
 use zeronav_shell::nearest::unknown;
@@ -116,6 +118,28 @@ pub struct RunArgs {
     pub log_level: String,
 }
 
+impl RunArgs {
+    /// What the arguments mean.
+    #[must_use]
+    pub fn plan(&self) -> RunPlan {
+        RunPlan {
+            scenario: self.scenario.clone(),
+            mode: if self.lockstep {
+                RunMode::Lockstep
+            } else {
+                RunMode::RealTime
+            },
+            seed: self.seed,
+            external: self.external.clone(),
+            trials: self.trials,
+            delays: self.inject.iter().copied().collect(),
+            out: self.out.clone(),
+            log_level: self.log_level.clone(),
+            progress: !self.headless,
+        }
+    }
+}
+
 /// Arguments of `zeronav goal`.
 #[derive(Debug, Clone, Args)]
 #[command(allow_negative_numbers = true)]
@@ -187,6 +211,25 @@ pub struct SuiteArgs {
     /// Folder in which the suite's own folder is made.
     #[arg(long, value_name = "FOLDER", default_value = "runs")]
     pub out: PathBuf,
+}
+
+impl SuiteArgs {
+    /// What the arguments mean.
+    #[must_use]
+    pub fn plan(&self) -> SuitePlan {
+        SuitePlan {
+            suite: self.suite.clone(),
+            resume: self.resume.clone(),
+            controller: self.controller.clone(),
+            seeds: self.seeds,
+            worlds: self.worlds.clone(),
+            noise: self.noise,
+            data: self.data.clone(),
+            jobs: self.jobs,
+            progress: !self.headless,
+            out: self.out.clone(),
+        }
+    }
 }
 
 /// Arguments of `zeronav draw`.

@@ -2,7 +2,7 @@
 
 use crate::measure::index::{PathRecord, Sensed, Sighting};
 use crate::measure::{Records, RunHash};
-use crate::seen::{Fact, Seen};
+use crate::seen::{Fact, Seen, TaskReport};
 use crate::supervise::stack::Taps;
 use std::collections::{BTreeSet, HashMap};
 use std::time::{Duration, Instant};
@@ -13,7 +13,7 @@ use zeronav_msgs::pose::Pose;
 use zeronav_msgs::replica::{MapReplica, Step};
 use zeronav_msgs::role::Role;
 use zeronav_msgs::span::{Span, SpanKind};
-use zeronav_msgs::task::{EndReason, StuckCause, TaskState};
+use zeronav_msgs::task::{StuckCause, TaskState};
 use zeronav_msgs::truth::Truth;
 use zeronav_shell::Roster;
 use zeronav_world::Convex;
@@ -23,25 +23,6 @@ const SPANS_MAX: usize = 200_000;
 
 /// Least time between two requests for a keyframe.
 const KEYFRAME_PAUSE: Duration = Duration::from_millis(200);
-
-/// What the local planner says of the task.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct TaskReport {
-    /// Id of the task.
-    pub task: u64,
-    /// Its state.
-    pub state: TaskState,
-    /// Why it ended.
-    pub reason: EndReason,
-    /// Tick of the end, until then the tick at which this was said.
-    pub tick: u64,
-    /// Way left. [m]
-    pub remaining_m: f64,
-    /// Manoeuvres and waits of the recovery since the task began.
-    pub recoveries: u32,
-    /// Why it got stuck.
-    pub cause: StuckCause,
-}
 
 /// The form of a scripted obstacle at a pose.
 pub type Placed<'a> = &'a dyn Fn(usize, &Pose) -> Option<Convex>;
@@ -123,6 +104,13 @@ impl Collector {
                 self.unlooked = Some((revision, scan));
             }
         });
+        self.hear_paths(taps, roster);
+        self.hear_status(taps, roster);
+        self.wants_keyframe()
+    }
+
+    /// Takes in new paths, without repeats of an unchanged one.
+    fn hear_paths(&mut self, taps: &mut Taps, roster: &Roster) {
         taps.paths.drain(roster, |view| {
             if view.meta.geometry != view.header.id {
                 return;
@@ -147,6 +135,10 @@ impl Collector {
                     .collect(),
             });
         });
+    }
+
+    /// Takes in what the local planner reports about its task.
+    fn hear_status(&mut self, taps: &mut Taps, roster: &Roster) {
         if taps.status.poll(roster)
             && let Some(view) = taps.status.get()
             && let Some((state, reason)) = view.meta.state().zip(view.meta.reason())
@@ -174,7 +166,6 @@ impl Collector {
             self.task = Some(report);
             self.seen.hear(tick, view.header.run_ns, Fact::Task(report));
         }
-        self.wants_keyframe()
     }
 
     /// Takes in what is so, what the guard does, and what mapping sees moving.

@@ -1,55 +1,36 @@
-//! What each command does, and the exit code that it ends with.
+//! `zeronav run` and `zeronav suite`, and the exit codes that they end with.
 
-use crate::cli::{RunArgs, SuiteArgs};
+use crate::drive::{Driven, drive};
 use crate::ending::Ending;
 use crate::environment::Before;
+use crate::exit::{EXIT_FAIL, EXIT_INTERRUPTED, EXIT_OUTPUT, EXIT_PASS, EXIT_SERVICE, EXIT_USAGE};
 use crate::interrupts::interrupts;
-use crate::prepare::{self, Prepared};
-use crate::run::{self, Driven};
+use crate::judge::{judge, judge_trials};
+use crate::prepare::{Prepared, prepare};
+use crate::result::RunResult;
+use crate::run_plan::RunPlan;
 use crate::show::recording;
-use crate::show::report::RunResult;
-use crate::show::terminal::{complain, lose, note, say};
-use crate::suite::{self, SuiteError};
-use crate::trials::{self, Trials};
+use crate::show::terminal::{complain, lose, note, say, say_json, usage};
+use crate::suite;
+use crate::suite::error::SuiteError;
+use crate::suite::plan::SuitePlan;
+use crate::{leave, picture, record, trials};
 use std::process::ExitCode;
 use zeronav_msgs::run::RunMode;
-use zeronav_shell::printable::{printable, printable_json};
+use zeronav_shell::printable::printable;
 
-/// The scenario's expectations were met.
-pub const EXIT_PASS: u8 = 0;
-/// An expectation was not met.
-pub const EXIT_FAIL: u8 = 1;
-/// Usage or configuration.
-pub const EXIT_USAGE: u8 = 2;
-/// A service is beyond its budget.
-pub const EXIT_SERVICE: u8 = 3;
-pub use crate::show::terminal::EXIT_OUTPUT;
-/// Interrupted.
-pub const EXIT_INTERRUPTED: u8 = 130;
-
-/// `zeronav run`.
+/// `zeronav run`: plan, prepare, drive, judge, show.
 #[must_use]
-pub fn run(arguments: &RunArgs) -> ExitCode {
-    let prepared = match prepare::prepare(arguments) {
-        Ok(prepared) => prepared,
+pub fn run(plan: &RunPlan, json: bool) -> ExitCode {
+    let (prepared, driven, result) = match run_and_judge(plan) {
+        Ok(judged) => judged,
         Err(problem) => return usage(&problem),
     };
-    let before = Before::read();
-    let driven = match run_prepared(&prepared) {
-        Ok(driven) => driven,
-        Err(problem) => return usage(&problem),
-    };
-    let (driven, trials) = driven;
-    let environment = before.environment();
-    let result = match &trials {
-        None => crate::result::result(&prepared, &driven, environment),
-        Some(trials) => crate::result::of_trials(&prepared, &driven, trials, environment),
-    };
-    if let Err(problem) = leave(&prepared, &driven, &result) {
+    if let Err(problem) = write_files(&prepared, &driven, &result) {
         lose(&problem);
     }
     explain(&driven.ending);
-    if arguments.json {
+    if json {
         say_json(&result);
     } else {
         say(&result.to_text());
@@ -57,15 +38,21 @@ pub fn run(arguments: &RunArgs) -> ExitCode {
     exit_code(&driven.ending, result.verdict == "pass")
 }
 
-/// The drive, or the last one of the trials and what they gave.
-fn run_prepared(prepared: &Prepared) -> Result<(Driven, Option<Trials>), String> {
+/// Prepares and drives the run or its trials, and judges what was seen. Of trials, the drive is the
+/// last one.
+fn run_and_judge(plan: &RunPlan) -> Result<(Prepared, Driven, RunResult), String> {
+    let prepared = prepare(plan)?;
+    let before = Before::read();
     let interrupted = interrupts()?;
     let Some(wanted) = prepared.trials else {
-        return Ok((run::drive(prepared, None, &interrupted)?, None));
+        let driven = drive(&prepared, None, &interrupted)?;
+        let result = judge(&prepared, &driven, before.environment());
+        return Ok((prepared, driven, result));
     };
-    let mut trials = trials::make(prepared, wanted, &interrupted)?;
-    let last = trials.drives.pop().ok_or("no trial was made")?;
-    Ok((last, Some(trials)))
+    let mut trials = trials::make(&prepared, wanted, &interrupted)?;
+    let driven = trials.drives.pop().ok_or("no trial was made")?;
+    let result = judge_trials(&prepared, &driven, &trials, before.environment());
+    Ok((prepared, driven, result))
 }
 
 fn exit_code(ending: &Ending, pass: bool) -> ExitCode {
@@ -82,9 +69,8 @@ fn exit_code(ending: &Ending, pass: bool) -> ExitCode {
 }
 
 /// Writes what a run leaves in its folder.
-fn leave(prepared: &Prepared, driven: &Driven, result: &RunResult) -> Result<(), String> {
-    let write =
-        |name: &str, text: String| crate::leave::write(&prepared.directory.join(name), &text);
+fn write_files(prepared: &Prepared, driven: &Driven, result: &RunResult) -> Result<(), String> {
+    let write = |name: &str, text: String| leave::write(&prepared.directory.join(name), &text);
     let json = serde_json::to_string_pretty(result).map_err(|error| error.to_string())?;
     write("result.json", json + "\n")?;
     if prepared.mode == RunMode::Lockstep {
@@ -92,13 +78,13 @@ fn leave(prepared: &Prepared, driven: &Driven, result: &RunResult) -> Result<(),
         write("answers.csv", driven.collector.hash.to_csv(last_tick))?;
     }
     if prepared.trials.is_none() {
-        let recording = crate::record::recording(prepared, driven, result);
+        let recording = record::recording(prepared, driven, result);
         let json = serde_json::to_string(&recording).map_err(|error| error.to_string())?;
         write(recording::FILE, json + "\n")?;
     }
     write(
         "run.svg",
-        crate::result::picture(prepared, driven, result).to_svg(),
+        picture::picture(prepared, driven, result).to_svg(),
     )
 }
 
@@ -125,13 +111,13 @@ fn explain(ending: &Ending) {
 
 /// `zeronav suite`.
 #[must_use]
-pub fn suite(arguments: &SuiteArgs) -> ExitCode {
+pub fn suite(plan: &SuitePlan, json: bool) -> ExitCode {
     let interrupted = match interrupts() {
         Ok(interrupted) => interrupted,
         Err(problem) => return usage(&problem),
     };
-    match suite::suite(arguments, &interrupted) {
-        Ok(report) if arguments.json => say_json(&report),
+    match suite::suite(plan, &interrupted) {
+        Ok(report) if json => say_json(&report),
         Ok(report) => say(&report.to_text()),
         Err(SuiteError::Usage(problem)) => return usage(&problem),
         Err(SuiteError::Lost(problem)) => {
@@ -140,7 +126,7 @@ pub fn suite(arguments: &SuiteArgs) -> ExitCode {
         }
         Err(SuiteError::Interrupted(report)) => {
             match report {
-                Some(report) if arguments.json => say_json(&report),
+                Some(report) if json => say_json(&report),
                 Some(report) => say(&report.to_text()),
                 None => {}
             }
@@ -149,18 +135,4 @@ pub fn suite(arguments: &SuiteArgs) -> ExitCode {
         }
     }
     ExitCode::from(EXIT_PASS)
-}
-
-/// Complains in one line; the exit code of usage and configuration.
-#[must_use]
-pub fn usage(problem: &str) -> ExitCode {
-    complain(problem);
-    ExitCode::from(EXIT_USAGE)
-}
-
-pub(crate) fn say_json(value: &impl serde::Serialize) {
-    match serde_json::to_string_pretty(value) {
-        Ok(text) => say(&(printable_json(&text).into_owned() + "\n")),
-        Err(error) => complain(&format!("no JSON form: {error}")),
-    }
 }

@@ -3,7 +3,7 @@
 
 use crate::environment;
 use crate::measure::distribution::to_us;
-use serde::Serialize;
+use crate::result::trials::{Disturbance, ServiceDisturbance};
 use std::collections::BTreeMap;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::span::Span;
@@ -26,41 +26,6 @@ pub struct Reading {
     load: f64,
     processor_ticks: (u64, u64),
     services: BTreeMap<Role, Counters>,
-}
-
-/// What happened between two readings.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Disturbance {
-    /// Load average of the last minute at the first reading.
-    pub load_start: f64,
-    /// The same at the second.
-    pub load_end: f64,
-    /// Share of processor time that the host gave to others in between, 0 to 1.
-    pub steal: f64,
-    /// Each service.
-    pub services: Vec<ServiceDisturbance>,
-}
-
-/// What happened to one service between two readings.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct ServiceDisturbance {
-    /// Its seat.
-    pub name: String,
-    /// Processor time that it used. [us]
-    pub processor_us: f64,
-    /// Time for which it could have run but waited for a processor. [us]
-    pub queue_us: f64,
-    /// Longest time for which it was off the processor within one cycle, from its wake to the end
-    /// of its answer: preempted, waiting for a page, or delayed on purpose. [us]
-    pub off_processor_us_max: f64,
-    /// Context switches because it waited for something.
-    pub voluntary_switches: u64,
-    /// Context switches because another process was given its processor.
-    pub involuntary_switches: u64,
-    /// Pages that were mapped at their first use.
-    pub minor_faults: u64,
-    /// Pages that were read from a disk.
-    pub major_faults: u64,
 }
 
 impl Reading {

@@ -1,10 +1,9 @@
 //! `zeronav draw`: a recorded run as an animated picture.
 
 use crate::cli::DrawArgs;
-use crate::commands::usage;
 use crate::leave;
 use crate::show::recording::{FILE, Recording};
-use crate::show::terminal::{lose, say};
+use crate::show::terminal::{lose, say, usage};
 use std::process::ExitCode;
 
 /// Draws the run in a folder.

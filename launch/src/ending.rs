@@ -32,3 +32,23 @@ pub enum Ending {
     /// Ctrl-C.
     Interrupted,
 }
+
+impl Ending {
+    /// The outcome of the run in one word, as in its result.
+    #[must_use]
+    pub const fn outcome(&self) -> &'static str {
+        match self {
+            Self::Task(TaskState::Reached, _) => "reached",
+            Self::Task(TaskState::Cancelled, _) => "cancelled",
+            Self::Task(_, EndReason::None) => "failed",
+            Self::Task(_, reason) => reason.label(),
+            Self::Redirected => "redirected",
+            Self::Timeout => "timeout",
+            Self::TrialsOver => "trials_over",
+            Self::Died { .. } => "service_died",
+            Self::NotReady(_) => "not_ready",
+            Self::Silent(_) => "silent",
+            Self::Interrupted => "interrupted",
+        }
+    }
+}

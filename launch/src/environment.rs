@@ -1,6 +1,6 @@
 //! The machine under a run.
 
-use crate::show::report::Environment;
+use crate::result::Environment;
 use crate::version::VERSION;
 
 /// Readings at the start of a run; the rest is read at its end.

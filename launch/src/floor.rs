@@ -4,10 +4,11 @@
 //! the stack's have, at the pace of the lidar. What they need from the capture of a scan to the
 //! command is what transport, waking and records cost; no stack of these parts can be faster.
 
+use crate::measure::DEADLINE_NS;
 use crate::measure::Distribution;
-use crate::measure::distribution::Figures;
 use crate::prepare::Prepared;
-use crate::run::DEADLINE_NS;
+use crate::result::latency::Figures;
+use crate::result::trials::Load;
 use crate::supervise::binaries;
 use crate::supervise::stack::{self, Launch, Stack};
 use serde::{Deserialize, Serialize};
@@ -30,20 +31,6 @@ const WARM_UP: u64 = 5;
 
 /// How long the stages may take to be ready.
 const READY_LIMIT: Duration = Duration::from_secs(15);
-
-/// What the stages pass on.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Load {
-    /// Beams of a scan.
-    pub beams: u32,
-    /// Tiles of a map update.
-    pub tiles: u32,
-    /// Waypoints of a path.
-    pub waypoints: u32,
-    /// From scan to scan. [ns]
-    pub period_ns: u64,
-}
 
 /// Configuration of an empty stage.
 #[derive(Debug, Clone, Serialize, Deserialize)]

@@ -29,7 +29,7 @@ pub fn interrupts() -> Result<Arc<AtomicBool>, String> {
     reason = "a main loop that is stuck cannot end the process, only a signal handler can"
 )]
 fn force_with_second_interrupt() -> std::io::Result<()> {
-    let exit_code = i32::from(crate::commands::EXIT_INTERRUPTED);
+    let exit_code = i32::from(crate::exit::EXIT_INTERRUPTED);
     let first_ns = AtomicU64::new(0);
     let force = move || {
         let now_ns = now_ns();

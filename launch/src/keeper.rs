@@ -3,6 +3,7 @@
 use crate::collect::Collector;
 use crate::ending::Ending;
 use crate::prepare::Prepared;
+use crate::result::Restart;
 use crate::show::terminal::note;
 use crate::supervise::child::Child;
 use crate::supervise::cleaner::Ticket;
@@ -10,7 +11,6 @@ use crate::supervise::hang::HangWatch;
 use crate::supervise::restart::{Decision, Restarts};
 use crate::supervise::stack::{Launch, Stack};
 use rustix::process::Signal;
-use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -20,19 +20,6 @@ use zeronav_msgs::time::seconds;
 
 /// How long the services may take until they can answer.
 pub const READY_LIMIT: Duration = Duration::from_secs(15);
-
-/// A restart that was made.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct RestartRecord {
-    /// Its seat.
-    pub service: String,
-    /// Run time at which the end was noticed. [s]
-    pub time_s: f64,
-    /// How the process ended.
-    pub how: String,
-    /// Wait before the successor. [ms]
-    pub wait_ms: u64,
-}
 
 /// A seat that waits for its successor.
 #[derive(Debug, Clone, Copy)]
@@ -69,7 +56,7 @@ pub struct Keeper<'a> {
     vacant: Vec<Vacant>,
     joining: Vec<Joining>,
     memory_peaks: BTreeMap<Role, u64>,
-    records: Vec<RestartRecord>,
+    records: Vec<Restart>,
 }
 
 impl<'a> Keeper<'a> {
@@ -130,7 +117,7 @@ impl<'a> Keeper<'a> {
 
     /// The restarts that were made.
     #[must_use]
-    pub fn records(&self) -> &[RestartRecord] {
+    pub fn records(&self) -> &[Restart] {
         &self.records
     }
 
@@ -198,7 +185,7 @@ impl<'a> Keeper<'a> {
             .into_iter()
             .filter(|role| !self.prepared.binaries.contains_key(role));
         for role in external.filter(ended).collect::<Vec<_>>() {
-            self.records.push(RestartRecord {
+            self.records.push(Restart {
                 service: role.to_string(),
                 time_s: seconds(collector.robot_tick() * self.prepared.scenario.run.tick_ns()),
                 how: "started by hand, ended".to_owned(),
@@ -299,7 +286,7 @@ impl<'a> Keeper<'a> {
         };
         let cleaning = stack.bury(at);
         tracing::warn!(%role, how, ?wait, "restarting");
-        self.records.push(RestartRecord {
+        self.records.push(Restart {
             service: role.to_string(),
             time_s: seconds(collector.robot_tick() * self.prepared.scenario.run.tick_ns()),
             how,

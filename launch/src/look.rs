@@ -1,9 +1,9 @@
 //! The commands that start nothing: what there is, and whether it can work.
 
-use crate::commands::{EXIT_PASS, EXIT_USAGE, say_json, usage};
-use crate::prepare::{self, Plan};
+use crate::exit::{EXIT_PASS, EXIT_USAGE};
+use crate::prepare::{self, Checked};
 use crate::scenario;
-use crate::show::terminal::say;
+use crate::show::terminal::{say, say_json, usage};
 use crate::supervise::algorithms;
 use crate::supervise::binaries::{self, Needed};
 use serde_json::json;
@@ -40,7 +40,7 @@ pub fn list(json: bool) -> ExitCode {
 /// `zeronav check`: everything that can be known without starting the stack.
 #[must_use]
 pub fn check(name: &str, json: bool) -> ExitCode {
-    let plan = match prepare::plan(name, &[]) {
+    let plan = match prepare::check(name, &[]) {
         Ok(plan) => plan,
         Err(problem) if json => {
             say_json(&json!({ "scenario": name, "ok": false, "error": problem }));
@@ -48,7 +48,7 @@ pub fn check(name: &str, json: bool) -> ExitCode {
         }
         Err(problem) => return usage(&problem),
     };
-    let Plan {
+    let Checked {
         scenario,
         world,
         warnings,

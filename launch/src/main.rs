@@ -6,6 +6,7 @@ use clap::Parser;
 use clap::error::ErrorKind;
 use std::process::ExitCode;
 use zeronav::cli::{Cli, Command};
+use zeronav::exit::EXIT_USAGE;
 use zeronav::show::{log, terminal};
 use zeronav::supervise::{cleaner, warden};
 use zeronav::{commands, draw, look, remote};
@@ -19,10 +20,10 @@ fn main() -> ExitCode {
             // Help for a command line without a command is help, too.
             let help = error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand;
             if error.use_stderr() && !help {
-                return commands::usage(&one_line(&error));
+                return terminal::usage(&one_line(&error));
             }
             let _ = error.print();
-            return ExitCode::from(if help { commands::EXIT_USAGE } else { 0 });
+            return ExitCode::from(if help { EXIT_USAGE } else { 0 });
         }
     };
     if let Command::Clean { root } = &cli.command {
@@ -39,7 +40,7 @@ fn main() -> ExitCode {
         tracing::info!(root = %root.display(), "removed the domain of a run that was killed");
     }
     terminal::settle(match cli.command {
-        Command::Run(arguments) => commands::run(&arguments),
+        Command::Run(arguments) => commands::run(&arguments.plan(), arguments.json),
         Command::List { json } => look::list(json),
         Command::Check { scenario, json } => look::check(&scenario, json),
         Command::Planners { json } => look::algorithms_of(Role::GlobalPlanner, json),
@@ -47,7 +48,7 @@ fn main() -> ExitCode {
         Command::Ps { json } => remote::ps(json),
         Command::Goal(arguments) => remote::goal(&arguments),
         Command::Draw(arguments) => draw::draw(&arguments),
-        Command::Suite(arguments) => commands::suite(&arguments),
+        Command::Suite(arguments) => commands::suite(&arguments.plan(), arguments.json),
         Command::Clean { .. } | Command::Warden => ExitCode::SUCCESS,
     })
 }

@@ -1,17 +1,16 @@
 //! Everything that can be wrong is found here, before anything is started.
 
-use crate::cli::RunArgs;
 use crate::configs;
 use crate::open_files;
-use crate::scenario::{Checked, Scenario};
+use crate::run_plan::RunPlan;
+use crate::scenario::{self, Scenario};
+use crate::shared_memory;
 use crate::supervise::binaries::{self, Needed};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
-use zeronav_msgs::map::tiles_of;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::run::{DELAY_STEP_NS, RunMode};
-use zeronav_msgs::topics::{MapKeyframe, RobotScan, SPANS, Topic, topics};
 use zeronav_shell::memory;
 use zeronav_world::spec::Trigger;
 use zeronav_world::{Footprint, World};
@@ -58,7 +57,7 @@ impl Prepared {
 
 /// What a scenario comes to before anything is started.
 #[derive(Debug)]
-pub struct Plan {
+pub struct Checked {
     /// What to drive.
     pub scenario: Scenario,
     /// Its world.
@@ -76,9 +75,9 @@ pub struct Plan {
 ///
 /// # Errors
 /// One line that names the thing and the fix.
-pub fn plan(name_or_path: &str, external: &[Role]) -> Result<Plan, String> {
+pub fn check(name_or_path: &str, external: &[Role]) -> Result<Checked, String> {
     let scenario = Scenario::load(name_or_path).map_err(|error| error.to_string())?;
-    let Checked {
+    let scenario::Checked {
         world,
         footprint,
         warnings,
@@ -104,7 +103,7 @@ pub fn plan(name_or_path: &str, external: &[Role]) -> Result<Plan, String> {
         binaries.insert(role, found);
     }
     configs::check(&scenario, &world, &binaries)?;
-    Ok(Plan {
+    Ok(Checked {
         scenario,
         world,
         footprint,
@@ -117,43 +116,39 @@ pub fn plan(name_or_path: &str, external: &[Role]) -> Result<Plan, String> {
 ///
 /// # Errors
 /// One line that names the thing and the fix.
-pub fn prepare(arguments: &RunArgs) -> Result<Prepared, String> {
-    let Plan {
+pub fn prepare(plan: &RunPlan) -> Result<Prepared, String> {
+    let Checked {
         mut scenario,
         world,
         footprint,
         warnings,
         binaries,
-    } = plan(&arguments.scenario, &arguments.external)?;
+    } = check(&plan.scenario, &plan.external)?;
     for warning in &warnings {
         tracing::warn!("{warning}");
     }
-    if arguments.trials.is_some() {
+    if plan.trials.is_some() {
         await_trials(&mut scenario)?;
     }
-    let mode = if arguments.lockstep {
-        RunMode::Lockstep
-    } else {
-        RunMode::RealTime
-    };
-    for (role, steps) in &arguments.inject {
+    for (role, steps) in &plan.delays {
         check_delay(*role, *steps, &scenario)?;
     }
     open_files::raise()?;
-    memory::check(planned_bytes(&scenario, &world)).map_err(|error| error.to_string())?;
-    let directory = run_folder(&arguments.out, &scenario.name)?;
+    memory::check(shared_memory::planned_bytes(&scenario, &world))
+        .map_err(|error| error.to_string())?;
+    let directory = run_folder(&plan.out, &scenario.name)?;
     Ok(Prepared {
-        seed: arguments.seed.unwrap_or(scenario.run.seed),
-        log_level: arguments.log_level.clone(),
-        progress: !arguments.headless,
-        trials: arguments.trials,
-        delays: arguments.inject.iter().copied().collect(),
+        seed: plan.seed.unwrap_or(scenario.run.seed),
+        log_level: plan.log_level.clone(),
+        progress: plan.progress,
+        trials: plan.trials,
+        delays: plan.delays.clone(),
         scenario,
         world,
         footprint,
         binaries,
         directory,
-        mode,
+        mode: plan.mode,
     })
 }
 
@@ -191,43 +186,6 @@ fn await_trials(scenario: &mut Scenario) -> Result<(), String> {
         obstacle.lasts_s = None;
     }
     Ok(())
-}
-
-/// Shared memory that the stack will reserve. [bytes]
-fn planned_bytes(scenario: &Scenario, world: &World) -> u64 {
-    let (columns, rows) = tiles_of(world.geometry());
-    topics()
-        .iter()
-        .map(|row| {
-            let len = if row.number == MapKeyframe::ROW.number {
-                keyframe_tiles(scenario, columns as usize * rows as usize)
-            } else if row.number == RobotScan::ROW.number {
-                scenario.robot.lidar.n_beams as usize
-            } else {
-                row.len_max
-            };
-            let writers = if row.number == SPANS.number {
-                Role::SERVICES.len()
-            } else {
-                1
-            };
-            (row.segment_bytes(len) * writers) as u64
-        })
-        .sum()
-}
-
-/// Most tiles that the keyframe of a world of `tiles` will ever have: a map that grows takes the
-/// memory of its largest at once.
-fn keyframe_tiles(scenario: &Scenario, tiles: usize) -> usize {
-    /// What mapping grows to that is told nothing else.
-    const TILES_MAX: usize = 1024;
-    let window = scenario.services.mapping.config.get("window");
-    let word = |name| window.and_then(|window| window.get(name));
-    if word("mode").and_then(toml::Value::as_str) != Some("growing") {
-        return tiles;
-    }
-    let most = word("tiles_max").and_then(toml::Value::as_integer);
-    tiles.max(most.map_or(TILES_MAX, |most| usize::try_from(most).unwrap_or(0)))
 }
 
 /// Makes the run's own folder.

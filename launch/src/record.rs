@@ -1,9 +1,9 @@
 //! From what was seen of a run to its recording.
 
+use crate::drive::Driven;
 use crate::prepare::Prepared;
-use crate::run::Driven;
+use crate::result::RunResult;
 use crate::show::recording::{RecordedObstacle, RecordedPath, Recording};
-use crate::show::report::RunResult;
 use zeronav_msgs::path::PathStatus;
 use zeronav_msgs::pose::Pose;
 use zeronav_msgs::time::seconds;

@@ -2,19 +2,8 @@
 //! count for the scenario's own goals, and one that cannot be reached is given up for the task that
 //! it took the place of.
 
-use serde::Serialize;
+use crate::result::Redirect;
 use zeronav_msgs::task::{EndReason, Goal, TaskState};
-
-/// A goal that was given by hand.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Redirect {
-    /// Run time at which it came. [s]
-    pub time_s: f64,
-    /// `[x, y, yaw]`. [m, m, rad]
-    pub goal: [f64; 3],
-    /// `active`, `reached`, `replaced`, or why it was given up.
-    pub outcome: String,
-}
 
 /// The goals given by hand, and the task that waits behind the one at hand.
 #[derive(Debug, Default)]

@@ -1,8 +1,8 @@
 //! What is asked of a run that goes on: `zeronav ps` and `zeronav goal`.
 
 use crate::cli::GoalArgs;
-use crate::commands::{EXIT_PASS, say_json, usage};
-use crate::show::terminal::say;
+use crate::exit::EXIT_PASS;
+use crate::show::terminal::{say, say_json, usage};
 use crate::supervise::control::{self, Reply, Request, RunReport};
 use serde_json::json;
 use std::io::ErrorKind;

@@ -1,6 +1,7 @@
 //! How each seat did: who answered there last, and how it ended.
 
 use crate::keeper::Keeper;
+use crate::result::ServiceResult;
 use crate::supervise::Stack;
 use crate::supervise::child::Child;
 use crate::supervise::occupant::{Occupant, file_name};
@@ -8,47 +9,13 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use zeronav_msgs::role::Role;
 
-/// A seat at the end of a run.
-#[derive(Debug, Clone)]
-pub struct SeatReport {
-    /// The seat.
-    pub role: Role,
-    /// Process id of the one that answered last; 0 when there was none.
-    pub pid: u32,
-    /// File name of its program.
-    pub binary: String,
-    /// True when the seat was left to a process that was started by hand.
-    pub external: bool,
-    /// Times its process was started.
-    pub starts: u32,
-    /// Largest resident memory of all of them. [bytes]
-    pub memory_peak_bytes: u64,
-    /// How the last one ended.
-    pub end: String,
-}
-
-impl SeatReport {
-    /// A seat that was left to a process that was started by hand.
-    fn external(role: Role, occupant: Option<&Occupant>) -> Self {
-        Self {
-            role,
-            pid: occupant.map_or(0, |occupant| occupant.pid),
-            binary: occupant.map_or_else(|| "none".to_owned(), |occupant| occupant.binary.clone()),
-            external: true,
-            starts: 0,
-            memory_peak_bytes: 0,
-            end: "not ours to end".to_owned(),
-        }
-    }
-}
-
 /// Ends the processes and says how each seat did, in the order of the roles.
 #[must_use]
 pub fn stop(
     stack: &mut Stack,
     keeper: &Keeper<'_>,
     binaries: &BTreeMap<Role, PathBuf>,
-) -> Vec<SeatReport> {
+) -> Vec<ServiceResult> {
     let died: Vec<Role> = stack
         .children
         .iter_mut()
@@ -61,7 +28,7 @@ pub fn stop(
         let child = stack.children.iter_mut().find(|child| child.role == role);
         let Some(child) = child else {
             let external = !binaries.contains_key(&role);
-            reports.extend(external.then(|| SeatReport::external(role, occupant)));
+            reports.extend(external.then(|| external_service(role, occupant)));
             continue;
         };
         let end = if killed.contains(&role) {
@@ -73,15 +40,30 @@ pub fn stop(
         };
         // A process that answers in the place of the one that was started is named as what it is.
         let other = occupant.filter(|other| other.epoch == child.epoch && other.pid != child.pid());
-        reports.push(SeatReport {
-            role,
+        reports.push(ServiceResult {
+            name: role.to_string(),
             pid: other.map_or(child.pid(), |other| other.pid),
             binary: other.map_or_else(|| file_name(&child.binary), |other| other.binary.clone()),
             external: false,
+            key: None,
             starts: keeper.starts(role),
             memory_peak_bytes: (keeper.memory_peak_bytes(role)).max(child.memory_peak_bytes()),
             end,
         });
     }
     reports
+}
+
+/// A seat that was left to a process that was started by hand.
+fn external_service(role: Role, occupant: Option<&Occupant>) -> ServiceResult {
+    ServiceResult {
+        name: role.to_string(),
+        pid: occupant.map_or(0, |occupant| occupant.pid),
+        binary: occupant.map_or_else(|| "none".to_owned(), |occupant| occupant.binary.clone()),
+        external: true,
+        key: None,
+        starts: 0,
+        memory_peak_bytes: 0,
+        end: "not ours to end".to_owned(),
+    }
 }

@@ -5,12 +5,12 @@
 //! end is known, what is held is taken in up to it, and so is what comes later about ticks before
 //! it; the rest is dropped. So the same run gives the same totals whatever the load.
 
-use crate::collect::TaskReport;
-use crate::measure::{Motion, Witness};
+use crate::measure::{Motion, TruthComparison};
 use std::collections::{HashMap, VecDeque};
 use zeronav_msgs::command::Intervention;
 use zeronav_msgs::obstacles::Obstacle;
 use zeronav_msgs::pose::Pose;
+use zeronav_msgs::task::{EndReason, StuckCause, TaskState};
 use zeronav_msgs::truth::{Truth, TruthObstacle};
 
 /// Ticks for which a fact is held back: far more than the robot can be ahead of launch.
@@ -24,6 +24,25 @@ const TRACK_POINTS_MAX: usize = 50_000;
 
 /// The simulator looks no farther: at this distance nothing is near. [m]
 const CLEARANCE_M_MAX: f64 = 1000.0;
+
+/// What the local planner says of the task.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TaskReport {
+    /// Id of the task.
+    pub task: u64,
+    /// Its state.
+    pub state: TaskState,
+    /// Why it ended.
+    pub reason: EndReason,
+    /// Tick of the end, until then the tick at which this was said.
+    pub tick: u64,
+    /// Way left. [m]
+    pub remaining_m: f64,
+    /// Manoeuvres and waits of the recovery since the task began.
+    pub recoveries: u32,
+    /// Why it got stuck.
+    pub cause: StuckCause,
+}
 
 /// Something that was heard.
 #[derive(Debug, Clone)]
@@ -47,7 +66,7 @@ pub enum Fact {
 #[derive(Debug, Default)]
 pub struct Seen {
     /// What mapping said against what was so.
-    pub witness: Witness,
+    pub comparison: TruthComparison,
     /// How the robot really moved, and what became of it.
     pub motion: Motion,
     /// Where the robot really drove. [m]
@@ -92,6 +111,13 @@ impl Seen {
         }
     }
 
+    /// Why the robot got stuck, if it did.
+    #[must_use]
+    pub fn stuck_cause(&self) -> Option<StuckCause> {
+        let cause = self.task?.cause;
+        (cause != StuckCause::None).then_some(cause)
+    }
+
     /// Distance driven. [m]
     #[must_use]
     pub fn driven_m(&self) -> f64 {
@@ -113,12 +139,12 @@ impl Seen {
         match fact {
             Fact::Truth(truth, obstacles) => self.truth(run_ns, &truth, &obstacles),
             Fact::Command(why) => self.motion.command(run_ns, why),
-            Fact::Odometry(pose) => self.witness.odometry(run_ns, &pose),
-            Fact::Moving(scan, tracked) => self.witness.obstacles(scan, &tracked),
-            Fact::Placed(scan, map_from_odom) => self.witness.placed(scan, &map_from_odom),
+            Fact::Odometry(pose) => self.comparison.odometry(run_ns, &pose),
+            Fact::Moving(scan, tracked) => self.comparison.obstacles(scan, &tracked),
+            Fact::Placed(scan, map_from_odom) => self.comparison.placed(scan, &map_from_odom),
             Fact::Task(report) => self.task = Some(report),
         }
-        self.witness.compare();
+        self.comparison.compare();
     }
 
     fn truth(&mut self, run_ns: u64, truth: &Truth, obstacles: &[TruthObstacle]) {
@@ -131,7 +157,7 @@ impl Seen {
             self.track_m.push(here);
         }
         self.motion.truth(run_ns, truth, obstacles);
-        self.witness
+        self.comparison
             .truth(run_ns, truth.scan, &truth.pose, obstacles);
         if truth.clearance_m < CLEARANCE_M_MAX {
             let least = self.clearance_m_min.get_or_insert(truth.clearance_m);

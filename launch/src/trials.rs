@@ -1,106 +1,24 @@
 //! `zeronav run SCENARIO --trials N`: three rounds of trials, and the floor between them.
 
-use crate::disturbance::Disturbance;
+use crate::drive::{Driven, drive};
 use crate::ending::Ending;
-use crate::floor::{self, Load};
+use crate::floor;
+use crate::measure::DEADLINE_NS;
+use crate::measure::Event;
 use crate::measure::distribution::to_us;
 use crate::measure::way::HOPS;
-use crate::measure::{Event, Latency};
 use crate::prepare::Prepared;
-use crate::run::{DEADLINE_NS, Driven, Quota, drive};
-use crate::shuttle::Trial;
-use core::fmt::Write;
-use serde::Serialize;
+use crate::result::latency::Latency;
+use crate::result::trials::{Load, Round, SlowHop, SlowTrial};
+use crate::shuttle::{Quota, Trial};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Rounds, each with a stack of its own.
 const ROUNDS: usize = 3;
 
-/// Services that were off the processor for less in a cycle are not named to people. [us]
-const SHOWN_US: f64 = 100.0;
-
 /// Slowest trials that are listed with what disturbed them.
 const WORST: usize = 5;
-
-/// One round.
-#[derive(Debug, Clone, Serialize)]
-pub struct Round {
-    /// Trials that counted.
-    pub trials: usize,
-    /// Drops that did not count because no path led through the obstacle.
-    pub missed: u64,
-    /// Run time. [s]
-    pub time_s: f64,
-    /// What the stages of the floor passed on.
-    pub floor_load: Option<Load>,
-    /// What disturbed it.
-    pub disturbance: Option<Disturbance>,
-    /// Its figures.
-    pub latency: Latency,
-}
-
-/// One of the slowest trials, with what is needed to explain it.
-#[derive(Debug, Clone, Serialize)]
-pub struct SlowTrial {
-    /// Round, from 1.
-    pub round: usize,
-    /// Trial of the round, from 1.
-    pub trial: usize,
-    /// Its replanning latency; null when it was not answered in time. [us]
-    pub replanning_us: Option<f64>,
-    /// The hop that took longest beyond its median in that round.
-    pub hop: Option<SlowHop>,
-    /// What disturbed the machine from the decision to drop the obstacle to the answer.
-    pub disturbance: Option<Disturbance>,
-}
-
-impl SlowTrial {
-    /// One line for people: the hop, and the service that was disturbed most.
-    pub fn write(&self, text: &mut String) {
-        let time = self.replanning_us;
-        let time = time.map_or_else(|| "unanswered".to_owned(), |us| format!("{us:.0} us"));
-        let _ = write!(
-            text,
-            "    round {} trial {}: {time}",
-            self.round, self.trial
-        );
-        if let Some(SlowHop {
-            name,
-            time_us,
-            p50_us,
-        }) = self.hop
-        {
-            let _ = write!(text, ", {name} {time_us:.0} us");
-            if let Some(p50_us) = p50_us {
-                let _ = write!(text, " (median {p50_us:.0})");
-            }
-        }
-        let services = self.disturbance.iter().flat_map(|all| &all.services);
-        for service in services.filter(|service| service.off_processor_us_max >= SHOWN_US) {
-            let _ = write!(
-                text,
-                "; {} off the processor for {:.0} us, queued {:.0} us, {} preemptions",
-                service.name,
-                service.off_processor_us_max,
-                service.queue_us,
-                service.involuntary_switches
-            );
-        }
-        text.push('\n');
-    }
-}
-
-/// A hop that took long.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct SlowHop {
-    /// Its name.
-    pub name: &'static str,
-    /// How long it took. [us]
-    pub time_us: f64,
-    /// Its median in the same round; null where there are too few trials for one. [us]
-    pub p50_us: Option<f64>,
-}
 
 /// All rounds.
 #[derive(Debug)]
@@ -214,7 +132,7 @@ fn slow_hop(event: &Event, latency: &Latency) -> Option<SlowHop> {
     let hops = HOPS.iter().zip(event.hops_ns()?).zip(&latency.hops);
     let slow = hops.take(HOPS.len() - 1);
     let slow = slow.map(|((name, time_ns), hop)| SlowHop {
-        name,
+        name: (*name).to_owned(),
         time_us: to_us(time_ns),
         p50_us: hop.figures.supported().p50_us,
     });
@@ -242,9 +160,9 @@ fn load(prepared: &Prepared, driven: &Driven) -> Load {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::measure::latency::Hop;
     use crate::measure::way::{ALL, Way};
     use crate::measure::{EventOutcome, Records};
+    use crate::result::latency::Hop;
 
     fn trial(replanning_us: Option<u64>, hops_us: [u64; HOPS.len()]) -> Trial {
         let mut boundaries_ns = vec![0];
@@ -304,7 +222,7 @@ mod tests {
         ];
         assert_eq!(order, expected);
         let hop = SlowHop {
-            name: "to_global_planner",
+            name: "to_global_planner".to_owned(),
             time_us: 900.0,
             p50_us: Some(100.0),
         };

@@ -3,7 +3,8 @@
 
 use clap::Parser;
 use std::process::ExitCode;
-use zeronav::floor::{Load, StageConfig};
+use zeronav::floor::StageConfig;
+use zeronav::result::trials::Load;
 use zeronav::show::terminal::note;
 use zeronav_msgs::GridGeometry;
 use zeronav_msgs::command::{Validity, VelocityCommand, VelocityRequest};

@@ -1,106 +1,13 @@
 //! A distribution of times, honest about how many there are and how many never came.
 
+use crate::result::latency::Figures;
 use hdrhistogram::Histogram;
-use serde::Serialize;
 
 /// Times and the samples that found no answer before their deadline.
 #[derive(Debug, Clone)]
 pub struct Distribution {
     histogram: Histogram<u64>,
     censored: u64,
-}
-
-/// The figures of a distribution. `n` counts answered and censored samples; censored ones rank
-/// as worst. `None` where there is nothing to say. What is shown and serialised is
-/// [`Self::supported`].
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Default)]
-#[serde(into = "Shown")]
-pub struct Figures {
-    /// Samples, censored ones included.
-    pub n: u64,
-    /// Samples without an answer before the deadline.
-    pub censored: u64,
-    /// Median. [us]
-    pub p50_us: Option<f64>,
-    /// 90th percentile. [us]
-    pub p90_us: Option<f64>,
-    /// 99th percentile. [us]
-    pub p99_us: Option<f64>,
-    /// Worst. [us]
-    pub max_us: Option<f64>,
-}
-
-/// The form in which figures are serialised.
-#[derive(Serialize)]
-struct Shown {
-    n: u64,
-    censored: u64,
-    p50_us: Option<f64>,
-    p90_us: Option<f64>,
-    p99_us: Option<f64>,
-    max_us: Option<f64>,
-}
-
-impl From<Figures> for Shown {
-    fn from(figures: Figures) -> Self {
-        let Figures {
-            n,
-            censored,
-            p50_us,
-            p90_us,
-            p99_us,
-            max_us,
-        } = figures.supported();
-        Self {
-            n,
-            censored,
-            p50_us,
-            p90_us,
-            p99_us,
-            max_us,
-        }
-    }
-}
-
-impl Figures {
-    /// Without the percentiles above (n - 1) / n: so few samples do not tell them from the worst.
-    #[must_use]
-    pub fn supported(self) -> Self {
-        let from = |n_min: u64, value: Option<f64>| value.filter(|_| self.n >= n_min);
-        Self {
-            p50_us: from(2, self.p50_us),
-            p90_us: from(10, self.p90_us),
-            p99_us: from(100, self.p99_us),
-            ..self
-        }
-    }
-
-    /// Several rounds as one: percentiles are the median of the rounds', the worst is the worst
-    /// of all, samples are counted together.
-    #[must_use]
-    pub fn of_rounds(rounds: &[Self]) -> Self {
-        let median = |of: fn(&Self) -> Option<f64>| {
-            let mut values: Vec<f64> = rounds.iter().filter_map(of).collect();
-            values.sort_by(f64::total_cmp);
-            let middle = values.len() / 2;
-            match values.len() {
-                0 => None,
-                n if n % 2 == 1 => values.get(middle).copied(),
-                _ => Some(f64::midpoint(values[middle - 1], values[middle])),
-            }
-        };
-        Self {
-            n: rounds.iter().map(|round| round.n).sum(),
-            censored: rounds.iter().map(|round| round.censored).sum(),
-            p50_us: median(|round| round.p50_us),
-            p90_us: median(|round| round.p90_us),
-            p99_us: median(|round| round.p99_us),
-            max_us: rounds
-                .iter()
-                .filter_map(|round| round.max_us)
-                .max_by(f64::total_cmp),
-        }
-    }
 }
 
 /// Longest time that is told apart. [ns]

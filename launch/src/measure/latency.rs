@@ -1,82 +1,13 @@
 //! The latency part of a result: distributions over events, scans and commands.
 
-use super::distribution::{Distribution, Figures};
+use super::distribution::Distribution;
 use super::event::{Clearance, Event, EventOutcome, judge};
 use super::index::Records;
 use super::joins::{End, Joins};
 use super::reaction::reactions;
 use super::way::{ALL, DIRECT, HOPS, THROUGH_MAP, Way};
-use serde::Serialize;
+use crate::result::latency::{EveryScan, Figures, Hop, Latency, SecondClock};
 use std::collections::{BTreeMap, BTreeSet};
-
-/// One hop of the table.
-#[derive(Debug, Clone, Serialize)]
-pub struct Hop {
-    /// Its name.
-    pub name: &'static str,
-    /// Its figures.
-    #[serde(flatten)]
-    pub figures: Figures,
-}
-
-/// The latency part of a result.
-#[derive(Debug, Clone, Serialize)]
-pub struct Latency {
-    /// captured(scan) -> published(first command whose request checked that scan's points).
-    pub reaction: Figures,
-    /// captured(s) -> published(c).
-    pub replanning: Figures,
-    /// Appearance -> applied(c).
-    pub event_to_motion: Figures,
-    /// The way from captured(s) to applied(c).
-    pub hops: Vec<Hop>,
-    /// The same way through five processes that do nothing, at the same pace and with messages of
-    /// the same size; measured by trials only.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub transport_floor: Option<Figures>,
-    /// Median of replanning over that of the floor.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub replanning_to_floor: Option<f64>,
-    /// The same hops for every scan.
-    pub every_scan: EveryScan,
-    /// Stamps that lie before their predecessor, by the hop between the two; of all commands that
-    /// reached the wheels and of the events.
-    pub hops_out_of_order: BTreeMap<&'static str, u64>,
-    /// Commands that were followed back to their scan.
-    pub ways: u64,
-    /// Commands and events whose way could not be followed because a record is missing.
-    pub ways_broken: u64,
-    /// The robot's own end-to-end time on its second clock; null when it has left none.
-    pub second_clock: Option<SecondClock>,
-    /// Events answered before the map showed three beams' worth of the obstacle.
-    pub early: u64,
-    /// Answered events whose path did not clear all of the obstacle and was corrected later.
-    pub revised: u64,
-    /// Obstacles that no path led through.
-    pub not_in_the_way: u64,
-}
-
-/// The way of every scan to the wheels, hop by hop, whether or not anything had changed: the first
-/// command that reached the wheels behind each.
-#[derive(Debug, Clone, Serialize)]
-pub struct EveryScan {
-    /// Through the local planner, which checks the points of the scan itself.
-    pub direct: Vec<Hop>,
-    /// Through the map and a path that is current as of it.
-    pub through_map: Vec<Hop>,
-}
-
-/// The robot's own time from capture to application on a second clock, `CLOCK_MONOTONIC_RAW`, for
-/// every command, through the ids in its ancestry.
-#[derive(Debug, Clone, Serialize)]
-pub struct SecondClock {
-    /// That time.
-    pub end_to_end: Figures,
-    /// By how much it differs from the sum of the hops.
-    pub difference: Figures,
-    /// Commands for which that is more than the rates of the two clocks allow.
-    pub beyond: u64,
-}
 
 /// Latencies of all events and all scans. `radius_m` is that of the swept robot, `deadline_ns`
 /// the time after which an event or a scan counts as unanswered.
@@ -175,10 +106,11 @@ impl Ways {
         self.beyond += u64::from(way.is_beyond());
     }
 
-    fn disorder(&self) -> BTreeMap<&'static str, u64> {
-        let mut disorder: BTreeMap<_, _> = HOPS.into_iter().map(|hop| (hop, 0)).collect();
+    fn disorder(&self) -> BTreeMap<String, u64> {
+        let mut disorder: BTreeMap<_, _> =
+            HOPS.into_iter().map(|hop| (hop.to_owned(), 0)).collect();
         for (hop, ..) in &self.out_of_order {
-            *disorder.entry(HOPS[*hop]).or_default() += 1;
+            *disorder.entry(HOPS[*hop].to_owned()).or_default() += 1;
         }
         disorder
     }
@@ -200,7 +132,7 @@ fn add(hops: &mut [Distribution; HOPS.len()], way: &Way) {
 
 fn table(places: &[usize], hops: &[Distribution; HOPS.len()]) -> Vec<Hop> {
     let row = |place: &usize| Hop {
-        name: HOPS[*place],
+        name: HOPS[*place].to_owned(),
         figures: hops[*place].figures(),
     };
     places.iter().map(row).collect()
@@ -270,7 +202,7 @@ impl Latency {
         let hops = |of: fn(&Self) -> &Vec<Hop>| {
             let first = rounds.first().map_or(&[][..], |round| of(round));
             let row = |(at, hop): (usize, &Hop)| Hop {
-                name: hop.name,
+                name: hop.name.clone(),
                 figures: figures(&|round| of(round).get(at).map(|hop| hop.figures))
                     .unwrap_or_default(),
             };
@@ -290,7 +222,7 @@ impl Latency {
         };
         let mut hops_out_of_order = BTreeMap::new();
         for (hop, n) in rounds.iter().flat_map(|round| &round.hops_out_of_order) {
-            *hops_out_of_order.entry(*hop).or_default() += n;
+            *hops_out_of_order.entry(hop.clone()).or_default() += n;
         }
         Self {
             reaction: figures(&|round| Some(round.reaction)).unwrap_or_default(),

@@ -19,7 +19,10 @@ pub use distribution::Distribution;
 pub use event::{Event, EventOutcome, judge};
 pub use fold::RunHash;
 pub use index::Records;
-pub use latency::{Latency, measure};
+pub use latency::measure;
 pub use motion::Motion;
 pub use reaction::reactions;
-pub use tracking::Witness;
+pub use tracking::TruthComparison;
+
+/// Time after which an obstacle or a scan counts as unanswered. [ns]
+pub const DEADLINE_NS: u64 = 5_000_000_000;

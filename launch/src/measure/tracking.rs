@@ -4,8 +4,7 @@
 //! one tick carry the same run time. Whatever of a scan is here waits for the rest; one of which a
 //! message was lost is left out.
 
-use core::fmt::Write;
-use serde::Serialize;
+use crate::result::truth::{PoseResult, TrackingResult};
 use std::collections::{BTreeMap, VecDeque};
 use zeronav_msgs::Pose;
 use zeronav_msgs::obstacles::Obstacle;
@@ -15,90 +14,6 @@ use zeronav_world::TrackingScore;
 
 /// Scans that wait for all their messages at most; the oldest go first.
 const WAITING_MAX: usize = 128;
-
-/// Odometry that is never farther from the truth than this is the truth. [m]
-const EXACT_M: f64 = 1.0e-6;
-
-/// Where mapping said the robot was, scan by scan, against where it was.
-#[derive(Debug, Clone, Default, PartialEq, Serialize)]
-pub struct PoseResult {
-    /// Scans that were compared.
-    pub scans: usize,
-    /// Largest distance of `map_from_odom * odom_from_base` from the true place. [m]
-    pub error_m_max: f64,
-    /// Root of its mean square. [m]
-    pub error_m_rms: f64,
-    /// Distance at the last scan. [m]
-    pub error_m_last: f64,
-    /// Largest error of the yaw. [rad]
-    pub error_rad_max: f64,
-    /// True place and yaw of the robot at the last scan, `map` frame. [m, m, rad]
-    pub true_pose_last: [f64; 3],
-    /// Largest distance of the odometry alone from the true place. [m]
-    pub odometry_error_m_max: f64,
-}
-
-impl PoseResult {
-    /// The line for people; nothing when odometry was the truth and was left alone.
-    pub fn write(&self, text: &mut String) {
-        if self.odometry_error_m_max <= EXACT_M && self.error_m_max <= EXACT_M {
-            return;
-        }
-        let _ = writeln!(
-            text,
-            "  pose off by at most {:.1} cm and {:.2} degrees, {:.1} cm in the mean, over {} scans; \
-             odometry alone by {:.2} m",
-            1.0e2 * self.error_m_max,
-            self.error_rad_max.to_degrees(),
-            1.0e2 * self.error_m_rms,
-            self.scans,
-            self.odometry_error_m_max,
-        );
-    }
-}
-
-/// How well mapping followed what moved.
-#[derive(Debug, Clone, Default, PartialEq, Serialize)]
-pub struct TrackingResult {
-    /// Times a moving obstacle came into sight and was found.
-    pub found: usize,
-    /// Moving obstacles that were in sight for more than a second and not found.
-    pub missed: usize,
-    /// From the first scan with three beams on it to the first in which it is tracked, median. [s]
-    pub detection_delay_s_median: Option<f64>,
-    /// The longest. [s]
-    pub detection_delay_s_max: Option<f64>,
-    /// Root of the mean squared error of the velocity vector; null without a sample. [m/s]
-    pub velocity_rmse_mps: Option<f64>,
-    /// Samples of it.
-    pub velocity_samples: usize,
-    /// Tracks that were called moving where nothing moved.
-    pub false_moving: usize,
-    /// The same per minute of run time.
-    pub false_moving_per_min: f64,
-    /// Run time that was looked at. [s]
-    pub duration_s: f64,
-}
-
-impl TrackingResult {
-    /// The line for people.
-    pub fn write(&self, text: &mut String) {
-        let delays = self
-            .detection_delay_s_median
-            .zip(self.detection_delay_s_max)
-            .map_or_else(String::new, |(median_s, most_s)| {
-                format!(" after {median_s:.2} s (at most {most_s:.2} s)")
-            });
-        let rmse = self
-            .velocity_rmse_mps
-            .map_or_else(String::new, |rmse| format!("; velocity RMSE {rmse:.2} m/s"));
-        let _ = writeln!(
-            text,
-            "  moving obstacles: {} found{delays}, {} missed, {} made up in {:.0} s{rmse}",
-            self.found, self.missed, self.false_moving, self.duration_s,
-        );
-    }
-}
 
 /// The messages about one scan.
 #[derive(Debug, Default)]
@@ -117,7 +32,7 @@ impl Scan {
 
 /// Compares mapping with the truth. See the module's description.
 #[derive(Debug, Default)]
-pub struct Witness {
+pub struct TruthComparison {
     /// By the scans' ids.
     waiting: BTreeMap<u64, Scan>,
     /// Run time [ns] and `odom_from_base` of the ticks with a scan, in order.
@@ -130,7 +45,7 @@ pub struct Witness {
     moving: bool,
 }
 
-impl Witness {
+impl TruthComparison {
     /// Takes in the truth at `run_ns`; only that of scans counts.
     pub fn truth(&mut self, run_ns: u64, scan: u64, pose: &Pose, obstacles: &[TruthObstacle]) {
         if scan == 0 {
@@ -251,7 +166,7 @@ mod tests {
     use super::*;
 
     /// A walker along x at 1 m/s, and a robot that is 3 cm and 0.1 rad beside its odometry.
-    fn scan(witness: &mut Witness, n: u32, lost: bool) {
+    fn scan(comparison: &mut TruthComparison, n: u32, lost: bool) {
         let run_ns = u64::from(n) * 100_000_000;
         let at_m = 1.0 + 0.1 * f64::from(n);
         let walker = TruthObstacle {
@@ -260,15 +175,15 @@ mod tests {
             ..TruthObstacle::default()
         };
         let id = 40 + u64::from(n);
-        witness.truth(run_ns, id, &Pose::new(0.0, 0.03, 0.1), &[walker]);
-        witness.odometry(run_ns, &Pose::new(0.0, 0.0, 0.0));
+        comparison.truth(run_ns, id, &Pose::new(0.0, 0.03, 0.1), &[walker]);
+        comparison.odometry(run_ns, &Pose::new(0.0, 0.0, 0.0));
         let tracked = Obstacle {
             x_m: at_m,
             y_m: 2.0,
             vx_mps: 1.0,
             ..Obstacle::default()
         };
-        witness.obstacles(
+        comparison.obstacles(
             id,
             if n < 4 {
                 &[]
@@ -277,19 +192,19 @@ mod tests {
             },
         );
         if !lost {
-            witness.placed(id, &Pose::new(0.0, if n == 9 { -0.02 } else { 0.0 }, 0.1));
+            comparison.placed(id, &Pose::new(0.0, if n == 9 { -0.02 } else { 0.0 }, 0.1));
         }
-        witness.compare();
+        comparison.compare();
     }
 
     #[test]
     fn pose_and_movers_are_compared_scan_by_scan() {
-        let mut witness = Witness::default();
-        assert_eq!((witness.pose(), witness.tracking()), (None, None));
+        let mut comparison = TruthComparison::default();
+        assert_eq!((comparison.pose(), comparison.tracking()), (None, None));
         for n in 0..30 {
-            scan(&mut witness, n, n == 20);
+            scan(&mut comparison, n, n == 20);
         }
-        let pose = witness.pose().expect("scans");
+        let pose = comparison.pose().expect("scans");
         assert_eq!(pose.scans, 29, "one update was lost");
         assert!((pose.error_m_max - 0.05).abs() < 1e-9, "{pose:?}");
         assert!((pose.error_m_last - 0.03).abs() < 1e-9, "{pose:?}");
@@ -299,7 +214,7 @@ mod tests {
         }
         let rms_m = ((28.0 * 0.0009 + 0.0025) / 29.0_f64).sqrt();
         assert!((pose.error_m_rms - rms_m).abs() < 1e-9, "{pose:?}");
-        let tracking = witness.tracking().expect("a walker");
+        let tracking = comparison.tracking().expect("a walker");
         assert_eq!(
             (tracking.found, tracking.missed, tracking.false_moving),
             (1, 0, 0)
@@ -307,64 +222,44 @@ mod tests {
         let delay_s = tracking.detection_delay_s_median.expect("a delay");
         assert!((delay_s - 0.3).abs() < 1e-9, "{tracking:?}");
         assert!(tracking.velocity_rmse_mps.expect("samples") < 1e-9);
-        let mut text = String::new();
-        pose.write(&mut text);
-        tracking.write(&mut text);
-        assert!(text.contains("at most 5.0 cm"), "{text}");
-        assert!(text.contains("1 found after 0.30 s"), "{text}");
     }
 
     #[test]
     fn errors_of_the_yaw_go_the_short_way_round() {
-        let mut witness = Witness::default();
-        witness.truth(7, 1, &Pose::new(0.0, 0.0, 3.1), &[]);
-        witness.odometry(7, &Pose::default());
-        witness.odometry(8, &Pose::default());
-        witness.obstacles(1, &[]);
-        witness.placed(1, &Pose::new(0.0, 0.0, -3.1));
-        witness.compare();
-        let error_rad = witness.pose().expect("a scan").error_rad_max;
+        let mut comparison = TruthComparison::default();
+        comparison.truth(7, 1, &Pose::new(0.0, 0.0, 3.1), &[]);
+        comparison.odometry(7, &Pose::default());
+        comparison.odometry(8, &Pose::default());
+        comparison.obstacles(1, &[]);
+        comparison.placed(1, &Pose::new(0.0, 0.0, -3.1));
+        comparison.compare();
+        let error_rad = comparison.pose().expect("a scan").error_rad_max;
         assert!((error_rad - (core::f64::consts::TAU - 6.2)).abs() < 1e-9);
     }
 
     #[test]
-    fn where_nothing_was_found_no_delay_is_said() {
-        let mut text = String::new();
-        let nothing = TrackingResult {
-            missed: 2,
-            duration_s: 30.0,
-            ..TrackingResult::default()
-        };
-        nothing.write(&mut text);
-        assert_eq!(
-            text,
-            "  moving obstacles: 0 found, 2 missed, 0 made up in 30 s\n"
-        );
-    }
-
-    #[test]
     fn a_scan_waits_for_its_odometry() {
-        let mut witness = Witness::default();
-        witness.truth(0, 40, &Pose::default(), &[]);
-        witness.obstacles(40, &[]);
-        witness.placed(40, &Pose::default());
-        witness.compare();
-        assert_eq!(witness.pose(), None);
-        witness.odometry(0, &Pose::default());
-        witness.compare();
-        assert_eq!(witness.pose().map(|pose| pose.scans), Some(1));
+        let mut comparison = TruthComparison::default();
+        comparison.truth(0, 40, &Pose::default(), &[]);
+        comparison.obstacles(40, &[]);
+        comparison.placed(40, &Pose::default());
+        comparison.compare();
+        assert_eq!(comparison.pose(), None);
+        comparison.odometry(0, &Pose::default());
+        comparison.compare();
+        assert_eq!(comparison.pose().map(|pose| pose.scans), Some(1));
     }
 
     #[test]
     fn what_never_becomes_whole_does_not_pile_up() {
-        let mut witness = Witness::default();
+        let mut comparison = TruthComparison::default();
         for n in 0..1000 {
-            witness.odometry(n, &Pose::default());
-            witness.truth(n, n + 1, &Pose::default(), &[]);
-            witness.compare();
+            comparison.odometry(n, &Pose::default());
+            comparison.truth(n, n + 1, &Pose::default(), &[]);
+            comparison.compare();
         }
-        assert!(witness.waiting.len() <= WAITING_MAX);
-        assert!(witness.odometry.len() <= WAITING_MAX);
-        assert_eq!(witness.pose(), None);
+        assert!(comparison.waiting.len() <= WAITING_MAX);
+        assert!(comparison.odometry.len() <= WAITING_MAX);
+        assert_eq!(comparison.pose(), None);
     }
 }

@@ -7,7 +7,7 @@
 //! one after the other, on one number line, so a span of the TOML parser says which file it means.
 
 use super::error::ScenarioError;
-use super::library::{Kind, Library, Origin};
+use super::library::{Kind, Library, Origin, VARIANTS};
 use core::ops::Range;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -22,9 +22,6 @@ const FILES_MAX: usize = 16;
 
 /// The key that names the files to build on.
 const BASE: &str = "base";
-
-/// The key that holds the variants: tables that are laid over the scenario, by name.
-pub(super) const VARIANTS: &str = "variants";
 
 /// The key that names one of them.
 const VARIANT: &str = "variant";

@@ -7,7 +7,6 @@
 //! The variants of a scenario have names of their own: variant `4m` of `u_trap.toml` is `u_trap_4m`.
 //! They are what is listed then; `u_trap` is the file as it stands.
 
-use super::document::VARIANTS;
 use super::error::ScenarioError;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -15,6 +14,9 @@ use zeronav_shell::nearest::{nearest, unknown};
 
 /// Largest scenario file. [bytes]
 const TEXT_BYTES_MAX: u64 = 4 << 20;
+
+/// The key that holds the variants: tables that are laid over the scenario, by name.
+pub(super) const VARIANTS: &str = "variants";
 
 // `SCENARIOS` and `WORLDS`: name and text of the files that users read, listed by `build.rs`.
 include!(concat!(env!("OUT_DIR"), "/library.rs"));

@@ -3,9 +3,9 @@
 pub mod animation;
 mod captions;
 pub mod log;
+pub mod page;
 pub mod picture;
 pub mod progress;
 pub mod recording;
-pub mod report;
 mod svg;
 pub mod terminal;

@@ -1,15 +1,13 @@
 //! Standard output and standard error. Either may be full, closed, or a terminal with a progress
 //! line on it; writing to them never panics.
 
+use crate::exit::{EXIT_OUTPUT, EXIT_USAGE};
 use indicatif::ProgressBar;
 use std::io::{ErrorKind, Write};
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
-use zeronav_shell::printable::printable_lines;
-
-/// Exit code when a result could not be written, be it to a file or to standard output.
-pub const EXIT_OUTPUT: u8 = 4;
+use zeronav_shell::printable::{printable_json, printable_lines};
 
 /// Something of the result was lost.
 static LOST: AtomicBool = AtomicBool::new(false);
@@ -30,6 +28,21 @@ pub fn say(text: &str) {
     {
         lose(&format!("writing to standard output: {error}"));
     }
+}
+
+/// Writes a value to standard output as JSON.
+pub fn say_json(value: &impl serde::Serialize) {
+    match serde_json::to_string_pretty(value) {
+        Ok(text) => say(&(printable_json(&text).into_owned() + "\n")),
+        Err(error) => complain(&format!("no JSON form: {error}")),
+    }
+}
+
+/// Complains in one line; the exit code of usage and configuration.
+#[must_use]
+pub fn usage(problem: &str) -> ExitCode {
+    complain(problem);
+    ExitCode::from(EXIT_USAGE)
 }
 
 /// Writes a complaint to standard error, on a line of its own.

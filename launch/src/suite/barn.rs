@@ -2,7 +2,7 @@
 
 use super::case::{Case, Rule, Sheet, Success};
 use super::data::{self, WorldFile};
-use super::{Setup, SuiteArgs};
+use super::plan::{Setup, SuitePlan};
 use serde::Deserialize;
 use std::collections::HashMap;
 use toml::Table;
@@ -24,9 +24,9 @@ pub(super) const TOLERANCE_SHARE: f64 = 0.25;
 ///
 /// # Errors
 /// One line when there are none.
-pub(super) fn worlds(arguments: &SuiteArgs) -> Result<Vec<WorldFile>, String> {
-    let folder = data::folder(arguments, data::BARN)?.join("worlds");
-    data::worlds(arguments, &folder, "world_", "csv")
+pub(super) fn worlds(plan: &SuitePlan) -> Result<Vec<WorldFile>, String> {
+    let folder = data::folder(plan, data::BARN)?.join("worlds");
+    data::worlds(plan, &folder, "world_", "csv")
 }
 
 /// Every world with every seed.
@@ -34,7 +34,7 @@ pub(super) fn worlds(arguments: &SuiteArgs) -> Result<Vec<WorldFile>, String> {
 /// # Errors
 /// One line naming a file.
 pub(super) fn cases(setup: &Setup<'_>, worlds: &[WorldFile]) -> Result<Vec<Case>, String> {
-    let index = data::folder(setup.arguments, data::BARN)?.join("index.csv");
+    let index = data::folder(setup.plan, data::BARN)?.join("index.csv");
     let entries: HashMap<u32, Entry> = data::index(&index)?
         .into_iter()
         .map(|entry: Entry| (entry.world, entry))
@@ -56,7 +56,7 @@ pub(super) fn cases(setup: &Setup<'_>, worlds: &[WorldFile]) -> Result<Vec<Case>
             time_limit_s: TIME_LIMIT_S,
         };
         let scenario = sheet.write(setup)?;
-        for seed in 1..=setup.arguments.seeds {
+        for seed in 1..=setup.plan.seeds {
             cases.push(Case {
                 world: world.name.clone(),
                 class: None,

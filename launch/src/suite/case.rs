@@ -1,7 +1,7 @@
 //! One run that a suite makes, and by what it is judged.
 
-use super::Setup;
 use super::noise;
+use super::plan::Setup;
 use super::track::Clock;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -114,7 +114,7 @@ impl Sheet {
     /// # Errors
     /// One line naming the file.
     pub(super) fn write(self, setup: &Setup<'_>) -> Result<PathBuf, String> {
-        let mut robot = noise::jackal(setup.arguments.noise);
+        let mut robot = noise::jackal(setup.plan.noise);
         robot.insert("preset".into(), "jackal".into());
         let mut run = Table::new();
         run.insert("time_limit_s".into(), self.time_limit_s.into());

@@ -1,6 +1,6 @@
 //! The folders of the data sets: which worlds are there, and what their index says.
 
-use crate::cli::SuiteArgs;
+use super::plan::SuitePlan;
 use serde::de::DeserializeOwned;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -64,8 +64,8 @@ fn root(given: Option<&Path>, environment: Option<OsString>) -> PathBuf {
 ///
 /// # Errors
 /// One line when it is not there, with where to get it and how to lay it out.
-pub(super) fn folder(arguments: &SuiteArgs, set: DataSet) -> Result<PathBuf, String> {
-    let root = root(arguments.data.as_deref(), std::env::var_os("ZERONAV_DATA"));
+pub(super) fn folder(plan: &SuitePlan, set: DataSet) -> Result<PathBuf, String> {
+    let root = root(plan.data.as_deref(), std::env::var_os("ZERONAV_DATA"));
     let folder = root.join(set.part);
     if folder.is_dir() {
         return Ok(absolute(&folder));
@@ -85,7 +85,7 @@ pub(super) fn folder(arguments: &SuiteArgs, set: DataSet) -> Result<PathBuf, Str
 /// # Errors
 /// One line when there is none.
 pub(super) fn worlds(
-    arguments: &SuiteArgs,
+    plan: &SuitePlan,
     folder: &Path,
     prefix: &str,
     ending: &str,
@@ -117,14 +117,14 @@ pub(super) fn worlds(
             file: absolute(&file),
         })
         .filter(|world| {
-            let wanted = arguments.worlds.as_ref();
+            let wanted = plan.worlds.as_ref();
             wanted.is_none_or(|wanted| wanted.contains(&world.number))
         })
         .collect();
     if !worlds.is_empty() {
         return Ok(worlds);
     }
-    let wanted = arguments.worlds.as_ref().map_or_else(String::new, |range| {
+    let wanted = plan.worlds.as_ref().map_or_else(String::new, |range| {
         format!(" with a number in {}..{}", range.start, range.end)
     });
     Err(format!(

@@ -3,7 +3,7 @@
 use super::barn::TOLERANCE_SHARE;
 use super::case::{Case, Rule, Sheet, Success};
 use super::data::{self, WorldFile};
-use super::{Setup, SuiteArgs};
+use super::plan::{Setup, SuitePlan};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use serde::Deserialize;
@@ -25,9 +25,9 @@ const PHASE_S_MAX: f64 = 600.0;
 ///
 /// # Errors
 /// One line when there are none.
-pub(super) fn worlds(arguments: &SuiteArgs) -> Result<Vec<WorldFile>, String> {
-    let folder = data::folder(arguments, data::DYNABARN)?;
-    data::worlds(arguments, &folder, "world_", "csv")
+pub(super) fn worlds(plan: &SuitePlan) -> Result<Vec<WorldFile>, String> {
+    let folder = data::folder(plan, data::DYNABARN)?;
+    data::worlds(plan, &folder, "world_", "csv")
 }
 
 /// Every world with every seed, each with a phase of its own.
@@ -35,7 +35,7 @@ pub(super) fn worlds(arguments: &SuiteArgs) -> Result<Vec<WorldFile>, String> {
 /// # Errors
 /// One line naming a file.
 pub(super) fn cases(setup: &Setup<'_>, worlds: &[WorldFile]) -> Result<Vec<Case>, String> {
-    let index = data::folder(setup.arguments, data::DYNABARN)?.join("index.csv");
+    let index = data::folder(setup.plan, data::DYNABARN)?.join("index.csv");
     let mut classes: HashMap<u32, String> = data::index(&index)?
         .into_iter()
         .map(|entry: Entry| (entry.world, entry.difficulty))
@@ -44,7 +44,7 @@ pub(super) fn cases(setup: &Setup<'_>, worlds: &[WorldFile]) -> Result<Vec<Case>
     let mut cases = Vec::new();
     for world in worlds {
         let class = classes.remove(&world.number);
-        for seed in 1..=setup.arguments.seeds {
+        for seed in 1..=setup.plan.seeds {
             let phase_s = phase_s(world.number, seed);
             let mut rounds = Table::new();
             rounds.insert("file".into(), world.file.display().to_string().into());

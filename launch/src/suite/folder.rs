@@ -3,7 +3,7 @@
 use super::case::{Case, Rule, Success, write};
 use super::data::{self, WorldFile};
 use super::noise;
-use super::{Setup, SuiteArgs};
+use super::plan::{Setup, SuitePlan};
 use crate::scenario::Scenario;
 use std::path::Path;
 use toml::Table;
@@ -13,14 +13,14 @@ use zeronav_shell::nearest::unknown;
 ///
 /// # Errors
 /// One line when there are none.
-pub(super) fn worlds(arguments: &SuiteArgs) -> Result<Vec<WorldFile>, String> {
-    let folder = Path::new(&arguments.suite);
+pub(super) fn worlds(plan: &SuitePlan) -> Result<Vec<WorldFile>, String> {
+    let folder = Path::new(&plan.suite);
     if !folder.is_dir() {
         let known = ["generated", "barn", "dynabarn", "pedestrians"];
-        let why = unknown("suite", &arguments.suite, known);
+        let why = unknown("suite", &plan.suite, known);
         return Err(format!("{why} (no folder of scenarios is called so)"));
     }
-    data::worlds(arguments, folder, "", "toml")
+    data::worlds(plan, folder, "", "toml")
 }
 
 /// Every scenario with every seed.
@@ -60,7 +60,7 @@ fn of_scenario(
     let scenario = write(setup, &name, sheet.clone())?;
     let own = Scenario::load(&scenario.display().to_string()).map_err(|error| error.to_string())?;
     own.validate().map_err(|error| error.to_string())?;
-    let robot = noise::robot(setup.arguments.noise, &own.robot);
+    let robot = noise::robot(setup.plan.noise, &own.robot);
     if !robot.is_empty() {
         sheet.insert("robot".into(), robot.into());
         write(setup, &name, sheet)?;
@@ -79,7 +79,7 @@ fn of_scenario(
             future_is_known: false,
         },
     };
-    Ok((1..=setup.arguments.seeds).map(case).collect())
+    Ok((1..=setup.plan.seeds).map(case).collect())
 }
 
 /// Length of the straight lines from start to goal to goal, up to the last one's tolerance; `None`

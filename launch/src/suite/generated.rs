@@ -3,7 +3,7 @@
 use super::barn::TOLERANCE_SHARE;
 use super::case::{Case, Rule, Sheet, Success};
 use super::data::WorldFile;
-use super::{Setup, SuiteArgs};
+use super::plan::{Setup, SuitePlan};
 use core::ops::Range;
 use std::path::PathBuf;
 use toml::Table;
@@ -18,8 +18,8 @@ const WORLDS: Range<u32> = 0..2 * Class::COUNT;
 const AMONG_MOVERS: &str = "beam";
 
 /// The worlds that are asked for.
-pub(super) fn worlds(arguments: &SuiteArgs) -> Vec<WorldFile> {
-    let numbers = arguments.worlds.clone().unwrap_or(WORLDS);
+pub(super) fn worlds(plan: &SuitePlan) -> Vec<WorldFile> {
+    let numbers = plan.worlds.clone().unwrap_or(WORLDS);
     numbers
         .map(|number| WorldFile {
             name: format!("{}_{number:03}", Class::of(number).label()),
@@ -37,7 +37,7 @@ pub(super) fn cases(setup: &Setup<'_>, worlds: &[WorldFile]) -> Result<Vec<Case>
     let robot = Robot::new(&RobotPreset::Jackal.robot()).map_err(|error| error.to_string())?;
     let mut cases = Vec::new();
     for world in worlds {
-        for seed in 1..=setup.arguments.seeds {
+        for seed in 1..=setup.plan.seeds {
             cases.push(case(setup, world, seed, robot)?);
         }
     }

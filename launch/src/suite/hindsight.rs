@@ -1,6 +1,7 @@
 //! What could have been done about the contacts of a run whose obstacles all had a known future.
 
-use super::oracle::{Abilities, Disc, State, Surroundings, is_unavoidable};
+use super::oracle::robot::{Abilities, Disc, State};
+use super::oracle::{Surroundings, is_unavoidable};
 use crate::scenario::Scenario;
 use nalgebra::Point2;
 use serde::{Deserialize, Serialize};

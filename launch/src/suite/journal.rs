@@ -1,9 +1,9 @@
 //! The journal of a suite: what it was asked for, and one line per finished run, so that a suite
 //! that was interrupted can go on where it stopped.
 
-use super::Setup;
 use super::case::Case;
 use super::hindsight::ContactRow;
+use super::plan::Setup;
 use super::row::Row;
 use crate::supervise::binaries;
 use serde::{Deserialize, Serialize};
@@ -145,18 +145,15 @@ impl Order {
     /// # Errors
     /// One line naming a binary that cannot be read.
     pub(super) fn of(setup: &Setup<'_>) -> Result<Self, String> {
-        let arguments = setup.arguments;
+        let plan = setup.plan;
         let absolute = |path: &PathBuf| std::path::absolute(path).unwrap_or_else(|_| path.clone());
         Ok(Self {
-            suite: arguments.suite.clone(),
-            controller: arguments.controller.clone(),
-            seeds: arguments.seeds,
-            worlds: arguments
-                .worlds
-                .as_ref()
-                .map(|range| [range.start, range.end]),
-            noise: arguments.noise.label().to_owned(),
-            data: arguments.data.as_ref().map(absolute),
+            suite: plan.suite.clone(),
+            controller: plan.controller.clone(),
+            seeds: plan.seeds,
+            worlds: plan.worlds.as_ref().map(|range| [range.start, range.end]),
+            noise: plan.noise.label().to_owned(),
+            data: plan.data.as_ref().map(absolute),
             build: build()?,
         })
     }

@@ -9,131 +9,82 @@ mod case;
 mod csv_file;
 mod data;
 mod dynabarn;
+pub mod error;
 mod folder;
 mod generated;
 mod hindsight;
 mod journal;
 mod junit;
-mod noise;
+mod kind;
+pub mod noise;
 mod oracle;
 mod pedestrians;
-mod report;
+pub mod plan;
+pub mod report;
 mod row;
+mod rows;
 mod runner;
 mod score;
 mod summary;
 mod track;
 
-pub use noise::Noise;
-pub use report::Report;
-
-use crate::cli::SuiteArgs;
 use crate::environment::Before;
 use crate::supervise::algorithms;
 use crate::supervise::binaries::{self, Needed};
 use case::Case;
+use data::WorldFile;
+use error::SuiteError;
 use journal::{Journal, Order};
-use report::Kind;
+use kind::Kind;
+use noise::Noise;
+use plan::{Setup, SuitePlan};
+use report::Report;
 use row::Row;
+use rows::drive_rest;
 use runner::{Runner, Stopped};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-/// Why a suite did not run to its end.
-#[derive(Debug)]
-pub enum SuiteError {
-    /// Usage or configuration, in one line.
-    Usage(String),
-    /// Ctrl-C: everything is stopped, the report says what there is.
-    Interrupted(Option<Box<Report>>),
-    /// A file could not be written, in one line.
-    Lost(String),
-}
-
-impl From<String> for SuiteError {
-    fn from(problem: String) -> Self {
-        Self::Usage(problem)
-    }
-}
-
-impl From<Stopped> for SuiteError {
-    fn from(stopped: Stopped) -> Self {
-        match stopped {
-            Stopped::Refused(problem) => Self::Usage(problem),
-            Stopped::Lost(problem) => Self::Lost(problem),
-            Stopped::Interrupted => Self::Interrupted(None),
-        }
-    }
-}
-
-/// What all cases of a suite have in common.
-#[derive(Debug, Clone, Copy)]
-struct Setup<'a> {
-    arguments: &'a SuiteArgs,
-    /// Key of the local planner's controller; `None` = its own default, or the scenario's.
-    controller: Option<&'a str>,
-    /// Folder for the scenarios that are written.
-    scenarios: &'a Path,
-}
-
 /// Runs a suite, or what is left of one, and writes what it gave into a folder of its own.
 ///
 /// # Errors
 /// [`SuiteError`]; runs that fail are no error but rows of the report.
-pub fn suite(arguments: &SuiteArgs, interrupted: &AtomicBool) -> Result<Report, SuiteError> {
-    let Some(directory) = &arguments.resume else {
-        return begin(arguments, interrupted, None);
+pub fn suite(plan: &SuitePlan, interrupted: &AtomicBool) -> Result<Report, SuiteError> {
+    let Some(directory) = &plan.resume else {
+        return begin(plan, interrupted, None);
     };
     let (order, journal) = Journal::resume(directory)?;
-    let arguments = SuiteArgs {
+    let plan = SuitePlan {
         suite: order.suite.clone(),
         controller: order.controller.clone(),
         seeds: order.seeds,
         worlds: order.worlds.map(|[from, until]| from..until),
         noise: Noise::from_label(&order.noise).unwrap_or_default(),
         data: order.data.clone(),
-        ..arguments.clone()
+        ..plan.clone()
     };
-    begin(&arguments, interrupted, Some((directory, &order, journal)))
+    begin(&plan, interrupted, Some((directory, &order, journal)))
 }
 
 fn begin(
-    arguments: &SuiteArgs,
+    plan: &SuitePlan,
     interrupted: &AtomicBool,
     resumed: Option<(&Path, &Order, Journal)>,
 ) -> Result<Report, SuiteError> {
-    let kind = Kind::of(&arguments.suite);
-    let worlds = match kind {
-        Kind::Barn => barn::worlds(arguments)?,
-        Kind::Dynabarn => dynabarn::worlds(arguments)?,
-        Kind::Pedestrians => pedestrians::worlds(arguments)?,
-        Kind::Generated => generated::worlds(arguments),
-        Kind::Folder => folder::worlds(arguments)?,
-    };
-    // A folder's scenarios may name whatever they want.
-    binaries::refresh_under_cargo(match kind {
-        Kind::Folder => Needed::Any,
-        Kind::Barn | Kind::Dynabarn | Kind::Pedestrians | Kind::Generated => Needed::Stock,
-    })?;
-    // A folder's scenarios may have another local planner, with keys of its own.
-    if let Some(key) = arguments
-        .controller
-        .as_deref()
-        .filter(|_| kind != Kind::Folder)
-    {
-        algorithms::check_controller(key)?;
-    }
+    let kind = Kind::of(&plan.suite);
+    let worlds = worlds(kind, plan)?;
+    check_binaries(kind, plan)?;
     let before = Before::read();
     let started = Instant::now();
     let directory = match &resumed {
         Some((directory, ..)) => (*directory).to_owned(),
-        None => suite_folder(&arguments.out, kind)?,
+        None => suite_folder(&plan.out, kind)?,
     };
     let scenarios = directory.join("scenarios");
     let setup = Setup {
-        arguments,
-        controller: arguments.controller.as_deref().or(kind.controller()),
+        plan,
+        controller: plan.controller.as_deref().or(kind.controller()),
         scenarios: &scenarios,
     };
     let order = Order::of(&setup)?;
@@ -147,14 +98,8 @@ fn begin(
         }
         None => Journal::begin(&directory, &order).map_err(SuiteError::Lost)?,
     };
-    let runner = Runner::new(arguments, directory.join("runs"), interrupted)?;
-    let cases = match kind {
-        Kind::Barn => barn::cases(&setup, &worlds)?,
-        Kind::Dynabarn => dynabarn::cases(&setup, &worlds)?,
-        Kind::Pedestrians => pedestrians::cases(&setup, &worlds, &runner)?,
-        Kind::Generated => generated::cases(&setup, &worlds)?,
-        Kind::Folder => folder::cases(&setup, &worlds)?,
-    };
+    let runner = Runner::new(plan, directory.join("runs"), interrupted)?;
+    let cases = cases(kind, &setup, &worlds, &runner)?;
     let ended = drive_rest(&runner, kind.label(), &cases, &mut journal);
     let rows: Vec<Row> = cases
         .iter()
@@ -181,32 +126,47 @@ fn begin(
     }
 }
 
-/// Runs the cases; their rows in the order of the cases.
-fn drive(runner: &Runner<'_>, title: &str, cases: &[Case]) -> Result<Vec<Row>, Stopped> {
-    let mut rows: Vec<Option<Row>> = vec![None; cases.len()];
-    let all: Vec<&Case> = cases.iter().collect();
-    runner.each(title, &all, |index, finish| {
-        rows[index] = Some(Row::new(&cases[index], &finish));
-        Ok(())
-    })?;
-    Ok(rows.into_iter().flatten().collect())
+/// The worlds that the plan asks for.
+fn worlds(kind: Kind, plan: &SuitePlan) -> Result<Vec<WorldFile>, String> {
+    match kind {
+        Kind::Barn => barn::worlds(plan),
+        Kind::Dynabarn => dynabarn::worlds(plan),
+        Kind::Pedestrians => pedestrians::worlds(plan),
+        Kind::Generated => Ok(generated::worlds(plan)),
+        Kind::Folder => folder::worlds(plan),
+    }
 }
 
-/// Makes the runs that the journal does not have yet.
-fn drive_rest(
+/// The runs to make.
+fn cases(
+    kind: Kind,
+    setup: &Setup<'_>,
+    worlds: &[WorldFile],
     runner: &Runner<'_>,
-    title: &str,
-    cases: &[Case],
-    journal: &mut Journal,
-) -> Result<(), Stopped> {
-    let left: Vec<&Case> = cases
-        .iter()
-        .filter(|case| journal.row(case).is_none())
-        .collect();
-    runner.each(title, &left, |index, finish| {
-        let case = left[index];
-        journal.note(case, Row::new(case, &finish))
-    })
+) -> Result<Vec<Case>, SuiteError> {
+    let cases = match kind {
+        Kind::Barn => barn::cases(setup, worlds)?,
+        Kind::Dynabarn => dynabarn::cases(setup, worlds)?,
+        Kind::Pedestrians => pedestrians::cases(setup, worlds, runner)?,
+        Kind::Generated => generated::cases(setup, worlds)?,
+        Kind::Folder => folder::cases(setup, worlds)?,
+    };
+    Ok(cases)
+}
+
+/// Builds the binaries under cargo and checks the controller's key. The scenarios of a folder may
+/// name any binary, and their local planner may have keys of its own.
+fn check_binaries(kind: Kind, plan: &SuitePlan) -> Result<(), String> {
+    let is_folder = kind == Kind::Folder;
+    binaries::refresh_under_cargo(if is_folder {
+        Needed::Any
+    } else {
+        Needed::Stock
+    })?;
+    match plan.controller.as_deref() {
+        Some(key) if !is_folder => algorithms::check_controller(key),
+        _ => Ok(()),
+    }
 }
 
 /// Makes the suite's own folder.

@@ -3,8 +3,10 @@
 use super::barn::TOLERANCE_SHARE;
 use super::case::{Case, Rule, Sheet, Success};
 use super::data::{self, WorldFile};
+use super::error::SuiteError;
+use super::plan::{Setup, SuitePlan};
+use super::rows::drive;
 use super::runner::Runner;
-use super::{Setup, SuiteArgs, SuiteError, drive};
 use core::f64::consts::{FRAC_PI_2, PI};
 use toml::Table;
 use zeronav_msgs::Pose;
@@ -36,9 +38,9 @@ const WAYS: [&str; 4] = ["east", "north", "west", "south"];
 ///
 /// # Errors
 /// One line when there are none.
-pub(super) fn worlds(arguments: &SuiteArgs) -> Result<Vec<WorldFile>, String> {
-    let folder = data::folder(arguments, data::PEDESTRIANS)?;
-    data::worlds(arguments, &folder, "", "csv")
+pub(super) fn worlds(plan: &SuitePlan) -> Result<Vec<WorldFile>, String> {
+    let folder = data::folder(plan, data::PEDESTRIANS)?;
+    data::worlds(plan, &folder, "", "csv")
 }
 
 /// Every scene from every start time. The empty scenes are crossed first: the time that it takes
@@ -51,7 +53,7 @@ pub(super) fn cases(
     worlds: &[WorldFile],
     runner: &Runner<'_>,
 ) -> Result<Vec<Case>, SuiteError> {
-    let seeds = setup.arguments.seeds;
+    let seeds = setup.plan.seeds;
     let mut scenes = Vec::new();
     let mut empty = Vec::new();
     for world in worlds {

@@ -1,11 +1,12 @@
 //! What a suite gave: one object for machines, one page for people, and files for both.
 
-use super::Setup;
 use super::hindsight::ContactRow;
+use super::kind::Kind;
+use super::plan::Setup;
 use super::row::Row;
 use super::summary::Summary;
 use super::{csv_file, junit};
-use crate::show::report::Environment;
+use crate::result::Environment;
 use core::fmt::Write;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -13,71 +14,6 @@ use std::path::{Path, PathBuf};
 
 /// Failures that the page names at most; the files have them all.
 const FAILURES_SHOWN: usize = 40;
-
-/// What a suite is made of.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Kind {
-    Barn,
-    Dynabarn,
-    Pedestrians,
-    Generated,
-    Folder,
-}
-
-impl Kind {
-    /// What the first word after `suite` means.
-    pub(super) fn of(word: &str) -> Self {
-        match word {
-            "barn" => Self::Barn,
-            "dynabarn" => Self::Dynabarn,
-            "pedestrians" => Self::Pedestrians,
-            "generated" => Self::Generated,
-            _ => Self::Folder,
-        }
-    }
-
-    pub(super) const fn label(self) -> &'static str {
-        match self {
-            Self::Barn => "barn",
-            Self::Dynabarn => "dynabarn",
-            Self::Pedestrians => "pedestrians",
-            Self::Generated => "generated",
-            Self::Folder => "folder",
-        }
-    }
-
-    /// The controller unless another is asked for; `None` = the local planner's own default. Among
-    /// what moves it is the one that searches in time.
-    pub(super) const fn controller(self) -> Option<&'static str> {
-        match self {
-            Self::Dynabarn | Self::Pedestrians => Some("beam"),
-            Self::Barn | Self::Generated | Self::Folder => None,
-        }
-    }
-
-    /// What the numbers are, and what they are not.
-    const fn note(self) -> &'static str {
-        match self {
-            Self::Barn => {
-                "BARN worlds in our own 2-D simulator, unknown to the robot at the start: \
-                 no leaderboard entry"
-            }
-            Self::Dynabarn => {
-                "DynaBARN worlds in our own 2-D simulator, obstacles straight from key frame to \
-                 key frame: no leaderboard entry"
-            }
-            Self::Pedestrians => {
-                "recorded people in our own 2-D simulator, who do not see the robot; starts and \
-                 goals are ours: no published figure compares"
-            }
-            Self::Generated => {
-                "worlds drawn from their numbers in our own 2-D simulator, driven with beam where \
-                 things move: no benchmark of others"
-            }
-            Self::Folder => "scenarios in our own 2-D simulator, judged by what they expect",
-        }
-    }
-}
 
 /// A class of worlds.
 #[derive(Debug, Clone, Serialize)]
@@ -131,7 +67,7 @@ impl Report {
         wall_s: f64,
         environment: Environment,
     ) -> Self {
-        let arguments = setup.arguments;
+        let plan = setup.plan;
         let mut classes: BTreeMap<&str, Vec<&Row>> = BTreeMap::new();
         for row in &runs {
             if let Some(class) = &row.class {
@@ -146,11 +82,11 @@ impl Report {
             })
             .collect();
         Self {
-            suite: arguments.suite.clone(),
+            suite: plan.suite.clone(),
             note: kind.note().to_owned(),
             controller: setup.controller.unwrap_or("default").to_owned(),
-            noise: arguments.noise.label().to_owned(),
-            seeds: arguments.seeds,
+            noise: plan.noise.label().to_owned(),
+            seeds: plan.seeds,
             complete: runs.len() == planned,
             planned,
             summary: Summary::of(&runs.iter().collect::<Vec<_>>()),

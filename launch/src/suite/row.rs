@@ -5,7 +5,7 @@ use super::hindsight::{ContactRow, Hindsight, Touch};
 use super::runner::Finish;
 use super::score::{RULES, score};
 use super::track::{closest_m, turning_rad};
-use crate::commands::EXIT_USAGE;
+use crate::exit::EXIT_USAGE;
 use serde::{Deserialize, Serialize};
 
 /// One run.

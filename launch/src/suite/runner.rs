@@ -1,8 +1,8 @@
 //! Runs side by side: each a `zeronav run --lockstep` of its own.
 
 use super::case::Case;
-use crate::cli::SuiteArgs;
-use crate::commands::EXIT_INTERRUPTED;
+use super::plan::SuitePlan;
+use crate::exit::EXIT_INTERRUPTED;
 use crate::show::progress::{ProgressLine, Tally};
 use rustix::process::{Pid, Signal, kill_process};
 use serde_json::Value;
@@ -58,7 +58,7 @@ pub(super) struct Runner<'a> {
     program: PathBuf,
     out: PathBuf,
     jobs: usize,
-    headless: bool,
+    progress: bool,
     interrupted: &'a AtomicBool,
 }
 
@@ -81,7 +81,7 @@ impl<'a> Runner<'a> {
     /// # Errors
     /// One line when this program cannot be found.
     pub(super) fn new(
-        arguments: &SuiteArgs,
+        plan: &SuitePlan,
         out: PathBuf,
         interrupted: &'a AtomicBool,
     ) -> Result<Self, String> {
@@ -90,8 +90,8 @@ impl<'a> Runner<'a> {
             program: std::env::current_exe()
                 .map_err(|error| format!("looking for this program: {error}"))?,
             out,
-            jobs: arguments.jobs.map_or(cores, usize::from),
-            headless: arguments.headless,
+            jobs: plan.jobs.map_or(cores, usize::from),
+            progress: plan.progress,
             interrupted,
         })
     }
@@ -108,7 +108,7 @@ impl<'a> Runner<'a> {
         cases: &[&Case],
         mut finished: impl FnMut(usize, Finish) -> Result<(), String>,
     ) -> Result<(), Stopped> {
-        let mut line = ProgressLine::new(title, !self.headless);
+        let mut line = ProgressLine::new(title, self.progress);
         let began = Instant::now();
         let mut waiting = cases.iter().enumerate();
         let mut going: Vec<Going<'_>> = Vec::new();

@@ -1,7 +1,7 @@
 //! Hand-made records with times that can be added in the head.
 
-use zeronav::measure::Latency;
 use zeronav::measure::index::{PathRecord, Records, Sighting};
+use zeronav::result::latency::Latency;
 use zeronav_msgs::path::{PathCause, PathStatus};
 use zeronav_msgs::role::Role;
 use zeronav_msgs::span::{Span, SpanKind};
@@ -124,9 +124,9 @@ pub(crate) fn near(value: Option<f64>, expected: f64) {
 }
 
 /// Hops with stamps before their predecessor, and how many.
-pub(crate) fn disorder(latency: &Latency) -> Vec<(&'static str, u64)> {
+pub(crate) fn disorder(latency: &Latency) -> Vec<(&str, u64)> {
     let hops = latency.hops_out_of_order.iter();
     hops.filter(|(_, n)| **n > 0)
-        .map(|(hop, n)| (*hop, *n))
+        .map(|(hop, n)| (hop.as_str(), *n))
         .collect()
 }

@@ -1,8 +1,9 @@
 //! Hops: their order, their records, and the robot's second clock.
 
 use crate::fixture::{DEADLINE_NS, RADIUS_M, US, clearance_m, disorder, drive, near, path, turn};
+use zeronav::measure::measure;
 use zeronav::measure::way::{DIRECT, HOPS, THROUGH_MAP, Way};
-use zeronav::measure::{Latency, measure};
+use zeronav::result::latency::Latency;
 use zeronav_msgs::path::PathCause;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::span::{Span, SpanKind};
@@ -236,7 +237,7 @@ fn a_delay_in_one_process_shows_in_its_hop_and_nowhere_else() {
         }
         // The same in the table of every scan, and the second clock agrees.
         for (row, place) in latency.every_scan.through_map.iter().zip(THROUGH_MAP) {
-            assert_eq!((row.name, row.figures.n), (HOPS[place], 2));
+            assert_eq!((row.name.as_str(), row.figures.n), (HOPS[place], 2));
         }
         let row = latency.every_scan.through_map.iter();
         let worst = row.map(|hop| hop.figures.max_us.expect("a time"));

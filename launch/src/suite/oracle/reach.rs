@@ -1,7 +1,7 @@
 //! Where the robot can be some time after a state at most, and whether it touches something wherever
 //! it is.
 
-use super::{Abilities, Disc, State};
+use super::robot::{Abilities, Disc, State};
 use nalgebra::Point2;
 
 /// Steps of the integrals over a look.

@@ -1,6 +1,6 @@
 //! What a run answers on its control socket.
 
-use super::Drive;
+use super::session::Session;
 use crate::supervise::control::{Reply, Request, RunReport, Server, ServiceReport};
 use crate::supervise::occupant::file_name;
 use crate::supervise::stack::Stack;
@@ -12,7 +12,7 @@ use zeronav_msgs::task::Goal;
 use zeronav_msgs::time::seconds;
 use zeronav_world::Tolerance;
 
-impl Drive<'_> {
+impl Session<'_> {
     /// Answers the clients that have asked since the last look.
     pub(super) fn serve(&mut self, stack: &mut Stack, server: &mut Server) {
         server.serve(|request| match request {

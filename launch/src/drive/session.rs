@@ -1,21 +1,19 @@
-//! One run: from a scenario to what was seen of it.
+//! One drive while it goes on.
 
-mod serve;
-
-use crate::collect::{Collector, TaskReport};
-use crate::configs;
-use crate::disturbance::{Disturbance, Reading};
+use crate::collect::Collector;
+use crate::disturbance::Reading;
 use crate::ending::Ending;
-use crate::keeper::{Keeper, READY_LIMIT, RestartRecord};
+use crate::keeper::{Keeper, READY_LIMIT};
+use crate::measure::DEADLINE_NS;
 use crate::prepare::Prepared;
-use crate::redirect::{Redirect, Redirects};
-use crate::result::outcome as outcome_of;
-use crate::seat_report::{self, SeatReport};
-use crate::show::log;
+use crate::redirect::Redirects;
+use crate::seen::TaskReport;
 use crate::show::progress::{Progress, ProgressLine, Tally};
-use crate::shuttle::{Course, Shuttle, Step, Trial};
+use crate::shuttle::{Course, Quota, Shuttle, Step};
 use crate::supervise::control::Server;
-use crate::supervise::stack::{self, Stack};
+use crate::supervise::stack::Stack;
+use std::collections::BTreeMap;
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -38,91 +36,46 @@ const LEASE_TICKS: u64 = 30;
 
 const _: () = assert!(LEASE_TICKS <= GroundTruth::ROW.buffer() as u64);
 
-/// Time after which an obstacle or a scan counts as unanswered. [ns]
-pub const DEADLINE_NS: u64 = 5_000_000_000;
-
 /// Speed below which the robot stands. [m/s]
 const STANDING_MPS: f64 = 0.01;
 
-/// What was seen of a run.
-#[derive(Debug)]
-pub struct Driven {
-    /// How it ended.
-    pub ending: Ending,
-    /// Everything that was heard.
-    pub collector: Collector,
-    /// Run time at which the goals were sent. [ns]
-    pub goals_run_ns: u64,
-    /// Run time of the end. [ns]
-    pub end_run_ns: u64,
-    /// Tick of the end.
-    pub end_tick: u64,
-    /// Wall time of the drive.
-    pub wall: Duration,
-    /// Shared memory of the run. [bytes]
-    pub shared_memory_bytes: u64,
-    /// The seats and their processes.
-    pub services: Vec<SeatReport>,
-    /// The restarts that were made.
-    pub restarts: Vec<RestartRecord>,
-    /// Goals that were given by hand.
-    pub redirects: Vec<Redirect>,
-    /// What became of the trials; empty without.
-    pub trials: Vec<Trial>,
-    /// Trials that did not count because no path led through the obstacle.
-    pub trials_missed: u64,
-    /// What disturbed the machine from the first goal to the end; trials only.
-    pub disturbance: Option<Disturbance>,
-}
-
-/// The trials that one drive shall make.
-#[derive(Debug, Clone, Copy)]
-pub struct Quota {
-    /// How many.
-    pub n: usize,
-    /// Draws their phases.
-    pub seed: u64,
-    /// Trials that other drives have made.
-    pub before: usize,
-    /// Trials of all drives.
-    pub total: usize,
-}
-
-/// Starts the stack, drives the scenario or the trials of `quota`, stops everything, leaves nothing
-/// behind.
-///
-/// # Errors
-/// One line when the stack could not be started at all.
-pub fn drive(
-    prepared: &Prepared,
+/// One drive while it goes on: the services, what they report, and the goals.
+pub(super) struct Session<'a> {
+    pub(super) prepared: &'a Prepared,
+    interrupted: Arc<AtomicBool>,
     quota: Option<Quota>,
-    interrupted: &Arc<AtomicBool>,
-) -> Result<Driven, String> {
-    let shuttle = quota.and_then(|quota| shuttle(prepared, quota));
-    let tick_ns = prepared.scenario.run.tick_ns();
-    let mut stack =
-        Stack::create(prepared.mode, prepared.seed, tick_ns).map_err(|error| error.to_string())?;
-    if let Err(error) = log::open(&prepared.directory.join("logs/launch.log")) {
-        tracing::warn!(%error, "no log of the supervisor");
-    }
-    tracing::info!(
-        scenario = prepared.scenario.name,
-        mode = %prepared.mode,
-        seed = prepared.seed,
-        domain = %stack.root().display(),
-        "the run begins"
-    );
-    let started = Instant::now();
-    let configs = configs::write(&prepared.scenario, &prepared.world, stack.root());
-    let outcome = configs.and_then(|configs| {
-        for (role, delay) in &prepared.delays {
-            stack.delay(*role, *delay);
-        }
-        let mut drive = Drive {
+    pub(super) shuttle: Option<Shuttle<'a>>,
+    began: Instant,
+    pub(super) collector: Collector,
+    pub(super) keeper: Keeper<'a>,
+    line: ProgressLine,
+    pub(super) goals_run_ns: u64,
+    /// Kills of the scenario that were made.
+    struck: usize,
+    /// The goals of the task at hand.
+    task: Vec<Goal>,
+    /// Its id, 0 = none was sent.
+    task_id: u64,
+    /// Goals given by hand.
+    pub(super) redirects: Redirects,
+    /// Number of the next goal.
+    next_goal: u64,
+    /// The kernel's counters when the first goal was sent; trials only.
+    pub(super) at_start: Option<Reading>,
+}
+
+impl<'a> Session<'a> {
+    pub(super) fn new(
+        prepared: &'a Prepared,
+        quota: Option<Quota>,
+        interrupted: &Arc<AtomicBool>,
+        configs: BTreeMap<Role, PathBuf>,
+    ) -> Self {
+        Self {
             prepared,
             interrupted: Arc::clone(interrupted),
             quota,
-            shuttle,
+            shuttle: quota.and_then(|quota| shuttle(prepared, quota)),
             began: Instant::now(),
             collector: Collector::default(),
             keeper: Keeper::new(prepared, configs),
@@ -134,97 +87,19 @@ pub fn drive(
             redirects: Redirects::default(),
             next_goal: 1,
             at_start: None,
-        };
-        let ending = drive.until_it_ends(&mut stack);
-        drive.line.clear();
-        Ok((ending?, drive))
-    });
-    let wall = started.elapsed();
-    let (ending, mut drive) = match outcome {
-        Ok(outcome) => outcome,
-        Err(problem) => {
-            stack::close(stack);
-            return Err(problem);
         }
-    };
-    let end_tick = drive.end_tick(&ending);
-    drive.collector.seen.end_at(end_tick);
-    tracing::info!(outcome = outcome_of(&ending), end_tick, "the run ends");
-    let disturbance = drive.at_start.take().map(|before| {
-        let spans = drive.collector.records.spans.iter();
-        reading(&stack).since(&before, spans)
-    });
-    drive.stand(&mut stack);
-    let shared_memory_bytes = stack.shared_memory_bytes();
-    let services = seat_report::stop(&mut stack, &drive.keeper, &prepared.binaries);
-    drive.listen(&mut stack);
-    let (trials, trials_missed) = drive
-        .shuttle
-        .take()
-        .map(Shuttle::into_trials)
-        .unwrap_or_default();
-    let driven = Driven {
-        trials,
-        trials_missed,
-        disturbance,
-        ending,
-        goals_run_ns: drive.goals_run_ns,
-        end_run_ns: end_tick * tick_ns,
-        end_tick,
-        wall,
-        shared_memory_bytes,
-        services,
-        restarts: drive.keeper.records().to_vec(),
-        redirects: drive.redirects.given().to_vec(),
-        collector: drive.collector,
-    };
-    stack::close(stack);
-    Ok(driven)
-}
+    }
 
-/// The kernel's counters of all processes.
-fn reading(stack: &Stack) -> Reading {
-    let children = stack.children.iter();
-    Reading::take(children.map(|child| (child.role, child.pid())))
-}
+    /// Starts the services and drives until something ends the run.
+    ///
+    /// # Errors
+    /// One line when the stack could not be started at all.
+    pub(super) fn run(&mut self, stack: &mut Stack) -> Result<Ending, String> {
+        let ending = self.until_it_ends(stack);
+        self.line.clear();
+        ending
+    }
 
-/// The trials of `prepared`'s scenario; `None` when it has none.
-fn shuttle(prepared: &Prepared, quota: Quota) -> Option<Shuttle<'_>> {
-    let course = Course {
-        spec: prepared.scenario.trials.as_ref()?,
-        world: &prepared.world,
-        radius_m: prepared.footprint.inscribed_radius_m(),
-        scan_period_ns: prepared.scan_period_ns(),
-        deadline_ns: DEADLINE_NS,
-    };
-    Shuttle::new(course, quota.n, quota.seed)
-}
-
-struct Drive<'a> {
-    prepared: &'a Prepared,
-    interrupted: Arc<AtomicBool>,
-    quota: Option<Quota>,
-    shuttle: Option<Shuttle<'a>>,
-    began: Instant,
-    collector: Collector,
-    keeper: Keeper<'a>,
-    line: ProgressLine,
-    goals_run_ns: u64,
-    /// Kills of the scenario that were made.
-    struck: usize,
-    /// The goals of the task at hand.
-    task: Vec<Goal>,
-    /// Its id, 0 = none was sent.
-    task_id: u64,
-    /// Goals given by hand.
-    redirects: Redirects,
-    /// Number of the next goal.
-    next_goal: u64,
-    /// The kernel's counters when the first goal was sent; trials only.
-    at_start: Option<Reading>,
-}
-
-impl Drive<'_> {
     fn until_it_ends(&mut self, stack: &mut Stack) -> Result<Ending, String> {
         let folder = stack.folder().ok_or("the stack is closed")?;
         folder
@@ -267,7 +142,7 @@ impl Drive<'_> {
     }
 
     /// Sends goals, numbered in the order of this run.
-    fn send(&mut self, stack: &mut Stack, mut goals: Vec<Goal>, from_tick: u64) {
+    pub(super) fn send(&mut self, stack: &mut Stack, mut goals: Vec<Goal>, from_tick: u64) {
         for goal in &mut goals {
             goal.id = self.next_goal;
             self.next_goal += 1;
@@ -282,7 +157,7 @@ impl Drive<'_> {
     }
 
     /// The goals of the task at hand that are not reached yet.
-    fn left(&self) -> Vec<Goal> {
+    pub(super) fn left(&self) -> Vec<Goal> {
         let reached = &self.collector.reached;
         let left = self.task.iter().filter(|goal| !reached.contains(&goal.id));
         left.copied().collect()
@@ -306,7 +181,7 @@ impl Drive<'_> {
     }
 
     /// One look at everything.
-    fn listen(&mut self, stack: &mut Stack) {
+    pub(super) fn listen(&mut self, stack: &mut Stack) {
         let world = &self.prepared.world;
         let placed = |index: usize, pose: &Pose| {
             let obstacle = world.obstacles().get(index)?;
@@ -465,7 +340,7 @@ impl Drive<'_> {
     }
 
     /// What is said about the task at hand.
-    fn report(&self) -> Option<TaskReport> {
+    pub(super) fn report(&self) -> Option<TaskReport> {
         self.collector
             .task
             .filter(|report| self.task_id != 0 && report.task == self.task_id)
@@ -477,7 +352,7 @@ impl Drive<'_> {
     }
 
     /// The tick that ends the measured part of the run: the same in every lockstep run.
-    fn end_tick(&self, ending: &Ending) -> u64 {
+    pub(super) fn end_tick(&self, ending: &Ending) -> u64 {
         let tick_ns = self.prepared.scenario.run.tick_ns();
         match (ending, self.report()) {
             (Ending::Task(..) | Ending::Redirected, Some(report)) => report.tick,
@@ -489,7 +364,7 @@ impl Drive<'_> {
     }
 
     /// Lets the robot come to a stand.
-    fn stand(&mut self, stack: &mut Stack) {
+    pub(super) fn stand(&mut self, stack: &mut Stack) {
         let started = Instant::now();
         stack.stop_robot();
         while started.elapsed() < STAND_LIMIT {
@@ -539,4 +414,22 @@ impl Drive<'_> {
 #[allow(clippy::cast_precision_loss, reason = "a count far below 2^53")]
 fn count(n: usize) -> f64 {
     n as f64
+}
+
+/// The trials of `prepared`'s scenario; `None` when it has none.
+fn shuttle(prepared: &Prepared, quota: Quota) -> Option<Shuttle<'_>> {
+    let course = Course {
+        spec: prepared.scenario.trials.as_ref()?,
+        world: &prepared.world,
+        radius_m: prepared.footprint.inscribed_radius_m(),
+        scan_period_ns: prepared.scan_period_ns(),
+        deadline_ns: DEADLINE_NS,
+    };
+    Shuttle::new(course, quota.n, quota.seed)
+}
+
+/// The kernel's counters of all processes.
+pub(super) fn reading(stack: &Stack) -> Reading {
+    let children = stack.children.iter();
+    Reading::take(children.map(|child| (child.role, child.pid())))
 }

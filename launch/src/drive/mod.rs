@@ -1,0 +1,125 @@
+//! One run: from a scenario to what was seen of it.
+
+mod serve;
+mod session;
+
+use crate::collect::Collector;
+use crate::configs;
+use crate::ending::Ending;
+use crate::prepare::Prepared;
+use crate::result::trials::Disturbance;
+use crate::result::{Redirect, Restart, ServiceResult};
+use crate::seat_report;
+use crate::show::log;
+use crate::shuttle::{Quota, Shuttle, Trial};
+use crate::supervise::stack::{self, Stack};
+use session::{Session, reading};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::time::{Duration, Instant};
+
+/// What was seen of a run.
+#[derive(Debug)]
+pub struct Driven {
+    /// How it ended.
+    pub ending: Ending,
+    /// Everything that was heard.
+    pub collector: Collector,
+    /// Run time at which the goals were sent. [ns]
+    pub goals_run_ns: u64,
+    /// Run time of the end. [ns]
+    pub end_run_ns: u64,
+    /// Tick of the end.
+    pub end_tick: u64,
+    /// Wall time of the drive.
+    pub wall: Duration,
+    /// Shared memory of the run. [bytes]
+    pub shared_memory_bytes: u64,
+    /// The seats and their processes.
+    pub services: Vec<ServiceResult>,
+    /// The restarts that were made.
+    pub restarts: Vec<Restart>,
+    /// Goals that were given by hand.
+    pub redirects: Vec<Redirect>,
+    /// What became of the trials; empty without.
+    pub trials: Vec<Trial>,
+    /// Trials that did not count because no path led through the obstacle.
+    pub trials_missed: u64,
+    /// What disturbed the machine from the first goal to the end; trials only.
+    pub disturbance: Option<Disturbance>,
+}
+
+/// Starts the stack, drives the scenario or the trials of `quota`, stops everything, leaves nothing
+/// behind.
+///
+/// # Errors
+/// One line when the stack could not be started at all.
+pub fn drive(
+    prepared: &Prepared,
+    quota: Option<Quota>,
+    interrupted: &Arc<AtomicBool>,
+) -> Result<Driven, String> {
+    let tick_ns = prepared.scenario.run.tick_ns();
+    let mut stack =
+        Stack::create(prepared.mode, prepared.seed, tick_ns).map_err(|error| error.to_string())?;
+    if let Err(error) = log::open(&prepared.directory.join("logs/launch.log")) {
+        tracing::warn!(%error, "no log of the supervisor");
+    }
+    tracing::info!(
+        scenario = prepared.scenario.name,
+        mode = %prepared.mode,
+        seed = prepared.seed,
+        domain = %stack.root().display(),
+        "the run begins"
+    );
+    let driven = drive_stack(&mut stack, prepared, quota, interrupted);
+    stack::close(stack);
+    driven
+}
+
+fn drive_stack(
+    stack: &mut Stack,
+    prepared: &Prepared,
+    quota: Option<Quota>,
+    interrupted: &Arc<AtomicBool>,
+) -> Result<Driven, String> {
+    let started = Instant::now();
+    let configs = configs::write(&prepared.scenario, &prepared.world, stack.root())?;
+    for (role, delay) in &prepared.delays {
+        stack.delay(*role, *delay);
+    }
+    let mut session = Session::new(prepared, quota, interrupted, configs);
+    let ending = session.run(stack)?;
+    let wall = started.elapsed();
+    let end_tick = session.end_tick(&ending);
+    session.collector.seen.end_at(end_tick);
+    tracing::info!(outcome = ending.outcome(), end_tick, "the run ends");
+    let disturbance = session.at_start.take().map(|before| {
+        let spans = session.collector.records.spans.iter();
+        reading(stack).since(&before, spans)
+    });
+    session.stand(stack);
+    let shared_memory_bytes = stack.shared_memory_bytes();
+    let services = seat_report::stop(stack, &session.keeper, &prepared.binaries);
+    session.listen(stack);
+    let (trials, trials_missed) = session
+        .shuttle
+        .take()
+        .map(Shuttle::into_trials)
+        .unwrap_or_default();
+    Ok(Driven {
+        trials,
+        trials_missed,
+        disturbance,
+        ending,
+        goals_run_ns: session.goals_run_ns,
+        end_run_ns: end_tick * prepared.scenario.run.tick_ns(),
+        end_tick,
+        wall,
+        shared_memory_bytes,
+        services,
+        restarts: session.keeper.records().to_vec(),
+        redirects: session.redirects.given().to_vec(),
+        collector: session.collector,
+    })
+}

@@ -1,0 +1,313 @@
+//! From what was seen of a run to its result.
+
+mod expectations;
+mod reason;
+
+use crate::drive::Driven;
+use crate::measure::index::PathRecord;
+use crate::measure::motion::{Contact, Moment, jerk_mps3};
+use crate::measure::{self, DEADLINE_NS};
+use crate::prepare::Prepared;
+use crate::result::ServiceResult;
+use crate::result::latency::Latency;
+use crate::result::trials::TrialsResult;
+use crate::result::{Environment, Expectation, ObstacleResult, PlannedPath, RunResult, Touch};
+use crate::trials::Trials;
+use expectations::{contacts, expectations};
+use nalgebra::Point2;
+use reason::reason;
+use std::collections::BTreeMap;
+use zeronav_msgs::path::{PathCause, PathStatus};
+use zeronav_msgs::role::Role;
+use zeronav_msgs::run::RunMode;
+use zeronav_msgs::time::seconds;
+
+/// The result of a run.
+#[must_use]
+pub fn judge(prepared: &Prepared, driven: &Driven, environment: Environment) -> RunResult {
+    let collector = &driven.collector;
+    let seen = &collector.seen;
+    let truth = seen.truth.unwrap_or_default();
+    let plans: Vec<PlannedPath> = collector
+        .records
+        .paths
+        .iter()
+        .filter(|path| path.status != PathStatus::NoGoal && path.run_ns <= driven.end_run_ns)
+        .map(|path| plan(path, driven.goals_run_ns))
+        .collect();
+    let replans: Vec<PlannedPath> = plans
+        .iter()
+        .filter(|plan| plan.cause != PathCause::Goal.label())
+        .cloned()
+        .collect();
+    let by_reason = interventions(driven);
+    let moments = moments(driven);
+    let expectations = expectations(prepared, driven, &replans, &by_reason);
+    let outcome = driven.ending.outcome();
+    let met = expectations.iter().all(|expectation| expectation.met);
+    let time_s = seconds(driven.end_run_ns.saturating_sub(driven.goals_run_ns));
+    let wall_s = driven.wall.as_secs_f64();
+    let lockstep = prepared.mode == RunMode::Lockstep;
+    RunResult {
+        scenario: prepared.scenario.name.clone(),
+        verdict: if met { "pass" } else { "fail" }.to_owned(),
+        reason: reason(prepared, driven, met, &expectations),
+        outcome: outcome.to_owned(),
+        reached: outcome == "reached",
+        contacts: truth.contacts_moving + truth.contacts_standing,
+        contacts_moving: truth.contacts_moving,
+        contacts_standing: truth.contacts_standing,
+        clearance_m_min: seen.clearance_m_min,
+        time_s,
+        driven_m: seen.driven_m(),
+        mode: prepared.mode.to_string(),
+        seed: prepared.seed,
+        wall_s,
+        speed_factor: if wall_s > 0.0 { time_s / wall_s } else { 0.0 },
+        slipped_ms: seconds(truth.slipped_ns) * 1.0e3,
+        plans,
+        replans,
+        obstacles: obstacles(prepared, driven),
+        track_m: seen.track_m.clone(),
+        motion: moments.iter().map(|moment| row(moment, driven)).collect(),
+        jerk_mps3: jerk_mps3(moments),
+        recoveries: seen.task.map_or(0, |task| task.recoveries),
+        stuck_cause: seen.stuck_cause().map(|cause| cause.to_string()),
+        touches: touches(prepared, driven),
+        interventions: by_reason.values().sum(),
+        interventions_by_reason: by_reason,
+        pose: seen.comparison.pose(),
+        tracking: seen.comparison.tracking(),
+        latency: (!lockstep).then(|| latency(prepared, driven)),
+        trials: None,
+        injected_us: prepared
+            .delays
+            .iter()
+            .map(|(role, steps)| (role.to_string(), injected_us(*steps)))
+            .collect(),
+        services: services(driven),
+        restarts: driven.restarts.clone(),
+        redirects: driven.redirects.clone(),
+        environment,
+        shared_memory_bytes: driven.shared_memory_bytes,
+        // The last tick is left out: while it is answered, launch may already stop the robot.
+        run_hash: lockstep.then(|| collector.hash.value(driven.end_tick.saturating_sub(1))),
+        expectations,
+        directory: prepared.directory.display().to_string(),
+    }
+}
+
+/// The result of trials, whose last drive is `driven`. Paths and track are those of that drive.
+#[must_use]
+pub fn judge_trials(
+    prepared: &Prepared,
+    driven: &Driven,
+    trials: &Trials,
+    environment: Environment,
+) -> RunResult {
+    let mut whole = judge(prepared, driven, environment);
+    for before in &trials.drives {
+        let seen = &before.collector.seen;
+        let truth = seen.truth.unwrap_or_default();
+        whole.contacts_moving += truth.contacts_moving;
+        whole.contacts_standing += truth.contacts_standing;
+        whole.driven_m += seen.driven_m();
+        whole.time_s += seconds(before.end_run_ns.saturating_sub(before.goals_run_ns));
+        whole.wall_s += before.wall.as_secs_f64();
+        whole.slipped_ms += seconds(truth.slipped_ns) * 1.0e3;
+        whole.restarts.extend(before.restarts.iter().cloned());
+        for (whole, seat) in whole.services.iter_mut().zip(&before.services) {
+            whole.memory_peak_bytes = whole.memory_peak_bytes.max(seat.memory_peak_bytes);
+            whole.starts += seat.starts;
+        }
+        let least = seen.clearance_m_min;
+        whole.clearance_m_min = match (whole.clearance_m_min, least) {
+            (Some(one), Some(other)) => Some(one.min(other)),
+            (one, other) => one.or(other),
+        };
+    }
+    whole.contacts = whole.contacts_moving + whole.contacts_standing;
+    // Hundreds of paths with all their points are of no use to anybody.
+    whole.plans.clear();
+    whole.replans.clear();
+    whole.motion.clear();
+    let replanning = trials.latency.replanning;
+    let made: usize = trials.rounds.iter().map(|round| round.trials).sum();
+    let expectation = |name: &str, expected: String, actual: String, met| Expectation {
+        name: name.to_owned(),
+        expected,
+        actual,
+        met,
+    };
+    whole.expectations = vec![
+        expectation(
+            "trials",
+            trials.wanted.to_string(),
+            made.to_string(),
+            made == trials.wanted,
+        ),
+        expectation(
+            "trials without an answer",
+            "0".to_owned(),
+            replanning.censored.to_string(),
+            replanning.censored == 0,
+        ),
+        contacts(&prepared.scenario.expect, whole.contacts),
+    ];
+    let met = whole.expectations.iter().all(|expectation| expectation.met);
+    if met { "pass" } else { "fail" }.clone_into(&mut whole.verdict);
+    whole.reason = reason(prepared, driven, met, &whole.expectations);
+    whole.latency = Some(trials.latency.clone());
+    whole.trials = Some(TrialsResult {
+        wanted: trials.wanted,
+        made,
+        rounds: trials.rounds.clone(),
+        worst: trials.worst.clone(),
+    });
+    whole
+}
+
+/// A delay that was put into a seat on purpose. [us]
+fn injected_us(steps: u16) -> f64 {
+    let seat = zeronav_msgs::run::Seat {
+        delay: steps,
+        ..Default::default()
+    };
+    (1.0e6 * seconds(seat.delay_ns())).round()
+}
+
+/// The moments from the first goal to the end of the task.
+fn moments(driven: &Driven) -> &[Moment] {
+    let moments = &driven.collector.seen.motion.moments;
+    let from = moments.partition_point(|moment| moment.run_ns < driven.goals_run_ns);
+    let to = moments.partition_point(|moment| moment.run_ns <= driven.end_run_ns);
+    moments.get(from..to).unwrap_or_default()
+}
+
+fn row(moment: &Moment, driven: &Driven) -> [f64; 6] {
+    [
+        seconds(moment.run_ns.saturating_sub(driven.goals_run_ns)),
+        moment.pose.x_m,
+        moment.pose.y_m,
+        moment.pose.yaw_rad,
+        moment.v_mps,
+        moment.w_radps,
+    ]
+}
+
+fn touches(prepared: &Prepared, driven: &Driven) -> Vec<Touch> {
+    let touch = |contact: &Contact| {
+        let Contact { at, moving, .. } = contact;
+        Touch {
+            time_s: seconds(at.run_ns.saturating_sub(driven.goals_run_ns)),
+            moving: *moving,
+            v_mps: contact.v_before_mps,
+            with: touched(prepared, contact),
+            pose: [at.pose.x_m, at.pose.y_m, at.pose.yaw_rad],
+        }
+    };
+    driven
+        .collector
+        .seen
+        .motion
+        .contacts
+        .iter()
+        .map(touch)
+        .collect()
+}
+
+/// The nearest thing at a contact.
+fn touched(prepared: &Prepared, contact: &Contact) -> String {
+    /// Nothing that is farther away can be touched. [m]
+    const REACH_M: f64 = 0.5;
+    let robot = prepared.footprint.placed(&contact.at.pose);
+    let mut nearest = ("world", prepared.world.convex_distance_m(&robot, REACH_M));
+    for (index, pose) in &contact.obstacles {
+        let Some(obstacle) = prepared.world.obstacles().get(*index) else {
+            continue;
+        };
+        let distance_m = robot.distance_m(&obstacle.shape.placed_at(pose));
+        if distance_m < nearest.1 {
+            nearest = (&obstacle.spec.name, distance_m);
+        }
+    }
+    nearest.0.to_owned()
+}
+
+/// How often the guard stepped in until the end of the task, by reason.
+fn interventions(driven: &Driven) -> BTreeMap<String, usize> {
+    let mut by_reason = BTreeMap::new();
+    for (run_ns, why) in &driven.collector.seen.motion.interventions {
+        if (driven.goals_run_ns..=driven.end_run_ns).contains(run_ns) {
+            *by_reason.entry(why.label().to_owned()).or_default() += 1;
+        }
+    }
+    by_reason
+}
+
+fn plan(path: &PathRecord, goals_run_ns: u64) -> PlannedPath {
+    PlannedPath {
+        time_s: seconds(path.run_ns.saturating_sub(goals_run_ns)),
+        cause: path.cause.to_string(),
+        planner: path.planner.clone(),
+        status: path.status.to_string(),
+        length_m: path.length_m,
+        beside_goal_m: path.beside_goal_m,
+        expanded: path.expanded,
+        points_m: path.points_m.clone(),
+    }
+}
+
+fn latency(prepared: &Prepared, driven: &Driven) -> Latency {
+    let clearance_m = |index: usize, points_m: &[[f64; 2]]| {
+        let pose = driven.collector.obstacles.get(&index);
+        let obstacle = prepared.world.obstacles().get(index);
+        obstacle
+            .zip(pose)
+            .map_or(f64::INFINITY, |(obstacle, pose)| {
+                let polyline: Vec<Point2<f64>> = points_m
+                    .iter()
+                    .map(|point| Point2::new(point[0], point[1]))
+                    .collect();
+                obstacle.shape.polyline_clearance_m(pose, &polyline)
+            })
+    };
+    let radius_m = prepared.footprint.inscribed_radius_m();
+    measure::measure(
+        &driven.collector.records,
+        &clearance_m,
+        radius_m,
+        DEADLINE_NS,
+    )
+    .1
+}
+
+fn obstacles(prepared: &Prepared, driven: &Driven) -> Vec<ObstacleResult> {
+    let seen = |(index, obstacle): (usize, &zeronav_world::Obstacle)| {
+        let pose = driven.collector.seen.obstacles.get(&index)?;
+        let outline = obstacle.shape.placed_at(pose).outline();
+        Some(ObstacleResult {
+            name: obstacle.spec.name.clone(),
+            corners_m: outline.iter().map(|corner| [corner.x, corner.y]).collect(),
+        })
+    };
+    prepared
+        .world
+        .obstacles()
+        .iter()
+        .enumerate()
+        .filter_map(seen)
+        .collect()
+}
+
+/// The processes of the run; the planner's with the key that its last path names.
+fn services(driven: &Driven) -> Vec<ServiceResult> {
+    let mut services = driven.services.clone();
+    let paths = &driven.collector.records.paths;
+    let path = paths.iter().rev().find(|path| !path.planner.is_empty());
+    let planner = Role::GlobalPlanner.label();
+    if let Some(service) = services.iter_mut().find(|service| service.name == planner) {
+        service.key = path.map(|path| path.planner.clone());
+    }
+    services
+}

@@ -1,0 +1,66 @@
+//! The verdict of a run in words.
+
+use crate::drive::Driven;
+use crate::ending::Ending;
+use crate::prepare::Prepared;
+use crate::result::Expectation;
+use zeronav_msgs::role::Role;
+use zeronav_msgs::task::{EndReason, TaskState};
+
+/// Why the run passed or failed, in words.
+pub(super) fn reason(
+    prepared: &Prepared,
+    driven: &Driven,
+    met: bool,
+    expectations: &[Expectation],
+) -> String {
+    let ending = &driven.ending;
+    let what = match ending {
+        Ending::Task(TaskState::Reached, _) => "the robot reached its goal".to_owned(),
+        Ending::Task(TaskState::Cancelled, _) => "the task was cancelled".to_owned(),
+        Ending::Task(_, EndReason::Unreachable) => "the goal is unreachable".to_owned(),
+        Ending::Task(_, EndReason::GoalBlocked) => {
+            "the goal is unreachable: no free pose within its tolerance".to_owned()
+        }
+        Ending::Task(_, reason) => match driven.collector.seen.stuck_cause() {
+            Some(cause) => {
+                let recoveries = driven.collector.seen.task.map_or(0, |task| task.recoveries);
+                format!("the robot gave up: {reason} ({cause}) after {recoveries} recoveries")
+            }
+            None => format!("the robot gave up: {reason}"),
+        },
+        Ending::Redirected => {
+            "the robot reached a goal that was given by hand, not the scenario's".to_owned()
+        }
+        Ending::Timeout => {
+            format!(
+                "not done within {} s of run time",
+                prepared.scenario.run.time_limit_s
+            )
+        }
+        Ending::TrialsOver => "all trials were made".to_owned(),
+        Ending::Died { role, how, .. } => format!("{role} ended during the run: {how}"),
+        Ending::NotReady(roles) => format!("not ready in time: {}", names(roles)),
+        Ending::Silent(role) => format!("{role} stopped answering"),
+        Ending::Interrupted => "interrupted".to_owned(),
+    };
+    let missed: Vec<String> = expectations
+        .iter()
+        .filter(|expectation| !expectation.met && expectation.name != "outcome")
+        .map(|expectation| format!("{}: {}", expectation.name, expectation.actual))
+        .collect();
+    match (met, ending) {
+        (true, Ending::Task(TaskState::Reached, _) | Ending::TrialsOver) => what,
+        (true, _) => format!("{what}, as the scenario expects"),
+        (false, _) if missed.is_empty() => what,
+        (false, _) => format!("{what}; {}", missed.join("; ")),
+    }
+}
+
+fn names(roles: &[Role]) -> String {
+    roles
+        .iter()
+        .map(|role| role.label())
+        .collect::<Vec<_>>()
+        .join(", ")
+}

@@ -1,0 +1,45 @@
+//! How much shared memory the topics of a run reserve.
+
+use crate::scenario::Scenario;
+use zeronav_msgs::map::tiles_of;
+use zeronav_msgs::role::Role;
+use zeronav_msgs::topics::{MapKeyframe, RobotScan, SPANS, Topic, topics};
+use zeronav_world::World;
+
+/// Shared memory that the stack will reserve. [bytes]
+#[must_use]
+pub fn planned_bytes(scenario: &Scenario, world: &World) -> u64 {
+    let (columns, rows) = tiles_of(world.geometry());
+    topics()
+        .iter()
+        .map(|row| {
+            let len = if row.number == MapKeyframe::ROW.number {
+                keyframe_tiles(scenario, columns as usize * rows as usize)
+            } else if row.number == RobotScan::ROW.number {
+                scenario.robot.lidar.n_beams as usize
+            } else {
+                row.len_max
+            };
+            let writers = if row.number == SPANS.number {
+                Role::SERVICES.len()
+            } else {
+                1
+            };
+            (row.segment_bytes(len) * writers) as u64
+        })
+        .sum()
+}
+
+/// Most tiles that the keyframe of a world of `tiles` will ever have: a map that grows takes the
+/// memory of its largest at once.
+fn keyframe_tiles(scenario: &Scenario, tiles: usize) -> usize {
+    /// What mapping grows to that is told nothing else.
+    const TILES_MAX: usize = 1024;
+    let window = scenario.services.mapping.config.get("window");
+    let word = |name| window.and_then(|window| window.get(name));
+    if word("mode").and_then(toml::Value::as_str) != Some("growing") {
+        return tiles;
+    }
+    let most = word("tiles_max").and_then(toml::Value::as_integer);
+    tiles.max(most.map_or(TILES_MAX, |most| usize::try_from(most).unwrap_or(0)))
+}

@@ -1,0 +1,66 @@
+//! The kinds of suites.
+
+/// What a suite is made of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kind {
+    Barn,
+    Dynabarn,
+    Pedestrians,
+    Generated,
+    Folder,
+}
+
+impl Kind {
+    /// What the first word after `suite` means.
+    pub(super) fn of(word: &str) -> Self {
+        match word {
+            "barn" => Self::Barn,
+            "dynabarn" => Self::Dynabarn,
+            "pedestrians" => Self::Pedestrians,
+            "generated" => Self::Generated,
+            _ => Self::Folder,
+        }
+    }
+
+    pub(super) const fn label(self) -> &'static str {
+        match self {
+            Self::Barn => "barn",
+            Self::Dynabarn => "dynabarn",
+            Self::Pedestrians => "pedestrians",
+            Self::Generated => "generated",
+            Self::Folder => "folder",
+        }
+    }
+
+    /// The controller unless another is asked for; `None` = the local planner's own default. Among
+    /// what moves it is the one that searches in time.
+    pub(super) const fn controller(self) -> Option<&'static str> {
+        match self {
+            Self::Dynabarn | Self::Pedestrians => Some("beam"),
+            Self::Barn | Self::Generated | Self::Folder => None,
+        }
+    }
+
+    /// What the numbers are, and what they are not.
+    pub(super) const fn note(self) -> &'static str {
+        match self {
+            Self::Barn => {
+                "BARN worlds in our own 2-D simulator, unknown to the robot at the start: \
+                 no leaderboard entry"
+            }
+            Self::Dynabarn => {
+                "DynaBARN worlds in our own 2-D simulator, obstacles straight from key frame to \
+                 key frame: no leaderboard entry"
+            }
+            Self::Pedestrians => {
+                "recorded people in our own 2-D simulator, who do not see the robot; starts and \
+                 goals are ours: no published figure compares"
+            }
+            Self::Generated => {
+                "worlds drawn from their numbers in our own 2-D simulator, driven with beam where \
+                 things move: no benchmark of others"
+            }
+            Self::Folder => "scenarios in our own 2-D simulator, judged by what they expect",
+        }
+    }
+}

@@ -1,0 +1,55 @@
+//! What the oracle knows of the robot.
+
+use zeronav_world::{Convex, Footprint, RobotSpec};
+
+/// What the robot can do, at best.
+#[derive(Debug, Clone)]
+pub(in crate::suite) struct Abilities {
+    /// Its outline in `base`.
+    pub(in crate::suite) outline: Convex,
+    /// How far that reaches from its centre. [m]
+    pub(in crate::suite) reach_m: f64,
+    /// Radius of a disc that is within its outline everywhere. [m]
+    pub(in crate::suite) radius_m: f64,
+    /// Least and largest forward speed. [m/s]
+    pub(in crate::suite) v_mps: [f64; 2],
+    /// Largest yaw rate. [rad/s]
+    pub(in crate::suite) w_radps_max: f64,
+    /// Largest change of speed, faster or slower. [m/s^2]
+    pub(in crate::suite) a_mps2_max: f64,
+    /// Largest change of the yaw rate. [rad/s^2]
+    pub(in crate::suite) alpha_radps2_max: f64,
+}
+
+impl Abilities {
+    /// Those of a robot with this outline.
+    pub(in crate::suite) fn new(robot: &RobotSpec, footprint: &Footprint) -> Self {
+        Self {
+            outline: footprint.form().clone(),
+            reach_m: footprint.circumscribed_radius_m(),
+            radius_m: footprint.inscribed_radius_m(),
+            v_mps: [robot.v_mps_min.min(0.0), robot.v_mps_max],
+            w_radps_max: robot.w_radps_max,
+            a_mps2_max: robot.brake_mps2.unwrap_or(0.0).max(robot.a_mps2_max),
+            alpha_radps2_max: robot.alpha_radps2_max,
+        }
+    }
+}
+
+/// The robot at a moment of the run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::suite) struct State {
+    /// Run time. [s]
+    pub(in crate::suite) t_s: f64,
+    /// Position of its centre. [m]
+    pub(in crate::suite) at_m: [f64; 2],
+    /// [rad]
+    pub(in crate::suite) yaw_rad: f64,
+    /// Forward speed. [m/s]
+    pub(in crate::suite) v_mps: f64,
+    /// Yaw rate. [rad/s]
+    pub(in crate::suite) w_radps: f64,
+}
+
+/// A disc at a moment: centre and radius. [m]
+pub(in crate::suite) type Disc = ([f64; 2], f64);
