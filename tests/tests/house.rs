@@ -290,7 +290,6 @@ const STILL_LONG: &[&str] = &[
     "services/global_planner/src/jps.rs",
     "services/global_planner/src/lazy_theta.rs",
     "services/global_planner/src/smooth.rs",
-    "services/local_planner/src/dwa/timed.rs",
     "services/local_planner/src/dwa_t/rollout_grid.rs",
     "services/local_planner/src/cost_to_go.rs",
     "services/local_planner/src/mppi.rs",
