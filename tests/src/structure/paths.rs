@@ -56,10 +56,7 @@ fn items(tokens: &[TokenTree], named: &mut Named) {
         match ident(&tokens[at]).as_deref() {
             Some("pub") => {
                 exported = true;
-                // `pub(in crate::x)` says who may see an item, not what it uses.
-                let restricted = matches!(tokens.get(at + 1),
-                    Some(TokenTree::Group(group)) if group.delimiter() == Delimiter::Parenthesis);
-                at += 1 + usize::from(restricted);
+                at = after_visibility(tokens, at);
                 continue;
             }
             Some("use") => {
@@ -99,6 +96,14 @@ fn items(tokens: &[TokenTree], named: &mut Named) {
     }
 }
 
+/// Where the item after the `pub` at `at` begins. `pub(in crate::x)` says where an item is visible,
+/// not what it uses.
+fn after_visibility(tokens: &[TokenTree], at: usize) -> usize {
+    let restricted = matches!(tokens.get(at + 1),
+        Some(TokenTree::Group(group)) if group.delimiter() == Delimiter::Parenthesis);
+    at + 1 + usize::from(restricted)
+}
+
 /// The file in `#[path = "file"]` at `at`.
 fn path_of_attribute(tokens: &[TokenTree], at: usize) -> Option<String> {
     let (TokenTree::Group(group), true) = (tokens.get(at + 1)?, is_punct(&tokens[at], '#')) else {
@@ -132,6 +137,7 @@ fn code(tokens: &[TokenTree], at: usize, named: &mut Named) -> usize {
             }
             at + 1
         }
+        TokenTree::Ident(first) if first == "pub" => after_visibility(tokens, at),
         TokenTree::Ident(first) => {
             let mut path = vec![first.to_string()];
             let mut next = at + 1;

@@ -60,6 +60,7 @@ fn tests_comments_strings_and_visibility_are_no_uses() {
         (
             "a.rs",
             "//! [`crate::b::B`]\nconst S: &str = \"crate::b::B\"; pub(in crate::b) fn f() {}\n\
+             struct S { pub(in crate::b) x: u8 }\n\
              #[cfg(test)] mod tests { use crate::b::B; }\n\
              #[cfg(test)] use crate::b::B;",
         ),
