@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 
 /// The latency part of a result.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Latency {
     /// captured(scan) -> published(first command whose request checked that scan's points).
     pub reaction: Figures,
@@ -42,6 +43,7 @@ pub struct Latency {
 
 /// One hop of the table.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Hop {
     /// Its name.
     pub name: String,
@@ -53,6 +55,7 @@ pub struct Hop {
 /// The way of every scan to the wheels, hop by hop, whether or not anything had changed: the first
 /// command that reached the wheels behind each.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct EveryScan {
     /// Through the local planner, which checks the points of the scan itself.
     pub direct: Vec<Hop>,
@@ -63,6 +66,7 @@ pub struct EveryScan {
 /// The robot's own time from capture to application on a second clock, `CLOCK_MONOTONIC_RAW`, for
 /// every command, through the ids in its ancestry.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct SecondClock {
     /// That time.
     pub end_to_end: Figures,
@@ -76,6 +80,7 @@ pub struct SecondClock {
 /// as worst. `None` where there is nothing to say. What is shown and serialised is
 /// [`Self::supported`].
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, Default)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(into = "Shown")]
 pub struct Figures {
     /// Samples, censored ones included.
@@ -94,6 +99,7 @@ pub struct Figures {
 
 /// The form in which figures are serialised.
 #[derive(Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct Shown {
     n: u64,
     censored: u64,

@@ -1,6 +1,7 @@
 //! The result of a run as plain data: what `zeronav run --json` prints and `result.json` holds.
 //!
 //! The modules that drive, judge, draw and report share these types; nothing here computes anything.
+//! `launch/result.schema.json` is the JSON schema of [`RunResult`].
 
 pub mod latency;
 pub mod trials;
@@ -14,6 +15,7 @@ use truth::{PoseResult, TrackingResult};
 
 /// The result of a run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct RunResult {
     /// Scenario.
     pub scenario: String,
@@ -105,6 +107,7 @@ pub struct RunResult {
 
 /// A path that was published.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct PlannedPath {
     /// Run time. [s]
     pub time_s: f64,
@@ -126,6 +129,7 @@ pub struct PlannedPath {
 
 /// A scripted obstacle that appeared.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct ObstacleResult {
     /// Its name.
     pub name: String,
@@ -135,6 +139,7 @@ pub struct ObstacleResult {
 
 /// The begin of a contact.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Touch {
     /// Time since the first goal. [s]
     pub time_s: f64,
@@ -150,6 +155,7 @@ pub struct Touch {
 
 /// What was expected, and whether it came.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Expectation {
     /// What.
     pub name: String,
@@ -163,6 +169,7 @@ pub struct Expectation {
 
 /// One process of the run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct ServiceResult {
     /// Its seat.
     pub name: String,
@@ -184,6 +191,7 @@ pub struct ServiceResult {
 
 /// Where and with what the run was made.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Environment {
     /// Version of the project.
     pub version: String,
@@ -205,6 +213,7 @@ pub struct Environment {
 
 /// A restart that was made.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Restart {
     /// Its seat.
     pub service: String,
@@ -218,6 +227,7 @@ pub struct Restart {
 
 /// A goal that was given by hand.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Redirect {
     /// Run time at which it came. [s]
     pub time_s: f64,
@@ -226,3 +236,6 @@ pub struct Redirect {
     /// `active`, `reached`, `replaced`, or why it was given up.
     pub outcome: String,
 }
+
+#[cfg(test)]
+mod tests;

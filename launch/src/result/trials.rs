@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 /// What the trials were.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct TrialsResult {
     /// Trials that were asked for.
     pub wanted: usize,
@@ -18,6 +19,7 @@ pub struct TrialsResult {
 
 /// One round.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Round {
     /// Trials that counted.
     pub trials: usize,
@@ -35,6 +37,7 @@ pub struct Round {
 
 /// One of the slowest trials, with what is needed to explain it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct SlowTrial {
     /// Round, from 1.
     pub round: usize,
@@ -50,6 +53,7 @@ pub struct SlowTrial {
 
 /// A hop that took long.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct SlowHop {
     /// Its name.
     pub name: String,
@@ -61,6 +65,7 @@ pub struct SlowHop {
 
 /// What the stages pass on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Load {
     /// Beams of a scan.
@@ -75,6 +80,7 @@ pub struct Load {
 
 /// What happened between two readings.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Disturbance {
     /// Load average of the last minute at the first reading.
     pub load_start: f64,
@@ -88,6 +94,7 @@ pub struct Disturbance {
 
 /// What happened to one service between two readings.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct ServiceDisturbance {
     /// Its seat.
     pub name: String,

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// Where mapping said the robot was, scan by scan, against where it was.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct PoseResult {
     /// Scans that were compared.
     pub scans: usize,
@@ -23,6 +24,7 @@ pub struct PoseResult {
 
 /// How well mapping followed what moved.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct TrackingResult {
     /// Times a moving obstacle came into sight and was found.
     pub found: usize,

@@ -2,6 +2,7 @@
 
 use super::oracle::robot::{Abilities, Disc, State};
 use super::oracle::{Surroundings, is_unavoidable};
+use crate::result::Touch;
 use crate::scenario::Scenario;
 use nalgebra::Point2;
 use serde::{Deserialize, Serialize};
@@ -13,15 +14,6 @@ use zeronav_world::{Obstacle, World};
 /// the last avoids is unavoidable. Nobody knows of somebody who does not exist yet: with whom a
 /// recording begins in front of the robot, the oracle tries from that moment on.
 const LEADS_S: [f64; 4] = [0.5, 1.0, 2.0, 3.0];
-
-/// A contact as the result of a run has it.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-pub(super) struct Touch {
-    pub(super) time_s: f64,
-    pub(super) moving: bool,
-    pub(super) v_mps: f64,
-    pub(super) with: String,
-}
 
 /// A contact in the report of a suite.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -212,6 +204,7 @@ mod tests {
             moving: true,
             v_mps: 1.0,
             with: with.to_owned(),
+            pose: [0.0; 3],
         };
         assert_eq!(hindsight.avoidable_s(&touch("walker"), &motion), None);
         // Who had been there all the time could have been seen.
@@ -228,6 +221,7 @@ mod tests {
             moving: true,
             v_mps: 1.0,
             with: "walker".to_owned(),
+            pose: [0.0; 3],
         };
         let avoidable_s = |x: f64, v: f64| {
             let row = |tenth: u32| {

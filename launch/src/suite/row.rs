@@ -1,11 +1,12 @@
 //! One run of a suite as it is reported.
 
 use super::case::{Case, Success};
-use super::hindsight::{ContactRow, Hindsight, Touch};
+use super::hindsight::{ContactRow, Hindsight};
 use super::runner::Finish;
 use super::score::{RULES, score};
 use super::track::{closest_m, turning_rad};
 use crate::exit::EXIT_USAGE;
+use crate::result::{RunResult, Touch};
 use serde::{Deserialize, Serialize};
 
 /// One run.
@@ -73,55 +74,28 @@ pub struct Row {
     pub contacts: Vec<ContactRow>,
 }
 
-/// What of a run's result is needed.
-#[derive(Debug, Clone, Default, Deserialize)]
-struct RunSummary {
-    verdict: String,
-    outcome: String,
-    reached: bool,
-    contacts_moving: u32,
-    contacts_standing: u32,
-    clearance_m_min: Option<f64>,
-    time_s: f64,
-    driven_m: f64,
-    wall_s: f64,
-    track_m: Vec<[f64; 2]>,
-    motion: Vec<[f64; 6]>,
-    touches: Vec<Touch>,
-    jerk_mps3: Option<f64>,
-    interventions: Option<u64>,
-    recoveries: Option<u64>,
-    stuck_cause: Option<String>,
-    run_hash: Option<String>,
-    directory: String,
-}
-
 impl Row {
     /// The row of a run.
     #[must_use]
     pub(super) fn new(case: &Case, finish: &Finish) -> Self {
-        let result = finish
-            .result
-            .as_ref()
-            .and_then(|result| RunSummary::deserialize(result).ok());
-        let Some(run) = result else {
+        let Some(run) = &finish.result else {
             return Self::without_result(case, finish);
         };
         let goal_distance_m = match case.rule.success {
             Success::Arrival { goal_m, .. } => closest_m(&run.track_m, goal_m),
             Success::Expectations => None,
         };
-        let contacts = contacts(case, &run);
+        let contacts = contacts(case, run);
         let n_unavoidable = contacts
             .iter()
             .filter(|contact| contact.moving && contact.unavoidable)
             .count();
         let unavoidable = u32::try_from(n_unavoidable).unwrap_or(u32::MAX);
-        let arrival = missed(&case.rule.success, &run, goal_distance_m);
+        let arrival = missed(&case.rule.success, run, goal_distance_m);
         let cause = if finish.hung {
             Some("hung".to_owned())
         } else {
-            touched(&case.rule.success, &run, unavoidable).or_else(|| arrival.clone())
+            touched(&case.rule.success, run, unavoidable).or_else(|| arrival.clone())
         };
         let success = cause.is_none();
         let clock_s = case.clock().and_then(|clock| clock.time_s(&run.motion));
@@ -133,7 +107,7 @@ impl Row {
         Self {
             success,
             cause,
-            outcome: Some(run.outcome),
+            outcome: Some(run.outcome.clone()),
             contacts_moving: run.contacts_moving,
             contacts_standing: run.contacts_standing,
             unavoidable: case.rule.future_is_known.then_some(unavoidable),
@@ -150,14 +124,14 @@ impl Row {
             clearance_m_min: run.clearance_m_min,
             turning_rad: Some(turning_rad(&run.track_m)),
             jerk_mps3: run.jerk_mps3,
-            interventions: run.interventions,
-            recoveries: run.recoveries,
-            stuck_cause: run.stuck_cause,
+            interventions: Some(run.interventions as u64),
+            recoveries: Some(run.recoveries.into()),
+            stuck_cause: run.stuck_cause.clone(),
             driven_m: Some(run.driven_m),
             goal_distance_m,
             wall_s: Some(run.wall_s),
-            run_hash: run.run_hash,
-            directory: Some(run.directory),
+            run_hash: run.run_hash.clone(),
+            directory: Some(run.directory.clone()),
             contacts,
             ..Self::of(case)
         }
@@ -231,7 +205,7 @@ impl Row {
 }
 
 /// What a run touched and what could have been done about it.
-fn contacts(case: &Case, run: &RunSummary) -> Vec<ContactRow> {
+fn contacts(case: &Case, run: &RunResult) -> Vec<ContactRow> {
     if run.touches.is_empty() {
         return Vec::new();
     }
@@ -255,7 +229,7 @@ fn contacts(case: &Case, run: &RunSummary) -> Vec<ContactRow> {
 }
 
 /// Why a run is no success for what it touched.
-fn touched(success: &Success, run: &RunSummary, unavoidable: u32) -> Option<String> {
+fn touched(success: &Success, run: &RunResult, unavoidable: u32) -> Option<String> {
     let Success::Arrival {
         standing_counts, ..
     } = success
@@ -276,7 +250,7 @@ fn touched(success: &Success, run: &RunSummary, unavoidable: u32) -> Option<Stri
 }
 
 /// Why a run did not end as it should, whatever it touched.
-fn missed(success: &Success, run: &RunSummary, goal_distance_m: Option<f64>) -> Option<String> {
+fn missed(success: &Success, run: &RunResult, goal_distance_m: Option<f64>) -> Option<String> {
     let Success::Arrival { tolerance_m, .. } = success else {
         return (run.verdict != "pass").then(|| run.outcome.clone());
     };
@@ -324,23 +298,30 @@ mod tests {
             .collect()
     }
 
-    fn run() -> Value {
-        json!({
+    /// A real result with the values that a row is made of replaced.
+    fn run(changes: &[(&str, Value)]) -> RunResult {
+        let text = include_str!("../../tests/data/result_lockstep.json");
+        let mut result: Value = serde_json::from_str(text).unwrap();
+        let Value::Object(usual) = json!({
             "verdict": "pass", "outcome": "reached", "reached": true,
             "contacts_moving": 0, "contacts_standing": 0, "clearance_m_min": 0.12,
             "time_s": 12.5, "driven_m": 9.9, "wall_s": 0.7,
             "track_m": [[0.0, 0.0], [0.0, 9.2]], "motion": motion(), "touches": [],
             "jerk_mps3": 0.75, "interventions": 2, "recoveries": 3, "run_hash": "00ff", "directory": "runs/x",
-        })
+        }) else {
+            unreachable!("an object");
+        };
+        let changes = changes.iter().cloned();
+        let changes = changes.map(|(name, value)| (name.to_owned(), value));
+        for (name, value) in usual.into_iter().chain(changes) {
+            result[name] = value;
+        }
+        serde_json::from_value(result).unwrap()
     }
 
     fn row(standing_counts: bool, changes: &[(&str, Value)]) -> Row {
-        let mut result = run();
-        for (name, value) in changes {
-            result[*name] = value.clone();
-        }
         let finish = Finish {
-            result: Some(result),
+            result: Some(run(changes)),
             code: Some(0),
             hung: false,
             complaint: String::new(),

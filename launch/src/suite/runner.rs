@@ -3,9 +3,9 @@
 use super::case::Case;
 use super::plan::SuitePlan;
 use crate::exit::EXIT_INTERRUPTED;
+use crate::result::RunResult;
 use crate::show::progress::{ProgressLine, Tally};
 use rustix::process::{Pid, Signal, kill_process};
-use serde_json::Value;
 use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
@@ -25,7 +25,7 @@ const COMPLAINT: &str = "zeronav: ";
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Finish {
     /// Its result; `None` when it left none.
-    pub(super) result: Option<Value>,
+    pub(super) result: Option<RunResult>,
     /// Its exit code, `None` when a signal ended it.
     pub(super) code: Option<i32>,
     /// True when it was stopped because it took too long.
