@@ -293,7 +293,6 @@ const STILL_LONG: &[&str] = &[
     "services/local_planner/src/dwa_t/rollout_grid.rs",
     "services/local_planner/src/cost_to_go.rs",
     "services/local_planner/src/mppi.rs",
-    "services/mapping/src/belief.rs",
     "services/robot_sim/src/lidar/tests.rs",
     "services/shell/src/service.rs",
     "services/world/src/preset.rs",

@@ -1,31 +1,36 @@
-//! What scans say about the cells, in layers.
+//! Which cells are obstacles, by the static map and by scans, in layers.
 //!
-//! The *static* layer is what is known beforehand and stays. The *long-lived* layer is log-odds,
-//! changed at most once per cell and scan. The *short-lived* layer holds what was hit on moving
-//! obstacles: it does not enter the log-odds, and goes as soon as a beam passes or after a moment,
-//! so that nothing leaves a trail. Unknown is a state of its own. A cell is an obstacle when any
-//! layer says so.
+//! The *static* layer is the static map and never changes. The *long-lived* layer is log-odds,
+//! changed at most once per cell and scan. The *short-lived* layer holds hits on dynamic obstacles:
+//! they do not enter the log-odds, and a cell leaves it as soon as a beam passes or after a moment,
+//! so that dynamic obstacles leave no trail. Unknown is a state of its own. A cell is an obstacle
+//! when any layer says so.
 //!
-//! The rules are those of Nav2's obstacle layer where they are sound: a scan clears along all its
-//! beams first and marks then; a beam without a return clears, an invalid one does nothing; the
-//! robot's footprint clears. Where they flicker, they are sharpened: what a scan marks no other
-//! beam of the same scan clears; a beam clears only cells that it has left again before it was
-//! returned; a hit counts half a cell behind where it was measured, so that noise around the face
-//! of an obstacle falls into the obstacle's own cell, and an obstacle marks the cells whose centre
-//! it covers; a cell that touches an obstacle becomes one only with the second hit, because
-//! the robot's centre cannot be there anyway and it is mostly noise; and so does a free cell that
-//! a single beam was returned from while its neighbours saw nothing near, because one beam in a
-//! thousand comes back from dust, rain or between two edges. What two neighbouring beams see in
-//! the open is marked at once.
+//! The rules are those of Nav2's obstacle layer: a scan clears along all its beams first and marks
+//! then; a beam without a return clears, an invalid one does nothing; the robot's footprint clears.
+//! What is added against flicker:
+//!
+//! - Cells that a scan marks are not cleared by another beam of the same scan.
+//! - A beam clears only cells that it has left again before it was returned.
+//! - A hit counts half a cell behind its measured end, so that noise around the face of an obstacle
+//!   falls into the obstacle's own cell: an obstacle marks the cells whose centre it covers.
+//! - A cell that touches an obstacle is marked with the second hit only: mostly it is noise, and the
+//!   robot's centre cannot be there anyway.
+//! - So is a free cell with an isolated return (`isolated.rs`); two neighbouring beams mark a
+//!   cell in the open at once.
 
-use crate::beams::{Beam, End};
+use crate::beams::End;
 use crate::config::MappingConfig;
+use crate::flips::Flips;
+use crate::free_blocks::FreeBlocks;
+use crate::isolated::is_isolated;
+use crate::located_scan::{GridRay, LocatedScan};
 use crate::log_odds::LogOdds;
 use crate::ray::{Passing, Ray};
-use crate::settled::Settled;
+use crate::rows_around::rows_around;
 use nalgebra::{Point2, Vector2};
 use zeronav_msgs::time::nanoseconds;
-use zeronav_msgs::{Cell, GridGeometry, Pose};
+use zeronav_msgs::{Cell, GridGeometry};
 use zeronav_world::{Occupancy, StaticMap};
 
 /// No beam has been here, and the static map does not know the cell.
@@ -35,79 +40,28 @@ const UNKNOWN: i16 = i16::MIN;
 const STATIC: u8 = 1;
 /// Bit: touches an obstacle of the static map.
 const BESIDE_STATIC: u8 = 1 << 1;
-/// Bit: hit by the scan at hand.
+/// Bit: hit by the current scan.
 const HIT: u8 = 1 << 2;
-/// Bit: passed by a beam of the scan at hand.
+/// Bit: passed by a beam of the current scan.
 const PASSED: u8 = 1 << 3;
 /// Bit: in the short-lived layer.
 const MOVING: u8 = 1 << 4;
-/// Bit: hit on a moving obstacle by the scan at hand.
+/// Bit: hit on a moving obstacle by the current scan.
 const MOVING_HIT: u8 = 1 << 5;
 /// Bit: an obstacle, as told by [`Flips`].
 const OBSTACLE: u8 = 1 << 6;
-/// Bit: so near to an obstacle of the static map that what is seen there is that obstacle.
+/// Bit: so near to an obstacle of the static map that points there belong to it.
 const NEAR_STATIC: u8 = 1 << 7;
 
 /// How far behind its measured end a hit counts. [cells]
 const HIT_BEHIND: f64 = 0.5;
 
-/// How much earlier than it left a cell a beam may have been returned and still clear it, against
-/// ranges rounded to single precision. [cells]
+/// Slack of the rule that a beam clears only cells it has left, for ranges in `f32`. [cells]
 const PASSED_SLACK: f64 = 1.0e-3;
-
-/// How far apart the ends of neighbouring beams on one thing may lie, besides [`LONE_SPREADS`]. [m]
-const LONE_M: f64 = 0.1;
-
-/// The same in distances of the beams there, for things that are seen at a slant.
-const LONE_SPREADS: f64 = 3.0;
-
-/// Directions that differ by more are no neighbours'. [rad]
-const NEIGHBOURS_SPREAD_MAX: f64 = 0.3;
-
-/// What a scan changed. Row-major indices; reused.
-#[derive(Debug, Default)]
-pub struct Flips {
-    /// Cells that became obstacles.
-    pub marked: Vec<usize>,
-    /// Cells that are obstacles no longer.
-    pub cleared: Vec<usize>,
-    /// Cells seen for the first time.
-    pub revealed: Vec<usize>,
-    /// Obstacles of which another layer knows now.
-    pub relabelled: Vec<usize>,
-}
-
-impl Flips {
-    /// Forgets everything.
-    pub fn clear(&mut self) {
-        let Self {
-            marked,
-            cleared,
-            revealed,
-            relabelled,
-        } = self;
-        for list in [marked, cleared, revealed, relabelled] {
-            list.clear();
-        }
-    }
-}
-
-/// A scan as the belief takes it in.
-#[derive(Debug, Clone, Copy)]
-pub struct Sight<'a> {
-    /// Where the frame of the beams lies in the map.
-    pub map_from_frame: Pose,
-    /// The beams.
-    pub beams: &'a [Beam],
-    /// True for beams that ended on a moving obstacle; empty when nothing moves.
-    pub moving: &'a [bool],
-    /// Run time of the capture. [ns]
-    pub run_ns: u64,
-}
 
 /// Belief in every cell of the map.
 #[derive(Debug)]
-pub struct Belief {
+pub(crate) struct Belief {
     geometry: GridGeometry,
     log_odds: LogOdds,
     obstacle_range_m: f64,
@@ -117,9 +71,9 @@ pub struct Belief {
     blocks_beside: bool,
     odds: Vec<i16>,
     bits: Vec<u8>,
-    settled: Settled,
-    /// The beams over the grid, with how they ended and whether on something that moves.
-    rays: Vec<(Ray, End, bool)>,
+    free_blocks: FreeBlocks,
+    /// Scratch: the beams of the scan.
+    rays: Vec<GridRay>,
     hits: Vec<usize>,
     /// Of the cells hit, those that are no obstacles and need a second hit to become one.
     doubtful: Vec<usize>,
@@ -138,7 +92,7 @@ impl Belief {
     /// obstacle, as long as the robot's centre cannot be in such cells anyway: walls that are
     /// mapped would otherwise fill the map with news of half a cell.
     #[must_use]
-    pub fn new(
+    pub(crate) fn new(
         geometry: &GridGeometry,
         static_map: Option<&StaticMap>,
         config: &MappingConfig,
@@ -181,7 +135,7 @@ impl Belief {
             blocks_beside: false,
             odds: vec![UNKNOWN; geometry.len()],
             bits: vec![0; geometry.len()],
-            settled: Settled::new(geometry),
+            free_blocks: FreeBlocks::new(geometry),
             rays: Vec::new(),
             hits: Vec::new(),
             doubtful: Vec::new(),
@@ -195,7 +149,7 @@ impl Belief {
     /// The same belief on another grid of the same resolution, `shift` cells from this one's
     /// origin to the other's: what lies on both is kept, the rest of the new one is unknown.
     #[must_use]
-    pub fn moved(&self, geometry: &GridGeometry, shift: Cell) -> Self {
+    pub(crate) fn moved(&self, geometry: &GridGeometry, shift: Cell) -> Self {
         let mut moved = Self {
             obstacle_range_m: self.obstacle_range_m,
             raytrace_range_m: self.raytrace_range_m,
@@ -231,14 +185,14 @@ impl Belief {
     fn count_open(&mut self) {
         for (index, odds) in self.odds.iter().enumerate() {
             if *odds != self.log_odds.min {
-                self.settled.open(index);
+                self.free_blocks.add_uncertain(index);
             }
         }
     }
 
     fn mark_beside(&mut self, index: usize) {
         let width = self.geometry.width as usize;
-        for (row, columns) in around(&self.geometry, index) {
+        for (row, columns) in rows_around(&self.geometry, index) {
             for bits in &mut self.bits[row * width..][columns] {
                 *bits |= BESIDE_STATIC;
             }
@@ -248,7 +202,7 @@ impl Belief {
     /// True when a cell around `index` is an obstacle that scans have put there.
     fn touches_sensed(&self, index: usize) -> bool {
         let width = self.geometry.width as usize;
-        around(&self.geometry, index).any(|(row, columns)| {
+        rows_around(&self.geometry, index).any(|(row, columns)| {
             let odds = &self.odds[row * width..][columns];
             odds.iter().any(|odds| *odds > self.log_odds.occupied_above)
         })
@@ -261,59 +215,65 @@ impl Belief {
     /// True when some layer has an obstacle at `index`.
     #[must_use]
     #[inline]
-    pub fn is_obstacle(&self, index: usize) -> bool {
+    pub(crate) fn is_obstacle(&self, index: usize) -> bool {
         self.bits[index] & OBSTACLE != 0
     }
 
     /// True when the static map has an obstacle at `index`.
     #[must_use]
     #[inline]
-    pub fn is_static(&self, index: usize) -> bool {
+    pub(crate) fn is_static(&self, index: usize) -> bool {
         self.bits[index] & STATIC != 0
     }
 
     /// True when scans have put an obstacle at `index`, whatever layer holds it.
     #[must_use]
     #[inline]
-    pub fn is_sensed(&self, index: usize) -> bool {
+    pub(crate) fn is_sensed(&self, index: usize) -> bool {
         self.is_moving(index) || self.is_long_lived(index)
     }
 
     /// True when a moving obstacle was seen at `index` a moment ago.
     #[must_use]
     #[inline]
-    pub fn is_moving(&self, index: usize) -> bool {
+    pub(crate) fn is_moving(&self, index: usize) -> bool {
         self.bits[index] & MOVING != 0
     }
 
-    /// Says that what is seen at `index` is an obstacle of the static map.
-    pub fn set_near_static(&mut self, index: usize) {
+    /// Marks `index` as so near to the static map's obstacles that points there belong to them.
+    pub(crate) fn set_near_static(&mut self, index: usize) {
         self.bits[index] |= NEAR_STATIC;
     }
 
-    /// True when what is seen at `index` is an obstacle of the static map.
+    /// True when points at `index` belong to an obstacle of the static map.
     #[must_use]
-    pub fn is_near_static(&self, index: usize) -> bool {
+    pub(crate) fn is_near_static(&self, index: usize) -> bool {
         self.bits[index] & NEAR_STATIC != 0
     }
 
     /// True when neither the static map nor a scan has said anything about the cell at `index`.
     #[must_use]
     #[inline]
-    pub fn is_unknown(&self, index: usize) -> bool {
+    pub(crate) fn is_unknown(&self, index: usize) -> bool {
         self.odds[index] == UNKNOWN && self.bits[index] & MOVING == 0
     }
 
     /// Takes in a scan and adds what flipped. Nothing when the pose is not finite. `under_robot`
     /// are the cells that the robot stands on, which are free.
-    pub fn integrate(&mut self, sight: &Sight<'_>, under_robot: &[usize], flips: &mut Flips) {
-        if !self.lay_out(sight) {
+    pub(crate) fn integrate(
+        &mut self,
+        scan: &LocatedScan<'_>,
+        under_robot: &[usize],
+        flips: &mut Flips,
+    ) {
+        let mut rays = core::mem::take(&mut self.rays);
+        if !scan.cast_on(&self.geometry, &mut rays) {
+            self.rays = rays;
             return;
         }
-        let rays = core::mem::take(&mut self.rays);
         for (n, (ray, end, moving)) in rays.iter().enumerate() {
             if let End::Hit(range_m) = end {
-                self.note_hit(ray, *range_m, *moving, || is_lone(sight.beams, n));
+                self.note_hit(ray, *range_m, *moving, || is_isolated(scan.beams, n));
             }
         }
         let resolution_m = self.geometry.resolution_m;
@@ -338,7 +298,7 @@ impl Belief {
             .passed(*index);
         }
         self.mark(flips);
-        self.renew_moving(sight.run_ns, flips);
+        self.renew_moving(scan.run_ns, flips);
         self.tell(flips);
         let lists = [
             &mut self.hits,
@@ -353,7 +313,7 @@ impl Belief {
 
     /// Forgets what scans have put into the long-lived layer within `radius_m` of a point of the
     /// map: the trail of something that turned out to move. Adds what flipped.
-    pub fn forget(&mut self, centre: Point2<f64>, radius_m: f64, flips: &mut Flips) {
+    pub(crate) fn forget(&mut self, centre: Point2<f64>, radius_m: f64, flips: &mut Flips) {
         let reach = Vector2::new(radius_m, radius_m);
         let (width, height) = self.geometry.size();
         let min = self.geometry.unbounded_cell_at(centre - reach);
@@ -373,39 +333,13 @@ impl Belief {
         self.tell(flips);
     }
 
-    /// Lays the beams over the grid; false when they lie nowhere.
-    fn lay_out(&mut self, sight: &Sight<'_>) -> bool {
-        let Pose { x_m, y_m, yaw_rad } = sight.map_from_frame;
-        if !(x_m + y_m + yaw_rad).is_finite() {
-            return false;
-        }
-        let (sin, cos) = yaw_rad.sin_cos();
-        let per_m = 1.0 / self.geometry.resolution_m;
-        let shift = Vector2::new(
-            x_m - self.geometry.origin_x_m,
-            y_m - self.geometry.origin_y_m,
-        );
-        let turned = |v: Vector2<f64>| Vector2::new(cos * v.x - sin * v.y, sin * v.x + cos * v.y);
-        self.rays.clear();
-        self.rays
-            .extend(sight.beams.iter().enumerate().map(|(n, beam)| {
-                let ray = Ray {
-                    origin: Point2::from((turned(beam.origin.coords) + shift) * per_m),
-                    direction: turned(beam.direction),
-                };
-                let moving = sight.moving.get(n).copied().unwrap_or(false);
-                (ray, beam.end, moving)
-            }));
-        true
-    }
-
     /// Remembers the cell that a beam was returned from.
-    fn note_hit(&mut self, ray: &Ray, range_m: f64, moving: bool, is_lone: impl Fn() -> bool) {
+    fn note_hit(&mut self, ray: &Ray, range_m: f64, moving: bool, is_isolated: impl Fn() -> bool) {
         if range_m > self.obstacle_range_m {
             return;
         }
         let cells = range_m / self.geometry.resolution_m + HIT_BEHIND;
-        let Some(index) = self.index_at(ray, cells) else {
+        let Some(index) = self.geometry.index_of(ray.cell_at(cells)) else {
             return;
         };
         if moving {
@@ -422,31 +356,21 @@ impl Belief {
         let old = self.odds[index];
         let beside = || self.blocks_beside && self.touches_sensed(index);
         // An obstacle that is known needs no proof; of the unknown nobody has seen that it is free.
-        if !self.is_long_lived(index) && (beside() || old != UNKNOWN && is_lone()) {
+        if !self.is_long_lived(index) && (beside() || old != UNKNOWN && is_isolated()) {
             self.doubtful.push(index);
         } else {
             self.hits.push(index);
         }
     }
 
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "float to int saturates, far outside is outside"
-    )]
-    fn index_at(&self, ray: &Ray, cells: f64) -> Option<usize> {
-        let at = ray.origin + ray.direction * cells;
-        let cell = Cell::new(at.x.floor() as i32, at.y.floor() as i32);
-        self.geometry.index_of(cell)
-    }
-
-    /// Changes a belief, and whether the cell is settled.
+    /// Changes a belief, and whether the cell counts as free for its block.
     fn set_odds(&mut self, index: usize, odds: i16) {
         let old = core::mem::replace(&mut self.odds[index], odds);
-        let settled = self.log_odds.min;
-        if old == settled && odds != settled {
-            self.settled.open(index);
-        } else if old != settled && odds == settled {
-            self.settled.settle(index);
+        let free = self.log_odds.min;
+        if old == free && odds != free {
+            self.free_blocks.add_uncertain(index);
+        } else if old != free && odds == free {
+            self.free_blocks.remove_uncertain(index);
         }
     }
 
@@ -487,7 +411,7 @@ impl Belief {
     /// has not been seen for a while goes.
     fn renew_moving(&mut self, run_ns: u64, flips: &mut Flips) {
         let until_ns = run_ns.saturating_add(self.moving_age_ns);
-        let (bits, touched, settled) = (&mut self.bits, &mut self.touched, &mut self.settled);
+        let (bits, touched, blocks) = (&mut self.bits, &mut self.touched, &mut self.free_blocks);
         self.moving.retain_mut(|(index, stays_ns)| {
             let seen = bits[*index] & MOVING_HIT != 0;
             if seen {
@@ -496,7 +420,7 @@ impl Belief {
             let stays = seen || (bits[*index] & PASSED == 0 && run_ns < *stays_ns);
             if !stays {
                 bits[*index] &= !MOVING;
-                settled.settle(*index);
+                blocks.remove_uncertain(*index);
                 touched.push(*index);
             }
             stays
@@ -505,7 +429,7 @@ impl Belief {
             if bits[*index] & MOVING == 0 {
                 bits[*index] |= MOVING;
                 // Beams must look at it, even where they know that nothing stays.
-                settled.open(*index);
+                blocks.add_uncertain(*index);
                 self.moving.push((*index, until_ns));
                 touched.push(*index);
                 if self.odds[*index] == UNKNOWN {
@@ -535,26 +459,6 @@ impl Belief {
     }
 }
 
-/// True when neither neighbour of beam `n` was returned from anywhere near its own end.
-fn is_lone(beams: &[Beam], n: usize) -> bool {
-    let Some((beam, point)) = beams.get(n).and_then(|beam| Some((beam, beam.point()?))) else {
-        return false;
-    };
-    let range_m = (point - beam.origin).norm();
-    let sees_it = |other: usize| {
-        let other = &beams[other];
-        let spread = (other.direction - beam.direction).norm();
-        let gap_m = LONE_M + LONE_SPREADS * spread * range_m;
-        let near = |end: Point2<f64>| (end - point).norm() <= gap_m;
-        // The last beam is the first one's neighbour only when the lidar looks all around.
-        spread < NEIGHBOURS_SPREAD_MAX && other.point().is_some_and(near)
-    };
-    let last = beams.len() - 1;
-    let before = if n == 0 { last } else { n - 1 };
-    let after = if n == last { 0 } else { n + 1 };
-    !sees_it(before) && !sees_it(after)
-}
-
 /// Lowers the belief in the cells that a beam has passed.
 struct Clearing<'a> {
     belief: &'a mut Belief,
@@ -564,7 +468,7 @@ struct Clearing<'a> {
 impl Passing for Clearing<'_> {
     #[inline]
     fn leaps(&self, x: i32, y: i32) -> bool {
-        self.belief.settled.is_settled(x, y)
+        self.belief.free_blocks.is_free(x, y)
     }
 
     #[inline]
@@ -593,15 +497,4 @@ impl Passing for Clearing<'_> {
             belief.touched.push(index);
         }
     }
-}
-
-/// The rows around a cell, itself included, each with its columns, cut to the map.
-fn around(
-    geometry: &GridGeometry,
-    index: usize,
-) -> impl Iterator<Item = (usize, core::ops::Range<usize>)> + use<> {
-    let (width, height) = (geometry.width as usize, geometry.height as usize);
-    let (x, y) = (index % width, index / width);
-    let columns = x.saturating_sub(1)..(x + 2).min(width);
-    (y.saturating_sub(1)..(y + 2).min(height)).map(move |row| (row, columns.clone()))
 }

@@ -11,7 +11,7 @@ const ROUNDING_MM: f64 = 1.0e-6;
 
 /// Clearance and cost of a known cell by its squared distance.
 #[derive(Debug, Clone)]
-pub struct ValueTable {
+pub(crate) struct ValueTable {
     /// `(clearance_mm, cost)`; the last entry stands for all larger squares.
     values: Vec<(u16, u8)>,
 }
@@ -30,7 +30,7 @@ impl ValueTable {
         clippy::cast_sign_loss,
         reason = "costs are 0 to 252, clearances at most the limit"
     )]
-    pub fn new(config: &MappingConfig, inscribed_radius_m: f64, resolution_m: f64) -> Self {
+    pub(crate) fn new(config: &MappingConfig, inscribed_radius_m: f64, resolution_m: f64) -> Self {
         let limit_mm = clearance_limit_mm(config);
         let half_cells_max = 2.0 * config.clearance_limit_m / resolution_m;
         let last = (half_cells_max * half_cells_max).ceil().min(f64::from(FAR)) as i16;
@@ -59,7 +59,7 @@ impl ValueTable {
     /// Clearance [mm] and cost of a known cell at this squared distance. [half cells^2]
     #[must_use]
     #[inline]
-    pub fn get(&self, square: i16) -> (u16, u8) {
+    pub(crate) fn get(&self, square: i16) -> (u16, u8) {
         let last = self.values.len() - 1;
         self.values[usize::from(square.unsigned_abs()).min(last)]
     }
@@ -72,7 +72,7 @@ impl ValueTable {
     clippy::cast_sign_loss,
     reason = "checked to be within 16 bits"
 )]
-pub fn clearance_limit_mm(config: &MappingConfig) -> u16 {
+pub(crate) fn clearance_limit_mm(config: &MappingConfig) -> u16 {
     (config.clearance_limit_m * 1000.0 + ROUNDING_MM) as u16
 }
 

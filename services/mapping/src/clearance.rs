@@ -32,9 +32,9 @@ pub struct ClearanceField {
     squares: Vec<i16>,
     /// Rows below, at and above an obstacle, each the squared distances of the window's columns.
     stamp: Vec<i16>,
-    /// Squared distance along the column to the nearest obstacle, for the window at hand.
+    /// Squared distance along the column to the nearest obstacle, for the current window.
     columns: Vec<i16>,
-    /// Cells since the last obstacle, for each column of the window at hand.
+    /// Cells since the last obstacle, for each column of the current window.
     since: Vec<i16>,
 }
 

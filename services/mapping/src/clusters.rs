@@ -15,7 +15,7 @@ const LINE_STEP_MAX: (f64, f64) = (3.0, 1.0);
 
 /// A point of a scan that the map does not explain.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ScanPoint {
+pub(crate) struct ScanPoint {
     /// In the map. [m]
     pub at: Point2<f64>,
     /// Index of its beam.
@@ -26,7 +26,7 @@ pub struct ScanPoint {
 
 /// Neighbouring points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Cluster {
+pub(crate) struct Cluster {
     /// Its first point in [`Clusters::points`].
     first: usize,
     /// First point behind it.
@@ -37,7 +37,7 @@ pub struct Cluster {
 
 /// The clusters of a scan. Memory is reused.
 #[derive(Debug, Default)]
-pub struct Clusters {
+pub(crate) struct Clusters {
     points: Vec<ScanPoint>,
     clusters: Vec<Cluster>,
 }
@@ -48,7 +48,7 @@ impl Clusters {
     /// most `gap_m` and twice the distance of neighbouring beams apart, or when the second goes on
     /// along the line of those before it: a wall seen at a slant is not many small things. What is
     /// hollow by `gap_m` is parted at its deepest point: two people who walk side by side are two.
-    pub fn find(
+    pub(crate) fn find(
         &mut self,
         beams: &Beams,
         map_from_frame: &Pose,
@@ -113,13 +113,13 @@ impl Clusters {
 
     /// The clusters, in the order of the beams.
     #[must_use]
-    pub fn as_slice(&self) -> &[Cluster] {
+    pub(crate) fn as_slice(&self) -> &[Cluster] {
         &self.clusters
     }
 
     /// The points of a cluster, in the order of the beams.
     #[must_use]
-    pub fn points(&self, cluster: &Cluster) -> &[ScanPoint] {
+    pub(crate) fn points(&self, cluster: &Cluster) -> &[ScanPoint] {
         &self.points[cluster.first..cluster.end]
     }
 

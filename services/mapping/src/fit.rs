@@ -4,7 +4,7 @@ use nalgebra::{Matrix2, Matrix3, Point2, Vector2, Vector3};
 
 /// What fits best.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Fit {
+pub(crate) enum Fit {
     /// The near side of something round.
     Circle {
         /// [m]
@@ -26,7 +26,7 @@ pub enum Fit {
 impl Fit {
     /// How far it reaches from its centre. [m]
     #[must_use]
-    pub fn radius_m(&self) -> f64 {
+    pub(crate) fn radius_m(&self) -> f64 {
         match self {
             Self::Circle { radius_m, .. } => *radius_m,
             Self::Segment { half_m, .. } => *half_m,
@@ -39,7 +39,7 @@ impl Fit {
 /// A circle must fit better than a line by half, be at most `radius_m_max` large, and turn its
 /// round side to the eye.
 #[must_use]
-pub fn fit(
+pub(crate) fn fit(
     points: impl Iterator<Item = Point2<f64>> + Clone,
     eye: Point2<f64>,
     radius_m_max: f64,
@@ -88,7 +88,7 @@ pub fn fit(
 
 /// Where a disc of known radius is, and how well that is known.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Place {
+pub(crate) struct Place {
     /// [m]
     pub centre: Point2<f64>,
     /// [m^2]
@@ -99,7 +99,7 @@ pub struct Place {
 /// known to `point_sigma_m`: least squares by a few steps of Gauss and Newton. Of a disc that is
 /// partly hidden the points tell little across the line of sight, which is what the covariance says.
 #[must_use]
-pub fn disc_through(
+pub(crate) fn disc_through(
     points: &(impl Iterator<Item = Point2<f64>> + Clone),
     eye: Point2<f64>,
     (radius_m, radius_sigma_m): (f64, f64),

@@ -14,7 +14,7 @@ const EXPECTED_RADIUS_SIGMA_M: f64 = 0.1;
 
 /// Round or not, and how large.
 #[derive(Debug, Clone, Copy)]
-pub struct Form {
+pub(crate) struct Form {
     /// How far it reaches from its centre. [m]
     pub radius_m: f64,
     radius_hits: f64,
@@ -25,7 +25,7 @@ pub struct Form {
 impl Form {
     /// What the first look at it tells, when something hid part of it or not.
     #[must_use]
-    pub fn of(fit: &Fit, hidden: bool) -> Self {
+    pub(crate) fn of(fit: &Fit, hidden: bool) -> Self {
         let sliver = is_sliver(fit, hidden);
         let round = sliver || matches!(fit, Fit::Circle { .. });
         let unknown = hidden && round;
@@ -42,13 +42,13 @@ impl Form {
 
     /// True when it is taken for a disc.
     #[must_use]
-    pub fn is_round(&self) -> bool {
+    pub(crate) fn is_round(&self) -> bool {
         self.roundness > 0
     }
 
     /// How well its radius is known. [m]
     #[must_use]
-    pub fn radius_sigma_m(&self) -> f64 {
+    pub(crate) fn radius_sigma_m(&self) -> f64 {
         if self.radius_hits < 1.0 {
             EXPECTED_RADIUS_SIGMA_M
         } else {
@@ -57,7 +57,7 @@ impl Form {
     }
 
     /// Learns from another look.
-    pub fn see(&mut self, fit: &Fit, hidden: bool) {
+    pub(crate) fn see(&mut self, fit: &Fit, hidden: bool) {
         let circle = matches!(fit, Fit::Circle { .. });
         if !is_sliver(fit, hidden) {
             let vote = if circle { 1 } else { -1 };

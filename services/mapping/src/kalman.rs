@@ -5,7 +5,7 @@ use nalgebra::{Matrix2, Matrix2x4, Matrix4, Point2, Vector2, Vector4};
 
 /// State (x, y, vx, vy) and its covariance. [m, m/s]
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ConstantVelocity {
+pub(crate) struct ConstantVelocity {
     state: Vector4<f64>,
     covariance: Matrix4<f64>,
 }
@@ -13,7 +13,11 @@ pub struct ConstantVelocity {
 impl ConstantVelocity {
     /// At `position`, with covariance `measured`; the velocity is 0, known to `speed_sigma_mps`.
     #[must_use]
-    pub fn new(position: Point2<f64>, measured: &Matrix2<f64>, speed_sigma_mps: f64) -> Self {
+    pub(crate) fn new(
+        position: Point2<f64>,
+        measured: &Matrix2<f64>,
+        speed_sigma_mps: f64,
+    ) -> Self {
         let mut covariance = Matrix4::zeros();
         covariance.fixed_view_mut::<2, 2>(0, 0).copy_from(measured);
         let speed_variance = speed_sigma_mps * speed_sigma_mps;
@@ -28,7 +32,7 @@ impl ConstantVelocity {
 
     /// `dt_s` later. The acceleration of each axis is white noise whose integral over a second has
     /// the variance `acceleration_m2ps3`, in whatever steps that second passes.
-    pub fn predict(&mut self, dt_s: f64, acceleration_m2ps3: f64) {
+    pub(crate) fn predict(&mut self, dt_s: f64, acceleration_m2ps3: f64) {
         let mut step = Matrix4::identity();
         step[(0, 2)] = dt_s;
         step[(1, 3)] = dt_s;
@@ -46,14 +50,14 @@ impl ConstantVelocity {
     /// Squared Mahalanobis distance of a measured position with covariance `measured`; chi-squared
     /// with two degrees of freedom when it belongs here. `None` when nothing can be said.
     #[must_use]
-    pub fn distance(&self, position: Point2<f64>, measured: &Matrix2<f64>) -> Option<f64> {
+    pub(crate) fn distance(&self, position: Point2<f64>, measured: &Matrix2<f64>) -> Option<f64> {
         let innovation = position - self.position();
         let inverse = (self.position_covariance() + measured).try_inverse()?;
         Some((innovation.transpose() * inverse * innovation)[(0, 0)])
     }
 
     /// Takes in a measured position with covariance `measured`.
-    pub fn update(&mut self, position: Point2<f64>, measured: &Matrix2<f64>) {
+    pub(crate) fn update(&mut self, position: Point2<f64>, measured: &Matrix2<f64>) {
         let look = Matrix2x4::new(1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0);
         let Some(inverse) = (self.position_covariance() + measured).try_inverse() else {
             return;
@@ -67,26 +71,26 @@ impl ConstantVelocity {
     }
 
     /// Puts it elsewhere, as when what is taken for its centre changes; the velocity stays.
-    pub fn place(&mut self, position: Point2<f64>) {
+    pub(crate) fn place(&mut self, position: Point2<f64>) {
         self.state[0] = position.x;
         self.state[1] = position.y;
     }
 
     /// Where it is. [m]
     #[must_use]
-    pub fn position(&self) -> Point2<f64> {
+    pub(crate) fn position(&self) -> Point2<f64> {
         Point2::new(self.state[0], self.state[1])
     }
 
     /// How it moves. [m/s]
     #[must_use]
-    pub fn velocity(&self) -> Vector2<f64> {
+    pub(crate) fn velocity(&self) -> Vector2<f64> {
         Vector2::new(self.state[2], self.state[3])
     }
 
     /// Standard deviation of the speed along the velocity. [m/s]
     #[must_use]
-    pub fn speed_sigma_mps(&self) -> f64 {
+    pub(crate) fn speed_sigma_mps(&self) -> f64 {
         let velocity = self.velocity();
         let along = velocity.try_normalize(1.0e-9).unwrap_or(Vector2::x());
         let covariance = self.covariance.fixed_view::<2, 2>(2, 2).into_owned();
@@ -101,7 +105,7 @@ impl ConstantVelocity {
 
     /// Covariance of (x, y, vx, vy), upper triangle by rows. [m^2, m^2/s, m^2/s^2]
     #[must_use]
-    pub fn upper_triangle(&self) -> [f64; 10] {
+    pub(crate) fn upper_triangle(&self) -> [f64; 10] {
         let c = &self.covariance;
         [
             c[(0, 0)],

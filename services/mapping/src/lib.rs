@@ -1,42 +1,55 @@
-//! Mapping: what the lidar sees and what is known beforehand become the map that planners use.
+//! Mapping: scans, odometry and a static map become the map that planners read.
 //!
-//! A scan goes through these stages, each in its file. [`beams`] straightens it, [`localiser`]
-//! finds where it was seen from ([`scan_match`]), [`tracker`] finds what moves in it ([`clusters`],
-//! [`fit`], [`kalman`], [`track`], [`past_scans`]), [`belief`] decides which cells are obstacles
-//! ([`ray`], [`settled`], [`outline`]), [`clearance`] keeps the exact distance to them,
-//! [`cell_value`] turns distances into costs, [`regularise`] and [`virtual_obstacles`] flag cells
-//! for planners that want them, and [`tiles`] remembers what changed. [`mapper::Mapper`] is the
-//! map, [`mapping::Mapping`] is everything in a row; [`window`] decides where the map lies.
-//! Everything here is pure: no clock, no files, no threads, no processes.
+//! How to read this crate: start with [`Mapping::take_in`], which is one scan from top to bottom, and
+//! follow it into the file of the stage you are interested in.
 //!
-//! Coordinates are those of the map: metres in the `map` frame, cells as columns and rows.
+//! | stage | files | result |
+//! |---|---|---|
+//! | deskew | [`beams`] | beams in `base` at the time of capture |
+//! | localise | [`localiser`]; `scan_odometry`, `near_points`: against a key scan; `scan_match`, `surface_candidates`: against the map; `pose_error` | `map_from_odom` with its covariance |
+//! | track | [`tracker`]; `clusters`, `fit`, `form`: what was seen; `track`, `kalman`: what is known of it; `past_scans`: whether it moved | dynamic obstacles |
+//! | decide | `belief`, `log_odds`, `flips`; `located_scan`, [`ray`], `free_blocks`: which cells beams pass; `isolated`: false returns; `outline`: the cells under the robot | which cells are obstacles |
+//! | measure | [`clearance`]; `cell_value`: costs | clearance and cost of every cell |
+//! | flag | [`regularise`], [`virtual_obstacles`] | cells that some planners avoid |
+//! | publish | `tiles`; [`window`]: where the map lies | the tiles that changed |
+//!
+//! [`Mapper`] is the map itself, [`Mapping`] the map with pose and tracks, [`MappingConfig`] what a
+//! user may set; each group of options is declared in the file of its stage. Everything is pure: no
+//! clock, no files, no threads, no processes; `main.rs` is the process around it.
+//!
+//! Units are SI and in the names; coordinates are metres in the frame `map`, cells are columns and
+//! rows of the grid, indices are row-major.
 
 pub mod beams;
-pub mod belief;
-pub mod cell_value;
+mod belief;
+mod cell_value;
 pub mod clearance;
-pub mod clusters;
-pub mod config;
+mod clusters;
+mod config;
 mod error;
-pub mod fit;
-pub mod form;
-pub mod kalman;
+mod fit;
+mod flips;
+mod form;
+mod free_blocks;
+mod isolated;
+mod kalman;
 pub mod localiser;
+mod located_scan;
 mod log_odds;
-pub mod mapper;
-pub mod mapping;
+mod mapper;
+mod mapping;
 mod near_points;
-pub mod outline;
-pub mod past_scans;
+mod outline;
+mod past_scans;
 mod pose_error;
 pub mod ray;
 pub mod regularise;
-pub mod scan_match;
+mod rows_around;
+mod scan_match;
 mod scan_odometry;
-pub mod settled;
-mod settling;
-pub mod tiles;
-pub mod track;
+mod surface_candidates;
+mod tiles;
+mod track;
 pub mod tracker;
 pub mod virtual_obstacles;
 pub mod window;

@@ -1,14 +1,16 @@
 //! From scans to the map: belief, clearance, cost, tiles.
 
 use crate::beams::{Beams, Sweep};
-use crate::belief::{Belief, Flips, Sight};
+use crate::belief::Belief;
 use crate::cell_value::{ValueTable, clearance_limit_mm};
 use crate::clearance::ClearanceField;
 use crate::config::MappingConfig;
 use crate::error::MappingError;
+use crate::flips::Flips;
+use crate::located_scan::LocatedScan;
 use crate::regularise::Regulariser;
 use crate::scan_match::Surfaces;
-use crate::settling::Settling;
+use crate::surface_candidates::SurfaceCandidates;
 use crate::tiles::{TileBoxes, TileIndex};
 use crate::virtual_obstacles::VirtualConfig;
 use nalgebra::Point2;
@@ -59,8 +61,7 @@ pub struct Mapper {
     rectangles_before: Vec<CellRect>,
     /// What scans are laid on, once somebody asks for it.
     surfaces: Option<Surfaces>,
-    /// What may become a surface.
-    settling: Settling,
+    candidates: SurfaceCandidates,
     /// Of the last scan. [ns]
     run_ns: u64,
 }
@@ -136,7 +137,7 @@ impl Mapper {
             rectangles: Vec::new(),
             rectangles_before: Vec::new(),
             surfaces: None,
-            settling: Settling::default(),
+            candidates: SurfaceCandidates::default(),
             run_ns: 0,
         };
         for index in 0..geometry.len() {
@@ -161,11 +162,11 @@ impl Mapper {
         mapper.run_ns = self.run_ns;
         if self.surfaces.is_some() {
             mapper.make_surfaces();
-            for (index, since_ns) in self.settling.waiting() {
+            for (index, since_ns) in self.candidates.iter() {
                 let cell = self.cell_of(index);
                 let there = Cell::new(cell.x - shift.x, cell.y - shift.y);
                 if let Some(index) = geometry.index_of(there) {
-                    mapper.settling.begin(index, since_ns);
+                    mapper.candidates.add(index, since_ns);
                     if let Some(surfaces) = &mut mapper.surfaces {
                         surfaces.set(index, false);
                     }
@@ -180,7 +181,7 @@ impl Mapper {
     pub fn integrate(&mut self, map_from_laser: &Pose, scan: &Scan, ranges: &[f32]) -> Integrated {
         let mut beams = core::mem::take(&mut self.beams);
         beams.cast(scan, ranges, &Sweep::still(Pose::default()));
-        let sight = Sight {
+        let sight = LocatedScan {
             map_from_frame: *map_from_laser,
             beams: beams.as_slice(),
             moving: &[],
@@ -193,7 +194,7 @@ impl Mapper {
 
     /// Takes in a scan. `under_robot` are the row-major indices of the cells that the robot stands
     /// on.
-    pub fn take_in(&mut self, sight: &Sight<'_>, under_robot: &[usize]) -> Integrated {
+    pub fn take_in(&mut self, sight: &LocatedScan<'_>, under_robot: &[usize]) -> Integrated {
         let mut flips = core::mem::take(&mut self.flips);
         self.belief.integrate(sight, under_robot, &mut flips);
         self.run_ns = sight.run_ns;
@@ -275,17 +276,17 @@ impl Mapper {
         })
     }
 
-    /// True when what is seen at a point of the map may be laid on the surfaces: no cell there waits
-    /// to become one. What is seen of a wall whose other end is a surface already would be pulled
+    /// True when a point of the map may be matched against the surfaces: no cell around it is a
+    /// candidate. A point on a wall of which only the other end is a surface yet would be pulled
     /// towards that end.
     #[must_use]
-    pub fn is_settled(&self, point_in_map: Point2<f64>) -> bool {
+    pub fn is_matchable(&self, point_in_map: Point2<f64>) -> bool {
         let cell = self.geometry.unbounded_cell_at(point_in_map);
         (-1..=1).all(|dy| {
             (-1..=1).all(|dx| {
                 let beside = Cell::new(cell.x.saturating_add(dx), cell.y.saturating_add(dy));
                 let index = self.geometry.index_of(beside);
-                !index.is_some_and(|index| self.settling.waits(index))
+                !index.is_some_and(|index| self.candidates.contains(index))
             })
         })
     }
@@ -337,12 +338,12 @@ impl Mapper {
                 let belief = &self.belief;
                 if !belief.is_obstacle(*index) || belief.is_moving(*index) {
                     surfaces.set(*index, false);
-                    self.settling.end(*index);
+                    self.candidates.remove(*index);
                 } else if !surfaces.is_surface(*index) {
-                    self.settling.begin(*index, self.run_ns);
+                    self.candidates.add(*index, self.run_ns);
                 }
             }
-            while let Some(index) = self.settling.take(self.run_ns) {
+            while let Some(index) = self.candidates.take_confirmed(self.run_ns) {
                 surfaces.set(index, true);
             }
         }

@@ -2,10 +2,10 @@
 //! the map.
 
 use crate::beams::{Beam, Beams, End, Sweep};
-use crate::belief::Sight;
 use crate::config::MappingConfig;
 use crate::error::MappingError;
 use crate::localiser::Localiser;
+use crate::located_scan::LocatedScan;
 use crate::mapper::{Integrated, Mapper};
 use crate::outline::Outline;
 use crate::tracker::{ScanView, Tracker};
@@ -48,7 +48,7 @@ pub struct Mapping {
     mapper: Mapper,
     localiser: Localiser,
     tracker: Tracker,
-    /// The scan at hand, in `base` at its capture.
+    /// The current scan, in `base` at its capture.
     beams: Beams,
     under_robot: Vec<usize>,
     /// Scratch: where beams ended on what is not known to move, in `base`. [m]
@@ -129,7 +129,7 @@ impl Mapping {
                     under_robot.push(index);
                 });
         }
-        let sight = Sight {
+        let sight = LocatedScan {
             map_from_frame: map_from_base,
             beams: self.beams.as_slice(),
             moving: self.tracker.moving_beams(),
@@ -187,7 +187,7 @@ impl Mapping {
         if tracker.sees_motion(run_ns) && 4 * self.standing.len() < 3 * ends.clone().count() {
             self.standing.clear();
         }
-        let known = |end: &&Point2<f64>| mapper.is_settled(in_map(end));
+        let known = |end: &&Point2<f64>| mapper.is_matchable(in_map(end));
         self.landmarks.clear();
         self.landmarks
             .extend(self.standing.iter().filter(known).copied());

@@ -6,7 +6,7 @@ use zeronav_msgs::{Cell, GridGeometry, Pose};
 
 /// A convex outline in `base`, or a disc around its origin.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Outline {
+pub(crate) struct Outline {
     /// Counter-clockwise; empty for a disc. [m]
     corners: Vec<Point2<f64>>,
     /// Of the smallest disc around the origin that holds it. [m]
@@ -16,7 +16,7 @@ pub struct Outline {
 impl Outline {
     /// The outline of a described robot.
     #[must_use]
-    pub fn new(description: &Description, corners: &[Corner]) -> Self {
+    pub(crate) fn new(description: &Description, corners: &[Corner]) -> Self {
         Self {
             corners: corners
                 .iter()
@@ -28,7 +28,7 @@ impl Outline {
 
     /// True when a point of `base` lies inside or on the outline.
     #[must_use]
-    pub fn contains(&self, point_in_base: Point2<f64>) -> bool {
+    pub(crate) fn contains(&self, point_in_base: Point2<f64>) -> bool {
         if self.corners.is_empty() {
             return point_in_base.coords.norm() <= self.radius_m;
         }
@@ -40,7 +40,7 @@ impl Outline {
     }
 
     /// Calls `visit` with the row-major index of every cell whose centre lies under the robot.
-    pub fn cells_under(
+    pub(crate) fn cells_under(
         &self,
         geometry: &GridGeometry,
         map_from_base: &Pose,

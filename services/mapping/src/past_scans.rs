@@ -19,7 +19,7 @@ const BESIDE_MIN: i64 = 1;
 
 /// One scan as it was seen.
 #[derive(Debug, Clone)]
-pub struct PastScan {
+pub(crate) struct PastScan {
     map_from_laser: Pose,
     run_ns: u64,
     scan: Scan,
@@ -29,7 +29,7 @@ pub struct PastScan {
 impl PastScan {
     /// Run time of its capture. [ns]
     #[must_use]
-    pub fn run_ns(&self) -> u64 {
+    pub(crate) fn run_ns(&self) -> u64 {
         self.run_ns
     }
 
@@ -37,7 +37,7 @@ impl PastScan {
     /// `margin_m`: where the pose is off by a little, what stands is never looked through, however
     /// thin. False when the point lay beside its field of view, and for beams that say nothing.
     #[must_use]
-    pub fn sees_through(&self, point_in_map: Point2<f64>, margin_m: f64) -> bool {
+    pub(crate) fn sees_through(&self, point_in_map: Point2<f64>, margin_m: f64) -> bool {
         let (beam, range_m) = self.towards(point_in_map);
         let beside = self.beams_within(margin_m, range_m);
         (beam - beside..=beam + beside).all(|beam| match self.range_of(beam) {
@@ -49,7 +49,7 @@ impl PastScan {
 
     /// True when its beam towards a point of the map ended there, by at most `margin_m` off.
     #[must_use]
-    pub fn ended_at(&self, point_in_map: Point2<f64>, margin_m: f64) -> bool {
+    pub(crate) fn ended_at(&self, point_in_map: Point2<f64>, margin_m: f64) -> bool {
         let (beam, range_m) = self.towards(point_in_map);
         self.range_of(beam)
             .is_some_and(|seen| (f64::from(seen) - range_m).abs() <= margin_m)
@@ -104,13 +104,13 @@ impl PastScan {
 
 /// The last scans, oldest first. Memory is reused.
 #[derive(Debug, Default)]
-pub struct PastScans {
+pub(crate) struct PastScans {
     scans: VecDeque<PastScan>,
 }
 
 impl PastScans {
     /// Adds a scan seen from `map_from_laser` at run time `run_ns`.
-    pub fn push(&mut self, scan: &Scan, ranges: &[f32], map_from_laser: &Pose, run_ns: u64) {
+    pub(crate) fn push(&mut self, scan: &Scan, ranges: &[f32], map_from_laser: &Pose, run_ns: u64) {
         // The newest one always, in place of the one before when that followed too soon.
         let mut latest = self.scans.iter().rev().map(PastScan::run_ns);
         let too_soon = latest
@@ -137,20 +137,20 @@ impl PastScans {
 
     /// True when one of them saw through a point of the map, see [`PastScan::sees_through`].
     #[must_use]
-    pub fn saw_through(&self, point_in_map: Point2<f64>, margin_m: f64) -> bool {
+    pub(crate) fn saw_through(&self, point_in_map: Point2<f64>, margin_m: f64) -> bool {
         let mut scans = self.scans.iter();
         scans.any(|past| past.sees_through(point_in_map, margin_m))
     }
 
     /// The newest scan.
     #[must_use]
-    pub fn newest(&self) -> Option<&PastScan> {
+    pub(crate) fn newest(&self) -> Option<&PastScan> {
         self.scans.back()
     }
 
     /// The oldest scan that is not older than `run_ns`.
     #[must_use]
-    pub fn oldest_since(&self, run_ns: u64) -> Option<&PastScan> {
+    pub(crate) fn oldest_since(&self, run_ns: u64) -> Option<&PastScan> {
         self.scans.iter().find(|past| past.run_ns >= run_ns)
     }
 }

@@ -4,8 +4,9 @@
 //! border, so that no cell is missed and none is visited twice. It runs on blocks of cells first,
 //! and on the cells of a block only where there is something to do.
 
-use crate::settled::BLOCK_CELLS;
+use crate::free_blocks::BLOCK_CELLS;
 use nalgebra::{Point2, Vector2};
+use zeronav_msgs::Cell;
 
 /// A ray over a grid, in cells: cell (x, y) covers `x <= . < x + 1`.
 #[derive(Debug, Clone, Copy)]
@@ -25,6 +26,16 @@ pub trait Passing {
 }
 
 impl Ray {
+    /// The cell at a distance from the origin, on the grid or beyond. [cells]
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "float to int saturates, far outside is outside"
+    )]
+    pub(crate) fn cell_at(&self, cells: f64) -> Cell {
+        let at = self.origin + self.direction * cells;
+        Cell::new(at.x.floor() as i32, at.y.floor() as i32)
+    }
+
     /// Shows `passing` every cell of a `width x height` grid that the ray has left again `until`
     /// cells after its origin, in order, except those of blocks that it leaps over. A cell that
     /// the ray only touches at a corner is not shown.

@@ -68,7 +68,7 @@ pub struct Regulariser {
     last_mark: u32,
     groups: Vec<Group>,
     stack: Vec<Cell>,
-    /// Marks of the groups that the line at hand has met.
+    /// Marks of the groups that the current line has met.
     met: Vec<u32>,
     rectangles: Vec<CellRect>,
     skipped: usize,

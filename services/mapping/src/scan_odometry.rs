@@ -1,7 +1,7 @@
 //! How far the robot has come since a scan of a moment ago, judged by both scans.
 //!
 //! On an unknown map every cell is marked from a pose that has already drifted, so the map holds the
-//! robot where odometry led it. Two scans of the same things know better: the scan at hand is laid
+//! robot where odometry led it. Two scans of the same surfaces are better evidence: the current scan is matched
 //! onto the lines between the neighbouring hits of a **key scan** (point to line, Censi, "An ICP
 //! variant using a point-to-line metric", 2008), with the odometry since then as a prior and with
 //! weights that let go of what has moved by itself (Geman, `McClure`, 1987). A key scan serves until

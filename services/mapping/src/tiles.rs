@@ -28,7 +28,7 @@ impl TileIndex {
 
 /// A set of cells, kept as one box per tile. Memory is reused.
 #[derive(Debug)]
-pub struct TileBoxes {
+pub(crate) struct TileBoxes {
     columns: usize,
     /// Position in `boxes` of each tile, row by row; [`NOWHERE`] without a cell in it.
     places: Vec<u32>,
@@ -41,7 +41,7 @@ const NOWHERE: u32 = u32::MAX;
 impl TileBoxes {
     /// The empty set.
     #[must_use]
-    pub fn new(geometry: &GridGeometry) -> Self {
+    pub(crate) fn new(geometry: &GridGeometry) -> Self {
         let (columns, rows) = tiles_of(geometry);
         let n_tiles = columns as usize * rows as usize;
         Self {
@@ -53,7 +53,7 @@ impl TileBoxes {
 
     /// Adds a cell of the map.
     #[inline]
-    pub fn add(&mut self, cell: Cell) {
+    pub(crate) fn add(&mut self, cell: Cell) {
         let (x, y) = (at(cell.x), at(cell.y));
         let tile = y / TILE_CELLS * self.columns + x / TILE_CELLS;
         let beyond = Cell::new(cell.x + 1, cell.y + 1);
@@ -72,14 +72,8 @@ impl TileBoxes {
 
     /// Number of tiles with a cell in the set.
     #[must_use]
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.boxes.len()
-    }
-
-    /// True for the empty set.
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        self.boxes.is_empty()
     }
 
     /// The box of the `n`-th tile that was touched.
@@ -87,13 +81,13 @@ impl TileBoxes {
     /// # Panics
     /// When `n` is not below [`Self::len`].
     #[must_use]
-    pub fn get(&self, n: usize) -> CellRect {
+    pub(crate) fn get(&self, n: usize) -> CellRect {
         self.boxes[n].1
     }
 
     /// Adds the tiles to `tiles`, which is then in the order of [`all_tiles`] and names each tile
     /// once, and empties the set.
-    pub fn take_tiles(&mut self, tiles: &mut Vec<TileIndex>) {
+    pub(crate) fn take_tiles(&mut self, tiles: &mut Vec<TileIndex>) {
         tiles.extend(self.boxes.iter().map(|(tile, _)| TileIndex {
             y: number(tile / self.columns),
             x: number(tile % self.columns),
@@ -104,7 +98,7 @@ impl TileBoxes {
     }
 
     /// Empties the set.
-    pub fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         for (tile, _) in self.boxes.drain(..) {
             self.places[tile] = NOWHERE;
         }
@@ -152,6 +146,6 @@ mod tests {
         set.take_tiles(&mut tiles);
         let named: Vec<(u32, u32)> = tiles.iter().map(|tile| (tile.x, tile.y)).collect();
         assert_eq!(named, [(0, 0), (1, 0), (2, 1)]);
-        assert!(set.is_empty());
+        assert_eq!(set.len(), 0);
     }
 }

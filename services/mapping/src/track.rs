@@ -16,27 +16,27 @@ const TRAIL_MAX: usize = 32;
 
 /// The last places of a track.
 #[derive(Debug, Clone, Copy)]
-pub struct TrailOfTrack {
+pub(crate) struct Trail {
     places: [Point2<f64>; TRAIL_MAX],
     pushed: usize,
 }
 
-impl TrailOfTrack {
+impl Trail {
     /// Adds a place.
-    pub fn push(&mut self, place: Point2<f64>) {
+    pub(crate) fn push(&mut self, place: Point2<f64>) {
         self.places[self.pushed % TRAIL_MAX] = place;
         self.pushed += 1;
     }
 
     /// The places, in no order that matters.
-    pub fn iter(&self) -> impl Iterator<Item = Point2<f64>> + '_ {
+    pub(crate) fn iter(&self) -> impl Iterator<Item = Point2<f64>> + '_ {
         self.places[..self.pushed.min(TRAIL_MAX)].iter().copied()
     }
 }
 
 /// See the module's description.
 #[derive(Debug, Clone, Copy)]
-pub struct Track {
+pub(crate) struct Track {
     number: u64,
     /// Where it is and how it moves.
     pub filter: ConstantVelocity,
@@ -59,14 +59,19 @@ pub struct Track {
     /// Run time since which it has been slow. [ns]
     pub slow_since_ns: u64,
     /// Where it was.
-    pub trail: TrailOfTrack,
+    pub trail: Trail,
 }
 
 impl Track {
     /// Begins with what was seen of it at run time `run_ns`, with the yaw's doubt of then.
     #[must_use]
-    pub fn new(number: u64, form: Form, place: &Place, (run_ns, yaw_doubt): (u64, f64)) -> Self {
-        let mut trail = TrailOfTrack {
+    pub(crate) fn new(
+        number: u64,
+        form: Form,
+        place: &Place,
+        (run_ns, yaw_doubt): (u64, f64),
+    ) -> Self {
+        let mut trail = Trail {
             places: [Point2::origin(); TRAIL_MAX],
             pushed: 0,
         };
@@ -89,7 +94,7 @@ impl Track {
 
     /// As `map/obstacles` says it at run time `run_ns`.
     #[must_use]
-    pub fn obstacle(&self, run_ns: u64) -> Obstacle {
+    pub(crate) fn obstacle(&self, run_ns: u64) -> Obstacle {
         let (place, velocity) = (self.filter.position(), self.filter.velocity());
         Obstacle {
             track: self.number,

@@ -2,7 +2,7 @@
 //!
 //! A track begins with a cluster that the map does not explain, is confirmed by the third hit and
 //! is called moving when its speed is clear of its uncertainty, it has come some way, and it was
-//! seen to leave where it was or to enter what was free ([`crate::past_scans`]): the visible end
+//! seen to leave where it was or to enter what was free (`past_scans.rs`): the visible end
 //! of a wall slides along when the robot drives past, but nothing is ever seen through it.
 
 use crate::beams::Beams;
