@@ -295,9 +295,7 @@ const STILL_LONG: &[&str] = &[
     "services/local_planner/src/mppi.rs",
     "services/robot_sim/src/lidar/tests.rs",
     "services/shell/src/service.rs",
-    "services/world/src/preset.rs",
     "services/world/src/world.rs",
-    "services/world/tests/world.rs",
 ];
 
 /// Source files of the workspace, relative to its root.

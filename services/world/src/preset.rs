@@ -40,6 +40,7 @@ impl RobotPreset {
     /// All of them.
     pub const ALL: [Self; 3] = [Self::Turtlebot2, Self::Turtlebot3Burger, Self::Jackal];
 
+    // long: one table of numbers per robot
     /// Its numbers.
     #[must_use]
     pub fn robot(self) -> RobotSpec {

@@ -237,6 +237,7 @@ fn refused(field: &str, change: impl FnOnce(&mut WorldSpec)) {
     assert_eq!(World::new(&wrong, None).unwrap_err().field, field);
 }
 
+// long: one line per value that can be wrong
 #[test]
 #[allow(
     clippy::too_many_lines,
