@@ -16,12 +16,11 @@ use crate::dwa::options::DwaConfig;
 use crate::dwa::rollouts::{Outcome, TURNING_MPS};
 use crate::dwa::window::Window;
 use crate::dynamic_obstacles::Growth;
-use crate::lanes::{LANES_MAX, WIDTH, rate};
+use crate::lanes::data::{LANES_MAX, WIDTH, narrow};
 use crate::pilot::Pilot;
 use crate::pilot::perception::{PATH_HORIZON_S, Perception, Prediction};
 use crate::pilot::scene::{CREEP_MPS, Choose, Heading, Mode, Scene, Wish};
 use crate::rated::{Rated, TimedWorth};
-use crate::surroundings::narrow;
 use nalgebra::Point2;
 use options::DwaTConfig;
 use rollout_grid::RolloutGrid;
@@ -149,7 +148,7 @@ impl TimedWindow {
             v_mps,
             config: *config,
         };
-        rate(&terms, &grid.yaw_rates, rated);
+        rated.rate(&terms, &grid.yaw_rates);
         // Along the path, unless the free way from there is longer than that.
         let worth_of = |lane: usize| {
             let (x, y) = (f64::from(rated.x[lane]), f64::from(rated.y[lane]));

@@ -1,7 +1,7 @@
 //! Where tracked obstacles will be: discs that drive on and grow less and less certain.
 
 use crate::dwa_t::options::DwaTConfig;
-use crate::surroundings::narrow;
+use crate::lanes::data::narrow;
 use nalgebra::{Point2, Vector2};
 use zeronav_msgs::Pose;
 use zeronav_msgs::obstacles::{OBSTACLES_MAX, Obstacle};

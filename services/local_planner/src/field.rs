@@ -17,6 +17,7 @@
     reason = "indices of a window of at most a few hundred cells, clamped before use"
 )]
 
+use crate::lanes::data::Sheet;
 use crate::lanes::{clearances, lower_block, settle_row};
 use nalgebra::Point2;
 use zeronav_msgs::{GridGeometry, MapView, Pose};
@@ -64,20 +65,6 @@ pub(crate) struct ClearanceField {
     centre: (f32, f32),
     resolution_m: f32,
     inverse: f32,
-}
-
-/// The filled window: `side x side` clearances, row-major.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Sheet<'a> {
-    /// [m] at cell centres.
-    pub(crate) cells: &'a [f32],
-    pub(crate) side: i32,
-    /// Index of the robot's centre, in cells.
-    pub(crate) centre: (f32, f32),
-    /// [m]
-    pub(crate) resolution_m: f32,
-    /// [1/m]
-    pub(crate) inverse: f32,
 }
 
 impl ClearanceField {

@@ -14,25 +14,13 @@
     reason = "indices of a window of at most 1024 cells, clamped before use"
 )]
 
-use crate::dwa_t::rollout_grid::Turns;
-use crate::field::Sheet;
-use crate::local_path::{Projection, Projections, SAMPLES, Stretch};
-use crate::rated::{Rated, TimedWorth};
-use crate::surroundings::narrow;
+use data::{Lanes, Projection, Projections, SAMPLES, Sheet, Stretch, Turns};
 use zeronav_msgs::MapCell;
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
+pub(crate) mod data;
 mod portable;
-
-/// Most lanes of a row.
-pub(crate) const LANES_MAX: usize = 64;
-
-/// One number per lane.
-pub(crate) type Lanes = [f32; LANES_MAX];
-
-/// Lanes that are worked on together; slices are multiples of it.
-pub(crate) const WIDTH: usize = 8;
 
 /// Least clearance at the cells that hold the positions, at most infinity. [m]
 ///
@@ -115,6 +103,30 @@ pub(crate) fn places_on(stretch: &Stretch, x: &[f32], y: &[f32], found: &mut Pro
     portable::places_on(stretch, x, y, found);
 }
 
+/// A computation that is worth compiling for wide vectors. [`Self::run`] and what it calls must be
+/// `inline(always)`.
+pub(crate) trait Kernel {
+    /// Computes.
+    fn run(self);
+}
+
+/// Runs a kernel, compiled once more with AVX2 where the processor has it.
+pub(crate) fn run_wide(kernel: impl Kernel) {
+    #[cfg(target_arch = "x86_64")]
+    {
+        #[target_feature(enable = "avx2")]
+        fn wide(kernel: impl Kernel) {
+            kernel.run();
+        }
+        if std::is_x86_feature_detected!("avx2") {
+            // SAFETY: the processor has AVX2.
+            #[allow(unsafe_code, reason = "chosen at run time")]
+            return unsafe { wide(kernel) };
+        }
+    }
+    kernel.run();
+}
+
 /// Compiles a portable kernel twice and chooses at run time.
 macro_rules! compiled_twice {
     ($($(#[$meta:meta])* fn $name:ident($($argument:ident: $type:ty),* $(,)?);)*) => {
@@ -172,9 +184,6 @@ compiled_twice! {
         least: &mut [f32],
     );
 
-    /// What the rollouts of a speed with these yaw rates are worth.
-    fn rate(terms: &TimedWorth, yaw_rates: &[f64], rated: &mut Rated);
-
     /// Lowers squared distances in whole rows of `side` cells, between the columns `from` and `to`
     /// (inclusive), to those from a point `at` (column, row). Cells are `scale` metres wide. [m^2]
     fn lower_block(
@@ -193,6 +202,7 @@ compiled_twice! {
 
 #[cfg(test)]
 mod tests {
+    use super::data::LANES_MAX;
     use super::*;
     use rand::{RngExt, SeedableRng};
     use rand_pcg::Pcg32;

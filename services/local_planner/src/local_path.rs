@@ -3,17 +3,14 @@
 #![allow(clippy::cast_possible_truncation, reason = "indices of 32 samples")]
 
 use crate::field::ClearanceField;
-use crate::lanes::{LANES_MAX, Lanes, place_on, places_on};
+use crate::lanes::data::{Projection, Projections, SAMPLES, Stretch, narrow};
+use crate::lanes::{place_on, places_on};
 use crate::progress::{PathTracker, Place};
-use crate::surroundings::narrow;
 use nalgebra::{Point2, Vector2};
 use zeronav_msgs::path::Waypoint;
 
 /// [m] where unused samples are put.
 const FAR_M: f32 = 1.0e9;
-
-/// Samples of the stretch, a power of two.
-pub(crate) const SAMPLES: usize = 32;
 
 /// [m] closest samples: with [`TURN_SPAN`] some 20 cm, the scale of a turn.
 const SPACING_M_MIN: f64 = 0.06;
@@ -31,60 +28,6 @@ const SMOOTH_SPAN: usize = 2;
 /// [m] by which the inscribed disc must overlap an obstacle before the path counts as blocked:
 /// a path runs one cell beside the walls, and the pose and the scan have errors.
 const OVERLAP_M: f64 = 0.05;
-
-/// A point's place on the stretch.
-#[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Projection {
-    /// [m] along the path from the robot's place, negative behind it.
-    pub(crate) along: f32,
-    /// [m] beside the path.
-    pub(crate) beside: f32,
-    /// Direction of the path there, in the map; zero for a path that is a single point.
-    pub(crate) direction: (f32, f32),
-}
-
-/// Places on the stretch of as many points as there are lanes; see [`Projection`].
-#[derive(Debug, Clone)]
-pub(crate) struct Projections {
-    pub(crate) along: Lanes,
-    pub(crate) beside: Lanes,
-    pub(crate) direction_x: Lanes,
-    pub(crate) direction_y: Lanes,
-}
-
-impl Default for Projections {
-    fn default() -> Self {
-        let lanes = [0.0; LANES_MAX];
-        Self {
-            along: lanes,
-            beside: lanes,
-            direction_x: lanes,
-            direction_y: lanes,
-        }
-    }
-}
-
-type Samples = [f32; SAMPLES];
-
-/// Samples relative to the robot along the axes of the map, and the ways from each to the next. [m]
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Stretch {
-    pub(crate) n: usize,
-    pub(crate) x: Samples,
-    pub(crate) y: Samples,
-    /// To the next sample.
-    pub(crate) step_x: Samples,
-    pub(crate) step_y: Samples,
-    /// One over the squared length of that; 0 for none. [1/m^2]
-    pub(crate) inverse: Samples,
-    /// Along the path to the next sample, more than the length where a corner is cut.
-    pub(crate) arc: Samples,
-    /// Along the path from the robot's place to the sample.
-    pub(crate) start: Samples,
-    /// Direction of the path at the sample, over its neighbours.
-    pub(crate) direction_x: Samples,
-    pub(crate) direction_y: Samples,
-}
 
 /// The stretch and where the robot is on it.
 #[derive(Debug, Clone, Default)]

@@ -8,8 +8,8 @@
 use crate::dwa::options::DwaWeights;
 use crate::dwa::rollouts::{Outcome, cost_beside};
 use crate::dwa_t::options::DwaTConfig;
-use crate::lanes::{LANES_MAX, Lanes};
-use crate::local_path::Projections;
+use crate::lanes::data::{LANES_MAX, Lanes, Projections};
+use crate::lanes::{Kernel, run_wide};
 
 /// What decides, besides where they lead, how much the rollouts of a speed are worth.
 #[derive(Debug, Clone, Copy)]
@@ -123,11 +123,12 @@ impl Rated {
     }
 
     /// Rates rollouts with these yaw rates.
-    #[inline(always)]
     pub(crate) fn rate(&mut self, terms: &TimedWorth, yaw_rates: &[f64]) {
-        for (lane, w_radps) in yaw_rates.iter().enumerate().take(LANES_MAX) {
-            self.worth[lane] = terms.of(*w_radps, &self.outcome(lane), self.badness[lane]);
-        }
+        run_wide(Rate {
+            rated: self,
+            terms,
+            yaw_rates,
+        });
     }
 
     /// True when the robot can stop on it.
@@ -145,5 +146,24 @@ impl Rated {
             }
         }
         best
+    }
+}
+
+/// [`Rated::rate`] for wide vectors.
+struct Rate<'a> {
+    rated: &'a mut Rated,
+    terms: &'a TimedWorth,
+    yaw_rates: &'a [f64],
+}
+
+impl Kernel for Rate<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let rated = self.rated;
+        for (lane, w_radps) in self.yaw_rates.iter().enumerate().take(LANES_MAX) {
+            rated.worth[lane] = self
+                .terms
+                .of(*w_radps, &rated.outcome(lane), rated.badness[lane]);
+        }
     }
 }

@@ -3,6 +3,7 @@
 use crate::dynamic_obstacles::DynamicObstacles;
 use crate::field::ClearanceField;
 use crate::footprint::Footprint;
+use crate::lanes::data::narrow;
 use nalgebra::Point2;
 use zeronav_motion::{Stop, Twist};
 use zeronav_msgs::description::{Corner, Description};
@@ -310,14 +311,6 @@ impl Surroundings {
         });
         free.then(|| stop.arc_m())
     }
-}
-
-#[allow(
-    clippy::cast_possible_truncation,
-    reason = "metres near the robot, micrometres do not matter"
-)]
-pub(crate) fn narrow(value: f64) -> f32 {
-    value as f32
 }
 
 #[cfg(test)]

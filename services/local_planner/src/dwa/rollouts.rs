@@ -11,8 +11,9 @@
 )]
 
 use crate::dwa::window::{Window, ramp_mean, snap, spread};
+use crate::lanes::data::narrow;
 use crate::local_path::LocalPath;
-use crate::surroundings::{LocalPose, Surroundings, narrow};
+use crate::surroundings::{LocalPose, Surroundings};
 use zeronav_motion::{Twist, reachable, sinc, stop_angle_rad, stop_distance_m};
 
 /// [m/s] below which a motion is a turn on the spot.

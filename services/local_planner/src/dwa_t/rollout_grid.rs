@@ -21,32 +21,17 @@
 
 use crate::dwa::window::{Window, ramp_mean, snap, spread};
 use crate::dynamic_obstacles::DynamicObstacles;
-use crate::field::Sheet;
 use crate::footprint::DISCS_MAX;
+use crate::lanes::data::{LANES_MAX, Lanes, Sheet, Turns, WIDTH, narrow};
 use crate::lanes::{
-    LANES_MAX, Lanes, WIDTH, advance, least_nearest_m, lower_space, lower_space_around, note_space,
-    strike, turn,
+    advance, least_nearest_m, lower_space, lower_space_around, note_space, strike, turn,
 };
-use crate::surroundings::{Surroundings, narrow};
+use crate::surroundings::Surroundings;
 use zeronav_motion::{Twist, reachable, sinc};
 use zeronav_msgs::obstacles::OBSTACLES_MAX;
 
 /// Most steps of a rollout.
 pub(crate) const STEPS_MAX: usize = 64;
-
-/// Where the lanes of a fan look, and how each turns in the step at hand.
-#[derive(Debug, Clone)]
-pub(crate) struct Turns {
-    pub(crate) cos: [f64; LANES_MAX],
-    pub(crate) sin: [f64; LANES_MAX],
-    /// Turned so far. [rad]
-    pub(crate) turned: [f64; LANES_MAX],
-    /// Of the step: its angle [rad], cosine and sine of half of it, chord per metre driven.
-    pub(crate) angle: [f64; LANES_MAX],
-    pub(crate) half_cos: [f64; LANES_MAX],
-    pub(crate) half_sin: [f64; LANES_MAX],
-    pub(crate) chord: [f64; LANES_MAX],
-}
 
 /// The sampled window; buffers are reused.
 #[derive(Debug, Clone)]

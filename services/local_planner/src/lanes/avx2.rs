@@ -3,7 +3,8 @@
 
 #![allow(unsafe_code, reason = "gathers read through a pointer")]
 
-use super::{LANES_MAX, Projections, SAMPLE, SAMPLES, Sheet, Stretch, WIDTH};
+use super::SAMPLE;
+use super::data::{LANES_MAX, Projections, SAMPLES, Sheet, Stretch, WIDTH};
 use core::arch::x86_64::{
     __m256, __m256i, _CMP_GT_OQ, _CMP_LT_OQ, _mm256_add_epi32, _mm256_add_ps, _mm256_and_si256,
     _mm256_andnot_si256, _mm256_blendv_ps, _mm256_castps_si256, _mm256_castsi256_ps, _mm256_cmp_ps,

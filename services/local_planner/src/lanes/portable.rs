@@ -5,10 +5,11 @@
     reason = "compiled once more with AVX2 only where it is inlined"
 )]
 
-use super::{
-    LANES_MAX, Lanes, MapCell, Projection, Projections, Rated, SAMPLE, Sheet, Stretch, TimedWorth,
-    Turns, WIDTH, narrow,
+use super::SAMPLE;
+use super::data::{
+    LANES_MAX, Lanes, Projection, Projections, Sheet, Stretch, Turns, WIDTH, narrow,
 };
+use zeronav_msgs::MapCell;
 
 #[inline(always)]
 pub(super) fn strike(x: &[f32], y: &[f32], disc: [f32; 3], step: f32, first: &mut [f32]) {
@@ -81,11 +82,6 @@ pub(super) fn note_space(
         let seen = counts && *hit > step && *space < *least;
         *least = if seen { *space } else { *least };
     }
-}
-
-#[inline(always)]
-pub(super) fn rate(terms: &TimedWorth, yaw_rates: &[f64], rated: &mut Rated) {
-    rated.rate(terms, yaw_rates);
 }
 
 #[inline(always)]

@@ -5,11 +5,11 @@
 //! the platform's mathematics: the same numbers on every machine.
 
 use super::limits::Limits;
-use crate::field::Sheet;
 use crate::footprint::DISCS_MAX;
+use crate::lanes::data::{Projections, Sheet, least, narrow};
 use crate::lanes::{least_nearest_m, lower_space};
-use crate::local_path::{LocalPath, Projections};
-use crate::surroundings::{Surroundings, narrow};
+use crate::local_path::LocalPath;
+use crate::surroundings::Surroundings;
 
 /// Samples of a batch: whole vectors, and not more than can be projected at once.
 pub(crate) const LANES: usize = 40;
@@ -208,16 +208,6 @@ fn sin_cos(angle: f32) -> (f32, f32) {
 fn sinc(angle: f32) -> f32 {
     let squared = angle * angle;
     1.0 - squared * (1.0 / 6.0 - squared * (1.0 / 120.0 - squared / 5040.0))
-}
-
-/// The smaller one, without a thought for what is no number.
-pub(crate) fn least(a: f32, b: f32) -> f32 {
-    if b < a { b } else { a }
-}
-
-/// The larger one, without a thought for what is no number.
-pub(crate) fn most(a: f32, b: f32) -> f32 {
-    if b > a { b } else { a }
 }
 
 #[cfg(test)]

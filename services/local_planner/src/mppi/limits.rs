@@ -1,7 +1,6 @@
 //! What the robot can do within a step of a sample.
 
-use super::batch::{least, most};
-use crate::surroundings::narrow;
+use crate::lanes::data::{least, most, narrow};
 use zeronav_msgs::description::Description;
 
 /// [m/s] fastest way backwards: nobody looks there but the map and the lidar.

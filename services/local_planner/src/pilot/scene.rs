@@ -5,7 +5,7 @@ use super::perception::{Perception, horizon_s};
 use crate::controller::Situation;
 use crate::dwa::options::{DwaConfig, DwaWeights};
 use crate::dwa::window::{Range, Window};
-use crate::lanes::LANES_MAX;
+use crate::lanes::data::LANES_MAX;
 use crate::progress::Place;
 use crate::rated::Worth;
 use core::fmt;

@@ -1,8 +1,8 @@
 //! Speed by clearance: a metre per second beyond what the space allows costs the weight.
 
 use super::Cycle;
-use crate::mppi::batch::{Batch, LANES, Lanes, most};
-use crate::surroundings::narrow;
+use crate::lanes::data::{most, narrow};
+use crate::mppi::batch::{Batch, LANES, Lanes};
 
 pub(super) fn score(cycle: &Cycle<'_>, batch: &Batch, weight: f32, costs: &mut Lanes) {
     let base = narrow(cycle.config.speed_base_mps);

@@ -2,8 +2,8 @@
 //! moment. A goal beside a wall must be reached, so it counts less and less on the last metre.
 
 use super::Cycle;
-use crate::mppi::batch::{Batch, LANES, Lanes, least, most};
-use crate::surroundings::narrow;
+use crate::lanes::data::{least, most, narrow};
+use crate::mppi::batch::{Batch, LANES, Lanes};
 
 pub(super) fn score(cycle: &Cycle<'_>, batch: &Batch, weight: f32, costs: &mut Lanes) {
     let weight = weight * cycle.remaining_m.min(1.0);

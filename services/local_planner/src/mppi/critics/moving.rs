@@ -2,9 +2,9 @@
 //! grown to. Never less than a third, so that the robot gives way as soon as it sees it coming.
 
 use super::Cycle;
+use crate::lanes::data::narrow;
 use crate::lanes::strike;
 use crate::mppi::batch::{Batch, LANES, Lanes};
-use crate::surroundings::narrow;
 
 /// [m] kept from predicted obstacles.
 const MARGIN_M: f32 = 0.15;

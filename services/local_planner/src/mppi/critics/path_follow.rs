@@ -3,8 +3,8 @@
 //! that being there early is better where all arrive.
 
 use super::Cycle;
-use crate::mppi::batch::{Batch, Lanes, least};
-use crate::surroundings::narrow;
+use crate::lanes::data::{least, narrow};
+use crate::mppi::batch::{Batch, Lanes};
 use nalgebra::Point2;
 
 /// [m] by which the free way may be longer than the way along the path before it counts.

@@ -1,8 +1,8 @@
 //! Metres driven backwards.
 
 use super::Cycle;
-use crate::mppi::batch::{Batch, LANES, Lanes, most};
-use crate::surroundings::narrow;
+use crate::lanes::data::{most, narrow};
+use crate::mppi::batch::{Batch, LANES, Lanes};
 
 pub(super) fn score(cycle: &Cycle<'_>, batch: &Batch, weight: f32, costs: &mut Lanes) {
     let mut backwards = [0.0; LANES];

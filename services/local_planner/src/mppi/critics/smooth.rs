@@ -1,8 +1,8 @@
 //! Changes of the yaw rate and of the speed, as shares of their largest values, summed up.
 
 use super::Cycle;
+use crate::lanes::data::narrow;
 use crate::mppi::batch::{Batch, LANES, Lanes};
-use crate::surroundings::narrow;
 
 /// What a change of speed counts beside one of the yaw rate.
 const SPEED_SHARE: f32 = 0.5;
