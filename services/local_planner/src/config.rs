@@ -5,7 +5,7 @@ use crate::beam::options::BeamConfig;
 use crate::dwa::options::DwaConfig;
 use crate::dwa_t::options::DwaTConfig;
 use crate::mppi::options::MppiConfig;
-use crate::recovery::RecoveryConfig;
+use crate::recovery::options::RecoveryConfig;
 use crate::requests::RequestConfig;
 use crate::shaping::ShapingConfig;
 use crate::staleness::StalenessConfig;

@@ -419,7 +419,7 @@ impl LocalPlanner {
             stalled_s: step.stalled_s,
             no_progress: step.no_progress,
             stuck: step.stuck,
-            something_moves: moves_near(situation.obstacles, &situation.map_from_base),
+            dynamic_obstacle: moves_near(situation.obstacles, &situation.map_from_base),
             free_behind: asks && self.escape.is_free_behind(situation, &self.trail, pose),
             room_to_turn: asks && self.escape.has_room_to_turn(),
             backed_m: self.escape.backed_m(pose),

@@ -12,7 +12,7 @@ use proptest::prelude::*;
 use support::whole::Whole;
 use support::{Loop, PERIOD_S, block, disc, goal_at, jackal, path};
 use zeronav_local_planner::LocalPlannerConfig;
-use zeronav_local_planner::recovery::RecoveryConfig;
+use zeronav_local_planner::recovery::options::RecoveryConfig;
 use zeronav_local_planner::recovery::{Behaviour, Cause, Facts, Reason, Recovery, Transition};
 use zeronav_local_planner::table::CONTROLLERS;
 use zeronav_motion::Twist;
@@ -31,7 +31,7 @@ fn fine(now_s: f64) -> Facts {
         stalled_s: 0.0,
         no_progress: false,
         stuck: false,
-        something_moves: false,
+        dynamic_obstacle: false,
         free_behind: false,
         room_to_turn: false,
         backed_m: 0.0,
@@ -78,7 +78,7 @@ proptest! {
                     no_progress: now_s - came_closer_s > 10.0,
                     free_behind: behind,
                     room_to_turn: room,
-                    something_moves: moves,
+                    dynamic_obstacle: moves,
                     backed_m,
                     rotated_rad,
                     ..fine(now_s)
@@ -94,8 +94,8 @@ proptest! {
                     if change.to == Behaviour::Rotate {
                         prop_assert!(facts.room_to_turn);
                     }
-                    if change.reason == Reason::SomethingMoves {
-                        prop_assert!(facts.something_moves);
+                    if change.reason == Reason::DynamicObstacle {
+                        prop_assert!(facts.dynamic_obstacle);
                     }
                     prop_assert!(!matches!(before, Behaviour::GiveUp(_)), "the end is the end");
                     since_s = now_s;
@@ -131,7 +131,7 @@ proptest! {
                 stalled_s: now_s,
                 free_behind: behind,
                 room_to_turn: room,
-                something_moves: moves,
+                dynamic_obstacle: moves,
                 // A planner that changes its mind all the time.
                 geometry: if paths && (now_s * 4.0).fract() < 0.5 { 1 } else { 2 },
                 ..fine(now_s)
@@ -209,7 +209,7 @@ fn what_is_tried_is_given_time_to_help() {
         let change = recovery.step(&Facts {
             stalled_s: 10.0 + now_s,
             no_progress: true,
-            something_moves: true,
+            dynamic_obstacle: true,
             ..fine(now_s)
         });
         let is_try = change.is_some_and(|change| change.reason == Reason::NoProgress);

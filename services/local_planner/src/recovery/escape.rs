@@ -7,7 +7,7 @@ use super::trail::Trail;
 use crate::controller::{Decision, Situation};
 use crate::dwa::options::DwaConfig;
 use crate::dynamic_obstacles::{DynamicObstacles, Growth};
-use crate::recovery::RecoveryConfig;
+use crate::recovery::options::RecoveryConfig;
 use crate::shaping::Shaper;
 use crate::surroundings::{Reach, Surroundings};
 use crate::turn;

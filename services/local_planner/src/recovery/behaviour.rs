@@ -1,0 +1,115 @@
+//! The states of the recovery, the reasons of its transitions, and what they are decided by.
+
+/// What the robot does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Behaviour {
+    /// Following the path, as the controller decides.
+    Follow,
+    /// Turning on the spot towards the path, as the controller decides.
+    Align,
+    /// Waiting for another path.
+    AskForPath,
+    /// Driving back along the track that it came by.
+    BackUp,
+    /// Turning on the spot to look around.
+    Rotate,
+    /// Waiting for the way to become free.
+    Wait,
+    /// Nothing more: the task has failed.
+    GiveUp(Cause),
+}
+
+/// Why a task was given up.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Cause {
+    /// No motion was admissible.
+    Blocked,
+    /// The robot moved, but came no closer.
+    NoProgress,
+    /// It came closer between them, but needed too many attempts.
+    TooManyAttempts,
+}
+
+impl Behaviour {
+    /// True for an attempt to make progress again.
+    #[must_use]
+    pub const fn is_attempt(self) -> bool {
+        matches!(self, Self::BackUp | Self::Rotate | Self::Wait)
+    }
+}
+
+/// Why a behaviour ended and the next one began.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Reason {
+    /// Another goal is current, or none.
+    AnotherGoal,
+    /// The controller turns on the spot.
+    TurnsOnTheSpot,
+    /// It has turned.
+    Aligned,
+    /// No motion is admissible.
+    Blocked,
+    /// The robot does not come closer.
+    NoProgress,
+    /// A dynamic obstacle is near.
+    DynamicObstacle,
+    /// Another path came.
+    AnotherPath,
+    /// A motion is admissible again.
+    Cleared,
+    /// The manoeuvre is complete.
+    Done,
+    /// The way behind is not free or not known.
+    NotFreeBehind,
+    /// There is no room to turn.
+    NoRoomToTurn,
+    /// It took too long.
+    TimedOut,
+    /// The task's time without coming closer is over.
+    Stuck,
+    /// No attempt is left.
+    OutOfAttempts,
+}
+
+/// A change of behaviour.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Transition {
+    /// The behaviour that ended.
+    pub from: Behaviour,
+    /// The behaviour that begins.
+    pub to: Behaviour,
+    /// Why.
+    pub reason: Reason,
+}
+
+/// Observations of a control period.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[allow(clippy::struct_excessive_bools, reason = "independent observations")]
+pub struct Facts {
+    /// [s] run time.
+    pub now_s: f64,
+    /// The current goal; 0 = none.
+    pub goal: u64,
+    /// Id of the path's geometry; 0 = no path.
+    pub geometry: u64,
+    /// The controller finds no admissible motion.
+    pub blocked: bool,
+    /// The controller turns on the spot.
+    pub turns: bool,
+    /// [s] since the robot came closer to the goal.
+    pub stalled_s: f64,
+    /// That is longer than `task.no_progress_s`.
+    pub no_progress: bool,
+    /// That is longer than `task.stuck_s`.
+    pub stuck: bool,
+    /// A dynamic obstacle is near.
+    pub dynamic_obstacle: bool,
+    /// The way back along the track is free, and the robot drives backwards at all.
+    pub free_behind: bool,
+    /// There is room to turn on the spot.
+    pub room_to_turn: bool,
+    /// [m] driven back since that began.
+    pub backed_m: f64,
+    /// [rad] turned since that began.
+    pub rotated_rad: f64,
+}

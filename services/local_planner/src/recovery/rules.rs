@@ -1,0 +1,211 @@
+//! The transitions between behaviours, as a table.
+//!
+//! In each period the first rule that holds is taken. The table in the README is generated from it.
+//! Two transitions are not in it because they leave every behaviour: another goal begins anew with
+//! `Follow`, and a task without progress for `task.stuck_s` ends in `GiveUp`.
+
+use super::behaviour::{Behaviour, Facts, Reason};
+use super::options::RecoveryConfig;
+
+/// What the rules are about.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct View<'a> {
+    pub(super) facts: &'a Facts,
+    pub(super) config: &'a RecoveryConfig,
+    /// [s] since the behaviour began.
+    pub(super) lasted_s: f64,
+    /// [s] without an admissible motion.
+    pub(super) blocked_s: f64,
+    /// [s] since the last manoeuvre, wait or question ended.
+    pub(super) since_tried_s: f64,
+    /// Something was tried since the robot last came closer.
+    pub(super) escalated: bool,
+    /// The path is another one than when the behaviour began.
+    pub(super) another_path: bool,
+}
+
+/// Where a transition leads.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Next {
+    /// To this behaviour.
+    Go(Behaviour),
+    /// To this behaviour as one of the goal's attempts; `GiveUp` when none is left.
+    Attempt(Behaviour),
+    /// `AskForPath`, or the next rung when `asks` paths did not help.
+    Escalate,
+    /// The same with `asks` questions allowed again.
+    EscalateAfresh,
+    /// The next rung that is possible: `BackUp` three times, `Rotate`, `Wait`, and again.
+    NextRung,
+}
+
+/// One row of the table.
+pub(super) struct Rule {
+    pub(super) from: &'static [Behaviour],
+    /// The condition in words.
+    #[cfg_attr(not(test), allow(dead_code, reason = "the README is compared with it"))]
+    pub(super) when: &'static str,
+    pub(super) holds: fn(&View<'_>) -> bool,
+    pub(super) next: Next,
+    pub(super) reason: Reason,
+}
+
+use Behaviour::{Align, AskForPath, BackUp, Follow, Rotate, Wait};
+use Next::{Attempt, Escalate, EscalateAfresh, Go, NextRung};
+
+/// Every transition of a robot that has a goal and time left.
+pub(super) const RULES: &[Rule] = &[
+    Rule {
+        from: &[Follow, Align],
+        when: "no motion admissible for `patience_s`, a dynamic obstacle near, nothing tried yet",
+        holds: |view| is_blocked(view) && view.facts.dynamic_obstacle && !view.escalated,
+        next: Attempt(Wait),
+        reason: Reason::DynamicObstacle,
+    },
+    Rule {
+        from: &[Follow, Align],
+        when: "no motion admissible for `patience_s`",
+        holds: is_blocked,
+        next: Escalate,
+        reason: Reason::Blocked,
+    },
+    Rule {
+        from: &[Follow],
+        when: "no progress for `task.no_progress_s`, nothing tried for `wait_s`",
+        // An attempt needs time to show.
+        holds: |view| view.facts.no_progress && view.since_tried_s > view.config.wait_s,
+        next: Escalate,
+        reason: Reason::NoProgress,
+    },
+    Rule {
+        from: &[Follow],
+        when: "the controller turns on the spot",
+        holds: |view| view.facts.turns,
+        next: Go(Align),
+        reason: Reason::TurnsOnTheSpot,
+    },
+    Rule {
+        from: &[Align],
+        when: "the turn is complete",
+        holds: |view| !view.facts.turns,
+        next: Go(Follow),
+        reason: Reason::Aligned,
+    },
+    Rule {
+        from: &[Align],
+        when: "longer than 2 `manoeuvre_s`",
+        holds: |view| view.lasted_s > 2.0 * view.config.manoeuvre_s,
+        next: Escalate,
+        reason: Reason::TimedOut,
+    },
+    Rule {
+        from: &[AskForPath],
+        when: "another path",
+        holds: |view| view.another_path,
+        next: Go(Follow),
+        reason: Reason::AnotherPath,
+    },
+    Rule {
+        from: &[AskForPath],
+        when: "longer than `ask_s`, no motion admissible",
+        holds: |view| view.lasted_s > view.config.ask_s && view.facts.blocked,
+        next: NextRung,
+        reason: Reason::TimedOut,
+    },
+    Rule {
+        from: &[AskForPath],
+        when: "longer than `ask_s`",
+        holds: |view| view.lasted_s > view.config.ask_s,
+        next: Go(Follow),
+        reason: Reason::Cleared,
+    },
+    Rule {
+        from: &[Wait],
+        when: "a motion is admissible",
+        holds: |view| !view.facts.blocked,
+        next: Go(Follow),
+        reason: Reason::Cleared,
+    },
+    Rule {
+        from: &[Wait],
+        when: "another path",
+        holds: |view| view.another_path,
+        next: Go(Follow),
+        reason: Reason::AnotherPath,
+    },
+    Rule {
+        from: &[Wait],
+        when: "longer than `wait_s`",
+        holds: |view| view.lasted_s > view.config.wait_s,
+        next: EscalateAfresh,
+        reason: Reason::TimedOut,
+    },
+    Rule {
+        from: &[BackUp],
+        when: "`back_up_m` driven",
+        holds: |view| view.facts.backed_m >= view.config.back_up_m,
+        next: Go(Follow),
+        reason: Reason::Done,
+    },
+    Rule {
+        from: &[BackUp],
+        when: "not free behind",
+        holds: |view| !view.facts.free_behind,
+        next: Go(Follow),
+        reason: Reason::NotFreeBehind,
+    },
+    Rule {
+        from: &[Rotate],
+        when: "`rotate_rad` turned",
+        holds: |view| view.facts.rotated_rad >= view.config.rotate_rad,
+        next: Go(Follow),
+        reason: Reason::Done,
+    },
+    Rule {
+        from: &[Rotate],
+        when: "no room to turn",
+        holds: |view| !view.facts.room_to_turn,
+        next: Go(Follow),
+        reason: Reason::NoRoomToTurn,
+    },
+    Rule {
+        from: &[BackUp, Rotate],
+        when: "longer than `manoeuvre_s`",
+        holds: |view| view.lasted_s > view.config.manoeuvre_s,
+        next: Go(Follow),
+        reason: Reason::TimedOut,
+    },
+];
+
+fn is_blocked(view: &View<'_>) -> bool {
+    view.blocked_s > view.config.patience_s
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The rules as the README shows them.
+    fn as_markdown() -> String {
+        let mut table = String::from("| from | when | to | reason |\n|---|---|---|---|\n");
+        for rule in RULES {
+            let from: Vec<_> = rule.from.iter().map(|from| format!("{from:?}")).collect();
+            let to = match rule.next {
+                Go(to) | Attempt(to) => format!("{to:?}"),
+                Escalate => "AskForPath or next rung".to_owned(),
+                EscalateAfresh => "AskForPath".to_owned(),
+                NextRung => "next rung".to_owned(),
+            };
+            let (from, when) = (from.join(", "), rule.when);
+            table += &format!("| {from} | {when} | {to} | {:?} |\n", rule.reason);
+        }
+        table
+    }
+
+    #[test]
+    fn the_readme_shows_the_rules() {
+        let readme = include_str!("../../README.md");
+        let table = as_markdown();
+        assert!(readme.contains(&table), "README.md should contain\n{table}");
+    }
+}
