@@ -56,6 +56,8 @@ pub struct Decision {
     pub validity: Validity,
     /// [m] length of the checked arc on which the robot can still stop.
     pub braking_arc_m: f64,
+    /// The robot turns on the spot, towards the path or the goal's yaw.
+    pub turns: bool,
     /// Motions looked at.
     pub rollouts: u32,
     /// [m] along the path to the first place where the robot would touch something, within the

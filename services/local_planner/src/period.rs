@@ -413,9 +413,7 @@ impl LocalPlanner {
             geometry: situation.path_geometry,
             // A manoeuvre's own check is none of the controller.
             blocked: blocked && !manoeuvring,
-            turns: decision.validity == Validity::Drive
-                && decision.v_mps.abs() < 0.03
-                && decision.w_radps.abs() > 0.05,
+            turns: decision.turns,
             stalled_s: step.stalled_s,
             no_progress: step.no_progress,
             stuck: step.stuck,
@@ -451,6 +449,7 @@ impl LocalPlanner {
             w_radps: twist.w_radps,
             validity,
             braking_arc_m,
+            turns: false,
             rollouts: 0,
             blocked_arc_m: None,
         }

@@ -149,6 +149,7 @@ impl Pilot {
             w_radps: twist.w_radps,
             validity,
             braking_arc_m,
+            turns: memory.turns && validity == Validity::Drive,
             rollouts: memory.rollouts,
             blocked_arc_m: None,
         }

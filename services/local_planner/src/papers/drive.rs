@@ -64,6 +64,8 @@ pub struct Driver {
     bodies: Vec<Body>,
     last: Twist,
     blocked_s: f64,
+    /// Of this period: the wish is a turn on the spot.
+    turns: bool,
     shaper: Shaper,
 }
 
@@ -92,6 +94,7 @@ impl Driver {
             bodies: Vec::new(),
             last: Twist::REST,
             blocked_s: 0.0,
+            turns: false,
             shaper: Shaper::new(ShapingConfig::OFF),
         }
     }
@@ -168,6 +171,7 @@ impl Driver {
             if aligned || self.last.v_mps.abs() > STANDING_MPS {
                 return Err(Validity::AtGoal);
             }
+            self.turns = true;
             return Ok(Twist::new(0.0, turn::rate_radps(robot, error_rad)));
         }
         let decel_mps2 = self.config.comfort_share * robot.brake_mps2;
@@ -209,7 +213,7 @@ impl Driver {
     /// The best admissible twist of `bao_dwa`; without one the robot stops, then turns towards
     /// its local goal.
     fn window_wish(
-        &self,
+        &mut self,
         situation: &Situation<'_>,
         weights: &BaoWeights,
         distance_m: f64,
@@ -248,7 +252,10 @@ impl Driver {
         );
         match best {
             Some(twist) if twist.v_mps > STANDING_MPS || !from.is_stopped() => Ok(twist),
-            _ if from.v_mps < STANDING_MPS => Ok(turning),
+            _ if from.v_mps < STANDING_MPS => {
+                self.turns = true;
+                Ok(turning)
+            }
             _ => Err(Validity::Blocked),
         }
     }
@@ -324,6 +331,7 @@ impl Controller for Driver {
             .tracker
             .advance(situation.path_geometry, situation.path, position);
         let mut blocked_arc_m = None;
+        self.turns = false;
         let wish = if let Some(place) = place {
             self.surroundings.describe(robot, situation.corners);
             let stop_m = stop_distance_m(robot, robot.v_mps_max, self.config.reaction_s);
@@ -377,6 +385,7 @@ impl Controller for Driver {
                 validity
             },
             braking_arc_m,
+            turns: self.turns && validity == Validity::Drive,
             rollouts: 1,
             blocked_arc_m,
         }

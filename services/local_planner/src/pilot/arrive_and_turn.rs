@@ -104,6 +104,7 @@ impl Scene<'_> {
             let free = self.seen.surroundings.turn_is_free(error_rad)
                 && (slowing || self.seen.stop_arc_m(self.config, robot, next).is_some());
             if free {
+                self.memory.turns = true;
                 return Wish::Towards(wanted);
             }
         }

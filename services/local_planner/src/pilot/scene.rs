@@ -65,6 +65,8 @@ pub(crate) struct Memory {
     pub(crate) reserve: Vec<(f64, Twist)>,
     /// Of this period: motions looked at.
     pub(crate) rollouts: u32,
+    /// Of this period: the wish is a turn on the spot.
+    pub(crate) turns: bool,
 }
 
 impl Default for Memory {
@@ -78,6 +80,7 @@ impl Default for Memory {
             astray_s: 0.0,
             reserve: Vec::with_capacity(LANES_MAX),
             rollouts: 0,
+            turns: false,
         }
     }
 }
@@ -86,6 +89,7 @@ impl Memory {
     /// A period begins.
     pub(crate) fn begin(&mut self, goal: u64) {
         self.rollouts = 0;
+        self.turns = false;
         self.reserve.clear();
         if goal != self.goal {
             self.goal = goal;

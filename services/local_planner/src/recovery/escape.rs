@@ -202,6 +202,7 @@ impl Escape {
             w_radps: twist.w_radps,
             validity,
             braking_arc_m,
+            turns: false,
             rollouts: 1,
             blocked_arc_m: None,
         }

@@ -94,6 +94,7 @@ impl Controller for Whole {
             w_radps: outputs.request.w_radps,
             validity: outputs.request.validity().expect("a known code"),
             braking_arc_m: outputs.request.braking_arc_m,
+            turns: false,
             rollouts: outputs.rollouts,
             blocked_arc_m: outputs.blocked_arc_m,
         }
