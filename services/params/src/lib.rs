@@ -56,9 +56,11 @@
 mod declare;
 mod parameter;
 mod setting;
+mod value;
 
-pub use parameter::{Choice, Parameter, ParameterError, Relation, Type, Value};
+pub use parameter::{Parameter, ParameterError, Relation};
 pub use setting::Setting;
+pub use value::{Choice, Type, Value};
 
 /// A struct of parameters and groups of parameters, as [`parameters!`] makes it.
 pub trait Parameters: Default {

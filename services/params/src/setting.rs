@@ -1,6 +1,6 @@
 //! The types that a parameter can have.
 
-use crate::parameter::{Choice, Type, Value};
+use crate::value::{Choice, Type, Value};
 use std::path::PathBuf;
 
 /// A type that a parameter can have. [`crate::choices!`] implements it for enums.

@@ -6,7 +6,8 @@
 //! At a contact the robot stands where it was still free. From there it may move wherever it does
 //! not get nearer to what it touches.
 
-use crate::drive::{DriveState, Motion};
+use crate::drive::Motion;
+use crate::drive_state::DriveState;
 use crate::obstacles::Obstacle;
 use crate::overlap::signed_distance_m;
 use zeronav_motion::Twist;

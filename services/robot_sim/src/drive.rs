@@ -4,18 +4,9 @@
 //! acceleration are constant. The whole tick can be asked for its state at any moment: contacts and
 //! scans fall between ticks.
 
+use crate::drive_state::DriveState;
 use crate::phase::{Phase, Ramp};
 use zeronav_motion::Twist;
-use zeronav_msgs::Pose;
-
-/// Where the robot is and how it moves.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct DriveState {
-    /// `map_from_base`.
-    pub pose: Pose,
-    /// Velocity in `base`.
-    pub twist: Twist,
-}
 
 /// What the motors can do. All but `v_mps_min` are positive.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -203,6 +194,7 @@ mod tests {
     use rand::RngExt as _;
     use rand::SeedableRng as _;
     use rand_pcg::Pcg64Mcg;
+    use zeronav_msgs::Pose;
     use zeronav_msgs::pose::wrap_angle;
 
     const LIMITS: DriveLimits = DriveLimits {

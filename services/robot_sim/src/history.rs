@@ -76,7 +76,8 @@ impl Stretch {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::drive::{DriveLimits, DriveState};
+    use crate::drive::DriveLimits;
+    use crate::drive_state::DriveState;
     use zeronav_motion::Twist;
 
     const TICK_NS: u64 = 20_000_000;

@@ -20,6 +20,7 @@ pub mod contact;
 pub mod delay;
 pub mod describe;
 pub mod drive;
+mod drive_state;
 pub mod faults;
 pub mod history;
 pub mod lidar;
@@ -36,5 +37,6 @@ pub mod slip;
 pub mod solid_grid;
 
 pub use config::SimConfig;
+pub use drive_state::DriveState;
 pub use scan_schedule::DueScan;
 pub use simulator::{SimError, Simulator};

@@ -4,7 +4,7 @@
 //! curve (a Cornu spiral, which has no closed form) is integrated by Gauss-Legendre quadrature to
 //! some 1e-12 m.
 
-use crate::drive::DriveState;
+use crate::drive_state::DriveState;
 use nalgebra::Vector2;
 use zeronav_motion::Twist;
 use zeronav_msgs::Pose;

@@ -6,7 +6,7 @@
 //! go through GJK, which stops within 1e-7 of the distance; both were checked against brute force
 //! over sizes of 1 mm to 1 km (below).
 
-use crate::shape::parry_pose;
+use crate::parry_pose::parry_pose;
 use nalgebra::{Point2, Vector2};
 use parry2d::bounding_volume::Aabb;
 use parry2d::math::{Pose2, Vec2};

@@ -1,6 +1,6 @@
 //! Pixels of a map image: PGM (P2, P5) or PNG, also packed as `IMAGE.gz`.
 
-use crate::map_file::MapFileError;
+use crate::map_file_error::MapFileError;
 use image::{DynamicImage, ImageDecoder, ImageReader};
 use std::fs::File;
 use std::io::{self, Cursor, Read};

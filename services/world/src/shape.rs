@@ -5,7 +5,6 @@ use crate::error::{SpecError, number};
 use crate::polygon::{centroid, convex_corners};
 use crate::spec::ShapeSpec;
 use nalgebra::Point2;
-use parry2d::math::Pose2;
 use zeronav_msgs::Pose;
 use zeronav_msgs::message::COORDINATE_M_MAX;
 
@@ -106,12 +105,6 @@ impl Shape {
         self.placed_at(map_from_shape)
             .distance_to_polyline_m(polyline)
     }
-}
-
-/// A pose as parry wants it.
-#[must_use]
-pub fn parry_pose(pose: &Pose) -> Pose2 {
-    pose.isometry().into()
 }
 
 pub(crate) fn point(at: [f64; 2], field: &str) -> Result<(), SpecError> {

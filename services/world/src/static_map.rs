@@ -1,6 +1,6 @@
 //! The static world as a grid: free, occupied or unknown.
 
-use crate::shape::parry_pose;
+use crate::parry_pose::parry_pose;
 use nalgebra::Point2;
 use parry2d::bounding_volume::Aabb;
 use parry2d::math::Vec2;
