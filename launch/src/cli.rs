@@ -57,6 +57,18 @@ pub enum Command {
         #[arg(long)]
         json: bool,
     },
+    /// The parameters of a service: type, default, range, unit and meaning, as its binary says.
+    Params {
+        /// Whose, such as `local_planner`.
+        #[arg(value_name = "ROLE", value_parser = service_role)]
+        role: Role,
+        /// Ask this binary in place of the stock one.
+        #[arg(long, value_name = "FILE")]
+        binary: Option<PathBuf>,
+        /// Print one JSON object.
+        #[arg(long)]
+        json: bool,
+    },
     /// The runs that go on, and their processes.
     Ps {
         /// Print one JSON object.

@@ -45,6 +45,7 @@ fn main() -> ExitCode {
         Command::Check { scenario, json } => look::check(&scenario, json),
         Command::Planners { json } => look::algorithms_of(Role::GlobalPlanner, json),
         Command::Controllers { json } => look::algorithms_of(Role::LocalPlanner, json),
+        Command::Params { role, binary, json } => look::params(role, binary.as_deref(), json),
         Command::Ps { json } => remote::ps(json),
         Command::Goal(arguments) => remote::goal(&arguments),
         Command::Draw(arguments) => draw::draw(&arguments),

@@ -120,3 +120,45 @@ fn misspelt_service_keys_are_reported_with_line_and_field() {
         }
     }
 }
+
+/// The services whose parameters are declared by the macro.
+const DECLARED: [(&str, &str); 2] = [
+    ("zeronav-global-planner", "global_planner"),
+    ("zeronav-local-planner", "local_planner"),
+];
+
+#[test]
+fn every_value_of_a_configuration_is_described_with_its_default() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (service, role) in DECLARED {
+        let described = Command::new(binaries().join("zeronav"))
+            .args(["params", role, "--json", "--binary"])
+            .arg(binaries().join(service))
+            .output()
+            .expect("it starts");
+        assert!(described.status.success(), "{described:?}");
+        let described: serde_json::Value = serde_json::from_slice(&described.stdout).expect("JSON");
+        let described = described["parameters"].as_array().expect("a list");
+        let mut printed = defaults(service, folder.path());
+        let mut all = Vec::new();
+        ways(&printed, &[], &mut all);
+        for way in all {
+            let value = at(&mut printed, &way);
+            if value.is_table() {
+                continue;
+            }
+            let path = way.join(".");
+            let one = described.iter().find(|one| one["path"] == path.as_str());
+            let one = one.unwrap_or_else(|| panic!("{role} does not describe {path}"));
+            let default: serde_json::Value = value.clone().try_into().expect("JSON");
+            assert_eq!(one["default"], default, "{role} {path}");
+            let has_range = one["min"].is_number() && one["max"].is_number();
+            assert!(has_range || !value.is_float(), "{role} {path} has no range");
+            assert!(
+                one["description"]
+                    .as_str()
+                    .is_some_and(|text| text.len() > 5)
+            );
+        }
+    }
+}

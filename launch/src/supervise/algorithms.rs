@@ -2,8 +2,10 @@
 
 use super::binaries;
 use super::question;
+use core::fmt::Display;
 use std::path::Path;
 use zeronav_msgs::role::Role;
+use zeronav_params::Parameter;
 use zeronav_shell::nearest::unknown;
 
 /// An algorithm: key and one line for people.
@@ -31,6 +33,18 @@ pub fn of(role: Role) -> Result<Vec<Algorithm>, String> {
         })
     };
     Ok(listed.lines().filter_map(algorithm).collect())
+}
+
+/// The parameters of the service in `binary`.
+///
+/// # Errors
+/// One line when it cannot be asked, or answers with something else.
+pub fn parameters_of(binary: &Path) -> Result<Vec<Parameter>, String> {
+    let binary = binaries::find(binary)?;
+    let complaint = |why: &dyn Display| format!("{} --print-params: {why}", binary.display());
+    let text = question::ask(&binary, &["--print-params".as_ref()])
+        .map_err(|silence| complaint(&silence))?;
+    serde_json::from_str(&text).map_err(|error| complaint(&error))
 }
 
 /// Accepts the key of a controller of the stock local planner.

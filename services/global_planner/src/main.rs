@@ -14,6 +14,7 @@ use zeronav_msgs::role::Role;
 use zeronav_msgs::span::SpanKind;
 use zeronav_msgs::task::{TaskKind, TaskState as State};
 use zeronav_msgs::topics::{PlanPath, PlanRequests, RobotOdometry, TaskState};
+use zeronav_params::Parameter;
 use zeronav_shell::clock::now_ns;
 use zeronav_shell::doorbell::Rung;
 use zeronav_shell::nearest::unknown;
@@ -164,6 +165,10 @@ impl Service for PlannerService {
             (row.key, format!("{}{may_fail} ({})", row.title, row.source))
         };
         PLANNERS.iter().map(line).collect()
+    }
+
+    fn parameters() -> Vec<Parameter> {
+        zeronav_params::describe::<GlobalPlannerConfig>()
     }
 
     fn check(config: &GlobalPlannerConfig) -> Result<(), StartError> {

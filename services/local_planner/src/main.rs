@@ -18,6 +18,7 @@ use zeronav_msgs::topics::{
     ControlRequest, MapObstacles, PlanPath, PlanRequests, RobotDescription, RobotOdometry,
     RobotScan, TaskGoal, TaskState,
 };
+use zeronav_params::Parameter;
 use zeronav_shell::clock::now_ns;
 use zeronav_shell::doorbell::Rung;
 use zeronav_shell::nearest::unknown;
@@ -184,6 +185,10 @@ impl Service for PlannerService {
     fn algorithms() -> Vec<(&'static str, String)> {
         let line = |row: &ControllerRow| (row.key, format!("{} ({})", row.title, row.source));
         CONTROLLERS.iter().map(line).collect()
+    }
+
+    fn parameters() -> Vec<Parameter> {
+        zeronav_params::describe::<LocalPlannerConfig>()
     }
 
     fn check(config: &LocalPlannerConfig) -> Result<(), StartError> {

@@ -20,11 +20,11 @@ const EPOCH_MAX: i64 = zeronav_msgs::header::SHADOW_EPOCH_MIN as i64 - 1;
 #[command(about = "A service of a zeronav stack; normally started by `zeronav run`.", long_about = None)]
 pub struct Flags {
     /// Root folder of the run, directly under /dev/shm; its name is the prefix of everything.
-    #[arg(long, value_name = "ROOT", required_unless_present_any = ["print_config", "list"])]
+    #[arg(long, value_name = "ROOT", required_unless_present_any = ["print_config", "print_params", "list"])]
     pub domain: Option<PathBuf>,
     /// Which start of this role this is, as launch says: it gives every process a higher one and
     /// obeys that one alone.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=EPOCH_MAX), required_unless_present_any = ["print_config", "list", "shadow"], conflicts_with = "shadow")]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=EPOCH_MAX), required_unless_present_any = ["print_config", "print_params", "list", "shadow"], conflicts_with = "shadow")]
     pub epoch: Option<u32>,
     /// Run beside the process that sits in this seat: hear and answer, but never be obeyed.
     #[arg(long)]
@@ -38,6 +38,9 @@ pub struct Flags {
     /// Print the configuration that would be used as TOML and leave.
     #[arg(long)]
     pub print_config: bool,
+    /// Print all parameters of the configuration as a JSON list and leave.
+    #[arg(long)]
+    pub print_params: bool,
     /// Print the algorithms that the configuration can name, one a line, and leave.
     #[arg(long)]
     pub list: bool,

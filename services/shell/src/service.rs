@@ -28,6 +28,7 @@ use zeronav_msgs::role::Role;
 use zeronav_msgs::run::Seat;
 use zeronav_msgs::span::{Span, SpanKind};
 use zeronav_msgs::topics::{HealthTopic, SPANS, Topic, TopicRow, health_of};
+use zeronav_params::Parameter;
 
 /// Time between two heartbeats when nothing changes. [ns]
 const BEAT_NS: u64 = 20_000_000;
@@ -42,6 +43,12 @@ pub trait Service: Sized {
     /// The algorithms that the configuration can name: key and one line for people.
     #[must_use]
     fn algorithms() -> Vec<(&'static str, String)> {
+        Vec::new()
+    }
+
+    /// The parameters of its configuration, printed by `--print-params`.
+    #[must_use]
+    fn parameters() -> Vec<Parameter> {
         Vec::new()
     }
 
@@ -444,6 +451,11 @@ fn drive<S: Service>(flags: &Flags) -> Result<(), StartError> {
             print(&format!("{key}\t{line}\n"))?;
         }
         return Ok(());
+    }
+    if flags.print_params {
+        let text = serde_json::to_string_pretty(&S::parameters())
+            .map_err(|error| StartError::system("writing the parameters as JSON", error))?;
+        return print(&format!("{text}\n"));
     }
     let config: S::Config = flags.read_config(S::check)?;
     if flags.print_config {
