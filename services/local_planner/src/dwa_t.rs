@@ -4,9 +4,9 @@
 //!   the uncertainty of the prediction; the scan's points of dynamic obstacles are not taken for
 //!   walls. What is published also keeps clear of them until the robot has stopped.
 //! - **Cost-to-go.** Progress is measured by the shortest free way over the local window
-//!   ([`crate::cost_to_go`]), so a dead end beside the path attracts no rollout.
+//!   (`cost_to_go.rs`), so a dead end beside the path attracts no rollout.
 //! - **Speed by clearance**: `v <= speed_base + speed_gain * space`.
-//! - **All yaw rates at once** ([`rollout_grid`]), and the best of every speed in reserve for the
+//! - **All yaw rates at once** (`rollout_grid.rs`), and the best of every speed in reserve for the
 //!   exact check.
 
 pub mod options;

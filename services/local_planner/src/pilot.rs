@@ -1,7 +1,7 @@
 //! What every controller of the dynamic-window family has in common: arriving, turning on the spot,
 //! verifying the stop, and the command.
 //!
-//! A [`Pilot`] asks its chooser for a [`Wish`] ([`scene::Choose`], one method) and publishes the
+//! A [`Pilot`] asks its chooser for a wish (`pilot/scene.rs`, one method) and publishes the
 //! part of the way towards it that one control period allows:
 //!
 //! - **What is published is checked itself**: hold the twist for the reaction time, then ramp to

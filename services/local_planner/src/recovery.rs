@@ -4,8 +4,8 @@
 //! turn on the spot to look around, wait, and the same again; a dynamic obstacle in the way is
 //! waited for first. Coming closer to the goal goes back to its foot. Every behaviour but following
 //! the path ends after a bounded time, and every goal has a bounded number of attempts, so the end
-//! is arrival or a failed task with a named cause. The machine is pure: [`rules`] is the table of
-//! its transitions, [`escape`] drives its manoeuvres and checks every piece of the way.
+//! is arrival or a failed task with a named cause. The machine is pure: `rules.rs` is the table of
+//! its transitions, `escape.rs` drives its manoeuvres and checks every piece of the way.
 
 mod behaviour;
 pub(crate) mod escape;
@@ -118,7 +118,7 @@ impl Recovery {
                 self.asks = 0;
                 self.escalate(facts, rule.reason)
             }
-            Next::NextRung => self.climb(facts, rule.reason),
+            Next::Climb => self.climb(facts, rule.reason),
         }
     }
 

@@ -18,6 +18,7 @@ const EPOCH_MAX: i64 = zeronav_msgs::header::SHADOW_EPOCH_MIN as i64 - 1;
 /// The five flags of a service, and what people want to know of one.
 #[derive(Debug, Clone, Parser)]
 #[command(about = "A service of a zeronav stack; normally started by `zeronav run`.", long_about = None)]
+#[allow(clippy::struct_excessive_bools, reason = "switches of a command line")]
 pub struct Flags {
     /// Root folder of the run, directly under /dev/shm; its name is the prefix of everything.
     #[arg(long, value_name = "ROOT", required_unless_present_any = ["print_config", "print_params", "list"])]

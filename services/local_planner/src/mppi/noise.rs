@@ -4,7 +4,7 @@
 //! pool are drawn at the start; a cycle pairs a row of speeds with another row of yaw rates and
 //! turns signs, so it still sees sequences that it has not seen before. Every row is a first-order
 //! autoregressive process over knots that lie some steps apart: with white noise the samples stay
-//! near their mean, and what is left of it shakes the wheels (Vlahov, Gibson, RolloutGrid, Spieler, Agha,
+//! near their mean, and what is left of it shakes the wheels (Vlahov, Gibson, Fan, Spieler, Agha,
 //! Theodorou, "Low Frequency Sampling in Model Predictive Path Integral Control", RA-L 2024).
 //!
 //! A normal number is a sum of twelve uniform ones: no function of the platform's mathematics takes

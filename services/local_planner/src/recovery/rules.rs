@@ -36,7 +36,7 @@ pub(super) enum Next {
     /// The same with `asks` questions allowed again.
     EscalateAfresh,
     /// The next rung that is possible: `BackUp` three times, `Rotate`, `Wait`, and again.
-    NextRung,
+    Climb,
 }
 
 /// One row of the table.
@@ -51,7 +51,7 @@ pub(super) struct Rule {
 }
 
 use Behaviour::{Align, AskForPath, BackUp, Follow, Rotate, Wait};
-use Next::{Attempt, Escalate, EscalateAfresh, Go, NextRung};
+use Next::{Attempt, Climb, Escalate, EscalateAfresh, Go};
 
 /// Every transition of a robot that has a goal and time left.
 pub(super) const RULES: &[Rule] = &[
@@ -109,7 +109,7 @@ pub(super) const RULES: &[Rule] = &[
         from: &[AskForPath],
         when: "longer than `ask_s`, no motion admissible",
         holds: |view| view.lasted_s > view.config.ask_s && view.facts.blocked,
-        next: NextRung,
+        next: Climb,
         reason: Reason::TimedOut,
     },
     Rule {
@@ -184,6 +184,7 @@ fn is_blocked(view: &View<'_>) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use core::fmt::Write as _;
 
     /// The rules as the README shows them.
     fn as_markdown() -> String {
@@ -194,10 +195,10 @@ mod tests {
                 Go(to) | Attempt(to) => format!("{to:?}"),
                 Escalate => "AskForPath or next rung".to_owned(),
                 EscalateAfresh => "AskForPath".to_owned(),
-                NextRung => "next rung".to_owned(),
+                Climb => "next rung".to_owned(),
             };
             let (from, when) = (from.join(", "), rule.when);
-            table += &format!("| {from} | {when} | {to} | {:?} |\n", rule.reason);
+            writeln!(table, "| {from} | {when} | {to} | {:?} |", rule.reason).expect("a string");
         }
         table
     }
