@@ -24,13 +24,13 @@ impl MapOptions {
         }
     }
 
-    /// A step costs its length times `1 + cost_weight * cost / 252`; 0 to [`COST_WEIGHT_MAX`].
+    /// A step costs its length times `1 + cost_weight * cost / 252`; 0 to 20.
     #[must_use]
     pub const fn cost_weight(self) -> f64 {
         self.cost_weight
     }
 
-    /// How far a start inside the inflation may be led out of it, 0 to [`ESCAPE_M_MAX`]. [m]
+    /// How far a start inside the inflation may be led out of it, 0 to 5. [m]
     #[must_use]
     pub const fn escape_m(self) -> f64 {
         self.escape_m
