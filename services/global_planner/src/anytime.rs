@@ -22,8 +22,14 @@ const QUARTERS: [u32; IMPROVEMENTS_MAX] = [20, 10, 6, 4];
 /// See the module's description.
 #[derive(Debug)]
 pub struct Anytime {
-    search: GoalField,
     ground: Ground,
+    rounds: Rounds,
+}
+
+/// The searches of one plan, each with a lower weight than the one before.
+#[derive(Debug)]
+struct Rounds {
+    search: GoalField,
     cost_weight: f64,
 }
 
@@ -33,14 +39,19 @@ impl Anytime {
     pub fn new(options: MapOptions) -> Self {
         let cost_weight = options.cost_weight();
         Self {
-            search: GoalField::new(cost_weight),
             ground: Ground::new(options),
-            cost_weight,
+            rounds: Rounds {
+                search: GoalField::new(cost_weight),
+                cost_weight,
+            },
         }
     }
+}
 
-    fn improve(
+impl Rounds {
+    fn run(
         &mut self,
+        ground: &mut Ground,
         query: &PlanQuery<'_>,
         (start, goal): (Cell, Cell),
         budget: &mut dyn FnMut(Expansions) -> Control,
@@ -48,10 +59,7 @@ impl Anytime {
     ) -> Found {
         let n_way_out = path.cells.len();
         let mut below = u32::MAX;
-        let (ground, rule) = (&mut self.ground, query.corner_rule);
-        if !ground.may(rule, (start, goal), 0) {
-            return Found::Nothing;
-        }
+        let rule = query.corner_rule;
         let mut found_any = Found::Nothing;
         let mut n = 0;
         for quarters in QUARTERS {
@@ -105,27 +113,20 @@ impl GlobalPlanner for Anytime {
         budget: &mut dyn FnMut(Expansions) -> Control,
         path: &mut CellPath,
     ) -> Result<PlanStats, PlanError> {
-        path.clear();
-        let ends = self.ground.ends(query)?;
-        self.search
+        let ends = self.ground.open(query, path)?;
+        let rounds = &mut self.rounds;
+        rounds
+            .search
             .follow(&query.map, query.unknown, query.corner_rule);
-        let start = self.ground.start(query.corner_rule, &ends);
-        self.ground.lead(&mut path.cells);
-        match self.improve(query, (start, ends.goal), budget, path) {
-            Found::Path => Ok(path.stats),
-            Found::Stopped => {
-                path.cells.clear();
-                Err(PlanError::OutOfBudget)
-            }
-            Found::Nothing => {
-                path.cells.clear();
-                Err(self.ground.no_way(query.corner_rule, &ends))
-            }
-        }
+        self.ground
+            .answer(query, &ends, path, |ground, between, path| {
+                rounds.run(ground, query, between, budget, path)
+            })?;
+        Ok(path.stats)
     }
 
     fn map_changed(&mut self, map: &MapView<'_>, changed: &[CellRect]) {
         self.ground.change(map, changed);
-        self.search.change(map, changed);
+        self.rounds.search.change(map, changed);
     }
 }

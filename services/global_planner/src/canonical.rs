@@ -8,9 +8,11 @@
 
 use crate::bits::Lines;
 use crate::bucket_queue::BucketQueue;
+use crate::limits::Limits;
 use crate::moves::{DIAGONAL, STEPS, STRAIGHT, octile};
+use crate::node_pool::NodePool;
 use crate::padded::push_cell;
-use crate::planner::{CellPath, Control, Expansions, PlanStats};
+use crate::planner::{CellPath, PlanStats};
 use crate::search::{COST_SO_FAR_MAX, Found};
 
 /// Expansions between two looks at the budget.
@@ -76,13 +78,13 @@ struct Node {
     meta: u32,
 }
 
-const GENERATION_MAX: u32 = (1 << 27) - 1;
+/// Bits of the generation in [`Node::meta`].
+const GENERATION_BITS: u32 = 27;
 
 /// Memory of the search, reused from call to call.
 #[derive(Debug, Default)]
 pub(crate) struct Canonical {
-    nodes: Vec<Node>,
-    generation: u32,
+    pool: NodePool<Node>,
     open: BucketQueue,
     turns: Vec<(u32, u32)>,
 }
@@ -94,17 +96,12 @@ impl Canonical {
         rows: &Lines,
         start: (u32, u32),
         goal: (u32, u32),
-        budget: &mut dyn FnMut(Expansions) -> Control,
-        may_reach: &mut dyn FnMut(u64) -> bool,
+        limits: &mut Limits<'_>,
         path: &mut CellPath,
     ) -> Found {
         let n_nodes = (rows.length() + 2) * (rows.count() + 2);
-        if self.nodes.len() != n_nodes || self.generation == GENERATION_MAX {
-            self.nodes = vec![Node::default(); n_nodes];
-            self.generation = 0;
-        }
-        self.generation += 1;
-        let found = self.search(rows, start, goal, budget, may_reach, &mut path.stats);
+        self.pool.begin(n_nodes, GENERATION_BITS);
+        let found = self.search(rows, start, goal, limits, &mut path.stats);
         path.stats.peak_open = path.stats.peak_open.max(self.open.peak() as u64);
         if found == Found::Path {
             self.trace(rows.length() + 2, goal, path);
@@ -113,7 +110,7 @@ impl Canonical {
     }
 
     pub(crate) fn bytes(&self) -> usize {
-        self.nodes.capacity() * size_of::<Node>() + self.open.bytes()
+        self.pool.bytes() + self.open.bytes()
     }
 
     fn search(
@@ -121,18 +118,13 @@ impl Canonical {
         rows: &Lines,
         start: (u32, u32),
         goal: (u32, u32),
-        budget: &mut dyn FnMut(Expansions) -> Control,
-        may_reach: &mut dyn FnMut(u64) -> bool,
+        limits: &mut Limits<'_>,
         stats: &mut PlanStats,
     ) -> Found {
         let width = rows.length() + 2;
-        let Self {
-            nodes,
-            generation,
-            open,
-            ..
-        } = self;
-        let generation = *generation;
+        let Self { pool, open, .. } = self;
+        let generation = pool.generation;
+        let nodes = pool.nodes.as_mut_slice();
         let key = octile(start.0.abs_diff(goal.0), start.1.abs_diff(goal.1));
         open.reset(key, 2 * DIAGONAL);
         nodes[start.1 as usize * width + start.0 as usize] = Node {
@@ -154,13 +146,8 @@ impl Canonical {
             if (x, y) == goal {
                 return Found::Path;
             }
-            if stats.expanded.is_multiple_of(BUDGET_EVERY)
-                && budget(Expansions(stats.expanded)) == Control::Stop
-            {
-                return Found::Stopped;
-            }
-            if !may_reach(stats.expanded) {
-                return Found::Nothing;
+            if let Some(found) = limits.ended::<BUDGET_EVERY>(stats.expanded) {
+                return found;
             }
             let around = around(rows, x as usize, y as usize);
             let mut steps = u32::from(SUCCESSORS[(meta >> 1 & 0xf) as usize][around]);
@@ -200,8 +187,8 @@ impl Canonical {
         self.turns.clear();
         let (mut x, mut y) = goal;
         let mut last = NO_STEP;
-        for _ in 0..self.nodes.len() {
-            let step = self.nodes[y as usize * width + x as usize].meta >> 1 & 0xf;
+        for _ in 0..self.pool.nodes.len() {
+            let step = self.pool.nodes[y as usize * width + x as usize].meta >> 1 & 0xf;
             if step != last {
                 self.turns.push((x, y));
                 last = step;

@@ -10,55 +10,30 @@
 //! another rule than [`CornerRule::ForbidAny`] the search is that of `c_astar` without costs.
 
 use crate::canonical::Canonical;
-use crate::ends::{WayOut, find_ends};
+use crate::ground::{FreeCells as _, Ground};
 use crate::jump_map::JumpMap;
+use crate::jumps::{Jumps, straight_way};
+use crate::limits::Limits;
 use crate::map_options::MapOptions;
-use crate::moves::{DIAGONAL, STEPS, STRAIGHT, octile};
-use crate::padded::{padded, push_cell};
+use crate::padded::padded;
 use crate::planner::{
     CellPath, Control, CornerRule, Expansions, GlobalPlanner, PlanError, PlanQuery, PlanStats,
 };
-use crate::reach::Reach;
-use crate::search::{COST_SO_FAR_MAX, Found, Search, Task};
-use core::cmp::Reverse;
-use std::collections::BinaryHeap;
-use zeronav_msgs::{CellRect, MapView};
-
-/// Expansions between two looks at the budget; jumps can be long.
-const BUDGET_EVERY: u64 = 256;
+use crate::search::{Found, Search, Task};
+use zeronav_msgs::{Cell, CellRect, MapView};
 
 /// Share of cells with a forced neighbour above which jumping does not pay. Measured: jumps are 13
 /// times faster in a maze with a share of 0.10, 1.8 times slower in clutter with one of 0.16.
 const CLUTTER_SHARE: f64 = 0.13;
 
-/// A padded position in the open list and in the nodes: `y * (width + 2) + x`.
-type Spot = u32;
-
-/// What the search knows about a cell.
-#[derive(Debug, Clone, Copy, Default)]
-struct Node {
-    /// Cost of the best way found so far.
-    so_far: u32,
-    /// Where it came from.
-    parent: Spot,
-    /// `generation << 8 | directions done << 4 | directions to do`, a bit for each of east,
-    /// north, west, south.
-    meta: u32,
-}
-
-const GENERATION_MAX: u32 = (1 << 24) - 1;
-
 /// See the module's description.
 #[derive(Debug)]
 pub struct Jps {
-    map: JumpMap,
-    reach: Reach,
+    ground: Ground<JumpMap>,
     jumps: Jumps,
     canonical: Canonical,
     /// For the other corner rules.
     plain: Search,
-    way_out: WayOut,
-    is_clutter: bool,
     choose: Choose,
 }
 
@@ -78,13 +53,10 @@ impl Jps {
     #[must_use]
     pub fn new(options: MapOptions, choose: Choose) -> Self {
         Self {
-            map: JumpMap::default(),
-            reach: Reach::default(),
+            ground: Ground::new(options),
             jumps: Jumps::default(),
             canonical: Canonical::default(),
             plain: Search::new(0.0),
-            way_out: WayOut::new(options),
-            is_clutter: false,
             choose,
         }
     }
@@ -92,54 +64,25 @@ impl Jps {
     /// Bytes held for the map and the search.
     #[must_use]
     pub fn memory_bytes(&self) -> usize {
-        self.map.bytes()
-            + self.reach.bytes()
-            + self.jumps.nodes.capacity() * size_of::<Node>()
-            + self.jumps.open.capacity() * size_of::<Reverse<u64>>()
-            + self.canonical.bytes()
+        self.ground.bytes() + self.jumps.bytes() + self.canonical.bytes()
     }
 
     /// What a search with these counters took: a jump or a diagonal step counts as much as an
     /// expansion of canonical A*, which takes a time of the same order.
     pub(crate) const fn effort(&self, stats: &PlanStats) -> u64 {
-        if self.is_clutter {
+        if self.is_clutter() {
             stats.expanded
         } else {
             stats.evaluated
         }
     }
 
-    fn search(
-        &mut self,
-        task: &Task<'_>,
-        budget: &mut dyn FnMut(Expansions) -> Control,
-        path: &mut CellPath,
-    ) -> Found {
-        let Task { start, goal, .. } = *task;
-        if task.corner_rule != CornerRule::ForbidAny {
-            let found = self.plain.run(task, budget, &mut path.stats);
-            if found == Found::Path {
-                self.plain.trace(task, &mut path.cells);
-            }
-            return found;
-        }
-        let (bits, reach) = (self.map.bits(), &mut self.reach);
-        let ends = (start, goal);
-        let may_reach = &mut |expanded| reach.may(bits, task.corner_rule, ends, expanded);
-        if !may_reach(0) {
-            return Found::Nothing;
-        }
-        let (start, goal) = (padded(start), padded(goal));
-        if straight_way(&self.map, start, goal, path) {
-            return Found::Path;
-        }
-        if self.is_clutter {
-            let rows = bits.rows();
-            self.canonical
-                .run(rows, start, goal, budget, may_reach, path)
-        } else {
-            self.jumps
-                .run(&self.map, start, goal, budget, may_reach, path)
+    /// Whether canonical A* is the faster search on the map that was last read.
+    const fn is_clutter(&self) -> bool {
+        match self.choose {
+            Choose::ByClutter => self.ground.map.forced_share() > CLUTTER_SHARE,
+            Choose::Jumps => false,
+            Choose::Canonical => true,
         }
     }
 }
@@ -151,357 +94,55 @@ impl GlobalPlanner for Jps {
         budget: &mut dyn FnMut(Expansions) -> Control,
         path: &mut CellPath,
     ) -> Result<PlanStats, PlanError> {
-        path.clear();
-        let ends = find_ends(query, &mut self.way_out)?;
-        if self.map.follow(&query.map, query.unknown) {
-            // Once per map: local changes do not turn halls into clutter.
-            self.is_clutter = match self.choose {
-                Choose::ByClutter => self.map.forced_share() > CLUTTER_SHARE,
-                Choose::Jumps => false,
-                Choose::Canonical => true,
-            };
-        }
-        let bits = self.map.bits();
-        let task = Task {
-            map: query.map,
-            start: self
-                .reach
-                .exit(bits, query.corner_rule, &ends, &mut self.way_out),
-            goal: ends.goal,
-            unknown: query.unknown,
-            corner_rule: query.corner_rule,
-        };
-        self.way_out.lead(&mut path.cells);
-        match self.search(&task, budget, path) {
-            Found::Path => {
-                path.stats.cost = path.length_cells() * query.map.geometry.resolution_m;
-                Ok(path.stats)
-            }
-            Found::Stopped => {
-                path.cells.clear();
-                Err(PlanError::OutOfBudget)
-            }
-            Found::Nothing => {
-                path.cells.clear();
-                let bits = self.map.bits();
-                Err(self.reach.no_way(bits, query.corner_rule, &ends))
-            }
-        }
+        let ends = self.ground.open(query, path)?;
+        let is_clutter = self.is_clutter();
+        self.ground
+            .answer(query, &ends, path, |ground, between, path| {
+                if query.corner_rule != CornerRule::ForbidAny {
+                    return without_jumps(&mut self.plain, query, between, budget, path);
+                }
+                let (map, mut may_reach) = ground.parts(query.corner_rule, between);
+                let mut limits = Limits {
+                    budget,
+                    may_reach: &mut may_reach,
+                };
+                let (start, goal) = (padded(between.0), padded(between.1));
+                if straight_way(map, start, goal, path) {
+                    Found::Path
+                } else if is_clutter {
+                    let rows = map.bits().rows();
+                    self.canonical.run(rows, start, goal, &mut limits, path)
+                } else {
+                    self.jumps.run(map, start, goal, &mut limits, path)
+                }
+            })?;
+        path.stats.cost = path.length_cells() * query.map.geometry.resolution_m;
+        Ok(path.stats)
     }
 
     fn map_changed(&mut self, map: &MapView<'_>, changed: &[CellRect]) {
-        self.map.change(map, changed);
+        self.ground.change(map, changed);
     }
 }
 
-/// Goes diagonally, then straight, and writes the way if it is free: none is shorter.
-fn straight_way(map: &JumpMap, start: (u32, u32), goal: (u32, u32), path: &mut CellPath) -> bool {
-    let (dx, dy) = (goal.0.abs_diff(start.0), goal.1.abs_diff(start.1));
-    let (mut x, mut y) = start;
-    let diagonal = direction(start, goal);
-    for _ in 0..dx.min(dy) {
-        match diagonal_step(map, x, y, diagonal) {
-            Some(next) => (x, y) = next,
-            None => return false,
-        }
+/// A* without costs.
+fn without_jumps(
+    search: &mut Search,
+    query: &PlanQuery<'_>,
+    (start, goal): (Cell, Cell),
+    budget: &mut dyn FnMut(Expansions) -> Control,
+    path: &mut CellPath,
+) -> Found {
+    let task = Task {
+        map: query.map,
+        start,
+        goal,
+        unknown: query.unknown,
+        corner_rule: query.corner_rule,
+    };
+    let found = search.run(&task, budget, &mut path.stats);
+    if found == Found::Path {
+        search.trace(&task, &mut path.cells);
     }
-    let turn = (x, y);
-    while (x, y) != goal {
-        // Towards the goal: what is found is the goal or something before it.
-        match map.jump(x, y, direction((x, y), goal), goal) {
-            Some(next) => (x, y) = next,
-            None => return false,
-        }
-    }
-    path.stats.expanded += 1;
-    path.stats.generated += 1;
-    path.stats.peak_open = path.stats.peak_open.max(1);
-    for at in [start, turn, goal] {
-        push_cell(&mut path.cells, at);
-    }
-    true
-}
-
-/// The step that leads from one position towards the other: diagonal when neither coordinate is
-/// the same.
-fn direction(from: (u32, u32), to: (u32, u32)) -> u32 {
-    match (to.0.cmp(&from.0), to.1.cmp(&from.1)) {
-        (core::cmp::Ordering::Greater, core::cmp::Ordering::Equal) => 0,
-        (core::cmp::Ordering::Greater, core::cmp::Ordering::Greater) => 1,
-        (core::cmp::Ordering::Equal, core::cmp::Ordering::Greater) => 2,
-        (core::cmp::Ordering::Less, core::cmp::Ordering::Greater) => 3,
-        (core::cmp::Ordering::Less, core::cmp::Ordering::Equal) => 4,
-        (core::cmp::Ordering::Less, core::cmp::Ordering::Less) => 5,
-        (core::cmp::Ordering::Greater, core::cmp::Ordering::Less) => 7,
-        (core::cmp::Ordering::Equal, _) => 6,
-    }
-}
-
-#[inline]
-const fn beside(x: u32, y: u32, step: u32) -> (u32, u32) {
-    let (dx, dy) = STEPS[(step & 7) as usize];
-    (x.wrapping_add_signed(dx), y.wrapping_add_signed(dy))
-}
-
-#[inline]
-fn diagonal_step(map: &JumpMap, x: u32, y: u32, step: u32) -> Option<(u32, u32)> {
-    let (to_x, to_y) = beside(x, y, step);
-    let free = !map.is_blocked(to_x, y) && !map.is_blocked(x, to_y) && !map.is_blocked(to_x, to_y);
-    free.then_some((to_x, to_y))
-}
-
-/// Memory of the search, reused from call to call.
-#[derive(Debug, Default)]
-struct Jumps {
-    nodes: Vec<Node>,
-    generation: u32,
-    open: BinaryHeap<Reverse<u64>>,
-    turns: Vec<Spot>,
-}
-
-impl Jumps {
-    fn run(
-        &mut self,
-        map: &JumpMap,
-        start: (u32, u32),
-        goal: (u32, u32),
-        budget: &mut dyn FnMut(Expansions) -> Control,
-        may_reach: &mut dyn FnMut(u64) -> bool,
-        path: &mut CellPath,
-    ) -> Found {
-        let rows = map.bits().rows();
-        let n_nodes = (rows.length() + 2) * (rows.count() + 2);
-        if self.nodes.len() != n_nodes || self.generation == GENERATION_MAX {
-            // Fresh zeroed pages: only those that the search comes to are ever touched.
-            self.nodes = vec![Node::default(); n_nodes];
-            self.generation = 0;
-        }
-        self.generation += 1;
-        self.open.clear();
-        #[allow(
-            clippy::cast_possible_truncation,
-            reason = "positions lie within a side of the map"
-        )]
-        let width = (rows.length() + 2) as u32;
-        let mut run = Run {
-            map,
-            nodes: &mut self.nodes,
-            open: &mut self.open,
-            generation: self.generation,
-            width,
-            goal,
-            generated: 0,
-            evaluated: 0,
-            overflow: false,
-        };
-        let found = run.search(start, budget, may_reach, &mut path.stats);
-        path.stats.generated += run.generated;
-        path.stats.evaluated += run.evaluated;
-        if found == Found::Path {
-            self.trace(width, start, goal, path);
-        }
-        found
-    }
-
-    /// Appends the ways from jump to jump: diagonal first, then straight.
-    fn trace(&mut self, width: u32, start: (u32, u32), goal: (u32, u32), path: &mut CellPath) {
-        let first = goal.1 * width + goal.0;
-        let last = start.1 * width + start.0;
-        self.turns.clear();
-        let mut spot = first;
-        self.turns.push(spot);
-        while spot != last && self.turns.len() <= self.nodes.len() {
-            spot = self.nodes[spot as usize].parent;
-            self.turns.push(spot);
-        }
-        for n in (0..self.turns.len()).rev() {
-            let at = (self.turns[n] % width, self.turns[n] / width);
-            if let (Some(from), Some(before)) = (path.cells.last(), self.turns.get(n + 1)) {
-                let from = padded(*from);
-                let before = (before % width, before / width);
-                if from == before {
-                    let short = at.0.abs_diff(from.0).min(at.1.abs_diff(from.1));
-                    let toward = |from: u32, to: u32| match to.cmp(&from) {
-                        core::cmp::Ordering::Greater => from + short,
-                        core::cmp::Ordering::Less => from - short,
-                        core::cmp::Ordering::Equal => from,
-                    };
-                    push_cell(
-                        &mut path.cells,
-                        (toward(from.0, at.0), toward(from.1, at.1)),
-                    );
-                }
-            }
-            push_cell(&mut path.cells, at);
-        }
-    }
-}
-
-/// A search under way.
-struct Run<'a> {
-    map: &'a JumpMap,
-    nodes: &'a mut [Node],
-    open: &'a mut BinaryHeap<Reverse<u64>>,
-    generation: u32,
-    width: u32,
-    goal: (u32, u32),
-    generated: u64,
-    /// Jumps and diagonal steps.
-    evaluated: u64,
-    overflow: bool,
-}
-
-impl Run<'_> {
-    fn search(
-        &mut self,
-        start: (u32, u32),
-        budget: &mut dyn FnMut(Expansions) -> Control,
-        may_reach: &mut dyn FnMut(u64) -> bool,
-        stats: &mut PlanStats,
-    ) -> Found {
-        let origin = start.1 * self.width + start.0;
-        self.nodes[origin as usize] = Node {
-            so_far: 0,
-            parent: origin,
-            // All directions done: no way leads back to the start.
-            meta: self.generation << 8 | 0xf0,
-        };
-        stats.expanded += 1;
-        let goal = self.goal.1 * self.width + self.goal.0;
-        if origin == goal {
-            return Found::Path;
-        }
-        for step in [0, 2, 4, 6] {
-            self.straight(start, 0, origin, step);
-            self.diagonal(start, 0, origin, step + 1);
-        }
-        while let Some(Reverse(item)) = self.open.pop() {
-            stats.peak_open = stats.peak_open.max(self.open.len() as u64 + 1);
-            #[allow(
-                clippy::cast_possible_truncation,
-                reason = "the low half is the spot, as pushed"
-            )]
-            let spot = item as u32;
-            let node = &mut self.nodes[spot as usize];
-            let directions = node.meta & 0xf;
-            if directions == 0 {
-                // A dearer way to a cell that has been expanded since.
-                continue;
-            }
-            if spot == goal {
-                stats.expanded += 1;
-                return Found::Path;
-            }
-            node.meta = node.meta & !0xf | directions << 4;
-            let so_far = node.so_far;
-            stats.expanded += 1;
-            if stats.expanded.is_multiple_of(BUDGET_EVERY)
-                && budget(Expansions(stats.expanded)) == Control::Stop
-            {
-                return Found::Stopped;
-            }
-            if !may_reach(stats.expanded) {
-                return Found::Nothing;
-            }
-            let at = (spot % self.width, spot / self.width);
-            let mut left = directions;
-            while left != 0 {
-                let step = left.trailing_zeros() * 2;
-                left &= left - 1;
-                self.expand(at, so_far, spot, step);
-            }
-        }
-        if self.overflow {
-            Found::Stopped
-        } else {
-            Found::Nothing
-        }
-    }
-
-    /// The successors of a cell that was entered by the straight `step`: on, and where an
-    /// obstacle ends beside it also to that side.
-    #[inline]
-    fn expand(&mut self, at: (u32, u32), so_far: u32, spot: Spot, step: u32) {
-        self.straight(at, so_far, spot, step);
-        for (side, behind, ahead) in [
-            (step + 2, step + 3, step + 1),
-            (step + 6, step + 5, step + 7),
-        ] {
-            let (behind_x, behind_y) = beside(at.0, at.1, behind);
-            let (side_x, side_y) = beside(at.0, at.1, side);
-            if self.map.is_blocked(behind_x, behind_y) && !self.map.is_blocked(side_x, side_y) {
-                self.straight(at, so_far, spot, side & 7);
-                self.diagonal(at, so_far, spot, ahead & 7);
-            }
-        }
-    }
-
-    #[inline]
-    fn straight(&mut self, at: (u32, u32), so_far: u32, parent: Spot, step: u32) {
-        self.evaluated += 1;
-        if let Some(to) = self.map.jump(at.0, at.1, step, self.goal) {
-            let cells = to.0.abs_diff(at.0) + to.1.abs_diff(at.1);
-            self.offer(to, so_far, cells * STRAIGHT, parent, step);
-        }
-    }
-
-    /// Walks diagonally and offers what straight jumps from there find.
-    #[inline]
-    fn diagonal(&mut self, at: (u32, u32), so_far: u32, parent: Spot, step: u32) {
-        let (mut x, mut y) = at;
-        let mut way = 0;
-        let (one, other) = (step - 1, (step + 1) & 7);
-        while let Some(next) = diagonal_step(self.map, x, y, step) {
-            (x, y) = next;
-            way += DIAGONAL;
-            self.evaluated += 1;
-            if next == self.goal {
-                self.offer(next, so_far, way, parent, one);
-                return;
-            }
-            for step in [one, other] {
-                if let Some(to) = self.map.jump(x, y, step, self.goal) {
-                    let cells = to.0.abs_diff(x) + to.1.abs_diff(y);
-                    self.offer(to, so_far, way + cells * STRAIGHT, parent, step);
-                }
-            }
-        }
-    }
-
-    #[inline]
-    fn offer(&mut self, to: (u32, u32), so_far: u32, way: u32, parent: Spot, step: u32) {
-        let so_far = so_far.saturating_add(way);
-        if so_far > COST_SO_FAR_MAX {
-            self.overflow = true;
-            return;
-        }
-        let spot = to.1 * self.width + to.0;
-        let direction = 1 << (step / 2);
-        let node = &mut self.nodes[spot as usize];
-        let known = node.meta >> 8 == self.generation;
-        if known && so_far > node.so_far {
-            return;
-        }
-        if known && so_far == node.so_far {
-            // As short, but it leads on elsewhere.
-            let meta = node.meta;
-            if (meta | meta >> 4) & direction != 0 {
-                return;
-            }
-            node.meta |= direction;
-            if meta & 0xf != 0 {
-                return;
-            }
-        } else {
-            *node = Node {
-                so_far,
-                parent,
-                meta: self.generation << 8 | direction,
-            };
-        }
-        self.generated += 1;
-        let key = so_far + octile(to.0.abs_diff(self.goal.0), to.1.abs_diff(self.goal.1));
-        self.open
-            .push(Reverse(u64::from(key) << 32 | u64::from(spot)));
-    }
+    found
 }

@@ -5,6 +5,7 @@
 //! Grastien ("Improving Jump Point Search", ICAPS 2014) take three lines.
 
 use crate::bits::{BitMap, Lines};
+use crate::ground::FreeCells;
 use crate::planner::Unknown;
 use zeronav_msgs::{CellRect, MapView};
 
@@ -57,26 +58,27 @@ pub(crate) struct JumpMap {
     columns: Lines,
     along_rows: Scans,
     along_columns: Scans,
+    /// Share of the cells with a forced neighbour when the whole map was last read.
+    forced_share: f64,
 }
 
-impl JumpMap {
-    pub(crate) const fn bits(&self) -> &BitMap {
+impl FreeCells for JumpMap {
+    fn bits(&self) -> &BitMap {
         &self.bits
     }
 
     /// Becomes that of `map`, see [`BitMap::follow`].
-    pub(crate) fn follow(&mut self, map: &MapView<'_>, unknown: Unknown) -> bool {
-        let anew = self.bits.follow(map, unknown);
-        if anew {
+    fn follow(&mut self, map: &MapView<'_>, unknown: Unknown) {
+        if self.bits.follow(map, unknown) {
             self.columns.become_columns_of(self.bits.rows());
             self.along_rows.reset(self.bits.rows());
             self.along_columns.reset(&self.columns);
+            self.forced_share = self.count_forced();
         }
-        anew
     }
 
     /// Takes in what changed, see [`BitMap::change`].
-    pub(crate) fn change(&mut self, map: &MapView<'_>, changed: &[CellRect]) {
+    fn change(&mut self, map: &MapView<'_>, changed: &[CellRect]) {
         for rect in changed {
             let mut flipped: Option<[usize; 4]> = None;
             let columns = &mut self.columns;
@@ -108,6 +110,16 @@ impl JumpMap {
         }
     }
 
+    fn bytes(&self) -> usize {
+        let scans = |scans: &Scans| (scans.up.capacity() + scans.down.capacity()) * 8;
+        self.bits.bytes()
+            + self.columns.bytes()
+            + scans(&self.along_rows)
+            + scans(&self.along_columns)
+    }
+}
+
+impl JumpMap {
     #[inline]
     pub(crate) fn is_blocked(&self, x: u32, y: u32) -> bool {
         self.bits.rows().is_blocked(y as usize, x as usize)
@@ -137,17 +149,14 @@ impl JumpMap {
         }
     }
 
-    pub(crate) fn bytes(&self) -> usize {
-        let scans = |scans: &Scans| (scans.up.capacity() + scans.down.capacity()) * 8;
-        self.bits.bytes()
-            + self.columns.bytes()
-            + scans(&self.along_rows)
-            + scans(&self.along_columns)
+    /// Share of the cells at which a scan along the rows is stopped by a forced neighbour, which
+    /// makes jumps short; as of the last time the whole map was read: local changes do not turn
+    /// halls into clutter.
+    pub(crate) const fn forced_share(&self) -> f64 {
+        self.forced_share
     }
 
-    /// Share of the cells at which a scan along the rows is stopped by a forced neighbour: what
-    /// makes jumps short.
-    pub(crate) fn forced_share(&self) -> f64 {
+    fn count_forced(&self) -> f64 {
         let blocked = self.bits.rows().words();
         let stops = &self.along_rows.up;
         let forced: u32 = blocked

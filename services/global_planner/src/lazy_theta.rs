@@ -5,9 +5,12 @@
 //! looked at only when the cell is taken from the open list. Not always the shortest of all ways,
 //! but rarely more than a percent longer.
 
+use crate::bits::Lines;
 use crate::ground::Ground;
+use crate::limits::Limits;
 use crate::map_options::MapOptions;
 use crate::moves::STEPS;
+use crate::node_pool::NodePool;
 use crate::padded::{padded, push_cell};
 use crate::planner::{
     CellPath, Control, CornerRule, Expansions, GlobalPlanner, PlanError, PlanQuery, PlanStats,
@@ -16,7 +19,7 @@ use crate::search::Found;
 use crate::sight::sees;
 use core::cmp::Reverse;
 use std::collections::BinaryHeap;
-use zeronav_msgs::{Cell, CellRect, MapView};
+use zeronav_msgs::{CellRect, MapView};
 
 /// Expansions between two looks at the budget; lines of sight can be long.
 const BUDGET_EVERY: u64 = 1024;
@@ -35,14 +38,20 @@ struct Node {
     meta: u32,
 }
 
-const GENERATION_MAX: u32 = (1 << 31) - 1;
+/// Bits of the generation in [`Node::meta`].
+const GENERATION_BITS: u32 = 31;
 
 /// See the module's description.
 #[derive(Debug)]
 pub struct LazyTheta {
     ground: Ground,
-    nodes: Vec<Node>,
-    generation: u32,
+    search: Search,
+}
+
+/// Memory of the search, reused from call to call.
+#[derive(Debug, Default)]
+struct Search {
+    pool: NodePool<Node>,
     open: BinaryHeap<Reverse<u64>>,
     corners: Vec<u32>,
 }
@@ -53,125 +62,59 @@ impl LazyTheta {
     pub fn new(options: MapOptions) -> Self {
         Self {
             ground: Ground::new(options),
-            nodes: Vec::new(),
-            generation: 0,
-            open: BinaryHeap::new(),
-            corners: Vec::new(),
+            search: Search::default(),
         }
     }
+}
 
-    fn search(
+/// A running search.
+struct Run<'a> {
+    rows: &'a Lines,
+    rule: CornerRule,
+    goal: (u32, u32),
+    nodes: &'a mut [Node],
+    generation: u32,
+    open: &'a mut BinaryHeap<Reverse<u64>>,
+    width: usize,
+}
+
+impl Search {
+    fn run(
         &mut self,
-        (start, goal): (Cell, Cell),
+        rows: &Lines,
         rule: CornerRule,
-        budget: &mut dyn FnMut(Expansions) -> Control,
-        stats: &mut PlanStats,
+        (start, goal): ((u32, u32), (u32, u32)),
+        limits: &mut Limits<'_>,
+        path: &mut CellPath,
     ) -> Found {
-        let rows = self.ground.bits.rows();
         let width = rows.length() + 2;
-        let n_nodes = width * (rows.count() + 2);
-        if self.nodes.len() != n_nodes || self.generation == GENERATION_MAX {
-            self.nodes = vec![Node::default(); n_nodes];
-            self.generation = 0;
-        }
-        self.generation += 1;
+        self.pool.begin(width * (rows.count() + 2), GENERATION_BITS);
         self.open.clear();
-        let (from, to) = (padded(start), padded(goal));
-        let index = |(x, y): (u32, u32)| y as usize * width + x as usize;
-        let left = |at: (u32, u32)| apart(at, to);
-        self.nodes[index(from)] = Node {
-            so_far: 0.0,
-            parent: pack(from),
-            meta: self.generation << 1,
+        let mut run = Run {
+            rows,
+            rule,
+            goal,
+            nodes: &mut self.pool.nodes,
+            generation: self.pool.generation,
+            open: &mut self.open,
+            width,
         };
-        self.open.push(item(left(from), from));
-        stats.generated += 1;
-        while let Some(Reverse(next)) = self.open.pop() {
-            stats.peak_open = stats.peak_open.max(self.open.len() as u64 + 1);
-            #[allow(
-                clippy::cast_possible_truncation,
-                reason = "the low half is the position, as pushed"
-            )]
-            let at = unpack(next as u32);
-            let node = self.nodes[index(at)];
-            if node.meta & 1 != 0 {
-                continue;
-            }
-            self.nodes[index(at)].meta |= 1;
-            let mut node = node;
-            let blocked = |x: u32, y: u32| rows.is_blocked(y as usize, x as usize);
-            let legal = |x: u32, y: u32, dx: i32, dy: i32| {
-                let (to_x, to_y) = (x.wrapping_add_signed(dx), y.wrapping_add_signed(dy));
-                let free = !blocked(to_x, to_y)
-                    && (dx == 0 || dy == 0 || rule.permits(blocked(to_x, y), blocked(x, to_y)));
-                free.then_some((to_x, to_y))
-            };
-            if !sees(rows, rule, unpack(node.parent), at) {
-                // The line was taken for free and is not: the best closed neighbour leads here.
-                node.so_far = f32::INFINITY;
-                for (dx, dy) in STEPS {
-                    if let Some(beside) = legal(at.0, at.1, dx, dy) {
-                        let other = self.nodes[index(beside)];
-                        let closed = other.meta == self.generation << 1 | 1;
-                        let so_far = other.so_far + apart(beside, at);
-                        if closed && so_far < node.so_far {
-                            node.so_far = so_far;
-                            node.parent = pack(beside);
-                        }
-                    }
-                }
-                let slot = &mut self.nodes[index(at)];
-                (slot.so_far, slot.parent) = (node.so_far, node.parent);
-            }
-            stats.expanded += 1;
-            if at == to {
-                return Found::Path;
-            }
-            if stats.expanded.is_multiple_of(BUDGET_EVERY)
-                && budget(Expansions(stats.expanded)) == Control::Stop
-            {
-                return Found::Stopped;
-            }
-            if !self
-                .ground
-                .reach
-                .may(&self.ground.bits, rule, (start, goal), stats.expanded)
-            {
-                return Found::Nothing;
-            }
-            let parent = unpack(node.parent);
-            let parent_so_far = self.nodes[index(parent)].so_far;
-            for (dx, dy) in STEPS {
-                let Some(beside) = legal(at.0, at.1, dx, dy) else {
-                    continue;
-                };
-                stats.evaluated += 1;
-                let so_far = parent_so_far + apart(parent, beside);
-                let other = &mut self.nodes[index(beside)];
-                let known = other.meta >> 1 == self.generation;
-                if known && (other.meta & 1 != 0 || so_far >= other.so_far) {
-                    continue;
-                }
-                *other = Node {
-                    so_far,
-                    parent: node.parent,
-                    meta: self.generation << 1,
-                };
-                stats.generated += 1;
-                self.open.push(item(so_far + left(beside), beside));
-            }
+        let found = run.search(start, limits, &mut path.stats);
+        if found == Found::Path {
+            self.trace(width, goal, path);
         }
-        Found::Nothing
+        found
     }
 
-    fn trace(&mut self, goal: Cell, path: &mut CellPath) {
-        let width = self.ground.bits.rows().length() + 2;
+    /// Appends the corners of the path.
+    fn trace(&mut self, width: usize, goal: (u32, u32), path: &mut CellPath) {
+        let nodes = &self.pool.nodes;
         self.corners.clear();
-        let mut at = pack(padded(goal));
-        for _ in 0..self.nodes.len() {
+        let mut at = pack(goal);
+        for _ in 0..nodes.len() {
             self.corners.push(at);
             let (x, y) = unpack(at);
-            let parent = self.nodes[y as usize * width + x as usize].parent;
+            let parent = nodes[y as usize * width + x as usize].parent;
             if parent == at {
                 break;
             }
@@ -183,6 +126,111 @@ impl LazyTheta {
     }
 }
 
+impl Run<'_> {
+    fn search(
+        &mut self,
+        start: (u32, u32),
+        limits: &mut Limits<'_>,
+        stats: &mut PlanStats,
+    ) -> Found {
+        let first = self.index(start);
+        self.nodes[first] = Node {
+            so_far: 0.0,
+            parent: pack(start),
+            meta: self.generation << 1,
+        };
+        self.open.push(item(apart(start, self.goal), start));
+        stats.generated += 1;
+        while let Some(Reverse(next)) = self.open.pop() {
+            stats.peak_open = stats.peak_open.max(self.open.len() as u64 + 1);
+            #[allow(
+                clippy::cast_possible_truncation,
+                reason = "the low half is the position, as pushed"
+            )]
+            let at = unpack(next as u32);
+            let index = self.index(at);
+            if self.nodes[index].meta & 1 != 0 {
+                continue;
+            }
+            self.nodes[index].meta |= 1;
+            let parent = unpack(self.nodes[index].parent);
+            if !sees(self.rows, self.rule, parent, at) {
+                self.choose_parent_beside(at);
+            }
+            stats.expanded += 1;
+            if at == self.goal {
+                return Found::Path;
+            }
+            if let Some(found) = limits.ended::<BUDGET_EVERY>(stats.expanded) {
+                return found;
+            }
+            self.expand(at, stats);
+        }
+        Found::Nothing
+    }
+
+    /// The line of sight that was assumed does not exist: the best closed neighbour leads here.
+    fn choose_parent_beside(&mut self, at: (u32, u32)) {
+        let (mut so_far, mut parent) = (f32::INFINITY, self.nodes[self.index(at)].parent);
+        for step in STEPS {
+            let Some(beside) = self.legal(at, step) else {
+                continue;
+            };
+            let other = self.nodes[self.index(beside)];
+            let closed = other.meta == self.generation << 1 | 1;
+            let over_it = other.so_far + apart(beside, at);
+            if closed && over_it < so_far {
+                (so_far, parent) = (over_it, pack(beside));
+            }
+        }
+        let index = self.index(at);
+        let node = &mut self.nodes[index];
+        (node.so_far, node.parent) = (so_far, parent);
+    }
+
+    /// Offers the parent of a cell to its neighbours.
+    fn expand(&mut self, at: (u32, u32), stats: &mut PlanStats) {
+        let parent = unpack(self.nodes[self.index(at)].parent);
+        let parent_so_far = self.nodes[self.index(parent)].so_far;
+        for step in STEPS {
+            let Some(beside) = self.legal(at, step) else {
+                continue;
+            };
+            stats.evaluated += 1;
+            let so_far = parent_so_far + apart(parent, beside);
+            let index = self.index(beside);
+            let node = &mut self.nodes[index];
+            let known = node.meta >> 1 == self.generation;
+            if known && (node.meta & 1 != 0 || so_far >= node.so_far) {
+                continue;
+            }
+            *node = Node {
+                so_far,
+                parent: pack(parent),
+                meta: self.generation << 1,
+            };
+            stats.generated += 1;
+            let key = so_far + apart(beside, self.goal);
+            self.open.push(item(key, beside));
+        }
+    }
+
+    /// The neighbour that a step leads to, if the step is legal.
+    #[inline]
+    fn legal(&self, (x, y): (u32, u32), (dx, dy): (i32, i32)) -> Option<(u32, u32)> {
+        let blocked = |x: u32, y: u32| self.rows.is_blocked(y as usize, x as usize);
+        let (to_x, to_y) = (x.wrapping_add_signed(dx), y.wrapping_add_signed(dy));
+        let free = !blocked(to_x, to_y)
+            && (dx == 0 || dy == 0 || self.rule.permits(blocked(to_x, y), blocked(x, to_y)));
+        free.then_some((to_x, to_y))
+    }
+
+    #[inline]
+    const fn index(&self, (x, y): (u32, u32)) -> usize {
+        y as usize * self.width + x as usize
+    }
+}
+
 impl GlobalPlanner for LazyTheta {
     fn plan(
         &mut self,
@@ -190,25 +238,21 @@ impl GlobalPlanner for LazyTheta {
         budget: &mut dyn FnMut(Expansions) -> Control,
         path: &mut CellPath,
     ) -> Result<PlanStats, PlanError> {
-        path.clear();
-        let ends = self.ground.ends(query)?;
-        let start = self.ground.start(query.corner_rule, &ends);
-        let ways = (start, ends.goal);
-        let found = if self.ground.may(query.corner_rule, ways, 0) {
-            self.search(ways, query.corner_rule, budget, &mut path.stats)
-        } else {
-            Found::Nothing
-        };
-        match found {
-            Found::Path => {
-                self.ground.lead(&mut path.cells);
-                self.trace(ends.goal, path);
-                path.stats.cost = path.length_cells() * query.map.geometry.resolution_m;
-                Ok(path.stats)
-            }
-            Found::Stopped => Err(PlanError::OutOfBudget),
-            Found::Nothing => Err(self.ground.no_way(query.corner_rule, &ends)),
-        }
+        let ends = self.ground.open(query, path)?;
+        let rule = query.corner_rule;
+        self.ground
+            .answer(query, &ends, path, |ground, between, path| {
+                let (bits, mut may_reach) = ground.parts(rule, between);
+                let mut limits = Limits {
+                    budget,
+                    may_reach: &mut may_reach,
+                };
+                let between = (padded(between.0), padded(between.1));
+                self.search
+                    .run(bits.rows(), rule, between, &mut limits, path)
+            })?;
+        path.stats.cost = path.length_cells() * query.map.geometry.resolution_m;
+        Ok(path.stats)
     }
 
     fn map_changed(&mut self, map: &MapView<'_>, changed: &[CellRect]) {

@@ -11,7 +11,7 @@ use crate::goal_field::{GoalField, Guide};
 use crate::ground::Ground;
 use crate::map_options::MapOptions;
 use crate::planner::{
-    CellPath, Control, CornerRule, Expansions, GlobalPlanner, PlanError, PlanQuery, PlanStats,
+    CellPath, Control, Expansions, GlobalPlanner, PlanError, PlanQuery, PlanStats,
 };
 use crate::search::Found;
 use zeronav_msgs::{Cell, CellRect, MapView};
@@ -68,58 +68,36 @@ impl Mpgaa {
         budget: &mut dyn FnMut(Expansions) -> Control,
         path: &mut CellPath,
     ) -> Result<PlanStats, PlanError> {
-        path.clear();
-        let ends = self.ground.ends(query)?;
-        self.field
-            .follow(&query.map, query.unknown, query.corner_rule);
+        let ends = self.ground.open(query, path)?;
+        let rule = query.corner_rule;
+        self.field.follow(&query.map, query.unknown, rule);
         self.goal = Some(ends.goal);
-        if most.is_some_and(|most| most == 0 || !self.field.is_whole_for(ends.goal)) {
+        let whole = self.field.is_whole_for(ends.goal);
+        if most.is_some_and(|most| most == 0 || !whole) {
             return Err(PlanError::OutOfBudget);
         }
-        let start = self.ground.start(query.corner_rule, &ends);
+        let guide = if whole { Guide::Field } else { Guide::Octile };
         let most = most.unwrap_or(u64::MAX);
-        let rule = query.corner_rule;
-        match self.search((start, ends.goal), rule, most, budget, &mut path.stats) {
-            Found::Path => {}
-            Found::Stopped => return Err(PlanError::OutOfBudget),
-            Found::Nothing => {
-                return Err(self.ground.no_way(query.corner_rule, &ends));
-            }
-        }
-        self.ground.lead(&mut path.cells);
-        self.field.trace(ends.goal, &mut path.cells);
+        self.ground
+            .answer(query, &ends, path, |ground, between, path| {
+                let mut no_way = false;
+                let mut watched = |expansions: Expansions| {
+                    no_way = !ground.may(rule, between, expansions.0);
+                    if no_way {
+                        Control::Stop
+                    } else {
+                        budget(expansions)
+                    }
+                };
+                let stats = &mut path.stats;
+                let found = self.field.search(between, guide, most, &mut watched, stats);
+                if found == Found::Path {
+                    self.field.trace(ends.goal, &mut path.cells);
+                }
+                if no_way { Found::Nothing } else { found }
+            })?;
         path.stats.cost = cost_m(query, self.cost_weight, path);
         Ok(path.stats)
-    }
-
-    fn search(
-        &mut self,
-        ends: (Cell, Cell),
-        rule: CornerRule,
-        most: u64,
-        budget: &mut dyn FnMut(Expansions) -> Control,
-        stats: &mut PlanStats,
-    ) -> Found {
-        let ground = &mut self.ground;
-        if !ground.may(rule, ends, 0) {
-            return Found::Nothing;
-        }
-        let mut no_way = false;
-        let mut watched = |expansions: Expansions| {
-            no_way = !ground.may(rule, ends, expansions.0);
-            if no_way {
-                Control::Stop
-            } else {
-                budget(expansions)
-            }
-        };
-        let guide = if self.field.is_whole_for(ends.1) {
-            Guide::Field
-        } else {
-            Guide::Octile
-        };
-        let found = self.field.search(ends, guide, most, &mut watched, stats);
-        if no_way { Found::Nothing } else { found }
     }
 }
 

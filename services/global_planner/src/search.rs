@@ -6,6 +6,7 @@
 
 use crate::bucket_queue::BucketQueue;
 use crate::moves::{DIAGONAL, STEPS, STRAIGHT, octile, price};
+use crate::node_pool::NodePool;
 use crate::planner::{Control, CornerRule, Expansions, PlanStats, Unknown};
 use zeronav_msgs::map::COST_UNKNOWN;
 use zeronav_msgs::{Cell, MapCell, MapView};
@@ -36,7 +37,6 @@ const STEP_MASK: u32 = 0b1_1110;
 const NO_STEP: u32 = 8;
 const PRICE_SHIFT: u32 = 5;
 const GENERATION_SHIFT: u32 = 13;
-const GENERATION_MAX: u32 = (1 << (32 - GENERATION_SHIFT)) - 1;
 
 impl Node {
     #[inline]
@@ -73,8 +73,7 @@ pub(crate) struct Task<'a> {
 /// Memory of the search, reused from call to call.
 #[derive(Debug)]
 pub(crate) struct Search {
-    nodes: Vec<Node>,
-    generation: u32,
+    pool: NodePool<Node>,
     open: BucketQueue,
     /// Integer cost of entering a cell of each cost, straight and diagonal.
     steps: [[u32; 256]; 2],
@@ -97,8 +96,7 @@ impl Search {
         // A key exceeds that of the node it came from by the step and what the heuristic rises.
         let span = steps[1].iter().max().copied().unwrap_or(DIAGONAL) + DIAGONAL;
         Self {
-            nodes: Vec::new(),
-            generation: 0,
+            pool: NodePool::default(),
             open: BucketQueue::default(),
             steps,
             span,
@@ -114,7 +112,7 @@ impl Search {
     ) -> Found {
         let n_cells = task.map.cells.len();
         assert_eq!(n_cells, task.map.geometry.len(), "map and geometry differ");
-        self.begin(n_cells);
+        self.pool.begin(n_cells, 32 - GENERATION_SHIFT);
         let mut run = Run::new(self, task);
         let found = run.search(budget, stats);
         stats.generated += run.generated;
@@ -127,12 +125,12 @@ impl Search {
         let first = cells.len();
         let mut cell = task.goal;
         // Every cell is closed once, so the way back is no longer than the map is large.
-        for _ in 0..self.nodes.len() {
+        for _ in 0..self.pool.nodes.len() {
             cells.push(cell);
             let Some(index) = task.map.geometry.index_of(cell) else {
                 break;
             };
-            let step = (self.nodes[index].meta & STEP_MASK) >> STEP_SHIFT;
+            let step = (self.pool.nodes[index].meta & STEP_MASK) >> STEP_SHIFT;
             let Some((dx, dy)) = STEPS.get(step as usize) else {
                 break;
             };
@@ -143,18 +141,9 @@ impl Search {
 
     /// True when the last search closed the cell at `index`.
     pub(crate) fn has_closed(&self, index: usize) -> bool {
-        self.nodes.get(index).is_some_and(|node| {
-            node.meta >> GENERATION_SHIFT == self.generation && node.meta & CLOSED != 0
+        self.pool.nodes.get(index).is_some_and(|node| {
+            node.meta >> GENERATION_SHIFT == self.pool.generation && node.meta & CLOSED != 0
         })
-    }
-
-    fn begin(&mut self, n_cells: usize) {
-        if self.nodes.len() != n_cells || self.generation == GENERATION_MAX {
-            self.nodes.clear();
-            self.nodes.resize(n_cells, Node::default());
-            self.generation = 0;
-        }
-        self.generation += 1;
     }
 }
 
@@ -182,11 +171,11 @@ impl<'a> Run<'a> {
         let key = octile(start.0.abs_diff(goal.0), start.1.abs_diff(goal.1));
         search.open.reset(key, search.span);
         let run = Self {
-            nodes: &mut search.nodes,
+            nodes: &mut search.pool.nodes,
             open: &mut search.open,
             steps: &search.steps,
             cells: task.map.cells,
-            generation: search.generation,
+            generation: search.pool.generation,
             unknown: task.unknown,
             corner_rule: task.corner_rule,
             width: geometry.width,
