@@ -1,12 +1,40 @@
-//! The global planner: ways over the whole map, and the decision when to look for another.
+//! The global planner: from a map and a goal to a path, and the decision when to replan.
 //!
-//! A cycle reads like this: [`replan::Replanner::begin`] says whether to search and why,
-//! [`replan::Replanner::search`] asks the planner chosen from [`table::PLANNERS`],
-//! [`replan::Replanner::settle`] holds the result against the newest map before it counts.
 //! Everything here is pure: no clock, no files, no threads, no processes; the same sequence of
-//! calls gives the same paths.
+//! calls gives the same paths. Coordinates are those of the map: metres in the `map` frame, cells
+//! as columns and rows.
 //!
-//! Coordinates are those of the map: metres in the `map` frame, cells as columns and rows.
+//! # From map and goal to path
+//!
+//! A cycle of the process reads from top to bottom:
+//!
+//! | step | file |
+//! |---|---|
+//! | decide whether to search, and why | `replan`: [`Replanner::begin`], ten rules |
+//! | see what the map did since the last search | `change` |
+//! | hold the current path against the map | `corridor` |
+//! | ask the chosen planner | `replan`: [`Replanner::search`]; `table`: a row of [`PLANNERS`] |
+//! | find both ends: out of the inflation, into the tolerance | `ends`, `goal_cell` |
+//! | lead out of the inflation, prove that there is no path | `ground`: `reach` over `regions` |
+//! | search | the planner's own file, below |
+//! | round the path | `smooth` |
+//! | turn cells into waypoints, an error into a status | `plan`, `waypoints` |
+//! | accept the result, or search once more | `replan`: [`Replanner::settle`] |
+//!
+//! # The searches
+//!
+//! What a planner is stands in `planner`: [`GlobalPlanner`], its query, answer, budget and errors.
+//!
+//! - Over cell costs: `astar` (on `search`) from scratch; `mpgaa` (on `goal_field`) keeps the
+//!   cost-to-go from search to search; `anytime` and `any_angle` build on the two.
+//! - Over free cells alone, which `bits` holds 64 to a word: `jps` chooses between `jumps` (on
+//!   `jump_map`) and `canonical`; `lazy_theta` goes by lines of sight (`sight`).
+//! - `policy` chooses between `mpgaa` and `jps` by what the map is like.
+//! - `papers`: the planners of five papers, each a method on `papers::on_map`.
+//!
+//! Shared ground: `moves` (steps, octile distance, price of cost), `node_pool`, `bucket_queue`
+//! (open list), `limits` (budget), `line` (cells under a line). Parameters are declared beside what
+//! they steer and collected in `options` and `config`.
 
 pub mod any_angle;
 pub mod anytime;
