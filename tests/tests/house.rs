@@ -285,8 +285,6 @@ const STILL_LONG: &[&str] = &[
     "services/collision_guard/src/main.rs",
     "services/collision_guard/tests/closed_loop.rs",
     "services/global_planner/examples/replan.rs",
-    "services/global_planner/src/jps.rs",
-    "services/global_planner/src/lazy_theta.rs",
     "services/global_planner/src/smooth.rs",
     "services/local_planner/src/dwa_t/rollout_grid.rs",
     "services/local_planner/src/mppi.rs",
