@@ -4,6 +4,9 @@ use crate::message;
 use crate::message::{COORDINATE_M_MAX, Refusal, ZeroCopySend, ensure, number};
 use nalgebra::Point2;
 
+/// Smallest and largest side of a cell. [m]
+pub const RESOLUTION_M: [f64; 2] = [1.0e-3, 10.0];
+
 /// Largest side of a map. [cells]
 pub const SIDE_CELLS_MAX: u32 = 8192;
 
@@ -141,10 +144,10 @@ impl GridGeometry {
     /// # Errors
     /// The first field that is wrong.
     pub fn check(&self) -> Result<(), Refusal> {
-        let limit = COORDINATE_M_MAX;
+        let (limit, [least_m, most_m]) = (COORDINATE_M_MAX, RESOLUTION_M);
         number(self.origin_x_m, -limit, limit, "origin_x_m")?;
         number(self.origin_y_m, -limit, limit, "origin_y_m")?;
-        number(self.resolution_m, 1.0e-3, 10.0, "resolution_m")?;
+        number(self.resolution_m, least_m, most_m, "resolution_m")?;
         let side = 1..=SIDE_CELLS_MAX;
         ensure(side.contains(&self.width), Refusal::OutOfRange("width"))?;
         ensure(side.contains(&self.height), Refusal::OutOfRange("height"))

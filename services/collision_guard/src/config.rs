@@ -1,127 +1,60 @@
 //! How old the guard's inputs may be, and how near the robot may come.
 
 use crate::sweep::SPACING_M;
-use serde::{Deserialize, Serialize};
+use zeronav_params::{ParameterError, parameters};
 
-/// What a user may set. Numbers of the robot are not here: they come with its description.
-///
-/// Ages are those beyond which an input counts as missing: since a request or odometry came in,
-/// and since a scan was captured, by the guard's own clock; in lockstep all of them in run time.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct GuardConfig {
-    /// [s] of a request. Must exceed two control periods, or one lost request stops the robot.
-    pub request_age_s: f64,
-    /// [s] of a scan. Must exceed the scan period.
-    pub scan_age_s: f64,
-    /// [s] of odometry. Must exceed two control periods.
-    pub odometry_age_s: f64,
-    /// [s] for which a command is obeyed before braking begins, at worst: one control period,
-    /// transport and the drives. 0 to 2.
-    pub reaction_s: f64,
-    /// [m] that stay free around the footprint. At least half the spacing of the looked-at poses
-    /// (0.01), or something could be touched between two of them.
-    pub margin_m: f64,
-    /// [m] beyond the margin within which the robot is slow, 0 = nowhere.
-    pub slow_zone_m: f64,
-    /// [m/s] of the outline's fastest point in the slow zone, > 0.
-    pub slow_mps: f64,
-    /// [m] driven while all ranges stay bitwise the same after which the lidar counts as frozen.
-    /// A lidar without any noise in an endless straight corridor would be mistaken for one.
-    pub frozen_m: f64,
-    /// [rad] turned, likewise.
-    pub frozen_rad: f64,
-}
-
-impl Default for GuardConfig {
-    fn default() -> Self {
-        Self {
-            request_age_s: 0.1,
-            scan_age_s: 0.35,
-            odometry_age_s: 0.1,
-            reaction_s: 0.08,
-            margin_m: 0.01,
-            slow_zone_m: 0.01,
-            slow_mps: 0.5,
-            frozen_m: 0.1,
-            frozen_rad: 0.2,
-        }
+parameters! {
+    /// What a user may set. Parameters of the robot are not here: they come with its description.
+    ///
+    /// Ages are those beyond which an input counts as missing: since a request or odometry arrived,
+    /// and since a scan was captured, by the guard's own clock; in lockstep all of them in run time.
+    #[derive(Copy)]
+    pub struct GuardConfig {
+        /// Age at which a request counts as lost. Must exceed two control periods, or one lost
+        /// request stops the robot.
+        request_age_s: f64 = 0.1, [f64::MIN_POSITIVE, 1.0e3] "s";
+        /// Age at which a scan counts as lost. Must exceed the scan period.
+        scan_age_s: f64 = 0.35, [f64::MIN_POSITIVE, 1.0e3] "s";
+        /// Age at which odometry counts as lost. Must exceed two control periods.
+        odometry_age_s: f64 = 0.1, [f64::MIN_POSITIVE, 1.0e3] "s";
+        /// Longest time for which a command is obeyed before braking begins: one control period,
+        /// transport and the drives.
+        reaction_s: f64 = 0.08, [0.0, 2.0] "s";
+        /// Distance that stays free around the footprint; at least half the distance of the checked
+        /// poses, or something could be touched between two of them.
+        margin_m: f64 = 0.01, [0.5 * SPACING_M, 1.0] "m";
+        /// Distance beyond the margin within which the robot is slow; 0 = nowhere.
+        slow_zone_m: f64 = 0.01, [0.0, 2.0] "m";
+        /// Speed of the outline's fastest point in the slow zone.
+        slow_mps: f64 = 0.5, [0.01, 100.0] "m/s";
+        /// Distance driven while all ranges stay bitwise the same after which the lidar counts as
+        /// frozen. A lidar without any noise in an endless straight corridor would be mistaken for
+        /// one.
+        frozen_m: f64 = 0.1, [0.01, 1.0e3] "m";
+        /// Angle turned while all ranges stay bitwise the same after which the lidar counts as
+        /// frozen.
+        frozen_rad: f64 = 0.2, [0.01, 1.0e3] "rad";
     }
 }
 
-/// Why a [`GuardConfig`] cannot be used.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-pub enum ConfigError {
-    /// An age is not a positive, finite number.
-    #[error("{field} is {value_s} s, it must be a positive number")]
-    NotPositive {
-        /// Name of the field.
-        field: &'static str,
-        /// [s] its value.
-        value_s: f64,
-    },
-    /// An age would run out in normal operation.
-    #[error("{field} is {value_s} s, it must exceed {least_s} s")]
-    TooShort {
-        /// Name of the field.
-        field: &'static str,
-        /// [s] its value.
-        value_s: f64,
-        /// [s] what it must exceed.
-        least_s: f64,
-    },
-    /// A number is outside its range.
-    #[error("{field} is {value}, it must be {least} to {most}")]
-    OutOfRange {
-        /// Name of the field.
-        field: &'static str,
-        /// Its value.
-        value: f64,
-        /// Smallest value accepted.
-        least: f64,
-        /// Largest value accepted.
-        most: f64,
-    },
-}
-
 impl GuardConfig {
-    /// Accepts ages that normal operation does not run into: more than two control periods for
+    /// Accepts ages that normal operation does not exceed: more than two control periods for
     /// requests and odometry, more than one scan period for scans.
     ///
     /// # Errors
-    /// The first field that is wrong.
-    pub fn check(&self, period_s: f64, scan_period_s: f64) -> Result<(), ConfigError> {
-        for (field, value_s, least_s) in [
+    /// The first parameter that is wrong.
+    pub fn check(&self, period_s: f64, scan_period_s: f64) -> Result<(), ParameterError> {
+        zeronav_params::check(self)?;
+        for (path, value_s, least_s) in [
             ("request_age_s", self.request_age_s, 2.0 * period_s),
             ("scan_age_s", self.scan_age_s, scan_period_s),
             ("odometry_age_s", self.odometry_age_s, 2.0 * period_s),
         ] {
-            if !(value_s.is_finite() && value_s > 0.0) {
-                return Err(ConfigError::NotPositive { field, value_s });
-            }
             if value_s <= least_s {
-                return Err(ConfigError::TooShort {
-                    field,
-                    value_s,
-                    least_s,
-                });
-            }
-        }
-        for (field, value, least, most) in [
-            ("reaction_s", self.reaction_s, 0.0, 2.0),
-            ("margin_m", self.margin_m, 0.5 * SPACING_M, 1.0),
-            ("slow_zone_m", self.slow_zone_m, 0.0, 2.0),
-            ("slow_mps", self.slow_mps, 0.01, 100.0),
-            ("frozen_m", self.frozen_m, 0.01, 1.0e3),
-            ("frozen_rad", self.frozen_rad, 0.01, 1.0e3),
-        ] {
-            // Written so that NaN is refused.
-            if !(value >= least && value <= most) {
-                return Err(ConfigError::OutOfRange {
-                    field,
-                    value,
-                    least,
-                    most,
+                return Err(ParameterError {
+                    path: path.to_owned(),
+                    rule: format!("must exceed {least_s} s"),
+                    value: format!("{value_s:?}"),
                 });
             }
         }
@@ -133,49 +66,37 @@ impl GuardConfig {
 mod tests {
     use super::*;
 
+    /// The complaint about the defaults after `change`, with ticks of 20 ms and 10 scans a second.
+    fn complaint(change: impl FnOnce(&mut GuardConfig)) -> String {
+        let mut config = GuardConfig::default();
+        change(&mut config);
+        config
+            .check(0.02, 0.1)
+            .map_or_else(|error| error.to_string(), |()| String::new())
+    }
+
     #[test]
     fn the_defaults_suit_50_hz_and_a_5_hz_lidar() {
         assert_eq!(GuardConfig::default().check(0.02, 0.2), Ok(()));
     }
 
     #[test]
-    fn ages_within_two_periods_are_refused() {
-        let config = GuardConfig {
-            request_age_s: 0.04,
-            ..GuardConfig::default()
-        };
-        assert!(matches!(
-            config.check(0.02, 0.1),
-            Err(ConfigError::TooShort {
-                field: "request_age_s",
-                ..
-            })
-        ));
-        let config = GuardConfig {
-            scan_age_s: f64::NAN,
-            ..GuardConfig::default()
-        };
-        assert!(matches!(
-            config.check(0.02, 0.1),
-            Err(ConfigError::NotPositive {
-                field: "scan_age_s",
-                ..
-            })
-        ));
+    fn ages_within_two_periods_are_rejected() {
+        assert_eq!(
+            complaint(|config| config.request_age_s = 0.04),
+            "request_age_s must exceed 0.04 s, not 0.04"
+        );
+        assert_eq!(
+            complaint(|config| config.scan_age_s = f64::NAN),
+            "scan_age_s must be a number above 0, at most 1000, not NaN"
+        );
     }
 
     #[test]
-    fn margins_that_prove_nothing_are_refused() {
-        let config = GuardConfig {
-            margin_m: 0.009,
-            ..GuardConfig::default()
-        };
-        assert!(matches!(
-            config.check(0.02, 0.1),
-            Err(ConfigError::OutOfRange {
-                field: "margin_m",
-                ..
-            })
-        ));
+    fn margins_that_prove_nothing_are_rejected() {
+        assert_eq!(
+            complaint(|config| config.margin_m = 0.009),
+            "margin_m must be a number from 0.01 to 1, not 0.009"
+        );
     }
 }

@@ -22,6 +22,6 @@ mod swept;
 mod view;
 mod watch;
 
-pub use config::{ConfigError, GuardConfig};
+pub use config::GuardConfig;
 pub use guard::{Guard, GuardInputs, OdometryInput, ScanInput, stop_distance_m};
 pub use limits::Limits;

@@ -1,9 +1,7 @@
 //! The guard as a process: answers every velocity request, and odometry that no request follows.
 
 use std::process::ExitCode;
-use zeronav_collision_guard::{
-    ConfigError, Guard, GuardConfig, GuardInputs, OdometryInput, ScanInput,
-};
+use zeronav_collision_guard::{Guard, GuardConfig, GuardInputs, OdometryInput, ScanInput};
 use zeronav_msgs::command::Intervention;
 use zeronav_msgs::header::Parents;
 use zeronav_msgs::health::{REASON_ODOMETRY, REASON_REQUEST, REASON_SCAN};
@@ -12,6 +10,7 @@ use zeronav_msgs::span::SpanKind;
 use zeronav_msgs::topics::{
     ControlRequest, RobotCommand, RobotDescription, RobotOdometry, RobotScan,
 };
+use zeronav_params::Parameter;
 use zeronav_shell::clock::now_ns;
 use zeronav_shell::doorbell::Rung;
 use zeronav_shell::{Cycle, Latest, Service, Shell, Stamp, StartError, Stream, Track, Writer};
@@ -39,35 +38,17 @@ struct GuardService {
     intervention: Option<Intervention>,
 }
 
-fn unusable(error: &ConfigError) -> StartError {
-    match *error {
-        ConfigError::NotPositive { field, value_s } => {
-            StartError::config(field, format!("must be a positive number, not {value_s:?}"))
-        }
-        ConfigError::TooShort {
-            field,
-            value_s,
-            least_s,
-        } => StartError::config(field, format!("must exceed {least_s} s, not {value_s:?}")),
-        ConfigError::OutOfRange {
-            field,
-            value,
-            least,
-            most,
-        } => StartError::config(
-            field,
-            format!("must be a number from {least} to {most}, not {value:?}"),
-        ),
-    }
-}
-
 impl Service for GuardService {
     const ROLE: Role = Role::CollisionGuard;
     type Config = GuardConfig;
 
+    fn parameters() -> Vec<Parameter> {
+        zeronav_params::describe::<GuardConfig>()
+    }
+
     fn check(config: &GuardConfig) -> Result<(), StartError> {
         // The periods that the ages must exceed come with the run.
-        config.check(0.0, 0.0).map_err(|error| unusable(&error))
+        Ok(config.check(0.0, 0.0)?)
     }
 
     fn open(shell: &mut Shell, config: GuardConfig) -> Result<Self, StartError> {
@@ -159,9 +140,7 @@ impl GuardService {
         }
         let period_s = shell.roster().clock.tick_ns as f64 * 1.0e-9;
         let scan_period_s = description.meta.scan_period_ns as f64 * 1.0e-9;
-        config
-            .check(period_s, scan_period_s)
-            .map_err(|error| unusable(&error))?;
+        config.check(period_s, scan_period_s)?;
         self.config = None;
         tracing::info!(period_s, scan_period_s, "the guard begins");
         Ok(())

@@ -1,152 +1,96 @@
 //! What a user may set.
 
 use crate::clearance::CLEARANCE_CELLS_MAX;
-use crate::error::{MappingError, ensure};
+use crate::error::MappingError;
 use crate::localiser::CorrectionConfig;
 use crate::log_odds::LogOdds;
 use crate::regularise::RegularisationConfig;
 use crate::tracker::TrackingConfig;
 use crate::virtual_obstacles::VirtualConfig;
 use crate::window::WindowConfig;
-use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use zeronav_msgs::GridGeometry;
+use zeronav_msgs::grid::RESOLUTION_M;
+use zeronav_msgs::message::COORDINATE_M_MAX;
+use zeronav_params::{ParameterError, parameters};
 
-/// Configuration of mapping.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct MappingConfig {
-    /// ROS `map_server` YAML of the static map. It brings its own area and resolution.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub static_map: Option<PathBuf>,
-    /// Lower left corner `[x, y]` and upper right corner `[x, y]` of the map. [m] Required without
-    /// a static map, ignored with one.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub area_m: Option<[[f64; 2]; 2]>,
-    /// [m] side of a cell of a map without a static one.
-    pub resolution_m: f64,
-    /// [m] beyond which clearance is not told apart; at most 90 cells, at least the inflation
-    /// radius.
-    pub clearance_limit_m: f64,
-    /// [m] by which cells must be clearer than the inscribed radius to be of use: what the local
-    /// planner keeps around the outline. Without it paths lead into gaps that no controller enters.
-    pub padding_m: f64,
-    /// [m] from an obstacle up to which cells have a cost.
-    pub inflation_radius_m: f64,
-    /// [1/m] how fast cost falls beyond the inscribed radius: `252 exp(-factor (clearance -
-    /// inscribed))`, as in Nav2.
-    pub cost_scaling_factor: f64,
-    /// What scans do to the belief in a cell.
-    pub log_odds: LogOdds,
-    /// [m] up to which a scan marks obstacles.
-    pub obstacle_range_m: f64,
-    /// [m] up to which a scan clears; at least the obstacle range, so that whatever was marked
-    /// can be cleared from where it was seen.
-    pub raytrace_range_m: f64,
-    /// Whether the cells under the robot are free.
-    pub footprint_clearing: bool,
-    /// [s] that a cell stays an obstacle after something that moves was last seen in it, unless a
-    /// beam passes through it before.
-    pub moving_age_s: f64,
-    /// What is taken for a moving obstacle.
-    pub tracking: TrackingConfig,
-    /// How `map_from_odom` is kept right.
-    pub pose_correction: CorrectionConfig,
-    /// Obstacle groups on the way that become rectangles.
-    pub regularisation: RegularisationConfig,
-    /// Free cells that are not to be used.
-    pub virtual_obstacles: VirtualConfig,
-    /// What happens at the edge of the map.
-    pub window: WindowConfig,
-    /// Folder into which the map is written as `map.yaml` and `map.pgm` when the process ends; it
-    /// must exist.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub save_to: Option<PathBuf>,
-}
+/// Largest clearance that a cell of the map can hold. [m]
+const CLEARANCE_M_MAX: f64 = 65.535;
 
-impl Default for MappingConfig {
-    fn default() -> Self {
-        Self {
-            static_map: None,
-            area_m: None,
-            resolution_m: 0.05,
-            clearance_limit_m: 1.0,
-            padding_m: 0.02,
-            inflation_radius_m: 0.6,
-            cost_scaling_factor: 4.0,
-            log_odds: LogOdds::default(),
-            obstacle_range_m: 12.0,
-            raytrace_range_m: 12.5,
-            footprint_clearing: true,
-            moving_age_s: 0.3,
-            tracking: TrackingConfig::default(),
-            pose_correction: CorrectionConfig::default(),
-            regularisation: RegularisationConfig::default(),
-            virtual_obstacles: VirtualConfig::default(),
-            window: WindowConfig::default(),
-            save_to: None,
-        }
+parameters! {
+    /// Configuration of mapping.
+    pub struct MappingConfig {
+        /// ROS `map_server` YAML of the static map. It brings its own area and resolution.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        static_map: Option<PathBuf> = None;
+        /// Lower left corner `[x, y]` and upper right corner `[x, y]` of the map. Required without
+        /// a static map, ignored with one.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        area_m: Option<[[f64; 2]; 2]> = None, [-COORDINATE_M_MAX, COORDINATE_M_MAX] "m";
+        /// Side of a cell of a map without a static one.
+        resolution_m: f64 = 0.05, [RESOLUTION_M[0], RESOLUTION_M[1]] "m";
+        /// Clearance beyond which distances are not distinguished; 1 to 90 cells.
+        clearance_limit_m: f64 = 1.0, [f64::MIN_POSITIVE, CLEARANCE_M_MAX] "m";
+        /// How much larger than the inscribed radius a cell's clearance must be for the planners to
+        /// use it: what the local planner keeps around the outline. Without it paths lead into gaps
+        /// that no controller enters.
+        padding_m: f64 = 0.02, [0.0, 1.0] "m";
+        /// Distance from an obstacle up to which cells have a cost.
+        inflation_radius_m: f64 = 0.6, [0.0, CLEARANCE_M_MAX] "m";
+        /// How fast cost falls beyond the inscribed radius: `252 exp(-factor (clearance -
+        /// inscribed))`, as in Nav2.
+        cost_scaling_factor: f64 = 4.0, [0.0, 1.0e3] "1/m";
+        /// How scans change the belief in a cell.
+        log_odds: LogOdds;
+        /// Range up to which a scan marks obstacles.
+        obstacle_range_m: f64 = 12.0, [f64::MIN_POSITIVE, 1.0e3] "m";
+        /// Range up to which a scan clears; at least the obstacle range, so that everything that
+        /// was marked can be cleared from where it was seen.
+        raytrace_range_m: f64 = 12.5, [f64::MIN_POSITIVE, 1.0e3] "m";
+        /// Whether the cells under the robot are free.
+        footprint_clearing: bool = true;
+        /// Time that a cell stays an obstacle after a moving obstacle was last seen in it, unless a
+        /// beam passes through it before.
+        moving_age_s: f64 = 0.3, [0.0, 10.0] "s";
+        /// What is taken for a moving obstacle.
+        tracking: TrackingConfig;
+        /// How `map_from_odom` is corrected.
+        pose_correction: CorrectionConfig;
+        /// Obstacle groups on the way that become rectangles.
+        regularisation: RegularisationConfig;
+        /// Free cells that are not to be used.
+        virtual_obstacles: VirtualConfig;
+        /// What happens at the edge of the map.
+        window: WindowConfig;
+        /// Folder into which the map is written as `map.yaml` and `map.pgm` when the process ends;
+        /// it must exist.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        save_to: Option<PathBuf> = None;
+    }
+    relations |own| {
+        inflation_radius_m: own.inflation_radius_m <= own.clearance_limit_m,
+            "must be at most clearance_limit_m";
+        raytrace_range_m: own.raytrace_range_m >= own.obstacle_range_m,
+            "must be at least obstacle_range_m";
     }
 }
 
 impl MappingConfig {
-    /// Accepts numbers that make sense together with cells of `resolution_m`.
+    /// Accepts parameters that are within their ranges and fit cells of `resolution_m`.
     ///
     /// # Errors
-    /// The first field that is wrong.
-    pub fn check(&self, resolution_m: f64) -> Result<(), MappingError> {
-        let limit_m = self.clearance_limit_m;
-        // Comparisons are written so that NaN fails them.
-        ensure(
-            limit_m >= resolution_m
-                && limit_m <= CLEARANCE_CELLS_MAX * resolution_m
-                && limit_m <= f64::from(u16::MAX) / 1000.0,
-            "clearance_limit_m",
-            limit_m,
-            "must be 1 to 90 cells and at most 65.535 m",
-        )?;
-        ensure(
-            (0.0..=1.0).contains(&self.padding_m),
-            "padding_m",
-            self.padding_m,
-            "must be 0 to 1 m",
-        )?;
-        ensure(
-            self.inflation_radius_m >= 0.0 && self.inflation_radius_m <= limit_m,
-            "inflation_radius_m",
-            self.inflation_radius_m,
-            "must be 0 to clearance_limit_m",
-        )?;
-        ensure(
-            self.cost_scaling_factor >= 0.0 && self.cost_scaling_factor <= 1.0e3,
-            "cost_scaling_factor",
-            self.cost_scaling_factor,
-            "must be 0 to 1000",
-        )?;
-        ensure(
-            self.obstacle_range_m > 0.0 && self.obstacle_range_m <= 1.0e3,
-            "obstacle_range_m",
-            self.obstacle_range_m,
-            "must be above 0 and at most 1000 m",
-        )?;
-        ensure(
-            self.raytrace_range_m >= self.obstacle_range_m && self.raytrace_range_m <= 1.0e3,
-            "raytrace_range_m",
-            self.raytrace_range_m,
-            "must be obstacle_range_m to 1000 m",
-        )?;
-        ensure(
-            (0.0..=10.0).contains(&self.moving_age_s),
-            "moving_age_s",
-            self.moving_age_s,
-            "must be 0 to 10 s",
-        )?;
-        self.tracking.check()?;
-        self.pose_correction.check()?;
-        self.regularisation.check()?;
-        self.virtual_obstacles.check()?;
-        self.window.check()?;
-        self.log_odds.check()
+    /// The first parameter that is wrong.
+    pub fn check(&self, resolution_m: f64) -> Result<(), ParameterError> {
+        zeronav_params::check(self)?;
+        let range_m = resolution_m..=CLEARANCE_CELLS_MAX * resolution_m;
+        if range_m.contains(&self.clearance_limit_m) {
+            return Ok(());
+        }
+        Err(ParameterError {
+            path: "clearance_limit_m".to_owned(),
+            rule: format!("must be 1 to {CLEARANCE_CELLS_MAX} cells of {resolution_m} m"),
+            value: format!("{:?}", self.clearance_limit_m),
+        })
     }
 
     /// The grid of a map without a static one.
@@ -178,15 +122,13 @@ impl MappingConfig {
 mod tests {
     use super::*;
 
-    /// The field that is complained about, empty when all is well.
-    fn check(change: impl FnOnce(&mut MappingConfig)) -> &'static str {
+    /// Path of the parameter that is rejected after `change`, empty for none.
+    fn check(change: impl FnOnce(&mut MappingConfig)) -> String {
         let mut config = MappingConfig::default();
         change(&mut config);
-        match config.check(0.05) {
-            Ok(()) => "",
-            Err(MappingError::OutOfRange { field, .. }) => field,
-            Err(error) => panic!("{error}"),
-        }
+        config
+            .check(0.05)
+            .map_or_else(|error| error.path, |()| String::new())
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! Why a configuration or a static map makes no map.
 
 use zeronav_msgs::message;
+use zeronav_params::ParameterError;
 
 /// Why there can be no map.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -19,31 +20,7 @@ pub enum MappingError {
         /// Cells that it should have.
         expected: usize,
     },
-    /// A number outside its range.
-    #[error("{field} = {value}: {rule}")]
-    OutOfRange {
-        /// Name of the field as in the configuration.
-        field: &'static str,
-        /// What it was.
-        value: f64,
-        /// What it must be.
-        rule: &'static str,
-    },
-}
-
-/// `Ok` when `ok`; otherwise names the field.
-///
-/// # Errors
-/// [`MappingError::OutOfRange`].
-pub(crate) fn ensure(
-    ok: bool,
-    field: &'static str,
-    value: f64,
-    rule: &'static str,
-) -> Result<(), MappingError> {
-    if ok {
-        Ok(())
-    } else {
-        Err(MappingError::OutOfRange { field, value, rule })
-    }
+    /// A parameter has a value that it must not have.
+    #[error(transparent)]
+    Parameter(#[from] ParameterError),
 }

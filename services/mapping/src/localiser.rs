@@ -1,75 +1,38 @@
 //! `map_from_odom`: what odometry has drifted away by.
 
-use crate::error::{MappingError, ensure};
 use crate::pose_error::{swing, turned};
 use crate::scan_match::Surfaces;
 use crate::scan_odometry::ScanOdometry;
 use nalgebra::{Matrix3, Point2, Vector3};
-use serde::{Deserialize, Serialize};
 use zeronav_msgs::Pose;
 use zeronav_msgs::pose::wrap_angle;
+use zeronav_params::{choices, parameters};
 
-/// Whether the pose is corrected.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum CorrectionMode {
-    /// When odometry says of itself that it is not exact: a variance above 0.
-    #[default]
-    Auto,
-    /// Always.
-    On,
-    /// Never: `odom` is `map`.
-    Off,
-}
-
-/// How the pose is corrected, and how far odometry is trusted.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct CorrectionConfig {
-    /// Whether.
-    pub mode: CorrectionMode,
-    /// [m/sqrt(m)] standard deviation of the place after 1 m.
-    pub noise_m_per_sqrt_m: f64,
-    /// [rad/sqrt(rad)] standard deviation of the yaw after a turn of 1 rad.
-    pub noise_rad_per_sqrt_rad: f64,
-    /// [rad/sqrt(m)] standard deviation of the yaw after 1 m.
-    pub noise_rad_per_sqrt_m: f64,
-}
-
-impl Default for CorrectionConfig {
-    fn default() -> Self {
-        Self {
-            mode: CorrectionMode::Auto,
-            noise_m_per_sqrt_m: 0.03,
-            noise_rad_per_sqrt_rad: 0.04,
-            noise_rad_per_sqrt_m: 0.02,
-        }
+choices! {
+    /// Whether the pose is corrected.
+    pub enum CorrectionMode {
+        /// When odometry states a variance above 0.
+        #[default]
+        Auto = "auto",
+        /// Always.
+        On = "on",
+        /// Never: `odom` is `map`.
+        Off = "off",
     }
 }
 
-impl CorrectionConfig {
-    /// Accepts noise that can be.
-    ///
-    /// # Errors
-    /// [`MappingError::OutOfRange`].
-    pub fn check(&self) -> Result<(), MappingError> {
-        for (field, value) in [
-            (
-                "pose_correction.noise_m_per_sqrt_m",
-                self.noise_m_per_sqrt_m,
-            ),
-            (
-                "pose_correction.noise_rad_per_sqrt_rad",
-                self.noise_rad_per_sqrt_rad,
-            ),
-            (
-                "pose_correction.noise_rad_per_sqrt_m",
-                self.noise_rad_per_sqrt_m,
-            ),
-        ] {
-            ensure((0.0..=1.0).contains(&value), field, value, "must be 0 to 1")?;
-        }
-        Ok(())
+parameters! {
+    /// How the pose is corrected, and how far odometry is trusted.
+    #[derive(Copy)]
+    pub struct CorrectionConfig {
+        /// Whether `map_from_odom` is corrected by scans.
+        mode: CorrectionMode = CorrectionMode::Auto;
+        /// Standard deviation of odometry's position after 1 m.
+        noise_m_per_sqrt_m: f64 = 0.03, [0.0, 1.0] "m/sqrt(m)";
+        /// Standard deviation of odometry's yaw after a turn of 1 rad.
+        noise_rad_per_sqrt_rad: f64 = 0.04, [0.0, 1.0] "rad/sqrt(rad)";
+        /// Standard deviation of odometry's yaw after 1 m.
+        noise_rad_per_sqrt_m: f64 = 0.02, [0.0, 1.0] "rad/sqrt(m)";
     }
 }
 

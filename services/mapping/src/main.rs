@@ -19,6 +19,7 @@ use zeronav_msgs::topics::{
     EVENT_NEED_KEYFRAME, MapKeyframe, MapObstacles, MapUpdate, RobotDescription, RobotOdometry,
     RobotScan, TaskState,
 };
+use zeronav_params::Parameter;
 use zeronav_shell::clock::now_ns;
 use zeronav_shell::doorbell::Rung;
 use zeronav_shell::{
@@ -139,9 +140,7 @@ fn unusable(error: MappingError) -> StartError {
         MappingError::NoArea => StartError::config("area_m", "required without static_map"),
         MappingError::Geometry(_) => StartError::config("area_m", error),
         MappingError::StaticMap { .. } => StartError::config("static_map", error),
-        MappingError::OutOfRange { field, value, rule } => {
-            StartError::config(field, format!("{rule}, not {value:?}"))
-        }
+        MappingError::Parameter(error) => error.into(),
     }
 }
 
@@ -149,9 +148,13 @@ impl Service for MappingService {
     const ROLE: Role = Role::Mapping;
     type Config = MappingConfig;
 
+    fn parameters() -> Vec<Parameter> {
+        zeronav_params::describe::<MappingConfig>()
+    }
+
     fn check(config: &MappingConfig) -> Result<(), StartError> {
         let (_, geometry) = map_of(config)?;
-        config.check(geometry.resolution_m).map_err(unusable)?;
+        config.check(geometry.resolution_m)?;
         match &config.save_to {
             Some(folder) if !folder.is_dir() => {
                 let why = format!("there is no folder {}", folder.display());

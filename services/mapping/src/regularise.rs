@@ -7,44 +7,19 @@
 //! hold the robot or the goal, or is too large. Nothing but the list of rectangles is made: what
 //! is an obstacle stays the business of the other layers.
 
-use crate::error::{MappingError, ensure};
-use serde::{Deserialize, Serialize};
 use zeronav_msgs::{Cell, CellRect, GridGeometry};
+use zeronav_params::parameters;
 
-/// Whether and how far obstacles are regularised.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct RegularisationConfig {
-    /// Whether anything is regularised.
-    pub enabled: bool,
-    /// Most groups along the line; the next is done when the line is looked at again.
-    pub groups_max: usize,
-    /// Largest rectangle, as a share of the map's area, above 0 and at most 1.
-    pub area_share_max: f64,
-}
-
-impl Default for RegularisationConfig {
-    fn default() -> Self {
-        Self {
-            enabled: false,
-            groups_max: 1,
-            area_share_max: 0.25,
-        }
-    }
-}
-
-impl RegularisationConfig {
-    /// Accepts limits that can be.
-    ///
-    /// # Errors
-    /// [`MappingError::OutOfRange`].
-    pub fn check(&self) -> Result<(), MappingError> {
-        ensure(
-            self.area_share_max > 0.0 && self.area_share_max <= 1.0,
-            "regularisation.area_share_max",
-            self.area_share_max,
-            "must be above 0 and at most 1",
-        )
+parameters! {
+    /// Whether and how far obstacles are regularised.
+    #[derive(Copy)]
+    pub struct RegularisationConfig {
+        /// Whether obstacle groups on the straight line to the goal become rectangles.
+        enabled: bool = false;
+        /// Most groups along the line; the next is done when the line is examined again.
+        groups_max: usize = 1, [0, 1000];
+        /// Largest rectangle, as a share of the map's area.
+        area_share_max: f64 = 0.25, [f64::MIN_POSITIVE, 1.0];
     }
 }
 

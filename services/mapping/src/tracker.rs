@@ -7,17 +7,16 @@
 
 use crate::beams::Beams;
 use crate::clusters::{Cluster, Clusters};
-use crate::error::{MappingError, ensure};
 use crate::fit::{Fit, Place, disc_through, fit};
 use crate::form::Form;
 use crate::past_scans::PastScans;
 use crate::track::Track;
 use nalgebra::{Matrix2, Point2, Vector2};
-use serde::{Deserialize, Serialize};
 use zeronav_msgs::Pose;
 use zeronav_msgs::obstacles::{OBSTACLES_MAX, Obstacle};
-use zeronav_msgs::scan::Scan;
+use zeronav_msgs::scan::{BEAMS_MAX, Scan};
 use zeronav_msgs::time::{nanoseconds, seconds};
+use zeronav_params::parameters;
 
 /// 99 % of a chi-squared variable with two degrees of freedom lie below.
 const GATE: f64 = 9.21;
@@ -47,102 +46,38 @@ const ACCELERATION_LASTS_S: f64 = 0.1;
 /// Share of a cluster's points that must be seen to have moved, and the least number.
 const SEEN_MOVING: (f64, usize) = (0.25, 2);
 
-/// What is taken for a moving obstacle.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct TrackingConfig {
-    /// Whether anything is tracked.
-    pub enabled: bool,
-    /// [m] between neighbouring points of one cluster, besides twice the distance of beams; and how
-    /// far around a point an earlier scan must have looked through to have seen nothing there.
-    pub gap_m: f64,
-    /// Fewest points of a cluster.
-    pub points_min: usize,
-    /// [m] largest radius of what may move by itself.
-    pub radius_m_max: f64,
-    /// [m] beyond which nothing is followed: points lie far apart there.
-    pub range_m_max: f64,
-    /// [m] from an obstacle of the static map within which points are that obstacle's.
-    pub static_margin_m: f64,
-    /// [m] standard deviation of a measured centre.
-    pub position_sigma_m: f64,
-    /// [m/s^2] standard deviation of the acceleration of what moves.
-    pub acceleration_sigma_mps2: f64,
-    /// [s] after the last hit at which a track ends.
-    pub coast_s: f64,
-    /// Speed in standard deviations from which a track may be called moving.
-    pub moving_sigmas: f64,
-    /// [m] that a track must have come before it is called moving.
-    pub moving_distance_m: f64,
-    /// [m/s] below which a track that moved comes to rest.
-    pub rest_speed_mps: f64,
-    /// [s] at rest after which a track is not called moving any more.
-    pub rest_s: f64,
-}
-
-impl Default for TrackingConfig {
-    fn default() -> Self {
-        Self {
-            enabled: true,
-            gap_m: 0.1,
-            points_min: 3,
-            radius_m_max: 0.6,
-            range_m_max: 12.0,
-            static_margin_m: 0.15,
-            position_sigma_m: 0.02,
-            acceleration_sigma_mps2: 1.0,
-            coast_s: 0.3,
-            moving_sigmas: 2.0,
-            moving_distance_m: 0.1,
-            rest_speed_mps: 0.15,
-            rest_s: 1.0,
-        }
-    }
-}
-
-impl TrackingConfig {
-    /// Accepts numbers that can be.
-    ///
-    /// # Errors
-    /// [`MappingError::OutOfRange`].
-    pub fn check(&self) -> Result<(), MappingError> {
-        for (field, value, low, high) in [
-            ("tracking.gap_m", self.gap_m, 1.0e-3, 10.0),
-            ("tracking.radius_m_max", self.radius_m_max, 1.0e-3, 10.0),
-            ("tracking.range_m_max", self.range_m_max, 0.1, 1.0e3),
-            ("tracking.static_margin_m", self.static_margin_m, 0.0, 1.0),
-            (
-                "tracking.position_sigma_m",
-                self.position_sigma_m,
-                1.0e-3,
-                1.0,
-            ),
-            (
-                "tracking.acceleration_sigma_mps2",
-                self.acceleration_sigma_mps2,
-                1.0e-3,
-                100.0,
-            ),
-            ("tracking.coast_s", self.coast_s, 0.0, 10.0),
-            ("tracking.moving_sigmas", self.moving_sigmas, 0.0, 100.0),
-            (
-                "tracking.moving_distance_m",
-                self.moving_distance_m,
-                0.0,
-                100.0,
-            ),
-            ("tracking.rest_speed_mps", self.rest_speed_mps, 0.0, 10.0),
-            ("tracking.rest_s", self.rest_s, 0.0, 100.0),
-        ] {
-            let in_range = (low..=high).contains(&value);
-            ensure(in_range, field, value, "is outside its range")?;
-        }
-        ensure(
-            self.points_min >= 2,
-            "tracking.points_min",
-            f64::from(u32::try_from(self.points_min).unwrap_or(u32::MAX)),
-            "must be at least 2",
-        )
+parameters! {
+    /// What is taken for a moving obstacle.
+    #[derive(Copy)]
+    pub struct TrackingConfig {
+        /// Whether anything is tracked.
+        enabled: bool = true;
+        /// Distance between neighbouring points of one cluster, besides twice the distance of
+        /// beams; and how far around a point an earlier scan must have seen free space for the
+        /// point to be new.
+        gap_m: f64 = 0.1, [1.0e-3, 10.0] "m";
+        /// Fewest points of a cluster.
+        points_min: usize = 3, [2, BEAMS_MAX];
+        /// Largest radius of a moving obstacle.
+        radius_m_max: f64 = 0.6, [1.0e-3, 10.0] "m";
+        /// Range beyond which nothing is tracked: points lie far apart there.
+        range_m_max: f64 = 12.0, [0.1, 1.0e3] "m";
+        /// Distance from an obstacle of the static map within which points belong to that obstacle.
+        static_margin_m: f64 = 0.15, [0.0, 1.0] "m";
+        /// Standard deviation of a measured centre.
+        position_sigma_m: f64 = 0.02, [1.0e-3, 1.0] "m";
+        /// Standard deviation of an obstacle's acceleration.
+        acceleration_sigma_mps2: f64 = 1.0, [1.0e-3, 100.0] "m/s^2";
+        /// Time after the last hit at which a track ends.
+        coast_s: f64 = 0.3, [0.0, 10.0] "s";
+        /// Speed in standard deviations from which a track may be called moving.
+        moving_sigmas: f64 = 2.0, [0.0, 100.0];
+        /// Distance that a track must have moved before it is called moving.
+        moving_distance_m: f64 = 0.1, [0.0, 100.0] "m";
+        /// Speed below which a track that moved comes to rest.
+        rest_speed_mps: f64 = 0.15, [0.0, 10.0] "m/s";
+        /// Time at rest after which a track is not called moving any more.
+        rest_s: f64 = 1.0, [0.0, 100.0] "s";
     }
 }
 

@@ -4,73 +4,50 @@
 //! (BAO-AAO) forbids a diagonal move past an obstacle; the cells that such moves would enter are
 //! flagged for whoever shows or counts them, the rule itself stays in the planners.
 
-use crate::error::{MappingError, ensure};
-use serde::{Deserialize, Serialize};
 use zeronav_msgs::{Cell, GridGeometry};
+use zeronav_params::{choices, parameters};
 
 /// Largest radius of the ring. [cells]
 pub const RING_CELLS_MAX: i32 = 8;
 
-/// Which cells are virtual obstacles.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum VirtualKind {
-    /// None.
-    #[default]
-    Off,
-    /// Those near an obstacle.
-    Ring,
-    /// Those that a diagonal move past an obstacle would enter.
-    Corners,
+choices! {
+    /// Which cells are virtual obstacles.
+    pub enum VirtualKind {
+        /// None.
+        #[default]
+        Off = "off",
+        /// Those near an obstacle.
+        Ring = "ring",
+        /// Those that a diagonal move past an obstacle would enter.
+        Corners = "corners",
+    }
 }
 
-/// What near is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum RingShape {
-    /// Steps in eight directions.
-    #[default]
-    EightNeighbour,
-    /// Steps in four directions.
-    FourNeighbour,
+choices! {
+    /// Which cells are near.
+    pub enum RingShape {
+        /// Steps in eight directions.
+        #[default]
+        EightNeighbour = "eight_neighbour",
+        /// Steps in four directions.
+        FourNeighbour = "four_neighbour",
+    }
 }
 
-/// Configuration of the virtual obstacles.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct VirtualConfig {
-    /// Which cells.
-    pub kind: VirtualKind,
-    /// Radius of the ring, 1 to [`RING_CELLS_MAX`]. [cells]
-    pub radius_cells: i32,
-    /// Shape of the ring.
-    pub shape: RingShape,
-}
-
-impl Default for VirtualConfig {
-    fn default() -> Self {
-        Self {
-            kind: VirtualKind::Off,
-            radius_cells: 1,
-            shape: RingShape::EightNeighbour,
-        }
+parameters! {
+    /// Configuration of the virtual obstacles.
+    #[derive(Copy, Eq)]
+    pub struct VirtualConfig {
+        /// Which cells are virtual obstacles.
+        kind: VirtualKind = VirtualKind::Off;
+        /// Radius of the ring.
+        radius_cells: i32 = 1, [1, RING_CELLS_MAX] "cells";
+        /// Shape of the ring.
+        shape: RingShape = RingShape::EightNeighbour;
     }
 }
 
 impl VirtualConfig {
-    /// Accepts radii that can be.
-    ///
-    /// # Errors
-    /// [`MappingError::OutOfRange`].
-    pub fn check(&self) -> Result<(), MappingError> {
-        ensure(
-            (1..=RING_CELLS_MAX).contains(&self.radius_cells),
-            "virtual_obstacles.radius_cells",
-            f64::from(self.radius_cells),
-            "must be 1 to 8",
-        )
-    }
-
     /// How far away an obstacle can make a cell virtual. [cells]
     #[must_use]
     pub fn reach(&self) -> i32 {

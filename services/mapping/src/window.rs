@@ -1,68 +1,39 @@
 //! Where the map lies when the robot comes to its edge.
 
-use crate::error::{MappingError, ensure};
 use nalgebra::Point2;
-use serde::{Deserialize, Serialize};
 use zeronav_msgs::grid::SIDE_CELLS_MAX;
 use zeronav_msgs::map::{TILE_CELLS, TILES_PER_KEYFRAME_MAX, tiles_of};
 use zeronav_msgs::{Cell, GridGeometry};
+use zeronav_params::{choices, parameters};
 
-/// What happens at the edge.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum WindowMode {
-    /// Nothing; beams end at the edge.
-    #[default]
-    Fixed,
-    /// The map moves along and forgets what it leaves behind.
-    Rolling,
-    /// The map becomes larger, as long as there is room, and then stays.
-    Growing,
-}
-
-/// Configuration of the window.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct WindowConfig {
+choices! {
     /// What happens at the edge.
-    pub mode: WindowMode,
-    /// [m] from the edge within which the robot counts as there.
-    pub margin_m: f64,
-    /// Most tiles of 32 x 32 cells of a growing map; they decide how much memory its keyframes
-    /// take.
-    pub tiles_max: usize,
+    pub enum WindowMode {
+        /// Nothing; beams end at the edge.
+        #[default]
+        Fixed = "fixed",
+        /// The map moves along and forgets what it leaves behind.
+        Rolling = "rolling",
+        /// The map becomes larger, as long as there is room, and then stays.
+        Growing = "growing",
+    }
 }
 
-impl Default for WindowConfig {
-    fn default() -> Self {
-        Self {
-            mode: WindowMode::Fixed,
-            margin_m: 3.0,
-            tiles_max: 1024,
-        }
+parameters! {
+    /// Configuration of the window.
+    #[derive(Copy)]
+    pub struct WindowConfig {
+        /// What happens when the robot comes to the edge of the map.
+        mode: WindowMode = WindowMode::Fixed;
+        /// Distance from the edge within which the robot counts as there.
+        margin_m: f64 = 3.0, [0.0, 1.0e3] "m";
+        /// Most tiles of 32 x 32 cells of a growing map; they decide how much memory its keyframes
+        /// take.
+        tiles_max: usize = 1024, [1, TILES_PER_KEYFRAME_MAX];
     }
 }
 
 impl WindowConfig {
-    /// Accepts windows that can be.
-    ///
-    /// # Errors
-    /// [`MappingError::OutOfRange`].
-    pub fn check(&self) -> Result<(), MappingError> {
-        ensure(
-            self.margin_m >= 0.0 && self.margin_m <= 1.0e3,
-            "window.margin_m",
-            self.margin_m,
-            "must be 0 to 1000 m",
-        )?;
-        ensure(
-            (1..=TILES_PER_KEYFRAME_MAX).contains(&self.tiles_max),
-            "window.tiles_max",
-            f64::from(u32::try_from(self.tiles_max).unwrap_or(u32::MAX)),
-            "must be 1 to 16384",
-        )
-    }
-
     /// Most tiles that a map that begins as `geometry` will ever have.
     #[must_use]
     pub fn most_tiles(&self, geometry: &GridGeometry) -> usize {
