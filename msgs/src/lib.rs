@@ -28,6 +28,7 @@ pub mod request;
 pub mod role;
 pub mod run;
 pub mod scan;
+pub mod seats;
 pub mod span;
 pub mod task;
 pub mod time;

@@ -1,20 +1,21 @@
-//! The seats of processes that misbehave: everything that is in good order about them, so that
-//! each of their files shows its misbehaviour alone.
+//! The correct part of test processes that misbehave, so that each of their files contains its
+//! misbehaviour only.
 
 use serde::{Deserialize, Serialize};
 use zeronav_msgs::command::VelocityRequest;
 use zeronav_msgs::header::Parents;
+use zeronav_msgs::span::SpanKind;
 use zeronav_msgs::topics::ControlRequest;
-use zeronav_shell::{Draft, Shell, StartError, TrackReader, Trigger, Turn, Writer};
+use zeronav_shell::{Draft, Due, OdometryReader, Shell, StartError, Trigger, Writer};
 
-/// Any configuration will do.
+/// Accepts any configuration.
 #[derive(Debug, Serialize, Deserialize)]
 pub struct AnyConfig {}
 
-/// The seat of a local planner that looks at nothing but odometry.
+/// The seat of a local planner that reads odometry only.
 #[derive(Debug)]
 pub struct RequestSeat {
-    odometry: TrackReader,
+    odometry: OdometryReader,
     request: Writer<ControlRequest>,
 }
 
@@ -25,48 +26,50 @@ impl RequestSeat {
     /// What keeps a service from starting.
     pub fn open(shell: &Shell) -> Result<Self, StartError> {
         Ok(Self {
-            odometry: TrackReader::open(shell.peer())?,
+            odometry: OdometryReader::open(shell.peer())?,
             request: shell.peer().writer(1)?,
         })
     }
 
-    /// Takes in odometry; the answers that are due.
-    pub fn turns(&mut self, shell: &Shell) -> impl Iterator<Item = Turn> + use<> {
+    /// Polls odometry; the answers that are due.
+    pub fn due(&mut self, shell: &mut Shell) -> impl Iterator<Item = Due> + use<> {
         self.odometry.poll(shell.roster());
-        shell.turns(&Trigger {
+        shell.due(&Trigger {
             tick: self.odometry.tick(),
             complete: true,
-            news: false,
+            ..Trigger::default()
         })
     }
 
     /// Answers with a request.
-    pub fn answer(&mut self, shell: &mut Shell, turn: Turn, request: VelocityRequest) {
-        let draft = self.draft(shell, turn.tick);
-        shell.answer(turn.kind, &draft, &mut self.request, request, &[]);
+    pub fn answer(&mut self, shell: &mut Shell, due: Due, request: VelocityRequest) {
+        let draft = self.begin(shell, due);
+        shell.answer(&draft, &mut self.request, request, &[]);
     }
 
     /// Answers everything that is due with the same request.
     pub fn answer_all(&mut self, shell: &mut Shell, request: VelocityRequest) {
-        for turn in self.turns(shell) {
-            self.answer(shell, turn, request);
+        for due in self.due(shell) {
+            self.answer(shell, due, request);
         }
     }
 
     /// Sends a request that answers nothing.
     pub fn send(&mut self, shell: &mut Shell, request: VelocityRequest) {
-        let draft = self.draft(shell, self.odometry.tick());
-        let sent = self.request.publish(&draft, request, &[]);
-        shell.sent(&self.request, sent);
+        let due = Due {
+            tick: self.odometry.tick(),
+            kind: SpanKind::Extra,
+        };
+        let draft = self.begin(shell, due);
+        shell.send(&draft, &mut self.request, request, &[]);
         shell.ring();
     }
 
-    fn draft(&self, shell: &Shell, tick: u64) -> Draft {
-        let run_ns = tick.saturating_mul(shell.roster().clock.tick_ns);
+    fn begin(&self, shell: &Shell, due: Due) -> Draft {
         let parents = Parents {
             odometry: self.odometry.id().0,
             ..Parents::default()
         };
-        shell.draft(tick, run_ns, 0, parents)
+        shell.begin(due, shell.run_ns(due.tick), 0, parents)
     }
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 use zeronav_msgs::health::REASON_SCAN;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::topics::{HealthTopic, MapUpdate, health_of};
-use zeronav_shell::roster::RosterReader;
+use zeronav_shell::roster_reader::RosterReader;
 use zeronav_shell::{Domain, Latest, Peer, Stream};
 use zeronav_tests::{Zeronav, real_time_turn, workspace, zeronav};
 use zeronav_world::Occupancy;

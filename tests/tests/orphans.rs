@@ -7,7 +7,7 @@ use zeronav_msgs::command::VelocityCommand;
 use zeronav_msgs::odometry::Odometry;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::topics::{RobotCommand, RobotDescription, RobotOdometry};
-use zeronav_shell::roster::RosterReader;
+use zeronav_shell::roster_reader::RosterReader;
 use zeronav_shell::{Domain, Latest, Peer, Stream};
 use zeronav_tests::{Zeronav, await_by_itself, is_alive, leftovers, real_time_turn, send_signal};
 

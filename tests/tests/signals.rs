@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use zeronav_msgs::role::Role;
 use zeronav_msgs::topics::GroundTruth;
-use zeronav_shell::roster::RosterReader;
+use zeronav_shell::roster_reader::RosterReader;
 use zeronav_shell::{Domain, Peer};
 use zeronav_tests::{
     Zeronav, await_by_itself, children_of, leftovers, real_time_turn, services_of, workspace,

@@ -9,7 +9,7 @@ use zeronav_msgs::topics::{
     ControlRequest, GroundTruth, HealthTopic, RobotCommand, RobotDescription, Topic, health_of,
 };
 use zeronav_msgs::truth::Truth;
-use zeronav_shell::roster::RosterReader;
+use zeronav_shell::roster_reader::RosterReader;
 use zeronav_shell::{Domain, Latest, Peer, Stream};
 use zeronav_tests::{Ended, Zeronav, is_alive, leftovers, real_time_turn, send_signal, zeronav};
 

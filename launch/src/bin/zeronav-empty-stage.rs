@@ -19,7 +19,7 @@ use zeronav_shell::clock::now_ns;
 use zeronav_shell::doorbell::Rung;
 use zeronav_shell::error::EXIT_USAGE;
 use zeronav_shell::flags::Flags;
-use zeronav_shell::{Cycle, Latest, Service, Shell, StartError, Writer};
+use zeronav_shell::{Due, Latest, Service, Shell, StartError, Writer};
 
 /// What a stage takes in and passes on.
 trait Stage {
@@ -53,38 +53,30 @@ impl<S: Stage> Service for Passing<S> {
         })
     }
 
-    fn wake(&mut self, shell: &mut Shell, _rung: Rung) -> Result<Option<u64>, StartError> {
+    fn wake(&mut self, shell: &mut Shell, _rung: Rung) -> Result<(), StartError> {
         if !shell.roster().has_clock() {
-            return Ok(None);
+            return Ok(());
         }
         shell.ready();
         if !self.input.poll(shell.roster()) {
-            return Ok(None);
+            return Ok(());
         }
         let Some(view) = self.input.get() else {
-            return Ok(None);
+            return Ok(());
         };
         let header = *view.header;
         // Given back at once: of a stream, one message is lent at a time.
         self.input.release();
         let id = self.output.next_id();
-        let draft = shell.draft(
-            header.tick,
-            header.run_ns,
-            header.capture_ns,
-            Parents::default(),
-        );
-        let sent = self
-            .output
-            .publish_with(&draft, self.len, |items| S::fill(id, items));
-        let output = shell.sent(&self.output, sent);
-        shell.finish(&Cycle {
+        let due = Due {
+            tick: header.tick,
             kind: SpanKind::Answer,
-            draft,
-            output,
-            work: 0,
-        });
-        Ok(None)
+        };
+        let draft = shell.begin(due, header.run_ns, header.capture_ns, Parents::default());
+        let fill = |items: &mut [_]| S::fill(id, items);
+        let output = shell.send_with(&draft, &mut self.output, self.len, fill);
+        shell.finish(&draft, output, 0);
+        Ok(())
     }
 }
 
@@ -111,22 +103,27 @@ impl Service for Source {
         })
     }
 
-    fn wake(&mut self, shell: &mut Shell, _rung: Rung) -> Result<Option<u64>, StartError> {
+    fn wake(&mut self, shell: &mut Shell, _rung: Rung) -> Result<(), StartError> {
         if !shell.roster().has_clock() {
-            return Ok(None);
+            return Ok(());
         }
         shell.ready();
         self.command.poll(shell.roster());
         let capture_ns = now_ns();
         if capture_ns < self.due_ns {
-            return Ok(Some(self.due_ns));
+            shell.wake_by(self.due_ns);
+            return Ok(());
         }
         self.due_ns = capture_ns + self.load.period_ns;
         self.tick += 1;
         let run_ns = self.tick * self.load.period_ns;
-        let draft = shell.draft(self.tick, run_ns, capture_ns, Parents::default());
+        let due = Due {
+            tick: self.tick,
+            kind: SpanKind::Answer,
+        };
+        let draft = shell.begin(due, run_ns, capture_ns, Parents::default());
         let beams = self.load.beams;
-        let sent = self.scan.publish_with(&draft, beams as usize, |ranges| {
+        let output = shell.send_with(&draft, &mut self.scan, beams as usize, |ranges| {
             ranges.fill(1.0);
             Scan {
                 n_beams: beams,
@@ -135,14 +132,9 @@ impl Service for Source {
                 ..Scan::default()
             }
         });
-        let output = shell.sent(&self.scan, sent);
-        shell.finish(&Cycle {
-            kind: SpanKind::Answer,
-            draft,
-            output,
-            work: 0,
-        });
-        Ok(Some(self.due_ns))
+        shell.finish(&draft, output, 0);
+        shell.wake_by(self.due_ns);
+        Ok(())
     }
 }
 

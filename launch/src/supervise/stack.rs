@@ -152,6 +152,7 @@ impl Stack {
             },
             seats,
             own: None,
+            woken_ns: 0,
         };
         let mut stack = Self {
             children: Vec::new(),

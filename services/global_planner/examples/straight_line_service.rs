@@ -1,25 +1,32 @@
-//! How to swap a service: a global planner that knows nothing but the straight line.
+//! How to swap a service: a global planner whose paths are straight lines.
 //!
 //! ```toml
 //! [services.global_planner]
 //! binary = "straight_line_service"
 //! ```
 //!
-//! The shell does what every service does; [`PlanningInputs`] and [`PathOutput`] do what the seat
-//! asks of everybody who sits there: when to answer, and how a path is said. What is left is where
-//! the robot shall drive.
+//! The shell says when an answer is due; the readers take in what the seat is given. What is left is
+//! where the robot shall drive, and the message that says so.
 
 use nalgebra::Point2;
 use std::process::ExitCode;
-use zeronav_msgs::path::{PathStatus, Waypoint};
+use zeronav_msgs::header::Parents;
+use zeronav_msgs::path::{Path, PathCause, PathStatus, Waypoint};
 use zeronav_msgs::pose::{Pose, wrap_angle};
+use zeronav_msgs::topics::PlanPath;
 use zeronav_msgs::{map::MapView, role::Role};
-use zeronav_shell::{NoConfig, PathOutput, PlanningInputs};
-use zeronav_shell::{Service, Shell, StartError, doorbell::Rung};
+use zeronav_shell::doorbell::Rung;
+use zeronav_shell::{
+    CurrentGoal, Draft, Due, MapInput, NoConfig, OdometryReader, Service, Shell, StartError, Writer,
+};
 
 struct StraightLine {
-    inputs: PlanningInputs,
-    path: PathOutput,
+    odometry: OdometryReader,
+    map: MapInput,
+    goal: CurrentGoal,
+    output: Writer<PlanPath>,
+    path: Path,
+    waypoints: Vec<Waypoint>,
 }
 
 impl Service for StraightLine {
@@ -27,46 +34,100 @@ impl Service for StraightLine {
     type Config = NoConfig;
 
     fn open(shell: &mut Shell, _config: NoConfig) -> Result<Self, StartError> {
+        let peer = shell.peer();
         Ok(Self {
-            inputs: PlanningInputs::open(shell.peer())?,
-            path: PathOutput::open(shell.peer(), "straight_line", 2)?,
+            odometry: OdometryReader::open(peer)?,
+            map: MapInput::open(peer)?,
+            goal: CurrentGoal::open(peer)?,
+            output: peer.writer(2)?,
+            path: Path::default(),
+            waypoints: Vec::new(),
         })
     }
 
-    fn wake(&mut self, shell: &mut Shell, _rung: Rung) -> Result<Option<u64>, StartError> {
-        let news = self.inputs.poll(shell);
-        shell.totals(self.inputs.refused(), 0);
-        for turn in self.inputs.turns(shell, news) {
-            let draft = self.inputs.begin(shell, turn);
+    fn wake(&mut self, shell: &mut Shell, _rung: Rung) -> Result<(), StartError> {
+        let news = self.poll(shell);
+        let trigger = self.map.trigger(shell.roster(), &self.odometry, news);
+        for due in shell.due(&trigger) {
+            let draft = self.begin(shell, due);
             self.plan();
-            self.path.answer(shell, turn, &draft);
+            shell.answer(&draft, &mut self.output, self.path, &self.waypoints);
         }
-        Ok(None)
+        Ok(())
     }
 }
 
 impl StraightLine {
-    /// A line stays while it is free and leads to the goal at hand; the next begins at the robot.
-    fn plan(&mut self) {
-        let errand = self.inputs.map_from_base().zip(self.inputs.goals.goal());
-        let Some((robot, goal)) = errand else {
-            return self.path.say(PathStatus::NoGoal, 0, &[]);
+    /// Takes in what has come; true when there is another map or goal.
+    fn poll(&mut self, shell: &mut Shell) -> bool {
+        self.odometry.poll(shell.roster());
+        let mapped = self.map.poll(shell);
+        let other_goal = self.goal.poll(shell.roster());
+        shell.count(&[&self.odometry, &self.map, &self.goal]);
+        mapped || other_goal
+    }
+
+    fn begin(&mut self, shell: &Shell, due: Due) -> Draft {
+        self.goal.advance(shell.roster(), due.tick);
+        let parents = Parents {
+            odometry: self.odometry.id().0,
+            map: self.map.revision().0,
+            goal: self.goal.task().0,
+            ..Parents::default()
         };
-        let line_from = |start| straight(&self.inputs.map.view()?, start, &goal.pose);
-        let start = self.path.waypoints().first();
+        self.map.begin(shell, due, parents)
+    }
+
+    /// A line stays while it is free and leads to the current goal; the next begins at the robot.
+    fn plan(&mut self) {
+        let (Some(odometry), Some(goal)) = (self.odometry.newest(), self.goal.goal()) else {
+            return self.set(PathStatus::NoGoal, 0, Vec::new());
+        };
+        let robot = self.map.map_from_base(&odometry.odometry.pose);
+        let line_from = |start| straight(&self.map.view()?, start, &goal.pose);
+        let start = self.waypoints.first();
         let start = start.map(|start| Point2::new(start.x_m, start.y_m));
-        if self.path.goal() == goal.id && start.and_then(line_from).is_some() {
+        if self.path.goal == goal.id && start.and_then(line_from).is_some() {
             return;
         }
         match line_from(robot.point()) {
-            Some(line) => self.path.say(PathStatus::Found, goal.id, &line),
-            None => self.path.say(PathStatus::DeadEnd, goal.id, &[]),
+            Some(line) => self.set(PathStatus::Found, goal.id, line),
+            None => self.set(PathStatus::DeadEnd, goal.id, Vec::new()),
         }
+    }
+
+    /// The path to send from now on. It keeps its identity, `geometry`, until there is another; so
+    /// does a failure.
+    fn set(&mut self, status: PathStatus, goal: u64, waypoints: Vec<Waypoint>) {
+        let same_goal = goal == self.path.goal;
+        if same_goal && status.code() == self.path.status && waypoints.is_empty() {
+            return;
+        }
+        let cause = match status {
+            PathStatus::NoGoal => PathCause::None,
+            _ if same_goal => PathCause::Obstacle,
+            _ => PathCause::Goal,
+        };
+        self.path = Path {
+            planner: Path::planner_bytes("straight_line"),
+            status: status.code(),
+            cause: cause.code(),
+            n_waypoints: u32::try_from(waypoints.len()).unwrap_or(u32::MAX),
+            geometry: self.output.next_id().0,
+            searched_map: self.map.revision().0,
+            length_m: waypoints
+                .windows(2)
+                .map(|leg| (leg[1].x_m - leg[0].x_m).hypot(leg[1].y_m - leg[0].y_m))
+                .sum(),
+            goal,
+            ..Path::default()
+        };
+        self.waypoints = waypoints;
     }
 }
 
-/// The ends of a line on which the robot's centre may be everywhere. Looks at least twice on the
-/// width of a cell, so all that it can miss is a cut through a cell's corner.
+/// The ends of a line on which no cell blocks the robot's centre. Samples at least twice per cell
+/// width, so that it misses nothing but a cut through a cell's corner.
 #[allow(clippy::cast_possible_truncation, reason = "directions are f32")]
 fn straight(map: &MapView<'_>, start: Point2<f64>, end: &Pose) -> Option<Vec<Waypoint>> {
     let way = end.point() - start;

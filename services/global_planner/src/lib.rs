@@ -57,6 +57,7 @@ mod limits;
 pub mod line;
 mod map_options;
 pub mod moves;
+pub mod movingai;
 pub mod mpgaa;
 mod node_pool;
 mod options;

@@ -11,97 +11,55 @@ use zeronav_msgs::path::{Path, WAYPOINTS_MAX};
 use zeronav_msgs::pose::Pose;
 use zeronav_msgs::request::RequestReason;
 use zeronav_msgs::role::Role;
-use zeronav_msgs::span::SpanKind;
-use zeronav_msgs::task::{TaskKind, TaskState as State};
-use zeronav_msgs::topics::{PlanPath, PlanRequests, RobotOdometry, TaskState};
+use zeronav_msgs::topics::{PlanPath, PlanRequests};
 use zeronav_params::Parameter;
 use zeronav_shell::clock::now_ns;
 use zeronav_shell::doorbell::Rung;
 use zeronav_shell::nearest::unknown;
 use zeronav_shell::{
-    Cycle, Latest, MapInput, Service, Shell, StartError, Stream, Tasks, Track, Writer,
+    CurrentGoal, Due, Latest, MapInput, OdometryReader, Service, Shell, StartError, Writer,
 };
 
-/// Expansions of work ahead between two looks at the inputs: some 0.2 ms, which a map update may
+/// Expansions of work ahead between two polls of the inputs: some 0.2 ms, which a map update may
 /// have to wait.
 const AHEAD_EXPANSIONS: u64 = 4096;
-
-/// Everything that the planner takes in.
-struct Inputs {
-    odometry: Stream<RobotOdometry>,
-    map: MapInput,
-    request: Latest<PlanRequests>,
-    tasks: Tasks,
-    status: Latest<TaskState>,
-    /// Task, goal at hand and state, as the local planner said them last.
-    at_hand: Option<(u64, u64, u16)>,
-    track: Track,
-    /// Rectangles written since the last situation.
-    changed: Vec<CellRect>,
-}
 
 struct PlannerService {
     replanner: Replanner,
     inputs: Inputs,
     path: Writer<PlanPath>,
-    answered_tick: u64,
-    idle_said: bool,
-    /// A path is new but there was no memory to send it.
-    unsent: bool,
+}
+
+struct Inputs {
+    odometry: OdometryReader,
+    map: MapInput,
+    request: Latest<PlanRequests>,
+    goal: CurrentGoal,
+    /// Rectangles written since the last situation.
+    changed: Vec<CellRect>,
 }
 
 impl Inputs {
-    /// Takes in what has come; true when there is something to answer in real time.
-    ///
-    /// Odometry is drained first: in lockstep it carries the tick, and whatever belongs to that
-    /// tick was sent before or is waited for by its own tick.
+    /// Takes in what has come; true when it asks for another answer in real time.
     fn poll(&mut self, shell: &Shell) -> bool {
-        let roster = shell.roster();
-        let track = &mut self.track;
-        self.odometry
-            .drain(roster, |view| track.push(view.header, view.meta));
-        let mut news = self.map.poll(shell);
+        self.odometry.poll(shell.roster());
+        let mapped = self.map.poll(shell);
         self.changed.extend_from_slice(self.map.changed());
-        news |= self.request.poll(roster);
-        news |= self.tasks.poll(roster);
-        // A status that says nothing new about the goal at hand asks for no path.
-        self.status.poll(roster);
-        let at_hand = self
-            .status
-            .get()
-            .map(|view| (view.meta.task, view.meta.goal, view.meta.state));
-        news |= at_hand != self.at_hand;
-        self.at_hand = at_hand;
-        news
+        let requested = self.request.poll(shell.roster());
+        let other_goal = self.goal.poll(shell.roster());
+        mapped || requested || other_goal
     }
 
-    /// Where the robot is on the map.
+    /// Where the robot is on the map; `None` before the first odometry.
     fn map_from_base(&self) -> Option<Pose> {
-        let odometry = self.track.newest()?;
-        Some(self.map.map_from_base(&odometry.odometry.pose))
+        let newest = self.odometry.newest()?;
+        Some(self.map.map_from_base(&newest.odometry.pose))
     }
 
-    /// Where to, from the task and how far the local planner has come with it.
     fn target(&self) -> Option<Target> {
-        let task = self
-            .tasks
-            .current()
-            .filter(|task| task.kind == TaskKind::Go)?;
-        let status = self
-            .status
-            .get()
-            .filter(|status| status.meta.task == task.id.0);
-        let done = status.is_some_and(|status| {
-            !matches!(status.meta.state(), Some(State::Idle | State::Active))
-        });
-        if done {
-            return None;
-        }
-        let at_hand = status.map_or(0, |status| status.meta.goal);
-        let named = task.goals.iter().find(|goal| goal.id == at_hand);
-        let goal = named.or(task.goals.first())?;
+        let goal = self.goal.goal()?;
         Some(Target {
-            task: task.id.0,
+            task: self.goal.task().0,
             goal: goal.id,
             pose: goal.pose,
             tolerance_m: goal.tolerance_m,
@@ -132,10 +90,10 @@ impl Inputs {
 
     fn parents(&self) -> Parents {
         Parents {
-            odometry: self.track.newest().map_or(0, |moment| moment.id.0),
+            odometry: self.odometry.id().0,
             map: self.map.revision().0,
             request: self.request.id().0,
-            goal: self.tasks.current().map_or(0, |task| task.id.0),
+            goal: self.goal.task().0,
             ..Parents::default()
         }
     }
@@ -181,107 +139,71 @@ impl Service for PlannerService {
         Ok(Self {
             replanner,
             inputs: Inputs {
-                odometry: peer.stream()?,
+                odometry: OdometryReader::open(peer)?,
                 map: MapInput::open(peer)?,
                 request: peer.latest()?,
-                tasks: Tasks::open(peer)?,
-                status: peer.latest()?,
-                at_hand: None,
-                track: Track::default(),
+                goal: CurrentGoal::open(peer)?,
                 changed: Vec::new(),
             },
             path: peer.writer(WAYPOINTS_MAX)?,
-            answered_tick: 0,
-            idle_said: false,
-            unsent: false,
         })
     }
 
-    fn wake(&mut self, shell: &mut Shell, _rung: Rung) -> Result<Option<u64>, StartError> {
+    fn wake(&mut self, shell: &mut Shell, _rung: Rung) -> Result<(), StartError> {
         let news = self.inputs.poll(shell);
-        self.tell(shell);
-        if !shell.roster().has_clock() {
-            return Ok(None);
-        }
-        if !self.idle_said {
-            self.idle_said = true;
-            self.publish(shell, 0, SpanKind::Idle, News::New);
-            shell.ready();
-        }
-        if shell.roster().lockstep() {
-            let Some(newest) = self.inputs.track.newest() else {
-                return Ok(None);
-            };
-            let (tick, due) = (newest.tick, newest.odometry.scan_due());
-            let roster = shell.roster();
-            let mapped = roster.answers(Role::Mapping, tick);
-            let waits = mapped && !self.inputs.map.has(tick);
-            let owes = due && tick > self.answered_tick;
-            if owes && !waits && roster.answers(Role::GlobalPlanner, tick) {
-                self.answer(shell, tick, SpanKind::Answer);
-                // All of it before the next tick, so that wall time does not show in the run.
-                while self.replanner.prepare(AHEAD_EXPANSIONS) {
-                    shell.progress();
-                }
+        let Inputs {
+            odometry,
+            map,
+            request,
+            goal,
+            ..
+        } = &self.inputs;
+        shell.count(&[odometry, map, request, goal]);
+        shell.reason(REASON_MAP, !map.is_current());
+        let trigger = map.trigger(shell.roster(), odometry, news);
+        for due in shell.due(&trigger) {
+            let started_ns = now_ns();
+            if let Some(news) = self.plan(shell, due) {
+                self.publish(shell, due, news, started_ns);
             }
-            return Ok(None);
         }
-        if let Some(map) = self.inputs.map.stamp().filter(|map| news && map.tick > 0) {
-            let tick = map.tick;
-            let kind = if tick > self.answered_tick {
-                SpanKind::Answer
-            } else {
-                SpanKind::Extra
-            };
-            self.answer(shell, tick, kind);
-        }
-        let more = self.replanner.prepare(AHEAD_EXPANSIONS);
-        if more {
+        // In lockstep all of it before the next tick, so that wall time does not affect the run.
+        while self.replanner.prepare(AHEAD_EXPANSIONS) {
             shell.progress();
+            if !shell.roster().lockstep() {
+                shell.wake_by(shell.woken_ns());
+                break;
+            }
         }
-        Ok(more.then(|| shell.woken_ns()))
+        Ok(())
     }
 }
 
 impl PlannerService {
-    /// Health: what is missing, what was refused.
-    fn tell(&mut self, shell: &mut Shell) {
-        let inputs = &self.inputs;
-        shell.reason(
-            REASON_MAP,
-            inputs.map.is_lost() || inputs.map.info().current == 0,
-        );
-        shell.totals(
-            inputs.odometry.refused()
-                + inputs.map.refused()
-                + inputs.request.refused()
-                + inputs.tasks.refused(),
-            inputs.request.superseded(),
-        );
-    }
-
-    fn answer(&mut self, shell: &mut Shell, tick: u64, kind: SpanKind) {
-        let Some(robot) = self.inputs.map_from_base() else {
-            return;
-        };
-        self.inputs.tasks.at(tick);
-        let started_ns = now_ns();
-        let geometry = self.replanner.plan().geometry;
-        let mut step = self
-            .replanner
-            .begin(&self.inputs.situation(robot, geometry));
-        self.inputs.changed.clear();
+    /// One cycle of the replanner; `None` before the first odometry.
+    fn plan(&mut self, shell: &mut Shell, due: Due) -> Option<News> {
+        if due == Due::IDLE {
+            return Some(News::New);
+        }
+        let Self {
+            replanner, inputs, ..
+        } = self;
+        let robot = inputs.map_from_base()?;
+        inputs.goal.advance(shell.roster(), due.tick);
+        let geometry = replanner.plan().geometry;
+        let mut step = replanner.begin(&inputs.situation(robot, geometry));
+        inputs.changed.clear();
         let lockstep = shell.roster().lockstep();
-        while let Step::Search(_) = step {
-            let Self {
-                replanner, inputs, ..
-            } = self;
-            let situation = inputs.situation(robot, geometry);
+        loop {
+            match step {
+                Step::Publish(news) => return Some(news),
+                Step::Search(_) => {}
+            }
             // A search is given up for a new goal; everything else waits for its result.
-            let tasks = &inputs.tasks;
-            replanner.search(&situation, &mut |_| {
+            let goal = &inputs.goal;
+            replanner.search(&inputs.situation(robot, geometry), &mut |_| {
                 shell.progress();
-                if !lockstep && tasks.waits() {
+                if !lockstep && goal.waits() {
                     Control::Stop
                 } else {
                     Control::Go
@@ -289,46 +211,25 @@ impl PlannerService {
             });
             if !lockstep {
                 inputs.poll(shell);
-                inputs.tasks.at(tick);
+                inputs.goal.advance(shell.roster(), due.tick);
             }
             step = replanner.settle(&inputs.situation(robot, geometry));
             inputs.changed.clear();
         }
-        let news = match step {
-            Step::Publish(news) if !self.unsent => news,
-            _ => News::New,
-        };
-        self.publish_from(shell, tick, kind, news, started_ns);
     }
 
-    fn publish(&mut self, shell: &mut Shell, tick: u64, kind: SpanKind, news: News) {
-        self.publish_from(shell, tick, kind, news, now_ns());
-    }
-
-    fn publish_from(
-        &mut self,
-        shell: &mut Shell,
-        tick: u64,
-        kind: SpanKind,
-        news: News,
-        started_ns: u64,
-    ) {
-        let inputs = &self.inputs;
-        let map = inputs.map.stamp().unwrap_or_default();
-        let run_ns = if tick == map.tick {
-            map.run_ns
-        } else {
-            tick.saturating_mul(shell.roster().clock.tick_ns)
-        };
-        let mut draft = shell.draft(tick, run_ns, map.capture_ns, inputs.parents());
+    fn publish(&mut self, shell: &mut Shell, due: Due, news: News, started_ns: u64) {
+        let is_new = news == News::New;
+        let mut draft = self.inputs.map.begin(shell, due, self.inputs.parents());
         draft.started_ns = started_ns;
-        if news == News::New {
+        if is_new {
+            // When there is no memory for this message, the next one has the same identity.
             self.replanner.name_geometry(self.path.next_id().0);
         }
         let plan = self.replanner.plan();
-        if news == News::New {
+        if is_new {
             tracing::info!(
-                tick,
+                tick = due.tick,
                 cause = plan.cause.label(),
                 status = plan.status.label(),
                 length_m = plan.length_m,
@@ -338,24 +239,11 @@ impl PlannerService {
                 "path"
             );
         }
-        let waypoints = &plan.waypoints;
-        let sent = self.path.publish_with(&draft, waypoints.len(), |slot| {
-            slot.copy_from_slice(waypoints);
-            let mut message = Path::default();
-            plan.fill(&mut message);
-            message
-        });
-        self.unsent = sent.is_none() && news == News::New;
-        let work = plan.cells.stats.expanded;
-        let output = shell.sent(&self.path, sent);
-        self.answered_tick = self.answered_tick.max(tick);
-        let work = if news == News::New { work } else { 0 };
-        shell.finish(&Cycle {
-            kind,
-            draft,
-            output,
-            work,
-        });
+        let mut message = Path::default();
+        plan.fill(&mut message);
+        let sent = shell.send(&draft, &mut self.path, message, &plan.waypoints);
+        let work = if is_new { plan.cells.stats.expanded } else { 0 };
+        shell.finish(&draft, sent, work);
     }
 }
 

@@ -209,7 +209,7 @@ pub fn look_up(root: &Path) -> Result<(String, Config), StartError> {
 fn config(root: &Path, prefix: &str) -> Result<Config, StartError> {
     let unusable = |_| StartError::Usage(format!("--domain {}: unusable name", root.display()));
     let mut config = Config::default();
-    // What dead members left is removed by a process of its own (see [`crate::cleaning`]): a member
+    // What dead members left is removed by a process of its own (see `cleaning.rs`): a member
     // that did it would wait for files that may be corrupt.
     config.global.node.cleanup_dead_nodes_on_creation = false;
     config.global.node.cleanup_dead_nodes_on_destruction = false;

@@ -9,7 +9,7 @@
 
 use crate::clock::now_ns;
 use crate::seat;
-use crate::service::{Service, Shell};
+use crate::shell::Shell;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use zeronav_msgs::role::Role;
@@ -51,7 +51,7 @@ impl Leaving {
     }
 
     /// One look before a wake; true when the service shall leave at once.
-    pub(crate) fn look<S: Service>(&mut self, shell: &mut Shell) -> bool {
+    pub(crate) fn look(&mut self, shell: &mut Shell) -> bool {
         let now_ns = now_ns();
         if self.orphaned_ns.is_some() {
             return false;
@@ -62,10 +62,10 @@ impl Leaving {
         if self.asked_ns.is_some() || now_ns >= self.look_ns {
             self.look_ns = now_ns + LOOK_NS;
             if shell.peer().domain().is_orphaned() {
-                tracing::warn!(role = %S::ROLE, "launch is gone, leaving");
+                tracing::warn!(role = %shell.peer().role(), "launch is gone, leaving");
                 self.orphaned_ns = Some(now_ns);
                 shell.come_to_rest();
-                return !brings_to_rest::<S>(shell);
+                return !brings_to_rest(shell);
             }
         }
         let at_rest = !shell.roster().is_known() || shell.roster().control.stopping == 1;
@@ -74,14 +74,15 @@ impl Leaving {
     }
 
     /// One look after a wake; true when launch is gone and nothing is left to do.
-    pub(crate) fn rests<S: Service>(&self, shell: &Shell, service: &S) -> bool {
+    pub(crate) fn rests(&self, shell: &Shell, is_at_rest: impl FnOnce() -> bool) -> bool {
         let Some(orphaned_ns) = self.orphaned_ns else {
             return false;
         };
-        let is_robot = S::ROLE == Role::Robot;
+        let role = shell.peer().role();
+        let is_robot = role == Role::Robot;
         let longer_ns = if is_robot { ROBOT_LONGER_NS } else { 0 };
         if now_ns() >= orphaned_ns + REST_LIMIT_NS + longer_ns {
-            tracing::warn!(role = %S::ROLE, "the robot did not come to rest in time");
+            tracing::warn!(%role, "the robot did not come to rest in time");
             return true;
         }
         let folder = shell.peer().domain().folder();
@@ -90,7 +91,7 @@ impl Leaving {
                 .into_iter()
                 .any(|role| seat::is_taken(folder, role))
         };
-        service.is_at_rest() && !(is_robot && commanded())
+        is_at_rest() && !(is_robot && commanded())
     }
 
     /// When the next look is due at the latest. [ns]
@@ -110,9 +111,9 @@ impl Leaving {
 
 /// True for a service that has to do with the wheels of a robot that moves by itself. In lockstep
 /// the robot stands as soon as launch does not extend its lease.
-fn brings_to_rest<S: Service>(shell: &Shell) -> bool {
+fn brings_to_rest(shell: &Shell) -> bool {
     let at_the_wheels = matches!(
-        S::ROLE,
+        shell.peer().role(),
         Role::LocalPlanner | Role::CollisionGuard | Role::Robot
     );
     let roster = shell.roster();

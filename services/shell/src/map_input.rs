@@ -1,13 +1,17 @@
 //! The map as a service takes it in: updates in order, and a keyframe when one was missed.
 
+use crate::due::{Due, Trigger};
 use crate::error::StartError;
+use crate::input::Input;
+use crate::odometry::OdometryReader;
 use crate::peer::Peer;
 use crate::reader::{Latest, Stream};
+use crate::received::Received;
 use crate::roster::Roster;
-use crate::service::Shell;
-use crate::stamp::Stamp;
+use crate::shell::Shell;
+use crate::writer::Draft;
 use zeronav_msgs::grid::CellRect;
-use zeronav_msgs::header::Id;
+use zeronav_msgs::header::{Id, Parents};
 use zeronav_msgs::map::{MapInfo, MapView};
 use zeronav_msgs::pose::Pose;
 use zeronav_msgs::replica::MapReplica;
@@ -24,7 +28,7 @@ pub struct MapInput {
     keyframe: Latest<MapKeyframe>,
     replica: MapReplica,
     changed: Vec<CellRect>,
-    newest: Option<Stamp>,
+    newest: Option<Received>,
     asked_ns: Option<u64>,
 }
 
@@ -49,7 +53,7 @@ impl MapInput {
     /// completed.
     pub fn poll(&mut self, shell: &Shell) -> bool {
         let (roster, now_ns) = (shell.roster(), shell.woken_ns());
-        let completed = self.take_in(roster, now_ns);
+        let completed = self.take_in(roster);
         let asked = |asked_ns| now_ns.saturating_sub(asked_ns) < ASK_PAUSE_NS;
         if self.is_lost() && roster.has_clock() && !self.asked_ns.is_some_and(asked) {
             self.asked_ns = Some(now_ns);
@@ -59,13 +63,13 @@ impl MapInput {
     }
 
     /// [`Self::poll`] for members without a shell: asks for nothing.
-    pub fn take_in(&mut self, roster: &Roster, came_ns: u64) -> bool {
+    pub fn take_in(&mut self, roster: &Roster) -> bool {
         let mut completed = false;
         self.updates.drain(roster, |view| {
             self.replica.update(view.header.id(), view.meta, view.items);
-            // The parts before are of a revision that nobody can have yet.
+            // The parts before are of a revision that is not complete yet.
             if view.meta.is_last_part() {
-                self.newest = Some(Stamp::of(view.header, came_ns));
+                self.newest = Some(Received::of(view.header, roster.woken_ns));
                 completed = true;
             }
         });
@@ -79,6 +83,36 @@ impl MapInput {
         self.keyframe.release();
         self.changed = self.replica.take_changed();
         completed
+    }
+
+    /// The trigger of a service that answers every map: in lockstep each tick with a scan, after
+    /// the map of that tick; in real time the newest map, and again when there is `news`.
+    #[must_use]
+    pub fn trigger(&self, roster: &Roster, odometry: &OdometryReader, news: bool) -> Trigger {
+        let lockstep = roster.lockstep();
+        let tick = match (odometry.newest(), self.newest) {
+            (Some(odometry), _) if lockstep && odometry.odometry.scan_due() => odometry.tick,
+            (_, Some(map)) if !lockstep => map.tick,
+            _ => 0,
+        };
+        Trigger {
+            tick,
+            complete: !lockstep || !roster.answers(Role::Mapping, tick) || self.has(tick),
+            deadline_ns: None,
+            news,
+        }
+    }
+
+    /// Begins an answer to the newest map.
+    #[must_use]
+    pub fn begin(&self, shell: &Shell, due: Due, parents: Parents) -> Draft {
+        let map = self.newest.unwrap_or_default();
+        let run_ns = if due.tick == map.tick {
+            map.run_ns
+        } else {
+            shell.run_ns(due.tick)
+        };
+        shell.begin(due, run_ns, map.capture_ns, parents)
     }
 
     /// The map, once there is one.
@@ -111,10 +145,16 @@ impl MapInput {
         &self.changed
     }
 
-    /// Of the newest update whose last part came in.
+    /// When the newest update whose last part came in was captured and received.
     #[must_use]
-    pub fn stamp(&self) -> Option<Stamp> {
+    pub fn received(&self) -> Option<Received> {
         self.newest
+    }
+
+    /// True when there is a map without a gap and mapping still receives scans.
+    #[must_use]
+    pub fn is_current(&self) -> bool {
+        !self.is_lost() && self.info().current == 1
     }
 
     /// True when the copy can only go on with a keyframe.
@@ -128,10 +168,10 @@ impl MapInput {
     pub fn has(&self, tick: u64) -> bool {
         self.newest.is_some_and(|newest| newest.tick >= tick) && !self.is_lost()
     }
+}
 
-    /// Messages that were refused.
-    #[must_use]
-    pub fn refused(&self) -> u64 {
+impl Input for MapInput {
+    fn refused(&self) -> u64 {
         self.updates.refused() + self.keyframe.refused()
     }
 }

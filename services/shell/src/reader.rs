@@ -1,5 +1,7 @@
-//! The reading ends of a topic. Foreign bytes are checked here, once, for everybody.
+//! The reading ends of a topic. Foreign bytes are checked here and nowhere else.
 
+use crate::input::Input;
+use crate::received::Received;
 use crate::roster::Roster;
 use iceoryx2::prelude::ipc;
 use iceoryx2::sample::Sample;
@@ -14,12 +16,12 @@ pub(crate) type Subscriber<T> = iceoryx2::port::subscriber::Subscriber<
     <T as Topic>::Envelope,
 >;
 
-type Received<T> = Sample<ipc::Service, [<T as Topic>::Item], <T as Topic>::Envelope>;
+type Message<T> = Sample<ipc::Service, [<T as Topic>::Item], <T as Topic>::Envelope>;
 
 /// A message as it lies in shared memory.
 #[derive(Debug)]
 pub struct View<'a, T: Topic> {
-    /// Who, which, when, because of what.
+    /// Author, identity, times, parents.
     pub header: &'a Header,
     /// The fixed fields.
     pub meta: &'a T::Meta,
@@ -35,7 +37,7 @@ impl<T: Topic> Clone for View<'_, T> {
 
 impl<T: Topic> Copy for View<'_, T> {}
 
-fn view<T: Topic>(sample: &Received<T>) -> View<'_, T> {
+fn view<T: Topic>(sample: &Message<T>) -> View<'_, T> {
     let envelope: &T::Envelope = sample.user_header();
     View {
         header: envelope.header(),
@@ -64,7 +66,7 @@ impl Gate {
         }
     }
 
-    fn admits<T: Topic>(&mut self, sample: &Received<T>, roster: &Roster) -> bool {
+    fn admits<T: Topic>(&mut self, sample: &Message<T>, roster: &Roster) -> bool {
         let envelope: &T::Envelope = sample.user_header();
         let header = envelope.header();
         if let Err(refusal) = decode::<T>(self.row, envelope, sample.payload()) {
@@ -87,7 +89,9 @@ impl Gate {
 pub struct Latest<T: Topic> {
     gate: Gate,
     subscriber: Subscriber<T>,
-    held: Option<Received<T>>,
+    held: Option<Message<T>>,
+    /// When it came in. [ns]
+    came_ns: u64,
     superseded: u64,
 }
 
@@ -97,6 +101,7 @@ impl<T: Topic> Latest<T> {
             gate: Gate::new(row),
             subscriber,
             held: None,
+            came_ns: 0,
             superseded: 0,
         }
     }
@@ -105,7 +110,7 @@ impl<T: Topic> Latest<T> {
     ///
     /// Messages of several writers arrive writer by writer, so the newest is the one with the
     /// highest id and not the one that came last. Before it is known who is obeyed, messages of
-    /// services are left where they are: a latched one comes once, and nobody would believe it yet.
+    /// services are left where they are: a latched one comes once and would be rejected.
     pub fn poll(&mut self, roster: &Roster) -> bool {
         if roster.seats.is_empty() && !self.gate.row.writers.contains(&Role::Launch) {
             return false;
@@ -122,6 +127,7 @@ impl<T: Topic> Latest<T> {
             if newer {
                 self.superseded += u64::from(fresh);
                 self.held = Some(sample);
+                self.came_ns = roster.woken_ns;
                 fresh = true;
             } else {
                 self.superseded += 1;
@@ -142,10 +148,17 @@ impl<T: Topic> Latest<T> {
         self.held.as_ref().map(view::<T>)
     }
 
-    /// Gives the newest message back to its writer, once it has been used. Messages that are large
-    /// and rare have few places; whoever keeps an old one takes a place from the next.
+    /// Gives the newest message back to its writer, once it has been used. Large and rare messages
+    /// have few places: an old one that is kept takes a place from the next.
     pub fn release(&mut self) {
         self.held = None;
+    }
+
+    /// When the newest message was captured and received.
+    #[must_use]
+    pub fn received(&self) -> Option<Received> {
+        self.get()
+            .map(|view| Received::of(view.header, self.came_ns))
     }
 
     /// Identity of the newest message; [`Id::NONE`] before the first.
@@ -160,23 +173,21 @@ impl<T: Topic> Latest<T> {
         self.get().map_or(0, |view| view.header.tick)
     }
 
-    /// Tick up to which the writer has spoken, whether what it said could be used or not; in
-    /// lockstep nobody waits any longer for a message that was refused.
+    /// Tick up to which the writer has answered, whether its message was accepted or rejected; in
+    /// lockstep a rejected message is not waited for any longer.
     #[must_use]
     pub fn spoken_tick(&self) -> u64 {
         self.tick().max(self.gate.refused_tick)
     }
+}
 
-    /// Messages overtaken by newer ones before they were looked at.
-    #[must_use]
-    pub fn superseded(&self) -> u64 {
-        self.superseded
+impl<T: Topic> Input for Latest<T> {
+    fn refused(&self) -> u64 {
+        self.gate.refused
     }
 
-    /// Messages that were refused.
-    #[must_use]
-    pub fn refused(&self) -> u64 {
-        self.gate.refused
+    fn superseded(&self) -> u64 {
+        self.superseded
     }
 }
 
@@ -220,10 +231,10 @@ impl<T: Topic> Stream<T> {
     pub fn gaps(&self) -> u64 {
         self.gaps
     }
+}
 
-    /// Messages that were refused.
-    #[must_use]
-    pub fn refused(&self) -> u64 {
+impl<T: Topic> Input for Stream<T> {
+    fn refused(&self) -> u64 {
         self.gate.refused
     }
 }

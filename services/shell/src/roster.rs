@@ -1,19 +1,8 @@
 //! Who is obeyed, who has to answer, and how the run keeps time.
 
-use crate::error::StartError;
-use crate::peer::Peer;
-use crate::reader::Latest;
-use std::time::{Duration, Instant};
 use zeronav_msgs::header::Header;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::run::{RunClock, RunControl, RunMode, Seat};
-use zeronav_msgs::topics::{RunClockTopic, RunControlTopic};
-
-/// How long launch may take to say who is obeyed.
-const KNOWN_LIMIT: Duration = Duration::from_secs(5);
-
-/// Time between two looks at what launch says.
-const KNOWN_PAUSE: Duration = Duration::from_millis(5);
 
 /// What `run/clock` and `run/control` say, as this process last read it.
 #[derive(Debug, Clone, Default)]
@@ -26,6 +15,8 @@ pub struct Roster {
     pub seats: Vec<Seat>,
     /// The reader's own role, whose `hear_tick` counts; `None` hears everything.
     pub own: Option<Role>,
+    /// When the reader woke: what it polls with this roster came in by then. Monotonic. [ns]
+    pub woken_ns: u64,
 }
 
 impl Roster {
@@ -60,6 +51,13 @@ impl Roster {
         self.seat(role).is_some_and(|seat| seat.answers(tick))
     }
 
+    /// True when an answer to `tick` still waits for that of `role`, which has answered up to
+    /// `spoken_tick`; lockstep only.
+    #[must_use]
+    pub fn awaits(&self, role: Role, tick: u64, spoken_tick: u64) -> bool {
+        self.lockstep() && self.answers(role, tick) && spoken_tick < tick
+    }
+
     /// True when every stage answers every tick of its trigger exactly once.
     #[must_use]
     pub fn lockstep(&self) -> bool {
@@ -79,94 +77,6 @@ impl Roster {
             self.clock.mode(),
             Some(RunMode::RealTime | RunMode::Lockstep)
         )
-    }
-}
-
-/// Reads `run/clock` and `run/control`.
-#[derive(Debug)]
-pub struct RosterReader {
-    clock: Latest<RunClockTopic>,
-    control: Latest<RunControlTopic>,
-    roster: Roster,
-    /// Launch is gone: what it said last about going on does not hold any more.
-    rest: bool,
-}
-
-impl RosterReader {
-    /// Opens both topics.
-    ///
-    /// # Errors
-    /// As [`Peer::latest`].
-    pub fn open(peer: &Peer) -> Result<Self, StartError> {
-        Ok(Self {
-            clock: peer.latest()?,
-            control: peer.latest()?,
-            roster: Roster {
-                own: Some(peer.role()),
-                ..Roster::default()
-            },
-            rest: false,
-        })
-    }
-
-    /// From now on the roster says that the robot shall stop.
-    pub(crate) fn come_to_rest(&mut self) {
-        self.rest = true;
-        self.poll();
-    }
-
-    /// Makes sure that `epoch` is the one that is obeyed in the seat of `role`, once launch says
-    /// who is.
-    ///
-    /// # Errors
-    /// [`StartError::Usage`] naming the epoch that launch expects.
-    pub fn expects(&mut self, role: Role, epoch: u32) -> Result<(), StartError> {
-        let started = Instant::now();
-        while !self.roster.is_known() {
-            if started.elapsed() > KNOWN_LIMIT {
-                return Err(StartError::system(
-                    "reading run/control",
-                    "launch says nothing",
-                ));
-            }
-            std::thread::sleep(KNOWN_PAUSE);
-            self.poll();
-        }
-        match self.roster.seat(role) {
-            Some(seat) if seat.epoch == epoch => Ok(()),
-            Some(seat) => Err(StartError::Usage(format!(
-                "--epoch {epoch}: the seat of {role} expects --epoch {}, no other is obeyed",
-                seat.epoch
-            ))),
-            None => Err(StartError::Usage(format!(
-                "this run has no seat for {role}"
-            ))),
-        }
-    }
-
-    /// Takes in what has come.
-    pub fn poll(&mut self) {
-        if self.clock.poll(&self.roster)
-            && let Some(clock) = self.clock.get()
-        {
-            self.roster.clock = *clock.meta;
-        }
-        if self.control.poll(&self.roster)
-            && let Some(control) = self.control.get()
-        {
-            self.roster.control = *control.meta;
-            self.roster.seats.clear();
-            self.roster.seats.extend_from_slice(control.items);
-        }
-        if self.rest {
-            (self.roster.control.stopping, self.roster.control.paused) = (1, 0);
-        }
-    }
-
-    /// What was read last.
-    #[must_use]
-    pub fn roster(&self) -> &Roster {
-        &self.roster
     }
 }
 

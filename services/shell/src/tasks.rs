@@ -1,7 +1,8 @@
-//! The task at hand. In lockstep a task holds from a named tick, so that it takes effect at the
+//! The current task. In lockstep a task holds from a named tick, so that it takes effect at the
 //! same moment in every run, whenever its message came in.
 
 use crate::error::StartError;
+use crate::input::Input;
 use crate::peer::Peer;
 use crate::reader::Latest;
 use crate::roster::Roster;
@@ -9,7 +10,7 @@ use zeronav_msgs::header::Id;
 use zeronav_msgs::task::{Goal, TaskKind};
 use zeronav_msgs::topics::TaskGoal;
 
-/// A task, without its place in shared memory.
+/// A task, copied out of shared memory.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeldTask {
     /// Id on `task/goal`.
@@ -82,10 +83,10 @@ impl Tasks {
     pub fn current(&self) -> Option<&HeldTask> {
         self.current.as_ref()
     }
+}
 
-    /// Messages that were refused.
-    #[must_use]
-    pub fn refused(&self) -> u64 {
+impl Input for Tasks {
+    fn refused(&self) -> u64 {
         self.reader.refused()
     }
 }

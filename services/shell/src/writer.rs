@@ -7,11 +7,14 @@ use iceoryx2::prelude::ipc;
 use zeronav_msgs::header::{Header, Id, Parents, Stamps};
 use zeronav_msgs::message::{FNV_OFFSET, fnv1a};
 use zeronav_msgs::role::Role;
+use zeronav_msgs::span::SpanKind;
 use zeronav_msgs::topics::{Envelope, Topic, TopicRow};
 
 /// What the author knows about a message before it has an identity.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy)]
 pub struct Draft {
+    /// What kind of answer it belongs to.
+    pub kind: SpanKind,
     /// Tick that is answered, 0 = idle output.
     pub tick: u64,
     /// Run time of it. [ns]
@@ -28,6 +31,22 @@ pub struct Draft {
     pub raw_ns: u64,
     /// True when the message counts for the run's hash.
     pub hashed: bool,
+}
+
+impl Default for Draft {
+    fn default() -> Self {
+        Self {
+            kind: SpanKind::Idle,
+            tick: 0,
+            run_ns: 0,
+            capture_ns: 0,
+            parents: Parents::default(),
+            woken_ns: 0,
+            started_ns: 0,
+            raw_ns: 0,
+            hashed: false,
+        }
+    }
 }
 
 /// A message that is out.

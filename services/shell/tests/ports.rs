@@ -15,7 +15,7 @@ use zeronav_msgs::span::{Span, SpanKind};
 use zeronav_msgs::topics::{
     ControlRequest, MapKeyframe, MapUpdate, RobotDescription, RobotOdometry,
 };
-use zeronav_shell::{Draft, MapInput, Peer, Roster, Stamp, StartError, memory};
+use zeronav_shell::{Draft, Input, MapInput, Peer, Received, Roster, StartError, memory};
 
 fn roster(seats: &[(Role, u32)]) -> Roster {
     Roster {
@@ -234,13 +234,13 @@ fn a_map_counts_when_its_last_part_is_in_and_a_gap_is_healed_by_a_keyframe() {
     let mut map = MapInput::open(&planner).expect("a reader");
     let mut updates = mapping.writer::<MapUpdate>(1).expect("a writer");
     let mut keyframes = mapping.writer::<MapKeyframe>(2).expect("a writer");
-    let roster = roster(&[(Role::Mapping, 1)]);
+    let mut roster = roster(&[(Role::Mapping, 1)]);
     let tiles = [0, 1].map(|tile_x| MapTile {
         tile_x,
         tile_y: 0,
         cells: [MapCell::unknown(0); 1024],
     });
-    assert!(map.is_lost() && map.view().is_none() && map.stamp().is_none());
+    assert!(map.is_lost() && map.view().is_none() && map.received().is_none());
 
     let first = updates.next_id();
     let empty = |revision| map_info(revision, 0, 1, 0);
@@ -253,7 +253,8 @@ fn a_map_counts_when_its_last_part_is_in_and_a_gap_is_healed_by_a_keyframe() {
         assert!(sent.is_some(), "no place for a keyframe");
     };
     send_whole(first);
-    assert!(map.take_in(&roster, 7));
+    roster.woken_ns = 7;
+    assert!(map.take_in(&roster));
     assert!(map.has(1) && !map.has(2));
     assert_eq!(map.changed().len(), 1, "all of it");
 
@@ -262,26 +263,29 @@ fn a_map_counts_when_its_last_part_is_in_and_a_gap_is_healed_by_a_keyframe() {
     updates
         .publish(&of_tick(2), part(0), &tiles[..1])
         .expect("sent");
-    assert!(!map.take_in(&roster, 8), "a part is no revision");
+    roster.woken_ns = 8;
+    assert!(!map.take_in(&roster), "a part is no revision");
     assert_eq!((map.revision(), map.has(2)), (first, false));
     assert!(map.changed().is_empty());
     updates
         .publish(&of_tick(2), part(1), &tiles[1..])
         .expect("sent");
-    assert!(map.take_in(&roster, 9));
+    roster.woken_ns = 9;
+    assert!(map.take_in(&roster));
     assert_eq!((map.revision(), map.has(2)), (last, true));
     assert_eq!(map.changed().len(), 2);
-    let stamp = Stamp {
+    let received = Received {
         tick: 2,
         came_ns: 9,
-        ..Stamp::default()
+        ..Received::default()
     };
-    assert_eq!(map.stamp(), Some(stamp));
+    assert_eq!(map.received(), Some(received));
 
     // Keyframes that nobody needs are given back, or the writer would run out of places.
     for _ in 0..20 {
         send_whole(last);
-        assert!(!map.take_in(&roster, 10));
+        roster.woken_ns = 10;
+        assert!(!map.take_in(&roster));
     }
 
     // The queue keeps the last 32.
@@ -291,13 +295,15 @@ fn a_map_counts_when_its_last_part_is_in_and_a_gap_is_healed_by_a_keyframe() {
             .publish(&of_tick(tick), empty(revision), &[])
             .expect("sent");
     }
-    assert!(map.take_in(&roster, 11));
+    roster.woken_ns = 11;
+    assert!(map.take_in(&roster));
     assert!(
         map.is_lost() && !map.has(42),
         "nobody knows what was missed"
     );
     send_whole(Id(updates.next_id().0 - 1));
-    map.take_in(&roster, 12);
+    roster.woken_ns = 12;
+    map.take_in(&roster);
     assert!(map.has(42) && !map.is_lost());
     assert_eq!(map.refused(), 0);
 }

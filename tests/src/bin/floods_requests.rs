@@ -1,5 +1,5 @@
-//! A local planner that asks for far more than the robot can do, ten thousand times a second:
-//! ten requests every millisecond, to turn as fast as a message can say, now left, now right.
+//! A local planner that requests the fastest turn a message can hold, alternately left and right,
+//! ten thousand times a second: ten requests every millisecond.
 
 use std::process::ExitCode;
 use zeronav_msgs::command::{Validity, VelocityRequest};
@@ -13,7 +13,7 @@ use zeronav_tests::seats::{AnyConfig, RequestSeat};
 const REQUESTS: u64 = 10;
 const PAUSE_NS: u64 = 1_000_000;
 
-/// Requests until it turns the other way around.
+/// Requests before it changes the direction of the turn.
 const ONE_WAY: u64 = 1024;
 
 struct FloodsRequests {
@@ -32,9 +32,9 @@ impl Service for FloodsRequests {
         })
     }
 
-    fn wake(&mut self, shell: &mut Shell, _rung: Rung) -> Result<Option<u64>, StartError> {
-        for turn in self.seat.turns(shell) {
-            self.seat.answer(shell, turn, turning(self.sent));
+    fn wake(&mut self, shell: &mut Shell, _rung: Rung) -> Result<(), StartError> {
+        for due in self.seat.due(shell) {
+            self.seat.answer(shell, due, turning(self.sent));
         }
         if shell.roster().has_clock() {
             for _ in 0..REQUESTS {
@@ -42,7 +42,8 @@ impl Service for FloodsRequests {
                 self.sent += 1;
             }
         }
-        Ok(Some(shell.woken_ns() + PAUSE_NS))
+        shell.wake_by(shell.woken_ns() + PAUSE_NS);
+        Ok(())
     }
 }
 

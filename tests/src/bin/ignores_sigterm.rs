@@ -17,9 +17,9 @@ impl Service for IgnoresSigterm {
         Ok(Self(RequestSeat::open(shell)?))
     }
 
-    fn wake(&mut self, shell: &mut Shell, _rung: Rung) -> Result<Option<u64>, StartError> {
+    fn wake(&mut self, shell: &mut Shell, _rung: Rung) -> Result<(), StartError> {
         self.0.answer_all(shell, VelocityRequest::default());
-        Ok(None)
+        Ok(())
     }
 }
 

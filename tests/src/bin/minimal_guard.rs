@@ -1,5 +1,4 @@
-//! The least that can sit in the guard's seat: a young request is brought into the robot's limits,
-//! everything else is a stop.
+//! A minimal guard: limits a recent request to the robot's speeds, and stops otherwise.
 
 use std::process::ExitCode;
 use zeronav_msgs::command::{Intervention, Validity, VelocityCommand};
@@ -7,10 +6,9 @@ use zeronav_msgs::header::Parents;
 use zeronav_msgs::health::REASON_REQUEST;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::topics::{ControlRequest, RobotCommand, RobotDescription, RobotScan};
-use zeronav_shell::clock::now_ns;
 use zeronav_shell::doorbell::Rung;
 use zeronav_shell::{
-    Latest, NoConfig, Service, Shell, StartError, TrackReader, Trigger, Turn, Writer,
+    Due, Latest, NoConfig, OdometryReader, Received, Service, Shell, StartError, Trigger, Writer,
 };
 
 /// How long after odometry the guard waits for the request that belongs to it. [ns]
@@ -22,12 +20,10 @@ const SCAN_STALE_NS: u64 = 350_000_000;
 
 struct MinimalGuard {
     description: Latest<RobotDescription>,
-    odometry: TrackReader,
+    odometry: OdometryReader,
     scan: Latest<RobotScan>,
     request: Latest<ControlRequest>,
     command: Writer<RobotCommand>,
-    /// When odometry, scan and request came in last, by the own clock. [ns]
-    came_ns: [u64; 3],
 }
 
 impl Service for MinimalGuard {
@@ -38,81 +34,67 @@ impl Service for MinimalGuard {
         let peer = shell.peer();
         Ok(Self {
             description: peer.latest()?,
-            odometry: TrackReader::open(peer)?,
+            odometry: OdometryReader::open(peer)?,
             scan: peer.latest()?,
             request: peer.latest()?,
             command: peer.writer(1)?,
-            came_ns: [0; 3],
         })
     }
 
-    fn wake(&mut self, shell: &mut Shell, _rung: Rung) -> Result<Option<u64>, StartError> {
+    fn wake(&mut self, shell: &mut Shell, _rung: Rung) -> Result<(), StartError> {
         let roster = shell.roster();
-        let moved = self.odometry.poll(roster);
+        self.odometry.poll(roster);
         self.description.poll(roster);
-        let news = [moved, self.scan.poll(roster), self.request.poll(roster)];
-        for (came_ns, _) in self.came_ns.iter_mut().zip(news).filter(|(_, new)| *new) {
-            *came_ns = shell.woken_ns();
-        }
-        shell.totals(self.request.refused() + self.odometry.refused(), 0);
-        let (tick, asked) = (self.odometry.tick(), news[2]);
-        let due_ns = self.came_ns[0] + PATIENCE_NS;
-        let roster = shell.roster();
-        let early = !roster.lockstep() && !asked && now_ns() < due_ns;
-        let unasked = roster.answers(Role::LocalPlanner, tick) && self.request.tick() < tick;
-        let waits = early || (roster.lockstep() && unasked);
+        self.scan.poll(roster);
+        let requested = self.request.poll(roster);
+        shell.count(&[&self.odometry, &self.scan, &self.request]);
+        let (roster, tick) = (shell.roster(), self.odometry.tick());
         let trigger = Trigger {
             tick,
-            complete: !waits,
-            news: asked,
+            complete: if roster.lockstep() {
+                !roster.awaits(Role::LocalPlanner, tick, self.request.spoken_tick())
+            } else {
+                requested
+            },
+            deadline_ns: self.odometry.newest().map(|it| it.came_ns + PATIENCE_NS),
+            news: requested,
         };
-        for turn in shell.turns(&trigger) {
-            self.answer(shell, turn);
+        for due in shell.due(&trigger) {
+            self.answer(shell, due);
         }
-        Ok(early.then_some(due_ns))
+        Ok(())
     }
 }
 
 impl MinimalGuard {
-    fn answer(&mut self, shell: &mut Shell, turn: Turn) {
-        let scan = self.scan.get().map(|view| *view.header);
-        let request = self.request.get().map(|view| *view.header);
-        let odometry = self.odometry.track().newest();
-        let run_ns = turn.tick.saturating_mul(shell.roster().clock.tick_ns);
+    fn answer(&mut self, shell: &mut Shell, due: Due) {
         let parents = Parents {
             odometry: self.odometry.id().0,
-            scan: scan.map_or(0, |header| header.id),
-            request: request.map_or(0, |header| header.id),
+            scan: self.scan.id().0,
+            request: self.request.id().0,
             ..Parents::default()
         };
-        let capture_ns = scan.map_or(0, |header| header.capture_ns);
-        let draft = shell.draft(turn.tick, run_ns, capture_ns, parents);
-        // Ages are run time in lockstep and the own clock otherwise.
-        let (lockstep, now_ns) = (shell.roster().lockstep(), now_ns());
-        let old = |made_run_ns: Option<u64>, came_ns: u64, limit_ns: u64| {
-            let age_ns = if lockstep {
-                made_run_ns.map_or(u64::MAX, |made| run_ns.saturating_sub(made))
-            } else {
-                now_ns.saturating_sub(came_ns)
-            };
-            age_ns > limit_ns
+        let capture_ns = self.scan.received().map_or(0, |scan| scan.capture_ns);
+        let draft = shell.begin(due, shell.run_ns(due.tick), capture_ns, parents);
+        let old = |message: Option<Received>, limit_ns: u64| {
+            message.is_none_or(|it| shell.age_ns(&draft, &it.on_arrival()) > limit_ns)
         };
-        let [odometry_ns, scan_ns, request_ns] = self.came_ns;
-        let intervention = if old(request.map(|h| h.run_ns), request_ns, STALE_NS) {
+        let odometry = self.odometry.newest().map(|newest| newest.received());
+        let intervention = if old(self.request.received(), STALE_NS) {
             Intervention::RequestStale
-        } else if old(scan.map(|h| h.run_ns), scan_ns, SCAN_STALE_NS) {
+        } else if old(self.scan.received(), SCAN_STALE_NS) {
             Intervention::ScanStale
-        } else if old(odometry.map(|m| m.run_ns), odometry_ns, STALE_NS) {
+        } else if old(odometry, STALE_NS) {
             Intervention::OdometryStale
         } else {
             Intervention::None
         };
         let command = self.command_of(intervention, shell.roster().control.stopping == 1);
         shell.reason(REASON_REQUEST, intervention == Intervention::RequestStale);
-        shell.answer(turn.kind, &draft, &mut self.command, command, &[]);
+        shell.answer(&draft, &mut self.command, command, &[]);
     }
 
-    /// The command for the newest request. What is no number did not get past the port.
+    /// The command for the newest request. The reader has rejected NaN already.
     fn command_of(&self, stale: Intervention, stopping: bool) -> VelocityCommand {
         let stop = |validity: Validity, intervention: Intervention| VelocityCommand {
             validity: validity.code(),

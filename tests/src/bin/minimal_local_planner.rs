@@ -1,5 +1,5 @@
-//! The least that can sit in the local planner's seat: it turns towards the next waypoint, drives
-//! there as fast as the room ahead allows, and stops at the goal. It keeps the task.
+//! A minimal local planner: turns towards the next waypoint, drives there as fast as the free
+//! distance ahead allows, and stops at the goal. It keeps the state of the task.
 
 use core::f64::consts::PI;
 use std::process::ExitCode;
@@ -15,19 +15,19 @@ use zeronav_msgs::task::{
 use zeronav_msgs::topics::{ControlRequest, PlanPath, RobotDescription, RobotScan, TaskState};
 use zeronav_shell::doorbell::Rung;
 use zeronav_shell::{
-    Cycle, Latest, MapInput, NoConfig, Service, Shell, StartError, Tasks, TrackReader, Trigger,
-    Turn, Writer,
+    Due, Latest, MapInput, NoConfig, OdometryReader, Service, Shell, StartError, Tasks, Trigger,
+    Writer,
 };
 
-/// Room that stays free in front of the robot, and at its sides. [m]
+/// Distance kept free in front of the robot, and at its sides. [m]
 const ROOM_AHEAD_M: f64 = 0.25;
 const ROOM_BESIDE_M: f64 = 0.05;
 /// How near counts as at a waypoint. [m]
 const AT_WAYPOINT_M: f64 = 0.15;
 /// Heading error above which the robot turns on the spot. [rad]
 const TURN_ABOVE_RAD: f64 = 0.3;
-/// Speed below which the robot stands. [m/s] and [rad/s]
-const STANDING: f64 = 0.02;
+/// Speed below which the robot counts as stopped. [m/s] and [rad/s]
+const STOPPED: f64 = 0.02;
 /// Run time for which scan, path, and a planning failure must last. [ns]
 const SCAN_STALE_NS: u64 = 350_000_000;
 const PATH_STALE_NS: u64 = 1_500_000_000;
@@ -37,7 +37,7 @@ const STATUS_TICKS: u64 = 10;
 
 struct MinimalPlanner {
     description: Latest<RobotDescription>,
-    odometry: TrackReader,
+    odometry: OdometryReader,
     scan: Latest<RobotScan>,
     map: MapInput,
     path: Latest<PlanPath>,
@@ -49,7 +49,7 @@ struct MinimalPlanner {
     /// Geometry of the path that is followed, and the waypoint that comes next.
     geometry: u64,
     next: usize,
-    /// Since when the robot stands without a path. [tick]
+    /// Tick from which on the robot is stopped without a path.
     failing_tick: Option<u64>,
     status_tick: u64,
 }
@@ -62,7 +62,7 @@ impl Service for MinimalPlanner {
         let peer = shell.peer();
         Ok(Self {
             description: peer.latest()?,
-            odometry: TrackReader::open(peer)?,
+            odometry: OdometryReader::open(peer)?,
             scan: peer.latest()?,
             map: MapInput::open(peer)?,
             path: peer.latest()?,
@@ -78,7 +78,7 @@ impl Service for MinimalPlanner {
         })
     }
 
-    fn wake(&mut self, shell: &mut Shell, _rung: Rung) -> Result<Option<u64>, StartError> {
+    fn wake(&mut self, shell: &mut Shell, _rung: Rung) -> Result<(), StartError> {
         self.status_writer.refresh();
         self.odometry.poll(shell.roster());
         self.map.poll(shell);
@@ -86,36 +86,31 @@ impl Service for MinimalPlanner {
         self.description.poll(roster);
         self.tasks.poll(roster);
         let news = self.scan.poll(roster) | self.path.poll(roster);
-        let refused = self.odometry.refused() + self.scan.refused() + self.path.refused();
-        shell.totals(refused, self.scan.superseded() + self.path.superseded());
-        let tick = self.odometry.tick();
-        let newest = self.odometry.track().newest();
-        let scan_due = newest.is_some_and(|newest| newest.odometry.scan_due());
-        let roster = shell.roster();
-        // Its scan, the map with it and the path on that come first.
-        let mapped = roster.answers(Role::Mapping, tick);
-        let planned = roster.answers(Role::GlobalPlanner, tick);
+        shell.count(&[&self.odometry, &self.scan, &self.path]);
+        let (roster, tick) = (shell.roster(), self.odometry.tick());
+        // The scan of the tick, the map with it and the path on that map come first.
         let scan_waits = self.scan.tick() < tick
-            || (mapped && !self.map.has(tick))
-            || (planned && self.path.tick() < tick);
-        let waits = (scan_due && scan_waits) || (mapped && self.map.is_lost());
+            || (roster.answers(Role::Mapping, tick) && !self.map.has(tick))
+            || roster.awaits(Role::GlobalPlanner, tick, self.path.spoken_tick());
+        let map_lost = roster.answers(Role::Mapping, tick) && self.map.is_lost();
+        let waits = (self.odometry.scan_due() && scan_waits) || map_lost;
         let trigger = Trigger {
             tick,
             complete: !(roster.lockstep() && waits),
+            deadline_ns: None,
             news,
         };
-        for turn in shell.turns(&trigger) {
-            self.answer(shell, turn);
+        for due in shell.due(&trigger) {
+            self.answer(shell, due);
         }
-        Ok(None)
+        Ok(())
     }
 }
 
 impl MinimalPlanner {
-    fn answer(&mut self, shell: &mut Shell, turn: Turn) {
-        let tick = turn.tick;
-        let tick_ns = shell.roster().clock.tick_ns;
-        let capture_ns = self.scan.get().map_or(0, |view| view.header.capture_ns);
+    fn answer(&mut self, shell: &mut Shell, due: Due) {
+        let tick = due.tick;
+        let capture_ns = self.scan.received().map_or(0, |scan| scan.capture_ns);
         let before = self.status;
         let goal = self.goal_at(tick);
         let parents = Parents {
@@ -130,14 +125,13 @@ impl MinimalPlanner {
             goal: self.status.task,
             ..Parents::default()
         };
-        let draft = shell.draft(tick, tick.saturating_mul(tick_ns), capture_ns, parents);
-        let late =
-            |from: u64, limit_ns: u64| (tick - tick.min(from)).saturating_mul(tick_ns) > limit_ns;
+        let draft = shell.begin(due, shell.run_ns(tick), capture_ns, parents);
+        let late = |from: u64, limit_ns: u64| shell.run_ns(tick.saturating_sub(from)) > limit_ns;
         let scan_stale = late(self.scan.tick(), SCAN_STALE_NS);
         let path_stale = late(self.path.tick(), PATH_STALE_NS);
         let failing_ns = self
             .failing_tick
-            .map_or(0, |since| (tick - since).saturating_mul(tick_ns));
+            .map_or(0, |since| shell.run_ns(tick - since));
         let (validity, v_mps, w_radps) = if shell.roster().control.stopping == 1 {
             (Validity::Stopped, 0.0, 0.0)
         } else if scan_stale || path_stale {
@@ -157,26 +151,19 @@ impl MinimalPlanner {
                 .map_or(0.0, |view| view.meta.braking_distance_m(v_mps)),
             ..VelocityRequest::default()
         };
-        let sent = self.request.publish(&draft, request, &[]);
-        let output = shell.sent(&self.request, sent);
+        let output = shell.send(&draft, &mut self.request, request, &[]);
         let changed = (before.state, before.task, before.goal)
             != (self.status.state, self.status.task, self.status.goal);
         if changed || tick == 0 || tick >= self.status_tick + STATUS_TICKS {
             self.status_tick = tick;
-            let sent = self.status_writer.publish(&draft, self.status, &self.ends);
-            shell.sent(&self.status_writer, sent);
+            shell.send(&draft, &mut self.status_writer, self.status, &self.ends);
         }
         shell.reason(REASON_SCAN, scan_stale);
         shell.reason(REASON_PATH, path_stale);
-        shell.finish(&Cycle {
-            kind: turn.kind,
-            draft,
-            output,
-            work: 0,
-        });
+        shell.finish(&draft, output, 0);
     }
 
-    /// The goal at hand; begins a task that is new.
+    /// The current goal; begins a new task.
     fn goal_at(&mut self, tick: u64) -> Option<Goal> {
         let task = self.tasks.at(tick)?;
         if task.id.0 != self.status.task {
@@ -196,7 +183,7 @@ impl MinimalPlanner {
         goal
     }
 
-    /// The goal at hand has ended, and with it the task, unless it was reached and more follow.
+    /// Ends the current goal, and the task with it, unless the goal was reached and more follow.
     fn end(&mut self, tick: u64, goal: &Goal, state: State, reason: EndReason) {
         self.ends.push(GoalEnd {
             goal: goal.id,
@@ -218,7 +205,7 @@ impl MinimalPlanner {
     /// What to do on the way to `goal`: meaning, speed [m/s] and yaw rate [rad/s].
     fn follow(&mut self, tick: u64, goal: &Goal, failing_ns: u64) -> (Validity, f64, f64) {
         let (Some(newest), Some(robot), Some(path)) = (
-            self.odometry.track().newest(),
+            self.odometry.history().newest(),
             self.description.get(),
             self.path.get(),
         ) else {
@@ -227,7 +214,7 @@ impl MinimalPlanner {
         let robot = *robot.meta;
         let pose = self.map.map_from_base(&newest.odometry.pose);
         let stands =
-            newest.odometry.v_mps.abs() < STANDING && newest.odometry.w_radps.abs() < STANDING;
+            newest.odometry.v_mps.abs() < STOPPED && newest.odometry.w_radps.abs() < STOPPED;
         let left_m = pose.distance_m(&goal.pose);
         self.status.remaining_m = left_m;
         let turn = |error_rad: f64| (2.0 * error_rad).clamp(-robot.w_radps_max, robot.w_radps_max);

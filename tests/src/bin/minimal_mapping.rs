@@ -1,5 +1,5 @@
-//! The least that can sit in mapping's seat: the static map, or an empty one, and on it what the
-//! newest scan hits. It remembers no scan before the newest.
+//! A minimal mapping: the static map, or an empty one, with the hits of the newest scan. Earlier
+//! scans are forgotten.
 
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -18,7 +18,7 @@ use zeronav_msgs::topics::{
 use zeronav_msgs::{Cell, GridGeometry, MapCell, MapTile};
 use zeronav_shell::doorbell::Rung;
 use zeronav_shell::{
-    Cycle, Draft, Latest, Sent, Service, Shell, StartError, TrackReader, Trigger, Turn, Writer,
+    Draft, Due, Latest, OdometryReader, Sent, Service, Shell, StartError, Trigger, Writer,
 };
 use zeronav_world::{Occupancy, StaticMap, map_file};
 
@@ -42,12 +42,12 @@ struct MinimalMapping {
     static_mm: Vec<u16>,
     /// The cells around an obstacle that it is nearer to than the limit, and how near. [mm]
     disc: Vec<(i32, i32, u16)>,
-    /// The whole map as it was sent, and the tiles of it that are not out yet.
+    /// The whole map, and the tiles of it that have not been sent yet.
     tiles: Vec<MapTile>,
     unsent: Vec<usize>,
     revision: Id,
     description: Latest<RobotDescription>,
-    odometry: TrackReader,
+    odometry: OdometryReader,
     scan: Latest<RobotScan>,
     update: Writer<MapUpdate>,
     keyframe: Writer<MapKeyframe>,
@@ -81,7 +81,7 @@ impl Service for MinimalMapping {
             unsent: Vec::new(),
             revision: Id::NONE,
             description: peer.latest()?,
-            odometry: TrackReader::open(peer)?,
+            odometry: OdometryReader::open(peer)?,
             scan: peer.latest()?,
             update: peer.writer(TILES_PER_UPDATE_MAX)?,
             keyframe: peer.writer(columns as usize * rows as usize)?,
@@ -92,56 +92,57 @@ impl Service for MinimalMapping {
         })
     }
 
-    fn wake(&mut self, shell: &mut Shell, rung: Rung) -> Result<Option<u64>, StartError> {
+    fn wake(&mut self, shell: &mut Shell, rung: Rung) -> Result<(), StartError> {
         self.keyframe.refresh();
         let roster = shell.roster();
         self.odometry.poll(roster);
         self.description.poll(roster);
         self.scan.poll(roster);
-        if !roster.has_clock() || self.description.get().is_none() {
-            return Ok(None);
+        shell.count(&[&self.odometry, &self.scan, &self.description]);
+        if self.description.get().is_none() {
+            return Ok(());
         }
-        // A scan is answered when odometry tells where it was taken.
+        // A scan is answered once the odometry of its capture has been received.
         let scan_run_ns = self.scan.get().map(|view| view.header.run_ns);
         let trigger = Trigger {
             tick: self.scan.tick(),
-            complete: scan_run_ns.is_some_and(|ns| self.odometry.track().pose_at(ns).is_some()),
-            news: false,
+            complete: scan_run_ns.is_some_and(|ns| self.odometry.history().pose_at(ns).is_some()),
+            ..Trigger::default()
         };
-        for turn in shell.turns(&trigger) {
-            self.answer(shell, turn);
+        for due in shell.due(&trigger) {
+            self.answer(shell, due);
         }
         self.keyframe_wanted |= rung.has(EVENT_NEED_KEYFRAME);
         if self.keyframe_wanted && self.unsent.is_empty() {
-            let draft = shell.draft(0, 0, 0, Parents::default());
+            let draft = shell.begin(Due::IDLE, 0, 0, Parents::default());
             let info = self.info(self.revision, self.tiles.len());
-            let sent = self.keyframe.publish(&draft, info, &self.tiles);
-            self.keyframe_wanted = shell.sent(&self.keyframe, sent).is_none();
+            let sent = shell.send(&draft, &mut self.keyframe, info, &self.tiles);
+            self.keyframe_wanted = sent.is_none();
         }
-        Ok(None)
+        Ok(())
     }
 }
 
 impl MinimalMapping {
-    /// Makes the map anew from the static one and the newest scan, and sends what changed.
-    fn answer(&mut self, shell: &mut Shell, turn: Turn) {
+    /// Makes the map from the static one and the newest scan, and sends what changed.
+    fn answer(&mut self, shell: &mut Shell, due: Due) {
         let (Some(description), scan) = (self.description.get(), self.scan.get()) else {
             return;
         };
-        let scan = scan.filter(|_| turn.kind == SpanKind::Answer);
+        let scan = scan.filter(|_| due.kind == SpanKind::Answer);
         let header = scan.map_or_else(Header::default, |view| *view.header);
         let parents = Parents {
             odometry: self.odometry.id().0,
             scan: header.id,
             ..Parents::default()
         };
-        let draft = shell.draft(turn.tick, header.run_ns, header.capture_ns, parents);
+        let draft = shell.begin(due, header.run_ns, header.capture_ns, parents);
         let work = scan.map_or(0, |view| u64::from(view.meta.n_beams));
         let geometry = &self.map.geometry;
         let mut clearance_mm = self.static_mm.clone();
         let mut sensed = vec![false; geometry.len()];
         if let (Some(scan), Some(odom_from_base)) =
-            (scan, self.odometry.track().pose_at(header.run_ns))
+            (scan, self.odometry.history().pose_at(header.run_ns))
         {
             let map_from_laser = odom_from_base.then(&description.meta.base_from_laser);
             for (beam, range_m) in scan.items.iter().enumerate() {
@@ -171,12 +172,7 @@ impl MinimalMapping {
             *old = tile;
         }
         let output = self.send(shell, &draft);
-        shell.finish(&Cycle {
-            kind: turn.kind,
-            draft,
-            output,
-            work,
-        });
+        shell.finish(&draft, output, work);
     }
 
     fn info(&self, revision: Id, n_tiles: usize) -> MapInfo {
@@ -192,7 +188,7 @@ impl MinimalMapping {
     }
 
     /// Sends the unsent tiles as one revision, at least one message, in as many parts as it takes.
-    /// Without memory for all of it, it goes out with the next revision.
+    /// What could not be sent for lack of memory is part of the next revision.
     fn send(&mut self, shell: &mut Shell, draft: &Draft) -> Option<Sent> {
         let parts = self.unsent.len().div_ceil(TILES_PER_UPDATE_MAX).max(1);
         let revision = Id(self.update.next_id().0 + parts as u64 - 1);
@@ -206,8 +202,7 @@ impl MinimalMapping {
                 parts: u16::try_from(parts).unwrap_or(u16::MAX),
                 ..self.info(revision, tiles.len())
             };
-            let published = self.update.publish(draft, info, &tiles);
-            sent = shell.sent(&self.update, published);
+            sent = shell.send(draft, &mut self.update, info, &tiles);
             sent?;
         }
         self.unsent.clear();
@@ -263,7 +258,7 @@ fn put_obstacle(
     }
 }
 
-/// What the map says about a cell. Cost falls evenly from the inscribed radius to the limit.
+/// A cell of the map. Cost falls evenly from the inscribed radius to the limit.
 fn cell_of(known: Occupancy, sensed: bool, clearance_mm: u16, inscribed_mm: f64) -> MapCell {
     let limit_mm = f64::from(LIMIT_MM);
     let share = (limit_mm - f64::from(clearance_mm)) / (limit_mm - inscribed_mm);
@@ -290,7 +285,7 @@ fn cell_of(known: Occupancy, sensed: bool, clearance_mm: u16, inscribed_mm: f64)
 #[allow(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
-    reason = "float to int saturates; what is too large is refused by whoever asked"
+    reason = "float to int saturates; callers reject what is too large"
 )]
 fn whole(number: f64) -> u32 {
     number as u32

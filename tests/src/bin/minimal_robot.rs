@@ -1,5 +1,4 @@
-//! The least that can sit in the robot's seat: a unicycle that does at once what it is told, in a
-//! world where there is nothing to see and nothing to touch.
+//! A minimal robot: a unicycle that takes on every commanded speed at once, in an empty world.
 
 use serde::{Deserialize, Serialize};
 use std::process::ExitCode;
@@ -17,10 +16,10 @@ use zeronav_msgs::truth::Truth;
 use zeronav_shell::clock::now_ns;
 use zeronav_shell::doorbell::Rung;
 use zeronav_shell::records::SpanReader;
-use zeronav_shell::{Cycle, Latest, Service, Shell, StartError, Writer};
+use zeronav_shell::{Due, Latest, Service, Shell, StartError, Writer};
 use zeronav_world::{Footprint, RobotSpec, SpecError};
 
-/// What the scenario says of the robot; its world does not matter here.
+/// The scenario's robot; its world is ignored.
 #[derive(Debug, Serialize, Deserialize)]
 struct Config {
     start: [f64; 3],
@@ -114,18 +113,15 @@ impl Service for MinimalRobot {
         })
     }
 
-    fn wake(&mut self, shell: &mut Shell, _rung: Rung) -> Result<Option<u64>, StartError> {
-        if !shell.roster().has_clock() {
-            return Ok(None);
-        }
+    fn wake(&mut self, shell: &mut Shell, _rung: Rung) -> Result<(), StartError> {
         if self.due_ns == 0 {
-            let draft = shell.draft(0, 0, 0, Parents::default());
+            let draft = shell.begin(Due::IDLE, 0, 0, Parents::default());
             let (writer, robot) = (&mut self.description_writer, self.description);
-            shell.answer(SpanKind::Idle, &draft, writer, robot, &self.corners);
+            shell.answer(&draft, writer, robot, &self.corners);
             self.due_ns = now_ns() + shell.roster().clock.tick_ns;
         }
         self.description_writer.refresh();
-        // Answers are recorded after what they answer with was sent: records before commands.
+        // A span is written after the messages of its answer: spans are read before commands.
         let answered = &mut self.answered;
         self.spans.drain(|span| {
             if let (Some(SpanKind::Answer), Some(tick)) =
@@ -140,30 +136,31 @@ impl Service for MinimalRobot {
             if control.paused == 0 && self.tick < control.lease && self.all_answered(shell) {
                 self.tick(shell);
             }
-            return Ok(None);
+            return Ok(());
         }
         let now = now_ns();
         if control.paused == 1 {
             self.due_ns = now + tick_ns;
         } else if now >= self.due_ns {
             self.tick(shell);
-            // Ticks that came too late are not caught up with: run time slipped.
+            // Late ticks are not caught up: run time slips.
             let next_ns = self.due_ns + tick_ns;
             self.due_ns = next_ns.max(now_ns());
             self.truth.slipped_ns += self.due_ns - next_ns;
             shell.slipped(self.truth.slipped_ns);
         }
-        Ok(Some(self.due_ns))
+        shell.wake_by(self.due_ns);
+        Ok(())
     }
 }
 
 impl MinimalRobot {
-    /// The wheels follow the newest command from here on.
+    /// Takes on the newest command.
     fn take_command(&mut self, shell: &mut Shell) {
         if !self.command.poll(shell.roster()) {
             return;
         }
-        shell.totals(self.command.refused(), self.command.superseded());
+        shell.count(&[&self.command]);
         let Some(command) = self.command.get() else {
             return;
         };
@@ -182,17 +179,16 @@ impl MinimalRobot {
                 request: header.id,
                 ..Parents::default()
             };
-            let draft = shell.draft(header.tick, header.run_ns, header.capture_ns, parents);
-            shell.finish(&Cycle {
+            let due = Due {
+                tick: header.tick,
                 kind: SpanKind::Applied,
-                draft,
-                output: None,
-                work: 0,
-            });
+            };
+            let draft = shell.begin(due, header.run_ns, header.capture_ns, parents);
+            shell.finish(&draft, None, 0);
         }
     }
 
-    /// True when every seat on the roster has answered what it owes.
+    /// True when every seat of the roster has answered what it owes.
     fn all_answered(&self, shell: &Shell) -> bool {
         let all_but_us = Role::SERVICES.iter().filter(|role| **role != Self::ROLE);
         all_but_us.copied().all(|role| {
@@ -203,7 +199,7 @@ impl MinimalRobot {
         })
     }
 
-    /// One tick: move, look, tell.
+    /// One tick: moves, measures, sends.
     fn tick(&mut self, shell: &mut Shell) {
         let tick_ns = shell.roster().clock.tick_ns;
         let (tick, seen_ns) = (self.tick + 1, now_ns());
@@ -224,23 +220,25 @@ impl MinimalRobot {
             odometry: self.odometry_writer.next_id().0,
             ..Parents::default()
         };
-        let mut draft = shell.draft(tick, run_ns, seen_ns, parents);
+        let due = Due {
+            tick,
+            kind: SpanKind::Answer,
+        };
+        let mut draft = shell.begin(due, run_ns, seen_ns, parents);
         if scan_due {
             self.scan_tick = tick;
             self.scan_due_ns += self.description.scan_period_ns;
             let n_beams = self.description.n_beams as usize;
             let scan = self.scan();
-            let sent = self.scan_writer.publish_with(&draft, n_beams, |ranges| {
+            let sent = shell.send_with(&draft, &mut self.scan_writer, n_beams, |ranges| {
                 ranges.fill(f32::INFINITY);
                 scan
             });
-            parents.scan = shell
-                .sent(&self.scan_writer, sent)
-                .map_or(0, |sent| sent.id.0);
+            parents.scan = sent.map_or(0, |sent| sent.id.0);
             draft.parents = parents;
         }
         let (writer, odometry) = (&mut self.odometry_writer, self.odometry);
-        shell.answer(SpanKind::Answer, &draft, writer, odometry, &[]);
+        shell.answer(&draft, writer, odometry, &[]);
         if scan_due {
             self.truth.scan = parents.scan;
             draft.hashed = false;

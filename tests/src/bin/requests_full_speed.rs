@@ -21,14 +21,14 @@ impl Service for RequestsFullSpeed {
         Ok(Self(RequestSeat::open(shell)?))
     }
 
-    fn wake(&mut self, shell: &mut Shell, _rung: Rung) -> Result<Option<u64>, StartError> {
+    fn wake(&mut self, shell: &mut Shell, _rung: Rung) -> Result<(), StartError> {
         let request = VelocityRequest {
             v_mps: FULL_MPS,
             validity: Validity::Drive.code(),
             ..VelocityRequest::default()
         };
         self.0.answer_all(shell, request);
-        Ok(None)
+        Ok(())
     }
 }
 

@@ -17,7 +17,7 @@ impl Service for RequestsNan {
         Ok(Self(RequestSeat::open(shell)?))
     }
 
-    fn wake(&mut self, shell: &mut Shell, _rung: Rung) -> Result<Option<u64>, StartError> {
+    fn wake(&mut self, shell: &mut Shell, _rung: Rung) -> Result<(), StartError> {
         let request = VelocityRequest {
             v_mps: f64::NAN,
             w_radps: f64::NAN,
@@ -25,7 +25,7 @@ impl Service for RequestsNan {
             ..VelocityRequest::default()
         };
         self.0.answer_all(shell, request);
-        Ok(None)
+        Ok(())
     }
 }
 

@@ -96,9 +96,9 @@ impl Service for SwappedFields {
         })
     }
 
-    fn wake(&mut self, shell: &mut Shell, _rung: Rung) -> Result<Option<u64>, StartError> {
+    fn wake(&mut self, shell: &mut Shell, _rung: Rung) -> Result<(), StartError> {
         shell.ready();
-        Ok(None)
+        Ok(())
     }
 }
 

@@ -1,14 +1,20 @@
-//! A global planner that says more waypoints than it has opened its topic for.
+//! A global planner that sends more waypoints than it has opened its topic for.
 
 use std::process::ExitCode;
-use zeronav_msgs::path::{PathStatus, Waypoint};
+use zeronav_msgs::header::Parents;
+use zeronav_msgs::path::{Path, PathCause, PathStatus, Waypoint};
 use zeronav_msgs::role::Role;
+use zeronav_msgs::topics::PlanPath;
 use zeronav_shell::doorbell::Rung;
-use zeronav_shell::{NoConfig, PathOutput, PlanningInputs, Service, Shell, StartError};
+use zeronav_shell::{
+    CurrentGoal, MapInput, NoConfig, OdometryReader, Service, Shell, StartError, Writer,
+};
 
 struct TooMany {
-    inputs: PlanningInputs,
-    path: PathOutput,
+    odometry: OdometryReader,
+    map: MapInput,
+    goal: CurrentGoal,
+    path: Writer<PlanPath>,
 }
 
 impl Service for TooMany {
@@ -16,23 +22,38 @@ impl Service for TooMany {
     type Config = NoConfig;
 
     fn open(shell: &mut Shell, _config: NoConfig) -> Result<Self, StartError> {
+        let peer = shell.peer();
         Ok(Self {
-            inputs: PlanningInputs::open(shell.peer())?,
-            path: PathOutput::open(shell.peer(), "too_many", 2)?,
+            odometry: OdometryReader::open(peer)?,
+            map: MapInput::open(peer)?,
+            goal: CurrentGoal::open(peer)?,
+            path: peer.writer(2)?,
         })
     }
 
-    fn wake(&mut self, shell: &mut Shell, _rung: Rung) -> Result<Option<u64>, StartError> {
-        let news = self.inputs.poll(shell);
-        for turn in self.inputs.turns(shell, news) {
-            let draft = self.inputs.begin(shell, turn);
-            if let Some(goal) = self.inputs.goals.goal() {
-                let three = [Waypoint::default(); 3];
-                self.path.say(PathStatus::Found, goal.id, &three);
-            }
-            self.path.answer(shell, turn, &draft);
+    fn wake(&mut self, shell: &mut Shell, _rung: Rung) -> Result<(), StartError> {
+        self.odometry.poll(shell.roster());
+        let news = self.map.poll(shell) | self.goal.poll(shell.roster());
+        let trigger = self.map.trigger(shell.roster(), &self.odometry, news);
+        for due in shell.due(&trigger) {
+            self.goal.advance(shell.roster(), due.tick);
+            let draft = self.map.begin(shell, due, Parents::default());
+            let Some(goal) = self.goal.goal() else {
+                shell.answer(&draft, &mut self.path, Path::default(), &[]);
+                continue;
+            };
+            let path = Path {
+                planner: Path::planner_bytes("too_many"),
+                status: PathStatus::Found.code(),
+                cause: PathCause::Goal.code(),
+                n_waypoints: 3,
+                geometry: self.path.next_id().0,
+                goal: goal.id,
+                ..Path::default()
+            };
+            shell.answer(&draft, &mut self.path, path, &[Waypoint::default(); 3]);
         }
-        Ok(None)
+        Ok(())
     }
 }
 

@@ -38,9 +38,9 @@ impl Service for WritesWrongType {
         })
     }
 
-    fn wake(&mut self, shell: &mut Shell, _rung: Rung) -> Result<Option<u64>, StartError> {
+    fn wake(&mut self, shell: &mut Shell, _rung: Rung) -> Result<(), StartError> {
         shell.ready();
-        Ok(None)
+        Ok(())
     }
 }
 

@@ -2,9 +2,7 @@
 //!
 //! Sturtevant, "Benchmarks for Grid-Based Pathfinding", IEEE Transactions on Computational
 //! Intelligence and AI in Games 4(2), 2012. Eight neighbours, a straight step costs 1, a diagonal
-//! one sqrt 2 and needs both cells beside it free: `CornerRule::ForbidAny`.
-
-#![allow(dead_code, reason = "every test and example uses its own part")]
+//! one sqrt 2 and needs both cells beside it free: [`crate::CornerRule::ForbidAny`].
 
 use zeronav_msgs::grid::SIDE_CELLS_MAX;
 use zeronav_msgs::map::{COST_FREE, COST_LETHAL, FLAG_STATIC};
@@ -12,27 +10,27 @@ use zeronav_msgs::{Cell, GridGeometry, MapCell, MapView, Pose};
 
 /// A `.map` file: row `y` of the map is line `y` of the file, the first is 0.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct GridMap {
+pub struct GridMap {
     /// One metre per cell, the outer corner of cell (0, 0) at the origin.
-    pub(crate) geometry: GridGeometry,
+    pub geometry: GridGeometry,
     /// `geometry.len()` cells, row-major; free or lethal.
-    pub(crate) cells: Vec<MapCell>,
+    pub cells: Vec<MapCell>,
 }
 
 /// A line of a `.scen` file.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Scenario {
+pub struct Scenario {
     /// Where the way begins.
-    pub(crate) start: Cell,
+    pub start: Cell,
     /// Where it ends.
-    pub(crate) goal: Cell,
+    pub goal: Cell,
     /// Length of the shortest one. [cells]
-    pub(crate) optimal_cells: f64,
+    pub optimal_cells: f64,
 }
 
 /// What is wrong with a file.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub(crate) enum MovingAiError {
+pub enum MovingAiError {
     /// A line does not say what it should.
     #[error("line {line}: expected {expected}")]
     Line {
@@ -51,7 +49,7 @@ impl GridMap {
     ///
     /// # Errors
     /// [`MovingAiError`] with the first line that is wrong.
-    pub(crate) fn parse(text: &str) -> Result<Self, MovingAiError> {
+    pub fn parse(text: &str) -> Result<Self, MovingAiError> {
         let mut lines = (1..).zip(text.lines().map(str::trim_end));
         let mut word = |key: &'static str, expected| {
             let (line, text) = lines.next().ok_or(MovingAiError::Ends(key))?;
@@ -102,7 +100,8 @@ impl GridMap {
     }
 
     /// The map as planners see it.
-    pub(crate) fn view(&self) -> MapView<'_> {
+    #[must_use]
+    pub fn view(&self) -> MapView<'_> {
         MapView {
             geometry: &self.geometry,
             cells: &self.cells,
@@ -110,7 +109,8 @@ impl GridMap {
     }
 
     /// Pose at the centre of a cell.
-    pub(crate) fn pose(&self, cell: Cell) -> Pose {
+    #[must_use]
+    pub fn pose(&self, cell: Cell) -> Pose {
         let centre = self.geometry.centre_of(cell);
         Pose::new(centre.x, centre.y, 0.0)
     }
@@ -121,10 +121,7 @@ impl Scenario {
     ///
     /// # Errors
     /// [`MovingAiError`] with the first line that is wrong or leads off the map.
-    pub(crate) fn parse_all(
-        text: &str,
-        geometry: &GridGeometry,
-    ) -> Result<Vec<Self>, MovingAiError> {
+    pub fn parse_all(text: &str, geometry: &GridGeometry) -> Result<Vec<Self>, MovingAiError> {
         let mut lines = (1..).zip(text.lines());
         match lines.next() {
             Some((_, first)) if first.starts_with("version") => {}

@@ -1,27 +1,27 @@
-//! What mapping's log tells of a run: jumps of the pose correction, and what moves.
+//! What mapping logs of a run: jumps of the pose correction, and how many obstacles move.
 
 use zeronav_msgs::pose::{Pose, wrap_angle};
 
 /// Least run time between two lines. [ns]
 const PAUSE_NS: u64 = 1_000_000_000;
 
-/// Change of the correction that is told. [m]
+/// Change of the correction that is logged. [m]
 const STEP_M: f64 = 0.1;
 
 /// The same of its yaw. [rad]
 const STEP_RAD: f64 = 0.05;
 
-/// What was told last.
+/// What was logged last.
 #[derive(Debug, Default)]
-pub(crate) struct Told {
+pub(crate) struct RunLog {
     map_from_odom: Pose,
     n_moving: usize,
     due_ns: u64,
 }
 
-impl Told {
-    /// Tells what has changed since the last line, a line a second at most.
-    pub(crate) fn tell(&mut self, tick: u64, run_ns: u64, map_from_odom: &Pose, n_moving: usize) {
+impl RunLog {
+    /// Logs what has changed since the last line, a line a second at most.
+    pub(crate) fn log(&mut self, tick: u64, run_ns: u64, map_from_odom: &Pose, n_moving: usize) {
         let from = &self.map_from_odom;
         let turn_rad = wrap_angle(map_from_odom.yaw_rad - from.yaw_rad).abs();
         let corrected = from.distance_m(map_from_odom) > STEP_M || turn_rad > STEP_RAD;

@@ -1,0 +1,200 @@
+//! What the local planner reads, and what it knows by it when an answer begins.
+
+use zeronav_local_planner::scan_points::ScanPoints;
+use zeronav_local_planner::staleness::Ages;
+use zeronav_local_planner::{Inputs, PathInput};
+use zeronav_motion::Twist;
+use zeronav_msgs::header::Parents;
+use zeronav_msgs::pose::Pose;
+use zeronav_msgs::role::Role;
+use zeronav_msgs::time::seconds;
+use zeronav_msgs::topics::{MapObstacles, PlanPath, RobotDescription, RobotScan, TaskGoal};
+use zeronav_shell::{
+    Draft, Due, Latest, MapInput, OdometryReader, Peer, Received, Roster, Shell, StartError,
+};
+
+/// Age beyond which the positions of tracked obstacles are not used. [s]
+const OBSTACLES_AGE_S_MAX: f64 = 0.5;
+
+/// The readers of the seat.
+pub(crate) struct Readings {
+    pub(crate) odometry: OdometryReader,
+    pub(crate) task: Latest<TaskGoal>,
+    description: Latest<RobotDescription>,
+    scan: Latest<RobotScan>,
+    map: MapInput,
+    obstacles: Latest<MapObstacles>,
+    path: Latest<PlanPath>,
+    /// Grows when cells of the map change.
+    map_cells: u64,
+    points: ScanPoints,
+    /// `odom_from_base` at the capture of the scan whose points are held.
+    scan_pose: Option<Pose>,
+    /// The newest scan waits for the odometry of its capture.
+    scan_fresh: bool,
+}
+
+/// What came in with a wake.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct News {
+    /// A task.
+    pub(crate) task: bool,
+    /// A scan or a path.
+    pub(crate) planning: bool,
+}
+
+impl Readings {
+    /// Opens the topics.
+    pub(crate) fn open(peer: &Peer) -> Result<Self, StartError> {
+        Ok(Self {
+            odometry: OdometryReader::open(peer)?,
+            task: peer.latest()?,
+            description: peer.latest()?,
+            scan: peer.latest()?,
+            map: MapInput::open(peer)?,
+            obstacles: peer.latest()?,
+            path: peer.latest()?,
+            map_cells: 0,
+            points: ScanPoints::default(),
+            scan_pose: None,
+            scan_fresh: false,
+        })
+    }
+
+    /// Takes in what has come.
+    pub(crate) fn poll(&mut self, shell: &Shell) -> News {
+        let roster = shell.roster();
+        self.odometry.poll(roster);
+        self.description.poll(roster);
+        let task = self.task.poll(roster);
+        let path = self.path.poll(roster);
+        self.map.poll(shell);
+        self.map_cells += u64::from(!self.map.changed().is_empty());
+        self.obstacles.poll(roster);
+        let scan = self.scan.poll(roster);
+        self.scan_fresh |= scan;
+        self.take_points();
+        News {
+            task,
+            planning: scan || path,
+        }
+    }
+
+    /// Takes the points of a new scan, once odometry tells where it was captured.
+    fn take_points(&mut self) {
+        if !self.scan_fresh {
+            return;
+        }
+        let (Some(scan), Some(description)) = (self.scan.get(), self.description.get()) else {
+            return;
+        };
+        let Some(pose) = self.odometry.history().pose_at(scan.header.run_ns) else {
+            return;
+        };
+        let twist = self.odometry.newest().map_or(Twist::REST, |newest| {
+            Twist::new(newest.odometry.v_mps, newest.odometry.w_radps)
+        });
+        let base_from_laser = &description.meta.base_from_laser;
+        self.points
+            .take(scan.meta, scan.items, base_from_laser, &pose, twist);
+        self.scan_pose = Some(pose);
+        self.scan_fresh = false;
+    }
+
+    /// Counts for the heartbeat.
+    pub(crate) fn count(&self, shell: &mut Shell) {
+        shell.count(&[
+            &self.odometry,
+            &self.scan,
+            &self.map,
+            &self.obstacles,
+            &self.path,
+            &self.task,
+        ]);
+    }
+
+    /// True when the newest tick can be answered: in lockstep its scan, if it has one, has been
+    /// received with the odometry of its capture, and so have the map and the path made from it.
+    pub(crate) fn are_complete(&self, roster: &Roster) -> bool {
+        let tick = self.odometry.tick();
+        if !roster.lockstep() {
+            return true;
+        }
+        let map_tick = self.map.received().map_or(0, |map| map.tick);
+        let scan_complete = self.scan.tick() >= tick
+            && !self.scan_fresh
+            && !roster.awaits(Role::Mapping, tick, map_tick)
+            && !roster.awaits(Role::GlobalPlanner, tick, self.path.spoken_tick());
+        let scan_due = self
+            .odometry
+            .newest()
+            .is_some_and(|newest| newest.odometry.scan_due());
+        let map_lost = roster.answers(Role::Mapping, tick) && self.map.is_lost();
+        (scan_complete || !scan_due) && !map_lost
+    }
+
+    /// Begins an answer.
+    pub(crate) fn begin(&self, shell: &Shell, due: Due) -> Draft {
+        // In real time a scan between two ticks brings odometry of its own moment.
+        let newest = self.odometry.newest();
+        let run_ns = newest
+            .filter(|newest| newest.tick == due.tick)
+            .map_or_else(|| shell.run_ns(due.tick), |newest| newest.run_ns);
+        let capture_ns = self.scan.received().map_or(0, |scan| scan.capture_ns);
+        let parents = Parents {
+            odometry: self.odometry.id().0,
+            // The scan whose points are used, not one that still waits for its odometry.
+            scan: if self.scan_fresh { 0 } else { self.scan.id().0 },
+            map: self.map.revision().0,
+            // An idle output is no path, and the order of starts decides whether it was received.
+            path: if self.path.tick() == 0 {
+                0
+            } else {
+                self.path.id().0
+            },
+            goal: self.task.id().0,
+            ..Parents::default()
+        };
+        shell.begin(due, run_ns, capture_ns, parents)
+    }
+
+    /// What is known at the beginning of an answer.
+    pub(crate) fn inputs(&mut self, shell: &Shell, draft: &Draft, period_s: f64) -> Inputs<'_> {
+        let age_ns = |message: Received| shell.age_ns(draft, &message);
+        let newest = self.odometry.newest();
+        let odometry = newest.map(|newest| &newest.odometry);
+        let tracked = self.obstacles.get().map(|view| {
+            let age_ns = draft.run_ns.saturating_sub(view.header.run_ns);
+            (view.items, seconds(age_ns))
+        });
+        let tracked = tracked.filter(|(_, age_s)| *age_s <= OBSTACLES_AGE_S_MAX);
+        Inputs {
+            tick: draft.tick,
+            run_ns: draft.run_ns,
+            period_s,
+            robot: self.description.get().map(|view| (view.meta, view.items)),
+            odometry,
+            map: self
+                .map
+                .view()
+                .map(|map| (self.map.info().map_from_odom, map)),
+            map_cells: self.map_cells,
+            obstacles: tracked.unwrap_or((&[], 0.0)),
+            path: self.path.get().map(|view| PathInput {
+                path: view.meta,
+                waypoints: view.items,
+            }),
+            ages: Ages {
+                scan_ns: self.scan.received().map(age_ns),
+                odometry_ns: newest.map(|newest| age_ns(newest.received())),
+                map_ns: self.map.received().map(age_ns),
+                path_ns: self.path.received().map(age_ns),
+            },
+            stopping: shell.roster().control.stopping == 1,
+            scan_points_in_base: match (self.scan_pose, odometry) {
+                (Some(at_capture), Some(now)) => self.points.carry(&at_capture, &now.pose),
+                _ => &[],
+            },
+        }
+    }
+}
