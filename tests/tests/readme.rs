@@ -4,7 +4,8 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use zeronav_global_planner::table::PLANNERS;
 use zeronav_msgs::role::Role;
-use zeronav_msgs::topics::{Discipline, topics};
+use zeronav_msgs::seats::{Answers, SEATS, SeatRow};
+use zeronav_msgs::topics::{Discipline, TopicRow, topics};
 use zeronav_tests::results::readmes;
 use zeronav_tests::{Zeronav, workspace, zeronav};
 
@@ -144,6 +145,103 @@ fn the_table_of_topics_is_that_of_the_code() {
     }
     let unknown = rows.iter().filter(|row| !named.contains(row[0]));
     assert_eq!(unknown.count(), 0, "topics that are no longer there");
+}
+
+/// A row of the table of seats.
+fn seat_line(seat: &SeatRow) -> String {
+    let names = |rows: &[&TopicRow]| {
+        let names: Vec<String> = rows.iter().map(|row| format!("`{}`", row.name)).collect();
+        names.join(", ")
+    };
+    let writes: Vec<String> = (seat.writes().iter())
+        .map(|row| {
+            let owed = seat.owes.iter().any(|owed| owed.name == row.name);
+            let bold = if owed { "**" } else { "" };
+            // Topics without items have a slice of bytes that stays empty.
+            let most = if row.item_bytes == 1 {
+                String::new()
+            } else {
+                format!(" ({})", row.len_max)
+            };
+            format!("{bold}`{}`{bold}{most}", row.name)
+        })
+        .collect();
+    let ticks = match seat.answers {
+        Answers::EveryTick => "every tick",
+        Answers::TicksWithScan => "ticks with a scan",
+    };
+    let after: Vec<String> = (seat.after.iter())
+        .map(|role| format!(", after {}", role.label()))
+        .collect();
+    let (role, reads, writes) = (seat.role.label(), names(seat.reads), writes.join(", "));
+    let (after, without) = (after.concat(), seat.without_input);
+    format!("| `{role}` | {ticks}{after} | {reads} | {writes} | {without} |")
+}
+
+#[test]
+fn the_table_of_seats_is_that_of_the_code() {
+    let lines: Vec<String> = SEATS.iter().map(seat_line).collect();
+    let table = lines.join("\n");
+    let text = page("services/README.md");
+    assert!(
+        text.contains(&format!("|---|---|---|---|---|\n{table}\n\n")),
+        "\n{table}"
+    );
+}
+
+/// Identifiers of a source file; comments and tests are left out.
+fn identifiers(source: &str) -> BTreeSet<String> {
+    let code = source.split("#[cfg(test)]").next().unwrap_or_default();
+    let code = code
+        .lines()
+        .filter(|line| !line.trim_start().starts_with("//"));
+    code.flat_map(|line| line.split(|c: char| !c.is_alphanumeric() && c != '_'))
+        .map(str::to_owned)
+        .collect()
+}
+
+/// Topics that the main program of a service opens itself or through a reader of the shell.
+fn topics_of_main(folder: &str) -> BTreeSet<String> {
+    let root = workspace().join("services").join(folder).join("src");
+    let main = read(&root.join("main.rs"));
+    let modules = main
+        .lines()
+        .filter_map(|line| line.strip_prefix("mod ")?.strip_suffix(';'));
+    let mut found = identifiers(&main);
+    for module in modules {
+        found.extend(identifiers(&read(&root.join(format!("{module}.rs")))));
+    }
+    for (reader, file) in [
+        ("CurrentGoal", "current_goal"),
+        ("Tasks", "tasks"),
+        ("MapInput", "map_input"),
+        ("OdometryReader", "odometry"),
+    ] {
+        if found.contains(reader) {
+            found.extend(identifiers(&page(&format!("services/shell/src/{file}.rs"))));
+        }
+    }
+    // The macro's rows: `    RobotScan = 1 "robot/scan" {`.
+    let declarations = page("msgs/src/topics.rs");
+    let rows = declarations.lines().filter_map(|line| {
+        let (name, rest) = line.strip_prefix("    ")?.split_once(" = ")?;
+        let topic = rest.split('"').nth(1).filter(|topic| topic.contains('/'))?;
+        found.contains(name).then(|| topic.to_owned())
+    });
+    rows.collect()
+}
+
+#[test]
+fn stock_services_open_the_topics_of_their_seats() {
+    for seat in &SEATS {
+        let folder = match seat.role {
+            Role::Robot => "robot_sim",
+            role => role.label(),
+        };
+        let rows = seat.reads.iter().copied().chain(seat.writes());
+        let expected: BTreeSet<String> = rows.map(|row| row.name.to_owned()).collect();
+        assert_eq!(topics_of_main(folder), expected, "{folder}");
+    }
 }
 
 #[test]
