@@ -21,6 +21,7 @@ mod support;
 
 use clap::Parser;
 use common::Set;
+use common::movingai::{GridMap, Scenario};
 use grid_pathfinding::PathingGrid;
 use grid_util::grid::ValueGrid;
 use grid_util::point::Point;
@@ -29,7 +30,6 @@ use std::process::ExitCode;
 use std::time::Instant;
 use support::{Map, Rng};
 use zeronav_global_planner::moves::{DIAGONAL, STEPS, STRAIGHT, octile, price};
-use zeronav_global_planner::movingai::{GridMap, Scenario};
 use zeronav_global_planner::{
     CellPath, Control, CornerRule, GlobalPlanner, PlanQuery, PlannerOptions, Unknown, row_of,
 };

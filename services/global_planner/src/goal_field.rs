@@ -19,13 +19,15 @@
 //! a search from scratch would not, ties left aside, whatever happened to the map.
 
 mod eased_box;
+mod node;
 mod prices;
 mod run;
 mod upkeep;
 
 use eased_box::EasedBox;
+use node::{GENERATION_MAX, NO_WAY, Node, STEP_MASK, STEP_SHIFT, Spot};
 use prices::{Prices, price_of};
-use run::Run;
+use run::{FIELD, FIELD_AND_BOX, OCTILE, Run, WEIGHTED};
 
 use crate::bucket_queue::BucketQueue;
 use crate::moves::{DIAGONAL, STEPS, STRAIGHT, price};
@@ -34,33 +36,6 @@ use crate::search::Found;
 use core::cmp::Reverse;
 use std::collections::BinaryHeap;
 use zeronav_msgs::{Cell, CellRect, GridGeometry, MapView};
-
-/// Expansions between two looks at the budget.
-const BUDGET_EVERY: u64 = 2048;
-
-/// In place of what is left: no way leads to the goal.
-const NO_WAY: u32 = u32::MAX;
-
-/// A padded position: `(y + 1) * (width + 2) + x + 1`.
-type Spot = u32;
-
-/// What is known about a cell.
-#[derive(Debug, Clone, Copy)]
-struct Node {
-    /// Lower bound of the cost to the goal.
-    left: u32,
-    /// Cost of the best way from the start found so far.
-    so_far: u32,
-    /// `generation << 5 | step that led here << 1 | closed`.
-    meta: u32,
-}
-
-const CLOSED: u32 = 1;
-const STEP_SHIFT: u32 = 1;
-const STEP_MASK: u32 = 0b1_1110;
-const NO_STEP: u32 = 8;
-const GENERATION_SHIFT: u32 = 5;
-const GENERATION_MAX: u32 = (1 << (32 - GENERATION_SHIFT)) - 1;
 
 /// How far the field is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -91,12 +66,6 @@ pub(crate) enum Guide {
         below: u32,
     },
 }
-
-/// The kinds of heuristic, as parameters of the search.
-const OCTILE: u8 = 0;
-const FIELD: u8 = 1;
-const FIELD_AND_BOX: u8 = 2;
-const WEIGHTED: u8 = 3;
 
 /// See the module's description.
 #[derive(Debug)]
@@ -368,6 +337,32 @@ impl GoalField {
             self.closed.clear();
         }
         found
+    }
+
+    /// What the last search proved: from a cell that it closed, the rest costs what its way cost
+    /// less the way to the cell.
+    fn learn(&mut self) {
+        if let Some(EasedBox { min, max, least }) = self.closed_box.take()
+            && !self.closed.is_empty()
+        {
+            // What was proved beside the box rests on this bound inside it.
+            for y in min.1..=max.1 {
+                let first = (y * self.width + min.0) as usize;
+                let row = &mut self.nodes[first..=first + (max.0 - min.0) as usize];
+                for node in row {
+                    node.left = node.left.max(least);
+                }
+            }
+        }
+        for spot in self.closed.drain(..) {
+            let node = &mut self.nodes[spot as usize];
+            let left = if self.proved == NO_WAY {
+                NO_WAY
+            } else {
+                self.proved.saturating_sub(node.so_far)
+            };
+            node.left = node.left.max(left);
+        }
     }
 
     /// Integer cost of the way that the last search found.

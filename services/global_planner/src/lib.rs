@@ -57,7 +57,6 @@ mod limits;
 pub mod line;
 mod map_options;
 pub mod moves;
-pub mod movingai;
 pub mod mpgaa;
 mod node_pool;
 mod options;

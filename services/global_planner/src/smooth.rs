@@ -191,86 +191,84 @@ impl Smooth {
         }
     }
 
-    /// Draws the curve and its cells; what fails the check has to be followed more closely, and
-    /// the answer is then false.
+    /// Draws the curve and its cells. False when it fails the check somewhere: the path has to be
+    /// followed more closely there.
     fn draw(&mut self, query: &PlanQuery<'_>, cells: &[Cell]) -> bool {
         let geometry = query.map.geometry;
-        let Self {
-            control,
-            interval,
-            closeness,
-            dearest,
-            curve,
-            chain,
-            failed,
-            ..
-        } = self;
-        curve.clear();
-        chain.clear();
-        let Some(first) = control.first() else {
+        self.curve.clear();
+        self.chain.clear();
+        self.failed.clear();
+        let Some(first) = self.control.first() else {
             return false;
         };
         let Some(cell) = geometry.cell_at(*first) else {
             return false;
         };
-        curve.push(*first);
-        chain.push(cell);
-        let n_intervals = closeness.len();
+        self.curve.push(*first);
+        self.chain.push(cell);
+        let scaled = |point: Point2<f64>| {
+            let resolution_m = geometry.resolution_m;
+            Point2::new(
+                (point.x - geometry.origin_x_m) / resolution_m,
+                (point.y - geometry.origin_y_m) / resolution_m,
+            )
+        };
         let mut legal = true;
-        failed.clear();
-        for (k, four) in segments(control, SplineEnds::Phantom).enumerate() {
-            let here = interval[k.min(interval.len() - 1)];
-            let near = here.saturating_sub(1)..(here + 2).min(n_intervals);
-            let most = dearest[near.clone()]
-                .iter()
-                .copied()
-                .max()
-                .unwrap_or(0)
-                .saturating_add(DEARER);
-            let pieces = if four[1] == four[2] && four[0] == four[1] {
-                1
-            } else {
-                PIECES
+        for (k, four) in segments(&self.control, SplineEnds::Phantom).enumerate() {
+            let here = self.interval[k.min(self.interval.len() - 1)];
+            let most = self.dearest_around(here).saturating_add(DEARER);
+            // On the path itself, and not on the transition to it.
+            let pinned = |n: usize| self.closeness[n] == Closeness::Pinned;
+            let on_path = pinned(here)
+                && (four[0] == four[1]
+                    || k.checked_sub(1).is_none_or(|k| pinned(self.interval[k])));
+            let accept = |cell: Cell| {
+                let known = query.map.get(cell);
+                let free = known.is_some_and(|cell| !query.unknown.blocks(cell));
+                if on_path {
+                    // A point on the corner of a cell that the path only touches.
+                    (free || cells.contains(&cell)).then_some(true)
+                } else {
+                    Some(free && known.is_some_and(|cell| cell.cost <= most))
+                }
             };
+            let is_point = four[1] == four[2] && four[0] == four[1];
+            let pieces = if is_point { 1 } else { PIECES };
             for piece in 1..=pieces {
-                let from = curve[curve.len() - 1];
+                let from = self.curve[self.curve.len() - 1];
                 let to = point_on(&four, f64::from(piece) / f64::from(pieces)).at;
                 if (to - from).norm() < 1.0e-6 * geometry.resolution_m {
                     continue;
                 }
-                // On the path itself, and not on the change over to it.
-                let pinned = |n: usize| closeness[n] == Closeness::Pinned;
-                let on_path = pinned(here)
-                    && (four[0] == four[1] || k.checked_sub(1).is_none_or(|k| pinned(interval[k])));
-                let accept = |cell: Cell| {
-                    let known = query.map.get(cell);
-                    let free = known.is_some_and(|cell| !query.unknown.blocks(cell));
-                    if on_path {
-                        // A point on the corner of a cell that the path only touches.
-                        (free || cells.contains(&cell)).then_some(true)
-                    } else {
-                        Some(free && known.is_some_and(|cell| cell.cost <= most))
-                    }
-                };
-                let scaled = |point: Point2<f64>| {
-                    let resolution_m = geometry.resolution_m;
-                    Point2::new(
-                        (point.x - geometry.origin_x_m) / resolution_m,
-                        (point.y - geometry.origin_y_m) / resolution_m,
-                    )
-                };
-                if !trace(scaled(from), scaled(to), chain, accept) {
+                if !trace(scaled(from), scaled(to), &mut self.chain, accept) {
                     legal = false;
-                    if failed.last() != Some(&(here, closeness[here])) {
-                        failed.push((here, closeness[here]));
+                    let failure = (here, self.closeness[here]);
+                    if self.failed.last() != Some(&failure) {
+                        self.failed.push(failure);
                     }
                 }
-                curve.push(to);
+                self.curve.push(to);
             }
         }
-        // A loose neighbour bends a piece as much as its own points do.
-        for (here, was) in failed.drain(..) {
-            let around = here.saturating_sub(1)..(here + 2).min(n_intervals);
+        self.follow_failures_closer();
+        if legal {
+            straighten(query, &mut self.chain);
+        }
+        legal
+    }
+
+    /// Cost of the dearest cell of the path in an interval and the two beside it.
+    fn dearest_around(&self, interval: usize) -> u8 {
+        let near = interval.saturating_sub(1)..(interval + 2).min(self.dearest.len());
+        self.dearest[near].iter().copied().max().unwrap_or(0)
+    }
+
+    /// Follows the path more closely where the curve failed. A loose neighbour bends a piece as much
+    /// as its own points do.
+    fn follow_failures_closer(&mut self) {
+        let closeness = &mut self.closeness;
+        for (here, was) in self.failed.drain(..) {
+            let around = here.saturating_sub(1)..(here + 2).min(closeness.len());
             let loose = around.clone().any(|n| closeness[n] == Closeness::Loose);
             if was != Closeness::Loose && !loose {
                 closeness[here] = Closeness::Pinned;
@@ -279,10 +277,6 @@ impl Smooth {
                 *close = (*close).max(Closeness::Close);
             }
         }
-        if legal {
-            straighten(query, chain);
-        }
-        legal
     }
 }
 

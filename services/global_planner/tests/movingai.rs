@@ -5,11 +5,13 @@
 
 #[path = "../../../tests/data/folder.rs"]
 mod data;
+#[path = "support/movingai.rs"]
+mod reader;
 
 use data::{external_data, files, shipped_data};
+use reader::{GridMap, Scenario};
 use std::collections::BTreeMap;
 use std::path::Path;
-use zeronav_global_planner::movingai::{GridMap, Scenario};
 use zeronav_global_planner::{
     CellPath, Control, CornerRule, EXACT, PlanQuery, PlannerOptions, Unknown, row_of,
 };

@@ -3,8 +3,11 @@
 #![allow(dead_code, reason = "every example uses its own part")]
 #![allow(unreachable_pub, reason = "a module of several examples")]
 
+#[path = "../../tests/support/movingai.rs"]
+pub mod movingai;
+
+use movingai::{GridMap, Scenario};
 use std::path::{Path, PathBuf};
-use zeronav_global_planner::movingai::{GridMap, Scenario};
 
 /// A map and its questions.
 pub struct Set {

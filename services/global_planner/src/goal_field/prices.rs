@@ -3,7 +3,7 @@
 //! Apart from what a search writes: an expansion looks at eight prices, which lie in three cache
 //! lines, and touches only the nodes that it may improve.
 
-use super::Spot;
+use super::node::Spot;
 use crate::planner::Unknown;
 use zeronav_msgs::map::COST_UNKNOWN;
 use zeronav_msgs::{MapCell, MapView};

@@ -1,15 +1,21 @@
 //! One search under the guidance of the field.
 
 use super::eased_box::EasedBox;
+use super::node::{CLOSED, GENERATION_SHIFT, NO_STEP, NO_WAY, Node, STEP_MASK, STEP_SHIFT, Spot};
 use super::prices::{BLOCKED, Prices};
-use super::{
-    BUDGET_EVERY, CLOSED, FIELD, FIELD_AND_BOX, GENERATION_SHIFT, NO_STEP, NO_WAY, Node, STEP_MASK,
-    STEP_SHIFT, Spot, WEIGHTED,
-};
 use crate::bucket_queue::BucketQueue;
 use crate::moves::{STEPS, octile};
 use crate::planner::{Control, CornerRule, Expansions, PlanStats};
 use crate::search::{COST_SO_FAR_MAX, Found};
+
+/// Expansions between two looks at the budget.
+const BUDGET_EVERY: u64 = 2048;
+
+/// The kinds of heuristic, as parameters of the search.
+pub(super) const OCTILE: u8 = 0;
+pub(super) const FIELD: u8 = 1;
+pub(super) const FIELD_AND_BOX: u8 = 2;
+pub(super) const WEIGHTED: u8 = 3;
 
 /// A search under way: slices and numbers in one place, so that the inner loop sees no `Vec`.
 pub(super) struct Run<'a> {

@@ -1,8 +1,9 @@
 //! The field's upkeep: what is done while nobody waits for an answer.
 
 use super::eased_box::EasedBox;
+use super::node::{NO_WAY, Spot};
 use super::prices::{BLOCKED, is_blocked};
-use super::{GoalField, NO_WAY, Spot, State};
+use super::{GoalField, State};
 use crate::bucket_queue::BucketQueue;
 use crate::search::COST_SO_FAR_MAX;
 use core::cmp::Reverse;
@@ -64,32 +65,6 @@ impl GoalField {
             });
         }
         true
-    }
-
-    /// What the last search proved: from a cell that it closed, the rest costs what its way cost
-    /// less the way to the cell.
-    pub(super) fn learn(&mut self) {
-        if let Some(EasedBox { min, max, least }) = self.closed_box.take()
-            && !self.closed.is_empty()
-        {
-            // What was proved beside the box rests on this bound inside it.
-            for y in min.1..=max.1 {
-                let first = (y * self.width + min.0) as usize;
-                let row = &mut self.nodes[first..=first + (max.0 - min.0) as usize];
-                for node in row {
-                    node.left = node.left.max(least);
-                }
-            }
-        }
-        for spot in self.closed.drain(..) {
-            let node = &mut self.nodes[spot as usize];
-            let left = if self.proved == NO_WAY {
-                NO_WAY
-            } else {
-                self.proved.saturating_sub(node.so_far)
-            };
-            node.left = node.left.max(left);
-        }
     }
 
     fn begin(&mut self, goal: Spot) {

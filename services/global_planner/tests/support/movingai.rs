@@ -2,7 +2,9 @@
 //!
 //! Sturtevant, "Benchmarks for Grid-Based Pathfinding", IEEE Transactions on Computational
 //! Intelligence and AI in Games 4(2), 2012. Eight neighbours, a straight step costs 1, a diagonal
-//! one sqrt 2 and needs both cells beside it free: [`crate::CornerRule::ForbidAny`].
+//! one sqrt 2 and needs both cells beside it free: `CornerRule::ForbidAny`.
+
+#![allow(dead_code, reason = "every test and example uses its own part")]
 
 use zeronav_msgs::grid::SIDE_CELLS_MAX;
 use zeronav_msgs::map::{COST_FREE, COST_LETHAL, FLAG_STATIC};
@@ -10,27 +12,27 @@ use zeronav_msgs::{Cell, GridGeometry, MapCell, MapView, Pose};
 
 /// A `.map` file: row `y` of the map is line `y` of the file, the first is 0.
 #[derive(Debug, Clone, PartialEq)]
-pub struct GridMap {
+pub(crate) struct GridMap {
     /// One metre per cell, the outer corner of cell (0, 0) at the origin.
-    pub geometry: GridGeometry,
+    pub(crate) geometry: GridGeometry,
     /// `geometry.len()` cells, row-major; free or lethal.
-    pub cells: Vec<MapCell>,
+    pub(crate) cells: Vec<MapCell>,
 }
 
 /// A line of a `.scen` file.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Scenario {
+pub(crate) struct Scenario {
     /// Where the way begins.
-    pub start: Cell,
+    pub(crate) start: Cell,
     /// Where it ends.
-    pub goal: Cell,
+    pub(crate) goal: Cell,
     /// Length of the shortest one. [cells]
-    pub optimal_cells: f64,
+    pub(crate) optimal_cells: f64,
 }
 
 /// What is wrong with a file.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum MovingAiError {
+pub(crate) enum MovingAiError {
     /// A line does not say what it should.
     #[error("line {line}: expected {expected}")]
     Line {
@@ -49,7 +51,7 @@ impl GridMap {
     ///
     /// # Errors
     /// [`MovingAiError`] with the first line that is wrong.
-    pub fn parse(text: &str) -> Result<Self, MovingAiError> {
+    pub(crate) fn parse(text: &str) -> Result<Self, MovingAiError> {
         let mut lines = (1..).zip(text.lines().map(str::trim_end));
         let mut word = |key: &'static str, expected| {
             let (line, text) = lines.next().ok_or(MovingAiError::Ends(key))?;
@@ -100,8 +102,7 @@ impl GridMap {
     }
 
     /// The map as planners see it.
-    #[must_use]
-    pub fn view(&self) -> MapView<'_> {
+    pub(crate) fn view(&self) -> MapView<'_> {
         MapView {
             geometry: &self.geometry,
             cells: &self.cells,
@@ -109,8 +110,7 @@ impl GridMap {
     }
 
     /// Pose at the centre of a cell.
-    #[must_use]
-    pub fn pose(&self, cell: Cell) -> Pose {
+    pub(crate) fn pose(&self, cell: Cell) -> Pose {
         let centre = self.geometry.centre_of(cell);
         Pose::new(centre.x, centre.y, 0.0)
     }
@@ -121,7 +121,10 @@ impl Scenario {
     ///
     /// # Errors
     /// [`MovingAiError`] with the first line that is wrong or leads off the map.
-    pub fn parse_all(text: &str, geometry: &GridGeometry) -> Result<Vec<Self>, MovingAiError> {
+    pub(crate) fn parse_all(
+        text: &str,
+        geometry: &GridGeometry,
+    ) -> Result<Vec<Self>, MovingAiError> {
         let mut lines = (1..).zip(text.lines());
         match lines.next() {
             Some((_, first)) if first.starts_with("version") => {}
