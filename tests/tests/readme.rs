@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
-use zeronav_global_planner::table::PLANNERS;
+use zeronav_global_planner::PLANNERS;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::seats::{Answers, SEATS, SeatRow};
 use zeronav_msgs::topics::{Discipline, TopicRow, topics};

@@ -13,7 +13,7 @@ use zeronav_msgs::{CellRect, MapView};
 
 /// See the module's description.
 #[derive(Debug)]
-pub struct AnyAngle {
+pub(crate) struct AnyAngle {
     search: Mpgaa,
     pull: Pull,
     cost_weight: f64,
@@ -22,7 +22,7 @@ pub struct AnyAngle {
 impl AnyAngle {
     /// A planner with empty memory.
     #[must_use]
-    pub fn new(options: MapOptions) -> Self {
+    pub(crate) fn new(options: MapOptions) -> Self {
         Self {
             search: Mpgaa::new(options),
             pull: Pull::default(),

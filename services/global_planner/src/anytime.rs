@@ -21,7 +21,7 @@ const QUARTERS: [u32; IMPROVEMENTS_MAX] = [20, 10, 6, 4];
 
 /// See the module's description.
 #[derive(Debug)]
-pub struct Anytime {
+pub(crate) struct Anytime {
     ground: Ground,
     rounds: Rounds,
 }
@@ -36,7 +36,7 @@ struct Rounds {
 impl Anytime {
     /// A planner with empty memory.
     #[must_use]
-    pub fn new(options: MapOptions) -> Self {
+    pub(crate) fn new(options: MapOptions) -> Self {
         let cost_weight = options.cost_weight();
         Self {
             ground: Ground::new(options),

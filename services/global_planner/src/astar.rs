@@ -18,7 +18,7 @@ use crate::search::{Found, Search, Task};
 
 /// See the module's description.
 #[derive(Debug)]
-pub struct CAstar {
+pub(crate) struct CAstar {
     search: Search,
     way_out: WayOut,
     cost_weight: f64,
@@ -27,7 +27,7 @@ pub struct CAstar {
 impl CAstar {
     /// A planner with empty memory.
     #[must_use]
-    pub fn new(options: MapOptions) -> Self {
+    pub(crate) fn new(options: MapOptions) -> Self {
         let cost_weight = options.cost_weight();
         Self {
             search: Search::new(cost_weight),

@@ -9,7 +9,7 @@ const BLOCKED: u8 = u8::MAX;
 
 /// What a map update did.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Change {
+pub(crate) struct Change {
     /// It is another grid, or the first one.
     pub geometry: bool,
     /// A cell that blocked the robot's centre does so no longer.
@@ -21,7 +21,7 @@ pub struct Change {
 /// The costs seen last, so that the next update can be compared with them. Time follows what
 /// changed, not the map.
 #[derive(Debug, Default)]
-pub struct CostMemory {
+pub(crate) struct CostMemory {
     geometry: GridGeometry,
     ranks: Vec<u8>,
 }
@@ -29,7 +29,7 @@ pub struct CostMemory {
 impl CostMemory {
     /// Takes in the cells of `changed` and calls `eased` with each that became cheaper or opened.
     /// Nothing is called when the grid is another one.
-    pub fn take_in(
+    pub(crate) fn take_in(
         &mut self,
         map: &MapView<'_>,
         changed: &[CellRect],

@@ -5,7 +5,7 @@ use crate::planner::{CornerRule, Unknown};
 use zeronav_params::parameters;
 
 /// Largest [`GlobalPlannerConfig::smooth_m`]. [m]
-pub const SMOOTH_M_MAX: f64 = 2.0;
+pub(crate) const SMOOTH_M_MAX: f64 = 2.0;
 
 parameters! {
     /// Configuration of the global planner.

@@ -9,7 +9,7 @@ use zeronav_msgs::{Cell, MapView};
 
 /// Where a search begins and ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Ends {
+pub(crate) struct Ends {
     /// First free cell; the last of [`WayOut::cells`].
     pub start: Cell,
     /// The goal's own cell, or the free one that takes its place.
@@ -19,7 +19,7 @@ pub struct Ends {
 /// The way from a robot too close to an obstacle to a free cell, and other such cells. Its memory
 /// is reused.
 #[derive(Debug, Default)]
-pub struct WayOut {
+pub(crate) struct WayOut {
     escape_m: f64,
     cells: Vec<Cell>,
     /// Free cells within reach, nearest first.
@@ -34,7 +34,7 @@ pub struct WayOut {
 impl WayOut {
     /// Without memory of any question.
     #[must_use]
-    pub fn new(options: MapOptions) -> Self {
+    pub(crate) fn new(options: MapOptions) -> Self {
         Self {
             escape_m: options.escape_m(),
             ..Self::default()
@@ -44,18 +44,18 @@ impl WayOut {
     /// Cells from the robot's own to the first free one, both included; one cell when the robot
     /// stands free.
     #[must_use]
-    pub fn cells(&self) -> &[Cell] {
+    pub(crate) fn cells(&self) -> &[Cell] {
         &self.cells
     }
 
     /// Begins a path with the way out, but for the cell where the search begins.
-    pub fn lead(&self, path: &mut Vec<Cell>) {
+    pub(crate) fn lead(&self, path: &mut Vec<Cell>) {
         let last = self.cells.len().saturating_sub(1);
         path.extend_from_slice(&self.cells[..last]);
     }
 
     /// Turns to the nearest free cell of which `tried` does not hold; `None` when there is none.
-    pub fn turn_to_next(&mut self, mut tried: impl FnMut(Cell) -> bool) -> Option<Cell> {
+    pub(crate) fn turn_to_next(&mut self, mut tried: impl FnMut(Cell) -> bool) -> Option<Cell> {
         self.exits.retain(|exit| !tried(*exit));
         let exit = self.exits.first().copied()?;
         self.cells.clear();
@@ -86,7 +86,7 @@ const ROOT: u8 = 8;
 /// # Errors
 /// [`PlanError::StartOutsideMap`], [`PlanError::GoalOutsideMap`], [`PlanError::StartBlocked`],
 /// [`PlanError::GoalBlocked`], in this order.
-pub fn find_ends(query: &PlanQuery<'_>, way_out: &mut WayOut) -> Result<Ends, PlanError> {
+pub(crate) fn find_ends(query: &PlanQuery<'_>, way_out: &mut WayOut) -> Result<Ends, PlanError> {
     let geometry = query.map.geometry;
     let start = geometry
         .cell_at(query.start.point())

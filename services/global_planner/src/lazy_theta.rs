@@ -43,7 +43,7 @@ const GENERATION_BITS: u32 = 31;
 
 /// See the module's description.
 #[derive(Debug)]
-pub struct LazyTheta {
+pub(crate) struct LazyTheta {
     ground: Ground,
     search: Search,
 }
@@ -59,7 +59,7 @@ struct Search {
 impl LazyTheta {
     /// A planner with empty memory.
     #[must_use]
-    pub fn new(options: MapOptions) -> Self {
+    pub(crate) fn new(options: MapOptions) -> Self {
         Self {
             ground: Ground::new(options),
             search: Search::default(),

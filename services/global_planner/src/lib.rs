@@ -36,58 +36,66 @@
 //! (open list), `limits` (budget), `line` (cells under a line). Parameters are declared beside what
 //! they steer and collected in `options` and `config`.
 
-pub mod any_angle;
-pub mod anytime;
-pub mod astar;
+#[cfg(test)]
+extern crate self as zeronav_global_planner;
+#[cfg(test)]
+#[path = "../tests/support/mod.rs"]
+mod support;
+
+mod any_angle;
+mod anytime;
+mod astar;
 mod bits;
 mod bucket_queue;
 mod canonical;
-pub mod change;
-pub mod config;
-pub mod corridor;
-pub mod ends;
+mod change;
+mod config;
+mod corridor;
+mod ends;
 mod goal_cell;
 mod goal_field;
 mod ground;
-pub mod jps;
+mod jps;
 mod jump_map;
 mod jumps;
-pub mod lazy_theta;
+mod lazy_theta;
 mod limits;
-pub mod line;
+mod line;
 mod map_options;
 pub mod moves;
-pub mod mpgaa;
+mod mpgaa;
 mod node_pool;
 mod options;
 mod padded;
-pub mod papers;
-pub mod plan;
-pub mod planner;
-pub mod policy;
+mod papers;
+mod plan;
+mod planner;
+mod policy;
 mod pull;
 mod reach;
 mod regions;
 mod remarks;
-pub mod replan;
+mod replan;
 mod search;
 mod sight;
 mod smooth;
-pub mod table;
-pub mod waypoints;
+mod table;
+mod waypoints;
 mod window;
 
 pub use config::GlobalPlannerConfig;
 pub use corridor::{Corridor, Legality};
+pub use jps::{Choose, Jps};
+pub use line::supercover;
 pub use map_options::MapOptions;
+pub use mpgaa::Mpgaa;
 pub use options::PlannerOptions;
 pub use papers::options::PaperOptions;
 pub use plan::{Plan, Target};
-
 pub use planner::{
     CellPath, Control, CornerRule, Expansions, GlobalPlanner, Improvement, PlanError, PlanQuery,
     PlanStats, Unknown,
 };
 pub use remarks::{Fallback, Remarks};
-pub use replan::{News, Replanner, Request, Situation, Step};
+pub use replan::{BuildError, News, Replanner, Request, Situation, Step};
 pub use table::{EXACT, PLANNERS, PlannerRow, UnknownPlanner, row_of};

@@ -1,9 +1,10 @@
 //! The global planner as a process: answers every map update, goal and request with a path.
 
 use std::process::ExitCode;
-use zeronav_global_planner::replan::{BuildError, News, Replanner, Request, Situation, Step};
-use zeronav_global_planner::table::{PLANNERS, PlannerRow};
-use zeronav_global_planner::{Control, GlobalPlannerConfig, Target, UnknownPlanner};
+use zeronav_global_planner::{
+    BuildError, Control, GlobalPlannerConfig, News, PLANNERS, PlannerRow, Replanner, Request,
+    Situation, Step, Target, UnknownPlanner,
+};
 use zeronav_msgs::CellRect;
 use zeronav_msgs::header::Parents;
 use zeronav_msgs::health::REASON_MAP;

@@ -155,7 +155,7 @@ pub struct PlanStats {
 }
 
 /// Most entries of [`PlanStats::improved`].
-pub const IMPROVEMENTS_MAX: usize = 4;
+pub(crate) const IMPROVEMENTS_MAX: usize = 4;
 
 /// A path that was found while the search went on.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

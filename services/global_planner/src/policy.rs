@@ -31,7 +31,7 @@ const EFFORT_MIN: u64 = 8192;
 
 /// See the module's description.
 #[derive(Debug)]
-pub struct Policy {
+pub(crate) struct Policy {
     jumps: Jps,
     field: Mpgaa,
     cost_weight: f64,
@@ -45,7 +45,7 @@ pub struct Policy {
 impl Policy {
     /// A planner with empty memory.
     #[must_use]
-    pub fn new(options: MapOptions) -> Self {
+    pub(crate) fn new(options: MapOptions) -> Self {
         Self {
             jumps: Jps::new(options, Choose::ByClutter),
             field: Mpgaa::new(options),
@@ -55,12 +55,6 @@ impl Policy {
             priced: false,
             effort: 0,
         }
-    }
-
-    /// Bytes held for the map and the searches.
-    #[must_use]
-    pub fn memory_bytes(&self) -> usize {
-        self.jumps.memory_bytes() + self.field.memory_bytes()
     }
 
     fn has_price(&self, cell: MapCell) -> bool {

@@ -8,7 +8,7 @@ use zeronav_msgs::{Cell, MapView, Pose};
 /// The path has more corners than a message holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, thiserror::Error)]
 #[error("the path has more than {WAYPOINTS_MAX} corners")]
-pub struct TooLong;
+pub(crate) struct TooLong;
 
 /// Writes the corners of the path that is straight between the centres of `cells`, and gives its
 /// length [m].
@@ -20,7 +20,7 @@ pub struct TooLong;
 ///
 /// # Errors
 /// [`TooLong`]; `waypoints` is then empty.
-pub fn waypoints_of(
+pub(crate) fn waypoints_of(
     map: &MapView<'_>,
     cells: &[Cell],
     goal: &Pose,
@@ -67,14 +67,14 @@ pub fn waypoints_of(
 /// No curve, or one of more points than a message holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, thiserror::Error)]
 #[error("the curve has no points, or more than {WAYPOINTS_MAX}")]
-pub struct NoCurve;
+pub(crate) struct NoCurve;
 
 /// Writes the points of a curve in the `map` frame [m] as waypoints and gives its length [m]. The
 /// yaw of the last is that of `goal`, wrapped to (-pi, pi].
 ///
 /// # Errors
 /// [`NoCurve`]; `waypoints` is then empty.
-pub fn waypoints_along(
+pub(crate) fn waypoints_along(
     map: &MapView<'_>,
     curve: &[Point2<f64>],
     goal: &Pose,
@@ -156,4 +156,85 @@ fn is_straight(a: Cell, b: Cell, c: Cell) -> bool {
     let step = |from: Cell, to: Cell| (i64::from(to.x - from.x), i64::from(to.y - from.y));
     let ((ax, ay), (bx, by)) = (step(a, b), step(b, c));
     ax * by == ay * bx && ax * bx + ay * by > 0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::support::Map;
+
+    fn waypoints(map: &Map, cells: &[(i32, i32)], goal: &Pose) -> (Vec<Waypoint>, f64) {
+        let cells: Vec<Cell> = cells.iter().map(|(x, y)| Cell::new(*x, *y)).collect();
+        let mut waypoints = Vec::new();
+        let length_m = waypoints_of(&map.view(), &cells, goal, &mut waypoints).unwrap();
+        (waypoints, length_m)
+    }
+
+    /// Waypoints in cells from the centre of cell (0, 0), rounded to hundredths.
+    fn in_cells(map: &Map, waypoints: &[Waypoint]) -> Vec<(f64, f64)> {
+        let centre = map.geometry.centre_of(Cell::new(0, 0));
+        let cells = |m: f64| (m / 0.05 * 100.0).round() / 100.0 + 0.0;
+        waypoints
+            .iter()
+            .map(|w| (cells(w.x_m - centre.x), cells(w.y_m - centre.y)))
+            .collect()
+    }
+
+    #[test]
+    fn straight_runs_become_their_corners() {
+        let map = Map::free(9, 9);
+        let goal = map.pose(Cell::new(5, 2));
+        let cells = [(0, 0), (1, 0), (2, 0), (3, 1), (4, 2), (5, 2)];
+        let (waypoints, length_m) = waypoints(&map, &cells, &goal);
+        let corners = [(0.0, 0.0), (2.0, 0.0), (4.0, 2.0), (5.0, 2.0)];
+        assert_eq!(in_cells(&map, &waypoints), corners);
+        assert!((length_m - (3.0 + 8.0_f64.sqrt()) * 0.05).abs() < 1e-9);
+        let yaws: Vec<f32> = waypoints.iter().map(|w| w.yaw_rad).collect();
+        let expected = [0.0, std::f32::consts::FRAC_PI_4, 0.0, 0.25];
+        assert!(
+            yaws.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-5),
+            "{yaws:?}"
+        );
+        assert!(waypoints.iter().all(|w| (w.clearance_m - 0.5).abs() < 1e-6));
+    }
+
+    #[test]
+    fn the_last_waypoint_is_the_goal_when_it_lies_in_the_last_cell() {
+        let map = Map::free(9, 9);
+        let mut goal = map.pose(Cell::new(4, 0));
+        goal.x_m += 0.01;
+        goal.y_m -= 0.02;
+        goal.yaw_rad = 4.0;
+        let run: Vec<(i32, i32)> = (0..5).map(|x| (x, 0)).collect();
+        let (way, length_m) = waypoints(&map, &run, &goal);
+        assert_eq!(in_cells(&map, &way), [(0.0, 0.0), (3.0, 0.0), (4.2, -0.4)]);
+        assert!((way[2].yaw_rad - (4.0 - std::f32::consts::TAU)).abs() < 1e-5);
+        assert!((length_m - (3.0 + 1.2_f64.hypot(0.4)) * 0.05).abs() < 1e-9);
+        // The same from a path of corners, and where the cell before is a corner anyway.
+        let (way, _) = waypoints(&map, &[(0, 0), (4, 0)], &goal);
+        assert_eq!(in_cells(&map, &way), [(0.0, 0.0), (3.0, 0.0), (4.2, -0.4)]);
+        let (way, _) = waypoints(&map, &[(3, 1), (3, 0), (4, 0)], &goal);
+        assert_eq!(in_cells(&map, &way), [(3.0, 1.0), (3.0, 0.0), (4.2, -0.4)]);
+        // Another cell takes the goal's place.
+        let (way, _) = waypoints(&map, &[(3, 1), (3, 0)], &goal);
+        assert_eq!(in_cells(&map, &way), [(3.0, 1.0), (3.0, 0.0)]);
+        // The robot stands in the goal's cell.
+        let (way, length_m) = waypoints(&map, &[(4, 0)], &goal);
+        assert_eq!(in_cells(&map, &way), [(4.2, -0.4)]);
+        assert!(length_m.abs() < 1e-12);
+    }
+
+    #[test]
+    fn too_many_corners_are_refused() {
+        let map = Map::free(8000, 2);
+        let zigzag: Vec<Cell> = (0..8000).map(|x| Cell::new(x, (x / 2) % 2)).collect();
+        let goal = map.pose(zigzag[7999]);
+        let mut way = Vec::new();
+        let result = waypoints_of(&map.view(), &zigzag, &goal, &mut way);
+        assert_eq!(result, Err(TooLong));
+        assert!(way.is_empty());
+        let short = &zigzag[..2000];
+        assert!(waypoints_of(&map.view(), short, &map.pose(short[1999]), &mut way).is_ok());
+        assert!(way.len() <= WAYPOINTS_MAX);
+    }
 }

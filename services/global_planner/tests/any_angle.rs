@@ -5,9 +5,9 @@
 mod support;
 
 use support::{Map, Rng};
-use zeronav_global_planner::line::supercover;
 use zeronav_global_planner::{
     CellPath, Control, CornerRule, GlobalPlanner, PlanQuery, PlannerOptions, Unknown, row_of,
+    supercover,
 };
 use zeronav_msgs::Cell;
 

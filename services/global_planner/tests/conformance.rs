@@ -4,10 +4,9 @@ mod support;
 
 use proptest::prelude::*;
 use support::{Map, Rng, of_cost};
-use zeronav_global_planner::line::supercover;
 use zeronav_global_planner::{
     CellPath, Control, CornerRule, Expansions, GlobalPlanner, PLANNERS, PlanError, PlanQuery,
-    PlanStats, PlannerOptions, PlannerRow, Unknown,
+    PlanStats, PlannerOptions, PlannerRow, Unknown, supercover,
 };
 use zeronav_msgs::map::{COST_INSCRIBED, COST_LETHAL};
 use zeronav_msgs::{Cell, Pose};

@@ -1,17 +1,15 @@
-//! The corridor of a path against plain geometry, and the waypoints made from it.
+//! The corridor of a path against plain geometry.
 
 mod support;
 
 use proptest::prelude::*;
 use support::{Map, Rng, of_cost};
 use zeronav_global_planner::moves::price;
-use zeronav_global_planner::waypoints::{TooLong, waypoints_of};
 use zeronav_global_planner::{
     CellPath, Control, CornerRule, Corridor, Legality, PlanQuery, PlannerOptions, Unknown, row_of,
 };
+use zeronav_msgs::Cell;
 use zeronav_msgs::map::{COST_INSCRIBED, COST_LETHAL};
-use zeronav_msgs::path::{WAYPOINTS_MAX, Waypoint};
-use zeronav_msgs::{Cell, Pose};
 
 const RULES: [CornerRule; 3] = [
     CornerRule::Allow,
@@ -208,79 +206,4 @@ fn the_cost_ahead_is_length_times_price() {
         (cost_m - (1.5 + 0.5 * price(225, 3.0)) * 0.05).abs() < 1e-6,
         "{cost_m}"
     );
-}
-
-fn waypoints(map: &Map, cells: &[(i32, i32)], goal: &Pose) -> (Vec<Waypoint>, f64) {
-    let cells: Vec<Cell> = cells.iter().map(|(x, y)| Cell::new(*x, *y)).collect();
-    let mut waypoints = Vec::new();
-    let length_m = waypoints_of(&map.view(), &cells, goal, &mut waypoints).unwrap();
-    (waypoints, length_m)
-}
-
-/// Waypoints in cells from the centre of cell (0, 0), rounded to hundredths.
-fn in_cells(map: &Map, waypoints: &[Waypoint]) -> Vec<(f64, f64)> {
-    let centre = map.geometry.centre_of(Cell::new(0, 0));
-    let cells = |m: f64| (m / 0.05 * 100.0).round() / 100.0 + 0.0;
-    waypoints
-        .iter()
-        .map(|w| (cells(w.x_m - centre.x), cells(w.y_m - centre.y)))
-        .collect()
-}
-
-#[test]
-fn straight_runs_become_their_corners() {
-    let map = Map::free(9, 9);
-    let goal = map.pose(Cell::new(5, 2));
-    let cells = [(0, 0), (1, 0), (2, 0), (3, 1), (4, 2), (5, 2)];
-    let (waypoints, length_m) = waypoints(&map, &cells, &goal);
-    let corners = [(0.0, 0.0), (2.0, 0.0), (4.0, 2.0), (5.0, 2.0)];
-    assert_eq!(in_cells(&map, &waypoints), corners);
-    assert!((length_m - (3.0 + 8.0_f64.sqrt()) * 0.05).abs() < 1e-9);
-    let yaws: Vec<f32> = waypoints.iter().map(|w| w.yaw_rad).collect();
-    let expected = [0.0, std::f32::consts::FRAC_PI_4, 0.0, 0.25];
-    assert!(
-        yaws.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-5),
-        "{yaws:?}"
-    );
-    assert!(waypoints.iter().all(|w| (w.clearance_m - 0.5).abs() < 1e-6));
-}
-
-#[test]
-fn the_last_waypoint_is_the_goal_when_it_lies_in_the_last_cell() {
-    let map = Map::free(9, 9);
-    let mut goal = map.pose(Cell::new(4, 0));
-    goal.x_m += 0.01;
-    goal.y_m -= 0.02;
-    goal.yaw_rad = 4.0;
-    let run: Vec<(i32, i32)> = (0..5).map(|x| (x, 0)).collect();
-    let (way, length_m) = waypoints(&map, &run, &goal);
-    assert_eq!(in_cells(&map, &way), [(0.0, 0.0), (3.0, 0.0), (4.2, -0.4)]);
-    assert!((way[2].yaw_rad - (4.0 - std::f32::consts::TAU)).abs() < 1e-5);
-    assert!((length_m - (3.0 + 1.2_f64.hypot(0.4)) * 0.05).abs() < 1e-9);
-    // The same from a path of corners, and where the cell before is a corner anyway.
-    let (way, _) = waypoints(&map, &[(0, 0), (4, 0)], &goal);
-    assert_eq!(in_cells(&map, &way), [(0.0, 0.0), (3.0, 0.0), (4.2, -0.4)]);
-    let (way, _) = waypoints(&map, &[(3, 1), (3, 0), (4, 0)], &goal);
-    assert_eq!(in_cells(&map, &way), [(3.0, 1.0), (3.0, 0.0), (4.2, -0.4)]);
-    // Another cell takes the goal's place.
-    let (way, _) = waypoints(&map, &[(3, 1), (3, 0)], &goal);
-    assert_eq!(in_cells(&map, &way), [(3.0, 1.0), (3.0, 0.0)]);
-    // The robot stands in the goal's cell.
-    let (way, length_m) = waypoints(&map, &[(4, 0)], &goal);
-    assert_eq!(in_cells(&map, &way), [(4.2, -0.4)]);
-    assert!(length_m.abs() < 1e-12);
-}
-
-#[test]
-fn too_many_corners_are_refused() {
-    let map = Map::free(8000, 2);
-    let zigzag: Vec<Cell> = (0..8000).map(|x| Cell::new(x, (x / 2) % 2)).collect();
-    let goal = map.pose(zigzag[7999]);
-    let mut way = Vec::new();
-    let result = waypoints_of(&map.view(), &zigzag, &goal, &mut way);
-    assert_eq!(result, Err(TooLong));
-    assert!(way.is_empty());
-    let short = &zigzag[..2000];
-    assert!(waypoints_of(&map.view(), short, &map.pose(short[1999]), &mut way).is_ok());
-    assert!(way.len() <= WAYPOINTS_MAX);
 }

@@ -32,9 +32,9 @@ use measure::{Bench, Times, median, query, whole};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use support::{Map, Rng, of_cost};
-use zeronav_global_planner::jps::{Choose, Jps};
-use zeronav_global_planner::mpgaa::Mpgaa;
-use zeronav_global_planner::{CellPath, Control, GlobalPlanner, PlannerOptions};
+use zeronav_global_planner::{
+    CellPath, Choose, Control, GlobalPlanner, Jps, Mpgaa, PlannerOptions,
+};
 use zeronav_msgs::Cell;
 use zeronav_msgs::map::COST_LETHAL;
 

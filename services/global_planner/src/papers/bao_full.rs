@@ -13,7 +13,7 @@ use zeronav_msgs::Cell;
 
 /// The planner's method.
 #[must_use]
-pub fn bao_full(ring: Neighbours) -> BaoFull {
+pub(crate) fn bao_full(ring: Neighbours) -> BaoFull {
     BaoFull {
         ring,
         walls: Vec::new(),
@@ -23,14 +23,14 @@ pub fn bao_full(ring: Neighbours) -> BaoFull {
 
 /// See the module's description.
 #[derive(Debug)]
-pub struct BaoFull {
+pub(crate) struct BaoFull {
     ring: Neighbours,
     walls: Vec<bool>,
     memory: BestFirst,
 }
 
 /// Marks the free cells next to an obstacle in `walls`, row-major; gives their number.
-pub fn inflate(field: &Field<'_>, ring: Neighbours, walls: &mut Vec<bool>) -> u64 {
+pub(crate) fn inflate(field: &Field<'_>, ring: Neighbours, walls: &mut Vec<bool>) -> u64 {
     walls.clear();
     walls.resize(field.n_cells(), false);
     let mut marked = 0;

@@ -15,7 +15,7 @@ use zeronav_msgs::Cell;
 
 /// In what a best-first search differs from the next.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Recipe {
+pub(crate) struct Recipe {
     /// Estimate of the way left.
     pub heuristic: Heuristic,
     /// Factor of the estimate.
@@ -32,7 +32,7 @@ pub struct Recipe {
 impl Recipe {
     /// A* with this estimate.
     #[must_use]
-    pub const fn plain(heuristic: Heuristic) -> Self {
+    pub(crate) const fn plain(heuristic: Heuristic) -> Self {
         Self {
             heuristic,
             weight: Weight::One,
@@ -45,7 +45,7 @@ impl Recipe {
 
 /// What g is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum SoFar {
+pub(crate) enum SoFar {
     /// Cost of the path to the node.
     Path,
     /// Straight distance from the start: \[LWX\] eq. (2) as printed, which is wrong.
@@ -54,7 +54,7 @@ pub enum SoFar {
 
 /// What a cell is that a diagonal step must not enter past a corner.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum PastCorner {
+pub(crate) enum PastCorner {
     /// That step is forbidden, nothing else.
     Edge,
     /// The cell is closed for every step, the literal reading of \[BAO\].
@@ -63,7 +63,7 @@ pub enum PastCorner {
 
 /// Memory of a search, reused from call to call.
 #[derive(Debug, Default)]
-pub struct BestFirst {
+pub(crate) struct BestFirst {
     nodes: Vec<Node>,
     generation: u32,
     open: BinaryHeap<Entry>,
@@ -137,7 +137,7 @@ impl BestFirst {
     ///
     /// # Errors
     /// [`PlanError::OutOfBudget`].
-    pub fn search(
+    pub(crate) fn search(
         &mut self,
         field: &Field<'_>,
         recipe: &Recipe,
@@ -280,14 +280,14 @@ impl BestFirst {
 
     /// True when the last search closed the cell at `index`.
     #[must_use]
-    pub fn has_closed(&self, index: usize) -> bool {
+    pub(crate) fn has_closed(&self, index: usize) -> bool {
         self.nodes
             .get(index)
             .is_some_and(|node| node.generation == self.generation && node.closed)
     }
 
     /// Appends the way from the start to `goal`, both included, that the last search found.
-    pub fn trace(&self, field: &Field<'_>, goal: Cell, cells: &mut Vec<Cell>) {
+    pub(crate) fn trace(&self, field: &Field<'_>, goal: Cell, cells: &mut Vec<Cell>) {
         let first = cells.len();
         self.trace_back(field, goal, cells);
         cells[first..].reverse();

@@ -9,16 +9,16 @@ use std::sync::Arc;
 use zeronav_msgs::{Cell, MapView};
 
 /// Lengths of the steps [`STEPS`]. [cells]
-pub const LENGTHS: [f64; 8] = [1.0, SQRT_2, 1.0, SQRT_2, 1.0, SQRT_2, 1.0, SQRT_2];
+pub(crate) const LENGTHS: [f64; 8] = [1.0, SQRT_2, 1.0, SQRT_2, 1.0, SQRT_2, 1.0, SQRT_2];
 
 /// Factor by which entering a cell of each cost is dearer than entering a free one, >= 1.
 #[derive(Debug, Clone)]
-pub struct Prices(Arc<[f64; 256]>);
+pub(crate) struct Prices(Arc<[f64; 256]>);
 
 impl Prices {
     /// See [`price`].
     #[must_use]
-    pub fn new(cost_weight: f64) -> Self {
+    pub(crate) fn new(cost_weight: f64) -> Self {
         let mut prices = [1.0; 256];
         for (entry, cost) in prices.iter_mut().zip(0..=u8::MAX) {
             *entry = price(cost, cost_weight);
@@ -30,7 +30,7 @@ impl Prices {
 /// A map under one policy for unknown cells and one corner rule, with virtual obstacles of the
 /// planner's own.
 #[derive(Debug, Clone, Copy)]
-pub struct Field<'a> {
+pub(crate) struct Field<'a> {
     /// The map.
     pub map: MapView<'a>,
     /// Whether unknown cells may be crossed.
@@ -45,7 +45,7 @@ pub struct Field<'a> {
 
 /// What one of the eight steps from a cell leads to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Look {
+pub(crate) enum Look {
     /// A free cell, by a legal step.
     Free(Cell),
     /// A free cell past a corner that must not be cut: "virtual" in the words of \[BAO\].
@@ -57,13 +57,13 @@ pub enum Look {
 impl<'a> Field<'a> {
     /// The same with these virtual obstacles in place of its own.
     #[must_use]
-    pub const fn with_walls(self, walls: &'a [bool]) -> Self {
+    pub(crate) const fn with_walls(self, walls: &'a [bool]) -> Self {
         Self { walls, ..self }
     }
 
     /// The same under another corner rule.
     #[must_use]
-    pub const fn with_rule(self, corner_rule: CornerRule) -> Self {
+    pub(crate) const fn with_rule(self, corner_rule: CornerRule) -> Self {
         Self {
             corner_rule,
             ..self
@@ -72,21 +72,21 @@ impl<'a> Field<'a> {
 
     /// Number of cells of the map.
     #[must_use]
-    pub fn n_cells(&self) -> usize {
+    pub(crate) fn n_cells(&self) -> usize {
         self.map.cells.len()
     }
 
     /// Row-major index of a cell of the map; 0 for any other.
     #[must_use]
     #[inline]
-    pub fn index(&self, cell: Cell) -> usize {
+    pub(crate) fn index(&self, cell: Cell) -> usize {
         self.map.geometry.index_of(cell).unwrap_or(0)
     }
 
     /// Cell of a row-major index.
     #[must_use]
     #[inline]
-    pub fn cell(&self, index: u32) -> Cell {
+    pub(crate) fn cell(&self, index: u32) -> Cell {
         let width = self.map.geometry.width.max(1);
         Cell::new((index % width).cast_signed(), (index / width).cast_signed())
     }
@@ -94,7 +94,7 @@ impl<'a> Field<'a> {
     /// True when the robot's centre may be in `cell`.
     #[must_use]
     #[inline]
-    pub fn is_free(&self, cell: Cell) -> bool {
+    pub(crate) fn is_free(&self, cell: Cell) -> bool {
         self.map.geometry.index_of(cell).is_some_and(|index| {
             !self.unknown.blocks(self.map.cells[index])
                 && !self.walls.get(index).is_some_and(|wall| *wall)
@@ -104,7 +104,7 @@ impl<'a> Field<'a> {
     /// Where step `n` of [`STEPS`] (modulo 8) leads.
     #[must_use]
     #[inline]
-    pub fn look(&self, from: Cell, n: usize) -> Look {
+    pub(crate) fn look(&self, from: Cell, n: usize) -> Look {
         let n = n % 8;
         let (dx, dy) = STEPS[n];
         let to = Cell::new(from.x + dx, from.y + dy);
@@ -127,7 +127,7 @@ impl<'a> Field<'a> {
 
     /// True when a legal step leads from `from` to `to`, or both are the same.
     #[must_use]
-    pub fn is_step(&self, from: Cell, to: Cell) -> bool {
+    pub(crate) fn is_step(&self, from: Cell, to: Cell) -> bool {
         let (dx, dy) = (to.x - from.x, to.y - from.y);
         from == to
             || STEPS
@@ -139,7 +139,7 @@ impl<'a> Field<'a> {
     /// Factor of entering `cell`, >= 1.
     #[must_use]
     #[inline]
-    pub fn price(&self, cell: Cell) -> f64 {
+    pub(crate) fn price(&self, cell: Cell) -> f64 {
         let cost = self.map.get(cell).map_or(0, |cell| cell.cost);
         self.prices.0[usize::from(cost)]
     }
@@ -148,7 +148,7 @@ impl<'a> Field<'a> {
     /// the price of the cell it enters, a longer line its length in every cell times that cell's
     /// price. [cells]
     #[must_use]
-    pub fn line_cost(&self, from: Cell, to: Cell) -> f64 {
+    pub(crate) fn line_cost(&self, from: Cell, to: Cell) -> f64 {
         let length = distance(from, to);
         if (to.x - from.x).abs() <= 1 && (to.y - from.y).abs() <= 1 {
             return length * self.price(to);
@@ -164,7 +164,7 @@ impl<'a> Field<'a> {
 /// Straight distance. [cells]
 #[must_use]
 #[inline]
-pub fn distance(from: Cell, to: Cell) -> f64 {
+pub(crate) fn distance(from: Cell, to: Cell) -> f64 {
     f64::from(to.x - from.x).hypot(f64::from(to.y - from.y))
 }
 
@@ -175,7 +175,7 @@ const ASK_EVERY: u64 = 1024;
 const AUX_PER_EXPANSION: u64 = 16;
 
 /// Counts what a search does and asks the budget now and then.
-pub struct Meter<'a> {
+pub(crate) struct Meter<'a> {
     budget: &'a mut dyn FnMut(Expansions) -> Control,
     /// The counters.
     pub stats: &'a mut PlanStats,
@@ -185,7 +185,10 @@ pub struct Meter<'a> {
 
 impl<'a> Meter<'a> {
     /// Counts into `stats`.
-    pub fn new(budget: &'a mut dyn FnMut(Expansions) -> Control, stats: &'a mut PlanStats) -> Self {
+    pub(crate) fn new(
+        budget: &'a mut dyn FnMut(Expansions) -> Control,
+        stats: &'a mut PlanStats,
+    ) -> Self {
         Self {
             budget,
             stats,
@@ -199,7 +202,7 @@ impl<'a> Meter<'a> {
     /// # Errors
     /// [`PlanError::OutOfBudget`] when the budget says so.
     #[inline]
-    pub fn expand(&mut self) -> Result<(), PlanError> {
+    pub(crate) fn expand(&mut self) -> Result<(), PlanError> {
         self.stats.expanded += 1;
         self.add(AUX_PER_EXPANSION)
     }
@@ -208,7 +211,7 @@ impl<'a> Meter<'a> {
     ///
     /// # Errors
     /// [`PlanError::OutOfBudget`] when the budget says so.
-    pub fn aux(&mut self, cells: u64) -> Result<(), PlanError> {
+    pub(crate) fn aux(&mut self, cells: u64) -> Result<(), PlanError> {
         self.stats.remarks.aux_cells += cells;
         self.add(cells)
     }
@@ -217,7 +220,7 @@ impl<'a> Meter<'a> {
     ///
     /// # Errors
     /// [`PlanError::OutOfBudget`] when the budget says so.
-    pub fn turn_back(&mut self) -> Result<(), PlanError> {
+    pub(crate) fn turn_back(&mut self) -> Result<(), PlanError> {
         self.stats.remarks.turned_back += 1;
         self.add(AUX_PER_EXPANSION)
     }
@@ -238,14 +241,14 @@ impl<'a> Meter<'a> {
 
 /// A set of cells that is emptied without touching them.
 #[derive(Debug, Default)]
-pub struct Marks {
+pub(crate) struct Marks {
     marks: Vec<u32>,
     generation: u32,
 }
 
 impl Marks {
     /// Becomes the empty set over `n_cells` cells.
-    pub fn begin(&mut self, n_cells: usize) {
+    pub(crate) fn begin(&mut self, n_cells: usize) {
         if self.marks.len() != n_cells || self.generation == u32::MAX {
             self.marks.clear();
             self.marks.resize(n_cells, 0);
@@ -255,7 +258,7 @@ impl Marks {
     }
 
     /// Puts a cell in; true when it is new.
-    pub fn insert(&mut self, index: usize) -> bool {
+    pub(crate) fn insert(&mut self, index: usize) -> bool {
         let generation = self.generation;
         self.marks
             .get_mut(index)
@@ -264,7 +267,7 @@ impl Marks {
 
     /// True for cells that were put in.
     #[must_use]
-    pub fn has(&self, index: usize) -> bool {
+    pub(crate) fn has(&self, index: usize) -> bool {
         self.marks.get(index) == Some(&self.generation)
     }
 }

@@ -7,7 +7,7 @@ use zeronav_msgs::Cell;
 
 /// The cells that legal steps connect with one cell. Steps are legal both ways or neither.
 #[derive(Debug, Default)]
-pub struct Flood {
+pub(crate) struct Flood {
     seen: Marks,
     stack: Vec<Cell>,
 }
@@ -17,7 +17,7 @@ impl Flood {
     ///
     /// # Errors
     /// [`PlanError::OutOfBudget`].
-    pub fn fill(
+    pub(crate) fn fill(
         &mut self,
         field: &Field<'_>,
         from: Cell,
@@ -46,7 +46,7 @@ impl Flood {
 
     /// True when the last fill reached the cell at `index`.
     #[must_use]
-    pub fn has(&self, index: usize) -> bool {
+    pub(crate) fn has(&self, index: usize) -> bool {
         self.seen.has(index)
     }
 }

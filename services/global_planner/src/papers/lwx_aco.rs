@@ -21,7 +21,7 @@ const TAU_MIN: f64 = 1e-9;
 
 /// The planner's method.
 #[must_use]
-pub fn lwx_aco(options: AntOptions, seed: u64) -> LwxAco {
+pub(crate) fn lwx_aco(options: AntOptions, seed: u64) -> LwxAco {
     LwxAco {
         options,
         seed,
@@ -59,7 +59,7 @@ parameters! {
 
 /// See the module's description.
 #[derive(Debug)]
-pub struct LwxAco {
+pub(crate) struct LwxAco {
     options: AntOptions,
     seed: u64,
     /// Pheromone, row-major.

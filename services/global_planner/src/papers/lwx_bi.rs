@@ -17,7 +17,7 @@ const ATTEMPTS: usize = 8;
 
 /// The planner's method.
 #[must_use]
-pub fn lwx_bi() -> LwxBi {
+pub(crate) fn lwx_bi() -> LwxBi {
     LwxBi {
         middles: Vec::new(),
         astar: BestFirst::default(),
@@ -26,14 +26,14 @@ pub fn lwx_bi() -> LwxBi {
 
 /// See the module's description.
 #[derive(Debug)]
-pub struct LwxBi {
+pub(crate) struct LwxBi {
     middles: Vec<Cell>,
     astar: BestFirst,
 }
 
 /// Middle of the line between two cells, rounded down.
 #[must_use]
-pub fn middle_of(one: Cell, other: Cell) -> Cell {
+pub(crate) fn middle_of(one: Cell, other: Cell) -> Cell {
     Cell::new(
         (one.x + other.x).div_euclid(2),
         (one.y + other.y).div_euclid(2),

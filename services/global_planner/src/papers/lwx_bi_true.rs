@@ -15,7 +15,7 @@ use zeronav_msgs::Cell;
 
 /// See the module's description.
 #[derive(Debug, Default)]
-pub struct LwxBiTrue {
+pub(crate) struct LwxBiTrue {
     /// From the start, from the goal.
     frontiers: [BestFirst; 2],
 }

@@ -16,7 +16,7 @@ use zeronav_params::{choices, parameters};
 
 /// The planner's method.
 #[must_use]
-pub fn lwx_oa(options: GreedyOptions, literal: bool) -> LwxOa {
+pub(crate) fn lwx_oa(options: GreedyOptions, literal: bool) -> LwxOa {
     LwxOa {
         options,
         literal,
@@ -62,7 +62,7 @@ choices! {
 
 /// See the module's description.
 #[derive(Debug)]
-pub struct LwxOa {
+pub(crate) struct LwxOa {
     options: GreedyOptions,
     literal: bool,
     visited: Marks,

@@ -24,7 +24,7 @@ const BRANCHES: f64 = 20.0;
 
 /// The planner's method.
 #[must_use]
-pub fn lwx_rrt(options: TreeOptions, seed: u64) -> LwxRrt {
+pub(crate) fn lwx_rrt(options: TreeOptions, seed: u64) -> LwxRrt {
     LwxRrt {
         options,
         seed,
@@ -52,7 +52,7 @@ parameters! {
 
 /// See the module's description.
 #[derive(Debug)]
-pub struct LwxRrt {
+pub(crate) struct LwxRrt {
     options: TreeOptions,
     seed: u64,
     tree: Tree,

@@ -15,23 +15,25 @@
 //! Where a map has costs beside free and blocked, a step costs as in [`crate::astar`]; the papers
 //! know no costs, and on their maps every price is one.
 
-pub mod bao_full;
-pub mod best_first;
-pub mod field;
-pub mod flood;
-pub mod heuristic;
-pub mod lwx_aco;
-pub mod lwx_bi;
-pub mod lwx_bi_true;
-pub mod lwx_oa;
-pub mod lwx_rrt;
-pub mod on_map;
-pub mod options;
-pub mod regularise;
-pub mod sight;
-pub mod spline;
-pub mod tn_3n;
-pub mod tn_apf;
-pub mod tn_hyb;
-pub mod variants;
-pub mod weight;
+pub(crate) mod bao_full;
+pub(crate) mod best_first;
+pub(crate) mod field;
+pub(crate) mod flood;
+pub(crate) mod heuristic;
+pub(crate) mod lwx_aco;
+pub(crate) mod lwx_bi;
+pub(crate) mod lwx_bi_true;
+pub(crate) mod lwx_oa;
+pub(crate) mod lwx_rrt;
+pub(crate) mod on_map;
+pub(crate) mod options;
+pub(crate) mod regularise;
+pub(crate) mod sight;
+pub(crate) mod spline;
+#[cfg(test)]
+mod tests;
+pub(crate) mod tn_3n;
+pub(crate) mod tn_apf;
+pub(crate) mod tn_hyb;
+pub(crate) mod variants;
+pub(crate) mod weight;

@@ -13,7 +13,7 @@ use crate::planner::{
 use zeronav_msgs::Cell;
 
 /// A method that finds a way between two free cells.
-pub trait Solver: Send {
+pub(crate) trait Solver: Send {
     /// Appends the way from `start` to `goal`, both included, to `cells`, straight between the
     /// centres of two entries that follow each other. What stands there after an error does not
     /// count.
@@ -49,7 +49,7 @@ pub trait Solver: Send {
 
 /// A method as a planner of the table.
 #[derive(Debug)]
-pub struct OnMap<S> {
+pub(crate) struct OnMap<S> {
     /// The method.
     pub solver: S,
     prices: Prices,
@@ -66,7 +66,7 @@ pub(crate) const NO_WAY: PlanError = PlanError::Unreachable {
 impl<S: Solver> OnMap<S> {
     /// A planner with empty memory.
     #[must_use]
-    pub fn new(solver: S, options: MapOptions) -> Self {
+    pub(crate) fn new(solver: S, options: MapOptions) -> Self {
         Self {
             solver,
             prices: Prices::new(options.cost_weight()),

@@ -10,7 +10,7 @@ use zeronav_msgs::{Cell, CellRect};
 
 /// The obstacles that were met so far, and the rectangles in their place.
 #[derive(Debug, Default)]
-pub struct Regions {
+pub(crate) struct Regions {
     /// Row-major: cells of obstacles that were met.
     met: Vec<bool>,
     /// Row-major: free cells that rectangles turned into obstacles.
@@ -21,7 +21,7 @@ pub struct Regions {
 
 impl Regions {
     /// Forgets every obstacle.
-    pub fn begin(&mut self, n_cells: usize) {
+    pub(crate) fn begin(&mut self, n_cells: usize) {
         for cells in [&mut self.met, &mut self.walls] {
             cells.clear();
             cells.resize(n_cells, false);
@@ -31,13 +31,13 @@ impl Regions {
 
     /// Row-major: the cells that are virtual obstacles.
     #[must_use]
-    pub fn walls(&self) -> &[bool] {
+    pub(crate) fn walls(&self) -> &[bool] {
         &self.walls
     }
 
     /// The rectangles that were filled, in the order in which they were met.
     #[must_use]
-    pub fn rectangles(&self) -> &[CellRect] {
+    pub(crate) fn rectangles(&self) -> &[CellRect] {
         &self.rectangles
     }
 
@@ -50,7 +50,7 @@ impl Regions {
     ///
     /// # Errors
     /// [`PlanError::OutOfBudget`].
-    pub fn regularise(
+    pub(crate) fn regularise(
         &mut self,
         field: &Field<'_>,
         at: Cell,
@@ -132,7 +132,7 @@ impl Regions {
     /// TN-SW: true within `margin` cells (Chebyshev distance) of an obstacle that was met, its
     /// rectangle included.
     #[must_use]
-    pub fn is_switching(&self, field: &Field<'_>, cell: Cell, margin: u32) -> bool {
+    pub(crate) fn is_switching(&self, field: &Field<'_>, cell: Cell, margin: u32) -> bool {
         let margin = margin.min(SWITCH_MARGIN_MAX).cast_signed();
         (-margin..=margin).any(|dy| {
             (-margin..=margin).any(|dx| {

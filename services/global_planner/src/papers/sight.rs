@@ -10,7 +10,7 @@ use zeronav_msgs::Cell;
 ///
 /// # Errors
 /// [`PlanError::OutOfBudget`].
-pub fn first_hit(
+pub(crate) fn first_hit(
     field: &Field<'_>,
     from: Cell,
     to: Cell,
@@ -28,7 +28,7 @@ pub fn first_hit(
 ///
 /// # Errors
 /// [`PlanError::OutOfBudget`].
-pub fn sees(
+pub(crate) fn sees(
     field: &Field<'_>,
     from: Cell,
     to: Cell,
@@ -42,7 +42,7 @@ pub fn sees(
 ///
 /// # Errors
 /// [`PlanError::OutOfBudget`].
-pub fn pull(
+pub(crate) fn pull(
     field: &Field<'_>,
     cells: &mut Vec<Cell>,
     first: usize,

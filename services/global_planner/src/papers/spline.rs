@@ -27,7 +27,7 @@ choices! {
 
 /// A point of the curve.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct CurvePoint {
+pub(crate) struct CurvePoint {
     /// Where.
     pub at: Point2<f64>,
     /// First derivative by the parameter, which grows by 1 from control point to control point.
@@ -39,7 +39,7 @@ pub struct CurvePoint {
 /// The curve between the second and the third of four control points, at `t` from 0 to 1.
 /// [BAO] eqs. (9) to (11).
 #[must_use]
-pub fn point_on(control: &[Point2<f64>; 4], t: f64) -> CurvePoint {
+pub(crate) fn point_on(control: &[Point2<f64>; 4], t: f64) -> CurvePoint {
     let sum = |weights: [f64; 4]| {
         control
             .iter()
@@ -78,7 +78,7 @@ pub fn point_on(control: &[Point2<f64>; 4], t: f64) -> CurvePoint {
 /// The control points of every piece of the curve along `points`, one piece between two points
 /// with [`SplineEnds::Phantom`], two more with [`SplineEnds::Triple`]. None for fewer than two
 /// points and for [`SplineEnds::Off`].
-pub fn segments(
+pub(crate) fn segments(
     points: &[Point2<f64>],
     ends: SplineEnds,
 ) -> impl Iterator<Item = [Point2<f64>; 4]> + '_ {

@@ -13,7 +13,7 @@ use zeronav_params::{choices, parameters};
 
 /// The planner's method.
 #[must_use]
-pub fn tn_3n(options: WalkOptions, literal: bool) -> Tn3n {
+pub(crate) fn tn_3n(options: WalkOptions, literal: bool) -> Tn3n {
     Tn3n {
         options,
         literal,
@@ -22,7 +22,7 @@ pub fn tn_3n(options: WalkOptions, literal: bool) -> Tn3n {
 }
 
 /// Largest [`WalkOptions::switch_margin_cells`].
-pub const SWITCH_MARGIN_MAX: u32 = 16;
+pub(crate) const SWITCH_MARGIN_MAX: u32 = 16;
 
 parameters! {
     /// `tn_3n`, `tn_hyb`: the walk of three neighbours and what is around it.
@@ -60,7 +60,7 @@ choices! {
 
 /// See the module's description.
 #[derive(Debug)]
-pub struct Tn3n {
+pub(crate) struct Tn3n {
     options: WalkOptions,
     literal: bool,
     walk: Walk,
@@ -68,7 +68,7 @@ pub struct Tn3n {
 
 /// The way walked so far.
 #[derive(Debug, Default)]
-pub struct Walk {
+pub(crate) struct Walk {
     visited: Marks,
     /// From the start to where the walk is.
     pub cells: Vec<Cell>,
@@ -78,7 +78,7 @@ pub struct Walk {
 
 /// How a walk goes.
 #[derive(Debug, Clone, Copy)]
-pub struct Gait {
+pub(crate) struct Gait {
     /// To which side it turns.
     pub rotate: Rotate,
     /// See [`WalkOptions::keep_heading`].
@@ -89,7 +89,7 @@ pub struct Gait {
 
 impl Walk {
     /// Stands at `start`.
-    pub fn begin(&mut self, n_cells: usize, start: Cell, start_index: usize) {
+    pub(crate) fn begin(&mut self, n_cells: usize, start: Cell, start_index: usize) {
         self.visited.begin(n_cells);
         self.visited.insert(start_index);
         self.cells.clear();
@@ -99,18 +99,18 @@ impl Walk {
 
     /// True for cells that the walk has entered.
     #[must_use]
-    pub fn has_visited(&self, index: usize) -> bool {
+    pub(crate) fn has_visited(&self, index: usize) -> bool {
         self.visited.has(index)
     }
 
     /// Goes to `cell`.
-    pub fn enter(&mut self, field: &Field<'_>, cell: Cell) {
+    pub(crate) fn enter(&mut self, field: &Field<'_>, cell: Cell) {
         self.visited.insert(field.index(cell));
         self.cells.push(cell);
     }
 
     /// Goes back one entry; false at the start.
-    pub fn turn_back(&mut self) -> bool {
+    pub(crate) fn turn_back(&mut self) -> bool {
         self.heading = None;
         self.cells.pop();
         !self.cells.is_empty()
@@ -118,7 +118,7 @@ impl Walk {
 
     /// Chooses among three cells ahead of the pose vector towards `target`, turning it by 90
     /// degrees until one is free: where the walk goes next, `None` when nothing is left.
-    pub fn step(
+    pub(crate) fn step(
         &mut self,
         field: &Field<'_>,
         target: Cell,

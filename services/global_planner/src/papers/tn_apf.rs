@@ -12,7 +12,7 @@ use zeronav_msgs::Cell;
 
 /// See the module's description.
 #[derive(Debug)]
-pub struct TnApf;
+pub(crate) struct TnApf;
 
 impl Solver for TnApf {
     fn solve(

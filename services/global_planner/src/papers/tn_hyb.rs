@@ -19,7 +19,7 @@ use zeronav_msgs::Cell;
 
 /// The planner's method.
 #[must_use]
-pub fn tn_hyb(options: WalkOptions, literal: bool) -> TnHyb {
+pub(crate) fn tn_hyb(options: WalkOptions, literal: bool) -> TnHyb {
     TnHyb {
         options,
         literal,
@@ -33,7 +33,7 @@ pub fn tn_hyb(options: WalkOptions, literal: bool) -> TnHyb {
 
 /// See the module's description.
 #[derive(Debug)]
-pub struct TnHyb {
+pub(crate) struct TnHyb {
     options: WalkOptions,
     /// The walk has no memory, as printed.
     literal: bool,
@@ -47,7 +47,7 @@ pub struct TnHyb {
 
 /// By what a piece of the path was made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Mode {
+pub(crate) enum Mode {
     /// Attraction: straight to the target.
     Attraction,
     /// Three-neighbour walk.
@@ -73,13 +73,15 @@ impl TnHyb {
     /// By what each piece of the last path was made; those of A* are not in it, and pulling a path
     /// taut does not change it.
     #[must_use]
-    pub fn modes(&self) -> &[Mode] {
+    #[cfg(test)]
+    pub(crate) fn modes(&self) -> &[Mode] {
         &self.modes
     }
 
     /// The rectangles of the last walk.
     #[must_use]
-    pub fn regions(&self) -> &Regions {
+    #[cfg(test)]
+    pub(crate) fn regions(&self) -> &Regions {
         &self.regions
     }
 

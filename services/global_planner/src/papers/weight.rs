@@ -5,7 +5,7 @@ use zeronav_msgs::Cell;
 use zeronav_params::parameters;
 
 /// Largest [`EtaOptions::p0_cells`].
-pub const P0_CELLS_MAX: f64 = 12.0;
+pub(crate) const P0_CELLS_MAX: f64 = 12.0;
 
 parameters! {
     /// `zm_im`: the weight of the heuristic by the distance to the nearest obstacle, [ZM] eq. (5).
@@ -25,7 +25,7 @@ parameters! {
 
 /// The factor of the heuristic at a cell, >= 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Weight {
+pub(crate) enum Weight {
     /// 1: plain A*.
     One,
     /// The same everywhere (ZM-HW).
@@ -37,7 +37,7 @@ pub enum Weight {
 impl Weight {
     /// The weight at `cell`.
     #[must_use]
-    pub fn at(&self, field: &Field<'_>, cell: Cell) -> f64 {
+    pub(crate) fn at(&self, field: &Field<'_>, cell: Cell) -> f64 {
         match self {
             Self::One => 1.0,
             Self::Fixed(weight) => *weight,
@@ -50,7 +50,8 @@ impl Weight {
 
     /// Largest weight of any cell: the path costs at most this many times the optimum.
     #[must_use]
-    pub fn max(&self) -> f64 {
+    #[cfg(test)]
+    pub(crate) fn max(&self) -> f64 {
         match self {
             Self::One => 1.0,
             Self::Fixed(weight) => *weight,
@@ -95,7 +96,7 @@ impl EtaOptions {
 /// Only distances up to the limit matter, a few cells, so a window is looked at when a node asks;
 /// a field over the whole map would cost more than the search it serves.
 #[must_use]
-pub fn obstacle_distance(field: &Field<'_>, cell: Cell, limit: f64) -> Option<f64> {
+pub(crate) fn obstacle_distance(field: &Field<'_>, cell: Cell, limit: f64) -> Option<f64> {
     let limit = limit.min(P0_CELLS_MAX);
     let mut nearest = f64::INFINITY;
     let mut ring = 1_i32;

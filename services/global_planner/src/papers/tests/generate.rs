@@ -1,9 +1,9 @@
 //! Maps by seed, PAPERS 0.7, and the cheapest ways on them by relaxing until nothing changes.
 
+use crate::CornerRule;
+use crate::moves::{STEPS, price};
 use crate::support::{Map, Rng, of_cost};
 use std::collections::VecDeque;
-use zeronav_global_planner::CornerRule;
-use zeronav_global_planner::moves::{STEPS, price};
 use zeronav_msgs::map::COST_LETHAL;
 use zeronav_msgs::{Cell, MapCell};
 

@@ -1,9 +1,6 @@
 //! Acceptance tests of the papers' planners: the name of a test begins with the key of its row in
 //! the feature table.
 
-#[path = "../support/mod.rs"]
-mod support;
-
 mod astar;
 mod bao;
 mod edges;
@@ -13,8 +10,8 @@ mod spline;
 mod tn;
 mod zm;
 
-use support::Map;
-use zeronav_global_planner::{
+use crate::support::Map;
+use crate::{
     CellPath, Control, CornerRule, Expansions, GlobalPlanner, PlanError, PlanQuery, PlanStats,
     PlannerOptions, Unknown, row_of,
 };

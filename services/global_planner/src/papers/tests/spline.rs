@@ -1,13 +1,13 @@
 //! BAO-SPL.
 
-use crate::generate::{any, corners};
+use super::generate::{any, corners};
+use super::{assert_close, plain, plan};
+use crate::papers::spline::SplineEnds;
+use crate::papers::spline::{point_on, segments};
 use crate::support::{Map, Rng};
-use crate::{assert_close, plain, plan};
+use crate::waypoints::waypoints_along;
+use crate::{CornerRule, PlannerOptions};
 use nalgebra::Point2;
-use zeronav_global_planner::papers::spline::SplineEnds;
-use zeronav_global_planner::papers::spline::{point_on, segments};
-use zeronav_global_planner::waypoints::waypoints_along;
-use zeronav_global_planner::{CornerRule, PlannerOptions};
 use zeronav_msgs::map::COST_LETHAL;
 use zeronav_msgs::{Cell, Pose};
 
@@ -221,7 +221,7 @@ fn bao_spl_leads_from_the_robots_cell_to_the_goal_itself() {
     let mut goal = map.pose(at('G'));
     goal.x_m += 0.012;
     goal.y_m -= 0.017;
-    let mut query = crate::query(&map, CornerRule::ForbidAny, at('S'), at('G'));
+    let mut query = super::query(&map, CornerRule::ForbidAny, at('S'), at('G'));
     query.goal = goal;
     for (ends, has_curve) in [
         (SplineEnds::Phantom, true),
@@ -230,10 +230,10 @@ fn bao_spl_leads_from_the_robots_cell_to_the_goal_itself() {
     ] {
         let mut options = PlannerOptions::default();
         options.papers.spline = ends;
-        let mut path = zeronav_global_planner::CellPath::default();
-        let row = zeronav_global_planner::row_of("bao_iaa").unwrap();
+        let mut path = crate::CellPath::default();
+        let row = crate::row_of("bao_iaa").unwrap();
         (row.build)(&options)
-            .plan(&query, &mut crate::go, &mut path)
+            .plan(&query, &mut super::go, &mut path)
             .unwrap();
         assert_eq!(!path.curve.is_empty(), has_curve);
         let mut waypoints = Vec::new();

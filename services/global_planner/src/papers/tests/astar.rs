@@ -1,12 +1,12 @@
 //! C-ASTAR, C-LOS, TN-A8, JU-ASTAR, LWX-TA: the same search under plain recipes.
 
-use crate::generate::{any, blocky, corners, iid, least_cost, with_costs};
+use super::generate::{any, blocky, corners, iid, least_cost, with_costs};
+use super::{assert_close, plain, plan};
+use crate::line::supercover;
+use crate::papers::heuristic::Heuristic;
 use crate::support::Map;
-use crate::{assert_close, plain, plan};
+use crate::{CornerRule, PlanError};
 use core::f64::consts::SQRT_2;
-use zeronav_global_planner::line::supercover;
-use zeronav_global_planner::papers::heuristic::Heuristic;
-use zeronav_global_planner::{CornerRule, PlanError};
 use zeronav_msgs::{Cell, MapCell};
 
 const RULES: [CornerRule; 3] = [
@@ -168,7 +168,7 @@ fn c_los_is_legal_touches_nothing_and_is_no_longer_than_a_star() {
 fn c_los_never_pays_more_among_costs() {
     for seed in 0..100 {
         let map = with_costs(iid(20, 20, 15, seed), seed);
-        let options = zeronav_global_planner::PlannerOptions::default();
+        let options = crate::PlannerOptions::default();
         let rule = CornerRule::ForbidAny;
         let (Ok(pulled), Ok(grid)) = (
             plan("c_los", &options, &map, rule, corners(&map)),

@@ -1,10 +1,10 @@
 //! ZM-TRA, ZM-HW, ZM-IM.
 
-use crate::generate::{any, blocky, corners};
-use crate::{assert_close, count, median, plain, plan};
-use zeronav_global_planner::CornerRule;
-use zeronav_global_planner::papers::weight::EtaOptions;
-use zeronav_global_planner::papers::weight::Weight;
+use super::generate::{any, blocky, corners};
+use super::{assert_close, count, median, plain, plan};
+use crate::CornerRule;
+use crate::papers::weight::EtaOptions;
+use crate::papers::weight::Weight;
 
 const RULE: CornerRule = CornerRule::ForbidAny;
 

@@ -1,13 +1,13 @@
 //! TN-REG, TN-SW, TN-APF, TN-3N, TN-HYB.
 
-use crate::generate::{blocky, corners, iid};
+use super::generate::{blocky, corners, iid};
+use super::{assert_close, count, median, plain, plan, plan_with};
+use crate::line::supercover;
+use crate::papers::on_map::OnMap;
+use crate::papers::tn_3n::Rotate;
+use crate::papers::tn_hyb::{Mode, TnHyb, tn_hyb};
 use crate::support::Map;
-use crate::{assert_close, count, median, plain, plan, plan_with};
-use zeronav_global_planner::line::supercover;
-use zeronav_global_planner::papers::on_map::OnMap;
-use zeronav_global_planner::papers::tn_3n::Rotate;
-use zeronav_global_planner::papers::tn_hyb::{Mode, TnHyb, tn_hyb};
-use zeronav_global_planner::{CornerRule, Fallback, PlanError, PlannerOptions};
+use crate::{CornerRule, Fallback, PlanError, PlannerOptions};
 use zeronav_msgs::{Cell, CellRect, MapCell};
 
 const RULE: CornerRule = CornerRule::ForbidAny;

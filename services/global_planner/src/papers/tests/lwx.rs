@@ -1,12 +1,12 @@
 //! LWX-OA, LWX-BI, LWX-ACO, LWX-RRT.
 
-use crate::generate::{any, blocky, corners};
+use super::generate::{any, blocky, corners};
+use super::{assert_close, plain, plan};
+use crate::papers::lwx_bi::middle_of;
+use crate::papers::lwx_oa::{ChildCost, DeadEndPolicy};
 use crate::support::Map;
-use crate::{assert_close, plain, plan};
+use crate::{CornerRule, Fallback, PlanError, PlannerOptions};
 use core::f64::consts::SQRT_2;
-use zeronav_global_planner::papers::lwx_bi::middle_of;
-use zeronav_global_planner::papers::lwx_oa::{ChildCost, DeadEndPolicy};
-use zeronav_global_planner::{CornerRule, Fallback, PlanError, PlannerOptions};
 use zeronav_msgs::Cell;
 
 const RULE: CornerRule = CornerRule::ForbidAny;

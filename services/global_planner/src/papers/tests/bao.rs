@@ -1,14 +1,14 @@
 //! BAO-TAA, BAO-AAO, BAO-IAA, BAO-DIJ, BAO-FULL.
 
-use crate::generate::{any, blocky, corners, with_costs};
+use super::generate::{any, blocky, corners, with_costs};
+use super::{assert_close, plain, plan, query};
+use crate::moves::Neighbours;
+use crate::papers::bao_full::inflate;
+use crate::papers::field::{Field, Prices};
+use crate::papers::heuristic::Heuristic;
 use crate::support::{Map, of_cost};
-use crate::{assert_close, plain, plan, query};
+use crate::{CornerRule, PlanError};
 use core::f64::consts::SQRT_2;
-use zeronav_global_planner::moves::Neighbours;
-use zeronav_global_planner::papers::bao_full::inflate;
-use zeronav_global_planner::papers::field::{Field, Prices};
-use zeronav_global_planner::papers::heuristic::Heuristic;
-use zeronav_global_planner::{CornerRule, PlanError};
 use zeronav_msgs::Cell;
 use zeronav_msgs::map::COST_LETHAL;
 

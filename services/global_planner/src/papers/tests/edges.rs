@@ -1,13 +1,13 @@
 //! The edge cases of PAPERS, Appendix C, that are not the same for every planner, and every planner
 //! of the table as the stack runs it: by its key, on an inflated map.
 
+use super::{assert_close, plain, plan};
 use crate::support::Map;
-use crate::{assert_close, plain, plan};
-use core::f64::consts::SQRT_2;
-use zeronav_global_planner::{
+use crate::{
     Control, CornerRule, Fallback, GlobalPlannerConfig, PLANNERS, PlanError, PlannerRow, Replanner,
     Situation, Step, Target,
 };
+use core::f64::consts::SQRT_2;
 use zeronav_msgs::Cell;
 use zeronav_msgs::path::{Path, PathStatus};
 
