@@ -7,8 +7,9 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use toml::de::DeTable;
 use zeronav_msgs::role::Role;
+use zeronav_robot_description::RobotSpec;
 use zeronav_shell::places::Places;
-use zeronav_world::{RobotSpec, World, WorldSpec, map_file};
+use zeronav_world::{World, WorldSpec, map_file};
 
 /// What the simulated robot reads.
 #[derive(Debug, Serialize)]

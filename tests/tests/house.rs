@@ -18,6 +18,7 @@ fn allowed(from: &str) -> &'static [&'static str] {
         "zeronav-msgs" | "zeronav-params" => &[],
         "zeronav-shell" => &["zeronav-msgs", "zeronav-params"],
         "zeronav-world" | "zeronav-motion" => &["zeronav-msgs"],
+        "zeronav-robot-description" => &["zeronav-msgs", "zeronav-params", "zeronav-world"],
         "zeronav-mapping" => &[
             "zeronav-msgs",
             "zeronav-params",
@@ -28,6 +29,7 @@ fn allowed(from: &str) -> &'static [&'static str] {
             "zeronav-msgs",
             "zeronav-params",
             "zeronav-motion",
+            "zeronav-robot-description",
             "zeronav-world",
             "zeronav-shell",
         ],
@@ -41,6 +43,7 @@ fn allowed(from: &str) -> &'static [&'static str] {
         "zeronav" => &[
             "zeronav-msgs",
             "zeronav-params",
+            "zeronav-robot-description",
             "zeronav-shell",
             "zeronav-world",
         ],

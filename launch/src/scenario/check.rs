@@ -47,8 +47,10 @@ impl Scenario {
             WorldError::Spec(error) => refused(error.within("world")),
         })?;
         self.check_size(&world).map_err(refused)?;
-        let footprint =
-            Footprint::new(&self.robot).map_err(|error| refused(error.within("robot")))?;
+        let footprint = self
+            .robot
+            .footprint()
+            .map_err(|error| refused(error.within("robot")))?;
         self.check_start(&world, &footprint).map_err(refused)?;
         self.check_goals(&world, &footprint).map_err(refused)?;
         self.check_trials(&world, &footprint).map_err(refused)?;

@@ -40,7 +40,8 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use zeronav_msgs::task::Goal;
 use zeronav_msgs::{Pose, Role};
-use zeronav_world::{RobotSpec, Tolerance, WorldSpec};
+use zeronav_robot_description::RobotSpec;
+use zeronav_world::{Tolerance, WorldSpec};
 
 /// Largest coordinate of a pose. [m]
 pub const COORDINATE_M_MAX: f64 = 1.0e6;

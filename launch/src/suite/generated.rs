@@ -7,7 +7,7 @@ use super::plan::{Setup, SuitePlan};
 use core::ops::Range;
 use std::path::PathBuf;
 use toml::Table;
-use zeronav_world::RobotPreset;
+use zeronav_robot_description::RobotPreset;
 use zeronav_world::synthetic::Robot;
 use zeronav_world::synthetic::course::{self, Class, Kind};
 
@@ -34,7 +34,13 @@ pub(super) fn worlds(plan: &SuitePlan) -> Vec<WorldFile> {
 /// # Errors
 /// One line naming a world that cannot be drawn, or a file.
 pub(super) fn cases(setup: &Setup<'_>, worlds: &[WorldFile]) -> Result<Vec<Case>, String> {
-    let robot = Robot::new(&RobotPreset::Jackal.robot()).map_err(|error| error.to_string())?;
+    let footprint = RobotPreset::Jackal
+        .robot()
+        .footprint()
+        .map_err(|error| error.to_string())?;
+    let robot = Robot {
+        radius_m: footprint.circumscribed_radius_m(),
+    };
     let mut cases = Vec::new();
     for world in worlds {
         for seed in 1..=setup.plan.seeds {

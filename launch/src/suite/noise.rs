@@ -2,8 +2,7 @@
 
 use clap::ValueEnum;
 use toml::Table;
-use zeronav_world::RobotSpec;
-use zeronav_world::preset::RobotPreset;
+use zeronav_robot_description::{ACTUATION_DELAY_S_MAX, RobotPreset, RobotSpec, SLIP_MAX};
 
 /// How badly the robot does.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
@@ -39,12 +38,6 @@ impl Noise {
 
 /// Time from a command's arrival to its effect on the robot of the data sets. [s]
 const DELAY_S: f64 = 0.05;
-
-/// Longest delay that a robot may have. [s]
-const DELAY_S_MAX: f64 = 1.0;
-
-/// Largest share of the wheels' motion that may be lost.
-const SLIP_MAX: f64 = 0.9;
 
 /// What of a Jackal is not as its preset says.
 pub(super) fn jackal(noise: Noise) -> Table {
@@ -97,7 +90,11 @@ fn doubled(robot: &RobotSpec) -> Table {
             .collect()
     };
     let seen = &robot.lidar;
-    let mut table = twice(&[("actuation_delay_s", robot.actuation_delay_s, DELAY_S_MAX)]);
+    let mut table = twice(&[(
+        "actuation_delay_s",
+        robot.actuation_delay_s,
+        ACTUATION_DELAY_S_MAX,
+    )]);
     let lidar = twice(&[
         ("sigma_m", seen.sigma_m, 1.0),
         ("sigma_ratio", seen.sigma_ratio, 1.0),

@@ -111,7 +111,7 @@ macro_rules! parameters {
     };
 }
 
-/// Declares an enum whose variants are the allowed values of a string. One variant is the
+/// Declares an enum whose variants are the allowed values of a string. One variant may be the
 /// `#[default]`.
 #[macro_export]
 macro_rules! choices {
@@ -127,16 +127,17 @@ macro_rules! choices {
     ) => {
         $(#[doc = $doc])*
         #[derive(
-            Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize,
+            Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize,
         )]
         pub enum $enum {
             $(
                 $(#[doc = $variant_doc])*
-                $(#[default $($default)?])?
                 #[serde(rename = $key)]
                 $variant,
             )*
         }
+
+        $($crate::choices!(@default $enum $variant $(#[default $($default)?])?);)*
 
         impl $crate::Setting for $enum {
             type Bound = core::convert::Infallible;
@@ -155,6 +156,15 @@ macro_rules! choices {
                     key: $key.to_owned(),
                     description: concat!("" $(, $variant_doc)*).trim().to_owned(),
                 },)*]
+            }
+        }
+    };
+
+    (@default $enum:ident $variant:ident) => {};
+    (@default $enum:ident $variant:ident #[default]) => {
+        impl Default for $enum {
+            fn default() -> Self {
+                Self::$variant
             }
         }
     };

@@ -63,7 +63,7 @@ pub use setting::Setting;
 pub use value::{Choice, Type, Value};
 
 /// A struct of parameters and groups of parameters, as [`parameters!`] makes it.
-pub trait Parameters: Default {
+pub trait Parameters {
     /// Visits every parameter with its value, in the order of declaration. `path` is that of the
     /// group, empty for the whole configuration.
     fn visit(&self, path: &str, visitor: &mut dyn FnMut(Parameter));
@@ -71,7 +71,7 @@ pub trait Parameters: Default {
 
 /// Every parameter of a configuration with its default.
 #[must_use]
-pub fn describe<P: Parameters>() -> Vec<Parameter> {
+pub fn describe<P: Parameters + Default>() -> Vec<Parameter> {
     let mut parameters = Vec::new();
     P::default().visit("", &mut |parameter| parameters.push(parameter));
     parameters

@@ -114,6 +114,19 @@ impl<T: Setting> Setting for Option<T> {
     }
 }
 
+impl<T: Setting> Setting for Vec<T> {
+    type Bound = T::Bound;
+    const TYPE: Type = Type::Array;
+
+    fn bound(bound: Self::Bound) -> f64 {
+        T::bound(bound)
+    }
+
+    fn value(&self) -> Value {
+        Value::Array(self.iter().map(Setting::value).collect())
+    }
+}
+
 impl<T: Setting, const N: usize> Setting for [T; N] {
     type Bound = T::Bound;
     const TYPE: Type = Type::Array;

@@ -15,7 +15,7 @@ pub enum Type {
     Boolean,
     /// A text, see [`crate::Parameter::choices`].
     String,
-    /// Numbers in lists of fixed length.
+    /// A list, or lists in a list.
     Array,
 }
 

@@ -11,12 +11,10 @@ use rand::{RngExt as _, SeedableRng as _};
 use rand_pcg::Pcg64Mcg;
 use std::hint::black_box;
 use zeronav_msgs::{GridGeometry, Pose};
+use zeronav_robot_description::{LidarPreset, LidarSpec};
 use zeronav_robot_sim::lidar::Lidar;
 use zeronav_robot_sim::solid_grid::SolidGrid;
-use zeronav_world::{
-    Convex, Footprint, LidarPreset, LidarSpec, Occupancy, Shape, ShapeSpec, StaticMap, World,
-    WorldSpec,
-};
+use zeronav_world::{Convex, Footprint, Occupancy, Shape, ShapeSpec, StaticMap, World, WorldSpec};
 
 const SEED: u64 = 1;
 

@@ -1,7 +1,9 @@
 //! What launch tells the simulated robot.
 
 use serde::{Deserialize, Serialize};
-use zeronav_world::{RobotSpec, WorldSpec};
+use zeronav_params::Parameter;
+use zeronav_robot_description::RobotSpec;
+use zeronav_world::WorldSpec;
 
 /// The robot's config file: the world, the robot, and where it starts. Seed and tick are those of
 /// the run and stand in `run/clock`.
@@ -14,6 +16,17 @@ pub struct SimConfig {
     pub world: WorldSpec,
     /// The robot, the same that the scenario describes.
     pub robot: RobotSpec,
+}
+
+impl SimConfig {
+    /// Start and robot; the parts of the world are lists of shapes and obstacles and no parameters.
+    #[must_use]
+    pub fn parameters() -> Vec<Parameter> {
+        let doc = "`map_from_base` at the start as `[x, y, yaw]`.";
+        let start = Parameter::new(&None::<[f64; 3]>, "", "start", "m, m, rad", None, &[], doc);
+        let robot = RobotSpec::parameters("robot");
+        core::iter::once(start).chain(robot).collect()
+    }
 }
 
 #[cfg(test)]

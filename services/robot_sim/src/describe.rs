@@ -4,7 +4,8 @@ use crate::drive::DriveLimits;
 use crate::lidar::Lidar;
 use crate::scan_schedule::ScanSchedule;
 use zeronav_msgs::description::Description;
-use zeronav_world::{Footprint, RobotSpec};
+use zeronav_robot_description::RobotSpec;
+use zeronav_world::Footprint;
 
 /// The message `robot/description` without its corners.
 #[must_use]

@@ -3,8 +3,8 @@
 use crate::slip::Grip;
 use zeronav_msgs::Pose;
 use zeronav_msgs::time::nanoseconds;
-use zeronav_world::FaultSpec;
-use zeronav_world::faults::Blackout;
+use zeronav_robot_description::Blackout;
+use zeronav_robot_description::FaultSpec;
 
 /// The faults of one run.
 #[derive(Debug, Clone)]

@@ -20,7 +20,8 @@ use zeronav_msgs::Pose;
 use zeronav_msgs::pose::wrap_angle;
 use zeronav_msgs::scan::Scan;
 use zeronav_msgs::time::nanoseconds;
-use zeronav_world::{Convex, LidarSpec};
+use zeronav_robot_description::LidarSpec;
+use zeronav_world::Convex;
 
 /// Nothing, as the thing that a beam ended on.
 const NOTHING: u32 = u32::MAX;

@@ -11,6 +11,7 @@ use zeronav_msgs::header::Parents;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::span::SpanKind;
 use zeronav_msgs::topics::{RobotCommand, SimPlacement};
+use zeronav_params::Parameter;
 use zeronav_robot_sim::simulator::TICK_NS_MIN;
 use zeronav_robot_sim::{SimConfig, SimError, Simulator};
 use zeronav_shell::clock::{both_ns, now_ns};
@@ -56,6 +57,10 @@ fn unusable(error: SimError) -> StartError {
 impl Service for RobotService {
     const ROLE: Role = Role::Robot;
     type Config = SimConfig;
+
+    fn parameters() -> Vec<Parameter> {
+        SimConfig::parameters()
+    }
 
     fn check(config: &SimConfig) -> Result<(), StartError> {
         // The length of a tick and the seed come with the run.

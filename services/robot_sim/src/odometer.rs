@@ -5,7 +5,7 @@ use crate::noise::{Draws, Stream};
 use nalgebra::Matrix3;
 use zeronav_msgs::Pose;
 use zeronav_msgs::pose::wrap_angle;
-use zeronav_world::OdometrySpec;
+use zeronav_robot_description::OdometrySpec;
 
 /// Dead reckoning of one run. Its frame is `map` at the start.
 #[derive(Debug, Clone)]

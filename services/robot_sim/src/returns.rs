@@ -6,8 +6,8 @@
 //! in 3-D LADAR Data", ICRA 2005).
 
 use crate::noise::{Draws, Stream};
-use zeronav_world::LidarSpec;
-use zeronav_world::robot_spec::Dropout;
+use zeronav_robot_description::Dropout;
+use zeronav_robot_description::LidarSpec;
 
 /// Difference of the ranges of two neighbouring beams from which there is an edge between them.
 /// [m]

@@ -22,9 +22,8 @@ use zeronav_msgs::scan::Scan;
 use zeronav_msgs::time::{nanoseconds, seconds};
 use zeronav_msgs::truth::{Placement, Truth, TruthObstacle};
 use zeronav_msgs::{Pose, Refusal};
-use zeronav_world::{
-    FaultSpec, Footprint, MapWarning, OdometrySpec, RobotSpec, SpecError, World, WorldError,
-};
+use zeronav_robot_description::{FaultSpec, OdometrySpec, RobotSpec};
+use zeronav_world::{Footprint, MapWarning, SpecError, World, WorldError};
 
 /// Largest clearance that is told apart. [m]
 const CLEARANCE_M_MAX: f64 = 1.0e3;
@@ -117,7 +116,7 @@ impl Simulator {
             return Err(SimError::Tick(tick_ns));
         }
         let (world, map_warnings) = World::load(&config.world)?;
-        let footprint = Footprint::new(&config.robot)?;
+        let footprint = config.robot.footprint()?;
         let lidar = Lidar::new(&config.robot.lidar, seed);
         let sweep_ns = lidar.sweep_ns();
         let rate_hz = config.robot.lidar.rate_hz;

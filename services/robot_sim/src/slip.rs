@@ -1,7 +1,7 @@
 //! Wheels that slip: how much of their motion reaches the ground.
 
 use crate::noise::{Draws, Stream};
-use zeronav_world::SlipSpec;
+use zeronav_robot_description::SlipSpec;
 
 /// How long one draw of the slip lasts. [ns] It counts in run time, so the tick does not matter.
 const HOLD_NS: u64 = 100_000_000;

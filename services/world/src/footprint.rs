@@ -3,13 +3,15 @@
 use crate::convex::Convex;
 use crate::error::{SpecError, number};
 use crate::polygon::{Order, convex_corners};
-use crate::robot_spec::RobotSpec;
 use nalgebra::Point2;
 use parry2d::math::Vec2;
 use parry2d::query::PointQuery;
 use parry2d::shape::Segment;
 use zeronav_msgs::Pose;
 use zeronav_msgs::description::FOOTPRINT_CORNERS_MAX;
+
+/// Smallest and largest radius of a round outline. [m]
+pub const RADIUS_M: [f64; 2] = [1.0e-3, 100.0];
 
 /// A disc or a convex polygon around the origin of `base`.
 #[derive(Debug, Clone)]
@@ -21,32 +23,12 @@ pub struct Footprint {
 }
 
 impl Footprint {
-    /// The outline of `robot`.
-    ///
-    /// # Errors
-    /// Both or none of `radius_m` and `footprint_m`; a radius that is no radius; an outline that
-    /// is not convex, not counter-clockwise, or does not hold the origin of `base`.
-    pub fn new(robot: &RobotSpec) -> Result<Self, SpecError> {
-        match (robot.radius_m, &robot.footprint_m) {
-            (Some(radius_m), None) => Self::disc(radius_m),
-            (None, Some(corners_m)) => Self::polygon(corners_m),
-            (Some(_), Some(_)) => Err(SpecError::new(
-                "footprint_m",
-                "a robot has either a radius_m or a footprint_m, not both",
-            )),
-            (None, None) => Err(SpecError::new(
-                "radius_m",
-                "missing: a robot needs a radius_m or a footprint_m",
-            )),
-        }
-    }
-
     /// A round outline.
     ///
     /// # Errors
-    /// Anything but 0.001 to 100 m.
+    /// Radii that are not within [`RADIUS_M`].
     pub fn disc(radius_m: f64) -> Result<Self, SpecError> {
-        number(radius_m, 1.0e-3, 100.0, "radius_m")?;
+        number(radius_m, RADIUS_M[0], RADIUS_M[1], "radius_m")?;
         Ok(Self {
             form: Convex::disc(Point2::origin(), radius_m),
             corners: Vec::new(),
@@ -58,7 +40,7 @@ impl Footprint {
     /// A convex outline, counter-clockwise in `base`. [m]
     ///
     /// # Errors
-    /// See [`Self::new`].
+    /// Corners that are not convex, not counter-clockwise, or do not hold the origin of `base`.
     pub fn polygon(corners_m: &[[f64; 2]]) -> Result<Self, SpecError> {
         let field = "footprint_m";
         if corners_m.len() > FOOTPRINT_CORNERS_MAX {

@@ -1,4 +1,4 @@
-//! Worlds and robots as data: what a scenario says about them, ROS map files, and the questions
+//! Worlds as data: what a scenario says about them, ROS map files, and the questions
 //! that launch, the simulator and mapping ask of them.
 //!
 //! This is a library, not a service: it knows no process and no clock. The simulator moves things
@@ -14,7 +14,6 @@ pub mod barn;
 pub mod convex;
 pub mod dynabarn;
 pub mod error;
-pub mod faults;
 pub mod footprint;
 pub mod free_pose;
 pub mod generate;
@@ -25,11 +24,8 @@ pub mod movingai_map;
 mod parry_pose;
 pub mod pedestrians;
 mod polygon;
-pub mod preset;
 mod raster;
 mod rectangles;
-pub mod robot;
-pub mod robot_spec;
 pub mod shape;
 pub mod spec;
 pub mod static_map;
@@ -41,15 +37,12 @@ pub mod world;
 
 pub use convex::Convex;
 pub use error::SpecError;
-pub use faults::FaultSpec;
 pub use footprint::Footprint;
 pub use free_pose::Tolerance;
 pub use map_file::{LoadedMap, MapWarning};
 pub use map_file_error::MapFileError;
 pub use parry_pose::parry_pose;
 pub use polygon::POLYGON_CORNERS_MAX;
-pub use preset::{LidarPreset, RobotPreset};
-pub use robot_spec::{LidarSpec, OdometrySpec, RobotSpec, SlipSpec};
 pub use shape::Shape;
 pub use spec::{ObstacleSpec, ShapeSpec, WorldSpec};
 pub use static_map::{Occupancy, StaticMap};

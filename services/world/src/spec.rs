@@ -1,6 +1,4 @@
 //! The words of a scenario for the world. Metres, radians, seconds, `map` frame.
-//!
-//! The robot's are in [`crate::robot_spec`].
 
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;

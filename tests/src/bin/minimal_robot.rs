@@ -13,11 +13,12 @@ use zeronav_msgs::span::SpanKind;
 use zeronav_msgs::time::{nanoseconds, seconds};
 use zeronav_msgs::topics::{GroundTruth, RobotCommand, RobotDescription, RobotOdometry, RobotScan};
 use zeronav_msgs::truth::Truth;
+use zeronav_robot_description::RobotSpec;
 use zeronav_shell::clock::now_ns;
 use zeronav_shell::doorbell::Rung;
 use zeronav_shell::records::SpanReader;
 use zeronav_shell::{Due, Latest, Service, Shell, StartError, Writer};
-use zeronav_world::{Footprint, RobotSpec, SpecError};
+use zeronav_world::{Footprint, SpecError};
 
 /// The scenario's robot; its world is ignored.
 #[derive(Debug, Serialize, Deserialize)]
@@ -56,7 +57,7 @@ impl Service for MinimalRobot {
     fn open(shell: &mut Shell, config: Config) -> Result<Self, StartError> {
         let unusable = |error: SpecError| StartError::Usage(format!("configuration: {error}"));
         config.robot.check().map_err(unusable)?;
-        let outline = Footprint::new(&config.robot).map_err(unusable)?;
+        let outline = config.robot.footprint().map_err(unusable)?;
         let (robot, lidar) = (&config.robot, &config.robot.lidar);
         let (angle_min_rad, angle_increment_rad) = lidar.directions_rad();
         let corners: Vec<Corner> = (outline.corners().iter())

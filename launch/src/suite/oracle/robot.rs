@@ -1,6 +1,7 @@
 //! What the oracle knows of the robot.
 
-use zeronav_world::{Convex, Footprint, RobotSpec};
+use zeronav_robot_description::RobotSpec;
+use zeronav_world::{Convex, Footprint};
 
 /// What the robot can do, at best.
 #[derive(Debug, Clone)]

@@ -1,7 +1,8 @@
 use crate::{SimConfig, Simulator};
 use zeronav_msgs::Pose;
-use zeronav_world::faults::{Begin, Blackout};
-use zeronav_world::{FaultSpec, LidarSpec, RobotSpec, ShapeSpec, WorldSpec};
+use zeronav_robot_description::{Begin, Blackout};
+use zeronav_robot_description::{FaultSpec, LidarSpec, RobotSpec};
+use zeronav_world::{ShapeSpec, WorldSpec};
 
 const TICK: u64 = 20_000_000;
 

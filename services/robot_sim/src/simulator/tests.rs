@@ -3,8 +3,9 @@ use core::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 use nalgebra::Point2;
 use rand::{RngExt as _, SeedableRng as _};
 use rand_pcg::Pcg64Mcg;
+use zeronav_robot_description::{LidarSpec, RobotSpec};
 use zeronav_world::spec::{Near, Trigger};
-use zeronav_world::{LidarSpec, ObstacleSpec, RobotSpec, ShapeSpec, WorldSpec};
+use zeronav_world::{ObstacleSpec, ShapeSpec, WorldSpec};
 
 mod contacts;
 mod noise;

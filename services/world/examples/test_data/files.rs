@@ -6,15 +6,19 @@ use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
 use std::error::Error;
 use zeronav_msgs::Cell;
+use zeronav_robot_description::RobotPreset;
 use zeronav_world::generate::generate;
 use zeronav_world::spec::{Family, GeneratedSpec};
 use zeronav_world::synthetic::{Robot, clutter, crowd, orbits};
-use zeronav_world::{Occupancy, RobotPreset, StaticMap};
+use zeronav_world::{Occupancy, StaticMap};
 
 /// Every file by its path below the folder.
 pub(crate) fn all() -> Result<BTreeMap<String, Vec<u8>>, Box<dyn Error>> {
     let mut files = BTreeMap::new();
-    let robot = Robot::new(&RobotPreset::Jackal.robot())?;
+    let footprint = RobotPreset::Jackal.robot().footprint()?;
+    let robot = Robot {
+        radius_m: footprint.circumscribed_radius_m(),
+    };
     barn(robot, &mut files)?;
     dynabarn(robot, &mut files)?;
     pedestrians(&mut files)?;

@@ -282,11 +282,19 @@ fn in_room(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::RobotPreset;
+    use crate::Footprint;
     use std::collections::BTreeSet;
 
+    /// The outline of a Jackal.
+    fn outline() -> Footprint {
+        let (x, y) = (0.254, 0.215);
+        Footprint::polygon(&[[-x, -y], [x, -y], [x, y], [-x, y]]).unwrap()
+    }
+
     fn jackal() -> Robot {
-        Robot::new(&RobotPreset::Jackal.robot()).unwrap()
+        Robot {
+            radius_m: outline().circumscribed_radius_m(),
+        }
     }
 
     #[test]
@@ -323,7 +331,7 @@ mod tests {
 
     #[test]
     fn the_robot_fits_at_start_and_goal_with_its_outline() {
-        let footprint = crate::Footprint::new(&RobotPreset::Jackal.robot()).unwrap();
+        let footprint = outline();
         for number in 0..2 * Class::COUNT {
             let course = draw(number, 3, jackal()).unwrap();
             let world = World::new(&course.spec, None).unwrap();

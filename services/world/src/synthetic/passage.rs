@@ -4,7 +4,7 @@
 //! is a drive that it can make; what is not found may exist all the same, because a disc is more
 //! than the outline.
 
-use crate::{Footprint, RobotSpec, SpecError, World};
+use crate::World;
 use nalgebra::{Point2, Vector2};
 use std::cmp::Ordering;
 use std::collections::{BinaryHeap, VecDeque};
@@ -30,17 +30,6 @@ const ROOM_M: f64 = 0.05;
 pub struct Robot {
     /// Radius of the disc that holds its outline. [m]
     pub radius_m: f64,
-}
-
-impl Robot {
-    /// A robot with this outline.
-    ///
-    /// # Errors
-    /// See [`Footprint::new`].
-    pub fn new(robot: &RobotSpec) -> Result<Self, SpecError> {
-        let radius_m = Footprint::new(robot)?.circumscribed_radius_m();
-        Ok(Self { radius_m })
-    }
 }
 
 /// A disc at a moment: centre and radius. [m]

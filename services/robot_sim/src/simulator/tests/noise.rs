@@ -40,7 +40,7 @@ fn awkward() -> SimConfig {
         a_box([0.0, 6.0], [12.0, 0.2]),
     ];
     let mut config = config(shapes, obstacles);
-    config.robot = zeronav_world::RobotPreset::Turtlebot2.robot();
+    config.robot = zeronav_robot_description::RobotPreset::Turtlebot2.robot();
     config
 }
 
@@ -127,7 +127,7 @@ fn commands_take_effect_after_the_actuation_delay() {
 #[test]
 fn slip_is_seen_by_the_truth_and_not_by_odometry() {
     let mut config = config(Vec::new(), Vec::new());
-    config.robot.slip = Some(zeronav_world::SlipSpec {
+    config.robot.slip = Some(zeronav_robot_description::SlipSpec {
         forward_ratio: 0.1,
         turn_ratio: 0.2,
         sigma_ratio: 0.0,
@@ -149,7 +149,7 @@ fn slip_is_seen_by_the_truth_and_not_by_odometry() {
 #[test]
 fn odometry_drifts_as_far_as_it_says() {
     let mut config = config(Vec::new(), Vec::new());
-    config.robot.odometry = Some(zeronav_world::OdometrySpec::default());
+    config.robot.odometry = Some(zeronav_robot_description::OdometrySpec::default());
     let mut n_far = 0;
     for seed in 1..=40 {
         let mut robot = Simulator::new(&config, seed, TICK).expect("a simulator");

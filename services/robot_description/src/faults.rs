@@ -1,7 +1,7 @@
 //! Faults of a simulated robot by script: what breaks, when, and for how long.
 //!
 //! ```
-//! use zeronav_world::FaultSpec;
+//! use zeronav_robot_description::FaultSpec;
 //! #[derive(serde::Deserialize)]
 //! struct Robot {
 //!     faults: Vec<FaultSpec>,
@@ -23,17 +23,17 @@
 //! assert!(robot.faults.iter().all(|fault| fault.check().is_ok()));
 //! ```
 
-use crate::error::{SpecError, number};
 use core::f64::consts::PI;
 use serde::{Deserialize, Serialize};
+use zeronav_world::error::{SpecError, number};
 
 /// Most faults of one robot.
-pub const FAULTS_MAX: usize = 64;
+pub(crate) const FAULTS_MAX: usize = 64;
 
 /// Longest time that a fault may wait or last. [s]
 const TIME_S_MAX: f64 = 1.0e6;
 
-/// One fault. Those that last may overlap; nobody but the world knows of them.
+/// One fault. Those that last may overlap; no service knows of them.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 pub enum FaultSpec {

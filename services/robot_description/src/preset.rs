@@ -4,36 +4,34 @@
 //! the errors of odometry are in no data sheet: they are typical values, to be replaced by
 //! measured ones.
 
-use crate::robot_spec::{Dropout, LidarSpec, OdometrySpec, RobotSpec, SlipSpec};
-use serde::{Deserialize, Serialize};
+use crate::lidar::{Dropout, LidarSpec};
+use crate::robot::{OdometrySpec, RobotSpec, SlipSpec};
+use zeronav_params::choices;
 
-/// A robot by name.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum RobotPreset {
-    /// `TurtleBot` 2 on a Kobuki base, with an `RPLidar` A1.
-    Turtlebot2,
-    /// `TurtleBot3` burger, with its LDS-01.
-    Turtlebot3Burger,
-    /// Clearpath Jackal, skid-steered, with a Hokuyo UST-10LX in front.
-    Jackal,
+choices! {
+    /// A robot by name.
+    pub enum RobotPreset {
+        /// `TurtleBot` 2 on a Kobuki base, with an `RPLidar` A1.
+        Turtlebot2 = "turtlebot2",
+        /// `TurtleBot3` burger, with its LDS-01.
+        Turtlebot3Burger = "turtlebot3_burger",
+        /// Clearpath Jackal, skid-steered, with a Hokuyo UST-10LX in front.
+        Jackal = "jackal",
+    }
 }
 
-/// A lidar by name.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum LidarPreset {
-    /// Slamtec `RPLidar` A1M8 at 5.5 turns a second.
-    #[serde(rename = "rplidar_a1")]
-    RplidarA1,
-    /// Hokuyo UST-10LX.
-    #[serde(rename = "ust_10lx")]
-    Ust10lx,
-    /// Hokuyo UTM-30LX.
-    #[serde(rename = "utm_30lx")]
-    Utm30lx,
-    /// LDS-01 of the `TurtleBot3`.
-    #[serde(rename = "lds_01")]
-    Lds01,
+choices! {
+    /// A lidar by name.
+    pub enum LidarPreset {
+        /// Slamtec `RPLidar` A1M8 at 5.5 turns a second.
+        RplidarA1 = "rplidar_a1",
+        /// Hokuyo UST-10LX.
+        Ust10lx = "ust_10lx",
+        /// Hokuyo UTM-30LX.
+        Utm30lx = "utm_30lx",
+        /// LDS-01 of the `TurtleBot3`.
+        Lds01 = "lds_01",
+    }
 }
 
 impl RobotPreset {
@@ -48,13 +46,7 @@ impl RobotPreset {
             // Yujin Robot: Kobuki user guide (0.7 m/s, 180 deg/s; the gyro is good up to 110 deg/s,
             // kobuki_driver's appendix), acceleration of the usual navigation parameters.
             Self::Turtlebot2 => RobotSpec {
-                radius_m: Some(0.177),
-                footprint_m: None,
-                v_mps_max: 0.65,
-                v_mps_min: 0.0,
-                w_radps_max: 1.9,
                 a_mps2_max: 1.0,
-                brake_mps2: None,
                 alpha_radps2_max: 2.0,
                 command_timeout_s: 0.6,
                 actuation_delay_s: 0.04,
@@ -65,29 +57,26 @@ impl RobotPreset {
                     gyro: true,
                     ..OdometrySpec::default()
                 }),
-                lidar: LidarPreset::RplidarA1.lidar(),
-                faults: Vec::new(),
+                ..RobotSpec::exact(0.177, 0.65, 1.9, LidarPreset::RplidarA1.lidar())
             },
             // Robotis e-Manual (0.22 m/s, 2.84 rad/s), accelerations of its navigation parameters,
             // base_scan of its URDF.
             Self::Turtlebot3Burger => RobotSpec {
-                radius_m: Some(0.105),
-                footprint_m: None,
-                v_mps_max: 0.22,
-                v_mps_min: 0.0,
-                w_radps_max: 2.84,
                 a_mps2_max: 2.5,
-                brake_mps2: None,
                 alpha_radps2_max: 3.2,
                 command_timeout_s: 0.5,
                 actuation_delay_s: 0.04,
                 slip: Some(SlipSpec::default()),
                 odometry: Some(OdometrySpec::default()),
-                lidar: LidarSpec {
-                    pose: [-0.032, 0.0, 0.0],
-                    ..LidarPreset::Lds01.lidar()
-                },
-                faults: Vec::new(),
+                ..RobotSpec::exact(
+                    0.105,
+                    0.22,
+                    2.84,
+                    LidarSpec {
+                        pose: [-0.032, 0.0, 0.0],
+                        ..LidarPreset::Lds01.lidar()
+                    },
+                )
             },
             // Clearpath data sheet (0.508 x 0.430 m, 2.0 m/s, 4.0 rad/s); its controller allows
             // 20 m/s^2, which its tyres do not.
@@ -99,11 +88,7 @@ impl RobotPreset {
                     [0.254, 0.215],
                     [-0.254, 0.215],
                 ]),
-                v_mps_max: 2.0,
-                v_mps_min: 0.0,
-                w_radps_max: 4.0,
                 a_mps2_max: 3.0,
-                brake_mps2: None,
                 alpha_radps2_max: 8.0,
                 command_timeout_s: 0.25,
                 actuation_delay_s: 0.04,
@@ -123,11 +108,15 @@ impl RobotPreset {
                     gyro: true,
                     ..OdometrySpec::default()
                 }),
-                lidar: LidarSpec {
-                    pose: [0.12, 0.0, 0.0],
-                    ..LidarPreset::Ust10lx.lidar()
-                },
-                faults: Vec::new(),
+                ..RobotSpec::exact(
+                    0.3,
+                    2.0,
+                    4.0,
+                    LidarSpec {
+                        pose: [0.12, 0.0, 0.0],
+                        ..LidarPreset::Ust10lx.lidar()
+                    },
+                )
             },
         }
     }
@@ -209,7 +198,8 @@ mod tests {
             assert_eq!(toml::from_str::<RobotSpec>(&written), Ok(robot));
         }
         for preset in LidarPreset::ALL {
-            assert_eq!(preset.lidar().check(), Ok(()), "{preset:?}");
+            let robot = RobotSpec::exact(0.2, 1.0, 1.0, preset.lidar());
+            assert_eq!(robot.check(), Ok(()), "{preset:?}");
         }
     }
 
