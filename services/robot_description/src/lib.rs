@@ -13,13 +13,11 @@
 mod faults;
 mod field;
 mod lidar;
-mod preset;
 mod robot;
 
 pub use faults::{Begin, Blackout, FaultSpec};
-pub use lidar::{Dropout, LidarSpec};
-pub use preset::{LidarPreset, RobotPreset};
-pub use robot::{ACTUATION_DELAY_S_MAX, OdometrySpec, RobotSpec, SLIP_MAX, SlipSpec};
+pub use lidar::{Dropout, LidarPreset, LidarSpec};
+pub use robot::{ACTUATION_DELAY_S_MAX, OdometrySpec, RobotPreset, RobotSpec, SLIP_MAX, SlipSpec};
 
 /// Largest speed, acceleration, rate or range that a robot may have, in its SI unit.
 const RATE_MAX: f64 = 1.0e3;

@@ -19,12 +19,14 @@
 
 use crate::faults::{FAULTS_MAX, FaultSpec};
 use crate::field::{Declared, Field, Missing, described, switched, visit};
-use crate::lidar::{LidarSpec, LidarWords};
-use crate::preset::RobotPreset;
+use crate::lidar::{LidarPreset, LidarSpec, LidarWords};
 use crate::{RATE_MAX, RATE_MIN};
-use zeronav_params::Parameter;
+use zeronav_params::{Parameter, choices};
 use zeronav_world::SpecError;
 use zeronav_world::footprint::{Footprint, RADIUS_M};
+
+#[cfg(test)]
+mod tests;
 
 /// Largest share of the wheels' motion that may be lost.
 pub const SLIP_MAX: f64 = 0.9;
@@ -188,9 +190,7 @@ impl RobotSpec {
     /// The first field that is wrong.
     pub fn check(&self) -> Result<(), SpecError> {
         self.footprint()?;
-        zeronav_params::check(self).map_err(|error| {
-            SpecError::new(error.path, format!("{}, not {}", error.rule, error.value))
-        })?;
+        zeronav_params::check(self)?;
         self.lidar.check().map_err(|error| error.within("lidar"))?;
         if self.faults.len() > FAULTS_MAX {
             let why = format!("{} faults, at most {FAULTS_MAX}", self.faults.len());
@@ -231,73 +231,104 @@ impl RobotSpec {
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::faults::Begin;
-
-    fn robot() -> RobotSpec {
-        RobotSpec::exact(0.25, 1.0, 2.0, LidarSpec::exact(360, 10.0, 0.1..12.0))
+// From data sheets. Delays, slip and the errors of odometry are in no data sheet: they are typical
+// values, to be replaced by measured ones.
+choices! {
+    /// A robot by name.
+    pub enum RobotPreset {
+        /// `TurtleBot` 2 on a Kobuki base, with an `RPLidar` A1.
+        Turtlebot2 = "turtlebot2",
+        /// `TurtleBot3` burger, with its LDS-01.
+        Turtlebot3Burger = "turtlebot3_burger",
+        /// Clearpath Jackal, skid-steered, with a Hokuyo UST-10LX in front.
+        Jackal = "jackal",
     }
+}
 
-    #[track_caller]
-    fn refused(field: &str, change: impl FnOnce(&mut RobotSpec)) {
-        let mut spec = robot();
-        change(&mut spec);
-        assert_eq!(spec.check().unwrap_err().field, field);
-    }
+impl RobotPreset {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Turtlebot2, Self::Turtlebot3Burger, Self::Jackal];
 
-    #[test]
-    fn a_robot_that_can_exist_is_accepted() {
-        assert_eq!(robot().check(), Ok(()));
-        assert!((robot().reliable_brake_mps2() - 1.0).abs() < 1e-15);
-    }
-
-    #[test]
-    fn every_number_is_looked_at() {
-        refused("radius_m", |r| r.radius_m = None);
-        refused("radius_m", |r| r.radius_m = Some(-1.0));
-        refused("footprint_m", |r| r.footprint_m = Some(Vec::new()));
-        refused("v_mps_max", |r| r.v_mps_max = 0.0);
-        refused("v_mps_min", |r| r.v_mps_min = 0.5);
-        refused("w_radps_max", |r| r.w_radps_max = f64::NAN);
-        refused("a_mps2_max", |r| r.a_mps2_max = -1.0);
-        refused("brake_mps2", |r| r.brake_mps2 = Some(0.0));
-        refused("alpha_radps2_max", |r| r.alpha_radps2_max = f64::INFINITY);
-        refused("command_timeout_s", |r| r.command_timeout_s = 0.0);
-        refused("lidar.pose", |r| r.lidar.pose[1] = f64::NAN);
-        refused("lidar.n_beams", |r| r.lidar.n_beams = 4097);
-        refused("lidar.n_beams", |r| r.lidar.n_beams = 2);
-        refused("lidar.fov_rad", |r| r.lidar.fov_rad = 7.0);
-        refused("lidar.rate_hz", |r| r.lidar.rate_hz = 0.0);
-        refused("lidar.range_m_min", |r| r.lidar.range_m_min = 12.0);
-        refused("lidar.range_m_max", |r| r.lidar.range_m_max = -1.0);
-        refused("lidar.sigma_m", |r| r.lidar.sigma_m = -0.1);
-        refused("lidar.sigma_ratio", |r| r.lidar.sigma_ratio = f64::NAN);
-        refused("lidar.quantum_m", |r| r.lidar.quantum_m = -1.0);
-        refused("lidar.dropout_ratio", |r| r.lidar.dropout_ratio = 1.1);
-        refused("lidar.short_ratio", |r| r.lidar.short_ratio = -0.1);
-        refused("lidar.short_mean_m", |r| r.lidar.short_mean_m = 0.0);
-        refused("lidar.edge_ratio", |r| r.lidar.edge_ratio = 2.0);
-        refused("actuation_delay_s", |r| r.actuation_delay_s = 1.5);
-        refused("slip.turn_ratio", |r| {
-            r.slip = Some(SlipSpec {
-                turn_ratio: 0.95,
-                ..SlipSpec::default()
-            });
-        });
-        refused("faults[1].begins.at_s", |r| {
-            let frozen = |at_s| FaultSpec::LidarFrozen {
-                begins: Begin::at(at_s),
-                lasts_s: None,
-            };
-            r.faults = vec![frozen(1.0), frozen(-1.0)];
-        });
-        refused("odometry.turn_per_turn", |r| {
-            r.odometry = Some(OdometrySpec {
-                turn_per_turn: f64::NAN,
-                ..OdometrySpec::default()
-            });
-        });
+    // long: one table of numbers per robot
+    /// Its numbers.
+    #[must_use]
+    pub fn robot(self) -> RobotSpec {
+        match self {
+            // Yujin Robot: Kobuki user guide (0.7 m/s, 180 deg/s; the gyro is good up to 110 deg/s,
+            // kobuki_driver's appendix), acceleration of the usual navigation parameters.
+            Self::Turtlebot2 => RobotSpec {
+                a_mps2_max: 1.0,
+                alpha_radps2_max: 2.0,
+                command_timeout_s: 0.6,
+                actuation_delay_s: 0.04,
+                slip: Some(SlipSpec::default()),
+                odometry: Some(OdometrySpec {
+                    turn_per_turn: 0.01,
+                    turn_per_distance: 0.005,
+                    gyro: true,
+                    ..OdometrySpec::default()
+                }),
+                ..RobotSpec::exact(0.177, 0.65, 1.9, LidarPreset::RplidarA1.lidar())
+            },
+            // Robotis e-Manual (0.22 m/s, 2.84 rad/s), accelerations of its navigation parameters,
+            // base_scan of its URDF.
+            Self::Turtlebot3Burger => RobotSpec {
+                a_mps2_max: 2.5,
+                alpha_radps2_max: 3.2,
+                command_timeout_s: 0.5,
+                actuation_delay_s: 0.04,
+                slip: Some(SlipSpec::default()),
+                odometry: Some(OdometrySpec::default()),
+                ..RobotSpec::exact(
+                    0.105,
+                    0.22,
+                    2.84,
+                    LidarSpec {
+                        pose: [-0.032, 0.0, 0.0],
+                        ..LidarPreset::Lds01.lidar()
+                    },
+                )
+            },
+            // Clearpath data sheet (0.508 x 0.430 m, 2.0 m/s, 4.0 rad/s); its controller allows
+            // 20 m/s^2, which its tyres do not.
+            Self::Jackal => RobotSpec {
+                radius_m: None,
+                footprint_m: Some(vec![
+                    [-0.254, -0.215],
+                    [0.254, -0.215],
+                    [0.254, 0.215],
+                    [-0.254, 0.215],
+                ]),
+                a_mps2_max: 3.0,
+                alpha_radps2_max: 8.0,
+                command_timeout_s: 0.25,
+                actuation_delay_s: 0.04,
+                // Four scrubbing wheels turn it by less than they should, by how much varies with
+                // the floor.
+                slip: Some(SlipSpec {
+                    forward_ratio: 0.01,
+                    turn_ratio: 0.03,
+                    sigma_ratio: 0.03,
+                }),
+                odometry: Some(OdometrySpec {
+                    distance_per_distance: 0.02,
+                    // That is why the odometry that it comes with takes its yaw from the inertial
+                    // unit on board (`jackal_control`, robot_localization.yaml).
+                    turn_per_turn: 0.01,
+                    turn_per_distance: 0.005,
+                    gyro: true,
+                    ..OdometrySpec::default()
+                }),
+                ..RobotSpec::exact(
+                    0.3,
+                    2.0,
+                    4.0,
+                    LidarSpec {
+                        pose: [0.12, 0.0, 0.0],
+                        ..LidarPreset::Ust10lx.lidar()
+                    },
+                )
+            },
+        }
     }
 }
