@@ -59,16 +59,21 @@ pub enum Command {
     },
     /// The parameters of a service: type, default, range, unit and meaning, as its binary says.
     Params {
-        /// Whose, such as `local_planner`.
+        /// Whose, such as `local_planner`; without, of all services.
         #[arg(value_name = "ROLE", value_parser = service_role)]
-        role: Role,
+        role: Option<Role>,
         /// Ask this binary in place of the stock one.
-        #[arg(long, value_name = "FILE")]
+        #[arg(long, value_name = "FILE", requires = "role")]
         binary: Option<PathBuf>,
+        /// Print tables, as in `services/PARAMETERS.md`.
+        #[arg(long, conflicts_with = "json")]
+        markdown: bool,
         /// Print one JSON object.
         #[arg(long)]
         json: bool,
     },
+    /// The JSON schema of a scenario, for editors.
+    Schema,
     /// The runs that go on, and their processes.
     Ps {
         /// Print one JSON object.

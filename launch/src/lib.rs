@@ -20,6 +20,7 @@ pub mod leave;
 pub mod look;
 pub mod measure;
 pub mod open_files;
+pub mod params;
 pub mod picture;
 pub mod prepare;
 pub mod record;

@@ -7,7 +7,6 @@ use crate::show::terminal::{say, say_json, usage};
 use crate::supervise::algorithms;
 use crate::supervise::binaries::{self, Needed};
 use serde_json::json;
-use std::path::Path;
 use std::process::ExitCode;
 use zeronav_msgs::role::Role;
 
@@ -105,44 +104,6 @@ pub fn algorithms_of(role: Role, json: bool) -> ExitCode {
             let (key, title) = (row.key, row.title);
             say(&format!("{key:width$}  {title}\n"));
         }
-    }
-    ExitCode::from(EXIT_PASS)
-}
-
-/// `zeronav params`: the parameters of the service in this seat, as its binary describes them.
-#[must_use]
-pub fn params(role: Role, binary: Option<&Path>, json: bool) -> ExitCode {
-    let listed = match binary {
-        Some(binary) => algorithms::parameters_of(binary),
-        None => binaries::refresh_under_cargo(Needed::Stock)
-            .and_then(|()| algorithms::parameters_of(Path::new(binaries::stock(role)))),
-    };
-    let parameters = match listed {
-        Ok(parameters) => parameters,
-        Err(problem) => return usage(&problem),
-    };
-    if json {
-        say_json(&json!({ "role": role.label(), "parameters": parameters }));
-        return ExitCode::from(EXIT_PASS);
-    }
-    let path_width = parameters.iter().map(|one| one.path.len()).max();
-    for one in &parameters {
-        let (path, unit, value) = (&one.path, &one.unit, one.value.to_string());
-        let keys: Vec<&str> = one
-            .choices
-            .iter()
-            .map(|choice| choice.key.as_str())
-            .collect();
-        let allowed = if keys.is_empty() {
-            one.range()
-        } else {
-            keys.join(" | ")
-        };
-        let width = path_width.unwrap_or(0);
-        say(&format!(
-            "{path:width$}  {:7}  {value:>8} {unit:6} {allowed:20} {}\n",
-            one.kind, one.description
-        ));
     }
     ExitCode::from(EXIT_PASS)
 }

@@ -9,7 +9,7 @@ use zeronav::cli::{Cli, Command};
 use zeronav::exit::EXIT_USAGE;
 use zeronav::show::{log, terminal};
 use zeronav::supervise::{cleaner, warden};
-use zeronav::{commands, draw, look, remote};
+use zeronav::{commands, draw, look, params, remote};
 use zeronav_msgs::role::Role;
 use zeronav_shell::flags::one_line;
 
@@ -45,7 +45,20 @@ fn main() -> ExitCode {
         Command::Check { scenario, json } => look::check(&scenario, json),
         Command::Planners { json } => look::algorithms_of(Role::GlobalPlanner, json),
         Command::Controllers { json } => look::algorithms_of(Role::LocalPlanner, json),
-        Command::Params { role, binary, json } => look::params(role, binary.as_deref(), json),
+        Command::Params {
+            role,
+            binary,
+            markdown,
+            json,
+        } => {
+            let form = match (markdown, json) {
+                (true, _) => params::Form::Markdown,
+                (false, true) => params::Form::Json,
+                (false, false) => params::Form::Lines,
+            };
+            params::params(role, binary.as_ref(), form)
+        }
+        Command::Schema => params::schema(),
         Command::Ps { json } => remote::ps(json),
         Command::Goal(arguments) => remote::goal(&arguments),
         Command::Draw(arguments) => draw::draw(&arguments),

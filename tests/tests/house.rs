@@ -17,7 +17,8 @@ fn allowed(from: &str) -> &'static [&'static str] {
     match from {
         "zeronav-msgs" | "zeronav-params" => &[],
         "zeronav-shell" => &["zeronav-msgs", "zeronav-params"],
-        "zeronav-world" | "zeronav-motion" => &["zeronav-msgs"],
+        "zeronav-motion" => &["zeronav-msgs"],
+        "zeronav-world" => &["zeronav-msgs", "zeronav-params"],
         "zeronav-robot-description" => &["zeronav-msgs", "zeronav-params", "zeronav-world"],
         "zeronav-mapping" => &[
             "zeronav-msgs",
@@ -273,11 +274,10 @@ fn topic_names_are_string_literals_in_one_file_only() {
 
 /// Packages with circles of modules that are still to be removed. Empty is the goal: a package that
 /// has no circle any more fails the test until it is taken off.
-const WITH_CIRCLES: &[&str] = &["zeronav-local-planner", "zeronav-world"];
+const WITH_CIRCLES: &[&str] = &["zeronav-local-planner"];
 
 /// Files and functions beyond the limits that are still to be split, likewise.
 const STILL_LONG: &[&str] = &[
-    "launch/src/scenario/tests.rs",
     "launch/src/suite/report.rs",
     "services/collision_guard/benches/guard.rs",
     "services/collision_guard/tests/closed_loop.rs",

@@ -121,16 +121,11 @@ fn misspelt_service_keys_are_reported_with_line_and_field() {
     }
 }
 
-/// The services whose parameters are declared by the macro.
-const DECLARED: [(&str, &str); 2] = [
-    ("zeronav-global-planner", "global_planner"),
-    ("zeronav-local-planner", "local_planner"),
-];
-
 #[test]
 fn every_value_of_a_configuration_is_described_with_its_default() {
     let folder = tempfile::tempdir().expect("a folder");
-    for (service, role) in DECLARED {
+    for service in SERVICES {
+        let role = &service["zeronav-".len()..].replace('-', "_");
         let described = Command::new(binaries().join("zeronav"))
             .args(["params", role, "--json", "--binary"])
             .arg(binaries().join(service))
@@ -148,6 +143,9 @@ fn every_value_of_a_configuration_is_described_with_its_default() {
                 continue;
             }
             let path = way.join(".");
+            if path == "area_m" {
+                continue; // Required, so that it was given.
+            }
             let one = described.iter().find(|one| one["path"] == path.as_str());
             let one = one.unwrap_or_else(|| panic!("{role} does not describe {path}"));
             let default: serde_json::Value = value.clone().try_into().expect("JSON");
@@ -161,4 +159,39 @@ fn every_value_of_a_configuration_is_described_with_its_default() {
             );
         }
     }
+}
+
+/// What `zeronav` prints with these words must be in this file.
+#[track_caller]
+fn current(words: &[&str], file: &str) -> String {
+    let written = Command::new(binaries().join("zeronav"))
+        .args(words)
+        .output()
+        .expect("it starts");
+    assert!(written.status.success(), "{written:?}");
+    let written = String::from_utf8(written.stdout).expect("text");
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(file);
+    let stored = std::fs::read_to_string(path).unwrap_or_default();
+    let command = words.join(" ");
+    assert!(
+        written == stored,
+        "{file} is not current: cargo run -- {command} > {file}"
+    );
+    written
+}
+
+#[test]
+fn the_table_of_all_parameters_is_current() {
+    let table = current(&["params", "--markdown"], "services/PARAMETERS.md");
+    for row in [
+        "| `robot.lidar.n_beams` | integer |",
+        "| `controller` | string |",
+    ] {
+        assert!(table.contains(row), "{row} is missing");
+    }
+}
+
+#[test]
+fn the_schema_of_a_scenario_is_current() {
+    current(&["schema"], "launch/scenario.schema.json");
 }

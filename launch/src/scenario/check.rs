@@ -1,6 +1,9 @@
 //! Can it work? Everything that is known to be wrong before anything is started.
 
-use super::{COORDINATE_M_MAX, GoalSpec, Outcome, Scenario, ScenarioError, TOLERANCE, YAW_RAD_MAX};
+use super::{
+    COORDINATE_M_MAX, GoalSpec, Outcome, Scenario, ScenarioError, TIME_LIMIT_S_MAX, TOLERANCE,
+    YAW_RAD_MAX,
+};
 use core::f64::consts::PI;
 use zeronav_msgs::command::Intervention;
 use zeronav_msgs::map::{TILES_PER_KEYFRAME_MAX, tiles_of};
@@ -10,9 +13,6 @@ use zeronav_shell::nearest::unknown;
 use zeronav_shell::printable::{printable, printable_lines};
 use zeronav_world::error::{SpecError, number};
 use zeronav_world::{Footprint, MapWarning, World, WorldError};
-
-/// Longest run. [s]
-const TIME_LIMIT_S_MAX: f64 = 1.0e6;
 
 /// What a check of a scenario leaves: the world, ready to be asked.
 #[derive(Debug, Clone)]
@@ -128,8 +128,7 @@ impl Scenario {
 
     fn check_run(&self) -> Result<(), SpecError> {
         let run = &self.run;
-        number(run.time_limit_s, 0.1, TIME_LIMIT_S_MAX, "run.time_limit_s")?;
-        number(run.tick_hz, 1.0, 1000.0, "run.tick_hz")?;
+        zeronav_params::check(run).map_err(|error| SpecError::from(error).within("run"))?;
         let lidar_hz = self.robot.lidar.rate_hz;
         if run.tick_hz < lidar_hz {
             let why = format!(
@@ -138,9 +137,8 @@ impl Scenario {
             );
             return Err(SpecError::new("run.tick_hz", why));
         }
-        self.restart
-            .check()
-            .map_err(|error| error.within("restart"))
+        zeronav_params::check(&self.restart)
+            .map_err(|error| SpecError::from(error).within("restart"))
     }
 
     /// The map must fit into one keyframe.

@@ -8,7 +8,7 @@ use tempfile::TempDir;
 use toml::{Table, Value};
 
 /// Fields that no shipped scenario has.
-const OTHERS: [&str; 6] = [
+pub(super) const OTHERS: [&str; 6] = [
     r#"
 title = "All that is optional"
 description = "d"
@@ -210,7 +210,7 @@ preset = "jackal"
 ];
 
 /// The shipped scenarios with their defaults written out, and the ones above.
-fn documents() -> Vec<Table> {
+pub(super) fn documents() -> Vec<Table> {
     let library = Library::of("/nowhere");
     let shipped = library.list().into_iter().map(|listed| {
         let scenario = Scenario::load_from(&library, &listed.name).unwrap();

@@ -23,6 +23,7 @@ mod error;
 #[cfg(test)]
 mod every_field;
 mod library;
+mod schema;
 #[cfg(test)]
 mod shipped;
 #[cfg(test)]
@@ -31,6 +32,7 @@ mod tests;
 pub use check::Checked;
 pub use error::ScenarioError;
 pub use library::{Library, Listed};
+pub use schema::schema;
 
 use crate::supervise::restart::RestartSpec;
 use core::f64::consts::PI;
@@ -40,6 +42,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use zeronav_msgs::task::Goal;
 use zeronav_msgs::{Pose, Role};
+use zeronav_params::parameters;
 use zeronav_robot_description::RobotSpec;
 use zeronav_world::{Tolerance, WorldSpec};
 
@@ -48,6 +51,9 @@ pub const COORDINATE_M_MAX: f64 = 1.0e6;
 
 /// Largest yaw of a pose: ten turns. [rad]
 pub const YAW_RAD_MAX: f64 = 62.8;
+
+/// Longest run. [s]
+pub const TIME_LIMIT_S_MAX: f64 = 1.0e6;
 
 /// Smallest and largest tolerance of a goal. [m or rad]
 pub const TOLERANCE: [f64; 2] = [1.0e-3, 1.0e3];
@@ -107,16 +113,16 @@ pub struct Scenario {
     document: Document,
 }
 
-/// Time and chance of a run.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct RunSpec {
-    /// Run time after which the run ends. [s]
-    pub time_limit_s: f64,
-    /// Control ticks per second: never below the lidar's rate, 1 to 1000. [Hz]
-    pub tick_hz: f64,
-    /// Of everything random.
-    pub seed: u64,
+parameters! {
+    /// Time and chance of a run.
+    pub struct RunSpec {
+        /// Run time after which the run ends.
+        time_limit_s: f64 = 120.0, [0.1, TIME_LIMIT_S_MAX] "s";
+        /// Control ticks per second, not below the lidar's rate.
+        tick_hz: f64 = 50.0, [1.0, 1000.0] "Hz";
+        /// Seed of everything random.
+        seed: u64 = 1, [0, u64::MAX];
+    }
 }
 
 impl RunSpec {
@@ -140,16 +146,6 @@ impl RunSpec {
     )]
     pub fn time_limit_ns(&self) -> u64 {
         (self.time_limit_s * 1.0e9).round() as u64
-    }
-}
-
-impl Default for RunSpec {
-    fn default() -> Self {
-        Self {
-            time_limit_s: 120.0,
-            tick_hz: 50.0,
-            seed: 1,
-        }
     }
 }
 

@@ -9,10 +9,9 @@
 //!    time, up to a limit.
 
 use core::time::Duration;
-use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 use zeronav_msgs::role::Role;
-use zeronav_world::error::{SpecError, number};
+use zeronav_params::parameters;
 
 /// Wait before the second restart of a seat.
 const BACKOFF: Duration = Duration::from_millis(100);
@@ -20,58 +19,22 @@ const BACKOFF: Duration = Duration::from_millis(100);
 /// Longest wait before a restart.
 const BACKOFF_MAX: Duration = Duration::from_secs(2);
 
-/// Budgets and the hang limit, `[restart]` of a scenario.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct RestartSpec {
-    /// Most restarts of one service.
-    pub per_service: u32,
-    /// Most restarts of all services together.
-    pub per_run: u32,
-    /// Time without progress after which a service counts as hung, 0.1 to 3600. [s]
-    pub hang_after_s: f64,
-    /// Ticks for which a restarted seat stays empty, lockstep only; at most a million.
-    pub absent_ticks: u64,
-}
-
-impl Default for RestartSpec {
-    fn default() -> Self {
-        Self {
-            per_service: 10,
-            per_run: 30,
-            hang_after_s: 0.5,
-            absent_ticks: 20,
-        }
+parameters! {
+    /// Budgets and the hang limit, `[restart]` of a scenario.
+    pub struct RestartSpec {
+        /// Most restarts of one service.
+        per_service: u32 = 10, [0, 10_000];
+        /// Most restarts of all services together.
+        per_run: u32 = 30, [0, 10_000];
+        /// Time without progress after which a service counts as hung. A service without work beats
+        /// every 50 ms, so that a limit below 0.1 s would kill healthy ones.
+        hang_after_s: f64 = 0.5, [0.1, 3600.0] "s";
+        /// Ticks for which a restarted seat stays empty, lockstep only.
+        absent_ticks: u64 = 20, [0, 1_000_000];
     }
 }
-
-/// Most restarts of all services together that a scenario may allow.
-const RESTARTS_MAX: u32 = 10_000;
-
-/// Most ticks that a seat may stay empty.
-const ABSENT_TICKS_MAX: u64 = 1_000_000;
 
 impl RestartSpec {
-    /// Accepts budgets and limits that work. A service beats every 50 ms when it has nothing to do,
-    /// so that a limit below 0.1 s would kill those that are well.
-    ///
-    /// # Errors
-    /// The first field that is wrong.
-    pub fn check(&self) -> Result<(), SpecError> {
-        number(self.hang_after_s, 0.1, 3600.0, "hang_after_s")?;
-        for (field, value, most) in [
-            ("per_service", self.per_service.into(), RESTARTS_MAX.into()),
-            ("per_run", self.per_run.into(), RESTARTS_MAX.into()),
-            ("absent_ticks", self.absent_ticks, ABSENT_TICKS_MAX),
-        ] {
-            if value > most {
-                let why = format!("must be a number from 0 to {most}, not {value}");
-                return Err(SpecError::new(field, why));
-            }
-        }
-        Ok(())
-    }
-
     /// Time without progress after which a service counts as hung; the longest there is for a number
     /// of seconds that is none.
     #[must_use]

@@ -127,7 +127,12 @@ impl Service for PlannerService {
     }
 
     fn parameters() -> Vec<Parameter> {
-        zeronav_params::describe::<GlobalPlannerConfig>()
+        let listed = |one: Parameter| match one.path.as_str() {
+            "planner" => one.with_choices(Self::algorithms().into_iter()),
+            _ => one,
+        };
+        let parameters = zeronav_params::describe::<GlobalPlannerConfig>();
+        parameters.into_iter().map(listed).collect()
     }
 
     fn check(config: &GlobalPlannerConfig) -> Result<(), StartError> {

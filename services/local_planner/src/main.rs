@@ -58,7 +58,12 @@ impl Service for PlannerService {
     }
 
     fn parameters() -> Vec<Parameter> {
-        zeronav_params::describe::<LocalPlannerConfig>()
+        let listed = |one: Parameter| match one.path.as_str() {
+            "controller" => one.with_choices(Self::algorithms().into_iter()),
+            _ => one,
+        };
+        let parameters = zeronav_params::describe::<LocalPlannerConfig>();
+        parameters.into_iter().map(listed).collect()
     }
 
     fn check(config: &LocalPlannerConfig) -> Result<(), StartError> {

@@ -87,6 +87,17 @@ impl Parameter {
         }
     }
 
+    /// Lists the allowed values of a string that a table of algorithms gives: key and description.
+    #[must_use]
+    pub fn with_choices<'a>(mut self, rows: impl Iterator<Item = (&'a str, String)>) -> Self {
+        let choice = |(key, description): (&str, String)| Choice {
+            key: key.to_owned(),
+            description,
+        };
+        self.choices = rows.map(choice).collect();
+        self
+    }
+
     /// Path of a member of `group`.
     #[doc(hidden)]
     #[must_use]

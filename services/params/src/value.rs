@@ -72,7 +72,10 @@ impl fmt::Display for Value {
             Self::Integer(value) => write!(formatter, "{value}"),
             Self::Number(value) => write!(formatter, "{value:?}"),
             Self::String(value) => write!(formatter, "{value}"),
-            Self::Array(items) => formatter.debug_list().entries(items).finish(),
+            Self::Array(items) => {
+                let items: Vec<String> = items.iter().map(ToString::to_string).collect();
+                write!(formatter, "[{}]", items.join(", "))
+            }
             Self::Unset => Ok(()),
         }
     }

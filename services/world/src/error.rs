@@ -1,5 +1,7 @@
 //! What is wrong with the words of a scenario.
 
+use zeronav_params::ParameterError;
+
 /// A value that cannot be, named by its place.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{field}: {why}")]
@@ -8,6 +10,13 @@ pub struct SpecError {
     pub field: String,
     /// What is wrong and what would be right.
     pub why: String,
+}
+
+impl From<ParameterError> for SpecError {
+    fn from(error: ParameterError) -> Self {
+        let why = format!("{}, not {}", error.rule, error.value);
+        Self::new(error.path, why)
+    }
 }
 
 impl SpecError {

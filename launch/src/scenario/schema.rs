@@ -1,0 +1,387 @@
+//! The JSON schema of a scenario's document, for editors. Ranges of parameters come from where they are
+//! declared; what only the whole scenario can tell (a start inside a wall) is left to
+//! [`Scenario::validate`](super::Scenario::validate).
+//!
+//! A document may build on others, so that nothing is required at its top.
+
+#[cfg(test)]
+mod tests;
+
+use super::{COORDINATE_M_MAX, RunSpec, TIME_LIMIT_S_MAX, TOLERANCE, YAW_RAD_MAX};
+use crate::supervise::restart::RestartSpec;
+use serde_json::{Map, Value, json};
+use zeronav_msgs::Role;
+use zeronav_msgs::command::Intervention;
+use zeronav_params::{Parameter, Type, describe};
+use zeronav_robot_description::RobotSpec;
+
+/// The schema; `services` are the parameters of the stock services.
+#[must_use]
+pub fn schema(services: &[(Role, Vec<Parameter>)]) -> Value {
+    let seats = services.iter().map(|(role, parameters)| {
+        // The robot's configuration is the rest of the scenario.
+        let config = match role {
+            Role::Robot => json!({ "type": "object" }),
+            _ => object(parameters),
+        };
+        (role.label().to_owned(), seat(&config))
+    });
+    let fields = fields([
+        (
+            "base",
+            json!({ "type": ["string", "array"], "items": { "type": "string" } }),
+        ),
+        ("variant", text()),
+        (
+            "variants",
+            json!({ "type": "object", "additionalProperties": { "$ref": "#" } }),
+        ),
+        ("group", text()),
+        ("title", text()),
+        ("description", text()),
+        ("run", object(&describe::<RunSpec>())),
+        ("world", world()),
+        ("robot", robot()),
+        ("start", pose()),
+        ("goals", list(&goal())),
+        ("services", closed(seats.collect(), &[])),
+        ("static_map", json!({ "type": "boolean" })),
+        ("restart", object(&describe::<RestartSpec>())),
+        ("kills", list(&kill())),
+        ("expect", expect()),
+        ("trials", trials()),
+    ]);
+    let Value::Object(mut schema) = closed(fields, &[]) else {
+        unreachable!("`closed` makes an object");
+    };
+    let dialect = "https://json-schema.org/draft/2020-12/schema";
+    schema.insert("$schema".to_owned(), dialect.into());
+    schema.insert("title".to_owned(), "A scenario of zeronav".into());
+    Value::Object(schema)
+}
+
+/// The table that holds `parameters`, with their groups as tables in it.
+fn object(parameters: &[Parameter]) -> Value {
+    let mut root = closed(Map::new(), &[]);
+    for parameter in parameters {
+        let (groups, name) = match parameter.path.rsplit_once('.') {
+            Some((groups, name)) => (groups.split('.').collect(), name),
+            None => (Vec::new(), parameter.path.as_str()),
+        };
+        let table = groups.into_iter().fold(&mut root, |table, group| {
+            let inner = &mut table["properties"][group];
+            if inner.is_null() {
+                *inner = closed(Map::new(), &[]);
+            }
+            inner
+        });
+        table["properties"][name] = leaf(parameter);
+    }
+    root
+}
+
+/// The value of a parameter.
+fn leaf(parameter: &Parameter) -> Value {
+    let mut schema = Map::new();
+    let mut number = numbers(parameter.min, parameter.max);
+    let unit = if parameter.unit.is_empty() {
+        String::new()
+    } else {
+        format!(" [{}]", parameter.unit)
+    };
+    schema.insert(
+        "description".to_owned(),
+        format!("{}{unit}", parameter.description).into(),
+    );
+    schema.insert("type".to_owned(), parameter.kind.to_string().into());
+    match parameter.kind {
+        Type::Number | Type::Integer => schema.append(&mut number),
+        Type::String if !parameter.choices.is_empty() => {
+            let keys = parameter.choices.iter().map(|choice| choice.key.as_str());
+            schema.insert("enum".to_owned(), keys.collect());
+        }
+        Type::String | Type::Boolean | Type::Array => {}
+    }
+    match json!(parameter.value) {
+        Value::Null => {}
+        default => {
+            schema.insert("default".to_owned(), default);
+        }
+    }
+    Value::Object(schema)
+}
+
+/// The bounds of a number. The smallest positive one stands for everything above 0.
+fn numbers(min: Option<f64>, max: Option<f64>) -> Map<String, Value> {
+    let least = match min {
+        Some(f64::MIN_POSITIVE) => Some(("exclusiveMinimum", 0.0)),
+        min => min.map(|min| ("minimum", min)),
+    };
+    let bounds = least.into_iter().chain(max.map(|max| ("maximum", max)));
+    bounds
+        .map(|(name, bound)| (name.to_owned(), bound.into()))
+        .collect()
+}
+
+/// A table with these fields and no others.
+fn closed(fields: Map<String, Value>, required: &[&str]) -> Value {
+    json!({
+        "type": "object",
+        "additionalProperties": false,
+        "properties": fields,
+        "required": required,
+    })
+}
+
+fn fields<const N: usize>(fields: [(&str, Value); N]) -> Map<String, Value> {
+    let owned = fields.map(|(name, schema)| (name.to_owned(), schema));
+    owned.into_iter().collect()
+}
+
+fn text() -> Value {
+    json!({ "type": "string" })
+}
+
+fn number() -> Value {
+    json!({ "type": "number" })
+}
+
+fn ranged(min: f64, max: f64) -> Value {
+    json!({ "type": "number", "minimum": min, "maximum": max })
+}
+
+fn whole() -> Value {
+    json!({ "type": "integer", "minimum": 0 })
+}
+
+fn list(item: &Value) -> Value {
+    json!({ "type": "array", "items": item })
+}
+
+/// A list of exactly these.
+fn tuple<const N: usize>(items: [Value; N]) -> Value {
+    json!({ "type": "array", "prefixItems": items.to_vec(), "minItems": N, "maxItems": N })
+}
+
+/// Exactly one of these tables, each with the field `kind` of its name.
+fn kinds<const N: usize>(kinds: [(&str, Map<String, Value>, &[&str]); N]) -> Value {
+    let kinds = kinds.map(|(kind, mut fields, required)| {
+        fields.insert("kind".to_owned(), json!({ "const": kind }));
+        let required: Vec<&str> = required.iter().copied().chain(["kind"]).collect();
+        closed(fields, &required)
+    });
+    json!({ "oneOf": kinds.to_vec() })
+}
+
+fn coordinate() -> Value {
+    ranged(-COORDINATE_M_MAX, COORDINATE_M_MAX)
+}
+
+/// `[x, y]`. [m]
+fn point() -> Value {
+    tuple([coordinate(), coordinate()])
+}
+
+/// `[x, y, yaw]`. [m, m, rad]
+fn pose() -> Value {
+    tuple([
+        coordinate(),
+        coordinate(),
+        ranged(-YAW_RAD_MAX, YAW_RAD_MAX),
+    ])
+}
+
+fn goal() -> Value {
+    let [least, most] = TOLERANCE;
+    let tolerance = ranged(least, most);
+    let fields = fields([
+        ("pose", pose()),
+        ("tolerance_m", tolerance.clone()),
+        ("yaw_tolerance_rad", tolerance),
+    ]);
+    closed(fields, &["pose"])
+}
+
+/// A seat: another binary knows its own configuration.
+fn seat(config: &Value) -> Value {
+    let any = json!({ "type": "object" });
+    let mut seat = closed(fields([("binary", text()), ("config", any)]), &[]);
+    seat["if"] = json!({ "not": { "required": ["binary"] } });
+    seat["then"] = json!({ "properties": { "config": config } });
+    seat
+}
+
+fn kill() -> Value {
+    let mortal = Role::SERVICES
+        .into_iter()
+        .filter(|role| *role != Role::Robot);
+    let mortal: Vec<&str> = mortal.map(Role::label).collect();
+    let fields = fields([
+        ("service", json!({ "enum": mortal })),
+        ("at_s", ranged(0.0, TIME_LIMIT_S_MAX)),
+    ]);
+    closed(fields, &["service", "at_s"])
+}
+
+fn expect() -> Value {
+    let label = |code| Intervention::from_code(code).map(Intervention::label);
+    let labels: Vec<&str> = (1..=u16::MAX).map_while(label).collect();
+    let reasons = json!({
+        "type": "object",
+        "propertyNames": { "enum": labels },
+        "additionalProperties": whole(),
+    });
+    let metres = || ranged(0.0, 1.0e6);
+    let outcome = json!({ "enum": ["reached", "unreachable", "timeout"] });
+    let fields = fields([
+        ("outcome", outcome),
+        ("contacts_max", whole()),
+        ("obstacle_replans_min", whole()),
+        ("obstacle_replans_max", whole()),
+        ("driven_m_min", metres()),
+        ("goal_distance_m_max", metres()),
+        ("interventions_min", reasons),
+        ("restarts_min", whole()),
+    ]);
+    closed(fields, &[])
+}
+
+fn trials() -> Value {
+    let fields = fields([
+        ("obstacle", text()),
+        ("goals", tuple([goal(), goal()])),
+        ("line_m", tuple([point(), point()])),
+        ("ahead_m", number()),
+    ]);
+    closed(fields, &["obstacle", "goals", "line_m", "ahead_m"])
+}
+
+fn robot() -> Value {
+    let mut robot = object(&RobotSpec::parameters(""));
+    let fields = &mut robot["properties"];
+    fields["footprint_m"]["items"] = tuple([number(), number()]);
+    fields["faults"]["items"] = fault();
+    let pose = &mut fields["lidar"]["properties"]["pose"];
+    pose["prefixItems"] = json!([number(), number(), number()]);
+    (pose["minItems"], pose["maxItems"]) = (3.into(), 3.into());
+    // `false` switches a preset's off.
+    for name in ["slip", "odometry"] {
+        fields[name] = json!({ "anyOf": [{ "type": "boolean" }, fields[name].take()] });
+    }
+    robot
+}
+
+fn fault() -> Value {
+    let begins = fields([("at_s", number()), ("driven_m", number())]);
+    let with = |more: &[(&str, Value)]| {
+        let mut all = fields([("begins", closed(begins.clone(), &[]))]);
+        all.extend(
+            more.iter()
+                .map(|(name, schema)| ((*name).to_owned(), schema.clone())),
+        );
+        all
+    };
+    let lasts = ("lasts_s", number());
+    let looks = (
+        "looks",
+        json!({ "enum": ["silent", "no_return", "invalid"] }),
+    );
+    let shift = ("shift", tuple([number(), number(), number()]));
+    let share = |name| (name, ranged(0.0, 1.0));
+    kinds([
+        ("lidar_blackout", with(&[lasts.clone(), looks]), &["begins"]),
+        ("lidar_frozen", with(&[lasts.clone()]), &["begins"]),
+        (
+            "lidar_turned",
+            with(&[lasts.clone(), ("angle_rad", number())]),
+            &["begins", "angle_rad"],
+        ),
+        ("odometry_jump", with(&[shift]), &["begins", "shift"]),
+        (
+            "slip",
+            with(&[lasts, share("forward_ratio"), share("turn_ratio")]),
+            &["begins"],
+        ),
+    ])
+}
+
+fn world() -> Value {
+    let dynabarn = fields([("file", text()), ("phase_s", number())]);
+    let pedestrians = fields([
+        ("file", text()),
+        ("from_s", number()),
+        ("duration_s", number()),
+        ("radius_m", number()),
+    ]);
+    let fields = fields([
+        ("map", text()),
+        ("barn", text()),
+        ("dynabarn", closed(dynabarn, &["file"])),
+        ("pedestrians", closed(pedestrians, &["file"])),
+        ("generated", generated()),
+        ("area_m", tuple([point(), point()])),
+        ("resolution_m", number()),
+        ("shapes", list(&shape())),
+        ("obstacles", list(&obstacle())),
+    ]);
+    closed(fields, &[])
+}
+
+fn generated() -> Value {
+    let side = || fields([("side_cells_max", whole())]);
+    let family = kinds([
+        ("iid", Map::new(), &[]),
+        ("blocky", side(), &[]),
+        ("concave", side(), &[]),
+        ("corridor", fields([("width_cells", whole())]), &[]),
+    ]);
+    let cell = || tuple([whole(), whole()]);
+    let fields = fields([
+        ("family", family),
+        ("size_cells", cell()),
+        ("ratio", ranged(0.0, 1.0)),
+        ("start_cell", cell()),
+        ("goal_cell", cell()),
+        ("seed", whole()),
+        ("resolution_m", number()),
+    ]);
+    closed(fields, &["family", "size_cells"])
+}
+
+fn shape() -> Value {
+    let boxed = fields([
+        ("centre_m", point()),
+        ("size_m", tuple([number(), number()])),
+        ("yaw_rad", number()),
+    ]);
+    let disc = fields([("centre_m", point()), ("radius_m", number())]);
+    let polygon = fields([("corners_m", list(&point()))]);
+    kinds([
+        ("box", boxed, &["centre_m", "size_m"]),
+        ("disc", disc, &["centre_m", "radius_m"]),
+        ("polygon", polygon, &["corners_m"]),
+    ])
+}
+
+fn obstacle() -> Value {
+    let near = fields([("point_m", point()), ("distance_m", number())]);
+    let trigger = fields([
+        ("at_s", number()),
+        ("robot_near", closed(near, &["point_m", "distance_m"])),
+    ]);
+    let trigger = closed(trigger, &[]);
+    let fields = fields([
+        ("name", text()),
+        ("shape", shape()),
+        ("appears", trigger.clone()),
+        ("lasts_s", number()),
+        ("waypoints_m", list(&point())),
+        ("speed_mps", number()),
+        ("repeat", json!({ "type": "boolean" })),
+        ("starts", trigger),
+        ("bounces_mps", tuple([number(), number()])),
+        ("track", list(&tuple([number(), number(), number()]))),
+        ("track_from_s", number()),
+    ]);
+    closed(fields, &["name", "shape"])
+}
