@@ -187,6 +187,7 @@ fn errors_of_reading_name_line_and_field() {
     assert!(broken.to_string().contains("test.toml:"), "{broken}");
 }
 
+// long: one table of wrong values and what is said of each
 #[test]
 fn errors_of_meaning_name_line_and_field() {
     refused("\"Test\"", "\" \"", 1, "title", "empty");
