@@ -18,7 +18,7 @@ use zeronav_shell::clock::now_ns;
 use zeronav_shell::doorbell::Rung;
 use zeronav_shell::records::SpanReader;
 use zeronav_shell::{Due, Latest, Service, Shell, StartError, Writer};
-use zeronav_world::{Footprint, SpecError};
+use zeronav_world::SpecError;
 
 /// The scenario's robot; its world is ignored.
 #[derive(Debug, Serialize, Deserialize)]
