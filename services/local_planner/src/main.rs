@@ -2,16 +2,15 @@
 
 mod goal_log;
 mod readings;
+mod report;
 
 use goal_log::GoalLog;
 use readings::{News, Readings};
+use report::report;
 use std::process::ExitCode;
 use zeronav_local_planner::period::BuildError;
-use zeronav_local_planner::recovery::Behaviour;
-use zeronav_local_planner::staleness::StaleInput;
 use zeronav_local_planner::table::{CONTROLLERS, ControllerRow, UnknownController};
-use zeronav_local_planner::{LocalPlanner, LocalPlannerConfig, Outputs};
-use zeronav_msgs::health::{REASON_MAP, REASON_ODOMETRY, REASON_PATH, REASON_SCAN};
+use zeronav_local_planner::{LocalPlanner, LocalPlannerConfig};
 use zeronav_msgs::role::Role;
 use zeronav_msgs::task::GOALS_MAX;
 use zeronav_msgs::time::seconds;
@@ -24,7 +23,7 @@ use zeronav_shell::{Draft, Due, Service, Shell, StartError, Trigger, Writer};
 /// Ticks between two statuses of an unchanged task.
 const STATUS_TICKS: u64 = 10;
 
-/// Shortest period that the controller is told of, in real time. [s]
+/// Shortest period that the controller is given, in real time. [s]
 const PERIOD_S_MIN: f64 = 1.0e-3;
 
 struct PlannerService {
@@ -144,29 +143,6 @@ impl PlannerService {
         self.goal_log.log(draft.tick, &status, ended);
         shell.send(draft, &mut self.status, status, ended);
         self.status_tick = draft.tick;
-    }
-}
-
-/// Reports in the heartbeat which inputs are old, and logs what the recovery does.
-fn report(shell: &mut Shell, outputs: &Outputs) {
-    for (input, bit) in [
-        (StaleInput::Odometry, REASON_ODOMETRY),
-        (StaleInput::Scan, REASON_SCAN),
-        (StaleInput::Map, REASON_MAP),
-        (StaleInput::Path, REASON_PATH),
-    ] {
-        shell.reason(
-            bit,
-            outputs.stale == Some(input) || outputs.ageing.includes(input),
-        );
-    }
-    if let Some(change) = outputs.recovery {
-        // Turns towards the path are frequent.
-        if change.from == Behaviour::Align || change.to == Behaviour::Align {
-            tracing::debug!(from = ?change.from, to = ?change.to, reason = ?change.reason, "recovery");
-        } else {
-            tracing::info!(from = ?change.from, to = ?change.to, reason = ?change.reason, "recovery");
-        }
     }
 }
 

@@ -1,57 +1,35 @@
 //! The simulated robot as a process: sensors out at every tick, velocity commands in.
 
 mod answers;
+mod commands;
 mod sensors;
+mod unusable;
 
 use answers::AnswerReader;
+use commands::Commands;
 use sensors::Sensors;
 use std::process::ExitCode;
-use zeronav_msgs::command::Validity;
-use zeronav_msgs::header::Parents;
+use unusable::unusable;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::span::SpanKind;
-use zeronav_msgs::topics::{RobotCommand, SimPlacement};
 use zeronav_params::Parameter;
 use zeronav_robot_sim::simulator::TICK_NS_MIN;
-use zeronav_robot_sim::{SimConfig, SimError, Simulator};
-use zeronav_shell::clock::{both_ns, now_ns};
+use zeronav_robot_sim::{SimConfig, Simulator};
+use zeronav_shell::clock::now_ns;
 use zeronav_shell::doorbell::Rung;
-use zeronav_shell::{Due, Latest, Service, Shell, StartError};
-use zeronav_world::{SpecError, WorldError};
+use zeronav_shell::{Due, Service, Shell, StartError};
 
 struct RobotService {
     config: SimConfig,
     simulator: Option<Simulator>,
     sensors: Sensors,
-    command: Latest<RobotCommand>,
-    placements: Latest<SimPlacement>,
+    commands: Commands,
     answers: AnswerReader,
     tick: u64,
     /// When the next tick is due, real time only. [ns]
     due_ns: u64,
     /// Real time that was lost because ticks were late. [ns]
     slipped_ns: u64,
-    /// When the newest command came in: monotonic, in lockstep run time. [ns]
-    command_came_ns: Option<u64>,
-}
-
-fn unusable(error: SimError) -> StartError {
-    let of = |error: SpecError| StartError::config(error.field, error.why);
-    match error {
-        SimError::World(WorldError::Spec(error)) => of(error.within("world")),
-        SimError::World(WorldError::Map(error)) => StartError::config("world.map", error),
-        SimError::World(WorldError::Data { field, error }) => {
-            StartError::config(format!("world.{field}"), error)
-        }
-        SimError::Robot(error) => of(error.within("robot")),
-        SimError::Description(refusal) => StartError::config("robot", refusal),
-        SimError::Start(refusal) => StartError::config("start", refusal),
-        SimError::StartBlocked(what) => {
-            StartError::config("start", format!("the robot touches {what} there"))
-        }
-        SimError::ScanRate { .. } => StartError::config("robot.lidar.rate_hz", error),
-        SimError::Tick(_) => StartError::Usage(error.to_string()),
-    }
 }
 
 impl Service for RobotService {
@@ -74,13 +52,11 @@ impl Service for RobotService {
         Ok(Self {
             simulator: None,
             sensors: Sensors::open(peer, config.robot.lidar.n_beams as usize)?,
-            command: peer.latest()?,
-            placements: peer.latest()?,
+            commands: Commands::open(peer)?,
             answers: AnswerReader::open(peer)?,
             tick: 0,
             due_ns: 0,
             slipped_ns: 0,
-            command_came_ns: None,
             config,
         })
     }
@@ -94,9 +70,9 @@ impl Service for RobotService {
         if lockstep {
             self.answers.poll();
         }
-        self.take_command(shell);
-        self.take_placements(shell);
-        shell.count(&[&self.command, &self.placements]);
+        if let Some(simulator) = &mut self.simulator {
+            self.commands.poll(shell, simulator);
+        }
         let (roster, scan_tick) = (shell.roster(), self.sensors.scan_tick());
         let control = roster.control;
         if lockstep {
@@ -134,50 +110,6 @@ impl RobotService {
         self.simulator = Some(simulator);
         self.due_ns = now_ns() + clock.tick_ns;
         Ok(())
-    }
-
-    /// Puts obstacles into the world.
-    fn take_placements(&mut self, shell: &Shell) {
-        if self.placements.poll(shell.roster())
-            && let (Some(view), Some(simulator)) = (self.placements.get(), &mut self.simulator)
-        {
-            for placement in view.items {
-                simulator.place(placement);
-            }
-        }
-    }
-
-    /// Passes the newest command to the motors.
-    fn take_command(&mut self, shell: &mut Shell) {
-        if !self.command.poll(shell.roster()) {
-            return;
-        }
-        let (Some(command), Some(simulator)) = (self.command.get(), &mut self.simulator) else {
-            return;
-        };
-        if command.meta.validity() == Some(Validity::NoRequest) {
-            simulator.no_command();
-        } else {
-            simulator.set_command(command.meta.v_mps, command.meta.w_radps);
-        }
-        let header = command.header;
-        if shell.roster().lockstep() {
-            self.command_came_ns = Some(header.run_ns);
-            return;
-        }
-        self.command_came_ns = Some(shell.woken_ns());
-        let parents = Parents {
-            request: header.id,
-            ..Parents::default()
-        };
-        let due = Due {
-            tick: header.tick,
-            kind: SpanKind::Applied,
-        };
-        // The draft's start is the moment at which the set point took effect.
-        let mut draft = shell.begin(due, header.run_ns, header.capture_ns, parents);
-        (draft.started_ns, draft.raw_ns) = both_ns();
-        shell.finish(&draft, None, 0);
     }
 
     /// When the next step is due by the own clock, and the run time of its scan if that is captured
@@ -234,11 +166,7 @@ impl RobotService {
         } else {
             now_ns()
         };
-        // Without launch no command counts any more: the driver brings the robot to rest.
-        let age_ns = self
-            .command_came_ns
-            .filter(|_| !shell.is_orphaned())
-            .map_or(u64::MAX, |came_ns| began_ns.saturating_sub(came_ns));
+        let age_ns = self.commands.age_ns(shell, began_ns);
         simulator.step(run_ns, age_ns);
         let due = Due {
             tick: self.tick,

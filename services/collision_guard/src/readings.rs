@@ -1,0 +1,99 @@
+//! What the guard reads, and what it knows by it when an answer begins.
+
+use zeronav_collision_guard::{GuardInputs, OdometryInput, ScanInput};
+use zeronav_msgs::header::Parents;
+use zeronav_msgs::role::Role;
+use zeronav_msgs::topics::{ControlRequest, RobotDescription, RobotScan};
+use zeronav_shell::{
+    Draft, Due, Latest, OdometryReader, Peer, Received, Shell, StartError, Trigger,
+};
+
+/// How long after odometry the guard waits for the request that belongs to it. [ns]
+const PATIENCE_NS: u64 = 5_000_000;
+
+/// The readers of the seat.
+pub(crate) struct Readings {
+    pub(crate) odometry: OdometryReader,
+    pub(crate) description: Latest<RobotDescription>,
+    scan: Latest<RobotScan>,
+    request: Latest<ControlRequest>,
+}
+
+impl Readings {
+    /// Opens the topics.
+    pub(crate) fn open(peer: &Peer) -> Result<Self, StartError> {
+        Ok(Self {
+            odometry: OdometryReader::open(peer)?,
+            description: peer.latest()?,
+            scan: peer.latest()?,
+            request: peer.latest()?,
+        })
+    }
+
+    /// Takes in what has come. An answer waits for the request: in lockstep for that of the tick,
+    /// in real time for the next one, or [`PATIENCE_NS`].
+    pub(crate) fn poll(&mut self, shell: &mut Shell) -> Trigger {
+        let roster = shell.roster();
+        self.odometry.poll(roster);
+        self.description.poll(roster);
+        let requested = self.request.poll(roster);
+        self.scan.poll(roster);
+        let tick = self.odometry.tick();
+        let trigger = Trigger {
+            tick,
+            complete: if roster.lockstep() {
+                !roster.awaits(Role::LocalPlanner, tick, self.request.spoken_tick())
+            } else {
+                requested
+            },
+            deadline_ns: self.odometry.newest().map(|it| it.came_ns + PATIENCE_NS),
+            news: requested,
+        };
+        shell.count(&[&self.odometry, &self.scan, &self.request]);
+        trigger
+    }
+
+    /// Begins an answer.
+    pub(crate) fn begin(&self, shell: &Shell, due: Due) -> Draft {
+        let parents = Parents {
+            odometry: self.odometry.id().0,
+            scan: self.scan.id().0,
+            request: self.request.id().0,
+            ..Parents::default()
+        };
+        let capture_ns = self.scan.received().map_or(0, |scan| scan.capture_ns);
+        shell.begin(due, shell.run_ns(due.tick), capture_ns, parents)
+    }
+
+    /// What is known at the beginning of an answer. A scan is as old as its capture, the other
+    /// messages are as old as their arrival.
+    pub(crate) fn inputs(&self, shell: &Shell, draft: &Draft) -> GuardInputs<'_> {
+        let age_ns = |message: Option<Received>| {
+            message.map_or(u64::MAX, |message| shell.age_ns(draft, &message))
+        };
+        let arrival_age_ns = |message: Option<Received>| age_ns(message.map(Received::on_arrival));
+        GuardInputs {
+            robot: self.description.get().map(|view| (view.meta, view.items)),
+            request: self
+                .request
+                .get()
+                .map(|view| (*view.meta, arrival_age_ns(self.request.received()))),
+            scan: self.scan.get().map(|view| ScanInput {
+                scan: view.meta,
+                ranges: view.items,
+                id: view.header.id,
+                run_ns: view.header.run_ns,
+                age_ns: age_ns(self.scan.received()),
+                odom_from_base: self.odometry.history().pose_at(view.header.run_ns),
+            }),
+            odometry: self.odometry.newest().map(|newest| OdometryInput {
+                odometry: &newest.odometry,
+                id: newest.id.0,
+                run_ns: newest.run_ns,
+                age_ns: arrival_age_ns(Some(newest.received())),
+            }),
+            period_ns: shell.run_ns(draft.tick.saturating_sub(shell.answered_tick())),
+            stopping: shell.roster().control.stopping == 1,
+        }
+    }
+}

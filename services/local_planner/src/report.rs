@@ -1,0 +1,30 @@
+//! What an answer of the local planner says about its inputs and its recovery.
+
+use zeronav_local_planner::Outputs;
+use zeronav_local_planner::recovery::Behaviour;
+use zeronav_local_planner::staleness::StaleInput;
+use zeronav_msgs::health::{REASON_MAP, REASON_ODOMETRY, REASON_PATH, REASON_SCAN};
+use zeronav_shell::Shell;
+
+/// Reports in the heartbeat which inputs are old, and logs what the recovery does.
+pub(crate) fn report(shell: &mut Shell, outputs: &Outputs) {
+    for (input, bit) in [
+        (StaleInput::Odometry, REASON_ODOMETRY),
+        (StaleInput::Scan, REASON_SCAN),
+        (StaleInput::Map, REASON_MAP),
+        (StaleInput::Path, REASON_PATH),
+    ] {
+        shell.reason(
+            bit,
+            outputs.stale == Some(input) || outputs.ageing.includes(input),
+        );
+    }
+    if let Some(change) = outputs.recovery {
+        // Turns towards the path are frequent.
+        if change.from == Behaviour::Align || change.to == Behaviour::Align {
+            tracing::debug!(from = ?change.from, to = ?change.to, reason = ?change.reason, "recovery");
+        } else {
+            tracing::info!(from = ?change.from, to = ?change.to, reason = ?change.reason, "recovery");
+        }
+    }
+}
