@@ -206,7 +206,7 @@ impl MappingService {
         self.log.log(due.tick, run_ns, &map_from_odom, n_obstacles);
     }
 
-    /// When scans have stopped coming, one empty revision tells that the map is not current.
+    /// When scans have stopped coming, one empty revision marks the map as not current.
     fn check_scans(&mut self, shell: &mut Shell) {
         let newest = self.scan.received().unwrap_or_default();
         let silent = shell.woken_ns().saturating_sub(newest.came_ns) > STALE_NS

@@ -1,7 +1,7 @@
 //! Removes from the middleware's registry what dead members have left there.
 //!
 //! The registry lies in files that are mapped, locked and waited for. A corrupt one can block or
-//! kill whoever reads it: so this runs in a process of its own, which can be killed.
+//! kill its reader, so this runs in a process of its own, which can be killed.
 
 use crate::domain;
 use crate::error::StartError;

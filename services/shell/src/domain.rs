@@ -4,11 +4,11 @@
 //! keeps its registry, and the segments `/dev/shm/NAME_...`; the middleware's prefix is `NAME_`.
 //! (Were the folder called like the prefix itself, the middleware would take it for a segment
 //! without a name when it cleans up after a dead process, and panic.) Each member holds a shared
-//! lock on `ROOT/lock`; whoever gets it exclusively knows that nobody is left and may remove
-//! everything. Those who want to remove it take turns by a lock on the folder itself: who finds
-//! the members' lock taken has then met a member and not another sweeper. Whoever makes a domain
-//! also holds `ROOT/launch`, which the kernel lets go of when the process ends in whatever way: by
-//! that the others see that nobody looks after the run any more.
+//! lock on `ROOT/lock`; a process that gets it exclusively knows that no member is left and may
+//! remove everything. Processes that want to remove it take turns by a lock on the folder itself, so
+//! that a members' lock found taken is that of a member and not of another such process. The maker
+//! of a domain also holds `ROOT/launch`, which the kernel releases when the process ends in whatever
+//! way: by that the others see that the run has no supervisor any more.
 
 use crate::error::StartError;
 use crate::folder::{Folder, own_file};
@@ -22,12 +22,12 @@ use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 
 /// First letters of every domain that launch makes.
-pub const PREFIX_START: &str = "zn_";
+pub(crate) const PREFIX_START: &str = "zn_";
 
 /// Letters after [`PREFIX_START`], always as many, so that no prefix begins another.
 const RANDOM_LETTERS: usize = 10;
 
-/// Name of the file that whoever makes a domain holds.
+/// Name of the file that the maker of a domain holds.
 const LAUNCH: &str = "launch";
 
 /// Name of the file that every member holds.
@@ -54,7 +54,7 @@ const CREATE_TRIES: u32 = 8;
 pub struct Domain {
     folder: Folder,
     prefix: String,
-    /// `ROOT/launch`, which is locked as long as whoever made the domain lives.
+    /// `ROOT/launch`, which is locked as long as the maker of the domain lives.
     launch: File,
     made_here: bool,
     _member: File,
@@ -165,7 +165,7 @@ impl Domain {
         &self.prefix
     }
 
-    /// True when whoever made the domain is gone: one system call, and no going back.
+    /// True when the maker of the domain is gone: one system call, and never false again after that.
     #[must_use]
     pub fn is_orphaned(&self) -> bool {
         !self.made_here && flock(&self.launch, FlockOperation::NonBlockingLockShared).is_ok()
@@ -309,13 +309,13 @@ pub fn sweep(root: &Path) -> std::io::Result<bool> {
 }
 
 /// Removes the segments of a domain whose maker died while it made them. The middleware gives the
-/// right to read with the last step, and whoever cleans up waits for that step for ever.
-pub fn remove_half_made(prefix: &str) {
+/// right to read with the last step, and a process that cleans up waits for that step for ever.
+pub(crate) fn remove_half_made(prefix: &str) {
     let first = half_made(prefix);
     if first.is_empty() {
         return;
     }
-    // Who lives needs far less than this for it.
+    // A living process needs far less than this for it.
     std::thread::sleep(HALF_MADE);
     for (path, inode) in half_made(prefix) {
         if first.contains(&(path.clone(), inode)) {
@@ -351,7 +351,7 @@ pub fn all() -> Vec<PathBuf> {
     roots
 }
 
-/// Removes every domain that nobody is a member of any more; returns those.
+/// Removes every domain without members; returns those.
 #[must_use]
 pub fn sweep_dead() -> Vec<PathBuf> {
     all()

@@ -1,4 +1,4 @@
-//! Doorbells: how a process sleeps until somebody has something for it.
+//! Doorbells: how a process sleeps until there is a message for it.
 //!
 //! One listener per role, the event id is the topic's number. The wait is a `ppoll` on the
 //! listener's descriptor: the middleware's own timed wait rounds deadlines up by 4 to 8 ms.
@@ -16,7 +16,7 @@ use std::os::unix::net::UnixStream;
 use zeronav_msgs::role::Role;
 
 /// Longest time without a wake, so that latched topics reach late joiners. [ns]
-pub const WAKE_AT_LEAST_NS: u64 = 50_000_000;
+pub(crate) const WAKE_AT_LEAST_NS: u64 = 50_000_000;
 
 /// Which events rang, one bit per event id.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -30,7 +30,7 @@ impl Rung {
     }
 }
 
-/// The own doorbell, and the pipe that tells of signals.
+/// The own doorbell, and the pipe that wakes on signals.
 #[derive(Debug)]
 pub struct Doorbell {
     listener: Listener<ipc::Service>,
@@ -75,7 +75,7 @@ impl Doorbell {
             // An interrupted wait is a wake like any other.
             let _ = poll(&mut descriptors, Some(&timeout));
         }
-        // What a signal means stands in its flag; its byte has done its work by waking.
+        // The meaning of a signal is in its flag; its byte was only there to wake.
         let mut bytes = [0; 16];
         while (&self.signals)
             .read(&mut bytes)
@@ -97,7 +97,7 @@ impl Doorbell {
     )]
     fn descriptor(&self) -> BorrowedFd<'_> {
         // SAFETY: the listener owns the descriptor and keeps it open and unchanged for as long as
-        // it lives; the borrow ends before the listener can be dropped, and nobody closes it.
+        // it lives; the borrow ends before the listener can be dropped, and nothing closes it.
         unsafe { BorrowedFd::borrow_raw(self.listener.file_descriptor().native_handle()) }
     }
 }
@@ -137,7 +137,7 @@ impl Bells {
         Ok(Self { notifiers })
     }
 
-    /// Rings `role` with `event`. Nobody at home is no error.
+    /// Rings `role` with `event`. A role without a listener is no error.
     pub fn ring(&self, role: Role, event: usize) {
         if let Some((_, notifier)) = self.notifiers.iter().find(|(other, _)| *other == role) {
             let _ = notifier.notify_with_custom_event_id(EventId::new(event));

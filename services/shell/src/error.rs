@@ -4,15 +4,15 @@ use std::process::ExitCode;
 use zeronav_params::ParameterError;
 
 /// Exit code of a process that stopped because it was asked to.
-pub const EXIT_STOPPED: u8 = 0;
+pub(crate) const EXIT_STOPPED: u8 = 0;
 /// Exit code of bad flags or bad configuration. Not restarted.
 pub const EXIT_USAGE: u8 = 2;
 /// Exit code of a peer built from another contract. Not restarted.
-pub const EXIT_CONTRACT: u8 = 3;
+pub(crate) const EXIT_CONTRACT: u8 = 3;
 /// Exit code of too little shared memory, which a later restart may find.
-pub const EXIT_MEMORY: u8 = 4;
+pub(crate) const EXIT_MEMORY: u8 = 4;
 /// Exit code of everything else that a restart may cure.
-pub const EXIT_CRASH: u8 = 1;
+pub(crate) const EXIT_CRASH: u8 = 1;
 
 /// Why a process could not start. Each names the thing that is wrong.
 #[derive(Debug, thiserror::Error)]

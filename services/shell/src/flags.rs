@@ -103,7 +103,7 @@ impl Flags {
     ///
     /// # Errors
     /// [`StartError::Usage`] when a value has no TOML form.
-    pub fn config_text<C: Serialize>(config: &C) -> Result<String, StartError> {
+    pub(crate) fn config_text<C: Serialize>(config: &C) -> Result<String, StartError> {
         toml::to_string_pretty(config)
             .map_err(|error| StartError::Usage(format!("configuration has no TOML form: {error}")))
     }

@@ -76,7 +76,7 @@ impl Folder {
         &self.path
     }
 
-    /// A path of `name` in this very folder, whatever stands at [`Self::path`] by now. It holds
+    /// A path of `name` in this very folder, whatever is at [`Self::path`] by now. It holds
     /// as long as `self` in this process.
     #[must_use]
     pub fn entry(&self, name: &str) -> PathBuf {
@@ -94,7 +94,7 @@ impl Folder {
 
     /// True once the folder has been removed.
     #[must_use]
-    pub fn is_gone(&self) -> bool {
+    pub(crate) fn is_gone(&self) -> bool {
         fstat(&self.handle).is_ok_and(|stat| stat.st_nlink == 0)
     }
 
@@ -132,7 +132,7 @@ impl Folder {
     ///
     /// # Errors
     /// What the system says.
-    pub fn take_turn(&self) -> std::io::Result<bool> {
+    pub(crate) fn take_turn(&self) -> std::io::Result<bool> {
         let started = Instant::now();
         loop {
             match flock(&self.handle, FlockOperation::NonBlockingLockExclusive) {

@@ -4,8 +4,8 @@
 //! signal when launch dies, and a service that was started by hand sees by the lock on `ROOT/launch`
 //! that it did. Then the services between the requests and the wheels behave as if launch had asked
 //! for a stop: the local planner requests zero, the guard ramps to rest, the robot brings itself to
-//! zero. Each leaves when the robot stands, the robot last; or after [`REST_LIMIT_NS`], because a
-//! service that never rests must not be what keeps the others.
+//! zero. Each leaves when the robot has stopped, the robot last; or after [`REST_LIMIT_NS`], because a
+//! robot that never stops must not keep the services.
 
 use crate::clock::now_ns;
 use crate::seat;
@@ -109,8 +109,8 @@ impl Leaving {
     }
 }
 
-/// True for a service that has to do with the wheels of a robot that moves by itself. In lockstep
-/// the robot stands as soon as launch does not extend its lease.
+/// True for a service between the requests and the wheels of a robot that runs in real time. In lockstep
+/// the robot stops as soon as launch does not extend its lease.
 fn brings_to_rest(shell: &Shell) -> bool {
     let at_the_wheels = matches!(
         shell.peer().role(),

@@ -1,49 +1,57 @@
-//! What every process of a stack shares, so that a service's `main.rs` is its data flow and nothing
-//! else: the flags, the domain, typed ports over the topics of `zeronav-msgs`, one doorbell per
-//! role, the clock, the roster, the heartbeat, the spans, exit codes and logs.
+//! What every process of a stack shares, so that the main program of a service is its data flow.
 //!
 //! A service implements [`Service`] and calls [`run`]. Every wake is the same: poll the inputs,
 //! odometry first; [`Shell::due`] says which answers are due; for each, [`Shell::begin`], a step of
 //! the algorithm, [`Shell::send`] per message and [`Shell::finish`]. The shell waits for the next
 //! ring or deadline, rings the readers, leaves a span per answer, beats, and ends the process when
-//! launch is gone, with the robot at rest.
+//! launch is gone, with the robot stopped.
 //!
-//! Inputs that several services read alike have a type of their own: [`OdometryReader`],
-//! [`MapInput`], [`Tasks`] and [`CurrentGoal`].
+//! How to read the crate, each line on top of those above it:
+//!
+//! | what | where |
+//! |---|---|
+//! | the run's folder, its locks, and how it is removed | [`domain`], [`folder`], [`cleaning`], [`memory`] |
+//! | a member of a run, and the typed ports that it opens | [`Peer`]: [`Latest`], [`Stream`], [`Writer`], [`records`] |
+//! | which process is obeyed, and how time runs | [`Roster`], [`roster_reader`], [`seat`], [`clock`] |
+//! | inputs that several services read alike | [`OdometryReader`], [`MapInput`], [`Tasks`], [`CurrentGoal`] |
+//! | when an answer is due, and how it is given | [`Trigger`], [`Due`], [`Shell`], [`Draft`] |
+//! | a process: flags, configuration, logs, exit code, loop | [`Service`], [`run`], [`flags`], [`logs`], [`error`] |
+//!
+//! `examples/own_planner` is a service in a package of its own.
 
 #![warn(clippy::print_stderr)]
 
 pub mod cleaning;
 pub mod clock;
-pub mod current_goal;
+mod current_goal;
 pub mod domain;
 pub mod doorbell;
-pub mod due;
+mod due;
 pub mod error;
 pub mod flags;
 pub mod folder;
 mod heartbeat;
-pub mod input;
+mod input;
 mod leaving;
 pub mod logs;
-pub mod map_input;
+mod map_input;
 pub mod memory;
 pub mod nearest;
 pub mod odometry;
 pub mod peer;
 pub mod places;
 pub mod printable;
-pub mod reader;
-pub mod received;
+mod reader;
+mod received;
 pub mod records;
-pub mod roster;
+mod roster;
 pub mod roster_reader;
 pub mod seat;
-pub mod service;
-pub mod shell;
+mod service;
+mod shell;
 pub mod signals;
-pub mod tasks;
-pub mod writer;
+mod tasks;
+mod writer;
 
 pub use current_goal::CurrentGoal;
 pub use domain::Domain;

@@ -6,13 +6,13 @@ use std::sync::Mutex;
 use tracing_subscriber::EnvFilter;
 
 /// Most that one process logs. [bytes]
-pub const LOG_BYTES_MAX: u64 = 8 << 20;
+pub(crate) const LOG_BYTES_MAX: u64 = 8 << 20;
 
 /// Last line of a log that has become too long.
 const LAST_LINE: &[u8] = b"the log is full, nothing more is written\n";
 
-/// A writer that takes everything and passes on [`LOG_BYTES_MAX`] of it. What cannot be written is
-/// gone: a log must not stop what it tells of.
+/// A writer that takes everything and passes on `LOG_BYTES_MAX` of it. What cannot be written is
+/// dropped: a log must not stop its process.
 #[derive(Debug)]
 pub struct Bounded<W> {
     writer: W,
@@ -52,7 +52,7 @@ impl<W: Write> Write for Bounded<W> {
     }
 }
 
-/// Quiets the middleware, whose complaints go nowhere else.
+/// Quiets the middleware, whose messages have no other switch.
 pub fn quiet_middleware() {
     iceoryx2::prelude::set_log_level(iceoryx2::prelude::LogLevel::Fatal);
 }

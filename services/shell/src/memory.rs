@@ -14,7 +14,7 @@ use std::path::PathBuf;
 pub const SHM: &str = "/dev/shm";
 
 /// Room that is left for connections, which cannot be reserved. [bytes]
-pub const HEADROOM_BYTES: u64 = 1 << 20;
+pub(crate) const HEADROOM_BYTES: u64 = 1 << 20;
 
 /// The caller's own files in /dev/shm whose names begin with `prefix`. Other users may have made
 /// files with such names.
@@ -37,7 +37,7 @@ pub(crate) fn segments(prefix: &str) -> impl Iterator<Item = (PathBuf, std::fs::
 ///
 /// # Errors
 /// [`StartError::System`] when there is no /dev/shm.
-pub fn free_bytes() -> Result<u64, StartError> {
+pub(crate) fn free_bytes() -> Result<u64, StartError> {
     let stat = statvfs(SHM).map_err(|error| StartError::system(SHM, error))?;
     Ok(stat.f_bavail.saturating_mul(stat.f_frsize))
 }

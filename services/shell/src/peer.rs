@@ -28,7 +28,7 @@ const SCHEMA_ATTRIBUTE: &str = "schema";
 pub(crate) type Factory<T> =
     PortFactory<ipc::Service, [<T as Topic>::Item], <T as Topic>::Envelope>;
 
-/// A member of a domain: who it is, and the door to every topic.
+/// A member of a domain: its role, and the ports of every topic.
 #[derive(Debug)]
 pub struct Peer {
     role: Role,
@@ -66,7 +66,7 @@ impl Peer {
         })
     }
 
-    /// Who this is.
+    /// Its role.
     #[must_use]
     pub fn role(&self) -> Role {
         self.role
@@ -143,7 +143,7 @@ impl Peer {
     ///
     /// # Errors
     /// As [`Self::writer`].
-    pub fn writer_on<T: Topic>(
+    pub(crate) fn writer_on<T: Topic>(
         &self,
         row: &'static TopicRow,
         len: usize,

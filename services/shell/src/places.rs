@@ -1,12 +1,11 @@
-//! Where every value of a TOML text stands, so that what is wrong with one can be told by line and
-//! field.
+//! The position of every value of a TOML text, so that an error can name line and field.
 
 use core::ops::Range;
 use serde::Serialize;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// Where a value stands.
+/// Position of a value.
 #[derive(Debug, Clone, PartialEq, Eq)]
 struct Place {
     path: String,

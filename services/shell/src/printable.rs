@@ -45,7 +45,7 @@ fn escaped(text: &str, form: impl Fn(char) -> Option<Form>) -> Cow<'_, str> {
         match form(character) {
             None => out.push(character),
             Some(Form::Rust) => out.extend(character.escape_default()),
-            // All that are obeyed lie in the first plane: four digits say them.
+            // All control characters are in the first plane: four digits suffice.
             Some(Form::Json) => {
                 let _ = write!(out, "\\u{:04x}", u32::from(character));
             }

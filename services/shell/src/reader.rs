@@ -46,12 +46,12 @@ fn view<T: Topic>(sample: &Message<T>) -> View<'_, T> {
     }
 }
 
-/// Decides which messages are heard, and remembers what was wrong with the others.
+/// Decides which messages are heard, and remembers what was wrong with rejected ones.
 #[derive(Debug)]
 struct Gate {
     row: &'static TopicRow,
     refused: u64,
-    /// Newest tick of a message whose sender is heard though its content is refused.
+    /// Newest tick of a message whose sender is obeyed though its content is rejected.
     refused_tick: u64,
     seen: Vec<Refusal>,
 }
@@ -109,7 +109,7 @@ impl<T: Topic> Latest<T> {
     /// Takes in what has come; true when there is a newer message than before.
     ///
     /// Messages of several writers arrive writer by writer, so the newest is the one with the
-    /// highest id and not the one that came last. Before it is known who is obeyed, messages of
+    /// highest id and not the one that came last. Before it is known which processes are obeyed, messages of
     /// services are left where they are: a latched one comes once and would be rejected.
     pub fn poll(&mut self, roster: &Roster) -> bool {
         if roster.seats.is_empty() && !self.gate.row.writers.contains(&Role::Launch) {

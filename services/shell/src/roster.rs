@@ -1,4 +1,4 @@
-//! Who is obeyed, who has to answer, and how the run keeps time.
+//! Which processes are obeyed, which roles have to answer, and how the run keeps time.
 
 use zeronav_msgs::header::Header;
 use zeronav_msgs::role::Role;
@@ -7,7 +7,7 @@ use zeronav_msgs::run::{RunClock, RunControl, RunMode, Seat};
 /// What `run/clock` and `run/control` say, as this process last read it.
 #[derive(Debug, Clone, Default)]
 pub struct Roster {
-    /// How time runs; all zero until launch has said it.
+    /// How time runs; all zero until launch has published it.
     pub clock: RunClock,
     /// Lease, pause, stop.
     pub control: RunControl,
@@ -64,7 +64,7 @@ impl Roster {
         self.clock.mode() == Some(RunMode::Lockstep)
     }
 
-    /// True when launch has said how time runs and who is obeyed.
+    /// True when launch has published how time runs and which processes are obeyed.
     #[must_use]
     pub fn is_known(&self) -> bool {
         self.has_clock() && !self.seats.is_empty()

@@ -1,4 +1,4 @@
-//! Reads who is obeyed and how the run keeps time.
+//! Reads which processes are obeyed and how the run keeps time.
 
 use crate::error::StartError;
 use crate::peer::Peer;
@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use zeronav_msgs::role::Role;
 use zeronav_msgs::topics::{RunClockTopic, RunControlTopic};
 
-/// How long launch may take to say who is obeyed.
+/// How long launch may take to publish which processes are obeyed.
 const KNOWN_LIMIT: Duration = Duration::from_secs(5);
 
 /// Time between two looks at what launch says.
@@ -20,7 +20,7 @@ pub struct RosterReader {
     clock: Latest<RunClockTopic>,
     control: Latest<RunControlTopic>,
     roster: Roster,
-    /// Launch is gone: what it said last about going on does not hold any more.
+    /// Launch is gone: the robot stops, whatever `run/control` said last.
     rest: bool,
 }
 
@@ -47,8 +47,8 @@ impl RosterReader {
         self.poll();
     }
 
-    /// Makes sure that `epoch` is the one that is obeyed in the seat of `role`, once launch says
-    /// who is.
+    /// Makes sure that `epoch` is the one that is obeyed in the seat of `role`, once launch has
+    /// published that.
     ///
     /// # Errors
     /// [`StartError::Usage`] naming the epoch that launch expects.

@@ -1,12 +1,12 @@
-//! The seat of a role: one process at a time sits in it.
+//! The seat of a role: one process at a time holds it.
 //!
 //! A seat is the file `ROOT/seat.ROLE`, locked exclusively for as long as it is taken; it names its
 //! owner's process id. The kernel lets go of the lock when the last process that holds the open file
 //! ends. Launch holds the seats that it fills and gives the open file to the service that it starts,
-//! as standard input: so the seat stays taken between a death and the successor, and whoever holds
-//! the file needs no code for it. A seat that launch leaves to others (`--external`) is taken by the
+//! as standard input: so the seat stays taken between a death and the successor, and the
+//! holder of the file needs no code for it. A seat that launch leaves to others (`--external`) is taken by the
 //! first process that comes. A process that comes second ends with the owner's process id, unless it
-//! says that it is a shadow: that one has an epoch which is never obeyed.
+//! is started as a shadow: that one has an epoch which is never obeyed.
 
 use crate::domain::Domain;
 use crate::error::StartError;
@@ -52,7 +52,7 @@ impl SeatLock {
     /// The seat that launch handed over as standard input, if it did.
     ///
     /// Any file may be there: it counts only when it is the seat's own file and holds its lock. A
-    /// descriptor of another open file cannot get the lock while somebody has it.
+    /// descriptor of another open file cannot get the lock while another process has it.
     #[must_use]
     pub fn handed_over(domain: &Domain, role: Role) -> Option<Self> {
         let given = rustix::fs::fstat(std::io::stdin()).ok()?;

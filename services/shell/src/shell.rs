@@ -154,11 +154,6 @@ impl Shell {
         self.wake_by_ns
     }
 
-    /// Reads `run/clock` and `run/control` again, in the middle of long work.
-    pub fn poll_roster(&mut self) {
-        self.roster.poll();
-    }
-
     /// Run time of a tick. [ns]
     #[must_use]
     pub fn run_ns(&self, tick: u64) -> u64 {
@@ -244,7 +239,7 @@ impl Shell {
         self.note(writer, sent)
     }
 
-    /// Notes a sent message: whom to ring for it, and its share of the answer's hash.
+    /// Notes a sent message: the readers to ring, and its share of the answer's hash.
     fn note<T: Topic>(&mut self, writer: &Writer<T>, sent: Option<Sent>) -> Option<Sent> {
         match sent {
             Some(sent) => {
@@ -282,7 +277,7 @@ impl Shell {
     }
 
     /// Rings `role` with an event that belongs to no message.
-    pub fn ring_event(&self, role: Role, event: usize) {
+    pub(crate) fn ring_event(&self, role: Role, event: usize) {
         self.bells.ring(role, event);
     }
 

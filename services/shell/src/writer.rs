@@ -54,7 +54,7 @@ impl Default for Draft {
 pub struct Sent {
     /// Its identity.
     pub id: Id,
-    /// The one clock reading that stands in its header. [ns]
+    /// The one clock reading in its header. [ns]
     pub published_ns: u64,
     /// FNV-1a of header without stamps, fixed fields and slice; 0 when not hashed.
     pub hash: u64,
@@ -122,7 +122,7 @@ impl<T: Topic> Writer<T> {
 
     /// Sends one message; `None` when there is no free memory, which readers that hold old
     /// messages can cause: keep the data and try at the next wake. `None`, too, when it is longer
-    /// than the writer was opened for, which is logged and stands in the heartbeat.
+    /// than the writer was opened for, which is logged and reported in the heartbeat.
     pub fn publish(&mut self, draft: &Draft, meta: T::Meta, items: &[T::Item]) -> Option<Sent> {
         self.publish_with(draft, items.len(), |slot| {
             slot.copy_from_slice(items);
@@ -132,7 +132,7 @@ impl<T: Topic> Writer<T> {
 
     /// Like [`Self::publish`], but the slice of `len` items is filled in place, in shared memory;
     /// what `fill` returns are the fixed fields.
-    pub fn publish_with(
+    pub(crate) fn publish_with(
         &mut self,
         draft: &Draft,
         len: usize,

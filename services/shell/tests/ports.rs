@@ -57,7 +57,7 @@ fn description() -> Description {
 }
 
 #[test]
-fn latched_topics_reach_those_who_come_late() {
+fn latched_topics_reach_readers_that_join_late() {
     let house = House::new();
     let robot = house.join(Role::Robot, 1);
     let mut writer = robot.writer::<RobotDescription>(0).expect("a writer");
@@ -74,14 +74,14 @@ fn latched_topics_reach_those_who_come_late() {
     writer.refresh();
     assert!(
         !reader.poll(&Roster::default()),
-        "nobody is believed before it is known who is obeyed"
+        "messages are left before it is known which processes are obeyed"
     );
     assert!(reader.poll(&roster), "and nothing is lost by it");
     assert!((reader.get().expect("a message").meta.v_mps_max - 1.0).abs() < 1e-12);
 }
 
 #[test]
-fn the_newest_of_the_obeyed_writer_wins_and_zombies_are_not_heard() {
+fn the_newest_of_the_obeyed_writer_wins_and_zombies_are_ignored() {
     let house = House::new();
     let (old, new) = (
         house.join(Role::LocalPlanner, 1),
@@ -135,7 +135,7 @@ fn the_newest_message_is_the_one_with_the_highest_id_in_whatever_order_they_come
 }
 
 #[test]
-fn what_is_not_a_number_is_dropped_and_counted() {
+fn nan_is_rejected_and_counted() {
     let house = House::new();
     let planner = house.join(Role::LocalPlanner, 1);
     let guard = house.join(Role::CollisionGuard, 1);
@@ -154,7 +154,7 @@ fn what_is_not_a_number_is_dropped_and_counted() {
 }
 
 #[test]
-fn a_role_that_may_not_write_a_topic_is_not_believed() {
+fn messages_of_a_role_that_may_not_write_the_topic_are_rejected() {
     let house = House::new();
     let impostor = house.join(Role::Mapping, 1);
     let guard = house.join(Role::CollisionGuard, 1);
@@ -168,7 +168,7 @@ fn a_role_that_may_not_write_a_topic_is_not_believed() {
 }
 
 #[test]
-fn streams_come_in_order_and_tell_of_gaps() {
+fn streams_arrive_in_order_and_count_gaps() {
     let house = House::new();
     let robot = house.join(Role::Robot, 1);
     let guard = house.join(Role::CollisionGuard, 1);
@@ -227,7 +227,7 @@ fn of_tick(tick: u64) -> Draft {
 }
 
 #[test]
-fn a_map_counts_when_its_last_part_is_in_and_a_gap_is_healed_by_a_keyframe() {
+fn a_map_is_complete_with_its_last_part_and_a_keyframe_repairs_a_gap() {
     let house = House::new();
     let mapping = house.join(Role::Mapping, 1);
     let planner = house.join(Role::GlobalPlanner, 1);
@@ -281,7 +281,7 @@ fn a_map_counts_when_its_last_part_is_in_and_a_gap_is_healed_by_a_keyframe() {
     };
     assert_eq!(map.received(), Some(received));
 
-    // Keyframes that nobody needs are given back, or the writer would run out of places.
+    // Unneeded keyframes are given back, or the writer would run out of places.
     for _ in 0..20 {
         send_whole(last);
         roster.woken_ns = 10;
@@ -299,7 +299,7 @@ fn a_map_counts_when_its_last_part_is_in_and_a_gap_is_healed_by_a_keyframe() {
     assert!(map.take_in(&roster));
     assert!(
         map.is_lost() && !map.has(42),
-        "nobody knows what was missed"
+        "it is unknown what was missed"
     );
     send_whole(Id(updates.next_id().0 - 1));
     roster.woken_ns = 12;
@@ -359,7 +359,7 @@ fn spans_of_several_writers_all_arrive() {
 }
 
 #[test]
-fn the_hash_sees_content_but_no_stamps() {
+fn the_hash_covers_content_but_no_stamps() {
     let house = House::new();
     let planner = house.join(Role::LocalPlanner, 1);
     let send = |draft: Draft, v_mps| {
@@ -402,8 +402,8 @@ fn the_hash_sees_content_but_no_stamps() {
 }
 
 #[test]
-fn memory_that_is_not_there_is_said_before_anything_is_opened() {
-    let error = memory::check(1 << 60).expect_err("nobody has that much");
+fn missing_memory_is_reported_before_anything_is_opened() {
+    let error = memory::check(1 << 60).expect_err("more than any machine has");
     assert!(matches!(error, StartError::Memory { .. }));
     assert!(error.to_string().contains("/dev/shm"), "{error}");
     assert!(memory::check(1 << 20).is_ok());

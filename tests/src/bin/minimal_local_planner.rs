@@ -213,7 +213,7 @@ impl MinimalPlanner {
         };
         let robot = *robot.meta;
         let pose = self.map.map_from_base(&newest.odometry.pose);
-        let stands =
+        let stopped =
             newest.odometry.v_mps.abs() < STOPPED && newest.odometry.w_radps.abs() < STOPPED;
         let left_m = pose.distance_m(&goal.pose);
         self.status.remaining_m = left_m;
@@ -223,14 +223,14 @@ impl MinimalPlanner {
             if goal.yaw_tolerance_rad < PI && error_rad.abs() > 0.5 * goal.yaw_tolerance_rad {
                 return (Validity::Drive, 0.0, turn(error_rad));
             }
-            if stands {
+            if stopped {
                 self.end(tick, goal, State::Reached, EndReason::None);
             }
             return (Validity::AtGoal, 0.0, 0.0);
         }
         let status = path.meta.status().unwrap_or(PathStatus::NoGoal);
         if status != PathStatus::Found || path.meta.goal != goal.id {
-            let reason = end_of(status).filter(|_| stands && path.meta.goal == goal.id);
+            let reason = end_of(status).filter(|_| stopped && path.meta.goal == goal.id);
             self.failing_tick = reason.map(|_| self.failing_tick.unwrap_or(tick));
             if let Some(reason) = reason.filter(|_| failing_ns >= FAILURE_NS) {
                 self.end(tick, goal, State::Failed, reason);

@@ -1,5 +1,5 @@
-//! A local planner that asks for the robot's full speed straight on with every odometry, whatever
-//! is there, and says that it can stop at once.
+//! A local planner that requests full speed straight on with every odometry, whatever is ahead, and
+//! reports a braking distance of zero.
 
 use std::process::ExitCode;
 use zeronav_msgs::command::{Validity, VelocityRequest};

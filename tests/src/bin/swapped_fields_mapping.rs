@@ -1,5 +1,5 @@
-//! A mapping service built from another contract: two fields of equal size have changed places in
-//! its idea of a scan. Names and sizes agree, so only the schema hash can tell.
+//! A mapping service built from another contract: two fields of equal size are swapped in
+//! its scan. Names and sizes agree, so only the schema hash differs.
 
 use std::process::ExitCode;
 use zeronav_msgs::header::Header;

@@ -1,5 +1,5 @@
-//! A local planner whose velocity requests carry numbers where the contract has none: the slice
-//! of its topic holds `f32` and not `u8`. Everything else, the schema hash included, agrees.
+//! A local planner whose velocity requests have items of another type: the slice of its topic holds
+//! `f32` and not `u8`. Everything else, the schema hash included, agrees.
 
 use std::process::ExitCode;
 use zeronav_msgs::command::VelocityRequest;
