@@ -103,6 +103,32 @@ message! {
 }
 
 impl Path {
+    /// The fixed fields of a message with these waypoints, by the planner with the key `planner`.
+    /// Cost is length; identity, searched map and search statistics are 0.
+    #[must_use]
+    pub fn new(
+        planner: &str,
+        status: PathStatus,
+        cause: PathCause,
+        goal: u64,
+        waypoints: &[Waypoint],
+    ) -> Self {
+        let legs = waypoints.iter().zip(waypoints.iter().skip(1));
+        let length_m = legs
+            .map(|(from, to)| (to.x_m - from.x_m).hypot(to.y_m - from.y_m))
+            .sum();
+        Self {
+            planner: Self::planner_bytes(planner),
+            status: status.code(),
+            cause: cause.code(),
+            n_waypoints: u32::try_from(waypoints.len()).unwrap_or(u32::MAX),
+            length_m,
+            cost: length_m,
+            goal,
+            ..Self::default()
+        }
+    }
+
     /// The outcome.
     #[must_use]
     pub const fn status(&self) -> Option<PathStatus> {

@@ -109,18 +109,9 @@ impl StraightLine {
             _ => PathCause::Goal,
         };
         self.path = Path {
-            planner: Path::planner_bytes("straight_line"),
-            status: status.code(),
-            cause: cause.code(),
-            n_waypoints: u32::try_from(waypoints.len()).unwrap_or(u32::MAX),
             geometry: self.output.next_id().0,
             searched_map: self.map.revision().0,
-            length_m: waypoints
-                .windows(2)
-                .map(|leg| (leg[1].x_m - leg[0].x_m).hypot(leg[1].y_m - leg[0].y_m))
-                .sum(),
-            goal,
-            ..Path::default()
+            ..Path::new("straight_line", status, cause, goal, &waypoints)
         };
         self.waypoints = waypoints;
     }

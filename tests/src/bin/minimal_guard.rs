@@ -8,7 +8,8 @@ use zeronav_msgs::role::Role;
 use zeronav_msgs::topics::{ControlRequest, RobotCommand, RobotDescription, RobotScan};
 use zeronav_shell::doorbell::Rung;
 use zeronav_shell::{
-    Due, Latest, NoConfig, OdometryReader, Received, Service, Shell, StartError, Trigger, Writer,
+    Due, Latest, NoConfig, OdometryReader, OdometrySample, Received, Service, Shell, StartError,
+    Trigger, Writer,
 };
 
 /// How long after odometry the guard waits for the request that belongs to it. [ns]
@@ -79,7 +80,7 @@ impl MinimalGuard {
         let old = |message: Option<Received>, limit_ns: u64| {
             message.is_none_or(|it| shell.age_ns(&draft, &it.on_arrival()) > limit_ns)
         };
-        let odometry = self.odometry.newest().map(|newest| newest.received());
+        let odometry = self.odometry.newest().map(OdometrySample::received);
         let intervention = if old(self.request.received(), STALE_NS) {
             Intervention::RequestStale
         } else if old(self.scan.received(), SCAN_STALE_NS) {

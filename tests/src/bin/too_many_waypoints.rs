@@ -42,16 +42,18 @@ impl Service for TooMany {
                 shell.answer(&draft, &mut self.path, Path::default(), &[]);
                 continue;
             };
+            let three = [Waypoint::default(); 3];
             let path = Path {
-                planner: Path::planner_bytes("too_many"),
-                status: PathStatus::Found.code(),
-                cause: PathCause::Goal.code(),
-                n_waypoints: 3,
                 geometry: self.path.next_id().0,
-                goal: goal.id,
-                ..Path::default()
+                ..Path::new(
+                    "too_many",
+                    PathStatus::Found,
+                    PathCause::Goal,
+                    goal.id,
+                    &three,
+                )
             };
-            shell.answer(&draft, &mut self.path, path, &[Waypoint::default(); 3]);
+            shell.answer(&draft, &mut self.path, path, &three);
         }
         Ok(())
     }
