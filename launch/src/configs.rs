@@ -9,7 +9,8 @@ use toml::de::DeTable;
 use zeronav_msgs::role::Role;
 use zeronav_robot_description::RobotSpec;
 use zeronav_shell::places::Places;
-use zeronav_world::{World, WorldSpec, map_file};
+use zeronav_world::{World, WorldSpec};
+use zeronav_world_files::map_file;
 
 /// What the simulated robot reads.
 #[derive(Debug, Serialize)]

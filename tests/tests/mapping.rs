@@ -175,7 +175,9 @@ fn passed_pedestrians_leave_no_trail_on_the_map() {
     );
 
     let file = saved.path().join("map.yaml");
-    let map = zeronav_world::map_file::load(&file).expect("the map").map;
+    let map = zeronav_world_files::map_file::load(&file)
+        .expect("the map")
+        .map;
     let mut seen = 0;
     // Each stops at one end; the first 0.8 m are walked before tracking can confirm it.
     for (x, from, to) in [(CROSSINGS_M[0], 20, 60), (CROSSINGS_M[1], 20, 60)] {

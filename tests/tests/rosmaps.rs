@@ -10,7 +10,7 @@ use zeronav_world::Occupancy;
 fn every_map_has_room_and_walls(folder: &Path) -> usize {
     let maps = files(folder, "yaml");
     for file in &maps {
-        let loaded = zeronav_world::map_file::load(file)
+        let loaded = zeronav_world_files::map_file::load(file)
             .unwrap_or_else(|error| panic!("{}: {error}", file.display()));
         let map = loaded.map;
         assert_eq!(map.cells.len(), map.geometry.len(), "{}", file.display());

@@ -13,6 +13,7 @@ pub mod latency;
 pub mod motion;
 pub mod reaction;
 pub mod tracking;
+mod tracking_score;
 pub mod way;
 
 pub use distribution::Distribution;

@@ -4,13 +4,13 @@
 //! one tick carry the same run time. Whatever of a scan is here waits for the rest; one of which a
 //! message was lost is left out.
 
+use crate::measure::tracking_score::TrackingScore;
 use crate::result::truth::{PoseResult, TrackingResult};
 use std::collections::{BTreeMap, VecDeque};
 use zeronav_msgs::Pose;
 use zeronav_msgs::obstacles::Obstacle;
 use zeronav_msgs::pose::wrap_angle;
 use zeronav_msgs::truth::TruthObstacle;
-use zeronav_world::TrackingScore;
 
 /// Scans that wait for all their messages at most; the oldest go first.
 const WAITING_MAX: usize = 128;

@@ -12,7 +12,8 @@ use zeronav_msgs::{Pose, Role};
 use zeronav_shell::nearest::unknown;
 use zeronav_shell::printable::{printable, printable_lines};
 use zeronav_world::error::{SpecError, number};
-use zeronav_world::{Footprint, MapWarning, World, WorldError};
+use zeronav_world::{Footprint, World};
+use zeronav_world_files::{MapWarning, WorldError};
 
 /// What a check of a scenario leaves: the world, ready to be asked.
 #[derive(Debug, Clone)]
@@ -39,13 +40,14 @@ impl Scenario {
             .map_err(|error| refused(error.within("robot")))?;
         self.check_run().map_err(refused)?;
         self.check_kills().map_err(refused)?;
-        let (world, warnings) = World::load(&self.world).map_err(|error| match error {
-            WorldError::Map(error) => self.error_at("world.map", &error.to_string()),
-            WorldError::Data { field, error } => {
-                self.error_at(&format!("world.{field}"), &error.to_string())
-            }
-            WorldError::Spec(error) => refused(error.within("world")),
-        })?;
+        let (world, warnings) =
+            zeronav_world_files::load(&self.world).map_err(|error| match error {
+                WorldError::Map(error) => self.error_at("world.map", &error.to_string()),
+                WorldError::Data { field, error } => {
+                    self.error_at(&format!("world.{field}"), &error.to_string())
+                }
+                WorldError::Spec(error) => refused(error.within("world")),
+            })?;
         self.check_size(&world).map_err(refused)?;
         let footprint = self
             .robot

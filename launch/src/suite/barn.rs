@@ -6,7 +6,7 @@ use super::plan::{Setup, SuitePlan};
 use serde::Deserialize;
 use std::collections::HashMap;
 use toml::Table;
-use zeronav_world::barn::{GOAL, GOAL_TOLERANCE_M, START, TIME_LIMIT_S};
+use zeronav_world_files::barn::{GOAL, GOAL_TOLERANCE_M, START, TIME_LIMIT_S};
 
 /// A row of the index.
 #[derive(Debug, Clone, Copy, Deserialize)]

@@ -9,7 +9,7 @@ use rand_pcg::Pcg64Mcg;
 use serde::Deserialize;
 use std::collections::HashMap;
 use toml::Table;
-use zeronav_world::dynabarn::{GOAL, GOAL_TOLERANCE_M, START, TIME_LIMIT_S};
+use zeronav_world_files::dynabarn::{GOAL, GOAL_TOLERANCE_M, START, TIME_LIMIT_S};
 
 /// A row of the index.
 #[derive(Debug, Clone, Deserialize)]

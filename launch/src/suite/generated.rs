@@ -8,8 +8,8 @@ use core::ops::Range;
 use std::path::PathBuf;
 use toml::Table;
 use zeronav_robot_description::RobotPreset;
-use zeronav_world::synthetic::Robot;
-use zeronav_world::synthetic::course::{self, Class, Kind};
+use zeronav_world_files::synthetic::Robot;
+use zeronav_world_files::synthetic::course::{self, Class, Kind};
 
 /// The worlds that are driven unless others are asked for: two of each class.
 const WORLDS: Range<u32> = 0..2 * Class::COUNT;

@@ -10,7 +10,7 @@ use super::runner::Runner;
 use core::f64::consts::{FRAC_PI_2, PI};
 use toml::Table;
 use zeronav_msgs::Pose;
-use zeronav_world::pedestrians::Scene;
+use zeronav_world_files::pedestrians::Scene;
 
 /// Radius of a person. [m]
 const PERSON_RADIUS_M: f64 = 0.3;

@@ -4,7 +4,7 @@ use std::path::Path;
 use zeronav_mapping::{Mapper, MappingConfig, MappingError};
 use zeronav_msgs::grid::GridGeometry;
 use zeronav_shell::StartError;
-use zeronav_world::map_file::{self, LoadedMap};
+use zeronav_world_files::map_file::{self, LoadedMap};
 
 /// Accepts a configuration whose static map can be read and whose folder for saving is there.
 pub(crate) fn check(config: &MappingConfig) -> Result<(), StartError> {

@@ -1,16 +1,18 @@
 //! What moves: found soon, followed well, never made up, and gone without a trail.
 
 mod support;
+#[path = "../../../launch/src/measure/tracking_score.rs"]
+mod tracking_score;
 
 use nalgebra::{Point2, Vector2};
 use support::{Rng, Room, config, description};
+use tracking_score::TrackingScore;
 use zeronav_mapping::{Mapping, MappingConfig, Observation};
 use zeronav_msgs::map::{FLAG_MOVING, FLAG_SENSED};
 use zeronav_msgs::obstacles::Obstacle;
 use zeronav_msgs::scan::Scan;
 use zeronav_msgs::truth::TruthObstacle;
 use zeronav_msgs::{MapCell, Pose};
-use zeronav_world::TrackingScore;
 
 const PERIOD_NS: u64 = 100_000_000;
 

@@ -7,7 +7,8 @@ use zeronav_mapping::window::{WindowConfig, WindowMode};
 use zeronav_mapping::{Mapping, Observation, all_tiles};
 use zeronav_msgs::map::{COST_LETHAL, FLAG_UNKNOWN};
 use zeronav_msgs::{GridGeometry, MapCell};
-use zeronav_world::{Occupancy, map_file};
+use zeronav_world::Occupancy;
+use zeronav_world_files::map_file;
 
 /// A robot that drives from the left half of a long room, which is all the map begins with, to
 /// its right end.

@@ -4,12 +4,14 @@ mod answers;
 mod commands;
 mod sensors;
 mod unusable;
+mod world;
 
 use answers::AnswerReader;
 use commands::Commands;
 use sensors::Sensors;
 use std::process::ExitCode;
 use unusable::unusable;
+use world::world;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::span::SpanKind;
 use zeronav_params::Parameter;
@@ -42,7 +44,7 @@ impl Service for RobotService {
 
     fn check(config: &SimConfig) -> Result<(), StartError> {
         // The length of a tick and the seed come with the run.
-        Simulator::new(config, 0, TICK_NS_MIN)
+        Simulator::new(config, world(config)?, 0, TICK_NS_MIN)
             .map(|_| ())
             .map_err(unusable)
     }
@@ -99,11 +101,9 @@ impl RobotService {
     /// Makes the world.
     fn start(&mut self, shell: &mut Shell) -> Result<(), StartError> {
         let clock = shell.roster().clock;
+        let world = world(&self.config)?;
         let simulator =
-            Simulator::new(&self.config, clock.seed, clock.tick_ns).map_err(unusable)?;
-        for warning in simulator.map_warnings() {
-            tracing::warn!("{warning}");
-        }
+            Simulator::new(&self.config, world, clock.seed, clock.tick_ns).map_err(unusable)?;
         self.sensors.send_description(shell, &simulator);
         let seed = clock.seed;
         tracing::info!(seed, tick_ns = clock.tick_ns, "the robot begins");

@@ -23,7 +23,7 @@ use zeronav_msgs::time::{nanoseconds, seconds};
 use zeronav_msgs::truth::{Placement, Truth, TruthObstacle};
 use zeronav_msgs::{Pose, Refusal};
 use zeronav_robot_description::{FaultSpec, OdometrySpec, RobotSpec};
-use zeronav_world::{Footprint, MapWarning, SpecError, World, WorldError};
+use zeronav_world::{Footprint, SpecError, World};
 
 /// Largest clearance that is told apart. [m]
 const CLEARANCE_M_MAX: f64 = 1.0e3;
@@ -40,9 +40,6 @@ const TICK_NS: core::ops::RangeInclusive<u64> = TICK_NS_MIN..=1_000_000_000;
 /// Why a robot cannot be simulated.
 #[derive(Debug, thiserror::Error)]
 pub enum SimError {
-    /// There is no such world.
-    #[error("world.{0}")]
-    World(#[from] WorldError),
     /// There is no such robot.
     #[error("robot.{0}")]
     Robot(#[from] SpecError),
@@ -72,7 +69,6 @@ pub enum SimError {
 #[derive(Debug, Clone)]
 pub struct Simulator {
     world: World,
-    map_warnings: Vec<MapWarning>,
     /// The occupied cells of the map file.
     grid: Option<SolidGrid>,
     obstacles: Vec<Obstacle>,
@@ -105,17 +101,21 @@ pub struct Simulator {
 }
 
 impl Simulator {
-    /// The robot of `config` at its start, standing. `seed` draws all noise; a tick lasts
-    /// `tick_ns`. Reads the map file, if the world has one.
+    /// The robot of `config` at its start, stopped, in `world`, which is that of `config` with its
+    /// files read. `seed` draws all noise; a tick lasts `tick_ns`.
     ///
     /// # Errors
     /// See [`SimError`].
-    pub fn new(config: &SimConfig, seed: u64, tick_ns: u64) -> Result<Self, SimError> {
+    pub fn new(
+        config: &SimConfig,
+        world: World,
+        seed: u64,
+        tick_ns: u64,
+    ) -> Result<Self, SimError> {
         config.robot.check()?;
         if !TICK_NS.contains(&tick_ns) {
             return Err(SimError::Tick(tick_ns));
         }
-        let (world, map_warnings) = World::load(&config.world)?;
         let footprint = config.robot.footprint()?;
         let lidar = Lidar::new(&config.robot.lidar, seed);
         let sweep_ns = lidar.sweep_ns();
@@ -147,7 +147,6 @@ impl Simulator {
             beams_on: vec![0; obstacles.len()],
             obstacles,
             world,
-            map_warnings,
             description,
             corners,
             body: Body::new(footprint),
@@ -174,12 +173,6 @@ impl Simulator {
             driven_m: 0.0,
             due: None,
         })
-    }
-
-    /// What is odd about the map file, for the log.
-    #[must_use]
-    pub fn map_warnings(&self) -> &[MapWarning] {
-        &self.map_warnings
     }
 
     /// What the robot is: the message and its corners.

@@ -2,17 +2,13 @@
 
 use zeronav_robot_sim::SimError;
 use zeronav_shell::StartError;
-use zeronav_world::{SpecError, WorldError};
 
 pub(crate) fn unusable(error: SimError) -> StartError {
-    let of = |error: SpecError| StartError::config(error.field, error.why);
     match error {
-        SimError::World(WorldError::Spec(error)) => of(error.within("world")),
-        SimError::World(WorldError::Map(error)) => StartError::config("world.map", error),
-        SimError::World(WorldError::Data { field, error }) => {
-            StartError::config(format!("world.{field}"), error)
+        SimError::Robot(error) => {
+            let error = error.within("robot");
+            StartError::config(error.field, error.why)
         }
-        SimError::Robot(error) => of(error.within("robot")),
         SimError::Description(refusal) => StartError::config("robot", refusal),
         SimError::Start(refusal) => StartError::config("start", refusal),
         SimError::StartBlocked(what) => {

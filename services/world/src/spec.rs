@@ -9,10 +9,10 @@ use std::path::PathBuf;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct WorldSpec {
-    /// ROS `map_server` YAML of the static world, or a file `.map`, see [`crate::movingai_map`].
+    /// ROS `map_server` YAML of the static world, or a file `.map`, see `zeronav_world_files`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub map: Option<PathBuf>,
-    /// CSV of a BARN world, see [`crate::barn`]: its cylinders become shapes.
+    /// CSV of a BARN world, see `zeronav_world_files`: its cylinders become shapes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub barn: Option<PathBuf>,
     /// A `DynaBARN` world: its walls become shapes, its cylinders obstacles.
@@ -79,7 +79,7 @@ impl WorldSpec {
     }
 }
 
-/// A world of `dynabarn`, see [`crate::dynabarn`].
+/// A world of `dynabarn`, see `zeronav_world_files`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DynabarnSpec {
@@ -91,7 +91,7 @@ pub struct DynabarnSpec {
     pub phase_s: f64,
 }
 
-/// Recorded people, see [`crate::pedestrians`].
+/// Recorded people, see `zeronav_world_files`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PedestriansSpec {

@@ -63,7 +63,7 @@ const YAW_NEGLIGIBLE_RAD: f64 = 1.0e-6;
 
 /// Geometry of the upright grid that covers a grid of `width` x `height` cells whose lower left
 /// corner lies at `corner`, turned by its yaw; `None` when a side leaves the numbers of a grid.
-pub(crate) fn covering_geometry(
+pub fn covering_geometry(
     corner: &Pose,
     resolution_m: f64,
     (width, height): (u32, u32),
@@ -93,7 +93,7 @@ pub(crate) fn covering_geometry(
 }
 
 /// Cells of `resolution_m` that cover `length_m`, a sliver of a millionth of a cell left out.
-pub(crate) fn cells_along(length_m: f64, resolution_m: f64) -> Option<u32> {
+pub fn cells_along(length_m: f64, resolution_m: f64) -> Option<u32> {
     let n = (length_m / resolution_m - 1.0e-6).ceil().max(1.0);
     #[allow(
         clippy::cast_possible_truncation,
@@ -109,7 +109,7 @@ fn is_upright(corner: &Pose) -> bool {
 
 /// Lays a grid whose lower left corner lies at `corner`, turned by its yaw, onto `geometry`: each
 /// upright cell takes what the turned grid says at its centre, and is unknown beside it.
-pub(crate) fn upright(
+pub fn upright(
     geometry: GridGeometry,
     corner: &Pose,
     (width, height): (u32, u32),

@@ -1,19 +1,11 @@
 //! A world that can be asked: what is solid, how far away it is, and what a map of it looks like.
 
-use crate::barn::BarnWorld;
 use crate::convex::Convex;
-use crate::dynabarn::DynabarnWorld;
 use crate::error::{SpecError, number};
 use crate::footprint::Footprint;
-use crate::generate::{GenerateError, generate};
-use crate::map_file::{self, MapWarning};
-use crate::map_file_error::MapFileError;
-use crate::movingai_map;
-use crate::pedestrians::{Playback, Scene};
 use crate::shape::{Shape, point};
 use crate::spec::{ObstacleSpec, ShapeSpec, Trigger, WorldSpec};
 use crate::static_map::{StaticMap, cells_along};
-use crate::table::DataError;
 use crate::track::Track;
 use crate::{raster, rectangles};
 use nalgebra::Point2;
@@ -21,12 +13,12 @@ use parry2d::bounding_volume::Aabb;
 use parry2d::partitioning::{Bvh, BvhBuildStrategy, BvhNode};
 use parry2d::query::PointQuery;
 use parry2d::shape::Segment;
-use zeronav_msgs::grid::SIDE_CELLS_MAX;
+use zeronav_msgs::grid::{RESOLUTION_M, SIDE_CELLS_MAX};
 use zeronav_msgs::truth::TRUTH_OBSTACLES_MAX;
 use zeronav_msgs::{GridGeometry, Pose};
 
 /// Longest time that a scenario may name. [s]
-const TIME_S_MAX: f64 = 1.0e6;
+pub const TIME_S_MAX: f64 = 1.0e6;
 
 /// Fastest obstacle. [m/s]
 const SPEED_MPS_MAX: f64 = 1.0e3;
@@ -67,51 +59,9 @@ pub struct World {
     tree: Bvh,
 }
 
-/// Why there is no such world.
-#[derive(Debug, thiserror::Error)]
-pub enum WorldError {
-    /// Its map file cannot be read.
-    #[error("map: {0}")]
-    Map(#[from] MapFileError),
-    /// The file of a data set, named by the word `field`, cannot be used.
-    #[error("{field}: {error}")]
-    Data {
-        /// `map`, `barn`, `dynabarn.file` or `pedestrians.file`.
-        field: &'static str,
-        /// What is wrong.
-        error: DataError,
-    },
-    /// A value cannot be.
-    #[error(transparent)]
-    Spec(#[from] SpecError),
-}
-
 impl World {
-    /// The world of `spec` and what is odd about its map file. A relative path of the map file
-    /// counts from the working directory.
-    ///
-    /// # Errors
-    /// See [`WorldError`].
-    pub fn load(spec: &WorldSpec) -> Result<(Self, Vec<MapWarning>), WorldError> {
-        let (spec, generated) = resolved(spec)?;
-        let (map, warnings) = match (&spec.map, generated) {
-            (Some(file), _) if movingai_map::is_one(file) => {
-                let loaded = movingai_map::load(file, spec.resolution_m);
-                let field = "map";
-                let map = loaded.map_err(|error| WorldError::Data { field, error })?;
-                (Some(map), Vec::new())
-            }
-            (Some(file), _) => {
-                let loaded = map_file::load(file)?;
-                (Some(loaded.map), loaded.warnings)
-            }
-            (None, generated) => (generated, Vec::new()),
-        };
-        Ok((Self::new(&spec, map)?, warnings))
-    }
-
     /// The world of `spec`, whose map file has been read, or whose map has been generated, as
-    /// `static_map`. Worlds of data sets are read by [`Self::load`] alone.
+    /// `static_map`. The words for data sets must have been replaced by what their files hold.
     ///
     /// # Errors
     /// The first field that is wrong. `map` when `spec` names a map and `static_map` is `None` or
@@ -329,78 +279,6 @@ impl World {
     }
 }
 
-/// The same world without words that stand for files of data sets and for random maps, and the
-/// random map. Reads the files.
-fn resolved(spec: &WorldSpec) -> Result<(WorldSpec, Option<StaticMap>), WorldError> {
-    let sources = [
-        (spec.map.is_some(), "map"),
-        (spec.barn.is_some(), "barn"),
-        (spec.dynabarn.is_some(), "dynabarn"),
-        (spec.generated.is_some(), "generated"),
-    ];
-    let mut given = sources.iter().filter(|(given, _)| *given);
-    if let (Some((_, first)), Some((_, second))) = (given.next(), given.next()) {
-        let why = format!("a world comes from one place, and there is {first} too");
-        return Err(SpecError::new(*second, why).into());
-    }
-    number(spec.resolution_m, 1.0e-3, 10.0, "resolution_m")?;
-    let mut own = spec.clone();
-    // Things of the data set come first: their places in the lists are those of its file.
-    let mut add = |from: WorldSpec| {
-        own.area_m = own.area_m.or(from.area_m);
-        own.shapes.splice(0..0, from.shapes);
-        own.obstacles.splice(0..0, from.obstacles);
-    };
-    let failed = |field| move |error| WorldError::Data { field, error };
-    if let Some(file) = &spec.barn {
-        add(BarnWorld::load(file).map_err(failed("barn"))?.spec());
-    }
-    if let Some(dynabarn) = &spec.dynabarn {
-        let field = "dynabarn.phase_s";
-        number(dynabarn.phase_s, -TIME_S_MAX, TIME_S_MAX, field)?;
-        let world = DynabarnWorld::load(&dynabarn.file).map_err(failed("dynabarn.file"))?;
-        add(world.spec(dynabarn.phase_s));
-    }
-    if let Some(people) = &spec.pedestrians {
-        number(people.from_s, -TIME_S_MAX, TIME_S_MAX, "pedestrians.from_s")?;
-        if let Some(duration_s) = people.duration_s {
-            let field = "pedestrians.duration_s";
-            number(duration_s, 0.0, TIME_S_MAX, field)?;
-        }
-        number(people.radius_m, 1.0e-3, 10.0, "pedestrians.radius_m")?;
-        let scene = Scene::load(&people.file).map_err(failed("pedestrians.file"))?;
-        let brings_area = spec.map.is_none() && spec.generated.is_none();
-        let people = scene.spec(&Playback {
-            from_s: people.from_s,
-            duration_s: people.duration_s,
-            radius_m: people.radius_m,
-        });
-        if people.obstacles.len() > TRUTH_OBSTACLES_MAX {
-            let why = format!(
-                "{} people come in that time, at most {TRUTH_OBSTACLES_MAX}: make it shorter",
-                people.obstacles.len()
-            );
-            return Err(SpecError::new("pedestrians.duration_s", why).into());
-        }
-        add(WorldSpec {
-            area_m: people.area_m.filter(|_| brings_area),
-            ..people
-        });
-    }
-    (own.barn, own.dynabarn, own.pedestrians) = (None, None, None);
-    let generated = match &spec.generated {
-        Some(recipe) => {
-            let generated = generate(recipe).map_err(|error| match error {
-                GenerateError::Spec(error) => error.within("generated"),
-                GenerateError::NoWay { .. } => SpecError::new("generated", error.to_string()),
-            });
-            Some(generated?.map)
-        }
-        None => None,
-    };
-    Ok((own, generated))
-}
-
 /// Distance between a filled upright rectangle and a segment, 0 when they touch. [m] Where two
 /// convex sets are apart, a corner of one is nearest to the other.
 fn rectangle_to_segment_m(rectangle: &Aabb, segment: &Segment) -> f64 {
@@ -431,7 +309,8 @@ fn geometry_of(
                    and upper right corner";
         return Err(SpecError::new("area_m", why));
     };
-    number(resolution_m, 1.0e-3, 10.0, "resolution_m")?;
+    let [least_m, most_m] = RESOLUTION_M;
+    number(resolution_m, least_m, most_m, "resolution_m")?;
     point(lower, "area_m[0]")?;
     point(upper, "area_m[1]")?;
     let size_m = [upper[0] - lower[0], upper[1] - lower[1]];

@@ -20,7 +20,8 @@ use zeronav_shell::doorbell::Rung;
 use zeronav_shell::{
     Draft, Due, Latest, OdometryReader, Sent, Service, Shell, StartError, Trigger, Writer,
 };
-use zeronav_world::{Occupancy, StaticMap, map_file};
+use zeronav_world::{Occupancy, StaticMap};
+use zeronav_world_files::map_file;
 
 /// Where clearance is saturated. [mm]
 const LIMIT_MM: u16 = 1000;

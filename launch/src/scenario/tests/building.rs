@@ -4,7 +4,7 @@ use super::{Folder, GOOD, load};
 use crate::scenario::{Library, Scenario, ScenarioError};
 use std::path::Path;
 use zeronav_msgs::Role;
-use zeronav_world::map_file;
+use zeronav_world_files::map_file;
 
 #[test]
 fn a_scenario_builds_on_other_files_and_errors_name_the_right_one() {

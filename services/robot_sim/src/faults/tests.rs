@@ -2,7 +2,11 @@ use crate::{SimConfig, Simulator};
 use zeronav_msgs::Pose;
 use zeronav_robot_description::{Begin, Blackout};
 use zeronav_robot_description::{FaultSpec, LidarSpec, RobotSpec};
-use zeronav_world::{ShapeSpec, WorldSpec};
+use zeronav_world::{ShapeSpec, World, WorldSpec};
+
+fn world_of(config: &SimConfig) -> World {
+    World::new(&config.world, None).expect("a world")
+}
 
 const TICK: u64 = 20_000_000;
 
@@ -29,7 +33,7 @@ impl Drive {
                 ..RobotSpec::exact(0.25, 1.0, 3.0, LidarSpec::exact(360, 10.0, 0.1..10.0))
             },
         };
-        let mut robot = Simulator::new(&config, 1, TICK).expect("a simulator");
+        let mut robot = Simulator::new(&config, world_of(&config), 1, TICK).expect("a simulator");
         robot.set_command(1.0, 0.0);
         Self {
             robot,

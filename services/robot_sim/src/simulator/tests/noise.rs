@@ -46,7 +46,7 @@ fn awkward() -> SimConfig {
 
 /// Every bit that a drive through curves gives to others.
 fn bits_of_a_drive(config: &SimConfig, seed: u64) -> Vec<u64> {
-    let mut robot = Simulator::new(config, seed, TICK).expect("a simulator");
+    let mut robot = Simulator::new(config, world_of(config), seed, TICK).expect("a simulator");
     let mut ranges = vec![0.0; robot.n_beams()];
     let mut obstacles = Vec::new();
     let mut bits = Vec::new();
@@ -91,7 +91,7 @@ fn with_every_source_of_noise_on_a_run_is_the_same_by_seed() {
     let differ = |other: &[u64]| first.iter().zip(other).filter(|(a, b)| a != b).count();
     assert!(differ(&bits_of_a_drive(&config, 8)) > first.len() / 4);
     // A scan that is not taken, or taken twice, changes nothing: the truth is the last of a tick.
-    let mut robot = Simulator::new(&config, 7, TICK).expect("a simulator");
+    let mut robot = Simulator::new(&config, world_of(&config), 7, TICK).expect("a simulator");
     let mut again = vec![0.0; robot.n_beams()];
     let mut ranges = again.clone();
     drive(&mut robot, 20, 0.4, 0.8);
@@ -152,7 +152,8 @@ fn odometry_drifts_as_far_as_it_says() {
     config.robot.odometry = Some(zeronav_robot_description::OdometrySpec::default());
     let mut n_far = 0;
     for seed in 1..=40 {
-        let mut robot = Simulator::new(&config, seed, TICK).expect("a simulator");
+        let mut robot =
+            Simulator::new(&config, world_of(&config), seed, TICK).expect("a simulator");
         drive(&mut robot, 500, 1.0, 0.5);
         let (odometry, truth) = (robot.odometry(), truth(&mut robot));
         let error_rad = wrap_angle(odometry.pose.yaw_rad - truth.pose.yaw_rad);

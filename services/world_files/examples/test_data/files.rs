@@ -9,8 +9,8 @@ use zeronav_msgs::Cell;
 use zeronav_robot_description::RobotPreset;
 use zeronav_world::generate::generate;
 use zeronav_world::spec::{Family, GeneratedSpec};
-use zeronav_world::synthetic::{Robot, clutter, crowd, orbits};
 use zeronav_world::{Occupancy, StaticMap};
+use zeronav_world_files::synthetic::{Robot, clutter, crowd, orbits};
 
 /// Every file by its path below the folder.
 pub(crate) fn all() -> Result<BTreeMap<String, Vec<u8>>, Box<dyn Error>> {

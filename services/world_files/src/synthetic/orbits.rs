@@ -2,14 +2,14 @@
 
 use super::passage::{Disc, Robot, crossing_s};
 use super::{NoPassage, first_passable, millimetres};
-use crate::World;
 use crate::dynabarn::{self, DynabarnWorld};
-use crate::track::Track;
 use core::f64::consts::TAU;
 use core::ops::Range;
 use nalgebra::Point2;
 use rand::RngExt as _;
 use rand_pcg::Pcg64Mcg;
+use zeronav_world::World;
+use zeronav_world::track::Track;
 
 /// Worlds that are drawn until one can be passed.
 const TRIES: u32 = 100;

@@ -10,10 +10,11 @@ use core::fmt::Write as _;
 use nalgebra::Point2;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
-use zeronav_world::dynabarn::DynabarnWorld;
-use zeronav_world::pedestrians::{Playback, Scene};
-use zeronav_world::{DataError, Footprint, World, WorldError, WorldSpec};
-use zeronav_world::{barn, barn::BarnWorld, dynabarn};
+use zeronav_world::{Footprint, World, WorldSpec};
+use zeronav_world_files::dynabarn::DynabarnWorld;
+use zeronav_world_files::pedestrians::{Playback, Scene};
+use zeronav_world_files::{DataError, WorldError};
+use zeronav_world_files::{barn, barn::BarnWorld, dynabarn};
 
 fn written(text: &str) -> (TempDir, PathBuf) {
     let folder = tempfile::tempdir().unwrap();
@@ -43,7 +44,7 @@ fn a_barn_world_is_its_cylinders_in_the_corridor() {
         world.cylinders,
         [[-4.425, 0.075, 0.075], [-2.25, 6.0, 0.075]]
     );
-    let (world, _) = World::load(&spec_of("barn = \"FILE\"", &file)).unwrap();
+    let (world, _) = zeronav_world_files::load(&spec_of("barn = \"FILE\"", &file)).unwrap();
     assert_eq!(world.shapes().len(), 2);
     let distance_m = world.point_distance_m(barn::START.point());
     assert!((distance_m - 2.925).abs() < 1e-12, "{distance_m}");
@@ -52,7 +53,7 @@ fn a_barn_world_is_its_cylinders_in_the_corridor() {
     // More can be laid on it, and its area replaced.
     let more = "barn = \"FILE\"\narea_m = [[-4.5, 0.0], [0.0, 12.0]]\nresolution_m = 0.1\n\
         shapes = [{ kind = \"disc\", centre_m = [-1.0, 8.0], radius_m = 0.2 }]";
-    let (world, _) = World::load(&spec_of(more, &file)).unwrap();
+    let (world, _) = zeronav_world_files::load(&spec_of(more, &file)).unwrap();
     assert_eq!((world.shapes().len(), world.geometry().height), (3, 120));
 }
 
@@ -61,7 +62,7 @@ fn cylinders_of_dynabarn_go_round_from_any_phase() {
     let (_folder, file) = written(DYNABARN);
     let world = DynabarnWorld::load(&file).unwrap();
     assert_eq!(world.rounds.len(), 2);
-    let (world, _) = World::load(&spec_of(
+    let (world, _) = zeronav_world_files::load(&spec_of(
         "dynabarn = { file = \"FILE\", phase_s = 12.0 }",
         &file,
     ))
@@ -105,13 +106,13 @@ fn people_come_and_go_as_they_were_recorded() {
     assert!((comes_s - 0.2).abs() < 1e-12);
     assert!((people[1].lasts_s.unwrap() - 0.4).abs() < 1e-12);
     let words = "pedestrians = { file = \"FILE\", from_s = 0.2, radius_m = 0.25 }";
-    let (world, _) = World::load(&spec_of(words, &file)).unwrap();
+    let (world, _) = zeronav_world_files::load(&spec_of(words, &file)).unwrap();
     let at = world.obstacles()[0].shape.pose().point();
     assert!((at - Point2::new(0.2, 0.0)).norm() < 1e-9, "{at}");
     assert_eq!(world.geometry().width, 180);
     // On another world they bring no area.
     let text = format!("{words}\narea_m = [[-1.0, -1.0], [1.0, 1.0]]");
-    let (world, _) = World::load(&spec_of(&text, &file)).unwrap();
+    let (world, _) = zeronav_world_files::load(&spec_of(&text, &file)).unwrap();
     assert_eq!(world.geometry().width, 40);
 }
 
@@ -119,7 +120,7 @@ fn people_come_and_go_as_they_were_recorded() {
 fn a_world_comes_from_one_place() {
     let (_folder, file) = written(BARN);
     let words = "barn = \"FILE\"\ndynabarn = { file = \"FILE\" }";
-    let error = World::load(&spec_of(words, &file)).unwrap_err();
+    let error = zeronav_world_files::load(&spec_of(words, &file)).unwrap_err();
     assert!(error.to_string().starts_with("dynabarn: "), "{error}");
     let unread = spec_of("barn = \"FILE\"\narea_m = [[0, 0], [1, 1]]", &file);
     assert_eq!(World::new(&unread, None).unwrap_err().field, "barn");
@@ -130,7 +131,7 @@ fn files_that_are_wrong_are_refused_by_line() {
     #[track_caller]
     fn refused(words: &str, text: &str, place: &str, why: &str) {
         let (_folder, file) = written(text);
-        let error = World::load(&spec_of(words, &file)).unwrap_err();
+        let error = zeronav_world_files::load(&spec_of(words, &file)).unwrap_err();
         assert!(matches!(error, WorldError::Data { .. }), "{error}");
         let text = error.to_string();
         let place = format!("{}{place}: ", file.display());
@@ -175,7 +176,9 @@ fn crowds_that_are_too_large_say_what_to_do() {
     }
     let (_folder, file) = written(&text);
     let words = "pedestrians = { file = \"FILE\" }";
-    let error = World::load(&spec_of(words, &file)).unwrap_err().to_string();
+    let error = zeronav_world_files::load(&spec_of(words, &file))
+        .unwrap_err()
+        .to_string();
     assert!(
         error.contains("300 people") && error.contains("duration_s"),
         "{error}"
@@ -187,7 +190,7 @@ fn check_barn(folder: &Path) {
     let robot = Footprint::polygon(&[[-0.26, -0.22], [0.26, -0.22], [0.26, 0.22], [-0.26, 0.22]]);
     let robot = robot.unwrap();
     for file in data::files(folder, "csv") {
-        let (world, _) = World::load(&spec_of("barn = \"FILE\"", &file)).unwrap();
+        let (world, _) = zeronav_world_files::load(&spec_of("barn = \"FILE\"", &file)).unwrap();
         assert!(world.shapes().len() > 150, "{}", file.display());
         for pose in [barn::START, barn::GOAL] {
             assert!(!world.touches(&robot, &pose), "{}", file.display());

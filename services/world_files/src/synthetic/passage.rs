@@ -4,10 +4,10 @@
 //! is a drive that it can make; what is not found may exist all the same, because a disc is more
 //! than the outline.
 
-use crate::World;
 use nalgebra::{Point2, Vector2};
 use std::cmp::Ordering;
 use std::collections::{BinaryHeap, VecDeque};
+use zeronav_world::World;
 
 /// Side of a cell of the search among what stands. [m]
 const CELL_M: f64 = 0.05;
@@ -250,8 +250,8 @@ fn from_origin_m(a: Vector2<f64>, b: Vector2<f64>) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::WorldSpec;
-    use crate::spec::ShapeSpec;
+    use zeronav_world::WorldSpec;
+    use zeronav_world::spec::ShapeSpec;
 
     const ROBOT: Robot = Robot { radius_m: 0.3 };
 

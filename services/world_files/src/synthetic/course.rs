@@ -7,13 +7,14 @@ use super::crowd;
 use super::orbits::{self, circle};
 use super::passage::{Disc, Robot, crossing_s};
 use super::{NoPassage, first_passable};
+use crate::barn;
 use crate::pedestrians::Playback;
-use crate::spec::{ObstacleSpec, ShapeSpec};
-use crate::track::Track;
-use crate::{World, WorldSpec, barn};
 use nalgebra::Point2;
 use rand::RngExt as _;
 use zeronav_msgs::Pose;
+use zeronav_world::spec::{ObstacleSpec, ShapeSpec};
+use zeronav_world::track::Track;
+use zeronav_world::{World, WorldSpec};
 
 /// Radius of a cylinder and of a person. [m]
 const DISC_M: f64 = 0.3;
@@ -282,8 +283,8 @@ fn in_room(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Footprint;
     use std::collections::BTreeSet;
+    use zeronav_world::Footprint;
 
     /// The outline of a Jackal.
     fn outline() -> Footprint {

@@ -1,6 +1,5 @@
 //! CSV tables of numbers, as data sets come in: read with a ceiling, believed cell by cell.
 
-use crate::error::SpecError;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
@@ -32,7 +31,7 @@ pub enum DataError {
 
 /// A file that has been read: lines `header`, then rows; what begins with `#` does not count.
 #[derive(Debug, Clone)]
-pub struct Table {
+pub(crate) struct Table {
     file: PathBuf,
     text: String,
     n_columns: usize,
@@ -40,7 +39,7 @@ pub struct Table {
 
 /// A row.
 #[derive(Debug, Clone, Copy)]
-pub struct Row<'a> {
+pub(crate) struct Row<'a> {
     table: &'a Table,
     line: usize,
     text: &'a str,
@@ -51,7 +50,7 @@ impl Table {
     ///
     /// # Errors
     /// See [`DataError`]; also for more than 64 MB and for what is not UTF-8.
-    pub fn read(file: &Path, header: &str) -> Result<Self, DataError> {
+    pub(crate) fn read(file: &Path, header: &str) -> Result<Self, DataError> {
         let failed = |source| DataError::Read {
             file: file.to_path_buf(),
             source,
@@ -91,7 +90,7 @@ impl Table {
     }
 
     /// The rows below the header.
-    pub fn rows(&self) -> impl Iterator<Item = Row<'_>> {
+    pub(crate) fn rows(&self) -> impl Iterator<Item = Row<'_>> {
         self.lines().skip(1).map(|(line, text)| Row {
             table: self,
             line,
@@ -101,7 +100,7 @@ impl Table {
 
     /// The error that the file as a whole is wrong.
     #[must_use]
-    pub fn refused(&self, why: impl Into<String>) -> DataError {
+    pub(crate) fn refused(&self, why: impl Into<String>) -> DataError {
         self.wrong(1, why.into())
     }
 
@@ -126,7 +125,7 @@ impl Row<'_> {
     ///
     /// # Errors
     /// Naming file and line; also when the row has another number of columns than the header.
-    pub fn number(&self, column: usize, min: f64, max: f64) -> Result<f64, DataError> {
+    pub(crate) fn number(&self, column: usize, min: f64, max: f64) -> Result<f64, DataError> {
         let mut cells = self.text.split(',');
         let n_cells = self.text.split(',').count();
         if n_cells != self.table.n_columns {
@@ -150,16 +149,8 @@ impl Row<'_> {
 
     /// The error that this row is wrong.
     #[must_use]
-    pub fn refused(&self, why: impl Into<String>) -> DataError {
+    pub(crate) fn refused(&self, why: impl Into<String>) -> DataError {
         self.table.wrong(self.line, why.into())
-    }
-}
-
-impl DataError {
-    /// The same as what is wrong with the scenario's word `field`.
-    #[must_use]
-    pub fn at(&self, field: &str) -> SpecError {
-        SpecError::new(field, self.to_string())
     }
 }
 

@@ -7,8 +7,8 @@ mod data;
 use data::{external_data, shipped_data};
 use std::path::Path;
 use zeronav_msgs::{Cell, Pose};
-use zeronav_world::map_file::{load, save};
-use zeronav_world::{Footprint, Occupancy, World, WorldSpec};
+use zeronav_world::{Footprint, Occupancy, WorldSpec};
+use zeronav_world_files::map_file::{load, save};
 
 /// Name; columns and rows; occupied, free and unknown cells, counted by another program from the
 /// same pixels.
@@ -97,7 +97,7 @@ fn a_map_survives_being_saved_on_external_data() {
 /// touches its cells; looked at on a lattice with these spacings of columns and rows.
 #[track_caller]
 fn agrees_with_its_cells(file: &Path, [columns, rows]: [usize; 2]) {
-    let (world, _) = World::load(&WorldSpec::of_map(file)).unwrap();
+    let (world, _) = zeronav_world_files::load(&WorldSpec::of_map(file)).unwrap();
     let map = world.static_map().unwrap();
     let resolution_m = map.geometry.resolution_m;
     let area_m2: f64 = world

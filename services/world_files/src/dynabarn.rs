@@ -7,8 +7,8 @@
 //! benchmark; both lie on the edge of the arena.
 //!
 //! ```no_run
-//! # fn main() -> Result<(), zeronav_world::DataError> {
-//! use zeronav_world::{dynabarn, dynabarn::DynabarnWorld};
+//! # fn main() -> Result<(), crate::DataError> {
+//! use crate::{dynabarn, dynabarn::DynabarnWorld};
 //! let world = DynabarnWorld::load("world_05.csv".as_ref())?;
 //! let phase_s = 12.5;
 //! let (spec, start, goal) = (world.spec(phase_s), dynabarn::START, dynabarn::GOAL);
@@ -16,14 +16,14 @@
 //! # }
 //! ```
 
-use crate::error::SpecError;
-use crate::spec::{ObstacleSpec, ShapeSpec, WorldSpec};
 use crate::table::{DataError, Table};
-use crate::track::Track;
 use core::f64::consts::PI;
 use std::path::Path;
 use zeronav_msgs::Pose;
 use zeronav_msgs::truth::TRUTH_OBSTACLES_MAX;
+use zeronav_world::error::SpecError;
+use zeronav_world::spec::{ObstacleSpec, ShapeSpec, WorldSpec};
+use zeronav_world::track::Track;
 
 /// Where the challenge puts the robot, `map_from_base`.
 pub const START: Pose = Pose::new(11.0, 0.0, PI);

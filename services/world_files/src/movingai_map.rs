@@ -5,19 +5,19 @@
 //! and `S` are free; `@`, `O`, `T` and `W` are occupied. The first line has the largest y, as in a
 //! picture; the lower left corner of the last one is the origin.
 
-use crate::static_map::{Occupancy, StaticMap};
 use crate::table::DataError;
 use std::io::{self, Read};
 use std::path::Path;
 use zeronav_msgs::GridGeometry;
 use zeronav_msgs::grid::SIDE_CELLS_MAX;
+use zeronav_world::static_map::{Occupancy, StaticMap};
 
 /// Largest file: the largest map with ends of lines and a header. [bytes]
 const BYTES_MAX: u64 = (SIDE_CELLS_MAX as u64 + 2) * SIDE_CELLS_MAX as u64 + 256;
 
 /// True for files that [`load`] reads.
 #[must_use]
-pub fn is_one(file: &Path) -> bool {
+pub(crate) fn is_one(file: &Path) -> bool {
     file.extension().is_some_and(|extension| extension == "map")
 }
 
@@ -25,7 +25,7 @@ pub fn is_one(file: &Path) -> bool {
 ///
 /// # Errors
 /// See [`DataError`]. Whether `resolution_m` can be is looked at with the world.
-pub fn load(file: &Path, resolution_m: f64) -> Result<StaticMap, DataError> {
+pub(crate) fn load(file: &Path, resolution_m: f64) -> Result<StaticMap, DataError> {
     let failed = |source| DataError::Read {
         file: file.to_path_buf(),
         source,
@@ -105,9 +105,9 @@ fn parse(text: &str, resolution_m: f64) -> Result<StaticMap, (usize, String)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::spec::WorldSpec;
-    use crate::world::{World, WorldError};
+    use crate::WorldError;
     use nalgebra::Point2;
+    use zeronav_world::spec::WorldSpec;
 
     const MAP: &str = "type octile\nheight 2\nwidth 3\nmap\n..@\nT.G\n";
 
@@ -120,7 +120,7 @@ mod tests {
             resolution_m: 0.5,
             ..WorldSpec::of_map(&file)
         };
-        let (world, warnings) = World::load(&spec).unwrap();
+        let (world, warnings) = crate::load(&spec).unwrap();
         assert!(warnings.is_empty());
         let at = |x, y| world.rasterise().at(Point2::new(x, y));
         assert_eq!(at(1.25, 0.75), Some(Occupancy::Occupied));
@@ -132,7 +132,7 @@ mod tests {
             resolution_m: -1.0,
             ..spec
         };
-        assert!(matches!(World::load(&wrong), Err(WorldError::Spec(_))));
+        assert!(matches!(crate::load(&wrong), Err(WorldError::Spec(_))));
     }
 
     #[test]

@@ -5,8 +5,9 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 use zeronav_msgs::{Cell, GridGeometry};
-use zeronav_world::map_file::{load, save};
-use zeronav_world::{MapFileError, MapWarning, Occupancy, StaticMap};
+use zeronav_world::{Occupancy, StaticMap};
+use zeronav_world_files::map_file::{load, save};
+use zeronav_world_files::{MapFileError, MapWarning};
 
 use Occupancy::{Free, Occupied, Unknown};
 

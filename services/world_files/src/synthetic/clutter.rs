@@ -11,9 +11,9 @@
 use super::passage::{Robot, shortest_m};
 use super::{NoPassage, first_passable, millimetres};
 use crate::barn::{BarnWorld, GOAL, GOAL_TOLERANCE_M, START};
-use crate::{World, WorldSpec};
 use rand::RngExt as _;
 use rand_pcg::Pcg64Mcg;
+use zeronav_world::{World, WorldSpec};
 
 /// Cells along a side of the field.
 const SIDE: usize = 30;

@@ -10,13 +10,13 @@
 
 use crate::map_file_error::MapFileError;
 use crate::map_image::{self, Pixels};
-use crate::static_map::{Occupancy, StaticMap, covering_geometry, upright};
 use serde::{Deserialize, Deserializer};
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 use zeronav_msgs::grid::SIDE_CELLS_MAX;
 use zeronav_msgs::message::COORDINATE_M_MAX;
 use zeronav_msgs::{Cell, Pose};
+use zeronav_world::static_map::{Occupancy, StaticMap, covering_geometry, upright};
 
 /// Pixel that `map_saver` writes for unknown cells.
 const PIXEL_UNKNOWN: u8 = 205;

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use zeronav_msgs::Cell;
 use zeronav_world::generate::{GenerateError, Generated, generate};
 use zeronav_world::spec::{Family, GeneratedSpec};
-use zeronav_world::{Occupancy, World, WorldSpec};
+use zeronav_world::{Occupancy, WorldSpec};
 
 const FAMILIES: [Family; 4] = [
     Family::Iid,
@@ -160,7 +160,7 @@ fn c_gen_a_scenario_can_name_a_random_map() {
     let words = "[generated]\nfamily = { kind = \"blocky\" }\nsize_cells = [40, 30]\n\
                  ratio = 0.2\nseed = 5\nresolution_m = 0.25";
     let spec: WorldSpec = toml::from_str(words).unwrap();
-    let (world, _) = World::load(&spec).unwrap();
+    let (world, _) = zeronav_world_files::load(&spec).unwrap();
     let map = world.static_map().unwrap();
     assert_eq!(map.count(Occupancy::Occupied), 240);
     assert!((world.geometry().resolution_m - 0.25).abs() < 1e-12);

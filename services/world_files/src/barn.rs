@@ -2,19 +2,19 @@
 //! Metric Ground Navigation", SSRR 2020), as CSV files `x_m,y_m,r_m` with one cylinder a line.
 //!
 //! ```no_run
-//! # fn main() -> Result<(), zeronav_world::DataError> {
-//! use zeronav_world::{barn, barn::BarnWorld};
+//! # fn main() -> Result<(), crate::DataError> {
+//! use crate::{barn, barn::BarnWorld};
 //! let world = BarnWorld::load("worlds/world_001.csv".as_ref())?;
 //! let (spec, start, goal) = (world.spec(), barn::START, barn::GOAL);
 //! # Ok(())
 //! # }
 //! ```
 
-use crate::spec::{ShapeSpec, WorldSpec};
 use crate::table::{DataError, Table};
 use core::f64::consts::FRAC_PI_2;
 use std::path::Path;
 use zeronav_msgs::Pose;
+use zeronav_world::spec::{ShapeSpec, WorldSpec};
 
 /// Where the challenge puts the robot, `map_from_base`.
 pub const START: Pose = Pose::new(-2.25, 3.0, FRAC_PI_2);

@@ -6,8 +6,8 @@
 //! their last, and do not see the robot.
 //!
 //! ```no_run
-//! # fn main() -> Result<(), zeronav_world::DataError> {
-//! use zeronav_world::pedestrians::{Playback, Scene};
+//! # fn main() -> Result<(), crate::DataError> {
+//! use crate::pedestrians::{Playback, Scene};
 //! let scene = Scene::load("zara01.csv".as_ref())?;
 //! let playback = Playback { from_s: 60.0, duration_s: Some(90.0), radius_m: 0.3 };
 //! let (spec, (lower, upper)) = (scene.spec(&playback), scene.bounds());
@@ -15,12 +15,12 @@
 //! # }
 //! ```
 
-use crate::spec::{ObstacleSpec, ShapeSpec, Trigger, WorldSpec};
 use crate::table::{DataError, Table};
-use crate::track::Track;
 use nalgebra::Point2;
 use std::collections::BTreeMap;
 use std::path::Path;
+use zeronav_world::spec::{ObstacleSpec, ShapeSpec, Trigger, WorldSpec};
+use zeronav_world::track::Track;
 
 /// Most people of a recording.
 const WALKERS_MAX: usize = 65_536;

@@ -1,6 +1,6 @@
 //! Tracked obstacles against the truth: how soon, how well, and how often for nothing.
 //!
-//! For whoever knows the truth: the supervisor of a simulated run, and tests.
+//! Used where the truth is known: in simulated runs, and in the tests of mapping.
 
 use nalgebra::{Point2, Vector2};
 use zeronav_msgs::obstacles::Obstacle;
@@ -29,26 +29,26 @@ struct Followed {
 
 /// What the comparison of a run came to.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct TrackingReport {
+pub(crate) struct TrackingReport {
     /// From the first scan with three beams on a moving obstacle to the first in which it is
     /// tracked, for each time one came into sight. [s]
-    pub delays_s: Vec<f64>,
+    pub(crate) delays_s: Vec<f64>,
     /// Moving obstacles that were seen for more than a second and never found.
-    pub missed: usize,
+    pub(crate) missed: usize,
     /// Root of the mean squared error of the velocity vector, from half a second after it was
     /// found on; 0 without a sample. [m/s]
-    pub velocity_rmse_mps: f64,
+    pub(crate) velocity_rmse_mps: f64,
     /// Samples of it.
-    pub velocity_samples: usize,
+    pub(crate) velocity_samples: usize,
     /// Tracks that were called moving where nothing moved.
-    pub false_tracks: usize,
+    pub(crate) false_tracks: usize,
     /// Time that was looked at. [s]
-    pub duration_s: f64,
+    pub(crate) duration_s: f64,
 }
 
 /// Compares scan by scan. See the module's description.
 #[derive(Debug, Default)]
-pub struct TrackingScore {
+pub(crate) struct TrackingScore {
     followed: Vec<Followed>,
     began_ns: Option<u64>,
     false_numbers: Vec<u64>,
@@ -58,7 +58,7 @@ pub struct TrackingScore {
 
 impl TrackingScore {
     /// Takes in the truth of a scan captured at run time `run_ns` and what was tracked in it.
-    pub fn add(&mut self, run_ns: u64, truth: &[TruthObstacle], tracked: &[Obstacle]) {
+    pub(crate) fn add(&mut self, run_ns: u64, truth: &[TruthObstacle], tracked: &[Obstacle]) {
         let began_ns = *self.began_ns.get_or_insert(run_ns);
         self.report.duration_s = seconds(run_ns.saturating_sub(began_ns));
         let place = |obstacle: &Obstacle| Point2::new(obstacle.x_m, obstacle.y_m);
@@ -136,7 +136,7 @@ impl TrackingScore {
 
     /// What it came to so far.
     #[must_use]
-    pub fn report(&self) -> TrackingReport {
+    pub(crate) fn report(&self) -> TrackingReport {
         #[allow(clippy::cast_precision_loss, reason = "counts of scans")]
         let samples = self.report.velocity_samples.max(1) as f64;
         TrackingReport {

@@ -1,7 +1,7 @@
 //! Makes `tests/data` again, bit for bit:
 //!
 //! ```sh
-//! cargo run --release -p zeronav-world --example test_data -- tests/data
+//! cargo run --release -p zeronav-world-files --example test_data -- tests/data
 //! ```
 
 #![allow(clippy::print_stdout, reason = "a list for people")]
