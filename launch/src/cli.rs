@@ -1,5 +1,6 @@
 //! The command line.
 
+use crate::remote::GoalOrder;
 use crate::run_plan::RunPlan;
 use crate::scenario::{COORDINATE_M_MAX, TOLERANCE, YAW_RAD_MAX};
 use crate::suite::noise::Noise;
@@ -179,6 +180,19 @@ pub struct GoalArgs {
     /// Root folder of the run, when several go on (see `zeronav ps`).
     #[arg(long, value_name = "ROOT")]
     pub domain: Option<PathBuf>,
+}
+
+impl GoalArgs {
+    /// The goal and the run that it is for.
+    #[must_use]
+    pub fn order(&self) -> GoalOrder {
+        GoalOrder {
+            pose: [self.x, self.y, self.yaw],
+            tolerance_m: self.tolerance,
+            yaw_tolerance_rad: self.yaw_tolerance,
+            root: self.domain.clone(),
+        }
+    }
 }
 
 /// Arguments of `zeronav suite`.

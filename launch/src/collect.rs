@@ -25,14 +25,14 @@ const SPANS_MAX: usize = 200_000;
 const KEYFRAME_PAUSE: Duration = Duration::from_millis(200);
 
 /// The form of a scripted obstacle at a pose.
-pub type Placed<'a> = &'a dyn Fn(usize, &Pose) -> Option<Convex>;
+pub(crate) type Placed<'a> = &'a dyn Fn(usize, &Pose) -> Option<Convex>;
 
 /// Changes of what the map shows of one obstacle that are kept at most; the oldest go first.
 const SENSED_MAX: usize = 1000;
 
 /// Everything that was heard.
 #[derive(Debug, Default)]
-pub struct Collector {
+pub(crate) struct Collector {
     /// For the measures.
     pub records: Records,
     /// For the run's hash.
@@ -66,7 +66,7 @@ pub struct Collector {
 
 impl Collector {
     /// Takes in whatever has come; true when mapping should be asked for a keyframe.
-    pub fn listen(&mut self, taps: &mut Taps, roster: &Roster, placed: Placed<'_>) -> bool {
+    pub(crate) fn listen(&mut self, taps: &mut Taps, roster: &Roster, placed: Placed<'_>) -> bool {
         taps.spans.drain(|span| self.span(span));
         self.hear(taps, roster);
         // In lockstep there are no latencies.
@@ -223,19 +223,19 @@ impl Collector {
 
     /// Highest tick that the robot has begun.
     #[must_use]
-    pub fn robot_tick(&self) -> u64 {
+    pub(crate) fn robot_tick(&self) -> u64 {
         self.answered_by(Role::Robot)
     }
 
     /// Newest tick that `role` has answered.
     #[must_use]
-    pub fn answered_by(&self, role: Role) -> u64 {
+    pub(crate) fn answered_by(&self, role: Role) -> u64 {
         self.answered.get(&role.code()).copied().unwrap_or(0)
     }
 
     /// The first role in the flow of data that owes an answer to the robot's newest tick.
     #[must_use]
-    pub fn owing(&self) -> Option<Role> {
+    pub(crate) fn owing(&self) -> Option<Role> {
         let tick = self.robot_tick();
         [
             Role::Mapping,
@@ -255,7 +255,7 @@ impl Collector {
 
     /// True when every role has answered every tick up to `tick`.
     #[must_use]
-    pub fn all_answered(&self, tick: u64) -> bool {
+    pub(crate) fn all_answered(&self, tick: u64) -> bool {
         self.robot_tick() >= tick && self.owing().is_none()
     }
 
@@ -324,7 +324,7 @@ impl Collector {
 /// Centres of the sensed lethal cells, not those of the static map, within one cell of the outline
 /// of `obstacle`. [m]
 #[must_use]
-pub fn sensed_at(map: &MapView<'_>, obstacle: &Convex) -> Vec<[f64; 2]> {
+pub(crate) fn sensed_at(map: &MapView<'_>, obstacle: &Convex) -> Vec<[f64; 2]> {
     let geometry: &GridGeometry = map.geometry;
     let margin = nalgebra::Vector2::repeat(2.0 * geometry.resolution_m);
     let corners = obstacle.outline();

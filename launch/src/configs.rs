@@ -24,7 +24,7 @@ struct RobotConfig<'a> {
 ///
 /// # Errors
 /// One line naming the file.
-pub fn write(
+pub(crate) fn write(
     scenario: &Scenario,
     world: &World,
     folder: &Path,
@@ -77,7 +77,7 @@ pub fn write(
 /// # Errors
 /// One line about the first that cannot: a value of its configuration by file, line and field of the
 /// scenario, or else the binary.
-pub fn check(
+pub(crate) fn check(
     scenario: &Scenario,
     world: &World,
     binaries: &BTreeMap<Role, PathBuf>,

@@ -22,7 +22,7 @@ struct Counters {
 
 /// One reading of the kernel's counters.
 #[derive(Debug, Clone, Default)]
-pub struct Reading {
+pub(crate) struct Reading {
     load: f64,
     processor_ticks: (u64, u64),
     services: BTreeMap<Role, Counters>,
@@ -31,7 +31,7 @@ pub struct Reading {
 impl Reading {
     /// Reads the counters of these processes. One that has ended counts nothing.
     #[must_use]
-    pub fn take(processes: impl Iterator<Item = (Role, u32)>) -> Self {
+    pub(crate) fn take(processes: impl Iterator<Item = (Role, u32)>) -> Self {
         Self {
             load: environment::load(),
             processor_ticks: environment::processor_ticks(),
@@ -43,7 +43,11 @@ impl Reading {
 
     /// What happened since `before`. `spans` are the records of that time.
     #[must_use]
-    pub fn since<'a>(&self, before: &Self, spans: impl Iterator<Item = &'a Span>) -> Disturbance {
+    pub(crate) fn since<'a>(
+        &self,
+        before: &Self,
+        spans: impl Iterator<Item = &'a Span>,
+    ) -> Disturbance {
         let mut longest_ns: BTreeMap<u16, u64> = BTreeMap::new();
         for span in spans {
             let longest = longest_ns.entry(span.role).or_default();

@@ -1,21 +1,20 @@
 //! `zeronav draw`: a recorded run as an animated picture.
 
-use crate::cli::DrawArgs;
 use crate::leave;
 use crate::show::recording::{FILE, Recording};
 use crate::show::terminal::{lose, say, usage};
+use std::path::Path;
 use std::process::ExitCode;
 
-/// Draws the run in a folder.
+/// Draws the run in folder `run` into the file `out`; without, `animation.svg` in that folder.
 #[must_use]
-pub fn draw(arguments: &DrawArgs) -> ExitCode {
-    let file = arguments.run.join(FILE);
+pub fn draw(run: &Path, out: Option<&Path>) -> ExitCode {
+    let file = run.join(FILE);
     let recording = match read(&file) {
         Ok(recording) => recording,
         Err(problem) => return usage(&problem),
     };
-    let out = arguments.out.clone();
-    let out = out.unwrap_or_else(|| arguments.run.join("animation.svg"));
+    let out = out.map_or_else(|| run.join("animation.svg"), Path::to_owned);
     match leave::write(&out, &recording.to_animation()) {
         Ok(()) => say(&format!("{}\n", out.display())),
         Err(problem) => lose(&problem),
@@ -23,7 +22,7 @@ pub fn draw(arguments: &DrawArgs) -> ExitCode {
     ExitCode::SUCCESS
 }
 
-fn read(file: &std::path::Path) -> Result<Recording, String> {
+fn read(file: &Path) -> Result<Recording, String> {
     let name = file.display();
     let text = std::fs::read_to_string(file).map_err(|error| format!("{name}: {error}"))?;
     let recording: Recording =

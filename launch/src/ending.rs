@@ -5,7 +5,7 @@ use zeronav_msgs::task::{EndReason, TaskState};
 
 /// How a run ended.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Ending {
+pub(crate) enum Ending {
     /// The task ended by itself.
     Task(TaskState, EndReason),
     /// The robot reached a goal that was given by hand, and not all of the scenario's.
@@ -36,7 +36,7 @@ pub enum Ending {
 impl Ending {
     /// The outcome of the run in one word, as in its result.
     #[must_use]
-    pub const fn outcome(&self) -> &'static str {
+    pub(crate) const fn outcome(&self) -> &'static str {
         match self {
             Self::Task(TaskState::Reached, _) => "reached",
             Self::Task(TaskState::Cancelled, _) => "cancelled",

@@ -14,7 +14,7 @@ const SECOND_AFTER: Duration = Duration::from_millis(500);
 ///
 /// # Errors
 /// One line when the system refuses.
-pub fn interrupts() -> Result<Arc<AtomicBool>, String> {
+pub(crate) fn interrupts() -> Result<Arc<AtomicBool>, String> {
     let interrupted = Arc::new(AtomicBool::new(false));
     force_with_second_interrupt().map_err(|error| format!("catching signals: {error}"))?;
     for signal in zeronav_shell::signals::stopping() {

@@ -19,7 +19,7 @@ use zeronav_msgs::run::RunMode;
 use zeronav_msgs::time::seconds;
 
 /// How long the services may take until they can answer.
-pub const READY_LIMIT: Duration = Duration::from_secs(15);
+pub(crate) const READY_LIMIT: Duration = Duration::from_secs(15);
 
 /// A seat that waits for its successor.
 #[derive(Debug, Clone, Copy)]
@@ -45,7 +45,7 @@ struct Joining {
 
 /// See the module's description.
 #[derive(Debug)]
-pub struct Keeper<'a> {
+pub(crate) struct Keeper<'a> {
     prepared: &'a Prepared,
     configs: BTreeMap<Role, PathBuf>,
     restarts: Restarts,
@@ -62,7 +62,7 @@ pub struct Keeper<'a> {
 impl<'a> Keeper<'a> {
     /// A keeper for the seats of `prepared`, whose configuration lies in `configs`.
     #[must_use]
-    pub fn new(prepared: &'a Prepared, configs: BTreeMap<Role, PathBuf>) -> Self {
+    pub(crate) fn new(prepared: &'a Prepared, configs: BTreeMap<Role, PathBuf>) -> Self {
         Self {
             prepared,
             configs,
@@ -81,7 +81,7 @@ impl<'a> Keeper<'a> {
     ///
     /// # Errors
     /// One line naming the binary.
-    pub fn start(&self, stack: &mut Stack, role: Role) -> Result<(), String> {
+    pub(crate) fn start(&self, stack: &mut Stack, role: Role) -> Result<(), String> {
         let Some(config) = self.configs.get(&role) else {
             return Err(format!("no configuration for {role}"));
         };
@@ -117,19 +117,19 @@ impl<'a> Keeper<'a> {
 
     /// The restarts that were made.
     #[must_use]
-    pub fn records(&self) -> &[Restart] {
+    pub(crate) fn records(&self) -> &[Restart] {
         &self.records
     }
 
     /// How many times the process of a seat was started.
     #[must_use]
-    pub fn starts(&self, role: Role) -> u32 {
+    pub(crate) fn starts(&self, role: Role) -> u32 {
         1 + self.restarts.of(role)
     }
 
     /// Largest memory of the processes of a seat that have ended. [bytes]
     #[must_use]
-    pub fn memory_peak_bytes(&self, role: Role) -> u64 {
+    pub(crate) fn memory_peak_bytes(&self, role: Role) -> u64 {
         self.memory_peaks.get(&role).copied().unwrap_or(0)
     }
 
@@ -137,7 +137,11 @@ impl<'a> Keeper<'a> {
     ///
     /// # Errors
     /// How the run ends when a seat cannot be filled again.
-    pub fn look(&mut self, stack: &mut Stack, collector: &Collector) -> Result<Vec<Role>, Ending> {
+    pub(crate) fn look(
+        &mut self,
+        stack: &mut Stack,
+        collector: &Collector,
+    ) -> Result<Vec<Role>, Ending> {
         let since = self.looked.elapsed();
         self.looked = Instant::now();
         self.look_at_hearts(stack, collector, since);
@@ -150,7 +154,7 @@ impl<'a> Keeper<'a> {
 
     /// True while a seat waits for its successor: then the next look should come soon.
     #[must_use]
-    pub fn is_busy(&self) -> bool {
+    pub(crate) fn is_busy(&self) -> bool {
         !self.vacant.is_empty()
     }
 

@@ -8,7 +8,7 @@ use std::path::Path;
 ///
 /// # Errors
 /// One line naming the file; what stood there before still stands there.
-pub fn write(file: &Path, text: &str) -> Result<(), String> {
+pub(crate) fn write(file: &Path, text: &str) -> Result<(), String> {
     let failed = |error: std::io::Error| format!("writing {}: {error}", file.display());
     let name = file.file_name().unwrap_or_default().to_string_lossy();
     let part = file.with_file_name(format!(".{name}.{}.part", std::process::id()));

@@ -60,8 +60,8 @@ fn main() -> ExitCode {
         }
         Command::Schema => params::schema(),
         Command::Ps { json } => remote::ps(json),
-        Command::Goal(arguments) => remote::goal(&arguments),
-        Command::Draw(arguments) => draw::draw(&arguments),
+        Command::Goal(arguments) => remote::goal(&arguments.order()),
+        Command::Draw(arguments) => draw::draw(&arguments.run, arguments.out.as_deref()),
         Command::Suite(arguments) => commands::suite(&arguments.plan(), arguments.json),
         Command::Clean { .. } | Command::Warden => ExitCode::SUCCESS,
     })

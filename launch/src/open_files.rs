@@ -4,13 +4,13 @@ use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 
 /// Open files that a process of a stack may need: each port is a handful of mapped files, the
 /// supervisor has most of them (some 210), and guests and restarts add theirs.
-pub const NEEDED: u64 = 512;
+pub(crate) const NEEDED: u64 = 512;
 
 /// Raises the soft limit of open files to [`NEEDED`] where it is lower.
 ///
 /// # Errors
 /// One line with both numbers when the hard limit is lower.
-pub fn raise() -> Result<(), String> {
+pub(crate) fn raise() -> Result<(), String> {
     let limit = getrlimit(Resource::Nofile);
     // `None` is no limit.
     if limit.current.is_none_or(|current| current >= NEEDED) {

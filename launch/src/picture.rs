@@ -14,7 +14,7 @@ const COLOURS: [&str; 4] = ["#d95f02", "#7570b3", "#e7298a", "#66a61e"];
 
 /// The picture of a run.
 #[must_use]
-pub fn picture(prepared: &Prepared, driven: &Driven, result: &RunResult) -> Picture {
+pub(crate) fn picture(prepared: &Prepared, driven: &Driven, result: &RunResult) -> Picture {
     let map = prepared.world.rasterise();
     let start = prepared.scenario.start;
     Picture {

@@ -57,7 +57,7 @@ impl Prepared {
 
 /// What a scenario comes to before anything is started.
 #[derive(Debug)]
-pub struct Checked {
+pub(crate) struct Checked {
     /// What to drive.
     pub scenario: Scenario,
     /// Its world.
@@ -75,7 +75,7 @@ pub struct Checked {
 ///
 /// # Errors
 /// One line that names the thing and the fix.
-pub fn check(name_or_path: &str, external: &[Role]) -> Result<Checked, String> {
+pub(crate) fn check(name_or_path: &str, external: &[Role]) -> Result<Checked, String> {
     let scenario = Scenario::load(name_or_path).map_err(|error| error.to_string())?;
     let scenario::Checked {
         world,
@@ -116,7 +116,7 @@ pub fn check(name_or_path: &str, external: &[Role]) -> Result<Checked, String> {
 ///
 /// # Errors
 /// One line that names the thing and the fix.
-pub fn prepare(plan: &RunPlan) -> Result<Prepared, String> {
+pub(crate) fn prepare(plan: &RunPlan) -> Result<Prepared, String> {
     let Checked {
         mut scenario,
         world,

@@ -11,7 +11,7 @@ use zeronav_world::static_map::{Occupancy, StaticMap};
 
 /// The recording of a run.
 #[must_use]
-pub fn recording(prepared: &Prepared, driven: &Driven, result: &RunResult) -> Recording {
+pub(crate) fn recording(prepared: &Prepared, driven: &Driven, result: &RunResult) -> Recording {
     let map = prepared.world.rasterise();
     let geometry = map.geometry;
     let origin_m = [geometry.origin_x_m, geometry.origin_y_m];

@@ -7,7 +7,7 @@ use zeronav_msgs::task::{EndReason, Goal, TaskState};
 
 /// The goals given by hand, and the task that waits behind the one at hand.
 #[derive(Debug, Default)]
-pub struct Redirects {
+pub(crate) struct Redirects {
     given: Vec<Redirect>,
     /// The goals of the scenario that were left when the first was given.
     aside: Option<Vec<Goal>>,
@@ -15,7 +15,7 @@ pub struct Redirects {
 
 impl Redirects {
     /// A goal takes the place of `left`, the goals at hand that are not reached yet.
-    pub fn give(&mut self, time_s: f64, goal: &Goal, left: Vec<Goal>) {
+    pub(crate) fn give(&mut self, time_s: f64, goal: &Goal, left: Vec<Goal>) {
         if self.aside.is_some() {
             self.settle("replaced");
         } else {
@@ -30,7 +30,7 @@ impl Redirects {
 
     /// The task at hand has ended: the goals with which the run goes on, if it was one given by
     /// hand and could not be reached.
-    pub fn ended(&mut self, state: TaskState, reason: EndReason) -> Option<Vec<Goal>> {
+    pub(crate) fn ended(&mut self, state: TaskState, reason: EndReason) -> Option<Vec<Goal>> {
         self.aside.as_ref()?;
         if state == TaskState::Reached {
             self.settle("reached");
@@ -42,13 +42,13 @@ impl Redirects {
 
     /// True while a goal given by hand is at hand, or ended the run.
     #[must_use]
-    pub fn is_redirected(&self) -> bool {
+    pub(crate) fn is_redirected(&self) -> bool {
         self.aside.is_some()
     }
 
     /// All of them.
     #[must_use]
-    pub fn given(&self) -> &[Redirect] {
+    pub(crate) fn given(&self) -> &[Redirect] {
         &self.given
     }
 

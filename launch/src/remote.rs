@@ -1,6 +1,5 @@
-//! What is asked of a run that goes on: `zeronav ps` and `zeronav goal`.
+//! Requests to a run in progress: `zeronav ps` and `zeronav goal`.
 
-use crate::cli::GoalArgs;
 use crate::exit::EXIT_PASS;
 use crate::show::terminal::{say, say_json, usage};
 use crate::supervise::control::{self, Reply, Request, RunReport};
@@ -67,10 +66,23 @@ fn megabytes(bytes: u64) -> f64 {
     bytes as f64 / 1.0e6
 }
 
+/// A goal for a run in progress.
+#[derive(Debug, Clone)]
+pub struct GoalOrder {
+    /// x, y [m] and yaw [rad] in the map frame.
+    pub pose: [f64; 3],
+    /// Largest distance that counts as reached. [m]
+    pub tolerance_m: f64,
+    /// Largest difference of yaw that counts as reached; pi and more accept any. [rad]
+    pub yaw_tolerance_rad: f64,
+    /// Root folder of the run; `None` when only one run is in progress.
+    pub root: Option<PathBuf>,
+}
+
 /// `zeronav goal`.
 #[must_use]
-pub fn goal(arguments: &GoalArgs) -> ExitCode {
-    let root = match &arguments.domain {
+pub fn goal(order: &GoalOrder) -> ExitCode {
+    let root = match &order.root {
         Some(root) => root.clone(),
         None => match runs().as_slice() {
             [(root, _)] => root.clone(),
@@ -79,9 +91,9 @@ pub fn goal(arguments: &GoalArgs) -> ExitCode {
         },
     };
     let request = Request::Goal {
-        pose: [arguments.x, arguments.y, arguments.yaw],
-        tolerance_m: arguments.tolerance,
-        yaw_tolerance_rad: arguments.yaw_tolerance,
+        pose: order.pose,
+        tolerance_m: order.tolerance_m,
+        yaw_tolerance_rad: order.yaw_tolerance_rad,
     };
     let refused = |problem: &str| usage(&format!("{}: {}", root.display(), printable(problem)));
     let folder = match Folder::open(&root) {
@@ -93,10 +105,8 @@ pub fn goal(arguments: &GoalArgs) -> ExitCode {
     };
     match control::ask(&folder, &request) {
         Ok(Reply::Done) => {
-            say(&format!(
-                "on its way to ({}, {}, {})\n",
-                arguments.x, arguments.y, arguments.yaw
-            ));
+            let [x_m, y_m, yaw_rad] = order.pose;
+            say(&format!("on its way to ({x_m}, {y_m}, {yaw_rad})\n"));
             ExitCode::from(EXIT_PASS)
         }
         Ok(Reply::Error(problem)) => usage(&printable(&problem)),

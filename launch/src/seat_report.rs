@@ -11,7 +11,7 @@ use zeronav_msgs::role::Role;
 
 /// Ends the processes and says how each seat did, in the order of the roles.
 #[must_use]
-pub fn stop(
+pub(crate) fn stop(
     stack: &mut Stack,
     keeper: &Keeper<'_>,
     binaries: &BTreeMap<Role, PathBuf>,

@@ -27,7 +27,7 @@ const CLEARANCE_M_MAX: f64 = 1000.0;
 
 /// What the local planner says of the task.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct TaskReport {
+pub(crate) struct TaskReport {
     /// Id of the task.
     pub task: u64,
     /// Its state.
@@ -46,7 +46,7 @@ pub struct TaskReport {
 
 /// Something that was heard.
 #[derive(Debug, Clone)]
-pub enum Fact {
+pub(crate) enum Fact {
     /// What was really so.
     Truth(Truth, Vec<TruthObstacle>),
     /// What the guard did to a request. While the last tick is answered launch may already stop the
@@ -64,7 +64,7 @@ pub enum Fact {
 
 /// The totals, and what is held back from them.
 #[derive(Debug, Default)]
-pub struct Seen {
+pub(crate) struct Seen {
     /// What mapping said against what was so.
     pub comparison: TruthComparison,
     /// How the robot really moved, and what became of it.
@@ -87,7 +87,7 @@ pub struct Seen {
 
 impl Seen {
     /// Takes in a fact about a tick and its run time. [ns]
-    pub fn hear(&mut self, tick: u64, run_ns: u64, fact: Fact) {
+    pub(crate) fn hear(&mut self, tick: u64, run_ns: u64, fact: Fact) {
         if self.end_tick.is_some() {
             self.settle(tick, run_ns, fact);
             return;
@@ -104,7 +104,7 @@ impl Seen {
     }
 
     /// The run ended at this tick: nothing after it counts.
-    pub fn end_at(&mut self, tick: u64) {
+    pub(crate) fn end_at(&mut self, tick: u64) {
         self.end_tick = Some(tick);
         for (tick, run_ns, fact) in core::mem::take(&mut self.held) {
             self.settle(tick, run_ns, fact);
@@ -113,14 +113,14 @@ impl Seen {
 
     /// Why the robot got stuck, if it did.
     #[must_use]
-    pub fn stuck_cause(&self) -> Option<StuckCause> {
+    pub(crate) fn stuck_cause(&self) -> Option<StuckCause> {
         let cause = self.task?.cause;
         (cause != StuckCause::None).then_some(cause)
     }
 
     /// Distance driven. [m]
     #[must_use]
-    pub fn driven_m(&self) -> f64 {
+    pub(crate) fn driven_m(&self) -> f64 {
         self.truth.map_or(0.0, |truth| truth.driven_m)
     }
 

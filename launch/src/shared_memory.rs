@@ -1,14 +1,14 @@
 //! How much shared memory the topics of a run reserve.
 
 use crate::scenario::Scenario;
-use zeronav_msgs::map::tiles_of;
+use zeronav_msgs::map::{GROWING_TILES_MAX, tiles_of};
 use zeronav_msgs::role::Role;
 use zeronav_msgs::topics::{MapKeyframe, RobotScan, SPANS, Topic, topics};
 use zeronav_world::World;
 
 /// Shared memory that the stack will reserve. [bytes]
 #[must_use]
-pub fn planned_bytes(scenario: &Scenario, world: &World) -> u64 {
+pub(crate) fn planned_bytes(scenario: &Scenario, world: &World) -> u64 {
     let (columns, rows) = tiles_of(world.geometry());
     topics()
         .iter()
@@ -33,13 +33,11 @@ pub fn planned_bytes(scenario: &Scenario, world: &World) -> u64 {
 /// Most tiles that the keyframe of a world of `tiles` will ever have: a map that grows takes the
 /// memory of its largest at once.
 fn keyframe_tiles(scenario: &Scenario, tiles: usize) -> usize {
-    /// What mapping grows to that is told nothing else.
-    const TILES_MAX: usize = 1024;
     let window = scenario.services.mapping.config.get("window");
     let word = |name| window.and_then(|window| window.get(name));
     if word("mode").and_then(toml::Value::as_str) != Some("growing") {
         return tiles;
     }
     let most = word("tiles_max").and_then(toml::Value::as_integer);
-    tiles.max(most.map_or(TILES_MAX, |most| usize::try_from(most).unwrap_or(0)))
+    tiles.max(most.map_or(GROWING_TILES_MAX, |most| usize::try_from(most).unwrap_or(0)))
 }

@@ -35,7 +35,7 @@ const BESIDE_M_MAX: f64 = 0.6;
 
 /// What launch does next.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Step {
+pub(crate) enum Step {
     /// Wait.
     Wait,
     /// Tell the robot's world.
@@ -61,7 +61,7 @@ struct Dropped {
 
 /// The trials that one drive shall make.
 #[derive(Debug, Clone, Copy)]
-pub struct Quota {
+pub(crate) struct Quota {
     /// How many.
     pub n: usize,
     /// Draws their phases.
@@ -74,7 +74,7 @@ pub struct Quota {
 
 /// One trial that counts.
 #[derive(Debug, Clone)]
-pub struct Trial {
+pub(crate) struct Trial {
     /// What became of its obstacle.
     pub event: Event,
     /// What disturbed the machine from the decision to drop the obstacle to its answer.
@@ -83,7 +83,7 @@ pub struct Trial {
 
 /// What trials need to know of world and robot.
 #[derive(Debug, Clone, Copy)]
-pub struct Course<'a> {
+pub(crate) struct Course<'a> {
     /// The scenario's words.
     pub spec: &'a TrialsSpec,
     /// The world.
@@ -98,7 +98,7 @@ pub struct Course<'a> {
 
 /// The trials of one drive.
 #[derive(Debug)]
-pub struct Shuttle<'a> {
+pub(crate) struct Shuttle<'a> {
     course: Course<'a>,
     index: usize,
     shape: &'a Shape,
@@ -119,7 +119,7 @@ pub struct Shuttle<'a> {
 impl<'a> Shuttle<'a> {
     /// `wanted` trials, their phases drawn from `seed`; `None` without such an obstacle.
     #[must_use]
-    pub fn new(course: Course<'a>, wanted: usize, seed: u64) -> Option<Self> {
+    pub(crate) fn new(course: Course<'a>, wanted: usize, seed: u64) -> Option<Self> {
         let obstacles = course.world.obstacles();
         let named = |obstacle: &zeronav_world::Obstacle| obstacle.spec.name == course.spec.obstacle;
         let index = obstacles.iter().position(named)?;
@@ -142,29 +142,29 @@ impl<'a> Shuttle<'a> {
 
     /// The goal at hand.
     #[must_use]
-    pub const fn goal(&self) -> &'a GoalSpec {
+    pub(crate) const fn goal(&self) -> &'a GoalSpec {
         &self.course.spec.goals[self.leg]
     }
 
     /// The goal was reached: turn around.
-    pub fn turn(&mut self) {
+    pub(crate) fn turn(&mut self) {
         self.leg = 1 - self.leg;
     }
 
     /// Trials that are over.
     #[must_use]
-    pub const fn done(&self) -> usize {
+    pub(crate) const fn done(&self) -> usize {
         self.trials.len()
     }
 
     /// Every trial that counts, and how many did not because no path led through the obstacle.
     #[must_use]
-    pub fn into_trials(self) -> (Vec<Trial>, u64) {
+    pub(crate) fn into_trials(self) -> (Vec<Trial>, u64) {
         (self.trials, self.missed)
     }
 
     /// Looks at what was heard and says what to do. `run_ns` is the robot's newest run time.
-    pub fn look(&mut self, collector: &mut Collector, run_ns: u64) -> Step {
+    pub(crate) fn look(&mut self, collector: &mut Collector, run_ns: u64) -> Step {
         if self.ended_run_ns == 0 {
             self.ended_run_ns = run_ns;
         }
@@ -182,7 +182,7 @@ impl<'a> Shuttle<'a> {
 
     /// Takes the kernel's counters after a [`Step::Place`]: once when the obstacle is dropped and
     /// once when it is taken away.
-    pub fn note(&mut self, reading: Reading, records: &Records) {
+    pub(crate) fn note(&mut self, reading: Reading, records: &Records) {
         let Some(dropped) = self.dropped else {
             return;
         };

@@ -22,7 +22,7 @@ const WORST: usize = 5;
 
 /// All rounds.
 #[derive(Debug)]
-pub struct Trials {
+pub(crate) struct Trials {
     /// Trials that were asked for.
     pub wanted: usize,
     /// Each round.
@@ -39,7 +39,7 @@ pub struct Trials {
 ///
 /// # Errors
 /// One line when a stack could not be started at all.
-pub fn make(
+pub(crate) fn make(
     prepared: &Prepared,
     wanted: u32,
     interrupted: &Arc<AtomicBool>,

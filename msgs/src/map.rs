@@ -11,6 +11,10 @@ pub const TILE_CELLS: usize = 32;
 /// Most tiles of one update message; a larger revision comes in several parts.
 pub const TILES_PER_UPDATE_MAX: usize = 60;
 
+/// Most tiles of a growing map, unless the configuration of mapping says otherwise; launch reserves
+/// shared memory for as many.
+pub const GROWING_TILES_MAX: usize = 1024;
+
 /// Most tiles of a keyframe: a map of 4096 x 4096 cells.
 pub const TILES_PER_KEYFRAME_MAX: usize = 128 * 128;
 

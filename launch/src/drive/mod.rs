@@ -20,7 +20,7 @@ use std::time::{Duration, Instant};
 
 /// What was seen of a run.
 #[derive(Debug)]
-pub struct Driven {
+pub(crate) struct Driven {
     /// How it ended.
     pub ending: Ending,
     /// Everything that was heard.
@@ -54,7 +54,7 @@ pub struct Driven {
 ///
 /// # Errors
 /// One line when the stack could not be started at all.
-pub fn drive(
+pub(crate) fn drive(
     prepared: &Prepared,
     quota: Option<Quota>,
     interrupted: &Arc<AtomicBool>,

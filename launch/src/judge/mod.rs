@@ -24,7 +24,7 @@ use zeronav_msgs::time::seconds;
 
 /// The result of a run.
 #[must_use]
-pub fn judge(prepared: &Prepared, driven: &Driven, environment: Environment) -> RunResult {
+pub(crate) fn judge(prepared: &Prepared, driven: &Driven, environment: Environment) -> RunResult {
     let collector = &driven.collector;
     let seen = &collector.seen;
     let truth = seen.truth.unwrap_or_default();
@@ -99,7 +99,7 @@ pub fn judge(prepared: &Prepared, driven: &Driven, environment: Environment) -> 
 
 /// The result of trials, whose last drive is `driven`. Paths and track are those of that drive.
 #[must_use]
-pub fn judge_trials(
+pub(crate) fn judge_trials(
     prepared: &Prepared,
     driven: &Driven,
     trials: &Trials,

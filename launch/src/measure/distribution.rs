@@ -82,7 +82,7 @@ impl Distribution {
     reason = "times of a run are far below 2^53 ns"
 )]
 #[must_use]
-pub fn to_us(time_ns: u64) -> f64 {
+pub(crate) fn to_us(time_ns: u64) -> f64 {
     (time_ns as f64 / 100.0).round() / 10.0
 }
 

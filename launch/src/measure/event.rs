@@ -77,7 +77,7 @@ impl Event {
 }
 
 /// Tells how near a path comes to an obstacle, all of it. [m]
-pub type Clearance<'a> = &'a dyn Fn(usize, &[[f64; 2]]) -> f64;
+pub(crate) type Clearance<'a> = &'a dyn Fn(usize, &[[f64; 2]]) -> f64;
 
 /// Distance of a path from the nearest of `cells_m`, centre by centre; infinite without any. [m]
 fn distance_m(points_m: &[[f64; 2]], cells_m: &[[f64; 2]]) -> f64 {

@@ -4,15 +4,15 @@
 //! paths and the sightings of obstacles in the map. Nothing is measured here; every time is a
 //! difference of clock readings that the processes took themselves.
 
-pub mod distribution;
-pub mod event;
-pub mod fold;
+pub(crate) mod distribution;
+pub(crate) mod event;
+pub(crate) mod fold;
 pub mod index;
-pub mod joins;
-pub mod latency;
-pub mod motion;
-pub mod reaction;
-pub mod tracking;
+pub(crate) mod joins;
+pub(crate) mod latency;
+pub(crate) mod motion;
+pub(crate) mod reaction;
+pub(crate) mod tracking;
 mod tracking_score;
 pub mod way;
 

@@ -124,7 +124,7 @@ impl Motion {
 /// The definition of common navigation benchmarks ("over-acceleration"): the speed is taken ten
 /// times a second, so what happens within a tenth is not in it.
 #[must_use]
-pub fn jerk_mps3(moments: &[Moment]) -> Option<f64> {
+pub(crate) fn jerk_mps3(moments: &[Moment]) -> Option<f64> {
     let (mut sum, mut duration_s) = (0.0, 0.0);
     for three in moments.windows(3) {
         let step_s =

@@ -50,7 +50,7 @@ struct Drawing<'run> {
 impl Recording {
     /// The run as a self-contained animated SVG document.
     #[must_use]
-    pub fn to_animation(&self) -> String {
+    pub(crate) fn to_animation(&self) -> String {
         let width_m = (self.area_m[1][0] - self.area_m[0][0]).max(1.0e-3);
         let speed = (self.time_s / PLAYED_S).round().max(1.0);
         let mut drawing = Drawing {

@@ -1,11 +1,11 @@
 //! What a person sees: the picture of a run, its animation, the table at its end, the line while it runs.
 
-pub mod animation;
+pub(crate) mod animation;
 mod captions;
 pub mod log;
-pub mod page;
-pub mod picture;
-pub mod progress;
-pub mod recording;
+pub(crate) mod page;
+pub(crate) mod picture;
+pub(crate) mod progress;
+pub(crate) mod recording;
 mod svg;
 pub mod terminal;

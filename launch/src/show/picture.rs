@@ -6,7 +6,7 @@ use zeronav_msgs::grid::GridGeometry;
 
 /// A line with a name in the legend.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Line {
+pub(crate) struct Line {
     /// Its name.
     pub name: String,
     /// Its colour, as in CSS.
@@ -19,7 +19,7 @@ pub struct Line {
 
 /// A filled outline with a name beside it.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Area {
+pub(crate) struct Area {
     /// Its name.
     pub name: String,
     /// Its colour, as in CSS.
@@ -30,7 +30,7 @@ pub struct Area {
 
 /// Everything that is drawn.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Picture {
+pub(crate) struct Picture {
     /// Title above the map.
     pub title: String,
     /// Second line of the title.
@@ -88,7 +88,7 @@ impl Frame {
 impl Picture {
     /// The picture as a self-contained SVG document.
     #[must_use]
-    pub fn to_svg(&self) -> String {
+    pub(crate) fn to_svg(&self) -> String {
         let geometry = &self.geometry;
         let width_m = f64::from(geometry.width) * geometry.resolution_m;
         let height_m = f64::from(geometry.height) * geometry.resolution_m;

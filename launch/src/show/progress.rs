@@ -12,7 +12,7 @@ const PAUSE: Duration = Duration::from_secs(5);
 
 /// How far the trials or the runs of a suite are.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Tally {
+pub(crate) struct Tally {
     /// What is over, of all rounds.
     pub done: usize,
     /// What is to be done in all.
@@ -23,7 +23,7 @@ pub struct Tally {
 
 /// What the line says of a run.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Progress {
+pub(crate) struct Progress {
     /// Run time. [s]
     pub time_s: f64,
     /// State of the task.
@@ -38,7 +38,7 @@ pub struct Progress {
 
 /// The line. Silent when it is not wanted.
 #[derive(Debug)]
-pub struct ProgressLine {
+pub(crate) struct ProgressLine {
     title: String,
     shown: Shown,
 }
@@ -54,7 +54,7 @@ enum Shown {
 impl ProgressLine {
     /// A line for what has this title.
     #[must_use]
-    pub fn new(title: &str, wanted: bool) -> Self {
+    pub(crate) fn new(title: &str, wanted: bool) -> Self {
         let shown = if !wanted {
             Shown::Not
         } else if std::io::stderr().is_terminal() {
@@ -69,7 +69,7 @@ impl ProgressLine {
     }
 
     /// Shows the newest state.
-    pub fn show<M: fmt::Display>(&mut self, message: impl FnOnce() -> M) {
+    pub(crate) fn show<M: fmt::Display>(&mut self, message: impl FnOnce() -> M) {
         match &mut self.shown {
             Shown::Not => {}
             Shown::OnTerminal(bar) => bar.set_message(message().to_string()),
@@ -83,7 +83,7 @@ impl ProgressLine {
     }
 
     /// Takes the line away.
-    pub fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         if let Shown::OnTerminal(bar) = core::mem::replace(&mut self.shown, Shown::Not) {
             bar.finish_and_clear();
             show_line(None);
@@ -128,7 +128,7 @@ impl Tally {
     /// "37 of 200 trials, about 4.2 min left"; nothing about the time before it can be known.
     #[must_use]
     #[allow(clippy::cast_precision_loss, reason = "counts far below 2^53")]
-    pub fn in_words(&self, what: &str) -> String {
+    pub(crate) fn in_words(&self, what: &str) -> String {
         let left = self.total.saturating_sub(self.done) as f64;
         let time = self.each_s.map_or_else(String::new, |each_s| {
             format!(", about {:.1} min left", left * each_s / 60.0)

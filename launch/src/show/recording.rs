@@ -4,12 +4,12 @@
 use serde::{Deserialize, Serialize};
 
 /// Its name in the folder of a run.
-pub const FILE: &str = "recording.json";
+pub(crate) const FILE: &str = "recording.json";
 
 /// A recorded run. Times are run time since the first goal [s]; everything lies in the `map` frame
 /// unless it says otherwise.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Recording {
+pub(crate) struct Recording {
     /// Name of the scenario.
     pub scenario: String,
     /// `reached`, or why not.
@@ -38,7 +38,7 @@ pub struct Recording {
 
 /// A scripted obstacle of a recording.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct RecordedObstacle {
+pub(crate) struct RecordedObstacle {
     /// Its name.
     pub name: String,
     /// Its outline in its own frame. [m]
@@ -49,7 +49,7 @@ pub struct RecordedObstacle {
 
 /// A path of a recording; it holds until the next one.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct RecordedPath {
+pub(crate) struct RecordedPath {
     /// Time. [s]
     pub time_s: f64,
     /// Why it was planned.
@@ -66,7 +66,7 @@ impl Recording {
     ///
     /// # Errors
     /// What is wrong, in a few words.
-    pub fn check(&self) -> Result<(), &'static str> {
+    pub(crate) fn check(&self) -> Result<(), &'static str> {
         let [low, high] = self.area_m;
         let poses = self.obstacles.iter().map(|obstacle| &obstacle.poses);
         let mut poses = poses.chain([&self.robot]);

@@ -5,7 +5,7 @@ use super::runner::Stopped;
 
 /// Why a suite did not run to its end.
 #[derive(Debug)]
-pub enum SuiteError {
+pub(crate) enum SuiteError {
     /// Usage or configuration, in one line.
     Usage(String),
     /// Ctrl-C: everything is stopped, the report says what there is.

@@ -17,7 +17,7 @@ const LEADS_S: [f64; 4] = [0.5, 1.0, 2.0, 3.0];
 
 /// A contact in the report of a suite.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct ContactRow {
+pub(crate) struct ContactRow {
     /// World of the run.
     pub world: String,
     /// Its seed.

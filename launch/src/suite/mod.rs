@@ -9,18 +9,18 @@ mod case;
 mod csv_file;
 mod data;
 mod dynabarn;
-pub mod error;
+pub(crate) mod error;
 mod folder;
 mod generated;
 mod hindsight;
 mod journal;
 mod junit;
 mod kind;
-pub mod noise;
+pub(crate) mod noise;
 mod oracle;
 mod pedestrians;
-pub mod plan;
-pub mod report;
+pub(crate) mod plan;
+pub(crate) mod report;
 mod row;
 mod rows;
 mod runner;
@@ -50,7 +50,7 @@ use std::time::Instant;
 ///
 /// # Errors
 /// [`SuiteError`]; runs that fail are no error but rows of the report.
-pub fn suite(plan: &SuitePlan, interrupted: &AtomicBool) -> Result<Report, SuiteError> {
+pub(crate) fn suite(plan: &SuitePlan, interrupted: &AtomicBool) -> Result<Report, SuiteError> {
     let Some(directory) = &plan.resume else {
         return begin(plan, interrupted, None);
     };

@@ -12,12 +12,39 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+/// Columns of the table beside the name.
+const COLUMNS: usize = 14;
+
+const WIDTHS: [usize; COLUMNS] = [5, 8, 7, 8, 8, 6, 7, 7, 7, 6, 9, 8, 6, 13];
+
+const HEADER: [&str; COLUMNS] = [
+    "runs",
+    "success",
+    "contact",
+    "contact",
+    "timeout",
+    "other",
+    "time",
+    "score",
+    "score",
+    "path",
+    "clearance",
+    "turning",
+    "jerk",
+    "interventions",
+];
+
+/// Units, and what tells columns of the same name apart.
+const UNITS: [&str; COLUMNS] = [
+    "", "", "moving", "standing", "", "", "s", "2-OT", "4-OT", "ratio", "m", "rad", "m/s^3", "",
+];
+
 /// Failures that the page names at most; the files have them all.
 const FAILURES_SHOWN: usize = 40;
 
 /// A class of worlds.
 #[derive(Debug, Clone, Serialize)]
-pub struct Group {
+pub(crate) struct Group {
     /// Its name.
     pub name: String,
     /// Its numbers.
@@ -26,7 +53,7 @@ pub struct Group {
 
 /// What a suite gave.
 #[derive(Debug, Clone, Serialize)]
-pub struct Report {
+pub(crate) struct Report {
     /// Which suite.
     pub suite: String,
     /// What the numbers are.
@@ -121,7 +148,7 @@ impl Report {
 
     /// The page for people.
     #[must_use]
-    pub fn to_text(&self) -> String {
+    pub(crate) fn to_text(&self) -> String {
         let mut text = String::new();
         if !self.complete {
             let _ = writeln!(
@@ -143,56 +170,28 @@ impl Report {
             self.wall_s,
             self.note
         );
+        self.write_table(&mut text);
+        self.write_failures(&mut text);
+        self.write_faults(&mut text);
+        let _ = writeln!(text, "\n  {}", self.directory);
+        text
+    }
+
+    /// A row for each class of worlds, where there are several, and one for all runs.
+    fn write_table(&self, text: &mut String) {
         let names = self.groups.iter().map(|group| group.name.len());
         let width = names.max().unwrap_or(0).max("all".len());
-        let _ = writeln!(
-            text,
-            "  {:width$} {:>5} {:>8} {:>7} {:>8} {:>8} {:>6} {:>7} {:>7} {:>7} {:>6} {:>9} \
-             {:>8} {:>6} {:>13}",
-            "",
-            "runs",
-            "success",
-            "contact",
-            "contact",
-            "timeout",
-            "other",
-            "time",
-            "score",
-            "score",
-            "path",
-            "clearance",
-            "turning",
-            "jerk",
-            "interventions"
-        );
-        let _ = writeln!(
-            text,
-            "  {:width$} {:>5} {:>8} {:>7} {:>8} {:>8} {:>6} {:>7} {:>7} {:>7} {:>6} {:>9} \
-             {:>8} {:>6} {:>13}",
-            "",
-            "",
-            "",
-            "moving",
-            "standing",
-            "",
-            "",
-            "s",
-            "2-OT",
-            "4-OT",
-            "ratio",
-            "m",
-            "rad",
-            "m/s^3",
-            ""
-        );
-        let all = Group {
-            name: "all".to_owned(),
-            summary: self.summary.clone(),
-        };
+        write_row("", &HEADER, width, text);
+        write_row("", &UNITS, width, text);
         let groups = Some(&self.groups).filter(|groups| groups.len() > 1);
-        for group in groups.into_iter().flatten().chain([&all]) {
-            write_group(group, width, &mut text);
+        for group in groups.into_iter().flatten() {
+            write_row(&group.name, &cells(&group.summary), width, text);
         }
+        write_row("all", &cells(&self.summary), width, text);
+    }
+
+    /// The runs that failed, by cause.
+    fn write_failures(&self, text: &mut String) {
         for (cause, n) in &self.summary.causes {
             let _ = writeln!(text, "\n  {n} x {cause}:");
             let failures = self
@@ -209,13 +208,8 @@ impl Report {
                 );
             }
         }
-        self.write_faults(&mut text);
-        let _ = writeln!(text, "\n  {}", self.directory);
-        text
     }
-}
 
-impl Report {
     /// Whose fault the contacts were, where that can be told.
     fn write_faults(&self, text: &mut String) {
         let sum = &self.summary;
@@ -239,8 +233,8 @@ impl Report {
     }
 }
 
-fn write_group(group: &Group, width: usize, text: &mut String) {
-    let sum = &group.summary;
+/// The cells of a group's row, in the order of [`HEADER`].
+fn cells(sum: &Summary) -> [String; COLUMNS] {
     let cell = |value: Option<f64>, digits: usize| {
         value.map_or_else(|| "-".to_owned(), |value| format!("{value:.digits$}"))
     };
@@ -251,17 +245,13 @@ fn write_group(group: &Group, width: usize, text: &mut String) {
         .filter(|(cause, _)| !named(cause))
         .map(|(_, n)| n)
         .sum();
-    let _ = writeln!(
-        text,
-        "  {:width$} {:>5} {:>8.4} {:>7} {:>8} {:>8} {:>6} {:>7} {:>7} {:>7} {:>6} {:>9} {:>8} \
-         {:>6} {:>13}",
-        group.name,
-        sum.runs,
-        sum.success,
-        sum.contacts_moving,
-        sum.contacts_standing,
-        sum.timeouts,
-        other,
+    [
+        sum.runs.to_string(),
+        cell(Some(sum.success), 4),
+        sum.contacts_moving.to_string(),
+        sum.contacts_standing.to_string(),
+        sum.timeouts.to_string(),
+        other.to_string(),
         cell(sum.mean_time_s, 2),
         cell(sum.score, 4),
         cell(sum.score_4ot, 4),
@@ -270,6 +260,20 @@ fn write_group(group: &Group, width: usize, text: &mut String) {
         cell(sum.mean_turning_rad, 2),
         cell(sum.mean_jerk_mps3, 2),
         sum.interventions
-            .map_or_else(|| "-".to_owned(), |n| n.to_string())
-    );
+            .map_or_else(|| "-".to_owned(), |n| n.to_string()),
+    ]
+}
+
+/// Writes a line of the table: a name of at most `width` letters, then its cells.
+fn write_row(
+    name: &str,
+    cells: &[impl core::fmt::Display; COLUMNS],
+    width: usize,
+    text: &mut String,
+) {
+    let _ = write!(text, "  {name:width$}");
+    for (cell, width) in cells.iter().zip(WIDTHS) {
+        let _ = write!(text, " {cell:>width$}");
+    }
+    text.push('\n');
 }

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 /// One run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Row {
+pub(crate) struct Row {
     /// World.
     pub world: String,
     /// What the world is sorted by.
@@ -193,13 +193,13 @@ impl Row {
 
     /// True when it touched something while it moved, and an oracle would not have.
     #[must_use]
-    pub fn is_at_fault(&self) -> bool {
+    pub(crate) fn is_at_fault(&self) -> bool {
         self.contacts_moving > self.unavoidable.unwrap_or(0)
     }
 
     /// True when the time was over.
     #[must_use]
-    pub fn is_timeout(&self) -> bool {
+    pub(crate) fn is_timeout(&self) -> bool {
         self.outcome.as_deref() == Some("timeout")
     }
 }

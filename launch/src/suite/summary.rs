@@ -7,7 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// The numbers. Rates and means are means over the worlds of the means over their runs.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Summary {
+pub(crate) struct Summary {
     /// Worlds.
     pub worlds: usize,
     /// Runs.
@@ -57,7 +57,7 @@ pub struct Summary {
 impl Summary {
     /// The numbers of these rows.
     #[must_use]
-    pub fn of(rows: &[&Row]) -> Self {
+    pub(crate) fn of(rows: &[&Row]) -> Self {
         let mean = |value: &dyn Fn(&Row) -> Option<f64>| {
             mean_of_worlds(
                 rows.iter()

@@ -10,7 +10,7 @@ use zeronav_shell::nearest::unknown;
 
 /// An algorithm: key and one line for people.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Algorithm {
+pub(crate) struct Algorithm {
     /// What a configuration calls it.
     pub key: String,
     /// One line for people.
@@ -21,7 +21,7 @@ pub struct Algorithm {
 ///
 /// # Errors
 /// One line when it cannot be asked.
-pub fn of(role: Role) -> Result<Vec<Algorithm>, String> {
+pub(crate) fn of(role: Role) -> Result<Vec<Algorithm>, String> {
     let binary = binaries::find(Path::new(binaries::stock(role)))?;
     let listed = question::ask(&binary, &["--list".as_ref()])
         .map_err(|silence| format!("{} --list: {silence}", binary.display()))?;
@@ -39,7 +39,7 @@ pub fn of(role: Role) -> Result<Vec<Algorithm>, String> {
 ///
 /// # Errors
 /// One line when it cannot be asked, or answers with something else.
-pub fn parameters_of(binary: &Path) -> Result<Vec<Parameter>, String> {
+pub(crate) fn parameters_of(binary: &Path) -> Result<Vec<Parameter>, String> {
     let binary = binaries::find(binary)?;
     let complaint = |why: &dyn Display| format!("{} --print-params: {why}", binary.display());
     let text = question::ask(&binary, &["--print-params".as_ref()])
@@ -51,7 +51,7 @@ pub fn parameters_of(binary: &Path) -> Result<Vec<Parameter>, String> {
 ///
 /// # Errors
 /// One line that names the nearest.
-pub fn check_controller(key: &str) -> Result<(), String> {
+pub(crate) fn check_controller(key: &str) -> Result<(), String> {
     let known = of(Role::LocalPlanner)?;
     if known.iter().any(|one| one.key == key) {
         return Ok(());

@@ -6,7 +6,7 @@ use zeronav_msgs::role::Role;
 
 /// The stock binary of a seat.
 #[must_use]
-pub fn stock(role: Role) -> &'static str {
+pub(crate) fn stock(role: Role) -> &'static str {
     match role {
         Role::Robot => "zeronav-robot-sim",
         Role::Mapping => "zeronav-mapping",
@@ -21,7 +21,7 @@ pub fn stock(role: Role) -> &'static str {
 ///
 /// # Errors
 /// Why there is none, and what to do.
-pub fn find(name: &Path) -> Result<PathBuf, String> {
+pub(crate) fn find(name: &Path) -> Result<PathBuf, String> {
     let beside = beside_this_program();
     let is_name = name.components().count() == 1;
     let mut candidates = Vec::new();
@@ -74,7 +74,7 @@ fn is_executable(path: &Path) -> bool {
 
 /// Which binaries a run may need.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Needed {
+pub(crate) enum Needed {
     /// The stock ones alone.
     Stock,
     /// Any of the workspace, those of the tests too.
@@ -86,7 +86,7 @@ pub enum Needed {
 ///
 /// # Errors
 /// One line when cargo cannot be run or the build fails; cargo's own words went to stderr.
-pub fn refresh_under_cargo(needed: Needed) -> Result<(), String> {
+pub(crate) fn refresh_under_cargo(needed: Needed) -> Result<(), String> {
     let bins: &[&str] = match needed {
         Needed::Stock => &["--exclude", "zeronav-tests", "--bins"],
         Needed::Any => &["--bins"],
@@ -103,7 +103,7 @@ pub fn refresh_under_cargo(needed: Needed) -> Result<(), String> {
 ///
 /// # Errors
 /// As [`find`].
-pub fn find_or_build(name: &Path) -> Result<PathBuf, String> {
+pub(crate) fn find_or_build(name: &Path) -> Result<PathBuf, String> {
     let found = find(name);
     let (Err(_), Some(example)) = (&found, name.to_str()) else {
         return found;

@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 use zeronav_shell::folder::{FILE_MODE, Folder};
 
 /// File name of the socket in the domain's root folder.
-pub const SOCKET: &str = "control.sock";
+pub(crate) const SOCKET: &str = "control.sock";
 
 /// Longest line, asked or answered. [bytes]
 const LINE_BYTES_MAX: usize = 64 * 1024;
@@ -31,7 +31,7 @@ const ACCEPTS_MAX: usize = 64;
 /// What can be asked of a run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "command", rename_all = "snake_case", deny_unknown_fields)]
-pub enum Request {
+pub(crate) enum Request {
     /// The run and its processes.
     Ps,
     /// Drive to this pose now.
@@ -47,7 +47,7 @@ pub enum Request {
 
 /// One process of a run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct ServiceReport {
+pub(crate) struct ServiceReport {
     /// Its seat.
     pub role: String,
     /// Its process id.
@@ -66,7 +66,7 @@ pub struct ServiceReport {
 
 /// A run and its processes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct RunReport {
+pub(crate) struct RunReport {
     /// Its scenario.
     pub scenario: String,
     /// Its domain.
@@ -86,7 +86,7 @@ pub struct RunReport {
 /// The answer to a request.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Reply {
+pub(crate) enum Reply {
     /// The answer to [`Request::Ps`].
     Run(RunReport),
     /// Done.
@@ -97,7 +97,7 @@ pub enum Reply {
 
 /// The run's end of the socket.
 #[derive(Debug)]
-pub struct Server {
+pub(crate) struct Server {
     listener: UnixListener,
     /// The oldest first.
     clients: VecDeque<Client>,
@@ -118,7 +118,7 @@ impl Server {
     ///
     /// # Errors
     /// What the system says.
-    pub fn open(folder: &Folder) -> std::io::Result<Self> {
+    pub(crate) fn open(folder: &Folder) -> std::io::Result<Self> {
         let path = folder.entry(SOCKET);
         let listener = UnixListener::bind(&path)?;
         let mode = rustix::fs::Mode::from_raw_mode(FILE_MODE);
@@ -131,7 +131,7 @@ impl Server {
     }
 
     /// Answers what has been asked completely since the last call. It waits for nothing.
-    pub fn serve(&mut self, mut answer: impl FnMut(Request) -> Reply) {
+    pub(crate) fn serve(&mut self, mut answer: impl FnMut(Request) -> Reply) {
         let (news, ready) = self.poll();
         let mut ready = ready.into_iter();
         self.clients.retain_mut(|client| {
@@ -257,7 +257,7 @@ fn is_same_user(stream: &UnixStream) -> std::io::Result<()> {
 /// # Errors
 /// What the system says, `PermissionDenied` when the other end is not the same user, or an answer
 /// that cannot be read.
-pub fn ask(folder: &Folder, request: &Request) -> std::io::Result<Reply> {
+pub(crate) fn ask(folder: &Folder, request: &Request) -> std::io::Result<Reply> {
     let mut stream = UnixStream::connect(folder.entry(SOCKET))?;
     is_same_user(&stream)?;
     stream.set_read_timeout(Some(PATIENCE))?;

@@ -14,18 +14,18 @@ use zeronav_msgs::role::Role;
 const LOOK_MAX: Duration = Duration::from_millis(20);
 
 /// How many times longer seats may stand still that do it together.
-pub const TOGETHER: u32 = 10;
+pub(crate) const TOGETHER: u32 = 10;
 
 /// Progress of every seat, as it was seen last.
 #[derive(Debug, Clone, Default)]
-pub struct HangWatch {
+pub(crate) struct HangWatch {
     seen: HashMap<Role, (u32, u64, Duration)>,
 }
 
 impl HangWatch {
     /// One look, `since` after the one before: the seat's epoch and progress counter. True when
     /// the counter has stood still for longer than `limit`, or much longer beside others.
-    pub fn look(
+    pub(crate) fn look(
         &mut self,
         role: Role,
         epoch: u32,

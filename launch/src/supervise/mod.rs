@@ -1,15 +1,15 @@
 //! Starting the processes of a stack, watching them, and leaving nothing behind.
 
-pub mod algorithms;
-pub mod binaries;
-pub mod child;
+pub(crate) mod algorithms;
+pub(crate) mod binaries;
+pub(crate) mod child;
 pub mod cleaner;
-pub mod control;
-pub mod hang;
-pub mod occupant;
-pub mod question;
-pub mod restart;
-pub mod stack;
+pub(crate) mod control;
+pub(crate) mod hang;
+pub(crate) mod occupant;
+pub(crate) mod question;
+pub(crate) mod restart;
+pub(crate) mod stack;
 pub mod warden;
 
 pub use child::Child;

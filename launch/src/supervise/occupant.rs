@@ -52,7 +52,7 @@ fn program(pid: u32) -> String {
 
 /// Last part of a path.
 #[must_use]
-pub fn file_name(path: &Path) -> String {
+pub(crate) fn file_name(path: &Path) -> String {
     path.file_name()
         .map_or_else(String::new, |name| name.to_string_lossy().into_owned())
 }

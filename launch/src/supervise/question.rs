@@ -31,7 +31,7 @@ const NO_TIME: Timespec = Timespec {
 
 /// Why there is no answer.
 #[derive(Debug, thiserror::Error)]
-pub enum Silence {
+pub(crate) enum Silence {
     /// It cannot be started.
     #[error("cannot be started: {0}")]
     Start(#[from] std::io::Error),
@@ -62,7 +62,7 @@ pub(crate) fn headline(text: &str) -> String {
 ///
 /// # Errors
 /// See [`Silence`]; whatever it was, the process is gone.
-pub fn ask(binary: &Path, arguments: &[&OsStr]) -> Result<String, Silence> {
+pub(crate) fn ask(binary: &Path, arguments: &[&OsStr]) -> Result<String, Silence> {
     let mut command = Command::new(binary);
     command
         .args(arguments)

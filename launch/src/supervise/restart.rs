@@ -45,7 +45,7 @@ impl RestartSpec {
 
 /// What to do about an ended process.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Decision {
+pub(crate) enum Decision {
     /// Start a successor after this time.
     Restart(Duration),
     /// End the run, for this reason.
@@ -54,14 +54,14 @@ pub enum Decision {
 
 /// The restarts so far.
 #[derive(Debug, Clone, Default)]
-pub struct Restarts {
+pub(crate) struct Restarts {
     of: HashMap<Role, u32>,
     all: u32,
 }
 
 impl Restarts {
     /// Decides about `role`, whose process ended with `code` (`None` = by a signal), and counts.
-    pub fn decide(&mut self, spec: &RestartSpec, role: Role, code: Option<i32>) -> Decision {
+    pub(crate) fn decide(&mut self, spec: &RestartSpec, role: Role, code: Option<i32>) -> Decision {
         if role == Role::Robot {
             return Decision::GiveUp("the robot is not restarted");
         }
@@ -90,7 +90,7 @@ impl Restarts {
 
     /// Restarts of `role` so far.
     #[must_use]
-    pub fn of(&self, role: Role) -> u32 {
+    pub(crate) fn of(&self, role: Role) -> u32 {
         self.of.get(&role).copied().unwrap_or(0)
     }
 }

@@ -462,7 +462,7 @@ impl Drop for Stack {
 /// Ends the processes and removes the domain with everything in it.
 ///
 /// The ports must be gone before the middleware's node, and the node before the lock.
-pub fn close(mut stack: Stack) {
+pub(crate) fn close(mut stack: Stack) {
     stack.stop_processes();
     stack.children.clear();
     let (peer, topics) = (stack.peer.take(), stack.topics.take());

@@ -2,7 +2,7 @@
 
 use nalgebra::Point2;
 use zeronav_msgs::grid::SIDE_CELLS_MAX;
-use zeronav_msgs::map::{TILE_CELLS, TILES_PER_KEYFRAME_MAX, tiles_of};
+use zeronav_msgs::map::{GROWING_TILES_MAX, TILE_CELLS, TILES_PER_KEYFRAME_MAX, tiles_of};
 use zeronav_msgs::{Cell, GridGeometry};
 use zeronav_params::{choices, parameters};
 
@@ -29,7 +29,7 @@ parameters! {
         margin_m: f64 = 3.0, [0.0, 1.0e3] "m";
         /// Most tiles of 32 x 32 cells of a growing map; they decide how much memory its keyframes
         /// take.
-        tiles_max: usize = 1024, [1, TILES_PER_KEYFRAME_MAX];
+        tiles_max: usize = GROWING_TILES_MAX, [1, TILES_PER_KEYFRAME_MAX];
     }
 }
 
