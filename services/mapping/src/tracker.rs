@@ -14,7 +14,7 @@ use crate::track::Track;
 use nalgebra::{Matrix2, Point2, Vector2};
 use zeronav_msgs::Pose;
 use zeronav_msgs::obstacles::{OBSTACLES_MAX, Obstacle};
-use zeronav_msgs::scan::{BEAMS_MAX, Scan};
+use zeronav_msgs::scan::Scan;
 use zeronav_msgs::time::{nanoseconds, seconds};
 use zeronav_params::parameters;
 
@@ -46,6 +46,24 @@ const ACCELERATION_LASTS_S: f64 = 0.1;
 /// Share of a cluster's points that must be seen to have moved, and the least number.
 const SEEN_MOVING: (f64, usize) = (0.25, 2);
 
+/// Fewest points of a cluster: two would be found on every edge between near and far beams.
+const POINTS_MIN: usize = 3;
+
+/// Time after the last hit at which a track ends: three scans of a lidar at 10 Hz. [s]
+const COAST_S: f64 = 0.3;
+
+/// Speed in standard deviations from which a track may be called moving: 95 % of static ones stay below.
+const MOVING_SIGMAS: f64 = 2.0;
+
+/// Distance that a track must have moved before it is called moving: more than the noise of a centre. [m]
+const MOVING_DISTANCE_M: f64 = 0.1;
+
+/// Speed below which a track that moved comes to rest, above the noise of a static one's. [m/s]
+const REST_SPEED_MPS: f64 = 0.15;
+
+/// Time at rest after which a track is not called moving any more: longer than a step's pause. [s]
+const REST_S: f64 = 1.0;
+
 parameters! {
     /// What is taken for a moving obstacle.
     #[derive(Copy)]
@@ -56,8 +74,6 @@ parameters! {
         /// beams; and how far around a point an earlier scan must have seen free space for the
         /// point to be new.
         gap_m: f64 = 0.1, [1.0e-3, 10.0] "m";
-        /// Fewest points of a cluster.
-        points_min: usize = 3, [2, BEAMS_MAX];
         /// Largest radius of a moving obstacle.
         radius_m_max: f64 = 0.6, [1.0e-3, 10.0] "m";
         /// Range beyond which nothing is tracked: points lie far apart there.
@@ -68,16 +84,6 @@ parameters! {
         position_sigma_m: f64 = 0.02, [1.0e-3, 1.0] "m";
         /// Standard deviation of an obstacle's acceleration.
         acceleration_sigma_mps2: f64 = 1.0, [1.0e-3, 100.0] "m/s^2";
-        /// Time after the last hit at which a track ends.
-        coast_s: f64 = 0.3, [0.0, 10.0] "s";
-        /// Speed in standard deviations from which a track may be called moving.
-        moving_sigmas: f64 = 2.0, [0.0, 100.0];
-        /// Distance that a track must have moved before it is called moving.
-        moving_distance_m: f64 = 0.1, [0.0, 100.0] "m";
-        /// Speed below which a track that moved comes to rest.
-        rest_speed_mps: f64 = 0.15, [0.0, 10.0] "m/s";
-        /// Time at rest after which a track is not called moving any more.
-        rest_s: f64 = 1.0, [0.0, 100.0] "s";
     }
 }
 
@@ -155,7 +161,7 @@ impl Tracker {
         let dt_s = seconds(view.run_ns.saturating_sub(self.run_ns));
         self.run_ns = view.run_ns;
         self.yaw_doubt = view.yaw_doubt;
-        let coast_ns = nanoseconds(self.config.coast_s);
+        let coast_ns = nanoseconds(COAST_S);
         self.tracks
             .retain(|track| view.run_ns.saturating_sub(track.hit_ns) <= coast_ns);
         let acceleration_m2ps3 = self.config.acceleration_sigma_mps2.powi(2) * ACCELERATION_LASTS_S;
@@ -211,7 +217,7 @@ impl Tracker {
             let place = track.filter.position() + track.filter.velocity() * ahead_s;
             let reach_m = track.form.radius_m + RESTLESS_MARGIN_M;
             (point_in_map - place).norm_squared() <= reach_m * reach_m
-                && (track.moving || track.filter.velocity().norm() > self.config.rest_speed_mps)
+                && (track.moving || track.filter.velocity().norm() > REST_SPEED_MPS)
         })
     }
 
@@ -240,7 +246,7 @@ impl Tracker {
             let (Some(first), Some(last)) = (points.first(), points.last()) else {
                 continue;
             };
-            if points.len() < self.config.points_min || (first.at - last.at).norm() > diameter_m {
+            if points.len() < POINTS_MIN || (first.at - last.at).norm() > diameter_m {
                 continue;
             }
             let places = points.iter().map(|point| point.at);
@@ -344,20 +350,20 @@ impl Tracker {
         followed.trail.push(followed.filter.position());
         let speed_mps = followed.filter.velocity().norm();
         if followed.moving {
-            if speed_mps > self.config.rest_speed_mps {
+            if speed_mps > REST_SPEED_MPS {
                 followed.slow_since_ns = self.run_ns;
             }
             let rests_ns = self.run_ns.saturating_sub(followed.slow_since_ns);
-            if rests_ns > nanoseconds(self.config.rest_s) {
+            if rests_ns > nanoseconds(REST_S) {
                 followed.moving = false;
                 followed.born_at = followed.filter.position();
                 followed.born_yaw_doubt = self.yaw_doubt;
             }
         } else if followed.hits >= HITS_TO_CONFIRM
-            && speed_mps > self.config.moving_sigmas * followed.filter.speed_sigma_mps()
-            && speed_mps > self.config.rest_speed_mps
+            && speed_mps > MOVING_SIGMAS * followed.filter.speed_sigma_mps()
+            && speed_mps > REST_SPEED_MPS
             && (followed.filter.position() - followed.born_at).norm()
-                > self.config.moving_distance_m + self.swing_m(&followed, eye)
+                > MOVING_DISTANCE_M + self.swing_m(&followed, eye)
             && self.is_seen_moving(&followed, &seen.cluster)
         {
             followed.moving = true;

@@ -63,6 +63,7 @@ const YAW_NEGLIGIBLE_RAD: f64 = 1.0e-6;
 
 /// Geometry of the upright grid that covers a grid of `width` x `height` cells whose lower left
 /// corner lies at `corner`, turned by its yaw; `None` when a side leaves the numbers of a grid.
+#[must_use]
 pub fn covering_geometry(
     corner: &Pose,
     resolution_m: f64,
@@ -93,6 +94,7 @@ pub fn covering_geometry(
 }
 
 /// Cells of `resolution_m` that cover `length_m`, a sliver of a millionth of a cell left out.
+#[must_use]
 pub fn cells_along(length_m: f64, resolution_m: f64) -> Option<u32> {
     let n = (length_m / resolution_m - 1.0e-6).ceil().max(1.0);
     #[allow(
@@ -109,6 +111,7 @@ fn is_upright(corner: &Pose) -> bool {
 
 /// Lays a grid whose lower left corner lies at `corner`, turned by its yaw, onto `geometry`: each
 /// upright cell takes what the turned grid says at its centre, and is unknown beside it.
+#[must_use]
 pub fn upright(
     geometry: GridGeometry,
     corner: &Pose,
