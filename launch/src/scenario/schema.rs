@@ -128,7 +128,7 @@ fn closed(fields: Map<String, Value>, required: &[&str]) -> Value {
     json!({
         "type": "object",
         "additionalProperties": false,
-        "properties": fields,
+        "properties": Value::Object(fields),
         "required": required,
     })
 }
@@ -160,7 +160,7 @@ fn list(item: &Value) -> Value {
 
 /// A list of exactly these.
 fn tuple<const N: usize>(items: [Value; N]) -> Value {
-    json!({ "type": "array", "prefixItems": items.to_vec(), "minItems": N, "maxItems": N })
+    json!({ "type": "array", "prefixItems": Value::Array(items.into()), "minItems": N, "maxItems": N })
 }
 
 /// Exactly one of these tables, each with the field `kind` of its name.
@@ -290,7 +290,11 @@ fn fault() -> Value {
     let share = |name| (name, ranged(0.0, 1.0));
     kinds([
         ("lidar_blackout", with(&[lasts.clone(), looks]), &["begins"]),
-        ("lidar_frozen", with(&[lasts.clone()]), &["begins"]),
+        (
+            "lidar_frozen",
+            with(core::slice::from_ref(&lasts)),
+            &["begins"],
+        ),
         (
             "lidar_turned",
             with(&[lasts.clone(), ("angle_rad", number())]),
