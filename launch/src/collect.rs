@@ -4,11 +4,12 @@ use crate::measure::index::{PathRecord, Sensed, Sighting};
 use crate::measure::{Records, RunHash};
 use crate::seen::{Fact, Seen, TaskReport};
 use crate::supervise::stack::Taps;
-use std::collections::{BTreeSet, HashMap};
+use std::collections::{BTreeSet, HashMap, VecDeque};
 use std::time::{Duration, Instant};
 use zeronav_msgs::grid::{Cell, GridGeometry};
 use zeronav_msgs::header::Id;
-use zeronav_msgs::map::{COST_LETHAL, FLAG_SENSED, FLAG_STATIC, MapView};
+use zeronav_msgs::map::{COST_LETHAL, FLAG_STATIC, MapView};
+use zeronav_msgs::obstacles::Obstacle;
 use zeronav_msgs::pose::Pose;
 use zeronav_msgs::replica::{MapReplica, Step};
 use zeronav_msgs::role::Role;
@@ -29,6 +30,9 @@ pub(crate) type Placed<'a> = &'a dyn Fn(usize, &Pose) -> Option<Convex>;
 
 /// Changes of what the map shows of one obstacle that are kept at most; the oldest go first.
 const SENSED_MAX: usize = 1000;
+
+/// Lists of tracked obstacles that are kept for the revisions of the map that go with them.
+const TRACKED_MAX: usize = 32;
 
 /// Everything that was heard.
 #[derive(Debug, Default)]
@@ -53,8 +57,10 @@ pub(crate) struct Collector {
     pub scan_tick: u64,
     /// Scripted obstacles as they were seen last: index and pose.
     pub obstacles: HashMap<usize, Pose>,
-    /// The map.
+    /// The map, with the dynamic obstacles of its scan on it.
     pub replica: MapReplica,
+    /// Scan and tracked obstacles, newest last.
+    tracked: VecDeque<(u64, Vec<Obstacle>)>,
     /// Updates of the map that a scan made, and the tiles in them.
     pub updates: (u64, u64),
     /// Spans that were dropped because there were too many.
@@ -90,6 +96,9 @@ impl Collector {
                 return;
             }
             let (revision, scan) = (view.header.id(), view.header.parents.scan);
+            let tracked = self.tracked.iter().rfind(|(of, _)| *of == scan);
+            self.replica
+                .stamp(tracked.map_or(&[], |(_, obstacles)| obstacles));
             if scan != 0 {
                 self.updates.0 += 1;
                 self.updates.1 += view.items.len() as u64;
@@ -187,7 +196,12 @@ impl Collector {
             }
         });
         taps.moving.drain(roster, |view| {
-            let fact = Fact::Moving(view.header.parents.scan, view.items.to_vec());
+            let scan = view.header.parents.scan;
+            if self.tracked.len() == TRACKED_MAX {
+                self.tracked.pop_front();
+            }
+            self.tracked.push_back((scan, view.items.to_vec()));
+            let fact = Fact::Moving(scan, view.items.to_vec());
             (self.seen).hear(view.header.tick, view.header.run_ns, fact);
         });
     }
@@ -321,8 +335,8 @@ impl Collector {
     }
 }
 
-/// Centres of the sensed lethal cells, not those of the static map, within one cell of the outline
-/// of `obstacle`. [m]
+/// Centres of the lethal cells that are not the static map's, within one cell of the outline of
+/// `obstacle`. [m]
 #[must_use]
 pub(crate) fn sensed_at(map: &MapView<'_>, obstacle: &Convex) -> Vec<[f64; 2]> {
     let geometry: &GridGeometry = map.geometry;
@@ -343,11 +357,9 @@ pub(crate) fn sensed_at(map: &MapView<'_>, obstacle: &Convex) -> Vec<[f64; 2]> {
     for y in low.y.max(0)..=high.y.min(height - 1) {
         for x in low.x.max(0)..=high.x.min(width - 1) {
             let cell = Cell::new(x, y);
-            let sensed = map.get(cell).is_some_and(|cell| {
-                cell.cost == COST_LETHAL
-                    && cell.flags & FLAG_SENSED != 0
-                    && cell.flags & FLAG_STATIC == 0
-            });
+            let sensed = map
+                .get(cell)
+                .is_some_and(|cell| cell.cost == COST_LETHAL && cell.flags & FLAG_STATIC == 0);
             let point = geometry.centre_of(cell);
             if sensed && obstacle.distance_to_point_m(point) <= geometry.resolution_m {
                 cells_m.push([point.x, point.y]);

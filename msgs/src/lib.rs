@@ -30,6 +30,7 @@ pub mod run;
 pub mod scan;
 pub mod seats;
 pub mod span;
+mod stamp;
 pub mod task;
 pub mod time;
 pub mod topics;

@@ -33,20 +33,19 @@ pub const COST_UNKNOWN: u8 = 255;
 pub const FLAG_STATIC: u8 = 1;
 /// Flag: occupied by what the lidar saw.
 pub const FLAG_SENSED: u8 = 1 << 1;
-/// Flag: under a tracked, moving obstacle.
-pub const FLAG_MOVING: u8 = 1 << 2;
 /// Flag: a virtual obstacle.
-pub const FLAG_VIRTUAL: u8 = 1 << 3;
+pub const FLAG_VIRTUAL: u8 = 1 << 2;
 /// Flag: filled by obstacle regularisation.
-pub const FLAG_REGULARISED: u8 = 1 << 4;
+pub const FLAG_REGULARISED: u8 = 1 << 3;
 /// Flag: nothing is known about the cell, whatever its cost says.
-pub const FLAG_UNKNOWN: u8 = 1 << 5;
+pub const FLAG_UNKNOWN: u8 = 1 << 4;
 
-const FLAGS_ALL: u8 = (1 << 6) - 1;
+const FLAGS_ALL: u8 = (1 << 5) - 1;
 
 message! {
-    /// One cell. `cost` and `clearance_mm` come from static and sensed obstacles alone.
-    pub struct MapCell = "zeronav.MapCell.v1" {
+    /// One cell. `cost` and `clearance_mm` come from obstacles that are static, by the static map or
+    /// by what the lidar saw; those that move are on `map/obstacles` alone.
+    pub struct MapCell = "zeronav.MapCell.v2" {
         /// As in Nav2: 0 free, 253 inscribed, 254 lethal, 255 unknown.
         pub cost: u8,
         /// Sum of the `FLAG_` bits.
@@ -84,7 +83,7 @@ impl MapCell {
 
 message! {
     /// 32 x 32 cells, row-major. Cells beyond the map's edge are unknown and ignored.
-    pub struct MapTile = "zeronav.MapTile.v1" {
+    pub struct MapTile = "zeronav.MapTile.v2" {
         /// Column of tiles, from 0.
         pub tile_x: u32,
         /// Row of tiles, from 0.
@@ -95,8 +94,22 @@ message! {
 }
 
 message! {
+    /// How the cost of a known cell follows from its clearance, see [`CostModel::cost`].
+    pub struct CostModel = "zeronav.CostModel.v1" {
+        /// [m] of the robot's inscribed circle, >= 0.
+        pub inscribed_radius_m: f64,
+        /// [m] added to the inscribed radius, >= 0.
+        pub padding_m: f64,
+        /// [m] of clearance beyond which a cell is free, >= 0.
+        pub inflation_radius_m: f64,
+        /// [1/m] by which the cost falls, >= 0.
+        pub scaling_per_m: f64,
+    }
+}
+
+message! {
     /// Fixed fields of map messages. The slice holds tiles.
-    pub struct MapInfo = "zeronav.MapInfo.v1" {
+    pub struct MapInfo = "zeronav.MapInfo.v2" {
         /// Where the grid lies.
         pub geometry: GridGeometry,
         /// Revision that the map has after this message: the id of the update's last part.
@@ -115,6 +128,8 @@ message! {
         pub clearance_limit_mm: u32,
         /// 1 when scans keep coming, 0 when the map is not current.
         pub current: u32,
+        /// How the cost of a cell follows from its clearance.
+        pub cost_model: CostModel,
     }
 }
 
@@ -184,6 +199,57 @@ impl MapTile {
     }
 }
 
+/// What is lost in floating point must not cost a millimetre. [mm]
+const ROUNDING_MM: f64 = 1.0e-6;
+
+impl CostModel {
+    /// Cost of a known cell whose centre is `clearance_m` from the nearest obstacle.
+    ///
+    /// As in Nav2's inflation layer: 254 in obstacles, 253 where the clearance is at most the
+    /// inscribed radius or less than that and the padding, then
+    /// `252 exp(-k (clearance - inscribed - padding))` rounded down, 0 beyond the inflation radius.
+    /// Nav2 measures from the obstacle's centre, we from its edge, so that costs reach half a cell
+    /// further.
+    #[must_use]
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "costs are 0 to 252"
+    )]
+    pub fn cost(&self, clearance_m: f64) -> u8 {
+        let beyond_m = clearance_m - self.inscribed_radius_m;
+        let spare_m = beyond_m - self.padding_m;
+        if clearance_m <= 0.0 {
+            COST_LETHAL
+        } else if beyond_m * 1000.0 <= ROUNDING_MM || spare_m * 1000.0 < -ROUNDING_MM {
+            COST_INSCRIBED
+        } else if clearance_m * 1000.0 <= self.inflation_radius_m * 1000.0 + ROUNDING_MM {
+            let fall = (-self.scaling_per_m * spare_m).exp();
+            (f64::from(COST_CIRCUMSCRIBED_MAX) * fall) as u8
+        } else {
+            COST_FREE
+        }
+    }
+
+    fn check(&self) -> Result<(), Refusal> {
+        number(self.inscribed_radius_m, 0.0, 100.0, "inscribed_radius_m")?;
+        number(self.padding_m, 0.0, 100.0, "padding_m")?;
+        number(self.inflation_radius_m, 0.0, 100.0, "inflation_radius_m")?;
+        number(self.scaling_per_m, 0.0, 1.0e6, "scaling_per_m")
+    }
+}
+
+/// A clearance as a cell holds it: rounded down, at most `limit_mm`. [mm]
+#[must_use]
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "clamped to 16 bits"
+)]
+pub fn clearance_mm(clearance_m: f64, limit_mm: u16) -> u16 {
+    ((clearance_m * 1000.0 + ROUNDING_MM).clamp(0.0, f64::from(u16::MAX)) as u16).min(limit_mm)
+}
+
 impl MapInfo {
     /// True when the revision is complete with this message.
     #[must_use]
@@ -211,6 +277,7 @@ impl MapInfo {
             Refusal::OutOfRange("clearance_limit_mm"),
         )?;
         ensure(self.current <= 1, Refusal::Code("current"))?;
+        self.cost_model.check()?;
         ensure(
             tiles.len() == self.n_tiles as usize && tiles.len() <= tiles_max,
             Refusal::Length("tiles"),

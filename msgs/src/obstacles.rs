@@ -1,10 +1,13 @@
-//! `map/obstacles`: what moves.
+//! `map/obstacles`: tracked dynamic obstacles.
 
 use crate::message;
 use crate::message::{COORDINATE_M_MAX, Refusal, SPEED_MAX, ZeroCopySend, ensure, number};
 
 /// Most tracked obstacles.
 pub const OBSTACLES_MAX: usize = 128;
+
+/// Largest radius of a tracked obstacle: who draws it on a map must not have to draw the world. [m]
+pub const OBSTACLE_RADIUS_M_MAX: f64 = 5.0;
 
 message! {
     /// Fixed fields of the list of tracked obstacles.
@@ -27,7 +30,7 @@ message! {
         pub vx_mps: f64,
         /// [m/s] `map` frame.
         pub vy_mps: f64,
-        /// [m] >= 0
+        /// [m] 0 to [`OBSTACLE_RADIUS_M_MAX`].
         pub radius_m: f64,
         /// [s] since the track began.
         pub age_s: f64,
@@ -52,7 +55,7 @@ impl Obstacles {
             number(obstacle.y_m, -limit, limit, "y_m")?;
             number(obstacle.vx_mps, -SPEED_MAX, SPEED_MAX, "vx_mps")?;
             number(obstacle.vy_mps, -SPEED_MAX, SPEED_MAX, "vy_mps")?;
-            number(obstacle.radius_m, 0.0, 100.0, "radius_m")?;
+            number(obstacle.radius_m, 0.0, OBSTACLE_RADIUS_M_MAX, "radius_m")?;
             number(obstacle.age_s, 0.0, 1.0e9, "age_s")?;
             for value in obstacle.covariance {
                 number(value, -1.0e12, 1.0e12, "covariance")?;

@@ -8,6 +8,8 @@
 use crate::grid::{CellRect, GridGeometry};
 use crate::header::Id;
 use crate::map::{MapCell, MapInfo, MapTile, MapView};
+use crate::obstacles::Obstacle;
+use crate::stamp::Stamp;
 use std::collections::VecDeque;
 
 /// Updates that are kept while waiting for a keyframe; more and the wait begins anew.
@@ -37,6 +39,8 @@ pub struct MapReplica {
     pending: VecDeque<(Id, MapInfo, Vec<MapTile>)>,
     parts: Vec<MapTile>,
     changed: Vec<CellRect>,
+    /// Dynamic obstacles that lie over the cells.
+    stamp: Stamp,
     gaps: u64,
 }
 
@@ -78,6 +82,18 @@ impl MapReplica {
     #[must_use]
     pub fn gaps(&self) -> u64 {
         self.gaps
+    }
+
+    /// Takes dynamic obstacles, in the map frame, for static discs: writes them over the cells in
+    /// place of those of the last call, by the map's cost model. To be called after every revision,
+    /// which lifts them off. Unknown cells stay unknown where their clearance does not block the
+    /// robot's centre.
+    pub fn stamp(&mut self, obstacles: &[Obstacle]) {
+        self.stamp.lift(&mut self.cells, &mut self.changed);
+        if self.revision.is_some() {
+            let (info, cells) = (&self.info, &mut self.cells);
+            self.stamp.put(obstacles, info, cells, &mut self.changed);
+        }
     }
 
     /// Rectangles that were written since the last call; all of the map after a keyframe.
@@ -124,6 +140,7 @@ impl MapReplica {
         if revision < self.revision || !covers(info, tiles) {
             return Step::Ignored;
         }
+        self.stamp.clear();
         self.cells.clear();
         self.cells.resize(info.geometry.len(), MapCell::unknown(0));
         for tile in tiles {
@@ -163,6 +180,7 @@ impl MapReplica {
             self.parts.extend_from_slice(tiles);
             return Step::Kept;
         }
+        self.stamp.lift(&mut self.cells, &mut self.changed);
         let parts = core::mem::take(&mut self.parts);
         for tile in parts.iter().chain(tiles) {
             tile.copy_to(&info.geometry, &mut self.cells);

@@ -79,6 +79,7 @@ pub static SEATS: [SeatRow; 5] = [
             RobotOdometry::ROW,
             MapUpdate::ROW,
             MapKeyframe::ROW,
+            MapObstacles::ROW,
             PlanRequests::ROW,
             TaskGoal::ROW,
             TaskState::ROW,

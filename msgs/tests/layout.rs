@@ -16,8 +16,8 @@ const GOLDEN: &[(&str, usize, usize, u64)] = &[
     ("robot/description", 264, 16, 0x2c91_0069_7c64_18bd),
     ("robot/scan", 160, 4, 0x3f49_5fbc_f312_b64a),
     ("robot/odometry", 200, 1, 0xa81a_5028_3e14_2917),
-    ("map/update", 256, 4104, 0xd4d4_b4a9_4240_efcf),
-    ("map/keyframe", 256, 4104, 0x3235_1be4_c460_e78c),
+    ("map/update", 288, 4104, 0xa1d4_76a5_5b7a_a2fe),
+    ("map/keyframe", 288, 4104, 0x7858_bd05_bd96_78ce),
     ("map/obstacles", 136, 136, 0x2712_c9b5_4150_e314),
     ("plan/path", 240, 24, 0xf295_3d95_ebe4_e756),
     ("plan/request", 144, 1, 0xe8e8_e8d0_d733_8bbc),
@@ -78,7 +78,7 @@ fn fixed_offsets_that_other_languages_rely_on() {
             size_of::<Path>(),
             size_of::<Waypoint>()
         ),
-        (128, 112, 24)
+        (160, 112, 24)
     );
     assert_eq!(Header::NAME, "zeronav.Header.v1");
 }

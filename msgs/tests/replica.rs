@@ -2,7 +2,8 @@
 
 use proptest::prelude::*;
 use zeronav_msgs::header::Id;
-use zeronav_msgs::map::{MapInfo, MapTile, tiles_of};
+use zeronav_msgs::map::{CostModel, MapInfo, MapTile, tiles_of};
+use zeronav_msgs::obstacles::Obstacle;
 use zeronav_msgs::replica::{MapReplica, PENDING_MAX, Step};
 use zeronav_msgs::{Cell, GridGeometry, MapCell};
 
@@ -276,5 +277,101 @@ proptest! {
             replica.keyframe(&info, &tiles);
         }
         prop_assert_eq!(replica.view().expect("a map").cells, writer.cells.as_slice());
+    }
+}
+
+/// A cost model whose costs fall over 0.4 m.
+const MODEL: CostModel = CostModel {
+    inscribed_radius_m: 0.2,
+    padding_m: 0.0,
+    inflation_radius_m: 0.6,
+    scaling_per_m: 4.0,
+};
+
+fn disc(x_m: f64, y_m: f64, radius_m: f64) -> Obstacle {
+    Obstacle {
+        x_m,
+        y_m,
+        radius_m,
+        ..Obstacle::default()
+    }
+}
+
+#[test]
+fn stamped_discs_block_by_the_cost_model_and_leave_no_trace() {
+    let (mut writer, mut replica) = started();
+    writer.cells.fill(MapCell {
+        clearance_mm: 1000,
+        ..MapCell::default()
+    });
+    writer.epoch = 2;
+    let _ = writer.set(20, 20, 7);
+    writer.cells[GEOMETRY.index_of(Cell::new(70, 30)).expect("inside")] = MapCell::unknown(1000);
+    writer.cells[GEOMETRY.index_of(Cell::new(62, 30)).expect("inside")] = MapCell::unknown(1000);
+    let (mut info, tiles) = writer.keyframe();
+    info.cost_model = MODEL;
+    assert_eq!(replica.keyframe(&info, &tiles), Step::Applied);
+    replica.take_changed();
+
+    // Centre of cell (60, 30).
+    replica.stamp(&[disc(3.025, 1.525, 0.1)]);
+    let cell = |replica: &MapReplica, x| {
+        replica
+            .view()
+            .expect("a map")
+            .get(Cell::new(x, 30))
+            .expect("inside")
+    };
+    let values = |cell: MapCell| (cell.cost, cell.clearance_mm);
+    assert_eq!(values(cell(&replica, 60)), (254, 0));
+    assert_eq!(values(cell(&replica, 58)), (254, 0));
+    assert_eq!(values(cell(&replica, 57)), (253, 50));
+    // 0.3 m: 252 exp(-0.4) = 168.9.
+    assert_eq!(values(cell(&replica, 52)), (168, 300));
+    assert_eq!(values(cell(&replica, 45)), (0, 650));
+    // Unknown cells stay unknown unless they are blocked.
+    assert_eq!(values(cell(&replica, 62)), (254, 0));
+    assert_eq!(values(cell(&replica, 70)), (255, 400));
+    assert_eq!(replica.take_changed().len(), 1);
+
+    // The same disc elsewhere: nothing is left of where it was.
+    replica.stamp(&[disc(1.025, 1.525, 0.1), disc(1.1, 1.6, 0.01)]);
+    assert_eq!(values(cell(&replica, 60)), (0, 1000));
+    assert_eq!(values(cell(&replica, 20)), (254, 0));
+    assert_eq!(replica.take_changed().len(), 3);
+    replica.stamp(&[]);
+    assert_equal(&replica, &writer);
+}
+
+proptest! {
+    /// Whatever is stamped between updates, cells are those of the writer when it is lifted, every
+    /// cell that differs from before was announced, and stamping never makes a cell safer.
+    #[test]
+    fn stamps_are_lifted_by_the_next_revision(
+        edits in prop::collection::vec((0_u32..100, 0_u32..70, 0_u8..=254), 1..20),
+        discs in prop::collection::vec((-1.0..6.0, -1.0..4.5, 0.0..1.0), 0..6),
+    ) {
+        let (mut writer, mut replica) = started();
+        let discs: Vec<Obstacle> = discs.iter().map(|(x, y, r)| disc(*x, *y, *r)).collect();
+        for (n, (x, y, cost)) in edits.into_iter().enumerate() {
+            let before = replica.view().expect("a map").cells.to_vec();
+            let (id, mut info, tiles) = writer.set(x, y, cost);
+            info.cost_model = MODEL;
+            prop_assert_eq!(replica.update(id, &info, &tiles), Step::Applied);
+            prop_assert_eq!(replica.view().expect("a map").cells, &writer.cells[..]);
+            replica.stamp(&discs[n % (discs.len() + 1)..]);
+            let changed = replica.take_changed();
+            let cells = replica.view().expect("a map").cells;
+            for (index, (cell, own)) in cells.iter().zip(&writer.cells).enumerate() {
+                let at = Cell::new(
+                    i32::try_from(index % 100).expect("small"),
+                    i32::try_from(index / 100).expect("small"),
+                );
+                prop_assert!(cell.clearance_mm <= own.clearance_mm);
+                prop_assert!(cell.cost >= own.cost || own.cost == 255);
+                let announced = changed.iter().any(|rect| rect.contains(at));
+                prop_assert!(announced || *cell == before[index], "{:?}", at);
+            }
+        }
     }
 }

@@ -12,7 +12,7 @@ use zeronav_msgs::path::{Path, WAYPOINTS_MAX};
 use zeronav_msgs::pose::Pose;
 use zeronav_msgs::request::RequestReason;
 use zeronav_msgs::role::Role;
-use zeronav_msgs::topics::{PlanPath, PlanRequests};
+use zeronav_msgs::topics::{MapObstacles, PlanPath, PlanRequests};
 use zeronav_params::Parameter;
 use zeronav_shell::clock::now_ns;
 use zeronav_shell::doorbell::Rung;
@@ -34,6 +34,7 @@ struct PlannerService {
 struct Inputs {
     odometry: OdometryReader,
     map: MapInput,
+    obstacles: Latest<MapObstacles>,
     request: Latest<PlanRequests>,
     goal: CurrentGoal,
     /// Rectangles written since the last situation.
@@ -45,6 +46,11 @@ impl Inputs {
     fn poll(&mut self, shell: &Shell) -> bool {
         self.odometry.poll(shell.roster());
         let mapped = self.map.poll(shell);
+        // After the map: mapping sends the obstacles of a scan before its update.
+        if self.obstacles.poll(shell.roster()) || !self.map.changed().is_empty() {
+            let obstacles = self.obstacles.get();
+            self.map.stamp_obstacles(obstacles.map_or(&[], |view| view.items));
+        }
         self.changed.extend_from_slice(self.map.changed());
         let requested = self.request.poll(shell.roster());
         let other_goal = self.goal.poll(shell.roster());
@@ -147,6 +153,7 @@ impl Service for PlannerService {
             inputs: Inputs {
                 odometry: OdometryReader::open(peer)?,
                 map: MapInput::open(peer)?,
+                obstacles: peer.latest()?,
                 request: peer.latest()?,
                 goal: CurrentGoal::open(peer)?,
                 changed: Vec::new(),

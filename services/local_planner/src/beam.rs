@@ -64,7 +64,7 @@ const CELL_MPS: f32 = 0.4;
 pub fn beam(dwa: DwaConfig, timed: DwaTConfig, config: BeamConfig) -> Pilot {
     Pilot::new(
         in_time(dwa, timed),
-        Some(Prediction::new(Growth::from(&timed)).on_static_map(SIGHT_M)),
+        Some(Prediction::new(Growth::from(&timed)).with_sight(SIGHT_M)),
         Box::new(Beam {
             search: Search::new(config),
             alone: TimedWindow::new(timed),

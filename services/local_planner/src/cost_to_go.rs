@@ -107,11 +107,6 @@ pub(crate) struct CostToGoInputs<'a> {
 }
 
 impl CostToGo {
-    /// [m] around the robot that a window which knows `reach_m` looks at, at most.
-    pub(crate) const fn half_m(reach_m: f64) -> f64 {
-        REACH_SHARE * reach_m + 1.0
-    }
-
     /// Makes the window anew when it has to be; true when it was.
     pub(crate) fn update(&mut self, tracker: &PathTracker, inputs: &CostToGoInputs<'_>) -> bool {
         let geometry = inputs.map.geometry;

@@ -30,7 +30,6 @@ pub mod scan_points;
 pub mod shaping;
 pub mod staleness;
 mod stall;
-mod static_map;
 mod surroundings;
 pub mod table;
 pub mod task;

@@ -15,7 +15,6 @@ use zeronav_local_planner::dwa_t::options::DwaTConfig;
 use zeronav_local_planner::{beam, pilot::Pilot};
 use zeronav_motion::Twist;
 use zeronav_msgs::Pose;
-use zeronav_msgs::map::{COST_LETHAL, FLAG_MOVING, FLAG_SENSED};
 use zeronav_msgs::obstacles::Obstacle;
 
 fn beam() -> Pilot {
@@ -141,36 +140,6 @@ fn ten_walkers_are_passed_without_driving_into_any() {
             run.time_s
         );
     }
-}
-
-#[test]
-fn who_was_somewhere_is_not_avoided_there() {
-    // The map still shows a wall of people across the hall; they have walked on.
-    let (mut run, _) = through_walkers(1);
-    for cell in 0..run.map.cells.len() {
-        let (column, row) = (
-            cell % run.map.geometry.width as usize,
-            cell / run.map.geometry.width as usize,
-        );
-        if (80..86).contains(&column) && (5..315).contains(&row) {
-            run.map.cells[cell].flags = FLAG_MOVING | FLAG_SENSED;
-            run.map.cells[cell].cost = COST_LETHAL;
-            run.map.cells[cell].clearance_mm = 0;
-        }
-    }
-    run.obstacles = vec![Obstacle {
-        track: 1,
-        x_m: 4.1,
-        y_m: 11.0,
-        vy_mps: 0.8,
-        radius_m: WALKER_M,
-        ..Obstacle::default()
-    }];
-    let mut controller = beam();
-    for _ in 0..400 {
-        run.step(&mut controller);
-    }
-    assert!(run.pose.x_m > 5.0, "it waits at {:?}", run.pose);
 }
 
 #[test]

@@ -1,10 +1,8 @@
 //! Which cells are obstacles, by the static map and by scans, in layers.
 //!
-//! The *static* layer is the static map and never changes. The *long-lived* layer is log-odds,
-//! changed at most once per cell and scan. The *short-lived* layer holds hits on dynamic obstacles:
-//! they do not enter the log-odds, and a cell leaves it as soon as a beam passes or after a moment,
-//! so that dynamic obstacles leave no trail. Unknown is a state of its own. A cell is an obstacle
-//! when any layer says so.
+//! The *static* layer is the static map and never changes. The *sensed* layer is log-odds, changed
+//! at most once per cell and scan; hits on dynamic obstacles do not enter it, so that these leave no
+//! trail. Unknown is a state of its own. A cell is an obstacle when either layer says so.
 //!
 //! The rules are those of Nav2's obstacle layer: a scan clears along all its beams first and marks
 //! then; a beam without a return clears, an invalid one does nothing; the robot's footprint clears.
@@ -29,7 +27,6 @@ use crate::log_odds::LogOdds;
 use crate::ray::{Passing, Ray};
 use crate::rows_around::rows_around;
 use nalgebra::{Point2, Vector2};
-use zeronav_msgs::time::nanoseconds;
 use zeronav_msgs::{Cell, GridGeometry};
 use zeronav_world::{Occupancy, StaticMap};
 
@@ -44,14 +41,10 @@ const BESIDE_STATIC: u8 = 1 << 1;
 const HIT: u8 = 1 << 2;
 /// Bit: passed by a beam of the current scan.
 const PASSED: u8 = 1 << 3;
-/// Bit: in the short-lived layer.
-const MOVING: u8 = 1 << 4;
-/// Bit: hit on a moving obstacle by the current scan.
-const MOVING_HIT: u8 = 1 << 5;
 /// Bit: an obstacle, as told by [`Flips`].
-const OBSTACLE: u8 = 1 << 6;
+const OBSTACLE: u8 = 1 << 4;
 /// Bit: so near to an obstacle of the static map that points there belong to it.
-const NEAR_STATIC: u8 = 1 << 7;
+const NEAR_STATIC: u8 = 1 << 5;
 
 /// How far behind its measured end a hit counts. [cells]
 const HIT_BEHIND: f64 = 0.5;
@@ -66,7 +59,6 @@ pub(crate) struct Belief {
     log_odds: LogOdds,
     obstacle_range_m: f64,
     raytrace_range_m: f64,
-    moving_age_ns: u64,
     /// The robot's centre cannot be in cells that touch an obstacle.
     blocks_beside: bool,
     odds: Vec<i16>,
@@ -78,9 +70,6 @@ pub(crate) struct Belief {
     /// Of the cells hit, those that are no obstacles and need a second hit to become one.
     doubtful: Vec<usize>,
     passed: Vec<usize>,
-    moving_hits: Vec<usize>,
-    /// The short-lived layer: cell, and until when it stays. [ns]
-    moving: Vec<(usize, u64)>,
     /// Cells whose layers may have changed.
     touched: Vec<usize>,
 }
@@ -101,7 +90,6 @@ impl Belief {
         let mut belief = Self {
             obstacle_range_m: config.obstacle_range_m,
             raytrace_range_m: config.raytrace_range_m,
-            moving_age_ns: nanoseconds(config.moving_age_s),
             blocks_beside: inscribed_radius_m
                 >= core::f64::consts::FRAC_1_SQRT_2 * geometry.resolution_m,
             ..Self::blank(geometry, config.log_odds)
@@ -131,7 +119,6 @@ impl Belief {
             log_odds,
             obstacle_range_m: 0.0,
             raytrace_range_m: 0.0,
-            moving_age_ns: 0,
             blocks_beside: false,
             odds: vec![UNKNOWN; geometry.len()],
             bits: vec![0; geometry.len()],
@@ -140,8 +127,6 @@ impl Belief {
             hits: Vec::new(),
             doubtful: Vec::new(),
             passed: Vec::new(),
-            moving_hits: Vec::new(),
-            moving: Vec::new(),
             touched: Vec::new(),
         }
     }
@@ -153,7 +138,6 @@ impl Belief {
         let mut moved = Self {
             obstacle_range_m: self.obstacle_range_m,
             raytrace_range_m: self.raytrace_range_m,
-            moving_age_ns: self.moving_age_ns,
             blocks_beside: self.blocks_beside,
             ..Self::blank(geometry, self.log_odds)
         };
@@ -174,7 +158,7 @@ impl Belief {
             }
         }
         for index in 0..moved.bits.len() {
-            if moved.bits[index] & STATIC != 0 || moved.is_long_lived(index) {
+            if moved.bits[index] & STATIC != 0 || moved.is_sensed(index) {
                 moved.bits[index] |= OBSTACLE;
             }
         }
@@ -208,10 +192,6 @@ impl Belief {
         })
     }
 
-    fn is_long_lived(&self, index: usize) -> bool {
-        self.odds[index] > self.log_odds.occupied_above
-    }
-
     /// True when some layer has an obstacle at `index`.
     #[must_use]
     #[inline]
@@ -226,18 +206,11 @@ impl Belief {
         self.bits[index] & STATIC != 0
     }
 
-    /// True when scans have put an obstacle at `index`, whatever layer holds it.
+    /// True when scans have put an obstacle at `index`.
     #[must_use]
     #[inline]
     pub(crate) fn is_sensed(&self, index: usize) -> bool {
-        self.is_moving(index) || self.is_long_lived(index)
-    }
-
-    /// True when a moving obstacle was seen at `index` a moment ago.
-    #[must_use]
-    #[inline]
-    pub(crate) fn is_moving(&self, index: usize) -> bool {
-        self.bits[index] & MOVING != 0
+        self.odds[index] > self.log_odds.occupied_above
     }
 
     /// Marks `index` as so near to the static map's obstacles that points there belong to them.
@@ -255,7 +228,7 @@ impl Belief {
     #[must_use]
     #[inline]
     pub(crate) fn is_unknown(&self, index: usize) -> bool {
-        self.odds[index] == UNKNOWN && self.bits[index] & MOVING == 0
+        self.odds[index] == UNKNOWN
     }
 
     /// Takes in a scan and adds what flipped. Nothing when the pose is not finite. `under_robot`
@@ -272,8 +245,8 @@ impl Belief {
             return;
         }
         for (n, (ray, end, moving)) in rays.iter().enumerate() {
-            if let End::Hit(range_m) = end {
-                self.note_hit(ray, *range_m, *moving, || is_isolated(scan.beams, n));
+            if let (End::Hit(range_m), false) = (end, *moving) {
+                self.note_hit(ray, *range_m, || is_isolated(scan.beams, n));
             }
         }
         let resolution_m = self.geometry.resolution_m;
@@ -298,20 +271,14 @@ impl Belief {
             .passed(*index);
         }
         self.mark(flips);
-        self.renew_moving(scan.run_ns, flips);
         self.tell(flips);
-        let lists = [
-            &mut self.hits,
-            &mut self.doubtful,
-            &mut self.passed,
-            &mut self.moving_hits,
-        ];
+        let lists = [&mut self.hits, &mut self.doubtful, &mut self.passed];
         for index in lists.into_iter().flat_map(|list| list.drain(..)) {
-            self.bits[index] &= !(HIT | PASSED | MOVING_HIT);
+            self.bits[index] &= !(HIT | PASSED);
         }
     }
 
-    /// Forgets what scans have put into the long-lived layer within `radius_m` of a point of the
+    /// Forgets what scans have put within `radius_m` of a point of the
     /// map: the trail of something that turned out to move. Adds what flipped.
     pub(crate) fn forget(&mut self, centre: Point2<f64>, radius_m: f64, flips: &mut Flips) {
         let reach = Vector2::new(radius_m, radius_m);
@@ -323,7 +290,7 @@ impl Belief {
                 let cell = Cell::new(x, y);
                 let near = (self.geometry.centre_of(cell) - centre).norm() <= radius_m;
                 if let (Some(index), true) = (self.geometry.index_of(cell), near)
-                    && self.is_long_lived(index)
+                    && self.is_sensed(index)
                 {
                     self.set_odds(index, self.log_odds.min);
                     self.touched.push(index);
@@ -334,7 +301,7 @@ impl Belief {
     }
 
     /// Remembers the cell that a beam was returned from.
-    fn note_hit(&mut self, ray: &Ray, range_m: f64, moving: bool, is_isolated: impl Fn() -> bool) {
+    fn note_hit(&mut self, ray: &Ray, range_m: f64, is_isolated: impl Fn() -> bool) {
         if range_m > self.obstacle_range_m {
             return;
         }
@@ -342,13 +309,6 @@ impl Belief {
         let Some(index) = self.geometry.index_of(ray.cell_at(cells)) else {
             return;
         };
-        if moving {
-            if self.bits[index] & (MOVING_HIT | STATIC) == 0 {
-                self.bits[index] |= MOVING_HIT;
-                self.moving_hits.push(index);
-            }
-            return;
-        }
         if self.bits[index] & (HIT | BESIDE_STATIC | STATIC) != 0 {
             return;
         }
@@ -356,7 +316,7 @@ impl Belief {
         let old = self.odds[index];
         let beside = || self.blocks_beside && self.touches_sensed(index);
         // An obstacle that is known needs no proof; of the unknown nobody has seen that it is free.
-        if !self.is_long_lived(index) && (beside() || old != UNKNOWN && is_isolated()) {
+        if !self.is_sensed(index) && (beside() || old != UNKNOWN && is_isolated()) {
             self.doubtful.push(index);
         } else {
             self.hits.push(index);
@@ -407,38 +367,6 @@ impl Belief {
         }
     }
 
-    /// Brings the short-lived layer up to date: what was hit stays for a while, what was passed or
-    /// has not been seen for a while goes.
-    fn renew_moving(&mut self, run_ns: u64, flips: &mut Flips) {
-        let until_ns = run_ns.saturating_add(self.moving_age_ns);
-        let (bits, touched, blocks) = (&mut self.bits, &mut self.touched, &mut self.free_blocks);
-        self.moving.retain_mut(|(index, stays_ns)| {
-            let seen = bits[*index] & MOVING_HIT != 0;
-            if seen {
-                *stays_ns = until_ns;
-            }
-            let stays = seen || (bits[*index] & PASSED == 0 && run_ns < *stays_ns);
-            if !stays {
-                bits[*index] &= !MOVING;
-                blocks.remove_uncertain(*index);
-                touched.push(*index);
-            }
-            stays
-        });
-        for index in &self.moving_hits {
-            if bits[*index] & MOVING == 0 {
-                bits[*index] |= MOVING;
-                // Beams must look at it, even where they know that nothing stays.
-                blocks.add_uncertain(*index);
-                self.moving.push((*index, until_ns));
-                touched.push(*index);
-                if self.odds[*index] == UNKNOWN {
-                    flips.revealed.push(*index);
-                }
-            }
-        }
-    }
-
     /// Says of the cells that were touched which became obstacles and which are none any more.
     fn tell(&mut self, flips: &mut Flips) {
         for n in 0..self.touched.len() {
@@ -451,8 +379,6 @@ impl Belief {
             } else if was && !is {
                 self.bits[index] &= !OBSTACLE;
                 flips.cleared.push(index);
-            } else if is {
-                flips.relabelled.push(index);
             }
         }
         self.touched.clear();
@@ -477,7 +403,7 @@ impl Passing for Clearing<'_> {
         let LogOdds { miss, min, .. } = belief.log_odds;
         let old = belief.odds[index];
         // Nearly always: free space that is known to be free.
-        if old == min && belief.bits[index] & MOVING == 0 {
+        if old == min {
             return;
         }
         if belief.bits[index] & (HIT | PASSED) != 0 {

@@ -4,10 +4,7 @@
 
 use crate::clearance::FAR;
 use crate::config::MappingConfig;
-use zeronav_msgs::map::{COST_CIRCUMSCRIBED_MAX, COST_FREE, COST_INSCRIBED, COST_LETHAL};
-
-/// What is lost in floating point must not cost a millimetre. [mm]
-const ROUNDING_MM: f64 = 1.0e-6;
+use zeronav_msgs::map::{CostModel, clearance_mm};
 
 /// Clearance and cost of a known cell by its squared distance.
 #[derive(Debug, Clone)]
@@ -17,39 +14,15 @@ pub(crate) struct ValueTable {
 }
 
 impl ValueTable {
-    /// The table of a robot with this inscribed radius on cells of this size.
-    ///
-    /// Clearance is rounded down and ends at the limit. Cost is that of Nav2's inflation layer:
-    /// 254 in obstacles, 253 where the clearance is at most the inscribed radius or less than that
-    /// and the padding, then `252 exp(-k (clearance - inscribed - padding))` rounded down, 0 beyond
-    /// the inflation radius. Nav2 measures from the obstacle's centre, we from its edge, so that
-    /// costs reach half a cell further.
+    /// The table of a cost model on cells of this size, for clearances up to `limit_mm`.
     #[must_use]
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "costs are 0 to 252, clearances at most the limit"
-    )]
-    pub(crate) fn new(config: &MappingConfig, inscribed_radius_m: f64, resolution_m: f64) -> Self {
-        let limit_mm = clearance_limit_mm(config);
-        let half_cells_max = 2.0 * config.clearance_limit_m / resolution_m;
+    #[allow(clippy::cast_possible_truncation, reason = "at most FAR")]
+    pub(crate) fn new(model: &CostModel, limit_mm: u16, resolution_m: f64) -> Self {
+        let half_cells_max = 2.0 * f64::from(limit_mm) / 1000.0 / resolution_m;
         let last = (half_cells_max * half_cells_max).ceil().min(f64::from(FAR)) as i16;
         let value = |square: i16| {
             let clearance_m = f64::from(square).sqrt() / 2.0 * resolution_m;
-            let clearance_mm = (clearance_m * 1000.0 + ROUNDING_MM) as u16;
-            let beyond_m = clearance_m - inscribed_radius_m;
-            let spare_m = beyond_m - config.padding_m;
-            let cost = if square == 0 {
-                COST_LETHAL
-            } else if beyond_m * 1000.0 <= ROUNDING_MM || spare_m * 1000.0 < -ROUNDING_MM {
-                COST_INSCRIBED
-            } else if clearance_m * 1000.0 <= config.inflation_radius_m * 1000.0 + ROUNDING_MM {
-                let fall = (-config.cost_scaling_factor * spare_m).exp();
-                (f64::from(COST_CIRCUMSCRIBED_MAX) * fall) as u8
-            } else {
-                COST_FREE
-            };
-            (clearance_mm.min(limit_mm), cost)
+            (clearance_mm(clearance_m, limit_mm), model.cost(clearance_m))
         };
         Self {
             values: (0..=last).map(value).collect(),
@@ -65,15 +38,15 @@ impl ValueTable {
     }
 }
 
-/// Where clearance saturates. [mm]
+/// The costs that a configuration asks for around a robot with this inscribed radius.
 #[must_use]
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "checked to be within 16 bits"
-)]
-pub(crate) fn clearance_limit_mm(config: &MappingConfig) -> u16 {
-    (config.clearance_limit_m * 1000.0 + ROUNDING_MM) as u16
+pub(crate) fn cost_model(config: &MappingConfig, inscribed_radius_m: f64) -> CostModel {
+    CostModel {
+        inscribed_radius_m,
+        padding_m: config.padding_m,
+        inflation_radius_m: config.inflation_radius_m,
+        scaling_per_m: config.cost_scaling_factor,
+    }
 }
 
 #[cfg(test)]
@@ -89,7 +62,7 @@ mod tests {
             padding_m,
             ..MappingConfig::default()
         };
-        ValueTable::new(&config, inscribed_radius_m, 0.05)
+        ValueTable::new(&cost_model(&config, inscribed_radius_m), 1000, 0.05)
     }
 
     #[test]

@@ -49,9 +49,6 @@ parameters! {
         raytrace_range_m: f64 = 12.5, [f64::MIN_POSITIVE, 1.0e3] "m";
         /// Whether the cells under the robot are free.
         footprint_clearing: bool = true;
-        /// Time that a cell stays an obstacle after a moving obstacle was last seen in it, unless a
-        /// beam passes through it before.
-        moving_age_s: f64 = 0.3, [0.0, 10.0] "s";
         /// What is taken for a moving obstacle.
         tracking: TrackingConfig;
         /// How `map_from_odom` is corrected.

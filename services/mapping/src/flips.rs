@@ -9,8 +9,6 @@ pub(crate) struct Flips {
     pub cleared: Vec<usize>,
     /// Cells seen for the first time.
     pub revealed: Vec<usize>,
-    /// Obstacles that are in other layers than before.
-    pub relabelled: Vec<usize>,
 }
 
 impl Flips {
@@ -20,9 +18,8 @@ impl Flips {
             marked,
             cleared,
             revealed,
-            relabelled,
         } = self;
-        for list in [marked, cleared, revealed, relabelled] {
+        for list in [marked, cleared, revealed] {
             list.clear();
         }
     }

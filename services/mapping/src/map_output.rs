@@ -149,6 +149,7 @@ impl MapOutput {
             clearance_limit_mm: u32::from(mapping.mapper().clearance_limit_mm()),
             parts: 1,
             current: u32::from(self.current),
+            cost_model: mapping.mapper().cost_model(),
             ..MapInfo::default()
         }
     }

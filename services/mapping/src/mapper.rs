@@ -2,7 +2,7 @@
 
 use crate::beams::{Beams, Sweep};
 use crate::belief::Belief;
-use crate::cell_value::{ValueTable, clearance_limit_mm};
+use crate::cell_value::{ValueTable, cost_model};
 use crate::clearance::ClearanceField;
 use crate::config::MappingConfig;
 use crate::error::MappingError;
@@ -16,8 +16,8 @@ use crate::virtual_obstacles::VirtualConfig;
 use nalgebra::Point2;
 use zeronav_msgs::description::Description;
 use zeronav_msgs::map::{
-    COST_INSCRIBED, COST_LETHAL, COST_UNKNOWN, FLAG_MOVING, FLAG_REGULARISED, FLAG_SENSED,
-    FLAG_STATIC, FLAG_UNKNOWN, FLAG_VIRTUAL, MapTile,
+    COST_INSCRIBED, COST_LETHAL, COST_UNKNOWN, CostModel, FLAG_REGULARISED, FLAG_SENSED,
+    FLAG_STATIC, FLAG_UNKNOWN, FLAG_VIRTUAL, MapTile, clearance_mm,
 };
 use zeronav_msgs::scan::Scan;
 use zeronav_msgs::{Cell, CellRect, GridGeometry, MapCell, MapView, Pose};
@@ -41,6 +41,7 @@ pub struct Mapper {
     geometry: GridGeometry,
     belief: Belief,
     clearance: ClearanceField,
+    cost_model: CostModel,
     values: ValueTable,
     clearance_limit_mm: u16,
     cells: Vec<MapCell>,
@@ -94,8 +95,8 @@ impl Mapper {
         config.check(geometry.resolution_m)?;
         let inscribed_m = description.inscribed_radius_m;
         let belief = Belief::new(&geometry, static_map, config, inscribed_m);
-        let values = ValueTable::new(config, inscribed_m, geometry.resolution_m);
-        let mut mapper = Self::around(&geometry, belief, values, config);
+        let cost_model = cost_model(config, inscribed_m);
+        let mut mapper = Self::around(&geometry, belief, cost_model, config);
         // So far there are static obstacles alone.
         let margin = (2.0 * config.tracking.static_margin_m / geometry.resolution_m).powi(2);
         for index in 0..expected {
@@ -111,9 +112,10 @@ impl Mapper {
     fn around(
         geometry: &GridGeometry,
         belief: Belief,
-        values: ValueTable,
+        cost_model: CostModel,
         config: &MappingConfig,
     ) -> Self {
+        let clearance_limit_mm = clearance_mm(config.clearance_limit_m, u16::MAX);
         let limit_cells = config.clearance_limit_m / geometry.resolution_m;
         let regulariser = config
             .regularisation
@@ -123,8 +125,9 @@ impl Mapper {
             geometry: *geometry,
             belief,
             clearance: ClearanceField::new(geometry, limit_cells),
-            values,
-            clearance_limit_mm: clearance_limit_mm(config),
+            cost_model,
+            values: ValueTable::new(&cost_model, clearance_limit_mm, geometry.resolution_m),
+            clearance_limit_mm,
             cells: vec![MapCell::default(); geometry.len()],
             beams: Beams::default(),
             flips: Flips::default(),
@@ -158,7 +161,7 @@ impl Mapper {
     #[must_use]
     pub fn moved(&self, geometry: &GridGeometry, shift: Cell, config: &MappingConfig) -> Self {
         let belief = self.belief.moved(geometry, shift);
-        let mut mapper = Self::around(geometry, belief, self.values.clone(), config);
+        let mut mapper = Self::around(geometry, belief, self.cost_model, config);
         mapper.run_ns = self.run_ns;
         if self.surfaces.is_some() {
             mapper.make_surfaces();
@@ -209,8 +212,8 @@ impl Mapper {
         integrated
     }
 
-    /// Forgets what scans have put within `radius_m` of a point of the map, except what
-    /// moves; the next scan puts back what is still there.
+    /// Forgets the obstacles that scans have put within `radius_m` of a point of the map; the next
+    /// scan puts back those that are still there.
     pub fn forget(&mut self, centre: Point2<f64>, radius_m: f64) {
         let mut flips = core::mem::take(&mut self.flips);
         self.belief.forget(centre, radius_m, &mut flips);
@@ -269,11 +272,8 @@ impl Mapper {
 
     fn make_surfaces(&mut self) -> &Surfaces {
         let belief = &self.belief;
-        self.surfaces.get_or_insert_with(|| {
-            Surfaces::new(&self.geometry, |index| {
-                belief.is_obstacle(index) && !belief.is_moving(index)
-            })
-        })
+        self.surfaces
+            .get_or_insert_with(|| Surfaces::new(&self.geometry, |index| belief.is_obstacle(index)))
     }
 
     /// True when a point of the map may be matched against the surfaces: no cell around it is a
@@ -329,17 +329,16 @@ impl Mapper {
             let changed = self.flipped.get(n).grown(reach, &self.geometry);
             self.refresh(&changed);
         }
-        for index in flips.revealed.iter().chain(&flips.relabelled) {
+        for index in &flips.revealed {
             self.refresh_cell(*index, self.cell_of(*index));
         }
         if let Some(surfaces) = &mut self.surfaces {
-            let lists = [&flips.cleared, &flips.marked, &flips.relabelled];
-            for index in lists.into_iter().flatten() {
-                let belief = &self.belief;
-                if !belief.is_obstacle(*index) || belief.is_moving(*index) {
-                    surfaces.set(*index, false);
-                    self.candidates.remove(*index);
-                } else if !surfaces.is_surface(*index) {
+            for index in &flips.cleared {
+                surfaces.set(*index, false);
+                self.candidates.remove(*index);
+            }
+            for index in &flips.marked {
+                if !surfaces.is_surface(*index) {
                     self.candidates.add(*index, self.run_ns);
                 }
             }
@@ -384,9 +383,6 @@ impl Mapper {
         }
         if self.belief.is_sensed(index) {
             flags |= FLAG_SENSED;
-        }
-        if self.belief.is_moving(index) {
-            flags |= FLAG_MOVING;
         }
         let unknown = self.belief.is_unknown(index);
         if unknown {
@@ -441,14 +437,13 @@ impl Mapper {
         }
     }
 
-    /// The map as a map file holds it: obstacles that stay, free cells, unknown ones. What moves
-    /// is free.
+    /// The map as a map file holds it: obstacles, free cells, unknown ones.
     #[must_use]
     pub fn as_static_map(&self) -> StaticMap {
         let occupancy = |index: usize| {
             if self.belief.is_unknown(index) {
                 Occupancy::Unknown
-            } else if self.belief.is_obstacle(index) && !self.belief.is_moving(index) {
+            } else if self.belief.is_obstacle(index) {
                 Occupancy::Occupied
             } else {
                 Occupancy::Free
@@ -458,6 +453,12 @@ impl Mapper {
             geometry: self.geometry,
             cells: (0..self.geometry.len()).map(occupancy).collect(),
         }
+    }
+
+    /// How the cost of a cell follows from its clearance.
+    #[must_use]
+    pub fn cost_model(&self) -> CostModel {
+        self.cost_model
     }
 
     /// Where clearance saturates. [mm]

@@ -13,6 +13,7 @@ use crate::writer::Draft;
 use zeronav_msgs::grid::CellRect;
 use zeronav_msgs::header::{Id, Parents};
 use zeronav_msgs::map::{MapInfo, MapView};
+use zeronav_msgs::obstacles::Obstacle;
 use zeronav_msgs::pose::Pose;
 use zeronav_msgs::replica::MapReplica;
 use zeronav_msgs::role::Role;
@@ -83,6 +84,13 @@ impl MapInput {
         self.keyframe.release();
         self.changed = self.replica.take_changed();
         completed
+    }
+
+    /// Writes dynamic obstacles over the map, for a service that takes them for static: after every
+    /// poll that changed the map, and when they changed.
+    pub fn stamp_obstacles(&mut self, obstacles: &[Obstacle]) {
+        self.replica.stamp(obstacles);
+        self.changed.append(&mut self.replica.take_changed());
     }
 
     /// The trigger of a service that answers every map: in lockstep each tick with a scan, after

@@ -8,7 +8,6 @@ use crate::dwa::options::DwaConfig;
 use crate::dynamic_obstacles::{DynamicObstacles, Growth};
 use crate::local_path::LocalPath;
 use crate::progress::{PathTracker, Place};
-use crate::static_map::StaticMap;
 use crate::surroundings::{Reach, Surroundings};
 use nalgebra::Point2;
 use zeronav_motion::{Twist, stop_distance_m};
@@ -36,8 +35,8 @@ pub(crate) struct Prediction {
     cost_to_go: CostToGo,
     /// Points of the scan that belong to no dynamic obstacle.
     static_points: Vec<Point2<f64>>,
-    /// Sight [m], and the map without dynamic obstacles; `None` = they are avoided in the map, too.
-    static_map: Option<(f64, StaticMap)>,
+    /// [m] around the robot that is known where there are dynamic obstacles, if not more is.
+    sight_m: f64,
 }
 
 impl Prediction {
@@ -47,16 +46,13 @@ impl Prediction {
             growth,
             cost_to_go: CostToGo::default(),
             static_points: Vec::with_capacity(BEAMS_MAX),
-            static_map: None,
+            sight_m: 0.0,
         }
     }
 
-    /// The same on the map without dynamic obstacles, as far as `sight_m`.
-    pub(crate) fn on_static_map(self, sight_m: f64) -> Self {
-        Self {
-            static_map: Some((sight_m, StaticMap::default())),
-            ..self
-        }
+    /// The same with at least `sight_m` around the robot where there are dynamic obstacles.
+    pub(crate) fn with_sight(self, sight_m: f64) -> Self {
+        Self { sight_m, ..self }
     }
 }
 
@@ -88,7 +84,7 @@ impl Perception {
         let path_m = robot.v_mps_max * horizon_s.min(PATH_HORIZON_S) + 0.5;
         self.path
             .sample(&self.tracker, situation.path, place, position, path_m);
-        let mut map = situation.map.map(|map| (map, situation.map_cells));
+        let map = situation.map.map(|map| (map, situation.map_cells));
         let mut stamped = situation.scan_points_in_base;
         let mut cost_to_go = None;
         if let Some(prediction) = &mut self.prediction {
@@ -104,12 +100,8 @@ impl Perception {
                 .static_points
                 .extend(points.filter(|point| !self.dynamic.owns(**point)));
             stamped = &prediction.static_points;
-            if let (Some((known_m, static_map)), Some((whole, cells))) =
-                (&mut prediction.static_map, map)
-                && !situation.obstacles.is_empty()
-            {
-                sight_m = sight_m.max(*known_m);
-                map = Some(static_map.view(whole, cells, position, CostToGo::half_m(sight_m)));
+            if !situation.obstacles.is_empty() {
+                sight_m = sight_m.max(prediction.sight_m);
             }
             cost_to_go = Some(&mut prediction.cost_to_go);
         }
