@@ -6,11 +6,15 @@ use nalgebra::{Point2, Vector2};
 use zeronav_msgs::Pose;
 use zeronav_msgs::obstacles::{OBSTACLES_MAX, Obstacle};
 
-/// [m/s] below which a tracked obstacle stands, and is an obstacle like any other.
-const STANDING_MPS: f64 = 0.1;
+/// [m/s] below which a tracked obstacle is static: an obstacle like any other.
+const STATIC_MPS: f64 = 0.1;
 
-/// [m/s] from which a tracked obstacle is taken for somebody who walks.
+/// [m/s] from which a tracked obstacle surely moves: slower ones may be the end of a wall that the
+/// robot passes, and are not waited for.
 const WALKING_MPS: f64 = 0.3;
+
+/// [m] within which a dynamic obstacle may be what is in the way, or leave the way soon.
+pub(crate) const NEAR_M: f64 = 2.5;
 
 /// Share of its speed by which a tracked obstacle's radius grows at least: who walks may turn.
 const TURNS_SHARE: f64 = 0.2;
@@ -57,10 +61,17 @@ struct Track {
 }
 
 impl Track {
-    /// True for what surely moves: the end of a wall that seems to is not waited for.
-    fn comes_fast(&self) -> bool {
+    fn walks(&self) -> bool {
         self.speed_mps >= WALKING_MPS
     }
+}
+
+/// True when a dynamic obstacle is near a place in the map.
+pub(crate) fn is_dynamic_near(obstacles: &[Obstacle], place: &Pose) -> bool {
+    obstacles.iter().any(|obstacle| {
+        let away_m = (obstacle.x_m - place.x_m).hypot(obstacle.y_m - place.y_m);
+        away_m < NEAR_M && obstacle.vx_mps.hypot(obstacle.vy_mps) >= STATIC_MPS
+    })
 }
 
 /// The tracked obstacles that move, as of one period.
@@ -90,7 +101,7 @@ impl DynamicObstacles {
         let centre = map_from_base.point();
         for obstacle in obstacles.iter().take(OBSTACLES_MAX) {
             let speed_mps = obstacle.vx_mps.hypot(obstacle.vy_mps);
-            if speed_mps < STANDING_MPS {
+            if speed_mps < STATIC_MPS {
                 continue;
             }
             let c = &obstacle.covariance;
@@ -130,14 +141,14 @@ impl DynamicObstacles {
 
     /// True when one that walks is nearer to the robot's centre than this. [m]
     pub(crate) fn is_within(&self, reach_m: f64) -> bool {
-        let mut tracks = self.tracks.iter().filter(|track| track.comes_fast());
+        let mut tracks = self.tracks.iter().filter(|track| track.walks());
         tracks.any(|track| track.at.coords.norm() < reach_m + track.radius_m)
     }
 
     /// Least distance between a disc of this radius around the robot that stays where it is and
     /// what moves, after `elapsed_s`. Infinite without. [m]
     pub(crate) fn around_m(&self, radius_m: f64, elapsed_s: f64) -> f64 {
-        let tracks = self.tracks.iter().filter(|track| track.comes_fast());
+        let tracks = self.tracks.iter().filter(|track| track.walks());
         tracks.fold(f64::INFINITY, |least, track| {
             let (at, of_track_m) = self.after(track, elapsed_s);
             least.min(at.coords.norm() - of_track_m - radius_m)

@@ -2,6 +2,7 @@
 
 use crate::config::LocalPlannerConfig;
 use crate::controller::{Controller, Decision, Situation};
+use crate::dynamic_obstacles::is_dynamic_near;
 use crate::progress::{PathTracker, Place};
 use crate::recovery::escape::Escape;
 use crate::recovery::trail::Trail;
@@ -133,20 +134,6 @@ impl Recovered {
     }
 }
 
-/// [m] within which something that moves may be what is in the way.
-const NEAR_M: f64 = 2.5;
-
-/// [m/s] from which on it moves.
-const MOVING_MPS: f64 = 0.1;
-
-/// True when something that moves is near a place.
-fn moves_near(obstacles: &[Obstacle], place: &Pose) -> bool {
-    obstacles.iter().any(|obstacle| {
-        let away_m = (obstacle.x_m - place.x_m).hypot(obstacle.y_m - place.y_m);
-        away_m < NEAR_M && obstacle.vx_mps.hypot(obstacle.vy_mps) > MOVING_MPS
-    })
-}
-
 /// A path that leads to the goal at hand, and the robot's place on it.
 #[derive(Clone, Copy)]
 struct Route<'a> {
@@ -241,7 +228,7 @@ impl LocalPlanner {
             moves_at_goal: self
                 .task
                 .goal()
-                .is_some_and(|goal| moves_near(inputs.obstacles.0, &goal.pose)),
+                .is_some_and(|goal| is_dynamic_near(inputs.obstacles.0, &goal.pose)),
         });
         if step.changed {
             // Another goal may be at hand now.
@@ -417,7 +404,7 @@ impl LocalPlanner {
             stalled_s: step.stalled_s,
             no_progress: step.no_progress,
             stuck: step.stuck,
-            dynamic_obstacle: moves_near(situation.obstacles, &situation.map_from_base),
+            dynamic_obstacle: is_dynamic_near(situation.obstacles, &situation.map_from_base),
             free_behind: asks && self.escape.is_free_behind(situation, &self.trail, pose),
             room_to_turn: asks && self.escape.has_room_to_turn(),
             backed_m: self.escape.backed_m(pose),

@@ -1,6 +1,7 @@
 //! Manoeuvres of the pilot's own: arriving at the goal and turning on the spot.
 
 use super::scene::{Mode, Scene, Wish};
+use crate::dynamic_obstacles::NEAR_M;
 use crate::turn;
 use zeronav_motion::{Twist, reachable, towards_rest};
 use zeronav_msgs::command::Validity;
@@ -9,9 +10,8 @@ use zeronav_msgs::pose::wrap_angle;
 /// [m/s] below which the robot may begin a turn on the spot.
 const TURN_FROM_MPS: f64 = 0.15;
 
-/// [m] within which the robot waits for a dynamic obstacle before a turn on the spot, and [s] how
-/// long. The way that it blocks is mostly free again by then.
-const NEAR_M: f64 = 2.5;
+/// [s] that the robot waits for a dynamic obstacle nearby before a turn on the spot. The way that it
+/// blocks is mostly free again by then.
 const PATIENCE_S: f64 = 0.6;
 
 /// Share of the goal's tolerances that the robot aims for.
