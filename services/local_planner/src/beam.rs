@@ -29,7 +29,7 @@ use crate::dwa_t::{TimedWindow, in_time};
 use crate::dynamic_obstacles::Growth;
 use crate::lanes::data::narrow;
 use crate::pilot::Pilot;
-use crate::pilot::perception::Prediction;
+use crate::pilot::perception::{Prediction, Tracks};
 use crate::pilot::scene::{Choose, Mode, Scene, Wish};
 use space::{LOOKS, Space, State};
 use visited::Visited;
@@ -64,7 +64,7 @@ const CELL_MPS: f32 = 0.4;
 pub fn beam(dwa: DwaConfig, timed: DwaTConfig, config: BeamConfig) -> Pilot {
     Pilot::new(
         in_time(dwa, timed),
-        Some(Prediction::new(Growth::from(&timed)).with_sight(SIGHT_M)),
+        Tracks::Predicted(Prediction::new(Growth::from(&timed)).with_sight(SIGHT_M)),
         Box::new(Beam {
             search: Search::new(config),
             alone: TimedWindow::new(timed),

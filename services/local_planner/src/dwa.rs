@@ -17,6 +17,7 @@ pub(crate) mod rollouts;
 pub(crate) mod window;
 
 use crate::pilot::Pilot;
+use crate::pilot::perception::Tracks;
 use crate::pilot::scene::{Choose, Scene, Wish};
 use options::DwaConfig;
 use rollouts::Rollouts;
@@ -26,7 +27,7 @@ use zeronav_motion::Twist;
 /// The controller `dwa` at rest. The numbers must be within the ranges of [`DwaConfig`].
 #[must_use]
 pub fn dwa(config: DwaConfig) -> Pilot {
-    Pilot::new(config, None, Box::new(DynamicWindow::default()))
+    Pilot::new(config, Tracks::Ignored, Box::new(DynamicWindow::default()))
 }
 
 /// Samples the window on a grid and takes the best admissible twist.

@@ -18,7 +18,7 @@ use crate::dwa::window::Window;
 use crate::dynamic_obstacles::Growth;
 use crate::lanes::data::{LANES_MAX, WIDTH, narrow};
 use crate::pilot::Pilot;
-use crate::pilot::perception::{PATH_HORIZON_S, Perception, Prediction};
+use crate::pilot::perception::{PATH_HORIZON_S, Perception, Prediction, Tracks};
 use crate::pilot::scene::{CREEP_MPS, Choose, Heading, Mode, Scene, Wish};
 use crate::rated::{Rated, TimedWorth};
 use nalgebra::Point2;
@@ -37,7 +37,7 @@ const STOPPED_MPS: f64 = 0.05;
 pub fn dwa_t(dwa: DwaConfig, config: DwaTConfig) -> Pilot {
     Pilot::new(
         in_time(dwa, config),
-        Some(Prediction::new(Growth::from(&config))),
+        Tracks::Predicted(Prediction::new(Growth::from(&config))),
         Box::new(TimedWindow::new(config)),
     )
 }

@@ -32,7 +32,7 @@ use crate::local_path::LocalPath;
 use crate::mppi::critics::{CRITICS, Cycle};
 use crate::mppi::options::MppiConfig;
 use crate::pilot::Pilot;
-use crate::pilot::perception::Prediction;
+use crate::pilot::perception::{Prediction, Tracks};
 use crate::pilot::scene::{Choose, Scene, Wish};
 use batch::{Batch, LANES, Lanes};
 use limits::Limits;
@@ -61,7 +61,7 @@ pub fn mppi(dwa: DwaConfig, timed: DwaTConfig, config: MppiConfig) -> Pilot {
     };
     Pilot::new(
         in_time(dwa, timed),
-        Some(Prediction::new(Growth::from(&timed))),
+        Tracks::Predicted(Prediction::new(Growth::from(&timed))),
         Box::new(Mppi {
             window: TimedWindow::new(timed),
             optimiser: Optimiser::new(config),

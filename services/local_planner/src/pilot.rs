@@ -20,7 +20,7 @@ pub(crate) mod verify;
 use crate::controller::{Controller, Decision, Situation};
 use crate::dwa::options::DwaConfig;
 use crate::shaping::{Shaper, ShapingConfig};
-use perception::{Perception, Prediction};
+use perception::{Perception, Tracks};
 use scene::{Choose, Memory, Mode, Scene, Wish};
 use verify::first_with_free_stop;
 use zeronav_motion::{Twist, stop_distance_m, towards_rest};
@@ -44,15 +44,11 @@ pub struct Pilot {
 
 impl Pilot {
     /// A controller at rest. The numbers must be those that the range check of the configuration
-    /// accepts. With a prediction, dynamic obstacles are avoided where they will be.
-    pub(crate) fn new(
-        config: DwaConfig,
-        prediction: Option<Prediction>,
-        chooser: Box<dyn Choose>,
-    ) -> Self {
+    /// accepts.
+    pub(crate) fn new(config: DwaConfig, tracks: Tracks, chooser: Box<dyn Choose>) -> Self {
         Self {
             config,
-            perception: Perception::new(prediction),
+            perception: Perception::new(tracks),
             memory: Memory::default(),
             shaper: Shaper::new(ShapingConfig::OFF),
             chooser,

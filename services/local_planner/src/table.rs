@@ -8,7 +8,8 @@ use crate::dwa_t::dwa_t;
 use crate::mppi::mppi;
 use crate::papers::Law;
 use crate::papers::bao_dwa::BaoWeights;
-use crate::papers::drive::Driver;
+use crate::papers::bao_window::bao_dwa;
+use crate::papers::drive::along;
 use crate::papers::ju_apf::JuApf;
 use crate::papers::ju_fusion::JuFusion;
 use crate::papers::ju_r6::JuR6;
@@ -45,7 +46,7 @@ const PERIODS_PER_M: f64 = 500.0;
 
 /// A potential-field law at the wheels.
 fn law(law: impl Law + 'static, config: &LocalPlannerConfig) -> Box<dyn Controller> {
-    Box::new(Driver::new(Box::new(law), config.dwa, config.literal).shaped(config.shaping))
+    Box::new(along(Box::new(law), config.dwa, config.literal).shaped(config.shaping))
 }
 
 /// Every controller; the first one is the default.
@@ -171,9 +172,7 @@ pub const CONTROLLERS: &[ControllerRow] = &[
         title: "Dynamic window with normalised heading, distance and speed",
         source: "BAO-DWA",
         of_a_paper: true,
-        build: |config| {
-            Box::new(Driver::window(BaoWeights::default(), config.dwa).shaped(config.shaping))
-        },
+        build: |config| Box::new(bao_dwa(BaoWeights::default(), config.dwa).shaped(config.shaping)),
     },
 ];
 

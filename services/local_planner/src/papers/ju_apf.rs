@@ -1,8 +1,8 @@
 //! `ju_apf` [JU]: the plain artificial potential field, and `lwx_apf` [LWX], the same with the
 //! gains of that paper.
 
+use super::law::{Law, LawInput, Push};
 use super::potential::{Gains, all_repulsions, attraction};
-use super::scene::{Law, Push, Scene};
 
 /// `F = F_att + sum F_rep`.
 #[derive(Debug, Clone)]
@@ -19,8 +19,8 @@ impl JuApf {
 }
 
 impl Law for JuApf {
-    fn push(&mut self, scene: &Scene<'_>) -> Push {
-        let pull = attraction(self.gains.attract, scene.at, scene.goal);
-        Push::Along(pull + all_repulsions(&self.gains, scene))
+    fn push(&mut self, input: &LawInput<'_>) -> Push {
+        let pull = attraction(self.gains.attract, input.at, input.goal);
+        Push::Along(pull + all_repulsions(&self.gains, input))
     }
 }

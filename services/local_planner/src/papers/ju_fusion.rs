@@ -1,8 +1,8 @@
 //! `ju_fusion` [JU]: the path's points around the robot attract as well as the goal does.
 
+use super::law::{Law, LawInput, Push};
 use super::potential::{Gains, all_repulsions, attraction};
 use super::route::Route;
-use super::scene::{Law, Push, Scene};
 use nalgebra::Vector2;
 
 /// [m] between points of the path, the side of the paper's cells.
@@ -46,17 +46,17 @@ impl JuFusion {
     /// Sum of the attractions of the path's points that are near and ahead by the progress along
     /// the path (the printed `x_p > x_r` is right for goals to the right alone).
     #[must_use]
-    pub fn path_pull(&mut self, scene: &Scene<'_>) -> Vector2<f64> {
-        let Some(place) = self.route.place(scene) else {
+    pub fn path_pull(&mut self, input: &LawInput<'_>) -> Vector2<f64> {
+        let Some(place) = self.route.place(input) else {
             return Vector2::zeros();
         };
         let mut sum = Vector2::zeros();
         let mut arc_m = (place.arc_m / POINT_M).floor() * POINT_M + POINT_M;
         let until_m = place.arc_m + 2.0 * R1_M;
         while arc_m <= until_m.min(self.route.length()) {
-            let point = self.route.at(scene, arc_m);
-            if (point - scene.at).norm() < R1_M {
-                sum += self.pull(scene.at, point);
+            let point = self.route.at(input, arc_m);
+            if (point - input.at).norm() < R1_M {
+                sum += self.pull(input.at, point);
             }
             arc_m += POINT_M;
         }
@@ -65,9 +65,9 @@ impl JuFusion {
 }
 
 impl Law for JuFusion {
-    fn push(&mut self, scene: &Scene<'_>) -> Push {
-        let path = self.path_pull(scene);
-        let goal = self.pull(scene.at, scene.goal);
-        Push::Along(path + goal + all_repulsions(&self.gains, scene))
+    fn push(&mut self, input: &LawInput<'_>) -> Push {
+        let path = self.path_pull(input);
+        let goal = self.pull(input.at, input.goal);
+        Push::Along(path + goal + all_repulsions(&self.gains, input))
     }
 }

@@ -1,9 +1,9 @@
 //! `ju_r6` [JU, its reference 6]: the path's inflection points in order as sub-goals of a field
 //! whose repulsion fades at the sub-goal (`ZM-REP`, n = 2).
 
+use super::law::{Law, LawInput, Push};
 use super::potential::{Gains, all_goal_repulsions, attraction};
 use super::route::turning_points;
-use super::scene::{Law, Push, Scene};
 use nalgebra::Point2;
 
 /// [m] from a sub-goal at which the next one is taken.
@@ -40,32 +40,32 @@ impl JuR6 {
     }
 
     /// The sub-goal at hand; the next one when it is near or its half plane is passed.
-    fn advance(&mut self, scene: &Scene<'_>) -> Point2<f64> {
-        if self.geometry != scene.geometry {
-            self.geometry = scene.geometry;
-            self.subgoals = turning_points(scene.path);
+    fn advance(&mut self, input: &LawInput<'_>) -> Point2<f64> {
+        if self.geometry != input.geometry {
+            self.geometry = input.geometry;
+            self.subgoals = turning_points(input.path);
             self.next = 1;
         }
         while let (Some(&before), Some(&here)) = (
             self.subgoals.get(self.next.wrapping_sub(1)),
             self.subgoals.get(self.next),
         ) {
-            let near = (scene.at - here).norm() < SUB_TOLERANCE_M;
-            let passed = (scene.at - here).dot(&(here - before)) > 0.0;
+            let near = (input.at - here).norm() < SUB_TOLERANCE_M;
+            let passed = (input.at - here).dot(&(here - before)) > 0.0;
             let last = self.next + 1 >= self.subgoals.len();
             if last || !(near || passed) {
                 return here;
             }
             self.next += 1;
         }
-        scene.goal
+        input.goal
     }
 }
 
 impl Law for JuR6 {
-    fn push(&mut self, scene: &Scene<'_>) -> Push {
-        let goal = self.advance(scene);
-        let pull = attraction(self.gains.attract, scene.at, goal);
-        Push::Along(pull + all_goal_repulsions(&self.gains, N, scene, goal))
+    fn push(&mut self, input: &LawInput<'_>) -> Push {
+        let goal = self.advance(input);
+        let pull = attraction(self.gains.attract, input.at, goal);
+        Push::Along(pull + all_goal_repulsions(&self.gains, N, input, goal))
     }
 }

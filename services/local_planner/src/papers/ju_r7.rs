@@ -1,8 +1,8 @@
 //! `ju_r7` [JU, its reference 7]: the plain field towards a carrot on the path.
 
+use super::law::{Law, LawInput, Push};
 use super::potential::{Gains, all_repulsions, attraction};
 use super::route::Route;
-use super::scene::{Law, Push, Scene};
 
 /// [m] from the robot's place to the carrot.
 const LOOKAHEAD_M: f64 = 1.5;
@@ -35,12 +35,12 @@ impl JuR7 {
 }
 
 impl Law for JuR7 {
-    fn push(&mut self, scene: &Scene<'_>) -> Push {
-        let carrot = self.route.place(scene).map_or(scene.goal, |place| {
+    fn push(&mut self, input: &LawInput<'_>) -> Push {
+        let carrot = self.route.place(input).map_or(input.goal, |place| {
             self.arc_m = place.arc_m;
-            self.route.ahead(scene, &place, LOOKAHEAD_M)
+            self.route.ahead(input, &place, LOOKAHEAD_M)
         });
-        let pull = attraction(self.gains.attract, scene.at, carrot);
-        Push::Along(pull + all_repulsions(&self.gains, scene))
+        let pull = attraction(self.gains.attract, input.at, carrot);
+        Push::Along(pull + all_repulsions(&self.gains, input))
     }
 }

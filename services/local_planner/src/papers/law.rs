@@ -1,5 +1,6 @@
 //! What a potential-field law knows, and what it answers.
 
+use core::fmt;
 use nalgebra::{Point2, Vector2};
 use zeronav_msgs::path::Waypoint;
 
@@ -70,7 +71,7 @@ impl Body {
 
 /// A situation in the plane. Lengths in metres, or in cells where a law's gains are meant so.
 #[derive(Debug, Clone, Copy)]
-pub struct Scene<'a> {
+pub struct LawInput<'a> {
     /// The robot's centre.
     pub at: Point2<f64>,
     /// The robot's velocity. [m/s]
@@ -97,7 +98,7 @@ pub enum Push {
 }
 
 /// A potential-field method. Deterministic; remembers what it needs from step to step.
-pub trait Law {
-    /// The force at the scene's position.
-    fn push(&mut self, scene: &Scene<'_>) -> Push;
+pub trait Law: fmt::Debug {
+    /// The force at the position of `input`.
+    fn push(&mut self, input: &LawInput<'_>) -> Push;
 }

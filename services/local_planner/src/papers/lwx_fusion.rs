@@ -2,10 +2,10 @@
 //! squares, the fit followed by a carrot; where the walk does not arrive, `lwx_oapf` itself.
 
 use super::fit::free_fit;
+use super::law::{Law, LawInput, Push};
 use super::lwx_lsq::Curve;
 use super::lwx_oapf::LwxOapf;
 use super::potential::{Gains, all_repulsions, attraction};
-use super::scene::{Law, Push, Scene};
 use super::walk::{End, Trace, Walk, is_free, walk};
 use nalgebra::Point2;
 
@@ -37,35 +37,35 @@ impl LwxFusion {
 
     /// The whole plan: the walk, and the fitted curve when the walk arrives and a fit is free.
     #[must_use]
-    pub fn plan(&self, scene: &Scene<'_>) -> (Trace, Option<Vec<Point2<f64>>>) {
+    pub fn plan(&self, input: &LawInput<'_>) -> (Trace, Option<Vec<Point2<f64>>>) {
         let mut law = LwxOapf::new(self.gains, PER_UNIT, false);
         let trace = walk(
             &mut law,
-            scene.at,
-            scene.goal,
-            scene.bodies,
-            scene.path,
+            input.at,
+            input.goal,
+            input.bodies,
+            input.path,
             &self.how,
         );
         let curve = (trace.end == End::Reached)
-            .then(|| free_fit(&trace.points, |from, to| is_free(scene.bodies, from, to)))
+            .then(|| free_fit(&trace.points, |from, to| is_free(input.bodies, from, to)))
             .flatten();
         (trace, curve)
     }
 }
 
 impl Law for LwxFusion {
-    fn push(&mut self, scene: &Scene<'_>) -> Push {
-        if self.geometry != scene.geometry {
-            self.geometry = scene.geometry;
-            let (trace, curve) = self.plan(scene);
+    fn push(&mut self, input: &LawInput<'_>) -> Push {
+        if self.geometry != input.geometry {
+            self.geometry = input.geometry;
+            let (trace, curve) = self.plan(input);
             let walked = (trace.end == End::Reached).then_some(trace.points);
             self.curve = curve.or(walked).map(Curve::new);
         }
-        let Some(carrot) = self.curve.as_mut().and_then(|curve| curve.carrot(scene.at)) else {
-            return self.walker.push(scene);
+        let Some(carrot) = self.curve.as_mut().and_then(|curve| curve.carrot(input.at)) else {
+            return self.walker.push(input);
         };
-        let pull = attraction(self.gains.attract, scene.at, carrot);
-        Push::Along(pull + all_repulsions(&self.gains, scene))
+        let pull = attraction(self.gains.attract, input.at, carrot);
+        Push::Along(pull + all_repulsions(&self.gains, input))
     }
 }

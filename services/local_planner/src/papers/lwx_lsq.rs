@@ -1,8 +1,8 @@
 //! `lwx_lsq` [LWX]: the global path, fitted by least squares, followed by a carrot.
 
 use super::fit::free_fit;
+use super::law::{Law, LawInput, Push};
 use super::potential::{Gains, all_repulsions, attraction};
-use super::scene::{Law, Push, Scene};
 use super::walk::is_free;
 use nalgebra::Point2;
 
@@ -69,10 +69,10 @@ impl LwxLsq {
         self.fitted
     }
 
-    fn take(&mut self, scene: &Scene<'_>) {
-        self.geometry = scene.geometry;
+    fn take(&mut self, input: &LawInput<'_>) {
+        self.geometry = input.geometry;
         let mut points: Vec<Point2<f64>> = Vec::new();
-        for pair in scene.path.windows(2) {
+        for pair in input.path.windows(2) {
             let from = Point2::new(pair[0].x_m, pair[0].y_m);
             let to = Point2::new(pair[1].x_m, pair[1].y_m);
             let mut along = 0.0;
@@ -81,20 +81,20 @@ impl LwxLsq {
                 along += SPACING;
             }
         }
-        points.extend(scene.path.last().map(|end| Point2::new(end.x_m, end.y_m)));
-        let fit = free_fit(&points, |from, to| is_free(scene.bodies, from, to));
+        points.extend(input.path.last().map(|end| Point2::new(end.x_m, end.y_m)));
+        let fit = free_fit(&points, |from, to| is_free(input.bodies, from, to));
         self.fitted = fit.is_some();
         self.curve = Curve::new(fit.unwrap_or(points));
     }
 }
 
 impl Law for LwxLsq {
-    fn push(&mut self, scene: &Scene<'_>) -> Push {
-        if self.geometry != scene.geometry {
-            self.take(scene);
+    fn push(&mut self, input: &LawInput<'_>) -> Push {
+        if self.geometry != input.geometry {
+            self.take(input);
         }
-        let carrot = self.curve.carrot(scene.at).unwrap_or(scene.goal);
-        let pull = attraction(self.gains.attract, scene.at, carrot);
-        Push::Along(pull + all_repulsions(&self.gains, scene))
+        let carrot = self.curve.carrot(input.at).unwrap_or(input.goal);
+        let pull = attraction(self.gains.attract, input.at, carrot);
+        Push::Along(pull + all_repulsions(&self.gains, input))
     }
 }

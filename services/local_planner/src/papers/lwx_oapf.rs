@@ -6,9 +6,9 @@
 //! the only way that a robot can. When an interim goal is not reached within `L` steps per unit of
 //! distance, the nearer turning point is taken instead.
 
+use super::law::{Law, LawInput, Push};
 use super::potential::{Gains, all_repulsions, attraction};
 use super::route::turning_points;
-use super::scene::{Law, Push, Scene};
 use nalgebra::Point2;
 
 /// The field towards one interim goal after the other.
@@ -46,9 +46,9 @@ impl LwxOapf {
     }
 
     /// The interim goal; the path's end near the end.
-    fn interim(&self, scene: &Scene<'_>) -> Point2<f64> {
+    fn interim(&self, input: &LawInput<'_>) -> Point2<f64> {
         let index = (self.passed + self.ahead).min(self.points.len().saturating_sub(1));
-        self.points.get(index).copied().unwrap_or(scene.goal)
+        self.points.get(index).copied().unwrap_or(input.goal)
     }
 
     /// Eq. 11: `I = ceil(L |R - T|)`, at least what a step takes.
@@ -57,8 +57,8 @@ impl LwxOapf {
         clippy::cast_sign_loss,
         reason = "positive and bounded"
     )]
-    fn refill(&mut self, scene: &Scene<'_>) {
-        let distance = (scene.at - self.interim(scene)).norm();
+    fn refill(&mut self, input: &LawInput<'_>) {
+        let distance = (input.at - self.interim(input)).norm();
         self.budget = (self.per_unit * distance).ceil().clamp(1.0, 1.0e6) as u32;
     }
 }
@@ -68,32 +68,32 @@ fn manhattan(a: Point2<f64>, b: Point2<f64>) -> f64 {
 }
 
 impl Law for LwxOapf {
-    fn push(&mut self, scene: &Scene<'_>) -> Push {
-        if self.geometry != scene.geometry {
-            self.geometry = scene.geometry;
-            self.points = turning_points(scene.path);
+    fn push(&mut self, input: &LawInput<'_>) -> Push {
+        if self.geometry != input.geometry {
+            self.geometry = input.geometry;
+            self.points = turning_points(input.path);
             self.passed = 0;
             self.ahead = 2;
-            self.refill(scene);
+            self.refill(input);
         }
         while self.passed + 2 < self.points.len() {
             let (here, next) = (self.points[self.passed], self.points[self.passed + 1]);
-            if manhattan(scene.at, here) <= manhattan(here, next) {
+            if manhattan(input.at, here) <= manhattan(here, next) {
                 break;
             }
             self.passed += 1;
             self.ahead = 2;
-            self.refill(scene);
+            self.refill(input);
         }
         if self.budget == 0 {
             if self.strict {
                 return Push::Stuck;
             }
             self.ahead = 3 - self.ahead;
-            self.refill(scene);
+            self.refill(input);
         }
         self.budget -= 1;
-        let pull = attraction(self.gains.attract, scene.at, self.interim(scene));
-        Push::Along(pull + all_repulsions(&self.gains, scene))
+        let pull = attraction(self.gains.attract, input.at, self.interim(input));
+        Push::Along(pull + all_repulsions(&self.gains, input))
     }
 }

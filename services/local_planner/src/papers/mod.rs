@@ -3,25 +3,26 @@
 //! [LWX] Liu, Wang, Xu 2022: optimised A* + APF + least squares; [BAO] Bao et al. 2023: improved
 //! A* with virtual obstacles and DWA.
 //!
-//! A potential-field method is a [`Law`]: from a [`Scene`] to a direction. [`walk`] rolls it out
-//! in the plane, as the papers do; [`drive`] makes a [`crate::controller::Controller`] of it.
+//! A potential-field method is a [`Law`]: from a [`LawInput`] to a direction. [`walk`] rolls it out
+//! in the plane, as the papers do; [`drive`] makes a chooser of the pilot of it.
 
 pub mod bao_dwa;
+pub mod bao_window;
 pub mod drive;
 pub mod fit;
 pub mod ju_apf;
 pub mod ju_fusion;
 pub mod ju_r6;
 pub mod ju_r7;
+pub mod law;
 pub mod lwx_fusion;
 pub mod lwx_lsq;
 pub mod lwx_oapf;
 pub mod potential;
 pub mod route;
-pub mod scene;
 pub mod walk;
 pub mod zm_esc;
 pub mod zm_rep;
 pub mod zm_rv;
 
-pub use scene::{Body, Extent, Law, Push, Scene};
+pub use law::{Body, Extent, Law, LawInput, Push};

@@ -1,6 +1,6 @@
 //! The forces of the papers, each the full negative gradient of its potential.
 
-use super::scene::{Body, Scene};
+use super::law::{Body, LawInput};
 use nalgebra::{Point2, Vector2};
 
 /// [m] below which a distance is taken as this: forces stay finite.
@@ -132,24 +132,24 @@ pub fn velocity_repulsion(
     left * (side * gain * v.norm() / distance * theta.cos())
 }
 
-/// Sum of [`repulsion`] over the bodies of a scene.
+/// Sum of [`repulsion`] over the bodies of a input.
 #[must_use]
-pub fn all_repulsions(gains: &Gains, scene: &Scene<'_>) -> Vector2<f64> {
-    scene.bodies.iter().fold(Vector2::zeros(), |sum, body| {
-        sum + repulsion(gains, scene.at, body.nearest(scene.at, scene.literal))
+pub fn all_repulsions(gains: &Gains, input: &LawInput<'_>) -> Vector2<f64> {
+    input.bodies.iter().fold(Vector2::zeros(), |sum, body| {
+        sum + repulsion(gains, input.at, body.nearest(input.at, input.literal))
     })
 }
 
-/// Sum of [`goal_repulsion`] over the bodies of a scene.
+/// Sum of [`goal_repulsion`] over the bodies of a input.
 #[must_use]
 pub fn all_goal_repulsions(
     gains: &Gains,
     n: i32,
-    scene: &Scene<'_>,
+    input: &LawInput<'_>,
     goal: Point2<f64>,
 ) -> Vector2<f64> {
-    scene.bodies.iter().fold(Vector2::zeros(), |sum, body| {
-        let from = body.nearest(scene.at, scene.literal);
-        sum + goal_repulsion(gains, n, scene.at, from, goal)
+    input.bodies.iter().fold(Vector2::zeros(), |sum, body| {
+        let from = body.nearest(input.at, input.literal);
+        sum + goal_repulsion(gains, n, input.at, from, goal)
     })
 }

@@ -4,7 +4,7 @@ use crate::progress::{PathTracker, Place};
 use nalgebra::Point2;
 use zeronav_msgs::path::Waypoint;
 
-use super::scene::Scene;
+use super::law::LawInput;
 
 /// The robot's place on its path, never going back.
 #[derive(Debug, Clone, Default)]
@@ -13,21 +13,21 @@ pub struct Route {
 }
 
 impl Route {
-    /// The place of the scene's robot; `None` without a path.
-    pub fn place(&mut self, scene: &Scene<'_>) -> Option<Place> {
-        self.tracker.advance(scene.geometry, scene.path, scene.at)
+    /// The place of the robot; `None` without a path.
+    pub fn place(&mut self, input: &LawInput<'_>) -> Option<Place> {
+        self.tracker.advance(input.geometry, input.path, input.at)
     }
 
     /// The point of the path `ahead` of the place, at most its end.
     #[must_use]
-    pub fn ahead(&self, scene: &Scene<'_>, place: &Place, ahead: f64) -> Point2<f64> {
-        self.tracker.point_at(scene.path, place.arc_m + ahead)
+    pub fn ahead(&self, input: &LawInput<'_>, place: &Place, ahead: f64) -> Point2<f64> {
+        self.tracker.point_at(input.path, place.arc_m + ahead)
     }
 
     /// The point at an arc length of the path.
     #[must_use]
-    pub fn at(&self, scene: &Scene<'_>, arc: f64) -> Point2<f64> {
-        self.tracker.point_at(scene.path, arc)
+    pub fn at(&self, input: &LawInput<'_>, arc: f64) -> Point2<f64> {
+        self.tracker.point_at(input.path, arc)
     }
 
     /// Length of the path.

@@ -1,6 +1,6 @@
 //! The roll-out that all potential-field methods share (paper notes, Appendix D).
 
-use super::scene::{Body, Law, Push, Scene};
+use super::law::{Body, Law, LawInput, Push};
 use nalgebra::{Point2, Vector2};
 use zeronav_msgs::path::Waypoint;
 
@@ -112,7 +112,7 @@ pub fn walk(
                 return done(points, reached, End::Reached, steps);
             }
         }
-        let scene = Scene {
+        let input = LawInput {
             at,
             velocity,
             goal,
@@ -121,7 +121,7 @@ pub fn walk(
             geometry: 1,
             literal: how.literal,
         };
-        let Push::Along(force) = law.push(&scene) else {
+        let Push::Along(force) = law.push(&input) else {
             return done(points, reached, End::Stuck, steps);
         };
         let next = force

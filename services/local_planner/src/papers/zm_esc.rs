@@ -4,8 +4,8 @@
 //! balance. Here the repulsion is turned by a right angle to the side with more room, for a number
 //! of steps that grows from try to try.
 
+use super::law::{Law, LawInput, Push};
 use super::potential::{Gains, all_repulsions, attraction};
-use super::scene::{Law, Push, Scene};
 use nalgebra::{Point2, Vector2};
 
 /// Steps of the first escape; each further one takes half as many more.
@@ -58,27 +58,27 @@ impl ZmEsc {
     }
 
     /// True when the robot goes nowhere: no force, or hardly any displacement.
-    fn is_caught(&mut self, scene: &Scene<'_>, force: Vector2<f64>) -> bool {
-        self.recent.push(scene.at);
+    fn is_caught(&mut self, input: &LawInput<'_>, force: Vector2<f64>) -> bool {
+        self.recent.push(input.at);
         if self.recent.len() > WINDOW {
             self.recent.remove(0);
         }
         let full = self.recent.len() == WINDOW;
-        let moved = (scene.at - self.recent[0]).norm();
+        let moved = (input.at - self.recent[0]).norm();
         force.norm() < 1.0e-3 * self.gains.attract || (full && moved < 3.0 * self.step)
     }
 
     /// +1 when there is more room to the left of the way to the goal.
-    fn roomier_side(scene: &Scene<'_>) -> f64 {
-        let to_goal = (scene.goal - scene.at)
+    fn roomier_side(input: &LawInput<'_>) -> f64 {
+        let to_goal = (input.goal - input.at)
             .try_normalize(1.0e-9)
             .unwrap_or_else(Vector2::x);
         let left = Vector2::new(-to_goal.y, to_goal.x);
         let room = |side: f64| {
             (1..=8)
                 .map(|i| {
-                    let at = scene.at + left * (side * 0.25 * f64::from(i)) + to_goal * 0.25;
-                    scene
+                    let at = input.at + left * (side * 0.25 * f64::from(i)) + to_goal * 0.25;
+                    input
                         .bodies
                         .iter()
                         .map(|body| body.distance_m(at))
@@ -91,9 +91,9 @@ impl ZmEsc {
 }
 
 impl Law for ZmEsc {
-    fn push(&mut self, scene: &Scene<'_>) -> Push {
-        let pull = attraction(self.gains.attract, scene.at, scene.goal);
-        let repel = all_repulsions(&self.gains, scene);
+    fn push(&mut self, input: &LawInput<'_>) -> Push {
+        let pull = attraction(self.gains.attract, input.at, input.goal);
+        let repel = all_repulsions(&self.gains, input);
         let force = pull + repel;
         if let Some((left, side)) = self.escape {
             self.escape = left.checked_sub(1).map(|left| (left, side));
@@ -104,13 +104,13 @@ impl Law for ZmEsc {
                 .map_or_else(|| pull, |unit| unit * repel.norm().max(1.5 * pull.norm()));
             return Push::Along(strong + pull);
         }
-        if !self.is_caught(scene, force) {
+        if !self.is_caught(input, force) {
             return Push::Along(force);
         }
-        if (scene.at - self.minimum).norm() > AWAY_M {
+        if (input.at - self.minimum).norm() > AWAY_M {
             self.tries = 0;
-            self.minimum = scene.at;
-            self.side = Self::roomier_side(scene);
+            self.minimum = input.at;
+            self.side = Self::roomier_side(input);
         } else {
             self.side = -self.side;
         }
@@ -128,6 +128,6 @@ impl Law for ZmEsc {
         self.escapes += 1;
         self.escape = Some((steps, self.side));
         self.recent.clear();
-        self.push(scene)
+        self.push(input)
     }
 }

@@ -1,7 +1,7 @@
 //! `zm_rep` [ZM]: repulsion that fades at the goal, so that a goal beside an obstacle is reached.
 
+use super::law::{Law, LawInput, Push};
 use super::potential::{Gains, all_goal_repulsions, attraction};
-use super::scene::{Law, Push, Scene};
 
 /// Exponent of the goal's distance in the repulsion; 1 in the paper.
 const N: i32 = 1;
@@ -21,8 +21,8 @@ impl ZmRep {
 }
 
 impl Law for ZmRep {
-    fn push(&mut self, scene: &Scene<'_>) -> Push {
-        let pull = attraction(self.gains.attract, scene.at, scene.goal);
-        Push::Along(pull + all_goal_repulsions(&self.gains, N, scene, scene.goal))
+    fn push(&mut self, input: &LawInput<'_>) -> Push {
+        let pull = attraction(self.gains.attract, input.at, input.goal);
+        Push::Along(pull + all_goal_repulsions(&self.gains, N, input, input.goal))
     }
 }

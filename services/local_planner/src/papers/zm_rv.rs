@@ -1,7 +1,7 @@
 //! `zm_rv` [ZM]: sideways repulsion from what approaches, on top of `zm_rep`.
 
+use super::law::{Law, LawInput, Push};
 use super::potential::{Gains, velocity_repulsion};
-use super::scene::{Law, Push, Scene};
 use super::zm_rep::ZmRep;
 use nalgebra::Vector2;
 
@@ -27,11 +27,11 @@ impl ZmRv {
 }
 
 impl Law for ZmRv {
-    fn push(&mut self, scene: &Scene<'_>) -> Push {
-        let sideways = scene.bodies.iter().fold(Vector2::zeros(), |sum, body| {
-            sum + velocity_repulsion(self.gain, self.reach, scene.at, scene.velocity, body)
+    fn push(&mut self, input: &LawInput<'_>) -> Push {
+        let sideways = input.bodies.iter().fold(Vector2::zeros(), |sum, body| {
+            sum + velocity_repulsion(self.gain, self.reach, input.at, input.velocity, body)
         });
-        match self.field.push(scene) {
+        match self.field.push(input) {
             Push::Along(force) => Push::Along(force + sideways),
             Push::Stuck => Push::Stuck,
         }

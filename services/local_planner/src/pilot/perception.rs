@@ -24,11 +24,33 @@ pub(crate) struct Perception {
     pub(crate) path: LocalPath,
     pub(crate) surroundings: Surroundings,
     pub(crate) dynamic: DynamicObstacles,
-    prediction: Option<Prediction>,
+    tracks: Tracks,
 }
 
-/// What a chooser in time sees besides: dynamic obstacles where they will be instead of where the
-/// scan met them, and the cost-to-go.
+/// What becomes of tracked obstacles.
+#[derive(Debug)]
+pub(crate) enum Tracks {
+    /// Nothing: obstacles are where the scan met them.
+    Ignored,
+    /// They are avoided where the scan met them, and every command is checked against where they
+    /// will be.
+    Checked,
+    /// They are avoided where they will be instead of where the scan met them.
+    Predicted(Prediction),
+}
+
+impl Tracks {
+    /// How their uncertainty grows; `None` when they are ignored.
+    fn growth(&self) -> Option<Growth> {
+        match self {
+            Self::Ignored => None,
+            Self::Checked => Some(Growth::default()),
+            Self::Predicted(prediction) => Some(prediction.growth),
+        }
+    }
+}
+
+/// What a chooser in time sees besides.
 #[derive(Debug)]
 pub(crate) struct Prediction {
     growth: Growth,
@@ -63,13 +85,13 @@ pub(crate) fn horizon_s(config: &DwaConfig, robot: &Description) -> f64 {
 }
 
 impl Perception {
-    pub(crate) fn new(prediction: Option<Prediction>) -> Self {
+    pub(crate) fn new(tracks: Tracks) -> Self {
         Self {
             tracker: PathTracker::new(),
             path: LocalPath::default(),
             surroundings: Surroundings::default(),
             dynamic: DynamicObstacles::default(),
-            prediction,
+            tracks,
         }
     }
 
@@ -87,13 +109,15 @@ impl Perception {
         let map = situation.map.map(|map| (map, situation.map_cells));
         let mut stamped = situation.scan_points_in_base;
         let mut cost_to_go = None;
-        if let Some(prediction) = &mut self.prediction {
+        if let Some(growth) = self.tracks.growth() {
             self.dynamic.take(
                 situation.obstacles,
                 situation.obstacles_age_s,
                 &situation.map_from_base,
-                prediction.growth,
+                growth,
             );
+        }
+        if let Tracks::Predicted(prediction) = &mut self.tracks {
             let points = situation.scan_points_in_base.iter();
             prediction.static_points.clear();
             prediction
@@ -133,9 +157,10 @@ impl Perception {
 
     /// The cost-to-go of a chooser in time; empty before the first map.
     pub(crate) fn cost_to_go(&self) -> Option<&CostToGo> {
-        self.prediction
-            .as_ref()
-            .map(|prediction| &prediction.cost_to_go)
+        match &self.tracks {
+            Tracks::Predicted(prediction) => Some(&prediction.cost_to_go),
+            Tracks::Ignored | Tracks::Checked => None,
+        }
     }
 
     /// [m] along the path to the first obstacle in sight.

@@ -114,11 +114,11 @@ fn ju_r7_progress_never_falls() {
     let mut last_m = 0.0;
     let mut here = at(0.0, 0.0);
     for _ in 0..200 {
-        let scene = Scene {
+        let input = LawInput {
             path: &route,
-            ..scene(here, at(0.0, 0.6), &[])
+            ..input(here, at(0.0, 0.6), &[])
         };
-        if let Push::Along(force) = law.push(&scene) {
+        if let Push::Along(force) = law.push(&input) {
             here += force.normalize() * 0.05;
         }
         assert!(law.arc_m() >= last_m);
@@ -134,11 +134,11 @@ fn ju_fusion_takes_the_points_ahead_in_every_quadrant() {
         let goal = at(10.0 * x, 10.0 * y);
         let from = at(5.0 * x, 5.0 * y);
         let mut law = JuFusion::new(Gains::JU, false);
-        let scene = Scene {
+        let input = LawInput {
             path: &route,
-            ..scene(from, goal, &[])
+            ..input(from, goal, &[])
         };
-        let pull = law.path_pull(&scene);
+        let pull = law.path_pull(&input);
         assert!(pull.norm() > 1.0, "no point was taken");
         assert!(pull.normalize().dot(&(goal - from).normalize()) > 0.999);
     }
@@ -150,13 +150,13 @@ fn ju_fusion_is_drawn_to_the_goal_as_well_as_to_the_path() {
     let route = path(&[(0.0, 0.0), (0.0, 10.0)]);
     for normalised in [false, true] {
         let mut law = JuFusion::new(Gains::JU, normalised);
-        let scene = Scene {
+        let input = LawInput {
             path: &route,
-            ..scene(at(0.0, 0.0), at(6.0, 0.0), &[])
+            ..input(at(0.0, 0.0), at(6.0, 0.0), &[])
         };
-        let path_pull = law.path_pull(&scene);
+        let path_pull = law.path_pull(&input);
         assert!(path_pull.x.abs() < 1e-9 && path_pull.y > 1.0);
-        let Push::Along(force) = law.push(&scene) else {
+        let Push::Along(force) = law.push(&input) else {
             panic!("a field always says where to");
         };
         let goal_pull = force - path_pull;

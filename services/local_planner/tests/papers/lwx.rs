@@ -65,15 +65,16 @@ fn lwx_oapf_walks_without_gaps_to_the_end() {
 }
 
 /// A law that counts how often it was asked.
+#[derive(Debug)]
 struct Counted {
     law: LwxOapf,
     asked: usize,
 }
 
 impl Law for Counted {
-    fn push(&mut self, scene: &Scene<'_>) -> Push {
+    fn push(&mut self, input: &LawInput<'_>) -> Push {
         self.asked += 1;
-        self.law.push(scene)
+        self.law.push(input)
     }
 }
 
@@ -187,11 +188,11 @@ fn lwx_lsq_takes_no_fit_that_collides() {
     // Across the path itself: whatever fits the path collides.
     let walled = [Body::standing(at(1.5, 0.0), Extent::Disc(0.3))];
     let mut law = LwxLsq::new(Gains::LWX);
-    let scene = Scene {
+    let input = LawInput {
         path: &corner,
-        ..scene(at(0.0, 0.0), at(3.0, 3.0), &walled)
+        ..input(at(0.0, 0.0), at(3.0, 3.0), &walled)
     };
-    law.push(&scene);
+    law.push(&input);
     assert!(!law.is_fitted(), "a fit through the post");
 }
 
@@ -200,11 +201,11 @@ fn lwx_fusion_turns_less_than_its_path() {
     let bodies = [square(4.5, 3.5), square(6.5, 4.5), square(3.5, 2.5)];
     let law = LwxFusion::new(Gains::LWX, Walk::LWX);
     let route = staircase();
-    let scene = Scene {
+    let input = LawInput {
         path: &route,
-        ..scene(at(0.5, 0.5), at(9.5, 6.5), &bodies)
+        ..input(at(0.5, 0.5), at(9.5, 6.5), &bodies)
     };
-    let (trace, curve) = law.plan(&scene);
+    let (trace, curve) = law.plan(&input);
     assert_eq!(trace.end, End::Reached);
     let curve = curve.expect("a free fit");
     let sharpest = |points: &[Point2<f64>]| {

@@ -38,7 +38,7 @@ use zeronav_local_planner::papers::walk::{End, Trace, Walk, walk};
 use zeronav_local_planner::papers::zm_esc::ZmEsc;
 use zeronav_local_planner::papers::zm_rep::ZmRep;
 use zeronav_local_planner::papers::zm_rv::ZmRv;
-use zeronav_local_planner::papers::{Body, Extent, Law, Push, Scene};
+use zeronav_local_planner::papers::{Body, Extent, Law, LawInput, Push};
 use zeronav_local_planner::table::controller;
 use zeronav_motion::Twist;
 use zeronav_msgs::Pose;
@@ -61,8 +61,8 @@ fn u_trap() -> Vec<Body> {
     back.chain(arms).collect()
 }
 
-fn scene(from: Point2<f64>, goal: Point2<f64>, bodies: &[Body]) -> Scene<'_> {
-    Scene {
+fn input(from: Point2<f64>, goal: Point2<f64>, bodies: &[Body]) -> LawInput<'_> {
+    LawInput {
         at: from,
         velocity: Vector2::zeros(),
         goal,

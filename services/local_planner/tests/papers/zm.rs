@@ -34,7 +34,7 @@ fn zm_rep_reaches_the_goal_beside_an_obstacle() {
     let mut law = ZmRep::new(Gains::JU);
     let trace = walk(&mut law, at(0.0, 0.0), goal, &bodies, &[], &Walk::JU);
     assert_eq!(trace.end, End::Reached, "{:?}", trace.points.last());
-    let last = scene(goal, goal, &bodies);
+    let last = input(goal, goal, &bodies);
     assert!(all_goal_repulsions(&Gains::JU, 2, &last, goal).norm() < 1.0e-9);
 }
 
@@ -145,11 +145,11 @@ fn crossing_share(mut law: impl Law + Clone) -> f64 {
         let mut heading = Vector2::x();
         let mut least = f64::INFINITY;
         for _ in 0..200 {
-            let scene = Scene {
+            let input = LawInput {
                 velocity: heading,
-                ..scene(here, goal, core::slice::from_ref(&body))
+                ..input(here, goal, core::slice::from_ref(&body))
             };
-            if let Push::Along(force) = law.push(&scene) {
+            if let Push::Along(force) = law.push(&input) {
                 heading = force.try_normalize(1e-9).unwrap_or(heading);
             }
             here += heading * 0.05;
