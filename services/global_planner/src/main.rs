@@ -49,7 +49,8 @@ impl Inputs {
         // After the map: mapping sends the obstacles of a scan before its update.
         if self.obstacles.poll(shell.roster()) || !self.map.changed().is_empty() {
             let obstacles = self.obstacles.get();
-            self.map.stamp_obstacles(obstacles.map_or(&[], |view| view.items));
+            self.map
+                .stamp_obstacles(obstacles.map_or(&[], |view| view.items));
         }
         self.changed.extend_from_slice(self.map.changed());
         let requested = self.request.poll(shell.roster());
@@ -167,11 +168,12 @@ impl Service for PlannerService {
         let Inputs {
             odometry,
             map,
+            obstacles,
             request,
             goal,
             ..
         } = &self.inputs;
-        shell.count(&[odometry, map, request, goal]);
+        shell.count(&[odometry, map, obstacles, request, goal]);
         shell.reason(REASON_MAP, !map.is_current());
         let trigger = map.trigger(shell.roster(), odometry, news);
         for due in shell.due(&trigger) {

@@ -64,7 +64,9 @@ const CELL_MPS: f32 = 0.4;
 pub fn beam(dwa: DwaConfig, timed: DwaTConfig, config: BeamConfig) -> Pilot {
     Pilot::new(
         in_time(dwa, timed),
-        Tracks::Predicted(Prediction::new(Growth::from(&timed)).with_sight(SIGHT_M)),
+        Tracks::Predicted(Box::new(
+            Prediction::new(Growth::from(&timed)).with_sight(SIGHT_M),
+        )),
         Box::new(Beam {
             search: Search::new(config),
             alone: TimedWindow::new(timed),

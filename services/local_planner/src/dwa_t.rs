@@ -37,7 +37,7 @@ const STOPPED_MPS: f64 = 0.05;
 pub fn dwa_t(dwa: DwaConfig, config: DwaTConfig) -> Pilot {
     Pilot::new(
         in_time(dwa, config),
-        Tracks::Predicted(Prediction::new(Growth::from(&config))),
+        Tracks::Predicted(Box::new(Prediction::new(Growth::from(&config)))),
         Box::new(TimedWindow::new(config)),
     )
 }

@@ -61,7 +61,7 @@ pub fn mppi(dwa: DwaConfig, timed: DwaTConfig, config: MppiConfig) -> Pilot {
     };
     Pilot::new(
         in_time(dwa, timed),
-        Tracks::Predicted(Prediction::new(Growth::from(&timed))),
+        Tracks::Predicted(Box::new(Prediction::new(Growth::from(&timed)))),
         Box::new(Mppi {
             window: TimedWindow::new(timed),
             optimiser: Optimiser::new(config),

@@ -36,7 +36,7 @@ pub(crate) enum Tracks {
     /// will be.
     Checked,
     /// They are avoided where they will be instead of where the scan met them.
-    Predicted(Prediction),
+    Predicted(Box<Prediction>),
 }
 
 impl Tracks {
