@@ -219,7 +219,7 @@ impl CostModel {
     pub fn cost(&self, clearance_m: f64) -> u8 {
         let beyond_m = clearance_m - self.inscribed_radius_m;
         let spare_m = beyond_m - self.padding_m;
-        if clearance_m <= 0.0 {
+        if clearance_m * 1000.0 <= ROUNDING_MM {
             COST_LETHAL
         } else if beyond_m * 1000.0 <= ROUNDING_MM || spare_m * 1000.0 < -ROUNDING_MM {
             COST_INSCRIBED
