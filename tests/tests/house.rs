@@ -16,9 +16,8 @@ const FUNCTION_LINES_MAX: usize = 80;
 fn allowed(from: &str) -> &'static [&'static str] {
     match from {
         "zeronav-msgs" | "zeronav-params" => &[],
-        "zeronav-shell" => &["zeronav-msgs", "zeronav-params"],
+        "zeronav-shell" | "zeronav-world" => &["zeronav-msgs", "zeronav-params"],
         "zeronav-motion" => &["zeronav-msgs"],
-        "zeronav-world" => &["zeronav-msgs", "zeronav-params"],
         "zeronav-world-files" => &["zeronav-msgs", "zeronav-world"],
         "zeronav-robot-description" => &["zeronav-msgs", "zeronav-params", "zeronav-world"],
         "zeronav-mapping" => &[
@@ -276,19 +275,6 @@ fn topic_names_are_string_literals_in_one_file_only() {
     );
 }
 
-/// Packages with circles of modules that are still to be removed. Empty is the goal: a package that
-/// has no circle any more fails the test until it is taken off.
-const WITH_CIRCLES: &[&str] = &["zeronav-local-planner"];
-
-/// Files and functions beyond the limits that are still to be split, likewise.
-const STILL_LONG: &[&str] = &[
-    "services/collision_guard/benches/guard.rs",
-    "services/collision_guard/tests/closed_loop.rs",
-    "services/local_planner/src/dwa_t/rollout_grid.rs",
-    "services/local_planner/src/mppi.rs",
-    "services/robot_sim/src/lidar/tests.rs",
-];
-
 /// Source files of the workspace, relative to its root.
 fn all_sources() -> Vec<PathBuf> {
     let folders = ["services", "launch", "msgs", "tests"];
@@ -304,54 +290,33 @@ fn all_sources() -> Vec<PathBuf> {
 #[test]
 fn no_circles_of_modules() {
     let mut circles = Vec::new();
-    let mut clean = Vec::new();
     for (name, folder) in packages() {
         let crates = crates_of(&folder);
         assert!(!crates.is_empty(), "{name}: no crate roots found");
-        let found: Vec<String> = crates.iter().flat_map(Crate::circles).collect();
-        if !WITH_CIRCLES.contains(&name.as_str()) {
-            circles.extend(found.iter().map(|circle| format!("{name}: {circle}")));
-        } else if found.is_empty() {
-            clean.push(name);
-        }
+        let found = crates.iter().flat_map(Crate::circles);
+        circles.extend(found.map(|circle| format!("{name}: {circle}")));
     }
     assert!(
         circles.is_empty(),
         "circles of modules:\n{}",
         circles.join("\n")
     );
-    assert!(
-        clean.is_empty(),
-        "without circles, take off the list: {clean:?}"
-    );
 }
 
 #[test]
 fn files_and_functions_are_short_or_give_a_reason() {
     let mut long = Vec::new();
-    let mut listed: BTreeSet<&str> = STILL_LONG.iter().copied().collect();
     for file in all_sources() {
         let (path, name) = (workspace().join(&file), file.display().to_string());
-        let mut found = Vec::new();
         if let Some(lines) = length::long_file(&path, FILE_LINES_MAX) {
-            found.push(format!("{name}: {lines} lines"));
+            long.push(format!("{name}: {lines} lines"));
         }
         for (line, function, lines) in length::long_functions(&path, FUNCTION_LINES_MAX) {
-            found.push(format!("{name}:{line}: `{function}` has {lines} lines"));
-        }
-        let is_listed = STILL_LONG.contains(&name.as_str());
-        if is_listed && !found.is_empty() {
-            listed.remove(name.as_str());
-        } else {
-            long.append(&mut found);
+            long.push(format!("{name}:{line}: `{function}` has {lines} lines"));
         }
     }
     let rule = "split them, or give the reason in a line `// long: reason`";
     assert!(long.is_empty(), "{rule}:\n{}", long.join("\n"));
-    assert!(
-        listed.is_empty(),
-        "short by now, take off the list: {listed:?}"
-    );
 }
 
 fn sources(folder: &Path) -> Vec<PathBuf> {

@@ -78,7 +78,7 @@ impl Way {
     /// id beside it is that of the path.
     ///
     /// # Errors
-    /// [`End`] when the ids lead to no scan.
+    /// `End` when the ids lead to no scan.
     pub fn through_map(joins: &Joins<'_>, applied: &Span) -> Result<(Self, u64), End> {
         let guard = joins.link(Role::CollisionGuard, applied.request)?;
         let local = joins.link(Role::LocalPlanner, guard.request)?;
@@ -97,7 +97,7 @@ impl Way {
     /// checked. The id beside it is that of the scan.
     ///
     /// # Errors
-    /// [`End`] when the ids lead to no scan.
+    /// `End` when the ids lead to no scan.
     pub fn direct(joins: &Joins<'_>, applied: &Span) -> Result<(Self, u64), End> {
         let guard = joins.link(Role::CollisionGuard, applied.request)?;
         let local = joins.link(Role::LocalPlanner, guard.request)?;

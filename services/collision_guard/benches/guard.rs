@@ -31,6 +31,25 @@ fn ranges(n: u16, ahead_m: f32) -> Vec<f32> {
         .collect()
 }
 
+fn robot(n_beams: u16, step_rad: f32, corners: &[Corner]) -> Description {
+    Description {
+        inscribed_radius_m: 0.21,
+        circumscribed_radius_m: if corners.is_empty() { 0.25 } else { 0.333 },
+        v_mps_max: 1.5,
+        w_radps_max: 2.0,
+        a_mps2_max: 1.0,
+        brake_mps2: 1.0,
+        alpha_radps2_max: 4.0,
+        angle_increment_rad: f64::from(step_rad),
+        range_m_min: 0.05,
+        range_m_max: 20.0,
+        scan_period_ns: 100_000_000,
+        n_beams: u32::from(n_beams),
+        n_corners: u32::try_from(corners.len()).unwrap_or(0),
+        ..Description::default()
+    }
+}
+
 fn cycle(criterion: &mut Criterion) {
     let corner = |(x_m, y_m)| Corner { x_m, y_m };
     let rectangle = [
@@ -49,22 +68,7 @@ fn cycle(criterion: &mut Criterion) {
             ("stopped, 1080 beams", 1080, 0.6, Intervention::StoppedShort),
         ] {
             let step_rad = std::f32::consts::TAU / f32::from(n);
-            let robot = Description {
-                inscribed_radius_m: 0.21,
-                circumscribed_radius_m: if corners.is_empty() { 0.25 } else { 0.333 },
-                v_mps_max: 1.5,
-                w_radps_max: 2.0,
-                a_mps2_max: 1.0,
-                brake_mps2: 1.0,
-                alpha_radps2_max: 4.0,
-                angle_increment_rad: f64::from(step_rad),
-                range_m_min: 0.05,
-                range_m_max: 20.0,
-                scan_period_ns: 100_000_000,
-                n_beams: u32::from(n),
-                n_corners: u32::try_from(corners.len()).unwrap_or(0),
-                ..Description::default()
-            };
+            let robot = robot(n, step_rad, corners);
             let scan = Scan {
                 n_beams: u32::from(n),
                 angle_increment_rad: step_rad,

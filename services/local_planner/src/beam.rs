@@ -18,6 +18,7 @@
 //! - Where nobody walks near, at the goal, and for the exact check of what is published it is
 //!   `dwa_t`.
 
+mod node;
 pub mod options;
 mod space;
 mod visited;
@@ -31,7 +32,8 @@ use crate::lanes::data::narrow;
 use crate::pilot::Pilot;
 use crate::pilot::perception::{Prediction, Tracks};
 use crate::pilot::scene::{Choose, Mode, Scene, Wish};
-use space::{LOOKS, Space, State};
+use node::Node;
+use space::{LOOKS, Space};
 use visited::Visited;
 use zeronav_motion::Twist;
 use zeronav_msgs::obstacles::OBSTACLES_MAX;
@@ -53,11 +55,6 @@ const WALKS_M: f64 = 6.0;
 
 /// [m] before the goal where it ends.
 const FINAL_M: f64 = 1.0;
-
-/// Sides of a cell: [m], [rad], [m/s].
-const CELL_M: f32 = 0.15;
-const CELL_RAD: f32 = 0.4;
-const CELL_MPS: f32 = 0.4;
 
 /// The controller `beam` at rest. The numbers must be within the ranges of their structs.
 #[must_use]
@@ -101,41 +98,6 @@ impl Choose for Beam {
 
     fn forget(&mut self) {
         self.search.forget();
-    }
-}
-
-/// The end of a sequence of manoeuvres.
-#[derive(Debug, Clone, Copy)]
-struct Node {
-    state: State,
-    /// Spent and risked so far. [s]
-    cost: f32,
-    /// The same with what is still to come. [s]
-    total: f32,
-    /// The way to go. [m]
-    to_go: f32,
-    /// Index of the node before.
-    parent: usize,
-    /// Speed [m/s] and yaw rate [rad/s] of the last manoeuvre.
-    asked: (f32, f32),
-    /// Bit by bit: discs that the robot was in from the beginning.
-    inside: u64,
-}
-
-impl Node {
-    /// The cell that it is in.
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "some metres in cells; saturates"
-    )]
-    fn cell(&self) -> visited::Cell {
-        let State { x, y, yaw, v, .. } = self.state;
-        [
-            (x / CELL_M).floor() as i16,
-            (y / CELL_M).floor() as i16,
-            (yaw / CELL_RAD).round() as i16,
-            (v / CELL_MPS).round() as i16,
-        ]
     }
 }
 

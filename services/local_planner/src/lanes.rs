@@ -14,7 +14,7 @@
     reason = "indices of a window of at most 1024 cells, clamped before use"
 )]
 
-use data::{Lanes, Projection, Projections, SAMPLES, Sheet, Stretch, Turns};
+use data::{Lanes, Projection, Projections, Sheet, Stretch, Turns};
 use zeronav_msgs::MapCell;
 
 #[cfg(target_arch = "x86_64")]
@@ -80,9 +80,6 @@ pub(crate) fn lower_space_around(
     }
     portable::lower_space_around(sheet, at, heading, (discs, need), space);
 }
-
-/// Bits of a number that tell a sample of a stretch.
-const SAMPLE: u32 = SAMPLES as u32 - 1;
 
 /// The nearest place on a stretch of at most 32 samples.
 pub(crate) fn place_on(stretch: &Stretch, x: f32, y: f32) -> Projection {

@@ -29,7 +29,8 @@ use crate::dwa_t::{TimedWindow, in_time};
 use crate::dynamic_obstacles::Growth;
 use crate::lanes::data::narrow;
 use crate::local_path::LocalPath;
-use crate::mppi::critics::{CRITICS, Cycle};
+use crate::mppi::critics::CRITICS;
+use crate::mppi::critics::cycle::Cycle;
 use crate::mppi::options::MppiConfig;
 use crate::pilot::Pilot;
 use crate::pilot::perception::{Prediction, Tracks};
@@ -296,6 +297,21 @@ impl Optimiser {
         true
     }
 
+    fn clear_sums(&mut self) {
+        self.least = f32::INFINITY;
+        let sums = self.sum_v.iter_mut().chain(&mut self.sum_w);
+        for sum in sums.chain(core::iter::once(&mut self.sum)) {
+            *sum = [0.0; LANES];
+        }
+    }
+
+    /// The lane of the cheapest finalist that is free.
+    fn cheapest_free(&self, scene: &Scene<'_>, costs: &Lanes) -> Option<usize> {
+        let mut order = [MEAN, BEST, WINDOW, BRISK];
+        order.sort_by(|a, b| costs[*a].total_cmp(&costs[*b]));
+        order.into_iter().find(|lane| self.is_free(scene, *lane))
+    }
+
     /// The first twist of the cheapest free sequence; `None` = none that is better than `best`, the
     /// window's choice.
     fn refine(
@@ -309,15 +325,11 @@ impl Optimiser {
         let steps = self.batch.steps;
         let here = situation.map_from_base.point();
         let beside_m = (scene.place.cross_track_m - goal.tolerance_m).max(0.0);
-        let limits = Limits::new(
-            robot,
-            fastest_mps,
-            self.config.step_s,
-            (
-                scene.place.remaining_m + beside_m,
-                scene.config.comfort_share * robot.brake_mps2,
-            ),
+        let stop = (
+            scene.place.remaining_m + beside_m,
+            scene.config.comfort_share * robot.brake_mps2,
         );
+        let limits = Limits::new(robot, fastest_mps, self.config.step_s, stop);
         let horizon_s = self.config.step_s * f64::from(self.config.steps);
         self.path.sample(
             &scene.seen.tracker,
@@ -339,17 +351,13 @@ impl Optimiser {
         let config = self.config;
         let any_yaw = goal.yaw_tolerance_rad >= core::f64::consts::PI;
         let (goal_sin, goal_cos) = goal.pose.yaw_rad.sin_cos();
+        let need_m = seen.surroundings.need_m();
         let cycle = Cycle {
             robot,
             config: &config,
             radius_m: narrow(seen.surroundings.footprint.circumscribed_m),
-            soft_m: narrow(
-                scene
-                    .config
-                    .soft_clearance_m
-                    .max(seen.surroundings.need_m()),
-            ),
-            need_m: narrow(seen.surroundings.need_m()),
+            soft_m: narrow(scene.config.soft_clearance_m.max(need_m)),
+            need_m: narrow(need_m),
             path: &path,
             cost_to_go: seen
                 .cost_to_go()
@@ -365,11 +373,7 @@ impl Optimiser {
             remaining_m: narrow(scene.place.remaining_m),
         };
         self.noise.shuffle();
-        self.least = f32::INFINITY;
-        let sums = self.sum_v.iter_mut().chain(&mut self.sum_w);
-        for sum in sums.chain(core::iter::once(&mut self.sum)) {
-            *sum = [0.0; LANES];
-        }
+        self.clear_sums();
         let mut costs = [0.0; LANES];
         for row in 0..self.noise.rows() {
             self.ask(row, narrow(robot.v_mps_min), window);
@@ -379,9 +383,7 @@ impl Optimiser {
         self.looked_at = u32::try_from(self.noise.rows() * LANES).unwrap_or(u32::MAX);
         self.finalists(window, narrow(fastest_mps));
         self.judge(&limits, &cycle, scene, &mut costs);
-        let mut order = [MEAN, BEST, WINDOW, BRISK];
-        order.sort_by(|a, b| costs[*a].total_cmp(&costs[*b]));
-        let chosen = order.into_iter().find(|lane| self.is_free(scene, *lane));
+        let chosen = self.cheapest_free(scene, &costs);
         self.path = path;
         let Some(lane) = chosen else {
             self.plan.forget();

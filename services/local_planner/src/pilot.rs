@@ -21,13 +21,10 @@ use crate::controller::{Controller, Decision, Situation};
 use crate::dwa::options::DwaConfig;
 use crate::shaping::{Shaper, ShapingConfig};
 use perception::{Perception, Tracks};
-use scene::{Choose, Memory, Mode, Scene, Wish};
+use scene::{BLOCKED_S, Choose, Memory, Mode, Scene, Wish};
 use verify::first_with_free_stop;
 use zeronav_motion::{Twist, stop_distance_m, towards_rest};
 use zeronav_msgs::command::Validity;
-
-/// [s] stopped with somewhere to go after which the robot counts as blocked.
-const BLOCKED_S: f64 = 0.1;
 
 /// Twists that are tried at most, best first, when the best one is not free.
 const RESERVE: usize = 6;

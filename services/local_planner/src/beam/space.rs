@@ -1,6 +1,6 @@
 //! What a search drives through: how the robot moves, what is in its way, what that costs.
 
-use super::Node;
+use super::node::{Node, State};
 use crate::beam::options::BeamConfig;
 use crate::cost_to_go::CostToGo;
 use crate::dynamic_obstacles::DynamicObstacles;
@@ -52,19 +52,6 @@ const MOMENTUM: f32 = 0.15;
 /// Costs that keep manoeuvres calm: of a squared yaw rate for a second, of a change of speed.
 const TURNING: f32 = 0.006;
 const CHANGING: f32 = 0.01;
-
-/// The robot after some manoeuvres: position relative to where it is now along the axes of the map
-/// [m], yaw in the map [rad] with its cosine and sine, speed [m/s] and yaw rate [rad/s].
-#[derive(Debug, Clone, Copy)]
-pub(super) struct State {
-    pub(super) x: f32,
-    pub(super) y: f32,
-    pub(super) yaw: f32,
-    pub(super) cos: f32,
-    pub(super) sin: f32,
-    pub(super) v: f32,
-    pub(super) w: f32,
-}
 
 /// What does not change during a search.
 #[derive(Debug)]

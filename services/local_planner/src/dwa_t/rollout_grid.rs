@@ -224,28 +224,17 @@ impl RolloutGrid {
         row.space[..n].fill(soft);
         row.hit[..n].fill(f32::INFINITY);
         row.struck[..n].fill(f32::INFINITY);
+        // Predicted obstacles are looked for until the end.
+        self.roll(
+            speed,
+            if self.overlaps.is_empty() {
+                looked
+            } else {
+                self.steps
+            },
+        );
+        let row = &mut self.row;
         let arcs = &self.arcs[speed * self.steps..(speed + 1) * self.steps];
-        let driven = &self.driven[speed * self.steps..(speed + 1) * self.steps];
-        // Who is looked at beyond that are those that move.
-        let rolled = if self.overlaps.is_empty() {
-            looked
-        } else {
-            self.steps
-        };
-        let origin = [0.0_f32; LANES_MAX];
-        let (mut from_x, mut from_y) = (&origin, &origin);
-        let chords = self.chord_x.iter().zip(&self.chord_y);
-        let ends = row.x.iter_mut().zip(&mut row.y);
-        for ((chord, driven), (x, y)) in chords.zip(driven).zip(ends).take(rolled) {
-            advance(
-                *driven,
-                (&chord.0[..n], &chord.1[..n]),
-                (&from_x[..n], &from_y[..n]),
-                &mut x[..n],
-                &mut y[..n],
-            );
-            (from_x, from_y) = (x, y);
-        }
         let sheet = surroundings.field.sheet();
         let outer = narrow(surroundings.footprint.circumscribed_m);
         let slack = surroundings.field.slack_m();
@@ -291,6 +280,26 @@ impl RolloutGrid {
         }
         if !self.overlaps.is_empty() {
             self.strike_row(speed);
+        }
+    }
+
+    /// Positions at the ends of the first `steps` steps of all rollouts of one speed.
+    fn roll(&mut self, speed: usize, steps: usize) {
+        let n = self.lanes;
+        let driven = &self.driven[speed * self.steps..(speed + 1) * self.steps];
+        let origin = [0.0_f32; LANES_MAX];
+        let (mut from_x, mut from_y) = (&origin, &origin);
+        let chords = self.chord_x.iter().zip(&self.chord_y);
+        let ends = self.row.x.iter_mut().zip(&mut self.row.y);
+        for ((chord, driven), (x, y)) in chords.zip(driven).zip(ends).take(steps) {
+            advance(
+                *driven,
+                (&chord.0[..n], &chord.1[..n]),
+                (&from_x[..n], &from_y[..n]),
+                &mut x[..n],
+                &mut y[..n],
+            );
+            (from_x, from_y) = (x, y);
         }
     }
 

@@ -3,8 +3,7 @@
 
 #![allow(unsafe_code, reason = "gathers read through a pointer")]
 
-use super::SAMPLE;
-use super::data::{LANES_MAX, Projections, SAMPLES, Sheet, Stretch, WIDTH};
+use super::data::{LANES_MAX, Projections, SAMPLE_BITS, SAMPLES, Sheet, Stretch, WIDTH};
 use core::arch::x86_64::{
     __m256, __m256i, _CMP_GT_OQ, _CMP_LT_OQ, _mm256_add_epi32, _mm256_add_ps, _mm256_and_si256,
     _mm256_andnot_si256, _mm256_blendv_ps, _mm256_castps_si256, _mm256_castsi256_ps, _mm256_cmp_ps,
@@ -162,7 +161,7 @@ pub(super) fn places_on(stretch: &Stretch, x: &[f32], y: &[f32], found: &mut Pro
     let n = stretch.n.min(SAMPLES);
     let last = _mm256_set1_epi32(n as i32 - 2);
     let (zero, one) = (_mm256_setzero_si256(), _mm256_set1_epi32(1));
-    let sample = _mm256_set1_epi32(SAMPLE as i32);
+    let sample = _mm256_set1_epi32(SAMPLE_BITS as i32);
     let places = x.chunks_exact(WIDTH).zip(y.chunks_exact(WIDTH));
     for (start, (x, y)) in (0..LANES_MAX).step_by(WIDTH).zip(places) {
         // SAFETY: chunks of eight.

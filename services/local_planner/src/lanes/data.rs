@@ -12,6 +12,9 @@ pub(crate) const WIDTH: usize = 8;
 /// Samples of the stretch, a power of two.
 pub(crate) const SAMPLES: usize = 32;
 
+/// Bits of a number that tell a sample of a stretch.
+pub(crate) const SAMPLE_BITS: u32 = 31;
+
 /// The filled window: `side x side` clearances, row-major.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Sheet<'a> {

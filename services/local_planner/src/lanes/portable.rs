@@ -5,9 +5,8 @@
     reason = "compiled once more with AVX2 only where it is inlined"
 )]
 
-use super::SAMPLE;
 use super::data::{
-    LANES_MAX, Lanes, Projection, Projections, Sheet, Stretch, Turns, WIDTH, narrow,
+    LANES_MAX, Lanes, Projection, Projections, SAMPLE_BITS, Sheet, Stretch, Turns, WIDTH, narrow,
 };
 use zeronav_msgs::MapCell;
 
@@ -125,14 +124,14 @@ pub(super) fn place_on(stretch: &Stretch, x: f32, y: f32) -> Projection {
     let mut key = f32::MAX.to_bits();
     for (i, bits) in (0..stretch.n.max(1)).zip(0_u32..) {
         let (dx, dy) = (stretch.x[i] - x, stretch.y[i] - y);
-        key = key.min(((dx * dx + dy * dy).to_bits() & !SAMPLE) | bits);
+        key = key.min(((dx * dx + dy * dy).to_bits() & !SAMPLE_BITS) | bits);
     }
-    let nearest = (key & SAMPLE) as usize;
+    let nearest = (key & SAMPLE_BITS) as usize;
     let direction = (stretch.direction_x[nearest], stretch.direction_y[nearest]);
     let Some(last) = stretch.n.checked_sub(2) else {
         return Projection {
             along: stretch.start[nearest],
-            beside: f32::from_bits(key & !SAMPLE).sqrt(),
+            beside: f32::from_bits(key & !SAMPLE_BITS).sqrt(),
             direction,
         };
     };

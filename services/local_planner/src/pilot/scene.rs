@@ -1,6 +1,5 @@
 //! The seam between the pilot and its choosers: from a scene to a wish.
 
-use super::BLOCKED_S;
 use super::perception::{Perception, horizon_s};
 use crate::controller::Situation;
 use crate::dwa::options::{DwaConfig, DwaWeights};
@@ -15,6 +14,9 @@ use zeronav_msgs::command::Validity;
 
 /// [m/s] slowest speed wanted at a corner, and speed at which a robot that must turn steers.
 pub(crate) const CREEP_MPS: f64 = 0.12;
+
+/// [s] stopped with somewhere to go after which the robot counts as blocked.
+pub(super) const BLOCKED_S: f64 = 0.1;
 
 /// [m] of path that are left when rotation room no longer matters.
 const FINAL_M: f64 = 0.5;

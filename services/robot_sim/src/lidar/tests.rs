@@ -273,6 +273,20 @@ fn swept_by_hand(
         .collect()
 }
 
+/// Ten of them; `within(m)` draws from -m to m.
+fn discs_and_boxes(within: &mut impl FnMut(f64) -> f64) -> Vec<Convex> {
+    let form = |i: usize| {
+        let centre_m = [within(7.0), within(7.0)];
+        if i.is_multiple_of(2) {
+            disc(centre_m[0], centre_m[1], within(0.5).abs() + 0.01)
+        } else {
+            let size_m = [within(3.0).abs() + 0.01, within(3.0).abs() + 0.01];
+            a_box(centre_m, size_m, within(PI))
+        }
+    };
+    (0..10).map(form).collect()
+}
+
 #[test]
 #[allow(clippy::cast_precision_loss, reason = "ages are fractions of a second")]
 fn a_turning_lidar_sees_every_beam_from_where_it_was_then() {
@@ -298,17 +312,7 @@ fn a_turning_lidar_sees_every_beam_from_where_it_was_then() {
             let (x, y) = (start.x_m + v_mps * t_s, start.y_m - 0.5 * v_mps * t_s);
             Pose::new(x, y, yaw_rad)
         };
-        let still: Vec<Convex> = (0..10)
-            .map(|i| {
-                let centre_m = [within(7.0), within(7.0)];
-                if i % 2 == 0 {
-                    disc(centre_m[0], centre_m[1], within(0.5).abs() + 0.01)
-                } else {
-                    let size_m = [within(3.0).abs() + 0.01, within(3.0).abs() + 0.01];
-                    a_box(centre_m, size_m, within(PI))
-                }
-            })
-            .collect();
+        let still = discs_and_boxes(&mut within);
         let (from, velocity) = ([within(4.0), within(4.0)], [within(5.0), within(5.0)]);
         let walker = |age_ns: u64| {
             let t_s = 0.1 - age_ns as f64 * 1.0e-9;

@@ -1,6 +1,6 @@
 //! Speed by clearance: a metre per second beyond what the space allows costs the weight.
 
-use super::Cycle;
+use super::cycle::Cycle;
 use crate::lanes::data::{most, narrow};
 use crate::mppi::batch::{Batch, LANES, Lanes};
 

@@ -1,7 +1,7 @@
 //! Nearness to what stands, quadratic within the soft clearance and dearer at speed: its worst
 //! moment. A goal beside a wall must be reached, so it counts less and less on the last metre.
 
-use super::Cycle;
+use super::cycle::Cycle;
 use crate::lanes::data::{least, most, narrow};
 use crate::mppi::batch::{Batch, LANES, Lanes};
 

@@ -1,6 +1,6 @@
 //! Distance from the goal at the end, on the last metre of the path.
 
-use super::Cycle;
+use super::cycle::Cycle;
 use crate::mppi::batch::{Batch, Lanes};
 
 /// [m] of path that are left when it begins to count.

@@ -1,6 +1,6 @@
 //! Heading against the goal's yaw at the end, on the last half metre, where a yaw is asked for.
 
-use super::Cycle;
+use super::cycle::Cycle;
 use crate::mppi::batch::{Batch, Lanes};
 
 /// [m] of path that are left when it begins to count.

@@ -1,7 +1,7 @@
 //! Contact with a tracked obstacle where it will be by then, with the radius that its uncertainty has
 //! grown to. Never less than a third, so that the robot gives way as soon as it sees it coming.
 
-use super::Cycle;
+use super::cycle::Cycle;
 use crate::lanes::data::narrow;
 use crate::lanes::strike;
 use crate::mppi::batch::{Batch, LANES, Lanes};

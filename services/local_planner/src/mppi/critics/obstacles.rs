@@ -1,7 +1,7 @@
 //! Contact with the map or the scan: the sooner, the worse. What comes after the robot could have
 //! stopped is a bad plan, not a danger, and still costs a quarter.
 
-use super::Cycle;
+use super::cycle::Cycle;
 use crate::mppi::batch::{Batch, Lanes};
 
 #[allow(clippy::cast_precision_loss, reason = "at most 64 steps")]

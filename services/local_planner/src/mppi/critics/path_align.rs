@@ -1,6 +1,6 @@
 //! Distance from the path, quadratic up to 30 cm and linear beyond, on average.
 
-use super::Cycle;
+use super::cycle::Cycle;
 use crate::dwa::rollouts::cost_beside;
 use crate::mppi::batch::{Batch, Lanes};
 

@@ -1,6 +1,6 @@
 //! Heading against the path: one less the cosine of the angle, on average.
 
-use super::Cycle;
+use super::cycle::Cycle;
 use crate::mppi::batch::{Batch, Lanes};
 
 #[allow(clippy::cast_precision_loss, reason = "a handful of stations")]

@@ -2,7 +2,7 @@
 //! where that is longer (a dead end beside the path is no progress). Half of it counts half way, so
 //! that being there early is better where all arrive.
 
-use super::Cycle;
+use super::cycle::Cycle;
 use crate::lanes::data::{least, narrow};
 use crate::mppi::batch::{Batch, Lanes};
 use nalgebra::Point2;

@@ -1,6 +1,6 @@
 //! Metres driven backwards.
 
-use super::Cycle;
+use super::cycle::Cycle;
 use crate::lanes::data::{most, narrow};
 use crate::mppi::batch::{Batch, LANES, Lanes};
 

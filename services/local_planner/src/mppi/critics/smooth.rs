@@ -1,6 +1,6 @@
 //! Changes of the yaw rate and of the speed, as shares of their largest values, summed up.
 
-use super::Cycle;
+use super::cycle::Cycle;
 use crate::lanes::data::narrow;
 use crate::mppi::batch::{Batch, LANES, Lanes};
 
