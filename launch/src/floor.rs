@@ -1,4 +1,4 @@
-//! The floor of the transport: the stack's own ring with nobody thinking in it.
+//! The floor of the transport: the stack's own ring without computation.
 //!
 //! Five processes in a domain of their own, on the same shell, pass on messages of the size that
 //! the stack's have, at the pace of the lidar. What they need from the capture of a scan to the

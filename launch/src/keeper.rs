@@ -213,8 +213,8 @@ impl<'a> Keeper<'a> {
             if let Some(joining) = joined.map(|at| self.joining.remove(at))
                 && self.plays_absence(collector)
             {
-                // The robot stands where it waits for the seat's answer; now the roster says for
-                // how long nobody sits there, and the successor hears nothing from before.
+                // The robot is held where it waits for the seat's answer; now the roster says for
+                // how long the seat is empty, and the successor receives nothing from before.
                 let off_tick = collector.answered_by(role) + 1;
                 let on_tick = collector.robot_tick() + joining.absent_ticks;
                 stack.obey_newest(role, off_tick, on_tick);
@@ -237,7 +237,7 @@ impl<'a> Keeper<'a> {
     /// Kills a process that makes no progress; its death is seen with the others.
     fn kill(&mut self, stack: &mut Stack, role: Role) {
         if !self.prepared.binaries.contains_key(&role) {
-            // Started by hand: somebody else's to end.
+            // Started by hand: not ours to end.
             if self.hung.insert(role, String::new()).is_none() {
                 tracing::warn!(%role, "no progress");
             }
@@ -297,7 +297,7 @@ impl<'a> Keeper<'a> {
             wait_ms: u64::try_from(wait.as_millis()).unwrap_or(u64::MAX),
         });
         let played = self.plays_absence(collector);
-        // Then the tick stands still until the successor can answer; its absence and its wait are
+        // Then the tick is held until the successor can answer; its absence and its wait are
         // played by the roster, in ticks.
         let tick_ns = u128::from(self.prepared.scenario.run.tick_ns());
         let wait_ticks = u64::try_from(wait.as_nanos().div_ceil(tick_ns)).unwrap_or(u64::MAX);
@@ -316,7 +316,7 @@ impl<'a> Keeper<'a> {
         self.prepared.mode == RunMode::Lockstep && collector.robot_tick() > 0
     }
 
-    /// Starts a successor. It is obeyed when somebody says so.
+    /// Starts a successor. It is obeyed when the roster says so.
     fn join(&mut self, stack: &mut Stack, role: Role, absent_ticks: u64) -> Result<(), Ending> {
         stack.next_epoch(role);
         self.start(stack, role).map_err(|how| Ending::Died {

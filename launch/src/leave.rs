@@ -7,7 +7,7 @@ use std::path::Path;
 /// Writes `text` to a file beside `file`, makes it durable and gives it the name `file`.
 ///
 /// # Errors
-/// One line naming the file; what stood there before still stands there.
+/// One line naming the file; what was there before is still there.
 pub(crate) fn write(file: &Path, text: &str) -> Result<(), String> {
     let failed = |error: std::io::Error| format!("writing {}: {error}", file.display());
     let name = file.file_name().unwrap_or_default().to_string_lossy();

@@ -11,7 +11,7 @@ use std::process::ExitCode;
 use zeronav_msgs::role::Role;
 use zeronav_params::Parameter;
 
-/// What stands above the tables of [`Form::Markdown`].
+/// The text above the tables of [`Form::Markdown`].
 const HEAD: &str = "# Parameters of the services
 
 Written by `zeronav params --markdown > services/PARAMETERS.md` from the declarations in the code. A

@@ -5,7 +5,7 @@
 use crate::result::Redirect;
 use zeronav_msgs::task::{EndReason, Goal, TaskState};
 
-/// The goals given by hand, and the task that waits behind the one at hand.
+/// The goals given by hand, and the task that waits behind the current one.
 #[derive(Debug, Default)]
 pub(crate) struct Redirects {
     given: Vec<Redirect>,
@@ -14,7 +14,7 @@ pub(crate) struct Redirects {
 }
 
 impl Redirects {
-    /// A goal takes the place of `left`, the goals at hand that are not reached yet.
+    /// A goal takes the place of `left`, the current goals that are not reached yet.
     pub(crate) fn give(&mut self, time_s: f64, goal: &Goal, left: Vec<Goal>) {
         if self.aside.is_some() {
             self.settle("replaced");
@@ -28,7 +28,7 @@ impl Redirects {
         });
     }
 
-    /// The task at hand has ended: the goals with which the run goes on, if it was one given by
+    /// The current task has ended: the goals with which the run goes on, if it was one given by
     /// hand and could not be reached.
     pub(crate) fn ended(&mut self, state: TaskState, reason: EndReason) -> Option<Vec<Goal>> {
         self.aside.as_ref()?;
@@ -40,7 +40,7 @@ impl Redirects {
         self.aside.take()
     }
 
-    /// True while a goal given by hand is at hand, or ended the run.
+    /// True while a goal given by hand is current, or ended the run.
     #[must_use]
     pub(crate) fn is_redirected(&self) -> bool {
         self.aside.is_some()

@@ -140,7 +140,7 @@ impl<'a> Shuttle<'a> {
         })
     }
 
-    /// The goal at hand.
+    /// The current goal.
     #[must_use]
     pub(crate) const fn goal(&self) -> &'a GoalSpec {
         &self.course.spec.goals[self.leg]

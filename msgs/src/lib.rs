@@ -1,6 +1,6 @@
 //! The contract between the processes of zeronav.
 //!
-//! Whatever two processes would otherwise misread stands here and nowhere else: the names of the
+//! Whatever two processes would otherwise misread is defined here and nowhere else: the names of the
 //! topics, the layout and meaning of every message, what an identity is, who is obeyed, and how a
 //! map arrives whole at the other end. A service in any language needs this crate (or a copy of
 //! these layouts), the flags of the shell and an exit code; nothing else is shared.

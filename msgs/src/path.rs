@@ -9,13 +9,13 @@ pub const WAYPOINTS_MAX: usize = 2048;
 codes! {
     /// Outcome of planning.
     pub enum PathStatus: u16 {
-        /// Idle: nobody asked for a path, or no map has come yet.
+        /// Idle: no path was asked for, or no map has come yet.
         NoGoal = 0 => "no_goal",
         /// The waypoints lead from the robot to the goal.
         Found = 1 => "found",
         /// The robot is not on the map.
         StartOutsideMap = 2 => "start_outside_map",
-        /// The robot stands in an obstacle and no free cell is near.
+        /// The robot is in an obstacle and no free cell is near.
         StartBlocked = 3 => "start_blocked",
         /// The goal is not on the map.
         GoalOutsideMap = 4 => "goal_outside_map",

@@ -12,7 +12,7 @@ use crate::obstacles::Obstacle;
 use crate::stamp::Stamp;
 use std::collections::VecDeque;
 
-/// Updates that are kept while waiting for a keyframe; more and the wait begins anew.
+/// Updates that are kept while waiting for a keyframe; more and the wait restarts.
 pub const PENDING_MAX: usize = 256;
 
 /// What a message did to the replica.

@@ -4,11 +4,11 @@ use crate::message::{Refusal, ZeroCopySend, number};
 use crate::{codes, message};
 
 codes! {
-    /// Why the path at hand does not serve.
+    /// Why the current path does not serve.
     pub enum RequestReason: u16 {
         /// Nothing is asked.
         None = 0 => "none",
-        /// Something stands on the path.
+        /// An obstacle is on the path.
         Blocked = 1 => "blocked",
         /// The robot is too far from the path.
         OffPath = 2 => "off_path",

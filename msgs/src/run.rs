@@ -60,7 +60,7 @@ message! {
         /// [10 us] by which the seat delays each of its answers; 0 in earnest. A delay put in on
         /// purpose must appear in this seat's hop and nowhere else.
         pub delay: u16,
-        /// The one epoch that is obeyed in this seat; 0 = nobody yet.
+        /// The one epoch that is obeyed in this seat; 0 = none yet.
         pub epoch: u32,
         /// First tick at which the seat is empty.
         pub off_tick: u64,

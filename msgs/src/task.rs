@@ -58,7 +58,7 @@ codes! {
 codes! {
     /// What was wrong with a robot that got stuck.
     pub enum StuckCause: u16 {
-        /// It has not got stuck, or nobody knows.
+        /// It has not got stuck, or that is unknown.
         None = 0 => "none",
         /// No motion was admissible.
         Blocked = 1 => "blocked",
@@ -108,7 +108,7 @@ message! {
         pub n_ended: u32,
         /// Id on `task/goal` of the task.
         pub task: u64,
-        /// [`Goal::id`] of the goal at hand, 0 = none.
+        /// [`Goal::id`] of the current goal, 0 = none.
         pub goal: u64,
         /// [m] along the path, or straight without one; >= 0.
         pub remaining_m: f64,

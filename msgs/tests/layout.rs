@@ -1,6 +1,6 @@
 //! The wire does not change by accident: sizes, type names and schema hashes of every topic.
 //!
-//! A change here is a change of the contract: every service must be built anew, and the version
+//! A change here is a change of the contract: every service must be rebuilt, and the version
 //! in the type's name goes up.
 
 use std::fmt::Write;

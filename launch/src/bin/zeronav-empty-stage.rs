@@ -231,7 +231,7 @@ impl Stage for Guard {
 }
 
 fn main() -> ExitCode {
-    // The seat stands in the configuration; the shell reads flags and configuration again.
+    // The seat is in the configuration; the shell reads flags and configuration again.
     let seat = Flags::parse().read_config(|_: &StageConfig| Ok(()));
     match seat.map(|config| Role::from_label(&config.seat)) {
         Ok(Some(Role::Robot)) => zeronav_shell::run::<Source>(),

@@ -36,7 +36,7 @@ const LEASE_TICKS: u64 = 30;
 
 const _: () = assert!(LEASE_TICKS <= GroundTruth::ROW.buffer() as u64);
 
-/// Speed below which the robot stands. [m/s]
+/// Speed below which the robot is stopped. [m/s]
 const STANDING_MPS: f64 = 0.01;
 
 /// One drive while it goes on: the services, what they report, and the goals.
@@ -52,7 +52,7 @@ pub(super) struct Session<'a> {
     pub(super) goals_run_ns: u64,
     /// Kills of the scenario that were made.
     struck: usize,
-    /// The goals of the task at hand.
+    /// The goals of the current task.
     task: Vec<Goal>,
     /// Its id, 0 = none was sent.
     task_id: u64,
@@ -156,7 +156,7 @@ impl<'a> Session<'a> {
         self.task = goals;
     }
 
-    /// The goals of the task at hand that are not reached yet.
+    /// The goals of the current task that are not reached yet.
     pub(super) fn left(&self) -> Vec<Goal> {
         let reached = &self.collector.reached;
         let left = self.task.iter().filter(|goal| !reached.contains(&goal.id));
@@ -339,7 +339,7 @@ impl<'a> Session<'a> {
         }
     }
 
-    /// What is said about the task at hand.
+    /// What is said about the current task.
     pub(super) fn report(&self) -> Option<TaskReport> {
         self.collector
             .task

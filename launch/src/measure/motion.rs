@@ -132,7 +132,7 @@ pub(crate) fn jerk_mps3(moments: &[Moment]) -> Option<f64> {
         let (before_s, after_s) = (step_s(&three[0], &three[1]), step_s(&three[1], &three[2]));
         let a_before = (three[1].v_mps - three[0].v_mps) / before_s;
         let a_after = (three[2].v_mps - three[1].v_mps) / after_s;
-        // |da / dt| dt: every difference counts for as long as it stands for.
+        // |da / dt| dt: every difference counts for as long as it lasts.
         sum += (a_after - a_before).abs();
         duration_s += 0.5 * (before_s + after_s);
     }

@@ -167,7 +167,7 @@ impl Scenario {
 
     fn check_start(&self, world: &World, footprint: &Footprint) -> Result<(), SpecError> {
         self.check_pose(world, &self.start, "start")?;
-        let standing = "the robot stands in";
+        let standing = "the robot is in";
         if world.touches(footprint, &self.start) {
             let robot = footprint.placed(&self.start);
             let shape = world

@@ -34,7 +34,7 @@ struct Source {
     start: usize,
 }
 
-/// The files of a scenario and where every value stands in them.
+/// The files of a scenario and where every value is in them.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Document {
     /// In the order in which they are merged; the scenario's own is the last.
@@ -206,15 +206,15 @@ fn merge<'a>(under: &mut DeTable<'a>, over: DeTable<'a>) {
 }
 
 impl Document {
-    /// The error that the value at `field` is wrong. A value that stands nowhere (a default) is
-    /// reported where the table that could hold it stands.
+    /// The error that the value at `field` is wrong. A value that is in no file (a default) is
+    /// reported where the table that could hold it is.
     pub(super) fn at_field(&self, field: &str, why: &str) -> ScenarioError {
         let start = self.places.key_of(field);
         let start = start.unwrap_or_else(|| self.texts.last().map_or(0, |text| text.start));
         self.error(start, field.to_owned(), why)
     }
 
-    /// The folder of the file in which the value at `field` stands.
+    /// The folder of the file that holds the value at `field`.
     pub(super) fn folder_of(&self, field: &str) -> Option<&Path> {
         self.text_at(self.places.value_of(field)?)?.origin.folder()
     }

@@ -5,7 +5,7 @@
 //! are built into the program, so the program works in any folder and files override.
 //!
 //! The variants of a scenario have names of their own: variant `4m` of `u_trap.toml` is `u_trap_4m`.
-//! They are what is listed then; `u_trap` is the file as it stands.
+//! They are what is listed then; `u_trap` is the file as it is.
 
 use super::error::ScenarioError;
 use std::io::Read;

@@ -235,7 +235,7 @@ impl ServicesSpec {
 #[serde(deny_unknown_fields, default)]
 pub struct ServiceSpec {
     /// Name or path of the binary; without, the stock one. A path that leads to a file from the
-    /// folder of the scenario is absolute, any other stands as it was written.
+    /// folder of the scenario is absolute, any other is as it was written.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub binary: Option<PathBuf>,
     /// What the service finds in its configuration file.
@@ -312,10 +312,10 @@ pub struct TrialsSpec {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Outcome {
-    /// The robot stands at the last goal.
+    /// The robot is stopped at the last goal.
     #[default]
     Reached,
-    /// The stack says that there is no way, and the robot stands.
+    /// The stack says that there is no way, and the robot is stopped.
     Unreachable,
     /// Nobody says anything until the time is over: what is asked for is asked by the other
     /// expectations.

@@ -111,7 +111,7 @@ fn leaf(parameter: &Parameter) -> Value {
     Value::Object(schema)
 }
 
-/// The bounds of a number. The smallest positive one stands for everything above 0.
+/// The bounds of a number. The smallest positive one means everything above 0.
 fn numbers(min: Option<f64>, max: Option<f64>) -> Map<String, Value> {
     let least = match min {
         Some(f64::MIN_POSITIVE) => Some(("exclusiveMinimum", 0.0)),

@@ -84,7 +84,7 @@ fn case(setup: &Setup<'_>, world: &WorldFile, seed: u64, robot: Robot) -> Result
             success: Success::Arrival {
                 goal_m: [drawn.goal.x_m, drawn.goal.y_m],
                 tolerance_m: drawn.goal_tolerance_m,
-                // People do not see the robot: a contact while it stands is not its fault.
+                // People do not see the robot: a contact while it is stopped is not its fault.
                 standing_counts: class.kind != Kind::Walkers,
             },
             optimal_time_s: None,

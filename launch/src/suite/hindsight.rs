@@ -11,7 +11,7 @@ use zeronav_world::track::Track;
 use zeronav_world::{Obstacle, World};
 
 /// Times before a contact from which the oracle tries, shortest first. [s] A contact that not even
-/// the last avoids is unavoidable. Nobody knows of somebody who does not exist yet: with whom a
+/// the last avoids is unavoidable. Nothing is known of a pedestrian who has not appeared yet: with whom a
 /// recording begins in front of the robot, the oracle tries from that moment on.
 const LEADS_S: [f64; 4] = [0.5, 1.0, 2.0, 3.0];
 
@@ -82,7 +82,7 @@ impl Mover {
 }
 
 impl Hindsight {
-    /// The world of a scenario; `None` when something in it has a future that nobody knows.
+    /// The world of a scenario; `None` when something in it has an unknown future.
     pub(super) fn of(file: &Path) -> Option<Self> {
         let scenario = Scenario::load(file.to_str()?).ok()?;
         let checked = scenario.validate().ok()?;
@@ -137,7 +137,7 @@ impl Hindsight {
 mod tests {
     use super::*;
 
-    /// A hall, a robot of 0.25 m that brakes with 1 m/s^2, and somebody who walks past x = 5 from
+    /// A hall, a robot of 0.25 m that brakes with 1 m/s^2, and a pedestrian who walks past x = 5 from
     /// `y = 0` at 1 m/s, from the second second on.
     fn scenario(more: &str) -> tempfile::TempDir {
         let folder = tempfile::tempdir().unwrap();

@@ -8,9 +8,9 @@
 //! accelerations, its yaw rate and its state at the beginning leave it. When nothing is left of the
 //! set, no command at all would have helped.
 //!
-//! Of somebody who appears right before the robot a disc is too little of it to tell. So the moments
+//! Of a pedestrian who appears right in front of the robot a disc is too little of it to tell. So the moments
 //! after the contact are looked at one by one, too, with the robot's true outline: when there is one
-//! at which it touches somebody wherever in that box it is, no command would have helped either.
+//! at which it touches a pedestrian wherever in that box it is, no command would have helped either.
 //!
 //! When neither is so, the contact counts as avoidable, whether a real robot could have got out of
 //! it or not.
@@ -37,7 +37,7 @@ const MOMENTS: u32 = 15;
 pub(super) struct Surroundings<'a> {
     /// What moves, at a run time [s].
     pub(super) discs_at: &'a dyn Fn(f64) -> Vec<Disc>,
-    /// Distance of a point from what stands. [m]
+    /// Distance of a point from static obstacles. [m]
     pub(super) fixed_m: &'a dyn Fn([f64; 2]) -> f64,
 }
 

@@ -1,4 +1,4 @@
-//! Recorded people: the robot crosses the scene, and nobody sees it.
+//! Recorded people: the robot crosses the scene, and they do not see it.
 
 use super::barn::TOLERANCE_SHARE;
 use super::case::{Case, Rule, Sheet, Success};
@@ -15,7 +15,7 @@ use zeronav_world_files::pedestrians::Scene;
 /// Radius of a person. [m]
 const PERSON_RADIUS_M: f64 = 0.3;
 
-/// How far outside of everywhere that anybody walks the robot starts and ends: nobody is near
+/// How far outside of everywhere that people walk the robot starts and ends: none is near
 /// when the run begins. [m]
 const OUTSIDE_M: f64 = 1.2;
 

@@ -237,7 +237,7 @@ fn touched(success: &Success, run: &RunResult, unavoidable: u32) -> Option<Strin
         let n_contacts = run.contacts_moving + run.contacts_standing;
         return (run.verdict != "pass" && n_contacts > 0).then(|| "contact".to_owned());
     };
-    // Where whoever walks into a standing robot is forgiven, so is what nobody could have avoided.
+    // Where contacts with a stopped robot are forgiven, so are those that were unavoidable.
     let forgiven = if *standing_counts { 0 } else { unavoidable };
     let cause = if run.contacts_moving > forgiven {
         "contact while moving"
@@ -290,7 +290,7 @@ mod tests {
         }
     }
 
-    /// Waits for half a second and more, drives at 1 m/s for ten, stands.
+    /// Waits for half a second and more, drives at 1 m/s for ten, stops.
     fn motion() -> Vec<[f64; 6]> {
         (0..=120)
             .map(|tenth| 0.1 * f64::from(tenth))

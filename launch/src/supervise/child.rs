@@ -106,7 +106,7 @@ impl Child {
         self.ended
     }
 
-    /// What the kernel says that it is doing, for whoever wants to know why it does nothing: its
+    /// What the kernel says that it is doing, to tell why it does nothing: its
     /// state, where it sleeps, and how long it has run and waited for a processor in all.
     #[must_use]
     pub fn condition(&self) -> String {
@@ -226,7 +226,7 @@ pub(super) fn end_with_this_thread(command: &mut Command, signal: Signal) {
     unsafe {
         command.pre_exec(move || {
             rustix::process::set_parent_process_death_signal(Some(signal))?;
-            // Launch may have died between fork and the call: then nobody would send the signal.
+            // Launch may have died between fork and the call: then the signal would never be sent.
             if rustix::process::getppid() != Some(parent) {
                 return Err(std::io::Error::from_raw_os_error(3));
             }

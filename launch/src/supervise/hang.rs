@@ -1,7 +1,7 @@
 //! Who does not make progress. Pure over progress counters.
 //!
-//! Time counts only as far as launch itself was awake: a machine that stands still, or a load that
-//! keeps launch from looking, makes nobody look hung. Seats that stand still together are more likely
+//! Time counts only as far as launch itself was awake: a machine that is suspended, or a load that
+//! keeps launch from looking, makes no process look hung. Seats that stand still together are more likely
 //! kept waiting by the machine (a processor that the host took away) than hung at the same moment:
 //! they get [`TOGETHER`] times as long.
 

@@ -1,6 +1,6 @@
-//! What becomes of a seat whose process ended. A pure decision; somebody else kills and starts.
+//! What becomes of a seat whose process ended. A pure decision; killing and starting happen elsewhere.
 //!
-//! 1. The robot is not restarted: nobody else can stop the wheels, and a new simulator would be
+//! 1. The robot is not restarted: nothing else can stop the wheels, and a new simulator would be
 //!    another robot.
 //! 2. Bad configuration (exit code 2) and a contract mismatch (3) are not restarted: the next
 //!    start would end the same way.

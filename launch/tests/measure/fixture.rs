@@ -16,7 +16,7 @@ pub(crate) const RADIUS_M: f64 = 0.25;
 /// How far the robot's second clock is ahead of the first.
 pub(crate) const AHEAD_NS: u64 = 77_000_000_000;
 
-/// The obstacle stands on the line y = 0; a path is as far from it as its first point's y.
+/// The obstacle is on the line y = 0; a path is as far from it as its first point's y.
 pub(crate) fn clearance_m(_index: usize, points_m: &[[f64; 2]]) -> f64 {
     points_m.first().map_or(f64::INFINITY, |point| point[1])
 }

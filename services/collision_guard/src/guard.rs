@@ -209,7 +209,7 @@ impl Guard {
         }
     }
 
-    /// Takes in the robot; its outline is prepared anew only when it changed.
+    /// Takes in the robot; its outline is prepared again only when it changed.
     fn describe(&mut self, robot: Option<(&Description, &[Corner])>) {
         let Some((description, corners)) = robot else {
             self.described = None;
@@ -377,7 +377,7 @@ impl Guard {
         )
     }
 
-    /// True while a young, well-formed scan is at hand that is neither blind nor frozen.
+    /// True while there is a young, well-formed scan that is neither blind nor frozen.
     fn sees(&self, inputs: &GuardInputs<'_>) -> bool {
         let (Some(input), Some((description, ..))) = (&inputs.scan, &self.described) else {
             return false;

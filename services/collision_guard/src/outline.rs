@@ -110,7 +110,7 @@ impl Outline {
         )
     }
 
-    /// Becomes the outline of a robot that stands at `at` with this sine and cosine of its yaw, in
+    /// Becomes the outline of a robot at `at` with this sine and cosine of its yaw, in
     /// the frame of these; `in_base` is the one that this outline was copied from.
     pub(crate) fn place(&mut self, in_base: &Self, at: Vector2<f64>, (sin, cos): (f64, f64)) {
         let turned = |v: Vector2<f64>| Vector2::new(cos * v.x - sin * v.y, sin * v.x + cos * v.y);

@@ -150,7 +150,7 @@ mod tests {
         }
     }
 
-    /// Five metres around a robot that stands.
+    /// Five metres around a stopped robot.
     fn all_around() -> Swept {
         let limits = Limits {
             v_mps_max: 1.0,

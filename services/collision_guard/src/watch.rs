@@ -87,7 +87,7 @@ fn hash(ranges: &[f32]) -> u64 {
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct OdometrySense {
     last: Option<(Pose, u64)>,
-    /// Run time since which the pose stands while the twist moves. [ns]
+    /// Run time since which the pose is constant while the twist is not zero. [ns]
     still_since_ns: Option<u64>,
 }
 
@@ -98,8 +98,8 @@ impl OdometrySense {
         let pose = odometry.pose;
         let before = self.last.replace((pose, run_ns));
         let moving = odometry.v_mps.abs() > MOVING.0 || odometry.w_radps.abs() > MOVING.1;
-        let stands = before.is_some_and(|(last, _)| last == pose);
-        self.still_since_ns = if moving && stands {
+        let unchanged = before.is_some_and(|(last, _)| last == pose);
+        self.still_since_ns = if moving && unchanged {
             self.still_since_ns.or(Some(run_ns))
         } else {
             None

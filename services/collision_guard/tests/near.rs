@@ -178,7 +178,7 @@ fn least_m(from: Twist, command: Twist, obeys_s: f64, hits: &[Point2<f64>]) -> f
 }
 
 /// A robot that has begun to turn in is on another arc than one that has done so: a stop from
-/// either must be free, wherever a post stands.
+/// either must be free, wherever a post is.
 #[test]
 fn what_passes_leaves_a_free_stop_early_and_late_in_the_reaction_time() {
     let config = GuardConfig {

@@ -108,7 +108,7 @@ fn after_a_jump_of_odometry_the_scan_is_stale_until_one_from_after_it() {
     bench.x_m += 1.0;
     assert_eq!(bench.step(), Intervention::ScanStale);
     let jumped = bench.tick;
-    // Odometry goes on from there, but where the points are nobody knows.
+    // Odometry goes on from there, but where the points are is unknown.
     assert_eq!(bench.step(), Intervention::ScanStale);
     // A newer scan, from before the jump.
     bench.scan_tick = jumped - 1;

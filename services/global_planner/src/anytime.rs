@@ -2,8 +2,8 @@
 //!
 //! Richter, Thayer, Ruml, "The Joy of Forgetting: Faster Anytime Search via Restarting", ICAPS
 //! 2010: weighted A* with falling weights, each search from scratch and only for ways cheaper than
-//! the one at hand. When the budget ends after the first way, the best so far is the answer; how
-//! cost fell over the expansions stands in [`PlanStats::improved`].
+//! the current one. When the budget ends after the first way, the best so far is the answer; how
+//! cost fell over the expansions is in [`PlanStats::improved`].
 
 use crate::astar::cost_m;
 use crate::goal_field::{GoalField, Guide};

@@ -1,7 +1,7 @@
 //! The map as bits: which cells block, 64 to a word, with a blocked border of one cell.
 //!
 //! Source of the layout: Harabor, Grastien, "Improving Jump Point Search", ICAPS 2014 (block
-//! scans). Positions are padded: cell (x, y) stands at (x + 1, y + 1), so that every neighbour of
+//! scans). Positions are padded: cell (x, y) is at (x + 1, y + 1), so that every neighbour of
 //! a cell exists and every scan ends inside its line.
 
 use crate::planner::Unknown;
@@ -107,7 +107,7 @@ impl BitMap {
         self.version
     }
 
-    /// Makes the bits those of `map`; true when all of them were read anew.
+    /// Makes the bits those of `map`; true when all of them were read again.
     pub(crate) fn follow(&mut self, map: &MapView<'_>, unknown: Unknown) -> bool {
         let fits = self.built && *map.geometry == self.geometry && unknown == self.unknown;
         if fits && self.told {

@@ -2,7 +2,7 @@
 //!
 //! Sturtevant, Rabin, "Canonical Orderings on Grids", IJCAI 2016: of all shortest ways between
 //! two cells only the one that goes diagonally first is followed; what lies beside an obstacle's
-//! end is looked at as well. Which neighbours these are stands in a table over the direction of
+//! end is looked at as well. Which neighbours these are is in a table over the direction of
 //! arrival and the eight cells around. Nodes are 8 bytes, never cleared; integer keys in a ring of
 //! buckets. Without jumps it is the faster one where jumps would be short.
 

@@ -42,7 +42,7 @@ impl WayOut {
     }
 
     /// Cells from the robot's own to the first free one, both included; one cell when the robot
-    /// stands free.
+    /// is free.
     #[must_use]
     pub(crate) fn cells(&self) -> &[Cell] {
         &self.cells

@@ -4,7 +4,7 @@
 //! Dynamic Terrain" (MPGAA*), AAAI 2015, and Sun, Koenig, Yeoh, "Generalized Adaptive A*", AAMAS
 //! 2008, of which come: raising the heuristic of expanded cells to what the search proved, and
 //! making it consistent again where costs fell. What is added: the heuristic begins as the exact
-//! cost to the goal of all cells, found by one search from the goal while nobody waits.
+//! cost to the goal of all cells, found by one search from the goal while no answer is due.
 //!
 //! While costs only rise the field stays a consistent lower bound, so a search expands the cells
 //! whose best way led through what changed, and the new way.

@@ -23,7 +23,7 @@
 //!
 //! # The searches
 //!
-//! What a planner is stands in `planner`: [`GlobalPlanner`], its query, answer, budget and errors.
+//! What a planner is, is defined in `planner`: [`GlobalPlanner`], its query, answer, budget and errors.
 //!
 //! - Over cell costs: `astar` (on `search`) from scratch; `mpgaa` (on `goal_field`) keeps the
 //!   cost-to-go from search to search; `anytime` and `any_angle` build on the two.

@@ -50,7 +50,7 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// No path, because nobody asked for one.
+    /// No path, because none was asked for.
     #[must_use]
     pub fn idle(planner: &'static str) -> Self {
         Self {

@@ -29,7 +29,7 @@ pub trait GlobalPlanner: Send {
     /// [`Self::plan`]. Before the first call nothing is believed to last from plan to plan.
     fn map_changed(&mut self, _map: &MapView<'_>, _changed: &[CellRect]) {}
 
-    /// Work that makes the next answer faster, done while nobody waits for one: a slice of about
+    /// Work that makes the next answer faster, done while none is due: a slice of about
     /// `expansions` expansions. True when more is left. The default has none.
     fn prepare(&mut self, _expansions: u64) -> bool {
         false
@@ -185,8 +185,8 @@ pub enum PlanError {
     /// The robot is not on the map.
     #[error("the robot is not on the map")]
     StartOutsideMap,
-    /// The robot stands in an obstacle, or too close to one with no free cell near.
-    #[error("the robot stands in an obstacle and no free cell is near")]
+    /// The robot is in an obstacle, or too close to one with no free cell near.
+    #[error("the robot is in an obstacle and no free cell is near")]
     StartBlocked,
     /// The goal is not on the map.
     #[error("the goal is not on the map")]

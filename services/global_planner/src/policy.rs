@@ -1,4 +1,4 @@
-//! `policy`: the search that pays on the map at hand, for maps that change.
+//! `policy`: the search that pays on the current map, for maps that change.
 //!
 //! Where cells have prices, jumps do not find the cheapest way, and a field that is kept (`mpgaa`)
 //! expands a fraction of what a search from scratch does: it answers alone.
@@ -11,7 +11,7 @@
 //! timed, so that the same calls give the same paths. `--example replan` measures all three.
 //!
 //! Which of the two a map is, is counted, not configured: a single free cell with a price is
-//! enough. Until a map is all written anew it then stays one with prices.
+//! enough. Until all of the map is rewritten it then stays one with prices.
 
 use crate::jps::{Choose, Jps};
 use crate::map_options::MapOptions;
@@ -72,7 +72,7 @@ impl Policy {
         path: &mut CellPath,
     ) -> Result<PlanStats, PlanError> {
         let mut spent = PlanStats::default();
-        // What nobody tells of changes keeps no field.
+        // A planner that is not told of changes keeps no field.
         if self.told {
             let mut stopped = false;
             let mut watched = |expansions| {

@@ -19,7 +19,7 @@
 //!    `next_goal`.
 //! 3. The last search failed: it is repeated, with its cause, only when something happened that
 //!    can make it succeed. A proof (`unreachable`, `unreachable_corner`, `goal_blocked`) needs a
-//!    cell that opened or a robot that stands elsewhere; `goal_outside_map` needs another grid;
+//!    cell that opened or a robot that is elsewhere; `goal_outside_map` needs another grid;
 //!    the others need any change of the map or a robot in another cell.
 //! 4. The map has another grid, or a cell ahead on the path blocks the robot's centre: search,
 //!    cause `obstacle`.
@@ -36,7 +36,7 @@
 //!
 //! 9. When goal or task changed meanwhile, or a newer update cuts the path found, one more search
 //!    follows, and only one. The second result is published whatever it is; the next cycle
-//!    judges it anew.
+//!    judges it again.
 //! 10. A shortcut counts only when it saves what it must on the newest map, or when the old path
 //!     is cut by now, then with cause `obstacle`. A search for a shortcut that fails changes
 //!     nothing.
@@ -169,7 +169,7 @@ impl Replanner {
         })
     }
 
-    /// The path at hand, or why there is none.
+    /// The current path, or why there is none.
     #[must_use]
     pub fn plan(&self) -> &Plan {
         &self.plan

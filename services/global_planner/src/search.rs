@@ -52,7 +52,7 @@ impl Node {
 /// How a search ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Found {
-    /// The way stands in the nodes, see [`Search::trace`].
+    /// The way is in the nodes, see [`Search::trace`].
     Path,
     /// Every reachable cell was closed.
     Nothing,

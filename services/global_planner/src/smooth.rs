@@ -5,7 +5,7 @@
 //! the points of the curve. Every cell that they pass has to be free, corners included, and hardly
 //! dearer than the dearest of the path there: with the usual inflation a cell nearer to the
 //! obstacle. Where that fails control points stand four times as close, and where that fails, too,
-//! the path itself is followed: a control point that stands three times is passed in a straight
+//! the path itself is followed: a control point that is repeated three times is passed in a straight
 //! line.
 
 use crate::line::supercover;

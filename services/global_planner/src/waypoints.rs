@@ -218,7 +218,7 @@ mod tests {
         // Another cell takes the goal's place.
         let (way, _) = waypoints(&map, &[(3, 1), (3, 0)], &goal);
         assert_eq!(in_cells(&map, &way), [(3.0, 1.0), (3.0, 0.0)]);
-        // The robot stands in the goal's cell.
+        // The robot is in the goal's cell.
         let (way, length_m) = waypoints(&map, &[(4, 0)], &goal);
         assert_eq!(in_cells(&map, &way), [(4.2, -0.4)]);
         assert!(length_m.abs() < 1e-12);

@@ -1,4 +1,4 @@
-//! What every row of `PLANNERS` promises, whoever wrote it.
+//! What every row of `PLANNERS` promises.
 
 mod support;
 

@@ -151,7 +151,7 @@ fn edit(map: &mut Map, rng: &mut Rng, side: i32) -> CellRect {
     CellRect { min, max }
 }
 
-/// Runs planners that are told of every edit beside ones that start anew each time.
+/// Runs planners that are told of every edit beside ones that start from scratch each time.
 fn compare_under_edits(
     seed: u64,
     n_edits: u64,

@@ -1,4 +1,4 @@
-//! `beam`: a search in time among what moves.
+//! `beam`: a search in time among dynamic obstacles.
 //!
 //! One arc, held for seconds, does not lead through a crowd: the way is to slow down now, pass
 //! behind one and before the next. So sequences of manoeuvres are searched, each [`BeamConfig::manoeuvre_s`]
@@ -9,14 +9,14 @@
 //! position, yaw and speed. The first manoeuvre of the best sequence is driven for
 //! [`BeamConfig::replan_s`]; then it is searched again.
 //!
-//! - **What moves is where it will be, and nowhere else.** The shared map shows it where it was; this
-//!   controller takes the map without it, so the way behind somebody is free.
-//! - **The way to go** is the cost-to-go of `dwa_t` on that map: the search follows no path, so it
+//! - **Dynamic obstacles are where they will be, and nowhere else.** The map holds what is static, so
+//!   the way behind a pedestrian is free.
+//! - **The way to go** is the cost-to-go of `dwa_t` on the map: the search follows no path, so it
 //!   does not turn back and forth with every path that comes.
-//! - **A robot that stands may be walked into**, at a cost; one that drives may not, as far as
+//! - **A stopped robot may be walked into**, at a cost; one that drives may not, as far as
 //!   predictions are to be relied on ([`BeamConfig::certain_s`]).
-//! - Where nobody walks near, at the goal, and for the exact check of what is published it is
-//!   `dwa_t`.
+//! - Without dynamic obstacles nearby, at the goal, and for the exact check of what is published it
+//!   is `dwa_t`.
 
 mod node;
 pub mod options;
@@ -50,7 +50,7 @@ const SIDEWAYS_MPS2: f32 = 2.6;
 /// [m] around the robot that the search knows.
 const SIGHT_M: f64 = 6.0;
 
-/// [m] within which somebody who walks makes the robot search.
+/// [m] within which a walking obstacle makes the robot search.
 const WALKS_M: f64 = 6.0;
 
 /// [m] before the goal where it ends.
@@ -110,7 +110,7 @@ struct Search {
     looked_at: u32,
     /// All layers, one after the other.
     nodes: Vec<Node>,
-    /// The layer at hand before it is thinned out, and its order.
+    /// The current layer before it is thinned out, and its order.
     fresh: Vec<Node>,
     order: Vec<u32>,
     /// Discs near a node.
@@ -139,7 +139,7 @@ impl Search {
         self.looked_at = 0;
     }
 
-    /// True when somebody walks nearby and the goal is not.
+    /// True when an obstacle walks nearby and the goal is not near.
     fn is_needed(scene: &Scene<'_>) -> bool {
         scene.seen.dynamic.is_within(WALKS_M) && scene.place.remaining_m >= FINAL_M
     }
@@ -224,7 +224,7 @@ impl Search {
         }
     }
 
-    /// Makes the best nodes of the layer at hand, one in a cell, the next layer.
+    /// Makes the best nodes of the current layer, one in a cell, the next layer.
     fn keep_the_best(&mut self) -> core::ops::Range<usize> {
         let fresh = &self.fresh;
         self.order.clear();

@@ -69,7 +69,7 @@ pub struct Decision {
 ///
 /// Deterministic: the same sequence of situations gives the same decisions. No clock, no I/O, no
 /// threads; after the first periods no allocation. A controller keeps its own place along the
-/// path and starts anew when [`Situation::path_geometry`] changes.
+/// path and starts from the beginning when [`Situation::path_geometry`] changes.
 pub trait Controller {
     /// The twist for this period. Finite, within the robot's limits, reachable from the twist of
     /// the period before, and never one from which the robot cannot stop before contact as far as

@@ -107,7 +107,7 @@ pub(crate) struct CostToGoInputs<'a> {
 }
 
 impl CostToGo {
-    /// Makes the window anew when it has to be; true when it was.
+    /// Rebuilds the window when it has to be; true when it was.
     pub(crate) fn update(&mut self, tracker: &PathTracker, inputs: &CostToGoInputs<'_>) -> bool {
         let geometry = inputs.map.geometry;
         let stride = (CELL_M / geometry.resolution_m).ceil().max(1.0);

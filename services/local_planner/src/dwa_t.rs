@@ -202,7 +202,7 @@ fn judged_s(scene: &Scene<'_>, tight_s: f64) -> f64 {
     tight_s + open * (open_s - tight_s)
 }
 
-/// How many steps must be free of what stands for a row to be judged: the scored ones, and as many
+/// How many steps must be free of static obstacles for a row to be judged: the scored ones, and as many
 /// as a stop needs. Whatever lies beyond neither [`settle`] nor the evaluation asks for.
 fn looked(grid: &RolloutGrid, window: &Window<'_>, speed: usize, scored: usize) -> usize {
     let v = grid.speeds[speed];
@@ -251,14 +251,14 @@ fn badness(struck: usize, n: usize) -> f64 {
     }
 }
 
-/// Takes in where the rollouts of a speed end: with the scored steps or before what stands, and
-/// on which the robot can stop before what stands (`v^2 / 2a + v t_reaction + margin <= free arc`,
+/// Takes in where the rollouts of a speed end: with the scored steps or before static obstacles, and
+/// on which the robot can stop before static obstacles (`v^2 / 2a + v t_reaction + margin <= free arc`,
 /// on the spot the same with angles) and before what comes.
 #[allow(clippy::cast_precision_loss, reason = "at most 64 steps")]
 fn settle(grid: &RolloutGrid, window: &Window<'_>, speed: usize, scored: usize, rated: &mut Rated) {
     let (v, steps, row) = (grid.speeds[speed], grid.steps, &grid.row);
     let needed_m = stop_distance_m(window.robot, v, window.reaction_s);
-    let stands = steps_to(grid, speed, needed_m + window.stop_margin_m) as f32;
+    let stopped = steps_to(grid, speed, needed_m + window.stop_margin_m) as f32;
     let comes = if v.abs() < STOPPED_MPS {
         0.0
     } else {
@@ -273,7 +273,7 @@ fn settle(grid: &RolloutGrid, window: &Window<'_>, speed: usize, scored: usize, 
                 .map_or(0.0, |last| f64::from(grid.turned_rad(last, lane)).abs());
             free == steps || stop_angle_rad(window.robot, w_radps, window.reaction_s) <= free_rad
         } else {
-            row.hit[lane] >= stands && row.struck[lane] >= comes
+            row.hit[lane] >= stopped && row.struck[lane] >= comes
         };
         rated.admissible |= u64::from(stops) << lane;
     }

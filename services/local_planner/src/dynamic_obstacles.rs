@@ -155,8 +155,8 @@ impl DynamicObstacles {
         })
     }
 
-    /// Velocity, in the map frame, of the obstacle that a point in `base` belongs to; zero for what
-    /// stands. [m/s]
+    /// Velocity, in the map frame, of the obstacle that a point in `base` belongs to; zero for
+    /// static ones. [m/s]
     pub(crate) fn velocity_at(&self, point_in_base: Point2<f64>) -> Vector2<f64> {
         let (sin, cos) = self.yaw_rad.sin_cos();
         let local = Point2::new(
@@ -221,7 +221,7 @@ impl DynamicObstacles {
     }
 
     /// Least distance between an outline and the discs after `elapsed_s`, when the robot then
-    /// stands at `pose` (in the `base` of now). `distance_m` is the signed distance of a point in
+    /// is at `pose` (in the `base` of now). `distance_m` is the signed distance of a point in
     /// `base` from the outline. Infinite without obstacles. [m]
     pub(crate) fn margin_m(
         &self,

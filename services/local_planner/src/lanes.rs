@@ -150,7 +150,7 @@ macro_rules! compiled_twice {
 
 compiled_twice! {
     /// Marks `first` with `step` at the lanes that are nearer to the centre of a disc (x, y,
-    /// radius) than its radius, unless an earlier step stands there.
+    /// radius) than its radius, unless an earlier step is noted there.
     fn strike(x: &[f32], y: &[f32], disc: [f32; 3], step: f32, first: &mut [f32]);
 
     /// One step of a row: the ends of chords of `driven` metres.

@@ -1,6 +1,6 @@
 //! Local planning: from a path, a map and a scan to the next velocity request.
 //!
-//! [`LocalPlanner`] is one control period: which goal is at hand ([`task`]), how old the inputs
+//! [`LocalPlanner`] is one control period: which goal is current ([`task`]), how old the inputs
 //! are ([`staleness`]), the next twist ([`controller`], by default [`dwa`]) and whether another
 //! path is needed ([`requests`]). A new controller is a file plus a row in [`table`].
 //!

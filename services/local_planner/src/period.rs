@@ -134,7 +134,7 @@ impl Recovered {
     }
 }
 
-/// A path that leads to the goal at hand, and the robot's place on it.
+/// A path that leads to the current goal, and the robot's place on it.
 #[derive(Clone, Copy)]
 struct Route<'a> {
     geometry: u64,
@@ -185,7 +185,7 @@ impl LocalPlanner {
         (status, ends)
     }
 
-    /// Takes down what the recovery begins for the task at hand.
+    /// Takes down what the recovery begins for the current task.
     fn note_recovery(&mut self, behaviour: Behaviour) {
         let task = self.task.task();
         if self.recovered.task != task {
@@ -203,7 +203,7 @@ impl LocalPlanner {
         }
     }
 
-    /// The goal at hand.
+    /// The current goal.
     #[must_use]
     pub fn goal(&self) -> Option<&Goal> {
         self.task.goal()
@@ -231,7 +231,7 @@ impl LocalPlanner {
                 .is_some_and(|goal| is_dynamic_near(inputs.obstacles.0, &goal.pose)),
         });
         if step.changed {
-            // Another goal may be at hand now.
+            // The goal may be another one now.
             route = self.route(inputs, map_from_base);
         }
         if let Some(odometry) = inputs.odometry {
@@ -275,7 +275,7 @@ impl LocalPlanner {
         }
     }
 
-    /// The path when it leads to the goal at hand.
+    /// The path when it leads to the current goal.
     fn route<'a>(&mut self, inputs: &Inputs<'a>, map_from_base: Option<Pose>) -> Option<Route<'a>> {
         let goal = self.task.goal()?.id;
         let PathInput { path, waypoints } = inputs
@@ -302,7 +302,7 @@ impl LocalPlanner {
     }
 
     /// Ages of what matters now: a path that never came is no path, not a stale one, and without a
-    /// goal nobody needs one.
+    /// goal none is needed.
     fn ages(&self, inputs: &Inputs<'_>) -> Ages {
         let path_ns = inputs.ages.path_ns.filter(|_| self.task.goal().is_some());
         Ages {
@@ -417,7 +417,7 @@ impl LocalPlanner {
         (decision, transition)
     }
 
-    /// The recovery while nobody drives: it forgets its goal, or hears that the task has failed.
+    /// The recovery while the robot is idle: it forgets its goal, or learns that the task has failed.
     fn idle_recovery(&mut self, inputs: &Inputs<'_>, step: TaskStep) -> Option<Transition> {
         let goal = self.task.goal().map_or(0, |goal| goal.id);
         self.recovery
@@ -425,7 +425,7 @@ impl LocalPlanner {
             .idle(seconds(inputs.run_ns), goal, step.stuck)
     }
 
-    /// A ramp to rest from the last request; zero when nobody knows the robot's brakes.
+    /// A ramp to rest from the last request; zero while the robot's brakes are unknown.
     fn rest(&self, inputs: &Inputs<'_>, validity: Validity) -> Decision {
         let (twist, braking_arc_m) = inputs.robot.map_or((Twist::REST, 0.0), |(robot, _)| {
             let twist = towards_rest(robot, self.last, inputs.period_s);

@@ -20,7 +20,7 @@ pub struct Place {
     pub remaining_m: f64,
 }
 
-/// Follows one path; a path with another geometry starts anew.
+/// Follows one path; a path with another geometry starts from the beginning.
 ///
 /// The place never goes back (Appendix D of the paper notes, "monotone progress index"), so a
 /// path that comes near itself is not cut short. On a new geometry the earliest stretch is taken

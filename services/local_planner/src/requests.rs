@@ -1,4 +1,4 @@
-//! When the path at hand does not serve: asking for another one, not too often.
+//! When the current path does not serve: asking for another one, not too often.
 
 use zeronav_msgs::request::{PlanRequest, RequestReason};
 use zeronav_msgs::time::seconds;
@@ -65,7 +65,7 @@ impl PathRequests {
     ///
     /// Reasons in this order: an obstacle on the path within braking distance plus
     /// [`RequestConfig::blocked_zone_m`], or no admissible motion for
-    /// [`RequestConfig::blocked_after_s`] (the wait starts anew with a new path); too far from the
+    /// [`RequestConfig::blocked_after_s`] (the wait restarts with a new path); too far from the
     /// path; no progress.
     pub fn step(&mut self, inputs: &RequestInputs) -> Option<PlanRequest> {
         let since = |then_ns: u64| seconds(inputs.run_ns.saturating_sub(then_ns));

@@ -4,7 +4,7 @@ use zeronav_msgs::time::seconds;
 
 /// The progress checker of one goal.
 ///
-/// Coming closer is measured along the path. Another geometry is measured anew, but the time goes
+/// Coming closer is measured along the path. Another geometry is measured from its beginning, but the time goes
 /// on: a planner that changes its mind every second must not look like progress.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Stall {

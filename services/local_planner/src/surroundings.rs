@@ -83,7 +83,7 @@ pub(crate) struct Reach {
 }
 
 impl Surroundings {
-    /// Takes in the robot; the outline is prepared anew only when it changed.
+    /// Takes in the robot; the outline is prepared again only when it changed.
     pub(crate) fn describe(&mut self, robot: &Description, corners: &[Corner]) {
         if self.described.0 != *robot || self.described.1 != corners {
             self.described = (*robot, corners.to_vec());
@@ -264,7 +264,7 @@ impl Surroundings {
     }
 
     /// False for a turn on the spot while something that moves comes into reach of the corners:
-    /// whoever stands still is walked around, a corner that swings is walked into.
+    /// people walk around a robot that is stopped, but into a corner that swings.
     fn turns_clear(&self, twist: Twist, moving: &DynamicObstacles) -> bool {
         if self.footprint.is_disc()
             || twist.v_mps.abs() > TURNING_MPS

@@ -1,4 +1,4 @@
-//! The task: which goal is at hand, and what became of the others.
+//! The task: which goal is current, and what became of the others.
 
 use crate::stall::Stall;
 use zeronav_motion::Twist;
@@ -34,7 +34,7 @@ parameters! {
     }
 }
 
-/// [rad/s] below which a robot that does not drive stands.
+/// [rad/s] below which a robot that does not drive is stopped.
 const STANDING_RADPS: f64 = 0.05;
 
 /// What the task is judged by in one period.
@@ -53,20 +53,20 @@ pub struct TaskInputs {
     pub remaining: Option<(f64, u64)>,
     /// Nothing more can be tried.
     pub given_up: bool,
-    /// Something that moves is near the goal at hand, which may be free again soon.
+    /// Something that moves is near the current goal, which may be free again soon.
     pub moves_at_goal: bool,
 }
 
 /// What a period did to the task.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct TaskStep {
-    /// State, goal at hand or ends differ from those before: the status is worth sending.
+    /// State, current goal or ends differ from those before: the status is worth sending.
     pub changed: bool,
     /// The robot has not come closer for long: another path may help.
     pub no_progress: bool,
     /// It has not for so long that the task has failed, or nothing more can be tried.
     pub stuck: bool,
-    /// [s] since it came closer to the goal at hand.
+    /// [s] since it came closer to the current goal.
     pub stalled_s: f64,
 }
 
@@ -78,7 +78,7 @@ struct Assignment {
     goals: Vec<Goal>,
 }
 
-/// The task's state: `Idle`, `Active` with a goal at hand, `Reached`, `Failed` or `Cancelled`.
+/// The task's state: `Idle`, `Active` with a current goal, `Reached`, `Failed` or `Cancelled`.
 ///
 /// Goals are taken in order. An intermediate goal counts on passing within its tolerance, the
 /// last one standing; the yaw counts where its tolerance is below pi. Goals after a failed or
@@ -90,12 +90,12 @@ pub struct TaskMachine {
     pending: Assignment,
     state: TaskState,
     reason: EndReason,
-    /// Index of the goal at hand while active.
+    /// Index of the current goal while active.
     index: usize,
     ends: Vec<GoalEnd>,
-    /// Since when the robot stands without a path. [ns]
+    /// Since when the robot is stopped without a path. [ns]
     failing_since_ns: Option<u64>,
-    /// A path has led to the goal at hand.
+    /// A path has led to the current goal.
     was_free: bool,
     stall: Stall,
     remaining_m: f64,
@@ -144,7 +144,7 @@ impl TaskMachine {
             .extend_from_slice(&goals[..goals.len().min(GOALS_MAX)]);
     }
 
-    /// The goal at hand.
+    /// The current goal.
     #[must_use]
     pub fn goal(&self) -> Option<&Goal> {
         (self.state == TaskState::Active)
@@ -152,7 +152,7 @@ impl TaskMachine {
             .flatten()
     }
 
-    /// True when the goal at hand is the last one.
+    /// True when the current goal is the last one.
     #[must_use]
     pub fn is_last_goal(&self) -> bool {
         self.index + 1 >= self.task.goals.len()
@@ -233,7 +233,7 @@ impl TaskMachine {
             return false;
         }
         if !self.pending.go {
-            // A cancel ends the task at hand and keeps its goals' ends; without one it is a task
+            // A cancel ends the current task and keeps its goals' ends; without one it is a task
             // of its own that is over at once.
             if self.state == TaskState::Active {
                 self.end(inputs.tick, TaskState::Cancelled, EndReason::None);
@@ -273,10 +273,10 @@ impl TaskMachine {
         let any_yaw = goal.yaw_tolerance_rad >= core::f64::consts::PI;
         let yaw_error_rad = wrap_angle(pose.yaw_rad - goal.pose.yaw_rad).abs();
         let aligned = any_yaw || yaw_error_rad <= goal.yaw_tolerance_rad;
-        near && aligned && (!self.is_last_goal() || self.stands(twist))
+        near && aligned && (!self.is_last_goal() || self.is_stopped(twist))
     }
 
-    fn stands(&self, twist: Twist) -> bool {
+    fn is_stopped(&self, twist: Twist) -> bool {
         twist.v_mps.abs() < self.config.standing_mps && twist.w_radps.abs() < STANDING_RADPS
     }
 
@@ -299,7 +299,7 @@ impl TaskMachine {
         self.was_free |= status == Some(PathStatus::Found);
         let reason = status
             .and_then(end_of)
-            .filter(|_| self.stands(twist))
+            .filter(|_| self.is_stopped(twist))
             .filter(|reason| *reason != EndReason::GoalBlocked || !inputs.moves_at_goal);
         let Some(reason) = reason else {
             self.failing_since_ns = None;
@@ -317,7 +317,7 @@ impl TaskMachine {
         (lasted_s >= patience_s).then_some(reason)
     }
 
-    /// The goal at hand and the task with it end.
+    /// The current goal and the task with it end.
     fn end(&mut self, tick: u64, state: TaskState, reason: EndReason) {
         self.push_end(tick, state, reason);
         self.state = state;

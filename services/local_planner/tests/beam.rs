@@ -1,4 +1,4 @@
-//! The search in time: what moves is passed, what stands is kept clear of, and the laws of what it
+//! The search in time: dynamic obstacles are passed, static ones are kept clear of, and the laws of what it
 //! publishes.
 
 #![allow(clippy::print_stdout, reason = "seeds and results of a failed run")]
@@ -50,7 +50,7 @@ struct Walker {
 }
 
 const WALKER_M: f64 = 0.3;
-/// Where they turn round: nobody foresees that, so far from the robot's way.
+/// Where they turn round, which no prediction has, so far from the robot's way.
 const TURNS_M: (f64, f64) = (1.0, 15.0);
 
 impl Walker {
@@ -144,7 +144,7 @@ fn ten_walkers_are_passed_without_driving_into_any() {
 
 #[test]
 fn what_stands_is_never_touched_for_who_walks() {
-    // A narrow gap in a wall, somebody who walks behind it.
+    // A narrow gap in a wall, a pedestrian behind it.
     let blocks = [
         block(4.0, 0.0, 4.2, 1.6),
         block(4.0, 2.5, 4.2, 4.0),

@@ -37,7 +37,7 @@ fn a_crossing_cart_is_given_way() {
     assert!(without > 5, "the carts were no danger");
 }
 
-/// A Jackal that stands with its path behind it, and somebody who walks: runs until `until` is true.
+/// A stopped Jackal with its path behind it, and a pedestrian: runs until `until` is true.
 fn behind_it(
     from: (f64, f64),
     velocity: (f64, f64),

@@ -245,7 +245,7 @@ fn being_stuck_names_what_it_was() {
                 reason: Reason::Stuck,
             })
         );
-        // And the next goal begins anew.
+        // And the next goal starts from the beginning.
         let change = recovery.idle(0.06, 0, false).map(|change| change.to);
         assert_eq!(change, Some(Behaviour::Follow));
     }

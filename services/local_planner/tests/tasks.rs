@@ -264,7 +264,7 @@ fn a_task_that_was_given_up_fails_as_stuck() {
     assert_eq!(machine.status().0.reason(), Some(EndReason::Stuck));
 }
 
-/// Whoever stands on the goal and moves will be gone; what moves there makes no other failure wait.
+/// A dynamic obstacle on the goal will be gone; one there delays no other failure.
 #[test]
 fn a_goal_that_something_moving_blocks_is_waited_for() {
     let mut bench = Bench::with_goals(&[goal(1, 5.0)]);

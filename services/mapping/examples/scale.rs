@@ -2,7 +2,7 @@
 //!
 //! `cargo run --release -p zeronav-mapping --example scale`
 //!
-//! The robot stands in a room of 20 m x 20 m with a few columns, in the middle of maps of three
+//! The robot is in a room of 20 m x 20 m with a few columns, in the middle of maps of three
 //! sizes; its lidar has 720 beams with 1 cm of noise. Times are medians; the machine should be
 //! quiet.
 
@@ -185,7 +185,7 @@ fn measure(side: i32) -> Row {
     }
 }
 
-/// A block of 10 x 10 cells put into the clearance, taken out again, and everything anew, with a
+/// A block of 10 x 10 cells put into the clearance, taken out again, and everything recomputed, with a
 /// limit of 1 m. [us]
 fn blocks(room: &Room, at: i32) -> (f64, f64, f64) {
     let geometry = room.geometry;

@@ -232,7 +232,7 @@ impl Belief {
     }
 
     /// Takes in a scan and adds what flipped. Nothing when the pose is not finite. `under_robot`
-    /// are the cells that the robot stands on, which are free.
+    /// are the cells under the robot, which are free.
     pub(crate) fn integrate(
         &mut self,
         scan: &LocatedScan<'_>,
@@ -315,7 +315,7 @@ impl Belief {
         self.bits[index] |= HIT;
         let old = self.odds[index];
         let beside = || self.blocks_beside && self.touches_sensed(index);
-        // An obstacle that is known needs no proof; of the unknown nobody has seen that it is free.
+        // An obstacle that is known needs no proof; an unknown cell was never seen to be free.
         if !self.is_sensed(index) && (beside() || old != UNKNOWN && is_isolated()) {
             self.doubtful.push(index);
         } else {

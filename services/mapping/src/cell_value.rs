@@ -9,7 +9,7 @@ use zeronav_msgs::map::{CostModel, clearance_mm};
 /// Clearance and cost of a known cell by its squared distance.
 #[derive(Debug, Clone)]
 pub(crate) struct ValueTable {
-    /// `(clearance_mm, cost)`; the last entry stands for all larger squares.
+    /// `(clearance_mm, cost)`; the last entry holds for all larger squares.
     values: Vec<(u16, u8)>,
 }
 

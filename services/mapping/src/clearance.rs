@@ -3,7 +3,7 @@
 //!
 //! Distances are squares of half cells: `max(2|dx| - 1, 0)^2 + max(2|dy| - 1, 0)^2`, integers that
 //! need no rounding. A new obstacle lowers the distances in its window; where one vanished, its
-//! window is computed anew in two passes, first down the columns, then along the rows
+//! window is recomputed in two passes, first down the columns, then along the rows
 //! (Felzenszwalb, Huttenlocher, "Distance Transforms of Sampled Functions", 2012; the lower
 //! envelope is replaced by the minimum over the window, which the compiler turns into vector
 //! instructions and is faster for windows of this size). Beyond the limit distances are not told
@@ -97,7 +97,7 @@ impl ClearanceField {
         self.obstacles[index] != 0
     }
 
-    /// Computes every distance anew, in bands, so that a large map needs no large memory for it.
+    /// Recomputes every distance, in bands, so that a large map needs no large memory for it.
     pub fn recompute_all(&mut self) {
         let (width, height) = self.geometry.size();
         for y in (0..height).step_by(BAND_ROWS) {
@@ -129,7 +129,7 @@ impl ClearanceField {
         }
     }
 
-    /// Computes the distances of the cells of `rect`, which lies on the map, anew.
+    /// Recomputes the distances of the cells of `rect`, which lies on the map.
     pub fn recompute(&mut self, rect: &CellRect) {
         let wide = rect.grown(self.reach, &self.geometry);
         let n = at(wide.max.x - wide.min.x);

@@ -139,7 +139,7 @@ mod tests {
         assert!((filter.velocity() - Vector2::new(1.2, -0.4)).norm() < 0.05);
         assert!((filter.position() - at(0.8)).norm() < 0.01);
         assert!((0.05..0.25).contains(&filter.speed_sigma_mps()));
-        // Half a metre beside is somebody else.
+        // Half a metre beside is another obstacle.
         filter.predict(0.1, 0.1);
         let beside = at(0.9) + Vector2::new(0.0, 0.5);
         assert!(filter.distance(beside, &measured).unwrap() > 50.0);

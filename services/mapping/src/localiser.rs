@@ -136,7 +136,7 @@ impl Localiser {
     }
 
     /// Takes in where odometry says the robot is, with the variance of the yaw [rad^2] that it claims
-    /// since it began, and where beams ended, in `base` [m]: on what stands, and of these on what is
+    /// since it began, and where beams ended, in `base` [m]: on static obstacles, and of these on what is
     /// on the map.
     pub fn correct(
         &mut self,

@@ -60,7 +60,7 @@ pub struct Mapper {
     rectangles: Vec<CellRect>,
     /// Scratch: those of the line before it.
     rectangles_before: Vec<CellRect>,
-    /// What scans are laid on, once somebody asks for it.
+    /// What scans are laid on, made at the first request.
     surfaces: Option<Surfaces>,
     candidates: SurfaceCandidates,
     /// Of the last scan. [ns]
@@ -195,8 +195,7 @@ impl Mapper {
         integrated
     }
 
-    /// Takes in a scan. `under_robot` are the row-major indices of the cells that the robot stands
-    /// on.
+    /// Takes in a scan. `under_robot` are the row-major indices of the cells under the robot.
     pub fn take_in(&mut self, sight: &LocatedScan<'_>, under_robot: &[usize]) -> Integrated {
         let mut flips = core::mem::take(&mut self.flips);
         self.belief.integrate(sight, under_robot, &mut flips);

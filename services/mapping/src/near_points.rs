@@ -84,7 +84,7 @@ impl NearPoints {
     }
 }
 
-/// The line through a hit and its neighbours on the same surface; `None` when it stands alone.
+/// The line through a hit and its neighbours on the same surface; `None` when it has none.
 fn line_through(hits: &[Point2<f64>], n: usize) -> Option<Line> {
     let joins = |pair: &[Point2<f64>]| (pair[1] - pair[0]).norm() < GAP_M;
     let after = hits[n..]

@@ -10,7 +10,7 @@ use zeronav_msgs::scan::Scan;
 const SCANS_MAX: usize = 12;
 
 /// Least time between them, but for the newest: fast lidars would fill the memory with the last
-/// moment, in which nobody comes far. [ns]
+/// moment, in which no obstacle gets far. [ns]
 const APART_NS: u64 = 90_000_000;
 
 /// Beams on either side of a point that must pass it at least: a beam that slips past an edge
@@ -34,7 +34,7 @@ impl PastScan {
     }
 
     /// True when all its beams within `margin_m` beside a point of the map passed it by at least
-    /// `margin_m`: where the pose is off by a little, what stands is never looked through, however
+    /// `margin_m`: where the pose is off by a little, static obstacles are never looked through, however
     /// thin. False when the point lay beside its field of view, and for beams that say nothing.
     #[must_use]
     pub(crate) fn sees_through(&self, point_in_map: Point2<f64>, margin_m: f64) -> bool {

@@ -1,5 +1,5 @@
 //! Obstacle regularisation (TN-REG): obstacle groups on the way become their bounding rectangle,
-//! so that nobody walks into their pockets.
+//! so that planners stay out of their pockets.
 //!
 //! The straight line from the robot to its goal is followed cell by cell; where it meets an
 //! obstacle, the obstacle's 8-connected group is flooded, and the free cells of its bounding box
@@ -73,7 +73,7 @@ impl Regulariser {
     }
 
     /// Obstacles have come or gone at these row-major indices: the groups that they may belong to
-    /// are found anew when the line meets them.
+    /// are found again when the line meets them.
     pub fn changed(&mut self, came: &[usize], went: &[usize]) {
         let (geometry, marks) = (&self.geometry, &self.marks);
         self.groups.retain(|group| {

@@ -101,7 +101,7 @@ impl ScanOdometry {
         };
         let is_far = at.x_m.hypot(at.y_m) > KEY.0 || at.yaw_rad.abs() > KEY.1;
         // A scan that cannot be believed tells against the next key scan, too: those who walk have
-        // come too far to be taken for what stands only after a while.
+        // come too far to be taken for static only after a while.
         if is_far || laid.is_some_and(|laid| laid.share < FOUND_SHARE.1) {
             self.begin(odom_from_base, ends);
         }

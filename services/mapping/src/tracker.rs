@@ -34,7 +34,7 @@ const RESTLESS_MARGIN_M: f64 = 0.15;
 /// How long after something moved more of it is expected. [s]
 const MOTION_LASTS_S: f64 = 5.0;
 
-/// Standard deviations of the yaw by which what stands may seem to have come.
+/// Standard deviations of the yaw by which a static obstacle may seem to have moved.
 const YAW_SIGMAS: f64 = 2.0;
 
 /// Standard deviation of a point of a scan across what it lies on. [m]
@@ -378,7 +378,7 @@ impl Tracker {
         self.tracks[track] = followed;
     }
 
-    /// How far what stands may seem to have come since it was first seen because the yaw is not
+    /// How far a static obstacle may seem to have moved since it was first seen because the yaw is not
     /// known so well. [m]
     fn swing_m(&self, track: &Track, eye: Point2<f64>) -> f64 {
         let doubt = (self.yaw_doubt - track.born_yaw_doubt).max(0.0);

@@ -2,7 +2,7 @@
 //!
 //! *Full inflation* (BAO-FULL) puts a ring around every obstacle. The *corner rule* of the planners
 //! (BAO-AAO) forbids a diagonal move past an obstacle; the cells that such moves would enter are
-//! flagged for whoever shows or counts them, the rule itself stays in the planners.
+//! flagged for display and counting; the rule itself stays in the planners.
 
 use zeronav_msgs::{Cell, GridGeometry};
 use zeronav_params::{choices, parameters};

@@ -223,7 +223,7 @@ fn a_lone_return_needs_a_second_one() {
         assert_eq!(n_sensed(&mapper), 0, "beam {beam}");
         mapper.integrate(&from, &scan, &clean);
     }
-    // It is doubted anew each time, not in the end believed.
+    // It is doubted again each time and never accepted.
     mapper.integrate(&from, &scan, &with(&[333], 0.8));
     assert_eq!(n_sensed(&mapper), 0);
     // A pole that one beam sees stays where it is.

@@ -194,7 +194,7 @@ fn walkers_are_found_within_four_scans_and_their_velocity_is_right() {
     assert_eq!(report.false_tracks, 0, "{report:?}");
 }
 
-/// A wall of 1 m, 3 m before the robot, and somebody who comes out from behind it. With 10 scans a
+/// A wall of 1 m, 3 m before the robot, and a pedestrian who comes out from behind it. With 10 scans a
 /// second the third hit comes 0.2 s after the first; by then the velocity is right, though part
 /// of him may be hidden still.
 #[test]

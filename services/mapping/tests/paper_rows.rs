@@ -324,7 +324,7 @@ fn bao_full_the_ring_follows_what_comes_and_goes() {
     assert_eq!(flagged(&mapper, FLAG_VIRTUAL), before);
 }
 
-/// The cells that the corner rule of the planners forbids to somebody, by hand: a single obstacle
+/// The cells that the corner rule of the planners forbids, by hand: a single obstacle
 /// keeps diagonal moves out of its four orthogonal neighbours.
 #[test]
 fn bao_full_corner_cells_are_flagged_for_display() {

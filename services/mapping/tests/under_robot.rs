@@ -1,4 +1,4 @@
-//! Where the robot stands is free, and only there.
+//! The cells under the robot are free, and only there.
 
 mod support;
 

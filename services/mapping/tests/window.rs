@@ -43,7 +43,7 @@ fn drive(mode: WindowMode) -> (Room, Mapping, usize) {
         mapping.mapper_mut().take_dirty_tiles(&mut tiles);
         if mapping.take_moved() {
             moves += 1;
-            // Everything is new for whoever reads it.
+            // Everything is new to readers.
             assert_eq!(
                 tiles,
                 all_tiles(mapping.mapper().geometry()).collect::<Vec<_>>()

@@ -14,7 +14,7 @@ const STEP_M_MIN: f64 = 1.0e-4;
 /// felt is outside.
 const FEEL_M: f64 = 1.0e-3;
 
-/// Most legs that are looked ahead at once: one that is wedged in stands still.
+/// Most legs that are looked ahead at once: one that is wedged in stops.
 const LEGS_AHEAD_MAX: usize = 64;
 
 /// How long what was is remembered: as long as the slowest lidar turns, and a second. [s]

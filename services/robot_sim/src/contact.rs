@@ -3,7 +3,7 @@
 //! The robot advances by its clearance (conservative advancement, Mirtich, "Impulse-based Dynamic
 //! Simulation of Rigid Body Systems", 1996): as far as the nearest thing is away it cannot meet
 //! anything, so open space costs one distance and nothing is jumped over, however thin and fast.
-//! At a contact the robot stands where it was still free. From there it may move wherever it does
+//! At a contact the robot stops where it was still free. From there it may move wherever it does
 //! not get nearer to what it touches.
 
 use crate::drive::Motion;

@@ -17,7 +17,7 @@ pub struct Faults {
 #[derive(Debug, Clone, Copy)]
 struct Fault {
     spec: FaultSpec,
-    /// Run time at which it begins; `None` while nobody knows. [ns]
+    /// Run time at which it begins; `None` while it is unknown. [ns]
     from_ns: Option<u64>,
     /// A jump has been made.
     over: bool,

@@ -103,7 +103,7 @@ impl Obstacle {
         }
     }
 
-    /// Puts it at `pose`, where it stands from `from_run_ns` to before `until_run_ns` (`None` = to
+    /// Puts it at `pose`, where it is from `from_run_ns` to before `until_run_ns` (`None` = to
     /// the end), whatever its script says. Said again with the same `from_run_ns`, it stays where
     /// it is and only the end changes.
     pub fn place(&mut self, pose: Pose, from_run_ns: u64, until_run_ns: Option<u64>) {

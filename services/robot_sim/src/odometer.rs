@@ -39,7 +39,7 @@ impl WheelMotion {
 }
 
 impl Odometer {
-    /// An odometer that knows that it stands at `start`, `map_from_base`.
+    /// An odometer that starts from `start`, `map_from_base`.
     #[must_use]
     pub fn new(spec: OdometrySpec, seed: u64, start: Pose) -> Self {
         Self {

@@ -23,7 +23,7 @@ const DISC_CORNERS: u32 = 48;
 const FAR_M: f64 = 1.0e9;
 
 /// A closed convex set of points: a ball, cuboid or convex polygon of parry, and where its frame
-/// stands in the frame at hand. Cheap to copy and to move: the form is shared.
+/// is placed in the current frame. Cheap to copy and to move: the form is shared.
 #[derive(Clone)]
 pub struct Convex {
     pose: Pose2,
@@ -69,7 +69,7 @@ impl Convex {
         }
     }
 
-    /// Where the frame of [`Self::form`] stands.
+    /// Where the frame of [`Self::form`] is.
     #[must_use]
     pub const fn pose(&self) -> &Pose2 {
         &self.pose

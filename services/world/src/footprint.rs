@@ -107,7 +107,7 @@ impl Footprint {
         &self.corners
     }
 
-    /// What the robot covers when it stands at `map_from_base`. No allocation.
+    /// What the robot covers at `map_from_base`. No allocation.
     #[must_use]
     pub fn placed(&self, map_from_base: &Pose) -> Convex {
         self.form.placed(map_from_base)

@@ -18,7 +18,7 @@ pub(crate) fn of_occupied(map: &StaticMap) -> Vec<Aabb> {
         )
     };
     let mut done = Vec::new();
-    // Runs `from..to` that reach up to the row at hand, with the row in which they began; sorted.
+    // Runs `from..to` that reach up to the current row, with the row in which they began; sorted.
     let mut open: Vec<(usize, usize, usize)> = Vec::new();
     let mut finish = |(from, to, since): (usize, usize, usize), end: usize| {
         done.push(Aabb::new(corner(from, since), corner(to, end)));

@@ -103,7 +103,7 @@ pub struct PedestriansSpec {
     /// How much of the recording is played; without, all of it. [s]
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub duration_s: Option<f64>,
-    /// Radius of the disc that stands for a person. [m]
+    /// Radius of the disc that represents a person. [m]
     #[serde(default = "default_person_radius_m")]
     pub radius_m: f64,
 }
@@ -231,7 +231,7 @@ pub struct ObstacleSpec {
     /// again at its first row, where the obstacle is at once.
     #[serde(default)]
     pub repeat: bool,
-    /// When it begins to move; without, when it appears. A sliding door stands beside its opening
+    /// When it begins to move; without, when it appears. A sliding door is beside its opening
     /// until then.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub starts: Option<Trigger>,
@@ -249,7 +249,7 @@ pub struct ObstacleSpec {
 }
 
 impl ObstacleSpec {
-    /// An obstacle that is there from the start and stands.
+    /// An obstacle that is there from the start and static.
     #[must_use]
     pub fn standing(name: impl Into<String>, shape: ShapeSpec) -> Self {
         Self {

@@ -11,9 +11,9 @@ use zeronav_msgs::{Cell, GridGeometry, Pose};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[repr(u8)]
 pub enum Occupancy {
-    /// Nothing stands there.
+    /// Free.
     Free = 0,
-    /// Something solid stands there.
+    /// Occupied by something solid.
     Occupied = 1,
     /// The map does not say.
     Unknown = 2,

@@ -23,7 +23,7 @@ pub const TIME_S_MAX: f64 = 1.0e6;
 /// Fastest obstacle. [m/s]
 const SPEED_MPS_MAX: f64 = 1.0e3;
 
-/// A scripted obstacle: what the scenario says and its shape. It stands on no map.
+/// A scripted obstacle: what the scenario says and its shape. It is on no map.
 #[derive(Debug, Clone)]
 pub struct Obstacle {
     /// What the scenario says.
@@ -376,7 +376,7 @@ fn obstacle_of(spec: &ObstacleSpec) -> Result<Obstacle, SpecError> {
     })
 }
 
-/// Accepts an obstacle that stands, or moves in one way.
+/// Accepts an obstacle that is static, or moves in one way.
 fn check_motion(spec: &ObstacleSpec) -> Result<(), SpecError> {
     let ways = [
         (!spec.waypoints_m.is_empty(), "waypoints_m"),

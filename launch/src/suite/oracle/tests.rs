@@ -159,7 +159,7 @@ fn go(now: &mut State, (v, w): (f64, f64), step_s: f64) {
     now.t_s += step_s;
 }
 
-/// The same of the other proof, with the robot's outline and somebody who has just appeared.
+/// The same of the other proof, with the robot's outline and a pedestrian who has just appeared.
 #[test]
 fn no_drive_escapes_who_is_touched_anyhow() {
     let abilities = abilities();

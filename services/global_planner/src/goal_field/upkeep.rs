@@ -1,4 +1,4 @@
-//! The field's upkeep: what is done while nobody waits for an answer.
+//! The field's upkeep: what is done while no answer is due.
 
 use super::eased_box::EasedBox;
 use super::node::{NO_WAY, Spot};
@@ -11,7 +11,7 @@ use std::collections::BinaryHeap;
 use zeronav_msgs::Cell;
 
 impl GoalField {
-    /// Work for when nobody waits: learns from the last search, repairs, then grows the field of
+    /// Work for when no answer is due: learns from the last search, repairs, then grows the field of
     /// `goal`, by `expansions` at most. True when work is left.
     pub(crate) fn improve(&mut self, goal: Cell, expansions: u64) -> bool {
         if !self.built {

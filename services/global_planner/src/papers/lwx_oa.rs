@@ -1,5 +1,5 @@
 //! `lwx_oa`: the "optimised A*" of \[LWX\], which has no open list: it goes to the best neighbour
-//! of the cell where it stands.
+//! of the cell where it is.
 //!
 //! Greedy, so not the path of A*. What happens in a dead end is not printed and is an option;
 //! going back makes it a depth-first search, which is complete. Literal mode chooses by straight

@@ -10,7 +10,7 @@
 //!
 //! A planner is a file here and a row of [`crate::PLANNERS`]. Those that are a best-first search
 //! are a [`best_first::Recipe`] each; the others are a [`on_map::Solver`]. What all of them share
-//! (ends, inflation at the start, proofs, cost) stands in [`on_map`].
+//! (ends, inflation at the start, proofs, cost) is in [`on_map`].
 //!
 //! Where a map has costs beside free and blocked, a step costs as in [`crate::astar`]; the papers
 //! know no costs, and on their maps every price is one.

@@ -15,7 +15,7 @@ use zeronav_msgs::Cell;
 /// A method that finds a way between two free cells.
 pub(crate) trait Solver: Send {
     /// Appends the way from `start` to `goal`, both included, to `cells`, straight between the
-    /// centres of two entries that follow each other. What stands there after an error does not
+    /// centres of two entries that follow each other. What is there after an error does not
     /// count.
     ///
     /// # Errors

@@ -32,7 +32,7 @@ pub(crate) struct CurvePoint {
     pub at: Point2<f64>,
     /// First derivative by the parameter, which grows by 1 from control point to control point.
     pub tangent: Vector2<f64>,
-    /// \[1/unit of `at`\] Curvature, left positive; 0 where the curve stands still.
+    /// \[1/unit of `at`\] Curvature, left positive; 0 where the curve does not advance.
     pub curvature: f64,
 }
 

@@ -58,7 +58,7 @@ pub(crate) enum Mode {
 enum Failure {
     /// Every cell that it could enter was entered. The proof holds for the walk's own map.
     Exhausted,
-    /// Where a walk without a memory stands.
+    /// Where a walk without a memory is.
     Stuck,
     Budget(PlanError),
 }
@@ -234,7 +234,7 @@ impl Solver for TnHyb {
         if !self.options.ladder {
             return Err(PlanError::DeadEnd);
         }
-        // Where the last walk stands can be reached, so that A* from there is as good a proof as
+        // Where the last walk ended can be reached, so that A* from there is as good a proof as
         // A* from the start.
         let here = self.walk.cells.last().copied().unwrap_or(start);
         let recipe = Recipe::plain(Heuristic::Octile);

@@ -28,7 +28,7 @@ const WALLS_M: (f64, f64) = (0.8, 2.2);
 /// What a robot at (5, 1.5) is to do: to the other end of the aisle, along its middle.
 pub(crate) struct Aisle {
     cells: Vec<MapCell>,
-    /// With less space beside the wall 1.2 m ahead, so that the cost-to-go is made anew.
+    /// With less space beside the wall 1.2 m ahead, so that the cost-to-go is rebuilt.
     changed: Vec<MapCell>,
     path: [Waypoint; 2],
     goal: Goal,

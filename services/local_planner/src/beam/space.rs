@@ -69,7 +69,7 @@ pub(super) struct Space<'a> {
     pub(super) goal: (f32, f32),
     /// [m/s] fastest speed.
     pub(super) fastest: f32,
-    /// [m] of space to what stands from which on nearness costs nothing.
+    /// [m] of space to static obstacles from which on nearness costs nothing.
     pub(super) soft: f32,
 }
 
@@ -202,8 +202,8 @@ impl Space<'_> {
         for look in layer * LOOKS..(layer + 1) * LOOKS {
             let state = self.step(&next.state, asked);
             next.state = state;
-            let stands = state.v.abs() < RESTING && state.w.abs() < RESTING;
-            let space = if stands {
+            let stopped = state.v.abs() < RESTING && state.w.abs() < RESTING;
+            let space = if stopped {
                 self.soft
             } else {
                 let at = LocalPose {

@@ -60,7 +60,7 @@ pub(crate) struct RolloutGrid {
     overlaps: Vec<f32>,
     /// Centres of predicted obstacles and the distances of contact, steps x obstacles. [m]
     discs: Vec<[f32; 3]>,
-    /// The row at hand.
+    /// The current row.
     pub(crate) row: Row,
 }
 
@@ -208,8 +208,9 @@ impl RolloutGrid {
     }
 
     /// Follows all rollouts of one speed into [`Self::row`]: through the map and the scan with
-    /// what must be kept, and through the obstacles of [`Self::foresee`]. Space counts up to the step `scored`; what stands is looked for in the first
-    /// `looked` steps, at least as many as are scored.
+    /// what must be kept, and through the obstacles of [`Self::foresee`]. Space counts up to the step
+    /// `scored`; static obstacles are looked for in the first `looked` steps, at least as many as
+    /// are scored.
     pub(crate) fn drive(
         &mut self,
         speed: usize,

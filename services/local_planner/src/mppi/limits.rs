@@ -3,7 +3,7 @@
 use crate::lanes::data::{least, most, narrow};
 use zeronav_msgs::description::Description;
 
-/// [m/s] fastest way backwards: nobody looks there but the map and the lidar.
+/// [m/s] fastest speed backwards: only the map and the lidar see there.
 const BACK_MPS: f64 = 0.2;
 
 /// Limits of the speeds and of their changes in one step.

@@ -1,4 +1,4 @@
-//! Noise for the samples: drawn once, paired anew in every cycle.
+//! Noise for the samples: drawn once, paired differently in every cycle.
 //!
 //! Drawing 2000 x 56 x 2 normal numbers takes longer than all the rest of a cycle. The rows of the
 //! pool are drawn at the start; a cycle pairs a row of speeds with another row of yaw rates and

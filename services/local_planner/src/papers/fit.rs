@@ -142,7 +142,7 @@ pub fn fit_literal(points: &[Point2<f64>], degree: usize) -> Result<Vec<Point2<f
 }
 
 /// The fit of the lowest degree that is free, from `min(7, points / 4)` to 15; `None` when none
-/// is: the unfitted path stands. `is_free` judges a segment.
+/// is: the unfitted path stays. `is_free` judges a segment.
 #[must_use]
 pub fn free_fit(
     points: &[Point2<f64>],

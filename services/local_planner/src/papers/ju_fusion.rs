@@ -12,7 +12,7 @@ const POINT_M: f64 = 1.0;
 const R1_M: f64 = 1.5;
 
 /// The fused field: `F_att(goal) + sum over path points F_att + sum over obstacles F_rep`, the
-/// sums begun anew in every step, the goal's part included.
+/// sums restarted in every step, the goal's part included.
 #[derive(Debug, Clone)]
 pub struct JuFusion {
     gains: Gains,

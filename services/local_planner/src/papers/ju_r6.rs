@@ -33,13 +33,13 @@ impl JuR6 {
         }
     }
 
-    /// Index of the sub-goal at hand, from 1.
+    /// Index of the current sub-goal, from 1.
     #[must_use]
     pub const fn subgoal(&self) -> usize {
         self.next
     }
 
-    /// The sub-goal at hand; the next one when it is near or its half plane is passed.
+    /// The current sub-goal; the next one when it is near or its half plane is passed.
     fn advance(&mut self, input: &LawInput<'_>) -> Point2<f64> {
         if self.geometry != input.geometry {
             self.geometry = input.geometry;

@@ -25,7 +25,7 @@ pub struct Body {
 }
 
 impl Body {
-    /// A body that stands.
+    /// A static body.
     #[must_use]
     pub fn standing(at: Point2<f64>, extent: Extent) -> Self {
         Self {

@@ -63,7 +63,7 @@ impl LwxLsq {
         }
     }
 
-    /// True when the curve at hand is a fit.
+    /// True when the current curve is a fit.
     #[must_use]
     pub const fn is_fitted(&self) -> bool {
         self.fitted

@@ -1,7 +1,7 @@
 //! `lwx_oapf` and `lwx_iter` [LWX]: the path's turning points as interim goals of the field, each
 //! with a budget of steps.
 //!
-//! The interim goal is the turning point after the next one. The printed method begins anew at
+//! The interim goal is the turning point after the next one. The printed method restarts at
 //! the turning point that was passed, so its path jumps; here the robot goes on from where it is,
 //! the only way that a robot can. When an interim goal is not reached within `L` steps per unit of
 //! distance, the nearer turning point is taken instead.

@@ -129,7 +129,7 @@ pub fn walk(
             .ok_or(End::Stuck)
             .and_then(|direction| Ok((direction, stride(bodies, at, goal, direction, how)?)));
         match next {
-            // A loop that does not stop at the goal stands there.
+            // A loop that does not stop at the goal stays there.
             Err(_) if reached => continue,
             Err(end) => return done(points, reached, end, steps),
             Ok((direction, length)) => {

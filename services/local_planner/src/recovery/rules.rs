@@ -1,7 +1,7 @@
 //! The transitions between behaviours, as a table.
 //!
 //! In each period the first rule that holds is taken. The table in the README is generated from it.
-//! Two transitions are not in it because they leave every behaviour: another goal begins anew with
+//! Two transitions are not in it because they leave every behaviour: another goal restarts with
 //! `Follow`, and a task without progress for `task.stuck_s` ends in `GiveUp`.
 
 use super::behaviour::{Behaviour, Facts, Reason};

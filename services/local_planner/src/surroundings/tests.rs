@@ -128,7 +128,7 @@ fn a_stop_must_be_free_of_where_what_moves_will_be() {
 #[test]
 fn near_what_moves_the_robot_may_only_not_come_nearer() {
     let open = looked(&[], &[], &[]);
-    // Less than the margin is left to somebody who walks off.
+    // Less than the margin is left to a pedestrian who walks away.
     let leaving = tracked(0.57, 0.0, 0.5, 0.0);
     assert!(arc_m(&open, 0.05, &leaving).is_some());
     assert_eq!(arc_m(&open, 1.0, &leaving), None);

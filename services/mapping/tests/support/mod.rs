@@ -57,7 +57,7 @@ impl Room {
         }
     }
 
-    /// The static map of what stands here now.
+    /// The static map of the obstacles that are here now.
     pub(crate) fn as_static_map(&self) -> StaticMap {
         let occupancy = |solid: &bool| {
             if *solid {

@@ -324,7 +324,7 @@ fn the_map_file_is_seen_and_touched_cell_by_cell() {
                 occupied_thresh: 0.65\nfree_thresh: 0.196\n";
     std::fs::write(folder.path().join("hall.yaml"), yaml).expect("written");
     // 16 x 8 cells; the only black one is column 12 of the row above y = 0, so x 2.0 to 2.5,
-    // y 0.0 to 0.5. An unknown one stands before it.
+    // y 0.0 to 0.5. An unknown one is in front of it.
     let mut image = b"P5\n16 8\n255\n".to_vec();
     let mut pixels = [254_u8; 16 * 8];
     pixels[3 * 16 + 12] = 0;

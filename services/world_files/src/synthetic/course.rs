@@ -135,7 +135,7 @@ pub struct Course {
 }
 
 /// Draws world `number`. What moves does so in another way for each `seed`: another moment of the
-/// same rounds, another walk; what stands is the same.
+/// same rounds, another walk; static obstacles are the same.
 ///
 /// # Errors
 /// [`NoPassage`] when none of many worlds, phases or walks can be passed.
@@ -306,7 +306,7 @@ mod tests {
             labels.insert(class.label());
             let text = |seed| toml::to_string(&draw(number, seed, jackal()).unwrap().spec).unwrap();
             assert_eq!(text(1), text(1), "{}", class.label());
-            // What stands is the same for every seed, what moves is not.
+            // Static obstacles are the same for every seed, dynamic ones are not.
             assert_eq!(
                 text(1) == text(2),
                 class.kind == Kind::Static,

@@ -9,7 +9,7 @@ use std::cmp::Ordering;
 use std::collections::{BinaryHeap, VecDeque};
 use zeronav_world::World;
 
-/// Side of a cell of the search among what stands. [m]
+/// Side of a cell of the search among static obstacles. [m]
 const CELL_M: f64 = 0.05;
 
 /// Side of a cell of the search in time. [m]
@@ -99,7 +99,7 @@ impl Grid {
 }
 
 /// Length of the shortest drive in eight directions from `start` to within `tolerance_m` of
-/// `goal` among what stands in `world`; `None` when there is none. [m]
+/// `goal` among the static obstacles of `world`; `None` when there is none. [m]
 #[must_use]
 pub fn shortest_m(
     world: &World,
@@ -167,7 +167,7 @@ impl PartialOrd for Open {
 const HEADINGS: [(isize, isize); 4] = [(1, 0), (0, 1), (-1, 0), (0, -1)];
 
 /// Time of a drive from `start`, heading along +x, to within `tolerance_m` of `goal` that touches
-/// neither what stands in `world` nor the discs, which are asked for at moments of the run; `None`
+/// neither the static obstacles of `world` nor the discs, which are asked for at moments of the run; `None`
 /// when none was found within `limit_s`. [s]
 ///
 /// The robot drives straight from cell to cell at 1 m/s, turns by quarters on the spot in a

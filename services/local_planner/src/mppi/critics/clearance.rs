@@ -1,4 +1,4 @@
-//! Nearness to what stands, quadratic within the soft clearance and dearer at speed: its worst
+//! Nearness to static obstacles, quadratic within the soft clearance and dearer at speed: its worst
 //! moment. A goal beside a wall must be reached, so it counts less and less on the last metre.
 
 use super::cycle::Cycle;
