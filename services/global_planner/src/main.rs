@@ -1,25 +1,21 @@
 //! The global planner as a process: answers every map update, goal and request with a path.
 
+mod readings;
+
+use readings::Readings;
 use std::process::ExitCode;
 use zeronav_global_planner::{
-    BuildError, Control, GlobalPlannerConfig, News, PLANNERS, PlannerRow, Replanner, Request,
-    Situation, Step, Target, UnknownPlanner,
+    BuildError, Control, GlobalPlannerConfig, News, PLANNERS, PlannerRow, Replanner, Step,
+    UnknownPlanner,
 };
-use zeronav_msgs::CellRect;
-use zeronav_msgs::header::Parents;
-use zeronav_msgs::health::REASON_MAP;
 use zeronav_msgs::path::{Path, WAYPOINTS_MAX};
-use zeronav_msgs::pose::Pose;
-use zeronav_msgs::request::RequestReason;
 use zeronav_msgs::role::Role;
-use zeronav_msgs::topics::{MapObstacles, PlanPath, PlanRequests};
+use zeronav_msgs::topics::PlanPath;
 use zeronav_params::Parameter;
 use zeronav_shell::clock::now_ns;
 use zeronav_shell::doorbell::Rung;
 use zeronav_shell::nearest::unknown;
-use zeronav_shell::{
-    CurrentGoal, Due, Latest, MapInput, OdometryReader, Service, Shell, StartError, Writer,
-};
+use zeronav_shell::{Due, Service, Shell, StartError, Writer};
 
 /// Expansions of work ahead between two polls of the inputs: some 0.2 ms, which a map update may
 /// have to wait.
@@ -27,84 +23,8 @@ const AHEAD_EXPANSIONS: u64 = 4096;
 
 struct PlannerService {
     replanner: Replanner,
-    inputs: Inputs,
+    inputs: Readings,
     path: Writer<PlanPath>,
-}
-
-struct Inputs {
-    odometry: OdometryReader,
-    map: MapInput,
-    obstacles: Latest<MapObstacles>,
-    request: Latest<PlanRequests>,
-    goal: CurrentGoal,
-    /// Rectangles written since the last situation.
-    changed: Vec<CellRect>,
-}
-
-impl Inputs {
-    /// Takes in what has come; true when it asks for another answer in real time.
-    fn poll(&mut self, shell: &Shell) -> bool {
-        self.odometry.poll(shell.roster());
-        let mapped = self.map.poll(shell);
-        // After the map: mapping sends the obstacles of a scan before its update.
-        if self.obstacles.poll(shell.roster()) || !self.map.changed().is_empty() {
-            let obstacles = self.obstacles.get();
-            self.map
-                .stamp_obstacles(obstacles.map_or(&[], |view| view.items));
-        }
-        self.changed.extend_from_slice(self.map.changed());
-        let requested = self.request.poll(shell.roster());
-        let other_goal = self.goal.poll(shell.roster());
-        mapped || requested || other_goal
-    }
-
-    /// Where the robot is on the map; `None` before the first odometry.
-    fn map_from_base(&self) -> Option<Pose> {
-        let newest = self.odometry.newest()?;
-        Some(self.map.map_from_base(&newest.odometry.pose))
-    }
-
-    fn target(&self) -> Option<Target> {
-        let goal = self.goal.goal()?;
-        Some(Target {
-            task: self.goal.task().0,
-            goal: goal.id,
-            pose: goal.pose,
-            tolerance_m: goal.tolerance_m,
-        })
-    }
-
-    /// The newest request, and the path that it is about.
-    fn request(&self, geometry: u64) -> Option<Request> {
-        let request = self.request.get()?;
-        let about_this = geometry != 0 && request.header.parents.path >= geometry;
-        Some(Request {
-            id: request.header.id,
-            geometry: if about_this { geometry } else { 0 },
-            reason: request.meta.reason().unwrap_or(RequestReason::None),
-        })
-    }
-
-    fn situation(&self, robot: Pose, geometry: u64) -> Situation<'_> {
-        Situation {
-            robot,
-            map: self.map.view(),
-            revision: self.map.revision().0,
-            changed: &self.changed,
-            target: self.target(),
-            request: self.request(geometry),
-        }
-    }
-
-    fn parents(&self) -> Parents {
-        Parents {
-            odometry: self.odometry.id().0,
-            map: self.map.revision().0,
-            request: self.request.id().0,
-            goal: self.goal.task().0,
-            ..Parents::default()
-        }
-    }
 }
 
 fn unusable(error: BuildError) -> StartError {
@@ -151,31 +71,14 @@ impl Service for PlannerService {
         let peer = shell.peer();
         Ok(Self {
             replanner,
-            inputs: Inputs {
-                odometry: OdometryReader::open(peer)?,
-                map: MapInput::open(peer)?,
-                obstacles: peer.latest()?,
-                request: peer.latest()?,
-                goal: CurrentGoal::open(peer)?,
-                changed: Vec::new(),
-            },
+            inputs: Readings::open(peer)?,
             path: peer.writer(WAYPOINTS_MAX)?,
         })
     }
 
     fn wake(&mut self, shell: &mut Shell, _rung: Rung) -> Result<(), StartError> {
         let news = self.inputs.poll(shell);
-        let Inputs {
-            odometry,
-            map,
-            obstacles,
-            request,
-            goal,
-            ..
-        } = &self.inputs;
-        shell.count(&[odometry, map, obstacles, request, goal]);
-        shell.reason(REASON_MAP, !map.is_current());
-        let trigger = map.trigger(shell.roster(), odometry, news);
+        let trigger = self.inputs.trigger(shell, news);
         for due in shell.due(&trigger) {
             let started_ns = now_ns();
             if let Some(news) = self.plan(shell, due) {

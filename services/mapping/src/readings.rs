@@ -1,0 +1,86 @@
+//! What mapping reads, and the observation that a scan makes with the odometry around it.
+
+use zeronav_mapping::Observation;
+use zeronav_msgs::header::Parents;
+use zeronav_msgs::pose::Pose;
+use zeronav_msgs::time::nanoseconds;
+use zeronav_msgs::topics::{RobotDescription, RobotScan};
+use zeronav_shell::{CurrentGoal, Latest, OdometryReader, Peer, Shell, StartError};
+
+/// The readers of the seat.
+pub(crate) struct Readings {
+    odometry: OdometryReader,
+    pub(crate) description: Latest<RobotDescription>,
+    pub(crate) scan: Latest<RobotScan>,
+    /// For regularisation only.
+    pub(crate) goal: Option<CurrentGoal>,
+}
+
+impl Readings {
+    /// Opens the topics; that of the goal only when it is asked for.
+    ///
+    /// # Errors
+    /// As [`Peer::latest`].
+    pub(crate) fn open(peer: &Peer, reads_goal: bool) -> Result<Self, StartError> {
+        Ok(Self {
+            odometry: OdometryReader::open(peer)?,
+            description: peer.latest()?,
+            scan: peer.latest()?,
+            goal: reads_goal.then(|| CurrentGoal::open(peer)).transpose()?,
+        })
+    }
+
+    /// Takes in what has come, and counts rejected messages for the heartbeat.
+    pub(crate) fn poll(&mut self, shell: &mut Shell) {
+        let roster = shell.roster();
+        self.odometry.poll(roster);
+        self.description.poll(roster);
+        self.scan.poll(roster);
+        if let Some(goal) = &mut self.goal {
+            goal.poll(roster);
+        }
+        shell.count(&[&self.odometry, &self.scan, &self.description]);
+    }
+
+    /// `odom_from_base` at the capture of the newest scan's first and last beam; `None` until the
+    /// odometry around the capture has been received.
+    pub(crate) fn poses_of_scan(&self) -> Option<(Pose, Pose)> {
+        let scan = self.scan.get()?;
+        let history = self.odometry.history();
+        let last_ns = scan.header.run_ns;
+        let last = history.pose_at(last_ns)?;
+        let steps = f64::from(scan.meta.n_beams.saturating_sub(1));
+        let turn_ns = nanoseconds(steps * f64::from(scan.meta.time_increment_s));
+        if turn_ns == 0 {
+            return Some((last, last));
+        }
+        // The first turn began before the first odometry.
+        let first = history.pose_at(last_ns.saturating_sub(turn_ns));
+        Some((first.unwrap_or(last), last))
+    }
+
+    /// The newest scan, with `odom_from_base` at its first and last beam.
+    pub(crate) fn observation(&self, (first, last): (Pose, Pose)) -> Option<Observation<'_>> {
+        let scan = self.scan.get()?;
+        let newest = self.odometry.newest();
+        let goal = self.goal.as_ref().and_then(CurrentGoal::goal);
+        Some(Observation {
+            scan: scan.meta,
+            ranges: scan.items,
+            run_ns: scan.header.run_ns,
+            odom_from_base_first: first,
+            odom_from_base: last,
+            odometry_variance: newest.map_or([0.0; 3], |newest| newest.odometry.variance),
+            goal: goal.map(|goal| goal.pose.point()),
+        })
+    }
+
+    /// The messages that an answer is made from.
+    pub(crate) fn parents(&self) -> Parents {
+        Parents {
+            odometry: self.odometry.id().0,
+            scan: self.scan.id().0,
+            ..Parents::default()
+        }
+    }
+}
