@@ -52,16 +52,17 @@ const POINTS_MIN: usize = 3;
 /// Time after the last hit at which a track ends: three scans of a lidar at 10 Hz. [s]
 const COAST_S: f64 = 0.3;
 
-/// Speed in standard deviations from which a track may be called moving: 95 % of static ones stay below.
+/// Standard deviations of the filter's speed above which a track may be called moving.
 const MOVING_SIGMAS: f64 = 2.0;
 
-/// Distance that a track must have moved before it is called moving: more than the noise of a centre. [m]
+/// Distance that a track must have moved before it is called moving: more than the noise of a
+/// centre. [m]
 const MOVING_DISTANCE_M: f64 = 0.1;
 
 /// Speed below which a track that moved comes to rest, above the noise of a static one's. [m/s]
 const REST_SPEED_MPS: f64 = 0.15;
 
-/// Time at rest after which a track is not called moving any more: longer than a step's pause. [s]
+/// Time at rest after which a track is static again, so that a short stop does not end it. [s]
 const REST_S: f64 = 1.0;
 
 parameters! {
