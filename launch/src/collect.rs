@@ -66,7 +66,7 @@ pub(crate) struct Collector {
     /// Spans that were dropped because there were too many.
     pub spans_dropped: u64,
     keyframe_asked: Option<Instant>,
-    /// A revision that came before the truth about its scan.
+    /// A revision that came before the truth about its scan or the obstacles of its scan.
     unlooked: Option<(Id, u64)>,
 }
 
@@ -96,9 +96,6 @@ impl Collector {
                 return;
             }
             let (revision, scan) = (view.header.id(), view.header.parents.scan);
-            let tracked = self.tracked.iter().rfind(|(of, _)| *of == scan);
-            self.replica
-                .stamp(tracked.map_or(&[], |(_, obstacles)| obstacles));
             if scan != 0 {
                 self.updates.0 += 1;
                 self.updates.1 += view.items.len() as u64;
@@ -106,10 +103,12 @@ impl Collector {
             if !looks {
                 return;
             }
-            if self.truth.is_some_and(|truth| truth.scan >= scan) {
+            let is_tracked = self.tracked.iter().any(|(of, _)| *of == scan);
+            if is_tracked && self.truth.is_some_and(|truth| truth.scan >= scan) {
                 self.look_for_obstacles(revision, scan, placed);
             } else {
-                // The truth about the scan is still on its way: look when it is here.
+                // The truth about the scan, or its obstacles, may still be on their way: look at the
+                // next call.
                 self.unlooked = Some((revision, scan));
             }
         });
@@ -309,6 +308,11 @@ impl Collector {
 
     /// Notes what a revision shows of the obstacles that have been seen.
     fn look_for_obstacles(&mut self, revision: Id, scan: u64, placed: Placed<'_>) {
+        let tracked = self.tracked.iter().rfind(|(of, _)| *of == scan);
+        let obstacles = tracked.map_or(&[][..], |(_, obstacles)| obstacles);
+        self.replica.stamp(obstacles);
+        // Only readers that update something of their own need the list.
+        self.replica.take_changed();
         let Some(map) = self.replica.view() else {
             return;
         };

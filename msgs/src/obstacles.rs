@@ -6,8 +6,8 @@ use crate::message::{COORDINATE_M_MAX, Refusal, SPEED_MAX, ZeroCopySend, ensure,
 /// Most tracked obstacles.
 pub const OBSTACLES_MAX: usize = 128;
 
-/// Largest radius of a tracked obstacle: who draws it on a map must not have to draw the world. [m]
-pub const OBSTACLE_RADIUS_M_MAX: f64 = 5.0;
+/// Largest radius of a tracked obstacle, which bounds the work of stamping it on a map. [m]
+pub const OBSTACLE_RADIUS_M_MAX: f64 = 10.0;
 
 message! {
     /// Fixed fields of the list of tracked obstacles.

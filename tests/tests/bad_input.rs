@@ -155,7 +155,7 @@ const WRONG_SERVICES: &[(&str, &str, &[&str])] = &[
     (
         "mapping",
         "config.padding_m = nan",
-        &["padding_m", "0 to 1 m", "NaN"],
+        &["padding_m", "from 0 to 1", "NaN"],
     ),
     (
         "mapping",

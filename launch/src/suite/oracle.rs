@@ -8,9 +8,10 @@
 //! accelerations, its yaw rate and its state at the beginning leave it. When nothing is left of the
 //! set, no command at all would have helped.
 //!
-//! Of a pedestrian who appears right in front of the robot a disc is too little of it to tell. So the moments
-//! after the contact are looked at one by one, too, with the robot's true outline: when there is one
-//! at which it touches a pedestrian wherever in that box it is, no command would have helped either.
+//! When a pedestrian appears right in front of the robot, its inscribed disc proves too little. So the
+//! moments after the contact are looked at one by one, too, with the robot's true outline: when there
+//! is one at which it touches a pedestrian wherever in that box it is, no command would have helped
+//! either.
 //!
 //! When neither is so, the contact counts as avoidable, whether a real robot could have got out of
 //! it or not.

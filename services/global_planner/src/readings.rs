@@ -11,6 +11,9 @@ use zeronav_shell::{
     CurrentGoal, Latest, MapInput, OdometryReader, Peer, Shell, StartError, Trigger,
 };
 
+/// How much older than the map tracked obstacles may be to be stamped on it, in run time. [ns]
+const OBSTACLES_AGE_NS_MAX: u64 = 500_000_000;
+
 /// The readers of the seat.
 pub(crate) struct Readings {
     odometry: OdometryReader,
@@ -44,7 +47,11 @@ impl Readings {
         let mapped = self.map.poll(shell);
         // After the map: mapping sends the obstacles of a scan before its update.
         if self.obstacles.poll(shell.roster()) || !self.map.changed().is_empty() {
-            let obstacles = self.obstacles.get();
+            let map_ns = self.map.received().map_or(0, |map| map.run_ns);
+            let obstacles = self
+                .obstacles
+                .get()
+                .filter(|view| map_ns.saturating_sub(view.header.run_ns) <= OBSTACLES_AGE_NS_MAX);
             self.map
                 .stamp_obstacles(obstacles.map_or(&[], |view| view.items));
         }

@@ -1,14 +1,15 @@
-//! What every controller of the dynamic-window family has in common: arriving, turning on the spot,
-//! verifying the stop, and the command.
+//! What all controllers have in common, those of the papers too: arriving, verifying the stop, and
+//! the command.
 //!
 //! A [`Pilot`] asks its chooser for a wish (`pilot/scene.rs`, one method) and publishes the
 //! part of the way towards it that one control period allows:
 //!
 //! - **What is published is checked itself**: hold the twist for the reaction time, then ramp to
-//!   rest, on poses 3 cm apart, against the map and every point of the scan with the true outline.
-//!   If that is not free, the chooser's next best wishes follow, then slowing down, then the stop
-//!   that was checked the period before. So a verified stop exists at every moment, and choosers
-//!   only decide what is wise.
+//!   rest, on poses 3 cm apart, against the map and every point of the scan with the true outline,
+//!   and against the predictions of tracked obstacles unless the controller ignores them. If that is
+//!   not free, the chooser's next best wishes follow, then slowing down, then the stop that was
+//!   checked the period before. So a verified stop exists at every moment, and choosers only decide
+//!   what is wise.
 //! - A robot inside the safety margin (noise, a new obstacle) may move as long as it does not come
 //!   nearer.
 

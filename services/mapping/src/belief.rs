@@ -278,8 +278,8 @@ impl Belief {
         }
     }
 
-    /// Forgets what scans have put within `radius_m` of a point of the
-    /// map: the trail of something that turned out to move. Adds what flipped.
+    /// Forgets the obstacles that scans have put within `radius_m` of a point of the map: the trail
+    /// of an obstacle that turned out to move. Adds what flipped.
     pub(crate) fn forget(&mut self, centre: Point2<f64>, radius_m: f64, flips: &mut Flips) {
         let reach = Vector2::new(radius_m, radius_m);
         let (width, height) = self.geometry.size();

@@ -2,8 +2,8 @@
 //! Metric Ground Navigation", SSRR 2020), as CSV files `x_m,y_m,r_m` with one cylinder a line.
 //!
 //! ```no_run
-//! # fn main() -> Result<(), crate::DataError> {
-//! use crate::{barn, barn::BarnWorld};
+//! # fn main() -> Result<(), zeronav_world_files::DataError> {
+//! use zeronav_world_files::{barn, barn::BarnWorld};
 //! let world = BarnWorld::load("worlds/world_001.csv".as_ref())?;
 //! let (spec, start, goal) = (world.spec(), barn::START, barn::GOAL);
 //! # Ok(())

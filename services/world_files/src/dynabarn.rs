@@ -7,8 +7,8 @@
 //! benchmark; both lie on the edge of the arena.
 //!
 //! ```no_run
-//! # fn main() -> Result<(), crate::DataError> {
-//! use crate::{dynabarn, dynabarn::DynabarnWorld};
+//! # fn main() -> Result<(), zeronav_world_files::DataError> {
+//! use zeronav_world_files::{dynabarn, dynabarn::DynabarnWorld};
 //! let world = DynabarnWorld::load("world_05.csv".as_ref())?;
 //! let phase_s = 12.5;
 //! let (spec, start, goal) = (world.spec(phase_s), dynabarn::START, dynabarn::GOAL);

@@ -6,8 +6,8 @@
 //! their last, and do not see the robot.
 //!
 //! ```no_run
-//! # fn main() -> Result<(), crate::DataError> {
-//! use crate::pedestrians::{Playback, Scene};
+//! # fn main() -> Result<(), zeronav_world_files::DataError> {
+//! use zeronav_world_files::pedestrians::{Playback, Scene};
 //! let scene = Scene::load("zara01.csv".as_ref())?;
 //! let playback = Playback { from_s: 60.0, duration_s: Some(90.0), radius_m: 0.3 };
 //! let (spec, (lower, upper)) = (scene.spec(&playback), scene.bounds());

@@ -4,7 +4,8 @@
 //! A* with virtual obstacles and DWA.
 //!
 //! A potential-field method is a [`Law`]: from a [`LawInput`] to a direction. [`walk`] rolls it out
-//! in the plane, as the papers do; [`drive`] makes a chooser of the pilot of it.
+//! in the plane, as the papers do; [`drive`] drives along it as a chooser of the pilot, and
+//! [`bao_window`] is that of [`bao_dwa`].
 
 pub mod bao_dwa;
 pub mod bao_window;

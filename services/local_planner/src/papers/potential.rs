@@ -132,7 +132,7 @@ pub fn velocity_repulsion(
     left * (side * gain * v.norm() / distance * theta.cos())
 }
 
-/// Sum of [`repulsion`] over the bodies of a input.
+/// Sum of [`repulsion`] over the bodies of an input.
 #[must_use]
 pub fn all_repulsions(gains: &Gains, input: &LawInput<'_>) -> Vector2<f64> {
     input.bodies.iter().fold(Vector2::zeros(), |sum, body| {
@@ -140,7 +140,7 @@ pub fn all_repulsions(gains: &Gains, input: &LawInput<'_>) -> Vector2<f64> {
     })
 }
 
-/// Sum of [`goal_repulsion`] over the bodies of a input.
+/// Sum of [`goal_repulsion`] over the bodies of an input.
 #[must_use]
 pub fn all_goal_repulsions(
     gains: &Gains,

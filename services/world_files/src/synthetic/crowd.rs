@@ -5,8 +5,8 @@
 //! Of the model: the pull towards the target (Eq. 2), the repulsion by others and by walls with
 //! the paper's strengths and ranges (Eqs. 3 and 5, section III), halved for those out of sight
 //! (Eqs. 7 and 8), the top speed (Eq. 10). Repulsion is round instead of elliptical and counts from
-//! body to body, so that no two walk through each other; there are no groups. A new target is drawn at random on the other side, which takes the place of the
-//! model's fluctuations.
+//! body to body, so that no two walk through each other; there are no groups. A new target is drawn
+//! at random on the other side, which takes the place of the model's fluctuations.
 
 use super::{NoPassage, first_passable, millimetres};
 use crate::pedestrians::Scene;
