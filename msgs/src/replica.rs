@@ -7,7 +7,7 @@
 
 use crate::grid::{CellRect, GridGeometry};
 use crate::header::Id;
-use crate::map::{MapCell, MapInfo, MapTile, MapView};
+use crate::map::{MapCell, MapInfo, MapTile, MapView, tiles_of};
 use crate::obstacles::Obstacle;
 use crate::stamp::Stamp;
 use std::collections::VecDeque;
@@ -38,6 +38,8 @@ pub struct MapReplica {
     in_step: bool,
     pending: VecDeque<(Id, MapInfo, Vec<MapTile>)>,
     parts: Vec<MapTile>,
+    /// Number of the part of the revision that comes next.
+    next_part: u16,
     changed: Vec<CellRect>,
     /// Dynamic obstacles that lie over the cells.
     stamp: Stamp,
@@ -106,6 +108,7 @@ impl MapReplica {
         self.in_step = false;
         self.pending.clear();
         self.parts.clear();
+        self.next_part = 0;
     }
 
     /// Takes in one message of `map/update`.
@@ -151,6 +154,7 @@ impl MapReplica {
         self.last = revision;
         self.in_step = true;
         self.parts.clear();
+        self.next_part = 0;
         let (width, height) = info.geometry.size();
         self.changed = vec![CellRect {
             min: crate::Cell::new(0, 0),
@@ -172,14 +176,25 @@ impl MapReplica {
 
     /// The next message in order: a whole revision, or one more part of it.
     fn take_in(&mut self, id: Id, info: &MapInfo, tiles: &[MapTile]) -> Step {
-        self.last = id;
         if info.part == 0 {
             self.parts.clear();
+            self.next_part = 0;
         }
+        // What a revision holds is bounded by the map, whatever its author sends.
+        let (columns, rows) = tiles_of(&info.geometry);
+        let n_tiles = self.parts.len() + tiles.len();
+        if info.part != self.next_part || n_tiles > columns as usize * rows as usize {
+            self.gaps += 1;
+            self.resync();
+            return Step::Ignored;
+        }
+        self.last = id;
         if !info.is_last_part() {
+            self.next_part += 1;
             self.parts.extend_from_slice(tiles);
             return Step::Kept;
         }
+        self.next_part = 0;
         self.stamp.lift(&mut self.cells, &mut self.changed);
         let parts = core::mem::take(&mut self.parts);
         for tile in parts.iter().chain(tiles) {
@@ -195,7 +210,7 @@ impl MapReplica {
 /// True when the tiles of a keyframe are the whole map.
 fn covers(info: &MapInfo, tiles: &[MapTile]) -> bool {
     let geometry: &GridGeometry = &info.geometry;
-    let (columns, rows) = crate::map::tiles_of(geometry);
+    let (columns, rows) = tiles_of(geometry);
     tiles.len() == columns as usize * rows as usize
         && tiles
             .iter()

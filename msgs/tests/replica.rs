@@ -375,3 +375,34 @@ proptest! {
         }
     }
 }
+
+/// A writer that repeats a part, or whose revision holds more tiles than the map, is not followed
+/// until its next keyframe: otherwise it could fill the memory of its readers.
+#[test]
+fn parts_out_of_order_or_without_end_are_not_collected() {
+    let repeated: &[u16] = &[0, 1, 1];
+    // The map has 4 x 3 tiles.
+    let endless: Vec<u16> = (0..13).collect();
+    for parts in [repeated, &endless] {
+        let (mut writer, mut replica) = started();
+        for (n, part) in parts.iter().enumerate() {
+            let (id, info, tiles) = writer.set(1, 1, 9);
+            let info = MapInfo {
+                part: *part,
+                parts: 100,
+                ..info
+            };
+            let expected = if n + 1 == parts.len() {
+                Step::Ignored
+            } else {
+                Step::Kept
+            };
+            assert_eq!(replica.update(id, &info, &tiles), expected, "part {n}");
+        }
+        assert!(replica.needs_keyframe());
+        assert_eq!(replica.gaps(), 1);
+        let (info, tiles) = writer.keyframe();
+        assert_eq!(replica.keyframe(&info, &tiles), Step::Applied);
+        assert_equal(&replica, &writer);
+    }
+}

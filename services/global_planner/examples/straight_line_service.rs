@@ -37,7 +37,7 @@ impl Service for StraightLine {
         let peer = shell.peer();
         Ok(Self {
             odometry: OdometryReader::open(peer)?,
-            map: MapInput::open(peer)?,
+            map: MapInput::with_obstacles(peer)?,
             goal: CurrentGoal::open(peer)?,
             output: peer.writer(2)?,
             path: Path::default(),

@@ -6,19 +6,15 @@ use zeronav_msgs::header::Parents;
 use zeronav_msgs::health::REASON_MAP;
 use zeronav_msgs::pose::Pose;
 use zeronav_msgs::request::RequestReason;
-use zeronav_msgs::topics::{MapObstacles, PlanRequests};
+use zeronav_msgs::topics::PlanRequests;
 use zeronav_shell::{
     CurrentGoal, Latest, MapInput, OdometryReader, Peer, Shell, StartError, Trigger,
 };
-
-/// How much older than the map tracked obstacles may be to be stamped on it, in run time. [ns]
-const OBSTACLES_AGE_NS_MAX: u64 = 500_000_000;
 
 /// The readers of the seat.
 pub(crate) struct Readings {
     odometry: OdometryReader,
     pub(crate) map: MapInput,
-    obstacles: Latest<MapObstacles>,
     request: Latest<PlanRequests>,
     pub(crate) goal: CurrentGoal,
     /// Rectangles written since the last situation.
@@ -33,8 +29,7 @@ impl Readings {
     pub(crate) fn open(peer: &Peer) -> Result<Self, StartError> {
         Ok(Self {
             odometry: OdometryReader::open(peer)?,
-            map: MapInput::open(peer)?,
-            obstacles: peer.latest()?,
+            map: MapInput::with_obstacles(peer)?,
             request: peer.latest()?,
             goal: CurrentGoal::open(peer)?,
             changed: Vec::new(),
@@ -45,16 +40,6 @@ impl Readings {
     pub(crate) fn poll(&mut self, shell: &Shell) -> bool {
         self.odometry.poll(shell.roster());
         let mapped = self.map.poll(shell);
-        // After the map: mapping sends the obstacles of a scan before its update.
-        if self.obstacles.poll(shell.roster()) || !self.map.changed().is_empty() {
-            let map_ns = self.map.received().map_or(0, |map| map.run_ns);
-            let obstacles = self
-                .obstacles
-                .get()
-                .filter(|view| map_ns.saturating_sub(view.header.run_ns) <= OBSTACLES_AGE_NS_MAX);
-            self.map
-                .stamp_obstacles(obstacles.map_or(&[], |view| view.items));
-        }
         self.changed.extend_from_slice(self.map.changed());
         let requested = self.request.poll(shell.roster());
         let other_goal = self.goal.poll(shell.roster());
@@ -117,12 +102,11 @@ impl Readings {
         let Self {
             odometry,
             map,
-            obstacles,
             request,
             goal,
             ..
         } = self;
-        shell.count(&[odometry, map, obstacles, request, goal]);
+        shell.count(&[odometry, map, request, goal]);
         shell.reason(REASON_MAP, !map.is_current());
         map.trigger(shell.roster(), odometry, news)
     }

@@ -104,6 +104,7 @@ impl Readings {
     /// Counts for the heartbeat.
     pub(crate) fn count(&self, shell: &mut Shell) {
         shell.count(&[
+            &self.description,
             &self.odometry,
             &self.scan,
             &self.map,

@@ -36,10 +36,13 @@ impl Readings {
         self.odometry.poll(roster);
         self.description.poll(roster);
         self.scan.poll(roster);
-        if let Some(goal) = &mut self.goal {
-            goal.poll(roster);
+        match &mut self.goal {
+            Some(goal) => {
+                goal.poll(roster);
+                shell.count(&[&self.odometry, &self.scan, &self.description, goal]);
+            }
+            None => shell.count(&[&self.odometry, &self.scan, &self.description]),
         }
-        shell.count(&[&self.odometry, &self.scan, &self.description]);
     }
 
     /// `odom_from_base` at the capture of the newest scan's first and last beam; `None` until the

@@ -13,20 +13,25 @@ use crate::writer::Draft;
 use zeronav_msgs::grid::CellRect;
 use zeronav_msgs::header::{Id, Parents};
 use zeronav_msgs::map::{MapInfo, MapView};
-use zeronav_msgs::obstacles::Obstacle;
 use zeronav_msgs::pose::Pose;
 use zeronav_msgs::replica::MapReplica;
 use zeronav_msgs::role::Role;
-use zeronav_msgs::topics::{EVENT_NEED_KEYFRAME, MapKeyframe, MapUpdate};
+use zeronav_msgs::topics::{EVENT_NEED_KEYFRAME, MapKeyframe, MapObstacles, MapUpdate};
 
 /// Least time between two requests for a keyframe. [ns]
 const ASK_PAUSE_NS: u64 = 20_000_000;
+
+/// How much older than the map tracked obstacles may be to be stamped on it, in run time: a mapping
+/// that was restarted has none to take back. [ns]
+const OBSTACLES_AGE_NS_MAX: u64 = 500_000_000;
 
 /// Reads `map/update` and `map/keyframe` into a copy of the map.
 #[derive(Debug)]
 pub struct MapInput {
     updates: Stream<MapUpdate>,
     keyframe: Latest<MapKeyframe>,
+    /// Stamped on the copy; `None` for a service that predicts them.
+    obstacles: Option<Latest<MapObstacles>>,
     replica: MapReplica,
     changed: Vec<CellRect>,
     newest: Option<Received>,
@@ -34,7 +39,7 @@ pub struct MapInput {
 }
 
 impl MapInput {
-    /// Opens both topics.
+    /// Opens both topics. The map holds static obstacles only.
     ///
     /// # Errors
     /// As [`Peer::latest`].
@@ -43,6 +48,7 @@ impl MapInput {
             // Updates before the keyframe, so that none is missed between the two.
             updates: peer.stream()?,
             keyframe: peer.latest()?,
+            obstacles: None,
             replica: MapReplica::new(),
             changed: Vec::new(),
             newest: None,
@@ -50,8 +56,20 @@ impl MapInput {
         })
     }
 
-    /// Takes in what has come and asks for a keyframe if only that helps; true when a revision was
-    /// completed.
+    /// Opens `map/obstacles`, too, for a service that takes dynamic obstacles for static ones: they
+    /// are stamped on the copy (see [`MapReplica::stamp`]).
+    ///
+    /// # Errors
+    /// As [`Peer::latest`].
+    pub fn with_obstacles(peer: &Peer) -> Result<Self, StartError> {
+        Ok(Self {
+            obstacles: Some(peer.latest()?),
+            ..Self::open(peer)?
+        })
+    }
+
+    /// Takes in what has come and asks for a keyframe if only that helps; true when the last part of
+    /// a revision came in.
     pub fn poll(&mut self, shell: &Shell) -> bool {
         let (roster, now_ns) = (shell.roster(), shell.woken_ns());
         let completed = self.take_in(roster);
@@ -83,13 +101,24 @@ impl MapInput {
         }
         self.keyframe.release();
         self.changed = self.replica.take_changed();
+        self.stamp_obstacles(roster);
         completed
     }
 
-    /// Writes dynamic obstacles over the map, for a service that takes them for static: after every
-    /// poll that changed the map, and when they changed.
-    pub fn stamp_obstacles(&mut self, obstacles: &[Obstacle]) {
-        self.replica.stamp(obstacles);
+    /// Stamps the obstacles after every poll that changed the map, and when they changed. Polled
+    /// after the map: mapping sends the obstacles of a scan before its update.
+    fn stamp_obstacles(&mut self, roster: &Roster) {
+        let Some(obstacles) = &mut self.obstacles else {
+            return;
+        };
+        if !obstacles.poll(roster) && self.changed.is_empty() {
+            return;
+        }
+        let map_ns = self.newest.map_or(0, |map| map.run_ns);
+        let view = obstacles.get();
+        let young =
+            view.filter(|view| map_ns.saturating_sub(view.header.run_ns) <= OBSTACLES_AGE_NS_MAX);
+        self.replica.stamp(young.map_or(&[], |view| view.items));
         self.changed.append(&mut self.replica.take_changed());
     }
 
@@ -147,8 +176,7 @@ impl MapInput {
         self.info().map_from_odom.then(odom_from_base)
     }
 
-    /// Rectangles of cells that were written by the last poll and since then by
-    /// [`Self::stamp_obstacles`]; all of the map after a keyframe.
+    /// Rectangles of cells that were written by the last poll; all of the map after a keyframe.
     #[must_use]
     pub fn changed(&self) -> &[CellRect] {
         &self.changed
@@ -181,6 +209,7 @@ impl MapInput {
 
 impl Input for MapInput {
     fn refused(&self) -> u64 {
-        self.updates.refused() + self.keyframe.refused()
+        let obstacles = self.obstacles.as_ref().map_or(0, Input::refused);
+        self.updates.refused() + self.keyframe.refused() + obstacles
     }
 }

@@ -222,8 +222,9 @@ impl Shell {
         meta: T::Meta,
         items: &[T::Item],
     ) -> Option<Sent> {
+        let too_long = writer.too_long();
         let sent = writer.publish(draft, meta, items);
-        self.note(writer, sent)
+        self.note(writer, too_long, sent)
     }
 
     /// Like [`Self::send`], but the slice of `len` items is filled in place, in shared memory; what
@@ -235,18 +236,25 @@ impl Shell {
         len: usize,
         fill: impl FnOnce(&mut [T::Item]) -> T::Meta,
     ) -> Option<Sent> {
+        let too_long = writer.too_long();
         let sent = writer.publish_with(draft, len, fill);
-        self.note(writer, sent)
+        self.note(writer, too_long, sent)
     }
 
-    /// Notes a sent message: the readers to ring, and its share of the answer's hash.
-    fn note<T: Topic>(&mut self, writer: &Writer<T>, sent: Option<Sent>) -> Option<Sent> {
+    /// Notes a sent message: the readers to ring, and its share of the answer's hash; or why it was
+    /// not sent. `too_long` is what the writer had counted before.
+    fn note<T: Topic>(
+        &mut self,
+        writer: &Writer<T>,
+        too_long: u64,
+        sent: Option<Sent>,
+    ) -> Option<Sent> {
         match sent {
             Some(sent) => {
                 self.hash = self.hash.wrapping_mul(0x0000_0100_0000_01b3) ^ sent.hash;
                 self.rings.push(writer.row());
             }
-            None if writer.too_long() > 0 => self.reason(REASON_TOO_LONG, true),
+            None if writer.too_long() > too_long => self.reason(REASON_TOO_LONG, true),
             None => self.reason(REASON_NO_LOAN, true),
         }
         sent

@@ -5,15 +5,16 @@ mod support;
 use support::House;
 use zeronav_msgs::command::{Validity, VelocityRequest};
 use zeronav_msgs::description::Description;
-use zeronav_msgs::grid::GridGeometry;
+use zeronav_msgs::grid::{Cell, GridGeometry};
 use zeronav_msgs::header::Id;
-use zeronav_msgs::map::{MapCell, MapInfo, MapTile};
+use zeronav_msgs::map::{COST_LETHAL, MapCell, MapInfo, MapTile};
+use zeronav_msgs::obstacles::{Obstacle, Obstacles};
 use zeronav_msgs::odometry::Odometry;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::run::Seat;
 use zeronav_msgs::span::{Span, SpanKind};
 use zeronav_msgs::topics::{
-    ControlRequest, MapKeyframe, MapUpdate, RobotDescription, RobotOdometry,
+    ControlRequest, MapKeyframe, MapObstacles, MapUpdate, RobotDescription, RobotOdometry,
 };
 use zeronav_shell::{Draft, Input, MapInput, Peer, Received, Roster, StartError, memory};
 
@@ -407,4 +408,69 @@ fn missing_memory_is_reported_before_anything_is_opened() {
     assert!(matches!(error, StartError::Memory { .. }));
     assert!(error.to_string().contains("/dev/shm"), "{error}");
     assert!(memory::check(1 << 20).is_ok());
+}
+
+#[test]
+fn obstacles_are_on_the_map_of_a_reader_that_asks_for_them_while_they_are_young() {
+    let house = House::new();
+    let mapping = house.join(Role::Mapping, 1);
+    let planner = house.join(Role::GlobalPlanner, 1);
+    let mut stamped = MapInput::with_obstacles(&planner).expect("a reader");
+    let mut plain = MapInput::open(&planner).expect("a reader");
+    let mut updates = mapping.writer::<MapUpdate>(1).expect("a writer");
+    let mut keyframes = mapping.writer::<MapKeyframe>(2).expect("a writer");
+    let mut obstacles = mapping.writer::<MapObstacles>(1).expect("a writer");
+    let roster = roster(&[(Role::Mapping, 1)]);
+    let free = MapCell {
+        clearance_mm: 1000,
+        ..MapCell::default()
+    };
+    let tiles = [0, 1].map(|tile_x| MapTile {
+        tile_x,
+        tile_y: 0,
+        cells: [free; 1024],
+    });
+    let mut update_at = |run_ns| {
+        let revision = updates.next_id();
+        let draft = Draft {
+            run_ns,
+            ..of_tick(1)
+        };
+        let info = map_info(revision, 0, 1, 0);
+        updates.publish(&draft, info, &[]).expect("sent");
+        revision
+    };
+    let cost_at_obstacle = |map: &MapInput| {
+        let view = map.view().expect("a map");
+        view.get(Cell::new(10, 10)).expect("inside").cost
+    };
+    let first = update_at(1_000_000_000);
+    let sent = keyframes.publish(&Draft::default(), map_info(first, 0, 1, 2), &tiles);
+    assert!(sent.is_some());
+    let person = Obstacle {
+        x_m: 0.525,
+        y_m: 0.525,
+        radius_m: 0.2,
+        ..Obstacle::default()
+    };
+    let draft = Draft {
+        run_ns: 1_000_000_000,
+        ..of_tick(1)
+    };
+    let list = Obstacles { n_obstacles: 1 };
+    let sent = obstacles.publish(&draft, list, &[person]);
+    assert!(sent.is_some());
+    stamped.take_in(&roster);
+    plain.take_in(&roster);
+    assert_eq!(cost_at_obstacle(&stamped), COST_LETHAL);
+    assert_eq!(cost_at_obstacle(&plain), 0);
+
+    update_at(1_500_000_000);
+    stamped.take_in(&roster);
+    assert_eq!(cost_at_obstacle(&stamped), COST_LETHAL, "0.5 s is young");
+    update_at(1_500_000_001);
+    stamped.take_in(&roster);
+    assert_eq!(cost_at_obstacle(&stamped), 0);
+    assert!(!stamped.changed().is_empty(), "it was taken off");
+    assert_eq!(stamped.refused(), 0);
 }

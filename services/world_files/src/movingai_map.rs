@@ -5,8 +5,7 @@
 //! and `S` are free; `@`, `O`, `T` and `W` are occupied. The first line has the largest y, as in a
 //! picture; the lower left corner of the last one is the origin.
 
-use crate::table::DataError;
-use std::io::{self, Read};
+use crate::table::{DataError, read_text};
 use std::path::Path;
 use zeronav_msgs::GridGeometry;
 use zeronav_msgs::grid::SIDE_CELLS_MAX;
@@ -26,18 +25,7 @@ pub(crate) fn is_one(file: &Path) -> bool {
 /// # Errors
 /// See [`DataError`]. Whether `resolution_m` can be is looked at with the world.
 pub(crate) fn load(file: &Path, resolution_m: f64) -> Result<StaticMap, DataError> {
-    let failed = |source| DataError::Read {
-        file: file.to_path_buf(),
-        source,
-    };
-    let mut text = String::new();
-    std::fs::File::open(file)
-        .and_then(|opened| opened.take(BYTES_MAX + 1).read_to_string(&mut text))
-        .map_err(failed)?;
-    if text.len() as u64 > BYTES_MAX {
-        let why = format!("more than {BYTES_MAX} bytes");
-        return Err(failed(io::Error::new(io::ErrorKind::FileTooLarge, why)));
-    }
+    let text = read_text(file, BYTES_MAX)?;
     parse(&text, resolution_m).map_err(|(line, why)| DataError::Line {
         file: file.to_path_buf(),
         line,

@@ -45,24 +45,33 @@ pub(crate) struct Row<'a> {
     text: &'a str,
 }
 
+/// The text of a file.
+///
+/// # Errors
+/// [`DataError::Read`]; also for more than `bytes_max` bytes and for what is not UTF-8.
+pub(crate) fn read_text(file: &Path, bytes_max: u64) -> Result<String, DataError> {
+    let failed = |source| DataError::Read {
+        file: file.to_path_buf(),
+        source,
+    };
+    let mut text = String::new();
+    std::fs::File::open(file)
+        .and_then(|opened| opened.take(bytes_max + 1).read_to_string(&mut text))
+        .map_err(failed)?;
+    if text.len() as u64 > bytes_max {
+        let why = format!("more than {bytes_max} bytes");
+        return Err(failed(io::Error::new(io::ErrorKind::FileTooLarge, why)));
+    }
+    Ok(text)
+}
+
 impl Table {
     /// Reads `file`, whose header must be `header`.
     ///
     /// # Errors
     /// See [`DataError`]; also for more than 64 MB and for what is not UTF-8.
     pub(crate) fn read(file: &Path, header: &str) -> Result<Self, DataError> {
-        let failed = |source| DataError::Read {
-            file: file.to_path_buf(),
-            source,
-        };
-        let mut text = String::new();
-        std::fs::File::open(file)
-            .and_then(|opened| opened.take(BYTES_MAX + 1).read_to_string(&mut text))
-            .map_err(failed)?;
-        if text.len() as u64 > BYTES_MAX {
-            let why = format!("more than {BYTES_MAX} bytes");
-            return Err(failed(io::Error::new(io::ErrorKind::FileTooLarge, why)));
-        }
+        let text = read_text(file, BYTES_MAX)?;
         Self::new(file, text, header)
     }
 

@@ -15,7 +15,7 @@ const V_STEP_MPS: f64 = 0.05;
 const W_STEP_RADPS: f64 = 0.1;
 
 /// Most samples of either.
-const SAMPLES_MAX: usize = 64;
+pub const SAMPLES_MAX: usize = 64;
 
 /// Weights and sizes of the evaluation.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -133,26 +133,24 @@ pub fn choose(samples: &[Sample], weights: &BaoWeights) -> Option<Twist> {
     best.map(|(_, twist)| twist)
 }
 
-/// Evenly spread values of a span, at most `step` apart, zero moved onto the nearest.
-#[must_use]
+/// Fills `values` with an evenly spread span, at most `step` apart, zero moved onto the nearest.
 #[allow(
     clippy::cast_possible_truncation,
     clippy::cast_precision_loss,
     clippy::cast_sign_loss,
     reason = "at most 64 samples"
 )]
-pub fn samples(span: Span, step: f64) -> Vec<f64> {
+pub fn sample(values: &mut Vec<f64>, span: Span, step: f64) {
     let n = (((span.high - span.low) / step).ceil() as usize).clamp(1, SAMPLES_MAX - 1);
-    let mut values: Vec<f64> = (0..=n)
-        .map(|i| span.low + (span.high - span.low) * (i as f64 / n as f64))
-        .collect();
+    let at = |i: usize| span.low + (span.high - span.low) * (i as f64 / n as f64);
+    values.clear();
+    values.extend((0..=n).map(at));
     if span.low < 0.0
         && span.high > 0.0
         && let Some(nearest) = values.iter_mut().min_by(|a, b| a.abs().total_cmp(&b.abs()))
     {
         *nearest = 0.0;
     }
-    values
 }
 
 /// Step widths of the sampled window: speeds [m/s] and yaw rates [rad/s].

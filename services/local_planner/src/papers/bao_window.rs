@@ -1,6 +1,6 @@
 //! `bao_dwa` on the robot: the window's samples against map and scan, towards a local goal.
 
-use super::bao_dwa::{self, BaoWeights};
+use super::bao_dwa::{self, BaoWeights, SAMPLES_MAX, Sample};
 use super::drive::wish_or_slower;
 use crate::dwa::options::DwaConfig;
 use crate::lanes::data::narrow;
@@ -26,18 +26,28 @@ const STEPS: u8 = 30;
 /// The controller `bao_dwa` at rest.
 #[must_use]
 pub fn bao_dwa(weights: BaoWeights, config: DwaConfig) -> Pilot {
-    Pilot::new(config, Tracks::Checked, Box::new(BaoWindow { weights }))
+    let chooser = BaoWindow {
+        weights,
+        speeds: Vec::with_capacity(SAMPLES_MAX),
+        yaw_rates: Vec::with_capacity(SAMPLES_MAX),
+        admissible: Vec::with_capacity(SAMPLES_MAX * SAMPLES_MAX),
+    };
+    Pilot::new(config, Tracks::Checked, Box::new(chooser))
 }
 
 /// The best admissible twist; without one the robot stops, then turns towards its local goal.
 #[derive(Debug)]
 struct BaoWindow {
     weights: BaoWeights,
+    /// Of this period: sampled speeds [m/s] and yaw rates [rad/s], and the admissible twists.
+    speeds: Vec<f64>,
+    yaw_rates: Vec<f64>,
+    admissible: Vec<Sample>,
 }
 
 impl Choose for BaoWindow {
     fn choose(&mut self, scene: &mut Scene<'_>) -> Wish {
-        let (situation, weights) = (scene.situation, &self.weights);
+        let (situation, weights) = (scene.situation, self.weights);
         let (robot, pose) = (situation.robot, situation.map_from_base);
         let distance_m = pose.distance_m(&situation.goal.pose);
         let from = Twist::new(situation.v_mps.max(0.0), situation.w_radps);
@@ -48,26 +58,28 @@ impl Choose for BaoWindow {
         let (vs, ws) = bao_dwa::window(robot, from, weights.period_s);
         let (v_step, w_step) = bao_dwa::steps();
         let fastest_mps = scene.top_speed_mps();
-        let mut admissible = Vec::new();
-        for v in bao_dwa::samples(vs, v_step) {
-            for &w in &bao_dwa::samples(ws, w_step) {
+        bao_dwa::sample(&mut self.speeds, vs, v_step);
+        bao_dwa::sample(&mut self.yaw_rates, ws, w_step);
+        self.admissible.clear();
+        for &v in &self.speeds {
+            for &w in &self.yaw_rates {
                 let twist = Twist::new(v.min(fastest_mps.max(vs.low)), w);
-                let (free_m, near_m) = self.arc(scene, twist);
+                let (free_m, near_m) = arc(&weights, scene, twist);
                 if !bao_dwa::is_admissible(robot, twist, free_m) {
                     continue;
                 }
                 let end = twist.arc(weights.horizon_s.min(distance_m / v.max(0.1)));
                 let to_goal = goal_in_base - Vector2::new(end.x_m, end.y_m);
                 let error_rad = wrap_angle(to_goal.y.atan2(to_goal.x) - end.yaw_rad);
-                admissible.push(bao_dwa::Sample {
+                self.admissible.push(Sample {
                     twist,
                     head: core::f64::consts::PI - error_rad.abs(),
                     dist: near_m.min(distance_m).max(0.0),
                 });
             }
         }
-        scene.memory.rollouts = u32::try_from(admissible.len()).unwrap_or(u32::MAX);
-        match bao_dwa::choose(&admissible, weights) {
+        scene.memory.rollouts = u32::try_from(self.admissible.len()).unwrap_or(u32::MAX);
+        match bao_dwa::choose(&self.admissible, &weights) {
             Some(twist) if twist.v_mps > STOPPED_MPS || !from.is_stopped() => {
                 wish_or_slower(scene, twist)
             }
@@ -81,36 +93,33 @@ impl Choose for BaoWindow {
     }
 }
 
-impl BaoWindow {
-    /// [m] free along an exact arc, and least space around the outline on the free part.
-    fn arc(&self, scene: &Scene<'_>, twist: Twist) -> (f64, f64) {
-        let weights = &self.weights;
-        let surroundings = &scene.seen.surroundings;
-        let yaw_rad = scene.situation.map_from_base.yaw_rad;
-        let (sin, cos) = yaw_rad.sin_cos();
-        let soft = narrow(weights.dist_m_max);
-        let mut least_m = weights.dist_m_max;
-        for i in 1..=STEPS {
-            let elapsed_s = weights.horizon_s * f64::from(i) / f64::from(STEPS);
-            let at = twist.arc(elapsed_s);
-            let (turned_sin, turned_cos) = (yaw_rad + at.yaw_rad).sin_cos();
-            let local = LocalPose {
-                x: narrow(cos * at.x_m - sin * at.y_m),
-                y: narrow(sin * at.x_m + cos * at.y_m),
-                cos: narrow(turned_cos),
-                sin: narrow(turned_sin),
-            };
-            let outline_m = |point| surroundings.footprint.distance_m(point);
-            let struck = scene.seen.dynamic.margin_m(&at, elapsed_s, outline_m) < 0.0;
-            let space = surroundings.space(local, soft);
-            let Some(space) = space.filter(|_| !struck) else {
-                let before_s = elapsed_s - weights.horizon_s / f64::from(STEPS);
-                return (twist.v_mps.abs() * before_s, least_m);
-            };
-            least_m = least_m.min(f64::from(space));
-        }
-        // Free as far as the arc goes: nothing in sight of a slow one bounds it.
-        let stop_m = stop_distance_m(scene.situation.robot, twist.v_mps, 0.0);
-        ((twist.v_mps.abs() * weights.horizon_s).max(stop_m), least_m)
+/// [m] free along an exact arc, and least space around the outline on the free part.
+fn arc(weights: &BaoWeights, scene: &Scene<'_>, twist: Twist) -> (f64, f64) {
+    let surroundings = &scene.seen.surroundings;
+    let yaw_rad = scene.situation.map_from_base.yaw_rad;
+    let (sin, cos) = yaw_rad.sin_cos();
+    let soft = narrow(weights.dist_m_max);
+    let mut least_m = weights.dist_m_max;
+    for i in 1..=STEPS {
+        let elapsed_s = weights.horizon_s * f64::from(i) / f64::from(STEPS);
+        let at = twist.arc(elapsed_s);
+        let (turned_sin, turned_cos) = (yaw_rad + at.yaw_rad).sin_cos();
+        let local = LocalPose {
+            x: narrow(cos * at.x_m - sin * at.y_m),
+            y: narrow(sin * at.x_m + cos * at.y_m),
+            cos: narrow(turned_cos),
+            sin: narrow(turned_sin),
+        };
+        let outline_m = |point| surroundings.footprint.distance_m(point);
+        let struck = scene.seen.dynamic.margin_m(&at, elapsed_s, outline_m) < 0.0;
+        let space = surroundings.space(local, soft);
+        let Some(space) = space.filter(|_| !struck) else {
+            let before_s = elapsed_s - weights.horizon_s / f64::from(STEPS);
+            return (twist.v_mps.abs() * before_s, least_m);
+        };
+        least_m = least_m.min(f64::from(space));
     }
+    // Free as far as the arc goes: nothing in sight of a slow one bounds it.
+    let stop_m = stop_distance_m(scene.situation.robot, twist.v_mps, 0.0);
+    ((twist.v_mps.abs() * weights.horizon_s).max(stop_m), least_m)
 }

@@ -37,7 +37,7 @@ impl Service for OwnPlanner {
         let peer = shell.peer();
         Ok(Self {
             odometry: OdometryReader::open(peer)?,
-            map: MapInput::open(peer)?,
+            map: MapInput::with_obstacles(peer)?,
             goal: CurrentGoal::open(peer)?,
             output: peer.writer(WAYPOINTS_MAX)?,
             path: Path::default(),
