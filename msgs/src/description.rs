@@ -50,9 +50,9 @@ message! {
         pub range_m_max: f64,
         /// [ns] from scan to scan.
         pub scan_period_ns: u64,
-        /// Beams of a scan.
+        /// [count] Beams of a scan.
         pub n_beams: u32,
-        /// Corners in the slice, 0 = disc.
+        /// [count] Corners in the slice, 0 = disc.
         pub n_corners: u32,
     }
 }

@@ -67,9 +67,9 @@ message! {
         pub origin_y_m: f64,
         /// [m] side of a cell, > 0.
         pub resolution_m: f64,
-        /// Columns, 1 to [`SIDE_CELLS_MAX`].
+        /// [count] Columns, 1 to [`SIDE_CELLS_MAX`].
         pub width: u32,
-        /// Rows, 1 to [`SIDE_CELLS_MAX`].
+        /// [count] Rows, 1 to [`SIDE_CELLS_MAX`].
         pub height: u32,
     }
 }

@@ -61,17 +61,17 @@ message! {
     /// The messages that the author itself took in for this one; 0 = none. Everything further
     /// back is found by joining spans.
     pub struct Parents = "zeronav.Parents.v1" {
-        /// Id on `robot/odometry`.
+        /// [id] Id on `robot/odometry`.
         pub odometry: u64,
-        /// Id on `robot/scan`.
+        /// [id] Id on `robot/scan`.
         pub scan: u64,
-        /// Revision of the map.
+        /// [id] Revision of the map.
         pub map: u64,
-        /// Id on `plan/path`.
+        /// [id] Id on `plan/path`.
         pub path: u64,
-        /// Id on `plan/request` for a path, on `control/velocity_request` for a command.
+        /// [id] Id on `plan/request` for a path, on `control/velocity_request` for a command.
         pub request: u64,
-        /// Id on `task/goal`.
+        /// [id] Id on `task/goal`.
         pub goal: u64,
     }
 }
@@ -79,11 +79,11 @@ message! {
 message! {
     /// The author's own clock readings, [ns] of `CLOCK_MONOTONIC`.
     pub struct Stamps = "zeronav.Stamps.v1" {
-        /// Return from the wait.
+        /// [ns] Return from the wait.
         pub woken_ns: u64,
-        /// All inputs taken in, work begins.
+        /// [ns] All inputs taken in, work begins.
         pub started_ns: u64,
-        /// Just before the message was sent.
+        /// [ns] Just before the message was sent.
         pub published_ns: u64,
     }
 }
@@ -93,17 +93,17 @@ message! {
     pub struct Header = "zeronav.Header.v1" {
         /// Code of the author's [`Role`].
         pub role: u16,
-        /// Which robot; 0, because one domain is one robot.
+        /// [number] Which robot; 0, because one domain is one robot.
         pub robot: u16,
-        /// Low 32 bits of the topic's schema hash.
+        /// [number] Low 32 bits of the topic's schema hash.
         pub schema: u32,
-        /// Which clock the stamps belong to; 0 = the host of launch.
+        /// [number] Which clock the stamps belong to; 0 = the host of launch.
         pub clock: u32,
         /// Written as 0, ignored by readers.
         pub spare: u32,
-        /// Identity, see [`Id`].
+        /// [id] Identity, see [`Id`].
         pub id: u64,
-        /// Control tick that the message answers; 0 = an idle output before the first tick.
+        /// [tick] Control tick that the message answers; 0 = an idle output before the first tick.
         pub tick: u64,
         /// Run time of that tick, for a scan of its capture. [ns]
         pub run_ns: u64,

@@ -38,21 +38,21 @@ pub const REASON_TOO_LONG: u32 = 1 << 7;
 message! {
     /// Fixed fields of the heartbeat; the slice is empty.
     pub struct Health = "zeronav.Health.v1" {
-        /// Grows with every wake (at least every 50 ms, also when idle) and with long work.
+        /// [count] Grows with every wake (at least every 50 ms, also when idle) and with long work.
         pub progress: u64,
         /// Code of [`HealthState`].
         pub state: u16,
         /// Written as 0.
         pub spare: u16,
-        /// Sum of the reason bits.
+        /// [bits] Sum of the reason bits.
         pub reasons: u32,
-        /// Process id.
+        /// [number] Process id.
         pub pid: u32,
         /// Written as 0.
         pub spare2: u32,
-        /// Messages refused since the start.
+        /// [count] Messages refused since the start.
         pub refused: u64,
-        /// Inputs overtaken by newer ones since the start.
+        /// [count] Inputs overtaken by newer ones since the start.
         pub superseded: u64,
         /// Run time lost because the process was late, robot only. [ns]
         pub slipped_ns: u64,

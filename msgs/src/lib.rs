@@ -14,9 +14,11 @@
 
 pub mod command;
 pub mod description;
+pub mod fields;
 pub mod grid;
 pub mod header;
 pub mod health;
+pub mod labels;
 pub mod map;
 pub mod message;
 pub mod obstacles;

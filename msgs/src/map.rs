@@ -46,9 +46,9 @@ message! {
     /// One cell. `cost` and `clearance_mm` come from obstacles that are static, by the static map or
     /// by what the lidar saw; those that move are on `map/obstacles` alone.
     pub struct MapCell = "zeronav.MapCell.v2" {
-        /// As in Nav2: 0 free, 253 inscribed, 254 lethal, 255 unknown.
+        /// [number] As in Nav2: 0 free, 253 inscribed, 254 lethal, 255 unknown.
         pub cost: u8,
-        /// Sum of the `FLAG_` bits.
+        /// [bits] Sum of the `FLAG_` bits.
         pub flags: u8,
         /// [mm] from the cell's centre to the nearest obstacle square, rounded down, saturated at
         /// the map's limit; 0 inside an obstacle.
@@ -84,9 +84,9 @@ impl MapCell {
 message! {
     /// 32 x 32 cells, row-major. Cells beyond the map's edge are unknown and ignored.
     pub struct MapTile = "zeronav.MapTile.v2" {
-        /// Column of tiles, from 0.
+        /// [number] Column of tiles, from 0.
         pub tile_x: u32,
-        /// Row of tiles, from 0.
+        /// [number] Row of tiles, from 0.
         pub tile_y: u32,
         /// The cells.
         pub cells: [MapCell; 1024],
@@ -112,21 +112,21 @@ message! {
     pub struct MapInfo = "zeronav.MapInfo.v2" {
         /// Where the grid lies.
         pub geometry: GridGeometry,
-        /// Revision that the map has after this message: the id of the update's last part.
+        /// [id] Revision that the map has after this message: the id of the update's last part.
         pub revision: u64,
         /// `map_from_odom`.
         pub map_from_odom: Pose,
         /// Covariance of `map_from_odom`, upper triangle by rows. [m, m, rad]
         pub covariance: [f64; 6],
-        /// Which part of the revision this is, from 0.
+        /// [number] Which part of the revision this is, from 0.
         pub part: u16,
-        /// Parts of the revision, at least 1; 1 in a keyframe.
+        /// [count] Parts of the revision, at least 1; 1 in a keyframe.
         pub parts: u16,
-        /// Tiles in the slice.
+        /// [count] Tiles in the slice.
         pub n_tiles: u32,
         /// [mm] at which clearance is saturated.
         pub clearance_limit_mm: u32,
-        /// 1 when scans keep coming, 0 when the map is not current.
+        /// [flag] 1 when scans keep coming, 0 when the map is not current.
         pub current: u32,
         /// How the cost of a cell follows from its clearance.
         pub cost_model: CostModel,

@@ -1,5 +1,6 @@
 //! What a message is: plain numbers in a fixed order, with a hash of that order.
 
+use crate::fields::{Number, Shape};
 use core::fmt;
 pub use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 
@@ -12,6 +13,8 @@ pub trait Wire: Sized + 'static {
     const NAME: &'static str;
     /// 64-bit FNV-1a over the layout.
     const SCHEMA: u64;
+    /// What its bytes mean.
+    const SHAPE: &'static Shape;
 }
 
 /// A [`Wire`] type that can lie in shared memory and be viewed as bytes.
@@ -36,31 +39,47 @@ pub const fn fnv1a(mut state: u64, bytes: &[u8]) -> u64 {
 }
 
 macro_rules! primitive {
-    ($($ty:ty),*) => {$(
+    ($($ty:ty = $number:ident),*) => {$(
         impl Wire for $ty {
             const NAME: &'static str = stringify!($ty);
             const SCHEMA: u64 = fnv1a(FNV_OFFSET, stringify!($ty).as_bytes());
+            const SHAPE: &'static Shape = &Shape::Number(Number::$number);
         }
     )*};
 }
-primitive!(u8, u16, u32, u64, i16, i32, i64, f32, f64);
+primitive!(
+    u8 = U8,
+    u16 = U16,
+    u32 = U32,
+    u64 = U64,
+    i16 = I16,
+    i32 = I32,
+    i64 = I64,
+    f32 = F32,
+    f64 = F64
+);
 
 impl<T: Wire, const N: usize> Wire for [T; N] {
     const NAME: &'static str = "array";
     const SCHEMA: u64 = fnv1a(fnv1a(T::SCHEMA, b"["), &(N as u64).to_le_bytes());
+    const SHAPE: &'static Shape = &Shape::Array {
+        of: T::SHAPE,
+        len: N,
+    };
 }
 
 /// Defines a message: `#[repr(C)]`, named, without padding, with its schema hash.
 ///
-/// `Default` is all zero, and zero is the neutral value of every code: nothing, idle, not valid.
+/// `Default` is all zero, and zero is the neutral value of every code: nothing, idle, not valid. The
+/// description of a field says its unit or kind, see [`crate::fields`].
 /// A module that uses this macro has [`ZeroCopySend`] in scope; its crate depends on `bytemuck`,
 /// `iceoryx2-bb-derive-macros` and `iceoryx2-bb-elementary-traits`.
 #[macro_export]
 macro_rules! message {
-    ($(#[$meta:meta])* pub struct $name:ident = $type_name:literal {
-        $($(#[$field_meta:meta])* pub $field:ident : $ty:ty),* $(,)?
+    ($(#[doc = $doc:literal])* pub struct $name:ident = $type_name:literal {
+        $($(#[doc = $field_doc:literal])* pub $field:ident : $ty:ty),* $(,)?
     }) => {
-        $(#[$meta])*
+        $(#[doc = $doc])*
         #[repr(C)]
         #[derive(
             Debug, Clone, Copy, PartialEq,
@@ -68,7 +87,7 @@ macro_rules! message {
             ::iceoryx2_bb_derive_macros::ZeroCopySend,
         )]
         #[type_name($type_name)]
-        pub struct $name { $($(#[$field_meta])* pub $field: $ty),* }
+        pub struct $name { $($(#[doc = $field_doc])* pub $field: $ty),* }
 
         impl Default for $name {
             fn default() -> Self { ::bytemuck::Zeroable::zeroed() }
@@ -87,6 +106,17 @@ macro_rules! message {
                         hash, &(::core::mem::offset_of!($name, $field) as u64).to_le_bytes());
                 )*
                 hash
+            };
+            const SHAPE: &'static $crate::fields::Shape = &$crate::fields::Shape::Message {
+                name: $type_name,
+                doc: concat!($($doc),*),
+                fields: &[$($crate::fields::Field {
+                    name: stringify!($field),
+                    doc: concat!($($field_doc),*),
+                    offset: ::core::mem::offset_of!($name, $field),
+                    shape: <$ty as $crate::message::Wire>::SHAPE,
+                }),*],
+                bytes: ::core::mem::size_of::<$name>(),
             };
         }
     };

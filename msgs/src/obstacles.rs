@@ -12,7 +12,7 @@ pub const OBSTACLE_RADIUS_M_MAX: f64 = 10.0;
 message! {
     /// Fixed fields of the list of tracked obstacles.
     pub struct Obstacles = "zeronav.Obstacles.v1" {
-        /// Number of obstacles, equal to the length of the slice.
+        /// [count] Number of obstacles, equal to the length of the slice.
         pub n_obstacles: u64,
     }
 }
@@ -20,7 +20,7 @@ message! {
 message! {
     /// A tracked obstacle: a disc with constant velocity.
     pub struct Obstacle = "zeronav.Obstacle.v1" {
-        /// Stays with the track as long as it lives.
+        /// [number] Stays with the track as long as it lives.
         pub track: u64,
         /// [m] `map` frame.
         pub x_m: f64,

@@ -13,9 +13,9 @@ message! {
         pub v_mps: f64,
         /// [rad/s] yaw rate in `base`, counter-clockwise.
         pub w_radps: f64,
-        /// Variances of x [m^2], y [m^2] and yaw [rad^2], >= 0.
+        /// [m^2, m^2, rad^2] variances of x, y and yaw, >= 0.
         pub variance: [f64; 3],
-        /// 1 when a scan belongs to this tick, 0 when not.
+        /// [flag] 1 when a scan belongs to this tick, 0 when not.
         pub scan_due: u32,
         /// Written as 0.
         pub spare: u32,

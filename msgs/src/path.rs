@@ -56,31 +56,31 @@ message! {
     /// Fixed fields of a path. Search statistics are counts, never times. A message with an
     /// unchanged path repeats the waypoints and says by its parents how current it is.
     pub struct Path = "zeronav.Path.v2" {
-        /// Key of the planner in lower case, padded with 0.
+        /// [text] Key of the planner in lower case, padded with 0.
         pub planner: [u8; 24],
         /// Code of [`PathStatus`].
         pub status: u16,
         /// Code of [`PathCause`] of the geometry.
         pub cause: u16,
-        /// Waypoints in the slice.
+        /// [count] Waypoints in the slice.
         pub n_waypoints: u32,
-        /// Id of the message that brought this geometry or failure first; its own id when new.
+        /// [id] Id of the message that brought this geometry or failure first; its own id when new.
         pub geometry: u64,
-        /// Map revision that the search used; the header's parent is the one it was checked with.
+        /// [id] Map revision that the search used; the header's parent is the one it was checked with.
         pub searched_map: u64,
-        /// Nodes taken from the open list and closed.
+        /// [count] Nodes taken from the open list and closed.
         pub expanded: u64,
-        /// Nodes put into the open list.
+        /// [count] Nodes put into the open list.
         pub generated: u64,
-        /// Neighbours looked at, repeats counted.
+        /// [count] Neighbours looked at, repeats counted.
         pub evaluated: u64,
-        /// Longest open list.
+        /// [count] Longest open list.
         pub peak_open: u64,
         /// [m] length, >= 0.
         pub length_m: f64,
-        /// Cost in the planner's own measure, >= 0.
+        /// [-] Cost in the planner's own measure, >= 0.
         pub cost: f64,
-        /// Goal that it leads to, by [`crate::task::Goal::id`].
+        /// [number] Goal that it leads to, by [`crate::task::Goal::id`].
         pub goal: u64,
         /// [m] from the last waypoint to the goal, >= 0: above 0 when the goal's own place cannot be
         /// reached and the nearest one within its tolerance that can is taken.

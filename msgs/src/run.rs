@@ -29,7 +29,7 @@ message! {
         pub mode: u16,
         /// Written as 0.
         pub spare: [u16; 3],
-        /// Seed of everything random in the run.
+        /// [number] Seed of everything random in the run.
         pub seed: u64,
         /// [ns] `CLOCK_MONOTONIC` at run time 0.
         pub zero_ns: u64,
@@ -41,13 +41,13 @@ message! {
 message! {
     /// Fixed fields of the control message. The slice holds the roster.
     pub struct RunControl = "zeronav.RunControl.v1" {
-        /// Highest tick that the robot may start, lockstep only.
+        /// [tick] Highest tick that the robot may start, lockstep only.
         pub lease: u64,
-        /// 1 = the robot shall stand and run time stops.
+        /// [flag] 1 = the robot shall stand and run time stops.
         pub paused: u16,
-        /// 1 = the run is ending: stop the robot.
+        /// [flag] 1 = the run is ending: stop the robot.
         pub stopping: u16,
-        /// Seats in the slice.
+        /// [count] Seats in the slice.
         pub n_seats: u32,
     }
 }
@@ -60,13 +60,13 @@ message! {
         /// [10 us] by which the seat delays each of its answers; 0 in earnest. A delay put in on
         /// purpose must appear in this seat's hop and nowhere else.
         pub delay: u16,
-        /// The one epoch that is obeyed in this seat; 0 = none yet.
+        /// [number] The one epoch that is obeyed in this seat; 0 = none yet.
         pub epoch: u32,
-        /// First tick at which the seat is empty.
+        /// [tick] First tick at which the seat is empty.
         pub off_tick: u64,
-        /// First tick at which it is taken again; `off_tick == on_tick` = never empty.
+        /// [tick] First tick at which it is taken again; `off_tick == on_tick` = never empty.
         pub on_tick: u64,
-        /// Messages of ticks below this one are not heard by the seat.
+        /// [tick] Messages of ticks below this one are not heard by the seat.
         pub hear_tick: u64,
     }
 }

@@ -11,9 +11,9 @@ message! {
     /// +inf = no return within `range_max_m`, NaN = invalid. Beam `i` points to
     /// `angle_min_rad + i * angle_increment_rad`. The header's capture is that of the last beam.
     pub struct Scan = "zeronav.Scan.v1" {
-        /// Which sensor, from 0.
+        /// [number] Which sensor, from 0.
         pub sensor: u32,
-        /// Number of beams, equal to the length of the slice.
+        /// [count] Number of beams, equal to the length of the slice.
         pub n_beams: u32,
         /// [rad] direction of beam 0.
         pub angle_min_rad: f32,

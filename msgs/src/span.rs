@@ -25,25 +25,25 @@ message! {
         pub role: u16,
         /// Code of [`SpanKind`].
         pub kind: u16,
-        /// Epoch of the process.
+        /// [number] Epoch of the process.
         pub epoch: u32,
-        /// Tick that was answered.
+        /// [tick] Tick that was answered.
         pub tick: u64,
-        /// Inputs: id on `robot/odometry`, or the robot's own tick.
+        /// [id] Inputs: id on `robot/odometry`, or the robot's own tick.
         pub odometry: u64,
-        /// Inputs: id on `robot/scan`; from the robot: the scan it published.
+        /// [id] Inputs: id on `robot/scan`; from the robot: the scan it published.
         pub scan: u64,
-        /// Inputs: revision of the map.
+        /// [id] Inputs: revision of the map.
         pub map: u64,
-        /// Inputs: id on `plan/path`.
+        /// [id] Inputs: id on `plan/path`.
         pub path: u64,
-        /// Inputs: id of the request, or of the velocity command that the robot applied.
+        /// [id] Inputs: id of the request, or of the velocity command that the robot applied.
         pub request: u64,
-        /// Inputs: id on `task/goal`.
+        /// [id] Inputs: id on `task/goal`.
         pub goal: u64,
-        /// Id of the main message that was published; 0 = none.
+        /// [id] Id of the main message that was published; 0 = none.
         pub output: u64,
-        /// Moment of the data that came in: the scan's capture; for the robot its own.
+        /// [ns] Moment of the data that came in: the scan's capture; for the robot its own.
         pub capture_ns: u64,
         /// [ns] return from the wait.
         pub woken_ns: u64,
@@ -51,11 +51,12 @@ message! {
         pub started_ns: u64,
         /// [ns] main message sent.
         pub published_ns: u64,
-        /// Inputs that a newer one had overtaken, in this cycle.
+        /// [count] Inputs that a newer one had overtaken, in this cycle.
         pub superseded: u32,
-        /// Work done in units of the role: beams, expansions, rollouts.
+        /// [count] Work done in units of the role: beams, expansions, rollouts.
         pub work: u32,
-        /// FNV-1a of what the cycle published (headers without stamps, and payload); lockstep only.
+        /// [number] FNV-1a of what the cycle published (headers without stamps, and payload);
+        /// lockstep only.
         pub hash: u64,
         /// [ns] between the wake and the end of the cycle in which the thread did not run: it was
         /// preempted, waited for a page, or slept for a delay put in on purpose.

@@ -76,9 +76,9 @@ message! {
         pub kind: u16,
         /// Written as 0.
         pub spare: u16,
-        /// Goals in the slice.
+        /// [count] Goals in the slice.
         pub n_goals: u32,
-        /// First tick at which it holds; 0 = at once.
+        /// [tick] First tick at which it holds; 0 = at once.
         pub from_tick: u64,
     }
 }
@@ -92,7 +92,7 @@ message! {
         pub tolerance_m: f64,
         /// [rad] how close the yaw must be; >= pi = any yaw.
         pub yaw_tolerance_rad: f64,
-        /// The sender's own number for it, not 0.
+        /// [number] The sender's own number for it, not 0.
         pub id: u64,
     }
 }
@@ -104,15 +104,15 @@ message! {
         pub state: u16,
         /// Code of [`EndReason`].
         pub reason: u16,
-        /// Goals that have ended.
+        /// [count] Goals that have ended.
         pub n_ended: u32,
-        /// Id on `task/goal` of the task.
+        /// [id] Id on `task/goal` of the task.
         pub task: u64,
-        /// [`Goal::id`] of the current goal, 0 = none.
+        /// [number] [`Goal::id`] of the current goal, 0 = none.
         pub goal: u64,
         /// [m] along the path, or straight without one; >= 0.
         pub remaining_m: f64,
-        /// Manoeuvres and waits of the recovery since the task began.
+        /// [count] Manoeuvres and waits of the recovery since the task began.
         pub recoveries: u32,
         /// Code of [`StuckCause`], with the reason `stuck`.
         pub cause: u16,
@@ -124,9 +124,9 @@ message! {
 message! {
     /// End of a goal.
     pub struct GoalEnd = "zeronav.GoalEnd.v1" {
-        /// [`Goal::id`].
+        /// [number] [`Goal::id`].
         pub goal: u64,
-        /// Tick at which it ended.
+        /// [tick] Tick at which it ended.
         pub tick: u64,
         /// Code of [`TaskState`].
         pub state: u16,

@@ -21,15 +21,15 @@ message! {
         pub clearance_m: f64,
         /// [m] driven since the start.
         pub driven_m: f64,
-        /// 1 while the footprint touches something.
+        /// [flag] 1 while the footprint touches something.
         pub in_contact: u32,
-        /// Contacts that began while the robot moved faster than 0.05 m/s.
+        /// [count] Contacts that began while the robot moved faster than 0.05 m/s.
         pub contacts_moving: u32,
-        /// Contacts that began while it stood.
+        /// [count] Contacts that began while it stood.
         pub contacts_standing: u32,
-        /// Obstacles in the slice.
+        /// [count] Obstacles in the slice.
         pub n_obstacles: u32,
-        /// Id of the scan of this tick, 0 = none.
+        /// [id] Id of the scan of this tick, 0 = none.
         pub scan: u64,
         /// [ns] run time lost because the simulator was late.
         pub slipped_ns: u64,
@@ -39,9 +39,9 @@ message! {
 message! {
     /// Truth about one scripted obstacle.
     pub struct TruthObstacle = "zeronav.TruthObstacle.v1" {
-        /// Place in the scenario's list, from 0.
+        /// [number] Place in the scenario's list, from 0.
         pub index: u32,
-        /// Beams of this tick's scan that ended on it.
+        /// [count] Beams of this tick's scan that ended on it.
         pub beams: u32,
         /// [ns] run time at which it was due to appear.
         pub appeared_run_ns: u64,
@@ -55,7 +55,7 @@ message! {
 message! {
     /// Fixed fields of the placements.
     pub struct Placements = "zeronav.Placements.v1" {
-        /// Placements in the slice.
+        /// [count] Placements in the slice.
         pub n_placements: u64,
     }
 }
@@ -64,7 +64,7 @@ message! {
     /// Puts a scripted obstacle somewhere for a time, whatever its script says. A later placement
     /// with the same `from_run_ns` changes only how long it stays.
     pub struct Placement = "zeronav.Placement.v1" {
-        /// Place in the scenario's list, from 0.
+        /// [number] Place in the scenario's list, from 0.
         pub index: u32,
         /// Written as 0.
         pub spare: u32,

@@ -1,0 +1,40 @@
+//! The words for the codes in messages, by the name of their enum.
+
+use crate::command::{Intervention, Validity};
+use crate::health::HealthState;
+use crate::path::{PathCause, PathStatus};
+use crate::request::RequestReason;
+use crate::role::Role;
+use crate::run::RunMode;
+use crate::span::SpanKind;
+use crate::task::{EndReason, StuckCause, TaskKind, TaskState};
+
+macro_rules! labels {
+    ($($name:ident),* $(,)?) => {
+        /// The word for `code` of the enum that [`Field::code`](crate::fields::Field::code) names;
+        /// `None` for an unknown one.
+        #[must_use]
+        pub fn label(name: &str, code: u16) -> Option<&'static str> {
+            match name {
+                $(stringify!($name) => Some($name::from_code(code)?.label()),)*
+                _ => None,
+            }
+        }
+    };
+}
+
+labels!(
+    EndReason,
+    HealthState,
+    Intervention,
+    PathCause,
+    PathStatus,
+    RequestReason,
+    Role,
+    RunMode,
+    SpanKind,
+    StuckCause,
+    TaskKind,
+    TaskState,
+    Validity,
+);
