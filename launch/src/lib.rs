@@ -28,6 +28,7 @@ mod redirect;
 pub mod remote;
 pub mod result;
 mod run_plan;
+mod running;
 pub mod scenario;
 mod seat_report;
 mod seen;

@@ -1,34 +1,21 @@
 //! Requests to a run in progress: `zeronav ps` and `zeronav goal`.
 
 use crate::exit::EXIT_PASS;
+use crate::running;
 use crate::show::terminal::{say, say_json, usage};
-use crate::supervise::control::{self, Reply, Request, RunReport};
+use crate::supervise::control::{Reply, Request, RunReport};
 use serde_json::json;
-use std::io::ErrorKind;
 use std::path::PathBuf;
 use std::process::ExitCode;
-use zeronav_shell::folder::Folder;
-use zeronav_shell::{domain, printable};
-
-/// The runs of this user that answer, with their root folders.
-fn runs() -> Vec<(PathBuf, RunReport)> {
-    let answer = |root: &PathBuf| {
-        let folder = Folder::open(root).ok()?;
-        match control::ask(&folder, &Request::Ps) {
-            Ok(Reply::Run(report)) => Some(report),
-            _ => None,
-        }
-    };
-    domain::all()
-        .into_iter()
-        .filter_map(|root| answer(&root).map(|report| (root, report)))
-        .collect()
-}
+use zeronav_shell::printable;
 
 /// `zeronav ps`.
 #[must_use]
 pub fn ps(json: bool) -> ExitCode {
-    let runs: Vec<RunReport> = runs().into_iter().map(|(_, report)| report).collect();
+    let runs: Vec<RunReport> = running::all()
+        .into_iter()
+        .map(|(_, report)| report)
+        .collect();
     if json {
         say_json(&json!({ "runs": runs }));
         return ExitCode::from(EXIT_PASS);
@@ -82,35 +69,22 @@ pub struct GoalOrder {
 /// `zeronav goal`.
 #[must_use]
 pub fn goal(order: &GoalOrder) -> ExitCode {
-    let root = match &order.root {
-        Some(root) => root.clone(),
-        None => match runs().as_slice() {
-            [(root, _)] => root.clone(),
-            [] => return usage("no run goes on; start one with `zeronav run SCENARIO`"),
-            _ => return usage("several runs go on; name one with --domain (see `zeronav ps`)"),
-        },
+    let run = match running::find(order.root.as_deref()) {
+        Ok(run) => run,
+        Err(problem) => return usage(&problem),
     };
     let request = Request::Goal {
         pose: order.pose,
         tolerance_m: order.tolerance_m,
         yaw_tolerance_rad: order.yaw_tolerance_rad,
     };
-    let refused = |problem: &str| usage(&format!("{}: {}", root.display(), printable(problem)));
-    let folder = match Folder::open(&root) {
-        Ok(folder) => folder,
-        Err(error) if error.kind() == ErrorKind::NotFound => {
-            return refused("no such folder; the run is over or was never started");
-        }
-        Err(error) => return refused(&format!("not a run of this user: {error}")),
-    };
-    match control::ask(&folder, &request) {
+    match run.ask(&request) {
         Ok(Reply::Done) => {
             let [x_m, y_m, yaw_rad] = order.pose;
             say(&format!("on its way to ({x_m}, {y_m}, {yaw_rad})\n"));
             ExitCode::from(EXIT_PASS)
         }
-        Ok(Reply::Error(problem)) => usage(&printable(&problem)),
-        Ok(Reply::Run(_)) => refused("the answer is not one to a goal"),
-        Err(error) => refused(&format!("no run answers: {error}")),
+        Ok(_) => usage(&run.refusal("the answer is not one to a goal")),
+        Err(problem) => usage(&problem),
     }
 }

@@ -126,6 +126,7 @@ impl Session<'_> {
         RunReport {
             scenario: self.prepared.scenario.name.clone(),
             domain: stack.root().display().to_string(),
+            folder: std::path::absolute(&self.prepared.directory).unwrap_or_default(),
             pid: std::process::id(),
             mode: self.prepared.mode.to_string(),
             time_s: seconds(self.collector.run_ns),

@@ -10,6 +10,7 @@ use std::collections::VecDeque;
 use std::io::{BufRead, BufReader, Error, ErrorKind, Read, Write};
 use std::os::fd::AsFd;
 use std::os::unix::net::{UnixListener, UnixStream};
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 use zeronav_shell::folder::{FILE_MODE, Folder};
 
@@ -71,6 +72,8 @@ pub(crate) struct RunReport {
     pub scenario: String,
     /// Its domain.
     pub domain: String,
+    /// Its own folder, with the logs.
+    pub folder: PathBuf,
     /// Process id of launch.
     pub pid: u32,
     /// `real_time` or `lockstep`.
