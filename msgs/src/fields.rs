@@ -50,6 +50,8 @@ pub enum Shape {
         fields: &'static [Field],
         /// Its size. [bytes]
         bytes: usize,
+        /// Its schema hash.
+        schema: u64,
     },
 }
 

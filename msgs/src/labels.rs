@@ -11,6 +11,9 @@ use crate::task::{EndReason, StuckCause, TaskKind, TaskState};
 
 macro_rules! labels {
     ($($name:ident),* $(,)?) => {
+        /// The enums.
+        pub const ENUMS: &[&str] = &[$(stringify!($name)),*];
+
         /// The word for `code` of the enum that [`Field::code`](crate::fields::Field::code) names;
         /// `None` for an unknown one.
         #[must_use]

@@ -117,6 +117,7 @@ macro_rules! message {
                     shape: <$ty as $crate::message::Wire>::SHAPE,
                 }),*],
                 bytes: ::core::mem::size_of::<$name>(),
+                schema: Self::SCHEMA,
             };
         }
     };
