@@ -6,6 +6,7 @@
 
 #[path = "../data/folder.rs"]
 pub mod data;
+pub mod python;
 pub mod results;
 pub mod rooms;
 pub mod seats;

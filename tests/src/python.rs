@@ -1,0 +1,108 @@
+//! A virtual environment with the Python package of this very build, made once per source state.
+
+use rustix::fs::{FlockOperation, flock};
+use std::fs::File;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use crate::{binaries, workspace};
+
+/// The package, from the root of the workspace.
+const PACKAGE: &str = "services/python";
+
+/// The Python of an environment in which the package and what it depends on are installed. It lies
+/// in the target folder and is made again when the package has changed.
+///
+/// # Panics
+/// When there is no Python, no `venv`, or the package registry cannot be reached.
+#[must_use]
+pub fn python() -> PathBuf {
+    let place = binaries().join("python");
+    std::fs::create_dir_all(&place).expect("a folder for the environment");
+    // One test program at a time makes it; the lock ends with the program, however that ends.
+    let lock = File::create(place.join("lock")).expect("a lock file");
+    flock(&lock, FlockOperation::LockExclusive).expect("the lock");
+    let environment = place.join("environment");
+    let (python, installed) = (environment.join("bin/python"), place.join("installed"));
+    let sources = sources();
+    let current = std::fs::read_to_string(&installed).is_ok_and(|text| text == sources);
+    if current && python.exists() {
+        return python;
+    }
+    let _ = std::fs::remove_file(&installed);
+    if !python.exists() {
+        let mut make = Command::new("python3");
+        make.args(["-m", "venv", "--clear"]).arg(&environment);
+        succeed(make, "install python3 and python3-venv, 3.11 or later");
+    }
+    // A copy, because building leaves files behind.
+    let copy = tempfile::tempdir().expect("a folder");
+    let mut copied = Command::new("cp");
+    copied
+        .arg("-r")
+        .arg(workspace().join(PACKAGE))
+        .arg(copy.path());
+    succeed(copied, "cp copies a folder");
+    let mut install = Command::new(&python);
+    install
+        .args(["-m", "pip", "install", "--quiet", "--upgrade"])
+        .args(["--disable-pip-version-check", "--force-reinstall"])
+        .args(["--upgrade-strategy", "only-if-needed"])
+        .arg(copy.path().join("python"));
+    succeed(install, "pip needs the package registry");
+    std::fs::write(&installed, sources).expect("a note");
+    python
+}
+
+/// A program of its own that runs the example `name`, for the seat of a scenario.
+///
+/// # Panics
+/// As [`python`].
+#[must_use]
+pub fn example(name: &str, folder: &Path) -> PathBuf {
+    let script = workspace()
+        .join(PACKAGE)
+        .join(format!("examples/{name}.py"));
+    let text = std::fs::read_to_string(&script).expect("the example");
+    program(name, &text, folder)
+}
+
+/// A program in `folder` that runs the text of a script.
+///
+/// # Panics
+/// As [`python`].
+#[must_use]
+pub fn program(name: &str, text: &str, folder: &Path) -> PathBuf {
+    use std::os::unix::fs::PermissionsExt;
+    let path = folder.join(name);
+    let script = folder.join(format!("{name}.py"));
+    std::fs::write(&script, text).expect("written");
+    let (python, script) = (python(), script.display().to_string());
+    let launcher = format!("#!/bin/sh\nexec '{}' '{script}' \"$@\"\n", python.display());
+    std::fs::write(&path, launcher).expect("written");
+    std::fs::set_permissions(&path, PermissionsExt::from_mode(0o755)).expect("its mode");
+    path
+}
+
+/// Runs a command to its end.
+fn succeed(mut command: Command, needed: &str) {
+    let output = command.output();
+    let output = output.unwrap_or_else(|error| panic!("{command:?}: {error}; {needed}"));
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{command:?}: {said}; {needed}");
+}
+
+/// Everything that is installed, by name and text.
+fn sources() -> String {
+    let package = workspace().join(PACKAGE);
+    let mut files = vec![package.join("pyproject.toml")];
+    let modules = std::fs::read_dir(package.join("zeronav")).expect("the package");
+    files.extend(modules.flatten().map(|entry| entry.path()));
+    files.retain(|file| file.is_file());
+    files.sort();
+    let text = |file: &PathBuf| {
+        let text = std::fs::read_to_string(file).expect("a source");
+        format!("{}\n{text}\n", file.display())
+    };
+    files.iter().map(text).collect()
+}
