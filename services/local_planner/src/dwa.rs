@@ -13,15 +13,15 @@
 //!   twist is the part of the way that this period allows ([`crate::pilot`]).
 
 pub mod options;
-pub(crate) mod rollouts;
+mod rollout_grid;
+pub(crate) mod rows;
 pub(crate) mod window;
 
 use crate::pilot::Pilot;
 use crate::pilot::perception::Tracks;
-use crate::pilot::scene::{Choose, Scene, Wish};
+use crate::pilot::scene::{Choose, Heading, Scene, Wish};
 use options::DwaConfig;
-use rollouts::Rollouts;
-use window::Window;
+use rows::Rows;
 use zeronav_motion::Twist;
 
 /// The controller `dwa` at rest. The numbers must be within the ranges of [`DwaConfig`].
@@ -33,38 +33,38 @@ pub fn dwa(config: DwaConfig) -> Pilot {
 /// Samples the window on a grid and takes the best admissible twist.
 #[derive(Debug, Default)]
 struct DynamicWindow {
-    rollouts: Rollouts,
+    rows: Rows,
 }
 
 impl Choose for DynamicWindow {
     fn choose(&mut self, scene: &mut Scene<'_>) -> Wish {
-        let heading = match scene.heading() {
-            Ok(heading) => heading,
-            Err(turn) => return turn,
-        };
-        let best = best(&mut self.rollouts, scene, &scene.window(&heading));
-        scene.memory.rollouts = u32::try_from(self.rollouts.len()).unwrap_or(u32::MAX);
-        scene.steer_or_rest(best)
+        match scene.heading() {
+            Ok(heading) => {
+                let best = self.best(scene, &heading);
+                scene.steer_or_rest(best)
+            }
+            Err(turn) => turn,
+        }
     }
 }
 
-/// The best admissible twist of the window.
-fn best(rollouts: &mut Rollouts, scene: &Scene<'_>, window: &Window<'_>) -> Option<Twist> {
-    let config = scene.config;
-    rollouts.prepare(window, config.speeds as usize, config.yaw_rates as usize);
-    let mut best: Option<(f64, Twist)> = None;
-    for (i, &v_mps) in rollouts.speeds.iter().enumerate() {
-        let terms = scene.worth_at(v_mps);
-        for (j, &w_radps) in rollouts.yaw_rates.iter().enumerate() {
-            let seen = &*scene.seen;
-            let outcome = rollouts.outcome(window, &seen.surroundings, &seen.path, i, j);
-            if let Some(outcome) = outcome {
-                let worth = terms.of(w_radps, &outcome);
+impl DynamicWindow {
+    /// The best admissible twist of the window.
+    fn best(&mut self, scene: &mut Scene<'_>, heading: &Heading) -> Option<Twist> {
+        let (window, config) = (scene.window(heading), scene.config);
+        let rows = &mut self.rows;
+        rows.prepare(&window, scene, (config.speeds, config.yaw_rates));
+        let last = rows.grid.steps - 1;
+        let mut best: Option<(f64, Twist)> = None;
+        for speed in 0..rows.grid.speeds.len() {
+            let terms = scene.worth_at(rows.grid.speeds[speed]);
+            if let Some(lane) = rows.rate(scene, &window, (speed, last), &terms) {
+                let worth = rows.rated.worth[lane];
                 if best.is_none_or(|(most, _)| worth > most) {
-                    best = Some((worth, Twist::new(v_mps, w_radps)));
+                    best = Some((worth, rows.twist(speed, lane)));
                 }
             }
         }
+        best.map(|(_, twist)| twist)
     }
-    best.map(|(_, twist)| twist)
 }

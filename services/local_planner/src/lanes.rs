@@ -14,7 +14,7 @@
     reason = "indices of a window of at most 1024 cells, clamped before use"
 )]
 
-use data::{Lanes, Projection, Projections, Sheet, Stretch, Turns};
+use data::{Lanes, Projections, Sheet, Stretch, Turns};
 use zeronav_msgs::MapCell;
 
 #[cfg(target_arch = "x86_64")]
@@ -81,12 +81,8 @@ pub(crate) fn lower_space_around(
     portable::lower_space_around(sheet, at, heading, (discs, need), space);
 }
 
-/// The nearest place on a stretch of at most 32 samples.
-pub(crate) fn place_on(stretch: &Stretch, x: f32, y: f32) -> Projection {
-    portable::place_on(stretch, x, y)
-}
-
-/// [`place_on`] for a multiple of [`WIDTH`] points, at most [`LANES_MAX`].
+/// The nearest places on a stretch of at most 32 samples of a multiple of [`WIDTH`] points, at most
+/// [`LANES_MAX`].
 pub(crate) fn places_on(stretch: &Stretch, x: &[f32], y: &[f32], found: &mut Projections) {
     #[cfg(target_arch = "x86_64")]
     if std::is_x86_feature_detected!("avx2") && stretch.n >= 2 {

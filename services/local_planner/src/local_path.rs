@@ -3,8 +3,8 @@
 #![allow(clippy::cast_possible_truncation, reason = "indices of 32 samples")]
 
 use crate::field::ClearanceField;
-use crate::lanes::data::{Projection, Projections, SAMPLES, Stretch, narrow};
-use crate::lanes::{place_on, places_on};
+use crate::lanes::data::{Projections, SAMPLES, Stretch, narrow};
+use crate::lanes::places_on;
 use crate::progress::{PathTracker, Place};
 use nalgebra::{Point2, Vector2};
 use zeronav_msgs::path::Waypoint;
@@ -119,11 +119,6 @@ impl LocalPath {
     /// most [`LANES_MAX`]. A point beyond the end is beside it.
     pub(crate) fn project_all(&self, x: &[f32], y: &[f32], found: &mut Projections) {
         places_on(&self.stretch, x, y, found);
-    }
-
-    /// The nearest place on the stretch. A point beyond the end is beside it.
-    pub(crate) fn project(&self, x: f32, y: f32) -> Projection {
-        place_on(&self.stretch, x, y)
     }
 
     /// [m] along the path from the robot's place to a sample.

@@ -1,14 +1,14 @@
 //! One control period of the local planner.
 
 use crate::config::LocalPlannerConfig;
-use crate::controller::{Controller, Decision, Situation};
 use crate::dynamic_obstacles::is_dynamic_near;
+use crate::pilot::Pilot;
 use crate::progress::{PathTracker, Place};
-use crate::recovery::escape::Escape;
+use crate::recovery::escape::{Escape, has_room_to_turn, is_free_behind};
 use crate::recovery::trail::Trail;
 use crate::recovery::{Behaviour, Cause, Facts, Recovery, Transition};
 use crate::requests::{PathRequests, RequestInputs};
-use crate::shaping::Shaper;
+use crate::situation::{Decision, Situation};
 use crate::staleness::{Ageing, Ages, StaleInput, ageing, speed_factor};
 use crate::table::{UnknownController, controller};
 use crate::task::{TaskInputs, TaskMachine, TaskStep};
@@ -98,11 +98,11 @@ pub enum BuildError {
     Controller(#[from] UnknownController),
 }
 
-/// The local planner: a task, a controller and the rules around them.
+/// The local planner: a task, a pilot with the configured controller, and the rules around them.
 pub struct LocalPlanner {
     config: LocalPlannerConfig,
     task: TaskMachine,
-    controller: Box<dyn Controller>,
+    pilot: Pilot,
     requests: PathRequests,
     tracker: PathTracker,
     /// `None` = the controller is left alone.
@@ -154,12 +154,12 @@ impl LocalPlanner {
         Ok(Self {
             config: config.clone(),
             task: TaskMachine::new(config.task),
-            controller: (row.build)(config),
+            pilot: (row.build)(config),
             requests: PathRequests::new(config.requests),
             tracker: PathTracker::new(),
             recovery: recovers.then(|| Recovery::new(config.recovery)),
             recovered: Recovered::of(0),
-            escape: Escape::new(config.recovery, config.dwa, Shaper::new(config.shaping)),
+            escape: Escape::new(config.recovery),
             trail: Trail::new(),
             last: Twist::REST,
         })
@@ -248,7 +248,7 @@ impl LocalPlanner {
                 let recovery = self.idle_recovery(inputs, step);
                 let rest = self.rest(inputs, validity);
                 let twist = Twist::new(rest.v_mps, rest.w_radps);
-                self.controller.overruled(twist);
+                self.pilot.overruled(twist);
                 (rest, recovery, stale)
             }
         };
@@ -365,54 +365,49 @@ impl LocalPlanner {
         odometry: &Odometry,
         step: TaskStep,
     ) -> (Decision, Option<Transition>) {
-        let (last, pose) = (self.last, &odometry.pose);
+        let (robot, pose) = (situation.robot, &odometry.pose);
         let behaviour = self.behaviour();
         let decision = match behaviour {
             Behaviour::BackUp => {
-                self.escape.look(situation);
-                self.escape.back_up(situation, &self.trail, pose, last)
+                let near = self.pilot.look_around(situation);
+                let wanted = self.escape.back_up(near, robot, (&self.trail, pose));
+                self.pilot.manoeuvre(situation, wanted)
             }
             Behaviour::Rotate => {
-                self.escape.look(situation);
-                self.escape.rotate(situation, pose, last)
+                let near = self.pilot.look_around(situation);
+                let wanted = self.escape.rotate(near, robot, pose);
+                self.pilot.manoeuvre(situation, wanted)
             }
-            _ => self.controller.decide(situation),
+            _ => self.pilot.decide(situation),
         };
         let Some(recovery) = &mut self.recovery else {
             return (decision, None);
         };
-        let manoeuvring = matches!(behaviour, Behaviour::BackUp | Behaviour::Rotate);
-        let twist = Twist::new(decision.v_mps, decision.w_radps);
-        if manoeuvring {
-            self.controller.overruled(twist);
-        } else {
-            self.escape.interrupted();
-        }
-        let blocked = decision.validity == Validity::Blocked;
-        // Only who may begin a manoeuvre, or is in one, needs to know.
-        if !manoeuvring && blocked {
-            self.escape.look(situation);
-        }
-        let asks = manoeuvring || blocked;
+        let manoeuvring = behaviour.is_manoeuvre();
+        let blocked = decision.validity == Validity::Blocked && !manoeuvring;
+        // Only where a manoeuvre may begin or goes on.
+        let near = (manoeuvring || blocked).then(|| self.pilot.look_around(situation));
         let facts = Facts {
             now_s: seconds(inputs.run_ns),
             goal: situation.goal.id,
             geometry: situation.path_geometry,
-            // A manoeuvre's own check is none of the controller.
-            blocked: blocked && !manoeuvring,
+            blocked,
             turns: decision.turns,
             stalled_s: step.stalled_s,
             no_progress: step.no_progress,
             stuck: step.stuck,
             dynamic_obstacle: is_dynamic_near(situation.obstacles, &situation.map_from_base),
-            free_behind: asks && self.escape.is_free_behind(situation, &self.trail, pose),
-            room_to_turn: asks && self.escape.has_room_to_turn(),
+            free_behind: near.is_some_and(|near| is_free_behind(near, robot, &self.trail, pose)),
+            room_to_turn: near.is_some_and(has_room_to_turn),
             backed_m: self.escape.backed_m(pose),
             rotated_rad: self.escape.turned_rad(),
         };
         let transition = recovery.step(&facts);
-        if transition.is_some() {
-            self.escape.begin(pose);
+        if let (Some(change), Some(near)) = (&transition, near)
+            && change.to.is_manoeuvre() != manoeuvring
+        {
+            self.escape.begin(near, pose);
+            self.pilot.interrupted();
         }
         (decision, transition)
     }

@@ -18,9 +18,10 @@ pub(crate) mod perception;
 pub(crate) mod scene;
 pub(crate) mod verify;
 
-use crate::controller::{Controller, Decision, Situation};
 use crate::dwa::options::DwaConfig;
 use crate::shaping::{Shaper, ShapingConfig};
+use crate::situation::{Decision, Situation};
+use crate::surroundings::Surroundings;
 use perception::{Perception, Tracks};
 use scene::{BLOCKED_S, Choose, Memory, Mode, Scene, Wish};
 use verify::first_with_free_stop;
@@ -94,64 +95,13 @@ impl Pilot {
         Some(arriving.unwrap_or_else(|| self.chooser.choose(&mut scene)))
     }
 
-    /// The first step towards the wish from which a stop is free; else the first step of a stop.
-    fn publish(&mut self, situation: &Situation<'_>, from: Twist, wish: &Wish) -> Decision {
-        let (robot, period_s) = (situation.robot, situation.period_s);
-        let rest = towards_rest(robot, from, period_s);
-        let braking_m = stop_distance_m(robot, rest.v_mps, 0.0);
-        let memory = &mut self.memory;
-        let (twist, validity, braking_arc_m) = match wish {
-            Wish::Rest(validity) => (rest, *validity, braking_m),
-            Wish::Towards(wanted) => {
-                let slowed = Twist::new(0.0, wanted.w_radps);
-                let others = memory.reserve.iter().map(|(_, twist)| *twist);
-                let others = others.take(RESERVE).filter(|twist| twist != wanted);
-                let candidates = core::iter::once(*wanted)
-                    .chain(others)
-                    .chain(core::iter::once(slowed))
-                    .map(|wanted| self.shaper.next(robot, from, wanted, period_s));
-                first_with_free_stop(candidates, |twist| {
-                    self.perception.stop_arc_m(&self.config, robot, twist)
-                })
-                .map_or((rest, Validity::Blocked, braking_m), |(twist, arc_m)| {
-                    (twist, Validity::Drive, arc_m)
-                })
-            }
-        };
-        // Not moving although a motion is wanted is being blocked, whatever the cause.
-        let resting = matches!(wish, Wish::Rest(Validity::AtGoal | Validity::NoPath));
-        let idle = from.is_stopped()
-            && twist.v_mps.abs() < 0.5 * robot.a_mps2_max * period_s
-            && twist.w_radps.abs() < 0.5 * robot.alpha_radps2_max * period_s;
-        memory.blocked_s = if resting || !idle {
-            0.0
-        } else {
-            memory.blocked_s + period_s
-        };
-        let validity = match validity {
-            Validity::Drive if memory.blocked_s > BLOCKED_S => Validity::Blocked,
-            other => other,
-        };
-        memory.last = twist;
-        if twist == rest {
-            self.shaper.interrupted();
-        } else {
-            self.shaper.published(from, twist, period_s);
-        }
-        Decision {
-            v_mps: twist.v_mps,
-            w_radps: twist.w_radps,
-            validity,
-            braking_arc_m,
-            turns: memory.turns && validity == Validity::Drive,
-            rollouts: memory.rollouts,
-            blocked_arc_m: None,
-        }
-    }
-}
-
-impl Controller for Pilot {
-    fn decide(&mut self, situation: &Situation<'_>) -> Decision {
+    /// The twist for this period. Finite, within the robot's limits, reachable from the twist of
+    /// the period before, and never one from which the robot cannot stop before contact as far as
+    /// the map and the scan tell.
+    ///
+    /// Deterministic: the same sequence of situations gives the same decisions. After the first
+    /// periods nothing is allocated.
+    pub fn decide(&mut self, situation: &Situation<'_>) -> Decision {
         self.memory.begin(situation.goal.id);
         let from = self.start(situation);
         let Some(wish) = self.wish(situation, from) else {
@@ -166,9 +116,117 @@ impl Controller for Pilot {
         }
     }
 
-    fn overruled(&mut self, published: Twist) {
+    /// What is near the robot, tracked obstacles included, for a manoeuvre that follows no path.
+    pub(crate) fn look_around(&mut self, situation: &Situation<'_>) -> &Surroundings {
+        self.perception.look_around(&self.config, situation);
+        &self.perception.surroundings
+    }
+
+    /// The command of a manoeuvre after [`Self::look_around`]: the step towards `wanted` when a stop
+    /// from it is free, else the first step of a stop.
+    pub(crate) fn manoeuvre(
+        &mut self,
+        situation: &Situation<'_>,
+        wanted: Option<Twist>,
+    ) -> Decision {
+        self.chooser.forget();
+        let from = self.start(situation);
+        let command = self.command(situation, from, wanted.into_iter());
+        self.decision(situation, from, command.ok_or(Validity::Blocked))
+    }
+
+    /// A manoeuvre begins or ends: its commands are shaped by themselves.
+    pub(crate) fn interrupted(&mut self) {
+        self.shaper.interrupted();
+    }
+
+    /// Another command than the pilot's was published for a period: its next one starts there.
+    pub fn overruled(&mut self, published: Twist) {
         self.shaper.interrupted();
         self.memory.last = published;
         self.chooser.forget();
+    }
+
+    /// The first step towards the wish from which a stop is free; else the first step of a stop.
+    fn publish(&mut self, situation: &Situation<'_>, from: Twist, wish: &Wish) -> Decision {
+        let command = match wish {
+            Wish::Rest(validity) => Err(*validity),
+            Wish::Towards(wanted) => {
+                let slowed = Twist::new(0.0, wanted.w_radps);
+                let others = self.memory.reserve.iter().map(|(_, twist)| *twist);
+                let others = others.take(RESERVE).filter(|twist| twist != wanted);
+                let candidates = core::iter::once(*wanted)
+                    .chain(others)
+                    .chain(core::iter::once(slowed));
+                self.command(situation, from, candidates)
+                    .ok_or(Validity::Blocked)
+            }
+        };
+        let mut decision = self.decision(situation, from, command);
+        // Not moving although a motion is wanted is being blocked, whatever the cause.
+        let (robot, period_s) = (situation.robot, situation.period_s);
+        let resting = matches!(wish, Wish::Rest(Validity::AtGoal | Validity::NoPath));
+        let idle = from.is_stopped()
+            && decision.v_mps.abs() < 0.5 * robot.a_mps2_max * period_s
+            && decision.w_radps.abs() < 0.5 * robot.alpha_radps2_max * period_s;
+        let memory = &mut self.memory;
+        memory.blocked_s = if resting || !idle {
+            0.0
+        } else {
+            memory.blocked_s + period_s
+        };
+        if decision.validity == Validity::Drive && memory.blocked_s > BLOCKED_S {
+            decision.validity = Validity::Blocked;
+        }
+        decision.turns = memory.turns && decision.validity == Validity::Drive;
+        decision.rollouts = memory.rollouts;
+        decision
+    }
+
+    /// The step of this period towards the first candidate from which a stop is free, with the arc
+    /// of that stop. [m]
+    fn command(
+        &self,
+        situation: &Situation<'_>,
+        from: Twist,
+        candidates: impl Iterator<Item = Twist>,
+    ) -> Option<(Twist, f64)> {
+        let robot = situation.robot;
+        let steps =
+            candidates.map(|wanted| self.shaper.next(robot, from, wanted, situation.period_s));
+        first_with_free_stop(steps, |twist| {
+            self.perception.stop_arc_m(&self.config, robot, twist)
+        })
+    }
+
+    /// The decision for a command, or for the first step of a ramp to rest and its reason; the next
+    /// period starts from it.
+    fn decision(
+        &mut self,
+        situation: &Situation<'_>,
+        from: Twist,
+        command: Result<(Twist, f64), Validity>,
+    ) -> Decision {
+        let (robot, period_s) = (situation.robot, situation.period_s);
+        let rest = towards_rest(robot, from, period_s);
+        let (twist, validity, braking_arc_m) = match command {
+            Ok((twist, arc_m)) => (twist, Validity::Drive, arc_m),
+            Err(validity) => (rest, validity, stop_distance_m(robot, rest.v_mps, 0.0)),
+        };
+        self.memory.last = twist;
+        if twist == rest {
+            self.shaper.interrupted();
+        } else {
+            self.shaper.published(from, twist, period_s);
+        }
+        Decision {
+            v_mps: twist.v_mps,
+            w_radps: twist.w_radps,
+            validity,
+            braking_arc_m,
+            turns: false,
+            rollouts: 1,
+            blocked_arc_m: None,
+        }
     }
 }

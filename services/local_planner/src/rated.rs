@@ -6,10 +6,40 @@
 )]
 
 use crate::dwa::options::DwaWeights;
-use crate::dwa::rollouts::{Outcome, cost_beside};
 use crate::dwa_t::options::DwaTConfig;
 use crate::lanes::data::{LANES_MAX, Lanes, Projections};
 use crate::lanes::{Kernel, run_wide};
+
+/// A rollout in the terms of the evaluation.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Outcome {
+    /// [m] along the path.
+    pub(crate) progress_m: f64,
+    /// [m] beside the path, mean of [`cost_beside`] half way and at the end.
+    pub(crate) beside_m: f64,
+    /// 1 - cos of the angle between the end's heading and the path.
+    pub(crate) heading: f64,
+    /// [m] least space around the outline, at most the soft clearance.
+    pub(crate) margin_m: f64,
+}
+
+/// Quadratic up to 30 cm, so that millimetres beside the path do not make the robot weave.
+#[inline]
+pub(crate) fn cost_beside(beside: f32) -> f32 {
+    const BEND: f32 = 0.3;
+    if beside < BEND {
+        beside * beside / (2.0 * BEND)
+    } else {
+        (beside - 0.5 * BEND).min(1.0)
+    }
+}
+
+/// An evaluation of rollouts of one speed.
+pub(crate) trait Evaluate: Copy {
+    /// What a rollout is worth, in metres of progress. `badness` is how bad it is what it touches
+    /// that moves, from 0 to 1.
+    fn of(&self, w_radps: f64, outcome: &Outcome, badness: f64) -> f64;
+}
 
 /// What decides, besides where they lead, how much the rollouts of a speed are worth.
 #[derive(Debug, Clone, Copy)]
@@ -25,10 +55,9 @@ pub(crate) struct Worth {
     pub(super) hard_m: f64,
 }
 
-impl Worth {
-    /// What a rollout is worth, in metres of progress.
+impl Evaluate for Worth {
     #[inline(always)]
-    pub(crate) fn of(&self, w_radps: f64, outcome: &Outcome) -> f64 {
+    fn of(&self, w_radps: f64, outcome: &Outcome, _: f64) -> f64 {
         let weights = &self.weights;
         let turn_change = (w_radps - self.steered_radps).abs() / self.w_radps_max;
         let near = ((self.soft_m - outcome.margin_m) / (self.soft_m - self.hard_m)).clamp(0.0, 1.0);
@@ -50,13 +79,12 @@ pub(crate) struct TimedWorth {
     pub(super) config: DwaTConfig,
 }
 
-impl TimedWorth {
-    /// See [`Worth::of`]; `badness` tells what comes.
+impl Evaluate for TimedWorth {
     #[inline(always)]
-    pub(crate) fn of(&self, w_radps: f64, outcome: &Outcome, badness: f64) -> f64 {
+    fn of(&self, w_radps: f64, outcome: &Outcome, badness: f64) -> f64 {
         let config = &self.config;
         let calm_mps = config.speed_base_mps + config.speed_gain_hz * outcome.margin_m;
-        self.worth.of(w_radps, outcome)
+        self.worth.of(w_radps, outcome, badness)
             - config.weight_speed * (self.v_mps - calm_mps).max(0.0)
             - config.weight_moving * badness
     }
@@ -123,7 +151,7 @@ impl Rated {
     }
 
     /// Rates rollouts with these yaw rates.
-    pub(crate) fn rate(&mut self, terms: &TimedWorth, yaw_rates: &[f64]) {
+    pub(crate) fn rate(&mut self, terms: &impl Evaluate, yaw_rates: &[f64]) {
         run_wide(Rate {
             rated: self,
             terms,
@@ -150,13 +178,13 @@ impl Rated {
 }
 
 /// [`Rated::rate`] for wide vectors.
-struct Rate<'a> {
+struct Rate<'a, T> {
     rated: &'a mut Rated,
-    terms: &'a TimedWorth,
+    terms: &'a T,
     yaw_rates: &'a [f64],
 }
 
-impl Kernel for Rate<'_> {
+impl<T: Evaluate> Kernel for Rate<'_, T> {
     #[inline(always)]
     fn run(self) {
         let rated = self.rated;

@@ -2,7 +2,6 @@
 
 use crate::beam::beam;
 use crate::config::LocalPlannerConfig;
-use crate::controller::Controller;
 use crate::dwa::dwa;
 use crate::dwa_t::dwa_t;
 use crate::mppi::mppi;
@@ -22,6 +21,7 @@ use crate::papers::walk::Walk;
 use crate::papers::zm_esc::ZmEsc;
 use crate::papers::zm_rep::ZmRep;
 use crate::papers::zm_rv::ZmRv;
+use crate::pilot::Pilot;
 
 /// A controller that can be chosen.
 #[derive(Debug, Clone, Copy)]
@@ -35,7 +35,7 @@ pub struct ControllerRow {
     /// It is one of the papers', which is driven as they say.
     pub of_a_paper: bool,
     /// Makes one.
-    pub build: fn(&LocalPlannerConfig) -> Box<dyn Controller>,
+    pub build: fn(&LocalPlannerConfig) -> Pilot,
 }
 
 /// [m] that a control period at full speed covers, more or less.
@@ -45,8 +45,8 @@ const ESCAPE_STEP_M: f64 = 0.01;
 const PERIODS_PER_M: f64 = 500.0;
 
 /// A potential-field law at the wheels.
-fn law(law: impl Law + 'static, config: &LocalPlannerConfig) -> Box<dyn Controller> {
-    Box::new(along(Box::new(law), config.dwa, config.literal).shaped(config.shaping))
+fn law(law: impl Law + 'static, config: &LocalPlannerConfig) -> Pilot {
+    along(Box::new(law), config.dwa, config.literal).shaped(config.shaping)
 }
 
 /// Every controller; the first one is the default.
@@ -56,32 +56,28 @@ pub const CONTROLLERS: &[ControllerRow] = &[
         title: "Time-indexed dynamic window: predicted obstacles, cost-to-go, speed by clearance",
         source: "dwa, with rollouts in time, a local navigation function and constant-velocity tracks",
         of_a_paper: false,
-        build: |config| Box::new(dwa_t(config.dwa, config.dwa_t).shaped(config.shaping)),
+        build: |config| dwa_t(config.dwa, config.dwa_t).shaped(config.shaping),
     },
     ControllerRow {
         key: "dwa",
         title: "Dynamic window that follows the path, checked against map and scan",
         source: "Fox, Burgard, Thrun: The Dynamic Window Approach to Collision Avoidance, IEEE RAM 4(1), 1997",
         of_a_paper: false,
-        build: |config| Box::new(dwa(config.dwa).shaped(config.shaping)),
+        build: |config| dwa(config.dwa).shaped(config.shaping),
     },
     ControllerRow {
         key: "mppi",
         title: "Model predictive path integral control around the choice of dwa_t",
         source: "Williams et al.: Information-Theoretic Model Predictive Control, IEEE T-RO 34(6), 2018",
         of_a_paper: false,
-        build: |config| {
-            Box::new(mppi(config.dwa, config.dwa_t, config.mppi).shaped(config.shaping))
-        },
+        build: |config| mppi(config.dwa, config.dwa_t, config.mppi).shaped(config.shaping),
     },
     ControllerRow {
         key: "beam",
         title: "Beam search in time among what moves, dwa_t where nothing does",
         source: "beam search over manoeuvres, with constant-velocity tracks",
         of_a_paper: false,
-        build: |config| {
-            Box::new(beam(config.dwa, config.dwa_t, config.beam).shaped(config.shaping))
-        },
+        build: |config| beam(config.dwa, config.dwa_t, config.beam).shaped(config.shaping),
     },
     ControllerRow {
         key: "ju_apf",
@@ -172,7 +168,7 @@ pub const CONTROLLERS: &[ControllerRow] = &[
         title: "Dynamic window with normalised heading, distance and speed",
         source: "BAO-DWA",
         of_a_paper: true,
-        build: |config| Box::new(bao_dwa(BaoWeights::default(), config.dwa).shaped(config.shaping)),
+        build: |config| bao_dwa(BaoWeights::default(), config.dwa).shaped(config.shaping),
     },
 ];
 

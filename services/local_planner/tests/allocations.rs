@@ -5,11 +5,11 @@ mod support;
 use support::{Loop, block, disc, jackal, path};
 use zeronav_local_planner::beam;
 use zeronav_local_planner::beam::options::BeamConfig;
-use zeronav_local_planner::controller::Controller;
 use zeronav_local_planner::dwa::options::DwaConfig;
 use zeronav_local_planner::dwa_t::options::DwaTConfig;
 use zeronav_local_planner::mppi;
 use zeronav_local_planner::mppi::options::MppiConfig;
+use zeronav_local_planner::pilot::Pilot;
 use zeronav_local_planner::{dwa, dwa_t};
 use zeronav_msgs::Pose;
 use zeronav_msgs::obstacles::Obstacle;
@@ -20,18 +20,12 @@ fn a_cycle_allocates_nothing() {
     let corners = path(&[(1.0, 1.7), (12.0, 1.7)]);
     let dwa = DwaConfig::default;
     let timed = DwaTConfig::default;
-    let controllers = || -> [(Box<dyn Controller>, u32); 4] {
+    let controllers = || -> [(Pilot, u32); 4] {
         [
-            (Box::new(dwa::dwa(dwa())), 800),
-            (Box::new(dwa_t::dwa_t(dwa(), timed())), 800),
-            (
-                Box::new(mppi::mppi(dwa(), timed(), MppiConfig::default())),
-                2000,
-            ),
-            (
-                Box::new(beam::beam(dwa(), timed(), BeamConfig::default())),
-                2000,
-            ),
+            (dwa::dwa(dwa()), 800),
+            (dwa_t::dwa_t(dwa(), timed()), 800),
+            (mppi::mppi(dwa(), timed(), MppiConfig::default()), 2000),
+            (beam::beam(dwa(), timed(), BeamConfig::default()), 2000),
         ]
     };
     for robot in [disc(0.25, 0.8, 1.0, 1.8, 3.0), jackal()] {
@@ -39,7 +33,7 @@ fn a_cycle_allocates_nothing() {
             let pose = Pose::new(1.0, 1.7, 0.0);
             let mut run = Loop::new(robot.clone(), &hall, (14.0, 3.4), pose, corners.clone());
             for _ in 0..50 {
-                run.step(controller.as_mut());
+                run.step(&mut controller);
             }
             run.obstacles = vec![Obstacle {
                 track: 1,

@@ -29,20 +29,20 @@ fn braking_ends_with_its_cause() {
         let mut controller = (row.build)(&config);
         let mut speed_mps = 0.0;
         while run.time_s < 4.0 {
-            speed_mps = run.step(controller.as_mut()).v_mps;
+            speed_mps = run.step(&mut controller).v_mps;
         }
         assert!(speed_mps > 0.8, "{key}: {speed_mps}");
         let wall_m = run.pose.x_m + 0.25 + 0.45;
         run.blocks.push(block(wall_m, 0.4, wall_m + 0.2, 3.6));
         let mut braked = 0;
         for _ in 0..8 {
-            let next_mps = run.step(controller.as_mut()).v_mps;
+            let next_mps = run.step(&mut controller).v_mps;
             braked += u32::from(speed_mps - next_mps > 1.4 * PERIOD_S);
             speed_mps = next_mps;
         }
         assert!(braked >= 5, "{key} braked {braked} times");
         run.blocks.pop();
-        let next_mps = run.step(controller.as_mut()).v_mps;
+        let next_mps = run.step(&mut controller).v_mps;
         println!("{key}: {speed_mps} to {next_mps}");
         let jerk_mps2 = config.shaping.jerk_mps3 * PERIOD_S;
         assert!(

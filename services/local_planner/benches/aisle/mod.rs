@@ -5,7 +5,8 @@ use nalgebra::Point2;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
 use std::hint::black_box;
-use zeronav_local_planner::controller::{Controller, Situation};
+use zeronav_local_planner::pilot::Pilot;
+use zeronav_local_planner::situation::Situation;
 use zeronav_msgs::description::{Corner, Description};
 use zeronav_msgs::map::COST_LETHAL;
 use zeronav_msgs::obstacles::Obstacle;
@@ -90,7 +91,7 @@ impl Aisle {
         &self,
         criterion: &mut Criterion,
         name: &str,
-        controller: &mut dyn Controller,
+        controller: &mut Pilot,
         situation: &Situation<'_>,
         least_rollouts: u32,
     ) {

@@ -17,7 +17,7 @@ parameters! {
         /// Speeds in the window.
         speeds: u32 = 20, [2, 64];
         /// Yaw rates in the window.
-        yaw_rates: u32 = 41, [3, 256];
+        yaw_rates: u32 = 41, [3, 64];
         /// Free space that is kept around the footprint. Less leads through narrower gaps, but a
         /// band beside the line of the path must be left to drive in.
         safety_margin_m: f64 = 0.02, [0.005, 1.0] "m";

@@ -2,14 +2,14 @@
 
 #![allow(
     clippy::cast_precision_loss,
-    reason = "at most 64 speeds, 256 yaw rates and 100 steps"
+    reason = "at most 64 speeds, 64 yaw rates and 64 steps"
 )]
 
 use zeronav_motion::Twist;
 use zeronav_msgs::description::Description;
 
 /// Most steps of a rollout.
-const STEPS_MAX: usize = 100;
+pub(crate) const STEPS_MAX: usize = 64;
 
 /// Closed range of a sampled quantity.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -116,8 +116,8 @@ pub(super) fn clearances(cells: &[MapCell], clearances: &mut [f32]) {
     }
 }
 
-/// See [`super::place_on`].
-pub(super) fn place_on(stretch: &Stretch, x: f32, y: f32) -> Projection {
+/// The nearest place on a stretch of at most 32 samples.
+fn place_on(stretch: &Stretch, x: f32, y: f32) -> Projection {
     // The squared distance with the sample's index in its last five bits (micrometres), so
     // that a minimum finds both without branches: numbers that are not negative are in the
     // order of their bits.

@@ -5,12 +5,12 @@
 //! accelerations and publishes no twist from which it cannot stop before contact.
 
 use super::law::{Body, Extent, Law, LawInput, Push};
-use crate::controller::Situation;
 use crate::dwa::options::DwaConfig;
 use crate::dynamic_obstacles::DynamicObstacles;
 use crate::pilot::Pilot;
 use crate::pilot::perception::Tracks;
 use crate::pilot::scene::{Choose, Scene, Wish};
+use crate::situation::Situation;
 use nalgebra::{Point2, Vector2};
 use zeronav_motion::Twist;
 use zeronav_msgs::command::Validity;

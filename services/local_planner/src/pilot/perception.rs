@@ -2,16 +2,18 @@
 //!
 //! Which map and which points of the scan a chooser sees is decided here and nowhere else.
 
-use crate::controller::Situation;
 use crate::cost_to_go::{CostToGo, CostToGoInputs};
 use crate::dwa::options::DwaConfig;
 use crate::dynamic_obstacles::{DynamicObstacles, Growth};
 use crate::local_path::LocalPath;
 use crate::progress::{PathTracker, Place};
+use crate::recovery::escape::{LOOKBACK_M, PIECE_M};
+use crate::situation::Situation;
 use crate::surroundings::{Reach, Surroundings};
 use nalgebra::Point2;
 use zeronav_motion::{Twist, stop_distance_m};
 use zeronav_msgs::description::Description;
+use zeronav_msgs::obstacles::Obstacle;
 use zeronav_msgs::scan::BEAMS_MAX;
 
 /// [s] of driving at full speed that the sampled stretch of the path spans at most.
@@ -100,7 +102,6 @@ impl Perception {
         let robot = situation.robot;
         let horizon_s = horizon_s(config, robot);
         self.surroundings.describe(robot, situation.corners);
-        let mut sight_m = robot.v_mps_max * horizon_s + 0.5;
         let position = situation.map_from_base.point();
         // Sampled as densely as the weights of the evaluation are meant for.
         let path_m = robot.v_mps_max * horizon_s.min(PATH_HORIZON_S) + 0.5;
@@ -109,14 +110,10 @@ impl Perception {
         let map = situation.map.map(|map| (map, situation.map_cells));
         let mut stamped = situation.scan_points_in_base;
         let mut cost_to_go = None;
-        if let Some(growth) = self.tracks.growth() {
-            self.dynamic.take(
-                situation.obstacles,
-                situation.obstacles_age_s,
-                &situation.map_from_base,
-                growth,
-            );
-        }
+        let growth = self.tracks.growth();
+        let obstacles = growth.map_or(&[][..], |_| situation.obstacles);
+        self.predict(situation, obstacles, growth.unwrap_or_default());
+        let reach = self.reach(config, situation);
         if let Tracks::Predicted(prediction) = &mut self.tracks {
             let points = situation.scan_points_in_base.iter();
             prediction.static_points.clear();
@@ -124,17 +121,8 @@ impl Perception {
                 .static_points
                 .extend(points.filter(|point| !self.dynamic.owns(**point)));
             stamped = &prediction.static_points;
-            if !situation.obstacles.is_empty() {
-                sight_m = sight_m.max(prediction.sight_m);
-            }
             cost_to_go = Some(&mut prediction.cost_to_go);
         }
-        let reach = Reach {
-            field_m: sight_m,
-            stop_m: stop_distance_m(robot, robot.v_mps_max, config.reaction_s),
-            soft_m: config.soft_clearance_m,
-            margin_m: config.safety_margin_m,
-        };
         let points = situation.scan_points_in_base;
         self.surroundings
             .look(map, &situation.map_from_base, points, stamped, reach);
@@ -146,12 +134,50 @@ impl Perception {
                 geometry: situation.path_geometry,
                 place: *place,
                 position,
-                reach_m: sight_m,
+                reach_m: reach.field_m,
                 // Narrower than that no stop is free, whatever the robot's heading.
                 inscribed_m: self.surroundings.footprint.inscribed_m + config.safety_margin_m,
                 soft_m: config.soft_clearance_m,
             };
             cost_to_go.update(&self.tracker, &inputs);
+        }
+    }
+
+    /// Takes in map, scan and dynamic obstacles for a manoeuvre that follows no path: all points of
+    /// the scan are obstacles, and tracked ones are predicted besides, whatever the controller does.
+    pub(crate) fn look_around(&mut self, config: &DwaConfig, situation: &Situation<'_>) {
+        self.surroundings
+            .describe(situation.robot, situation.corners);
+        self.predict(situation, situation.obstacles, Growth::default());
+        let map = situation.map.map(|map| (map, situation.map_cells));
+        let points = situation.scan_points_in_base;
+        let reach = self.reach(config, situation);
+        self.surroundings
+            .look(map, &situation.map_from_base, points, points, reach);
+    }
+
+    fn predict(&mut self, situation: &Situation<'_>, obstacles: &[Obstacle], growth: Growth) {
+        self.dynamic.take(
+            obstacles,
+            situation.obstacles_age_s,
+            &situation.map_from_base,
+            growth,
+        );
+    }
+
+    /// How far the queries of a period reach.
+    fn reach(&self, config: &DwaConfig, situation: &Situation<'_>) -> Reach {
+        let robot = situation.robot;
+        let sight_m = match &self.tracks {
+            Tracks::Predicted(prediction) if !situation.obstacles.is_empty() => prediction.sight_m,
+            _ => 0.0,
+        };
+        let rollout_m = robot.v_mps_max * horizon_s(config, robot);
+        Reach {
+            field_m: sight_m.max(rollout_m.max(2.0 * LOOKBACK_M) + 0.5),
+            stop_m: stop_distance_m(robot, robot.v_mps_max, config.reaction_s).max(PIECE_M),
+            soft_m: config.soft_clearance_m,
+            margin_m: config.safety_margin_m,
         }
     }
 

@@ -1,12 +1,12 @@
 //! The seam between the pilot and its choosers: from a scene to a wish.
 
 use super::perception::{Perception, horizon_s};
-use crate::controller::Situation;
 use crate::dwa::options::{DwaConfig, DwaWeights};
 use crate::dwa::window::{Range, Window};
 use crate::lanes::data::LANES_MAX;
 use crate::progress::Place;
 use crate::rated::Worth;
+use crate::situation::Situation;
 use core::fmt;
 use nalgebra::Vector2;
 use zeronav_motion::Twist;

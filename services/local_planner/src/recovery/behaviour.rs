@@ -31,6 +31,11 @@ pub enum Cause {
 }
 
 impl Behaviour {
+    /// True for a motion of the recovery's own.
+    pub(crate) const fn is_manoeuvre(self) -> bool {
+        matches!(self, Self::BackUp | Self::Rotate)
+    }
+
     /// True for an attempt to make progress again.
     #[must_use]
     pub const fn is_attempt(self) -> bool {

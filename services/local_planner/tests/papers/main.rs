@@ -143,7 +143,7 @@ fn aisle(key: &str, goal_m: f64) -> (Option<f64>, f64) {
     );
     let row = controller(key).expect("in the table");
     let mut controller = (row.build)(&LocalPlannerConfig::default());
-    let arrived = run.run(controller.as_mut(), 40.0);
+    let arrived = run.run(&mut controller, 40.0);
     println!(
         "{key}: {arrived} after {:.1} s, nearest {:.3} m",
         run.time_s, run.least_m
@@ -212,7 +212,7 @@ fn every_controller_stops_before_a_wall_across_its_path() {
         run.delay = 2;
         let row = controller(key).expect("in the table");
         let mut controller = (row.build)(&LocalPlannerConfig::default());
-        let arrived = run.run(controller.as_mut(), 12.0);
+        let arrived = run.run(&mut controller, 12.0);
         assert!(!arrived && run.least_m > 0.0, "{key}: {}", run.least_m);
         assert!(run.driven_m > 2.0, "{key} hardly moved: {}", run.driven_m);
     }

@@ -1,7 +1,6 @@
 //! A cart that crosses the way.
 
-use super::{Loop, block, disc, path};
-use zeronav_local_planner::controller::Controller;
+use super::{Drive, Loop, block, disc, path};
 use zeronav_msgs::Pose;
 use zeronav_msgs::obstacles::Obstacle;
 
@@ -26,11 +25,7 @@ impl Cart {
 
 /// Drives along the hall while the cart passes: least distance while the robot moved faster than
 /// 0.05 m/s, least distance at all, seconds to the goal.
-pub(crate) fn cross(
-    controller: &mut dyn Controller,
-    cart: Cart,
-    told: bool,
-) -> (f64, f64, Option<f64>) {
+pub(crate) fn cross(controller: &mut dyn Drive, cart: Cart, told: bool) -> (f64, f64, Option<f64>) {
     let hall = [block(0.0, 0.0, 14.0, 0.2), block(0.0, 7.8, 14.0, 8.0)];
     let robot = disc(0.25, 0.8, 1.0, 1.8, 3.0);
     let corners = path(&[(1.0, 4.0), (12.0, 4.0)]);

@@ -12,7 +12,8 @@ pub(crate) mod whole;
 mod world;
 
 use nalgebra::{Point2, Vector2};
-use zeronav_local_planner::controller::{Controller, Decision, Situation};
+use zeronav_local_planner::pilot::Pilot;
+use zeronav_local_planner::situation::{Decision, Situation};
 use zeronav_motion::{Twist, reachable, stop_distance_m};
 use zeronav_msgs::Pose;
 use zeronav_msgs::command::Validity;
@@ -127,6 +128,17 @@ pub(crate) fn goal_at(
         tolerance_m,
         yaw_tolerance_rad,
         id: 1,
+    }
+}
+
+/// What a closed loop drives: a pilot, or the whole local planner.
+pub(crate) trait Drive {
+    fn decide(&mut self, situation: &Situation<'_>) -> Decision;
+}
+
+impl Drive for Pilot {
+    fn decide(&mut self, situation: &Situation<'_>) -> Decision {
+        self.decide(situation)
     }
 }
 
@@ -253,7 +265,7 @@ impl Loop {
     }
 
     /// One control period.
-    pub(crate) fn step(&mut self, controller: &mut dyn Controller) -> Decision {
+    pub(crate) fn step(&mut self, controller: &mut dyn Drive) -> Decision {
         let scan = self.scan();
         let decision = controller.decide(&self.situation(&scan));
         self.history.push(decision);
@@ -280,7 +292,7 @@ impl Loop {
     }
 
     /// Runs until the robot says it is at the goal; false when it does not within `limit_s`.
-    pub(crate) fn run(&mut self, controller: &mut dyn Controller, limit_s: f64) -> bool {
+    pub(crate) fn run(&mut self, controller: &mut dyn Drive, limit_s: f64) -> bool {
         let end_s = self.time_s + limit_s;
         while self.time_s < end_s {
             if self.step(controller).validity == Validity::AtGoal && self.twist.is_stopped() {

@@ -1,7 +1,8 @@
 //! The whole local planner where a closed loop expects a controller.
 
-use zeronav_local_planner::controller::{Controller, Decision, Situation};
+use super::Drive;
 use zeronav_local_planner::recovery::Transition;
+use zeronav_local_planner::situation::{Decision, Situation};
 use zeronav_local_planner::staleness::Ages;
 use zeronav_local_planner::{Inputs, LocalPlanner, LocalPlannerConfig, PathInput};
 use zeronav_msgs::Pose;
@@ -42,7 +43,7 @@ impl Whole {
     }
 }
 
-impl Controller for Whole {
+impl Drive for Whole {
     fn decide(&mut self, situation: &Situation<'_>) -> Decision {
         self.tick += 1;
         let task = Task {

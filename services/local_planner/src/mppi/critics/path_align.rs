@@ -1,8 +1,8 @@
 //! Distance from the path, quadratic up to 30 cm and linear beyond, on average.
 
 use super::cycle::Cycle;
-use crate::dwa::rollouts::cost_beside;
 use crate::mppi::batch::{Batch, Lanes};
+use crate::rated::cost_beside;
 
 #[allow(clippy::cast_precision_loss, reason = "a handful of stations")]
 pub(super) fn score(_: &Cycle<'_>, batch: &Batch, weight: f32, costs: &mut Lanes) {

@@ -1,7 +1,6 @@
-//! The seam of local planning: from a situation to the next twist.
+//! What a controller is given in a control period, and what it answers.
 
 use nalgebra::Point2;
-use zeronav_motion::Twist;
 use zeronav_msgs::command::Validity;
 use zeronav_msgs::description::{Corner, Description};
 use zeronav_msgs::obstacles::Obstacle;
@@ -63,21 +62,4 @@ pub struct Decision {
     /// [m] along the path to the first place where the robot would touch something, within the
     /// controller's sight; `None` = the path is free as far as it sees.
     pub blocked_arc_m: Option<f64>,
-}
-
-/// A local planner's control law.
-///
-/// Deterministic: the same sequence of situations gives the same decisions. No clock, no I/O, no
-/// threads; after the first periods no allocation. A controller keeps its own place along the
-/// path and starts from the beginning when [`Situation::path_geometry`] changes.
-pub trait Controller {
-    /// The twist for this period. Finite, within the robot's limits, reachable from the twist of
-    /// the period before, and never one from which the robot cannot stop before contact as far as
-    /// the map and the scan tell.
-    fn decide(&mut self, situation: &Situation<'_>) -> Decision;
-
-    /// Another command than the controller's was published for a period: its next one starts there.
-    fn overruled(&mut self, published: Twist) {
-        let _ = published;
-    }
 }

@@ -1,4 +1,4 @@
-//! The rollouts of one time-indexed dynamic window, speed by speed, all yaw rates side by side.
+//! The rollouts of one dynamic window, speed by speed, all yaw rates side by side.
 //!
 //! A rollout speeds up or slows down to its target twist within the robot's accelerations and
 //! holds it; each step is the chord of the exact arc of the step's mean twist. Its speed depends
@@ -19,7 +19,7 @@
     reason = "several arrays step by step and lane by lane"
 )]
 
-use crate::dwa::window::{Window, ramp_mean, snap, spread};
+use crate::dwa::window::{STEPS_MAX, Window, ramp_mean, snap, spread};
 use crate::dynamic_obstacles::DynamicObstacles;
 use crate::footprint::DISCS_MAX;
 use crate::lanes::data::{LANES_MAX, Lanes, Sheet, Turns, WIDTH, narrow};
@@ -29,9 +29,6 @@ use crate::lanes::{
 use crate::surroundings::Surroundings;
 use zeronav_motion::{Twist, reachable, sinc};
 use zeronav_msgs::obstacles::OBSTACLES_MAX;
-
-/// Most steps of a rollout.
-pub(crate) const STEPS_MAX: usize = 64;
 
 /// The sampled window; buffers are reused.
 #[derive(Debug, Clone)]
@@ -127,7 +124,7 @@ impl RolloutGrid {
         );
         snap(&mut self.yaw_rates, 0.0);
         snap(&mut self.yaw_rates, window.preferred_radps);
-        self.steps = window.steps().min(STEPS_MAX);
+        self.steps = window.steps();
         self.lanes = self.yaw_rates.len().div_ceil(WIDTH) * WIDTH;
         let (dt, robot, from) = (window.step_s, window.robot, window.from);
         self.driven.clear();
@@ -376,5 +373,61 @@ fn fill_space(
             let heading = (&cos[lanes.clone()], &sin[lanes.clone()]);
             lower_space_around(sheet, at, heading, (discs, need), &mut space[lanes]);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dwa::window::Range;
+    use zeronav_msgs::description::Description;
+
+    #[test]
+    fn a_rollout_ends_where_its_ramp_and_arc_lead() {
+        let robot = Description {
+            v_mps_max: 1.0,
+            w_radps_max: 2.0,
+            a_mps2_max: 1.0,
+            brake_mps2: 1.0,
+            alpha_radps2_max: 4.0,
+            ..Description::default()
+        };
+        let window = Window {
+            robot: &robot,
+            from: Twist::new(0.2, 0.1),
+            speeds: Range {
+                low: 0.2,
+                high: 0.5,
+            },
+            yaw_rates: Range {
+                low: -0.9,
+                high: 1.1,
+            },
+            preferred_radps: 1.1,
+            yaw_rad: 0.4,
+            step_s: 0.1,
+            horizon_s: 1.5,
+            reaction_s: 0.1,
+            stop_margin_m: 0.0,
+            soft_m: 0.1,
+        };
+        let mut grid = RolloutGrid::default();
+        grid.prepare(&window, 4, 5);
+        assert_eq!((grid.len(), grid.steps), (20, 15));
+        // Fine Euler integration of the same ramps to (0.5, 1.1).
+        let (mut x, mut y, mut yaw, mut v, mut w) = (0.0_f64, 0.0_f64, 0.4_f64, 0.2_f64, 0.1_f64);
+        let dt = 1.0e-5;
+        for _ in 0..150_000 {
+            v = (v + 1.0 * dt).min(0.5);
+            w = (w + 4.0 * dt).min(1.1);
+            x += v * dt * yaw.cos();
+            y += v * dt * yaw.sin();
+            yaw += w * dt;
+        }
+        grid.roll(3, 15);
+        let (rx, ry) = (f64::from(grid.row.x[14][4]), f64::from(grid.row.y[14][4]));
+        assert!((rx - x).hypot(ry - y) < 0.01, "{rx} {ry} against {x} {y}");
+        let (cos, sin) = (grid.cos[14][4], grid.sin[14][4]);
+        assert!((f64::from(sin.atan2(cos)) - yaw).abs() < 1e-3);
     }
 }
