@@ -33,6 +33,8 @@ pub struct Recovery {
     geometry: u64,
     /// Since when no motion is admissible. [s]
     blocked_since_s: Option<f64>,
+    /// Since when the robot turns on the spot. [s]
+    turning_since_s: Option<f64>,
     /// When the first attempt since the robot last came closer was made. [s]
     escalated_s: Option<f64>,
     asks: u32,
@@ -52,6 +54,7 @@ impl Recovery {
             goal: 0,
             geometry: 0,
             blocked_since_s: None,
+            turning_since_s: None,
             escalated_s: None,
             asks: 0,
             rung: 0,
@@ -87,22 +90,19 @@ impl Recovery {
             // It has come closer since.
             (self.escalated_s, self.asks, self.rung) = (None, 0, 0);
         }
-        self.blocked_since_s = match self.blocked_since_s {
-            _ if !facts.blocked => None,
-            None => Some(facts.now_s),
-            since => since,
-        };
+        note(&mut self.blocked_since_s, facts.blocked, facts.now_s);
+        note(&mut self.turning_since_s, facts.turns, facts.now_s);
         if facts.stuck {
             return self.give_up(now);
         }
         let config = self.config;
+        let lasted_s = |since_s: Option<f64>| since_s.map_or(0.0, |since_s| facts.now_s - since_s);
         let view = View {
             facts,
             config: &config,
             lasted_s: facts.now_s - self.since_s,
-            blocked_s: self
-                .blocked_since_s
-                .map_or(0.0, |since_s| facts.now_s - since_s),
+            blocked_s: lasted_s(self.blocked_since_s),
+            turning_s: lasted_s(self.turning_since_s),
             since_tried_s: facts.now_s - self.tried_s,
             escalated: self.escalated_s.is_some(),
             another_path: facts.geometry != 0 && facts.geometry != self.geometry,
@@ -161,9 +161,10 @@ impl Recovery {
     /// `now` is the run time [s] and the geometry of the path.
     fn enter(&mut self, now: (f64, u64), to: Behaviour, reason: Reason) -> Option<Transition> {
         let from = self.behaviour;
-        if !matches!(from, Behaviour::Follow | Behaviour::Align) {
+        if from != Behaviour::Follow {
             self.tried_s = now.0;
         }
+        self.turning_since_s = None;
         self.behaviour = to;
         (self.since_s, self.geometry) = now;
         (from != to).then_some(Transition { from, to, reason })
@@ -210,4 +211,9 @@ impl Recovery {
         }
         None
     }
+}
+
+/// Keeps since when something holds. [s]
+fn note(since_s: &mut Option<f64>, holds: bool, now_s: f64) {
+    *since_s = holds.then(|| since_s.unwrap_or(now_s));
 }

@@ -1,7 +1,6 @@
 //! What an answer of the local planner says about its inputs and its recovery.
 
 use zeronav_local_planner::Outputs;
-use zeronav_local_planner::recovery::Behaviour;
 use zeronav_local_planner::staleness::StaleInput;
 use zeronav_msgs::health::{REASON_MAP, REASON_ODOMETRY, REASON_PATH, REASON_SCAN};
 use zeronav_shell::Shell;
@@ -20,11 +19,6 @@ pub(crate) fn report(shell: &mut Shell, outputs: &Outputs) {
         );
     }
     if let Some(change) = outputs.recovery {
-        // Turns towards the path are frequent.
-        if change.from == Behaviour::Align || change.to == Behaviour::Align {
-            tracing::debug!(from = ?change.from, to = ?change.to, reason = ?change.reason, "recovery");
-        } else {
-            tracing::info!(from = ?change.from, to = ?change.to, reason = ?change.reason, "recovery");
-        }
+        tracing::info!(from = ?change.from, to = ?change.to, reason = ?change.reason, "recovery");
     }
 }

@@ -3,10 +3,8 @@
 /// What the robot does.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Behaviour {
-    /// Following the path, as the controller decides.
+    /// Following the path, as the pilot decides: turns on the spot and the arrival included.
     Follow,
-    /// Turning on the spot towards the path, as the controller decides.
-    Align,
     /// Waiting for another path.
     AskForPath,
     /// Driving back along the track that it came by.
@@ -48,10 +46,6 @@ impl Behaviour {
 pub enum Reason {
     /// Another goal is current, or none.
     AnotherGoal,
-    /// The controller turns on the spot.
-    TurnsOnTheSpot,
-    /// It has turned.
-    Aligned,
     /// No motion is admissible.
     Blocked,
     /// The robot does not come closer.
@@ -99,7 +93,7 @@ pub struct Facts {
     pub geometry: u64,
     /// The controller finds no admissible motion.
     pub blocked: bool,
-    /// The controller turns on the spot.
+    /// The pilot turns on the spot.
     pub turns: bool,
     /// [s] since the robot came closer to the goal.
     pub stalled_s: f64,

@@ -16,6 +16,8 @@ pub(super) struct View<'a> {
     pub(super) lasted_s: f64,
     /// [s] without an admissible motion.
     pub(super) blocked_s: f64,
+    /// [s] of turning on the spot without a pause.
+    pub(super) turning_s: f64,
     /// [s] since the last manoeuvre, wait or question ended.
     pub(super) since_tried_s: f64,
     /// Something was tried since the robot last came closer.
@@ -50,20 +52,20 @@ pub(super) struct Rule {
     pub(super) reason: Reason,
 }
 
-use Behaviour::{Align, AskForPath, BackUp, Follow, Rotate, Wait};
+use Behaviour::{AskForPath, BackUp, Follow, Rotate, Wait};
 use Next::{Attempt, Climb, Escalate, EscalateAfresh, Go};
 
 /// Every transition of a robot that has a goal and time left.
 pub(super) const RULES: &[Rule] = &[
     Rule {
-        from: &[Follow, Align],
+        from: &[Follow],
         when: "no motion admissible for `patience_s`, a dynamic obstacle near, nothing tried yet",
         holds: |view| is_blocked(view) && view.facts.dynamic_obstacle && !view.escalated,
         next: Attempt(Wait),
         reason: Reason::DynamicObstacle,
     },
     Rule {
-        from: &[Follow, Align],
+        from: &[Follow],
         when: "no motion admissible for `patience_s`",
         holds: is_blocked,
         next: Escalate,
@@ -71,30 +73,19 @@ pub(super) const RULES: &[Rule] = &[
     },
     Rule {
         from: &[Follow],
-        when: "no progress for `task.no_progress_s`, nothing tried for `wait_s`",
-        // An attempt needs time to show.
-        holds: |view| view.facts.no_progress && view.since_tried_s > view.config.wait_s,
+        when: "no progress for `task.no_progress_s`, nothing tried for `wait_s`, no turn on the spot",
+        // An attempt needs time to show, and a turn on the spot comes no closer.
+        holds: |view| {
+            let tried_lately = view.since_tried_s <= view.config.wait_s;
+            view.facts.no_progress && !tried_lately && !view.facts.turns
+        },
         next: Escalate,
         reason: Reason::NoProgress,
     },
     Rule {
         from: &[Follow],
-        when: "the controller turns on the spot",
-        holds: |view| view.facts.turns,
-        next: Go(Align),
-        reason: Reason::TurnsOnTheSpot,
-    },
-    Rule {
-        from: &[Align],
-        when: "the turn is complete",
-        holds: |view| !view.facts.turns,
-        next: Go(Follow),
-        reason: Reason::Aligned,
-    },
-    Rule {
-        from: &[Align],
-        when: "longer than 2 `manoeuvre_s`",
-        holds: |view| view.lasted_s > 2.0 * view.config.manoeuvre_s,
+        when: "turning on the spot for longer than 2 `manoeuvre_s`",
+        holds: |view| view.turning_s > 2.0 * view.config.manoeuvre_s,
         next: Escalate,
         reason: Reason::TimedOut,
     },
