@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string_view>
+#include <tuple>
 #include <type_traits>
 
 namespace zeronav {
@@ -2590,6 +2591,13 @@ struct run_spans {
     static constexpr std::array<Role, 0> RINGS{};
     static constexpr std::array<Role, 1> RINGS_IN_LOCKSTEP{Role::robot};
 };
+
+/// All of them.
+using All = std::tuple<robot_description, robot_scan, robot_odometry, map_update, map_keyframe,
+    map_obstacles, plan_path, plan_request, task_goal, task_status, control_velocity_request,
+    robot_velocity_command, run_clock, run_control, sim_ground_truth, sim_placement, health_robot,
+    health_mapping, health_global_planner, health_local_planner, health_collision_guard,
+    run_spans>;
 
 }  // namespace topics
 

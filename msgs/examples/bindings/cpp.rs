@@ -19,6 +19,7 @@ const HEAD: &str = r#"// The contract between the processes of zeronav: messages
 #include <cstddef>
 #include <cstdint>
 #include <string_view>
+#include <tuple>
 #include <type_traits>
 
 namespace zeronav {
@@ -92,6 +93,10 @@ pub(crate) fn text(contract: &Contract) -> String {
     for topic in &contract.topics {
         write_topic(&mut text, topic);
     }
+    let names: Vec<String> = contract.topics.iter().map(type_name).collect();
+    text.push_str("\n/// All of them.\n");
+    let all = format!("using All = std::tuple<{}>;", names.join(", "));
+    wrap(&mut text, &all, "", "    ");
     text.push_str("\n}  // namespace topics\n\n}  // namespace zeronav\n");
     text
 }
@@ -184,7 +189,7 @@ fn write_topic(text: &mut String, topic: &TopicLayout) {
     };
     let number =
         |name: &str, value: usize| format!("static constexpr std::size_t {name} = {value}");
-    let _ = writeln!(text, "\nstruct {} {{", row.name.replace('/', "_"));
+    let _ = writeln!(text, "\nstruct {} {{", type_name(topic));
     for line in [
         format!("using Envelope = {envelope}"),
         format!("using Item = {item}"),
@@ -204,6 +209,11 @@ fn write_topic(text: &mut String, topic: &TopicLayout) {
         wrap(text, &format!("{line};"), "    ", "    ");
     }
     text.push_str("};\n");
+}
+
+/// Name of a topic's type: `robot_scan` for `robot/scan`.
+fn type_name(topic: &TopicLayout) -> String {
+    topic.row.name.replace('/', "_")
 }
 
 /// Type and array lengths of a declaration.
