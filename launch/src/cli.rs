@@ -1,11 +1,13 @@
 //! The command line.
 
+use crate::logs::LogsArgs;
 use crate::remote::GoalOrder;
 use crate::run_plan::RunPlan;
 use crate::scenario::{COORDINATE_M_MAX, TOLERANCE, YAW_RAD_MAX};
 use crate::suite::noise::Noise;
 use crate::suite::plan::SuitePlan;
 use crate::supervise::cleaner;
+use crate::topics::cli::TopicsArgs;
 use crate::version::VERSION;
 use clap::{Args, Parser, Subcommand};
 use core::ops::Range;
@@ -83,6 +85,16 @@ pub enum Command {
     },
     /// Send a running robot somewhere else.
     Goal(GoalArgs),
+    /// Look into a running stack: its topics, their rates, every message with its units.
+    Topics(TopicsArgs),
+    /// What the processes of a running stack write, merged by time.
+    Logs(LogsArgs),
+    /// Whether this machine can run a stack well, and what to do where it cannot.
+    Doctor {
+        /// Print one JSON object.
+        #[arg(long)]
+        json: bool,
+    },
     /// Run the worlds of a data set, or a folder of scenarios, in lockstep on all cores.
     Suite(SuiteArgs),
     /// Draw a recorded run as an animated SVG.

@@ -9,7 +9,7 @@ use zeronav::cli::{Cli, Command};
 use zeronav::exit::EXIT_USAGE;
 use zeronav::show::{log, terminal};
 use zeronav::supervise::{cleaner, warden};
-use zeronav::{commands, draw, look, params, remote};
+use zeronav::{commands, doctor, draw, logs, look, params, remote, topics};
 use zeronav_msgs::role::Role;
 use zeronav_shell::flags::one_line;
 
@@ -35,9 +35,12 @@ fn main() -> ExitCode {
     }
     warden::enable();
     log::start();
-    // Whatever a killed run has left is removed by the next command, whichever it is.
-    for root in zeronav_shell::domain::sweep_dead() {
-        tracing::info!(root = %root.display(), "removed the domain of a run that was killed");
+    // Whatever a killed run has left is removed by the next command, whichever it is; the doctor
+    // does it itself.
+    if !matches!(cli.command, Command::Doctor { .. }) {
+        for root in zeronav_shell::domain::sweep_dead() {
+            tracing::info!(root = %root.display(), "removed the domain of a run that was killed");
+        }
     }
     terminal::settle(match cli.command {
         Command::Run(arguments) => commands::run(&arguments.plan(), arguments.json),
@@ -60,6 +63,9 @@ fn main() -> ExitCode {
         }
         Command::Schema => params::schema(),
         Command::Ps { json } => remote::ps(json),
+        Command::Topics(arguments) => topics::topics(&arguments),
+        Command::Logs(arguments) => logs::logs(&arguments),
+        Command::Doctor { json } => doctor::doctor(json),
         Command::Goal(arguments) => remote::goal(&arguments.order()),
         Command::Draw(arguments) => draw::draw(&arguments.run, arguments.out.as_deref()),
         Command::Suite(arguments) => commands::suite(&arguments.plan(), arguments.json),

@@ -76,6 +76,17 @@ impl Running {
         }
     }
 
+    /// What the run says of itself.
+    ///
+    /// # Errors
+    /// As [`Self::ask`].
+    pub(crate) fn report(&self) -> Result<RunReport, String> {
+        match self.ask(&Request::Ps)? {
+            Reply::Run(report) => Ok(report),
+            _ => Err(self.refusal("the answer is not what was asked for")),
+        }
+    }
+
     /// A problem with this run, in one line.
     #[must_use]
     pub(crate) fn refusal(&self, problem: &str) -> String {

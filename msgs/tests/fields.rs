@@ -134,7 +134,7 @@ fn every_field_has_a_unit_a_code_or_a_kind() {
 #[test]
 fn slices_of_plain_numbers_have_a_unit() {
     let numbers = collect().numbers;
-    assert_eq!(numbers.len(), 1, "robot/scan");
+    assert_eq!(numbers.len(), 1, "the ranges of a scan");
     for (row, meta) in numbers {
         assert_eq!(meta.item_unit(), Some("m"), "{}", row.name);
     }

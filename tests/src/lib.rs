@@ -9,6 +9,7 @@ pub mod data;
 pub mod python;
 pub mod results;
 pub mod rooms;
+mod said;
 pub mod seats;
 pub mod structure;
 

@@ -3,7 +3,8 @@
 
 use crate::exit::{EXIT_OUTPUT, EXIT_USAGE};
 use indicatif::ProgressBar;
-use std::io::{ErrorKind, Write};
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use std::io::{BufWriter, ErrorKind, Write};
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
@@ -19,15 +20,32 @@ static LINE: Mutex<Option<ProgressBar>> = Mutex::new(None);
 /// no error; whatever else keeps the text from being written ends the command with
 /// [`EXIT_OUTPUT`].
 pub fn say(text: &str) {
-    let mut output = std::io::stdout().lock();
-    let written = output
-        .write_all(printable_lines(text).as_bytes())
-        .and_then(|()| output.flush());
-    if let Err(error) = written
-        && error.kind() != ErrorKind::BrokenPipe
-    {
-        lose(&format!("writing to standard output: {error}"));
+    let _ = pour(|to| to.write_all(printable_lines(text).as_bytes()));
+}
+
+/// [`say`] for text that is made while it is written; false when no more can be written.
+pub fn pour(write: impl FnOnce(&mut dyn Write) -> std::io::Result<()>) -> bool {
+    let mut output = BufWriter::new(std::io::stdout().lock());
+    match write(&mut output).and_then(|()| output.flush()) {
+        Ok(()) => true,
+        Err(error) => {
+            // What is left in the buffer must not be tried again.
+            let _ = output.into_parts();
+            if error.kind() != ErrorKind::BrokenPipe {
+                lose(&format!("writing to standard output: {error}"));
+            }
+            false
+        }
     }
+}
+
+/// False when standard output is a pipe that nobody reads any more.
+#[must_use]
+pub fn is_read() -> bool {
+    let output = std::io::stdout();
+    let mut look = [PollFd::new(&output, PollFlags::empty())];
+    let polled = poll(&mut look, Some(&Timespec::default()));
+    polled.is_err() || !look[0].revents().contains(PollFlags::ERR)
 }
 
 /// Writes a value to standard output as JSON.

@@ -351,6 +351,23 @@ pub fn all() -> Vec<PathBuf> {
     roots
 }
 
+/// The caller's segments whose domain is gone: the folder is made before and removed after them.
+#[must_use]
+pub fn stray_segments() -> Vec<PathBuf> {
+    let len = PREFIX_START.len() + RANDOM_LETTERS;
+    let is_stray = |path: &PathBuf| {
+        let name = path.file_name().and_then(|name| name.to_str());
+        let name = name.and_then(|name| name.get(..=len)?.strip_suffix('_'));
+        name.is_some_and(|name| !Path::new(SHM).join(name).exists())
+    };
+    let mut stray: Vec<PathBuf> = segments(PREFIX_START)
+        .map(|(path, _)| path)
+        .filter(is_stray)
+        .collect();
+    stray.sort();
+    stray
+}
+
 /// Removes every domain without members; returns those.
 #[must_use]
 pub fn sweep_dead() -> Vec<PathBuf> {

@@ -8,11 +8,13 @@ use crate::records::{SpanReader, SpanWriter};
 use crate::writer::Writer;
 use core::any::Any;
 use iceoryx2::node::Node;
+use iceoryx2::port::subscriber::SubscriberCreateError;
 use iceoryx2::prelude::{
     AttributeSpecifier, AttributeVerifier, NodeBuilder, ServiceName, SignalHandlingMode, ipc,
 };
 use iceoryx2::service::attribute::{AttributeKey, AttributeValue};
 use iceoryx2::service::builder::publish_subscribe::PublishSubscribeOpenError;
+use iceoryx2::service::port_factory::PortFactory as _;
 use iceoryx2::service::port_factory::publish_subscribe::PortFactory;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::span::Span;
@@ -190,8 +192,36 @@ impl Peer {
     /// # Errors
     /// [`StartError::Contract`] when the topic is another than this build knows.
     pub fn stream<T: Topic>(&self) -> Result<Stream<T>, StartError> {
-        let factory = self.open::<T>(T::ROW)?;
-        Ok(Stream::new(T::ROW, self.subscriber::<T>(T::ROW, &factory)?))
+        self.stream_on::<T>(T::ROW)
+    }
+
+    /// [`Self::stream`] on a row that shares its type with others, such as a heartbeat.
+    ///
+    /// # Errors
+    /// As [`Self::stream`].
+    pub fn stream_on<T: Topic>(&self, row: &'static TopicRow) -> Result<Stream<T>, StartError> {
+        let factory = self.open::<T>(row)?;
+        Ok(Stream::new(row, self.subscriber::<T>(row, &factory)?))
+    }
+
+    /// How many writers and readers a topic has now.
+    ///
+    /// # Errors
+    /// As [`Self::latest`].
+    pub fn ports<T: Topic>(&self, row: &'static TopicRow) -> Result<[usize; 2], StartError> {
+        let factory = self.open::<T>(row)?;
+        let ports = factory.dynamic_config();
+        Ok([ports.number_of_publishers(), ports.number_of_subscribers()])
+    }
+
+    /// How many writers and readers `run/spans` has now.
+    ///
+    /// # Errors
+    /// As [`Self::latest`].
+    pub fn span_ports(&self) -> Result<[usize; 2], StartError> {
+        let factory = self.open_spans()?;
+        let ports = factory.dynamic_config();
+        Ok([ports.number_of_publishers(), ports.number_of_subscribers()])
     }
 
     /// Opens the writer of `run/spans`.
@@ -221,7 +251,7 @@ impl Peer {
             .open_spans()?
             .subscriber_builder()
             .create()
-            .map_err(|error| StartError::system("reading run/spans", error))?;
+            .map_err(|error| read_error(&SPANS, error))?;
         Ok(SpanReader::new(subscriber))
     }
 
@@ -239,7 +269,7 @@ impl Peer {
             .subscriber_builder()
             .buffer_size(buffer)
             .create()
-            .map_err(|error| StartError::system(format!("reading {}", row.name), error))
+            .map_err(|error| read_error(row, error))
     }
 
     fn open<T: Topic>(&self, row: &'static TopicRow) -> Result<Factory<T>, StartError> {
@@ -355,6 +385,17 @@ fn retry<R>(mut open: impl FnMut() -> Result<R, StartError>) -> Result<R, StartE
         }
     }
     last
+}
+
+fn read_error(row: &TopicRow, error: SubscriberCreateError) -> StartError {
+    let what = format!("reading {}", row.name);
+    match error {
+        SubscriberCreateError::ExceedsMaxSupportedSubscribers => StartError::system(
+            what,
+            format!("all {READERS_MAX} places for readers are taken"),
+        ),
+        other => StartError::system(what, other),
+    }
 }
 
 fn open_error(topic: &str, error: PublishSubscribeOpenError) -> StartError {

@@ -198,6 +198,7 @@ pub struct Stream<T: Topic> {
     subscriber: Subscriber<T>,
     last: Id,
     gaps: u64,
+    missed: u64,
 }
 
 impl<T: Topic> Stream<T> {
@@ -207,12 +208,20 @@ impl<T: Topic> Stream<T> {
             subscriber,
             last: Id::NONE,
             gaps: 0,
+            missed: 0,
         }
     }
 
     /// Shows every message that has come to `see`, oldest first.
     pub fn drain(&mut self, roster: &Roster, mut see: impl FnMut(View<'_, T>)) {
-        while let Ok(Some(sample)) = self.subscriber.receive() {
+        while self.take(roster, &mut see).is_some() {}
+    }
+
+    /// Shows the oldest message that has come to `see`, and gives it back to its writer; `None` when
+    /// there is no more.
+    pub fn take<R>(&mut self, roster: &Roster, see: impl FnOnce(View<'_, T>) -> R) -> Option<R> {
+        loop {
+            let sample = self.subscriber.receive().ok().flatten()?;
             if !self.gate.admits::<T>(&sample, roster) {
                 continue;
             }
@@ -220,9 +229,10 @@ impl<T: Topic> Stream<T> {
             let id = message.header.id();
             if id.epoch() == self.last.epoch() && id > self.last.next() {
                 self.gaps += 1;
+                self.missed += id.0 - self.last.next().0;
             }
             self.last = id;
-            see(message);
+            return Some(see(message));
         }
     }
 
@@ -230,6 +240,12 @@ impl<T: Topic> Stream<T> {
     #[must_use]
     pub fn gaps(&self) -> u64 {
         self.gaps
+    }
+
+    /// How many messages were missing, of processes of which a later one came.
+    #[must_use]
+    pub fn missed(&self) -> u64 {
+        self.missed
     }
 }
 

@@ -57,12 +57,19 @@ impl SpanReader {
     /// Shows every record that has come to `see`; of one process in order. What a shadow did
     /// counts nowhere, so its records are left out.
     pub fn drain(&mut self, mut see: impl FnMut(&Span)) {
-        while let Ok(Some(sample)) = self.subscriber.receive() {
-            let span = sample.payload();
+        while let Some(span) = self.take() {
+            see(&span);
+        }
+    }
+
+    /// The oldest record that has come, as [`Self::drain`] shows it.
+    pub fn take(&mut self) -> Option<Span> {
+        loop {
+            let span = *self.subscriber.receive().ok().flatten()?;
             if span.check().is_err() {
                 self.refused += 1;
             } else if span.epoch < SHADOW_EPOCH_MIN {
-                see(span);
+                return Some(span);
             }
         }
     }

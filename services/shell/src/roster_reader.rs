@@ -47,12 +47,11 @@ impl RosterReader {
         self.poll();
     }
 
-    /// Makes sure that `epoch` is the one that is obeyed in the seat of `role`, once launch has
-    /// published that.
+    /// Waits until launch has published which processes are obeyed.
     ///
     /// # Errors
-    /// [`StartError::Usage`] naming the epoch that launch expects.
-    pub fn expects(&mut self, role: Role, epoch: u32) -> Result<(), StartError> {
+    /// [`StartError::System`] when it does not.
+    pub fn await_known(&mut self) -> Result<(), StartError> {
         let started = Instant::now();
         while !self.roster.is_known() {
             if started.elapsed() > KNOWN_LIMIT {
@@ -64,6 +63,16 @@ impl RosterReader {
             std::thread::sleep(KNOWN_PAUSE);
             self.poll();
         }
+        Ok(())
+    }
+
+    /// Makes sure that `epoch` is the one that is obeyed in the seat of `role`, once launch has
+    /// published that.
+    ///
+    /// # Errors
+    /// [`StartError::Usage`] naming the epoch that launch expects.
+    pub fn expects(&mut self, role: Role, epoch: u32) -> Result<(), StartError> {
+        self.await_known()?;
         match self.roster.seat(role) {
             Some(seat) if seat.epoch == epoch => Ok(()),
             Some(seat) => Err(StartError::Usage(format!(

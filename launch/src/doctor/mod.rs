@@ -1,0 +1,83 @@
+//! `zeronav doctor`: whether this machine can run a stack well, and what to do where it cannot.
+
+mod checks;
+pub(crate) mod logind;
+
+use crate::exit::{EXIT_FAIL, EXIT_PASS};
+use crate::show::terminal::{say, say_json};
+use checks::{Finding, Level};
+use rustix::process::{Resource, getrlimit};
+use serde_json::json;
+use std::process::ExitCode;
+use zeronav_shell::memory::SHM;
+use zeronav_shell::{domain, printable};
+
+/// `zeronav doctor`.
+#[must_use]
+pub fn doctor(json: bool) -> ExitCode {
+    let findings = examine();
+    let worst = findings.iter().map(|finding| finding.level).max();
+    let can_run = worst < Some(Level::Error);
+    if json {
+        say_json(&json!({ "can_run": can_run, "checks": findings }));
+    } else {
+        say(&findings.iter().map(text).collect::<String>());
+    }
+    ExitCode::from(if can_run { EXIT_PASS } else { EXIT_FAIL })
+}
+
+/// A finding as one line, and its fix below.
+fn text(finding: &Finding) -> String {
+    let level = match finding.level {
+        Level::Ok => "ok",
+        Level::Warning => "warning",
+        Level::Error => "error",
+    };
+    let fix = finding
+        .fix
+        .as_ref()
+        .map(|fix| format!("{:8}   {}\n", "", printable(fix)));
+    format!(
+        "{level:8} {}: {}\n{}",
+        finding.check,
+        printable(&finding.seen),
+        fix.unwrap_or_default()
+    )
+}
+
+fn examine() -> Vec<Finding> {
+    let read = |file: &str| std::fs::read_to_string(file).ok();
+    // The only thing that is changed: what nobody holds a lock of any more.
+    let removed = domain::sweep_dead();
+    let (files, locked) = (getrlimit(Resource::Nofile), getrlimit(Resource::Memlock));
+    let clock = read("/sys/devices/system/clocksource/clocksource0/current_clocksource");
+    vec![
+        checks::leftovers(domain::all().len(), &removed, &domain::stray_segments()),
+        checks::shared_memory(shared_memory()),
+        checks::open_files(files.current, files.maximum),
+        checks::locked_memory(locked.current, &read("/proc/swaps").unwrap_or_default()),
+        checks::clock_source(clock.as_deref()),
+        checks::cores(std::thread::available_parallelism().map_or(1, usize::from)),
+        checks::governor(&governors()),
+        checks::remove_ipc(&logind::Facts::read()),
+    ]
+}
+
+/// Size of /dev/shm and what is free of it. [bytes]
+fn shared_memory() -> Option<[u64; 2]> {
+    let stat = rustix::fs::statvfs(SHM).ok()?;
+    Some([stat.f_blocks, stat.f_bavail].map(|blocks| blocks.saturating_mul(stat.f_frsize)))
+}
+
+/// The governor of every core.
+fn governors() -> Vec<String> {
+    let cores = std::fs::read_dir("/sys/devices/system/cpu");
+    cores
+        .into_iter()
+        .flatten()
+        .flatten()
+        .filter_map(|core| {
+            std::fs::read_to_string(core.path().join("cpufreq/scaling_governor")).ok()
+        })
+        .collect()
+}

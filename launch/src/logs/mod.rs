@@ -1,0 +1,128 @@
+//! `zeronav logs`: what the processes of a run write, merged by time.
+
+mod merge;
+
+use crate::exit::{EXIT_INTERRUPTED, EXIT_PASS};
+use crate::interrupts::interrupts;
+use crate::running;
+use crate::show::terminal::{is_read, note, pour, usage};
+use clap::Args;
+use merge::{Line, Merge};
+use serde_json::json;
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::sync::atomic::Ordering;
+use std::time::Duration;
+use zeronav_msgs::role::Role;
+use zeronav_shell::{Domain, printable};
+
+/// Time between two looks at the logs.
+const PAUSE: Duration = Duration::from_millis(50);
+
+/// Arguments of `zeronav logs`.
+#[derive(Debug, Clone, Args)]
+pub struct LogsArgs {
+    /// Whose, such as `local_planner` or `launch`; without, of all.
+    #[arg(value_parser = clap::builder::PossibleValuesParser::new(writers()),
+          hide_possible_values = true)]
+    pub role: Option<String>,
+    /// Go on until the run ends.
+    #[arg(short, long)]
+    pub follow: bool,
+    /// Root folder of the run, when several go on (see `zeronav ps`).
+    #[arg(long, value_name = "ROOT")]
+    pub domain: Option<PathBuf>,
+    /// Print one JSON object per line.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Who writes a log.
+fn writers() -> impl Iterator<Item = &'static str> {
+    let roles = [Role::Launch].into_iter().chain(Role::SERVICES);
+    roles.map(Role::label)
+}
+
+/// `zeronav logs`.
+#[must_use]
+pub fn logs(arguments: &LogsArgs) -> ExitCode {
+    match show(arguments) {
+        Ok(code) => ExitCode::from(code),
+        Err(problem) => usage(&problem),
+    }
+}
+
+fn show(arguments: &LogsArgs) -> Result<u8, String> {
+    let run = running::find(arguments.domain.as_deref())?;
+    let folder = run.report()?.folder.join("logs");
+    let unreadable = |error| format!("{}: {error}", folder.display());
+    let mut merge = Merge::new(&folder, arguments.role.as_deref());
+    merge.look().map_err(unreadable)?;
+    if !arguments.follow {
+        if arguments.role.is_some() && merge.names().next().is_none() {
+            return Err(format!("{}: no such log", folder.display()));
+        }
+        let _ = show_lines(&mut merge, arguments, true);
+        return Ok(EXIT_PASS);
+    }
+    let interrupted = interrupts()?;
+    // As a member it sees at once that launch is gone.
+    let domain = Domain::join(run.root()).map_err(|error| error.to_string())?;
+    loop {
+        let is_over = domain.is_orphaned();
+        // A run's folder may be removed while it goes on.
+        let _ = merge.look();
+        if !show_lines(&mut merge, arguments, is_over) || !is_read() {
+            return Ok(EXIT_PASS);
+        }
+        if interrupted.load(Ordering::Relaxed) {
+            return Ok(EXIT_INTERRUPTED);
+        }
+        if is_over {
+            // Of a run that is over, launch removes what this cannot.
+            let _ = domain.close();
+            note("the run has ended");
+            return Ok(EXIT_PASS);
+        }
+        std::thread::sleep(PAUSE);
+    }
+}
+
+/// Shows the lines that are there; false when nobody reads them.
+fn show_lines(merge: &mut Merge, arguments: &LogsArgs, last: bool) -> bool {
+    let width = writers().map(str::len).max().unwrap_or(0);
+    pour(|to| {
+        while let Some(line) = merge.next(last) {
+            if arguments.json {
+                writeln!(to, "{}", to_json(&line))?;
+                continue;
+            }
+            let text = String::from_utf8_lossy(&line.bytes);
+            if arguments.role.is_none() {
+                write!(to, "{:width$}  ", printable(&line.name))?;
+            }
+            writeln!(to, "{}", printable(&text))?;
+        }
+        Ok(())
+    })
+}
+
+/// Time, service, level and text of a line; foreign output has no level.
+fn to_json(line: &Line) -> String {
+    let text = String::from_utf8_lossy(&line.bytes);
+    let after = text.strip_prefix(&line.time).unwrap_or(&text).trim_start();
+    let (word, rest) = after.split_once(' ').unwrap_or(("", after));
+    let is_level = matches!(word, "ERROR" | "WARN" | "INFO" | "DEBUG" | "TRACE");
+    let (level, text) = if is_level {
+        (Some(word.to_lowercase()), rest)
+    } else {
+        (None, after)
+    };
+    let value = json!({
+        "time": (!line.time.is_empty()).then_some(&line.time),
+        "service": line.name,
+        "level": level,
+        "text": text,
+    });
+    zeronav_shell::printable::printable_json(&value.to_string()).into_owned()
+}
