@@ -4,7 +4,7 @@
 use std::path::Path;
 use std::process::{Command, Output};
 use tempfile::TempDir;
-use zeronav_msgs::header::{Header, Parents, Stamps};
+use zeronav_msgs::header::{Header, Id, Parents, Stamps};
 use zeronav_msgs::role::Role;
 use zeronav_msgs::task::{EndReason, StuckCause, TaskState, TaskStatus};
 use zeronav_msgs::topics::{Envelope, TaskState as Status, Topic, topics};
@@ -86,7 +86,8 @@ fn topics_are_the_same_in_cpp() {
             ("l", row.rings_in_lockstep),
         ] {
             for role in roles {
-                line += &format!(" {sign}{}", role.code());
+                let word = format!(" {sign}{}", role.code());
+                line += &word;
             }
         }
         expected += &line;
@@ -100,7 +101,7 @@ fn the_bytes_of_a_message_mean_the_same_in_cpp() {
     let header = Header {
         role: Role::LocalPlanner.code(),
         schema: u32::try_from(Status::ROW.schema & 0xffff_ffff).expect("32 bits"),
-        id: 3 << 40 | 17,
+        id: Id::new(3, 17).0,
         tick: 99,
         capture_ns: u64::MAX,
         parents: Parents {
