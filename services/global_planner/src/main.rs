@@ -1,20 +1,18 @@
 //! The global planner as a process: answers every map update, goal and request with a path.
 
+mod choice;
 mod readings;
 
+use choice::unusable;
 use readings::Readings;
 use std::process::ExitCode;
-use zeronav_global_planner::{
-    BuildError, Control, GlobalPlannerConfig, News, PLANNERS, PlannerRow, Replanner, Step,
-    UnknownPlanner,
-};
+use zeronav_global_planner::{Control, GlobalPlannerConfig, News, Replanner, Step};
 use zeronav_msgs::path::{Path, WAYPOINTS_MAX};
 use zeronav_msgs::role::Role;
 use zeronav_msgs::topics::PlanPath;
 use zeronav_params::Parameter;
 use zeronav_shell::clock::now_ns;
 use zeronav_shell::doorbell::Rung;
-use zeronav_shell::nearest::unknown;
 use zeronav_shell::{Due, Service, Shell, StartError, Writer};
 
 /// Expansions of work ahead between two polls of the inputs: some 0.2 ms, which a map update may
@@ -27,39 +25,16 @@ struct PlannerService {
     path: Writer<PlanPath>,
 }
 
-fn unusable(error: BuildError) -> StartError {
-    match error {
-        BuildError::Planner(UnknownPlanner { key }) => {
-            let known = PLANNERS.iter().map(|row| row.key);
-            StartError::config("planner", unknown("planner", &key, known))
-        }
-        BuildError::Parameter(error) => error.into(),
-    }
-}
-
 impl Service for PlannerService {
     const ROLE: Role = Role::GlobalPlanner;
     type Config = GlobalPlannerConfig;
 
     fn algorithms() -> Vec<(&'static str, String)> {
-        let line = |row: &PlannerRow| {
-            let may_fail = if row.complete {
-                ""
-            } else {
-                "; may miss a way that there is"
-            };
-            (row.key, format!("{}{may_fail} ({})", row.title, row.source))
-        };
-        PLANNERS.iter().map(line).collect()
+        choice::planners()
     }
 
     fn parameters() -> Vec<Parameter> {
-        let listed = |one: Parameter| match one.path.as_str() {
-            "planner" => one.with_choices(Self::algorithms().into_iter()),
-            _ => one,
-        };
-        let parameters = zeronav_params::describe::<GlobalPlannerConfig>();
-        parameters.into_iter().map(listed).collect()
+        choice::parameters()
     }
 
     fn check(config: &GlobalPlannerConfig) -> Result<(), StartError> {

@@ -1,15 +1,15 @@
 //! The local planner as a process: answers every odometry, scan and path with a velocity request.
 
+mod choice;
 mod goal_log;
 mod readings;
 mod report;
 
+use choice::unusable;
 use goal_log::GoalLog;
 use readings::{News, Readings};
 use report::report;
 use std::process::ExitCode;
-use zeronav_local_planner::period::BuildError;
-use zeronav_local_planner::table::{CONTROLLERS, ControllerRow, UnknownController};
 use zeronav_local_planner::{LocalPlanner, LocalPlannerConfig};
 use zeronav_msgs::role::Role;
 use zeronav_msgs::task::GOALS_MAX;
@@ -17,7 +17,6 @@ use zeronav_msgs::time::seconds;
 use zeronav_msgs::topics::{ControlRequest, PlanRequests, TaskState};
 use zeronav_params::Parameter;
 use zeronav_shell::doorbell::Rung;
-use zeronav_shell::nearest::unknown;
 use zeronav_shell::{Draft, Due, Service, Shell, StartError, Trigger, Writer};
 
 /// Ticks between two statuses of an unchanged task.
@@ -37,32 +36,16 @@ struct PlannerService {
     goal_log: GoalLog,
 }
 
-fn unusable(error: BuildError) -> StartError {
-    match error {
-        BuildError::Controller(UnknownController { key }) => {
-            let known = CONTROLLERS.iter().map(|row| row.key);
-            StartError::config("controller", unknown("controller", &key, known))
-        }
-        BuildError::Config(error) => error.into(),
-    }
-}
-
 impl Service for PlannerService {
     const ROLE: Role = Role::LocalPlanner;
     type Config = LocalPlannerConfig;
 
     fn algorithms() -> Vec<(&'static str, String)> {
-        let line = |row: &ControllerRow| (row.key, format!("{} ({})", row.title, row.source));
-        CONTROLLERS.iter().map(line).collect()
+        choice::controllers()
     }
 
     fn parameters() -> Vec<Parameter> {
-        let listed = |one: Parameter| match one.path.as_str() {
-            "controller" => one.with_choices(Self::algorithms().into_iter()),
-            _ => one,
-        };
-        let parameters = zeronav_params::describe::<LocalPlannerConfig>();
-        parameters.into_iter().map(listed).collect()
+        choice::parameters()
     }
 
     fn check(config: &LocalPlannerConfig) -> Result<(), StartError> {

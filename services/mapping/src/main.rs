@@ -11,19 +11,14 @@ use run_log::RunLog;
 use std::process::ExitCode;
 use zeronav_mapping::{Mapping, MappingConfig};
 use zeronav_msgs::header::Parents;
-use zeronav_msgs::health::{REASON_ODOMETRY, REASON_SCAN};
-use zeronav_msgs::obstacles::{OBSTACLES_MAX, Obstacle, Obstacles};
 use zeronav_msgs::pose::Pose;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::span::SpanKind;
-use zeronav_msgs::topics::{EVENT_NEED_KEYFRAME, MapObstacles};
+use zeronav_msgs::topics::EVENT_NEED_KEYFRAME;
 use zeronav_params::Parameter;
 use zeronav_shell::doorbell::Rung;
-use zeronav_shell::{Due, Service, Shell, StartError, Trigger, Writer};
+use zeronav_shell::{Due, Service, Shell, StartError};
 use zeronav_world::StaticMap;
-
-/// Time without a scan after which the map is not current. [ns]
-const STALE_NS: u64 = 500_000_000;
 
 struct MappingService {
     config: MappingConfig,
@@ -32,8 +27,6 @@ struct MappingService {
     mapping: Option<Mapping>,
     readings: Readings,
     map: MapOutput,
-    tracked: Writer<MapObstacles>,
-    obstacles: Vec<Obstacle>,
     log: RunLog,
 }
 
@@ -51,17 +44,13 @@ impl Service for MappingService {
 
     fn open(shell: &mut Shell, config: MappingConfig) -> Result<Self, StartError> {
         let (loaded, geometry) = map_files::load(&config)?;
-        for warning in loaded.iter().flat_map(|loaded| &loaded.warnings) {
-            tracing::warn!("{warning}");
-        }
+        map_files::warn(loaded.as_ref());
         let peer = shell.peer();
         Ok(Self {
             static_map: loaded.map(|loaded| loaded.map),
             mapping: None,
             readings: Readings::open(peer, config.regularisation.enabled)?,
             map: MapOutput::open(peer, config.window.most_tiles(&geometry))?,
-            tracked: peer.writer(OBSTACLES_MAX)?,
-            obstacles: Vec::with_capacity(OBSTACLES_MAX),
             log: RunLog::default(),
             config,
         })
@@ -75,22 +64,15 @@ impl Service for MappingService {
             return Ok(());
         }
         let poses = self.readings.poses_of_scan();
-        let trigger = Trigger {
-            tick: self.readings.scan.tick(),
-            complete: poses.is_some(),
-            ..Trigger::default()
-        };
-        for due in shell.due(&trigger) {
+        for due in shell.due(&self.readings.trigger(poses.is_some())) {
             match poses.filter(|_| due.kind == SpanKind::Answer) {
                 Some(poses) => self.answer(shell, due, poses),
                 None => self.send_first(shell, due),
             }
         }
-        self.check_scans(shell);
-        shell.reason(
-            REASON_ODOMETRY,
-            self.readings.scan.tick() > shell.answered_tick(),
-        );
+        if self.readings.report(shell) {
+            self.send_stale(shell);
+        }
         if rung.has(EVENT_NEED_KEYFRAME) {
             self.map.want_keyframe();
         }
@@ -104,19 +86,13 @@ impl Service for MappingService {
 impl MappingService {
     /// Makes the map once the robot is known.
     fn make_map(&mut self) -> Result<(), StartError> {
-        if self.mapping.is_some() {
-            return Ok(());
+        if self.mapping.is_none()
+            && let Some(robot) = self.readings.description.get()
+        {
+            let static_map = self.static_map.take();
+            let mapping = map_files::begin(&self.config, static_map.as_ref(), &robot)?;
+            self.mapping = Some(mapping);
         }
-        let Some(robot) = self.readings.description.get() else {
-            return Ok(());
-        };
-        let static_map = self.static_map.take();
-        let mapping = Mapping::new(&self.config, static_map.as_ref(), robot.meta, robot.items)
-            .map_err(map_files::unusable)?;
-        let geometry = mapping.mapper().geometry();
-        let (width, height) = (geometry.width, geometry.height);
-        tracing::info!(width, height, geometry.resolution_m, "the map begins");
-        self.mapping = Some(mapping);
         Ok(())
     }
 
@@ -133,24 +109,14 @@ impl MappingService {
     }
 
     fn answer(&mut self, shell: &mut Shell, due: Due, poses: (Pose, Pose)) {
-        let scan = self.readings.scan.received().unwrap_or_default();
-        let parents = self.readings.parents();
-        let draft = shell.begin(due, scan.run_ns, scan.capture_ns, parents);
-        if let Some(goal) = &mut self.readings.goal {
-            goal.advance(shell.roster(), due.tick);
-        }
+        let draft = self.readings.begin(shell, due);
         let observation = self.readings.observation(poses);
         let (Some(observation), Some(mapping)) = (observation, &mut self.mapping) else {
             return;
         };
         mapping.take_in(&observation);
         let work = u64::from(observation.scan.n_beams);
-        self.obstacles.clear();
-        self.obstacles.extend(mapping.obstacles());
-        let tracked = Obstacles {
-            n_obstacles: self.obstacles.len() as u64,
-        };
-        shell.send(&draft, &mut self.tracked, tracked, &self.obstacles);
+        let n_obstacles = self.map.send_obstacles(shell, &draft, mapping);
         self.map.current = true;
         let sent = if mapping.take_moved() {
             self.map.send_moved(shell, &draft, mapping)
@@ -159,20 +125,16 @@ impl MappingService {
         };
         shell.finish(&draft, sent, work);
         let (map_from_odom, _) = mapping.map_from_odom();
-        let n_obstacles = self.obstacles.len();
         self.log
-            .log(due.tick, scan.run_ns, &map_from_odom, n_obstacles);
+            .log(due.tick, draft.run_ns, &map_from_odom, n_obstacles);
     }
 
     /// When scans have stopped coming, one empty revision marks the map as not current.
-    fn check_scans(&mut self, shell: &mut Shell) {
-        let newest = self.readings.scan.received().unwrap_or_default();
-        let silent = shell.woken_ns().saturating_sub(newest.came_ns) > STALE_NS
-            && !shell.roster().lockstep();
-        shell.reason(REASON_SCAN, silent);
-        if let Some(mapping) = self.mapping.as_mut().filter(|_| silent && self.map.current) {
+    fn send_stale(&mut self, shell: &mut Shell) {
+        if let Some(mapping) = self.mapping.as_mut().filter(|_| self.map.current) {
             self.map.current = false;
             tracing::warn!("scans have stopped coming, the map is not current");
+            let newest = self.readings.scan.received().unwrap_or_default();
             let due = Due {
                 tick: newest.tick,
                 kind: SpanKind::Extra,

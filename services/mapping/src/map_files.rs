@@ -1,9 +1,11 @@
 //! The files of a map: the static one that is read at the start, and where the map is saved.
 
 use std::path::Path;
-use zeronav_mapping::{Mapper, MappingConfig, MappingError};
+use zeronav_mapping::{Mapper, Mapping, MappingConfig, MappingError};
 use zeronav_msgs::grid::GridGeometry;
-use zeronav_shell::StartError;
+use zeronav_msgs::topics::RobotDescription;
+use zeronav_shell::{StartError, View};
+use zeronav_world::StaticMap;
 use zeronav_world_files::map_file::{self, LoadedMap};
 
 /// Accepts a configuration whose static map can be read and whose folder for saving is there.
@@ -34,8 +36,28 @@ pub(crate) fn load(
     Ok((Some(loaded), geometry))
 }
 
+/// Logs what is odd about the static map.
+pub(crate) fn warn(loaded: Option<&LoadedMap>) {
+    for warning in loaded.iter().flat_map(|loaded| &loaded.warnings) {
+        tracing::warn!("{warning}");
+    }
+}
+
+/// The map of a robot, before its first scan.
+pub(crate) fn begin(
+    config: &MappingConfig,
+    static_map: Option<&StaticMap>,
+    robot: &View<'_, RobotDescription>,
+) -> Result<Mapping, StartError> {
+    let mapping = Mapping::new(config, static_map, robot.meta, robot.items).map_err(unusable)?;
+    let geometry = mapping.mapper().geometry();
+    let (width, height) = (geometry.width, geometry.height);
+    tracing::info!(width, height, geometry.resolution_m, "the map begins");
+    Ok(mapping)
+}
+
 /// The field of the configuration that is wrong.
-pub(crate) fn unusable(error: MappingError) -> StartError {
+fn unusable(error: MappingError) -> StartError {
     match error {
         MappingError::NoArea => StartError::config("area_m", "required without static_map"),
         MappingError::Geometry(_) => StartError::config("area_m", error),

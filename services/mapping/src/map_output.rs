@@ -1,21 +1,26 @@
-//! How mapping publishes the map: the tiles that changed as revisions, all tiles as keyframes.
+//! How mapping publishes the map: the tiles that changed as revisions, all tiles as keyframes, and
+//! what moves as tracked obstacles.
 
 use zeronav_mapping::{Mapping, TileIndex, all_tiles};
 use zeronav_msgs::header::{Id, Parents};
 use zeronav_msgs::map::{MapInfo, TILES_PER_UPDATE_MAX, tiles_of};
-use zeronav_msgs::topics::{MapKeyframe, MapUpdate};
+use zeronav_msgs::obstacles::{OBSTACLES_MAX, Obstacle, Obstacles};
+use zeronav_msgs::topics::{MapKeyframe, MapObstacles, MapUpdate};
 use zeronav_shell::clock::now_ns;
 use zeronav_shell::{Draft, Due, Peer, Sent, Shell, StartError, Writer};
 
 /// Least time between two keyframes. [ns]
 const KEYFRAME_PAUSE_NS: u64 = 50_000_000;
 
-/// Writes `map/update` and `map/keyframe`.
+/// Writes `map/update`, `map/keyframe` and `map/obstacles`.
 pub(crate) struct MapOutput {
     /// Scans are still received.
     pub(crate) current: bool,
     update: Writer<MapUpdate>,
     keyframe: Writer<MapKeyframe>,
+    tracked: Writer<MapObstacles>,
+    /// Of the newest message.
+    obstacles: Vec<Obstacle>,
     /// Tiles that changed and were not sent yet.
     tiles: Vec<TileIndex>,
     /// Revision that readers can have.
@@ -32,6 +37,8 @@ impl MapOutput {
             current: true,
             update: peer.writer(TILES_PER_UPDATE_MAX)?,
             keyframe: peer.writer(most_tiles)?,
+            tracked: peer.writer(OBSTACLES_MAX)?,
+            obstacles: Vec::with_capacity(OBSTACLES_MAX),
             tiles: Vec::with_capacity(most_tiles),
             revision: Id::NONE,
             keyframe_wanted: false,
@@ -47,6 +54,22 @@ impl MapOutput {
     /// Asks for a keyframe, after the pause.
     pub(crate) fn want_keyframe(&mut self) {
         self.keyframe_wanted = true;
+    }
+
+    /// Sends the tracked obstacles; how many there are.
+    pub(crate) fn send_obstacles(
+        &mut self,
+        shell: &mut Shell,
+        draft: &Draft,
+        mapping: &Mapping,
+    ) -> usize {
+        self.obstacles.clear();
+        self.obstacles.extend(mapping.obstacles());
+        let tracked = Obstacles {
+            n_obstacles: self.obstacles.len() as u64,
+        };
+        shell.send(draft, &mut self.tracked, tracked, &self.obstacles);
+        self.obstacles.len()
     }
 
     /// Sends the changed tiles as one revision, in as many parts as it takes. Tiles that could not

@@ -2,10 +2,16 @@
 
 use zeronav_mapping::Observation;
 use zeronav_msgs::header::Parents;
+use zeronav_msgs::health::{REASON_ODOMETRY, REASON_SCAN};
 use zeronav_msgs::pose::Pose;
 use zeronav_msgs::time::nanoseconds;
 use zeronav_msgs::topics::{RobotDescription, RobotScan};
-use zeronav_shell::{CurrentGoal, Latest, OdometryReader, Peer, Shell, StartError};
+use zeronav_shell::{
+    CurrentGoal, Draft, Due, Latest, OdometryReader, Peer, Shell, StartError, Trigger,
+};
+
+/// Time without a scan after which the map is not current. [ns]
+const STALE_NS: u64 = 500_000_000;
 
 /// The readers of the seat.
 pub(crate) struct Readings {
@@ -13,7 +19,7 @@ pub(crate) struct Readings {
     pub(crate) description: Latest<RobotDescription>,
     pub(crate) scan: Latest<RobotScan>,
     /// For regularisation only.
-    pub(crate) goal: Option<CurrentGoal>,
+    goal: Option<CurrentGoal>,
 }
 
 impl Readings {
@@ -43,6 +49,35 @@ impl Readings {
             }
             None => shell.count(&[&self.odometry, &self.scan, &self.description]),
         }
+    }
+
+    /// Which answers the newest scan asks for; `located` once its poses are known.
+    pub(crate) fn trigger(&self, located: bool) -> Trigger {
+        Trigger {
+            tick: self.scan.tick(),
+            complete: located,
+            ..Trigger::default()
+        }
+    }
+
+    /// Says in the heartbeat whether odometry or scans are missing; true when scans are.
+    pub(crate) fn report(&self, shell: &mut Shell) -> bool {
+        let newest = self.scan.received().unwrap_or_default();
+        let silent = shell.woken_ns().saturating_sub(newest.came_ns) > STALE_NS
+            && !shell.roster().lockstep();
+        shell.reason(REASON_SCAN, silent);
+        shell.reason(REASON_ODOMETRY, self.scan.tick() > shell.answered_tick());
+        silent
+    }
+
+    /// Begins the answer to the newest scan, with the goal of its tick.
+    pub(crate) fn begin(&mut self, shell: &Shell, due: Due) -> Draft {
+        let scan = self.scan.received().unwrap_or_default();
+        let draft = shell.begin(due, scan.run_ns, scan.capture_ns, self.parents());
+        if let Some(goal) = &mut self.goal {
+            goal.advance(shell.roster(), due.tick);
+        }
+        draft
     }
 
     /// `odom_from_base` at the capture of the newest scan's first and last beam; `None` until the
@@ -79,7 +114,7 @@ impl Readings {
     }
 
     /// The messages that an answer is made from.
-    pub(crate) fn parents(&self) -> Parents {
+    fn parents(&self) -> Parents {
         Parents {
             odometry: self.odometry.id().0,
             scan: self.scan.id().0,

@@ -2,16 +2,16 @@
 
 mod answers;
 mod commands;
+mod own_clock;
 mod sensors;
-mod unusable;
 mod world;
 
 use answers::AnswerReader;
 use commands::Commands;
+use own_clock::OwnClock;
 use sensors::Sensors;
 use std::process::ExitCode;
-use unusable::unusable;
-use world::world;
+use world::simulator;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::span::SpanKind;
 use zeronav_params::Parameter;
@@ -28,10 +28,8 @@ struct RobotService {
     commands: Commands,
     answers: AnswerReader,
     tick: u64,
-    /// When the next tick is due, real time only. [ns]
-    due_ns: u64,
-    /// Real time that was lost because ticks were late. [ns]
-    slipped_ns: u64,
+    /// Real time only.
+    clock: OwnClock,
 }
 
 impl Service for RobotService {
@@ -44,9 +42,7 @@ impl Service for RobotService {
 
     fn check(config: &SimConfig) -> Result<(), StartError> {
         // The length of a tick and the seed come with the run.
-        Simulator::new(config, world(config)?, 0, TICK_NS_MIN)
-            .map(|_| ())
-            .map_err(unusable)
+        simulator(config, 0, TICK_NS_MIN).map(|_| ())
     }
 
     fn open(shell: &mut Shell, config: SimConfig) -> Result<Self, StartError> {
@@ -57,8 +53,7 @@ impl Service for RobotService {
             commands: Commands::open(peer)?,
             answers: AnswerReader::open(peer)?,
             tick: 0,
-            due_ns: 0,
-            slipped_ns: 0,
+            clock: OwnClock::default(),
             config,
         })
     }
@@ -83,8 +78,8 @@ impl Service for RobotService {
                 self.tick(shell);
             }
         } else if control.paused == 1 {
-            self.due_ns = now_ns() + roster.clock.tick_ns;
-            shell.wake_by(self.due_ns);
+            let due_ns = self.clock.restart(roster.clock.tick_ns);
+            shell.wake_by(due_ns);
         } else {
             let due_ns = self.keep_time(shell);
             shell.wake_by(due_ns);
@@ -101,14 +96,12 @@ impl RobotService {
     /// Makes the world.
     fn start(&mut self, shell: &mut Shell) -> Result<(), StartError> {
         let clock = shell.roster().clock;
-        let world = world(&self.config)?;
-        let simulator =
-            Simulator::new(&self.config, world, clock.seed, clock.tick_ns).map_err(unusable)?;
+        let simulator = simulator(&self.config, clock.seed, clock.tick_ns)?;
         self.sensors.send_description(shell, &simulator);
         let seed = clock.seed;
         tracing::info!(seed, tick_ns = clock.tick_ns, "the robot begins");
         self.simulator = Some(simulator);
-        self.due_ns = now_ns() + clock.tick_ns;
+        self.clock.restart(clock.tick_ns);
         Ok(())
     }
 
@@ -118,13 +111,7 @@ impl RobotService {
         let tick_run_ns = shell.run_ns(self.tick + 1);
         let simulator = self.simulator.as_ref();
         let capture_run_ns = simulator.and_then(|it| it.next_capture_run_ns(tick_run_ns));
-        match capture_run_ns.filter(|capture_run_ns| *capture_run_ns < tick_run_ns) {
-            Some(capture_run_ns) => {
-                let before_ns = tick_run_ns - capture_run_ns;
-                (self.due_ns.saturating_sub(before_ns), Some(capture_run_ns))
-            }
-            None => (self.due_ns, None),
-        }
+        self.clock.next_due(tick_run_ns, capture_run_ns)
     }
 
     /// Does what is due by the own clock: a scan that is captured between two ticks, then a tick.
@@ -137,14 +124,8 @@ impl RobotService {
         }
         if capture_run_ns.is_none() && now_ns() >= due_ns {
             self.tick(shell);
-            // Late ticks are not caught up: run time slips.
-            self.due_ns += shell.roster().clock.tick_ns;
-            let now = now_ns();
-            if self.due_ns < now {
-                self.slipped_ns += now - self.due_ns;
-                self.due_ns = now;
-            }
-            shell.slipped(self.slipped_ns);
+            self.clock.ticked(shell.roster().clock.tick_ns);
+            shell.slipped(self.clock.slipped_ns());
             due_ns = self.next_due(shell).0;
         }
         due_ns
@@ -173,7 +154,7 @@ impl RobotService {
             kind,
         };
         self.sensors
-            .send(shell, simulator, due, run_ns, self.slipped_ns);
+            .send(shell, simulator, due, run_ns, self.clock.slipped_ns());
     }
 }
 
