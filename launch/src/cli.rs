@@ -1,9 +1,8 @@
 //! The command line.
 
 use crate::logs::LogsArgs;
-use crate::remote::GoalOrder;
-use crate::run_plan::RunPlan;
-use crate::scenario::{COORDINATE_M_MAX, TOLERANCE, YAW_RAD_MAX};
+use crate::remote::cli::{CancelArgs, GoalArgs, GoalsArgs, StackArgs, StepArgs, WaitArgs};
+use crate::run_plan::{RunPlan, Source};
 use crate::suite::noise::Noise;
 use crate::suite::plan::SuitePlan;
 use crate::supervise::cleaner;
@@ -11,6 +10,7 @@ use crate::topics::cli::TopicsArgs;
 use crate::version::VERSION;
 use clap::{Args, Parser, Subcommand};
 use core::ops::Range;
+use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use zeronav_msgs::role::Role;
@@ -18,7 +18,6 @@ use zeronav_msgs::run::{DELAY_STEP_NS, RunMode};
 use zeronav_msgs::time::seconds;
 use zeronav_shell::logs;
 use zeronav_shell::nearest::unknown;
-use zeronav_world::error::number;
 
 /// Zero-copy, multi-process navigation: launch a scenario, swap a service, profile latency.
 #[derive(Debug, Parser)]
@@ -83,7 +82,9 @@ pub enum Command {
         #[arg(long)]
         json: bool,
     },
-    /// Send a running robot somewhere else.
+    /// Bring a stack up and keep it until `zeronav down`: it waits for goals.
+    Up(UpArgs),
+    /// Send the robot of a running stack to a pose, after the goals that were asked for before.
     Goal(GoalArgs),
     /// Look into a running stack: its topics, their rates, every message with its units.
     Topics(TopicsArgs),
@@ -95,6 +96,22 @@ pub enum Command {
         #[arg(long)]
         json: bool,
     },
+    /// Send it to the poses in a file, in order.
+    Goals(GoalsArgs),
+    /// Stop driving to a goal, or to all.
+    Cancel(CancelArgs),
+    /// Hold the run time of a running stack: the robot stops where it is.
+    Pause(StackArgs),
+    /// Let it go on.
+    Resume(StackArgs),
+    /// Let a paused lockstep stack do some ticks.
+    Step(StepArgs),
+    /// What a running stack does.
+    Status(StackArgs),
+    /// Wait until a stack is ready, its goal is over, or its robot has none.
+    Wait(WaitArgs),
+    /// Bring the robot of a running stack to rest and end the stack.
+    Down(StackArgs),
     /// Run the worlds of a data set, or a folder of scenarios, in lockstep on all cores.
     Suite(SuiteArgs),
     /// Draw a recorded run as an animated SVG.
@@ -110,11 +127,9 @@ pub enum Command {
     Warden,
 }
 
-/// Arguments of `zeronav run`.
+/// How a stack is brought up.
 #[derive(Debug, Clone, Args)]
-pub struct RunArgs {
-    /// Name (see `zeronav list`) or path of a scenario.
-    pub scenario: String,
+pub struct StartArgs {
     /// Every stage answers every tick exactly once: as fast as the machine can, the same every time.
     #[arg(long)]
     pub lockstep: bool,
@@ -131,6 +146,44 @@ pub struct RunArgs {
     /// one in a debugger. May be given several times.
     #[arg(long, value_name = "ROLE", value_parser = service_role)]
     pub external: Vec<Role>,
+    /// Folder in which the run's own folder is made.
+    #[arg(long, value_name = "FOLDER", default_value = "runs")]
+    pub out: PathBuf,
+    /// What the services log: error, warn, info, debug, trace, or a filter.
+    #[arg(long, value_name = "LEVEL", default_value = "info", value_parser = logs::filter)]
+    pub log_level: String,
+}
+
+impl StartArgs {
+    /// What the arguments mean for a scenario.
+    fn plan(&self, scenario: Source) -> RunPlan {
+        RunPlan {
+            scenario,
+            mode: if self.lockstep {
+                RunMode::Lockstep
+            } else {
+                RunMode::RealTime
+            },
+            seed: self.seed,
+            external: self.external.clone(),
+            trials: None,
+            stays: false,
+            delays: BTreeMap::new(),
+            out: self.out.clone(),
+            log_level: self.log_level.clone(),
+            progress: !self.headless,
+        }
+    }
+}
+
+/// Arguments of `zeronav run`.
+#[derive(Debug, Clone, Args)]
+pub struct RunArgs {
+    /// Name (see `zeronav list`) or path of a scenario.
+    pub scenario: String,
+    /// How the stack is brought up.
+    #[command(flatten)]
+    pub start: StartArgs,
     /// Measure: drop the scenario's obstacle before the robot N times, in three rounds, with the
     /// floor of the transport between them.
     #[arg(long, value_name = "N", conflicts_with = "lockstep",
@@ -140,12 +193,6 @@ pub struct RunArgs {
     /// else. May be given several times.
     #[arg(long, value_name = "ROLE=TIME", value_parser = delay, conflicts_with = "lockstep")]
     pub inject: Vec<(Role, u16)>,
-    /// Folder in which the run's own folder is made.
-    #[arg(long, value_name = "FOLDER", default_value = "runs")]
-    pub out: PathBuf,
-    /// What the services log: error, warn, info, debug, trace, or a filter.
-    #[arg(long, value_name = "LEVEL", default_value = "info", value_parser = logs::filter)]
-    pub log_level: String,
 }
 
 impl RunArgs {
@@ -153,56 +200,55 @@ impl RunArgs {
     #[must_use]
     pub fn plan(&self) -> RunPlan {
         RunPlan {
-            scenario: self.scenario.clone(),
-            mode: if self.lockstep {
-                RunMode::Lockstep
-            } else {
-                RunMode::RealTime
-            },
-            seed: self.seed,
-            external: self.external.clone(),
             trials: self.trials,
             delays: self.inject.iter().copied().collect(),
-            out: self.out.clone(),
-            log_level: self.log_level.clone(),
-            progress: !self.headless,
+            ..self.start.plan(Source::Named(self.scenario.clone()))
         }
     }
 }
 
-/// Arguments of `zeronav goal`.
+/// Arguments of `zeronav up`.
 #[derive(Debug, Clone, Args)]
 #[command(allow_negative_numbers = true)]
-pub struct GoalArgs {
-    /// [m] in the map frame.
-    #[arg(value_parser = coordinate)]
-    pub x: f64,
-    /// [m] in the map frame.
-    #[arg(value_parser = coordinate)]
-    pub y: f64,
-    /// [rad] counter-clockwise from +x.
-    #[arg(value_parser = yaw)]
-    pub yaw: f64,
-    /// How close counts. [m]
-    #[arg(long, value_name = "METRES", default_value_t = 0.25, value_parser = tolerance)]
-    pub tolerance: f64,
-    /// How close the yaw must be; 3.15 takes any. [rad]
-    #[arg(long, value_name = "RADIANS", default_value_t = 0.25, value_parser = tolerance)]
-    pub yaw_tolerance: f64,
-    /// Root folder of the run, when several go on (see `zeronav ps`).
-    #[arg(long, value_name = "ROOT")]
-    pub domain: Option<PathBuf>,
+pub struct UpArgs {
+    /// Name (see `zeronav list`) or path of a scenario; its goals are left out.
+    #[arg(required_unless_present = "map")]
+    pub scenario: Option<String>,
+    /// YAML file of a ROS `map_server` map, in place of a scenario.
+    #[arg(long, value_name = "MAP.yaml", conflicts_with = "scenario")]
+    pub map: Option<PathBuf>,
+    /// The robot on that map: one of `zeronav check`'s bases, such as porter or turtlebot3_burger.
+    #[arg(
+        long,
+        value_name = "PRESET",
+        default_value = "porter",
+        requires = "map"
+    )]
+    pub robot: String,
+    /// Where the robot starts on that map, x [m], y [m] and yaw [rad]; without, a free pose near its
+    /// middle.
+    #[arg(long, value_names = ["X", "Y", "YAW"], num_args = 3, requires = "map")]
+    pub start_pose: Option<Vec<f64>>,
+    /// How the stack is brought up.
+    #[command(flatten)]
+    pub start: StartArgs,
 }
 
-impl GoalArgs {
-    /// The goal and the run that it is for.
+impl UpArgs {
+    /// What the arguments mean.
     #[must_use]
-    pub fn order(&self) -> GoalOrder {
-        GoalOrder {
-            pose: [self.x, self.y, self.yaw],
-            tolerance_m: self.tolerance,
-            yaw_tolerance_rad: self.yaw_tolerance,
-            root: self.domain.clone(),
+    pub fn plan(&self) -> RunPlan {
+        let source = match (&self.scenario, &self.map) {
+            (Some(scenario), _) => Source::Named(scenario.clone()),
+            (None, map) => Source::Map {
+                map: map.clone().unwrap_or_default(),
+                robot: self.robot.clone(),
+                start: (self.start_pose.as_deref()).and_then(|pose| pose.try_into().ok()),
+            },
+        };
+        RunPlan {
+            stays: true,
+            ..self.start.plan(source)
         }
     }
 }
@@ -283,25 +329,6 @@ pub struct DrawArgs {
     /// File to write; without, animation.svg in that folder.
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
-}
-
-/// A number within a range.
-fn ranged(text: &str, [min, max]: [f64; 2]) -> Result<f64, String> {
-    let value: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
-    number(value, min, max, "").map_err(|error| error.why)?;
-    Ok(value)
-}
-
-fn coordinate(text: &str) -> Result<f64, String> {
-    ranged(text, [-COORDINATE_M_MAX, COORDINATE_M_MAX])
-}
-
-fn yaw(text: &str) -> Result<f64, String> {
-    ranged(text, [-YAW_RAD_MAX, YAW_RAD_MAX])
-}
-
-fn tolerance(text: &str) -> Result<f64, String> {
-    ranged(text, TOLERANCE)
 }
 
 /// `0..20` as 0 to 19.

@@ -205,6 +205,17 @@ impl Collector {
         });
     }
 
+    /// Forgets what only the result of a run needs, so that a stack that stays up does not grow. The
+    /// newest path stays.
+    pub(crate) fn forget(&mut self) {
+        let newest = self.records.paths.pop();
+        self.records = Records {
+            paths: newest.into_iter().collect(),
+            ..Records::default()
+        };
+        (self.hash, self.seen) = (RunHash::default(), Seen::default());
+    }
+
     fn wants_keyframe(&mut self) -> bool {
         let now = Instant::now();
         let pause = self

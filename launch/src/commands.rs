@@ -11,6 +11,7 @@ use crate::result::RunResult;
 use crate::run_plan::RunPlan;
 use crate::show::recording;
 use crate::show::terminal::{complain, lose, note, say, say_json, usage};
+use crate::stay_result::StayResult;
 use crate::suite;
 use crate::suite::error::SuiteError;
 use crate::suite::plan::SuitePlan;
@@ -55,9 +56,38 @@ fn run_and_judge(plan: &RunPlan) -> Result<(Prepared, Driven, RunResult), String
     Ok((prepared, driven, result))
 }
 
+/// `zeronav up`: prepare, drive to the goals of clients, until it is to end.
+#[must_use]
+pub fn up(plan: &RunPlan, json: bool) -> ExitCode {
+    let driven = prepare(plan).and_then(|prepared| {
+        let driven = drive(&prepared, None, &interrupts()?)?;
+        Ok((prepared, driven))
+    });
+    let (prepared, driven) = match driven {
+        Ok(driven) => driven,
+        Err(problem) => return usage(&problem),
+    };
+    let result = StayResult::of(&prepared, &driven);
+    let written = serde_json::to_string_pretty(&result)
+        .map_err(|error| error.to_string())
+        .and_then(|text| leave::write(&prepared.directory.join("result.json"), &(text + "\n")));
+    if let Err(problem) = written {
+        lose(&problem);
+    }
+    explain(&driven.ending);
+    if json {
+        say_json(&result);
+    } else {
+        say(&result.to_text());
+    }
+    exit_code(&driven.ending, true)
+}
+
 fn exit_code(ending: &Ending, pass: bool) -> ExitCode {
     ExitCode::from(match ending {
         Ending::Interrupted => EXIT_INTERRUPTED,
+        Ending::Down if pass => EXIT_PASS,
+        Ending::Down => EXIT_FAIL,
         // A service that says that its configuration is wrong.
         Ending::Died { code: Some(2), .. } => EXIT_USAGE,
         Ending::Died { .. } | Ending::NotReady(_) | Ending::Silent(_) => EXIT_SERVICE,
@@ -105,7 +135,11 @@ fn explain(ending: &Ending) {
         }
         Ending::Silent(role) => complain(&format!("{role} stopped answering")),
         Ending::Interrupted => complain("interrupted, everything is stopped"),
-        Ending::Task(..) | Ending::Redirected | Ending::Timeout | Ending::TrialsOver => {}
+        Ending::Task(..)
+        | Ending::Redirected
+        | Ending::Timeout
+        | Ending::TrialsOver
+        | Ending::Down => {}
     }
 }
 

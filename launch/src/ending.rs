@@ -31,6 +31,8 @@ pub(crate) enum Ending {
     Silent(Role),
     /// Ctrl-C.
     Interrupted,
+    /// A client asked for the end.
+    Down,
 }
 
 impl Ending {
@@ -49,6 +51,7 @@ impl Ending {
             Self::NotReady(_) => "not_ready",
             Self::Silent(_) => "silent",
             Self::Interrupted => "interrupted",
+            Self::Down => "down",
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::exit::{EXIT_PASS, EXIT_USAGE};
 use crate::prepare::{self, Checked};
+use crate::run_plan::Source;
 use crate::scenario;
 use crate::show::terminal::{say, say_json, usage};
 use crate::supervise::algorithms;
@@ -40,7 +41,7 @@ pub fn list(json: bool) -> ExitCode {
 /// `zeronav check`: everything that can be known without starting the stack.
 #[must_use]
 pub fn check(name: &str, json: bool) -> ExitCode {
-    let plan = match prepare::check(name, &[]) {
+    let plan = match prepare::check(&Source::Named(name.to_owned()), &[]) {
         Ok(plan) => plan,
         Err(problem) if json => {
             say_json(&json!({ "scenario": name, "ok": false, "error": problem }));

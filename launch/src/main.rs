@@ -7,6 +7,7 @@ use clap::error::ErrorKind;
 use std::process::ExitCode;
 use zeronav::cli::{Cli, Command};
 use zeronav::exit::EXIT_USAGE;
+use zeronav::remote::{goal, verbs};
 use zeronav::show::{log, terminal};
 use zeronav::supervise::{cleaner, warden};
 use zeronav::{commands, doctor, draw, logs, look, params, remote, topics};
@@ -43,7 +44,8 @@ fn main() -> ExitCode {
         }
     }
     terminal::settle(match cli.command {
-        Command::Run(arguments) => commands::run(&arguments.plan(), arguments.json),
+        Command::Run(arguments) => commands::run(&arguments.plan(), arguments.start.json),
+        Command::Up(arguments) => commands::up(&arguments.plan(), arguments.start.json),
         Command::List { json } => look::list(json),
         Command::Check { scenario, json } => look::check(&scenario, json),
         Command::Planners { json } => look::algorithms_of(Role::GlobalPlanner, json),
@@ -66,7 +68,15 @@ fn main() -> ExitCode {
         Command::Topics(arguments) => topics::topics(&arguments),
         Command::Logs(arguments) => logs::logs(&arguments),
         Command::Doctor { json } => doctor::doctor(json),
-        Command::Goal(arguments) => remote::goal(&arguments.order()),
+        Command::Goal(arguments) => goal::goal(&arguments),
+        Command::Goals(arguments) => goal::goals(&arguments),
+        Command::Cancel(arguments) => verbs::cancel(&arguments),
+        Command::Pause(arguments) => verbs::pause(&arguments),
+        Command::Resume(arguments) => verbs::resume(&arguments),
+        Command::Step(arguments) => verbs::step(&arguments),
+        Command::Status(arguments) => verbs::status(&arguments),
+        Command::Wait(arguments) => verbs::wait(&arguments),
+        Command::Down(arguments) => verbs::down(&arguments),
         Command::Draw(arguments) => draw::draw(&arguments.run, arguments.out.as_deref()),
         Command::Suite(arguments) => commands::suite(&arguments.plan(), arguments.json),
         Command::Clean { .. } | Command::Warden => ExitCode::SUCCESS,

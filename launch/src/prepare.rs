@@ -2,7 +2,7 @@
 
 use crate::configs;
 use crate::open_files;
-use crate::run_plan::RunPlan;
+use crate::run_plan::{RunPlan, Source};
 use crate::scenario::{self, Scenario};
 use crate::shared_memory;
 use crate::supervise::binaries::{self, Needed};
@@ -38,6 +38,8 @@ pub struct Prepared {
     pub progress: bool,
     /// Trials to make instead of the scenario's drive.
     pub trials: Option<u32>,
+    /// True when the stack stays up and waits for goals.
+    pub stays: bool,
     /// Delays put into seats on purpose.
     pub delays: BTreeMap<Role, u16>,
 }
@@ -75,8 +77,12 @@ pub(crate) struct Checked {
 ///
 /// # Errors
 /// One line that names the thing and the fix.
-pub(crate) fn check(name_or_path: &str, external: &[Role]) -> Result<Checked, String> {
-    let scenario = Scenario::load(name_or_path).map_err(|error| error.to_string())?;
+pub(crate) fn check(source: &Source, external: &[Role]) -> Result<Checked, String> {
+    let scenario = match source {
+        Source::Named(name_or_path) => Scenario::load(name_or_path),
+        Source::Map { map, robot, start } => Scenario::of_map(map, robot, *start),
+    };
+    let scenario = scenario.map_err(|error| error.to_string())?;
     let scenario::Checked {
         world,
         footprint,
@@ -142,6 +148,7 @@ pub(crate) fn prepare(plan: &RunPlan) -> Result<Prepared, String> {
         log_level: plan.log_level.clone(),
         progress: plan.progress,
         trials: plan.trials,
+        stays: plan.stays,
         delays: plan.delays.clone(),
         scenario,
         world,

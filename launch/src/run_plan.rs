@@ -5,11 +5,27 @@ use std::path::PathBuf;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::run::RunMode;
 
+/// Where a scenario comes from.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Source {
+    /// Its name or path.
+    Named(String),
+    /// Made of a map and a robot, without goals.
+    Map {
+        /// YAML file of a ROS `map_server` map.
+        map: PathBuf,
+        /// Name of a base that describes a robot.
+        robot: String,
+        /// x [m], y [m] and yaw [rad] in the map frame; `None` = a free pose near the map's middle.
+        start: Option<[f64; 3]>,
+    },
+}
+
 /// The order for one run.
 #[derive(Debug, Clone)]
 pub struct RunPlan {
-    /// Name or path of the scenario.
-    pub scenario: String,
+    /// What to drive in.
+    pub scenario: Source,
     /// Real time or lockstep.
     pub mode: RunMode,
     /// Seed of everything random; `None` = the scenario's.
@@ -18,6 +34,8 @@ pub struct RunPlan {
     pub external: Vec<Role>,
     /// Trials to make instead of the scenario's drive.
     pub trials: Option<u32>,
+    /// True when the stack stays up and waits for goals, in place of the scenario's drive.
+    pub stays: bool,
     /// Delays injected into seats, in steps of [`zeronav_msgs::run::DELAY_STEP_NS`].
     pub delays: BTreeMap<Role, u16>,
     /// Folder in which the run's own folder is made.

@@ -1,6 +1,7 @@
 //! The runs of this user that are in progress, and how a command finds the one that it is for.
 
-use crate::supervise::control::{self, Reply, Request, RunReport};
+use crate::control::request::{Reply, Request, RunReport};
+use crate::control::socket;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use zeronav_shell::folder::Folder;
@@ -16,7 +17,7 @@ pub(crate) struct Running {
 pub(crate) fn all() -> Vec<(PathBuf, RunReport)> {
     let answer = |root: &PathBuf| {
         let folder = Folder::open(root).ok()?;
-        match control::ask(&folder, &Request::Ps) {
+        match socket::ask(&folder, &Request::Ps) {
             Ok(Reply::Run(report)) => Some(report),
             _ => None,
         }
@@ -36,7 +37,12 @@ pub(crate) fn find(root: Option<&Path>) -> Result<Running, String> {
         Some(root) => root.to_owned(),
         None => match all().as_slice() {
             [(root, _)] => root.clone(),
-            [] => return Err("no run goes on; start one with `zeronav run SCENARIO`".to_owned()),
+            [] => {
+                return Err(
+                    "no run goes on; start one with `zeronav up` or `zeronav run SCENARIO`"
+                        .to_owned(),
+                );
+            }
             _ => {
                 return Err(
                     "several runs go on; name one with --domain (see `zeronav ps`)".to_owned(),
@@ -69,7 +75,7 @@ impl Running {
     /// # Errors
     /// What it says against the request, or one line when it does not answer.
     pub(crate) fn ask(&self, request: &Request) -> Result<Reply, String> {
-        match control::ask(&self.folder, request) {
+        match socket::ask(&self.folder, request) {
             Ok(Reply::Error(problem)) => Err(printable(&problem).into_owned()),
             Ok(reply) => Ok(reply),
             Err(error) => Err(self.refusal(&format!("no run answers: {error}"))),

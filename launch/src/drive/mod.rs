@@ -2,6 +2,7 @@
 
 mod serve;
 mod session;
+mod verbs;
 
 use crate::collect::Collector;
 use crate::configs;
@@ -119,7 +120,7 @@ fn drive_stack(
         shared_memory_bytes,
         services,
         restarts: session.keeper.records().to_vec(),
-        redirects: session.redirects.given().to_vec(),
+        redirects: session.orders.records(),
         collector: session.collector,
     })
 }

@@ -1,80 +1,145 @@
 //! What a run answers on its control socket.
 
 use super::session::Session;
-use crate::supervise::control::{Reply, Request, RunReport, Server, ServiceReport};
+use crate::control::request::{GoalReport, Reply, Request, RunReport, ServiceReport};
+use crate::control::socket::Server;
+use crate::orders::Order;
+use crate::scenario::{GoalSpec, TIME_LIMIT_S_MAX, TOLERANCE};
 use crate::supervise::occupant::file_name;
 use crate::supervise::stack::Stack;
 use nalgebra::Point2;
 use std::collections::BTreeMap;
-use zeronav_msgs::Pose;
 use zeronav_msgs::role::Role;
-use zeronav_msgs::task::Goal;
+use zeronav_msgs::task::GOALS_MAX;
 use zeronav_msgs::time::seconds;
-use zeronav_world::Tolerance;
+
+/// Room around the robot at a pose that is offered in place of one that cannot be. [m]
+const OFFERED_CLEARANCE_M: f64 = 0.1;
+
+/// Slower than this the time that is left cannot be told. [m/s]
+const MOVING_MPS: f64 = 0.02;
 
 impl Session<'_> {
     /// Answers the clients that have asked since the last look.
     pub(super) fn serve(&mut self, stack: &mut Stack, server: &mut Server) {
-        server.serve(|request| match request {
-            Request::Ps => Reply::Run(self.run_report(stack)),
-            Request::Goal {
-                pose: [x, y, yaw],
-                tolerance_m,
-                yaw_tolerance_rad,
-            } => {
-                let goal = Goal {
-                    pose: Pose::new(x, y, yaw),
-                    tolerance_m,
-                    yaw_tolerance_rad,
-                    id: 0,
-                };
-                match self.redirect(stack, goal) {
-                    Ok(()) => Reply::Done,
-                    Err(why) => Reply::Error(why),
-                }
-            }
+        server.serve(|request| {
+            self.answer(stack, request)
+                .unwrap_or_else(|problem| Reply::Error(problem))
         });
     }
 
-    /// Sends the robot to a goal given by hand, or says why it cannot go there.
-    fn redirect(&mut self, stack: &mut Stack, goal: Goal) -> Result<(), String> {
-        let Goal {
-            pose,
-            tolerance_m,
-            yaw_tolerance_rad,
-            ..
-        } = goal;
-        let numbers = [pose.x_m, pose.y_m, pose.yaw_rad];
-        let tolerances = [tolerance_m, yaw_tolerance_rad];
-        let usable = numbers.iter().all(|value| value.is_finite())
-            && (tolerances.iter()).all(|value| (1.0e-3..=1.0e3).contains(value));
-        if !usable {
-            return Err("a goal needs finite numbers and tolerances of 0.001 to 1000".to_owned());
+    fn answer(&mut self, stack: &mut Stack, request: Request) -> Result<Reply, String> {
+        match request {
+            Request::Ps => return Ok(Reply::Run(self.run_report(stack))),
+            Request::Goal {
+                goals,
+                repeats,
+                time_limit_s,
+                now,
+            } => {
+                let order = self.order(&goals, repeats, time_limit_s)?;
+                let id = self.take_order(stack, order, now)?;
+                return self.goal_report(id).map(Reply::Goal);
+            }
+            Request::GoalStatus { id } => return self.goal_report(id).map(Reply::Goal),
+            Request::Cancel { id } => self.cancel(stack, id)?,
+            Request::Pause => self.pause(stack)?,
+            Request::Resume => self.resume(stack)?,
+            Request::Step { ticks } => self.step(stack, ticks)?,
+            Request::Down => self.is_down = true,
         }
+        Ok(Reply::Done)
+    }
+
+    /// The order of a client, or why the robot cannot carry it out.
+    fn order(
+        &self,
+        goals: &[GoalSpec],
+        repeats: bool,
+        time_limit_s: Option<f64>,
+    ) -> Result<Order, String> {
         if self.shuttle.is_some() {
             return Err("the run makes trials and takes no other goal".to_owned());
         }
-        let at = format!("({}, {})", pose.x_m, pose.y_m);
-        let world = &self.prepared.world;
-        if !world.contains(Point2::new(pose.x_m, pose.y_m)) {
-            return Err(format!("{at} is not on the map"));
+        if goals.is_empty() || goals.len() > GOALS_MAX {
+            return Err(format!("1 to {GOALS_MAX} goals, not {}", goals.len()));
         }
-        let tolerance = Tolerance {
-            distance_m: tolerance_m,
-            yaw_rad: yaw_tolerance_rad,
-        };
-        let footprint = &self.prepared.footprint;
-        if world.free_pose_near(footprint, &pose, tolerance).is_none() {
+        let usable = |limit: &f64| *limit > 0.0 && *limit <= TIME_LIMIT_S_MAX;
+        if let Some(limit) = time_limit_s.filter(|limit| !usable(limit)) {
             return Err(format!(
-                "the robot finds no room within {tolerance_m} m of {at}; the run goes on as before"
+                "a time limit is above 0 and at most {TIME_LIMIT_S_MAX} s, not {limit}"
             ));
         }
-        let from_tick = stack.roster.control.lease + 1;
-        let left = self.left();
-        let time_s = seconds(self.collector.run_ns.saturating_sub(self.goals_run_ns));
-        self.redirects.give(time_s, &goal, left);
-        self.send(stack, vec![goal], from_tick);
-        Ok(())
+        for goal in goals {
+            self.check_goal(goal)?;
+        }
+        #[allow(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "its range was checked"
+        )]
+        let time_limit_ns = time_limit_s.map(|limit_s| (limit_s * 1.0e9) as u64);
+        Ok(Order {
+            goals: goals.iter().map(|goal| goal.message(0)).collect(),
+            repeats,
+            time_limit_ns,
+        })
+    }
+
+    fn check_goal(&self, goal: &GoalSpec) -> Result<(), String> {
+        let GoalSpec {
+            pose, tolerance_m, ..
+        } = goal;
+        let numbers = [pose.x_m, pose.y_m, pose.yaw_rad];
+        let tolerances = [*tolerance_m, goal.yaw_tolerance_rad];
+        let [least, most] = TOLERANCE;
+        let usable = numbers.iter().all(|value| value.is_finite())
+            && (tolerances.iter()).all(|value| (least..=most).contains(value));
+        if !usable {
+            return Err("a goal needs finite numbers and tolerances of 0.001 to 1000".to_owned());
+        }
+        let at = format!("({}, {})", pose.x_m, pose.y_m);
+        let (world, footprint) = (&self.prepared.world, &self.prepared.footprint);
+        let why = if !world.contains(Point2::new(pose.x_m, pose.y_m)) {
+            format!("{at} is not on the map")
+        } else if (world.free_pose_near(footprint, pose, goal.tolerance())).is_none() {
+            format!("the robot finds no room within {tolerance_m} m of {at}")
+        } else {
+            return Ok(());
+        };
+        let nearest =
+            world.nearest_free_pose(footprint, pose, goal.yaw_tolerance_rad, OFFERED_CLEARANCE_M);
+        let nearest = nearest.map_or_else(
+            || "no free pose is near".to_owned(),
+            |pose| {
+                let (x_m, y_m, yaw_rad) = (pose.x_m, pose.y_m, pose.yaw_rad);
+                format!("the nearest free pose is {x_m:.2} {y_m:.2} {yaw_rad:.2}")
+            },
+        );
+        Err(format!("{why}; {nearest}; the robot goes on as before"))
+    }
+
+    fn goal_report(&self, id: u64) -> Result<GoalReport, String> {
+        let (outcome, took_ns) = (self.orders.outcome(id))
+            .ok_or_else(|| format!("no goal {id} is known; the newest 1000 are remembered"))?;
+        let began = self.orders.current().filter(|(current, _)| *current == id);
+        let report = self.report().filter(|_| began.is_some());
+        let distance_remaining_m = report.map(|report| report.remaining_m);
+        let speed_mps = self.collector.truth.map_or(0.0, |truth| truth.v_mps.abs());
+        Ok(GoalReport {
+            id,
+            outcome: outcome.to_owned(),
+            before: self.orders.n_before(id),
+            goals_left: began.map_or(0, |_| self.left().len()),
+            elapsed_s: seconds(began.map_or(took_ns, |(_, began_run_ns)| {
+                self.collector.run_ns.saturating_sub(began_run_ns)
+            })),
+            distance_remaining_m,
+            time_remaining_s: distance_remaining_m
+                .filter(|_| speed_mps > MOVING_MPS)
+                .map(|distance_m| distance_m / speed_mps),
+            recoveries: report.map_or(0, |report| report.recoveries),
+        })
     }
 
     fn run_report(&self, stack: &mut Stack) -> RunReport {
@@ -123,16 +188,24 @@ impl Session<'_> {
                 binary: occupant.binary.clone(),
             });
         }
+        let truth = self.collector.truth.as_ref();
         RunReport {
             scenario: self.prepared.scenario.name.clone(),
             domain: stack.root().display().to_string(),
             folder: std::path::absolute(&self.prepared.directory).unwrap_or_default(),
             pid: std::process::id(),
             mode: self.prepared.mode.to_string(),
+            ready: self.is_ready,
+            paused: self.is_paused,
             time_s: seconds(self.collector.run_ns),
+            tick: self.collector.robot_tick(),
+            pose: truth.map(|truth| [truth.pose.x_m, truth.pose.y_m, truth.pose.yaw_rad]),
+            contacts: truth.map(|truth| truth.contacts_moving + truth.contacts_standing),
             task: self
                 .report()
                 .map_or_else(|| "waiting".to_owned(), |report| report.state.to_string()),
+            goal: (self.orders.current()).and_then(|(id, _)| self.goal_report(id).ok()),
+            goals_waiting: self.orders.n_waiting(),
             services,
         }
     }

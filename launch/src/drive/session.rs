@@ -1,21 +1,22 @@
 //! One drive while it goes on.
 
 use crate::collect::Collector;
+use crate::control::socket::Server;
 use crate::disturbance::Reading;
 use crate::ending::Ending;
 use crate::keeper::{Keeper, READY_LIMIT};
 use crate::measure::DEADLINE_NS;
+use crate::orders::Orders;
 use crate::prepare::Prepared;
-use crate::redirect::Redirects;
 use crate::seen::TaskReport;
 use crate::show::progress::{Progress, ProgressLine, Tally};
+use crate::show::terminal::note;
 use crate::shuttle::{Course, Quota, Shuttle, Step};
-use crate::supervise::control::Server;
 use crate::supervise::stack::Stack;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 use zeronav_msgs::Pose;
 use zeronav_msgs::role::Role;
@@ -42,7 +43,7 @@ const STANDING_MPS: f64 = 0.01;
 /// One drive while it goes on: the services, what they report, and the goals.
 pub(super) struct Session<'a> {
     pub(super) prepared: &'a Prepared,
-    interrupted: Arc<AtomicBool>,
+    pub(super) interrupted: Arc<AtomicBool>,
     quota: Option<Quota>,
     pub(super) shuttle: Option<Shuttle<'a>>,
     began: Instant,
@@ -53,11 +54,17 @@ pub(super) struct Session<'a> {
     /// Kills of the scenario that were made.
     struck: usize,
     /// The goals of the current task.
-    task: Vec<Goal>,
+    pub(super) task: Vec<Goal>,
     /// Its id, 0 = none was sent.
-    task_id: u64,
-    /// Goals given by hand.
-    pub(super) redirects: Redirects,
+    pub(super) task_id: u64,
+    /// Goals of clients.
+    pub(super) orders: Orders,
+    /// True once every service can answer.
+    pub(super) is_ready: bool,
+    /// True while run time is held.
+    pub(super) is_paused: bool,
+    /// True once a client has asked for the end.
+    pub(super) is_down: bool,
     /// Number of the next goal.
     next_goal: u64,
     /// The kernel's counters when the first goal was sent; trials only.
@@ -84,7 +91,10 @@ impl<'a> Session<'a> {
             struck: 0,
             task: Vec::new(),
             task_id: 0,
-            redirects: Redirects::default(),
+            orders: Orders::default(),
+            is_ready: false,
+            is_paused: false,
+            is_down: false,
             next_goal: 1,
             at_start: None,
         }
@@ -131,10 +141,24 @@ impl<'a> Session<'a> {
         if self.shuttle.is_some() {
             self.at_start = Some(reading(stack));
         }
-        if !goals.is_empty() {
+        self.ready(stack);
+        if !goals.is_empty() && !self.prepared.stays {
             self.send(stack, goals, 1);
         }
+        self.begin_order(stack);
         Ok(self.watch(stack, &mut server))
+    }
+
+    /// Every service can answer.
+    fn ready(&mut self, stack: &Stack) {
+        self.is_ready = true;
+        if self.prepared.stays {
+            note(&format!(
+                "{} is up in {}; `zeronav goal X Y YAW` drives, `zeronav down` ends it",
+                self.prepared.scenario.name,
+                stack.root().display()
+            ));
+        }
     }
 
     fn lockstep(&self) -> bool {
@@ -156,6 +180,21 @@ impl<'a> Session<'a> {
         self.task = goals;
     }
 
+    /// Sends goals from the first tick on that the robot may not have begun.
+    pub(super) fn send_now(&mut self, stack: &mut Stack, goals: Vec<Goal>) {
+        let from_tick = self.next_tick(stack);
+        self.send(stack, goals, from_tick);
+    }
+
+    /// The first tick that the robot may not have begun; 0 = at once, in real time.
+    pub(super) fn next_tick(&self, stack: &Stack) -> u64 {
+        if self.lockstep() {
+            stack.roster.control.lease + 1
+        } else {
+            0
+        }
+    }
+
     /// The goals of the current task that are not reached yet.
     pub(super) fn left(&self) -> Vec<Goal> {
         let reached = &self.collector.reached;
@@ -173,8 +212,7 @@ impl<'a> Session<'a> {
         if restarted.contains(&Role::LocalPlanner) {
             let left = self.left();
             if left.len() < self.task.len() && !left.is_empty() {
-                let from_tick = stack.roster.control.lease + 1;
-                self.send(stack, left, from_tick);
+                self.send_now(stack, left);
             }
         }
         None
@@ -206,8 +244,8 @@ impl<'a> Session<'a> {
             if let Some(ending) = self.keep(stack) {
                 return Some(ending);
             }
-            if self.interrupted.load(Ordering::Relaxed) {
-                return Some(Ending::Interrupted);
+            if let Some(ending) = self.asked_to_end() {
+                return Some(ending);
             }
             // Whoever starts a service by hand takes the time that it takes.
             let late: Vec<Role> = missing
@@ -226,14 +264,19 @@ impl<'a> Session<'a> {
         let pause = Duration::from_millis(if self.lockstep() { 1 } else { 10 });
         let tick_ns = self.prepared.scenario.run.tick_ns();
         let limit_ns = self.prepared.scenario.run.time_limit_ns();
-        let last_tick = limit_ns.div_ceil(tick_ns);
+        let last_tick = if self.prepared.stays {
+            u64::MAX
+        } else {
+            limit_ns.div_ceil(tick_ns)
+        };
         let mut moved = (self.collector.robot_tick(), Instant::now());
         loop {
             self.listen(stack);
             self.serve(stack, server);
-            if self.interrupted.load(Ordering::Relaxed) {
-                return Ending::Interrupted;
+            if let Some(ending) = self.asked_to_end() {
+                return ending;
             }
+            self.give_up_late_order(stack);
             if let Some(ending) = self.task_ended(stack) {
                 return ending;
             }
@@ -245,7 +288,7 @@ impl<'a> Session<'a> {
             }
             self.strike(stack);
             let tick = self.collector.robot_tick();
-            if tick != moved.0 {
+            if tick != moved.0 || self.is_paused {
                 moved = (tick, Instant::now());
             } else if moved.1.elapsed() > SILENCE_LIMIT {
                 return Ending::Silent(self.silent());
@@ -254,14 +297,20 @@ impl<'a> Session<'a> {
                 if self.collector.all_answered(last_tick) {
                     return Ending::Timeout;
                 }
-                stack.extend_lease((tick + LEASE_TICKS).min(last_tick));
+                if !self.is_paused {
+                    stack.extend_lease((tick + LEASE_TICKS).min(last_tick));
+                }
             } else if self.shuttle.is_none()
+                && !self.prepared.stays
                 && self.collector.run_ns.saturating_sub(self.goals_run_ns) > limit_ns
             {
                 return Ending::Timeout;
             }
             let progress = self.progress();
             self.line.show(|| progress);
+            if self.prepared.stays {
+                self.collector.forget();
+            }
             let soon = Duration::from_millis(1);
             std::thread::sleep(if self.keeper.is_busy() { soon } else { pause });
         }
@@ -283,26 +332,32 @@ impl<'a> Session<'a> {
         }
     }
 
-    /// The task is over: how the run ends, or nothing when it goes on with the task that a goal
-    /// given by hand had taken the place of.
+    /// The task is over: how the run ends, or nothing when it goes on with the order of a client or
+    /// with the scenario's goals that one had taken the place of.
     fn over(&mut self, stack: &mut Stack, state: TaskState, reason: EndReason) -> Option<Ending> {
-        let Some(left) = self.redirects.ended(state, reason) else {
-            return Some(if self.redirects.is_redirected() {
-                Ending::Redirected
-            } else {
-                Ending::Task(state, reason)
-            });
-        };
-        tracing::warn!(
-            %reason,
-            "the goal given by hand cannot be reached, going on with the task before it"
-        );
+        if !self.orders.is_active() && !self.prepared.stays {
+            return Some(Ending::Task(state, reason));
+        }
+        if let Some(goals) = self.orders.ended(state, reason, self.collector.run_ns) {
+            self.send_now(stack, goals);
+            return None;
+        }
+        if self.begin_order(stack) {
+            return None;
+        }
+        if self.prepared.stays {
+            self.rest(stack);
+            return None;
+        }
+        if state == TaskState::Reached {
+            return Some(Ending::Redirected);
+        }
+        tracing::warn!(%reason, "going on with the scenario's goals");
         // Without goals of its own the scenario waits for its time limit.
-        self.task_id = 0;
-        self.task.clear();
+        self.rest(stack);
+        let left = self.orders.take_aside().unwrap_or_default();
         if !left.is_empty() {
-            let from_tick = stack.roster.control.lease + 1;
-            self.send(stack, left, from_tick);
+            self.send_now(stack, left);
         }
         None
     }
@@ -366,6 +421,7 @@ impl<'a> Session<'a> {
     /// Lets the robot come to a stand.
     pub(super) fn stand(&mut self, stack: &mut Stack) {
         let started = Instant::now();
+        stack.pause(false);
         stack.stop_robot();
         while started.elapsed() < STAND_LIMIT {
             self.listen(stack);

@@ -43,6 +43,7 @@ pub(super) fn reason(
         Ending::NotReady(roles) => format!("not ready in time: {}", names(roles)),
         Ending::Silent(role) => format!("{role} stopped answering"),
         Ending::Interrupted => "interrupted".to_owned(),
+        Ending::Down => "ended by `zeronav down`".to_owned(),
     };
     let missed: Vec<String> = expectations
         .iter()

@@ -49,6 +49,8 @@ impl Kind {
 pub(super) enum Origin {
     File(PathBuf),
     BuiltIn(&'static str, &'static str),
+    /// Name and text of what a command line asks for.
+    Made(String, String),
 }
 
 impl Origin {
@@ -56,7 +58,7 @@ impl Origin {
     pub(super) fn folder(&self) -> Option<&Path> {
         match self {
             Self::File(file) => file.parent(),
-            Self::BuiltIn(..) => None,
+            Self::BuiltIn(..) | Self::Made(..) => None,
         }
     }
 
@@ -68,6 +70,7 @@ impl Origin {
                 .map(|stem| stem.to_string_lossy().into_owned())
                 .unwrap_or_default(),
             Self::BuiltIn(name, _) => (*name).to_owned(),
+            Self::Made(name, _) => name.clone(),
         }
     }
 
@@ -75,6 +78,7 @@ impl Origin {
         let file = match self {
             Self::File(file) => file,
             Self::BuiltIn(_, text) => return Ok((*text).to_owned()),
+            Self::Made(_, text) => return Ok(text.clone()),
         };
         let mut text = String::new();
         // One byte more than allowed tells too large from just large enough.
@@ -100,6 +104,7 @@ impl core::fmt::Display for Origin {
         match self {
             Self::File(file) => write!(formatter, "{}", file.display()),
             Self::BuiltIn(name, _) => write!(formatter, "(built-in) {name}.toml"),
+            Self::Made(name, _) => write!(formatter, "{name}"),
         }
     }
 }
@@ -247,7 +252,7 @@ fn listed(origin: &Origin, name: String) -> Vec<Listed> {
     let group = word(&table, "group").unwrap_or_default();
     let file = match origin {
         Origin::File(file) => Some(file.clone()),
-        Origin::BuiltIn(..) => None,
+        Origin::BuiltIn(..) | Origin::Made(..) => None,
     };
     let of_variant = |(variant, changes): (&str, &toml::Table)| Listed {
         group: group.clone(),

@@ -23,6 +23,7 @@ mod error;
 #[cfg(test)]
 mod every_field;
 mod library;
+mod made;
 mod schema;
 #[cfg(test)]
 mod shipped;
@@ -31,7 +32,9 @@ mod tests;
 
 pub use check::Checked;
 pub use error::ScenarioError;
+use library::Origin;
 pub use library::{Library, Listed};
+pub(crate) use made::goals_in;
 pub use schema::schema;
 
 use crate::supervise::restart::RestartSpec;
@@ -338,13 +341,20 @@ impl Scenario {
     /// See [`ScenarioError`].
     pub fn load_from(library: &Library, name_or_path: &str) -> Result<Self, ScenarioError> {
         let (origin, variant) = library.scenario(name_or_path)?;
-        let name = match &variant {
+        Self::read(library, origin, variant.as_deref())
+    }
+
+    fn read(
+        library: &Library,
+        origin: Origin,
+        variant: Option<&str>,
+    ) -> Result<Self, ScenarioError> {
+        let name = match variant {
             Some(variant) => format!("{}_{variant}", origin.name()),
             None => origin.name(),
         };
         let folder = origin.folder().map(Path::to_path_buf);
-        let (mut scenario, document): (Self, Document) =
-            document::read(library, origin, variant.as_deref())?;
+        let (mut scenario, document): (Self, Document) = document::read(library, origin, variant)?;
         for (field, file) in files_of(&mut scenario.world) {
             let folder = document.folder_of(field).unwrap_or(Path::new(""));
             *file = absolute(&folder.join(&*file));

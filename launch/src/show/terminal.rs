@@ -56,6 +56,14 @@ pub fn say_json(value: &impl serde::Serialize) {
     }
 }
 
+/// Writes a value to standard output as JSON on one line.
+pub fn say_json_line(value: &impl serde::Serialize) {
+    match serde_json::to_string(value) {
+        Ok(text) => say(&(printable_json(&text).into_owned() + "\n")),
+        Err(error) => complain(&format!("no JSON form: {error}")),
+    }
+}
+
 /// Complains in one line; the exit code of usage and configuration.
 #[must_use]
 pub fn usage(problem: &str) -> ExitCode {

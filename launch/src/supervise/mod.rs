@@ -4,7 +4,6 @@ pub(crate) mod algorithms;
 pub(crate) mod binaries;
 pub(crate) mod child;
 pub mod cleaner;
-pub(crate) mod control;
 pub(crate) mod hang;
 pub(crate) mod occupant;
 pub(crate) mod question;

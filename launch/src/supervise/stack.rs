@@ -327,10 +327,16 @@ impl Stack {
             .position(|child| child.ended().is_some())
     }
 
-    /// Sends a task. In lockstep `from_tick` lies above the lease.
+    /// Sends a task and returns its id; without goals it cancels the one before. In lockstep
+    /// `from_tick` lies above the lease.
     pub fn send_goals(&mut self, goals: &[Goal], from_tick: u64) -> u64 {
+        let kind = if goals.is_empty() {
+            TaskKind::Cancel
+        } else {
+            TaskKind::Go
+        };
         let task = Task {
-            kind: TaskKind::Go.code(),
+            kind: kind.code(),
             n_goals: u32::try_from(goals.len()).unwrap_or(0),
             from_tick,
             ..Task::default()
@@ -367,6 +373,14 @@ impl Stack {
     pub fn extend_lease(&mut self, tick: u64) {
         if tick > self.roster.control.lease {
             self.roster.control.lease = tick;
+            self.publish_control();
+        }
+    }
+
+    /// Holds the time of a robot in real time, or lets it go on.
+    pub fn pause(&mut self, paused: bool) {
+        if self.roster.control.paused != u16::from(paused) {
+            self.roster.control.paused = u16::from(paused);
             self.publish_control();
         }
     }

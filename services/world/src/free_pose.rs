@@ -6,6 +6,7 @@ use core::f64::consts::PI;
 use nalgebra::{Point2, Vector2};
 use std::collections::VecDeque;
 use zeronav_msgs::Pose;
+use zeronav_msgs::grid::Cell;
 use zeronav_msgs::pose::wrap_angle;
 
 /// How near to a goal counts as there.
@@ -22,6 +23,12 @@ const YAW_STEP_RAD: f64 = 5.0 * PI / 180.0;
 
 /// Half the side of the smallest squares that are looked into for a disc. [m]
 const HALF_M_MIN: f64 = 1.0e-3;
+
+/// Between the rings on which the nearest free pose is looked for, and between points of a ring. [m]
+const RING_STEP_M: f64 = 0.1;
+
+/// The largest of these rings. [m]
+const RING_M_MAX: f64 = 10.0;
 
 /// A polygon has more poses to try: its squares are not smaller than this part of the tolerance.
 const POLYGON_HALF_RATIO_MIN: f64 = 1.0 / 32.0;
@@ -71,6 +78,54 @@ impl World {
             }
         }
         None
+    }
+
+    /// The free pose on the map with about the yaw of `goal` that is nearest to it, found on rings
+    /// [`RING_STEP_M`] apart up to [`RING_M_MAX`] around it, or around the map's nearest point when it
+    /// lies outside; `None` when there is none. Everything static is at least `clearance_m` away, and
+    /// yaws within `tolerance_rad` of the goal's are tried.
+    #[must_use]
+    pub fn nearest_free_pose(
+        &self,
+        footprint: &Footprint,
+        goal: &Pose,
+        tolerance_rad: f64,
+        clearance_m: f64,
+    ) -> Option<Pose> {
+        let tolerance = Tolerance {
+            distance_m: 0.0,
+            yaw_rad: tolerance_rad,
+        };
+        let centre = self.nearest_point_on_map(goal.point());
+        let free_at = |at: Point2<f64>| {
+            let distance_m = self.point_distance_m(at);
+            self.free_yaw_at(footprint, at, distance_m, (goal.yaw_rad, tolerance))
+                .filter(|pose| self.distance_m(footprint, pose) >= clearance_m)
+        };
+        let mut ring_m = 0.0;
+        while ring_m <= RING_M_MAX {
+            let step_rad = RING_STEP_M / f64::max(ring_m, RING_STEP_M);
+            let mut angle_rad = 0.0;
+            while angle_rad < 2.0 * PI {
+                let (sin, cos) = f64::sin_cos(angle_rad);
+                let pose = free_at(centre + Vector2::new(cos, sin) * ring_m);
+                if pose.is_some() {
+                    return pose;
+                }
+                angle_rad += step_rad;
+            }
+            ring_m += RING_STEP_M;
+        }
+        None
+    }
+
+    /// The point of the map's grid, half a cell inside, that is nearest to `point`.
+    fn nearest_point_on_map(&self, point: Point2<f64>) -> Point2<f64> {
+        let geometry = self.geometry();
+        let (width, height) = geometry.size();
+        let low = geometry.centre_of(Cell::new(0, 0));
+        let high = geometry.centre_of(Cell::new(width - 1, height - 1));
+        Point2::new(point.x.clamp(low.x, high.x), point.y.clamp(low.y, high.y))
     }
 
     fn free_yaw_at(

@@ -192,6 +192,24 @@ fn a_free_pose_is_found_through_a_narrow_gap_only_when_it_is_wide_enough() {
 }
 
 #[test]
+fn the_nearest_free_pose_keeps_its_clearance_and_lies_on_the_map() {
+    // A block of 2 m by 2 m around (5, 2.5).
+    let world = World::new(&spec(vec![a_box([5.0, 2.5], [2.0, 2.0])]), None).unwrap();
+    let disc = Footprint::disc(0.25).unwrap();
+    let goal = Pose::new(5.2, 2.5, 0.3);
+    let pose = world.nearest_free_pose(&disc, &goal, PI, 0.1).unwrap();
+    assert!(world.distance_m(&disc, &pose) >= 0.1);
+    // 0.8 m to the right side of the block, the radius and the clearance, at most a ring more.
+    let way_m = pose.distance_m(&goal);
+    assert!((1.15..=1.25).contains(&way_m), "{way_m} m");
+    near(pose.yaw_rad, 0.3);
+    let outside = Pose::new(900.0, -900.0, 0.0);
+    let pose = world.nearest_free_pose(&disc, &outside, PI, 0.0).unwrap();
+    assert!(world.contains(pose.point()), "{pose:?}");
+    assert_eq!(world.nearest_free_pose(&disc, &goal, PI, 50.0), None);
+}
+
+#[test]
 fn a_long_robot_fits_only_with_a_yaw_that_the_goal_allows() {
     // A corridor along x, 0.6 m wide.
     let world = World::new(

@@ -4,13 +4,12 @@
 //! other's user id all the same. The run's end never waits: one poll over the listener and every
 //! connection, a bounded number of connections, bounded lines, a time limit for each.
 
+use super::request::{Reply, Request};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
-use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 use std::io::{BufRead, BufReader, Error, ErrorKind, Read, Write};
 use std::os::fd::AsFd;
 use std::os::unix::net::{UnixListener, UnixStream};
-use std::path::PathBuf;
 use std::time::{Duration, Instant};
 use zeronav_shell::folder::{FILE_MODE, Folder};
 
@@ -28,75 +27,6 @@ const CLIENTS_MAX: usize = 16;
 
 /// Connections that one look accepts.
 const ACCEPTS_MAX: usize = 64;
-
-/// What can be asked of a run.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "command", rename_all = "snake_case", deny_unknown_fields)]
-pub(crate) enum Request {
-    /// The run and its processes.
-    Ps,
-    /// Drive to this pose now.
-    Goal {
-        /// `[x, y, yaw]`. [m, m, rad]
-        pose: [f64; 3],
-        /// How close counts. [m]
-        tolerance_m: f64,
-        /// How close the yaw must be; pi or more takes any. [rad]
-        yaw_tolerance_rad: f64,
-    },
-}
-
-/// One process of a run.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(crate) struct ServiceReport {
-    /// Its seat.
-    pub role: String,
-    /// Its process id.
-    pub pid: u32,
-    /// Which start of the seat it is.
-    pub epoch: u32,
-    /// What its heartbeat says.
-    pub state: String,
-    /// Its progress counter.
-    pub progress: u64,
-    /// Largest resident memory. [bytes]
-    pub memory_peak_bytes: u64,
-    /// File name of its binary.
-    pub binary: String,
-}
-
-/// A run and its processes.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(crate) struct RunReport {
-    /// Its scenario.
-    pub scenario: String,
-    /// Its domain.
-    pub domain: String,
-    /// Its own folder, with the logs.
-    pub folder: PathBuf,
-    /// Process id of launch.
-    pub pid: u32,
-    /// `real_time` or `lockstep`.
-    pub mode: String,
-    /// Run time. [s]
-    pub time_s: f64,
-    /// State of the task.
-    pub task: String,
-    /// Its processes.
-    pub services: Vec<ServiceReport>,
-}
-
-/// The answer to a request.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub(crate) enum Reply {
-    /// The answer to [`Request::Ps`].
-    Run(RunReport),
-    /// Done.
-    Done,
-    /// Not done, and why.
-    Error(String),
-}
 
 /// The run's end of the socket.
 #[derive(Debug)]
@@ -303,11 +233,7 @@ mod tests {
     #[test]
     fn requests_and_bad_lines_get_one_answer_each() {
         let (_place, folder, mut server) = opened();
-        let request = Request::Goal {
-            pose: [1.0, 2.0, 0.0],
-            tolerance_m: 0.2,
-            yaw_tolerance_rad: 0.1,
-        };
+        let request = Request::Step { ticks: 7 };
         let wanted = request.clone();
         let client = std::thread::spawn(move || {
             let good = ask(&folder, &request);

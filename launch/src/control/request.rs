@@ -1,0 +1,139 @@
+//! What can be asked of a stack over its control socket, and the answers.
+
+use crate::scenario::GoalSpec;
+use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+
+/// What can be asked of a stack.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "command", rename_all = "snake_case", deny_unknown_fields)]
+pub(crate) enum Request {
+    /// The stack and its processes.
+    Ps,
+    /// Drive to these poses in order, after those of the clients before.
+    Goal {
+        /// Where to; not empty.
+        goals: Vec<GoalSpec>,
+        /// True when the first follows the last one.
+        #[serde(default)]
+        repeats: bool,
+        /// Run time after which they are given up. [s]
+        #[serde(default)]
+        time_limit_s: Option<f64>,
+        /// True when they take the place of all that were asked for before.
+        #[serde(default)]
+        now: bool,
+    },
+    /// What becomes of the goals with this id.
+    GoalStatus {
+        /// As in [`Reply::Goal`].
+        id: u64,
+    },
+    /// Stop driving to the goals with this id, or to all.
+    Cancel {
+        /// As in [`Reply::Goal`].
+        #[serde(default)]
+        id: Option<u64>,
+    },
+    /// Hold run time.
+    Pause,
+    /// Let run time go on.
+    Resume,
+    /// Let a paused lockstep stack do so many ticks.
+    Step {
+        /// At least 1.
+        ticks: u64,
+    },
+    /// Bring the robot to rest and end the stack.
+    Down,
+}
+
+/// One process of a stack.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(crate) struct ServiceReport {
+    /// Its seat.
+    pub role: String,
+    /// Its process id.
+    pub pid: u32,
+    /// Which start of the seat it is.
+    pub epoch: u32,
+    /// What its heartbeat says.
+    pub state: String,
+    /// Its progress counter.
+    pub progress: u64,
+    /// Largest resident memory. [bytes]
+    pub memory_peak_bytes: u64,
+    /// File name of its binary.
+    pub binary: String,
+}
+
+/// What becomes of a client's goals.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(crate) struct GoalReport {
+    /// The stack's number for them.
+    pub id: u64,
+    /// `queued`, `active`, `reached`, `cancelled`, `replaced`, `time_limit`, or why they failed.
+    pub outcome: String,
+    /// How many other clients' goals are served before.
+    pub before: usize,
+    /// Goals that are not reached yet; of an active one.
+    pub goals_left: usize,
+    /// Run time since it became active, until its end. [s]
+    pub elapsed_s: f64,
+    /// Way left to the current goal. [m]
+    pub distance_remaining_m: Option<f64>,
+    /// The same at the present speed; `None` while the robot is almost stopped. [s]
+    pub time_remaining_s: Option<f64>,
+    /// Manoeuvres and waits of the recovery.
+    pub recoveries: u32,
+}
+
+/// A stack and its processes. What an older program does not tell has its default.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub(crate) struct RunReport {
+    /// Its scenario.
+    pub scenario: String,
+    /// Its domain.
+    pub domain: String,
+    /// Its own folder, with the logs.
+    pub folder: PathBuf,
+    /// Process id of launch.
+    pub pid: u32,
+    /// `real_time` or `lockstep`.
+    pub mode: String,
+    /// True once every service can answer.
+    pub ready: bool,
+    /// True while run time is held.
+    pub paused: bool,
+    /// Run time. [s]
+    pub time_s: f64,
+    /// Newest tick of the robot.
+    pub tick: u64,
+    /// True `map_from_base` of the simulated robot: x [m], y [m], yaw [rad].
+    pub pose: Option<[f64; 3]>,
+    /// Contacts of the simulated robot since its start.
+    pub contacts: Option<u32>,
+    /// State of the task.
+    pub task: String,
+    /// Clients' goals that are being driven to.
+    pub goal: Option<GoalReport>,
+    /// Clients' goals that wait.
+    pub goals_waiting: usize,
+    /// Its processes.
+    pub services: Vec<ServiceReport>,
+}
+
+/// The answer to a request.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum Reply {
+    /// The answer to [`Request::Ps`].
+    Run(RunReport),
+    /// The answer to [`Request::Goal`] and [`Request::GoalStatus`].
+    Goal(GoalReport),
+    /// Done.
+    Done,
+    /// Not done, and why.
+    Error(String),
+}

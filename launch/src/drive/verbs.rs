@@ -1,0 +1,142 @@
+//! What clients make a stack do while it runs.
+
+use super::session::Session;
+use crate::ending::Ending;
+use crate::orders::Order;
+use crate::supervise::stack::Stack;
+use std::sync::atomic::Ordering;
+use zeronav_msgs::run::RunMode;
+use zeronav_msgs::time::seconds;
+
+/// Most ticks of one step.
+const STEP_TICKS_MAX: u64 = 1_000_000;
+
+impl Session<'_> {
+    /// Takes in an order, and begins it when it is its turn. Returns its id.
+    ///
+    /// # Errors
+    /// When too many wait.
+    pub(super) fn take_order(
+        &mut self,
+        stack: &mut Stack,
+        order: Order,
+        now: bool,
+    ) -> Result<u64, String> {
+        let time_s = seconds(self.collector.run_ns.saturating_sub(self.goals_run_ns));
+        let left = self.left();
+        if now {
+            self.orders.replace(self.collector.run_ns);
+        }
+        let id = self.orders.give(time_s, order, || left)?;
+        if self.is_ready {
+            self.begin_order(stack);
+        }
+        Ok(id)
+    }
+
+    /// Begins the order whose turn it is; false when there is none.
+    pub(super) fn begin_order(&mut self, stack: &mut Stack) -> bool {
+        let Some(goals) = self.orders.begin(self.collector.run_ns) else {
+            return false;
+        };
+        self.send_now(stack, goals);
+        true
+    }
+
+    /// Gives up the current order when its time is over.
+    pub(super) fn give_up_late_order(&mut self, stack: &mut Stack) {
+        if self.orders.is_over_time(self.collector.run_ns) {
+            self.cancel_task(stack);
+        }
+    }
+
+    /// Cancels an order, or all and the task.
+    ///
+    /// # Errors
+    /// When there is nothing to cancel.
+    pub(super) fn cancel(&mut self, stack: &mut Stack, id: Option<u64>) -> Result<(), String> {
+        if self.shuttle.is_some() {
+            return Err("the run makes trials; end it with `zeronav down`".to_owned());
+        }
+        let idle = self.task_id == 0 && self.orders.n_waiting() == 0;
+        if id.is_none() && idle {
+            return Err("there is no goal to cancel".to_owned());
+        }
+        if self.orders.cancel(id)? && self.task_id != 0 {
+            self.cancel_task(stack);
+        }
+        Ok(())
+    }
+
+    /// Asks the local planner to end its task; how it ended comes with its status.
+    fn cancel_task(&mut self, stack: &mut Stack) {
+        let from_tick = self.next_tick(stack);
+        self.task_id = stack.send_goals(&[], from_tick);
+        tracing::info!(task = self.task_id, "cancelled");
+    }
+
+    /// No task from now on. It is said to the local planner, too: a successor would begin the last
+    /// one that it was given again.
+    pub(super) fn rest(&mut self, stack: &mut Stack) {
+        let from_tick = self.next_tick(stack);
+        stack.send_goals(&[], from_tick);
+        self.task_id = 0;
+        self.task.clear();
+        self.collector.reached.clear();
+    }
+
+    /// Holds run time: in real time the robot stops where it is, in lockstep it does the ticks that
+    /// it may have begun.
+    ///
+    /// # Errors
+    /// In trials.
+    pub(super) fn pause(&mut self, stack: &mut Stack) -> Result<(), String> {
+        if self.shuttle.is_some() {
+            return Err("the run measures latencies and cannot be paused".to_owned());
+        }
+        self.is_paused = true;
+        if self.prepared.mode == RunMode::RealTime {
+            stack.pause(true);
+        }
+        Ok(())
+    }
+
+    /// Lets run time go on.
+    ///
+    /// # Errors
+    /// When it is not held.
+    pub(super) fn resume(&mut self, stack: &mut Stack) -> Result<(), String> {
+        if !self.is_paused {
+            return Err("the stack is not paused".to_owned());
+        }
+        self.is_paused = false;
+        stack.pause(false);
+        Ok(())
+    }
+
+    /// Lets the robot do so many ticks more, and no others.
+    ///
+    /// # Errors
+    /// In real time, while it is not paused, and for counts that no step can be.
+    pub(super) fn step(&mut self, stack: &mut Stack, ticks: u64) -> Result<(), String> {
+        if self.prepared.mode != RunMode::Lockstep {
+            return Err("only a lockstep stack can step (zeronav up --lockstep)".to_owned());
+        }
+        if !self.is_paused {
+            return Err("the stack is not paused (zeronav pause)".to_owned());
+        }
+        if !(1..=STEP_TICKS_MAX).contains(&ticks) {
+            return Err(format!("1 to {STEP_TICKS_MAX} ticks, not {ticks}"));
+        }
+        stack.extend_lease(stack.roster.control.lease + ticks);
+        Ok(())
+    }
+
+    /// How the run ends because somebody wants it to.
+    pub(super) fn asked_to_end(&self) -> Option<Ending> {
+        if self.interrupted.load(Ordering::Relaxed) {
+            return Some(Ending::Interrupted);
+        }
+        self.is_down.then_some(Ending::Down)
+    }
+}

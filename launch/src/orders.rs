@@ -1,0 +1,384 @@
+//! Goals that clients give while a stack runs: served in order of arrival, before the scenario's own.
+//!
+//! An order is one client's list of goals. It ends when its last goal is reached (then a repeated one
+//! begins again), when one of its goals fails, when it is cancelled or replaced, or when its time is
+//! over; the next order begins then.
+
+use crate::result::Redirect;
+use std::collections::VecDeque;
+use zeronav_msgs::task::{EndReason, Goal, TaskState};
+
+/// Most orders that wait at a time.
+const WAITING_MAX: usize = 64;
+
+/// Orders that are remembered with their outcome; the oldest go first.
+const KEPT_MAX: usize = 1000;
+
+/// What a client asks for.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Order {
+    /// Where to, in order; not empty.
+    pub goals: Vec<Goal>,
+    /// True when the first goal follows the last one.
+    pub repeats: bool,
+    /// Run time after which it is given up. [ns]
+    pub time_limit_ns: Option<u64>,
+}
+
+/// An order that is being served.
+#[derive(Debug, Clone)]
+struct Current {
+    id: u64,
+    order: Order,
+    began_run_ns: u64,
+    /// How it will end, once it has been cancelled.
+    ends_as: Option<&'static str>,
+}
+
+/// An order with what became of it.
+#[derive(Debug, Clone)]
+struct Kept {
+    id: u64,
+    /// Run time that it took, once it has ended. [ns]
+    took_ns: u64,
+    redirect: Redirect,
+}
+
+/// All orders of a run.
+#[derive(Debug, Default)]
+pub(crate) struct Orders {
+    newest_id: u64,
+    waiting: VecDeque<(u64, Order)>,
+    current: Option<Current>,
+    kept: VecDeque<Kept>,
+    /// The goals of the scenario that were left when the first order came.
+    aside: Option<Vec<Goal>>,
+}
+
+/// Outcome of an order that waits.
+pub(crate) const QUEUED: &str = "queued";
+
+/// Outcome of the order that is served.
+pub(crate) const ACTIVE: &str = "active";
+
+impl Orders {
+    /// Takes in an order and returns its id. `left` are the current goals of the scenario.
+    ///
+    /// # Errors
+    /// When too many wait.
+    pub(crate) fn give(
+        &mut self,
+        time_s: f64,
+        order: Order,
+        left: impl FnOnce() -> Vec<Goal>,
+    ) -> Result<u64, String> {
+        if self.waiting.len() == WAITING_MAX {
+            return Err(format!(
+                "{WAITING_MAX} goals wait already; cancel some (zeronav cancel)"
+            ));
+        }
+        if self.current.is_none() && self.aside.is_none() {
+            self.aside = Some(left());
+        }
+        self.newest_id += 1;
+        let id = self.newest_id;
+        let pose = order.goals.last().map_or([0.0; 3], |goal| {
+            [goal.pose.x_m, goal.pose.y_m, goal.pose.yaw_rad]
+        });
+        if self.kept.len() == KEPT_MAX {
+            self.kept.pop_front();
+        }
+        self.kept.push_back(Kept {
+            id,
+            took_ns: 0,
+            redirect: Redirect {
+                time_s,
+                goal: pose,
+                outcome: QUEUED.to_owned(),
+            },
+        });
+        self.waiting.push_back((id, order));
+        Ok(id)
+    }
+
+    /// Ends the current order and those that wait: another one takes their place.
+    pub(crate) fn replace(&mut self, run_ns: u64) {
+        self.settle("replaced", run_ns);
+        self.drop_waiting("replaced");
+    }
+
+    /// The next order becomes the current one, unless there is one already; returns its goals.
+    pub(crate) fn begin(&mut self, run_ns: u64) -> Option<Vec<Goal>> {
+        if self.current.is_some() {
+            return None;
+        }
+        let (id, order) = self.waiting.pop_front()?;
+        let goals = order.goals.clone();
+        self.note(id, ACTIVE);
+        self.current = Some(Current {
+            id,
+            order,
+            began_run_ns: run_ns,
+            ends_as: None,
+        });
+        Some(goals)
+    }
+
+    /// The current order's task has ended. Returns its goals when it begins again.
+    pub(crate) fn ended(
+        &mut self,
+        state: TaskState,
+        reason: EndReason,
+        run_ns: u64,
+    ) -> Option<Vec<Goal>> {
+        let current = self.current.as_ref()?;
+        if state == TaskState::Reached && current.order.repeats && current.ends_as.is_none() {
+            return Some(current.order.goals.clone());
+        }
+        let outcome = match (state, current.ends_as) {
+            (TaskState::Reached, _) => "reached",
+            (_, Some(outcome)) => outcome,
+            (TaskState::Cancelled, None) => "cancelled",
+            (_, None) => reason.label(),
+        };
+        self.settle(outcome, run_ns);
+        None
+    }
+
+    /// Cancels the order with this id, or all. True when the current task has to be cancelled for it.
+    ///
+    /// # Errors
+    /// When there is no such order.
+    pub(crate) fn cancel(&mut self, id: Option<u64>) -> Result<bool, String> {
+        if let Some(id) = id
+            && let Some(at) = self.waiting.iter().position(|(waiting, _)| *waiting == id)
+        {
+            self.waiting.remove(at);
+            self.note(id, "cancelled");
+            return Ok(false);
+        }
+        let current = self.current.as_mut();
+        match (id, current) {
+            (Some(id), Some(current)) if current.id == id => {
+                current.ends_as = Some("cancelled");
+                Ok(true)
+            }
+            (Some(id), _) => Err(format!("goal {id} neither waits nor is it being driven to")),
+            (None, current) => {
+                if let Some(current) = current {
+                    current.ends_as = Some("cancelled");
+                }
+                self.drop_waiting("cancelled");
+                Ok(true)
+            }
+        }
+    }
+
+    /// True once, when the time of the current order is over: its task has to be cancelled.
+    pub(crate) fn is_over_time(&mut self, run_ns: u64) -> bool {
+        let Some(current) = &mut self.current else {
+            return false;
+        };
+        let over = current
+            .order
+            .time_limit_ns
+            .is_some_and(|limit_ns| run_ns.saturating_sub(current.began_run_ns) > limit_ns);
+        if over && current.ends_as.is_none() {
+            current.ends_as = Some("time_limit");
+            return true;
+        }
+        false
+    }
+
+    /// True while an order is served.
+    pub(crate) const fn is_active(&self) -> bool {
+        self.current.is_some()
+    }
+
+    /// Id of the order that is served, and the run time at which it began. [ns]
+    pub(crate) fn current(&self) -> Option<(u64, u64)> {
+        let current = self.current.as_ref()?;
+        Some((current.id, current.began_run_ns))
+    }
+
+    /// How many wait.
+    pub(crate) fn n_waiting(&self) -> usize {
+        self.waiting.len()
+    }
+
+    /// What became of an order, and the run time that it took if it has ended [ns]; `None` when it is
+    /// not remembered.
+    pub(crate) fn outcome(&self, id: u64) -> Option<(&str, u64)> {
+        let kept = self.kept.iter().find(|kept| kept.id == id)?;
+        Some((&kept.redirect.outcome, kept.took_ns))
+    }
+
+    /// How many orders are served before this one.
+    pub(crate) fn n_before(&self, id: u64) -> usize {
+        let at = self.waiting.iter().position(|(waiting, _)| *waiting == id);
+        at.map_or(0, |at| at + usize::from(self.current.is_some()))
+    }
+
+    /// The goals of the scenario that the orders took the place of; they are current again.
+    pub(crate) fn take_aside(&mut self) -> Option<Vec<Goal>> {
+        self.aside.take()
+    }
+
+    /// The orders that are remembered, as in the result of a run.
+    pub(crate) fn records(&self) -> Vec<Redirect> {
+        let kept = self.kept.iter();
+        kept.map(|kept| kept.redirect.clone()).collect()
+    }
+
+    fn settle(&mut self, outcome: &str, run_ns: u64) {
+        let Some(Current {
+            id, began_run_ns, ..
+        }) = self.current.take()
+        else {
+            return;
+        };
+        self.note(id, outcome);
+        if let Some(kept) = self.kept.iter_mut().find(|kept| kept.id == id) {
+            kept.took_ns = run_ns.saturating_sub(began_run_ns);
+        }
+    }
+
+    fn drop_waiting(&mut self, outcome: &str) {
+        for (id, _) in core::mem::take(&mut self.waiting) {
+            self.note(id, outcome);
+        }
+    }
+
+    fn note(&mut self, id: u64, outcome: &str) {
+        if let Some(kept) = self.kept.iter_mut().find(|kept| kept.id == id) {
+            outcome.clone_into(&mut kept.redirect.outcome);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use zeronav_msgs::Pose;
+
+    fn order(x_m: f64) -> Order {
+        Order {
+            goals: vec![Goal {
+                pose: Pose::new(x_m, 2.0, 0.5),
+                tolerance_m: 0.25,
+                yaw_tolerance_rad: 0.25,
+                id: 0,
+            }],
+            repeats: false,
+            time_limit_ns: None,
+        }
+    }
+
+    fn give(orders: &mut Orders, order: Order) -> u64 {
+        orders.give(3.0, order, Vec::new).expect("room for it")
+    }
+
+    fn outcomes(orders: &Orders) -> Vec<String> {
+        let records = orders.records().into_iter();
+        records.map(|record| record.outcome).collect()
+    }
+
+    #[test]
+    fn orders_are_served_as_they_came() {
+        let mut orders = Orders::default();
+        let ids = [1.0, 2.0, 3.0].map(|x_m| give(&mut orders, order(x_m)));
+        assert_eq!(ids, [1, 2, 3]);
+        let first = orders.begin(10).expect("the first");
+        assert!((first[0].pose.x_m - 1.0).abs() < 1.0e-12);
+        assert_eq!(orders.begin(11), None, "one at a time");
+        assert_eq!(orders.outcome(3), Some((QUEUED, 0)));
+        assert_eq!(orders.n_before(3), 2);
+        assert_eq!(orders.ended(TaskState::Reached, EndReason::None, 30), None);
+        assert_eq!(orders.begin(20).expect("the second").len(), 1);
+        assert_eq!(orders.n_before(3), 1);
+        assert_eq!(orders.outcome(1), Some(("reached", 20)));
+        orders.ended(TaskState::Failed, EndReason::GoalBlocked, 40);
+        assert_eq!(orders.current(), None);
+        assert_eq!(outcomes(&orders), ["reached", "goal_blocked", "queued"]);
+    }
+
+    #[test]
+    fn a_repeated_order_begins_again_until_it_is_cancelled() {
+        let mut orders = Orders::default();
+        let repeated = Order {
+            repeats: true,
+            ..order(1.0)
+        };
+        let id = give(&mut orders, repeated);
+        orders.begin(0);
+        for _ in 0..3 {
+            let again = orders.ended(TaskState::Reached, EndReason::None, 30);
+            assert_eq!(again.map(|goals| goals.len()), Some(1));
+        }
+        assert_eq!(orders.cancel(Some(id)), Ok(true));
+        // It arrived before the robot heard of the cancellation.
+        assert_eq!(orders.ended(TaskState::Reached, EndReason::None, 30), None);
+        assert_eq!(outcomes(&orders), ["reached"]);
+    }
+
+    #[test]
+    fn those_that_wait_are_cancelled_without_the_robot() {
+        let mut orders = Orders::default();
+        for x_m in [1.0, 2.0, 3.0] {
+            give(&mut orders, order(x_m));
+        }
+        orders.begin(0);
+        assert_eq!(orders.cancel(Some(2)), Ok(false));
+        assert!(orders.cancel(Some(2)).is_err(), "it is cancelled already");
+        assert!(orders.cancel(Some(99)).is_err());
+        assert_eq!(orders.cancel(None), Ok(true));
+        orders.ended(TaskState::Cancelled, EndReason::None, 30);
+        assert_eq!(outcomes(&orders), ["cancelled"; 3]);
+    }
+
+    #[test]
+    fn an_order_that_takes_the_place_of_all_others_ends_them() {
+        let mut orders = Orders::default();
+        let left = || order(9.0).goals;
+        orders.give(1.0, order(1.0), left).expect("room for it");
+        give(&mut orders, order(2.0));
+        orders.begin(0);
+        orders.replace(4);
+        give(&mut orders, order(3.0));
+        assert!(orders.begin(5).is_some());
+        assert_eq!(outcomes(&orders), ["replaced", "replaced", "active"]);
+        assert_eq!(orders.take_aside(), Some(order(9.0).goals));
+    }
+
+    #[test]
+    fn time_limits_end_an_order_once() {
+        let mut orders = Orders::default();
+        let limited = Order {
+            time_limit_ns: Some(100),
+            ..order(1.0)
+        };
+        give(&mut orders, limited);
+        assert!(!orders.is_over_time(1_000), "it has not begun");
+        orders.begin(1_000);
+        assert!(!orders.is_over_time(1_100));
+        assert!(orders.is_over_time(1_101));
+        assert!(!orders.is_over_time(1_102), "it is cancelled once");
+        orders.ended(TaskState::Cancelled, EndReason::None, 30);
+        assert_eq!(outcomes(&orders), ["time_limit"]);
+    }
+
+    #[test]
+    fn waiting_and_memory_are_bounded() {
+        let mut orders = Orders::default();
+        for _ in 0..WAITING_MAX {
+            give(&mut orders, order(1.0));
+        }
+        assert!(orders.give(0.0, order(1.0), Vec::new).is_err());
+        for _ in 0..2 * KEPT_MAX {
+            orders.begin(0);
+            orders.ended(TaskState::Reached, EndReason::None, 30);
+            give(&mut orders, order(1.0));
+        }
+        assert_eq!(orders.records().len(), KEPT_MAX);
+    }
+}

@@ -1,0 +1,147 @@
+//! Arguments of the requests to a stack that runs.
+
+use crate::scenario::{COORDINATE_M_MAX, TIME_LIMIT_S_MAX, TOLERANCE, YAW_RAD_MAX};
+use clap::{Args, ValueEnum};
+use std::path::PathBuf;
+use zeronav_world::error::number;
+
+/// Which stack, and how the answer is printed.
+#[derive(Debug, Clone, Args)]
+pub struct StackArgs {
+    /// Root folder of the stack, when several run (see `zeronav ps`).
+    #[arg(long, value_name = "ROOT")]
+    pub domain: Option<PathBuf>,
+    /// Print JSON: one object, or one per line while something goes on.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// How a client's goals are served.
+#[derive(Debug, Clone, Args)]
+pub struct OrderArgs {
+    /// Say how it goes on, and end when the goal is reached (exit code 0) or not (1).
+    #[arg(long)]
+    pub wait: bool,
+    /// Take the place of all goals that were asked for before; without, wait until they are over.
+    #[arg(long)]
+    pub now: bool,
+    /// Give up after this run time. [s]
+    #[arg(long, value_name = "SECONDS", value_parser = time_limit)]
+    pub time_limit: Option<f64>,
+    /// The stack.
+    #[command(flatten)]
+    pub stack: StackArgs,
+}
+
+/// Arguments of `zeronav goal`.
+#[derive(Debug, Clone, Args)]
+#[command(allow_negative_numbers = true)]
+pub struct GoalArgs {
+    /// [m] in the map frame.
+    #[arg(value_parser = coordinate)]
+    pub x: f64,
+    /// [m] in the map frame.
+    #[arg(value_parser = coordinate)]
+    pub y: f64,
+    /// [rad] counter-clockwise from +x.
+    #[arg(value_parser = yaw)]
+    pub yaw: f64,
+    /// How close counts. [m]
+    #[arg(long, value_name = "METRES", default_value_t = 0.25, value_parser = tolerance)]
+    pub tolerance: f64,
+    /// How close the yaw must be; 3.15 takes any. [rad]
+    #[arg(long, value_name = "RADIANS", default_value_t = 0.25, value_parser = tolerance)]
+    pub yaw_tolerance: f64,
+    /// How it is served.
+    #[command(flatten)]
+    pub order: OrderArgs,
+}
+
+/// Arguments of `zeronav goals`.
+#[derive(Debug, Clone, Args)]
+pub struct GoalsArgs {
+    /// TOML file with `[[goals]]` as in a scenario: `pose`, and if wanted `tolerance_m` and
+    /// `yaw_tolerance_rad`.
+    pub file: PathBuf,
+    /// Begin again with the first after the last one, until cancelled.
+    #[arg(long = "loop")]
+    pub repeats: bool,
+    /// How they are served.
+    #[command(flatten)]
+    pub order: OrderArgs,
+}
+
+/// Arguments of `zeronav cancel`.
+#[derive(Debug, Clone, Args)]
+pub struct CancelArgs {
+    /// Number of the goal, as `zeronav goal` printed it; without, all goals.
+    pub id: Option<u64>,
+    /// The stack.
+    #[command(flatten)]
+    pub stack: StackArgs,
+}
+
+/// Arguments of `zeronav step`.
+#[derive(Debug, Clone, Args)]
+pub struct StepArgs {
+    /// Ticks of the robot.
+    #[arg(default_value_t = 1)]
+    pub ticks: u64,
+    /// The stack.
+    #[command(flatten)]
+    pub stack: StackArgs,
+}
+
+/// Arguments of `zeronav wait`.
+#[derive(Debug, Clone, Args)]
+pub struct WaitArgs {
+    /// What for.
+    pub what: WaitFor,
+    /// Longest wait; when it is over the exit code is 1. [s]
+    #[arg(long, value_name = "SECONDS", default_value_t = 60.0, value_parser = time_limit)]
+    pub timeout: f64,
+    /// The stack.
+    #[command(flatten)]
+    pub stack: StackArgs,
+}
+
+/// What can be waited for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum WaitFor {
+    /// A stack runs and every service can answer.
+    Ready,
+    /// The goal that is being driven to is over; the exit code is that of `zeronav goal --wait`.
+    Goal,
+    /// The robot has no goal.
+    Idle,
+}
+
+impl core::fmt::Display for WaitFor {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        let value = self.to_possible_value();
+        f.write_str(value.as_ref().map_or("", |value| value.get_name()))
+    }
+}
+
+/// A number within a range.
+fn ranged(text: &str, [min, max]: [f64; 2]) -> Result<f64, String> {
+    let value: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
+    number(value, min, max, "").map_err(|error| error.why)?;
+    Ok(value)
+}
+
+pub(crate) fn coordinate(text: &str) -> Result<f64, String> {
+    ranged(text, [-COORDINATE_M_MAX, COORDINATE_M_MAX])
+}
+
+pub(crate) fn yaw(text: &str) -> Result<f64, String> {
+    ranged(text, [-YAW_RAD_MAX, YAW_RAD_MAX])
+}
+
+fn tolerance(text: &str) -> Result<f64, String> {
+    ranged(text, TOLERANCE)
+}
+
+fn time_limit(text: &str) -> Result<f64, String> {
+    ranged(text, [1.0e-3, TIME_LIMIT_S_MAX])
+}

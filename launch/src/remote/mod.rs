@@ -1,0 +1,9 @@
+//! Requests to a stack that runs: which one, and what its answers look like.
+
+pub mod cli;
+mod feedback;
+pub mod goal;
+mod ps;
+pub mod verbs;
+
+pub use ps::ps;

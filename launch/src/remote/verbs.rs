@@ -1,0 +1,161 @@
+//! The other requests: what a stack is doing, and making it pause, step or end.
+
+use super::cli::{CancelArgs, StackArgs, StepArgs, WaitArgs, WaitFor};
+use super::goal::follow;
+use super::ps::processes;
+use crate::control::request::{Request, RunReport};
+use crate::exit::{EXIT_FAIL, EXIT_PASS};
+use crate::running;
+use crate::show::terminal::{complain, say, say_json, usage};
+use serde_json::json;
+use std::process::ExitCode;
+use std::time::{Duration, Instant};
+
+/// Between two looks at a stack that is waited for.
+const PAUSE: Duration = Duration::from_millis(50);
+
+/// How long a stack may take to come to rest and end.
+const END_LIMIT: Duration = Duration::from_secs(15);
+
+/// `zeronav cancel`.
+#[must_use]
+pub fn cancel(arguments: &CancelArgs) -> ExitCode {
+    let id = arguments.id;
+    make(&arguments.stack, &Request::Cancel { id }, "cancelled")
+}
+
+/// `zeronav pause`.
+#[must_use]
+pub fn pause(arguments: &StackArgs) -> ExitCode {
+    make(arguments, &Request::Pause, "paused")
+}
+
+/// `zeronav resume`.
+#[must_use]
+pub fn resume(arguments: &StackArgs) -> ExitCode {
+    make(arguments, &Request::Resume, "resumed")
+}
+
+/// `zeronav step`.
+#[must_use]
+pub fn step(arguments: &StepArgs) -> ExitCode {
+    let ticks = arguments.ticks;
+    make(&arguments.stack, &Request::Step { ticks }, "stepped")
+}
+
+/// Makes a stack do something; `done` says that it did.
+fn make(arguments: &StackArgs, request: &Request, done: &str) -> ExitCode {
+    let asked = running::find(arguments.domain.as_deref()).and_then(|stack| stack.ask(request));
+    match asked {
+        Ok(_) if arguments.json => say_json(&json!({ "done": done })),
+        Ok(_) => say(&format!("{done}\n")),
+        Err(problem) => return usage(&problem),
+    }
+    ExitCode::from(EXIT_PASS)
+}
+
+/// `zeronav down`: returns when the stack is gone.
+#[must_use]
+pub fn down(arguments: &StackArgs) -> ExitCode {
+    let stack = match running::find(arguments.domain.as_deref()) {
+        Ok(stack) => stack,
+        Err(problem) => return usage(&problem),
+    };
+    let report = match stack.report() {
+        Ok(report) => report,
+        Err(problem) => return usage(&problem),
+    };
+    if let Err(problem) = stack.ask(&Request::Down) {
+        return usage(&problem);
+    }
+    let asked = Instant::now();
+    while std::path::Path::new(&report.domain).exists() {
+        if asked.elapsed() > END_LIMIT {
+            complain(&format!(
+                "{} has not ended within {} s; see its log, or end process {}",
+                report.scenario,
+                END_LIMIT.as_secs(),
+                report.pid
+            ));
+            return ExitCode::from(EXIT_FAIL);
+        }
+        std::thread::sleep(PAUSE);
+    }
+    if arguments.json {
+        say_json(&json!({ "done": "down" }));
+    } else {
+        say(&format!("{} is down\n", report.scenario));
+    }
+    ExitCode::from(EXIT_PASS)
+}
+
+/// `zeronav status`.
+#[must_use]
+pub fn status(arguments: &StackArgs) -> ExitCode {
+    let asked = running::find(arguments.domain.as_deref()).and_then(|stack| stack.report());
+    match asked {
+        Ok(report) if arguments.json => say_json(&report),
+        Ok(report) => say(&in_words(&report)),
+        Err(problem) => return usage(&problem),
+    }
+    ExitCode::from(EXIT_PASS)
+}
+
+fn in_words(report: &RunReport) -> String {
+    let mut text = processes(report);
+    if let Some([x_m, y_m, yaw_rad]) = report.pose {
+        text += &format!("  robot at {x_m:.2} {y_m:.2} {yaw_rad:.2}");
+        if let Some(contacts) = report.contacts {
+            text += &format!(", {contacts} contacts");
+        }
+        text.push('\n');
+    }
+    if let Some(goal) = &report.goal {
+        text += &format!("  {}", goal.in_words());
+    }
+    if report.goals_waiting > 0 {
+        text += &format!("  {} goals wait\n", report.goals_waiting);
+    }
+    text
+}
+
+/// `zeronav wait`.
+#[must_use]
+pub fn wait(arguments: &WaitArgs) -> ExitCode {
+    let began = Instant::now();
+    let limit = Duration::try_from_secs_f64(arguments.timeout).unwrap_or(Duration::MAX);
+    loop {
+        let seen = running::find(arguments.stack.domain.as_deref()).and_then(|stack| {
+            let report = stack.report()?;
+            Ok((stack, report))
+        });
+        let why = match (seen, arguments.what) {
+            (Ok((_, report)), WaitFor::Ready) if report.ready => break,
+            (Ok((_, report)), WaitFor::Ready) => format!("{} is starting", report.scenario),
+            // A stack that may not have been started yet is waited for, nothing else is.
+            (Err(problem), WaitFor::Ready) => problem,
+            (Err(problem), _) => return usage(&problem),
+            (Ok((_, report)), WaitFor::Idle) if !has_goals(&report) => break,
+            (Ok(_), WaitFor::Idle) => "the robot has goals".to_owned(),
+            (Ok((stack, report)), WaitFor::Goal) => {
+                return match report.goal {
+                    Some(goal) => follow(&stack, goal, arguments.stack.json, Some(limit)),
+                    None => usage("no goal of a client is being driven to"),
+                };
+            }
+        };
+        if began.elapsed() > limit {
+            complain(&format!("not within {} s: {why}", arguments.timeout));
+            return ExitCode::from(EXIT_FAIL);
+        }
+        std::thread::sleep(PAUSE);
+    }
+    if arguments.stack.json {
+        say_json(&json!({ "done": arguments.what.to_string() }));
+    }
+    ExitCode::from(EXIT_PASS)
+}
+
+fn has_goals(report: &RunReport) -> bool {
+    report.task == "active" || report.goal.is_some() || report.goals_waiting > 0
+}

@@ -1,0 +1,70 @@
+//! What a stack that stayed up leaves: its goals, its contacts, its processes.
+
+use crate::drive::Driven;
+use crate::prepare::Prepared;
+use crate::result::{Redirect, Restart, ServiceResult};
+use core::fmt::Write;
+use serde::Serialize;
+use zeronav_msgs::time::seconds;
+
+/// What became of a stack.
+#[derive(Debug, Serialize)]
+pub(crate) struct StayResult {
+    scenario: String,
+    /// How it ended: `down`, `interrupted`, or what went wrong.
+    outcome: &'static str,
+    /// Run time since it was ready. [s]
+    time_s: f64,
+    /// Wall time since its start. [s]
+    wall_s: f64,
+    /// The goals of clients, at most the newest 1000.
+    goals: Vec<Redirect>,
+    /// Contacts of the simulated robot.
+    contacts: u32,
+    restarts: Vec<Restart>,
+    services: Vec<ServiceResult>,
+    /// Folder with everything that it left.
+    directory: String,
+}
+
+impl StayResult {
+    /// What was seen of it.
+    pub(crate) fn of(prepared: &Prepared, driven: &Driven) -> Self {
+        let truth = driven.collector.truth.unwrap_or_default();
+        Self {
+            scenario: prepared.scenario.name.clone(),
+            outcome: driven.ending.outcome(),
+            time_s: seconds(driven.end_run_ns.saturating_sub(driven.goals_run_ns)),
+            wall_s: driven.wall.as_secs_f64(),
+            goals: driven.redirects.clone(),
+            contacts: truth.contacts_moving + truth.contacts_standing,
+            restarts: driven.restarts.clone(),
+            services: driven.services.clone(),
+            directory: prepared.directory.display().to_string(),
+        }
+    }
+
+    /// A few lines.
+    pub(crate) fn to_text(&self) -> String {
+        let reached = self.goals.iter().filter(|goal| goal.outcome == "reached");
+        let mut text = format!(
+            "{}: {} after {:.1} s of run time, {} of {} goals reached, {} contacts, {} restarts\n",
+            self.scenario,
+            self.outcome,
+            self.time_s,
+            reached.count(),
+            self.goals.len(),
+            self.contacts,
+            self.restarts.len(),
+        );
+        for restart in &self.restarts {
+            let _ = writeln!(
+                text,
+                "  {:8.2} s  {} restarted: {}",
+                restart.time_s, restart.service, restart.how
+            );
+        }
+        let _ = writeln!(text, "  {}", self.directory);
+        text
+    }
+}

@@ -1,0 +1,241 @@
+//! A stack that stays up: goals of clients, pause, step, and its end, on the real processes.
+
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use zeronav_tests::{Zeronav, leftovers, real_time_turn, zeronav};
+
+/// A stack that is up.
+struct Up {
+    stack: Zeronav,
+    root: String,
+}
+
+impl Up {
+    fn start(arguments: &[&str]) -> Self {
+        let folder = tempfile::tempdir().expect("a working folder");
+        Self::start_in(folder, arguments)
+    }
+
+    fn start_in(folder: tempfile::TempDir, arguments: &[&str]) -> Self {
+        let arguments = [&["up", "--headless", "--json"], arguments].concat();
+        let mut stack = Zeronav::start_in(folder, &arguments);
+        stack.wait_until("it is ready", |stack| {
+            let report = stack.report();
+            report.is_some_and(|report| report["ready"] == true)
+        });
+        let root = stack.domains().pop().expect("a domain");
+        let root = root.display().to_string();
+        Self { stack, root }
+    }
+
+    /// Runs a command on this stack and returns what it printed.
+    fn ask(&self, arguments: &[&str], code: i32) -> String {
+        let ended = zeronav(&[arguments, &["--domain", &self.root]].concat());
+        assert_eq!(
+            ended.code(),
+            code,
+            "{arguments:?}: {}{}",
+            ended.stdout,
+            ended.stderr
+        );
+        format!("{}{}", ended.stdout, ended.stderr)
+    }
+
+    /// The JSON objects that a command printed, one per line.
+    fn lines(&self, arguments: &[&str], code: i32) -> Vec<Value> {
+        let text = self.ask(&[arguments, &["--json"]].concat(), code);
+        let lines = text.lines();
+        let read = |line| serde_json::from_str(line).unwrap_or_else(|_| panic!("{text}"));
+        lines.map(read).collect()
+    }
+
+    fn status(&self) -> Value {
+        self.stack.report().expect("it answers")
+    }
+
+    /// Waits until the state of a goal is `outcome`.
+    fn wait_for_outcome(&mut self, what: &str, outcome: &str) {
+        self.stack.wait_until(what, |stack| {
+            let report = stack.report();
+            report.is_some_and(|report| report["goal"]["outcome"] == outcome)
+        });
+    }
+
+    /// Ends it and returns its result.
+    fn down(self) -> Value {
+        let said = self.ask(&["down"], 0);
+        assert!(said.contains("is down"), "{said}");
+        let ended = self.stack.finish();
+        let result = ended.expect(0);
+        assert_eq!(result["outcome"], "down");
+        assert_eq!(leftovers(Path::new(&self.root)), Vec::<PathBuf>::new());
+        result
+    }
+}
+
+fn outcomes(result: &Value) -> Vec<&str> {
+    let goals = result["goals"].as_array().expect("goals");
+    let outcomes = goals.iter().map(|goal| goal["outcome"].as_str());
+    outcomes.map(|outcome| outcome.expect("a word")).collect()
+}
+
+#[test]
+fn goals_of_two_clients_are_served_as_they_came_and_bad_ones_change_nothing() {
+    let _turn = real_time_turn();
+    let mut up = Up::start(&["open_aisle"]);
+    // Nobody drives a scenario's own goals.
+    assert_eq!(up.status()["task"], "waiting");
+    let first = up.lines(&["goal", "6", "8.5", "0"], 0);
+    assert_eq!(first[0]["outcome"], "active", "{first:?}");
+    let rack = up.ask(&["goal", "13.0", "8.05", "0"], 2);
+    let nearest = rack.split("the nearest free pose is ").nth(1);
+    let nearest: Vec<&str> = nearest.expect(&rack).split([' ', ';']).take(3).collect();
+    assert!(
+        up.ask(&["goal", "900", "900", "0"], 2)
+            .contains("not on the map")
+    );
+    let second = up.lines(&["goal", "4", "8.5", "3.14", "--wait"], 0);
+    assert_eq!(second[0]["outcome"], "queued", "{second:?}");
+    assert_eq!(second[0]["before"], 1, "{second:?}");
+    let active = second.iter().find(|line| line["outcome"] == "active");
+    assert!(active.is_some(), "no feedback: {second:?}");
+    let last = second.last().expect("a line");
+    assert_eq!(last["outcome"], "reached");
+    assert!(last["elapsed_s"].as_f64() > Some(1.0), "{last}");
+    // The pose that was offered in place of the rack can be driven to.
+    let [x, y, yaw] = nearest[..] else {
+        panic!("no pose: {rack}");
+    };
+    up.ask(&["goal", x, y, yaw, "--time-limit", "0.5"], 0);
+    up.wait_for_outcome("the offered pose is driven to", "active");
+    up.ask(&["wait", "goal"], 1);
+    up.ask(&["wait", "idle"], 0);
+    let result = up.down();
+    assert_eq!(outcomes(&result), ["reached", "reached", "time_limit"]);
+    assert_eq!(result["contacts"], 0);
+}
+
+#[test]
+fn a_goal_now_replaces_the_others_and_cancel_stops_the_robot() {
+    let _turn = real_time_turn();
+    let mut up = Up::start(&["open_aisle"]);
+    assert!(up.ask(&["cancel"], 2).contains("no goal to cancel"));
+    up.ask(&["goal", "27", "8.5", "0"], 0);
+    up.ask(&["goal", "3", "8.5", "0"], 0);
+    up.ask(&["goal", "6", "8.5", "0", "--now"], 0);
+    assert_eq!(up.status()["goal"]["id"], 3);
+    assert_eq!(up.status()["goals_waiting"], 0);
+    up.ask(&["cancel", "9"], 2);
+    up.ask(&["cancel"], 0);
+    up.ask(&["wait", "idle"], 0);
+    // The stack stays up, and a new local planner does not take the last task up again.
+    let local = up.stack.service("local_planner").expect("a process");
+    let pid = rustix::process::Pid::from_raw(i32::try_from(local).expect("a pid"));
+    let pid = pid.expect("a pid");
+    rustix::process::kill_process(pid, rustix::process::Signal::KILL).expect("it is there");
+    up.stack.wait_until("a successor answers", |stack| {
+        let report = stack.report().unwrap_or_default();
+        let services = report["services"].as_array().cloned().unwrap_or_default();
+        services.iter().any(|service| {
+            service["role"] == "local_planner"
+                && service["epoch"] == 2
+                && service["state"] == "ready"
+        })
+    });
+    let before = up.status()["tick"].as_u64();
+    up.stack.wait_until("half a second passes", |stack| {
+        let tick = stack.report().and_then(|report| report["tick"].as_u64());
+        tick > before.map(|tick| tick + 25)
+    });
+    assert_eq!(up.status()["task"], "waiting");
+    let result = up.down();
+    assert_eq!(outcomes(&result), ["replaced", "replaced", "cancelled"]);
+    assert_eq!(result["restarts"].as_array().map(Vec::len), Some(1));
+}
+
+#[test]
+fn a_paused_lockstep_stack_does_the_ticks_that_it_is_told() {
+    let mut up = Up::start(&["open_aisle", "--lockstep"]);
+    assert!(up.ask(&["step"], 2).contains("not paused"));
+    up.ask(&["pause"], 0);
+    // It does what it may have begun, then it is still.
+    let mut tick = u64::MAX;
+    up.stack.wait_until("run time is held", |stack| {
+        let now = stack.report().and_then(|report| report["tick"].as_u64());
+        let now = now.unwrap_or_default();
+        std::mem::replace(&mut tick, now) == now
+    });
+    let still = up.status()["tick"].as_u64().expect("a tick");
+    up.ask(&["step", "7"], 0);
+    up.stack.wait_until("seven ticks are done", |stack| {
+        let tick = stack.report().and_then(|report| report["tick"].as_u64());
+        tick == Some(still + 7)
+    });
+    up.ask(&["goal", "6", "8.5", "0"], 0);
+    up.ask(&["resume"], 0);
+    up.ask(&["wait", "goal"], 0);
+    assert!(up.ask(&["resume"], 2).contains("not paused"));
+    assert_eq!(outcomes(&up.down()), ["reached"]);
+}
+
+#[test]
+fn a_file_of_goals_is_driven_in_order_and_again() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("goals.toml");
+    let text = "[[goals]]\npose = [5.0, 8.5, 0.0]\n[[goals]]\npose = [3.0, 8.5, 0.0]\n";
+    std::fs::write(&file, text).expect("written");
+    let file = file.display().to_string();
+    let up = Up::start(&["open_aisle", "--lockstep"]);
+    let lines = up.lines(&["goals", &file, "--wait"], 0);
+    assert_eq!(lines[0]["goals_left"], 2, "{lines:?}");
+    let twice = up.lines(
+        &["goals", &file, "--loop", "--wait", "--time-limit", "30"],
+        1,
+    );
+    assert_eq!(twice.last().expect("a line")["outcome"], "time_limit");
+    std::fs::write(&file, text.replace("pose", "poze")).expect("written");
+    let bad = up.ask(&["goals", &file], 2);
+    assert!(bad.contains("goals.toml:2"), "{bad}");
+    assert_eq!(outcomes(&up.down()), ["reached", "time_limit"]);
+}
+
+#[test]
+fn a_map_and_a_robot_are_enough() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut pgm = b"P5\n100 60\n255\n".to_vec();
+    let wall = |x: usize, y: usize| x < 2 || y < 2 || x > 97 || y > 57 || (x == 50 && y > 20);
+    pgm.extend((0..60).flat_map(|y| (0..100).map(move |x| if wall(x, y) { 0 } else { 254 })));
+    std::fs::write(folder.path().join("room.pgm"), pgm).expect("written");
+    let yaml = "image: room.pgm\nresolution: 0.1\norigin: [0, 0, 0]\nnegate: 0\n\
+                occupied_thresh: 0.65\nfree_thresh: 0.196\n";
+    std::fs::write(folder.path().join("room.yaml"), yaml).expect("written");
+    let robot = [
+        "--map",
+        "room.yaml",
+        "--robot",
+        "turtlebot3_burger",
+        "--lockstep",
+    ];
+    let up = Up::start_in(folder, &robot);
+    let pose = up.status()["pose"].clone();
+    up.ask(&["goal", "8", "1", "0", "--wait"], 0);
+    assert_ne!(up.status()["pose"], pose, "it did not move");
+    let result = up.down();
+    assert_eq!(outcomes(&result), ["reached"]);
+    assert_eq!(result["scenario"], "room");
+}
+
+#[test]
+fn ctrl_c_brings_the_robot_to_rest_and_leaves_nothing() {
+    let _turn = real_time_turn();
+    let up = Up::start(&["open_aisle"]);
+    up.ask(&["goal", "27", "8.5", "0"], 0);
+    up.stack.signal(rustix::process::Signal::INT);
+    let ended = up.stack.finish();
+    let result = ended.expect(130);
+    assert_eq!(result["outcome"], "interrupted");
+    assert_eq!(leftovers(Path::new(&up.root)), Vec::<PathBuf>::new());
+    let gone = zeronav(&["goal", "1", "1", "0", "--domain", &up.root]);
+    assert_eq!(gone.code(), 2);
+    assert!(gone.stderr.contains("no such folder"), "{}", gone.stderr);
+}
