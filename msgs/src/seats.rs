@@ -30,6 +30,8 @@ pub struct SeatRow {
     pub after: &'static [Role],
     /// Topics that are part of every answer; the others that it writes are sent when there is news.
     pub owes: &'static [&'static TopicRow],
+    /// Topics of its idle output: what it sends before the first tick to say that it runs.
+    pub idle: &'static [&'static TopicRow],
     /// What it does when an input is missing or dropped, in a few words.
     pub without_input: &'static str,
 }
@@ -57,6 +59,7 @@ pub static SEATS: [SeatRow; 5] = [
         answers: Answers::EveryTick,
         after: &[],
         owes: &[RobotOdometry::ROW],
+        idle: &[RobotDescription::ROW],
         without_input: "no command for `command_timeout_s`: the robot brakes to a stop",
     },
     SeatRow {
@@ -71,6 +74,7 @@ pub static SEATS: [SeatRow; 5] = [
         answers: Answers::TicksWithScan,
         after: &[],
         owes: &[MapObstacles::ROW, MapUpdate::ROW],
+        idle: &[MapUpdate::ROW, MapKeyframe::ROW],
         without_input: "no scan for 0.5 s: an empty update with `current` = 0",
     },
     SeatRow {
@@ -87,6 +91,7 @@ pub static SEATS: [SeatRow; 5] = [
         answers: Answers::TicksWithScan,
         after: &[Role::Mapping],
         owes: &[PlanPath::ROW],
+        idle: &[PlanPath::ROW],
         without_input: "an update missed: asks mapping for a keyframe; the path stays",
     },
     SeatRow {
@@ -104,6 +109,7 @@ pub static SEATS: [SeatRow; 5] = [
         answers: Answers::EveryTick,
         after: &[Role::Mapping, Role::GlobalPlanner],
         owes: &[ControlRequest::ROW],
+        idle: &[TaskState::ROW, ControlRequest::ROW],
         without_input: "an input beyond its age: a ramp to zero, validity `stale`",
     },
     SeatRow {
@@ -117,6 +123,7 @@ pub static SEATS: [SeatRow; 5] = [
         answers: Answers::EveryTick,
         after: &[Role::LocalPlanner],
         owes: &[RobotCommand::ROW],
+        idle: &[RobotCommand::ROW],
         without_input: "an input beyond its age: a ramp to rest, intervention `*_stale`",
     },
 ];

@@ -174,8 +174,8 @@ fn seat_line(seat: &SeatRow) -> String {
         .map(|role| format!(", after {}", role.label()))
         .collect();
     let (role, reads, writes) = (seat.role.label(), names(seat.reads), writes.join(", "));
-    let (after, without) = (after.concat(), seat.without_input);
-    format!("| `{role}` | {ticks}{after} | {reads} | {writes} | {without} |")
+    let (after, idle, without) = (after.concat(), names(seat.idle), seat.without_input);
+    format!("| `{role}` | {ticks}{after} | {reads} | {writes} | {idle} | {without} |")
 }
 
 #[test]
@@ -184,7 +184,7 @@ fn the_table_of_seats_is_that_of_the_code() {
     let table = lines.join("\n");
     let text = page("services/README.md");
     assert!(
-        text.contains(&format!("|---|---|---|---|---|\n{table}\n\n")),
+        text.contains(&format!("|---|---|---|---|---|---|\n{table}\n\n")),
         "\n{table}"
     );
 }
