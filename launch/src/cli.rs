@@ -1,6 +1,7 @@
 //! The command line.
 
 use crate::logs::LogsArgs;
+use crate::map_save::MapArgs;
 use crate::remote::cli::{CancelArgs, GoalArgs, GoalsArgs, StackArgs, StepArgs, WaitArgs};
 use crate::run_plan::{RunPlan, Source};
 use crate::suite::noise::Noise;
@@ -90,6 +91,8 @@ pub enum Command {
     Topics(TopicsArgs),
     /// What the processes of a running stack write, merged by time.
     Logs(LogsArgs),
+    /// The map of a running stack.
+    Map(MapArgs),
     /// Whether this machine can run a stack well, and what to do where it cannot.
     Doctor {
         /// Print one JSON object.

@@ -21,6 +21,7 @@ mod keeper;
 mod leave;
 pub mod logs;
 pub mod look;
+pub mod map_save;
 pub mod measure;
 mod open_files;
 mod orders;

@@ -10,7 +10,7 @@ use zeronav::exit::EXIT_USAGE;
 use zeronav::remote::{goal, verbs};
 use zeronav::show::{log, terminal};
 use zeronav::supervise::{cleaner, warden};
-use zeronav::{commands, doctor, draw, logs, look, params, remote, topics};
+use zeronav::{commands, doctor, draw, logs, look, map_save, params, remote, topics};
 use zeronav_msgs::role::Role;
 use zeronav_shell::flags::one_line;
 
@@ -67,6 +67,7 @@ fn main() -> ExitCode {
         Command::Ps { json } => remote::ps(json),
         Command::Topics(arguments) => topics::topics(&arguments),
         Command::Logs(arguments) => logs::logs(&arguments),
+        Command::Map(arguments) => map_save::map(&arguments),
         Command::Doctor { json } => doctor::doctor(json),
         Command::Goal(arguments) => goal::goal(&arguments),
         Command::Goals(arguments) => goal::goals(&arguments),

@@ -4,7 +4,7 @@ pub mod cli;
 mod message;
 mod rate;
 mod table;
-mod tap;
+pub(crate) mod tap;
 mod value;
 mod watches;
 

@@ -15,14 +15,14 @@ use zeronav_shell::roster_reader::RosterReader;
 use zeronav_shell::{Domain, Peer, Roster, StartError};
 
 /// Time between two looks. A queue holds at least 32 messages, which is enough for lockstep, too.
-const PAUSE: Duration = Duration::from_millis(2);
+pub(crate) const PAUSE: Duration = Duration::from_millis(2);
 
 /// Guests are not restarted.
 const EPOCH: u32 = 1;
 
 /// A member of a run that reads.
 #[derive(Debug)]
-pub(super) struct Tap {
+pub(crate) struct Tap {
     roster: RosterReader,
     peer: Peer,
 }
@@ -51,7 +51,7 @@ impl Tap {
     ///
     /// # Errors
     /// One line when there is none, or when it has no place left.
-    pub(super) fn join(root: Option<&Path>) -> Result<Self, String> {
+    pub(crate) fn join(root: Option<&Path>) -> Result<Self, String> {
         let run = running::find(root)?;
         let join = || {
             let peer = Peer::join(Domain::join(run.root())?, Role::Tap, EPOCH)?;
@@ -63,8 +63,14 @@ impl Tap {
     }
 
     /// The member.
-    pub(super) fn peer(&self) -> &Peer {
+    pub(crate) fn peer(&self) -> &Peer {
         &self.peer
+    }
+
+    /// Which processes are obeyed now.
+    pub(crate) fn poll(&mut self) -> &Roster {
+        self.roster.poll();
+        self.roster.roster()
     }
 
     /// Shows the messages of the topic `name` to `watch` until one of both ends, or the run.
@@ -91,7 +97,7 @@ impl Tap {
     }
 
     /// Leaves the run; the last one that does removes what is left of it.
-    pub(super) fn leave(self) {
+    pub(crate) fn leave(self) {
         drop(self.roster);
         // Of a run that is over, launch removes what this cannot.
         let _ = self.peer.leave().close();

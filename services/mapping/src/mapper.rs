@@ -21,7 +21,7 @@ use zeronav_msgs::map::{
 };
 use zeronav_msgs::scan::Scan;
 use zeronav_msgs::{Cell, CellRect, GridGeometry, MapCell, MapView, Pose};
-use zeronav_world::{Occupancy, StaticMap};
+use zeronav_world::StaticMap;
 
 /// What a scan did to the map. Counts of cells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -439,19 +439,7 @@ impl Mapper {
     /// The map as a map file holds it: obstacles, free cells, unknown ones.
     #[must_use]
     pub fn as_static_map(&self) -> StaticMap {
-        let occupancy = |index: usize| {
-            if self.belief.is_unknown(index) {
-                Occupancy::Unknown
-            } else if self.belief.is_obstacle(index) {
-                Occupancy::Occupied
-            } else {
-                Occupancy::Free
-            }
-        };
-        StaticMap {
-            geometry: self.geometry,
-            cells: (0..self.geometry.len()).map(occupancy).collect(),
-        }
+        StaticMap::of(&self.view())
     }
 
     /// How the cost of a cell follows from its clearance.

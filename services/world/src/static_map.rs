@@ -4,8 +4,9 @@ use crate::parry_pose::parry_pose;
 use nalgebra::Point2;
 use parry2d::bounding_volume::Aabb;
 use parry2d::math::Vec2;
+use zeronav_msgs::map::{COST_LETHAL, FLAG_UNKNOWN};
 use zeronav_msgs::pose::wrap_angle;
-use zeronav_msgs::{Cell, GridGeometry, Pose};
+use zeronav_msgs::{Cell, GridGeometry, MapCell, MapView, Pose};
 
 /// What a static map says about a cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -35,6 +36,23 @@ impl StaticMap {
         Self {
             cells: vec![Occupancy::Free; geometry.len()],
             geometry,
+        }
+    }
+
+    /// A map as mapping publishes it, in the form of a map file: what is lethal is occupied, what is
+    /// marked unknown is unknown, the rest is free.
+    ///
+    /// Costs are not kept: they follow from the obstacles by the cost model.
+    #[must_use]
+    pub fn of(view: &MapView<'_>) -> Self {
+        let occupancy = |cell: &MapCell| match cell {
+            cell if cell.cost == COST_LETHAL => Occupancy::Occupied,
+            cell if cell.flags & FLAG_UNKNOWN != 0 => Occupancy::Unknown,
+            _ => Occupancy::Free,
+        };
+        Self {
+            geometry: *view.geometry,
+            cells: view.cells.iter().map(occupancy).collect(),
         }
     }
 

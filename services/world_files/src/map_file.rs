@@ -126,7 +126,8 @@ pub fn load(file: &Path) -> Result<LoadedMap, MapFileError> {
 }
 
 /// Writes `NAME.yaml` and `NAME.pgm` into the existing folder `dir`; [`load`] reads the same map
-/// from them. Returns the path of the YAML file.
+/// from them. Each file is there whole or not at all, the image before the YAML file that names it.
+/// Returns the path of the YAML file.
 ///
 /// # Errors
 /// [`MapFileError::Write`], naming the file.
@@ -145,9 +146,12 @@ pub fn save(map: &StaticMap, dir: &Path, name: &str) -> Result<PathBuf, MapFileE
     }
     let image = format!("{name}.pgm");
     let yaml = format!(
-        "image: {image}\nmode: trinary\nresolution: {:?}\norigin: [{:?}, {:?}, 0.0]\n\
+        "image: {}\nmode: trinary\nresolution: {:?}\norigin: [{:?}, {:?}, 0.0]\n\
          negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n",
-        geometry.resolution_m, geometry.origin_x_m, geometry.origin_y_m
+        scalar(&image),
+        geometry.resolution_m,
+        geometry.origin_x_m,
+        geometry.origin_y_m
     );
     write(&dir.join(image), &bytes)?;
     let yaml_file = dir.join(format!("{name}.yaml"));
@@ -155,13 +159,34 @@ pub fn save(map: &StaticMap, dir: &Path, name: &str) -> Result<PathBuf, MapFileE
     Ok(yaml_file)
 }
 
+/// A file name as YAML reads it back.
+fn scalar(name: &str) -> String {
+    let plain = |character: char| character.is_ascii_alphanumeric() || "._-/".contains(character);
+    if name.chars().all(plain) && name.starts_with(|first: char| first.is_ascii_alphabetic()) {
+        name.to_owned()
+    } else {
+        format!("'{}'", name.replace('\'', "''"))
+    }
+}
+
+/// Puts a file in its place once it is complete.
 fn write(file: &Path, bytes: &[u8]) -> Result<(), MapFileError> {
-    std::fs::File::create(file)
-        .and_then(|mut created| created.write_all(bytes))
-        .map_err(|source| MapFileError::Write {
+    let mut part = file.as_os_str().to_owned();
+    part.push(format!(".{}.part", std::process::id()));
+    let part = PathBuf::from(part);
+    let written = std::fs::File::create(&part)
+        .and_then(|mut created| {
+            created.write_all(bytes)?;
+            created.sync_all()
+        })
+        .and_then(|()| std::fs::rename(&part, file));
+    written.map_err(|source| {
+        let _ = std::fs::remove_file(&part);
+        MapFileError::Write {
             file: file.to_path_buf(),
             source,
-        })
+        }
+    })
 }
 
 fn text_of(file: &Path) -> Result<String, MapFileError> {

@@ -196,6 +196,52 @@ fn what_was_saved_is_loaded_again() {
     assert!(loaded.warnings.is_empty());
 }
 
+#[test]
+fn any_name_is_read_back_and_nothing_else_is_left() {
+    let folder = Folder::new();
+    let map = StaticMap {
+        geometry: GridGeometry {
+            origin_x_m: -3.0,
+            origin_y_m: 1.0e-7,
+            resolution_m: 0.05,
+            width: 3,
+            height: 2,
+        },
+        cells: CELLS.to_vec(),
+    };
+    let names = [
+        "a map", "1.0", "it's", "a: b # c", "-", "null", "true", "[x]", "ü\"\\",
+    ];
+    for name in names {
+        let file = save(&map, folder.path(), name).unwrap();
+        assert_eq!(load(&file).unwrap().map, map, "{name}");
+    }
+    let files = std::fs::read_dir(folder.path()).unwrap().count();
+    assert_eq!(files, 2 * names.len());
+}
+
+#[test]
+fn map_that_cannot_be_written_leaves_the_one_before() {
+    let folder = Folder::new();
+    let map = |cells: [Occupancy; 6]| StaticMap {
+        geometry: GridGeometry {
+            origin_x_m: 0.0,
+            origin_y_m: 0.0,
+            resolution_m: 0.05,
+            width: 3,
+            height: 2,
+        },
+        cells: cells.to_vec(),
+    };
+    let before = map(CELLS);
+    let file = save(&before, folder.path(), "m").unwrap();
+    // A folder where the image would be put together.
+    let part = format!("m.pgm.{}.part", std::process::id());
+    std::fs::create_dir(folder.path().join(part)).unwrap();
+    assert!(save(&map([Free; 6]), folder.path(), "m").is_err());
+    assert_eq!(load(&file).unwrap().map, before);
+}
+
 #[track_caller]
 fn refused(text: &str, wanted: &[&str]) -> MapFileError {
     let folder = Folder::new();

@@ -1,0 +1,188 @@
+//! `zeronav map save`: the map of a run as a file for the ROS `map_server`, and for the next run.
+
+use crate::exit::{EXIT_OUTPUT, EXIT_PASS};
+use crate::show::terminal::{complain, say, say_json, usage};
+use crate::topics::tap::{PAUSE, Tap};
+use clap::{Args, Subcommand};
+use serde_json::json;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::{Duration, Instant};
+use zeronav_msgs::header::Id;
+use zeronav_msgs::replica::MapReplica;
+use zeronav_msgs::role::Role;
+use zeronav_msgs::topics::{EVENT_NEED_KEYFRAME, MapKeyframe};
+use zeronav_shell::StartError;
+use zeronav_shell::clock::now_ns;
+use zeronav_shell::doorbell::Bells;
+use zeronav_world::{Occupancy, StaticMap};
+use zeronav_world_files::map_file;
+
+/// How long mapping may take to send its map.
+const MAP_LIMIT: Duration = Duration::from_secs(5);
+
+/// Time between two requests for a keyframe.
+const ASK_PAUSE: Duration = Duration::from_millis(50);
+
+/// Arguments of `zeronav map`.
+#[derive(Debug, Clone, Args)]
+pub struct MapArgs {
+    /// What to do.
+    #[command(subcommand)]
+    pub verb: MapVerb,
+}
+
+/// What `zeronav map` does.
+#[derive(Debug, Clone, Subcommand)]
+pub enum MapVerb {
+    /// Save the map as it is now, with what the lidar saw, for the ROS `map_server`.
+    Save(MapSaveArgs),
+}
+
+/// Arguments of `zeronav map save`.
+#[derive(Debug, Clone, Args)]
+pub struct MapSaveArgs {
+    /// The YAML file to write, such as `maps/hall.yaml`; the image is written beside it.
+    pub file: PathBuf,
+    /// Root folder of the run, when several go on (see `zeronav ps`).
+    #[arg(long, value_name = "ROOT")]
+    pub domain: Option<PathBuf>,
+    /// Print one JSON object.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `zeronav map`.
+#[must_use]
+pub fn map(arguments: &MapArgs) -> ExitCode {
+    let MapVerb::Save(arguments) = &arguments.verb;
+    let (folder, name) = match place(&arguments.file) {
+        Ok(place) => place,
+        Err(problem) => return usage(&problem),
+    };
+    let (map, revision) = match current_map(arguments.domain.as_deref()) {
+        Ok(map) => map,
+        Err(problem) => return usage(&problem),
+    };
+    let file = match map_file::save(&map, folder, name) {
+        Ok(file) => file,
+        Err(error) => {
+            complain(&error.to_string());
+            return ExitCode::from(EXIT_OUTPUT);
+        }
+    };
+    let geometry = &map.geometry;
+    let [occupied, free, unknown] =
+        [Occupancy::Occupied, Occupancy::Free, Occupancy::Unknown].map(|wanted| map.count(wanted));
+    if arguments.json {
+        say_json(&json!({
+            "file": file,
+            "image": folder.join(format!("{name}.pgm")),
+            "revision": revision.to_string(),
+            "width": geometry.width,
+            "height": geometry.height,
+            "resolution_m": geometry.resolution_m,
+            "origin_m": [geometry.origin_x_m, geometry.origin_y_m],
+            "occupied": occupied,
+            "free": free,
+            "unknown": unknown,
+        }));
+    } else {
+        say(&format!(
+            "{}: {} x {} cells of {} m, {occupied} occupied, {free} free, {unknown} unknown\n",
+            file.display(),
+            geometry.width,
+            geometry.height,
+            geometry.resolution_m,
+        ));
+    }
+    ExitCode::from(EXIT_PASS)
+}
+
+/// Folder and name, without its ending, of the file to write.
+fn place(file: &Path) -> Result<(&Path, &str), String> {
+    let wrong = |problem: &str| Err(format!("{}: {problem}", file.display()));
+    if file.extension().is_none_or(|extension| extension != "yaml") {
+        return wrong("the name of a map ends in .yaml");
+    }
+    let name = file.file_stem().and_then(|name| name.to_str());
+    let Some(name) = name.filter(|name| !name.contains(char::is_control)) else {
+        return wrong("the name of a map is plain text");
+    };
+    let folder = match file.parent() {
+        Some(folder) if folder.as_os_str().is_empty() => Path::new("."),
+        Some(folder) => folder,
+        None => return wrong("not a file"),
+    };
+    if !folder.is_dir() {
+        return wrong("there is no such folder");
+    }
+    Ok((folder, name))
+}
+
+/// The map of the run as it is now, and its revision: a keyframe that was made since it was asked
+/// for. The latched one is older.
+fn current_map(root: Option<&Path>) -> Result<(StaticMap, Id), String> {
+    let mut tap = Tap::join(root)?;
+    let open = |tap: &Tap| {
+        Ok((
+            tap.peer().latest::<MapKeyframe>()?,
+            Bells::open(tap.peer())?,
+        ))
+    };
+    let (mut keyframe, bells) = open(&tap).map_err(|error: StartError| error.to_string())?;
+    let began_ns = now_ns();
+    let began = Instant::now();
+    let mut asked: Option<Instant> = None;
+    let found = loop {
+        if asked.is_none_or(|asked| asked.elapsed() > ASK_PAUSE) {
+            bells.ring(Role::Mapping, EVENT_NEED_KEYFRAME);
+            asked = Some(Instant::now());
+        }
+        keyframe.poll(tap.poll());
+        if let Some(view) = keyframe.get()
+            && view.header.stamps.published_ns >= began_ns
+        {
+            let mut replica = MapReplica::new();
+            replica.keyframe(view.meta, view.items);
+            break match replica.view() {
+                Some(map) => Ok((StaticMap::of(&map), replica.revision())),
+                None => Err("mapping sends a map with holes".to_owned()),
+            };
+        }
+        // There are few places for keyframes.
+        keyframe.release();
+        if tap.peer().domain().is_orphaned() {
+            break Err("the run has ended".to_owned());
+        }
+        if began.elapsed() > MAP_LIMIT {
+            break Err(format!("mapping has sent no map within {MAP_LIMIT:?}"));
+        }
+        std::thread::sleep(PAUSE);
+    };
+    drop((keyframe, bells));
+    tap.leave();
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_that_no_map_can_have_are_told_apart() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let good = folder.path().join("a map.yaml");
+        assert_eq!(place(&good), Ok((folder.path(), "a map")));
+        assert_eq!(place(Path::new("hall.yaml")), Ok((Path::new("."), "hall")));
+        for bad in [
+            "hall",
+            "hall.pgm",
+            "/nowhere/at/all/hall.yaml",
+            "a\nb.yaml",
+            "..",
+        ] {
+            assert!(place(Path::new(bad)).is_err(), "{bad}");
+        }
+    }
+}
