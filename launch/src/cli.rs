@@ -10,6 +10,7 @@ use crate::supervise::cleaner;
 use crate::topics::cli::TopicsArgs;
 use crate::version::VERSION;
 use clap::{Args, Parser, Subcommand};
+use clap_complete::Shell;
 use core::ops::Range;
 use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
@@ -119,6 +120,17 @@ pub enum Command {
     Suite(SuiteArgs),
     /// Draw a recorded run as an animated SVG.
     Draw(DrawArgs),
+    /// The completions of a shell, to be sourced or put where it looks for them.
+    Completions {
+        /// Which shell.
+        shell: Shell,
+    },
+    /// Write the manual pages, one for each verb.
+    Man {
+        /// Folder to write them to, such as `~/.local/share/man/man1`.
+        #[arg(value_name = "DIR")]
+        folder: PathBuf,
+    },
     /// Remove what a dead service left in a domain; `zeronav run` starts it by itself.
     #[command(name = cleaner::COMMAND, hide = true)]
     Clean {

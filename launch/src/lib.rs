@@ -5,6 +5,7 @@
 pub mod cli;
 mod collect;
 pub mod commands;
+pub mod completions;
 mod configs;
 mod control;
 mod disturbance;

@@ -10,7 +10,7 @@ use zeronav::exit::EXIT_USAGE;
 use zeronav::remote::{goal, verbs};
 use zeronav::show::{log, terminal};
 use zeronav::supervise::{cleaner, warden};
-use zeronav::{commands, doctor, draw, logs, look, map_save, params, remote, topics};
+use zeronav::{commands, completions, doctor, draw, logs, look, map_save, params, remote, topics};
 use zeronav_msgs::role::Role;
 use zeronav_shell::flags::one_line;
 
@@ -80,6 +80,8 @@ fn main() -> ExitCode {
         Command::Down(arguments) => verbs::down(&arguments),
         Command::Draw(arguments) => draw::draw(&arguments.run, arguments.out.as_deref()),
         Command::Suite(arguments) => commands::suite(&arguments.plan(), arguments.json),
+        Command::Completions { shell } => completions::completions(shell),
+        Command::Man { folder } => completions::man(&folder),
         Command::Clean { .. } | Command::Warden => ExitCode::SUCCESS,
     })
 }
