@@ -2,7 +2,9 @@
 
 use crate::logs::LogsArgs;
 use crate::map_save::MapArgs;
-use crate::remote::cli::{CancelArgs, GoalArgs, GoalsArgs, StackArgs, StepArgs, WaitArgs};
+use crate::remote::cli::{
+    CancelArgs, GoalArgs, GoalsArgs, ObstacleArgs, StackArgs, StepArgs, WaitArgs,
+};
 use crate::run_plan::{RunPlan, Source};
 use crate::suite::noise::Noise;
 use crate::suite::plan::SuitePlan;
@@ -110,6 +112,8 @@ pub enum Command {
     Resume(StackArgs),
     /// Let a paused lockstep stack do some ticks.
     Step(StepArgs),
+    /// Put an obstacle into the simulated world of a running stack, move it, or take it out.
+    Obstacle(ObstacleArgs),
     /// What a running stack does.
     Status(StackArgs),
     /// Wait until a stack is ready, its goal is over, or its robot has none.

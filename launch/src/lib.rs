@@ -28,6 +28,7 @@ mod open_files;
 mod orders;
 pub mod params;
 mod picture;
+mod placed;
 mod prepare;
 mod record;
 

@@ -8,6 +8,9 @@ use crate::pose::Pose;
 /// Most scripted obstacles of a world.
 pub const TRUTH_OBSTACLES_MAX: usize = 256;
 
+/// Largest side of an obstacle that is put into the world. [m]
+pub const SIZE_M_MAX: f64 = 1000.0;
+
 message! {
     /// Fixed fields of the truth at one tick. The slice holds the scripted obstacles that exist.
     pub struct Truth = "zeronav.Truth.v1" {
@@ -61,10 +64,10 @@ message! {
 }
 
 message! {
-    /// Puts a scripted obstacle somewhere for a time, whatever its script says. A later placement
-    /// with the same `from_run_ns` changes only how long it stays.
-    pub struct Placement = "zeronav.Placement.v1" {
-        /// [number] Place in the scenario's list, from 0.
+    /// Puts an obstacle somewhere for a time, whatever its script says. A later placement with the
+    /// same `from_run_ns` changes only how long it stays.
+    pub struct Placement = "zeronav.Placement.v2" {
+        /// [number] Place in the scenario's list, from 0; one behind the last adds an obstacle.
         pub index: u32,
         /// Written as 0.
         pub spare: u32,
@@ -74,6 +77,11 @@ message! {
         pub until_run_ns: u64,
         /// `map_from_shape` while it is there.
         pub pose: Pose,
+        /// [m] of the rectangle that it becomes, along x, or diameter of a disc; 0 = the shape that it
+        /// has.
+        pub size_x_m: f64,
+        /// [m] along y; 0 = a disc.
+        pub size_y_m: f64,
     }
 }
 
@@ -93,6 +101,8 @@ impl Placements {
                 Refusal::OutOfRange("index"),
             )?;
             placement.pose.check("pose")?;
+            number(placement.size_x_m, 0.0, SIZE_M_MAX, "size_x_m")?;
+            number(placement.size_y_m, 0.0, SIZE_M_MAX, "size_y_m")?;
         }
         Ok(())
     }

@@ -2009,12 +2009,12 @@ static_assert(SimPlacementEnvelope::SCHEMA == [] {
     return hash;
 }());
 
-/// Puts a scripted obstacle somewhere for a time, whatever its script says. A later placement with
-/// the same `from_run_ns` changes only how long it stays.
+/// Puts an obstacle somewhere for a time, whatever its script says. A later placement with the
+/// same `from_run_ns` changes only how long it stays.
 struct Placement {
-    static constexpr const char* NAME = "zeronav.Placement.v1";
-    static constexpr std::uint64_t SCHEMA = 0x8559df2abd25da3f;
-    /// [number] Place in the scenario's list, from 0.
+    static constexpr const char* NAME = "zeronav.Placement.v2";
+    static constexpr std::uint64_t SCHEMA = 0x17e47a193d65891f;
+    /// [number] Place in the scenario's list, from 0; one behind the last adds an obstacle.
     std::uint32_t index{};
     /// Written as 0.
     std::uint32_t spare{};
@@ -2024,14 +2024,21 @@ struct Placement {
     std::uint64_t until_run_ns{};
     /// `map_from_shape` while it is there.
     Pose pose{};
+    /// [m] of the rectangle that it becomes, along x, or diameter of a disc; 0 = the shape that it
+    /// has.
+    double size_x_m{};
+    /// [m] along y; 0 = a disc.
+    double size_y_m{};
 };
-static_assert(sizeof(Placement) == 48);
+static_assert(sizeof(Placement) == 64);
 static_assert(std::is_trivially_copyable_v<Placement> && std::is_standard_layout_v<Placement>);
 static_assert(offsetof(Placement, index) == 0);
 static_assert(offsetof(Placement, spare) == 4);
 static_assert(offsetof(Placement, from_run_ns) == 8);
 static_assert(offsetof(Placement, until_run_ns) == 16);
 static_assert(offsetof(Placement, pose) == 24);
+static_assert(offsetof(Placement, size_x_m) == 48);
+static_assert(offsetof(Placement, size_y_m) == 56);
 static_assert(Placement::SCHEMA == [] {
     std::uint64_t hash = fnv1a(FNV_OFFSET, Placement::NAME);
     hash = fnv1a(hash, "index");
@@ -2049,6 +2056,12 @@ static_assert(Placement::SCHEMA == [] {
     hash = fnv1a(hash, "pose");
     hash = fnv1a_number(hash, Schema<decltype(Placement::pose)>::value);
     hash = fnv1a_number(hash, offsetof(Placement, pose));
+    hash = fnv1a(hash, "size_x_m");
+    hash = fnv1a_number(hash, Schema<decltype(Placement::size_x_m)>::value);
+    hash = fnv1a_number(hash, offsetof(Placement, size_x_m));
+    hash = fnv1a(hash, "size_y_m");
+    hash = fnv1a_number(hash, Schema<decltype(Placement::size_y_m)>::value);
+    hash = fnv1a_number(hash, offsetof(Placement, size_y_m));
     return hash;
 }());
 
@@ -2497,7 +2510,7 @@ struct sim_placement {
     using Envelope = SimPlacementEnvelope;
     using Item = Placement;
     static constexpr const char* NAME = "sim/placement";
-    static constexpr std::uint64_t SCHEMA = 0xa210ff97228acb6e;
+    static constexpr std::uint64_t SCHEMA = 0xbe6697bbf00d7904;
     static constexpr std::size_t NUMBER = 22;
     static constexpr std::size_t LEN_MAX = 256;
     static constexpr std::size_t BUFFER = 2;

@@ -73,6 +73,12 @@ impl Up {
     }
 }
 
+/// Run time that a goal took. [s]
+fn elapsed_s(lines: &[Value]) -> f64 {
+    let last = lines.last().expect("a line");
+    last["elapsed_s"].as_f64().expect("seconds")
+}
+
 fn outcomes(result: &Value) -> Vec<&str> {
     let goals = result["goals"].as_array().expect("goals");
     let outcomes = goals.iter().map(|goal| goal["outcome"].as_str());
@@ -223,6 +229,33 @@ fn a_map_and_a_robot_are_enough() {
     let result = up.down();
     assert_eq!(outcomes(&result), ["reached"]);
     assert_eq!(result["scenario"], "room");
+}
+
+#[test]
+fn obstacles_are_added_moved_and_removed_while_the_robot_drives() {
+    let up = Up::start(&["open_aisle", "--lockstep"]);
+    let on_it = ["obstacle", "add", "crate", "3", "8.5", "--radius", "0.2"];
+    assert!(up.ask(&on_it, 2).contains("the robot is there"));
+    let unknown = up.ask(&["obstacle", "move", "crate", "9", "6.4"], 2);
+    assert!(unknown.contains("no obstacle crate"), "{unknown}");
+    up.ask(&["pause"], 0);
+    up.ask(&["goal", "27", "8.5", "0"], 0);
+    // The straight way through the aisle is closed before the robot is there.
+    let add = [
+        "obstacle", "add", "crate", "11.3", "6.425", "--size", "0.8", "1.85",
+    ];
+    up.ask(&add, 0);
+    assert!(up.ask(&add, 2).contains("is there already"));
+    up.ask(&["resume"], 0);
+    let there_s = elapsed_s(&up.lines(&["wait", "goal"], 0));
+    // The way back is free again.
+    up.ask(&["obstacle", "remove", "crate"], 0);
+    let back_s = elapsed_s(&up.lines(&["goal", "3", "8.5", "3.14", "--wait"], 0));
+    // It has to turn first, so that without the crate there it would take longer.
+    assert!(there_s > back_s, "{there_s} s around, {back_s} s straight");
+    let result = up.down();
+    assert_eq!(outcomes(&result), ["reached", "reached"]);
+    assert_eq!(result["contacts"], 0);
 }
 
 #[test]

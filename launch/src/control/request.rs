@@ -44,8 +44,35 @@ pub(crate) enum Request {
         /// At least 1.
         ticks: u64,
     },
+    /// Change an obstacle of the simulated world.
+    Obstacle {
+        /// Its name.
+        name: String,
+        /// What becomes of it.
+        change: ObstacleChange,
+    },
     /// Bring the robot to rest and end the stack.
     Down,
+}
+
+/// What becomes of an obstacle.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub(crate) enum ObstacleChange {
+    /// A new one.
+    Add {
+        /// x [m], y [m] and yaw [rad] in the map frame.
+        pose: [f64; 3],
+        /// Sides of a rectangle; the second is 0 for a disc, the first its diameter. [m]
+        size_m: [f64; 2],
+    },
+    /// It is somewhere else from now on, whatever its script says.
+    Move {
+        /// x [m], y [m] and yaw [rad] in the map frame.
+        pose: [f64; 3],
+    },
+    /// It is gone.
+    Remove,
 }
 
 /// One process of a stack.

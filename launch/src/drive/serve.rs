@@ -46,6 +46,7 @@ impl Session<'_> {
             Request::Pause => self.pause(stack)?,
             Request::Resume => self.resume(stack)?,
             Request::Step { ticks } => self.step(stack, ticks)?,
+            Request::Obstacle { name, change } => self.place(stack, &name, &change)?,
             Request::Down => self.is_down = true,
         }
         Ok(Reply::Done)

@@ -7,6 +7,7 @@ use crate::ending::Ending;
 use crate::keeper::{Keeper, READY_LIMIT};
 use crate::measure::DEADLINE_NS;
 use crate::orders::Orders;
+use crate::placed::PlacedObstacles;
 use crate::prepare::Prepared;
 use crate::seen::TaskReport;
 use crate::show::progress::{Progress, ProgressLine, Tally};
@@ -59,6 +60,8 @@ pub(super) struct Session<'a> {
     pub(super) task_id: u64,
     /// Goals of clients.
     pub(super) orders: Orders,
+    /// Obstacles that clients have put into the world.
+    pub(super) placed: PlacedObstacles,
     /// True once every service can answer.
     pub(super) is_ready: bool,
     /// True while run time is held.
@@ -92,6 +95,9 @@ impl<'a> Session<'a> {
             task: Vec::new(),
             task_id: 0,
             orders: Orders::default(),
+            placed: PlacedObstacles::new(
+                (prepared.world.obstacles().iter()).map(|obstacle| obstacle.spec.name.clone()),
+            ),
             is_ready: false,
             is_paused: false,
             is_down: false,

@@ -1,12 +1,17 @@
 //! What clients make a stack do while it runs.
 
 use super::session::Session;
+use crate::control::request::ObstacleChange;
 use crate::ending::Ending;
 use crate::orders::Order;
+use crate::placed::shape_of;
 use crate::supervise::stack::Stack;
 use std::sync::atomic::Ordering;
+use zeronav_msgs::Pose;
 use zeronav_msgs::run::RunMode;
 use zeronav_msgs::time::seconds;
+use zeronav_msgs::truth::Placement;
+use zeronav_world::Shape;
 
 /// Most ticks of one step.
 const STEP_TICKS_MAX: u64 = 1_000_000;
@@ -129,6 +134,54 @@ impl Session<'_> {
             return Err(format!("1 to {STEP_TICKS_MAX} ticks, not {ticks}"));
         }
         stack.extend_lease(stack.roster.control.lease + ticks);
+        Ok(())
+    }
+
+    /// Changes an obstacle of the simulated world, from the first tick on that the robot may not have
+    /// begun.
+    ///
+    /// # Errors
+    /// Why it cannot be, such as that the robot is there.
+    pub(super) fn place(
+        &mut self,
+        stack: &mut Stack,
+        name: &str,
+        change: &ObstacleChange,
+    ) -> Result<(), String> {
+        if self.shuttle.is_some() {
+            return Err("the run makes trials with obstacles of its own".to_owned());
+        }
+        if let ObstacleChange::Add { pose, size_m } = change {
+            self.check_room(*pose, *size_m)?;
+        }
+        let tick_ns = self.prepared.scenario.run.tick_ns();
+        let run_ns = match self.prepared.mode {
+            RunMode::Lockstep => self.next_tick(stack) * tick_ns,
+            _ => self.collector.run_ns + tick_ns,
+        };
+        let placements = self.placed.change(name, change, run_ns)?;
+        stack.place(placements);
+        Ok(())
+    }
+
+    /// Rejects an obstacle that would be put onto the robot.
+    fn check_room(&self, [x_m, y_m, yaw_rad]: [f64; 3], size_m: [f64; 2]) -> Result<(), String> {
+        let placement = Placement {
+            pose: Pose::new(x_m, y_m, yaw_rad),
+            size_x_m: size_m[0],
+            size_y_m: size_m[1],
+            ..Placement::default()
+        };
+        let shape = shape_of(&placement).and_then(|spec| Shape::new(&spec).ok());
+        let Some(shape) = shape else {
+            return Ok(());
+        };
+        let start = self.prepared.scenario.start;
+        let robot = self.collector.truth.map_or(start, |truth| truth.pose);
+        let robot = self.prepared.footprint.placed(&robot);
+        if robot.distance_m(shape.placed()) <= 0.0 {
+            return Err("the robot is there".to_owned());
+        }
         Ok(())
     }
 

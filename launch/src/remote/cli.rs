@@ -1,7 +1,7 @@
 //! Arguments of the requests to a stack that runs.
 
 use crate::scenario::{COORDINATE_M_MAX, TIME_LIMIT_S_MAX, TOLERANCE, YAW_RAD_MAX};
-use clap::{Args, ValueEnum};
+use clap::{Args, Subcommand, ValueEnum};
 use std::path::PathBuf;
 use zeronav_world::error::number;
 
@@ -9,10 +9,10 @@ use zeronav_world::error::number;
 #[derive(Debug, Clone, Args)]
 pub struct StackArgs {
     /// Root folder of the stack, when several run (see `zeronav ps`).
-    #[arg(long, value_name = "ROOT")]
+    #[arg(long, value_name = "ROOT", global = true)]
     pub domain: Option<PathBuf>,
     /// Print JSON: one object, or one per line while something goes on.
-    #[arg(long)]
+    #[arg(long, global = true)]
     pub json: bool,
 }
 
@@ -103,6 +103,67 @@ pub struct WaitArgs {
     /// The stack.
     #[command(flatten)]
     pub stack: StackArgs,
+}
+
+/// Arguments of `zeronav obstacle`.
+#[derive(Debug, Clone, Args)]
+#[command(allow_negative_numbers = true)]
+pub struct ObstacleArgs {
+    /// What becomes of it.
+    #[command(subcommand)]
+    pub change: ObstacleCommand,
+    /// The stack.
+    #[command(flatten)]
+    pub stack: StackArgs,
+}
+
+/// What becomes of an obstacle.
+#[derive(Debug, Clone, Subcommand)]
+#[command(allow_negative_numbers = true)]
+pub enum ObstacleCommand {
+    /// Put a new one into the world.
+    #[command(allow_negative_numbers = true)]
+    Add {
+        /// A name that the world does not have yet.
+        name: String,
+        /// Where.
+        #[command(flatten)]
+        at: PoseArgs,
+        /// Sides of a rectangle. [m]
+        #[arg(long, num_args = 2, value_names = ["X", "Y"], required_unless_present = "radius")]
+        size: Option<Vec<f64>>,
+        /// Radius of a disc. [m]
+        #[arg(long, value_name = "METRES", conflicts_with = "size")]
+        radius: Option<f64>,
+    },
+    /// Put one somewhere else, whatever its script says.
+    #[command(allow_negative_numbers = true)]
+    Move {
+        /// Its name, in the scenario or as it was added.
+        name: String,
+        /// Where.
+        #[command(flatten)]
+        at: PoseArgs,
+    },
+    /// Take one out of the world.
+    Remove {
+        /// Its name, in the scenario or as it was added.
+        name: String,
+    },
+}
+
+/// A pose in the map frame.
+#[derive(Debug, Clone, Args)]
+pub struct PoseArgs {
+    /// [m]
+    #[arg(value_parser = coordinate)]
+    pub x: f64,
+    /// [m]
+    #[arg(value_parser = coordinate)]
+    pub y: f64,
+    /// [rad] counter-clockwise from +x.
+    #[arg(value_parser = yaw, default_value_t = 0.0)]
+    pub yaw: f64,
 }
 
 /// What can be waited for.

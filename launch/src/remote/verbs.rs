@@ -1,9 +1,11 @@
 //! The other requests: what a stack is doing, and making it pause, step or end.
 
-use super::cli::{CancelArgs, StackArgs, StepArgs, WaitArgs, WaitFor};
+use super::cli::{
+    CancelArgs, ObstacleArgs, ObstacleCommand, PoseArgs, StackArgs, StepArgs, WaitArgs, WaitFor,
+};
 use super::goal::follow;
 use super::ps::processes;
-use crate::control::request::{Request, RunReport};
+use crate::control::request::{ObstacleChange, Request, RunReport};
 use crate::exit::{EXIT_FAIL, EXIT_PASS};
 use crate::running;
 use crate::show::terminal::{complain, say, say_json, usage};
@@ -41,6 +43,33 @@ pub fn resume(arguments: &StackArgs) -> ExitCode {
 pub fn step(arguments: &StepArgs) -> ExitCode {
     let ticks = arguments.ticks;
     make(&arguments.stack, &Request::Step { ticks }, "stepped")
+}
+
+/// `zeronav obstacle`.
+#[must_use]
+pub fn obstacle(arguments: &ObstacleArgs) -> ExitCode {
+    let pose = |at: &PoseArgs| [at.x, at.y, at.yaw];
+    let (name, change, done) = match &arguments.change {
+        ObstacleCommand::Add {
+            name,
+            at,
+            size,
+            radius,
+        } => {
+            let size_m = match (size.as_deref(), radius) {
+                (Some([x_m, y_m]), _) => [*x_m, *y_m],
+                (_, radius) => [2.0 * radius.unwrap_or(0.0), 0.0],
+            };
+            let pose = pose(at);
+            (name, ObstacleChange::Add { pose, size_m }, "added")
+        }
+        ObstacleCommand::Move { name, at } => {
+            (name, ObstacleChange::Move { pose: pose(at) }, "moved")
+        }
+        ObstacleCommand::Remove { name } => (name, ObstacleChange::Remove, "removed"),
+    };
+    let name = name.clone();
+    make(&arguments.stack, &Request::Obstacle { name, change }, done)
 }
 
 /// Makes a stack do something; `done` says that it did.

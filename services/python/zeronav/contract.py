@@ -1081,15 +1081,15 @@ class SimPlacementEnvelope(Message):
 
 
 class Placement(Message):
-    """Puts a scripted obstacle somewhere for a time, whatever its script says. A later placement
-    with the same `from_run_ns` changes only how long it stays."""
+    """Puts an obstacle somewhere for a time, whatever its script says. A later placement with the
+    same `from_run_ns` changes only how long it stays."""
 
-    NAME = "zeronav.Placement.v1"
-    SIZE = 48
-    SCHEMA = 0x8559df2abd25da3f
-    OFFSETS = (0, 4, 8, 16, 24)
+    NAME = "zeronav.Placement.v2"
+    SIZE = 64
+    SCHEMA = 0x17e47a193d65891f
+    OFFSETS = (0, 4, 8, 16, 24, 48, 56)
     _fields_ = [
-        # [number] Place in the scenario's list, from 0.
+        # [number] Place in the scenario's list, from 0; one behind the last adds an obstacle.
         ("index", u32),
         # Written as 0.
         ("spare", u32),
@@ -1099,6 +1099,11 @@ class Placement(Message):
         ("until_run_ns", u64),
         # `map_from_shape` while it is there.
         ("pose", Pose),
+        # [m] of the rectangle that it becomes, along x, or diameter of a disc; 0 = the shape that
+        # it has.
+        ("size_x_m", f64),
+        # [m] along y; 0 = a disc.
+        ("size_y_m", f64),
     ]
 
 
@@ -1439,7 +1444,7 @@ SIM_PLACEMENT = Topic(
     len_max=256,
     buffer=2,
     pool=58,
-    schema=0xa210ff97228acb6e,
+    schema=0xbe6697bbf00d7904,
 )
 
 HEALTH_ROBOT = Topic(

@@ -29,6 +29,7 @@ pub mod obstacles;
 pub mod odometer;
 pub mod overlap;
 mod phase;
+mod placing;
 pub mod ray;
 pub mod returns;
 pub mod scan_schedule;

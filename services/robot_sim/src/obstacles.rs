@@ -103,6 +103,28 @@ impl Obstacle {
         }
     }
 
+    /// An obstacle that is nowhere until it is placed.
+    #[must_use]
+    pub(crate) fn absent(form: Convex) -> Self {
+        Self {
+            form,
+            start: Pose::default(),
+            way: Way::Walk(Route::new(Point2::origin(), &[], 0.0, false)),
+            appears: Latch {
+                near: None,
+                run_ns: Some(u64::MAX),
+            },
+            lasts_ns: None,
+            placed_from: None,
+            starts: None,
+        }
+    }
+
+    /// Changes what it covers, in its own frame.
+    pub(crate) fn take_form(&mut self, form: Convex) {
+        self.form = form;
+    }
+
     /// Puts it at `pose`, where it is from `from_run_ns` to before `until_run_ns` (`None` = to
     /// the end), whatever its script says. Said again with the same `from_run_ns`, it stays where
     /// it is and only the end changes.

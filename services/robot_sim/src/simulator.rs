@@ -11,6 +11,7 @@ use crate::history::{History, Stretch};
 use crate::lidar::Lidar;
 use crate::obstacles::Obstacle;
 use crate::odometer::{Odometer, WheelMotion};
+use crate::placing::place;
 use crate::scan_schedule::{DueScan, ScanSchedule};
 use crate::slip::{Grip, Slip};
 use crate::solid_grid::SolidGrid;
@@ -206,12 +207,11 @@ impl Simulator {
     }
 
     /// Puts an obstacle of the scenario's list somewhere for a time. One that was due already
-    /// appears with the next step. Indices beyond the list mean nothing.
+    /// appears with the next step. An index just behind the list adds an obstacle; farther ones mean
+    /// nothing.
     pub fn place(&mut self, placement: &Placement) {
-        let until_ns = (placement.until_run_ns != 0).then_some(placement.until_run_ns);
-        if let Some(obstacle) = self.obstacles.get_mut(placement.index as usize) {
-            obstacle.place(placement.pose, placement.from_run_ns, until_ns);
-        }
+        place(&mut self.obstacles, placement);
+        self.beams_on.resize(self.obstacles.len(), 0);
     }
 
     /// A step, which ends at `run_ns` and begins where the last one ended, but at most a tick
