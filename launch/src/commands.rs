@@ -1,5 +1,6 @@
 //! `zeronav run` and `zeronav suite`, and the exit codes that they end with.
 
+use crate::doctor;
 use crate::drive::{Driven, drive};
 use crate::ending::Ending;
 use crate::environment::Before;
@@ -59,6 +60,9 @@ fn run_and_judge(plan: &RunPlan) -> Result<(Prepared, Driven, RunResult), String
 /// `zeronav up`: prepare, drive to the goals of clients, until it is to end.
 #[must_use]
 pub fn up(plan: &RunPlan, json: bool) -> ExitCode {
+    if let Some(danger) = doctor::logout_warning() {
+        note(&format!("warning: {}", printable(&danger)));
+    }
     let driven = prepare(plan).and_then(|prepared| {
         let driven = drive(&prepared, None, &interrupts()?)?;
         Ok((prepared, driven))

@@ -89,7 +89,7 @@ pub(super) fn leftovers(alive: usize, removed: &[PathBuf], stray: &[PathBuf]) ->
         [] => "none".to_owned(),
         removed => format!("removed {}", names(removed)),
     };
-    Finding::ok(CHECK, format!("{removed}; {alive} runs go on"))
+    Finding::ok(CHECK, format!("{removed}; runs that go on: {alive}"))
 }
 
 /// Shared memory of a stack whose map may grow. [bytes]

@@ -1,7 +1,7 @@
 //! `zeronav doctor`: whether this machine can run a stack well, and what to do where it cannot.
 
 mod checks;
-pub(crate) mod logind;
+mod logind;
 
 use crate::exit::{EXIT_FAIL, EXIT_PASS};
 use crate::show::terminal::{say, say_json};
@@ -24,6 +24,14 @@ pub fn doctor(json: bool) -> ExitCode {
         say(&findings.iter().map(text).collect::<String>());
     }
     ExitCode::from(if can_run { EXIT_PASS } else { EXIT_FAIL })
+}
+
+/// Why a stack that is left running will lose its memory when the caller logs out, and the ways out,
+/// in one line; `None` when it will not.
+#[must_use]
+pub(crate) fn logout_warning() -> Option<String> {
+    let finding = checks::remove_ipc(&logind::Facts::read());
+    finding.fix.map(|fix| format!("{}; {fix}", finding.seen))
 }
 
 /// A finding as one line, and its fix below.
