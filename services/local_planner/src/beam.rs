@@ -14,7 +14,7 @@
 //! - **The way to go** is the cost-to-go of `dwa_t` on the map: the search follows no path, so it
 //!   does not turn back and forth with every path that comes.
 //! - **A stopped robot may be walked into**, at a cost; one that drives may not, as far as
-//!   predictions are to be relied on ([`BeamConfig::certain_s`]).
+//!   predictions are to be relied on (1.5 s).
 //! - Without dynamic obstacles nearby, at the goal, and for the exact check of what is published it
 //!   is `dwa_t`.
 
@@ -27,7 +27,6 @@ use crate::beam::options::BeamConfig;
 use crate::dwa::options::DwaConfig;
 use crate::dwa_t::options::DwaTConfig;
 use crate::dwa_t::{TimedWindow, in_time};
-use crate::dynamic_obstacles::Growth;
 use crate::lanes::data::narrow;
 use crate::pilot::Pilot;
 use crate::pilot::perception::{Prediction, Tracks};
@@ -61,9 +60,7 @@ const FINAL_M: f64 = 1.0;
 pub fn beam(dwa: DwaConfig, timed: DwaTConfig, config: BeamConfig) -> Pilot {
     Pilot::new(
         in_time(dwa, timed),
-        Tracks::Predicted(Box::new(
-            Prediction::new(Growth::from(&timed)).with_sight(SIGHT_M),
-        )),
+        Tracks::Predicted(Box::new(Prediction::default().with_sight(SIGHT_M))),
         Box::new(Beam {
             search: Search::new(config),
             alone: TimedWindow::new(timed),

@@ -67,17 +67,6 @@ mod tests {
     #[test]
     fn parameters_that_contradict_each_other_are_rejected() {
         assert_eq!(rejected(|config| config.task.stuck_s = 5.0), "task.stuck_s");
-        let turn = "dwa.turn_above_standing_rad";
-        assert_eq!(rejected(|config| config.dwa.turn_above_rad = 0.4), turn);
-        let until = "dwa.turn_until_rad";
-        assert_eq!(
-            rejected(|config| config.dwa.turn_above_standing_rad = 0.16),
-            until
-        );
-        assert_eq!(
-            rejected(|config| config.dwa_t.scored_s = 2.5),
-            "dwa_t.scored_s"
-        );
         assert_eq!(
             rejected(|config| config.beam.replan_s = 0.5),
             "beam.replan_s"

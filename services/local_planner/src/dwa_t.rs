@@ -13,7 +13,6 @@ pub mod options;
 use crate::dwa::options::DwaConfig;
 use crate::dwa::rows::Rows;
 use crate::dwa::window::Window;
-use crate::dynamic_obstacles::Growth;
 use crate::pilot::Pilot;
 use crate::pilot::perception::{PATH_HORIZON_S, Perception, Prediction, Tracks};
 use crate::pilot::scene::{CREEP_MPS, Choose, Heading, Mode, Scene, Wish};
@@ -21,6 +20,10 @@ use crate::rated::{Evaluate, Outcome, TimedWorth};
 use nalgebra::Point2;
 use options::DwaTConfig;
 use zeronav_motion::Twist;
+
+/// [s] of a rollout that are compared with the path and static obstacles where there is no room
+/// around the robot; ways bend within a metre there.
+const TIGHT_S: f64 = 0.8;
 
 /// [m] by which the free way may be longer than the way along the path before it counts.
 const DEAD_END_M: f32 = 0.3;
@@ -30,7 +33,7 @@ const DEAD_END_M: f32 = 0.3;
 pub fn dwa_t(dwa: DwaConfig, config: DwaTConfig) -> Pilot {
     Pilot::new(
         in_time(dwa, config),
-        Tracks::Predicted(Box::new(Prediction::new(Growth::from(&config)))),
+        Tracks::Predicted(Box::new(Prediction::default())),
         Box::new(TimedWindow::new(config)),
     )
 }
@@ -83,7 +86,7 @@ impl TimedWindow {
             .prepare(&window, scene, (config.speeds, config.yaw_rates));
         let now = to_go(scene.seen, scene.situation.map_from_base.point());
         // Later only dynamic obstacles count.
-        let judged_s = judged_s(scene, config.scored_s);
+        let judged_s = judged_s(scene, config.horizon_s);
         let judged = steps_of(judged_s, window.step_s).clamp(1, self.rows.grid.steps) - 1;
         scene.memory.reserve.clear();
         for speed in 0..self.rows.grid.speeds.len() {
@@ -147,10 +150,11 @@ impl TimedWindow {
 }
 
 /// [s] that rollouts are compared with the path and static obstacles: in the open as long as the
-/// weights are meant for, where there is no room around the robot `tight_s`. There ways bend within
+/// weights are meant for, where there is no room around the robot [`TIGHT_S`]. There ways bend within
 /// a metre, and a robot that wants one arc to fit them for longer creeps. A robot that creeps
-/// already gets nowhere in `tight_s` and would find every motion as good as none.
-fn judged_s(scene: &Scene<'_>, tight_s: f64) -> f64 {
+/// already gets nowhere in that time and would find every motion as good as none.
+fn judged_s(scene: &Scene<'_>, horizon_s: f64) -> f64 {
+    let tight_s = TIGHT_S.min(horizon_s);
     let soft_m = scene.config.soft_clearance_m;
     let (surroundings, last) = (&scene.seen.surroundings, scene.memory.last);
     let space_m =

@@ -1,6 +1,5 @@
 //! Where tracked obstacles will be: discs that drive on and grow less and less certain.
 
-use crate::dwa_t::options::DwaTConfig;
 use crate::lanes::data::narrow;
 use nalgebra::{Point2, Vector2};
 use zeronav_msgs::Pose;
@@ -22,32 +21,14 @@ const TURNS_SHARE: f64 = 0.2;
 /// [m] around a tracked obstacle within which points of the scan are its own.
 const OWN_POINTS_M: f64 = 0.12;
 
-/// How the prediction's uncertainty becomes a radius.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Growth {
-    /// Standard deviations of the predicted position that are added to the radius.
-    pub(crate) sigmas: f64,
-    /// [m/s] by which the radius grows at least, if not by [`TURNS_SHARE`] of the speed.
-    pub(crate) least_mps: f64,
-    /// [m] by which it grows at most.
-    pub(crate) most_m: f64,
-}
+/// Standard deviations of a predicted position that are added to the radius.
+const GROWTH_SIGMAS: f64 = 1.0;
 
-impl From<&DwaTConfig> for Growth {
-    fn from(config: &DwaTConfig) -> Self {
-        Self {
-            sigmas: config.growth_sigmas,
-            least_mps: config.growth_mps_min,
-            most_m: config.growth_m_max,
-        }
-    }
-}
+/// [m/s] by which a predicted radius grows at least, if not by [`TURNS_SHARE`] of the speed.
+const GROWTH_MPS_MIN: f64 = 0.08;
 
-impl Default for Growth {
-    fn default() -> Self {
-        Self::from(&DwaTConfig::default())
-    }
-}
+/// [m] by which a predicted radius grows at most, so that gaps of a crowd stay open.
+const GROWTH_M_MAX: f64 = 0.5;
 
 /// A tracked obstacle, relative to the robot's centre along the axes of the map.
 #[derive(Debug, Clone, Copy)]
@@ -78,7 +59,6 @@ pub(crate) fn is_dynamic_near(obstacles: &[Obstacle], place: &Pose) -> bool {
 #[derive(Debug, Clone, Default)]
 pub(crate) struct DynamicObstacles {
     tracks: Vec<Track>,
-    growth: Option<Growth>,
     yaw_rad: f64,
     /// Centres and radii at the ends of the steps of a rollout, steps x tracks. [m]
     table: Vec<[f32; 3]>,
@@ -88,14 +68,7 @@ pub(crate) struct DynamicObstacles {
 
 impl DynamicObstacles {
     /// Takes in obstacles in the map frame, `age_s` after they were so.
-    pub(crate) fn take(
-        &mut self,
-        obstacles: &[Obstacle],
-        age_s: f64,
-        map_from_base: &Pose,
-        growth: Growth,
-    ) {
-        self.growth = Some(growth);
+    pub(crate) fn take(&mut self, obstacles: &[Obstacle], age_s: f64, map_from_base: &Pose) {
         self.yaw_rad = map_from_base.yaw_rad;
         self.tracks.clear();
         let centre = map_from_base.point();
@@ -177,13 +150,11 @@ impl DynamicObstacles {
             track.at.x + track.velocity.0 * elapsed_s,
             track.at.y + track.velocity.1 * elapsed_s,
         );
-        let grown_m = self.growth.map_or(0.0, |growth| {
-            let [p0, p1, p2] = track.variance;
-            let variance = p0 + (p1 + p2 * elapsed_s) * elapsed_s;
-            (growth.sigmas * variance.max(0.0).sqrt())
-                .max(growth.least_mps.max(TURNS_SHARE * track.speed_mps) * elapsed_s)
-                .min(growth.most_m)
-        });
+        let [p0, p1, p2] = track.variance;
+        let variance = p0 + (p1 + p2 * elapsed_s) * elapsed_s;
+        let grown_m = (GROWTH_SIGMAS * variance.max(0.0).sqrt())
+            .max(GROWTH_MPS_MIN.max(TURNS_SHARE * track.speed_mps) * elapsed_s)
+            .min(GROWTH_M_MAX);
         (at, track.radius_m + grown_m)
     }
 
@@ -275,16 +246,10 @@ mod tests {
         }
     }
 
-    const GROWTH: Growth = Growth {
-        sigmas: 1.0,
-        least_mps: 0.08,
-        most_m: 0.5,
-    };
-
     #[test]
     fn discs_drive_on_and_grow() {
         let mut moving = DynamicObstacles::default();
-        moving.take(&[cart()], 0.5, &Pose::new(10.0, 1.0, 0.3), GROWTH);
+        moving.take(&[cart()], 0.5, &Pose::new(10.0, 1.0, 0.3));
         moving.tabulate(10, 0.1);
         // After 1 s: 2 m ahead, 0.5 m aside; sigma^2 = 0.01 + 0.04 * 1.5^2.
         let [x, y, radius] = moving.at_step(9)[0];
@@ -304,13 +269,12 @@ mod tests {
         let mut standing = cart();
         standing.vy_mps = 0.0;
         let mut moving = DynamicObstacles::default();
-        moving.take(&[standing], 0.0, &Pose::new(10.0, 1.0, 0.0), GROWTH);
+        moving.take(&[standing], 0.0, &Pose::new(10.0, 1.0, 0.0));
         assert!(moving.tracks.is_empty());
         moving.take(
             &[cart()],
             0.0,
             &Pose::new(10.0, 1.0, core::f64::consts::FRAC_PI_2),
-            GROWTH,
         );
         // In base the cart is at (2, -2).
         assert!(moving.owns(Point2::new(2.0, -1.6)));
@@ -320,7 +284,7 @@ mod tests {
     #[test]
     fn contacts_come_when_discs_meet() {
         let mut moving = DynamicObstacles::default();
-        moving.take(&[cart()], 0.0, &Pose::new(12.0, 0.0, 0.0), GROWTH);
+        moving.take(&[cart()], 0.0, &Pose::new(12.0, 0.0, 0.0));
         assert!((moving.contact_s((0.0, 0.0), 0.3) - 2.3).abs() < 1e-9);
         assert!((moving.contact_s((0.0, 1.0), 0.3) - 1.15).abs() < 1e-9);
         assert!(moving.contact_s((1.0, 0.0), 0.3).is_infinite());

@@ -26,7 +26,6 @@ mod plan;
 use crate::dwa::options::DwaConfig;
 use crate::dwa_t::options::DwaTConfig;
 use crate::dwa_t::{TimedWindow, in_time};
-use crate::dynamic_obstacles::Growth;
 use crate::lanes::data::narrow;
 use crate::local_path::LocalPath;
 use crate::mppi::critics::CRITICS;
@@ -34,7 +33,7 @@ use crate::mppi::critics::cycle::Cycle;
 use crate::mppi::options::MppiConfig;
 use crate::pilot::Pilot;
 use crate::pilot::perception::{Prediction, Tracks};
-use crate::pilot::scene::{Choose, Scene, Wish};
+use crate::pilot::scene::{COMFORT_SHARE, Choose, Scene, Wish};
 use batch::{Batch, LANES, Lanes};
 use limits::Limits;
 use nalgebra::{Point2, Vector2};
@@ -62,7 +61,7 @@ pub fn mppi(dwa: DwaConfig, timed: DwaTConfig, config: MppiConfig) -> Pilot {
     };
     Pilot::new(
         in_time(dwa, timed),
-        Tracks::Predicted(Box::new(Prediction::new(Growth::from(&timed)))),
+        Tracks::Predicted(Box::new(Prediction::default())),
         Box::new(Mppi {
             window: TimedWindow::new(timed),
             optimiser: Optimiser::new(config),
@@ -327,7 +326,7 @@ impl Optimiser {
         let beside_m = (scene.place.cross_track_m - goal.tolerance_m).max(0.0);
         let stop = (
             scene.place.remaining_m + beside_m,
-            scene.config.comfort_share * robot.brake_mps2,
+            COMFORT_SHARE * robot.brake_mps2,
         );
         let limits = Limits::new(robot, fastest_mps, self.config.step_s, stop);
         let horizon_s = self.config.step_s * f64::from(self.config.steps);

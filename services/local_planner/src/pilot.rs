@@ -28,6 +28,11 @@ use verify::first_with_free_stop;
 use zeronav_motion::{Twist, stop_distance_m, towards_rest};
 use zeronav_msgs::command::Validity;
 
+/// [s] of acceleration by which the last command may lead the measured twist: three
+/// control periods of 20 ms. Commands start from the last command, not from the measurement,
+/// so that latency does not halve the acceleration.
+const COMMAND_LEAD_S: f64 = 0.06;
+
 /// Twists that are tried at most, best first, when the best one is not free.
 const RESERVE: usize = 6;
 
@@ -69,7 +74,7 @@ impl Pilot {
         let measured = Twist::new(situation.v_mps, situation.w_radps);
         self.memory
             .last
-            .near(situation.robot, measured, self.config.command_lead_s)
+            .near(situation.robot, measured, COMMAND_LEAD_S)
     }
 
     /// The wish of this period, or `None` without a path.

@@ -10,14 +10,18 @@ parameters! {
     pub struct RequestConfig {
         /// Shortest run time between two requests.
         every_s: f64 = 0.5, [0.0, 60.0] "s";
-        /// Distance beyond the braking distance within which a blocked path is reported.
-        blocked_zone_m: f64 = 0.5, [0.0, 100.0] "m";
-        /// Run time without an admissible motion after which the path counts as blocked.
-        blocked_after_s: f64 = 0.3, [0.0, 60.0] "s";
         /// Distance from the path beyond which the robot is off it.
         off_path_m: f64 = 0.6, [0.05, 100.0] "m";
     }
 }
+
+/// [m] beyond the braking distance within which a blocked path is reported, so that another
+/// path can come before the robot has to brake.
+const BLOCKED_ZONE_M: f64 = 0.5;
+
+/// [s] of run time without an admissible motion after which the path counts as blocked: three scans
+/// at 10 Hz, so that one bad scan does not.
+const BLOCKED_AFTER_S: f64 = 0.3;
 
 /// What a request is decided by.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -63,10 +67,9 @@ impl PathRequests {
 
     /// The request of this period, if any; at most one per [`RequestConfig::every_s`].
     ///
-    /// Reasons in this order: an obstacle on the path within braking distance plus
-    /// [`RequestConfig::blocked_zone_m`], or no admissible motion for
-    /// [`RequestConfig::blocked_after_s`] (the wait restarts with a new path); too far from the
-    /// path; no progress.
+    /// Reasons in this order: an obstacle on the path within braking distance plus 0.5 m, or no
+    /// admissible motion for 0.3 s (the wait restarts with a new path); too far from the path; no
+    /// progress.
     pub fn step(&mut self, inputs: &RequestInputs) -> Option<PlanRequest> {
         let since = |then_ns: u64| seconds(inputs.run_ns.saturating_sub(then_ns));
         if inputs.geometry != self.geometry {
@@ -78,11 +81,11 @@ impl PathRequests {
             None => Some(inputs.run_ns),
             since => since,
         };
-        let zone_m = inputs.stop_distance_m + self.config.blocked_zone_m;
+        let zone_m = inputs.stop_distance_m + BLOCKED_ZONE_M;
         let cut = inputs.blocked_arc_m.is_some_and(|arc_m| arc_m <= zone_m);
         let waited = self
             .blocked_since_ns
-            .is_some_and(|then| since(then) > self.config.blocked_after_s);
+            .is_some_and(|then| since(then) > BLOCKED_AFTER_S);
         let reason = if cut || waited || (inputs.wanted && inputs.blocked) {
             RequestReason::Blocked
         } else if inputs.cross_track_m > self.config.off_path_m {

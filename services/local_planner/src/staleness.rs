@@ -14,12 +14,14 @@ parameters! {
         map_age_s: f64 = 1.0, [0.01, 60.0] "s";
         /// Age of the path since it was last confirmed.
         path_age_s: f64 = 1.5, [0.01, 60.0] "s";
-        /// Share of an age from which on the robot slows down.
-        slow_from: f64 = 0.7, [0.0, 1.0];
-        /// Share of the speed that is left just before the age ends.
-        slow_to: f64 = 0.3, [0.0, 1.0];
     }
 }
+
+/// Share of an age from which on the robot slows down.
+const SLOW_FROM: f64 = 0.7;
+
+/// Share of the speed that is left just before the age ends.
+const SLOW_TO: f64 = 0.3;
 
 /// Ages of the inputs; `None` = never received. [ns]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -90,11 +92,11 @@ fn shares(ages: &Ages, config: &StalenessConfig) -> [Option<f64>; 4] {
 /// The inputs that came once and are old enough for the robot to slow down.
 #[must_use]
 pub fn ageing(ages: &Ages, config: &StalenessConfig) -> Ageing {
-    Ageing(shares(ages, config).map(|share| share.is_some_and(|share| share > config.slow_from)))
+    Ageing(shares(ages, config).map(|share| share.is_some_and(|share| share > SLOW_FROM)))
 }
 
 /// Share of the fastest speed that `ages` allow: 1 while every input is young, falling linearly
-/// to `slow_to` over the last part of an age.
+/// to 0.3 over the last part of an age.
 ///
 /// # Errors
 /// The first input whose age is beyond its limit: the robot must stop.
@@ -105,9 +107,9 @@ pub fn speed_factor(ages: &Ages, config: &StalenessConfig) -> Result<f64, StaleI
         if share > 1.0 {
             return Err(input);
         }
-        if share > config.slow_from {
-            let late = (share - config.slow_from) / (1.0 - config.slow_from);
-            factor = factor.min(1.0 - late * (1.0 - config.slow_to));
+        if share > SLOW_FROM {
+            let late = (share - SLOW_FROM) / (1.0 - SLOW_FROM);
+            factor = factor.min(1.0 - late * (1.0 - SLOW_TO));
         }
     }
     Ok(factor)
@@ -204,7 +206,7 @@ mod tests {
             for percent in [72, 80, 90, 99] {
                 let ages = at(f64::from(percent) / 100.0);
                 let factor = speed_factor(&ages, &config).expect("not stale yet");
-                assert!(factor < last && factor > config.slow_to - 1e-9, "{input:?}");
+                assert!(factor < last && factor > SLOW_TO - 1e-9, "{input:?}");
                 last = factor;
                 let old = ageing(&ages, &config);
                 assert!(old.includes(input) && old.any());

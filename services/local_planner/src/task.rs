@@ -26,16 +26,17 @@ parameters! {
         no_progress_s: f64 = 10.0, [0.1, 3600.0] "s";
         /// Run time without progress after which the task fails as stuck.
         stuck_s: f64 = 30.0, [0.1, 3600.0] "s";
-        /// Speed below which the robot counts as stopped.
-        standing_mps: f64 = 0.02, [0.001, 1.0] "m/s";
     }
     relations |own| {
         stuck_s: own.stuck_s >= own.no_progress_s, "must be at least no_progress_s";
     }
 }
 
+/// [m/s] below which a robot is stopped.
+const STOPPED_MPS: f64 = 0.02;
+
 /// [rad/s] below which a robot that does not drive is stopped.
-const STANDING_RADPS: f64 = 0.05;
+const STOPPED_RADPS: f64 = 0.05;
 
 /// What the task is judged by in one period.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -277,7 +278,7 @@ impl TaskMachine {
     }
 
     fn is_stopped(&self, twist: Twist) -> bool {
-        twist.v_mps.abs() < self.config.standing_mps && twist.w_radps.abs() < STANDING_RADPS
+        twist.v_mps.abs() < STOPPED_MPS && twist.w_radps.abs() < STOPPED_RADPS
     }
 
     fn reach(&mut self, inputs: &TaskInputs) {

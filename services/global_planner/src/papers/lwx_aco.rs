@@ -34,6 +34,19 @@ pub(crate) fn lwx_aco(options: AntOptions, seed: u64) -> LwxAco {
     }
 }
 
+/// Exponents of the pheromone and of 1 / distance to the goal. The paper gives none.
+const ALPHA: f64 = 1.0;
+const BETA: f64 = 7.0;
+
+/// Part of the pheromone that is lost in an iteration.
+const EVAPORATION: f64 = 0.3;
+
+/// Pheromone of an ant times the length of its path.
+const DEPOSIT_CELLS: f64 = 1.0;
+
+/// Steps of all ants together, which bound the search on large maps.
+const STEPS_MAX: u32 = 2_000_000;
+
 parameters! {
     /// `lwx_aco`: the ant colony, PAPERS Appendix D.
     #[derive(Copy)]
@@ -44,16 +57,6 @@ parameters! {
         iterations: u32 = 100, [1, 10_000];
         /// Iterations without a better path after which the search ends.
         patience: u32 = 30, [1, u32::MAX];
-        /// Exponent of the pheromone.
-        alpha: f64 = 1.0, [0.0, 20.0];
-        /// Exponent of 1 / distance to the goal.
-        beta: f64 = 7.0, [0.0, 20.0];
-        /// Part of the pheromone that is lost in an iteration.
-        evaporation: f64 = 0.3, [0.0, 1.0];
-        /// Pheromone of an ant times the length of its path.
-        deposit: f64 = 1.0, [1.0e-6, 1.0e6] "cells";
-        /// Steps of all ants together, which bound the search on large maps.
-        steps_max: u32 = 2_000_000, [1, u32::MAX];
     }
 }
 
@@ -131,12 +134,10 @@ impl LwxAco {
         let index = field.index(cell);
         let attraction = &mut self.attraction[index];
         if *attraction <= 0.0 {
-            *attraction = (distance(cell, goal) + 1e-6)
-                .recip()
-                .powf(self.options.beta);
+            *attraction = (distance(cell, goal) + 1e-6).recip().powf(BETA);
         }
         // So that the sum of eight is a number, whatever the exponents.
-        (*attraction * self.tau[index].powf(self.options.alpha)).clamp(1e-300, 1e300)
+        (*attraction * self.tau[index].powf(ALPHA)).clamp(1e-300, 1e300)
     }
 
     /// Cuts off every part of the ant's path between two cells that one legal step connects.
@@ -183,7 +184,7 @@ impl Solver for LwxAco {
             field,
             goal,
             rng: Pcg64Mcg::seed_from_u64(self.seed),
-            steps_left: options.steps_max,
+            steps_left: STEPS_MAX,
         };
         let mut best: Option<(f64, Vec<Cell>)> = None;
         let mut since_better = 0;
@@ -209,11 +210,11 @@ impl Solver for LwxAco {
             }
             meter.aux(n_cells as u64)?;
             for tau in &mut self.tau {
-                *tau = (*tau * (1.0 - options.evaporation)).max(TAU_MIN);
+                *tau = (*tau * (1.0 - EVAPORATION)).max(TAU_MIN);
             }
             for (cost, path) in self.arrived.iter().chain(&best) {
                 for cell in path {
-                    self.tau[field.index(*cell)] += options.deposit / cost.max(1.0);
+                    self.tau[field.index(*cell)] += DEPOSIT_CELLS / cost.max(1.0);
                 }
             }
         }

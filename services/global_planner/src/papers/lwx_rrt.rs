@@ -33,6 +33,9 @@ pub(crate) fn lwx_rrt(options: TreeOptions, seed: u64) -> LwxRrt {
     }
 }
 
+/// Part of the samples that is the goal. The paper gives none.
+const GOAL_BIAS: f64 = 0.05;
+
 parameters! {
     /// `lwx_rrt`: the random tree.
     #[derive(Copy)]
@@ -41,8 +44,6 @@ parameters! {
         /// of the paper.
         #[serde(skip_serializing_if = "Option::is_none")]
         step_cells: Option<f64> = None, [1.0, 1.0e4] "cells";
-        /// Part of the samples that is the goal.
-        goal_bias: f64 = 0.05, [0.0, 1.0];
         /// Most samples.
         samples: u32 = 20_000, [1, 10_000_000];
         /// Distance to the goal that the tree must reach.
@@ -175,7 +176,7 @@ impl Solver for LwxRrt {
                 return Ok(());
             }
             meter.expand()?;
-            let sample = if rng.random_range(0.0..1.0) < options.goal_bias {
+            let sample = if rng.random_range(0.0..1.0) < GOAL_BIAS {
                 Some(goal)
             } else {
                 (0..DRAWS)

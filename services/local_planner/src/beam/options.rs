@@ -19,10 +19,6 @@ parameters! {
         margin_m: f64 = 0.05, [0.0, 1.0] "m";
         /// Distance beyond that within which predicted obstacles cost.
         near_m: f64 = 0.4, [0.01, 2.0] "m";
-        /// Cost weight of a predicted obstacle at the margin at 0.8 m/s, per second.
-        weight_near: f64 = 3.0, [0.0, 1.0e3];
-        /// Time for which predictions are relied on; predicted collisions after it only cost.
-        certain_s: f64 = 1.5, [0.0, 20.0] "s";
     }
     relations |own| {
         replan_s: own.replan_s <= own.manoeuvre_s, "must be at most manoeuvre_s";

@@ -27,6 +27,12 @@ const INSIDE_MAX: usize = 64;
 /// [m/s] of the outline below which being hit is not the robot's doing, and what each such look
 /// costs. [s]
 const STANDING_MPS: f32 = 0.05;
+
+/// Cost of a predicted obstacle at the margin at 0.8 m/s, per second.
+const WEIGHT_NEAR: f32 = 3.0;
+
+/// [s] for which predictions are relied on; predicted collisions after it only cost.
+const CERTAIN_S: f32 = 1.5;
 const HIT_STANDING: f32 = 0.3;
 
 /// [m/s] and [rad/s] below which the robot stays where it is, free or not.
@@ -238,7 +244,7 @@ impl Space<'_> {
                 if apart < 0.0 {
                     if state.v.abs() + state.w.abs() * swing <= STANDING_MPS {
                         next.cost += HIT_STANDING;
-                    } else if elapsed_s <= narrow(self.config.certain_s) {
+                    } else if elapsed_s <= CERTAIN_S {
                         return None;
                     } else {
                         next.cost += HIT_DRIVING * step_s * faded(elapsed_s);
@@ -248,8 +254,7 @@ impl Space<'_> {
             }
             let beside = (near_m - least.max(0.0)) / near_m;
             let tight = (self.soft - space) / self.soft;
-            let nearness = narrow(self.config.weight_near) * faded(elapsed_s) * beside * beside
-                + tight * tight;
+            let nearness = WEIGHT_NEAR * faded(elapsed_s) * beside * beside + tight * tight;
             next.cost += step_s * ((0.2 + state.v.abs()) * nearness + TURNING * asked.1 * asked.1);
         }
         next.cost += CHANGING * (asked.0 - node.asked.0).abs();

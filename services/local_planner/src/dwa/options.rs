@@ -27,32 +27,14 @@ parameters! {
         stop_margin_m: f64 = 0.05, [0.0, 2.0] "m";
         /// Time before braking begins in the worst case: transport, the guard, the drives.
         reaction_s: f64 = 0.1, [0.0, 1.0] "s";
-        /// Time of acceleration by which the last command may lead the measured twist. Commands
-        /// start from the last command, not from the measurement, so that latency does not halve
-        /// the acceleration; this bounds how far.
-        command_lead_s: f64 = 0.06, [0.0, 1.0] "s";
         /// Shortest look-ahead distance along the path.
         lookahead_m_min: f64 = 0.35, [0.05, 5.0] "m";
         /// Driving time that the look-ahead distance spans.
         lookahead_s: f64 = 0.6, [0.0, 5.0] "s";
-        /// Distance by which a corner of the path may be cut or overrun; bounds the speed there.
-        corner_deviation_m: f64 = 0.15, [0.01, 2.0] "m";
-        /// Share of the robot's `brake_mps2` that is used to slow down when nothing is urgent.
-        comfort_share: f64 = 0.7, [0.1, 1.0];
-        /// Heading error above which the robot turns on the spot.
-        turn_above_rad: f64 = 0.9, [0.1, PI] "rad";
-        /// Heading error above which a stopped robot turns on the spot.
-        turn_above_standing_rad: f64 = 0.45, [0.05, PI] "rad";
-        /// Heading error below which a turn on the spot ends.
-        turn_until_rad: f64 = 0.15, [0.01, PI] "rad";
+        /// Heading error above which the robot turns on the spot; half of it when it is stopped.
+        turn_above_rad: f64 = 0.9, [0.4, PI] "rad";
         /// Weights of the evaluation.
         weights: DwaWeights;
-    }
-    relations |own| {
-        turn_above_standing_rad: own.turn_above_standing_rad <= own.turn_above_rad,
-            "must be at most turn_above_rad";
-        turn_until_rad: own.turn_until_rad <= 0.9 * own.turn_above_standing_rad,
-            "must be at most 0.9 turn_above_standing_rad";
     }
 }
 

@@ -18,10 +18,6 @@ parameters! {
         yaw_rate_std_radps: f64 = 0.5, [0.001, 10.0] "rad/s";
         /// Progress by which a sample must be worse to have 1/e of another's weight.
         temperature_m: f64 = 0.05, [0.001, 10.0] "m";
-        /// Speed that costs nothing however near obstacles are.
-        speed_base_mps: f64 = 0.5, [0.01, 100.0] "m/s";
-        /// Speed that costs nothing in addition, per metre of free space around the footprint.
-        speed_gain_hz: f64 = 6.0, [0.0, 1.0e3] "1/s";
         /// Seed of the noise.
         seed: u64 = 1, [0, u64::MAX];
         /// Weights of the critics.

@@ -9,7 +9,7 @@ use crate::dwa::options::DwaConfig;
 use crate::dynamic_obstacles::DynamicObstacles;
 use crate::pilot::Pilot;
 use crate::pilot::perception::Tracks;
-use crate::pilot::scene::{Choose, Scene, Wish};
+use crate::pilot::scene::{COMFORT_SHARE, Choose, Scene, Wish};
 use crate::situation::Situation;
 use nalgebra::{Point2, Vector2};
 use zeronav_motion::Twist;
@@ -91,7 +91,7 @@ impl Choose for Along {
 pub(super) fn wish_or_slower(scene: &mut Scene<'_>, twist: Twist) -> Wish {
     let situation = scene.situation;
     let distance_m = situation.map_from_base.distance_m(&situation.goal.pose);
-    let decel_mps2 = scene.config.comfort_share * situation.robot.brake_mps2;
+    let decel_mps2 = COMFORT_SHARE * situation.robot.brake_mps2;
     let goal_mps = (2.0 * decel_mps2 * scene.place.remaining_m.max(distance_m)).sqrt();
     let twist = Twist::new(twist.v_mps.min(goal_mps), twist.w_radps);
     let slower = SLOWER.map(|share| (share, Twist::new(twist.v_mps * share, twist.w_radps)));

@@ -1,6 +1,6 @@
 //! Manoeuvres of the pilot's own: arriving at the goal and turning on the spot.
 
-use super::scene::{Mode, Scene, Wish};
+use super::scene::{COMFORT_SHARE, Mode, Scene, Wish};
 use crate::dynamic_obstacles::NEAR_M;
 use crate::turn;
 use zeronav_motion::{Twist, reachable, towards_rest};
@@ -13,6 +13,13 @@ const TURN_FROM_MPS: f64 = 0.15;
 /// [s] that the robot waits for a dynamic obstacle nearby before a turn on the spot. The way that it
 /// blocks is mostly free again by then.
 const PATIENCE_S: f64 = 0.6;
+
+/// Share of `turn_above_rad` above which a stopped robot turns on the spot: it loses no speed by it.
+const STOPPED_SHARE: f64 = 0.5;
+
+/// [rad] heading error below which a turn on the spot ends; far below every error at which one
+/// begins, so that the robot does not rock between turning and driving.
+const TURN_UNTIL_RAD: f64 = 0.15;
 
 /// Share of the goal's tolerances that the robot aims for.
 const AIM: f64 = 0.7;
@@ -38,11 +45,7 @@ impl Scene<'_> {
         self.memory.steered_radps = 0.0;
         if from.v_mps.abs() >= 0.02 {
             // Towards rest in good order, on the arc of now.
-            let slower = towards_rest(
-                situation.robot,
-                from,
-                self.config.comfort_share * situation.period_s,
-            );
+            let slower = towards_rest(situation.robot, from, COMFORT_SHARE * situation.period_s);
             return Some(Wish::Towards(slower));
         }
         let error_rad = wrap_angle(goal.pose.yaw_rad - situation.map_from_base.yaw_rad);
@@ -59,9 +62,9 @@ impl Scene<'_> {
     pub(super) fn turn(&mut self, error_rad: f64, stuck: bool) -> Option<Wish> {
         let (config, from) = (self.config, self.from);
         let (direction, limit_rad) = match self.memory.mode {
-            Mode::Turn(direction) => (direction, config.turn_until_rad),
-            _ if stuck => (0.0, config.turn_until_rad),
-            _ if from.is_stopped() => (0.0, config.turn_above_standing_rad),
+            Mode::Turn(direction) => (direction, TURN_UNTIL_RAD),
+            _ if stuck => (0.0, TURN_UNTIL_RAD),
+            _ if from.is_stopped() => (0.0, STOPPED_SHARE * config.turn_above_rad),
             _ if from.v_mps.abs() < TURN_FROM_MPS => (0.0, config.turn_above_rad),
             _ => return None,
         };

@@ -4,7 +4,7 @@
 
 use crate::cost_to_go::{CostToGo, CostToGoInputs};
 use crate::dwa::options::DwaConfig;
-use crate::dynamic_obstacles::{DynamicObstacles, Growth};
+use crate::dynamic_obstacles::DynamicObstacles;
 use crate::local_path::LocalPath;
 use crate::progress::{PathTracker, Place};
 use crate::recovery::escape::{LOOKBACK_M, PIECE_M};
@@ -41,21 +41,9 @@ pub(crate) enum Tracks {
     Predicted(Box<Prediction>),
 }
 
-impl Tracks {
-    /// How their uncertainty grows; `None` when they are ignored.
-    fn growth(&self) -> Option<Growth> {
-        match self {
-            Self::Ignored => None,
-            Self::Checked => Some(Growth::default()),
-            Self::Predicted(prediction) => Some(prediction.growth),
-        }
-    }
-}
-
 /// What a chooser in time sees besides.
 #[derive(Debug)]
 pub(crate) struct Prediction {
-    growth: Growth,
     cost_to_go: CostToGo,
     /// Points of the scan that belong to no dynamic obstacle.
     static_points: Vec<Point2<f64>>,
@@ -63,17 +51,17 @@ pub(crate) struct Prediction {
     sight_m: f64,
 }
 
-impl Prediction {
-    /// Predictions whose radii grow like this.
-    pub(crate) fn new(growth: Growth) -> Self {
+impl Default for Prediction {
+    fn default() -> Self {
         Self {
-            growth,
             cost_to_go: CostToGo::default(),
             static_points: Vec::with_capacity(BEAMS_MAX),
             sight_m: 0.0,
         }
     }
+}
 
+impl Prediction {
     /// The same with at least `sight_m` around the robot where there are dynamic obstacles.
     pub(crate) fn with_sight(self, sight_m: f64) -> Self {
         Self { sight_m, ..self }
@@ -110,9 +98,11 @@ impl Perception {
         let map = situation.map.map(|map| (map, situation.map_cells));
         let mut stamped = situation.scan_points_in_base;
         let mut cost_to_go = None;
-        let growth = self.tracks.growth();
-        let obstacles = growth.map_or(&[][..], |_| situation.obstacles);
-        self.predict(situation, obstacles, growth.unwrap_or_default());
+        let obstacles = match self.tracks {
+            Tracks::Ignored => &[],
+            Tracks::Checked | Tracks::Predicted(_) => situation.obstacles,
+        };
+        self.predict(situation, obstacles);
         let reach = self.reach(config, situation);
         if let Tracks::Predicted(prediction) = &mut self.tracks {
             let points = situation.scan_points_in_base.iter();
@@ -148,7 +138,7 @@ impl Perception {
     pub(crate) fn look_around(&mut self, config: &DwaConfig, situation: &Situation<'_>) {
         self.surroundings
             .describe(situation.robot, situation.corners);
-        self.predict(situation, situation.obstacles, Growth::default());
+        self.predict(situation, situation.obstacles);
         let map = situation.map.map(|map| (map, situation.map_cells));
         let points = situation.scan_points_in_base;
         let reach = self.reach(config, situation);
@@ -156,12 +146,11 @@ impl Perception {
             .look(map, &situation.map_from_base, points, points, reach);
     }
 
-    fn predict(&mut self, situation: &Situation<'_>, obstacles: &[Obstacle], growth: Growth) {
+    fn predict(&mut self, situation: &Situation<'_>, obstacles: &[Obstacle]) {
         self.dynamic.take(
             obstacles,
             situation.obstacles_age_s,
             &situation.map_from_base,
-            growth,
         );
     }
 

@@ -15,6 +15,14 @@ use zeronav_msgs::command::Validity;
 /// [m/s] slowest speed wanted at a corner, and speed at which a robot that must turn steers.
 pub(crate) const CREEP_MPS: f64 = 0.12;
 
+/// [m] by which a corner of the path may be cut or overrun, which bounds the speed there: less
+/// than the soft clearance, so that a corner around an obstacle may be cut.
+const CORNER_DEVIATION_M: f64 = 0.15;
+
+/// Share of the robot's `brake_mps2` that slows it down when nothing is urgent; the rest is for what
+/// comes unexpectedly.
+pub(crate) const COMFORT_SHARE: f64 = 0.7;
+
 /// [s] stopped with somewhere to go after which the robot counts as blocked.
 pub(super) const BLOCKED_S: f64 = 0.1;
 
@@ -179,12 +187,12 @@ impl<'a> Scene<'a> {
 
     /// [m/s] fastest speed that the goal, the corners ahead and the age of the inputs allow.
     fn fastest_mps(&self, astray: bool) -> f64 {
-        let (config, robot) = (self.config, self.situation.robot);
-        let decel_mps2 = config.comfort_share * robot.brake_mps2;
+        let robot = self.situation.robot;
+        let decel_mps2 = COMFORT_SHARE * robot.brake_mps2;
         let beside_m = (self.place.cross_track_m - self.situation.goal.tolerance_m).max(0.0);
         let goal_mps = (2.0 * decel_mps2 * (self.place.remaining_m + beside_m)).sqrt();
         let corner_mps = self.seen.path.corner_speed_mps(
-            config.corner_deviation_m,
+            CORNER_DEVIATION_M,
             0.8 * robot.w_radps_max,
             decel_mps2,
             CREEP_MPS.min(robot.v_mps_max),

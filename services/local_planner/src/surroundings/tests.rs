@@ -1,7 +1,6 @@
 //! What a stop is checked against, each source on its own.
 
 use super::*;
-use crate::dynamic_obstacles::Growth;
 use zeronav_msgs::obstacles::Obstacle;
 
 const REACTION_S: f64 = 0.1;
@@ -102,7 +101,6 @@ fn tracked(x_m: f64, y_m: f64, vx_mps: f64, vy_mps: f64) -> DynamicObstacles {
         }],
         0.0,
         &map_from_base,
-        Growth::default(),
     );
     moving
 }
