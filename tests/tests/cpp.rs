@@ -1,14 +1,17 @@
 //! The contract in C++: the system's compiler accepts the header, reads the same bytes as Rust, and
-//! rejects a header whose fields are not those of the contract.
+//! rejects a header whose fields are not those of the contract. Services in C++ on the real stack.
 
-use std::path::Path;
+use rustix::process::Signal;
+use serde_json::Value;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
+use std::sync::OnceLock;
 use tempfile::TempDir;
 use zeronav_msgs::header::{Header, Id, Parents, Stamps};
 use zeronav_msgs::role::Role;
 use zeronav_msgs::task::{EndReason, StuckCause, TaskState, TaskStatus};
 use zeronav_msgs::topics::{Envelope, TaskState as Status, Topic, topics};
-use zeronav_tests::workspace;
+use zeronav_tests::{Stranger, Zeronav, binaries, send_signal, workspace};
 
 const HEADER: &str = "services/cpp/zeronav.hpp";
 
@@ -187,4 +190,127 @@ fn the_example_of_the_readme_compiles() {
     let (include, rest) = lines.split_once('\n').expect("lines");
     let program = format!("{include}\nint main() {{\n{rest}\nreturn request.v_mps > 0;\n}}\n");
     said(&program, &[]);
+}
+
+/// The library that services in C++ are linked with.
+fn library() -> &'static Path {
+    static LIBRARY: OnceLock<PathBuf> = OnceLock::new();
+    LIBRARY.get_or_init(|| {
+        let folder = binaries();
+        let profile = match folder.file_name().and_then(|name| name.to_str()) {
+            Some("debug") | None => "dev",
+            Some(name) => name,
+        };
+        // With all others: alone, its dependencies would be built again with fewer features.
+        let status = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
+            .args(["build", "--quiet", "--workspace", "--lib"])
+            .args(["--locked", "--profile", profile, "--target-dir"])
+            .arg(folder.parent().expect("a target folder"))
+            .current_dir(workspace())
+            .status()
+            .expect("cargo runs");
+        assert!(status.success(), "the library does not build");
+        folder.join("libzeronav_cpp.a")
+    })
+}
+
+/// Compiles a service with every warning an error.
+fn build(source: &Path, program: &Path) {
+    let output = Command::new("g++")
+        .args(["-std=c++17", "-O2", "-Wall", "-Wextra", "-Wconversion"])
+        .args(["-pedantic", "-Werror", "-I"])
+        .arg(workspace().join("services/cpp"))
+        .arg(source)
+        .arg(library())
+        .args(["-lpthread", "-ldl", "-lm", "-o"])
+        .arg(program)
+        .output()
+        .unwrap_or_else(|error| panic!("g++: {error}; install g++"));
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{errors}");
+}
+
+/// Drives `blocked_aisle` in lockstep with the example guard.
+fn start() -> Zeronav {
+    let folder = TempDir::new().expect("a folder");
+    let guard = folder.path().join("guard");
+    build(&workspace().join("services/cpp/examples/guard.cpp"), &guard);
+    let file = workspace().join("launch/scenarios/blocked_aisle.toml");
+    let text = std::fs::read_to_string(file).expect("the scenario");
+    let binary = guard.display();
+    let text = format!("{text}\n[services.collision_guard]\nbinary = \"{binary}\"\n");
+    std::fs::write(folder.path().join("it.toml"), text).expect("written");
+    Zeronav::start_in(
+        folder,
+        &["run", "./it.toml", "--lockstep", "--headless", "--json"],
+    )
+}
+
+fn assert_arrived(result: &Value) {
+    assert_eq!(result["reached"], true, "{result:#}");
+    assert_eq!(result["contacts"], 0, "{result:#}");
+}
+
+#[test]
+fn a_guard_in_cpp_drives_the_same_way_twice() {
+    let drive = || start().finish().expect(0);
+    let (first, second) = (drive(), drive());
+    assert_arrived(&first);
+    assert_eq!(first["verdict"], "pass", "{first:#}");
+    assert_eq!(first["restarts"], serde_json::json!([]), "{first:#}");
+    let services = first["services"].as_array().expect("services");
+    let seat = services
+        .iter()
+        .find(|seat| seat["name"] == "collision_guard");
+    assert_eq!(seat.expect("a guard")["binary"], "guard");
+    assert!(first["run_hash"].is_string(), "{first:#}");
+    assert_eq!(first["run_hash"], second["run_hash"]);
+}
+
+#[test]
+fn a_killed_guard_in_cpp_comes_back() {
+    let mut run = start();
+    run.wait_until("the robot is on its way", |run| {
+        let report = run.report().unwrap_or_default();
+        report["time_s"].as_f64().is_some_and(|now_s| now_s >= 3.0)
+    });
+    let guard = run.service("collision_guard").expect("the guard");
+    assert!(send_signal(guard, Signal::KILL));
+    let result = run.finish().expect(0);
+    assert_arrived(&result);
+    let restarts = result["restarts"].as_array().expect("restarts");
+    assert_eq!(restarts.len(), 1, "{result:#}");
+    assert_eq!(restarts[0]["service"], "collision_guard", "{result:#}");
+}
+
+/// An exception does not cross the border between the languages: it ends the process with its text.
+#[test]
+fn a_service_in_cpp_that_throws_ends_as_a_crash() {
+    let folder = TempDir::new().expect("a folder");
+    let source = folder.path().join("thrower.cpp");
+    let text = "#include \"zeronav_service.hpp\"\n\
+        #include <stdexcept>\n\
+        struct Thrower {\n\
+            static constexpr auto ROLE = zeronav::Role::collision_guard;\n\
+            explicit Thrower(const zeronav::Shell&) {}\n\
+            void wake(const zeronav::Shell&, std::uint64_t) {\n\
+                throw std::runtime_error(\"no idea\");\n\
+            }\n\
+        };\n\
+        int main() { return zeronav::run<Thrower>(); }\n";
+    std::fs::write(&source, text).expect("written");
+    let program = folder.path().join("thrower");
+    build(&source, &program);
+    let program = program.to_str().expect("a path");
+    let flags = ["run", "unsealed", "--lockstep", "--headless", "--json"];
+    let external = ["--external", "collision_guard"];
+    let mut run = Zeronav::start(&[&flags[..], &external[..]].concat());
+    run.wait_until("the others run", |run| run.children().len() == 4);
+    run.wait_until("they know their domain", |run| run.domains().len() == 1);
+    let root = run.domains().pop().expect("a domain");
+    let (code, log) = Stranger::start(program, &root, &["--epoch", "0"]).left();
+    assert_eq!(code, 2, "{log}");
+    let (code, log) = Stranger::start(program, &root, &["--epoch", "1"]).left();
+    assert_eq!(code, 1, "{log}");
+    assert!(log.contains("the service failed: no idea"), "{log}");
 }

@@ -17,6 +17,7 @@ fn allowed(from: &str) -> &'static [&'static str] {
     match from {
         "zeronav-msgs" | "zeronav-params" => &[],
         "zeronav-shell" | "zeronav-world" => &["zeronav-msgs", "zeronav-params"],
+        "zeronav-cpp" => &["zeronav-msgs", "zeronav-shell"],
         "zeronav-motion" => &["zeronav-msgs"],
         "zeronav-world-files" => &["zeronav-msgs", "zeronav-world"],
         "zeronav-robot-description" => &["zeronav-msgs", "zeronav-params", "zeronav-world"],
