@@ -1,9 +1,10 @@
 //! The command line.
 
+use crate::arguments::{delay, service_role};
 use crate::logs::LogsArgs;
 use crate::map_save::MapArgs;
 use crate::remote::cli::{
-    CancelArgs, GoalArgs, GoalsArgs, ObstacleArgs, StackArgs, StepArgs, WaitArgs,
+    CancelArgs, FaultArgs, GoalArgs, GoalsArgs, ObstacleArgs, StackArgs, StepArgs, WaitArgs,
 };
 use crate::run_plan::{RunPlan, Source};
 use crate::suite::noise::Noise;
@@ -18,10 +19,8 @@ use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use zeronav_msgs::role::Role;
-use zeronav_msgs::run::{DELAY_STEP_NS, RunMode};
-use zeronav_msgs::time::seconds;
+use zeronav_msgs::run::RunMode;
 use zeronav_shell::logs;
-use zeronav_shell::nearest::unknown;
 
 /// Zero-copy, multi-process navigation: launch a scenario, swap a service, profile latency.
 #[derive(Debug, Parser)]
@@ -114,6 +113,8 @@ pub enum Command {
     Step(StepArgs),
     /// Put an obstacle into the simulated world of a running stack, move it, or take it out.
     Obstacle(ObstacleArgs),
+    /// Break a service of a running stack on purpose.
+    Fault(FaultArgs),
     /// What a running stack does.
     Status(StackArgs),
     /// Wait until a stack is ready, its goal is over, or its robot has none.
@@ -236,7 +237,7 @@ pub struct UpArgs {
     /// YAML file of a ROS `map_server` map, in place of a scenario.
     #[arg(long, value_name = "MAP.yaml", conflicts_with = "scenario")]
     pub map: Option<PathBuf>,
-    /// The robot on that map: one of `zeronav check`'s bases, such as porter or turtlebot3_burger.
+    /// The robot on that map: the name of a base, such as porter, jackal or `turtlebot3_burger`.
     #[arg(
         long,
         value_name = "PRESET",
@@ -362,47 +363,4 @@ fn world_range(text: &str) -> Result<Range<u32>, String> {
         return Err(format!("no world lies in {text}"));
     }
     Ok(range)
-}
-
-/// The seat of a service by its name.
-fn service_role(name: &str) -> Result<Role, String> {
-    let role = Role::from_label(name).filter(|role| Role::SERVICES.contains(role));
-    role.ok_or_else(|| {
-        unknown(
-            "service",
-            name,
-            Role::SERVICES.iter().map(|role| role.label()),
-        )
-    })
-}
-
-/// `global_planner=5ms` as a seat and its delay in steps of
-/// [`zeronav_msgs::run::DELAY_STEP_NS`].
-fn delay(text: &str) -> Result<(Role, u16), String> {
-    let (role, time) = text
-        .split_once('=')
-        .ok_or("a delay reads like global_planner=5ms")?;
-    let role = service_role(role)?;
-    if role == Role::Robot {
-        return Err("the robot keeps the time and cannot be delayed".to_owned());
-    }
-    let (number, unit_us) = match (time.strip_suffix("ms"), time.strip_suffix("us")) {
-        (Some(number), _) => (number, 1.0e3),
-        (None, Some(number)) => (number, 1.0),
-        (None, None) => return Err("the time needs its unit, ms or us".to_owned()),
-    };
-    let number: f64 = number
-        .parse()
-        .map_err(|_| format!("`{number}` is no number"))?;
-    let step_us = 1.0e6 * seconds(DELAY_STEP_NS);
-    let steps = (number * unit_us / step_us).round();
-    if !(1.0..=f64::from(u16::MAX)).contains(&steps) {
-        return Err("a delay lasts 10us to 655ms".to_owned());
-    }
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "its range was checked"
-    )]
-    Ok((role, steps as u16))
 }

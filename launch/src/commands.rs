@@ -90,15 +90,20 @@ pub fn up(plan: &RunPlan, json: bool) -> ExitCode {
 fn exit_code(ending: &Ending, pass: bool) -> ExitCode {
     ExitCode::from(match ending {
         Ending::Interrupted => EXIT_INTERRUPTED,
-        Ending::Down if pass => EXIT_PASS,
-        Ending::Down => EXIT_FAIL,
         // A service that says that its configuration is wrong.
         Ending::Died { code: Some(2), .. } => EXIT_USAGE,
         Ending::Died { .. } | Ending::NotReady(_) | Ending::Silent(_) => EXIT_SERVICE,
-        Ending::Task(..) | Ending::Redirected | Ending::Timeout | Ending::TrialsOver if pass => {
-            EXIT_PASS
+        Ending::Task(..)
+        | Ending::Redirected
+        | Ending::Timeout
+        | Ending::TrialsOver
+        | Ending::Down => {
+            if pass {
+                EXIT_PASS
+            } else {
+                EXIT_FAIL
+            }
         }
-        Ending::Task(..) | Ending::Redirected | Ending::Timeout | Ending::TrialsOver => EXIT_FAIL,
     })
 }
 

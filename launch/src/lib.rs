@@ -2,6 +2,7 @@
 
 #![warn(clippy::print_stderr)]
 
+mod arguments;
 pub mod cli;
 mod collect;
 pub mod commands;

@@ -76,6 +76,7 @@ fn main() -> ExitCode {
         Command::Resume(arguments) => verbs::resume(&arguments),
         Command::Step(arguments) => verbs::step(&arguments),
         Command::Obstacle(arguments) => verbs::obstacle(&arguments),
+        Command::Fault(arguments) => verbs::fault(&arguments),
         Command::Status(arguments) => verbs::status(&arguments),
         Command::Wait(arguments) => verbs::wait(&arguments),
         Command::Down(arguments) => verbs::down(&arguments),

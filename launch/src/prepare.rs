@@ -161,14 +161,14 @@ pub(crate) fn prepare(plan: &RunPlan) -> Result<Prepared, String> {
 
 /// Accepts delays that the hang watch does not take for a hang: a service that sleeps through a delay
 /// does not beat, and the work of the answer itself takes its time, too.
-fn check_delay(role: Role, steps: u16, scenario: &Scenario) -> Result<(), String> {
+pub(crate) fn check_delay(role: Role, steps: u16, scenario: &Scenario) -> Result<(), String> {
     let delay = Duration::from_nanos(u64::from(steps) * DELAY_STEP_NS);
     let most = scenario.restart.hang_after() / 2;
     if delay <= most {
         return Ok(());
     }
     Err(format!(
-        "--inject {role}={}ms would be taken for a hang: at most half of restart.hang_after_s, {} ms",
+        "a delay of {role} by {} ms would be taken for a hang: at most half of restart.hang_after_s, {} ms",
         delay.as_millis(),
         most.as_millis()
     ))

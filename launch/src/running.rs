@@ -18,7 +18,7 @@ pub(crate) fn all() -> Vec<(PathBuf, RunReport)> {
     let answer = |root: &PathBuf| {
         let folder = Folder::open(root).ok()?;
         match socket::ask(&folder, &Request::Ps) {
-            Ok(Reply::Run(report)) => Some(report),
+            Ok(Reply::Run(report)) => Some(*report),
             _ => None,
         }
     };
@@ -88,7 +88,7 @@ impl Running {
     /// As [`Self::ask`].
     pub(crate) fn report(&self) -> Result<RunReport, String> {
         match self.ask(&Request::Ps)? {
-            Reply::Run(report) => Ok(report),
+            Reply::Run(report) => Ok(*report),
             _ => Err(self.refusal("the answer is not what was asked for")),
         }
     }

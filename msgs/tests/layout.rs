@@ -28,7 +28,7 @@ const GOLDEN: &[(&str, usize, usize, u64)] = &[
     ("run/clock", 160, 1, 0x67b6_becd_51d9_8eba),
     ("run/control", 144, 32, 0xea12_ba21_a4cb_c9ac),
     ("sim/ground_truth", 216, 48, 0x827a_99fb_86dc_e923),
-    ("sim/placement", 136, 64, 0xbe6697bbf00d7904),
+    ("sim/placement", 136, 64, 0xbe66_97bb_f00d_7904),
     ("health/robot", 176, 1, 0x94c1_620c_f083_362d),
     ("health/mapping", 176, 1, 0x801c_eaa2_f3c0_e523),
     ("health/global_planner", 176, 1, 0x36cf_66e2_6273_0491),

@@ -135,10 +135,7 @@ fn a_goal_now_replaces_the_others_and_cancel_stops_the_robot() {
     up.ask(&["cancel"], 0);
     up.ask(&["wait", "idle"], 0);
     // The stack stays up, and a new local planner does not take the last task up again.
-    let local = up.stack.service("local_planner").expect("a process");
-    let pid = rustix::process::Pid::from_raw(i32::try_from(local).expect("a pid"));
-    let pid = pid.expect("a pid");
-    rustix::process::kill_process(pid, rustix::process::Signal::KILL).expect("it is there");
+    up.ask(&["fault", "kill", "local_planner"], 0);
     up.stack.wait_until("a successor answers", |stack| {
         let report = stack.report().unwrap_or_default();
         let services = report["services"].as_array().cloned().unwrap_or_default();
@@ -256,6 +253,45 @@ fn obstacles_are_added_moved_and_removed_while_the_robot_drives() {
     let result = up.down();
     assert_eq!(outcomes(&result), ["reached", "reached"]);
     assert_eq!(result["contacts"], 0);
+}
+
+#[test]
+fn services_that_crash_hang_or_answer_late_do_not_keep_the_robot_from_its_goal() {
+    let _turn = real_time_turn();
+    let mut up = Up::start(&["open_aisle"]);
+    assert!(
+        up.ask(&["fault", "kill", "robot"], 2)
+            .contains("not restarted")
+    );
+    up.ask(&["fault", "kill", "nobody"], 2);
+    assert!(
+        up.ask(&["fault", "slow", "mapping=600ms"], 2)
+            .contains("hang")
+    );
+    up.ask(&["goal", "8", "6.4", "0"], 0);
+    up.ask(&["fault", "slow", "global_planner=20ms"], 0);
+    up.ask(&["fault", "kill", "mapping"], 0);
+    up.ask(&["fault", "stop", "collision_guard"], 0);
+    for role in ["mapping", "collision_guard"] {
+        up.stack.wait_until("a successor answers", |stack| {
+            let report = stack.report().unwrap_or_default();
+            let services = report["services"].as_array().cloned().unwrap_or_default();
+            let newer = |service: &Value| service["role"] == role && service["epoch"] == 2;
+            services.iter().any(newer)
+        });
+    }
+    up.ask(&["fault", "heal", "global_planner"], 0);
+    up.ask(&["wait", "goal"], 0);
+    let result = up.down();
+    assert_eq!(outcomes(&result), ["reached"]);
+    assert_eq!(result["contacts"], 0);
+    let restarts = result["restarts"].as_array().expect("restarts");
+    let mut seats: Vec<&str> = restarts
+        .iter()
+        .filter_map(|one| one["service"].as_str())
+        .collect();
+    seats.sort_unstable();
+    assert_eq!(seats, ["collision_guard", "mapping"]);
 }
 
 #[test]

@@ -51,8 +51,30 @@ pub(crate) enum Request {
         /// What becomes of it.
         change: ObstacleChange,
     },
+    /// Break a service on purpose.
+    Fault {
+        /// Its seat.
+        role: String,
+        /// How.
+        kind: FaultKind,
+    },
     /// Bring the robot to rest and end the stack.
     Down,
+}
+
+/// How a service is broken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub(crate) enum FaultKind {
+    /// SIGKILL.
+    Kill,
+    /// SIGSTOP: it hangs.
+    Stop,
+    /// Each answer is delayed; 0 = no more.
+    Slow {
+        /// In steps of [`zeronav_msgs::run::DELAY_STEP_NS`].
+        steps: u16,
+    },
 }
 
 /// What becomes of an obstacle.
@@ -156,7 +178,7 @@ pub(crate) struct RunReport {
 #[serde(rename_all = "snake_case")]
 pub(crate) enum Reply {
     /// The answer to [`Request::Ps`].
-    Run(RunReport),
+    Run(Box<RunReport>),
     /// The answer to [`Request::Goal`] and [`Request::GoalStatus`].
     Goal(GoalReport),
     /// Done.

@@ -22,15 +22,12 @@ const MOVING_MPS: f64 = 0.02;
 impl Session<'_> {
     /// Answers the clients that have asked since the last look.
     pub(super) fn serve(&mut self, stack: &mut Stack, server: &mut Server) {
-        server.serve(|request| {
-            self.answer(stack, request)
-                .unwrap_or_else(|problem| Reply::Error(problem))
-        });
+        server.serve(|request| self.answer(stack, request).unwrap_or_else(Reply::Error));
     }
 
     fn answer(&mut self, stack: &mut Stack, request: Request) -> Result<Reply, String> {
         match request {
-            Request::Ps => return Ok(Reply::Run(self.run_report(stack))),
+            Request::Ps => return Ok(Reply::Run(Box::new(self.run_report(stack)))),
             Request::Goal {
                 goals,
                 repeats,
@@ -47,6 +44,7 @@ impl Session<'_> {
             Request::Resume => self.resume(stack)?,
             Request::Step { ticks } => self.step(stack, ticks)?,
             Request::Obstacle { name, change } => self.place(stack, &name, &change)?,
+            Request::Fault { role, kind } => self.break_service(stack, &role, kind)?,
             Request::Down => self.is_down = true,
         }
         Ok(Reply::Done)

@@ -14,6 +14,7 @@ use crate::show::progress::{Progress, ProgressLine, Tally};
 use crate::show::terminal::note;
 use crate::shuttle::{Course, Quota, Shuttle, Step};
 use crate::supervise::stack::Stack;
+use rustix::process::Signal;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -395,7 +396,7 @@ impl<'a> Session<'a> {
         {
             self.struck += 1;
             if let Some(role) = kill.role() {
-                stack.kill(role);
+                stack.signal(role, Signal::KILL);
             }
         }
     }

@@ -1,8 +1,10 @@
 //! Arguments of the requests to a stack that runs.
 
+use crate::arguments::{delay, service_role};
 use crate::scenario::{COORDINATE_M_MAX, TIME_LIMIT_S_MAX, TOLERANCE, YAW_RAD_MAX};
 use clap::{Args, Subcommand, ValueEnum};
 use std::path::PathBuf;
+use zeronav_msgs::role::Role;
 use zeronav_world::error::number;
 
 /// Which stack, and how the answer is printed.
@@ -149,6 +151,46 @@ pub enum ObstacleCommand {
     Remove {
         /// Its name, in the scenario or as it was added.
         name: String,
+    },
+}
+
+/// Arguments of `zeronav fault`.
+#[derive(Debug, Clone, Args)]
+pub struct FaultArgs {
+    /// How.
+    #[command(subcommand)]
+    pub fault: FaultCommand,
+    /// The stack.
+    #[command(flatten)]
+    pub stack: StackArgs,
+}
+
+/// How a service is broken.
+#[derive(Debug, Clone, Subcommand)]
+pub enum FaultCommand {
+    /// Kill it (SIGKILL), as if it had crashed.
+    Kill {
+        /// Its seat.
+        #[arg(value_name = "ROLE", value_parser = service_role)]
+        role: Role,
+    },
+    /// Stop it (SIGSTOP), so that it hangs until it is restarted.
+    Stop {
+        /// Its seat.
+        #[arg(value_name = "ROLE", value_parser = service_role)]
+        role: Role,
+    },
+    /// Delay each of its answers.
+    Slow {
+        /// Its seat and the delay, such as `global_planner=20ms`.
+        #[arg(value_name = "ROLE=TIME", value_parser = delay)]
+        delay: (Role, u16),
+    },
+    /// End its delay.
+    Heal {
+        /// Its seat.
+        #[arg(value_name = "ROLE", value_parser = service_role)]
+        role: Role,
     },
 }
 

@@ -1,14 +1,16 @@
 //! The other requests: what a stack is doing, and making it pause, step or end.
 
 use super::cli::{
-    CancelArgs, ObstacleArgs, ObstacleCommand, PoseArgs, StackArgs, StepArgs, WaitArgs, WaitFor,
+    CancelArgs, FaultArgs, FaultCommand, ObstacleArgs, ObstacleCommand, PoseArgs, StackArgs,
+    StepArgs, WaitArgs, WaitFor,
 };
 use super::goal::follow;
 use super::ps::processes;
-use crate::control::request::{ObstacleChange, Request, RunReport};
+use crate::control::request::{FaultKind, ObstacleChange, Request, RunReport};
 use crate::exit::{EXIT_FAIL, EXIT_PASS};
 use crate::running;
 use crate::show::terminal::{complain, say, say_json, usage};
+use core::fmt::Write;
 use serde_json::json;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
@@ -72,6 +74,21 @@ pub fn obstacle(arguments: &ObstacleArgs) -> ExitCode {
     make(&arguments.stack, &Request::Obstacle { name, change }, done)
 }
 
+/// `zeronav fault`.
+#[must_use]
+pub fn fault(arguments: &FaultArgs) -> ExitCode {
+    let (role, kind, done) = match arguments.fault {
+        FaultCommand::Kill { role } => (role, FaultKind::Kill, "killed"),
+        FaultCommand::Stop { role } => (role, FaultKind::Stop, "stopped"),
+        FaultCommand::Slow {
+            delay: (role, steps),
+        } => (role, FaultKind::Slow { steps }, "slowed"),
+        FaultCommand::Heal { role } => (role, FaultKind::Slow { steps: 0 }, "healed"),
+    };
+    let role = role.to_string();
+    make(&arguments.stack, &Request::Fault { role, kind }, done)
+}
+
 /// Makes a stack do something; `done` says that it did.
 fn make(arguments: &StackArgs, request: &Request, done: &str) -> ExitCode {
     let asked = running::find(arguments.domain.as_deref()).and_then(|stack| stack.ask(request));
@@ -133,17 +150,17 @@ pub fn status(arguments: &StackArgs) -> ExitCode {
 fn in_words(report: &RunReport) -> String {
     let mut text = processes(report);
     if let Some([x_m, y_m, yaw_rad]) = report.pose {
-        text += &format!("  robot at {x_m:.2} {y_m:.2} {yaw_rad:.2}");
+        let _ = write!(text, "  robot at {x_m:.2} {y_m:.2} {yaw_rad:.2}");
         if let Some(contacts) = report.contacts {
-            text += &format!(", {contacts} contacts");
+            let _ = write!(text, ", {contacts} contacts");
         }
         text.push('\n');
     }
     if let Some(goal) = &report.goal {
-        text += &format!("  {}", goal.in_words());
+        let _ = write!(text, "  {}", goal.in_words());
     }
     if report.goals_waiting > 0 {
-        text += &format!("  {} goals wait\n", report.goals_waiting);
+        let _ = writeln!(text, "  {} goals wait", report.goals_waiting);
     }
     text
 }

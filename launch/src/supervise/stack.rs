@@ -176,11 +176,14 @@ impl Stack {
         Ok(stack)
     }
 
-    /// Kills the process of a seat, as if it had crashed.
-    pub fn kill(&mut self, role: Role) {
+    /// Sends a signal to the process of a seat; false when there is none.
+    pub fn signal(&mut self, role: Role, signal: Signal) -> bool {
+        let mut alive = false;
         for child in self.children.iter_mut().filter(|child| child.role == role) {
-            child.signal(Signal::KILL);
+            alive |= child.ended().is_none();
+            child.signal(signal);
         }
+        alive
     }
 
     /// Root folder of the domain.

@@ -1,0 +1,49 @@
+//! Words of a command line that more than one command takes.
+
+use zeronav_msgs::role::Role;
+use zeronav_msgs::run::DELAY_STEP_NS;
+use zeronav_msgs::time::seconds;
+use zeronav_shell::nearest::unknown;
+
+/// The seat of a service by its name.
+pub(crate) fn service_role(name: &str) -> Result<Role, String> {
+    let role = Role::from_label(name).filter(|role| Role::SERVICES.contains(role));
+    role.ok_or_else(|| {
+        unknown(
+            "service",
+            name,
+            Role::SERVICES.iter().map(|role| role.label()),
+        )
+    })
+}
+
+/// `global_planner=5ms` as a seat and its delay in steps of
+/// [`zeronav_msgs::run::DELAY_STEP_NS`].
+pub(crate) fn delay(text: &str) -> Result<(Role, u16), String> {
+    let (role, time) = text
+        .split_once('=')
+        .ok_or("a delay reads like global_planner=5ms")?;
+    let role = service_role(role)?;
+    if role == Role::Robot {
+        return Err("the robot keeps the time and cannot be delayed".to_owned());
+    }
+    let (number, unit_us) = match (time.strip_suffix("ms"), time.strip_suffix("us")) {
+        (Some(number), _) => (number, 1.0e3),
+        (None, Some(number)) => (number, 1.0),
+        (None, None) => return Err("the time needs its unit, ms or us".to_owned()),
+    };
+    let number: f64 = number
+        .parse()
+        .map_err(|_| format!("`{number}` is no number"))?;
+    let step_us = 1.0e6 * seconds(DELAY_STEP_NS);
+    let steps = (number * unit_us / step_us).round();
+    if !(1.0..=f64::from(u16::MAX)).contains(&steps) {
+        return Err("a delay lasts 10us to 655ms".to_owned());
+    }
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "its range was checked"
+    )]
+    Ok((role, steps as u16))
+}
