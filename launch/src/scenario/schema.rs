@@ -12,8 +12,14 @@ use crate::supervise::restart::RestartSpec;
 use serde_json::{Map, Value, json};
 use zeronav_msgs::Role;
 use zeronav_msgs::command::Intervention;
+use zeronav_msgs::grid::RESOLUTION_M;
+use zeronav_msgs::truth::TRUTH_OBSTACLES_MAX;
 use zeronav_params::{Parameter, Type, describe};
 use zeronav_robot_description::RobotSpec;
+use zeronav_world::shape::{SHAPE_SIZE_M_MIN, SHAPE_YAW_RAD_MAX};
+use zeronav_world::spec::PERSON_RADIUS_M;
+use zeronav_world::track::ROWS_MAX;
+use zeronav_world::world::{LASTS_S_MIN, NEAR_M, SPEED_MPS_MAX, TIME_S_MAX};
 
 /// The schema; `services` are the parameters of the stock services.
 #[must_use]
@@ -309,13 +315,28 @@ fn fault() -> Value {
     ])
 }
 
+/// A moment of a recording. [s]
+fn moment() -> Value {
+    ranged(-TIME_S_MAX, TIME_S_MAX)
+}
+
+/// Side of a cell. [m]
+fn resolution() -> Value {
+    ranged(RESOLUTION_M[0], RESOLUTION_M[1])
+}
+
+/// A list with at most so many items.
+fn at_most(most: usize, item: &Value) -> Value {
+    json!({ "type": "array", "items": item, "maxItems": most })
+}
+
 fn world() -> Value {
-    let dynabarn = fields([("file", text()), ("phase_s", number())]);
+    let dynabarn = fields([("file", text()), ("phase_s", moment())]);
     let pedestrians = fields([
         ("file", text()),
-        ("from_s", number()),
-        ("duration_s", number()),
-        ("radius_m", number()),
+        ("from_s", moment()),
+        ("duration_s", ranged(0.0, TIME_S_MAX)),
+        ("radius_m", ranged(PERSON_RADIUS_M[0], PERSON_RADIUS_M[1])),
     ]);
     let fields = fields([
         ("map", text()),
@@ -324,9 +345,9 @@ fn world() -> Value {
         ("pedestrians", closed(pedestrians, &["file"])),
         ("generated", generated()),
         ("area_m", tuple([point(), point()])),
-        ("resolution_m", number()),
+        ("resolution_m", resolution()),
         ("shapes", list(&shape())),
-        ("obstacles", list(&obstacle())),
+        ("obstacles", at_most(TRUTH_OBSTACLES_MAX, &obstacle())),
     ]);
     closed(fields, &[])
 }
@@ -347,18 +368,19 @@ fn generated() -> Value {
         ("start_cell", cell()),
         ("goal_cell", cell()),
         ("seed", whole()),
-        ("resolution_m", number()),
+        ("resolution_m", resolution()),
     ]);
     closed(fields, &["family", "size_cells"])
 }
 
 fn shape() -> Value {
+    let size = || ranged(SHAPE_SIZE_M_MIN, COORDINATE_M_MAX);
     let boxed = fields([
         ("centre_m", point()),
-        ("size_m", tuple([number(), number()])),
-        ("yaw_rad", number()),
+        ("size_m", tuple([size(), size()])),
+        ("yaw_rad", ranged(-SHAPE_YAW_RAD_MAX, SHAPE_YAW_RAD_MAX)),
     ]);
-    let disc = fields([("centre_m", point()), ("radius_m", number())]);
+    let disc = fields([("centre_m", point()), ("radius_m", size())]);
     let polygon = fields([("corners_m", list(&point()))]);
     kinds([
         ("box", boxed, &["centre_m", "size_m"]),
@@ -368,9 +390,14 @@ fn shape() -> Value {
 }
 
 fn obstacle() -> Value {
-    let near = fields([("point_m", point()), ("distance_m", number())]);
+    let near = fields([
+        ("point_m", point()),
+        ("distance_m", ranged(NEAR_M[0], NEAR_M[1])),
+    ]);
+    let velocity = || ranged(-SPEED_MPS_MAX, SPEED_MPS_MAX);
+    let track = at_most(ROWS_MAX, &tuple([moment(), coordinate(), coordinate()]));
     let trigger = fields([
-        ("at_s", number()),
+        ("at_s", ranged(0.0, TIME_S_MAX)),
         ("robot_near", closed(near, &["point_m", "distance_m"])),
     ]);
     let trigger = closed(trigger, &[]);
@@ -378,14 +405,14 @@ fn obstacle() -> Value {
         ("name", text()),
         ("shape", shape()),
         ("appears", trigger.clone()),
-        ("lasts_s", number()),
+        ("lasts_s", ranged(LASTS_S_MIN, TIME_S_MAX)),
         ("waypoints_m", list(&point())),
-        ("speed_mps", number()),
+        ("speed_mps", ranged(0.0, SPEED_MPS_MAX)),
         ("repeat", json!({ "type": "boolean" })),
         ("starts", trigger),
-        ("bounces_mps", tuple([number(), number()])),
-        ("track", list(&tuple([number(), number(), number()]))),
-        ("track_from_s", number()),
+        ("bounces_mps", tuple([velocity(), velocity()])),
+        ("track", track),
+        ("track_from_s", moment()),
     ]);
     closed(fields, &["name", "shape"])
 }

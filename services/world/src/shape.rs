@@ -11,6 +11,9 @@ use zeronav_msgs::message::COORDINATE_M_MAX;
 /// Smallest side or radius of a shape. [m]
 pub const SHAPE_SIZE_M_MIN: f64 = 1.0e-3;
 
+/// Largest yaw of a box, either way round. [rad]
+pub const SHAPE_YAW_RAD_MAX: f64 = 62.8;
+
 /// A solid thing: its form in its own frame and where the scenario puts it.
 ///
 /// Boxes and discs have their frame in their middle, turned with the box. A polygon has it in the
@@ -37,7 +40,7 @@ impl Shape {
                 point(*centre_m, "centre_m")?;
                 size(size_m[0], "size_m[0]")?;
                 size(size_m[1], "size_m[1]")?;
-                number(*yaw_rad, -62.8, 62.8, "yaw_rad")?;
+                number(*yaw_rad, -SHAPE_YAW_RAD_MAX, SHAPE_YAW_RAD_MAX, "yaw_rad")?;
                 let pose = Pose::new(centre_m[0], centre_m[1], *yaw_rad);
                 (pose, Convex::rectangle(*size_m))
             }

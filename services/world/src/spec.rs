@@ -108,6 +108,9 @@ pub struct PedestriansSpec {
     pub radius_m: f64,
 }
 
+/// Radii that represent a person. [m]
+pub const PERSON_RADIUS_M: [f64; 2] = [1.0e-3, 10.0];
+
 fn default_person_radius_m() -> f64 {
     0.3
 }

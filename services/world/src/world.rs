@@ -20,8 +20,14 @@ use zeronav_msgs::{GridGeometry, Pose};
 /// Longest time that a scenario may name. [s]
 pub const TIME_S_MAX: f64 = 1.0e6;
 
+/// Shortest time that an obstacle lasts. [s]
+pub const LASTS_S_MIN: f64 = 1.0e-3;
+
+/// Distances of the robot that trigger an obstacle. [m]
+pub const NEAR_M: [f64; 2] = [1.0e-3, 1.0e6];
+
 /// Fastest obstacle. [m/s]
-const SPEED_MPS_MAX: f64 = 1.0e3;
+pub const SPEED_MPS_MAX: f64 = 1.0e3;
 
 /// A scripted obstacle: what the scenario says and its shape. It is on no map.
 #[derive(Debug, Clone)]
@@ -364,7 +370,7 @@ fn obstacle_of(spec: &ObstacleSpec) -> Result<Obstacle, SpecError> {
         check_trigger(trigger).map_err(|error| error.within("appears"))?;
     }
     if let Some(lasts_s) = spec.lasts_s {
-        number(lasts_s, 1.0e-3, TIME_S_MAX, "lasts_s")?;
+        number(lasts_s, LASTS_S_MIN, TIME_S_MAX, "lasts_s")?;
     }
     if let Some(trigger) = &spec.starts {
         check_trigger(trigger).map_err(|error| error.within("starts"))?;
@@ -447,7 +453,12 @@ fn check_trigger(trigger: &Trigger) -> Result<(), SpecError> {
         (Some(at_s), None) => number(at_s, 0.0, TIME_S_MAX, "at_s"),
         (None, Some(near)) => {
             point(near.point_m, "robot_near.point_m")?;
-            number(near.distance_m, 1.0e-3, 1.0e6, "robot_near.distance_m")
+            number(
+                near.distance_m,
+                NEAR_M[0],
+                NEAR_M[1],
+                "robot_near.distance_m",
+            )
         }
         (Some(_), Some(_)) => Err(SpecError::new(
             "",

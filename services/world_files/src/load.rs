@@ -11,6 +11,7 @@ use zeronav_msgs::grid::RESOLUTION_M;
 use zeronav_msgs::truth::TRUTH_OBSTACLES_MAX;
 use zeronav_world::error::{SpecError, number};
 use zeronav_world::generate::{GenerateError, generate};
+use zeronav_world::spec::PERSON_RADIUS_M;
 use zeronav_world::world::TIME_S_MAX;
 use zeronav_world::{StaticMap, World, WorldSpec};
 
@@ -95,7 +96,8 @@ fn resolved(spec: &WorldSpec) -> Result<(WorldSpec, Option<StaticMap>), WorldErr
             let field = "pedestrians.duration_s";
             number(duration_s, 0.0, TIME_S_MAX, field)?;
         }
-        number(people.radius_m, 1.0e-3, 10.0, "pedestrians.radius_m")?;
+        let [least_m, most_m] = PERSON_RADIUS_M;
+        number(people.radius_m, least_m, most_m, "pedestrians.radius_m")?;
         let scene = Scene::load(&people.file).map_err(failed("pedestrians.file"))?;
         let brings_area = spec.map.is_none() && spec.generated.is_none();
         let people = scene.spec(&Playback {

@@ -72,6 +72,11 @@ fn the_schema_rejects_unknown_fields_and_numbers_out_of_range() {
         "start = [0.0, 0.0]",
         "goals = [{ tolerance_m = 0.1 }]",
         "world.shapes = [{ kind = 'box', radius_m = 1.0 }]",
+        "world.shapes = [{ kind = 'disc', centre_m = [0.0, 0.0], radius_m = 0.0 }]",
+        "world.resolution_m = 0.0",
+        "world.pedestrians = { file = 'scene.csv', radius_m = 20.0 }",
+        "world.obstacles = [{ name = 'cart', shape = { kind = 'disc', centre_m = [0.0, 0.0], \
+         radius_m = 0.3 }, speed_mps = -1.0 }]",
         "kills = [{ service = 'robot', at_s = 1.0 }]",
         "expect.outcome = 'reaches'",
         "services.mapping.config.resolution_m = 0.0",
