@@ -14,7 +14,7 @@ use crate::dwa::options::DwaConfig;
 use crate::dwa::rows::Rows;
 use crate::dwa::window::Window;
 use crate::pilot::Pilot;
-use crate::pilot::perception::{PATH_HORIZON_S, Perception, Prediction, Tracks};
+use crate::pilot::perception::{PATH_HORIZON_S, Perception, Tracks};
 use crate::pilot::scene::{CREEP_MPS, Choose, Heading, Mode, Scene, Wish};
 use crate::rated::{Evaluate, Outcome, TimedWorth};
 use nalgebra::Point2;
@@ -33,7 +33,7 @@ const DEAD_END_M: f32 = 0.3;
 pub fn dwa_t(dwa: DwaConfig, config: DwaTConfig) -> Pilot {
     Pilot::new(
         in_time(dwa, config),
-        Tracks::Predicted(Box::new(Prediction::default())),
+        Tracks::Predicted(Box::default()),
         Box::new(TimedWindow::new(config)),
     )
 }

@@ -45,6 +45,20 @@ impl Track {
     fn walks(&self) -> bool {
         self.speed_mps >= WALKING_MPS
     }
+
+    /// Centre and grown radius after `elapsed_s`. [m]
+    fn after(&self, elapsed_s: f64) -> (Point2<f64>, f64) {
+        let at = Point2::new(
+            self.at.x + self.velocity.0 * elapsed_s,
+            self.at.y + self.velocity.1 * elapsed_s,
+        );
+        let [p0, p1, p2] = self.variance;
+        let variance = p0 + (p1 + p2 * elapsed_s) * elapsed_s;
+        let grown_m = (GROWTH_SIGMAS * variance.max(0.0).sqrt())
+            .max(GROWTH_MPS_MIN.max(TURNS_SHARE * self.speed_mps) * elapsed_s)
+            .min(GROWTH_M_MAX);
+        (at, self.radius_m + grown_m)
+    }
 }
 
 /// True when a dynamic obstacle is near a place in the map.
@@ -123,7 +137,7 @@ impl DynamicObstacles {
     pub(crate) fn around_m(&self, radius_m: f64, elapsed_s: f64) -> f64 {
         let tracks = self.tracks.iter().filter(|track| track.walks());
         tracks.fold(f64::INFINITY, |least, track| {
-            let (at, of_track_m) = self.after(track, elapsed_s);
+            let (at, of_track_m) = track.after(elapsed_s);
             least.min(at.coords.norm() - of_track_m - radius_m)
         })
     }
@@ -144,26 +158,12 @@ impl DynamicObstacles {
             })
     }
 
-    /// Centre and grown radius of a track after `elapsed_s`. [m]
-    fn after(&self, track: &Track, elapsed_s: f64) -> (Point2<f64>, f64) {
-        let at = Point2::new(
-            track.at.x + track.velocity.0 * elapsed_s,
-            track.at.y + track.velocity.1 * elapsed_s,
-        );
-        let [p0, p1, p2] = track.variance;
-        let variance = p0 + (p1 + p2 * elapsed_s) * elapsed_s;
-        let grown_m = (GROWTH_SIGMAS * variance.max(0.0).sqrt())
-            .max(GROWTH_MPS_MIN.max(TURNS_SHARE * track.speed_mps) * elapsed_s)
-            .min(GROWTH_M_MAX);
-        (at, track.radius_m + grown_m)
-    }
-
     /// Predicts every track at the ends of `n` steps.
     pub(crate) fn tabulate(&mut self, n: usize, step_s: f64) {
         let mut current = core::mem::take(&mut self.current);
         current.clear();
         current.extend(self.tracks.iter().map(|track| {
-            let (at, radius_m) = self.after(track, 0.0);
+            let (at, radius_m) = track.after(0.0);
             [narrow(at.x), narrow(at.y), narrow(radius_m)]
         }));
         self.current = current;
@@ -173,7 +173,7 @@ impl DynamicObstacles {
         for _ in 0..n {
             elapsed_s += step_s;
             table.extend(self.tracks.iter().map(|track| {
-                let (at, radius_m) = self.after(track, elapsed_s);
+                let (at, radius_m) = track.after(elapsed_s);
                 [narrow(at.x), narrow(at.y), narrow(radius_m)]
             }));
         }
@@ -203,7 +203,7 @@ impl DynamicObstacles {
         let base = Pose::new(0.0, 0.0, self.yaw_rad);
         let local_from_base = base.then(pose).isometry().inverse();
         self.tracks.iter().fold(f64::INFINITY, |least, track| {
-            let (at, radius_m) = self.after(track, elapsed_s);
+            let (at, radius_m) = track.after(elapsed_s);
             least.min(distance_m(local_from_base * at) - radius_m)
         })
     }

@@ -32,7 +32,7 @@ use crate::mppi::critics::CRITICS;
 use crate::mppi::critics::cycle::Cycle;
 use crate::mppi::options::MppiConfig;
 use crate::pilot::Pilot;
-use crate::pilot::perception::{Prediction, Tracks};
+use crate::pilot::perception::Tracks;
 use crate::pilot::scene::{COMFORT_SHARE, Choose, Scene, Wish};
 use batch::{Batch, LANES, Lanes};
 use limits::Limits;
@@ -61,7 +61,7 @@ pub fn mppi(dwa: DwaConfig, timed: DwaTConfig, config: MppiConfig) -> Pilot {
     };
     Pilot::new(
         in_time(dwa, timed),
-        Tracks::Predicted(Box::new(Prediction::default())),
+        Tracks::Predicted(Box::default()),
         Box::new(Mppi {
             window: TimedWindow::new(timed),
             optimiser: Optimiser::new(config),

@@ -38,6 +38,10 @@ const STOPPED_MPS: f64 = 0.02;
 /// [rad/s] below which a robot that does not drive is stopped.
 const STOPPED_RADPS: f64 = 0.05;
 
+fn is_stopped(twist: Twist) -> bool {
+    twist.v_mps.abs() < STOPPED_MPS && twist.w_radps.abs() < STOPPED_RADPS
+}
+
 /// What the task is judged by in one period.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TaskInputs {
@@ -274,11 +278,7 @@ impl TaskMachine {
         let any_yaw = goal.yaw_tolerance_rad >= core::f64::consts::PI;
         let yaw_error_rad = wrap_angle(pose.yaw_rad - goal.pose.yaw_rad).abs();
         let aligned = any_yaw || yaw_error_rad <= goal.yaw_tolerance_rad;
-        near && aligned && (!self.is_last_goal() || self.is_stopped(twist))
-    }
-
-    fn is_stopped(&self, twist: Twist) -> bool {
-        twist.v_mps.abs() < STOPPED_MPS && twist.w_radps.abs() < STOPPED_RADPS
+        near && aligned && (!self.is_last_goal() || is_stopped(twist))
     }
 
     fn reach(&mut self, inputs: &TaskInputs) {
@@ -300,7 +300,7 @@ impl TaskMachine {
         self.was_free |= status == Some(PathStatus::Found);
         let reason = status
             .and_then(end_of)
-            .filter(|_| self.is_stopped(twist))
+            .filter(|_| is_stopped(twist))
             .filter(|reason| *reason != EndReason::GoalBlocked || !inputs.moves_at_goal);
         let Some(reason) = reason else {
             self.failing_since_ns = None;
