@@ -81,7 +81,7 @@ impl World {
     }
 
     /// The free pose on the map with about the yaw of `goal` that is nearest to it, found on rings
-    /// [`RING_STEP_M`] apart up to [`RING_M_MAX`] around it, or around the map's nearest point when it
+    /// `RING_STEP_M` apart up to `RING_M_MAX` around it, or around the map's nearest point when it
     /// lies outside; `None` when there is none. Everything static is at least `clearance_m` away, and
     /// yaws within `tolerance_rad` of the goal's are tried.
     #[must_use]
