@@ -31,18 +31,7 @@ fn right(topic: &str) -> (Vec<u8>, Vec<Vec<u8>>) {
     };
     match topic.rsplit('/').next().unwrap_or("") {
         "description" => description(),
-        "scan" => {
-            let scan = Scan {
-                n_beams: 3,
-                angle_min_rad: -1.0,
-                angle_increment_rad: 0.5,
-                range_m_min: 0.05,
-                range_m_max: 12.0,
-                ..Scan::default()
-            };
-            let ranges = [1.0_f32, f32::INFINITY, f32::NAN];
-            bytes(bytes_of(&scan), &ranges.each_ref().map(bytes_of::<f32>))
-        }
+        "scan" => scan(),
         "update" | "keyframe" => map(),
         "obstacles" => {
             let list = Obstacles { n_obstacles: 2 };
@@ -105,6 +94,20 @@ fn right(topic: &str) -> (Vec<u8>, Vec<Vec<u8>>) {
         }
         _ => bytes(&[], &[]),
     }
+}
+
+fn scan() -> (Vec<u8>, Vec<Vec<u8>>) {
+    let scan = Scan {
+        n_beams: 3,
+        angle_min_rad: -1.0,
+        angle_increment_rad: 0.5,
+        range_m_min: 0.05,
+        range_m_max: 12.0,
+        ..Scan::default()
+    };
+    let ranges = [1.0_f32, f32::INFINITY, f32::NAN];
+    let ranges = ranges.iter().map(|range| bytes_of(range).to_vec());
+    (bytes_of(&scan).to_vec(), ranges.collect())
 }
 
 fn description() -> (Vec<u8>, Vec<Vec<u8>>) {
