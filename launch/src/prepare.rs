@@ -168,7 +168,7 @@ pub(crate) fn check_delay(role: Role, steps: u16, scenario: &Scenario) -> Result
         return Ok(());
     }
     Err(format!(
-        "a delay of {role} by {} ms would be taken for a hang: at most half of restart.hang_after_s, {} ms",
+        "a delay {role}={}ms would be taken for a hang: at most half of restart.hang_after_s, {} ms",
         delay.as_millis(),
         most.as_millis()
     ))
