@@ -1,9 +1,14 @@
-//! How much shared memory the topics of a run reserve.
+//! How much shared memory the topics of a run reserve, and how much they use.
 
 use crate::scenario::Scenario;
+use std::fs::{DirEntry, Metadata};
+use std::os::unix::fs::MetadataExt;
+use std::path::Path;
 use zeronav_msgs::map::{GROWING_TILES_MAX, tiles_of};
 use zeronav_msgs::role::Role;
 use zeronav_msgs::topics::{MapKeyframe, RobotScan, SPANS, Topic, topics};
+use zeronav_shell::Domain;
+use zeronav_shell::memory::SHM;
 use zeronav_world::World;
 
 /// Shared memory that the stack will reserve. [bytes]
@@ -27,6 +32,23 @@ pub(crate) fn planned_bytes(scenario: &Scenario, world: &World) -> u64 {
             };
             (row.segment_bytes(len) * writers) as u64
         })
+        .sum()
+}
+
+/// Shared memory that a domain has reserved or used. [bytes]
+pub(crate) fn used_bytes(domain: &Domain) -> u64 {
+    let files = |folder: &Path| std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let of_domain = |entry: &DirEntry| {
+        let name = entry.file_name();
+        name.to_str()
+            .is_some_and(|name| name.starts_with(domain.prefix()))
+    };
+    files(Path::new(SHM))
+        .filter(of_domain)
+        .chain(files(domain.root()))
+        .filter_map(|entry| entry.metadata().ok())
+        .filter(Metadata::is_file)
+        .map(|meta| meta.blocks() * 512)
         .sum()
 }
 

@@ -4,6 +4,7 @@ use super::child::Child;
 use super::cleaner::{Cleaner, Ticket};
 use super::occupant::Occupant;
 use super::warden;
+use crate::shared_memory;
 use rustix::process::Signal;
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
@@ -17,7 +18,7 @@ use zeronav_msgs::task::{Goal, Task, TaskKind};
 use zeronav_msgs::topics::{
     EVENT_NEED_KEYFRAME, GroundTruth, HealthTopic, MapKeyframe, MapObstacles, MapUpdate, PlanPath,
     RobotCommand, RobotDescription, RobotOdometry, RunClockTopic, RunControlTopic, SimPlacement,
-    TaskGoal, TaskState, health_of,
+    TaskGoal, TaskState, TopicRow, health_of,
 };
 use zeronav_msgs::truth::{Placement, Placements};
 use zeronav_shell::clock::now_ns;
@@ -345,9 +346,7 @@ impl Stack {
             ..Task::default()
         };
         let sent = self.goals.publish(&Draft::default(), task, goals);
-        for role in self.goals.row().rings {
-            self.bells.ring(*role, self.goals.row().number);
-        }
+        self.ring_for(self.goals.row());
         sent.map_or(0, |sent| sent.id.0)
     }
 
@@ -357,9 +356,7 @@ impl Stack {
             n_placements: placements.len() as u64,
         };
         self.placements.publish(&Draft::default(), meta, placements);
-        for role in self.placements.row().rings {
-            self.bells.ring(*role, self.placements.row().number);
-        }
+        self.ring_for(self.placements.row());
     }
 
     /// Delays every answer of a seat by so many steps of [`zeronav_msgs::run::DELAY_STEP_NS`].
@@ -406,41 +403,25 @@ impl Stack {
         self.goals.refresh();
     }
 
+    /// Rings the readers of a topic.
+    fn ring_for(&self, row: &TopicRow) {
+        for role in row.rings {
+            self.bells.ring(*role, row.number);
+        }
+    }
+
     fn publish_control(&mut self) {
         let control = self.roster.control;
         self.control
             .publish(&Draft::default(), control, &self.roster.seats);
-        for role in self.control.row().rings {
-            self.bells.ring(*role, self.control.row().number);
-        }
+        self.ring_for(self.control.row());
     }
 
     /// Shared memory that the domain has reserved or used. [bytes]
     #[must_use]
     pub fn shared_memory_bytes(&self) -> u64 {
-        use std::os::unix::fs::MetadataExt;
-        let Some(peer) = &self.peer else { return 0 };
-        let prefix = peer.domain().prefix();
-        let in_shm = std::fs::read_dir(zeronav_shell::memory::SHM)
-            .into_iter()
-            .flatten()
-            .flatten();
-        let in_root = std::fs::read_dir(self.root())
-            .into_iter()
-            .flatten()
-            .flatten();
-        in_shm
-            .filter(|entry| {
-                entry
-                    .file_name()
-                    .to_str()
-                    .is_some_and(|name| name.starts_with(prefix))
-            })
-            .chain(in_root)
-            .filter_map(|entry| entry.metadata().ok())
-            .filter(std::fs::Metadata::is_file)
-            .map(|meta| meta.blocks() * 512)
-            .sum()
+        let peer = self.peer.as_ref();
+        peer.map_or(0, |peer| shared_memory::used_bytes(peer.domain()))
     }
 
     /// Ends the processes: asks, waits, kills. Returns those that had to be killed.
