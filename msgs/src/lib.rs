@@ -28,6 +28,7 @@ pub mod pose;
 pub mod replica;
 pub mod request;
 pub mod role;
+mod row;
 pub mod run;
 pub mod scan;
 pub mod seats;

@@ -113,7 +113,7 @@ impl MapReplica {
 
     /// Takes in one message of `map/update`.
     pub fn update(&mut self, id: Id, info: &MapInfo, tiles: &[MapTile]) -> Step {
-        if id <= self.last {
+        if id.epoch() == self.last.epoch() && id <= self.last {
             return Step::Ignored;
         }
         if self.in_step && id == self.last.next() && info.geometry == self.info.geometry {
@@ -123,8 +123,13 @@ impl MapReplica {
             self.gaps += 1;
             self.resync();
         }
-        if self.pending.back().is_some_and(|(last, ..)| *last >= id) {
-            return Step::Ignored;
+        if let Some((last, ..)) = self.pending.back() {
+            if last.epoch() != id.epoch() {
+                // Another process writes the map now: after a rollback its ids are lower.
+                self.pending.clear();
+            } else if *last >= id {
+                return Step::Ignored;
+            }
         }
         if self.pending.len() == PENDING_MAX {
             self.pending.clear();
@@ -140,7 +145,8 @@ impl MapReplica {
         if self.in_step && revision.epoch() == self.last.epoch() && !moved {
             return Step::Ignored;
         }
-        if revision < self.revision || !covers(info, tiles) {
+        let is_older = revision.epoch() == self.revision.epoch() && revision < self.revision;
+        if is_older || !covers(info, tiles) {
             return Step::Ignored;
         }
         self.stamp.clear();
@@ -161,7 +167,7 @@ impl MapReplica {
             max: crate::Cell::new(width, height),
         }];
         for (id, info, tiles) in core::mem::take(&mut self.pending) {
-            if id <= self.last {
+            if id.epoch() == self.last.epoch() && id <= self.last {
                 continue;
             }
             if !self.in_step || id != self.last.next() || info.geometry != self.info.geometry {

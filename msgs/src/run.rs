@@ -53,21 +53,32 @@ message! {
 }
 
 message! {
-    /// One seat of the roster.
-    pub struct Seat = "zeronav.Seat.v1" {
+    /// One seat of the roster. Two processes can run in it: one is obeyed, the other is warm. At
+    /// which tick the one takes over from the other is said in advance, so that no message is
+    /// heard twice and none is missed.
+    pub struct Seat = "zeronav.Seat.v2" {
         /// Code of the [`Role`].
         pub role: u16,
         /// [10 us] by which the seat delays each of its answers; 0 in earnest. A delay put in on
         /// purpose must appear in this seat's hop and nowhere else.
         pub delay: u16,
-        /// [number] The one epoch that is obeyed in this seat; 0 = none yet.
+        /// [number] The epoch that is obeyed in this seat from `since_tick` on; 0 = none yet.
         pub epoch: u32,
         /// [tick] First tick at which the seat is empty.
         pub off_tick: u64,
         /// [tick] First tick at which it is taken again; `off_tick == on_tick` = never empty.
         pub on_tick: u64,
-        /// [tick] Messages of ticks below this one are not heard by the seat.
+        /// [tick] Messages of ticks below this one are not heard by `epoch`.
         pub hear_tick: u64,
+        /// [tick] First tick at which `epoch` is obeyed; before it, `other` is.
+        pub since_tick: u64,
+        /// [tick] `other` answers from this tick on, and hears no message of an earlier one.
+        pub other_tick: u64,
+        /// [number] Epoch of the second process in this seat: a newcomer that is not obeyed yet, or
+        /// a predecessor that still runs; 0 = none.
+        pub other: u32,
+        /// Written as 0.
+        pub spare: u32,
     }
 }
 
@@ -82,6 +93,39 @@ impl Seat {
     #[must_use]
     pub const fn answers(&self, tick: u64) -> bool {
         self.epoch != 0 && !(tick >= self.off_tick && tick < self.on_tick)
+    }
+
+    /// True when the process with this epoch is obeyed at `tick`. What belongs to no tick (0), such
+    /// as a keyframe of the map, is heard from `epoch` only.
+    #[must_use]
+    pub const fn obeys(&self, epoch: u32, tick: u64) -> bool {
+        epoch != 0
+            && epoch
+                == if tick != 0 && tick < self.since_tick {
+                    self.other
+                } else {
+                    self.epoch
+                }
+    }
+
+    /// True when the process with this epoch answers `tick`, obeyed or not.
+    #[must_use]
+    pub const fn answers_as(&self, epoch: u32, tick: u64) -> bool {
+        if epoch != 0 && epoch == self.other {
+            tick >= self.other_tick
+        } else {
+            self.answers(tick)
+        }
+    }
+
+    /// First tick of which the process with this epoch hears messages.
+    #[must_use]
+    pub const fn hears_from(&self, epoch: u32) -> u64 {
+        if epoch != 0 && epoch == self.other {
+            self.other_tick
+        } else {
+            self.hear_tick
+        }
     }
 }
 

@@ -3,8 +3,8 @@
 use crate::role::Role;
 use crate::topics::{
     ControlRequest, Discipline, MapKeyframe, MapObstacles, MapUpdate, PlanPath, PlanRequests,
-    RobotCommand, RobotDescription, RobotOdometry, RobotScan, SimPlacement, TaskGoal, TaskState,
-    Topic, TopicRow, topics,
+    RobotCommand, RobotDescription, RobotOdometry, RobotScan, SimPlacement, TaskGoal, TaskPose,
+    TaskState, Topic, TopicRow, topics,
 };
 
 /// Ticks that a seat has to answer in lockstep.
@@ -70,6 +70,7 @@ pub static SEATS: [SeatRow; 5] = [
             RobotScan::ROW,
             TaskGoal::ROW,
             TaskState::ROW,
+            TaskPose::ROW,
         ],
         answers: Answers::TicksWithScan,
         after: &[],
@@ -105,6 +106,7 @@ pub static SEATS: [SeatRow; 5] = [
             MapObstacles::ROW,
             PlanPath::ROW,
             TaskGoal::ROW,
+            TaskState::ROW,
         ],
         answers: Answers::EveryTick,
         after: &[Role::Mapping, Role::GlobalPlanner],

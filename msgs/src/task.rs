@@ -98,6 +98,20 @@ message! {
 }
 
 message! {
+    /// Where the robot really is, as a person knows it: mapping puts it there.
+    ///
+    /// Two poses of the same moment, so that it does not matter when the message is read.
+    pub struct PoseEstimate = "zeronav.PoseEstimate.v1" {
+        /// `map_from_base`.
+        pub map_from_base: Pose,
+        /// `odom_from_base` of the same moment.
+        pub odom_from_base: Pose,
+        /// [tick] First tick at which it holds.
+        pub from_tick: u64,
+    }
+}
+
+message! {
     /// Fixed fields of the status. The slice holds one entry per goal that has ended.
     pub struct TaskStatus = "zeronav.TaskStatus.v2" {
         /// Code of [`TaskState`].
@@ -163,6 +177,24 @@ impl Task {
             ensure(goal.id != 0, Refusal::OutOfRange("id"))?;
         }
         Ok(())
+    }
+}
+
+impl PoseEstimate {
+    /// `map_from_odom` from now on.
+    #[must_use]
+    pub fn map_from_odom(&self) -> Pose {
+        let base_from_odom = self.odom_from_base.isometry().inverse();
+        Pose::from(self.map_from_base.isometry() * base_from_odom)
+    }
+
+    /// Accepts finite poses.
+    ///
+    /// # Errors
+    /// The first field that is wrong.
+    pub fn check(&self) -> Result<(), Refusal> {
+        self.map_from_base.check("map_from_base")?;
+        self.odom_from_base.check("odom_from_base")
     }
 }
 

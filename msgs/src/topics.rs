@@ -19,136 +19,15 @@ use crate::odometry::Odometry;
 use crate::path::{Path, WAYPOINTS_MAX, Waypoint};
 use crate::request::PlanRequest;
 use crate::role::Role;
+pub use crate::row::{
+    Discipline, EVENT_MAX, EVENT_NEED_KEYFRAME, NODES_MAX, READERS_MAX, RINGERS_MAX,
+    SPAN_WRITERS_MAX, TopicRow, WRITERS_MAX,
+};
 use crate::run::{RunClock, RunControl, SEATS_MAX, Seat};
 use crate::scan::{BEAMS_MAX, Scan};
 use crate::span::Span;
-use crate::task::{GOALS_MAX, Goal, GoalEnd, Task, TaskStatus};
+use crate::task::{GOALS_MAX, Goal, GoalEnd, PoseEstimate, Task, TaskStatus};
 use crate::truth::{Placement, Placements, TRUTH_OBSTACLES_MAX, Truth, TruthObstacle};
-
-/// How a topic is read.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Discipline {
-    /// Only the newest message matters.
-    Latest,
-    /// Every message matters, in order.
-    Stream,
-    /// The newest message matters, also to those who come later.
-    Latched,
-    /// Self-contained records without header, every one matters.
-    Records,
-}
-
-/// Most readers of a topic, guests included.
-pub const READERS_MAX: usize = 12;
-/// Most writers of a swappable output: the obeyed process, its successor or what is left of the one
-/// before, and shadows.
-pub const WRITERS_MAX: usize = 4;
-/// Most writers of `run/spans`.
-pub const SPAN_WRITERS_MAX: usize = 16;
-/// Most processes in a domain.
-pub const NODES_MAX: usize = 24;
-/// Largest event id on a doorbell.
-pub const EVENT_MAX: usize = 63;
-/// Event id with which a reader asks mapping for a keyframe.
-pub const EVENT_NEED_KEYFRAME: usize = 40;
-/// Most processes that may ring one doorbell.
-pub const RINGERS_MAX: usize = 20;
-
-/// One row of the table.
-#[derive(Debug)]
-pub struct TopicRow {
-    /// Event id on the doorbells it rings.
-    pub number: usize,
-    /// Name of the service in the middleware.
-    pub name: &'static str,
-    /// How it is read.
-    pub discipline: Discipline,
-    /// Who may write it.
-    pub writers: &'static [Role],
-    /// Whose doorbell a message rings.
-    pub rings: &'static [Role],
-    /// Whose doorbell it rings in lockstep besides.
-    pub rings_in_lockstep: &'static [Role],
-    /// Longest slice that any run may ask for.
-    pub len_max: usize,
-    /// Bytes of header and fixed fields.
-    pub envelope_bytes: usize,
-    /// Bytes of one item of the slice.
-    pub item_bytes: usize,
-    /// Hash of everything a reader must agree on.
-    pub schema: u64,
-}
-
-impl TopicRow {
-    /// Messages that the middleware keeps for a reader.
-    #[must_use]
-    pub const fn buffer(&self) -> usize {
-        match self.discipline {
-            Discipline::Latest | Discipline::Stream => 32,
-            Discipline::Latched => 2,
-            Discipline::Records => 1024,
-        }
-    }
-
-    /// Messages that a service asks for; taps ask for [`Self::buffer`].
-    #[must_use]
-    pub const fn service_buffer(&self) -> usize {
-        match self.discipline {
-            Discipline::Latest => 2,
-            _ => self.buffer(),
-        }
-    }
-
-    /// Messages that a reader may hold at a time: the newest and the one that may be newer.
-    #[must_use]
-    pub const fn borrowed(&self) -> usize {
-        match self.discipline {
-            Discipline::Latest | Discipline::Latched => 2,
-            Discipline::Stream | Discipline::Records => 1,
-        }
-    }
-
-    /// Messages kept for readers that join later.
-    #[must_use]
-    pub const fn history(&self) -> usize {
-        match self.discipline {
-            Discipline::Latched => 1,
-            _ => 0,
-        }
-    }
-
-    /// Most writers at a time.
-    #[must_use]
-    pub const fn writers_max(&self) -> usize {
-        match self.discipline {
-            Discipline::Records => SPAN_WRITERS_MAX,
-            _ => WRITERS_MAX,
-        }
-    }
-
-    /// Messages for which a writer holds memory. With safe overflow every queue holds the same
-    /// last `buffer` messages, so the sum over readers that the middleware assumes is not needed.
-    /// Keyframes are large and rare: two in the queues, one in a reader's hand and one to write;
-    /// when even these are taken, the keyframe waits for the next wake.
-    #[must_use]
-    pub const fn pool(&self) -> usize {
-        if self.item_bytes > 1024 && self.history() > 0 {
-            4
-        } else {
-            self.buffer() + READERS_MAX * self.borrowed() + self.history() + 2
-        }
-    }
-
-    /// Bytes of shared memory that one writer takes with slices of `len` items.
-    #[must_use]
-    pub const fn segment_bytes(&self, len: usize) -> usize {
-        // 64 bytes of the middleware's own header, each part rounded to 8.
-        self.pool()
-            * (64
-                + self.envelope_bytes.next_multiple_of(8)
-                + (len * self.item_bytes).next_multiple_of(8))
-    }
-}
 
 /// Header and fixed fields of a topic's messages, as they stand in front of the slice.
 pub trait Envelope: Message {
@@ -387,6 +266,14 @@ topics! {
         writers: [LocalPlanner], rings: [GlobalPlanner], in_lockstep: [],
         len_max: GOALS_MAX,
         check: |meta, items| meta.check(items),
+    }
+    /// `task/pose`: where the robot is.
+    TaskPose = 24 "task/pose" {
+        envelope: PoseEstimateEnvelope = "zeronav.task.pose.v1" (PoseEstimate),
+        item: u8, Latched,
+        writers: [Launch], rings: [Mapping], in_lockstep: [],
+        len_max: 1,
+        check: |meta, items| { no_items(items)?; meta.check() },
     }
     /// `control/velocity_request`: what the local planner wants.
     ControlRequest = 10 "control/velocity_request" {

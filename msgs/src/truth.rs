@@ -64,8 +64,9 @@ message! {
 }
 
 message! {
-    /// Puts an obstacle somewhere for a time, whatever its script says. A later placement with the
-    /// same `from_run_ns` changes only how long it stays.
+    /// Puts an obstacle somewhere for a time, whatever its script says. Until `from_run_ns`
+    /// it does what it did before. A later placement with the same `from_run_ns` and `pose` changes
+    /// only how long it stays.
     pub struct Placement = "zeronav.Placement.v2" {
         /// [number] Place in the scenario's list, from 0; one behind the last adds an obstacle.
         pub index: u32,

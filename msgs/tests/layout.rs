@@ -23,10 +23,11 @@ const GOLDEN: &[(&str, usize, usize, u64)] = &[
     ("plan/request", 144, 1, 0xe8e8_e8d0_d733_8bbc),
     ("task/goal", 144, 48, 0x259f_c266_e8e8_0857),
     ("task/status", 168, 24, 0xe797_a159_e4e4_fd18),
+    ("task/pose", 184, 1, 0x3cae_3d63_dd16_26bb),
     ("control/velocity_request", 160, 1, 0x658a_c8b9_87ea_b191),
     ("robot/velocity_command", 152, 1, 0x3267_8c87_5464_5210),
     ("run/clock", 160, 1, 0x67b6_becd_51d9_8eba),
-    ("run/control", 144, 32, 0xea12_ba21_a4cb_c9ac),
+    ("run/control", 144, 56, 0x5243_46b7_fcba_a353),
     ("sim/ground_truth", 216, 48, 0x827a_99fb_86dc_e923),
     ("sim/placement", 136, 64, 0xbe66_97bb_f00d_7904),
     ("health/robot", 176, 1, 0x94c1_620c_f083_362d),
@@ -86,7 +87,7 @@ fn fixed_offsets_that_other_languages_rely_on() {
 #[test]
 fn numbers_and_names_are_unique_and_every_schema_differs() {
     let rows = topics();
-    assert_eq!(rows.len(), 22);
+    assert_eq!(rows.len(), 23);
     for (n, row) in rows.iter().enumerate() {
         assert!(
             row.number < zeronav_msgs::topics::EVENT_NEED_KEYFRAME,

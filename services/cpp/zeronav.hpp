@@ -1516,6 +1516,61 @@ static_assert(GoalEnd::SCHEMA == [] {
     return hash;
 }());
 
+/// Where the robot really is, as a person knows it: mapping puts it there. Two poses of the same
+/// moment, so that it does not matter when the message is read.
+struct PoseEstimate {
+    static constexpr const char* NAME = "zeronav.PoseEstimate.v1";
+    static constexpr std::uint64_t SCHEMA = 0xe55b483813918c16;
+    /// `map_from_base`.
+    Pose map_from_base{};
+    /// `odom_from_base` of the same moment.
+    Pose odom_from_base{};
+    /// [tick] First tick at which it holds.
+    std::uint64_t from_tick{};
+};
+static_assert(sizeof(PoseEstimate) == 56);
+static_assert(std::is_trivially_copyable_v<PoseEstimate> && std::is_standard_layout_v<PoseEstimate>);
+static_assert(offsetof(PoseEstimate, map_from_base) == 0);
+static_assert(offsetof(PoseEstimate, odom_from_base) == 24);
+static_assert(offsetof(PoseEstimate, from_tick) == 48);
+static_assert(PoseEstimate::SCHEMA == [] {
+    std::uint64_t hash = fnv1a(FNV_OFFSET, PoseEstimate::NAME);
+    hash = fnv1a(hash, "map_from_base");
+    hash = fnv1a_number(hash, Schema<decltype(PoseEstimate::map_from_base)>::value);
+    hash = fnv1a_number(hash, offsetof(PoseEstimate, map_from_base));
+    hash = fnv1a(hash, "odom_from_base");
+    hash = fnv1a_number(hash, Schema<decltype(PoseEstimate::odom_from_base)>::value);
+    hash = fnv1a_number(hash, offsetof(PoseEstimate, odom_from_base));
+    hash = fnv1a(hash, "from_tick");
+    hash = fnv1a_number(hash, Schema<decltype(PoseEstimate::from_tick)>::value);
+    hash = fnv1a_number(hash, offsetof(PoseEstimate, from_tick));
+    return hash;
+}());
+
+/// Header and fixed fields of the topic's messages.
+struct TaskPoseEnvelope {
+    static constexpr const char* NAME = "zeronav.task.pose.v1";
+    static constexpr std::uint64_t SCHEMA = 0x54bf47040168ebc3;
+    /// The header.
+    Header header{};
+    /// The fixed fields.
+    PoseEstimate meta{};
+};
+static_assert(sizeof(TaskPoseEnvelope) == 184);
+static_assert(std::is_trivially_copyable_v<TaskPoseEnvelope> && std::is_standard_layout_v<TaskPoseEnvelope>);
+static_assert(offsetof(TaskPoseEnvelope, header) == 0);
+static_assert(offsetof(TaskPoseEnvelope, meta) == 128);
+static_assert(TaskPoseEnvelope::SCHEMA == [] {
+    std::uint64_t hash = fnv1a(FNV_OFFSET, TaskPoseEnvelope::NAME);
+    hash = fnv1a(hash, "header");
+    hash = fnv1a_number(hash, Schema<decltype(TaskPoseEnvelope::header)>::value);
+    hash = fnv1a_number(hash, offsetof(TaskPoseEnvelope, header));
+    hash = fnv1a(hash, "meta");
+    hash = fnv1a_number(hash, Schema<decltype(TaskPoseEnvelope::meta)>::value);
+    hash = fnv1a_number(hash, offsetof(TaskPoseEnvelope, meta));
+    return hash;
+}());
+
 /// Fixed fields of a velocity request; the slice is empty.
 struct VelocityRequest {
     static constexpr const char* NAME = "zeronav.VelocityRequest.v1";
@@ -1774,25 +1829,36 @@ static_assert(RunControlEnvelope::SCHEMA == [] {
     return hash;
 }());
 
-/// One seat of the roster.
+/// One seat of the roster. Two processes can run in it: one is obeyed, the other is warm. At which
+/// tick the one takes over from the other is said in advance, so that no message is heard twice
+/// and none is missed.
 struct Seat {
-    static constexpr const char* NAME = "zeronav.Seat.v1";
-    static constexpr std::uint64_t SCHEMA = 0x82725e2f4c51faa3;
+    static constexpr const char* NAME = "zeronav.Seat.v2";
+    static constexpr std::uint64_t SCHEMA = 0xbd5fa26d5b8cc10b;
     /// Code of the `Role`.
     std::uint16_t role{};
     /// [10 us] by which the seat delays each of its answers; 0 in earnest. A delay put in on
     /// purpose must appear in this seat's hop and nowhere else.
     std::uint16_t delay{};
-    /// [number] The one epoch that is obeyed in this seat; 0 = none yet.
+    /// [number] The epoch that is obeyed in this seat from `since_tick` on; 0 = none yet.
     std::uint32_t epoch{};
     /// [tick] First tick at which the seat is empty.
     std::uint64_t off_tick{};
     /// [tick] First tick at which it is taken again; `off_tick == on_tick` = never empty.
     std::uint64_t on_tick{};
-    /// [tick] Messages of ticks below this one are not heard by the seat.
+    /// [tick] Messages of ticks below this one are not heard by `epoch`.
     std::uint64_t hear_tick{};
+    /// [tick] First tick at which `epoch` is obeyed; before it, `other` is.
+    std::uint64_t since_tick{};
+    /// [tick] `other` answers from this tick on, and hears no message of an earlier one.
+    std::uint64_t other_tick{};
+    /// [number] Epoch of the second process in this seat: a newcomer that is not obeyed yet, or a
+    /// predecessor that still runs; 0 = none.
+    std::uint32_t other{};
+    /// Written as 0.
+    std::uint32_t spare{};
 };
-static_assert(sizeof(Seat) == 32);
+static_assert(sizeof(Seat) == 56);
 static_assert(std::is_trivially_copyable_v<Seat> && std::is_standard_layout_v<Seat>);
 static_assert(offsetof(Seat, role) == 0);
 static_assert(offsetof(Seat, delay) == 2);
@@ -1800,6 +1866,10 @@ static_assert(offsetof(Seat, epoch) == 4);
 static_assert(offsetof(Seat, off_tick) == 8);
 static_assert(offsetof(Seat, on_tick) == 16);
 static_assert(offsetof(Seat, hear_tick) == 24);
+static_assert(offsetof(Seat, since_tick) == 32);
+static_assert(offsetof(Seat, other_tick) == 40);
+static_assert(offsetof(Seat, other) == 48);
+static_assert(offsetof(Seat, spare) == 52);
 static_assert(Seat::SCHEMA == [] {
     std::uint64_t hash = fnv1a(FNV_OFFSET, Seat::NAME);
     hash = fnv1a(hash, "role");
@@ -1820,6 +1890,18 @@ static_assert(Seat::SCHEMA == [] {
     hash = fnv1a(hash, "hear_tick");
     hash = fnv1a_number(hash, Schema<decltype(Seat::hear_tick)>::value);
     hash = fnv1a_number(hash, offsetof(Seat, hear_tick));
+    hash = fnv1a(hash, "since_tick");
+    hash = fnv1a_number(hash, Schema<decltype(Seat::since_tick)>::value);
+    hash = fnv1a_number(hash, offsetof(Seat, since_tick));
+    hash = fnv1a(hash, "other_tick");
+    hash = fnv1a_number(hash, Schema<decltype(Seat::other_tick)>::value);
+    hash = fnv1a_number(hash, offsetof(Seat, other_tick));
+    hash = fnv1a(hash, "other");
+    hash = fnv1a_number(hash, Schema<decltype(Seat::other)>::value);
+    hash = fnv1a_number(hash, offsetof(Seat, other));
+    hash = fnv1a(hash, "spare");
+    hash = fnv1a_number(hash, Schema<decltype(Seat::spare)>::value);
+    hash = fnv1a_number(hash, offsetof(Seat, spare));
     return hash;
 }());
 
@@ -2009,8 +2091,9 @@ static_assert(SimPlacementEnvelope::SCHEMA == [] {
     return hash;
 }());
 
-/// Puts an obstacle somewhere for a time, whatever its script says. A later placement with the
-/// same `from_run_ns` changes only how long it stays.
+/// Puts an obstacle somewhere for a time, whatever its script says. Until `from_run_ns` it does
+/// what it did before. A later placement with the same `from_run_ns` and `pose` changes only how
+/// long it stays.
 struct Placement {
     static constexpr const char* NAME = "zeronav.Placement.v2";
     static constexpr std::uint64_t SCHEMA = 0x17e47a193d65891f;
@@ -2434,6 +2517,20 @@ struct task_status {
     static constexpr std::array<Role, 0> RINGS_IN_LOCKSTEP{};
 };
 
+struct task_pose {
+    using Envelope = TaskPoseEnvelope;
+    using Item = std::uint8_t;
+    static constexpr const char* NAME = "task/pose";
+    static constexpr std::uint64_t SCHEMA = 0x3cae3d63dd1626bb;
+    static constexpr std::size_t NUMBER = 24;
+    static constexpr std::size_t LEN_MAX = 1;
+    static constexpr std::size_t BUFFER = 2;
+    static constexpr std::size_t POOL = 29;
+    static constexpr std::array<Role, 1> WRITERS{Role::launch};
+    static constexpr std::array<Role, 1> RINGS{Role::mapping};
+    static constexpr std::array<Role, 0> RINGS_IN_LOCKSTEP{};
+};
+
 struct control_velocity_request {
     using Envelope = ControlVelocityRequestEnvelope;
     using Item = std::uint8_t;
@@ -2481,7 +2578,7 @@ struct run_control {
     using Envelope = RunControlEnvelope;
     using Item = Seat;
     static constexpr const char* NAME = "run/control";
-    static constexpr std::uint64_t SCHEMA = 0xea12ba21a4cbc9ac;
+    static constexpr std::uint64_t SCHEMA = 0x524346b7fcbaa353;
     static constexpr std::size_t NUMBER = 13;
     static constexpr std::size_t LEN_MAX = 16;
     static constexpr std::size_t BUFFER = 2;
@@ -2607,10 +2704,10 @@ struct run_spans {
 
 /// All of them.
 using All = std::tuple<robot_description, robot_scan, robot_odometry, map_update, map_keyframe,
-    map_obstacles, plan_path, plan_request, task_goal, task_status, control_velocity_request,
-    robot_velocity_command, run_clock, run_control, sim_ground_truth, sim_placement, health_robot,
-    health_mapping, health_global_planner, health_local_planner, health_collision_guard,
-    run_spans>;
+    map_obstacles, plan_path, plan_request, task_goal, task_status, task_pose,
+    control_velocity_request, robot_velocity_command, run_clock, run_control, sim_ground_truth,
+    sim_placement, health_robot, health_mapping, health_global_planner, health_local_planner,
+    health_collision_guard, run_spans>;
 
 }  // namespace topics
 

@@ -5,6 +5,7 @@
 #include "zeronav.hpp"
 
 #include <exception>
+#include <stdexcept>
 #include <type_traits>
 
 namespace zeronav {
@@ -110,7 +111,7 @@ struct Dues {
     const std::uint64_t* end() const { return ticks + size; }
 };
 
-/// What a service may do in a callback.
+/// What a service may do in a callback. It is valid in this callback only, and on its thread.
 class Shell {
 public:
     explicit Shell(raw::Context* context) : context_(context) {}
@@ -134,10 +135,12 @@ public:
         dues.size = zeronav_due(context_, tick, complete, deadline_ns, news, dues.ticks);
         return dues;
     }
-    /// Begins the answer to a tick that is due.
+    /// Begins the answer to a tick that is due; throws `std::logic_error` when it is not.
     Begun begin(std::uint64_t tick, std::uint64_t capture_ns, const Parents& parents) const {
         Begun begun{};
-        zeronav_begin(context_, tick, capture_ns, &parents, &begun);
+        if (!zeronav_begin(context_, tick, capture_ns, &parents, &begun)) {
+            throw std::logic_error("begin: no answer to this tick is due");
+        }
         return begun;
     }
     /// Ends the answer: rings, and leaves its record with the `work` done.

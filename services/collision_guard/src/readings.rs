@@ -74,9 +74,10 @@ impl Readings {
         let arrival_age_ns = |message: Option<Received>| age_ns(message.map(Received::on_arrival));
         GuardInputs {
             robot: self.description.get().map(|view| (view.meta, view.items)),
-            request: self
-                .request
-                .get()
+            // The idle output commands rest, whatever has come before it.
+            request: (draft.tick > 0)
+                .then(|| self.request.get())
+                .flatten()
                 .map(|view| (*view.meta, arrival_age_ns(self.request.received()))),
             scan: self.scan.get().map(|view| ScanInput {
                 scan: view.meta,

@@ -1,10 +1,11 @@
 // A guard in C++: passes on what is asked, within the robot's acceleration, and slows down so that the
-// robot stops before whatever the scan shows in its way.
+// robot stops before whatever the scan shows straight ahead of it. Turning is not checked.
 #include "zeronav_service.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 using namespace zeronav;
 
@@ -13,6 +14,7 @@ constexpr std::uint64_t PATIENCE_NS = 5'000'000;
 /// Age at which a request, a scan or odometry counts as lost. [ns]
 constexpr std::uint64_t REQUEST_AGE_NS = 100'000'000;
 constexpr std::uint64_t SCAN_AGE_NS = 350'000'000;
+constexpr std::uint64_t ODOMETRY_AGE_NS = 100'000'000;
 /// Distance that is kept to what lies in the way. [m]
 constexpr double MARGIN_M = 0.1;
 
@@ -44,43 +46,67 @@ private:
         parents.odometry = odometry.id;
         parents.scan = scan.id();
         parents.request = request.id();
+        if (!has_begun_ && odometry.id != 0) {
+            // The robot may move already when a successor begins.
+            has_begun_ = true;
+            v_mps_ = odometry.odometry.v_mps;
+            w_radps_ = odometry.odometry.w_radps;
+        }
+        const auto elapsed_s = 1e-9 * static_cast<double>(elapsed_ns(shell, tick));
         const auto begun = shell.begin(tick, scan ? scan.header->capture_ns : 0, parents);
-        const auto command = decide(shell, begun, odometry);
+        const auto command = decide(shell, begun, odometry, elapsed_s);
         command_.send(shell, command);
         shell.finish();
         v_mps_ = command.v_mps;
         w_radps_ = command.w_radps;
+        for (const auto& [stale, reason] : {std::pair{Intervention::request_stale, REASON_REQUEST},
+                                            std::pair{Intervention::scan_stale, REASON_SCAN},
+                                            std::pair{Intervention::odometry_stale, REASON_ODOMETRY}}) {
+            shell.reason(reason, command.intervention == code(stale));
+        }
     }
 
-    VelocityCommand decide(const Shell& shell, const Begun& begun, const NewestOdometry& odometry) {
+    /// Run time since the answer before: 0 for another answer to the same tick, one tick for the first
+    /// answer of a successor.
+    static std::uint64_t elapsed_ns(const Shell& shell, std::uint64_t tick) {
+        const auto run = shell.run();
+        const auto ticks = tick > run.answered_tick ? tick - run.answered_tick : 0;
+        return run.tick_ns * (run.answered_tick == 0 ? std::min<std::uint64_t>(ticks, 1) : ticks);
+    }
+
+    VelocityCommand decide(const Shell& shell, const Begun& begun, const NewestOdometry& odometry, double elapsed_s) {
         const auto robot = robot_.get(shell);
         const auto scan = scan_.get(shell);
         const auto request = request_.get(shell);
         const auto run = shell.run();
-        const auto age_ns = [&](std::uint64_t run_ns, std::uint64_t came_ns) {
+        const auto is_old = [&](std::uint64_t run_ns, std::uint64_t came_ns, std::uint64_t most_ns) {
             const auto now_ns = run.lockstep ? begun.run_ns : begun.started_ns;
             const auto then_ns = run.lockstep ? run_ns : came_ns;
-            return now_ns > then_ns ? now_ns - then_ns : 0;
+            return now_ns > then_ns && now_ns - then_ns > most_ns;
         };
         double v_mps = 0;
         double w_radps = 0;
-        auto validity = Validity::no_request;
+        auto validity = Validity::stale;
         auto intervention = Intervention::none;
-        if (!robot || odometry.id == 0) {
-            return {v_mps, w_radps, code(validity), code(intervention)};
-        }
-        if (request && age_ns(request.header->run_ns, request.came_ns) <= REQUEST_AGE_NS) {
-            validity = static_cast<Validity>(request.meta->validity);
-            const bool drives = validity == Validity::drive && !run.stopping;
-            v_mps = drives ? request.meta->v_mps : 0;
-            w_radps = drives ? request.meta->w_radps : 0;
-        } else if (request) {
+        if (run.stopping) {
+            validity = Validity::stopped;
+        } else if (begun.tick == 0 || !robot || odometry.id == 0 || !request) {
+            validity = Validity::no_request;
+        } else if (is_old(request.header->run_ns, request.came_ns, REQUEST_AGE_NS)) {
             intervention = Intervention::request_stale;
-        }
-        if (!scan || age_ns(scan.header->run_ns, scan.came_ns) > SCAN_AGE_NS) {
-            v_mps = w_radps = 0;
+        } else if (!scan || is_old(scan.header->run_ns, scan.came_ns, SCAN_AGE_NS)) {
             intervention = Intervention::scan_stale;
+        } else if (is_old(odometry.run_ns, odometry.came_ns, ODOMETRY_AGE_NS)) {
+            intervention = Intervention::odometry_stale;
         } else {
+            validity = static_cast<Validity>(request.meta->validity);
+        }
+        if (!robot) {
+            return {0, 0, code(validity), code(intervention)};
+        }
+        if (validity == Validity::drive) {
+            v_mps = request.meta->v_mps;
+            w_radps = request.meta->w_radps;
             const double room_m = std::max(0.0, free_m(*robot.meta, scan, v_mps) - MARGIN_M);
             const double limit_mps = std::sqrt(2 * robot.meta->brake_mps2 * room_m);
             if (std::abs(v_mps) > limit_mps) {
@@ -88,18 +114,17 @@ private:
                 intervention = limit_mps > 0 ? Intervention::slowed : Intervention::stopped_short;
             }
         }
-        const double period_s = 1e-9 * static_cast<double>(run.tick_ns);
-        limit(*robot.meta, period_s, v_mps, w_radps, intervention);
+        limit(*robot.meta, elapsed_s, v_mps, w_radps, intervention);
         return {v_mps, w_radps, code(validity), code(intervention)};
     }
 
-    /// Brings speeds within the robot's limits, and within what it can change in a period.
-    void limit(const Description& robot, double period_s, double& v_mps, double& w_radps,
+    /// Brings speeds within the robot's limits, and within what it can change in `elapsed_s`.
+    void limit(const Description& robot, double elapsed_s, double& v_mps, double& w_radps,
                Intervention& intervention) const {
-        const double dv_mps = period_s * (std::abs(v_mps) < std::abs(v_mps_) ? robot.brake_mps2 : robot.a_mps2_max);
-        const double dw_radps = period_s * robot.alpha_radps2_max;
-        const double v = std::clamp(std::clamp(v_mps, robot.v_mps_min, robot.v_mps_max), v_mps_ - dv_mps, v_mps_ + dv_mps);
-        const double w = std::clamp(std::clamp(w_radps, -robot.w_radps_max, robot.w_radps_max), w_radps_ - dw_radps, w_radps_ + dw_radps);
+        const double dv_mps = elapsed_s * (std::abs(v_mps) < std::abs(v_mps_) ? robot.brake_mps2 : robot.a_mps2_max);
+        const double dw_radps = elapsed_s * robot.alpha_radps2_max;
+        const double v = std::clamp(std::clamp(v_mps, v_mps_ - dv_mps, v_mps_ + dv_mps), robot.v_mps_min, robot.v_mps_max);
+        const double w = std::clamp(std::clamp(w_radps, w_radps_ - dw_radps, w_radps_ + dw_radps), -robot.w_radps_max, robot.w_radps_max);
         if ((v != v_mps || w != w_radps) && intervention == Intervention::none) {
             intervention = Intervention::clamped;
         }
@@ -136,6 +161,8 @@ private:
     Writer<topics::robot_velocity_command> command_;
     double v_mps_ = 0;
     double w_radps_ = 0;
+    /// True once the speeds before are known.
+    bool has_begun_ = false;
 };
 
 int main() {

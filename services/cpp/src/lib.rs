@@ -18,6 +18,7 @@ pub use context::{
 };
 use core::ffi::c_void;
 pub use ports::RawView;
+use std::io::Write;
 use std::process::ExitCode;
 use std::sync::OnceLock;
 use zeronav_msgs::role::Role;
@@ -49,12 +50,24 @@ pub extern "C" fn zeronav_run(role: u16, callbacks: Callbacks) -> i32 {
         Some(Role::GlobalPlanner) => run::<Foreign<{ Role::GlobalPlanner.code() }>>(),
         Some(Role::LocalPlanner) => run::<Foreign<{ Role::LocalPlanner.code() }>>(),
         Some(Role::CollisionGuard) => run::<Foreign<{ Role::CollisionGuard.code() }>>(),
-        Some(Role::Launch | Role::Robot | Role::Tap) | None => ExitCode::from(2),
+        other => no_seat(other),
     };
     // An exit code has no other way out than this one.
     (0..=u8::MAX)
         .find(|one| ExitCode::from(*one) == code)
         .map_or(1, i32::from)
+}
+
+/// Says on standard error that no service in C++ can have this role.
+fn no_seat(role: Option<Role>) -> ExitCode {
+    let name = role.map_or("unknown", Role::label);
+    let problem = format!(
+        "no service in C++ can take the seat {name}; it takes mapping, global_planner, \
+         local_planner or collision_guard"
+    );
+    // Nothing is left to which a failure to write could be told.
+    let _ = writeln!(std::io::stderr(), "{problem}");
+    ExitCode::from(2)
 }
 
 /// A service in the seat with the code `ROLE`.

@@ -244,7 +244,7 @@ impl Replanner {
         candidate.cause = pending.cause;
         candidate.searched_map = situation.revision;
         if let Some(request) = situation.request {
-            self.request_served = self.request_served.max(request.id);
+            self.request_served = request.id;
         }
         self.change = Change::default();
         self.promised_m = f64::INFINITY;
@@ -342,7 +342,8 @@ impl Replanner {
 
     fn serves(&self, request: Request) -> bool {
         request.reason != RequestReason::None
-            && request.id > self.request_served
+            // Ids of the process that is obeyed after a rollback are lower than those before.
+            && request.id != self.request_served
             && request.geometry == self.plan.geometry
     }
 

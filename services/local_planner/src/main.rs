@@ -95,6 +95,9 @@ impl PlannerService {
     fn answer(&mut self, shell: &mut Shell, due: Due) {
         let draft = self.readings.begin(shell, due);
         let period_s = self.period_s(shell, draft.started_ns);
+        if let Some((status, ends)) = self.readings.take_status_before(due.tick) {
+            self.planner.follow(&status, &ends);
+        }
         let outputs = self
             .planner
             .step(&self.readings.inputs(shell, &draft, period_s));

@@ -170,6 +170,12 @@ impl LocalPlanner {
         self.task.accept(id, task, goals);
     }
 
+    /// Takes in how far the local planner that is obeyed has come with the task, while this one is
+    /// not.
+    pub fn follow(&mut self, status: &TaskStatus, ends: &[GoalEnd]) {
+        self.task.follow(status, ends);
+    }
+
     /// The task's status and the ends of its goals.
     #[must_use]
     pub fn status(&self) -> (TaskStatus, &[GoalEnd]) {

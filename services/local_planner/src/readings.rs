@@ -7,10 +7,13 @@ use zeronav_motion::Twist;
 use zeronav_msgs::header::Parents;
 use zeronav_msgs::pose::Pose;
 use zeronav_msgs::role::Role;
+use zeronav_msgs::task::{GoalEnd, TaskStatus};
 use zeronav_msgs::time::seconds;
-use zeronav_msgs::topics::{MapObstacles, PlanPath, RobotDescription, RobotScan, TaskGoal};
+use zeronav_msgs::topics::{
+    MapObstacles, PlanPath, RobotDescription, RobotScan, TaskGoal, TaskState,
+};
 use zeronav_shell::{
-    Draft, Due, Latest, MapInput, OdometryReader, Peer, Received, Roster, Shell, StartError,
+    Draft, Due, Latest, MapInput, OdometryReader, Peer, Received, Roster, Shell, StartError, Stream,
 };
 
 /// Age beyond which the positions of tracked obstacles are not used. [s]
@@ -25,6 +28,10 @@ pub(crate) struct Readings {
     map: MapInput,
     obstacles: Latest<MapObstacles>,
     path: Latest<PlanPath>,
+    /// What the local planner that is obeyed says of the task, as long as that is another one.
+    office: Stream<TaskState>,
+    /// Its last two statuses, the newer one last.
+    statuses: [Option<HeardStatus>; 2],
     /// Grows when cells of the map change.
     map_cells: u64,
     points: ScanPoints,
@@ -32,6 +39,14 @@ pub(crate) struct Readings {
     scan_pose: Option<Pose>,
     /// The newest scan waits for the odometry of its capture.
     scan_fresh: bool,
+}
+
+/// A message of `task/status`.
+#[derive(Debug)]
+struct HeardStatus {
+    tick: u64,
+    status: TaskStatus,
+    ends: Vec<GoalEnd>,
 }
 
 /// What came in with a wake.
@@ -54,6 +69,8 @@ impl Readings {
             map: MapInput::open(peer)?,
             obstacles: peer.latest()?,
             path: peer.latest()?,
+            office: peer.stream()?,
+            statuses: [None, None],
             map_cells: 0,
             points: ScanPoints::default(),
             scan_pose: None,
@@ -68,6 +85,7 @@ impl Readings {
         self.description.poll(roster);
         let task = self.task.poll(roster);
         let path = self.path.poll(roster);
+        self.hear_office(shell);
         self.map.poll(shell);
         self.map_cells += u64::from(!self.map.changed().is_empty());
         self.obstacles.poll(roster);
@@ -78,6 +96,34 @@ impl Readings {
             task,
             planning: scan || path,
         }
+    }
+
+    fn hear_office(&mut self, shell: &Shell) {
+        let (statuses, own) = (&mut self.statuses, shell.peer().epoch());
+        self.office.drain(shell.roster(), |view| {
+            if view.header.id().epoch() != own {
+                statuses.rotate_left(1);
+                statuses[1] = Some(HeardStatus {
+                    tick: view.header.tick,
+                    status: *view.meta,
+                    ends: view.items.to_vec(),
+                });
+            }
+        });
+    }
+
+    /// How far the local planner that is obeyed has come with the task before `tick`, when that is
+    /// another one and was not asked before.
+    pub(crate) fn take_status_before(&mut self, tick: u64) -> Option<(TaskStatus, Vec<GoalEnd>)> {
+        // In lockstep a status of the same tick may have come in or not.
+        let is_before = |status: &Option<HeardStatus>| {
+            (status.as_ref()).is_some_and(|status| status.tick < tick)
+        };
+        let at = self.statuses.iter().rposition(is_before)?;
+        let newest = self.statuses[at].take()?;
+        // An older one says nothing more.
+        self.statuses[..at].fill_with(|| None);
+        Some((newest.status, newest.ends))
     }
 
     /// Takes the points of a new scan, once odometry tells where it was captured.

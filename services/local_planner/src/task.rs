@@ -149,6 +149,40 @@ impl TaskMachine {
             .extend_from_slice(&goals[..goals.len().min(GOALS_MAX)]);
     }
 
+    /// Goes on from where the local planner that is obeyed has come to with the same task: it drives
+    /// the robot, whatever this one would have done. A status that does not fit the goals of the task
+    /// changes nothing.
+    pub fn follow(&mut self, status: &TaskStatus, ends: &[GoalEnd]) {
+        let (own, _) = self.status();
+        let Some((state, reason)) = status.state().zip(status.reason()) else {
+            return;
+        };
+        let is_same = (own.state, own.reason, own.goal)
+            == (status.state, status.reason, status.goal)
+            && self.ends == ends;
+        let goals = &self.task.goals;
+        let in_order = ends.len() <= goals.len()
+            && (ends.iter().zip(goals)).all(|(end, goal)| end.goal == goal.id);
+        let fits = match state {
+            TaskState::Active => goals
+                .get(ends.len())
+                .is_some_and(|goal| goal.id == status.goal),
+            TaskState::Reached => ends.len() == goals.len(),
+            TaskState::Failed | TaskState::Cancelled => true,
+            TaskState::Idle => false,
+        };
+        if status.task != self.task.id || is_same || !in_order || !fits {
+            return;
+        }
+        (self.state, self.reason) = (state, reason);
+        self.index = ends.len().min(goals.len().saturating_sub(1));
+        self.ends.clear();
+        self.ends.extend_from_slice(ends);
+        self.failing_since_ns = None;
+        self.was_free = false;
+        self.stall = Stall::default();
+    }
+
     /// The current goal.
     #[must_use]
     pub fn goal(&self) -> Option<&Goal> {

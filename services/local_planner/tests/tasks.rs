@@ -5,7 +5,7 @@ use zeronav_local_planner::task::{TaskInputs, TaskMachine, TaskStep};
 use zeronav_motion::Twist;
 use zeronav_msgs::Pose;
 use zeronav_msgs::path::PathStatus;
-use zeronav_msgs::task::{EndReason, Goal, Task, TaskKind, TaskState};
+use zeronav_msgs::task::{EndReason, Goal, GoalEnd, Task, TaskKind, TaskState, TaskStatus};
 
 const PERIOD_NS: u64 = 20_000_000;
 
@@ -309,4 +309,36 @@ fn a_goal_that_was_free_is_waited_for() {
     bench.path = Some((PathStatus::GoalBlocked, 1));
     bench.steps(100);
     assert_eq!(reason(&bench), Some(EndReason::GoalBlocked));
+}
+
+#[test]
+fn a_task_goes_on_from_where_the_obeyed_planner_has_come_to() {
+    let mut bench = Bench::with_goals(&[goal(1, 5.0), goal(2, 9.0)]);
+    bench.step();
+    let end = |goal| GoalEnd {
+        goal,
+        tick: 3,
+        state: TaskState::Reached.code(),
+        ..GoalEnd::default()
+    };
+    let status = |task, goal, n_ended| TaskStatus {
+        state: TaskState::Active.code(),
+        task,
+        goal,
+        n_ended,
+        ..TaskStatus::default()
+    };
+    // Another task, goals out of order, more ends than goals: nothing changes.
+    let many: Vec<GoalEnd> = (0..64).map(|_| end(1)).collect();
+    bench.machine.follow(&status(8, 2, 1), &[end(1)]);
+    bench.machine.follow(&status(7, 2, 1), &[end(2)]);
+    bench.machine.follow(&status(7, 2, 64), &many);
+    bench.machine.follow(&status(7, 1, 1), &[end(1)]);
+    assert_eq!(bench.machine.goal().map(|goal| goal.id), Some(1));
+    assert!(bench.machine.status().1.is_empty());
+    bench.machine.follow(&status(7, 2, 1), &[end(1)]);
+    assert_eq!(bench.machine.goal().map(|goal| goal.id), Some(2));
+    let (own, ends) = bench.machine.status();
+    assert_eq!((own.n_ended, ends), (1, &[end(1)][..]));
+    assert!(own.check(ends).is_ok());
 }

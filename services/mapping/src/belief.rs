@@ -27,7 +27,8 @@ use crate::log_odds::LogOdds;
 use crate::ray::{Passing, Ray};
 use crate::rows_around::rows_around;
 use nalgebra::{Point2, Vector2};
-use zeronav_msgs::{Cell, GridGeometry};
+use zeronav_msgs::map::{FLAG_SENSED, FLAG_UNKNOWN};
+use zeronav_msgs::{Cell, GridGeometry, MapCell};
 use zeronav_world::{Occupancy, StaticMap};
 
 /// No beam has been here, and the static map does not know the cell.
@@ -164,6 +165,24 @@ impl Belief {
         }
         moved.count_open();
         moved
+    }
+
+    /// What another mapping has learnt: its cells, on the same grid. Cells that the lidar saw
+    /// occupied are believed as much as can be, free ones are free, and unknown ones stay as they are.
+    pub(crate) fn learn(&mut self, cells: &[MapCell]) {
+        for (index, cell) in cells.iter().enumerate().take(self.odds.len()) {
+            if cell.flags & FLAG_SENSED != 0 {
+                self.odds[index] = self.log_odds.max;
+                self.bits[index] |= OBSTACLE;
+            } else if cell.flags & FLAG_UNKNOWN == 0 {
+                self.odds[index] = self.log_odds.min;
+                if self.bits[index] & STATIC == 0 {
+                    self.bits[index] &= !OBSTACLE;
+                }
+            }
+        }
+        self.free_blocks = FreeBlocks::new(&self.geometry);
+        self.count_open();
     }
 
     fn count_open(&mut self) {

@@ -86,6 +86,14 @@ impl Localiser {
         }
     }
 
+    /// Goes on from where another mapping has come to: its `map_from_odom`, and the covariance of the
+    /// robot's pose with it as [`Self::covariance`].
+    pub fn resume(&mut self, map_from_odom: Pose, covariance: [f64; 6]) {
+        let [xx, xy, xw, yy, yw, ww] = covariance;
+        self.map_from_odom = map_from_odom;
+        self.covariance = Matrix3::new(xx, xy, xw, xy, yy, yw, xw, yw, ww);
+    }
+
     /// True when the pose is corrected, given the variances that odometry states of itself.
     pub fn is_active(&mut self, odometry_variance: &[f64; 3]) -> bool {
         self.active = match self.config.mode {
@@ -135,6 +143,21 @@ impl Localiser {
         self.yaw_doubt
     }
 
+    /// The robot is where a person says: `map_from_odom` from now on, given where odometry says the
+    /// robot is. It may
+    /// be off by as much as the largest standard deviations, so the next scans are laid on the map.
+    pub fn relocate(&mut self, map_from_odom: Pose, odom_from_base: &Pose) {
+        self.map_from_odom = map_from_odom;
+        let last = self.last_odom_from_base.unwrap_or(*odom_from_base);
+        self.map_from_base = map_from_odom.then(&last);
+        // No person is exact: scans correct the pose from now on, whatever odometry claims.
+        self.active |= self.config.mode != CorrectionMode::Off;
+        if self.active {
+            let (place, yaw) = (CEILING.0.powi(2), CEILING.1.powi(2));
+            self.covariance = Matrix3::from_diagonal(&Vector3::new(place, place, yaw));
+        }
+    }
+
     /// Takes in where odometry says the robot is, with the variance of the yaw [rad^2] that it claims
     /// since it began, and where beams ended, in `base` [m]: on static obstacles, and of these on what is
     /// on the map.
@@ -167,10 +190,10 @@ impl Localiser {
         something_moves: bool,
     ) -> Pose {
         let Some(last) = self.last_odom_from_base.replace(*odom_from_base) else {
-            self.map_from_base = *odom_from_base;
+            self.map_from_base = self.map_from_base(odom_from_base);
             self.claimed_yaw[0] = self.claimed_yaw[1];
             self.scans.begin(odom_from_base, standing);
-            return *odom_from_base;
+            return self.map_from_base;
         };
         let length_m = last.distance_m(odom_from_base);
         let turn_rad = wrap_angle(odom_from_base.yaw_rad - last.yaw_rad).abs();

@@ -2,10 +2,12 @@
 
 mod map_files;
 mod map_output;
+mod predecessor;
 mod readings;
 mod run_log;
 
 use map_output::MapOutput;
+use predecessor::Predecessor;
 use readings::Readings;
 use run_log::RunLog;
 use std::process::ExitCode;
@@ -23,6 +25,10 @@ use zeronav_world::StaticMap;
 struct MappingService {
     config: MappingConfig,
     static_map: Option<StaticMap>,
+    /// The map of the process in the seat, for one that comes to take its place.
+    predecessor: Option<Predecessor>,
+    /// The map has begun, or goes on with that of a predecessor.
+    began: bool,
     /// Made when the robot is known.
     mapping: Option<Mapping>,
     readings: Readings,
@@ -48,6 +54,8 @@ impl Service for MappingService {
         let peer = shell.peer();
         Ok(Self {
             static_map: loaded.map(|loaded| loaded.map),
+            predecessor: None,
+            began: false,
             mapping: None,
             readings: Readings::open(peer, config.regularisation.enabled)?,
             map: MapOutput::open(peer, config.window.most_tiles(&geometry))?,
@@ -60,7 +68,7 @@ impl Service for MappingService {
         self.map.refresh();
         self.readings.poll(shell);
         self.make_map()?;
-        if self.mapping.is_none() {
+        if !self.begins(shell)? {
             return Ok(());
         }
         let poses = self.readings.poses_of_scan();
@@ -96,6 +104,24 @@ impl MappingService {
         Ok(())
     }
 
+    /// True once there is a map. A newcomer first takes over what the process in the seat has learnt.
+    fn begins(&mut self, shell: &mut Shell) -> Result<bool, StartError> {
+        let Some(mapping) = self.mapping.as_mut().filter(|_| !self.began) else {
+            return Ok(self.began);
+        };
+        if self.predecessor.is_none() {
+            self.predecessor = Predecessor::open(shell)?;
+        }
+        self.began = match &mut self.predecessor {
+            Some(predecessor) => !predecessor.is_waited_for(shell, mapping)?,
+            None => true,
+        };
+        if self.began {
+            self.predecessor = None;
+        }
+        Ok(self.began)
+    }
+
     /// The first revision is the static map: an empty update, and a keyframe that holds it.
     fn send_first(&mut self, shell: &mut Shell, due: Due) {
         let Some(mapping) = &mut self.mapping else {
@@ -110,10 +136,19 @@ impl MappingService {
 
     fn answer(&mut self, shell: &mut Shell, due: Due, poses: (Pose, Pose)) {
         let draft = self.readings.begin(shell, due);
+        let estimate = self.readings.take_estimate(due.tick);
         let observation = self.readings.observation(poses);
         let (Some(observation), Some(mapping)) = (observation, &mut self.mapping) else {
             return;
         };
+        // A map that goes on from a predecessor's has the estimates before its first scan behind it.
+        let goes_on = shell.answered_tick() == 0 && mapping.map_from_odom().0 != Pose::default();
+        if let Some(estimate) = estimate.filter(|_| !goes_on) {
+            let pose = estimate.map_from_base;
+            let (x_m, y_m, yaw_rad) = (pose.x_m, pose.y_m, pose.yaw_rad);
+            tracing::info!(tick = due.tick, x_m, y_m, yaw_rad, "the robot is put there");
+            mapping.relocate(estimate.map_from_odom(), &observation);
+        }
         mapping.take_in(&observation);
         let work = u64::from(observation.scan.n_beams);
         let n_obstacles = self.map.send_obstacles(shell, &draft, mapping);

@@ -179,6 +179,26 @@ impl Mapper {
         mapper
     }
 
+    /// This map with what another mapping has learnt: its map, on a grid of the same resolution
+    /// and raster. Every tile is dirty; `None` when the grids do not fit.
+    #[must_use]
+    pub fn learnt(&self, map: &MapView<'_>, config: &MappingConfig) -> Option<Self> {
+        let (own, other) = (&self.geometry, map.geometry);
+        let same = (own.resolution_m - other.resolution_m).abs() <= f64::EPSILON;
+        let cells = |from_m: f64, to_m: f64| (to_m - from_m) / own.resolution_m;
+        let x = cells(own.origin_x_m, other.origin_x_m);
+        let y = cells(own.origin_y_m, other.origin_y_m);
+        let is_whole = |n: f64| (n - n.round()).abs() < 1.0e-3 && n.abs() < 1.0e6;
+        if !same || !is_whole(x) || !is_whole(y) || map.cells.len() != other.len() {
+            return None;
+        }
+        #[allow(clippy::cast_possible_truncation, reason = "its range was checked")]
+        let shift = Cell::new(x.round() as i32, y.round() as i32);
+        let mut belief = self.belief.moved(other, shift);
+        belief.learn(map.cells);
+        Some(Self::around(other, belief, self.cost_model, config))
+    }
+
     /// Takes in a scan that was checked against [`Scan::check`], seen from `map_from_laser`, all
     /// beams at once and nothing in it moving.
     pub fn integrate(&mut self, map_from_laser: &Pose, scan: &Scan, ranges: &[f32]) -> Integrated {
@@ -219,6 +239,14 @@ impl Mapper {
         self.follow(&flips);
         flips.clear();
         self.flips = flips;
+    }
+
+    /// Forgets all obstacles that scans have put.
+    pub fn forget_sensed(&mut self) {
+        let (width, height) = self.geometry.size();
+        let middle = self.geometry.centre_of(Cell::new(width / 2, height / 2));
+        let reach_m = f64::from(width).hypot(f64::from(height)) * self.geometry.resolution_m;
+        self.forget(middle, reach_m);
     }
 
     /// Finds the obstacle groups on the line from the robot to its goal, or none without a line,

@@ -12,6 +12,7 @@ use crate::tracker::{ScanView, Tracker};
 use nalgebra::Point2;
 use zeronav_msgs::Pose;
 use zeronav_msgs::description::{Corner, Description};
+use zeronav_msgs::map::{MapInfo, MapView};
 use zeronav_msgs::obstacles::Obstacle;
 use zeronav_msgs::scan::Scan;
 use zeronav_world::StaticMap;
@@ -43,6 +44,7 @@ pub struct Observation<'a> {
 #[derive(Debug)]
 pub struct Mapping {
     config: MappingConfig,
+    has_static_map: bool,
     base_from_laser: Pose,
     outline: Outline,
     mapper: Mapper,
@@ -72,6 +74,7 @@ impl Mapping {
         corners: &[Corner],
     ) -> Result<Self, MappingError> {
         Ok(Self {
+            has_static_map: static_map.is_some(),
             base_from_laser: description.base_from_laser,
             outline: Outline::new(description, corners),
             mapper: Mapper::new(config, static_map, description)?,
@@ -84,6 +87,29 @@ impl Mapping {
             moved: false,
             config: config.clone(),
         })
+    }
+
+    /// Goes on from where another mapping has come to: its map, and how it is fixed to odometry. False
+    /// when its grid does not fit; then nothing changes.
+    pub fn resume(&mut self, info: &MapInfo, map: &MapView<'_>) -> bool {
+        let Some(mapper) = self.mapper.learnt(map, &self.config) else {
+            return false;
+        };
+        self.mapper = mapper;
+        self.localiser.resume(info.map_from_odom, info.covariance);
+        true
+    }
+
+    /// The robot is where a person says: `map_from_odom` from the scan `next` on.
+    ///
+    /// What scans have added to a static map was seen from elsewhere and is forgotten. Without a
+    /// static map there is nothing else to go by: the map stays, and the robot is put on it.
+    pub fn relocate(&mut self, map_from_odom: Pose, next: &Observation<'_>) {
+        self.localiser.relocate(map_from_odom, &next.odom_from_base);
+        self.tracker.restart();
+        if self.has_static_map {
+            self.mapper.forget_sensed();
+        }
     }
 
     /// Takes in a scan: corrects the pose, follows what moves, brings the map up to date.

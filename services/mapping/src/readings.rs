@@ -4,10 +4,11 @@ use zeronav_mapping::Observation;
 use zeronav_msgs::header::Parents;
 use zeronav_msgs::health::{REASON_ODOMETRY, REASON_SCAN};
 use zeronav_msgs::pose::Pose;
+use zeronav_msgs::task::PoseEstimate;
 use zeronav_msgs::time::nanoseconds;
-use zeronav_msgs::topics::{RobotDescription, RobotScan};
+use zeronav_msgs::topics::{RobotDescription, RobotScan, TaskPose};
 use zeronav_shell::{
-    CurrentGoal, Draft, Due, Latest, OdometryReader, Peer, Shell, StartError, Trigger,
+    CurrentGoal, Draft, Due, Input, Latest, OdometryReader, Peer, Shell, StartError, Trigger,
 };
 
 /// Time without a scan after which the map is not current. [ns]
@@ -18,6 +19,10 @@ pub(crate) struct Readings {
     odometry: OdometryReader,
     pub(crate) description: Latest<RobotDescription>,
     pub(crate) scan: Latest<RobotScan>,
+    /// Where a person says the robot is.
+    estimate: Latest<TaskPose>,
+    /// Id of the estimate that was used last.
+    used: u64,
     /// For regularisation only.
     goal: Option<CurrentGoal>,
 }
@@ -32,6 +37,8 @@ impl Readings {
             odometry: OdometryReader::open(peer)?,
             description: peer.latest()?,
             scan: peer.latest()?,
+            estimate: peer.latest()?,
+            used: 0,
             goal: reads_goal.then(|| CurrentGoal::open(peer)).transpose()?,
         })
     }
@@ -42,13 +49,18 @@ impl Readings {
         self.odometry.poll(roster);
         self.description.poll(roster);
         self.scan.poll(roster);
-        match &mut self.goal {
-            Some(goal) => {
-                goal.poll(roster);
-                shell.count(&[&self.odometry, &self.scan, &self.description, goal]);
-            }
-            None => shell.count(&[&self.odometry, &self.scan, &self.description]),
+        self.estimate.poll(roster);
+        let mut inputs: Vec<&dyn Input> = vec![
+            &self.odometry,
+            &self.scan,
+            &self.description,
+            &self.estimate,
+        ];
+        if let Some(goal) = &mut self.goal {
+            goal.poll(roster);
+            inputs.push(goal);
         }
+        shell.count(&inputs);
     }
 
     /// Which answers the newest scan asks for; `located` once its poses are known.
@@ -68,6 +80,16 @@ impl Readings {
         shell.reason(REASON_SCAN, silent);
         shell.reason(REASON_ODOMETRY, self.scan.tick() > shell.answered_tick());
         silent
+    }
+
+    /// A new estimate of where the robot is, once it holds at `tick`.
+    pub(crate) fn take_estimate(&mut self, tick: u64) -> Option<PoseEstimate> {
+        let estimate = self.estimate.get()?;
+        if estimate.header.id == self.used || estimate.meta.from_tick > tick {
+            return None;
+        }
+        self.used = estimate.header.id;
+        Some(*estimate.meta)
     }
 
     /// Begins the answer to the newest scan, with the goal of its tick.

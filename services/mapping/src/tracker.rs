@@ -155,6 +155,14 @@ impl Tracker {
         }
     }
 
+    /// Forgets everything that was followed; numbers are not given again.
+    pub fn restart(&mut self) {
+        *self = Self {
+            next_number: self.next_number,
+            ..Self::new(&self.config)
+        };
+    }
+
     /// Follows everything into a scan. Points for which `is_background` holds are the map's.
     pub fn follow(&mut self, view: &ScanView<'_>, is_background: impl Fn(Point2<f64>) -> bool) {
         self.moving_beams.clear();

@@ -152,6 +152,76 @@ fn drive(config: &MappingConfig, length_m: f64, noise: f64, drift_rad_per_m: f64
     drive
 }
 
+/// The robot looks around where it stands, `n` times, while odometry says that it stands at
+/// `odometry`; where mapping has it then.
+fn stand(mapping: &mut Mapping, truth: &Pose, odometry: &Pose, n: u64, told: Option<Pose>) -> Pose {
+    let world = warehouse();
+    let mut rng = Rng(5);
+    for index in 0..n {
+        let (scan, ranges) = look(&world, truth, &mut rng);
+        let observation = Observation {
+            scan: &scan,
+            ranges: &ranges,
+            run_ns: (index + 1) * 100_000_000,
+            odom_from_base_first: *odometry,
+            odom_from_base: *odometry,
+            odometry_variance: [1.0e-4; 3],
+            goal: None,
+        };
+        if let Some(pose) = told.filter(|_| index == 0) {
+            let base_from_odom = odometry.isometry().inverse();
+            mapping.relocate(Pose::from(pose.isometry() * base_from_odom), &observation);
+        }
+        mapping.take_in(&observation);
+    }
+    mapping.map_from_odom().0.then(odometry)
+}
+
+fn n_sensed(mapping: &Mapping) -> usize {
+    let cells = mapping.mapper().cells().iter();
+    cells.filter(|cell| cell.flags & FLAG_SENSED != 0).count()
+}
+
+#[test]
+fn a_robot_that_is_told_where_it_is_is_laid_on_the_static_map_there() {
+    let (config, map) = (MappingConfig::default(), warehouse().rasterise());
+    let mut mapping = Mapping::new(&config, Some(&map), &description(), &[]).expect("a map");
+    let truth = Pose::new(7.0, 6.425, 0.0);
+    // It believes itself in the other aisle, turned, and fills the map with what is not there.
+    let odometry = Pose::new(11.0, 10.0, 0.9);
+    let lost = stand(&mut mapping, &truth, &odometry, 20, None);
+    assert!(lost.distance_m(&truth) > 2.0, "{lost:?}");
+    let wrong = n_sensed(&mapping);
+    assert!(wrong > 50, "{wrong} cells");
+    let about = Pose::new(truth.x_m + 0.15, truth.y_m - 0.1, truth.yaw_rad + 0.08);
+    let found = stand(&mut mapping, &truth, &odometry, 20, Some(about));
+    assert!(found.distance_m(&truth) < 0.05, "{found:?}");
+    assert!(
+        wrap_angle(found.yaw_rad - truth.yaw_rad).abs() < 0.02,
+        "{found:?}"
+    );
+    let sensed = n_sensed(&mapping);
+    assert!(10 * sensed < wrong, "{sensed} of {wrong} cells are left");
+}
+
+/// There is nothing else to go by than the map so far: it stays.
+#[test]
+fn without_a_static_map_the_robot_is_put_on_the_map_as_it_is() {
+    let config = MappingConfig {
+        area_m: Some([[-1.0, -1.0], [31.0, 21.0]]),
+        ..MappingConfig::default()
+    };
+    let mut mapping = Mapping::new(&config, None, &description(), &[]).expect("a map");
+    let truth = Pose::new(7.0, 6.425, 0.0);
+    let known = stand(&mut mapping, &truth, &truth, 20, None);
+    assert!(known.distance_m(&truth) < 0.01, "{known:?}");
+    let jumped = Pose::new(9.0, 5.0, 0.5);
+    let about = Pose::new(truth.x_m + 0.1, truth.y_m - 0.1, truth.yaw_rad + 0.05);
+    let found = stand(&mut mapping, &truth, &jumped, 20, Some(about));
+    // The told pose is 14 cm off; scans of one place take half of that away.
+    assert!(found.distance_m(&truth) < 0.1, "{found:?}");
+}
+
 #[test]
 fn over_200_m_the_pose_stays_within_10_cm_and_2_degrees() {
     let drive = drive(&MappingConfig::default(), 200.0, 1.0, 0.002);

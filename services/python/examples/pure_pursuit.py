@@ -9,15 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from zeronav import MapInput, OdometryReader, Service, Tasks, param, run, wrap
+from zeronav import MapInput, OdometryReader, Service, TaskProgress, param, run, wrap
 from zeronav import contract as c
-
-END_REASONS = {
-    c.PathStatus.UNREACHABLE: c.EndReason.UNREACHABLE,
-    c.PathStatus.GOAL_BLOCKED: c.EndReason.GOAL_BLOCKED,
-    c.PathStatus.GOAL_OUTSIDE_MAP: c.EndReason.GOAL_OUTSIDE_MAP,
-}
-STATUS_TICKS = 10
 
 
 @dataclass(frozen=True)
@@ -39,23 +32,20 @@ class PurePursuit(Service):
 
     def __init__(self, shell, config):
         peer, self.config = shell.peer, config
-        self.odometry, self.map, self.tasks = OdometryReader(peer), MapInput(peer), Tasks(peer)
+        self.odometry, self.map = OdometryReader(peer), MapInput(peer)
         self.robot = peer.latest(c.ROBOT_DESCRIPTION)
         self.scan, self.path = peer.latest(c.ROBOT_SCAN), peer.latest(c.PLAN_PATH)
         self.request = peer.writer(c.CONTROL_VELOCITY_REQUEST)
-        self.status = peer.writer(c.TASK_STATUS, c.TASK_STATUS.len_max)
-        self.state, self.ended, self.task = c.TaskStatus(), [], None
-        self.is_there, self.status_tick = False, 0
+        self.task, self.is_there = TaskProgress(peer), False
 
     def wake(self, shell, rung):
-        self.status.refresh()
         self.odometry.poll(shell.roster)
         self.map.poll(shell)
-        self.tasks.poll(shell.roster)
+        self.task.poll(shell.roster)
         self.robot.poll(shell.roster)
         news = [reader.poll(shell.roster) for reader in (self.scan, self.path)]
-        readers = [self.robot, self.scan, self.path, self.tasks.reader, self.odometry.stream]
-        shell.count(readers + self.map.readers)
+        readers = [self.robot, self.scan, self.path, self.odometry.stream]
+        shell.count(readers + self.map.readers + self.task.readers)
         tick, complete = self.odometry.tick, self.is_complete(shell.roster)
         for due in shell.due(tick, complete=complete, news=any(news)):
             self.answer(shell, due)
@@ -72,62 +62,38 @@ class PurePursuit(Service):
         return self.odometry.is_at_rest()
 
     def answer(self, shell, due):
-        self.begin_task(due.tick)
-        parents = {"odometry": self.odometry.id, "scan": self.scan.id, "goal": self.state.task}
+        if self.task.begin(due.tick):
+            self.is_there = False
+        parents = {"odometry": self.odometry.id, "scan": self.scan.id, "goal": self.task.status.task}
         parents |= {"map": self.map.replica.revision, "path": self.path.id if self.path.tick else 0}
         scan = self.scan.get()
         capture_ns = scan.header.capture_ns if scan else 0
         draft = shell.begin(due, shell.run_ns(due.tick), capture_ns, parents)
-        before = bytes(self.state)
         v_mps, w_radps, validity = self.decide(shell, draft, scan)
         braking_m = v_mps**2 / (2 * self.robot.get().meta.brake_mps2) if v_mps else 0
         meta = c.VelocityRequest(v_mps, w_radps, validity, braking_arc_m=braking_m)
         sent = shell.send(draft, self.request, meta)
-        late = due.tick >= self.status_tick + STATUS_TICKS
-        if late or due.tick == 0 or bytes(self.state) != before:
-            shell.send(draft, self.status, self.state, self.ended)
-            self.status_tick = due.tick
+        self.task.send(shell, draft)
         shell.finish(draft, sent)
-
-    def begin_task(self, tick):
-        task = self.tasks.at(tick) if tick else None
-        if task is not None and task is not self.task:
-            self.task, self.ended, self.is_there = task, [], False
-            goes = task.kind == c.TaskKind.GO
-            state = c.TaskState.ACTIVE if goes else c.TaskState.CANCELLED
-            goal = task.goals[0].id if goes else 0
-            self.state = c.TaskStatus(state=state, task=task.id, goal=goal)
-
-    def end_goal(self, tick, state, reason=c.EndReason.NONE):
-        """The current goal has ended: on to the next one, or the task has ended, too."""
-        goals = self.task.goals
-        self.ended.append(c.GoalEnd(self.state.goal, tick, state, reason))
-        self.state.n_ended, self.is_there = len(self.ended), False
-        if len(self.ended) < len(goals):
-            self.state.goal = goals[len(self.ended)].id
-        else:
-            self.state.state, self.state.reason, self.state.goal = state, reason, 0
 
     def decide(self, shell, draft, scan):
         """Speed, yaw rate and what they mean."""
         if shell.roster.control.stopping:
             return 0, 0, c.Validity.STOPPED
-        if self.state.state != c.TaskState.ACTIVE:
-            done = self.state.state == c.TaskState.REACHED
+        if self.task.goal is None:
+            done = self.task.status.state == c.TaskState.REACHED
             return 0, 0, c.Validity.AT_GOAL if done else c.Validity.NO_PATH
         robot, path, lockstep = self.robot.get(), self.path.get(), shell.roster.lockstep
         ages = [one.age_ns(draft, lockstep) for one in (scan, self.odometry) if one]
         if robot is None or scan is None or max(ages) > self.config.age_s * 1e9:
             return 0, 0, c.Validity.STALE
-        if path is None or path.meta.goal != self.state.goal or not len(path.items):
-            failed = END_REASONS.get(path.meta.status) if path else None
-            if failed and path.meta.goal == self.state.goal:
-                self.end_goal(draft.tick, c.TaskState.FAILED, failed)
+        if path is None or path.meta.goal != self.task.status.goal or not len(path.items):
+            self.task.end_by(draft.tick, path)
             return 0, 0, c.Validity.NO_PATH
         return self.follow(draft, robot.meta, path.items, scan)
 
     def follow(self, draft, robot, waypoints, scan):
-        goal = self.task.goals[len(self.ended)]
+        goal = self.task.goal
         pose = self.map.map_from_base(self.odometry.newest.meta.pose)
         distance_m = math.hypot(goal.pose.x_m - pose.x_m, goal.pose.y_m - pose.y_m)
         self.is_there |= distance_m < 0.5 * goal.tolerance_m
@@ -136,15 +102,17 @@ class PurePursuit(Service):
             error = wrap(goal.pose.yaw_rad - pose.yaw_rad)
             if abs(error) < 0.5 * goal.yaw_tolerance_rad:
                 if self.is_at_rest():
-                    self.end_goal(draft.tick, c.TaskState.REACHED)
+                    self.task.end_goal(draft.tick, c.TaskState.REACHED)
+                    self.is_there = False
                 return 0, 0, c.Validity.AT_GOAL
             return 0, turn(self.turn_rate(robot, error), error), c.Validity.DRIVE
-        (x, y), self.state.remaining_m = pursue(waypoints, pose, self.config.lookahead_m)
+        (x, y), remaining_m = pursue(waypoints, pose, self.config.lookahead_m)
+        self.task.status.remaining_m = remaining_m
         error = wrap(math.atan2(y - pose.y_m, x - pose.x_m) - pose.yaw_rad)
         if abs(error) > self.config.turn_rad:
             return 0, turn(self.turn_rate(robot, error), error), c.Validity.DRIVE
         free_m = ahead(scan, robot) - robot.circumscribed_radius_m - self.config.margin_m
-        room_m = max(0.0, min(free_m, self.state.remaining_m))
+        room_m = max(0.0, min(free_m, remaining_m))
         v_mps = min(self.config.v_mps, robot.v_mps_max, math.sqrt(robot.brake_mps2 * room_m))
         reach_m = max(0.1, math.hypot(x - pose.x_m, y - pose.y_m))
         w_radps = 2 * v_mps * math.sin(error) / reach_m

@@ -6,7 +6,7 @@ import unittest
 import numpy as np
 
 from zeronav import contract as c
-from zeronav import inputs, messages, parameters
+from zeronav import inputs, messages
 from zeronav.checks import Refused, decode
 from zeronav.layout import FNV_OFFSET, fnv1a
 from zeronav.replica import MapReplica, cost_of
@@ -135,21 +135,6 @@ class Pieces(unittest.TestCase):
         copy = goal.copy()
         ctypes.memset(ctypes.addressof(goal), 0xFF, ctypes.sizeof(goal))
         self.assertEqual(copy.tolerance_m, 0.5)
-
-    def test_parameters_are_written_as_they_are_read(self):
-        import dataclasses
-        import tempfile
-
-        @dataclasses.dataclass(frozen=True)
-        class Config:
-            gain: float = parameters.param(1.5, "A gain.", "1/s", 0.0, 9.0)
-            name: str = parameters.param('a "b"', "A name.")
-            on: bool = parameters.param(True, "A switch.")
-
-        with tempfile.NamedTemporaryFile("w", suffix=".toml") as file:
-            file.write(parameters.as_toml(Config(gain=2.0)))
-            file.flush()
-            self.assertEqual(parameters.read(Config, file.name), Config(gain=2.0))
 
 
 if __name__ == "__main__":

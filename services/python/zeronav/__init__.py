@@ -2,6 +2,7 @@
 
 from . import contract, messages
 from .inputs import CurrentGoal, MapInput, OdometryReader, Tasks, compose, then, wrap
+from .outputs import PathOutput, TaskProgress
 from .parameters import param
 from .service import NoConfig, Service, run
 from .shell import IDLE, Due, Shell
@@ -13,8 +14,10 @@ __all__ = [
     "MapInput",
     "NoConfig",
     "OdometryReader",
+    "PathOutput",
     "Service",
     "Shell",
+    "TaskProgress",
     "Tasks",
     "compose",
     "contract",

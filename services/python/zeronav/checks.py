@@ -201,6 +201,12 @@ def _task(meta, goals):
     ensure((goals["id"] != 0).all(), "id is out of range")
 
 
+def _pose_estimate(meta, items):
+    length(items, 0, 0, "items")
+    pose(meta.map_from_base, "map_from_base")
+    pose(meta.odom_from_base, "odom_from_base")
+
+
 def _task_status(meta, ended):
     code(c.TaskState, meta.state, "state")
     code(c.EndReason, meta.reason, "reason")
@@ -259,6 +265,7 @@ CHECKS = {
     c.PLAN_REQUEST: _plan_request,
     c.TASK_GOAL: _task,
     c.TASK_STATUS: _task_status,
+    c.TASK_POSE: _pose_estimate,
     c.CONTROL_VELOCITY_REQUEST: _velocity_request,
     c.ROBOT_VELOCITY_COMMAND: _velocity_command,
     c.RUN_CLOCK: _run_clock,

@@ -817,6 +817,39 @@ class GoalEnd(Message):
     ]
 
 
+class PoseEstimate(Message):
+    """Where the robot really is, as a person knows it: mapping puts it there. Two poses of the
+    same moment, so that it does not matter when the message is read."""
+
+    NAME = "zeronav.PoseEstimate.v1"
+    SIZE = 56
+    SCHEMA = 0xe55b483813918c16
+    OFFSETS = (0, 24, 48)
+    _fields_ = [
+        # `map_from_base`.
+        ("map_from_base", Pose),
+        # `odom_from_base` of the same moment.
+        ("odom_from_base", Pose),
+        # [tick] First tick at which it holds.
+        ("from_tick", u64),
+    ]
+
+
+class TaskPoseEnvelope(Message):
+    """Header and fixed fields of the topic's messages."""
+
+    NAME = "zeronav.task.pose.v1"
+    SIZE = 184
+    SCHEMA = 0x54bf47040168ebc3
+    OFFSETS = (0, 128)
+    _fields_ = [
+        # The header.
+        ("header", Header),
+        # The fixed fields.
+        ("meta", PoseEstimate),
+    ]
+
+
 class VelocityRequest(Message):
     """Fixed fields of a velocity request; the slice is empty."""
 
@@ -960,26 +993,37 @@ class RunControlEnvelope(Message):
 
 
 class Seat(Message):
-    """One seat of the roster."""
+    """One seat of the roster. Two processes can run in it: one is obeyed, the other is warm. At
+    which tick the one takes over from the other is said in advance, so that no message is heard
+    twice and none is missed."""
 
-    NAME = "zeronav.Seat.v1"
-    SIZE = 32
-    SCHEMA = 0x82725e2f4c51faa3
-    OFFSETS = (0, 2, 4, 8, 16, 24)
+    NAME = "zeronav.Seat.v2"
+    SIZE = 56
+    SCHEMA = 0xbd5fa26d5b8cc10b
+    OFFSETS = (0, 2, 4, 8, 16, 24, 32, 40, 48, 52)
     _fields_ = [
         # Code of the `Role`.
         ("role", u16),
         # [10 us] by which the seat delays each of its answers; 0 in earnest. A delay put in on
         # purpose must appear in this seat's hop and nowhere else.
         ("delay", u16),
-        # [number] The one epoch that is obeyed in this seat; 0 = none yet.
+        # [number] The epoch that is obeyed in this seat from `since_tick` on; 0 = none yet.
         ("epoch", u32),
         # [tick] First tick at which the seat is empty.
         ("off_tick", u64),
         # [tick] First tick at which it is taken again; `off_tick == on_tick` = never empty.
         ("on_tick", u64),
-        # [tick] Messages of ticks below this one are not heard by the seat.
+        # [tick] Messages of ticks below this one are not heard by `epoch`.
         ("hear_tick", u64),
+        # [tick] First tick at which `epoch` is obeyed; before it, `other` is.
+        ("since_tick", u64),
+        # [tick] `other` answers from this tick on, and hears no message of an earlier one.
+        ("other_tick", u64),
+        # [number] Epoch of the second process in this seat: a newcomer that is not obeyed yet, or
+        # a predecessor that still runs; 0 = none.
+        ("other", u32),
+        # Written as 0.
+        ("spare", u32),
     ]
 
 
@@ -1081,8 +1125,9 @@ class SimPlacementEnvelope(Message):
 
 
 class Placement(Message):
-    """Puts an obstacle somewhere for a time, whatever its script says. A later placement with the
-    same `from_run_ns` changes only how long it stays."""
+    """Puts an obstacle somewhere for a time, whatever its script says. Until `from_run_ns` it does
+    what it did before. A later placement with the same `from_run_ns` and `pose` changes only how
+    long it stays."""
 
     NAME = "zeronav.Placement.v2"
     SIZE = 64
@@ -1355,6 +1400,21 @@ TASK_STATUS = Topic(
     schema=0xe797a159e4e4fd18,
 )
 
+TASK_POSE = Topic(
+    number=24,
+    name="task/pose",
+    discipline="latched",
+    envelope=TaskPoseEnvelope,
+    item=u8,
+    writers=(Role.LAUNCH,),
+    rings=(Role.MAPPING,),
+    rings_in_lockstep=(),
+    len_max=1,
+    buffer=2,
+    pool=29,
+    schema=0x3cae3d63dd1626bb,
+)
+
 CONTROL_VELOCITY_REQUEST = Topic(
     number=10,
     name="control/velocity_request",
@@ -1414,7 +1474,7 @@ RUN_CONTROL = Topic(
     len_max=16,
     buffer=2,
     pool=29,
-    schema=0xea12ba21a4cbc9ac,
+    schema=0x524346b7fcbaa353,
 )
 
 SIM_GROUND_TRUTH = Topic(
@@ -1549,6 +1609,7 @@ TOPICS = (
     PLAN_REQUEST,
     TASK_GOAL,
     TASK_STATUS,
+    TASK_POSE,
     CONTROL_VELOCITY_REQUEST,
     ROBOT_VELOCITY_COMMAND,
     RUN_CLOCK,
@@ -1604,6 +1665,8 @@ for _message in (
     TaskStatus,
     TaskStatusEnvelope,
     GoalEnd,
+    PoseEstimate,
+    TaskPoseEnvelope,
     VelocityRequest,
     ControlVelocityRequestEnvelope,
     VelocityCommand,

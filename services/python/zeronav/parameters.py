@@ -6,6 +6,7 @@ import json
 import math
 import re
 import tomllib
+import typing
 
 from .errors import UsageError
 
@@ -21,7 +22,7 @@ def param(default, doc, unit="", low=None, high=None):
 def read(kind, path):
     """The configuration of a TOML file, or the defaults without one."""
     if path is None:
-        return kind()
+        return _make(kind, {}, "the defaults")
     try:
         with open(path, "rb") as file:
             text = file.read().decode()
@@ -33,18 +34,31 @@ def read(kind, path):
         line = re.search(r"line (\d+)", str(error))
         place = line.group(1) if line else len(text.splitlines())
         raise UsageError(f"configuration {path}:{place}: {error}") from None
-    fields = {field.name: field for field in dataclasses.fields(kind)}
+    fields, kinds = {field.name: field for field in dataclasses.fields(kind)}, kinds_of(kind)
     for name, value in values.items():
-        problem = _problem(fields, name, value)
+        problem = _problem(fields, kinds, name, value)
         if problem:
             place = _line_of(text, name)
             raise UsageError(f"configuration {path}:{place}: {name}: {problem}")
-        if fields[name].type is float:
+        if kinds[name] is float:
             values[name] = float(value)
-    return kind(**values)
+    return _make(kind, values, path)
 
 
-def _problem(fields, name, value):
+def kinds_of(kind):
+    """Type of every field, also where annotations are text."""
+    return typing.get_type_hints(kind)
+
+
+def _make(kind, values, path):
+    """The configuration itself; its `__post_init__` may reject values with a `ValueError`."""
+    try:
+        return kind(**values)
+    except ValueError as error:
+        raise UsageError(f"configuration {path}: {error}") from None
+
+
+def _problem(fields, kinds, name, value):
     """What is wrong with a value; None when it is right."""
     if name not in fields:
         near = difflib.get_close_matches(name, fields, 1)
@@ -52,11 +66,15 @@ def _problem(fields, name, value):
         return f"unknown field{hint}"
     field = fields[name]
     numeric = isinstance(value, (int, float)) and not isinstance(value, bool)
-    right = numeric if field.type is float else type(value) is field.type
+    right = numeric if kinds[name] is float else type(value) is kinds[name]
     if not right:
-        return f"must be a {KINDS[field.type]}, not {value!r}"
+        return f"must be a {KINDS[kinds[name]]}, not {value!r}"
     low, high = field.metadata["low"], field.metadata["high"]
-    if numeric and not math.isfinite(value):
+    try:
+        finite = not numeric or math.isfinite(value)
+    except OverflowError:
+        finite = False
+    if not finite:
         return "must be a finite number"
     if (low is not None and value < low) or (high is not None and value > high):
         return f"must be {low} to {high}, not {value}"
@@ -79,10 +97,11 @@ def as_toml(config):
 
 def as_json(kind):
     """The parameters as a JSON list."""
+    kinds = kinds_of(kind)
     listed = [
         {
             "path": field.name,
-            "type": KINDS[field.type],
+            "type": KINDS[kinds[field.name]],
             "unit": field.metadata["unit"],
             "default": field.default,
             "min": field.metadata["low"],

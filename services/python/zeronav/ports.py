@@ -123,8 +123,10 @@ class Latest(_Reader):
         fresh = False
         while (view := self._receive(roster)) is not None:
             held = self._held
-            # Messages of several writers come writer by writer: the newest has the highest id.
-            if held is None or view.id > held.id or not roster.hears(held.header):
+            # Messages of several writers come writer by writer: the newest has the highest id, and
+            # those of the process that is obeyed now are newer than those of the one before it.
+            rank = lambda view: (roster.is_current(view.header), view.id)  # noqa: E731
+            if held is None or rank(view) > rank(held) or not roster.hears(held.header):
                 self.superseded += fresh
                 self._held, fresh = view, True
             else:

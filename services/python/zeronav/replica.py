@@ -57,13 +57,16 @@ class MapReplica:
 
     def update(self, id, info, tiles):
         """Takes in one message of `map/update`."""
-        if id <= self._last:
+        if id >> 40 == self._last >> 40 and id <= self._last:
             return
         if self.in_step and id == self._last + 1 and self._same_grid(info):
             self._take_in(id, info, tiles)
             return
         if self.in_step:
             self._resync()
+        if self._pending and self._pending[-1][0] >> 40 != id >> 40:
+            # Another process writes the map now: after a rollback its ids are lower.
+            self._pending.clear()
         if self._pending and self._pending[-1][0] >= id:
             return
         if len(self._pending) == PENDING_MAX:
@@ -75,7 +78,8 @@ class MapReplica:
         same_epoch = info.revision >> 40 == self._last >> 40
         if self.in_step and same_epoch and self._same_grid(info):
             return
-        if info.revision < self.revision or not self._covers(info, tiles):
+        same = info.revision >> 40 == self.revision >> 40
+        if (same and info.revision < self.revision) or not self._covers(info, tiles):
             return
         self._before.clear()
         grid = info.geometry
@@ -88,7 +92,7 @@ class MapReplica:
         self._next_part = 0
         pending, self._pending = self._pending, []
         for id, info, tiles in pending:
-            if id <= self._last:
+            if id >> 40 == self._last >> 40 and id <= self._last:
                 continue
             if self.in_step and id == self._last + 1 and self._same_grid(info):
                 self._take_in(id, info, tiles)

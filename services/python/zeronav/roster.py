@@ -6,8 +6,8 @@ from .contract import DELAY_STEP_NS, Role, RunClock, RunControl, RunMode
 class Roster:
     """What `run/clock` and `run/control` say, as this process last read it."""
 
-    def __init__(self, own):
-        self.own = own
+    def __init__(self, own, epoch):
+        self.own, self.epoch = own, epoch
         self.clock, self.control = RunClock(), RunControl()
         # Seats by role.
         self.seats = {}
@@ -30,10 +30,30 @@ class Roster:
         if header.role == Role.LAUNCH:
             return True
         seat = self.seats.get(header.role)
-        if seat is None or seat.epoch != header.id >> 40:
+        if seat is None:
+            return False
+        obeyed = seat.other if 0 < header.tick < seat.since_tick else seat.epoch
+        if obeyed == 0 or obeyed != header.id >> 40:
             return False
         own = self.seats.get(self.own)
-        return header.tick == 0 or own is None or header.tick >= own.hear_tick
+        if header.tick == 0 or own is None:
+            return True
+        return header.tick >= (own.other_tick if self._is_other(own) else own.hear_tick)
+
+    def is_current(self, header):
+        """True when the author is the process that is obeyed in its seat from now on."""
+        seat = self.seats.get(header.role)
+        return seat is None or seat.epoch == header.id >> 40
+
+    def _is_other(self, own):
+        return self.epoch != 0 and self.epoch == own.other
+
+    def owes(self, tick):
+        """True when this process has to answer `tick`, obeyed or not."""
+        own = self.seats.get(self.own)
+        if own is not None and self._is_other(own):
+            return tick >= own.other_tick
+        return self.answers(self.own, tick)
 
     def answers(self, role, tick):
         """True when `role` has to answer `tick`."""

@@ -21,6 +21,7 @@ log = logging.getLogger("zeronav")
 LEVELS = {"error": 40, "warn": 30, "info": 20, "debug": 10, "trace": 5, "off": 100}
 LOG_BYTES_MAX = 8 << 20
 PR_SET_TIMERSLACK = 29
+SEATS = (Role.MAPPING, Role.GLOBAL_PLANNER, Role.LOCAL_PLANNER, Role.COLLISION_GUARD)
 LOOK_NS = 50_000_000
 GRACE_NS = 100_000_000
 SOON_NS = 5_000_000
@@ -54,6 +55,8 @@ class Service:
 def run(kind):
     """`main` of a service: flags, configuration, ports, loop, exit code."""
     try:
+        if kind.role not in SEATS:
+            raise UsageError(f"no service in Python can take the seat {kind.role.name.lower()}")
         flags = _flags(kind)
         config = parameters.read(kind.Config, flags.config)
     except UsageError as error:
@@ -158,6 +161,9 @@ def _serve(kind, flags, config):
     except StartError as error:
         log.error("%s", error)
         return error.exit_code
+    except OSError as error:
+        log.error("starting the service: %s", error)
+        return EXIT_CRASH
     # What has been made so far stays for life: the collector need not look at it again.
     gc.collect()
     gc.freeze()

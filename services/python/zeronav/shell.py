@@ -46,7 +46,7 @@ class Shell:
         epoch = shadow_epoch() if flags.shadow else flags.epoch
         self.role, self.domain = role, domain
         self.peer = Peer(domain, role, epoch)
-        self.roster = Roster(role)
+        self.roster = Roster(role, epoch)
         self._clock = self.peer.latest(c.RUN_CLOCK)
         self._control = self.peer.latest(c.RUN_CONTROL)
         self._rests = False
@@ -146,7 +146,7 @@ class Shell:
         lockstep = self.roster.lockstep
         if tick <= self.answered_tick:
             return c.SpanKind.EXTRA if news and tick > 0 and not lockstep else None
-        if lockstep and not self.roster.answers(self.role, tick):
+        if lockstep and not self.roster.owes(tick):
             return None
         if complete:
             return c.SpanKind.ANSWER

@@ -6,36 +6,52 @@ use zeronav_msgs::span::SpanKind;
 use zeronav_shell::records::SpanReader;
 use zeronav_shell::{Peer, Roster, StartError};
 
+/// Processes whose answers are remembered: two per seat run at a time.
+const PROCESSES_MAX: usize = 32;
+
 /// Reads `run/spans`.
 pub(crate) struct AnswerReader {
     spans: SpanReader,
-    /// Highest tick that each role has answered, by its code.
-    ticks: [u64; 16],
+    /// Role, epoch and highest answered tick of each process, the newest process last.
+    answered: Vec<(u16, u32, u64)>,
 }
 
 impl AnswerReader {
     pub(crate) fn open(peer: &Peer) -> Result<Self, StartError> {
         Ok(Self {
             spans: peer.span_reader()?,
-            ticks: [0; 16],
+            answered: Vec::with_capacity(PROCESSES_MAX),
         })
     }
 
     /// Takes in what has come. A span is written after the messages of its answer: polled before
     /// the commands, it is never ahead of them.
     pub(crate) fn poll(&mut self) {
-        let ticks = &mut self.ticks;
+        let answered = &mut self.answered;
         self.spans.drain(|span| {
-            if span.kind() == Some(SpanKind::Answer)
-                && let Some(tick) = ticks.get_mut(usize::from(span.role))
-            {
-                *tick = (*tick).max(span.tick);
+            if span.kind() != Some(SpanKind::Answer) {
+                return;
             }
+            let process = (answered.iter_mut())
+                .find(|(role, epoch, _)| (*role, *epoch) == (span.role, span.epoch));
+            if let Some((_, _, tick)) = process {
+                *tick = (*tick).max(span.tick);
+                return;
+            }
+            if answered.len() == PROCESSES_MAX {
+                answered.remove(0);
+            }
+            answered.push((span.role, span.epoch, span.tick));
         });
     }
 
-    /// True when every seat has answered what it owes up to `tick`; the newest scan is of
-    /// `scan_tick`.
+    fn answered_by(&self, role: Role, epoch: u32) -> u64 {
+        let of = |it: &&(u16, u32, u64)| (it.0, it.1) == (role.code(), epoch);
+        (self.answered.iter().find(of)).map_or(0, |(_, _, tick)| *tick)
+    }
+
+    /// True when every seat has answered what it owes up to `tick`, and so has the second process of
+    /// a seat that has two; the newest scan is of `scan_tick`.
     pub(crate) fn are_complete(&self, roster: &Roster, tick: u64, scan_tick: u64) -> bool {
         SEATS
             .iter()
@@ -45,8 +61,15 @@ impl AnswerReader {
                     Answers::EveryTick => tick,
                     Answers::TicksWithScan => scan_tick,
                 };
-                let answered = self.ticks[usize::from(seat.role.code())];
-                !roster.answers(seat.role, owed) || answered >= owed
+                let Some(processes) = roster.seat(seat.role) else {
+                    return true;
+                };
+                [processes.epoch, processes.other]
+                    .into_iter()
+                    .filter(|epoch| *epoch != 0 && processes.answers_as(*epoch, owed))
+                    // What came before it was answered by the process before it.
+                    .filter(|epoch| owed >= processes.hears_from(*epoch))
+                    .all(|epoch| self.answered_by(seat.role, epoch) >= owed)
             })
     }
 }

@@ -23,8 +23,8 @@ pub struct Obstacle {
     way: Way,
     appears: Latch,
     lasts_ns: Option<u64>,
-    /// The `from_run_ns` of the newest placement.
-    placed_from: Option<u64>,
+    /// The newest placement: its `from_run_ns` and its pose.
+    placed_from: Option<(u64, Pose)>,
     /// When it begins to move; `None` = when it appears.
     starts: Option<Latch>,
 }
@@ -126,11 +126,11 @@ impl Obstacle {
     }
 
     /// Puts it at `pose`, where it is from `from_run_ns` to before `until_run_ns` (`None` = to
-    /// the end), whatever its script says. Said again with the same `from_run_ns`, it stays where
-    /// it is and only the end changes.
+    /// the end), whatever its script says. Said again with the same `from_run_ns` and `pose`,
+    /// only the end changes.
     pub fn place(&mut self, pose: Pose, from_run_ns: u64, until_run_ns: Option<u64>) {
-        if self.placed_from != Some(from_run_ns) {
-            self.placed_from = Some(from_run_ns);
+        if self.placed_from != Some((from_run_ns, pose)) {
+            self.placed_from = Some((from_run_ns, pose));
             self.start = Pose::new(pose.x_m, pose.y_m, wrap_angle(pose.yaw_rad));
             self.way = Way::Walk(Route::new(self.start.point(), &[], 0.0, false));
             self.starts = None;
@@ -400,13 +400,16 @@ mod tests {
         assert!((walker.pose_at(9 * SECOND_NS).yaw_rad - 0.25).abs() < 1e-12);
         let middle = walker.placed_at(9 * SECOND_NS).bounds().center();
         assert!(middle.distance(Vec2::new(7.0, 8.0)) < 1e-9);
-        // Ended, and not moved by a late repeat.
-        walker.place(Pose::default(), 5 * SECOND_NS, Some(6 * SECOND_NS));
+        // Ended where it is.
+        walker.place(there, 5 * SECOND_NS, Some(6 * SECOND_NS));
         assert!(walker.exists_at(6 * SECOND_NS - 1) && !walker.exists_at(6 * SECOND_NS));
         check_at(&walker, 5 * SECOND_NS, 7.0, 8.0);
         walker.place(Pose::default(), 8 * SECOND_NS, None);
         assert!(!walker.exists_at(7 * SECOND_NS) && walker.exists_at(8 * SECOND_NS));
         check_at(&walker, 8 * SECOND_NS, 0.0, 0.0);
+        // Moved twice within a tick: the last pose counts.
+        walker.place(there, 8 * SECOND_NS, None);
+        check_at(&walker, 8 * SECOND_NS, 7.0, 8.0);
     }
 
     #[test]

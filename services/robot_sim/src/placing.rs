@@ -1,12 +1,45 @@
 //! Obstacles that are put into the world while it runs.
 
 use crate::obstacles::Obstacle;
+use std::collections::BTreeMap;
 use zeronav_msgs::truth::{Placement, TRUTH_OBSTACLES_MAX};
 use zeronav_world::{Convex, Shape, ShapeSpec};
 
+/// Placements whose time has not come; the newest of each obstacle.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Pending {
+    by_index: BTreeMap<u32, Placement>,
+}
+
+impl Pending {
+    /// Takes in a placement at run time `run_ns`: it changes `obstacles` when its time has come, and
+    /// waits otherwise.
+    pub(crate) fn take(
+        &mut self,
+        obstacles: &mut Vec<Obstacle>,
+        placement: &Placement,
+        run_ns: u64,
+    ) {
+        self.by_index.insert(placement.index, *placement);
+        self.apply(obstacles, run_ns);
+    }
+
+    /// Changes `obstacles` by the placements whose time has come at `run_ns`, by their index: one
+    /// behind the last adds an obstacle.
+    pub(crate) fn apply(&mut self, obstacles: &mut Vec<Obstacle>, run_ns: u64) {
+        self.by_index.retain(|_, placement| {
+            let waits = placement.from_run_ns > run_ns;
+            if !waits {
+                place(obstacles, placement);
+            }
+            waits
+        });
+    }
+}
+
 /// Puts an obstacle of the list somewhere for a time; see
 /// [`Simulator::place`](crate::Simulator::place).
-pub(crate) fn place(obstacles: &mut Vec<Obstacle>, placement: &Placement) {
+fn place(obstacles: &mut Vec<Obstacle>, placement: &Placement) {
     let index = placement.index as usize;
     let form = form_of(placement);
     if let Some(form) = &form
@@ -82,6 +115,36 @@ mod tests {
         place(&mut obstacles, &gone);
         assert!(obstacles[0].exists_at(11) && !obstacles[0].exists_at(12));
         assert!(obstacles[0].placed_at(9).is_disc(), "it keeps its form");
+    }
+
+    #[test]
+    fn a_placement_waits_for_its_time_and_the_newest_of_an_obstacle_counts() {
+        let (mut obstacles, mut pending) = (Vec::new(), Pending::default());
+        // The one behind the last comes first: both are added in order.
+        pending.take(&mut obstacles, &placement(1, 9, [1.0, 1.0]), 4);
+        pending.take(&mut obstacles, &placement(0, 9, [1.0, 1.0]), 4);
+        pending.apply(&mut obstacles, 8);
+        assert!(obstacles.is_empty(), "their time has not come");
+        pending.apply(&mut obstacles, 9);
+        assert_eq!(obstacles.len(), 2);
+        // It stays where it is until it is somewhere else.
+        let moved = Placement {
+            pose: Pose::new(5.0, 1.0, 0.0),
+            ..placement(0, 20, [0.0, 0.0])
+        };
+        pending.take(&mut obstacles, &moved, 10);
+        pending.apply(&mut obstacles, 19);
+        assert!(obstacles[0].exists_at(19));
+        let x_m = |obstacles: &[Obstacle], run_ns| obstacles[0].pose_at(run_ns).x_m;
+        assert!((x_m(&obstacles, 19) - 3.0).abs() < 1.0e-12);
+        let again = Placement {
+            pose: Pose::new(6.0, 1.0, 0.0),
+            ..moved
+        };
+        pending.take(&mut obstacles, &again, 19);
+        pending.apply(&mut obstacles, 20);
+        assert!((x_m(&obstacles, 20) - 6.0).abs() < 1.0e-12);
+        assert!(pending.by_index.is_empty(), "each is applied once");
     }
 
     #[test]

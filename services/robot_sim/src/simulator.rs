@@ -11,7 +11,7 @@ use crate::history::{History, Stretch};
 use crate::lidar::Lidar;
 use crate::obstacles::Obstacle;
 use crate::odometer::{Odometer, WheelMotion};
-use crate::placing::place;
+use crate::placing::Pending;
 use crate::scan_schedule::{DueScan, ScanSchedule};
 use crate::slip::{Grip, Slip};
 use crate::solid_grid::SolidGrid;
@@ -73,6 +73,7 @@ pub struct Simulator {
     /// The occupied cells of the map file.
     grid: Option<SolidGrid>,
     obstacles: Vec<Obstacle>,
+    placements: Pending,
     description: Description,
     corners: Vec<Corner>,
     body: Body,
@@ -147,6 +148,7 @@ impl Simulator {
             grid: world.static_map().map(SolidGrid::new),
             beams_on: vec![0; obstacles.len()],
             obstacles,
+            placements: Pending::default(),
             world,
             description,
             corners,
@@ -206,11 +208,12 @@ impl Simulator {
         self.commands.push(self.run_ns, None);
     }
 
-    /// Puts an obstacle of the scenario's list somewhere for a time. One that was due already
-    /// appears with the next step. An index just behind the list adds an obstacle; farther ones mean
-    /// nothing.
+    /// Puts an obstacle of the scenario's list somewhere for a time. Until its `from_run_ns` the
+    /// obstacle does what it did before; one that was due already appears with the next step. An
+    /// index just behind the list adds an obstacle; farther ones mean nothing.
     pub fn place(&mut self, placement: &Placement) {
-        place(&mut self.obstacles, placement);
+        self.placements
+            .take(&mut self.obstacles, placement, self.run_ns);
         self.beams_on.resize(self.obstacles.len(), 0);
     }
 
@@ -223,6 +226,8 @@ impl Simulator {
     /// `brake_mps2` alone. `command_age_ns` is the age of the last command at the start of the step.
     pub fn step(&mut self, run_ns: u64, command_age_ns: u64) {
         let from_run_ns = run_ns.saturating_sub(self.tick_ns).max(self.run_ns);
+        self.placements.apply(&mut self.obstacles, run_ns);
+        self.beams_on.resize(self.obstacles.len(), 0);
         for obstacle in &mut self.obstacles {
             obstacle.look_ahead(&self.world, run_ns);
         }

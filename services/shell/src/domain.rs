@@ -171,6 +171,14 @@ impl Domain {
         !self.made_here && flock(&self.launch, FlockOperation::NonBlockingLockShared).is_ok()
     }
 
+    /// True once files of the domain were deleted under its members: its folder, the lock of its maker,
+    /// or the segments beside it. What members have mapped goes on, but none can join or restart.
+    #[must_use]
+    pub fn is_deleted(&self) -> bool {
+        let unlinked = |file: &File| file.metadata().is_ok_and(|file| file.nlink() == 0);
+        self.folder.is_gone() || unlinked(&self.launch) || !node_counter(&self.prefix).exists()
+    }
+
     /// The middleware's configuration for this domain.
     ///
     /// # Errors
@@ -185,6 +193,10 @@ impl Domain {
     /// What the file system says.
     pub fn close(self) -> std::io::Result<bool> {
         let root = self.root().to_owned();
+        if self.made_here && self.is_deleted() {
+            // Without its folder the domain would not be found again.
+            remove_segments(&self.prefix);
+        }
         drop(self);
         sweep(&root)
     }
@@ -299,13 +311,17 @@ pub fn sweep(root: &Path) -> std::io::Result<bool> {
     let Some(_held) = folder.lock(LOCK, FlockOperation::NonBlockingLockExclusive)? else {
         return Ok(false);
     };
-    for (segment, _) in segments(&prefix_of(name)) {
-        let _ = std::fs::remove_file(segment);
-    }
+    remove_segments(&prefix_of(name));
     // The folder is the caller's own in a sticky one: no other user can have put another in its
     // place.
     std::fs::remove_dir_all(root)?;
     Ok(true)
+}
+
+fn remove_segments(prefix: &str) {
+    for (segment, _) in segments(prefix) {
+        let _ = std::fs::remove_file(segment);
+    }
 }
 
 /// Removes the segments of a domain whose maker died while it made them. The middleware gives the

@@ -7,13 +7,15 @@ use crate::clock::now_ns;
 use crate::error::StartError;
 use crate::peer::{Peer, service_name};
 use iceoryx2::port::listener::Listener;
-use iceoryx2::port::notifier::Notifier;
+use iceoryx2::port::notifier::{Notifier, NotifierCreateError};
 use iceoryx2::prelude::{EventId, FileDescriptorBased, ipc};
+use iceoryx2::service::builder::event::EventOpenError;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use std::io::Read;
 use std::os::fd::{AsFd, BorrowedFd};
 use std::os::unix::net::UnixStream;
 use zeronav_msgs::role::Role;
+use zeronav_msgs::topics::{NODES_MAX, RINGERS_MAX};
 
 /// Longest time without a wake, so that latched topics reach late joiners. [ns]
 pub(crate) const WAKE_AT_LEAST_NS: u64 = 50_000_000;
@@ -112,7 +114,7 @@ impl Bells {
     /// Opens the doorbells of all services but the peer's own.
     ///
     /// # Errors
-    /// [`StartError::System`] naming the doorbell.
+    /// [`StartError::Full`] or [`StartError::System`] naming the doorbell.
     pub fn open(peer: &Peer) -> Result<Self, StartError> {
         let mut notifiers = Vec::new();
         for role in Role::SERVICES {
@@ -123,15 +125,25 @@ impl Bells {
             let failed = |error: &dyn core::fmt::Display| {
                 StartError::system(format!("opening {name}"), error)
             };
+            let full = |places: usize| StartError::Full {
+                what: format!("opening {name}"),
+                places,
+            };
             let notifier = peer
                 .node()
                 .service_builder(&service_name(&name)?)
                 .event()
                 .open()
-                .map_err(|error| failed(&error))?
+                .map_err(|error| match error {
+                    EventOpenError::ExceedsMaxNumberOfNodes => full(NODES_MAX),
+                    error => failed(&error),
+                })?
                 .notifier_builder()
                 .create()
-                .map_err(|error| failed(&error))?;
+                .map_err(|error| match error {
+                    NotifierCreateError::ExceedsMaxSupportedNotifiers => full(RINGERS_MAX),
+                    error => failed(&error),
+                })?;
             notifiers.push((role, notifier));
         }
         Ok(Self { notifiers })

@@ -5,7 +5,6 @@
 //! later lead to a further answer to the same tick.
 
 use crate::roster::Roster;
-use zeronav_msgs::role::Role;
 use zeronav_msgs::span::SpanKind;
 
 /// What has come in, as far as it decides whether an answer is due.
@@ -50,11 +49,10 @@ pub(crate) enum Next {
     Later,
 }
 
-/// When the next answer is due from `role`, which has answered up to `answered_tick`. The clock is
-/// read only when it matters.
+/// When the next answer of this process is due, which has answered up to `answered_tick`. The clock
+/// is read only when it matters.
 pub(crate) fn next(
     roster: &Roster,
-    role: Role,
     answered_tick: u64,
     trigger: &Trigger,
     now_ns: impl FnOnce() -> u64,
@@ -69,7 +67,7 @@ pub(crate) fn next(
             Next::Later
         };
     }
-    if lockstep && !roster.answers(role, tick) {
+    if lockstep && !roster.owes(tick) {
         return Next::Later;
     }
     match trigger.deadline_ns {
@@ -83,6 +81,7 @@ pub(crate) fn next(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use zeronav_msgs::role::Role;
     use zeronav_msgs::run::{RunClock, RunMode, Seat};
 
     fn roster(mode: RunMode, off_tick: u64, on_tick: u64) -> Roster {
@@ -98,6 +97,7 @@ mod tests {
                 on_tick,
                 ..Seat::default()
             }],
+            own: Some((Role::Mapping, 1)),
             ..Roster::default()
         }
     }
@@ -111,7 +111,7 @@ mod tests {
             ..Trigger::default()
         };
         let expected = kind.map_or(Next::Later, |kind| Next::Now(Due { tick, kind }));
-        let at_next = next(roster, Role::Mapping, 5, &trigger, || 0);
+        let at_next = next(roster, 5, &trigger, || 0);
         assert_eq!(at_next, expected, "{trigger:?}");
     }
 
@@ -143,7 +143,7 @@ mod tests {
             news: true,
             ..Trigger::default()
         };
-        let at_next = next(&roster, Role::Mapping, 0, &before_the_first, || 0);
+        let at_next = next(&roster, 0, &before_the_first, || 0);
         assert_eq!(at_next, Next::Later);
     }
 
@@ -154,7 +154,7 @@ mod tests {
             deadline_ns: Some(100),
             ..Trigger::default()
         };
-        let at = |mode, now_ns| next(&roster(mode, 0, 0), Role::Mapping, 5, &trigger, || now_ns);
+        let at = |mode, now_ns| next(&roster(mode, 0, 0), 5, &trigger, || now_ns);
         let (tick, kind) = (6, SpanKind::Answer);
         assert_eq!(at(RunMode::RealTime, 99), Next::By(100));
         assert_eq!(at(RunMode::RealTime, 100), Next::Now(Due { tick, kind }));

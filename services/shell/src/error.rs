@@ -47,6 +47,14 @@ pub enum StartError {
         /// Bytes that are free.
         free: u64,
     },
+    /// A topic has no place left for one more process.
+    #[error("{what}: all {places} places are taken")]
+    Full {
+        /// What was tried.
+        what: String,
+        /// How many places there are.
+        places: usize,
+    },
     /// The middleware or the system refused something.
     #[error("{what}: {why}")]
     System {
@@ -88,7 +96,7 @@ impl StartError {
             Self::Usage(_) | Self::Config { .. } => EXIT_USAGE,
             Self::Memory { .. } => EXIT_MEMORY,
             Self::Contract { .. } => EXIT_CONTRACT,
-            Self::System { .. } => EXIT_CRASH,
+            Self::Full { .. } | Self::System { .. } => EXIT_CRASH,
         })
     }
 }

@@ -106,8 +106,18 @@ impl Peer {
     /// # Errors
     /// [`StartError::System`] naming the topic.
     pub fn create_topics(&self) -> Result<Topics, StartError> {
+        self.create_topics_but("")
+    }
+
+    /// [`Self::create_topics`], but the topic called `foreign` has the schema hash of no contract: to
+    /// see what a service does that meets another contract than its own.
+    ///
+    /// # Errors
+    /// As [`Self::create_topics`].
+    pub fn create_topics_but(&self, foreign: &str) -> Result<Topics, StartError> {
         let mut creator = Creator {
             peer: self,
+            foreign,
             topics: Topics::default(),
         };
         visit_topics(&mut creator)?;
@@ -298,6 +308,8 @@ impl Peer {
 
 struct Creator<'a> {
     peer: &'a Peer,
+    /// Name of the topic that gets another schema hash.
+    foreign: &'a str,
     topics: Topics,
 }
 
@@ -318,7 +330,7 @@ impl TopicVisitor for Creator<'_> {
             .max_publishers(row.writers_max())
             .max_subscribers(READERS_MAX)
             .max_nodes(NODES_MAX)
-            .create_with_attributes(&specifier(row)?)
+            .create_with_attributes(&specifier(row, self.foreign)?)
             .map_err(|error| StartError::system(format!("making topic {}", row.name), error))?;
         self.topics.held.push(Box::new(factory));
         Ok(())
@@ -337,7 +349,7 @@ impl TopicVisitor for Creator<'_> {
             .max_publishers(row.writers_max())
             .max_subscribers(READERS_MAX)
             .max_nodes(NODES_MAX)
-            .create_with_attributes(&specifier(row)?)
+            .create_with_attributes(&specifier(row, self.foreign)?)
             .map_err(|error| StartError::system(format!("making topic {}", row.name), error))?;
         self.topics.held.push(Box::new(factory));
         Ok(())
@@ -350,23 +362,27 @@ pub(crate) fn service_name(name: &str) -> Result<ServiceName, StartError> {
 }
 
 /// Name and value of the attribute with which a topic's layout is told apart.
-fn schema_attribute(row: &TopicRow) -> Result<(AttributeKey, AttributeValue), StartError> {
+fn schema_attribute(schema: u64) -> Result<(AttributeKey, AttributeValue), StartError> {
     let failed = |error| StartError::system("schema attribute", format!("{error:?}"));
     let key = AttributeKey::try_from(SCHEMA_ATTRIBUTE).map_err(failed)?;
-    let value =
-        AttributeValue::try_from(format!("{:016x}", row.schema).as_str()).map_err(failed)?;
+    let value = AttributeValue::try_from(format!("{schema:016x}").as_str()).map_err(failed)?;
     Ok((key, value))
 }
 
-fn specifier(row: &TopicRow) -> Result<AttributeSpecifier, StartError> {
-    let (key, value) = schema_attribute(row)?;
+fn specifier(row: &TopicRow, foreign: &str) -> Result<AttributeSpecifier, StartError> {
+    let schema = if row.name == foreign {
+        !row.schema
+    } else {
+        row.schema
+    };
+    let (key, value) = schema_attribute(schema)?;
     AttributeSpecifier::new()
         .define(&key, &value)
         .map_err(|error| StartError::system("schema attribute", format!("{error:?}")))
 }
 
 fn verifier(row: &TopicRow) -> Result<AttributeVerifier, StartError> {
-    let (key, value) = schema_attribute(row)?;
+    let (key, value) = schema_attribute(row.schema)?;
     AttributeVerifier::new()
         .require(&key, &value)
         .map_err(|error| StartError::system("schema attribute", format!("{error:?}")))
@@ -377,7 +393,7 @@ fn retry<R>(mut open: impl FnMut() -> Result<R, StartError>) -> Result<R, StartE
     let mut last = open();
     for _ in 0..20 {
         match last {
-            Err(StartError::System { .. }) => {
+            Err(StartError::System { .. } | StartError::Full { .. }) => {
                 std::thread::sleep(core::time::Duration::from_millis(5));
                 last = open();
             }
@@ -390,10 +406,10 @@ fn retry<R>(mut open: impl FnMut() -> Result<R, StartError>) -> Result<R, StartE
 fn read_error(row: &TopicRow, error: SubscriberCreateError) -> StartError {
     let what = format!("reading {}", row.name);
     match error {
-        SubscriberCreateError::ExceedsMaxSupportedSubscribers => StartError::system(
+        SubscriberCreateError::ExceedsMaxSupportedSubscribers => StartError::Full {
             what,
-            format!("all {READERS_MAX} places for readers are taken"),
-        ),
+            places: READERS_MAX,
+        },
         other => StartError::system(what, other),
     }
 }
@@ -411,6 +427,10 @@ fn open_error(topic: &str, error: PublishSubscribeOpenError) -> StartError {
         }
         E::DoesNotExist => contract("does not exist in this domain"),
         E::VersionMismatch => contract("made by another version of the middleware"),
+        E::ExceedsMaxNumberOfNodes => StartError::Full {
+            what: format!("opening topic {topic}"),
+            places: NODES_MAX,
+        },
         other => StartError::system(format!("opening topic {topic}"), format!("{other:?}")),
     }
 }

@@ -53,8 +53,13 @@ struct Gate {
     refused: u64,
     /// Newest tick of a message whose sender is obeyed though its content is rejected.
     refused_tick: u64,
+    /// Rejected messages by the epoch in their header, as far as that can be read.
+    refused_of: Vec<(u32, u64)>,
     seen: Vec<Refusal>,
 }
+
+/// Epochs of which rejected messages are told apart.
+const EPOCHS_MAX: usize = 8;
 
 impl Gate {
     fn new(row: &'static TopicRow) -> Self {
@@ -62,7 +67,17 @@ impl Gate {
             row,
             refused: 0,
             refused_tick: 0,
+            refused_of: Vec::new(),
             seen: Vec::new(),
+        }
+    }
+
+    fn note_author(&mut self, epoch: u32) {
+        let known = self.refused_of.iter().position(|(of, _)| *of == epoch);
+        match known {
+            Some(at) => self.refused_of[at].1 += 1,
+            None if self.refused_of.len() < EPOCHS_MAX => self.refused_of.push((epoch, 1)),
+            None => {}
         }
     }
 
@@ -71,8 +86,11 @@ impl Gate {
         let header = envelope.header();
         if let Err(refusal) = decode::<T>(self.row, envelope, sample.payload()) {
             self.refused += 1;
-            if header.check(self.row.schema, self.row.writers).is_ok() && roster.hears(header) {
-                self.refused_tick = self.refused_tick.max(header.tick);
+            if header.check(self.row.schema, self.row.writers).is_ok() {
+                self.note_author(header.id().epoch());
+                if roster.hears(header) {
+                    self.refused_tick = self.refused_tick.max(header.tick);
+                }
             }
             if !self.seen.contains(&refusal) {
                 self.seen.push(refusal);
@@ -109,7 +127,8 @@ impl<T: Topic> Latest<T> {
     /// Takes in what has come; true when there is a newer message than before.
     ///
     /// Messages of several writers arrive writer by writer, so the newest is the one with the
-    /// highest id and not the one that came last. Before it is known which processes are obeyed, messages of
+    /// highest id and not the one that came last; those of the process that is obeyed now are newer
+    /// than those of the one before it. Before it is known which processes are obeyed, messages of
     /// services are left where they are: a latched one comes once and would be rejected.
     pub fn poll(&mut self, roster: &Roster) -> bool {
         if roster.seats.is_empty() && !self.gate.row.writers.contains(&Role::Launch) {
@@ -121,8 +140,9 @@ impl<T: Topic> Latest<T> {
                 continue;
             }
             let newer = self.held.as_ref().is_none_or(|held| {
+                let rank = |header: &Header| (roster.is_current(header), header.id);
                 let held = view::<T>(held).header;
-                view::<T>(&sample).header.id > held.id || !roster.hears(held)
+                rank(view::<T>(&sample).header) > rank(held) || !roster.hears(held)
             });
             if newer {
                 self.superseded += u64::from(fresh);
@@ -234,6 +254,20 @@ impl<T: Topic> Stream<T> {
             self.last = id;
             return Some(see(message));
         }
+    }
+
+    /// Rejected messages whose header cannot be read, so that nothing says of whom they are.
+    #[must_use]
+    pub fn refused_of_nobody(&self) -> u64 {
+        let named: u64 = self.gate.refused_of.iter().map(|(_, n)| *n).sum();
+        self.gate.refused - named
+    }
+
+    /// Rejected messages whose header names this epoch; those with a broken header name none.
+    #[must_use]
+    pub fn refused_of(&self, epoch: u32) -> u64 {
+        let of = self.gate.refused_of.iter().find(|(of, _)| *of == epoch);
+        of.map_or(0, |(_, n)| *n)
     }
 
     /// How often messages were missing.

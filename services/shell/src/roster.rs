@@ -13,8 +13,9 @@ pub struct Roster {
     pub control: RunControl,
     /// The seats.
     pub seats: Vec<Seat>,
-    /// The reader's own role, whose `hear_tick` counts; `None` hears everything.
-    pub own: Option<Role>,
+    /// The reader's own role and epoch, which decide from which tick on it hears; `None` hears
+    /// everything.
+    pub own: Option<(Role, u32)>,
     /// When the reader woke: what it polls with this roster came in by then. Monotonic. [ns]
     pub woken_ns: u64,
 }
@@ -36,19 +37,36 @@ impl Roster {
         if role == Role::Launch {
             return true;
         }
-        let hear_tick = self
-            .own
-            .and_then(|own| self.seat(own))
-            .map_or(0, |seat| seat.hear_tick);
+        let own = self.own.and_then(|(own, epoch)| {
+            let seat = self.seat(own)?;
+            Some(seat.hears_from(epoch))
+        });
         self.seat(role)
-            .is_some_and(|seat| seat.epoch == header.id().epoch())
-            && (header.tick == 0 || header.tick >= hear_tick)
+            .is_some_and(|seat| seat.obeys(header.id().epoch(), header.tick))
+            && (header.tick == 0 || header.tick >= own.unwrap_or(0))
+    }
+
+    /// True when the author is the process that is obeyed in its seat from now on: at the end of a
+    /// swap its messages take the place of those of the other, whose ids may be higher.
+    #[must_use]
+    pub fn is_current(&self, header: &Header) -> bool {
+        let seat = header.role().and_then(|role| self.seat(role));
+        seat.is_none_or(|seat| seat.epoch == header.id().epoch())
     }
 
     /// True when `role` has to answer `tick`.
     #[must_use]
     pub fn answers(&self, role: Role, tick: u64) -> bool {
         self.seat(role).is_some_and(|seat| seat.answers(tick))
+    }
+
+    /// True when this process, with role and epoch `own`, has to answer `tick`.
+    #[must_use]
+    pub fn owes(&self, tick: u64) -> bool {
+        self.own.is_some_and(|(role, epoch)| {
+            let seat = self.seat(role);
+            seat.is_some_and(|seat| seat.answers_as(epoch, tick))
+        })
     }
 
     /// True when an answer to `tick` still waits for that of `role`, which has answered up to
@@ -95,7 +113,7 @@ mod tests {
         };
         let mut roster = Roster {
             seats: vec![seat(Role::Robot, 1, 0), seat(Role::Mapping, 2, 10)],
-            own: Some(Role::Mapping),
+            own: Some((Role::Mapping, 2)),
             ..Roster::default()
         };
         let header = |tick| Header {
@@ -109,5 +127,40 @@ mod tests {
         assert!(roster.hears(&header(0)), "what belongs to no tick");
         roster.own = None;
         assert!(roster.hears(&header(9)), "a guest hears everything");
+    }
+
+    #[test]
+    fn of_two_processes_each_is_obeyed_at_its_own_ticks() {
+        let seat = Seat {
+            role: Role::Mapping.code(),
+            epoch: 3,
+            other: 2,
+            since_tick: 20,
+            hear_tick: 15,
+            other_tick: 4,
+            ..Seat::default()
+        };
+        let roster = |own| Roster {
+            seats: vec![seat],
+            own: Some((Role::Mapping, own)),
+            ..Roster::default()
+        };
+        let header = |epoch, tick| Header {
+            id: Id::new(epoch, 7).0,
+            role: Role::Mapping.code(),
+            tick,
+            ..Header::default()
+        };
+        let old = roster(2);
+        assert!(old.hears(&header(2, 19)) && !old.hears(&header(3, 19)));
+        assert!(old.hears(&header(3, 20)) && !old.hears(&header(2, 20)));
+        assert!(
+            old.hears(&header(3, 0)) && !old.hears(&header(2, 0)),
+            "keyframes"
+        );
+        assert!(!old.hears(&header(2, 3)), "a message from before");
+        assert!(!roster(3).hears(&header(2, 14)), "a message from before");
+        assert!(old.is_current(&header(3, 0)) && !old.is_current(&header(2, 25)));
+        assert!(old.owes(4) && !old.owes(3));
     }
 }

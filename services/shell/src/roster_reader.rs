@@ -34,7 +34,7 @@ impl RosterReader {
             clock: peer.latest()?,
             control: peer.latest()?,
             roster: Roster {
-                own: Some(peer.role()),
+                own: Some((peer.role(), peer.epoch())),
                 ..Roster::default()
             },
             rest: false,

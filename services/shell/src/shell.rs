@@ -170,10 +170,10 @@ impl Shell {
     /// `trigger` asks for. An answer that waits for its inputs no longer than a deadline brings the
     /// next wake forward to it.
     pub fn due(&mut self, trigger: &Trigger) -> impl Iterator<Item = Due> + use<> {
-        let (role, roster) = (self.peer.role(), self.roster());
+        let roster = self.roster();
         let mut dues = [None, None];
         if roster.has_clock() {
-            let next = due::next(roster, role, self.answered_tick, trigger, now_ns);
+            let next = due::next(roster, self.answered_tick, trigger, now_ns);
             dues[0] = (!self.idle_sent).then_some(Due::IDLE);
             match next {
                 Next::Now(due) => dues[1] = Some(due),
