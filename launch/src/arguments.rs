@@ -47,3 +47,21 @@ pub(crate) fn delay(text: &str) -> Result<(Role, u16), String> {
     )]
     Ok((role, steps as u16))
 }
+
+/// A time such as `5s` or `500ms`. [s]
+pub(crate) fn time_s(text: &str) -> Result<f64, String> {
+    let (number, unit_s) = match (text.strip_suffix("ms"), text.strip_suffix('s')) {
+        (Some(number), _) => (number, 1.0e-3),
+        (None, Some(number)) => (number, 1.0),
+        // As clap writes a default.
+        (None, None) => (text, 1.0),
+    };
+    let number: f64 = number
+        .trim()
+        .parse()
+        .map_err(|_| format!("`{text}` is no time such as 5s or 500ms"))?;
+    if !number.is_finite() || number < 0.0 {
+        return Err(format!("`{text}`: a time is not below 0"));
+    }
+    Ok(number * unit_s)
+}

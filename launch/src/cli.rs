@@ -3,9 +3,12 @@
 use crate::arguments::{delay, service_role};
 use crate::logs::LogsArgs;
 use crate::map_save::MapArgs;
+use crate::params::ParamsArgs;
 use crate::remote::cli::{
-    CancelArgs, FaultArgs, GoalArgs, GoalsArgs, ObstacleArgs, StackArgs, StepArgs, WaitArgs,
+    CancelArgs, FaultArgs, GoalArgs, GoalsArgs, InitialPoseArgs, ObstacleArgs, StackArgs, StepArgs,
+    WaitArgs,
 };
+use crate::remote::swap::{ShadowArgs, SwapArgs};
 use crate::run_plan::{RunPlan, Source};
 use crate::suite::noise::Noise;
 use crate::suite::plan::SuitePlan;
@@ -63,20 +66,7 @@ pub enum Command {
         json: bool,
     },
     /// The parameters of a service: type, default, range, unit and meaning, as its binary says.
-    Params {
-        /// Whose, such as `local_planner`; without, of all services.
-        #[arg(value_name = "ROLE", value_parser = service_role)]
-        role: Option<Role>,
-        /// Ask this binary in place of the stock one.
-        #[arg(long, value_name = "FILE", requires = "role")]
-        binary: Option<PathBuf>,
-        /// Print tables, as in `services/PARAMETERS.md`.
-        #[arg(long, conflicts_with = "json")]
-        markdown: bool,
-        /// Print one JSON object.
-        #[arg(long)]
-        json: bool,
-    },
+    Params(ParamsArgs),
     /// The JSON schema of a scenario, for editors.
     Schema,
     /// The runs that go on, and their processes.
@@ -89,6 +79,32 @@ pub enum Command {
     Up(UpArgs),
     /// Send the robot of a running stack to a pose, after the goals that were asked for before.
     Goal(GoalArgs),
+    /// Send it to the poses in a file, in order.
+    Goals(GoalsArgs),
+    /// Stop driving to a goal, or to all.
+    Cancel(CancelArgs),
+    /// Hold the run time of a running stack: the robot stops where it is.
+    Pause(StackArgs),
+    /// Let it go on.
+    Resume(StackArgs),
+    /// Let a paused lockstep stack do some ticks.
+    Step(StepArgs),
+    /// Tell a running stack where its robot is: an initial pose, or another one when it got lost.
+    Pose(InitialPoseArgs),
+    /// Put an obstacle into the simulated world of a running stack, move it, or take it out.
+    Obstacle(ObstacleArgs),
+    /// Break a service of a running stack on purpose.
+    Fault(FaultArgs),
+    /// Exchange the process in a seat while the stack runs, or change its parameters.
+    Swap(SwapArgs),
+    /// Compare a binary with the process in a seat; it hears everything and is never obeyed.
+    Shadow(ShadowArgs),
+    /// What a running stack does.
+    Status(StackArgs),
+    /// Wait until a stack is ready, its goal is over, or its robot has none.
+    Wait(WaitArgs),
+    /// Bring the robot of a running stack to rest and end the stack.
+    Down(StackArgs),
     /// Look into a running stack: its topics, their rates, every message with its units.
     Topics(TopicsArgs),
     /// What the processes of a running stack write, merged by time.
@@ -101,26 +117,6 @@ pub enum Command {
         #[arg(long)]
         json: bool,
     },
-    /// Send it to the poses in a file, in order.
-    Goals(GoalsArgs),
-    /// Stop driving to a goal, or to all.
-    Cancel(CancelArgs),
-    /// Hold the run time of a running stack: the robot stops where it is.
-    Pause(StackArgs),
-    /// Let it go on.
-    Resume(StackArgs),
-    /// Let a paused lockstep stack do some ticks.
-    Step(StepArgs),
-    /// Put an obstacle into the simulated world of a running stack, move it, or take it out.
-    Obstacle(ObstacleArgs),
-    /// Break a service of a running stack on purpose.
-    Fault(FaultArgs),
-    /// What a running stack does.
-    Status(StackArgs),
-    /// Wait until a stack is ready, its goal is over, or its robot has none.
-    Wait(WaitArgs),
-    /// Bring the robot of a running stack to rest and end the stack.
-    Down(StackArgs),
     /// Run the worlds of a data set, or a folder of scenarios, in lockstep on all cores.
     Suite(SuiteArgs),
     /// Draw a recorded run as an animated SVG.

@@ -1,15 +1,17 @@
 //! Listens to a running stack and keeps what the result needs.
 
+use crate::aside::Aside;
 use crate::measure::index::{PathRecord, Sensed, Sighting};
 use crate::measure::{Records, RunHash};
 use crate::seen::{Fact, Seen, TaskReport};
-use crate::supervise::stack::Taps;
+use crate::supervise::taps::Taps;
 use std::collections::{BTreeSet, HashMap, VecDeque};
 use std::time::{Duration, Instant};
 use zeronav_msgs::grid::{Cell, GridGeometry};
 use zeronav_msgs::header::Id;
 use zeronav_msgs::map::{COST_LETHAL, FLAG_STATIC, MapView};
 use zeronav_msgs::obstacles::Obstacle;
+use zeronav_msgs::odometry::Odometry;
 use zeronav_msgs::pose::Pose;
 use zeronav_msgs::replica::{MapReplica, Step};
 use zeronav_msgs::role::Role;
@@ -45,7 +47,11 @@ pub(crate) struct Collector {
     pub seen: Seen,
     /// The newest truth, also after the end.
     pub truth: Option<Truth>,
-    /// Run time of the newest truth. [ns]
+    /// The newest odometry, also after the end.
+    pub odometry: Option<Odometry>,
+    /// `map_from_odom` of the newest map.
+    pub map_from_odom: Option<Pose>,
+    /// Run time of the newest odometry or truth. [ns]
     pub run_ns: u64,
     /// What is said of the task, also after the end.
     pub task: Option<TaskReport>,
@@ -65,6 +71,9 @@ pub(crate) struct Collector {
     pub updates: (u64, u64),
     /// Spans that were dropped because there were too many.
     pub spans_dropped: u64,
+    /// Processes whose answers do not count.
+    pub aside: Aside,
+    keyframe_wanted: bool,
     keyframe_asked: Option<Instant>,
     /// A revision that came before the truth about its scan or the obstacles of its scan.
     unlooked: Option<(Id, u64)>,
@@ -88,6 +97,7 @@ impl Collector {
         taps.keyframe.release();
         taps.updates.drain(roster, |view| {
             let scan = view.header.parents.scan;
+            self.map_from_odom = Some(view.meta.map_from_odom);
             if scan != 0 && view.meta.is_last_part() {
                 let fact = Fact::Placed(scan, view.meta.map_from_odom);
                 (self.seen).hear(view.header.tick, view.header.run_ns, fact);
@@ -185,10 +195,13 @@ impl Collector {
             self.seen.hear(tick, run_ns, fact);
         });
         taps.commands.drain(roster, |view| {
+            self.aside.command(view.header.tick);
             let fact = Fact::Command(view.meta.intervention());
             (self.seen).hear(view.header.tick, view.header.run_ns, fact);
         });
         taps.odometry.drain(roster, |view| {
+            self.odometry = Some(*view.meta);
+            self.run_ns = self.run_ns.max(view.header.run_ns);
             if view.meta.scan_due() {
                 let fact = Fact::Odometry(view.meta.pose);
                 (self.seen).hear(view.header.tick, view.header.run_ns, fact);
@@ -216,19 +229,29 @@ impl Collector {
         (self.hash, self.seen) = (RunHash::default(), Seen::default());
     }
 
+    /// Another reader of the map needs a keyframe.
+    pub(crate) fn ask_for_keyframe(&mut self) {
+        self.keyframe_wanted = true;
+    }
+
     fn wants_keyframe(&mut self) -> bool {
         let now = Instant::now();
         let pause = self
             .keyframe_asked
             .is_some_and(|asked| now - asked < KEYFRAME_PAUSE);
-        if !self.replica.needs_keyframe() || pause {
+        if !(self.replica.needs_keyframe() || self.keyframe_wanted) || pause {
             return false;
         }
         self.keyframe_asked = Some(now);
+        self.keyframe_wanted = false;
         true
     }
 
     fn span(&mut self, span: &Span) {
+        self.aside.note(span);
+        if !self.aside.counts(span) {
+            return;
+        }
         self.hash.add(span);
         let scanned = span.role == Role::Robot.code() && span.scan != 0;
         if scanned && matches!(span.kind(), Some(SpanKind::Answer | SpanKind::Extra)) {
@@ -245,6 +268,13 @@ impl Collector {
         self.records.spans.push(*span);
     }
 
+    /// `map_from_base` as the stack takes it to be; `None` before the first map and odometry.
+    #[must_use]
+    pub(crate) fn estimate(&self) -> Option<Pose> {
+        let (map_from_odom, odometry) = self.map_from_odom.zip(self.odometry)?;
+        Some(map_from_odom.then(&odometry.pose))
+    }
+
     /// Highest tick that the robot has begun.
     #[must_use]
     pub(crate) fn robot_tick(&self) -> u64 {
@@ -259,8 +289,7 @@ impl Collector {
 
     /// The first role in the flow of data that owes an answer to the robot's newest tick.
     #[must_use]
-    pub(crate) fn owing(&self) -> Option<Role> {
-        let tick = self.robot_tick();
+    pub(crate) fn owing(&self, roster: &Roster) -> Option<Role> {
         [
             Role::Mapping,
             Role::GlobalPlanner,
@@ -268,19 +297,24 @@ impl Collector {
             Role::CollisionGuard,
         ]
         .into_iter()
-        .find(|role| {
-            let due = match role {
-                Role::Mapping | Role::GlobalPlanner => self.scan_tick,
-                _ => tick,
-            };
-            self.answered_by(*role) < due
-        })
+        .find(|role| self.owes(*role, roster))
+    }
+
+    /// True while the seat of `role` is not empty and its answer to the robot's newest tick, or
+    /// newest scan, is missing.
+    #[must_use]
+    pub(crate) fn owes(&self, role: Role, roster: &Roster) -> bool {
+        let due = match role {
+            Role::Mapping | Role::GlobalPlanner => self.scan_tick,
+            _ => self.robot_tick(),
+        };
+        self.answered_by(role) < due && roster.answers(role, due)
     }
 
     /// True when every role has answered every tick up to `tick`.
     #[must_use]
-    pub(crate) fn all_answered(&self, tick: u64) -> bool {
-        self.robot_tick() >= tick && self.owing().is_none()
+    pub(crate) fn all_answered(&self, tick: u64, roster: &Roster) -> bool {
+        self.robot_tick() >= tick && self.owing(roster).is_none()
     }
 
     fn truth(
@@ -289,7 +323,7 @@ impl Collector {
         truth: &Truth,
         obstacles: &[zeronav_msgs::truth::TruthObstacle],
     ) {
-        self.run_ns = run_ns;
+        self.run_ns = self.run_ns.max(run_ns);
         self.truth = Some(*truth);
         for obstacle in obstacles {
             let index = obstacle.index as usize;

@@ -1,4 +1,4 @@
-//! `zeronav run` and `zeronav suite`, and the exit codes that they end with.
+//! `zeronav run`, `zeronav up` and `zeronav suite`, and the exit codes that they end with.
 
 use crate::doctor;
 use crate::drive::{Driven, drive};
@@ -17,6 +17,7 @@ use crate::suite;
 use crate::suite::error::SuiteError;
 use crate::suite::plan::SuitePlan;
 use crate::{leave, picture, record, trials};
+use serde::Serialize;
 use std::process::ExitCode;
 use zeronav_msgs::run::RunMode;
 use zeronav_shell::printable::printable;
@@ -32,12 +33,16 @@ pub fn run(plan: &RunPlan, json: bool) -> ExitCode {
         lose(&problem);
     }
     explain(&driven.ending);
-    if json {
-        say_json(&result);
-    } else {
-        say(&result.to_text());
-    }
+    show(&result, json, RunResult::to_text);
     exit_code(&driven.ending, result.verdict == "pass")
+}
+
+fn show<R: Serialize>(result: &R, json: bool, to_text: impl FnOnce(&R) -> String) {
+    if json {
+        say_json(result);
+    } else {
+        say(&to_text(result));
+    }
 }
 
 /// Prepares and drives the run or its trials, and judges what was seen. Of trials, the drive is the
@@ -72,18 +77,11 @@ pub fn up(plan: &RunPlan, json: bool) -> ExitCode {
         Err(problem) => return usage(&problem),
     };
     let result = StayResult::of(&prepared, &driven);
-    let written = serde_json::to_string_pretty(&result)
-        .map_err(|error| error.to_string())
-        .and_then(|text| leave::write(&prepared.directory.join("result.json"), &(text + "\n")));
-    if let Err(problem) = written {
+    if let Err(problem) = write_result(&prepared, &result) {
         lose(&problem);
     }
     explain(&driven.ending);
-    if json {
-        say_json(&result);
-    } else {
-        say(&result.to_text());
-    }
+    show(&result, json, StayResult::to_text);
     exit_code(&driven.ending, true)
 }
 
@@ -92,7 +90,9 @@ fn exit_code(ending: &Ending, pass: bool) -> ExitCode {
         Ending::Interrupted => EXIT_INTERRUPTED,
         // A service that says that its configuration is wrong.
         Ending::Died { code: Some(2), .. } => EXIT_USAGE,
-        Ending::Died { .. } | Ending::NotReady(_) | Ending::Silent(_) => EXIT_SERVICE,
+        Ending::Died { .. } | Ending::NotReady(_) | Ending::Silent(_) | Ending::Deleted => {
+            EXIT_SERVICE
+        }
         Ending::Task(..)
         | Ending::Redirected
         | Ending::Timeout
@@ -107,11 +107,16 @@ fn exit_code(ending: &Ending, pass: bool) -> ExitCode {
     })
 }
 
+/// Writes the object that `--json` prints into the run's folder.
+fn write_result(prepared: &Prepared, result: &impl Serialize) -> Result<(), String> {
+    let json = serde_json::to_string_pretty(result).map_err(|error| error.to_string())?;
+    leave::write(&prepared.directory.join("result.json"), &(json + "\n"))
+}
+
 /// Writes what a run leaves in its folder.
 fn write_files(prepared: &Prepared, driven: &Driven, result: &RunResult) -> Result<(), String> {
     let write = |name: &str, text: String| leave::write(&prepared.directory.join(name), &text);
-    let json = serde_json::to_string_pretty(result).map_err(|error| error.to_string())?;
-    write("result.json", json + "\n")?;
+    write_result(prepared, result)?;
     if prepared.mode == RunMode::Lockstep {
         let last_tick = driven.end_tick.saturating_sub(1);
         write("answers.csv", driven.collector.hash.to_csv(last_tick))?;
@@ -143,6 +148,11 @@ fn explain(ending: &Ending) {
             complain(&format!("not ready in time: {}", names.join(", ")));
         }
         Ending::Silent(role) => complain(&format!("{role} stopped answering")),
+        Ending::Deleted => complain(&format!(
+            "the shared memory of the stack was deleted in /dev/shm while it ran; everything is \
+             stopped. {}",
+            doctor::deletion()
+        )),
         Ending::Interrupted => complain("interrupted, everything is stopped"),
         Ending::Task(..)
         | Ending::Redirected

@@ -29,6 +29,8 @@ pub(crate) enum Ending {
     NotReady(Vec<Role>),
     /// A service that stopped answering.
     Silent(Role),
+    /// The shared memory of the stack was deleted while it ran.
+    Deleted,
     /// Ctrl-C.
     Interrupted,
     /// A client asked for the end.
@@ -50,6 +52,7 @@ impl Ending {
             Self::Died { .. } => "service_died",
             Self::NotReady(_) => "not_ready",
             Self::Silent(_) => "silent",
+            Self::Deleted => "memory_deleted",
             Self::Interrupted => "interrupted",
             Self::Down => "down",
         }

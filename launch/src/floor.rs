@@ -97,7 +97,7 @@ fn start(ring: &mut Stack, prepared: &Prepared, load: Load, binary: &Path) -> Re
         if missing.is_empty() {
             return Ok(());
         }
-        if started.elapsed() > READY_LIMIT || ring.dead().is_some() {
+        if started.elapsed() > READY_LIMIT || ring.dead(None).is_some() {
             return Err(format!(
                 "the empty ring did not get ready: {}; see {}",
                 missing

@@ -12,7 +12,7 @@ use crate::supervise::restart::{Decision, Restarts};
 use crate::supervise::stack::{Launch, Stack};
 use rustix::process::Signal;
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use zeronav_msgs::role::Role;
 use zeronav_msgs::run::RunMode;
@@ -34,11 +34,13 @@ struct Vacant {
     absent_ticks: Option<u64>,
 }
 
-/// A successor that cannot answer yet.
+/// A successor that is not in its seat yet.
 #[derive(Debug, Clone, Copy)]
 struct Joining {
     role: Role,
     since: Instant,
+    /// It can answer, and no answer is due, lockstep only.
+    ready: bool,
     /// Ticks for which its seat stays empty once it can answer, lockstep only.
     absent_ticks: u64,
 }
@@ -47,6 +49,8 @@ struct Joining {
 #[derive(Debug)]
 pub(crate) struct Keeper<'a> {
     prepared: &'a Prepared,
+    /// The binary of each seat that launch fills.
+    binaries: BTreeMap<Role, PathBuf>,
     configs: BTreeMap<Role, PathBuf>,
     restarts: Restarts,
     hangs: HangWatch,
@@ -65,6 +69,7 @@ impl<'a> Keeper<'a> {
     pub(crate) fn new(prepared: &'a Prepared, configs: BTreeMap<Role, PathBuf>) -> Self {
         Self {
             prepared,
+            binaries: prepared.binaries.clone(),
             configs,
             restarts: Restarts::default(),
             hangs: HangWatch::default(),
@@ -85,7 +90,7 @@ impl<'a> Keeper<'a> {
         let Some(config) = self.configs.get(&role) else {
             return Err(format!("no configuration for {role}"));
         };
-        let Some(binary) = self.prepared.binaries.get(&role) else {
+        let Some(binary) = self.binaries.get(&role) else {
             note(&format!(
                 "waiting for {role}; start it with --domain {} --epoch {} --config {}",
                 stack.root().display(),
@@ -115,6 +120,26 @@ impl<'a> Keeper<'a> {
         Ok(())
     }
 
+    /// Binary and configuration of a seat that launch fills.
+    #[must_use]
+    pub(crate) fn files(&self, role: Role) -> Option<(&Path, &Path)> {
+        Some((self.binaries.get(&role)?, self.configs.get(&role)?))
+    }
+
+    /// From now on the seat is filled with this binary and configuration.
+    pub(crate) fn refit(&mut self, role: Role, binary: PathBuf, config: PathBuf) {
+        self.binaries.insert(role, binary);
+        self.configs.insert(role, config);
+        self.hung.remove(&role);
+    }
+
+    /// True while no process in the seat can answer.
+    #[must_use]
+    pub(crate) fn is_vacant(&self, role: Role) -> bool {
+        self.vacant.iter().any(|vacant| vacant.role == role)
+            || self.joining.iter().any(|joining| joining.role == role)
+    }
+
     /// The restarts that were made.
     #[must_use]
     pub(crate) fn records(&self) -> &[Restart] {
@@ -133,7 +158,8 @@ impl<'a> Keeper<'a> {
         self.memory_peaks.get(&role).copied().unwrap_or(0)
     }
 
-    /// One look at every process. Returns the seats that got a successor.
+    /// One look at every process but that of the seat `left_out`, which a swap looks after. Returns
+    /// the seats that got a successor.
     ///
     /// # Errors
     /// How the run ends when a seat cannot be filled again.
@@ -141,11 +167,12 @@ impl<'a> Keeper<'a> {
         &mut self,
         stack: &mut Stack,
         collector: &Collector,
+        left_out: Option<Role>,
     ) -> Result<Vec<Role>, Ending> {
         let since = self.looked.elapsed();
         self.looked = Instant::now();
-        self.look_at_hearts(stack, collector, since);
-        while let Some(at) = stack.dead() {
+        self.look_at_hearts(stack, collector, since, left_out);
+        while let Some(at) = stack.dead(left_out) {
             self.replace(stack, collector, at)?;
         }
         self.vacate(stack, collector);
@@ -187,7 +214,7 @@ impl<'a> Keeper<'a> {
         };
         let external = Role::SERVICES
             .into_iter()
-            .filter(|role| !self.prepared.binaries.contains_key(role));
+            .filter(|role| !self.binaries.contains_key(role));
         for role in external.filter(ended).collect::<Vec<_>>() {
             self.records.push(Restart {
                 service: role.to_string(),
@@ -203,30 +230,26 @@ impl<'a> Keeper<'a> {
         }
     }
 
-    fn look_at_hearts(&mut self, stack: &mut Stack, collector: &Collector, since: Duration) {
+    fn look_at_hearts(
+        &mut self,
+        stack: &mut Stack,
+        collector: &Collector,
+        since: Duration,
+        left_out: Option<Role>,
+    ) {
         let limit = self.prepared.scenario.restart.hang_after();
         for (role, epoch, progress, ready) in stack.heartbeats() {
-            let joined = self
-                .joining
-                .iter()
-                .position(|joining| joining.role == role && ready);
-            if let Some(joining) = joined.map(|at| self.joining.remove(at))
-                && self.plays_absence(collector)
-            {
-                // The robot is held where it waits for the seat's answer; now the roster says for
-                // how long the seat is empty, and the successor receives nothing from before.
-                let off_tick = collector.answered_by(role) + 1;
-                let on_tick = collector.robot_tick() + joining.absent_ticks;
-                stack.obey_newest(role, off_tick, on_tick);
+            if ready {
+                self.seat(stack, collector, role);
             }
-            if self.hangs.look(role, epoch, progress, since, limit) {
+            if self.hangs.look(role, epoch, progress, since, limit) && left_out != Some(role) {
                 self.kill(stack, role);
             }
         }
         let late: Vec<Role> = self
             .joining
             .iter()
-            .filter(|joining| joining.since.elapsed() > READY_LIMIT)
+            .filter(|joining| !joining.ready && joining.since.elapsed() > READY_LIMIT)
             .map(|joining| joining.role)
             .collect();
         for role in late {
@@ -234,9 +257,28 @@ impl<'a> Keeper<'a> {
         }
     }
 
+    /// Lets a successor that can answer take its seat. In lockstep that happens at the tick at
+    /// which the robot is held for the seat's answer, whenever the successor was ready: the roster
+    /// says for how long from there the seat is empty, and the successor hears nothing from before.
+    fn seat(&mut self, stack: &mut Stack, collector: &Collector, role: Role) {
+        let Some(at) = (self.joining.iter()).position(|joining| joining.role == role) else {
+            return;
+        };
+        if self.plays_absence(collector) {
+            if !collector.owes(role, &stack.roster) {
+                self.joining[at].ready = true;
+                return;
+            }
+            let off_tick = collector.answered_by(role) + 1;
+            let on_tick = collector.robot_tick() + self.joining[at].absent_ticks;
+            stack.obey_newest(role, off_tick, on_tick);
+        }
+        self.joining.remove(at);
+    }
+
     /// Kills a process that makes no progress; its death is seen with the others.
     fn kill(&mut self, stack: &mut Stack, role: Role) {
-        if !self.prepared.binaries.contains_key(&role) {
+        if !self.binaries.contains_key(&role) {
             // Started by hand: not ours to end.
             if self.hung.insert(role, String::new()).is_none() {
                 tracing::warn!(%role, "no progress");
@@ -273,9 +315,10 @@ impl<'a> Keeper<'a> {
         let peak = self.memory_peaks.entry(role).or_default();
         *peak = (*peak).max(child.memory_peak_bytes());
         self.joining.retain(|joining| joining.role != role);
+        let run_ns = collector.robot_tick() * self.prepared.scenario.run.tick_ns();
         let wait = match self
             .restarts
-            .decide(&self.prepared.scenario.restart, role, code)
+            .decide(&self.prepared.scenario.restart, role, code, run_ns)
         {
             Decision::Restart(wait) => wait,
             Decision::GiveUp(why) => {
@@ -292,7 +335,7 @@ impl<'a> Keeper<'a> {
         tracing::warn!(%role, how, ?wait, "restarting");
         self.records.push(Restart {
             service: role.to_string(),
-            time_s: seconds(collector.robot_tick() * self.prepared.scenario.run.tick_ns()),
+            time_s: seconds(run_ns),
             how,
             wait_ms: u64::try_from(wait.as_millis()).unwrap_or(u64::MAX),
         });
@@ -328,6 +371,7 @@ impl<'a> Keeper<'a> {
         self.joining.push(Joining {
             role,
             since: Instant::now(),
+            ready: false,
             absent_ticks,
         });
         Ok(())

@@ -3,6 +3,7 @@
 #![warn(clippy::print_stderr)]
 
 mod arguments;
+mod aside;
 pub mod cli;
 mod collect;
 pub mod commands;
@@ -46,6 +47,7 @@ mod shuttle;
 mod stay_result;
 mod suite;
 pub mod supervise;
+mod swap;
 pub mod topics;
 mod trials;
 mod version;

@@ -7,7 +7,7 @@ use clap::error::ErrorKind;
 use std::process::ExitCode;
 use zeronav::cli::{Cli, Command};
 use zeronav::exit::EXIT_USAGE;
-use zeronav::remote::{goal, verbs};
+use zeronav::remote::{goal, swap, verbs};
 use zeronav::show::{log, terminal};
 use zeronav::supervise::{cleaner, warden};
 use zeronav::{commands, completions, doctor, draw, logs, look, map_save, params, remote, topics};
@@ -50,19 +50,7 @@ fn main() -> ExitCode {
         Command::Check { scenario, json } => look::check(&scenario, json),
         Command::Planners { json } => look::algorithms_of(Role::GlobalPlanner, json),
         Command::Controllers { json } => look::algorithms_of(Role::LocalPlanner, json),
-        Command::Params {
-            role,
-            binary,
-            markdown,
-            json,
-        } => {
-            let form = match (markdown, json) {
-                (true, _) => params::Form::Markdown,
-                (false, true) => params::Form::Json,
-                (false, false) => params::Form::Lines,
-            };
-            params::params(role, binary.as_ref(), form)
-        }
+        Command::Params(arguments) => params::params(&arguments),
         Command::Schema => params::schema(),
         Command::Ps { json } => remote::ps(json),
         Command::Topics(arguments) => topics::topics(&arguments),
@@ -75,8 +63,11 @@ fn main() -> ExitCode {
         Command::Pause(arguments) => verbs::pause(&arguments),
         Command::Resume(arguments) => verbs::resume(&arguments),
         Command::Step(arguments) => verbs::step(&arguments),
+        Command::Pose(arguments) => verbs::pose(&arguments),
         Command::Obstacle(arguments) => verbs::obstacle(&arguments),
         Command::Fault(arguments) => verbs::fault(&arguments),
+        Command::Swap(arguments) => swap::swap(&arguments),
+        Command::Shadow(arguments) => swap::shadow(&arguments),
         Command::Status(arguments) => verbs::status(&arguments),
         Command::Wait(arguments) => verbs::wait(&arguments),
         Command::Down(arguments) => verbs::down(&arguments),

@@ -1,6 +1,7 @@
 //! `zeronav map save`: the map of a run as a file for the ROS `map_server`, and for the next run.
 
 use crate::exit::{EXIT_OUTPUT, EXIT_PASS};
+use crate::remote::cli::StackArgs;
 use crate::show::terminal::{complain, say, say_json, usage};
 use crate::topics::tap::{PAUSE, Tap};
 use clap::{Args, Subcommand};
@@ -12,7 +13,6 @@ use zeronav_msgs::header::Id;
 use zeronav_msgs::replica::MapReplica;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::topics::{EVENT_NEED_KEYFRAME, MapKeyframe};
-use zeronav_shell::StartError;
 use zeronav_shell::clock::now_ns;
 use zeronav_shell::doorbell::Bells;
 use zeronav_world::{Occupancy, StaticMap};
@@ -44,12 +44,9 @@ pub enum MapVerb {
 pub struct MapSaveArgs {
     /// The YAML file to write, such as `maps/hall.yaml`; the image is written beside it.
     pub file: PathBuf,
-    /// Root folder of the run, when several go on (see `zeronav ps`).
-    #[arg(long, value_name = "ROOT")]
-    pub domain: Option<PathBuf>,
-    /// Print one JSON object.
-    #[arg(long)]
-    pub json: bool,
+    /// The stack.
+    #[command(flatten)]
+    pub stack: StackArgs,
 }
 
 /// `zeronav map`.
@@ -60,7 +57,7 @@ pub fn map(arguments: &MapArgs) -> ExitCode {
         Ok(place) => place,
         Err(problem) => return usage(&problem),
     };
-    let (map, revision) = match current_map(arguments.domain.as_deref()) {
+    let (map, revision) = match current_map(arguments.stack.domain.as_deref()) {
         Ok(map) => map,
         Err(problem) => return usage(&problem),
     };
@@ -74,7 +71,7 @@ pub fn map(arguments: &MapArgs) -> ExitCode {
     let geometry = &map.geometry;
     let [occupied, free, unknown] =
         [Occupancy::Occupied, Occupancy::Free, Occupancy::Unknown].map(|wanted| map.count(wanted));
-    if arguments.json {
+    if arguments.stack.json {
         say_json(&json!({
             "file": file,
             "image": folder.join(format!("{name}.pgm")),
@@ -124,13 +121,8 @@ fn place(file: &Path) -> Result<(&Path, &str), String> {
 /// for. The latched one is older.
 fn current_map(root: Option<&Path>) -> Result<(StaticMap, Id), String> {
     let mut tap = Tap::join(root)?;
-    let open = |tap: &Tap| {
-        Ok((
-            tap.peer().latest::<MapKeyframe>()?,
-            Bells::open(tap.peer())?,
-        ))
-    };
-    let (mut keyframe, bells) = open(&tap).map_err(|error: StartError| error.to_string())?;
+    let (mut keyframe, bells) =
+        tap.open(|peer| Ok((peer.latest::<MapKeyframe>()?, Bells::open(peer)?)))?;
     let began_ns = now_ns();
     let began = Instant::now();
     let mut asked: Option<Instant> = None;

@@ -51,7 +51,7 @@ pub(crate) struct Orders {
     waiting: VecDeque<(u64, Order)>,
     current: Option<Current>,
     kept: VecDeque<Kept>,
-    /// The goals of the scenario that were left when the first order came.
+    /// The goals of the scenario that were left when the first order began.
     aside: Option<Vec<Goal>>,
 }
 
@@ -62,23 +62,15 @@ pub(crate) const QUEUED: &str = "queued";
 pub(crate) const ACTIVE: &str = "active";
 
 impl Orders {
-    /// Takes in an order and returns its id. `left` are the current goals of the scenario.
+    /// Takes in an order and returns its id.
     ///
     /// # Errors
     /// When too many wait.
-    pub(crate) fn give(
-        &mut self,
-        time_s: f64,
-        order: Order,
-        left: impl FnOnce() -> Vec<Goal>,
-    ) -> Result<u64, String> {
+    pub(crate) fn give(&mut self, time_s: f64, order: Order) -> Result<u64, String> {
         if self.waiting.len() == WAITING_MAX {
             return Err(format!(
                 "{WAITING_MAX} goals wait already; cancel some (zeronav cancel)"
             ));
-        }
-        if self.current.is_none() && self.aside.is_none() {
-            self.aside = Some(left());
         }
         self.newest_id += 1;
         let id = self.newest_id;
@@ -86,7 +78,9 @@ impl Orders {
             [goal.pose.x_m, goal.pose.y_m, goal.pose.yaw_rad]
         });
         if self.kept.len() == KEPT_MAX {
-            self.kept.pop_front();
+            let is_over = |kept: &Kept| ![QUEUED, ACTIVE].contains(&kept.redirect.outcome.as_str());
+            let oldest = self.kept.iter().position(is_over);
+            self.kept.remove(oldest.unwrap_or(0));
         }
         self.kept.push_back(Kept {
             id,
@@ -107,12 +101,14 @@ impl Orders {
         self.drop_waiting("replaced");
     }
 
-    /// The next order becomes the current one, unless there is one already; returns its goals.
-    pub(crate) fn begin(&mut self, run_ns: u64) -> Option<Vec<Goal>> {
+    /// The next order becomes the current one, unless there is one already; returns its goals. `left`
+    /// are the scenario's goals that are current before the first order.
+    pub(crate) fn begin(&mut self, run_ns: u64, left: Vec<Goal>) -> Option<Vec<Goal>> {
         if self.current.is_some() {
             return None;
         }
         let (id, order) = self.waiting.pop_front()?;
+        self.aside.get_or_insert(left);
         let goals = order.goals.clone();
         self.note(id, ACTIVE);
         self.current = Some(Current {
@@ -224,6 +220,11 @@ impl Orders {
         self.aside.take()
     }
 
+    /// True when no order was given.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.kept.is_empty()
+    }
+
     /// The orders that are remembered, as in the result of a run.
     pub(crate) fn records(&self) -> Vec<Redirect> {
         let kept = self.kept.iter();
@@ -275,7 +276,7 @@ mod tests {
     }
 
     fn give(orders: &mut Orders, order: Order) -> u64 {
-        orders.give(3.0, order, Vec::new).expect("room for it")
+        orders.give(3.0, order).expect("room for it")
     }
 
     fn outcomes(orders: &Orders) -> Vec<String> {
@@ -288,13 +289,13 @@ mod tests {
         let mut orders = Orders::default();
         let ids = [1.0, 2.0, 3.0].map(|x_m| give(&mut orders, order(x_m)));
         assert_eq!(ids, [1, 2, 3]);
-        let first = orders.begin(10).expect("the first");
+        let first = orders.begin(10, Vec::new()).expect("the first");
         assert!((first[0].pose.x_m - 1.0).abs() < 1.0e-12);
-        assert_eq!(orders.begin(11), None, "one at a time");
+        assert_eq!(orders.begin(11, Vec::new()), None, "one at a time");
         assert_eq!(orders.outcome(3), Some((QUEUED, 0)));
         assert_eq!(orders.n_before(3), 2);
         assert_eq!(orders.ended(TaskState::Reached, EndReason::None, 30), None);
-        assert_eq!(orders.begin(20).expect("the second").len(), 1);
+        assert_eq!(orders.begin(20, Vec::new()).expect("the second").len(), 1);
         assert_eq!(orders.n_before(3), 1);
         assert_eq!(orders.outcome(1), Some(("reached", 20)));
         orders.ended(TaskState::Failed, EndReason::GoalBlocked, 40);
@@ -310,13 +311,13 @@ mod tests {
             ..order(1.0)
         };
         let id = give(&mut orders, repeated);
-        orders.begin(0);
+        orders.begin(0, Vec::new());
         for _ in 0..3 {
             let again = orders.ended(TaskState::Reached, EndReason::None, 30);
             assert_eq!(again.map(|goals| goals.len()), Some(1));
         }
         assert_eq!(orders.cancel(Some(id)), Ok(true));
-        // It arrived before the robot heard of the cancellation.
+        // It arrived before the cancellation was due.
         assert_eq!(orders.ended(TaskState::Reached, EndReason::None, 30), None);
         assert_eq!(outcomes(&orders), ["reached"]);
     }
@@ -327,7 +328,7 @@ mod tests {
         for x_m in [1.0, 2.0, 3.0] {
             give(&mut orders, order(x_m));
         }
-        orders.begin(0);
+        orders.begin(0, Vec::new());
         assert_eq!(orders.cancel(Some(2)), Ok(false));
         assert!(orders.cancel(Some(2)).is_err(), "it is cancelled already");
         assert!(orders.cancel(Some(99)).is_err());
@@ -339,13 +340,12 @@ mod tests {
     #[test]
     fn an_order_that_takes_the_place_of_all_others_ends_them() {
         let mut orders = Orders::default();
-        let left = || order(9.0).goals;
-        orders.give(1.0, order(1.0), left).expect("room for it");
+        give(&mut orders, order(1.0));
         give(&mut orders, order(2.0));
-        orders.begin(0);
+        orders.begin(0, order(9.0).goals);
         orders.replace(4);
         give(&mut orders, order(3.0));
-        assert!(orders.begin(5).is_some());
+        assert!(orders.begin(5, Vec::new()).is_some());
         assert_eq!(outcomes(&orders), ["replaced", "replaced", "active"]);
         assert_eq!(orders.take_aside(), Some(order(9.0).goals));
     }
@@ -359,7 +359,7 @@ mod tests {
         };
         give(&mut orders, limited);
         assert!(!orders.is_over_time(1_000), "it has not begun");
-        orders.begin(1_000);
+        orders.begin(1_000, Vec::new());
         assert!(!orders.is_over_time(1_100));
         assert!(orders.is_over_time(1_101));
         assert!(!orders.is_over_time(1_102), "it is cancelled once");
@@ -373,12 +373,13 @@ mod tests {
         for _ in 0..WAITING_MAX {
             give(&mut orders, order(1.0));
         }
-        assert!(orders.give(0.0, order(1.0), Vec::new).is_err());
+        assert!(orders.give(0.0, order(1.0)).is_err());
         for _ in 0..2 * KEPT_MAX {
-            orders.begin(0);
+            orders.begin(0, Vec::new());
             orders.ended(TaskState::Reached, EndReason::None, 30);
             give(&mut orders, order(1.0));
         }
         assert_eq!(orders.records().len(), KEPT_MAX);
+        assert_eq!(orders.outcome(orders.newest_id), Some((QUEUED, 0)));
     }
 }

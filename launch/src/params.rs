@@ -1,10 +1,15 @@
 //! `zeronav params` and `zeronav schema`: what can be set, as the binaries of the services describe it.
 
+mod in_use;
+
+use crate::arguments::service_role;
 use crate::exit::EXIT_PASS;
+use crate::remote::cli::StackArgs;
 use crate::scenario;
 use crate::show::terminal::{say, say_json, usage};
 use crate::supervise::algorithms::parameters_of;
 use crate::supervise::binaries::{self, Needed};
+use clap::Args;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -18,37 +23,53 @@ Written by `zeronav params --markdown > services/PARAMETERS.md` from the declara
 scenario sets them in `[services.ROLE.config]`, those of the robot in `[robot]`.
 ";
 
-/// How the parameters are printed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Form {
-    /// A line each, for a terminal.
-    Lines,
-    /// One JSON object.
-    Json,
-    /// A table for each service.
-    Markdown,
+/// Arguments of `zeronav params`.
+#[derive(Debug, Clone, Args)]
+pub struct ParamsArgs {
+    /// Whose, such as `local_planner`; without, of all services.
+    #[arg(value_parser = service_role)]
+    pub role: Option<Role>,
+    /// Path of a parameter, such as `speed.v_mps`: print the value that the running stack uses.
+    #[arg(conflicts_with_all = ["binary", "markdown"])]
+    pub key: Option<String>,
+    /// Print all values that the service of the running stack uses.
+    #[arg(long, requires = "role", conflicts_with_all = ["key", "binary", "markdown"])]
+    pub running: bool,
+    /// Ask this binary in place of the stock one.
+    #[arg(long, value_name = "FILE", requires = "role")]
+    pub binary: Option<PathBuf>,
+    /// Print tables, as in `services/PARAMETERS.md`.
+    #[arg(long, conflicts_with = "json")]
+    pub markdown: bool,
+    /// The stack.
+    #[command(flatten)]
+    pub stack: StackArgs,
 }
 
-/// The parameters of the service in the seat `role`, or of all services, as the stock binaries or
-/// `binary` describe them.
+/// `zeronav params`: the parameters of the service in a seat, or of all services, as the stock binaries
+/// or another describe them; or the values that a running stack uses.
 #[must_use]
-pub fn params(role: Option<Role>, binary: Option<&PathBuf>, form: Form) -> ExitCode {
+pub fn params(arguments: &ParamsArgs) -> ExitCode {
+    if let Some(role) = (arguments.role).filter(|_| arguments.running || arguments.key.is_some()) {
+        return in_use::show(role, arguments.key.as_deref(), &arguments.stack);
+    }
+    let role = arguments.role;
     let roles: Vec<Role> = role.map_or_else(|| Role::SERVICES.to_vec(), |role| vec![role]);
-    let described = match described(&roles, binary) {
+    let described = match described(&roles, arguments.binary.as_ref()) {
         Ok(described) => described,
         Err(problem) => return usage(&problem),
     };
-    match form {
-        Form::Lines => described
+    match (arguments.markdown, arguments.stack.json) {
+        (false, false) => described
             .iter()
             .for_each(|(role, parameters)| say(&lines(*role, parameters, roles.len() > 1))),
-        Form::Markdown => {
+        (true, _) => {
             let tables = described
                 .iter()
                 .map(|(role, parameters)| table(*role, parameters));
             say(&format!("{HEAD}{}", tables.collect::<String>()));
         }
-        Form::Json => {
+        (false, true) => {
             let mut services: Vec<Value> = described
                 .iter()
                 .map(|(role, parameters)| json!({ "role": role.label(), "parameters": parameters }))

@@ -17,38 +17,39 @@ const SIZE_M_MIN: f64 = 0.01;
 pub(crate) struct PlacedObstacles {
     /// Names by index, the scenario's first.
     names: Vec<String>,
+    /// How many of them are the scenario's.
+    n_scripted: usize,
     placements: Vec<Placement>,
 }
 
 impl PlacedObstacles {
     /// Nothing is placed yet in a world with obstacles of these names.
     pub(crate) fn new(names: impl IntoIterator<Item = String>) -> Self {
+        let names: Vec<String> = names.into_iter().collect();
         Self {
-            names: names.into_iter().collect(),
+            n_scripted: names.len(),
+            names,
             placements: Vec::new(),
         }
     }
 
-    /// Makes a change that takes effect at `run_ns`; returns everything that is to be sent.
+    /// The placement that a change which takes effect at `run_ns` comes to.
     ///
     /// # Errors
-    /// Why the change cannot be made; nothing changes then.
-    pub(crate) fn change(
-        &mut self,
+    /// Why the change cannot be made.
+    pub(crate) fn plan(
+        &self,
         name: &str,
         change: &ObstacleChange,
         run_ns: u64,
-    ) -> Result<&[Placement], String> {
+    ) -> Result<Placement, String> {
         let known = self.names.iter().position(|known| known == name);
-        let placed = known.and_then(|index| {
-            let at = |placement: &Placement| placement.index as usize == index;
-            self.placements.iter().position(at)
-        });
-        let is_there = placed.is_some_and(|at| self.placements[at].until_run_ns == 0);
+        let there = known.filter(|index| self.is_there(*index));
+        let before = there.and_then(|index| self.placement(index)).copied();
         let missing = || format!("there is no obstacle {name}; {}", self.known());
-        let placement = match *change {
+        Ok(match *change {
             ObstacleChange::Add { pose, size_m } => {
-                if is_there {
+                if there.is_some() {
                     return Err(format!("{name} is there already; move or remove it"));
                 }
                 check_name(name)?;
@@ -69,8 +70,7 @@ impl PlacedObstacles {
                 }
             }
             ObstacleChange::Move { pose } => {
-                let index = known.ok_or_else(missing)?;
-                let before = placed.map(|at| self.placements[at]);
+                let index = there.ok_or_else(missing)?;
                 Placement {
                     index: u32::try_from(index).unwrap_or(u32::MAX),
                     from_run_ns: run_ns,
@@ -80,36 +80,56 @@ impl PlacedObstacles {
                 }
             }
             ObstacleChange::Remove => {
-                let index = known.ok_or_else(missing)?;
+                let index = there.ok_or_else(missing)?;
                 let never = Placement {
                     index: u32::try_from(index).unwrap_or(u32::MAX),
                     from_run_ns: run_ns,
                     ..Placement::default()
                 };
-                let before = placed.map_or(never, |at| self.placements[at]);
                 Placement {
                     until_run_ns: run_ns.max(1),
-                    ..before
+                    ..before.unwrap_or(never)
                 }
             }
-        };
-        if known.is_none() {
+        })
+    }
+
+    /// Takes a planned placement in; returns everything that is to be sent.
+    pub(crate) fn take(&mut self, name: &str, placement: Placement) -> &[Placement] {
+        if placement.index as usize == self.names.len() {
             self.names.push(name.to_owned());
         }
-        match placed {
-            Some(at) => self.placements[at] = placement,
-            None => self.placements.push(placement),
-        }
+        self.placements
+            .retain(|other| other.index != placement.index);
+        self.placements.push(placement);
         // An index behind the last adds one: they come in order.
         self.placements.sort_by_key(|placement| placement.index);
-        Ok(&self.placements)
+        &self.placements
+    }
+
+    /// The newest placement of an obstacle.
+    fn placement(&self, index: usize) -> Option<&Placement> {
+        let at = |placement: &&Placement| placement.index as usize == index;
+        self.placements.iter().find(at)
+    }
+
+    /// True until it is removed. One of the scenario is there whatever its script says.
+    fn is_there(&self, index: usize) -> bool {
+        self.placement(index)
+            .map_or(index < self.n_scripted, |placement| {
+                placement.until_run_ns == 0
+            })
     }
 
     fn known(&self) -> String {
-        if self.names.is_empty() {
+        let there: Vec<&str> = (self.names.iter().enumerate())
+            .filter(|(index, _)| self.is_there(*index))
+            .map(|(_, name)| name.as_str())
+            .collect();
+        if there.is_empty() {
             "the world has none".to_owned()
         } else {
-            format!("there are {}", self.names.join(", "))
+            format!("there are {}", there.join(", "))
         }
     }
 }
@@ -163,10 +183,24 @@ pub(crate) fn shape_of(placement: &Placement) -> Option<ShapeSpec> {
 mod tests {
     use super::*;
 
+    impl PlacedObstacles {
+        fn change(
+            &mut self,
+            name: &str,
+            change: &ObstacleChange,
+            run_ns: u64,
+        ) -> Result<&[Placement], String> {
+            let placement = self.plan(name, change, run_ns)?;
+            Ok(self.take(name, placement))
+        }
+    }
+
     const ADD: ObstacleChange = ObstacleChange::Add {
         pose: [3.0, 1.0, 0.5],
         size_m: [0.8, 1.2],
     };
+
+    const REMOVE: ObstacleChange = ObstacleChange::Remove;
 
     #[test]
     fn a_placed_obstacle_is_moved_removed_and_added_again_at_its_index() {
@@ -195,7 +229,29 @@ mod tests {
         assert_eq!([sent[0].index, sent[1].index], [0, 2], "in order");
         assert_eq!((sent[0].from_run_ns, sent[0].until_run_ns), (7, 7));
         assert!(sent[0].size_x_m <= 0.0, "it keeps its form");
-        assert!(placed.change("cart", &ADD, 8).is_ok(), "a form of its own");
+        assert!(placed.change("cart", &ADD, 8).is_err(), "it is there");
+        placed.change("cart", &REMOVE, 8).expect("removed");
+        assert!(placed.change("cart", &ADD, 9).is_ok(), "a form of its own");
+    }
+
+    #[test]
+    fn what_was_removed_is_not_there_any_more() {
+        let mut placed = PlacedObstacles::new(["door".to_owned(), "cart".to_owned()]);
+        placed.change("crate", &ADD, 5).expect("added");
+        let there = ObstacleChange::Move { pose: [4.0; 3] };
+        for name in ["crate", "door"] {
+            placed.change(name, &REMOVE, 7).expect("removed");
+            for again in [&REMOVE, &there] {
+                let why = placed.change(name, again, 8).expect_err("it is gone");
+                assert!(why.starts_with("there is no obstacle"), "{why}");
+                assert!(!why.ends_with(name), "{why}");
+            }
+        }
+        let why = placed.change("box", &REMOVE, 9).expect_err("unknown");
+        assert_eq!(why, "there is no obstacle box; there are cart");
+        placed.change("cart", &REMOVE, 9).expect("removed");
+        let why = placed.change("box", &REMOVE, 9).expect_err("unknown");
+        assert_eq!(why, "there is no obstacle box; the world has none");
     }
 
     #[test]
@@ -209,8 +265,8 @@ mod tests {
             ("x", add([0.0; 3], [0.0, 1.0])),
             ("x", add([0.0; 3], [1.0, -1.0])),
             ("x", add([0.0; 3], [1.0e9, 1.0])),
-            ("nobody", ObstacleChange::Remove),
-            ("nobody", ObstacleChange::Move { pose: [0.0; 3] }),
+            ("nothing", ObstacleChange::Remove),
+            ("nothing", ObstacleChange::Move { pose: [0.0; 3] }),
         ] {
             assert!(
                 placed.change(name, &change, 5).is_err(),

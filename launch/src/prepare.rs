@@ -6,11 +6,14 @@ use crate::run_plan::{RunPlan, Source};
 use crate::scenario::{self, Scenario};
 use crate::shared_memory;
 use crate::supervise::binaries::{self, Needed};
+use crate::swap::order::SwapOrder;
+use crate::swap::require::Clause;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::run::{DELAY_STEP_NS, RunMode};
+use zeronav_msgs::time::nanoseconds;
 use zeronav_shell::memory;
 use zeronav_world::spec::Trigger;
 use zeronav_world::{Footprint, World};
@@ -42,6 +45,8 @@ pub struct Prepared {
     pub stays: bool,
     /// Delays put into seats on purpose.
     pub delays: BTreeMap<Role, u16>,
+    /// Swaps of the scenario, with the tick before which each begins.
+    pub(crate) swaps: Vec<(u64, SwapOrder)>,
 }
 
 impl Prepared {
@@ -70,6 +75,8 @@ pub(crate) struct Checked {
     pub warnings: Vec<String>,
     /// The binary of each seat that launch fills. Each has accepted its configuration.
     pub binaries: BTreeMap<Role, PathBuf>,
+    /// Its swaps, with the tick before which each begins.
+    pub swaps: Vec<(u64, SwapOrder)>,
 }
 
 /// Reads a scenario and looks for everything that is wrong with it and with the binaries in its
@@ -89,7 +96,11 @@ pub(crate) fn check(source: &Source, external: &[Role]) -> Result<Checked, Strin
         warnings,
     } = scenario.validate().map_err(|error| error.to_string())?;
     let named = |role: Role| scenario.services.of(role)?.binary.clone();
-    let any_named = Role::SERVICES.iter().any(|role| named(*role).is_some());
+    let any_named = Role::SERVICES.iter().any(|role| named(*role).is_some())
+        || scenario
+            .shadows()
+            .any(|(_, shadow)| shadow.binary.is_some())
+        || scenario.swaps.iter().any(|swap| swap.binary.is_some());
     binaries::refresh_under_cargo(if any_named {
         Needed::Any
     } else {
@@ -109,13 +120,57 @@ pub(crate) fn check(source: &Source, external: &[Role]) -> Result<Checked, Strin
         binaries.insert(role, found);
     }
     configs::check(&scenario, &world, &binaries)?;
+    let swaps = swaps_of(&scenario)?;
     Ok(Checked {
+        swaps,
         scenario,
         world,
         footprint,
         warnings: warnings.iter().map(ToString::to_string).collect(),
         binaries,
     })
+}
+
+/// The swaps of a scenario, or its shadow, with the tick before which each begins.
+fn swaps_of(scenario: &Scenario) -> Result<Vec<(u64, SwapOrder)>, String> {
+    let found = |field: &str, binary: Option<&PathBuf>| {
+        let binary = binary.map(|name| binaries::find_or_build(name)).transpose();
+        binary.map_err(|why| scenario.error_at(field, &why).to_string())
+    };
+    let mut swaps = Vec::new();
+    for (role, shadow) in scenario.shadows() {
+        let order = SwapOrder {
+            role: role.to_string(),
+            binary: found(
+                &format!("services.{role}.shadow.binary"),
+                shadow.binary.as_ref(),
+            )?,
+            config: shadow.config.clone(),
+            shadow_s: None,
+            keep_s: None,
+            require: Vec::new(),
+        };
+        swaps.push((0, order));
+    }
+    for (index, swap) in scenario.swaps.iter().enumerate() {
+        let field = |name: &str| format!("swaps[{index}].{name}");
+        let require = swap
+            .require
+            .as_deref()
+            .map_or(Ok(Vec::new()), Clause::parse_all);
+        let order = SwapOrder {
+            role: swap.service.clone(),
+            binary: found(&field("binary"), swap.binary.as_ref())?,
+            config: swap.config.clone(),
+            shadow_s: Some(swap.shadow_s),
+            keep_s: Some(swap.keep_s),
+            require: require
+                .map_err(|why| scenario.error_at(&field("require"), &why).to_string())?,
+        };
+        let tick = nanoseconds(swap.at_s) / scenario.run.tick_ns().max(1);
+        swaps.push((tick, order));
+    }
+    Ok(swaps)
 }
 
 /// Reads and checks everything that can be wrong before anything is started.
@@ -129,6 +184,7 @@ pub(crate) fn prepare(plan: &RunPlan) -> Result<Prepared, String> {
         footprint,
         warnings,
         binaries,
+        swaps,
     } = check(&plan.scenario, &plan.external)?;
     for warning in &warnings {
         tracing::warn!("{warning}");
@@ -150,6 +206,7 @@ pub(crate) fn prepare(plan: &RunPlan) -> Result<Prepared, String> {
         trials: plan.trials,
         stays: plan.stays,
         delays: plan.delays.clone(),
+        swaps,
         scenario,
         world,
         footprint,

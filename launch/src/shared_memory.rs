@@ -5,7 +5,6 @@ use std::fs::{DirEntry, Metadata};
 use std::os::unix::fs::MetadataExt;
 use std::path::Path;
 use zeronav_msgs::map::{GROWING_TILES_MAX, tiles_of};
-use zeronav_msgs::role::Role;
 use zeronav_msgs::topics::{MapKeyframe, RobotScan, SPANS, Topic, topics};
 use zeronav_shell::Domain;
 use zeronav_shell::memory::SHM;
@@ -15,24 +14,33 @@ use zeronav_world::World;
 #[must_use]
 pub(crate) fn planned_bytes(scenario: &Scenario, world: &World) -> u64 {
     let (columns, rows) = tiles_of(world.geometry());
-    topics()
-        .iter()
-        .map(|row| {
-            let len = if row.number == MapKeyframe::ROW.number {
-                keyframe_tiles(scenario, columns as usize * rows as usize)
-            } else if row.number == RobotScan::ROW.number {
-                scenario.robot.lidar.n_beams as usize
-            } else {
-                row.len_max
-            };
-            let writers = if row.number == SPANS.number {
-                Role::SERVICES.len()
-            } else {
-                1
-            };
-            (row.segment_bytes(len) * writers) as u64
-        })
-        .sum()
+    let tiles = keyframe_tiles(scenario, columns as usize * rows as usize);
+    topics_bytes(tiles, scenario.robot.lidar.n_beams as usize)
+}
+
+/// Shared memory of a stack whose map may grow, with the largest scans. [bytes]
+pub(crate) fn most_bytes() -> u64 {
+    topics_bytes(GROWING_TILES_MAX, RobotScan::ROW.len_max)
+}
+
+/// Shared memory of all topics, with keyframes of `tiles` and scans of `n_beams`. [bytes]
+fn topics_bytes(tiles: usize, n_beams: usize) -> u64 {
+    let bytes = topics().into_iter().map(|row| {
+        let len = if row.number == MapKeyframe::ROW.number {
+            tiles
+        } else if row.number == RobotScan::ROW.number {
+            n_beams
+        } else {
+            row.len_max
+        };
+        let writers = if row.number == SPANS.number {
+            row.writers.len()
+        } else {
+            1
+        };
+        (row.segment_bytes(len) * writers) as u64
+    });
+    bytes.sum()
 }
 
 /// Shared memory that a domain has reserved or used. [bytes]

@@ -2,6 +2,7 @@
 
 use crate::drive::Driven;
 use crate::prepare::Prepared;
+use crate::result::swap::SwapResult;
 use crate::result::{Redirect, Restart, ServiceResult};
 use core::fmt::Write;
 use serde::Serialize;
@@ -22,6 +23,8 @@ pub(crate) struct StayResult {
     /// Contacts of the simulated robot.
     contacts: u32,
     restarts: Vec<Restart>,
+    /// Swaps and comparisons, at most the newest 100.
+    swaps: Vec<SwapResult>,
     services: Vec<ServiceResult>,
     /// Folder with everything that it left.
     directory: String,
@@ -39,6 +42,7 @@ impl StayResult {
             goals: driven.redirects.clone(),
             contacts: truth.contacts_moving + truth.contacts_standing,
             restarts: driven.restarts.clone(),
+            swaps: driven.swaps.clone(),
             services: driven.services.clone(),
             directory: prepared.directory.display().to_string(),
         }

@@ -13,6 +13,7 @@ pub mod rooms;
 mod said;
 pub mod seats;
 pub mod structure;
+pub mod up;
 
 pub use processes::{children_of, services_of};
 use rustix::process::{Pid, Signal, kill_process};

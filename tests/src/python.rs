@@ -10,6 +10,9 @@ use crate::{binaries, workspace};
 /// The package, from the root of the workspace.
 const PACKAGE: &str = "services/python";
 
+/// What a machine lacks that cannot make the environment.
+const NEEDED: &str = "install Python 3.11 or later with venv";
+
 /// The Python of an environment in which the package and what it depends on are installed. It lies
 /// in the target folder and is made again when the package has changed.
 ///
@@ -30,11 +33,9 @@ pub fn python() -> PathBuf {
         return python;
     }
     let _ = std::fs::remove_file(&installed);
-    if !python.exists() {
-        let mut make = Command::new("python3");
-        make.args(["-m", "venv", "--clear"]).arg(&environment);
-        succeed(make, "install python3 and python3-venv, 3.11 or later");
-    }
+    let mut make = Command::new("python3");
+    make.args(["-m", "venv", "--clear"]).arg(&environment);
+    succeed(make, NEEDED);
     // A copy, because building leaves files behind.
     let copy = tempfile::tempdir().expect("a folder");
     let mut copied = Command::new("cp");
@@ -45,9 +46,8 @@ pub fn python() -> PathBuf {
     succeed(copied, "cp copies a folder");
     let mut install = Command::new(&python);
     install
-        .args(["-m", "pip", "install", "--quiet", "--upgrade"])
-        .args(["--disable-pip-version-check", "--force-reinstall"])
-        .args(["--upgrade-strategy", "only-if-needed"])
+        .args(["-m", "pip", "install", "--quiet"])
+        .arg("--disable-pip-version-check")
         .arg(copy.path().join("python"));
     succeed(install, "pip needs the package registry");
     std::fs::write(&installed, sources).expect("a note");
@@ -84,16 +84,20 @@ pub fn program(name: &str, text: &str, folder: &Path) -> PathBuf {
     path
 }
 
-/// Runs a command to its end.
-fn succeed(mut command: Command, needed: &str) {
+/// Runs a command to its end; what it printed.
+fn succeed(mut command: Command, needed: &str) -> String {
     let output = command.output();
     let output = output.unwrap_or_else(|error| panic!("{command:?}: {error}; {needed}"));
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{command:?}: {said}; {needed}");
+    String::from_utf8_lossy(&output.stdout).into_owned()
 }
 
-/// Everything that is installed, by name and text.
+/// Everything that is installed, by name and text, and the Python that it is installed for.
 fn sources() -> String {
+    let mut version = Command::new("python3");
+    version.arg("-VV");
+    let version = succeed(version, NEEDED);
     let package = workspace().join(PACKAGE);
     let mut files = vec![package.join("pyproject.toml")];
     let modules = std::fs::read_dir(package.join("zeronav")).expect("the package");
@@ -104,5 +108,5 @@ fn sources() -> String {
         let text = std::fs::read_to_string(file).expect("a source");
         format!("{}\n{text}\n", file.display())
     };
-    files.iter().map(text).collect()
+    version + &files.iter().map(text).collect::<String>()
 }

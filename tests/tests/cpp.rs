@@ -11,7 +11,7 @@ use zeronav_msgs::header::{Header, Id, Parents, Stamps};
 use zeronav_msgs::role::Role;
 use zeronav_msgs::task::{EndReason, StuckCause, TaskState, TaskStatus};
 use zeronav_msgs::topics::{Envelope, TaskState as Status, Topic, topics};
-use zeronav_tests::{Stranger, Zeronav, binaries, send_signal, workspace};
+use zeronav_tests::{Stranger, Zeronav, binaries, real_time_turn, send_signal, workspace};
 
 const HEADER: &str = "services/cpp/zeronav.hpp";
 
@@ -156,7 +156,7 @@ fn the_bytes_of_a_message_mean_the_same_in_cpp() {
     assert_eq!(said(program, bytemuck::bytes_of(&message)), "1 12.25");
 }
 
-/// Two swapped fields of equal size, a renamed field, a wrong length: each is an error.
+/// A renamed field, a wrong size, a wrong length, another type and another version: each is an error.
 #[test]
 fn a_header_that_is_not_the_contract_does_not_compile() {
     let good = header();
@@ -230,8 +230,8 @@ fn build(source: &Path, program: &Path) {
     assert!(output.status.success(), "{errors}");
 }
 
-/// Drives `blocked_aisle` in lockstep with the example guard.
-fn start() -> Zeronav {
+/// Drives `blocked_aisle` with the example guard.
+fn start(flags: &[&str]) -> Zeronav {
     let folder = TempDir::new().expect("a folder");
     let guard = folder.path().join("guard");
     build(&workspace().join("services/cpp/examples/guard.cpp"), &guard);
@@ -240,10 +240,8 @@ fn start() -> Zeronav {
     let binary = guard.display();
     let text = format!("{text}\n[services.collision_guard]\nbinary = \"{binary}\"\n");
     std::fs::write(folder.path().join("it.toml"), text).expect("written");
-    Zeronav::start_in(
-        folder,
-        &["run", "./it.toml", "--lockstep", "--headless", "--json"],
-    )
+    let arguments = ["run", "./it.toml", "--headless", "--json"];
+    Zeronav::start_in(folder, &[&arguments[..], flags].concat())
 }
 
 fn assert_arrived(result: &Value) {
@@ -253,7 +251,7 @@ fn assert_arrived(result: &Value) {
 
 #[test]
 fn a_guard_in_cpp_drives_the_same_way_twice() {
-    let drive = || start().finish().expect(0);
+    let drive = || start(&["--lockstep"]).finish().expect(0);
     let (first, second) = (drive(), drive());
     assert_arrived(&first);
     assert_eq!(first["verdict"], "pass", "{first:#}");
@@ -268,8 +266,22 @@ fn a_guard_in_cpp_drives_the_same_way_twice() {
 }
 
 #[test]
+fn in_real_time_a_guard_in_cpp_keeps_up() {
+    let _turn = real_time_turn();
+    let result = start(&[]).finish().expect(0);
+    assert_arrived(&result);
+    assert_eq!(result["verdict"], "pass", "{result:#}");
+    assert_eq!(result["restarts"], serde_json::json!([]), "{result:#}");
+    let hops = result["latency"]["every_scan"]["direct"].as_array();
+    let of_guard = |hop: &&Value| hop["name"] == "collision_guard";
+    let guard = hops.and_then(|hops| hops.iter().find(of_guard));
+    let n = guard.and_then(|hop| hop["n"].as_u64());
+    assert!(n.is_some_and(|n| n > 100), "{hops:#?}");
+}
+
+#[test]
 fn a_killed_guard_in_cpp_comes_back() {
-    let mut run = start();
+    let mut run = start(&["--lockstep"]);
     run.wait_until("the robot is on its way", |run| {
         let report = run.report().unwrap_or_default();
         report["time_s"].as_f64().is_some_and(|now_s| now_s >= 3.0)
@@ -313,4 +325,31 @@ fn a_service_in_cpp_that_throws_ends_as_a_crash() {
     let (code, log) = Stranger::start(program, &root, &["--epoch", "1"]).left();
     assert_eq!(code, 1, "{log}");
     assert!(log.contains("the service failed: no idea"), "{log}");
+}
+
+#[test]
+fn a_seat_that_no_service_in_cpp_can_take_is_an_error_of_usage() {
+    let folder = TempDir::new().expect("a folder");
+    let source = folder.path().join("robot.cpp");
+    let text = "#include \"zeronav_service.hpp\"\n\
+        struct Robot {\n\
+            static constexpr auto ROLE = zeronav::Role::robot;\n\
+            explicit Robot(const zeronav::Shell&) {}\n\
+            void wake(const zeronav::Shell&, std::uint64_t) {}\n\
+        };\n\
+        int main() { return zeronav::run<Robot>(); }\n";
+    std::fs::write(&source, text).expect("written");
+    let program = folder.path().join("robot");
+    build(&source, &program);
+    let output = Command::new(program)
+        .args(["--domain", "/nowhere", "--epoch", "1"])
+        .output()
+        .expect("it runs");
+    let log = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{log}");
+    assert!(
+        log.starts_with("no service in C++ can take the seat robot;"),
+        "{log}"
+    );
+    assert_eq!(log.lines().count(), 1, "{log}");
 }

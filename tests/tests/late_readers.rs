@@ -6,8 +6,8 @@ use std::time::{Duration, Instant};
 use zeronav_msgs::header::Id;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::topics::{
-    Discipline, PlanRequests, RobotDescription, SimPlacement, Topic, TopicRow, TopicVisitor,
-    topics, visit_topics,
+    Discipline, PlanRequests, RobotDescription, SimPlacement, TaskPose, Topic, TopicRow,
+    TopicVisitor, topics, visit_topics,
 };
 use zeronav_shell::roster_reader::RosterReader;
 use zeronav_shell::{Domain, Peer, Roster, StartError};
@@ -59,9 +59,11 @@ impl TopicVisitor for Readers<'_> {
     }
 }
 
-/// Nobody asks for a plan while there is one, and only trials place obstacles.
+/// No plan is asked for while there is one, only trials place obstacles, and no client says where
+/// the robot is.
 fn is_silent(row: &TopicRow) -> bool {
-    [PlanRequests::ROW.name, SimPlacement::ROW.name].contains(&row.name)
+    let silent = [PlanRequests::ROW, SimPlacement::ROW, TaskPose::ROW];
+    silent.iter().any(|silent| silent.name == row.name)
 }
 
 #[test]

@@ -59,13 +59,15 @@ fn in_real_time_two_python_seats_keep_up() {
         let seat = services.iter().find(|seat| seat["name"] == role);
         assert_eq!(seat.expect("a seat")["binary"], name);
     }
-    for ways in ["direct", "through_the_map"] {
-        let hops = result["latency"]["every_scan"][ways].as_array();
-        for hop in hops.into_iter().flatten() {
-            if [PLANNER.0, CONTROLLER.0].contains(&hop["name"].as_str().unwrap_or("")) {
-                eprintln!("{ways} {hop}");
-            }
-        }
+    let hops: Vec<&Value> = ["direct", "through_map"]
+        .iter()
+        .filter_map(|ways| result["latency"]["every_scan"][*ways].as_array())
+        .flatten()
+        .collect();
+    for (role, _) in [PLANNER, CONTROLLER] {
+        let of_seat = hops.iter().filter(|hop| hop["name"] == role);
+        let measured = of_seat.filter_map(|hop| hop["n"].as_u64()).max();
+        assert!(measured.is_some_and(|n| n > 100), "{role}: {hops:#?}");
     }
 }
 
@@ -83,8 +85,8 @@ fn kill_at(run: &mut Zeronav, role: &str, time_s: f64) {
 
 #[test]
 fn a_killed_python_seat_comes_back_and_arrives() {
-    for (seat, more) in [(PLANNER, ""), (CONTROLLER, "")] {
-        let mut run = start(&[seat], more, &["--lockstep"]);
+    for seat in [PLANNER, CONTROLLER] {
+        let mut run = start(&[seat], "", &["--lockstep"]);
         kill_at(&mut run, seat.0, 3.0);
         let result = run.finish().expect(0);
         assert_eq!(result["reached"], true, "{result:#}");
@@ -187,6 +189,22 @@ fn a_wrong_parameter_of_a_python_service_is_found_before_the_run() {
         );
         assert!(ended.stderr.contains("it.toml:"), "{}", ended.stderr);
     }
+}
+
+#[test]
+fn a_seat_that_no_python_service_can_take_is_an_error_of_usage() {
+    let text = "from zeronav import Service, contract as c, run\n\
+        class Robot(Service):\n\
+        \x20   role = c.Role.ROBOT\n\
+        run(Robot)\n";
+    let folder = tempfile::tempdir().expect("a folder");
+    let output = Command::new(program("robot", text, folder.path()))
+        .args(["--domain", "/nowhere", "--epoch", "1"])
+        .output()
+        .expect("it ran");
+    let log = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{log}");
+    assert_eq!(log, "no service in Python can take the seat robot\n");
 }
 
 #[test]

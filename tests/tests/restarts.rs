@@ -28,11 +28,16 @@ impl Dice {
 /// Drives `blocked_aisle` with these lines more and without its expectation of a cause: a planner
 /// that restarts behind the load has nothing to replan.
 fn drive(more: &str) -> Zeronav {
+    drive_edited(|text| format!("{text}\n{more}"))
+}
+
+/// Drives that scenario as `edit` leaves it.
+fn drive_edited(edit: impl Fn(String) -> String) -> Zeronav {
     let folder = tempfile::tempdir().expect("a folder");
     let file = zeronav_tests::workspace().join("launch/scenarios/blocked_aisle.toml");
     let text = std::fs::read_to_string(file).expect("the scenario");
     let text = text.replace("obstacle_replans_min = 1", "");
-    std::fs::write(folder.path().join("it.toml"), format!("{text}\n{more}")).expect("written");
+    std::fs::write(folder.path().join("it.toml"), edit(text)).expect("written");
     let arguments = ["run", "./it.toml", "--lockstep", "--headless", "--json"];
     let mut run = Zeronav::start_in(folder, &arguments);
     run.wait_until("the drive has begun", |run| run.report().is_some());
@@ -130,6 +135,24 @@ fn without_mapping_the_guard_brakes_for_the_scan() {
     let back_s = gone_s + 3.0;
     eprintln!("mapping gone at {gone_s} s, back at {back_s} s, new path at {planned_s} s");
     assert!(planned_s <= back_s + 1.0, "no new path within a second");
+}
+
+/// The seat that is empty owes no answer, so that the time limit ends the run and not its silence.
+#[test]
+fn the_time_limit_ends_a_run_in_which_a_seat_is_empty() {
+    let mut run = drive_edited(|text| {
+        let shorter = text.replace("time_limit_s = 150.0", "time_limit_s = 6.0");
+        assert_ne!(shorter, text, "the scenario has another time limit");
+        format!("{shorter}\n[restart]\nabsent_ticks = 1000\n")
+    });
+    assert!(
+        strike(&mut run, "mapping", Signal::KILL, 3.0),
+        "mapping was not there"
+    );
+    let result = run.finish().expect(1);
+    assert_eq!(restarts(&result), ["mapping"]);
+    assert_eq!(result["outcome"], "timeout", "{result:#}");
+    assert_eq!(result["contacts"], 0, "{result:#}");
 }
 
 #[test]

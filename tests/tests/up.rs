@@ -2,76 +2,8 @@
 
 use serde_json::Value;
 use std::path::{Path, PathBuf};
-use zeronav_tests::{Zeronav, leftovers, real_time_turn, zeronav};
-
-/// A stack that is up.
-struct Up {
-    stack: Zeronav,
-    root: String,
-}
-
-impl Up {
-    fn start(arguments: &[&str]) -> Self {
-        let folder = tempfile::tempdir().expect("a working folder");
-        Self::start_in(folder, arguments)
-    }
-
-    fn start_in(folder: tempfile::TempDir, arguments: &[&str]) -> Self {
-        let arguments = [&["up", "--headless", "--json"], arguments].concat();
-        let mut stack = Zeronav::start_in(folder, &arguments);
-        stack.wait_until("it is ready", |stack| {
-            let report = stack.report();
-            report.is_some_and(|report| report["ready"] == true)
-        });
-        let root = stack.domains().pop().expect("a domain");
-        let root = root.display().to_string();
-        Self { stack, root }
-    }
-
-    /// Runs a command on this stack and returns what it printed.
-    fn ask(&self, arguments: &[&str], code: i32) -> String {
-        let ended = zeronav(&[arguments, &["--domain", &self.root]].concat());
-        assert_eq!(
-            ended.code(),
-            code,
-            "{arguments:?}: {}{}",
-            ended.stdout,
-            ended.stderr
-        );
-        format!("{}{}", ended.stdout, ended.stderr)
-    }
-
-    /// The JSON objects that a command printed, one per line.
-    fn lines(&self, arguments: &[&str], code: i32) -> Vec<Value> {
-        let text = self.ask(&[arguments, &["--json"]].concat(), code);
-        let lines = text.lines();
-        let read = |line| serde_json::from_str(line).unwrap_or_else(|_| panic!("{text}"));
-        lines.map(read).collect()
-    }
-
-    fn status(&self) -> Value {
-        self.stack.report().expect("it answers")
-    }
-
-    /// Waits until the state of a goal is `outcome`.
-    fn wait_for_outcome(&mut self, what: &str, outcome: &str) {
-        self.stack.wait_until(what, |stack| {
-            let report = stack.report();
-            report.is_some_and(|report| report["goal"]["outcome"] == outcome)
-        });
-    }
-
-    /// Ends it and returns its result.
-    fn down(self) -> Value {
-        let said = self.ask(&["down"], 0);
-        assert!(said.contains("is down"), "{said}");
-        let ended = self.stack.finish();
-        let result = ended.expect(0);
-        assert_eq!(result["outcome"], "down");
-        assert_eq!(leftovers(Path::new(&self.root)), Vec::<PathBuf>::new());
-        result
-    }
-}
+use zeronav_tests::up::Up;
+use zeronav_tests::{leftovers, real_time_turn, zeronav};
 
 /// Run time that a goal took. [s]
 fn elapsed_s(lines: &[Value]) -> f64 {
@@ -156,6 +88,34 @@ fn a_goal_now_replaces_the_others_and_cancel_stops_the_robot() {
     assert_eq!(result["restarts"].as_array().map(Vec::len), Some(1));
 }
 
+/// Such as a real one, whose seat tells no ground truth.
+#[test]
+fn a_robot_without_ground_truth_gives_feedback_by_its_odometry() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let text = "title = \"a real robot\"\nbase = [\"warehouse\", \"porter\"]\n\
+        start = [4.0, 6.425, 0.0]\n\
+        [services.robot]\nbinary = \"minimal_robot\"\nconfig.is_real = true\n";
+    std::fs::write(folder.path().join("it.toml"), text).expect("written");
+    let _turn = real_time_turn();
+    let up = Up::start_in(folder, &["./it.toml"]);
+    let lines = up.lines(&["goal", "12.5", "6.425", "0", "--wait"], 0);
+    let rest_s = |line: &serde_json::Value| line["time_remaining_s"].as_f64();
+    assert!(
+        lines.iter().filter_map(rest_s).any(|rest_s| rest_s > 1.0),
+        "{lines:?}"
+    );
+    let last = lines.last().expect("a line");
+    assert_eq!(last["outcome"], "reached", "{lines:?}");
+    assert!(elapsed_s(&lines) > 5.0, "{lines:?}");
+    let status = up.status();
+    assert_eq!(status["pose"], serde_json::Value::Null, "{status:#}");
+    let x_m = status["estimate"][0].as_f64().expect("a pose by the map");
+    assert!((x_m - 12.5).abs() < 0.5, "{status:#}");
+    // It has to be asked to stop, too.
+    up.ask(&["goal", "4", "6.425", "0"], 0);
+    let _ = up.down();
+}
+
 #[test]
 fn a_paused_lockstep_stack_does_the_ticks_that_it_is_told() {
     let mut up = Up::start(&["open_aisle", "--lockstep"]);
@@ -238,6 +198,13 @@ fn obstacles_are_added_moved_and_removed_while_the_robot_drives() {
     up.ask(&["pause"], 0);
     up.ask(&["goal", "27", "8.5", "0"], 0);
     // The straight way through the aisle is closed before the robot is there.
+    up.ask(
+        &["obstacle", "add", "other", "9", "8.5", "--radius", "0.2"],
+        0,
+    );
+    let onto_it = up.ask(&["obstacle", "move", "other", "3", "8.5"], 2);
+    assert!(onto_it.contains("the robot is there"), "{onto_it}");
+    up.ask(&["obstacle", "remove", "other"], 0);
     let add = [
         "obstacle", "add", "crate", "11.3", "6.425", "--size", "0.8", "1.85",
     ];

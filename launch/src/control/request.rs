@@ -1,6 +1,8 @@
 //! What can be asked of a stack over its control socket, and the answers.
 
+use crate::result::swap::SwapResult;
 use crate::scenario::GoalSpec;
+use crate::swap::order::SwapOrder;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
@@ -44,6 +46,11 @@ pub(crate) enum Request {
         /// At least 1.
         ticks: u64,
     },
+    /// The robot is there.
+    Pose {
+        /// x [m], y [m] and yaw [rad] in the map frame.
+        pose: [f64; 3],
+    },
     /// Change an obstacle of the simulated world.
     Obstacle {
         /// Its name.
@@ -58,6 +65,19 @@ pub(crate) enum Request {
         /// How.
         kind: FaultKind,
     },
+    /// Exchange or compare the process in a seat.
+    Swap {
+        /// How.
+        order: SwapOrder,
+    },
+    /// What becomes of the swap with this number, or of the newest.
+    SwapStatus {
+        /// As in [`Reply::Swap`].
+        #[serde(default)]
+        id: Option<u64>,
+    },
+    /// End the swap that goes on; the process that was in the seat before has it.
+    SwapCancel,
     /// Bring the robot to rest and end the stack.
     Down,
 }
@@ -161,6 +181,8 @@ pub(crate) struct RunReport {
     pub tick: u64,
     /// True `map_from_base` of the simulated robot: x [m], y [m], yaw [rad].
     pub pose: Option<[f64; 3]>,
+    /// `map_from_base` as the stack takes it to be: x [m], y [m], yaw [rad].
+    pub estimate: Option<[f64; 3]>,
     /// Contacts of the simulated robot since its start.
     pub contacts: Option<u32>,
     /// State of the task.
@@ -169,7 +191,9 @@ pub(crate) struct RunReport {
     pub goal: Option<GoalReport>,
     /// Clients' goals that wait.
     pub goals_waiting: usize,
-    /// Its processes.
+    /// The swap that goes on, or the last one.
+    pub swap: Option<SwapResult>,
+    /// Its processes; the second one of a seat is not obeyed.
     pub services: Vec<ServiceReport>,
 }
 
@@ -181,6 +205,8 @@ pub(crate) enum Reply {
     Run(Box<RunReport>),
     /// The answer to [`Request::Goal`] and [`Request::GoalStatus`].
     Goal(GoalReport),
+    /// The answer to [`Request::Swap`] and [`Request::SwapStatus`].
+    Swap(Box<SwapResult>),
     /// Done.
     Done,
     /// Not done, and why.

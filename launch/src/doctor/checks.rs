@@ -2,10 +2,9 @@
 
 use super::logind::Facts;
 use crate::open_files;
+use crate::shared_memory::most_bytes;
 use serde::Serialize;
 use std::path::PathBuf;
-use zeronav_msgs::map::GROWING_TILES_MAX;
-use zeronav_msgs::topics::{MapKeyframe, SPANS, Topic, topics};
 
 /// Clocks that are read without a system call.
 const FAST_CLOCKS: [&str; 6] = [
@@ -92,25 +91,6 @@ pub(super) fn leftovers(alive: usize, removed: &[PathBuf], stray: &[PathBuf]) ->
     Finding::ok(CHECK, format!("{removed}; runs that go on: {alive}"))
 }
 
-/// Shared memory of a stack whose map may grow. [bytes]
-fn needed_bytes() -> u64 {
-    let all = topics();
-    let bytes = all.iter().map(|row| {
-        let len = if row.number == MapKeyframe::ROW.number {
-            GROWING_TILES_MAX
-        } else {
-            row.len_max
-        };
-        let writers = if row.number == SPANS.number {
-            row.writers.len()
-        } else {
-            1
-        };
-        (row.segment_bytes(len) * writers) as u64
-    });
-    bytes.sum()
-}
-
 /// Size of /dev/shm and what is free of it, [bytes]; `None` without one.
 pub(super) fn shared_memory(shm: Option<[u64; 2]>) -> Finding {
     const CHECK: &str = "shared memory";
@@ -122,7 +102,7 @@ pub(super) fn shared_memory(shm: Option<[u64; 2]>) -> Finding {
             "mount -t tmpfs -o mode=1777,size=1G tmpfs /dev/shm",
         );
     };
-    let needed = needed_bytes();
+    let needed = most_bytes();
     let seen = format!(
         "/dev/shm has {} MB, {} MB are free; a stack takes up to {} MB",
         size / 1_000_000,
@@ -230,6 +210,14 @@ pub(super) fn governor(governors: &[String]) -> Finding {
     }
 }
 
+/// What keeps logind from deleting the shared memory of `user`.
+pub(super) fn ways_out(user: &str) -> String {
+    format!(
+        "loginctl enable-linger {user}, or run the stack as a system user, or RemoveIPC=no in \
+         /etc/systemd/logind.conf"
+    )
+}
+
 /// Whether logind deletes the caller's shared memory.
 pub(super) fn remove_ipc(facts: &Facts) -> Finding {
     const CHECK: &str = "logind";
@@ -246,11 +234,7 @@ pub(super) fn remove_ipc(facts: &Facts) -> Finding {
                  stack that was left running",
                 facts.user
             ),
-            format!(
-                "loginctl enable-linger {}, or run the stack as a system user, or RemoveIPC=no in \
-                 /etc/systemd/logind.conf",
-                facts.user
-            ),
+            ways_out(&facts.user),
         );
     }
     let seen = match facts {
@@ -277,7 +261,7 @@ mod tests {
 
     #[test]
     fn shared_memory_is_compared_with_what_a_stack_takes() {
-        let needed = needed_bytes();
+        let needed = most_bytes();
         assert!(
             (10_000_000..200_000_000).contains(&needed),
             "{needed} bytes"

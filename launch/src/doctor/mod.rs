@@ -34,6 +34,18 @@ pub(crate) fn logout_warning() -> Option<String> {
     finding.fix.map(|fix| format!("{}; {fix}", finding.seen))
 }
 
+/// Why shared memory is deleted under a stack that runs, and the ways out, in one line.
+#[must_use]
+pub(crate) fn deletion() -> String {
+    logout_warning().unwrap_or_else(|| {
+        format!(
+            "logind does so at logout (RemoveIPC=yes) when the user neither lingers nor is a system \
+             user; {}",
+            checks::ways_out(&logind::Facts::read().user)
+        )
+    })
+}
+
 /// A finding as one line, and its fix below.
 fn text(finding: &Finding) -> String {
     let level = match finding.level {
@@ -55,7 +67,7 @@ fn text(finding: &Finding) -> String {
 
 fn examine() -> Vec<Finding> {
     let read = |file: &str| std::fs::read_to_string(file).ok();
-    // The only thing that is changed: what nobody holds a lock of any more.
+    // The only thing that is changed: domains whose lock is free.
     let removed = domain::sweep_dead();
     let (files, locked) = (getrlimit(Resource::Nofile), getrlimit(Resource::Memlock));
     let clock = read("/sys/devices/system/clocksource/clocksource0/current_clocksource");

@@ -1,13 +1,18 @@
 //! One run: from a scenario to what was seen of it.
 
+mod course;
 mod serve;
 mod session;
+mod stop;
+mod swapping;
+mod swaps;
 mod verbs;
 
 use crate::collect::Collector;
 use crate::configs;
 use crate::ending::Ending;
 use crate::prepare::Prepared;
+use crate::result::swap::SwapResult;
 use crate::result::trials::Disturbance;
 use crate::result::{Redirect, Restart, ServiceResult};
 use crate::seat_report;
@@ -42,6 +47,8 @@ pub(crate) struct Driven {
     pub restarts: Vec<Restart>,
     /// Goals that were given by hand.
     pub redirects: Vec<Redirect>,
+    /// What became of the swaps.
+    pub swaps: Vec<SwapResult>,
     /// What became of the trials; empty without.
     pub trials: Vec<Trial>,
     /// Trials that did not count because no path led through the obstacle.
@@ -99,7 +106,7 @@ fn drive_stack(
         let spans = session.collector.records.spans.iter();
         reading(stack).since(&before, spans)
     });
-    session.stand(stack);
+    session.stop(stack);
     let shared_memory_bytes = stack.shared_memory_bytes();
     let services = seat_report::stop(stack, &session.keeper, &prepared.binaries);
     session.listen(stack);
@@ -121,6 +128,7 @@ fn drive_stack(
         services,
         restarts: session.keeper.records().to_vec(),
         redirects: session.orders.records(),
+        swaps: session.swaps.results(),
         collector: session.collector,
     })
 }

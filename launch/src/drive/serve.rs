@@ -2,13 +2,13 @@
 
 use super::session::Session;
 use crate::control::request::{GoalReport, Reply, Request, RunReport, ServiceReport};
-use crate::control::socket::Server;
 use crate::orders::Order;
 use crate::scenario::{GoalSpec, TIME_LIMIT_S_MAX, TOLERANCE};
 use crate::supervise::occupant::file_name;
 use crate::supervise::stack::Stack;
 use nalgebra::Point2;
 use std::collections::BTreeMap;
+use zeronav_msgs::Pose;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::task::GOALS_MAX;
 use zeronav_msgs::time::seconds;
@@ -16,16 +16,30 @@ use zeronav_msgs::time::seconds;
 /// Room around the robot at a pose that is offered in place of one that cannot be. [m]
 const OFFERED_CLEARANCE_M: f64 = 0.1;
 
+/// How far the yaw of a pose that is offered in place of an estimate may be off. [rad]
+const ESTIMATE_YAW_RAD: f64 = 0.25;
+
 /// Slower than this the time that is left cannot be told. [m/s]
 const MOVING_MPS: f64 = 0.02;
 
 impl Session<'_> {
     /// Answers the clients that have asked since the last look.
-    pub(super) fn serve(&mut self, stack: &mut Stack, server: &mut Server) {
+    pub(super) fn serve(&mut self, stack: &mut Stack) {
+        let Some(mut server) = self.server.take() else {
+            return;
+        };
         server.serve(|request| self.answer(stack, request).unwrap_or_else(Reply::Error));
+        self.server = Some(server);
     }
 
     fn answer(&mut self, stack: &mut Stack, request: Request) -> Result<Reply, String> {
+        let is_question = matches!(
+            request,
+            Request::Ps | Request::GoalStatus { .. } | Request::SwapStatus { .. }
+        );
+        if self.is_ending && !is_question {
+            return Err("the stack is ending".to_owned());
+        }
         match request {
             Request::Ps => return Ok(Reply::Run(Box::new(self.run_report(stack)))),
             Request::Goal {
@@ -42,9 +56,25 @@ impl Session<'_> {
             Request::Cancel { id } => self.cancel(stack, id)?,
             Request::Pause => self.pause(stack)?,
             Request::Resume => self.resume(stack)?,
-            Request::Step { ticks } => self.step(stack, ticks)?,
+            Request::Step { ticks } => self.step(ticks)?,
+            Request::Pose { pose } => self.relocate(stack, pose)?,
             Request::Obstacle { name, change } => self.place(stack, &name, &change)?,
             Request::Fault { role, kind } => self.break_service(stack, &role, kind)?,
+            Request::Swap { order } => {
+                if self.shuttle.is_some() {
+                    return Err("the run measures latencies; a swap would change them".to_owned());
+                }
+                let lease = stack.roster.control.lease;
+                let result = self.begin_swap(stack, order, lease)?;
+                return Ok(Reply::Swap(Box::new(result)));
+            }
+            Request::SwapStatus { id } => {
+                let result = self.swaps.result(id).cloned();
+                let result =
+                    result.ok_or("no such swap is known; the newest 100 are remembered")?;
+                return Ok(Reply::Swap(Box::new(result)));
+            }
+            Request::SwapCancel => self.cancel_swap(stack)?,
             Request::Down => self.is_down = true,
         }
         Ok(Reply::Done)
@@ -106,16 +136,40 @@ impl Session<'_> {
         } else {
             return Ok(());
         };
+        let nearest = self.nearest(pose, goal.yaw_tolerance_rad);
+        Err(format!("{why}; {nearest}; the robot goes on as before"))
+    }
+
+    /// Accepts a pose where the robot can be.
+    pub(super) fn check_pose(&self, pose: &Pose) -> Result<(), String> {
+        pose.check("pose").map_err(|error| error.to_string())?;
+        let at = format!("({}, {})", pose.x_m, pose.y_m);
+        let (world, footprint) = (&self.prepared.world, &self.prepared.footprint);
+        let why = if !world.contains(pose.point()) {
+            format!("{at} is not on the map")
+        } else if world.touches(footprint, pose) {
+            format!("at {at} the robot would be in an obstacle")
+        } else {
+            return Ok(());
+        };
+        Err(format!(
+            "{why}; {}; the robot goes on as before",
+            self.nearest(pose, ESTIMATE_YAW_RAD)
+        ))
+    }
+
+    /// The free pose that is nearest to one that is not, in words.
+    fn nearest(&self, pose: &Pose, yaw_tolerance_rad: f64) -> String {
+        let (world, footprint) = (&self.prepared.world, &self.prepared.footprint);
         let nearest =
-            world.nearest_free_pose(footprint, pose, goal.yaw_tolerance_rad, OFFERED_CLEARANCE_M);
-        let nearest = nearest.map_or_else(
+            world.nearest_free_pose(footprint, pose, yaw_tolerance_rad, OFFERED_CLEARANCE_M);
+        nearest.map_or_else(
             || "no free pose is near".to_owned(),
             |pose| {
                 let (x_m, y_m, yaw_rad) = (pose.x_m, pose.y_m, pose.yaw_rad);
                 format!("the nearest free pose is {x_m:.2} {y_m:.2} {yaw_rad:.2}")
             },
-        );
-        Err(format!("{why}; {nearest}; the robot goes on as before"))
+        )
     }
 
     fn goal_report(&self, id: u64) -> Result<GoalReport, String> {
@@ -124,7 +178,8 @@ impl Session<'_> {
         let began = self.orders.current().filter(|(current, _)| *current == id);
         let report = self.report().filter(|_| began.is_some());
         let distance_remaining_m = report.map(|report| report.remaining_m);
-        let speed_mps = self.collector.truth.map_or(0.0, |truth| truth.v_mps.abs());
+        let odometry = self.collector.odometry;
+        let speed_mps = odometry.map_or(0.0, |odometry| odometry.v_mps.abs());
         Ok(GoalReport {
             id,
             outcome: outcome.to_owned(),
@@ -172,6 +227,17 @@ impl Session<'_> {
                 }
             })
             .collect();
+        if let Some(beside) = &mut stack.beside {
+            services.push(ServiceReport {
+                role: beside.role.to_string(),
+                pid: beside.pid(),
+                epoch: beside.epoch,
+                state: "beside".to_owned(),
+                progress: 0,
+                memory_peak_bytes: beside.memory_peak_bytes(),
+                binary: file_name(&beside.binary),
+            });
+        }
         for (role, occupant) in &stack.occupants {
             if self.prepared.binaries.contains_key(role) {
                 continue;
@@ -199,12 +265,14 @@ impl Session<'_> {
             time_s: seconds(self.collector.run_ns),
             tick: self.collector.robot_tick(),
             pose: truth.map(|truth| [truth.pose.x_m, truth.pose.y_m, truth.pose.yaw_rad]),
+            estimate: (self.collector.estimate()).map(|pose| [pose.x_m, pose.y_m, pose.yaw_rad]),
             contacts: truth.map(|truth| truth.contacts_moving + truth.contacts_standing),
             task: self
                 .report()
                 .map_or_else(|| "waiting".to_owned(), |report| report.state.to_string()),
             goal: (self.orders.current()).and_then(|(id, _)| self.goal_report(id).ok()),
             goals_waiting: self.orders.n_waiting(),
+            swap: self.swaps.result(None).cloned(),
             services,
         }
     }

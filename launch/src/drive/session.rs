@@ -1,18 +1,19 @@
 //! One drive while it goes on.
 
+use super::course::shuttle;
+use super::swaps::Swaps;
 use crate::collect::Collector;
 use crate::control::socket::Server;
 use crate::disturbance::Reading;
 use crate::ending::Ending;
 use crate::keeper::{Keeper, READY_LIMIT};
-use crate::measure::DEADLINE_NS;
 use crate::orders::Orders;
 use crate::placed::PlacedObstacles;
 use crate::prepare::Prepared;
 use crate::seen::TaskReport;
 use crate::show::progress::{Progress, ProgressLine, Tally};
 use crate::show::terminal::note;
-use crate::shuttle::{Course, Quota, Shuttle, Step};
+use crate::shuttle::{Quota, Shuttle, Step};
 use crate::supervise::stack::Stack;
 use rustix::process::Signal;
 use std::collections::BTreeMap;
@@ -30,19 +31,14 @@ use zeronav_msgs::topics::{GroundTruth, Topic};
 /// How long a run may go on without the robot's next tick.
 const SILENCE_LIMIT: Duration = Duration::from_secs(10);
 
-/// How long the robot may take to stand.
-const STAND_LIMIT: Duration = Duration::from_secs(4);
-
 /// Ticks that the robot may be ahead of what launch has seen, lockstep only. The buffers of the
 /// taps hold the messages of that many ticks, so that nothing is lost however late launch is.
-const LEASE_TICKS: u64 = 30;
+pub(super) const LEASE_TICKS: u64 = 30;
 
 const _: () = assert!(LEASE_TICKS <= GroundTruth::ROW.buffer() as u64);
 
-/// Speed below which the robot is stopped. [m/s]
-const STANDING_MPS: f64 = 0.01;
-
 /// One drive while it goes on: the services, what they report, and the goals.
+#[allow(clippy::struct_excessive_bools, reason = "independent states")]
 pub(super) struct Session<'a> {
     pub(super) prepared: &'a Prepared,
     pub(super) interrupted: Arc<AtomicBool>,
@@ -57,16 +53,26 @@ pub(super) struct Session<'a> {
     struck: usize,
     /// The goals of the current task.
     pub(super) task: Vec<Goal>,
-    /// Its id, 0 = none was sent.
+    /// Its id, 0 = none was sent: without one, or because there was no memory for the message.
     pub(super) task_id: u64,
     /// Goals of clients.
     pub(super) orders: Orders,
     /// Obstacles that clients have put into the world.
     pub(super) placed: PlacedObstacles,
+    /// The swap that goes on, and those before it.
+    pub(super) swaps: Swaps,
     /// True once every service can answer.
     pub(super) is_ready: bool,
     /// True while run time is held.
     pub(super) is_paused: bool,
+    /// The tick at which a paused lockstep robot waits.
+    pub(super) hold_tick: u64,
+    /// True while the current task is being cancelled.
+    pub(super) is_cancelling: bool,
+    /// True once the run ends: no request changes anything any more.
+    pub(super) is_ending: bool,
+    /// The run's end of the control socket, once it is open.
+    pub(super) server: Option<Server>,
     /// True once a client has asked for the end.
     pub(super) is_down: bool,
     /// Number of the next goal.
@@ -99,8 +105,13 @@ impl<'a> Session<'a> {
             placed: PlacedObstacles::new(
                 (prepared.world.obstacles().iter()).map(|obstacle| obstacle.spec.name.clone()),
             ),
+            swaps: Swaps::default(),
             is_ready: false,
             is_paused: false,
+            hold_tick: 0,
+            is_cancelling: false,
+            is_ending: false,
+            server: None,
             is_down: false,
             next_goal: 1,
             at_start: None,
@@ -113,6 +124,7 @@ impl<'a> Session<'a> {
     /// One line when the stack could not be started at all.
     pub(super) fn run(&mut self, stack: &mut Stack) -> Result<Ending, String> {
         let ending = self.until_it_ends(stack);
+        self.is_ending = true;
         self.line.clear();
         ending
     }
@@ -122,8 +134,9 @@ impl<'a> Session<'a> {
         folder
             .make_files_private()
             .map_err(|error| error.to_string())?;
-        let mut server =
+        let server =
             Server::open(folder).map_err(|error| format!("opening the control socket: {error}"))?;
+        self.server = Some(server);
         // All of them before the first start: no process started by hand gets in between.
         for role in self.prepared.binaries.keys() {
             stack.hold_seat(*role).map_err(|error| error.to_string())?;
@@ -131,7 +144,7 @@ impl<'a> Session<'a> {
         for role in Role::SERVICES {
             self.keeper.start(stack, role)?;
         }
-        if let Some(ending) = self.wait_until_ready(stack, &mut server) {
+        if let Some(ending) = self.wait_until_ready(stack) {
             return Ok(ending);
         }
         self.goals_run_ns = if self.lockstep() {
@@ -153,7 +166,7 @@ impl<'a> Session<'a> {
             self.send(stack, goals, 1);
         }
         self.begin_order(stack);
-        Ok(self.watch(stack, &mut server))
+        Ok(self.watch(stack))
     }
 
     /// Every service can answer.
@@ -179,8 +192,11 @@ impl<'a> Session<'a> {
             self.next_goal += 1;
         }
         let from_tick = if self.lockstep() { from_tick } else { 0 };
+        self.is_cancelling = false;
+        // Numbers of goals are not used again.
+        self.collector.reached.clear();
         self.task_id = stack.send_goals(&goals, from_tick);
-        for Goal { id, pose, .. } in &goals {
+        for Goal { id, pose, .. } in goals.iter().filter(|_| self.task_id != 0) {
             let (x_m, y_m, yaw_rad) = (pose.x_m, pose.y_m, pose.yaw_rad);
             tracing::info!(task = self.task_id, goal = id, x_m, y_m, yaw_rad, "sent");
         }
@@ -212,11 +228,13 @@ impl<'a> Session<'a> {
     /// Looks after the processes. A new local planner knows nothing of goals that were reached
     /// before, so it gets those that are left.
     fn keep(&mut self, stack: &mut Stack) -> Option<Ending> {
-        let restarted = match self.keeper.look(stack, &self.collector) {
+        self.see_to_swap(stack);
+        let left_out = self.swaps.keeps();
+        let restarted = match self.keeper.look(stack, &self.collector, left_out) {
             Ok(restarted) => restarted,
             Err(ending) => return Some(ending),
         };
-        if restarted.contains(&Role::LocalPlanner) {
+        if restarted.contains(&Role::LocalPlanner) && !self.is_cancelling {
             let left = self.left();
             if left.len() < self.task.len() && !left.is_empty() {
                 self.send_now(stack, left);
@@ -239,11 +257,11 @@ impl<'a> Session<'a> {
         stack.refresh();
     }
 
-    fn wait_until_ready(&mut self, stack: &mut Stack, server: &mut Server) -> Option<Ending> {
+    fn wait_until_ready(&mut self, stack: &mut Stack) -> Option<Ending> {
         let started = Instant::now();
         loop {
             self.listen(stack);
-            self.serve(stack, server);
+            self.serve(stack);
             let missing = stack.not_ready();
             if missing.is_empty() {
                 return None;
@@ -251,10 +269,10 @@ impl<'a> Session<'a> {
             if let Some(ending) = self.keep(stack) {
                 return Some(ending);
             }
-            if let Some(ending) = self.asked_to_end() {
+            if let Some(ending) = self.asked_to_end(stack) {
                 return Some(ending);
             }
-            // Whoever starts a service by hand takes the time that it takes.
+            // A service that is started by hand takes the time that it takes.
             let late: Vec<Role> = missing
                 .into_iter()
                 .filter(|role| self.prepared.binaries.contains_key(role))
@@ -267,7 +285,7 @@ impl<'a> Session<'a> {
     }
 
     /// Watches the drive until something ends it.
-    fn watch(&mut self, stack: &mut Stack, server: &mut Server) -> Ending {
+    fn watch(&mut self, stack: &mut Stack) -> Ending {
         let pause = Duration::from_millis(if self.lockstep() { 1 } else { 10 });
         let tick_ns = self.prepared.scenario.run.tick_ns();
         let limit_ns = self.prepared.scenario.run.time_limit_ns();
@@ -279,14 +297,15 @@ impl<'a> Session<'a> {
         let mut moved = (self.collector.robot_tick(), Instant::now());
         loop {
             self.listen(stack);
-            self.serve(stack, server);
-            if let Some(ending) = self.asked_to_end() {
-                return ending;
-            }
-            self.give_up_late_order(stack);
+            // Before the requests: what was reached is not cancelled.
             if let Some(ending) = self.task_ended(stack) {
                 return ending;
             }
+            self.serve(stack);
+            if let Some(ending) = self.asked_to_end(stack) {
+                return ending;
+            }
+            self.see_to_order(stack);
             if let Some(ending) = self.keep(stack) {
                 return ending;
             }
@@ -295,18 +314,21 @@ impl<'a> Session<'a> {
             }
             self.strike(stack);
             let tick = self.collector.robot_tick();
-            if tick != moved.0 || self.is_paused {
+            let is_held = self.is_paused || (self.lockstep() && self.swap_limit() <= tick);
+            if tick != moved.0 || is_held {
                 moved = (tick, Instant::now());
             } else if moved.1.elapsed() > SILENCE_LIMIT {
-                return Ending::Silent(self.silent());
+                return Ending::Silent(self.silent(stack));
             }
             if self.lockstep() {
-                if self.collector.all_answered(last_tick) {
+                if self.collector.all_answered(last_tick, &stack.roster) {
                     return Ending::Timeout;
                 }
-                if !self.is_paused {
-                    stack.extend_lease((tick + LEASE_TICKS).min(last_tick));
+                let mut hold_tick = self.swap_limit();
+                if self.is_paused {
+                    hold_tick = hold_tick.min(self.hold_tick);
                 }
+                stack.extend_lease((tick + LEASE_TICKS).min(last_tick).min(hold_tick));
             } else if self.shuttle.is_none()
                 && !self.prepared.stays
                 && self.collector.run_ns.saturating_sub(self.goals_run_ns) > limit_ns
@@ -319,7 +341,8 @@ impl<'a> Session<'a> {
                 self.collector.forget();
             }
             let soon = Duration::from_millis(1);
-            std::thread::sleep(if self.keeper.is_busy() { soon } else { pause });
+            let is_busy = self.keeper.is_busy() || self.swaps.is_busy();
+            std::thread::sleep(if is_busy { soon } else { pause });
         }
     }
 
@@ -342,6 +365,13 @@ impl<'a> Session<'a> {
     /// The task is over: how the run ends, or nothing when it goes on with the order of a client or
     /// with the scenario's goals that one had taken the place of.
     fn over(&mut self, stack: &mut Stack, state: TaskState, reason: EndReason) -> Option<Ending> {
+        // The last goal may have been reached before the cancellation was due.
+        let is_reached = self.is_cancelling && self.left().is_empty();
+        let state = if is_reached {
+            TaskState::Reached
+        } else {
+            state
+        };
         if !self.orders.is_active() && !self.prepared.stays {
             return Some(Ending::Task(state, reason));
         }
@@ -409,8 +439,8 @@ impl<'a> Session<'a> {
     }
 
     /// The first role in the flow of data that owes an answer.
-    fn silent(&self) -> Role {
-        self.collector.owing().unwrap_or(Role::Robot)
+    fn silent(&self, stack: &Stack) -> Role {
+        self.collector.owing(&stack.roster).unwrap_or(Role::Robot)
     }
 
     /// The tick that ends the measured part of the run: the same in every lockstep run.
@@ -422,32 +452,6 @@ impl<'a> Session<'a> {
                 self.prepared.scenario.run.time_limit_ns().div_ceil(tick_ns)
             }
             _ => self.collector.robot_tick(),
-        }
-    }
-
-    /// Lets the robot come to a stand.
-    pub(super) fn stand(&mut self, stack: &mut Stack) {
-        let started = Instant::now();
-        stack.pause(false);
-        stack.stop_robot();
-        while started.elapsed() < STAND_LIMIT {
-            self.listen(stack);
-            let standing = self.collector.truth.as_ref().is_none_or(|truth| {
-                truth.v_mps.abs() < STANDING_MPS && truth.w_radps.abs() < STANDING_MPS
-            });
-            // Nobody stops without these two.
-            let hopeless = stack.children.iter_mut().any(|child| {
-                matches!(child.role, Role::Robot | Role::CollisionGuard)
-                    && child.ended().is_some()
-                    && (self.prepared.mode == RunMode::Lockstep || child.role == Role::Robot)
-            });
-            if standing || hopeless || self.collector.truth.is_none() {
-                return;
-            }
-            if self.lockstep() {
-                stack.extend_lease(self.collector.robot_tick() + LEASE_TICKS);
-            }
-            std::thread::sleep(Duration::from_millis(2));
         }
     }
 
@@ -477,18 +481,6 @@ impl<'a> Session<'a> {
 #[allow(clippy::cast_precision_loss, reason = "a count far below 2^53")]
 fn count(n: usize) -> f64 {
     n as f64
-}
-
-/// The trials of `prepared`'s scenario; `None` when it has none.
-fn shuttle(prepared: &Prepared, quota: Quota) -> Option<Shuttle<'_>> {
-    let course = Course {
-        spec: prepared.scenario.trials.as_ref()?,
-        world: &prepared.world,
-        radius_m: prepared.footprint.inscribed_radius_m(),
-        scan_period_ns: prepared.scan_period_ns(),
-        deadline_ns: DEADLINE_NS,
-    };
-    Shuttle::new(course, quota.n, quota.seed)
 }
 
 /// The kernel's counters of all processes.

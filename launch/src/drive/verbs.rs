@@ -13,6 +13,7 @@ use std::sync::atomic::Ordering;
 use zeronav_msgs::Pose;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::run::RunMode;
+use zeronav_msgs::task::PoseEstimate;
 use zeronav_msgs::time::seconds;
 use zeronav_msgs::truth::Placement;
 use zeronav_world::Shape;
@@ -32,11 +33,10 @@ impl Session<'_> {
         now: bool,
     ) -> Result<u64, String> {
         let time_s = seconds(self.collector.run_ns.saturating_sub(self.goals_run_ns));
-        let left = self.left();
         if now {
             self.orders.replace(self.collector.run_ns);
         }
-        let id = self.orders.give(time_s, order, || left)?;
+        let id = self.orders.give(time_s, order)?;
         if self.is_ready {
             self.begin_order(stack);
         }
@@ -45,17 +45,26 @@ impl Session<'_> {
 
     /// Begins the order whose turn it is; false when there is none.
     pub(super) fn begin_order(&mut self, stack: &mut Stack) -> bool {
-        let Some(goals) = self.orders.begin(self.collector.run_ns) else {
+        let left = self.left();
+        let Some(goals) = self.orders.begin(self.collector.run_ns, left) else {
             return false;
         };
         self.send_now(stack, goals);
         true
     }
 
-    /// Gives up the current order when its time is over.
-    pub(super) fn give_up_late_order(&mut self, stack: &mut Stack) {
+    /// Gives up the current order when its time is over, and sends again what there was no memory
+    /// for.
+    pub(super) fn see_to_order(&mut self, stack: &mut Stack) {
         if self.orders.is_over_time(self.collector.run_ns) {
             self.cancel_task(stack);
+        } else if self.task_id == 0 && !self.task.is_empty() {
+            if self.is_cancelling {
+                self.cancel_task(stack);
+            } else {
+                let goals = core::mem::take(&mut self.task);
+                self.send_now(stack, goals);
+            }
         }
     }
 
@@ -67,11 +76,11 @@ impl Session<'_> {
         if self.shuttle.is_some() {
             return Err("the run makes trials; end it with `zeronav down`".to_owned());
         }
-        let idle = self.task_id == 0 && self.orders.n_waiting() == 0;
+        let idle = self.task.is_empty() && self.orders.n_waiting() == 0;
         if id.is_none() && idle {
             return Err("there is no goal to cancel".to_owned());
         }
-        if self.orders.cancel(id)? && self.task_id != 0 {
+        if self.orders.cancel(id)? && !self.task.is_empty() {
             self.cancel_task(stack);
         }
         Ok(())
@@ -80,6 +89,7 @@ impl Session<'_> {
     /// Asks the local planner to end its task; how it ended comes with its status.
     fn cancel_task(&mut self, stack: &mut Stack) {
         let from_tick = self.next_tick(stack);
+        self.is_cancelling = true;
         self.task_id = stack.send_goals(&[], from_tick);
         tracing::info!(task = self.task_id, "cancelled");
     }
@@ -91,7 +101,6 @@ impl Session<'_> {
         stack.send_goals(&[], from_tick);
         self.task_id = 0;
         self.task.clear();
-        self.collector.reached.clear();
     }
 
     /// Holds run time: in real time the robot stops where it is, in lockstep it does the ticks that
@@ -104,6 +113,7 @@ impl Session<'_> {
             return Err("the run measures latencies and cannot be paused".to_owned());
         }
         self.is_paused = true;
+        self.hold_tick = stack.roster.control.lease;
         if self.prepared.mode == RunMode::RealTime {
             stack.pause(true);
         }
@@ -127,7 +137,7 @@ impl Session<'_> {
     ///
     /// # Errors
     /// In real time, while it is not paused, and for counts that no step can be.
-    pub(super) fn step(&mut self, stack: &mut Stack, ticks: u64) -> Result<(), String> {
+    pub(super) fn step(&mut self, ticks: u64) -> Result<(), String> {
         if self.prepared.mode != RunMode::Lockstep {
             return Err("only a lockstep stack can step (zeronav up --lockstep)".to_owned());
         }
@@ -137,7 +147,7 @@ impl Session<'_> {
         if !(1..=STEP_TICKS_MAX).contains(&ticks) {
             return Err(format!("1 to {STEP_TICKS_MAX} ticks, not {ticks}"));
         }
-        stack.extend_lease(stack.roster.control.lease + ticks);
+        self.hold_tick += ticks;
         Ok(())
     }
 
@@ -151,6 +161,9 @@ impl Session<'_> {
         role: &str,
         kind: FaultKind,
     ) -> Result<(), String> {
+        if self.shuttle.is_some() {
+            return Err("the run measures latencies; a fault would change them".to_owned());
+        }
         let role = service_role(role)?;
         if role == Role::Robot {
             return Err("the robot is not restarted; `zeronav down` ends the stack".to_owned());
@@ -173,6 +186,29 @@ impl Session<'_> {
         Ok(())
     }
 
+    /// Tells mapping that the robot is at `pose`, x [m], y [m] and yaw [rad] in the map frame, now: when
+    /// its newest odometry was measured.
+    ///
+    /// # Errors
+    /// When the robot cannot be there, or no odometry has come yet.
+    pub(super) fn relocate(&mut self, stack: &mut Stack, pose: [f64; 3]) -> Result<(), String> {
+        if self.shuttle.is_some() {
+            return Err("the run measures latencies; a jump would change them".to_owned());
+        }
+        let map_from_base = Pose::new(pose[0], pose[1], pose[2]);
+        self.check_pose(&map_from_base)?;
+        let odometry = (self.collector.odometry).ok_or("the robot has sent no odometry yet")?;
+        let estimate = PoseEstimate {
+            map_from_base,
+            odom_from_base: odometry.pose,
+            from_tick: self.next_tick(stack).max(self.collector.robot_tick()),
+        };
+        if !stack.estimate_pose(estimate) {
+            return Err("no memory for the message; try again".to_owned());
+        }
+        Ok(())
+    }
+
     /// Changes an obstacle of the simulated world, from the first tick on that the robot may not have
     /// begun.
     ///
@@ -187,42 +223,46 @@ impl Session<'_> {
         if self.shuttle.is_some() {
             return Err("the run makes trials with obstacles of its own".to_owned());
         }
-        if let ObstacleChange::Add { pose, size_m } = change {
-            self.check_room(*pose, *size_m)?;
-        }
         let tick_ns = self.prepared.scenario.run.tick_ns();
         let run_ns = match self.prepared.mode {
             RunMode::Lockstep => self.next_tick(stack) * tick_ns,
             _ => self.collector.run_ns + tick_ns,
         };
-        let placements = self.placed.change(name, change, run_ns)?;
-        stack.place(placements);
-        Ok(())
+        let placement = self.placed.plan(name, change, run_ns)?;
+        if placement.until_run_ns == 0 {
+            self.check_room(&placement)?;
+        }
+        if stack.place(self.placed.take(name, placement)) {
+            Ok(())
+        } else {
+            Err("no memory for the message; it is sent with the next change".to_owned())
+        }
     }
 
     /// Rejects an obstacle that would be put onto the robot.
-    fn check_room(&self, [x_m, y_m, yaw_rad]: [f64; 3], size_m: [f64; 2]) -> Result<(), String> {
-        let placement = Placement {
-            pose: Pose::new(x_m, y_m, yaw_rad),
-            size_x_m: size_m[0],
-            size_y_m: size_m[1],
-            ..Placement::default()
+    fn check_room(&self, placement: &Placement) -> Result<(), String> {
+        let scripted = self.prepared.world.obstacles();
+        let shape = match shape_of(placement) {
+            Some(spec) => Shape::new(&spec).ok(),
+            None => (scripted.get(placement.index as usize)).map(|it| it.shape.clone()),
         };
-        let shape = shape_of(&placement).and_then(|spec| Shape::new(&spec).ok());
-        let Some(shape) = shape else {
+        let Some(covered) = shape.map(|shape| shape.placed_at(&placement.pose)) else {
             return Ok(());
         };
         let start = self.prepared.scenario.start;
         let robot = self.collector.truth.map_or(start, |truth| truth.pose);
         let robot = self.prepared.footprint.placed(&robot);
-        if robot.distance_m(shape.placed()) <= 0.0 {
+        if robot.distance_m(&covered) <= 0.0 {
             return Err("the robot is there".to_owned());
         }
         Ok(())
     }
 
-    /// How the run ends because somebody wants it to.
-    pub(super) fn asked_to_end(&self) -> Option<Ending> {
+    /// How the run ends because a client, a signal or the loss of its memory wants it to.
+    pub(super) fn asked_to_end(&self, stack: &Stack) -> Option<Ending> {
+        if stack.is_deleted() {
+            return Some(Ending::Deleted);
+        }
         if self.interrupted.load(Ordering::Relaxed) {
             return Some(Ending::Interrupted);
         }

@@ -88,6 +88,7 @@ pub(crate) fn judge(prepared: &Prepared, driven: &Driven, environment: Environme
         services: services(driven),
         restarts: driven.restarts.clone(),
         redirects: driven.redirects.clone(),
+        swaps: driven.swaps.clone(),
         environment,
         shared_memory_bytes: driven.shared_memory_bytes,
         // The last tick is left out: while it is answered, launch may already stop the robot.

@@ -1,4 +1,4 @@
-//! Several logs as one, by time, in bounded memory: one line of each at a time.
+//! Several logs as one, by time, in bounded memory: a piece of each at a time.
 
 use rustix::fs::{CWD, Mode, OFlags, openat};
 use std::collections::BTreeMap;
@@ -44,8 +44,12 @@ struct Log {
     file: File,
     /// Bytes that were read of it.
     at: u64,
-    /// Read and not yet taken as lines.
+    /// What was read last.
     rest: Vec<u8>,
+    /// Bytes of `rest` that were taken as lines.
+    taken: usize,
+    /// Nothing more had been written at the last look.
+    is_dry: bool,
     /// The line that began in `rest` is longer than is shown.
     is_cut: bool,
     /// Time of the last line.
@@ -63,11 +67,14 @@ impl Merge {
         }
     }
 
-    /// Finds logs that were made since the last look.
+    /// Finds logs that were made since the last look, and lets all be read again.
     ///
     /// # Errors
     /// When the folder cannot be read.
     pub(super) fn look(&mut self) -> Result<()> {
+        for log in self.logs.values_mut() {
+            log.is_dry = false;
+        }
         for entry in std::fs::read_dir(&self.folder)?.flatten() {
             let path = entry.path();
             let is_log = path.extension().is_some_and(|extension| extension == "log");
@@ -92,20 +99,23 @@ impl Merge {
         self.logs.keys().map(String::as_str)
     }
 
-    /// The oldest line of those that are next in their logs. A line without end is left for later,
-    /// unless it is `last`.
+    /// The oldest line of those that are next in their logs, as they were at the last look. A line
+    /// without end is left for later, unless it is `last`.
     pub(super) fn next(&mut self, last: bool) -> Option<Line> {
         for log in self.logs.values_mut() {
             log.fill(last);
         }
-        let next = |log: &Log| log.next.as_ref().map(|(time, _)| time.clone());
-        let oldest = self
-            .logs
-            .iter()
-            .filter_map(|(name, log)| Some((next(log)?, name.clone())));
-        let (_, name) = oldest.min()?;
-        let (time, bytes) = self.logs.get_mut(&name)?.next.take()?;
-        Some(Line { name, time, bytes })
+        let next = (self.logs.iter_mut()).filter_map(|(name, log)| {
+            let (time, _) = log.next.as_ref()?;
+            Some(((time.clone(), name), &mut log.next))
+        });
+        let ((_, name), next) = next.min_by(|(one, _), (other, _)| one.cmp(other))?;
+        let (time, bytes) = next.take()?;
+        Some(Line {
+            name: name.clone(),
+            time,
+            bytes,
+        })
     }
 }
 
@@ -119,6 +129,8 @@ impl Log {
             file,
             at: 0,
             rest: Vec::new(),
+            taken: 0,
+            is_dry: false,
             is_cut: false,
             time: String::new(),
             next: None,
@@ -128,14 +140,16 @@ impl Log {
     /// Makes sure that the next line is there, if it was written.
     fn fill(&mut self, last: bool) {
         while self.next.is_none() {
-            if let Some(end) = self.rest.iter().position(|byte| *byte == b'\n') {
-                let mut line: Vec<u8> = self.rest.drain(..=end).collect();
-                line.pop();
+            let rest = &self.rest[self.taken..];
+            if let Some(end) = rest.iter().position(|byte| *byte == b'\n') {
+                let line = rest[..end].to_vec();
+                self.taken += end + 1;
                 self.found(line);
-            } else if self.read() {
+            } else if !self.is_dry && self.read() {
                 self.bound();
-            } else if last && (!self.rest.is_empty() || self.is_cut) {
-                let line = core::mem::take(&mut self.rest);
+            } else if last && (self.taken < self.rest.len() || self.is_cut) {
+                let line = self.rest[self.taken..].to_vec();
+                self.taken = self.rest.len();
                 self.found(line);
             } else {
                 return;
@@ -143,8 +157,10 @@ impl Log {
         }
     }
 
-    /// Reads what was written; false when nothing was.
+    /// Reads what was written, a piece at a time; false when nothing was.
     fn read(&mut self) -> bool {
+        self.rest.drain(..self.taken);
+        self.taken = 0;
         if self
             .file
             .metadata()
@@ -167,6 +183,7 @@ impl Log {
         };
         self.at += read as u64;
         self.rest.extend_from_slice(&piece[..read]);
+        self.is_dry = read == 0;
         read > 0
     }
 
@@ -275,6 +292,20 @@ mod tests {
         // Emptied and written anew.
         std::fs::write(folder.path().join("a.log"), b"new\n").expect("written");
         assert_eq!(all(&mut merge, false), ["a new"]);
+    }
+
+    #[test]
+    fn a_log_is_read_again_at_the_next_look_only() {
+        let folder = folder(&[("a.log", b"one\n"), ("b.log", b"two\n")]);
+        let mut merge = Merge::new(folder.path(), None);
+        merge.look().expect("a folder");
+        let text = |line: Option<Line>| line.map(|line| line.bytes);
+        assert_eq!(text(merge.next(false)), Some(b"one".to_vec()));
+        assert_eq!(text(merge.next(false)), Some(b"two".to_vec()));
+        assert_eq!(merge.next(false), None);
+        std::fs::write(folder.path().join("a.log"), b"one\nlate\n").expect("written");
+        assert_eq!(merge.next(false), None, "no system call for every line");
+        assert_eq!(all(&mut merge, false), ["a late"]);
     }
 
     #[test]

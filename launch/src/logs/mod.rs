@@ -4,14 +4,14 @@ mod merge;
 
 use crate::exit::{EXIT_INTERRUPTED, EXIT_PASS};
 use crate::interrupts::interrupts;
+use crate::remote::cli::StackArgs;
 use crate::running;
 use crate::show::terminal::{is_read, note, pour, usage};
 use clap::Args;
 use merge::{Line, Merge};
 use serde_json::json;
-use std::path::PathBuf;
 use std::process::ExitCode;
-use std::sync::atomic::Ordering;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 use zeronav_msgs::role::Role;
 use zeronav_shell::{Domain, printable};
@@ -29,15 +29,12 @@ pub struct LogsArgs {
     /// Go on until the run ends.
     #[arg(short, long)]
     pub follow: bool,
-    /// Root folder of the run, when several go on (see `zeronav ps`).
-    #[arg(long, value_name = "ROOT")]
-    pub domain: Option<PathBuf>,
-    /// Print one JSON object per line.
-    #[arg(long)]
-    pub json: bool,
+    /// The stack.
+    #[command(flatten)]
+    pub stack: StackArgs,
 }
 
-/// Who writes a log.
+/// The processes that write a log.
 fn writers() -> impl Iterator<Item = &'static str> {
     let roles = [Role::Launch].into_iter().chain(Role::SERVICES);
     roles.map(Role::label)
@@ -53,7 +50,7 @@ pub fn logs(arguments: &LogsArgs) -> ExitCode {
 }
 
 fn show(arguments: &LogsArgs) -> Result<u8, String> {
-    let run = running::find(arguments.domain.as_deref())?;
+    let run = running::find(arguments.stack.domain.as_deref())?;
     let folder = run.report()?.folder.join("logs");
     let unreadable = |error| format!("{}: {error}", folder.display());
     let mut merge = Merge::new(&folder, arguments.role.as_deref());
@@ -62,7 +59,7 @@ fn show(arguments: &LogsArgs) -> Result<u8, String> {
         if arguments.role.is_some() && merge.names().next().is_none() {
             return Err(format!("{}: no such log", folder.display()));
         }
-        let _ = show_lines(&mut merge, arguments, true);
+        let _ = show_lines(&mut merge, arguments, true, &AtomicBool::new(false));
         return Ok(EXIT_PASS);
     }
     let interrupted = interrupts()?;
@@ -72,7 +69,7 @@ fn show(arguments: &LogsArgs) -> Result<u8, String> {
         let is_over = domain.is_orphaned();
         // A run's folder may be removed while it goes on.
         let _ = merge.look();
-        if !show_lines(&mut merge, arguments, is_over) || !is_read() {
+        if !show_lines(&mut merge, arguments, is_over, &interrupted) || !is_read() {
             return Ok(EXIT_PASS);
         }
         if interrupted.load(Ordering::Relaxed) {
@@ -88,12 +85,19 @@ fn show(arguments: &LogsArgs) -> Result<u8, String> {
     }
 }
 
-/// Shows the lines that are there; false when nobody reads them.
-fn show_lines(merge: &mut Merge, arguments: &LogsArgs, last: bool) -> bool {
+/// Shows the lines that are there, until `interrupted`; false when standard output is closed.
+fn show_lines(
+    merge: &mut Merge,
+    arguments: &LogsArgs,
+    last: bool,
+    interrupted: &AtomicBool,
+) -> bool {
     let width = writers().map(str::len).max().unwrap_or(0);
     pour(|to| {
-        while let Some(line) = merge.next(last) {
-            if arguments.json {
+        while !interrupted.load(Ordering::Relaxed)
+            && let Some(line) = merge.next(last)
+        {
+            if arguments.stack.json {
                 writeln!(to, "{}", to_json(&line))?;
                 continue;
             }

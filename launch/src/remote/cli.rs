@@ -107,6 +107,18 @@ pub struct WaitArgs {
     pub stack: StackArgs,
 }
 
+/// Arguments of `zeronav pose`.
+#[derive(Debug, Clone, Args)]
+#[command(allow_negative_numbers = true)]
+pub struct InitialPoseArgs {
+    /// Where it is.
+    #[command(flatten)]
+    pub at: PoseArgs,
+    /// The stack.
+    #[command(flatten)]
+    pub stack: StackArgs,
+}
+
 /// Arguments of `zeronav obstacle`.
 #[derive(Debug, Clone, Args)]
 #[command(allow_negative_numbers = true)]

@@ -13,6 +13,9 @@ use zeronav_msgs::Pose;
 /// Between two questions about a goal.
 const PAUSE: Duration = Duration::from_millis(100);
 
+/// Questions in a row that a stack may leave without an answer.
+const UNANSWERED_MAX: u32 = 5;
+
 /// Between two lines about a goal.
 const FEEDBACK: Duration = Duration::from_secs(1);
 
@@ -70,6 +73,7 @@ pub(super) fn follow(
     let began = Instant::now();
     let mut told = began;
     let id = report.id;
+    let mut unanswered = 0;
     while !report.is_over() {
         if limit.is_some_and(|limit| began.elapsed() > limit) {
             complain(&format!("goal {id} is not over within the time"));
@@ -79,11 +83,18 @@ pub(super) fn follow(
         let before = report.outcome.clone();
         report = match ask(stack, &Request::GoalStatus { id }) {
             Ok(report) => report,
+            Err(_) if stack.root().exists() && unanswered < UNANSWERED_MAX => {
+                unanswered += 1;
+                continue;
+            }
             Err(problem) => {
-                complain(&format!("goal {id}: the stack ended first; {problem}"));
+                complain(&format!(
+                    "goal {id}: what became of it is not known; {problem}"
+                ));
                 return ExitCode::from(EXIT_FAIL);
             }
         };
+        unanswered = 0;
         if report.outcome != before || told.elapsed() >= FEEDBACK {
             told = Instant::now();
             tell(&report, json);

@@ -4,6 +4,7 @@ pub mod cli;
 mod feedback;
 pub mod goal;
 mod ps;
+pub mod swap;
 pub mod verbs;
 
 pub use ps::ps;

@@ -1,11 +1,12 @@
 //! The other requests: what a stack is doing, and making it pause, step or end.
 
 use super::cli::{
-    CancelArgs, FaultArgs, FaultCommand, ObstacleArgs, ObstacleCommand, PoseArgs, StackArgs,
-    StepArgs, WaitArgs, WaitFor,
+    CancelArgs, FaultArgs, FaultCommand, InitialPoseArgs, ObstacleArgs, ObstacleCommand, PoseArgs,
+    StackArgs, StepArgs, WaitArgs, WaitFor,
 };
 use super::goal::follow;
 use super::ps::processes;
+use super::swap::in_words as swap_in_words;
 use crate::control::request::{FaultKind, ObstacleChange, Request, RunReport};
 use crate::exit::{EXIT_FAIL, EXIT_PASS};
 use crate::running;
@@ -45,6 +46,14 @@ pub fn resume(arguments: &StackArgs) -> ExitCode {
 pub fn step(arguments: &StepArgs) -> ExitCode {
     let ticks = arguments.ticks;
     make(&arguments.stack, &Request::Step { ticks }, "stepped")
+}
+
+/// `zeronav pose`.
+#[must_use]
+pub fn pose(arguments: &InitialPoseArgs) -> ExitCode {
+    let PoseArgs { x, y, yaw } = arguments.at;
+    let pose = [x, y, yaw];
+    make(&arguments.stack, &Request::Pose { pose }, "placed")
 }
 
 /// `zeronav obstacle`.
@@ -149,8 +158,11 @@ pub fn status(arguments: &StackArgs) -> ExitCode {
 
 fn in_words(report: &RunReport) -> String {
     let mut text = processes(report);
+    if let Some([x_m, y_m, yaw_rad]) = report.estimate {
+        let _ = writeln!(text, "  pose by the map {x_m:.2} {y_m:.2} {yaw_rad:.2}");
+    }
     if let Some([x_m, y_m, yaw_rad]) = report.pose {
-        let _ = write!(text, "  robot at {x_m:.2} {y_m:.2} {yaw_rad:.2}");
+        let _ = write!(text, "  true pose {x_m:.2} {y_m:.2} {yaw_rad:.2}");
         if let Some(contacts) = report.contacts {
             let _ = write!(text, ", {contacts} contacts");
         }
@@ -158,6 +170,9 @@ fn in_words(report: &RunReport) -> String {
     }
     if let Some(goal) = &report.goal {
         let _ = write!(text, "  {}", goal.in_words());
+    }
+    if let Some(swap) = &report.swap {
+        let _ = write!(text, "  {}", swap_in_words(swap));
     }
     if report.goals_waiting > 0 {
         let _ = writeln!(text, "  {} goals wait", report.goals_waiting);
@@ -183,12 +198,18 @@ pub fn wait(arguments: &WaitArgs) -> ExitCode {
             (Err(problem), _) => return usage(&problem),
             (Ok((_, report)), WaitFor::Idle) if !has_goals(&report) => break,
             (Ok(_), WaitFor::Idle) => "the robot has goals".to_owned(),
-            (Ok((stack, report)), WaitFor::Goal) => {
-                return match report.goal {
-                    Some(goal) => follow(&stack, goal, arguments.stack.json, Some(limit)),
-                    None => usage("no goal of a client is being driven to"),
-                };
-            }
+            (Ok((stack, report)), WaitFor::Goal) => match report.goal {
+                Some(goal) => {
+                    let rest = limit.saturating_sub(began.elapsed());
+                    return follow(&stack, goal, arguments.stack.json, Some(rest));
+                }
+                None if report.goals_waiting > 0 => "the goals wait".to_owned(),
+                None => {
+                    return usage(
+                        "the robot has no goal of a client; send one with `zeronav goal`",
+                    );
+                }
+            },
         };
         if began.elapsed() > limit {
             complain(&format!("not within {} s: {why}", arguments.timeout));

@@ -4,12 +4,14 @@
 //! `launch/result.schema.json` is the JSON schema of [`RunResult`].
 
 pub mod latency;
+pub mod swap;
 pub mod trials;
 pub mod truth;
 
 use latency::Latency;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use swap::SwapResult;
 use trials::TrialsResult;
 use truth::{PoseResult, TrackingResult};
 
@@ -93,6 +95,9 @@ pub struct RunResult {
     pub restarts: Vec<Restart>,
     /// Goals that were given by hand.
     pub redirects: Vec<Redirect>,
+    /// Swaps and comparisons of services during the run.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub swaps: Vec<SwapResult>,
     /// Machine and build.
     pub environment: Environment,
     /// Shared memory of the run. [bytes]

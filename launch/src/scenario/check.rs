@@ -1,8 +1,8 @@
 //! Can it work? Everything that is known to be wrong before anything is started.
 
 use super::{
-    COORDINATE_M_MAX, GoalSpec, Outcome, Scenario, ScenarioError, TIME_LIMIT_S_MAX, TOLERANCE,
-    YAW_RAD_MAX,
+    COORDINATE_M_MAX, GoalSpec, KEEP_S_MIN, Outcome, Scenario, ScenarioError, TIME_LIMIT_S_MAX,
+    TOLERANCE, YAW_RAD_MAX,
 };
 use core::f64::consts::PI;
 use zeronav_msgs::command::Intervention;
@@ -40,6 +40,7 @@ impl Scenario {
             .map_err(|error| refused(error.within("robot")))?;
         self.check_run().map_err(refused)?;
         self.check_kills().map_err(refused)?;
+        self.check_swaps().map_err(refused)?;
         let (world, warnings) =
             zeronav_world_files::load(&self.world).map_err(|error| match error {
                 WorldError::Map(error) => self.error_at("world.map", &error.to_string()),
@@ -126,6 +127,44 @@ impl Scenario {
             }
         }
         Ok(())
+    }
+
+    /// Accepts swaps of seats that can be swapped, one after the other, and one shadow at most.
+    fn check_swaps(&self) -> Result<(), SpecError> {
+        let mut last_s = 0.0;
+        for (index, swap) in self.swaps.iter().enumerate() {
+            let at = |field: &str| format!("swaps[{index}].{field}");
+            number(swap.at_s, 0.0, TIME_LIMIT_S_MAX, &at("at_s"))?;
+            number(swap.shadow_s, 0.0, TIME_LIMIT_S_MAX, &at("shadow_s"))?;
+            number(swap.keep_s, KEEP_S_MIN, TIME_LIMIT_S_MAX, &at("keep_s"))?;
+            if swap.at_s < last_s {
+                let why = format!("the swap above is not over before {last_s} s");
+                return Err(SpecError::new(at("at_s"), why));
+            }
+            last_s = swap.at_s + swap.shadow_s + swap.keep_s;
+            let others = Role::SERVICES
+                .into_iter()
+                .filter(|role| *role != Role::Robot);
+            let known: Vec<&str> = others.map(Role::label).collect();
+            if !known.contains(&swap.service.as_str()) {
+                let why = unknown("service that can be swapped", &swap.service, known);
+                return Err(SpecError::new(at("service"), why));
+            }
+        }
+        let shadows: Vec<Role> = self.shadows().map(|(role, _)| role).collect();
+        let field = |role: &Role| format!("services.{role}.shadow");
+        match shadows.as_slice() {
+            [] => Ok(()),
+            [Role::Robot, ..] => {
+                let why = "the robot keeps the time and has no shadow";
+                Err(SpecError::new(field(&Role::Robot), why.to_owned()))
+            }
+            [_] if self.swaps.is_empty() => Ok(()),
+            [role] | [_, role, ..] => {
+                let why = "one shadow or swap at a time";
+                Err(SpecError::new(field(role), why.to_owned()))
+            }
+        }
     }
 
     fn check_run(&self) -> Result<(), SpecError> {

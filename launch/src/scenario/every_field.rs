@@ -6,6 +6,7 @@ use super::{Library, Scenario, ScenarioError};
 use std::collections::{BTreeMap, BTreeSet};
 use tempfile::TempDir;
 use toml::{Table, Value};
+use zeronav_msgs::Role;
 
 /// Fields that no shipped scenario has.
 pub(super) const OTHERS: [&str; 6] = [
@@ -133,11 +134,20 @@ config.x = 1
 [restart]
 per_service = 1
 per_run = 1
+window_s = 60.0
 hang_after_s = 0.5
 absent_ticks = 1
 [[kills]]
 service = "mapping"
 at_s = 1.0
+[[swaps]]
+service = "mapping"
+at_s = 1.0
+binary = "b"
+config.x = 1
+shadow_s = 1.0
+keep_s = 1.0
+require = "p99<2ms"
 [expect]
 outcome = "reached"
 contacts_max = 0
@@ -219,7 +229,15 @@ pub(super) fn documents() -> Vec<Table> {
         table
     });
     let others = OTHERS.iter().map(|text| text.parse().unwrap());
-    others.chain(shipped).collect()
+    // One shadow at a time.
+    let shadows = Role::SERVICES.into_iter().map(|role| {
+        let text = format!(
+            "title = \"A shadow\"\nstart = [3.0, 2.5, 0.0]\n\
+             [world]\narea_m = [[0.0, 0.0], [10.0, 5.0]]\n[services.{role}.shadow]\nbinary = \"b\"\nconfig.x = 1\n"
+        );
+        text.parse().unwrap()
+    });
+    others.chain(shadows).chain(shipped).collect()
 }
 
 /// A step to a value.

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use std::path::Path;
 use zeronav_msgs::Pose;
 use zeronav_msgs::grid::Cell;
+use zeronav_msgs::task::GOALS_MAX;
 use zeronav_world_files as world_files;
 
 /// Room around a robot that is put on a map: less would keep a large one from turning. [m]
@@ -29,6 +30,10 @@ pub(crate) fn goals_in(file: &Path) -> Result<Vec<GoalSpec>, ScenarioError> {
     let (read, document): (GoalsFile, Document) = document::read(&Library::of(""), origin, None)?;
     if read.goals.is_empty() {
         return Err(document.at_field("goals", "must not be empty"));
+    }
+    if read.goals.len() > GOALS_MAX {
+        let why = format!("has {} goals, {GOALS_MAX} at most", read.goals.len());
+        return Err(document.at_field("goals", &why));
     }
     Ok(read.goals)
 }

@@ -27,6 +27,7 @@ mod made;
 mod schema;
 #[cfg(test)]
 mod shipped;
+mod swaps;
 #[cfg(test)]
 mod tests;
 
@@ -36,6 +37,7 @@ use library::Origin;
 pub use library::{Library, Listed};
 pub(crate) use made::goals_in;
 pub use schema::schema;
+pub use swaps::{KEEP_S, KEEP_S_MIN, SHADOW_S, ShadowSpec, SwapSpec};
 
 use crate::supervise::restart::RestartSpec;
 use core::f64::consts::PI;
@@ -104,6 +106,9 @@ pub struct Scenario {
     /// Services that are killed in the middle of the drive, in the order of time.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub kills: Vec<KillSpec>,
+    /// Services that are exchanged while the robot drives, one after the other.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub swaps: Vec<SwapSpec>,
     /// What the verdict asks for.
     #[serde(default)]
     pub expect: ExpectSpec,
@@ -219,17 +224,14 @@ impl ServicesSpec {
         }
     }
 
-    /// The same, to be changed by flags of the command line.
-    #[must_use]
-    pub const fn of_mut(&mut self, role: Role) -> Option<&mut ServiceSpec> {
-        match role {
-            Role::Robot => Some(&mut self.robot),
-            Role::Mapping => Some(&mut self.mapping),
-            Role::GlobalPlanner => Some(&mut self.global_planner),
-            Role::LocalPlanner => Some(&mut self.local_planner),
-            Role::CollisionGuard => Some(&mut self.collision_guard),
-            Role::Launch | Role::Tap => None,
-        }
+    fn each_mut(&mut self) -> [(Role, &mut ServiceSpec); 5] {
+        [
+            (Role::Robot, &mut self.robot),
+            (Role::Mapping, &mut self.mapping),
+            (Role::GlobalPlanner, &mut self.global_planner),
+            (Role::LocalPlanner, &mut self.local_planner),
+            (Role::CollisionGuard, &mut self.collision_guard),
+        ]
     }
 }
 
@@ -243,6 +245,9 @@ pub struct ServiceSpec {
     pub binary: Option<PathBuf>,
     /// What the service finds in its configuration file.
     pub config: toml::Table,
+    /// A second process that is compared with it and never obeyed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub shadow: Option<ShadowSpec>,
 }
 
 /// What the verdict asks for.
@@ -344,6 +349,13 @@ impl Scenario {
         Self::read(library, origin, variant.as_deref())
     }
 
+    /// The shadow of a seat.
+    pub fn shadows(&self) -> impl Iterator<Item = (Role, &ShadowSpec)> {
+        Role::SERVICES
+            .into_iter()
+            .filter_map(|role| Some((role, self.services.of(role)?.shadow.as_ref()?)))
+    }
+
     fn read(
         library: &Library,
         origin: Origin,
@@ -359,11 +371,8 @@ impl Scenario {
             let folder = document.folder_of(field).unwrap_or(Path::new(""));
             *file = absolute(&folder.join(&*file));
         }
-        for role in Role::SERVICES {
-            let field = format!("services.{}.binary", role.label());
-            let service = scenario.services.of_mut(role);
-            if let Some(binary) = service.and_then(|service| service.binary.as_mut())
-                && let Some(folder) = document.folder_of(&field)
+        for (field, binary) in binaries_of(&mut scenario) {
+            if let Some(folder) = document.folder_of(&field)
                 && binary.components().count() > 1
                 && folder.join(&*binary).is_file()
             {
@@ -438,4 +447,28 @@ const fn default_tolerance_m() -> f64 {
 
 const fn any_yaw_rad() -> f64 {
     PI
+}
+
+/// The binaries that a scenario names, by their fields.
+fn binaries_of(scenario: &mut Scenario) -> Vec<(String, &mut PathBuf)> {
+    let mut binaries = Vec::new();
+    for (role, service) in scenario.services.each_mut() {
+        let field = format!("services.{role}");
+        binaries.extend(
+            service
+                .binary
+                .iter_mut()
+                .map(|file| (format!("{field}.binary"), file)),
+        );
+        let shadow = service
+            .shadow
+            .iter_mut()
+            .filter_map(|shadow| shadow.binary.as_mut());
+        binaries.extend(shadow.map(|file| (format!("{field}.shadow.binary"), file)));
+    }
+    for (index, swap) in scenario.swaps.iter_mut().enumerate() {
+        let binary = swap.binary.as_mut();
+        binaries.extend(binary.map(|file| (format!("swaps[{index}].binary"), file)));
+    }
+    binaries
 }

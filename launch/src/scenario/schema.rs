@@ -7,7 +7,7 @@
 #[cfg(test)]
 mod tests;
 
-use super::{COORDINATE_M_MAX, RunSpec, TIME_LIMIT_S_MAX, TOLERANCE, YAW_RAD_MAX};
+use super::{COORDINATE_M_MAX, KEEP_S_MIN, RunSpec, TIME_LIMIT_S_MAX, TOLERANCE, YAW_RAD_MAX};
 use crate::supervise::restart::RestartSpec;
 use serde_json::{Map, Value, json};
 use zeronav_msgs::Role;
@@ -54,6 +54,7 @@ pub fn schema(services: &[(Role, Vec<Parameter>)]) -> Value {
         ("static_map", json!({ "type": "boolean" })),
         ("restart", object(&describe::<RestartSpec>())),
         ("kills", list(&kill())),
+        ("swaps", list(&swap())),
         ("expect", expect()),
         ("trials", trials()),
     ]);
@@ -211,19 +212,41 @@ fn goal() -> Value {
 /// A seat: another binary knows its own configuration.
 fn seat(config: &Value) -> Value {
     let any = json!({ "type": "object" });
-    let mut seat = closed(fields([("binary", text()), ("config", any)]), &[]);
+    let shadow = fields([("binary", text()), ("config", any.clone())]);
+    let fields = fields([
+        ("binary", text()),
+        ("config", any),
+        ("shadow", closed(shadow, &[])),
+    ]);
+    let mut seat = closed(fields, &[]);
     seat["if"] = json!({ "not": { "required": ["binary"] } });
     seat["then"] = json!({ "properties": { "config": config } });
     seat
 }
 
-fn kill() -> Value {
-    let mortal = Role::SERVICES
-        .into_iter()
-        .filter(|role| *role != Role::Robot);
-    let mortal: Vec<&str> = mortal.map(Role::label).collect();
+/// A seat that is not the robot's.
+fn other_seat() -> Value {
+    let others = (Role::SERVICES.into_iter()).filter(|role| *role != Role::Robot);
+    let others: Vec<&str> = others.map(Role::label).collect();
+    json!({ "enum": others })
+}
+
+fn swap() -> Value {
     let fields = fields([
-        ("service", json!({ "enum": mortal })),
+        ("service", other_seat()),
+        ("at_s", ranged(0.0, TIME_LIMIT_S_MAX)),
+        ("binary", text()),
+        ("config", json!({ "type": "object" })),
+        ("shadow_s", ranged(0.0, TIME_LIMIT_S_MAX)),
+        ("keep_s", ranged(KEEP_S_MIN, TIME_LIMIT_S_MAX)),
+        ("require", text()),
+    ]);
+    closed(fields, &["service", "at_s"])
+}
+
+fn kill() -> Value {
+    let fields = fields([
+        ("service", other_seat()),
         ("at_s", ranged(0.0, TIME_LIMIT_S_MAX)),
     ]);
     closed(fields, &["service", "at_s"])

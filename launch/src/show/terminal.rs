@@ -39,7 +39,7 @@ pub fn pour(write: impl FnOnce(&mut dyn Write) -> std::io::Result<()>) -> bool {
     }
 }
 
-/// False when standard output is a pipe that nobody reads any more.
+/// False when standard output is a pipe whose reader is gone.
 #[must_use]
 pub fn is_read() -> bool {
     let output = std::io::stdout();

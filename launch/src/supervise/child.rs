@@ -219,7 +219,7 @@ impl Drop for Child {
     unsafe_code,
     reason = "the parent-death signal can only be set between fork and exec"
 )]
-pub(super) fn end_with_this_thread(command: &mut Command, signal: Signal) {
+pub(crate) fn end_with_this_thread(command: &mut Command, signal: Signal) {
     let parent = rustix::process::getpid();
     // SAFETY: the closure runs in the forked child before exec and makes only system calls that
     // are async-signal-safe; it allocates nothing and takes no lock.

@@ -9,6 +9,7 @@ pub(crate) mod occupant;
 pub(crate) mod question;
 pub(crate) mod restart;
 pub(crate) mod stack;
+pub(crate) mod taps;
 pub mod warden;
 
 pub use child::Child;

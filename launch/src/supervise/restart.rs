@@ -4,28 +4,37 @@
 //!    another robot.
 //! 2. Bad configuration (exit code 2) and a contract mismatch (3) are not restarted: the next
 //!    start would end the same way.
-//! 3. A seat has a budget, and the run has one for all seats together.
-//! 4. The first restart of a seat comes at once. From the second on it waits, twice as long every
-//!    time, up to a limit.
+//! 3. A seat has a budget, and the stack has one for all seats together. Restarts count for a window
+//!    of time, so that a stack that stays up for weeks does not use them up.
+//! 4. The first restart of a seat comes at once. When the successor ends soon as well, the next one
+//!    waits, twice as long every time, up to a limit.
+//!
+//! All times are run time, so that restarts in lockstep are the same in every run.
 
 use core::time::Duration;
-use std::collections::HashMap;
+use std::collections::{HashMap, VecDeque};
 use zeronav_msgs::role::Role;
+use zeronav_msgs::time::nanoseconds;
 use zeronav_params::parameters;
 
-/// Wait before the second restart of a seat.
+/// Wait before the second restart of a seat in a row.
 const BACKOFF: Duration = Duration::from_millis(100);
 
 /// Longest wait before a restart.
 const BACKOFF_MAX: Duration = Duration::from_secs(2);
 
+/// A process that has run for this long is not a failed restart: its successor comes at once. [ns]
+const STABLE_NS: u64 = 5_000_000_000;
+
 parameters! {
     /// Budgets and the hang limit, `[restart]` of a scenario.
     pub struct RestartSpec {
-        /// Most restarts of one service.
+        /// Most restarts of one service within `window_s`.
         per_service: u32 = 10, [0, 10_000];
-        /// Most restarts of all services together.
+        /// Most restarts of all services together within `window_s`.
         per_run: u32 = 30, [0, 10_000];
+        /// Run time after which a restart counts no more.
+        window_s: f64 = 3600.0, [1.0, 1.0e6] "s";
         /// Time without progress after which a service counts as hung. A service without work beats
         /// every 50 ms, so that a limit below 0.1 s would kill healthy ones.
         hang_after_s: f64 = 0.5, [0.1, 3600.0] "s";
@@ -52,16 +61,35 @@ pub(crate) enum Decision {
     GiveUp(&'static str),
 }
 
+/// The restarts of one seat.
+#[derive(Debug, Clone, Default)]
+struct Seat {
+    /// All of them.
+    n: u32,
+    /// Those since a process of the seat was stable.
+    in_a_row: u32,
+    /// When the newest process was to be started. [ns]
+    started_ns: u64,
+}
+
 /// The restarts so far.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Restarts {
-    of: HashMap<Role, u32>,
-    all: u32,
+    seats: HashMap<Role, Seat>,
+    /// Role and run time of those that count for the budgets, oldest first. [ns]
+    recent: VecDeque<(Role, u64)>,
 }
 
 impl Restarts {
-    /// Decides about `role`, whose process ended with `code` (`None` = by a signal), and counts.
-    pub(crate) fn decide(&mut self, spec: &RestartSpec, role: Role, code: Option<i32>) -> Decision {
+    /// Decides about `role`, whose process ended with `code` (`None` = by a signal) at the run time
+    /// `run_ns`, and counts.
+    pub(crate) fn decide(
+        &mut self,
+        spec: &RestartSpec,
+        role: Role,
+        code: Option<i32>,
+        run_ns: u64,
+    ) -> Decision {
         if role == Role::Robot {
             return Decision::GiveUp("the robot is not restarted");
         }
@@ -70,28 +98,37 @@ impl Restarts {
             Some(3) => return Decision::GiveUp("it was built from another contract"),
             _ => {}
         }
-        let before = self.of.entry(role).or_default();
-        if *before >= spec.per_service {
+        let window_ns = nanoseconds(spec.window_s);
+        (self.recent).retain(|(_, at_ns)| run_ns.saturating_sub(*at_ns) < window_ns);
+        let within = |budget: u32, n: usize| n < usize::try_from(budget).unwrap_or(usize::MAX);
+        let of_role = self.recent.iter().filter(|(of, _)| *of == role).count();
+        if !within(spec.per_service, of_role) {
             return Decision::GiveUp("its restart budget is used up");
         }
-        if self.all >= spec.per_run {
+        if !within(spec.per_run, self.recent.len()) {
             return Decision::GiveUp("the run's restart budget is used up");
         }
-        let wait = match before.checked_sub(1) {
+        self.recent.push_back((role, run_ns));
+        let seat = self.seats.entry(role).or_default();
+        if run_ns.saturating_sub(seat.started_ns) >= STABLE_NS {
+            seat.in_a_row = 0;
+        }
+        let wait = match seat.in_a_row.checked_sub(1) {
             None => Duration::ZERO,
             Some(doublings) => BACKOFF
                 .saturating_mul(1 << doublings.min(10))
                 .min(BACKOFF_MAX),
         };
-        *before += 1;
-        self.all += 1;
+        seat.n += 1;
+        seat.in_a_row += 1;
+        seat.started_ns = run_ns + nanoseconds(wait.as_secs_f64());
         Decision::Restart(wait)
     }
 
     /// Restarts of `role` so far.
     #[must_use]
     pub(crate) fn of(&self, role: Role) -> u32 {
-        self.of.get(&role).copied().unwrap_or(0)
+        self.seats.get(&role).map_or(0, |seat| seat.n)
     }
 }
 
@@ -99,38 +136,57 @@ impl Restarts {
 mod tests {
     use super::*;
 
-    #[test]
-    fn the_first_comes_at_once_and_later_ones_wait_longer() {
+    /// [ms] Wait of each restart of mapping, at the run times `at_s`.
+    fn waits_ms(at_s: &[u64]) -> Vec<u128> {
         let mut restarts = Restarts::default();
         let spec = RestartSpec::default();
-        let waits: Vec<u128> = (0..8)
-            .map(|_| match restarts.decide(&spec, Role::Mapping, None) {
-                Decision::Restart(wait) => wait.as_millis(),
-                Decision::GiveUp(why) => panic!("{why}"),
-            })
-            .collect();
-        assert_eq!(waits, [0, 100, 200, 400, 800, 1600, 2000, 2000]);
-        assert_eq!(
-            restarts.decide(&spec, Role::LocalPlanner, Some(101)),
-            Decision::Restart(Duration::ZERO),
-            "every seat has a backoff of its own"
-        );
+        let decide = |at_s: &u64| restarts.decide(&spec, Role::Mapping, None, at_s * 1_000_000_000);
+        let wait_ms = |decision| match decision {
+            Decision::Restart(wait) => wait.as_millis(),
+            Decision::GiveUp(why) => panic!("{why}"),
+        };
+        at_s.iter().map(decide).map(wait_ms).collect()
     }
 
     #[test]
-    fn budgets_end() {
+    fn the_first_comes_at_once_and_later_ones_wait_longer() {
+        let waits = [0, 100, 200, 400, 800, 1600, 2000, 2000];
+        assert_eq!(waits_ms(&[7; 8]), waits);
+        let mut restarts = Restarts::default();
+        let spec = RestartSpec::default();
+        for role in [Role::Mapping, Role::LocalPlanner] {
+            assert_eq!(
+                restarts.decide(&spec, role, Some(101), 0),
+                Decision::Restart(Duration::ZERO),
+                "every seat has a backoff of its own"
+            );
+        }
+    }
+
+    #[test]
+    fn after_a_stable_process_the_next_comes_at_once() {
+        assert_eq!(waits_ms(&[1, 2, 3, 8, 14, 17]), [0, 100, 200, 400, 0, 100]);
+    }
+
+    #[test]
+    fn budgets_end_and_count_for_a_window_of_time() {
         let spec = RestartSpec {
             per_service: 2,
             per_run: 3,
+            window_s: 10.0,
             ..RestartSpec::default()
         };
         let mut restarts = Restarts::default();
-        let mut restarted =
-            |role| matches!(restarts.decide(&spec, role, None), Decision::Restart(_));
-        assert!(restarted(Role::Mapping) && restarted(Role::Mapping));
-        assert!(!restarted(Role::Mapping), "the seat's budget");
-        assert!(restarted(Role::GlobalPlanner));
-        assert!(!restarted(Role::GlobalPlanner), "the run's budget");
+        let mut restarted = |role, at_s: u64| {
+            let decision = restarts.decide(&spec, role, None, at_s * 1_000_000_000);
+            matches!(decision, Decision::Restart(_))
+        };
+        assert!(restarted(Role::Mapping, 0) && restarted(Role::Mapping, 1));
+        assert!(!restarted(Role::Mapping, 2), "the seat's budget");
+        assert!(restarted(Role::GlobalPlanner, 3));
+        assert!(!restarted(Role::GlobalPlanner, 9), "the run's budget");
+        assert!(restarted(Role::Mapping, 10), "the first counts no more");
+        assert!(!restarted(Role::Mapping, 10));
     }
 
     #[test]
@@ -143,7 +199,7 @@ mod tests {
             (Role::Mapping, Some(3)),
         ] {
             assert!(matches!(
-                restarts.decide(&spec, role, code),
+                restarts.decide(&spec, role, code, 0),
                 Decision::GiveUp(_)
             ));
         }

@@ -1,8 +1,11 @@
 //! A running stack: the domain, its topics, launch's own ports, and the processes.
 
+mod pair;
+
 use super::child::Child;
 use super::cleaner::{Cleaner, Ticket};
 use super::occupant::Occupant;
+use super::taps::Taps;
 use super::warden;
 use crate::shared_memory;
 use rustix::process::Signal;
@@ -14,20 +17,17 @@ use std::time::{Duration, Instant};
 use zeronav_msgs::health::HealthState;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::run::{RunClock, RunControl, RunMode, Seat};
-use zeronav_msgs::task::{Goal, Task, TaskKind};
+use zeronav_msgs::task::{Goal, PoseEstimate, Task, TaskKind};
 use zeronav_msgs::topics::{
-    EVENT_NEED_KEYFRAME, GroundTruth, HealthTopic, MapKeyframe, MapObstacles, MapUpdate, PlanPath,
-    RobotCommand, RobotDescription, RobotOdometry, RunClockTopic, RunControlTopic, SimPlacement,
-    TaskGoal, TaskState, TopicRow, health_of,
+    EVENT_NEED_KEYFRAME, RunClockTopic, RunControlTopic, SimPlacement, TaskGoal, TaskPose, TopicRow,
 };
 use zeronav_msgs::truth::{Placement, Placements};
 use zeronav_shell::clock::now_ns;
 use zeronav_shell::doorbell::Bells;
 use zeronav_shell::folder::Folder;
 use zeronav_shell::peer::Topics;
-use zeronav_shell::records::SpanReader;
 use zeronav_shell::seat::SeatLock;
-use zeronav_shell::{Domain, Draft, Latest, Peer, Roster, StartError, Stream, Writer};
+use zeronav_shell::{Domain, Draft, Peer, Roster, StartError, Writer};
 
 /// Launch's own epoch: it is started once per domain.
 const LAUNCH_EPOCH: u32 = 1;
@@ -51,38 +51,13 @@ pub struct Launch<'a> {
     pub log: &'a Path,
 }
 
-/// What launch reads.
-#[derive(Debug)]
-pub struct Taps {
-    /// One record per cycle and process.
-    pub spans: SpanReader,
-    /// What is really so.
-    pub truth: Stream<GroundTruth>,
-    /// What the guard lets the wheels do.
-    pub commands: Stream<RobotCommand>,
-    /// Where the wheels say the robot is.
-    pub odometry: Stream<RobotOdometry>,
-    /// What mapping has seen moving.
-    pub moving: Stream<MapObstacles>,
-    /// The map as it changes.
-    pub updates: Stream<MapUpdate>,
-    /// The whole map.
-    pub keyframe: Latest<MapKeyframe>,
-    /// Every path.
-    pub paths: Stream<PlanPath>,
-    /// What became of the task.
-    pub status: Latest<TaskState>,
-    /// The robot.
-    pub description: Latest<RobotDescription>,
-    /// The heartbeats.
-    pub health: Vec<(Role, Latest<HealthTopic>)>,
-}
-
 /// A running stack. Dropping it ends the processes and removes the domain.
 #[derive(Debug)]
 pub struct Stack {
-    /// The processes.
+    /// The processes, one per seat that launch fills.
     pub children: Vec<Child>,
+    /// A second process in one of the seats: a newcomer, or a predecessor that is still warm.
+    pub beside: Option<Child>,
     /// What launch reads.
     pub taps: Taps,
     /// The seats that launch fills, held for the whole run.
@@ -93,9 +68,12 @@ pub struct Stack {
     pub roster: Roster,
     /// The newest process of each seat, obeyed or not yet.
     newest: Roster,
+    /// Highest epoch of each seat so far.
+    last_epochs: BTreeMap<Role, u32>,
     clock: Writer<RunClockTopic>,
     control: Writer<RunControlTopic>,
     goals: Writer<TaskGoal>,
+    poses: Writer<TaskPose>,
     placements: Writer<SimPlacement>,
     bells: Bells,
     cleaner: Cleaner,
@@ -112,25 +90,7 @@ impl Stack {
         let peer = Peer::join(Domain::create()?, Role::Launch, LAUNCH_EPOCH)?;
         warden::watch_domain(peer.domain().root());
         let topics = peer.create_topics()?;
-        let mut health = Vec::new();
-        for role in Role::SERVICES {
-            if let Some(row) = health_of(role) {
-                health.push((role, peer.latest_on(row)?));
-            }
-        }
-        let taps = Taps {
-            spans: peer.span_reader()?,
-            truth: peer.stream()?,
-            commands: peer.stream()?,
-            odometry: peer.stream()?,
-            moving: peer.stream()?,
-            updates: peer.stream()?,
-            keyframe: peer.latest()?,
-            paths: peer.stream()?,
-            status: peer.latest()?,
-            description: peer.latest()?,
-            health,
-        };
+        let taps = Taps::open(&peer)?;
         let seats = Role::SERVICES
             .iter()
             .map(|role| Seat {
@@ -157,7 +117,9 @@ impl Stack {
         };
         let mut stack = Self {
             children: Vec::new(),
+            beside: None,
             taps,
+            last_epochs: BTreeMap::new(),
             seats: BTreeMap::new(),
             occupants: BTreeMap::new(),
             newest: roster.clone(),
@@ -165,6 +127,7 @@ impl Stack {
             clock: peer.writer(1)?,
             control: peer.writer(zeronav_msgs::run::SEATS_MAX)?,
             goals: peer.writer(zeronav_msgs::task::GOALS_MAX)?,
+            poses: peer.writer(1)?,
             placements: peer.writer(zeronav_msgs::truth::TRUTH_OBSTACLES_MAX)?,
             bells: Bells::open(&peer)?,
             cleaner: Cleaner::new(peer.domain().root()),
@@ -215,7 +178,13 @@ impl Stack {
     /// # Errors
     /// One line naming the binary.
     pub fn start(&mut self, role: Role, launch: &Launch<'_>) -> std::io::Result<()> {
-        let epoch = self.epoch(role);
+        let child = self.start_as(role, self.epoch(role), launch)?;
+        self.name_owner(role, child.pid());
+        self.children.push(child);
+        Ok(())
+    }
+
+    fn start_as(&mut self, role: Role, epoch: u32, launch: &Launch<'_>) -> std::io::Result<Child> {
         let arguments: Vec<OsString> = [
             "--domain".into(),
             self.root().into(),
@@ -229,10 +198,7 @@ impl Stack {
         .into();
         let seat = self.hold_seat(role).map_err(std::io::Error::other)?;
         let stdin = seat.for_child()?;
-        let child = Child::start(role, epoch, launch.binary, &arguments, stdin, launch.log)?;
-        self.name_owner(role, child.pid());
-        self.children.push(child);
-        Ok(())
+        Child::start(role, epoch, launch.binary, &arguments, stdin, launch.log)
     }
 
     /// Says in the seat of `role` who sits there, for a process that comes second.
@@ -269,11 +235,26 @@ impl Stack {
         self.peer.as_ref().map(|peer| peer.domain().folder())
     }
 
+    /// True once files of the domain were deleted while it ran.
+    #[must_use]
+    pub fn is_deleted(&self) -> bool {
+        let peer = self.peer.as_ref();
+        peer.is_some_and(|peer| peer.domain().is_deleted())
+    }
+
     /// Makes the next process started in the seat of `role` a successor. It is not obeyed yet.
     pub fn next_epoch(&mut self, role: Role) {
+        let epoch = self.new_epoch(role);
         if let Some(seat) = seat_mut(&mut self.newest, role) {
-            seat.epoch += 1;
+            seat.epoch = epoch;
         }
+    }
+
+    /// An epoch that no process of the seat has had.
+    fn new_epoch(&mut self, role: Role) -> u32 {
+        let last = self.last_epochs.entry(role).or_insert(FIRST_EPOCH);
+        *last += 1;
+        *last
     }
 
     /// Lets the newest process be obeyed in the seat of `role`. In lockstep the seat is empty from
@@ -324,11 +305,11 @@ impl Stack {
             .collect()
     }
 
-    /// The first process that has ended.
-    pub fn dead(&mut self) -> Option<usize> {
+    /// The first process that has ended, but for those in the seat `left_out`.
+    pub fn dead(&mut self, left_out: Option<Role>) -> Option<usize> {
         self.children
             .iter_mut()
-            .position(|child| child.ended().is_some())
+            .position(|child| Some(child.role) != left_out && child.ended().is_some())
     }
 
     /// Sends a task and returns its id; without goals it cancels the one before. In lockstep
@@ -350,13 +331,21 @@ impl Stack {
         sent.map_or(0, |sent| sent.id.0)
     }
 
-    /// Puts obstacles into the simulated world.
-    pub fn place(&mut self, placements: &[Placement]) {
+    /// Tells mapping where the robot is; false when there was no memory for the message.
+    pub fn estimate_pose(&mut self, estimate: PoseEstimate) -> bool {
+        let sent = self.poses.publish(&Draft::default(), estimate, &[]);
+        self.ring_for(self.poses.row());
+        sent.is_some()
+    }
+
+    /// Puts obstacles into the simulated world; false when there was no memory for the message.
+    pub fn place(&mut self, placements: &[Placement]) -> bool {
         let meta = Placements {
             n_placements: placements.len() as u64,
         };
-        self.placements.publish(&Draft::default(), meta, placements);
+        let sent = self.placements.publish(&Draft::default(), meta, placements);
         self.ring_for(self.placements.row());
+        sent.is_some()
     }
 
     /// Delays every answer of a seat by so many steps of [`zeronav_msgs::run::DELAY_STEP_NS`].
@@ -401,6 +390,7 @@ impl Stack {
         self.clock.refresh();
         self.control.refresh();
         self.goals.refresh();
+        self.poses.refresh();
     }
 
     /// Rings the readers of a topic.
@@ -427,12 +417,12 @@ impl Stack {
     /// Ends the processes: asks, waits, kills. Returns those that had to be killed.
     pub fn stop_processes(&mut self) -> Vec<Role> {
         let mut killed = Vec::new();
-        for child in &mut self.children {
+        for child in self.children.iter_mut().chain(&mut self.beside) {
             child.memory_peak_bytes();
             child.signal(rustix::process::Signal::TERM);
         }
         let deadline = Instant::now() + STOP_LIMIT;
-        for child in &mut self.children {
+        for child in self.children.iter_mut().chain(&mut self.beside) {
             if !child.wait(deadline.saturating_duration_since(Instant::now())) {
                 killed.push(child.role);
                 child.signal(rustix::process::Signal::KILL);
@@ -454,6 +444,7 @@ impl Drop for Stack {
     fn drop(&mut self) {
         self.stop_processes();
         self.children.clear();
+        self.beside = None;
     }
 }
 
@@ -463,9 +454,11 @@ impl Drop for Stack {
 pub(crate) fn close(mut stack: Stack) {
     stack.stop_processes();
     stack.children.clear();
+    stack.beside = None;
+    let deleted = stack.is_deleted();
     let (peer, topics) = (stack.peer.take(), stack.topics.take());
-    let domain = if stack.cleaner.has_failed() {
-        // Closing a port touches files that may be corrupt. They go with the domain, and the memory
+    let domain = if deleted || stack.cleaner.has_failed() {
+        // Closing a port touches files that may be corrupt or gone. They go with the domain, and the memory
         // with this process.
         stack.cleaner = Cleaner::new(Path::new("/"));
         core::mem::forget((stack, topics));

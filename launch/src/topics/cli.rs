@@ -1,9 +1,9 @@
 //! The arguments of `zeronav topics`.
 
+use crate::remote::cli::StackArgs;
 use clap::builder::PossibleValuesParser;
 use clap::{Args, Subcommand};
 use std::num::NonZeroU64;
-use std::path::PathBuf;
 use zeronav_msgs::topics::topics;
 
 /// Arguments of `zeronav topics`.
@@ -12,12 +12,9 @@ pub struct TopicsArgs {
     /// What to do; without, list the topics.
     #[command(subcommand)]
     pub verb: Option<TopicsVerb>,
-    /// Root folder of the run, when several go on (see `zeronav ps`).
-    #[arg(long, value_name = "ROOT", global = true)]
-    pub domain: Option<PathBuf>,
-    /// Print JSON objects: one for the list, one per line for the others.
-    #[arg(long, global = true)]
-    pub json: bool,
+    /// The stack.
+    #[command(flatten)]
+    pub stack: StackArgs,
 }
 
 /// What `zeronav topics` does with one topic.

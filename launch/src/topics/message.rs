@@ -1,5 +1,5 @@
 //! A message as it was read: a copy, because one that stays in shared memory takes its place from
-//! the next, and whoever reads our output may be slow.
+//! the next, and the reader of the output may be slow.
 
 use zeronav_msgs::fields::Shape;
 use zeronav_msgs::header::{Header, Id};

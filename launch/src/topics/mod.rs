@@ -26,8 +26,8 @@ pub fn topics(arguments: &TopicsArgs) -> ExitCode {
 }
 
 fn run(arguments: &TopicsArgs) -> Result<u8, String> {
-    let tap = Tap::join(arguments.domain.as_deref())?;
-    let json = arguments.json;
+    let tap = Tap::join(arguments.stack.domain.as_deref())?;
+    let json = arguments.stack.json;
     match &arguments.verb {
         None => {
             let listed = table::list(&tap, json);

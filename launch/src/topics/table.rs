@@ -4,7 +4,7 @@ use super::message::Message;
 use super::tap::Tap;
 use super::watches::{Units, units_of};
 use crate::show::terminal::{say, say_json};
-use serde_json::json;
+use serde_json::{Value, json};
 use zeronav_msgs::fields::Shape;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::topics::{Discipline, READERS_MAX, Topic, TopicRow, TopicVisitor, visit_topics};
@@ -68,22 +68,14 @@ pub(super) fn list(tap: &Tap, json: bool) -> Result<(), String> {
         say_json(&json!({ "topics": rows }));
         return Ok(());
     }
-    let mut table = vec![
-        [
-            "topic",
-            "type",
-            "written by",
-            "reading",
-            "queue",
-            "bytes",
-            "writers",
-            "readers",
-        ]
-        .map(str::to_owned),
-    ];
-    table.extend(lines.iter().map(cells));
+    let mut table = vec![COLUMNS.map(|column| column.heading.to_owned())];
+    table.extend(
+        lines
+            .iter()
+            .map(|line| COLUMNS.map(|column| (column.text)(line))),
+    );
     let width = |column: usize| table.iter().map(|cells| cells[column].len()).max();
-    let widths: [usize; 8] = core::array::from_fn(|column| width(column).unwrap_or(0));
+    let widths: [usize; COLUMNS.len()] = core::array::from_fn(|column| width(column).unwrap_or(0));
     let mut text = String::new();
     for cells in &table {
         let padded: Vec<String> = (cells.iter().zip(widths))
@@ -122,60 +114,98 @@ fn item_type(message: &Message) -> Option<&'static str> {
     }
 }
 
-fn cells(line: &Line) -> [String; 8] {
-    let Line {
-        row,
-        message,
-        writers,
-        readers,
-    } = line;
-    let roles: Vec<&str> = match row.writers {
-        all if all.len() == Role::SERVICES.len() => vec!["every service"],
-        roles => roles.iter().map(|role| role.label()).collect(),
-    };
-    let size = match (message.fields, item_type(message)) {
+/// What is printed about every topic.
+#[derive(Clone, Copy)]
+struct Column {
+    heading: &'static str,
+    text: fn(&Line) -> String,
+    /// Its fields as JSON: an object.
+    json: fn(&Line) -> Value,
+}
+
+const COLUMNS: [Column; 8] = [
+    Column {
+        heading: "topic",
+        text: |line| line.row.name.to_owned(),
+        json: |line| json!({ "topic": line.row.name }),
+    },
+    Column {
+        heading: "type",
+        text: |line| type_name(&line.message).to_owned(),
+        json: |line| {
+            let message = &line.message;
+            json!({
+                "type": type_name(message),
+                "item_type": item_type(message),
+                "schema": format!("{:016x}", line.row.schema),
+                "units": Units(&units_of(message)),
+            })
+        },
+    },
+    Column {
+        heading: "written by",
+        text: |line| match line.row.writers {
+            all if all.len() == Role::SERVICES.len() => "every service".to_owned(),
+            _ => writers(line.row).join(", "),
+        },
+        json: |line| json!({ "written_by": writers(line.row) }),
+    },
+    Column {
+        heading: "reading",
+        text: |line| discipline(line.row).to_owned(),
+        json: |line| json!({ "reading": discipline(line.row) }),
+    },
+    Column {
+        heading: "queue",
+        text: |line| line.row.buffer().to_string(),
+        json: |line| json!({ "queue": line.row.buffer() }),
+    },
+    Column {
+        heading: "bytes",
+        text: bytes,
+        json: |line| {
+            json!({
+                "envelope_bytes": line.row.envelope_bytes,
+                "item_bytes": line.row.item_bytes,
+                "items_max": line.row.len_max,
+            })
+        },
+    },
+    Column {
+        heading: "writers",
+        text: |line| format!("{} of {}", line.writers, line.row.writers_max()),
+        json: |line| json!({ "writers": line.writers, "writers_max": line.row.writers_max() }),
+    },
+    Column {
+        heading: "readers",
+        text: |line| format!("{} of {READERS_MAX}", line.readers),
+        json: |line| json!({ "readers": line.readers, "readers_max": READERS_MAX }),
+    },
+];
+
+fn writers(row: &TopicRow) -> Vec<&'static str> {
+    row.writers.iter().map(|role| role.label()).collect()
+}
+
+/// Bytes of the fixed part and of the items.
+fn bytes(line: &Line) -> String {
+    let row = line.row;
+    match (line.message.fields, item_type(&line.message)) {
         (None, _) => row.item_bytes.to_string(),
         (_, None) => row.envelope_bytes.to_string(),
         _ => format!(
             "{} + {} each, {} at most",
             row.envelope_bytes, row.item_bytes, row.len_max
         ),
-    };
-    [
-        row.name.to_owned(),
-        type_name(message).to_owned(),
-        roles.join(", "),
-        discipline(row).to_owned(),
-        row.buffer().to_string(),
-        size,
-        format!("{writers} of {}", row.writers_max()),
-        format!("{readers} of {READERS_MAX}"),
-    ]
+    }
 }
 
-fn to_json(line: &Line) -> serde_json::Value {
-    let Line {
-        row,
-        message,
-        writers,
-        readers,
-    } = line;
-    let roles: Vec<&str> = row.writers.iter().map(|role| role.label()).collect();
-    json!({
-        "topic": row.name,
-        "type": type_name(message),
-        "item_type": item_type(message),
-        "written_by": roles,
-        "reading": discipline(row),
-        "queue": row.buffer(),
-        "envelope_bytes": row.envelope_bytes,
-        "item_bytes": row.item_bytes,
-        "items_max": row.len_max,
-        "schema": format!("{:016x}", row.schema),
-        "writers": writers,
-        "writers_max": row.writers_max(),
-        "readers": readers,
-        "readers_max": READERS_MAX,
-        "units": Units(&units_of(message)),
-    })
+fn to_json(line: &Line) -> Value {
+    let mut all = serde_json::Map::new();
+    for column in COLUMNS {
+        if let Value::Object(fields) = (column.json)(line) {
+            all.extend(fields);
+        }
+    }
+    Value::Object(all)
 }

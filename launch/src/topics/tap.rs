@@ -31,8 +31,8 @@ pub(crate) struct Tap {
 pub(super) trait Watch {
     /// A message has come; false when that is enough.
     fn see(&mut self, message: &Message) -> bool;
-    /// Time has passed; false when nobody reads the output any more.
-    fn look(&mut self) -> bool;
+    /// Time has passed.
+    fn look(&mut self) {}
 }
 
 /// Why a tap ended.
@@ -65,6 +65,17 @@ impl Tap {
     /// The member.
     pub(crate) fn peer(&self) -> &Peer {
         &self.peer
+    }
+
+    /// Opens ports of the member.
+    ///
+    /// # Errors
+    /// One line when there is no place left, or another problem.
+    pub(crate) fn open<R>(
+        &self,
+        mut open: impl FnMut(&Peer) -> Result<R, StartError>,
+    ) -> Result<R, String> {
+        or_after_cleaning(self.peer.domain().root(), || open(&self.peer))
     }
 
     /// Which processes are obeyed now.
@@ -104,14 +115,14 @@ impl Tap {
     }
 }
 
-/// What `open` opens. Guests that were killed hold places until somebody removes them: when there
-/// are none left, that is done once.
+/// What `open` opens. Guests that were killed hold places until these are cleaned: when there are
+/// none left, that is done once.
 fn or_after_cleaning<R>(
     root: &Path,
     mut open: impl FnMut() -> Result<R, StartError>,
 ) -> Result<R, String> {
     let first = open();
-    let Err(StartError::System { .. }) = first else {
+    let Err(StartError::Full { .. }) = first else {
         return first.map_err(|error| error.to_string());
     };
     let mut cleaner = Cleaner::new(root);
@@ -137,9 +148,7 @@ impl<W: Watch> TopicVisitor for Listener<'_, W> {
         if row.name != self.name {
             return Ok(());
         }
-        let peer = &self.tap.peer;
-        let root = peer.domain().root();
-        let mut stream = or_after_cleaning(root, || peer.stream_on::<T>(row))?;
+        let mut stream = self.tap.open(|peer| peer.stream_on::<T>(row))?;
         self.follow(Message::of_topic::<T>(row), |roster, message| {
             let before = stream.missed();
             let came = stream.take(roster, |view| message.copy(&view)).is_some();
@@ -153,8 +162,7 @@ impl<W: Watch> TopicVisitor for Listener<'_, W> {
         if row.name != self.name {
             return Ok(());
         }
-        let peer = &self.tap.peer;
-        let mut reader = or_after_cleaning(peer.domain().root(), || peer.span_reader())?;
+        let mut reader = self.tap.open(Peer::span_reader)?;
         self.follow(Message::of_records(), |_, message| {
             reader
                 .take()
@@ -183,7 +191,8 @@ impl<W: Watch> Listener<'_, W> {
             {
                 enough = !self.watch.see(&message);
             }
-            if enough || !self.watch.look() || !terminal::is_read() {
+            self.watch.look();
+            if enough || !terminal::is_read() {
                 break End::Enough;
             }
             if self.interrupted.load(Ordering::Relaxed) {

@@ -81,10 +81,6 @@ impl Watch for Echo {
         });
         is_read && self.wanted.count()
     }
-
-    fn look(&mut self) -> bool {
-        true
-    }
 }
 
 /// Path and unit of everything that a message holds.
@@ -231,13 +227,12 @@ impl Watch for Meter {
         self.wanted.count()
     }
 
-    fn look(&mut self) -> bool {
+    fn look(&mut self) {
         let elapsed = self.window_began.elapsed();
         if elapsed >= WINDOW {
             let window = core::mem::take(&mut self.window);
             self.line(&window, Some(elapsed.as_secs_f64()));
             self.window_began = Instant::now();
         }
-        true
     }
 }

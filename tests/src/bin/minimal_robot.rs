@@ -25,6 +25,9 @@ use zeronav_world::SpecError;
 struct Config {
     start: [f64; 3],
     robot: RobotSpec,
+    /// A real robot has no truth to tell.
+    #[serde(default)]
+    is_real: bool,
 }
 
 struct MinimalRobot {
@@ -36,7 +39,7 @@ struct MinimalRobot {
     description_writer: Writer<RobotDescription>,
     scan_writer: Writer<RobotScan>,
     odometry_writer: Writer<RobotOdometry>,
-    truth_writer: Writer<GroundTruth>,
+    truth_writer: Option<Writer<GroundTruth>>,
     command: Latest<RobotCommand>,
     command_came_ns: u64,
     spans: SpanReader,
@@ -102,7 +105,7 @@ impl Service for MinimalRobot {
             description_writer: peer.writer(FOOTPRINT_CORNERS_MAX)?,
             scan_writer: peer.writer(lidar.n_beams as usize)?,
             odometry_writer: peer.writer(1)?,
-            truth_writer: peer.writer(1)?,
+            truth_writer: (!config.is_real).then(|| peer.writer(1)).transpose()?,
             command: peer.latest()?,
             command_came_ns: 0,
             spans: peer.span_reader()?,
@@ -243,7 +246,9 @@ impl MinimalRobot {
         if scan_due {
             self.truth.scan = parents.scan;
             draft.hashed = false;
-            self.truth_writer.publish(&draft, self.truth, &[]);
+            if let Some(writer) = &mut self.truth_writer {
+                writer.publish(&draft, self.truth, &[]);
+            }
         }
     }
 

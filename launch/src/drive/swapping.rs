@@ -1,0 +1,164 @@
+//! Swaps while a stack runs.
+
+use super::session::Session;
+use crate::arguments::service_role;
+use crate::result::swap::SwapResult;
+use crate::supervise::question;
+use crate::supervise::stack::Stack;
+use crate::swap::config::merged;
+use crate::swap::order::SwapOrder;
+use crate::swap::{Files, Scene, Swap};
+use std::path::{Path, PathBuf};
+use toml::Table;
+use zeronav_msgs::role::Role;
+use zeronav_msgs::run::RunMode;
+
+impl Session<'_> {
+    /// The tick beyond which a lockstep robot may not go yet because of a swap.
+    pub(super) fn swap_limit(&self) -> u64 {
+        let next = self.prepared.swaps.get(self.swaps.begun);
+        let next = next.map_or(u64::MAX, |(tick, _)| *tick);
+        (self.swaps.current.as_ref()).map_or(next, |swap| swap.lease_limit(next))
+    }
+
+    /// Begins the scenario's swap whose time has come.
+    fn begin_due_swap(&mut self, stack: &Stack) {
+        let Some((tick, order)) = self.prepared.swaps.get(self.swaps.begun) else {
+            return;
+        };
+        // The robot may be farther when the swap before took longer than planned.
+        let tick = (*tick).max(stack.roster.control.lease);
+        let is_due = match self.prepared.mode {
+            RunMode::Lockstep => self.collector.all_answered(tick, &stack.roster),
+            _ => self.collector.robot_tick() >= tick,
+        };
+        if self.swaps.is_busy() || !is_due {
+            return;
+        }
+        self.swaps.begun += 1;
+        if let Err(why) = self.begin_swap(stack, order.clone(), tick) {
+            tracing::warn!(why, "the swap is not made");
+            self.swaps.last_id += 1;
+            let id = self.swaps.last_id;
+            self.swaps.remember(SwapResult {
+                id,
+                role: order.role.clone(),
+                state: "rejected".to_owned(),
+                why: Some(why),
+                ..SwapResult::default()
+            });
+        }
+    }
+
+    /// Begins a swap. In lockstep the robot waits at `hold_tick` until the newcomer is ready.
+    ///
+    /// # Errors
+    /// Why it cannot be.
+    pub(super) fn begin_swap(
+        &mut self,
+        stack: &Stack,
+        order: SwapOrder,
+        hold_tick: u64,
+    ) -> Result<SwapResult, String> {
+        let role = service_role(&order.role)?;
+        if role == Role::Robot {
+            return Err("the robot keeps the time and is not swapped".to_owned());
+        }
+        order.check()?;
+        let timed = order.require.iter().find(|clause| clause.is_timed());
+        if let Some(clause) = timed.filter(|_| self.prepared.mode == RunMode::Lockstep) {
+            return Err(format!(
+                "{clause}: a lockstep run does not measure times; require `agree`, or run in real time"
+            ));
+        }
+        if let Some(current) = &self.swaps.current {
+            return Err(format!(
+                "a swap of {} goes on ({}); wait until it is over, or `zeronav swap --cancel`",
+                current.role(),
+                current.result.state
+            ));
+        }
+        let Some((binary, config)) = self.keeper.files(role) else {
+            return Err(format!(
+                "{role} was started by hand (--external): launch does not swap it"
+            ));
+        };
+        let newcomer = order.binary.clone().unwrap_or_else(|| binary.to_owned());
+        let keys = order.config.clone();
+        let table = merged(table_in(config)?, role, newcomer == binary, keys);
+        self.swaps.last_id += 1;
+        let id = self.swaps.last_id;
+        let file = stack.root().join(format!("{role}.swap{id}.toml"));
+        std::fs::write(&file, table.to_string())
+            .map_err(|error| format!("writing {}: {error}", file.display()))?;
+        let logs = self.prepared.directory.join("logs");
+        let files = Files {
+            binary: newcomer,
+            config: file,
+            log: logs.join(format!("{role}.log")),
+            log_level: self.prepared.log_level.clone(),
+        };
+        let ask = asking(&files);
+        let swap = Swap::begin(id, role, order, files, hold_tick, ask);
+        let result = swap.result.clone();
+        self.swaps.current = Some(swap);
+        Ok(result)
+    }
+
+    /// Looks after the swap that goes on.
+    pub(super) fn see_to_swap(&mut self, stack: &mut Stack) {
+        self.begin_due_swap(stack);
+        let Some(mut swap) = self.swaps.current.take() else {
+            return;
+        };
+        if swap.look(&mut self.scene(stack, swap.role())) {
+            let Files { binary, config, .. } = swap.files().clone();
+            self.keeper.refit(swap.role(), binary, config);
+        }
+        self.swaps.put_back(swap);
+    }
+
+    /// Ends the swap that goes on.
+    ///
+    /// # Errors
+    /// When there is none.
+    pub(super) fn cancel_swap(&mut self, stack: &mut Stack) -> Result<(), String> {
+        let none = || "no swap goes on".to_owned();
+        let mut swap = self.swaps.current.take().ok_or_else(none)?;
+        let cancelled = swap.cancel(&mut self.scene(stack, swap.role()));
+        self.swaps.put_back(swap);
+        cancelled
+    }
+
+    fn scene<'s>(&'s mut self, stack: &'s mut Stack, role: Role) -> Scene<'s> {
+        Scene {
+            stack,
+            lockstep: self.prepared.mode == RunMode::Lockstep,
+            tick_ns: self.prepared.scenario.run.tick_ns(),
+            hang_after: self.prepared.scenario.restart.hang_after(),
+            is_vacant: self.keeper.is_vacant(role),
+            collector: &mut self.collector,
+        }
+    }
+}
+
+/// Asks a binary whether it can work with its configuration.
+fn asking(files: &Files) -> impl FnOnce() -> Result<(), String> + Send + use<> {
+    let (binary, config): (PathBuf, PathBuf) = (files.binary.clone(), files.config.clone());
+    move || {
+        let arguments = [
+            "--print-config".as_ref(),
+            "--config".as_ref(),
+            config.as_os_str(),
+        ];
+        question::ask(&binary, &arguments)
+            .map(|_| ())
+            .map_err(|silence| format!("{}: {silence}", binary.display()))
+    }
+}
+
+fn table_in(file: &Path) -> Result<Table, String> {
+    let problem = |error: &dyn core::fmt::Display| format!("{}: {error}", file.display());
+    let text = std::fs::read_to_string(file).map_err(|error| problem(&error))?;
+    toml::from_str(&text).map_err(|error| problem(&error))
+}

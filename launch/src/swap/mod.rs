@@ -1,0 +1,216 @@
+//! Live swap: a newcomer runs warm beside the process in a seat, is compared with it, takes over
+//! between two ticks, and gives the seat back when it fails.
+//!
+//! | phase | what happens | ends with |
+//! |---|---|---|
+//! | asking | the binary is asked whether it can work with its configuration | `rejected` when not |
+//! | starting | the newcomer is started; in lockstep the tick is held | `rejected` when it dies, hangs or is not ready in time |
+//! | shadow | it hears and answers everything and is compared | `rejected`, `compared`, or the cut-over |
+//! | keep | it is obeyed, its predecessor stays warm | `rolled_back` when it fails, else `swapped` |
+//!
+//! In lockstep every phase begins and ends at a tick that is known before, so a run with a swap is
+//! as reproducible as one without.
+
+mod check;
+pub(crate) mod config;
+mod ears;
+mod newcomer;
+pub(crate) mod order;
+pub(crate) mod require;
+mod scene;
+mod scores;
+mod steps;
+
+use crate::result::swap::SwapResult;
+use crate::supervise::cleaner::Ticket;
+use crate::supervise::occupant::file_name;
+use newcomer::Newcomer;
+use order::SwapOrder;
+pub(crate) use scene::Scene;
+use std::path::PathBuf;
+use std::thread::JoinHandle;
+use std::time::Instant;
+use zeronav_msgs::role::Role;
+
+/// What a newcomer is started with.
+#[derive(Debug, Clone)]
+pub(crate) struct Files {
+    /// Its binary.
+    pub binary: PathBuf,
+    /// Its configuration.
+    pub config: PathBuf,
+    /// Where its log goes.
+    pub log: PathBuf,
+    /// What it logs.
+    pub log_level: String,
+}
+
+/// Where a swap is.
+#[derive(Debug)]
+enum Phase {
+    /// The binary is asked whether it can work with its configuration.
+    Asking(JoinHandle<Result<(), String>>),
+    /// The newcomer cannot answer yet.
+    Starting(Instant),
+    /// It is compared from a tick on, before another one.
+    Shadow(Option<u64>),
+    /// It is obeyed; its predecessor stays warm before this tick.
+    Keep(u64),
+    /// Lockstep: the newcomer is dead, and the robot comes to the tick that it has not answered.
+    Settling(Instant),
+    /// The process beside ends. Until the tick, its messages may still be in use.
+    Leaving(Instant, u64),
+    /// Nothing is left to do.
+    Over,
+}
+
+/// One swap, or one comparison.
+#[derive(Debug)]
+pub(crate) struct Swap {
+    order: SwapOrder,
+    role: Role,
+    files: Files,
+    phase: Phase,
+    newcomer: Option<Newcomer>,
+    /// Removes what the process beside has left.
+    cleaning: Option<Ticket>,
+    /// How it ends, once the process beside has ended.
+    outcome: &'static str,
+    /// Tick at which the robot waits before the newcomer hears its first one, lockstep only.
+    hold_tick: u64,
+    /// What became of it so far.
+    pub result: SwapResult,
+}
+
+impl Swap {
+    /// Begins: `ask` says whether the binary can work with its configuration. In lockstep the robot
+    /// waits at `hold_tick` until the newcomer is ready.
+    pub(crate) fn begin(
+        id: u64,
+        role: Role,
+        order: SwapOrder,
+        files: Files,
+        hold_tick: u64,
+        ask: impl FnOnce() -> Result<(), String> + Send + 'static,
+    ) -> Self {
+        let result = SwapResult {
+            id,
+            role: role.to_string(),
+            binary: file_name(&files.binary),
+            state: "asking".to_owned(),
+            ..SwapResult::default()
+        };
+        Self {
+            order,
+            role,
+            files,
+            phase: Phase::Asking(std::thread::spawn(ask)),
+            newcomer: None,
+            cleaning: None,
+            outcome: "",
+            hold_tick,
+            result,
+        }
+    }
+
+    /// Its seat.
+    pub(crate) fn role(&self) -> Role {
+        self.role
+    }
+
+    /// What the newcomer is started with.
+    pub(crate) fn files(&self) -> &Files {
+        &self.files
+    }
+
+    /// What became of it, as far as that is decided.
+    pub(crate) fn decided(&self) -> SwapResult {
+        let mut result = self.result.clone();
+        if matches!(self.phase, Phase::Leaving(..)) {
+            self.outcome.clone_into(&mut result.state);
+        }
+        result
+    }
+
+    /// True when nothing is left of it.
+    pub(crate) fn is_over(&self) -> bool {
+        matches!(self.phase, Phase::Over)
+    }
+
+    /// True while it looks after both processes of its seat itself.
+    pub(crate) fn keeps_seat(&self) -> bool {
+        matches!(self.phase, Phase::Keep(_) | Phase::Settling(_))
+    }
+
+    /// The tick beyond which the robot may not go yet, lockstep only. The swap after this one begins
+    /// at the tick `next`, or when this one is over.
+    pub(crate) fn lease_limit(&self, next: u64) -> u64 {
+        match self.phase {
+            Phase::Asking(_) | Phase::Starting(_) => self.hold_tick,
+            Phase::Shadow(Some(until)) | Phase::Keep(until) => until.saturating_sub(1),
+            Phase::Settling(_) => 0,
+            Phase::Shadow(None) => u64::MAX,
+            Phase::Leaving(_, until) => next.max(until),
+            Phase::Over => next,
+        }
+    }
+
+    /// Ends it early: before the cut-over the newcomer leaves, after it the predecessor comes back.
+    ///
+    /// # Errors
+    /// When its end is decided already.
+    pub(crate) fn cancel(&mut self, scene: &mut Scene<'_>) -> Result<(), String> {
+        match self.phase {
+            Phase::Asking(_) => self.end("cancelled", None),
+            Phase::Shadow(None) => self.leave(scene, "compared", None),
+            Phase::Starting(_) | Phase::Shadow(_) => self.leave(scene, "cancelled", None),
+            Phase::Keep(_) => self.roll_back(scene, "it was cancelled".to_owned()),
+            Phase::Settling(_) | Phase::Leaving(..) | Phase::Over => {
+                let (role, outcome) = (self.role, self.decided().state);
+                return Err(format!("the swap of {role} ends already: {outcome}"));
+            }
+        }
+        Ok(())
+    }
+
+    /// One look. True once the newcomer has the seat for good.
+    pub(crate) fn look(&mut self, scene: &mut Scene<'_>) -> bool {
+        if let Some(newcomer) = &mut self.newcomer {
+            newcomer.listen(self.role, scene, &mut self.result.comparison);
+        }
+        if !matches!(self.phase, Phase::Asking(_)) {
+            self.result.command_gap_ticks = scene.collector.aside.command_gap_ticks();
+        }
+        match &self.phase {
+            Phase::Asking(_) => self.hear_answer(scene),
+            Phase::Starting(since) => {
+                let since = *since;
+                self.wait_until_ready(scene, since);
+            }
+            Phase::Shadow(until) => {
+                let until = *until;
+                self.compare(scene, until);
+            }
+            Phase::Keep(until) => {
+                let until = *until;
+                return self.keep(scene, until);
+            }
+            Phase::Settling(since) => {
+                let since = *since;
+                self.settle(scene, since);
+            }
+            Phase::Leaving(since, until) => {
+                let (since, until) = (*since, *until);
+                self.see_off(scene, since, until);
+            }
+            Phase::Over => {}
+        }
+        false
+    }
+
+    fn end(&mut self, state: &'static str, why: Option<String>) {
+        state.clone_into(&mut self.result.state);
+        self.result.why = why;
+        self.phase = Phase::Over;
+    }
+}

@@ -1,0 +1,119 @@
+//! The newcomer as launch sees it: its heart, its answers, its times.
+
+use super::ears::{Ears, roster_of};
+use super::scene::Scene;
+use super::scores::Scores;
+use crate::result::swap::Comparison;
+use crate::supervise::hang::HangWatch;
+use crate::supervise::stack::Stack;
+use std::time::Instant;
+use zeronav_msgs::health::HealthState;
+use zeronav_msgs::role::Role;
+use zeronav_msgs::topics::HealthTopic;
+use zeronav_shell::{Latest, Roster, StartError};
+
+/// A process that was started beside the one in a seat.
+#[derive(Debug)]
+pub(super) struct Newcomer {
+    /// Its epoch.
+    pub epoch: u32,
+    /// Epoch of the process that was in the seat before it.
+    pub office: u32,
+    /// First tick that counts.
+    pub from_tick: u64,
+    ears: Ears,
+    scores: Scores,
+    health: Latest<HealthTopic>,
+    roster: Roster,
+    hangs: HangWatch,
+    looked: Instant,
+    is_hung: bool,
+    is_ready: bool,
+    /// The newest tick that its predecessor has answered and it has not, and since when.
+    pub owed: Option<(u64, Instant)>,
+    /// Since when its predecessor has owed an answer that it has given.
+    pub predecessor_owes_since: Option<Instant>,
+}
+
+impl Newcomer {
+    /// Opens what is needed to hear it.
+    ///
+    /// # Errors
+    /// When there is no place left for a reader.
+    pub(super) fn open(stack: &Stack, role: Role, epoch: u32) -> Result<Self, StartError> {
+        Ok(Self {
+            epoch,
+            office: stack.epoch(role),
+            from_tick: u64::MAX,
+            ears: Ears::open(stack, role, epoch)?,
+            scores: Scores::default(),
+            health: stack.health_of(role)?,
+            roster: roster_of(role, epoch),
+            hangs: HangWatch::default(),
+            looked: Instant::now(),
+            is_hung: false,
+            is_ready: false,
+            owed: None,
+            predecessor_owes_since: None,
+        })
+    }
+
+    /// Takes in what has come of it.
+    pub(super) fn listen(
+        &mut self,
+        role: Role,
+        scene: &mut Scene<'_>,
+        comparison: &mut Comparison,
+    ) {
+        let since = self.looked.elapsed();
+        self.looked = Instant::now();
+        self.health.poll(&self.roster);
+        // A process that has not beaten yet still starts.
+        if let Some(beat) = self.health.get() {
+            let (epoch, progress) = (self.epoch, beat.meta.progress);
+            let limit = scene.hang_after;
+            self.is_hung = self.hangs.look(role, epoch, progress, since, limit);
+            let state = beat.meta.state();
+            self.is_ready = matches!(state, Some(HealthState::Ready | HealthState::Degraded));
+        }
+        let office = scene.stack.epoch(role);
+        if office != self.office && office != self.epoch {
+            // It was restarted.
+            self.office = office;
+            self.ears.office_is(office);
+            scene.collector.aside.watch(role, &[office, self.epoch]);
+        }
+        let map = scene.collector.replica.view();
+        let is_missing = self
+            .ears
+            .listen(self.from_tick, map.as_ref(), &mut self.scores);
+        if is_missing {
+            scene.collector.ask_for_keyframe();
+        }
+        self.scores.report(comparison);
+        comparison.rejected = self.ears.rejected();
+        comparison.office = scene.collector.aside.times(self.office);
+        comparison.newcomer = scene.collector.aside.times(self.epoch);
+    }
+
+    /// True once its heartbeat says that it can answer.
+    pub(super) fn is_ready(&self) -> bool {
+        self.is_ready
+    }
+
+    /// True when its heartbeat has shown no progress for too long.
+    pub(super) fn is_hung(&self) -> bool {
+        self.is_hung
+    }
+
+    /// Newest tick that it has answered; it owes nothing from before it came.
+    pub(super) fn answered(&self, scene: &Scene<'_>) -> u64 {
+        let answered = scene.collector.aside.answered(self.epoch);
+        answered.max(self.from_tick.saturating_sub(1))
+    }
+
+    /// True when its paths lead through obstacles.
+    pub(super) fn is_blocked(&self) -> bool {
+        self.ears.is_blocked()
+    }
+}

@@ -1,0 +1,35 @@
+//! What a swap works on.
+
+use crate::collect::Collector;
+use crate::supervise::stack::Stack;
+use std::time::Duration;
+use zeronav_msgs::time::nanoseconds;
+
+/// What a swap works on.
+#[derive(Debug)]
+pub(crate) struct Scene<'a> {
+    /// The processes.
+    pub stack: &'a mut Stack,
+    /// What was heard of them.
+    pub collector: &'a mut Collector,
+    /// True in lockstep.
+    pub lockstep: bool,
+    /// From tick to tick. [ns]
+    pub tick_ns: u64,
+    /// Time without progress after which a process counts as hung.
+    pub hang_after: Duration,
+    /// True while the seat has no process that answers.
+    pub is_vacant: bool,
+}
+
+impl Scene<'_> {
+    /// True when every role has answered every tick up to `tick`.
+    pub(super) fn all_answered(&self, tick: u64) -> bool {
+        self.collector.all_answered(tick, &self.stack.roster)
+    }
+
+    /// A time in ticks.
+    pub(super) fn ticks(&self, time_s: f64) -> u64 {
+        nanoseconds(time_s).div_ceil(self.tick_ns.max(1))
+    }
+}
