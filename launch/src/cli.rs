@@ -1,6 +1,7 @@
 //! The command line.
 
 use crate::arguments::{delay, service_role};
+use crate::contract_kit::cli::ContractArgs;
 use crate::logs::LogsArgs;
 use crate::map_save::MapArgs;
 use crate::params::ParamsArgs;
@@ -119,6 +120,8 @@ pub enum Command {
     },
     /// Run the worlds of a data set, or a folder of scenarios, in lockstep on all cores.
     Suite(SuiteArgs),
+    /// Test whether a program may be swapped into a seat: the contract, clause by clause.
+    Contract(ContractArgs),
     /// Draw a recorded run as an animated SVG.
     Draw(DrawArgs),
     /// The completions of a shell, to be sourced or put where it looks for them.

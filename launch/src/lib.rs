@@ -9,6 +9,7 @@ mod collect;
 pub mod commands;
 pub mod completions;
 mod configs;
+pub mod contract_kit;
 mod control;
 mod disturbance;
 pub mod doctor;

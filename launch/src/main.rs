@@ -6,6 +6,7 @@ use clap::Parser;
 use clap::error::ErrorKind;
 use std::process::ExitCode;
 use zeronav::cli::{Cli, Command};
+use zeronav::contract_kit;
 use zeronav::exit::EXIT_USAGE;
 use zeronav::remote::{goal, swap, verbs};
 use zeronav::show::{log, terminal};
@@ -71,6 +72,7 @@ fn main() -> ExitCode {
         Command::Status(arguments) => verbs::status(&arguments),
         Command::Wait(arguments) => verbs::wait(&arguments),
         Command::Down(arguments) => verbs::down(&arguments),
+        Command::Contract(arguments) => contract_kit::contract(&arguments),
         Command::Draw(arguments) => draw::draw(&arguments.run, arguments.out.as_deref()),
         Command::Suite(arguments) => commands::suite(&arguments.plan(), arguments.json),
         Command::Completions { shell } => completions::completions(shell),

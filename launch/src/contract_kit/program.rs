@@ -1,0 +1,144 @@
+//! The program that is tested, and its short runs: those that print something and end.
+
+use crate::supervise::child::end_with_this_thread;
+use rustix::process::{Pid, Signal, kill_process_group};
+use std::ffi::OsString;
+use std::fs::File;
+use std::io::{Read, Seek, SeekFrom};
+use std::os::unix::process::CommandExt;
+use std::path::PathBuf;
+use std::process::{Command, ExitStatus, Stdio};
+use std::time::{Duration, Instant};
+use zeronav_msgs::role::Role;
+
+/// Longest time that a short run may take: as `zeronav check` gives it.
+const ANSWER_LIMIT: Duration = Duration::from_secs(5);
+
+/// Most of an output that is read. [bytes]
+const BYTES_MAX: u64 = 1 << 20;
+
+const PAUSE: Duration = Duration::from_millis(2);
+
+/// The program under test.
+#[derive(Debug, Clone)]
+pub(crate) struct Program {
+    /// The seat that it is tested in.
+    pub role: Role,
+    /// The file.
+    pub binary: PathBuf,
+    /// Arguments in front of the flags of a service.
+    pub arguments: Vec<OsString>,
+    /// Its configuration file.
+    pub config: PathBuf,
+    /// Folder for logs and configurations.
+    pub folder: PathBuf,
+}
+
+/// A short run that has ended.
+#[derive(Debug)]
+pub(crate) struct Ended {
+    /// How; `None` when it had to be killed.
+    status: Option<ExitStatus>,
+    /// Standard output.
+    pub stdout: String,
+    /// Standard error.
+    pub stderr: String,
+}
+
+impl Program {
+    /// Its own arguments, then `flags`.
+    pub(crate) fn with(&self, flags: &[OsString]) -> Vec<OsString> {
+        [&self.arguments[..], flags].concat()
+    }
+
+    /// Runs it with these flags to its end, or kills it after [`ANSWER_LIMIT`]; calls `meanwhile` now
+    /// and then.
+    fn run(&self, flags: &[OsString], meanwhile: &dyn Fn()) -> std::io::Result<Ended> {
+        let (mut stdout, mut stderr) = (tempfile::tempfile()?, tempfile::tempfile()?);
+        let mut command = Command::new(&self.binary);
+        command
+            .args(self.with(flags))
+            .stdin(Stdio::null())
+            .stdout(stdout.try_clone()?)
+            .stderr(stderr.try_clone()?)
+            .process_group(0);
+        end_with_this_thread(&mut command, Signal::KILL);
+        let mut process = command.spawn()?;
+        let started = Instant::now();
+        let status = loop {
+            match process.try_wait()? {
+                Some(status) => break Some(status),
+                None if started.elapsed() > ANSWER_LIMIT => break None,
+                None => {
+                    meanwhile();
+                    std::thread::sleep(PAUSE);
+                }
+            }
+        };
+        if status.is_none() {
+            let group = i32::try_from(process.id()).ok().and_then(Pid::from_raw);
+            if let Some(group) = group {
+                let _ = kill_process_group(group, Signal::KILL);
+            }
+            let _ = process.wait();
+        }
+        Ok(Ended {
+            status,
+            stdout: text(&mut stdout)?,
+            stderr: text(&mut stderr)?,
+        })
+    }
+
+    /// Runs it with these flags to its end; its exit code has to be `code`.
+    ///
+    /// # Errors
+    /// How it ended instead, with the last line that it wrote to standard error.
+    pub(crate) fn expect(&self, flags: &[OsString], code: i32) -> Result<Ended, String> {
+        self.expect_while(flags, code, &|| ())
+    }
+
+    /// [`Self::expect`], with something to be done `meanwhile`, every few milliseconds.
+    ///
+    /// # Errors
+    /// As [`Self::expect`].
+    pub(crate) fn expect_while(
+        &self,
+        flags: &[OsString],
+        code: i32,
+        meanwhile: &dyn Fn(),
+    ) -> Result<Ended, String> {
+        let ended = self.run(flags, meanwhile);
+        let ended = ended.map_err(|error| format!("{}: {error}", self.binary.display()))?;
+        match ended.status {
+            Some(status) if status.code() == Some(code) => Ok(ended),
+            Some(status) => Err(format!(
+                "{status} and not exit code {code}; it said: {}",
+                ended.last_words()
+            )),
+            None => Err(format!(
+                "it had not ended after {} s; expected exit code {code}",
+                ANSWER_LIMIT.as_secs()
+            )),
+        }
+    }
+}
+
+impl Ended {
+    /// The last line on standard error that says something.
+    pub(crate) fn last_words(&self) -> &str {
+        last_line(&self.stderr)
+    }
+}
+
+/// The last line of a text that says something.
+pub(crate) fn last_line(text: &str) -> &str {
+    let mut lines = text.lines().map(str::trim).rev();
+    lines.find(|line| !line.is_empty()).unwrap_or("nothing")
+}
+
+fn text(file: &mut File) -> std::io::Result<String> {
+    let mut bytes = Vec::new();
+    file.seek(SeekFrom::Start(0))?;
+    file.take(BYTES_MAX).read_to_end(&mut bytes)?;
+    Ok(String::from_utf8_lossy(&bytes).into_owned())
+}
