@@ -45,6 +45,14 @@ struct Joining {
     absent_ticks: u64,
 }
 
+/// A successor that is to be obeyed: its seat is empty from `off_tick` to before `on_tick`.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Taken {
+    pub role: Role,
+    pub off_tick: u64,
+    pub on_tick: u64,
+}
+
 /// See the module's description.
 #[derive(Debug)]
 pub(crate) struct Keeper<'a> {
@@ -159,7 +167,7 @@ impl<'a> Keeper<'a> {
     }
 
     /// One look at every process but that of the seat `left_out`, which a swap looks after. Returns
-    /// the seats that got a successor.
+    /// the seats whose successor is to be obeyed from now on.
     ///
     /// # Errors
     /// How the run ends when a seat cannot be filled again.
@@ -168,15 +176,16 @@ impl<'a> Keeper<'a> {
         stack: &mut Stack,
         collector: &Collector,
         left_out: Option<Role>,
-    ) -> Result<Vec<Role>, Ending> {
+    ) -> Result<Vec<Taken>, Ending> {
         let since = self.looked.elapsed();
         self.looked = Instant::now();
-        self.look_at_hearts(stack, collector, since, left_out);
+        let mut taken = self.look_at_hearts(stack, collector, since, left_out);
         while let Some(at) = stack.dead(left_out) {
             self.replace(stack, collector, at)?;
         }
         self.vacate(stack, collector);
-        self.fill_seats(stack)
+        self.fill_seats(stack, &mut taken)?;
+        Ok(taken)
     }
 
     /// True while a seat waits for its successor: then the next look should come soon.
@@ -185,9 +194,8 @@ impl<'a> Keeper<'a> {
         !self.vacant.is_empty()
     }
 
-    /// Starts the successors whose time has come. Returns their seats.
-    fn fill_seats(&mut self, stack: &mut Stack) -> Result<Vec<Role>, Ending> {
-        let mut filled = Vec::new();
+    /// Starts the successors whose time has come; `taken` gets those that are obeyed at once.
+    fn fill_seats(&mut self, stack: &mut Stack, taken: &mut Vec<Taken>) -> Result<(), Ending> {
         for vacant in core::mem::take(&mut self.vacant) {
             if Instant::now() < vacant.due || !stack.is_clean(vacant.cleaning) {
                 self.vacant.push(vacant);
@@ -195,11 +203,14 @@ impl<'a> Keeper<'a> {
             }
             self.join(stack, vacant.role, vacant.absent_ticks.unwrap_or(0))?;
             if vacant.absent_ticks.is_none() {
-                stack.obey_newest(vacant.role, 0, 0);
+                taken.push(Taken {
+                    role: vacant.role,
+                    off_tick: 0,
+                    on_tick: 0,
+                });
             }
-            filled.push(vacant.role);
         }
-        Ok(filled)
+        Ok(())
     }
 
     /// Lets the next process started by hand take a seat whose owner, started by hand, has ended. In
@@ -236,11 +247,12 @@ impl<'a> Keeper<'a> {
         collector: &Collector,
         since: Duration,
         left_out: Option<Role>,
-    ) {
+    ) -> Vec<Taken> {
+        let mut taken = Vec::new();
         let limit = self.prepared.scenario.restart.hang_after();
         for (role, epoch, progress, ready) in stack.heartbeats() {
             if ready {
-                self.seat(stack, collector, role);
+                taken.extend(self.seat(stack, collector, role));
             }
             if self.hangs.look(role, epoch, progress, since, limit) && left_out != Some(role) {
                 self.kill(stack, role);
@@ -255,25 +267,28 @@ impl<'a> Keeper<'a> {
         for role in late {
             self.kill(stack, role);
         }
+        taken
     }
 
     /// Lets a successor that can answer take its seat. In lockstep that happens at the tick at
     /// which the robot is held for the seat's answer, whenever the successor was ready: the roster
     /// says for how long from there the seat is empty, and the successor hears nothing from before.
-    fn seat(&mut self, stack: &mut Stack, collector: &Collector, role: Role) {
-        let Some(at) = (self.joining.iter()).position(|joining| joining.role == role) else {
-            return;
-        };
-        if self.plays_absence(collector) {
-            if !collector.owes(role, &stack.roster) {
-                self.joining[at].ready = true;
-                return;
-            }
-            let off_tick = collector.answered_by(role) + 1;
-            let on_tick = collector.robot_tick() + self.joining[at].absent_ticks;
-            stack.obey_newest(role, off_tick, on_tick);
+    fn seat(&mut self, stack: &Stack, collector: &Collector, role: Role) -> Option<Taken> {
+        let at = (self.joining.iter()).position(|joining| joining.role == role)?;
+        if !self.plays_absence(collector) {
+            self.joining.remove(at);
+            return None;
         }
-        self.joining.remove(at);
+        if !collector.owes(role, &stack.roster) {
+            self.joining[at].ready = true;
+            return None;
+        }
+        let joining = self.joining.remove(at);
+        Some(Taken {
+            role,
+            off_tick: collector.answered_by(role) + 1,
+            on_tick: collector.robot_tick() + joining.absent_ticks,
+        })
     }
 
     /// Kills a process that makes no progress; its death is seen with the others.

@@ -104,6 +104,7 @@ message! {
         /// [id] Identity, see [`Id`].
         pub id: u64,
         /// [tick] Control tick that the message answers; 0 = an idle output before the first tick.
+        /// That of a keyframe is the tick of its revision.
         pub tick: u64,
         /// Run time of that tick, for a scan of its capture. [ns]
         pub run_ns: u64,

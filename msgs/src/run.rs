@@ -1,5 +1,6 @@
 //! `run/clock` and `run/control`: what time means, and who is obeyed.
 
+use crate::header::SHADOW_EPOCH_MIN;
 use crate::message::{Refusal, ZeroCopySend, ensure};
 use crate::role::Role;
 use crate::{codes, message};
@@ -96,7 +97,7 @@ impl Seat {
     }
 
     /// True when the process with this epoch is obeyed at `tick`. What belongs to no tick (0), such
-    /// as a keyframe of the map, is heard from `epoch` only.
+    /// as an idle output, is heard from `epoch` only.
     #[must_use]
     pub const fn obeys(&self, epoch: u32, tick: u64) -> bool {
         epoch != 0
@@ -108,24 +109,39 @@ impl Seat {
                 }
     }
 
-    /// True when the process with this epoch answers `tick`, obeyed or not.
+    /// True when the process that is obeyed has taken the seat over from another.
+    #[must_use]
+    pub const fn is_taken_over(&self) -> bool {
+        self.hear_tick > 0 || self.since_tick > 0
+    }
+
+    /// True when the process with this epoch answers `tick`, obeyed or not: a successor that the
+    /// seat does not name yet answers none, a shadow started by hand answers as the seat does.
     #[must_use]
     pub const fn answers_as(&self, epoch: u32, tick: u64) -> bool {
         if epoch != 0 && epoch == self.other {
             tick >= self.other_tick
         } else {
-            self.answers(tick)
+            self.names(epoch) && self.answers(tick)
         }
     }
 
-    /// First tick of which the process with this epoch hears messages.
+    /// First tick of which the process with this epoch hears messages; `u64::MAX` for a successor
+    /// that the seat does not name yet.
     #[must_use]
     pub const fn hears_from(&self, epoch: u32) -> u64 {
         if epoch != 0 && epoch == self.other {
             self.other_tick
-        } else {
+        } else if self.names(epoch) {
             self.hear_tick
+        } else {
+            u64::MAX
         }
+    }
+
+    /// True for the process in the seat, and for shadows started by hand, which run beside it.
+    const fn names(&self, epoch: u32) -> bool {
+        epoch == self.epoch || epoch >= SHADOW_EPOCH_MIN
     }
 }
 

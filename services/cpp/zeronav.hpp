@@ -301,6 +301,7 @@ struct Header {
     /// [id] Identity, see `Id`.
     std::uint64_t id{};
     /// [tick] Control tick that the message answers; 0 = an idle output before the first tick.
+    /// That of a keyframe is the tick of its revision.
     std::uint64_t tick{};
     /// Run time of that tick, for a scan of its capture. [ns]
     std::uint64_t run_ns{};

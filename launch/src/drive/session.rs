@@ -225,20 +225,24 @@ impl<'a> Session<'a> {
         left.copied().collect()
     }
 
-    /// Looks after the processes. A new local planner knows nothing of goals that were reached
-    /// before, so it gets those that are left.
+    /// Sees to the processes. A new local planner knows nothing of goals that were reached before,
+    /// so it gets those that are left; in lockstep while the robot is held for the answer of its
+    /// seat, which makes the tick from which they hold the same in every run.
     fn keep(&mut self, stack: &mut Stack) -> Option<Ending> {
         self.see_to_swap(stack);
         let left_out = self.swaps.keeps();
-        let restarted = match self.keeper.look(stack, &self.collector, left_out) {
-            Ok(restarted) => restarted,
+        let taken = match self.keeper.look(stack, &self.collector, left_out) {
+            Ok(taken) => taken,
             Err(ending) => return Some(ending),
         };
-        if restarted.contains(&Role::LocalPlanner) && !self.is_cancelling {
+        for taken in taken {
             let left = self.left();
-            if left.len() < self.task.len() && !left.is_empty() {
-                self.send_now(stack, left);
+            let goes_on = taken.role == Role::LocalPlanner && !self.is_cancelling;
+            if goes_on && left.len() < self.task.len() && !left.is_empty() {
+                let from_tick = taken.on_tick.max(self.collector.robot_tick() + 1);
+                self.send(stack, left, from_tick);
             }
+            stack.obey_newest(taken.role, taken.off_tick, taken.on_tick);
         }
         None
     }

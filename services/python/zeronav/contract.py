@@ -211,6 +211,7 @@ class Header(Message):
         # [id] Identity, see `Id`.
         ("id", u64),
         # [tick] Control tick that the message answers; 0 = an idle output before the first tick.
+        # That of a keyframe is the tick of its revision.
         ("tick", u64),
         # Run time of that tick, for a scan of its capture. [ns]
         ("run_ns", u64),

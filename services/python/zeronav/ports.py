@@ -92,13 +92,22 @@ class _Reader:
         except Refused as refusal:
             self._note(view, roster, str(refusal))
             return False
-        return roster.hears(view.header)
+        return self._hears(view.header, roster)
+
+    def _hears(self, header, roster):
+        """In lockstep an idle output would take effect at a tick that depends on the speed of the
+        machine: it is heard of the first process in a seat only. The map is also heard from before
+        the reader's own first tick, as it is the sum of its updates."""
+        if header.tick == 0 and roster.lockstep and roster.is_taken_over(header):
+            return False
+        is_map = self.topic in (c.MAP_UPDATE, c.MAP_KEYFRAME)
+        return roster.hears(header) or (is_map and roster.obeys(header))
 
     def _note(self, view, roster, why):
         self.refused += 1
         try:
             header(self.topic, view.header)
-            if roster.hears(view.header):
+            if self._hears(view.header, roster):
                 self.refused_tick = max(self.refused_tick, view.tick)
         except Refused:
             pass

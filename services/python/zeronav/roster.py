@@ -1,6 +1,8 @@
 """Which processes are obeyed, which roles have to answer, and how the run keeps time."""
 
-from .contract import DELAY_STEP_NS, Role, RunClock, RunControl, RunMode
+from .contract import DELAY_STEP_NS, SHADOW_EPOCH_MIN, Role, RunClock, RunControl, RunMode
+
+TICK_MAX = 2**64 - 1
 
 
 class Roster:
@@ -29,16 +31,39 @@ class Roster:
         """True when the author is obeyed, and the message not of a tick before this reader."""
         if header.role == Role.LAUNCH:
             return True
+        return self.obeys(header) and (header.tick == 0 or header.tick >= self._first_tick())
+
+    def _first_tick(self):
+        """First tick of which this process hears messages; a successor that the seat does not name
+        yet hears none."""
+        own = self.seats.get(self.own)
+        if own is None:
+            return 0
+        if self._is_other(own):
+            return own.other_tick
+        return own.hear_tick if self._is_named(own) else TICK_MAX
+
+    def began_after(self, role, epoch):
+        """True when this process began at a tick at which the seat of `role` was empty, which the
+        process with this epoch had left."""
+        seat = self.seats.get(role)
+        if seat is None or seat.epoch == epoch:
+            return False
+        first_tick = self._first_tick()
+        return first_tick > 0 and not self.answers(role, first_tick)
+
+    def obeys(self, header):
+        """True when the author is obeyed in its seat at the tick of the message."""
         seat = self.seats.get(header.role)
         if seat is None:
             return False
         obeyed = seat.other if 0 < header.tick < seat.since_tick else seat.epoch
-        if obeyed == 0 or obeyed != header.id >> 40:
-            return False
-        own = self.seats.get(self.own)
-        if header.tick == 0 or own is None:
-            return True
-        return header.tick >= (own.other_tick if self._is_other(own) else own.hear_tick)
+        return obeyed != 0 and obeyed == header.id >> 40
+
+    def is_taken_over(self, header):
+        """True when the author's seat has been taken over since the run began."""
+        seat = self.seats.get(header.role)
+        return seat is not None and max(seat.hear_tick, seat.since_tick) > 0
 
     def is_current(self, header):
         """True when the author is the process that is obeyed in its seat from now on."""
@@ -48,12 +73,18 @@ class Roster:
     def _is_other(self, own):
         return self.epoch != 0 and self.epoch == own.other
 
+    def _is_named(self, own):
+        return self.epoch == own.epoch or self.epoch >= SHADOW_EPOCH_MIN
+
     def owes(self, tick):
-        """True when this process has to answer `tick`, obeyed or not."""
+        """True when this process has to answer `tick`, obeyed or not. A successor that the seat does
+        not name yet answers none; a shadow started by hand answers as the seat does."""
         own = self.seats.get(self.own)
-        if own is not None and self._is_other(own):
+        if own is None:
+            return False
+        if self._is_other(own):
             return tick >= own.other_tick
-        return self.answers(self.own, tick)
+        return self._is_named(own) and self.answers(self.own, tick)
 
     def answers(self, role, tick):
         """True when `role` has to answer `tick`."""

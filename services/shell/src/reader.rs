@@ -8,7 +8,7 @@ use iceoryx2::sample::Sample;
 use zeronav_msgs::header::{Header, Id};
 use zeronav_msgs::message::Refusal;
 use zeronav_msgs::role::Role;
-use zeronav_msgs::topics::{Envelope, Topic, TopicRow, decode};
+use zeronav_msgs::topics::{Envelope, HEALTH, MapKeyframe, MapUpdate, Topic, TopicRow, decode};
 
 pub(crate) type Subscriber<T> = iceoryx2::port::subscriber::Subscriber<
     ipc::Service,
@@ -50,6 +50,8 @@ fn view<T: Topic>(sample: &Message<T>) -> View<'_, T> {
 #[derive(Debug)]
 struct Gate {
     row: &'static TopicRow,
+    is_health: bool,
+    is_map: bool,
     refused: u64,
     /// Newest tick of a message whose sender is obeyed though its content is rejected.
     refused_tick: u64,
@@ -65,6 +67,8 @@ impl Gate {
     fn new(row: &'static TopicRow) -> Self {
         Self {
             row,
+            is_health: HEALTH.iter().any(|health| health.number == row.number),
+            is_map: [MapUpdate::ROW.number, MapKeyframe::ROW.number].contains(&row.number),
             refused: 0,
             refused_tick: 0,
             refused_of: Vec::new(),
@@ -88,7 +92,7 @@ impl Gate {
             self.refused += 1;
             if header.check(self.row.schema, self.row.writers).is_ok() {
                 self.note_author(header.id().epoch());
-                if roster.hears(header) {
+                if self.hears(header, roster) {
                     self.refused_tick = self.refused_tick.max(header.tick);
                 }
             }
@@ -98,7 +102,19 @@ impl Gate {
             }
             return false;
         }
-        roster.hears(header)
+        self.hears(header, roster)
+    }
+
+    /// In lockstep an idle output would take effect at a tick that depends on the speed of the
+    /// machine: it is heard of the first process in a seat only, which sends it before the first
+    /// tick. The map is also heard from before the reader's own first tick, as it is the sum of its
+    /// updates.
+    fn hears(&self, header: &Header, roster: &Roster) -> bool {
+        let is_untimed = header.tick == 0 && !self.is_health && roster.lockstep();
+        if is_untimed && roster.is_taken_over(header) {
+            return false;
+        }
+        roster.hears(header) || (self.is_map && roster.obeys(header))
     }
 }
 
@@ -286,5 +302,45 @@ impl<T: Topic> Stream<T> {
 impl<T: Topic> Input for Stream<T> {
     fn refused(&self) -> u64 {
         self.gate.refused
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use zeronav_msgs::run::{RunClock, RunMode, Seat};
+    use zeronav_msgs::topics::{ControlRequest, health_of};
+
+    #[test]
+    fn heartbeats_and_the_map_are_heard_whatever_their_tick() {
+        let seat = |role: Role, epoch, hear_tick| Seat {
+            role: role.code(),
+            epoch,
+            hear_tick,
+            ..Seat::default()
+        };
+        let roster = Roster {
+            clock: RunClock {
+                mode: RunMode::Lockstep.code(),
+                ..RunClock::default()
+            },
+            seats: vec![seat(Role::Mapping, 2, 10), seat(Role::LocalPlanner, 3, 20)],
+            own: Some((Role::LocalPlanner, 3)),
+            ..Roster::default()
+        };
+        let of_mapping = |tick| Header {
+            id: Id::new(2, 7).0,
+            role: Role::Mapping.code(),
+            tick,
+            ..Header::default()
+        };
+        let hears = |row, tick| Gate::new(row).hears(&of_mapping(tick), &roster);
+        let health = health_of(Role::Mapping).expect("a row");
+        assert!(hears(health, 0), "it belongs to no tick");
+        let others = ControlRequest::ROW;
+        assert!(!hears(others, 0) && !hears(others, 19) && hears(others, 20));
+        for row in [MapUpdate::ROW, MapKeyframe::ROW] {
+            assert!(!hears(row, 0) && hears(row, 10), "{}", row.name);
+        }
     }
 }

@@ -31,19 +31,24 @@ impl Roster {
     /// and not of a tick before this reader was there.
     #[must_use]
     pub fn hears(&self, header: &Header) -> bool {
-        let Some(role) = header.role() else {
-            return false;
-        };
-        if role == Role::Launch {
+        if header.role() == Some(Role::Launch) {
             return true;
         }
-        let own = self.own.and_then(|(own, epoch)| {
-            let seat = self.seat(own)?;
-            Some(seat.hears_from(epoch))
-        });
-        self.seat(role)
-            .is_some_and(|seat| seat.obeys(header.id().epoch(), header.tick))
-            && (header.tick == 0 || header.tick >= own.unwrap_or(0))
+        self.obeys(header) && (header.tick == 0 || header.tick >= self.first_tick())
+    }
+
+    /// First tick of which this process hears messages.
+    fn first_tick(&self) -> u64 {
+        let seat = self
+            .own
+            .and_then(|(role, epoch)| Some((self.seat(role)?, epoch)));
+        seat.map_or(0, |(seat, epoch)| seat.hears_from(epoch))
+    }
+
+    /// True when the author is obeyed in its seat at the message's tick.
+    pub(crate) fn obeys(&self, header: &Header) -> bool {
+        let seat = header.role().and_then(|role| self.seat(role));
+        seat.is_some_and(|seat| seat.obeys(header.id().epoch(), header.tick))
     }
 
     /// True when the author is the process that is obeyed in its seat from now on: at the end of a
@@ -52,6 +57,20 @@ impl Roster {
     pub fn is_current(&self, header: &Header) -> bool {
         let seat = header.role().and_then(|role| self.seat(role));
         seat.is_none_or(|seat| seat.epoch == header.id().epoch())
+    }
+
+    /// True when this process began at a tick at which the seat of `role` was empty, which the
+    /// process with this epoch had left.
+    pub(crate) fn began_after(&self, role: Role, epoch: u32) -> bool {
+        let first_tick = self.first_tick();
+        let seat = self.seat(role).filter(|seat| seat.epoch != epoch);
+        first_tick > 0 && seat.is_some_and(|seat| !seat.answers(first_tick))
+    }
+
+    /// True when the author's seat has been taken over since the run began.
+    pub(crate) fn is_taken_over(&self, header: &Header) -> bool {
+        let seat = header.role().and_then(|role| self.seat(role));
+        seat.is_some_and(Seat::is_taken_over)
     }
 
     /// True when `role` has to answer `tick`.
@@ -101,7 +120,7 @@ impl Roster {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use zeronav_msgs::header::Id;
+    use zeronav_msgs::header::{Id, SHADOW_EPOCH_MIN};
 
     #[test]
     fn a_successor_hears_nothing_from_before_its_first_tick() {
@@ -127,6 +146,54 @@ mod tests {
         assert!(roster.hears(&header(0)), "what belongs to no tick");
         roster.own = None;
         assert!(roster.hears(&header(9)), "a guest hears everything");
+    }
+
+    #[test]
+    fn a_successor_that_its_seat_does_not_name_yet_hears_and_owes_nothing() {
+        let seat = |role: Role, epoch, (off_tick, on_tick)| Seat {
+            role: role.code(),
+            epoch,
+            off_tick,
+            on_tick,
+            hear_tick: on_tick,
+            ..Seat::default()
+        };
+        let mut roster = Roster {
+            seats: vec![
+                seat(Role::Mapping, 2, (10, 15)),
+                seat(Role::LocalPlanner, 3, (8, 12)),
+            ],
+            own: Some((Role::LocalPlanner, 4)),
+            ..Roster::default()
+        };
+        let header = |tick| Header {
+            id: Id::new(2, 7).0,
+            role: Role::Mapping.code(),
+            tick,
+            ..Header::default()
+        };
+        assert!(!roster.hears(&header(20)) && !roster.owes(20));
+        assert!(
+            roster.obeys(&header(20)),
+            "its author is obeyed all the same"
+        );
+        roster.own = Some((Role::LocalPlanner, SHADOW_EPOCH_MIN));
+        assert!(roster.hears(&header(20)) && roster.owes(20), "a shadow");
+        roster.own = Some((Role::LocalPlanner, 3));
+        assert!(roster.hears(&header(20)) && roster.owes(20));
+        assert!(
+            roster.began_after(Role::Mapping, 1),
+            "at tick 12 there was none"
+        );
+        assert!(
+            !roster.began_after(Role::Mapping, 2),
+            "that is the successor"
+        );
+        roster.seats[1].hear_tick = 15;
+        assert!(
+            !roster.began_after(Role::Mapping, 1),
+            "at tick 15 there was one"
+        );
     }
 
     #[test]

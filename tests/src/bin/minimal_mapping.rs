@@ -46,7 +46,10 @@ struct MinimalMapping {
     /// The whole map, and the tiles of it that have not been sent yet.
     tiles: Vec<MapTile>,
     unsent: Vec<usize>,
+    /// The newest revision, and the tick and run time [ns] that it answers.
     revision: Id,
+    tick: u64,
+    run_ns: u64,
     description: Latest<RobotDescription>,
     odometry: OdometryReader,
     scan: Latest<RobotScan>,
@@ -81,6 +84,8 @@ impl Service for MinimalMapping {
                 .collect(),
             unsent: Vec::new(),
             revision: Id::NONE,
+            tick: 0,
+            run_ns: 0,
             description: peer.latest()?,
             odometry: OdometryReader::open(peer)?,
             scan: peer.latest()?,
@@ -115,7 +120,11 @@ impl Service for MinimalMapping {
         }
         self.keyframe_wanted |= rung.has(EVENT_NEED_KEYFRAME);
         if self.keyframe_wanted && self.unsent.is_empty() {
-            let draft = shell.begin(Due::IDLE, 0, 0, Parents::default());
+            let draft = Draft {
+                tick: self.tick,
+                run_ns: self.run_ns,
+                ..shell.begin(Due::IDLE, 0, 0, Parents::default())
+            };
             let info = self.info(self.revision, self.tiles.len());
             let sent = shell.send(&draft, &mut self.keyframe, info, &self.tiles);
             self.keyframe_wanted = sent.is_none();
@@ -208,6 +217,7 @@ impl MinimalMapping {
         }
         self.unsent.clear();
         self.revision = revision;
+        (self.tick, self.run_ns) = (draft.tick, draft.run_ns);
         sent
     }
 }

@@ -120,6 +120,7 @@ impl Straight {
         }
         if let Some(unobeyed) = &mut self.unobeyed {
             let mut roster = shell.roster().clone();
+            roster.own = None;
             for seat in &mut roster.seats {
                 seat.epoch += 1;
             }
