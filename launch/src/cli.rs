@@ -4,6 +4,7 @@ use crate::arguments::{delay, service_role};
 use crate::contract_kit::cli::ContractArgs;
 use crate::logs::LogsArgs;
 use crate::map_save::MapArgs;
+use crate::new_package::cli::NewArgs;
 use crate::params::ParamsArgs;
 use crate::remote::cli::{
     CancelArgs, FaultArgs, GoalArgs, GoalsArgs, InitialPoseArgs, ObstacleArgs, StackArgs, StepArgs,
@@ -122,6 +123,8 @@ pub enum Command {
     Suite(SuiteArgs),
     /// Test whether a program may be swapped into a seat: the contract, clause by clause.
     Contract(ContractArgs),
+    /// Write a package for a seat, which builds, keeps the contract and drives as it is.
+    New(NewArgs),
     /// Draw a recorded run as an animated SVG.
     Draw(DrawArgs),
     /// The completions of a shell, to be sourced or put where it looks for them.

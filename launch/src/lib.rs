@@ -27,6 +27,7 @@ pub mod logs;
 pub mod look;
 pub mod map_save;
 pub mod measure;
+pub mod new_package;
 mod open_files;
 mod orders;
 pub mod params;

@@ -8,6 +8,7 @@ use std::process::ExitCode;
 use zeronav::cli::{Cli, Command};
 use zeronav::contract_kit;
 use zeronav::exit::EXIT_USAGE;
+use zeronav::new_package;
 use zeronav::remote::{goal, swap, verbs};
 use zeronav::show::{log, terminal};
 use zeronav::supervise::{cleaner, warden};
@@ -73,6 +74,7 @@ fn main() -> ExitCode {
         Command::Wait(arguments) => verbs::wait(&arguments),
         Command::Down(arguments) => verbs::down(&arguments),
         Command::Contract(arguments) => contract_kit::contract(&arguments),
+        Command::New(arguments) => new_package::new(&arguments),
         Command::Draw(arguments) => draw::draw(&arguments.run, arguments.out.as_deref()),
         Command::Suite(arguments) => commands::suite(&arguments.plan(), arguments.json),
         Command::Completions { shell } => completions::completions(shell),

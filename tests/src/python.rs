@@ -73,15 +73,23 @@ pub fn example(name: &str, folder: &Path) -> PathBuf {
 /// As [`python`].
 #[must_use]
 pub fn program(name: &str, text: &str, folder: &Path) -> PathBuf {
-    use std::os::unix::fs::PermissionsExt;
     let path = folder.join(name);
     let script = folder.join(format!("{name}.py"));
     std::fs::write(&script, text).expect("written");
     let (python, script) = (python(), script.display().to_string());
     let launcher = format!("#!/bin/sh\nexec '{}' '{script}' \"$@\"\n", python.display());
-    std::fs::write(&path, launcher).expect("written");
-    std::fs::set_permissions(&path, PermissionsExt::from_mode(0o755)).expect("its mode");
+    executable(&path, &launcher);
     path
+}
+
+/// Writes a script that can be executed.
+///
+/// # Panics
+/// When it cannot be written.
+pub fn executable(path: &Path, text: &str) {
+    use std::os::unix::fs::PermissionsExt;
+    std::fs::write(path, text).expect("written");
+    std::fs::set_permissions(path, PermissionsExt::from_mode(0o755)).expect("its mode");
 }
 
 /// Runs a command to its end; what it printed.

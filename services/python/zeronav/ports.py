@@ -61,6 +61,12 @@ class View:
             return max(0, draft.run_ns - self.header.run_ns)
         return max(0, draft.started_ns - min(self.header.capture_ns, self.came_ns))
 
+    def arrival_age_ns(self, draft, lockstep):
+        """The same since it came in: what counts is that its author still sends."""
+        if lockstep:
+            return max(0, draft.run_ns - self.header.run_ns)
+        return max(0, draft.started_ns - self.came_ns)
+
 
 class _Reader:
     def __init__(self, topic, subscriber):

@@ -1,9 +1,11 @@
-//! A minimal guard: limits a recent request to the robot's speeds, and stops otherwise.
+//! A minimal guard: limits a recent request to the robot's speeds and to what it can stop from before
+//! whatever the scan shows straight ahead, and stops without one. Turning is not checked.
 
 use std::process::ExitCode;
 use zeronav_msgs::command::{Intervention, Validity, VelocityCommand};
 use zeronav_msgs::header::Parents;
 use zeronav_msgs::health::REASON_REQUEST;
+use zeronav_msgs::pose::Pose;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::topics::{ControlRequest, RobotCommand, RobotDescription, RobotScan};
 use zeronav_shell::doorbell::Rung;
@@ -18,6 +20,8 @@ const PATIENCE_NS: u64 = 5_000_000;
 const STALE_NS: u64 = 100_000_000;
 /// Age from which a scan counts as missing. [ns]
 const SCAN_STALE_NS: u64 = 350_000_000;
+/// Distance kept free in the way of the robot. [m]
+const MARGIN_M: f64 = 0.1;
 
 struct MinimalGuard {
     description: Latest<RobotDescription>,
@@ -116,20 +120,47 @@ impl MinimalGuard {
             return stop(meaning, Intervention::None);
         }
         let (asked, limits) = (request.meta, robot.meta);
+        let safe_mps = (2.0 * limits.brake_mps2 * self.room_m(asked.v_mps)).sqrt();
         let v_mps = asked.v_mps.clamp(limits.v_mps_min, limits.v_mps_max);
         let w_radps = asked.w_radps.clamp(-limits.w_radps_max, limits.w_radps_max);
         let as_asked =
             v_mps.total_cmp(&asked.v_mps).is_eq() && w_radps.total_cmp(&asked.w_radps).is_eq();
-        let intervention = if as_asked {
-            Intervention::None
+        let intervention = if v_mps.abs() <= safe_mps {
+            if as_asked {
+                Intervention::None
+            } else {
+                Intervention::Clamped
+            }
+        } else if safe_mps > 0.0 {
+            Intervention::Slowed
         } else {
-            Intervention::Clamped
+            Intervention::StoppedShort
         };
+        let v_mps = v_mps.clamp(-safe_mps, safe_mps);
         VelocityCommand {
             v_mps,
             w_radps,
             ..stop(Validity::Drive, intervention)
         }
+    }
+
+    /// Way that the newest scan leaves straight ahead, or behind for a negative speed. [m]
+    fn room_m(&self, v_mps: f64) -> f64 {
+        let (Some(scan), Some(robot)) = (self.scan.get(), self.description.get()) else {
+            return 0.0;
+        };
+        let hits = (scan.items.iter().enumerate()).filter(|(_, range)| scan.meta.is_hit(**range));
+        let points = hits.map(|(beam, range)| {
+            let (sin, cos) = scan.meta.angle_of(beam).sin_cos();
+            let in_laser = Pose::new(f64::from(*range) * cos, f64::from(*range) * sin, 0.0);
+            robot.meta.base_from_laser.then(&in_laser)
+        });
+        let nearest_m = points
+            .filter(|point| point.y_m.abs() < robot.meta.inscribed_radius_m)
+            .map(|point| point.x_m.copysign(point.x_m * v_mps))
+            .filter(|ahead_m| *ahead_m > 0.0)
+            .fold(f64::INFINITY, f64::min);
+        (nearest_m - robot.meta.circumscribed_radius_m - MARGIN_M).max(0.0)
     }
 }
 

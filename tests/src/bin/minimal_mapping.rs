@@ -1,30 +1,36 @@
-//! A minimal mapping: the static map, or an empty one, with the hits of the newest scan. Earlier
-//! scans are forgotten.
+//! A minimal mapping: the static map, or an empty one, with the hits of all scans. A hit is forgotten
+//! when a later beam passes through it.
 
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use zeronav_msgs::header::{Header, Id, Parents};
+use zeronav_msgs::health::REASON_SCAN;
 use zeronav_msgs::map::{
     COST_CIRCUMSCRIBED_MAX, COST_INSCRIBED, COST_LETHAL, COST_UNKNOWN, FLAG_SENSED, FLAG_STATIC,
     FLAG_UNKNOWN, MapInfo, TILES_PER_UPDATE_MAX, tiles_of,
 };
+use zeronav_msgs::obstacles::Obstacles;
 use zeronav_msgs::pose::Pose;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::span::SpanKind;
 use zeronav_msgs::topics::{
-    EVENT_NEED_KEYFRAME, MapKeyframe, MapUpdate, RobotDescription, RobotScan,
+    EVENT_NEED_KEYFRAME, MapKeyframe, MapObstacles, MapUpdate, RobotDescription, RobotScan,
 };
 use zeronav_msgs::{Cell, GridGeometry, MapCell, MapTile};
 use zeronav_shell::doorbell::Rung;
 use zeronav_shell::{
-    Draft, Due, Latest, OdometryReader, Sent, Service, Shell, StartError, Trigger, Writer,
+    Draft, Due, Latest, OdometryReader, Sent, Service, Shell, StartError, Trigger, View, Writer,
 };
 use zeronav_world::{Occupancy, StaticMap};
 use zeronav_world_files::map_file;
 
 /// Where clearance is saturated. [mm]
 const LIMIT_MM: u16 = 1000;
+/// How near to a static obstacle a hit is taken for one on it. [mm]
+const EXPLAINED_MM: u16 = 100;
+/// Time without a scan after which the map is not current. [ns]
+const STALE_NS: u64 = 500_000_000;
 
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -41,6 +47,8 @@ struct MinimalMapping {
     map: StaticMap,
     /// Clearance of every cell from the static map alone. [mm]
     static_mm: Vec<u16>,
+    /// The cells that scans have hit and the static map does not explain.
+    sensed: Vec<bool>,
     /// The cells around an obstacle that it is nearer to than the limit, and how near. [mm]
     disc: Vec<(i32, i32, u16)>,
     /// The whole map, and the tiles of it that have not been sent yet.
@@ -55,7 +63,10 @@ struct MinimalMapping {
     scan: Latest<RobotScan>,
     update: Writer<MapUpdate>,
     keyframe: Writer<MapKeyframe>,
+    obstacles: Writer<MapObstacles>,
     keyframe_wanted: bool,
+    /// Scans are still received.
+    current: bool,
 }
 
 impl Service for MinimalMapping {
@@ -66,8 +77,7 @@ impl Service for MinimalMapping {
         let map = static_map(&config)?;
         let disc = disc(map.geometry.resolution_m);
         let mut static_mm = vec![LIMIT_MM; map.geometry.len()];
-        let (width, height) = map.geometry.size();
-        for cell in (0..height).flat_map(|y| (0..width).map(move |x| Cell::new(x, y))) {
+        for cell in cells_of(&map.geometry) {
             if map.get(cell) == Some(Occupancy::Occupied) {
                 put_obstacle(&mut static_mm, &disc, &map.geometry, cell);
             }
@@ -91,8 +101,11 @@ impl Service for MinimalMapping {
             scan: peer.latest()?,
             update: peer.writer(TILES_PER_UPDATE_MAX)?,
             keyframe: peer.writer(columns as usize * rows as usize)?,
+            obstacles: peer.writer(1)?,
             keyframe_wanted: true,
+            current: true,
             map,
+            sensed: vec![false; static_mm.len()],
             static_mm,
             disc,
         })
@@ -118,6 +131,7 @@ impl Service for MinimalMapping {
         for due in shell.due(&trigger) {
             self.answer(shell, due);
         }
+        self.send_stale(shell);
         self.keyframe_wanted |= rung.has(EVENT_NEED_KEYFRAME);
         if self.keyframe_wanted && self.unsent.is_empty() {
             let draft = Draft {
@@ -148,29 +162,33 @@ impl MinimalMapping {
         };
         let draft = shell.begin(due, header.run_ns, header.capture_ns, parents);
         let work = scan.map_or(0, |view| u64::from(view.meta.n_beams));
+        if scan.is_some() {
+            // What moves is not told from what stands.
+            shell.send(&draft, &mut self.obstacles, Obstacles::default(), &[]);
+            self.current = true;
+        }
         let geometry = &self.map.geometry;
         let mut clearance_mm = self.static_mm.clone();
-        let mut sensed = vec![false; geometry.len()];
         if let (Some(scan), Some(odom_from_base)) =
             (scan, self.odometry.history().pose_at(header.run_ns))
         {
             let map_from_laser = odom_from_base.then(&description.meta.base_from_laser);
-            for (beam, range_m) in scan.items.iter().enumerate() {
-                let (sin, cos) = scan.meta.angle_of(beam).sin_cos();
-                let range = f64::from(*range_m);
-                let hit = map_from_laser.then(&Pose::new(range * cos, range * sin, 0.0));
-                let cell = geometry.cell_at(hit.point());
-                let cell = cell.filter(|_| scan.meta.is_hit(*range_m));
-                if let Some((cell, index)) = cell.and_then(|c| Some((c, geometry.index_of(c)?)))
-                    && !sensed[index]
-                {
-                    sensed[index] = true;
-                    put_obstacle(&mut clearance_mm, &self.disc, geometry, cell);
-                }
-            }
+            sense(
+                &mut self.sensed,
+                &self.static_mm,
+                geometry,
+                &map_from_laser,
+                &scan,
+            );
+        }
+        for (cell, _) in cells_of(geometry)
+            .zip(&self.sensed)
+            .filter(|(_, sensed)| **sensed)
+        {
+            put_obstacle(&mut clearance_mm, &self.disc, geometry, cell);
         }
         let inscribed_mm = 1000.0 * description.meta.inscribed_radius_m;
-        let cells: Vec<MapCell> = (self.map.cells.iter().zip(&sensed).zip(&clearance_mm))
+        let cells: Vec<MapCell> = (self.map.cells.iter().zip(&self.sensed).zip(&clearance_mm))
             .map(|((known, sensed), mm)| cell_of(*known, *sensed, *mm, inscribed_mm))
             .collect();
         for (index, old) in self.tiles.iter_mut().enumerate() {
@@ -185,6 +203,25 @@ impl MinimalMapping {
         shell.finish(&draft, output, work);
     }
 
+    /// When scans have stopped coming, one more revision marks the map as not current.
+    fn send_stale(&mut self, shell: &mut Shell) {
+        let newest = self.scan.received().unwrap_or_default();
+        let silent = !shell.roster().lockstep()
+            && shell.woken_ns().saturating_sub(newest.came_ns) > STALE_NS;
+        shell.reason(REASON_SCAN, silent);
+        if silent && self.current && newest.tick > 0 {
+            self.current = false;
+            let due = Due {
+                tick: newest.tick,
+                kind: SpanKind::Extra,
+            };
+            let parents = Parents::default();
+            let draft = shell.begin(due, newest.run_ns, newest.capture_ns, parents);
+            let sent = self.send(shell, &draft);
+            shell.finish(&draft, sent, 0);
+        }
+    }
+
     fn info(&self, revision: Id, n_tiles: usize) -> MapInfo {
         MapInfo {
             geometry: self.map.geometry,
@@ -192,7 +229,7 @@ impl MinimalMapping {
             parts: 1,
             n_tiles: u32::try_from(n_tiles).unwrap_or(u32::MAX),
             clearance_limit_mm: u32::from(LIMIT_MM),
-            current: 1,
+            current: u32::from(self.current),
             ..MapInfo::default()
         }
     }
@@ -242,6 +279,47 @@ fn static_map(config: &Config) -> Result<StaticMap, StartError> {
     };
     geometry.check().map_err(|error| unusable(&error))?;
     Ok(StaticMap::free(geometry))
+}
+
+/// Every cell, in the order of their indices.
+fn cells_of(geometry: &GridGeometry) -> impl Iterator<Item = Cell> + use<> {
+    let (width, height) = geometry.size();
+    (0..height).flat_map(move |y| (0..width).map(move |x| Cell::new(x, y)))
+}
+
+/// Takes in a scan: first every beam frees what it passes through, then every hit is noted.
+fn sense(
+    sensed: &mut [bool],
+    static_mm: &[u16],
+    geometry: &GridGeometry,
+    map_from_laser: &Pose,
+    scan: &View<'_, RobotScan>,
+) {
+    let hits = (scan.items.iter().enumerate()).filter(|(_, range_m)| scan.meta.is_hit(**range_m));
+    let hits: Vec<(f64, f64)> = hits
+        .map(|(beam, range_m)| (scan.meta.angle_of(beam), f64::from(*range_m)))
+        .collect();
+    let index_at = |angle_rad: f64, range_m: f64| {
+        let (sin, cos) = angle_rad.sin_cos();
+        let at = map_from_laser.then(&Pose::new(range_m * cos, range_m * sin, 0.0));
+        geometry.index_of(geometry.cell_at(at.point())?)
+    };
+    let step_m = 0.5 * geometry.resolution_m;
+    for (angle_rad, range_m) in &hits {
+        // The cell before the hit may be part of the same thing.
+        for step in 0..whole((range_m / step_m - 3.0).max(0.0)) {
+            if let Some(index) = index_at(*angle_rad, f64::from(step) * step_m) {
+                sensed[index] = false;
+            }
+        }
+    }
+    for (angle_rad, range_m) in hits {
+        if let Some(index) = index_at(angle_rad, range_m)
+            && static_mm[index] > EXPLAINED_MM
+        {
+            sensed[index] = true;
+        }
+    }
 }
 
 /// Distances from the centres of the cells around it to an obstacle's square, rounded down. [mm]
