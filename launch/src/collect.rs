@@ -1,6 +1,7 @@
 //! Listens to a running stack and keeps what the result needs.
 
 use crate::aside::Aside;
+use crate::faults::{Recoveries, Sight};
 use crate::measure::index::{PathRecord, Sensed, Sighting};
 use crate::measure::{Records, RunHash};
 use crate::seen::{Fact, Seen, TaskReport};
@@ -33,6 +34,9 @@ pub(crate) type Placed<'a> = &'a dyn Fn(usize, &Pose) -> Option<Convex>;
 /// Changes of what the map shows of one obstacle that are kept at most; the oldest go first.
 const SENSED_MAX: usize = 1000;
 
+/// Places of the robot that nobody has looked at: more than come between two looks.
+const SIGHTS_MAX: usize = 64;
+
 /// Lists of tracked obstacles that are kept for the revisions of the map that go with them.
 const TRACKED_MAX: usize = 32;
 
@@ -47,6 +51,8 @@ pub(crate) struct Collector {
     pub seen: Seen,
     /// The newest truth, also after the end.
     pub truth: Option<Truth>,
+    /// Where the robot was since somebody looked, as the truth says.
+    pub sights: Vec<Sight>,
     /// The newest odometry, also after the end.
     pub odometry: Option<Odometry>,
     /// `map_from_odom` of the newest map.
@@ -73,6 +79,8 @@ pub(crate) struct Collector {
     pub spans_dropped: u64,
     /// Processes whose answers do not count.
     pub aside: Aside,
+    /// Seats whose next answer is waited for.
+    pub recoveries: Recoveries,
     keyframe_wanted: bool,
     keyframe_asked: Option<Instant>,
     /// A revision that came before the truth about its scan or the obstacles of its scan.
@@ -191,6 +199,11 @@ impl Collector {
         taps.truth.drain(roster, |view| {
             let (tick, run_ns) = (view.header.tick, view.header.run_ns);
             self.truth(run_ns, view.meta, view.items);
+            if self.sights.len() < SIGHTS_MAX {
+                let pose = view.meta.pose;
+                let centre_m = [pose.x_m, pose.y_m];
+                self.sights.push(Sight { tick, centre_m });
+            }
             let fact = Fact::Truth(*view.meta, view.items.to_vec());
             self.seen.hear(tick, run_ns, fact);
         });
@@ -252,6 +265,7 @@ impl Collector {
         if !self.aside.counts(span) {
             return;
         }
+        self.recoveries.note(span);
         self.hash.add(span);
         let scanned = span.role == Role::Robot.code() && span.scan != 0;
         if scanned && matches!(span.kind(), Some(SpanKind::Answer | SpanKind::Extra)) {

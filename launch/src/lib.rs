@@ -18,6 +18,7 @@ mod drive;
 mod ending;
 pub mod environment;
 pub mod exit;
+mod faults;
 pub mod floor;
 mod interrupts;
 mod judge;

@@ -1,9 +1,10 @@
 //! Everything that can be wrong is found here, before anything is started.
 
 use crate::configs;
+use crate::faults;
 use crate::open_files;
 use crate::run_plan::{RunPlan, Source};
-use crate::scenario::{self, Scenario};
+use crate::scenario::{self, Scenario, StackFault};
 use crate::shared_memory;
 use crate::supervise::binaries::{self, Needed};
 use crate::swap::order::SwapOrder;
@@ -47,6 +48,8 @@ pub struct Prepared {
     pub delays: BTreeMap<Role, u16>,
     /// Swaps of the scenario, with the tick before which each begins.
     pub(crate) swaps: Vec<(u64, SwapOrder)>,
+    /// Faults of the scenario, and those that were drawn from the seed.
+    pub(crate) faults: Vec<StackFault>,
 }
 
 impl Prepared {
@@ -198,15 +201,18 @@ pub(crate) fn prepare(plan: &RunPlan) -> Result<Prepared, String> {
     open_files::raise()?;
     memory::check(shared_memory::planned_bytes(&scenario, &world))
         .map_err(|error| error.to_string())?;
+    let seed = plan.seed.unwrap_or(scenario.run.seed);
+    let faults = faults_of(&scenario, plan.mode, seed)?;
     let directory = run_folder(&plan.out, &scenario.name)?;
     Ok(Prepared {
-        seed: plan.seed.unwrap_or(scenario.run.seed),
+        seed,
         log_level: plan.log_level.clone(),
         progress: plan.progress,
         trials: plan.trials,
         stays: plan.stays,
         delays: plan.delays.clone(),
         swaps,
+        faults,
         scenario,
         world,
         footprint,
@@ -214,6 +220,30 @@ pub(crate) fn prepare(plan: &RunPlan) -> Result<Prepared, String> {
         directory,
         mode: plan.mode,
     })
+}
+
+/// The faults of a scenario, those that are drawn from `seed` included.
+///
+/// # Errors
+/// The first one that a run in this mode cannot have.
+fn faults_of(scenario: &Scenario, mode: RunMode, seed: u64) -> Result<Vec<StackFault>, String> {
+    for (index, fault) in scenario.faults.iter().enumerate() {
+        if let Some((field, why)) = fault.unfit(mode) {
+            let field = format!("faults[{index}].{field}");
+            return Err(scenario.error_at(&field, why).to_string());
+        }
+    }
+    let hang_after_s = scenario.restart.hang_after_s;
+    let random = scenario.random_faults.as_ref();
+    let drawn = random.map(|random| faults::draw(random, seed, mode, hang_after_s));
+    let mut all = scenario.faults.clone();
+    all.extend(drawn.into_iter().flatten());
+    let ends = |fault: &&StackFault| matches!(fault.kind(), "kill" | "stop");
+    let (n, most) = (all.iter().filter(ends).count(), scenario.restart.per_run);
+    if u32::try_from(n).is_ok_and(|n| n > most) {
+        tracing::warn!("{n} services are killed or stopped, but restart.per_run is {most}");
+    }
+    Ok(all)
 }
 
 /// Accepts delays that the hang watch does not take for a hang: a service that sleeps through a delay

@@ -2,8 +2,10 @@
 
 use crate::drive::Driven;
 use crate::prepare::Prepared;
+use crate::result::fault::FaultResult;
 use crate::result::swap::SwapResult;
 use crate::result::{Redirect, Restart, ServiceResult};
+use crate::show::page::fault_line;
 use core::fmt::Write;
 use serde::Serialize;
 use zeronav_msgs::time::seconds;
@@ -23,6 +25,8 @@ pub(crate) struct StayResult {
     /// Contacts of the simulated robot.
     contacts: u32,
     restarts: Vec<Restart>,
+    /// Faults that were made on purpose.
+    faults: Vec<FaultResult>,
     /// Swaps and comparisons, at most the newest 100.
     swaps: Vec<SwapResult>,
     services: Vec<ServiceResult>,
@@ -42,6 +46,7 @@ impl StayResult {
             goals: driven.redirects.clone(),
             contacts: truth.contacts_moving + truth.contacts_standing,
             restarts: driven.restarts.clone(),
+            faults: driven.faults.clone(),
             swaps: driven.swaps.clone(),
             services: driven.services.clone(),
             directory: prepared.directory.display().to_string(),
@@ -67,6 +72,9 @@ impl StayResult {
                 "  {:8.2} s  {} restarted: {}",
                 restart.time_s, restart.service, restart.how
             );
+        }
+        for fault in &self.faults {
+            text.push_str(&fault_line(fault));
         }
         let _ = writeln!(text, "  {}", self.directory);
         text

@@ -305,7 +305,7 @@ fn lockstep_swaps_without_a_pause_between_them_go_on() {
 #[test]
 fn a_lockstep_swap_goes_on_when_the_process_in_the_seat_dies() {
     let lines = "[[swaps]]\nservice = \"global_planner\"\nat_s = 2.0\nshadow_s = 0.08\nkeep_s = 0.6\n\
-                 [[kills]]\nservice = \"global_planner\"\nat_s = 2.0\n";
+                 [[faults]]\nkind = \"kill\"\nservice = \"global_planner\"\nbegins = { at_s = 2.0 }\n";
     let result = lockstep(lines);
     let swap = &result["swaps"][0];
     assert_eq!(swap["state"], "swapped", "{swap}");

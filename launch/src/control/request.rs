@@ -1,7 +1,7 @@
 //! What can be asked of a stack over its control socket, and the answers.
 
 use crate::result::swap::SwapResult;
-use crate::scenario::GoalSpec;
+use crate::scenario::{GoalSpec, StackFault};
 use crate::swap::order::SwapOrder;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -58,12 +58,16 @@ pub(crate) enum Request {
         /// What becomes of it.
         change: ObstacleChange,
     },
-    /// Break a service on purpose.
+    /// Break something on purpose.
     Fault {
-        /// Its seat.
-        role: String,
-        /// How.
-        kind: FaultKind,
+        /// Which, and how.
+        fault: StackFault,
+    },
+    /// End the faults that go on.
+    Heal {
+        /// Of this seat; without, of all.
+        #[serde(default)]
+        target: Option<String>,
     },
     /// Exchange or compare the process in a seat.
     Swap {
@@ -80,21 +84,6 @@ pub(crate) enum Request {
     SwapCancel,
     /// Bring the robot to rest and end the stack.
     Down,
-}
-
-/// How a service is broken.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case", deny_unknown_fields)]
-pub(crate) enum FaultKind {
-    /// SIGKILL.
-    Kill,
-    /// SIGSTOP: it hangs.
-    Stop,
-    /// Each answer is delayed; 0 = no more.
-    Slow {
-        /// In steps of [`zeronav_msgs::run::DELAY_STEP_NS`].
-        steps: u16,
-    },
 }
 
 /// What becomes of an obstacle.

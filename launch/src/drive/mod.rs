@@ -1,6 +1,8 @@
 //! One run: from a scenario to what was seen of it.
 
+mod breaking;
 mod course;
+mod faults;
 mod serve;
 mod session;
 mod stop;
@@ -12,6 +14,7 @@ use crate::collect::Collector;
 use crate::configs;
 use crate::ending::Ending;
 use crate::prepare::Prepared;
+use crate::result::fault::FaultResult;
 use crate::result::swap::SwapResult;
 use crate::result::trials::Disturbance;
 use crate::result::{Redirect, Restart, ServiceResult};
@@ -45,6 +48,8 @@ pub(crate) struct Driven {
     pub services: Vec<ServiceResult>,
     /// The restarts that were made.
     pub restarts: Vec<Restart>,
+    /// Faults that were made on purpose.
+    pub faults: Vec<FaultResult>,
     /// Goals that were given by hand.
     pub redirects: Vec<Redirect>,
     /// What became of the swaps.
@@ -106,6 +111,7 @@ fn drive_stack(
         let spans = session.collector.records.spans.iter();
         reading(stack).since(&before, spans)
     });
+    session.heal_all(stack);
     session.stop(stack);
     let shared_memory_bytes = stack.shared_memory_bytes();
     let services = seat_report::stop(stack, &session.keeper, &prepared.binaries);
@@ -127,6 +133,7 @@ fn drive_stack(
         shared_memory_bytes,
         services,
         restarts: session.keeper.records().to_vec(),
+        faults: session.faults.results(),
         redirects: session.orders.records(),
         swaps: session.swaps.results(),
         collector: session.collector,

@@ -59,7 +59,8 @@ impl Session<'_> {
             Request::Step { ticks } => self.step(ticks)?,
             Request::Pose { pose } => self.relocate(stack, pose)?,
             Request::Obstacle { name, change } => self.place(stack, &name, &change)?,
-            Request::Fault { role, kind } => self.break_service(stack, &role, kind)?,
+            Request::Fault { fault } => self.order_fault(stack, &fault)?,
+            Request::Heal { target } => self.heal(stack, target.as_deref())?,
             Request::Swap { order } => {
                 if self.shuttle.is_some() {
                     return Err("the run measures latencies; a swap would change them".to_owned());

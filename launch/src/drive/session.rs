@@ -1,6 +1,7 @@
 //! One drive while it goes on.
 
 use super::course::shuttle;
+use super::faults::Faults;
 use super::swaps::Swaps;
 use crate::collect::Collector;
 use crate::control::socket::Server;
@@ -15,7 +16,6 @@ use crate::show::progress::{Progress, ProgressLine, Tally};
 use crate::show::terminal::note;
 use crate::shuttle::{Quota, Shuttle, Step};
 use crate::supervise::stack::Stack;
-use rustix::process::Signal;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -49,8 +49,8 @@ pub(super) struct Session<'a> {
     pub(super) keeper: Keeper<'a>,
     line: ProgressLine,
     pub(super) goals_run_ns: u64,
-    /// Kills of the scenario that were made.
-    struck: usize,
+    /// Faults of the scenario and of clients.
+    pub(super) faults: Faults,
     /// The goals of the current task.
     pub(super) task: Vec<Goal>,
     /// Its id, 0 = none was sent: without one, or because there was no memory for the message.
@@ -98,7 +98,7 @@ impl<'a> Session<'a> {
             keeper: Keeper::new(prepared, configs),
             line: ProgressLine::new(&prepared.scenario.name, prepared.progress),
             goals_run_ns: 0,
-            struck: 0,
+            faults: Faults::new(prepared),
             task: Vec::new(),
             task_id: 0,
             orders: Orders::default(),
@@ -316,9 +316,10 @@ impl<'a> Session<'a> {
             if let Some(ending) = self.try_again(stack) {
                 return ending;
             }
-            self.strike(stack);
+            self.see_to_faults(stack);
             let tick = self.collector.robot_tick();
-            let is_held = self.is_paused || (self.lockstep() && self.swap_limit() <= tick);
+            let limit = self.swap_limit().min(self.fault_limit());
+            let is_held = self.is_paused || (self.lockstep() && limit <= tick);
             if tick != moved.0 || is_held {
                 moved = (tick, Instant::now());
             } else if moved.1.elapsed() > SILENCE_LIMIT {
@@ -328,7 +329,7 @@ impl<'a> Session<'a> {
                 if self.collector.all_answered(last_tick, &stack.roster) {
                     return Ending::Timeout;
                 }
-                let mut hold_tick = self.swap_limit();
+                let mut hold_tick = limit;
                 if self.is_paused {
                     hold_tick = hold_tick.min(self.hold_tick);
                 }
@@ -417,21 +418,6 @@ impl<'a> Session<'a> {
             }
             Step::Done => Some(Ending::TrialsOver),
             Step::Stuck => Some(Ending::Timeout),
-        }
-    }
-
-    /// Kills what the scenario wants killed by now.
-    fn strike(&mut self, stack: &mut Stack) {
-        let tick_ns = self.prepared.scenario.run.tick_ns();
-        let now_s = seconds(self.collector.robot_tick() * tick_ns);
-        let kills = &self.prepared.scenario.kills;
-        while let Some(kill) = kills.get(self.struck)
-            && kill.at_s <= now_s
-        {
-            self.struck += 1;
-            if let Some(role) = kill.role() {
-                stack.signal(role, Signal::KILL);
-            }
         }
     }
 

@@ -1,17 +1,13 @@
 //! What clients make a stack do while it runs.
 
 use super::session::Session;
-use crate::arguments::service_role;
-use crate::control::request::{FaultKind, ObstacleChange};
+use crate::control::request::ObstacleChange;
 use crate::ending::Ending;
 use crate::orders::Order;
 use crate::placed::shape_of;
-use crate::prepare::check_delay;
 use crate::supervise::stack::Stack;
-use rustix::process::Signal;
 use std::sync::atomic::Ordering;
 use zeronav_msgs::Pose;
-use zeronav_msgs::role::Role;
 use zeronav_msgs::run::RunMode;
 use zeronav_msgs::task::PoseEstimate;
 use zeronav_msgs::time::seconds;
@@ -148,41 +144,6 @@ impl Session<'_> {
             return Err(format!("1 to {STEP_TICKS_MAX} ticks, not {ticks}"));
         }
         self.hold_tick += ticks;
-        Ok(())
-    }
-
-    /// Breaks the service in a seat.
-    ///
-    /// # Errors
-    /// When it cannot be broken, such as the robot, which nothing restarts.
-    pub(super) fn break_service(
-        &mut self,
-        stack: &mut Stack,
-        role: &str,
-        kind: FaultKind,
-    ) -> Result<(), String> {
-        if self.shuttle.is_some() {
-            return Err("the run measures latencies; a fault would change them".to_owned());
-        }
-        let role = service_role(role)?;
-        if role == Role::Robot {
-            return Err("the robot is not restarted; `zeronav down` ends the stack".to_owned());
-        }
-        let signal = match kind {
-            FaultKind::Kill => Signal::KILL,
-            FaultKind::Stop => Signal::STOP,
-            FaultKind::Slow { .. } if self.prepared.mode == RunMode::Lockstep => {
-                return Err("in lockstep a delay changes nothing".to_owned());
-            }
-            FaultKind::Slow { steps } => {
-                check_delay(role, steps, &self.prepared.scenario)?;
-                stack.delay(role, steps);
-                return Ok(());
-            }
-        };
-        if !stack.signal(role, signal) {
-            return Err(format!("no process of this stack is in the seat of {role}"));
-        }
         Ok(())
     }
 

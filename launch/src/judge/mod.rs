@@ -87,6 +87,7 @@ pub(crate) fn judge(prepared: &Prepared, driven: &Driven, environment: Environme
             .collect(),
         services: services(driven),
         restarts: driven.restarts.clone(),
+        faults: driven.faults.clone(),
         redirects: driven.redirects.clone(),
         swaps: driven.swaps.clone(),
         environment,

@@ -1,6 +1,6 @@
 //! Arguments of the requests to a stack that runs.
 
-use crate::arguments::{delay, service_role};
+use crate::arguments::{delay, service_role, time_s};
 use crate::scenario::{COORDINATE_M_MAX, TIME_LIMIT_S_MAX, TOLERANCE, YAW_RAD_MAX};
 use clap::{Args, Subcommand, ValueEnum};
 use std::path::PathBuf;
@@ -186,24 +186,38 @@ pub enum FaultCommand {
         #[arg(value_name = "ROLE", value_parser = service_role)]
         role: Role,
     },
-    /// Stop it (SIGSTOP), so that it hangs until it is restarted.
+    /// Stop it (SIGSTOP), so that it hangs until it is restarted, healed, or the time is over.
     Stop {
         /// Its seat.
         #[arg(value_name = "ROLE", value_parser = service_role)]
         role: Role,
+        /// For how long.
+        #[command(flatten)]
+        lasts: LastsArgs,
     },
     /// Delay each of its answers.
     Slow {
         /// Its seat and the delay, such as `global_planner=20ms`.
         #[arg(value_name = "ROLE=TIME", value_parser = delay)]
         delay: (Role, u16),
+        /// For how long.
+        #[command(flatten)]
+        lasts: LastsArgs,
     },
-    /// End its delay.
+    /// End faults that go on.
     Heal {
-        /// Its seat.
-        #[arg(value_name = "ROLE", value_parser = service_role)]
-        role: Role,
+        /// Of this seat; without, all.
+        #[arg(value_name = "ROLE")]
+        target: Option<String>,
     },
+}
+
+/// For how long a fault lasts.
+#[derive(Debug, Clone, Copy, Args)]
+pub struct LastsArgs {
+    /// Run time after which it ends by itself, such as 5s or 500ms; without, when it is healed.
+    #[arg(long = "for", value_name = "TIME", value_parser = time_s)]
+    pub lasts_s: Option<f64>,
 }
 
 /// A pose in the map frame.

@@ -7,14 +7,17 @@ use super::cli::{
 use super::goal::follow;
 use super::ps::processes;
 use super::swap::in_words as swap_in_words;
-use crate::control::request::{FaultKind, ObstacleChange, Request, RunReport};
+use crate::control::request::{ObstacleChange, Request, RunReport};
 use crate::exit::{EXIT_FAIL, EXIT_PASS};
 use crate::running;
+use crate::scenario::StackFault;
 use crate::show::terminal::{complain, say, say_json, usage};
 use core::fmt::Write;
 use serde_json::json;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
+use zeronav_msgs::run::DELAY_STEP_NS;
+use zeronav_msgs::time::seconds;
 
 /// Between two looks at a stack that is waited for.
 const PAUSE: Duration = Duration::from_millis(50);
@@ -86,16 +89,38 @@ pub fn obstacle(arguments: &ObstacleArgs) -> ExitCode {
 /// `zeronav fault`.
 #[must_use]
 pub fn fault(arguments: &FaultArgs) -> ExitCode {
-    let (role, kind, done) = match arguments.fault {
-        FaultCommand::Kill { role } => (role, FaultKind::Kill, "killed"),
-        FaultCommand::Stop { role } => (role, FaultKind::Stop, "stopped"),
+    let begins = None;
+    let (fault, done) = match &arguments.fault {
+        FaultCommand::Kill { role } => {
+            let service = role.to_string();
+            (StackFault::Kill { service, begins }, "killed")
+        }
+        FaultCommand::Stop { role, lasts } => {
+            let stop = StackFault::Stop {
+                service: role.to_string(),
+                begins,
+                lasts_s: lasts.lasts_s,
+            };
+            (stop, "stopped")
+        }
         FaultCommand::Slow {
             delay: (role, steps),
-        } => (role, FaultKind::Slow { steps }, "slowed"),
-        FaultCommand::Heal { role } => (role, FaultKind::Slow { steps: 0 }, "healed"),
+            lasts,
+        } => {
+            let slow = StackFault::Slow {
+                service: role.to_string(),
+                by_ms: f64::from(*steps) * seconds(DELAY_STEP_NS) * 1.0e3,
+                begins,
+                lasts_s: lasts.lasts_s,
+            };
+            (slow, "slowed")
+        }
+        FaultCommand::Heal { target } => {
+            let target = target.clone();
+            return make(&arguments.stack, &Request::Heal { target }, "healed");
+        }
     };
-    let role = role.to_string();
-    make(&arguments.stack, &Request::Fault { role, kind }, done)
+    make(&arguments.stack, &Request::Fault { fault }, done)
 }
 
 /// Makes a stack do something; `done` says that it did.

@@ -3,11 +3,13 @@
 //! The modules that drive, judge, draw and report share these types; nothing here computes anything.
 //! `launch/result.schema.json` is the JSON schema of [`RunResult`].
 
+pub mod fault;
 pub mod latency;
 pub mod swap;
 pub mod trials;
 pub mod truth;
 
+use fault::FaultResult;
 use latency::Latency;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -93,6 +95,9 @@ pub struct RunResult {
     pub services: Vec<ServiceResult>,
     /// Restarts of services during the run.
     pub restarts: Vec<Restart>,
+    /// Faults that were made on purpose.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub faults: Vec<FaultResult>,
     /// Goals that were given by hand.
     pub redirects: Vec<Redirect>,
     /// Swaps and comparisons of services during the run.

@@ -1,8 +1,8 @@
 //! Can it work? Everything that is known to be wrong before anything is started.
 
 use super::{
-    COORDINATE_M_MAX, GoalSpec, KEEP_S_MIN, Outcome, Scenario, ScenarioError, TIME_LIMIT_S_MAX,
-    TOLERANCE, YAW_RAD_MAX,
+    COORDINATE_M_MAX, FAULTS_MAX, GoalSpec, KEEP_S_MIN, Outcome, RandomFaults, Scenario,
+    ScenarioError, StackFault, TIME_LIMIT_S_MAX, TOLERANCE, YAW_RAD_MAX,
 };
 use core::f64::consts::PI;
 use zeronav_msgs::command::Intervention;
@@ -39,7 +39,7 @@ impl Scenario {
             .check()
             .map_err(|error| refused(error.within("robot")))?;
         self.check_run().map_err(refused)?;
-        self.check_kills().map_err(refused)?;
+        self.check_faults().map_err(refused)?;
         self.check_swaps().map_err(refused)?;
         let (world, warnings) =
             zeronav_world_files::load(&self.world).map_err(|error| match error {
@@ -107,26 +107,43 @@ impl Scenario {
         Ok(())
     }
 
-    fn check_kills(&self) -> Result<(), SpecError> {
-        let mut last_s = 0.0;
-        for (index, kill) in self.kills.iter().enumerate() {
-            let at = format!("kills[{index}]");
-            number(kill.at_s, 0.0, TIME_LIMIT_S_MAX, &format!("{at}.at_s"))?;
-            if kill.at_s < last_s {
-                let why = format!("{} s is before the one above, {last_s} s", kill.at_s);
-                return Err(SpecError::new(format!("{at}.at_s"), why));
-            }
-            last_s = kill.at_s;
-            if kill.role().is_none() {
-                let mortal = Role::SERVICES
-                    .into_iter()
-                    .filter(|role| *role != Role::Robot);
-                let mortal = mortal.map(Role::label);
-                let why = unknown("service that may be killed", &kill.service, mortal);
-                return Err(SpecError::new(format!("{at}.service"), why));
-            }
+    fn check_faults(&self) -> Result<(), SpecError> {
+        if self.faults.len() > FAULTS_MAX {
+            let why = format!("{} faults, at most {FAULTS_MAX}", self.faults.len());
+            return Err(SpecError::new("faults", why));
         }
-        Ok(())
+        for (index, fault) in self.faults.iter().enumerate() {
+            let at = |error: SpecError| error.within(&format!("faults[{index}]"));
+            fault.check().map_err(at)?;
+            if fault.begins().is_none() {
+                let why = "is missing: say when, such as { at_s = 3.0 }";
+                return Err(at(SpecError::new("begins", why)));
+            }
+            self.check_delay(fault).map_err(at)?;
+        }
+        let random = self
+            .random_faults
+            .as_ref()
+            .map_or(Ok(()), RandomFaults::check);
+        random.map_err(|error| error.within("random_faults"))
+    }
+
+    /// Accepts delays that the hang watch does not take for a hang.
+    ///
+    /// # Errors
+    /// The field, and the longest delay.
+    pub(crate) fn check_delay(&self, fault: &StackFault) -> Result<(), SpecError> {
+        let most_ms = self.restart.hang_after_s * 500.0;
+        match fault {
+            StackFault::Slow { by_ms, .. } if *by_ms > most_ms => {
+                let why = format!(
+                    "{by_ms} ms would be taken for a hang: at most half of restart.hang_after_s, \
+                     {most_ms} ms"
+                );
+                Err(SpecError::new("by_ms", why))
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Accepts swaps of seats that can be swapped, one after the other, and one shadow at most.

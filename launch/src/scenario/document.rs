@@ -34,6 +34,12 @@ struct Source {
     start: usize,
 }
 
+/// Keys that scenarios had once, and what takes their place.
+const REPLACED: [(&str, &str); 1] = [(
+    "kills",
+    "is gone: write [[faults]] with kind = \"kill\", service and begins = { at_s = ... }",
+)];
+
 /// The files of a scenario and where every value is in them.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Document {
@@ -81,6 +87,10 @@ pub(super) fn read<T: Serialize + DeserializeOwned>(
         return Err(Document { texts, places }.error(span.start, VARIANT.to_owned(), &why));
     }
     let places = Places::of(&merged);
+    let has = |key: &str| merged.keys().any(|known| known.get_ref() == key);
+    if let Some((key, why)) = REPLACED.iter().find(|(key, _)| has(key)) {
+        return Err(Document { texts, places }.at_field(key, why));
+    }
     let own = texts.last().map_or(0, |text| text.start);
     let root = Spanned::new(own..own, merged);
     let read = T::deserialize(toml::Deserializer::from(root));

@@ -137,9 +137,28 @@ per_run = 1
 window_s = 60.0
 hang_after_s = 0.5
 absent_ticks = 1
-[[kills]]
+[[faults]]
+kind = "kill"
 service = "mapping"
-at_s = 1.0
+begins = { at_s = 1.0 }
+[[faults]]
+kind = "stop"
+service = "mapping"
+begins = { robot_near = { point_m = [5.0, 2.0], distance_m = 1.0 } }
+lasts_s = 1.0
+[[faults]]
+kind = "slow"
+service = "mapping"
+by_ms = 1.0
+begins = { at_s = 1.0 }
+lasts_s = 1.0
+[random_faults]
+count = 3
+from_s = 1.0
+until_s = 5.0
+seed = 1
+kinds = ["kill"]
+services = ["mapping"]
 [[swaps]]
 service = "mapping"
 at_s = 1.0

@@ -22,7 +22,9 @@ mod document;
 mod error;
 #[cfg(test)]
 mod every_field;
+mod faults;
 mod library;
+mod limits;
 mod made;
 mod schema;
 #[cfg(test)]
@@ -33,8 +35,11 @@ mod tests;
 
 pub use check::Checked;
 pub use error::ScenarioError;
+pub use faults::{FAULTS_MAX, RandomFaults, StackFault};
+pub(crate) use faults::{KINDS, mortals};
 use library::Origin;
 pub use library::{Library, Listed};
+pub use limits::{COORDINATE_M_MAX, TIME_LIMIT_S_MAX, TOLERANCE, YAW_RAD_MAX};
 pub(crate) use made::goals_in;
 pub use schema::schema;
 pub use swaps::{KEEP_S, KEEP_S_MIN, SHADOW_S, ShadowSpec, SwapSpec};
@@ -50,18 +55,6 @@ use zeronav_msgs::{Pose, Role};
 use zeronav_params::parameters;
 use zeronav_robot_description::RobotSpec;
 use zeronav_world::{Tolerance, WorldSpec};
-
-/// Largest coordinate of a pose. [m]
-pub const COORDINATE_M_MAX: f64 = 1.0e6;
-
-/// Largest yaw of a pose: ten turns. [rad]
-pub const YAW_RAD_MAX: f64 = 62.8;
-
-/// Longest run. [s]
-pub const TIME_LIMIT_S_MAX: f64 = 1.0e6;
-
-/// Smallest and largest tolerance of a goal. [m or rad]
-pub const TOLERANCE: [f64; 2] = [1.0e-3, 1.0e3];
 
 /// A scenario: a world, a robot, where it starts and where it shall go, who sits in the seats,
 /// and what is expected.
@@ -103,9 +96,12 @@ pub struct Scenario {
     /// How often services are restarted, and when they count as hung.
     #[serde(default)]
     pub restart: RestartSpec,
-    /// Services that are killed in the middle of the drive, in the order of time.
+    /// What breaks in the middle of the drive.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub kills: Vec<KillSpec>,
+    pub faults: Vec<StackFault>,
+    /// What breaks besides, drawn from a seed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub random_faults: Option<RandomFaults>,
     /// Services that are exchanged while the robot drives, one after the other.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub swaps: Vec<SwapSpec>,
@@ -278,26 +274,6 @@ pub struct ExpectSpec {
     /// Fewest restarts of services.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub restarts_min: Option<u32>,
-}
-
-/// A service that is killed (SIGKILL), as if it had crashed.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct KillSpec {
-    /// Its seat: `mapping`, `global_planner`, `local_planner` or `collision_guard`.
-    pub service: String,
-    /// Run time from which it is. [s] Launch looks at the run every millisecond, so even in
-    /// lockstep the tick differs a little from run to run.
-    pub at_s: f64,
-}
-
-impl KillSpec {
-    /// The seat; `None` when there is none of that name that may be killed.
-    #[must_use]
-    pub fn role(&self) -> Option<Role> {
-        let mortal = |role: &Role| *role != Role::Robot && role.label() == self.service;
-        Role::SERVICES.into_iter().find(mortal)
-    }
 }
 
 /// Trials: the robot drives to and fro, and one of the world's obstacles is dropped in front of it

@@ -7,7 +7,10 @@
 #[cfg(test)]
 mod tests;
 
-use super::{COORDINATE_M_MAX, KEEP_S_MIN, RunSpec, TIME_LIMIT_S_MAX, TOLERANCE, YAW_RAD_MAX};
+use super::{
+    COORDINATE_M_MAX, FAULTS_MAX, KEEP_S_MIN, KINDS, RunSpec, TIME_LIMIT_S_MAX, TOLERANCE,
+    YAW_RAD_MAX,
+};
 use crate::supervise::restart::RestartSpec;
 use serde_json::{Map, Value, json};
 use zeronav_msgs::Role;
@@ -53,7 +56,8 @@ pub fn schema(services: &[(Role, Vec<Parameter>)]) -> Value {
         ("services", closed(seats.collect(), &[])),
         ("static_map", json!({ "type": "boolean" })),
         ("restart", object(&describe::<RestartSpec>())),
-        ("kills", list(&kill())),
+        ("faults", at_most(FAULTS_MAX, &stack_fault())),
+        ("random_faults", random_faults()),
         ("swaps", list(&swap())),
         ("expect", expect()),
         ("trials", trials()),
@@ -244,12 +248,55 @@ fn swap() -> Value {
     closed(fields, &["service", "at_s"])
 }
 
-fn kill() -> Value {
-    let fields = fields([
-        ("service", other_seat()),
-        ("at_s", ranged(0.0, TIME_LIMIT_S_MAX)),
+/// When something begins: a run time, or a place of the robot.
+fn trigger() -> Value {
+    let near = fields([
+        ("point_m", point()),
+        ("distance_m", ranged(NEAR_M[0], NEAR_M[1])),
     ]);
-    closed(fields, &["service", "at_s"])
+    let trigger = fields([
+        ("at_s", ranged(0.0, TIME_S_MAX)),
+        ("robot_near", closed(near, &["point_m", "distance_m"])),
+    ]);
+    closed(trigger, &[])
+}
+
+fn stack_fault() -> Value {
+    let of = |target: (&str, Value), more: &[(&str, Value)]| {
+        let mut all = fields([target, ("begins", trigger())]);
+        let more = more.iter();
+        all.extend(more.map(|(name, schema)| ((*name).to_owned(), schema.clone())));
+        all
+    };
+    let service = || ("service", other_seat());
+    let lasts = ("lasts_s", ranged(1.0e-3, TIME_LIMIT_S_MAX));
+    let by = ("by_ms", ranged(0.01, 655.35));
+    kinds([
+        ("kill", of(service(), &[]), &["service", "begins"]),
+        (
+            "stop",
+            of(service(), core::slice::from_ref(&lasts)),
+            &["service", "begins"],
+        ),
+        (
+            "slow",
+            of(service(), &[lasts, by]),
+            &["service", "begins", "by_ms"],
+        ),
+    ])
+}
+
+fn random_faults() -> Value {
+    let time = || ranged(0.0, TIME_LIMIT_S_MAX);
+    let fields = fields([
+        ("count", whole()),
+        ("from_s", time()),
+        ("until_s", time()),
+        ("seed", whole()),
+        ("kinds", list(&json!({ "enum": KINDS }))),
+        ("services", list(&other_seat())),
+    ]);
+    closed(fields, &["count", "until_s"])
 }
 
 fn expect() -> Value {
@@ -413,26 +460,17 @@ fn shape() -> Value {
 }
 
 fn obstacle() -> Value {
-    let near = fields([
-        ("point_m", point()),
-        ("distance_m", ranged(NEAR_M[0], NEAR_M[1])),
-    ]);
     let velocity = || ranged(-SPEED_MPS_MAX, SPEED_MPS_MAX);
     let track = at_most(ROWS_MAX, &tuple([moment(), coordinate(), coordinate()]));
-    let trigger = fields([
-        ("at_s", ranged(0.0, TIME_S_MAX)),
-        ("robot_near", closed(near, &["point_m", "distance_m"])),
-    ]);
-    let trigger = closed(trigger, &[]);
     let fields = fields([
         ("name", text()),
         ("shape", shape()),
-        ("appears", trigger.clone()),
+        ("appears", trigger()),
         ("lasts_s", ranged(LASTS_S_MIN, TIME_S_MAX)),
         ("waypoints_m", list(&point())),
         ("speed_mps", ranged(0.0, SPEED_MPS_MAX)),
         ("repeat", json!({ "type": "boolean" })),
-        ("starts", trigger),
+        ("starts", trigger()),
         ("bounces_mps", tuple([velocity(), velocity()])),
         ("track", track),
         ("track_from_s", moment()),

@@ -432,17 +432,37 @@ fn what_is_called_unreachable_may_lie_in_a_wall() {
 }
 
 #[test]
-fn kills_and_expectations_are_checked() {
+fn faults_and_expectations_are_checked() {
     let with = |more: &str| load(&format!("{GOOD}{more}")).and_then(|own| own.validate());
     for (more, field) in [
         (
-            "[[kills]]\nservice = \"robot\"\nat_s = 1.0\n",
-            "kills[0].service: ",
+            "[[kills]]\nservice = \"mapping\"\nat_s = 1.0\n",
+            "kills: is gone: write [[faults]]",
         ),
         (
-            "[[kills]]\nservice = \"mapping\"\nat_s = 2.0\n\
-             [[kills]]\nservice = \"mapping\"\nat_s = 1.0\n",
-            "kills[1].at_s: ",
+            "[[faults]]\nkind = \"kill\"\nservice = \"robot\"\nbegins = { at_s = 1.0 }\n",
+            "faults[0].service: the robot is not restarted",
+        ),
+        (
+            "[[faults]]\nkind = \"kill\"\nservice = \"mapping\"\n",
+            "faults[0].begins: is missing",
+        ),
+        (
+            "[[faults]]\nkind = \"stop\"\nservice = \"mapping\"\nbegins = {}\n",
+            "faults[0].begins: give exactly one",
+        ),
+        (
+            "[[faults]]\nkind = \"slow\"\nservice = \"mapping\"\nby_ms = 300.0\n\
+             begins = { at_s = 1.0 }\n",
+            "faults[0].by_ms: 300 ms would be taken for a hang",
+        ),
+        (
+            "[random_faults]\ncount = 3\nfrom_s = 5.0\nuntil_s = 4.0\n",
+            "random_faults.until_s: ",
+        ),
+        (
+            "[random_faults]\ncount = 3\nuntil_s = 4.0\nkinds = [\"kil\"]\n",
+            "random_faults.kinds[0]: ",
         ),
         (
             "[expect]\ninterventions_min = { tired = 1 }\n",
@@ -461,7 +481,7 @@ fn kills_and_expectations_are_checked() {
         let error = with(more).unwrap_err().to_string();
         assert!(error.contains(field), "{error}, not {field}");
     }
-    let good = "[[kills]]\nservice = \"mapping\"\nat_s = 1.0\n\
+    let good = "[[faults]]\nkind = \"kill\"\nservice = \"mapping\"\nbegins = { at_s = 1.0 }\n\
                 [expect]\noutcome = \"timeout\"\ninterventions_min = { stopped_short = 1 }\n";
     with(good).unwrap();
 }

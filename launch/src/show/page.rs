@@ -1,5 +1,6 @@
 //! The result of a run as a page of text.
 
+use crate::result::fault::FaultResult;
 use crate::result::latency::{Figures, Latency};
 use crate::result::trials::{SlowHop, SlowTrial};
 use crate::result::truth::{PoseResult, TrackingResult};
@@ -71,6 +72,9 @@ impl RunResult {
                 "  {:8.2} s  {} restarted: {}",
                 restart.time_s, restart.service, restart.how
             );
+        }
+        for fault in &self.faults {
+            text.push_str(&fault_line(fault));
         }
         for Redirect {
             time_s,
@@ -148,6 +152,26 @@ impl RunResult {
 }
 
 /// Says where a path ends that does not end at its goal.
+/// A fault and how its seat recovered, in one line.
+pub(crate) fn fault_line(fault: &FaultResult) -> String {
+    let figures = match fault.figures.as_str() {
+        "" => String::new(),
+        figures => format!(" {figures}"),
+    };
+    let until = fault
+        .until_s
+        .map_or_else(String::new, |until_s| format!(" until {until_s:.2} s"));
+    let recovery = match (&fault.why, fault.recovery_ms) {
+        (Some(why), _) => format!(", not made: {why}"),
+        (None, Some(recovery_ms)) => format!(", answered again after {recovery_ms:.0} ms"),
+        (None, None) => String::new(),
+    };
+    format!(
+        "  {:8.2} s  fault: {} {}{figures}{until}{recovery}\n",
+        fault.time_s, fault.kind, fault.target
+    )
+}
+
 fn beside(beside_goal_m: f64) -> String {
     if beside_goal_m < 0.005 {
         return String::new();

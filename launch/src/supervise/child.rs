@@ -106,6 +106,21 @@ impl Child {
         self.ended
     }
 
+    /// True while it is stopped by a signal.
+    #[must_use]
+    pub fn is_stopped(&self) -> bool {
+        self.state() == "T"
+    }
+
+    /// The kernel's letter for its state.
+    fn state(&self) -> String {
+        let stat = std::fs::read_to_string(format!("/proc/{}/stat", self.pid()));
+        let stat = stat.unwrap_or_default();
+        let rest = stat.rsplit(") ").next();
+        let state = rest.and_then(|rest| rest.split(' ').next());
+        state.unwrap_or("?").to_owned()
+    }
+
     /// What the kernel says that it is doing, to tell why it does nothing: its
     /// state, where it sleeps, and how long it has run and waited for a processor in all.
     #[must_use]
@@ -113,13 +128,7 @@ impl Child {
         let read = |name: &str| {
             std::fs::read_to_string(format!("/proc/{}/{name}", self.pid())).unwrap_or_default()
         };
-        let stat = read("stat");
-        let state = stat
-            .rsplit(") ")
-            .next()
-            .and_then(|rest| rest.split(' ').next())
-            .unwrap_or("?")
-            .to_owned();
+        let state = self.state();
         let times = read("schedstat");
         let mut times_s = times
             .split_ascii_whitespace()

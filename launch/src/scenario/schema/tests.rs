@@ -77,7 +77,8 @@ fn the_schema_rejects_unknown_fields_and_numbers_out_of_range() {
         "world.pedestrians = { file = 'scene.csv', radius_m = 20.0 }",
         "world.obstacles = [{ name = 'cart', shape = { kind = 'disc', centre_m = [0.0, 0.0], \
          radius_m = 0.3 }, speed_mps = -1.0 }]",
-        "kills = [{ service = 'robot', at_s = 1.0 }]",
+        "faults = [{ kind = 'kill', service = 'robot', begins = { at_s = 1.0 } }]",
+        "faults = [{ kind = 'kill', service = 'mapping' }]",
         "expect.outcome = 'reaches'",
         "services.mapping.config.resolution_m = 0.0",
         "services.local_planner.config.dwa.horizon = 2.0",
