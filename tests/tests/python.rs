@@ -28,6 +28,7 @@ fn start(seats: &[(&str, &str)], more: &str, flags: &[&str]) -> Zeronav {
 
 const PLANNER: (&str, &str) = ("global_planner", "astar");
 const CONTROLLER: (&str, &str) = ("local_planner", "pure_pursuit");
+const GUARD: (&str, &str) = ("collision_guard", "guard");
 
 fn assert_arrived(result: &Value) {
     assert_eq!(result["verdict"], "pass", "{result:#}");
@@ -37,7 +38,7 @@ fn assert_arrived(result: &Value) {
 
 #[test]
 fn in_lockstep_a_python_seat_drives_the_same_way_twice() {
-    for seat in [PLANNER, CONTROLLER] {
+    for seat in [PLANNER, CONTROLLER, GUARD] {
         let drive = || start(&[seat], "", &["--lockstep"]).finish().expect(0);
         let (first, second) = (drive(), drive());
         assert_arrived(&first);

@@ -6,9 +6,7 @@ It passes on what is asked, within the robot's acceleration. Turning is not chec
 
 import math
 
-import numpy as np
-
-from zeronav import OdometryReader, Service, run
+from zeronav import OdometryReader, Service, free_ahead, run
 from zeronav import contract as c
 
 # How long after odometry the request that belongs to it is awaited. [ns]
@@ -91,7 +89,7 @@ class Guard(Service):
             return c.VelocityCommand(validity=validity, intervention=intervention)
         if validity == c.Validity.DRIVE:
             v_mps, w_radps = request.meta.v_mps, request.meta.w_radps
-            room_m = max(0.0, free_m(robot.meta, scan, v_mps) - MARGIN_M)
+            room_m = max(0.0, free_ahead(scan, robot.meta, v_mps < 0) - MARGIN_M)
             safe_mps = math.sqrt(2 * robot.meta.brake_mps2 * room_m)
             if abs(v_mps) > safe_mps:
                 v_mps = math.copysign(safe_mps, v_mps)
@@ -120,17 +118,6 @@ class Guard(Service):
         w = min(max(w_radps, self.w_radps - dw), self.w_radps + dw)
         v = min(max(v, robot.v_mps_min), robot.v_mps_max)
         return v, min(max(w, -robot.w_radps_max), robot.w_radps_max)
-
-
-def free_m(robot, scan, v_mps):
-    """Distance that the robot can go straight in the direction of `v_mps`. [m]"""
-    beams = scan.meta.angle_min_rad + np.arange(len(scan.items)) * scan.meta.angle_increment_rad
-    hit = (scan.items >= scan.meta.range_m_min) & (scan.items <= scan.meta.range_m_max)
-    laser, ranges = robot.base_from_laser, scan.items[hit]
-    x = laser.x_m + ranges * np.cos(beams[hit] + laser.yaw_rad)
-    y = laser.y_m + ranges * np.sin(beams[hit] + laser.yaw_rad)
-    ahead = math.copysign(1, v_mps) * x[np.abs(y) < robot.inscribed_radius_m]
-    return float(ahead[ahead > 0].min(initial=math.inf)) - robot.circumscribed_radius_m
 
 
 if __name__ == "__main__":

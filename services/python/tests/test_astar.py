@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from zeronav import contract as c
+from zeronav.planner import as_waypoints
 from zeronav.replica import MapReplica
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "examples"))
@@ -39,8 +40,9 @@ class Edges(unittest.TestCase):
 
     def test_waypoints_lie_on_the_map(self):
         map, goal = replica(), c.Pose(0.0, 2.2, 0.0)
-        blocks = astar.search(map.cells, (32, 20), map.cell_at(0.0, 2.2), lambda: None)
-        waypoints = astar.as_waypoints(map, blocks, goal)
+        end = map.cell_at(0.0, 2.2)
+        cells = astar.AStar.search(None, map.cells, (32, 20), end, lambda: None)
+        waypoints = as_waypoints(map, cells, goal)
         places = zip(waypoints["x_m"], waypoints["y_m"])
         self.assertTrue(all(map.cell_at(x + 1e-9, y + 1e-9) for x, y in places))
 

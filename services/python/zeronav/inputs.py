@@ -1,9 +1,9 @@
 """Inputs that several services read alike: odometry, the map, the current goal."""
 
-import math
 from collections import deque
 
 from . import contract as c
+from .geometry import compose, wrap
 from .replica import MapReplica
 
 HISTORY = 64
@@ -11,24 +11,6 @@ REST_MESSAGES = 5
 REST_MPS, REST_RADPS = 0.02, 0.05
 ASK_PAUSE_NS = 20_000_000
 OBSTACLES_AGE_NS_MAX = 500_000_000
-
-
-def wrap(angle_rad):
-    """`angle_rad` wrapped to [-pi, pi]."""
-    return math.remainder(angle_rad, math.tau)
-
-
-def then(pose, point):
-    """Where `point`, (x, y) in the frame of `pose`, lies in the parent of that frame. [m]"""
-    sin, cos = math.sin(pose.yaw_rad), math.cos(pose.yaw_rad)
-    x, y = point
-    return pose.x_m + cos * x - sin * y, pose.y_m + sin * x + cos * y
-
-
-def compose(outer, inner):
-    """`compose(map_from_odom, odom_from_base)` is `map_from_base`."""
-    x_m, y_m = then(outer, (inner.x_m, inner.y_m))
-    return c.Pose(x_m, y_m, wrap(outer.yaw_rad + inner.yaw_rad))
 
 
 class OdometryReader:
