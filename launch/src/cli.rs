@@ -2,6 +2,7 @@
 
 use crate::arguments::{delay, service_role};
 use crate::contract_kit::cli::ContractArgs;
+use crate::contract_kit::no_memory;
 use crate::logs::LogsArgs;
 use crate::map_save::MapArgs;
 use crate::new_package::cli::NewArgs;
@@ -144,6 +145,10 @@ pub enum Command {
         /// Root folder of the domain.
         root: PathBuf,
     },
+    /// Test a program with too little shared memory; `zeronav contract` starts it by itself, in a
+    /// namespace of its own.
+    #[command(name = no_memory::COMMAND, hide = true)]
+    WithoutMemory(ContractArgs),
     /// Watch over a run from outside; started by zeronav itself.
     #[command(hide = true)]
     Warden,

@@ -6,7 +6,7 @@ use clap::Parser;
 use clap::error::ErrorKind;
 use std::process::ExitCode;
 use zeronav::cli::{Cli, Command};
-use zeronav::contract_kit;
+use zeronav::contract_kit::{self, no_memory};
 use zeronav::exit::EXIT_USAGE;
 use zeronav::new_package;
 use zeronav::remote::{goal, swap, verbs};
@@ -35,6 +35,9 @@ fn main() -> ExitCode {
     if matches!(cli.command, Command::Warden) {
         warden::run();
         return ExitCode::SUCCESS;
+    }
+    if let Command::WithoutMemory(arguments) = &cli.command {
+        return no_memory::contract_without_memory(arguments);
     }
     warden::enable();
     log::start();
@@ -79,6 +82,6 @@ fn main() -> ExitCode {
         Command::Suite(arguments) => commands::suite(&arguments.plan(), arguments.json),
         Command::Completions { shell } => completions::completions(shell),
         Command::Man { folder } => completions::man(&folder),
-        Command::Clean { .. } | Command::Warden => ExitCode::SUCCESS,
+        Command::Clean { .. } | Command::WithoutMemory(_) | Command::Warden => ExitCode::SUCCESS,
     })
 }

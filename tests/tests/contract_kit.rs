@@ -2,10 +2,14 @@
 //! program of a zoo breaks exactly the clause that it is made to break.
 
 use serde_json::Value;
+use std::process::Command;
 use zeronav_tests::{Ended, Zeronav, binaries};
 
 /// Hostile messages for a program of the zoo.
 const FEW: &str = "5000";
+
+/// Hostile messages for a stock service: a tenth of what the kit sends without being asked.
+const SOME: &str = "100000";
 
 /// Kits that run side by side: they wait more than they compute.
 const AT_A_TIME: usize = 7;
@@ -25,14 +29,29 @@ fn lines(report: &Value, verdict: &str) -> Vec<String> {
         .collect()
 }
 
-/// All clauses are kept, and only the one is left out that the kit cannot test.
-fn assert_kept(ended: &Ended) {
+/// True where a process may have a /dev/shm of its own, which the clause `no_memory` needs.
+fn has_namespaces() -> bool {
+    let script = "mount -t tmpfs -o size=1m tmpfs /dev/shm";
+    let mut command = Command::new("unshare");
+    command.args(["--user", "--map-root-user", "--mount"]);
+    let output = command.args(["sh", "-c", script]).output();
+    output.is_ok_and(|output| output.status.success())
+}
+
+/// All clauses are kept, and none is left out that can be tested here.
+fn assert_kept(ended: &Ended) -> Value {
     let report = ended.expect(0);
     assert_eq!(report["passes"], true, "{report:#}");
     assert_eq!(lines(&report, "failed"), Vec::<String>::new());
     let skipped = lines(&report, "skipped");
-    assert_eq!(skipped.len(), 1, "{skipped:?}");
-    assert!(skipped[0].starts_with("no_memory: "), "{skipped:?}");
+    let cannot: &[&str] = if has_namespaces() {
+        &[]
+    } else {
+        &["no_memory"]
+    };
+    let names = skipped.iter().filter_map(|line| line.split(':').next());
+    assert!(names.eq(cannot.iter().copied()), "{skipped:?}");
+    report
 }
 
 const STOCK: [(&str, &str); 4] = [
@@ -46,22 +65,36 @@ const STOCK: [(&str, &str); 4] = [
 fn stock_services_and_the_example_keep_the_contract() {
     let mut runs: Vec<Zeronav> = STOCK
         .iter()
-        .map(|(role, binary)| start(role, binary, &[]))
+        .map(|(role, binary)| start(role, binary, &["--hostile", SOME]))
         .collect();
-    runs.push(start("global_planner", "straight_line_service", &[]));
+    let example = "straight_line_service";
+    runs.push(start("global_planner", example, &["--hostile", SOME]));
     for run in runs {
         assert_kept(&run.finish());
     }
 }
 
+#[test]
+#[ignore = "about a minute: a million hostile messages for each stock service"]
+fn stock_services_survive_a_million_hostile_messages() {
+    for (role, binary) in STOCK {
+        let report = assert_kept(&start(role, binary, &[]).finish());
+        assert_eq!(report["hostile_messages"], 1_000_000, "{report:#}");
+        let ok = lines(&report, "ok");
+        let line = ok.iter().find(|line| line.starts_with("hostile_input"));
+        eprintln!("{role}: {}", line.expect("its line"));
+    }
+}
+
 /// What a program of the zoo is made to break: fault, seat, clause. Some clauses are broken in two ways.
-const ZOO: [(&str, &str, &str); 26] = [
+const ZOO: [(&str, &str, &str); 27] = [
     ("none", "local_planner", ""),
     ("help", "local_planner", "help"),
     ("print_config", "local_planner", "print_config"),
     ("unknown_flag", "local_planner", "unknown_flag"),
     ("bad_config", "local_planner", "bad_config"),
     ("other_contract", "local_planner", "other_contract"),
+    ("no_memory", "local_planner", "no_memory"),
     ("one_per_seat", "local_planner", "one_per_seat"),
     ("topics", "local_planner", "topics"),
     ("idle_output", "local_planner", "idle_output"),
@@ -93,6 +126,7 @@ fn start_wrong(role: &str, fault: &str) -> Zeronav {
 
 #[test]
 fn every_program_of_the_zoo_breaks_its_own_clause_and_no_other() {
+    let namespaces = has_namespaces();
     for some in ZOO.chunks(AT_A_TIME) {
         let runs: Vec<Zeronav> = (some.iter())
             .map(|(fault, role, _)| start_wrong(role, fault))
@@ -102,6 +136,7 @@ fn every_program_of_the_zoo_breaks_its_own_clause_and_no_other() {
             let failed = lines(&ended.json(), "failed");
             let names = failed.iter().filter_map(|line| line.split(':').next());
             let expected = Some(*clause).filter(|clause| !clause.is_empty());
+            let expected = expected.filter(|clause| *clause != "no_memory" || namespaces);
             assert!(names.eq(expected), "{fault}: {failed:#?}");
             let code = i32::from(expected.is_some());
             assert_eq!(ended.code(), code, "{fault}");

@@ -23,7 +23,7 @@ pub struct ContractArgs {
     #[arg(long, value_name = "FILE")]
     pub config: Option<PathBuf>,
     /// Hostile messages, spread over the inputs of the seat.
-    #[arg(long, value_name = "N", default_value_t = 100_000,
+    #[arg(long, value_name = "N", default_value_t = 1_000_000,
           value_parser = clap::value_parser!(u64).range(1..=100_000_000))]
     pub hostile: u64,
     /// Print one JSON object.

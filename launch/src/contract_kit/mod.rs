@@ -9,6 +9,7 @@ pub mod cli;
 mod hostile;
 mod legal;
 mod lockstep;
+pub mod no_memory;
 mod others;
 mod program;
 mod raw;
@@ -21,15 +22,12 @@ mod short_runs;
 
 use crate::exit::{EXIT_FAIL, EXIT_PASS};
 use crate::show::terminal::{say, say_json, usage};
-use crate::supervise::binaries;
 use clause::{Clause, Verdict};
 use cli::ContractArgs;
 use program::Program;
 use report::Report;
 use serde_json::json;
-use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use zeronav_msgs::role::Role;
 
 /// `zeronav contract`.
 #[must_use]
@@ -38,7 +36,7 @@ pub fn contract(arguments: &ContractArgs) -> ExitCode {
         Ok(folder) => folder,
         Err(error) => return usage(&format!("making a folder for logs: {error}")),
     };
-    let program = match program(arguments, folder.path()) {
+    let program = match Program::find(arguments, folder.path()) {
         Ok(program) => program,
         Err(problem) => return usage(&problem),
     };
@@ -69,41 +67,4 @@ pub fn contract(arguments: &ContractArgs) -> ExitCode {
         say(&format!("{}: {verdict}\n", program.role));
     }
     ExitCode::from(if passes { EXIT_PASS } else { EXIT_FAIL })
-}
-
-fn program(arguments: &ContractArgs, folder: &Path) -> Result<Program, String> {
-    let found = binaries::find_or_build(&arguments.binary)?;
-    let binary = as_named(&arguments.binary, found);
-    let config = if let Some(config) = &arguments.config {
-        let absolute = std::fs::canonicalize(config);
-        absolute.map_err(|error| format!("--config {}: {error}", config.display()))?
-    } else {
-        let config = folder.join("config.toml");
-        let text = match arguments.role {
-            Role::Mapping => room::mapping_config(),
-            _ => String::new(),
-        };
-        let written = std::fs::write(&config, text);
-        written.map_err(|error| format!("{}: {error}", config.display()))?;
-        config
-    };
-    Ok(Program {
-        role: arguments.role,
-        binary,
-        arguments: arguments.arguments.clone(),
-        config,
-        folder: folder.to_owned(),
-    })
-}
-
-/// The program under the name that leads to `found`. A link is not followed: the Python of a virtual
-/// environment is a link, and knows by its name which one it is of.
-fn as_named(name: &Path, found: PathBuf) -> PathBuf {
-    if name.components().count() > 1 {
-        return std::path::absolute(name).unwrap_or(found);
-    }
-    let path = std::env::var_os("PATH").unwrap_or_default();
-    let mut places = std::env::split_paths(&path).map(|folder| folder.join(name));
-    let leads_there = |place: &PathBuf| std::fs::canonicalize(place).is_ok_and(|it| it == found);
-    places.find(leads_there).unwrap_or(found)
 }

@@ -1,12 +1,15 @@
 //! The program that is tested, and its short runs: those that print something and end.
 
+use super::cli::ContractArgs;
+use super::room;
+use crate::supervise::binaries;
 use crate::supervise::child::end_with_this_thread;
 use rustix::process::{Pid, Signal, kill_process_group};
 use std::ffi::OsString;
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::os::unix::process::CommandExt;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 use zeronav_msgs::role::Role;
@@ -46,6 +49,36 @@ pub(crate) struct Ended {
 }
 
 impl Program {
+    /// The program that the command line names; its configuration, when that names none, is written to
+    /// `folder`.
+    ///
+    /// # Errors
+    /// What is not there, or could not be written.
+    pub(crate) fn find(arguments: &ContractArgs, folder: &Path) -> Result<Self, String> {
+        let found = binaries::find_or_build(&arguments.binary)?;
+        let binary = as_named(&arguments.binary, found);
+        let config = if let Some(config) = &arguments.config {
+            let absolute = std::fs::canonicalize(config);
+            absolute.map_err(|error| format!("--config {}: {error}", config.display()))?
+        } else {
+            let config = folder.join("config.toml");
+            let text = match arguments.role {
+                Role::Mapping => room::mapping_config(),
+                _ => String::new(),
+            };
+            let written = std::fs::write(&config, text);
+            written.map_err(|error| format!("{}: {error}", config.display()))?;
+            config
+        };
+        Ok(Self {
+            role: arguments.role,
+            binary,
+            arguments: arguments.arguments.clone(),
+            config,
+            folder: folder.to_owned(),
+        })
+    }
+
     /// Its own arguments, then `flags`.
     pub(crate) fn with(&self, flags: &[OsString]) -> Vec<OsString> {
         [&self.arguments[..], flags].concat()
@@ -128,6 +161,18 @@ impl Ended {
     pub(crate) fn last_words(&self) -> &str {
         last_line(&self.stderr)
     }
+}
+
+/// The program under the name that leads to `found`. A link is not followed: the Python of a virtual
+/// environment is a link, and knows by its name which one it is of.
+fn as_named(name: &Path, found: PathBuf) -> PathBuf {
+    if name.components().count() > 1 {
+        return std::path::absolute(name).unwrap_or(found);
+    }
+    let path = std::env::var_os("PATH").unwrap_or_default();
+    let mut places = std::env::split_paths(&path).map(|folder| folder.join(name));
+    let leads_there = |place: &PathBuf| std::fs::canonicalize(place).is_ok_and(|it| it == found);
+    places.find(leads_there).unwrap_or(found)
 }
 
 /// The last line of a text that says something.

@@ -1,7 +1,8 @@
-//! Clauses about who may sit in a seat: another contract, a taken seat, another epoch.
+//! Clauses about who may sit in a seat: another contract, too little memory, a taken seat, another epoch.
 
 use super::bench::{Bench, EPOCH, seat_row};
 use super::clause::Clause;
+use super::no_memory;
 use super::program::Program;
 use super::report::Report;
 use zeronav_msgs::run::RunMode;
@@ -9,10 +10,7 @@ use zeronav_msgs::run::RunMode;
 /// Tests them.
 pub(crate) fn test(program: &Program, report: &mut Report) {
     report.add(Clause::Contract, other_contract(program));
-    report.skip(
-        Clause::Memory,
-        "it would take /dev/shm from every stack on this machine",
-    );
+    no_memory::test(program, report);
     report.add(Clause::Seat, one_per_seat(program));
 }
 

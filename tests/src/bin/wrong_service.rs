@@ -272,7 +272,7 @@ fn main() -> ExitCode {
     } else {
         zeronav_shell::run::<Straight>()
     };
-    let mapped = [("other_contract", 3), ("one_per_seat", 2)];
+    let mapped = [("other_contract", 3), ("no_memory", 4), ("one_per_seat", 2)];
     let is_wrong = |(name, right): &(&str, u8)| {
         fault(name) && has("--domain") && code == ExitCode::from(*right)
     };
