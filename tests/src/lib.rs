@@ -6,6 +6,7 @@
 
 #[path = "../data/folder.rs"]
 pub mod data;
+pub mod faults;
 mod processes;
 pub mod python;
 pub mod results;

@@ -2,7 +2,7 @@
 
 use super::bench::{Bench, Measured};
 use super::record::Table;
-use super::{extract, trials};
+use super::{extract, faults, trials};
 
 /// One experiment.
 #[derive(Debug)]
@@ -67,6 +67,17 @@ pub const EXPERIMENTS: &[Experiment] = &[
             "The pose is that of mapping at every scan, against the truth; quartiles over the seeds.",
         ),
         make: drives,
+    },
+    Experiment {
+        key: "faults",
+        title: "every service with every fault, in the middle of an aisle at 0.9 m/s",
+        minutes: 9.0,
+        by_default: false,
+        note: Some(
+            "Times to the next answer are from three runs in real time, all others from one in \
+             lockstep, in which a seat stays empty for 20 ticks.",
+        ),
+        make: faults::make,
     },
     Experiment {
         key: "generated",

@@ -7,6 +7,7 @@
 pub mod bench;
 pub mod experiments;
 pub mod extract;
+mod faults;
 pub mod page;
 pub mod record;
 pub mod spread;
