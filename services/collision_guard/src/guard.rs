@@ -78,7 +78,8 @@ pub struct GuardInputs<'a> {
     /// Newest odometry.
     pub odometry: Option<OdometryInput<'a>>,
     /// [ns] since the tick of the previous decision: normally one control period, 0 for another
-    /// answer within the same tick. Ramps advance by this much.
+    /// answer within the same tick, and the time itself while odometry is late. Ramps advance by this
+    /// much.
     pub period_ns: u64,
     /// The run is stopping.
     pub stopping: bool,

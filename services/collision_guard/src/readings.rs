@@ -17,6 +17,10 @@ pub(crate) struct Readings {
     pub(crate) description: Latest<RobotDescription>,
     scan: Latest<RobotScan>,
     request: Latest<ControlRequest>,
+    /// When the answer before began. [ns]
+    answered_ns: u64,
+    /// When this one began. [ns]
+    began_ns: u64,
 }
 
 impl Readings {
@@ -27,6 +31,8 @@ impl Readings {
             description: peer.latest()?,
             scan: peer.latest()?,
             request: peer.latest()?,
+            answered_ns: 0,
+            began_ns: 0,
         })
     }
 
@@ -54,7 +60,7 @@ impl Readings {
     }
 
     /// Begins an answer.
-    pub(crate) fn begin(&self, shell: &Shell, due: Due) -> Draft {
+    pub(crate) fn begin(&mut self, shell: &Shell, due: Due) -> Draft {
         let parents = Parents {
             odometry: self.odometry.id().0,
             scan: self.scan.id().0,
@@ -62,7 +68,24 @@ impl Readings {
             ..Parents::default()
         };
         let capture_ns = self.scan.received().map_or(0, |scan| scan.capture_ns);
-        shell.begin(due, shell.run_ns(due.tick), capture_ns, parents)
+        let draft = shell.begin(due, shell.run_ns(due.tick), capture_ns, parents);
+        (self.answered_ns, self.began_ns) = (self.began_ns, draft.started_ns);
+        draft
+    }
+
+    /// Time since the answer before: from tick to tick. While odometry is late the ticks stand still, and
+    /// the robot has to come to rest all the same: then by the own clock. [ns]
+    fn period_ns(&self, shell: &Shell, draft: &Draft) -> u64 {
+        let ticks = draft.tick.saturating_sub(shell.answered_tick());
+        let tick_ns = shell.roster().clock.tick_ns;
+        let late = |came_ns: u64| draft.started_ns.saturating_sub(came_ns) > tick_ns;
+        let newest = self.odometry.newest();
+        let is_late = ticks == 0 && newest.is_some_and(|newest| late(newest.came_ns));
+        if is_late && !shell.roster().lockstep() {
+            draft.started_ns.saturating_sub(self.answered_ns)
+        } else {
+            shell.run_ns(ticks)
+        }
     }
 
     /// What is known at the beginning of an answer. A scan is as old as its capture, the other
@@ -93,7 +116,7 @@ impl Readings {
                 run_ns: newest.run_ns,
                 age_ns: arrival_age_ns(Some(newest.received())),
             }),
-            period_ns: shell.run_ns(draft.tick.saturating_sub(shell.answered_tick())),
+            period_ns: self.period_ns(shell, draft),
             stopping: shell.roster().control.stopping == 1,
         }
     }

@@ -52,8 +52,8 @@ private:
             v_mps_ = odometry.odometry.v_mps;
             w_radps_ = odometry.odometry.w_radps;
         }
-        const auto elapsed_s = 1e-9 * static_cast<double>(elapsed_ns(shell, tick));
         const auto begun = shell.begin(tick, scan ? scan.header->capture_ns : 0, parents);
+        const auto elapsed_s = 1e-9 * static_cast<double>(elapsed_ns(shell, begun, odometry));
         const auto command = decide(shell, begun, odometry, elapsed_s);
         command_.send(shell, command);
         shell.finish();
@@ -66,11 +66,16 @@ private:
         }
     }
 
-    /// Run time since the answer before: 0 for another answer to the same tick, one tick for the first
-    /// answer of a successor.
-    static std::uint64_t elapsed_ns(const Shell& shell, std::uint64_t tick) {
+    /// Time since the answer before: from tick to tick, one tick for the first answer of a successor.
+    /// While odometry is late the ticks stand still, and the robot has to come to rest all the same.
+    std::uint64_t elapsed_ns(const Shell& shell, const Begun& begun, const NewestOdometry& odometry) {
         const auto run = shell.run();
-        const auto ticks = tick > run.answered_tick ? tick - run.answered_tick : 0;
+        const auto ticks = begun.tick > run.answered_tick ? begun.tick - run.answered_tick : 0;
+        const auto before_ns = std::exchange(answered_ns_, begun.started_ns);
+        const bool is_late = odometry.id != 0 && begun.started_ns > odometry.came_ns + run.tick_ns;
+        if (ticks == 0 && is_late && !run.lockstep) {
+            return begun.started_ns - before_ns;
+        }
         return run.tick_ns * (run.answered_tick == 0 ? std::min<std::uint64_t>(ticks, 1) : ticks);
     }
 
@@ -163,6 +168,8 @@ private:
     double w_radps_ = 0;
     /// True once the speeds before are known.
     bool has_begun_ = false;
+    /// When the answer before began.
+    std::uint64_t answered_ns_ = 0;
 };
 
 int main() {

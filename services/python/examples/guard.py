@@ -35,6 +35,8 @@ class Guard(Service):
         self.command = peer.writer(c.ROBOT_VELOCITY_COMMAND)
         # What was commanded last: what the robot does, as far as it can.
         self.v_mps = self.w_radps = None
+        # When the command before was decided. [ns]
+        self.answered_ns = 0
 
     def wake(self, shell, rung):
         roster = shell.roster
@@ -60,18 +62,27 @@ class Guard(Service):
             # The robot may move already when a successor begins.
             meta = self.odometry.newest.meta
             self.v_mps, self.w_radps = meta.v_mps, meta.w_radps
-        # Another answer to the same tick changes nothing; a successor's first has one tick.
-        ticks = max(0, due.tick - shell.answered_tick) if shell.answered_tick else min(1, due.tick)
         parents = {"odometry": self.odometry.id, "scan": self.scan.id, "request": self.request.id}
         scan = self.scan.get()
         capture_ns = scan.header.capture_ns if scan else 0
         draft = shell.begin(due, shell.run_ns(due.tick), capture_ns, parents)
-        command = self.decide(shell, draft, scan, 1e-9 * shell.run_ns(ticks))
+        command = self.decide(shell, draft, scan, 1e-9 * self.elapsed_ns(shell, draft))
         if self.v_mps is not None:
             self.v_mps, self.w_radps = command.v_mps, command.w_radps
         for intervention, reason in REASONS.items():
             shell.reason(reason, command.intervention == intervention)
         shell.answer(draft, self.command, command)
+
+    def elapsed_ns(self, shell, draft):
+        """Time since the command before: from tick to tick, one tick for a successor's first. While
+        odometry is late the ticks stand still, and the robot has to come to rest all the same."""
+        ticks = max(0, draft.tick - shell.answered_tick) if shell.answered_tick else min(1, draft.tick)
+        before_ns, self.answered_ns = self.answered_ns, draft.started_ns
+        newest = self.odometry.newest
+        is_late = newest and draft.started_ns - newest.came_ns > shell.run_ns(1)
+        if ticks == 0 and is_late and not shell.roster.lockstep:
+            return draft.started_ns - before_ns
+        return shell.run_ns(ticks)
 
     def decide(self, shell, draft, scan, elapsed_s):
         """The command, `elapsed_s` after the one before."""
