@@ -48,6 +48,32 @@ pub(crate) fn delay(text: &str) -> Result<(Role, u16), String> {
     Ok((role, steps as u16))
 }
 
+/// `plan/path=0.3` as a topic and a share of its messages; without a share it is all.
+pub(crate) fn topic_share(text: &str) -> Result<(String, f64), String> {
+    let (topic, share) = text.split_once('=').unwrap_or((text, "1"));
+    let number: Result<f64, _> = share.parse();
+    let share = number.map_err(|_| format!("`{share}` is no share such as 0.3"))?;
+    Ok((topic.to_owned(), share))
+}
+
+/// `robot/scan=50ms` as a topic and a time. [ms]
+pub(crate) fn topic_delay(text: &str) -> Result<(String, f64), String> {
+    let example = "a delay reads like robot/scan=50ms";
+    let (topic, time) = text.split_once('=').ok_or(example)?;
+    Ok((topic.to_owned(), time_s(time)? * 1.0e3))
+}
+
+/// `mapping=-200ms` as a seat and an offset. [ms]
+pub(crate) fn clock_offset(text: &str) -> Result<(Role, f64), String> {
+    let example = "an offset reads like mapping=+200ms";
+    let (role, time) = text.split_once('=').ok_or(example)?;
+    let (sign, time) = match time.strip_prefix('-') {
+        Some(time) => (-1.0, time),
+        None => (1.0, time.strip_prefix('+').unwrap_or(time)),
+    };
+    Ok((service_role(role)?, sign * time_s(time)? * 1.0e3))
+}
+
 /// A time such as `5s` or `500ms`. [s]
 pub(crate) fn time_s(text: &str) -> Result<f64, String> {
     let (number, unit_s) = match (text.strip_suffix("ms"), text.strip_suffix('s')) {

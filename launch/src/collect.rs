@@ -13,6 +13,7 @@ use zeronav_msgs::header::Id;
 use zeronav_msgs::map::{COST_LETHAL, FLAG_STATIC, MapView};
 use zeronav_msgs::obstacles::Obstacle;
 use zeronav_msgs::odometry::Odometry;
+use zeronav_msgs::path::PathStatus;
 use zeronav_msgs::pose::Pose;
 use zeronav_msgs::replica::{MapReplica, Step};
 use zeronav_msgs::role::Role;
@@ -138,6 +139,9 @@ impl Collector {
     /// Takes in new paths, without repeats of an unchanged one.
     fn hear_paths(&mut self, taps: &mut Taps, roster: &Roster) {
         taps.paths.drain(roster, |view| {
+            if view.meta.status() == Some(PathStatus::Found) {
+                self.recoveries.note_path(view.header);
+            }
             if view.meta.geometry != view.header.id {
                 return;
             }

@@ -9,7 +9,7 @@ use zeronav::cli::{Cli, Command};
 use zeronav::contract_kit::{self, no_memory};
 use zeronav::exit::EXIT_USAGE;
 use zeronav::new_package;
-use zeronav::remote::{goal, swap, verbs};
+use zeronav::remote::{fault, goal, swap, verbs};
 use zeronav::show::{log, terminal};
 use zeronav::supervise::{cleaner, warden};
 use zeronav::{commands, completions, doctor, draw, logs, look, map_save, params, remote, topics};
@@ -70,7 +70,7 @@ fn main() -> ExitCode {
         Command::Step(arguments) => verbs::step(&arguments),
         Command::Pose(arguments) => verbs::pose(&arguments),
         Command::Obstacle(arguments) => verbs::obstacle(&arguments),
-        Command::Fault(arguments) => verbs::fault(&arguments),
+        Command::Fault(arguments) => fault::fault(&arguments),
         Command::Swap(arguments) => swap::swap(&arguments),
         Command::Shadow(arguments) => swap::shadow(&arguments),
         Command::Status(arguments) => verbs::status(&arguments),

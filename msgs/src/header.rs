@@ -90,7 +90,7 @@ message! {
 
 message! {
     /// Fixed header of every message.
-    pub struct Header = "zeronav.Header.v1" {
+    pub struct Header = "zeronav.Header.v2" {
         /// Code of the author's [`Role`].
         pub role: u16,
         /// [number] Which robot; 0, because one domain is one robot.
@@ -114,8 +114,8 @@ message! {
         pub parents: Parents,
         /// When it was made.
         pub stamps: Stamps,
-        /// Written as 0, ignored by readers.
-        pub spare_bytes: [u8; 8],
+        /// [number] Checksum of everything else in the message, see [`crate::checksum`].
+        pub checksum: u64,
     }
 }
 

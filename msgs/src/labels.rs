@@ -5,7 +5,7 @@ use crate::health::HealthState;
 use crate::path::{PathCause, PathStatus};
 use crate::request::RequestReason;
 use crate::role::Role;
-use crate::run::RunMode;
+use crate::run::{RunMode, TopicFaultKind};
 use crate::span::SpanKind;
 use crate::task::{EndReason, StuckCause, TaskKind, TaskState};
 
@@ -35,6 +35,7 @@ labels!(
     RequestReason,
     Role,
     RunMode,
+    TopicFaultKind,
     SpanKind,
     StuckCause,
     TaskKind,

@@ -179,6 +179,9 @@ pub enum Refusal {
     /// The identity has no epoch or no count.
     #[error("identity without epoch or count")]
     Identity,
+    /// A bit was changed after the message was written.
+    #[error("the checksum does not fit")]
+    Checksum,
     /// An integer code without a meaning.
     #[error("unknown code in {0}")]
     Code(&'static str),

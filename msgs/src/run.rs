@@ -11,6 +11,18 @@ pub const SEATS_MAX: usize = 16;
 /// Unit of [`Seat::delay`]. [ns]
 pub const DELAY_STEP_NS: u64 = 10_000;
 
+/// Most topics that are disturbed on purpose at a time.
+pub const TOPIC_FAULTS_MAX: usize = 4;
+
+/// [`TopicFault::share`] of all messages.
+pub const SHARE_ALL: u32 = 1_000_000;
+
+/// Longest delay of a message on purpose. [us]
+pub const DELAY_US_MAX: u32 = 10_000_000;
+
+/// Largest offset of a process's clock on purpose, either sign. [ms]
+pub const CLOCK_OFFSET_MS_MAX: i32 = 10_000;
+
 codes! {
     /// How the run keeps time.
     pub enum RunMode: u16 {
@@ -39,9 +51,40 @@ message! {
     }
 }
 
+codes! {
+    /// What is done to the messages of a topic on purpose.
+    pub enum TopicFaultKind: u16 {
+        /// Nothing.
+        None = 0 => "none",
+        /// Some are lost.
+        Drop = 1 => "drop",
+        /// All are late.
+        Delay = 2 => "delay",
+        /// In some, one bit is flipped.
+        Corrupt = 3 => "corrupt",
+    }
+}
+
+message! {
+    /// A topic whose messages are disturbed on purpose on their way to each service that reads it, in
+    /// real time only: lockstep waits for every message.
+    pub struct TopicFault = "zeronav.TopicFault.v1" {
+        /// [number] of the topic.
+        pub topic: u16,
+        /// Code of [`TopicFaultKind`].
+        pub kind: u16,
+        /// [ppm] of the messages that are dropped or corrupted.
+        pub share: u32,
+        /// [us] by which each message is late.
+        pub delay_us: u32,
+        /// [number] Seed of which messages, and which bits.
+        pub seed: u32,
+    }
+}
+
 message! {
     /// Fixed fields of the control message. The slice holds the roster.
-    pub struct RunControl = "zeronav.RunControl.v1" {
+    pub struct RunControl = "zeronav.RunControl.v2" {
         /// [tick] Highest tick that the robot may start, lockstep only.
         pub lease: u64,
         /// [flag] 1 = the robot shall stand and run time stops.
@@ -50,6 +93,8 @@ message! {
         pub stopping: u16,
         /// [count] Seats in the slice.
         pub n_seats: u32,
+        /// Topics that are disturbed on purpose; all zero in earnest.
+        pub topic_faults: [TopicFault; TOPIC_FAULTS_MAX],
     }
 }
 
@@ -57,7 +102,7 @@ message! {
     /// One seat of the roster. Two processes can run in it: one is obeyed, the other is warm. At
     /// which tick the one takes over from the other is said in advance, so that no message is
     /// heard twice and none is missed.
-    pub struct Seat = "zeronav.Seat.v2" {
+    pub struct Seat = "zeronav.Seat.v3" {
         /// Code of the [`Role`].
         pub role: u16,
         /// [10 us] by which the seat delays each of its answers; 0 in earnest. A delay put in on
@@ -78,12 +123,18 @@ message! {
         /// [number] Epoch of the second process in this seat: a newcomer that is not obeyed yet, or
         /// a predecessor that still runs; 0 = none.
         pub other: u32,
-        /// Written as 0.
-        pub spare: u32,
+        /// [ms] by which the clocks of its processes are put forward on purpose; 0 in earnest.
+        pub clock_offset_ms: i32,
     }
 }
 
 impl Seat {
+    /// Offset of the clocks of its processes. [ns]
+    #[must_use]
+    pub const fn clock_offset_ns(&self) -> i64 {
+        self.clock_offset_ms as i64 * 1_000_000
+    }
+
     /// Delay of each answer. [ns]
     #[must_use]
     pub const fn delay_ns(&self) -> u64 {
@@ -145,6 +196,52 @@ impl Seat {
     }
 }
 
+impl TopicFault {
+    /// What is done.
+    #[must_use]
+    pub const fn kind(&self) -> Option<TopicFaultKind> {
+        TopicFaultKind::from_code(self.kind)
+    }
+
+    /// Delay of each message. [ns]
+    #[must_use]
+    pub const fn delay_ns(&self) -> u64 {
+        self.delay_us as u64 * 1000
+    }
+
+    /// A number that decides about the message with this id in the eyes of the reader with the code
+    /// `role`: the same for the same fault, and spread evenly.
+    ///
+    /// Source: Steele, Lea, Flood, "Fast splittable pseudorandom number generators", the mixing
+    /// function of `SplitMix64`.
+    #[must_use]
+    pub const fn draw(&self, role: u16, id: u64) -> u64 {
+        let mut mixed = (self.seed as u64) << 32 | (self.topic as u64) << 16 | role as u64;
+        mixed ^= id.wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        mixed ^ (mixed >> 31)
+    }
+
+    /// True when a message with this [`Self::draw`] is one of the share.
+    #[must_use]
+    pub const fn hits(&self, draw: u64) -> bool {
+        draw % (SHARE_ALL as u64) < self.share as u64
+    }
+
+    fn check(&self) -> Result<(), Refusal> {
+        self.kind().ok_or(Refusal::Code("topic_fault.kind"))?;
+        ensure(
+            self.share <= SHARE_ALL,
+            Refusal::OutOfRange("topic_fault.share"),
+        )?;
+        ensure(
+            self.delay_us <= DELAY_US_MAX,
+            Refusal::OutOfRange("topic_fault.delay_us"),
+        )
+    }
+}
+
 impl RunClock {
     /// The mode.
     #[must_use]
@@ -177,11 +274,18 @@ impl RunControl {
         )?;
         ensure(self.paused <= 1, Refusal::Code("paused"))?;
         ensure(self.stopping <= 1, Refusal::Code("stopping"))?;
+        for topic_fault in &self.topic_faults {
+            topic_fault.check()?;
+        }
         for seat in seats {
             Role::from_code(seat.role).ok_or(Refusal::Code("seat.role"))?;
             ensure(
                 seat.off_tick <= seat.on_tick,
                 Refusal::OutOfRange("seat.on_tick"),
+            )?;
+            ensure(
+                seat.clock_offset_ms.unsigned_abs() <= CLOCK_OFFSET_MS_MAX.unsigned_abs(),
+                Refusal::OutOfRange("seat.clock_offset_ms"),
             )?;
         }
         Ok(())

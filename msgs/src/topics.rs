@@ -7,6 +7,7 @@
 //! | latched | like latest; the last message also reaches readers that join later |
 //! | records | self-contained records without header, read in order |
 
+use crate::checksum::{HEADER_BYTES, checksum};
 use crate::command::{VelocityCommand, VelocityRequest};
 use crate::description::{Corner, Description, FOOTPRINT_CORNERS_MAX};
 use crate::header::Header;
@@ -70,7 +71,28 @@ pub fn decode<T: Topic>(
 ) -> Result<(), Refusal> {
     envelope.header().check(row.schema, row.writers)?;
     ensure(items.len() <= row.len_max, Refusal::Length("items"))?;
+    ensure(
+        envelope.header().checksum == checksum_of::<T>(envelope, items),
+        Refusal::Checksum,
+    )?;
     T::check(envelope.meta(), items)
+}
+
+/// Header with its checksum, and fixed fields, of a message with these items.
+#[must_use]
+pub fn seal<T: Topic>(header: Header, meta: T::Meta, items: &[T::Item]) -> T::Envelope {
+    let checksum = checksum_of::<T>(&T::Envelope::new(header, meta), items);
+    T::Envelope::new(Header { checksum, ..header }, meta)
+}
+
+fn checksum_of<T: Topic>(envelope: &T::Envelope, items: &[T::Item]) -> u64 {
+    let (header, meta) = (envelope.header(), envelope.meta());
+    let header = &bytemuck::bytes_of(header)[..HEADER_BYTES];
+    checksum(
+        header,
+        bytemuck::bytes_of(meta),
+        bytemuck::cast_slice(items),
+    )
 }
 
 /// Called once per topic by [`visit_topics`].

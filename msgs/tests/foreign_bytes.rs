@@ -6,7 +6,7 @@ use std::cell::RefCell;
 use std::collections::BTreeMap;
 use zeronav_msgs::message::Wire;
 use zeronav_msgs::role::Role;
-use zeronav_msgs::topics::{Envelope, Topic, TopicRow, TopicVisitor, decode, visit_topics};
+use zeronav_msgs::topics::{Envelope, Topic, TopicRow, TopicVisitor, decode, seal, visit_topics};
 
 /// Fixed fields that are plausible numbers as often as not, so that the deeper checks are met.
 fn plausible(bytes: &[u8], seed: u64) -> Vec<u8> {
@@ -73,7 +73,7 @@ impl TopicVisitor for Thrower<'_> {
         (header.robot, header.clock) = (0, 0);
         header.role = row.writers.first().map_or(0, |role| role.code());
         header.id = 1 << 40 | 1;
-        envelope = T::Envelope::new(header, *envelope.meta());
+        envelope = seal::<T>(header, *envelope.meta(), &items);
         if decode::<T>(row, &envelope, &items).is_ok() {
             *self.accepted.entry(row.name).or_default() += 1;
             // Whatever is accepted has the length it says, and no item count beyond the contract.

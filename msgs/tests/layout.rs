@@ -13,28 +13,28 @@ use zeronav_msgs::topics::{MapKeyframe, RobotScan, SPANS, Topic, TopicRow, topic
 
 /// Name, bytes of header and fixed fields, bytes of an item, schema hash.
 const GOLDEN: &[(&str, usize, usize, u64)] = &[
-    ("robot/description", 264, 16, 0x2c91_0069_7c64_18bd),
-    ("robot/scan", 160, 4, 0x3f49_5fbc_f312_b64a),
-    ("robot/odometry", 200, 1, 0xa81a_5028_3e14_2917),
-    ("map/update", 288, 4104, 0xa1d4_76a5_5b7a_a2fe),
-    ("map/keyframe", 288, 4104, 0x7858_bd05_bd96_78ce),
-    ("map/obstacles", 136, 136, 0x2712_c9b5_4150_e314),
-    ("plan/path", 240, 24, 0xf295_3d95_ebe4_e756),
-    ("plan/request", 144, 1, 0xe8e8_e8d0_d733_8bbc),
-    ("task/goal", 144, 48, 0x259f_c266_e8e8_0857),
-    ("task/status", 168, 24, 0xe797_a159_e4e4_fd18),
-    ("task/pose", 184, 1, 0x3cae_3d63_dd16_26bb),
-    ("control/velocity_request", 160, 1, 0x658a_c8b9_87ea_b191),
-    ("robot/velocity_command", 152, 1, 0x3267_8c87_5464_5210),
-    ("run/clock", 160, 1, 0x67b6_becd_51d9_8eba),
-    ("run/control", 144, 56, 0x5243_46b7_fcba_a353),
-    ("sim/ground_truth", 216, 48, 0x827a_99fb_86dc_e923),
-    ("sim/placement", 136, 64, 0xbe66_97bb_f00d_7904),
-    ("health/robot", 176, 1, 0x94c1_620c_f083_362d),
-    ("health/mapping", 176, 1, 0x801c_eaa2_f3c0_e523),
-    ("health/global_planner", 176, 1, 0x36cf_66e2_6273_0491),
-    ("health/local_planner", 176, 1, 0x2233_6336_f3b3_e545),
-    ("health/collision_guard", 176, 1, 0x5cb6_8029_5ee9_6a43),
+    ("robot/description", 264, 16, 0xadca_8cec_092e_d691),
+    ("robot/scan", 160, 4, 0x7cad_df9d_db10_ba5c),
+    ("robot/odometry", 200, 1, 0x539b_fa04_c81d_517b),
+    ("map/update", 288, 4104, 0xd9d1_18ec_8068_3c4f),
+    ("map/keyframe", 288, 4104, 0xd4f8_f667_ac1d_8d9f),
+    ("map/obstacles", 136, 136, 0x34d4_6bee_8a17_ace4),
+    ("plan/path", 240, 24, 0x4baa_8e68_5285_bbd4),
+    ("plan/request", 144, 1, 0x904f_8c1a_2cb8_a816),
+    ("task/goal", 144, 48, 0x91f1_3d6d_71f9_fd5b),
+    ("task/status", 168, 24, 0x5b76_391a_9308_4ce3),
+    ("task/pose", 184, 1, 0xe69a_38fe_b2ce_2572),
+    ("control/velocity_request", 160, 1, 0xb3ff_f2ce_025f_5dcd),
+    ("robot/velocity_command", 152, 1, 0x1160_1a01_aa41_2e3a),
+    ("run/clock", 160, 1, 0x53d5_e404_d3e1_1203),
+    ("run/control", 208, 56, 0xaabe_4789_147f_5ef3),
+    ("sim/ground_truth", 216, 48, 0x1e53_b96e_6136_5535),
+    ("sim/placement", 136, 64, 0x7b6b_e608_2eb7_9558),
+    ("health/robot", 176, 1, 0x3479_845f_530e_b3c6),
+    ("health/mapping", 176, 1, 0x714d_8d90_f316_78b8),
+    ("health/global_planner", 176, 1, 0x807e_7f55_86b4_ce42),
+    ("health/local_planner", 176, 1, 0x4f81_d396_ef28_bf9e),
+    ("health/collision_guard", 176, 1, 0x708a_e803_c9a7_6d58),
     ("run/spans", 0, 136, 0x4482_7d2d_f814_4749),
 ];
 
@@ -81,7 +81,7 @@ fn fixed_offsets_that_other_languages_rely_on() {
         ),
         (160, 112, 24)
     );
-    assert_eq!(Header::NAME, "zeronav.Header.v1");
+    assert_eq!(Header::NAME, "zeronav.Header.v2");
 }
 
 #[test]

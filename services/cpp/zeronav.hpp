@@ -140,6 +140,13 @@ enum class RunMode : std::uint16_t {
     lockstep = 2,
 };
 
+enum class TopicFaultKind : std::uint16_t {
+    none = 0,
+    drop = 1,
+    delay = 2,
+    corrupt = 3,
+};
+
 enum class SpanKind : std::uint16_t {
     idle = 1,
     answer = 2,
@@ -181,7 +188,10 @@ enum class Validity : std::uint16_t {
 inline constexpr int SHADOW_EPOCH_MIN = 8388608;
 inline constexpr int COORDINATE_M_MAX = 1000000;
 inline constexpr int SPEED_MAX = 1000;
+inline constexpr int CLOCK_OFFSET_MS_MAX = 10000;
 inline constexpr int DELAY_STEP_NS = 10000;
+inline constexpr int DELAY_US_MAX = 10000000;
+inline constexpr int SHARE_ALL = 1000000;
 inline constexpr int EVENT_NEED_KEYFRAME = 40;
 inline constexpr int SIDE_CELLS_MAX = 8192;
 inline constexpr int TILE_CELLS = 32;
@@ -286,8 +296,8 @@ static_assert(Stamps::SCHEMA == [] {
 
 /// Fixed header of every message.
 struct Header {
-    static constexpr const char* NAME = "zeronav.Header.v1";
-    static constexpr std::uint64_t SCHEMA = 0x3c3e8cb6cb4e197c;
+    static constexpr const char* NAME = "zeronav.Header.v2";
+    static constexpr std::uint64_t SCHEMA = 0x127a2a8d11a040a2;
     /// Code of the author's `Role`.
     std::uint16_t role{};
     /// [number] Which robot; 0, because one domain is one robot.
@@ -311,8 +321,8 @@ struct Header {
     Parents parents{};
     /// When it was made.
     Stamps stamps{};
-    /// Written as 0, ignored by readers.
-    std::uint8_t spare_bytes[8]{};
+    /// [number] Checksum of everything else in the message, see `crate::checksum`.
+    std::uint64_t checksum{};
 };
 static_assert(sizeof(Header) == 128);
 static_assert(std::is_trivially_copyable_v<Header> && std::is_standard_layout_v<Header>);
@@ -327,7 +337,7 @@ static_assert(offsetof(Header, run_ns) == 32);
 static_assert(offsetof(Header, capture_ns) == 40);
 static_assert(offsetof(Header, parents) == 48);
 static_assert(offsetof(Header, stamps) == 96);
-static_assert(offsetof(Header, spare_bytes) == 120);
+static_assert(offsetof(Header, checksum) == 120);
 static_assert(Header::SCHEMA == [] {
     std::uint64_t hash = fnv1a(FNV_OFFSET, Header::NAME);
     hash = fnv1a(hash, "role");
@@ -363,9 +373,9 @@ static_assert(Header::SCHEMA == [] {
     hash = fnv1a(hash, "stamps");
     hash = fnv1a_number(hash, Schema<decltype(Header::stamps)>::value);
     hash = fnv1a_number(hash, offsetof(Header, stamps));
-    hash = fnv1a(hash, "spare_bytes");
-    hash = fnv1a_number(hash, Schema<decltype(Header::spare_bytes)>::value);
-    hash = fnv1a_number(hash, offsetof(Header, spare_bytes));
+    hash = fnv1a(hash, "checksum");
+    hash = fnv1a_number(hash, Schema<decltype(Header::checksum)>::value);
+    hash = fnv1a_number(hash, offsetof(Header, checksum));
     return hash;
 }());
 
@@ -511,7 +521,7 @@ static_assert(Description::SCHEMA == [] {
 /// Header and fixed fields of the topic's messages.
 struct RobotDescriptionEnvelope {
     static constexpr const char* NAME = "zeronav.robot.description.v1";
-    static constexpr std::uint64_t SCHEMA = 0x3e6a4c7ebd025253;
+    static constexpr std::uint64_t SCHEMA = 0xc4afec7fe78c1af5;
     /// The header.
     Header header{};
     /// The fixed fields.
@@ -621,7 +631,7 @@ static_assert(Scan::SCHEMA == [] {
 /// Header and fixed fields of the topic's messages.
 struct RobotScanEnvelope {
     static constexpr const char* NAME = "zeronav.robot.scan.v1";
-    static constexpr std::uint64_t SCHEMA = 0x44f2b6416bdfc210;
+    static constexpr std::uint64_t SCHEMA = 0xacf1bce78b014166;
     /// The header.
     Header header{};
     /// The fixed fields.
@@ -693,7 +703,7 @@ static_assert(Odometry::SCHEMA == [] {
 /// Header and fixed fields of the topic's messages.
 struct RobotOdometryEnvelope {
     static constexpr const char* NAME = "zeronav.robot.odometry.v1";
-    static constexpr std::uint64_t SCHEMA = 0x246062d718d7b1fd;
+    static constexpr std::uint64_t SCHEMA = 0x898ef86160c7c41f;
     /// The header.
     Header header{};
     /// The fixed fields.
@@ -868,7 +878,7 @@ static_assert(MapInfo::SCHEMA == [] {
 /// Header and fixed fields of the topic's messages.
 struct MapUpdateEnvelope {
     static constexpr const char* NAME = "zeronav.map.update.v1";
-    static constexpr std::uint64_t SCHEMA = 0x7183c99aa5f7f818;
+    static constexpr std::uint64_t SCHEMA = 0x33fd3173bc1fe75e;
     /// The header.
     Header header{};
     /// The fixed fields.
@@ -954,7 +964,7 @@ static_assert(MapTile::SCHEMA == [] {
 /// Header and fixed fields of the topic's messages.
 struct MapKeyframeEnvelope {
     static constexpr const char* NAME = "zeronav.map.keyframe.v1";
-    static constexpr std::uint64_t SCHEMA = 0x089446cb3d8bb6f7;
+    static constexpr std::uint64_t SCHEMA = 0xcaaa8446f9d1189d;
     /// The header.
     Header header{};
     /// The fixed fields.
@@ -996,7 +1006,7 @@ static_assert(Obstacles::SCHEMA == [] {
 /// Header and fixed fields of the topic's messages.
 struct MapObstaclesEnvelope {
     static constexpr const char* NAME = "zeronav.map.obstacles.v1";
-    static constexpr std::uint64_t SCHEMA = 0x60aba017eb15c263;
+    static constexpr std::uint64_t SCHEMA = 0x9117b28eef3c2bdd;
     /// The header.
     Header header{};
     /// The fixed fields.
@@ -1178,7 +1188,7 @@ static_assert(Path::SCHEMA == [] {
 /// Header and fixed fields of the topic's messages.
 struct PlanPathEnvelope {
     static constexpr const char* NAME = "zeronav.plan.path.v1";
-    static constexpr std::uint64_t SCHEMA = 0x5460289219a36365;
+    static constexpr std::uint64_t SCHEMA = 0x09159c457356ad03;
     /// The header.
     Header header{};
     /// The fixed fields.
@@ -1268,7 +1278,7 @@ static_assert(PlanRequest::SCHEMA == [] {
 /// Header and fixed fields of the topic's messages.
 struct PlanRequestEnvelope {
     static constexpr const char* NAME = "zeronav.plan.request.v1";
-    static constexpr std::uint64_t SCHEMA = 0x0b6a4026c1851bae;
+    static constexpr std::uint64_t SCHEMA = 0x9823a2af3f319c98;
     /// The header.
     Header header{};
     /// The fixed fields.
@@ -1328,7 +1338,7 @@ static_assert(Task::SCHEMA == [] {
 /// Header and fixed fields of the topic's messages.
 struct TaskGoalEnvelope {
     static constexpr const char* NAME = "zeronav.task.goal.v1";
-    static constexpr std::uint64_t SCHEMA = 0xf3579d7349e5478b;
+    static constexpr std::uint64_t SCHEMA = 0x257e3065e7d763f5;
     /// The header.
     Header header{};
     /// The fixed fields.
@@ -1454,7 +1464,7 @@ static_assert(TaskStatus::SCHEMA == [] {
 /// Header and fixed fields of the topic's messages.
 struct TaskStatusEnvelope {
     static constexpr const char* NAME = "zeronav.task.status.v1";
-    static constexpr std::uint64_t SCHEMA = 0x52ba39a86028f6c0;
+    static constexpr std::uint64_t SCHEMA = 0x8aaadca0d8317b42;
     /// The header.
     Header header{};
     /// The fixed fields.
@@ -1551,7 +1561,7 @@ static_assert(PoseEstimate::SCHEMA == [] {
 /// Header and fixed fields of the topic's messages.
 struct TaskPoseEnvelope {
     static constexpr const char* NAME = "zeronav.task.pose.v1";
-    static constexpr std::uint64_t SCHEMA = 0x54bf47040168ebc3;
+    static constexpr std::uint64_t SCHEMA = 0x34c816de1c0e2311;
     /// The header.
     Header header{};
     /// The fixed fields.
@@ -1617,7 +1627,7 @@ static_assert(VelocityRequest::SCHEMA == [] {
 /// Header and fixed fields of the topic's messages.
 struct ControlVelocityRequestEnvelope {
     static constexpr const char* NAME = "zeronav.control.velocity_request.v1";
-    static constexpr std::uint64_t SCHEMA = 0x6a022beef29b806d;
+    static constexpr std::uint64_t SCHEMA = 0x7057e23363b34c83;
     /// The header.
     Header header{};
     /// The fixed fields.
@@ -1683,7 +1693,7 @@ static_assert(VelocityCommand::SCHEMA == [] {
 /// Header and fixed fields of the topic's messages.
 struct RobotVelocityCommandEnvelope {
     static constexpr const char* NAME = "zeronav.robot.velocity_command.v1";
-    static constexpr std::uint64_t SCHEMA = 0x64cf4eaa8919f66e;
+    static constexpr std::uint64_t SCHEMA = 0xf6d6fa31ca4be770;
     /// The header.
     Header header{};
     /// The fixed fields.
@@ -1749,7 +1759,7 @@ static_assert(RunClock::SCHEMA == [] {
 /// Header and fixed fields of the topic's messages.
 struct RunClockEnvelope {
     static constexpr const char* NAME = "zeronav.run.clock.v1";
-    static constexpr std::uint64_t SCHEMA = 0xe208815d8bfaa472;
+    static constexpr std::uint64_t SCHEMA = 0x49bbe9ba3e3e1fb4;
     /// The header.
     Header header{};
     /// The fixed fields.
@@ -1770,10 +1780,53 @@ static_assert(RunClockEnvelope::SCHEMA == [] {
     return hash;
 }());
 
+/// A topic whose messages are disturbed on purpose on their way to each service that reads it, in
+/// real time only: lockstep waits for every message.
+struct TopicFault {
+    static constexpr const char* NAME = "zeronav.TopicFault.v1";
+    static constexpr std::uint64_t SCHEMA = 0x5f8cd93dd9ae3a0d;
+    /// [number] of the topic.
+    std::uint16_t topic{};
+    /// Code of `TopicFaultKind`.
+    std::uint16_t kind{};
+    /// [ppm] of the messages that are dropped or corrupted.
+    std::uint32_t share{};
+    /// [us] by which each message is late.
+    std::uint32_t delay_us{};
+    /// [number] Seed of which messages, and which bits.
+    std::uint32_t seed{};
+};
+static_assert(sizeof(TopicFault) == 16);
+static_assert(std::is_trivially_copyable_v<TopicFault> && std::is_standard_layout_v<TopicFault>);
+static_assert(offsetof(TopicFault, topic) == 0);
+static_assert(offsetof(TopicFault, kind) == 2);
+static_assert(offsetof(TopicFault, share) == 4);
+static_assert(offsetof(TopicFault, delay_us) == 8);
+static_assert(offsetof(TopicFault, seed) == 12);
+static_assert(TopicFault::SCHEMA == [] {
+    std::uint64_t hash = fnv1a(FNV_OFFSET, TopicFault::NAME);
+    hash = fnv1a(hash, "topic");
+    hash = fnv1a_number(hash, Schema<decltype(TopicFault::topic)>::value);
+    hash = fnv1a_number(hash, offsetof(TopicFault, topic));
+    hash = fnv1a(hash, "kind");
+    hash = fnv1a_number(hash, Schema<decltype(TopicFault::kind)>::value);
+    hash = fnv1a_number(hash, offsetof(TopicFault, kind));
+    hash = fnv1a(hash, "share");
+    hash = fnv1a_number(hash, Schema<decltype(TopicFault::share)>::value);
+    hash = fnv1a_number(hash, offsetof(TopicFault, share));
+    hash = fnv1a(hash, "delay_us");
+    hash = fnv1a_number(hash, Schema<decltype(TopicFault::delay_us)>::value);
+    hash = fnv1a_number(hash, offsetof(TopicFault, delay_us));
+    hash = fnv1a(hash, "seed");
+    hash = fnv1a_number(hash, Schema<decltype(TopicFault::seed)>::value);
+    hash = fnv1a_number(hash, offsetof(TopicFault, seed));
+    return hash;
+}());
+
 /// Fixed fields of the control message. The slice holds the roster.
 struct RunControl {
-    static constexpr const char* NAME = "zeronav.RunControl.v1";
-    static constexpr std::uint64_t SCHEMA = 0xe3bb1df3664858bd;
+    static constexpr const char* NAME = "zeronav.RunControl.v2";
+    static constexpr std::uint64_t SCHEMA = 0x6145e57db90c9481;
     /// [tick] Highest tick that the robot may start, lockstep only.
     std::uint64_t lease{};
     /// [flag] 1 = the robot shall stand and run time stops.
@@ -1782,13 +1835,16 @@ struct RunControl {
     std::uint16_t stopping{};
     /// [count] Seats in the slice.
     std::uint32_t n_seats{};
+    /// Topics that are disturbed on purpose; all zero in earnest.
+    TopicFault topic_faults[4]{};
 };
-static_assert(sizeof(RunControl) == 16);
+static_assert(sizeof(RunControl) == 80);
 static_assert(std::is_trivially_copyable_v<RunControl> && std::is_standard_layout_v<RunControl>);
 static_assert(offsetof(RunControl, lease) == 0);
 static_assert(offsetof(RunControl, paused) == 8);
 static_assert(offsetof(RunControl, stopping) == 10);
 static_assert(offsetof(RunControl, n_seats) == 12);
+static_assert(offsetof(RunControl, topic_faults) == 16);
 static_assert(RunControl::SCHEMA == [] {
     std::uint64_t hash = fnv1a(FNV_OFFSET, RunControl::NAME);
     hash = fnv1a(hash, "lease");
@@ -1803,19 +1859,22 @@ static_assert(RunControl::SCHEMA == [] {
     hash = fnv1a(hash, "n_seats");
     hash = fnv1a_number(hash, Schema<decltype(RunControl::n_seats)>::value);
     hash = fnv1a_number(hash, offsetof(RunControl, n_seats));
+    hash = fnv1a(hash, "topic_faults");
+    hash = fnv1a_number(hash, Schema<decltype(RunControl::topic_faults)>::value);
+    hash = fnv1a_number(hash, offsetof(RunControl, topic_faults));
     return hash;
 }());
 
 /// Header and fixed fields of the topic's messages.
 struct RunControlEnvelope {
     static constexpr const char* NAME = "zeronav.run.control.v1";
-    static constexpr std::uint64_t SCHEMA = 0xdf18e39b03dce722;
+    static constexpr std::uint64_t SCHEMA = 0x3d37fd9a35e2c48b;
     /// The header.
     Header header{};
     /// The fixed fields.
     RunControl meta{};
 };
-static_assert(sizeof(RunControlEnvelope) == 144);
+static_assert(sizeof(RunControlEnvelope) == 208);
 static_assert(std::is_trivially_copyable_v<RunControlEnvelope> && std::is_standard_layout_v<RunControlEnvelope>);
 static_assert(offsetof(RunControlEnvelope, header) == 0);
 static_assert(offsetof(RunControlEnvelope, meta) == 128);
@@ -1834,8 +1893,8 @@ static_assert(RunControlEnvelope::SCHEMA == [] {
 /// tick the one takes over from the other is said in advance, so that no message is heard twice
 /// and none is missed.
 struct Seat {
-    static constexpr const char* NAME = "zeronav.Seat.v2";
-    static constexpr std::uint64_t SCHEMA = 0xbd5fa26d5b8cc10b;
+    static constexpr const char* NAME = "zeronav.Seat.v3";
+    static constexpr std::uint64_t SCHEMA = 0x5c3114b8201013cc;
     /// Code of the `Role`.
     std::uint16_t role{};
     /// [10 us] by which the seat delays each of its answers; 0 in earnest. A delay put in on
@@ -1856,8 +1915,8 @@ struct Seat {
     /// [number] Epoch of the second process in this seat: a newcomer that is not obeyed yet, or a
     /// predecessor that still runs; 0 = none.
     std::uint32_t other{};
-    /// Written as 0.
-    std::uint32_t spare{};
+    /// [ms] by which the clocks of its processes are put forward on purpose; 0 in earnest.
+    void clock_offset_ms{};
 };
 static_assert(sizeof(Seat) == 56);
 static_assert(std::is_trivially_copyable_v<Seat> && std::is_standard_layout_v<Seat>);
@@ -1870,7 +1929,7 @@ static_assert(offsetof(Seat, hear_tick) == 24);
 static_assert(offsetof(Seat, since_tick) == 32);
 static_assert(offsetof(Seat, other_tick) == 40);
 static_assert(offsetof(Seat, other) == 48);
-static_assert(offsetof(Seat, spare) == 52);
+static_assert(offsetof(Seat, clock_offset_ms) == 52);
 static_assert(Seat::SCHEMA == [] {
     std::uint64_t hash = fnv1a(FNV_OFFSET, Seat::NAME);
     hash = fnv1a(hash, "role");
@@ -1900,9 +1959,9 @@ static_assert(Seat::SCHEMA == [] {
     hash = fnv1a(hash, "other");
     hash = fnv1a_number(hash, Schema<decltype(Seat::other)>::value);
     hash = fnv1a_number(hash, offsetof(Seat, other));
-    hash = fnv1a(hash, "spare");
-    hash = fnv1a_number(hash, Schema<decltype(Seat::spare)>::value);
-    hash = fnv1a_number(hash, offsetof(Seat, spare));
+    hash = fnv1a(hash, "clock_offset_ms");
+    hash = fnv1a_number(hash, Schema<decltype(Seat::clock_offset_ms)>::value);
+    hash = fnv1a_number(hash, offsetof(Seat, clock_offset_ms));
     return hash;
 }());
 
@@ -1987,7 +2046,7 @@ static_assert(Truth::SCHEMA == [] {
 /// Header and fixed fields of the topic's messages.
 struct SimGroundTruthEnvelope {
     static constexpr const char* NAME = "zeronav.sim.ground_truth.v1";
-    static constexpr std::uint64_t SCHEMA = 0x67446ef2953734a3;
+    static constexpr std::uint64_t SCHEMA = 0xa5c52b7bd0a6d5b1;
     /// The header.
     Header header{};
     /// The fixed fields.
@@ -2071,7 +2130,7 @@ static_assert(Placements::SCHEMA == [] {
 /// Header and fixed fields of the topic's messages.
 struct SimPlacementEnvelope {
     static constexpr const char* NAME = "zeronav.sim.placement.v1";
-    static constexpr std::uint64_t SCHEMA = 0x94c1c30742943b04;
+    static constexpr std::uint64_t SCHEMA = 0x5688a38a4f2c86ba;
     /// The header.
     Header header{};
     /// The fixed fields.
@@ -2218,7 +2277,7 @@ static_assert(Health::SCHEMA == [] {
 /// Header and fixed fields of the topic's messages.
 struct HealthEnvelope {
     static constexpr const char* NAME = "zeronav.health.v1";
-    static constexpr std::uint64_t SCHEMA = 0xace6d4cabce64c4f;
+    static constexpr std::uint64_t SCHEMA = 0x266f209a3c745475;
     /// The header.
     Header header{};
     /// The fixed fields.
@@ -2381,7 +2440,7 @@ struct robot_description {
     using Envelope = RobotDescriptionEnvelope;
     using Item = Corner;
     static constexpr const char* NAME = "robot/description";
-    static constexpr std::uint64_t SCHEMA = 0x2c9100697c6418bd;
+    static constexpr std::uint64_t SCHEMA = 0xadca8cec092ed691;
     static constexpr std::size_t NUMBER = 0;
     static constexpr std::size_t LEN_MAX = 32;
     static constexpr std::size_t BUFFER = 2;
@@ -2396,7 +2455,7 @@ struct robot_scan {
     using Envelope = RobotScanEnvelope;
     using Item = float;
     static constexpr const char* NAME = "robot/scan";
-    static constexpr std::uint64_t SCHEMA = 0x3f495fbcf312b64a;
+    static constexpr std::uint64_t SCHEMA = 0x7caddf9ddb10ba5c;
     static constexpr std::size_t NUMBER = 1;
     static constexpr std::size_t LEN_MAX = 4096;
     static constexpr std::size_t BUFFER = 2;
@@ -2410,7 +2469,7 @@ struct robot_odometry {
     using Envelope = RobotOdometryEnvelope;
     using Item = std::uint8_t;
     static constexpr const char* NAME = "robot/odometry";
-    static constexpr std::uint64_t SCHEMA = 0xa81a50283e142917;
+    static constexpr std::uint64_t SCHEMA = 0x539bfa04c81d517b;
     static constexpr std::size_t NUMBER = 2;
     static constexpr std::size_t LEN_MAX = 1;
     static constexpr std::size_t BUFFER = 32;
@@ -2424,7 +2483,7 @@ struct map_update {
     using Envelope = MapUpdateEnvelope;
     using Item = MapTile;
     static constexpr const char* NAME = "map/update";
-    static constexpr std::uint64_t SCHEMA = 0xa1d476a55b7aa2fe;
+    static constexpr std::uint64_t SCHEMA = 0xd9d118ec80683c4f;
     static constexpr std::size_t NUMBER = 3;
     static constexpr std::size_t LEN_MAX = 60;
     static constexpr std::size_t BUFFER = 32;
@@ -2438,7 +2497,7 @@ struct map_keyframe {
     using Envelope = MapKeyframeEnvelope;
     using Item = MapTile;
     static constexpr const char* NAME = "map/keyframe";
-    static constexpr std::uint64_t SCHEMA = 0x7858bd05bd9678ce;
+    static constexpr std::uint64_t SCHEMA = 0xd4f8f667ac1d8d9f;
     static constexpr std::size_t NUMBER = 4;
     static constexpr std::size_t LEN_MAX = 16384;
     static constexpr std::size_t BUFFER = 2;
@@ -2452,7 +2511,7 @@ struct map_obstacles {
     using Envelope = MapObstaclesEnvelope;
     using Item = Obstacle;
     static constexpr const char* NAME = "map/obstacles";
-    static constexpr std::uint64_t SCHEMA = 0x2712c9b54150e314;
+    static constexpr std::uint64_t SCHEMA = 0x34d46bee8a17ace4;
     static constexpr std::size_t NUMBER = 5;
     static constexpr std::size_t LEN_MAX = 128;
     static constexpr std::size_t BUFFER = 2;
@@ -2466,7 +2525,7 @@ struct plan_path {
     using Envelope = PlanPathEnvelope;
     using Item = Waypoint;
     static constexpr const char* NAME = "plan/path";
-    static constexpr std::uint64_t SCHEMA = 0xf2953d95ebe4e756;
+    static constexpr std::uint64_t SCHEMA = 0x4baa8e685285bbd4;
     static constexpr std::size_t NUMBER = 6;
     static constexpr std::size_t LEN_MAX = 2048;
     static constexpr std::size_t BUFFER = 2;
@@ -2480,7 +2539,7 @@ struct plan_request {
     using Envelope = PlanRequestEnvelope;
     using Item = std::uint8_t;
     static constexpr const char* NAME = "plan/request";
-    static constexpr std::uint64_t SCHEMA = 0xe8e8e8d0d7338bbc;
+    static constexpr std::uint64_t SCHEMA = 0x904f8c1a2cb8a816;
     static constexpr std::size_t NUMBER = 7;
     static constexpr std::size_t LEN_MAX = 1;
     static constexpr std::size_t BUFFER = 2;
@@ -2494,7 +2553,7 @@ struct task_goal {
     using Envelope = TaskGoalEnvelope;
     using Item = Goal;
     static constexpr const char* NAME = "task/goal";
-    static constexpr std::uint64_t SCHEMA = 0x259fc266e8e80857;
+    static constexpr std::uint64_t SCHEMA = 0x91f13d6d71f9fd5b;
     static constexpr std::size_t NUMBER = 8;
     static constexpr std::size_t LEN_MAX = 64;
     static constexpr std::size_t BUFFER = 2;
@@ -2508,7 +2567,7 @@ struct task_status {
     using Envelope = TaskStatusEnvelope;
     using Item = GoalEnd;
     static constexpr const char* NAME = "task/status";
-    static constexpr std::uint64_t SCHEMA = 0xe797a159e4e4fd18;
+    static constexpr std::uint64_t SCHEMA = 0x5b76391a93084ce3;
     static constexpr std::size_t NUMBER = 9;
     static constexpr std::size_t LEN_MAX = 64;
     static constexpr std::size_t BUFFER = 2;
@@ -2522,7 +2581,7 @@ struct task_pose {
     using Envelope = TaskPoseEnvelope;
     using Item = std::uint8_t;
     static constexpr const char* NAME = "task/pose";
-    static constexpr std::uint64_t SCHEMA = 0x3cae3d63dd1626bb;
+    static constexpr std::uint64_t SCHEMA = 0xe69a38feb2ce2572;
     static constexpr std::size_t NUMBER = 24;
     static constexpr std::size_t LEN_MAX = 1;
     static constexpr std::size_t BUFFER = 2;
@@ -2536,7 +2595,7 @@ struct control_velocity_request {
     using Envelope = ControlVelocityRequestEnvelope;
     using Item = std::uint8_t;
     static constexpr const char* NAME = "control/velocity_request";
-    static constexpr std::uint64_t SCHEMA = 0x658ac8b987eab191;
+    static constexpr std::uint64_t SCHEMA = 0xb3fff2ce025f5dcd;
     static constexpr std::size_t NUMBER = 10;
     static constexpr std::size_t LEN_MAX = 1;
     static constexpr std::size_t BUFFER = 2;
@@ -2550,7 +2609,7 @@ struct robot_velocity_command {
     using Envelope = RobotVelocityCommandEnvelope;
     using Item = std::uint8_t;
     static constexpr const char* NAME = "robot/velocity_command";
-    static constexpr std::uint64_t SCHEMA = 0x32678c8754645210;
+    static constexpr std::uint64_t SCHEMA = 0x11601a01aa412e3a;
     static constexpr std::size_t NUMBER = 11;
     static constexpr std::size_t LEN_MAX = 1;
     static constexpr std::size_t BUFFER = 2;
@@ -2564,7 +2623,7 @@ struct run_clock {
     using Envelope = RunClockEnvelope;
     using Item = std::uint8_t;
     static constexpr const char* NAME = "run/clock";
-    static constexpr std::uint64_t SCHEMA = 0x67b6becd51d98eba;
+    static constexpr std::uint64_t SCHEMA = 0x53d5e404d3e11203;
     static constexpr std::size_t NUMBER = 12;
     static constexpr std::size_t LEN_MAX = 1;
     static constexpr std::size_t BUFFER = 2;
@@ -2579,7 +2638,7 @@ struct run_control {
     using Envelope = RunControlEnvelope;
     using Item = Seat;
     static constexpr const char* NAME = "run/control";
-    static constexpr std::uint64_t SCHEMA = 0x524346b7fcbaa353;
+    static constexpr std::uint64_t SCHEMA = 0xaabe4789147f5ef3;
     static constexpr std::size_t NUMBER = 13;
     static constexpr std::size_t LEN_MAX = 16;
     static constexpr std::size_t BUFFER = 2;
@@ -2594,7 +2653,7 @@ struct sim_ground_truth {
     using Envelope = SimGroundTruthEnvelope;
     using Item = TruthObstacle;
     static constexpr const char* NAME = "sim/ground_truth";
-    static constexpr std::uint64_t SCHEMA = 0x827a99fb86dce923;
+    static constexpr std::uint64_t SCHEMA = 0x1e53b96e61365535;
     static constexpr std::size_t NUMBER = 14;
     static constexpr std::size_t LEN_MAX = 256;
     static constexpr std::size_t BUFFER = 2;
@@ -2608,7 +2667,7 @@ struct sim_placement {
     using Envelope = SimPlacementEnvelope;
     using Item = Placement;
     static constexpr const char* NAME = "sim/placement";
-    static constexpr std::uint64_t SCHEMA = 0xbe6697bbf00d7904;
+    static constexpr std::uint64_t SCHEMA = 0x7b6be6082eb79558;
     static constexpr std::size_t NUMBER = 22;
     static constexpr std::size_t LEN_MAX = 256;
     static constexpr std::size_t BUFFER = 2;
@@ -2622,7 +2681,7 @@ struct health_robot {
     using Envelope = HealthEnvelope;
     using Item = std::uint8_t;
     static constexpr const char* NAME = "health/robot";
-    static constexpr std::uint64_t SCHEMA = 0x94c1620cf083362d;
+    static constexpr std::uint64_t SCHEMA = 0x3479845f530eb3c6;
     static constexpr std::size_t NUMBER = 16;
     static constexpr std::size_t LEN_MAX = 1;
     static constexpr std::size_t BUFFER = 2;
@@ -2636,7 +2695,7 @@ struct health_mapping {
     using Envelope = HealthEnvelope;
     using Item = std::uint8_t;
     static constexpr const char* NAME = "health/mapping";
-    static constexpr std::uint64_t SCHEMA = 0x801ceaa2f3c0e523;
+    static constexpr std::uint64_t SCHEMA = 0x714d8d90f31678b8;
     static constexpr std::size_t NUMBER = 17;
     static constexpr std::size_t LEN_MAX = 1;
     static constexpr std::size_t BUFFER = 2;
@@ -2650,7 +2709,7 @@ struct health_global_planner {
     using Envelope = HealthEnvelope;
     using Item = std::uint8_t;
     static constexpr const char* NAME = "health/global_planner";
-    static constexpr std::uint64_t SCHEMA = 0x36cf66e262730491;
+    static constexpr std::uint64_t SCHEMA = 0x807e7f5586b4ce42;
     static constexpr std::size_t NUMBER = 18;
     static constexpr std::size_t LEN_MAX = 1;
     static constexpr std::size_t BUFFER = 2;
@@ -2664,7 +2723,7 @@ struct health_local_planner {
     using Envelope = HealthEnvelope;
     using Item = std::uint8_t;
     static constexpr const char* NAME = "health/local_planner";
-    static constexpr std::uint64_t SCHEMA = 0x22336336f3b3e545;
+    static constexpr std::uint64_t SCHEMA = 0x4f81d396ef28bf9e;
     static constexpr std::size_t NUMBER = 19;
     static constexpr std::size_t LEN_MAX = 1;
     static constexpr std::size_t BUFFER = 2;
@@ -2678,7 +2737,7 @@ struct health_collision_guard {
     using Envelope = HealthEnvelope;
     using Item = std::uint8_t;
     static constexpr const char* NAME = "health/collision_guard";
-    static constexpr std::uint64_t SCHEMA = 0x5cb680295ee96a43;
+    static constexpr std::uint64_t SCHEMA = 0x708ae803c9a76d58;
     static constexpr std::size_t NUMBER = 20;
     static constexpr std::size_t LEN_MAX = 1;
     static constexpr std::size_t BUFFER = 2;

@@ -11,8 +11,42 @@ pub const SERVICES: [&str; 4] = [
     "collision_guard",
 ];
 
-/// What breaks them.
+/// What breaks them in lockstep.
 pub const KINDS: [&str; 3] = ["kill", "stop", "slow"];
+
+/// Topics between services, each from another one, the robot included.
+pub const TOPICS: [&str; 7] = [
+    "robot/scan",
+    "robot/odometry",
+    "map/update",
+    "map/obstacles",
+    "plan/path",
+    "control/velocity_request",
+    "robot/velocity_command",
+];
+
+/// What is done to their messages, and the rest of its lines.
+pub const TOPIC_KINDS: [(&str, &str); 3] = [
+    ("drop", "share = 0.5\n"),
+    ("delay", "by_ms = 100.0\n"),
+    ("corrupt", "share = 0.5\n"),
+];
+
+/// The lines of a fault of a topic for two seconds from `at_s`.
+#[must_use]
+pub fn topic_fault((kind, more): (&str, &str), topic: &str, at_s: f64) -> String {
+    format!(
+        "[[faults]]\nkind = \"{kind}\"\ntopic = \"{topic}\"\n{more}begins = {{ at_s = {at_s:?} }}\nlasts_s = 2.0\n"
+    )
+}
+
+/// The lines of a clock that is put forward, or back, for two seconds from `at_s`.
+#[must_use]
+pub fn clock_fault(service: &str, by_ms: f64, at_s: f64) -> String {
+    format!(
+        "[[faults]]\nkind = \"clock\"\nservice = \"{service}\"\nby_ms = {by_ms:?}\nbegins = {{ at_s = {at_s:?} }}\nlasts_s = 2.0\n"
+    )
+}
 
 /// Slower than this the robot stands. [m/s]
 const STANDING_MPS: f64 = 0.01;
@@ -43,7 +77,7 @@ pub fn fault(kind: &str, service: &str, at_s: f64) -> String {
     )
 }
 
-/// What one fault did, by the ground truth of a lockstep run.
+/// What one fault did, by the ground truth of a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Effect {
     /// Way from the fault to the next standstill before the goal; `None` without one. [m]
@@ -54,7 +88,7 @@ pub struct Effect {
     pub v_mps_min: f64,
 }
 
-/// The effect of the first fault of a lockstep run.
+/// The effect of the first fault of a run.
 #[must_use]
 pub fn effect(result: &Value) -> Effect {
     let begun_s = result["faults"][0]["time_s"].as_f64().unwrap_or(0.0);

@@ -73,3 +73,13 @@ impl RequestSeat {
         shell.begin(due, shell.run_ns(due.tick), 0, parents)
     }
 }
+
+/// True when this process is the one that is obeyed in its seat at `tick`.
+#[must_use]
+pub fn is_obeyed(shell: &Shell, tick: u64) -> bool {
+    let roster = shell.roster();
+    roster.own.is_some_and(|(role, epoch)| {
+        let seat = roster.seat(role);
+        tick > 0 && seat.is_some_and(|seat| seat.obeys(epoch, tick))
+    })
+}

@@ -10,7 +10,7 @@ use tempfile::TempDir;
 use zeronav_msgs::header::{Header, Id, Parents, Stamps};
 use zeronav_msgs::role::Role;
 use zeronav_msgs::task::{EndReason, StuckCause, TaskState, TaskStatus};
-use zeronav_msgs::topics::{Envelope, TaskState as Status, Topic, topics};
+use zeronav_msgs::topics::{TaskState as Status, Topic, seal, topics};
 use zeronav_tests::{Stranger, Zeronav, binaries, real_time_turn, send_signal, workspace};
 
 const HEADER: &str = "services/cpp/zeronav.hpp";
@@ -128,7 +128,7 @@ fn the_bytes_of_a_message_mean_the_same_in_cpp() {
         cause: StuckCause::NoProgress.code(),
         spare: 0,
     };
-    let message = <Status as Topic>::Envelope::new(header, status);
+    let message = seal::<Status>(header, status, &[]);
     let program = r#"
         #include "zeronav.hpp"
         #include <cstdio>

@@ -179,3 +179,74 @@ fn a_paused_lockstep_stack_takes_a_fault_at_its_tick() {
     assert!(fault["recovery_ms"].as_f64() >= Some(400.0), "{fault}");
     assert_eq!(result["contacts"], 0);
 }
+
+/// Lowest and highest speed of the robot in a window of run time. [m/s]
+fn speeds(result: &Value, from_s: f64, to_s: f64) -> [f64; 2] {
+    let rows = result["motion"].as_array().expect("rows").iter();
+    let cell = |row: &Value, at: usize| row[at].as_f64().expect("a number");
+    let inside = rows.filter(|row| (from_s..to_s).contains(&cell(row, 0)));
+    let speeds = inside.map(|row| cell(row, 4));
+    speeds.fold([f64::MAX, f64::MIN], |[least, most], v_mps| {
+        [least.min(v_mps), most.max(v_mps)]
+    })
+}
+
+/// Kind and the rest of its lines: each takes an input from the guard.
+const INPUT_FAULTS: [(&str, &str); 5] = [
+    (
+        "drop",
+        "topic = \"control/velocity_request\"\nshare = 1.0\n",
+    ),
+    ("delay", "topic = \"robot/scan\"\nby_ms = 700.0\n"),
+    ("drop", "topic = \"robot/odometry\"\nshare = 1.0\n"),
+    ("clock", "service = \"collision_guard\"\nby_ms = 900.0\n"),
+    ("corrupt", "topic = \"control/velocity_request\"\n"),
+];
+
+/// The robot is at rest before the fault is over, and drives on after it.
+#[test]
+fn lost_late_and_corrupted_messages_and_a_wrong_clock_stop_the_robot_and_it_goes_on() {
+    let _turn = real_time_turn();
+    let begins_s = |index: usize| 3.0 + 4.0 * f64::from(u32::try_from(index).expect("few"));
+    let faulty = |(index, (kind, more)): (usize, &(&str, &str))| {
+        let at_s = begins_s(index);
+        format!(
+            "[[faults]]\nkind = \"{kind}\"\n{more}begins = {{ at_s = {at_s:?} }}\nlasts_s = 1.3\n"
+        )
+    };
+    let lines: String = INPUT_FAULTS.iter().enumerate().map(faulty).collect();
+    let folder = tempfile::tempdir().expect("a folder");
+    let text = format!(
+        "title = \"faults\"\nbase = [\"warehouse\", \"porter\"]\nstart = [3.0, 8.5, 0.0]\n\
+         run.time_limit_s = 90.0\n[[goals]]\npose = [27.0, 8.5, 0.0]\n{lines}"
+    );
+    std::fs::write(folder.path().join("it.toml"), text).expect("written");
+    let run = Zeronav::start_in(folder, &["run", "./it.toml", "--headless", "--json"]);
+    let result = arrived(&run.finish());
+    assert_eq!(faults(&result).len(), INPUT_FAULTS.len());
+    for ((kind, more), fault) in INPUT_FAULTS.iter().zip(faults(&result)) {
+        let begun_s = fault["time_s"].as_f64().expect("a time");
+        let [slowest, _] = speeds(&result, begun_s, begun_s + 1.3);
+        let [_, fastest] = speeds(&result, begun_s + 1.3, begun_s + 4.0);
+        assert!(slowest < 0.05, "{kind} {more}: {slowest} m/s");
+        assert!(fastest > 0.5, "{kind} {more}: {fastest} m/s afterwards");
+        assert!(fault["recovery_ms"].as_f64() > Some(0.0), "{fault}");
+    }
+    assert_eq!(result["restarts"].as_array().map(Vec::len), Some(0));
+}
+
+#[test]
+fn a_topic_fault_is_rejected_where_it_means_nothing() {
+    let up = Up::start(&["open_aisle", "--lockstep"]);
+    let said = up.ask(&["fault", "drop", "plan/path=0.3"], 2);
+    assert!(said.contains("lockstep waits for every message"), "{said}");
+    let said = up.ask(&["fault", "drop", "run/clock=0.3"], 2);
+    assert!(said.contains("run/clock"), "{said}");
+    let said = up.ask(&["fault", "corrupt", "plan/path=1.5"], 2);
+    assert!(said.contains("share"), "{said}");
+    let said = up.ask(&["fault", "delay", "plan/path"], 2);
+    assert!(said.contains("robot/scan=50ms"), "{said}");
+    let said = up.ask(&["fault", "clock", "robot=+5ms"], 2);
+    assert!(said.contains("robot"), "{said}");
+    up.down();
+}

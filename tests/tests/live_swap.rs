@@ -149,6 +149,29 @@ fn a_newcomer_that_dies_or_hangs_in_the_seat_gives_it_back() {
     assert_eq!(result["restarts"].as_array().map(Vec::len), Some(0));
 }
 
+/// It is warm and silent while it is compared, so that only what it does in the seat tells.
+#[test]
+fn a_newcomer_that_lies_in_the_seat_gives_it_back() {
+    let _turn = real_time_turn();
+    let up = driving();
+    for (seat, liar, why) in [
+        ("local_planner", "nan_once_obeyed", "rejected"),
+        ("global_planner", "through_walls_once_obeyed", "obstacle"),
+    ] {
+        let before = process(&up.status(), seat)[0]["pid"].clone();
+        let back = swap(&up, &[seat, liar, "--shadow", "0s", "--keep", "30s"], 1);
+        assert_eq!(back["state"], "rolled_back", "{back}");
+        let said = back["why"].as_str().unwrap_or_default();
+        assert!(said.contains(why), "{seat}: {back}");
+        assert!(back["roll_back_tick"].as_u64() > back["cut_over_tick"].as_u64());
+        assert_eq!(process(&up.status(), seat)[0]["pid"], before);
+    }
+    // The drive goes on under those who were there before.
+    let result = up.down();
+    assert_eq!(result["contacts"], 0, "{result}");
+    assert_eq!(result["restarts"].as_array().map(Vec::len), Some(0));
+}
+
 #[test]
 fn a_newcomer_that_cannot_do_the_work_is_rejected_and_the_drive_goes_on() {
     let _turn = real_time_turn();

@@ -16,7 +16,7 @@ use zeronav_msgs::role::Role;
 use zeronav_msgs::run::{RunClock, RunControl, RunMode, Seat};
 use zeronav_msgs::scan::Scan;
 use zeronav_msgs::task::{Goal, GoalEnd, Task, TaskKind, TaskState, TaskStatus};
-use zeronav_msgs::topics::{Topic, TopicRow, TopicVisitor, decode, visit_topics};
+use zeronav_msgs::topics::{Envelope, Topic, TopicRow, TopicVisitor, decode, seal, visit_topics};
 use zeronav_tests::python::python;
 
 /// Bytes of header, fixed fields and first item that are changed; an item of the map is larger, and
@@ -208,25 +208,38 @@ struct Changer {
 }
 
 impl Changer {
+    /// A message with a checksum that fits.
     fn take<T: Topic>(&mut self, row: &'static TopicRow, parts: &[&[u8]], items: &[Vec<u8>]) {
-        let envelope: T::Envelope = bytemuck::pod_read_unaligned(&parts.concat());
-        let slice: Vec<T::Item> = items
-            .iter()
-            .map(|item| bytemuck::pod_read_unaligned(item))
-            .collect();
-        let accepted = decode::<T>(row, &envelope, &slice).is_ok();
+        let (envelope, slice) = typed::<T>(parts, items);
+        let envelope = seal::<T>(*envelope.header(), *envelope.meta(), &slice);
+        self.say::<T>(row, envelope, &slice);
+    }
+
+    /// A message as it is.
+    fn take_raw<T: Topic>(&mut self, row: &'static TopicRow, parts: &[&[u8]], items: &[Vec<u8>]) {
+        let (envelope, slice) = typed::<T>(parts, items);
+        self.say::<T>(row, envelope, &slice);
+    }
+
+    fn say<T: Topic>(&mut self, row: &'static TopicRow, envelope: T::Envelope, slice: &[T::Item]) {
+        let accepted = decode::<T>(row, &envelope, slice).is_ok();
         self.verdicts.push((row.name, accepted));
         let _ = write!(self.lines, "{} ", row.name);
-        for byte in parts
-            .iter()
-            .copied()
-            .flatten()
-            .chain(items.iter().flatten())
-        {
+        let items: &[u8] = bytemuck::cast_slice(slice);
+        for byte in bytes_of(&envelope).iter().chain(items) {
             let _ = write!(self.lines, "{byte:02x}");
         }
         self.lines.push('\n');
     }
+}
+
+fn typed<T: Topic>(parts: &[&[u8]], items: &[Vec<u8>]) -> (T::Envelope, Vec<T::Item>) {
+    let items = items.iter();
+    let items = items.map(|item| bytemuck::pod_read_unaligned(item));
+    (
+        bytemuck::pod_read_unaligned(&parts.concat()),
+        items.collect(),
+    )
 }
 
 impl TopicVisitor for Changer {
@@ -252,6 +265,7 @@ impl TopicVisitor for Changer {
         }
         for head in changed(head) {
             self.take::<T>(row, &[&head, &meta], &items);
+            self.take_raw::<T>(row, &[&head, &meta], &items);
         }
         for meta in changed(&meta) {
             self.take::<T>(row, &[head, &meta], &items);

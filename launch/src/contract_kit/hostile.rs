@@ -11,7 +11,7 @@ use super::robot::TICK_NS;
 use zeronav_msgs::header::{Header, Id};
 use zeronav_msgs::role::Role;
 use zeronav_msgs::topics::{
-    Envelope, RunClockTopic, RunControlTopic, Topic, TopicRow, TopicVisitor, visit_topics,
+    Envelope, RunClockTopic, RunControlTopic, Topic, TopicRow, TopicVisitor, seal, visit_topics,
 };
 use zeronav_shell::clock::now_ns;
 
@@ -135,6 +135,7 @@ impl Hostile {
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Wrong {
     Everything,
+    Checksum,
     Schema,
     Author,
     Length,
@@ -148,12 +149,13 @@ fn thrower<T: Topic>(raw: &RawPeer, row: &'static TopicRow) -> Result<Thrower, S
     // What launch says is believed: nothing with its header may have a meaning.
     let is_launch = row.writers.contains(&Role::Launch);
     Ok(Box::new(move |noise, tick| {
-        let wrong = match noise.below(if is_launch { 4 } else { 6 }) {
+        let wrong = match noise.below(if is_launch { 5 } else { 7 }) {
             0 => Wrong::Everything,
-            1 => Wrong::Schema,
-            2 => Wrong::Author,
-            3 => Wrong::Length,
-            4 => Wrong::Content,
+            1 => Wrong::Checksum,
+            2 => Wrong::Schema,
+            3 => Wrong::Author,
+            4 => Wrong::Length,
+            5 => Wrong::Content,
             _ => Wrong::Numbers,
         };
         let mut len = match noise.below(4) {
@@ -174,7 +176,11 @@ fn thrower<T: Topic>(raw: &RawPeer, row: &'static TopicRow) -> Result<Thrower, S
             noise.fill(bytemuck::bytes_of_mut(&mut meta), edges);
         }
         let header = header(row, wrong, noise, tick);
-        *sample.user_header_mut() = T::Envelope::new(header, meta);
+        *sample.user_header_mut() = if matches!(wrong, Wrong::Everything | Wrong::Checksum) {
+            T::Envelope::new(header, meta)
+        } else {
+            seal::<T>(header, meta, sample.payload())
+        };
         sample.send().is_ok()
     }))
 }

@@ -50,6 +50,7 @@ impl Seen {
     pub(crate) fn hash(&self) -> u64 {
         let header = Header {
             capture_ns: 0,
+            checksum: 0,
             stamps: zeronav_msgs::header::Stamps::default(),
             ..self.header
         };

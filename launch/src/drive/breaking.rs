@@ -1,5 +1,6 @@
 //! Faults of the scenario and of clients: begins them, ends them, and notes how the seats recover.
 
+use super::ballast::Ballast;
 use super::faults::{Active, Faults, Hold};
 use super::session::Session;
 use crate::faults::{Awaited, Event};
@@ -7,10 +8,12 @@ use crate::result::fault::FaultResult;
 use crate::scenario::StackFault;
 use crate::supervise::stack::Stack;
 use rustix::process::Signal;
+use std::path::Path;
 use zeronav_msgs::role::Role;
-use zeronav_msgs::run::RunMode;
+use zeronav_msgs::run::{RunMode, TOPIC_FAULTS_MAX, TopicFault};
 use zeronav_msgs::time::{nanoseconds, seconds};
 use zeronav_shell::clock::now_ns;
+use zeronav_shell::memory::SHM;
 
 impl Session<'_> {
     /// The tick beyond which a lockstep robot may not go yet because of a fault.
@@ -92,7 +95,7 @@ impl Session<'_> {
             return Err("the run measures latencies; a fault would change them".to_owned());
         }
         let mode = self.prepared.mode;
-        fault.check().map_err(|error| error.why)?;
+        fault.check().map_err(|error| error.to_string())?;
         self.prepared
             .scenario
             .check_delay(fault)
@@ -164,25 +167,54 @@ impl Session<'_> {
         }
     }
 
+    /// Begins a fault and notes it.
+    ///
+    /// # Errors
+    /// Why it cannot be made; nothing has changed then.
     fn begin_fault(&mut self, stack: &mut Stack, fault: &StackFault) -> Result<(), String> {
-        let role = fault.role().ok_or("no seat of that name")?;
-        let mut children = stack.children.iter_mut().filter(|it| it.role == role);
-        let epoch = children.find_map(|it| it.ended().is_none().then_some(it.epoch));
-        let epoch = epoch.ok_or_else(|| no_process(role))?;
+        let process = match fault.role() {
+            Some(role) => {
+                let mut children = stack.children.iter_mut().filter(|it| it.role == role);
+                let epoch = children.find_map(|it| it.ended().is_none().then_some(it.epoch));
+                Some((role, epoch.ok_or_else(|| no_process(role))?))
+            }
+            None => None,
+        };
+        let is_of_topic = |active: &&Active| active.fault.topic().is_some();
+        if fault.topic().is_some()
+            && self.faults.active.iter().filter(is_of_topic).count() >= TOPIC_FAULTS_MAX
+        {
+            return Err(format!(
+                "at most {TOPIC_FAULTS_MAX} topics are disturbed at a time"
+            ));
+        }
+        let ballast = match fault {
+            StackFault::FillShm { .. } => Some(Ballast::fill(Path::new(SHM))?),
+            StackFault::DiskFull { .. } => Some(Ballast::fill(&self.prepared.directory)?),
+            _ => None,
+        };
         let since_ns = now_ns();
+        let record = self.new_record(fault, None);
+        let (id, tick) = (record.id, record.tick);
+        let bytes = ballast.as_ref().map(|ballast| ballast.bytes);
+        let target = fault.target();
+        tracing::info!(id, kind = fault.kind(), target, tick, bytes, "fault");
+        self.faults.record(record);
+        if !matches!(fault, StackFault::Kill { .. }) {
+            self.faults.active.push(Active {
+                id,
+                fault: fault.clone(),
+                process,
+                _ballast: ballast,
+            });
+        }
+        self.set_faults(stack);
         let signal = match fault {
             StackFault::Kill { .. } => Some(Signal::KILL),
             StackFault::Stop { .. } => Some(Signal::STOP),
-            StackFault::Slow { .. } => {
-                stack.delay(role, fault.delay_steps());
-                None
-            }
+            _ => None,
         };
-        let record = self.new_record(fault, None);
-        let (id, tick) = (record.id, record.tick);
-        tracing::info!(id, kind = fault.kind(), %role, tick, "fault");
-        self.faults.record(record);
-        if let Some(signal) = signal {
+        if let (Some(signal), Some((role, epoch))) = (signal, process) {
             stack.signal(role, signal);
             self.collector.recoveries.wait_for(Awaited {
                 id,
@@ -195,14 +227,6 @@ impl Session<'_> {
                 self.faults.hold = Some(Hold { role, epoch, tick });
             }
         }
-        if !matches!(fault, StackFault::Kill { .. }) {
-            self.faults.active.push(Active {
-                id,
-                fault: fault.clone(),
-                role,
-                epoch,
-            });
-        }
         if let Some(lasts_s) = fault.lasts_s() {
             let lasts = nanoseconds(lasts_s) / self.prepared.scenario.run.tick_ns().max(1);
             self.faults
@@ -212,9 +236,36 @@ impl Session<'_> {
         Ok(())
     }
 
+    /// Tells the services what the faults that go on do to their answers, clocks and topics. Of
+    /// several delays or offsets of a seat the newest counts.
+    fn set_faults(&mut self, stack: &mut Stack) {
+        let seed = self.prepared.seed;
+        let active = &self.faults.active;
+        for role in Role::SERVICES {
+            let mut own = active
+                .iter()
+                .rev()
+                .filter(|it| it.fault.role() == Some(role));
+            let injected = self.prepared.delays.get(&role).copied().unwrap_or(0);
+            let delay = (own.clone().map(|it| it.fault.delay_steps())).find(|steps| *steps > 0);
+            let offset_ms = own.find_map(|it| it.fault.clock_offset_ms());
+            stack.impede(role, delay.unwrap_or(injected), offset_ms.unwrap_or(0));
+        }
+        let mut slots = [TopicFault::default(); TOPIC_FAULTS_MAX];
+        let faults = active.iter().filter_map(|it| {
+            // Another fault of the same kind loses other messages.
+            let mixed = (seed ^ it.id.wrapping_mul(0x9e37_79b9)) & u64::from(u32::MAX);
+            it.fault.topic_fault(u32::try_from(mixed).unwrap_or(0))
+        });
+        for (slot, fault) in slots.iter_mut().zip(faults) {
+            *slot = fault;
+        }
+        stack.set_topic_faults(slots);
+    }
+
     /// Ends a fault, and waits for the next answer of its seat.
     fn end_fault(&mut self, stack: &mut Stack, id: u64) {
-        let Some(Active { role, .. }) = self.undo(stack, id) else {
+        let Some(Active { fault, .. }) = self.undo(stack, id) else {
             return;
         };
         let tick = self.collector.robot_tick();
@@ -222,13 +273,15 @@ impl Session<'_> {
         if let Some(record) = self.faults.record_of(id) {
             record.until_s = Some(until_s);
         }
-        self.collector.recoveries.wait_for(Awaited {
-            id,
-            role,
-            not_epoch: 0,
-            after_tick: tick,
-            since_ns: now_ns(),
-        });
+        if let Some(role) = fault.seat() {
+            self.collector.recoveries.wait_for(Awaited {
+                id,
+                role,
+                not_epoch: 0,
+                after_tick: tick,
+                since_ns: now_ns(),
+            });
+        }
     }
 
     fn undo(&mut self, stack: &mut Stack, id: u64) -> Option<Active> {
@@ -240,24 +293,13 @@ impl Session<'_> {
         let active = self.faults.active.remove(at);
         self.faults.schedule.forget(id);
         tracing::info!(id, kind = active.fault.kind(), "the fault ends");
-        let (role, epoch) = (active.role, active.epoch);
-        match active.fault {
-            StackFault::Kill { .. } => {}
-            StackFault::Stop { .. } => {
-                let children = stack.children.iter_mut();
-                for child in children.filter(|it| (it.role, it.epoch) == (role, epoch)) {
-                    child.signal(Signal::CONT);
-                }
-            }
-            StackFault::Slow { .. } => {
-                // Another delay of the same seat goes on.
-                let other = self.faults.active.iter().rfind(|other| {
-                    other.role == role && matches!(other.fault, StackFault::Slow { .. })
-                });
-                let injected = self.prepared.delays.get(&role).copied().unwrap_or(0);
-                stack.delay(role, other.map_or(injected, |it| it.fault.delay_steps()));
+        if let (StackFault::Stop { .. }, Some(process)) = (&active.fault, active.process) {
+            let children = stack.children.iter_mut();
+            for child in children.filter(|it| (it.role, it.epoch) == process) {
+                child.signal(Signal::CONT);
             }
         }
+        self.set_faults(stack);
         Some(active)
     }
 

@@ -1,5 +1,6 @@
 //! The faults that go on, those that will come, and what became of the others.
 
+use super::ballast::Ballast;
 use crate::faults::{Pace, Schedule, Sight};
 use crate::prepare::Prepared;
 use crate::result::fault::FaultResult;
@@ -13,9 +14,10 @@ use zeronav_msgs::time::seconds;
 pub(super) struct Active {
     pub(super) id: u64,
     pub(super) fault: StackFault,
-    pub(super) role: Role,
-    /// The process that it was done to.
-    pub(super) epoch: u32,
+    /// The process that it was done to: its seat and epoch.
+    pub(super) process: Option<(Role, u32)>,
+    /// What fills a file system.
+    pub(super) _ballast: Option<Ballast>,
 }
 
 /// Lockstep: the robot waits at its tick until the seat of a broken process has a successor, so that

@@ -1,5 +1,6 @@
 //! One run: from a scenario to what was seen of it.
 
+mod ballast;
 mod breaking;
 mod course;
 mod faults;
@@ -99,7 +100,7 @@ fn drive_stack(
     let started = Instant::now();
     let configs = configs::write(&prepared.scenario, &prepared.world, stack.root())?;
     for (role, delay) in &prepared.delays {
-        stack.delay(*role, *delay);
+        stack.impede(*role, *delay, 0);
     }
     let mut session = Session::new(prepared, quota, interrupted, configs);
     let ending = session.run(stack)?;

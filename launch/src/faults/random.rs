@@ -1,17 +1,27 @@
 //! Faults drawn from a seed: the same seed and the same specification are the same faults.
 
-use crate::scenario::{KINDS, RandomFaults, StackFault, mortals};
+use crate::scenario::{KINDS, RandomFaults, StackFault, faultable, mortals};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use zeronav_msgs::Role;
 use zeronav_msgs::run::RunMode;
+use zeronav_msgs::topics::TopicRow;
 use zeronav_world::spec::Trigger;
 
 /// Range of the time for which a drawn fault lasts. [s]
 const LASTS_S: [f64; 2] = [0.2, 3.0];
 
-/// Longest drawn delay. [ms]
+/// Longest drawn delay of an answer. [ms]
 const SLOW_MS_MAX: f64 = 20.0;
+
+/// Shares of the messages of a topic that are lost or corrupted.
+const SHARE: [f64; 2] = [0.05, 0.5];
+
+/// Delays of messages: up to the period of a lidar. [ms]
+const DELAY_MS: [f64; 2] = [2.0, 100.0];
+
+/// Largest offset of a clock, either sign. [ms]
+const CLOCK_MS_MAX: f64 = 300.0;
 
 /// The faults of `spec` in the order of time, from its own seed or else from `seed`. A delay is at most
 /// half of `hang_after_s`.
@@ -22,8 +32,18 @@ pub(crate) fn draw(
     hang_after_s: f64,
 ) -> Vec<StackFault> {
     let mut dice = Pcg64Mcg::seed_from_u64(spec.seed.unwrap_or(seed));
-    let kinds = chosen(&spec.kinds, KINDS.to_vec());
+    let lockstep = mode == RunMode::Lockstep;
+    let fit = KINDS.into_iter().filter(|kind| kind.lockstep || !lockstep);
+    let drawn = fit.filter(|kind| kind.is_drawn).map(|kind| kind.name);
+    let kinds = chosen(&spec.kinds, drawn.collect());
     let services = chosen(&spec.services, mortals().map(Role::label).collect());
+    let of_service = |row: &&TopicRow| {
+        let mut writers = row.writers.iter().map(|role| role.label());
+        spec.services.is_empty() || writers.any(|writer| services.contains(&writer))
+    };
+    let topics: Vec<&str> = (faultable().filter(of_service))
+        .map(|row| row.name)
+        .collect();
     let mut times_s: Vec<f64> = (0..spec.count)
         .map(|_| dice.random_range(spec.from_s..=spec.until_s))
         .collect();
@@ -34,23 +54,50 @@ pub(crate) fn draw(
         let service = services[dice.random_range(0..services.len())].to_owned();
         let lasts_s = Some(dice.random_range(LASTS_S[0]..=LASTS_S[1]));
         let most_ms = SLOW_MS_MAX.min(hang_after_s * 500.0);
-        let by_ms = dice.random_range(0.1 * most_ms..=most_ms);
+        let slow_ms = dice.random_range(0.1 * most_ms..=most_ms);
         let begins = Some(Trigger {
             at_s: Some(at_s),
             robot_near: None,
         });
+        let mut topic = || topics[dice.random_range(0..topics.len())].to_owned();
         faults.push(match kind {
             "stop" => StackFault::Stop {
                 service,
                 begins,
-                lasts_s: lasts_s.filter(|_| mode == RunMode::RealTime),
+                lasts_s: lasts_s.filter(|_| !lockstep),
             },
             "slow" => StackFault::Slow {
                 service,
-                by_ms,
+                by_ms: slow_ms,
                 begins,
                 lasts_s,
             },
+            "drop" => StackFault::Drop {
+                topic: topic(),
+                share: dice.random_range(SHARE[0]..=SHARE[1]),
+                begins,
+                lasts_s,
+            },
+            "delay" => StackFault::Delay {
+                topic: topic(),
+                by_ms: dice.random_range(DELAY_MS[0]..=DELAY_MS[1]),
+                begins,
+                lasts_s,
+            },
+            "corrupt" => StackFault::Corrupt {
+                topic: topic(),
+                share: dice.random_range(SHARE[0]..=SHARE[1]),
+                begins,
+                lasts_s,
+            },
+            "clock" => StackFault::Clock {
+                service,
+                by_ms: dice.random_range(-CLOCK_MS_MAX..=CLOCK_MS_MAX),
+                begins,
+                lasts_s,
+            },
+            "fill_shm" => StackFault::FillShm { begins, lasts_s },
+            "disk_full" => StackFault::DiskFull { begins, lasts_s },
             _ => StackFault::Kill { service, begins },
         });
     }
@@ -109,7 +156,9 @@ mod tests {
                 last_s = at_s;
             }
             for kind in KINDS {
-                assert!(faults.iter().any(|fault| fault.kind() == kind), "no {kind}");
+                let is_drawn = faults.iter().any(|fault| fault.kind() == kind.name);
+                let fits = kind.lockstep || mode == RunMode::RealTime;
+                assert_eq!(is_drawn, fits && kind.is_drawn, "{}", kind.name);
             }
             for role in mortals() {
                 assert!(faults.iter().any(|fault| fault.role() == Some(role)));
@@ -127,5 +176,12 @@ mod tests {
         let faults = draw(&spec, 1, RunMode::RealTime, 0.5);
         let is_it = |fault: &StackFault| (fault.kind(), fault.target()) == ("kill", "mapping");
         assert!(faults.iter().all(is_it));
+        let spec = RandomFaults {
+            kinds: vec!["drop".to_owned()],
+            ..spec
+        };
+        for fault in draw(&spec, 1, RunMode::RealTime, 0.5) {
+            assert!(fault.target().starts_with("map/"), "{fault:?}");
+        }
     }
 }

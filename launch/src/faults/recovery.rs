@@ -1,5 +1,6 @@
-//! How long a seat takes to answer after a fault.
+//! How long a seat takes to answer after a fault: the global planner with a path that it has found.
 
+use zeronav_msgs::header::Header;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::span::{Span, SpanKind};
 
@@ -54,10 +55,22 @@ impl Recoveries {
         if self.awaited.is_empty() || span.kind() != Some(SpanKind::Answer) || span.output == 0 {
             return;
         }
+        // Of a planner without a map there are answers without a path.
+        if span.role != Role::GlobalPlanner.code() {
+            self.answer(span.role, span.epoch, span.tick, span.published_ns);
+        }
+    }
+
+    /// Takes in a path that the global planner has found.
+    pub(crate) fn note_path(&mut self, header: &Header) {
+        let published_ns = header.stamps.published_ns;
+        self.answer(header.role, header.id().epoch(), header.tick, published_ns);
+    }
+
+    fn answer(&mut self, role: u16, epoch: u32, tick: u64, published_ns: u64) {
         let is_it = |it: &mut Awaited| {
-            it.role.code() == span.role && it.not_epoch != span.epoch && it.after_tick < span.tick
+            it.role.code() == role && it.not_epoch != epoch && it.after_tick < tick
         };
-        let (tick, published_ns) = (span.tick, span.published_ns);
         let heard = self.awaited.extract_if(.., is_it);
         self.answered.extend(heard.map(|awaited| Answered {
             awaited,
@@ -75,6 +88,7 @@ impl Recoveries {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use zeronav_msgs::header::Id;
 
     fn answer(role: Role, epoch: u32, tick: u64) -> Span {
         Span {
@@ -86,6 +100,32 @@ mod tests {
             published_ns: 1000 + tick,
             ..Span::default()
         }
+    }
+
+    #[test]
+    fn a_planner_has_recovered_when_it_has_found_a_path() {
+        let mut recoveries = Recoveries::default();
+        let awaited = Awaited {
+            id: 1,
+            role: Role::GlobalPlanner,
+            not_epoch: 1,
+            after_tick: 10,
+            since_ns: 0,
+        };
+        recoveries.wait_for(awaited);
+        recoveries.note(&answer(Role::GlobalPlanner, 2, 15));
+        assert_eq!(recoveries.take(), [], "an answer without a path");
+        let path = |epoch, tick| Header {
+            id: Id::new(epoch, 7).0,
+            role: Role::GlobalPlanner.code(),
+            tick,
+            ..Header::default()
+        };
+        recoveries.note_path(&path(1, 20));
+        recoveries.note_path(&path(2, 10));
+        assert_eq!(recoveries.take(), []);
+        recoveries.note_path(&path(2, 20));
+        assert_eq!(recoveries.take().len(), 1);
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Arguments of the requests to a stack that runs.
 
-use crate::arguments::{delay, service_role, time_s};
+use crate::arguments::{clock_offset, delay, service_role, time_s, topic_delay, topic_share};
 use crate::scenario::{COORDINATE_M_MAX, TIME_LIMIT_S_MAX, TOLERANCE, YAW_RAD_MAX};
 use clap::{Args, Subcommand, ValueEnum};
 use std::path::PathBuf;
@@ -177,7 +177,7 @@ pub struct FaultArgs {
     pub stack: StackArgs,
 }
 
-/// How a service is broken.
+/// What is broken, and how.
 #[derive(Debug, Clone, Subcommand)]
 pub enum FaultCommand {
     /// Kill it (SIGKILL), as if it had crashed.
@@ -204,10 +204,58 @@ pub enum FaultCommand {
         #[command(flatten)]
         lasts: LastsArgs,
     },
+    /// Lose messages of a topic on their way to each of its readers; real time only.
+    Drop {
+        /// The topic, and the share if it is not every message, such as `plan/path=0.3`.
+        #[arg(value_name = "TOPIC[=SHARE]", value_parser = topic_share)]
+        share: (String, f64),
+        /// For how long.
+        #[command(flatten)]
+        lasts: LastsArgs,
+    },
+    /// Delay the messages of a topic for all of its readers; real time only.
+    Delay {
+        /// The topic and the delay, such as `robot/scan=50ms`.
+        #[arg(value_name = "TOPIC=TIME", value_parser = topic_delay)]
+        delay: (String, f64),
+        /// For how long.
+        #[command(flatten)]
+        lasts: LastsArgs,
+    },
+    /// Flip a bit of the messages of a topic: in header, fixed fields or slice; real time only.
+    Corrupt {
+        /// The topic, and the share if it is not every message, such as `robot/scan=0.1`.
+        #[arg(value_name = "TOPIC[=SHARE]", value_parser = topic_share)]
+        share: (String, f64),
+        /// For how long.
+        #[command(flatten)]
+        lasts: LastsArgs,
+    },
+    /// Put the clock of a service forward, or back; real time only.
+    Clock {
+        /// Its seat and the offset, such as `mapping=+200ms` or `mapping=-200ms`.
+        #[arg(value_name = "ROLE=TIME", value_parser = clock_offset)]
+        offset: (Role, f64),
+        /// For how long.
+        #[command(flatten)]
+        lasts: LastsArgs,
+    },
+    /// Fill the machine's shared memory, for every program on it.
+    FillShm {
+        /// For how long.
+        #[arg(long = "for", value_name = "TIME", value_parser = time_s, default_value = "5s")]
+        lasts_s: f64,
+    },
+    /// Fill the file system of the run's folder, for every program that uses it.
+    DiskFull {
+        /// For how long.
+        #[arg(long = "for", value_name = "TIME", value_parser = time_s, default_value = "5s")]
+        lasts_s: f64,
+    },
     /// End faults that go on.
     Heal {
-        /// Of this seat; without, all.
-        #[arg(value_name = "ROLE")]
+        /// Of this seat or topic, `shared_memory` or `disk`; without, all.
+        #[arg(value_name = "ROLE|TOPIC")]
         target: Option<String>,
     },
 }

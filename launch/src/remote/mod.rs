@@ -1,6 +1,7 @@
 //! Requests to a stack that runs: which one, and what its answers look like.
 
 pub mod cli;
+pub mod fault;
 mod feedback;
 pub mod goal;
 mod ps;

@@ -1,8 +1,8 @@
 //! The other requests: what a stack is doing, and making it pause, step or end.
 
 use super::cli::{
-    CancelArgs, FaultArgs, FaultCommand, InitialPoseArgs, ObstacleArgs, ObstacleCommand, PoseArgs,
-    StackArgs, StepArgs, WaitArgs, WaitFor,
+    CancelArgs, InitialPoseArgs, ObstacleArgs, ObstacleCommand, PoseArgs, StackArgs, StepArgs,
+    WaitArgs, WaitFor,
 };
 use super::goal::follow;
 use super::ps::processes;
@@ -10,14 +10,11 @@ use super::swap::in_words as swap_in_words;
 use crate::control::request::{ObstacleChange, Request, RunReport};
 use crate::exit::{EXIT_FAIL, EXIT_PASS};
 use crate::running;
-use crate::scenario::StackFault;
 use crate::show::terminal::{complain, say, say_json, usage};
 use core::fmt::Write;
 use serde_json::json;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
-use zeronav_msgs::run::DELAY_STEP_NS;
-use zeronav_msgs::time::seconds;
 
 /// Between two looks at a stack that is waited for.
 const PAUSE: Duration = Duration::from_millis(50);
@@ -86,45 +83,8 @@ pub fn obstacle(arguments: &ObstacleArgs) -> ExitCode {
     make(&arguments.stack, &Request::Obstacle { name, change }, done)
 }
 
-/// `zeronav fault`.
-#[must_use]
-pub fn fault(arguments: &FaultArgs) -> ExitCode {
-    let begins = None;
-    let (fault, done) = match &arguments.fault {
-        FaultCommand::Kill { role } => {
-            let service = role.to_string();
-            (StackFault::Kill { service, begins }, "killed")
-        }
-        FaultCommand::Stop { role, lasts } => {
-            let stop = StackFault::Stop {
-                service: role.to_string(),
-                begins,
-                lasts_s: lasts.lasts_s,
-            };
-            (stop, "stopped")
-        }
-        FaultCommand::Slow {
-            delay: (role, steps),
-            lasts,
-        } => {
-            let slow = StackFault::Slow {
-                service: role.to_string(),
-                by_ms: f64::from(*steps) * seconds(DELAY_STEP_NS) * 1.0e3,
-                begins,
-                lasts_s: lasts.lasts_s,
-            };
-            (slow, "slowed")
-        }
-        FaultCommand::Heal { target } => {
-            let target = target.clone();
-            return make(&arguments.stack, &Request::Heal { target }, "healed");
-        }
-    };
-    make(&arguments.stack, &Request::Fault { fault }, done)
-}
-
 /// Makes a stack do something; `done` says that it did.
-fn make(arguments: &StackArgs, request: &Request, done: &str) -> ExitCode {
+pub(super) fn make(arguments: &StackArgs, request: &Request, done: &str) -> ExitCode {
     let asked = running::find(arguments.domain.as_deref()).and_then(|stack| stack.ask(request));
     match asked {
         Ok(_) if arguments.json => say_json(&json!({ "done": done })),

@@ -8,9 +8,9 @@ use serde::{Deserialize, Serialize};
 pub struct FaultResult {
     /// Number of the fault in this run, from 1.
     pub id: u64,
-    /// `kill`, `stop`, `slow`.
+    /// `kill`, `stop`, `slow`, `drop`, `delay`, `corrupt`, `clock`, `fill_shm` or `disk_full`.
     pub kind: String,
-    /// What broke: a seat.
+    /// What broke: a seat, a topic, `shared_memory` or `disk`.
     pub target: String,
     /// Its figures, such as `20 ms`; empty when there are none.
     #[serde(default, skip_serializing_if = "String::is_empty")]
@@ -22,8 +22,9 @@ pub struct FaultResult {
     /// Run time at which it ended; null for faults without an end, and for those that went on to the
     /// end of the run. [s]
     pub until_s: Option<f64>,
-    /// From its begin, of `kill` and `stop`, or else from its end to the next answer of the seat: of
-    /// the successor when there is one. Run time in lockstep. Null when none came. [ms]
+    /// From its begin, of `kill` and `stop`, or else from its end to the next answer of the seat (of
+    /// a topic: of its first reader): of the successor when there is one, of the global planner a path
+    /// that it has found. Run time in lockstep. Null when none came. [ms]
     pub recovery_ms: Option<f64>,
     /// Why it was not made.
     #[serde(default, skip_serializing_if = "Option::is_none")]

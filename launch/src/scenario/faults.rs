@@ -14,21 +14,60 @@
 use super::limits::{COORDINATE_M_MAX, TIME_LIMIT_S_MAX};
 use serde::{Deserialize, Serialize};
 use zeronav_msgs::Role;
-use zeronav_msgs::run::{DELAY_STEP_NS, RunMode};
+use zeronav_msgs::run::{DELAY_STEP_NS, RunMode, SHARE_ALL, TopicFault, TopicFaultKind};
 use zeronav_msgs::time::seconds;
+use zeronav_msgs::topics::{TopicRow, topics};
 use zeronav_shell::nearest::unknown;
 use zeronav_world::error::{SpecError, number};
 use zeronav_world::spec::{Near, Trigger};
-use zeronav_world::world::NEAR_M;
+use zeronav_world::world::{LASTS_S_MIN, NEAR_M};
 
 /// Most faults of one scenario, random ones included.
 pub const FAULTS_MAX: usize = 10_000;
 
-/// Shortest time for which a fault lasts: less than most periods. [s]
-const LASTS_S_MIN: f64 = 1.0e-3;
+/// Delays of an answer that the roster can hold. [ms]
+pub(crate) const SLOW_MS: [f64; 2] = [0.01, 655.35];
 
-/// Names of the kinds.
-pub(crate) const KINDS: [&str; 3] = ["kill", "stop", "slow"];
+/// Delays of a message. [ms]
+pub(crate) const DELAY_MS: [f64; 2] = [0.001, 10_000.0];
+
+/// Offsets of a clock. [ms]
+pub(crate) const CLOCK_MS: [f64; 2] = [-10_000.0, 10_000.0];
+
+/// Shares of the messages that are lost or corrupted: a millionth to all.
+pub(crate) const SHARE: [f64; 2] = [1.0e-6, 1.0];
+
+/// A kind of fault.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Kind {
+    /// Its name.
+    pub name: &'static str,
+    /// True when a lockstep run with it is the same every time, and not the same as without it.
+    pub lockstep: bool,
+    /// True when it touches this stack alone, so that it is drawn unless other kinds are named.
+    pub is_drawn: bool,
+}
+
+/// Every kind.
+pub(crate) const KINDS: [Kind; 9] = [
+    kind("kill", true, true),
+    kind("stop", true, true),
+    kind("slow", true, true),
+    kind("drop", false, true),
+    kind("delay", false, true),
+    kind("corrupt", false, true),
+    kind("clock", false, true),
+    kind("fill_shm", false, false),
+    kind("disk_full", true, false),
+];
+
+const fn kind(name: &'static str, lockstep: bool, is_drawn: bool) -> Kind {
+    Kind {
+        name,
+        lockstep,
+        is_drawn,
+    }
+}
 
 /// One fault.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -67,6 +106,78 @@ pub enum StackFault {
         #[serde(default, skip_serializing_if = "Option::is_none")]
         lasts_s: Option<f64>,
     },
+    /// Messages of a topic are lost on their way to each of its readers; real time only.
+    Drop {
+        /// Its name.
+        topic: String,
+        /// Share of the messages, up to 1.
+        share: f64,
+        /// When it begins; without, at once. A scenario needs it.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        begins: Option<Trigger>,
+        /// For how long; without, to the end. [s]
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        lasts_s: Option<f64>,
+    },
+    /// Messages of a topic are late for all of its readers; real time only.
+    Delay {
+        /// Its name.
+        topic: String,
+        /// By how much. [ms]
+        by_ms: f64,
+        /// When it begins; without, at once. A scenario needs it.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        begins: Option<Trigger>,
+        /// For how long; without, to the end. [s]
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        lasts_s: Option<f64>,
+    },
+    /// In messages of a topic, one bit is flipped: of the header, the fixed fields or the slice. Real
+    /// time only.
+    Corrupt {
+        /// Its name.
+        topic: String,
+        /// Share of the messages, up to 1.
+        #[serde(default = "all")]
+        share: f64,
+        /// When it begins; without, at once. A scenario needs it.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        begins: Option<Trigger>,
+        /// For how long; without, to the end. [s]
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        lasts_s: Option<f64>,
+    },
+    /// The clock of a service is put forward, or back; real time only, as lockstep goes by run time.
+    Clock {
+        /// Its seat.
+        service: String,
+        /// By how much. [ms]
+        by_ms: f64,
+        /// When it begins; without, at once. A scenario needs it.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        begins: Option<Trigger>,
+        /// For how long; without, to the end. [s]
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        lasts_s: Option<f64>,
+    },
+    /// The machine's shared memory is full; real time only, where a successor waits for it.
+    FillShm {
+        /// When it begins; without, at once. A scenario needs it.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        begins: Option<Trigger>,
+        /// For how long; without, to the end. [s]
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        lasts_s: Option<f64>,
+    },
+    /// The file system of the run's folder is full.
+    DiskFull {
+        /// When it begins; without, at once. A scenario needs it.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        begins: Option<Trigger>,
+        /// For how long; without, to the end. [s]
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        lasts_s: Option<f64>,
+    },
 }
 
 /// Faults that are drawn from a seed.
@@ -83,16 +194,32 @@ pub struct RandomFaults {
     /// Seed; without, that of the run.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub seed: Option<u64>,
-    /// Kinds to choose from; without, all that the mode of the run allows.
+    /// Kinds to choose from; without, all that the mode of the run allows and that touch this stack
+    /// alone.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub kinds: Vec<String>,
-    /// Seats to choose from; without, all but the robot's.
+    /// Seats to choose from, and their topics; without, all but the robot's.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub services: Vec<String>,
 }
 
 const fn one_s() -> f64 {
     1.0
+}
+
+const fn all() -> f64 {
+    1.0
+}
+
+/// The topics whose messages may be disturbed: those between services, not those of launch itself.
+pub(crate) fn faultable() -> impl Iterator<Item = &'static TopicRow> {
+    let of_launch = |row: &&TopicRow| {
+        let name = row.name;
+        ["run/", "health/", "sim/"]
+            .iter()
+            .any(|it| name.starts_with(it))
+    };
+    topics().into_iter().filter(move |row| !of_launch(row))
 }
 
 /// The seats whose services may break: all but the robot's, which nothing restarts.
@@ -109,16 +236,28 @@ impl StackFault {
             Self::Kill { .. } => "kill",
             Self::Stop { .. } => "stop",
             Self::Slow { .. } => "slow",
+            Self::Drop { .. } => "drop",
+            Self::Delay { .. } => "delay",
+            Self::Corrupt { .. } => "corrupt",
+            Self::Clock { .. } => "clock",
+            Self::FillShm { .. } => "fill_shm",
+            Self::DiskFull { .. } => "disk_full",
         }
     }
 
-    /// What breaks.
+    /// What breaks: a seat, a topic, `shared_memory` or `disk`.
     #[must_use]
     pub fn target(&self) -> &str {
         match self {
             Self::Kill { service, .. }
             | Self::Stop { service, .. }
-            | Self::Slow { service, .. } => service,
+            | Self::Slow { service, .. }
+            | Self::Clock { service, .. } => service,
+            Self::Drop { topic, .. } | Self::Delay { topic, .. } | Self::Corrupt { topic, .. } => {
+                topic
+            }
+            Self::FillShm { .. } => "shared_memory",
+            Self::DiskFull { .. } => "disk",
         }
     }
 
@@ -128,13 +267,36 @@ impl StackFault {
         mortals().find(|role| role.label() == self.target())
     }
 
+    /// The topic that is disturbed; `None` when there is none of that name.
+    #[must_use]
+    pub fn topic(&self) -> Option<&'static TopicRow> {
+        faultable().find(|row| row.name == self.target())
+    }
+
+    /// The seat whose next answer shows that the fault is over: that which breaks, or the first whose
+    /// doorbell the topic rings; `None` for the machine's own.
+    #[must_use]
+    pub fn seat(&self) -> Option<Role> {
+        let of_topic = |row: &TopicRow| {
+            let first = row.rings.first().or(row.writers.first()).copied();
+            first.filter(|role| *role != Role::Launch)
+        };
+        self.role().or_else(|| of_topic(self.topic()?))
+    }
+
     /// When it begins; `None` = at once.
     #[must_use]
     pub const fn begins(&self) -> Option<&Trigger> {
         match self {
-            Self::Kill { begins, .. } | Self::Stop { begins, .. } | Self::Slow { begins, .. } => {
-                begins.as_ref()
-            }
+            Self::Kill { begins, .. }
+            | Self::Stop { begins, .. }
+            | Self::Slow { begins, .. }
+            | Self::Drop { begins, .. }
+            | Self::Delay { begins, .. }
+            | Self::Corrupt { begins, .. }
+            | Self::Clock { begins, .. }
+            | Self::FillShm { begins, .. }
+            | Self::DiskFull { begins, .. } => begins.as_ref(),
         }
     }
 
@@ -143,7 +305,14 @@ impl StackFault {
     pub const fn lasts_s(&self) -> Option<f64> {
         match self {
             Self::Kill { .. } => None,
-            Self::Stop { lasts_s, .. } | Self::Slow { lasts_s, .. } => *lasts_s,
+            Self::Stop { lasts_s, .. }
+            | Self::Slow { lasts_s, .. }
+            | Self::Drop { lasts_s, .. }
+            | Self::Delay { lasts_s, .. }
+            | Self::Corrupt { lasts_s, .. }
+            | Self::Clock { lasts_s, .. }
+            | Self::FillShm { lasts_s, .. }
+            | Self::DiskFull { lasts_s, .. } => *lasts_s,
         }
     }
 
@@ -151,8 +320,12 @@ impl StackFault {
     #[must_use]
     pub fn figures(&self) -> String {
         match self {
-            Self::Kill { .. } | Self::Stop { .. } => String::new(),
-            Self::Slow { by_ms, .. } => format!("{by_ms} ms"),
+            Self::Slow { by_ms, .. } | Self::Delay { by_ms, .. } => format!("{by_ms} ms"),
+            Self::Clock { by_ms, .. } => format!("{by_ms:+} ms"),
+            Self::Drop { share, .. } | Self::Corrupt { share, .. } => {
+                format!("{:.3} % of the messages", 100.0 * share)
+            }
+            _ => String::new(),
         }
     }
 
@@ -161,28 +334,78 @@ impl StackFault {
     /// # Errors
     /// The first field that is wrong.
     pub fn check(&self) -> Result<(), SpecError> {
-        if self.role().is_none() {
-            let why = if self.target() == Role::Robot.label() {
-                "the robot is not restarted; `zeronav down` ends the stack".to_owned()
-            } else {
-                unknown(
-                    "service that may break",
-                    self.target(),
-                    mortals().map(Role::label),
-                )
-            };
-            return Err(SpecError::new("service", why));
+        match self {
+            Self::Kill { .. } | Self::Stop { .. } | Self::Slow { .. } | Self::Clock { .. }
+                if self.role().is_none() =>
+            {
+                let why = if self.target() == Role::Robot.label() {
+                    "the robot is not restarted; `zeronav down` ends the stack".to_owned()
+                } else {
+                    unknown(
+                        "service that may break",
+                        self.target(),
+                        mortals().map(Role::label),
+                    )
+                };
+                return Err(SpecError::new("service", why));
+            }
+            Self::Drop { .. } | Self::Delay { .. } | Self::Corrupt { .. }
+                if self.topic().is_none() =>
+            {
+                let known: Vec<&str> = faultable().map(|row| row.name).collect();
+                let why = unknown("topic between services", self.target(), known);
+                return Err(SpecError::new("topic", why));
+            }
+            _ => {}
         }
         if let Some(lasts_s) = self.lasts_s() {
             number(lasts_s, LASTS_S_MIN, TIME_LIMIT_S_MAX, "lasts_s")?;
         }
-        if let Self::Slow { by_ms, .. } = self {
-            let step_ms = seconds(DELAY_STEP_NS) * 1.0e3;
-            number(*by_ms, step_ms, step_ms * f64::from(u16::MAX), "by_ms")?;
+        match self {
+            Self::Slow { by_ms, .. } => number(*by_ms, SLOW_MS[0], SLOW_MS[1], "by_ms")?,
+            Self::Delay { by_ms, .. } => number(*by_ms, DELAY_MS[0], DELAY_MS[1], "by_ms")?,
+            Self::Clock { by_ms, .. } => number(*by_ms, CLOCK_MS[0], CLOCK_MS[1], "by_ms")?,
+            Self::Drop { share, .. } | Self::Corrupt { share, .. } => {
+                number(*share, SHARE[0], SHARE[1], "share")?;
+            }
+            _ => {}
         }
         match self.begins() {
             Some(begins) => check_trigger(begins).map_err(|error| error.within("begins")),
             None => Ok(()),
+        }
+    }
+
+    /// What it does to the messages of its topic; `None` for other faults.
+    #[must_use]
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "their ranges were checked"
+    )]
+    pub fn topic_fault(&self, seed: u32) -> Option<TopicFault> {
+        let (kind, share, delay_ms) = match self {
+            Self::Drop { share, .. } => (TopicFaultKind::Drop, *share, 0.0),
+            Self::Delay { by_ms, .. } => (TopicFaultKind::Delay, 0.0, *by_ms),
+            Self::Corrupt { share, .. } => (TopicFaultKind::Corrupt, *share, 0.0),
+            _ => return None,
+        };
+        Some(TopicFault {
+            topic: u16::try_from(self.topic()?.number).ok()?,
+            kind: kind.code(),
+            share: (share * f64::from(SHARE_ALL)).round() as u32,
+            delay_us: (delay_ms * 1.0e3).round() as u32,
+            seed,
+        })
+    }
+
+    /// By how much it puts a clock forward; `None` for other faults. [ms]
+    #[must_use]
+    #[allow(clippy::cast_possible_truncation, reason = "its range was checked")]
+    pub fn clock_offset_ms(&self) -> Option<i32> {
+        match self {
+            Self::Clock { by_ms, .. } => Some(by_ms.round() as i32),
+            _ => None,
         }
     }
 
@@ -200,16 +423,27 @@ impl StackFault {
         }
     }
 
-    /// Which field keeps a run in this mode from being the same every time, and why; `None` when
-    /// none does.
+    /// Which field keeps it out of a run in this mode, and why; `None` when none does.
     #[must_use]
     pub fn unfit(&self, mode: RunMode) -> Option<(&'static str, &'static str)> {
+        if mode != RunMode::Lockstep {
+            return None;
+        }
         match self {
             Self::Stop {
                 lasts_s: Some(_), ..
-            } if mode == RunMode::Lockstep => Some((
+            } => Some((
                 "lasts_s",
                 "lockstep waits for a service that hangs until it is restarted",
+            )),
+            Self::Drop { .. } | Self::Delay { .. } | Self::Corrupt { .. } => Some((
+                "kind",
+                "lockstep waits for every message; run it in real time",
+            )),
+            Self::Clock { .. } => Some(("kind", "lockstep has no clock; run it in real time")),
+            Self::FillShm { .. } => Some((
+                "kind",
+                "lockstep would wait for a successor that waits for memory; run it in real time",
             )),
             _ => None,
         }
@@ -237,7 +471,8 @@ impl RandomFaults {
             }
             Ok(())
         };
-        named("kinds", "kind of fault", &self.kinds, KINDS.to_vec())?;
+        let kinds = KINDS.map(|kind| kind.name).to_vec();
+        named("kinds", "kind of fault", &self.kinds, kinds)?;
         let seats = mortals().map(Role::label).collect();
         named("services", "service that may break", &self.services, seats)
     }

@@ -35,8 +35,8 @@ mod tests;
 
 pub use check::Checked;
 pub use error::ScenarioError;
+pub(crate) use faults::{CLOCK_MS, DELAY_MS, KINDS, SHARE, SLOW_MS, faultable, mortals};
 pub use faults::{FAULTS_MAX, RandomFaults, StackFault};
-pub(crate) use faults::{KINDS, mortals};
 use library::Origin;
 pub use library::{Library, Listed};
 pub use limits::{COORDINATE_M_MAX, TIME_LIMIT_S_MAX, TOLERANCE, YAW_RAD_MAX};

@@ -8,8 +8,8 @@
 mod tests;
 
 use super::{
-    COORDINATE_M_MAX, FAULTS_MAX, KEEP_S_MIN, KINDS, RunSpec, TIME_LIMIT_S_MAX, TOLERANCE,
-    YAW_RAD_MAX,
+    CLOCK_MS, COORDINATE_M_MAX, DELAY_MS, FAULTS_MAX, KEEP_S_MIN, KINDS, RunSpec, SHARE, SLOW_MS,
+    TIME_LIMIT_S_MAX, TOLERANCE, YAW_RAD_MAX, faultable,
 };
 use crate::supervise::restart::RestartSpec;
 use serde_json::{Map, Value, json};
@@ -262,27 +262,34 @@ fn trigger() -> Value {
 }
 
 fn stack_fault() -> Value {
-    let of = |target: (&str, Value), more: &[(&str, Value)]| {
-        let mut all = fields([target, ("begins", trigger())]);
-        let more = more.iter();
+    let of = |fields_of_kind: &[(&str, Value)]| {
+        let mut all = fields([("begins", trigger())]);
+        let more = fields_of_kind.iter();
         all.extend(more.map(|(name, schema)| ((*name).to_owned(), schema.clone())));
         all
     };
-    let service = || ("service", other_seat());
-    let lasts = ("lasts_s", ranged(1.0e-3, TIME_LIMIT_S_MAX));
-    let by = ("by_ms", ranged(0.01, 655.35));
+    let service = ("service", other_seat());
+    let names: Vec<&str> = faultable().map(|row| row.name).collect();
+    let topic = ("topic", json!({ "enum": names }));
+    let lasts = ("lasts_s", ranged(LASTS_S_MIN, TIME_LIMIT_S_MAX));
+    let by = |[min, max]: [f64; 2]| ("by_ms", ranged(min, max));
+    let share = ("share", ranged(SHARE[0], SHARE[1]));
+    let stop = of(&[service.clone(), lasts.clone()]);
+    let slow = of(&[service.clone(), lasts.clone(), by(SLOW_MS)]);
+    let clock = of(&[service.clone(), lasts.clone(), by(CLOCK_MS)]);
+    let some = of(&[topic.clone(), lasts.clone(), share]);
+    let delay = of(&[topic, lasts.clone(), by(DELAY_MS)]);
+    let machine = of(&[lasts]);
     kinds([
-        ("kill", of(service(), &[]), &["service", "begins"]),
-        (
-            "stop",
-            of(service(), core::slice::from_ref(&lasts)),
-            &["service", "begins"],
-        ),
-        (
-            "slow",
-            of(service(), &[lasts, by]),
-            &["service", "begins", "by_ms"],
-        ),
+        ("kill", of(&[service]), &["service", "begins"]),
+        ("stop", stop, &["service", "begins"]),
+        ("slow", slow, &["service", "begins", "by_ms"]),
+        ("drop", some.clone(), &["topic", "begins", "share"]),
+        ("delay", delay, &["topic", "begins", "by_ms"]),
+        ("corrupt", some, &["topic", "begins"]),
+        ("clock", clock, &["service", "begins", "by_ms"]),
+        ("fill_shm", machine.clone(), &["begins"]),
+        ("disk_full", machine, &["begins"]),
     ])
 }
 
@@ -293,7 +300,10 @@ fn random_faults() -> Value {
         ("from_s", time()),
         ("until_s", time()),
         ("seed", whole()),
-        ("kinds", list(&json!({ "enum": KINDS }))),
+        (
+            "kinds",
+            list(&json!({ "enum": KINDS.map(|kind| kind.name) })),
+        ),
         ("services", list(&other_seat())),
     ]);
     closed(fields, &["count", "until_s"])

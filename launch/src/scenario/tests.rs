@@ -457,6 +457,18 @@ fn faults_and_expectations_are_checked() {
             "faults[0].by_ms: 300 ms would be taken for a hang",
         ),
         (
+            "[[faults]]\nkind = \"drop\"\ntopic = \"run/clock\"\nshare = 0.5\nbegins = { at_s = 1.0 }\n",
+            "faults[0].topic: ",
+        ),
+        (
+            "[[faults]]\nkind = \"corrupt\"\ntopic = \"plan/path\"\nshare = 0.0\nbegins = { at_s = 1.0 }\n",
+            "faults[0].share: ",
+        ),
+        (
+            "[[faults]]\nkind = \"clock\"\nservice = \"robot\"\nby_ms = 1.0\nbegins = { at_s = 1.0 }\n",
+            "faults[0].service: the robot is not restarted",
+        ),
+        (
             "[random_faults]\ncount = 3\nfrom_s = 5.0\nuntil_s = 4.0\n",
             "random_faults.until_s: ",
         ),

@@ -16,7 +16,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 use zeronav_msgs::health::HealthState;
 use zeronav_msgs::role::Role;
-use zeronav_msgs::run::{RunClock, RunControl, RunMode, Seat};
+use zeronav_msgs::run::{RunClock, RunControl, RunMode, Seat, TOPIC_FAULTS_MAX, TopicFault};
 use zeronav_msgs::task::{Goal, PoseEstimate, Task, TaskKind};
 use zeronav_msgs::topics::{
     EVENT_NEED_KEYFRAME, RunClockTopic, RunControlTopic, SimPlacement, TaskGoal, TaskPose, TopicRow,
@@ -348,14 +348,27 @@ impl Stack {
         sent.is_some()
     }
 
-    /// Delays every answer of a seat by so many steps of [`zeronav_msgs::run::DELAY_STEP_NS`].
-    pub fn delay(&mut self, role: Role, steps: u16) {
+    /// Delays every answer of a seat by so many steps of [`zeronav_msgs::run::DELAY_STEP_NS`], and puts
+    /// its clocks forward.
+    pub fn impede(&mut self, role: Role, delay: u16, clock_offset_ms: i32) {
+        let mut is_new = false;
         for roster in [&mut self.roster, &mut self.newest] {
             if let Some(seat) = seat_mut(roster, role) {
-                seat.delay = steps;
+                is_new |= (seat.delay, seat.clock_offset_ms) != (delay, clock_offset_ms);
+                (seat.delay, seat.clock_offset_ms) = (delay, clock_offset_ms);
             }
         }
-        self.publish_control();
+        if is_new {
+            self.publish_control();
+        }
+    }
+
+    /// Disturbs these topics, and no others.
+    pub fn set_topic_faults(&mut self, faults: [TopicFault; TOPIC_FAULTS_MAX]) {
+        if self.roster.control.topic_faults != faults {
+            self.roster.control.topic_faults = faults;
+            self.publish_control();
+        }
     }
 
     /// Lets the robot go up to `tick`, lockstep only.

@@ -175,7 +175,7 @@ fn constants() -> Vec<(&'static str, f64)> {
     constants![
         header::{SHADOW_EPOCH_MIN},
         message::{COORDINATE_M_MAX, SPEED_MAX},
-        run::{DELAY_STEP_NS},
+        run::{CLOCK_OFFSET_MS_MAX, DELAY_STEP_NS, DELAY_US_MAX, SHARE_ALL},
         topics::{EVENT_NEED_KEYFRAME},
         grid::{SIDE_CELLS_MAX},
         map::{

@@ -8,8 +8,10 @@ import math
 import numpy as np
 
 from . import contract as c
+from .layout import checksum
 
 TINY = 2.2250738585072014e-308
+CHECKSUM = "the checksum does not fit"
 FLAGS_ALL = (1 << 5) - 1
 
 
@@ -245,8 +247,14 @@ def _run_control(meta, seats):
     length(seats, meta.n_seats, c.RUN_CONTROL.len_max, "seats")
     ensure(meta.paused <= 1, "unknown code in paused")
     ensure(meta.stopping <= 1, "unknown code in stopping")
+    for fault in meta.topic_faults:
+        code(c.TopicFaultKind, fault.kind, "topic_fault.kind")
+        ensure(fault.share <= c.SHARE_ALL, "topic_fault.share is out of range")
+        ensure(fault.delay_us <= c.DELAY_US_MAX, "topic_fault.delay_us is out of range")
     code(c.Role, seats["role"], "seat.role")
     ensure((seats["off_tick"] <= seats["on_tick"]).all(), "seat.on_tick is out of range")
+    offset_ms = np.abs(seats["clock_offset_ms"].astype(np.int64))
+    ensure((offset_ms <= c.CLOCK_OFFSET_MS_MAX).all(), "seat.clock_offset_ms is out of range")
 
 
 def _health(meta, items):
@@ -278,4 +286,5 @@ def decode(topic, envelope, items):
     """Accepts a message of `topic`; raises `Refused` with the first thing that is wrong."""
     header(topic, envelope.header)
     ensure(len(items) <= topic.len_max, "wrong number of items")
+    ensure(checksum(bytes(envelope), items) == envelope.header.checksum, CHECKSUM)
     CHECKS[topic](envelope.meta, items)

@@ -83,6 +83,13 @@ class RunMode(IntEnum):
     LOCKSTEP = 2
 
 
+class TopicFaultKind(IntEnum):
+    NONE = 0
+    DROP = 1
+    DELAY = 2
+    CORRUPT = 3
+
+
 class SpanKind(IntEnum):
     IDLE = 1
     ANSWER = 2
@@ -124,7 +131,10 @@ class Validity(IntEnum):
 SHADOW_EPOCH_MIN = 8388608
 COORDINATE_M_MAX = 1000000
 SPEED_MAX = 1000
+CLOCK_OFFSET_MS_MAX = 10000
 DELAY_STEP_NS = 10000
+DELAY_US_MAX = 10000000
+SHARE_ALL = 1000000
 EVENT_NEED_KEYFRAME = 40
 SIDE_CELLS_MAX = 8192
 TILE_CELLS = 32
@@ -193,9 +203,9 @@ class Stamps(Message):
 class Header(Message):
     """Fixed header of every message."""
 
-    NAME = "zeronav.Header.v1"
+    NAME = "zeronav.Header.v2"
     SIZE = 128
-    SCHEMA = 0x3c3e8cb6cb4e197c
+    SCHEMA = 0x127a2a8d11a040a2
     OFFSETS = (0, 2, 4, 8, 12, 16, 24, 32, 40, 48, 96, 120)
     _fields_ = [
         # Code of the author's `Role`.
@@ -221,8 +231,8 @@ class Header(Message):
         ("parents", Parents),
         # When it was made.
         ("stamps", Stamps),
-        # Written as 0, ignored by readers.
-        ("spare_bytes", u8 * 8),
+        # [number] Checksum of everything else in the message, see `crate::checksum`.
+        ("checksum", u64),
     ]
 
 
@@ -292,7 +302,7 @@ class RobotDescriptionEnvelope(Message):
 
     NAME = "zeronav.robot.description.v1"
     SIZE = 264
-    SCHEMA = 0x3e6a4c7ebd025253
+    SCHEMA = 0xc4afec7fe78c1af5
     OFFSETS = (0, 128)
     _fields_ = [
         # The header.
@@ -351,7 +361,7 @@ class RobotScanEnvelope(Message):
 
     NAME = "zeronav.robot.scan.v1"
     SIZE = 160
-    SCHEMA = 0x44f2b6416bdfc210
+    SCHEMA = 0xacf1bce78b014166
     OFFSETS = (0, 128)
     _fields_ = [
         # The header.
@@ -389,7 +399,7 @@ class RobotOdometryEnvelope(Message):
 
     NAME = "zeronav.robot.odometry.v1"
     SIZE = 200
-    SCHEMA = 0x246062d718d7b1fd
+    SCHEMA = 0x898ef86160c7c41f
     OFFSETS = (0, 128)
     _fields_ = [
         # The header.
@@ -476,7 +486,7 @@ class MapUpdateEnvelope(Message):
 
     NAME = "zeronav.map.update.v1"
     SIZE = 288
-    SCHEMA = 0x7183c99aa5f7f818
+    SCHEMA = 0x33fd3173bc1fe75e
     OFFSETS = (0, 128)
     _fields_ = [
         # The header.
@@ -527,7 +537,7 @@ class MapKeyframeEnvelope(Message):
 
     NAME = "zeronav.map.keyframe.v1"
     SIZE = 288
-    SCHEMA = 0x089446cb3d8bb6f7
+    SCHEMA = 0xcaaa8446f9d1189d
     OFFSETS = (0, 128)
     _fields_ = [
         # The header.
@@ -555,7 +565,7 @@ class MapObstaclesEnvelope(Message):
 
     NAME = "zeronav.map.obstacles.v1"
     SIZE = 136
-    SCHEMA = 0x60aba017eb15c263
+    SCHEMA = 0x9117b28eef3c2bdd
     OFFSETS = (0, 128)
     _fields_ = [
         # The header.
@@ -639,7 +649,7 @@ class PlanPathEnvelope(Message):
 
     NAME = "zeronav.plan.path.v1"
     SIZE = 240
-    SCHEMA = 0x5460289219a36365
+    SCHEMA = 0x09159c457356ad03
     OFFSETS = (0, 128)
     _fields_ = [
         # The header.
@@ -690,7 +700,7 @@ class PlanRequestEnvelope(Message):
 
     NAME = "zeronav.plan.request.v1"
     SIZE = 144
-    SCHEMA = 0x0b6a4026c1851bae
+    SCHEMA = 0x9823a2af3f319c98
     OFFSETS = (0, 128)
     _fields_ = [
         # The header.
@@ -724,7 +734,7 @@ class TaskGoalEnvelope(Message):
 
     NAME = "zeronav.task.goal.v1"
     SIZE = 144
-    SCHEMA = 0xf3579d7349e5478b
+    SCHEMA = 0x257e3065e7d763f5
     OFFSETS = (0, 128)
     _fields_ = [
         # The header.
@@ -787,7 +797,7 @@ class TaskStatusEnvelope(Message):
 
     NAME = "zeronav.task.status.v1"
     SIZE = 168
-    SCHEMA = 0x52ba39a86028f6c0
+    SCHEMA = 0x8aaadca0d8317b42
     OFFSETS = (0, 128)
     _fields_ = [
         # The header.
@@ -841,7 +851,7 @@ class TaskPoseEnvelope(Message):
 
     NAME = "zeronav.task.pose.v1"
     SIZE = 184
-    SCHEMA = 0x54bf47040168ebc3
+    SCHEMA = 0x34c816de1c0e2311
     OFFSETS = (0, 128)
     _fields_ = [
         # The header.
@@ -877,7 +887,7 @@ class ControlVelocityRequestEnvelope(Message):
 
     NAME = "zeronav.control.velocity_request.v1"
     SIZE = 160
-    SCHEMA = 0x6a022beef29b806d
+    SCHEMA = 0x7057e23363b34c83
     OFFSETS = (0, 128)
     _fields_ = [
         # The header.
@@ -913,7 +923,7 @@ class RobotVelocityCommandEnvelope(Message):
 
     NAME = "zeronav.robot.velocity_command.v1"
     SIZE = 152
-    SCHEMA = 0x64cf4eaa8919f66e
+    SCHEMA = 0xf6d6fa31ca4be770
     OFFSETS = (0, 128)
     _fields_ = [
         # The header.
@@ -949,7 +959,7 @@ class RunClockEnvelope(Message):
 
     NAME = "zeronav.run.clock.v1"
     SIZE = 160
-    SCHEMA = 0xe208815d8bfaa472
+    SCHEMA = 0x49bbe9ba3e3e1fb4
     OFFSETS = (0, 128)
     _fields_ = [
         # The header.
@@ -959,13 +969,35 @@ class RunClockEnvelope(Message):
     ]
 
 
+class TopicFault(Message):
+    """A topic whose messages are disturbed on purpose on their way to each service that reads it,
+    in real time only: lockstep waits for every message."""
+
+    NAME = "zeronav.TopicFault.v1"
+    SIZE = 16
+    SCHEMA = 0x5f8cd93dd9ae3a0d
+    OFFSETS = (0, 2, 4, 8, 12)
+    _fields_ = [
+        # [number] of the topic.
+        ("topic", u16),
+        # Code of `TopicFaultKind`.
+        ("kind", u16),
+        # [ppm] of the messages that are dropped or corrupted.
+        ("share", u32),
+        # [us] by which each message is late.
+        ("delay_us", u32),
+        # [number] Seed of which messages, and which bits.
+        ("seed", u32),
+    ]
+
+
 class RunControl(Message):
     """Fixed fields of the control message. The slice holds the roster."""
 
-    NAME = "zeronav.RunControl.v1"
-    SIZE = 16
-    SCHEMA = 0xe3bb1df3664858bd
-    OFFSETS = (0, 8, 10, 12)
+    NAME = "zeronav.RunControl.v2"
+    SIZE = 80
+    SCHEMA = 0x6145e57db90c9481
+    OFFSETS = (0, 8, 10, 12, 16)
     _fields_ = [
         # [tick] Highest tick that the robot may start, lockstep only.
         ("lease", u64),
@@ -975,6 +1007,8 @@ class RunControl(Message):
         ("stopping", u16),
         # [count] Seats in the slice.
         ("n_seats", u32),
+        # Topics that are disturbed on purpose; all zero in earnest.
+        ("topic_faults", TopicFault * 4),
     ]
 
 
@@ -982,8 +1016,8 @@ class RunControlEnvelope(Message):
     """Header and fixed fields of the topic's messages."""
 
     NAME = "zeronav.run.control.v1"
-    SIZE = 144
-    SCHEMA = 0xdf18e39b03dce722
+    SIZE = 208
+    SCHEMA = 0x3d37fd9a35e2c48b
     OFFSETS = (0, 128)
     _fields_ = [
         # The header.
@@ -998,9 +1032,9 @@ class Seat(Message):
     which tick the one takes over from the other is said in advance, so that no message is heard
     twice and none is missed."""
 
-    NAME = "zeronav.Seat.v2"
+    NAME = "zeronav.Seat.v3"
     SIZE = 56
-    SCHEMA = 0xbd5fa26d5b8cc10b
+    SCHEMA = 0x5c3114b8201013cc
     OFFSETS = (0, 2, 4, 8, 16, 24, 32, 40, 48, 52)
     _fields_ = [
         # Code of the `Role`.
@@ -1023,8 +1057,8 @@ class Seat(Message):
         # [number] Epoch of the second process in this seat: a newcomer that is not obeyed yet, or
         # a predecessor that still runs; 0 = none.
         ("other", u32),
-        # Written as 0.
-        ("spare", u32),
+        # [ms] by which the clocks of its processes are put forward on purpose; 0 in earnest.
+        ("clock_offset_ms", i32),
     ]
 
 
@@ -1066,7 +1100,7 @@ class SimGroundTruthEnvelope(Message):
 
     NAME = "zeronav.sim.ground_truth.v1"
     SIZE = 216
-    SCHEMA = 0x67446ef2953734a3
+    SCHEMA = 0xa5c52b7bd0a6d5b1
     OFFSETS = (0, 128)
     _fields_ = [
         # The header.
@@ -1115,7 +1149,7 @@ class SimPlacementEnvelope(Message):
 
     NAME = "zeronav.sim.placement.v1"
     SIZE = 136
-    SCHEMA = 0x94c1c30742943b04
+    SCHEMA = 0x5688a38a4f2c86ba
     OFFSETS = (0, 128)
     _fields_ = [
         # The header.
@@ -1187,7 +1221,7 @@ class HealthEnvelope(Message):
 
     NAME = "zeronav.health.v1"
     SIZE = 176
-    SCHEMA = 0xace6d4cabce64c4f
+    SCHEMA = 0x266f209a3c745475
     OFFSETS = (0, 128)
     _fields_ = [
         # The header.
@@ -1263,7 +1297,7 @@ ROBOT_DESCRIPTION = Topic(
     len_max=32,
     buffer=2,
     pool=29,
-    schema=0x2c9100697c6418bd,
+    schema=0xadca8cec092ed691,
 )
 
 ROBOT_SCAN = Topic(
@@ -1278,7 +1312,7 @@ ROBOT_SCAN = Topic(
     len_max=4096,
     buffer=2,
     pool=58,
-    schema=0x3f495fbcf312b64a,
+    schema=0x7caddf9ddb10ba5c,
 )
 
 ROBOT_ODOMETRY = Topic(
@@ -1293,7 +1327,7 @@ ROBOT_ODOMETRY = Topic(
     len_max=1,
     buffer=32,
     pool=46,
-    schema=0xa81a50283e142917,
+    schema=0x539bfa04c81d517b,
 )
 
 MAP_UPDATE = Topic(
@@ -1308,7 +1342,7 @@ MAP_UPDATE = Topic(
     len_max=60,
     buffer=32,
     pool=46,
-    schema=0xa1d476a55b7aa2fe,
+    schema=0xd9d118ec80683c4f,
 )
 
 MAP_KEYFRAME = Topic(
@@ -1323,7 +1357,7 @@ MAP_KEYFRAME = Topic(
     len_max=16384,
     buffer=2,
     pool=4,
-    schema=0x7858bd05bd9678ce,
+    schema=0xd4f8f667ac1d8d9f,
 )
 
 MAP_OBSTACLES = Topic(
@@ -1338,7 +1372,7 @@ MAP_OBSTACLES = Topic(
     len_max=128,
     buffer=2,
     pool=58,
-    schema=0x2712c9b54150e314,
+    schema=0x34d46bee8a17ace4,
 )
 
 PLAN_PATH = Topic(
@@ -1353,7 +1387,7 @@ PLAN_PATH = Topic(
     len_max=2048,
     buffer=2,
     pool=58,
-    schema=0xf2953d95ebe4e756,
+    schema=0x4baa8e685285bbd4,
 )
 
 PLAN_REQUEST = Topic(
@@ -1368,7 +1402,7 @@ PLAN_REQUEST = Topic(
     len_max=1,
     buffer=2,
     pool=58,
-    schema=0xe8e8e8d0d7338bbc,
+    schema=0x904f8c1a2cb8a816,
 )
 
 TASK_GOAL = Topic(
@@ -1383,7 +1417,7 @@ TASK_GOAL = Topic(
     len_max=64,
     buffer=2,
     pool=29,
-    schema=0x259fc266e8e80857,
+    schema=0x91f13d6d71f9fd5b,
 )
 
 TASK_STATUS = Topic(
@@ -1398,7 +1432,7 @@ TASK_STATUS = Topic(
     len_max=64,
     buffer=2,
     pool=29,
-    schema=0xe797a159e4e4fd18,
+    schema=0x5b76391a93084ce3,
 )
 
 TASK_POSE = Topic(
@@ -1413,7 +1447,7 @@ TASK_POSE = Topic(
     len_max=1,
     buffer=2,
     pool=29,
-    schema=0x3cae3d63dd1626bb,
+    schema=0xe69a38feb2ce2572,
 )
 
 CONTROL_VELOCITY_REQUEST = Topic(
@@ -1428,7 +1462,7 @@ CONTROL_VELOCITY_REQUEST = Topic(
     len_max=1,
     buffer=2,
     pool=58,
-    schema=0x658ac8b987eab191,
+    schema=0xb3fff2ce025f5dcd,
 )
 
 ROBOT_VELOCITY_COMMAND = Topic(
@@ -1443,7 +1477,7 @@ ROBOT_VELOCITY_COMMAND = Topic(
     len_max=1,
     buffer=2,
     pool=58,
-    schema=0x32678c8754645210,
+    schema=0x11601a01aa412e3a,
 )
 
 RUN_CLOCK = Topic(
@@ -1459,7 +1493,7 @@ RUN_CLOCK = Topic(
     len_max=1,
     buffer=2,
     pool=29,
-    schema=0x67b6becd51d98eba,
+    schema=0x53d5e404d3e11203,
 )
 
 RUN_CONTROL = Topic(
@@ -1475,7 +1509,7 @@ RUN_CONTROL = Topic(
     len_max=16,
     buffer=2,
     pool=29,
-    schema=0x524346b7fcbaa353,
+    schema=0xaabe4789147f5ef3,
 )
 
 SIM_GROUND_TRUTH = Topic(
@@ -1490,7 +1524,7 @@ SIM_GROUND_TRUTH = Topic(
     len_max=256,
     buffer=2,
     pool=58,
-    schema=0x827a99fb86dce923,
+    schema=0x1e53b96e61365535,
 )
 
 SIM_PLACEMENT = Topic(
@@ -1505,7 +1539,7 @@ SIM_PLACEMENT = Topic(
     len_max=256,
     buffer=2,
     pool=58,
-    schema=0xbe6697bbf00d7904,
+    schema=0x7b6be6082eb79558,
 )
 
 HEALTH_ROBOT = Topic(
@@ -1520,7 +1554,7 @@ HEALTH_ROBOT = Topic(
     len_max=1,
     buffer=2,
     pool=58,
-    schema=0x94c1620cf083362d,
+    schema=0x3479845f530eb3c6,
 )
 
 HEALTH_MAPPING = Topic(
@@ -1535,7 +1569,7 @@ HEALTH_MAPPING = Topic(
     len_max=1,
     buffer=2,
     pool=58,
-    schema=0x801ceaa2f3c0e523,
+    schema=0x714d8d90f31678b8,
 )
 
 HEALTH_GLOBAL_PLANNER = Topic(
@@ -1550,7 +1584,7 @@ HEALTH_GLOBAL_PLANNER = Topic(
     len_max=1,
     buffer=2,
     pool=58,
-    schema=0x36cf66e262730491,
+    schema=0x807e7f5586b4ce42,
 )
 
 HEALTH_LOCAL_PLANNER = Topic(
@@ -1565,7 +1599,7 @@ HEALTH_LOCAL_PLANNER = Topic(
     len_max=1,
     buffer=2,
     pool=58,
-    schema=0x22336336f3b3e545,
+    schema=0x4f81d396ef28bf9e,
 )
 
 HEALTH_COLLISION_GUARD = Topic(
@@ -1580,7 +1614,7 @@ HEALTH_COLLISION_GUARD = Topic(
     len_max=1,
     buffer=2,
     pool=58,
-    schema=0x5cb680295ee96a43,
+    schema=0x708ae803c9a76d58,
 )
 
 RUN_SPANS = Topic(
@@ -1674,6 +1708,7 @@ for _message in (
     RobotVelocityCommandEnvelope,
     RunClock,
     RunClockEnvelope,
+    TopicFault,
     RunControl,
     RunControlEnvelope,
     Seat,

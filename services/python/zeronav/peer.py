@@ -9,6 +9,7 @@ import iceoryx2 as iox2
 
 from . import contract as c
 from . import memory
+from .clock import now_ns
 from .errors import ContractError, StartError, UsageError
 from .ports import Latest, SpanWriter, Stream, Writer
 
@@ -174,7 +175,7 @@ class Doorbell:
 
     def wait(self, deadline_ns):
         """Sleeps until a ring, a signal or `deadline_ns`; the set of events that rang."""
-        left_ns = min(max(0, deadline_ns - time.monotonic_ns()), WAKE_AT_LEAST_NS)
+        left_ns = min(max(0, deadline_ns - now_ns()), WAKE_AT_LEAST_NS)
         # `select` takes microseconds; `poll` rounds up to milliseconds.
         ready, _, _ = select.select(self._descriptors, (), (), left_ns * 1e-9)
         if self._signals.fileno() in ready:

@@ -1,6 +1,14 @@
 """Which processes are obeyed, which roles have to answer, and how the run keeps time."""
 
-from .contract import DELAY_STEP_NS, SHADOW_EPOCH_MIN, Role, RunClock, RunControl, RunMode
+from .contract import (
+    DELAY_STEP_NS,
+    SHADOW_EPOCH_MIN,
+    Role,
+    RunClock,
+    RunControl,
+    RunMode,
+    TopicFaultKind,
+)
 
 TICK_MAX = 2**64 - 1
 
@@ -103,3 +111,19 @@ class Roster:
         """By how much launch delays each answer of this seat on purpose. [ns]"""
         own = self.seats.get(self.own)
         return own.delay * DELAY_STEP_NS if own else 0
+
+    def clock_offset_ns(self):
+        """By how much launch puts the clock of this process forward on purpose. [ns]"""
+        own = self.seats.get(self.own)
+        return own.clock_offset_ms * 1_000_000 if own else 0
+
+    def topic_fault(self, topic):
+        """What is done on purpose to the messages of `topic` on their way here, in real time."""
+        for fault in self.control.topic_faults:
+            if fault.kind != TopicFaultKind.NONE and fault.topic == topic.number:
+                return None if self.lockstep else fault
+        return None
+
+    def has_delays(self):
+        """True while messages are late on purpose, and have to be looked for between two rings."""
+        return any(fault.kind == TopicFaultKind.DELAY for fault in self.control.topic_faults)

@@ -11,6 +11,7 @@ import time
 from dataclasses import dataclass
 
 from . import parameters
+from .clock import now_ns
 from .contract import SHADOW_EPOCH_MIN, Role
 from .errors import EXIT_CRASH, EXIT_STOPPED, StartError, UsageError
 from .peer import WAKE_AT_LEAST_NS
@@ -198,7 +199,7 @@ def _loop(shell, service, leaving):
         shell.beat()
         if leaving.rests(shell, service):
             return
-        deadline_ns = time.monotonic_ns() + WAKE_AT_LEAST_NS
+        deadline_ns = now_ns() + WAKE_AT_LEAST_NS
         for other_ns in (shell.wake_by_ns, leaving.deadline_ns()):
             if other_ns is not None:
                 deadline_ns = min(deadline_ns, other_ns)
@@ -219,21 +220,21 @@ class _Leaving:
 
     def look(self, shell):
         """One look before a wake; True when the service shall leave at once."""
-        now_ns = time.monotonic_ns()
+        host_ns = time.monotonic_ns()
         if self.is_orphaned:
             return False
         if self._asked and self._asked_ns is None:
-            self._asked_ns = now_ns
-        if self._asked_ns is not None or now_ns >= self._look_ns:
-            self._look_ns = now_ns + LOOK_NS
+            self._asked_ns = host_ns
+        if self._asked_ns is not None or host_ns >= self._look_ns:
+            self._look_ns = host_ns + LOOK_NS
             if shell.domain.is_orphaned():
                 log.warning("launch is gone, leaving role=%s", self._role.name.lower())
-                self._orphaned_ns = now_ns
+                self._orphaned_ns = host_ns
                 shell.come_to_rest()
                 return not self._brings_to_rest(shell)
         # The signal may be the kernel's, and the lock of a launch that dies may last a little longer.
         at_rest = not shell.roster.is_known or shell.roster.control.stopping == 1
-        return self._asked_ns is not None and (at_rest or now_ns >= self._asked_ns + GRACE_NS)
+        return self._asked_ns is not None and (at_rest or host_ns >= self._asked_ns + GRACE_NS)
 
     def _brings_to_rest(self, shell):
         """True between the requests and the wheels of a robot that runs in real time."""
@@ -253,4 +254,4 @@ class _Leaving:
     def deadline_ns(self):
         """When the next look is due at the latest."""
         soon = self._asked_ns is not None or self.is_orphaned
-        return time.monotonic_ns() + SOON_NS if soon else None
+        return now_ns() + SOON_NS if soon else None

@@ -6,9 +6,11 @@ import time
 from typing import NamedTuple
 
 from . import contract as c
+from .clock import now_ns, put_forward
 from .domain import Domain
 from .errors import StartError, UsageError
 from .layout import FNV_PRIME, U64_MAX
+from .link import LOOK_NS
 from .peer import Peer
 from .ports import Draft
 from .roster import Roster
@@ -60,7 +62,7 @@ class Shell:
         self._last_beat_ns = self._superseded_in_spans = 0
         self._rung, self._hash = [], 0
         self._idle_sent, self.answered_tick = False, 0
-        self.woken_ns, self._woken_cpu_ns = time.monotonic_ns(), time.thread_time_ns()
+        self.woken_ns, self._woken_cpu_ns = now_ns(), time.thread_time_ns()
         self.wake_by_ns = None
 
     def leave(self):
@@ -113,10 +115,13 @@ class Shell:
     def wait(self, deadline_ns):
         """Sleeps until a ring or `deadline_ns`, then reads the roster; the events that rang."""
         rung = self._doorbell.wait(deadline_ns)
-        self.woken_ns, self._woken_cpu_ns = time.monotonic_ns(), time.thread_time_ns()
+        self.woken_ns, self._woken_cpu_ns = now_ns(), time.thread_time_ns()
         self.wake_by_ns = None
         self.roster.woken_ns = self.woken_ns
         self._read_roster()
+        put_forward(self.roster.clock_offset_ns())
+        if self.roster.has_delays():
+            self.wake_by_ns = self.woken_ns + LOOK_NS
         return rung
 
     def wake_by(self, at_ns):
@@ -151,7 +156,7 @@ class Shell:
         if complete:
             return c.SpanKind.ANSWER
         if deadline_ns is not None and not lockstep:
-            if time.monotonic_ns() >= deadline_ns:
+            if now_ns() >= deadline_ns:
                 return c.SpanKind.ANSWER
             self.wake_by(deadline_ns)
         return None
@@ -165,7 +170,7 @@ class Shell:
             capture_ns=capture_ns,
             parents=parents or {},
             woken_ns=self.woken_ns,
-            started_ns=time.monotonic_ns(),
+            started_ns=now_ns(),
             hashed=due.tick > 0 and self.roster.lockstep,
         )
         delay_ns = self.roster.delay_ns() if due.tick > 0 else 0
@@ -220,7 +225,7 @@ class Shell:
         superseded = self._beat.superseded - self._superseded_in_spans
         self._superseded_in_spans = self._beat.superseded
         ran_ns = time.thread_time_ns() - self._woken_cpu_ns
-        off_ns = max(0, time.monotonic_ns() - self.woken_ns - ran_ns)
+        off_ns = max(0, now_ns() - self.woken_ns - ran_ns)
         self._spans.write(
             c.Span(
                 role=self.role,
@@ -273,14 +278,14 @@ class Shell:
 
     def beat(self):
         """Beats at once when state or reasons changed, and otherwise every 20 ms."""
-        beat, now_ns = self._beat.copy(), time.monotonic_ns()
+        beat, at_ns = self._beat.copy(), now_ns()
         if beat.state == c.HealthState.READY and beat.reasons:
             beat.state = c.HealthState.DEGRADED
         last = self._last_beat
         changed = (beat.state, beat.reasons) != (last.state, last.reasons)
-        if not changed and now_ns - self._last_beat_ns < BEAT_NS:
+        if not changed and abs(at_ns - self._last_beat_ns) < BEAT_NS:
             return
-        draft = Draft(woken_ns=self.woken_ns, started_ns=now_ns)
+        draft = Draft(woken_ns=self.woken_ns, started_ns=at_ns)
         if self._health.publish(draft, beat) is not None:
-            self._last_beat, self._last_beat_ns = beat, now_ns
+            self._last_beat, self._last_beat_ns = beat, at_ns
             self._beat.reasons &= ~c.REASON_NO_LOAN

@@ -1,12 +1,29 @@
-//! The one clock of a host.
+//! The one clock of a host, and the fault that a process reads another time than the others.
 
+use core::sync::atomic::{AtomicI64, Ordering};
 use rustix::time::{ClockId, clock_gettime};
 
-/// `CLOCK_MONOTONIC` in nanoseconds, comparable between all processes of this host.
+/// By how much the clock of this process is put forward on purpose. [ns]
+static OFFSET_NS: AtomicI64 = AtomicI64::new(0);
+
+/// `CLOCK_MONOTONIC` in nanoseconds, comparable between all processes of this host, unless launch
+/// puts the clock of this one forward on purpose.
 #[must_use]
 pub fn now_ns() -> u64 {
+    host_ns().saturating_add_signed(OFFSET_NS.load(Ordering::Relaxed))
+}
+
+/// The same without the fault: what decides when a process leaves. [ns]
+pub(crate) fn host_ns() -> u64 {
     let time = clock_gettime(ClockId::Monotonic);
     time.tv_sec.cast_unsigned() * 1_000_000_000 + time.tv_nsec.cast_unsigned()
+}
+
+/// Puts the clock of this process forward by `offset_ns`, or back. [ns]
+pub(crate) fn put_forward(offset_ns: i64) {
+    if OFFSET_NS.swap(offset_ns, Ordering::Relaxed) != offset_ns {
+        tracing::warn!(offset_ns, "the clock of this process is put forward");
+    }
 }
 
 /// Processor time of the calling thread. [ns]

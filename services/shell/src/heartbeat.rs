@@ -84,7 +84,8 @@ impl Heartbeat {
             beat.state = HealthState::Degraded.code();
         }
         let changed = beat.state != self.last.state || beat.reasons != self.last.reasons;
-        if !changed && now_ns.saturating_sub(self.last_ns) < BEAT_NS {
+        // A clock that is put back must not silence it.
+        if !changed && now_ns.abs_diff(self.last_ns) < BEAT_NS {
             return;
         }
         let draft = Draft {

@@ -7,7 +7,7 @@
 //! zero. Each leaves when the robot has stopped, the robot last; or after [`REST_LIMIT_NS`], because a
 //! robot that never stops must not keep the services.
 
-use crate::clock::now_ns;
+use crate::clock::{host_ns, now_ns};
 use crate::seat;
 use crate::shell::Shell;
 use std::sync::Arc;
@@ -52,7 +52,7 @@ impl Leaving {
 
     /// One look before a wake; true when the service shall leave at once.
     pub(crate) fn look(&mut self, shell: &mut Shell) -> bool {
-        let now_ns = now_ns();
+        let now_ns = host_ns();
         if self.orphaned_ns.is_some() {
             return false;
         }
@@ -81,7 +81,7 @@ impl Leaving {
         let role = shell.peer().role();
         let is_robot = role == Role::Robot;
         let longer_ns = if is_robot { ROBOT_LONGER_NS } else { 0 };
-        if now_ns() >= orphaned_ns + REST_LIMIT_NS + longer_ns {
+        if host_ns() >= orphaned_ns + REST_LIMIT_NS + longer_ns {
             tracing::warn!(%role, "the robot did not come to rest in time");
             return true;
         }

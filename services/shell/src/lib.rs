@@ -33,6 +33,7 @@ pub mod folder;
 mod heartbeat;
 mod input;
 mod leaving;
+mod link;
 pub mod logs;
 mod map_input;
 pub mod memory;

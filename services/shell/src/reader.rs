@@ -1,10 +1,10 @@
 //! The reading ends of a topic. Foreign bytes are checked here and nowhere else.
 
 use crate::input::Input;
+use crate::link::{Link, Message};
 use crate::received::Received;
 use crate::roster::Roster;
 use iceoryx2::prelude::ipc;
-use iceoryx2::sample::Sample;
 use zeronav_msgs::header::{Header, Id};
 use zeronav_msgs::message::Refusal;
 use zeronav_msgs::role::Role;
@@ -15,8 +15,6 @@ pub(crate) type Subscriber<T> = iceoryx2::port::subscriber::Subscriber<
     [<T as Topic>::Item],
     <T as Topic>::Envelope,
 >;
-
-type Message<T> = Sample<ipc::Service, [<T as Topic>::Item], <T as Topic>::Envelope>;
 
 /// A message as it lies in shared memory.
 #[derive(Debug)]
@@ -36,15 +34,6 @@ impl<T: Topic> Clone for View<'_, T> {
 }
 
 impl<T: Topic> Copy for View<'_, T> {}
-
-fn view<T: Topic>(sample: &Message<T>) -> View<'_, T> {
-    let envelope: &T::Envelope = sample.user_header();
-    View {
-        header: envelope.header(),
-        meta: envelope.meta(),
-        items: sample.payload(),
-    }
-}
 
 /// Decides which messages are heard, and remembers what was wrong with rejected ones.
 #[derive(Debug)]
@@ -85,12 +74,14 @@ impl Gate {
         }
     }
 
-    fn admits<T: Topic>(&mut self, sample: &Message<T>, roster: &Roster) -> bool {
-        let envelope: &T::Envelope = sample.user_header();
+    fn admits<T: Topic>(&mut self, message: &Message<T>, roster: &Roster) -> bool {
+        let envelope = message.envelope();
         let header = envelope.header();
-        if let Err(refusal) = decode::<T>(self.row, envelope, sample.payload()) {
+        if let Err(refusal) = decode::<T>(self.row, envelope, message.items()) {
             self.refused += 1;
-            if header.check(self.row.schema, self.row.writers).is_ok() {
+            // A header in which a bit was changed may name anything.
+            let is_whole = refusal != Refusal::Checksum;
+            if is_whole && header.check(self.row.schema, self.row.writers).is_ok() {
                 self.note_author(header.id().epoch());
                 if self.hears(header, roster) {
                     self.refused_tick = self.refused_tick.max(header.tick);
@@ -122,7 +113,7 @@ impl Gate {
 #[derive(Debug)]
 pub struct Latest<T: Topic> {
     gate: Gate,
-    subscriber: Subscriber<T>,
+    link: Link<T>,
     held: Option<Message<T>>,
     /// When it came in. [ns]
     came_ns: u64,
@@ -133,7 +124,7 @@ impl<T: Topic> Latest<T> {
     pub(crate) fn new(row: &'static TopicRow, subscriber: Subscriber<T>) -> Self {
         Self {
             gate: Gate::new(row),
-            subscriber,
+            link: Link::new(row, subscriber),
             held: None,
             came_ns: 0,
             superseded: 0,
@@ -151,18 +142,18 @@ impl<T: Topic> Latest<T> {
             return false;
         }
         let mut fresh = false;
-        while let Ok(Some(sample)) = self.subscriber.receive() {
-            if !self.gate.admits::<T>(&sample, roster) {
+        while let Some(message) = self.link.receive(roster) {
+            if !self.gate.admits::<T>(&message, roster) {
                 continue;
             }
             let newer = self.held.as_ref().is_none_or(|held| {
                 let rank = |header: &Header| (roster.is_current(header), header.id);
-                let held = view::<T>(held).header;
-                rank(view::<T>(&sample).header) > rank(held) || !roster.hears(held)
+                let held = held.view().header;
+                rank(message.view().header) > rank(held) || !roster.hears(held)
             });
             if newer {
                 self.superseded += u64::from(fresh);
-                self.held = Some(sample);
+                self.held = Some(message);
                 self.came_ns = roster.woken_ns;
                 fresh = true;
             } else {
@@ -175,13 +166,13 @@ impl<T: Topic> Latest<T> {
     /// True when something has come that [`Self::poll`] has not taken in yet.
     #[must_use]
     pub fn waits(&self) -> bool {
-        self.subscriber.has_samples().unwrap_or(false)
+        self.link.waits()
     }
 
     /// The newest message.
     #[must_use]
     pub fn get(&self) -> Option<View<'_, T>> {
-        self.held.as_ref().map(view::<T>)
+        self.held.as_ref().map(Message::view)
     }
 
     /// Gives the newest message back to its writer, once it has been used. Large and rare messages
@@ -231,7 +222,7 @@ impl<T: Topic> Input for Latest<T> {
 #[derive(Debug)]
 pub struct Stream<T: Topic> {
     gate: Gate,
-    subscriber: Subscriber<T>,
+    link: Link<T>,
     last: Id,
     gaps: u64,
     missed: u64,
@@ -241,7 +232,7 @@ impl<T: Topic> Stream<T> {
     pub(crate) fn new(row: &'static TopicRow, subscriber: Subscriber<T>) -> Self {
         Self {
             gate: Gate::new(row),
-            subscriber,
+            link: Link::new(row, subscriber),
             last: Id::NONE,
             gaps: 0,
             missed: 0,
@@ -257,11 +248,11 @@ impl<T: Topic> Stream<T> {
     /// there is no more.
     pub fn take<R>(&mut self, roster: &Roster, see: impl FnOnce(View<'_, T>) -> R) -> Option<R> {
         loop {
-            let sample = self.subscriber.receive().ok().flatten()?;
-            if !self.gate.admits::<T>(&sample, roster) {
+            let message = self.link.receive(roster)?;
+            if !self.gate.admits::<T>(&message, roster) {
                 continue;
             }
-            let message = view::<T>(&sample);
+            let message = message.view();
             let id = message.header.id();
             if id.epoch() == self.last.epoch() && id > self.last.next() {
                 self.gaps += 1;

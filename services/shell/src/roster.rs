@@ -2,7 +2,7 @@
 
 use zeronav_msgs::header::Header;
 use zeronav_msgs::role::Role;
-use zeronav_msgs::run::{RunClock, RunControl, RunMode, Seat};
+use zeronav_msgs::run::{RunClock, RunControl, RunMode, Seat, TopicFault, TopicFaultKind};
 
 /// What `run/clock` and `run/control` say, as this process last read it.
 #[derive(Debug, Clone, Default)]
@@ -93,6 +93,25 @@ impl Roster {
     #[must_use]
     pub fn awaits(&self, role: Role, tick: u64, spoken_tick: u64) -> bool {
         self.lockstep() && self.answers(role, tick) && spoken_tick < tick
+    }
+
+    /// What is done on purpose to the messages of the topic with this number on their way to this
+    /// process: a service, in real time.
+    pub(crate) fn topic_fault(&self, topic: usize) -> Option<&TopicFault> {
+        let all = self.control.topic_faults.iter();
+        let mut its = all.filter(|it| it.kind != 0 && usize::from(it.topic) == topic);
+        let found = its.next()?;
+        let is_service = self
+            .own
+            .is_some_and(|(role, _)| Role::SERVICES.contains(&role));
+        (is_service && !self.lockstep()).then_some(found)
+    }
+
+    /// True while messages are late on purpose, and have to be looked for between two rings.
+    pub(crate) fn has_delays(&self) -> bool {
+        let all = self.control.topic_faults.iter();
+        let mut kinds = all.map(TopicFault::kind);
+        kinds.any(|kind| kind == Some(TopicFaultKind::Delay))
     }
 
     /// True when every stage answers every tick of its trigger exactly once.

@@ -1,6 +1,6 @@
 //! The common part of a running service: what is due, and how it is answered.
 
-use crate::clock::{now_ns, thread_cpu_ns};
+use crate::clock::{self, now_ns, thread_cpu_ns};
 use crate::domain::Domain;
 use crate::doorbell::{Bells, Doorbell, Rung};
 use crate::due::{self, Due, Next, Trigger};
@@ -8,6 +8,7 @@ use crate::error::StartError;
 use crate::flags::Flags;
 use crate::heartbeat::Heartbeat;
 use crate::input::Input;
+use crate::link;
 use crate::peer::Peer;
 use crate::received::Received;
 use crate::records::SpanWriter;
@@ -135,6 +136,12 @@ impl Shell {
         self.woken_cpu_ns = thread_cpu_ns();
         self.wake_by_ns = u64::MAX;
         self.roster.woken(self.woken_ns);
+        let roster = self.roster.roster();
+        let seat = roster.seat(self.peer.role());
+        clock::put_forward(seat.map_or(0, Seat::clock_offset_ns));
+        if roster.has_delays() {
+            self.wake_by_ns = self.woken_ns + link::LOOK_NS;
+        }
         rung
     }
 

@@ -8,7 +8,7 @@ use zeronav_msgs::header::{Header, Id, Parents, Stamps};
 use zeronav_msgs::message::{FNV_OFFSET, fnv1a};
 use zeronav_msgs::role::Role;
 use zeronav_msgs::span::SpanKind;
-use zeronav_msgs::topics::{Envelope, Topic, TopicRow};
+use zeronav_msgs::topics::{Topic, TopicRow, seal};
 
 /// What the author knows about a message before it has an identity.
 #[derive(Debug, Clone, Copy)]
@@ -185,7 +185,7 @@ impl<T: Topic> Writer<T> {
             started_ns: draft.started_ns,
             published_ns,
         };
-        *sample.user_header_mut() = T::Envelope::new(header, meta);
+        *sample.user_header_mut() = seal::<T>(header, meta, sample.payload());
         if sample.send().is_err() {
             self.failed += 1;
             return None;

@@ -4,7 +4,9 @@ use super::bench::{Bench, Measured};
 use super::extract::table;
 use super::record::Row;
 use super::spread::Figure;
-use crate::faults::{Effect, KINDS, SERVICES, effect, fault, scenario};
+use crate::faults::{
+    Effect, KINDS, SERVICES, TOPIC_KINDS, TOPICS, clock_fault, effect, fault, scenario, topic_fault,
+};
 use crate::workspace;
 use serde_json::Value;
 
@@ -16,12 +18,26 @@ pub(super) fn make(bench: &mut Bench) -> Result<Measured, String> {
     let mut rows = Vec::new();
     for service in SERVICES {
         for kind in KINDS {
-            let exact = run(bench, kind, service, AT_S[0], true)?;
-            let mut timed = Vec::new();
-            for at_s in AT_S {
-                timed.push(run(bench, kind, service, at_s, false)?);
-            }
-            rows.push(row(&format!("`{kind}` `{service}`"), &exact, &timed));
+            let name = format!("`{kind}` `{service}`");
+            let lines = |at_s| fault(kind, service, at_s);
+            let exact = run(bench, &name, &lines(AT_S[0]), true)?;
+            let timed = timed(bench, &name, &lines)?;
+            rows.push(row(&name, &exact, &timed.iter().chain([&exact]), &timed));
+        }
+    }
+    // Lockstep waits for every message and has no clock: of these the first run in real time is shown.
+    for topic in TOPICS {
+        for kind in TOPIC_KINDS {
+            let name = format!("`{}` `{topic}`", kind.0);
+            let timed = timed(bench, &name, &|at_s| topic_fault(kind, topic, at_s))?;
+            rows.push(row(&name, &timed[0], &timed.iter(), &timed));
+        }
+    }
+    for service in SERVICES {
+        for by_ms in [200.0, -200.0] {
+            let name = format!("`clock` `{service}` {by_ms:+} ms");
+            let timed = timed(bench, &name, &|at_s| clock_fault(service, by_ms, at_s))?;
+            rows.push(row(&name, &timed[0], &timed.iter(), &timed));
         }
     }
     let columns = [
@@ -38,26 +54,39 @@ pub(super) fn make(bench: &mut Bench) -> Result<Measured, String> {
     })
 }
 
-fn run(
+/// Runs in real time, with the fault at each of [`AT_S`].
+fn timed(
     bench: &mut Bench,
-    kind: &str,
-    service: &str,
-    at_s: f64,
-    lockstep: bool,
-) -> Result<Value, String> {
-    let file = format!("target/faults/{kind}_{service}.toml");
+    name: &str,
+    lines: &dyn Fn(f64) -> String,
+) -> Result<Vec<Value>, String> {
+    let at = AT_S.iter();
+    at.map(|at_s| run(bench, name, &lines(*at_s), false))
+        .collect()
+}
+
+/// One run, whether it passes or not.
+fn run(bench: &mut Bench, name: &str, lines: &str, lockstep: bool) -> Result<Value, String> {
+    let name = name.replace(|c: char| !c.is_ascii_alphanumeric(), "_");
+    let file = format!("target/faults/{}.toml", name.trim_matches('_'));
     let path = workspace().join(&file);
     let write = || {
         std::fs::create_dir_all(workspace().join("target/faults"))?;
-        std::fs::write(&path, scenario(1, &fault(kind, service, at_s)))
+        std::fs::write(&path, scenario(1, lines))
     };
     write().map_err(|error| format!("{file}: {error}"))?;
     let arguments = ["run", file.as_str(), "--lockstep"];
     bench.zeronav(&arguments[..2 + usize::from(lockstep)])
 }
 
-fn row(name: &str, exact: &Value, timed: &[Value]) -> Row {
-    let all = || timed.iter().chain([exact]);
+/// A row: what `shown` did, of how many of `all` passed, and how soon the seat answered in `timed`.
+fn row<'a>(
+    name: &str,
+    shown: &Value,
+    all: &(impl Iterator<Item = &'a Value> + Clone),
+    timed: &[Value],
+) -> Row {
+    let all = || all.clone();
     let safe = |result: &&Value| result["verdict"] == "pass" && result["contacts"] == 0;
     let recoveries: Vec<f64> = timed
         .iter()
@@ -67,7 +96,7 @@ fn row(name: &str, exact: &Value, timed: &[Value]) -> Row {
         stop_m,
         stood_s,
         v_mps_min,
-    } = effect(exact);
+    } = effect(shown);
     Row {
         name: name.to_owned(),
         n: all().count() as u64,
@@ -77,7 +106,7 @@ fn row(name: &str, exact: &Value, timed: &[Value]) -> Row {
             Figure::plain(Some(v_mps_min)),
             Figure::plain(stop_m),
             Figure::plain(Some(stood_s)),
-            Figure::plain(exact["interventions"].as_f64()),
+            Figure::plain(shown["interventions"].as_f64()),
         ],
     }
 }

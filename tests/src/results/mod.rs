@@ -11,6 +11,7 @@ mod faults;
 pub mod page;
 pub mod record;
 pub mod spread;
+mod standing;
 pub mod trials;
 
 use crate::workspace;
