@@ -58,6 +58,10 @@ struct Schema<std::uint64_t> {
     static constexpr std::uint64_t value = fnv1a(FNV_OFFSET, "u64");
 };
 template <>
+struct Schema<std::int32_t> {
+    static constexpr std::uint64_t value = fnv1a(FNV_OFFSET, "i32");
+};
+template <>
 struct Schema<float> {
     static constexpr std::uint64_t value = fnv1a(FNV_OFFSET, "f32");
 };
@@ -1916,7 +1920,7 @@ struct Seat {
     /// predecessor that still runs; 0 = none.
     std::uint32_t other{};
     /// [ms] by which the clocks of its processes are put forward on purpose; 0 in earnest.
-    void clock_offset_ms{};
+    std::int32_t clock_offset_ms{};
 };
 static_assert(sizeof(Seat) == 56);
 static_assert(std::is_trivially_copyable_v<Seat> && std::is_standard_layout_v<Seat>);

@@ -55,11 +55,12 @@ struct Schema<T[N]> {
 "#;
 
 /// The numbers of the contract in C++.
-const NUMBERS: [(Number, &str); 6] = [
+const NUMBERS: [(Number, &str); 7] = [
     (Number::U8, "std::uint8_t"),
     (Number::U16, "std::uint16_t"),
     (Number::U32, "std::uint32_t"),
     (Number::U64, "std::uint64_t"),
+    (Number::I32, "std::int32_t"),
     (Number::F32, "float"),
     (Number::F64, "double"),
 ];

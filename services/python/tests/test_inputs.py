@@ -7,6 +7,7 @@ import numpy as np
 
 from zeronav import contract as c
 from zeronav import inputs, messages
+from zeronav.layout import checksum
 from zeronav.checks import Refused, decode
 from zeronav.layout import FNV_OFFSET, fnv1a
 from zeronav.replica import MapReplica, cost_of
@@ -89,7 +90,9 @@ class Decoding(unittest.TestCase):
         meta.status, meta.n_waypoints = c.PathStatus.FOUND, 2
         for name, value in changes.items():
             setattr(head if hasattr(head, name) else meta, name, value)
-        return envelope, np.zeros(2, np.dtype(c.Waypoint))
+        points = np.zeros(2, np.dtype(c.Waypoint))
+        head.checksum = checksum(bytes(envelope), points)
+        return envelope, points
 
     def test_one_bad_field_is_enough(self):
         decode(c.PLAN_PATH, *self.path())

@@ -6,7 +6,7 @@ Importing this module computes size, offsets and schema hash of every message ag
 
 from enum import IntEnum
 
-from .layout import Message, Topic, f32, f64, u8, u16, u32, u64, verify
+from .layout import Message, Topic, f32, f64, i32, u8, u16, u32, u64, verify
 
 
 class EndReason(IntEnum):

@@ -8,8 +8,9 @@ import numpy as np
 
 f32, f64 = ctypes.c_float, ctypes.c_double
 u8, u16, u32, u64 = ctypes.c_uint8, ctypes.c_uint16, ctypes.c_uint32, ctypes.c_uint64
+i32 = ctypes.c_int32
 
-NUMBERS = {u8: "u8", u16: "u16", u32: "u32", u64: "u64", f32: "f32", f64: "f64"}
+NUMBERS = {u8: "u8", u16: "u16", u32: "u32", u64: "u64", i32: "i32", f32: "f32", f64: "f64"}
 
 FNV_OFFSET = 0xCBF2_9CE4_8422_2325
 FNV_PRIME = 0x0000_0100_0000_01B3
@@ -37,7 +38,7 @@ def checksum(envelope, items):
     sum of all words of 8 bytes, each times an odd factor of its place, modulo 2^64.
 
     Source: Lemire, Kaser, "Strongly universal string hashing is fast", 2014."""
-    items = np.ascontiguousarray(items).view(np.uint8)
+    items = np.frombuffer(items, np.uint8) if isinstance(items, bytes) else items.view(np.uint8)
     parts = (len(items).to_bytes(8, "little"), envelope[:_HEADER_BYTES], envelope[_HEADER_BYTES + 8 :])
     head = b"".join(part + bytes(-len(part) % 8) for part in map(bytes, parts))
     head = np.frombuffer(head, np.uint64)
