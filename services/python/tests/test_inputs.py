@@ -7,9 +7,8 @@ import numpy as np
 
 from zeronav import contract as c
 from zeronav import inputs, messages
-from zeronav.layout import checksum
 from zeronav.checks import Refused, decode
-from zeronav.layout import FNV_OFFSET, fnv1a
+from zeronav.layout import FNV_OFFSET, checksum, fnv1a
 from zeronav.replica import MapReplica, cost_of
 
 TILE = np.dtype(c.MapTile)
@@ -111,6 +110,9 @@ class Decoding(unittest.TestCase):
                 decode(c.PLAN_PATH, *self.path(**{name: value}))
         envelope, waypoints = self.path()
         waypoints["x_m"][1] = np.inf
+        with self.assertRaisesRegex(Refused, "checksum"):
+            decode(c.PLAN_PATH, envelope, waypoints)
+        envelope.header.checksum = checksum(bytes(envelope), waypoints)
         with self.assertRaisesRegex(Refused, "x_m is not"):
             decode(c.PLAN_PATH, envelope, waypoints)
 
