@@ -15,7 +15,7 @@ pub const SERVICES: [&str; 4] = [
 pub const KINDS: [&str; 3] = ["kill", "stop", "slow"];
 
 /// Topics between services, each from another one, the robot included.
-pub const TOPICS: [&str; 7] = [
+const TOPICS: [&str; 7] = [
     "robot/scan",
     "robot/odometry",
     "map/update",
@@ -26,26 +26,47 @@ pub const TOPICS: [&str; 7] = [
 ];
 
 /// What is done to their messages, and the rest of its lines.
-pub const TOPIC_KINDS: [(&str, &str); 3] = [
+const TOPIC_KINDS: [(&str, &str); 3] = [
     ("drop", "share = 0.5\n"),
     ("delay", "by_ms = 100.0\n"),
     ("corrupt", "share = 0.5\n"),
 ];
 
-/// The lines of a fault of a topic for two seconds from `at_s`.
-#[must_use]
-pub fn topic_fault((kind, more): (&str, &str), topic: &str, at_s: f64) -> String {
-    format!(
-        "[[faults]]\nkind = \"{kind}\"\ntopic = \"{topic}\"\n{more}begins = {{ at_s = {at_s:?} }}\nlasts_s = 2.0\n"
-    )
-}
+/// Faults of a drive that disturb each topic in each way, and each clock either way; all begin so much
+/// after another, and last so long. [s]
+pub const DISTURBED_EVERY_S: f64 = 3.0;
+const DISTURBED_LASTS_S: f64 = 1.0;
 
-/// The lines of a clock that is put forward, or back, for two seconds from `at_s`.
+/// The lines of such a drive, and what each of its faults is.
 #[must_use]
-pub fn clock_fault(service: &str, by_ms: f64, at_s: f64) -> String {
-    format!(
-        "[[faults]]\nkind = \"clock\"\nservice = \"{service}\"\nby_ms = {by_ms:?}\nbegins = {{ at_s = {at_s:?} }}\nlasts_s = 2.0\n"
-    )
+pub fn disturbed() -> (String, Vec<String>) {
+    let mut faults = Vec::new();
+    for topic in TOPICS {
+        for (kind, more) in TOPIC_KINDS {
+            let what = format!("`{kind}` `{topic}`");
+            faults.push((
+                what,
+                format!("kind = \"{kind}\"\ntopic = \"{topic}\"\n{more}"),
+            ));
+        }
+    }
+    for service in SERVICES {
+        for by_ms in [200.0, -200.0] {
+            let what = format!("`clock` `{service}` {by_ms:+} ms");
+            let lines = format!("kind = \"clock\"\nservice = \"{service}\"\nby_ms = {by_ms:?}\n");
+            faults.push((what, lines));
+        }
+    }
+    let (mut lines, mut names, mut at_s) = (String::new(), Vec::new(), 2.0);
+    for (name, fault) in faults {
+        let _ = writeln!(
+            lines,
+            "[[faults]]\n{fault}begins = {{ at_s = {at_s:?} }}\nlasts_s = {DISTURBED_LASTS_S:?}"
+        );
+        names.push(name);
+        at_s += DISTURBED_EVERY_S;
+    }
+    (lines, names)
 }
 
 /// Slower than this the robot stands. [m/s]
@@ -84,19 +105,19 @@ pub struct Effect {
     pub stop_m: Option<f64>,
     /// How long the robot stood then. [s]
     pub stood_s: f64,
-    /// Lowest speed within five seconds after the fault. [m/s]
+    /// Lowest speed in the window. [m/s]
     pub v_mps_min: f64,
 }
 
-/// The effect of the first fault of a run.
+/// The effect of a fault of a run, by its place in the result, in the `window_s` after its begin.
 #[must_use]
-pub fn effect(result: &Value) -> Effect {
-    let begun_s = result["faults"][0]["time_s"].as_f64().unwrap_or(0.0);
+pub fn effect(result: &Value, index: usize, window_s: f64) -> Effect {
+    let begun_s = result["faults"][index]["time_s"].as_f64().unwrap_or(0.0);
     let rows: Vec<Vec<f64>> = (result["motion"].as_array().into_iter().flatten())
         .filter_map(|row| Some(row.as_array()?.iter().filter_map(Value::as_f64).collect()))
         .filter(|row: &Vec<f64>| row.len() == 6 && row[0] >= begun_s)
         .collect();
-    let window = rows.iter().filter(|row| row[0] < begun_s + 5.0);
+    let window = rows.iter().filter(|row| row[0] < begun_s + window_s);
     let stands = |row: &&Vec<f64>| row[4].abs() < STANDING_MPS;
     let v_mps_min = window.clone().map(|row| row[4]).fold(f64::MAX, f64::min);
     let stop = window.clone().position(|row| stands(&row));

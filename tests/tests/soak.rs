@@ -4,7 +4,9 @@ use serde_json::Value;
 use std::os::unix::fs::MetadataExt;
 use std::path::Path;
 use std::time::{Duration, Instant};
-use zeronav_tests::faults::{KINDS, SERVICES, effect, fault, scenario};
+use zeronav_tests::faults::{
+    DISTURBED_EVERY_S, KINDS, SERVICES, disturbed, effect, fault, scenario,
+};
 use zeronav_tests::up::Up;
 use zeronav_tests::{Zeronav, leftovers, real_time_turn};
 
@@ -42,7 +44,7 @@ fn every_service_survives_every_fault() {
             let result = drive(&scenario(1, &fault(kind, service, 3.0)));
             let broken = &result["faults"][0];
             let recovery_ms = broken["recovery_ms"].as_f64().expect("an answer");
-            let seen = effect(&result);
+            let seen = effect(&result, 0, 5.0);
             eprintln!(
                 "{:<26} {recovery_ms:13.0}  {:>8}  {:9.1}  {:12.2}",
                 format!("{kind} {service}"),
@@ -61,6 +63,36 @@ fn every_service_survives_every_fault() {
                 assert_eq!(seen.v_mps_min < 0.7, brakes, "{kind} {service}: {seen:?}");
             }
         }
+    }
+}
+
+/// In one drive in real time, which is judged by ground truth as a whole.
+#[test]
+fn every_topic_survives_every_disturbance_and_every_service_a_wrong_clock() {
+    let _turn = real_time_turn();
+    let (lines, names) = disturbed();
+    let n_goals = 2 + names.len() / 3;
+    let arguments = ["run", "./it.toml", "--headless", "--json"];
+    let run = Zeronav::start_in(folder_with(&scenario(n_goals, &lines)), &arguments);
+    let result = run.finish().expect(0);
+    assert_eq!(result["reached"], true, "{}", result["reason"]);
+    assert_eq!(result["contacts"], 0, "{}", result["touches"]);
+    assert_eq!(result["restarts"].as_array().map(Vec::len), Some(0));
+    eprintln!(
+        "fault                                         recovery [ms]  stop [m]  lowest [m/s]"
+    );
+    for (index, name) in names.iter().enumerate() {
+        let fault = &result["faults"][index];
+        let recovery_ms = fault["recovery_ms"].as_f64();
+        let seen = effect(&result, index, DISTURBED_EVERY_S);
+        eprintln!(
+            "{name:<45} {:>13}  {:>8}  {:12.2}",
+            recovery_ms.map_or_else(|| "-".to_owned(), |ms| format!("{ms:.0}")),
+            (seen.stop_m).map_or_else(|| "-".to_owned(), |stop_m| format!("{stop_m:.2}")),
+            seen.v_mps_min
+        );
+        assert_eq!(fault["why"], Value::Null, "{fault}");
+        assert!(recovery_ms > Some(0.0), "{name}: {fault}");
     }
 }
 

@@ -71,13 +71,13 @@ pub const EXPERIMENTS: &[Experiment] = &[
     Experiment {
         key: "faults",
         title: "every service with every fault, in the middle of an aisle at 0.9 m/s",
-        minutes: 24.0,
+        minutes: 13.0,
         by_default: false,
         note: Some(
             "Times to the next answer are from three runs in real time. Of `kill`, `stop` and `slow` the \
-             other figures are from a fourth run in lockstep, in which a seat stays empty for 20 ticks; of \
-             the others, which last 2 s and take half of the messages or make them 100 ms late, from the \
-             first of the three.",
+             other figures are from a fourth run in lockstep, in which a seat stays empty for 20 ticks. \
+             Topics and clocks are disturbed for a second, one after the other in one drive to and fro; \
+             half of the messages are lost or corrupted, or all are 100 ms late.",
         ),
         make: faults::make,
     },
