@@ -1,6 +1,6 @@
 """Accepts received messages that mean something: the checks of the crate `msgs`, in its order.
 
-`tests/tests/python_checks.rs` compares both, word by word.
+`tests/tests/system/python_checks.rs` compares both, word by word.
 """
 
 import math

@@ -92,7 +92,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
     Experiment {
         key: "restarts",
         title: "the global planner killed 100 times in one drive in real time",
-        minutes: 3.0,
+        minutes: 10.5,
         by_default: false,
         note: None,
         make: standing::restarts,
@@ -356,7 +356,8 @@ fn papers_dyn(bench: &mut Bench) -> Result<Measured, String> {
         "-p",
         "zeronav-tests",
         "--test",
-        "papers_dyn",
+        "system",
+        "papers_dyn::",
         "--",
         "--show-output",
         "--test-threads",

@@ -15,7 +15,7 @@ const SWAP_EVERY_S: f64 = 2.5;
 
 /// Times that the planner is killed in one drive, and from one to the next. [s]
 const KILLS: usize = 100;
-const KILL_EVERY_S: f64 = 1.5;
+const KILL_EVERY_S: f64 = 6.0;
 
 /// Pairs of drives with and without a shadow.
 const PAIRS: usize = 5;
@@ -91,7 +91,7 @@ pub(super) fn swaps(bench: &mut Bench) -> Result<Measured, String> {
 pub(super) fn restarts(bench: &mut Bench) -> Result<Measured, String> {
     let mut lines = String::new();
     for n in 0..KILLS {
-        // At another moment between two scans each time.
+        // Beyond the time for which a death counts as early, and at another moment between two scans.
         let at_s = 3.0 + KILL_EVERY_S * count(n) + 0.013 * count(n % 8);
         let _ = writeln!(
             lines,
