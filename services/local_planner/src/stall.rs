@@ -6,6 +6,8 @@ use zeronav_msgs::time::seconds;
 ///
 /// Coming closer is measured along the path. Another geometry is measured from its beginning, but the time goes
 /// on: a planner that changes its mind every second must not look like progress.
+/// The time begins with the first step, so that a process that comes to a task later does not count what it did not
+/// see.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Stall {
     since_ns: u64,
@@ -15,15 +17,6 @@ pub(crate) struct Stall {
 }
 
 impl Stall {
-    /// A goal taken up at a run time.
-    pub(crate) const fn starting(run_ns: u64) -> Self {
-        Self {
-            since_ns: run_ns,
-            geometry: 0,
-            best_m: None,
-        }
-    }
-
     /// Takes in the rest of the path and says for how long the robot has not come closer by
     /// `progress_m`. [s]
     pub(crate) fn step(
@@ -40,7 +33,10 @@ impl Stall {
                     self.since_ns = run_ns;
                 }
             }
-            _ => {
+            before => {
+                if before.is_none() {
+                    self.since_ns = run_ns;
+                }
                 self.geometry = geometry;
                 self.best_m = Some(remaining_m);
             }
@@ -57,7 +53,7 @@ mod tests {
 
     #[test]
     fn coming_closer_resets_the_time_and_creeping_does_not() {
-        let mut stall = Stall::starting(0);
+        let mut stall = Stall::default();
         assert!(stall.step(0, 1, 5.0, 0.1) < 1e-9);
         assert!((stall.step(3 * S, 1, 4.95, 0.1) - 3.0).abs() < 1e-9);
         assert!(stall.step(4 * S, 1, 4.89, 0.1) < 1e-9);
@@ -66,7 +62,7 @@ mod tests {
 
     #[test]
     fn a_new_path_is_measured_anew_while_the_time_goes_on() {
-        let mut stall = Stall::starting(0);
+        let mut stall = Stall::default();
         for i in 0..20 {
             let longer = if i % 2 == 0 { 5.0 } else { 9.0 };
             let stalled_s = stall.step(i * S, i, longer, 0.1);

@@ -178,9 +178,7 @@ impl TaskMachine {
         self.index = ends.len().min(goals.len().saturating_sub(1));
         self.ends.clear();
         self.ends.extend_from_slice(ends);
-        self.failing_since_ns = None;
-        self.was_free = false;
-        self.stall = Stall::default();
+        self.start_goal();
     }
 
     /// The current goal.
@@ -297,14 +295,14 @@ impl TaskMachine {
         self.state = TaskState::Active;
         self.reason = EndReason::None;
         self.index = 0;
-        self.start_goal(inputs.run_ns);
+        self.start_goal();
         true
     }
 
-    fn start_goal(&mut self, run_ns: u64) {
+    fn start_goal(&mut self) {
         self.failing_since_ns = None;
         self.was_free = false;
-        self.stall = Stall::starting(run_ns);
+        self.stall = Stall::default();
     }
 
     fn is_reached(&self, goal: &Goal, pose: &Pose, twist: Twist) -> bool {
@@ -321,7 +319,7 @@ impl TaskMachine {
         } else {
             self.push_end(inputs.tick, TaskState::Reached, EndReason::None);
             self.index += 1;
-            self.start_goal(inputs.run_ns);
+            self.start_goal();
         }
     }
 

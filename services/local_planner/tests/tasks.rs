@@ -342,3 +342,34 @@ fn a_task_goes_on_from_where_the_obeyed_planner_has_come_to() {
     assert_eq!((own.n_ended, ends), (1, &[end(1)][..]));
     assert!(own.check(ends).is_ok());
 }
+
+/// It takes the seat over after half a minute, in which it has seen nothing of the goal.
+#[test]
+fn what_a_process_did_not_see_counts_neither_as_no_progress_nor_as_stuck() {
+    let mut bench = Bench::with_goals(&[goal(1, 5.0), goal(2, 9.0)]);
+    bench.tick = 2000;
+    bench.remaining = Some((4.0, 1));
+    bench.step();
+    let status = TaskStatus {
+        state: TaskState::Active.code(),
+        task: 7,
+        goal: 2,
+        n_ended: 1,
+        ..TaskStatus::default()
+    };
+    let end = GoalEnd {
+        goal: 1,
+        tick: 3,
+        state: TaskState::Reached.code(),
+        ..GoalEnd::default()
+    };
+    bench.machine.follow(&status, &[end]);
+    let step = bench.step();
+    assert!(!step.no_progress && !step.stuck, "{step:?}");
+    assert_eq!(bench.machine.state(), TaskState::Active);
+    // From then on it counts.
+    let periods = (1..=600)
+        .map(|_| bench.step())
+        .filter(|step| step.no_progress);
+    assert!((80..=110).contains(&periods.count()), "12 s less 10 s");
+}

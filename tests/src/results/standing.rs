@@ -15,7 +15,7 @@ const SWAP_EVERY_S: f64 = 2.5;
 
 /// Times that the planner is killed in one drive, and from one to the next. [s]
 const KILLS: usize = 100;
-const KILL_EVERY_S: f64 = 6.0;
+const KILL_EVERY_S: f64 = 5.3;
 
 /// Pairs of drives with and without a shadow.
 const PAIRS: usize = 5;
