@@ -121,7 +121,9 @@ fn lost(latency: &Latency) -> Vec<String> {
     }
     let disorder: u64 = latency.hops_out_of_order.values().sum();
     if disorder > 0 {
-        lints.push(format!("{disorder} stamps lie before their predecessor"));
+        lints.push(format!(
+            "stamps that lie before their predecessor: {disorder}"
+        ));
     }
     let beyond = latency
         .second_clock
@@ -129,8 +131,8 @@ fn lost(latency: &Latency) -> Vec<String> {
         .map_or(0, |clock| clock.beyond);
     if beyond > 0 {
         lints.push(format!(
-            "the robot's second clock differs from the hops for {beyond} commands by more than the \
-             rates of the clocks allow"
+            "commands for which the robot's second clock differs from the hops by more than the rates \
+             of the clocks allow: {beyond}"
         ));
     }
     lints
@@ -205,7 +207,7 @@ fn disturbed(result: &RunResult, profile: &Profile, all: &[&Disturbance]) -> Vec
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::result::profile::{Edge, ProfileRow};
+    use crate::result::profile::{CommandGaps, Edge, ProfileRow};
     use crate::result::trials::ServiceDisturbance;
 
     fn result() -> RunResult {
@@ -224,7 +226,7 @@ mod tests {
             load: "idle".to_owned(),
             rows: vec![row("replanning", 200)],
             edges: vec![edge(0)],
-            commands: Default::default(),
+            commands: CommandGaps::default(),
             answers: [("mapping".to_owned(), 1000)].into(),
         });
         result.disturbance = Some(disturbance());

@@ -54,7 +54,7 @@ pub struct Prepared {
     /// Faults of the scenario, and those that were drawn from the seed.
     pub(crate) faults: Vec<StackFault>,
     /// When all of this was known, monotonic. [ns]
-    pub(crate) prepared_ns: u64,
+    pub(crate) ready_ns: u64,
 }
 
 impl Prepared {
@@ -246,7 +246,7 @@ pub(crate) fn prepare(plan: &RunPlan) -> Result<Prepared, String> {
         binaries,
         directory,
         mode: plan.mode,
-        prepared_ns: now_ns(),
+        ready_ns: now_ns(),
     })
 }
 

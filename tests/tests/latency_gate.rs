@@ -3,11 +3,24 @@
 
 use rustix::process::Signal;
 use serde_json::Value;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use zeronav_tests::{
-    Ended, Zeronav, await_by_itself, children_of, is_alive, real_time_turn, zeronav,
+    Ended, Zeronav, await_by_itself, children_of, is_alive, real_time_turn, workspace,
 };
+
+/// A folder with `blocked_aisle` as `it.toml`, but with the robot where the first trial can begin at
+/// once.
+fn aisle() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = workspace().join("launch/scenarios/blocked_aisle.toml");
+    let text = std::fs::read_to_string(file).expect("the scenario");
+    let start = "start = [3.0, 8.5, 0.0]";
+    assert!(text.contains(start), "{text}");
+    let text = text.replace(start, "start = [8.5, 6.425, 0.0]");
+    std::fs::write(folder.path().join("it.toml"), text).expect("written");
+    folder
+}
 
 /// The folder of the one run that was made.
 fn run_of(ended: &Ended) -> PathBuf {
@@ -30,9 +43,9 @@ fn number(value: &Value) -> f64 {
 fn an_injected_delay_is_named_and_what_was_measured_is_a_baseline() {
     let _turn = real_time_turn();
     let asserted = "global_planner.p50 < 60ms, mapping.max < 60ms, replanning.n >= 2";
-    let measured = zeronav(&[
+    let arguments = [
         "latency",
-        "blocked_aisle",
+        "./it.toml",
         "--trials",
         "2",
         "--inject",
@@ -43,7 +56,8 @@ fn an_injected_delay_is_named_and_what_was_measured_is_a_baseline() {
         "base.json",
         "--headless",
         "--json",
-    ]);
+    ];
+    let measured = Zeronav::start_in(aisle(), &arguments).finish();
     let report = measured.expect(1);
     let cell = &report["cells"][0];
     assert_eq!(cell["verdict"], "pass", "{cell:#}");
@@ -78,7 +92,7 @@ fn an_injected_delay_is_named_and_what_was_measured_is_a_baseline() {
     let run = run_of(&measured);
     check_trace(&run.join("trace.json"));
     let run = run.display().to_string();
-    let gate = |asserted: &'static str| -> Vec<String> {
+    let held = |before: Ended, asserted, code: i32| {
         let words = [
             "latency",
             &run,
@@ -87,11 +101,6 @@ fn an_injected_delay_is_named_and_what_was_measured_is_a_baseline() {
             "--assert",
             asserted,
         ];
-        words.map(str::to_owned).to_vec()
-    };
-    let held = |before: Ended, asserted, code: i32| {
-        let words = gate(asserted);
-        let words: Vec<&str> = words.iter().map(String::as_str).collect();
         let ended = again(before, &words);
         assert_eq!(ended.code(), code, "{}\n{}", ended.stdout, ended.stderr);
         ended
@@ -272,7 +281,7 @@ fn what_cannot_be_measured_or_asserted_is_said_before_anything_starts() {
             "nowhere.json",
         ),
         (&["blocked_aisle", "--rate", "10,0"], "above 0 Hz"),
-        (&["blocked_aisle", "--rate", "900"], "robot.lidar.rate_hz"),
+        (&["blocked_aisle", "--rate", "900"], "the lidar's 900 scans"),
         (&["empty"], "result.json"),
     ];
     let mut before = Zeronav::start_in(folder, &["latency", "--help"]).finish();
@@ -334,6 +343,58 @@ fn what_keeps_the_machine_busy_ends_with_zeronav_whatever_ends_it() {
             processes.iter().all(|pid| !is_alive(*pid))
         });
     }
+}
+
+#[test]
+fn two_sides_take_turns_and_what_was_measured_is_shown_after_an_interrupt() {
+    let _turn = real_time_turn();
+    let arguments = [
+        "compare",
+        "./it.toml",
+        "--swap",
+        "global_planner=zeronav-global-planner",
+        "--trials",
+        "4",
+        "--headless",
+        "--json",
+    ];
+    let mut run = Zeronav::start_in(aisle(), &arguments);
+    let mut domains = BTreeSet::new();
+    run.wait_until("the second round begins", |run| {
+        domains.extend(run.domains());
+        domains.len() == 3
+    });
+    run.signal(Signal::INT);
+    let ended = run.finish();
+    let comparison = ended.expect(130);
+    assert_eq!(comparison["rounds"], 1, "{comparison:#}");
+    let b = comparison["b"].as_str().expect("a name");
+    assert_eq!(b, "it, global_planner zeronav-global-planner");
+    let rows = comparison["rows"].as_array().expect("rows");
+    for name in ["reaction", "replanning"] {
+        let row = rows.iter().find(|row| row["name"] == name).expect("a row");
+        assert!(
+            row["n"][0].as_u64() > Some(0) && row["n"][1].as_u64() > Some(0),
+            "{row:#}"
+        );
+        assert!(row["ratio"].is_null(), "{row:#}");
+        assert_eq!(row["verdict"], "too few rounds");
+    }
+    // A binary that is not there is found before anything starts.
+    let wrong = again(
+        ended,
+        &[
+            "compare",
+            "./it.toml",
+            "--swap",
+            "mapping=./nowhere",
+            "--out",
+            "other",
+        ],
+    );
+    assert_eq!(wrong.code(), 2, "{}", wrong.stderr);
+    assert!(wrong.stderr.contains("nowhere"), "{}", wrong.stderr);
+    assert!(!wrong.folder.path().join("other").exists());
 }
 
 #[test]

@@ -80,13 +80,13 @@ fn sides(arguments: &CompareArgs) -> Result<ExitCode, String> {
     let second = prepare(&other).inspect_err(|_| forget(&first))?;
     let interrupted = interrupts()?;
     let (rounds, ending) = turns([&first, &second], arguments.trials as usize, &interrupted)?;
-    let swaps = arguments.swap.iter();
-    let swaps: String = swaps
-        .map(|(role, binary)| format!(", {role} {}", binary.display()))
-        .collect();
+    let mut b = second.scenario.name.clone();
+    for (role, binary) in &arguments.swap {
+        let _ = write!(b, ", {role} {}", binary.display());
+    }
     let comparison = Comparison {
         a: first.scenario.name.clone(),
-        b: second.scenario.name.clone() + &swaps,
+        b,
         rounds: rounds.len(),
         rows: profile::names().map(|name| row(name, &rounds)).collect(),
         directories: [&first, &second].map(|side| side.directory.display().to_string()),
@@ -181,14 +181,15 @@ fn row(name: String, rounds: &[[RoundProfile; 2]]) -> Row {
         ],
         ratio: ratio.map(|ratio| ratio.ratio),
         interval: ratio.map(|ratio| ratio.interval),
-        verdict: verdict(ratio),
+        verdict: verdict(ratio, rounds.len()),
         name,
     }
 }
 
-fn verdict(ratio: Option<Ratio>) -> &'static str {
+fn verdict(ratio: Option<Ratio>, rounds: usize) -> &'static str {
     match ratio {
-        None => "too few rounds",
+        None if rounds < *ROUNDS.start() => "too few rounds",
+        None => "no ratio",
         Some(ratio) if ratio.is_no_difference() => "no difference",
         Some(ratio) if ratio.ratio > 1.0 => "slower",
         Some(_) => "faster",
@@ -210,7 +211,7 @@ impl Comparison {
         let _ = writeln!(text, "A {}\nB {}", self.a, self.b);
         let _ = writeln!(
             text,
-            "{} rounds of each in turn, on the same seeds\n\n  {:<28} {:>6} {:>6} {:>10} {:>10}  {:<22} B is",
+            "{} rounds of each in turn, on the same seeds\n\n  {:<30} {:>6} {:>6} {:>10} {:>10}  {:<22} B is",
             self.rounds, "median [us]", "n of A", "n of B", "A", "B", "B / A, 95 % interval"
         );
         for row in self.rows.iter().filter(|row| row.n.iter().all(|n| *n > 0)) {
@@ -224,7 +225,7 @@ impl Comparison {
             );
             let _ = writeln!(
                 text,
-                "  {:<28} {:>6} {:>6} {:>10} {:>10}  {ratio:<22} {}",
+                "  {:<30} {:>6} {:>6} {:>10} {:>10}  {ratio:<22} {}",
                 row.name,
                 row.n[0],
                 row.n[1],

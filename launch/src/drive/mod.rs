@@ -141,7 +141,7 @@ fn drive_stack(
         zero_ns: stack.roster.clock.zero_ns,
         start: StartStamps {
             command_ns: began::at_ns(),
-            prepared_ns: prepared.prepared_ns,
+            prepared_ns: prepared.ready_ns,
             configs_ns,
             ..core::mem::take(&mut session.start)
         },

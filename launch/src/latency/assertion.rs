@@ -135,7 +135,7 @@ impl fmt::Display for Wrong {
             .map(|letter| if letter.is_control() { ' ' } else { letter })
             .collect();
         let column = text.get(..*at).unwrap_or(text).chars().count();
-        writeln!(f, "--assert: {why}, at column {}:", column + 1)?;
+        writeln!(f, "--assert: column {}: {why}", column + 1)?;
         writeln!(f, "  {line}")?;
         write!(f, "  {:column$}^", "")
     }

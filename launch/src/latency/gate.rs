@@ -26,9 +26,15 @@ pub(super) fn check_baseline(
     };
     for (rate_hz, load) in cells {
         // Without a rate it is the scenario's, which the measurement tells.
-        let Some(rate_hz) = rate_hz else { continue };
+        let of_load = || baseline.cells.iter().find(|cell| cell.load == *load);
+        let rate_hz = rate_hz.or_else(|| of_load().map(|cell| cell.rate_hz));
+        let Some(rate_hz) = rate_hz else {
+            return Err(format!(
+                "--assert: the baseline has no measurement of a machine that is {load}"
+            ));
+        };
         for clause in ratios() {
-            reference(clause, baseline, *rate_hz, load)?;
+            reference(clause, baseline, rate_hz, load)?;
         }
     }
     Ok(())
@@ -138,7 +144,8 @@ mod tests {
     use super::*;
     use crate::result::RunResult;
     use crate::result::latency::Figures;
-    use crate::result::profile::{Profile, ProfileRow};
+    use crate::result::profile::{CommandGaps, Profile, ProfileRow};
+    use std::collections::BTreeMap;
 
     /// A measurement in which replanning took `p50_us` at the median of `n` samples.
     fn report(n: u64, p50_us: f64) -> Report {
@@ -163,8 +170,8 @@ mod tests {
             load: "idle".to_owned(),
             rows: vec![row],
             edges: Vec::new(),
-            commands: Default::default(),
-            answers: Default::default(),
+            commands: CommandGaps::default(),
+            answers: BTreeMap::default(),
         });
         let mut report = Report::new();
         report.cells.push(Cell::of(&result).expect("a measurement"));
@@ -218,8 +225,10 @@ mod tests {
         assert!(missing.contains("40 Hz"), "{missing}");
         let missing = check(Some(&before), (Some(10.0), "busy")).expect_err("no load");
         assert!(missing.contains("busy"), "{missing}");
+        let missing = check(Some(&before), (None, "busy")).expect_err("no load");
+        assert!(missing.contains("busy"), "{missing}");
         let few = report(1, 2000.0);
-        let missing = check(Some(&few), (Some(10.0), "idle")).expect_err("no median");
+        let missing = check(Some(&few), (None, "idle")).expect_err("no median");
         assert!(missing.contains("replanning.p50"), "{missing}");
     }
 

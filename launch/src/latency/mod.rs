@@ -75,7 +75,9 @@ fn finish(
     let Measured { mut report, failed } = measured;
     let held = gate::hold(clauses, &report.cells, baseline);
     // What was measured is shown, whatever is wrong with the baseline.
-    report.assertions = held.as_ref().map(Clone::clone).unwrap_or_default();
+    if let Ok(held) = &held {
+        report.assertions.clone_from(held);
+    }
     if arguments.json {
         say_json(&report);
     } else {

@@ -98,7 +98,7 @@ fn write_row(label: &str, row: &ProfileRow, text: &mut String) {
 fn write_every_scan(cell: &Cell, text: &mut String) {
     let _ = writeln!(
         text,
-        "\n  {:<28} {:<22} {:<22} {:<22} {:<22}",
+        "\n  {:<28} {:<22} {:<22} {:<22} {}",
         "every scan [us]", "direct p50", "direct p99", "through map p50", "through map p99"
     );
     for hop in HOPS {
@@ -124,7 +124,7 @@ fn write_every_scan(cell: &Cell, text: &mut String) {
             continue;
         }
         let [a, b, c, d] = figures.map(|figure| figure.unwrap_or_else(|| "-".to_owned()));
-        let _ = writeln!(text, "    {hop:<26} {a:<22} {b:<22} {c:<22} {d:<22}");
+        let _ = writeln!(text, "    {hop:<26} {a:<22} {b:<22} {c:<22} {d}");
     }
 }
 

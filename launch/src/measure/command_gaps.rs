@@ -92,8 +92,8 @@ fn cause(joins: &Joins<'_>, before: &Span, late: &Span, period_ns: u64) -> Strin
     let length = |moments: &[u64; 5], hop: usize| moments[hop].abs_diff(moments[hop - 1]);
     let mut excess_ns = [0; HOPS.len()];
     excess_ns[0] = late[0].saturating_sub(before[0]).saturating_sub(period_ns);
-    for hop in 1..HOPS.len() {
-        excess_ns[hop] = length(&late, hop).saturating_sub(length(&before, hop));
+    for (hop, excess_ns) in excess_ns.iter_mut().enumerate().skip(1) {
+        *excess_ns = length(&late, hop).saturating_sub(length(&before, hop));
     }
     let worst = (0..HOPS.len()).max_by_key(|hop| excess_ns[*hop]);
     let worst = worst.unwrap_or_default();

@@ -58,11 +58,12 @@ pub(crate) fn ratio(rounds: &[(Vec<u64>, Vec<u64>)]) -> Option<Ratio> {
     })
 }
 
-/// Logarithm of the ratio of the medians of a round.
+/// Logarithm of the ratio of the medians of a round; `None` without samples, and where a median is 0.
 fn logarithm((first, second): &(Vec<u64>, Vec<u64>)) -> Option<f64> {
     let middle = |times_ns: &Vec<u64>| {
         let mut times_ns = times_ns.clone();
-        (!times_ns.is_empty()).then(|| percentile(&mut times_ns, 0.5).max(1.0).ln())
+        let middle_ns = percentile(&mut times_ns, 0.5);
+        (middle_ns > 0.0).then(|| middle_ns.ln())
     };
     Some(middle(second)? - middle(first)?)
 }
@@ -92,6 +93,11 @@ mod tests {
 
     /// Rounds of `n` times with a long tail. Each round has a pace of its own, which both sides share,
     /// and a little that they do not.
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "some milliseconds"
+    )]
     fn rounds(seed: u64, rounds: usize, n: usize, factor: f64) -> Vec<(Vec<u64>, Vec<u64>)> {
         let mut random = Pcg64Mcg::seed_from_u64(seed);
         let mut uniform = move || random.random::<f64>();
@@ -152,5 +158,6 @@ mod tests {
         with_empty[2].1.clear();
         assert_eq!(ratio(&with_empty), None);
         assert_eq!(ratio(&[]), None);
+        assert_eq!(ratio(&vec![(vec![0, 0], vec![5, 5]); 5]), None);
     }
 }

@@ -24,6 +24,7 @@ const ALONE: usize = 1;
 
 /// What should come how often, and what is too late.
 #[derive(Debug, Clone, Copy)]
+#[allow(clippy::struct_field_names, reason = "every time has its unit")]
 pub(crate) struct Timing {
     /// From scan to scan. [ns]
     pub scan_period_ns: u64,

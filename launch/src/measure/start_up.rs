@@ -12,6 +12,7 @@ use zeronav_msgs::span::{Span, SpanKind};
 
 /// Moments of the start that launch itself notes, monotonic. [ns]
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[allow(clippy::struct_field_names, reason = "every time has its unit")]
 pub(crate) struct StartStamps {
     /// The command began.
     pub command_ns: u64,
@@ -31,7 +32,7 @@ pub(crate) struct StartStamps {
 struct Stages {
     command_ns: u64,
     done: Vec<(String, u64)>,
-    stages: Vec<Stage>,
+    gathered: Vec<Stage>,
 }
 
 impl Stages {
@@ -55,7 +56,7 @@ impl Stages {
             let ns = ns.saturating_sub(self.command_ns);
             1.0e3 * zeronav_msgs::time::seconds(ns)
         };
-        self.stages.push(Stage {
+        self.gathered.push(Stage {
             name: name.to_owned(),
             who: who.to_owned(),
             from_ms: ms(from_ns),
@@ -81,7 +82,7 @@ pub(crate) fn start_up(
     let mut stages = Stages {
         command_ns: stamps.command_ns,
         done: Vec::new(),
-        stages: Vec::new(),
+        gathered: Vec::new(),
     };
     let launch = Role::Launch.label();
     stages.add("scenario checked", launch, Some(stamps.prepared_ns), &[]);
@@ -121,7 +122,7 @@ pub(crate) fn start_up(
     });
     let robot = Role::Robot.label();
     stages.add("first motion", robot, motion_ns, &["first command applied"]);
-    let mut done = stages.stages;
+    let mut done = stages.gathered;
     done.sort_by(|a, b| a.to_ms.total_cmp(&b.to_ms));
     let motion = done.iter().find(|stage| stage.name == "first motion");
     Some(StartUp {

@@ -65,25 +65,25 @@ fn through_map<'a>(joins: &Joins<'a>, path: u64) -> Option<[&'a Span; 6]> {
 }
 
 /// A flow leaves its first slice at its end and enters the others at their beginning, a nanosecond
-/// inside so that it binds to them and to no neighbour.
+/// inside so that it binds to them and to no neighbour. One with a stamp before its predecessor, which
+/// the result counts, is left out: no viewer can draw it.
 fn write_flow(name: &str, parts: &[Slice], id: u64, events: &mut Vec<TraceEvent>) {
-    for (
-        at,
-        Slice {
-            track,
-            from_ns,
-            to_ns,
-        },
-    ) in parts.iter().enumerate()
-    {
-        let (part, at_ns) = if at == 0 {
-            (FlowPart::Start, to_ns.saturating_sub(1).max(*from_ns))
-        } else if at + 1 == parts.len() {
-            (FlowPart::Finish, (from_ns + 1).min(*to_ns))
-        } else {
-            (FlowPart::Step, (from_ns + 1).min(*to_ns))
+    let last = parts.len().saturating_sub(1);
+    let place = |(at, slice): (usize, &Slice)| match at {
+        0 => slice.to_ns.saturating_sub(1).max(slice.from_ns),
+        _ => (slice.from_ns + 1).min(slice.to_ns),
+    };
+    let places_ns: Vec<u64> = parts.iter().enumerate().map(place).collect();
+    if !places_ns.is_sorted() {
+        return;
+    }
+    for (at, (slice, at_ns)) in parts.iter().zip(places_ns).enumerate() {
+        let part = match at {
+            0 => FlowPart::Start,
+            at if at == last => FlowPart::Finish,
+            _ => FlowPart::Step,
         };
-        events.push(TraceEvent::flow(*track, name, at_ns, id, part));
+        events.push(TraceEvent::flow(slice.track, name, at_ns, id, part));
     }
 }
 

@@ -43,11 +43,13 @@ pub(super) struct TraceEvent {
 
 /// A whole trace.
 #[derive(Debug, Serialize)]
-#[serde(rename_all = "camelCase")]
 pub(super) struct Trace {
-    pub display_time_unit: &'static str,
-    pub other_data: Map<String, Value>,
-    pub trace_events: Vec<TraceEvent>,
+    #[serde(rename = "displayTimeUnit")]
+    pub time_unit: &'static str,
+    #[serde(rename = "otherData")]
+    pub about: Map<String, Value>,
+    #[serde(rename = "traceEvents")]
+    pub events: Vec<TraceEvent>,
 }
 
 /// Which part of a flow an event is.

@@ -41,9 +41,9 @@ pub(crate) fn trace(records: &Records, about: &About) -> Result<String, String> 
     other_data.insert("scenario".to_owned(), about.scenario.clone().into());
     other_data.insert("records left out".to_owned(), dropped.into());
     let trace = Trace {
-        display_time_unit: "ms",
-        other_data,
-        trace_events: events,
+        time_unit: "ms",
+        about: other_data,
+        events,
     };
     serde_json::to_string(&trace).map_err(|error| error.to_string())
 }

@@ -98,9 +98,11 @@ fn number(value: &Value) -> f64 {
     value.as_f64().expect("a number")
 }
 
-/// Slices by process and thread, in order: beginning and end. [us]
-fn tracks(events: &[Value]) -> BTreeMap<(u64, u64), Vec<(f64, f64, String)>> {
-    let mut tracks: BTreeMap<_, Vec<_>> = BTreeMap::new();
+/// Slices by process and thread, in order: beginning, end [us] and name.
+type Tracks = BTreeMap<(u64, u64), Vec<(f64, f64, String)>>;
+
+fn tracks(events: &[Value]) -> Tracks {
+    let mut tracks = Tracks::new();
     for event in events.iter().filter(|event| is(event, "X")) {
         let track = (
             event["pid"].as_u64().expect("a process"),
@@ -225,6 +227,23 @@ fn a_flow_leads_from_every_scan_to_the_wheels() {
             assert_eq!(name, Some(expected), "{event}");
         }
     }
+}
+
+#[test]
+fn a_flow_against_the_clock_is_left_out() {
+    let mut records = records();
+    let flows = |records: &Records| {
+        let events = events(records);
+        events.iter().filter(|event| is(event, "s")).count()
+    };
+    assert_eq!(flows(&records), 4);
+    // The local planner of the second turn begins before the scan that it names.
+    let local = &mut records.spans[6 + 3];
+    assert_eq!(local.role(), Some(Role::LocalPlanner));
+    local.woken_ns -= 5000 * US;
+    local.started_ns -= 5000 * US;
+    local.published_ns -= 5000 * US;
+    assert_eq!(flows(&records), 2, "the scan's and the path's are gone");
 }
 
 #[test]
