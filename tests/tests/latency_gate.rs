@@ -42,7 +42,7 @@ fn number(value: &Value) -> f64 {
 #[test]
 fn an_injected_delay_is_named_and_what_was_measured_is_a_baseline() {
     let _turn = real_time_turn();
-    let asserted = "global_planner.p50 < 60ms, mapping.max < 60ms, replanning.n >= 2";
+    let asserted = "global_planner.p50 < 60ms, global_planner.p50 > 99ms, replanning.n >= 2";
     let arguments = [
         "latency",
         "./it.toml",
@@ -62,17 +62,9 @@ fn an_injected_delay_is_named_and_what_was_measured_is_a_baseline() {
     let cell = &report["cells"][0];
     assert_eq!(cell["verdict"], "pass", "{cell:#}");
     assert_eq!((&cell["trials"], &cell["rounds"]), (&2.into(), &2.into()));
-    let met: Vec<&Value> = ["clause", "met"]
-        .iter()
-        .flat_map(|key| {
-            report["assertions"]
-                .as_array()
-                .expect("assertions")
-                .iter()
-                .map(move |one| &one[key])
-        })
-        .collect();
-    assert_eq!(met[3..], [false, true, true], "{met:#?}");
+    let assertions = report["assertions"].as_array().expect("assertions");
+    let met: Vec<&Value> = assertions.iter().map(|one| &one["met"]).collect();
+    assert_eq!(met, [false, true, true], "{assertions:#?}");
     // The slow hop is named, and nothing else.
     let complaints: Vec<&str> = measured
         .stderr
@@ -81,7 +73,7 @@ fn an_injected_delay_is_named_and_what_was_measured_is_a_baseline() {
         .collect();
     assert_eq!(complaints.len(), 1, "{}", measured.stderr);
     assert!(
-        complaints[0].contains("global_planner.p50 < 60ms is not met: 10"),
+        complaints[0].contains("global_planner.p50 < 60ms is not met: "),
         "{complaints:?}"
     );
     assert!(
@@ -354,7 +346,7 @@ fn two_sides_take_turns_and_what_was_measured_is_shown_after_an_interrupt() {
         "--swap",
         "global_planner=zeronav-global-planner",
         "--trials",
-        "4",
+        "6",
         "--headless",
         "--json",
     ];

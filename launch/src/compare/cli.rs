@@ -17,9 +17,9 @@ pub struct CompareArgs {
     /// Compare the scenario with itself, but with this binary in a seat. May be given several times.
     #[arg(long, value_name = "ROLE=BINARY", value_parser = seat)]
     pub swap: Vec<(Role, PathBuf)>,
-    /// Trials of each side, in four to six rounds that take turns.
+    /// Trials of each side, in six rounds that take turns.
     #[arg(long, value_name = "N", default_value_t = 30,
-          value_parser = clap::value_parser!(u32).range(4..=10_000))]
+          value_parser = clap::value_parser!(u32).range(6..=10_000))]
     pub trials: u32,
     /// Seed of the first round, in place of the scenario's; both sides have the same.
     #[arg(long, value_name = "N")]

@@ -123,11 +123,10 @@ fn turns(
     trials: usize,
     interrupted: &Arc<AtomicBool>,
 ) -> Result<(Vec<[RoundProfile; 2]>, Option<Ending>), String> {
-    let n_rounds = trials.clamp(*ROUNDS.start(), *ROUNDS.end());
     let mut rounds = Vec::new();
     let mut before = 0;
-    for round in 0..n_rounds {
-        let n = trials / n_rounds + usize::from(round < trials % n_rounds);
+    for round in 0..ROUNDS {
+        let n = trials / ROUNDS + usize::from(round < trials % ROUNDS);
         let mut both = [None, None];
         for side in [round % 2, 1 - round % 2] {
             let prepared = sides[side];
@@ -188,7 +187,7 @@ fn row(name: String, rounds: &[[RoundProfile; 2]]) -> Row {
 
 fn verdict(ratio: Option<Ratio>, rounds: usize) -> &'static str {
     match ratio {
-        None if rounds < *ROUNDS.start() => "too few rounds",
+        None if rounds < ROUNDS => "too few rounds",
         None => "no ratio",
         Some(ratio) if ratio.is_no_difference() => "no difference",
         Some(ratio) if ratio.ratio > 1.0 => "slower",

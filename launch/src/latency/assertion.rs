@@ -130,10 +130,11 @@ impl fmt::Display for Wrong {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { text, at, why } = self;
         // A line break would move the mark.
-        let line: String = text
-            .chars()
-            .map(|letter| if letter.is_control() { ' ' } else { letter })
-            .collect();
+        let in_line = |text: &str| -> String {
+            let plain = |letter: char| if letter.is_control() { ' ' } else { letter };
+            text.chars().map(plain).collect()
+        };
+        let (line, why) = (in_line(text), in_line(why));
         let column = text.get(..*at).unwrap_or(text).chars().count();
         writeln!(f, "--assert: column {}: {why}", column + 1)?;
         writeln!(f, "  {line}")?;

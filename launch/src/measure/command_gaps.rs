@@ -179,7 +179,8 @@ mod tests {
     fn a_late_command_names_the_hop_that_made_it_late() {
         for (hop, name) in HOPS.iter().enumerate() {
             let gaps = drive(hop, 12 * MS, 0);
-            assert_eq!((gaps.n, gaps.missed), (10, 1), "{name}");
+            // The last one came after the last request.
+            assert_eq!((gaps.n, gaps.missed), (9, 1), "{name}");
             assert_eq!(gaps.missed_by_cause.keys().collect::<Vec<_>>(), [name]);
             assert!((gaps.gap_us_max - 32_000.0).abs() < 1.0, "{gaps:?}");
         }
