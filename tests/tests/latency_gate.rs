@@ -81,9 +81,13 @@ fn an_injected_delay_is_named_and_what_was_measured_is_a_baseline() {
         "{complaints:?}"
     );
     check_rows(cell);
-    let run = run_of(&measured);
-    check_trace(&run.join("trace.json"));
-    let run = run.display().to_string();
+    check_trace(&run_of(&measured).join("trace.json"));
+    check_baseline(measured);
+}
+
+/// What was measured is held against the baseline that it was saved as.
+fn check_baseline(measured: Ended) {
+    let run = run_of(&measured).display().to_string();
     let held = |before: Ended, asserted, code: i32| {
         let words = [
             "latency",

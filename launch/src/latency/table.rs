@@ -98,8 +98,8 @@ fn write_row(label: &str, row: &ProfileRow, text: &mut String) {
 fn write_every_scan(cell: &Cell, text: &mut String) {
     let _ = writeln!(
         text,
-        "\n  {:<28} {:<22} {:<22} {:<22} {}",
-        "every scan [us]", "direct p50", "direct p99", "through map p50", "through map p99"
+        "\n  {:<28} {:<22} {:<22} {:<22} through map p99",
+        "every scan [us]", "direct p50", "direct p99", "through map p50"
     );
     for hop in HOPS {
         let figure = |table: &str, is_p99: bool| {

@@ -1,5 +1,5 @@
 //! What an answer costs that is measured: its record on `run/spans`, with the reader that launch
-//! has, and its readings of the clock.
+//! has, and its readings of the monotonic clock. The two readings of the processor time are not in it.
 //!
 //! `cargo bench -p zeronav-shell`
 
