@@ -1,8 +1,11 @@
 //! The command line.
 
 use crate::arguments::{delay, service_role};
+use crate::busy;
+use crate::compare::cli::CompareArgs;
 use crate::contract_kit::cli::ContractArgs;
 use crate::contract_kit::no_memory;
+use crate::latency::cli::LatencyArgs;
 use crate::logs::LogsArgs;
 use crate::map_save::MapArgs;
 use crate::new_package::cli::NewArgs;
@@ -13,6 +16,7 @@ use crate::remote::cli::{
 };
 use crate::remote::swap::{ShadowArgs, SwapArgs};
 use crate::run_plan::{RunPlan, Source};
+use crate::start_up::StartUpArgs;
 use crate::suite::noise::Noise;
 use crate::suite::plan::SuitePlan;
 use crate::supervise::cleaner;
@@ -21,7 +25,6 @@ use crate::version::VERSION;
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
 use core::ops::Range;
-use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use zeronav_msgs::role::Role;
@@ -42,6 +45,12 @@ pub struct Cli {
 pub enum Command {
     /// Drive a scenario: start the world, the robot and every service, end with a verdict.
     Run(RunArgs),
+    /// Measure latencies with their intervals, or show those of a run; a gate for CI.
+    Latency(LatencyArgs),
+    /// Compare two scenarios, or two binaries in a seat, round by round on the same seeds.
+    Compare(CompareArgs),
+    /// What a run did from the command to the first motion, and who waited for whom.
+    StartUp(StartUpArgs),
     /// The scenarios that are there.
     List {
         /// Print one JSON object.
@@ -149,6 +158,12 @@ pub enum Command {
     /// namespace of its own.
     #[command(name = no_memory::COMMAND, hide = true)]
     WithoutMemory(ContractArgs),
+    /// Compute until standard input is closed; `zeronav latency --load busy` starts it by itself.
+    #[command(name = busy::COMMAND, hide = true)]
+    Busy {
+        /// Most seconds.
+        limit_s: u64,
+    },
     /// Watch over a run from outside; started by zeronav itself.
     #[command(hide = true)]
     Warden,
@@ -184,21 +199,18 @@ pub struct StartArgs {
 impl StartArgs {
     /// What the arguments mean for a scenario.
     fn plan(&self, scenario: Source) -> RunPlan {
+        let mode = if self.lockstep {
+            RunMode::Lockstep
+        } else {
+            RunMode::RealTime
+        };
         RunPlan {
-            scenario,
-            mode: if self.lockstep {
-                RunMode::Lockstep
-            } else {
-                RunMode::RealTime
-            },
             seed: self.seed,
             external: self.external.clone(),
-            trials: None,
-            stays: false,
-            delays: BTreeMap::new(),
             out: self.out.clone(),
             log_level: self.log_level.clone(),
             progress: !self.headless,
+            ..RunPlan::of(scenario, mode)
         }
     }
 }

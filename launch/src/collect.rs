@@ -35,6 +35,10 @@ pub(crate) type Placed<'a> = &'a dyn Fn(usize, &Pose) -> Option<Convex>;
 /// Changes of what the map shows of one obstacle that are kept at most; the oldest go first.
 const SENSED_MAX: usize = 1000;
 
+/// Wheels that turn more slowly than that stand. [m/s], [rad/s]
+const MOVING_MPS: f64 = 1.0e-3;
+const MOVING_RADPS: f64 = 1.0e-3;
+
 /// Places of the robot that nobody has looked at: more than come between two looks.
 const SIGHTS_MAX: usize = 64;
 
@@ -60,6 +64,8 @@ pub(crate) struct Collector {
     pub map_from_odom: Option<Pose>,
     /// Run time of the newest odometry or truth. [ns]
     pub run_ns: u64,
+    /// First tick at which the wheels turned.
+    pub first_motion_tick: Option<u64>,
     /// What is said of the task, also after the end.
     pub task: Option<TaskReport>,
     /// Goals that were reached, of any task.
@@ -218,6 +224,9 @@ impl Collector {
         });
         taps.odometry.drain(roster, |view| {
             self.odometry = Some(*view.meta);
+            if view.meta.v_mps.abs() > MOVING_MPS || view.meta.w_radps.abs() > MOVING_RADPS {
+                self.first_motion_tick.get_or_insert(view.header.tick);
+            }
             self.run_ns = self.run_ns.max(view.header.run_ns);
             if view.meta.scan_due() {
                 let fact = Fact::Odometry(view.meta.pose);

@@ -1,5 +1,6 @@
 //! `zeronav run`, `zeronav up` and `zeronav suite`, and the exit codes that they end with.
 
+use crate::busy::Burden;
 use crate::doctor;
 use crate::drive::{Driven, drive};
 use crate::ending::Ending;
@@ -16,25 +17,44 @@ use crate::stay_result::StayResult;
 use crate::suite;
 use crate::suite::error::SuiteError;
 use crate::suite::plan::SuitePlan;
+use crate::trace::{About, trace};
 use crate::{leave, picture, record, trials};
 use serde::Serialize;
 use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 use zeronav_msgs::run::RunMode;
 use zeronav_shell::printable::printable;
 
 /// `zeronav run`: plan, prepare, drive, judge, show.
 #[must_use]
 pub fn run(plan: &RunPlan, json: bool) -> ExitCode {
-    let (prepared, driven, result) = match run_and_judge(plan) {
-        Ok(judged) => judged,
-        Err(problem) => return usage(&problem),
-    };
+    let driven = interrupts().and_then(|interrupted| drive_and_judge(plan, &interrupted));
+    match driven {
+        Ok((result, code)) => {
+            show(&result, json, RunResult::to_text);
+            code
+        }
+        Err(problem) => usage(&problem),
+    }
+}
+
+/// Prepares, drives and judges a run or its trials, writes its folder, and says on standard error
+/// why it could not go on; the result, and the exit code of `zeronav run`.
+///
+/// # Errors
+/// One line when the run could not be started at all.
+pub(crate) fn drive_and_judge(
+    plan: &RunPlan,
+    interrupted: &Arc<AtomicBool>,
+) -> Result<(RunResult, ExitCode), String> {
+    let (prepared, driven, result) = run_and_judge(plan, interrupted)?;
     if let Err(problem) = write_files(&prepared, &driven, &result) {
         lose(&problem);
     }
     explain(&driven.ending);
-    show(&result, json, RunResult::to_text);
-    exit_code(&driven.ending, result.verdict == "pass")
+    let code = exit_code(&driven.ending, result.verdict == "pass");
+    Ok((result, code))
 }
 
 fn show<R: Serialize>(result: &R, json: bool, to_text: impl FnOnce(&R) -> String) {
@@ -47,16 +67,19 @@ fn show<R: Serialize>(result: &R, json: bool, to_text: impl FnOnce(&R) -> String
 
 /// Prepares and drives the run or its trials, and judges what was seen. Of trials, the drive is the
 /// last one.
-fn run_and_judge(plan: &RunPlan) -> Result<(Prepared, Driven, RunResult), String> {
+fn run_and_judge(
+    plan: &RunPlan,
+    interrupted: &Arc<AtomicBool>,
+) -> Result<(Prepared, Driven, RunResult), String> {
     let prepared = prepare(plan)?;
     let before = Before::read();
-    let interrupted = interrupts()?;
+    let _burden = Burden::start(prepared.load)?;
     let Some(wanted) = prepared.trials else {
-        let driven = drive(&prepared, None, &interrupted)?;
+        let driven = drive(&prepared, None, interrupted)?;
         let result = judge(&prepared, &driven, before.environment());
         return Ok((prepared, driven, result));
     };
-    let mut trials = trials::make(&prepared, wanted, &interrupted)?;
+    let mut trials = trials::make(&prepared, wanted, interrupted)?;
     let driven = trials.drives.pop().ok_or("no trial was made")?;
     let result = judge_trials(&prepared, &driven, &trials, before.environment());
     Ok((prepared, driven, result))
@@ -85,7 +108,7 @@ pub fn up(plan: &RunPlan, json: bool) -> ExitCode {
     exit_code(&driven.ending, true)
 }
 
-fn exit_code(ending: &Ending, pass: bool) -> ExitCode {
+pub(crate) fn exit_code(ending: &Ending, pass: bool) -> ExitCode {
     ExitCode::from(match ending {
         Ending::Interrupted => EXIT_INTERRUPTED,
         // A service that says that its configuration is wrong.
@@ -126,6 +149,16 @@ fn write_files(prepared: &Prepared, driven: &Driven, result: &RunResult) -> Resu
         let json = serde_json::to_string(&recording).map_err(|error| error.to_string())?;
         write(recording::FILE, json + "\n")?;
     }
+    if prepared.mode == RunMode::RealTime {
+        let about = About {
+            scenario: result.scenario.clone(),
+            zero_ns: driven.zero_ns,
+            pids: (result.services.iter())
+                .map(|service| (service.name.clone(), service.pid))
+                .collect(),
+        };
+        write("trace.json", trace(&driven.collector.records, &about)?)?;
+    }
     write(
         "run.svg",
         picture::picture(prepared, driven, result).to_svg(),
@@ -133,7 +166,7 @@ fn write_files(prepared: &Prepared, driven: &Driven, result: &RunResult) -> Resu
 }
 
 /// Says on standard error why a run could not go on.
-fn explain(ending: &Ending) {
+pub(crate) fn explain(ending: &Ending) {
     match ending {
         Ending::Died { role, how, log, .. } => {
             complain(&format!(

@@ -4,10 +4,8 @@
 //! the stack's have, at the pace of the lidar. What they need from the capture of a scan to the
 //! command is what transport, waking and records cost; no stack of these parts can be faster.
 
-use crate::measure::DEADLINE_NS;
-use crate::measure::Distribution;
+use crate::measure::Series;
 use crate::prepare::Prepared;
-use crate::result::latency::Figures;
 use crate::result::trials::Load;
 use crate::supervise::binaries;
 use crate::supervise::stack::{self, Launch, Stack};
@@ -51,16 +49,16 @@ pub fn measure(
     load: Load,
     cycles: u64,
     interrupted: &AtomicBool,
-) -> Result<Figures, String> {
+) -> Result<Series, String> {
     let cycles = cycles.clamp(*CYCLES.start(), *CYCLES.end());
     let binary = binaries::find(Path::new(EMPTY_STAGE))?;
     let tick_ns = prepared.scenario.run.tick_ns();
     let mut ring = Stack::create(RunMode::RealTime, prepared.seed, tick_ns)
         .map_err(|error| error.to_string())?;
-    let figures = start(&mut ring, prepared, load, &binary)
+    let series = start(&mut ring, prepared, load, &binary)
         .and_then(|()| listen(&mut ring, load, cycles, interrupted));
     stack::close(ring);
-    figures
+    series
 }
 
 fn start(ring: &mut Stack, prepared: &Prepared, load: Load, binary: &Path) -> Result<(), String> {
@@ -118,7 +116,7 @@ fn listen(
     load: Load,
     cycles: u64,
     interrupted: &AtomicBool,
-) -> Result<Figures, String> {
+) -> Result<Series, String> {
     let wanted = WARM_UP + cycles;
     // Twice the time that it takes, and what starting may cost.
     let limit =
@@ -146,16 +144,16 @@ fn listen(
         ring.refresh();
         std::thread::sleep(Duration::from_millis(10));
     }
-    let mut distribution = Distribution::new();
+    let mut series = Series::default();
     for tick in WARM_UP + 1..=wanted.min(last.saturating_sub(1)) {
         match (captured_ns.get(&tick), commanded_ns.get(&tick)) {
-            (Some(from_ns), Some(to_ns)) => distribution.add(to_ns.saturating_sub(*from_ns)),
-            (Some(_), None) => distribution.censor(DEADLINE_NS),
+            (Some(from_ns), Some(to_ns)) => series.add(to_ns.saturating_sub(*from_ns)),
+            (Some(_), None) => series.censor(),
             _ => {}
         }
     }
-    if distribution.is_empty() && !interrupted.load(Ordering::Relaxed) {
+    if series.is_empty() && !interrupted.load(Ordering::Relaxed) {
         return Err("the empty ring did not turn".to_owned());
     }
-    Ok(distribution.figures())
+    Ok(series)
 }

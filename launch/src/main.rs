@@ -12,11 +12,15 @@ use zeronav::new_package;
 use zeronav::remote::{fault, goal, swap, verbs};
 use zeronav::show::{log, terminal};
 use zeronav::supervise::{cleaner, warden};
-use zeronav::{commands, completions, doctor, draw, logs, look, map_save, params, remote, topics};
+use zeronav::{
+    began, busy, commands, compare, completions, doctor, draw, latency, logs, look, map_save,
+    params, remote, start_up, topics,
+};
 use zeronav_msgs::role::Role;
 use zeronav_shell::flags::one_line;
 
 fn main() -> ExitCode {
+    began::note();
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
         Err(error) => {
@@ -36,6 +40,10 @@ fn main() -> ExitCode {
         warden::run();
         return ExitCode::SUCCESS;
     }
+    if let Command::Busy { limit_s } = cli.command {
+        busy::compute(limit_s);
+        return ExitCode::SUCCESS;
+    }
     if let Command::WithoutMemory(arguments) = &cli.command {
         return no_memory::contract_without_memory(arguments);
     }
@@ -50,6 +58,9 @@ fn main() -> ExitCode {
     }
     terminal::settle(match cli.command {
         Command::Run(arguments) => commands::run(&arguments.plan(), arguments.start.json),
+        Command::Latency(arguments) => latency::latency(&arguments),
+        Command::Compare(arguments) => compare::compare(&arguments),
+        Command::StartUp(arguments) => start_up::start_up(&arguments),
         Command::Up(arguments) => commands::up(&arguments.plan(), arguments.start.json),
         Command::List { json } => look::list(json),
         Command::Check { scenario, json } => look::check(&scenario, json),
@@ -82,6 +93,9 @@ fn main() -> ExitCode {
         Command::Suite(arguments) => commands::suite(&arguments.plan(), arguments.json),
         Command::Completions { shell } => completions::completions(shell),
         Command::Man { folder } => completions::man(&folder),
-        Command::Clean { .. } | Command::WithoutMemory(_) | Command::Warden => ExitCode::SUCCESS,
+        Command::Clean { .. }
+        | Command::Busy { .. }
+        | Command::WithoutMemory(_)
+        | Command::Warden => ExitCode::SUCCESS,
     })
 }

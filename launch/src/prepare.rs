@@ -3,7 +3,7 @@
 use crate::configs;
 use crate::faults;
 use crate::open_files;
-use crate::run_plan::{RunPlan, Source};
+use crate::run_plan::{MachineLoad, RunPlan, Source};
 use crate::scenario::{self, Scenario, StackFault};
 use crate::shared_memory;
 use crate::supervise::binaries::{self, Needed};
@@ -15,6 +15,7 @@ use std::time::Duration;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::run::{DELAY_STEP_NS, RunMode};
 use zeronav_msgs::time::nanoseconds;
+use zeronav_shell::clock::now_ns;
 use zeronav_shell::memory;
 use zeronav_world::spec::Trigger;
 use zeronav_world::{Footprint, World};
@@ -44,12 +45,16 @@ pub struct Prepared {
     pub trials: Option<u32>,
     /// True when the stack stays up and waits for goals.
     pub stays: bool,
+    /// What else the machine does.
+    pub load: MachineLoad,
     /// Delays put into seats on purpose.
     pub delays: BTreeMap<Role, u16>,
     /// Swaps of the scenario, with the tick before which each begins.
     pub(crate) swaps: Vec<(u64, SwapOrder)>,
     /// Faults of the scenario, and those that were drawn from the seed.
     pub(crate) faults: Vec<StackFault>,
+    /// When all of this was known, monotonic. [ns]
+    pub(crate) ready_ns: u64,
 }
 
 impl Prepared {
@@ -88,11 +93,32 @@ pub(crate) struct Checked {
 /// # Errors
 /// One line that names the thing and the fix.
 pub(crate) fn check(source: &Source, external: &[Role]) -> Result<Checked, String> {
+    check_scenario(load(source)?, external)
+}
+
+fn load(source: &Source) -> Result<Scenario, String> {
     let scenario = match source {
         Source::Named(name_or_path) => Scenario::load(name_or_path),
         Source::Map { map, robot, start } => Scenario::of_map(map, robot, *start),
     };
-    let scenario = scenario.map_err(|error| error.to_string())?;
+    scenario.map_err(|error| error.to_string())
+}
+
+/// The scenario of a plan, with what the plan puts in the place of its words.
+fn scenario_of(plan: &RunPlan) -> Result<Scenario, String> {
+    let mut scenario = load(&plan.scenario)?;
+    if let Some(rate_hz) = plan.rate_hz {
+        scenario.robot.lidar.rate_hz = rate_hz;
+    }
+    for (role, service) in scenario.services.each_mut() {
+        if let Some(binary) = plan.binaries.get(&role) {
+            service.binary = Some(binary.clone());
+        }
+    }
+    Ok(scenario)
+}
+
+fn check_scenario(scenario: Scenario, external: &[Role]) -> Result<Checked, String> {
     let scenario::Checked {
         world,
         footprint,
@@ -188,7 +214,7 @@ pub(crate) fn prepare(plan: &RunPlan) -> Result<Prepared, String> {
         warnings,
         binaries,
         swaps,
-    } = check(&plan.scenario, &plan.external)?;
+    } = check_scenario(scenario_of(plan)?, &plan.external)?;
     for warning in &warnings {
         tracing::warn!("{warning}");
     }
@@ -210,6 +236,7 @@ pub(crate) fn prepare(plan: &RunPlan) -> Result<Prepared, String> {
         progress: plan.progress,
         trials: plan.trials,
         stays: plan.stays,
+        load: plan.load,
         delays: plan.delays.clone(),
         swaps,
         faults,
@@ -219,6 +246,7 @@ pub(crate) fn prepare(plan: &RunPlan) -> Result<Prepared, String> {
         binaries,
         directory,
         mode: plan.mode,
+        ready_ns: now_ns(),
     })
 }
 
@@ -288,7 +316,13 @@ fn run_folder(out: &Path, scenario: &str) -> Result<PathBuf, String> {
         .duration_since(std::time::UNIX_EPOCH)
         .unwrap_or_default();
     let id = format!("{scenario}-{}-{}", now.as_secs(), std::process::id());
-    let folder = out.join(id);
+    // A command that makes several runs may make two in a second.
+    let names = (1..1000).map(|n| match n {
+        1 => id.clone(),
+        n => format!("{id}-{n}"),
+    });
+    let mut free = names.map(|name| out.join(name)).filter(|it| !it.exists());
+    let folder = free.next().unwrap_or_else(|| out.join(&id));
     std::fs::create_dir_all(folder.join("logs"))
         .map_err(|error| format!("making the run's folder {}: {error}", folder.display()))?;
     Ok(folder)

@@ -21,6 +21,27 @@ pub enum Source {
     },
 }
 
+/// What else the machine does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
+pub enum MachineLoad {
+    /// Nothing that this command starts.
+    #[default]
+    Idle,
+    /// A process per core computes all the time.
+    Busy,
+}
+
+impl MachineLoad {
+    /// The word for it.
+    #[must_use]
+    pub const fn label(self) -> &'static str {
+        match self {
+            Self::Idle => "idle",
+            Self::Busy => "busy",
+        }
+    }
+}
+
 /// The order for one run.
 #[derive(Debug, Clone)]
 pub struct RunPlan {
@@ -30,6 +51,12 @@ pub struct RunPlan {
     pub mode: RunMode,
     /// Seed of everything random; `None` = the scenario's.
     pub seed: Option<u64>,
+    /// Scans per second in place of the scenario's. [Hz]
+    pub rate_hz: Option<f64>,
+    /// Binaries in place of the scenario's, by seat.
+    pub binaries: BTreeMap<Role, PathBuf>,
+    /// What else the machine does.
+    pub load: MachineLoad,
     /// Seats that are left to processes started by hand.
     pub external: Vec<Role>,
     /// Trials to make instead of the scenario's drive.
@@ -44,4 +71,26 @@ pub struct RunPlan {
     pub log_level: String,
     /// True when a progress line is shown.
     pub progress: bool,
+}
+
+impl RunPlan {
+    /// A plain run of a scenario in the folder `runs`.
+    #[must_use]
+    pub fn of(scenario: Source, mode: RunMode) -> Self {
+        Self {
+            scenario,
+            mode,
+            seed: None,
+            rate_hz: None,
+            binaries: BTreeMap::new(),
+            load: MachineLoad::Idle,
+            external: Vec::new(),
+            trials: None,
+            stays: false,
+            delays: BTreeMap::new(),
+            out: PathBuf::from("runs"),
+            log_level: "info".to_owned(),
+            progress: true,
+        }
+    }
 }

@@ -6,9 +6,11 @@ use crate::floor;
 use crate::measure::DEADLINE_NS;
 use crate::measure::Event;
 use crate::measure::distribution::to_us;
+use crate::measure::profile::{RoundProfile, Timing};
 use crate::measure::way::HOPS;
 use crate::prepare::Prepared;
 use crate::result::latency::Latency;
+use crate::result::profile::Profile;
 use crate::result::trials::{Load, Round, SlowHop, SlowTrial};
 use crate::shuttle::{Quota, Trial};
 use std::sync::Arc;
@@ -31,6 +33,8 @@ pub(crate) struct Trials {
     pub drives: Vec<Driven>,
     /// All rounds together.
     pub latency: Latency,
+    /// How sure that is, and what lies behind it.
+    pub profile: Profile,
     /// The slowest trials, slowest first.
     pub worst: Vec<SlowTrial>,
 }
@@ -48,6 +52,7 @@ pub(crate) fn make(
     let mut rounds = Vec::new();
     let mut drives = Vec::new();
     let mut worst = Vec::new();
+    let mut profiles = Vec::new();
     let mut before = 0;
     for round in 0..ROUNDS {
         let n = wanted / ROUNDS + usize::from(round < wanted % ROUNDS);
@@ -67,14 +72,13 @@ pub(crate) fn make(
         let mut latency = Latency::of(&events, &driven.collector.records, DEADLINE_NS);
         latency.not_in_the_way = driven.trials_missed;
         let load = (driven.ending == Ending::TrialsOver).then(|| load(prepared, &driven));
-        if let Some(load) = load {
-            latency.transport_floor = Some(floor::measure(
-                prepared,
-                load,
-                2 * trials.len() as u64,
-                interrupted,
-            )?);
-        }
+        let cycles = 2 * trials.len() as u64;
+        let floor = load.map(|load| floor::measure(prepared, load, cycles, interrupted));
+        let floor = floor.transpose()?;
+        latency.transport_floor = floor.as_ref().map(|floor| floor.figures(DEADLINE_NS));
+        let records = &driven.collector.records;
+        let timing = timing(prepared);
+        profiles.push(RoundProfile::of(&events, records, floor.as_ref(), timing));
         // Ctrl-C may also have come while the floor was measured.
         if interrupted.load(Ordering::Relaxed) {
             driven.ending = Ending::Interrupted;
@@ -108,7 +112,23 @@ pub(crate) fn make(
         drives,
         worst,
         latency: Latency::of_rounds(&of_each),
+        profile: profile(prepared, &profiles),
     })
+}
+
+/// Several rounds as one.
+pub(crate) fn profile(prepared: &Prepared, rounds: &[RoundProfile]) -> Profile {
+    let rate_hz = prepared.scenario.robot.lidar.rate_hz;
+    Profile::of_rounds(rounds, rate_hz, prepared.load.label())
+}
+
+/// What should come how often in this run.
+pub(crate) fn timing(prepared: &Prepared) -> Timing {
+    Timing {
+        scan_period_ns: prepared.scan_period_ns(),
+        command_period_ns: prepared.scenario.run.tick_ns(),
+        deadline_ns: DEADLINE_NS,
+    }
 }
 
 /// Adds the trials of a round to the slowest of all, which stay few.

@@ -11,9 +11,11 @@ mod swapping;
 mod swaps;
 mod verbs;
 
+use crate::began;
 use crate::collect::Collector;
 use crate::configs;
 use crate::ending::Ending;
+use crate::measure::start_up::StartStamps;
 use crate::prepare::Prepared;
 use crate::result::fault::FaultResult;
 use crate::result::swap::SwapResult;
@@ -27,6 +29,7 @@ use session::{Session, reading};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
+use zeronav_shell::clock::now_ns;
 
 /// What was seen of a run.
 #[derive(Debug)]
@@ -35,6 +38,10 @@ pub(crate) struct Driven {
     pub ending: Ending,
     /// Everything that was heard.
     pub collector: Collector,
+    /// Moment of run time 0, monotonic. [ns]
+    pub zero_ns: u64,
+    /// Moments of the start.
+    pub start: StartStamps,
     /// Run time at which the goals were sent. [ns]
     pub goals_run_ns: u64,
     /// Run time of the end. [ns]
@@ -59,7 +66,7 @@ pub(crate) struct Driven {
     pub trials: Vec<Trial>,
     /// Trials that did not count because no path led through the obstacle.
     pub trials_missed: u64,
-    /// What disturbed the machine from the first goal to the end; trials only.
+    /// What disturbed the machine from the first goal to the end; in real time only.
     pub disturbance: Option<Disturbance>,
 }
 
@@ -86,7 +93,11 @@ pub(crate) fn drive(
         domain = %stack.root().display(),
         "the run begins"
     );
-    let driven = drive_stack(&mut stack, prepared, quota, interrupted);
+    let topics_ns = now_ns();
+    let mut driven = drive_stack(&mut stack, prepared, quota, interrupted);
+    if let Ok(driven) = &mut driven {
+        driven.start.topics_ns = topics_ns;
+    }
     stack::close(stack);
     driven
 }
@@ -99,6 +110,7 @@ fn drive_stack(
 ) -> Result<Driven, String> {
     let started = Instant::now();
     let configs = configs::write(&prepared.scenario, &prepared.world, stack.root())?;
+    let configs_ns = now_ns();
     for (role, delay) in &prepared.delays {
         stack.impede(*role, *delay, 0);
     }
@@ -127,6 +139,13 @@ fn drive_stack(
         trials_missed,
         disturbance,
         ending,
+        zero_ns: stack.roster.clock.zero_ns,
+        start: StartStamps {
+            command_ns: began::at_ns(),
+            prepared_ns: prepared.ready_ns,
+            configs_ns,
+            ..core::mem::take(&mut session.start)
+        },
         goals_run_ns: session.goals_run_ns,
         end_run_ns: end_tick * prepared.scenario.run.tick_ns(),
         end_tick,

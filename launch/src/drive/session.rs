@@ -8,6 +8,7 @@ use crate::control::socket::Server;
 use crate::disturbance::Reading;
 use crate::ending::Ending;
 use crate::keeper::{Keeper, READY_LIMIT};
+use crate::measure::start_up::StartStamps;
 use crate::orders::Orders;
 use crate::placed::PlacedObstacles;
 use crate::prepare::Prepared;
@@ -27,6 +28,7 @@ use zeronav_msgs::run::RunMode;
 use zeronav_msgs::task::{EndReason, Goal, TaskState};
 use zeronav_msgs::time::seconds;
 use zeronav_msgs::topics::{GroundTruth, Topic};
+use zeronav_shell::clock::now_ns;
 
 /// How long a run may go on without the robot's next tick.
 const SILENCE_LIMIT: Duration = Duration::from_secs(10);
@@ -77,7 +79,9 @@ pub(super) struct Session<'a> {
     pub(super) is_down: bool,
     /// Number of the next goal.
     next_goal: u64,
-    /// The kernel's counters when the first goal was sent; trials only.
+    /// Moments of the start.
+    pub(super) start: StartStamps,
+    /// The kernel's counters when the first goal was sent; in real time only.
     pub(super) at_start: Option<Reading>,
 }
 
@@ -114,6 +118,7 @@ impl<'a> Session<'a> {
             server: None,
             is_down: false,
             next_goal: 1,
+            start: StartStamps::default(),
             at_start: None,
         }
     }
@@ -143,6 +148,9 @@ impl<'a> Session<'a> {
         }
         for role in Role::SERVICES {
             self.keeper.start(stack, role)?;
+            if self.prepared.binaries.contains_key(&role) {
+                self.start.started_ns.insert(role, now_ns());
+            }
         }
         if let Some(ending) = self.wait_until_ready(stack) {
             return Ok(ending);
@@ -158,12 +166,13 @@ impl<'a> Session<'a> {
                 .map(|goal| goal.message(0))
                 .collect(),
         };
-        if self.shuttle.is_some() {
+        if !self.lockstep() && !self.prepared.stays {
             self.at_start = Some(reading(stack));
         }
         self.ready(stack);
         if !goals.is_empty() && !self.prepared.stays {
             self.send(stack, goals, 1);
+            self.start.goals_ns = now_ns();
         }
         self.begin_order(stack);
         Ok(self.watch(stack))

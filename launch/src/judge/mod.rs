@@ -6,13 +6,17 @@ mod reason;
 use crate::drive::Driven;
 use crate::measure::index::PathRecord;
 use crate::measure::motion::{Contact, Moment, jerk_mps3};
+use crate::measure::profile::RoundProfile;
+use crate::measure::start_up::start_up;
 use crate::measure::{self, DEADLINE_NS};
 use crate::prepare::Prepared;
 use crate::result::ServiceResult;
 use crate::result::latency::Latency;
+use crate::result::profile::Profile;
+use crate::result::start_up::StartUp;
 use crate::result::trials::TrialsResult;
 use crate::result::{Environment, Expectation, ObstacleResult, PlannedPath, RunResult, Touch};
-use crate::trials::Trials;
+use crate::trials::{self, Trials};
 use expectations::{contacts, expectations};
 use nalgebra::Point2;
 use reason::reason;
@@ -48,6 +52,7 @@ pub(crate) fn judge(prepared: &Prepared, driven: &Driven, environment: Environme
     let time_s = seconds(driven.end_run_ns.saturating_sub(driven.goals_run_ns));
     let wall_s = driven.wall.as_secs_f64();
     let lockstep = prepared.mode == RunMode::Lockstep;
+    let (latency, profile) = latencies(prepared, driven).unzip();
     RunResult {
         scenario: prepared.scenario.name.clone(),
         verdict: if met { "pass" } else { "fail" }.to_owned(),
@@ -78,7 +83,10 @@ pub(crate) fn judge(prepared: &Prepared, driven: &Driven, environment: Environme
         interventions_by_reason: by_reason,
         pose: seen.comparison.pose(),
         tracking: seen.comparison.tracking(),
-        latency: (!lockstep).then(|| latency(prepared, driven)),
+        latency,
+        profile,
+        disturbance: driven.disturbance.clone(),
+        start_up: (!lockstep).then(|| started(driven)).flatten(),
         trials: None,
         injected_us: prepared
             .delays
@@ -160,6 +168,11 @@ pub(crate) fn judge_trials(
     if met { "pass" } else { "fail" }.clone_into(&mut whole.verdict);
     whole.reason = reason(prepared, driven, met, &whole.expectations);
     whole.latency = Some(trials.latency.clone());
+    whole.profile = Some(trials.profile.clone());
+    // Each round has its own.
+    whole.disturbance = None;
+    // Only the first stack of several was started by the command.
+    whole.start_up = None;
     whole.trials = Some(TrialsResult {
         wanted: trials.wanted,
         made,
@@ -260,7 +273,12 @@ fn plan(path: &PathRecord, goals_run_ns: u64) -> PlannedPath {
     }
 }
 
-fn latency(prepared: &Prepared, driven: &Driven) -> Latency {
+/// The latencies of a run in real time and what lies behind them. Those of trials are measured
+/// trial by trial.
+fn latencies(prepared: &Prepared, driven: &Driven) -> Option<(Latency, Profile)> {
+    if prepared.mode == RunMode::Lockstep {
+        return None;
+    }
     let clearance_m = |index: usize, points_m: &[[f64; 2]]| {
         let pose = driven.collector.obstacles.get(&index);
         let obstacle = prepared.world.obstacles().get(index);
@@ -275,13 +293,20 @@ fn latency(prepared: &Prepared, driven: &Driven) -> Latency {
             })
     };
     let radius_m = prepared.footprint.inscribed_radius_m();
-    measure::measure(
-        &driven.collector.records,
-        &clearance_m,
-        radius_m,
-        DEADLINE_NS,
+    let records = &driven.collector.records;
+    let (events, latency) = measure::measure(records, &clearance_m, radius_m, DEADLINE_NS);
+    let round = RoundProfile::of(&events, records, None, trials::timing(prepared));
+    Some((latency, trials::profile(prepared, &[round])))
+}
+
+/// What the start took.
+fn started(driven: &Driven) -> Option<StartUp> {
+    let collector = &driven.collector;
+    start_up(
+        &driven.start,
+        &collector.records,
+        collector.first_motion_tick,
     )
-    .1
 }
 
 fn obstacles(prepared: &Prepared, driven: &Driven) -> Vec<ObstacleResult> {

@@ -5,6 +5,7 @@ use super::event::{Clearance, Event, EventOutcome, judge};
 use super::index::Records;
 use super::joins::{End, Joins};
 use super::reaction::reactions;
+use super::series::Series;
 use super::way::{ALL, DIRECT, HOPS, THROUGH_MAP, Way};
 use crate::result::latency::{EveryScan, Figures, Hop, Latency, SecondClock};
 use std::collections::{BTreeMap, BTreeSet};
@@ -29,13 +30,15 @@ pub fn measure(
 
 /// What is gathered over ways.
 #[derive(Debug)]
-struct Ways {
+pub(super) struct Ways {
     /// Ways share hops: each pair of stamps counts once.
     out_of_order: BTreeSet<(usize, u64, u64)>,
     followed: u64,
     broken: u64,
-    direct: [Distribution; HOPS.len()],
-    through_map: [Distribution; HOPS.len()],
+    /// Lengths of the hops of every scan that an author read itself.
+    pub(super) direct: [Series; HOPS.len()],
+    /// The same through map and path.
+    pub(super) through_map: [Series; HOPS.len()],
     second: Distribution,
     difference: Distribution,
     beyond: u64,
@@ -47,8 +50,8 @@ impl Ways {
             out_of_order: BTreeSet::new(),
             followed: 0,
             broken: 0,
-            direct: core::array::from_fn(|_| Distribution::new()),
-            through_map: core::array::from_fn(|_| Distribution::new()),
+            direct: Default::default(),
+            through_map: Default::default(),
             second: Distribution::new(),
             difference: Distribution::new(),
             beyond: 0,
@@ -56,7 +59,7 @@ impl Ways {
     }
 
     /// Follows every command that reached the wheels back to its scans.
-    fn follow(records: &Records) -> Self {
+    pub(super) fn follow(records: &Records) -> Self {
         let joins = Joins::of(records);
         let mut ways = Self::new();
         let (mut scans, mut paths) = (BTreeSet::new(), BTreeSet::new());
@@ -124,16 +127,16 @@ impl Ways {
     }
 }
 
-fn add(hops: &mut [Distribution; HOPS.len()], way: &Way) {
+fn add(hops: &mut [Series; HOPS.len()], way: &Way) {
     for (place, length_ns) in way.lengths_ns() {
         hops[place].add(length_ns);
     }
 }
 
-fn table(places: &[usize], hops: &[Distribution; HOPS.len()]) -> Vec<Hop> {
+fn table(places: &[usize], hops: &[Series; HOPS.len()], deadline_ns: u64) -> Vec<Hop> {
     let row = |place: &usize| Hop {
         name: HOPS[*place].to_owned(),
-        figures: hops[*place].figures(),
+        figures: hops[*place].figures(deadline_ns),
     };
     places.iter().map(row).collect()
 }
@@ -144,7 +147,7 @@ impl Latency {
     pub fn of(events: &[Event], records: &Records, deadline_ns: u64) -> Self {
         let mut replanning = Distribution::new();
         let mut event_to_motion = Distribution::new();
-        let mut hops: [Distribution; HOPS.len()] = core::array::from_fn(|_| Distribution::new());
+        let mut hops: [Series; HOPS.len()] = Default::default();
         let mut ways = Ways::follow(records);
         for event in events {
             match event.outcome {
@@ -171,15 +174,15 @@ impl Latency {
         let count = |is: &dyn Fn(&Event) -> bool| events.iter().filter(|event| is(event)).count();
         let outcome = |outcome| count(&|event| event.outcome == outcome) as u64;
         Self {
-            reaction: reactions(records, deadline_ns).figures(),
+            reaction: reactions(records, deadline_ns).figures(deadline_ns),
             replanning: replanning.figures(),
             event_to_motion: event_to_motion.figures(),
-            hops: table(&ALL, &hops),
+            hops: table(&ALL, &hops, deadline_ns),
             transport_floor: None,
             replanning_to_floor: None,
             every_scan: EveryScan {
-                direct: table(&DIRECT, &ways.direct),
-                through_map: table(&THROUGH_MAP, &ways.through_map),
+                direct: table(&DIRECT, &ways.direct, deadline_ns),
+                through_map: table(&THROUGH_MAP, &ways.through_map, deadline_ns),
             },
             hops_out_of_order: ways.disorder(),
             ways: ways.followed,

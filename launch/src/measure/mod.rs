@@ -4,14 +4,21 @@
 //! paths and the sightings of obstacles in the map. Nothing is measured here; every time is a
 //! difference of clock readings that the processes took themselves.
 
+pub(crate) mod bootstrap;
+mod command_gaps;
 pub(crate) mod distribution;
+pub(crate) mod edges;
 pub(crate) mod event;
 pub(crate) mod fold;
 pub mod index;
 pub(crate) mod joins;
 pub(crate) mod latency;
 pub(crate) mod motion;
+pub(crate) mod paired;
+pub(crate) mod profile;
 pub(crate) mod reaction;
+pub mod series;
+pub(crate) mod start_up;
 pub(crate) mod tracking;
 mod tracking_score;
 pub mod way;
@@ -23,6 +30,7 @@ pub use index::Records;
 pub use latency::measure;
 pub use motion::Motion;
 pub use reaction::reactions;
+pub use series::Series;
 pub use tracking::TruthComparison;
 
 /// Time after which an obstacle or a scan counts as unanswered. [ns]

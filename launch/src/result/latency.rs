@@ -131,14 +131,17 @@ impl From<Figures> for Shown {
 }
 
 impl Figures {
+    /// Fewest samples that a median, a 90th and a 99th percentile can be said of.
+    pub const N_MIN: [u64; 3] = [2, 10, 100];
+
     /// Without the percentiles above (n - 1) / n: so few samples do not tell them from the worst.
     #[must_use]
     pub fn supported(self) -> Self {
         let from = |n_min: u64, value: Option<f64>| value.filter(|_| self.n >= n_min);
         Self {
-            p50_us: from(2, self.p50_us),
-            p90_us: from(10, self.p90_us),
-            p99_us: from(100, self.p99_us),
+            p50_us: from(Self::N_MIN[0], self.p50_us),
+            p90_us: from(Self::N_MIN[1], self.p90_us),
+            p99_us: from(Self::N_MIN[2], self.p99_us),
             ..self
         }
     }

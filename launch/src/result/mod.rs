@@ -5,16 +5,21 @@
 
 pub mod fault;
 pub mod latency;
+pub mod profile;
+pub mod start_up;
 pub mod swap;
 pub mod trials;
 pub mod truth;
 
 use fault::FaultResult;
 use latency::Latency;
+use profile::Profile;
 use serde::{Deserialize, Serialize};
+use start_up::StartUp;
 use std::collections::BTreeMap;
+use std::path::Path;
 use swap::SwapResult;
-use trials::TrialsResult;
+use trials::{Disturbance, TrialsResult};
 use truth::{PoseResult, TrackingResult};
 
 /// The result of a run.
@@ -85,6 +90,15 @@ pub struct RunResult {
     pub tracking: Option<TrackingResult>,
     /// Latencies; null in lockstep. Of trials: the median of the rounds, the worst of all.
     pub latency: Option<Latency>,
+    /// How sure they are and what lies behind them; null in lockstep.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub profile: Option<Profile>,
+    /// What disturbed the run; of trials each round has its own.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub disturbance: Option<Disturbance>,
+    /// From the command to the first motion; null in lockstep and of trials.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub start_up: Option<StartUp>,
     /// The rounds of `--trials`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub trials: Option<TrialsResult>,
@@ -113,6 +127,28 @@ pub struct RunResult {
     pub expectations: Vec<Expectation>,
     /// Folder with everything that the run left.
     pub directory: String,
+}
+
+/// Largest file that is taken for a result. [bytes]
+const FILE_BYTES_MAX: u64 = 256 * 1024 * 1024;
+
+impl RunResult {
+    /// The result in the folder of a run.
+    ///
+    /// # Errors
+    /// One line naming the file.
+    pub fn read(run: &Path) -> Result<Self, String> {
+        let file = run.join("result.json");
+        let name = file.display();
+        let size = std::fs::metadata(&file)
+            .map_err(|error| format!("{name}: {error}; the folder of a run holds a result.json"))?;
+        if size.len() > FILE_BYTES_MAX {
+            return Err(format!("{name}: no result is that large"));
+        }
+        let text = std::fs::read_to_string(&file).map_err(|error| format!("{name}: {error}"))?;
+        serde_json::from_str(&text)
+            .map_err(|error| format!("{name} is no result of a run: {error}"))
+    }
 }
 
 /// A path that was published.

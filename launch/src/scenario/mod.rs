@@ -220,7 +220,7 @@ impl ServicesSpec {
         }
     }
 
-    fn each_mut(&mut self) -> [(Role, &mut ServiceSpec); 5] {
+    pub(crate) fn each_mut(&mut self) -> [(Role, &mut ServiceSpec); 5] {
         [
             (Role::Robot, &mut self.robot),
             (Role::Mapping, &mut self.mapping),

@@ -1,5 +1,6 @@
 //! The result of a run as a page of text.
 
+use crate::lints::lints;
 use crate::result::fault::FaultResult;
 use crate::result::latency::{Figures, Latency};
 use crate::result::trials::{SlowHop, SlowTrial};
@@ -134,6 +135,9 @@ impl RunResult {
         }
         if let Some(latency) = &self.latency {
             write_latency(latency, &mut text);
+        }
+        for lint in lints(self) {
+            let _ = writeln!(text, "  note: {lint}");
         }
         if let Some(trials) = &self.trials {
             text.push_str("  slowest trials\n");

@@ -103,7 +103,7 @@ fn an_answer_after_the_deadline_is_censored() {
 #[test]
 fn an_unanswered_reaction_is_censored_and_never_dropped() {
     let figures = |records: &Records| {
-        let figures = reactions(records, DEADLINE_NS).figures();
+        let figures = reactions(records, DEADLINE_NS).figures(DEADLINE_NS);
         (figures.n, figures.censored)
     };
     let driving = || {

@@ -197,6 +197,17 @@ pub const EXPERIMENTS: &[Experiment] = &[
         make: |bench| criterion(bench, "zeronav-robot-sim", &["lidar"]),
     },
     Experiment {
+        key: "bench_records",
+        title: "what an answer costs that is measured: its record and its clock readings",
+        minutes: 0.3,
+        by_default: false,
+        note: Some(
+            "The record is written after the readers of the answer were rung, so it delays none of \
+             them; the readings are in every hop.",
+        ),
+        make: |bench| criterion(bench, "zeronav-shell", &["records"]),
+    },
+    Experiment {
         key: "planner_replan",
         title: "searching again after a local change of the map",
         minutes: 6.0,
