@@ -52,9 +52,8 @@ const ZeronavScene = (() => {
     /** The version of a tile that frame `frame` shows. */
     at(key, frame) {
       const all = this.versions.get(key) || [];
-      let found = null;
-      for (const version of all) if (version[0] <= frame) found = version;
-      return found;
+      for (let i = all.length - 1; i >= 0; i--) if (all[i][0] <= frame) return all[i];
+      return null;
     }
     forget(first) {
       for (const all of this.versions.values()) {
