@@ -3,6 +3,7 @@
 use crate::arguments::{delay, service_role};
 use crate::contract_kit::cli::ContractArgs;
 use crate::contract_kit::no_memory;
+use crate::live_view::{PageArgs, ViewArgs};
 use crate::logs::LogsArgs;
 use crate::map_save::MapArgs;
 use crate::new_package::cli::NewArgs;
@@ -22,6 +23,7 @@ use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
 use core::ops::Range;
 use std::collections::BTreeMap;
+use std::io::IsTerminal;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use zeronav_msgs::role::Role;
@@ -114,6 +116,8 @@ pub enum Command {
     Logs(LogsArgs),
     /// The map of a running stack.
     Map(MapArgs),
+    /// A live page of a running stack: prints its link, and serves it until the stack ends.
+    View(ViewArgs),
     /// Whether this machine can run a stack well, and what to do where it cannot.
     Doctor {
         /// Print one JSON object.
@@ -179,12 +183,21 @@ pub struct StartArgs {
     /// What the services log: error, warn, info, debug, trace, or a filter.
     #[arg(long, value_name = "LEVEL", default_value = "info", value_parser = logs::filter)]
     pub log_level: String,
+    /// Serve no live page. There is one when standard output is a terminal, without --json and
+    /// --headless; a run in lockstep and trials have none.
+    #[arg(long, conflicts_with_all = ["port", "open"])]
+    pub no_view: bool,
+    /// The live page.
+    #[command(flatten)]
+    pub page: PageArgs,
 }
 
 impl StartArgs {
     /// What the arguments mean for a scenario.
     fn plan(&self, scenario: Source) -> RunPlan {
+        let is_watched = !self.json && !self.headless && std::io::stdout().is_terminal();
         RunPlan {
+            view: (is_watched && !self.no_view).then(|| self.page.clone()),
             scenario,
             mode: if self.lockstep {
                 RunMode::Lockstep

@@ -24,6 +24,7 @@ mod interrupts;
 mod judge;
 mod keeper;
 mod leave;
+pub mod live_view;
 pub mod logs;
 pub mod look;
 pub mod map_save;

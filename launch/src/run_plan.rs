@@ -1,5 +1,6 @@
 //! What a run is asked to be, before anything is read or checked.
 
+use crate::live_view::PageArgs;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use zeronav_msgs::role::Role;
@@ -24,6 +25,8 @@ pub enum Source {
 /// The order for one run.
 #[derive(Debug, Clone)]
 pub struct RunPlan {
+    /// The live page that is wanted beside it.
+    pub view: Option<PageArgs>,
     /// What to drive in.
     pub scenario: Source,
     /// Real time or lockstep.

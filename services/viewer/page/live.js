@@ -452,5 +452,7 @@
   try { stored = localStorage.getItem("theme"); } catch { /* not allowed: the default */ }
   setTheme(THEMES.includes(stored) ? stored : "auto");
   if (token) enableActs();
+  // For the console of the browser.
+  window.zeronavPage = { view, get scene() { return scene; }, get status() { return status; } };
   connect();
 })();

@@ -39,6 +39,9 @@ const STATUS_PAUSE: Duration = Duration::from_millis(250);
 /// Least time between two requests for the whole map.
 const ASK_PAUSE: Duration = Duration::from_secs(1);
 
+/// How long the map may take to come by itself.
+const MAP_PAUSE: Duration = Duration::from_millis(300);
+
 /// Time between two looks. The shortest queue holds 32 messages: 0.6 s in real time.
 const PAUSE: Duration = Duration::from_millis(8);
 
@@ -102,7 +105,8 @@ pub(crate) struct Tap {
     path: Option<ScenePath>,
     last_frame: Instant,
     last_status: Instant,
-    asked: Option<Instant>,
+    /// From when on the whole map may be asked for.
+    may_ask: Instant,
 }
 
 #[derive(Debug, Default)]
@@ -133,7 +137,7 @@ impl Tap {
             path: None,
             last_frame: Instant::now(),
             last_status: Instant::now(),
-            asked: None,
+            may_ask: Instant::now() + MAP_PAUSE,
         })
     }
 
@@ -207,14 +211,11 @@ impl Tap {
             self.grid = None;
         }
         let is_lost = map.is_lost() && self.ports.roster.roster().has_clock();
-        if is_lost && self.asked.is_none_or(|asked| asked.elapsed() > ASK_PAUSE) {
-            // The first one comes by itself when this process began with the stack.
-            if self.asked.is_some()
-                && let Ok(bells) = Bells::open(peer)
-            {
+        if is_lost && Instant::now() >= self.may_ask {
+            self.may_ask = Instant::now() + ASK_PAUSE;
+            if let Ok(bells) = Bells::open(peer) {
                 bells.ring(Role::Mapping, EVENT_NEED_KEYFRAME);
             }
-            self.asked = Some(Instant::now());
         }
     }
 

@@ -29,9 +29,8 @@ impl Usages {
     )]
     pub(crate) fn look(&mut self, pid: u32) -> Option<Usage> {
         let stat = std::fs::read_to_string(format!("/proc/{pid}/stat")).ok()?;
-        let memory = std::fs::read_to_string(format!("/proc/{pid}/statm")).ok()?;
+        let status = std::fs::read_to_string(format!("/proc/{pid}/status")).ok()?;
         let (ticks, now) = (ticks(&stat)?, Instant::now());
-        let pages: u64 = memory.split(' ').nth(1)?.parse().ok()?;
         let before = self.before.insert(pid, (ticks, now));
         let cpu_percent = before.map_or(0.0, |(before, since)| {
             let elapsed_s = now.duration_since(since).as_secs_f64().max(1.0e-3);
@@ -39,7 +38,7 @@ impl Usages {
         });
         Some(Usage {
             cpu_percent,
-            memory_bytes: pages * rustix::param::page_size() as u64,
+            memory_bytes: resident_bytes(&status)?,
         })
     }
 
@@ -57,6 +56,14 @@ fn ticks(stat: &str) -> Option<u64> {
     Some(user + system)
 }
 
+/// Resident memory in a `/proc/PID/status`; `None` of a process that has ended. [bytes]
+fn resident_bytes(status: &str) -> Option<u64> {
+    let mut lines = status.lines();
+    let kibibytes = lines.find_map(|line| line.strip_prefix("VmRSS:"))?;
+    let kibibytes: u64 = kibibytes.trim().strip_suffix(" kB")?.parse().ok()?;
+    Some(kibibytes * 1024)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -66,6 +73,9 @@ mod tests {
         let stat = "7 (a b) c) S 1 7 7 0 -1 4194560 1 0 0 0 31 11 0 0 20 0 1 0 100 0 0";
         assert_eq!(ticks(stat), Some(42));
         assert_eq!(ticks("7"), None);
+        let status = "Name:\ta\nVmHWM:\t  9 kB\nVmRSS:\t   12 kB\nThreads:\t1\n";
+        assert_eq!(resident_bytes(status), Some(12 * 1024));
+        assert_eq!(resident_bytes("Name:\ta\n"), None);
     }
 
     #[test]
