@@ -140,6 +140,7 @@
       const state = row.cells[1].firstChild;
       state.textContent = words_of_state;
       state.className = `state ${service.state}`;
+      state.title = words_of_state;
       cells.forEach((text, i) => { row.cells[i + 2].textContent = text; });
     }
     showLatency(status.latency);

@@ -18,7 +18,11 @@ use zeronav_msgs::topics::{HealthTopic, health_of};
 use zeronav_shell::{Latest, Peer, Roster, StartError};
 
 /// A heart that has not beaten for this long is silent; it beats at least every 100 ms.
-const SILENT: Duration = Duration::from_millis(300);
+const SILENT: Duration = Duration::from_millis(400);
+
+/// Time between two looks above which this process was kept from looking: it has a low priority, and
+/// what it did not see says nothing about the others.
+const LATE: Duration = Duration::from_millis(50);
 
 /// For how long a restart stands in the table.
 const RESTARTED: Duration = Duration::from_secs(2);
@@ -59,6 +63,8 @@ struct SeatLine {
 pub(crate) struct Seats {
     lines: Vec<SeatLine>,
     usages: Usages,
+    /// The last look at the heartbeats.
+    listened: Instant,
     looked: Option<Instant>,
     own: Usage,
     hops: Hops,
@@ -93,6 +99,7 @@ impl Seats {
         Ok(Self {
             lines,
             usages: Usages::default(),
+            listened: Instant::now(),
             looked: None,
             own: Usage::default(),
             hops: Hops::default(),
@@ -125,7 +132,12 @@ impl Seats {
 
     /// Takes in heartbeats.
     pub(crate) fn listen(&mut self, roster: &Roster, events: &mut Events) {
+        let absent = self.listened.elapsed();
+        self.listened = Instant::now();
         for line in &mut self.lines {
+            if absent > LATE {
+                line.beaten = line.beaten.map(|beaten| beaten + absent);
+            }
             let epoch = roster.seat(line.role).map_or(0, |seat| seat.epoch);
             if line.epoch != epoch {
                 line.restarted = (line.epoch != 0).then(Instant::now);
