@@ -305,6 +305,7 @@ fn noise(seed: u64, len: usize) -> Vec<u8> {
 
 #[test]
 fn hostile_and_stalled_clients_leave_the_stack_and_the_others_alone() {
+    let _turn = real_time_turn();
     let up = Up::start(&["open_aisle"]);
     let before = seats(&up);
     let viewer = Viewer::start(&up.root, &[]);

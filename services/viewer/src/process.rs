@@ -25,7 +25,7 @@ const PORT: u16 = 8090;
 const EPOCH: u32 = 1;
 
 /// How much lower than that of the stack the priority of this process is.
-const NICER: i32 = 10;
+const NICER: i32 = 5;
 
 /// How long launch may take to say which scenario runs.
 const NAME_LIMIT: Duration = Duration::from_secs(2);

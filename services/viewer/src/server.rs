@@ -122,19 +122,19 @@ fn router(shared: Arc<Shared>) -> Router {
     Router::new()
         .route(
             "/",
-            get(|| file(page::INDEX_HTML, "text/html; charset=utf-8")),
+            get(async || file(page::INDEX_HTML, "text/html; charset=utf-8")),
         )
         .route(
             "/style.css",
-            get(|| file(page::STYLE_CSS, "text/css; charset=utf-8")),
+            get(async || file(page::STYLE_CSS, "text/css; charset=utf-8")),
         )
         .route(
             "/scene.js",
-            get(|| file(page::SCENE_JS, "text/javascript; charset=utf-8")),
+            get(async || file(page::SCENE_JS, "text/javascript; charset=utf-8")),
         )
         .route(
             "/live.js",
-            get(|| file(page::LIVE_JS, "text/javascript; charset=utf-8")),
+            get(async || file(page::LIVE_JS, "text/javascript; charset=utf-8")),
         )
         .route("/stream", get(stream))
         .route("/act", post(act_on))
@@ -148,7 +148,7 @@ fn router(shared: Arc<Shared>) -> Router {
         .with_state(shared)
 }
 
-async fn file(text: &'static str, kind: &'static str) -> impl IntoResponse {
+fn file(text: &'static str, kind: &'static str) -> impl IntoResponse {
     ([(header::CONTENT_TYPE, kind)], text)
 }
 
