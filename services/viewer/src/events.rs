@@ -196,7 +196,7 @@ mod tests {
     fn a_repeated_path_is_no_event_and_a_new_one_has_its_cause() {
         let mut events = Events::default();
         let mut path = Path::new("jps", PathStatus::Found, PathCause::Obstacle, 1, &[]);
-        path.geometry = Id::new(1, 4).0;
+        (path.geometry, path.length_m) = (Id::new(1, 4).0, 2.5);
         assert!(events.path(&path));
         assert!(!events.path(&path));
         path.geometry = Id::new(1, 9).0;
@@ -204,7 +204,7 @@ mod tests {
         assert!(events.path(&path));
         let told = texts(&mut events);
         assert_eq!(told.len(), 2);
-        assert_eq!(told[0].1, "obstacle: 0.0 m by jps, 0 expanded");
+        assert_eq!(told[0].1, "obstacle: 2.5 m by jps, 0 expanded");
         assert_eq!(told[1].1, "obstacle: none, unreachable, by jps");
     }
 
