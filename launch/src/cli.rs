@@ -160,10 +160,7 @@ pub enum Command {
 
 /// How a stack is brought up.
 #[derive(Debug, Clone, Args)]
-#[allow(
-    clippy::struct_excessive_bools,
-    reason = "switches of a command line"
-)]
+#[allow(clippy::struct_excessive_bools, reason = "switches of a command line")]
 pub struct StartArgs {
     /// Every stage answers every tick exactly once: as fast as the machine can, the same every time.
     #[arg(long)]
