@@ -6,6 +6,7 @@ use crate::compare::cli::CompareArgs;
 use crate::contract_kit::cli::ContractArgs;
 use crate::contract_kit::no_memory;
 use crate::latency::cli::LatencyArgs;
+use crate::live_view::{PageArgs, ViewArgs};
 use crate::logs::LogsArgs;
 use crate::map_save::MapArgs;
 use crate::new_package::cli::NewArgs;
@@ -25,6 +26,7 @@ use crate::version::VERSION;
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
 use core::ops::Range;
+use std::io::IsTerminal;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use zeronav_msgs::role::Role;
@@ -123,6 +125,8 @@ pub enum Command {
     Logs(LogsArgs),
     /// The map of a running stack.
     Map(MapArgs),
+    /// A live page of a running stack: prints its link, and serves it until the stack ends.
+    View(ViewArgs),
     /// Whether this machine can run a stack well, and what to do where it cannot.
     Doctor {
         /// Print one JSON object.
@@ -171,6 +175,7 @@ pub enum Command {
 
 /// How a stack is brought up.
 #[derive(Debug, Clone, Args)]
+#[allow(clippy::struct_excessive_bools, reason = "switches of a command line")]
 pub struct StartArgs {
     /// Every stage answers every tick exactly once: as fast as the machine can, the same every time.
     #[arg(long)]
@@ -194,6 +199,13 @@ pub struct StartArgs {
     /// What the services log: error, warn, info, debug, trace, or a filter.
     #[arg(long, value_name = "LEVEL", default_value = "info", value_parser = logs::filter)]
     pub log_level: String,
+    /// Serve no live page. There is one when standard output is a terminal, without --json and
+    /// --headless; a run in lockstep and trials have none.
+    #[arg(long, conflicts_with_all = ["port", "open"])]
+    pub no_view: bool,
+    /// The live page.
+    #[command(flatten)]
+    pub page: PageArgs,
 }
 
 impl StartArgs {
@@ -204,7 +216,9 @@ impl StartArgs {
         } else {
             RunMode::RealTime
         };
+        let is_watched = !self.json && !self.headless && std::io::stdout().is_terminal();
         RunPlan {
+            view: (is_watched && !self.no_view).then(|| self.page.clone()),
             seed: self.seed,
             external: self.external.clone(),
             out: self.out.clone(),

@@ -29,6 +29,7 @@ mod keeper;
 pub mod latency;
 mod leave;
 mod lints;
+pub mod live_view;
 pub mod logs;
 pub mod look;
 pub mod map_save;

@@ -8,6 +8,7 @@ use std::process::ExitCode;
 use zeronav::cli::{Cli, Command};
 use zeronav::contract_kit::{self, no_memory};
 use zeronav::exit::EXIT_USAGE;
+use zeronav::live_view;
 use zeronav::new_package;
 use zeronav::remote::{fault, goal, swap, verbs};
 use zeronav::show::{log, terminal};
@@ -72,6 +73,7 @@ fn main() -> ExitCode {
         Command::Topics(arguments) => topics::topics(&arguments),
         Command::Logs(arguments) => logs::logs(&arguments),
         Command::Map(arguments) => map_save::map(&arguments),
+        Command::View(arguments) => live_view::view(&arguments),
         Command::Doctor { json } => doctor::doctor(json),
         Command::Goal(arguments) => goal::goal(&arguments),
         Command::Goals(arguments) => goal::goals(&arguments),

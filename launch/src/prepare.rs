@@ -2,6 +2,7 @@
 
 use crate::configs;
 use crate::faults;
+use crate::live_view::PageArgs;
 use crate::open_files;
 use crate::run_plan::{MachineLoad, RunPlan, Source};
 use crate::scenario::{self, Scenario, StackFault};
@@ -23,6 +24,8 @@ use zeronav_world::{Footprint, World};
 /// A run that can be started.
 #[derive(Debug)]
 pub struct Prepared {
+    /// The live page that is wanted.
+    pub view: Option<PageArgs>,
     /// What to drive.
     pub scenario: Scenario,
     /// Its world.
@@ -230,7 +233,10 @@ pub(crate) fn prepare(plan: &RunPlan) -> Result<Prepared, String> {
     let seed = plan.seed.unwrap_or(scenario.run.seed);
     let faults = faults_of(&scenario, plan.mode, seed)?;
     let directory = run_folder(&plan.out, &scenario.name)?;
+    // Nobody sees a lockstep run go by, and trials are not to be disturbed.
+    let is_seen = plan.trials.is_none() && (plan.stays || plan.mode == RunMode::RealTime);
     Ok(Prepared {
+        view: plan.view.clone().filter(|_| is_seen),
         seed,
         log_level: plan.log_level.clone(),
         progress: plan.progress,

@@ -1,5 +1,6 @@
 //! What a run is asked to be, before anything is read or checked.
 
+use crate::live_view::PageArgs;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use zeronav_msgs::role::Role;
@@ -45,6 +46,8 @@ impl MachineLoad {
 /// The order for one run.
 #[derive(Debug, Clone)]
 pub struct RunPlan {
+    /// The live page that is wanted beside it.
+    pub view: Option<PageArgs>,
     /// What to drive in.
     pub scenario: Source,
     /// Real time or lockstep.
@@ -78,6 +81,7 @@ impl RunPlan {
     #[must_use]
     pub fn of(scenario: Source, mode: RunMode) -> Self {
         Self {
+            view: None,
             scenario,
             mode,
             seed: None,

@@ -7,20 +7,12 @@
 use super::request::{Reply, Request};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use std::collections::VecDeque;
-use std::io::{BufRead, BufReader, Error, ErrorKind, Read, Write};
+use std::io::{Error, ErrorKind, Read, Write};
 use std::os::fd::AsFd;
 use std::os::unix::net::{UnixListener, UnixStream};
-use std::time::{Duration, Instant};
+use std::time::Instant;
+use zeronav_shell::control::{self, LINE_BYTES_MAX, PATIENCE, SOCKET, check_same_user};
 use zeronav_shell::folder::{FILE_MODE, Folder};
-
-/// File name of the socket in the domain's root folder.
-pub(crate) const SOCKET: &str = "control.sock";
-
-/// Longest line, asked or answered. [bytes]
-const LINE_BYTES_MAX: usize = 64 * 1024;
-
-/// How long a client waits for an answer, and how long the run keeps a connection.
-const PATIENCE: Duration = Duration::from_secs(5);
 
 /// Connections that the run keeps at a time; one more takes the place of the oldest.
 const CLIENTS_MAX: usize = 16;
@@ -78,7 +70,7 @@ impl Server {
             let Ok((stream, _)) = self.listener.accept() else {
                 return;
             };
-            if is_same_user(&stream).is_err() || stream.set_nonblocking(true).is_err() {
+            if check_same_user(&stream).is_err() || stream.set_nonblocking(true).is_err() {
                 continue;
             }
             let mut client = Client {
@@ -172,43 +164,22 @@ impl Client {
     }
 }
 
-/// Accepts a peer with the caller's own user id.
-fn is_same_user(stream: &UnixStream) -> std::io::Result<()> {
-    let peer = rustix::net::sockopt::socket_peercred(stream)?;
-    if peer.uid == rustix::process::geteuid() {
-        Ok(())
-    } else {
-        Err(Error::new(
-            ErrorKind::PermissionDenied,
-            format!("the other end belongs to user id {}", peer.uid.as_raw()),
-        ))
-    }
-}
-
 /// Asks the run in the domain's root folder.
 ///
 /// # Errors
 /// What the system says, `PermissionDenied` when the other end is not the same user, or an answer
 /// that cannot be read.
 pub(crate) fn ask(folder: &Folder, request: &Request) -> std::io::Result<Reply> {
-    let mut stream = UnixStream::connect(folder.entry(SOCKET))?;
-    is_same_user(&stream)?;
-    stream.set_read_timeout(Some(PATIENCE))?;
-    stream.set_write_timeout(Some(PATIENCE))?;
-    let mut text = serde_json::to_string(request).map_err(Error::other)?;
-    text.push('\n');
-    stream.write_all(text.as_bytes())?;
-    let mut line = Vec::new();
-    let limit = u64::try_from(LINE_BYTES_MAX).unwrap_or(u64::MAX);
-    BufReader::new(&stream)
-        .take(limit)
-        .read_until(b'\n', &mut line)?;
-    serde_json::from_slice(&line).map_err(Error::other)
+    let text = serde_json::to_string(request).map_err(Error::other)?;
+    let answer = control::ask(folder, &text)?;
+    serde_json::from_slice(&answer).map_err(Error::other)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::io::{BufRead, BufReader};
+    use std::time::Duration;
 
     /// A folder with a server in it, removed with the first field.
     fn opened() -> (tempfile::TempDir, Folder, Server) {

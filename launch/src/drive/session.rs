@@ -8,6 +8,7 @@ use crate::control::socket::Server;
 use crate::disturbance::Reading;
 use crate::ending::Ending;
 use crate::keeper::{Keeper, READY_LIMIT};
+use crate::live_view::LiveView;
 use crate::measure::start_up::StartStamps;
 use crate::orders::Orders;
 use crate::placed::PlacedObstacles;
@@ -63,6 +64,8 @@ pub(super) struct Session<'a> {
     pub(super) placed: PlacedObstacles,
     /// The swap that goes on, and those before it.
     pub(super) swaps: Swaps,
+    /// The live page beside the run.
+    view: LiveView,
     /// True once every service can answer.
     pub(super) is_ready: bool,
     /// True while run time is held.
@@ -110,6 +113,7 @@ impl<'a> Session<'a> {
                 (prepared.world.obstacles().iter()).map(|obstacle| obstacle.spec.name.clone()),
             ),
             swaps: Swaps::default(),
+            view: LiveView::default(),
             is_ready: false,
             is_paused: false,
             hold_tick: 0,
@@ -181,6 +185,10 @@ impl<'a> Session<'a> {
     /// Every service can answer.
     fn ready(&mut self, stack: &Stack) {
         self.is_ready = true;
+        if let Some(page) = &self.prepared.view {
+            let log = self.prepared.directory.join("logs/viewer.log");
+            self.view = LiveView::start(stack.root(), page, &log);
+        }
         if self.prepared.stays {
             note(&format!(
                 "{} is up in {}; `zeronav goal X Y YAW` drives, `zeronav down` ends it",
@@ -326,6 +334,7 @@ impl<'a> Session<'a> {
                 return ending;
             }
             self.see_to_faults(stack);
+            self.view.look(stack);
             let tick = self.collector.robot_tick();
             let limit = self.swap_limit().min(self.fault_limit());
             let is_held = self.is_paused || (self.lockstep() && limit <= tick);

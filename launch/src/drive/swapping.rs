@@ -3,6 +3,7 @@
 use super::session::Session;
 use crate::arguments::service_role;
 use crate::result::swap::SwapResult;
+use crate::supervise::binaries;
 use crate::supervise::question;
 use crate::supervise::stack::Stack;
 use crate::swap::config::merged;
@@ -83,7 +84,8 @@ impl Session<'_> {
                 "{role} was started by hand (--external): launch does not swap it"
             ));
         };
-        let newcomer = order.binary.clone().unwrap_or_else(|| binary.to_owned());
+        let newcomer = order.binary.as_deref().map(binaries::find).transpose()?;
+        let newcomer = newcomer.unwrap_or_else(|| binary.to_owned());
         let keys = order.config.clone();
         let table = merged(table_in(config)?, role, newcomer == binary, keys);
         self.swaps.last_id += 1;

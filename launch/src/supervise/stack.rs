@@ -224,6 +224,11 @@ impl Stack {
         self.cleaner.ask()
     }
 
+    /// Has removed what a guest that has died left in the middleware's registry.
+    pub fn clean(&mut self) -> Ticket {
+        self.cleaner.ask()
+    }
+
     /// True once that cleaning has ended.
     pub fn is_clean(&mut self, ticket: Ticket) -> bool {
         self.cleaner.is_done(ticket)

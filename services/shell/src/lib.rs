@@ -15,6 +15,7 @@
 //! | which process is obeyed, and how time runs | [`Roster`], [`roster_reader`], [`seat`], [`clock`] |
 //! | inputs that several services read alike | [`OdometryReader`], [`MapInput`], [`Tasks`], [`CurrentGoal`] |
 //! | when an answer is due, and how it is given | [`Trigger`], [`Due`], [`Shell`], [`Draft`] |
+//! | a question to launch over the run's socket | [`control`] |
 //! | a process: flags, configuration, logs, exit code, loop | [`Service`], [`run`], [`flags`], [`logs`], [`error`] |
 //!
 //! `examples/own_planner` is a service in a package of its own.
@@ -23,6 +24,7 @@
 
 pub mod cleaning;
 pub mod clock;
+pub mod control;
 mod current_goal;
 pub mod domain;
 pub mod doorbell;

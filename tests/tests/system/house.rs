@@ -49,9 +49,11 @@ fn allowed(from: &str) -> &'static [&'static str] {
             "zeronav-params",
             "zeronav-robot-description",
             "zeronav-shell",
+            "zeronav-viewer",
             "zeronav-world",
             "zeronav-world-files",
         ],
+        "zeronav-viewer" => &["zeronav-msgs", "zeronav-shell"],
         _ => panic!("{from}: its allowed dependencies are not listed here"),
     }
 }
@@ -167,7 +169,7 @@ fn one_package_installs_every_service() {
             services += 1;
         }
     }
-    assert_eq!(services, 5, "{together:#?}");
+    assert_eq!(services, 6, "{together:#?}");
 }
 
 #[test]

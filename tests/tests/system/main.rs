@@ -49,3 +49,4 @@ mod swap;
 mod topics;
 mod up;
 mod verdicts;
+mod viewer;

@@ -1,0 +1,620 @@
+// Keeps the frames of a run and draws a moment of them on a canvas. The format is described in
+// README.md beside this file. No network, no clock, and no global but this one.
+// long: one file, so that a report can hold it as one script
+const ZeronavScene = (() => {
+  "use strict";
+
+  const TILE = 32;
+  const EVENTS_MAX = 500; // that are kept where old frames are dropped
+  const FLAG = { static: 1, sensed: 2, virtual: 4, regularised: 8, unknown: 16 };
+
+  // ---------------------------------------------------------------- frames
+
+  /** Bytes of base64 of PackBits; `null` for a layer that was not recorded. */
+  function unpack(text) {
+    if (!text) return null;
+    const from = atob(text);
+    const to = new Uint8Array(TILE * TILE);
+    let at = 0;
+    for (let i = 0; i < from.length && at < to.length; ) {
+      const n = from.charCodeAt(i);
+      if (n < 128) {
+        for (let k = 1; k <= n + 1 && at < to.length; k++) to[at++] = from.charCodeAt(i + k);
+        i += n + 2;
+      } else {
+        const value = from.charCodeAt(i + 1);
+        for (let k = 257 - n; k > 0 && at < to.length; k--) to[at++] = value;
+        i += 2;
+      }
+    }
+    return to;
+  }
+
+  /** The tiles of one grid, with all versions that the kept frames need. */
+  class TileLog {
+    constructor(grid, since) {
+      [this.x, this.y, this.resolution, this.width, this.height] = grid;
+      this.columns = Math.ceil(this.width / TILE);
+      this.rows = Math.ceil(this.height / TILE);
+      this.since = since;
+      this.versions = new Map(); // key -> [[frame, flags, cost, clearance], ...], packed
+      this.newest = since;
+    }
+    push(frame, tiles) {
+      for (const [column, row, ...layers] of tiles) {
+        if (!(column >= 0 && column < this.columns && row >= 0 && row < this.rows)) continue;
+        const key = row * this.columns + column;
+        if (!this.versions.has(key)) this.versions.set(key, []);
+        this.versions.get(key).push([frame, ...layers]);
+      }
+      this.newest = frame;
+    }
+    /** The version of a tile that frame `frame` shows. */
+    at(key, frame) {
+      const all = this.versions.get(key) || [];
+      for (let i = all.length - 1; i >= 0; i--) if (all[i][0] <= frame) return all[i];
+      return null;
+    }
+    forget(first) {
+      for (const all of this.versions.values()) {
+        while (all.length > 1 && all[1][0] <= first) all.shift();
+      }
+    }
+  }
+
+  /** Frames of a run in order of time. */
+  class Scene {
+    constructor(fixed, { keep_s = Infinity } = {}) {
+      this.fixed = fixed;
+      this.keep_s = keep_s;
+      this.states = []; // whole moments; what did not change is shared
+      this.first = 0; // number of the first kept frame
+      this.logs = [];
+      this.events = []; // of the kept frames and before
+    }
+    get start_s() { return this.states.length ? this.states[0].time_s : 0; }
+    get end_s() { return this.states.length ? this.states[this.states.length - 1].time_s : 0; }
+
+    push(frame) {
+      const before = this.states[this.states.length - 1];
+      const number = this.first + this.states.length;
+      const { map, events, ...rest } = frame;
+      const state = Object.assign({ before_path: null, path_since_s: 0 }, before, rest);
+      if (frame.path && (!before || !before.path || before.path.id !== frame.path.id)) {
+        state.before_path = before ? before.path : null;
+        state.path_since_s = frame.time_s;
+      }
+      if (map && map.grid) this.logs.push(new TileLog(map.grid, number));
+      if (map && this.logs.length) this.logs[this.logs.length - 1].push(number, map.tiles || []);
+      for (const event of events || []) this.events.push(event);
+      this.states.push(state);
+      if (this.keep_s !== Infinity && number % 64 === 0) this.forget();
+      return state;
+    }
+    forget() {
+      const oldest = this.end_s - this.keep_s;
+      const drop = Math.max(0, this.indexAt(oldest));
+      if (drop === 0) return;
+      this.states.splice(0, drop);
+      this.first += drop;
+      while (this.logs.length > 1 && this.logs[1].since <= this.first) this.logs.shift();
+      for (const log of this.logs) log.forget(this.first);
+      if (this.events.length > EVENTS_MAX) this.events.splice(0, this.events.length - EVENTS_MAX);
+    }
+    /** Place in `states` of the last frame that is not after `time_s`; -1 before the first. */
+    indexAt(time_s) {
+      let [low, high] = [0, this.states.length];
+      while (low < high) {
+        const middle = (low + high) >> 1;
+        if (this.states[middle].time_s <= time_s) low = middle + 1;
+        else high = middle;
+      }
+      return low - 1;
+    }
+    /** The moment at `time_s`, with the robot between two frames where it was then. */
+    at(time_s) {
+      if (!this.states.length) return null;
+      const index = Math.max(0, this.indexAt(time_s));
+      const state = this.states[index];
+      const next = this.states[index + 1];
+      const moment = { ...state, index, number: this.first + index, now_s: state.time_s };
+      if (next && time_s > state.time_s && next.time_s > state.time_s) {
+        const part = (time_s - state.time_s) / (next.time_s - state.time_s);
+        moment.now_s = time_s;
+        moment.robot = between(state.robot, next.robot, part);
+        if (state.truth && next.truth) moment.truth = between(state.truth, next.truth, part);
+      }
+      return moment;
+    }
+    log(number) {
+      let found = null;
+      for (const log of this.logs) if (log.since <= number) found = log;
+      return found;
+    }
+  }
+
+  function between(a, b, part) {
+    const mixed = a.map((value, i) => value + (b[i] - value) * part);
+    const turn = Math.atan2(Math.sin(b[2] - a[2]), Math.cos(b[2] - a[2]));
+    mixed[2] = a[2] + turn * part;
+    return mixed;
+  }
+
+  // ---------------------------------------------------------------- colours
+
+  const THEMES = {
+    light: {
+      outside: "#e9ebee", unknown: "#dfe2e6", free: "#ffffff", static: "#39424e", sensed: "#d4552f",
+      virtual: "#8a63c7", regularised: "#c9952a", cost: "#3f6fd8", clearance: "#159a8c",
+      scan: "#e03131", obstacle: "#b7791f", path: "#1c62d6", before: "#1c62d6", track: "#7b8794",
+      robot: "#0b8f6a", robotFill: "#0b8f6a33", truth: "#6b7280", goal: "#a3319f", body: "#9aa3ad",
+      free_arc: "#0b8f6a", slowed: "#d08700", stopped: "#d62f2f", text: "#3b434d", halo: "#ffffffcc",
+      rollout: "#8b95a1",
+    },
+    dark: {
+      outside: "#0f1215", unknown: "#181c21", free: "#21262c", static: "#aab4c0", sensed: "#ff8157",
+      virtual: "#b395ec", regularised: "#e0b454", cost: "#5d8bf4", clearance: "#2fb8a8",
+      scan: "#ff6b6b", obstacle: "#e5b567", path: "#6aa5ff", before: "#6aa5ff", track: "#7d8894",
+      robot: "#3ddbac", robotFill: "#3ddbac33", truth: "#8f98a3", goal: "#e17fdc", body: "#58616b",
+      free_arc: "#3ddbac", slowed: "#f0b429", stopped: "#ff5c5c", text: "#c3cad2", halo: "#14181ccc",
+      rollout: "#77828e",
+    },
+  };
+
+  const LAYERS = [
+    { key: "static", name: "static", on: true, map: true },
+    { key: "sensed", name: "sensed", on: true, map: true },
+    { key: "virtual", name: "virtual", on: true, map: true },
+    { key: "regularised", name: "regularised", on: true, map: true },
+    { key: "cost", name: "cost", on: false, map: true },
+    { key: "clearance", name: "clearance", on: false, map: true },
+    { key: "scan", name: "scan", on: true },
+    { key: "obstacle", name: "tracked", on: true },
+    { key: "path", name: "path", on: true },
+    { key: "track", name: "driven", on: true },
+    { key: "goal", name: "goals", on: true },
+    { key: "arc", name: "braking", colour: "free_arc", on: true },
+    { key: "truth", name: "ground truth", on: true },
+  ];
+
+  const channels = (hex) => [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16));
+
+  // ---------------------------------------------------------------- the map as an image
+
+  /** The map of one moment, a pixel per cell, kept up to date tile by tile. */
+  class MapImage {
+    constructor() {
+      this.canvas = document.createElement("canvas");
+      this.log = null;
+      this.shown = new Map(); // key -> version
+      this.look = "";
+    }
+    /** Shows frame `number` of `log` with these layers and colours. */
+    show(log, number, layers, theme) {
+      const look = LAYERS.filter((layer) => layer.map && layers[layer.key]).map((layer) => layer.key).join() + theme.free;
+      if (log !== this.log || look !== this.look) {
+        if (log !== this.log) [this.canvas.width, this.canvas.height] = [log.width, log.height];
+        this.context = this.canvas.getContext("2d");
+        this.context.fillStyle = theme.unknown;
+        this.context.fillRect(0, 0, log.width, log.height);
+        [this.log, this.look, this.number] = [log, look, -1];
+        this.shown.clear();
+        this.colours = Object.fromEntries(Object.entries(theme).map(([key, hex]) => [key, channels(hex)]));
+      }
+      if (this.number === number) return;
+      this.number = number;
+      for (const key of log.versions.keys()) {
+        const version = log.at(key, number);
+        if (this.shown.get(key) === version) continue;
+        this.shown.set(key, version);
+        this.paint(key, version, layers);
+      }
+    }
+    paint(key, version, layers) {
+      const { log, colours } = this;
+      const [column, row] = [key % log.columns, Math.floor(key / log.columns)];
+      const image = this.context.createImageData(TILE, TILE);
+      const flags = version && unpack(version[1]);
+      const cost = version && layers.cost && unpack(version[2]);
+      const clearance = version && layers.clearance && unpack(version[3]);
+      for (let i = 0; i < TILE * TILE; i++) {
+        const colour = cellColour(colours, layers, flags ? flags[i] : FLAG.unknown, cost && cost[i], clearance && clearance[i]);
+        // The first row of cells is the lowest one, that of an image the highest.
+        const to = ((TILE - 1 - Math.floor(i / TILE)) * TILE + (i % TILE)) * 4;
+        [image.data[to], image.data[to + 1], image.data[to + 2], image.data[to + 3]] = [...colour, 255];
+      }
+      this.context.putImageData(image, column * TILE, log.height - (row + 1) * TILE);
+    }
+  }
+
+  function cellColour(colours, layers, flags, cost, clearance) {
+    if (flags & FLAG.static && layers.static) return colours.static;
+    if (flags & FLAG.sensed && layers.sensed) return colours.sensed;
+    if (flags & FLAG.virtual && layers.virtual) return colours.virtual;
+    if (flags & FLAG.regularised && layers.regularised) return colours.regularised;
+    let colour = flags & FLAG.unknown ? colours.unknown : colours.free;
+    if (typeof clearance === "number") {
+      // Bands of 10 cm, so that distances can be counted.
+      const band = Math.min(1, Math.floor(clearance / 10) / 12);
+      colour = mixed(colour, colours.clearance, 0.6 * (1 - band));
+    }
+    if (typeof cost === "number" && cost > 0 && cost < 255) {
+      colour = mixed(colour, colours.cost, cost >= 253 ? 0.72 : 0.08 + 0.5 * (cost / 252));
+    }
+    return colour;
+  }
+
+  const mixed = (a, b, part) => a.map((value, i) => Math.round(value + (b[i] - value) * part));
+
+  // ---------------------------------------------------------------- the view
+
+  const SCALE = { least: 2, most: 2000 }; // pixels per metre
+  const CLICK_PX = 5;
+
+  /** Draws a moment of a scene, and moves over it. */
+  class View {
+    constructor(canvas) {
+      this.canvas = canvas;
+      this.layers = Object.fromEntries(LAYERS.map((layer) => [layer.key, layer.on]));
+      this.follow = false;
+      this.theme = "auto";
+      this.time_s = Infinity;
+      this.scene = null;
+      this.image = new MapImage();
+      this.scale = 0; // pixels per metre; 0 = fit at the next drawing
+      this.centre = [0, 0];
+      this.draft = null; // a rectangle that is being drawn: [[x, y], [x, y]]
+      this.onclick = null; // ([x, y]) of the map
+      this.ondraft = null; // ([[x, y], [x, y]]) of the map
+      this.pointers = new Map();
+      this.asked = false;
+      this.listen();
+      new ResizeObserver(() => this.redraw()).observe(canvas);
+      matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.redraw());
+    }
+
+    show(scene) { this.scene = scene; this.scale = 0; this.redraw(); }
+    seek(time_s) { this.time_s = time_s; this.redraw(); }
+    fit() { this.scale = 0; this.follow = false; this.redraw(); }
+    get colours() {
+      const dark = this.theme === "dark" || (this.theme === "auto" && matchMedia("(prefers-color-scheme: dark)").matches);
+      return THEMES[dark ? "dark" : "light"];
+    }
+    /** Draws at the next frame of the screen. */
+    redraw() {
+      if (this.asked) return;
+      this.asked = true;
+      requestAnimationFrame(() => { this.asked = false; this.draw(); });
+    }
+
+    toMap(px, py) {
+      const [width, height] = [this.canvas.clientWidth, this.canvas.clientHeight];
+      return [this.centre[0] + (px - width / 2) / this.scale, this.centre[1] - (py - height / 2) / this.scale];
+    }
+    toScreen([x, y]) {
+      const [width, height] = [this.canvas.clientWidth, this.canvas.clientHeight];
+      return [width / 2 + (x - this.centre[0]) * this.scale, height / 2 - (y - this.centre[1]) * this.scale];
+    }
+    zoom(by, px, py) {
+      if (!this.scale) return;
+      const [x, y] = this.toMap(px, py);
+      this.scale = Math.min(SCALE.most, Math.max(SCALE.least, this.scale * by));
+      const [nx, ny] = this.toMap(px, py);
+      if (!this.follow) this.centre = [this.centre[0] + x - nx, this.centre[1] + y - ny];
+      this.redraw();
+    }
+
+    listen() {
+      const canvas = this.canvas;
+      const at = (event) => {
+        const box = canvas.getBoundingClientRect();
+        return [event.clientX - box.left, event.clientY - box.top];
+      };
+      canvas.style.touchAction = "none";
+      canvas.addEventListener("wheel", (event) => {
+        event.preventDefault();
+        this.zoom(Math.exp(-event.deltaY * (event.ctrlKey ? 0.01 : 0.0015)), ...at(event));
+      }, { passive: false });
+      canvas.addEventListener("pointerdown", (event) => {
+        if (event.button !== 0) return;
+        canvas.setPointerCapture(event.pointerId);
+        const from = at(event);
+        this.pointers.set(event.pointerId, { from, last: from, moved: false });
+        if (event.shiftKey && this.ondraft && this.scale) this.draft = [this.toMap(...from), this.toMap(...from)];
+      });
+      canvas.addEventListener("pointermove", (event) => {
+        const pointer = this.pointers.get(event.pointerId);
+        if (pointer) this.move(pointer, at(event));
+      });
+      const end = (event, is_done) => {
+        const pointer = this.pointers.get(event.pointerId);
+        this.pointers.delete(event.pointerId);
+        const draft = this.draft;
+        this.draft = null;
+        if (pointer && is_done && this.scale) {
+          if (draft && pointer.moved) this.ondraft(draft);
+          else if (!draft && !pointer.moved && !this.pointers.size && this.onclick) this.onclick(this.toMap(...pointer.from));
+        }
+        this.redraw();
+      };
+      canvas.addEventListener("pointerup", (event) => end(event, true));
+      canvas.addEventListener("pointercancel", (event) => end(event, false));
+    }
+    move(pointer, [px, py]) {
+      const [fx, fy] = pointer.from;
+      pointer.moved = pointer.moved || Math.hypot(px - fx, py - fy) > CLICK_PX;
+      const before = pointer.last;
+      const spread = () => {
+        const [a, b] = [...this.pointers.values()].map((each) => each.last);
+        return Math.hypot(a[0] - b[0], a[1] - b[1]);
+      };
+      const was = this.pointers.size === 2 ? spread() : 0;
+      pointer.last = [px, py];
+      if (this.draft) this.draft[1] = this.toMap(px, py);
+      else if (this.pointers.size === 2 && was > 0) this.zoom(spread() / was, px, py);
+      else if (pointer.moved && this.scale) {
+        this.follow = false;
+        this.centre = [this.centre[0] - (px - before[0]) / this.scale, this.centre[1] + (py - before[1]) / this.scale];
+      }
+      this.redraw();
+    }
+
+    // -------------------------------------------------------------- drawing
+
+    draw() {
+      const { canvas } = this;
+      const ratio = window.devicePixelRatio || 1;
+      const [width, height] = [canvas.clientWidth, canvas.clientHeight];
+      if (!width || !height) return;
+      const [pw, ph] = [Math.round(width * ratio), Math.round(height * ratio)];
+      if (canvas.width !== pw || canvas.height !== ph) [canvas.width, canvas.height] = [pw, ph];
+      const to = canvas.getContext("2d");
+      const theme = this.colours;
+      to.setTransform(1, 0, 0, 1, 0, 0);
+      to.fillStyle = theme.outside;
+      to.fillRect(0, 0, pw, ph);
+      const moment = this.scene && this.scene.at(this.time_s);
+      if (!moment) return;
+      const log = this.scene.log(moment.number);
+      if (!this.scale) this.frame(log, moment, width, height);
+      if (this.follow) this.centre = [moment.robot[0], moment.robot[1]];
+      const scale = this.scale * ratio;
+      to.setTransform(scale, 0, 0, -scale, pw / 2 - this.centre[0] * scale, ph / 2 + this.centre[1] * scale);
+      const px = 1 / this.scale; // a pixel of the screen in metres
+      to.lineJoin = to.lineCap = "round";
+      if (log) this.drawMap(to, log, moment, theme);
+      this.drawBodies(to, moment, theme, px);
+      if (this.layers.track) this.drawTrack(to, moment, theme, px);
+      if (this.layers.path) this.drawPaths(to, moment, theme, px);
+      if (this.layers.goal) this.drawGoals(to, moment, theme, px);
+      if (this.layers.scan) this.drawScan(to, moment, theme, px);
+      if (this.layers.obstacle) this.drawObstacles(to, moment, theme, px);
+      if (this.layers.truth && moment.truth) this.drawTruth(to, moment, theme, px);
+      if (this.layers.arc) this.drawArc(to, moment, theme, px);
+      this.drawRobot(to, moment, theme, px);
+      if (this.draft) this.drawDraft(to, theme, px);
+      to.setTransform(ratio, 0, 0, ratio, 0, 0);
+      this.drawScaleBar(to, theme, width, height);
+    }
+
+    /** Fits the map, or the surroundings of the robot, into the canvas. */
+    frame(log, moment, width, height) {
+      const [x, y, w, h] = log
+        ? [log.x, log.y, log.width * log.resolution, log.height * log.resolution]
+        : [moment.robot[0] - 5, moment.robot[1] - 5, 10, 10];
+      this.scale = Math.min(SCALE.most, Math.max(SCALE.least, 0.96 * Math.min(width / w, height / h)));
+      this.centre = [x + w / 2, y + h / 2];
+    }
+
+    drawMap(to, log, moment, theme) {
+      this.image.show(log, moment.number, this.layers, theme);
+      to.save();
+      to.imageSmoothingEnabled = this.scale * log.resolution < 1;
+      to.translate(log.x, log.y + log.height * log.resolution);
+      to.scale(log.resolution, -log.resolution);
+      to.drawImage(this.image.canvas, 0, 0);
+      to.restore();
+    }
+
+    drawBodies(to, moment, theme, px) {
+      for (const outline of moment.bodies || []) {
+        polygon(to, outline);
+        to.fillStyle = theme.body + "55";
+        to.fill();
+        stroke(to, theme.body, px);
+      }
+    }
+
+    drawTrack(to, moment, theme, px) {
+      const { states } = this.scene;
+      const step = Math.max(1, Math.floor((moment.index + 1) / 2000));
+      to.beginPath();
+      for (let i = 0; i <= moment.index; i += step) to.lineTo(states[i].robot[0], states[i].robot[1]);
+      to.lineTo(moment.robot[0], moment.robot[1]);
+      stroke(to, theme.track, 1.5 * px);
+    }
+
+    drawPaths(to, moment, theme, px) {
+      const age_s = moment.now_s - moment.path_since_s;
+      const fading = Math.max(0, 1 - age_s / 4);
+      const { before_path: before, path } = moment;
+      if (before && before.points_m.length && fading > 0) {
+        to.globalAlpha = 0.55 * fading;
+        to.setLineDash([5 * px, 4 * px]);
+        line(to, before.points_m);
+        stroke(to, theme.before, 1.5 * px);
+        to.setLineDash([]);
+        to.globalAlpha = 1;
+      }
+      if (path && path.points_m.length) {
+        line(to, path.points_m);
+        stroke(to, theme.path, 2.25 * px);
+      }
+    }
+
+    drawGoals(to, moment, theme, px) {
+      for (const [x, y, yaw, tolerance, state] of moment.goals || []) {
+        to.globalAlpha = state === "active" ? 1 : 0.45;
+        if (tolerance < 5) {
+          to.beginPath();
+          to.arc(x, y, tolerance, 0, 2 * Math.PI);
+          stroke(to, theme.goal, px);
+        }
+        const size = Math.max(7 * px, 0.12);
+        to.beginPath();
+        to.arc(x, y, 0.45 * size, 0, 2 * Math.PI);
+        to.fillStyle = theme.goal;
+        to.fill();
+        arrow(to, [x, y], [x + 2 * size * Math.cos(yaw), y + 2 * size * Math.sin(yaw)], 0.6 * size);
+        stroke(to, theme.goal, 1.75 * px);
+        to.globalAlpha = 1;
+      }
+    }
+
+    drawScan(to, moment, theme, px) {
+      const { scan } = moment;
+      if (!scan) return;
+      const [x, y, yaw] = scan.laser;
+      const size = Math.max(2.2 * px, 0.015);
+      to.fillStyle = theme.scan;
+      scan.ranges_mm.forEach((range, i) => {
+        if (range < 0) return;
+        const angle = yaw + scan.angle_min_rad + i * scan.angle_increment_rad;
+        const [hx, hy] = [x + (range / 1000) * Math.cos(angle), y + (range / 1000) * Math.sin(angle)];
+        to.fillRect(hx - size / 2, hy - size / 2, size, size);
+      });
+    }
+
+    /** Discs with their velocity, and where they are in the next two seconds if it stays. */
+    drawObstacles(to, moment, theme, px) {
+      for (const [, x, y, vx, vy, radius] of moment.obstacles || []) {
+        const speed = Math.hypot(vx, vy);
+        for (let ahead_s = 0.5; speed > 0.05 && ahead_s <= 2; ahead_s += 0.5) {
+          to.globalAlpha = 0.45 * (1 - ahead_s / 2.5);
+          to.beginPath();
+          to.arc(x + vx * ahead_s, y + vy * ahead_s, radius, 0, 2 * Math.PI);
+          stroke(to, theme.obstacle, px);
+        }
+        to.globalAlpha = 1;
+        to.beginPath();
+        to.arc(x, y, radius, 0, 2 * Math.PI);
+        to.fillStyle = theme.obstacle + "40";
+        to.fill();
+        stroke(to, theme.obstacle, 1.5 * px);
+        if (speed > 0.05) {
+          arrow(to, [x, y], [x + vx, y + vy], 6 * px);
+          stroke(to, theme.obstacle, 1.5 * px);
+        }
+      }
+    }
+
+    outline(to, [x, y, yaw]) {
+      const { footprint_m: corners, radius_m: radius } = this.scene.fixed.robot;
+      if (corners.length) polygon(to, corners.map((corner) => placed([x, y, yaw], corner)));
+      else { to.beginPath(); to.arc(x, y, radius, 0, 2 * Math.PI); }
+    }
+
+    drawTruth(to, moment, theme, px) {
+      this.outline(to, moment.truth);
+      to.setLineDash([3 * px, 3 * px]);
+      stroke(to, theme.truth, 1.25 * px);
+      to.setLineDash([]);
+    }
+
+    /** The band that the robot sweeps until it stands, in the colour of what the guard does. */
+    drawArc(to, moment, theme, px) {
+      const { control } = moment;
+      const [, , , v, w] = moment.robot;
+      if (!control || !(control.braking_m > 0.005) || Math.abs(v) < 0.01) return;
+      const colour = GUARD[control.intervention] === undefined ? theme.free_arc : theme[GUARD[control.intervention]];
+      const steps = 16;
+      let pose = moment.robot.slice(0, 3);
+      const centres = [pose];
+      const ds = (control.braking_m / steps) * Math.sign(v);
+      for (let i = 0; i < steps; i++) {
+        const turn = (w / v) * ds;
+        pose = [pose[0] + ds * Math.cos(pose[2] + turn / 2), pose[1] + ds * Math.sin(pose[2] + turn / 2), pose[2] + turn];
+        centres.push(pose);
+      }
+      to.globalAlpha = 0.22;
+      line(to, centres);
+      to.lineCap = "butt";
+      stroke(to, colour, 2 * this.scene.fixed.robot.inscribed_m);
+      to.lineCap = "round";
+      to.globalAlpha = 1;
+      line(to, centres);
+      stroke(to, colour, 2 * px);
+      this.outline(to, pose);
+      stroke(to, colour, px);
+    }
+
+    drawRobot(to, moment, theme, px) {
+      const { robot } = moment;
+      this.outline(to, robot);
+      to.fillStyle = theme.robotFill;
+      to.fill();
+      stroke(to, theme.robot, 2 * px);
+      const nose = placed(robot, [this.scene.fixed.robot.inscribed_m, 0]);
+      to.beginPath();
+      to.moveTo(robot[0], robot[1]);
+      to.lineTo(...nose);
+      stroke(to, theme.robot, 2 * px);
+    }
+
+    drawDraft(to, theme, px) {
+      const [[ax, ay], [bx, by]] = this.draft;
+      to.fillStyle = theme.sensed + "55";
+      to.fillRect(Math.min(ax, bx), Math.min(ay, by), Math.abs(bx - ax), Math.abs(by - ay));
+      polygon(to, [[ax, ay], [bx, ay], [bx, by], [ax, by]]);
+      stroke(to, theme.sensed, 1.5 * px);
+    }
+
+    drawScaleBar(to, theme, width, height) {
+      const length_m = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100].find((length) => length * this.scale >= 50) || 200;
+      const [x, y, w] = [14, height - 14, length_m * this.scale];
+      to.strokeStyle = to.fillStyle = theme.text;
+      to.lineWidth = 1.25;
+      to.beginPath();
+      to.moveTo(x, y - 4); to.lineTo(x, y); to.lineTo(x + w, y); to.lineTo(x + w, y - 4);
+      to.stroke();
+      to.font = "11px system-ui, sans-serif";
+      to.fillText(`${length_m} m`, x + 5, y - 4);
+    }
+  }
+
+  // What the guard does, by the word of the contract: the colour of the braking arc.
+  const GUARD = {
+    clamped: "slowed", slowed: "slowed", refused: "stopped", stopped_short: "stopped",
+    request_stale: "stopped", scan_stale: "stopped", odometry_stale: "stopped",
+  };
+
+  function placed([x, y, yaw], [px, py]) {
+    const [sin, cos] = [Math.sin(yaw), Math.cos(yaw)];
+    return [x + cos * px - sin * py, y + sin * px + cos * py];
+  }
+  function stroke(to, colour, width) {
+    to.strokeStyle = colour;
+    to.lineWidth = width;
+    to.stroke();
+  }
+  function line(to, points) {
+    to.beginPath();
+    for (const [x, y] of points) to.lineTo(x, y);
+  }
+  function polygon(to, points) {
+    line(to, points);
+    to.closePath();
+  }
+  function arrow(to, [ax, ay], [bx, by], head) {
+    const angle = Math.atan2(by - ay, bx - ax);
+    to.beginPath();
+    to.moveTo(ax, ay);
+    to.lineTo(bx, by);
+    for (const side of [-1, 1]) {
+      to.moveTo(bx, by);
+      to.lineTo(bx - head * Math.cos(angle + side * 0.45), by - head * Math.sin(angle + side * 0.45));
+    }
+  }
+
+  return { Scene, View, LAYERS, THEMES };
+})();

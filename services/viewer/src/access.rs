@@ -1,0 +1,145 @@
+//! Who may do what: requests come from the page itself, and those that change something have the
+//! token of the printed link.
+//!
+//! A page of another site can make a browser send requests here. It cannot set the header with the
+//! token, and its own name stands in `Origin`; a name of its own that it lets point to this machine
+//! (DNS rebinding) stands in `Host`. Both are compared with the address that is served.
+
+use std::fs::File;
+use std::io::Read;
+use subtle::ConstantTimeEq;
+
+/// Header with the token.
+pub(crate) const TOKEN_HEADER: &str = "x-zeronav-token";
+
+/// Random bytes of a token.
+const TOKEN_BYTES: usize = 16;
+
+/// What is compared with the headers of requests.
+#[derive(Debug, Clone)]
+pub(crate) struct Access {
+    hosts: [String; 2],
+    /// `None` where nothing can be changed.
+    token: Option<String>,
+}
+
+impl Access {
+    /// Access to the page on this port; without acts when it is only to be looked at.
+    ///
+    /// # Errors
+    /// When the system has no random numbers.
+    pub(crate) fn new(port: u16, view_only: bool) -> std::io::Result<Self> {
+        let token = (!view_only).then(token).transpose()?;
+        Ok(Self {
+            hosts: [format!("127.0.0.1:{port}"), format!("localhost:{port}")],
+            token,
+        })
+    }
+
+    /// The address of the page, with the token where there is one.
+    pub(crate) fn link(&self) -> String {
+        let host = &self.hosts[0];
+        match &self.token {
+            Some(token) => format!("http://{host}/#{token}"),
+            None => format!("http://{host}/"),
+        }
+    }
+
+    /// Whether a request with these headers comes from the page or from no page at all.
+    ///
+    /// # Errors
+    /// What is wrong, for people.
+    pub(crate) fn check(
+        &self,
+        host: Option<&str>,
+        origin: Option<&str>,
+    ) -> Result<(), &'static str> {
+        let is_own = |name: &str| self.hosts.iter().any(|own| own.eq_ignore_ascii_case(name));
+        if !host.is_some_and(is_own) {
+            return Err("this address is not served here (Host)");
+        }
+        let same = |origin: &str| origin.strip_prefix("http://").is_some_and(is_own);
+        if !origin.is_none_or(same) {
+            return Err("pages of other sites are not answered (Origin)");
+        }
+        Ok(())
+    }
+
+    /// Whether a request with this token may change something.
+    ///
+    /// # Errors
+    /// What is wrong, for people.
+    pub(crate) fn check_token(&self, given: Option<&[u8]>) -> Result<(), &'static str> {
+        let Some(token) = &self.token else {
+            return Err("this page is for looking only (--view-only)");
+        };
+        let given = given.unwrap_or_default();
+        if bool::from(token.as_bytes().ct_eq(given)) {
+            Ok(())
+        } else {
+            Err("the token is not that of the printed link")
+        }
+    }
+}
+
+fn token() -> std::io::Result<String> {
+    let mut bytes = [0; TOKEN_BYTES];
+    File::open("/dev/urandom")?.read_exact(&mut bytes)?;
+    let digits = bytes.iter().flat_map(|byte| [byte >> 4, byte & 0xf]);
+    Ok(digits
+        .filter_map(|digit| char::from_digit(digit.into(), 16))
+        .collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_the_own_page_is_answered() {
+        let access = Access::new(8090, false).expect("random numbers");
+        for host in ["127.0.0.1:8090", "localhost:8090", "LocalHost:8090"] {
+            assert_eq!(access.check(Some(host), None), Ok(()));
+            let origin = format!("http://{host}");
+            assert_eq!(access.check(Some(host), Some(&origin)), Ok(()));
+        }
+        for host in [
+            None,
+            Some("evil.example:8090"),
+            Some("127.0.0.1"),
+            Some("127.0.0.1:8091"),
+            Some("127.0.0.1:8090.evil.example"),
+            Some(""),
+        ] {
+            assert!(access.check(host, None).is_err(), "{host:?}");
+        }
+        for origin in [
+            "http://evil.example",
+            "https://127.0.0.1:8090",
+            "http://127.0.0.1",
+            "null",
+            "http://127.0.0.1:8091",
+        ] {
+            let checked = access.check(Some("127.0.0.1:8090"), Some(origin));
+            assert!(checked.is_err(), "{origin}");
+        }
+    }
+
+    #[test]
+    fn tokens_are_random_and_compared_whole() {
+        let access = Access::new(8090, false).expect("random numbers");
+        let other = Access::new(8090, false).expect("random numbers");
+        assert_ne!(access.token, other.token);
+        let token = access.token.clone().expect("a token");
+        assert_eq!(token.len(), 2 * TOKEN_BYTES);
+        assert_eq!(access.link(), format!("http://127.0.0.1:8090/#{token}"));
+        assert_eq!(access.check_token(Some(token.as_bytes())), Ok(()));
+        assert!(access.check_token(Some(&token.as_bytes()[1..])).is_err());
+        assert!(access.check_token(Some(b"")).is_err());
+        assert!(access.check_token(None).is_err());
+        let looking = Access::new(8090, true).expect("random numbers");
+        assert_eq!(looking.link(), "http://127.0.0.1:8090/");
+        assert!(looking.check_token(Some(b"")).is_err());
+        assert!(looking.check_token(None).is_err());
+    }
+}

@@ -1,0 +1,13 @@
+//! The files of the page, as text.
+
+/// `ZeronavScene`: keeps frames and draws a moment of them. A classic script.
+pub const SCENE_JS: &str = include_str!("../page/scene.js");
+
+/// The live page.
+pub const INDEX_HTML: &str = include_str!("../page/index.html");
+
+/// Receives frames, and shows tables, time line and acts of the live page.
+pub const LIVE_JS: &str = include_str!("../page/live.js");
+
+/// How the live page looks.
+pub const STYLE_CSS: &str = include_str!("../page/style.css");

@@ -1,0 +1,187 @@
+//! The process: its flags, its two threads, and its end.
+
+use crate::access::Access;
+use crate::act;
+use crate::feed::Feed;
+use crate::server::{self, Shared};
+use crate::tap::Tap;
+use clap::Parser;
+use std::io::{ErrorKind, Write};
+use std::net::{Ipv4Addr, TcpListener};
+use std::path::PathBuf;
+use std::process::{Command, ExitCode, Stdio};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+use zeronav_msgs::role::Role;
+use zeronav_shell::error::EXIT_USAGE;
+use zeronav_shell::folder::Folder;
+use zeronav_shell::{Domain, Peer, StartError, logs, printable, signals};
+
+/// Port that is tried first when none is named.
+const PORT: u16 = 8090;
+
+/// Guests are not restarted.
+const EPOCH: u32 = 1;
+
+/// How much lower than that of the stack the priority of this process is.
+const NICER: i32 = 5;
+
+/// How long launch may take to say which scenario runs.
+const NAME_LIMIT: Duration = Duration::from_secs(2);
+
+/// How long clients may take to hear that the run is over.
+const FAREWELL: Duration = Duration::from_millis(250);
+
+/// A live page of a running stack; normally started by `zeronav view` or `zeronav run`.
+#[derive(Debug, Parser)]
+#[command(name = "zeronav-viewer", version)]
+struct Arguments {
+    /// Root folder of the run, directly under /dev/shm.
+    #[arg(long, value_name = "ROOT")]
+    domain: PathBuf,
+    /// Port of the page on 127.0.0.1; without, 8090, or any that is free.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    port: Option<u16>,
+    /// Open the page in a browser.
+    #[arg(long)]
+    open: bool,
+    /// Let nobody change anything from the page.
+    #[arg(long)]
+    view_only: bool,
+}
+
+/// Joins a run, serves its page and ends with it.
+#[must_use]
+pub fn main() -> ExitCode {
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(error) => {
+            let _ = error.print();
+            return ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(EXIT_USAGE));
+        }
+    };
+    logs::quiet_middleware();
+    match view(&arguments) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            let said = error.to_string();
+            let _ = writeln!(std::io::stderr(), "zeronav-viewer: {}", printable(&said));
+            error.exit_code()
+        }
+    }
+}
+
+fn view(arguments: &Arguments) -> Result<(), StartError> {
+    let stop = Arc::new(AtomicBool::new(false));
+    for signal in signals::stopping() {
+        signal_hook::flag::register(signal, Arc::clone(&stop))
+            .map_err(|error| StartError::system("catching signals", error))?;
+    }
+    // The stack comes first. Where the system does not allow even that, it goes on as it is.
+    let _ = rustix::process::nice(NICER);
+    let listener = bind(arguments.port)?;
+    let port = listener
+        .local_addr()
+        .map_err(|error| StartError::system("the port", error))?;
+    let access = Access::new(port.port(), arguments.view_only)
+        .map_err(|error| StartError::system("making a token", error))?;
+    let link = access.link();
+    let root = arguments.domain.clone();
+    let peer = Peer::join(Domain::join(&root)?, Role::Tap, EPOCH)?;
+    let opened = || Folder::open(&root).map_err(|error| StartError::system("the domain", error));
+    let feed = Arc::new(Feed::new());
+    let mut tap = Tap::open(&peer, scenario(&opened()?))?;
+    let shared = Shared::new(Arc::clone(&feed), access, opened()?);
+    start_server(listener, shared)?;
+    let _ = writeln!(std::io::stdout(), "{link}");
+    let _ = std::io::stdout().flush();
+    if arguments.open {
+        open(&link);
+    }
+    tap.run(&peer, &feed, || {
+        stop.load(Ordering::Relaxed) || peer.domain().is_orphaned()
+    });
+    feed.end();
+    let began = Instant::now();
+    while feed.watchers() > 0 && began.elapsed() < FAREWELL {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    drop(tap);
+    // Of a run that is over, launch removes what this cannot.
+    let _ = peer.leave().close();
+    Ok(())
+}
+
+/// The port that was asked for; without, the usual one or any.
+fn bind(port: Option<u16>) -> Result<TcpListener, StartError> {
+    let bind = |port| TcpListener::bind((Ipv4Addr::LOCALHOST, port));
+    let bound = match port {
+        Some(port) => bind(port).map_err(|error| match error.kind() {
+            ErrorKind::AddrInUse => StartError::Usage(format!(
+                "--port {port}: taken by another process; name another one, or none for any"
+            )),
+            _ => StartError::Usage(format!("--port {port}: {error}")),
+        })?,
+        None => bind(PORT)
+            .or_else(|_| bind(0))
+            .map_err(|error| StartError::system("opening a port on 127.0.0.1", error))?,
+    };
+    bound
+        .set_nonblocking(true)
+        .map_err(|error| StartError::system("the port", error))?;
+    Ok(bound)
+}
+
+/// Name of the scenario that runs; empty when launch does not say.
+fn scenario(folder: &Folder) -> String {
+    let began = Instant::now();
+    loop {
+        if let Some(report) = act::report(folder) {
+            return report["scenario"].as_str().unwrap_or("").to_owned();
+        }
+        if began.elapsed() > NAME_LIMIT {
+            return String::new();
+        }
+        std::thread::sleep(Duration::from_millis(20));
+    }
+}
+
+/// Serves on a thread of its own: whatever clients do, the stack is read on.
+fn start_server(listener: TcpListener, shared: Shared) -> Result<(), StartError> {
+    let failed = |error| StartError::system("starting the server", error);
+    let runtime = tokio::runtime::Builder::new_current_thread()
+        .enable_io()
+        .enable_time()
+        .max_blocking_threads(8)
+        .build()
+        .map_err(failed)?;
+    let serve = move || {
+        runtime.block_on(async {
+            match tokio::net::TcpListener::from_std(listener) {
+                Ok(listener) => server::serve(listener, Arc::new(shared)).await,
+                Err(error) => tracing::error!(%error, "the port cannot be served"),
+            }
+        });
+    };
+    let started = std::thread::Builder::new()
+        .name("server".to_owned())
+        .spawn(serve);
+    started.map(|_| ()).map_err(failed)
+}
+
+/// Opens the page in the browser of the user's choice, if there is one.
+fn open(link: &str) {
+    let started = Command::new("xdg-open")
+        .arg(link)
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn();
+    if let Err(error) = started {
+        let _ = writeln!(
+            std::io::stderr(),
+            "zeronav-viewer: xdg-open: {error}; open the link by hand"
+        );
+    }
+}

@@ -1,0 +1,478 @@
+//! The live page of a real stack in a real browser: what it shows, what it may do, and that nothing
+//! that a client does reaches the stack.
+
+use rustix::process::Signal;
+use serde_json::Value;
+use std::fs::File;
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::{Shutdown, TcpStream};
+use std::path::{Path, PathBuf};
+use std::process::{Child, ChildStdout, Command, Stdio};
+use std::time::{Duration, Instant};
+use zeronav_tests::browser::Browser;
+use zeronav_tests::up::Up;
+use zeronav_tests::{
+    await_by_itself, binaries, children_of, is_alive, leftovers, real_time_turn, send_signal,
+    zeronav,
+};
+
+/// `zeronav view` on a stack, once it has printed its link.
+struct Viewer {
+    process: Child,
+    _output: BufReader<ChildStdout>,
+    link: String,
+}
+
+impl Viewer {
+    fn start(root: &str, more: &[&str]) -> Self {
+        let mut process = Command::new(binaries().join("zeronav"))
+            .args(["view", "--domain", root])
+            .args(more)
+            .env_remove("CARGO")
+            .stdin(Stdio::null())
+            .stdout(Stdio::piped())
+            .spawn()
+            .expect("zeronav starts");
+        let mut output = BufReader::new(process.stdout.take().expect("its output"));
+        let mut link = String::new();
+        output.read_line(&mut link).expect("its link");
+        let link = link.trim().to_owned();
+        assert!(link.starts_with("http://127.0.0.1:"), "{link:?}");
+        Self {
+            process,
+            _output: output,
+            link,
+        }
+    }
+
+    /// `127.0.0.1:PORT` and the token.
+    fn address(&self) -> (String, String) {
+        let rest = self.link.trim_start_matches("http://");
+        let (host, token) = rest.split_once('/').expect("a path");
+        (host.to_owned(), token.trim_start_matches('#').to_owned())
+    }
+
+    /// Its exit code, once the stack is gone.
+    fn code(mut self) -> Option<i32> {
+        let began = Instant::now();
+        while self.process.try_wait().expect("its state").is_none() {
+            assert!(
+                began.elapsed() < Duration::from_secs(20),
+                "the viewer stays"
+            );
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        self.process.wait().expect("its state").code()
+    }
+}
+
+impl Drop for Viewer {
+    fn drop(&mut self) {
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+    }
+}
+
+fn connect(host: &str) -> TcpStream {
+    let stream = TcpStream::connect(host).expect("a connection");
+    let limit = Some(Duration::from_secs(20));
+    stream.set_read_timeout(limit).expect("a limit");
+    stream
+}
+
+/// Status and body of the answer to a request with these lines.
+fn ask(host: &str, lines: &[&str], body: &str) -> (u16, String) {
+    let mut stream = connect(host);
+    let head = lines.join("\r\n");
+    let length = body.len();
+    let request = format!("{head}\r\nConnection: close\r\nContent-Length: {length}\r\n\r\n{body}");
+    stream.write_all(request.as_bytes()).expect("sent");
+    let mut answer = String::new();
+    let _ = stream.read_to_string(&mut answer);
+    let status = answer.split(' ').nth(1).and_then(|code| code.parse().ok());
+    let body = answer.split_once("\r\n\r\n").map_or("", |(_, body)| body);
+    (status.unwrap_or(0), body.to_owned())
+}
+
+fn act(host: &str, token: &str, more: &str, body: &str) -> (u16, String) {
+    let own = format!("Host: {host}");
+    let token = format!("X-Zeronav-Token: {token}");
+    let mut lines = vec!["POST /act HTTP/1.1", own.as_str(), token.as_str()];
+    if !more.is_empty() {
+        lines.push(more);
+    }
+    ask(host, &lines, body)
+}
+
+/// Epochs and process ids of the services.
+fn seats(up: &Up) -> Vec<(Value, Value, Value)> {
+    let report = up.status();
+    let services = report["services"].as_array().expect("services").iter();
+    let seat = |service: &Value| {
+        let of = |key: &str| service[key].clone();
+        (of("role"), of("epoch"), of("pid"))
+    };
+    services.map(seat).collect()
+}
+
+/// Where a place of the map is in the window. [pixels]
+fn on_screen(browser: &mut Browser, x_m: f64, y_m: f64) -> [f64; 2] {
+    let place = browser.script(&format!(
+        "(() => {{ const box = document.getElementById('view').getBoundingClientRect(); \
+         const [x, y] = zeronavPage.view.toScreen([{x_m}, {y_m}]); \
+         return [x + box.left, y + box.top]; }})()"
+    ));
+    [0, 1].map(|at| place[at].as_f64().expect("a place"))
+}
+
+fn robot(browser: &mut Browser) -> [f64; 2] {
+    let robot = browser.script("zeronavPage.scene.at(Infinity).robot");
+    [0, 1].map(|at| robot[at].as_f64().expect("a coordinate"))
+}
+
+/// The page is there, with the whole map.
+fn shown(viewer: &Viewer) -> Browser {
+    let mut browser = Browser::open(&viewer.link);
+    browser.wait_until("the page shows the stack", "window.zeronavPage?.scene");
+    browser.wait_until(
+        "the whole map is there",
+        "(() => { const [log] = zeronavPage.scene.logs; \
+         return log && log.versions.size === log.columns * log.rows; })()",
+    );
+    browser.wait_until(
+        "it says how it is",
+        "document.querySelector('.state.ready')",
+    );
+    browser
+}
+
+#[test]
+fn the_page_shows_the_robot_and_steers_it() {
+    let _turn = real_time_turn();
+    let up = Up::start(&["open_aisle"]);
+    let viewer = Viewer::start(&up.root, &[]);
+    let mut browser = shown(&viewer);
+
+    // A click sends a goal, through the lower aisle.
+    let goal = on_screen(&mut browser, 26.0, 8.5);
+    browser.click(goal);
+    browser.wait_until(
+        "the robot has a path",
+        "zeronavPage.scene.at(Infinity).path?.points_m.length > 1",
+    );
+    let sent = up.status()["goal"].clone();
+    assert_eq!(sent["outcome"], "active", "{sent}");
+
+    // The robot leaves its place on the picture; what does not move stays as it is.
+    let [x_m, y_m] = robot(&mut browser);
+    let (place, corner) = (on_screen(&mut browser, x_m, y_m), [900.0, 760.0]);
+    let before = [browser.picture(place, 12.0), browser.picture(corner, 12.0)];
+    browser.wait_until(
+        "the robot has moved by a metre",
+        &format!(
+            "(() => {{ const [x, y] = zeronavPage.scene.at(Infinity).robot; \
+             return Math.hypot(x - {x_m}, y - {y_m}) > 1; }})()"
+        ),
+    );
+    browser.script("new Promise((done) => setTimeout(done, 400))");
+    let after = [browser.picture(place, 12.0), browser.picture(corner, 12.0)];
+    assert_ne!(before[0], after[0], "the robot is where it was");
+    assert_eq!(before[1], after[1]);
+
+    // An obstacle across the aisle: the path leads through the other one.
+    let crosses = |y_m: f64| {
+        format!("zeronavPage.scene.at(Infinity).path.points_m.some(([, y]) => y > {y_m})")
+    };
+    assert_eq!(
+        browser.script(&crosses(10.0)),
+        false,
+        "the lower aisle is nearer"
+    );
+    let from = on_screen(&mut browser, 15.0, 5.7);
+    let to = on_screen(&mut browser, 15.4, 7.2);
+    browser.shift_drag(from, to);
+    browser.wait_until("the path leads around the obstacle", &crosses(12.0));
+    browser.wait_until(
+        "the page says why",
+        "[...document.querySelectorAll('#events li')].some((line) => line.textContent.includes('obstacle:'))",
+    );
+
+    // A service that is killed turns red, and green again.
+    let state = "document.querySelector('#seat-mapping .state').className";
+    assert_eq!(browser.script(state), "state ready");
+    browser.script("document.getElementById('seat-mapping').click()");
+    browser.script("document.querySelector('[data-act=kill]').click()");
+    browser.wait_until(
+        "the seat is red",
+        "document.querySelector('#seat-mapping .silent, #seat-mapping .restarted')",
+    );
+    browser.wait_until(
+        "the seat is green",
+        "document.querySelector('#seat-mapping .state.ready')",
+    );
+    let mapping = seats(&up).into_iter().find(|(role, ..)| role == "mapping");
+    assert_eq!(mapping.map(|(_, epoch, _)| epoch), Some(Value::from(2)));
+
+    // Time travel: the robot drives on, and the page shows where it was.
+    browser.script("document.querySelector('#events li:last-child').click()");
+    let shown_s = browser.script("zeronavPage.view.time_s").as_f64();
+    let newest_s = browser.script("zeronavPage.scene.end_s").as_f64();
+    assert!(
+        shown_s.is_some() && shown_s < newest_s,
+        "{shown_s:?}, {newest_s:?}"
+    );
+
+    assert_eq!(browser.problems, Vec::<String>::new());
+    up.down();
+    browser.wait_until(
+        "the page says that the run is over",
+        "document.getElementById('link').textContent.includes('over')",
+    );
+    assert_eq!(viewer.code(), Some(0));
+}
+
+#[test]
+fn only_the_page_with_the_token_may_act() {
+    let up = Up::start(&["open_aisle", "--lockstep"]);
+    let viewer = Viewer::start(&up.root, &[]);
+    let (host, token) = viewer.address();
+    assert_eq!(token.len(), 32, "{token}");
+    let pause = r#"{"command":"pause"}"#;
+    let paused = |up: &Up| up.status()["paused"].clone();
+    let wrong = token.replace(|digit: char| digit.is_ascii_hexdigit(), "0");
+    for (token, more) in [
+        ("", ""),
+        (wrong.as_str(), ""),
+        (&token[1..], ""),
+        (token.as_str(), "Origin: http://evil.example"),
+        (token.as_str(), "Origin: null"),
+        (token.as_str(), "Host: evil.example"),
+    ] {
+        let (status, said) = act(&host, token, more, pause);
+        assert_eq!(status, 403, "{token} {more}: {said}");
+    }
+    for lines in [
+        ["GET / HTTP/1.1", "Host: evil.example:8090"],
+        ["GET /stream HTTP/1.1", "Host: localhost.evil.example"],
+        ["GET /scene.js HTTP/1.1", "Host: 127.0.0.1"],
+    ] {
+        assert_eq!(ask(&host, &lines, "").0, 403, "{lines:?}");
+    }
+    assert_eq!(paused(&up), false, "none of them did anything");
+    // What is not on the list, and what launch does not accept.
+    let (status, said) = act(&host, &token, "", r#"{"command":"down"}"#);
+    assert_eq!(
+        (status, said.contains("can ask for")),
+        (400, true),
+        "{said}"
+    );
+    let (status, said) = act(&host, &token, "", r#"{"command":"step","ticks":0}"#);
+    assert_eq!((status, said.contains("error")), (200, true), "{said}");
+    let own = format!("Origin: http://{host}");
+    let (status, said) = act(&host, &token, &own, pause);
+    assert_eq!((status, said.as_str()), (200, "\"done\""));
+    assert_eq!(paused(&up), true);
+
+    // A port that is taken is a usage error, and a page for looking has no acts.
+    let port = host.split_once(':').expect("a port").1;
+    let ended = zeronav(&["view", "--domain", &up.root, "--port", port]);
+    assert_eq!(
+        (ended.code(), ended.stderr.contains("taken")),
+        (2, true),
+        "{}",
+        ended.stderr
+    );
+    let looking = Viewer::start(&up.root, &["--view-only"]);
+    let (other, none) = looking.address();
+    assert_eq!(none, "");
+    let (status, said) = act(&other, &token, "", r#"{"command":"resume"}"#);
+    assert_eq!((status, said.contains("view-only")), (403, true), "{said}");
+    up.down();
+    assert_eq!((viewer.code(), looking.code()), (Some(0), Some(0)));
+}
+
+/// Bytes that look like chance, the same every time.
+fn noise(seed: u64, len: usize) -> Vec<u8> {
+    let mut state = seed | 1;
+    let mut next = || {
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        state.to_le_bytes()[0]
+    };
+    (0..len).map(|_| next()).collect()
+}
+
+#[test]
+fn hostile_and_stalled_clients_leave_the_stack_and_the_others_alone() {
+    let _turn = real_time_turn();
+    let up = Up::start(&["open_aisle"]);
+    let before = seats(&up);
+    let viewer = Viewer::start(&up.root, &[]);
+    let (host, token) = viewer.address();
+    // One that asks for the stream and never reads.
+    let mut stalled = connect(&host);
+    let upgrade = format!(
+        "GET /stream HTTP/1.1\r\nHost: {host}\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n\
+         Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n"
+    );
+    stalled.write_all(upgrade.as_bytes()).expect("sent");
+    // Garbage, also where a request was promised.
+    for seed in 0..60 {
+        let mut stream = connect(&host);
+        let _ = stream.write_all(&noise(seed * 7919 + 1, 2048));
+        let _ = stream.shutdown(Shutdown::Write);
+        let _ = stream.read_to_end(&mut Vec::new());
+    }
+    for seed in 0..60 {
+        let body = String::from_utf8_lossy(&noise(seed * 104_729 + 3, 300)).into_owned();
+        let (status, said) = act(&host, &token, "", &body);
+        assert_eq!(status, 400, "{said}");
+    }
+    // Headers and bodies without an end.
+    let huge = format!("X: {}", "x".repeat(1 << 20));
+    let (status, _) = ask(
+        &host,
+        &["GET / HTTP/1.1", &format!("Host: {host}"), &huge],
+        "",
+    );
+    assert!(status == 431 || status == 0, "{status}");
+    let (status, _) = act(&host, &token, "", &"x".repeat(1 << 20));
+    assert!(status == 413 || status == 0, "{status}");
+    // More connections than there are places, which never finish their headers: they are closed.
+    let slow: Vec<TcpStream> = (0..100)
+        .map(|_| {
+            let mut stream = connect(&host);
+            let _ = stream.write_all(b"GET / HTTP/1.1\r\nHost: ");
+            stream
+        })
+        .collect();
+    for mut stream in slow {
+        let _ = stream.read_to_end(&mut Vec::new());
+    }
+    let (status, page) = ask(&host, &["GET / HTTP/1.1", &format!("Host: {host}")], "");
+    assert_eq!((status, page.contains("<canvas")), (200, true));
+    assert_eq!(seats(&up), before, "the services are the same processes");
+    drop(stalled);
+    up.down();
+    assert_eq!(viewer.code(), Some(0));
+}
+
+/// `zeronav` on a terminal, which `script` makes.
+struct OnTerminal {
+    process: Child,
+    said: PathBuf,
+    _folder: tempfile::TempDir,
+}
+
+impl OnTerminal {
+    fn start(arguments: &str) -> Self {
+        let folder = tempfile::tempdir().expect("a folder");
+        let said = folder.path().join("said");
+        let output = File::create(&said).expect("a file");
+        let program = binaries().join("zeronav");
+        let process = Command::new("script")
+            .args([
+                "-qefc",
+                &format!("{} {arguments}", program.display()),
+                "/dev/null",
+            ])
+            .current_dir(folder.path())
+            .env_remove("CARGO")
+            .stdin(Stdio::null())
+            .stdout(output)
+            .stderr(Stdio::null())
+            .spawn()
+            .expect("script (bsdutils) is there");
+        Self {
+            process,
+            said,
+            _folder: folder,
+        }
+    }
+
+    fn said(&self) -> String {
+        let bytes = std::fs::read(&self.said).unwrap_or_default();
+        String::from_utf8_lossy(&bytes).into_owned()
+    }
+
+    /// The word that begins so, once it has been printed.
+    fn word(&self, start: &str) -> String {
+        let mut found = String::new();
+        await_by_itself(start, || {
+            let said = self.said();
+            let mut words = said.split(|c: char| c.is_whitespace() || c == ';');
+            found = words
+                .find(|word| word.starts_with(start))
+                .unwrap_or("")
+                .to_owned();
+            found.len() > start.len()
+        });
+        found
+    }
+
+    /// Process id of zeronav, and that of its viewer where it has one.
+    fn pids(&self) -> (u32, Option<u32>) {
+        let (zeronav, _) = children_of(self.process.id()).pop().expect("zeronav");
+        let viewer = children_of(zeronav).into_iter();
+        let mut viewer = viewer.filter(|(_, line)| line.contains("zeronav-viewer"));
+        (zeronav, viewer.next().map(|(pid, _)| pid))
+    }
+}
+
+impl Drop for OnTerminal {
+    fn drop(&mut self) {
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+    }
+}
+
+#[test]
+fn on_a_terminal_a_stack_has_a_page_that_ends_with_it() {
+    let _turn = real_time_turn();
+    // Without: neither by wish nor where nobody looks.
+    let without = OnTerminal::start("up open_aisle --no-view");
+    let root = without.word("/dev/shm/zn_");
+    assert_eq!(without.pids().1, None);
+    assert_eq!(zeronav(&["down", "--domain", &root]).code(), 0);
+    assert!(!without.said().contains("live page"), "{}", without.said());
+
+    // A viewer that hangs holds nothing up and is ended.
+    let stack = OnTerminal::start("up open_aisle");
+    let root = stack.word("/dev/shm/zn_");
+    let link = stack.word("http://127.0.0.1:");
+    let host = link
+        .trim_start_matches("http://")
+        .split('/')
+        .next()
+        .expect("a host");
+    assert_eq!(
+        ask(host, &["GET / HTTP/1.1", &format!("Host: {host}")], "").0,
+        200
+    );
+    let viewer = stack.pids().1.expect("a viewer");
+    assert!(send_signal(viewer, Signal::STOP));
+    assert_eq!(zeronav(&["down", "--domain", &root]).code(), 0);
+    await_by_itself("the viewer is gone", || !is_alive(viewer));
+    assert_eq!(leftovers(Path::new(&root)), Vec::<PathBuf>::new());
+
+    // One that dies is missed by nobody; another can be had.
+    let stack = OnTerminal::start("up open_aisle");
+    let root = stack.word("/dev/shm/zn_");
+    stack.word("http://127.0.0.1:");
+    let (launch, viewer) = stack.pids();
+    assert!(send_signal(viewer.expect("a viewer"), Signal::KILL));
+    await_by_itself("it is said", || {
+        stack.said().contains("the live page has ended")
+    });
+    let mut again = Viewer::start(&root, &[]);
+    // The death of zeronav ends it, too.
+    assert!(send_signal(launch, Signal::KILL));
+    await_by_itself("the viewer has ended", || {
+        again
+            .process
+            .try_wait()
+            .is_ok_and(|status| status.is_some())
+    });
+    await_by_itself("nothing is left", || leftovers(Path::new(&root)).is_empty());
+}
