@@ -12,7 +12,9 @@ use zeronav::new_package;
 use zeronav::remote::{goal, swap, verbs};
 use zeronav::show::{log, terminal};
 use zeronav::supervise::{cleaner, warden};
-use zeronav::{commands, completions, doctor, draw, logs, look, map_save, params, remote, topics};
+use zeronav::{
+    commands, completions, doctor, logs, look, map_save, params, picture, remote, report, topics,
+};
 use zeronav_msgs::role::Role;
 use zeronav_shell::flags::one_line;
 
@@ -78,7 +80,13 @@ fn main() -> ExitCode {
         Command::Down(arguments) => verbs::down(&arguments),
         Command::Contract(arguments) => contract_kit::contract(&arguments),
         Command::New(arguments) => new_package::new(&arguments),
-        Command::Draw(arguments) => draw::draw(&arguments.run, arguments.out.as_deref()),
+        Command::Picture(arguments) => {
+            picture::picture(&arguments.run, arguments.out.as_deref(), arguments.animated)
+        }
+        Command::Draw(arguments) => {
+            picture::picture(&arguments.run, arguments.out.as_deref(), true)
+        }
+        Command::Report(arguments) => report::report(&arguments.runs, arguments.out.as_deref()),
         Command::Suite(arguments) => commands::suite(&arguments.plan(), arguments.json),
         Command::Completions { shell } => completions::completions(shell),
         Command::Man { folder } => completions::man(&folder),

@@ -44,4 +44,6 @@ pub struct RunPlan {
     pub log_level: String,
     /// True when a progress line is shown.
     pub progress: bool,
+    /// True when a run that passes leaves no report.
+    pub report_failures_only: bool,
 }

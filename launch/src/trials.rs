@@ -6,6 +6,7 @@ use crate::floor;
 use crate::measure::DEADLINE_NS;
 use crate::measure::Event;
 use crate::measure::distribution::to_us;
+use crate::measure::timings::{Drive, Gathering, Timings};
 use crate::measure::way::HOPS;
 use crate::prepare::Prepared;
 use crate::result::latency::Latency;
@@ -33,6 +34,8 @@ pub(crate) struct Trials {
     pub latency: Latency,
     /// The slowest trials, slowest first.
     pub worst: Vec<SlowTrial>,
+    /// The times of all rounds.
+    pub timings: Timings,
 }
 
 /// Makes `wanted` trials in three rounds. A round that ends early ends the trials.
@@ -48,6 +51,7 @@ pub(crate) fn make(
     let mut rounds = Vec::new();
     let mut drives = Vec::new();
     let mut worst = Vec::new();
+    let mut gathering = Gathering::default();
     let mut before = 0;
     for round in 0..ROUNDS {
         let n = wanted / ROUNDS + usize::from(round < wanted % ROUNDS);
@@ -65,6 +69,15 @@ pub(crate) fn make(
         let trials = std::mem::take(&mut driven.trials);
         let events: Vec<Event> = trials.iter().map(|trial| trial.event.clone()).collect();
         let mut latency = Latency::of(&events, &driven.collector.records, DEADLINE_NS);
+        gathering.compute(&driven.collector.records);
+        let times = Drive {
+            records: &driven.collector.records,
+            events: &events,
+            round: Some(round + 1),
+            tick_ns: prepared.scenario.run.tick_ns(),
+            from_ns: driven.goals_run_ns,
+        };
+        gathering.latencies(times, DEADLINE_NS);
         latency.not_in_the_way = driven.trials_missed;
         let load = (driven.ending == Ending::TrialsOver).then(|| load(prepared, &driven));
         if let Some(load) = load {
@@ -107,6 +120,7 @@ pub(crate) fn make(
         rounds,
         drives,
         worst,
+        timings: gathering.timings(false),
         latency: Latency::of_rounds(&of_each),
     })
 }

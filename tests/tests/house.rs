@@ -49,6 +49,7 @@ fn allowed(from: &str) -> &'static [&'static str] {
             "zeronav-params",
             "zeronav-robot-description",
             "zeronav-shell",
+            "zeronav-viewer",
             "zeronav-world",
             "zeronav-world-files",
         ],

@@ -6,7 +6,7 @@ mod reason;
 use crate::drive::Driven;
 use crate::measure::index::PathRecord;
 use crate::measure::motion::{Contact, Moment, jerk_mps3};
-use crate::measure::{self, DEADLINE_NS};
+use crate::measure::{self, DEADLINE_NS, Event};
 use crate::prepare::Prepared;
 use crate::result::ServiceResult;
 use crate::result::latency::Latency;
@@ -78,7 +78,7 @@ pub(crate) fn judge(prepared: &Prepared, driven: &Driven, environment: Environme
         interventions_by_reason: by_reason,
         pose: seen.comparison.pose(),
         tracking: seen.comparison.tracking(),
-        latency: (!lockstep).then(|| latency(prepared, driven)),
+        latency: (!lockstep).then(|| latency(prepared, driven).1),
         trials: None,
         injected_us: prepared
             .delays
@@ -179,7 +179,7 @@ fn injected_us(steps: u16) -> f64 {
 }
 
 /// The moments from the first goal to the end of the task.
-fn moments(driven: &Driven) -> &[Moment] {
+pub(crate) fn moments(driven: &Driven) -> &[Moment] {
     let moments = &driven.collector.seen.motion.moments;
     let from = moments.partition_point(|moment| moment.run_ns < driven.goals_run_ns);
     let to = moments.partition_point(|moment| moment.run_ns <= driven.end_run_ns);
@@ -260,7 +260,8 @@ fn plan(path: &PathRecord, goals_run_ns: u64) -> PlannedPath {
     }
 }
 
-fn latency(prepared: &Prepared, driven: &Driven) -> Latency {
+/// What became of the obstacles of a drive, and its latencies.
+pub(crate) fn latency(prepared: &Prepared, driven: &Driven) -> (Vec<Event>, Latency) {
     let clearance_m = |index: usize, points_m: &[[f64; 2]]| {
         let pose = driven.collector.obstacles.get(&index);
         let obstacle = prepared.world.obstacles().get(index);
@@ -281,7 +282,6 @@ fn latency(prepared: &Prepared, driven: &Driven) -> Latency {
         radius_m,
         DEADLINE_NS,
     )
-    .1
 }
 
 fn obstacles(prepared: &Prepared, driven: &Driven) -> Vec<ObstacleResult> {

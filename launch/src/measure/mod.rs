@@ -12,6 +12,7 @@ pub(crate) mod joins;
 pub(crate) mod latency;
 pub(crate) mod motion;
 pub(crate) mod reaction;
+pub(crate) mod timings;
 pub(crate) mod tracking;
 mod tracking_score;
 pub mod way;
