@@ -90,7 +90,7 @@ pub fn up(plan: &RunPlan, json: bool) -> ExitCode {
         .and_then(|()| {
             report::write(
                 &prepared.directory,
-                Outcome::Stay(result.clone()),
+                Outcome::Stay(Box::new(result.clone())),
                 recording,
             )
         });

@@ -8,6 +8,7 @@ use crate::measure::timings::{Drive, Gathering, Timings};
 use crate::prepare::Prepared;
 use crate::result::RunResult;
 use crate::show::recording::{RecordedObstacle, RecordedPath, Recording};
+use std::path::Path;
 use zeronav_msgs::path::PathStatus;
 use zeronav_msgs::pose::Pose;
 use zeronav_msgs::run::RunMode;
@@ -99,6 +100,7 @@ fn complete(prepared: &Prepared, driven: &Driven, about: Recording) -> Recording
     let counts = |run_ns: &u64| (driven.goals_run_ns..=driven.end_run_ns).contains(run_ns);
     Recording {
         scenario: prepared.scenario.name.clone(),
+        title: prepared.scenario.title.clone(),
         seed: prepared.seed,
         area_m: [origin_m, [origin_m[0] + size_m[0], origin_m[1] + size_m[1]]],
         walls_m: rectangles(&map),
@@ -112,7 +114,7 @@ fn complete(prepared: &Prepared, driven: &Driven, about: Recording) -> Recording
         obstacles: obstacles(prepared, driven),
         first_goal_s: thousandths(seconds(driven.goals_run_ns)),
         tick_s: seconds(prepared.scenario.run.tick_ns()),
-        command: std::env::args().collect(),
+        command: command(),
         interventions: interventions
             .iter()
             .filter(|(run_ns, _)| counts(run_ns))
@@ -124,6 +126,18 @@ fn complete(prepared: &Prepared, driven: &Driven, about: Recording) -> Recording
         mode,
         ..about
     }
+}
+
+/// The command line of this process, with the name of the program alone.
+fn command() -> Vec<String> {
+    let name = |path: String| {
+        let name = Path::new(&path).file_name();
+        name.map_or_else(|| path.clone(), |name| name.to_string_lossy().into_owned())
+    };
+    // Arguments need not be text.
+    let mut words = std::env::args_os().map(|word| word.to_string_lossy().into_owned());
+    let program = words.next().map(name);
+    program.into_iter().chain(words).collect()
 }
 
 /// The times of a drive.

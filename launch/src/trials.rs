@@ -69,15 +69,7 @@ pub(crate) fn make(
         let trials = std::mem::take(&mut driven.trials);
         let events: Vec<Event> = trials.iter().map(|trial| trial.event.clone()).collect();
         let mut latency = Latency::of(&events, &driven.collector.records, DEADLINE_NS);
-        gathering.compute(&driven.collector.records);
-        let times = Drive {
-            records: &driven.collector.records,
-            events: &events,
-            round: Some(round + 1),
-            tick_ns: prepared.scenario.run.tick_ns(),
-            from_ns: driven.goals_run_ns,
-        };
-        gathering.latencies(times, DEADLINE_NS);
+        gather(&mut gathering, prepared, &driven, &events, round + 1);
         latency.not_in_the_way = driven.trials_missed;
         let load = (driven.ending == Ending::TrialsOver).then(|| load(prepared, &driven));
         if let Some(load) = load {
@@ -123,6 +115,26 @@ pub(crate) fn make(
         timings: gathering.timings(false),
         latency: Latency::of_rounds(&of_each),
     })
+}
+
+/// Adds the times of a round.
+fn gather(
+    gathering: &mut Gathering,
+    prepared: &Prepared,
+    driven: &Driven,
+    events: &[Event],
+    round: usize,
+) {
+    let records = &driven.collector.records;
+    gathering.compute(records);
+    let times = Drive {
+        records,
+        events,
+        round: Some(round),
+        tick_ns: prepared.scenario.run.tick_ns(),
+        from_ns: driven.goals_run_ns,
+    };
+    gathering.latencies(times, DEADLINE_NS);
 }
 
 /// Adds the trials of a round to the slowest of all, which stay few.

@@ -38,7 +38,7 @@ const MAP_NS: u64 = 500_000_000;
 /// Room for each kind of sample. [bytes] Together they leave half a megabyte of a report of 3 MB to
 /// the page and its tables.
 const POSES_BYTES: usize = 500_000;
-const SCANS_BYTES: usize = 800_000;
+const SCANS_BYTES: usize = 700_000;
 const TRACKED_BYTES: usize = 200_000;
 const BODIES_BYTES: usize = 150_000;
 const PATHS_BYTES: usize = 250_000;
@@ -277,8 +277,10 @@ impl Film {
     /// Takes in what was written on the map since the last look.
     pub(crate) fn look_at_map(&mut self, run_ns: u64, replica: &MapReplica) {
         let period_ns = self.maps.period_ns();
-        let is_due = |looked_ns| run_ns >= period_ns.saturating_add(looked_ns);
-        if !(self.all_dirty || !self.dirty.is_empty() && self.map_looked_ns.is_none_or(is_due)) {
+        let is_due = (self.map_looked_ns)
+            .is_none_or(|looked_ns| run_ns >= period_ns.saturating_add(looked_ns));
+        let is_wanted = self.all_dirty || (is_due && !self.dirty.is_empty());
+        if !is_wanted {
             return;
         }
         let Some(map) = replica.view() else {
@@ -330,3 +332,6 @@ fn recalled<T: Copy>(recent: &VecDeque<(u64, T)>, key: u64) -> Option<T> {
 pub(crate) fn outline(corners_m: &[nalgebra::Point2<f64>]) -> Vec<[Rounded; 2]> {
     corners_m.iter().map(|at| point(at.x, at.y)).collect()
 }
+
+#[cfg(test)]
+pub(crate) mod tests;

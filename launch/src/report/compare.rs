@@ -55,7 +55,8 @@ pub(super) fn page(runs: &[RunFolder]) -> Result<String, String> {
     let latencies = rows(runs, &latencies(runs));
     let about = note(
         "Medians and 99th percentiles with their intervals at 95 %, for which samples count as \
-         independent. Where intervals overlap there is no difference.",
+         independent. Where intervals overlap there is no difference. What differs from one run to \
+         the next of the same kind is not in them: repeat before you believe a small one.",
     );
     if !latencies.is_empty() {
         body.push_str(&section(
@@ -288,7 +289,10 @@ fn tracks(runs: &[RunFolder]) -> Option<String> {
         let Some(recording) = &run.recording else {
             continue;
         };
-        if recording.area_m == first.area_m && lines.len() < 2 * COLOURS.len() {
+        let corners = recording.area_m.as_flattened().iter();
+        let mut corners = corners.zip(first.area_m.as_flattened());
+        let is_same_map = corners.all(|(a, b)| (a - b).abs() < 1.0e-6);
+        if is_same_map && lines.len() < 2 * COLOURS.len() {
             lines.push(Line {
                 name: format!("run {}: {:.1} m", at + 1, recording.driven_m),
                 colour: COLOURS[at % COLOURS.len()],

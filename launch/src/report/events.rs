@@ -9,7 +9,10 @@ use crate::show::recording::Recording;
 use serde::Serialize;
 
 /// Events that a player marks at most.
-const MARKED_MAX: usize = 1000;
+const MARKED_MAX: usize = 400;
+
+/// Longest text of an event. [characters]
+const TEXT_MAX: usize = 160;
 
 /// Something that happened.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -89,7 +92,18 @@ pub(super) fn events(run: &RunFolder) -> Vec<Event> {
         }));
     }
     events.retain(|event| event.time_s.is_finite());
-    events.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
+    for event in &mut events {
+        if let Some((end, _)) = event.text.char_indices().nth(TEXT_MAX) {
+            event.text.truncate(end);
+            event.text.push('…');
+        }
+    }
+    // What appears is the cause of what is answered at the same moment.
+    let is_answer = |event: &Event| event.kind != "obstacle";
+    events.sort_by(|a, b| {
+        let by_time = a.time_s.total_cmp(&b.time_s);
+        by_time.then(is_answer(a).cmp(&is_answer(b)))
+    });
     events
 }
 

@@ -16,7 +16,7 @@ pub(crate) enum Outcome {
     /// Of `zeronav run`.
     Run(Box<RunResult>),
     /// Of `zeronav up`.
-    Stay(StayResult),
+    Stay(Box<StayResult>),
 }
 
 /// The folder of a run.

@@ -197,7 +197,7 @@ mod tests {
         );
         assert!(!page.contains("<script>alert"), "{page}");
         assert!(!page.contains('\u{1b}'));
-        assert_eq!(page.matches("&lt;/script&gt;").count(), 5);
+        assert_eq!(page.matches("&lt;/script&gt;").count(), 10);
         assert!(!json_in_script("{\"a\":\"</script>\"}").contains('<'));
         let back: serde_json::Value =
             serde_json::from_str(&json_in_script("\"</script>\u{2028}\"")).expect("JSON");

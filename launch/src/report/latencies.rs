@@ -8,6 +8,9 @@ use crate::result::latency::{Figures, Hop, Latency};
 /// Most of the slowest answers that are shown of each kind.
 const SLOWEST: usize = 10;
 
+/// Fewest samples that are drawn as a histogram.
+const SAMPLES_MIN: u64 = 5;
+
 /// Distributions of reaction and replanning, and their figures.
 pub(super) fn distributions(latency: Option<&Latency>, timings: &Timings) -> String {
     let mut charts = String::new();
@@ -16,7 +19,9 @@ pub(super) fn distributions(latency: Option<&Latency>, timings: &Timings) -> Str
         ("replanning", &timings.replanning),
     ];
     for (name, spread) in named {
-        if let Some(spread) = spread {
+        if let Some(spread) = spread
+            && spread.figures.n >= SAMPLES_MIN
+        {
             charts.push_str(&charts::histogram(name, spread));
         }
     }
@@ -30,7 +35,7 @@ pub(super) fn distributions(latency: Option<&Latency>, timings: &Timings) -> Str
     let mut rows = vec![
         figures_row(
             "reaction",
-            "scan captured to the first command that counts with it",
+            "scan captured to the first command that took it into account",
             &latency.reaction,
         ),
         figures_row(

@@ -32,9 +32,6 @@ const COMPARISON: &str = "comparison.html";
 /// Most runs that are compared.
 const RUNS_MAX: usize = 100;
 
-/// Largest report. [bytes]
-const BYTES_MAX: usize = 3_000_000;
-
 /// Writes the report of the run whose folder is `run`.
 ///
 /// # Errors

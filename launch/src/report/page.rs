@@ -3,7 +3,7 @@
 use super::events::{Event, events, list, marked};
 use super::folder::{Outcome, RunFolder};
 use super::html::{document, json_in_script, note, section};
-use super::{BYTES_MAX, environment, latencies, services, summary};
+use super::{environment, latencies, services, summary};
 use crate::measure::timings::Timings;
 use crate::picture;
 use crate::show::recording::Recording;
@@ -11,6 +11,9 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::json;
 use zeronav_viewer::page::SCENE_JS;
+
+/// Largest report. [bytes]
+const BYTES_MAX: usize = 3_000_000;
 
 /// The player: markup and script.
 const PLAYER: &str = include_str!("page/player.html");
@@ -163,4 +166,80 @@ fn player(recording: &Recording, events: &[Event]) -> Option<String> {
         PLAYER.replace("<!--about-->", &note(&about)),
         json_in_script(&data.to_string())
     ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::film::Cut;
+    use crate::film::tests::busy_drive;
+    use crate::result::{PlannedPath, RunResult};
+    use std::path::PathBuf;
+
+    fn result() -> RunResult {
+        let text = include_str!("../../tests/data/result_lockstep.json");
+        serde_json::from_str(text).expect("a result")
+    }
+
+    fn folder(result: RunResult, recording: Option<Recording>) -> RunFolder {
+        RunFolder {
+            path: PathBuf::from("nowhere"),
+            outcome: Outcome::Run(Box::new(result)),
+            recording,
+        }
+    }
+
+    #[test]
+    fn the_report_of_an_hour_keeps_its_budget() {
+        let film = busy_drive(3600);
+        let cut = Cut {
+            scenario: "busy",
+            mode: "real_time",
+            from_ns: 0,
+            until_ns: 3_600_000_000_000,
+        };
+        let (kept, left_out) = film.interventions();
+        let interventions = kept
+            .iter()
+            .map(|(at, why)| (zeronav_msgs::time::seconds(*at), why.to_string()));
+        let recording = Recording {
+            time_s: 3600.0,
+            interventions: interventions.collect(),
+            interventions_left_out: left_out,
+            rates: film.rates(),
+            area_m: [[0.0, 0.0], [50.0, 50.0]],
+            scene: serde_json::to_value(film.scene(&cut)).ok(),
+            ..Recording::default()
+        };
+        let mut result = result();
+        let plan = PlannedPath {
+            status: "<".repeat(1000),
+            ..result.plans[0].clone()
+        };
+        result.plans = vec![plan; 20_000];
+        let page = page(&folder(result, Some(recording)));
+        assert!(page.len() <= BYTES_MAX, "{} bytes", page.len());
+        assert!(page.contains("id=\"data\"") && page.contains("class=\"still\""));
+        assert!(page.contains("because the drive was long"));
+        assert!(page.contains("more interventions of the guard were not kept"));
+    }
+
+    #[test]
+    fn frames_that_are_too_large_are_left_out() {
+        let recording = Recording {
+            area_m: [[0.0, 0.0], [5.0, 5.0]],
+            scene: Some("x".repeat(BYTES_MAX).into()),
+            ..Recording::default()
+        };
+        let page = page(&folder(result(), Some(recording)));
+        assert!(page.len() < 1_000_000, "{} bytes", page.len());
+        assert!(page.contains("too large for this page") && page.contains("class=\"still\""));
+    }
+
+    #[test]
+    fn scripts_of_the_page_do_not_end_early() {
+        for script in [SCENE_JS, PLAYER_JS] {
+            assert!(!script.contains("</script") && !script.contains("<!--"));
+        }
+    }
 }

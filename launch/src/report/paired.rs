@@ -103,6 +103,10 @@ impl Difference {
             Self::Unknown => String::new(),
             Self::TooFew => "too few samples".to_owned(),
             Self::None => "no difference".to_owned(),
+            // Less than what is written.
+            Self::By(by) if written(by.abs(), unit) == written(0.0, unit) => {
+                Self::None.text(unit, first)
+            }
             Self::By(by) => {
                 let sign = if by < 0.0 { "−" } else { "+" };
                 let share = match first {
@@ -172,6 +176,9 @@ mod tests {
         );
         assert_eq!(one.to(&one), Difference::None);
         assert_eq!(Measure::exact(f64::NAN).to(&one), Difference::Unknown);
+        let hardly = Measure::exact(1.004);
+        let text = one.to(&hardly).text(Unit::Metres, one.value);
+        assert_eq!(text, "no difference", "to the centimetre");
         let zero = Measure::exact(0.0);
         assert_eq!(zero.to(&one).text(Unit::Seconds, zero.value), "+1.00 s");
         assert_eq!(zero.to(&zero), Difference::None);

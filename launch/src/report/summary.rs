@@ -18,9 +18,11 @@ pub(super) fn head(run: &RunFolder) -> String {
         }
         Outcome::Stay(result) => ("stay", words(&result.outcome), goals_reached(result)),
     };
+    let title = (run.recording.as_ref()).map_or("", |recording| &recording.title);
     format!(
-        "<header><h1>{}</h1><p class=\"verdict\"><b class=\"{class}\">{}</b> {}</p></header>\n",
+        "<header><h1>{}</h1><p class=\"title\">{}</p><p class=\"verdict\"><b class=\"{class}\">{}</b> {}</p></header>\n",
         text_of(run.scenario()),
+        text_of(title),
         text_of(&verdict),
         text_of(&reason)
     )

@@ -15,6 +15,9 @@ pub(crate) const FILE: &str = "recording.json";
 pub(crate) struct Recording {
     /// Name of the scenario.
     pub scenario: String,
+    /// Its title.
+    #[serde(default)]
+    pub title: String,
     /// `reached`, or why not.
     pub outcome: String,
     /// The verdict in words.

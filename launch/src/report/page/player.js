@@ -59,7 +59,8 @@
     const past = events.filter((event) => event.time_s <= now_s + 0.005);
     const newest = past[past.length - 1];
     const is_fresh = newest && now_s - newest.time_s < Math.max(2, 1.5 * Number($("speed").value));
-    $("said").textContent = is_fresh ? newest.text : "";
+    const together = past.filter((event) => newest && newest.time_s - event.time_s < 0.05).slice(-3);
+    $("said").textContent = is_fresh ? together.map((event) => event.text).join("; ") : "";
     let row = null;
     for (const [time_s, of] of rows) if (time_s <= now_s + 0.005) row = of;
     if (row === marked) return;
@@ -208,6 +209,16 @@
     act(event);
   });
 
+  /** As high as the map needs, within what the window has. */
+  function shape() {
+    const log = scene.logs[0];
+    const wide = $("stage").clientWidth;
+    const high = log ? (wide * log.height) / log.width : 0.6 * wide;
+    $("view").style.height = `${Math.round(Math.min(0.6 * window.innerHeight, 620, Math.max(180, high)))}px`;
+  }
+  window.addEventListener("resize", shape);
+
+  shape();
   view.show(scene);
   layers();
   drawStrip();
