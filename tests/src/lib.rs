@@ -4,6 +4,7 @@
 //! live stack. Runs in real time take turns behind a lock, because two of them would only measure
 //! each other.
 
+pub mod browser;
 #[path = "../data/folder.rs"]
 pub mod data;
 pub mod faults;

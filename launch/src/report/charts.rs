@@ -15,6 +15,10 @@ const RIGHT: f64 = 332.0;
 const TOP: f64 = 22.0;
 const BOTTOM: f64 = 108.0;
 
+/// Width of a label, and where the last one begins at most. [px]
+const LABEL: f64 = 84.0;
+const LABELS_END: f64 = RIGHT - 76.0;
+
 /// Bins beyond these cannot come from a run. 0.1 ns and 3 hours.
 const BINS: [i32; 2] = [-48, 120];
 
@@ -62,16 +66,19 @@ pub(super) fn histogram(title: &str, spread: &Spread) -> String {
             time(edge_us(*bin + 1)),
         );
     }
-    let marks = [("p50", figures.p50_us), ("p99", figures.p99_us)];
+    // Labels stand beside each other where their marks are close, the first one left of the last.
+    let marks = [
+        ("p50", figures.p50_us, LABELS_END - LABEL),
+        ("p99", figures.p99_us, LABELS_END),
+    ];
     let mut free_from = LEFT;
-    for (name, us) in marks {
+    for (name, us, label_px_max) in marks {
         let Some(us) = us.filter(|us| us.is_finite()) else {
             continue;
         };
         let at = x(us);
-        // Beside each other where the marks are close.
-        let label_px = (at - 24.0).clamp(free_from, RIGHT - 76.0);
-        free_from = label_px + 84.0;
+        let label_px = (at - 24.0).min(label_px_max).max(free_from);
+        free_from = label_px + LABEL;
         let _ = write!(
             svg,
             "<line class=\"mark\" x1=\"{at:.1}\" x2=\"{at:.1}\" y1=\"{:.1}\" y2=\"{BOTTOM}\"/>\
@@ -245,6 +252,28 @@ mod tests {
         assert!(xs.is_sorted() && xs[0] > LEFT && xs[2] < RIGHT, "{xs:?}");
         assert!(svg.contains("p50 450 µs") && svg.contains("p99 2.00 ms"));
         assert_eq!(histogram("none", &Spread::default()), "");
+    }
+
+    #[test]
+    fn labels_of_marks_at_the_right_edge_stay_inside() {
+        let spread = Spread {
+            figures: figures(450.0, 455.0),
+            bins: vec![(0, 1), (31, 150)],
+            ..Spread::default()
+        };
+        let svg = histogram("late", &spread);
+        let label = |name: &str| {
+            let before = &svg[..svg.find(&format!(">{name} ")).expect("a label")];
+            let at = before.rfind("<text x=\"").expect("its place") + "<text x=\"".len();
+            before[at..]
+                .split('"')
+                .next()
+                .unwrap()
+                .parse::<f64>()
+                .unwrap()
+        };
+        assert!((label("p99") - LABELS_END).abs() < 0.1, "{svg}");
+        assert!((label("p50") + LABEL - LABELS_END).abs() < 0.1, "{svg}");
     }
 
     #[test]

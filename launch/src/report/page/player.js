@@ -184,7 +184,7 @@
   $("out").onclick = () => zoom(1 / 1.4);
   $("fit").onclick = () => { follow(false); view.fit(); };
   document.addEventListener("click", (event) => {
-    const link = event.target.closest("a[data-t]");
+    const link = event.target instanceof Element && event.target.closest("a[data-t]");
     if (!link) return;
     event.preventDefault();
     play(false);
@@ -204,7 +204,8 @@
   document.addEventListener("keydown", (event) => {
     const act = KEYS[event.key];
     if (!act || event.ctrlKey || event.metaKey || event.altKey) return;
-    if (event.target.closest("select") || (event.key === " " && event.target.closest("button, a"))) return;
+    const within = (names) => event.target instanceof Element && event.target.closest(names);
+    if (within("select") || (event.key === " " && within("button, a"))) return;
     event.preventDefault();
     act(event);
   });
