@@ -4,6 +4,7 @@ use super::charts;
 use super::html::{Cell, note, table, time, words};
 use crate::measure::timings::{Slow, Timings};
 use crate::result::latency::{Figures, Hop, Latency};
+use core::fmt::Write;
 
 /// Most of the slowest answers that are shown of each kind.
 const SLOWEST: usize = 10;
@@ -118,7 +119,7 @@ pub(super) fn hops(latency: &Latency) -> String {
         if hops.iter().all(|hop| hop.figures.n == 0) {
             continue;
         }
-        html.push_str(&format!("<h3>{title}</h3>\n{}", hop_table(hops)));
+        let _ = write!(html, "<h3>{title}</h3>\n{}", hop_table(hops));
     }
     if html.is_empty() {
         return html;
@@ -198,7 +199,7 @@ pub(super) fn slowest(timings: &Timings) -> String {
         };
         let rows: Vec<Vec<Cell>> = all.iter().take(SLOWEST).map(row).collect();
         if !rows.is_empty() {
-            html.push_str(&format!("<h3>{title}</h3>\n"));
+            let _ = writeln!(html, "<h3>{title}</h3>");
             html.push_str(&table(&["scan at", "hops", "#total", "longest hop"], &rows));
         }
     }

@@ -1,6 +1,7 @@
 //! A measure of two runs, and by how much it differs.
 
 use super::html::{number, time};
+use core::fmt::Write;
 
 /// What a number means, and how it is written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -88,9 +89,9 @@ impl Measure {
         let mut text = written(value, unit);
         if let Some((interval, n)) = self.estimate {
             if let Some([low, high]) = interval {
-                text += &format!(" [{}, {}]", written(low, unit), written(high, unit));
+                let _ = write!(text, " [{}, {}]", written(low, unit), written(high, unit));
             }
-            text += &format!(", n = {n}");
+            let _ = write!(text, ", n = {n}");
         }
         text
     }
