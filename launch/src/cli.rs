@@ -139,8 +139,12 @@ pub enum Command {
     Contract(ContractArgs),
     /// Write a package for a seat, which builds, keeps the contract and drives as it is.
     New(NewArgs),
-    /// Draw a recorded run as an animated SVG.
+    /// Draw a recorded run as an SVG: a still, or animated.
+    Picture(PictureArgs),
+    /// `picture --animated`.
     Draw(DrawArgs),
+    /// Write the report of a recorded run again, or one page that compares several.
+    Report(ReportArgs),
     /// The completions of a shell, to be sourced or put where it looks for them.
     Completions {
         /// Which shell.
@@ -246,6 +250,9 @@ pub struct RunArgs {
     /// else. May be given several times.
     #[arg(long, value_name = "ROLE=TIME", value_parser = delay, conflicts_with = "lockstep")]
     pub inject: Vec<(Role, u16)>,
+    /// Leave no report, and no frames for one, when the run passes; the runs of a suite do so.
+    #[arg(long)]
+    pub report_failures_only: bool,
 }
 
 impl RunArgs {
@@ -255,6 +262,7 @@ impl RunArgs {
         RunPlan {
             trials: self.trials,
             delays: self.inject.iter().copied().collect(),
+            report_failures_only: self.report_failures_only,
             ..self.start.plan(Source::Named(self.scenario.clone()))
         }
     }
@@ -372,6 +380,31 @@ impl SuiteArgs {
             out: self.out.clone(),
         }
     }
+}
+
+/// Arguments of `zeronav picture`.
+#[derive(Debug, Clone, Args)]
+pub struct PictureArgs {
+    /// Folder of a run, as `zeronav run` left it.
+    pub run: PathBuf,
+    /// File to write; without, run.svg or animation.svg in that folder.
+    #[arg(short, long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+    /// The drive in a loop, in place of its end.
+    #[arg(long)]
+    pub animated: bool,
+}
+
+/// Arguments of `zeronav report`.
+#[derive(Debug, Clone, Args)]
+pub struct ReportArgs {
+    /// Folders of runs, as `zeronav run` or `zeronav up` left them; with more than one they are
+    /// compared with the first.
+    #[arg(required = true, value_name = "RUN")]
+    pub runs: Vec<PathBuf>,
+    /// File to write; without, report.html in the folder of the run, or comparison.html in this one.
+    #[arg(short, long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
 }
 
 /// Arguments of `zeronav draw`.

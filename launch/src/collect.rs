@@ -2,6 +2,7 @@
 
 use crate::aside::Aside;
 use crate::faults::{Recoveries, Sight};
+use crate::film::{self, Film};
 use crate::measure::index::{PathRecord, Sensed, Sighting};
 use crate::measure::{Records, RunHash};
 use crate::seen::{Fact, Seen, TaskReport};
@@ -88,6 +89,8 @@ pub(crate) struct Collector {
     pub aside: Aside,
     /// Seats whose next answer is waited for.
     pub recoveries: Recoveries,
+    /// What a player shows of the run.
+    pub film: Film,
     keyframe_wanted: bool,
     keyframe_asked: Option<Instant>,
     /// A revision that came before the truth about its scan or the obstacles of its scan.
@@ -98,7 +101,12 @@ impl Collector {
     /// Takes in whatever has come; true when mapping should be asked for a keyframe.
     pub(crate) fn listen(&mut self, taps: &mut Taps, roster: &Roster, placed: Placed<'_>) -> bool {
         taps.spans.drain(|span| self.span(span));
-        self.hear(taps, roster);
+        if taps.description.poll(roster)
+            && let Some(view) = taps.description.get()
+        {
+            self.film.description(view.meta, view.items);
+        }
+        self.hear(taps, roster, placed);
         // In lockstep there are no latencies.
         let looks = !roster.lockstep();
         if let Some((revision, scan)) = self.unlooked.take() {
@@ -108,11 +116,14 @@ impl Collector {
             && let Some(view) = taps.keyframe.get()
         {
             self.replica.keyframe(view.meta, view.items);
+            self.film.written_all();
         }
         taps.keyframe.release();
         taps.updates.drain(roster, |view| {
             let scan = view.header.parents.scan;
             self.map_from_odom = Some(view.meta.map_from_odom);
+            self.film.placed(view.meta.map_from_odom);
+            self.film.written(view.items);
             if scan != 0 && view.meta.is_last_part() {
                 let fact = Fact::Placed(scan, view.meta.map_from_odom);
                 (self.seen).hear(view.header.tick, view.header.run_ns, fact);
@@ -137,6 +148,7 @@ impl Collector {
                 self.unlooked = Some((revision, scan));
             }
         });
+        self.film.look_at_map(self.run_ns, &self.replica);
         self.hear_paths(taps, roster);
         self.hear_status(taps, roster);
         self.wants_keyframe()
@@ -154,6 +166,7 @@ impl Collector {
             let Some((status, cause)) = view.meta.status().zip(view.meta.cause()) else {
                 return;
             };
+            self.film.path(view.header.run_ns, view.meta, view.items);
             self.records.paths.push(PathRecord {
                 id: view.header.id,
                 map: view.header.parents.map,
@@ -200,14 +213,20 @@ impl Collector {
                 cause: view.meta.cause().unwrap_or(StuckCause::None),
             };
             self.task = Some(report);
+            (self.film).task(view.header.run_ns, state, &self.reached);
             self.seen.hear(tick, view.header.run_ns, Fact::Task(report));
         }
     }
 
     /// Takes in what is so, what the guard does, and what mapping sees moving.
-    fn hear(&mut self, taps: &mut Taps, roster: &Roster) {
+    fn hear(&mut self, taps: &mut Taps, roster: &Roster, placed: Placed<'_>) {
         taps.truth.drain(roster, |view| {
             let (tick, run_ns) = (view.header.tick, view.header.run_ns);
+            self.film.truth(run_ns, &view.meta.pose, || {
+                let there = view.items.iter();
+                let bodies = there.filter_map(|item| placed(item.index as usize, &item.pose));
+                bodies.map(|body| film::outline(&body.outline())).collect()
+            });
             self.truth(run_ns, view.meta, view.items);
             if self.sights.len() < SIGHTS_MAX {
                 let pose = view.meta.pose;
@@ -217,7 +236,10 @@ impl Collector {
             let fact = Fact::Truth(*view.meta, view.items.to_vec());
             self.seen.hear(tick, run_ns, fact);
         });
+        (taps.requests).drain(roster, |view| self.film.request(view.header.id, view.meta));
         taps.commands.drain(roster, |view| {
+            let (run_ns, request) = (view.header.run_ns, view.header.parents.request);
+            self.film.command(run_ns, request, view.meta);
             self.aside.command(view.header.tick);
             let fact = Fact::Command(view.meta.intervention());
             (self.seen).hear(view.header.tick, view.header.run_ns, fact);
@@ -228,12 +250,17 @@ impl Collector {
                 self.first_motion_tick.get_or_insert(view.header.tick);
             }
             self.run_ns = self.run_ns.max(view.header.run_ns);
+            (self.film).odometry(view.header.tick, view.header.run_ns, view.meta);
             if view.meta.scan_due() {
                 let fact = Fact::Odometry(view.meta.pose);
                 (self.seen).hear(view.header.tick, view.header.run_ns, fact);
             }
         });
+        taps.scans.drain(roster, |view| {
+            (self.film).scan(view.header.run_ns, view.meta, view.items);
+        });
         taps.moving.drain(roster, |view| {
+            self.film.tracked(view.header.run_ns, view.items);
             let scan = view.header.parents.scan;
             if self.tracked.len() == TRACKED_MAX {
                 self.tracked.pop_front();

@@ -8,17 +8,19 @@ use crate::environment::Before;
 use crate::exit::{EXIT_FAIL, EXIT_INTERRUPTED, EXIT_OUTPUT, EXIT_PASS, EXIT_SERVICE, EXIT_USAGE};
 use crate::interrupts::interrupts;
 use crate::judge::{judge, judge_trials};
+use crate::measure::timings::Timings;
 use crate::prepare::{Prepared, prepare};
+use crate::report::folder::Outcome;
 use crate::result::RunResult;
 use crate::run_plan::RunPlan;
-use crate::show::recording;
+use crate::show::recording::{self, Recording};
 use crate::show::terminal::{complain, lose, note, say, say_json, usage};
 use crate::stay_result::StayResult;
 use crate::suite;
 use crate::suite::error::SuiteError;
 use crate::suite::plan::SuitePlan;
 use crate::trace::{About, trace};
-use crate::{leave, picture, record, trials};
+use crate::{leave, picture, record, report, trials};
 use serde::Serialize;
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -48,8 +50,8 @@ pub(crate) fn drive_and_judge(
     plan: &RunPlan,
     interrupted: &Arc<AtomicBool>,
 ) -> Result<(RunResult, ExitCode), String> {
-    let (prepared, driven, result) = run_and_judge(plan, interrupted)?;
-    if let Err(problem) = write_files(&prepared, &driven, &result) {
+    let (prepared, driven, result, timings) = run_and_judge(plan, interrupted)?;
+    if let Err(problem) = write_files(plan, &prepared, &driven, &result, timings) {
         lose(&problem);
     }
     explain(&driven.ending);
@@ -65,24 +67,24 @@ fn show<R: Serialize>(result: &R, json: bool, to_text: impl FnOnce(&R) -> String
     }
 }
 
+/// A run that was judged, and the times of trials.
+type Judged = (Prepared, Driven, RunResult, Option<Timings>);
+
 /// Prepares and drives the run or its trials, and judges what was seen. Of trials, the drive is the
-/// last one.
-fn run_and_judge(
-    plan: &RunPlan,
-    interrupted: &Arc<AtomicBool>,
-) -> Result<(Prepared, Driven, RunResult), String> {
+/// last one, and their times are those of all.
+fn run_and_judge(plan: &RunPlan, interrupted: &Arc<AtomicBool>) -> Result<Judged, String> {
     let prepared = prepare(plan)?;
     let before = Before::read();
     let _burden = Burden::start(prepared.load)?;
     let Some(wanted) = prepared.trials else {
         let driven = drive(&prepared, None, interrupted)?;
         let result = judge(&prepared, &driven, before.environment());
-        return Ok((prepared, driven, result));
+        return Ok((prepared, driven, result, None));
     };
     let mut trials = trials::make(&prepared, wanted, interrupted)?;
     let driven = trials.drives.pop().ok_or("no trial was made")?;
     let result = judge_trials(&prepared, &driven, &trials, before.environment());
-    Ok((prepared, driven, result))
+    Ok((prepared, driven, result, Some(trials.timings)))
 }
 
 /// `zeronav up`: prepare, drive to the goals of clients, until it is to end.
@@ -91,6 +93,7 @@ pub fn up(plan: &RunPlan, json: bool) -> ExitCode {
     if let Some(danger) = doctor::logout_warning() {
         note(&format!("warning: {}", printable(&danger)));
     }
+    let before = Before::read();
     let driven = prepare(plan).and_then(|prepared| {
         let driven = drive(&prepared, None, &interrupts()?)?;
         Ok((prepared, driven))
@@ -99,8 +102,18 @@ pub fn up(plan: &RunPlan, json: bool) -> ExitCode {
         Ok(driven) => driven,
         Err(problem) => return usage(&problem),
     };
-    let result = StayResult::of(&prepared, &driven);
-    if let Err(problem) = write_result(&prepared, &result) {
+    let result = StayResult::of(&prepared, &driven, before.environment());
+    let recording = record::of_stay(&prepared, &driven, &result.outcome);
+    let written = write_result(&prepared, &result)
+        .and_then(|()| write_recording(&prepared, &recording))
+        .and_then(|()| {
+            report::write(
+                &prepared.directory,
+                Outcome::Stay(Box::new(result.clone())),
+                recording,
+            )
+        });
+    if let Err(problem) = written {
         lose(&problem);
     }
     explain(&driven.ending);
@@ -136,18 +149,32 @@ fn write_result(prepared: &Prepared, result: &impl Serialize) -> Result<(), Stri
     leave::write(&prepared.directory.join("result.json"), &(json + "\n"))
 }
 
+/// Writes the recording and the still picture of it.
+fn write_recording(prepared: &Prepared, recording: &Recording) -> Result<(), String> {
+    let write = |name: &str, text: &str| leave::write(&prepared.directory.join(name), text);
+    let json = serde_json::to_string(recording).map_err(|error| error.to_string())?;
+    write(recording::FILE, &(json + "\n"))?;
+    write(picture::STILL, &picture::still(recording))
+}
+
 /// Writes what a run leaves in its folder.
-fn write_files(prepared: &Prepared, driven: &Driven, result: &RunResult) -> Result<(), String> {
-    let write = |name: &str, text: String| leave::write(&prepared.directory.join(name), &text);
+fn write_files(
+    plan: &RunPlan,
+    prepared: &Prepared,
+    driven: &Driven,
+    result: &RunResult,
+    timings: Option<Timings>,
+) -> Result<(), String> {
     write_result(prepared, result)?;
     if prepared.mode == RunMode::Lockstep {
         let last_tick = driven.end_tick.saturating_sub(1);
-        write("answers.csv", driven.collector.hash.to_csv(last_tick))?;
+        let answers = driven.collector.hash.to_csv(last_tick);
+        leave::write(&prepared.directory.join("answers.csv"), &answers)?;
     }
-    if prepared.trials.is_none() {
-        let recording = record::recording(prepared, driven, result);
-        let json = serde_json::to_string(&recording).map_err(|error| error.to_string())?;
-        write(recording::FILE, json + "\n")?;
+    let mut recording = record::recording(prepared, driven, result, timings);
+    let is_reported = !plan.report_failures_only || result.verdict != "pass";
+    if !is_reported {
+        recording.scene = None;
     }
     if prepared.mode == RunMode::RealTime {
         let about = About {
@@ -157,12 +184,18 @@ fn write_files(prepared: &Prepared, driven: &Driven, result: &RunResult) -> Resu
                 .map(|service| (service.name.clone(), service.pid))
                 .collect(),
         };
-        write("trace.json", trace(&driven.collector.records, &about)?)?;
+        let trace = trace(&driven.collector.records, &about)?;
+        leave::write(&prepared.directory.join("trace.json"), &trace)?;
     }
-    write(
-        "run.svg",
-        picture::picture(prepared, driven, result).to_svg(),
-    )
+    write_recording(prepared, &recording)?;
+    if is_reported {
+        report::write(
+            &prepared.directory,
+            Outcome::Run(Box::new(result.clone())),
+            recording,
+        )?;
+    }
+    Ok(())
 }
 
 /// Says on standard error why a run could not go on.

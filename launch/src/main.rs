@@ -14,8 +14,8 @@ use zeronav::remote::{fault, goal, swap, verbs};
 use zeronav::show::{log, terminal};
 use zeronav::supervise::{cleaner, warden};
 use zeronav::{
-    began, busy, commands, compare, completions, doctor, draw, latency, logs, look, map_save,
-    params, remote, start_up, topics,
+    began, busy, commands, compare, completions, doctor, latency, logs, look, map_save, params,
+    picture, remote, report, start_up, topics,
 };
 use zeronav_msgs::role::Role;
 use zeronav_shell::flags::one_line;
@@ -91,7 +91,13 @@ fn main() -> ExitCode {
         Command::Down(arguments) => verbs::down(&arguments),
         Command::Contract(arguments) => contract_kit::contract(&arguments),
         Command::New(arguments) => new_package::new(&arguments),
-        Command::Draw(arguments) => draw::draw(&arguments.run, arguments.out.as_deref()),
+        Command::Picture(arguments) => {
+            picture::picture(&arguments.run, arguments.out.as_deref(), arguments.animated)
+        }
+        Command::Draw(arguments) => {
+            picture::picture(&arguments.run, arguments.out.as_deref(), true)
+        }
+        Command::Report(arguments) => report::report(&arguments.runs, arguments.out.as_deref()),
         Command::Suite(arguments) => commands::suite(&arguments.plan(), arguments.json),
         Command::Completions { shell } => completions::completions(shell),
         Command::Man { folder } => completions::man(&folder),

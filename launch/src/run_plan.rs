@@ -74,6 +74,8 @@ pub struct RunPlan {
     pub log_level: String,
     /// True when a progress line is shown.
     pub progress: bool,
+    /// True when a run that passes leaves no report.
+    pub report_failures_only: bool,
 }
 
 impl RunPlan {
@@ -82,6 +84,7 @@ impl RunPlan {
     pub fn of(scenario: Source, mode: RunMode) -> Self {
         Self {
             view: None,
+            report_failures_only: false,
             scenario,
             mode,
             seed: None,

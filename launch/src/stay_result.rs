@@ -4,43 +4,48 @@ use crate::drive::Driven;
 use crate::prepare::Prepared;
 use crate::result::fault::FaultResult;
 use crate::result::swap::SwapResult;
-use crate::result::{Redirect, Restart, ServiceResult};
+use crate::result::{Environment, Redirect, Restart, ServiceResult};
 use crate::show::page::fault_line;
 use core::fmt::Write;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use zeronav_msgs::time::seconds;
 
 /// What became of a stack.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(crate) struct StayResult {
-    scenario: String,
+    /// Scenario.
+    pub scenario: String,
     /// How it ended: `down`, `interrupted`, or what went wrong.
-    outcome: &'static str,
+    pub outcome: String,
     /// Run time since it was ready. [s]
-    time_s: f64,
+    pub time_s: f64,
     /// Wall time since its start. [s]
-    wall_s: f64,
+    pub wall_s: f64,
     /// The goals of clients, at most the newest 1000.
-    goals: Vec<Redirect>,
+    pub goals: Vec<Redirect>,
     /// Contacts of the simulated robot.
-    contacts: u32,
-    restarts: Vec<Restart>,
+    pub contacts: u32,
+    /// Restarts of services.
+    pub restarts: Vec<Restart>,
     /// Faults that were made on purpose.
-    faults: Vec<FaultResult>,
+    pub faults: Vec<FaultResult>,
     /// Swaps and comparisons, at most the newest 100.
-    swaps: Vec<SwapResult>,
-    services: Vec<ServiceResult>,
+    pub swaps: Vec<SwapResult>,
+    /// The processes.
+    pub services: Vec<ServiceResult>,
+    /// Machine and build.
+    pub environment: Environment,
     /// Folder with everything that it left.
-    directory: String,
+    pub directory: String,
 }
 
 impl StayResult {
     /// What was seen of it.
-    pub(crate) fn of(prepared: &Prepared, driven: &Driven) -> Self {
+    pub(crate) fn of(prepared: &Prepared, driven: &Driven, environment: Environment) -> Self {
         let truth = driven.collector.truth.unwrap_or_default();
         Self {
             scenario: prepared.scenario.name.clone(),
-            outcome: driven.ending.outcome(),
+            outcome: driven.ending.outcome().to_owned(),
             time_s: seconds(driven.end_run_ns.saturating_sub(driven.goals_run_ns)),
             wall_s: driven.wall.as_secs_f64(),
             goals: driven.redirects.clone(),
@@ -49,6 +54,7 @@ impl StayResult {
             faults: driven.faults.clone(),
             swaps: driven.swaps.clone(),
             services: driven.services.clone(),
+            environment,
             directory: prepared.directory.display().to_string(),
         }
     }

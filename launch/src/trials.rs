@@ -7,6 +7,7 @@ use crate::measure::DEADLINE_NS;
 use crate::measure::Event;
 use crate::measure::distribution::to_us;
 use crate::measure::profile::{RoundProfile, Timing};
+use crate::measure::timings::{Drive, Gathering, Timings};
 use crate::measure::way::HOPS;
 use crate::prepare::Prepared;
 use crate::result::latency::Latency;
@@ -37,6 +38,8 @@ pub(crate) struct Trials {
     pub profile: Profile,
     /// The slowest trials, slowest first.
     pub worst: Vec<SlowTrial>,
+    /// The times of all rounds.
+    pub timings: Timings,
 }
 
 /// Makes `wanted` trials in three rounds. A round that ends early ends the trials.
@@ -53,6 +56,7 @@ pub(crate) fn make(
     let mut drives = Vec::new();
     let mut worst = Vec::new();
     let mut profiles = Vec::new();
+    let mut gathering = Gathering::default();
     let mut before = 0;
     for round in 0..ROUNDS {
         let n = wanted / ROUNDS + usize::from(round < wanted % ROUNDS);
@@ -70,6 +74,7 @@ pub(crate) fn make(
         let trials = std::mem::take(&mut driven.trials);
         let events: Vec<Event> = trials.iter().map(|trial| trial.event.clone()).collect();
         let mut latency = Latency::of(&events, &driven.collector.records, DEADLINE_NS);
+        gather(&mut gathering, prepared, &driven, &events, round + 1);
         latency.not_in_the_way = driven.trials_missed;
         let load = (driven.ending == Ending::TrialsOver).then(|| load(prepared, &driven));
         let cycles = 2 * trials.len() as u64;
@@ -111,6 +116,7 @@ pub(crate) fn make(
         rounds,
         drives,
         worst,
+        timings: gathering.timings(false),
         latency: Latency::of_rounds(&of_each),
         profile: profile(prepared, &profiles),
     })
@@ -129,6 +135,26 @@ pub(crate) fn timing(prepared: &Prepared) -> Timing {
         command_period_ns: prepared.scenario.run.tick_ns(),
         deadline_ns: DEADLINE_NS,
     }
+}
+
+/// Adds the times of a round.
+fn gather(
+    gathering: &mut Gathering,
+    prepared: &Prepared,
+    driven: &Driven,
+    events: &[Event],
+    round: usize,
+) {
+    let records = &driven.collector.records;
+    gathering.compute(records);
+    let times = Drive {
+        records,
+        events,
+        round: Some(round),
+        tick_ns: prepared.scenario.run.tick_ns(),
+        from_ns: driven.goals_run_ns,
+    };
+    gathering.latencies(times, DEADLINE_NS);
 }
 
 /// Adds the trials of a round to the slowest of all, which stay few.

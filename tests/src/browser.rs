@@ -2,6 +2,7 @@
 
 use serde_json::{Value, json};
 use std::io::{BufRead, BufReader, Write};
+use std::path::Path;
 use std::process::{Child, ChildStdin, Command, Stdio};
 use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, Instant};
@@ -22,6 +23,8 @@ pub struct Browser {
     last_id: u64,
     /// What the page has logged as an error, and exceptions that nothing caught.
     pub problems: Vec<String>,
+    /// Addresses that the page has asked for.
+    pub requests: Vec<String>,
     _profile: tempfile::TempDir,
 }
 
@@ -32,6 +35,17 @@ impl Browser {
     /// When there is no `chromium`, or it does not start.
     #[must_use]
     pub fn open(url: &str) -> Self {
+        let mut browser = Self::start(1280, 800);
+        browser.call("Page.navigate", json!({ "url": url }));
+        browser
+    }
+
+    /// Starts it without a page, with a window of this size. [px]
+    ///
+    /// # Panics
+    /// As [`Self::open`].
+    #[must_use]
+    pub fn start(width: u32, height: u32) -> Self {
         let profile = tempfile::tempdir().expect("a folder");
         // The protocol is spoken on the descriptors 3 and 4.
         let command = "exec chromium --headless --no-sandbox --disable-gpu --disable-quic \
@@ -65,19 +79,36 @@ impl Browser {
             session: None,
             last_id: 0,
             problems: Vec::new(),
+            requests: Vec::new(),
             _profile: profile,
         };
         let target = browser.call("Target.createTarget", json!({ "url": "about:blank" }));
         let attach = json!({ "targetId": target["targetId"], "flatten": true });
         let session = browser.call("Target.attachToTarget", attach);
         browser.session = session["sessionId"].as_str().map(str::to_owned);
-        for domain in ["Page.enable", "Runtime.enable", "Log.enable"] {
-            browser.call(domain, json!({}));
+        for domain in ["Page", "Runtime", "Log", "Network"] {
+            browser.call(&format!("{domain}.enable"), json!({}));
         }
-        let size = json!({ "width": 1280, "height": 800, "deviceScaleFactor": 1, "mobile": false });
+        let size =
+            json!({ "width": width, "height": height, "deviceScaleFactor": 1, "mobile": false });
         browser.call("Emulation.setDeviceMetricsOverride", size);
-        browser.call("Page.navigate", json!({ "url": url }));
         browser
+    }
+
+    /// Opens a file without network.
+    ///
+    /// # Panics
+    /// When it cannot be opened.
+    pub fn open_file(&mut self, file: &Path) {
+        let none = json!({
+            "offline": true, "latency": 0, "downloadThroughput": 0, "uploadThroughput": 0,
+        });
+        self.call("Network.emulateNetworkConditions", none);
+        let file = std::path::absolute(file).expect("a path");
+        let url = json!({ "url": format!("file://{}", file.display()) });
+        let opened = self.call("Page.navigate", url);
+        assert!(opened.get("errorText").is_none(), "{opened}");
+        self.wait_until("it is loaded", "document.readyState === 'complete'");
     }
 
     /// Calls a method of the protocol.
@@ -107,6 +138,10 @@ impl Browser {
 
     fn note_problem(&mut self, message: &Value) {
         let parameters = &message["params"];
+        if message["method"] == "Network.requestWillBeSent" {
+            let url = parameters["request"]["url"].as_str().unwrap_or_default();
+            self.requests.push(url.to_owned());
+        }
         let is_problem = match message["method"].as_str() {
             Some("Runtime.exceptionThrown") => true,
             Some("Runtime.consoleAPICalled") => parameters["type"] == "error",
@@ -165,6 +200,16 @@ impl Browser {
         self.mouse("mousePressed", from, SHIFT);
         self.mouse("mouseMoved", to, SHIFT);
         self.mouse("mouseReleased", to, SHIFT);
+    }
+
+    /// Presses a key.
+    pub fn press(&mut self, key: &str) {
+        for kind in ["keyDown", "keyUp"] {
+            self.call(
+                "Input.dispatchKeyEvent",
+                json!({ "type": kind, "key": key }),
+            );
+        }
     }
 
     /// A picture of the square with this centre and half side in the window: a PNG as base64.

@@ -217,6 +217,8 @@ impl<'a> Session<'a> {
             let (x_m, y_m, yaw_rad) = (pose.x_m, pose.y_m, pose.yaw_rad);
             tracing::info!(task = self.task_id, goal = id, x_m, y_m, yaw_rad, "sent");
         }
+        let (run_ns, reached) = (self.collector.run_ns, &self.collector.reached);
+        self.collector.film.goals(run_ns, &goals, reached);
         self.task = goals;
     }
 

@@ -8,7 +8,7 @@ use crate::measure::index::PathRecord;
 use crate::measure::motion::{Contact, Moment, jerk_mps3};
 use crate::measure::profile::RoundProfile;
 use crate::measure::start_up::start_up;
-use crate::measure::{self, DEADLINE_NS};
+use crate::measure::{self, DEADLINE_NS, Event};
 use crate::prepare::Prepared;
 use crate::result::ServiceResult;
 use crate::result::latency::Latency;
@@ -192,7 +192,7 @@ fn injected_us(steps: u16) -> f64 {
 }
 
 /// The moments from the first goal to the end of the task.
-fn moments(driven: &Driven) -> &[Moment] {
+pub(crate) fn moments(driven: &Driven) -> &[Moment] {
     let moments = &driven.collector.seen.motion.moments;
     let from = moments.partition_point(|moment| moment.run_ns < driven.goals_run_ns);
     let to = moments.partition_point(|moment| moment.run_ns <= driven.end_run_ns);
@@ -279,6 +279,14 @@ fn latencies(prepared: &Prepared, driven: &Driven) -> Option<(Latency, Profile)>
     if prepared.mode == RunMode::Lockstep {
         return None;
     }
+    let (events, latency) = latency(prepared, driven);
+    let records = &driven.collector.records;
+    let round = RoundProfile::of(&events, records, None, trials::timing(prepared));
+    Some((latency, trials::profile(prepared, &[round])))
+}
+
+/// What became of the obstacles of a drive, and its latencies.
+pub(crate) fn latency(prepared: &Prepared, driven: &Driven) -> (Vec<Event>, Latency) {
     let clearance_m = |index: usize, points_m: &[[f64; 2]]| {
         let pose = driven.collector.obstacles.get(&index);
         let obstacle = prepared.world.obstacles().get(index);
@@ -294,9 +302,7 @@ fn latencies(prepared: &Prepared, driven: &Driven) -> Option<(Latency, Profile)>
     };
     let radius_m = prepared.footprint.inscribed_radius_m();
     let records = &driven.collector.records;
-    let (events, latency) = measure::measure(records, &clearance_m, radius_m, DEADLINE_NS);
-    let round = RoundProfile::of(&events, records, None, trials::timing(prepared));
-    Some((latency, trials::profile(prepared, &[round])))
+    measure::measure(records, &clearance_m, radius_m, DEADLINE_NS)
 }
 
 /// What the start took.

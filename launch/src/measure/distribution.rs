@@ -58,6 +58,25 @@ impl Distribution {
         self.len() == 0
     }
 
+    /// Interval of the quantile `q` at 95 % [us]: the samples whose ranks are 1.96 standard
+    /// deviations of the binomial distribution away. Samples count as independent. `None` when
+    /// there are too few.
+    #[must_use]
+    #[allow(
+        clippy::cast_precision_loss,
+        reason = "samples of a run are far below 2^53"
+    )]
+    pub(crate) fn interval_us(&self, q: f64) -> Option<[f64; 2]> {
+        let n = self.len() as f64;
+        let half = 1.96 * (n * q * (1.0 - q)).sqrt();
+        let ranks = [(n * q - half).floor(), (n * q + half).ceil() + 1.0];
+        if ranks[0] < 1.0 || ranks[1] > n {
+            return None;
+        }
+        let at = |rank: f64| self.histogram.value_at_quantile(rank / n);
+        Some(ranks.map(|rank| to_us(at(rank))))
+    }
+
     /// The figures.
     #[must_use]
     pub fn figures(&self) -> Figures {
@@ -160,6 +179,24 @@ mod tests {
             }
             assert!(json["max_us"].is_f64(), "{json}");
         }
+    }
+
+    #[test]
+    fn intervals_hold_the_quantile_and_need_samples() {
+        let mut distribution = Distribution::new();
+        for time_us in 1..=5_u64 {
+            distribution.add(time_us * 1000);
+        }
+        assert_eq!(distribution.interval_us(0.5), None);
+        for time_us in 6..=100_u64 {
+            distribution.add(time_us * 1000);
+        }
+        // 50 - 9.8 and 50 + 9.8, outwards, and one more.
+        let [low, high] = distribution.interval_us(0.5).expect("an interval");
+        near(Some(low), 40.0);
+        near(Some(high), 61.0);
+        assert_eq!(distribution.interval_us(0.99), None);
+        assert_eq!(Distribution::new().interval_us(0.5), None);
     }
 
     #[test]

@@ -19,6 +19,7 @@ pub(crate) mod profile;
 pub(crate) mod reaction;
 pub mod series;
 pub(crate) mod start_up;
+pub(crate) mod timings;
 pub(crate) mod tracking;
 mod tracking_score;
 pub mod way;

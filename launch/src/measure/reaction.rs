@@ -8,16 +8,29 @@
 use super::index::Records;
 use super::joins::Joins;
 use super::series::Series;
+use zeronav_msgs::span::Span;
 
-/// One scan and the command that answered it.
+/// The times of one scan and of the command that answered it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Reaction {
+pub(crate) struct Times {
     /// Since the capture of the scan before; 0 for the first. [ns]
     gap_ns: u64,
     /// From the capture to the command; `None` = no answer before the deadline. [ns]
-    time_ns: Option<u64>,
+    pub time_ns: Option<u64>,
     /// True when the command's author read this very scan, and no later one.
     is_own: bool,
+}
+
+/// A scan that came while a path was followed, and what was made of it.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Reaction<'a> {
+    /// The robot's record of the scan.
+    pub scan: &'a Span,
+    /// Records of the first request whose author checked its points, and of the command made of that;
+    /// `None` when there was none before the deadline.
+    pub answer: Option<(&'a Span, &'a Span)>,
+    /// Its times.
+    pub times: Times,
 }
 
 /// Reaction times of a run or a round.
@@ -38,7 +51,7 @@ impl Reactions {
     /// nothing, unless it was answered. The lidar turns once in `period_ns`.
     #[must_use]
     pub(crate) fn of(records: &Records, deadline_ns: u64, period_ns: u64) -> Self {
-        let each = each(records, deadline_ns);
+        let each = times(records, deadline_ns);
         let answered = each.iter().filter(|reaction| reaction.is_own);
         Self {
             all: each.iter().map(|reaction| reaction.time_ns).collect(),
@@ -51,12 +64,22 @@ impl Reactions {
 /// Reaction times of all scans in the order of their capture; see [`Reactions::of`].
 #[must_use]
 pub fn reactions(records: &Records, deadline_ns: u64) -> Series {
-    let each = each(records, deadline_ns);
+    let each = times(records, deadline_ns);
     each.iter().map(|reaction| reaction.time_ns).collect()
 }
 
-fn each(records: &Records, deadline_ns: u64) -> Vec<Reaction> {
+fn times(records: &Records, deadline_ns: u64) -> Vec<Times> {
     let joins = Joins::of(records);
+    let each = reactions_of(&joins, records, deadline_ns);
+    each.iter().map(|reaction| reaction.times).collect()
+}
+
+/// The same, scan by scan with its records.
+pub(crate) fn reactions_of<'a>(
+    joins: &Joins<'a>,
+    records: &Records,
+    deadline_ns: u64,
+) -> Vec<Reaction<'a>> {
     let mut each = Vec::new();
     // One that looked at no scan at all answers none.
     let requests: Vec<_> = joins
@@ -85,29 +108,35 @@ fn each(records: &Records, deadline_ns: u64) -> Vec<Reaction> {
         if request.is_some_and(|request| request.path == 0) {
             continue;
         }
-        let command = request.and_then(|request| {
+        let answer = request.and_then(|request| {
             let at = commands.partition_point(|command| command.request < request.output);
-            commands.get(at)
+            Some((**request, *commands.get(at)?))
         });
-        let time_ns = command.map(|command| command.published_ns.saturating_sub(scan.capture_ns));
+        let time_ns =
+            answer.map(|(_, command)| command.published_ns.saturating_sub(scan.capture_ns));
         let recorded_ns = recorded_ns.unwrap_or(0).saturating_sub(scan.capture_ns);
-        let reaction = |time_ns| Reaction {
+        let times = |time_ns| Times {
             gap_ns,
             time_ns,
             is_own: request.is_some_and(|request| request.scan == scan.scan),
         };
-        match time_ns {
-            Some(time_ns) if time_ns <= deadline_ns => each.push(reaction(Some(time_ns))),
-            None if recorded_ns <= deadline_ns => {}
-            _ => each.push(reaction(None)),
-        }
+        let (answer, times) = match time_ns {
+            Some(time_ns) if time_ns <= deadline_ns => (answer, times(Some(time_ns))),
+            None if recorded_ns <= deadline_ns => continue,
+            _ => (None, times(None)),
+        };
+        each.push(Reaction {
+            scan,
+            answer,
+            times,
+        });
     }
     each
 }
 
 /// The reactions of `each`, with those of the scans that are missing in between. After a gap longer
 /// than the deadline the lidar was off, which is no stall.
-fn intended(each: &[Reaction], deadline_ns: u64, period_ns: u64) -> Series {
+fn intended(each: &[Times], deadline_ns: u64, period_ns: u64) -> Series {
     let mut series = Series::default();
     for reaction in each {
         if period_ns > 0 && reaction.gap_ns <= deadline_ns {
@@ -134,8 +163,8 @@ mod tests {
 
     const MS: u64 = 1_000_000;
 
-    fn reaction(gap_ms: u64, time_ms: Option<u64>) -> Reaction {
-        Reaction {
+    fn reaction(gap_ms: u64, time_ms: Option<u64>) -> Times {
+        Times {
             gap_ns: gap_ms * MS,
             time_ns: time_ms.map(|time_ms| time_ms * MS),
             is_own: true,

@@ -7,5 +7,5 @@ pub(crate) mod page;
 pub(crate) mod picture;
 pub(crate) mod progress;
 pub(crate) mod recording;
-mod svg;
+pub(crate) mod svg;
 pub mod terminal;

@@ -2,7 +2,6 @@
 
 use super::svg::escape;
 use core::fmt::Write;
-use zeronav_msgs::grid::GridGeometry;
 
 /// A line with a name in the legend.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,10 +34,10 @@ pub(crate) struct Picture {
     pub title: String,
     /// Second line of the title.
     pub subtitle: String,
-    /// The static map.
-    pub geometry: GridGeometry,
-    /// True for occupied cells, row-major from the lower left.
-    pub occupied: Vec<bool>,
+    /// Lower-left and upper-right corner of the static map. [m]
+    pub area_m: [[f64; 2]; 2],
+    /// Its occupied rectangles: x and y of the lower-left corner, width, height. [m]
+    pub walls_m: Vec<[f64; 4]>,
     /// Scripted obstacles.
     pub areas: Vec<Area>,
     /// Paths and the track, drawn in this order.
@@ -89,13 +88,12 @@ impl Picture {
     /// The picture as a self-contained SVG document.
     #[must_use]
     pub(crate) fn to_svg(&self) -> String {
-        let geometry = &self.geometry;
-        let width_m = f64::from(geometry.width) * geometry.resolution_m;
-        let height_m = f64::from(geometry.height) * geometry.resolution_m;
+        let [low, high] = self.area_m;
+        let [width_m, height_m] = [high[0] - low[0], high[1] - low[1]];
         let frame = Frame {
-            scale: (WIDTH_PX - 2.0 * BORDER_PX) / width_m,
-            left_m: geometry.origin_x_m,
-            top_m: geometry.origin_y_m + height_m,
+            scale: (WIDTH_PX - 2.0 * BORDER_PX) / width_m.max(1.0e-3),
+            left_m: low[0],
+            top_m: high[1],
         };
         let map_px = height_m * frame.scale;
         #[allow(clippy::cast_precision_loss, reason = "a handful of rows")]
@@ -164,32 +162,13 @@ impl Picture {
         svg
     }
 
-    /// Occupied cells, one rectangle per horizontal run.
+    /// The occupied rectangles.
     fn draw_map(&self, frame: &Frame, svg: &mut String) {
-        let geometry = &self.geometry;
-        let width = geometry.width as usize;
-        let cell_px = geometry.resolution_m * frame.scale;
         svg.push_str("<path shape-rendering=\"crispEdges\" fill=\"#3c4650\" d=\"");
-        for (row, cells) in self.occupied.chunks(width.max(1)).enumerate() {
-            let mut column = 0;
-            while column < cells.len() {
-                let run = cells[column..]
-                    .iter()
-                    .take_while(|occupied| **occupied)
-                    .count();
-                if run == 0 {
-                    column += 1;
-                    continue;
-                }
-                #[allow(clippy::cast_precision_loss, reason = "columns and rows of a map")]
-                let (x, y, length) = (
-                    BORDER_PX + column as f64 * cell_px,
-                    frame.y(geometry.origin_y_m) - (row + 1) as f64 * cell_px,
-                    run as f64 * cell_px,
-                );
-                let _ = write!(svg, "M{x:.1} {y:.1}h{length:.1}v{cell_px:.2}h-{length:.1}z");
-                column += run;
-            }
+        for [x_m, y_m, width_m, height_m] in &self.walls_m {
+            let (x, y) = (frame.x(*x_m), frame.y(y_m + height_m));
+            let (width, height) = (width_m * frame.scale, height_m * frame.scale);
+            let _ = write!(svg, "M{x:.1} {y:.1}h{width:.1}v{height:.2}h-{width:.1}z");
         }
         svg.push_str("\"/>\n");
     }
@@ -229,14 +208,8 @@ mod tests {
         let picture = Picture {
             title: "a < b".to_owned(),
             subtitle: String::new(),
-            geometry: GridGeometry {
-                origin_x_m: 0.0,
-                origin_y_m: 0.0,
-                resolution_m: 1.0,
-                width: 4,
-                height: 2,
-            },
-            occupied: vec![true, true, false, false, false, false, false, true],
+            area_m: [[0.0, 0.0], [4.0, 2.0]],
+            walls_m: vec![[0.0, 0.0, 2.0, 1.0], [3.0, 1.0, 1.0, 1.0]],
             areas: Vec::new(),
             lines: Vec::new(),
             start_m: [0.5, 0.5],
@@ -245,7 +218,7 @@ mod tests {
         };
         let svg = picture.to_svg();
         assert!(svg.contains("a &lt; b"));
-        // The first row of cells is the lowest one, that is, farther down the page.
+        // What is low lies farther down the page.
         let scale = (WIDTH_PX - 2.0 * BORDER_PX) / 4.0;
         let lower = format!("M{BORDER_PX:.1} {:.1}h{:.1}", TITLE_PX + scale, 2.0 * scale);
         let upper = format!("M{:.1} {TITLE_PX:.1}h{scale:.1}", BORDER_PX + 3.0 * scale);

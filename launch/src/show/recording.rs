@@ -1,19 +1,34 @@
 //! `recording.json` in the folder of a run: what a replay of the run shows, without the scenario,
 //! the map files or the robot's description.
 
+use crate::film::Rates;
+use crate::measure::timings::Timings;
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
 /// Its name in the folder of a run.
 pub(crate) const FILE: &str = "recording.json";
 
 /// A recorded run. Times are run time since the first goal [s]; everything lies in the `map` frame
 /// unless it says otherwise.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Recording {
     /// Name of the scenario.
     pub scenario: String,
+    /// Its title.
+    #[serde(default)]
+    pub title: String,
     /// `reached`, or why not.
     pub outcome: String,
+    /// The verdict in words.
+    #[serde(default)]
+    pub reason: String,
+    /// `real_time` or `lockstep`.
+    #[serde(default)]
+    pub mode: String,
+    /// Seed.
+    #[serde(default)]
+    pub seed: u64,
     /// Duration. [s]
     pub time_s: f64,
     /// Distance driven. [m]
@@ -34,6 +49,31 @@ pub(crate) struct Recording {
     pub obstacles: Vec<RecordedObstacle>,
     /// Paths that were found, by time.
     pub paths: Vec<RecordedPath>,
+    /// Run time of the first goal, which is 0 here. [s]
+    #[serde(default)]
+    pub first_goal_s: f64,
+    /// Run time of a tick. [s]
+    #[serde(default)]
+    pub tick_s: f64,
+    /// The command that made the run.
+    #[serde(default)]
+    pub command: Vec<String>,
+    /// Beginnings of interventions of the guard: time [s] and reason.
+    #[serde(default)]
+    pub interventions: Vec<(f64, String)>,
+    /// Interventions beyond those.
+    #[serde(default)]
+    pub interventions_left_out: u64,
+    /// Histograms and the slowest answers.
+    #[serde(default)]
+    pub timings: Timings,
+    /// How often the samples of the scene were taken.
+    #[serde(default)]
+    pub rates: Rates,
+    /// What a player shows, in the format of `services/viewer/page/README.md`; null when nothing was
+    /// seen, and for runs of a suite that passed.
+    #[serde(default)]
+    pub scene: Option<Value>,
 }
 
 /// A scripted obstacle of a recording.

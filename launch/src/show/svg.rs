@@ -46,7 +46,7 @@ fn simplified(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
 }
 
 /// A number with at most `digits` digits after the point.
-pub(super) fn short(value: f64, digits: usize) -> String {
+pub(crate) fn short(value: f64, digits: usize) -> String {
     let text = format!("{value:.digits$}");
     let text = if digits > 0 {
         text.trim_end_matches('0').trim_end_matches('.')
@@ -57,7 +57,7 @@ pub(super) fn short(value: f64, digits: usize) -> String {
 }
 
 /// `text` safe inside SVG.
-pub(super) fn escape(text: &str) -> String {
+pub(crate) fn escape(text: &str) -> String {
     text.replace('&', "&amp;")
         .replace('<', "&lt;")
         .replace('>', "&gt;")

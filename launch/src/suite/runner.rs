@@ -180,6 +180,7 @@ impl<'a> Runner<'a> {
             .arg("run")
             .arg(&case.scenario)
             .args(["--lockstep", "--headless", "--json", "--log-level", "warn"])
+            .arg("--report-failures-only")
             .args(["--seed", &case.seed.to_string()])
             .arg("--out")
             .arg(&self.out)

@@ -36,6 +36,7 @@ mod pose;
 mod python;
 mod python_checks;
 mod readme;
+mod report;
 mod restarts;
 mod results;
 mod rosmaps;

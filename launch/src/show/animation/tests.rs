@@ -30,6 +30,7 @@ fn run() -> Recording {
             poses: vec![[4.0, 2.5, 1.0, 0.0]],
         }],
         paths: vec![path(0.0, "goal"), path(4.0, "obstacle")],
+        ..Recording::default()
     }
 }
 

@@ -1,0 +1,287 @@
+//! What a report shows of the times of a run beside its figures: histograms, how long each service
+//! computed, and the slowest answers hop by hop.
+
+use super::distribution::{Distribution, to_us};
+use super::event::{Event, EventOutcome};
+use super::index::Records;
+use super::joins::Joins;
+use super::reaction::{Reaction, reactions_of};
+use super::way::{ALL, HOPS};
+use crate::result::latency::Figures;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use zeronav_msgs::role::Role;
+use zeronav_msgs::span::SpanKind;
+use zeronav_msgs::time::seconds;
+
+/// Slowest answers that are kept, of reactions and of replannings each.
+const SLOWEST: usize = 10;
+
+/// Bins of a histogram from one power of ten to the next.
+pub(crate) const BINS_PER_DECADE: f64 = 12.0;
+
+/// Places in [`HOPS`] of the hops of a reaction.
+const REACTION: [usize; 5] = [1, 6, 7, 8, 9];
+
+/// Times of one kind.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub(crate) struct Spread {
+    /// Percentiles.
+    pub figures: Figures,
+    /// Interval of the median at 95 %; null where there are too few samples. [us]
+    #[serde(default)]
+    pub p50_interval_us: Option<[f64; 2]>,
+    /// The same of the 99th percentile. [us]
+    #[serde(default)]
+    pub p99_interval_us: Option<[f64; 2]>,
+    /// Bin and samples in it: bin k holds the times from 10^(k / 12) us to 10^((k + 1) / 12) us.
+    pub bins: Vec<(i32, u64)>,
+}
+
+/// A slow answer.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Slow {
+    /// Run time of its scan. [s]
+    pub time_s: f64,
+    /// Round of the trials it belongs to, from 1; null without trials.
+    pub round: Option<usize>,
+    /// From the capture of the scan to the command. [us]
+    pub total_us: f64,
+    /// Its hops in order: name and length. [us]
+    pub hops: Vec<(String, f64)>,
+}
+
+/// The times of a run.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub(crate) struct Timings {
+    /// Of reactions; null in lockstep, which has no latencies.
+    pub reaction: Option<Spread>,
+    /// Of replannings; null in lockstep.
+    pub replanning: Option<Spread>,
+    /// From the inputs taken in to the main message sent, of every answer by seat.
+    pub computing: Vec<(String, Spread)>,
+    /// The slowest reactions, slowest first.
+    pub slowest_reactions: Vec<Slow>,
+    /// The slowest replannings, slowest first.
+    pub slowest_replannings: Vec<Slow>,
+}
+
+/// Times while they are gathered.
+#[derive(Debug, Default)]
+struct Gathered {
+    distribution: Distribution,
+    bins: BTreeMap<i32, u64>,
+}
+
+impl Gathered {
+    fn add(&mut self, time_ns: u64) {
+        self.distribution.add(time_ns);
+        self.count(time_ns);
+    }
+
+    fn censor(&mut self, deadline_ns: u64) {
+        self.distribution.censor(deadline_ns);
+        self.count(deadline_ns);
+    }
+
+    fn count(&mut self, time_ns: u64) {
+        #[allow(
+            clippy::cast_precision_loss,
+            reason = "times of a run are below 2^53 ns"
+        )]
+        let us = time_ns.max(1) as f64 / 1.0e3;
+        #[allow(clippy::cast_possible_truncation, reason = "some ten decades at most")]
+        let bin = (us.log10() * BINS_PER_DECADE).floor() as i32;
+        *self.bins.entry(bin).or_default() += 1;
+    }
+
+    fn spread(&self) -> Spread {
+        Spread {
+            figures: self.distribution.figures(),
+            p50_interval_us: self.distribution.interval_us(0.5),
+            p99_interval_us: self.distribution.interval_us(0.99),
+            bins: self.bins.iter().map(|(bin, n)| (*bin, *n)).collect(),
+        }
+    }
+}
+
+/// One drive.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Drive<'a> {
+    /// What was recorded of it.
+    pub records: &'a Records,
+    /// What became of its obstacles.
+    pub events: &'a [Event],
+    /// Round of the trials, from 1.
+    pub round: Option<usize>,
+    /// Run time of a tick. [ns]
+    pub tick_ns: u64,
+    /// Run time at which the clock of the report begins. [ns]
+    pub from_ns: u64,
+}
+
+/// Gathers the times of drives.
+#[derive(Debug, Default)]
+pub(crate) struct Gathering {
+    reaction: Gathered,
+    replanning: Gathered,
+    computing: BTreeMap<Role, Gathered>,
+    slowest_reactions: Vec<Slow>,
+    slowest_replannings: Vec<Slow>,
+}
+
+impl Gathering {
+    /// How long the services computed, which does not depend on the clock of the run.
+    pub(crate) fn compute(&mut self, records: &Records) {
+        for span in &records.spans {
+            let Some(role) = span.role() else {
+                continue;
+            };
+            if span.kind() == Some(SpanKind::Answer) && span.tick > 0 && span.output != 0 {
+                let time_ns = span.published_ns.saturating_sub(span.started_ns);
+                self.computing.entry(role).or_default().add(time_ns);
+            }
+        }
+    }
+
+    /// The latencies of a drive in real time.
+    pub(crate) fn latencies(&mut self, drive: Drive<'_>, deadline_ns: u64) {
+        let time_s = |tick: u64| seconds((tick * drive.tick_ns).saturating_sub(drive.from_ns));
+        let joins = Joins::of(drive.records);
+        for reaction in reactions_of(&joins, drive.records, deadline_ns) {
+            let Reaction {
+                scan,
+                answer,
+                times,
+            } = reaction;
+            let Some((request, command)) = answer else {
+                self.reaction.censor(deadline_ns);
+                continue;
+            };
+            let boundaries_ns = [
+                scan.capture_ns,
+                scan.published_ns,
+                request.started_ns,
+                request.published_ns,
+                command.started_ns,
+                command.published_ns,
+            ];
+            self.reaction.add(times.time_ns.unwrap_or(0));
+            let slow = || slow(time_s(scan.tick), drive.round, &REACTION, &boundaries_ns);
+            keep(
+                &mut self.slowest_reactions,
+                boundaries_ns[5].saturating_sub(boundaries_ns[0]),
+                slow,
+            );
+        }
+        for event in drive.events {
+            match event.outcome {
+                EventOutcome::NotInTheWay => continue,
+                EventOutcome::Censored => {
+                    self.replanning.censor(deadline_ns);
+                    continue;
+                }
+                EventOutcome::Answered | EventOutcome::Early => {}
+            }
+            let Some(time_ns) = event.replanning_ns else {
+                continue;
+            };
+            self.replanning.add(time_ns);
+            // The last boundary is at the wheels, behind the command.
+            if let Some([boundaries_ns @ .., _]) =
+                event.way.as_ref().map(|way| &way.boundaries_ns[..])
+            {
+                let captured = |scan: &&zeronav_msgs::span::Span| {
+                    Some(&scan.capture_ns) == boundaries_ns.first()
+                };
+                let tick = joins.scans().find(captured).map_or(0, |scan| scan.tick);
+                let slow = || slow(time_s(tick), drive.round, &ALL, boundaries_ns);
+                keep(&mut self.slowest_replannings, time_ns, slow);
+            }
+        }
+    }
+
+    /// What was gathered.
+    pub(crate) fn timings(self, lockstep: bool) -> Timings {
+        let spread = |of: &Gathered| (!lockstep).then(|| of.spread());
+        let seats = Role::SERVICES.into_iter();
+        Timings {
+            reaction: spread(&self.reaction),
+            replanning: spread(&self.replanning),
+            computing: seats
+                .filter_map(|role| Some((role.to_string(), self.computing.get(&role)?.spread())))
+                .collect(),
+            slowest_reactions: self.slowest_reactions,
+            slowest_replannings: self.slowest_replannings,
+        }
+    }
+}
+
+/// Keeps an answer when it is among the slowest.
+fn keep(slowest: &mut Vec<Slow>, total_ns: u64, slow: impl FnOnce() -> Slow) {
+    let total_us = to_us(total_ns);
+    let at = slowest.partition_point(|slow| slow.total_us >= total_us);
+    if at < SLOWEST {
+        slowest.insert(at, slow());
+        slowest.truncate(SLOWEST);
+    }
+}
+
+fn slow(time_s: f64, round: Option<usize>, places: &[usize], boundaries_ns: &[u64]) -> Slow {
+    let lengths = boundaries_ns.windows(2);
+    let lengths = lengths.map(|pair| pair[1].saturating_sub(pair[0]));
+    let hops: Vec<(String, f64)> = places
+        .iter()
+        .zip(lengths)
+        .map(|(place, ns)| (HOPS[*place].to_owned(), to_us(ns)))
+        .collect();
+    let ends = boundaries_ns.first().zip(boundaries_ns.last());
+    Slow {
+        time_s,
+        round,
+        total_us: ends.map_or(0.0, |(first, last)| to_us(last.saturating_sub(*first))),
+        hops,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_slowest_are_kept_in_order() {
+        let mut slowest = Vec::new();
+        for at in 0..100_u64 {
+            // 0, 37, 74, 11, ... in no order.
+            let total_ns = (at * 37 % 100) * 1000;
+            keep(&mut slowest, total_ns, || {
+                slow(0.0, None, &REACTION, &[0, 0, 0, 0, 0, total_ns])
+            });
+        }
+        let totals: Vec<f64> = slowest.iter().map(|slow| slow.total_us).collect();
+        assert_eq!(
+            totals,
+            [99.0, 98.0, 97.0, 96.0, 95.0, 94.0, 93.0, 92.0, 91.0, 90.0]
+        );
+        assert_eq!(slowest[0].hops[4], ("collision_guard".to_owned(), 99.0));
+        assert_eq!(slowest[0].hops.len(), 5);
+    }
+
+    #[test]
+    fn a_time_lies_between_the_edges_of_its_bin() {
+        let mut gathered = Gathered::default();
+        for time_ns in [1_000, 1_500, 999_999, 5_000_000_000] {
+            gathered.add(time_ns);
+        }
+        let spread = gathered.spread();
+        assert_eq!(spread.figures.n, 4);
+        assert_eq!(spread.bins.iter().map(|(_, n)| n).sum::<u64>(), 4);
+        let edge = |bin: i32| 10f64.powf(f64::from(bin) / BINS_PER_DECADE);
+        for (bin, us) in spread.bins.iter().zip([1.0, 1.5, 999.999, 5.0e6]) {
+            assert!(
+                (edge(bin.0)..edge(bin.0 + 1)).contains(&us),
+                "{bin:?}: {us}"
+            );
+        }
+    }
+}

@@ -1,0 +1,217 @@
+//! What happened in a run, in order of time.
+
+use super::folder::{Outcome, RunFolder};
+use super::html::{Cell, table, text_of, words};
+use crate::result::fault::FaultResult;
+use crate::result::swap::SwapResult;
+use crate::result::{PlannedPath, Redirect, Restart};
+use crate::show::recording::Recording;
+use serde::Serialize;
+
+/// Events that a player marks at most.
+const MARKED_MAX: usize = 400;
+
+/// Longest text of an event. [characters]
+const TEXT_MAX: usize = 160;
+
+/// Something that happened.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(super) struct Event {
+    /// Time since the first goal. [s]
+    pub time_s: f64,
+    /// What kind: a word of this room.
+    pub kind: &'static str,
+    /// In words.
+    pub text: String,
+}
+
+/// Everything that happened.
+pub(super) fn events(run: &RunFolder) -> Vec<Event> {
+    let recording = run.recording.as_ref();
+    let mut events = Vec::new();
+    let from_s = recording.map_or(0.0, |recording| recording.first_goal_s);
+    match &run.outcome {
+        Outcome::Run(result) => {
+            events.extend(result.plans.iter().map(path));
+            events.extend(result.touches.iter().map(|touch| Event {
+                time_s: touch.time_s,
+                kind: "contact",
+                text: format!(
+                    "contact with {} at {:.2} m/s, {}",
+                    touch.with,
+                    touch.v_mps,
+                    if touch.moving { "moving" } else { "standing" }
+                ),
+            }));
+            events.extend(result.restarts.iter().map(|one| restart(one, from_s)));
+            events.extend(result.faults.iter().map(|one| fault(one, from_s)));
+            events.extend(result.redirects.iter().map(redirect));
+            events.extend(swaps(&result.swaps, recording));
+            events.push(Event {
+                time_s: recording.map_or(result.time_s, |recording| recording.time_s),
+                kind: "end",
+                text: words(&result.outcome),
+            });
+        }
+        Outcome::Stay(result) => {
+            let paths = recording.map_or(&[][..], |recording| &recording.paths);
+            events.extend(paths.iter().map(|path| Event {
+                time_s: path.time_s,
+                kind: "path",
+                text: format!(
+                    "path of {:.1} m, cause {}",
+                    path.length_m,
+                    words(&path.cause)
+                ),
+            }));
+            events.extend(result.restarts.iter().map(|one| restart(one, from_s)));
+            events.extend(result.faults.iter().map(|one| fault(one, from_s)));
+            events.extend(result.goals.iter().map(redirect));
+            events.extend(swaps(&result.swaps, recording));
+            events.push(Event {
+                time_s: recording.map_or(result.time_s, |recording| recording.time_s),
+                kind: "end",
+                text: words(&result.outcome),
+            });
+        }
+    }
+    if let Some(recording) = recording {
+        events.extend(recording.obstacles.iter().filter_map(|obstacle| {
+            let time_s = obstacle.poses.first()?[0];
+            (time_s > 0.0).then(|| Event {
+                time_s,
+                kind: "obstacle",
+                text: format!("{} appears", obstacle.name),
+            })
+        }));
+        let interventions = recording.interventions.iter();
+        events.extend(interventions.map(|(time_s, why)| Event {
+            time_s: *time_s,
+            kind: "guard",
+            text: format!("guard: {}", words(why)),
+        }));
+    }
+    events.retain(|event| event.time_s.is_finite());
+    for event in &mut events {
+        if let Some((end, _)) = event.text.char_indices().nth(TEXT_MAX) {
+            event.text.truncate(end);
+            event.text.push('…');
+        }
+    }
+    // What appears is the cause of what is answered at the same moment.
+    let is_answer = |event: &Event| event.kind != "obstacle";
+    events.sort_by(|a, b| {
+        let by_time = a.time_s.total_cmp(&b.time_s);
+        by_time.then(is_answer(a).cmp(&is_answer(b)))
+    });
+    events
+}
+
+fn path(plan: &PlannedPath) -> Event {
+    let beside = if plan.beside_goal_m < 0.005 {
+        String::new()
+    } else {
+        format!(", ends {:.2} m beside the goal", plan.beside_goal_m)
+    };
+    Event {
+        time_s: plan.time_s,
+        kind: "path",
+        text: format!(
+            "path by {}: {}, {:.1} m, {} expanded, cause {}{beside}",
+            plan.planner,
+            words(&plan.status),
+            plan.length_m,
+            plan.expanded,
+            words(&plan.cause)
+        ),
+    }
+}
+
+fn restart(restart: &Restart, from_s: f64) -> Event {
+    Event {
+        time_s: (restart.time_s - from_s).max(0.0),
+        kind: "restart",
+        text: format!("{} restarted: {}", words(&restart.service), restart.how),
+    }
+}
+
+fn fault(fault: &FaultResult, from_s: f64) -> Event {
+    let answered = match (&fault.why, fault.recovery_ms) {
+        (Some(why), _) => format!(", not made: {why}"),
+        (None, Some(ms)) => format!(", answered again after {ms:.0} ms"),
+        (None, None) => String::new(),
+    };
+    Event {
+        time_s: (fault.time_s - from_s).max(0.0),
+        kind: "fault",
+        text: format!(
+            "fault: {} {} {}{answered}",
+            fault.kind,
+            words(&fault.target),
+            fault.figures
+        ),
+    }
+}
+
+fn redirect(redirect: &Redirect) -> Event {
+    let [x_m, y_m, yaw_rad] = redirect.goal;
+    Event {
+        time_s: redirect.time_s,
+        kind: "goal",
+        text: format!(
+            "goal ({x_m:.2}, {y_m:.2}, {yaw_rad:.2}) by hand: {}",
+            words(&redirect.outcome)
+        ),
+    }
+}
+
+fn swaps<'a>(
+    swaps: &'a [SwapResult],
+    recording: Option<&'a Recording>,
+) -> impl Iterator<Item = Event> + 'a {
+    let timed = recording.filter(|recording| recording.tick_s > 0.0);
+    #[allow(clippy::cast_precision_loss, reason = "ticks of a run")]
+    let at = move |tick: Option<u64>| {
+        let recording = timed?;
+        Some((tick? as f64 * recording.tick_s - recording.first_goal_s).max(0.0))
+    };
+    swaps.iter().flat_map(move |swap| {
+        let who = format!("{}: {}", words(&swap.role), swap.binary);
+        [
+            (swap.cut_over_tick, format!("swap: {who} is obeyed")),
+            (swap.roll_back_tick, format!("swap: {who} is rolled back")),
+        ]
+        .into_iter()
+        .filter_map(move |(tick, text)| {
+            Some(Event {
+                time_s: at(tick)?,
+                kind: "swap",
+                text,
+            })
+        })
+    })
+}
+
+/// The events that a player marks: of very many, those of the guard are left out first.
+pub(super) fn marked(events: &[Event]) -> Vec<&Event> {
+    let all = events.iter();
+    if events.len() <= MARKED_MAX {
+        return all.collect();
+    }
+    let others = all.filter(|event| event.kind != "guard");
+    others.take(MARKED_MAX).collect()
+}
+
+/// The table of events.
+pub(super) fn list(events: &[Event]) -> String {
+    let row = |event: &Event| {
+        let kind = format!("<span class=\"kind {0}\">{0}</span>", text_of(event.kind));
+        vec![
+            Cell::moment(event.time_s),
+            Cell::Html(kind),
+            Cell::text(event.text.clone()),
+        ]
+    };
+    let rows: Vec<Vec<Cell>> = events.iter().map(row).collect();
+    table(&["time", "kind", "what"], &rows)
+}
