@@ -16,6 +16,7 @@ use crate::run_plan::{RunPlan, Source};
 use crate::suite::noise::Noise;
 use crate::suite::plan::SuitePlan;
 use crate::supervise::cleaner;
+use crate::top::cli::TopArgs;
 use crate::topics::cli::TopicsArgs;
 use crate::version::VERSION;
 use clap::{Args, Parser, Subcommand};
@@ -108,6 +109,8 @@ pub enum Command {
     Wait(WaitArgs),
     /// Bring the robot of a running stack to rest and end the stack.
     Down(StackArgs),
+    /// Watch a running stack: services, topics, latencies, events.
+    Top(TopArgs),
     /// Look into a running stack: its topics, their rates, every message with its units.
     Topics(TopicsArgs),
     /// What the processes of a running stack write, merged by time.

@@ -51,6 +51,7 @@ mod stay_result;
 mod suite;
 pub mod supervise;
 mod swap;
+pub mod top;
 pub mod topics;
 mod trials;
 mod version;

@@ -12,7 +12,9 @@ use zeronav::new_package;
 use zeronav::remote::{goal, swap, verbs};
 use zeronav::show::{log, terminal};
 use zeronav::supervise::{cleaner, warden};
-use zeronav::{commands, completions, doctor, draw, logs, look, map_save, params, remote, topics};
+use zeronav::{
+    commands, completions, doctor, draw, logs, look, map_save, params, remote, top, topics,
+};
 use zeronav_msgs::role::Role;
 use zeronav_shell::flags::one_line;
 
@@ -58,6 +60,7 @@ fn main() -> ExitCode {
         Command::Params(arguments) => params::params(&arguments),
         Command::Schema => params::schema(),
         Command::Ps { json } => remote::ps(json),
+        Command::Top(arguments) => top::top(&arguments),
         Command::Topics(arguments) => topics::topics(&arguments),
         Command::Logs(arguments) => logs::logs(&arguments),
         Command::Map(arguments) => map_save::map(&arguments),

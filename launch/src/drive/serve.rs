@@ -22,6 +22,14 @@ const ESTIMATE_YAW_RAD: f64 = 0.25;
 /// Slower than this the time that is left cannot be told. [m/s]
 const MOVING_MPS: f64 = 0.02;
 
+/// Restarts and faults that a report lists at most, so that it stays one short line.
+const LISTED_MAX: usize = 16;
+
+/// The last ones of a list.
+fn newest<T: Clone>(all: &[T]) -> Vec<T> {
+    all[all.len().saturating_sub(LISTED_MAX)..].to_vec()
+}
+
 impl Session<'_> {
     /// Answers the clients that have asked since the last look.
     pub(super) fn serve(&mut self, stack: &mut Stack) {
@@ -225,6 +233,7 @@ impl Session<'_> {
                     progress,
                     memory_peak_bytes: child.memory_peak_bytes(),
                     binary: file_name(&child.binary),
+                    restarts: self.keeper.starts(child.role) - 1,
                 }
             })
             .collect();
@@ -237,6 +246,7 @@ impl Session<'_> {
                 progress: 0,
                 memory_peak_bytes: beside.memory_peak_bytes(),
                 binary: file_name(&beside.binary),
+                restarts: self.keeper.starts(beside.role) - 1,
             });
         }
         for (role, occupant) in &stack.occupants {
@@ -252,6 +262,7 @@ impl Session<'_> {
                 progress,
                 memory_peak_bytes: 0,
                 binary: occupant.binary.clone(),
+                restarts: self.keeper.starts(*role) - 1,
             });
         }
         let truth = self.collector.truth.as_ref();
@@ -275,6 +286,8 @@ impl Session<'_> {
             goals_waiting: self.orders.n_waiting(),
             swap: self.swaps.result(None).cloned(),
             services,
+            restarts: newest(self.keeper.records()),
+            faults: newest(&self.faults.results()),
         }
     }
 }
