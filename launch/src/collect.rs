@@ -4,6 +4,8 @@ use crate::aside::Aside;
 use crate::faults::{Recoveries, Sight};
 use crate::measure::index::{PathRecord, Sensed, Sighting};
 use crate::measure::{Records, RunHash};
+use crate::reasons::Reasons;
+use crate::result::moment::Task;
 use crate::seen::{Fact, Seen, TaskReport};
 use crate::supervise::taps::Taps;
 use std::collections::{BTreeSet, HashMap, VecDeque};
@@ -49,6 +51,8 @@ pub(crate) struct Collector {
     pub hash: RunHash,
     /// What counts of the run: everything up to its end.
     pub seen: Seen,
+    /// What the stages say of why the robot does what it does.
+    pub reasons: Reasons,
     /// The newest truth, also after the end.
     pub truth: Option<Truth>,
     /// Where the robot was since somebody looked, as the truth says.
@@ -144,6 +148,7 @@ impl Collector {
             let Some((status, cause)) = view.meta.status().zip(view.meta.cause()) else {
                 return;
             };
+            (self.reasons).path(view.header.tick, view.header.run_ns, view.meta);
             self.records.paths.push(PathRecord {
                 id: view.header.id,
                 map: view.header.parents.map,
@@ -190,6 +195,12 @@ impl Collector {
                 cause: view.meta.cause().unwrap_or(StuckCause::None),
             };
             self.task = Some(report);
+            let task = Task {
+                state,
+                reason,
+                stuck: report.cause,
+            };
+            self.reasons.task(tick, view.header.run_ns, task);
             self.seen.hear(tick, view.header.run_ns, Fact::Task(report));
         }
     }
@@ -209,8 +220,12 @@ impl Collector {
         });
         taps.commands.drain(roster, |view| {
             self.aside.command(view.header.tick);
+            (self.reasons).command(view.header.tick, view.header.run_ns, view.meta);
             let fact = Fact::Command(view.meta.intervention());
             (self.seen).hear(view.header.tick, view.header.run_ns, fact);
+        });
+        taps.requests.drain(roster, |view| {
+            (self.reasons).request(view.header.tick, view.header.run_ns, view.meta);
         });
         taps.odometry.drain(roster, |view| {
             self.odometry = Some(*view.meta);
@@ -222,6 +237,7 @@ impl Collector {
         });
         taps.moving.drain(roster, |view| {
             let scan = view.header.parents.scan;
+            (self.reasons).obstacles(view.header.tick, view.header.run_ns, view.items);
             if self.tracked.len() == TRACKED_MAX {
                 self.tracked.pop_front();
             }
@@ -240,6 +256,7 @@ impl Collector {
             ..Records::default()
         };
         (self.hash, self.seen) = (RunHash::default(), Seen::default());
+        self.reasons.forget();
     }
 
     /// Another reader of the map needs a keyframe.

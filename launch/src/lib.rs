@@ -35,6 +35,7 @@ pub mod params;
 mod picture;
 mod placed;
 mod prepare;
+mod reasons;
 mod record;
 
 pub mod remote;
@@ -55,3 +56,4 @@ pub mod top;
 pub mod topics;
 mod trials;
 mod version;
+pub mod why;

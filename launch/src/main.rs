@@ -13,7 +13,7 @@ use zeronav::remote::{goal, swap, verbs};
 use zeronav::show::{log, terminal};
 use zeronav::supervise::{cleaner, warden};
 use zeronav::{
-    commands, completions, doctor, draw, logs, look, map_save, params, remote, top, topics,
+    commands, completions, doctor, draw, logs, look, map_save, params, remote, top, topics, why,
 };
 use zeronav_msgs::role::Role;
 use zeronav_shell::flags::one_line;
@@ -60,6 +60,7 @@ fn main() -> ExitCode {
         Command::Params(arguments) => params::params(&arguments),
         Command::Schema => params::schema(),
         Command::Ps { json } => remote::ps(json),
+        Command::Why(arguments) => why::why(&arguments),
         Command::Top(arguments) => top::top(&arguments),
         Command::Topics(arguments) => topics::topics(&arguments),
         Command::Logs(arguments) => logs::logs(&arguments),

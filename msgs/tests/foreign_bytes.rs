@@ -158,6 +158,53 @@ fn one_bad_field_is_enough() {
         ..request
     };
     assert_eq!(code.check(), Err(Refusal::Code("validity")));
+    for (wrong, field) in [
+        (
+            VelocityRequest {
+                cause: 99,
+                ..request
+            },
+            "cause",
+        ),
+        (
+            VelocityRequest {
+                input: 99,
+                ..request
+            },
+            "input",
+        ),
+        (
+            VelocityRequest {
+                recovery: 99,
+                ..request
+            },
+            "recovery",
+        ),
+    ] {
+        assert_eq!(wrong.check(), Err(Refusal::Code(field)));
+    }
+    let negative = VelocityRequest {
+        blocked_arc_m: -0.1,
+        ..request
+    };
+    assert_eq!(negative.check(), Err(Refusal::OutOfRange("blocked_arc_m")));
+    let command = VelocityCommand {
+        beam: 3,
+        point_m: [0.5, -0.1],
+        point_clearance_m: -0.01,
+        ..VelocityCommand::default()
+    };
+    assert_eq!(command.check(), Ok(()));
+    let nan = VelocityCommand {
+        point_m: [0.5, f64::NAN],
+        ..command
+    };
+    assert_eq!(nan.check(), Err(Refusal::NotFinite("point_m")));
+    let beam = VelocityCommand {
+        beam: 5000,
+        ..command
+    };
+    assert_eq!(beam.check(), Err(Refusal::OutOfRange("beam")));
 
     let scan = Scan {
         n_beams: 2,
@@ -178,6 +225,8 @@ fn one_bad_field_is_enough() {
     let waypoint = Waypoint::default();
     assert_eq!(path.check(&[waypoint]), Ok(()));
     assert_eq!(path.check(&[]), Err(Refusal::Length("waypoints")));
+    let block = Path { block: 9, ..path };
+    assert_eq!(block.check(&[waypoint]), Err(Refusal::Code("block")));
     let infinite = Waypoint {
         x_m: f64::INFINITY,
         ..waypoint

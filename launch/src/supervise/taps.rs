@@ -2,8 +2,8 @@
 
 use zeronav_msgs::role::Role;
 use zeronav_msgs::topics::{
-    GroundTruth, HealthTopic, MapKeyframe, MapObstacles, MapUpdate, PlanPath, RobotCommand,
-    RobotDescription, RobotOdometry, TaskState, health_of,
+    ControlRequest, GroundTruth, HealthTopic, MapKeyframe, MapObstacles, MapUpdate, PlanPath,
+    RobotCommand, RobotDescription, RobotOdometry, TaskState, health_of,
 };
 use zeronav_shell::records::SpanReader;
 use zeronav_shell::{Latest, Peer, StartError, Stream};
@@ -15,6 +15,8 @@ pub struct Taps {
     pub spans: SpanReader,
     /// What is really so.
     pub truth: Stream<GroundTruth>,
+    /// What the local planner asks for.
+    pub requests: Stream<ControlRequest>,
     /// What the guard lets the wheels do.
     pub commands: Stream<RobotCommand>,
     /// Where the wheels say the robot is.
@@ -50,6 +52,7 @@ impl Taps {
         Ok(Self {
             spans: peer.span_reader()?,
             truth: peer.stream()?,
+            requests: peer.stream()?,
             commands: peer.stream()?,
             odometry: peer.stream()?,
             moving: peer.stream()?,

@@ -21,7 +21,7 @@ pub(super) fn draw(frame: &mut Frame<'_>, view: &View, sort: Sort) {
     let [title, service_area, middle, latency, events, footer] = Layout::vertical([
         Constraint::Length(2),
         Constraint::Length(services.saturating_add(2)),
-        Constraint::Fill(2),
+        Constraint::Fill(3),
         Constraint::Length(if narrow { 2 } else { 0 }),
         Constraint::Fill(1),
         Constraint::Length(1),
@@ -63,7 +63,7 @@ fn draw_services(frame: &mut Frame<'_>, view: &View, area: Rect) {
             _ => Cell::new(text),
         }))
     });
-    let widths = [16, 9, 6, 8, 6, 7, 8, 10].map(Constraint::Length);
+    let widths = [16, 9, 5, 8, 5, 6, 8, 10].map(Constraint::Length);
     let widths = widths.into_iter().chain([Constraint::Fill(1)]);
     let headings = headings(&cells::SERVICE_HEADINGS, 2..=7);
     frame.render_widget(Table::new(rows, widths).header(headings), area);
