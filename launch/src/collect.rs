@@ -200,7 +200,10 @@ impl Collector {
                 reason,
                 stuck: report.cause,
             };
-            self.reasons.task(tick, view.header.run_ns, task);
+            // The end of a task may be heard with a later message.
+            let is_then = tick == view.header.tick;
+            let run_ns = if is_then { view.header.run_ns } else { 0 };
+            self.reasons.task(tick, run_ns, task);
             self.seen.hear(tick, view.header.run_ns, Fact::Task(report));
         }
     }

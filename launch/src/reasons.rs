@@ -36,6 +36,7 @@ pub(crate) struct Reasons {
     obstacles: Vec<Obstacle>,
     /// Run time and moment. [ns]
     moments: VecDeque<(u64, Moment)>,
+    end_tick: Option<u64>,
 }
 
 impl Reasons {
@@ -64,7 +65,8 @@ impl Reasons {
         self.tick(tick, run_ns).path = Path::of(path, Some(seconds(run_ns)));
     }
 
-    /// The task is so. That it is active is told now and then only, so it is news only after an end.
+    /// The task is so, since this tick; 0 = its run time is not known. [ns] That it is active is told
+    /// now and then only, so it is news only after an end.
     pub(crate) fn task(&mut self, tick: u64, run_ns: u64, task: Task) {
         let held = self.held.values().rev().find_map(|tick| tick.task);
         let is_over = |task: Task| !matches!(task.state, TaskState::Idle | TaskState::Active);
@@ -84,20 +86,21 @@ impl Reasons {
         self.tick(tick, run_ns).obstacles = Some(kept.collect());
     }
 
+    /// The run ended at this tick: nothing after it counts. While it is answered launch may already
+    /// stop the robot, so its command does not count either.
+    pub(crate) fn end_at(&mut self, tick: u64) {
+        self.end_tick = Some(tick);
+    }
+
     /// Forgets the moments, not what holds now: of a stack that stays up.
     pub(crate) fn forget(&mut self) {
         self.moments.clear();
     }
 
-    /// The moments from `from_ns` to the end of the run, with times since `from_ns`. While the last
-    /// tick is answered launch may already stop the robot: its command does not count.
+    /// The moments from `from_ns` to `until_ns`, with times since `from_ns`.
     #[must_use]
-    pub(crate) fn moments(&self, from_ns: u64, until_ns: u64, end_tick: u64) -> Vec<Moment> {
+    pub(crate) fn moments(&self, from_ns: u64, until_ns: u64) -> Vec<Moment> {
         let mut all = self.clone();
-        all.held.retain(|tick, _| *tick <= end_tick);
-        if let Some(last) = all.held.get_mut(&end_tick) {
-            last.command = None;
-        }
         all.settle_before(u64::MAX);
         let from_s = seconds(from_ns);
         let moments = all.moments.into_iter();
@@ -116,8 +119,12 @@ impl Reasons {
     /// Takes in the ticks before this one.
     fn settle_before(&mut self, tick: u64) {
         while let Some(first) = self.held.first_entry().filter(|first| *first.key() < tick) {
-            let (tick, held) = first.remove_entry();
-            if tick > 0 {
+            let (tick, mut held) = first.remove_entry();
+            let end_tick = self.end_tick.unwrap_or(u64::MAX);
+            if tick >= end_tick {
+                held.command = None;
+            }
+            if (1..=end_tick).contains(&tick) {
                 self.settle(held);
             }
         }
@@ -221,7 +228,7 @@ mod tests {
             };
             say(&mut reasons, tick, cause, does);
         }
-        let moments = reasons.moments(TICK_NS, 300 * TICK_NS, 300);
+        let moments = reasons.moments(TICK_NS, 300 * TICK_NS);
         let told: Vec<(f64, RequestCause, Intervention)> = (moments.iter())
             .map(|moment| {
                 let request = moment.request.as_ref().expect("a request");
@@ -260,7 +267,7 @@ mod tests {
             };
             say(&mut reasons, tick, cause, Intervention::None);
         }
-        let moments = reasons.moments(0, u64::MAX, u64::MAX);
+        let moments = reasons.moments(0, u64::MAX);
         assert_eq!(moments.len(), MOMENTS_MAX);
         let last = moments.last().and_then(|last| last.request.clone());
         let named = last
@@ -268,6 +275,6 @@ mod tests {
             .expect("its obstacle");
         assert_eq!((named.track, named.speed_mps), (7, 0.9));
         reasons.forget();
-        assert_eq!(reasons.moments(0, u64::MAX, u64::MAX), []);
+        assert_eq!(reasons.moments(0, u64::MAX), []);
     }
 }

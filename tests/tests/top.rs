@@ -62,7 +62,28 @@ fn a_sample_shows_services_topics_latencies_and_what_happened() {
         state("mapping") && state("local_planner")
     });
     let view = sample(&up);
+    assert_services(&view, &up);
+    assert_topics(&view);
+    assert_drive(&view);
 
+    // Without a terminal it is a sample, too.
+    let text = up.ask(&["top"], 0);
+    assert!(text.starts_with("open_aisle  real_time  "), "{text}");
+    for word in [
+        "\nservice ",
+        "\nmapping ",
+        "\nreaction [us]: p50 ",
+        "\ntop: cpu ",
+    ] {
+        assert!(text.contains(word), "{word}: {text}");
+    }
+    assert!(!text.contains('\x1b'), "{text}");
+    assert_eq!(readers(&up), before, "it has given its places back");
+    up.down();
+}
+
+/// Every service with its process; mapping was restarted once.
+fn assert_services(view: &Value, up: &Up) {
     let names = [
         "robot",
         "mapping",
@@ -77,7 +98,7 @@ fn a_sample_shows_services_topics_latencies_and_what_happened() {
         .collect();
     assert_eq!(roles, names);
     for role in names {
-        let service = line(&view, "services", "role", role);
+        let service = line(view, "services", "role", role);
         let restarts = u64::from(role == "mapping");
         assert_eq!(service["restarts"], restarts, "{service:#}");
         assert_eq!(service["epoch"], 1 + restarts, "{service:#}");
@@ -90,7 +111,10 @@ fn a_sample_shows_services_topics_latencies_and_what_happened() {
         let cpu = service["cpu_percent"].as_f64().expect("two readings");
         assert!((0.0..=400.0).contains(&cpu), "{service:#}");
     }
+}
 
+/// Every topic with its rate and age.
+fn assert_topics(view: &Value) {
     let shown = view["topics"].as_array().expect("topics");
     let names: Vec<&str> = shown
         .iter()
@@ -100,7 +124,7 @@ fn a_sample_shows_services_topics_latencies_and_what_happened() {
         names,
         topics().iter().map(|row| row.name).collect::<Vec<_>>()
     );
-    let odometry = line(&view, "topics", "topic", RobotOdometry::ROW.name);
+    let odometry = line(view, "topics", "topic", RobotOdometry::ROW.name);
     let hz = odometry["hz"].as_f64().expect("a rate");
     assert!(hz > 1.0, "{odometry:#}");
     let bytes_per_s = odometry["bytes_per_s"].as_f64().expect("a rate");
@@ -110,13 +134,16 @@ fn a_sample_shows_services_topics_latencies_and_what_happened() {
         "{odometry:#}"
     );
     assert!(odometry["age_s"].is_f64(), "{odometry:#}");
-    assert!(line(&view, "topics", "topic", SPANS.name)["hz"].as_f64() > Some(1.0));
+    assert!(line(view, "topics", "topic", SPANS.name)["hz"].as_f64() > Some(1.0));
     // A latched message from before is no rate, but has an age; what never came has none.
-    let keyframe = line(&view, "topics", "topic", MapKeyframe::ROW.name);
+    let keyframe = line(view, "topics", "topic", MapKeyframe::ROW.name);
     assert!(keyframe["age_s"].is_f64(), "{keyframe:#}");
-    let pose = line(&view, "topics", "topic", TaskPose::ROW.name);
+    let pose = line(view, "topics", "topic", TaskPose::ROW.name);
     assert_eq!(pose["age_s"], Value::Null, "{pose:#}");
+}
 
+/// The drive, its latencies, and what happened.
+fn assert_drive(view: &Value) {
     assert_eq!(view["run"]["scenario"], "open_aisle");
     assert_eq!(view["run"]["task"], "active", "{view:#}");
     assert!(view["reaction"]["n"].as_u64() > Some(0), "{view:#}");
@@ -135,21 +162,6 @@ fn a_sample_shows_services_topics_latencies_and_what_happened() {
         view["own"]["memory_bytes"].as_u64() > Some(1_000_000),
         "{view:#}"
     );
-
-    // Without a terminal it is a sample, too.
-    let text = up.ask(&["top"], 0);
-    assert!(text.starts_with("open_aisle  real_time  "), "{text}");
-    for word in [
-        "\nservice ",
-        "\nmapping ",
-        "\nreaction [us]: p50 ",
-        "\ntop: cpu ",
-    ] {
-        assert!(text.contains(word), "{word}: {text}");
-    }
-    assert!(!text.contains('\x1b'), "{text}");
-    assert_eq!(readers(&up), before, "it has given its places back");
-    up.down();
 }
 
 /// Runs `zeronav top` on a terminal of its own until `end` ends it.

@@ -123,7 +123,10 @@ fn a_lidar_that_says_nothing_is_named_as_soon_as_its_scans_are_old() {
         &run.why(slows_s),
         &["slows down to", "because the scan is getting old"],
     );
-    let stops_s = run.first(|moment| moment["request"]["cause"] == "stale");
+    // Before the first scan it waits for one, too.
+    let stops_s = run.first(|moment| {
+        moment["request"]["cause"] == "stale" && moment["time_s"].as_f64() > Some(1.0)
+    });
     assert!(slows_s < stops_s, "{slows_s} {stops_s}");
     let text = run.why(stops_s + 0.02);
     says(

@@ -205,6 +205,21 @@ impl Session<'_> {
         })
     }
 
+    /// The process beside one in its seat.
+    fn beside_report(&self, stack: &mut Stack) -> Option<ServiceReport> {
+        let beside = stack.beside.as_mut()?;
+        Some(ServiceReport {
+            role: beside.role.to_string(),
+            pid: beside.pid(),
+            epoch: beside.epoch,
+            state: "beside".to_owned(),
+            progress: 0,
+            memory_peak_bytes: beside.memory_peak_bytes(),
+            binary: file_name(&beside.binary),
+            restarts: self.keeper.starts(beside.role) - 1,
+        })
+    }
+
     fn run_report(&self, stack: &mut Stack) -> RunReport {
         stack.heartbeats();
         let health: BTreeMap<Role, (String, u64)> = stack
@@ -237,18 +252,7 @@ impl Session<'_> {
                 }
             })
             .collect();
-        if let Some(beside) = &mut stack.beside {
-            services.push(ServiceReport {
-                role: beside.role.to_string(),
-                pid: beside.pid(),
-                epoch: beside.epoch,
-                state: "beside".to_owned(),
-                progress: 0,
-                memory_peak_bytes: beside.memory_peak_bytes(),
-                binary: file_name(&beside.binary),
-                restarts: self.keeper.starts(beside.role) - 1,
-            });
-        }
+        services.extend(self.beside_report(stack));
         for (role, occupant) in &stack.occupants {
             if self.prepared.binaries.contains_key(role) {
                 continue;

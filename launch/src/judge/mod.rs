@@ -90,11 +90,7 @@ pub(crate) fn judge(prepared: &Prepared, driven: &Driven, environment: Environme
         faults: driven.faults.clone(),
         redirects: driven.redirects.clone(),
         swaps: driven.swaps.clone(),
-        reasons: (collector.reasons).moments(
-            driven.goals_run_ns,
-            driven.end_run_ns,
-            driven.end_tick,
-        ),
+        reasons: (collector.reasons).moments(driven.goals_run_ns, driven.end_run_ns),
         environment,
         shared_memory_bytes: driven.shared_memory_bytes,
         // The last tick is left out: while it is answered, launch may already stop the robot.

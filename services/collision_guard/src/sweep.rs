@@ -124,7 +124,8 @@ impl<'a> Space<'a> {
         let way = self.walk(limits, ends, reaction_s, enough_m, |at, heading, far_m| {
             let free_m = self.free_m(&mut look, at, heading, far_m);
             placed.place(self.outline, at, heading);
-            let (here_m, hit) = self.hits.nearest(&placed, far_m, &mut look.nearest.clone());
+            let mut nearest = look.nearest;
+            let (here_m, hit) = self.hits.nearest(&placed, far_m, &mut nearest);
             // What ends the way decides, whatever came nearer before.
             if let Some(hit) = hit
                 && (free_m.is_none() || found.is_none_or(|(_, least_m)| here_m < least_m))

@@ -1,7 +1,6 @@
 //! Why a velocity request is what it is, in the terms of the message. Nothing is decided by it.
 
 use crate::dynamic_obstacles::nearest_dynamic;
-use crate::period::Inputs;
 use crate::recovery::{Behaviour, Reason};
 use crate::situation::Decision;
 use crate::staleness::{Ageing, Ages, StaleInput};
@@ -9,10 +8,15 @@ use zeronav_msgs::Pose;
 use zeronav_msgs::command::{
     AGE_MS_MAX, PlannerInput, RecoveryReason, RequestCause, Validity, VelocityRequest,
 };
+use zeronav_msgs::obstacles::Obstacle;
 
 /// What a period was decided by, besides the controller's own cause.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Circumstances {
+pub(crate) struct Circumstances<'a> {
+    /// Ages of the inputs.
+    pub(crate) ages: &'a Ages,
+    /// Tracked obstacles.
+    pub(crate) obstacles: &'a [Obstacle],
     /// The input because of which the robot stops.
     pub(crate) stale: Option<StaleInput>,
     /// The inputs because of which it slows down.
@@ -26,11 +30,7 @@ pub(crate) struct Circumstances {
 }
 
 /// The request of a decision, with everything that explains it.
-pub(crate) fn request(
-    decision: &Decision,
-    inputs: &Inputs<'_>,
-    about: &Circumstances,
-) -> VelocityRequest {
+pub(crate) fn request(decision: &Decision, about: &Circumstances<'_>) -> VelocityRequest {
     let cause = cause(decision, about);
     let input = match cause {
         RequestCause::Stale => about.stale.map_or(PlannerInput::Description, input_of),
@@ -42,7 +42,7 @@ pub(crate) fn request(
     } else {
         RecoveryReason::None
     };
-    let dynamic = (about.map_from_base).and_then(|pose| nearest_dynamic(inputs.obstacles.0, &pose));
+    let dynamic = (about.map_from_base).and_then(|pose| nearest_dynamic(about.obstacles, &pose));
     VelocityRequest {
         v_mps: decision.v_mps,
         w_radps: decision.w_radps,
@@ -51,7 +51,7 @@ pub(crate) fn request(
         input: input.code(),
         recovery: recovery.code(),
         braking_arc_m: decision.braking_arc_m,
-        ages_ms: ages_ms(&inputs.ages),
+        ages_ms: ages_ms(about.ages),
         limit_mps: if cause == decision.cause {
             decision.limit_mps
         } else {
@@ -62,7 +62,7 @@ pub(crate) fn request(
     }
 }
 
-fn cause(decision: &Decision, about: &Circumstances) -> RequestCause {
+fn cause(decision: &Decision, about: &Circumstances<'_>) -> RequestCause {
     if decision.validity == Validity::Stale {
         return RequestCause::Stale;
     }
@@ -143,7 +143,10 @@ mod tests {
 
     #[test]
     fn the_recovery_explains_what_it_does_and_the_controller_the_rest() {
+        let ages = Ages::default();
         let about = |behaviour| Circumstances {
+            ages: &ages,
+            obstacles: &[],
             stale: None,
             ageing: Ageing::default(),
             behaviour,

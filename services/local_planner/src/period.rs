@@ -266,13 +266,15 @@ impl LocalPlanner {
         self.last = Twist::new(decision.v_mps, decision.w_radps);
         let ageing = ageing(&self.ages(inputs), &self.config.staleness);
         let about = Circumstances {
+            ages: &inputs.ages,
+            obstacles: inputs.obstacles.0,
             stale,
             ageing,
             behaviour,
             reason: self.reason,
             map_from_base,
         };
-        let request = explain::request(&decision, inputs, &about);
+        let request = explain::request(&decision, &about);
         if let Some(change) = &recovery {
             self.note_recovery(change.to);
             self.reason = explain::reason_of(change.reason);
