@@ -1,6 +1,7 @@
 //! What stands in the tables, on paper and on a terminal.
 
 use super::view::{ServiceLine, TopicLine, View};
+use core::fmt::Write;
 
 /// Headings of the services.
 pub(super) const SERVICE_HEADINGS: [&str; 9] = [
@@ -60,12 +61,12 @@ pub(super) fn run(view: &View) -> String {
     if run.paused {
         text += "  paused";
     }
-    text += &format!("  task {}", run.task);
+    let _ = write!(text, "  task {}", run.task);
     if let Some(remaining_m) = run.remaining_m {
-        text += &format!(", {remaining_m:.1} m left");
+        let _ = write!(text, ", {remaining_m:.1} m left");
     }
     if let Some(v_mps) = run.v_mps {
-        text += &format!("  {v_mps:.2} m/s");
+        let _ = write!(text, "  {v_mps:.2} m/s");
     }
     text
 }

@@ -152,7 +152,7 @@ impl Watch {
             if !goes_on {
                 return Ok(End::RunOver);
             }
-            match screen.wait(self.look)? {
+            match Screen::wait(self.look)? {
                 Some(Asked::Quit) => return Ok(End::Quit),
                 Some(Asked::Interrupt) => return Ok(End::Interrupted),
                 Some(Asked::Sort) => {

@@ -133,7 +133,7 @@ impl Model {
             let reasons = reason_labels(beat.reasons).join(", ");
             let mut text = format!("{role}: {}", is.map_or("unknown", HealthState::label));
             if !reasons.is_empty() {
-                text += &format!(" ({reasons})");
+                text = format!("{text} ({reasons})");
             }
             self.events.add(self.run_ns, "state", text);
         }

@@ -67,7 +67,7 @@ impl Screen {
     ///
     /// # Errors
     /// One line when the terminal is gone.
-    pub(super) fn wait(&self, pause: Duration) -> Result<Option<Asked>, String> {
+    pub(super) fn wait(pause: Duration) -> Result<Option<Asked>, String> {
         match event::poll(pause) {
             Ok(true) => Ok(asked(&event::read().map_err(|error| problem(&error))?)),
             Ok(false) => Ok(None),

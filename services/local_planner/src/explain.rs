@@ -102,14 +102,17 @@ pub(crate) fn reason_of(reason: Reason) -> RecoveryReason {
     }
 }
 
-/// Ages of odometry, scan, map and path. [ms]
+/// Ages of odometry, scan, map and path. [ms] Before the first scan map and path are idle outputs at
+/// most, and whether these have come yet depends on the speed of the machine: they are not told.
 fn ages_ms(ages: &Ages) -> [u16; 4] {
     let ms = |age_ns: Option<u64>| {
         age_ns.map_or(AGE_MS_MAX, |age_ns| {
             u16::try_from(age_ns / 1_000_000).unwrap_or(AGE_MS_MAX)
         })
     };
-    [ages.odometry_ns, ages.scan_ns, ages.map_ns, ages.path_ns].map(ms)
+    let of_scan = |age_ns: Option<u64>| age_ns.filter(|_| ages.scan_ns.is_some());
+    let (map_ns, path_ns) = (of_scan(ages.map_ns), of_scan(ages.path_ns));
+    [ages.odometry_ns, ages.scan_ns, map_ns, path_ns].map(ms)
 }
 
 #[cfg(test)]
@@ -125,6 +128,15 @@ mod tests {
             path_ns: None,
         };
         assert_eq!(ages_ms(&ages), [1, 50, AGE_MS_MAX, AGE_MS_MAX]);
+        let before_the_first_scan = Ages {
+            odometry_ns: Some(0),
+            map_ns: Some(20_000_000),
+            ..Ages::default()
+        };
+        assert_eq!(
+            ages_ms(&before_the_first_scan),
+            [0, AGE_MS_MAX, AGE_MS_MAX, AGE_MS_MAX]
+        );
     }
 
     fn decision(validity: Validity, cause: RequestCause) -> Decision {
