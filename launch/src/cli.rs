@@ -21,8 +21,10 @@ use crate::start_up::StartUpArgs;
 use crate::suite::noise::Noise;
 use crate::suite::plan::SuitePlan;
 use crate::supervise::cleaner;
+use crate::top::cli::TopArgs;
 use crate::topics::cli::TopicsArgs;
 use crate::version::VERSION;
+use crate::why::cli::WhyArgs;
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
 use core::ops::Range;
@@ -119,6 +121,10 @@ pub enum Command {
     Wait(WaitArgs),
     /// Bring the robot of a running stack to rest and end the stack.
     Down(StackArgs),
+    /// Say in plain words why the robot does what it does, now or at a moment of a run.
+    Why(WhyArgs),
+    /// Watch a running stack: services, topics, latencies, events.
+    Top(TopArgs),
     /// Look into a running stack: its topics, their rates, every message with its units.
     Topics(TopicsArgs),
     /// What the processes of a running stack write, merged by time.

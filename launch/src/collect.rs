@@ -5,6 +5,8 @@ use crate::faults::{Recoveries, Sight};
 use crate::film::{self, Film};
 use crate::measure::index::{PathRecord, Sensed, Sighting};
 use crate::measure::{Records, RunHash};
+use crate::reasons::Reasons;
+use crate::result::moment::Task;
 use crate::seen::{Fact, Seen, TaskReport};
 use crate::supervise::taps::Taps;
 use std::collections::{BTreeSet, HashMap, VecDeque};
@@ -55,6 +57,8 @@ pub(crate) struct Collector {
     pub hash: RunHash,
     /// What counts of the run: everything up to its end.
     pub seen: Seen,
+    /// What the stages say of why the robot does what it does.
+    pub reasons: Reasons,
     /// The newest truth, also after the end.
     pub truth: Option<Truth>,
     /// Where the robot was since somebody looked, as the truth says.
@@ -167,6 +171,7 @@ impl Collector {
                 return;
             };
             self.film.path(view.header.run_ns, view.meta, view.items);
+            (self.reasons).path(view.header.tick, view.header.run_ns, view.meta);
             self.records.paths.push(PathRecord {
                 id: view.header.id,
                 map: view.header.parents.map,
@@ -214,6 +219,15 @@ impl Collector {
             };
             self.task = Some(report);
             (self.film).task(view.header.run_ns, state, &self.reached);
+            let task = Task {
+                state,
+                reason,
+                stuck: report.cause,
+            };
+            // The end of a task may be heard with a later message.
+            let is_then = tick == view.header.tick;
+            let run_ns = if is_then { view.header.run_ns } else { 0 };
+            self.reasons.task(tick, run_ns, task);
             self.seen.hear(tick, view.header.run_ns, Fact::Task(report));
         }
     }
@@ -241,8 +255,12 @@ impl Collector {
             let (run_ns, request) = (view.header.run_ns, view.header.parents.request);
             self.film.command(run_ns, request, view.meta);
             self.aside.command(view.header.tick);
+            (self.reasons).command(view.header.tick, view.header.run_ns, view.meta);
             let fact = Fact::Command(view.meta.intervention());
             (self.seen).hear(view.header.tick, view.header.run_ns, fact);
+        });
+        taps.requests.drain(roster, |view| {
+            (self.reasons).request(view.header.tick, view.header.run_ns, view.meta);
         });
         taps.odometry.drain(roster, |view| {
             self.odometry = Some(*view.meta);
@@ -262,6 +280,7 @@ impl Collector {
         taps.moving.drain(roster, |view| {
             self.film.tracked(view.header.run_ns, view.items);
             let scan = view.header.parents.scan;
+            (self.reasons).obstacles(view.header.tick, view.header.run_ns, view.items);
             if self.tracked.len() == TRACKED_MAX {
                 self.tracked.pop_front();
             }
@@ -280,6 +299,7 @@ impl Collector {
             ..Records::default()
         };
         (self.hash, self.seen) = (RunHash::default(), Seen::default());
+        self.reasons.forget();
     }
 
     /// Another reader of the map needs a keyframe.

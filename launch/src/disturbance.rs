@@ -79,6 +79,12 @@ impl Reading {
     }
 }
 
+/// Time that the threads of a process have run; `None` when there is no such process. [ns]
+#[must_use]
+pub(crate) fn processor_ns(pid: u32) -> Option<u64> {
+    Counters::read(pid).map(|counters| counters.processor_ns)
+}
+
 impl Counters {
     /// `None` when there is no such process.
     fn read(pid: u32) -> Option<Self> {

@@ -41,6 +41,7 @@ pub mod params;
 pub mod picture;
 mod placed;
 mod prepare;
+mod reasons;
 mod record;
 
 pub mod remote;
@@ -59,7 +60,9 @@ mod stay_result;
 mod suite;
 pub mod supervise;
 mod swap;
+pub mod top;
 pub mod topics;
 mod trace;
 mod trials;
 mod version;
+pub mod why;

@@ -15,7 +15,7 @@ use zeronav::show::{log, terminal};
 use zeronav::supervise::{cleaner, warden};
 use zeronav::{
     began, busy, commands, compare, completions, doctor, latency, logs, look, map_save, params,
-    picture, remote, report, start_up, topics,
+    picture, remote, report, start_up, top, topics, why,
 };
 use zeronav_msgs::role::Role;
 use zeronav_shell::flags::one_line;
@@ -70,6 +70,8 @@ fn main() -> ExitCode {
         Command::Params(arguments) => params::params(&arguments),
         Command::Schema => params::schema(),
         Command::Ps { json } => remote::ps(json),
+        Command::Why(arguments) => why::why(&arguments),
+        Command::Top(arguments) => top::top(&arguments),
         Command::Topics(arguments) => topics::topics(&arguments),
         Command::Logs(arguments) => logs::logs(&arguments),
         Command::Map(arguments) => map_save::map(&arguments),

@@ -1,7 +1,11 @@
 //! `control/velocity_request` and `robot/velocity_command`: what the wheels shall do.
 
-use crate::message::{Refusal, SPEED_MAX, ZeroCopySend, number};
+use crate::message::{Refusal, SPEED_MAX, ZeroCopySend, ensure, number};
+use crate::scan::BEAMS_MAX;
 use crate::{codes, message};
+
+/// Farthest point of a scan from the robot. [m]
+const POINT_M_MAX: f64 = 1.0e3;
 
 codes! {
     /// What a velocity request or command means. Anything but `Drive` is a stop.
@@ -45,25 +49,132 @@ codes! {
     }
 }
 
+codes! {
+    /// What decided a velocity request. Nothing that is carried out depends on it.
+    pub enum RequestCause: u16 {
+        /// Not told.
+        None = 0 => "none",
+        /// Nothing but the limits of the robot.
+        Free = 1 => "free",
+        /// The end of the path: slow enough to stop there.
+        Goal = 2 => "goal",
+        /// A corner of the path.
+        Corner = 3 => "corner",
+        /// The controller's critics: a slower motion keeps more clearance, or nearer to the path.
+        Critics = 4 => "critics",
+        /// An input is getting old.
+        Ageing = 5 => "ageing",
+        /// The robot faces away from the path.
+        Heading = 6 => "heading",
+        /// It turns on the spot towards the path.
+        Turn = 7 => "turn",
+        /// It waits for a dynamic obstacle to pass before it turns on the spot.
+        TurnWait = 8 => "turn_wait",
+        /// It is within the goal's tolerance and slows down to a stop.
+        Arrive = 9 => "arrive",
+        /// It turns on the spot to the goal's yaw.
+        GoalYaw = 10 => "goal_yaw",
+        /// No motion is admissible.
+        Blocked = 11 => "blocked",
+        /// An input is too old or missing.
+        Stale = 12 => "stale",
+        /// Recovery: another path was asked for.
+        AskForPath = 13 => "ask_for_path",
+        /// Recovery: it drives back along the track that it came by.
+        BackUp = 14 => "back_up",
+        /// Recovery: it turns on the spot to look around.
+        Rotate = 15 => "rotate",
+        /// Recovery: it waits for the way to become free.
+        Wait = 16 => "wait",
+        /// Recovery: nothing is left to try.
+        GiveUp = 17 => "give_up",
+    }
+}
+
+impl RequestCause {
+    /// True for a behaviour of the recovery.
+    #[must_use]
+    pub const fn is_recovery(self) -> bool {
+        matches!(
+            self,
+            Self::AskForPath | Self::BackUp | Self::Rotate | Self::Wait | Self::GiveUp
+        )
+    }
+}
+
+codes! {
+    /// An input of the local planner.
+    pub enum PlannerInput: u16 {
+        /// None.
+        None = 0 => "none",
+        /// `robot/odometry`.
+        Odometry = 1 => "odometry",
+        /// `robot/scan`.
+        Scan = 2 => "scan",
+        /// `map/update`.
+        Map = 3 => "map",
+        /// `plan/path`.
+        Path = 4 => "path",
+        /// `robot/description`.
+        Description = 5 => "description",
+    }
+}
+
+codes! {
+    /// Why the recovery does what it does.
+    pub enum RecoveryReason: u16 {
+        /// It does nothing.
+        None = 0 => "none",
+        /// No motion was admissible.
+        Blocked = 1 => "blocked",
+        /// The robot came no closer.
+        NoProgress = 2 => "no_progress",
+        /// A dynamic obstacle is near.
+        DynamicObstacle = 3 => "dynamic_obstacle",
+        /// The attempt before it took too long.
+        TimedOut = 4 => "timed_out",
+        /// The time without coming closer is over.
+        Stuck = 5 => "stuck",
+        /// No attempt is left.
+        OutOfAttempts = 6 => "out_of_attempts",
+    }
+}
+
+/// Age that is not known, or longer than the field holds. [ms]
+pub const AGE_MS_MAX: u16 = u16::MAX;
+
 message! {
-    /// Fixed fields of a velocity request; the slice is empty.
-    pub struct VelocityRequest = "zeronav.VelocityRequest.v1" {
+    /// Fixed fields of a velocity request; the slice is empty. What explains it may be left 0.
+    pub struct VelocityRequest = "zeronav.VelocityRequest.v2" {
         /// [m/s] forward speed in `base`.
         pub v_mps: f64,
         /// [rad/s] yaw rate in `base`.
         pub w_radps: f64,
         /// Code of [`Validity`].
         pub validity: u16,
-        /// Written as 0.
-        pub spare: [u16; 3],
+        /// Code of [`RequestCause`].
+        pub cause: u16,
+        /// Code of [`PlannerInput`]: the one that is old, with the causes `ageing` and `stale`.
+        pub input: u16,
+        /// Code of [`RecoveryReason`], with the causes of the recovery.
+        pub recovery: u16,
         /// [m] length of the arc on which the author can still stop, >= 0.
         pub braking_arc_m: f64,
+        /// [ms, ms, ms, ms] ages of odometry, scan, map and path when it was made; 65535 = never
+        /// received, or older. All 0 with the cause `none` = not told.
+        pub ages_ms: [u16; 4],
+        /// [m/s] fastest forward speed that the cause allows, >= 0; 0 = it sets none.
+        pub limit_mps: f64,
+        /// [m] along the path to the first obstacle on it, >= 0; 0 = none in sight.
+        pub blocked_arc_m: f64,
+        /// [number] Track of the nearest dynamic obstacle on `map/obstacles` within 2.5 m; 0 = none.
+        pub obstacle: u64,
     }
 }
 
 message! {
-    /// Fixed fields of a velocity command; the slice is empty.
-    pub struct VelocityCommand = "zeronav.VelocityCommand.v1" {
+    /// Fixed fields of a velocity command; the slice is empty. What explains it may be left 0.
+    pub struct VelocityCommand = "zeronav.VelocityCommand.v2" {
         /// [m/s] forward speed in `base`.
         pub v_mps: f64,
         /// [rad/s] yaw rate in `base`.
@@ -72,8 +183,17 @@ message! {
         pub validity: u16,
         /// Code of [`Intervention`].
         pub intervention: u16,
+        /// [number] Beam towards the point that decided, counted from 1, in a scan taken where the
+        /// robot is now; 0 = no point decided.
+        pub beam: u16,
         /// Written as 0.
-        pub spare: [u16; 2],
+        pub spare: u16,
+        /// [m, m] Point of a scan that is nearest to the way that was asked for and not free, in
+        /// `base` of now; with the interventions `slowed` and `stopped_short`.
+        pub point_m: [f64; 2],
+        /// [m] least distance between the outline and that point on that way, at most the margin
+        /// and the slow zone of the guard; below 0 inside the outline.
+        pub point_clearance_m: f64,
     }
 }
 
@@ -84,15 +204,38 @@ impl VelocityRequest {
         Validity::from_code(self.validity)
     }
 
+    /// What decided it.
+    #[must_use]
+    pub const fn cause(&self) -> Option<RequestCause> {
+        RequestCause::from_code(self.cause)
+    }
+
+    /// The input that is old.
+    #[must_use]
+    pub const fn input(&self) -> Option<PlannerInput> {
+        PlannerInput::from_code(self.input)
+    }
+
+    /// Why the recovery does what it does.
+    #[must_use]
+    pub const fn recovery(&self) -> Option<RecoveryReason> {
+        RecoveryReason::from_code(self.recovery)
+    }
+
     /// Accepts finite requests with a known meaning.
     ///
     /// # Errors
     /// The first field that is wrong.
     pub fn check(&self) -> Result<(), Refusal> {
         self.validity().ok_or(Refusal::Code("validity"))?;
+        self.cause().ok_or(Refusal::Code("cause"))?;
+        self.input().ok_or(Refusal::Code("input"))?;
+        self.recovery().ok_or(Refusal::Code("recovery"))?;
         number(self.v_mps, -SPEED_MAX, SPEED_MAX, "v_mps")?;
         number(self.w_radps, -SPEED_MAX, SPEED_MAX, "w_radps")?;
-        number(self.braking_arc_m, 0.0, 1.0e6, "braking_arc_m")
+        number(self.braking_arc_m, 0.0, 1.0e6, "braking_arc_m")?;
+        number(self.limit_mps, 0.0, SPEED_MAX, "limit_mps")?;
+        number(self.blocked_arc_m, 0.0, 1.0e6, "blocked_arc_m")
     }
 }
 
@@ -117,6 +260,19 @@ impl VelocityCommand {
         self.validity().ok_or(Refusal::Code("validity"))?;
         self.intervention().ok_or(Refusal::Code("intervention"))?;
         number(self.v_mps, -SPEED_MAX, SPEED_MAX, "v_mps")?;
-        number(self.w_radps, -SPEED_MAX, SPEED_MAX, "w_radps")
+        number(self.w_radps, -SPEED_MAX, SPEED_MAX, "w_radps")?;
+        ensure(
+            usize::from(self.beam) <= BEAMS_MAX,
+            Refusal::OutOfRange("beam"),
+        )?;
+        for along in self.point_m {
+            number(along, -POINT_M_MAX, POINT_M_MAX, "point_m")?;
+        }
+        number(
+            self.point_clearance_m,
+            -POINT_M_MAX,
+            POINT_M_MAX,
+            "point_clearance_m",
+        )
     }
 }

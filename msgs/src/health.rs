@@ -35,6 +35,25 @@ pub const REASON_NO_LOAN: u32 = 1 << 6;
 /// start.
 pub const REASON_TOO_LONG: u32 = 1 << 7;
 
+/// The reason bits and a word for each.
+pub const REASONS: [(u32, &str); 8] = [
+    (REASON_SCAN, "scan"),
+    (REASON_ODOMETRY, "odometry"),
+    (REASON_MAP, "map"),
+    (REASON_PATH, "path"),
+    (REASON_REQUEST, "request"),
+    (REASON_REFUSED, "rejected"),
+    (REASON_NO_LOAN, "no_memory"),
+    (REASON_TOO_LONG, "too_long"),
+];
+
+/// The words for a sum of reason bits; unknown bits have none.
+#[must_use]
+pub fn reason_labels(reasons: u32) -> Vec<&'static str> {
+    let set = REASONS.iter().filter(|(bit, _)| reasons & bit != 0);
+    set.map(|(_, label)| *label).collect()
+}
+
 message! {
     /// Fixed fields of the heartbeat; the slice is empty.
     pub struct Health = "zeronav.Health.v1" {

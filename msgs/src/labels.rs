@@ -1,8 +1,8 @@
 //! The words for the codes in messages, by the name of their enum.
 
-use crate::command::{Intervention, Validity};
+use crate::command::{Intervention, PlannerInput, RecoveryReason, RequestCause, Validity};
 use crate::health::HealthState;
-use crate::path::{PathCause, PathStatus};
+use crate::path::{PathBlock, PathCause, PathStatus};
 use crate::request::RequestReason;
 use crate::role::Role;
 use crate::run::{RunMode, TopicFaultKind};
@@ -30,8 +30,12 @@ labels!(
     EndReason,
     HealthState,
     Intervention,
+    PathBlock,
     PathCause,
     PathStatus,
+    PlannerInput,
+    RecoveryReason,
+    RequestCause,
     RequestReason,
     Role,
     RunMode,

@@ -52,10 +52,24 @@ codes! {
     }
 }
 
+codes! {
+    /// The cell that decided about a path.
+    pub enum PathBlock: u16 {
+        /// None is known.
+        None = 0 => "none",
+        /// The robot's own: it is blocked.
+        Robot = 1 => "robot",
+        /// The goal's own: it is blocked, or beside the map.
+        Goal = 2 => "goal",
+        /// The first blocked one on the path before this one.
+        PathBefore = 3 => "path_before",
+    }
+}
+
 message! {
     /// Fixed fields of a path. Search statistics are counts, never times. A message with an
     /// unchanged path repeats the waypoints and says by its parents how current it is.
-    pub struct Path = "zeronav.Path.v2" {
+    pub struct Path = "zeronav.Path.v3" {
         /// [text] Key of the planner in lower case, padded with 0.
         pub planner: [u8; 24],
         /// Code of [`PathStatus`].
@@ -85,6 +99,13 @@ message! {
         /// [m] from the last waypoint to the goal, >= 0: above 0 when the goal's own place cannot be
         /// reached and the nearest one within its tolerance that can is taken.
         pub beside_goal_m: f64,
+        /// Code of [`PathBlock`]: which cell made this path another one, made it end beside the goal, or
+        /// left no path. May be left 0.
+        pub block: u16,
+        /// Written as 0.
+        pub spare: [u16; 3],
+        /// [m, m] centre of that cell, `map` frame.
+        pub block_m: [f64; 2],
     }
 }
 
@@ -141,6 +162,12 @@ impl Path {
         PathCause::from_code(self.cause)
     }
 
+    /// The cell that decided.
+    #[must_use]
+    pub const fn block(&self) -> Option<PathBlock> {
+        PathBlock::from_code(self.block)
+    }
+
     /// The planner's key as text.
     #[must_use]
     pub fn planner(&self) -> &str {
@@ -169,6 +196,10 @@ impl Path {
     pub fn check(&self, waypoints: &[Waypoint]) -> Result<(), Refusal> {
         let status = self.status().ok_or(Refusal::Code("status"))?;
         self.cause().ok_or(Refusal::Code("cause"))?;
+        self.block().ok_or(Refusal::Code("block"))?;
+        for along in self.block_m {
+            number(along, -COORDINATE_M_MAX, COORDINATE_M_MAX, "block_m")?;
+        }
         ensure(
             waypoints.len() == self.n_waypoints as usize
                 && waypoints.len() <= WAYPOINTS_MAX

@@ -178,6 +178,8 @@ fn one_bad_field_is_enough() {
     let waypoint = Waypoint::default();
     assert_eq!(path.check(&[waypoint]), Ok(()));
     assert_eq!(path.check(&[]), Err(Refusal::Length("waypoints")));
+    let block = Path { block: 9, ..path };
+    assert_eq!(block.check(&[waypoint]), Err(Refusal::Code("block")));
     let infinite = Waypoint {
         x_m: f64::INFINITY,
         ..waypoint
@@ -246,4 +248,59 @@ fn swapped_fields_of_equal_size_change_the_schema() {
     }
     assert_eq!(size_of::<swapped::Pose>(), size_of::<zeronav_msgs::Pose>());
     assert_ne!(swapped::Pose::SCHEMA, zeronav_msgs::Pose::SCHEMA);
+}
+
+#[test]
+fn reasons_are_checked_like_everything_else() {
+    use zeronav_msgs::command::{VelocityCommand, VelocityRequest};
+    use zeronav_msgs::message::Refusal;
+    let request = VelocityRequest::default();
+    assert_eq!(request.check(), Ok(()), "who tells no reason is legal");
+    for (wrong, field) in [
+        (
+            VelocityRequest {
+                cause: 99,
+                ..request
+            },
+            "cause",
+        ),
+        (
+            VelocityRequest {
+                input: 99,
+                ..request
+            },
+            "input",
+        ),
+        (
+            VelocityRequest {
+                recovery: 99,
+                ..request
+            },
+            "recovery",
+        ),
+    ] {
+        assert_eq!(wrong.check(), Err(Refusal::Code(field)));
+    }
+    let negative = VelocityRequest {
+        blocked_arc_m: -0.1,
+        ..request
+    };
+    assert_eq!(negative.check(), Err(Refusal::OutOfRange("blocked_arc_m")));
+    let command = VelocityCommand {
+        beam: 3,
+        point_m: [0.5, -0.1],
+        point_clearance_m: -0.01,
+        ..VelocityCommand::default()
+    };
+    assert_eq!(command.check(), Ok(()));
+    let nan = VelocityCommand {
+        point_m: [0.5, f64::NAN],
+        ..command
+    };
+    assert_eq!(nan.check(), Err(Refusal::NotFinite("point_m")));
+    let beam = VelocityCommand {
+        beam: 5000,
+        ..command
+    };
+    assert_eq!(beam.check(), Err(Refusal::OutOfRange("beam")));
 }

@@ -98,6 +98,13 @@ enum class Intervention : std::uint16_t {
     stopped_short = 7,
 };
 
+enum class PathBlock : std::uint16_t {
+    none = 0,
+    robot = 1,
+    goal = 2,
+    path_before = 3,
+};
+
 enum class PathCause : std::uint16_t {
     none = 0,
     goal = 1,
@@ -119,6 +126,46 @@ enum class PathStatus : std::uint16_t {
     dead_end = 8,
     out_of_budget = 9,
     too_long = 10,
+};
+
+enum class PlannerInput : std::uint16_t {
+    none = 0,
+    odometry = 1,
+    scan = 2,
+    map = 3,
+    path = 4,
+    description = 5,
+};
+
+enum class RecoveryReason : std::uint16_t {
+    none = 0,
+    blocked = 1,
+    no_progress = 2,
+    dynamic_obstacle = 3,
+    timed_out = 4,
+    stuck = 5,
+    out_of_attempts = 6,
+};
+
+enum class RequestCause : std::uint16_t {
+    none = 0,
+    free = 1,
+    goal = 2,
+    corner = 3,
+    critics = 4,
+    ageing = 5,
+    heading = 6,
+    turn = 7,
+    turn_wait = 8,
+    arrive = 9,
+    goal_yaw = 10,
+    blocked = 11,
+    stale = 12,
+    ask_for_path = 13,
+    back_up = 14,
+    rotate = 15,
+    wait = 16,
+    give_up = 17,
 };
 
 enum class RequestReason : std::uint16_t {
@@ -1094,8 +1141,8 @@ static_assert(Obstacle::SCHEMA == [] {
 /// Fixed fields of a path. Search statistics are counts, never times. A message with an unchanged
 /// path repeats the waypoints and says by its parents how current it is.
 struct Path {
-    static constexpr const char* NAME = "zeronav.Path.v2";
-    static constexpr std::uint64_t SCHEMA = 0x09121565aafa991c;
+    static constexpr const char* NAME = "zeronav.Path.v3";
+    static constexpr std::uint64_t SCHEMA = 0x97699d483d08327d;
     /// [text] Key of the planner in lower case, padded with 0.
     std::uint8_t planner[24]{};
     /// Code of `PathStatus`.
@@ -1125,8 +1172,15 @@ struct Path {
     /// [m] from the last waypoint to the goal, >= 0: above 0 when the goal's own place cannot be
     /// reached and the nearest one within its tolerance that can is taken.
     double beside_goal_m{};
+    /// Code of `PathBlock`: which cell made this path another one, made it end beside the goal, or
+    /// left no path. May be left 0.
+    std::uint16_t block{};
+    /// Written as 0.
+    std::uint16_t spare[3]{};
+    /// [m, m] centre of that cell, `map` frame.
+    double block_m[2]{};
 };
-static_assert(sizeof(Path) == 112);
+static_assert(sizeof(Path) == 136);
 static_assert(std::is_trivially_copyable_v<Path> && std::is_standard_layout_v<Path>);
 static_assert(offsetof(Path, planner) == 0);
 static_assert(offsetof(Path, status) == 24);
@@ -1142,6 +1196,9 @@ static_assert(offsetof(Path, length_m) == 80);
 static_assert(offsetof(Path, cost) == 88);
 static_assert(offsetof(Path, goal) == 96);
 static_assert(offsetof(Path, beside_goal_m) == 104);
+static_assert(offsetof(Path, block) == 112);
+static_assert(offsetof(Path, spare) == 114);
+static_assert(offsetof(Path, block_m) == 120);
 static_assert(Path::SCHEMA == [] {
     std::uint64_t hash = fnv1a(FNV_OFFSET, Path::NAME);
     hash = fnv1a(hash, "planner");
@@ -1186,19 +1243,28 @@ static_assert(Path::SCHEMA == [] {
     hash = fnv1a(hash, "beside_goal_m");
     hash = fnv1a_number(hash, Schema<decltype(Path::beside_goal_m)>::value);
     hash = fnv1a_number(hash, offsetof(Path, beside_goal_m));
+    hash = fnv1a(hash, "block");
+    hash = fnv1a_number(hash, Schema<decltype(Path::block)>::value);
+    hash = fnv1a_number(hash, offsetof(Path, block));
+    hash = fnv1a(hash, "spare");
+    hash = fnv1a_number(hash, Schema<decltype(Path::spare)>::value);
+    hash = fnv1a_number(hash, offsetof(Path, spare));
+    hash = fnv1a(hash, "block_m");
+    hash = fnv1a_number(hash, Schema<decltype(Path::block_m)>::value);
+    hash = fnv1a_number(hash, offsetof(Path, block_m));
     return hash;
 }());
 
 /// Header and fixed fields of the topic's messages.
 struct PlanPathEnvelope {
     static constexpr const char* NAME = "zeronav.plan.path.v1";
-    static constexpr std::uint64_t SCHEMA = 0x09159c457356ad03;
+    static constexpr std::uint64_t SCHEMA = 0xd67060128f8f09b0;
     /// The header.
     Header header{};
     /// The fixed fields.
     Path meta{};
 };
-static_assert(sizeof(PlanPathEnvelope) == 240);
+static_assert(sizeof(PlanPathEnvelope) == 264);
 static_assert(std::is_trivially_copyable_v<PlanPathEnvelope> && std::is_standard_layout_v<PlanPathEnvelope>);
 static_assert(offsetof(PlanPathEnvelope, header) == 0);
 static_assert(offsetof(PlanPathEnvelope, meta) == 128);
@@ -1586,28 +1652,47 @@ static_assert(TaskPoseEnvelope::SCHEMA == [] {
     return hash;
 }());
 
-/// Fixed fields of a velocity request; the slice is empty.
+/// Fixed fields of a velocity request; the slice is empty. What explains it may be left 0.
 struct VelocityRequest {
-    static constexpr const char* NAME = "zeronav.VelocityRequest.v1";
-    static constexpr std::uint64_t SCHEMA = 0x3dc097cae79b9638;
+    static constexpr const char* NAME = "zeronav.VelocityRequest.v2";
+    static constexpr std::uint64_t SCHEMA = 0x52796979ebc296da;
     /// [m/s] forward speed in `base`.
     double v_mps{};
     /// [rad/s] yaw rate in `base`.
     double w_radps{};
     /// Code of `Validity`.
     std::uint16_t validity{};
-    /// Written as 0.
-    std::uint16_t spare[3]{};
+    /// Code of `RequestCause`.
+    std::uint16_t cause{};
+    /// Code of `PlannerInput`: the one that is old, with the causes `ageing` and `stale`.
+    std::uint16_t input{};
+    /// Code of `RecoveryReason`, with the causes of the recovery.
+    std::uint16_t recovery{};
     /// [m] length of the arc on which the author can still stop, >= 0.
     double braking_arc_m{};
+    /// [ms, ms, ms, ms] ages of odometry, scan, map and path when it was made; 65535 = never
+    /// received, or older. All 0 with the cause `none` = not told.
+    std::uint16_t ages_ms[4]{};
+    /// [m/s] fastest forward speed that the cause allows, >= 0; 0 = it sets none.
+    double limit_mps{};
+    /// [m] along the path to the first obstacle on it, >= 0; 0 = none in sight.
+    double blocked_arc_m{};
+    /// [number] Track of the nearest dynamic obstacle on `map/obstacles` within 2.5 m; 0 = none.
+    std::uint64_t obstacle{};
 };
-static_assert(sizeof(VelocityRequest) == 32);
+static_assert(sizeof(VelocityRequest) == 64);
 static_assert(std::is_trivially_copyable_v<VelocityRequest> && std::is_standard_layout_v<VelocityRequest>);
 static_assert(offsetof(VelocityRequest, v_mps) == 0);
 static_assert(offsetof(VelocityRequest, w_radps) == 8);
 static_assert(offsetof(VelocityRequest, validity) == 16);
-static_assert(offsetof(VelocityRequest, spare) == 18);
+static_assert(offsetof(VelocityRequest, cause) == 18);
+static_assert(offsetof(VelocityRequest, input) == 20);
+static_assert(offsetof(VelocityRequest, recovery) == 22);
 static_assert(offsetof(VelocityRequest, braking_arc_m) == 24);
+static_assert(offsetof(VelocityRequest, ages_ms) == 32);
+static_assert(offsetof(VelocityRequest, limit_mps) == 40);
+static_assert(offsetof(VelocityRequest, blocked_arc_m) == 48);
+static_assert(offsetof(VelocityRequest, obstacle) == 56);
 static_assert(VelocityRequest::SCHEMA == [] {
     std::uint64_t hash = fnv1a(FNV_OFFSET, VelocityRequest::NAME);
     hash = fnv1a(hash, "v_mps");
@@ -1619,25 +1704,43 @@ static_assert(VelocityRequest::SCHEMA == [] {
     hash = fnv1a(hash, "validity");
     hash = fnv1a_number(hash, Schema<decltype(VelocityRequest::validity)>::value);
     hash = fnv1a_number(hash, offsetof(VelocityRequest, validity));
-    hash = fnv1a(hash, "spare");
-    hash = fnv1a_number(hash, Schema<decltype(VelocityRequest::spare)>::value);
-    hash = fnv1a_number(hash, offsetof(VelocityRequest, spare));
+    hash = fnv1a(hash, "cause");
+    hash = fnv1a_number(hash, Schema<decltype(VelocityRequest::cause)>::value);
+    hash = fnv1a_number(hash, offsetof(VelocityRequest, cause));
+    hash = fnv1a(hash, "input");
+    hash = fnv1a_number(hash, Schema<decltype(VelocityRequest::input)>::value);
+    hash = fnv1a_number(hash, offsetof(VelocityRequest, input));
+    hash = fnv1a(hash, "recovery");
+    hash = fnv1a_number(hash, Schema<decltype(VelocityRequest::recovery)>::value);
+    hash = fnv1a_number(hash, offsetof(VelocityRequest, recovery));
     hash = fnv1a(hash, "braking_arc_m");
     hash = fnv1a_number(hash, Schema<decltype(VelocityRequest::braking_arc_m)>::value);
     hash = fnv1a_number(hash, offsetof(VelocityRequest, braking_arc_m));
+    hash = fnv1a(hash, "ages_ms");
+    hash = fnv1a_number(hash, Schema<decltype(VelocityRequest::ages_ms)>::value);
+    hash = fnv1a_number(hash, offsetof(VelocityRequest, ages_ms));
+    hash = fnv1a(hash, "limit_mps");
+    hash = fnv1a_number(hash, Schema<decltype(VelocityRequest::limit_mps)>::value);
+    hash = fnv1a_number(hash, offsetof(VelocityRequest, limit_mps));
+    hash = fnv1a(hash, "blocked_arc_m");
+    hash = fnv1a_number(hash, Schema<decltype(VelocityRequest::blocked_arc_m)>::value);
+    hash = fnv1a_number(hash, offsetof(VelocityRequest, blocked_arc_m));
+    hash = fnv1a(hash, "obstacle");
+    hash = fnv1a_number(hash, Schema<decltype(VelocityRequest::obstacle)>::value);
+    hash = fnv1a_number(hash, offsetof(VelocityRequest, obstacle));
     return hash;
 }());
 
 /// Header and fixed fields of the topic's messages.
 struct ControlVelocityRequestEnvelope {
     static constexpr const char* NAME = "zeronav.control.velocity_request.v1";
-    static constexpr std::uint64_t SCHEMA = 0x7057e23363b34c83;
+    static constexpr std::uint64_t SCHEMA = 0x1e9b1577c6df1c6d;
     /// The header.
     Header header{};
     /// The fixed fields.
     VelocityRequest meta{};
 };
-static_assert(sizeof(ControlVelocityRequestEnvelope) == 160);
+static_assert(sizeof(ControlVelocityRequestEnvelope) == 192);
 static_assert(std::is_trivially_copyable_v<ControlVelocityRequestEnvelope> && std::is_standard_layout_v<ControlVelocityRequestEnvelope>);
 static_assert(offsetof(ControlVelocityRequestEnvelope, header) == 0);
 static_assert(offsetof(ControlVelocityRequestEnvelope, meta) == 128);
@@ -1652,10 +1755,10 @@ static_assert(ControlVelocityRequestEnvelope::SCHEMA == [] {
     return hash;
 }());
 
-/// Fixed fields of a velocity command; the slice is empty.
+/// Fixed fields of a velocity command; the slice is empty. What explains it may be left 0.
 struct VelocityCommand {
-    static constexpr const char* NAME = "zeronav.VelocityCommand.v1";
-    static constexpr std::uint64_t SCHEMA = 0xb344c5f5f1c760e9;
+    static constexpr const char* NAME = "zeronav.VelocityCommand.v2";
+    static constexpr std::uint64_t SCHEMA = 0x20dd54cf4bae24fe;
     /// [m/s] forward speed in `base`.
     double v_mps{};
     /// [rad/s] yaw rate in `base`.
@@ -1664,16 +1767,28 @@ struct VelocityCommand {
     std::uint16_t validity{};
     /// Code of `Intervention`.
     std::uint16_t intervention{};
+    /// [number] Beam towards the point that decided, counted from 1, in a scan taken where the
+    /// robot is now; 0 = no point decided.
+    std::uint16_t beam{};
     /// Written as 0.
-    std::uint16_t spare[2]{};
+    std::uint16_t spare{};
+    /// [m, m] Point of a scan that is nearest to the way that was asked for and not free, in
+    /// `base` of now; with the interventions `slowed` and `stopped_short`.
+    double point_m[2]{};
+    /// [m] least distance between the outline and that point on that way, at most the margin and
+    /// the slow zone of the guard; below 0 inside the outline.
+    double point_clearance_m{};
 };
-static_assert(sizeof(VelocityCommand) == 24);
+static_assert(sizeof(VelocityCommand) == 48);
 static_assert(std::is_trivially_copyable_v<VelocityCommand> && std::is_standard_layout_v<VelocityCommand>);
 static_assert(offsetof(VelocityCommand, v_mps) == 0);
 static_assert(offsetof(VelocityCommand, w_radps) == 8);
 static_assert(offsetof(VelocityCommand, validity) == 16);
 static_assert(offsetof(VelocityCommand, intervention) == 18);
-static_assert(offsetof(VelocityCommand, spare) == 20);
+static_assert(offsetof(VelocityCommand, beam) == 20);
+static_assert(offsetof(VelocityCommand, spare) == 22);
+static_assert(offsetof(VelocityCommand, point_m) == 24);
+static_assert(offsetof(VelocityCommand, point_clearance_m) == 40);
 static_assert(VelocityCommand::SCHEMA == [] {
     std::uint64_t hash = fnv1a(FNV_OFFSET, VelocityCommand::NAME);
     hash = fnv1a(hash, "v_mps");
@@ -1688,22 +1803,31 @@ static_assert(VelocityCommand::SCHEMA == [] {
     hash = fnv1a(hash, "intervention");
     hash = fnv1a_number(hash, Schema<decltype(VelocityCommand::intervention)>::value);
     hash = fnv1a_number(hash, offsetof(VelocityCommand, intervention));
+    hash = fnv1a(hash, "beam");
+    hash = fnv1a_number(hash, Schema<decltype(VelocityCommand::beam)>::value);
+    hash = fnv1a_number(hash, offsetof(VelocityCommand, beam));
     hash = fnv1a(hash, "spare");
     hash = fnv1a_number(hash, Schema<decltype(VelocityCommand::spare)>::value);
     hash = fnv1a_number(hash, offsetof(VelocityCommand, spare));
+    hash = fnv1a(hash, "point_m");
+    hash = fnv1a_number(hash, Schema<decltype(VelocityCommand::point_m)>::value);
+    hash = fnv1a_number(hash, offsetof(VelocityCommand, point_m));
+    hash = fnv1a(hash, "point_clearance_m");
+    hash = fnv1a_number(hash, Schema<decltype(VelocityCommand::point_clearance_m)>::value);
+    hash = fnv1a_number(hash, offsetof(VelocityCommand, point_clearance_m));
     return hash;
 }());
 
 /// Header and fixed fields of the topic's messages.
 struct RobotVelocityCommandEnvelope {
     static constexpr const char* NAME = "zeronav.robot.velocity_command.v1";
-    static constexpr std::uint64_t SCHEMA = 0xf6d6fa31ca4be770;
+    static constexpr std::uint64_t SCHEMA = 0x8e98cd5f4071e2f9;
     /// The header.
     Header header{};
     /// The fixed fields.
     VelocityCommand meta{};
 };
-static_assert(sizeof(RobotVelocityCommandEnvelope) == 152);
+static_assert(sizeof(RobotVelocityCommandEnvelope) == 176);
 static_assert(std::is_trivially_copyable_v<RobotVelocityCommandEnvelope> && std::is_standard_layout_v<RobotVelocityCommandEnvelope>);
 static_assert(offsetof(RobotVelocityCommandEnvelope, header) == 0);
 static_assert(offsetof(RobotVelocityCommandEnvelope, meta) == 128);
@@ -2529,7 +2653,7 @@ struct plan_path {
     using Envelope = PlanPathEnvelope;
     using Item = Waypoint;
     static constexpr const char* NAME = "plan/path";
-    static constexpr std::uint64_t SCHEMA = 0x4baa8e685285bbd4;
+    static constexpr std::uint64_t SCHEMA = 0xecf8a62d744cbfe1;
     static constexpr std::size_t NUMBER = 6;
     static constexpr std::size_t LEN_MAX = 2048;
     static constexpr std::size_t BUFFER = 2;
@@ -2599,7 +2723,7 @@ struct control_velocity_request {
     using Envelope = ControlVelocityRequestEnvelope;
     using Item = std::uint8_t;
     static constexpr const char* NAME = "control/velocity_request";
-    static constexpr std::uint64_t SCHEMA = 0xb3fff2ce025f5dcd;
+    static constexpr std::uint64_t SCHEMA = 0xbca40804cf7a583b;
     static constexpr std::size_t NUMBER = 10;
     static constexpr std::size_t LEN_MAX = 1;
     static constexpr std::size_t BUFFER = 2;
@@ -2613,7 +2737,7 @@ struct robot_velocity_command {
     using Envelope = RobotVelocityCommandEnvelope;
     using Item = std::uint8_t;
     static constexpr const char* NAME = "robot/velocity_command";
-    static constexpr std::uint64_t SCHEMA = 0x11601a01aa412e3a;
+    static constexpr std::uint64_t SCHEMA = 0x00d63076348ff2bd;
     static constexpr std::size_t NUMBER = 11;
     static constexpr std::size_t LEN_MAX = 1;
     static constexpr std::size_t BUFFER = 2;

@@ -115,6 +115,7 @@ impl Browser {
     ///
     /// # Panics
     /// When the browser says no, says nothing, or is gone (it may not be installed).
+    #[allow(clippy::needless_pass_by_value, reason = "written where it is passed")]
     pub fn call(&mut self, method: &str, parameters: Value) -> Value {
         self.last_id += 1;
         let id = self.last_id;

@@ -1,5 +1,7 @@
 //! What can be asked of a stack over its control socket, and the answers.
 
+use crate::result::Restart;
+use crate::result::fault::FaultResult;
 use crate::result::swap::SwapResult;
 use crate::scenario::{GoalSpec, StackFault};
 use crate::swap::order::SwapOrder;
@@ -106,8 +108,9 @@ pub(crate) enum ObstacleChange {
     Remove,
 }
 
-/// One process of a stack.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+/// One process of a stack. What an older program does not tell has its default.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub(crate) struct ServiceReport {
     /// Its seat.
     pub role: String,
@@ -123,6 +126,8 @@ pub(crate) struct ServiceReport {
     pub memory_peak_bytes: u64,
     /// File name of its binary.
     pub binary: String,
+    /// Restarts of its seat.
+    pub restarts: u32,
 }
 
 /// What becomes of a client's goals.
@@ -184,6 +189,10 @@ pub(crate) struct RunReport {
     pub swap: Option<SwapResult>,
     /// Its processes; the second one of a seat is not obeyed.
     pub services: Vec<ServiceReport>,
+    /// The last restarts of services, the newest last.
+    pub restarts: Vec<Restart>,
+    /// The last faults that were made on purpose, the newest last.
+    pub faults: Vec<FaultResult>,
 }
 
 /// The answer to a request.

@@ -119,6 +119,7 @@ fn drive_stack(
     let wall = started.elapsed();
     let end_tick = session.end_tick(&ending);
     session.collector.seen.end_at(end_tick);
+    session.collector.reasons.end_at(end_tick);
     tracing::info!(outcome = ending.outcome(), end_tick, "the run ends");
     let disturbance = session.at_start.take().map(|before| {
         let spans = session.collector.records.spans.iter();

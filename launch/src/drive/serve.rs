@@ -22,6 +22,14 @@ const ESTIMATE_YAW_RAD: f64 = 0.25;
 /// Slower than this the time that is left cannot be told. [m/s]
 const MOVING_MPS: f64 = 0.02;
 
+/// Restarts and faults that a report lists at most, so that it stays one short line.
+const LISTED_MAX: usize = 16;
+
+/// The last ones of a list.
+fn newest<T: Clone>(all: &[T]) -> Vec<T> {
+    all[all.len().saturating_sub(LISTED_MAX)..].to_vec()
+}
+
 impl Session<'_> {
     /// Answers the clients that have asked since the last look.
     pub(super) fn serve(&mut self, stack: &mut Stack) {
@@ -197,6 +205,21 @@ impl Session<'_> {
         })
     }
 
+    /// The process beside one in its seat.
+    fn beside_report(&self, stack: &mut Stack) -> Option<ServiceReport> {
+        let beside = stack.beside.as_mut()?;
+        Some(ServiceReport {
+            role: beside.role.to_string(),
+            pid: beside.pid(),
+            epoch: beside.epoch,
+            state: "beside".to_owned(),
+            progress: 0,
+            memory_peak_bytes: beside.memory_peak_bytes(),
+            binary: file_name(&beside.binary),
+            restarts: self.keeper.starts(beside.role) - 1,
+        })
+    }
+
     fn run_report(&self, stack: &mut Stack) -> RunReport {
         stack.heartbeats();
         let health: BTreeMap<Role, (String, u64)> = stack
@@ -225,20 +248,11 @@ impl Session<'_> {
                     progress,
                     memory_peak_bytes: child.memory_peak_bytes(),
                     binary: file_name(&child.binary),
+                    restarts: self.keeper.starts(child.role) - 1,
                 }
             })
             .collect();
-        if let Some(beside) = &mut stack.beside {
-            services.push(ServiceReport {
-                role: beside.role.to_string(),
-                pid: beside.pid(),
-                epoch: beside.epoch,
-                state: "beside".to_owned(),
-                progress: 0,
-                memory_peak_bytes: beside.memory_peak_bytes(),
-                binary: file_name(&beside.binary),
-            });
-        }
+        services.extend(self.beside_report(stack));
         for (role, occupant) in &stack.occupants {
             if self.prepared.binaries.contains_key(role) {
                 continue;
@@ -252,6 +266,7 @@ impl Session<'_> {
                 progress,
                 memory_peak_bytes: 0,
                 binary: occupant.binary.clone(),
+                restarts: self.keeper.starts(*role) - 1,
             });
         }
         let truth = self.collector.truth.as_ref();
@@ -275,6 +290,8 @@ impl Session<'_> {
             goals_waiting: self.orders.n_waiting(),
             swap: self.swaps.result(None).cloned(),
             services,
+            restarts: newest(self.keeper.records()),
+            faults: newest(&self.faults.results()),
         }
     }
 }

@@ -98,6 +98,7 @@ pub(crate) fn judge(prepared: &Prepared, driven: &Driven, environment: Environme
         faults: driven.faults.clone(),
         redirects: driven.redirects.clone(),
         swaps: driven.swaps.clone(),
+        reasons: (collector.reasons).moments(driven.goals_run_ns, driven.end_run_ns),
         environment,
         shared_memory_bytes: driven.shared_memory_bytes,
         // The last tick is left out: while it is answered, launch may already stop the robot.
@@ -140,6 +141,7 @@ pub(crate) fn judge_trials(
     // Hundreds of paths with all their points are of no use to anybody.
     whole.plans.clear();
     whole.replans.clear();
+    whole.reasons.clear();
     whole.motion.clear();
     let replanning = trials.latency.replanning;
     let made: usize = trials.rounds.iter().map(|round| round.trials).sum();

@@ -5,6 +5,7 @@
 
 pub mod fault;
 pub mod latency;
+pub mod moment;
 pub mod profile;
 pub mod start_up;
 pub mod swap;
@@ -13,6 +14,7 @@ pub mod truth;
 
 use fault::FaultResult;
 use latency::Latency;
+use moment::Moment;
 use profile::Profile;
 use serde::{Deserialize, Serialize};
 use start_up::StartUp;
@@ -117,6 +119,10 @@ pub struct RunResult {
     /// Swaps and comparisons of services during the run.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub swaps: Vec<SwapResult>,
+    /// What the stages said of why the robot did what it did: a moment for every change of their words,
+    /// the last thousand.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub reasons: Vec<Moment>,
     /// Machine and build.
     pub environment: Environment,
     /// Shared memory of the run. [bytes]

@@ -1,12 +1,14 @@
 //! One decision per control period: pass on, clamp, slow down, or ramp to rest.
 
 use crate::config::GuardConfig;
+use crate::explain::{decider, explained};
 use crate::limits::Limits;
 use crate::outline::Outline;
 use crate::sweep::Space;
 use crate::swept::Swept;
 use crate::view::View;
 use crate::watch::{FrozenScan, OdometrySense, Order};
+use nalgebra::Vector2;
 use zeronav_motion::Twist;
 use zeronav_msgs::Pose;
 use zeronav_msgs::command::{Intervention, Validity, VelocityCommand, VelocityRequest};
@@ -143,6 +145,9 @@ pub struct Guard {
     blind_before_ns: u64,
     described: Option<(Description, Limits, Outline)>,
     corners: Vec<Corner>,
+    /// Of this decision: the point that slowed or stopped the robot, in `base`, and its distance to
+    /// the outline on the way that was asked for. [m]
+    decider: Option<(Vector2<f64>, f64)>,
 }
 
 impl Guard {
@@ -163,6 +168,7 @@ impl Guard {
             blind_before_ns: 0,
             described: None,
             corners: Vec::new(),
+            decider: None,
         }
     }
 
@@ -176,6 +182,7 @@ impl Guard {
     /// enough the robot stops (`StoppedShort`). Without a usable description the command is zero,
     /// because nothing bounds a ramp.
     pub fn decide(&mut self, inputs: &GuardInputs<'_>) -> VelocityCommand {
+        self.decider = None;
         self.had_request |= inputs.request.is_some();
         self.describe(inputs.robot);
         self.take_odometry(inputs);
@@ -201,13 +208,15 @@ impl Guard {
         } else if limits.is_none() {
             self.ramp = Some(Ramp::from(Twist::REST));
         }
-        VelocityCommand {
+        let command = VelocityCommand {
             v_mps: twist.v_mps,
             w_radps: twist.w_radps,
             validity: validity.code(),
             intervention: intervention.code(),
-            spare: [0; 2],
-        }
+            ..VelocityCommand::default()
+        };
+        let description = self.described.as_ref().map(|(description, ..)| description);
+        explained(command, self.decider, description)
     }
 
     /// Takes in the robot; its outline is prepared again only when it changed.
@@ -333,7 +342,7 @@ impl Guard {
                 .iter()
                 .try_fold(f64::INFINITY, |least_m: f64, share| {
                     let reaction_s = share * config.reaction_s;
-                    let here_m = space.way(limits, measured, twist, reaction_s, enough_m)?;
+                    let here_m = space.way(limits, (measured, twist), reaction_s, enough_m)?;
                     Some(least_m.min(here_m))
                 })
         };
@@ -349,7 +358,7 @@ impl Guard {
             let slower = twist.scaled(most_mps / speed_mps);
             if way(slower).is_some() { slower } else { twist }
         };
-        if let Some(least_m) = way(clamped) {
+        let verdict = if let Some(least_m) = way(clamped) {
             let slowed = slow(clamped, least_m);
             let intervention = if slowed != clamped {
                 Intervention::Slowed
@@ -358,24 +367,21 @@ impl Guard {
             } else {
                 Intervention::None
             };
-            return Verdict::Pass(slowed, intervention);
+            Verdict::Pass(slowed, intervention)
+        } else {
+            fastest_free(clamped, way).map_or(
+                Verdict::Rest(Validity::Blocked, Intervention::StoppedShort),
+                |(slower, least_m)| Verdict::Pass(slow(slower, least_m), Intervention::Slowed),
+            )
+        };
+        if let Verdict::Pass(_, Intervention::Slowed) | Verdict::Rest(..) = verdict {
+            let nearest = STARTS.map(|share| {
+                let reaction_s = share * config.reaction_s;
+                space.nearest_on_way(limits, (measured, clamped), reaction_s, enough_m)
+            });
+            self.decider = decider(&nearest);
         }
-        let mut best: Option<(Twist, f64)> = None;
-        let (mut low, mut high) = (0.0, 1.0);
-        for _ in 0..HALVINGS {
-            let share = 0.5 * (low + high);
-            let slower = clamped.scaled(share);
-            if let Some(least_m) = way(slower) {
-                best = Some((slower, least_m));
-                low = share;
-            } else {
-                high = share;
-            }
-        }
-        best.map_or(
-            Verdict::Rest(Validity::Blocked, Intervention::StoppedShort),
-            |(slower, least_m)| Verdict::Pass(slow(slower, least_m), Intervention::Slowed),
-        )
+        verdict
     }
 
     /// True while there is a young, well-formed scan that is neither blind nor frozen.
@@ -432,6 +438,23 @@ impl Guard {
             lead_mps: ahead_mps.clamp(0.0, lead_mps),
         }
     }
+}
+
+/// The fastest twist on the arc of `clamped` whose way is free, with the least distance there. [m]
+fn fastest_free(clamped: Twist, way: impl Fn(Twist) -> Option<f64>) -> Option<(Twist, f64)> {
+    let mut best = None;
+    let (mut low, mut high) = (0.0, 1.0);
+    for _ in 0..HALVINGS {
+        let share = 0.5 * (low + high);
+        let slower = clamped.scaled(share);
+        if let Some(least_m) = way(slower) {
+            best = Some((slower, least_m));
+            low = share;
+        } else {
+            high = share;
+        }
+    }
+    best
 }
 
 /// [m] driven until rest from `v_mps` when braking begins after `reaction_s`:

@@ -92,7 +92,17 @@ impl Hits {
     /// `nearest` is the run that decided last time and will do so again most likely: any number to
     /// begin with. It changes how long the answer takes, not what it is.
     pub(crate) fn nearest_m(&self, placed: &Outline, enough_m: f64, nearest: &mut usize) -> f64 {
-        let mut least_m = enough_m;
+        self.nearest(placed, enough_m, nearest).0
+    }
+
+    /// The same with the hit that has it, if any is nearer than `enough_m`.
+    pub(crate) fn nearest(
+        &self,
+        placed: &Outline,
+        enough_m: f64,
+        nearest: &mut usize,
+    ) -> (f64, Option<Vector2<f64>>) {
+        let (mut least_m, mut hit) = (enough_m, None);
         let first = self.runs.get(*nearest).map(|run| (*nearest, run));
         for (n, run) in first.into_iter().chain(self.runs.iter().enumerate()) {
             if placed.circle_m(run.middle) - run.radius_m >= least_m {
@@ -103,12 +113,12 @@ impl Hits {
                 if at_least_m < least_m {
                     let here_m = placed.distance_m(run.hit(i), least_m);
                     if here_m < least_m {
-                        (least_m, *nearest) = (here_m, n);
+                        (least_m, *nearest, hit) = (here_m, n, Some(run.hit(i)));
                     }
                 }
             }
         }
-        least_m
+        (least_m, hit)
     }
 }
 
@@ -153,6 +163,12 @@ mod tests {
             });
             let found = hits.nearest_m(&placed, enough_m, &mut nearest);
             prop_assert!((found - one_by_one).abs() < 1.0e-12, "{} {}", found, one_by_one);
+            let (_, hit) = hits.nearest(&placed, enough_m, &mut 0);
+            prop_assert_eq!(hit.is_some(), one_by_one < enough_m);
+            if let Some(hit) = hit {
+                let hit_m = placed.distance_m(hit, f64::INFINITY);
+                prop_assert!((hit_m - one_by_one).abs() < 1.0e-12, "{} {}", hit_m, one_by_one);
+            }
         }
     }
 }

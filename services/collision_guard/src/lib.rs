@@ -13,6 +13,7 @@
 //! periods are passed in, so a recorded run gives the same commands again.
 
 mod config;
+mod explain;
 mod guard;
 mod hits;
 mod limits;

@@ -42,6 +42,15 @@ struct Look {
     nearest: usize,
 }
 
+/// What comes nearest to a way.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Nearest {
+    /// The hit in `base` of now and its least distance to the outline. [m]
+    pub(crate) hit: Option<(Vector2<f64>, f64)>,
+    /// The way is free.
+    pub(crate) is_free: bool,
+}
+
 impl<'a> Space<'a> {
     /// The space around a robot that shall keep `margin_m`.
     pub(crate) fn new(outline: &'a Outline, hits: &'a Hits, margin_m: f64) -> Self {
@@ -87,10 +96,60 @@ impl<'a> Space<'a> {
     pub(crate) fn way(
         &self,
         limits: &Limits,
-        from: Twist,
-        towards: Twist,
+        ends: (Twist, Twist),
         reaction_s: f64,
         enough_m: f64,
+    ) -> Option<f64> {
+        let mut look = Look {
+            placed: *self.outline,
+            nearest: 0,
+        };
+        self.walk(limits, ends, reaction_s, enough_m, |at, heading, far_m| {
+            self.free_m(&mut look, at, heading, far_m)
+        })
+    }
+
+    /// The hit that is nearest to that way up to the first pose that is not free, if one is nearer
+    /// than `enough_m`, and its distance there. [m]
+    pub(crate) fn nearest_on_way(
+        &self,
+        limits: &Limits,
+        ends: (Twist, Twist),
+        reaction_s: f64,
+        enough_m: f64,
+    ) -> Nearest {
+        let mut placed = *self.outline;
+        let mut look = Look { placed, nearest: 0 };
+        let mut found: Option<(Vector2<f64>, f64)> = None;
+        let way = self.walk(limits, ends, reaction_s, enough_m, |at, heading, far_m| {
+            let free_m = self.free_m(&mut look, at, heading, far_m);
+            placed.place(self.outline, at, heading);
+            let mut nearest = look.nearest;
+            let (here_m, hit) = self.hits.nearest(&placed, far_m, &mut nearest);
+            // What ends the way decides, whatever came nearer before.
+            if let Some(hit) = hit
+                && (free_m.is_none() || found.is_none_or(|(_, least_m)| here_m < least_m))
+            {
+                found = Some((hit, here_m));
+            }
+            free_m
+        });
+        Nearest {
+            hit: found.filter(|(_, least_m)| *least_m < enough_m),
+            is_free: way.is_some(),
+        }
+    }
+
+    /// Follows a way and asks `look` for the least distance at every pose that can tell anything new,
+    /// given by place, sine and cosine of the heading, and how far to look; ends with the first that
+    /// is not free.
+    fn walk(
+        &self,
+        limits: &Limits,
+        (from, towards): (Twist, Twist),
+        reaction_s: f64,
+        enough_m: f64,
+        mut look: impl FnMut(Vector2<f64>, (f64, f64), f64) -> Option<f64>,
     ) -> Option<f64> {
         let mut twist = from;
         let mut left_s = reaction_s;
@@ -98,10 +157,6 @@ impl<'a> Space<'a> {
         let mut least_m = enough_m;
         // What the outline may still move before another look can tell anything new.
         let mut blind_m = 0.0;
-        let mut look = Look {
-            placed: *self.outline,
-            nearest: 0,
-        };
         for _ in 0..POSES_MAX {
             let braking = left_s <= 0.0;
             if braking && twist == Twist::REST {
@@ -137,7 +192,7 @@ impl<'a> Space<'a> {
             }
             // Far enough to see what the next moves cannot reach.
             let far_m = enough_m + 0.5;
-            let here_m = self.free_m(&mut look, at, heading, far_m)?;
+            let here_m = look(at, heading, far_m)?;
             least_m = least_m.min(here_m);
             blind_m = here_m - enough_m;
         }

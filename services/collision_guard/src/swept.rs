@@ -152,7 +152,7 @@ mod tests {
                 let mut hits = Hits::default();
                 hits.refill(points.iter().copied());
                 let space = Space::new(&outline, &hits, margin_m);
-                space.way(&limits, from, towards.scaled(share), reaction_s, enough_m)
+                space.way(&limits, (from, towards.scaled(share)), reaction_s, enough_m)
             };
             for reaction_s in [reaction_s, 0.25 * reaction_s] {
                 let (full, fast) = (way(&all, reaction_s), way(&near, reaction_s));

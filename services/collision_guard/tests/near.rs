@@ -121,12 +121,18 @@ fn within_the_slow_zone_the_robot_is_slow_and_says_so() {
         assert_eq!(command.intervention(), Some(Intervention::Slowed));
         assert!(command.v_mps < v_mps || command.v_mps <= config.slow_mps);
         v_mps = command.v_mps;
+        assert_named(&command, near, config.margin_m + config.slow_zone_m);
     }
     assert!((v_mps - config.slow_mps).abs() < 1e-9, "{v_mps}");
     // No faster is asked for: nothing to do.
     let slow = straight(config.slow_mps);
     let command = decide(config, slow, slow, near);
     assert_eq!(command.intervention(), Some(Intervention::None));
+    assert_eq!(
+        (command.beam, command.point_m),
+        (0, [0.0; 2]),
+        "nothing decided"
+    );
     // Beyond the zone, and without one.
     let fast = straight(1.0);
     let free = post(config.margin_m + config.slow_zone_m + 0.01);
@@ -138,6 +144,37 @@ fn within_the_slow_zone_the_robot_is_slow_and_says_so() {
     };
     let command = decide(off, fast, fast, near);
     assert_eq!(command.intervention(), Some(Intervention::None));
+}
+
+/// The command names a point of the post, the beam that goes there, and how near it comes.
+#[track_caller]
+fn assert_named(command: &VelocityCommand, post: Point2<f64>, clearance_m_max: f64) {
+    let point = Point2::from(command.point_m);
+    assert!((point - post).norm() < POST_M + 1e-3, "{command:?}");
+    let (scan, _) = ranges_to(post);
+    let angle_rad = scan.angle_of(usize::from(command.beam) - 1);
+    let towards = Vector2::new(angle_rad.cos(), angle_rad.sin());
+    let beside_m = towards.perp(&point.coords).abs();
+    assert!(
+        beside_m < 1e-3 && towards.dot(&point.coords) > 0.0,
+        "{command:?}"
+    );
+    assert!(command.point_clearance_m < clearance_m_max, "{command:?}");
+    assert_eq!(command.check(), Ok(()));
+}
+
+#[test]
+fn a_stop_names_the_point_that_it_is_made_for() {
+    let config = GuardConfig::default();
+    // At 1 m/s it needs half a metre to stop.
+    let post = Point2::new(RADIUS_M + POST_M + 0.3, 0.02);
+    let command = decide(config, straight(1.0), straight(1.0), post);
+    assert_eq!(command.intervention(), Some(Intervention::StoppedShort));
+    assert_named(&command, post, config.margin_m);
+    // Behind a robot that drives ahead nothing is in the way.
+    let behind = Point2::new(-1.0, 0.0);
+    let command = decide(config, straight(0.0), straight(0.2), behind);
+    assert_eq!(command.beam, 0, "{command:?}");
 }
 
 /// What the scan shows of a post.

@@ -213,6 +213,17 @@ impl Corridor {
             })
     }
 
+    /// The first cell ahead on the path that blocks the robot's centre on `map`, or a corner of the
+    /// path at it.
+    pub(crate) fn first_blocked(&self, map: &MapView<'_>) -> Option<Cell> {
+        let ahead = self.ahead();
+        let mut pieces = self.pieces[ahead..].iter().zip(ahead..);
+        let (piece, _) = pieces.find(|(piece, n)| self.is_blocked(map, piece, *n))?;
+        let (width, _) = self.geometry.size();
+        let index = i32::try_from(piece.index).ok()?;
+        Some(Cell::new(index % width, index / width))
+    }
+
     /// Cost of what is left of the path, in metres of free cells: length in each cell times the
     /// cell's price. Paths of one map can be compared by it whatever planner made them.
     #[must_use]

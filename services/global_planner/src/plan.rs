@@ -4,8 +4,11 @@ use crate::corridor::{Corridor, Legality};
 use crate::planner::{CellPath, PlanError, PlanQuery};
 use crate::waypoints::{waypoints_along, waypoints_of};
 use nalgebra::Point2;
-use zeronav_msgs::path::{Path, PathCause, PathStatus, Waypoint};
+use zeronav_msgs::path::{Path, PathBlock, PathCause, PathStatus, Waypoint};
 use zeronav_msgs::{Cell, MapView, Pose};
+
+/// A path that ends farther from its goal leads to another cell than the goal's. [m]
+const BESIDE_M: f64 = 1.0e-6;
 
 /// Where the planner is asked to lead.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -47,6 +50,8 @@ pub struct Plan {
     pub length_m: f64,
     /// The cells to be held against later maps.
     pub corridor: Corridor,
+    /// The first blocked cell of the path before this one: its centre. [m]
+    pub cut_m: Option<[f64; 2]>,
 }
 
 impl Plan {
@@ -66,6 +71,7 @@ impl Plan {
             waypoints: Vec::new(),
             length_m: 0.0,
             corridor: Corridor::default(),
+            cut_m: None,
         }
     }
 
@@ -77,6 +83,7 @@ impl Plan {
         self.searched_map = 0;
         self.target = None;
         self.robot_cell = None;
+        self.cut_m = None;
         self.cells.clear();
         self.forget_way();
     }
@@ -133,6 +140,37 @@ impl Plan {
             })
     }
 
+    /// Centre of the first cell that cuts this path on `map`. [m]
+    pub(crate) fn first_cut_m(&self, map: &MapView<'_>) -> Option<[f64; 2]> {
+        if self.status != PathStatus::Found || !self.corridor.is_on(map.geometry) {
+            return None;
+        }
+        let cell = self.corridor.first_blocked(map)?;
+        let centre = map.geometry.centre_of(cell);
+        Some([centre.x, centre.y])
+    }
+
+    /// The cell that decided, and its centre. [m]
+    fn block(&self) -> (PathBlock, [f64; 2]) {
+        let goal = self.target.map(|target| target.pose);
+        let at = |block, place: Option<[f64; 2]>| {
+            place.map_or((PathBlock::None, [0.0; 2]), |place| (block, place))
+        };
+        match self.status {
+            PathStatus::StartBlocked => {
+                at(PathBlock::Robot, Some([self.robot.x_m, self.robot.y_m]))
+            }
+            PathStatus::GoalBlocked | PathStatus::GoalOutsideMap => {
+                at(PathBlock::Goal, goal.map(|pose| [pose.x_m, pose.y_m]))
+            }
+            _ if self.cut_m.is_some() => at(PathBlock::PathBefore, self.cut_m),
+            PathStatus::Found if self.beside_goal_m() > BESIDE_M => {
+                at(PathBlock::Goal, goal.map(|pose| [pose.x_m, pose.y_m]))
+            }
+            _ => (PathBlock::None, [0.0; 2]),
+        }
+    }
+
     /// True when this is a path and `map` does not let the robot follow what is left of it.
     #[must_use]
     pub fn is_cut(&self, map: &MapView<'_>) -> bool {
@@ -143,6 +181,7 @@ impl Plan {
     /// Fills every field of the message; the slice is [`Self::waypoints`].
     pub fn fill(&self, message: &mut Path) {
         let stats = &self.cells.stats;
+        let (block, block_m) = self.block();
         *message = Path {
             planner: Path::planner_bytes(self.planner),
             status: self.status.code(),
@@ -158,6 +197,9 @@ impl Plan {
             cost: stats.cost,
             goal: self.target.map_or(0, |target| target.goal),
             beside_goal_m: self.beside_goal_m(),
+            block: block.code(),
+            spare: [0; 3],
+            block_m,
         };
     }
 }
@@ -185,5 +227,42 @@ mod tests {
         });
         plan.fill(&mut message);
         assert!((message.beside_goal_m - 0.5).abs() < 1.0e-12, "{message:?}");
+    }
+
+    #[test]
+    fn a_plan_names_the_cell_that_decided() {
+        let mut plan = Plan::idle("c_astar");
+        plan.robot = Pose::new(1.0, 2.0, 0.0);
+        plan.target = Some(Target {
+            task: 1,
+            goal: 1,
+            pose: Pose::new(5.0, 6.0, 0.0),
+            tolerance_m: 0.5,
+        });
+        let mut message = Path::default();
+        let mut check = |plan: &Plan, block: PathBlock, at: [f64; 2]| {
+            plan.fill(&mut message);
+            assert_eq!(message.block(), Some(block), "{message:?}");
+            let off = at.iter().zip(message.block_m).map(|(a, b)| (a - b).abs());
+            assert!(off.sum::<f64>() < 1.0e-12, "{message:?}");
+        };
+        plan.status = PathStatus::StartBlocked;
+        check(&plan, PathBlock::Robot, [1.0, 2.0]);
+        plan.status = PathStatus::GoalBlocked;
+        check(&plan, PathBlock::Goal, [5.0, 6.0]);
+        plan.status = PathStatus::Unreachable;
+        check(&plan, PathBlock::None, [0.0, 0.0]);
+        plan.cut_m = Some([3.0, 4.0]);
+        check(&plan, PathBlock::PathBefore, [3.0, 4.0]);
+        plan.cut_m = None;
+        plan.status = PathStatus::Found;
+        plan.waypoints.push(Waypoint {
+            x_m: 5.0,
+            y_m: 6.0,
+            ..Waypoint::default()
+        });
+        check(&plan, PathBlock::None, [0.0, 0.0]);
+        plan.waypoints[0].x_m = 4.75;
+        check(&plan, PathBlock::Goal, [5.0, 6.0]);
     }
 }

@@ -142,6 +142,8 @@ pub struct Replanner {
     revision: u64,
     revisions_since_search: u32,
     request_served: u64,
+    /// Where the last path was cut. [m]
+    cut_m: Option<[f64; 2]>,
 }
 
 impl Replanner {
@@ -166,6 +168,7 @@ impl Replanner {
             revision: 0,
             revisions_since_search: 0,
             request_served: 0,
+            cut_m: None,
         })
     }
 
@@ -242,6 +245,7 @@ impl Replanner {
         };
         candidate.set(&query, legality, target, result.err());
         candidate.cause = pending.cause;
+        candidate.cut_m = self.cut_m.filter(|_| pending.cause == PathCause::Obstacle);
         candidate.searched_map = situation.revision;
         if let Some(request) = situation.request {
             self.request_served = request.id;
@@ -302,6 +306,7 @@ impl Replanner {
         }
         let off_path_m = self.plan.corridor.advance(situation.robot.point());
         if self.plan.is_cut(map) {
+            self.cut_m = self.plan.first_cut_m(map);
             return Some(PathCause::Obstacle);
         }
         if off_path_m > self.config.off_path_m {
@@ -328,6 +333,7 @@ impl Replanner {
         self.plan.corridor.advance(newest.robot.point());
         if self.plan.is_cut(map) {
             self.candidate.cause = PathCause::Obstacle;
+            self.candidate.cut_m = self.plan.first_cut_m(map);
             return true;
         }
         let weight = self.config.options.cost_weight;

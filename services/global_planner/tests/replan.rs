@@ -7,7 +7,7 @@ use zeronav_global_planner::{
     GlobalPlannerConfig, News, Replanner, Request, Situation, Step, Target,
 };
 use zeronav_msgs::map::COST_LETHAL;
-use zeronav_msgs::path::{PathCause, PathStatus};
+use zeronav_msgs::path::{Path, PathBlock, PathCause, PathStatus};
 use zeronav_msgs::request::RequestReason;
 use zeronav_msgs::{Cell, Pose};
 
@@ -152,6 +152,39 @@ fn rule_4_only_what_is_ahead_on_the_path_counts() {
     assert!(!bench.path().contains(&middle));
     assert_eq!(bench.path().last(), Some(&at('G')));
     assert_eq!(bench.replanner.plan().searched_map, bench.revision);
+    // The message names what cut it, until another cause counts.
+    let mut message = Path::default();
+    bench.replanner.plan().fill(&mut message);
+    assert_eq!(message.block(), Some(PathBlock::PathBefore));
+    let centre = bench.map.pose(middle);
+    assert!(
+        (message.block_m[0] - centre.x_m).abs() < 1e-9,
+        "{message:?}"
+    );
+    assert!(
+        (message.block_m[1] - centre.y_m).abs() < 1e-9,
+        "{message:?}"
+    );
+    bench.target = bench.target.map(|target| Target { task: 8, ..target });
+    bench.expect_new(PathCause::Goal, PathStatus::Found);
+    bench.replanner.plan().fill(&mut message);
+    assert_eq!(message.block(), Some(PathBlock::None));
+}
+
+#[test]
+fn a_proof_that_no_way_is_left_names_where_the_last_one_was_cut() {
+    let (mut bench, _) = Bench::new("S..G");
+    bench.expect_new(PathCause::Goal, PathStatus::Found);
+    let cut = Cell::new(2, 0);
+    bench.update(&[cut], COST_LETHAL);
+    bench.expect_new(PathCause::Obstacle, PathStatus::Unreachable);
+    let mut message = Path::default();
+    bench.replanner.plan().fill(&mut message);
+    assert_eq!(message.block(), Some(PathBlock::PathBefore));
+    assert!(
+        (message.block_m[0] - bench.map.pose(cut).x_m).abs() < 1e-9,
+        "{message:?}"
+    );
 }
 
 #[test]

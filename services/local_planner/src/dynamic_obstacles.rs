@@ -63,10 +63,18 @@ impl Track {
 
 /// True when a dynamic obstacle is near a place in the map.
 pub(crate) fn is_dynamic_near(obstacles: &[Obstacle], place: &Pose) -> bool {
-    obstacles.iter().any(|obstacle| {
+    nearest_dynamic(obstacles, place).is_some()
+}
+
+/// The nearest dynamic obstacle that is near a place in the map.
+pub(crate) fn nearest_dynamic<'a>(obstacles: &'a [Obstacle], place: &Pose) -> Option<&'a Obstacle> {
+    let near = obstacles.iter().filter_map(|obstacle| {
         let away_m = (obstacle.x_m - place.x_m).hypot(obstacle.y_m - place.y_m);
-        away_m < NEAR_M && obstacle.vx_mps.hypot(obstacle.vy_mps) >= STATIC_MPS
-    })
+        let is_dynamic = obstacle.vx_mps.hypot(obstacle.vy_mps) >= STATIC_MPS;
+        (away_m < NEAR_M && is_dynamic).then_some((away_m, obstacle))
+    });
+    let nearest = near.min_by(|a, b| a.0.total_cmp(&b.0));
+    nearest.map(|(_, obstacle)| obstacle)
 }
 
 /// The tracked obstacles that move, as of one period.

@@ -13,6 +13,7 @@ mod cost_to_go;
 pub mod dwa;
 pub mod dwa_t;
 mod dynamic_obstacles;
+mod explain;
 mod field;
 mod footprint;
 mod lanes;

@@ -2,6 +2,7 @@
 
 use crate::config::LocalPlannerConfig;
 use crate::dynamic_obstacles::is_dynamic_near;
+use crate::explain::{self, Circumstances};
 use crate::pilot::Pilot;
 use crate::progress::{PathTracker, Place};
 use crate::recovery::escape::{Escape, has_room_to_turn, is_free_behind};
@@ -14,7 +15,7 @@ use crate::table::{UnknownController, controller};
 use crate::task::{TaskInputs, TaskMachine, TaskStep};
 use nalgebra::Point2;
 use zeronav_motion::{Twist, stop_distance_m, towards_rest};
-use zeronav_msgs::command::{Validity, VelocityRequest};
+use zeronav_msgs::command::{RecoveryReason, RequestCause, Validity, VelocityRequest};
 use zeronav_msgs::description::{Corner, Description};
 use zeronav_msgs::obstacles::Obstacle;
 use zeronav_msgs::odometry::Odometry;
@@ -108,6 +109,8 @@ pub struct LocalPlanner {
     /// `None` = the controller is left alone.
     recovery: Option<Recovery>,
     recovered: Recovered,
+    /// Why the recovery does what it does.
+    reason: RecoveryReason,
     escape: Escape,
     trail: Trail,
     /// Requested last; ramps to rest start here.
@@ -159,6 +162,7 @@ impl LocalPlanner {
             tracker: PathTracker::new(),
             recovery: recovers.then(|| Recovery::new(config.recovery)),
             recovered: Recovered::of(0),
+            reason: RecoveryReason::None,
             escape: Escape::new(config.recovery),
             trail: Trail::new(),
             last: Twist::REST,
@@ -247,6 +251,7 @@ impl LocalPlanner {
                 self.trail.note(&odometry.pose);
             }
         }
+        let behaviour = self.behaviour();
         let driven = self.drive(inputs, map_from_base, route, step);
         let (decision, recovery, stale) = match driven {
             Ok((decision, recovery)) => (decision, recovery, None),
@@ -259,21 +264,27 @@ impl LocalPlanner {
             }
         };
         self.last = Twist::new(decision.v_mps, decision.w_radps);
+        let ageing = ageing(&self.ages(inputs), &self.config.staleness);
+        let about = Circumstances {
+            ages: &inputs.ages,
+            obstacles: inputs.obstacles.0,
+            stale,
+            ageing,
+            behaviour,
+            reason: self.reason,
+            map_from_base,
+        };
+        let request = explain::request(&decision, &about);
         if let Some(change) = &recovery {
             self.note_recovery(change.to);
+            self.reason = explain::reason_of(change.reason);
         }
         Outputs {
-            request: VelocityRequest {
-                v_mps: decision.v_mps,
-                w_radps: decision.w_radps,
-                validity: decision.validity.code(),
-                spare: [0; 3],
-                braking_arc_m: decision.braking_arc_m,
-            },
+            request,
             plan_request: self.ask(inputs, route, step, &decision),
             status_changed: step.changed,
             stale,
-            ageing: ageing(&self.ages(inputs), &self.config.staleness),
+            ageing,
             recovery,
             rollouts: decision.rollouts,
             blocked_arc_m: decision.blocked_arc_m,
@@ -440,6 +451,8 @@ impl LocalPlanner {
             turns: false,
             rollouts: 0,
             blocked_arc_m: None,
+            cause: RequestCause::None,
+            limit_mps: 0.0,
         }
     }
 

@@ -14,6 +14,7 @@
 //!   nearer.
 
 mod arrive_and_turn;
+mod limit;
 pub(crate) mod perception;
 pub(crate) mod scene;
 pub(crate) mod verify;
@@ -26,7 +27,7 @@ use perception::{Perception, Tracks};
 use scene::{BLOCKED_S, Choose, Memory, Mode, Scene, Wish};
 use verify::first_with_free_stop;
 use zeronav_motion::{Twist, stop_distance_m, towards_rest};
-use zeronav_msgs::command::Validity;
+use zeronav_msgs::command::{RequestCause, Validity};
 
 /// [s] of acceleration by which the last command may lead the measured twist: three
 /// control periods of 20 ms. Commands start from the last command, not from the measurement,
@@ -185,6 +186,15 @@ impl Pilot {
         }
         decision.turns = memory.turns && decision.validity == Validity::Drive;
         decision.rollouts = memory.rollouts;
+        (decision.cause, decision.limit_mps) = match (decision.validity, wish) {
+            (Validity::Drive, Wish::Towards(wanted)) => {
+                self.memory
+                    .limit
+                    .with(situation, self.config.window_s, from, *wanted)
+            }
+            (Validity::Blocked, _) => (RequestCause::Blocked, 0.0),
+            _ => (RequestCause::None, 0.0),
+        };
         decision
     }
 
@@ -232,6 +242,8 @@ impl Pilot {
             turns: false,
             rollouts: 1,
             blocked_arc_m: None,
+            cause: RequestCause::None,
+            limit_mps: 0.0,
         }
     }
 }

@@ -1,7 +1,7 @@
 //! What a controller is given in a control period, and what it answers.
 
 use nalgebra::Point2;
-use zeronav_msgs::command::Validity;
+use zeronav_msgs::command::{RequestCause, Validity};
 use zeronav_msgs::description::{Corner, Description};
 use zeronav_msgs::obstacles::Obstacle;
 use zeronav_msgs::path::Waypoint;
@@ -62,4 +62,8 @@ pub struct Decision {
     /// [m] along the path to the first place where the robot would touch something, within the
     /// controller's sight; `None` = the path is free as far as it sees.
     pub blocked_arc_m: Option<f64>,
+    /// What decided the twist, as far as the controller tells.
+    pub cause: RequestCause,
+    /// [m/s] fastest speed that this allows; 0 = it sets none.
+    pub limit_mps: f64,
 }

@@ -63,6 +63,12 @@ impl Ageing {
             .any(|(known, old)| old && *known == input)
     }
 
+    /// The first of them, in the order in which they are reported.
+    pub(crate) fn first(self) -> Option<StaleInput> {
+        let mut old = INPUTS.iter().zip(self.0).filter(|(_, old)| *old);
+        old.next().map(|(input, _)| *input)
+    }
+
     /// True when it is any.
     #[must_use]
     pub fn any(self) -> bool {

@@ -8,7 +8,7 @@ use zeronav_local_planner::staleness::{Ages, StaleInput};
 use zeronav_local_planner::{Inputs, LocalPlanner, LocalPlannerConfig, Outputs, PathInput};
 use zeronav_motion::{Twist, reachable};
 use zeronav_msgs::Pose;
-use zeronav_msgs::command::Validity;
+use zeronav_msgs::command::{PlannerInput, RequestCause, Validity};
 use zeronav_msgs::odometry::Odometry;
 use zeronav_msgs::path::{Path, PathStatus, Waypoint};
 use zeronav_msgs::request::RequestReason;
@@ -128,10 +128,20 @@ fn from_idle_to_the_goal() {
     bench.check(Validity::NoPath, None);
     bench.path = Some(found(5, 2, &[(1.0, 2.0), (6.0, 2.0)]));
     bench.check(Validity::Drive, None);
+    let mut causes = Vec::new();
     for _ in 0..600 {
-        bench.step();
+        let request = bench.step().request;
+        causes.extend(request.cause());
+        causes.dedup();
     }
     bench.check(Validity::AtGoal, None);
+    let expected = [
+        RequestCause::Free,
+        RequestCause::Goal,
+        RequestCause::Arrive,
+        RequestCause::None,
+    ];
+    assert_eq!(causes, expected, "what decided, in order");
     let (status, ends) = bench.planner.status();
     assert_eq!(status.state(), Some(TaskState::Reached));
     assert_eq!(ends.len(), 1);
@@ -150,15 +160,26 @@ fn old_inputs_slow_down_and_stop_on_a_ramp() {
         bench.step();
     }
     assert!(bench.odometry.v_mps > 0.75);
+    let free = bench.step().request;
+    assert_eq!(free.cause(), Some(RequestCause::Free), "{free:?}");
     bench.ages.scan_ns = Some(340 * MS);
     for _ in 0..50 {
-        bench.check(Validity::Drive, None);
+        let request = bench.check(Validity::Drive, None).request;
+        assert_eq!(request.cause(), Some(RequestCause::Ageing), "{request:?}");
+        assert_eq!(request.input(), Some(PlannerInput::Scan));
+        assert!(
+            request.limit_mps > 0.0 && request.limit_mps < 0.35,
+            "{request:?}"
+        );
+        assert_eq!(request.ages_ms[1], 340);
     }
     assert!(bench.odometry.v_mps < 0.35);
     bench.ages.scan_ns = Some(360 * MS);
     let before = bench.odometry.v_mps;
     let outputs = bench.check(Validity::Stale, Some(StaleInput::Scan));
     assert!(outputs.request.v_mps > before - 0.03, "a ramp, not a jump");
+    let told = (outputs.request.cause(), outputs.request.input());
+    assert_eq!(told, (Some(RequestCause::Stale), Some(PlannerInput::Scan)));
     bench.ages.scan_ns = Some(20 * MS);
     bench.check(Validity::Drive, None);
     bench.ages.map_ns = None;

@@ -37,6 +37,13 @@ class Intervention(IntEnum):
     STOPPED_SHORT = 7
 
 
+class PathBlock(IntEnum):
+    NONE = 0
+    ROBOT = 1
+    GOAL = 2
+    PATH_BEFORE = 3
+
+
 class PathCause(IntEnum):
     NONE = 0
     GOAL = 1
@@ -58,6 +65,46 @@ class PathStatus(IntEnum):
     DEAD_END = 8
     OUT_OF_BUDGET = 9
     TOO_LONG = 10
+
+
+class PlannerInput(IntEnum):
+    NONE = 0
+    ODOMETRY = 1
+    SCAN = 2
+    MAP = 3
+    PATH = 4
+    DESCRIPTION = 5
+
+
+class RecoveryReason(IntEnum):
+    NONE = 0
+    BLOCKED = 1
+    NO_PROGRESS = 2
+    DYNAMIC_OBSTACLE = 3
+    TIMED_OUT = 4
+    STUCK = 5
+    OUT_OF_ATTEMPTS = 6
+
+
+class RequestCause(IntEnum):
+    NONE = 0
+    FREE = 1
+    GOAL = 2
+    CORNER = 3
+    CRITICS = 4
+    AGEING = 5
+    HEADING = 6
+    TURN = 7
+    TURN_WAIT = 8
+    ARRIVE = 9
+    GOAL_YAW = 10
+    BLOCKED = 11
+    STALE = 12
+    ASK_FOR_PATH = 13
+    BACK_UP = 14
+    ROTATE = 15
+    WAIT = 16
+    GIVE_UP = 17
 
 
 class RequestReason(IntEnum):
@@ -606,10 +653,10 @@ class Path(Message):
     """Fixed fields of a path. Search statistics are counts, never times. A message with an
     unchanged path repeats the waypoints and says by its parents how current it is."""
 
-    NAME = "zeronav.Path.v2"
-    SIZE = 112
-    SCHEMA = 0x09121565aafa991c
-    OFFSETS = (0, 24, 26, 28, 32, 40, 48, 56, 64, 72, 80, 88, 96, 104)
+    NAME = "zeronav.Path.v3"
+    SIZE = 136
+    SCHEMA = 0x97699d483d08327d
+    OFFSETS = (0, 24, 26, 28, 32, 40, 48, 56, 64, 72, 80, 88, 96, 104, 112, 114, 120)
     _fields_ = [
         # [text] Key of the planner in lower case, padded with 0.
         ("planner", u8 * 24),
@@ -641,6 +688,13 @@ class Path(Message):
         # [m] from the last waypoint to the goal, >= 0: above 0 when the goal's own place cannot be
         # reached and the nearest one within its tolerance that can is taken.
         ("beside_goal_m", f64),
+        # Code of `PathBlock`: which cell made this path another one, made it end beside the goal,
+        # or left no path. May be left 0.
+        ("block", u16),
+        # Written as 0.
+        ("spare", u16 * 3),
+        # [m, m] centre of that cell, `map` frame.
+        ("block_m", f64 * 2),
     ]
 
 
@@ -648,8 +702,8 @@ class PlanPathEnvelope(Message):
     """Header and fixed fields of the topic's messages."""
 
     NAME = "zeronav.plan.path.v1"
-    SIZE = 240
-    SCHEMA = 0x09159c457356ad03
+    SIZE = 264
+    SCHEMA = 0xd67060128f8f09b0
     OFFSETS = (0, 128)
     _fields_ = [
         # The header.
@@ -862,12 +916,12 @@ class TaskPoseEnvelope(Message):
 
 
 class VelocityRequest(Message):
-    """Fixed fields of a velocity request; the slice is empty."""
+    """Fixed fields of a velocity request; the slice is empty. What explains it may be left 0."""
 
-    NAME = "zeronav.VelocityRequest.v1"
-    SIZE = 32
-    SCHEMA = 0x3dc097cae79b9638
-    OFFSETS = (0, 8, 16, 18, 24)
+    NAME = "zeronav.VelocityRequest.v2"
+    SIZE = 64
+    SCHEMA = 0x52796979ebc296da
+    OFFSETS = (0, 8, 16, 18, 20, 22, 24, 32, 40, 48, 56)
     _fields_ = [
         # [m/s] forward speed in `base`.
         ("v_mps", f64),
@@ -875,10 +929,23 @@ class VelocityRequest(Message):
         ("w_radps", f64),
         # Code of `Validity`.
         ("validity", u16),
-        # Written as 0.
-        ("spare", u16 * 3),
+        # Code of `RequestCause`.
+        ("cause", u16),
+        # Code of `PlannerInput`: the one that is old, with the causes `ageing` and `stale`.
+        ("input", u16),
+        # Code of `RecoveryReason`, with the causes of the recovery.
+        ("recovery", u16),
         # [m] length of the arc on which the author can still stop, >= 0.
         ("braking_arc_m", f64),
+        # [ms, ms, ms, ms] ages of odometry, scan, map and path when it was made; 65535 = never
+        # received, or older. All 0 with the cause `none` = not told.
+        ("ages_ms", u16 * 4),
+        # [m/s] fastest forward speed that the cause allows, >= 0; 0 = it sets none.
+        ("limit_mps", f64),
+        # [m] along the path to the first obstacle on it, >= 0; 0 = none in sight.
+        ("blocked_arc_m", f64),
+        # [number] Track of the nearest dynamic obstacle on `map/obstacles` within 2.5 m; 0 = none.
+        ("obstacle", u64),
     ]
 
 
@@ -886,8 +953,8 @@ class ControlVelocityRequestEnvelope(Message):
     """Header and fixed fields of the topic's messages."""
 
     NAME = "zeronav.control.velocity_request.v1"
-    SIZE = 160
-    SCHEMA = 0x7057e23363b34c83
+    SIZE = 192
+    SCHEMA = 0x1e9b1577c6df1c6d
     OFFSETS = (0, 128)
     _fields_ = [
         # The header.
@@ -898,12 +965,12 @@ class ControlVelocityRequestEnvelope(Message):
 
 
 class VelocityCommand(Message):
-    """Fixed fields of a velocity command; the slice is empty."""
+    """Fixed fields of a velocity command; the slice is empty. What explains it may be left 0."""
 
-    NAME = "zeronav.VelocityCommand.v1"
-    SIZE = 24
-    SCHEMA = 0xb344c5f5f1c760e9
-    OFFSETS = (0, 8, 16, 18, 20)
+    NAME = "zeronav.VelocityCommand.v2"
+    SIZE = 48
+    SCHEMA = 0x20dd54cf4bae24fe
+    OFFSETS = (0, 8, 16, 18, 20, 22, 24, 40)
     _fields_ = [
         # [m/s] forward speed in `base`.
         ("v_mps", f64),
@@ -913,8 +980,17 @@ class VelocityCommand(Message):
         ("validity", u16),
         # Code of `Intervention`.
         ("intervention", u16),
+        # [number] Beam towards the point that decided, counted from 1, in a scan taken where the
+        # robot is now; 0 = no point decided.
+        ("beam", u16),
         # Written as 0.
-        ("spare", u16 * 2),
+        ("spare", u16),
+        # [m, m] Point of a scan that is nearest to the way that was asked for and not free, in
+        # `base` of now; with the interventions `slowed` and `stopped_short`.
+        ("point_m", f64 * 2),
+        # [m] least distance between the outline and that point on that way, at most the margin and
+        # the slow zone of the guard; below 0 inside the outline.
+        ("point_clearance_m", f64),
     ]
 
 
@@ -922,8 +998,8 @@ class RobotVelocityCommandEnvelope(Message):
     """Header and fixed fields of the topic's messages."""
 
     NAME = "zeronav.robot.velocity_command.v1"
-    SIZE = 152
-    SCHEMA = 0xf6d6fa31ca4be770
+    SIZE = 176
+    SCHEMA = 0x8e98cd5f4071e2f9
     OFFSETS = (0, 128)
     _fields_ = [
         # The header.
@@ -1387,7 +1463,7 @@ PLAN_PATH = Topic(
     len_max=2048,
     buffer=2,
     pool=58,
-    schema=0x4baa8e685285bbd4,
+    schema=0xecf8a62d744cbfe1,
 )
 
 PLAN_REQUEST = Topic(
@@ -1462,7 +1538,7 @@ CONTROL_VELOCITY_REQUEST = Topic(
     len_max=1,
     buffer=2,
     pool=58,
-    schema=0xb3fff2ce025f5dcd,
+    schema=0xbca40804cf7a583b,
 )
 
 ROBOT_VELOCITY_COMMAND = Topic(
@@ -1477,7 +1553,7 @@ ROBOT_VELOCITY_COMMAND = Topic(
     len_max=1,
     buffer=2,
     pool=58,
-    schema=0x11601a01aa412e3a,
+    schema=0x00d63076348ff2bd,
 )
 
 RUN_CLOCK = Topic(

@@ -47,7 +47,7 @@ fn records(criterion: &mut Criterion) {
         black_box(span);
     });
     drop((reader, writer));
-    service.leave();
+    let _ = service.leave();
     drop(topics);
     launch.leave().close().expect("the domain is removed");
 }

@@ -17,7 +17,7 @@ fn allowed(from: &str) -> &'static [&'static str] {
     match from {
         "zeronav-msgs" | "zeronav-params" => &[],
         "zeronav-shell" | "zeronav-world" => &["zeronav-msgs", "zeronav-params"],
-        "zeronav-cpp" => &["zeronav-msgs", "zeronav-shell"],
+        "zeronav-cpp" | "zeronav-viewer" => &["zeronav-msgs", "zeronav-shell"],
         "zeronav-motion" => &["zeronav-msgs"],
         "zeronav-world-files" => &["zeronav-msgs", "zeronav-world"],
         "zeronav-robot-description" => &["zeronav-msgs", "zeronav-params", "zeronav-world"],
@@ -53,7 +53,6 @@ fn allowed(from: &str) -> &'static [&'static str] {
             "zeronav-world",
             "zeronav-world-files",
         ],
-        "zeronav-viewer" => &["zeronav-msgs", "zeronav-shell"],
         _ => panic!("{from}: its allowed dependencies are not listed here"),
     }
 }

@@ -402,10 +402,10 @@ impl OnTerminal {
         await_by_itself(start, || {
             let said = self.said();
             let mut words = said.split(|c: char| c.is_whitespace() || c == ';');
-            found = words
+            words
                 .find(|word| word.starts_with(start))
                 .unwrap_or("")
-                .to_owned();
+                .clone_into(&mut found);
             found.len() > start.len()
         });
         found

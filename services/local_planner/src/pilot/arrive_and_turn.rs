@@ -1,10 +1,11 @@
 //! Manoeuvres of the pilot's own: arriving at the goal and turning on the spot.
 
+use super::limit::Limit;
 use super::scene::{COMFORT_SHARE, Mode, Scene, Wish};
 use crate::dynamic_obstacles::NEAR_M;
 use crate::turn;
 use zeronav_motion::{Twist, reachable, towards_rest};
-use zeronav_msgs::command::Validity;
+use zeronav_msgs::command::{RequestCause, Validity};
 use zeronav_msgs::pose::wrap_angle;
 
 /// [m/s] below which the robot may begin a turn on the spot.
@@ -43,6 +44,7 @@ impl Scene<'_> {
         let turning = self.memory.mode == Mode::Arrive && from.w_radps.abs() > 0.02;
         self.memory.mode = Mode::Arrive;
         self.memory.steered_radps = 0.0;
+        self.memory.limit = Limit::of(RequestCause::Arrive);
         if from.v_mps.abs() >= 0.02 {
             // Towards rest in good order, on the arc of now.
             let slower = towards_rest(situation.robot, from, COMFORT_SHARE * situation.period_s);
@@ -55,6 +57,7 @@ impl Scene<'_> {
             return Some(Wish::Rest(Validity::AtGoal));
         }
         let error_rad = turn::committed_rad(error_rad, sign(from.w_radps));
+        self.memory.limit = Limit::of(RequestCause::GoalYaw);
         Some(self.turn_by(error_rad))
     }
 
@@ -78,9 +81,11 @@ impl Scene<'_> {
             && self.seen.dynamic.is_within(NEAR_M)
             && self.memory.astray_s < PATIENCE_S
         {
+            self.memory.limit = Limit::of(RequestCause::TurnWait);
             return Some(Wish::Towards(Twist::REST));
         }
         let error_rad = turn::committed_rad(error_rad, direction);
+        self.memory.limit = Limit::of(RequestCause::Turn);
         self.memory.mode = Mode::Turn(sign(error_rad));
         match self.turn_by(error_rad) {
             Wish::Towards(twist) => Some(Wish::Towards(twist)),

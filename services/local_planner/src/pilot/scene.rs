@@ -1,5 +1,6 @@
 //! The seam between the pilot and its choosers: from a scene to a wish.
 
+use super::limit::Limit;
 use super::perception::{Perception, horizon_s};
 use crate::dwa::options::{DwaConfig, DwaWeights};
 use crate::dwa::window::{Range, Window};
@@ -10,7 +11,7 @@ use crate::situation::Situation;
 use core::fmt;
 use nalgebra::Vector2;
 use zeronav_motion::Twist;
-use zeronav_msgs::command::Validity;
+use zeronav_msgs::command::{RequestCause, Validity};
 
 /// [m/s] slowest speed wanted at a corner, and speed at which a robot that must turn steers.
 pub(crate) const CREEP_MPS: f64 = 0.12;
@@ -77,6 +78,8 @@ pub(crate) struct Memory {
     pub(crate) rollouts: u32,
     /// Of this period: the wish is a turn on the spot.
     pub(crate) turns: bool,
+    /// Of this period: what limits the speed, to explain it.
+    pub(crate) limit: Limit,
 }
 
 impl Default for Memory {
@@ -91,6 +94,7 @@ impl Default for Memory {
             reserve: Vec::with_capacity(LANES_MAX),
             rollouts: 0,
             turns: false,
+            limit: Limit::NONE,
         }
     }
 }
@@ -100,6 +104,7 @@ impl Memory {
     pub(crate) fn begin(&mut self, goal: u64) {
         self.rollouts = 0;
         self.turns = false;
+        self.limit = Limit::NONE;
         self.reserve.clear();
         if goal != self.goal {
             self.goal = goal;
@@ -141,9 +146,10 @@ impl<'a> Scene<'a> {
             return Err(wish);
         }
         let astray = meaningful && error_rad.abs() > self.config.turn_above_rad;
+        self.memory.limit = self.fastest(astray);
         Ok(Heading {
             to_goal,
-            fastest_mps: self.fastest_mps(astray),
+            fastest_mps: self.memory.limit.v_mps,
         })
     }
 
@@ -185,8 +191,8 @@ impl<'a> Scene<'a> {
         )
     }
 
-    /// [m/s] fastest speed that the goal, the corners ahead and the age of the inputs allow.
-    fn fastest_mps(&self, astray: bool) -> f64 {
+    /// The fastest speed that the goal, the corners ahead and the age of the inputs allow.
+    fn fastest(&self, astray: bool) -> Limit {
         let robot = self.situation.robot;
         let decel_mps2 = COMFORT_SHARE * robot.brake_mps2;
         let beside_m = (self.place.cross_track_m - self.situation.goal.tolerance_m).max(0.0);
@@ -198,10 +204,17 @@ impl<'a> Scene<'a> {
             CREEP_MPS.min(robot.v_mps_max),
         );
         let astray_mps = if astray { CREEP_MPS } else { f64::INFINITY };
-        self.top_speed_mps()
-            .min(goal_mps.max(0.03))
-            .min(corner_mps)
-            .min(astray_mps)
+        let top = if self.situation.speed_factor < 1.0 {
+            RequestCause::Ageing
+        } else {
+            RequestCause::Free
+        };
+        Limit::lowest(&[
+            (top, self.top_speed_mps()),
+            (RequestCause::Goal, goal_mps.max(0.03)),
+            (RequestCause::Corner, corner_mps),
+            (RequestCause::Heading, astray_mps),
+        ])
     }
 
     /// The dynamic window (Fox, Burgard, Thrun 1997, Eq. 14) as wide as `window_s` allows.

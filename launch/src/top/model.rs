@@ -1,0 +1,326 @@
+//! What is known of a stack, from its messages and from what it says of itself. Pure: every moment
+//! comes from outside.
+
+use super::events::Events;
+use super::latency::Latency;
+use super::totals::Totals;
+use super::usage::Reading;
+use super::view::{RunLine, ServiceLine, Usage, View};
+use crate::control::request::RunReport;
+use std::collections::{BTreeMap, VecDeque};
+use zeronav_msgs::command::{Intervention, VelocityCommand};
+use zeronav_msgs::header::Header;
+use zeronav_msgs::health::{Health, HealthState, reason_labels};
+use zeronav_msgs::odometry::Odometry;
+use zeronav_msgs::path::{Path, PathCause, PathStatus};
+use zeronav_msgs::role::Role;
+use zeronav_msgs::span::Span;
+use zeronav_msgs::task::{EndReason, TaskState, TaskStatus};
+use zeronav_msgs::time::seconds;
+use zeronav_shell::printable;
+
+/// A service whose last heartbeat is older is silent. [ns]
+const SILENT_NS: u64 = 500_000_000;
+
+/// Time over which the share of a processor is taken. [ns]
+const USAGE_NS: u64 = 2_000_000_000;
+
+/// One message, as far as it is looked into.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Heard {
+    /// A heartbeat.
+    Beat(Header, Health),
+    /// A path, new or repeated.
+    Path(Header, Path),
+    /// What the guard lets the wheels do.
+    Command(Header, VelocityCommand),
+    /// What became of the task.
+    Task(Header, TaskStatus),
+    /// Where the wheels say the robot is.
+    Odometry(Header, Odometry),
+    /// Anything else.
+    Other,
+}
+
+/// What is known of one seat.
+#[derive(Debug, Default)]
+struct Seat {
+    beat: Health,
+    /// Of the process that has beaten; 0 = none.
+    epoch: u32,
+    beaten_ns: u64,
+    readings: VecDeque<Reading>,
+}
+
+/// What is known of a stack.
+#[derive(Debug)]
+pub(super) struct Model {
+    totals: Totals,
+    latency: Latency,
+    events: Events,
+    seats: BTreeMap<Role, Seat>,
+    own: VecDeque<Reading>,
+    /// The last that the stack has said of itself.
+    report: RunReport,
+    has_report: bool,
+    run_ns: u64,
+    odometry: Option<Odometry>,
+    task: Option<TaskStatus>,
+    is_lockstep: bool,
+}
+
+impl Model {
+    /// Nothing is known of a stack with these topics yet.
+    pub(super) fn new(topics: Vec<&'static str>, is_lockstep: bool) -> Self {
+        Self {
+            totals: Totals::new(topics),
+            latency: Latency::default(),
+            events: Events::default(),
+            seats: BTreeMap::new(),
+            own: VecDeque::new(),
+            report: RunReport::default(),
+            has_report: false,
+            run_ns: 0,
+            odometry: None,
+            task: None,
+            is_lockstep,
+        }
+    }
+
+    /// A message was read on the topic at `index`, sent at `sent_ns`, after `missed` that were not.
+    pub(super) fn count(&mut self, index: usize, bytes: usize, sent_ns: u64, missed: u64) {
+        self.totals.add(index, bytes, sent_ns, missed);
+    }
+
+    /// Looks into a message.
+    pub(super) fn hear(&mut self, heard: &Heard) {
+        match heard {
+            Heard::Beat(header, beat) => self.beat(header, beat),
+            Heard::Path(header, path) => self.path(header, path),
+            Heard::Command(header, command) => {
+                let does = command.intervention().unwrap_or(Intervention::None);
+                if does != Intervention::None && header.tick > 0 {
+                    self.events.guard(header.run_ns, does.label());
+                }
+            }
+            Heard::Task(header, task) => self.task(header, task),
+            Heard::Odometry(header, odometry) => {
+                self.run_ns = self.run_ns.max(header.run_ns);
+                self.odometry = Some(*odometry);
+            }
+            Heard::Other => {}
+        }
+    }
+
+    /// Takes in a record; in lockstep there are no latencies.
+    pub(super) fn span(&mut self, span: &Span) {
+        if !self.is_lockstep {
+            self.latency.span(span);
+        }
+    }
+
+    fn beat(&mut self, header: &Header, beat: &Health) {
+        let Some(role) = header.role() else {
+            return;
+        };
+        let seat = self.seats.entry(role).or_default();
+        let epoch = header.id().epoch();
+        let (was, is) = (seat.beat.state(), beat.state());
+        if seat.epoch != 0 && seat.epoch != epoch {
+            let text = format!("{role}: epoch {} after {}", epoch, seat.epoch);
+            self.events.add(self.run_ns, "state", text);
+        } else if seat.epoch == epoch && (was != is || seat.beat.reasons != beat.reasons) {
+            let reasons = reason_labels(beat.reasons).join(", ");
+            let mut text = format!("{role}: {}", is.map_or("unknown", HealthState::label));
+            if !reasons.is_empty() {
+                text = format!("{text} ({reasons})");
+            }
+            self.events.add(self.run_ns, "state", text);
+        }
+        (seat.beat, seat.epoch) = (*beat, epoch);
+        seat.beaten_ns = header.stamps.published_ns;
+    }
+
+    fn path(&mut self, header: &Header, path: &Path) {
+        let Some((status, cause)) = path.status().zip(path.cause()) else {
+            return;
+        };
+        if path.geometry != header.id || status == PathStatus::NoGoal {
+            return;
+        }
+        let length = match status {
+            PathStatus::Found => format!(", {:.1} m", path.length_m),
+            _ => String::new(),
+        };
+        let text = format!("{status}{length} by {}, cause {cause}", path.planner());
+        self.events.add(header.run_ns, "path", text);
+        if cause == PathCause::Obstacle && status == PathStatus::Found {
+            self.latency
+                .path(header.id, header.parents.map, header.run_ns);
+        }
+    }
+
+    fn task(&mut self, header: &Header, task: &TaskStatus) {
+        let before = self.task.replace(*task);
+        let same = |before: &TaskStatus| {
+            (before.task, before.state, before.reason) == (task.task, task.state, task.reason)
+        };
+        if before.as_ref().is_some_and(same) {
+            return;
+        }
+        let state = task.state().unwrap_or(TaskState::Idle);
+        let reason = task.reason().unwrap_or(EndReason::None);
+        let text = match reason {
+            EndReason::None => state.label().to_owned(),
+            _ => format!("{state}: {reason}"),
+        };
+        self.events.add(header.run_ns, "task", text);
+    }
+
+    /// Takes in what the stack says of itself.
+    pub(super) fn report(&mut self, report: RunReport) {
+        let before = core::mem::replace(&mut self.report, report);
+        for restart in &self.report.restarts {
+            if !before.restarts.contains(restart) {
+                let text = format!("{}: {}", restart.service, restart.how);
+                let text = printable(&text).into_owned();
+                self.events.add_at(restart.time_s, "restart", text);
+            }
+        }
+        for fault in &self.report.faults {
+            let known = before.faults.iter().find(|known| known.id == fault.id);
+            let what = format!("{} {} {}", fault.kind, fault.target, fault.figures);
+            let what = printable(what.trim_end()).into_owned();
+            if known.is_none() {
+                self.events.add_at(fault.time_s, "fault", what.clone());
+            }
+            if let Some(until_s) = fault.until_s
+                && known.is_none_or(|known| known.until_s.is_none())
+            {
+                self.events.add_at(until_s, "fault", what + " is over");
+            }
+        }
+        if let Some(swap) = &self.report.swap {
+            let is_known = (before.swap.as_ref())
+                .is_some_and(|known| (known.id, &known.state) == (swap.id, &swap.state));
+            if !is_known {
+                let text = format!("{} to {}: {}", swap.role, swap.binary, swap.state);
+                self.events
+                    .add_at(self.report.time_s, "swap", printable(&text).into_owned());
+            }
+        }
+        self.has_report = true;
+    }
+
+    /// Processes that are to be read, and this one.
+    pub(super) fn pids(&self) -> Vec<(Option<Role>, u32)> {
+        let seats = self
+            .seats
+            .iter()
+            .map(|(role, seat)| (Some(*role), seat.beat.pid));
+        seats.chain([(None, std::process::id())]).collect()
+    }
+
+    /// Takes in a reading of the process in a seat, or of this one; `None` when it is gone.
+    pub(super) fn read(&mut self, of: Option<Role>, reading: Option<Reading>) {
+        let readings = match of {
+            Some(role) => &mut self.seats.entry(role).or_default().readings,
+            None => &mut self.own,
+        };
+        let Some(reading) = reading else {
+            return readings.clear();
+        };
+        if readings.back().is_some_and(|last| last.pid != reading.pid) {
+            readings.clear();
+        }
+        readings.push_back(reading);
+        while let Some(next) = readings.get(1)
+            && reading.at_ns.saturating_sub(next.at_ns) >= USAGE_NS
+        {
+            readings.pop_front();
+        }
+    }
+
+    /// Brings rates and latencies up to this moment. [ns]
+    pub(super) fn refresh(&mut self, now_ns: u64) {
+        self.totals.mark(now_ns);
+        if !self.is_lockstep {
+            self.latency.refresh(now_ns);
+        }
+    }
+
+    /// What is shown at this moment. [ns]
+    pub(super) fn view(&self, now_ns: u64) -> View {
+        let services = Role::SERVICES.map(|role| self.service(role, now_ns));
+        View {
+            run: self.run(),
+            services: services.to_vec(),
+            topics: self.totals.lines(now_ns),
+            window_s: self.totals.window_s(),
+            reaction: self.latency.reaction(),
+            replanning: self.latency.replanning().cloned(),
+            events: self.events.lines(),
+            own: usage(&self.own, std::process::id()),
+        }
+    }
+
+    fn run(&self) -> RunLine {
+        let report = &self.report;
+        let task = self.task.as_ref();
+        let state = task.and_then(TaskStatus::state);
+        RunLine {
+            scenario: printable(&report.scenario).into_owned(),
+            domain: printable(&report.domain).into_owned(),
+            mode: printable(&report.mode).into_owned(),
+            time_s: seconds(self.run_ns).max(report.time_s),
+            tick: report.tick,
+            paused: report.paused,
+            task: state.unwrap_or(TaskState::Idle).label().to_owned(),
+            remaining_m: task
+                .filter(|_| state == Some(TaskState::Active))
+                .map(|task| task.remaining_m),
+            v_mps: self.odometry.map(|odometry| odometry.v_mps),
+        }
+    }
+
+    fn service(&self, role: Role, now_ns: u64) -> ServiceLine {
+        let nothing = Seat::default();
+        let seat = self.seats.get(&role).unwrap_or(&nothing);
+        let beat = &seat.beat;
+        let state = match beat.state() {
+            _ if seat.epoch == 0 => "absent",
+            _ if seat.beaten_ns.saturating_add(SILENT_NS) < now_ns => "silent",
+            Some(state) => state.label(),
+            None => "unknown",
+        };
+        let services = self.report.services.iter();
+        let restarts = services
+            .filter(|service| service.role == role.label())
+            .map(|service| service.restarts)
+            .max();
+        ServiceLine {
+            role: role.label(),
+            epoch: seat.epoch,
+            restarts: restarts.filter(|_| self.has_report),
+            state,
+            usage: usage(&seat.readings, beat.pid),
+            rejected: beat.refused,
+            superseded: beat.superseded,
+            reasons: reason_labels(beat.reasons),
+        }
+    }
+}
+
+/// What a process takes by its readings.
+fn usage(readings: &VecDeque<Reading>, pid: u32) -> Usage {
+    readings.back().map_or_else(
+        || Usage {
+            pid,
+            ..Usage::default()
+        },
+        |last| last.since(readings.front()),
+    )
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,30 @@
+//! The arguments of `zeronav why`.
+
+use crate::remote::cli::StackArgs;
+use clap::Args;
+use std::path::PathBuf;
+
+/// Arguments of `zeronav why`.
+#[derive(Debug, Clone, Args)]
+pub struct WhyArgs {
+    /// Folder of a run that is over, or a time in the newest run of ./runs [s]; without, the running
+    /// stack as it is now.
+    #[arg(value_name = "RUN|TIME")]
+    pub of: Option<PathBuf>,
+    /// Time in that run, from its first goal on; without, its end. [s]
+    #[arg(value_name = "TIME", value_parser = time)]
+    pub time: Option<f64>,
+    /// Every change of the run, a line each.
+    #[arg(long, requires = "of", conflicts_with = "time")]
+    pub all: bool,
+    /// The stack.
+    #[command(flatten)]
+    pub stack: StackArgs,
+}
+
+/// A time of a run. [s]
+pub(super) fn time(text: &str) -> Result<f64, String> {
+    let time_s = text.trim_end_matches('s').parse::<f64>().ok();
+    let time_s = time_s.filter(|time_s| time_s.is_finite() && *time_s >= 0.0);
+    time_s.ok_or_else(|| format!("`{text}` is no time in seconds, such as 12.5"))
+}

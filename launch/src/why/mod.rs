@@ -1,0 +1,96 @@
+//! `zeronav why`: why does it stand, slow down, turn back, take this way?
+
+mod around;
+pub mod cli;
+mod live;
+mod past;
+mod sentence;
+
+use crate::exit::EXIT_PASS;
+use crate::result::RunResult;
+use crate::running;
+use crate::show::terminal::{say, say_json, usage};
+use cli::WhyArgs;
+use serde_json::json;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+/// Where a run leaves its folder.
+const RUNS: &str = "runs";
+
+/// `zeronav why`.
+#[must_use]
+pub fn why(arguments: &WhyArgs) -> ExitCode {
+    match run(arguments) {
+        Ok(()) => ExitCode::from(EXIT_PASS),
+        Err(problem) => usage(&problem),
+    }
+}
+
+fn run(arguments: &WhyArgs) -> Result<(), String> {
+    let json = arguments.stack.json;
+    let Some((run, time_s)) = run_and_time(arguments)? else {
+        let stack = running::find(arguments.stack.domain.as_deref())?;
+        let (moment, around) = live::now(&stack)?;
+        tell(&moment, &around, json);
+        return Ok(());
+    };
+    let result = past::read(&run)?;
+    if arguments.all {
+        return all(&result, json);
+    }
+    let (moment, around) = past::at(&result, time_s)?;
+    tell(&moment, &around, json);
+    Ok(())
+}
+
+/// The run and the time that are asked for; `None` = the running stack.
+fn run_and_time(arguments: &WhyArgs) -> Result<Option<(PathBuf, Option<f64>)>, String> {
+    let Some(of) = &arguments.of else {
+        return Ok(None);
+    };
+    let time_s = of.to_str().and_then(|text| cli::time(text).ok());
+    match (time_s, arguments.time) {
+        // A folder may be called like a number.
+        (Some(time_s), None) if !of.exists() => {
+            Ok(Some((past::newest(Path::new(RUNS))?, Some(time_s))))
+        }
+        (_, time_s) => Ok(Some((of.clone(), time_s))),
+    }
+}
+
+fn tell(moment: &crate::result::moment::Moment, around: &around::Around, json: bool) {
+    let text = sentence::why(moment, around);
+    if json {
+        say_json(&json!({ "why": text, "moment": moment, "missing": names(around) }));
+    } else {
+        say(&(text + "\n"));
+    }
+}
+
+/// Seats of the services that do not answer.
+fn names(around: &around::Around) -> Vec<&str> {
+    let missing = around.missing.iter();
+    missing.map(|missing| missing.role.as_str()).collect()
+}
+
+/// Every moment of a run.
+fn all(result: &RunResult, json: bool) -> Result<(), String> {
+    let mut told = Vec::new();
+    for moment in &result.reasons {
+        let (moment, around) = past::at(result, Some(moment.time_s.min(result.time_s)))?;
+        told.push((sentence::why(&moment, &around), moment));
+    }
+    if json {
+        let all: Vec<_> = told
+            .iter()
+            .map(|(why, moment)| json!({ "why": why, "moment": moment }))
+            .collect();
+        say_json(&json!({ "moments": all }));
+        return Ok(());
+    }
+    for (why, _) in told {
+        say(&(why + "\n"));
+    }
+    Ok(())
+}

@@ -1,0 +1,392 @@
+use super::*;
+use crate::result::moment::Obstacle;
+use crate::why::around::Missing;
+
+fn request(validity: Validity, cause: RequestCause) -> Request {
+    Request {
+        v_mps: 0.8,
+        w_radps: 0.0,
+        validity,
+        cause,
+        input: PlannerInput::None,
+        recovery: RecoveryReason::None,
+        limit_mps: 0.5,
+        blocked_arc_m: 0.0,
+        ages_ms: [2, 45, 60, 80],
+        obstacle: None,
+    }
+}
+
+fn command(v_mps: f64, intervention: Intervention) -> Command {
+    Command {
+        v_mps,
+        w_radps: 0.0,
+        validity: Validity::Drive,
+        intervention,
+        point: None,
+    }
+}
+
+fn path(status: PathStatus) -> Path {
+    Path {
+        planner: "mpgaa".to_owned(),
+        status,
+        cause: PathCause::Goal,
+        time_s: Some(0.1),
+        length_m: 25.4,
+        beside_goal_m: 0.0,
+        block: PathBlock::None,
+        block_m: [0.0; 2],
+    }
+}
+
+fn driving() -> Moment {
+    Moment {
+        time_s: 12.3,
+        request: Some(request(Validity::Drive, RequestCause::Free)),
+        command: Some(command(0.8, Intervention::None)),
+        path: Some(path(PathStatus::Found)),
+        task: None,
+    }
+}
+
+/// The same with another word of the local planner, standing.
+fn standing(validity: Validity, cause: RequestCause) -> Moment {
+    Moment {
+        request: Some(request(validity, cause)),
+        command: Some(command(0.0, Intervention::None)),
+        ..driving()
+    }
+}
+
+#[track_caller]
+fn says(moment: &Moment, around: &Around, words: &[&str]) {
+    let text = why(moment, around);
+    for word in words {
+        assert!(text.contains(word), "`{word}` is not in: {text}");
+    }
+    assert!(!text.contains("  ") && !text.contains('\n'), "{text}");
+}
+
+#[test]
+fn a_free_drive_says_which_way_and_how_old_the_inputs_are() {
+    let expected = "At 12.30 s the robot drives at 0.80 m/s. Nothing limits it but its own limits. \
+                    It follows a path of 25.4 m by mpgaa, made at 0.10 s because the goal was \
+                    given. Ages of the inputs: odometry 2 ms, scan 45 ms, map 60 ms, path 80 ms.";
+    assert_eq!(why(&driving(), &Around::default()), expected);
+    let mut slow = driving();
+    slow.command = Some(command(0.0, Intervention::None));
+    slow.request.as_mut().expect("a request").limit_mps = 0.9;
+    says(
+        &slow,
+        &Around::default(),
+        &["stands. It speeds up to 0.90 m/s: nothing else limits it."],
+    );
+}
+
+#[test]
+fn a_way_around_names_the_cell_that_cut_the_one_before() {
+    let mut moment = driving();
+    moment.path = Some(Path {
+        cause: PathCause::Obstacle,
+        block: PathBlock::PathBefore,
+        block_m: [9.05, 6.45],
+        ..path(PathStatus::Found)
+    });
+    says(
+        &moment,
+        &Around::default(),
+        &["because an obstacle at (9.05, 6.45) cut the one before"],
+    );
+    moment.path = Some(Path {
+        beside_goal_m: 0.2,
+        ..path(PathStatus::Found)
+    });
+    says(
+        &moment,
+        &Around::default(),
+        &["it ends 0.20 m beside the goal"],
+    );
+}
+
+#[test]
+fn the_guard_names_the_point_that_slowed_or_stopped_the_robot() {
+    let mut moment = driving();
+    let point = Some(Point {
+        beam: 181,
+        at_m: [0.62, -0.1],
+        clearance_m: 0.03,
+    });
+    moment.command = Some(Command {
+        point,
+        ..command(0.2, Intervention::Slowed)
+    });
+    let around = Around::default();
+    let words = [
+        "drives at 0.20 m/s.",
+        "The collision guard slows down the request of 0.80 m/s and 0.00 rad/s.",
+        "Beam 181 decided: its point is 0.62 m ahead and 0.10 m to the right, 0.03 m from the \
+         outline on the way asked for.",
+        "faster when that is farther from the way.",
+    ];
+    says(&moment, &around, &words);
+    moment.command = Some(Command {
+        point,
+        ..command(0.0, Intervention::StoppedShort)
+    });
+    says(
+        &moment,
+        &around,
+        &[
+            "the robot stands.",
+            "stops the robot",
+            "Beam 181",
+            "another arc",
+        ],
+    );
+    // A guard that tells no point is none the less understood.
+    moment.command = Some(command(0.0, Intervention::StoppedShort));
+    says(
+        &moment,
+        &around,
+        &["Which point of the scan decided is not told."],
+    );
+}
+
+#[test]
+fn an_old_input_is_named_with_its_age_and_who_must_send_it() {
+    let mut moment = standing(Validity::Stale, RequestCause::Stale);
+    let said = moment.request.as_mut().expect("a request");
+    said.input = PlannerInput::Scan;
+    said.ages_ms = [2, 360, 400, AGE_MS_MAX];
+    let words = [
+        "brakes because the scan is 360 ms old: the robot must send it again.",
+        "path missing.",
+    ];
+    says(&moment, &Around::default(), &words);
+    moment.command = Some(command(0.0, Intervention::ScanStale));
+    says(
+        &moment,
+        &Around::default(),
+        &["The collision guard brakes because the scan is too old"],
+    );
+    let mut slow = driving();
+    let said = slow.request.as_mut().expect("a request");
+    (said.cause, said.input) = (RequestCause::Ageing, PlannerInput::Map);
+    says(
+        &slow,
+        &Around::default(),
+        &["slows down to 0.50 m/s because the map is getting old."],
+    );
+}
+
+#[test]
+fn no_path_says_what_closed_it_and_what_would_have_to_open() {
+    let mut moment = standing(Validity::NoPath, RequestCause::None);
+    moment.path = Some(Path {
+        block: PathBlock::PathBefore,
+        block_m: [3.0, 4.0],
+        ..path(PathStatus::Unreachable)
+    });
+    let words = [
+        "has no path to follow and brakes: the global planner has proved that no way leads to the goal; the \
+         last path was cut at (3.00, 4.00), which would have to open (unreachable).",
+        "The task fails when that lasts.",
+    ];
+    says(&moment, &Around::default(), &words);
+    let statuses = [
+        (
+            PathStatus::StartBlocked,
+            "the robot's own cell at (3.00, 4.00) is in an obstacle",
+        ),
+        (
+            PathStatus::GoalBlocked,
+            "the goal's cell at (3.00, 4.00) is in an obstacle",
+        ),
+        (
+            PathStatus::GoalOutsideMap,
+            "the goal at (3.00, 4.00) is not on the map",
+        ),
+        (
+            PathStatus::StartOutsideMap,
+            "`zeronav pose` says where it is",
+        ),
+        (PathStatus::OutOfBudget, "mpgaa spent its budget"),
+        (PathStatus::NoGoal, "There is no goal"),
+    ];
+    for (status, words) in statuses {
+        let said = moment.path.as_mut().expect("a path");
+        (said.status, said.block) = (status, PathBlock::Goal);
+        says(&moment, &Around::default(), &[words]);
+    }
+}
+
+#[test]
+fn the_end_of_a_task_is_told_with_its_reason() {
+    let mut moment = standing(Validity::NoPath, RequestCause::None);
+    moment.path = Some(path(PathStatus::Unreachable));
+    let end = |state, reason, stuck| {
+        Some(Task {
+            state,
+            reason,
+            stuck,
+        })
+    };
+    let cases = [
+        (
+            end(TaskState::Failed, EndReason::Unreachable, StuckCause::None),
+            "The task has failed: the global planner has proved that no way",
+        ),
+        (
+            end(TaskState::Failed, EndReason::Stuck, StuckCause::Blocked),
+            "got stuck, because no motion was admissible",
+        ),
+        (
+            end(TaskState::Failed, EndReason::Stuck, StuckCause::NoProgress),
+            "came no closer",
+        ),
+        (
+            end(TaskState::Cancelled, EndReason::None, StuckCause::None),
+            "The task was cancelled.",
+        ),
+        (
+            end(TaskState::Reached, EndReason::None, StuckCause::None),
+            "The robot has arrived",
+        ),
+    ];
+    for (task, words) in cases {
+        moment.task = task;
+        says(&moment, &Around::default(), &[words]);
+    }
+    let arrived = standing(Validity::AtGoal, RequestCause::None);
+    says(
+        &arrived,
+        &Around::default(),
+        &["The robot has arrived: it is within the goal's tolerance."],
+    );
+}
+
+#[test]
+fn the_recovery_says_what_it_does_and_why() {
+    let obstacle = Some(Obstacle {
+        track: 12,
+        at_m: [5.0, 3.0],
+        speed_mps: 0.9,
+    });
+    let mut moment = standing(Validity::Blocked, RequestCause::Wait);
+    let said = moment.request.as_mut().expect("a request");
+    (said.recovery, said.obstacle) = (RecoveryReason::DynamicObstacle, obstacle);
+    let words = [
+        "waits for the way to become free because a moving obstacle is in the way.",
+        "Tracked obstacle 12 is near, at (5.00, 3.00), with 0.90 m/s.",
+    ];
+    says(&moment, &Around::default(), &words);
+    let cases = [
+        (
+            RequestCause::BackUp,
+            RecoveryReason::Blocked,
+            "drives back along the track that the robot came by because no motion was admissible.",
+        ),
+        (
+            RequestCause::Rotate,
+            RecoveryReason::TimedOut,
+            "turns on the spot to look around because",
+        ),
+        (
+            RequestCause::AskForPath,
+            RecoveryReason::NoProgress,
+            "has asked for another path and waits for it because the robot came no closer",
+        ),
+        (
+            RequestCause::GiveUp,
+            RecoveryReason::OutOfAttempts,
+            "has nothing left to try because no attempt is left.",
+        ),
+    ];
+    for (cause, reason, words) in cases {
+        let said = moment.request.as_mut().expect("a request");
+        (said.cause, said.recovery) = (cause, reason);
+        says(&moment, &Around::default(), &[words]);
+    }
+    let mut blocked = standing(Validity::Blocked, RequestCause::Blocked);
+    blocked.request.as_mut().expect("a request").blocked_arc_m = 0.7;
+    says(
+        &blocked,
+        &Around::default(),
+        &["no admissible motion", "on the path, 0.70 m ahead."],
+    );
+}
+
+#[test]
+fn turning_slowing_down_and_critics_are_told_apart() {
+    let mut turning = standing(Validity::Drive, RequestCause::Turn);
+    turning.command.as_mut().expect("a command").w_radps = -0.9;
+    says(
+        &turning,
+        &Around::default(),
+        &[
+            "turns on the spot to the right at 0.90 rad/s.",
+            "towards the path",
+        ],
+    );
+    let cases = [
+        (
+            RequestCause::Corner,
+            "for a corner of the path, to 0.50 m/s.",
+        ),
+        (RequestCause::Goal, "for the end of the path, to 0.50 m/s."),
+        (RequestCause::Critics, "at 0.50 m/s it keeps more clearance"),
+        (
+            RequestCause::Heading,
+            "slows down to 0.50 m/s until it faces it.",
+        ),
+        (
+            RequestCause::TurnWait,
+            "waits for a moving obstacle to pass",
+        ),
+        (RequestCause::Arrive, "slows down to a stop."),
+        (RequestCause::GoalYaw, "to the goal's yaw."),
+        (RequestCause::None, "it tells no more."),
+    ];
+    for (cause, words) in cases {
+        let mut moment = driving();
+        moment.request.as_mut().expect("a request").cause = cause;
+        says(&moment, &Around::default(), &[words]);
+    }
+}
+
+#[test]
+fn pause_end_and_a_missing_service_come_before_what_the_stages_said() {
+    let moment = driving();
+    let paused = Around {
+        paused: true,
+        ..Around::default()
+    };
+    says(&moment, &paused, &["Run time is paused: `zeronav resume`"]);
+    let stopping = Around {
+        stopping: true,
+        ..Around::default()
+    };
+    says(&moment, &stopping, &["The run is ending"]);
+    let missing = Around {
+        missing: vec![Missing {
+            role: "local_planner".to_owned(),
+            how: "was killed by signal 9 at 3.00 s and is started again".to_owned(),
+        }],
+        faults: vec!["kill local_planner".to_owned()],
+        ..Around::default()
+    };
+    let mut moment = moment;
+    moment.command = Some(command(0.1, Intervention::RequestStale));
+    let words = [
+        "The local planner was killed by signal 9 at 3.00 s and is started again.",
+        "made on purpose: kill local_planner.",
+        "brakes because the velocity request is too old or missing",
+    ];
+    says(&moment, &missing, &words);
+    says(
+        &Moment::default(),
+        &Around::default(),
+        &["has not answered yet", "asked for nothing yet"],
+    );
+}
