@@ -259,7 +259,7 @@ mod tests {
             ..zeronav_msgs::obstacles::Obstacle::default()
         };
         reasons.obstacles(1, TICK_NS, &[obstacle(3, 1.0), obstacle(7, 2.0)]);
-        for tick in 1..=1500 {
+        for tick in 1..=1500_u64 {
             let cause = if tick.is_multiple_of(2) {
                 RequestCause::Free
             } else {
