@@ -247,8 +247,9 @@ mod tests {
     }
 
     fn edge(superseded: u64) -> Edge {
+        use zeronav_msgs::topics::{RobotScan, Topic};
         Edge {
-            topic: "robot/scan".to_owned(),
+            topic: RobotScan::ROW.name.to_owned(),
             reader: "mapping".to_owned(),
             sent: 1000,
             superseded,

@@ -21,6 +21,7 @@ use zeronav_msgs::role::Role;
 use zeronav_shell::flags::one_line;
 
 fn main() -> ExitCode {
+    // long: a line for each verb
     began::note();
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,

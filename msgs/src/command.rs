@@ -188,7 +188,7 @@ message! {
         pub beam: u16,
         /// Written as 0.
         pub spare: u16,
-        /// [m, m] Point of a scan that is nearest to the way that was asked for and not free, in
+        /// [m] x and y of the point of a scan that is nearest to the way that was asked for and not free, in
         /// `base` of now; with the interventions `slowed` and `stopped_short`.
         pub point_m: [f64; 2],
         /// [m] least distance between the outline and that point on that way, at most the margin

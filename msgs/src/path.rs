@@ -104,7 +104,7 @@ message! {
         pub block: u16,
         /// Written as 0.
         pub spare: [u16; 3],
-        /// [m, m] centre of that cell, `map` frame.
+        /// [m] x and y of the centre of that cell, `map` frame.
         pub block_m: [f64; 2],
     }
 }

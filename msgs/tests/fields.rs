@@ -8,9 +8,9 @@ use zeronav_msgs::span::Span;
 use zeronav_msgs::topics::{Topic, TopicRow, TopicVisitor, visit_topics};
 
 /// Units that are in use. A `,` separates those of an array with several.
-const UNITS: [&str; 16] = [
+const UNITS: [&str; 19] = [
     "m", "rad", "s", "m/s", "rad/s", "m/s^2", "rad/s^2", "m^2", "rad^2", "m^2/s", "m^2/s^2", "1/m",
-    "mm", "ns", "10 us", "-",
+    "mm", "ms", "us", "ns", "10 us", "ppm", "-",
 ];
 
 /// What a suffix of a name says, longest first.

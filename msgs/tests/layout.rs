@@ -79,7 +79,7 @@ fn fixed_offsets_that_other_languages_rely_on() {
             size_of::<Path>(),
             size_of::<Waypoint>()
         ),
-        (160, 112, 24)
+        (160, 136, 24)
     );
     assert_eq!(Header::NAME, "zeronav.Header.v2");
 }

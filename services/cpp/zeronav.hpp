@@ -1177,7 +1177,7 @@ struct Path {
     std::uint16_t block{};
     /// Written as 0.
     std::uint16_t spare[3]{};
-    /// [m, m] centre of that cell, `map` frame.
+    /// [m] x and y of the centre of that cell, `map` frame.
     double block_m[2]{};
 };
 static_assert(sizeof(Path) == 136);
@@ -1772,8 +1772,8 @@ struct VelocityCommand {
     std::uint16_t beam{};
     /// Written as 0.
     std::uint16_t spare{};
-    /// [m, m] Point of a scan that is nearest to the way that was asked for and not free, in
-    /// `base` of now; with the interventions `slowed` and `stopped_short`.
+    /// [m] x and y of the point of a scan that is nearest to the way that was asked for and not
+    /// free, in `base` of now; with the interventions `slowed` and `stopped_short`.
     double point_m[2]{};
     /// [m] least distance between the outline and that point on that way, at most the margin and
     /// the slow zone of the guard; below 0 inside the outline.

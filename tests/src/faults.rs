@@ -2,6 +2,10 @@
 
 use core::fmt::Write;
 use serde_json::Value;
+use zeronav_msgs::topics::{
+    ControlRequest, MapObstacles, MapUpdate, PlanPath, RobotCommand, RobotOdometry, RobotScan,
+    Topic, TopicRow,
+};
 
 /// The seats whose services may break.
 pub const SERVICES: [&str; 4] = [
@@ -15,14 +19,14 @@ pub const SERVICES: [&str; 4] = [
 pub const KINDS: [&str; 3] = ["kill", "stop", "slow"];
 
 /// Topics between services, each from another one, the robot included.
-const TOPICS: [&str; 7] = [
-    "robot/scan",
-    "robot/odometry",
-    "map/update",
-    "map/obstacles",
-    "plan/path",
-    "control/velocity_request",
-    "robot/velocity_command",
+const TOPICS: [&TopicRow; 7] = [
+    RobotScan::ROW,
+    RobotOdometry::ROW,
+    MapUpdate::ROW,
+    MapObstacles::ROW,
+    PlanPath::ROW,
+    ControlRequest::ROW,
+    RobotCommand::ROW,
 ];
 
 /// What is done to their messages, and the rest of its lines.
@@ -41,7 +45,7 @@ const DISTURBED_LASTS_S: f64 = 1.0;
 #[must_use]
 pub fn disturbed() -> (String, Vec<String>) {
     let mut faults = Vec::new();
-    for topic in TOPICS {
+    for topic in TOPICS.map(|row| row.name) {
         for (kind, more) in TOPIC_KINDS {
             let what = format!("`{kind}` `{topic}`");
             faults.push((

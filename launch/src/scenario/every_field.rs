@@ -154,35 +154,15 @@ begins = { at_s = 1.0 }
 lasts_s = 1.0
 [[faults]]
 kind = "drop"
-topic = "plan/path"
+topic = 'plan/path'
 share = 0.5
-begins = { at_s = 1.0 }
-lasts_s = 1.0
-[[faults]]
-kind = "delay"
-topic = "plan/path"
-by_ms = 20.0
-begins = { at_s = 1.0 }
-lasts_s = 1.0
-[[faults]]
-kind = "corrupt"
-topic = "plan/path"
-share = 0.5
-begins = { at_s = 1.0 }
+begins.at_s = 1.0
 lasts_s = 1.0
 [[faults]]
 kind = "clock"
 service = "mapping"
 by_ms = -20.0
-begins = { at_s = 1.0 }
-lasts_s = 1.0
-[[faults]]
-kind = "fill_shm"
-begins = { at_s = 1.0 }
-lasts_s = 1.0
-[[faults]]
-kind = "disk_full"
-begins = { at_s = 1.0 }
+begins.at_s = 1.0
 lasts_s = 1.0
 [random_faults]
 count = 3

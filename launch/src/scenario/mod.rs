@@ -26,6 +26,7 @@ mod faults;
 mod library;
 mod limits;
 mod made;
+mod random_faults;
 mod schema;
 #[cfg(test)]
 mod shipped;
@@ -36,11 +37,12 @@ mod tests;
 pub use check::Checked;
 pub use error::ScenarioError;
 pub(crate) use faults::{CLOCK_MS, DELAY_MS, KINDS, SHARE, SLOW_MS, faultable, mortals};
-pub use faults::{FAULTS_MAX, RandomFaults, StackFault};
+pub use faults::{FAULTS_MAX, StackFault};
 use library::Origin;
 pub use library::{Library, Listed};
 pub use limits::{COORDINATE_M_MAX, TIME_LIMIT_S_MAX, TOLERANCE, YAW_RAD_MAX};
 pub(crate) use made::goals_in;
+pub use random_faults::RandomFaults;
 pub use schema::schema;
 pub use swaps::{KEEP_S, KEEP_S_MIN, SHADOW_S, ShadowSpec, SwapSpec};
 

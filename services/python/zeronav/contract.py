@@ -693,7 +693,7 @@ class Path(Message):
         ("block", u16),
         # Written as 0.
         ("spare", u16 * 3),
-        # [m, m] centre of that cell, `map` frame.
+        # [m] x and y of the centre of that cell, `map` frame.
         ("block_m", f64 * 2),
     ]
 
@@ -985,8 +985,8 @@ class VelocityCommand(Message):
         ("beam", u16),
         # Written as 0.
         ("spare", u16),
-        # [m, m] Point of a scan that is nearest to the way that was asked for and not free, in
-        # `base` of now; with the interventions `slowed` and `stopped_short`.
+        # [m] x and y of the point of a scan that is nearest to the way that was asked for and not
+        # free, in `base` of now; with the interventions `slowed` and `stopped_short`.
         ("point_m", f64 * 2),
         # [m] least distance between the outline and that point on that way, at most the margin and
         # the slow zone of the guard; below 0 inside the outline.

@@ -7,7 +7,7 @@
 
 use crate::error::StartError;
 use rustix::fs::{AtFlags, CWD, FileType, FlockOperation, Mode, OFlags, Stat};
-use rustix::fs::{flock, fstat, mkdirat, openat, statat};
+use rustix::fs::{chmodat, flock, fstat, mkdirat, openat, statat};
 use rustix::io::Errno;
 use std::fs::File;
 use std::io::{Error, ErrorKind};
@@ -42,6 +42,13 @@ impl Folder {
     /// What the system says.
     pub fn create(path: &Path) -> std::io::Result<Self> {
         mkdirat(CWD, path, Mode::from_raw_mode(FOLDER_MODE))?;
+        // Whatever the umask of the process is just now; the middleware changes it for a moment.
+        chmodat(
+            CWD,
+            path,
+            Mode::from_raw_mode(FOLDER_MODE),
+            AtFlags::empty(),
+        )?;
         Self::open(path)
     }
 

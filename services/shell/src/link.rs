@@ -1,7 +1,6 @@
 //! The way of the messages of a topic to one reader, which launch may disturb on purpose: some are
 //! lost, late, or have a bit flipped. Otherwise they are read in place, in shared memory.
 
-use crate::reader::{Subscriber, View};
 use crate::roster::Roster;
 use bytemuck::{bytes_of_mut, cast_slice_mut};
 use iceoryx2::prelude::ipc;
@@ -10,6 +9,31 @@ use std::collections::VecDeque;
 use zeronav_msgs::header::Header;
 use zeronav_msgs::run::{TopicFault, TopicFaultKind};
 use zeronav_msgs::topics::{Envelope, Topic, TopicRow};
+
+pub(crate) type Subscriber<T> = iceoryx2::port::subscriber::Subscriber<
+    ipc::Service,
+    [<T as Topic>::Item],
+    <T as Topic>::Envelope,
+>;
+
+/// A message as it lies in shared memory.
+#[derive(Debug)]
+pub struct View<'a, T: Topic> {
+    /// Author, identity, times, parents.
+    pub header: &'a Header,
+    /// The fixed fields.
+    pub meta: &'a T::Meta,
+    /// The slice.
+    pub items: &'a [T::Item],
+}
+
+impl<T: Topic> Clone for View<'_, T> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<T: Topic> Copy for View<'_, T> {}
 
 /// Most messages that are on their way, so that a delay takes no unbounded memory; the oldest arrive
 /// early.

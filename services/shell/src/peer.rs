@@ -269,7 +269,7 @@ impl Peer {
         &self,
         row: &TopicRow,
         factory: &Factory<T>,
-    ) -> Result<crate::reader::Subscriber<T>, StartError> {
+    ) -> Result<crate::link::Subscriber<T>, StartError> {
         let buffer = if self.tap {
             row.buffer()
         } else {

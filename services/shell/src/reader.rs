@@ -1,39 +1,13 @@
 //! The reading ends of a topic. Foreign bytes are checked here and nowhere else.
 
 use crate::input::Input;
-use crate::link::{Link, Message};
+use crate::link::{Link, Message, Subscriber, View};
 use crate::received::Received;
 use crate::roster::Roster;
-use iceoryx2::prelude::ipc;
 use zeronav_msgs::header::{Header, Id};
 use zeronav_msgs::message::Refusal;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::topics::{Envelope, HEALTH, MapKeyframe, MapUpdate, Topic, TopicRow, decode};
-
-pub(crate) type Subscriber<T> = iceoryx2::port::subscriber::Subscriber<
-    ipc::Service,
-    [<T as Topic>::Item],
-    <T as Topic>::Envelope,
->;
-
-/// A message as it lies in shared memory.
-#[derive(Debug)]
-pub struct View<'a, T: Topic> {
-    /// Author, identity, times, parents.
-    pub header: &'a Header,
-    /// The fixed fields.
-    pub meta: &'a T::Meta,
-    /// The slice.
-    pub items: &'a [T::Item],
-}
-
-impl<T: Topic> Clone for View<'_, T> {
-    fn clone(&self) -> Self {
-        *self
-    }
-}
-
-impl<T: Topic> Copy for View<'_, T> {}
 
 /// Decides which messages are heard, and remembers what was wrong with rejected ones.
 #[derive(Debug)]

@@ -63,7 +63,7 @@ fn completions_are_parsed_by_their_shells_and_know_every_verb() {
     }
     // What bash offers for the beginning of a verb.
     let script = format!(
-        "source '{}'; COMP_WORDS=(zeronav top); COMP_CWORD=1; _zeronav zeronav top zeronav; \
+        "source '{}'; COMP_WORDS=(zeronav topi); COMP_CWORD=1; _zeronav zeronav topi zeronav; \
          echo \"${{COMPREPLY[@]}}\"",
         folder.path().join("bash").display()
     );
