@@ -20,8 +20,8 @@ use zeronav::{
 use zeronav_msgs::role::Role;
 use zeronav_shell::flags::one_line;
 
+// long: a line for each verb
 fn main() -> ExitCode {
-    // long: a line for each verb
     began::note();
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,

@@ -15,9 +15,9 @@ pub fn fault(arguments: &FaultArgs) -> ExitCode {
     make(&arguments.stack, &request, done)
 }
 
+// long: an arm for each fault
 /// The request, and what is said when it was met.
 fn request(command: &FaultCommand) -> (Request, &'static str) {
-    // long: an arm for each fault
     let begins = None;
     let (fault, done) = match command {
         FaultCommand::Heal { target } => {

@@ -12,6 +12,8 @@ from .layout import checksum
 
 TINY = 2.2250738585072014e-308
 CHECKSUM = "the checksum does not fit"
+# Largest coordinate of a point of a scan, in `base`. [m]
+POINT_M_MAX = 1e3
 FLAGS_ALL = (1 << 5) - 1
 
 
@@ -173,6 +175,9 @@ def _obstacles(meta, obstacles):
 def _path(meta, waypoints):
     code(c.PathStatus, meta.status, "status")
     code(c.PathCause, meta.cause, "cause")
+    code(c.PathBlock, meta.block, "block")
+    for along in meta.block_m:
+        number(along, -c.COORDINATE_M_MAX, c.COORDINATE_M_MAX, "block_m")
     length(waypoints, meta.n_waypoints, c.PLAN_PATH.len_max, "waypoints")
     found = meta.status == c.PathStatus.FOUND
     ensure(found == (len(waypoints) > 0), "wrong number of waypoints")
@@ -227,14 +232,22 @@ def _twist(meta):
 
 def _velocity_request(meta, items):
     length(items, 0, 0, "items")
+    code(c.RequestCause, meta.cause, "cause")
+    code(c.PlannerInput, meta.input, "input")
+    code(c.RecoveryReason, meta.recovery, "recovery")
     _twist(meta)
     number(meta.braking_arc_m, 0, 1e6, "braking_arc_m")
+    number(meta.limit_mps, 0, c.SPEED_MAX, "limit_mps")
+    number(meta.blocked_arc_m, 0, 1e6, "blocked_arc_m")
 
 
 def _velocity_command(meta, items):
     length(items, 0, 0, "items")
     _twist(meta)
     code(c.Intervention, meta.intervention, "intervention")
+    ensure(meta.beam <= c.ROBOT_SCAN.len_max, "beam is out of range")
+    for along in (*meta.point_m, meta.point_clearance_m):
+        number(along, -POINT_M_MAX, POINT_M_MAX, "point_m")
 
 
 def _run_clock(meta, items):

@@ -321,9 +321,10 @@ fn is_test(name: &str) -> bool {
         .map(|entry| entry.expect("an entry").path())
         .collect();
     folders.extend(["msgs", "launch", "tests"].map(|folder| workspace().join(folder)));
-    folders
-        .iter()
-        .any(|folder| folder.join(format!("tests/{name}.rs")).is_file())
+    let is_there = |folder: &PathBuf, file: &str| folder.join("tests").join(file).is_file();
+    folders.iter().any(|folder| {
+        is_there(folder, &format!("{name}.rs")) || is_there(folder, &format!("{name}/main.rs"))
+    })
 }
 
 #[test]

@@ -204,16 +204,19 @@ fn text_of_a_scenario_does_no_harm() {
     let mut browser = Browser::start(800, 800);
     browser.open_file(&folder_of(&ended).join("report.html"));
     browser.wait_until("the page does", "document.body.classList.contains('plays')");
-    browser.script("document.getElementById('next').click()");
+    let next =
+        "document.getElementById('next').click(), document.getElementById('said').textContent";
+    let said: Vec<String> = (0..6)
+        .map(|_| browser.script(next).as_str().unwrap_or_default().to_owned())
+        .collect();
     let title = browser.script("document.title");
     assert!(
         !title.as_str().expect("a title").contains("owned"),
         "{title}"
     );
-    let said = browser.script("document.getElementById('said').textContent");
     assert!(
-        said.as_str().is_some_and(|said| said.contains("</script>")),
-        "{said}"
+        said.iter().any(|said| said.contains("</script>")),
+        "{said:?}"
     );
     assert_eq!(browser.problems, [""; 0]);
 }

@@ -146,9 +146,9 @@ fn shown(viewer: &Viewer) -> Browser {
     browser
 }
 
+// long: the story of one page
 #[test]
 fn the_page_shows_the_robot_and_steers_it() {
-    // long: the story of one page
     let _turn = real_time_turn();
     let up = Up::start(&["open_aisle"]);
     let viewer = Viewer::start(&up.root, &[]);
