@@ -250,7 +250,10 @@ impl Collector {
             let fact = Fact::Truth(*view.meta, view.items.to_vec());
             self.seen.hear(tick, run_ns, fact);
         });
-        (taps.requests).drain(roster, |view| self.film.request(view.header.id, view.meta));
+        taps.requests.drain(roster, |view| {
+            self.film.request(view.header.id, view.meta);
+            (self.reasons).request(view.header.tick, view.header.run_ns, view.meta);
+        });
         taps.commands.drain(roster, |view| {
             let (run_ns, request) = (view.header.run_ns, view.header.parents.request);
             self.film.command(run_ns, request, view.meta);
@@ -258,9 +261,6 @@ impl Collector {
             (self.reasons).command(view.header.tick, view.header.run_ns, view.meta);
             let fact = Fact::Command(view.meta.intervention());
             (self.seen).hear(view.header.tick, view.header.run_ns, fact);
-        });
-        taps.requests.drain(roster, |view| {
-            (self.reasons).request(view.header.tick, view.header.run_ns, view.meta);
         });
         taps.odometry.drain(roster, |view| {
             self.odometry = Some(*view.meta);

@@ -44,6 +44,8 @@ pub fn python() -> PathBuf {
         .arg(workspace().join(PACKAGE))
         .arg(copy.path());
     succeed(copied, "cp copies a folder");
+    // What an installation from the checkout itself has left may be older.
+    let _ = std::fs::remove_dir_all(copy.path().join("python/build"));
     let mut install = Command::new(&python);
     install
         .args(["-m", "pip", "install", "--quiet"])
