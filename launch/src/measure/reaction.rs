@@ -61,7 +61,7 @@ impl Reactions {
     }
 }
 
-/// Reaction times of all scans in the order of their capture; see [`Reactions::of`].
+/// Reaction times of all scans in the order of their capture; see `Reactions::of`.
 #[must_use]
 pub fn reactions(records: &Records, deadline_ns: u64) -> Series {
     let each = times(records, deadline_ns);

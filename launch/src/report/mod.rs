@@ -1,6 +1,6 @@
 //! `report.html`: one self-contained page about a run, and one that compares several.
 //!
-//! [`folder`] reads what a run left, [`html`] and [`charts`] write elements and figures, the other
+//! `folder` reads what a run left, `html` and `charts` write elements and figures, the other
 //! modules a part of the page each. Text of scenarios, logs and folders is escaped where it is
 //! written: a cell of a table is text unless this room has made it.
 
