@@ -12,8 +12,8 @@ use crate::map_save::MapArgs;
 use crate::new_package::cli::NewArgs;
 use crate::params::ParamsArgs;
 use crate::remote::cli::{
-    CancelArgs, FaultArgs, GoalArgs, GoalsArgs, InitialPoseArgs, ObstacleArgs, StackArgs, StepArgs,
-    WaitArgs,
+    CancelArgs, FaultArgs, GoalArgs, GoalsArgs, InitialPoseArgs, ObstacleArgs, SpeedArgs,
+    StackArgs, StepArgs, WaitArgs,
 };
 use crate::remote::swap::{ShadowArgs, SwapArgs};
 use crate::run_plan::{RunPlan, Source};
@@ -105,6 +105,8 @@ pub enum Command {
     Resume(StackArgs),
     /// Let a paused lockstep stack do some ticks.
     Step(StepArgs),
+    /// Let a lockstep stack go as fast as real time, faster or slower.
+    Speed(SpeedArgs),
     /// Tell a running stack where its robot is: an initial pose, or another one when it got lost.
     Pose(InitialPoseArgs),
     /// Put an obstacle into the simulated world of a running stack, move it, or take it out.

@@ -84,6 +84,7 @@ fn main() -> ExitCode {
         Command::Pause(arguments) => verbs::pause(&arguments),
         Command::Resume(arguments) => verbs::resume(&arguments),
         Command::Step(arguments) => verbs::step(&arguments),
+        Command::Speed(arguments) => verbs::speed(&arguments),
         Command::Pose(arguments) => verbs::pose(&arguments),
         Command::Obstacle(arguments) => verbs::obstacle(&arguments),
         Command::Fault(arguments) => fault::fault(&arguments),

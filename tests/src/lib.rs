@@ -17,7 +17,7 @@ pub mod seats;
 pub mod structure;
 pub mod up;
 
-pub use processes::{children_of, services_of};
+pub use processes::{children_of, domains_of, services_of};
 use rustix::process::{Pid, Signal, kill_process};
 use serde_json::Value;
 use std::fs::File;
@@ -64,7 +64,7 @@ pub fn binaries() -> &'static Path {
         // With an example cargo counts in what only tests depend on, as `cargo test --workspace`
         // does: its build of all dependencies serves this one, too.
         let status = Command::new(cargo)
-            .args(["build", "--quiet", "--workspace", "--bins"])
+            .args(["build", "--quiet", "--workspace", "--bins", "--lib"])
             .args(["--example", "straight_line_service"])
             .args(["--profile", profile])
             .arg("--target-dir")
@@ -198,18 +198,7 @@ impl Zeronav {
     /// Root folders of the domains that it made.
     #[must_use]
     pub fn domains(&self) -> Vec<PathBuf> {
-        let mut roots: Vec<PathBuf> = self
-            .children()
-            .iter()
-            .filter_map(|(_, line)| {
-                let mut words = line.split(' ');
-                words.find(|word| *word == "--domain")?;
-                words.next().map(PathBuf::from)
-            })
-            .collect();
-        roots.sort();
-        roots.dedup();
-        roots
+        domains_of(self.pid())
     }
 
     /// What the run says of itself on its control socket; `None` before it listens.

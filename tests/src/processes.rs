@@ -1,11 +1,29 @@
 //! The processes of a run, as the kernel lists them.
 
+use std::path::PathBuf;
+
 /// The services among the children of `pid`: process ids and command lines.
 #[must_use]
 pub fn services_of(pid: u32) -> Vec<(u32, String)> {
     let mut children = children_of(pid);
     children.retain(|(_, line)| line.contains(" --domain "));
     children
+}
+
+/// Root folders of the domains that the services among the children of `pid` are in.
+#[must_use]
+pub fn domains_of(pid: u32) -> Vec<PathBuf> {
+    let services = services_of(pid).into_iter();
+    let mut roots: Vec<PathBuf> = services
+        .filter_map(|(_, line)| {
+            let mut words = line.split(' ');
+            words.find(|word| *word == "--domain")?;
+            words.next().map(PathBuf::from)
+        })
+        .collect();
+    roots.sort();
+    roots.dedup();
+    roots
 }
 
 /// Process ids and command lines of the children of `pid` that are at work.

@@ -6,6 +6,7 @@ use crate::result::swap::SwapResult;
 use crate::scenario::{GoalSpec, StackFault};
 use crate::swap::order::SwapOrder;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 /// What can be asked of a stack.
@@ -47,6 +48,12 @@ pub(crate) enum Request {
     Step {
         /// At least 1.
         ticks: u64,
+    },
+    /// Let a lockstep stack go so many times as fast as real time.
+    Speed {
+        /// Without, as fast as it can.
+        #[serde(default)]
+        factor: Option<f64>,
     },
     /// The robot is there.
     Pose {
@@ -169,6 +176,11 @@ pub(crate) struct RunReport {
     pub ready: bool,
     /// True while run time is held.
     pub paused: bool,
+    /// Lockstep only: times real time; `None` = as fast as it can.
+    pub speed: Option<f64>,
+    /// Binaries that the scenario names for each seat that can be swapped, as it names them; the
+    /// stock service first.
+    pub binaries: BTreeMap<String, Vec<PathBuf>>,
     /// Run time. [s]
     pub time_s: f64,
     /// Newest tick of the robot.

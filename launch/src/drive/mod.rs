@@ -4,6 +4,7 @@ mod ballast;
 mod breaking;
 mod course;
 mod faults;
+mod pace;
 mod serve;
 mod session;
 mod stop;

@@ -2,6 +2,7 @@
 
 use super::course::shuttle;
 use super::faults::Faults;
+use super::pace::Pace;
 use super::swaps::Swaps;
 use crate::collect::Collector;
 use crate::control::socket::Server;
@@ -72,6 +73,8 @@ pub(super) struct Session<'a> {
     pub(super) is_paused: bool,
     /// The tick at which a paused lockstep robot waits.
     pub(super) hold_tick: u64,
+    /// How fast lockstep goes; `None` = as it can.
+    pub(super) pace: Option<Pace>,
     /// True while the current task is being cancelled.
     pub(super) is_cancelling: bool,
     /// True once the run ends: no request changes anything any more.
@@ -117,6 +120,7 @@ impl<'a> Session<'a> {
             is_ready: false,
             is_paused: false,
             hold_tick: 0,
+            pace: None,
             is_cancelling: false,
             is_ending: false,
             server: None,
@@ -338,8 +342,8 @@ impl<'a> Session<'a> {
             self.see_to_faults(stack);
             self.view.look(stack);
             let tick = self.collector.robot_tick();
-            let limit = self.swap_limit().min(self.fault_limit());
-            let is_held = self.is_paused || (self.lockstep() && limit <= tick);
+            let hold_tick = self.held_at(tick);
+            let is_held = self.is_paused || (self.lockstep() && hold_tick <= tick);
             if tick != moved.0 || is_held {
                 moved = (tick, Instant::now());
             } else if moved.1.elapsed() > SILENCE_LIMIT {
@@ -348,10 +352,6 @@ impl<'a> Session<'a> {
             if self.lockstep() {
                 if self.collector.all_answered(last_tick, &stack.roster) {
                     return Ending::Timeout;
-                }
-                let mut hold_tick = limit;
-                if self.is_paused {
-                    hold_tick = hold_tick.min(self.hold_tick);
                 }
                 stack.extend_lease((tick + LEASE_TICKS).min(last_tick).min(hold_tick));
             } else if self.shuttle.is_none()

@@ -9,6 +9,7 @@ use crate::supervise::stack::Stack;
 use crate::swap::config::merged;
 use crate::swap::order::SwapOrder;
 use crate::swap::{Files, Scene, Swap};
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use toml::Table;
 use zeronav_msgs::role::Role;
@@ -49,6 +50,32 @@ impl Session<'_> {
                 ..SwapResult::default()
             });
         }
+    }
+
+    /// The binaries that the scenario names for each seat that can be swapped, the stock one first.
+    pub(super) fn listed_binaries(&self) -> BTreeMap<String, Vec<PathBuf>> {
+        let scenario = &self.prepared.scenario;
+        let listed = |role: Role| {
+            let own = scenario
+                .services
+                .of(role)
+                .and_then(|service| service.binary.as_ref());
+            let shadows = scenario.shadows().filter(|(seat, _)| *seat == role);
+            let swaps = scenario.swaps.iter();
+            let swaps = swaps.filter(|swap| swap.service == role.label());
+            let mut all = vec![PathBuf::from(binaries::stock(role))];
+            all.extend(own.cloned());
+            all.extend(shadows.filter_map(|(_, shadow)| shadow.binary.clone()));
+            all.extend(swaps.filter_map(|swap| swap.binary.clone()));
+            let mut seen = BTreeSet::new();
+            all.retain(|binary| seen.insert(binary.clone()));
+            (role.to_string(), all)
+        };
+        let roles = Role::SERVICES.into_iter();
+        roles
+            .filter(|role| *role != Role::Robot)
+            .map(listed)
+            .collect()
     }
 
     /// Begins a swap. In lockstep the robot waits at `hold_tick` until the newcomer is ready.

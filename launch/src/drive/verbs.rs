@@ -1,5 +1,6 @@
 //! What clients make a stack do while it runs.
 
+use super::pace::{Pace, SPEEDS};
 use super::session::Session;
 use crate::control::request::ObstacleChange;
 use crate::ending::Ending;
@@ -7,6 +8,7 @@ use crate::orders::Order;
 use crate::placed::shape_of;
 use crate::supervise::stack::Stack;
 use std::sync::atomic::Ordering;
+use std::time::{Duration, Instant};
 use zeronav_msgs::Pose;
 use zeronav_msgs::run::RunMode;
 use zeronav_msgs::task::PoseEstimate;
@@ -125,6 +127,9 @@ impl Session<'_> {
             return Err("the stack is not paused".to_owned());
         }
         self.is_paused = false;
+        if let Some(pace) = &mut self.pace {
+            pace.restart(self.collector.robot_tick(), Instant::now());
+        }
         stack.pause(false);
         Ok(())
     }
@@ -145,6 +150,37 @@ impl Session<'_> {
         }
         self.hold_tick += ticks;
         Ok(())
+    }
+
+    /// Lets a lockstep stack go `factor` times as fast as real time; `None` = as fast as it can.
+    ///
+    /// # Errors
+    /// In real time, and for speeds that cannot be.
+    pub(super) fn set_speed(&mut self, stack: &Stack, factor: Option<f64>) -> Result<(), String> {
+        if self.prepared.mode != RunMode::Lockstep {
+            return Err("only a lockstep stack has a speed (zeronav up --lockstep)".to_owned());
+        }
+        let [least, most] = SPEEDS;
+        if let Some(wrong) = factor.filter(|factor| !(least..=most).contains(factor)) {
+            return Err(format!(
+                "a speed is from {least} to {most} times real time, not {wrong}"
+            ));
+        }
+        let tick = Duration::from_nanos(stack.roster.clock.tick_ns);
+        let robot_tick = self.collector.robot_tick();
+        self.pace = factor.map(|factor| Pace::new(factor, tick, robot_tick, Instant::now()));
+        Ok(())
+    }
+
+    /// The tick at which a lockstep robot that has reached `tick` has to wait, for whatever reason.
+    pub(super) fn held_at(&mut self, tick: u64) -> u64 {
+        let mut limit = self.swap_limit().min(self.fault_limit());
+        if self.is_paused {
+            limit = limit.min(self.hold_tick);
+        } else if let Some(pace) = &mut self.pace {
+            limit = limit.min(pace.granted(tick, Instant::now()));
+        }
+        limit
     }
 
     /// Tells mapping that the robot is at `pose`, x [m], y [m] and yaw [rad] in the map frame, now: when

@@ -94,6 +94,32 @@ pub struct StepArgs {
     pub stack: StackArgs,
 }
 
+/// Arguments of `zeronav speed`.
+#[derive(Debug, Clone, Args)]
+pub struct SpeedArgs {
+    /// Times real time, from 0.01 to 100; `max` = as fast as it can.
+    #[arg(value_parser = speed)]
+    pub factor: Speed,
+    /// The stack.
+    #[command(flatten)]
+    pub stack: StackArgs,
+}
+
+/// A speed of a lockstep stack.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Speed(pub Option<f64>);
+
+/// Reads a speed; the stack knows which ones can be.
+fn speed(text: &str) -> Result<Speed, String> {
+    if text == "max" {
+        return Ok(Speed(None));
+    }
+    let factor = text.parse::<f64>().ok().filter(|factor| factor.is_finite());
+    factor
+        .map(|factor| Speed(Some(factor)))
+        .ok_or_else(|| "a number, or max".to_owned())
+}
+
 /// Arguments of `zeronav wait`.
 #[derive(Debug, Clone, Args)]
 pub struct WaitArgs {

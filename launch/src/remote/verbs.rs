@@ -1,8 +1,8 @@
 //! The other requests: what a stack is doing, and making it pause, step or end.
 
 use super::cli::{
-    CancelArgs, InitialPoseArgs, ObstacleArgs, ObstacleCommand, PoseArgs, StackArgs, StepArgs,
-    WaitArgs, WaitFor,
+    CancelArgs, InitialPoseArgs, ObstacleArgs, ObstacleCommand, PoseArgs, Speed, SpeedArgs,
+    StackArgs, StepArgs, WaitArgs, WaitFor,
 };
 use super::goal::follow;
 use super::ps::processes;
@@ -46,6 +46,13 @@ pub fn resume(arguments: &StackArgs) -> ExitCode {
 pub fn step(arguments: &StepArgs) -> ExitCode {
     let ticks = arguments.ticks;
     make(&arguments.stack, &Request::Step { ticks }, "stepped")
+}
+
+/// `zeronav speed`.
+#[must_use]
+pub fn speed(arguments: &SpeedArgs) -> ExitCode {
+    let Speed(factor) = arguments.factor;
+    make(&arguments.stack, &Request::Speed { factor }, "set")
 }
 
 /// `zeronav pose`.

@@ -18,6 +18,7 @@
   let is_live = true;
   let seat_open = null; // the seat whose acts are shown
   let over = false;
+  let past = false; // true while the hops of an earlier replanning are shown
   const placed = []; // names of obstacles from this page
   const arrival = { from_s: 0, to_s: 0, at: 0, took: 100 };
 
@@ -200,7 +201,10 @@
       button("Slow", "Each answer is 20 ms late, for 5 s", fault("slow", { by_ms: 20, lasts_s: 5 })),
       button("Heal", "End the faults of this seat", () => ({ command: "heal", target: role })),
     );
-    const binary = field("binary (the same)", "Name or path of another program; empty = the one in the seat");
+    const binary = field("binary (the same)", "Another program that the scenario lists, or any by name or path; empty = the one in the seat");
+    binary.setAttribute("list", "binaries");
+    const listed = (run && run.binaries && run.binaries[role]) || [];
+    by("binaries").replaceChildren(...listed.map((name) => Object.assign(make("option"), { value: name })));
     const keys = field("key=value, ...", "Parameters of the newcomer, such as controller=dwa");
     second.append(binary, keys, button("Swap", "Exchange the process while the robot drives", () => ({
       command: "swap",
@@ -253,7 +257,7 @@
       bar.style.height = n ? `${Math.max(3, (100 * Math.log1p(n)) / Math.log1p(most))}%` : "0";
       bar.title = `${bar.dataset.range}: ${n}`;
     });
-    showHops(by("replanning"), by("replanning-title"), "Last replanning, scan to wheels", replanning);
+    if (!past) showHops(by("replanning"), by("replanning-title"), "Last replanning, scan to wheels", replanning);
     showHops(by("direct"), by("direct-title"), "Last scan to wheels", direct);
   }
 
@@ -271,7 +275,16 @@
     }));
   }
 
+  /** The hops of an earlier replanning, until the page is live again. */
+  function showPast(time_s, hops_us) {
+    past = true;
+    showHops(by("replanning"), by("replanning-title"), `Replanning at ${time_s.toFixed(2)} s, scan to wheels`, { hops_us });
+    by("replanning").scrollIntoView({ block: "nearest" });
+  }
+
   function showRun() {
+    by("pace").hidden = !(may_act() && run.mode === "lockstep");
+    if (document.activeElement !== by("pace")) by("pace").value = run.speed ? String(run.speed) : "max";
     if (run.scenario && scene && !scene.fixed.scenario) by("scenario").textContent = run.scenario;
     const swap = run.swap;
     if (swap && swap.state !== showRun.swap) {
@@ -280,12 +293,13 @@
     }
   }
 
-  function addEvent({ time_s, kind, text }) {
+  function addEvent({ time_s, kind, text, hops_us }) {
     const line = make("li");
     const name = make("b", kind);
     name.style.setProperty("--kind", `var(${KINDS[kind] || "--soft"})`);
     line.append(make("time", `${time_s.toFixed(2)} s`), name, make("span", text));
-    line.addEventListener("click", () => travel(time_s));
+    if (hops_us) line.title = "Show where its time went";
+    line.addEventListener("click", () => { travel(time_s); if (hops_us && !is_live) showPast(time_s, hops_us); });
     const list = by("events");
     list.prepend(line);
     while (list.children.length > SHOWN_EVENTS) list.lastChild.remove();
@@ -344,6 +358,7 @@
   function travel(time_s) {
     const [from, end] = span();
     is_live = time_s >= end - 0.05;
+    if (is_live) past = false;
     view.seek(is_live ? end : Math.max(from, time_s));
     drawTimeline();
   }
@@ -400,6 +415,7 @@
     };
     by("pause").addEventListener("click", () => act({ command: status && status.paused ? "resume" : "pause" }));
     by("step").addEventListener("click", () => act({ command: "step", ticks: Number(by("ticks").value) || 1 }));
+    by("pace").addEventListener("change", () => act({ command: "speed", factor: Number(by("pace").value) || null }));
     by("cancel").addEventListener("click", () => act({ command: "cancel" }));
     by("clear").addEventListener("click", async () => {
       for (const name of placed.splice(0)) await act({ command: "obstacle", name, change: "remove" });

@@ -6,12 +6,13 @@ use zeronav_shell::control;
 use zeronav_shell::folder::Folder;
 
 /// The commands that go on, with the keys that they may have.
-const COMMANDS: [(&str, &[&str]); 11] = [
+const COMMANDS: [(&str, &[&str]); 12] = [
     ("goal", &["goals", "repeats", "time_limit_s", "now"]),
     ("cancel", &["id"]),
     ("pause", &[]),
     ("resume", &[]),
     ("step", &["ticks"]),
+    ("speed", &["factor"]),
     ("pose", &["pose"]),
     ("obstacle", &["name", "change"]),
     ("fault", &["fault"]),

@@ -46,9 +46,17 @@ impl Events {
     }
 
     fn tell(&mut self, kind: &'static str, text: String) {
+        self.tell_with(kind, text, Vec::new());
+    }
+
+    fn tell_with(&mut self, kind: &'static str, text: String, hops_us: Vec<(&'static str, f64)>) {
         if self.waiting.len() < WAITING_MAX {
-            let time_s = Rounded::thousandths(seconds(self.now_ns));
-            self.waiting.push(Event { time_s, kind, text });
+            self.waiting.push(Event {
+                time_s: Rounded::thousandths(seconds(self.now_ns)),
+                kind,
+                text,
+                hops_us,
+            });
         }
     }
 
@@ -73,6 +81,14 @@ impl Events {
         };
         self.tell("path", text);
         true
+    }
+
+    /// The first command on a new path has reached the wheels, after these hops from the capture of
+    /// the scan.
+    pub(crate) fn replanned(&mut self, hops_us: Vec<(&'static str, f64)>) {
+        let sum_us: f64 = hops_us.iter().map(|(_, us)| us).sum();
+        let text = format!("new path at the wheels after {:.2} ms", sum_us / 1.0e3);
+        self.tell_with("path", text, hops_us);
     }
 
     /// A command of the guard.
@@ -206,6 +222,15 @@ mod tests {
         assert_eq!(told.len(), 2);
         assert_eq!(told[0].1, "obstacle: 2.5 m by jps, 0 expanded");
         assert_eq!(told[1].1, "obstacle: none, unreachable, by jps");
+    }
+
+    #[test]
+    fn a_new_path_at_the_wheels_has_its_hops() {
+        let mut events = Events::default();
+        events.replanned(vec![("robot", 400.0), ("to_mapping", 100.0)]);
+        let told = events.take();
+        assert_eq!(told[0].text, "new path at the wheels after 0.50 ms");
+        assert_eq!(told[0].hops_us[1], ("to_mapping", 100.0));
     }
 
     #[test]

@@ -367,6 +367,7 @@ mod tests {
                 time_s: Rounded::thousandths(f64::from(n)),
                 kind: "guard",
                 text: n.to_string(),
+                hops_us: Vec::new(),
             });
         }
         let news = next(&feed, &mut Cursor::default());

@@ -88,6 +88,20 @@ pub(crate) struct Way {
     pub tick: u64,
 }
 
+impl Way {
+    /// Its hops with these names and their lengths. [us]
+    pub(crate) fn named_us(&self, names: &[&'static str]) -> Vec<(&'static str, f64)> {
+        let hops = names.iter().zip(&self.hops_ns);
+        hops.map(|(name, ns)| (*name, micros(*ns))).collect()
+    }
+}
+
+/// Nanoseconds as microseconds with one decimal.
+#[allow(clippy::cast_precision_loss, reason = "times of a cycle")]
+pub(crate) fn micros(ns: u64) -> f64 {
+    (ns as f64 / 100.0).round() / 10.0
+}
+
 /// Follows records as they come.
 #[derive(Debug, Default)]
 pub(crate) struct Hops {
@@ -115,10 +129,10 @@ impl Hops {
         self.awaited = id;
     }
 
-    /// Takes in a record.
-    pub(crate) fn take(&mut self, span: &Span) {
+    /// Takes in a record. Returns the way through the map of a first command after a new path.
+    pub(crate) fn take(&mut self, span: &Span) -> Option<&Way> {
         match (span.kind(), span.role()) {
-            (Some(SpanKind::Applied), _) => self.applied(span),
+            (Some(SpanKind::Applied), _) => return self.applied(span),
             (Some(SpanKind::Answer | SpanKind::Extra), Some(role)) => {
                 if role == Role::Robot && span.scan != 0 {
                     self.scans.insert(span.scan, *span);
@@ -132,6 +146,7 @@ impl Hops {
             }
             _ => {}
         }
+        None
     }
 
     fn answer(&self, role: Role, output: u64) -> Option<&Span> {
@@ -161,13 +176,9 @@ impl Hops {
     }
 
     /// A command reached the wheels.
-    fn applied(&mut self, applied: &Span) {
-        let Some(guard) = self.answer(Role::CollisionGuard, applied.request) else {
-            return;
-        };
-        let Some(local) = self.answer(Role::LocalPlanner, guard.request) else {
-            return;
-        };
+    fn applied(&mut self, applied: &Span) -> Option<&Way> {
+        let guard = self.answer(Role::CollisionGuard, applied.request)?;
+        let local = self.answer(Role::LocalPlanner, guard.request)?;
         let control = [
             local.started_ns,
             local.published_ns,
@@ -184,13 +195,12 @@ impl Hops {
         if direct.is_some() {
             self.last_direct = direct;
         }
-        if path >= self.awaited && path != 0 && self.followed < self.awaited {
-            let found = self.through_map(self.awaited, &control, tick);
-            if found.is_some() {
-                self.last_replanning = found;
-            }
-            self.followed = self.awaited;
+        if path < self.awaited || path == 0 || self.followed >= self.awaited {
+            return None;
         }
+        self.followed = self.awaited;
+        self.last_replanning = Some(self.through_map(self.awaited, &control, tick)?);
+        self.last_replanning.as_ref()
     }
 
     fn through_map(&self, path: u64, control: &[u64; 5], tick: u64) -> Option<Way> {
@@ -265,7 +275,7 @@ mod tests {
     }
 
     /// The records of one scan through map and path to the wheels.
-    fn cycle(hops: &mut Hops, id: u64, at_ns: u64) {
+    fn cycle(hops: &mut Hops, id: u64, at_ns: u64) -> Option<Way> {
         let of = |role, output, started, published| {
             span(role, output, at_ns + started, at_ns + published)
         };
@@ -291,29 +301,31 @@ mod tests {
             request: id,
             ..of(Role::CollisionGuard, id, 360, 450)
         });
-        hops.take(&Span {
+        let applied = hops.take(&Span {
             kind: SpanKind::Applied.code(),
             request: id,
             tick: id,
             ..of(Role::Robot, 0, 550, 0)
         });
+        applied.cloned()
     }
 
     #[test]
     fn hops_are_differences_of_the_boundaries() {
         let mut hops = Hops::default();
-        cycle(&mut hops, 1, 1_000);
-        assert_eq!(hops.replanning(), None, "no new path was told");
+        assert_eq!(cycle(&mut hops, 1, 1_000), None, "no new path was told");
+        assert_eq!(hops.replanning(), None);
         hops.new_path(2);
-        cycle(&mut hops, 2, 2_000);
-        let way = hops.replanning().expect("a way");
+        let way = cycle(&mut hops, 2, 2_000).expect("a way");
+        assert_eq!(hops.replanning(), Some(&way));
+        assert_eq!(way.named_us(&THROUGH_MAP)[9], ("to_robot", 0.1));
         assert_eq!(way.hops_ns, [10, 20, 30, 40, 50, 60, 70, 80, 90, 100]);
         assert_eq!(way.hops_ns.len(), THROUGH_MAP.len());
         let direct = hops.direct().expect("a way");
         assert_eq!(direct.hops_ns, [10, 200, 70, 80, 90, 100]);
         assert_eq!(direct.hops_ns.len(), DIRECT.len());
         // Later commands on the same path are no replanning.
-        cycle(&mut hops, 3, 9_000);
+        assert_eq!(cycle(&mut hops, 3, 9_000), None);
         assert_eq!(hops.replanning().map(|way| way.tick), Some(2));
         assert_eq!(hops.quantiles([0.5]), Some([450]));
     }

@@ -306,6 +306,9 @@ pub struct Event {
     pub kind: &'static str,
     /// In words.
     pub text: String,
+    /// Name and length [us] of each hop from a scan to the wheels, where it is about one.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub hops_us: Vec<(&'static str, f64)>,
 }
 
 /// What changed on the map.

@@ -1,7 +1,7 @@
 //! How the services and the latencies are, for the tables of the page.
 
 use crate::events::Events;
-use crate::hops::{BINS_US, DIRECT, Hops, THROUGH_MAP, Way};
+use crate::hops::{BINS_US, DIRECT, Hops, THROUGH_MAP, Way, micros};
 use crate::usage::{Usage, Usages};
 use serde_json::{Value, json};
 use std::time::{Duration, Instant};
@@ -118,8 +118,10 @@ impl Seats {
     }
 
     /// A record of a cycle.
-    pub(crate) fn record(&mut self, span: &Span) {
-        self.hops.take(span);
+    pub(crate) fn record(&mut self, span: &Span, events: &mut Events) {
+        if let Some(way) = self.hops.take(span) {
+            events.replanned(way.named_us(&THROUGH_MAP));
+        }
         let is_answer = matches!(span.kind(), Some(SpanKind::Answer | SpanKind::Extra));
         let line = self.lines.iter_mut();
         if let Some(line) = line
@@ -201,12 +203,8 @@ impl Seats {
     fn latency(&self) -> Value {
         let (n, bins) = self.hops.histogram();
         let quantiles = self.hops.quantiles([0.5, 0.9, 0.99, 1.0]);
-        let way = |way: Option<&Way>, names: &[&str]| {
-            way.map(|way| {
-                let hops = names.iter().zip(&way.hops_ns);
-                let hops: Vec<Value> = hops.map(|(name, ns)| json!([name, micros(*ns)])).collect();
-                json!({ "tick": way.tick, "hops_us": hops })
-            })
+        let way = |way: Option<&Way>, names: &[&'static str]| {
+            way.map(|way| json!({ "tick": way.tick, "hops_us": way.named_us(names) }))
         };
         json!({
             "reaction": {
@@ -268,10 +266,4 @@ impl SeatLine {
 
 fn tenths(value: f64) -> f64 {
     (value * 10.0).round() / 10.0
-}
-
-/// Nanoseconds as microseconds with one decimal.
-#[allow(clippy::cast_precision_loss, reason = "times of a cycle")]
-fn micros(ns: u64) -> f64 {
-    tenths(ns as f64 / 1.0e3)
 }

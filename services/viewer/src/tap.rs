@@ -197,7 +197,7 @@ impl Tap {
                 seats.new_path(view.header.id());
             }
         });
-        ports.spans.drain(|span| seats.record(span));
+        ports.spans.drain(|span| seats.record(span, events));
         seats.listen(roster, events);
     }
 

@@ -5,7 +5,7 @@ use crate::workspace;
 use serde_json::Value;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::{Command, Output, Stdio};
 use std::time::SystemTime;
 
 /// What an experiment gave.
@@ -66,7 +66,36 @@ impl Bench {
         self.zeronav_prints(arguments, &[])
     }
 
+    /// Runs `zeronav` and returns its JSON object, and what `beside` gave, which is told the folder of
+    /// the binaries and the process id once it runs.
+    ///
+    /// # Errors
+    /// See [`Self::zeronav`], and those of `beside`.
+    pub fn zeronav_beside<T>(
+        &mut self,
+        arguments: &[&str],
+        beside: impl FnOnce(&Path, u32) -> Result<T, String>,
+    ) -> Result<(Value, T), String> {
+        let mut command = self.command(arguments, &["--json"]);
+        let problem = |error: &dyn core::fmt::Display| format!("zeronav {arguments:?}: {error}");
+        let child = command
+            .stdin(Stdio::null())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .map_err(|error| problem(&error))?;
+        let found = beside(&target().join("release"), child.id());
+        let output = child.wait_with_output().map_err(|error| problem(&error))?;
+        let text = text_of(&command, &output)?;
+        let result = serde_json::from_str(&text).map_err(|error| problem(&error))?;
+        Ok((result, found?))
+    }
+
     fn zeronav_prints(&mut self, arguments: &[&str], more: &[&str]) -> Result<String, String> {
+        output(&mut self.command(arguments, more))
+    }
+
+    fn command(&mut self, arguments: &[&str], more: &[&str]) -> Command {
         let mut command = Command::new(target().join("release").join("zeronav"));
         command
             .args(arguments)
@@ -85,7 +114,7 @@ impl Bench {
         if !self.commands.contains(&line) {
             self.commands.push(line);
         }
-        output(&mut command)
+        command
     }
 
     /// Runs `cargo` with these arguments and returns what it and its program printed.
@@ -204,20 +233,18 @@ fn cargo(arguments: &[&str]) -> Result<String, String> {
     output(&mut command)
 }
 
-/// Standard output and error of a command that succeeds, in this order.
+/// What a command prints that succeeds.
 fn output(command: &mut Command) -> Result<String, String> {
+    let name = command.get_program().display().to_string();
+    let output = command.stdin(Stdio::null()).output();
+    let output = output.map_err(|error| format!("{name}: {error}"))?;
+    text_of(command, &output)
+}
+
+/// Standard output of a command that has succeeded; standard error when there is none.
+fn text_of(command: &Command, output: &Output) -> Result<String, String> {
     /// Lines of a failure that are shown.
     const SHOWN: usize = 12;
-    let name = command.get_program().display().to_string();
-    let arguments: Vec<String> = command
-        .get_args()
-        .map(OsStr::to_string_lossy)
-        .map(String::from)
-        .collect();
-    let output = command
-        .stdin(Stdio::null())
-        .output()
-        .map_err(|error| format!("{name}: {error}"))?;
     let mut text = String::from_utf8_lossy(&output.stdout).into_owned();
     let errors = String::from_utf8_lossy(&output.stderr);
     if output.status.success() {
@@ -228,8 +255,10 @@ fn output(command: &mut Command) -> Result<String, String> {
     }
     let lines: Vec<&str> = text.lines().chain(errors.lines()).collect();
     let end = lines[lines.len().saturating_sub(SHOWN)..].join("\n  ");
+    let arguments: Vec<_> = command.get_args().map(OsStr::to_string_lossy).collect();
     Err(format!(
-        "{name} {}: {}\n  {end}",
+        "{} {}: {}\n  {end}",
+        command.get_program().display(),
         arguments.join(" "),
         output.status
     ))

@@ -2,7 +2,7 @@
 
 use super::bench::{Bench, Measured};
 use super::record::Table;
-use super::{extract, faults, standing, trials};
+use super::{extract, faults, standing, trials, viewing};
 
 /// One experiment.
 #[derive(Debug)]
@@ -104,6 +104,17 @@ pub const EXPERIMENTS: &[Experiment] = &[
         by_default: false,
         note: None,
         make: standing::shadow,
+    },
+    Experiment {
+        key: "viewers",
+        title: "latencies while somebody looks at the live page, five rounds of 20 trials each",
+        minutes: 16.0,
+        by_default: false,
+        note: Some(
+            "Ratios are to the run of the same round without a viewer; in brackets the quartiles of the \
+             rounds. A client takes in the stream of the page and draws nothing.",
+        ),
+        make: viewing::viewers,
     },
     Experiment {
         key: "generated",

@@ -13,6 +13,7 @@ pub mod record;
 pub mod spread;
 mod standing;
 pub mod trials;
+mod viewing;
 
 use crate::workspace;
 use bench::Bench;

@@ -5,7 +5,6 @@ use rustix::process::Signal;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
-use std::sync::OnceLock;
 use tempfile::TempDir;
 use zeronav_msgs::header::{Header, Id, Parents, Stamps};
 use zeronav_msgs::role::Role;
@@ -193,25 +192,8 @@ fn the_example_of_the_readme_compiles() {
 }
 
 /// The library that services in C++ are linked with.
-fn library() -> &'static Path {
-    static LIBRARY: OnceLock<PathBuf> = OnceLock::new();
-    LIBRARY.get_or_init(|| {
-        let folder = binaries();
-        let profile = match folder.file_name().and_then(|name| name.to_str()) {
-            Some("debug") | None => "dev",
-            Some(name) => name,
-        };
-        // With all others: alone, its dependencies would be built again with fewer features.
-        let status = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
-            .args(["build", "--quiet", "--workspace", "--lib"])
-            .args(["--locked", "--profile", profile, "--target-dir"])
-            .arg(folder.parent().expect("a target folder"))
-            .current_dir(workspace())
-            .status()
-            .expect("cargo runs");
-        assert!(status.success(), "the library does not build");
-        folder.join("libzeronav_cpp.a")
-    })
+fn library() -> PathBuf {
+    binaries().join("libzeronav_cpp.a")
 }
 
 /// Compiles a service with every warning an error.

@@ -2,6 +2,7 @@
 
 use serde_json::Value;
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 use zeronav_tests::up::Up;
 use zeronav_tests::{leftovers, real_time_turn, zeronav};
 
@@ -139,6 +140,39 @@ fn a_paused_lockstep_stack_does_the_ticks_that_it_is_told() {
     up.ask(&["wait", "goal"], 0);
     assert!(up.ask(&["resume"], 2).contains("not paused"));
     assert_eq!(outcomes(&up.down()), ["reached"]);
+}
+
+#[test]
+fn a_lockstep_stack_goes_as_fast_as_it_is_told() {
+    let mut up = Up::start(&["open_aisle", "--lockstep"]);
+    for wrong in ["0", "-1", "1000", "fast", "NaN"] {
+        up.ask(&["speed", wrong], 2);
+    }
+    assert_eq!(up.status()["speed"], Value::Null);
+    up.ask(&["speed", "2"], 0);
+    assert_eq!(up.status()["speed"], 2.0);
+    let began = Instant::now();
+    let from = up.status()["tick"].as_u64().expect("a tick");
+    let mut tick = 0;
+    up.stack.wait_until("200 ticks are done", |stack| {
+        let report = stack.report();
+        tick = report.map_or(0, |report| report["tick"].as_u64().unwrap_or_default());
+        tick >= from + 200
+    });
+    // 100 ticks a second, after those that it had begun and those that it was behind.
+    let most = 35.0 + 1.0 + 100.0 * began.elapsed().as_secs_f64();
+    assert!(
+        (tick - from) as f64 <= most,
+        "{} ticks of {most}",
+        tick - from
+    );
+    up.ask(&["speed", "max"], 0);
+    assert_eq!(up.status()["speed"], Value::Null);
+    up.ask(&["goal", "6", "8.5", "0", "--wait"], 0);
+    up.down();
+    let up = Up::start(&["open_aisle"]);
+    assert!(up.ask(&["speed", "2"], 2).contains("lockstep"));
+    up.down();
 }
 
 #[test]

@@ -199,10 +199,38 @@ fn the_page_shows_the_robot_and_steers_it() {
         "[...document.querySelectorAll('#events li')].some((line) => line.textContent.includes('obstacle:'))",
     );
 
+    // A click on the new path shows where its time went, until the page is live again.
+    let at_the_wheels = "[...document.querySelectorAll('#events li')]\
+        .find((line) => line.textContent.includes('new path at the wheels'))";
+    browser.wait_until("a new path is at the wheels", at_the_wheels);
+    browser.script("new Promise((done) => setTimeout(done, 400))");
+    browser.script(&format!("{at_the_wheels}.click()"));
+    let title = "document.getElementById('replanning-title').textContent";
+    let past = browser.script(title);
+    assert!(
+        past.as_str()
+            .is_some_and(|title| title.starts_with("Replanning at")),
+        "{past}"
+    );
+    assert_eq!(
+        browser.script("document.querySelectorAll('#replanning b').length"),
+        10
+    );
+    browser.script("document.getElementById('live').click()");
+    browser.wait_until(
+        "the newest one is shown",
+        &format!("{title}.startsWith('Last')"),
+    );
+
     // A service that is killed turns red, and green again.
     let state = "document.querySelector('#seat-mapping .state').className";
     assert_eq!(browser.script(state), "state ready");
     browser.script("document.getElementById('seat-mapping').click()");
+    let listed = "[...document.getElementById('binaries').options].map((one) => one.value)";
+    assert_eq!(
+        browser.script(listed),
+        serde_json::json!(["zeronav-mapping"])
+    );
     browser.script("document.querySelector('[data-act=kill]').click()");
     browser.wait_until(
         "the seat is red",
