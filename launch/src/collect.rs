@@ -3,7 +3,7 @@
 use crate::aside::Aside;
 use crate::faults::{Recoveries, Sight};
 use crate::film::{self, Film};
-use crate::measure::index::{PathRecord, Sensed, Sighting};
+use crate::measure::index::{PathRecord, Sensed, Sighting, push_bounded};
 use crate::measure::{Records, RunHash};
 use crate::reasons::Reasons;
 use crate::result::moment::Task;
@@ -28,6 +28,12 @@ use zeronav_world::Convex;
 
 /// Spans that are kept at most; the oldest go first.
 const SPANS_MAX: usize = 200_000;
+
+/// Paths that are kept at most, likewise: a robot that is up for days has many.
+const PATHS_MAX: usize = 10_000;
+
+/// Obstacles that have appeared and are kept at most, likewise.
+const SIGHTINGS_MAX: usize = 1_000;
 
 /// Least time between two requests for a keyframe.
 const KEYFRAME_PAUSE: Duration = Duration::from_millis(200);
@@ -172,7 +178,7 @@ impl Collector {
             };
             self.film.path(view.header.run_ns, view.meta, view.items);
             (self.reasons).path(view.header.tick, view.header.run_ns, view.meta);
-            self.records.paths.push(PathRecord {
+            let path = PathRecord {
                 id: view.header.id,
                 map: view.header.parents.map,
                 run_ns: view.header.run_ns,
@@ -187,7 +193,8 @@ impl Collector {
                     .iter()
                     .map(|point| [point.x_m, point.y_m])
                     .collect(),
-            });
+            };
+            push_bounded(&mut self.records.paths, path, PATHS_MAX);
         });
     }
 
@@ -335,11 +342,7 @@ impl Collector {
             let answered = self.answered.entry(span.role).or_default();
             *answered = (*answered).max(span.tick);
         }
-        if self.records.spans.len() == SPANS_MAX {
-            self.records.spans.drain(..SPANS_MAX / 4);
-            self.spans_dropped += SPANS_MAX as u64 / 4;
-        }
-        self.records.spans.push(*span);
+        self.spans_dropped += push_bounded(&mut self.records.spans, *span, SPANS_MAX) as u64;
     }
 
     /// `map_from_base` as the stack takes it to be; `None` before the first map and odometry.
@@ -407,12 +410,13 @@ impl Collector {
                 sighting.index == index && sighting.appeared_run_ns == obstacle.appeared_run_ns
             });
             let at = at.unwrap_or_else(|| {
-                sightings.push(Sighting {
+                let sighting = Sighting {
                     index,
                     appeared_run_ns: obstacle.appeared_run_ns,
                     appeared_ns: obstacle.appeared_ns,
                     ..Sighting::default()
-                });
+                };
+                push_bounded(sightings, sighting, SIGHTINGS_MAX);
                 sightings.len() - 1
             });
             let sighting = &mut sightings[at];

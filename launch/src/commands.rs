@@ -105,6 +105,7 @@ pub fn up(plan: &RunPlan, json: bool) -> ExitCode {
     let result = StayResult::of(&prepared, &driven, before.environment());
     let recording = record::of_stay(&prepared, &driven, &result.outcome);
     let written = write_result(&prepared, &result)
+        .and_then(|()| write_trace(&prepared, &driven))
         .and_then(|()| write_recording(&prepared, &recording))
         .and_then(|()| {
             report::write(
@@ -157,6 +158,22 @@ fn write_recording(prepared: &Prepared, recording: &Recording) -> Result<(), Str
     write(picture::STILL, &picture::still(recording))
 }
 
+/// Writes where the time of each scan went, in real time.
+fn write_trace(prepared: &Prepared, driven: &Driven) -> Result<(), String> {
+    if prepared.mode == RunMode::Lockstep {
+        return Ok(());
+    }
+    let about = About {
+        scenario: prepared.scenario.name.clone(),
+        zero_ns: driven.zero_ns,
+        pids: (driven.services.iter())
+            .map(|service| (service.name.clone(), service.pid))
+            .collect(),
+    };
+    let trace = trace(&driven.collector.records, &about)?;
+    leave::write(&prepared.directory.join("trace.json"), &trace)
+}
+
 /// Writes what a run leaves in its folder.
 fn write_files(
     plan: &RunPlan,
@@ -176,17 +193,7 @@ fn write_files(
     if !is_reported {
         recording.scene = None;
     }
-    if prepared.mode == RunMode::RealTime {
-        let about = About {
-            scenario: result.scenario.clone(),
-            zero_ns: driven.zero_ns,
-            pids: (result.services.iter())
-                .map(|service| (service.name.clone(), service.pid))
-                .collect(),
-        };
-        let trace = trace(&driven.collector.records, &about)?;
-        leave::write(&prepared.directory.join("trace.json"), &trace)?;
-    }
+    write_trace(prepared, driven)?;
     write_recording(prepared, &recording)?;
     if is_reported {
         report::write(

@@ -75,6 +75,7 @@ pub(crate) fn of_stay(prepared: &Prepared, driven: &Driven, outcome: &str) -> Re
                     .collect(),
             })
             .collect(),
+        timings: timings_of(prepared, driven),
         ..Recording::default()
     };
     complete(prepared, driven, about)

@@ -1,13 +1,16 @@
 //! What a stack that stayed up leaves: its goals, its contacts, its processes.
 
 use crate::drive::Driven;
+use crate::judge;
 use crate::prepare::Prepared;
 use crate::result::fault::FaultResult;
+use crate::result::latency::{Figures, Latency};
 use crate::result::swap::SwapResult;
 use crate::result::{Environment, Redirect, Restart, ServiceResult};
 use crate::show::page::fault_line;
 use core::fmt::Write;
 use serde::{Deserialize, Serialize};
+use zeronav_msgs::run::RunMode;
 use zeronav_msgs::time::seconds;
 
 /// What became of a stack.
@@ -31,6 +34,9 @@ pub(crate) struct StayResult {
     pub faults: Vec<FaultResult>,
     /// Swaps and comparisons, at most the newest 100.
     pub swaps: Vec<SwapResult>,
+    /// Latencies, in real time only; of a long stay those of its end.
+    #[serde(default)]
+    pub latency: Option<Latency>,
     /// The processes.
     pub services: Vec<ServiceResult>,
     /// Machine and build.
@@ -53,6 +59,8 @@ impl StayResult {
             restarts: driven.restarts.clone(),
             faults: driven.faults.clone(),
             swaps: driven.swaps.clone(),
+            latency: (prepared.mode == RunMode::RealTime)
+                .then(|| judge::latency(prepared, driven).1),
             services: driven.services.clone(),
             environment,
             directory: prepared.directory.display().to_string(),
@@ -72,6 +80,14 @@ impl StayResult {
             self.contacts,
             self.restarts.len(),
         );
+        if let Some(latency) = &self.latency {
+            for (name, figures) in [
+                ("reaction", &latency.reaction),
+                ("replanning", &latency.replanning),
+            ] {
+                text.push_str(&latency_line(name, figures));
+            }
+        }
         for restart in &self.restarts {
             let _ = writeln!(
                 text,
@@ -85,4 +101,17 @@ impl StayResult {
         let _ = writeln!(text, "  {}", self.directory);
         text
     }
+}
+
+/// Median and 99th percentile, where there are samples enough for them.
+fn latency_line(name: &str, figures: &Figures) -> String {
+    let figures = figures.supported();
+    let times: Vec<String> = [("p50", figures.p50_us), ("p99", figures.p99_us)]
+        .into_iter()
+        .filter_map(|(percentile, us)| Some(format!("{percentile} {:.2} ms", us? / 1.0e3)))
+        .collect();
+    if times.is_empty() {
+        return String::new();
+    }
+    format!("  {name} {}, n {}\n", times.join(", "), figures.n)
 }

@@ -67,6 +67,15 @@ impl Sighting {
     }
 }
 
+/// Adds to a list that keeps at most `max`: when it is full, the oldest quarter goes. Returns how
+/// many have gone.
+pub(crate) fn push_bounded<T>(list: &mut Vec<T>, value: T, max: usize) -> usize {
+    let gone = if list.len() < max { 0 } else { max / 4 };
+    list.drain(..gone);
+    list.push(value);
+    gone
+}
+
 /// Everything that launch collected.
 #[derive(Debug, Clone, Default)]
 pub struct Records {
@@ -76,4 +85,19 @@ pub struct Records {
     pub paths: Vec<PathRecord>,
     /// All scripted obstacles that appeared.
     pub sightings: Vec<Sighting>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_full_list_loses_its_oldest_quarter() {
+        let mut list = Vec::new();
+        let gone: usize = (0..1000).map(|n| push_bounded(&mut list, n, 8)).sum();
+        assert!((6..=8).contains(&list.len()), "{}", list.len());
+        assert_eq!(list.len() + gone, 1000);
+        assert_eq!(list.last(), Some(&999));
+        assert!(list.windows(2).all(|pair| pair[1] == pair[0] + 1));
+    }
 }

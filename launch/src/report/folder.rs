@@ -2,6 +2,7 @@
 
 use crate::picture;
 use crate::result::RunResult;
+use crate::result::latency::Latency;
 use crate::show::recording::{self, Recording};
 use crate::stay_result::StayResult;
 use serde_json::Value;
@@ -73,6 +74,14 @@ impl RunFolder {
         match &self.outcome {
             Outcome::Run(result) => Some(result),
             Outcome::Stay(_) => None,
+        }
+    }
+
+    /// Its latencies, in real time.
+    pub(super) fn latency(&self) -> Option<&Latency> {
+        match &self.outcome {
+            Outcome::Run(result) => result.latency.as_ref(),
+            Outcome::Stay(result) => result.latency.as_ref(),
         }
     }
 

@@ -97,7 +97,7 @@ fn below(run: &RunFolder, events: &[Event]) -> String {
         ),
     };
     html.push_str(&section("events", "Events", &happened));
-    let latency = run.result().and_then(|result| result.latency.as_ref());
+    let latency = run.latency();
     let times = latencies::distributions(latency, timings);
     html.push_str(&section("latency", "Latency", &times));
     let hops = latency.map_or_else(String::new, latencies::hops);

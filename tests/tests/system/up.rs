@@ -21,7 +21,9 @@ fn outcomes(result: &Value) -> Vec<&str> {
 #[test]
 fn goals_of_two_clients_are_served_as_they_came_and_bad_ones_change_nothing() {
     let _turn = real_time_turn();
-    let mut up = Up::start(&["open_aisle"]);
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().display().to_string();
+    let mut up = Up::start(&["open_aisle", "--out", &out]);
     // Nobody drives a scenario's own goals.
     assert_eq!(up.status()["task"], "waiting");
     let first = up.lines(&["goal", "6", "8.5", "0"], 0);
@@ -52,6 +54,14 @@ fn goals_of_two_clients_are_served_as_they_came_and_bad_ones_change_nothing() {
     let result = up.down();
     assert_eq!(outcomes(&result), ["reached", "reached", "time_limit"]);
     assert_eq!(result["contacts"], 0);
+    // Its latencies are those of a run.
+    let reactions = result["latency"]["reaction"]["n"].as_u64();
+    assert!(reactions > Some(20), "{}", result["latency"]);
+    let left = Path::new(result["directory"].as_str().expect("a folder"));
+    let trace = std::fs::read_to_string(left.join("trace.json")).expect("a trace");
+    assert!(trace.contains("scan to wheel"));
+    let report = std::fs::read_to_string(left.join("report.html")).expect("a report");
+    assert!(report.contains("id=\"hops\""));
 }
 
 #[test]
