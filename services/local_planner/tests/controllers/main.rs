@@ -1,0 +1,16 @@
+//! Controllers, recovery and tasks of the local planner.
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod beam;
+mod braking;
+mod closed_loop;
+mod dwa_t;
+mod laws;
+mod mppi;
+mod papers;
+mod periods;
+mod recovery;
+mod shut_in;
+mod tasks;
