@@ -12,5 +12,6 @@ mod mppi;
 mod papers;
 mod periods;
 mod recovery;
+mod rollouts;
 mod shut_in;
 mod tasks;

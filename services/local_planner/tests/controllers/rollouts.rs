@@ -1,10 +1,8 @@
 //! What a period tells of the motions that it looked at: the chosen one is what is requested, the
 //! others have plausible reasons, and nothing is decided by telling.
 
-mod support;
-
-use support::cart::Cart;
-use support::{Block, Loop, PERIOD_S, block, disc, path};
+use crate::support::cart::Cart;
+use crate::support::{Block, Loop, PERIOD_S, block, disc, path};
 use zeronav_local_planner::LocalPlannerConfig;
 use zeronav_local_planner::pilot::Pilot;
 use zeronav_local_planner::situation::Decision;
