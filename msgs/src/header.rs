@@ -69,7 +69,8 @@ message! {
         pub map: u64,
         /// [id] Id on `plan/path`.
         pub path: u64,
-        /// [id] Id on `plan/request` for a path, on `control/velocity_request` for a command.
+        /// [id] Id on `plan/request` for a path, on `control/velocity_request` for a
+        /// command and for rollouts.
         pub request: u64,
         /// [id] Id on `task/goal`.
         pub goal: u64,

@@ -5,6 +5,7 @@ use crate::health::HealthState;
 use crate::path::{PathBlock, PathCause, PathStatus};
 use crate::request::RequestReason;
 use crate::role::Role;
+use crate::rollouts::RolloutOutcome;
 use crate::run::{RunMode, TopicFaultKind};
 use crate::span::SpanKind;
 use crate::task::{EndReason, StuckCause, TaskKind, TaskState};
@@ -38,6 +39,7 @@ labels!(
     RequestCause,
     RequestReason,
     Role,
+    RolloutOutcome,
     RunMode,
     TopicFaultKind,
     SpanKind,

@@ -29,6 +29,7 @@ pub mod pose;
 pub mod replica;
 pub mod request;
 pub mod role;
+pub mod rollouts;
 mod row;
 pub mod run;
 pub mod scan;

@@ -20,6 +20,7 @@ use crate::odometry::Odometry;
 use crate::path::{Path, WAYPOINTS_MAX, Waypoint};
 use crate::request::PlanRequest;
 use crate::role::Role;
+use crate::rollouts::{ROLLOUTS_MAX, Rollout, Rollouts};
 pub use crate::row::{
     Discipline, EVENT_MAX, EVENT_NEED_KEYFRAME, NODES_MAX, READERS_MAX, RINGERS_MAX,
     SPAN_WRITERS_MAX, TopicRow, WRITERS_MAX,
@@ -345,6 +346,14 @@ topics! {
         item: Placement, Latest,
         writers: [Launch], rings: [Robot], in_lockstep: [],
         len_max: TRUTH_OBSTACLES_MAX,
+        check: |meta, items| meta.check(items),
+    }
+    /// `debug/rollouts`: what the local planner looked at; sent only while somebody reads it.
+    DebugRollouts = 25 "debug/rollouts" {
+        envelope: RolloutsEnvelope = "zeronav.debug.rollouts.v1" (Rollouts),
+        item: Rollout, Latest,
+        writers: [LocalPlanner], rings: [], in_lockstep: [],
+        len_max: ROLLOUTS_MAX,
         check: |meta, items| meta.check(items),
     }
     /// `health/<role>`: the heartbeat; its rows are in [`HEALTH`].

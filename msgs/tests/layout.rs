@@ -30,6 +30,7 @@ const GOLDEN: &[(&str, usize, usize, u64)] = &[
     ("run/control", 208, 56, 0xaabe_4789_147f_5ef3),
     ("sim/ground_truth", 216, 48, 0x1e53_b96e_6136_5535),
     ("sim/placement", 136, 64, 0x7b6b_e608_2eb7_9558),
+    ("debug/rollouts", 168, 112, 0x9c63_2191_d0f7_2eac),
     ("health/robot", 176, 1, 0x3479_845f_530e_b3c6),
     ("health/mapping", 176, 1, 0x714d_8d90_f316_78b8),
     ("health/global_planner", 176, 1, 0x807e_7f55_86b4_ce42),
@@ -87,7 +88,7 @@ fn fixed_offsets_that_other_languages_rely_on() {
 #[test]
 fn numbers_and_names_are_unique_and_every_schema_differs() {
     let rows = topics();
-    assert_eq!(rows.len(), 23);
+    assert_eq!(rows.len(), 24);
     for (n, row) in rows.iter().enumerate() {
         assert!(
             row.number < zeronav_msgs::topics::EVENT_NEED_KEYFRAME,

@@ -185,6 +185,15 @@ enum class Role : std::uint16_t {
     tap = 7,
 };
 
+enum class RolloutOutcome : std::uint16_t {
+    none = 0,
+    chosen = 1,
+    costlier = 2,
+    collision = 3,
+    moving_collision = 4,
+    no_stop = 5,
+};
+
 enum class RunMode : std::uint16_t {
     none = 0,
     real_time = 1,
@@ -257,6 +266,8 @@ inline constexpr int FLAG_VIRTUAL = 4;
 inline constexpr int FLAG_REGULARISED = 8;
 inline constexpr int FLAG_UNKNOWN = 16;
 inline constexpr int OBSTACLE_RADIUS_M_MAX = 10;
+inline constexpr int ROLLOUT_COST_MAX = 1000000000;
+inline constexpr int ROLLOUT_POINTS_MAX = 12;
 inline constexpr int REASON_SCAN = 1;
 inline constexpr int REASON_ODOMETRY = 2;
 inline constexpr int REASON_MAP = 4;
@@ -279,7 +290,8 @@ struct Parents {
     std::uint64_t map{};
     /// [id] Id on `plan/path`.
     std::uint64_t path{};
-    /// [id] Id on `plan/request` for a path, on `control/velocity_request` for a command.
+    /// [id] Id on `plan/request` for a path, on `control/velocity_request` for a command and for
+    /// rollouts.
     std::uint64_t request{};
     /// [id] Id on `task/goal`.
     std::uint64_t goal{};
@@ -2336,6 +2348,115 @@ static_assert(Placement::SCHEMA == [] {
     return hash;
 }());
 
+/// Fixed fields of the rollouts of a control period: a spread over all, with the chosen one and
+/// the cheapest of every reason. A period that goes on with an older choice sends none.
+struct Rollouts {
+    static constexpr const char* NAME = "zeronav.Rollouts.v1";
+    static constexpr std::uint64_t SCHEMA = 0xc99b51e227a7b107;
+    /// [count] Number of rollouts, equal to the length of the slice.
+    std::uint64_t n_rollouts{};
+    /// [count] Motions that the local planner looked at, 0 = not told.
+    std::uint64_t n_looked_at{};
+    /// Where the rollouts begin: the robot in the map.
+    Pose map_from_base{};
+};
+static_assert(sizeof(Rollouts) == 40);
+static_assert(std::is_trivially_copyable_v<Rollouts> && std::is_standard_layout_v<Rollouts>);
+static_assert(offsetof(Rollouts, n_rollouts) == 0);
+static_assert(offsetof(Rollouts, n_looked_at) == 8);
+static_assert(offsetof(Rollouts, map_from_base) == 16);
+static_assert(Rollouts::SCHEMA == [] {
+    std::uint64_t hash = fnv1a(FNV_OFFSET, Rollouts::NAME);
+    hash = fnv1a(hash, "n_rollouts");
+    hash = fnv1a_number(hash, Schema<decltype(Rollouts::n_rollouts)>::value);
+    hash = fnv1a_number(hash, offsetof(Rollouts, n_rollouts));
+    hash = fnv1a(hash, "n_looked_at");
+    hash = fnv1a_number(hash, Schema<decltype(Rollouts::n_looked_at)>::value);
+    hash = fnv1a_number(hash, offsetof(Rollouts, n_looked_at));
+    hash = fnv1a(hash, "map_from_base");
+    hash = fnv1a_number(hash, Schema<decltype(Rollouts::map_from_base)>::value);
+    hash = fnv1a_number(hash, offsetof(Rollouts, map_from_base));
+    return hash;
+}());
+
+/// Header and fixed fields of the topic's messages.
+struct DebugRolloutsEnvelope {
+    static constexpr const char* NAME = "zeronav.debug.rollouts.v1";
+    static constexpr std::uint64_t SCHEMA = 0x8db4eb9a99d34beb;
+    /// The header.
+    Header header{};
+    /// The fixed fields.
+    Rollouts meta{};
+};
+static_assert(sizeof(DebugRolloutsEnvelope) == 168);
+static_assert(std::is_trivially_copyable_v<DebugRolloutsEnvelope> && std::is_standard_layout_v<DebugRolloutsEnvelope>);
+static_assert(offsetof(DebugRolloutsEnvelope, header) == 0);
+static_assert(offsetof(DebugRolloutsEnvelope, meta) == 128);
+static_assert(DebugRolloutsEnvelope::SCHEMA == [] {
+    std::uint64_t hash = fnv1a(FNV_OFFSET, DebugRolloutsEnvelope::NAME);
+    hash = fnv1a(hash, "header");
+    hash = fnv1a_number(hash, Schema<decltype(DebugRolloutsEnvelope::header)>::value);
+    hash = fnv1a_number(hash, offsetof(DebugRolloutsEnvelope, header));
+    hash = fnv1a(hash, "meta");
+    hash = fnv1a_number(hash, Schema<decltype(DebugRolloutsEnvelope::meta)>::value);
+    hash = fnv1a_number(hash, offsetof(DebugRolloutsEnvelope, meta));
+    return hash;
+}());
+
+/// A motion as far as it was looked at, at most as far as what it leads into.
+struct Rollout {
+    static constexpr const char* NAME = "zeronav.Rollout.v1";
+    static constexpr std::uint64_t SCHEMA = 0xbff1df21de2f4ddf;
+    /// [m/s] forward speed that it goes towards at first, in `base`.
+    float v_mps{};
+    /// [rad/s] yaw rate that it goes towards at first, in `base`.
+    float w_radps{};
+    /// [-] what it costs, in the controller's own unit; less is better. 0 = not rated.
+    float cost{};
+    /// Code of `RolloutOutcome`.
+    std::uint16_t outcome{};
+    /// [count] Number of points, at most `ROLLOUT_POINTS_MAX`; the others are 0.
+    std::uint16_t n_points{};
+    /// [m] x of its points in the `map` frame; the first one is where the robot is.
+    float x_m[12]{};
+    /// [m] y of its points in the `map` frame.
+    float y_m[12]{};
+};
+static_assert(sizeof(Rollout) == 112);
+static_assert(std::is_trivially_copyable_v<Rollout> && std::is_standard_layout_v<Rollout>);
+static_assert(offsetof(Rollout, v_mps) == 0);
+static_assert(offsetof(Rollout, w_radps) == 4);
+static_assert(offsetof(Rollout, cost) == 8);
+static_assert(offsetof(Rollout, outcome) == 12);
+static_assert(offsetof(Rollout, n_points) == 14);
+static_assert(offsetof(Rollout, x_m) == 16);
+static_assert(offsetof(Rollout, y_m) == 64);
+static_assert(Rollout::SCHEMA == [] {
+    std::uint64_t hash = fnv1a(FNV_OFFSET, Rollout::NAME);
+    hash = fnv1a(hash, "v_mps");
+    hash = fnv1a_number(hash, Schema<decltype(Rollout::v_mps)>::value);
+    hash = fnv1a_number(hash, offsetof(Rollout, v_mps));
+    hash = fnv1a(hash, "w_radps");
+    hash = fnv1a_number(hash, Schema<decltype(Rollout::w_radps)>::value);
+    hash = fnv1a_number(hash, offsetof(Rollout, w_radps));
+    hash = fnv1a(hash, "cost");
+    hash = fnv1a_number(hash, Schema<decltype(Rollout::cost)>::value);
+    hash = fnv1a_number(hash, offsetof(Rollout, cost));
+    hash = fnv1a(hash, "outcome");
+    hash = fnv1a_number(hash, Schema<decltype(Rollout::outcome)>::value);
+    hash = fnv1a_number(hash, offsetof(Rollout, outcome));
+    hash = fnv1a(hash, "n_points");
+    hash = fnv1a_number(hash, Schema<decltype(Rollout::n_points)>::value);
+    hash = fnv1a_number(hash, offsetof(Rollout, n_points));
+    hash = fnv1a(hash, "x_m");
+    hash = fnv1a_number(hash, Schema<decltype(Rollout::x_m)>::value);
+    hash = fnv1a_number(hash, offsetof(Rollout, x_m));
+    hash = fnv1a(hash, "y_m");
+    hash = fnv1a_number(hash, Schema<decltype(Rollout::y_m)>::value);
+    hash = fnv1a_number(hash, offsetof(Rollout, y_m));
+    return hash;
+}());
+
 /// Fixed fields of the heartbeat; the slice is empty.
 struct Health {
     static constexpr const char* NAME = "zeronav.Health.v1";
@@ -2805,6 +2926,20 @@ struct sim_placement {
     static constexpr std::array<Role, 0> RINGS_IN_LOCKSTEP{};
 };
 
+struct debug_rollouts {
+    using Envelope = DebugRolloutsEnvelope;
+    using Item = Rollout;
+    static constexpr const char* NAME = "debug/rollouts";
+    static constexpr std::uint64_t SCHEMA = 0x9c632191d0f72eac;
+    static constexpr std::size_t NUMBER = 25;
+    static constexpr std::size_t LEN_MAX = 64;
+    static constexpr std::size_t BUFFER = 2;
+    static constexpr std::size_t POOL = 58;
+    static constexpr std::array<Role, 1> WRITERS{Role::local_planner};
+    static constexpr std::array<Role, 0> RINGS{};
+    static constexpr std::array<Role, 0> RINGS_IN_LOCKSTEP{};
+};
+
 struct health_robot {
     using Envelope = HealthEnvelope;
     using Item = std::uint8_t;
@@ -2894,8 +3029,8 @@ struct run_spans {
 using All = std::tuple<robot_description, robot_scan, robot_odometry, map_update, map_keyframe,
     map_obstacles, plan_path, plan_request, task_goal, task_status, task_pose,
     control_velocity_request, robot_velocity_command, run_clock, run_control, sim_ground_truth,
-    sim_placement, health_robot, health_mapping, health_global_planner, health_local_planner,
-    health_collision_guard, run_spans>;
+    sim_placement, debug_rollouts, health_robot, health_mapping, health_global_planner,
+    health_local_planner, health_collision_guard, run_spans>;
 
 }  // namespace topics
 

@@ -1,8 +1,7 @@
 //! What the system tests share: the real `zeronav`, run like a user would, with a watchdog.
 //!
 //! Every run has a domain and a working folder of its own, so tests run side by side and beside a
-//! live stack. Runs in real time take turns behind a lock, because two of them would only measure
-//! each other.
+//! live stack. Runs in real time take turns, so that they leave each other the processors.
 
 pub mod browser;
 #[path = "../data/folder.rs"]
@@ -15,6 +14,7 @@ pub mod rooms;
 mod said;
 pub mod seats;
 pub mod structure;
+mod turns;
 pub mod up;
 
 pub use processes::{children_of, domains_of, services_of};
@@ -25,8 +25,9 @@ use std::io::{BufRead, BufReader, Read, Seek, SeekFrom, Write};
 use std::os::unix::net::UnixStream;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
-use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
+use std::sync::OnceLock;
 use std::time::{Duration, Instant};
+pub use turns::{Turn, quiet_turn, real_time_turn};
 
 /// No run of a test takes longer; one that does hangs.
 pub const WATCHDOG: Duration = Duration::from_secs(240);
@@ -75,12 +76,6 @@ pub fn binaries() -> &'static Path {
         assert!(status.success(), "the binaries do not build");
         folder
     })
-}
-
-/// One at a time for runs in real time.
-pub fn real_time_turn() -> MutexGuard<'static, ()> {
-    static TURN: Mutex<()> = Mutex::new(());
-    TURN.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Checks the `latency` of a run: no stamp before its predecessor, no record missing, and the robot's

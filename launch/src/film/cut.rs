@@ -97,6 +97,7 @@ impl Film {
                 obstacles: tracked.newest(at),
                 bodies: bodies.newest(at),
                 path: paths.newest(at).map(|planned| planned.scene()),
+                rollouts: None,
                 goals: goals.newest(at),
                 task: tasks.newest(at),
                 control: controls.newest(at),

@@ -188,7 +188,7 @@ const fn all() -> f64 {
 pub(crate) fn faultable() -> impl Iterator<Item = &'static TopicRow> {
     let of_launch = |row: &&TopicRow| {
         let name = row.name;
-        ["run/", "health/", "sim/"]
+        ["run/", "health/", "sim/", "debug/"]
             .iter()
             .any(|it| name.starts_with(it))
     };

@@ -6,7 +6,7 @@ use zeronav_msgs::labels::{ENUMS, label};
 use zeronav_msgs::message::{self, Wire};
 use zeronav_msgs::span::Span;
 use zeronav_msgs::topics::{self, Topic, TopicRow, TopicVisitor, visit_topics};
-use zeronav_msgs::{grid, header, health, map, obstacles, run};
+use zeronav_msgs::{grid, header, health, map, obstacles, rollouts, run};
 
 /// The contract.
 pub(crate) struct Contract {
@@ -183,6 +183,7 @@ fn constants() -> Vec<(&'static str, f64)> {
             COST_UNKNOWN, FLAG_STATIC, FLAG_SENSED, FLAG_VIRTUAL, FLAG_REGULARISED, FLAG_UNKNOWN,
         },
         obstacles::{OBSTACLE_RADIUS_M_MAX},
+        rollouts::{ROLLOUT_COST_MAX, ROLLOUT_POINTS_MAX},
         health::{
             REASON_SCAN, REASON_ODOMETRY, REASON_MAP, REASON_PATH, REASON_REQUEST,
             REASON_REFUSED, REASON_NO_LOAN, REASON_TOO_LONG,

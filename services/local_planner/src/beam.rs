@@ -31,11 +31,13 @@ use crate::lanes::data::narrow;
 use crate::pilot::Pilot;
 use crate::pilot::perception::{Prediction, Tracks};
 use crate::pilot::scene::{Choose, Mode, Scene, Wish};
-use node::Node;
+use crate::record::{Record, Seen};
+use node::{Blocked, Node};
 use space::{LOOKS, Space};
 use visited::Visited;
 use zeronav_motion::Twist;
 use zeronav_msgs::obstacles::OBSTACLES_MAX;
+use zeronav_msgs::rollouts::RolloutOutcome;
 
 /// Speeds that are asked for, as shares of the fastest.
 const SPEEDS: [f32; 6] = [0.0, 0.15, 0.35, 0.6, 0.8, 1.0];
@@ -81,7 +83,14 @@ impl Choose for Beam {
             self.search.forget();
             return self.alone.choose(scene);
         }
-        let wish = match self.search.lead(scene) {
+        let mut record = scene.memory.record.take();
+        let found = self.search.lead(scene, record.as_deref_mut());
+        if let Some(record) = record.as_mut().filter(|_| found.is_none()) {
+            // What the window looks at decides.
+            record.begin(scene.situation.map_from_base);
+        }
+        scene.memory.record = record;
+        let wish = match found {
             Some(twist) => {
                 scene.memory.mode = Mode::Follow;
                 scene.memory.astray_s = 0.0;
@@ -142,11 +151,14 @@ impl Search {
     }
 
     /// The twist of the manoeuvre that was found last or, when that is old, is found now.
-    fn lead(&mut self, scene: &mut Scene<'_>) -> Option<Twist> {
+    fn lead(&mut self, scene: &mut Scene<'_>, mut record: Option<&mut Record>) -> Option<Twist> {
         let situation = scene.situation;
         if let Some((twist, age_s)) = &mut self.found {
             *age_s += situation.period_s;
             if *age_s < self.config.replan_s - 0.5 * situation.period_s {
+                if let Some(record) = &mut record {
+                    record.hold();
+                }
                 return Some(*twist);
             }
         }
@@ -165,38 +177,104 @@ impl Search {
             fastest: narrow(scene.top_speed_mps()),
             soft: narrow(scene.config.soft_clearance_m),
         };
-        let twist = self.search(&space, scene.from);
+        let twist = self.search(&space, scene.from, record);
         self.found = twist.map(|twist| (twist, 0.0));
         twist
     }
 
     /// The first manoeuvre of the best sequence; `None` when no manoeuvre is free.
-    fn search(&mut self, space: &Space<'_>, from: Twist) -> Option<Twist> {
+    fn search(
+        &mut self,
+        space: &Space<'_>,
+        from: Twist,
+        mut record: Option<&mut Record>,
+    ) -> Option<Twist> {
         self.looked_at = 0;
         self.nodes.clear();
         self.nodes.push(space.root(from.v_mps, from.w_radps));
         let mut layer = 0..1;
-        for number in 0..self.config.layers as usize {
-            self.expand(space, layer.clone(), number);
+        let mut depth = 0;
+        while depth < self.config.layers as usize {
+            self.expand(space, layer.clone(), depth, record.as_deref_mut());
             if self.fresh.is_empty() {
                 break;
             }
             layer = self.keep_the_best();
+            depth += 1;
         }
-        // The best of the last layer is its first node.
-        let mut best = *self.nodes.get(layer.start)?;
-        if layer.start == 0 {
+        if depth == 0 {
             return None;
         }
-        while best.parent != 0 {
-            best = self.nodes[best.parent];
+        // The best of the last layer is its first node.
+        if let Some(record) = record {
+            self.tell(record, layer.clone(), depth);
         }
-        let (v, w) = best.asked;
+        let (v, w) = self.nodes[self.ancestor(layer.start, depth - 1)].asked;
         Some(Twist::new(f64::from(v), f64::from(w)))
     }
 
+    /// The node so many manoeuvres before another one.
+    fn ancestor(&self, node: usize, before: usize) -> usize {
+        (0..before).fold(node, |node, _| self.nodes[node].parent)
+    }
+
+    /// Tells the record of the sequences that end in a layer of this depth.
+    fn tell(&self, record: &mut Record, layer: core::ops::Range<usize>, depth: usize) {
+        let first = layer.start;
+        for end in layer {
+            let seen = Seen {
+                twist: self.nodes[self.ancestor(end, depth - 1)].asked,
+                cost: self.nodes[end].total,
+                outcome: RolloutOutcome::Costlier,
+                steps: depth,
+            };
+            let place = |step: usize| {
+                let state = self.nodes[self.ancestor(end, depth - 1 - step)].state;
+                (state.x, state.y)
+            };
+            record.offer(&seen, place);
+            if end == first {
+                record.lead(&seen, place);
+            }
+        }
+    }
+
+    /// Tells the record of a manoeuvre from `parent`, a node of this depth, that something is in the
+    /// way of.
+    fn tell_blocked(
+        &self,
+        record: &mut Record,
+        (parent, depth): (usize, usize),
+        asked: (f32, f32),
+        blocked: &Blocked,
+    ) {
+        let twist = match depth {
+            0 => asked,
+            depth => self.nodes[self.ancestor(parent, depth - 1)].asked,
+        };
+        let seen = Seen {
+            twist,
+            cost: self.nodes[parent].total,
+            outcome: blocked.by,
+            steps: depth + 1,
+        };
+        record.offer(&seen, |step| {
+            if step == depth {
+                return blocked.at;
+            }
+            let state = self.nodes[self.ancestor(parent, depth - 1 - step)].state;
+            (state.x, state.y)
+        });
+    }
+
     /// Drives every manoeuvre from every node of a layer.
-    fn expand(&mut self, space: &Space<'_>, layer: core::ops::Range<usize>, number: usize) {
+    fn expand(
+        &mut self,
+        space: &Space<'_>,
+        layer: core::ops::Range<usize>,
+        number: usize,
+        mut record: Option<&mut Record>,
+    ) {
         let jump = narrow(space.robot.a_mps2_max.max(space.robot.brake_mps2))
             * narrow(self.config.manoeuvre_s);
         let w_max = narrow(space.robot.w_radps_max);
@@ -214,8 +292,14 @@ impl Search {
                         continue;
                     }
                     self.looked_at += 1;
-                    let next = space.drive(&node, (v, w), number, &self.near);
-                    self.fresh.extend(next.map(|next| Node { parent, ..next }));
+                    match space.drive(&node, (v, w), number, &self.near) {
+                        Ok(next) => self.fresh.push(Node { parent, ..next }),
+                        Err(blocked) => {
+                            if let Some(record) = &mut record {
+                                self.tell_blocked(record, (parent, number), (v, w), &blocked);
+                            }
+                        }
+                    }
                 }
             }
         }

@@ -52,19 +52,28 @@ impl DynamicWindow {
     /// The best admissible twist of the window.
     fn best(&mut self, scene: &mut Scene<'_>, heading: &Heading) -> Option<Twist> {
         let (window, config) = (scene.window(heading), scene.config);
+        let mut record = scene.memory.record.take();
         let rows = &mut self.rows;
         rows.prepare(&window, scene, (config.speeds, config.yaw_rates));
         let last = rows.grid.steps - 1;
         let mut best: Option<(f64, Twist)> = None;
         for speed in 0..rows.grid.speeds.len() {
             let terms = scene.worth_at(rows.grid.speeds[speed]);
-            if let Some(lane) = rows.rate(scene, &window, (speed, last), &terms) {
+            let found = rows.rate(scene, &window, (speed, last), &terms);
+            if let Some(record) = &mut record {
+                rows.tell(record, speed, |lane| rows.rated.worth[lane]);
+            }
+            if let Some(lane) = found {
                 let worth = rows.rated.worth[lane];
                 if best.is_none_or(|(most, _)| worth > most) {
                     best = Some((worth, rows.twist(speed, lane)));
+                    if let Some(record) = &mut record {
+                        rows.lead(record, (speed, lane), worth);
+                    }
                 }
             }
         }
+        scene.memory.record = record;
         best.map(|(_, twist)| twist)
     }
 }

@@ -17,6 +17,7 @@ use crate::pilot::Pilot;
 use crate::pilot::perception::{PATH_HORIZON_S, Perception, Tracks};
 use crate::pilot::scene::{CREEP_MPS, Choose, Heading, Mode, Scene, Wish};
 use crate::rated::{Evaluate, Outcome, TimedWorth};
+use crate::record::Record;
 use nalgebra::Point2;
 use options::DwaTConfig;
 use zeronav_motion::Twist;
@@ -89,16 +90,29 @@ impl TimedWindow {
         let judged_s = judged_s(scene, config.horizon_s);
         let judged = steps_of(judged_s, window.step_s).clamp(1, self.rows.grid.steps) - 1;
         scene.memory.reserve.clear();
+        let mut record = scene.memory.record.take();
+        let mut most = f64::NEG_INFINITY;
         for speed in 0..self.rows.grid.speeds.len() {
-            let best = self.best_of_speed(scene, &window, (speed, judged), now);
-            scene.memory.reserve.extend(best);
+            let telling = record.as_deref_mut();
+            let Some(best) = self.best_of_speed(scene, &window, (speed, judged), now, telling)
+            else {
+                continue;
+            };
+            let (worth, lane) = best;
+            let twist = self.rows.twist(speed, lane);
+            scene.memory.reserve.push((worth, twist));
+            if let Some(record) = record.as_mut().filter(|_| worth > most) {
+                most = worth;
+                self.rows.lead(record, (speed, lane), worth);
+            }
         }
+        scene.memory.record = record;
         let reserve = &mut scene.memory.reserve;
         reserve.sort_by(|a, b| b.0.total_cmp(&a.0));
         reserve.first().map(|(_, twist)| *twist)
     }
 
-    /// The best twist of a speed with its worth. `judged` is the last step that is compared with
+    /// The best lane of a speed with its worth. `judged` is the last step that is compared with
     /// the path, `now` the way to go from here. [m]
     fn best_of_speed(
         &mut self,
@@ -106,15 +120,16 @@ impl TimedWindow {
         window: &Window<'_>,
         (speed, judged): (usize, usize),
         now: Option<f32>,
-    ) -> Option<(f64, Twist)> {
+        record: Option<&mut Record>,
+    ) -> Option<(f64, usize)> {
         let v_mps = self.rows.grid.speeds[speed];
         let terms = TimedWorth {
             worth: scene.worth_at(v_mps),
             v_mps,
             config: self.config,
         };
-        let first = self.rows.rate(scene, window, (speed, judged), &terms)?;
-        let Rows { grid, rated } = &self.rows;
+        let first = self.rows.rate(scene, window, (speed, judged), &terms);
+        let Rows { grid, rated, .. } = &self.rows;
         let here = scene.situation.map_from_base.point();
         // Along the path, unless the free way from there is longer than that.
         let worth_of = |lane: usize| {
@@ -132,6 +147,10 @@ impl TimedWindow {
                 }
             }
         };
+        if let Some(record) = record {
+            self.rows.tell(record, speed, worth_of);
+        }
+        let first = first?;
         // The cost-to-go can only make a rollout worth less: most are out of the question once the
         // most promising one is known.
         let mut best = (worth_of(first), first);
@@ -145,7 +164,7 @@ impl TimedWindow {
                 }
             }
         }
-        Some((best.0, self.rows.twist(speed, best.1)))
+        Some(best)
     }
 }
 

@@ -24,6 +24,7 @@ pub mod period;
 pub mod pilot;
 pub mod progress;
 mod rated;
+mod record;
 pub mod recovery;
 pub mod requests;
 pub mod scan_points;

@@ -11,13 +11,15 @@ use readings::{News, Readings};
 use report::report;
 use std::process::ExitCode;
 use zeronav_local_planner::{LocalPlanner, LocalPlannerConfig};
+use zeronav_msgs::header::Parents;
 use zeronav_msgs::role::Role;
+use zeronav_msgs::rollouts::ROLLOUTS_MAX;
 use zeronav_msgs::task::GOALS_MAX;
 use zeronav_msgs::time::seconds;
-use zeronav_msgs::topics::{ControlRequest, PlanRequests, TaskState};
+use zeronav_msgs::topics::{ControlRequest, DebugRollouts, PlanRequests, TaskState};
 use zeronav_params::Parameter;
 use zeronav_shell::doorbell::Rung;
-use zeronav_shell::{Draft, Due, Service, Shell, StartError, Trigger, Writer};
+use zeronav_shell::{Draft, Due, Sent, Service, Shell, StartError, Trigger, Writer};
 
 /// Ticks between two statuses of an unchanged task.
 const STATUS_TICKS: u64 = 10;
@@ -31,6 +33,7 @@ struct PlannerService {
     request: Writer<ControlRequest>,
     plan_request: Writer<PlanRequests>,
     status: Writer<TaskState>,
+    rollouts: Writer<DebugRollouts>,
     answered_ns: u64,
     status_tick: u64,
     goal_log: GoalLog,
@@ -60,6 +63,7 @@ impl Service for PlannerService {
             request: peer.writer(1)?,
             plan_request: peer.writer(1)?,
             status: peer.writer(GOALS_MAX)?,
+            rollouts: peer.writer(ROLLOUTS_MAX)?,
             answered_ns: 0,
             status_tick: 0,
             goal_log: GoalLog::default(),
@@ -112,6 +116,21 @@ impl PlannerService {
         self.answered_ns = draft.started_ns;
         report(shell, &outputs);
         shell.finish(&draft, sent, u64::from(outputs.rollouts));
+        self.send_rollouts(shell, &draft, sent);
+    }
+
+    /// Sends what the answer's period looked at, and keeps that of the next one while somebody reads
+    /// it. After the answer, which neither waits for it nor depends on it.
+    fn send_rollouts(&mut self, shell: &Shell, draft: &Draft, request: Option<Sent>) {
+        if let Some((meta, rollouts)) = self.planner.rollouts() {
+            let parents = Parents {
+                request: request.map_or(0, |sent| sent.id.0),
+                ..draft.parents
+            };
+            let draft = Draft { parents, ..*draft };
+            shell.send_aside(&draft, &mut self.rollouts, meta, rollouts);
+        }
+        self.planner.record(self.rollouts.is_read());
     }
 
     /// Time since the answer before, a tick at most. [s]

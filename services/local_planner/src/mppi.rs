@@ -22,6 +22,7 @@ mod limits;
 mod noise;
 pub mod options;
 mod plan;
+mod tell;
 
 use crate::dwa::options::DwaConfig;
 use crate::dwa_t::options::DwaTConfig;
@@ -34,6 +35,7 @@ use crate::mppi::options::MppiConfig;
 use crate::pilot::Pilot;
 use crate::pilot::perception::Tracks;
 use crate::pilot::scene::{COMFORT_SHARE, Choose, Scene, Wish};
+use crate::record::Record;
 use batch::{Batch, LANES, Lanes};
 use limits::Limits;
 use nalgebra::{Point2, Vector2};
@@ -85,8 +87,12 @@ impl Choose for Mppi {
                 return turn;
             }
         };
+        // Of the samples alone: the window's rollouts cost in other terms.
+        let mut record = scene.memory.record.take();
         let best = self.window.best(scene, &heading);
-        let refined = self.optimiser.refine(scene, heading.fastest_mps, best);
+        let telling = record.as_deref_mut();
+        let refined = (self.optimiser).refine(scene, heading.fastest_mps, best, telling);
+        scene.memory.record = record;
         scene.memory.rollouts = scene.memory.rollouts.max(self.optimiser.looked_at);
         scene.steer_or_rest(refined.or(best))
     }
@@ -304,11 +310,33 @@ impl Optimiser {
         }
     }
 
+    /// Draws all samples and takes them into the mean. `window` is the twist of the window's choice.
+    fn explore(
+        &mut self,
+        limits: &Limits,
+        cycle: &Cycle<'_>,
+        scene: &Scene<'_>,
+        window: (f32, f32),
+        mut record: Option<&mut Record>,
+    ) {
+        self.noise.shuffle();
+        self.clear_sums();
+        let mut costs = [0.0; LANES];
+        for row in 0..self.noise.rows() {
+            self.ask(row, narrow(cycle.robot.v_mps_min), window);
+            self.judge(limits, cycle, scene, &mut costs);
+            self.weigh(&costs);
+            if let Some(record) = &mut record {
+                tell::samples(record, cycle, &self.batch, &costs);
+            }
+        }
+        self.looked_at = u32::try_from(self.noise.rows() * LANES).unwrap_or(u32::MAX);
+    }
+
     /// The lane of the cheapest finalist that is free.
     fn cheapest_free(&self, scene: &Scene<'_>, costs: &Lanes) -> Option<usize> {
-        let mut order = [MEAN, BEST, WINDOW, BRISK];
-        order.sort_by(|a, b| costs[*a].total_cmp(&costs[*b]));
-        order.into_iter().find(|lane| self.is_free(scene, *lane))
+        let mut order = by_cost(costs).into_iter();
+        order.find(|lane| self.is_free(scene, *lane))
     }
 
     /// The first twist of the cheapest free sequence; `None` = none that is better than `best`, the
@@ -318,6 +346,7 @@ impl Optimiser {
         scene: &mut Scene<'_>,
         fastest_mps: f64,
         best: Option<Twist>,
+        mut record: Option<&mut Record>,
     ) -> Option<Twist> {
         let situation = scene.situation;
         let (robot, goal) = (situation.robot, situation.goal);
@@ -371,18 +400,15 @@ impl Optimiser {
             goal_heading: (!any_yaw).then(|| (narrow(goal_cos), narrow(goal_sin))),
             remaining_m: narrow(scene.place.remaining_m),
         };
-        self.noise.shuffle();
-        self.clear_sums();
-        let mut costs = [0.0; LANES];
-        for row in 0..self.noise.rows() {
-            self.ask(row, narrow(robot.v_mps_min), window);
-            self.judge(&limits, &cycle, scene, &mut costs);
-            self.weigh(&costs);
-        }
-        self.looked_at = u32::try_from(self.noise.rows() * LANES).unwrap_or(u32::MAX);
+        self.explore(&limits, &cycle, scene, window, record.as_deref_mut());
         self.finalists(window, narrow(fastest_mps));
+        let mut costs = [0.0; LANES];
         self.judge(&limits, &cycle, scene, &mut costs);
         let chosen = self.cheapest_free(scene, &costs);
+        if let Some(record) = record {
+            let order = by_cost(&costs);
+            tell::finalists(record, &cycle, &self.batch, (order, chosen), &costs);
+        }
         self.path = path;
         let Some(lane) = chosen else {
             self.plan.forget();
@@ -392,6 +418,13 @@ impl Optimiser {
         let (v, w) = self.plan.at(0);
         Some(Twist::new(f64::from(v), f64::from(w)))
     }
+}
+
+/// The finalists, the cheapest first.
+fn by_cost(costs: &Lanes) -> [usize; 4] {
+    let mut order = [MEAN, BEST, WINDOW, BRISK];
+    order.sort_by(|a, b| costs[*a].total_cmp(&costs[*b]));
+    order
 }
 
 /// [m] by which a robot may come nearer to a prediction in one check: noise, not motion.

@@ -21,6 +21,7 @@ use zeronav_msgs::obstacles::Obstacle;
 use zeronav_msgs::odometry::Odometry;
 use zeronav_msgs::path::{Path, PathStatus, Waypoint};
 use zeronav_msgs::request::PlanRequest;
+use zeronav_msgs::rollouts::{Rollout, Rollouts};
 use zeronav_msgs::task::{Goal, GoalEnd, StuckCause, Task, TaskState, TaskStatus};
 use zeronav_msgs::time::seconds;
 use zeronav_msgs::{MapView, Pose};
@@ -167,6 +168,18 @@ impl LocalPlanner {
             trail: Trail::new(),
             last: Twist::REST,
         })
+    }
+
+    /// From now on keeps what a period looks at, or no longer. Nothing is decided by it.
+    pub fn record(&mut self, on: bool) {
+        self.pilot.record(on);
+    }
+
+    /// For `debug/rollouts`: what the last period looked at, while that is kept; `None` when it looked
+    /// at nothing new.
+    #[must_use]
+    pub fn rollouts(&self) -> Option<(Rollouts, &[Rollout])> {
+        self.pilot.rollouts()
     }
 
     /// Takes in a task by its id on `task/goal`; repeats are ignored.

@@ -23,11 +23,12 @@ use crate::dwa::options::DwaConfig;
 use crate::shaping::{Shaper, ShapingConfig};
 use crate::situation::{Decision, Situation};
 use crate::surroundings::Surroundings;
-use perception::{Perception, Tracks};
+use perception::{Perception, Tracks, horizon_s};
 use scene::{BLOCKED_S, Choose, Memory, Mode, Scene, Wish};
 use verify::first_with_free_stop;
 use zeronav_motion::{Twist, stop_distance_m, towards_rest};
 use zeronav_msgs::command::{RequestCause, Validity};
+use zeronav_msgs::rollouts::{Rollout, Rollouts};
 
 /// [s] of acceleration by which the last command may lead the measured twist: three
 /// control periods of 20 ms. Commands start from the last command, not from the measurement,
@@ -67,6 +68,19 @@ impl Pilot {
             shaper: Shaper::new(config),
             ..self
         }
+    }
+
+    /// From now on keeps what a period looks at, or no longer. Nothing is decided by it.
+    pub fn record(&mut self, on: bool) {
+        if on != self.memory.record.is_some() {
+            self.memory.record = on.then(Box::default);
+        }
+    }
+
+    /// What the last period looked at, while that is kept; `None` when it looked at nothing new.
+    #[must_use]
+    pub fn rollouts(&self) -> Option<(Rollouts, &[Rollout])> {
+        self.memory.record.as_ref()?.message()
     }
 
     /// The twist that this period's command starts from: the last command, as far as the
@@ -109,6 +123,7 @@ impl Pilot {
     /// periods nothing is allocated.
     pub fn decide(&mut self, situation: &Situation<'_>) -> Decision {
         self.memory.begin(situation.goal.id);
+        self.begin_record(situation);
         let from = self.start(situation);
         let Some(wish) = self.wish(situation, from) else {
             self.memory.mode = Mode::Follow;
@@ -136,8 +151,10 @@ impl Pilot {
         wanted: Option<Twist>,
     ) -> Decision {
         self.chooser.forget();
+        self.begin_record(situation);
         let from = self.start(situation);
         let command = self.command(situation, from, wanted.into_iter());
+        self.end_record(situation, (from, wanted.filter(|_| command.is_some())), 1);
         self.decision(situation, from, command.ok_or(Validity::Blocked))
     }
 
@@ -151,23 +168,20 @@ impl Pilot {
         self.shaper.interrupted();
         self.memory.last = published;
         self.chooser.forget();
+        if let Some(record) = &mut self.memory.record {
+            record.clear();
+        }
     }
 
     /// The first step towards the wish from which a stop is free; else the first step of a stop.
     fn publish(&mut self, situation: &Situation<'_>, from: Twist, wish: &Wish) -> Decision {
         let command = match wish {
             Wish::Rest(validity) => Err(*validity),
-            Wish::Towards(wanted) => {
-                let slowed = Twist::new(0.0, wanted.w_radps);
-                let others = self.memory.reserve.iter().map(|(_, twist)| *twist);
-                let others = others.take(RESERVE).filter(|twist| twist != wanted);
-                let candidates = core::iter::once(*wanted)
-                    .chain(others)
-                    .chain(core::iter::once(slowed));
-                self.command(situation, from, candidates)
-                    .ok_or(Validity::Blocked)
-            }
+            Wish::Towards(wanted) => self
+                .command(situation, from, self.candidates(*wanted))
+                .ok_or(Validity::Blocked),
         };
+        self.tell(situation, from, wish, command.ok().map(|(step, _)| step));
         let mut decision = self.decision(situation, from, command);
         // Not moving although a motion is wanted is being blocked, whatever the cause.
         let (robot, period_s) = (situation.robot, situation.period_s);
@@ -196,6 +210,50 @@ impl Pilot {
             _ => (RequestCause::None, 0.0),
         };
         decision
+    }
+
+    /// What may be gone towards for a wish, best first.
+    fn candidates(&self, wanted: Twist) -> impl Iterator<Item = Twist> {
+        let slowed = Twist::new(0.0, wanted.w_radps);
+        let others = self.memory.reserve.iter().map(|(_, twist)| *twist);
+        let others = others.take(RESERVE).filter(move |twist| *twist != wanted);
+        core::iter::once(wanted)
+            .chain(others)
+            .chain(core::iter::once(slowed))
+    }
+
+    fn begin_record(&mut self, situation: &Situation<'_>) {
+        if let Some(record) = &mut self.memory.record {
+            record.begin(situation.map_from_base);
+        }
+    }
+
+    /// Tells the record which candidate `step`, the command of this period, goes towards.
+    fn tell(&mut self, situation: &Situation<'_>, from: Twist, wish: &Wish, step: Option<Twist>) {
+        if self.memory.record.is_none() {
+            return;
+        }
+        let picked = match (wish, step) {
+            // Of two candidates with the same step the first one was taken.
+            (Wish::Towards(wanted), Some(step)) => self.candidates(*wanted).find(|candidate| {
+                let (robot, period_s) = (situation.robot, situation.period_s);
+                self.shaper.next(robot, from, *candidate, period_s) == step
+            }),
+            _ => None,
+        };
+        self.end_record(situation, (from, picked), self.memory.rollouts);
+    }
+
+    fn end_record(
+        &mut self,
+        situation: &Situation<'_>,
+        motion: (Twist, Option<Twist>),
+        looked_at: u32,
+    ) {
+        let horizon_s = horizon_s(&self.config, situation.robot);
+        if let Some(record) = &mut self.memory.record {
+            record.end(situation.robot, motion, horizon_s, looked_at);
+        }
     }
 
     /// The step of this period towards the first candidate from which a stop is free, with the arc

@@ -28,8 +28,14 @@ fn a_cycle_allocates_nothing() {
             (beam::beam(dwa(), timed(), BeamConfig::default()), 2000),
         ]
     };
-    for robot in [disc(0.25, 0.8, 1.0, 1.8, 3.0), jackal()] {
+    let robots = [disc(0.25, 0.8, 1.0, 1.8, 3.0), jackal()];
+    for (robot, is_recorded) in robots
+        .iter()
+        .zip([false, true])
+        .chain(robots.iter().zip([true, false]))
+    {
         for (mut controller, least_rollouts) in controllers() {
+            controller.record(is_recorded);
             let pose = Pose::new(1.0, 1.7, 0.0);
             let mut run = Loop::new(robot.clone(), &hall, (14.0, 3.4), pose, corners.clone());
             for _ in 0..50 {

@@ -250,6 +250,22 @@ def _velocity_command(meta, items):
         number(along, -POINT_M_MAX, POINT_M_MAX, "point_m")
 
 
+def _rollouts(meta, rollouts):
+    length(rollouts, meta.n_rollouts, c.DEBUG_ROLLOUTS.len_max, "rollouts")
+    pose(meta.map_from_base, "map_from_base")
+    outcomes, points = rollouts["outcome"], rollouts["n_points"]
+    code(c.RolloutOutcome, outcomes, "outcome")
+    number(rollouts["v_mps"], -c.SPEED_MAX, c.SPEED_MAX, "v_mps")
+    number(rollouts["w_radps"], -c.SPEED_MAX, c.SPEED_MAX, "w_radps")
+    number(rollouts["cost"], -c.ROLLOUT_COST_MAX, c.ROLLOUT_COST_MAX, "cost")
+    in_range = (points >= 1) & (points <= c.ROLLOUT_POINTS_MAX)
+    ensure(in_range.all(), "n_points is out of range")
+    number(rollouts["x_m"], -c.COORDINATE_M_MAX, c.COORDINATE_M_MAX, "x_m")
+    number(rollouts["y_m"], -c.COORDINATE_M_MAX, c.COORDINATE_M_MAX, "y_m")
+    chosen = np.count_nonzero(outcomes == c.RolloutOutcome.CHOSEN)
+    ensure(chosen <= 1, "wrong number of chosen rollouts")
+
+
 def _run_clock(meta, items):
     length(items, 0, 0, "items")
     code(c.RunMode, meta.mode, "mode")
@@ -289,6 +305,7 @@ CHECKS = {
     c.TASK_POSE: _pose_estimate,
     c.CONTROL_VELOCITY_REQUEST: _velocity_request,
     c.ROBOT_VELOCITY_COMMAND: _velocity_command,
+    c.DEBUG_ROLLOUTS: _rollouts,
     c.RUN_CLOCK: _run_clock,
     c.RUN_CONTROL: _run_control,
     **{topic: _health for topic in c.HEALTH.values()},

@@ -124,6 +124,15 @@ class Role(IntEnum):
     TAP = 7
 
 
+class RolloutOutcome(IntEnum):
+    NONE = 0
+    CHOSEN = 1
+    COSTLIER = 2
+    COLLISION = 3
+    MOVING_COLLISION = 4
+    NO_STOP = 5
+
+
 class RunMode(IntEnum):
     NONE = 0
     REAL_TIME = 1
@@ -196,6 +205,8 @@ FLAG_VIRTUAL = 4
 FLAG_REGULARISED = 8
 FLAG_UNKNOWN = 16
 OBSTACLE_RADIUS_M_MAX = 10
+ROLLOUT_COST_MAX = 1000000000
+ROLLOUT_POINTS_MAX = 12
 REASON_SCAN = 1
 REASON_ODOMETRY = 2
 REASON_MAP = 4
@@ -223,7 +234,8 @@ class Parents(Message):
         ("map", u64),
         # [id] Id on `plan/path`.
         ("path", u64),
-        # [id] Id on `plan/request` for a path, on `control/velocity_request` for a command.
+        # [id] Id on `plan/request` for a path, on `control/velocity_request` for a command and for
+        # rollouts.
         ("request", u64),
         # [id] Id on `task/goal`.
         ("goal", u64),
@@ -1263,6 +1275,64 @@ class Placement(Message):
     ]
 
 
+class Rollouts(Message):
+    """Fixed fields of the rollouts of a control period: a spread over all, with the chosen one and
+    the cheapest of every reason. A period that goes on with an older choice sends none."""
+
+    NAME = "zeronav.Rollouts.v1"
+    SIZE = 40
+    SCHEMA = 0xc99b51e227a7b107
+    OFFSETS = (0, 8, 16)
+    _fields_ = [
+        # [count] Number of rollouts, equal to the length of the slice.
+        ("n_rollouts", u64),
+        # [count] Motions that the local planner looked at, 0 = not told.
+        ("n_looked_at", u64),
+        # Where the rollouts begin: the robot in the map.
+        ("map_from_base", Pose),
+    ]
+
+
+class DebugRolloutsEnvelope(Message):
+    """Header and fixed fields of the topic's messages."""
+
+    NAME = "zeronav.debug.rollouts.v1"
+    SIZE = 168
+    SCHEMA = 0x8db4eb9a99d34beb
+    OFFSETS = (0, 128)
+    _fields_ = [
+        # The header.
+        ("header", Header),
+        # The fixed fields.
+        ("meta", Rollouts),
+    ]
+
+
+class Rollout(Message):
+    """A motion as far as it was looked at, at most as far as what it leads into."""
+
+    NAME = "zeronav.Rollout.v1"
+    SIZE = 112
+    SCHEMA = 0xbff1df21de2f4ddf
+    OFFSETS = (0, 4, 8, 12, 14, 16, 64)
+    _fields_ = [
+        # [m/s] forward speed that it goes towards at first, in `base`.
+        ("v_mps", f32),
+        # [rad/s] yaw rate that it goes towards at first, in `base`.
+        ("w_radps", f32),
+        # [-] what it costs, in the controller's own unit; less is better. 0 = not rated.
+        ("cost", f32),
+        # Code of `RolloutOutcome`.
+        ("outcome", u16),
+        # [count] Number of points, at most `ROLLOUT_POINTS_MAX`; the others are 0.
+        ("n_points", u16),
+        # [m] x of its points in the `map` frame; the first one is where the robot is.
+        ("x_m", f32 * 12),
+        # [m] y of its points in the `map` frame.
+        ("y_m", f32 * 12),
+    ]
+
+
 class Health(Message):
     """Fixed fields of the heartbeat; the slice is empty."""
 
@@ -1618,6 +1688,21 @@ SIM_PLACEMENT = Topic(
     schema=0x7b6be6082eb79558,
 )
 
+DEBUG_ROLLOUTS = Topic(
+    number=25,
+    name="debug/rollouts",
+    discipline="latest",
+    envelope=DebugRolloutsEnvelope,
+    item=Rollout,
+    writers=(Role.LOCAL_PLANNER,),
+    rings=(),
+    rings_in_lockstep=(),
+    len_max=64,
+    buffer=2,
+    pool=58,
+    schema=0x9c632191d0f72eac,
+)
+
 HEALTH_ROBOT = Topic(
     number=16,
     name="health/robot",
@@ -1727,6 +1812,7 @@ TOPICS = (
     RUN_CONTROL,
     SIM_GROUND_TRUTH,
     SIM_PLACEMENT,
+    DEBUG_ROLLOUTS,
     HEALTH_ROBOT,
     HEALTH_MAPPING,
     HEALTH_GLOBAL_PLANNER,
@@ -1794,6 +1880,9 @@ for _message in (
     Placements,
     SimPlacementEnvelope,
     Placement,
+    Rollouts,
+    DebugRolloutsEnvelope,
+    Rollout,
     Health,
     HealthEnvelope,
     Span,

@@ -177,7 +177,7 @@ impl Peer {
             .create()
             .map_err(|error| StartError::system(format!("writing {}", row.name), error))?;
         memory::reserve(self.domain.prefix(), publisher.id().value(), row.name)?;
-        Ok(Writer::new(row, publisher, self.role, self.epoch))
+        Ok(Writer::new(row, publisher, factory, self.role, self.epoch))
     }
 
     /// Opens a reader that keeps the newest message of a latest or latched topic.

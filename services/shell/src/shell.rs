@@ -248,6 +248,22 @@ impl Shell {
         self.note(writer, too_long, sent)
     }
 
+    /// Sends a message that belongs to no answer: it rings nobody, is not part of the run's hash, and
+    /// when it finds no memory it is dropped without a reason in the heartbeat.
+    pub fn send_aside<T: Topic>(
+        &self,
+        draft: &Draft,
+        writer: &mut Writer<T>,
+        meta: T::Meta,
+        items: &[T::Item],
+    ) -> Option<Sent> {
+        let aside = Draft {
+            hashed: false,
+            ..*draft
+        };
+        writer.publish(&aside, meta, items)
+    }
+
     /// Notes a sent message: the readers to ring, and its share of the answer's hash; or why it was
     /// not sent. `too_long` is what the writer had counted before.
     fn note<T: Topic>(

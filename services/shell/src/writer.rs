@@ -4,6 +4,8 @@ use crate::clock::now_ns;
 use iceoryx2::port::publisher::Publisher;
 use iceoryx2::port::update_connections::UpdateConnections;
 use iceoryx2::prelude::ipc;
+use iceoryx2::service::port_factory::PortFactory as _;
+use iceoryx2::service::port_factory::publish_subscribe::PortFactory;
 use zeronav_msgs::header::{Header, Id, Parents, Stamps};
 use zeronav_msgs::message::{FNV_OFFSET, fnv1a};
 use zeronav_msgs::role::Role;
@@ -65,6 +67,7 @@ pub struct Sent {
 pub struct Writer<T: Topic> {
     row: &'static TopicRow,
     publisher: Publisher<ipc::Service, [T::Item], T::Envelope>,
+    topic: PortFactory<ipc::Service, [T::Item], T::Envelope>,
     role: Role,
     epoch: u32,
     count: u64,
@@ -76,12 +79,14 @@ impl<T: Topic> Writer<T> {
     pub(crate) fn new(
         row: &'static TopicRow,
         publisher: Publisher<ipc::Service, [T::Item], T::Envelope>,
+        topic: PortFactory<ipc::Service, [T::Item], T::Envelope>,
         role: Role,
         epoch: u32,
     ) -> Self {
         Self {
             row,
             publisher,
+            topic,
             role,
             epoch,
             count: 0,
@@ -112,6 +117,12 @@ impl<T: Topic> Writer<T> {
     #[must_use]
     pub fn too_long(&self) -> u64 {
         self.too_long
+    }
+
+    /// True while the topic has a reader; one that was killed counts until it is cleaned up after.
+    #[must_use]
+    pub fn is_read(&self) -> bool {
+        self.topic.dynamic_config().number_of_subscribers() > 0
     }
 
     /// Longest slice that fits.

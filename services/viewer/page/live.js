@@ -66,6 +66,7 @@
       Object.assign(arrival, { from_s: shown_s(now), to_s: frame.time_s, at: now });
     }
     for (const event of frame.events || []) addEvent(event);
+    showLegend();
     by("clock").textContent = `${frame.time_s.toFixed(2)} s`;
     const [v, w] = [state.robot[3], state.robot[4]];
     by("speed").textContent = `${v.toFixed(2)} m/s  ${w.toFixed(2)} rad/s`;
@@ -436,10 +437,24 @@
       button.addEventListener("click", () => {
         view.layers[layer.key] = !view.layers[layer.key];
         button.setAttribute("aria-pressed", String(view.layers[layer.key]));
+        showLegend();
         view.redraw();
       });
       return button;
     }));
+    by("legend").replaceChildren(...ZeronavScene.ROLLOUTS.map(({ key, name }) => {
+      const line = make("div", undefined, key);
+      const swatch = make("i");
+      swatch.style.background = view.colours[key];
+      line.append(swatch, name);
+      return line;
+    }));
+  }
+
+  /** What the colours of rollouts say, while there are any. */
+  function showLegend() {
+    const newest = scene && scene.states[scene.states.length - 1];
+    by("legend").hidden = !(view.layers.rollouts && newest && newest.rollouts && newest.rollouts.length);
   }
 
   const THEMES = ["auto", "light", "dark"];

@@ -149,7 +149,7 @@ const ZeronavScene = (() => {
       scan: "#e03131", obstacle: "#b7791f", path: "#1c62d6", before: "#1c62d6", track: "#7b8794",
       robot: "#0b8f6a", robotFill: "#0b8f6a33", truth: "#6b7280", goal: "#a3319f", body: "#9aa3ad",
       free_arc: "#0b8f6a", slowed: "#d08700", stopped: "#d62f2f", text: "#3b434d", halo: "#ffffffcc",
-      rollout: "#8b95a1",
+      chosen: "#e6007e", costlier: "#8b95a1", collision: "#e07b00", moving_collision: "#7a4fd0", no_stop: "#d62f2f",
     },
     dark: {
       outside: "#0f1215", unknown: "#181c21", free: "#21262c", static: "#aab4c0", sensed: "#ff8157",
@@ -157,7 +157,7 @@ const ZeronavScene = (() => {
       scan: "#ff6b6b", obstacle: "#e5b567", path: "#6aa5ff", before: "#6aa5ff", track: "#7d8894",
       robot: "#3ddbac", robotFill: "#3ddbac33", truth: "#8f98a3", goal: "#e17fdc", body: "#58616b",
       free_arc: "#3ddbac", slowed: "#f0b429", stopped: "#ff5c5c", text: "#c3cad2", halo: "#14181ccc",
-      rollout: "#77828e",
+      chosen: "#ff4fb0", costlier: "#77828e", collision: "#ffa62b", moving_collision: "#b395ec", no_stop: "#ff5c5c",
     },
   };
 
@@ -171,10 +171,20 @@ const ZeronavScene = (() => {
     { key: "scan", name: "scan", on: true },
     { key: "obstacle", name: "tracked", on: true },
     { key: "path", name: "path", on: true },
+    { key: "rollouts", name: "rollouts", colour: "chosen", on: true },
     { key: "track", name: "driven", on: true },
     { key: "goal", name: "goals", on: true },
     { key: "arc", name: "braking", colour: "free_arc", on: true },
     { key: "truth", name: "ground truth", on: true },
+  ];
+
+  // Why a rollout was not chosen, by the word of the contract, which is that of its colour, too.
+  const ROLLOUTS = [
+    { key: "chosen", name: "chosen" },
+    { key: "costlier", name: "costs more" },
+    { key: "collision", name: "leads into an obstacle" },
+    { key: "moving_collision", name: "leads into a moving obstacle" },
+    { key: "no_stop", name: "no room to stop" },
   ];
 
   const channels = (hex) => [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16));
@@ -390,6 +400,7 @@ const ZeronavScene = (() => {
       if (this.layers.scan) this.drawScan(to, moment, theme, px);
       if (this.layers.obstacle) this.drawObstacles(to, moment, theme, px);
       if (this.layers.truth && moment.truth) this.drawTruth(to, moment, theme, px);
+      if (this.layers.rollouts) this.drawRollouts(to, moment, theme, px);
       if (this.layers.arc) this.drawArc(to, moment, theme, px);
       this.drawRobot(to, moment, theme, px);
       if (this.draft) this.drawDraft(to, theme, px);
@@ -508,6 +519,23 @@ const ZeronavScene = (() => {
       }
     }
 
+    /** What the local planner looked at; the chosen one is the last of them. */
+    drawRollouts(to, moment, theme, px) {
+      for (const [outcome, , , , points] of moment.rollouts || []) {
+        const colour = theme[outcome] || theme.costlier;
+        const is_chosen = outcome === "chosen";
+        const is_free = is_chosen || outcome === "costlier";
+        to.globalAlpha = is_chosen ? 1 : 0.6;
+        line(to, points);
+        stroke(to, colour, (is_chosen ? 3 : 1) * px);
+        // Where it touches what is in its way.
+        const [x, y] = points[points.length - 1];
+        to.fillStyle = colour;
+        if (!is_free) to.fillRect(x - 1.5 * px, y - 1.5 * px, 3 * px, 3 * px);
+      }
+      to.globalAlpha = 1;
+    }
+
     outline(to, [x, y, yaw]) {
       const { footprint_m: corners, radius_m: radius } = this.scene.fixed.robot;
       if (corners.length) polygon(to, corners.map((corner) => placed([x, y, yaw], corner)));
@@ -616,5 +644,5 @@ const ZeronavScene = (() => {
     }
   }
 
-  return { Scene, View, LAYERS, THEMES };
+  return { Scene, View, LAYERS, ROLLOUTS, THEMES };
 })();

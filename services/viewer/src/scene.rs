@@ -1,9 +1,14 @@
 //! The format that the renderer draws, as `page/README.md` describes it. Numbers are rounded when
 //! they are written: lengths to millimetres, angles to 0.1 mrad.
 
+mod numbers;
+mod rollouts;
+
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
-use serde::{Serialize, Serializer};
+pub use numbers::{Rounded, point, pose};
+pub use rollouts::SceneRollout;
+use serde::Serialize;
 use zeronav_msgs::Pose;
 use zeronav_msgs::command::{Intervention, Validity, VelocityCommand, VelocityRequest};
 use zeronav_msgs::description::{Corner, Description};
@@ -16,56 +21,6 @@ use zeronav_msgs::scan::Scan;
 
 /// Version of the format.
 pub const FORMAT: u32 = 1;
-
-/// A number of a fixed number of decimals.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Rounded(f64);
-
-impl Rounded {
-    /// A length [m] to the millimetre, a time [s] to the millisecond, a speed to 1 mm/s.
-    #[must_use]
-    pub fn thousandths(value: f64) -> Self {
-        Self((value * 1.0e3).round() / 1.0e3)
-    }
-
-    /// An angle [rad] to 0.1 mrad.
-    #[must_use]
-    pub fn angle(value_rad: f64) -> Self {
-        Self((value_rad * 1.0e4).round() / 1.0e4)
-    }
-}
-
-impl Serialize for Rounded {
-    /// Whole numbers without a point; 0 for what is not finite, which JSON does not have.
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "whole numbers below 2^53 only"
-    )]
-    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
-        let value = if self.0.is_finite() { self.0 } else { 0.0 };
-        if value.fract() == 0.0 && value.abs() < 9.0e15 {
-            to.serialize_i64(value as i64)
-        } else {
-            to.serialize_f64(value)
-        }
-    }
-}
-
-/// `[x, y, yaw]`.
-#[must_use]
-pub fn pose(pose: &Pose) -> [Rounded; 3] {
-    [
-        Rounded::thousandths(pose.x_m),
-        Rounded::thousandths(pose.y_m),
-        Rounded::angle(pose.yaw_rad),
-    ]
-}
-
-/// `[x, y]`.
-#[must_use]
-pub fn point(x_m: f64, y_m: f64) -> [Rounded; 2] {
-    [Rounded::thousandths(x_m), Rounded::thousandths(y_m)]
-}
 
 /// What does not change during a run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -134,6 +89,9 @@ pub struct Frame {
     /// The path.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub path: Option<ScenePath>,
+    /// Motions that the local planner looked at.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rollouts: Option<Vec<SceneRollout>>,
     /// Goals.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub goals: Option<Vec<SceneGoal>>,

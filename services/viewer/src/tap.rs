@@ -6,8 +6,8 @@
 use crate::events::Events;
 use crate::feed::Feed;
 use crate::scene::{
-    Control, FORMAT, Fixed, Frame, Grid, Robot, Rounded, SceneGoal, ScenePath, SceneScan, Tile,
-    Tracked, pose, robot,
+    Control, FORMAT, Fixed, Frame, Grid, Robot, Rounded, SceneGoal, ScenePath, SceneRollout,
+    SceneScan, Tile, Tracked, pose, robot,
 };
 use crate::status::Seats;
 use std::collections::BTreeSet;
@@ -19,8 +19,8 @@ use zeronav_msgs::role::Role;
 use zeronav_msgs::task::TaskState;
 use zeronav_msgs::time::seconds;
 use zeronav_msgs::topics::{
-    ControlRequest, EVENT_NEED_KEYFRAME, GroundTruth, MapObstacles, PlanPath, RobotCommand,
-    RobotDescription, RobotScan, TaskGoal, TaskState as TaskStateTopic,
+    ControlRequest, DebugRollouts, EVENT_NEED_KEYFRAME, GroundTruth, MapObstacles, PlanPath,
+    RobotCommand, RobotDescription, RobotScan, TaskGoal, TaskState as TaskStateTopic,
 };
 use zeronav_shell::doorbell::Bells;
 use zeronav_shell::records::SpanReader;
@@ -41,6 +41,9 @@ const ASK_PAUSE: Duration = Duration::from_secs(1);
 
 /// How long the map may take to come by itself.
 const MAP_PAUSE: Duration = Duration::from_millis(300);
+
+/// Run time for which rollouts are shown when none come after them. [ns]
+const ROLLOUTS_NS: u64 = 500_000_000;
 
 /// Time between two looks. The shortest queue holds 32 messages: 0.6 s in real time.
 const PAUSE: Duration = Duration::from_millis(8);
@@ -103,6 +106,12 @@ pub(crate) struct Tap {
     /// Tiles that clients do not have in their newest state: column and row.
     dirty: BTreeSet<(u32, u32)>,
     path: Option<ScenePath>,
+    /// Open only while somebody looks: the local planner keeps rollouts only while they are read.
+    rollouts: Option<Latest<DebugRollouts>>,
+    /// From when on that may be opened.
+    may_open: Instant,
+    /// Clients have been shown some.
+    shows_rollouts: bool,
     last_frame: Instant,
     last_status: Instant,
     /// From when on the whole map may be asked for.
@@ -117,6 +126,7 @@ struct Changed {
     goals: bool,
     control: bool,
     truth: bool,
+    rollouts: bool,
 }
 
 impl Tap {
@@ -135,6 +145,9 @@ impl Tap {
             grid: None,
             dirty: BTreeSet::new(),
             path: None,
+            rollouts: None,
+            may_open: Instant::now(),
+            shows_rollouts: false,
             last_frame: Instant::now(),
             last_status: Instant::now(),
             may_ask: Instant::now() + MAP_PAUSE,
@@ -146,6 +159,7 @@ impl Tap {
         while !is_over() {
             self.listen();
             self.see_to_map(peer);
+            self.see_to_rollouts(peer, feed.watchers() > 0);
             self.publish(feed);
             std::thread::sleep(if self.ports.roster.roster().lockstep() {
                 LOCKSTEP_PAUSE
@@ -162,6 +176,7 @@ impl Tap {
             events,
             changed,
             seats,
+            rollouts,
             ..
         } = self;
         ports.roster.poll();
@@ -186,6 +201,9 @@ impl Tap {
         }
         changed.control |= ports.requests.poll(roster);
         changed.truth |= ports.truth.poll(roster);
+        if let Some(rollouts) = rollouts {
+            changed.rollouts |= rollouts.poll(roster);
+        }
         ports.commands.drain(roster, |command| {
             events.command(command.meta.intervention(), command.header.run_ns);
             seats.command(command.meta);
@@ -216,6 +234,30 @@ impl Tap {
             if let Ok(bells) = Bells::open(peer) {
                 bells.ring(Role::Mapping, EVENT_NEED_KEYFRAME);
             }
+        }
+    }
+
+    /// Reads rollouts while somebody looks.
+    fn see_to_rollouts(&mut self, peer: &Peer, is_watched: bool) {
+        if !is_watched {
+            self.rollouts = None;
+        } else if self.rollouts.is_none() && Instant::now() >= self.may_open {
+            // Without a place among the readers the page does without them, and tries again.
+            self.may_open = Instant::now() + ASK_PAUSE;
+            self.rollouts = peer.latest().ok();
+        }
+    }
+
+    /// The newest rollouts at a run time [ns], if they are new; none once they are old.
+    fn take_rollouts(&mut self, now_ns: u64, is_new: bool) -> Option<Vec<SceneRollout>> {
+        let newest = self.rollouts.as_ref().and_then(Latest::get);
+        match newest.filter(|view| view.header.run_ns.saturating_add(ROLLOUTS_NS) >= now_ns) {
+            Some(view) if is_new => {
+                self.shows_rollouts = true;
+                Some(view.items.iter().map(SceneRollout::of).collect())
+            }
+            Some(_) => None,
+            None => core::mem::take(&mut self.shows_rollouts).then(Vec::new),
         }
     }
 
@@ -291,10 +333,11 @@ impl Tap {
 
     /// The moment as it is; `None` before the robot has been heard.
     fn frame(&mut self) -> Option<Frame> {
-        let ports = &self.ports;
-        let newest = *ports.odometry.newest()?;
+        let newest = *self.ports.odometry.newest()?;
         let odometry = &newest.odometry;
         let changed = core::mem::take(&mut self.changed);
+        let rollouts = self.take_rollouts(newest.run_ns, changed.rollouts);
+        let ports = &self.ports;
         let scan = changed.scan.then(|| self.scan()).flatten();
         let control = changed.control.then(|| {
             let request = ports.requests.get()?;
@@ -316,6 +359,7 @@ impl Tap {
             obstacles: obstacles.map(|all| all.items.iter().map(Tracked::of).collect()),
             bodies: None,
             path: self.path.take(),
+            rollouts,
             goals: changed.goals.then(|| self.goals()),
             task: task.map(|task| task.meta.state().map_or("unknown", TaskState::label)),
             control: control.flatten(),

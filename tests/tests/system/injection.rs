@@ -6,7 +6,7 @@
 
 use serde_json::Value;
 use std::collections::BTreeMap;
-use zeronav_tests::{Zeronav, assert_latencies_add_up, real_time_turn};
+use zeronav_tests::{Zeronav, assert_latencies_add_up, quiet_turn};
 
 /// What is put in, and how far a median may be from where it should be. [us]
 const INJECTED_US: f64 = 5000.0;
@@ -85,7 +85,7 @@ fn wrong(role: &str, base: &Medians, delayed: &Medians) -> Vec<String> {
 
 #[test]
 fn injected_delay_appears_in_its_hop_only() {
-    let _turn = real_time_turn();
+    let _turn = quiet_turn();
     let mut wrongs = Vec::new();
     for attempt in 1..=ATTEMPTS {
         let mut bases = vec![drive(None)];

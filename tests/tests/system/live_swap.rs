@@ -4,7 +4,7 @@
 use rustix::process::Signal;
 use serde_json::Value;
 use zeronav_tests::up::Up;
-use zeronav_tests::{Zeronav, real_time_turn, send_signal};
+use zeronav_tests::{Zeronav, quiet_turn, real_time_turn, send_signal};
 
 /// The seats that can be swapped.
 const SEATS: [&str; 4] = [
@@ -72,7 +72,7 @@ fn process<'a>(report: &'a Value, role: &str) -> Vec<&'a Value> {
 
 #[test]
 fn every_seat_is_swapped_while_the_robot_drives_and_no_period_is_missed() {
-    let _turn = real_time_turn();
+    let _turn = quiet_turn();
     let up = driving();
     for round in 0..swaps_per_seat() {
         for seat in SEATS {

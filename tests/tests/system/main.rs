@@ -39,6 +39,7 @@ mod readme;
 mod report;
 mod restarts;
 mod results;
+mod rollouts;
 mod rosmaps;
 mod scenarios;
 mod seats;

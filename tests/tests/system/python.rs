@@ -6,7 +6,7 @@ use serde_json::Value;
 use std::process::Command;
 use zeronav_tests::python::{example, program, python};
 use zeronav_tests::{
-    Stranger, Zeronav, await_by_itself, leftovers, real_time_turn, send_signal, workspace,
+    Stranger, Zeronav, await_by_itself, leftovers, quiet_turn, send_signal, workspace,
 };
 
 /// Drives `blocked_aisle` with an example in each of these seats.
@@ -52,7 +52,7 @@ fn in_lockstep_a_python_seat_drives_the_same_way_twice() {
 
 #[test]
 fn in_real_time_two_python_seats_keep_up() {
-    let _turn = real_time_turn();
+    let _turn = quiet_turn();
     let result = start(&[PLANNER, CONTROLLER], "", &[]).finish().expect(0);
     assert_arrived(&result);
     for (role, name) in [PLANNER, CONTROLLER] {

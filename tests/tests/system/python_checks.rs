@@ -13,6 +13,7 @@ use zeronav_msgs::map::{CostModel, MapInfo, MapTile};
 use zeronav_msgs::obstacles::{Obstacle, Obstacles};
 use zeronav_msgs::path::{Path, PathCause, PathStatus, Waypoint};
 use zeronav_msgs::role::Role;
+use zeronav_msgs::rollouts::{Rollout, RolloutOutcome, Rollouts};
 use zeronav_msgs::run::{RunClock, RunControl, RunMode, Seat};
 use zeronav_msgs::scan::Scan;
 use zeronav_msgs::task::{Goal, GoalEnd, Task, TaskKind, TaskState, TaskStatus};
@@ -41,6 +42,7 @@ fn right(topic: &str) -> (Vec<u8>, Vec<Vec<u8>>) {
             };
             bytes(bytes_of(&list), &[bytes_of(&one), bytes_of(&one)])
         }
+        "rollouts" => rollouts(),
         "path" => {
             let found = (PathStatus::Found, PathCause::Goal);
             let waypoints = [Waypoint::default(); 3];
@@ -94,6 +96,21 @@ fn right(topic: &str) -> (Vec<u8>, Vec<Vec<u8>>) {
         }
         _ => bytes(&[], &[]),
     }
+}
+
+fn rollouts() -> (Vec<u8>, Vec<Vec<u8>>) {
+    let list = Rollouts {
+        n_rollouts: 2,
+        ..Rollouts::default()
+    };
+    let one = |outcome: RolloutOutcome| Rollout {
+        outcome: outcome.code(),
+        n_points: 2,
+        ..Rollout::default()
+    };
+    let both = [RolloutOutcome::Chosen, RolloutOutcome::NoStop].map(one);
+    let items = both.iter().map(|one| bytes_of(one).to_vec());
+    (bytes_of(&list).to_vec(), items.collect())
 }
 
 fn scan() -> (Vec<u8>, Vec<Vec<u8>>) {

@@ -195,7 +195,7 @@ fn the_same_seed_gives_the_same_run_whatever_the_load() {
 
 #[test]
 fn real_time_run_replans_and_its_latencies_add_up() {
-    let _turn = zeronav_tests::real_time_turn();
+    let _turn = zeronav_tests::quiet_turn();
     let result = zeronav(&["run", "blocked_aisle", "--headless", "--json"]).expect(0);
     assert_eq!(result["verdict"], "pass", "{result:#}");
     let latency = &result["latency"];

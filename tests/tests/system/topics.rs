@@ -8,7 +8,7 @@ use zeronav_msgs::topics::{
     MapKeyframe, MapUpdate, PlanPath, PlanRequests, RobotCommand, RobotDescription, RobotOdometry,
     RobotScan, RunClockTopic, SPANS, TaskState, Topic, topics,
 };
-use zeronav_tests::{Ended, Zeronav, leftovers, real_time_turn, zeronav};
+use zeronav_tests::{Ended, Zeronav, leftovers, quiet_turn, real_time_turn, zeronav};
 
 const ODOMETRY: &str = RobotOdometry::ROW.name;
 const SCAN: &str = RobotScan::ROW.name;
@@ -165,7 +165,7 @@ fn paths(path: &str, value: &Value) -> Vec<String> {
 
 #[test]
 fn rates_are_those_of_the_stack() {
-    let _turn = real_time_turn();
+    let _turn = quiet_turn();
     let mut run = start(&[]);
     let root = driving(&mut run);
     let hz = lines(&tapped(&root, &["hz", ODOMETRY, "-n", "100", "--json"]));

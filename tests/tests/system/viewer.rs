@@ -9,6 +9,7 @@ use std::net::{Shutdown, TcpStream};
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdout, Command, Stdio};
 use std::time::{Duration, Instant};
+use zeronav_msgs::topics::{DebugRollouts, Topic};
 use zeronav_tests::browser::Browser;
 use zeronav_tests::up::Up;
 use zeronav_tests::{
@@ -116,6 +117,13 @@ fn seats(up: &Up) -> Vec<(Value, Value, Value)> {
     services.map(seat).collect()
 }
 
+fn readers_of_rollouts(up: &Up) -> Value {
+    let list = zeronav(&["topics", "--domain", &up.root, "--json"]).json();
+    let mut topics = list["topics"].as_array().expect("topics").iter();
+    let row = topics.find(|row| row["topic"] == DebugRollouts::ROW.name);
+    row.expect("rollouts")["readers"].clone()
+}
+
 /// Where a place of the map is in the window. [pixels]
 fn on_screen(browser: &mut Browser, x_m: f64, y_m: f64) -> [f64; 2] {
     let place = browser.script(&format!(
@@ -153,6 +161,7 @@ fn the_page_shows_the_robot_and_steers_it() {
     let _turn = real_time_turn();
     let up = Up::start(&["open_aisle"]);
     let viewer = Viewer::start(&up.root, &[]);
+    assert_eq!(readers_of_rollouts(&up), 0, "no page is open");
     let mut browser = shown(&viewer);
 
     // A click sends a goal, through the lower aisle.
@@ -161,6 +170,13 @@ fn the_page_shows_the_robot_and_steers_it() {
     browser.wait_until(
         "the robot has a path",
         "zeronavPage.scene.at(Infinity).path?.points_m.length > 1",
+    );
+    let outcomes = "zeronavPage.scene.at(Infinity).rollouts?.map(([outcome]) => outcome)";
+    browser.wait_until("it looks ahead", &format!("{outcomes}?.includes('chosen')"));
+    assert_eq!(readers_of_rollouts(&up), 1);
+    browser.wait_until(
+        "a legend is there",
+        "!document.getElementById('legend').hidden",
     );
     let sent = up.status()["goal"].clone();
     assert_eq!(sent["outcome"], "active", "{sent}");

@@ -140,7 +140,7 @@
   // -------------------------------------------------------------- layers
 
   function layers() {
-    const seen = { scan: "scan", obstacle: "obstacles", path: "path", goal: "goals", arc: "control", truth: "truth" };
+    const seen = { scan: "scan", obstacle: "obstacles", path: "path", goal: "goals", arc: "control", truth: "truth", rollouts: "rollouts" };
     const has = (layer) => {
       if (layer.key === "cost" || layer.key === "clearance") return false;
       const key = seen[layer.key];

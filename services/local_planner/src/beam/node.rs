@@ -1,6 +1,7 @@
 //! A node of the beam search.
 
 use super::visited;
+use zeronav_msgs::rollouts::RolloutOutcome;
 
 /// Sides of a cell: [m], [rad], [m/s].
 const CELL_M: f32 = 0.15;
@@ -18,6 +19,15 @@ pub(super) struct State {
     pub(super) sin: f32,
     pub(super) v: f32,
     pub(super) w: f32,
+}
+
+/// What a manoeuvre leads into.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Blocked {
+    /// Where the robot is then, as in [`State`]. [m]
+    pub(super) at: (f32, f32),
+    /// What it is.
+    pub(super) by: RolloutOutcome,
 }
 
 /// The end of a sequence of manoeuvres.

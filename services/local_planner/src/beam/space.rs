@@ -1,6 +1,6 @@
 //! What a search drives through: how the robot moves, what is in its way, what that costs.
 
-use super::node::{Node, State};
+use super::node::{Blocked, Node, State};
 use crate::beam::options::BeamConfig;
 use crate::cost_to_go::CostToGo;
 use crate::dynamic_obstacles::DynamicObstacles;
@@ -9,6 +9,7 @@ use crate::surroundings::{LocalPose, Surroundings};
 use nalgebra::Point2;
 use zeronav_msgs::Pose;
 use zeronav_msgs::description::Description;
+use zeronav_msgs::rollouts::RolloutOutcome;
 
 /// Poses of a manoeuvre that are looked at.
 pub(super) const LOOKS: usize = 4;
@@ -187,8 +188,8 @@ impl Space<'_> {
         }
     }
 
-    /// Where a manoeuvre from `node` leads; `None` when something is in the way. `near` are the
-    /// discs that it can meet.
+    /// Where a manoeuvre from `node` leads, or what is in the way. `near` are the discs that it can
+    /// meet.
     #[allow(clippy::cast_precision_loss, reason = "at most some hundred looks")]
     pub(super) fn drive(
         &self,
@@ -196,7 +197,7 @@ impl Space<'_> {
         asked: (f32, f32),
         layer: usize,
         near: &[usize],
-    ) -> Option<Node> {
+    ) -> Result<Node, Blocked> {
         let step_s = self.look_s();
         let (margin, near_m) = (narrow(self.config.margin_m), narrow(self.config.near_m));
         let footprint = &self.surroundings.footprint;
@@ -208,6 +209,8 @@ impl Space<'_> {
         for look in layer * LOOKS..(layer + 1) * LOOKS {
             let state = self.step(&next.state, asked);
             next.state = state;
+            let at = (state.x, state.y);
+            let blocked = |by| Blocked { at, by };
             let stopped = state.v.abs() < RESTING && state.w.abs() < RESTING;
             let space = if stopped {
                 self.soft
@@ -218,7 +221,8 @@ impl Space<'_> {
                     cos: state.cos,
                     sin: state.sin,
                 };
-                self.surroundings.space(at, self.soft)?
+                let space = self.surroundings.space(at, self.soft);
+                space.ok_or(blocked(RolloutOutcome::Collision))?
             };
             let elapsed_s = (look + 1) as f32 * step_s;
             let discs = self.dynamic.at_step(look);
@@ -236,7 +240,7 @@ impl Space<'_> {
                     if apart > 0.0 {
                         next.inside &= !(1 << i);
                     } else if (dx * state.cos + dy * state.sin) * state.v > APPROACH_MPS {
-                        return None;
+                        return Err(blocked(RolloutOutcome::MovingCollision));
                     } else {
                         continue;
                     }
@@ -245,7 +249,7 @@ impl Space<'_> {
                     if state.v.abs() + state.w.abs() * swing <= STANDING_MPS {
                         next.cost += HIT_STANDING;
                     } else if elapsed_s <= CERTAIN_S {
-                        return None;
+                        return Err(blocked(RolloutOutcome::MovingCollision));
                     } else {
                         next.cost += HIT_DRIVING * step_s * faded(elapsed_s);
                     }
@@ -259,7 +263,7 @@ impl Space<'_> {
         }
         next.cost += CHANGING * (asked.0 - node.asked.0).abs();
         self.value(&mut next);
-        Some(next)
+        Ok(next)
     }
 }
 

@@ -5,7 +5,9 @@ use crate::dwa::window::Window;
 use crate::lanes::data::{LANES_MAX, WIDTH, narrow};
 use crate::pilot::scene::Scene;
 use crate::rated::{Evaluate, Rated};
+use crate::record::{Record, Seen};
 use zeronav_motion::{Twist, stop_angle_rad, stop_distance_m};
+use zeronav_msgs::rollouts::RolloutOutcome;
 
 /// [m/s] below which a motion is a turn on the spot.
 const TURNING_MPS: f64 = 0.02;
@@ -19,6 +21,8 @@ pub(crate) struct Rows {
     pub(crate) grid: RolloutGrid,
     /// The current row.
     pub(crate) rated: Box<Rated>,
+    /// Steps of it in which static obstacles were looked for.
+    followed: usize,
 }
 
 impl Rows {
@@ -41,13 +45,18 @@ impl Rows {
         (speed, judged): (usize, usize),
         terms: &impl Evaluate,
     ) -> Option<usize> {
-        let Self { grid, rated } = self;
+        let Self {
+            grid,
+            rated,
+            followed,
+        } = self;
         let seen = &*scene.seen;
         let lanes = grid.yaw_rates.len();
         let ahead = narrow(seen.path.ahead_m);
         let arcs = grid.arcs_m(speed);
         let scored = arcs.partition_point(|arc| *arc < ahead).min(judged);
         let looked = looked(grid, window, speed, scored);
+        *followed = looked;
         grid.drive(speed, &seen.surroundings, window.soft_m, (scored, looked));
         settle(grid, window, speed, scored, rated);
         if rated.admissible == 0 {
@@ -62,6 +71,55 @@ impl Rows {
         }
         rated.rate(terms, &grid.yaw_rates);
         rated.most_promising(lanes)
+    }
+
+    /// Tells the record of the rollouts of the current row, with what those are worth on which the
+    /// robot can stop.
+    pub(crate) fn tell(&self, record: &mut Record, speed: usize, worth: impl Fn(usize) -> f64) {
+        for lane in 0..self.grid.yaw_rates.len() {
+            let is_rated = self.rated.is_admissible(lane);
+            let seen = self.seen(speed, lane, if is_rated { worth(lane) } else { 0.0 });
+            record.offer(&seen, |step| self.place(step, lane));
+        }
+    }
+
+    /// Tells the record that this rollout of the current row is the best one so far.
+    pub(crate) fn lead(&self, record: &mut Record, (speed, lane): (usize, usize), worth: f64) {
+        record.lead(&self.seen(speed, lane, worth), |step| {
+            self.place(step, lane)
+        });
+    }
+
+    fn place(&self, step: usize, lane: usize) -> (f32, f32) {
+        let row = &self.grid.row;
+        (row.x[step][lane], row.y[step][lane])
+    }
+
+    /// A rollout of the current row as the record takes it.
+    fn seen(&self, speed: usize, lane: usize, worth: f64) -> Seen {
+        let (hit, struck) = (self.grid.row.hit[lane], self.grid.row.struck[lane]);
+        // Dynamic obstacles are looked for until the end, static ones no farther than followed.
+        let (outcome, steps) = if struck < hit {
+            let end = self.grid.steps;
+            let until = (steps_until(struck, end) + 1).min(end);
+            (RolloutOutcome::MovingCollision, until)
+        } else if hit.is_finite() {
+            let until = (steps_until(hit, self.followed) + 1).min(self.followed);
+            (RolloutOutcome::Collision, until)
+        } else {
+            (RolloutOutcome::Costlier, self.followed)
+        };
+        let twist = (self.grid.speeds[speed], self.grid.yaw_rates[lane]);
+        Seen {
+            twist: (narrow(twist.0), narrow(twist.1)),
+            cost: narrow(-worth),
+            outcome: if self.rated.is_admissible(lane) {
+                outcome
+            } else {
+                RolloutOutcome::NoStop
+            },
+            steps,
+        }
     }
 
     /// The target of a rollout.

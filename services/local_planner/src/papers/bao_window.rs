@@ -7,12 +7,14 @@ use crate::lanes::data::narrow;
 use crate::pilot::Pilot;
 use crate::pilot::perception::Tracks;
 use crate::pilot::scene::{Choose, Scene, Wish};
+use crate::record::{Record, Seen};
 use crate::surroundings::LocalPose;
 use crate::turn;
 use nalgebra::Vector2;
 use zeronav_motion::{Twist, stop_distance_m};
 use zeronav_msgs::command::Validity;
 use zeronav_msgs::pose::wrap_angle;
+use zeronav_msgs::rollouts::RolloutOutcome;
 
 /// [m] look-ahead along the path.
 const LOOKAHEAD_M: f64 = 1.0;
@@ -61,11 +63,21 @@ impl Choose for BaoWindow {
         bao_dwa::sample(&mut self.speeds, vs, v_step);
         bao_dwa::sample(&mut self.yaw_rates, ws, w_step);
         self.admissible.clear();
+        let mut record = scene.memory.record.take();
         for &v in &self.speeds {
             for &w in &self.yaw_rates {
                 let twist = Twist::new(v.min(fastest_mps.max(vs.low)), w);
-                let (free_m, near_m) = arc(&weights, scene, twist);
-                if !bao_dwa::is_admissible(robot, twist, free_m) {
+                let ahead = look(&weights, scene, twist);
+                let is_admissible = bao_dwa::is_admissible(robot, twist, ahead.free_m);
+                if let Some(record) = &mut record {
+                    tell(
+                        record,
+                        &weights,
+                        pose.yaw_rad,
+                        (twist, &ahead, is_admissible),
+                    );
+                }
+                if !is_admissible {
                     continue;
                 }
                 let end = twist.arc(weights.horizon_s.min(distance_m / v.max(0.1)));
@@ -74,10 +86,11 @@ impl Choose for BaoWindow {
                 self.admissible.push(Sample {
                     twist,
                     head: core::f64::consts::PI - error_rad.abs(),
-                    dist: near_m.min(distance_m).max(0.0),
+                    dist: ahead.near_m.min(distance_m).max(0.0),
                 });
             }
         }
+        scene.memory.record = record;
         scene.memory.rollouts = u32::try_from(self.admissible.len()).unwrap_or(u32::MAX);
         match bao_dwa::choose(&self.admissible, &weights) {
             Some(twist) if twist.v_mps > STOPPED_MPS || !from.is_stopped() => {
@@ -93,8 +106,47 @@ impl Choose for BaoWindow {
     }
 }
 
-/// [m] free along an exact arc, and least space around the outline on the free part.
-fn arc(weights: &BaoWeights, scene: &Scene<'_>, twist: Twist) -> (f64, f64) {
+/// What is along an exact arc.
+struct Ahead {
+    /// [m] free along it.
+    free_m: f64,
+    /// [m] least space around the outline on the free part.
+    near_m: f64,
+    /// What it leads into, and the pose that is not free, counted from 1.
+    blocked: Option<(RolloutOutcome, u8)>,
+}
+
+/// Tells the record of an arc, which is not rated by itself.
+fn tell(
+    record: &mut Record,
+    weights: &BaoWeights,
+    yaw_rad: f64,
+    (twist, ahead, is_admissible): (Twist, &Ahead, bool),
+) {
+    let (outcome, steps) = ahead.blocked.unwrap_or((RolloutOutcome::Costlier, STEPS));
+    let seen = Seen {
+        twist: (narrow(twist.v_mps), narrow(twist.w_radps)),
+        cost: 0.0,
+        outcome: if is_admissible {
+            outcome
+        } else {
+            RolloutOutcome::NoStop
+        },
+        steps: usize::from(steps),
+    };
+    let (sin, cos) = yaw_rad.sin_cos();
+    #[allow(clippy::cast_precision_loss, reason = "at most thirty")]
+    record.offer(&seen, |step| {
+        let share = (step + 1) as f64 / f64::from(STEPS);
+        let at = twist.arc(weights.horizon_s * share);
+        (
+            narrow(cos * at.x_m - sin * at.y_m),
+            narrow(sin * at.x_m + cos * at.y_m),
+        )
+    });
+}
+
+fn look(weights: &BaoWeights, scene: &Scene<'_>, twist: Twist) -> Ahead {
     let surroundings = &scene.seen.surroundings;
     let yaw_rad = scene.situation.map_from_base.yaw_rad;
     let (sin, cos) = yaw_rad.sin_cos();
@@ -115,11 +167,24 @@ fn arc(weights: &BaoWeights, scene: &Scene<'_>, twist: Twist) -> (f64, f64) {
         let space = surroundings.space(local, soft);
         let Some(space) = space.filter(|_| !struck) else {
             let before_s = elapsed_s - weights.horizon_s / f64::from(STEPS);
-            return (twist.v_mps.abs() * before_s, least_m);
+            let by = if struck {
+                RolloutOutcome::MovingCollision
+            } else {
+                RolloutOutcome::Collision
+            };
+            return Ahead {
+                free_m: twist.v_mps.abs() * before_s,
+                near_m: least_m,
+                blocked: Some((by, i)),
+            };
         };
         least_m = least_m.min(f64::from(space));
     }
     // Free as far as the arc goes: nothing in sight of a slow one bounds it.
     let stop_m = stop_distance_m(scene.situation.robot, twist.v_mps, 0.0);
-    ((twist.v_mps.abs() * weights.horizon_s).max(stop_m), least_m)
+    Ahead {
+        free_m: (twist.v_mps.abs() * weights.horizon_s).max(stop_m),
+        near_m: least_m,
+        blocked: None,
+    }
 }

@@ -7,6 +7,7 @@ use crate::dwa::window::{Range, Window};
 use crate::lanes::data::LANES_MAX;
 use crate::progress::Place;
 use crate::rated::Worth;
+use crate::record::Record;
 use crate::situation::Situation;
 use core::fmt;
 use nalgebra::Vector2;
@@ -80,6 +81,8 @@ pub(crate) struct Memory {
     pub(crate) turns: bool,
     /// Of this period: what limits the speed, to explain it.
     pub(crate) limit: Limit,
+    /// Of this period: what was looked at, while somebody wants to know.
+    pub(crate) record: Option<Box<Record>>,
 }
 
 impl Default for Memory {
@@ -95,6 +98,7 @@ impl Default for Memory {
             rollouts: 0,
             turns: false,
             limit: Limit::NONE,
+            record: None,
         }
     }
 }

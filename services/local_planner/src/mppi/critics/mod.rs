@@ -8,7 +8,7 @@ mod clearance;
 pub(crate) mod cycle;
 mod goal;
 mod goal_angle;
-mod moving;
+pub(crate) mod moving;
 mod obstacles;
 mod path_align;
 mod path_angle;

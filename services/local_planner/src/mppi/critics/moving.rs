@@ -17,6 +17,17 @@ pub(super) fn score(cycle: &Cycle<'_>, batch: &Batch, weight: f32, costs: &mut L
     if cycle.dynamic.now().is_empty() {
         return;
     }
+    let steps = batch.steps as f32;
+    for (cost, struck) in costs.iter_mut().zip(&struck(cycle, batch)) {
+        if struck.is_finite() {
+            *cost += weight * (1.0 / 3.0 + 2.0 / 3.0 * (1.0 - struck / steps));
+        }
+    }
+}
+
+/// First step that is looked at in which each sample touches a predicted obstacle; infinite for none.
+#[allow(clippy::cast_precision_loss, reason = "at most 64 steps")]
+pub(crate) fn struck(cycle: &Cycle<'_>, batch: &Batch) -> Lanes {
     let robot_m = cycle.radius_m + MARGIN_M;
     let step_s = narrow(cycle.config.step_s);
     let fastest_mps = narrow(cycle.robot.v_mps_max.max(-cycle.robot.v_mps_min));
@@ -46,10 +57,5 @@ pub(super) fn score(cycle: &Cycle<'_>, batch: &Batch, weight: f32, costs: &mut L
             }
         }
     }
-    let steps = batch.steps as f32;
-    for (cost, struck) in costs.iter_mut().zip(&struck) {
-        if struck.is_finite() {
-            *cost += weight * (1.0 / 3.0 + 2.0 / 3.0 * (1.0 - struck / steps));
-        }
-    }
+    struck
 }

@@ -1,0 +1,235 @@
+//! The rules of replanning one by one: when to search.
+
+use crate::support::cycle::{Bench, ROOM};
+use zeronav_global_planner::{
+    GlobalPlannerConfig, News, Replanner, Request, Situation, Step, Target,
+};
+use zeronav_msgs::map::COST_LETHAL;
+use zeronav_msgs::path::{Path, PathBlock, PathCause, PathStatus};
+use zeronav_msgs::request::RequestReason;
+use zeronav_msgs::{Cell, Pose};
+
+#[test]
+fn rule_1_without_a_goal_or_a_map_there_is_no_path() {
+    let (mut bench, _) = Bench::new(ROOM);
+    let target = bench.target.take();
+    bench.expect_unchanged();
+    assert_eq!(bench.replanner.plan().status, PathStatus::NoGoal);
+    bench.target = target;
+    bench.expect_new(PathCause::Goal, PathStatus::Found);
+    bench.target = None;
+    assert_eq!(bench.cycle(), (vec![], News::New));
+    assert_eq!(bench.replanner.plan().status, PathStatus::NoGoal);
+    bench.expect_unchanged();
+    let without_map = Situation {
+        map: None,
+        target,
+        ..bench.situation()
+    };
+    let step = Replanner::new(&GlobalPlannerConfig::default())
+        .unwrap()
+        .begin(&without_map);
+    assert_eq!(step, Step::Publish(News::Unchanged));
+}
+
+#[test]
+fn rule_2_goals_and_tasks_are_told_apart() {
+    let (mut bench, at) = Bench::new(ROOM);
+    bench.expect_new(PathCause::Goal, PathStatus::Found);
+    bench.expect_unchanged();
+    let first = bench.target.unwrap();
+    bench.target = Some(Target {
+        goal: 2,
+        pose: bench.map.pose(at('S')),
+        ..first
+    });
+    bench.expect_new(PathCause::NextGoal, PathStatus::Found);
+    bench.target = Some(Target { task: 8, ..first });
+    bench.expect_new(PathCause::Goal, PathStatus::Found);
+    bench.target = Some(Target {
+        task: 8,
+        pose: bench.map.pose(Cell::new(3, 3)),
+        ..first
+    });
+    bench.expect_new(PathCause::Goal, PathStatus::Found);
+    bench.expect_unchanged();
+}
+
+#[test]
+fn rule_3_a_proof_is_doubted_only_when_a_cell_opened() {
+    let (mut bench, _) = Bench::new("S.#..\n..#..\n..#.G");
+    bench.expect_new(PathCause::Goal, PathStatus::Unreachable);
+    bench.expect_unchanged();
+    // A change that closes more, and one that only makes cells cheaper.
+    bench.update(&[Cell::new(3, 1)], COST_LETHAL);
+    bench.expect_unchanged();
+    bench.update(&[Cell::new(0, 1)], 100);
+    bench.expect_unchanged();
+    bench.update(&[Cell::new(0, 1)], 0);
+    bench.expect_unchanged();
+    bench.update(&[Cell::new(2, 0)], 0);
+    bench.expect_new(PathCause::Goal, PathStatus::Found);
+}
+
+#[test]
+fn rule_3_what_opened_during_a_search_is_not_forgotten() {
+    let (mut bench, _) = Bench::new("S.#..\n..#..\n..#.G");
+    let (causes, news) = bench.cycle_with(|bench| bench.update(&[Cell::new(2, 0)], 0));
+    assert_eq!((causes, news), (vec![PathCause::Goal], News::New));
+    assert_eq!(bench.replanner.plan().status, PathStatus::Unreachable);
+    // The next update opens nothing, the one before did.
+    bench.update(&[Cell::new(3, 1)], COST_LETHAL);
+    bench.expect_new(PathCause::Goal, PathStatus::Found);
+}
+
+#[test]
+fn rule_3_a_proof_is_doubted_by_a_robot_that_stands_elsewhere() {
+    let (mut bench, _) = Bench::new("S...............#..G");
+    bench.expect_new(PathCause::Goal, PathStatus::Unreachable);
+    bench.robot = bench.map.pose(Cell::new(8, 0));
+    bench.expect_unchanged();
+    bench.robot = bench.map.pose(Cell::new(12, 0));
+    bench.expect_new(PathCause::Goal, PathStatus::Unreachable);
+    bench.expect_unchanged();
+}
+
+#[test]
+fn rule_3_the_cause_survives_a_failure() {
+    let (mut bench, _) = Bench::new("S....G");
+    bench.expect_new(PathCause::Goal, PathStatus::Found);
+    bench.update(&[Cell::new(3, 0)], COST_LETHAL);
+    bench.expect_new(PathCause::Obstacle, PathStatus::Unreachable);
+    assert!(bench.replanner.plan().waypoints.is_empty());
+    bench.update(&[Cell::new(3, 0)], 0);
+    bench.expect_new(PathCause::Obstacle, PathStatus::Found);
+}
+
+#[test]
+fn rule_3_blocked_ends_wait_for_what_can_help() {
+    let (mut bench, at) = Bench::new("S....G");
+    bench.update(&[at('G')], COST_LETHAL);
+    bench.expect_new(PathCause::Goal, PathStatus::GoalBlocked);
+    bench.expect_unchanged();
+    bench.update(&[at('G')], 0);
+    bench.expect_new(PathCause::Goal, PathStatus::Found);
+    bench.update(&[Cell::new(0, 0)], COST_LETHAL);
+    bench.expect_new(PathCause::Obstacle, PathStatus::StartBlocked);
+    bench.expect_unchanged();
+    bench.robot = bench.map.pose(Cell::new(1, 0));
+    bench.expect_new(PathCause::Obstacle, PathStatus::Found);
+    let home = bench.robot;
+    bench.robot = Pose::new(-100.0, 0.0, 0.0);
+    bench.expect_new(PathCause::Request, PathStatus::StartOutsideMap);
+    bench.robot = home;
+    bench.expect_new(PathCause::Request, PathStatus::Found);
+    bench.target = bench.target.map(|target| Target {
+        pose: Pose::new(90.0, 0.0, 0.0),
+        ..target
+    });
+    bench.expect_new(PathCause::Goal, PathStatus::GoalOutsideMap);
+    bench.update(&[at('G')], 50);
+    bench.expect_unchanged();
+}
+
+#[test]
+fn rule_4_only_what_is_ahead_on_the_path_counts() {
+    let (mut bench, at) = Bench::new(ROOM);
+    bench.expect_new(PathCause::Goal, PathStatus::Found);
+    let middle = bench.path()[4];
+    let beside = Cell::new(0, 0);
+    assert!(!bench.path().contains(&beside));
+    bench.update(&[beside], COST_LETHAL);
+    bench.expect_unchanged();
+    // Behind the robot.
+    let passed = bench.path()[1];
+    bench.robot = bench.map.pose(bench.path()[3]);
+    bench.update(&[passed], COST_LETHAL);
+    bench.expect_unchanged();
+    bench.update(&[middle], COST_LETHAL);
+    bench.expect_new(PathCause::Obstacle, PathStatus::Found);
+    assert!(!bench.path().contains(&middle));
+    assert_eq!(bench.path().last(), Some(&at('G')));
+    assert_eq!(bench.replanner.plan().searched_map, bench.revision);
+    // The message names what cut it, until another cause counts.
+    let mut message = Path::default();
+    bench.replanner.plan().fill(&mut message);
+    assert_eq!(message.block(), Some(PathBlock::PathBefore));
+    let centre = bench.map.pose(middle);
+    assert!(
+        (message.block_m[0] - centre.x_m).abs() < 1e-9,
+        "{message:?}"
+    );
+    assert!(
+        (message.block_m[1] - centre.y_m).abs() < 1e-9,
+        "{message:?}"
+    );
+    bench.target = bench.target.map(|target| Target { task: 8, ..target });
+    bench.expect_new(PathCause::Goal, PathStatus::Found);
+    bench.replanner.plan().fill(&mut message);
+    assert_eq!(message.block(), Some(PathBlock::None));
+}
+
+#[test]
+fn a_proof_that_no_way_is_left_names_where_the_last_one_was_cut() {
+    let (mut bench, _) = Bench::new("S..G");
+    bench.expect_new(PathCause::Goal, PathStatus::Found);
+    let cut = Cell::new(2, 0);
+    bench.update(&[cut], COST_LETHAL);
+    bench.expect_new(PathCause::Obstacle, PathStatus::Unreachable);
+    let mut message = Path::default();
+    bench.replanner.plan().fill(&mut message);
+    assert_eq!(message.block(), Some(PathBlock::PathBefore));
+    assert!(
+        (message.block_m[0] - bench.map.pose(cut).x_m).abs() < 1e-9,
+        "{message:?}"
+    );
+}
+
+#[test]
+fn rule_4_another_grid_makes_another_path() {
+    let (mut bench, _) = Bench::new(ROOM);
+    let pose = bench.map.pose(Cell::new(5, 0));
+    bench.target = bench.target.map(|target| Target { pose, ..target });
+    bench.expect_new(PathCause::Goal, PathStatus::Found);
+    bench.map.geometry.origin_x_m -= 0.05;
+    bench.revision += 1;
+    bench.expect_new(PathCause::Obstacle, PathStatus::Found);
+}
+
+#[test]
+fn rule_5_a_robot_far_off_gets_another_path() {
+    let (mut bench, _) = Bench::new(&format!("S{0}\n{0}G", ".".repeat(79)));
+    bench.expect_new(PathCause::Goal, PathStatus::Found);
+    bench.robot.y_m -= 1.0;
+    bench.expect_unchanged();
+    bench.robot.y_m -= 1.0;
+    bench.expect_new(PathCause::Request, PathStatus::StartOutsideMap);
+}
+
+#[test]
+fn rule_6_a_request_is_answered_once_and_only_about_this_path() {
+    let (mut bench, _) = Bench::new(ROOM);
+    bench.expect_new(PathCause::Goal, PathStatus::Found);
+    let geometry = bench.replanner.plan().geometry;
+    let ask = |id, geometry, reason| {
+        Some(Request {
+            id,
+            geometry,
+            reason,
+        })
+    };
+    bench.request = ask(1, geometry, RequestReason::Blocked);
+    // The same map and the same robot give the same path.
+    bench.expect_unchanged();
+    bench.update(&[], 0);
+    bench.expect_new(PathCause::Request, PathStatus::Found);
+    bench.update(&[], 0);
+    bench.expect_unchanged();
+    bench.request = ask(2, geometry, RequestReason::NoProgress);
+    bench.expect_unchanged();
+    let geometry = bench.replanner.plan().geometry;
+    bench.request = ask(3, geometry, RequestReason::None);
+    bench.expect_unchanged();
+    bench.request = ask(4, geometry, RequestReason::NoProgress);
+    bench.expect_new(PathCause::Request, PathStatus::Found);
+}

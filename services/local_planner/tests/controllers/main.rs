@@ -1,0 +1,17 @@
+//! Controllers, recovery and tasks of the local planner.
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod beam;
+mod braking;
+mod closed_loop;
+mod dwa_t;
+mod laws;
+mod mppi;
+mod papers;
+mod periods;
+mod recovery;
+mod rollouts;
+mod shut_in;
+mod tasks;

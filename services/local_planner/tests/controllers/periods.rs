@@ -1,0 +1,211 @@
+//! Whole control periods: from messages to requests.
+
+use crate::support::{Map, PERIOD_S, block, disc, path};
+use zeronav_local_planner::period::BuildError;
+use zeronav_local_planner::staleness::{Ages, StaleInput};
+use zeronav_local_planner::{Inputs, LocalPlanner, LocalPlannerConfig, Outputs, PathInput};
+use zeronav_motion::{Twist, reachable};
+use zeronav_msgs::Pose;
+use zeronav_msgs::command::{PlannerInput, RequestCause, Validity};
+use zeronav_msgs::odometry::Odometry;
+use zeronav_msgs::path::{Path, PathStatus, Waypoint};
+use zeronav_msgs::request::RequestReason;
+use zeronav_msgs::task::{Goal, Task, TaskKind, TaskState};
+
+const PERIOD_NS: u64 = 20_000_000;
+const MS: u64 = 1_000_000;
+
+/// A robot in an empty hall whose map frame is one metre beside the odometry's.
+struct Bench {
+    planner: LocalPlanner,
+    robot: crate::support::Robot,
+    map: Map,
+    odometry: Odometry,
+    path: Option<(Path, Vec<Waypoint>)>,
+    ages: Ages,
+    tick: u64,
+}
+
+fn found(goal: u64, geometry: u64, corners: &[(f64, f64)]) -> (Path, Vec<Waypoint>) {
+    let waypoints = path(corners);
+    let fields = Path {
+        status: PathStatus::Found.code(),
+        n_waypoints: u32::try_from(waypoints.len()).unwrap_or(0),
+        geometry,
+        goal,
+        ..Path::default()
+    };
+    (fields, waypoints)
+}
+
+impl Bench {
+    fn new() -> Self {
+        let walls = [block(0.0, 0.0, 8.0, 0.2), block(0.0, 3.8, 8.0, 4.0)];
+        Self {
+            planner: LocalPlanner::new(&LocalPlannerConfig::default()).expect("the defaults"),
+            robot: disc(0.25, 0.8, 1.0, 1.8, 3.0),
+            map: Map::of(&walls, 8.0, 4.0, 0.25),
+            odometry: Odometry {
+                pose: Pose::new(0.0, 2.0, 0.0),
+                ..Odometry::default()
+            },
+            path: None,
+            ages: Ages {
+                scan_ns: Some(20 * MS),
+                odometry_ns: Some(MS),
+                map_ns: Some(40 * MS),
+                path_ns: Some(40 * MS),
+            },
+            tick: 0,
+        }
+    }
+
+    fn go(&mut self, id: u64, x_m: f64) {
+        let goal = Goal {
+            pose: Pose::new(x_m, 2.0, 0.0),
+            tolerance_m: 0.15,
+            yaw_tolerance_rad: 4.0,
+            id,
+        };
+        let task = Task {
+            kind: TaskKind::Go.code(),
+            n_goals: 1,
+            ..Task::default()
+        };
+        self.planner.accept_task(id, &task, &[goal]);
+    }
+
+    fn step(&mut self) -> Outputs {
+        self.tick += 1;
+        let robot = &self.robot;
+        let outputs = self.planner.step(&Inputs {
+            tick: self.tick,
+            run_ns: self.tick * PERIOD_NS,
+            period_s: PERIOD_S,
+            robot: Some((&robot.description, &robot.corners)),
+            odometry: Some(&self.odometry),
+            map: Some((Pose::new(1.0, 0.0, 0.0), self.map.view())),
+            path: self
+                .path
+                .as_ref()
+                .map(|(path, waypoints)| PathInput { path, waypoints }),
+            map_cells: 1,
+            obstacles: (&[], 0.0),
+            scan_points_in_base: &[],
+            ages: self.ages,
+            stopping: false,
+        });
+        assert_eq!(outputs.request.check(), Ok(()));
+        let from = Twist::new(self.odometry.v_mps, self.odometry.w_radps);
+        let wanted = match outputs.request.validity() {
+            Some(Validity::Drive) => Twist::new(outputs.request.v_mps, outputs.request.w_radps),
+            _ => Twist::REST,
+        };
+        let next = reachable(&robot.description, from, wanted, PERIOD_S);
+        self.odometry.pose = self.odometry.pose.then(&next.arc(PERIOD_S));
+        (self.odometry.v_mps, self.odometry.w_radps) = (next.v_mps, next.w_radps);
+        outputs
+    }
+
+    #[track_caller]
+    fn check(&mut self, validity: Validity, stale: Option<StaleInput>) -> Outputs {
+        let outputs = self.step();
+        assert_eq!(outputs.request.validity(), Some(validity));
+        assert_eq!(outputs.stale, stale);
+        outputs
+    }
+}
+
+#[test]
+fn from_idle_to_the_goal() {
+    let mut bench = Bench::new();
+    bench.check(Validity::NoPath, None);
+    bench.go(5, 6.0);
+    assert!(bench.check(Validity::NoPath, None).status_changed);
+    bench.path = Some(found(4, 1, &[(1.0, 2.0), (2.0, 2.0)]));
+    bench.check(Validity::NoPath, None);
+    bench.path = Some(found(5, 2, &[(1.0, 2.0), (6.0, 2.0)]));
+    bench.check(Validity::Drive, None);
+    let mut causes = Vec::new();
+    for _ in 0..600 {
+        let request = bench.step().request;
+        causes.extend(request.cause());
+        causes.dedup();
+    }
+    bench.check(Validity::AtGoal, None);
+    let expected = [
+        RequestCause::Free,
+        RequestCause::Goal,
+        RequestCause::Arrive,
+        RequestCause::None,
+    ];
+    assert_eq!(causes, expected, "what decided, in order");
+    let (status, ends) = bench.planner.status();
+    assert_eq!(status.state(), Some(TaskState::Reached));
+    assert_eq!(ends.len(), 1);
+    assert!(
+        (bench.odometry.pose.x_m - 5.0).abs() < 0.15,
+        "map is 1 m beside odom"
+    );
+}
+
+#[test]
+fn old_inputs_slow_down_and_stop_on_a_ramp() {
+    let mut bench = Bench::new();
+    bench.go(5, 7.0);
+    bench.path = Some(found(5, 1, &[(1.0, 2.0), (7.0, 2.0)]));
+    for _ in 0..100 {
+        bench.step();
+    }
+    assert!(bench.odometry.v_mps > 0.75);
+    let free = bench.step().request;
+    assert_eq!(free.cause(), Some(RequestCause::Free), "{free:?}");
+    bench.ages.scan_ns = Some(340 * MS);
+    for _ in 0..50 {
+        let request = bench.check(Validity::Drive, None).request;
+        assert_eq!(request.cause(), Some(RequestCause::Ageing), "{request:?}");
+        assert_eq!(request.input(), Some(PlannerInput::Scan));
+        assert!(
+            request.limit_mps > 0.0 && request.limit_mps < 0.35,
+            "{request:?}"
+        );
+        assert_eq!(request.ages_ms[1], 340);
+    }
+    assert!(bench.odometry.v_mps < 0.35);
+    bench.ages.scan_ns = Some(360 * MS);
+    let before = bench.odometry.v_mps;
+    let outputs = bench.check(Validity::Stale, Some(StaleInput::Scan));
+    assert!(outputs.request.v_mps > before - 0.03, "a ramp, not a jump");
+    let told = (outputs.request.cause(), outputs.request.input());
+    assert_eq!(told, (Some(RequestCause::Stale), Some(PlannerInput::Scan)));
+    bench.ages.scan_ns = Some(20 * MS);
+    bench.check(Validity::Drive, None);
+    bench.ages.map_ns = None;
+    bench.check(Validity::Stale, Some(StaleInput::Map));
+}
+
+#[test]
+fn a_robot_off_its_path_asks_for_another() {
+    let mut bench = Bench::new();
+    bench.go(5, 6.0);
+    bench.path = Some(found(5, 1, &[(1.0, 2.9), (6.0, 2.9)]));
+    let request = bench.step().plan_request.expect("0.9 m off");
+    assert_eq!(request.reason(), Some(RequestReason::OffPath));
+    assert_eq!(bench.step().plan_request, None, "not in every period");
+}
+
+#[test]
+fn unusable_configurations_are_refused() {
+    let unknown = LocalPlannerConfig {
+        controller: "teb".to_owned(),
+        ..LocalPlannerConfig::default()
+    };
+    let error = LocalPlanner::new(&unknown).err();
+    assert!(matches!(error, Some(BuildError::Controller(_))));
+    let mut config = LocalPlannerConfig::default();
+    config.dwa.speeds = 0;
+    assert!(matches!(
+        LocalPlanner::new(&config).err(),
+        Some(BuildError::Config(_))
+    ));
+}

@@ -1,0 +1,13 @@
+//! Maps from scans, poses and tracks.
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod exact;
+mod mapper;
+mod moving;
+mod paper_rows;
+mod pose;
+mod rest;
+mod under_robot;
+mod window;

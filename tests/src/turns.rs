@@ -1,0 +1,90 @@
+//! Turns of tests in real time, so that they leave each other the processors.
+
+use std::sync::{Condvar, Mutex, PoisonError};
+
+/// Stacks in real time that may be up at once, besides those in lockstep.
+const AT_ONCE: usize = 2;
+
+#[derive(Debug)]
+struct Places {
+    taken: usize,
+    /// Tests that wait for all of them.
+    waiting: usize,
+}
+
+static PLACES: Mutex<Places> = Mutex::new(Places {
+    taken: 0,
+    waiting: 0,
+});
+static FREED: Condvar = Condvar::new();
+
+/// A test's turn, until it is dropped.
+#[derive(Debug)]
+pub struct Turn {
+    places: usize,
+}
+
+/// A turn for a run in real time, beside one other at most.
+#[must_use]
+pub fn real_time_turn() -> Turn {
+    take(1)
+}
+
+/// A turn for a run in real time whose times are judged: no other one beside it.
+#[must_use]
+pub fn quiet_turn() -> Turn {
+    take(AT_ONCE)
+}
+
+fn take(places: usize) -> Turn {
+    let is_quiet = places == AT_ONCE;
+    let mut now = PLACES.lock().unwrap_or_else(PoisonError::into_inner);
+    now.waiting += usize::from(is_quiet);
+    // Those that wait for all places go first, or they would wait for good.
+    while now.taken + places > AT_ONCE || (!is_quiet && now.waiting > 0) {
+        now = FREED.wait(now).unwrap_or_else(PoisonError::into_inner);
+    }
+    now.waiting -= usize::from(is_quiet);
+    now.taken += places;
+    Turn { places }
+}
+
+impl Drop for Turn {
+    fn drop(&mut self) {
+        let mut now = PLACES.lock().unwrap_or_else(PoisonError::into_inner);
+        now.taken -= self.places;
+        FREED.notify_all();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
+    #[test]
+    fn two_share_and_a_quiet_one_is_alone() {
+        let at_work = AtomicUsize::new(0);
+        let most = AtomicUsize::new(0);
+        std::thread::scope(|scope| {
+            for n in 0..12 {
+                let (at_work, most) = (&at_work, &most);
+                scope.spawn(move || {
+                    let is_quiet = n % 3 == 0;
+                    let _turn = if is_quiet {
+                        quiet_turn()
+                    } else {
+                        real_time_turn()
+                    };
+                    let beside = at_work.fetch_add(1, Ordering::SeqCst);
+                    most.fetch_max(beside + 1, Ordering::SeqCst);
+                    assert!(!is_quiet || beside == 0, "{beside} beside a quiet one");
+                    std::thread::yield_now();
+                    assert!(!is_quiet || at_work.load(Ordering::SeqCst) == 1);
+                    at_work.fetch_sub(1, Ordering::SeqCst);
+                });
+            }
+        });
+        assert!(most.load(Ordering::SeqCst) <= AT_ONCE);
+    }
+}
