@@ -21,7 +21,7 @@ const LIMIT: Duration = Duration::from_secs(120);
 
 /// Up and down an aisle for minutes of run time.
 fn start() -> Zeronav {
-    let goals = (0..24).map(|leg| {
+    let goals = (0..40).map(|leg| {
         let x_m = if leg % 2 == 0 { 12.5 } else { 5.0 };
         format!("[[goals]]\npose = [{x_m}, 6.425, 0.0]\nyaw_tolerance_rad = 3.15\n")
     });
@@ -156,7 +156,7 @@ fn who_reads_rollouts_gets_them_and_the_run_is_the_same() {
         let report = run.report().unwrap_or_default();
         report["time_s"].as_f64().unwrap_or(0.0)
     };
-    run.wait_until("the robot drives", |run| passed_s(run) > 2.0);
+    run.wait_until("the robot drives", |run| passed_s(run) > 10.0);
     let root = run.domains().pop().expect("a domain");
     let mut heard = Heard::default();
     let mut guest = Guest::join(&root);
@@ -164,18 +164,20 @@ fn who_reads_rollouts_gets_them_and_the_run_is_the_same() {
     guest.leave();
     let (first, last) = (heard.told.iter().next(), heard.told.iter().next_back());
     let (first, last) = (first.expect("one").1.id, last.expect("one").1.id);
-    assert_eq!(first, Id::new(1, 1), "none was made before anybody read it");
+    // Five hundred ticks have passed; a few messages may be missed.
+    let before = first.count();
+    assert!(before < 250, "{before} were made before anybody read them");
 
-    // While nobody reads none are made. A thousand ticks and more pass until the next one comes.
+    // While nobody reads none are made, for two thousand ticks.
     let left_s = passed_s(&run);
-    run.wait_until("time has passed", |run| passed_s(run) > left_s + 20.0);
+    run.wait_until("time has passed", |run| passed_s(run) > left_s + 40.0);
     let mut again = Heard::default();
     let mut guest = Guest::join(&root);
     guest.hear(&mut again, 50);
     guest.leave();
     let next = again.told.values().next().expect("one").id;
     let made = next.count() - last.count();
-    assert!((1..500).contains(&made), "{made} were made for nobody");
+    assert!((1..1000).contains(&made), "{made} were made for nobody");
 
     let result = run.finish().expect(0);
     assert_eq!(result["reached"], true, "{result:#}");

@@ -132,14 +132,13 @@ fn a_wall_ahead_is_what_rollouts_lead_into() {
     for key in ["dwa", "dwa_t", "mppi"] {
         let (mut run, mut pilot) = (hall(&[block(WALL_M, 1.0, 3.3, 7.0)]), pilot(key));
         pilot.record(true);
-        let (mut into, mut too_near) = (0, 0);
+        let mut into = 0;
         for _ in 0..200 {
             let (_, Some(rollouts)) = told(&mut run, &mut pilot) else {
                 continue;
             };
             let hits = of(&rollouts, RolloutOutcome::Collision);
-            let unstoppable = of(&rollouts, RolloutOutcome::NoStop);
-            (into, too_near) = (into + hits.len(), too_near + unstoppable.len());
+            into += hits.len();
             for rollout in hits {
                 let [x_m, _] = rollout.points_m().last().expect("a point");
                 // Its outline touches the margin before its centre gets there.
@@ -160,9 +159,6 @@ fn a_wall_ahead_is_what_rollouts_lead_into() {
             }
         }
         assert!(into > 50, "{key}: {into} lead into the wall");
-        if key != "mppi" {
-            assert!(too_near > 50, "{key}: {too_near} have no room to stop");
-        }
     }
 }
 
