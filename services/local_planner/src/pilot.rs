@@ -28,6 +28,7 @@ use scene::{BLOCKED_S, Choose, Memory, Mode, Scene, Wish};
 use verify::first_with_free_stop;
 use zeronav_motion::{Twist, stop_distance_m, towards_rest};
 use zeronav_msgs::command::{RequestCause, Validity};
+use zeronav_msgs::stages::{Stage, StageTimer};
 
 /// [s] of acceleration by which the last command may lead the measured twist: three
 /// control periods of 20 ms. Commands start from the last command, not from the measurement,
@@ -45,6 +46,7 @@ pub struct Pilot {
     memory: Memory,
     shaper: Shaper,
     chooser: Box<dyn Choose>,
+    pub(crate) timer: StageTimer,
 }
 
 impl Pilot {
@@ -57,6 +59,7 @@ impl Pilot {
             memory: Memory::default(),
             shaper: Shaper::new(ShapingConfig::OFF),
             chooser,
+            timer: StageTimer::default(),
         }
     }
 
@@ -86,6 +89,7 @@ impl Pilot {
             situation.map_from_base.point(),
         )?;
         self.perception.look(&self.config, situation, &place);
+        self.timer.mark(Stage::Look);
         let mut scene = Scene {
             situation,
             config: &self.config,
@@ -98,7 +102,9 @@ impl Pilot {
         if arriving.is_some() {
             self.chooser.forget();
         }
-        Some(arriving.unwrap_or_else(|| self.chooser.choose(&mut scene)))
+        let wish = arriving.unwrap_or_else(|| self.chooser.choose(&mut scene));
+        self.timer.mark(Stage::Rollouts);
+        Some(wish)
     }
 
     /// The twist for this period. Finite, within the robot's limits, reachable from the twist of
@@ -125,6 +131,7 @@ impl Pilot {
     /// What is near the robot, tracked obstacles included, for a manoeuvre that follows no path.
     pub(crate) fn look_around(&mut self, situation: &Situation<'_>) -> &Surroundings {
         self.perception.look_around(&self.config, situation);
+        self.timer.mark(Stage::Look);
         &self.perception.surroundings
     }
 
@@ -222,6 +229,7 @@ impl Pilot {
         from: Twist,
         command: Result<(Twist, f64), Validity>,
     ) -> Decision {
+        self.timer.mark(Stage::Verify);
         let (robot, period_s) = (situation.robot, situation.period_s);
         let rest = towards_rest(robot, from, period_s);
         let (twist, validity, braking_arc_m) = match command {
