@@ -261,6 +261,10 @@ pub struct RunArgs {
     /// Leave no report, and no frames for one, when the run passes; the runs of a suite do so.
     #[arg(long)]
     pub report_failures_only: bool,
+    /// Do not time the stages of each cycle, which costs a reading of the clock each: `trace.json`
+    /// is without them.
+    #[arg(long)]
+    pub no_stages: bool,
 }
 
 impl RunArgs {
@@ -271,6 +275,7 @@ impl RunArgs {
             trials: self.trials,
             delays: self.inject.iter().copied().collect(),
             report_failures_only: self.report_failures_only,
+            stages: !self.no_stages,
             ..self.start.plan(Source::Named(self.scenario.clone()))
         }
     }

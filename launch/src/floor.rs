@@ -15,7 +15,7 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use zeronav_msgs::role::Role;
-use zeronav_msgs::run::RunMode;
+use zeronav_msgs::run::{RunClock, RunMode};
 use zeronav_msgs::span::SpanKind;
 
 /// Binary of a stage that does nothing.
@@ -52,9 +52,13 @@ pub fn measure(
 ) -> Result<Series, String> {
     let cycles = cycles.clamp(*CYCLES.start(), *CYCLES.end());
     let binary = binaries::find(Path::new(EMPTY_STAGE))?;
-    let tick_ns = prepared.scenario.run.tick_ns();
-    let mut ring = Stack::create(RunMode::RealTime, prepared.seed, tick_ns)
-        .map_err(|error| error.to_string())?;
+    let clock = RunClock {
+        mode: RunMode::RealTime.code(),
+        seed: prepared.seed,
+        tick_ns: prepared.scenario.run.tick_ns(),
+        ..RunClock::default()
+    };
+    let mut ring = Stack::create(clock).map_err(|error| error.to_string())?;
     let series = start(&mut ring, prepared, load, &binary)
         .and_then(|()| listen(&mut ring, load, cycles, interrupted));
     stack::close(ring);

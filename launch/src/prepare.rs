@@ -48,6 +48,8 @@ pub struct Prepared {
     pub trials: Option<u32>,
     /// True when the stack stays up and waits for goals.
     pub stays: bool,
+    /// True when the services time the stages of their cycles.
+    pub stages: bool,
     /// What else the machine does.
     pub load: MachineLoad,
     /// Delays put into seats on purpose.
@@ -242,6 +244,8 @@ pub(crate) fn prepare(plan: &RunPlan) -> Result<Prepared, String> {
         progress: plan.progress,
         trials: plan.trials,
         stays: plan.stays,
+        // For the trace, which a run in real time leaves.
+        stages: plan.stages && !plan.stays && plan.mode == RunMode::RealTime,
         load: plan.load,
         delays: plan.delays.clone(),
         swaps,

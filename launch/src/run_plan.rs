@@ -76,6 +76,8 @@ pub struct RunPlan {
     pub progress: bool,
     /// True when a run that passes leaves no report.
     pub report_failures_only: bool,
+    /// False when a run in real time does without the times of the stages in its trace.
+    pub stages: bool,
 }
 
 impl RunPlan {
@@ -85,6 +87,7 @@ impl RunPlan {
         Self {
             view: None,
             report_failures_only: false,
+            stages: true,
             scenario,
             mode,
             seed: None,

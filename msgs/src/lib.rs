@@ -35,6 +35,7 @@ pub mod run;
 pub mod scan;
 pub mod seats;
 pub mod span;
+pub mod stages;
 mod stamp;
 pub mod task;
 pub mod time;

@@ -37,11 +37,14 @@ codes! {
 
 message! {
     /// Fixed fields of the clock; the slice is empty. Written once, before any child starts.
-    pub struct RunClock = "zeronav.RunClock.v1" {
+    pub struct RunClock = "zeronav.RunClock.v2" {
         /// Code of [`RunMode`].
         pub mode: u16,
+        /// [flag] 1 = services time the stages of their cycles and say it in their records; 0 = they
+        /// read no clock for it. Always 0 in lockstep.
+        pub stages: u16,
         /// Written as 0.
-        pub spare: [u16; 3],
+        pub spare: [u16; 2],
         /// [number] Seed of everything random in the run.
         pub seed: u64,
         /// [ns] `CLOCK_MONOTONIC` at run time 0.

@@ -26,7 +26,7 @@ const GOLDEN: &[(&str, usize, usize, u64)] = &[
     ("task/pose", 184, 1, 0xe69a_38fe_b2ce_2572),
     ("control/velocity_request", 192, 1, 0xbca4_0804_cf7a_583b),
     ("robot/velocity_command", 176, 1, 0x00d6_3076_348f_f2bd),
-    ("run/clock", 160, 1, 0x53d5_e404_d3e1_1203),
+    ("run/clock", 160, 1, 0x4f97_d940_d4ee_db9a),
     ("run/control", 208, 56, 0xaabe_4789_147f_5ef3),
     ("sim/ground_truth", 216, 48, 0x1e53_b96e_6136_5535),
     ("sim/placement", 136, 64, 0x7b6b_e608_2eb7_9558),
@@ -36,7 +36,7 @@ const GOLDEN: &[(&str, usize, usize, u64)] = &[
     ("health/global_planner", 176, 1, 0x807e_7f55_86b4_ce42),
     ("health/local_planner", 176, 1, 0x4f81_d396_ef28_bf9e),
     ("health/collision_guard", 176, 1, 0x708a_e803_c9a7_6d58),
-    ("run/spans", 0, 136, 0x4482_7d2d_f814_4749),
+    ("run/spans", 0, 152, 0x9070_cc0c_5473_c554),
 ];
 
 #[test]
@@ -69,7 +69,7 @@ fn fixed_offsets_that_other_languages_rely_on() {
     assert_eq!(core::mem::offset_of!(Header, parents), 48);
     assert_eq!(core::mem::offset_of!(Header, stamps), 96);
     assert_eq!((size_of::<Parents>(), size_of::<Stamps>()), (48, 24));
-    assert_eq!(size_of::<Span>(), 136);
+    assert_eq!(size_of::<Span>(), 152);
     assert_eq!(
         (size_of::<MapCell>(), size_of::<MapTile>()),
         (4, 8 + 32 * 32 * 4)

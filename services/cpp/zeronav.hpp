@@ -1856,12 +1856,15 @@ static_assert(RobotVelocityCommandEnvelope::SCHEMA == [] {
 
 /// Fixed fields of the clock; the slice is empty. Written once, before any child starts.
 struct RunClock {
-    static constexpr const char* NAME = "zeronav.RunClock.v1";
-    static constexpr std::uint64_t SCHEMA = 0x03bb94922f803e3f;
+    static constexpr const char* NAME = "zeronav.RunClock.v2";
+    static constexpr std::uint64_t SCHEMA = 0x67416b7689d7db12;
     /// Code of `RunMode`.
     std::uint16_t mode{};
+    /// [flag] 1 = services time the stages of their cycles and say it in their records; 0 = they
+    /// read no clock for it. Always 0 in lockstep.
+    std::uint16_t stages{};
     /// Written as 0.
-    std::uint16_t spare[3]{};
+    std::uint16_t spare[2]{};
     /// [number] Seed of everything random in the run.
     std::uint64_t seed{};
     /// [ns] `CLOCK_MONOTONIC` at run time 0.
@@ -1872,7 +1875,8 @@ struct RunClock {
 static_assert(sizeof(RunClock) == 32);
 static_assert(std::is_trivially_copyable_v<RunClock> && std::is_standard_layout_v<RunClock>);
 static_assert(offsetof(RunClock, mode) == 0);
-static_assert(offsetof(RunClock, spare) == 2);
+static_assert(offsetof(RunClock, stages) == 2);
+static_assert(offsetof(RunClock, spare) == 4);
 static_assert(offsetof(RunClock, seed) == 8);
 static_assert(offsetof(RunClock, zero_ns) == 16);
 static_assert(offsetof(RunClock, tick_ns) == 24);
@@ -1881,6 +1885,9 @@ static_assert(RunClock::SCHEMA == [] {
     hash = fnv1a(hash, "mode");
     hash = fnv1a_number(hash, Schema<decltype(RunClock::mode)>::value);
     hash = fnv1a_number(hash, offsetof(RunClock, mode));
+    hash = fnv1a(hash, "stages");
+    hash = fnv1a_number(hash, Schema<decltype(RunClock::stages)>::value);
+    hash = fnv1a_number(hash, offsetof(RunClock, stages));
     hash = fnv1a(hash, "spare");
     hash = fnv1a_number(hash, Schema<decltype(RunClock::spare)>::value);
     hash = fnv1a_number(hash, offsetof(RunClock, spare));
@@ -1899,7 +1906,7 @@ static_assert(RunClock::SCHEMA == [] {
 /// Header and fixed fields of the topic's messages.
 struct RunClockEnvelope {
     static constexpr const char* NAME = "zeronav.run.clock.v1";
-    static constexpr std::uint64_t SCHEMA = 0x49bbe9ba3e3e1fb4;
+    static constexpr std::uint64_t SCHEMA = 0xd4bc53988a77db94;
     /// The header.
     Header header{};
     /// The fixed fields.
@@ -2549,8 +2556,8 @@ static_assert(HealthEnvelope::SCHEMA == [] {
 
 /// A self-contained record of one cycle. Sent without a header.
 struct Span {
-    static constexpr const char* NAME = "zeronav.Span.v2";
-    static constexpr std::uint64_t SCHEMA = 0x5b8daa594c6ed731;
+    static constexpr const char* NAME = "zeronav.Span.v3";
+    static constexpr std::uint64_t SCHEMA = 0x9df02c0f69b58fcf;
     /// Code of the `Role`.
     std::uint16_t role{};
     /// Code of `SpanKind`.
@@ -2594,8 +2601,12 @@ struct Span {
     /// Robot only, real time: `CLOCK_MONOTONIC_RAW` at `capture_ns`, of a command that was applied
     /// at `started_ns`; 0 = none. [ns]
     std::uint64_t raw_ns{};
+    /// [ns] Times of the stages of the role (`Stage::of`), one after the other from `started_ns`
+    /// on and by the same clock; what is left until `published_ns` belongs to none. 0 = did not
+    /// run, or was not timed (`stages` of `run/clock`).
+    std::uint32_t stages_ns[4]{};
 };
-static_assert(sizeof(Span) == 136);
+static_assert(sizeof(Span) == 152);
 static_assert(std::is_trivially_copyable_v<Span> && std::is_standard_layout_v<Span>);
 static_assert(offsetof(Span, role) == 0);
 static_assert(offsetof(Span, kind) == 2);
@@ -2617,6 +2628,7 @@ static_assert(offsetof(Span, work) == 108);
 static_assert(offsetof(Span, hash) == 112);
 static_assert(offsetof(Span, off_processor_ns) == 120);
 static_assert(offsetof(Span, raw_ns) == 128);
+static_assert(offsetof(Span, stages_ns) == 136);
 static_assert(Span::SCHEMA == [] {
     std::uint64_t hash = fnv1a(FNV_OFFSET, Span::NAME);
     hash = fnv1a(hash, "role");
@@ -2679,6 +2691,9 @@ static_assert(Span::SCHEMA == [] {
     hash = fnv1a(hash, "raw_ns");
     hash = fnv1a_number(hash, Schema<decltype(Span::raw_ns)>::value);
     hash = fnv1a_number(hash, offsetof(Span, raw_ns));
+    hash = fnv1a(hash, "stages_ns");
+    hash = fnv1a_number(hash, Schema<decltype(Span::stages_ns)>::value);
+    hash = fnv1a_number(hash, offsetof(Span, stages_ns));
     return hash;
 }());
 
@@ -2872,7 +2887,7 @@ struct run_clock {
     using Envelope = RunClockEnvelope;
     using Item = std::uint8_t;
     static constexpr const char* NAME = "run/clock";
-    static constexpr std::uint64_t SCHEMA = 0x53d5e404d3e11203;
+    static constexpr std::uint64_t SCHEMA = 0x4f97d940d4eedb9a;
     static constexpr std::size_t NUMBER = 12;
     static constexpr std::size_t LEN_MAX = 1;
     static constexpr std::size_t BUFFER = 2;
@@ -3014,7 +3029,7 @@ struct run_spans {
     using Envelope = void;
     using Item = Span;
     static constexpr const char* NAME = "run/spans";
-    static constexpr std::uint64_t SCHEMA = 0x44827d2df8144749;
+    static constexpr std::uint64_t SCHEMA = 0x9070cc0c5473c554;
     static constexpr std::size_t NUMBER = 21;
     static constexpr std::size_t LEN_MAX = 1;
     static constexpr std::size_t BUFFER = 1024;

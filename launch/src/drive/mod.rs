@@ -30,6 +30,7 @@ use session::{Session, reading};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
+use zeronav_msgs::run::RunClock;
 use zeronav_shell::clock::now_ns;
 
 /// What was seen of a run.
@@ -82,8 +83,14 @@ pub(crate) fn drive(
     interrupted: &Arc<AtomicBool>,
 ) -> Result<Driven, String> {
     let tick_ns = prepared.scenario.run.tick_ns();
-    let mut stack =
-        Stack::create(prepared.mode, prepared.seed, tick_ns).map_err(|error| error.to_string())?;
+    let clock = RunClock {
+        mode: prepared.mode.code(),
+        seed: prepared.seed,
+        tick_ns,
+        stages: u16::from(prepared.stages),
+        ..RunClock::default()
+    };
+    let mut stack = Stack::create(clock).map_err(|error| error.to_string())?;
     if let Err(error) = log::open(&prepared.directory.join("logs/launch.log")) {
         tracing::warn!(%error, "no log of the supervisor");
     }

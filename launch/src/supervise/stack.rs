@@ -16,7 +16,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 use zeronav_msgs::health::HealthState;
 use zeronav_msgs::role::Role;
-use zeronav_msgs::run::{RunClock, RunControl, RunMode, Seat, TOPIC_FAULTS_MAX, TopicFault};
+use zeronav_msgs::run::{RunClock, RunControl, Seat, TOPIC_FAULTS_MAX, TopicFault};
 use zeronav_msgs::task::{Goal, PoseEstimate, Task, TaskKind};
 use zeronav_msgs::topics::{
     EVENT_NEED_KEYFRAME, RunClockTopic, RunControlTopic, SimPlacement, TaskGoal, TaskPose, TopicRow,
@@ -82,11 +82,11 @@ pub struct Stack {
 }
 
 impl Stack {
-    /// Makes a domain with every topic, and says how time runs and who will be obeyed.
+    /// Makes a domain with every topic, and says how time runs, from now on, and who will be obeyed.
     ///
     /// # Errors
     /// What the middleware or the system refuses.
-    pub fn create(mode: RunMode, seed: u64, tick_ns: u64) -> Result<Self, StartError> {
+    pub fn create(clock: RunClock) -> Result<Self, StartError> {
         let peer = Peer::join(Domain::create()?, Role::Launch, LAUNCH_EPOCH)?;
         warden::watch_domain(peer.domain().root());
         let topics = peer.create_topics()?;
@@ -101,11 +101,8 @@ impl Stack {
             .collect::<Vec<_>>();
         let roster = Roster {
             clock: RunClock {
-                mode: mode.code(),
-                seed,
                 zero_ns: now_ns(),
-                tick_ns,
-                ..RunClock::default()
+                ..clock
             },
             control: RunControl {
                 n_seats: u32::try_from(seats.len()).unwrap_or(0),

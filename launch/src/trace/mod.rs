@@ -1,8 +1,8 @@
 //! `trace.json`: the records of a run as a trace that Perfetto opens.
 //!
-//! A track per process with its cycles (wait, read, compute), a track per topic and reader with the
-//! time that each message lay there, the commands at the wheels, flows from scan to wheel, and
-//! counters. Nothing is measured for it: all of it lies in the records that are kept anyway.
+//! A track per process with its cycles (wait, read, compute with its stages), a track per topic and
+//! reader with the time that each message lay there, the commands at the wheels, flows from scan to
+//! wheel, and counters. Nothing is measured for it: all of it lies in the records that are kept anyway.
 
 mod flows;
 mod format;

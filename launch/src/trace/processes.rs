@@ -32,8 +32,9 @@ pub(super) fn write(
     wheels(records, about, events, slices);
 }
 
-/// Writes a cycle: the wait before it, the reading of the inputs, the work. A process works on one
-/// thing at a time, so no slice begins before the end of the one before. Returns the end. [ns]
+/// Writes a cycle: the wait before it, the reading of the inputs, the work with its stages inside. A
+/// process works on one thing at a time, so no cycle begins before the end of the one before. Returns
+/// the end. [ns]
 fn cycle(
     role: Role,
     span: &Span,
@@ -77,6 +78,15 @@ fn cycle(
         }
     }
     events.push(work);
+    for (stage, from_ns, to_ns) in span.stages() {
+        // Inside their cycle, whatever a foreign process has written.
+        let within = |at_ns| about.since(at_ns).clamp(started_ns, end_ns);
+        let (from_ns, to_ns) = (within(from_ns), within(to_ns));
+        if from_ns < to_ns {
+            let slice = TraceEvent::slice(track, stage.label(), from_ns, to_ns);
+            events.push(slice);
+        }
+    }
     if role == Role::GlobalPlanner && span.output != 0 {
         let expansions = TraceEvent::counter(pid(role), "expansions", end_ns);
         events.push(expansions.arg("nodes", span.work.into()));

@@ -9,6 +9,7 @@ use std::process::ExitCode;
 use zeronav_global_planner::{Control, GlobalPlannerConfig, News, Replanner, Step};
 use zeronav_msgs::path::{Path, WAYPOINTS_MAX};
 use zeronav_msgs::role::Role;
+use zeronav_msgs::stages::Stage;
 use zeronav_msgs::topics::PlanPath;
 use zeronav_params::Parameter;
 use zeronav_shell::clock::now_ns;
@@ -56,6 +57,7 @@ impl Service for PlannerService {
         let trigger = self.inputs.trigger(shell, news);
         for due in shell.due(&trigger) {
             let started_ns = now_ns();
+            *self.replanner.timer() = shell.stage_timer(started_ns);
             if let Some(news) = self.plan(shell, due) {
                 self.publish(shell, due, news, started_ns);
             }
@@ -85,6 +87,7 @@ impl PlannerService {
         inputs.goal.advance(shell.roster(), due.tick);
         let geometry = replanner.plan().geometry;
         let mut step = replanner.begin(&inputs.situation(robot, geometry));
+        replanner.timer().mark(Stage::Map);
         inputs.changed.clear();
         let lockstep = shell.roster().lockstep();
         loop {
@@ -107,6 +110,7 @@ impl PlannerService {
                 inputs.goal.advance(shell.roster(), due.tick);
             }
             step = replanner.settle(&inputs.situation(robot, geometry));
+            replanner.timer().mark(Stage::Settle);
             inputs.changed.clear();
         }
     }
@@ -115,6 +119,7 @@ impl PlannerService {
         let is_new = news == News::New;
         let mut draft = self.inputs.map.begin(shell, due, self.inputs.parents());
         draft.started_ns = started_ns;
+        draft.stages_ns = self.replanner.timer().stages_ns();
         if is_new {
             // When there is no memory for this message, the next one has the same identity.
             self.replanner.name_geometry(self.path.next_id().0);

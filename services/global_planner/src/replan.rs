@@ -51,6 +51,7 @@ use crate::smooth::Smooth;
 use crate::table::{UnknownPlanner, row_of};
 use zeronav_msgs::path::{PathCause, PathStatus};
 use zeronav_msgs::request::RequestReason;
+use zeronav_msgs::stages::{Stage, StageTimer};
 use zeronav_msgs::{Cell, CellRect, MapView, Pose};
 use zeronav_params::ParameterError;
 
@@ -144,6 +145,7 @@ pub struct Replanner {
     request_served: u64,
     /// Where the last path was cut. [m]
     cut_m: Option<[f64; 2]>,
+    timer: StageTimer,
 }
 
 impl Replanner {
@@ -169,7 +171,13 @@ impl Replanner {
             revisions_since_search: 0,
             request_served: 0,
             cut_m: None,
+            timer: StageTimer::default(),
         })
+    }
+
+    /// What times the stages of a cycle; off unless the caller has put another one there.
+    pub fn timer(&mut self) -> &mut StageTimer {
+        &mut self.timer
     }
 
     /// The current path, or why there is none.
@@ -235,6 +243,7 @@ impl Replanner {
         let result = self
             .planner
             .plan(&query, &mut limited, &mut candidate.cells);
+        self.timer.mark(Stage::Search);
         if result.is_ok() && self.config.smooth_m > 0.0 {
             self.smooth
                 .run(&query, self.config.smooth_m, &mut candidate.cells);
@@ -244,6 +253,7 @@ impl Replanner {
             corner_rule: self.config.corner_rule,
         };
         candidate.set(&query, legality, target, result.err());
+        self.timer.mark(Stage::Smooth);
         candidate.cause = pending.cause;
         candidate.cut_m = self.cut_m.filter(|_| pending.cause == PathCause::Obstacle);
         candidate.searched_map = situation.revision;

@@ -97,7 +97,8 @@ impl Service for PlannerService {
 
 impl PlannerService {
     fn answer(&mut self, shell: &mut Shell, due: Due) {
-        let draft = self.readings.begin(shell, due);
+        let mut draft = self.readings.begin(shell, due);
+        *self.planner.timer() = shell.stage_timer(draft.started_ns);
         let period_s = self.period_s(shell, draft.started_ns);
         if let Some((status, ends)) = self.readings.take_status_before(due.tick) {
             self.planner.follow(&status, &ends);
@@ -105,6 +106,7 @@ impl PlannerService {
         let outputs = self
             .planner
             .step(&self.readings.inputs(shell, &draft, period_s));
+        draft.stages_ns = self.planner.timer().stages_ns();
         let sent = shell.send(&draft, &mut self.request, outputs.request, &[]);
         if let Some(plan_request) = outputs.plan_request {
             shell.send(&draft, &mut self.plan_request, plan_request, &[]);

@@ -22,6 +22,7 @@ use zeronav_msgs::odometry::Odometry;
 use zeronav_msgs::path::{Path, PathStatus, Waypoint};
 use zeronav_msgs::request::PlanRequest;
 use zeronav_msgs::rollouts::{Rollout, Rollouts};
+use zeronav_msgs::stages::{Stage, StageTimer};
 use zeronav_msgs::task::{Goal, GoalEnd, StuckCause, Task, TaskState, TaskStatus};
 use zeronav_msgs::time::seconds;
 use zeronav_msgs::{MapView, Pose};
@@ -180,6 +181,11 @@ impl LocalPlanner {
     #[must_use]
     pub fn rollouts(&self) -> Option<(Rollouts, &[Rollout])> {
         self.pilot.rollouts()
+    }
+
+    /// What times the stages of [`Self::step`]; off unless the caller has put another one there.
+    pub fn timer(&mut self) -> &mut StageTimer {
+        &mut self.pilot.timer
     }
 
     /// Takes in a task by its id on `task/goal`; repeats are ignored.
@@ -395,6 +401,7 @@ impl LocalPlanner {
         odometry: &Odometry,
         step: TaskStep,
     ) -> (Decision, Option<Transition>) {
+        self.timer().mark(Stage::Prepare);
         let (robot, pose) = (situation.robot, &odometry.pose);
         let behaviour = self.behaviour();
         let decision = match behaviour {

@@ -29,6 +29,7 @@ use verify::first_with_free_stop;
 use zeronav_motion::{Twist, stop_distance_m, towards_rest};
 use zeronav_msgs::command::{RequestCause, Validity};
 use zeronav_msgs::rollouts::{Rollout, Rollouts};
+use zeronav_msgs::stages::{Stage, StageTimer};
 
 /// [s] of acceleration by which the last command may lead the measured twist: three
 /// control periods of 20 ms. Commands start from the last command, not from the measurement,
@@ -46,6 +47,7 @@ pub struct Pilot {
     memory: Memory,
     shaper: Shaper,
     chooser: Box<dyn Choose>,
+    pub(crate) timer: StageTimer,
 }
 
 impl Pilot {
@@ -58,6 +60,7 @@ impl Pilot {
             memory: Memory::default(),
             shaper: Shaper::new(ShapingConfig::OFF),
             chooser,
+            timer: StageTimer::default(),
         }
     }
 
@@ -100,6 +103,7 @@ impl Pilot {
             situation.map_from_base.point(),
         )?;
         self.perception.look(&self.config, situation, &place);
+        self.timer.mark(Stage::Look);
         let mut scene = Scene {
             situation,
             config: &self.config,
@@ -112,7 +116,9 @@ impl Pilot {
         if arriving.is_some() {
             self.chooser.forget();
         }
-        Some(arriving.unwrap_or_else(|| self.chooser.choose(&mut scene)))
+        let wish = arriving.unwrap_or_else(|| self.chooser.choose(&mut scene));
+        self.timer.mark(Stage::Rollouts);
+        Some(wish)
     }
 
     /// The twist for this period. Finite, within the robot's limits, reachable from the twist of
@@ -140,6 +146,7 @@ impl Pilot {
     /// What is near the robot, tracked obstacles included, for a manoeuvre that follows no path.
     pub(crate) fn look_around(&mut self, situation: &Situation<'_>) -> &Surroundings {
         self.perception.look_around(&self.config, situation);
+        self.timer.mark(Stage::Look);
         &self.perception.surroundings
     }
 
@@ -280,6 +287,7 @@ impl Pilot {
         from: Twist,
         command: Result<(Twist, f64), Validity>,
     ) -> Decision {
+        self.timer.mark(Stage::Verify);
         let (robot, period_s) = (situation.robot, situation.period_s);
         let rest = towards_rest(robot, from, period_s);
         let (twist, validity, braking_arc_m) = match command {

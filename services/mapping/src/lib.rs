@@ -56,7 +56,8 @@ pub mod window;
 
 pub use config::MappingConfig;
 pub use error::MappingError;
+pub use flips::Integrated;
 pub use log_odds::LogOdds;
-pub use mapper::{Integrated, Mapper};
+pub use mapper::Mapper;
 pub use mapping::{Mapping, Observation};
 pub use tiles::{TileIndex, all_tiles};

@@ -135,7 +135,7 @@ impl MappingService {
     }
 
     fn answer(&mut self, shell: &mut Shell, due: Due, poses: (Pose, Pose)) {
-        let draft = self.readings.begin(shell, due);
+        let mut draft = self.readings.begin(shell, due);
         let estimate = self.readings.take_estimate(due.tick);
         let observation = self.readings.observation(poses);
         let (Some(observation), Some(mapping)) = (observation, &mut self.mapping) else {
@@ -149,7 +149,9 @@ impl MappingService {
             tracing::info!(tick = due.tick, x_m, y_m, yaw_rad, "the robot is put there");
             mapping.relocate(estimate.map_from_odom(), &observation);
         }
+        *mapping.timer() = shell.stage_timer(draft.started_ns);
         mapping.take_in(&observation);
+        draft.stages_ns = mapping.timer().stages_ns();
         let work = u64::from(observation.scan.n_beams);
         let n_obstacles = self.map.send_obstacles(shell, &draft, mapping);
         self.map.current = true;

@@ -6,7 +6,7 @@ use crate::cell_value::{ValueTable, cost_model};
 use crate::clearance::ClearanceField;
 use crate::config::MappingConfig;
 use crate::error::MappingError;
-use crate::flips::Flips;
+use crate::flips::{Flips, Integrated};
 use crate::located_scan::LocatedScan;
 use crate::regularise::Regulariser;
 use crate::scan_match::Surfaces;
@@ -20,19 +20,9 @@ use zeronav_msgs::map::{
     FLAG_STATIC, FLAG_UNKNOWN, FLAG_VIRTUAL, MapTile, clearance_mm,
 };
 use zeronav_msgs::scan::Scan;
+use zeronav_msgs::stages::{Stage, StageTimer};
 use zeronav_msgs::{Cell, CellRect, GridGeometry, MapCell, MapView, Pose};
 use zeronav_world::StaticMap;
-
-/// What a scan did to the map. Counts of cells.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Integrated {
-    /// Became obstacles.
-    pub marked: usize,
-    /// Are obstacles no longer.
-    pub cleared: usize,
-    /// Were seen for the first time.
-    pub revealed: usize,
-}
 
 /// The map, and what is needed to keep it right. Time follows what a scan changed, not the size
 /// of the map; nothing is allocated once scans repeat themselves.
@@ -210,22 +200,24 @@ impl Mapper {
             moving: &[],
             run_ns: 0,
         };
-        let integrated = self.take_in(&sight, &[]);
+        let integrated = self.take_in(&sight, &[], &mut StageTimer::default());
         self.beams = beams;
         integrated
     }
 
     /// Takes in a scan. `under_robot` are the row-major indices of the cells under the robot.
-    pub fn take_in(&mut self, sight: &LocatedScan<'_>, under_robot: &[usize]) -> Integrated {
+    pub fn take_in(
+        &mut self,
+        sight: &LocatedScan<'_>,
+        under_robot: &[usize],
+        timer: &mut StageTimer,
+    ) -> Integrated {
         let mut flips = core::mem::take(&mut self.flips);
         self.belief.integrate(sight, under_robot, &mut flips);
         self.run_ns = sight.run_ns;
+        timer.mark(Stage::Integrate);
         self.follow(&flips);
-        let integrated = Integrated {
-            marked: flips.marked.len(),
-            cleared: flips.cleared.len(),
-            revealed: flips.revealed.len(),
-        };
+        let integrated = flips.count();
         flips.clear();
         self.flips = flips;
         integrated

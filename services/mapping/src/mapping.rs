@@ -4,9 +4,10 @@
 use crate::beams::{Beam, Beams, End, Sweep};
 use crate::config::MappingConfig;
 use crate::error::MappingError;
+use crate::flips::Integrated;
 use crate::localiser::Localiser;
 use crate::located_scan::LocatedScan;
-use crate::mapper::{Integrated, Mapper};
+use crate::mapper::Mapper;
 use crate::outline::Outline;
 use crate::tracker::{ScanView, Tracker};
 use nalgebra::Point2;
@@ -15,6 +16,7 @@ use zeronav_msgs::description::{Corner, Description};
 use zeronav_msgs::map::{MapInfo, MapView};
 use zeronav_msgs::obstacles::Obstacle;
 use zeronav_msgs::scan::Scan;
+use zeronav_msgs::stages::{Stage, StageTimer};
 use zeronav_world::StaticMap;
 
 /// How far beyond its radius the trail of something that moves is forgotten, in cells: its hits
@@ -59,6 +61,7 @@ pub struct Mapping {
     landmarks: Vec<Point2<f64>>,
     /// The grid changed with the last scan.
     moved: bool,
+    timer: StageTimer,
 }
 
 impl Mapping {
@@ -85,6 +88,7 @@ impl Mapping {
             standing: Vec::new(),
             landmarks: Vec::new(),
             moved: false,
+            timer: StageTimer::default(),
             config: config.clone(),
         })
     }
@@ -112,6 +116,11 @@ impl Mapping {
         }
     }
 
+    /// What times the stages of [`Self::take_in`]; off unless the caller has put another one there.
+    pub fn timer(&mut self) -> &mut StageTimer {
+        &mut self.timer
+    }
+
     /// Takes in a scan: corrects the pose, follows what moves, brings the map up to date.
     pub fn take_in(&mut self, observation: &Observation<'_>) -> Integrated {
         let odom_from_base = &observation.odom_from_base;
@@ -129,6 +138,7 @@ impl Mapping {
         }
         let map_from_base = self.localiser.map_from_base(odom_from_base);
         self.follow_window(map_from_base.point());
+        self.timer.mark(Stage::Localise);
         let mapper = &mut self.mapper;
         if self.config.tracking.enabled {
             let view = ScanView {
@@ -161,8 +171,10 @@ impl Mapping {
             moving: self.tracker.moving_beams(),
             run_ns: observation.run_ns,
         };
-        let integrated = mapper.take_in(&sight, &self.under_robot);
+        self.timer.mark(Stage::Track);
+        let integrated = mapper.take_in(&sight, &self.under_robot, &mut self.timer);
         mapper.regularise(observation.goal.map(|goal| (map_from_base.point(), goal)));
+        self.timer.mark(Stage::Clearance);
         integrated
     }
 

@@ -1024,15 +1024,18 @@ class RobotVelocityCommandEnvelope(Message):
 class RunClock(Message):
     """Fixed fields of the clock; the slice is empty. Written once, before any child starts."""
 
-    NAME = "zeronav.RunClock.v1"
+    NAME = "zeronav.RunClock.v2"
     SIZE = 32
-    SCHEMA = 0x03bb94922f803e3f
-    OFFSETS = (0, 2, 8, 16, 24)
+    SCHEMA = 0x67416b7689d7db12
+    OFFSETS = (0, 2, 4, 8, 16, 24)
     _fields_ = [
         # Code of `RunMode`.
         ("mode", u16),
+        # [flag] 1 = services time the stages of their cycles and say it in their records; 0 = they
+        # read no clock for it. Always 0 in lockstep.
+        ("stages", u16),
         # Written as 0.
-        ("spare", u16 * 3),
+        ("spare", u16 * 2),
         # [number] Seed of everything random in the run.
         ("seed", u64),
         # [ns] `CLOCK_MONOTONIC` at run time 0.
@@ -1047,7 +1050,7 @@ class RunClockEnvelope(Message):
 
     NAME = "zeronav.run.clock.v1"
     SIZE = 160
-    SCHEMA = 0x49bbe9ba3e3e1fb4
+    SCHEMA = 0xd4bc53988a77db94
     OFFSETS = (0, 128)
     _fields_ = [
         # The header.
@@ -1380,10 +1383,11 @@ class HealthEnvelope(Message):
 class Span(Message):
     """A self-contained record of one cycle. Sent without a header."""
 
-    NAME = "zeronav.Span.v2"
-    SIZE = 136
-    SCHEMA = 0x5b8daa594c6ed731
-    OFFSETS = (0, 2, 4, 8, 16, 24, 32, 40, 48, 56, 64, 72, 80, 88, 96, 104, 108, 112, 120, 128)
+    NAME = "zeronav.Span.v3"
+    SIZE = 152
+    SCHEMA = 0x9df02c0f69b58fcf
+    OFFSETS = (0, 2, 4, 8, 16, 24, 32, 40, 48, 56, 64, 72, 80, 88, 96, 104, 108, 112, 120, 128,
+        136)
     _fields_ = [
         # Code of the `Role`.
         ("role", u16),
@@ -1428,6 +1432,10 @@ class Span(Message):
         # Robot only, real time: `CLOCK_MONOTONIC_RAW` at `capture_ns`, of a command that was
         # applied at `started_ns`; 0 = none. [ns]
         ("raw_ns", u64),
+        # [ns] Times of the stages of the role (`Stage::of`), one after the other from `started_ns`
+        # on and by the same clock; what is left until `published_ns` belongs to none. 0 = did not
+        # run, or was not timed (`stages` of `run/clock`).
+        ("stages_ns", u32 * 4),
     ]
 
 
@@ -1639,7 +1647,7 @@ RUN_CLOCK = Topic(
     len_max=1,
     buffer=2,
     pool=29,
-    schema=0x53d5e404d3e11203,
+    schema=0x4f97d940d4eedb9a,
 )
 
 RUN_CONTROL = Topic(
@@ -1791,7 +1799,7 @@ RUN_SPANS = Topic(
     len_max=1,
     buffer=1024,
     pool=1038,
-    schema=0x44827d2df8144749,
+    schema=0x9070cc0c5473c554,
 )
 
 TOPICS = (

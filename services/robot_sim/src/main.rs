@@ -9,11 +9,12 @@ mod world;
 use answers::AnswerReader;
 use commands::Commands;
 use own_clock::OwnClock;
-use sensors::Sensors;
+use sensors::{Moment, Sensors};
 use std::process::ExitCode;
 use world::simulator;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::span::SpanKind;
+use zeronav_msgs::stages::Stage;
 use zeronav_params::Parameter;
 use zeronav_robot_sim::simulator::TICK_NS_MIN;
 use zeronav_robot_sim::{SimConfig, Simulator};
@@ -142,19 +143,27 @@ impl RobotService {
         let Some(simulator) = &mut self.simulator else {
             return;
         };
+        let started_ns = now_ns();
+        let mut timer = shell.stage_timer(started_ns);
         let began_ns = if shell.roster().lockstep() {
             simulator.run_ns()
         } else {
-            now_ns()
+            started_ns
         };
         let age_ns = self.commands.age_ns(shell, began_ns);
         simulator.step(run_ns, age_ns);
+        timer.mark(Stage::Step);
         let due = Due {
             tick: self.tick,
             kind,
         };
-        self.sensors
-            .send(shell, simulator, due, run_ns, self.clock.slipped_ns());
+        let moment = Moment {
+            due,
+            run_ns,
+            slipped_ns: self.clock.slipped_ns(),
+            started_ns,
+        };
+        self.sensors.send(shell, simulator, &moment, timer);
     }
 }
 

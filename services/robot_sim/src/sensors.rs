@@ -2,12 +2,24 @@
 
 use zeronav_msgs::description::FOOTPRINT_CORNERS_MAX;
 use zeronav_msgs::header::Parents;
+use zeronav_msgs::stages::{Stage, StageTimer};
 use zeronav_msgs::topics::{GroundTruth, RobotDescription, RobotOdometry, RobotScan};
 use zeronav_msgs::truth::{TRUTH_OBSTACLES_MAX, TruthObstacle};
 use zeronav_robot_sim::Simulator;
 use zeronav_shell::clock::both_ns;
 use zeronav_shell::odometry::{REST_MESSAGES, is_stopped};
 use zeronav_shell::{Draft, Due, Peer, Shell, StartError, Writer};
+
+/// The step that the sensors follow.
+pub(crate) struct Moment {
+    pub(crate) due: Due,
+    /// Run time of its end. [ns]
+    pub(crate) run_ns: u64,
+    /// Run time that was lost so far. [ns]
+    pub(crate) slipped_ns: u64,
+    /// Monotonic time at which it began. [ns]
+    pub(crate) started_ns: u64,
+}
 
 /// The writers of the seat.
 pub(crate) struct Sensors {
@@ -60,16 +72,16 @@ impl Sensors {
         shell.answer(&draft, &mut self.description, description, &corners);
     }
 
-    /// Sends what the sensors measure after a step to `run_ns`: the scan, if one is due, then
-    /// odometry, and at the lidar's rate the ground truth.
+    /// Sends what the sensors measure after a step: the scan, if one is due, then odometry, and at
+    /// the lidar's rate the ground truth.
     pub(crate) fn send(
         &mut self,
         shell: &mut Shell,
         simulator: &mut Simulator,
-        due: Due,
-        run_ns: u64,
-        slipped_ns: u64,
+        moment: &Moment,
+        mut timer: StageTimer,
     ) {
+        let Moment { due, run_ns, .. } = *moment;
         // Nothing moves any more: this is the moment that the sensors measure.
         let (seen_ns, seen_raw_ns) = both_ns();
         let scan_due = simulator.scan_due();
@@ -84,11 +96,15 @@ impl Sensors {
             capture_ns = seen_ns - run_ns.saturating_sub(scan.capture_run_ns).min(seen_ns);
             let draft = shell.begin(due, scan.capture_run_ns, capture_ns, parents);
             let sent = shell.send_with(&draft, &mut self.scan, n_beams, |ranges| {
-                simulator.scan(ranges).unwrap_or_default()
+                let scan = simulator.scan(ranges).unwrap_or_default();
+                timer.mark(Stage::Cast);
+                scan
             });
             parents.scan = sent.map_or(0, |sent| sent.id.0);
         }
         let mut draft = shell.begin(due, run_ns, capture_ns, parents);
+        draft.started_ns = moment.started_ns;
+        draft.stages_ns = timer.stages_ns();
         if !shell.roster().lockstep() {
             draft.raw_ns = seen_raw_ns.saturating_sub(seen_ns - capture_ns);
         }
@@ -102,7 +118,7 @@ impl Sensors {
         let work = scan_due.map_or(0, |_| n_beams as u64);
         shell.finish(&draft, sent, work);
         if simulator.truth_due() {
-            self.send_truth(simulator, draft, seen_ns, slipped_ns);
+            self.send_truth(simulator, draft, seen_ns, moment.slipped_ns);
         }
     }
 

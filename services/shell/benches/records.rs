@@ -7,6 +7,7 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use std::hint::black_box;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::span::{Span, SpanKind};
+use zeronav_msgs::stages::{Stage, StageTimer};
 use zeronav_shell::clock::now_ns;
 use zeronav_shell::{Domain, Peer};
 
@@ -32,7 +33,9 @@ fn records(criterion: &mut Criterion) {
     criterion.bench_function("a record on run/spans", |bencher| {
         bencher.iter(|| {
             n += 1;
-            writer.write(black_box(Span { tick: n, ..span }));
+            let mut record = span;
+            record.tick = n;
+            writer.write(black_box(record));
         });
     });
     assert_eq!(writer.failed(), 0, "a full queue drops its oldest record");
@@ -43,6 +46,21 @@ fn records(criterion: &mut Criterion) {
             }
         });
     });
+    for (name, mut timer) in [
+        (
+            "stages of an answer, timed",
+            StageTimer::new(now_ns, now_ns()),
+        ),
+        ("stages of an answer, off", StageTimer::default()),
+    ] {
+        criterion.bench_function(name, |bencher| {
+            bencher.iter(|| {
+                for stage in Stage::of(Role::Mapping) {
+                    black_box(&mut timer).mark(black_box(*stage));
+                }
+            });
+        });
+    }
     reader.drain(|span| {
         black_box(span);
     });

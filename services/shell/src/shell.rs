@@ -23,6 +23,7 @@ use zeronav_msgs::health::{REASON_NO_LOAN, REASON_TOO_LONG};
 use zeronav_msgs::role::Role;
 use zeronav_msgs::run::Seat;
 use zeronav_msgs::span::{Span, SpanKind};
+use zeronav_msgs::stages::{STAGES_MAX, StageTimer};
 use zeronav_msgs::topics::{SPANS, Topic, TopicRow};
 
 /// The common part of a running service.
@@ -206,6 +207,7 @@ impl Shell {
             woken_ns: self.woken_ns,
             started_ns: now_ns(),
             raw_ns: 0,
+            stages_ns: [0; STAGES_MAX],
             hashed: tick > 0 && self.roster().lockstep(),
         };
         let seat = self.roster().seat(self.peer.role());
@@ -213,6 +215,17 @@ impl Shell {
             std::thread::sleep(Duration::from_nanos(delay_ns));
         }
         draft
+    }
+
+    /// What takes the times of the stages of an answer that began at `started_ns`, for its draft:
+    /// marks that come before the main message is sent. Off unless launch asks for times. [ns]
+    #[must_use]
+    pub fn stage_timer(&self, started_ns: u64) -> StageTimer {
+        if self.roster().clock.stages == 1 && !self.roster().lockstep() {
+            StageTimer::new(now_ns, started_ns)
+        } else {
+            StageTimer::default()
+        }
     }
 
     /// Age of what a message says at the beginning of an answer: since its capture. [ns]
@@ -353,6 +366,7 @@ impl Shell {
             hash: core::mem::take(&mut self.hash),
             off_processor_ns: self.off_processor_ns(),
             raw_ns: draft.raw_ns,
+            stages_ns: draft.stages_ns,
         });
         if self.roster().lockstep() {
             for role in SPANS.rings_in_lockstep {

@@ -10,6 +10,7 @@ use zeronav_msgs::header::{Header, Id, Parents, Stamps};
 use zeronav_msgs::message::{FNV_OFFSET, fnv1a};
 use zeronav_msgs::role::Role;
 use zeronav_msgs::span::SpanKind;
+use zeronav_msgs::stages::STAGES_MAX;
 use zeronav_msgs::topics::{Topic, TopicRow, seal};
 
 /// What the author knows about a message before it has an identity.
@@ -31,6 +32,8 @@ pub struct Draft {
     pub started_ns: u64,
     /// For the record: the robot's moment on its second clock, 0 = none. [ns]
     pub raw_ns: u64,
+    /// For the record: times of the stages, see [`crate::Shell::stage_timer`]. [ns]
+    pub stages_ns: [u32; STAGES_MAX],
     /// True when the message counts for the run's hash.
     pub hashed: bool,
 }
@@ -46,6 +49,7 @@ impl Default for Draft {
             woken_ns: 0,
             started_ns: 0,
             raw_ns: 0,
+            stages_ns: [0; STAGES_MAX],
             hashed: false,
         }
     }
