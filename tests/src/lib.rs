@@ -15,6 +15,7 @@ pub mod rooms;
 mod said;
 pub mod seats;
 pub mod structure;
+pub mod trace;
 pub mod up;
 
 pub use processes::{children_of, services_of};
