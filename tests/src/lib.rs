@@ -14,6 +14,7 @@ pub mod rooms;
 mod said;
 pub mod seats;
 pub mod structure;
+pub mod trace;
 mod turns;
 pub mod up;
 

@@ -13,6 +13,7 @@ mod html;
 mod latencies;
 mod page;
 mod paired;
+mod perfetto;
 mod services;
 mod summary;
 

@@ -3,6 +3,7 @@
 use super::events::{Event, events, list, marked};
 use super::folder::{Outcome, RunFolder};
 use super::html::{document, json_in_script, note, section};
+use super::perfetto::{TraceSection, trace_section};
 use super::{environment, latencies, services, summary};
 use crate::measure::timings::Timings;
 use crate::picture;
@@ -14,6 +15,9 @@ use zeronav_viewer::page::SCENE_JS;
 
 /// Largest report. [bytes]
 const BYTES_MAX: usize = 3_000_000;
+
+/// Where the trace stands in what is below the player.
+const TRACE_PLACE: &str = "<!--trace-->";
 
 /// The player: markup and script.
 const PLAYER: &str = include_str!("page/player.html");
@@ -31,19 +35,27 @@ pub(super) fn page(run: &RunFolder) -> String {
     let still = run.recording.as_ref().map(still);
     let nothing = String::new();
     let (scene, still) = (scene.as_ref(), still.as_ref().unwrap_or(&nothing));
+    let TraceSection {
+        with_data: trace,
+        without_data: linked,
+    } = &trace_section(run);
     let mut smallest = String::new();
-    // What is left out first is the picture for paper, then the player.
-    for (scene, still, why) in [
-        (scene, still, ""),
-        (scene, &nothing, ""),
+    // What is left out first is the trace, which lies beside the page, then the picture for paper, then
+    // the player.
+    for (scene, still, trace, why) in [
+        (scene, still, trace, ""),
+        (scene, still, linked, ""),
+        (scene, &nothing, linked, ""),
         (
             None,
             still,
+            linked,
             "The recorded frames are too large for this page.",
         ),
         (
             None,
             &nothing,
+            linked,
             "Picture and recorded frames are too large for this page.",
         ),
     ] {
@@ -55,7 +67,7 @@ pub(super) fn page(run: &RunFolder) -> String {
                 "No frames were kept of this run; it cannot be played.",
             )),
         }
-        body.push_str(&after);
+        body.push_str(&after.replacen(TRACE_PLACE, trace, 1));
         smallest = document(&title, &body);
         if smallest.len() <= BYTES_MAX {
             return smallest;
@@ -107,6 +119,7 @@ fn below(run: &RunFolder, events: &[Event]) -> String {
         "Slowest answers, hop by hop",
         &latencies::slowest(timings),
     ));
+    html.push_str(TRACE_PLACE);
     html.push_str(&section(
         "computing",
         "Computing",
@@ -173,8 +186,10 @@ mod tests {
     use super::*;
     use crate::film::Cut;
     use crate::film::tests::busy_drive;
+    use crate::report::perfetto::PERFETTO_JS;
     use crate::result::{PlannedPath, RunResult};
     use std::path::PathBuf;
+    use zeronav_msgs::message::{FNV_OFFSET, fnv1a};
 
     fn result() -> RunResult {
         let text = include_str!("../../tests/data/result_lockstep.json");
@@ -238,8 +253,36 @@ mod tests {
 
     #[test]
     fn scripts_of_the_page_do_not_end_early() {
-        for script in [SCENE_JS, PLAYER_JS] {
+        for script in [SCENE_JS, PLAYER_JS, PERFETTO_JS] {
             assert!(!script.contains("</script") && !script.contains("<!--"));
+        }
+    }
+
+    #[test]
+    fn a_trace_lies_in_the_page_where_there_is_room() {
+        let place = tempfile::tempdir().expect("a folder");
+        let run = RunFolder {
+            path: place.path().to_owned(),
+            ..folder(result(), None)
+        };
+        let made = |trace: &str| {
+            std::fs::write(place.path().join("trace.json"), trace).expect("written");
+            page(&run)
+        };
+        assert!(!page(&run).contains("perfetto"), "no trace, no button");
+        let small = made("{\"traceEvents\":[]}");
+        assert!(small.contains("id=\"trace-data\"") && !small.contains("id=\"trace-file\""));
+        // What cannot be compressed to less than half.
+        let noise: String = (0..400_000_u32)
+            .map(|n| format!("{:016x}", fnv1a(FNV_OFFSET, &n.to_le_bytes())))
+            .collect();
+        let large = made(&noise);
+        assert!(large.len() < BYTES_MAX, "{} bytes", large.len());
+        assert!(!large.contains("id=\"trace-data\"") && large.contains("id=\"trace-file\""));
+        for page in [small, large] {
+            let button = page.find("id=\"perfetto\"").expect("a button");
+            let environment = page.find("<h2>Environment").expect("a section");
+            assert!(button < environment && !page.contains(TRACE_PLACE));
         }
     }
 }

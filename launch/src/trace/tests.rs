@@ -6,11 +6,13 @@ use std::collections::BTreeMap;
 use zeronav_msgs::path::{PathCause, PathStatus};
 use zeronav_msgs::role::Role;
 use zeronav_msgs::span::{Span, SpanKind};
+use zeronav_msgs::stages::{STAGES_MAX, Stage};
 
 const US: u64 = 1000;
 const ZERO_NS: u64 = 1_000_000 * US;
 
-/// One turn of the ring from a scan captured at `t_us`: 10 us on the way, 5 us to read, 100 us of work.
+/// One turn of the ring from a scan captured at `t_us`: 10 us on the way, 5 us to read, 100 us of work,
+/// of which each of its stages takes 20 us.
 fn turn(records: &mut Records, n: u64, t_us: u64) {
     let mut at_us = t_us;
     let mut cycle = |role: Role| {
@@ -29,6 +31,7 @@ fn turn(records: &mut Records, n: u64, t_us: u64) {
             woken_ns: ZERO_NS + (at_us + 10) * US,
             started_ns: ZERO_NS + (at_us + 15) * US,
             published_ns: ZERO_NS + (at_us + 115) * US,
+            stages_ns: [20_000; STAGES_MAX],
             ..Span::default()
         };
         at_us += 115;
@@ -58,6 +61,7 @@ fn records() -> Records {
     again.output = 9;
     again.started_ns = again.published_ns + 5 * US;
     again.published_ns = again.started_ns + 20 * US;
+    again.stages_ns = [1, 0, 19_998, 1];
     records.spans.push(again);
     records.paths.push(PathRecord {
         id: 2,
@@ -98,7 +102,7 @@ fn number(value: &Value) -> f64 {
     value.as_f64().expect("a number")
 }
 
-/// Slices by process and thread, in order: beginning, end [us] and name.
+/// Slices by process and thread, in order, an outer one before those in it: beginning, end [us] and name.
 type Tracks = BTreeMap<(u64, u64), Vec<(f64, f64, String)>>;
 
 fn tracks(events: &[Value]) -> Tracks {
@@ -114,9 +118,28 @@ fn tracks(events: &[Value]) -> Tracks {
         tracks.entry(track).or_default().push(slice);
     }
     for slices in tracks.values_mut() {
-        slices.sort_by(|a, b| a.0.total_cmp(&b.0));
+        slices.sort_by(|a, b| a.0.total_cmp(&b.0).then(b.1.total_cmp(&a.1)));
     }
     tracks
+}
+
+/// The same without the stages in the cycles.
+fn outer(mut tracks: Tracks) -> Tracks {
+    for slices in tracks.values_mut() {
+        slices.retain(|(.., name)| !is_stage(name));
+    }
+    tracks
+}
+
+fn is_stage(name: &str) -> bool {
+    let mut stages = Role::SERVICES.into_iter().flat_map(Stage::of);
+    stages.any(|stage| stage.label() == name)
+}
+
+/// As Perfetto reads it. [ns]
+#[allow(clippy::cast_possible_truncation, reason = "times of a short run")]
+fn ns(time_us: f64) -> i64 {
+    (time_us * 1.0e3).round() as i64
 }
 
 #[test]
@@ -156,7 +179,7 @@ fn every_event_has_what_its_kind_asks_for() {
 #[test]
 fn slices_of_a_track_follow_each_other() {
     let events = events(&records());
-    let tracks = tracks(&events);
+    let tracks = outer(tracks(&events));
     // Five processes, the wheels, nine edges.
     assert_eq!(tracks.len(), 15);
     for (track, slices) in &tracks {
@@ -178,6 +201,73 @@ fn slices_of_a_track_follow_each_other() {
     // From the robot's answer to the beginning of mapping's work.
     let queued = &tracks[&(100, 1)][0];
     assert!((queued.1 - queued.0 - 15.0).abs() < 1.0e-6, "{queued:?}");
+}
+
+#[test]
+fn stages_lie_in_their_cycle_in_their_order() {
+    let events = events(&records());
+    let all = tracks(&events);
+    let mut n_cycles = 0;
+    for role in Role::SERVICES {
+        let slices = &all[&(u64::from(role.code()), 1)];
+        for (from, to, _) in slices.iter().filter(|slice| slice.2 == "compute") {
+            let is_inside = |slice: &&(f64, f64, String)| {
+                slice.0 >= *from && slice.1 <= *to && slice.2 != "compute"
+            };
+            let inside = slices.iter().filter(is_inside);
+            let times: Vec<(&str, i64, i64)> = inside
+                .map(|slice| (slice.2.as_str(), ns(slice.0 - from), ns(slice.1 - slice.0)))
+                .collect();
+            // The second answer of the same wake: one stage did not run, and two were short.
+            let expected: Vec<(&str, i64, i64)> = if ns(to - from) == 20_000 {
+                vec![
+                    ("prepare", 0, 1),
+                    ("rollouts", 1, 19_998),
+                    ("verify", 19_999, 1),
+                ]
+            } else {
+                (0..)
+                    .zip(Stage::of(role))
+                    .map(|(place, stage)| (stage.label(), 20_000 * place, 20_000))
+                    .collect()
+            };
+            assert_eq!(times, expected, "{role}");
+            n_cycles += 1;
+        }
+    }
+    assert_eq!(n_cycles, 4 * 5 + 1);
+}
+
+#[test]
+fn slices_of_a_track_nest_to_the_nanosecond() {
+    let mut records = records();
+    // Times that are no whole number of microseconds, far from zero, and stages up to the very end.
+    for (n, span) in (0..).zip(&mut records.spans) {
+        let shift_ns = 3_600_000_000_000 + n * 7;
+        for at_ns in [&mut span.woken_ns, &mut span.started_ns] {
+            *at_ns += shift_ns;
+        }
+        if span.published_ns > 0 {
+            span.published_ns += shift_ns;
+            span.stages_ns = [33_333, 33_333, 33_333, 1];
+        }
+    }
+    // What no service of this project writes: stages that are longer than their cycle.
+    records.spans[1].stages_ns = [u32::MAX; STAGES_MAX];
+    let mut n_inner = 0;
+    for (track, slices) in tracks(&events(&records)) {
+        let mut open: Vec<i64> = Vec::new();
+        for (from, to, name) in slices {
+            let (from_ns, to_ns) = (ns(from), ns(from) + ns(to - from));
+            open.retain(|end_ns| *end_ns > from_ns);
+            let fits = open.iter().all(|end_ns| to_ns <= *end_ns);
+            assert!(fits, "{track:?}: {name} until {to_ns} ends after {open:?}");
+            assert_eq!(!open.is_empty(), is_stage(&name), "{track:?}: {name}");
+            n_inner += usize::from(!open.is_empty());
+            open.push(to_ns);
+        }
+    }
+    assert!(n_inner > 4 * 10, "{n_inner}");
 }
 
 #[test]

@@ -3,8 +3,11 @@
 
 use rustix::process::Signal;
 use serde_json::Value;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
+use zeronav_msgs::role::Role;
+use zeronav_msgs::stages::Stage;
+use zeronav_tests::trace::{check_stages, checked};
 use zeronav_tests::{
     Ended, Zeronav, await_by_itself, children_of, is_alive, real_time_turn, workspace,
 };
@@ -182,68 +185,36 @@ fn check_rows(cell: &Value) {
     assert!(lints.iter().any(refused), "{lints:#?}");
 }
 
-/// The trace of a real run: a scan can be followed to the wheels, and a thread does one thing at a
-/// time.
+/// The trace of a real run: a scan can be followed to the wheels, a thread does one thing at a time, and
+/// the big stages of each cycle are there.
 fn check_trace(file: &Path) {
-    let text = std::fs::read_to_string(file).expect("a trace");
-    let trace: Value = serde_json::from_str(&text).expect("JSON");
-    let events = trace["traceEvents"].as_array().expect("events");
-    type Slices = Vec<(f64, f64)>;
-    let mut tracks: BTreeMap<(u64, u64), Slices> = BTreeMap::new();
-    let track = |event: &Value| {
-        (
-            event["pid"].as_u64().expect("pid"),
-            event["tid"].as_u64().expect("tid"),
-        )
-    };
-    for event in events.iter().filter(|event| event["ph"] == "X") {
-        let from = number(&event["ts"]);
-        tracks
-            .entry(track(event))
-            .or_default()
-            .push((from, from + number(&event["dur"])));
-    }
-    assert_eq!(tracks.len(), 15, "five processes, the wheels, nine edges");
-    for (track, slices) in &mut tracks {
-        slices.sort_by(|a, b| a.0.total_cmp(&b.0));
-        for pair in slices.windows(2) {
-            assert!(pair[0].1 <= pair[1].0 + 1.0e-3, "{track:?}: {pair:?}");
-        }
-    }
-    let mut flows: BTreeMap<u64, Vec<&Value>> = BTreeMap::new();
-    for event in events.iter().filter(|event| event["cat"] == "flow") {
-        flows
-            .entry(event["id"].as_u64().expect("an id"))
-            .or_default()
-            .push(event);
-    }
-    let of = |name: &str| {
-        flows
-            .values()
-            .filter(|flow| flow[0]["name"] == name)
-            .count()
-    };
-    assert!(
-        of("scan to wheel") > 20 && of("new path") >= 1,
-        "{}",
-        flows.len()
+    let trace = checked(&std::fs::read_to_string(file).expect("a trace"));
+    assert_eq!(
+        trace.tracks.len(),
+        15,
+        "five processes, the wheels, nine edges"
     );
-    for flow in flows.values() {
-        let kinds: String = flow
+    let lengths = ["sttf", "sttttf"];
+    assert!(
+        trace
+            .flows
             .iter()
-            .filter_map(|event| event["ph"].as_str())
-            .collect();
-        assert!(["sttf", "sttttf"].contains(&kinds.as_str()), "{kinds}");
-        for event in flow {
-            let ts = number(&event["ts"]);
-            let bound = tracks[&track(event)]
-                .iter()
-                .any(|slice| (slice.0..=slice.1).contains(&ts));
-            assert!(bound, "a flow that binds to nothing: {event:#}");
-        }
-        let times: Vec<f64> = flow.iter().map(|event| number(&event["ts"])).collect();
-        assert!(times.is_sorted(), "{flow:#?}");
+            .all(|(_, kinds)| lengths.contains(&kinds.as_str())),
+        "{:?}",
+        trace.flows
+    );
+    assert!(trace.n_flows("scan to wheel") > 20 && trace.n_flows("new path") >= 1);
+    check_stages(&trace);
+    for (role, stage) in [
+        (Role::Robot, Stage::Cast),
+        (Role::Mapping, Stage::Integrate),
+        (Role::Mapping, Stage::Clearance),
+        (Role::LocalPlanner, Stage::Rollouts),
+        (Role::LocalPlanner, Stage::Verify),
+    ] {
+        assert!(trace.count(role, stage.label()) > 20, "{role}: {stage:?}");
     }
+    assert!(trace.count(Role::GlobalPlanner, Stage::Search.label()) >= 1);
 }
 
 #[test]
