@@ -9,7 +9,7 @@ use zeronav_msgs::role::Role;
 use zeronav_msgs::stages::Stage;
 use zeronav_tests::trace::{check_stages, checked};
 use zeronav_tests::{
-    Ended, Zeronav, await_by_itself, children_of, is_alive, real_time_turn, workspace,
+    Ended, Zeronav, await_by_itself, children_of, is_alive, quiet_turn, workspace,
 };
 
 /// A folder with `blocked_aisle` as `it.toml`, but with the robot where the first trial can begin at
@@ -44,7 +44,7 @@ fn number(value: &Value) -> f64 {
 
 #[test]
 fn an_injected_delay_is_named_and_what_was_measured_is_a_baseline() {
-    let _turn = real_time_turn();
+    let _turn = quiet_turn();
     let asserted = "global_planner.p50 < 60ms, global_planner.p50 > 99ms, replanning.n >= 2";
     let arguments = [
         "latency",
@@ -280,7 +280,7 @@ fn what_cannot_be_measured_or_asserted_is_said_before_anything_starts() {
 
 #[test]
 fn what_keeps_the_machine_busy_ends_with_zeronav_whatever_ends_it() {
-    let _turn = real_time_turn();
+    let _turn = quiet_turn();
     for signal in [Signal::KILL, Signal::INT] {
         let arguments = [
             "latency",
@@ -314,7 +314,7 @@ fn what_keeps_the_machine_busy_ends_with_zeronav_whatever_ends_it() {
 
 #[test]
 fn two_sides_take_turns_and_what_was_measured_is_shown_after_an_interrupt() {
-    let _turn = real_time_turn();
+    let _turn = quiet_turn();
     let arguments = [
         "compare",
         "./it.toml",
@@ -366,7 +366,7 @@ fn two_sides_take_turns_and_what_was_measured_is_shown_after_an_interrupt() {
 
 #[test]
 fn the_start_is_a_chain_from_the_command_to_the_first_motion() {
-    let _turn = real_time_turn();
+    let _turn = quiet_turn();
     let folder = tempfile::tempdir().expect("a folder");
     let scenario = "title = \"A metre\"\nbase = [\"warehouse\", \"porter\"]\n\
                     start = [3.0, 8.5, 0.0]\n[run]\ntime_limit_s = 60.0\n\
