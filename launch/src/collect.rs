@@ -3,7 +3,7 @@
 use crate::aside::Aside;
 use crate::faults::{Recoveries, Sight};
 use crate::film::{self, Film};
-use crate::measure::index::{PathRecord, Sensed, Sighting, push_bounded};
+use crate::measure::index::{PathRecord, Sensed, Sighting};
 use crate::measure::{Records, RunHash};
 use crate::reasons::Reasons;
 use crate::result::moment::Task;
@@ -28,12 +28,6 @@ use zeronav_world::Convex;
 
 /// Spans that are kept at most; the oldest go first.
 const SPANS_MAX: usize = 200_000;
-
-/// Paths that are kept at most, likewise: a robot that is up for days has many.
-const PATHS_MAX: usize = 10_000;
-
-/// Obstacles that have appeared and are kept at most, likewise.
-const SIGHTINGS_MAX: usize = 1_000;
 
 /// Least time between two requests for a keyframe.
 const KEYFRAME_PAUSE: Duration = Duration::from_millis(200);
@@ -178,7 +172,7 @@ impl Collector {
             };
             self.film.path(view.header.run_ns, view.meta, view.items);
             (self.reasons).path(view.header.tick, view.header.run_ns, view.meta);
-            let path = PathRecord {
+            self.records.paths.push(PathRecord {
                 id: view.header.id,
                 map: view.header.parents.map,
                 run_ns: view.header.run_ns,
@@ -193,8 +187,7 @@ impl Collector {
                     .iter()
                     .map(|point| [point.x_m, point.y_m])
                     .collect(),
-            };
-            push_bounded(&mut self.records.paths, path, PATHS_MAX);
+            });
         });
     }
 
@@ -297,14 +290,10 @@ impl Collector {
         });
     }
 
-    /// Forgets what only the result of a run needs, so that a stack that stays up does not grow. The
-    /// newest path stays.
+    /// Forgets what only the result of a run needs, so that a stack that stays up does not grow; of
+    /// its records the newest stay, about a minute.
     pub(crate) fn forget(&mut self) {
-        let newest = self.records.paths.pop();
-        self.records = Records {
-            paths: newest.into_iter().collect(),
-            ..Records::default()
-        };
+        self.records.keep_newest();
         (self.hash, self.seen) = (RunHash::default(), Seen::default());
         self.reasons.forget();
     }
@@ -342,7 +331,11 @@ impl Collector {
             let answered = self.answered.entry(span.role).or_default();
             *answered = (*answered).max(span.tick);
         }
-        self.spans_dropped += push_bounded(&mut self.records.spans, *span, SPANS_MAX) as u64;
+        if self.records.spans.len() == SPANS_MAX {
+            self.records.spans.drain(..SPANS_MAX / 4);
+            self.spans_dropped += SPANS_MAX as u64 / 4;
+        }
+        self.records.spans.push(*span);
     }
 
     /// `map_from_base` as the stack takes it to be; `None` before the first map and odometry.
@@ -410,13 +403,12 @@ impl Collector {
                 sighting.index == index && sighting.appeared_run_ns == obstacle.appeared_run_ns
             });
             let at = at.unwrap_or_else(|| {
-                let sighting = Sighting {
+                sightings.push(Sighting {
                     index,
                     appeared_run_ns: obstacle.appeared_run_ns,
                     appeared_ns: obstacle.appeared_ns,
                     ..Sighting::default()
-                };
-                push_bounded(sightings, sighting, SIGHTINGS_MAX);
+                });
                 sightings.len() - 1
             });
             let sighting = &mut sightings[at];

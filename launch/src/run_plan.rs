@@ -45,6 +45,7 @@ impl MachineLoad {
 
 /// The order for one run.
 #[derive(Debug, Clone)]
+#[allow(clippy::struct_excessive_bools, reason = "independent choices")]
 pub struct RunPlan {
     /// The live page that is wanted beside it.
     pub view: Option<PageArgs>,

@@ -224,14 +224,15 @@ impl Bench {
 
     /// Takes in what has come from the program.
     pub(crate) fn poll(&mut self) {
-        for reader in &mut self.readers {
-            reader(&mut self.seen);
-        }
+        // First: what a record names was sent before it, and so is seen when its record is.
         let role = self.program.role.code();
         while let Some(span) = self.spans.take() {
             if span.role == role {
                 self.records.push(span);
             }
+        }
+        for reader in &mut self.readers {
+            reader(&mut self.seen);
         }
         let mut beats = Vec::new();
         (self.health)(&mut beats);

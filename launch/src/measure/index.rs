@@ -67,15 +67,6 @@ impl Sighting {
     }
 }
 
-/// Adds to a list that keeps at most `max`: when it is full, the oldest quarter goes. Returns how
-/// many have gone.
-pub(crate) fn push_bounded<T>(list: &mut Vec<T>, value: T, max: usize) -> usize {
-    let gone = if list.len() < max { 0 } else { max / 4 };
-    list.drain(..gone);
-    list.push(value);
-    gone
-}
-
 /// Everything that launch collected.
 #[derive(Debug, Clone, Default)]
 pub struct Records {
@@ -87,17 +78,35 @@ pub struct Records {
     pub sightings: Vec<Sighting>,
 }
 
+impl Records {
+    /// Forgets all but the newest, about a minute of a stack in real time.
+    pub(crate) fn keep_newest(&mut self) {
+        keep(&mut self.spans, 20_000);
+        keep(&mut self.paths, 200);
+        keep(&mut self.sightings, 100);
+    }
+}
+
+/// Shortens a list that has grown to twice `n` to its newest `n`: seldom, because the others move.
+fn keep<T>(list: &mut Vec<T>, n: usize) {
+    if list.len() >= 2 * n {
+        list.drain(..list.len() - n);
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn a_full_list_loses_its_oldest_quarter() {
+    fn the_newest_of_a_long_list_are_kept() {
         let mut list = Vec::new();
-        let gone: usize = (0..1000).map(|n| push_bounded(&mut list, n, 8)).sum();
-        assert!((6..=8).contains(&list.len()), "{}", list.len());
-        assert_eq!(list.len() + gone, 1000);
-        assert_eq!(list.last(), Some(&999));
+        for n in 0..1000 {
+            list.push(n);
+            keep(&mut list, 8);
+            assert!(list.len() < 16 && list.last() == Some(&n));
+        }
+        assert!(list.len() >= 8);
         assert!(list.windows(2).all(|pair| pair[1] == pair[0] + 1));
     }
 }

@@ -188,6 +188,7 @@ mod tests {
     use crate::film::tests::busy_drive;
     use crate::report::perfetto::PERFETTO_JS;
     use crate::result::{PlannedPath, RunResult};
+    use core::fmt::Write;
     use std::path::PathBuf;
     use zeronav_msgs::message::{FNV_OFFSET, fnv1a};
 
@@ -273,9 +274,10 @@ mod tests {
         let small = made("{\"traceEvents\":[]}");
         assert!(small.contains("id=\"trace-data\"") && !small.contains("id=\"trace-file\""));
         // What cannot be compressed to less than half.
-        let noise: String = (0..400_000_u32)
-            .map(|n| format!("{:016x}", fnv1a(FNV_OFFSET, &n.to_le_bytes())))
-            .collect();
+        let mut noise = String::new();
+        for n in 0..400_000_u32 {
+            let _ = write!(noise, "{:016x}", fnv1a(FNV_OFFSET, &n.to_le_bytes()));
+        }
         let large = made(&noise);
         assert!(large.len() < BYTES_MAX, "{} bytes", large.len());
         assert!(!large.contains("id=\"trace-data\"") && large.contains("id=\"trace-file\""));

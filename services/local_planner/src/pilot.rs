@@ -248,7 +248,8 @@ impl Pilot {
             }),
             _ => None,
         };
-        self.end_record(situation, (from, picked), self.memory.rollouts);
+        // A wish of the arrival or of a turn is one motion, and no rollout.
+        self.end_record(situation, (from, picked), self.memory.rollouts.max(1));
     }
 
     fn end_record(

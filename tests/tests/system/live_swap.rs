@@ -4,7 +4,7 @@
 use rustix::process::Signal;
 use serde_json::Value;
 use zeronav_tests::up::Up;
-use zeronav_tests::{Zeronav, quiet_turn, real_time_turn, send_signal};
+use zeronav_tests::{Zeronav, quiet_turn, send_signal};
 
 /// The seats that can be swapped.
 const SEATS: [&str; 4] = [
@@ -131,7 +131,7 @@ fn broken_in_office(up: &mut Up, seat: &str, signal: Signal) -> Value {
 
 #[test]
 fn a_newcomer_that_dies_or_hangs_in_the_seat_gives_it_back() {
-    let _turn = real_time_turn();
+    let _turn = quiet_turn();
     let mut up = driving();
     for (seat, signal) in [
         ("collision_guard", Signal::KILL),
@@ -152,7 +152,7 @@ fn a_newcomer_that_dies_or_hangs_in_the_seat_gives_it_back() {
 /// It is warm and silent while it is compared, so that only what it does in the seat tells.
 #[test]
 fn a_newcomer_that_lies_in_the_seat_gives_it_back() {
-    let _turn = real_time_turn();
+    let _turn = quiet_turn();
     let up = driving();
     for (seat, liar, why) in [
         ("local_planner", "nan_once_obeyed", "rejected"),
@@ -174,7 +174,7 @@ fn a_newcomer_that_lies_in_the_seat_gives_it_back() {
 
 #[test]
 fn a_newcomer_that_cannot_do_the_work_is_rejected_and_the_drive_goes_on() {
-    let _turn = real_time_turn();
+    let _turn = quiet_turn();
     let up = driving();
     let before = up.status();
     let set = ["--set", "planner=teleport"];
@@ -219,7 +219,7 @@ fn a_newcomer_that_cannot_do_the_work_is_rejected_and_the_drive_goes_on() {
 
 #[test]
 fn a_swap_survives_a_restart_of_the_process_in_the_seat_and_a_second_swap_waits() {
-    let _turn = real_time_turn();
+    let _turn = quiet_turn();
     let mut up = driving();
     let command = [
         "swap",
@@ -264,7 +264,7 @@ fn a_swap_survives_a_restart_of_the_process_in_the_seat_and_a_second_swap_waits(
 
 #[test]
 fn a_shadow_is_compared_until_it_is_ended() {
-    let _turn = real_time_turn();
+    let _turn = quiet_turn();
     let up = driving();
     let lines = up.lines(&["shadow", "global_planner", "--for", "2s"], 0);
     let compared = lines.last().expect("a line");
@@ -338,7 +338,7 @@ fn a_lockstep_swap_goes_on_when_the_process_in_the_seat_dies() {
 
 #[test]
 fn a_predecessor_that_hangs_is_ended_and_the_newcomer_stays() {
-    let _turn = real_time_turn();
+    let _turn = quiet_turn();
     let mut up = driving();
     let seat = "local_planner";
     let before = process(&up.status(), seat)[0]["pid"].clone();

@@ -6,7 +6,9 @@ use serde_json::Value;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
-use zeronav_msgs::topics::{MapKeyframe, RobotOdometry, SPANS, TaskPose, Topic, topics};
+use zeronav_msgs::topics::{
+    DebugRollouts, MapKeyframe, RobotOdometry, SPANS, TaskPose, Topic, topics,
+};
 use zeronav_tests::up::Up;
 use zeronav_tests::{
     Zeronav, children_of, leftovers, quiet_turn, real_time_turn, send_signal, zeronav,
@@ -181,7 +183,8 @@ fn on_a_terminal(up: &mut Up, end: impl FnOnce(&mut Up, u32, &mut dyn Write)) ->
         .expect("script is part of Debian's base");
     up.stack.wait_until("it reads the stack", |_| {
         let list = zeronav(&["topics", "--json", "--domain", &up.root]).json();
-        let name = RobotOdometry::ROW.name;
+        // The last one that it opens.
+        let name = DebugRollouts::ROW.name;
         let row = line_of(&list, name);
         let known = before.iter().find(|(known, _)| known == name);
         row["readers"].as_u64() > known.map(|(_, readers)| *readers)

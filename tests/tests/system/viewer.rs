@@ -1,14 +1,16 @@
 //! The live page of a real stack in a real browser: what it shows, what it may do, and that nothing
 //! that a client does reaches the stack.
 
+mod client;
+
+use client::{Viewer, act, ask, connect};
 use rustix::process::Signal;
 use serde_json::Value;
 use std::fs::File;
-use std::io::{BufRead, BufReader, Read, Write};
+use std::io::{Read, Write};
 use std::net::{Shutdown, TcpStream};
 use std::path::{Path, PathBuf};
-use std::process::{Child, ChildStdout, Command, Stdio};
-use std::time::{Duration, Instant};
+use std::process::{Child, Command, Stdio};
 use zeronav_msgs::topics::{DebugRollouts, Topic};
 use zeronav_tests::browser::Browser;
 use zeronav_tests::up::Up;
@@ -16,95 +18,6 @@ use zeronav_tests::{
     await_by_itself, binaries, children_of, is_alive, leftovers, real_time_turn, send_signal,
     zeronav,
 };
-
-/// `zeronav view` on a stack, once it has printed its link.
-struct Viewer {
-    process: Child,
-    _output: BufReader<ChildStdout>,
-    link: String,
-}
-
-impl Viewer {
-    fn start(root: &str, more: &[&str]) -> Self {
-        let mut process = Command::new(binaries().join("zeronav"))
-            .args(["view", "--domain", root])
-            .args(more)
-            .env_remove("CARGO")
-            .stdin(Stdio::null())
-            .stdout(Stdio::piped())
-            .spawn()
-            .expect("zeronav starts");
-        let mut output = BufReader::new(process.stdout.take().expect("its output"));
-        let mut link = String::new();
-        output.read_line(&mut link).expect("its link");
-        let link = link.trim().to_owned();
-        assert!(link.starts_with("http://127.0.0.1:"), "{link:?}");
-        Self {
-            process,
-            _output: output,
-            link,
-        }
-    }
-
-    /// `127.0.0.1:PORT` and the token.
-    fn address(&self) -> (String, String) {
-        let rest = self.link.trim_start_matches("http://");
-        let (host, token) = rest.split_once('/').expect("a path");
-        (host.to_owned(), token.trim_start_matches('#').to_owned())
-    }
-
-    /// Its exit code, once the stack is gone.
-    fn code(mut self) -> Option<i32> {
-        let began = Instant::now();
-        while self.process.try_wait().expect("its state").is_none() {
-            assert!(
-                began.elapsed() < Duration::from_secs(20),
-                "the viewer stays"
-            );
-            std::thread::sleep(Duration::from_millis(5));
-        }
-        self.process.wait().expect("its state").code()
-    }
-}
-
-impl Drop for Viewer {
-    fn drop(&mut self) {
-        let _ = self.process.kill();
-        let _ = self.process.wait();
-    }
-}
-
-fn connect(host: &str) -> TcpStream {
-    let stream = TcpStream::connect(host).expect("a connection");
-    let limit = Some(Duration::from_secs(20));
-    stream.set_read_timeout(limit).expect("a limit");
-    stream
-}
-
-/// Status and body of the answer to a request with these lines.
-fn ask(host: &str, lines: &[&str], body: &str) -> (u16, String) {
-    let mut stream = connect(host);
-    let head = lines.join("\r\n");
-    let length = body.len();
-    let request = format!("{head}\r\nConnection: close\r\nContent-Length: {length}\r\n\r\n{body}");
-    // A server that has read enough closes, which may cut the request short.
-    let _ = stream.write_all(request.as_bytes());
-    let mut answer = String::new();
-    let _ = stream.read_to_string(&mut answer);
-    let status = answer.split(' ').nth(1).and_then(|code| code.parse().ok());
-    let body = answer.split_once("\r\n\r\n").map_or("", |(_, body)| body);
-    (status.unwrap_or(0), body.to_owned())
-}
-
-fn act(host: &str, token: &str, more: &str, body: &str) -> (u16, String) {
-    let own = format!("Host: {host}");
-    let token = format!("X-Zeronav-Token: {token}");
-    let mut lines = vec!["POST /act HTTP/1.1", own.as_str(), token.as_str()];
-    if !more.is_empty() {
-        lines.push(more);
-    }
-    ask(host, &lines, body)
-}
 
 /// Epochs and process ids of the services.
 fn seats(up: &Up) -> Vec<(Value, Value, Value)> {
@@ -153,6 +66,31 @@ fn shown(viewer: &Viewer) -> Browser {
         "document.querySelector('.state.ready')",
     );
     browser
+}
+
+/// A click on a new path shows where its time went, until the page is live again.
+fn shows_a_past_replanning(browser: &mut Browser) {
+    let at_the_wheels = "[...document.querySelectorAll('#events li')]\
+        .find((line) => line.textContent.includes('new path at the wheels'))";
+    browser.wait_until("a new path is at the wheels", at_the_wheels);
+    browser.script("new Promise((done) => setTimeout(done, 400))");
+    browser.script(&format!("{at_the_wheels}.click()"));
+    let title = "document.getElementById('replanning-title').textContent";
+    let past = browser.script(title);
+    assert!(
+        past.as_str()
+            .is_some_and(|title| title.starts_with("Replanning at")),
+        "{past}"
+    );
+    assert_eq!(
+        browser.script("document.querySelectorAll('#replanning b').length"),
+        10
+    );
+    browser.script("document.getElementById('live').click()");
+    browser.wait_until(
+        "the newest one is shown",
+        &format!("{title}.startsWith('Last')"),
+    );
 }
 
 // long: the story of one page
@@ -215,28 +153,7 @@ fn the_page_shows_the_robot_and_steers_it() {
         "[...document.querySelectorAll('#events li')].some((line) => line.textContent.includes('obstacle:'))",
     );
 
-    // A click on the new path shows where its time went, until the page is live again.
-    let at_the_wheels = "[...document.querySelectorAll('#events li')]\
-        .find((line) => line.textContent.includes('new path at the wheels'))";
-    browser.wait_until("a new path is at the wheels", at_the_wheels);
-    browser.script("new Promise((done) => setTimeout(done, 400))");
-    browser.script(&format!("{at_the_wheels}.click()"));
-    let title = "document.getElementById('replanning-title').textContent";
-    let past = browser.script(title);
-    assert!(
-        past.as_str()
-            .is_some_and(|title| title.starts_with("Replanning at")),
-        "{past}"
-    );
-    assert_eq!(
-        browser.script("document.querySelectorAll('#replanning b').length"),
-        10
-    );
-    browser.script("document.getElementById('live').click()");
-    browser.wait_until(
-        "the newest one is shown",
-        &format!("{title}.startsWith('Last')"),
-    );
+    shows_a_past_replanning(&mut browser);
 
     // A service that is killed turns red, and green again.
     let state = "document.querySelector('#seat-mapping .state').className";
