@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::stages::Stage;
 
-/// A slice. [ns]
+/// A slice; its times are in nanoseconds.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Slice {
     /// Beginning.

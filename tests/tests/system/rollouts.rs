@@ -190,7 +190,8 @@ fn who_reads_rollouts_gets_them_and_the_run_is_the_same() {
             compared += u32::from(of.requests.contains_key(tick) && of.places.contains_key(tick));
         }
     }
-    assert!(compared > 100, "{compared} messages were compared");
+    // The truth comes with every fifth tick.
+    assert!(compared >= 20, "{compared} messages were compared");
     assert_eq!(leftovers(&root), Vec::<PathBuf>::new());
 }
 
