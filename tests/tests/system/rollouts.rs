@@ -183,15 +183,16 @@ fn who_reads_rollouts_gets_them_and_the_run_is_the_same() {
     assert_eq!(result["reached"], true, "{result:#}");
     assert!(alone["run_hash"].is_string(), "{alone:#}");
     assert_eq!(alone["run_hash"], result["run_hash"]);
-    let mut compared = 0;
+    let (mut explained, mut placed) = (0, 0);
     for of in [&heard, &again] {
         for (tick, told) in &of.told {
             check(of, *tick, told);
-            compared += u32::from(of.requests.contains_key(tick) && of.places.contains_key(tick));
+            explained += u32::from(of.requests.contains_key(tick));
+            placed += u32::from(of.places.contains_key(tick));
         }
     }
-    // The truth comes with every fifth tick.
-    assert!(compared >= 20, "{compared} messages were compared");
+    // Ground truth comes with every fifth tick.
+    assert!(explained > 100 && placed > 20, "{explained}, {placed}");
     assert_eq!(leftovers(&root), Vec::<PathBuf>::new());
 }
 
