@@ -244,8 +244,8 @@ pub(crate) fn prepare(plan: &RunPlan) -> Result<Prepared, String> {
         progress: plan.progress,
         trials: plan.trials,
         stays: plan.stays,
-        // For the trace, which a run in real time leaves.
-        stages: plan.stages && !plan.stays && plan.mode == RunMode::RealTime,
+        // For the trace, which a stack in real time leaves.
+        stages: plan.stages && plan.mode == RunMode::RealTime,
         load: plan.load,
         delays: plan.delays.clone(),
         swaps,

@@ -2,7 +2,8 @@
 //!
 //! A track per process with its cycles (wait, read, compute with its stages), a track per topic and
 //! reader with the time that each message lay there, the commands at the wheels, flows from scan to
-//! wheel, and counters. Nothing is measured for it: all of it lies in the records that are kept anyway.
+//! wheel, and counters. Only the stages are timed for it; the rest lies in the records that are kept
+//! anyway.
 
 mod flows;
 mod format;

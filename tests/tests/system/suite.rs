@@ -5,7 +5,7 @@ use serde_json::Value;
 use std::path::{Path, PathBuf};
 use zeronav_tests::data::{external_data, shipped_data};
 use zeronav_tests::rooms::short_drive;
-use zeronav_tests::{Zeronav, children_of, is_alive, leftovers, services_of, zeronav};
+use zeronav_tests::{Zeronav, children_of, domains_of, is_alive, leftovers, services_of, zeronav};
 
 /// A drive past a box.
 fn tiny() -> String {
@@ -278,16 +278,7 @@ fn interrupted_suite_stops_its_runs_and_cleans_up() {
     let runs = children_of(suite.pid()).into_iter();
     let runs: Vec<u32> = runs.map(|(run, _)| run).collect();
     let services: Vec<(u32, String)> = runs.iter().flat_map(|run| services_of(*run)).collect();
-    let mut roots: Vec<PathBuf> = services
-        .iter()
-        .filter_map(|(_, line)| {
-            let mut words = line.split(' ');
-            words.find(|word| *word == "--domain")?;
-            words.next().map(PathBuf::from)
-        })
-        .collect();
-    roots.sort();
-    roots.dedup();
+    let roots: Vec<PathBuf> = runs.iter().flat_map(|run| domains_of(*run)).collect();
     assert_eq!(roots.len(), 2, "each run has a domain of its own");
     suite.signal(Signal::TERM);
     let ended = suite.finish();

@@ -60,6 +60,7 @@ fn goals_of_two_clients_are_served_as_they_came_and_bad_ones_change_nothing() {
     let left = Path::new(result["directory"].as_str().expect("a folder"));
     let trace = std::fs::read_to_string(left.join("trace.json")).expect("a trace");
     assert!(trace.contains("scan to wheel"));
+    assert!(trace.contains("ray casting"), "its stages are timed");
     let report = std::fs::read_to_string(left.join("report.html")).expect("a report");
     assert!(report.contains("id=\"hops\""));
 }
