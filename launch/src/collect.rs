@@ -291,7 +291,7 @@ impl Collector {
     }
 
     /// Forgets what only the result of a run needs, so that a stack that stays up does not grow; of
-    /// its records the newest stay, about a minute.
+    /// its records the newest stay ([`Records::keep_newest`]).
     pub(crate) fn forget(&mut self) {
         self.records.keep_newest();
         (self.hash, self.seen) = (RunHash::default(), Seen::default());

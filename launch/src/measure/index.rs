@@ -79,7 +79,7 @@ pub struct Records {
 }
 
 impl Records {
-    /// Forgets all but the newest, about a minute of a stack in real time.
+    /// Forgets all but the newest, at least a minute and a half of a stack in real time.
     pub(crate) fn keep_newest(&mut self) {
         keep(&mut self.spans, 20_000);
         keep(&mut self.paths, 200);

@@ -19,7 +19,7 @@ pub(crate) use layout::About;
 use serde_json::Map;
 use std::collections::BTreeMap;
 
-/// Records in a trace at most, the newest: about 90 s of a stack and 16 MB.
+/// Records in a trace at most, the newest: about a minute and a half of a stack, and 10 MB.
 const SPANS_MAX: usize = 20_000;
 
 /// The trace of the newest records, as JSON.

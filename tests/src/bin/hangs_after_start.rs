@@ -1,5 +1,5 @@
 //! A global planner that sends its idle output, reports that it is ready, and does not return from
-//! the wake in which it has a goal for the first time.
+//! the first wake after that in which it has a goal.
 
 use std::process::ExitCode;
 use zeronav_msgs::header::Parents;
@@ -15,6 +15,8 @@ struct HangsAfterStart {
     map: MapInput,
     goal: CurrentGoal,
     path: Writer<PlanPath>,
+    /// It has answered, so that the heartbeat at the end of that wake says that it is ready.
+    is_ready: bool,
 }
 
 impl Service for HangsAfterStart {
@@ -28,6 +30,7 @@ impl Service for HangsAfterStart {
             map: MapInput::open(peer)?,
             goal: CurrentGoal::open(peer)?,
             path: peer.writer(WAYPOINTS_MAX)?,
+            is_ready: false,
         })
     }
 
@@ -35,13 +38,14 @@ impl Service for HangsAfterStart {
         self.odometry.poll(shell.roster());
         let news = self.map.poll(shell) | self.goal.poll(shell.roster());
         let trigger = self.map.trigger(shell.roster(), &self.odometry, news);
+        while self.is_ready && self.goal.goal().is_some() {
+            std::thread::park();
+        }
         for due in shell.due(&trigger) {
             self.goal.advance(shell.roster(), due.tick);
             let draft = self.map.begin(shell, due, Parents::default());
             shell.answer(&draft, &mut self.path, Path::default(), &[]);
-        }
-        while self.goal.goal().is_some() {
-            std::thread::park();
+            self.is_ready = true;
         }
         Ok(())
     }
