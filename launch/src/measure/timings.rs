@@ -11,7 +11,7 @@ use crate::result::latency::Figures;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use zeronav_msgs::role::Role;
-use zeronav_msgs::span::SpanKind;
+use zeronav_msgs::span::{Span, SpanKind};
 use zeronav_msgs::time::seconds;
 
 /// Slowest answers that are kept, of reactions and of replannings each.
@@ -49,6 +49,22 @@ pub(crate) struct Slow {
     pub total_us: f64,
     /// Its hops in order: name and length. [us]
     pub hops: Vec<(String, f64)>,
+    /// The stages of the processes that worked on it, in order.
+    #[serde(default)]
+    pub stages: Vec<SlowStage>,
+}
+
+/// A stage of the work on a slow answer.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(crate) struct SlowStage {
+    /// Hop that it is a part of.
+    pub hop: String,
+    /// Its name.
+    pub name: String,
+    /// When it began, since the capture of the scan. [us]
+    pub from_us: f64,
+    /// How long it took. [us]
+    pub time_us: f64,
 }
 
 /// The times of a run.
@@ -167,7 +183,8 @@ impl Gathering {
                 command.published_ns,
             ];
             self.reaction.add(times.time_ns.unwrap_or(0));
-            let slow = || slow(time_s(scan.tick), drive.round, &REACTION, &boundaries_ns);
+            let time_s = time_s(scan.tick);
+            let slow = || slow(drive, time_s, &REACTION, &boundaries_ns);
             keep(
                 &mut self.slowest_reactions,
                 boundaries_ns[5].saturating_sub(boundaries_ns[0]),
@@ -191,11 +208,9 @@ impl Gathering {
             if let Some([boundaries_ns @ .., _]) =
                 event.way.as_ref().map(|way| &way.boundaries_ns[..])
             {
-                let captured = |scan: &&zeronav_msgs::span::Span| {
-                    Some(&scan.capture_ns) == boundaries_ns.first()
-                };
+                let captured = |scan: &&Span| Some(&scan.capture_ns) == boundaries_ns.first();
                 let tick = joins.scans().find(captured).map_or(0, |scan| scan.tick);
-                let slow = || slow(time_s(tick), drive.round, &ALL, boundaries_ns);
+                let slow = || slow(drive, time_s(tick), &ALL, boundaries_ns);
                 keep(&mut self.slowest_replannings, time_ns, slow);
             }
         }
@@ -227,20 +242,32 @@ fn keep(slowest: &mut Vec<Slow>, total_ns: u64, slow: impl FnOnce() -> Slow) {
     }
 }
 
-fn slow(time_s: f64, round: Option<usize>, places: &[usize], boundaries_ns: &[u64]) -> Slow {
-    let lengths = boundaries_ns.windows(2);
-    let lengths = lengths.map(|pair| pair[1].saturating_sub(pair[0]));
-    let hops: Vec<(String, f64)> = places
-        .iter()
-        .zip(lengths)
-        .map(|(place, ns)| (HOPS[*place].to_owned(), to_us(ns)))
-        .collect();
-    let ends = boundaries_ns.first().zip(boundaries_ns.last());
+fn slow(drive: Drive<'_>, time_s: f64, places: &[usize], boundaries_ns: &[u64]) -> Slow {
+    let captured_ns = boundaries_ns.first().copied().unwrap_or(0);
+    let since_us = |at_ns: u64| to_us(at_ns.saturating_sub(captured_ns));
+    let (mut hops, mut stages) = (Vec::new(), Vec::new());
+    for (place, pair) in places.iter().zip(boundaries_ns.windows(2)) {
+        let hop = HOPS[*place];
+        hops.push((hop.to_owned(), to_us(pair[1].saturating_sub(pair[0]))));
+        let worked = |span: &&Span| {
+            let is_its = span.role().is_some_and(|role| role.label() == hop);
+            is_its && span.output != 0 && span.published_ns == pair[1]
+        };
+        let span = drive.records.spans.iter().find(worked);
+        let told = span.into_iter().flat_map(Span::stages);
+        stages.extend(told.map(|(stage, from_ns, to_ns)| SlowStage {
+            hop: hop.to_owned(),
+            name: stage.label().to_owned(),
+            from_us: since_us(from_ns),
+            time_us: to_us(to_ns - from_ns),
+        }));
+    }
     Slow {
         time_s,
-        round,
-        total_us: ends.map_or(0.0, |(first, last)| to_us(last.saturating_sub(*first))),
+        round: drive.round,
+        total_us: boundaries_ns.last().map_or(0.0, |last| since_us(*last)),
         hops,
+        stages,
     }
 }
 
@@ -248,14 +275,64 @@ fn slow(time_s: f64, round: Option<usize>, places: &[usize], boundaries_ns: &[u6
 mod tests {
     use super::*;
 
+    fn drive(records: &Records) -> Drive<'_> {
+        Drive {
+            records,
+            events: &[],
+            round: None,
+            tick_ns: 20_000_000,
+            from_ns: 0,
+        }
+    }
+
+    #[test]
+    fn stages_of_a_slow_answer_lie_inside_their_hop() {
+        let answer = |role: Role, started_ns, published_ns, stages_ns| Span {
+            role: role.code(),
+            kind: SpanKind::Answer.code(),
+            epoch: 1,
+            output: 7,
+            started_ns,
+            published_ns,
+            stages_ns,
+            ..Span::default()
+        };
+        let records = Records {
+            spans: vec![
+                answer(Role::LocalPlanner, 200, 300, [9, 9, 9, 9]),
+                answer(Role::Robot, 1_000, 4_000, [1_000, 2_000, 0, 0]),
+                answer(Role::LocalPlanner, 5_000, 9_000, [0, 500, 3_000, 0]),
+                answer(Role::CollisionGuard, 9_500, 9_900, [0; 4]),
+            ],
+            ..Records::default()
+        };
+        let boundaries_ns = [1_000, 4_000, 5_000, 9_000, 9_500, 9_900];
+        let slow = slow(drive(&records), 1.5, &REACTION, &boundaries_ns);
+        let told: Vec<_> = slow
+            .stages
+            .iter()
+            .map(|stage| (&*stage.hop, &*stage.name, stage.from_us, stage.time_us))
+            .collect();
+        assert_eq!(
+            told,
+            [
+                ("robot", "step", 0.0, 1.0),
+                ("robot", "ray casting", 1.0, 2.0),
+                ("local_planner", "look", 4.0, 0.5),
+                ("local_planner", "rollouts", 4.5, 3.0),
+            ]
+        );
+    }
+
     #[test]
     fn the_slowest_are_kept_in_order() {
+        let records = Records::default();
         let mut slowest = Vec::new();
         for at in 0..100_u64 {
             // 0, 37, 74, 11, ... in no order.
             let total_ns = (at * 37 % 100) * 1000;
             keep(&mut slowest, total_ns, || {
-                slow(0.0, None, &REACTION, &[0, 0, 0, 0, 0, total_ns])
+                slow(drive(&records), 0.0, &REACTION, &[0, 0, 0, 0, 0, total_ns])
             });
         }
         let totals: Vec<f64> = slowest.iter().map(|slow| slow.total_us).collect();

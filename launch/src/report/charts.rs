@@ -172,7 +172,8 @@ pub(super) fn hop_legend() -> String {
     html
 }
 
-/// The hops of a slow answer as one bar; `whole_us` is as wide as the cell.
+/// The hops of a slow answer as one bar, below them the stages of those that have some; `whole_us`
+/// is as wide as the cell.
 pub(super) fn waterfall(slow: &Slow, whole_us: f64) -> String {
     let mut svg =
         "<svg class=\"strip\" viewBox=\"0 0 1000 14\" preserveAspectRatio=\"none\">".to_owned();
@@ -185,15 +186,36 @@ pub(super) fn waterfall(slow: &Slow, whole_us: f64) -> String {
     for (name, us) in slow.hops.iter().take(16) {
         let us = if us.is_finite() { us.max(0.0) } else { 0.0 };
         let width = (us * scale).min(1000.0);
+        let staged = slow.stages.iter().any(|stage| stage.hop == *name);
         let _ = write!(
             svg,
-            "<rect class=\"{}\" x=\"{at:.1}\" width=\"{width:.1}\" height=\"14\">\
+            "<rect class=\"{}\" x=\"{at:.1}\" width=\"{width:.1}\" height=\"{}\">\
              <title>{} {}</title></rect>",
             class(name),
+            if staged { 7 } else { 14 },
             text_of(name),
             time(us)
         );
         at = (at + width).min(1000.0);
+    }
+    let mut shade = ["", " far"].into_iter().cycle();
+    for stage in slow.stages.iter().take(32) {
+        let px = |us: f64| (us * scale).clamp(0.0, 1000.0);
+        let (from, to) = (px(stage.from_us), px(stage.from_us + stage.time_us));
+        if !(from.is_finite() && to > from) {
+            continue;
+        }
+        let _ = write!(
+            svg,
+            "<rect class=\"{}{}\" x=\"{from:.1}\" y=\"7\" width=\"{:.1}\" height=\"7\">\
+             <title>{}: {} {}</title></rect>",
+            class(&stage.hop),
+            shade.next().unwrap_or_default(),
+            to - from,
+            text_of(&stage.hop),
+            text_of(&stage.name),
+            time(stage.time_us)
+        );
     }
     svg.push_str("</svg>");
     svg
@@ -222,6 +244,16 @@ pub(super) fn hop_bar(name: &str, figures: &Figures, whole_us: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::measure::timings::SlowStage;
+
+    fn stage(hop: &str, name: &str, from_us: f64, time_us: f64) -> SlowStage {
+        SlowStage {
+            hop: hop.to_owned(),
+            name: name.to_owned(),
+            from_us,
+            time_us,
+        }
+    }
 
     fn figures(p50_us: f64, p99_us: f64) -> Figures {
         Figures {
@@ -293,6 +325,10 @@ mod tests {
             round: None,
             total_us: 1.0,
             hops: vec![("</svg>".to_owned(), f64::NAN), ("robot".to_owned(), 1e300)],
+            stages: vec![
+                stage("robot", "</svg>", 0.0, f64::INFINITY),
+                stage("robot", "cast", f64::NAN, 1.0),
+            ],
         };
         let svg = waterfall(&slow, 10.0);
         assert!(!svg.contains("NaN") && !svg.contains("inf"), "{svg}");
@@ -306,6 +342,7 @@ mod tests {
             round: None,
             total_us: 100.0,
             hops: vec![("robot".to_owned(), 25.0), ("to_robot".to_owned(), 75.0)],
+            stages: vec![stage("robot", "step", 5.0, 20.0)],
         };
         let svg = waterfall(&slow, 200.0);
         assert!(
@@ -316,5 +353,7 @@ mod tests {
             svg.contains("class=\"h0\" x=\"125.0\" width=\"375.0\""),
             "{svg}"
         );
+        assert!(svg.contains("x=\"25.0\" y=\"7\" width=\"100.0\""), "{svg}");
+        assert!(svg.contains("robot: step 20 µs"), "{svg}");
     }
 }

@@ -183,7 +183,12 @@ pub(super) fn slowest(timings: &Timings) -> String {
         let row = |slow: &Slow| {
             let longest = slow.hops.iter().max_by(|a, b| a.1.total_cmp(&b.1));
             let longest = longest.map_or_else(String::new, |(name, us)| {
-                format!("{} {}", words(name), time(*us))
+                let within = slow.stages.iter().filter(|stage| stage.hop == *name);
+                let most = within.max_by(|a, b| a.time_us.total_cmp(&b.time_us));
+                let most = most.map_or_else(String::new, |stage| {
+                    format!(" ({} {})", stage.name, time(stage.time_us))
+                });
+                format!("{} {}{most}", words(name), time(*us))
             });
             let when = match slow.round {
                 // The player shows the last round only.
@@ -200,7 +205,10 @@ pub(super) fn slowest(timings: &Timings) -> String {
         let rows: Vec<Vec<Cell>> = all.iter().take(SLOWEST).map(row).collect();
         if !rows.is_empty() {
             let _ = writeln!(html, "<h3>{title}</h3>");
-            html.push_str(&table(&["scan at", "hops", "#total", "longest hop"], &rows));
+            html.push_str(&table(
+                &["scan at", "hops, stages below", "#total", "longest hop"],
+                &rows,
+            ));
         }
     }
     if html.is_empty() {
