@@ -60,7 +60,7 @@ codes! {
         Goal = 2 => "goal",
         /// A corner of the path.
         Corner = 3 => "corner",
-        /// The controller's critics: a slower motion keeps more clearance, or nearer to the path.
+        /// The controller's critics prefer a slower motion; which of them is not told.
         Critics = 4 => "critics",
         /// An input is getting old.
         Ageing = 5 => "ageing",
@@ -88,6 +88,20 @@ codes! {
         Wait = 16 => "wait",
         /// Recovery: nothing is left to try.
         GiveUp = 17 => "give_up",
+        /// Critics: a slower motion keeps more clearance.
+        ClearanceCritic = 18 => "clearance_critic",
+        /// Critics: a slower motion stays nearer to the path, or more along it.
+        PathCritic = 19 => "path_critic",
+        /// Critics: a slower motion gets farther on the free way to the goal.
+        ProgressCritic = 20 => "progress_critic",
+        /// Critics: a faster motion leads into a dynamic obstacle where that will be.
+        DynamicObstacleCritic = 21 => "dynamic_obstacle_critic",
+        /// Critics: a slower motion changes the yaw rate less.
+        SmoothnessCritic = 22 => "smoothness_critic",
+        /// From no faster motion that was looked at can the robot stop in time.
+        StoppingDistance = 23 => "stopping_distance",
+        /// A search in time among dynamic obstacles: a slower motion costs less time and risk.
+        TimedSearch = 24 => "timed_search",
     }
 }
 

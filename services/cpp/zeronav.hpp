@@ -166,6 +166,13 @@ enum class RequestCause : std::uint16_t {
     rotate = 15,
     wait = 16,
     give_up = 17,
+    clearance_critic = 18,
+    path_critic = 19,
+    progress_critic = 20,
+    dynamic_obstacle_critic = 21,
+    smoothness_critic = 22,
+    stopping_distance = 23,
+    timed_search = 24,
 };
 
 enum class RequestReason : std::uint16_t {

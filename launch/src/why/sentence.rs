@@ -4,19 +4,19 @@
 //! The stages are asked from the wheels back: the guard has the last word, so what it did is named
 //! first; then what the local planner meant; then why the global planner has no path, or this one.
 
+mod driving;
+mod words;
+
 use super::around::Around;
 use crate::result::moment::{Command, Moment, Path, Point, Request, Task};
-use zeronav_msgs::command::{
-    AGE_MS_MAX, Intervention, PlannerInput, RecoveryReason, RequestCause, Validity,
-};
-use zeronav_msgs::path::{PathBlock, PathCause, PathStatus};
+use driving::driving;
+use words::{age, no_way, stale};
+use zeronav_msgs::command::{AGE_MS_MAX, Intervention, RequestCause, Validity};
+use zeronav_msgs::path::PathStatus;
 use zeronav_msgs::task::{EndReason, StuckCause, TaskState};
 
 /// [m/s] and [rad/s] below which a robot stands.
 const STANDING: (f64, f64) = (0.005, 0.01);
-
-/// [m/s] below its limit at which a robot is still getting faster.
-const SPEEDING_UP_MPS: f64 = 0.02;
 
 /// The paragraph about a moment.
 #[must_use]
@@ -228,227 +228,6 @@ fn failed(reason: EndReason, stuck: StuckCause, path: Option<&Path>) -> String {
         },
     };
     format!("The task has failed: {why}. Another goal moves the robot.")
-}
-
-/// Why the global planner has no path, and what would have to change.
-fn no_way(path: &Path) -> String {
-    let at = |[x_m, y_m]: [f64; 2]| format!("({x_m:.2}, {y_m:.2})");
-    let cut = match path.block {
-        PathBlock::PathBefore => {
-            format!(
-                "; the last path was cut at {}, which would have to open",
-                at(path.block_m)
-            )
-        }
-        _ => String::new(),
-    };
-    let what = match path.status {
-        PathStatus::Unreachable => {
-            format!("the global planner has proved that no way leads to the goal{cut}")
-        }
-        PathStatus::UnreachableCorner => format!(
-            "the global planner has proved that only a way that cuts an obstacle's corner leads \
-             to the goal{cut}"
-        ),
-        PathStatus::StartBlocked => format!(
-            "the robot's own cell at {} is in an obstacle and no free cell is near",
-            at(path.block_m)
-        ),
-        PathStatus::StartOutsideMap => {
-            "the robot is not on the map: `zeronav pose` says where it is".to_owned()
-        }
-        PathStatus::GoalBlocked => format!(
-            "the goal's cell at {} is in an obstacle and no cell within its tolerance is free",
-            at(path.block_m)
-        ),
-        PathStatus::GoalOutsideMap => {
-            format!("the goal at {} is not on the map", at(path.block_m))
-        }
-        PathStatus::DeadEnd => format!("the planner {} gave up in a dead end{cut}", path.planner),
-        PathStatus::OutOfBudget => {
-            format!(
-                "the planner {} spent its budget before it found a way{cut}",
-                path.planner
-            )
-        }
-        PathStatus::TooLong => "the path has more corners than a message holds".to_owned(),
-        PathStatus::NoGoal | PathStatus::Found => "there is none".to_owned(),
-    };
-    format!("{what} ({})", path.status)
-}
-
-fn stale(request: &Request) -> String {
-    let [odometry_ms, scan_ms, map_ms, path_ms] = request.ages_ms;
-    let (name, topic, age_ms) = match request.input {
-        PlannerInput::Odometry => ("odometry", "the robot", odometry_ms),
-        PlannerInput::Scan => ("the scan", "the robot", scan_ms),
-        PlannerInput::Map => ("the map", "mapping", map_ms),
-        PlannerInput::Path => ("the path", "the global planner", path_ms),
-        PlannerInput::Description => {
-            return "The local planner brakes because the robot has not been described yet."
-                .to_owned();
-        }
-        PlannerInput::None => {
-            return "The local planner brakes because an input is too old or missing.".to_owned();
-        }
-    };
-    format!(
-        "The local planner brakes because {name} is {}: {topic} must send it again.",
-        age(age_ms)
-    )
-}
-
-fn age(age_ms: u16) -> String {
-    match age_ms {
-        AGE_MS_MAX => "missing, or older than a minute".to_owned(),
-        age_ms => format!("{age_ms} ms old"),
-    }
-}
-
-/// Why the robot drives as it does, or does not although it has a path.
-fn driving(request: &Request, moment: &Moment) -> String {
-    let limit = format!("{:.2} m/s", request.limit_mps);
-    let obstacle = request.obstacle.map_or_else(String::new, |obstacle| {
-        let [x_m, y_m] = obstacle.at_m;
-        format!(
-            " Tracked obstacle {} is near, at ({x_m:.2}, {y_m:.2}), with {:.2} m/s.",
-            obstacle.track, obstacle.speed_mps
-        )
-    });
-    let ahead = if request.blocked_arc_m > 0.0 {
-        format!(
-            " An obstacle is on the path, {:.2} m ahead.",
-            request.blocked_arc_m
-        )
-    } else {
-        String::new()
-    };
-    let cause = match request.cause {
-        RequestCause::None if request.validity == Validity::Blocked => {
-            "The local planner finds no admissible motion.".to_owned()
-        }
-        RequestCause::None => "The local planner follows the path; it tells no more.".to_owned(),
-        RequestCause::Free => free(request, moment.command.as_ref()),
-        RequestCause::Goal => {
-            format!("The local planner slows down for the end of the path, to {limit}.")
-        }
-        RequestCause::Corner => {
-            format!("The local planner slows down for a corner of the path, to {limit}.")
-        }
-        RequestCause::Critics => format!(
-            "The critics of the local planner decided: at {limit} it keeps more clearance, or \
-             nearer to the path.{ahead}{obstacle}"
-        ),
-        RequestCause::Ageing => format!(
-            "The local planner slows down to {limit} because {} is getting old.",
-            input(request.input)
-        ),
-        RequestCause::Heading => format!(
-            "The robot faces away from the path: the local planner slows down to {limit} until it \
-             faces it."
-        ),
-        RequestCause::Turn => "The local planner turns on the spot towards the path: it drives \
-                               when it faces it."
-            .to_owned(),
-        RequestCause::TurnWait => format!(
-            "The local planner waits for a moving obstacle to pass before it turns on the \
-             spot.{obstacle}"
-        ),
-        RequestCause::Arrive => {
-            "It is within the goal's tolerance and slows down to a stop.".to_owned()
-        }
-        RequestCause::GoalYaw => {
-            "It is at the goal and turns on the spot to the goal's yaw.".to_owned()
-        }
-        RequestCause::Blocked => format!(
-            "The local planner finds no admissible motion: from none of them the robot could stop \
-             in time.{ahead}{obstacle} Its recovery begins when that lasts."
-        ),
-        RequestCause::Stale => stale(request),
-        RequestCause::AskForPath
-        | RequestCause::BackUp
-        | RequestCause::Rotate
-        | RequestCause::Wait
-        | RequestCause::GiveUp => format!("{}{ahead}{obstacle}", recovery(request)),
-    };
-    let way = moment.path.as_ref().map_or_else(String::new, way);
-    format!("{cause}{way}")
-}
-
-/// What a robot does that nothing holds back.
-fn free(request: &Request, command: Option<&Command>) -> String {
-    let now_mps = command.map_or(0.0, |command| command.v_mps);
-    if now_mps + SPEEDING_UP_MPS < request.limit_mps {
-        format!(
-            "It speeds up to {:.2} m/s: nothing else limits it.",
-            request.limit_mps
-        )
-    } else {
-        "Nothing limits it but its own limits.".to_owned()
-    }
-}
-
-/// What the recovery does, and why.
-fn recovery(request: &Request) -> String {
-    let why = match request.recovery {
-        RecoveryReason::None => "",
-        RecoveryReason::Blocked => " because no motion was admissible",
-        RecoveryReason::NoProgress => " because the robot came no closer to its goal",
-        RecoveryReason::DynamicObstacle => " because a moving obstacle is in the way",
-        RecoveryReason::TimedOut => " because what it tried before took too long",
-        RecoveryReason::Stuck => " because the time without coming closer is over",
-        RecoveryReason::OutOfAttempts => " because no attempt is left",
-    };
-    let what = match request.cause {
-        RequestCause::AskForPath => "has asked for another path and waits for it",
-        RequestCause::BackUp => "drives back along the track that the robot came by",
-        RequestCause::Rotate => "turns on the spot to look around",
-        RequestCause::Wait => "waits for the way to become free",
-        _ => "has nothing left to try",
-    };
-    format!("The recovery of the local planner {what}{why}.")
-}
-
-fn input(input: PlannerInput) -> &'static str {
-    match input {
-        PlannerInput::None => "an input",
-        PlannerInput::Odometry => "odometry",
-        PlannerInput::Scan => "the scan",
-        PlannerInput::Map => "the map",
-        PlannerInput::Path => "the path",
-        PlannerInput::Description => "the robot's description",
-    }
-}
-
-/// Why it takes this way.
-fn way(path: &Path) -> String {
-    if path.status != PathStatus::Found {
-        return format!(" The global planner has no newer path: {}.", no_way(path));
-    }
-    let why = match (path.cause, path.block) {
-        (PathCause::Obstacle, PathBlock::PathBefore) => {
-            let [x_m, y_m] = path.block_m;
-            format!("an obstacle at ({x_m:.2}, {y_m:.2}) cut the one before")
-        }
-        (PathCause::Obstacle, _) => "an obstacle cut the one before".to_owned(),
-        (PathCause::Request, _) => "the local planner asked for another one".to_owned(),
-        (PathCause::Shortcut, _) => "a shorter way opened".to_owned(),
-        (PathCause::NextGoal, _) => "the next goal came up".to_owned(),
-        (PathCause::Goal | PathCause::None, _) => "the goal was given".to_owned(),
-    };
-    let beside = if path.beside_goal_m > 0.005 {
-        format!(
-            "; it ends {:.2} m beside the goal, whose own cell is not free",
-            path.beside_goal_m
-        )
-    } else {
-        String::new()
-    };
-    let at = (path.time_s).map_or_else(String::new, |time_s| format!(" at {time_s:.2} s"));
-    format!(
-        " It follows a path of {:.1} m by {}, made{at} because {why}{beside}.",
-        path.length_m, path.planner
-    )
 }
 
 /// How old the inputs of the local planner are.

@@ -94,6 +94,7 @@ impl Choose for Beam {
             Some(twist) => {
                 scene.memory.mode = Mode::Follow;
                 scene.memory.astray_s = 0.0;
+                scene.memory.limit = scene.searched();
                 scene.steer(twist)
             }
             None => self.alone.choose(scene),

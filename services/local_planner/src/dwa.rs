@@ -12,6 +12,7 @@
 //!   [`DwaConfig::window_s`]; rollouts ramp to their target as the robot would; the published
 //!   twist is the part of the way that this period allows ([`crate::pilot`]).
 
+pub(crate) mod critics;
 pub mod options;
 mod rollout_grid;
 pub(crate) mod rows;
@@ -20,6 +21,7 @@ pub(crate) mod window;
 use crate::pilot::Pilot;
 use crate::pilot::perception::Tracks;
 use crate::pilot::scene::{Choose, Heading, Scene, Wish};
+use critics::Critics;
 use options::DwaConfig;
 use rows::Rows;
 use zeronav_motion::Twist;
@@ -57,6 +59,7 @@ impl DynamicWindow {
         rows.prepare(&window, scene, (config.speeds, config.yaw_rates));
         let last = rows.grid.steps - 1;
         let mut best: Option<(f64, Twist)> = None;
+        let mut critics = Critics::default();
         for speed in 0..rows.grid.speeds.len() {
             let terms = scene.worth_at(rows.grid.speeds[speed]);
             let found = rows.rate(scene, &window, (speed, last), &terms);
@@ -64,7 +67,8 @@ impl DynamicWindow {
                 rows.tell(record, speed, |lane| rows.rated.worth[lane]);
             }
             if let Some(lane) = found {
-                let worth = rows.rated.worth[lane];
+                let (v_mps, worth) = (rows.grid.speeds[speed], rows.rated.worth[lane]);
+                critics.offer(v_mps, rows.terms(&terms, lane));
                 if best.is_none_or(|(most, _)| worth > most) {
                     best = Some((worth, rows.twist(speed, lane)));
                     if let Some(record) = &mut record {
@@ -74,6 +78,7 @@ impl DynamicWindow {
             }
         }
         scene.memory.record = record;
+        scene.memory.limit.slower = critics.decisive();
         best.map(|(_, twist)| twist)
     }
 }

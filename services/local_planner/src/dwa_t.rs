@@ -10,13 +10,14 @@
 
 pub mod options;
 
+use crate::dwa::critics::Critics;
 use crate::dwa::options::DwaConfig;
 use crate::dwa::rows::Rows;
 use crate::dwa::window::Window;
 use crate::pilot::Pilot;
 use crate::pilot::perception::{PATH_HORIZON_S, Perception, Tracks};
 use crate::pilot::scene::{CREEP_MPS, Choose, Heading, Mode, Scene, Wish};
-use crate::rated::{Evaluate, Outcome, TimedWorth};
+use crate::rated::{Evaluate, Terms, TimedWorth};
 use crate::record::Record;
 use nalgebra::Point2;
 use options::DwaTConfig;
@@ -92,13 +93,15 @@ impl TimedWindow {
         scene.memory.reserve.clear();
         let mut record = scene.memory.record.take();
         let mut most = f64::NEG_INFINITY;
+        let mut critics = Critics::default();
         for speed in 0..self.rows.grid.speeds.len() {
             let telling = record.as_deref_mut();
             let Some(best) = self.best_of_speed(scene, &window, (speed, judged), now, telling)
             else {
                 continue;
             };
-            let (worth, lane) = best;
+            let (worth, lane, terms) = best;
+            critics.offer(self.rows.grid.speeds[speed], terms);
             let twist = self.rows.twist(speed, lane);
             scene.memory.reserve.push((worth, twist));
             if let Some(record) = record.as_mut().filter(|_| worth > most) {
@@ -107,12 +110,13 @@ impl TimedWindow {
             }
         }
         scene.memory.record = record;
+        scene.memory.limit.slower = critics.decisive();
         let reserve = &mut scene.memory.reserve;
         reserve.sort_by(|a, b| b.0.total_cmp(&a.0));
         reserve.first().map(|(_, twist)| *twist)
     }
 
-    /// The best lane of a speed with its worth. `judged` is the last step that is compared with
+    /// The best lane of a speed with its worth and the terms of that. `judged` is the last step that is compared with
     /// the path, `now` the way to go from here. [m]
     fn best_of_speed(
         &mut self,
@@ -121,7 +125,7 @@ impl TimedWindow {
         (speed, judged): (usize, usize),
         now: Option<f32>,
         record: Option<&mut Record>,
-    ) -> Option<(f64, usize)> {
+    ) -> Option<(f64, usize, Terms)> {
         let v_mps = self.rows.grid.speeds[speed];
         let terms = TimedWorth {
             worth: scene.worth_at(v_mps),
@@ -132,20 +136,22 @@ impl TimedWindow {
         let Rows { grid, rated, .. } = &self.rows;
         let here = scene.situation.map_from_base.point();
         // Along the path, unless the free way from there is longer than that.
-        let worth_of = |lane: usize| {
+        let nearer_m = |lane: usize| {
             let (x, y) = (f64::from(rated.x[lane]), f64::from(rated.y[lane]));
             let at = Point2::new(here.x + x, here.y + y);
             let nearer = to_go(scene.seen, at).zip(now).map(|(then, now)| now - then);
-            match nearer.filter(|nearer| *nearer < rated.then.along[lane] - DEAD_END_M) {
-                None => rated.worth[lane],
-                Some(nearer) => {
-                    let outcome = Outcome {
-                        progress_m: f64::from(nearer),
-                        ..rated.outcome(lane)
-                    };
-                    terms.of(grid.yaw_rates[lane], &outcome, rated.badness[lane])
-                }
+            nearer.filter(|nearer| *nearer < rated.then.along[lane] - DEAD_END_M)
+        };
+        let terms_of = |lane: usize| {
+            let mut outcome = rated.outcome(lane);
+            if let Some(nearer) = nearer_m(lane) {
+                outcome.progress_m = f64::from(nearer);
             }
+            terms.terms(grid.yaw_rates[lane], &outcome, rated.badness[lane])
+        };
+        let worth_of = |lane: usize| match nearer_m(lane) {
+            None => rated.worth[lane],
+            Some(_) => terms_of(lane).worth(),
         };
         if let Some(record) = record {
             self.rows.tell(record, speed, worth_of);
@@ -164,7 +170,7 @@ impl TimedWindow {
                 }
             }
         }
-        Some(best)
+        Some((best.0, best.1, terms_of(best.1)))
     }
 }
 

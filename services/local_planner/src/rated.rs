@@ -34,11 +34,49 @@ pub(crate) fn cost_beside(beside: f32) -> f32 {
     }
 }
 
+/// What a rollout is worth, term by term, in metres of progress.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Terms {
+    pub(crate) progress: f64,
+    pub(crate) speed: f64,
+    pub(crate) cross_track: f64,
+    pub(crate) heading: f64,
+    pub(crate) clearance: f64,
+    pub(crate) turn_change: f64,
+    /// Of two that are equal the straighter one.
+    pub(crate) straightness: f64,
+    /// Faster than the clearance allows.
+    pub(crate) calm: f64,
+    pub(crate) dynamic_obstacles: f64,
+}
+
+impl Terms {
+    /// Their sum.
+    #[inline(always)]
+    pub(crate) fn worth(&self) -> f64 {
+        self.progress
+            + self.speed
+            + self.cross_track
+            + self.heading
+            + self.clearance
+            + self.turn_change
+            + self.straightness
+            + self.calm
+            + self.dynamic_obstacles
+    }
+}
+
 /// An evaluation of rollouts of one speed.
 pub(crate) trait Evaluate: Copy {
-    /// What a rollout is worth, in metres of progress. `badness` is how bad it is what it touches
-    /// that moves, from 0 to 1.
-    fn of(&self, w_radps: f64, outcome: &Outcome, badness: f64) -> f64;
+    /// The terms of a rollout's worth. `badness` is how bad it is what it touches that moves, from 0
+    /// to 1.
+    fn terms(&self, w_radps: f64, outcome: &Outcome, badness: f64) -> Terms;
+
+    /// What a rollout is worth, in metres of progress.
+    #[inline(always)]
+    fn of(&self, w_radps: f64, outcome: &Outcome, badness: f64) -> f64 {
+        self.terms(w_radps, outcome, badness).worth()
+    }
 }
 
 /// What decides, besides where they lead, how much the rollouts of a speed are worth.
@@ -57,17 +95,20 @@ pub(crate) struct Worth {
 
 impl Evaluate for Worth {
     #[inline(always)]
-    fn of(&self, w_radps: f64, outcome: &Outcome, _: f64) -> f64 {
+    fn terms(&self, w_radps: f64, outcome: &Outcome, _: f64) -> Terms {
         let weights = &self.weights;
         let turn_change = (w_radps - self.steered_radps).abs() / self.w_radps_max;
         let near = ((self.soft_m - outcome.margin_m) / (self.soft_m - self.hard_m)).clamp(0.0, 1.0);
-        weights.progress * outcome.progress_m + weights.speed * self.speed
-            - weights.cross_track * outcome.beside_m
-            - weights.heading * outcome.heading
-            - weights.clearance * near * near * (0.3 + 0.7 * self.speed)
-            - weights.turn_change * turn_change
-            // Ties: the straighter one.
-            - 1.0e-6 * w_radps.abs()
+        Terms {
+            progress: weights.progress * outcome.progress_m,
+            speed: weights.speed * self.speed,
+            cross_track: -(weights.cross_track * outcome.beside_m),
+            heading: -(weights.heading * outcome.heading),
+            clearance: -(weights.clearance * near * near * (0.3 + 0.7 * self.speed)),
+            turn_change: -(weights.turn_change * turn_change),
+            straightness: -(1.0e-6 * w_radps.abs()),
+            ..Terms::default()
+        }
     }
 }
 
@@ -81,12 +122,14 @@ pub(crate) struct TimedWorth {
 
 impl Evaluate for TimedWorth {
     #[inline(always)]
-    fn of(&self, w_radps: f64, outcome: &Outcome, badness: f64) -> f64 {
+    fn terms(&self, w_radps: f64, outcome: &Outcome, badness: f64) -> Terms {
         let config = &self.config;
         let calm_mps = config.speed_base_mps + config.speed_gain_hz * outcome.margin_m;
-        self.worth.of(w_radps, outcome, badness)
-            - config.weight_speed * (self.v_mps - calm_mps).max(0.0)
-            - config.weight_moving * badness
+        Terms {
+            calm: -(config.weight_speed * (self.v_mps - calm_mps).max(0.0)),
+            dynamic_obstacles: -(config.weight_moving * badness),
+            ..self.worth.terms(w_radps, outcome, badness)
+        }
     }
 }
 

@@ -105,6 +105,13 @@ class RequestCause(IntEnum):
     ROTATE = 15
     WAIT = 16
     GIVE_UP = 17
+    CLEARANCE_CRITIC = 18
+    PATH_CRITIC = 19
+    PROGRESS_CRITIC = 20
+    DYNAMIC_OBSTACLE_CRITIC = 21
+    SMOOTHNESS_CRITIC = 22
+    STOPPING_DISTANCE = 23
+    TIMED_SEARCH = 24
 
 
 class RequestReason(IntEnum):

@@ -1,6 +1,8 @@
 use super::*;
 use crate::result::moment::Obstacle;
 use crate::why::around::Missing;
+use zeronav_msgs::command::{PlannerInput, RecoveryReason};
+use zeronav_msgs::path::{PathBlock, PathCause};
 
 fn request(validity: Validity, cause: RequestCause) -> Request {
     Request {
@@ -336,6 +338,28 @@ fn turning_slowing_down_and_critics_are_told_apart() {
         ),
         (RequestCause::Goal, "for the end of the path, to 0.50 m/s."),
         (RequestCause::Critics, "at 0.50 m/s it keeps more clearance"),
+        (
+            RequestCause::ClearanceCritic,
+            "The clearance critic of the local planner decided: at 0.50 m/s it keeps more",
+        ),
+        (RequestCause::PathCritic, "The path critic"),
+        (RequestCause::ProgressCritic, "The progress critic"),
+        (
+            RequestCause::DynamicObstacleCritic,
+            "at 0.50 m/s it stays out of the way of what moves",
+        ),
+        (
+            RequestCause::SmoothnessCritic,
+            "it changes its yaw rate less.",
+        ),
+        (
+            RequestCause::StoppingDistance,
+            "at 0.50 m/s: from no faster motion could it stop in time",
+        ),
+        (
+            RequestCause::TimedSearch,
+            "among moving obstacles: going towards 0.50 m/s now costs the least",
+        ),
         (
             RequestCause::Heading,
             "slows down to 0.50 m/s until it faces it.",

@@ -4,7 +4,7 @@ use crate::dwa::rollout_grid::RolloutGrid;
 use crate::dwa::window::Window;
 use crate::lanes::data::{LANES_MAX, WIDTH, narrow};
 use crate::pilot::scene::Scene;
-use crate::rated::{Evaluate, Rated};
+use crate::rated::{Evaluate, Rated, Terms};
 use crate::record::{Record, Seen};
 use zeronav_motion::{Twist, stop_angle_rad, stop_distance_m};
 use zeronav_msgs::rollouts::RolloutOutcome;
@@ -71,6 +71,16 @@ impl Rows {
         }
         rated.rate(terms, &grid.yaw_rates);
         rated.most_promising(lanes)
+    }
+
+    /// The terms of what a rollout of the current row is worth.
+    pub(crate) fn terms(&self, evaluate: &impl Evaluate, lane: usize) -> Terms {
+        let rated = &self.rated;
+        evaluate.terms(
+            self.grid.yaw_rates[lane],
+            &rated.outcome(lane),
+            rated.badness[lane],
+        )
     }
 
     /// Tells the record of the rollouts of the current row, with what those are worth on which the

@@ -14,6 +14,8 @@ pub(crate) struct Limit {
     pub(crate) cause: RequestCause,
     /// [m/s] fastest forward speed; 0 = the cause sets none.
     pub(crate) v_mps: f64,
+    /// What decided when the motion is slower than that.
+    pub(crate) slower: RequestCause,
 }
 
 impl Limit {
@@ -22,19 +24,25 @@ impl Limit {
 
     /// A cause that sets no speed.
     pub(crate) const fn of(cause: RequestCause) -> Self {
-        Self { cause, v_mps: 0.0 }
+        Self::at(cause, 0.0)
+    }
+
+    /// A cause and the fastest forward speed that it allows. [m/s]
+    pub(crate) const fn at(cause: RequestCause, v_mps: f64) -> Self {
+        Self {
+            cause,
+            v_mps,
+            slower: RequestCause::Critics,
+        }
     }
 
     /// The lowest of what the path, the goal and the inputs allow; the first of equal ones. [m/s]
     pub(crate) fn lowest(of: &[(RequestCause, f64)]) -> Self {
         of.iter().fold(
-            Self {
-                cause: RequestCause::None,
-                v_mps: f64::INFINITY,
-            },
+            Self::at(RequestCause::None, f64::INFINITY),
             |least, &(cause, v_mps)| {
                 if v_mps < least.v_mps {
-                    Self { cause, v_mps }
+                    Self::at(cause, v_mps)
                 } else {
                     least
                 }
@@ -55,7 +63,7 @@ impl Limit {
         // Faster than that no motion of this period was looked at.
         let reachable_mps = (from.v_mps + robot.a_mps2_max * window_s).min(self.v_mps);
         if wanted.v_mps + SLOWER_SHARE * robot.v_mps_max < reachable_mps {
-            return (RequestCause::Critics, wanted.v_mps.max(0.0));
+            return (self.slower, wanted.v_mps.max(0.0));
         }
         (self.cause, self.v_mps)
     }

@@ -162,6 +162,25 @@ impl<'a> Scene<'a> {
         self.situation.robot.v_mps_max * self.situation.speed_factor.clamp(0.0, 1.0)
     }
 
+    /// What the fastest speed depends on, and that. [m/s]
+    fn top(&self) -> (RequestCause, f64) {
+        let cause = if self.situation.speed_factor < 1.0 {
+            RequestCause::Ageing
+        } else {
+            RequestCause::Free
+        };
+        (cause, self.top_speed_mps())
+    }
+
+    /// The limit of a search in time, which may ask for every speed.
+    pub(crate) fn searched(&self) -> Limit {
+        let (cause, v_mps) = self.top();
+        Limit {
+            slower: RequestCause::TimedSearch,
+            ..Limit::at(cause, v_mps)
+        }
+    }
+
     /// The wish to go on towards a chosen twist.
     pub(crate) fn steer(&mut self, twist: Twist) -> Wish {
         self.memory.steered_radps = twist.w_radps;
@@ -208,13 +227,8 @@ impl<'a> Scene<'a> {
             CREEP_MPS.min(robot.v_mps_max),
         );
         let astray_mps = if astray { CREEP_MPS } else { f64::INFINITY };
-        let top = if self.situation.speed_factor < 1.0 {
-            RequestCause::Ageing
-        } else {
-            RequestCause::Free
-        };
         Limit::lowest(&[
-            (top, self.top_speed_mps()),
+            self.top(),
             (RequestCause::Goal, goal_mps.max(0.03)),
             (RequestCause::Corner, corner_mps),
             (RequestCause::Heading, astray_mps),
