@@ -295,7 +295,6 @@ impl Collector {
     pub(crate) fn forget(&mut self) {
         self.records.keep_newest();
         (self.hash, self.seen) = (RunHash::default(), Seen::default());
-        self.reasons.forget();
     }
 
     /// Another reader of the map needs a keyframe.

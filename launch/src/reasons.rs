@@ -92,11 +92,6 @@ impl Reasons {
         self.end_tick = Some(tick);
     }
 
-    /// Forgets the moments, not what holds now: of a stack that stays up.
-    pub(crate) fn forget(&mut self) {
-        self.moments.clear();
-    }
-
     /// The moments from `from_ns` to `until_ns`, with times since `from_ns`.
     #[must_use]
     pub(crate) fn moments(&self, from_ns: u64, until_ns: u64) -> Vec<Moment> {
@@ -114,6 +109,12 @@ impl Reasons {
                 moment
             })
             .collect()
+    }
+
+    /// What held at a run time, with the run time since which; `None` when that is not kept. [ns]
+    #[must_use]
+    pub(crate) fn at(&self, run_ns: u64) -> Option<Moment> {
+        self.moments(0, run_ns).pop()
     }
 
     /// Takes in the ticks before this one.
@@ -275,8 +276,12 @@ mod tests {
             .expect("its obstacle");
         assert_eq!(named.track, 7);
         assert!((named.speed_mps - 0.9).abs() < 1e-12);
-        reasons.forget();
-        // What came last is not settled yet.
-        assert!(reasons.moments(0, u64::MAX).len() < MOMENTS_MAX / 2);
+        // The words of tick 1200 held until the next one's.
+        let held = reasons
+            .at(1200 * TICK_NS + TICK_NS / 2)
+            .expect("it is kept");
+        assert!((held.time_s - 24.0).abs() < 1e-9, "{held:?}");
+        assert_eq!(held.request.expect("a request").cause, RequestCause::Free);
+        assert_eq!(reasons.at(100 * TICK_NS), None, "the oldest are gone");
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::result::Restart;
 use crate::result::fault::FaultResult;
+use crate::result::moment::Moment;
 use crate::result::swap::SwapResult;
 use crate::scenario::{GoalSpec, StackFault};
 use crate::swap::order::SwapOrder;
@@ -39,6 +40,11 @@ pub(crate) enum Request {
         /// As in [`Reply::Goal`].
         #[serde(default)]
         id: Option<u64>,
+    },
+    /// Why the robot did what it did so long ago.
+    Why {
+        /// Run time before now. [s]
+        ago_s: f64,
     },
     /// Hold run time.
     Pause,
@@ -217,6 +223,8 @@ pub(crate) enum Reply {
     Goal(GoalReport),
     /// The answer to [`Request::Swap`] and [`Request::SwapStatus`].
     Swap(Box<SwapResult>),
+    /// The answer to [`Request::Why`].
+    Why(Box<Moment>),
     /// Done.
     Done,
     /// Not done, and why.

@@ -3,6 +3,7 @@
 use super::session::Session;
 use crate::control::request::{GoalReport, Reply, Request, RunReport, ServiceReport};
 use crate::orders::Order;
+use crate::result::moment::Moment;
 use crate::scenario::{GoalSpec, TIME_LIMIT_S_MAX, TOLERANCE};
 use crate::supervise::occupant::file_name;
 use crate::supervise::stack::Stack;
@@ -11,7 +12,7 @@ use std::collections::BTreeMap;
 use zeronav_msgs::Pose;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::task::GOALS_MAX;
-use zeronav_msgs::time::seconds;
+use zeronav_msgs::time::{nanoseconds, seconds};
 
 /// Room around the robot at a pose that is offered in place of one that cannot be. [m]
 const OFFERED_CLEARANCE_M: f64 = 0.1;
@@ -43,7 +44,10 @@ impl Session<'_> {
     fn answer(&mut self, stack: &mut Stack, request: Request) -> Result<Reply, String> {
         let is_question = matches!(
             request,
-            Request::Ps | Request::GoalStatus { .. } | Request::SwapStatus { .. }
+            Request::Ps
+                | Request::GoalStatus { .. }
+                | Request::SwapStatus { .. }
+                | Request::Why { .. }
         );
         if self.is_ending && !is_question {
             return Err("the stack is ending".to_owned());
@@ -61,6 +65,7 @@ impl Session<'_> {
                 return self.goal_report(id).map(Reply::Goal);
             }
             Request::GoalStatus { id } => return self.goal_report(id).map(Reply::Goal),
+            Request::Why { ago_s } => return self.moment(ago_s).map(Reply::Why),
             Request::Cancel { id } => self.cancel(stack, id)?,
             Request::Pause => self.pause(stack)?,
             Request::Resume => self.resume(stack)?,
@@ -88,6 +93,14 @@ impl Session<'_> {
             Request::Down => self.is_down = true,
         }
         Ok(Reply::Done)
+    }
+
+    /// What the stages said so long ago. [s]
+    fn moment(&self, ago_s: f64) -> Result<Box<Moment>, String> {
+        let at_s = seconds(self.collector.run_ns) - ago_s;
+        let moment = self.collector.reasons.at(nanoseconds(at_s));
+        let none = || format!("nothing is kept of {ago_s} s ago, the run time {at_s:.2} s");
+        moment.map(Box::new).ok_or_else(none)
     }
 
     /// The order of a client, or why the robot cannot carry it out.

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 #[derive(Debug, Clone, Args)]
 pub struct WhyArgs {
     /// Folder of a run that is over, or a time in the newest run of ./runs [s]; without, the running
-    /// stack as it is now.
+    /// stack as it is now, or as it was `--ago`.
     #[arg(value_name = "RUN|TIME")]
     pub of: Option<PathBuf>,
     /// Time in that run, from its first goal on; without, its end. [s]
@@ -17,6 +17,9 @@ pub struct WhyArgs {
     /// Every change of the run, a line each.
     #[arg(long, requires = "of", conflicts_with = "time")]
     pub all: bool,
+    /// Run time before now, of the running stack: what the stages said last until then. [s]
+    #[arg(long, value_name = "TIME", value_parser = time, conflicts_with = "of")]
+    pub ago: Option<f64>,
     /// The stack.
     #[command(flatten)]
     pub stack: StackArgs,

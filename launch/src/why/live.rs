@@ -1,7 +1,8 @@
 //! Why the robot of a running stack does what it does now, by a guest that only reads.
 
 use super::around::{Around, Missing};
-use crate::control::request::RunReport;
+use super::past;
+use crate::control::request::{self, Reply, RunReport};
 use crate::result::moment::{Command, Moment, Obstacle, Path, Request, Task};
 use crate::running::Running;
 use crate::topics::tap::{PAUSE, Tap};
@@ -153,6 +154,19 @@ pub(super) fn now(stack: &Running) -> Result<(Moment, Around), String> {
     tap.leave();
     add(&mut around, &stack.report()?);
     Ok((moment, around))
+}
+
+/// What held so long ago. [s]
+///
+/// # Errors
+/// One line when the stack does not answer or keeps nothing of that time.
+pub(super) fn ago(stack: &Running, ago_s: f64) -> Result<(Moment, Around), String> {
+    let Reply::Why(moment) = stack.ask(&request::Request::Why { ago_s })? else {
+        return Err(stack.refusal("the answer is not what was asked for"));
+    };
+    let report = stack.report()?;
+    let around = past::around(&report.restarts, &report.faults, moment.time_s);
+    Ok((*moment, around))
 }
 
 /// Adds what the stack says of itself.

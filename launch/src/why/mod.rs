@@ -31,7 +31,10 @@ fn run(arguments: &WhyArgs) -> Result<(), String> {
     let json = arguments.stack.json;
     let Some((run, time_s)) = run_and_time(arguments)? else {
         let stack = running::find(arguments.stack.domain.as_deref())?;
-        let (moment, around) = live::now(&stack)?;
+        let (moment, around) = match arguments.ago {
+            Some(ago_s) => live::ago(&stack, ago_s)?,
+            None => live::now(&stack)?,
+        };
         tell(&moment, &around, json);
         return Ok(());
     };

@@ -1,8 +1,9 @@
 //! Why the robot did what it did at a moment of a run that is over.
 
 use super::around::{Around, Missing};
-use crate::result::RunResult;
+use crate::result::fault::FaultResult;
 use crate::result::moment::Moment;
+use crate::result::{Restart, RunResult};
 use std::path::{Path, PathBuf};
 use zeronav_shell::printable;
 
@@ -72,14 +73,14 @@ pub(super) fn at(result: &RunResult, time_s: Option<f64>) -> Result<(Moment, Aro
     ) {
         (command.v_mps, command.w_radps) = (row[4], row[5]);
     }
-    Ok((moment, around(result, time_s)))
+    Ok((moment, around(&result.restarts, &result.faults, time_s)))
 }
 
 /// What was known besides.
-fn around(result: &RunResult, time_s: f64) -> Around {
+pub(super) fn around(restarts: &[Restart], faults: &[FaultResult], time_s: f64) -> Around {
     let lately = |at_s: f64| (0.0..RESTART_S).contains(&(time_s - at_s));
-    let restarts = result.restarts.iter();
     let missing = restarts
+        .iter()
         .filter(|restart| lately(restart.time_s))
         .map(|restart| Missing {
             role: restart.service.clone(),
@@ -88,11 +89,11 @@ fn around(result: &RunResult, time_s: f64) -> Around {
                 restart.time_s, restart.how
             ),
         });
-    let goes_on = |fault: &&crate::result::fault::FaultResult| {
+    let goes_on = |fault: &&FaultResult| {
         let ends_s = fault.until_s.unwrap_or(fault.time_s + RESTART_S);
         fault.why.is_none() && (fault.time_s..ends_s).contains(&time_s)
     };
-    let faults = result.faults.iter().filter(goes_on);
+    let faults = faults.iter().filter(goes_on);
     Around {
         missing: missing.collect(),
         faults: faults

@@ -245,6 +245,11 @@ fn a_running_stack_is_explained_as_it_is_now() {
         &up.ask(&["why"], 0),
         &["the robot stands.", "There is no goal"],
     );
+    let time_s = |report: &Value| report["time_s"].as_f64().expect("a time");
+    up.stack
+        .wait_until("it has stood for two seconds", |stack| {
+            stack.report().is_some_and(|report| time_s(&report) > 2.0)
+        });
     up.ask(
         &["goal", "12.5", "6.425", "0", "--yaw-tolerance", "3.15"],
         0,
@@ -267,6 +272,18 @@ fn a_running_stack_is_explained_as_it_is_now() {
     assert_eq!(json["missing"], serde_json::json!([]), "{json:#}");
     up.ask(&["pause"], 0);
     says(&up.ask(&["why"], 0), &["Run time is paused"]);
+    // It stood before the goal came, and the stack still knows why; of before its start it does not.
+    let now_s = time_s(&up.status());
+    let driving = up.ask(&["why", "--ago", "1"], 0);
+    says(
+        &driving,
+        &["the robot drives at ", "because the goal was given"],
+    );
+    let before = format!("{:.2}", now_s - 1.0);
+    let before = up.ask(&["why", "--ago", &before], 0);
+    says(&before, &["the robot stands."]);
+    let never = up.ask(&["why", "--ago", "9999"], 2);
+    says(&never, &["nothing is kept of 9999 s ago"]);
     up.ask(&["resume"], 0);
     up.ask(&["fault", "kill", "local_planner"], 0);
     let text = up.ask(&["why"], 0);
