@@ -79,6 +79,18 @@ pub fn binaries() -> &'static Path {
     })
 }
 
+/// A configuration of cargo for a package outside the workspace, whose dependencies are built for it
+/// alone: as fast as that goes, and what it spends its time in optimised a little.
+#[must_use]
+pub fn quick_profile(package: &str) -> String {
+    let optimised = [package, "zeronav-msgs", "zeronav-shell", "zeronav-world"];
+    let optimised = optimised.map(|name| format!("[profile.dev.package.{name}]\nopt-level = 1\n"));
+    format!(
+        "[profile.dev]\nopt-level = 0\ndebug = \"none\"\n{}",
+        optimised.concat()
+    )
+}
+
 /// Checks the `latency` of a run: no stamp before its predecessor, no record missing, and the robot's
 /// second clock agrees with the hops.
 ///

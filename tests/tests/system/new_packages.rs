@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::Command;
 use tempfile::TempDir;
 use zeronav_tests::python::{executable, python};
-use zeronav_tests::{Zeronav, binaries, real_time_turn, zeronav};
+use zeronav_tests::{Zeronav, binaries, quick_profile, real_time_turn, zeronav};
 
 /// A package, and the commands that were printed with it.
 struct Package {
@@ -61,17 +61,17 @@ impl Package {
         assert!(output.status.success(), "{}: {said}", self.build);
     }
 
-    /// Shares the target folder of the workspace, in which its dependencies are built, and optimises
-    /// its own few lines as little as a search can bear: one without takes 0.14 s of processor time,
-    /// and a busy machine makes that a service that hangs.
+    /// Shares the target folder of the workspace with the other packages, so that dependencies are
+    /// built once for all of them, as fast as that goes. What is zeronav's and its own is optimised as
+    /// little as a search can bear: one without takes 0.14 s of processor time, and a busy machine
+    /// makes that a service that hangs.
     fn build_quickly(&self, name: &str) {
         let target = binaries().parent().expect("a target folder");
         let link = self.folder.path().join("target");
         std::os::unix::fs::symlink(target, link).expect("a link");
         let config = self.folder.path().join(".cargo/config.toml");
         std::fs::create_dir(config.parent().expect("a folder")).expect("made");
-        let text = format!("[profile.dev.package.{name}]\nopt-level = 1\n");
-        std::fs::write(config, text).expect("written");
+        std::fs::write(config, quick_profile(name)).expect("written");
         self.build();
     }
 

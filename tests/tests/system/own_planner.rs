@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 use std::process::Command;
-use zeronav_tests::{Zeronav, binaries, workspace};
+use zeronav_tests::{Zeronav, binaries, quick_profile, workspace};
 
 const PACKAGE: &str = "services/shell/examples/own_planner";
 
@@ -29,15 +29,20 @@ fn own_planner_has_the_versions_of_the_workspace() {
     assert_eq!(other[0].0, "own_planner");
 }
 
-/// Builds it into the target folder of the workspace, where most of its dependencies are built.
+/// Builds it into the target folder of the workspace, beside the stock services.
 fn build() {
     let folder = binaries();
     let profile = match folder.file_name().and_then(|name| name.to_str()) {
         Some("debug") | None => "dev",
         Some(name) => name,
     };
+    let quick = tempfile::tempdir().expect("a folder");
+    let config = quick.path().join("config.toml");
+    std::fs::write(&config, quick_profile("own_planner")).expect("written");
     let status = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
         .args(["build", "--quiet", "--locked", "--profile", profile])
+        .arg("--config")
+        .arg(&config)
         .arg("--target-dir")
         .arg(folder.parent().expect("a target folder"))
         .current_dir(workspace().join(PACKAGE))
