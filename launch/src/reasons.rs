@@ -57,6 +57,8 @@ impl Reasons {
     /// The guard has let this pass.
     pub(crate) fn command(&mut self, tick: u64, run_ns: u64, command: &VelocityCommand) {
         self.tick(tick, run_ns).command = Some(*command);
+        // Requests settle what is held, as long as there is a local planner.
+        self.settle_before(tick.saturating_sub(2 * HOLD_TICKS));
     }
 
     /// A new path has come, or a new reason why there is none.
@@ -283,5 +285,15 @@ mod tests {
         assert!((held.time_s - 24.0).abs() < 1e-9, "{held:?}");
         assert_eq!(held.request.expect("a request").cause, RequestCause::Free);
         assert_eq!(reasons.at(100 * TICK_NS), None, "the oldest are gone");
+    }
+
+    #[test]
+    fn without_a_local_planner_nothing_piles_up() {
+        let mut reasons = Reasons::default();
+        for tick in 1..=5000 {
+            reasons.command(tick, tick * TICK_NS, &VelocityCommand::default());
+        }
+        assert!(reasons.held.len() <= 300, "{}", reasons.held.len());
+        assert_eq!(reasons.moments(0, u64::MAX).len(), 1);
     }
 }

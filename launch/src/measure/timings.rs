@@ -61,7 +61,7 @@ pub(crate) struct SlowStage {
     pub hop: String,
     /// Its name.
     pub name: String,
-    /// When it began, since the capture of the scan. [us]
+    /// When it began, since the capture of the scan; below 0 before it. [us]
     pub from_us: f64,
     /// How long it took. [us]
     pub time_us: f64,
@@ -258,7 +258,8 @@ fn slow(drive: Drive<'_>, time_s: f64, places: &[usize], boundaries_ns: &[u64]) 
         stages.extend(told.map(|(stage, from_ns, to_ns)| SlowStage {
             hop: hop.to_owned(),
             name: stage.label().to_owned(),
-            from_us: since_us(from_ns),
+            // The robot moves before it captures.
+            from_us: since_us(from_ns) - to_us(captured_ns.saturating_sub(from_ns)),
             time_us: to_us(to_ns - from_ns),
         }));
     }
@@ -300,7 +301,7 @@ mod tests {
         let records = Records {
             spans: vec![
                 answer(Role::LocalPlanner, 200, 300, [9, 9, 9, 9]),
-                answer(Role::Robot, 1_000, 4_000, [1_000, 2_000, 0, 0]),
+                answer(Role::Robot, 500, 4_000, [700, 2_000, 0, 0]),
                 answer(Role::LocalPlanner, 5_000, 9_000, [0, 500, 3_000, 0]),
                 answer(Role::CollisionGuard, 9_500, 9_900, [0; 4]),
             ],
@@ -316,8 +317,8 @@ mod tests {
         assert_eq!(
             told,
             [
-                ("robot", "step", 0.0, 1.0),
-                ("robot", "ray casting", 1.0, 2.0),
+                ("robot", "step", -0.5, 0.7),
+                ("robot", "ray casting", 0.2, 2.0),
                 ("local_planner", "look", 4.0, 0.5),
                 ("local_planner", "rollouts", 4.5, 3.0),
             ]

@@ -2,7 +2,7 @@
 
 use super::bench::{Bench, Measured};
 use super::record::Table;
-use super::{extract, faults, standing, trials, viewing};
+use super::{extract, faults, rounds, standing, trials, viewing};
 
 /// One experiment.
 #[derive(Debug)]
@@ -115,6 +115,17 @@ pub const EXPERIMENTS: &[Experiment] = &[
              rounds. A client takes in the stream of the page and draws nothing.",
         ),
         make: viewing::viewers,
+    },
+    Experiment {
+        key: "stages",
+        title: "latencies with and without timed stages, eight rounds of 20 trials each",
+        minutes: 8.0,
+        by_default: false,
+        note: Some(
+            "Ratios are to the run of the same round with `--no-stages`; in brackets the quartiles of the \
+             rounds.",
+        ),
+        make: stages,
     },
     Experiment {
         key: "generated",
@@ -287,6 +298,17 @@ fn lockstep_runs(bench: &mut Bench, n: usize) -> Result<Vec<serde_json::Value>, 
     (0..n)
         .map(|_| bench.zeronav(&["run", "blocked_aisle", "--lockstep"]))
         .collect()
+}
+
+fn stages(bench: &mut Bench) -> Result<Measured, String> {
+    let arguments = ["run", "blocked_aisle", "--trials", "20", "--no-stages"];
+    let names = ["not timed (--no-stages)", "timed"];
+    let rows = rounds::in_turn(8, &names, |at| bench.zeronav(&arguments[..5 - at]))?;
+    Ok(tables(vec![extract::table(
+        "stages",
+        &rounds::COLUMNS,
+        rows,
+    )]))
 }
 
 fn lockstep(bench: &mut Bench) -> Result<Measured, String> {

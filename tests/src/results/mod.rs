@@ -10,6 +10,7 @@ pub mod extract;
 mod faults;
 pub mod page;
 pub mod record;
+mod rounds;
 pub mod spread;
 mod standing;
 pub mod trials;

@@ -2,11 +2,10 @@
 
 use super::bench::{Bench, Measured};
 use super::extract::table;
-use super::record::Row;
+use super::rounds;
 use super::spread::Figure;
 use crate::browser::Browser;
 use crate::processes::domains_of;
-use serde_json::Value;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
 use std::path::{Path, PathBuf};
@@ -46,84 +45,28 @@ const CONDITIONS: [(Watched, &str); 5] = [
     ),
 ];
 
-/// What one run gave.
-#[derive(Debug, Default)]
-struct Run {
-    replanning_us: f64,
-    reaction_us: f64,
-    reaction_p99_us: f64,
-    unanswered: f64,
-    /// Of the viewer, in parts of a core.
-    load: Option<f64>,
-}
-
 /// Medians, ratios to the run of the same round without a viewer, and the viewer's processor time.
 pub(super) fn viewers(bench: &mut Bench) -> Result<Measured, String> {
-    let mut runs: [Vec<Run>; CONDITIONS.len()] = Default::default();
-    for round in 0..ROUNDS {
-        for place in 0..CONDITIONS.len() {
-            let at = (round + place) % CONDITIONS.len();
-            runs[at].push(run(bench, CONDITIONS[at].0)?);
-        }
+    let names = CONDITIONS.map(|(_, name)| name);
+    let mut loads: [Vec<f64>; CONDITIONS.len()] = Default::default();
+    let mut rows = rounds::in_turn(ROUNDS, &names, |at| {
+        let watched = CONDITIONS[at].0;
+        let arguments = ["run", "blocked_aisle", "--trials", "20"];
+        let (result, watchers) =
+            bench.zeronav_beside(&arguments, |binaries, pid| match watched {
+                Watched::No => Ok(None),
+                _ => Watchers::start(binaries, pid, watched).map(Some),
+            })?;
+        loads[at].extend(watchers.map(Watchers::load).transpose()?);
+        Ok(result)
+    })?;
+    for (row, loads) in rows.iter_mut().zip(&loads) {
+        row.figures.push(Figure::median(loads));
     }
-    let ratios = |at: usize, of: fn(&Run) -> f64| {
-        let pairs = runs[at].iter().zip(&runs[0]);
-        let ratios: Vec<f64> = pairs
-            .map(|(with, without)| of(with) / of(without))
-            .collect();
-        Figure::median(&ratios)
-    };
-    let row = |(at, (_, name)): (usize, &(Watched, &str))| {
-        let of = |of: fn(&Run) -> f64| -> Vec<f64> { runs[at].iter().map(of).collect() };
-        let loads: Vec<f64> = runs[at].iter().filter_map(|run| run.load).collect();
-        Row {
-            name: (*name).to_owned(),
-            n: ROUNDS as u64,
-            figures: vec![
-                Figure::median(&of(|run| run.replanning_us)),
-                ratios(at, |run| run.replanning_us),
-                Figure::median(&of(|run| run.reaction_us)),
-                ratios(at, |run| run.reaction_us),
-                Figure::median(&of(|run| run.reaction_p99_us)),
-                ratios(at, |run| run.reaction_p99_us),
-                Figure::plain(Some(of(|run| run.unanswered).iter().sum())),
-                Figure::median(&loads),
-            ],
-        }
-    };
-    let columns = [
-        "replanning p50 [us]",
-        "ratio",
-        "reaction p50 [us]",
-        "ratio",
-        "reaction p99 [us]",
-        "ratio",
-        "unanswered",
-        "viewer [cores]",
-    ];
-    let rows = CONDITIONS.iter().enumerate().map(row).collect();
+    let columns = [&rounds::COLUMNS[..], &["viewer [cores]"]].concat();
     Ok(Measured {
         tables: vec![table("watched by", &columns, rows)],
         text: None,
-    })
-}
-
-fn run(bench: &mut Bench, watched: Watched) -> Result<Run, String> {
-    let arguments = ["run", "blocked_aisle", "--trials", "20"];
-    let (result, watchers) = bench.zeronav_beside(&arguments, |binaries, pid| match watched {
-        Watched::No => Ok(None),
-        _ => Watchers::start(binaries, pid, watched).map(Some),
-    })?;
-    let number = |pointer: &str| {
-        let value = result.pointer(pointer).and_then(Value::as_f64);
-        value.ok_or_else(|| format!("the result has no {pointer}"))
-    };
-    Ok(Run {
-        replanning_us: number("/latency/replanning/p50_us")?,
-        reaction_us: number("/latency/reaction/p50_us")?,
-        reaction_p99_us: number("/latency/reaction/p99_us")?,
-        unanswered: number("/latency/replanning/censored")?,
-        load: watchers.map(Watchers::load).transpose()?,
     })
 }
 
