@@ -80,11 +80,11 @@ pub fn binaries() -> &'static Path {
 }
 
 /// A configuration of cargo for a package outside the workspace, whose dependencies are built for it
-/// alone: as fast as that goes, and what it spends its time in optimised a little.
+/// alone: as fast as that goes, but for what it spends its time in.
 #[must_use]
 pub fn quick_profile(package: &str) -> String {
     let optimised = [package, "zeronav-msgs", "zeronav-shell", "zeronav-world"];
-    let optimised = optimised.map(|name| format!("[profile.dev.package.{name}]\nopt-level = 1\n"));
+    let optimised = optimised.map(|name| format!("[profile.dev.package.{name}]\nopt-level = 2\n"));
     format!(
         "[profile.dev]\nopt-level = 0\ndebug = \"none\"\n{}",
         optimised.concat()

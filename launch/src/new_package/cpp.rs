@@ -50,7 +50,7 @@ pub(crate) fn files(
          \t$(CXX) -std=c++17 $(CXXFLAGS) -I $(ZERONAV)/services/cpp $^ -lpthread -ldl -lm -o $@\n\n\
          # cargo knows whether it is up to date.\n\
          $(LIBRARY): always\n\
-         \tcargo build --manifest-path $(ZERONAV)/Cargo.toml --workspace --lib --locked --target-dir $(CARGO_TARGET_DIR)\n\n\
+         \tcargo build --manifest-path $(ZERONAV)/Cargo.toml --workspace --lib --locked --target-dir $(CARGO_TARGET_DIR) $(CARGOFLAGS)\n\n\
          always:\n\n\
          .PHONY: always\n"
     );

@@ -54,6 +54,8 @@ impl Package {
             .current_dir(self.folder.path())
             // Everything is there: the workspace has been built with the same versions.
             .env("CARGO_NET_OFFLINE", "true")
+            // With what else was built, cargo finds the library for C++ fresh.
+            .env("CARGOFLAGS", "--bins --example straight_line_service")
             .env("PIP_DISABLE_PIP_VERSION_CHECK", "1")
             .output()
             .expect("a shell");
@@ -62,9 +64,9 @@ impl Package {
     }
 
     /// Shares the target folder of the workspace with the other packages, so that dependencies are
-    /// built once for all of them, as fast as that goes. What is zeronav's and its own is optimised as
-    /// little as a search can bear: one without takes 0.14 s of processor time, and a busy machine
-    /// makes that a service that hangs.
+    /// built once for all of them, as fast as that goes. What is zeronav's and its own is optimised: a
+    /// search without takes 0.14 s of processor time, and a busy machine makes that a service that
+    /// hangs.
     fn build_quickly(&self, name: &str) {
         let target = binaries().parent().expect("a target folder");
         let link = self.folder.path().join("target");

@@ -129,6 +129,8 @@ fn every_value_of_a_configuration_is_described_with_its_default() {
         let described = Command::new(binaries().join("zeronav"))
             .args(["params", role, "--json", "--binary"])
             .arg(binaries().join(service))
+            // Everything is built, and is in use.
+            .env_remove("CARGO")
             .output()
             .expect("it starts");
         assert!(described.status.success(), "{described:?}");
@@ -166,6 +168,7 @@ fn every_value_of_a_configuration_is_described_with_its_default() {
 fn current(words: &[&str], file: &str) -> String {
     let written = Command::new(binaries().join("zeronav"))
         .args(words)
+        .env_remove("CARGO")
         .output()
         .expect("it starts");
     assert!(written.status.success(), "{written:?}");
