@@ -3,7 +3,7 @@
 
 use serde_json::Value;
 use std::process::Command;
-use zeronav_tests::{Ended, Zeronav, binaries};
+use zeronav_tests::{Ended, Zeronav, binaries, quiet_turn};
 
 /// Hostile messages for a program of the zoo.
 const FEW: &str = "5000";
@@ -63,6 +63,7 @@ const STOCK: [(&str, &str); 4] = [
 
 #[test]
 fn stock_services_and_the_example_keep_the_contract() {
+    let _turn = quiet_turn();
     let mut runs: Vec<Zeronav> = STOCK
         .iter()
         .map(|(role, binary)| start(role, binary, &["--hostile", SOME]))
@@ -126,6 +127,7 @@ fn start_wrong(role: &str, fault: &str) -> Zeronav {
 
 #[test]
 fn every_program_of_the_zoo_breaks_its_own_clause_and_no_other() {
+    let _turn = quiet_turn();
     let namespaces = has_namespaces();
     for some in ZOO.chunks(AT_A_TIME) {
         let runs: Vec<Zeronav> = (some.iter())
