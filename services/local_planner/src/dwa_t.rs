@@ -54,6 +54,8 @@ pub(crate) fn in_time(dwa: DwaConfig, config: DwaTConfig) -> DwaConfig {
 pub(crate) struct TimedWindow {
     config: DwaTConfig,
     rows: Rows,
+    /// Of the last choice.
+    critics: Critics,
 }
 
 impl Choose for TimedWindow {
@@ -61,6 +63,7 @@ impl Choose for TimedWindow {
         match scene.heading() {
             Ok(heading) => {
                 let best = self.best(scene, &heading);
+                scene.memory.limit.slower = self.critics.decisive();
                 scene.steer_or_rest(best)
             }
             Err(turn) => turn,
@@ -78,6 +81,7 @@ impl TimedWindow {
         Self {
             config,
             rows: Rows::default(),
+            critics: Critics::default(),
         }
     }
 
@@ -93,7 +97,7 @@ impl TimedWindow {
         scene.memory.reserve.clear();
         let mut record = scene.memory.record.take();
         let mut most = f64::NEG_INFINITY;
-        let mut critics = Critics::default();
+        self.critics = Critics::default();
         for speed in 0..self.rows.grid.speeds.len() {
             let telling = record.as_deref_mut();
             let Some(best) = self.best_of_speed(scene, &window, (speed, judged), now, telling)
@@ -101,7 +105,7 @@ impl TimedWindow {
                 continue;
             };
             let (worth, lane, terms) = best;
-            critics.offer(self.rows.grid.speeds[speed], terms);
+            self.critics.offer(self.rows.grid.speeds[speed], terms);
             let twist = self.rows.twist(speed, lane);
             scene.memory.reserve.push((worth, twist));
             if let Some(record) = record.as_mut().filter(|_| worth > most) {
@@ -110,14 +114,13 @@ impl TimedWindow {
             }
         }
         scene.memory.record = record;
-        scene.memory.limit.slower = critics.decisive();
         let reserve = &mut scene.memory.reserve;
         reserve.sort_by(|a, b| b.0.total_cmp(&a.0));
         reserve.first().map(|(_, twist)| *twist)
     }
 
-    /// The best lane of a speed with its worth and the terms of that. `judged` is the last step that is compared with
-    /// the path, `now` the way to go from here. [m]
+    /// The best lane of a speed with its worth and the terms of that. `judged` is the last step that is
+    /// compared with the path, `now` the way to go from here. [m]
     fn best_of_speed(
         &mut self,
         scene: &Scene<'_>,
