@@ -49,6 +49,8 @@ codes! {
         Shortcut = 4 => "shortcut",
         /// The next goal of a list came up.
         NextGoal = 5 => "next_goal",
+        /// A search found a better path than the detour that was ready when its predecessor was cut.
+        Improved = 6 => "improved",
     }
 }
 
@@ -69,7 +71,7 @@ codes! {
 message! {
     /// Fixed fields of a path. Search statistics are counts, never times. A message with an
     /// unchanged path repeats the waypoints and says by its parents how current it is.
-    pub struct Path = "zeronav.Path.v3" {
+    pub struct Path = "zeronav.Path.v4" {
         /// [text] Key of the planner in lower case, padded with 0.
         pub planner: [u8; 24],
         /// Code of [`PathStatus`].
@@ -94,6 +96,8 @@ message! {
         pub length_m: f64,
         /// [-] Cost in the planner's own measure, >= 0.
         pub cost: f64,
+        /// [-] No path costs less, in the same measure; 0 = not known. At most `cost`.
+        pub bound: f64,
         /// [number] Goal that it leads to, by [`crate::task::Goal::id`].
         pub goal: u64,
         /// [m] from the last waypoint to the goal, >= 0: above 0 when the goal's own place cannot be
@@ -214,6 +218,7 @@ impl Path {
         )?;
         number(self.length_m, 0.0, 1.0e9, "length_m")?;
         number(self.cost, 0.0, 1.0e15, "cost")?;
+        number(self.bound, 0.0, self.cost, "bound")?;
         number(self.beside_goal_m, 0.0, 1.0e9, "beside_goal_m")?;
         let limit = COORDINATE_M_MAX;
         for waypoint in waypoints {

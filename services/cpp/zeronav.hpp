@@ -112,6 +112,7 @@ enum class PathCause : std::uint16_t {
     request = 3,
     shortcut = 4,
     next_goal = 5,
+    improved = 6,
 };
 
 enum class PathStatus : std::uint16_t {
@@ -1160,8 +1161,8 @@ static_assert(Obstacle::SCHEMA == [] {
 /// Fixed fields of a path. Search statistics are counts, never times. A message with an unchanged
 /// path repeats the waypoints and says by its parents how current it is.
 struct Path {
-    static constexpr const char* NAME = "zeronav.Path.v3";
-    static constexpr std::uint64_t SCHEMA = 0x97699d483d08327d;
+    static constexpr const char* NAME = "zeronav.Path.v4";
+    static constexpr std::uint64_t SCHEMA = 0x8a542140ed425de0;
     /// [text] Key of the planner in lower case, padded with 0.
     std::uint8_t planner[24]{};
     /// Code of `PathStatus`.
@@ -1186,6 +1187,8 @@ struct Path {
     double length_m{};
     /// [-] Cost in the planner's own measure, >= 0.
     double cost{};
+    /// [-] No path costs less, in the same measure; 0 = not known. At most `cost`.
+    double bound{};
     /// [number] Goal that it leads to, by `crate::task::Goal::id`.
     std::uint64_t goal{};
     /// [m] from the last waypoint to the goal, >= 0: above 0 when the goal's own place cannot be
@@ -1199,7 +1202,7 @@ struct Path {
     /// [m] x and y of the centre of that cell, `map` frame.
     double block_m[2]{};
 };
-static_assert(sizeof(Path) == 136);
+static_assert(sizeof(Path) == 144);
 static_assert(std::is_trivially_copyable_v<Path> && std::is_standard_layout_v<Path>);
 static_assert(offsetof(Path, planner) == 0);
 static_assert(offsetof(Path, status) == 24);
@@ -1213,11 +1216,12 @@ static_assert(offsetof(Path, evaluated) == 64);
 static_assert(offsetof(Path, peak_open) == 72);
 static_assert(offsetof(Path, length_m) == 80);
 static_assert(offsetof(Path, cost) == 88);
-static_assert(offsetof(Path, goal) == 96);
-static_assert(offsetof(Path, beside_goal_m) == 104);
-static_assert(offsetof(Path, block) == 112);
-static_assert(offsetof(Path, spare) == 114);
-static_assert(offsetof(Path, block_m) == 120);
+static_assert(offsetof(Path, bound) == 96);
+static_assert(offsetof(Path, goal) == 104);
+static_assert(offsetof(Path, beside_goal_m) == 112);
+static_assert(offsetof(Path, block) == 120);
+static_assert(offsetof(Path, spare) == 122);
+static_assert(offsetof(Path, block_m) == 128);
 static_assert(Path::SCHEMA == [] {
     std::uint64_t hash = fnv1a(FNV_OFFSET, Path::NAME);
     hash = fnv1a(hash, "planner");
@@ -1256,6 +1260,9 @@ static_assert(Path::SCHEMA == [] {
     hash = fnv1a(hash, "cost");
     hash = fnv1a_number(hash, Schema<decltype(Path::cost)>::value);
     hash = fnv1a_number(hash, offsetof(Path, cost));
+    hash = fnv1a(hash, "bound");
+    hash = fnv1a_number(hash, Schema<decltype(Path::bound)>::value);
+    hash = fnv1a_number(hash, offsetof(Path, bound));
     hash = fnv1a(hash, "goal");
     hash = fnv1a_number(hash, Schema<decltype(Path::goal)>::value);
     hash = fnv1a_number(hash, offsetof(Path, goal));
@@ -1277,13 +1284,13 @@ static_assert(Path::SCHEMA == [] {
 /// Header and fixed fields of the topic's messages.
 struct PlanPathEnvelope {
     static constexpr const char* NAME = "zeronav.plan.path.v1";
-    static constexpr std::uint64_t SCHEMA = 0xd67060128f8f09b0;
+    static constexpr std::uint64_t SCHEMA = 0xcd9c897df7fe9504;
     /// The header.
     Header header{};
     /// The fixed fields.
     Path meta{};
 };
-static_assert(sizeof(PlanPathEnvelope) == 264);
+static_assert(sizeof(PlanPathEnvelope) == 272);
 static_assert(std::is_trivially_copyable_v<PlanPathEnvelope> && std::is_standard_layout_v<PlanPathEnvelope>);
 static_assert(offsetof(PlanPathEnvelope, header) == 0);
 static_assert(offsetof(PlanPathEnvelope, meta) == 128);
@@ -2796,7 +2803,7 @@ struct plan_path {
     using Envelope = PlanPathEnvelope;
     using Item = Waypoint;
     static constexpr const char* NAME = "plan/path";
-    static constexpr std::uint64_t SCHEMA = 0xecf8a62d744cbfe1;
+    static constexpr std::uint64_t SCHEMA = 0x9bfb9634c7bf32a9;
     static constexpr std::size_t NUMBER = 6;
     static constexpr std::size_t LEN_MAX = 2048;
     static constexpr std::size_t BUFFER = 2;

@@ -49,7 +49,8 @@ fn change(c: &mut Criterion) {
         planner
             .plan(&query(&map, from, to), &mut |_| Control::Go, &mut path)
             .expect("a way");
-        while planner.prepare(10_000) {}
+        let robot = map.pose(from);
+        while planner.prepare(&robot, 10_000) {}
         let middle = path.cells[path.cells.len() / 2];
         let rect = CellRect {
             min: Cell::new(middle.x - 5, middle.y - 5),
@@ -75,7 +76,7 @@ fn change(c: &mut Criterion) {
                     planner.map_changed(&query.map, &[rect]);
                     let _ = planner.plan(black_box(&query), &mut |_| Control::Go, &mut path);
                     sum += started.elapsed();
-                    while planner.prepare(10_000) {}
+                    while planner.prepare(&robot, 10_000) {}
                 }
                 sum
             });
@@ -179,7 +180,7 @@ fn blocked_aisle(c: &mut Criterion) {
                 for _ in 0..n {
                     planner.map_changed(&free.view(), &[rect]);
                     let _ = planner.plan(&query(&free, from, to), &mut |_| Control::Go, &mut path);
-                    while planner.prepare(10_000) {}
+                    while planner.prepare(&free.pose(from), 10_000) {}
                     let query = query(&blocked, from, to);
                     let started = std::time::Instant::now();
                     planner.map_changed(&query.map, &[rect]);

@@ -9,7 +9,7 @@ use crate::planner::{
     CellPath, Control, Expansions, GlobalPlanner, PlanError, PlanQuery, PlanStats,
 };
 use crate::pull::{Pull, cost_of_line};
-use zeronav_msgs::{CellRect, MapView};
+use zeronav_msgs::{CellRect, MapView, Pose};
 
 /// See the module's description.
 #[derive(Debug)]
@@ -71,7 +71,7 @@ impl GlobalPlanner for AnyAngle {
         self.search.map_changed(map, changed);
     }
 
-    fn prepare(&mut self, expansions: u64) -> bool {
-        self.search.prepare(expansions)
+    fn prepare(&mut self, robot: &Pose, expansions: u64) -> bool {
+        self.search.prepare(robot, expansions)
     }
 }

@@ -86,7 +86,7 @@ impl Rounds {
                     below = self.search.cost_of(goal);
                     path.cells.truncate(n_way_out);
                     self.search.trace(goal, &mut path.cells);
-                    path.stats.cost = cost_m(query, self.cost_weight, path);
+                    path.stats.cost = cost_m(query, self.cost_weight, &path.cells);
                     path.stats.improved[n] = Improvement {
                         expanded: path.stats.expanded,
                         cost: path.stats.cost,
@@ -127,6 +127,6 @@ impl GlobalPlanner for Anytime {
 
     fn map_changed(&mut self, map: &MapView<'_>, changed: &[CellRect]) {
         self.ground.change(map, changed);
-        self.rounds.search.change(map, changed);
+        self.rounds.search.change(map, changed, |_| {});
     }
 }

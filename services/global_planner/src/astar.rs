@@ -15,6 +15,7 @@ use crate::planner::{
     CellPath, Control, CornerRule, Expansions, GlobalPlanner, PlanError, PlanQuery, PlanStats,
 };
 use crate::search::{Found, Search, Task};
+use zeronav_msgs::Cell;
 
 /// See the module's description.
 #[derive(Debug)]
@@ -75,15 +76,15 @@ impl GlobalPlanner for CAstar {
         }
         self.way_out.lead(&mut path.cells);
         self.search.trace(&task, &mut path.cells);
-        path.stats.cost = cost_m(query, self.cost_weight, path);
+        path.stats.cost = cost_m(query, self.cost_weight, &path.cells);
         Ok(path.stats)
     }
 }
 
 /// Cost of a path of single steps, in metres of free cells.
-pub(crate) fn cost_m(query: &PlanQuery<'_>, cost_weight: f64, path: &CellPath) -> f64 {
+pub(crate) fn cost_m(query: &PlanQuery<'_>, cost_weight: f64, cells: &[Cell]) -> f64 {
     let resolution_m = query.map.geometry.resolution_m;
-    path.cells
+    cells
         .windows(2)
         .map(|pair| {
             let diagonal = pair[0].x != pair[1].x && pair[0].y != pair[1].y;

@@ -18,15 +18,19 @@
 //! No bound is ever below the octile distance to the goal. A search therefore closes no cell that
 //! a search from scratch would not, ties left aside, whatever happened to the map.
 
+pub(crate) mod detours;
 mod eased_box;
 mod node;
 mod prices;
+mod raise;
+mod risen;
 mod run;
 mod upkeep;
 
 use eased_box::EasedBox;
 use node::{GENERATION_MAX, NO_WAY, Node, STEP_MASK, STEP_SHIFT, Spot};
 use prices::{Prices, price_of};
+use risen::Raise;
 use run::{FIELD, FIELD_AND_BOX, OCTILE, Run, WEIGHTED};
 
 use crate::bucket_queue::BucketQueue;
@@ -35,7 +39,7 @@ use crate::planner::{Control, CornerRule, Expansions, PlanStats, Unknown};
 use crate::search::Found;
 use core::cmp::Reverse;
 use std::collections::BinaryHeap;
-use zeronav_msgs::{Cell, CellRect, GridGeometry, MapView};
+use zeronav_msgs::{Cell, CellRect, GridGeometry, MapView, Pose};
 
 /// How far the field is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -67,6 +71,23 @@ pub(crate) enum Guide {
     },
 }
 
+/// What an update of the map did to the prices.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Changed {
+    /// At least one is another.
+    pub(crate) any: bool,
+    /// At least one is lower.
+    pub(crate) eased: bool,
+}
+
+/// What a search keeps beside the nodes.
+#[derive(Debug, Default)]
+struct Lists {
+    open: BucketQueue,
+    /// Cells that the search closed, in order, until the field has learnt from it.
+    closed: Vec<Spot>,
+}
+
 /// See the module's description.
 #[derive(Debug)]
 pub(crate) struct GoalField {
@@ -75,11 +96,13 @@ pub(crate) struct GoalField {
     rule: CornerRule,
     told: bool,
     built: bool,
+    /// How often it was begun from nothing: spots of another life mean other cells.
+    life: u64,
     width: u32,
     prices: Prices,
     nodes: Vec<Node>,
     generation: u32,
-    open: BucketQueue,
+    lists: Lists,
     /// Open list of the search from the goal, which goes on between other searches.
     front: BucketQueue,
     steps: [[u32; 256]; 2],
@@ -93,8 +116,7 @@ pub(crate) struct GoalField {
     /// The box of these cells: padded x and y, first and last.
     eased_box: EasedBox,
     lowered: BinaryHeap<Reverse<u64>>,
-    /// Cells that the last search closed, in order, until the field has learnt from it.
-    closed: Vec<Spot>,
+    raise: Raise,
     /// Cost of the way that it found, [`NO_WAY`] when there was none.
     proved: u32,
     /// The box that bounded it, if any.
@@ -116,11 +138,12 @@ impl GoalField {
             rule: CornerRule::default(),
             told: false,
             built: false,
+            life: 0,
             width: 0,
             prices: Prices::default(),
             nodes: Vec::new(),
             generation: 0,
-            open: BucketQueue::default(),
+            lists: Lists::default(),
             front: BucketQueue::default(),
             steps,
             // A key exceeds that of the node it came from by the step there and back.
@@ -131,7 +154,7 @@ impl GoalField {
             eased: Vec::new(),
             eased_box: EasedBox::EMPTY,
             lowered: BinaryHeap::new(),
-            closed: Vec::new(),
+            raise: Raise::default(),
             proved: 0,
             closed_box: None,
         }
@@ -140,16 +163,18 @@ impl GoalField {
     pub(crate) fn bytes(&self) -> usize {
         self.prices.bytes()
             + self.nodes.capacity() * size_of::<Node>()
-            + self.open.bytes()
+            + self.lists.open.bytes()
             + self.front.bytes()
-            + (self.eased.capacity() + self.closed.capacity()) * size_of::<Spot>()
+            + (self.eased.capacity() + self.lists.closed.capacity()) * size_of::<Spot>()
             + self.lowered.capacity() * size_of::<Reverse<u64>>()
+            + self.raise.bytes()
     }
 
     /// Makes the prices those of the map.
     pub(crate) fn follow(&mut self, map: &MapView<'_>, unknown: Unknown, rule: CornerRule) {
         if rule != self.rule {
             self.rule = rule;
+            self.life += 1;
             self.state = State::Missing;
         }
         let fits = self.built && *map.geometry == self.geometry && unknown == self.unknown;
@@ -157,11 +182,12 @@ impl GoalField {
             return;
         }
         self.built = true;
+        self.life += 1;
         self.geometry = *map.geometry;
         self.unknown = unknown;
         self.state = State::Missing;
         self.forget_eased();
-        self.closed.clear();
+        self.lists.closed.clear();
         self.generation = 0;
         let (width, height) = (map.geometry.width + 2, map.geometry.height + 2);
         self.width = width;
@@ -178,16 +204,27 @@ impl GoalField {
         };
         self.nodes.clear();
         self.nodes.resize(n_nodes, nothing);
+        self.raise.reset(n_nodes);
     }
 
-    /// Takes in the cells of `changed`. From now on every change has to be told.
-    pub(crate) fn change(&mut self, map: &MapView<'_>, changed: &[CellRect]) {
+    /// Takes in the cells of `changed` and calls `risen` with each that became dearer or blocked;
+    /// says what changed. From now on every change has to be told.
+    pub(crate) fn change(
+        &mut self,
+        map: &MapView<'_>,
+        changed: &[CellRect],
+        mut risen: impl FnMut(Spot),
+    ) -> Changed {
         self.told = true;
         if !self.built || *map.geometry != self.geometry {
             self.built = false;
             self.follow(map, self.unknown, self.rule);
-            return;
+            return Changed {
+                any: true,
+                eased: true,
+            };
         }
+        let mut changes = Changed::default();
         let row = map.geometry.width as usize;
         for rect in changed {
             let rect = rect.grown(0, map.geometry);
@@ -203,17 +240,27 @@ impl GoalField {
                 for (n, (cell, price)) in cells.iter().zip(prices).enumerate() {
                     let new = price_of(*cell, self.unknown);
                     let old = core::mem::replace(price, new);
-                    if new < old && self.state != State::Missing {
-                        #[allow(
-                            clippy::cast_possible_truncation,
-                            reason = "spots and positions fit 32 bits"
-                        )]
-                        {
-                            self.eased.push((first + n) as Spot);
-                            self.eased_box
-                                .add((columns.start + n) as u32 + 1, y as u32 + 1);
-                        }
+                    #[allow(
+                        clippy::cast_possible_truncation,
+                        reason = "spots and positions fit 32 bits"
+                    )]
+                    let (spot, x, y) = (
+                        (first + n) as Spot,
+                        (columns.start + n) as u32 + 1,
+                        y as u32 + 1,
+                    );
+                    if new != old && matches!(self.state, State::Growing | State::Whole) {
+                        self.raise.note(spot);
                     }
+                    if new < old && self.state != State::Missing {
+                        self.eased.push(spot);
+                        self.eased_box.add(x, y);
+                    }
+                    if new > old {
+                        risen(spot);
+                    }
+                    changes.any |= new != old;
+                    changes.eased |= new < old;
                 }
             }
         }
@@ -222,10 +269,20 @@ impl GoalField {
             self.state = State::Missing;
             self.forget_eased();
         }
+        changes
+    }
+
+    /// True when every bound is the very cost.
+    fn is_exact(&self) -> bool {
+        self.state == State::Whole
+            && self.eased_box.is_empty()
+            && self.raise.is_idle()
+            && self.lists.closed.is_empty()
     }
 
     fn forget_eased(&mut self) {
         self.eased.clear();
+        self.lowered.clear();
         self.eased_box = EasedBox::EMPTY;
     }
 
@@ -278,6 +335,47 @@ impl GoalField {
         stats: &mut PlanStats,
     ) -> Found {
         self.learn();
+        self.next_generation();
+        let ends = (self.spot(start), self.spot(goal));
+        let eased_box = if guide == Guide::Field && !self.eased_box.is_empty() {
+            Some(self.whole_box())
+        } else {
+            None
+        };
+        let span = self.span;
+        let mut lists = core::mem::take(&mut self.lists);
+        let mut run = self.run(&mut lists, ends.1);
+        run.eased_box = eased_box.unwrap_or(EasedBox::EMPTY);
+        run.last = stats.expanded.saturating_add(most);
+        let found = match (guide, eased_box) {
+            (Guide::Octile, _) => run.search::<OCTILE>(ends.0, span, budget, stats),
+            (Guide::Field, None) => run.search::<FIELD>(ends.0, span, budget, stats),
+            (Guide::Field, Some(_)) => run.search::<FIELD_AND_BOX>(ends.0, span, budget, stats),
+            (Guide::Weighted { quarters, below }, _) => {
+                (run.quarters, run.below) = (quarters, below);
+                let span = span + DIAGONAL * quarters;
+                run.search::<WEIGHTED>(ends.0, span, budget, stats)
+            }
+        };
+        stats.generated += run.generated;
+        stats.peak_open = stats.peak_open.max(lists.open.peak() as u64);
+        self.lists = lists;
+        self.closed_box = eased_box;
+        self.proved = match found {
+            Found::Path => self.nodes[ends.1 as usize].so_far,
+            Found::Nothing => NO_WAY,
+            Found::Stopped => {
+                self.lists.closed.clear();
+                0
+            }
+        };
+        if self.state != State::Whole || self.goal != ends.1 {
+            self.lists.closed.clear();
+        }
+        found
+    }
+
+    fn next_generation(&mut self) {
         if self.generation == GENERATION_MAX {
             for node in &mut self.nodes {
                 node.meta = 0;
@@ -285,83 +383,68 @@ impl GoalField {
             self.generation = 0;
         }
         self.generation += 1;
-        let ends = (self.spot(start), self.spot(goal));
-        let eased_box = if guide == Guide::Field && !self.eased.is_empty() {
-            Some(self.whole_box())
-        } else {
-            None
-        };
-        let mut run = Run {
+    }
+
+    /// A search of this generation that ends at `goal`.
+    fn run<'a>(&'a mut self, lists: &'a mut Lists, goal: Spot) -> Run<'a> {
+        Run {
             nodes: &mut self.nodes,
             prices: &self.prices,
-            open: &mut self.open,
-            closed: &mut self.closed,
+            open: &mut lists.open,
+            closed: &mut lists.closed,
             steps: &self.steps,
             offsets: self.offsets,
             rule: self.rule,
             width: self.width,
             generation: self.generation,
-            goal: ends.1,
-            goal_xy: (ends.1 % self.width, ends.1 / self.width),
-            eased_box: eased_box.unwrap_or(EasedBox::EMPTY),
+            goal,
+            goal_xy: (goal % self.width, goal / self.width),
+            eased_box: EasedBox::EMPTY,
+            span: self.span,
             quarters: 4,
             below: NO_WAY,
-            last: stats.expanded.saturating_add(most),
+            last: u64::MAX,
             generated: 0,
             overflow: false,
-        };
-        let found = match (guide, eased_box) {
-            (Guide::Octile, _) => run.search::<OCTILE>(ends.0, self.span, budget, stats),
-            (Guide::Field, None) => run.search::<FIELD>(ends.0, self.span, budget, stats),
-            (Guide::Field, Some(_)) => {
-                run.search::<FIELD_AND_BOX>(ends.0, self.span, budget, stats)
-            }
-            (Guide::Weighted { quarters, below }, _) => {
-                (run.quarters, run.below) = (quarters, below);
-                let span = self.span + DIAGONAL * quarters;
-                run.search::<WEIGHTED>(ends.0, span, budget, stats)
-            }
-        };
-        stats.generated += run.generated;
-        stats.peak_open = stats.peak_open.max(self.open.peak() as u64);
-        self.closed_box = eased_box;
-        self.proved = match found {
-            Found::Path => self.nodes[ends.1 as usize].so_far,
-            Found::Nothing => NO_WAY,
-            Found::Stopped => {
-                self.closed.clear();
-                0
-            }
-        };
-        if self.state != State::Whole || self.goal != ends.1 {
-            self.closed.clear();
         }
-        found
     }
 
     /// What the last search proved: from a cell that it closed, the rest costs what its way cost
     /// less the way to the cell.
     fn learn(&mut self) {
         if let Some(EasedBox { min, max, least }) = self.closed_box.take()
-            && !self.closed.is_empty()
+            && !self.lists.closed.is_empty()
         {
             // What was proved beside the box rests on this bound inside it.
             for y in min.1..=max.1 {
-                let first = (y * self.width + min.0) as usize;
-                let row = &mut self.nodes[first..=first + (max.0 - min.0) as usize];
-                for node in row {
-                    node.left = node.left.max(least);
+                for x in min.0..=max.0 {
+                    self.learn_of(y * self.width + x, least);
                 }
             }
         }
-        for spot in self.closed.drain(..) {
-            let node = &mut self.nodes[spot as usize];
+        let mut closed = core::mem::take(&mut self.lists.closed);
+        for spot in closed.drain(..) {
             let left = if self.proved == NO_WAY {
                 NO_WAY
             } else {
-                self.proved.saturating_sub(node.so_far)
+                self.proved.saturating_sub(self.nodes[spot as usize].so_far)
             };
-            node.left = node.left.max(left);
+            self.learn_of(spot, left);
+        }
+        self.lists.closed = closed;
+    }
+
+    /// At least `left` is left from `spot`.
+    fn learn_of(&mut self, spot: Spot, left: u32) {
+        let node = &mut self.nodes[spot as usize];
+        if left > node.left {
+            node.left = left;
+            self.raise.note(spot);
+            if left != NO_WAY && !self.eased_box.is_empty() {
+                // Those before it are not lowered to it yet.
+                self.lowered
+                    .push(Reverse(u64::from(left) << 32 | u64::from(spot)));
+            }
         }
     }
 
@@ -384,6 +467,11 @@ impl GoalField {
             cell = Cell::new(cell.x - dx, cell.y - dy);
         }
         cells[first..].reverse();
+    }
+
+    /// The cell of a pose of the robot, `map_from_base`.
+    pub(crate) fn cell_at(&self, robot: &Pose) -> Option<Cell> {
+        self.geometry.cell_at(robot.point())
     }
 
     const fn spot(&self, cell: Cell) -> Spot {

@@ -9,6 +9,7 @@ use std::process::ExitCode;
 use zeronav_global_planner::{Control, GlobalPlannerConfig, News, Replanner, Step};
 use zeronav_msgs::path::{Path, WAYPOINTS_MAX};
 use zeronav_msgs::role::Role;
+use zeronav_msgs::span::SpanKind;
 use zeronav_msgs::stages::Stage;
 use zeronav_msgs::topics::PlanPath;
 use zeronav_params::Parameter;
@@ -16,14 +17,20 @@ use zeronav_shell::clock::now_ns;
 use zeronav_shell::doorbell::Rung;
 use zeronav_shell::{Due, Service, Shell, StartError, Writer};
 
-/// Expansions of work ahead between two polls of the inputs: some 0.2 ms, which a map update may
+/// Expansions of work ahead between two polls of the inputs: some 50 us, which a map update may
 /// have to wait.
-const AHEAD_EXPANSIONS: u64 = 4096;
+const AHEAD_EXPANSIONS: u64 = 512;
+
+/// Time from an answer to work ahead, and to the search that follows a detour: until then the
+/// cores are left to local planner and guard, which act on the same scan. [ns]
+const QUIET_NS: u64 = 4_000_000;
 
 struct PlannerService {
     replanner: Replanner,
     inputs: Readings,
     path: Writer<PlanPath>,
+    /// Until when [`QUIET_NS`] after the last answer lasts. [ns]
+    quiet_until_ns: u64,
 }
 
 impl Service for PlannerService {
@@ -49,23 +56,37 @@ impl Service for PlannerService {
             replanner,
             inputs: Readings::open(peer)?,
             path: peer.writer(WAYPOINTS_MAX)?,
+            quiet_until_ns: 0,
         })
     }
 
     fn wake(&mut self, shell: &mut Shell, _rung: Rung) -> Result<(), StartError> {
+        let lockstep = shell.roster().lockstep();
         let news = self.inputs.poll(shell);
-        let trigger = self.inputs.trigger(shell, news);
+        // In lockstep the search that follows a detour belongs to the next tick.
+        let is_quiet = shell.woken_ns() < self.quiet_until_ns;
+        let search_due = self.replanner.plan().is_detour && !lockstep && !is_quiet;
+        let trigger = self.inputs.trigger(shell, news || search_due);
         for due in shell.due(&trigger) {
             let started_ns = now_ns();
             *self.replanner.timer() = shell.stage_timer(started_ns);
-            if let Some(news) = self.plan(shell, due) {
-                self.publish(shell, due, news, started_ns);
+            if let Some(path) = self.plan(shell, due) {
+                if due.kind == SpanKind::Extra && !news && path == News::Unchanged {
+                    // Nothing better was found.
+                    continue;
+                }
+                self.publish(shell, due, path, started_ns);
+                self.quiet_until_ns = now_ns() + QUIET_NS;
             }
+        }
+        if !lockstep && now_ns() < self.quiet_until_ns {
+            shell.wake_by(self.quiet_until_ns);
+            return Ok(());
         }
         // In lockstep all of it before the next tick, so that wall time does not affect the run.
         while self.replanner.prepare(AHEAD_EXPANSIONS) {
             shell.progress();
-            if !shell.roster().lockstep() {
+            if !lockstep {
                 shell.wake_by(shell.woken_ns());
                 break;
             }

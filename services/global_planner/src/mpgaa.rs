@@ -7,19 +7,22 @@
 //! scratch, ties left aside: the tests hold it to 1.3 times.
 
 use crate::astar::cost_m;
+use crate::goal_field::detours::Detours;
 use crate::goal_field::{GoalField, Guide};
 use crate::ground::Ground;
 use crate::map_options::MapOptions;
+use crate::moves::STRAIGHT;
 use crate::planner::{
     CellPath, Control, Expansions, GlobalPlanner, PlanError, PlanQuery, PlanStats,
 };
 use crate::search::Found;
-use zeronav_msgs::{Cell, CellRect, MapView};
+use zeronav_msgs::{Cell, CellRect, MapView, Pose};
 
 /// See the module's description.
 #[derive(Debug)]
 pub struct Mpgaa {
     field: GoalField,
+    detours: Detours,
     ground: Ground,
     cost_weight: f64,
     /// Where the last search led.
@@ -33,6 +36,7 @@ impl Mpgaa {
         let cost_weight = options.cost_weight();
         Self {
             field: GoalField::new(cost_weight),
+            detours: Detours::default(),
             ground: Ground::new(options),
             cost_weight,
             goal: None,
@@ -42,7 +46,7 @@ impl Mpgaa {
     /// Bytes held for the map and the search.
     #[must_use]
     pub fn memory_bytes(&self) -> usize {
-        self.field.bytes() + self.ground.bytes()
+        self.field.bytes() + self.detours.bytes() + self.ground.bytes()
     }
 
     /// An answer that costs at most `most` expansions, from the field of the query's goal alone.
@@ -96,9 +100,15 @@ impl Mpgaa {
                 }
                 if no_way { Found::Nothing } else { found }
             })?;
-        path.stats.cost = cost_m(query, self.cost_weight, path);
+        path.stats.cost = cost_m(query, self.cost_weight, &path.cells);
+        path.stats.bound = path.stats.cost;
         Ok(path.stats)
     }
+}
+
+/// Integer costs of the field in metres of free cells.
+fn metres(query: &PlanQuery<'_>, cost: u32) -> f64 {
+    f64::from(cost) / f64::from(STRAIGHT) * query.map.geometry.resolution_m
 }
 
 impl GlobalPlanner for Mpgaa {
@@ -113,11 +123,41 @@ impl GlobalPlanner for Mpgaa {
 
     fn map_changed(&mut self, map: &MapView<'_>, changed: &[CellRect]) {
         self.ground.change(map, changed);
-        self.field.change(map, changed);
+        let detours = &mut self.detours;
+        let changed = self.field.change(map, changed, |spot| detours.note(spot));
+        self.detours.note_update(changed);
     }
 
-    fn prepare(&mut self, expansions: u64) -> bool {
-        self.goal
-            .is_some_and(|goal| self.field.improve(goal, expansions))
+    fn prepare(&mut self, robot: &Pose, expansions: u64) -> bool {
+        let Some(goal) = self.goal else {
+            return false;
+        };
+        let start = self.field.cell_at(robot);
+        self.field.improve(goal, expansions)
+            || start.is_some_and(|start| self.detours.prepare(&mut self.field, start, expansions))
+    }
+
+    fn detour(&mut self, query: &PlanQuery<'_>, path: &mut CellPath) -> Option<PlanStats> {
+        let ends = self.ground.open(query, path).ok()?;
+        let (mut detour, mut n_way_out) = (None, 0);
+        self.ground
+            .answer(query, &ends, path, |_, between, path| {
+                n_way_out = path.cells.len();
+                detour = self.detours.answer(&self.field, between, &mut path.cells);
+                if detour.is_some() {
+                    Found::Path
+                } else {
+                    Found::Stopped
+                }
+            })
+            .ok()?;
+        let detour = detour?;
+        // The way out of the inflation costs the same for all.
+        let way_out_m = cost_m(query, self.cost_weight, &path.cells[..=n_way_out]);
+        path.stats.cost = way_out_m + metres(query, detour.cost);
+        if detour.least > 0 {
+            path.stats.bound = way_out_m + metres(query, detour.least);
+        }
+        Some(path.stats)
     }
 }

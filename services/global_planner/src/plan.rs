@@ -42,6 +42,8 @@ pub struct Plan {
     pub robot: Pose,
     /// In which cell, `None` beside the map.
     pub robot_cell: Option<Cell>,
+    /// It was ready before the search that is still due.
+    pub is_detour: bool,
     /// The path in cells, with the counters of the search.
     pub cells: CellPath,
     /// The path in metres; empty without one.
@@ -67,6 +69,7 @@ impl Plan {
             target: None,
             robot: Pose::default(),
             robot_cell: None,
+            is_detour: false,
             cells: CellPath::default(),
             waypoints: Vec::new(),
             length_m: 0.0,
@@ -83,6 +86,7 @@ impl Plan {
         self.searched_map = 0;
         self.target = None;
         self.robot_cell = None;
+        self.is_detour = false;
         self.cut_m = None;
         self.cells.clear();
         self.forget_way();
@@ -195,6 +199,7 @@ impl Plan {
             peak_open: stats.peak_open,
             length_m: self.length_m,
             cost: stats.cost,
+            bound: stats.bound.min(stats.cost),
             goal: self.target.map_or(0, |target| target.goal),
             beside_goal_m: self.beside_goal_m(),
             block: block.code(),

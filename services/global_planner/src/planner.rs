@@ -30,9 +30,16 @@ pub trait GlobalPlanner: Send {
     fn map_changed(&mut self, _map: &MapView<'_>, _changed: &[CellRect]) {}
 
     /// Work that makes the next answer faster, done while none is due: a slice of about
-    /// `expansions` expansions. True when more is left. The default has none.
-    fn prepare(&mut self, _expansions: u64) -> bool {
+    /// `expansions` expansions; `robot` is `map_from_base`. True when more is left. The default has
+    /// none.
+    fn prepare(&mut self, _robot: &Pose, _expansions: u64) -> bool {
         false
+    }
+
+    /// A legal path that was made ready by [`Self::prepare`], without a search; it need not be the
+    /// best, [`PlanStats::bound`] says what no path costs less than. The default has none.
+    fn detour(&mut self, _query: &PlanQuery<'_>, _path: &mut CellPath) -> Option<PlanStats> {
+        None
     }
 }
 
@@ -148,6 +155,9 @@ pub struct PlanStats {
     pub peak_open: u64,
     /// Cost of the path in the planner's own measure, >= its length [m]; 0 without a path.
     pub cost: f64,
+    /// No path costs less, in the same measure; `cost` where the planner proves its path the best,
+    /// else 0 unless it knows better.
+    pub bound: f64,
     /// What else is to be said about the path.
     pub remarks: Remarks,
     /// Paths that an anytime planner had on the way, dearer ones first; the rest is 0.

@@ -20,7 +20,7 @@ use crate::planner::{
     CellPath, Control, CornerRule, Expansions, GlobalPlanner, PlanError, PlanQuery, PlanStats,
 };
 use zeronav_msgs::map::COST_UNKNOWN;
-use zeronav_msgs::{Cell, CellRect, GridGeometry, MapCell, MapView};
+use zeronav_msgs::{Cell, CellRect, GridGeometry, MapCell, MapView, Pose};
 
 /// Effort of a search from scratch for each expansion of a trial. Measured on 4000 x 4000 cells: a
 /// trial that fails costs an eighth to a fifth of the answer; those that succeed take some 0.2 ms.
@@ -155,7 +155,11 @@ impl GlobalPlanner for Policy {
         }
     }
 
-    fn prepare(&mut self, expansions: u64) -> bool {
-        self.field.prepare(expansions)
+    fn prepare(&mut self, robot: &Pose, expansions: u64) -> bool {
+        self.field.prepare(robot, expansions)
+    }
+
+    fn detour(&mut self, query: &PlanQuery<'_>, path: &mut CellPath) -> Option<PlanStats> {
+        self.field.detour(query, path)
     }
 }

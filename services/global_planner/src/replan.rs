@@ -21,25 +21,26 @@
 //!    can make it succeed. A proof (`unreachable`, `unreachable_corner`, `goal_blocked`) needs a
 //!    cell that opened or a robot that is elsewhere; `goal_outside_map` needs another grid;
 //!    the others need any change of the map or a robot in another cell.
-//! 4. The map has another grid, or a cell ahead on the path blocks the robot's centre: search,
-//!    cause `obstacle`.
-//! 5. The robot is further than `off_path_m` from its path: search, cause `request`.
-//! 6. The local planner asks, about this very path, and map or robot have changed since the last
+//! 4. The map has another grid, or a cell ahead on the path blocks the robot's centre: a detour
+//!    that is ready ([`GlobalPlanner::detour`]), else search, cause `obstacle`.
+//! 5. The path is a detour: search, cause `improved`.
+//! 6. The robot is further than `off_path_m` from its path: search, cause `request`.
+//! 7. The local planner asks, about this very path, and map or robot have changed since the last
 //!    search: search, cause `request`. A request is answered once.
-//! 7. Cells became cheaper through which a way could lead that costs at least `shortcut_gain`
+//! 8. Cells became cheaper through which a way could lead that costs at least `shortcut_gain`
 //!    less than the remaining path, and no search was made for `shortcut_every_revisions`
 //!    revisions: search, cause `shortcut`. "Could" leaves nothing out: no way through a cell costs
 //!    less than the octile distances to and from it.
-//! 8. Otherwise the path stays.
+//! 9. Otherwise the path stays.
 //!
 //! A result counts only after it was held against the newest map ([`Replanner::settle`]):
 //!
-//! 9. When goal or task changed meanwhile, or a newer update cuts the path found, one more search
-//!    follows, and only one. The second result is published whatever it is; the next cycle
-//!    judges it again.
-//! 10. A shortcut counts only when it saves what it must on the newest map, or when the old path
-//!     is cut by now, then with cause `obstacle`. A search for a shortcut that fails changes
-//!     nothing.
+//! 10. When goal or task changed meanwhile, or a newer update cuts the path found, one more search
+//!     follows, and only one. The second result is published whatever it is; the next cycle
+//!     judges it again.
+//! 11. A shortcut, or a path better than a detour, counts only when it saves what a shortcut must
+//!     on the newest map, or when the old path is cut by now, then with cause `obstacle`. A search
+//!     for one that fails changes nothing; a detour is then a path like any other.
 
 use crate::change::{Change, CostMemory};
 use crate::config::GlobalPlannerConfig;
@@ -194,7 +195,7 @@ impl Replanner {
     /// Works ahead for the next search, when the answer has been sent: a slice of about
     /// `expansions` expansions. True when more is left.
     pub fn prepare(&mut self, expansions: u64) -> bool {
-        self.planner.prepare(expansions)
+        self.planner.prepare(&self.robot, expansions)
     }
 
     /// Begins a cycle.
@@ -240,9 +241,14 @@ impl Replanner {
             }
         };
         let candidate = &mut self.candidate;
-        let result = self
-            .planner
-            .plan(&query, &mut limited, &mut candidate.cells);
+        let planner = &mut self.planner;
+        candidate.is_detour = pending.cause == PathCause::Obstacle
+            && planner.detour(&query, &mut candidate.cells).is_some();
+        let result = if candidate.is_detour {
+            Ok(candidate.cells.stats)
+        } else {
+            planner.plan(&query, &mut limited, &mut candidate.cells)
+        };
         self.timer.mark(Stage::Search);
         if result.is_ok() && self.config.smooth_m > 0.0 {
             self.smooth
@@ -265,7 +271,7 @@ impl Replanner {
         self.revisions_since_search = 0;
     }
 
-    /// Holds the result of the search against the newest situation: rules 9 and 10.
+    /// Holds the result of the search against the newest situation: rules 10 and 11.
     pub fn settle(&mut self, newest: &Situation<'_>) -> Step {
         let Some(Pending { cause, again }) = self.pending.take() else {
             return Step::Publish(News::Unchanged);
@@ -282,7 +288,10 @@ impl Replanner {
                 return self.ask(cause, true);
             }
         }
-        if cause == PathCause::Shortcut && !self.accept_shortcut(newest, &map) {
+        if matches!(cause, PathCause::Shortcut | PathCause::Improved)
+            && !self.accept_shortcut(newest, &map)
+        {
+            self.plan.is_detour = false;
             return Step::Publish(News::Unchanged);
         }
         core::mem::swap(&mut self.plan, &mut self.candidate);
@@ -290,7 +299,7 @@ impl Replanner {
         Step::Publish(News::New)
     }
 
-    /// Rules 2 to 8.
+    /// Rules 2 to 9.
     fn reason_to_search(
         &mut self,
         situation: &Situation<'_>,
@@ -319,6 +328,9 @@ impl Replanner {
             self.cut_m = self.plan.first_cut_m(map);
             return Some(PathCause::Obstacle);
         }
+        if self.plan.is_detour {
+            return Some(PathCause::Improved);
+        }
         if off_path_m > self.config.off_path_m {
             return Some(PathCause::Request);
         }
@@ -335,7 +347,7 @@ impl Replanner {
         (due && self.promised_m < worth_m).then_some(PathCause::Shortcut)
     }
 
-    /// Rule 10.
+    /// Rule 11.
     fn accept_shortcut(&mut self, newest: &Situation<'_>, map: &MapView<'_>) -> bool {
         if self.candidate.status != PathStatus::Found {
             return false;

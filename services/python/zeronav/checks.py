@@ -184,6 +184,7 @@ def _path(meta, waypoints):
     ensure(all(byte == 0 or 33 <= byte <= 126 for byte in meta.planner), "planner is out of range")
     number(meta.length_m, 0, 1e9, "length_m")
     number(meta.cost, 0, 1e15, "cost")
+    number(meta.bound, 0, meta.cost, "bound")
     number(meta.beside_goal_m, 0, 1e9, "beside_goal_m")
     limit = c.COORDINATE_M_MAX
     number(waypoints["x_m"], -limit, limit, "x_m")

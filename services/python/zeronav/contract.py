@@ -51,6 +51,7 @@ class PathCause(IntEnum):
     REQUEST = 3
     SHORTCUT = 4
     NEXT_GOAL = 5
+    IMPROVED = 6
 
 
 class PathStatus(IntEnum):
@@ -672,10 +673,10 @@ class Path(Message):
     """Fixed fields of a path. Search statistics are counts, never times. A message with an
     unchanged path repeats the waypoints and says by its parents how current it is."""
 
-    NAME = "zeronav.Path.v3"
-    SIZE = 136
-    SCHEMA = 0x97699d483d08327d
-    OFFSETS = (0, 24, 26, 28, 32, 40, 48, 56, 64, 72, 80, 88, 96, 104, 112, 114, 120)
+    NAME = "zeronav.Path.v4"
+    SIZE = 144
+    SCHEMA = 0x8a542140ed425de0
+    OFFSETS = (0, 24, 26, 28, 32, 40, 48, 56, 64, 72, 80, 88, 96, 104, 112, 120, 122, 128)
     _fields_ = [
         # [text] Key of the planner in lower case, padded with 0.
         ("planner", u8 * 24),
@@ -702,6 +703,8 @@ class Path(Message):
         ("length_m", f64),
         # [-] Cost in the planner's own measure, >= 0.
         ("cost", f64),
+        # [-] No path costs less, in the same measure; 0 = not known. At most `cost`.
+        ("bound", f64),
         # [number] Goal that it leads to, by `crate::task::Goal::id`.
         ("goal", u64),
         # [m] from the last waypoint to the goal, >= 0: above 0 when the goal's own place cannot be
@@ -721,8 +724,8 @@ class PlanPathEnvelope(Message):
     """Header and fixed fields of the topic's messages."""
 
     NAME = "zeronav.plan.path.v1"
-    SIZE = 264
-    SCHEMA = 0xd67060128f8f09b0
+    SIZE = 272
+    SCHEMA = 0xcd9c897df7fe9504
     OFFSETS = (0, 128)
     _fields_ = [
         # The header.
@@ -1548,7 +1551,7 @@ PLAN_PATH = Topic(
     len_max=2048,
     buffer=2,
     pool=58,
-    schema=0xecf8a62d744cbfe1,
+    schema=0x9bfb9634c7bf32a9,
 )
 
 PLAN_REQUEST = Topic(

@@ -106,6 +106,9 @@ pub(super) fn way(path: &Path) -> String {
         (PathCause::Obstacle, _) => "an obstacle cut the one before".to_owned(),
         (PathCause::Request, _) => "the local planner asked for another one".to_owned(),
         (PathCause::Shortcut, _) => "a shorter way opened".to_owned(),
+        (PathCause::Improved, _) => {
+            "a search found a better one than the detour that was ready".to_owned()
+        }
         (PathCause::NextGoal, _) => "the next goal came up".to_owned(),
         (PathCause::Goal | PathCause::None, _) => "the goal was given".to_owned(),
     };

@@ -56,14 +56,20 @@ fn table(name: &str, map: &Map, uniform: bool, n_events: usize) -> Result<usize,
     let costs = if uniform { "uniform" } else { "inflated" };
     println!("\n{name}, {costs}: p50 / p99 / worst [us]; ratio: expansions of incremental by A*'s");
     println!(
-        "| event | n | kept | notify | filter | incremental | A* from scratch | jps from scratch | \
+        "| event | n | kept | notify | filter | cut, no detour | detour | detour's cost | incremental | A* from scratch | jps from scratch | \
          policy | ahead | ratio, median / worst |"
     );
-    println!("|---|---|---|---|---|---|---|---|---|---|---|");
+    println!("|---|---|---|---|---|---|---|---|---|---|---|---|---|---|");
     for (name, kind) in KINDS {
         let events = events(&mut bench, kind, n_events);
+        let cut: Vec<&Times> = events.iter().filter(|event| !event.kept).collect();
+        let missed = cut.iter().filter(|event| event.detour.is_nan()).count();
+        let mut dearer: Vec<f64> = cut.iter().map(|event| event.detour_ratio).collect();
+        dearer.retain(|ratio| !ratio.is_nan());
+        dearer.sort_by(f64::total_cmp);
         let of = |field: fn(&Times) -> f64| {
             let mut numbers: Vec<f64> = events.iter().map(field).collect();
+            numbers.retain(|number| !number.is_nan());
             numbers.sort_by(f64::total_cmp);
             let at = |share| common::quantile(&numbers, share);
             if at(0.5) < 10.0 {
@@ -80,11 +86,14 @@ fn table(name: &str, map: &Map, uniform: bool, n_events: usize) -> Result<usize,
             "-".to_owned()
         };
         println!(
-            "| {name} | {} | {} | {:.1} | {} | {} | {} | {jumps} | {} | {:.0} | {:.2} / {worst_ratio:.2} |",
+            "| {name} | {} | {} | {:.1} | {} | {missed} | {} | {:.3} / {:.3} | {} | {} | {jumps} | {} | {:.0} | {:.2} / {worst_ratio:.2} |",
             events.len(),
             events.iter().filter(|event| event.kept).count(),
             mid(|event| event.notify),
             of(|event| event.filter),
+            of(|event| event.detour),
+            common::quantile(&dearer, 0.5),
+            common::quantile(&dearer, 1.0),
             of(|event| event.incremental),
             of(|event| event.scratch),
             of(|event| event.cycle),
@@ -148,7 +157,7 @@ fn print_memory(map: &Map) {
         planner.map_changed(&map.view(), &[whole(map)]);
         let query = query(map, ends);
         let _ = planner.plan(&query, &mut |_| Control::Go, &mut path);
-        while planner.prepare(10_000) {}
+        while planner.prepare(&map.pose(ends.0), 10_000) {}
     }
     let per_cell = |bytes: usize| bytes as f64 / map.cells.len() as f64;
     println!(

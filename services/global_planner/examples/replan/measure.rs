@@ -19,6 +19,10 @@ pub(crate) struct Times {
     pub(crate) notify: f64,
     pub(crate) filter: f64,
     pub(crate) incremental: f64,
+    /// Of a path that is cut: NaN when no detour was ready.
+    pub(crate) detour: f64,
+    /// Its cost by that of the best path.
+    pub(crate) detour_ratio: f64,
     pub(crate) scratch: f64,
     pub(crate) jumps: f64,
     pub(crate) cycle: f64,
@@ -36,6 +40,8 @@ impl Times {
             notify: of(|times| times.notify),
             filter: of(|times| times.filter),
             incremental: of(|times| times.incremental),
+            detour: of(|times| times.detour),
+            detour_ratio: of(|times| times.detour_ratio),
             scratch: of(|times| times.scratch),
             jumps: of(|times| times.jumps),
             cycle: of(|times| times.cycle),
@@ -125,10 +131,11 @@ impl Bench {
         us(started)
     }
 
-    /// Does all work ahead; the time for `incremental`. [us]
-    fn ahead(&mut self) -> f64 {
+    /// Does all work ahead of a robot in `cell`; the time for `incremental`. [us]
+    fn ahead(&mut self, cell: Cell) -> f64 {
+        let robot = self.map.pose(cell);
         let started = Instant::now();
-        while self.incremental.prepare(4096) {}
+        while self.incremental.prepare(&robot, 4096) {}
         let time = us(started);
         while self.replanner.prepare(4096) {}
         time
@@ -158,7 +165,7 @@ impl Bench {
         self.replan(ends, &mut path)?;
         self.task += 1;
         self.cycle(ends, &[]);
-        self.ahead();
+        self.ahead(ends.0);
         let way = cell_by_cell(&self.replanner.plan().cells.cells);
         let block = place(&self.map, kind, &way, rng)?;
         let mut from_scratch = None;
@@ -170,7 +177,7 @@ impl Bench {
                 self.notify(rect);
                 self.replan(ends, &mut path)?;
                 self.cycle(ends, &[rect]);
-                self.ahead();
+                self.ahead(ends.0);
                 undo(&mut self.map, rect, &before);
             }
             runs.push(self.answer_change(ends, rect, &path, &mut from_scratch));
@@ -182,7 +189,7 @@ impl Bench {
                 self.task += 1;
                 self.cycle(ends, &[rect]);
             }
-            self.ahead();
+            self.ahead(ends.0);
         }
         Some(Times::median_of(&runs))
     }
@@ -215,7 +222,14 @@ impl Bench {
         times.kept = corridor.is_cut(&self.map.view()).is_none();
         times.filter = us(started);
         let query = query(&self.map, ends);
+        let detour = Answer::ready(self.incremental.as_mut(), &query);
         let incremental = Answer::of(self.incremental.as_mut(), &query);
+        times.detour = f64::NAN;
+        times.detour_ratio = f64::NAN;
+        if let (Some(cost), Some(best)) = (detour.cost, incremental.cost) {
+            times.detour = detour.time;
+            times.detour_ratio = cost / best;
+        }
         let scratch = from_scratch.get_or_insert_with(|| Answer::of(self.scratch.as_mut(), &query));
         if self.uniform {
             times.jumps = Answer::of(self.jumps.as_mut(), &query).time;
@@ -239,7 +253,7 @@ impl Bench {
         if !same || incremental.expanded.max(policy) > most {
             self.wrong += 1;
         }
-        times.ahead = self.ahead();
+        times.ahead = self.ahead(ends.0);
         times
     }
 }
@@ -254,6 +268,19 @@ struct Answer {
 }
 
 impl Answer {
+    /// The detour that is ready.
+    fn ready(planner: &mut dyn GlobalPlanner, query: &PlanQuery<'_>) -> Self {
+        let mut path = CellPath::default();
+        path.cells.reserve(20_000);
+        let started = Instant::now();
+        let stats = planner.detour(query, &mut path);
+        Self {
+            time: us(started),
+            cost: stats.map(|stats| stats.cost),
+            expanded: 0,
+        }
+    }
+
     fn of(planner: &mut dyn GlobalPlanner, query: &PlanQuery<'_>) -> Self {
         let mut path = CellPath::default();
         path.cells.reserve(20_000);

@@ -18,6 +18,10 @@ impl EasedBox {
         least: 0,
     };
 
+    pub(super) const fn is_empty(&self) -> bool {
+        self.min.0 > self.max.0
+    }
+
     pub(super) fn add(&mut self, x: u32, y: u32) {
         self.min = (self.min.0.min(x), self.min.1.min(y));
         self.max = (self.max.0.max(x), self.max.1.max(y));

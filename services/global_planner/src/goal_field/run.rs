@@ -31,6 +31,8 @@ pub(super) struct Run<'a> {
     pub(super) goal: Spot,
     pub(super) goal_xy: (u32, u32),
     pub(super) eased_box: EasedBox,
+    /// Largest difference of two keys in the open list.
+    pub(super) span: u32,
     pub(super) quarters: u32,
     pub(super) below: u32,
     /// Counter of expansions at which the search gives up.
@@ -47,12 +49,22 @@ impl Run<'_> {
         budget: &mut dyn FnMut(Expansions) -> Control,
         stats: &mut PlanStats,
     ) -> Found {
+        if self.begin::<GUIDE>(start, span) {
+            self.go_on::<GUIDE>(budget, stats)
+        } else {
+            Found::Nothing
+        }
+    }
+
+    /// Opens the start; false when no way leads from it.
+    pub(super) fn begin<const GUIDE: u8>(&mut self, start: Spot, span: u32) -> bool {
         self.closed.clear();
+        self.span = span;
         let node = &mut self.nodes[start as usize];
         let xy = (start % self.width, start / self.width);
         let left = bound::<GUIDE>(node.left, xy, self.goal_xy, &self.eased_box);
         if left == NO_WAY {
-            return Found::Nothing;
+            return false;
         }
         let key = weighted::<GUIDE>(left, self.quarters);
         node.so_far = 0;
@@ -60,11 +72,38 @@ impl Run<'_> {
         self.open.reset(key, span);
         self.open.push(key, start);
         self.generated += 1;
+        true
+    }
+
+    /// Searches on from where the open list stands.
+    pub(super) fn go_on<const GUIDE: u8>(
+        &mut self,
+        budget: &mut dyn FnMut(Expansions) -> Control,
+        stats: &mut PlanStats,
+    ) -> Found {
         while let Some(spot) = self.open.pop() {
             let node = &mut self.nodes[spot as usize];
             if node.meta & CLOSED != 0 {
                 // A dearer way to a cell that has been closed since.
                 continue;
+            }
+            if matches!(GUIDE, FIELD | FIELD_AND_BOX) {
+                let xy = if GUIDE == FIELD {
+                    (0, 0)
+                } else {
+                    (spot % self.width, spot / self.width)
+                };
+                let left = bound::<GUIDE>(node.left, xy, self.goal_xy, &self.eased_box);
+                if left == NO_WAY {
+                    continue;
+                }
+                let key = node.so_far + left;
+                if key > self.open.key() {
+                    // Its key was beyond the span, or its bound has risen since.
+                    let most = self.open.key() + self.span;
+                    self.open.push(key.min(most), spot);
+                    continue;
+                }
             }
             node.meta |= CLOSED;
             let (so_far, step) = (node.so_far, (node.meta & STEP_MASK) >> STEP_SHIFT);
@@ -218,13 +257,14 @@ impl Run<'_> {
         node.so_far = so_far;
         node.meta = self.generation << GENERATION_SHIFT | step << STEP_SHIFT;
         self.generated += 1;
-        // A weighted heuristic may fall by more than the step costs; the key must not.
-        let least = if GUIDE == WEIGHTED {
-            self.open.key()
-        } else {
-            0
-        };
-        let key = (so_far + weighted::<GUIDE>(left, self.quarters)).max(least);
+        // A weighted heuristic, and a field under repair, may fall by more than the step costs, and
+        // such a field may rise by more than the span; the key must not. A field is a lower bound
+        // all the same: the way found is the cheapest, for a closed cell is opened again when a
+        // cheaper way leads to it, and none is closed before its time.
+        let least = self.open.key();
+        let key = so_far
+            .saturating_add(weighted::<GUIDE>(left, self.quarters))
+            .clamp(least, least + self.span);
         self.open.push(key, spot);
     }
 }

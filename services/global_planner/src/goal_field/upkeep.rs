@@ -25,20 +25,14 @@ impl GoalField {
         self.learn();
         match self.state {
             State::Growing => self.grow(expansions),
-            State::Whole => {
-                if !self.repair(expansions) {
-                    self.state = State::Missing;
-                }
-                self.state == State::Missing
-            }
+            State::Whole => !self.repair(expansions) || self.raise(expansions),
             State::Missing | State::Beyond => false,
         }
     }
 
-    /// Makes the field consistent where costs fell; false when that takes more than `limit`
-    /// expansions, after which the field is of no use.
+    /// Makes the field consistent where costs fell, by `limit` expansions at most; true when it is.
+    /// Until then the box stays, which bounds what is not lowered yet.
     fn repair(&mut self, limit: u64) -> bool {
-        self.lowered.clear();
         let mut eased = core::mem::take(&mut self.eased);
         for spot in eased.drain(..) {
             self.lower(spot);
@@ -47,24 +41,21 @@ impl GoalField {
             }
         }
         self.eased = eased;
-        self.eased_box = EasedBox::EMPTY;
-        let mut used = 0;
-        while let Some(Reverse(item)) = self.lowered.pop() {
+        for _ in 0..limit {
+            let Some(Reverse(item)) = self.lowered.pop() else {
+                self.eased_box = EasedBox::EMPTY;
+                return true;
+            };
             #[allow(clippy::cast_possible_truncation, reason = "the two halves, as pushed")]
             let (left, spot) = ((item >> 32) as u32, item as u32);
-            if self.nodes[spot as usize].left != left {
-                continue;
+            if self.nodes[spot as usize].left == left {
+                self.relax(spot, |heap, left, spot| {
+                    heap.1
+                        .push(Reverse(u64::from(left) << 32 | u64::from(spot)));
+                });
             }
-            if used == limit {
-                return false;
-            }
-            used += 1;
-            self.relax(spot, |heap, left, spot| {
-                heap.1
-                    .push(Reverse(u64::from(left) << 32 | u64::from(spot)));
-            });
         }
-        true
+        false
     }
 
     fn begin(&mut self, goal: Spot) {
@@ -73,7 +64,8 @@ impl GoalField {
         }
         self.goal = goal;
         self.forget_eased();
-        self.closed.clear();
+        self.lists.closed.clear();
+        self.raise.reset(self.nodes.len());
         self.nodes[goal as usize].left = 0;
         self.front.reset(0, self.span);
         self.front.push(0, goal);
@@ -85,7 +77,7 @@ impl GoalField {
         while used < expansions {
             let Some((left, spot)) = self.front.pop_with_key() else {
                 self.state = State::Whole;
-                return !self.eased.is_empty();
+                return !self.is_exact();
             };
             if self.nodes[spot as usize].left != left {
                 continue;
@@ -155,7 +147,7 @@ impl GoalField {
     }
 
     #[inline]
-    const fn corner_permits(&self, around: u64, step: u32) -> bool {
+    pub(super) const fn corner_permits(&self, around: u64, step: u32) -> bool {
         step.is_multiple_of(2)
             || self
                 .rule

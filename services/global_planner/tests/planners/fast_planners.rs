@@ -9,13 +9,13 @@ use zeronav_global_planner::{
 use zeronav_msgs::map::COST_LETHAL;
 use zeronav_msgs::{Cell, CellRect, MapCell};
 
-const RULES: [CornerRule; 3] = [
+pub(crate) const RULES: [CornerRule; 3] = [
     CornerRule::Allow,
     CornerRule::ForbidAny,
     CornerRule::ForbidBoth,
 ];
 
-fn build(key: &str, cost_weight: f64) -> Box<dyn GlobalPlanner> {
+pub(crate) fn build(key: &str, cost_weight: f64) -> Box<dyn GlobalPlanner> {
     let options = PlannerOptions {
         cost_weight,
         ..PlannerOptions::default()
@@ -23,7 +23,7 @@ fn build(key: &str, cost_weight: f64) -> Box<dyn GlobalPlanner> {
     (row_of(key).unwrap().build)(&options)
 }
 
-fn query(map: &Map, start: Cell, goal: Cell, rule: CornerRule) -> PlanQuery<'_> {
+pub(crate) fn query(map: &Map, start: Cell, goal: Cell, rule: CornerRule) -> PlanQuery<'_> {
     PlanQuery {
         map: map.view(),
         start: map.pose(start),
@@ -34,7 +34,7 @@ fn query(map: &Map, start: Cell, goal: Cell, rule: CornerRule) -> PlanQuery<'_> 
     }
 }
 
-fn plan(
+pub(crate) fn plan(
     planner: &mut dyn GlobalPlanner,
     query: &PlanQuery<'_>,
     path: &mut CellPath,
@@ -42,7 +42,7 @@ fn plan(
     planner.plan(query, &mut |_| Control::Go, path)
 }
 
-fn whole(map: &Map) -> CellRect {
+pub(crate) fn whole(map: &Map) -> CellRect {
     let (width, height) = map.geometry.size();
     CellRect {
         min: Cell::new(0, 0),
@@ -70,7 +70,13 @@ fn assert_same(
     }
 }
 
-fn drawn_by(seed: u64, width: u32, height: u32, blocked_percent: i32, cost_percent: i32) -> Map {
+pub(crate) fn drawn_by(
+    seed: u64,
+    width: u32,
+    height: u32,
+    blocked_percent: i32,
+    cost_percent: i32,
+) -> Map {
     let mut map = Map::free(width, height);
     let mut rng = Rng(seed);
     for cell in &mut map.cells {
@@ -125,7 +131,7 @@ fn edits() -> u64 {
 }
 
 /// One random edit; what it wrote.
-fn edit(map: &mut Map, rng: &mut Rng, side: i32) -> CellRect {
+pub(crate) fn edit(map: &mut Map, rng: &mut Rng, side: i32) -> CellRect {
     let (w, h) = map.geometry.size();
     let min = Cell::new(rng.below(w), rng.below(h));
     let max = Cell::new(
@@ -202,7 +208,8 @@ fn compare_under_edits(
             _ => {}
         }
         for _ in 0..rng.below(4) {
-            kept.prepare(64 + u64::from(rng.below(3).cast_unsigned()) * 100_000);
+            let expansions = 64 + u64::from(rng.below(3).cast_unsigned()) * 100_000;
+            kept.prepare(&map.pose(robot), expansions);
         }
     }
     (found, total_kept, total_anew)
@@ -303,7 +310,7 @@ fn policy_is_a_star_on_maps_with_and_without_prices() {
                 "{what}: {} expansions, from scratch {anew}",
                 path.stats.expanded
             );
-            policy.prepare(1 << 20);
+            policy.prepare(&map.pose(start), 1 << 20);
         }
     }
 }
@@ -367,7 +374,7 @@ fn policy_takes_the_field_or_jumps_where_nothing_has_a_price() {
             robot.x += (next.x - robot.x).signum();
             robot.y += (next.y - robot.y).signum();
         }
-        while policy.prepare(1 << 20) {}
+        while policy.prepare(&map.pose(robot), 1 << 20) {}
     }
     assert!(
         by_field >= 15,
@@ -403,7 +410,7 @@ fn policy_finds_the_way_that_a_cleared_obstacle_leaves() {
             let query = query(&map, start, goal, CornerRule::ForbidAny);
             plan(policy.as_mut(), &query, &mut path).unwrap();
             lengths.push(path.length_cells());
-            while policy.prepare(1 << 20) {}
+            while policy.prepare(&map.pose(start), 1 << 20) {}
         }
         assert!((lengths[0] - 180.0).abs() < 1e-9, "{lengths:?}");
         assert!(lengths[1] > 190.0, "{lengths:?}");

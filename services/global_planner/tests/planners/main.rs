@@ -6,6 +6,7 @@ mod support;
 mod any_angle;
 mod conformance;
 mod corridor;
+mod detours;
 mod fast_planners;
 mod movingai;
 mod optimality;

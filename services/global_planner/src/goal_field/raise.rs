@@ -1,0 +1,293 @@
+//! Makes the field exact again where ways became dearer, while no answer is due.
+//!
+//! Ramalingam, Reps, "On the Computational Complexity of Dynamic Graph Problems", Theoretical
+//! Computer Science 158, 1996: first the cells that have lost every cheapest way, in order of what
+//! was left from them; then what is left now, from the cells around them inwards. Takes time for
+//! the cells whose bound changes, not for the map.
+//!
+//! At any moment every bound is a lower bound. In between a neighbour's may be lower by more than the
+//! step costs, which a search of the field stands ([`super::run::Run`]).
+
+use super::GoalField;
+use super::node::{NO_WAY, Spot};
+use super::prices::{BLOCKED, is_blocked};
+use super::risen::{item, parts};
+
+impl GoalField {
+    /// Work of about `expansions` expansions; true when more is left.
+    pub(super) fn raise(&mut self, expansions: u64) -> bool {
+        let mut left = expansions;
+        if self.raise.offered.is_some() && !self.raise.risen.is_empty() {
+            self.suspect_all_lost();
+        }
+        while left > 0 {
+            left -= 1;
+            if let Some(spot) = self.raise.risen.pop() {
+                self.suspect(spot);
+                for offset in self.offsets {
+                    self.suspect(spot.wrapping_add(offset));
+                }
+            } else if let Some(suspect) = self.raise.suspects.pop() {
+                let (_, spot) = parts(suspect);
+                self.raise.suspected.remove(spot);
+                if !self.is_supported(spot) {
+                    self.lose(spot);
+                }
+            } else if let Some(spot) = self.next_to_offer() {
+                self.offer_least(spot);
+            } else if let Some(best) = self.raise.front.pop() {
+                let (left, spot) = parts(best);
+                if self.raise.is_lost.has(spot) {
+                    self.settle(spot, left);
+                }
+            } else {
+                self.give_up_the_rest();
+                return false;
+            }
+        }
+        true
+    }
+
+    fn suspect(&mut self, spot: Spot) {
+        let Some(node) = self.nodes.get(spot as usize) else {
+            return;
+        };
+        if node.left != NO_WAY
+            && spot != self.goal
+            && !self.raise.is_lost.has(spot)
+            && self.raise.suspected.add(spot)
+        {
+            self.raise.suspects.push(item(node.left, spot));
+        }
+    }
+
+    /// Something changed while the lost cells were filled: what is not filled yet is judged again.
+    fn suspect_all_lost(&mut self) {
+        self.raise.front.clear();
+        self.raise.offered = None;
+        let mut lost = core::mem::take(&mut self.raise.lost);
+        for spot in lost.drain(..) {
+            if self.raise.is_lost.has(spot) {
+                self.raise.is_lost.remove(spot);
+                self.suspect(spot);
+            }
+        }
+        self.raise.lost = lost;
+    }
+
+    /// True when a step leads from `spot` to a cell from which so much is left that the bound of
+    /// `spot` is what its way costs.
+    fn is_supported(&self, spot: Spot) -> bool {
+        let (own, around) = self.prices.around(spot);
+        let left = self.nodes[spot as usize].left;
+        own != BLOCKED
+            && (0_u32..).zip(self.offsets).any(|(step, offset)| {
+                let to = spot.wrapping_add(offset);
+                !is_blocked(around, step)
+                    && self.corner_permits(around, step)
+                    && !self.raise.is_lost.has(to)
+                    && self.over(step, to) <= left
+            })
+    }
+
+    /// What is left from the cell before a step to `to`, by the bound of `to`.
+    #[inline]
+    pub(super) fn over(&self, step: u32, to: Spot) -> u32 {
+        let price = usize::from(self.prices.at(to));
+        self.nodes[to as usize]
+            .left
+            .saturating_add(self.steps[step as usize & 1][price])
+    }
+
+    fn lose(&mut self, spot: Spot) {
+        self.raise.is_lost.add(spot);
+        self.raise.lost.push(spot);
+        // All that may have rested on it: also where a step is not legal any more.
+        let left = self.nodes[spot as usize].left;
+        for offset in self.offsets {
+            let from = spot.wrapping_add(offset);
+            if self
+                .nodes
+                .get(from as usize)
+                .is_some_and(|node| node.left > left)
+            {
+                self.suspect(from);
+            }
+        }
+    }
+
+    fn next_to_offer(&mut self) -> Option<Spot> {
+        let offered = self.raise.offered.get_or_insert(0);
+        let spot = self.raise.lost.get(*offered).copied()?;
+        *offered += 1;
+        Some(spot)
+    }
+
+    /// Opens `spot` with the least that its neighbours allow.
+    fn offer_least(&mut self, spot: Spot) {
+        let (own, around) = self.prices.around(spot);
+        if own == BLOCKED {
+            return;
+        }
+        let mut least = NO_WAY;
+        for (step, offset) in (0_u32..).zip(self.offsets) {
+            let to = spot.wrapping_add(offset);
+            if !is_blocked(around, step)
+                && self.corner_permits(around, step)
+                && !self.raise.is_lost.has(to)
+            {
+                least = least.min(self.over(step, to));
+            }
+        }
+        if least != NO_WAY {
+            self.raise.front.push(item(least, spot));
+        }
+    }
+
+    fn settle(&mut self, spot: Spot, left: u32) {
+        self.raise.is_lost.remove(spot);
+        self.nodes[spot as usize].left = left;
+        let (own, around) = self.prices.around(spot);
+        let costs = self.steps.each_ref().map(|steps| steps[usize::from(own)]);
+        for (step, offset) in (0_u32..).zip(self.offsets) {
+            let from = spot.wrapping_add(offset);
+            if !is_blocked(around, step)
+                && self.corner_permits(around, step)
+                && self.raise.is_lost.has(from)
+            {
+                let left = left.saturating_add(costs[step as usize & 1]);
+                self.raise.front.push(item(left, from));
+            }
+        }
+    }
+
+    /// No way leads from the lost cells that nobody reached.
+    fn give_up_the_rest(&mut self) {
+        for spot in self.raise.lost.drain(..) {
+            if self.raise.is_lost.has(spot) {
+                self.raise.is_lost.remove(spot);
+                self.nodes[spot as usize].left = NO_WAY;
+            }
+        }
+        self.raise.offered = None;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Changed, State};
+    use super::*;
+    use crate::planner::{CornerRule, Unknown};
+    use zeronav_msgs::map::COST_LETHAL;
+    use zeronav_msgs::{Cell, CellRect, GridGeometry, MapCell, MapView};
+
+    const SIDE: u32 = 40;
+
+    struct Draw(u64);
+
+    impl Draw {
+        fn below(&mut self, n: u64) -> u64 {
+            self.0 = self
+                .0
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1);
+            (self.0 >> 33) % n
+        }
+    }
+
+    const GEOMETRY: GridGeometry = GridGeometry {
+        origin_x_m: 0.0,
+        origin_y_m: 0.0,
+        resolution_m: 0.05,
+        width: SIDE,
+        height: SIDE,
+    };
+
+    fn view(cells: &[MapCell]) -> MapView<'_> {
+        MapView {
+            geometry: &GEOMETRY,
+            cells,
+        }
+    }
+
+    fn edit(cells: &mut [MapCell], draw: &mut Draw) -> CellRect {
+        let (x, y) = (draw.below(u64::from(SIDE)), draw.below(u64::from(SIDE)));
+        let (w, h) = (1 + draw.below(6), 1 + draw.below(6));
+        let kind = draw.below(3);
+        let (last_x, last_y) = (u64::from(SIDE).min(x + w), u64::from(SIDE).min(y + h));
+        for y in y..last_y {
+            for x in x..last_x {
+                let cost = match kind {
+                    0 => COST_LETHAL,
+                    1 => 0,
+                    _ => u8::try_from(draw.below(200)).unwrap(),
+                };
+                let at = usize::try_from(y * u64::from(SIDE) + x).unwrap();
+                cells[at].cost = cost;
+                cells[at].clearance_mm = if cost == COST_LETHAL { 0 } else { 1000 };
+            }
+        }
+        let cell = |x: u64, y: u64| Cell::new(i32::try_from(x).unwrap(), i32::try_from(y).unwrap());
+        CellRect {
+            min: cell(x, y),
+            max: cell(last_x, last_y),
+        }
+    }
+
+    /// After any edits and searches, in slices of any size: what is left is what a search from the
+    /// goal finds on the map as it is.
+    #[test]
+    fn work_ahead_makes_the_field_exact_again() {
+        let free = MapCell {
+            cost: 0,
+            flags: 0,
+            clearance_mm: 1000,
+        };
+        let rules = [
+            CornerRule::Allow,
+            CornerRule::ForbidAny,
+            CornerRule::ForbidBoth,
+        ];
+        let mut n_exact = 0;
+        for seed in 0..60_u64 {
+            let mut draw = Draw(seed);
+            let rule = rules[usize::try_from(seed % 3).unwrap()];
+            let mut cells = vec![free; (SIDE * SIDE) as usize];
+            let goal = Cell::new(20, 20);
+            let mut field = GoalField::new(3.0);
+            field.follow(&view(&cells), Unknown::Free, rule);
+            for _ in 0..40 {
+                let rect = edit(&mut cells, &mut draw);
+                let _: Changed = field.change(&view(&cells), &[rect], |_| {});
+                field.follow(&view(&cells), Unknown::Free, rule);
+                for _ in 0..draw.below(3) {
+                    field.improve(goal, 1 + draw.below(300));
+                }
+                if draw.below(3) > 0 {
+                    continue;
+                }
+                let start = Cell::new(0, 0);
+                let at = field.spot(start);
+                if field.is_whole_for(goal) && field.prices.at(at) != BLOCKED {
+                    let stats = &mut crate::planner::PlanStats::default();
+                    let go = &mut |_| crate::planner::Control::Go;
+                    let guide = super::super::Guide::Field;
+                    field.search((start, goal), guide, u64::MAX, go, stats);
+                }
+                while field.improve(goal, 1 + draw.below(500)) {}
+                let mut fresh = GoalField::new(3.0);
+                fresh.follow(&view(&cells), Unknown::Free, rule);
+                while fresh.improve(goal, 10_000) {}
+                assert_eq!((field.state, fresh.state), (State::Whole, State::Whole));
+                assert!(field.is_exact(), "seed {seed}");
+                for (n, (kept, anew)) in field.nodes.iter().zip(&fresh.nodes).enumerate() {
+                    if field.prices.at(u32::try_from(n).unwrap()) != BLOCKED {
+                        assert_eq!(kept.left, anew.left, "seed {seed}, spot {n}, {rule:?}");
+                        n_exact += 1;
+                    }
+                }
+            }
+        }
+        assert!(n_exact > 100_000, "{n_exact}");
+    }
+}
