@@ -54,6 +54,7 @@ impl GlobalPlanner for AnyAngle {
         self.pull
             .run(query, self.cost_weight, first, &mut path.cells);
         let resolution_m = query.map.geometry.resolution_m;
+        path.stats.bound = 0.0;
         path.stats.cost = path
             .cells
             .windows(2)

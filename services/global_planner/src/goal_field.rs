@@ -265,7 +265,7 @@ impl GoalField {
             }
         }
         // More than a repair could ever be worth: it is not kept for one.
-        if self.eased.len() > self.nodes.len() {
+        if self.eased.len().max(self.raise.risen.len()) > self.nodes.len() {
             self.state = State::Missing;
             self.forget_eased();
         }

@@ -259,6 +259,12 @@ impl Replanner {
             corner_rule: self.config.corner_rule,
         };
         candidate.set(&query, legality, target, result.err());
+        if candidate.is_detour && candidate.status != PathStatus::Found {
+            // It has more corners than a message holds.
+            candidate.is_detour = false;
+            let result = planner.plan(&query, &mut limited, &mut candidate.cells);
+            candidate.set(&query, legality, target, result.err());
+        }
         self.timer.mark(Stage::Smooth);
         candidate.cause = pending.cause;
         candidate.cut_m = self.cut_m.filter(|_| pending.cause == PathCause::Obstacle);

@@ -22,7 +22,7 @@ use super::{Changed, GoalField};
 use crate::moves::STEPS;
 use cuts::{Cuts, Cutting};
 use forest::{Forest, NOWHERE};
-use grow::Growth;
+use grow::{Growth, Progress};
 use zeronav_msgs::Cell;
 
 /// A region is made anew when the robot is farther from where it began. [cells]
@@ -31,7 +31,7 @@ const ROBOT_MOVED: u32 = 8;
 /// Farther from there than this, ways that begin there are of no use to the robot. [cells]
 const ROBOT_FAR: u32 = 3 * ROBOT_MOVED;
 
-/// And when something in it changed, after so many updates of the map.
+/// And when a cell of the map changed, after so many updates of the map.
 const UPDATES_MIN: u32 = 5;
 
 /// More changes than this are not worth a look at each.
@@ -96,8 +96,13 @@ impl Detours {
     /// is left.
     pub(crate) fn prepare(&mut self, field: &mut GoalField, start: Cell, expansions: u64) -> bool {
         if self.growth.is_under_way(field) {
-            if self.growth.go_on(field, expansions) {
-                return true;
+            match self.growth.go_on(field, expansions) {
+                Progress::More => return true,
+                Progress::Abandoned => {
+                    self.changed = true;
+                    return false;
+                }
+                Progress::Ready => {}
             }
             core::mem::swap(&mut self.ready, self.growth.forest());
             self.risen.drain(..self.before_growth.min(self.risen.len()));
@@ -107,6 +112,11 @@ impl Detours {
         let start = field.spot(start);
         if !field.is_exact() || !self.is_due(field, start) || !self.growth.begin(field, start) {
             return false;
+        }
+        if self.is_beyond_counting() {
+            // Not all that changed is known: what is ready is of no use.
+            self.ready = Forest::default();
+            self.risen.clear();
         }
         self.before_growth = self.risen.len();
         self.changed = false;

@@ -6,7 +6,7 @@
 //! the cells whose bound changes, not for the map.
 //!
 //! At any moment every bound is a lower bound. In between a neighbour's may be lower by more than the
-//! step costs, which a search of the field stands ([`super::run::Run`]).
+//! step costs, which a search of the field tolerates ([`super::run::Run`]).
 
 use super::GoalField;
 use super::node::{NO_WAY, Spot};

@@ -97,10 +97,10 @@ impl Run<'_> {
                 if left == NO_WAY {
                     continue;
                 }
-                let key = node.so_far + left;
+                let key = node.so_far.saturating_add(left);
                 if key > self.open.key() {
                     // Its key was beyond the span, or its bound has risen since.
-                    let most = self.open.key() + self.span;
+                    let most = self.open.key().saturating_add(self.span);
                     self.open.push(key.min(most), spot);
                     continue;
                 }
@@ -264,7 +264,7 @@ impl Run<'_> {
         let least = self.open.key();
         let key = so_far
             .saturating_add(weighted::<GUIDE>(left, self.quarters))
-            .clamp(least, least + self.span);
+            .clamp(least, least.saturating_add(self.span));
         self.open.push(key, spot);
     }
 }

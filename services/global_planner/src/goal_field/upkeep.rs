@@ -14,7 +14,8 @@ impl GoalField {
     /// Work for when no answer is due: learns from the last search, repairs, then grows the field of
     /// `goal`, by `expansions` at most. True when work is left.
     pub(crate) fn improve(&mut self, goal: Cell, expansions: u64) -> bool {
-        if !self.built {
+        // The goal may be that of another map.
+        if !self.built || self.geometry.index_of(goal).is_none() {
             return false;
         }
         let goal = self.spot(goal);

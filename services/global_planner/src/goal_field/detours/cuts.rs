@@ -81,6 +81,13 @@ impl Cuts {
                 let free = field.prices.at(beside) != BLOCKED;
                 free.then(|| forest.position(beside)).flatten()
             };
+            let opposite = spot.wrapping_add(field.offsets[n + 1]);
+            if field
+                .rule
+                .permits(true, field.prices.at(opposite) == BLOCKED)
+            {
+                continue;
+            }
             let (Some(one), Some(other)) = (beside(n), beside(n + 2)) else {
                 continue;
             };

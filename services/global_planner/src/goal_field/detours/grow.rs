@@ -20,6 +20,17 @@ const NUMBERED: u32 = 9;
 /// Expansions that a step of the other phases is worth.
 const STEPS_PER_EXPANSION: u64 = 4;
 
+/// How far the work has come.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Progress {
+    /// More is left.
+    More,
+    /// The region is ready.
+    Ready,
+    /// Bounds changed so much meanwhile that its search is of no use.
+    Abandoned,
+}
+
 /// What is done next.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 enum Phase {
@@ -112,17 +123,16 @@ impl Growth {
         begun
     }
 
-    /// Work of about `expansions` expansions; true when more is left.
-    pub(super) fn go_on(&mut self, field: &mut GoalField, expansions: u64) -> bool {
+    /// Work of about `expansions` expansions.
+    pub(super) fn go_on(&mut self, field: &mut GoalField, expansions: u64) -> Progress {
         if self.phase == Phase::Search {
-            if self.search(field, expansions) {
-                return true;
+            if !self.search(field, expansions) {
+                self.spots.clear();
+                self.members.clear();
+                self.at = 0;
+                self.phase = Phase::Number;
             }
-            self.spots.clear();
-            self.members.clear();
-            self.at = 0;
-            self.phase = Phase::Number;
-            return true;
+            return Progress::More;
         }
         for _ in 0..expansions * STEPS_PER_EXPANSION {
             if !self.step(field) {
@@ -143,10 +153,17 @@ impl Growth {
                     }
                     Phase::Put => Phase::SumUp,
                 };
-                return self.phase != Phase::Done;
+                return if self.phase == Phase::Done {
+                    Progress::Ready
+                } else {
+                    Progress::More
+                };
+            }
+            if self.phase == Phase::Done {
+                return Progress::Abandoned;
             }
         }
-        true
+        Progress::More
     }
 
     /// True when more is left.
@@ -191,6 +208,7 @@ impl Growth {
             return true;
         }
         // The search is over: its costs are not needed any more, numbers are.
+        let generation = node.meta >> GENERATION_SHIFT;
         let so_far = node.so_far;
         let total = so_far.saturating_add(node.left);
         node.so_far = self.members.len() as u32;
@@ -199,7 +217,16 @@ impl Growth {
             NOWHERE
         } else {
             let parent = spot.wrapping_sub(field.offsets[step as usize & 7]);
-            field.nodes[parent as usize].so_far
+            let parent = field.nodes[parent as usize];
+            if parent.meta >> GENERATION_SHIFT != generation
+                || (parent.meta & STEP_MASK) >> STEP_SHIFT != NUMBERED
+            {
+                // Something became cheaper meanwhile, and the cell was opened again from one that
+                // was closed after it.
+                self.phase = Phase::Done;
+                return true;
+            }
+            parent.so_far
         };
         self.members.push(Member {
             so_far,
