@@ -6,7 +6,7 @@
 //! making it consistent again where costs fell. What is added: the heuristic begins as the exact
 //! cost to the goal of all cells, found by one search from the goal while no answer is due.
 //!
-//! While costs only rise the field stays a consistent lower bound, so a search expands the cells
+//! While costs only rise the field, made exact again when no answer is due, stays a consistent lower bound, so a search expands the cells
 //! whose best way led through what changed, and the new way.
 //!
 //! Where costs fell since the field was made consistent, a search does not wait for the repair.
@@ -253,6 +253,7 @@ impl GoalField {
                         self.raise.note(spot);
                     }
                     if new < old && self.state != State::Missing {
+                        self.raise.eased = true;
                         self.eased.push(spot);
                         self.eased_box.add(x, y);
                     }

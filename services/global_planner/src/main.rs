@@ -21,8 +21,8 @@ use zeronav_shell::{Due, Service, Shell, StartError, Writer};
 /// have to wait.
 const AHEAD_EXPANSIONS: u64 = 512;
 
-/// Time from an answer to work ahead, and to the search that follows a detour: until then the
-/// cores are left to local planner and guard, which act on the same scan. [ns]
+/// Time from an answer to work ahead, and to the search that follows a detour unless news come
+/// before: the cores are left to local planner and guard, which act on the same scan. [ns]
 const QUIET_NS: u64 = 4_000_000;
 
 struct PlannerService {

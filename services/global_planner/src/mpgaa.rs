@@ -139,6 +139,9 @@ impl GlobalPlanner for Mpgaa {
 
     fn detour(&mut self, query: &PlanQuery<'_>, path: &mut CellPath) -> Option<PlanStats> {
         let ends = self.ground.open(query, path).ok()?;
+        // A map of which no change is told is read again: nothing is ready on it.
+        let rule = query.corner_rule;
+        self.field.follow(&query.map, query.unknown, rule);
         let (mut detour, mut n_way_out) = (None, 0);
         self.ground
             .answer(query, &ends, path, |_, between, path| {
@@ -152,7 +155,6 @@ impl GlobalPlanner for Mpgaa {
             })
             .ok()?;
         let detour = detour?;
-        // The way out of the inflation costs the same for all.
         let way_out_m = cost_m(query, self.cost_weight, &path.cells[..=n_way_out]);
         path.stats.cost = way_out_m + metres(query, detour.cost);
         if detour.least > 0 {

@@ -1,15 +1,15 @@
 //! Ways round, ready before the path is cut.
 //!
 //! While no answer is due, a search from the robot's cell under the guidance of the exact field
-//! closes cells in the order of what a way over them costs, the region. Two trees span it: the cheapest ways from the
-//! robot, and those to the goal. When cells close, what they cut off in a tree is an interval of its
+//! closes cells in the order of what a way over them costs: the region. Two trees span it, the
+//! cheapest ways from the robot and those to the goal. When cells close, what they cut off in a tree is an interval of its
 //! preorder. A way over a cell that is cut off in neither is legal at once, and the cheapest of them
 //! is the detour: one look at each cell of the region, in blocks, in place of a search over the cells
 //! that lead into what closed.
 //!
 //! Malik, Mittal, Gupta, "The k most vital arcs in the shortest path problem", Operations Research
 //! Letters 8, 1989: for one closed edge of an undirected graph the detour is the cheapest way. For
-//! a block of cells it may be dearer; the cheapest that it could be is told with it.
+//! a block of cells it may be dearer. With it comes a lower bound: what the way before cost.
 
 mod cuts;
 mod forest;
@@ -90,6 +90,8 @@ impl Detours {
             + self.growth.bytes()
             + self.risen.capacity() * size_of::<Spot>()
             + self.cuts.bytes()
+            + self.from_start.capacity() * size_of::<(u32, u32)>()
+            + self.chain.capacity()
     }
 
     /// Work of about `expansions` expansions on the region around a robot in `start`; true when more
@@ -163,7 +165,7 @@ impl Detours {
         let cuts = (self.cuts.forward(), self.cuts.to_goal());
         let (total, over) = forest.cheapest(cuts.0, cuts.1, &self.from_start)?;
         // Bounds are those of ways from the root.
-        let least = forest.least(self.cuts.to_goal()).saturating_sub(so_far);
+        let least = forest.least().saturating_sub(so_far);
         let least = if self.eased[0] { 0 } else { least };
         let mut cost = self.lead(field, at, over, cells);
         let is_dearer = |cost: u32, total: u32| cost > total.saturating_sub(so_far);

@@ -5,8 +5,8 @@
 //! was left from them; then what is left now, from the cells around them inwards. Takes time for
 //! the cells whose bound changes, not for the map.
 //!
-//! At any moment every bound is a lower bound. In between a neighbour's may be lower by more than the
-//! step costs, which a search of the field tolerates ([`super::run::Run`]).
+//! At any moment every bound is a lower bound, and they are consistent: new ones are written
+//! together.
 
 use super::GoalField;
 use super::node::{NO_WAY, Spot};
@@ -17,12 +17,20 @@ impl GoalField {
     /// Work of about `expansions` expansions; true when more is left.
     pub(super) fn raise(&mut self, expansions: u64) -> bool {
         let mut left = expansions;
-        if self.raise.offered.is_some() && !self.raise.risen.is_empty() {
+        let eased = core::mem::take(&mut self.raise.eased);
+        if eased && self.raise.offered.is_some() {
             self.suspect_all_lost();
         }
         while left > 0 {
             left -= 1;
-            if let Some(spot) = self.raise.risen.pop() {
+            // What rises while bounds are found for the lost cells waits: those found are then too
+            // low, but bounds all the same.
+            let risen = if self.raise.offered.is_none() {
+                self.raise.risen.pop()
+            } else {
+                None
+            };
+            if let Some(spot) = risen {
                 self.suspect(spot);
                 for offset in self.offsets {
                     self.suspect(spot.wrapping_add(offset));
@@ -41,8 +49,10 @@ impl GoalField {
                     self.settle(spot, left);
                 }
             } else {
-                self.give_up_the_rest();
-                return false;
+                self.commit();
+                if self.raise.is_idle() {
+                    return false;
+                }
             }
         }
         true
@@ -61,16 +71,15 @@ impl GoalField {
         }
     }
 
-    /// Something changed while the lost cells were filled: what is not filled yet is judged again.
+    /// Something became cheaper while bounds were found for the lost cells: all are judged again.
     fn suspect_all_lost(&mut self) {
         self.raise.front.clear();
+        self.raise.found.clear();
         self.raise.offered = None;
         let mut lost = core::mem::take(&mut self.raise.lost);
         for spot in lost.drain(..) {
-            if self.raise.is_lost.has(spot) {
-                self.raise.is_lost.remove(spot);
-                self.suspect(spot);
-            }
+            self.raise.is_lost.remove(spot);
+            self.suspect(spot);
         }
         self.raise.lost = lost;
     }
@@ -146,7 +155,7 @@ impl GoalField {
 
     fn settle(&mut self, spot: Spot, left: u32) {
         self.raise.is_lost.remove(spot);
-        self.nodes[spot as usize].left = left;
+        self.raise.found.push((spot, left));
         let (own, around) = self.prices.around(spot);
         let costs = self.steps.each_ref().map(|steps| steps[usize::from(own)]);
         for (step, offset) in (0_u32..).zip(self.offsets) {
@@ -161,8 +170,14 @@ impl GoalField {
         }
     }
 
-    /// No way leads from the lost cells that nobody reached.
-    fn give_up_the_rest(&mut self) {
+    /// Writes the bounds that were found, and that no way leads from the other lost cells. All at
+    /// once: in between a neighbour's could be lower by more than the step costs, and a search would
+    /// close cells again and again.
+    fn commit(&mut self) {
+        for (spot, left) in self.raise.found.drain(..) {
+            let node = &mut self.nodes[spot as usize];
+            node.left = node.left.max(left);
+        }
         for spot in self.raise.lost.drain(..) {
             if self.raise.is_lost.has(spot) {
                 self.raise.is_lost.remove(spot);

@@ -41,6 +41,8 @@ impl Marks {
 pub(super) struct Raise {
     /// Cells whose price or bound rose, and those that became cheaper, until looked at.
     pub(super) risen: Vec<Spot>,
+    /// A cell became cheaper.
+    pub(super) eased: bool,
     /// Cells that may have lost every cheapest way, by what is left from them.
     pub(super) suspects: BinaryHeap<Reverse<u64>>,
     pub(super) suspected: Marks,
@@ -50,11 +52,15 @@ pub(super) struct Raise {
     /// How many of `lost` have been offered what their neighbours allow, once that has begun.
     pub(super) offered: Option<usize>,
     pub(super) front: BinaryHeap<Reverse<u64>>,
+    /// Lost cells with their new bounds, until these are written.
+    pub(super) found: Vec<(Spot, u32)>,
 }
 
 impl Raise {
     pub(super) fn reset(&mut self, n_cells: usize) {
         self.risen.clear();
+        self.eased = false;
+        self.found.clear();
         self.suspects.clear();
         self.suspected.reset(n_cells);
         self.lost.clear();
@@ -74,6 +80,7 @@ impl Raise {
 
     pub(super) fn bytes(&self) -> usize {
         (self.risen.capacity() + self.lost.capacity()) * size_of::<Spot>()
+            + self.found.capacity() * size_of::<(Spot, u32)>()
             + (self.suspects.capacity() + self.front.capacity()) * size_of::<Reverse<u64>>()
             + (self.suspected.0.capacity() + self.is_lost.0.capacity()) * size_of::<u64>()
     }

@@ -11,8 +11,8 @@ use std::collections::BinaryHeap;
 use zeronav_msgs::Cell;
 
 impl GoalField {
-    /// Work for when no answer is due: learns from the last search, repairs, then grows the field of
-    /// `goal`, by `expansions` at most. True when work is left.
+    /// Work for when no answer is due: learns from the last search, then grows the field of `goal`,
+    /// or repairs it where costs fell and where they rose, by `expansions` at most. True when work is left.
     pub(crate) fn improve(&mut self, goal: Cell, expansions: u64) -> bool {
         // The goal may be that of another map.
         if !self.built || self.geometry.index_of(goal).is_none() {

@@ -142,7 +142,7 @@ fn a_detour_is_legal_and_no_better_than_the_best_path() {
     assert!((0.999..1.1).contains(&p95), "{p95}");
 }
 
-/// A map of two aisles: the way leads through the lower one, which is closed at `column`.
+/// A map of two aisles: the way leads through the lower one.
 fn two_aisles() -> Bench {
     let shelf = format!("....{}....", "#".repeat(52));
     let aisle = ".".repeat(60);
@@ -267,4 +267,24 @@ fn a_region_takes_in_what_changes_while_it_is_found() {
             }
         }
     }
+}
+
+/// A planner that is never told of changes reads the map of each query: what it prepared on another
+/// map is not believed.
+#[test]
+fn without_word_of_changes_there_is_no_detour() {
+    let mut map = Map::office(240, 160, 3);
+    let mut planner = build("mpgaa", 3.0);
+    let (start, goal) = (
+        map.free_near(Cell::new(20, 80)),
+        map.free_near(Cell::new(220, 80)),
+    );
+    let mut path = CellPath::default();
+    let before = query(&map, start, goal, CornerRule::ForbidAny);
+    plan(planner.as_mut(), &before, &mut path).unwrap();
+    while planner.prepare(&before.start, 10_000) {}
+    let middle = path.cells[path.cells.len() / 2];
+    map.put(middle, of_cost(COST_LETHAL));
+    let after = query(&map, start, goal, CornerRule::ForbidAny);
+    assert_eq!(planner.detour(&after, &mut path), None);
 }

@@ -61,8 +61,6 @@ pub(super) struct Forest {
     places: Vec<Place>,
     blocks: Vec<Block>,
     positions: Pages,
-    /// Ways over cells of the map that are not in the region cost no less.
-    beyond: u32,
 }
 
 impl Forest {
@@ -88,7 +86,6 @@ impl Forest {
         self.places.resize(n, nothing);
         self.blocks.clear();
         self.positions.reset(field.nodes.len());
-        self.beyond = 0;
     }
 
     pub(super) fn put(&mut self, position: u32, total: u32, to_goal: u32, place: Place) {
@@ -97,7 +94,6 @@ impl Forest {
         self.to_goal[at] = to_goal;
         self.places[at] = place;
         self.positions.set(place.spot, position);
-        self.beyond = self.beyond.max(total);
     }
 
     /// Sums up the next block; false when there is none.
@@ -220,10 +216,9 @@ impl Forest {
         (best.1 != NOWHERE).then_some(best)
     }
 
-    /// A lower bound of every way when what lies in `to_goal` is cut off from the goal.
-    pub(super) fn least(&self, to_goal: &[Interval]) -> u32 {
-        let known = self.cheapest(&[], to_goal, &[]);
-        known.map_or(self.beyond, |(total, _)| total.min(self.beyond))
+    /// What the cheapest way from the root cost: no way costs less while nothing becomes cheaper.
+    pub(super) fn least(&self) -> u32 {
+        self.totals.first().copied().unwrap_or(0)
     }
 
     pub(super) fn bytes(&self) -> usize {
