@@ -6,8 +6,9 @@
 //! making it consistent again where costs fell. What is added: the heuristic begins as the exact
 //! cost to the goal of all cells, found by one search from the goal while no answer is due.
 //!
-//! While costs only rise the field, made exact again when no answer is due, stays a consistent lower bound, so a search expands the cells
-//! whose best way led through what changed, and the new way.
+//! While costs only rise the field stays a consistent lower bound, so a search expands the cells
+//! whose best way led through what changed, and the new way. It is made exact again when no answer
+//! is due.
 //!
 //! Where costs fell since the field was made consistent, a search does not wait for the repair.
 //! Let a box hold every step that became cheaper, and `least` be the smallest bound on the ring of

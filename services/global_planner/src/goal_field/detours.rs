@@ -2,10 +2,10 @@
 //!
 //! While no answer is due, a search from the robot's cell under the guidance of the exact field
 //! closes cells in the order of what a way over them costs: the region. Two trees span it, the
-//! cheapest ways from the robot and those to the goal. When cells close, what they cut off in a tree is an interval of its
-//! preorder. A way over a cell that is cut off in neither is legal at once, and the cheapest of them
-//! is the detour: one look at each cell of the region, in blocks, in place of a search over the cells
-//! that lead into what closed.
+//! cheapest ways from the robot and those to the goal. When cells close, what they cut off in a tree
+//! is an interval of its preorder. A way over a cell that is cut off in neither is legal at once, and
+//! the cheapest of them is the detour: one look at each cell of the region, in blocks, in place of a
+//! search over the cells that lead into what closed.
 //!
 //! Malik, Mittal, Gupta, "The k most vital arcs in the shortest path problem", Operations Research
 //! Letters 8, 1989: for one closed edge of an undirected graph the detour is the cheapest way. For
