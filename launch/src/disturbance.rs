@@ -8,7 +8,8 @@ use std::collections::BTreeMap;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::span::Span;
 
-/// Totals of one process since its start, over all its threads.
+/// Totals of one process, over those of its threads that live: what one ran that has ended since is
+/// no longer counted by the kernel's files (services keep theirs until they end).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 struct Counters {
     pid: u32,
@@ -148,6 +149,7 @@ impl Counters {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::time::{Duration, Instant};
 
     #[test]
     fn the_kernels_lines_are_read_by_their_fields() {
@@ -208,16 +210,24 @@ mod tests {
     }
 
     #[test]
-    fn the_own_process_is_read() {
-        let pid = std::process::id();
-        let roles = || [(Role::Mapping, pid), (Role::Robot, u32::MAX)].into_iter();
+    fn a_running_process_is_read_and_a_missing_one_counts_nothing() {
+        // Not this one: threads of other tests end while it is read.
+        let mut busy = std::process::Command::new("sh")
+            .args(["-c", "while :; do :; done"])
+            .spawn()
+            .expect("a shell");
+        let roles = || [(Role::Mapping, busy.id()), (Role::Robot, u32::MAX)].into_iter();
         let before = Reading::take(roles());
+        let until = Instant::now() + Duration::from_secs(60);
+        let used = loop {
+            std::thread::sleep(Duration::from_millis(5));
+            let used = Reading::take(roles()).since(&before, [].iter());
+            if used.services[0].processor_us > 0.0 || Instant::now() > until {
+                break used;
+            }
+        };
+        busy.kill().and_then(|()| busy.wait()).expect("it ran");
         assert_eq!(before.services.len(), 1, "only what runs is read");
-        let until = std::time::Instant::now() + std::time::Duration::from_millis(20);
-        while std::time::Instant::now() < until {
-            std::hint::spin_loop();
-        }
-        let used = Reading::take(roles()).since(&before, [].iter());
         assert!(used.services[0].processor_us > 0.0, "{used:?}");
     }
 }

@@ -19,7 +19,7 @@ const GOLDEN: &[(&str, usize, usize, u64)] = &[
     ("map/update", 288, 4104, 0xd9d1_18ec_8068_3c4f),
     ("map/keyframe", 288, 4104, 0xd4f8_f667_ac1d_8d9f),
     ("map/obstacles", 136, 136, 0x34d4_6bee_8a17_ace4),
-    ("plan/path", 264, 24, 0xecf8_a62d_744c_bfe1),
+    ("plan/path", 272, 24, 0x9bfb_9634_c7bf_32a9),
     ("plan/request", 144, 1, 0x904f_8c1a_2cb8_a816),
     ("task/goal", 144, 48, 0x91f1_3d6d_71f9_fd5b),
     ("task/status", 168, 24, 0x5b76_391a_9308_4ce3),
@@ -80,7 +80,7 @@ fn fixed_offsets_that_other_languages_rely_on() {
             size_of::<Path>(),
             size_of::<Waypoint>()
         ),
-        (160, 136, 24)
+        (160, 144, 24)
     );
     assert_eq!(Header::NAME, "zeronav.Header.v2");
 }
