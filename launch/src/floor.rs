@@ -59,6 +59,7 @@ pub fn measure(
         ..RunClock::default()
     };
     let mut ring = Stack::create(clock).map_err(|error| error.to_string())?;
+    ring.scheduling = prepared.scenario.scheduling();
     let series = start(&mut ring, prepared, load, &binary)
         .and_then(|()| listen(&mut ring, load, cycles, interrupted));
     stack::close(ring);

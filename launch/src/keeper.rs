@@ -124,6 +124,11 @@ impl<'a> Keeper<'a> {
         if let Some(child) = stack.children.last() {
             let (pid, epoch) = (child.pid(), child.epoch);
             tracing::info!(%role, pid, epoch, binary = %binary.display(), "started");
+            for refused in child.refused_at_start() {
+                note(&format!(
+                    "warning: the kernel did not grant {role} {refused}"
+                ));
+            }
         }
         Ok(())
     }

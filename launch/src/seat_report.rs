@@ -47,6 +47,7 @@ pub(crate) fn stop(
             external: false,
             key: None,
             starts: keeper.starts(role),
+            scheduling: child.scheduling().cloned(),
             memory_peak_bytes: (keeper.memory_peak_bytes(role)).max(child.memory_peak_bytes()),
             end,
         });
@@ -64,6 +65,7 @@ fn external_service(role: Role, occupant: Option<&Occupant>) -> ServiceResult {
         key: None,
         starts: 0,
         memory_peak_bytes: 0,
+        scheduling: None,
         end: "not ours to end".to_owned(),
     }
 }

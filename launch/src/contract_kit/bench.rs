@@ -210,7 +210,7 @@ impl Bench {
         let arguments = self.program.with(&self.flags(EPOCH));
         let log = self.program.folder.join("program.log");
         let (role, binary) = (self.program.role, &self.program.binary);
-        let child = Child::start(role, EPOCH, binary, &arguments, stdin, &log);
+        let child = Child::start(role, EPOCH, binary, &arguments, stdin, &log, None);
         self.child = Some(child.map_err(|error| error.to_string())?);
         Ok(())
     }

@@ -91,6 +91,7 @@ pub(crate) fn drive(
         ..RunClock::default()
     };
     let mut stack = Stack::create(clock).map_err(|error| error.to_string())?;
+    stack.scheduling = prepared.scenario.scheduling();
     if let Err(error) = log::open(&prepared.directory.join("logs/launch.log")) {
         tracing::warn!(%error, "no log of the supervisor");
     }

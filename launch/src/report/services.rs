@@ -27,6 +27,7 @@ pub(super) fn services(services: &[ServiceResult], timings: Option<&Timings>) ->
             Cell::Number(time(answers.and_then(|figures| figures.p50_us))),
             Cell::Number(time(answers.and_then(|figures| figures.p99_us))),
             Cell::Number(time(answers.and_then(|figures| figures.max_us))),
+            Cell::text(scheduling(service)),
             Cell::text(service.end.clone()),
         ]
     };
@@ -42,10 +43,21 @@ pub(super) fn services(services: &[ServiceResult], timings: Option<&Timings>) ->
             "#computing, p50",
             "#p99",
             "#max",
+            "scheduling",
             "end",
         ],
         &rows,
     )
+}
+
+/// What the kernel granted, and what it did not.
+fn scheduling(service: &ServiceResult) -> String {
+    let Some(scheduling) = &service.scheduling else {
+        return String::new();
+    };
+    let refused = scheduling.refused.iter();
+    let refused = refused.map(|refused| format!("; not granted: {refused}"));
+    scheduling.in_words() + &refused.collect::<String>()
 }
 
 /// Restarts, by the time of the page.

@@ -7,6 +7,7 @@ pub mod fault;
 pub mod latency;
 pub mod moment;
 pub mod profile;
+pub mod scheduling;
 pub mod start_up;
 pub mod swap;
 pub mod trials;
@@ -16,6 +17,7 @@ use fault::FaultResult;
 use latency::Latency;
 use moment::Moment;
 use profile::Profile;
+use scheduling::Scheduling;
 use serde::{Deserialize, Serialize};
 use start_up::StartUp;
 use std::collections::BTreeMap;
@@ -237,6 +239,9 @@ pub struct ServiceResult {
     pub starts: u32,
     /// Largest resident memory. [bytes]
     pub memory_peak_bytes: u64,
+    /// How the kernel scheduled it; null when launch did not start it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scheduling: Option<Scheduling>,
     /// How it ended.
     pub end: String,
 }

@@ -196,7 +196,13 @@ impl Scenario {
             return Err(SpecError::new("run.tick_hz", why));
         }
         zeronav_params::check(&self.restart)
-            .map_err(|error| SpecError::from(error).within("restart"))
+            .map_err(|error| SpecError::from(error).within("restart"))?;
+        for (role, scheduling) in self.scheduling() {
+            let field = format!("services.{role}.scheduling");
+            zeronav_params::check(&scheduling)
+                .map_err(|error| SpecError::from(error).within(&field))?;
+        }
+        Ok(())
     }
 
     /// The map must fit into one keyframe.

@@ -263,8 +263,9 @@ pub(super) fn documents() -> Vec<Table> {
     // One shadow at a time.
     let shadows = Role::SERVICES.into_iter().map(|role| {
         let text = format!(
-            "title = \"A shadow\"\nstart = [3.0, 2.5, 0.0]\n\
-             [world]\narea_m = [[0.0, 0.0], [10.0, 5.0]]\n[services.{role}.shadow]\nbinary = \"b\"\nconfig.x = 1\n"
+            "title = \"A shadow and a schedule\"\nstart = [3.0, 2.5, 0.0]\n\
+             [world]\narea_m = [[0.0, 0.0], [10.0, 5.0]]\n[services.{role}.shadow]\nbinary = \"b\"\nconfig.x = 1\n\
+             [services.{role}.scheduling]\npolicy = \"fifo\"\npriority = 5\nnice = 0\ncpus = [0]\nlock_memory = true\n"
         );
         text.parse().unwrap()
     });

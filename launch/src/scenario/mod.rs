@@ -47,6 +47,7 @@ pub use schema::schema;
 pub use swaps::{KEEP_S, KEEP_S_MIN, SHADOW_S, ShadowSpec, SwapSpec};
 
 use crate::supervise::restart::RestartSpec;
+use crate::supervise::scheduling::SchedulingSpec;
 use core::f64::consts::PI;
 use document::Document;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -246,6 +247,9 @@ pub struct ServiceSpec {
     /// A second process that is compared with it and never obeyed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub shadow: Option<ShadowSpec>,
+    /// How the kernel shall schedule the processes in its seat.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scheduling: Option<SchedulingSpec>,
 }
 
 /// What the verdict asks for.
@@ -332,6 +336,14 @@ impl Scenario {
         Role::SERVICES
             .into_iter()
             .filter_map(|role| Some((role, self.services.of(role)?.shadow.as_ref()?)))
+    }
+
+    /// How the processes of each seat shall be scheduled, where the scenario says so.
+    pub(crate) fn scheduling(&self) -> BTreeMap<Role, SchedulingSpec> {
+        Role::SERVICES
+            .into_iter()
+            .filter_map(|role| Some((role, self.services.of(role)?.scheduling.clone()?)))
+            .collect()
     }
 
     fn read(

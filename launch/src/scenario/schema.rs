@@ -12,6 +12,7 @@ use super::{
     TIME_LIMIT_S_MAX, TOLERANCE, YAW_RAD_MAX, faultable,
 };
 use crate::supervise::restart::RestartSpec;
+use crate::supervise::scheduling::SchedulingSpec;
 use serde_json::{Map, Value, json};
 use zeronav_msgs::Role;
 use zeronav_msgs::command::Intervention;
@@ -221,6 +222,7 @@ fn seat(config: &Value) -> Value {
         ("binary", text()),
         ("config", any),
         ("shadow", closed(shadow, &[])),
+        ("scheduling", object(&describe::<SchedulingSpec>())),
     ]);
     let mut seat = closed(fields, &[]);
     seat["if"] = json!({ "not": { "required": ["binary"] } });

@@ -32,6 +32,11 @@ impl RunResult {
                 .join(", ")
         );
         let _ = writeln!(text, "  answered by {}", self.who_answered());
+        for service in &self.services {
+            for refused in service.scheduling.iter().flat_map(|it| &it.refused) {
+                let _ = writeln!(text, "  {} was not granted {refused}", service.name);
+            }
+        }
     }
 
     /// The processes that answered, for people.

@@ -1,6 +1,8 @@
 //! One service process.
 
+use super::scheduling::{self, SchedulingSpec};
 use super::warden;
+use crate::result::scheduling::Scheduling;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::process::{Pid, PidfdFlags, Signal, kill_process_group, pidfd_open};
 use std::ffi::OsString;
@@ -29,6 +31,8 @@ pub struct Child {
     pidfd: OwnedFd,
     ended: Option<ExitStatus>,
     memory_peak_bytes: u64,
+    scheduling: Option<SchedulingSpec>,
+    scheduled: Option<Scheduling>,
 }
 
 impl Child {
@@ -44,6 +48,7 @@ impl Child {
         arguments: &[OsString],
         stdin: Stdio,
         log: &Path,
+        scheduling: Option<&SchedulingSpec>,
     ) -> std::io::Result<Self> {
         let name = |error: std::io::Error| {
             std::io::Error::new(
@@ -64,6 +69,9 @@ impl Child {
             .stderr(stderr)
             .process_group(0);
         end_with_this_thread(&mut command, Signal::TERM);
+        if let Some(spec) = scheduling {
+            scheduling::ask(&mut command, spec);
+        }
         let process = command.spawn().map_err(name)?;
         let pidfd = i32::try_from(process.id())
             .ok()
@@ -89,6 +97,8 @@ impl Child {
             pidfd,
             ended: None,
             memory_peak_bytes: 0,
+            scheduling: scheduling.cloned(),
+            scheduled: None,
         })
     }
 
@@ -159,6 +169,25 @@ impl Child {
             self.memory_peak_bytes = self.memory_peak_bytes.max(kibibytes * 1024);
         }
         self.memory_peak_bytes
+    }
+
+    /// How the kernel schedules it, or did while it ran.
+    pub fn scheduling(&mut self) -> Option<&Scheduling> {
+        if let Some(now) = scheduling::read(self.pid(), self.scheduling.as_ref()) {
+            self.scheduled = Some(now);
+        }
+        self.scheduled.as_ref()
+    }
+
+    /// What the scenario asks of the scheduler and the kernel has not granted. Memory is not yet
+    /// locked then, and left out.
+    pub fn refused_at_start(&self) -> Vec<String> {
+        let spec = self.scheduling.clone().map(|spec| SchedulingSpec {
+            lock_memory: false,
+            ..spec
+        });
+        let now = spec.and_then(|spec| scheduling::read(self.pid(), Some(&spec)));
+        now.map_or_else(Vec::new, |now| now.refused)
     }
 
     /// Sends `signal` to its process group.

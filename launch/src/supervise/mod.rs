@@ -8,6 +8,7 @@ pub(crate) mod hang;
 pub(crate) mod occupant;
 pub(crate) mod question;
 pub(crate) mod restart;
+pub(crate) mod scheduling;
 pub(crate) mod stack;
 pub(crate) mod taps;
 pub mod warden;

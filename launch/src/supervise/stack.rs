@@ -1,10 +1,14 @@
 //! A running stack: the domain, its topics, launch's own ports, and the processes.
 
 mod pair;
+mod shutdown;
+
+pub(crate) use shutdown::close;
 
 use super::child::Child;
 use super::cleaner::{Cleaner, Ticket};
 use super::occupant::Occupant;
+use super::scheduling::SchedulingSpec;
 use super::taps::Taps;
 use super::warden;
 use crate::shared_memory;
@@ -13,7 +17,6 @@ use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::ffi::OsString;
 use std::path::Path;
-use std::time::{Duration, Instant};
 use zeronav_msgs::health::HealthState;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::run::{RunClock, RunControl, Seat, TOPIC_FAULTS_MAX, TopicFault};
@@ -35,9 +38,6 @@ const LAUNCH_EPOCH: u32 = 1;
 /// Epoch of the first process in each seat.
 const FIRST_EPOCH: u32 = 1;
 
-/// How long a process may take to stop before it is killed.
-const STOP_LIMIT: Duration = Duration::from_secs(2);
-
 /// How the process of a seat is started.
 #[derive(Debug, Clone, Copy)]
 pub struct Launch<'a> {
@@ -58,6 +58,8 @@ pub struct Stack {
     pub children: Vec<Child>,
     /// A second process in one of the seats: a newcomer, or a predecessor that is still warm.
     pub beside: Option<Child>,
+    /// How the processes of a seat are scheduled, where the scenario says so.
+    pub scheduling: BTreeMap<Role, SchedulingSpec>,
     /// What launch reads.
     pub taps: Taps,
     /// The seats that launch fills, held for the whole run.
@@ -115,6 +117,7 @@ impl Stack {
         let mut stack = Self {
             children: Vec::new(),
             beside: None,
+            scheduling: BTreeMap::new(),
             taps,
             last_epochs: BTreeMap::new(),
             seats: BTreeMap::new(),
@@ -195,7 +198,16 @@ impl Stack {
         .into();
         let seat = self.hold_seat(role).map_err(std::io::Error::other)?;
         let stdin = seat.for_child()?;
-        Child::start(role, epoch, launch.binary, &arguments, stdin, launch.log)
+        let scheduling = self.scheduling.get(&role);
+        Child::start(
+            role,
+            epoch,
+            launch.binary,
+            &arguments,
+            stdin,
+            launch.log,
+            scheduling,
+        )
     }
 
     /// Says in the seat of `role` who sits there, for a process that comes second.
@@ -428,24 +440,6 @@ impl Stack {
         let peer = self.peer.as_ref();
         peer.map_or(0, |peer| shared_memory::used_bytes(peer.domain()))
     }
-
-    /// Ends the processes: asks, waits, kills. Returns those that had to be killed.
-    pub fn stop_processes(&mut self) -> Vec<Role> {
-        let mut killed = Vec::new();
-        for child in self.children.iter_mut().chain(&mut self.beside) {
-            child.memory_peak_bytes();
-            child.signal(rustix::process::Signal::TERM);
-        }
-        let deadline = Instant::now() + STOP_LIMIT;
-        for child in self.children.iter_mut().chain(&mut self.beside) {
-            if !child.wait(deadline.saturating_duration_since(Instant::now())) {
-                killed.push(child.role);
-                child.signal(rustix::process::Signal::KILL);
-                child.wait(STOP_LIMIT);
-            }
-        }
-        killed
-    }
 }
 
 fn seat_mut(roster: &mut Roster, role: Role) -> Option<&mut Seat> {
@@ -453,39 +447,4 @@ fn seat_mut(roster: &mut Roster, role: Role) -> Option<&mut Seat> {
         .seats
         .iter_mut()
         .find(|seat| seat.role == role.code())
-}
-
-impl Drop for Stack {
-    fn drop(&mut self) {
-        self.stop_processes();
-        self.children.clear();
-        self.beside = None;
-    }
-}
-
-/// Ends the processes and removes the domain with everything in it.
-///
-/// The ports must be gone before the middleware's node, and the node before the lock.
-pub(crate) fn close(mut stack: Stack) {
-    stack.stop_processes();
-    stack.children.clear();
-    stack.beside = None;
-    let deleted = stack.is_deleted();
-    let (peer, topics) = (stack.peer.take(), stack.topics.take());
-    let domain = if deleted || stack.cleaner.has_failed() {
-        // Closing a port touches files that may be corrupt or gone. They go with the domain, and the memory
-        // with this process.
-        stack.cleaner = Cleaner::new(Path::new("/"));
-        core::mem::forget((stack, topics));
-        peer.map(Peer::abandon)
-    } else {
-        drop(stack);
-        drop(topics);
-        peer.map(Peer::leave)
-    };
-    let Some(domain) = domain else { return };
-    let root = domain.root().to_owned();
-    if let Err(error) = domain.close() {
-        tracing::warn!(root = %root.display(), %error, "the domain could not be removed");
-    }
 }

@@ -114,6 +114,7 @@ fn start<S: Service>(flags: &Flags) -> Result<(), StartError> {
     if let Some(one) = NonZeroU64::new(1) {
         let _ = rustix::thread::set_current_timer_slack(Some(one));
     }
+    crate::locked::lock_if_asked();
     let mut shell = Shell::open(flags, S::ROLE, signals)?;
     let mut service = S::open(&mut shell, config)?;
     let mut leaving = Leaving::new(stop);

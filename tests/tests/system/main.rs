@@ -44,6 +44,7 @@ mod results;
 mod rollouts;
 mod rosmaps;
 mod scenarios;
+mod scheduling;
 mod seats;
 mod service_configs;
 mod signals;
