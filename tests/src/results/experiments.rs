@@ -2,7 +2,7 @@
 
 use super::bench::{Bench, Measured};
 use super::record::Table;
-use super::{extract, faults, rounds, standing, trials, viewing};
+use super::{extract, faults, paired, standing, trials, viewing};
 
 /// One experiment.
 #[derive(Debug)]
@@ -125,7 +125,18 @@ pub const EXPERIMENTS: &[Experiment] = &[
             "Ratios are to the run of the same round with `--no-stages`; in brackets the quartiles of the \
              rounds.",
         ),
-        make: stages,
+        make: paired::stages,
+    },
+    Experiment {
+        key: "placement",
+        title: "latencies by how the kernel schedules the services, four rounds of 20 trials each",
+        minutes: 9.0,
+        by_default: false,
+        note: Some(
+            "On a machine with two processors. Ratios are to the run of the same round in which nothing \
+             is asked of the kernel; in brackets the quartiles of the rounds.",
+        ),
+        make: paired::placement,
     },
     Experiment {
         key: "generated",
@@ -298,17 +309,6 @@ fn lockstep_runs(bench: &mut Bench, n: usize) -> Result<Vec<serde_json::Value>, 
     (0..n)
         .map(|_| bench.zeronav(&["run", "blocked_aisle", "--lockstep"]))
         .collect()
-}
-
-fn stages(bench: &mut Bench) -> Result<Measured, String> {
-    let arguments = ["run", "blocked_aisle", "--trials", "20", "--no-stages"];
-    let names = ["not timed (--no-stages)", "timed"];
-    let rows = rounds::in_turn(8, &names, |at| bench.zeronav(&arguments[..5 - at]))?;
-    Ok(tables(vec![extract::table(
-        "stages",
-        &rounds::COLUMNS,
-        rows,
-    )]))
 }
 
 fn lockstep(bench: &mut Bench) -> Result<Measured, String> {

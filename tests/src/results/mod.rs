@@ -9,6 +9,7 @@ pub mod experiments;
 pub mod extract;
 mod faults;
 pub mod page;
+mod paired;
 pub mod record;
 mod rounds;
 pub mod spread;
