@@ -179,13 +179,16 @@ impl MapTile {
         }
     }
 
-    /// Copies the tile into a row-major grid of the same geometry.
+    /// Copies the tile into a row-major grid of the same geometry. Returns the smallest rectangle
+    /// around the cells that are others now; `None` when all are as they were.
     ///
     /// # Panics
     /// When `cells` is not as long as the geometry says.
-    pub fn copy_to(&self, geometry: &GridGeometry, cells: &mut [MapCell]) {
+    pub fn copy_to(&self, geometry: &GridGeometry, cells: &mut [MapCell]) -> Option<CellRect> {
         assert_eq!(cells.len(), geometry.len(), "grid and geometry differ");
         let rect = self.rect(geometry);
+        let n = (rect.max.x - rect.min.x).max(0).cast_unsigned() as usize;
+        let mut changed: Option<CellRect> = None;
         for y in rect.min.y..rect.max.y {
             let (Some(to), row) = (
                 geometry.index_of(Cell::new(rect.min.x, y)),
@@ -193,9 +196,28 @@ impl MapTile {
             ) else {
                 continue;
             };
-            let n = (rect.max.x - rect.min.x).cast_unsigned() as usize;
-            cells[to..to + n].copy_from_slice(&self.cells[row..row + n]);
+            let (old, new) = (&mut cells[to..to + n], &self.cells[row..row + n]);
+            let is_other = |(old, new): (&MapCell, &MapCell)| old != new;
+            let Some(first) = old.iter().zip(new).position(is_other) else {
+                continue;
+            };
+            let last = old.iter().zip(new).rposition(is_other).unwrap_or(first);
+            old[first..=last].copy_from_slice(&new[first..=last]);
+            #[allow(
+                clippy::cast_possible_truncation,
+                clippy::cast_possible_wrap,
+                reason = "a tile is 32 cells wide"
+            )]
+            let (min_x, max_x) = (rect.min.x + first as i32, rect.min.x + last as i32 + 1);
+            let so_far = changed.get_or_insert(CellRect {
+                min: Cell::new(min_x, y),
+                max: Cell::new(max_x, y + 1),
+            });
+            so_far.min.x = so_far.min.x.min(min_x);
+            so_far.max.x = so_far.max.x.max(max_x);
+            so_far.max.y = y + 1;
         }
+        changed
     }
 }
 

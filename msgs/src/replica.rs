@@ -98,7 +98,8 @@ impl MapReplica {
         }
     }
 
-    /// Rectangles that were written since the last call; all of the map after a keyframe.
+    /// Rectangles around the cells that became others since the last call, at most one of each tile
+    /// and obstacle; all of the map after a keyframe.
     pub fn take_changed(&mut self) -> Vec<CellRect> {
         core::mem::take(&mut self.changed)
     }
@@ -204,8 +205,8 @@ impl MapReplica {
         self.stamp.lift(&mut self.cells, &mut self.changed);
         let parts = core::mem::take(&mut self.parts);
         for tile in parts.iter().chain(tiles) {
-            tile.copy_to(&info.geometry, &mut self.cells);
-            self.changed.push(tile.rect(&info.geometry));
+            let changed = tile.copy_to(&info.geometry, &mut self.cells);
+            self.changed.extend(changed);
         }
         self.info = *info;
         self.revision = id;

@@ -297,6 +297,33 @@ fn disc(x_m: f64, y_m: f64, radius_m: f64) -> Obstacle {
 }
 
 #[test]
+fn only_cells_that_became_others_are_announced() {
+    let (mut writer, mut replica) = started();
+    replica.take_changed();
+    // The first lies in a tile that the map's edge cuts; the second time it is as it was.
+    for (x, y, expected) in [
+        (97, 66, Some((97, 66))),
+        (97, 66, None),
+        (0, 31, Some((0, 31))),
+    ] {
+        let (id, info, tiles) = writer.set(x, y, 11);
+        assert_eq!(replica.update(id, &info, &tiles), Step::Applied);
+        let changed = replica.take_changed();
+        let found = changed.first().map(|rect| (rect.min, rect.max));
+        let one = expected.map(|(x, y)| (Cell::new(x, y), Cell::new(x + 1, y + 1)));
+        assert_eq!((found, changed.len()), (one, usize::from(one.is_some())));
+    }
+    // Two cells of a tile: the rectangle around both.
+    writer.cells[GEOMETRY.index_of(Cell::new(40, 33)).expect("inside")].cost = 12;
+    let (id, info, tiles) = writer.set(35, 50, 12);
+    assert_eq!(replica.update(id, &info, &tiles), Step::Applied);
+    let changed = replica.take_changed();
+    assert_eq!(changed.len(), 1);
+    let expected = (Cell::new(35, 33), Cell::new(41, 51));
+    assert_eq!((changed[0].min, changed[0].max), expected);
+}
+
+#[test]
 fn stamped_discs_block_by_the_cost_model_and_leave_no_trace() {
     let (mut writer, mut replica) = started();
     writer.cells.fill(MapCell {

@@ -183,7 +183,8 @@ impl MapInput {
         self.info().map_from_odom.then(odom_from_base)
     }
 
-    /// Rectangles of cells that were written by the last poll; all of the map after a keyframe.
+    /// Rectangles around the cells that became others in the last poll; all of the map after a
+    /// keyframe.
     #[must_use]
     pub fn changed(&self) -> &[CellRect] {
         &self.changed

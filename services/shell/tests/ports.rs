@@ -259,6 +259,10 @@ fn a_map_is_complete_with_its_last_part_and_a_keyframe_repairs_a_gap() {
     assert!(map.has(1) && !map.has(2));
     assert_eq!(map.changed().len(), 1, "all of it");
 
+    let tiles = tiles.map(|tile| MapTile {
+        cells: [MapCell::unknown(50); 1024],
+        ..tile
+    });
     let last = updates.next_id().next();
     let part = |part| map_info(last, part, 2, 1);
     updates
