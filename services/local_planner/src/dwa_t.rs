@@ -90,6 +90,7 @@ impl TimedWindow {
         let (window, config) = (scene.window(heading), self.config);
         self.rows
             .prepare(&window, scene, (config.speeds, config.yaw_rates));
+        scene.find_cost_to_go();
         let now = to_go(scene.seen, scene.situation.map_from_base.point());
         // Later only dynamic obstacles count.
         let judged_s = judged_s(scene, config.horizon_s);

@@ -97,7 +97,6 @@ impl Perception {
             .sample(&self.tracker, situation.path, place, position, path_m);
         let map = situation.map.map(|map| (map, situation.map_cells));
         let mut stamped = situation.scan_points_in_base;
-        let mut cost_to_go = None;
         let obstacles = match self.tracks {
             Tracks::Ignored => &[],
             Tracks::Checked | Tracks::Predicted(_) => situation.obstacles,
@@ -111,26 +110,37 @@ impl Perception {
                 .static_points
                 .extend(points.filter(|point| !self.dynamic.owns(**point)));
             stamped = &prediction.static_points;
-            cost_to_go = Some(&mut prediction.cost_to_go);
         }
         let points = situation.scan_points_in_base;
         self.surroundings
             .look(map, &situation.map_from_base, points, stamped, reach);
-        if let (Some(cost_to_go), Some((map, map_cells))) = (cost_to_go, map) {
-            let inputs = CostToGoInputs {
-                map,
-                map_cells,
-                path: situation.path,
-                geometry: situation.path_geometry,
-                place: *place,
-                position,
-                reach_m: reach.field_m,
-                // Narrower than that no stop is free, whatever the robot's heading.
-                inscribed_m: self.surroundings.footprint.inscribed_m + config.safety_margin_m,
-                soft_m: config.soft_clearance_m,
-            };
-            cost_to_go.update(&self.tracker, &inputs);
-        }
+    }
+
+    /// Makes the cost-to-go of a chooser in time that of path and map. It is the dearest part of what
+    /// follows a new path, and a robot that first turns towards the path has time for it later.
+    pub(super) fn find_cost_to_go(
+        &mut self,
+        config: &DwaConfig,
+        situation: &Situation<'_>,
+        place: &Place,
+    ) {
+        let reach_m = self.reach(config, situation).field_m;
+        let (Tracks::Predicted(prediction), Some(map)) = (&mut self.tracks, situation.map) else {
+            return;
+        };
+        let inputs = CostToGoInputs {
+            map,
+            map_cells: situation.map_cells,
+            path: situation.path,
+            geometry: situation.path_geometry,
+            place: *place,
+            position: situation.map_from_base.point(),
+            reach_m,
+            // Narrower than that no stop is free, whatever the robot's heading.
+            inscribed_m: self.surroundings.footprint.inscribed_m + config.safety_margin_m,
+            soft_m: config.soft_clearance_m,
+        };
+        prediction.cost_to_go.update(&self.tracker, &inputs);
     }
 
     /// Takes in map, scan and dynamic obstacles for a manoeuvre that follows no path: all points of
@@ -170,7 +180,8 @@ impl Perception {
         }
     }
 
-    /// The cost-to-go of a chooser in time; empty before the first map.
+    /// The cost-to-go of a chooser in time as of [`Self::find_cost_to_go`]; empty before the first
+    /// map.
     pub(crate) fn cost_to_go(&self) -> Option<&CostToGo> {
         match &self.tracks {
             Tracks::Predicted(prediction) => Some(&prediction.cost_to_go),

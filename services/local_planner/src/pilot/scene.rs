@@ -139,6 +139,12 @@ pub(crate) struct Heading {
 }
 
 impl<'a> Scene<'a> {
+    /// Makes the cost-to-go current, for those who ask for it.
+    pub(crate) fn find_cost_to_go(&mut self) {
+        self.seen
+            .find_cost_to_go(self.config, self.situation, &self.place);
+    }
+
     /// Where the path leads, or the wish to turn towards it on the spot first.
     pub(crate) fn heading(&mut self) -> Result<Heading, Wish> {
         let to_goal = self.to_local_goal();
