@@ -165,7 +165,7 @@ impl Search {
         }
         let looks = self.config.layers as usize * LOOKS;
         scene.seen.dynamic.tabulate(looks, self.config.look_s());
-        scene.find_cost_to_go();
+        scene.find_cost_to_go(false);
         let goal = situation.goal.pose.point() - situation.map_from_base.point();
         let seen = &*scene.seen;
         let space = Space {

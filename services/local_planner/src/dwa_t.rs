@@ -90,7 +90,8 @@ impl TimedWindow {
         let (window, config) = (scene.window(heading), self.config);
         self.rows
             .prepare(&window, scene, (config.speeds, config.yaw_rates));
-        scene.find_cost_to_go();
+        // A dead end that is taken for the way costs one period at most.
+        scene.find_cost_to_go(true);
         let now = to_go(scene.seen, scene.situation.map_from_base.point());
         // Later only dynamic obstacles count.
         let judged_s = judged_s(scene, config.horizon_s);

@@ -374,7 +374,7 @@ impl Optimiser {
             self.plan.hold(window);
         }
         scene.seen.dynamic.tabulate(steps, self.config.step_s);
-        scene.find_cost_to_go();
+        scene.find_cost_to_go(false);
         let (scene, seen) = (&*scene, &*scene.seen);
         let path = core::mem::take(&mut self.path);
         let config = self.config;

@@ -45,6 +45,9 @@ pub(crate) enum Tracks {
 #[derive(Debug)]
 pub(crate) struct Prediction {
     cost_to_go: CostToGo,
+    /// Path whose cost-to-go can be asked for, and the one that it was put off for.
+    found: Option<u64>,
+    put_off: Option<u64>,
     /// Points of the scan that belong to no dynamic obstacle.
     static_points: Vec<Point2<f64>>,
     /// [m] around the robot that is known where there are dynamic obstacles, if not more is.
@@ -55,6 +58,8 @@ impl Default for Prediction {
     fn default() -> Self {
         Self {
             cost_to_go: CostToGo::default(),
+            found: None,
+            put_off: None,
             static_points: Vec::with_capacity(BEAMS_MAX),
             sight_m: 0.0,
         }
@@ -116,18 +121,27 @@ impl Perception {
             .look(map, &situation.map_from_base, points, stamped, reach);
     }
 
-    /// Makes the cost-to-go of a chooser in time that of path and map. It is the dearest part of what
-    /// follows a new path, and a robot that first turns towards the path has time for it later.
+    /// Makes the cost-to-go of a chooser in time that of path and map.
+    ///
+    /// It takes most of the time of an answer to a new path. One that can do without for a period says so
+    /// by `puts_off`: then there is none for a new path in its first period.
     pub(super) fn find_cost_to_go(
         &mut self,
         config: &DwaConfig,
         situation: &Situation<'_>,
         place: &Place,
+        puts_off: bool,
     ) {
         let reach_m = self.reach(config, situation).field_m;
         let (Tracks::Predicted(prediction), Some(map)) = (&mut self.tracks, situation.map) else {
             return;
         };
+        let path = Some(situation.path_geometry);
+        if puts_off && prediction.found != path && prediction.put_off != path {
+            (prediction.found, prediction.put_off) = (None, path);
+            return;
+        }
+        prediction.found = path;
         let inputs = CostToGoInputs {
             map,
             map_cells: situation.map_cells,
@@ -180,11 +194,10 @@ impl Perception {
         }
     }
 
-    /// The cost-to-go of a chooser in time as of [`Self::find_cost_to_go`]; empty before the first
-    /// map.
+    /// The cost-to-go of a chooser in time as of [`Self::find_cost_to_go`]; none before the first map.
     pub(crate) fn cost_to_go(&self) -> Option<&CostToGo> {
         match &self.tracks {
-            Tracks::Predicted(prediction) => Some(&prediction.cost_to_go),
+            Tracks::Predicted(prediction) => prediction.found.map(|_| &prediction.cost_to_go),
             Tracks::Ignored | Tracks::Checked => None,
         }
     }

@@ -139,10 +139,11 @@ pub(crate) struct Heading {
 }
 
 impl<'a> Scene<'a> {
-    /// Makes the cost-to-go current, for those who ask for it.
-    pub(crate) fn find_cost_to_go(&mut self) {
+    /// Makes the cost-to-go current for a chooser that asks for it; see
+    /// [`Perception::find_cost_to_go`].
+    pub(crate) fn find_cost_to_go(&mut self, puts_off: bool) {
         self.seen
-            .find_cost_to_go(self.config, self.situation, &self.place);
+            .find_cost_to_go(self.config, self.situation, &self.place, puts_off);
     }
 
     /// Where the path leads, or the wish to turn towards it on the spot first.
