@@ -137,6 +137,8 @@ impl Perception {
             return;
         };
         let path = Some(situation.path_geometry);
+        // Among what moves the path changes too often to be without it each time.
+        let puts_off = puts_off && situation.obstacles.is_empty();
         if puts_off && prediction.found != path && prediction.put_off != path {
             (prediction.found, prediction.put_off) = (None, path);
             return;
