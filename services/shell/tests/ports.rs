@@ -220,6 +220,15 @@ fn map_info(revision: Id, part: u16, parts: u16, n_tiles: u32) -> MapInfo {
     }
 }
 
+/// Its tiles, with unknown cells of this clearance.
+fn map_tiles(clearance_mm: u16) -> [MapTile; 2] {
+    [0, 1].map(|tile_x| MapTile {
+        tile_x,
+        tile_y: 0,
+        cells: [MapCell::unknown(clearance_mm); 1024],
+    })
+}
+
 fn of_tick(tick: u64) -> Draft {
     Draft {
         tick,
@@ -236,11 +245,7 @@ fn a_map_is_complete_with_its_last_part_and_a_keyframe_repairs_a_gap() {
     let mut updates = mapping.writer::<MapUpdate>(1).expect("a writer");
     let mut keyframes = mapping.writer::<MapKeyframe>(2).expect("a writer");
     let mut roster = roster(&[(Role::Mapping, 1)]);
-    let tiles = [0, 1].map(|tile_x| MapTile {
-        tile_x,
-        tile_y: 0,
-        cells: [MapCell::unknown(0); 1024],
-    });
+    let tiles = map_tiles(0);
     assert!(map.is_lost() && map.view().is_none() && map.received().is_none());
 
     let first = updates.next_id();
@@ -259,10 +264,7 @@ fn a_map_is_complete_with_its_last_part_and_a_keyframe_repairs_a_gap() {
     assert!(map.has(1) && !map.has(2));
     assert_eq!(map.changed().len(), 1, "all of it");
 
-    let tiles = tiles.map(|tile| MapTile {
-        cells: [MapCell::unknown(50); 1024],
-        ..tile
-    });
+    let tiles = map_tiles(50);
     let last = updates.next_id().next();
     let part = |part| map_info(last, part, 2, 1);
     updates

@@ -72,6 +72,6 @@ fn a_priority_without_a_real_time_policy_is_rejected_before_anything_starts() {
     let folder = folder("[services.robot.scheduling]\npriority = 5\n");
     let ended = Zeronav::start_in(folder, &["run", "./it.toml", "--headless"]).finish();
     assert_eq!(ended.code(), 2, "{}", ended.stderr);
-    let said = "services.robot.scheduling.priority must be 1 to 99 with the policies fifo and rr";
+    let said = "services.robot.scheduling.priority: must be 1 to 99 with the policies fifo and rr";
     assert!(ended.stderr.contains(said), "{}", ended.stderr);
 }

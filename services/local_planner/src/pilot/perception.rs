@@ -223,3 +223,69 @@ impl Perception {
             .stop_arc_m(robot, twist, config.reaction_s, &self.dynamic)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_robot::robot;
+    use zeronav_msgs::path::Waypoint;
+    use zeronav_msgs::task::Goal;
+    use zeronav_msgs::{GridGeometry, MapCell, MapView, Pose};
+
+    #[test]
+    fn a_new_path_does_without_cost_to_go_for_a_period_unless_something_moves() {
+        let geometry = GridGeometry {
+            origin_x_m: 0.0,
+            origin_y_m: 0.0,
+            resolution_m: 0.1,
+            width: 60,
+            height: 60,
+        };
+        let free = MapCell {
+            clearance_mm: 1000,
+            ..MapCell::default()
+        };
+        let cells = vec![free; geometry.len()];
+        let path = [1.0, 5.0].map(|x_m| Waypoint {
+            x_m,
+            y_m: 3.0,
+            ..Waypoint::default()
+        });
+        let (robot, goal) = (robot(), Goal::default());
+        let mut seen = Perception::new(Tracks::Predicted(Box::default()));
+        let mut knows = |path_geometry, obstacles: &[Obstacle], puts_off| {
+            let situation = Situation {
+                map_from_base: Pose::new(1.5, 3.0, 0.0),
+                v_mps: 0.0,
+                w_radps: 0.0,
+                robot: &robot,
+                corners: &[],
+                path: &path,
+                path_geometry,
+                map: Some(MapView {
+                    geometry: &geometry,
+                    cells: &cells,
+                }),
+                map_cells: 1,
+                obstacles,
+                obstacles_age_s: 0.0,
+                scan_points_in_base: &[],
+                goal: &goal,
+                speed_factor: 1.0,
+                period_s: 0.02,
+            };
+            let here = situation.map_from_base.point();
+            let place = seen.tracker.advance(path_geometry, &path, here);
+            let place = place.expect("a path");
+            seen.find_cost_to_go(&DwaConfig::default(), &situation, &place, puts_off);
+            let to_go_m = seen.cost_to_go().and_then(|cost_to_go| cost_to_go.at(here));
+            to_go_m.is_some_and(|to_go_m| (to_go_m - 3.5).abs() < 0.2)
+        };
+        assert!(!knows(1, &[], true), "the first period of a path");
+        assert!(knows(1, &[], true), "the second");
+        assert!(!knows(2, &[], true), "another path");
+        assert!(knows(2, &[], true) && knows(2, &[], true));
+        assert!(knows(3, &[Obstacle::default()], true), "something moves");
+        assert!(knows(4, &[], false), "a chooser that needs it at once");
+    }
+}
