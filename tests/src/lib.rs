@@ -44,6 +44,16 @@ pub fn workspace() -> &'static Path {
         .unwrap_or(Path::new("."))
 }
 
+/// The text of a shipped scenario.
+///
+/// # Panics
+/// When there is none of this name.
+#[must_use]
+pub fn shipped(name: &str) -> String {
+    let file = workspace().join(format!("launch/scenarios/{name}.toml"));
+    std::fs::read_to_string(&file).unwrap_or_else(|error| panic!("{}: {error}", file.display()))
+}
+
 /// Folder of the binaries of this very build and of the example service, built once per test
 /// program.
 ///

@@ -17,6 +17,21 @@ pub struct Measured {
     pub text: Option<String>,
 }
 
+/// Writes the scenario of an experiment and returns its file from the workspace's folder.
+///
+/// # Errors
+/// One line naming the file.
+pub(super) fn write_scenario(name: &str, text: &str) -> Result<String, String> {
+    let file = format!("target/experiments/{name}.toml");
+    let path = workspace().join(&file);
+    let write = || {
+        std::fs::create_dir_all(workspace().join("target/experiments"))?;
+        std::fs::write(&path, text)
+    };
+    write().map_err(|error: std::io::Error| format!("{file}: {error}"))?;
+    Ok(file)
+}
+
 /// One criterion benchmark.
 #[derive(Debug)]
 pub struct Timing {

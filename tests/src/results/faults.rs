@@ -1,13 +1,12 @@
 //! Each service and each fault: how long until it answers again, and what the robot did meanwhile.
 
-use super::bench::{Bench, Measured};
+use super::bench::{Bench, Measured, write_scenario};
 use super::extract::table;
 use super::record::Row;
 use super::spread::Figure;
 use crate::faults::{
     DISTURBED_EVERY_S, Effect, KINDS, SERVICES, disturbed, effect, fault, scenario,
 };
-use crate::workspace;
 use serde_json::Value;
 
 /// Run times of the fault in the runs in real time. [s]
@@ -63,13 +62,7 @@ fn run(
     lines: &str,
     lockstep: bool,
 ) -> Result<Value, String> {
-    let file = format!("target/faults/{name}.toml");
-    let path = workspace().join(&file);
-    let write = || {
-        std::fs::create_dir_all(workspace().join("target/faults"))?;
-        std::fs::write(&path, scenario(n_goals, lines))
-    };
-    write().map_err(|error| format!("{file}: {error}"))?;
+    let file = write_scenario(name, &scenario(n_goals, lines))?;
     let arguments = ["run", file.as_str(), "--lockstep"];
     bench.zeronav(&arguments[..2 + usize::from(lockstep)])
 }

@@ -1,14 +1,15 @@
 //! Latencies under conditions that take turns: timed stages, the kernel's scheduling.
 
-use super::bench::{Bench, Measured};
+use super::bench::{Bench, Measured, write_scenario};
 use super::record::Row;
 use super::{extract, rounds};
-use crate::workspace;
+use crate::shipped;
 use std::fmt::Write;
 use zeronav_msgs::Role;
 
-/// Rounds of [`stages`] and of [`placement`].
-const ROUNDS: [usize; 2] = [8, 4];
+/// Rounds; in each every condition has a run, and each begins one in turn.
+const STAGES_ROUNDS: usize = 8;
+const PLACEMENT_ROUNDS: usize = 4;
 
 /// Name, and the lines of a service's scheduling.
 type Condition = (&'static str, fn(Role) -> &'static str);
@@ -33,17 +34,23 @@ const CONDITIONS: [Condition; 4] = [
 pub(super) fn stages(bench: &mut Bench) -> Result<Measured, String> {
     let arguments = ["run", "blocked_aisle", "--trials", "20", "--no-stages"];
     let names = ["not timed (--no-stages)", "timed"];
-    let rows = rounds::in_turn(ROUNDS[0], &names, |at| bench.zeronav(&arguments[..5 - at]))?;
+    let rows = rounds::in_turn(STAGES_ROUNDS, &names, |at| {
+        bench.zeronav(&arguments[..5 - at])
+    })?;
     Ok(measured("stages", rows))
 }
 
 /// By how the kernel schedules the services.
 pub(super) fn placement(bench: &mut Bench) -> Result<Measured, String> {
-    let files = CONDITIONS.iter().enumerate();
-    let files: Vec<String> = files
-        .map(|(at, (_, lines))| write(at, *lines))
-        .collect::<Result<_, _>>()?;
-    let rows = rounds::in_turn(ROUNDS[1], &CONDITIONS.map(|(name, _)| name), |at| {
+    let mut files = Vec::new();
+    for (at, (_, lines)) in CONDITIONS.iter().enumerate() {
+        let mut text = shipped("blocked_aisle");
+        for role in Role::SERVICES {
+            let _ = write!(text, "\n[services.{role}.scheduling]\n{}\n", lines(role));
+        }
+        files.push(write_scenario(&format!("placement{at}"), &text)?);
+    }
+    let rows = rounds::in_turn(PLACEMENT_ROUNDS, &CONDITIONS.map(|(name, _)| name), |at| {
         bench.zeronav(&["run", &files[at], "--trials", "20"])
     })?;
     Ok(measured("services", rows))
@@ -54,20 +61,4 @@ fn measured(title: &str, rows: Vec<Row>) -> Measured {
         tables: vec![extract::table(title, &rounds::COLUMNS, rows)],
         text: None,
     }
-}
-
-/// Writes `blocked_aisle` with these lines of each service; its name from the workspace.
-fn write(at: usize, lines: fn(Role) -> &'static str) -> Result<String, String> {
-    let file = format!("target/placement/{at}.toml");
-    let write = || {
-        let shipped = workspace().join("launch/scenarios/blocked_aisle.toml");
-        let mut text = std::fs::read_to_string(shipped)?;
-        for role in Role::SERVICES {
-            let _ = write!(text, "\n[services.{role}.scheduling]\n{}\n", lines(role));
-        }
-        std::fs::create_dir_all(workspace().join("target/placement"))?;
-        std::fs::write(workspace().join(&file), text)
-    };
-    write().map_err(|error: std::io::Error| format!("{file}: {error}"))?;
-    Ok(file)
 }

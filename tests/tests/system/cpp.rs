@@ -217,8 +217,7 @@ fn start(flags: &[&str]) -> Zeronav {
     let folder = TempDir::new().expect("a folder");
     let guard = folder.path().join("guard");
     build(&workspace().join("services/cpp/examples/guard.cpp"), &guard);
-    let file = workspace().join("launch/scenarios/blocked_aisle.toml");
-    let text = std::fs::read_to_string(file).expect("the scenario");
+    let text = zeronav_tests::shipped("blocked_aisle");
     let binary = guard.display();
     let text = format!("{text}\n[services.collision_guard]\nbinary = \"{binary}\"\n");
     std::fs::write(folder.path().join("it.toml"), text).expect("written");

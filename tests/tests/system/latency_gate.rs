@@ -8,16 +8,13 @@ use std::path::{Path, PathBuf};
 use zeronav_msgs::role::Role;
 use zeronav_msgs::stages::Stage;
 use zeronav_tests::trace::{check_stages, checked};
-use zeronav_tests::{
-    Ended, Zeronav, await_by_itself, children_of, is_alive, quiet_turn, workspace,
-};
+use zeronav_tests::{Ended, Zeronav, await_by_itself, children_of, is_alive, quiet_turn};
 
 /// A folder with `blocked_aisle` as `it.toml`, but with the robot where the first trial can begin at
 /// once.
 fn aisle() -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("a folder");
-    let file = workspace().join("launch/scenarios/blocked_aisle.toml");
-    let text = std::fs::read_to_string(file).expect("the scenario");
+    let text = zeronav_tests::shipped("blocked_aisle");
     let start = "start = [3.0, 8.5, 0.0]";
     assert!(text.contains(start), "{text}");
     let text = text.replace(start, "start = [8.5, 6.425, 0.0]");

@@ -54,8 +54,7 @@ fn build() {
 #[test]
 fn own_planner_drives_the_blocked_aisle() {
     build();
-    let file = workspace().join("launch/scenarios/blocked_aisle.toml");
-    let text = std::fs::read_to_string(file).expect("the scenario");
+    let text = zeronav_tests::shipped("blocked_aisle");
     let text = format!("{text}\n[services.global_planner]\nbinary = \"own_planner\"\n");
     let folder = tempfile::tempdir().expect("a folder");
     std::fs::write(folder.path().join("it.toml"), text).expect("written");

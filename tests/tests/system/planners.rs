@@ -13,8 +13,7 @@ const SIDE_BY_SIDE: usize = 3;
 /// `blocked_aisle` with this planner. Which way it takes first is its own affair, so the load need
 /// not be what makes it look for another.
 fn scenario(key: &str, smooth_m: f64) -> String {
-    let file = zeronav_tests::workspace().join("launch/scenarios/blocked_aisle.toml");
-    let text = std::fs::read_to_string(file).expect("the scenario");
+    let text = zeronav_tests::shipped("blocked_aisle");
     let text = text.replace("obstacle_replans_min = 1", "");
     format!(
         "{text}\n[services.global_planner]\nconfig.planner = \"{key}\"\nconfig.smooth_m = {smooth_m:?}\n"

@@ -12,8 +12,7 @@ use zeronav_tests::{
 /// Drives `blocked_aisle` with an example in each of these seats.
 fn start(seats: &[(&str, &str)], more: &str, flags: &[&str]) -> Zeronav {
     let folder = tempfile::tempdir().expect("a folder");
-    let file = workspace().join("launch/scenarios/blocked_aisle.toml");
-    let mut text = std::fs::read_to_string(file).expect("the scenario");
+    let mut text = zeronav_tests::shipped("blocked_aisle");
     for (role, name) in seats {
         let binary = example(name, folder.path());
         let lines = format!("\n[services.{role}]\nbinary = \"{}\"\n", binary.display());

@@ -34,8 +34,7 @@ fn drive(more: &str) -> Zeronav {
 /// Drives that scenario as `edit` leaves it.
 fn drive_edited(edit: impl Fn(String) -> String) -> Zeronav {
     let folder = tempfile::tempdir().expect("a folder");
-    let file = zeronav_tests::workspace().join("launch/scenarios/blocked_aisle.toml");
-    let text = std::fs::read_to_string(file).expect("the scenario");
+    let text = zeronav_tests::shipped("blocked_aisle");
     let text = text.replace("obstacle_replans_min = 1", "");
     std::fs::write(folder.path().join("it.toml"), edit(text)).expect("written");
     let arguments = ["run", "./it.toml", "--lockstep", "--headless", "--json"];

@@ -29,8 +29,7 @@ fn first_cpu() -> String {
 /// A folder with `blocked_aisle` and these lines more in `it.toml`.
 fn folder(more: &str) -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("a folder");
-    let file = zeronav_tests::workspace().join("launch/scenarios/blocked_aisle.toml");
-    let text = std::fs::read_to_string(file).expect("the scenario");
+    let text = zeronav_tests::shipped("blocked_aisle");
     let text = text.replace("obstacle_replans_min = 1", "");
     std::fs::write(folder.path().join("it.toml"), format!("{text}\n{more}")).expect("written");
     folder
