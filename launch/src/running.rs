@@ -7,6 +7,9 @@ use std::path::{Path, PathBuf};
 use zeronav_shell::folder::Folder;
 use zeronav_shell::{domain, printable};
 
+/// Why [`find`] needs a root folder; no wait changes that.
+pub(crate) const SEVERAL: &str = "several runs go on; name one with --domain (see `zeronav ps`)";
+
 /// A run in progress, by its domain.
 #[derive(Debug)]
 pub(crate) struct Running {
@@ -43,11 +46,7 @@ pub(crate) fn find(root: Option<&Path>) -> Result<Running, String> {
                         .to_owned(),
                 );
             }
-            _ => {
-                return Err(
-                    "several runs go on; name one with --domain (see `zeronav ps`)".to_owned(),
-                );
-            }
+            _ => return Err(SEVERAL.to_owned()),
         },
     };
     match Folder::open(&root) {

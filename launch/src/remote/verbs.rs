@@ -186,7 +186,7 @@ pub fn wait(arguments: &WaitArgs) -> ExitCode {
             (Ok((_, report)), WaitFor::Ready) if report.ready => break,
             (Ok((_, report)), WaitFor::Ready) => format!("{} is starting", report.scenario),
             // A stack that may not have been started yet is waited for, nothing else is.
-            (Err(problem), WaitFor::Ready) => problem,
+            (Err(problem), WaitFor::Ready) if problem != running::SEVERAL => problem,
             (Err(problem), _) => return usage(&problem),
             (Ok((_, report)), WaitFor::Idle) if !has_goals(&report) => break,
             (Ok(_), WaitFor::Idle) => "the robot has goals".to_owned(),

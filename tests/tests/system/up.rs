@@ -304,6 +304,19 @@ fn services_that_crash_hang_or_answer_late_do_not_keep_the_robot_from_its_goal()
 }
 
 #[test]
+fn a_wait_that_could_mean_several_stacks_ends_at_once() {
+    let stacks = [(); 2].map(|()| Up::start(&["open_aisle", "--lockstep"]));
+    for what in ["ready", "idle"] {
+        let ended = zeronav(&["wait", what, "--timeout", "30"]);
+        assert_eq!(ended.code(), 2, "{what}: {}", ended.stderr);
+        assert!(ended.stderr.contains("--domain"), "{}", ended.stderr);
+    }
+    for up in stacks {
+        up.down();
+    }
+}
+
+#[test]
 fn ctrl_c_brings_the_robot_to_rest_and_leaves_nothing() {
     let _turn = real_time_turn();
     let up = Up::start(&["open_aisle"]);
