@@ -141,15 +141,12 @@ fn fault(fault: &FaultResult, from_s: f64) -> Event {
         (None, Some(ms)) => format!(", answered again after {ms:.0} ms"),
         (None, None) => String::new(),
     };
+    let target = words(&fault.target);
+    let what = format!("fault: {} {target} {}", fault.kind, fault.figures);
     Event {
         time_s: (fault.time_s - from_s).max(0.0),
         kind: "fault",
-        text: format!(
-            "fault: {} {} {}{answered}",
-            fault.kind,
-            words(&fault.target),
-            fault.figures
-        ),
+        text: format!("{}{answered}", what.trim_end()),
     }
 }
 

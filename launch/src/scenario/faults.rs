@@ -296,7 +296,8 @@ impl StackFault {
             Self::Slow { by_ms, .. } | Self::Delay { by_ms, .. } => format!("{by_ms} ms"),
             Self::Clock { by_ms, .. } => format!("{by_ms:+} ms"),
             Self::Drop { share, .. } | Self::Corrupt { share, .. } => {
-                format!("{:.3} % of the messages", 100.0 * share)
+                let percent = (1.0e5 * share).round() / 1.0e3;
+                format!("{percent} % of the messages")
             }
             _ => String::new(),
         }
@@ -444,5 +445,27 @@ fn check_trigger(begins: &Trigger) -> Result<(), SpecError> {
             "",
             "give exactly one of at_s and robot_near",
         )),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_share_is_told_in_percent_without_idle_digits() {
+        for (share, told) in [
+            (1.0, "100 % of the messages"),
+            (0.3, "30 % of the messages"),
+            (0.000_01, "0.001 % of the messages"),
+        ] {
+            let fault = StackFault::Drop {
+                topic: "any".to_owned(),
+                share,
+                begins: None,
+                lasts_s: None,
+            };
+            assert_eq!(fault.figures(), told);
+        }
     }
 }
