@@ -102,6 +102,10 @@ codes! {
         StoppingDistance = 23 => "stopping_distance",
         /// A search in time among dynamic obstacles: a slower motion costs less time and risk.
         TimedSearch = 24 => "timed_search",
+        /// The robot faces away from where a potential field leads it.
+        PotentialField = 25 => "potential_field",
+        /// It yields to a dynamic obstacle that a faster motion would soon touch.
+        Yield = 26 => "yield",
     }
 }
 

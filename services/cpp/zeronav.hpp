@@ -174,6 +174,8 @@ enum class RequestCause : std::uint16_t {
     smoothness_critic = 22,
     stopping_distance = 23,
     timed_search = 24,
+    potential_field = 25,
+    yield = 26,
 };
 
 enum class RequestReason : std::uint16_t {

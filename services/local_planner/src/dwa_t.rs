@@ -22,6 +22,7 @@ use crate::record::Record;
 use nalgebra::Point2;
 use options::DwaTConfig;
 use zeronav_motion::Twist;
+use zeronav_msgs::command::RequestCause;
 
 /// [s] of a rollout that are compared with the path and static obstacles where there is no room
 /// around the robot; ways bend within a metre there.
@@ -63,7 +64,7 @@ impl Choose for TimedWindow {
         match scene.heading() {
             Ok(heading) => {
                 let best = self.best(scene, &heading);
-                scene.memory.limit.slower = self.critics.decisive();
+                scene.memory.limit.slower = self.decisive();
                 scene.steer_or_rest(best)
             }
             Err(turn) => turn,
@@ -83,6 +84,11 @@ impl TimedWindow {
             rows: Rows::default(),
             critics: Critics::default(),
         }
+    }
+
+    /// Which critic decided against a faster motion, in the last choice.
+    pub(crate) fn decisive(&self) -> RequestCause {
+        self.critics.decisive()
     }
 
     /// The best twist of the window; the best of the other speeds go into the reserve.

@@ -18,6 +18,7 @@
 
 pub(crate) mod batch;
 pub(crate) mod critics;
+mod decisive;
 mod limits;
 mod noise;
 pub mod options;
@@ -37,12 +38,14 @@ use crate::pilot::perception::Tracks;
 use crate::pilot::scene::{COMFORT_SHARE, Choose, Scene, Wish};
 use crate::record::Record;
 use batch::{Batch, LANES, Lanes};
+use decisive::decisive;
 use limits::Limits;
 use nalgebra::{Point2, Vector2};
 use noise::Noise;
 use plan::Plan;
 use zeronav_motion::Twist;
 use zeronav_msgs::Pose;
+use zeronav_msgs::command::RequestCause;
 
 /// Exponent of a weight below which a sample does not count.
 const NEGLIGIBLE: f32 = 16.0;
@@ -94,7 +97,12 @@ impl Choose for Mppi {
         let refined = (self.optimiser).refine(scene, heading.fastest_mps, best, telling);
         scene.memory.record = record;
         scene.memory.rollouts = scene.memory.rollouts.max(self.optimiser.looked_at);
-        scene.steer_or_rest(refined.or(best))
+        let limit = &mut scene.memory.limit;
+        limit.slower = match refined {
+            Some((_, slower)) => slower.unwrap_or(limit.cause),
+            None => self.window.decisive(),
+        };
+        scene.steer_or_rest(refined.map(|(twist, _)| twist).or(best))
     }
 
     fn forget(&mut self) {
@@ -339,15 +347,15 @@ impl Optimiser {
         order.find(|lane| self.is_free(scene, *lane))
     }
 
-    /// The first twist of the cheapest free sequence; `None` = none that is better than `best`, the
-    /// window's choice.
+    /// The first twist of the cheapest free sequence, and what speaks against a faster one; `None` =
+    /// none that is better than `best`, the window's choice.
     fn refine(
         &mut self,
         scene: &mut Scene<'_>,
         fastest_mps: f64,
         best: Option<Twist>,
         mut record: Option<&mut Record>,
-    ) -> Option<Twist> {
+    ) -> Option<(Twist, Option<RequestCause>)> {
         let situation = scene.situation;
         let (robot, goal) = (situation.robot, situation.goal);
         let steps = self.batch.steps;
@@ -410,6 +418,8 @@ impl Optimiser {
             let order = by_cost(&costs);
             tell::finalists(record, &cycle, &self.batch, (order, chosen), &costs);
         }
+        let slower =
+            chosen.and_then(|lane| decisive(&cycle, &self.batch, &config.critics, (lane, BRISK)));
         self.path = path;
         let Some(lane) = chosen else {
             self.plan.forget();
@@ -417,7 +427,7 @@ impl Optimiser {
         };
         self.plan.take(&self.batch, lane);
         let (v, w) = self.plan.at(0);
-        Some(Twist::new(f64::from(v), f64::from(w)))
+        Some((Twist::new(f64::from(v), f64::from(w)), slower))
     }
 }
 

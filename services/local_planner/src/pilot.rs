@@ -14,7 +14,7 @@
 //!   nearer.
 
 mod arrive_and_turn;
-mod limit;
+pub(crate) mod limit;
 pub(crate) mod perception;
 pub(crate) mod scene;
 pub(crate) mod verify;

@@ -113,6 +113,8 @@ class RequestCause(IntEnum):
     SMOOTHNESS_CRITIC = 22
     STOPPING_DISTANCE = 23
     TIMED_SEARCH = 24
+    POTENTIAL_FIELD = 25
+    YIELD = 26
 
 
 class RequestReason(IntEnum):

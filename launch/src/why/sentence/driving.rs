@@ -44,7 +44,9 @@ pub(super) fn driving(request: &Request, moment: &Moment) -> String {
         | RequestCause::DynamicObstacleCritic
         | RequestCause::SmoothnessCritic
         | RequestCause::StoppingDistance
-        | RequestCause::TimedSearch => {
+        | RequestCause::TimedSearch
+        | RequestCause::PotentialField
+        | RequestCause::Yield => {
             format!("{}{ahead}{obstacle}", critics(request.cause, &limit))
         }
         RequestCause::Ageing => format!(
@@ -98,6 +100,18 @@ fn critics(cause: RequestCause, limit: &str) -> String {
             return format!(
                 "The local planner drives at {limit}: from no faster motion could it stop in time \
                  before an obstacle."
+            );
+        }
+        RequestCause::PotentialField => {
+            return format!(
+                "The robot faces away from where the potential field leads it: the local planner \
+                 slows down to {limit} until it faces there."
+            );
+        }
+        RequestCause::Yield => {
+            return format!(
+                "The local planner yields, at {limit}: a faster motion would soon touch a moving \
+                 obstacle."
             );
         }
         RequestCause::TimedSearch => {

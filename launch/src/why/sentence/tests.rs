@@ -365,6 +365,14 @@ fn turning_slowing_down_and_critics_are_told_apart() {
             "slows down to 0.50 m/s until it faces it.",
         ),
         (
+            RequestCause::PotentialField,
+            "away from where the potential field leads it: the local planner slows down to 0.50 m/s",
+        ),
+        (
+            RequestCause::Yield,
+            "yields, at 0.50 m/s: a faster motion would soon touch",
+        ),
+        (
             RequestCause::TurnWait,
             "waits for a moving obstacle to pass",
         ),

@@ -6,6 +6,7 @@
 //! look-ahead along the path.
 
 use zeronav_motion::Twist;
+use zeronav_msgs::command::RequestCause;
 use zeronav_msgs::description::Description;
 
 /// [m/s] between sampled speeds.
@@ -102,35 +103,66 @@ pub struct Sample {
     pub dist: f64,
 }
 
+/// The terms of `G` for a sample: heading, distance and speed, each with its weight and divided by
+/// its sum over `samples`.
+fn terms(samples: &[Sample], weights: &BaoWeights) -> impl Fn(&Sample) -> [f64; 3] {
+    let of: [fn(&Sample) -> f64; 3] = [|s| s.head, |s| s.dist, |s| s.twist.v_mps.abs()];
+    let sums = of.map(|term| samples.iter().map(term).sum::<f64>());
+    let factors = [weights.head, weights.dist, weights.vel].map(|weight| weights.sigma * weight);
+    move |sample| {
+        core::array::from_fn(|i| {
+            let sum = sums[i];
+            if sum > 0.0 {
+                factors[i] * of[i](sample) / sum
+            } else {
+                0.0
+            }
+        })
+    }
+}
+
 /// The sample with the largest `G`; ties go to the smaller `|w|`.
-#[must_use]
-pub fn choose(samples: &[Sample], weights: &BaoWeights) -> Option<Twist> {
-    let sum = |of: fn(&Sample) -> f64| samples.iter().map(of).sum::<f64>();
-    let share = |value: f64, sum: f64| if sum > 0.0 { value / sum } else { 0.0 };
-    let (head, dist, vel) = (
-        sum(|s| s.head),
-        sum(|s| s.dist),
-        sum(|s| s.twist.v_mps.abs()),
-    );
-    let worth = |s: &Sample| {
-        weights.sigma
-            * (weights.head * share(s.head, head)
-                + weights.dist * share(s.dist, dist)
-                + weights.vel * share(s.twist.v_mps.abs(), vel))
-    };
-    let mut best: Option<(f64, Twist)> = None;
+fn best<'a>(samples: &'a [Sample], weights: &BaoWeights) -> Option<&'a Sample> {
+    let terms = terms(samples, weights);
+    let tie = 1.0e-12 * weights.sigma;
+    let mut best: Option<(f64, &Sample)> = None;
     for sample in samples {
-        let here = worth(sample);
-        let better = best.is_none_or(|(most, twist)| {
-            let tie = 1.0e-12 * weights.sigma;
+        let here = terms(sample).iter().sum::<f64>();
+        let better = best.is_none_or(|(most, known)| {
             here > most + tie
-                || (here > most - tie && sample.twist.w_radps.abs() < twist.w_radps.abs())
+                || (here > most - tie && sample.twist.w_radps.abs() < known.twist.w_radps.abs())
         });
         if better {
-            best = Some((here, sample.twist));
+            best = Some((here, sample));
         }
     }
-    best.map(|(_, twist)| twist)
+    best.map(|(_, sample)| sample)
+}
+
+/// The twist with the largest `G`; ties go to the smaller `|w|`.
+#[must_use]
+pub fn choose(samples: &[Sample], weights: &BaoWeights) -> Option<Twist> {
+    best(samples, weights).map(|sample| sample.twist)
+}
+
+/// The term that speaks most for the best sample and against the fastest, to explain the choice.
+#[must_use]
+pub fn decisive(samples: &[Sample], weights: &BaoWeights) -> RequestCause {
+    let speed = |sample: &&Sample| sample.twist.v_mps;
+    let fastest = samples.iter().max_by(|a, b| speed(a).total_cmp(&speed(b)));
+    let Some((best, fastest)) = best(samples, weights).zip(fastest) else {
+        return RequestCause::Critics;
+    };
+    if best.twist.v_mps >= fastest.twist.v_mps {
+        return RequestCause::StoppingDistance;
+    }
+    let terms = terms(samples, weights);
+    let (chosen, faster) = (terms(best), terms(fastest));
+    if chosen[0] - faster[0] > chosen[1] - faster[1] {
+        RequestCause::PathCritic
+    } else {
+        RequestCause::ClearanceCritic
+    }
 }
 
 /// Fills `values` with an evenly spread span, at most `step` apart, zero moved onto the nearest.

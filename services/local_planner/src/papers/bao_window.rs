@@ -94,7 +94,8 @@ impl Choose for BaoWindow {
         scene.memory.rollouts = u32::try_from(self.admissible.len()).unwrap_or(u32::MAX);
         match bao_dwa::choose(&self.admissible, &weights) {
             Some(twist) if twist.v_mps > STOPPED_MPS || !from.is_stopped() => {
-                wish_or_slower(scene, twist)
+                let slower = bao_dwa::decisive(&self.admissible, &weights);
+                wish_or_slower(scene, twist, slower)
             }
             _ if from.v_mps < STOPPED_MPS => {
                 scene.memory.turns = true;

@@ -8,12 +8,13 @@ use super::law::{Body, Extent, Law, LawInput, Push};
 use crate::dwa::options::DwaConfig;
 use crate::dynamic_obstacles::DynamicObstacles;
 use crate::pilot::Pilot;
+use crate::pilot::limit::Limit;
 use crate::pilot::perception::Tracks;
 use crate::pilot::scene::{COMFORT_SHARE, Choose, Scene, Wish};
 use crate::situation::Situation;
 use nalgebra::{Point2, Vector2};
 use zeronav_motion::Twist;
-use zeronav_msgs::command::Validity;
+use zeronav_msgs::command::{RequestCause, Validity};
 use zeronav_msgs::pose::wrap_angle;
 
 /// [1/s] yaw rate per radian of heading error.
@@ -77,22 +78,29 @@ impl Choose for Along {
         let error_rad = wrap_angle(force.y.atan2(force.x) - pose.yaw_rad);
         let velocity = (velocity.x, velocity.y);
         let contact_s = scene.seen.dynamic.contact_s(velocity, circumscribed_m);
-        let v_mps = robot.v_mps_max
-            * error_rad.cos().max(0.0)
-            * (contact_s / YIELD_S).min(1.0)
-            * situation.speed_factor.clamp(0.0, 1.0);
+        let (facing, yielding) = (error_rad.cos().max(0.0), (contact_s / YIELD_S).min(1.0));
+        let v_mps = scene.top_speed_mps() * facing * yielding;
         let w_radps = (TURN_GAIN_HZ * error_rad).clamp(-robot.w_radps_max, robot.w_radps_max);
-        wish_or_slower(scene, Twist::new(v_mps, w_radps))
+        let slower = if yielding < facing {
+            RequestCause::Yield
+        } else {
+            RequestCause::PotentialField
+        };
+        wish_or_slower(scene, Twist::new(v_mps, w_radps), slower)
     }
 }
 
 /// The wish for a twist no faster than a stop at the goal allows; the same more slowly when it is
-/// not free.
-pub(super) fn wish_or_slower(scene: &mut Scene<'_>, twist: Twist) -> Wish {
+/// not free. `slower` explains a twist that is slower than the robot may be.
+pub(super) fn wish_or_slower(scene: &mut Scene<'_>, twist: Twist, slower: RequestCause) -> Wish {
     let situation = scene.situation;
     let distance_m = situation.map_from_base.distance_m(&situation.goal.pose);
     let decel_mps2 = COMFORT_SHARE * situation.robot.brake_mps2;
     let goal_mps = (2.0 * decel_mps2 * scene.place.remaining_m.max(distance_m)).sqrt();
+    scene.memory.limit = Limit {
+        slower,
+        ..Limit::lowest(&[scene.top(), (RequestCause::Goal, goal_mps)])
+    };
     let twist = Twist::new(twist.v_mps.min(goal_mps), twist.w_radps);
     let slower = SLOWER.map(|share| (share, Twist::new(twist.v_mps * share, twist.w_radps)));
     scene.memory.reserve.extend(slower);

@@ -62,7 +62,8 @@ impl Limit {
         let robot = situation.robot;
         // Faster than that no motion of this period was looked at.
         let reachable_mps = (from.v_mps + robot.a_mps2_max * window_s).min(self.v_mps);
-        if wanted.v_mps + SLOWER_SHARE * robot.v_mps_max < reachable_mps {
+        let is_slower = wanted.v_mps + SLOWER_SHARE * robot.v_mps_max < reachable_mps;
+        if is_slower && self.slower != self.cause {
             return (self.slower, wanted.v_mps.max(0.0));
         }
         (self.cause, self.v_mps)

@@ -170,7 +170,7 @@ impl<'a> Scene<'a> {
     }
 
     /// What the fastest speed depends on, and that. [m/s]
-    fn top(&self) -> (RequestCause, f64) {
+    pub(crate) fn top(&self) -> (RequestCause, f64) {
         let cause = if self.situation.speed_factor < 1.0 {
             RequestCause::Ageing
         } else {

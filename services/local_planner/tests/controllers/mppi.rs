@@ -11,6 +11,7 @@ use zeronav_local_planner::mppi::options::MppiConfig;
 use zeronav_local_planner::{mppi, pilot::Pilot};
 use zeronav_motion::Twist;
 use zeronav_msgs::Pose;
+use zeronav_msgs::command::RequestCause;
 
 /// With fewer samples than on the robot, so that minutes of driving take seconds.
 fn mppi(samples: u32) -> Pilot {
@@ -105,4 +106,48 @@ fn the_same_situations_give_the_same_decisions() {
         run.history
     };
     assert_eq!(decisions(), decisions());
+}
+
+/// How often each cause is named on a straight way between walls, until the robot slows down for its
+/// goal.
+fn causes_between_walls(apart_m: f64) -> Vec<(RequestCause, usize)> {
+    let middle_m = 0.4 + 0.5 * apart_m;
+    let top_m = 0.4 + apart_m;
+    let walls = [
+        block(0.0, 0.0, 9.0, 0.4),
+        block(0.0, top_m, 9.0, top_m + 0.4),
+    ];
+    let corners = path(&[(1.0, middle_m), (8.0, middle_m)]);
+    let pose = Pose::new(1.0, middle_m, 0.0);
+    let mut run = Loop::new(jackal(), &walls, (9.0, top_m + 0.4), pose, corners);
+    let mut controller = mppi(400);
+    while run.pose.x_m < 6.5 {
+        assert!(run.time_s < 60.0, "stuck at {:?}", run.pose);
+        run.step(&mut controller);
+    }
+    let mut counts: Vec<(RequestCause, usize)> = Vec::new();
+    for decision in &run.history {
+        match counts
+            .iter_mut()
+            .find(|(cause, _)| *cause == decision.cause)
+        {
+            Some((_, count)) => *count += 1,
+            None => counts.push((decision.cause, 1)),
+        }
+    }
+    println!("{apart_m} m apart: {counts:?}");
+    counts
+}
+
+#[test]
+fn the_clearance_critic_explains_what_near_walls_do_to_the_speed() {
+    let share = |counts: &[(RequestCause, usize)], of: RequestCause| {
+        let all: usize = counts.iter().map(|(_, count)| count).sum();
+        let named = counts.iter().find(|(cause, _)| *cause == of);
+        100 * named.map_or(0, |(_, count)| *count) / all
+    };
+    let (near, far) = (causes_between_walls(0.62), causes_between_walls(4.0));
+    assert!(share(&near, RequestCause::ClearanceCritic) > 10, "{near:?}");
+    assert_eq!(share(&far, RequestCause::ClearanceCritic), 0, "{far:?}");
+    assert!(share(&far, RequestCause::Free) > 80, "{far:?}");
 }

@@ -48,3 +48,20 @@ fn bao_dwa_choice_does_not_depend_on_sigma() {
     }
     assert_eq!(choose(&[], &BaoWeights::default()), None);
 }
+
+#[test]
+fn bao_dwa_tells_which_term_decided_against_the_fastest_twist() {
+    let sample = |v_mps, head, dist| Sample {
+        twist: Twist::new(v_mps, 0.0),
+        head,
+        dist,
+    };
+    let decisive = |samples: &[Sample]| decisive(samples, &BaoWeights::default());
+    let near = [sample(0.5, 3.0, 0.1), sample(0.3, 3.0, 1.9)];
+    assert_eq!(decisive(&near), RequestCause::ClearanceCritic);
+    let beside = [sample(0.5, 0.2, 1.0), sample(0.3, 3.0, 1.0)];
+    assert_eq!(decisive(&beside), RequestCause::PathCritic);
+    let fastest = [sample(0.5, 3.0, 1.0), sample(0.3, 3.0, 1.0)];
+    assert_eq!(decisive(&fastest), RequestCause::StoppingDistance);
+    assert_eq!(decisive(&[]), RequestCause::Critics);
+}

@@ -17,7 +17,9 @@ use nalgebra::{Point2, Vector2};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
 use zeronav_local_planner::LocalPlannerConfig;
-use zeronav_local_planner::papers::bao_dwa::{BaoWeights, Sample, choose, is_admissible, window};
+use zeronav_local_planner::papers::bao_dwa::{
+    BaoWeights, Sample, choose, decisive, is_admissible, window,
+};
 use zeronav_local_planner::papers::fit::{FitError, fit, fit_literal};
 use zeronav_local_planner::papers::ju_apf::JuApf;
 use zeronav_local_planner::papers::ju_fusion::JuFusion;
@@ -39,6 +41,8 @@ use zeronav_local_planner::papers::{Body, Extent, Law, LawInput, Push};
 use zeronav_local_planner::table::controller;
 use zeronav_motion::Twist;
 use zeronav_msgs::Pose;
+use zeronav_msgs::command::RequestCause;
+use zeronav_msgs::obstacles::Obstacle;
 use zeronav_msgs::path::Waypoint;
 
 fn at(x: f64, y: f64) -> Point2<f64> {
@@ -212,5 +216,46 @@ fn every_controller_stops_before_a_wall_across_its_path() {
         let arrived = run.run(&mut controller, 12.0);
         assert!(!arrived && run.least_m > 0.0, "{key}: {}", run.least_m);
         assert!(run.driven_m > 2.0, "{key} hardly moved: {}", run.driven_m);
+    }
+}
+
+/// An aisle in which a law's force points along +x, seen from this pose and with this twist.
+fn in_the_aisle(yaw_rad: f64, v_mps: f64) -> Loop {
+    let walls = [block(0.0, 0.0, 12.0, 0.4), block(0.0, 5.4, 12.0, 5.8)];
+    let robot = disc(0.25, 0.8, 1.0, 1.8, 3.0);
+    let corners = path(&[(1.0, 2.9), (11.0, 2.9)]);
+    let pose = Pose::new(1.0, 2.9, yaw_rad);
+    let mut run = Loop::new(robot, &walls, (12.0, 5.8), pose, corners);
+    run.twist = Twist::new(v_mps, 0.0);
+    run
+}
+
+#[test]
+fn laws_explain_their_speed() {
+    for key in ["ju_apf", "ju_r7", "zm_esc", "lwx_oapf"] {
+        let first = |mut run: Loop| {
+            let row = controller(key).expect("in the table");
+            let mut controller = (row.build)(&LocalPlannerConfig::default());
+            let decision = run.step(&mut controller);
+            (decision.cause, decision.limit_mps)
+        };
+        let (cause, limit_mps) = first(in_the_aisle(0.0, 0.8));
+        assert_eq!(cause, RequestCause::Free, "{key}");
+        assert!((limit_mps - 0.8).abs() < 1e-9, "{key}: {limit_mps}");
+        let (cause, limit_mps) = first(in_the_aisle(1.0, 0.8));
+        assert_eq!(cause, RequestCause::PotentialField, "{key}");
+        assert!((0.2..0.7).contains(&limit_mps), "{key}: {limit_mps}");
+        let mut run = in_the_aisle(0.0, 0.8);
+        run.obstacles.push(Obstacle {
+            track: 1,
+            x_m: 3.2,
+            y_m: 2.9,
+            vx_mps: -0.3,
+            radius_m: 0.3,
+            covariance: [1e-3, 0.0, 0.0, 0.0, 1e-3, 0.0, 0.0, 0.02, 0.0, 0.02],
+            ..Obstacle::default()
+        });
+        let (cause, _) = first(run);
+        assert_eq!(cause, RequestCause::Yield, "{key}");
     }
 }
