@@ -47,7 +47,7 @@ pub(super) fn driving(request: &Request, moment: &Moment) -> String {
         | RequestCause::TimedSearch
         | RequestCause::PotentialField
         | RequestCause::Yield => {
-            format!("{}{ahead}{obstacle}", critics(request.cause, &limit))
+            format!("{}{ahead}{obstacle}", slower(request.cause, &limit))
         }
         RequestCause::Ageing => format!(
             "The local planner slows down to {limit} because {} is getting old.",
@@ -86,7 +86,7 @@ pub(super) fn driving(request: &Request, moment: &Moment) -> String {
 }
 
 /// Why the controller prefers a slower motion.
-fn critics(cause: RequestCause, limit: &str) -> String {
+fn slower(cause: RequestCause, limit: &str) -> String {
     let (who, why) = match cause {
         RequestCause::ClearanceCritic => ("clearance", "it keeps more clearance"),
         RequestCause::PathCritic => ("path", "it stays nearer to the path, or more along it"),
