@@ -8,7 +8,7 @@
 //! integers inside ([`crate::moves::STRAIGHT`]); the cost reported is recomputed from the path.
 //! The integers bend the optimum by at most one part in a thousand.
 
-use crate::ends::{WayOut, find_ends};
+use crate::ends::{WayOut, find_ends_on_map};
 use crate::map_options::MapOptions;
 use crate::moves::price;
 use crate::planner::{
@@ -46,7 +46,7 @@ impl GlobalPlanner for CAstar {
         path: &mut CellPath,
     ) -> Result<PlanStats, PlanError> {
         path.clear();
-        let ends = find_ends(query, &mut self.way_out)?;
+        let ends = find_ends_on_map(query, &mut self.way_out)?;
         let mut task = Task {
             map: query.map,
             start: ends.start,

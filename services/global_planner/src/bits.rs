@@ -5,7 +5,10 @@
 //! a cell exists and every scan ends inside its line.
 
 use crate::planner::Unknown;
-use zeronav_msgs::{CellRect, GridGeometry, MapView};
+use zeronav_msgs::{CellRect, GridGeometry, MapCell, MapView};
+
+/// Rows of a strip, the border of the map included.
+pub(crate) const STRIP: usize = 64;
 
 /// Lines of bits, 1 = blocked; along the rows of the map or, transposed, along its columns.
 #[derive(Debug, Default, Clone)]
@@ -63,12 +66,29 @@ impl Lines {
         (bits & 7) as u32
     }
 
+    /// `n` <= 64 bits of a line from `position` on, the first lowest.
+    #[inline]
+    fn get(&self, line: usize, position: usize, n: usize) -> u64 {
+        let at = line * self.stride + (position >> 6);
+        let shift = position & 63;
+        let mut bits = self.words[at] >> shift;
+        if shift + n > 64 {
+            bits |= self.words[at + 1] << (64 - shift);
+        }
+        bits & u64::MAX >> (64 - n)
+    }
+
     pub(crate) const fn stride(&self) -> usize {
         self.stride
     }
 
     pub(crate) const fn count(&self) -> usize {
         self.count
+    }
+
+    /// Number of lines with the border.
+    pub(crate) const fn count_padded(&self) -> usize {
+        self.count + 2
     }
 
     pub(crate) const fn length(&self) -> usize {
@@ -95,6 +115,8 @@ pub(crate) struct BitMap {
     told: bool,
     built: bool,
     version: u64,
+    /// [`Self::version`] when a bit of each strip may have changed last.
+    strips: Vec<u64>,
 }
 
 impl BitMap {
@@ -105,6 +127,11 @@ impl BitMap {
     /// Another number whenever a bit may have changed.
     pub(crate) const fn version(&self) -> u64 {
         self.version
+    }
+
+    /// Another number for a strip of [`STRIP`] rows whenever a bit of it may have changed, never 0.
+    pub(crate) fn strips(&self) -> &[u64] {
+        &self.strips
     }
 
     /// Makes the bits those of `map`; true when all of them were read again.
@@ -119,15 +146,15 @@ impl BitMap {
         self.rows.reset(width, height);
         for (y, row) in (1..).zip(map.cells.chunks_exact(width.max(1))) {
             for (block, cells) in row.chunks(64).enumerate() {
-                let mut bits = 0;
-                for (n, cell) in cells.iter().enumerate() {
-                    bits |= u64::from(unknown.blocks(*cell)) << n;
-                }
+                let bits = self.bits_of(cells);
                 self.put(y, block * 64 + 1, cells.len(), bits);
             }
         }
         self.built = true;
         self.version += 1;
+        self.strips.clear();
+        let n_strips = self.rows.count_padded().div_ceil(STRIP);
+        self.strips.resize(n_strips, self.version);
         true
     }
 
@@ -149,23 +176,40 @@ impl BitMap {
         let mut any = false;
         for rect in changed {
             let rect = rect.grown(0, map.geometry);
-            let columns =
-                rect.min.x.cast_unsigned() as usize..rect.max.x.max(0).cast_unsigned() as usize;
-            let rows =
-                rect.min.y.cast_unsigned() as usize..rect.max.y.max(0).cast_unsigned() as usize;
-            for y in rows {
-                for x in columns.clone() {
-                    let blocked = self.unknown.blocks(map.cells[y * width + x]);
-                    if blocked != self.rows.is_blocked(y + 1, x + 1) {
-                        self.rows.set(y + 1, x + 1, blocked);
-                        flipped(x + 1, y + 1, blocked);
-                        any = true;
+            if rect.min.x >= rect.max.x || rect.min.y >= rect.max.y {
+                continue;
+            }
+            let [left, right, low, high] = [rect.min.x, rect.max.x, rect.min.y, rect.max.y]
+                .map(|side| side.cast_unsigned() as usize);
+            for y in low..high {
+                let row = &map.cells[y * width..];
+                for x in (left..right).step_by(64) {
+                    let cells = &row[x..right.min(x + 64)];
+                    let bits = self.bits_of(cells);
+                    let mut differ = bits ^ self.rows.get(y + 1, x + 1, cells.len());
+                    if differ == 0 {
+                        continue;
+                    }
+                    any = true;
+                    self.strips[(y + 1) / STRIP] = self.version + 1;
+                    self.put(y + 1, x + 1, cells.len(), bits);
+                    while differ != 0 {
+                        let n = differ.trailing_zeros() as usize;
+                        differ &= differ - 1;
+                        flipped(x + n + 1, y + 1, bits >> n & 1 != 0);
                     }
                 }
             }
         }
         self.version += u64::from(any);
         true
+    }
+
+    /// Which of at most 64 cells block, the first lowest.
+    fn bits_of(&self, cells: &[MapCell]) -> u64 {
+        cells.iter().zip(0..).fold(0, |bits, (cell, n)| {
+            bits | u64::from(self.unknown.blocks(*cell)) << n
+        })
     }
 
     /// Writes `n` <= 64 bits of a line from `position` on.
@@ -182,7 +226,7 @@ impl BitMap {
     }
 
     pub(crate) fn bytes(&self) -> usize {
-        self.rows.bytes()
+        self.rows.bytes() + self.strips.capacity() * size_of::<u64>()
     }
 }
 

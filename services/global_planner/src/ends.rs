@@ -1,9 +1,12 @@
 //! Both ends of a path: out of the inflation at the start, into the tolerance at the goal.
 
+use crate::bits::BitMap;
 use crate::goal_cell::GoalCell;
 use crate::map_options::MapOptions;
 use crate::moves::STEPS;
+use crate::padded::padded;
 use crate::planner::{CornerRule, PlanError, PlanQuery, Unknown};
+use crate::regions::Regions;
 use crate::window::{Window, cells_in};
 use zeronav_msgs::{Cell, MapView};
 
@@ -29,6 +32,8 @@ pub(crate) struct WayOut {
     window: Window,
     queue: Vec<Cell>,
     goal: GoalCell,
+    bits: BitMap,
+    regions: Regions,
 }
 
 impl WayOut {
@@ -86,7 +91,13 @@ const ROOT: u8 = 8;
 /// # Errors
 /// [`PlanError::StartOutsideMap`], [`PlanError::GoalOutsideMap`], [`PlanError::StartBlocked`],
 /// [`PlanError::GoalBlocked`], in this order.
-pub(crate) fn find_ends(query: &PlanQuery<'_>, way_out: &mut WayOut) -> Result<Ends, PlanError> {
+///
+/// `connected` says whether a way may lead from one free cell to another.
+pub(crate) fn find_ends(
+    query: &PlanQuery<'_>,
+    way_out: &mut WayOut,
+    connected: &mut dyn FnMut(Cell, Cell) -> bool,
+) -> Result<Ends, PlanError> {
     let geometry = query.map.geometry;
     let start = geometry
         .cell_at(query.start.point())
@@ -97,9 +108,35 @@ pub(crate) fn find_ends(query: &PlanQuery<'_>, way_out: &mut WayOut) -> Result<E
     let start = leave_inflation(query, start, way_out).ok_or(PlanError::StartBlocked)?;
     let goal = way_out
         .goal
-        .find(query, goal, &way_out.exits)
+        .find(query, goal, &way_out.exits, connected)
         .ok_or(PlanError::GoalBlocked)?;
     Ok(Ends { start, goal })
+}
+
+/// [`find_ends`] for planners that keep no bits of the map: where it matters which cells are connected
+/// all of it is read.
+///
+/// # Errors
+/// As [`find_ends`].
+pub(crate) fn find_ends_on_map(
+    query: &PlanQuery<'_>,
+    way_out: &mut WayOut,
+) -> Result<Ends, PlanError> {
+    let (mut bits, mut regions) = (
+        core::mem::take(&mut way_out.bits),
+        core::mem::take(&mut way_out.regions),
+    );
+    let mut read = false;
+    let ends = find_ends(query, way_out, &mut |one, other| {
+        if !read {
+            bits.follow(&query.map, query.unknown);
+            regions.follow(&bits, query.corner_rule);
+            read = true;
+        }
+        regions.connected(padded(one), padded(other))
+    });
+    (way_out.bits, way_out.regions) = (bits, regions);
+    ends
 }
 
 /// Writes the way out and gives its last cell.

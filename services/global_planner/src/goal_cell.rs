@@ -1,10 +1,7 @@
 //! Which cell a path leads to when the goal's own is blocked.
 
-use crate::bits::BitMap;
 use crate::moves::STEPS;
-use crate::padded::padded;
 use crate::planner::{CornerRule, PlanQuery};
-use crate::regions::Regions;
 use crate::window::{Window, cells_in};
 use zeronav_msgs::{Cell, MapCell};
 
@@ -16,8 +13,6 @@ const LOOK_AROUND: i32 = 64;
 pub(crate) struct GoalCell {
     seen: Vec<bool>,
     queue: Vec<Cell>,
-    bits: BitMap,
-    regions: Regions,
 }
 
 impl GoalCell {
@@ -25,26 +20,20 @@ impl GoalCell {
     /// with one of `exits`, else the nearest that is free.
     ///
     /// Where all free cells within the tolerance hang together, which is seen by looking around,
-    /// the nearest is as reachable as any. Only where a wall runs between them the map is asked
-    /// which of them the robot can reach: its time follows the map's rows, 64 cells a step.
+    /// the nearest is as reachable as any. Only where a wall runs between them `connected` is asked
+    /// which of them the robot can reach.
     pub(crate) fn find(
         &mut self,
         query: &PlanQuery<'_>,
         own: Cell,
         exits: &[Cell],
+        connected: &mut dyn FnMut(Cell, Cell) -> bool,
     ) -> Option<Cell> {
         let nearest = nearest(query, own, |_| true)?;
         if nearest == own || self.hangs_together(query, own, nearest) {
             return Some(nearest);
         }
-        self.bits.follow(&query.map, query.unknown);
-        self.regions.follow(&self.bits, query.corner_rule);
-        let regions = &mut self.regions;
-        let reachable = |cell: Cell| {
-            exits
-                .iter()
-                .any(|exit| regions.connected(padded(*exit), padded(cell)))
-        };
+        let reachable = |cell: Cell| exits.iter().any(|exit| connected(*exit, cell));
         self::nearest(query, own, reachable).or(Some(nearest))
     }
 

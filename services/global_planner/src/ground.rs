@@ -70,9 +70,11 @@ impl<M: FreeCells> Ground<M> {
         path: &mut CellPath,
     ) -> Result<Ends, PlanError> {
         path.clear();
-        let ends = find_ends(query, &mut self.way_out)?;
         self.map.follow(&query.map, query.unknown);
-        Ok(ends)
+        let (bits, reach) = (self.map.bits(), &mut self.reach);
+        find_ends(query, &mut self.way_out, &mut |one, other| {
+            reach.known(bits, query.corner_rule, one, other)
+        })
     }
 
     /// Searches between the ends: begins the path with the way out of the inflation, and leaves
@@ -111,6 +113,12 @@ impl<M: FreeCells> Ground<M> {
     #[inline]
     pub(crate) fn may(&mut self, rule: CornerRule, between: (Cell, Cell), expanded: u64) -> bool {
         self.reach.may(self.map.bits(), rule, between, expanded)
+    }
+
+    /// Work for when no answer is due: gets the proof of [`Self::may`] ready, in slices; true when
+    /// more is left.
+    pub(crate) fn prepare(&mut self) -> bool {
+        self.reach.prepare(self.map.bits())
     }
 
     /// The map, and [`Self::may`] as a function of the expansions.

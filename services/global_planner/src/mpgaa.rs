@@ -135,6 +135,7 @@ impl GlobalPlanner for Mpgaa {
         let start = self.field.cell_at(robot);
         self.field.improve(goal, expansions)
             || start.is_some_and(|start| self.detours.prepare(&mut self.field, start, expansions))
+            || self.ground.prepare()
     }
 
     fn detour(&mut self, query: &PlanQuery<'_>, path: &mut CellPath) -> Option<PlanStats> {

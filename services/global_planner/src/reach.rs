@@ -13,6 +13,10 @@ pub(crate) struct Reach {
     edges: Regions,
     corners: Regions,
     asked: bool,
+    /// Of the last question.
+    rule: CornerRule,
+    /// Expansions after which finding the regions costs about as much as the search did.
+    worth_after: u64,
 }
 
 impl Reach {
@@ -29,18 +33,25 @@ impl Reach {
         expanded: u64,
     ) -> bool {
         if expanded == 0 {
-            self.asked = false;
+            let n_unread = self.regions(rule).n_unread(bits, rule) as u64;
+            (self.asked, self.rule) = (false, rule);
+            self.worth_after = 256 + n_unread / 64;
         }
         if self.asked {
             return true;
         }
-        let rows = bits.rows();
-        let worth = expanded >= 256 + rows.words().len() as u64 / 64;
+        let worth = expanded >= self.worth_after;
         if !worth && (expanded > 0 || !self.regions(rule).is_current(bits, rule)) {
             return true;
         }
         self.asked = true;
         self.known(bits, rule, start, goal)
+    }
+
+    /// Work for when no answer is due: finds the regions, in slices; true when more is left.
+    pub(crate) fn prepare(&mut self, bits: &BitMap) -> bool {
+        let rule = self.rule;
+        self.regions(rule).follow_next(bits, rule)
     }
 
     /// True when the two cells are connected; finds the regions if need be.

@@ -9,7 +9,7 @@ use crate::planner::{Control, CornerRule, Expansions, PlanStats};
 use crate::search::{COST_SO_FAR_MAX, Found};
 
 /// Expansions between two looks at the budget.
-const BUDGET_EVERY: u64 = 2048;
+const BUDGET_EVERY: u64 = 512;
 
 /// The kinds of heuristic, as parameters of the search.
 pub(super) const OCTILE: u8 = 0;

@@ -1,7 +1,7 @@
 //! What every planner of the papers does around its own method: both ends, inflation at the
 //! start, proof that there is no way, cost and remarks.
 
-use crate::ends::{WayOut, find_ends};
+use crate::ends::{WayOut, find_ends_on_map};
 use crate::map_options::MapOptions;
 use crate::moves::STEPS;
 use crate::papers::field::{Field, Look, Marks, Meter, Prices};
@@ -156,7 +156,7 @@ impl<S: Solver> GlobalPlanner for OnMap<S> {
     ) -> Result<PlanStats, PlanError> {
         path.clear();
         path.stats.remarks.literal = self.solver.is_literal();
-        let ends = find_ends(query, &mut self.way_out)?;
+        let ends = find_ends_on_map(query, &mut self.way_out)?;
         let prices = self.prices.clone();
         let field = Field {
             map: query.map,
