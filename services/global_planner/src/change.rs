@@ -1,11 +1,7 @@
 //! What a map update means for planning: did anything open, did anything become cheaper?
 
-use crate::planner::Unknown;
-use zeronav_msgs::map::COST_UNKNOWN;
-use zeronav_msgs::{Cell, CellRect, GridGeometry, MapCell, MapView};
-
-/// Rank of cells that block the robot's centre; of all others it is their cost.
-const BLOCKED: u8 = u8::MAX;
+use crate::planner::{BLOCKED, Unknown};
+use zeronav_msgs::{Cell, CellRect, GridGeometry, MapView};
 
 /// What a map update did.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -23,7 +19,8 @@ pub(crate) struct Change {
 #[derive(Debug, Default)]
 pub(crate) struct CostMemory {
     geometry: GridGeometry,
-    ranks: Vec<u8>,
+    /// [`Unknown::cost`] of each cell.
+    costs: Vec<u8>,
 }
 
 impl CostMemory {
@@ -36,11 +33,11 @@ impl CostMemory {
         unknown: Unknown,
         mut eased: impl FnMut(Cell),
     ) -> Change {
-        if *map.geometry != self.geometry || self.ranks.len() != map.cells.len() {
+        if *map.geometry != self.geometry || self.costs.len() != map.cells.len() {
             self.geometry = *map.geometry;
-            self.ranks.clear();
-            self.ranks
-                .extend(map.cells.iter().map(|cell| rank(*cell, unknown)));
+            self.costs.clear();
+            self.costs
+                .extend(map.cells.iter().map(|cell| unknown.cost(*cell)));
             return Change {
                 geometry: true,
                 opened: true,
@@ -50,33 +47,27 @@ impl CostMemory {
         let mut change = Change::default();
         for rect in changed {
             let rect = rect.grown(0, map.geometry);
+            if rect.min.x >= rect.max.x {
+                continue;
+            }
             for y in rect.min.y..rect.max.y {
-                for x in rect.min.x..rect.max.x {
-                    let Some(index) = map.geometry.index_of(Cell::new(x, y)) else {
-                        continue;
-                    };
-                    let (old, new) = (self.ranks[index], rank(map.cells[index], unknown));
-                    if old != new {
-                        self.ranks[index] = new;
-                        change.any = true;
-                        if new < old {
-                            change.opened |= old == BLOCKED;
-                            eased(Cell::new(x, y));
-                        }
+                let ends = [Cell::new(rect.min.x, y), Cell::new(rect.max.x - 1, y)];
+                let [Some(first), Some(last)] = ends.map(|cell| map.geometry.index_of(cell)) else {
+                    continue;
+                };
+                let cells = map.cells[first..=last].iter();
+                let costs = self.costs[first..=last].iter_mut();
+                for (x, (cell, cost)) in (rect.min.x..).zip(cells.zip(costs)) {
+                    let new = unknown.cost(*cell);
+                    let old = core::mem::replace(cost, new);
+                    change.any |= new != old;
+                    if new < old {
+                        change.opened |= old == BLOCKED;
+                        eased(Cell::new(x, y));
                     }
                 }
             }
         }
         change
-    }
-}
-
-fn rank(cell: MapCell, unknown: Unknown) -> u8 {
-    if unknown.blocks(cell) {
-        BLOCKED
-    } else if cell.cost == COST_UNKNOWN {
-        0
-    } else {
-        cell.cost
     }
 }

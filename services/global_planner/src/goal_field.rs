@@ -30,7 +30,7 @@ mod upkeep;
 
 use eased_box::EasedBox;
 use node::{GENERATION_MAX, NO_WAY, Node, STEP_MASK, STEP_SHIFT, Spot};
-use prices::{Prices, price_of};
+use prices::Prices;
 use risen::Raise;
 use run::{FIELD, FIELD_AND_BOX, OCTILE, Run, WEIGHTED};
 
@@ -239,7 +239,7 @@ impl GoalField {
                 let cells = &map.cells[y * row..][columns.clone()];
                 let prices = self.prices.row_mut(first, cells.len());
                 for (n, (cell, price)) in cells.iter().zip(prices).enumerate() {
-                    let new = price_of(*cell, self.unknown);
+                    let new = self.unknown.cost(*cell);
                     let old = core::mem::replace(price, new);
                     #[allow(
                         clippy::cast_possible_truncation,

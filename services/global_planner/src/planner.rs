@@ -71,6 +71,9 @@ choices! {
     }
 }
 
+/// In place of a cost: the robot's centre must not be in the cell.
+pub(crate) const BLOCKED: u8 = u8::MAX;
+
 impl Unknown {
     /// True when the robot's centre must not be in `cell`.
     #[must_use]
@@ -82,6 +85,18 @@ impl Unknown {
     #[must_use]
     pub const fn is_lethal(self, cell: MapCell) -> bool {
         cell.cost == COST_LETHAL || (matches!(self, Self::Lethal) && cell.cost == COST_UNKNOWN)
+    }
+
+    /// What it costs to enter `cell`: [`BLOCKED`], or the map's cost, which of an unknown cell is 0.
+    #[inline]
+    pub(crate) const fn cost(self, cell: MapCell) -> u8 {
+        if self.blocks(cell) {
+            BLOCKED
+        } else if cell.cost == COST_UNKNOWN {
+            0
+        } else {
+            cell.cost
+        }
     }
 }
 

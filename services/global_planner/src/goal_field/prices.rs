@@ -4,12 +4,9 @@
 //! lines, and touches only the nodes that it may improve.
 
 use super::node::Spot;
+pub(super) use crate::planner::BLOCKED;
 use crate::planner::Unknown;
-use zeronav_msgs::map::COST_UNKNOWN;
-use zeronav_msgs::{MapCell, MapView};
-
-/// In place of a price: the cell may not be entered.
-pub(super) const BLOCKED: u8 = u8::MAX;
+use zeronav_msgs::MapView;
 
 /// Bytes behind the last cell, so that a row of neighbours can be read as four.
 const TAIL: usize = 4;
@@ -31,7 +28,7 @@ impl Prices {
         let padded = self.cells.chunks_exact_mut(width as usize).skip(1);
         for (row, prices) in rows.zip(padded) {
             for (cell, price) in row.iter().zip(&mut prices[1..]) {
-                *price = price_of(*cell, unknown);
+                *price = unknown.cost(*cell);
             }
         }
     }
@@ -39,6 +36,12 @@ impl Prices {
     #[inline]
     pub(super) fn at(&self, spot: Spot) -> u8 {
         self.cells[spot as usize]
+    }
+
+    /// None beside the map.
+    #[inline]
+    pub(super) fn get(&self, spot: Spot) -> Option<u8> {
+        self.cells.get(spot as usize).copied()
     }
 
     pub(super) fn row_mut(&mut self, first: usize, n: usize) -> &mut [u8] {
@@ -78,21 +81,11 @@ pub(super) const fn is_blocked(around: u64, step: u32) -> bool {
     around >> (8 * (step & 7)) & 0xff == BLOCKED as u64
 }
 
-pub(super) fn price_of(cell: MapCell, unknown: Unknown) -> u8 {
-    if unknown.blocks(cell) {
-        BLOCKED
-    } else if cell.cost == COST_UNKNOWN {
-        0
-    } else {
-        cell.cost
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::moves::STEPS;
-    use zeronav_msgs::GridGeometry;
+    use zeronav_msgs::{GridGeometry, MapCell};
 
     #[test]
     fn neighbours_stand_in_the_order_of_the_steps() {
