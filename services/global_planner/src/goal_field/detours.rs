@@ -15,13 +15,16 @@ mod cuts;
 mod forest;
 mod grow;
 mod pages;
+mod positions;
+#[cfg(test)]
+mod tests;
 
 use super::node::Spot;
 use super::prices::{BLOCKED, is_blocked};
 use super::{Changed, GoalField};
 use crate::moves::STEPS;
 use cuts::{Cuts, Cutting};
-use forest::{Forest, NOWHERE};
+use forest::Forest;
 use grow::{Growth, Progress};
 use zeronav_msgs::Cell;
 
@@ -36,6 +39,9 @@ const UPDATES_MIN: u32 = 5;
 
 /// More changes than this are not worth a look at each.
 const CHANGES_MAX: usize = 1 << 14;
+
+/// Steps of a way that are read ahead.
+const AHEAD: u32 = 12;
 
 /// A way round.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -63,7 +69,7 @@ pub(crate) struct Detours {
     /// See [`Forest::detours_from`].
     from_start: Vec<(u32, u32)>,
     /// Steps to a cell, the last one first.
-    chain: Vec<u8>,
+    chain: Vec<u32>,
 }
 
 impl Detours {
@@ -91,7 +97,7 @@ impl Detours {
             + self.risen.capacity() * size_of::<Spot>()
             + self.cuts.bytes()
             + self.from_start.capacity() * size_of::<(u32, u32)>()
-            + self.chain.capacity()
+            + self.chain.capacity() * size_of::<u32>()
     }
 
     /// Work of about `expansions` expansions on the region around a robot in `start`; true when more
@@ -156,18 +162,17 @@ impl Detours {
         if field.apart(forest.root(), spot) > ROBOT_FAR {
             return None;
         }
-        let position = forest.position(spot)?;
-        let at = (start, position);
+        let position = forest.known(spot)?.position;
         let first = cells.len();
         self.cuts.set(forest, field, &self.risen, Cutting::Blocked);
-        forest.detours_from(position, &mut self.from_start);
+        forest.detours_from(field, spot, &mut self.from_start);
         let so_far = forest.place(position).so_far;
-        let cuts = (self.cuts.forward(), self.cuts.to_goal());
-        let (total, over) = forest.cheapest(cuts.0, cuts.1, &self.from_start)?;
+        let (total, over) =
+            forest.cheapest(self.cuts.forward(), self.cuts.to_goal(), &self.from_start)?;
         // Bounds are those of ways from the root.
         let least = forest.least().saturating_sub(so_far);
         let least = if self.eased[0] { 0 } else { least };
-        let mut cost = self.lead(field, at, over, cells);
+        let mut cost = self.lead(field, start, over, cells);
         let is_dearer = |cost: u32, total: u32| cost > total.saturating_sub(so_far);
         if cost.is_none_or(|cost| is_dearer(cost, total)) {
             // It leads over cells that became dearer: perhaps one that avoids those costs less.
@@ -179,7 +184,7 @@ impl Detours {
                 && cost.is_none_or(|cost| is_dearer(cost, total))
             {
                 let second = cells.len();
-                let other = self.lead(field, at, over, cells);
+                let other = self.lead(field, start, over, cells);
                 if other.is_some_and(|other| cost.is_none_or(|cost| other < cost)) {
                     cells.drain(first..second);
                     cost = other;
@@ -197,12 +202,11 @@ impl Detours {
         })
     }
 
-    /// Appends the way from `start`, a cell and its position, over the cell at position `over` to the
-    /// goal, and gives what it costs; none, and nothing appended, where it is not legal.
+    /// Appends the way from `start` over the cell at position `over` to the goal, and gives what it costs; none, and nothing appended, where it is not legal.
     fn lead(
         &mut self,
         field: &GoalField,
-        start: (Cell, u32),
+        start: Cell,
         over: u32,
         cells: &mut Vec<Cell>,
     ) -> Option<u32> {
@@ -217,34 +221,45 @@ impl Detours {
     fn walk(
         &mut self,
         field: &GoalField,
-        (start, position): (Cell, u32),
+        start: Cell,
         over: u32,
         cells: &mut Vec<Cell>,
     ) -> Option<u32> {
         let forest = &self.ready;
         let mut walk = Walk::new(field, start, cells);
         // Back to where the ways part, then on.
-        let mut fork = position;
-        while !forest.is_below(over, fork) {
-            walk.step(u32::from(forest.place(fork).step) + 4)?;
-            fork = forest.place(fork).parent;
+        let mut known = forest.known(walk.spot)?;
+        while !forest.is_below(over, known.position) {
+            walk.step(known.step? + 4)?;
+            known = forest.known(walk.spot)?;
         }
         self.chain.clear();
-        let mut at = over;
-        while at != fork {
-            self.chain.push(forest.place(at).step);
-            at = forest.place(at).parent;
+        let mut at = forest.place(over).spot;
+        while at != walk.spot {
+            let step = forest.known(at)?.step?;
+            self.chain.push(step);
+            read_ahead(field, forest, at, step + 4);
+            at = forest.known(at)?.parent(field, at)?;
         }
         for step in self.chain.iter().rev() {
-            walk.step(u32::from(*step))?;
+            walk.step(*step)?;
         }
-        at = over;
-        while forest.place(at).goal_parent != NOWHERE {
-            walk.step(u32::from(forest.place(at).step_to_goal))?;
-            at = forest.place(at).goal_parent;
+        while let Some(step) = forest.known(walk.spot)?.step_to_goal {
+            read_ahead(field, forest, walk.spot, step);
+            walk.step(step)?;
         }
         (walk.spot == field.goal).then_some(walk.cost)
     }
+}
+
+/// Reads what is known about the cell [`AHEAD`] steps on in the same direction, so that it is in the
+/// cache when the way comes there. Ways turn seldom, and nothing waits for a value of which nothing
+/// depends, while each step of a way hangs on what the cell before says.
+#[inline]
+fn read_ahead(field: &GoalField, forest: &Forest, spot: Spot, step: u32) {
+    let ahead = field.offsets[step as usize & 7].wrapping_mul(AHEAD);
+    let ahead = spot.wrapping_add(ahead);
+    let _ = core::hint::black_box((forest.known(ahead), field.prices.get(ahead)));
 }
 
 /// A way under construction.

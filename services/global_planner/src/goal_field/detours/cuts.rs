@@ -2,15 +2,20 @@
 
 use super::super::GoalField;
 use super::super::node::Spot;
-use super::super::prices::BLOCKED;
-use super::forest::{Forest, Interval, NOWHERE, Place};
+use super::super::prices::{BLOCKED, is_blocked};
+use super::forest::{Forest, Known};
+use super::positions::{Interval, PositionSet, merge};
 use crate::planner::CornerRule;
 
-/// Intervals of positions, sorted, none touching another.
+/// [`super::super::prices::Prices::around`] of a cell that has no free neighbour.
+const ALL_BLOCKED: u64 = u64::from_ne_bytes([BLOCKED; 8]);
+
+/// Positions in the two trees, as intervals that are sorted and do not touch.
 #[derive(Debug, Default)]
 pub(super) struct Cuts {
     forward: Vec<Interval>,
     to_goal: Vec<Interval>,
+    is_cut_to_goal: PositionSet,
 }
 
 /// Which cells cut.
@@ -23,10 +28,9 @@ pub(super) enum Cutting {
 }
 
 impl Cutting {
-    /// True when the cell of `place` cuts.
-    fn cuts(self, field: &GoalField, place: &Place) -> bool {
-        let price = field.prices.at(place.spot);
-        price > place.price && (self == Self::Dearer || price == BLOCKED)
+    /// True when a cell of the region with this price then and now cuts.
+    fn cuts(self, then: u8, now: u8) -> bool {
+        now > then && (self == Self::Dearer || now == BLOCKED)
     }
 }
 
@@ -42,62 +46,70 @@ impl Cuts {
         self.forward.clear();
         self.to_goal.clear();
         for spot in risen {
-            let is_blocked = field.prices.at(*spot) == BLOCKED;
-            if !is_blocked && cutting == Cutting::Blocked {
+            let (own, around) = field.prices.around(*spot);
+            // Where all neighbours are blocked, those before it on its ways cut it off themselves.
+            let is_inside = around == ALL_BLOCKED && *spot != forest.root();
+            if cutting == Cutting::Blocked && (own != BLOCKED || is_inside) {
                 continue;
             }
-            if let Some(position) = forest.position(*spot) {
-                self.add(forest, field, position, cutting);
+            if let Some(known) = forest.known(*spot)
+                && cutting.cuts(known.price, own)
+            {
+                self.add(forest, field, *spot, known, cutting);
             }
-            if is_blocked && field.rule != CornerRule::Allow {
-                self.add_corners(forest, field, *spot);
+            if own == BLOCKED && !is_inside && field.rule != CornerRule::Allow {
+                self.add_corners(forest, field, *spot, around);
             }
         }
         merge(&mut self.forward);
         merge(&mut self.to_goal);
+        self.is_cut_to_goal.set(&self.to_goal, forest.len());
     }
 
-    /// Cuts at a cell, unless its parent cuts: then it is cut off with that.
-    fn add(&mut self, forest: &Forest, field: &GoalField, position: u32, cutting: Cutting) {
-        let place = forest.place(position);
-        if !cutting.cuts(field, place) {
-            return;
+    /// Cuts at a cell, unless the next one on a way cuts: then it is cut off with that.
+    fn add(
+        &mut self,
+        forest: &Forest,
+        field: &GoalField,
+        spot: Spot,
+        known: Known,
+        cutting: Cutting,
+    ) {
+        let next_cuts = |step: Option<u32>, opposite: u32| {
+            step.is_some_and(|step| {
+                let next = spot.wrapping_add(field.offsets[(step + opposite) as usize & 7]);
+                let then = forest.known(next).map_or(BLOCKED, |next| next.price);
+                cutting.cuts(then, field.prices.at(next))
+            })
+        };
+        if !next_cuts(known.step, 4) {
+            self.forward.push(forest.below(known.position));
         }
-        let parent = forest.place(place.parent);
-        if place.parent == position || !cutting.cuts(field, parent) {
-            self.forward.push((position, place.end));
-        }
-        let next = place.goal_parent;
-        if next == NOWHERE || !cutting.cuts(field, forest.place(next)) {
-            self.to_goal.extend(forest.below_to_goal(position));
+        if !next_cuts(known.step_to_goal, 0) {
+            self.to_goal.extend(forest.below_to_goal(known.position));
         }
     }
 
-    /// Cuts the diagonal steps past `spot`.
-    fn add_corners(&mut self, forest: &Forest, field: &GoalField, spot: Spot) {
+    /// Cuts the diagonal steps past `spot`, given the prices around it.
+    fn add_corners(&mut self, forest: &Forest, field: &GoalField, spot: Spot, around: u64) {
         for n in [0, 2, 4, 6] {
-            let beside = |step: usize| {
-                let beside = spot.wrapping_add(field.offsets[step & 7]);
-                let free = field.prices.at(beside) != BLOCKED;
-                free.then(|| forest.position(beside)).flatten()
-            };
-            let opposite = spot.wrapping_add(field.offsets[n + 1]);
-            if field
-                .rule
-                .permits(true, field.prices.at(opposite) == BLOCKED)
-            {
+            let is_blocked = |step: u32| is_blocked(around, step);
+            if is_blocked(n) || is_blocked(n + 2) || field.rule.permits(true, is_blocked(n + 1)) {
                 continue;
             }
+            let beside =
+                |step: u32| forest.known(spot.wrapping_add(field.offsets[step as usize & 7]));
             let (Some(one), Some(other)) = (beside(n), beside(n + 2)) else {
                 continue;
             };
-            for (above, below) in [(one, other), (other, one)] {
-                let (from, to) = (forest.place(above), forest.place(below));
-                if to.parent == above {
-                    self.forward.push((below, to.end));
+            // From the cell in direction n to that in direction n + 2, and back.
+            for (from, to, step) in [(one, other, n + 3), (other, one, n + 7)] {
+                let step = Some(step & 7);
+                if to.step == step {
+                    self.forward.push(forest.below(to.position));
                 }
-                if from.goal_parent == below {
-                    self.to_goal.extend(forest.below_to_goal(above));
+                if from.step_to_goal == step {
+                    self.to_goal.extend(forest.below_to_goal(from.position));
                 }
             }
         }
@@ -107,23 +119,12 @@ impl Cuts {
         &self.forward
     }
 
-    pub(super) fn to_goal(&self) -> &[Interval] {
-        &self.to_goal
+    pub(super) fn to_goal(&self) -> &PositionSet {
+        &self.is_cut_to_goal
     }
 
     pub(super) fn bytes(&self) -> usize {
         (self.forward.capacity() + self.to_goal.capacity()) * size_of::<Interval>()
+            + self.is_cut_to_goal.bytes()
     }
-}
-
-/// Sorts intervals and joins those that touch.
-fn merge(intervals: &mut Vec<Interval>) {
-    intervals.sort_unstable();
-    intervals.dedup_by(|next, last| {
-        let touches = next.0 <= last.1;
-        if touches {
-            last.1 = last.1.max(next.1);
-        }
-        touches
-    });
 }

@@ -4,12 +4,12 @@ use super::super::node::{GENERATION_SHIFT, NO_STEP, STEP_MASK, STEP_SHIFT, Spot}
 use super::super::prices::{BLOCKED, is_blocked};
 use super::super::run::FIELD;
 use super::super::{GoalField, Lists};
-use super::forest::{Forest, NEVER, NOWHERE, Place};
+use super::forest::{Forest, Known, NEVER, NOWHERE, POSITIONS_MAX, Place};
 use crate::planner::{Control, PlanStats};
 use crate::search::Found;
 
 /// Cells of a region, at most.
-const REGION_MAX: u64 = 1 << 16;
+const REGION_MAX: u64 = POSITIONS_MAX as u64;
 
 /// In place of a spot: the search ends nowhere.
 const NO_GOAL: Spot = Spot::MAX;
@@ -362,22 +362,22 @@ impl Growth {
         let (Some(member), Some(spot)) = (self.members.get(at), self.spots.get(at)) else {
             return false;
         };
-        let parent = self.members.get(member.parent as usize);
-        let goal_parent = self.members.get(member.goal_parent as usize);
-        let place = Place {
-            spot: *spot,
-            so_far: member.so_far,
-            parent: parent.map_or(member.position, |parent| parent.position),
-            end: member.position + member.size,
-            goal_parent: goal_parent.map_or(NOWHERE, |parent| parent.position),
-            goal_end: member.goal_position.saturating_add(member.goal_size),
-            step: member.step,
-            step_to_goal: member.step_to_goal,
+        let known = |step: u32| (step != NO_STEP).then_some(step);
+        let known = Known {
+            position: member.position,
+            step: known(u32::from(member.step)),
+            step_to_goal: known(u32::from(member.step_to_goal)),
             // It was free when it was closed, whatever came since.
             price: field.prices.at(*spot).min(BLOCKED - 1),
         };
-        self.forest
-            .put(member.position, member.total, member.goal_position, place);
+        let place = Place {
+            spot: *spot,
+            so_far: member.so_far,
+            end: member.position + member.size,
+            goal_end: member.goal_position.saturating_add(member.goal_size),
+        };
+        let costs = (member.total, member.goal_position);
+        self.forest.put(known, costs, place);
         true
     }
 

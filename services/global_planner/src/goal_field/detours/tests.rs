@@ -1,0 +1,144 @@
+//! What changes cut off, against a walk along every way.
+
+use super::*;
+use crate::planner::{CornerRule, Unknown};
+use zeronav_msgs::map::COST_LETHAL;
+use zeronav_msgs::{CellRect, GridGeometry, MapCell, MapView};
+
+const SIDE: u32 = 40;
+
+const GEOMETRY: GridGeometry = GridGeometry {
+    origin_x_m: 0.0,
+    origin_y_m: 0.0,
+    resolution_m: 0.05,
+    width: SIDE,
+    height: SIDE,
+};
+
+struct Draw(u64);
+
+impl Draw {
+    fn below(&mut self, n: u32) -> u32 {
+        self.0 = (self.0)
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1);
+        u32::try_from((self.0 >> 33) % u64::from(n)).unwrap()
+    }
+
+    fn coordinate(&mut self) -> i32 {
+        self.below(SIDE).cast_signed()
+    }
+}
+
+fn view(cells: &[MapCell]) -> MapView<'_> {
+    MapView {
+        geometry: &GEOMETRY,
+        cells,
+    }
+}
+
+/// Makes cells of a rectangle dearer, or lethal.
+fn raise(cells: &mut [MapCell], draw: &mut Draw) -> CellRect {
+    let min = Cell::new(draw.coordinate(), draw.coordinate());
+    let size = 1 + draw.below(6).cast_signed();
+    let max = Cell::new(min.x + size, min.y + size);
+    let rect = CellRect { min, max }.grown(0, &GEOMETRY);
+    let cost = [COST_LETHAL, 100][draw.below(2) as usize];
+    for y in rect.min.y..rect.max.y {
+        for x in rect.min.x..rect.max.x {
+            let cell = &mut cells[GEOMETRY.index_of(Cell::new(x, y)).unwrap()];
+            cell.cost = cell.cost.max(cost);
+        }
+    }
+    rect
+}
+
+/// True when the step may be taken still.
+fn is_open(field: &GoalField, from: Spot, step: u32) -> bool {
+    let (_, around) = field.prices.around(from);
+    !is_blocked(around, step) && field.corner_permits(around, step)
+}
+
+fn holds(intervals: &[positions::Interval], position: u32) -> bool {
+    (intervals.iter()).any(|(first, end)| (*first..*end).contains(&position))
+}
+
+/// Of each cell of the region: what says that its two ways are cut is true. The number of those cut.
+fn check(field: &GoalField, detours: &mut Detours, cutting: Cutting) -> usize {
+    let Detours {
+        cuts, ready, risen, ..
+    } = detours;
+    cuts.set(ready, field, risen, cutting);
+    let is_free = |spot: Spot| {
+        let (then, now) = (ready.known(spot).unwrap().price, field.prices.at(spot));
+        now != BLOCKED && (cutting == Cutting::Blocked || now <= then)
+    };
+    let spots = 0..Spot::try_from(field.nodes.len()).unwrap();
+    let mut n_cut = 0;
+    for (spot, known) in spots.filter_map(|spot| Some((spot, ready.known(spot)?))) {
+        let (mut at, mut is_whole) = (spot, is_free(spot));
+        while let Some(parent) = ready.known(at).unwrap().parent(field, at) {
+            let step = ready.known(at).unwrap().step.unwrap();
+            is_whole &= is_free(parent) && is_open(field, parent, step);
+            at = parent;
+        }
+        assert_eq!(at, ready.root());
+        assert_eq!(holds(cuts.forward(), known.position), !is_whole);
+        n_cut += usize::from(!is_whole);
+        let Some((to_goal, _)) = ready.below_to_goal(known.position) else {
+            continue;
+        };
+        (at, is_whole) = (spot, is_free(spot));
+        while let Some(step) = ready.known(at).unwrap().step_to_goal {
+            let next = at.wrapping_add(field.offsets[step as usize]);
+            is_whole &= is_free(next) && is_open(field, at, step);
+            at = next;
+        }
+        assert_eq!(at, field.goal);
+        assert_eq!(cuts.to_goal().holds(to_goal), !is_whole);
+        n_cut += usize::from(!is_whole);
+    }
+    n_cut
+}
+
+#[test]
+fn what_changes_cut_off_is_every_way_that_leads_over_them() {
+    let rules = [
+        CornerRule::Allow,
+        CornerRule::ForbidAny,
+        CornerRule::ForbidBoth,
+    ];
+    let mut n_cut = [0; 2];
+    for seed in 0..60 {
+        let mut draw = Draw(seed);
+        let rule = rules[usize::try_from(seed % 3).unwrap()];
+        let free = MapCell {
+            cost: 0,
+            flags: 0,
+            clearance_mm: 1000,
+        };
+        let mut cells = vec![free; GEOMETRY.len()];
+        for _ in 0..25 {
+            raise(&mut cells, &mut draw);
+        }
+        let [goal, start] = [(); 2].map(|()| Cell::new(draw.coordinate(), draw.coordinate()));
+        let mut detours = Detours::default();
+        let mut field = GoalField::new(3.0);
+        field.follow(&view(&cells), Unknown::Free, rule);
+        let _: Changed = field.change(&view(&cells), &[], |_| {});
+        while field.improve(goal, 1000) {}
+        while detours.prepare(&mut field, start, 1000) {}
+        if !detours.ready.is_for(&field) {
+            continue;
+        }
+        for _ in 0..4 {
+            let rect = raise(&mut cells, &mut draw);
+            let changed = field.change(&view(&cells), &[rect], |spot| detours.note(spot));
+            detours.note_update(changed);
+            for (n, cutting) in [Cutting::Blocked, Cutting::Dearer].into_iter().enumerate() {
+                n_cut[n] += check(&field, &mut detours, cutting);
+            }
+        }
+    }
+    assert!(n_cut.iter().all(|n| *n > 5000), "{n_cut:?}");
+}
