@@ -146,6 +146,12 @@ impl PlannerService {
             self.replanner.name_geometry(self.path.next_id().0);
         }
         let plan = self.replanner.plan();
+        let mut message = Path::default();
+        plan.fill(&mut message);
+        let sent = shell.send(&draft, &mut self.path, message, &plan.waypoints);
+        let work = if is_new { plan.cells.stats.expanded } else { 0 };
+        shell.finish(&draft, sent, work);
+        // Nobody waits for the log.
         if is_new {
             tracing::info!(
                 tick = due.tick,
@@ -158,11 +164,6 @@ impl PlannerService {
                 "path"
             );
         }
-        let mut message = Path::default();
-        plan.fill(&mut message);
-        let sent = shell.send(&draft, &mut self.path, message, &plan.waypoints);
-        let work = if is_new { plan.cells.stats.expanded } else { 0 };
-        shell.finish(&draft, sent, work);
     }
 }
 

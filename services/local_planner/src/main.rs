@@ -112,13 +112,21 @@ impl PlannerService {
             shell.send(&draft, &mut self.plan_request, plan_request, &[]);
         }
         let status_due = due == Due::IDLE || due.tick >= self.status_tick + STATUS_TICKS;
-        if outputs.status_changed || status_due {
-            self.send_status(shell, &draft);
+        let status_sent = outputs.status_changed || status_due;
+        if status_sent {
+            let (status, ended) = self.planner.status();
+            shell.send(&draft, &mut self.status, status, ended);
+            self.status_tick = due.tick;
         }
         self.answered_ns = draft.started_ns;
-        report(shell, &outputs);
         shell.finish(&draft, sent, u64::from(outputs.rollouts));
         self.send_rollouts(shell, &draft, sent);
+        // Nobody waits for the log.
+        report(shell, &outputs);
+        if status_sent {
+            let (status, ended) = self.planner.status();
+            self.goal_log.log(due.tick, &status, ended);
+        }
     }
 
     /// Sends what the answer's period looked at, and keeps that of the next one while somebody reads
@@ -143,13 +151,6 @@ impl PlannerService {
         }
         let since_s = seconds(now_ns.saturating_sub(self.answered_ns));
         since_s.clamp(PERIOD_S_MIN.min(tick_s), tick_s)
-    }
-
-    fn send_status(&mut self, shell: &mut Shell, draft: &Draft) {
-        let (status, ended) = self.planner.status();
-        self.goal_log.log(draft.tick, &status, ended);
-        shell.send(draft, &mut self.status, status, ended);
-        self.status_tick = draft.tick;
     }
 }
 
