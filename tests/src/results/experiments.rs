@@ -448,7 +448,7 @@ fn example_of_planner(name: &str) -> [&str; 9] {
 fn planner_replan(bench: &mut Bench) -> Result<Measured, String> {
     let mut arguments = example_of_planner("replan").to_vec();
     arguments.extend(["--events", "20"]);
-    Ok(printed(&bench.cargo(&arguments)?))
+    Ok(printed(&bench.cargo_with_data(&arguments, "movingai")?))
 }
 
 fn with_data(bench: &mut Bench, example: &str, sample: &str) -> Result<Measured, String> {

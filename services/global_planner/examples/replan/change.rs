@@ -1,5 +1,5 @@
 //! Local changes of the map: blocks of cells that appear near the robot, on its way, at its goal
-//! or elsewhere, that close a door, or that vanish.
+//! or elsewhere, that close a door, or that vanish, and a wall around the goal.
 
 use crate::support::{Map, Rng, of_cost};
 use zeronav_msgs::map::{COST_INSCRIBED, COST_LETHAL};
@@ -13,9 +13,14 @@ pub(crate) const INFLATION_FACTOR: f64 = 4.0;
 /// What happens to the map.
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) enum Kind {
-    Block { at: Place, side: i32 },
+    Block {
+        at: Place,
+        side: i32,
+    },
     Door,
     Removal,
+    /// No way is left.
+    Sealed,
 }
 
 #[derive(Clone, Copy, PartialEq)]
@@ -26,7 +31,10 @@ pub(crate) enum Place {
     Off,
 }
 
-pub(crate) const KINDS: [(&str, Kind); 10] = [
+/// Thickness of the wall around a sealed goal. [cells]
+const WALL: i32 = 3;
+
+pub(crate) const KINDS: [(&str, Kind); 11] = [
     ("near 10", block(Place::Near, 10)),
     ("near 40", block(Place::Near, 40)),
     ("mid 10", block(Place::Mid, 10)),
@@ -37,6 +45,7 @@ pub(crate) const KINDS: [(&str, Kind); 10] = [
     ("off 40", block(Place::Off, 40)),
     ("door", Kind::Door),
     ("removal", Kind::Removal),
+    ("sealed", Kind::Sealed),
 ];
 
 const fn block(at: Place, side: i32) -> Kind {
@@ -60,6 +69,7 @@ pub(crate) fn place(map: &Map, kind: Kind, way: &[Cell], rng: &mut Rng) -> Optio
             (cell, side, side)
         }
         Kind::Removal => (*way.get(way.len() / 3)?, 10, 10),
+        Kind::Sealed => (*way.last()?, 61, 61),
         // The narrowest place of the way, closed from side to side.
         Kind::Door => {
             let inner = way.get(60..way.len().checked_sub(60)?)?;
@@ -74,12 +84,18 @@ pub(crate) fn place(map: &Map, kind: Kind, way: &[Cell], rng: &mut Rng) -> Optio
     let buries = |end: &Cell| {
         (min.x - 14..max.x + 14).contains(&end.x) && (min.y - 14..max.y + 14).contains(&end.y)
     };
-    (!buries(way.first()?) && !buries(way.last()?)).then_some(CellRect { min, max })
+    let buries_goal = kind != Kind::Sealed && buries(way.last()?);
+    (!buries(way.first()?) && !buries_goal).then_some(CellRect { min, max })
 }
 
-/// Fills a block of cells and inflates it, with costs of 0 when `uniform`; returns the changed cells and
-/// what they were.
-pub(crate) fn apply(map: &mut Map, uniform: bool, block: CellRect) -> (CellRect, Vec<MapCell>) {
+/// Fills a block of cells, or walls it in, and inflates that, with costs of 0 when `uniform`; returns the
+/// changed cells and what they were.
+pub(crate) fn apply(
+    map: &mut Map,
+    uniform: bool,
+    kind: Kind,
+    block: CellRect,
+) -> (CellRect, Vec<MapCell>) {
     let CellRect { min, max } = block;
     let resolution_m = map.geometry.resolution_m;
     let margin = if uniform {
@@ -100,7 +116,13 @@ pub(crate) fn apply(map: &mut Map, uniform: bool, block: CellRect) -> (CellRect,
             let gap = |at: i32, min: i32, max: i32| {
                 f64::from((min - at).max(at - max + 1).max(0)).mul_add(resolution_m, 0.0)
             };
-            let clearance_m = gap(x, min.x, max.x).hypot(gap(y, min.y, max.y));
+            let inside = |at: i32, min: i32, max: i32| (at - min).min(max - 1 - at) - WALL + 1;
+            let within = inside(x, min.x, max.x).min(inside(y, min.y, max.y));
+            let clearance_m = if kind == Kind::Sealed && within > 0 {
+                f64::from(within) * resolution_m
+            } else {
+                gap(x, min.x, max.x).hypot(gap(y, min.y, max.y))
+            };
             let cost = if clearance_m <= 0.0 {
                 COST_LETHAL
             } else if uniform || clearance_m > INFLATION_M {

@@ -3,7 +3,7 @@
 //! cycle of the replanner with `policy`: map update taken in, filter, search, path.
 //!
 //! `cargo run --release -p zeronav-global-planner --no-default-features --example replan --
-//! [--map FILE] [--events N]`
+//! [--map FILE] [--data FOLDER] [--events N]`
 //!
 //! Every event is repeated five times and counts with its median (A* from scratch: once); the table
 //! shows the median, the 99th percentile and the worst over the events. Times in microseconds of
@@ -29,7 +29,8 @@ use change::{INFLATION_FACTOR, INFLATION_M, INSCRIBED_M, KINDS, Kind};
 use clap::Parser;
 use common::movingai::GridMap;
 use measure::{Bench, Times, median, query, whole};
-use std::path::PathBuf;
+use std::fmt::Display;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use support::{Map, Rng, of_cost};
 use zeronav_global_planner::{
@@ -38,11 +39,21 @@ use zeronav_global_planner::{
 use zeronav_msgs::Cell;
 use zeronav_msgs::map::COST_LETHAL;
 
+/// Maps of the data set, without their ending.
+const DATA_MAPS: [&str; 3] = [
+    "mazes__maze512-32-0",
+    "cities__Boston_0_512",
+    "cities__Paris_1_1024",
+];
+
 #[derive(Parser)]
 struct Flags {
     /// A `MovingAI` map in place of the generated offices.
     #[arg(long)]
     map: Option<PathBuf>,
+    /// The data set `movingai`: after the offices, a maze and street maps of two cities.
+    #[arg(long)]
+    data: Option<PathBuf>,
     /// Events of each kind.
     #[arg(long, default_value_t = 40)]
     events: usize,
@@ -110,7 +121,6 @@ fn table(name: &str, map: &Map, uniform: bool, n_events: usize) -> Result<usize,
     Ok(bench.wrong)
 }
 
-/// A way with every cell that it passes from one neighbour to the next.
 /// Up to `n_events` changes of one kind, each measured.
 fn events(bench: &mut Bench, kind: Kind, n_events: usize) -> Vec<Times> {
     let (width, height) = bench.map.geometry.size();
@@ -176,16 +186,20 @@ fn without_costs(map: &Map) -> Map {
     map
 }
 
+/// A `MovingAI` map, inflated.
+fn read(file: &Path) -> Result<(String, Map), String> {
+    let named = |error: &dyn Display| format!("{}: {error}", file.display());
+    let text = std::fs::read_to_string(file).map_err(|error| named(&error))?;
+    let read = GridMap::parse(&text).map_err(|error| named(&error))?;
+    let mut map = Map::free(read.geometry.width, read.geometry.height);
+    map.cells = read.cells;
+    map.inflate(INSCRIBED_M, INFLATION_M, INFLATION_FACTOR);
+    Ok((file.display().to_string(), map))
+}
+
 fn run(flags: &Flags) -> Result<usize, String> {
-    let maps: Vec<(String, Map)> = match &flags.map {
-        Some(file) => {
-            let text = std::fs::read_to_string(file).map_err(|error| error.to_string())?;
-            let read = GridMap::parse(&text).map_err(|error| error.to_string())?;
-            let mut map = Map::free(read.geometry.width, read.geometry.height);
-            map.cells = read.cells;
-            map.inflate(INSCRIBED_M, INFLATION_M, INFLATION_FACTOR);
-            vec![(file.display().to_string(), map)]
-        }
+    let mut maps = match &flags.map {
+        Some(file) => vec![read(file)?],
         None => [(600, 400), (1000, 1000), (4000, 4000)]
             .into_iter()
             .filter(|(width, _)| *width <= flags.largest)
@@ -197,6 +211,12 @@ fn run(flags: &Flags) -> Result<usize, String> {
             })
             .collect(),
     };
+    if let Some(folder) = &flags.data {
+        for name in DATA_MAPS {
+            let (_, map) = read(&folder.join(format!("{name}.map")))?;
+            maps.push((name.to_owned(), map));
+        }
+    }
     let mut wrong = 0;
     for (name, map) in &maps {
         let n_events = if map.cells.len() > 4_000_000 {

@@ -171,7 +171,7 @@ impl Bench {
         let mut from_scratch = None;
         let mut runs = Vec::with_capacity(REPEATS);
         for _ in 0..REPEATS {
-            let (rect, before) = apply(&mut self.map, self.uniform, block);
+            let (rect, before) = apply(&mut self.map, self.uniform, kind, block);
             if kind == Kind::Removal {
                 // The block is known first, then it vanishes.
                 self.notify(rect);
