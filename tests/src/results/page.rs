@@ -240,6 +240,8 @@ fn cell(figure: &Figure) -> String {
 
 /// A number with about three digits that count.
 fn short(value: f64) -> String {
+    // The sum of no numbers is -0.
+    let value = value + 0.0;
     let size = value.abs();
     let digits = if value.fract() == 0.0 || size >= 100.0 {
         0
