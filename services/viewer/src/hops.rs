@@ -121,6 +121,8 @@ pub(crate) struct Hops {
     awaited: u64,
     last_replanning: Option<Way>,
     last_direct: Option<Way>,
+    /// Commands at the wheels that came since the last [`Self::settle`], and before it.
+    applied: [Vec<Span>; 2],
 }
 
 impl Hops {
@@ -129,10 +131,12 @@ impl Hops {
         self.awaited = id;
     }
 
-    /// Takes in a record. Returns the way through the map of a first command after a new path.
-    pub(crate) fn take(&mut self, span: &Span) -> Option<&Way> {
+    /// Takes in a record.
+    pub(crate) fn take(&mut self, span: &Span) {
         match (span.kind(), span.role()) {
-            (Some(SpanKind::Applied), _) => return self.applied(span),
+            (Some(SpanKind::Applied), _) if self.applied[0].len() < KEPT => {
+                self.applied[0].push(*span);
+            }
             (Some(SpanKind::Answer | SpanKind::Extra), Some(role)) => {
                 if role == Role::Robot && span.scan != 0 {
                     self.scans.insert(span.scan, *span);
@@ -146,7 +150,21 @@ impl Hops {
             }
             _ => {}
         }
-        None
+    }
+
+    /// Follows the commands at the wheels back to their scans; gives the way through the map of the
+    /// first one after a new path. To be called whenever all that has come was taken in.
+    ///
+    /// Records come writer by writer, and paths by themselves: a command may come before the records
+    /// that it rests on. These are there one call later.
+    pub(crate) fn settle(&mut self) -> Option<Way> {
+        let [fresh, mut due] = core::mem::take(&mut self.applied);
+        let replanned = due.drain(..).fold(None, |before, span| {
+            let way = self.applied(&span).cloned();
+            before.or(way)
+        });
+        self.applied = [due, fresh];
+        replanned
     }
 
     fn answer(&self, role: Role, output: u64) -> Option<&Span> {
@@ -274,8 +292,14 @@ mod tests {
         }
     }
 
-    /// The records of one scan through map and path to the wheels.
+    /// The records of one scan through map and path to the wheels, in the order in which they are read:
+    /// those of the robot first.
     fn cycle(hops: &mut Hops, id: u64, at_ns: u64) -> Option<Way> {
+        take_cycle(hops, id, at_ns);
+        hops.settle().or_else(|| hops.settle())
+    }
+
+    fn take_cycle(hops: &mut Hops, id: u64, at_ns: u64) {
         let of = |role, output, started, published| {
             span(role, output, at_ns + started, at_ns + published)
         };
@@ -283,6 +307,12 @@ mod tests {
             scan: id,
             capture_ns: at_ns,
             ..of(Role::Robot, id, 0, 10)
+        });
+        hops.take(&Span {
+            kind: SpanKind::Applied.code(),
+            request: id,
+            tick: id,
+            ..of(Role::Robot, 0, 550, 0)
         });
         hops.take(&Span {
             scan: id,
@@ -301,13 +331,6 @@ mod tests {
             request: id,
             ..of(Role::CollisionGuard, id, 360, 450)
         });
-        let applied = hops.take(&Span {
-            kind: SpanKind::Applied.code(),
-            request: id,
-            tick: id,
-            ..of(Role::Robot, 0, 550, 0)
-        });
-        applied.cloned()
     }
 
     #[test]
@@ -328,6 +351,20 @@ mod tests {
         assert_eq!(cycle(&mut hops, 3, 9_000), None);
         assert_eq!(hops.replanning().map(|way| way.tick), Some(2));
         assert_eq!(hops.quantiles([0.5]), Some([450]));
+    }
+
+    #[test]
+    fn what_a_command_rests_on_may_come_after_it() {
+        let mut hops = Hops::default();
+        take_cycle(&mut hops, 1, 1_000);
+        assert_eq!(hops.settle(), None);
+        // The path was sent before the command, but is read after it.
+        hops.new_path(1);
+        take_cycle(&mut hops, 2, 20_000);
+        let way = hops.settle().expect("a way");
+        assert_eq!((way.tick, way.hops_ns[5]), (1, 60));
+        assert_eq!(hops.settle(), None, "later commands are no replanning");
+        assert_eq!(hops.direct().map(|way| way.tick), Some(2));
     }
 
     #[test]

@@ -118,10 +118,8 @@ impl Seats {
     }
 
     /// A record of a cycle.
-    pub(crate) fn record(&mut self, span: &Span, events: &mut Events) {
-        if let Some(way) = self.hops.take(span) {
-            events.replanned(way.named_us(&THROUGH_MAP));
-        }
+    pub(crate) fn record(&mut self, span: &Span) {
+        self.hops.take(span);
         let is_answer = matches!(span.kind(), Some(SpanKind::Answer | SpanKind::Extra));
         let line = self.lines.iter_mut();
         if let Some(line) = line
@@ -129,6 +127,13 @@ impl Seats {
             .find(|line| line.role.code() == span.role)
         {
             line.answers += 1;
+        }
+    }
+
+    /// All records that have come were taken in.
+    pub(crate) fn settle(&mut self, events: &mut Events) {
+        if let Some(way) = self.hops.settle() {
+            events.replanned(way.named_us(&THROUGH_MAP));
         }
     }
 

@@ -215,7 +215,8 @@ impl Tap {
                 seats.new_path(view.header.id());
             }
         });
-        ports.spans.drain(|span| seats.record(span, events));
+        ports.spans.drain(|span| seats.record(span));
+        seats.settle(events);
         seats.listen(roster, events);
     }
 
