@@ -86,13 +86,12 @@ const ROOT: u8 = 8;
 /// A start that is blocked, but not lethal, is left on a shortest way (in steps) over cells that
 /// are not lethal, at most [`MapOptions::escape_m`] from the robot along either axis. A blocked goal is replaced
 /// by the free cell whose centre is nearest to it, within the tolerance; the lower row, then the
-/// lower column, of two equally near.
+/// lower column, of two equally near. `connected` says whether a way may lead from one free cell to
+/// another.
 ///
 /// # Errors
 /// [`PlanError::StartOutsideMap`], [`PlanError::GoalOutsideMap`], [`PlanError::StartBlocked`],
 /// [`PlanError::GoalBlocked`], in this order.
-///
-/// `connected` says whether a way may lead from one free cell to another.
 pub(crate) fn find_ends(
     query: &PlanQuery<'_>,
     way_out: &mut WayOut,
@@ -113,8 +112,8 @@ pub(crate) fn find_ends(
     Ok(Ends { start, goal })
 }
 
-/// [`find_ends`] for planners that keep no bits of the map: where it matters which cells are connected
-/// all of it is read.
+/// [`find_ends`] for planners that keep no bits of the map: all of it is read where it matters which
+/// cells are connected.
 ///
 /// # Errors
 /// As [`find_ends`].

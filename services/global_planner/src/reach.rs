@@ -48,7 +48,8 @@ impl Reach {
         self.known(bits, rule, start, goal)
     }
 
-    /// Work for when no answer is due: finds the regions, in slices; true when more is left.
+    /// Work for when no answer is due: reads one strip of the map for the regions; true when more is
+    /// left.
     pub(crate) fn prepare(&mut self, bits: &BitMap) -> bool {
         let rule = self.rule;
         self.regions(rule).follow_next(bits, rule)
@@ -56,6 +57,7 @@ impl Reach {
 
     /// True when the two cells are connected; finds the regions if need be.
     pub(crate) fn known(&mut self, bits: &BitMap, rule: CornerRule, a: Cell, b: Cell) -> bool {
+        self.rule = rule;
         let regions = self.regions(rule);
         regions.follow(bits, rule);
         regions.connected(padded(a), padded(b))

@@ -282,7 +282,7 @@ mod tests {
         /// Also over several strips, after changes that are told.
         #[test]
         fn regions_follow_changes(
-            width in 1_u32..9,
+            width in 1_u32..150,
             height in 1_u32..150,
             seed: u64,
             corners: bool,
@@ -369,7 +369,7 @@ mod tests {
             let below = |draw: &mut Draw, n: u32| i32::try_from(draw.below(u64::from(n))).unwrap();
             if n > 0 {
                 let min = Cell::new(below(&mut draw, width), below(&mut draw, height));
-                let max = Cell::new(min.x + 3, min.y + 3);
+                let max = Cell::new(min.x + 1 + below(&mut draw, 90), min.y + 3);
                 let rect = CellRect { min, max }.grown(0, &geometry);
                 for y in rect.min.y..rect.max.y {
                     for x in rect.min.x..rect.max.x {
@@ -387,6 +387,9 @@ mod tests {
                 cells: &cells,
             };
             bits.follow(&map, Unknown::Free);
+            if n > 0 {
+                prop_assert!(regions.n_unread(&bits, rule) <= 2 * STRIP * bits.rows().stride());
+            }
             regions.follow(&bits, rule);
             prop_assert!(regions.is_current(&bits, rule));
             prop_assert_eq!(regions.n_unread(&bits, rule), 0);

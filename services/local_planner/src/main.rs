@@ -8,7 +8,6 @@ mod report;
 use choice::unusable;
 use goal_log::GoalLog;
 use readings::{News, Readings};
-use report::report;
 use std::process::ExitCode;
 use zeronav_local_planner::{LocalPlanner, LocalPlannerConfig};
 use zeronav_msgs::header::Parents;
@@ -119,10 +118,11 @@ impl PlannerService {
             self.status_tick = due.tick;
         }
         self.answered_ns = draft.started_ns;
+        report::report(shell, &outputs);
         shell.finish(&draft, sent, u64::from(outputs.rollouts));
         self.send_rollouts(shell, &draft, sent);
         // Nobody waits for the log.
-        report(shell, &outputs);
+        report::log(&outputs);
         if status_sent {
             let (status, ended) = self.planner.status();
             self.goal_log.log(due.tick, &status, ended);

@@ -5,7 +5,7 @@ use zeronav_local_planner::staleness::StaleInput;
 use zeronav_msgs::health::{REASON_MAP, REASON_ODOMETRY, REASON_PATH, REASON_SCAN};
 use zeronav_shell::Shell;
 
-/// Reports in the heartbeat which inputs are old, and logs what the recovery does.
+/// Reports in the heartbeat which inputs are old.
 pub(crate) fn report(shell: &mut Shell, outputs: &Outputs) {
     for (input, bit) in [
         (StaleInput::Odometry, REASON_ODOMETRY),
@@ -18,6 +18,10 @@ pub(crate) fn report(shell: &mut Shell, outputs: &Outputs) {
             outputs.stale == Some(input) || outputs.ageing.includes(input),
         );
     }
+}
+
+/// Logs what the recovery does.
+pub(crate) fn log(outputs: &Outputs) {
     if let Some(change) = outputs.recovery {
         tracing::info!(from = ?change.from, to = ?change.to, reason = ?change.reason, "recovery");
     }

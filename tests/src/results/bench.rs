@@ -141,6 +141,12 @@ impl Bench {
         cargo(arguments)
     }
 
+    /// True when the data sets are there.
+    #[must_use]
+    pub fn has_data(&self) -> bool {
+        self.data.is_some()
+    }
+
     /// Runs an example that wants the data sets.
     ///
     /// # Errors

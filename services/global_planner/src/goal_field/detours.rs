@@ -253,7 +253,7 @@ impl Detours {
 }
 
 /// Reads what is known about the cell [`AHEAD`] steps on in the same direction, so that it is in the
-/// cache when the way comes there. Ways turn seldom, and nothing waits for a value of which nothing
+/// cache when the way comes there. Ways turn seldom, and nothing waits for a value on which nothing
 /// depends, while each step of a way hangs on what the cell before says.
 #[inline]
 fn read_ahead(field: &GoalField, forest: &Forest, spot: Spot, step: u32) {

@@ -38,7 +38,7 @@ impl Prices {
         self.cells[spot as usize]
     }
 
-    /// None beside the map.
+    /// None outside the array.
     #[inline]
     pub(super) fn get(&self, spot: Spot) -> Option<u8> {
         self.cells.get(spot as usize).copied()

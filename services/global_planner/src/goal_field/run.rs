@@ -8,7 +8,8 @@ use crate::moves::{STEPS, octile};
 use crate::planner::{Control, CornerRule, Expansions, PlanStats};
 use crate::search::{COST_SO_FAR_MAX, Found};
 
-/// Expansions between two looks at the budget.
+/// Expansions between two looks at the budget: some 50 us, after which it may be known that there is no
+/// way.
 const BUDGET_EVERY: u64 = 512;
 
 /// The kinds of heuristic, as parameters of the search.

@@ -445,3 +445,30 @@ fn a_walled_in_goal_is_told_without_a_flood() {
         assert!(path.stats.expanded == 0 || first < 256, "{key}");
     }
 }
+
+#[test]
+fn a_goal_that_is_walled_in_is_told_by_the_strips_that_changed() {
+    let mut map = Map::free(1600, 1600);
+    let (start, goal) = (Cell::new(20, 30), Cell::new(1000, 630));
+    let mut planner = build("mpgaa", 3.0);
+    planner.map_changed(&map.view(), &[whole(&map)]);
+    let mut path = CellPath::default();
+    let before = query(&map, start, goal, CornerRule::ForbidAny);
+    plan(planner.as_mut(), &before, &mut path).unwrap();
+    while planner.prepare(&before.start, 1 << 20) {}
+    let (min, max) = (Cell::new(970, 600), Cell::new(1030, 660));
+    map.block(min, max);
+    for y in 610..650 {
+        for x in 980..1020 {
+            map.put(Cell::new(x, y), of_cost(0));
+        }
+    }
+    planner.map_changed(&map.view(), &[CellRect { min, max }]);
+    let query = query(&map, start, goal, CornerRule::ForbidAny);
+    let none = Err(PlanError::Unreachable {
+        blocked_by_corner: false,
+    });
+    assert_eq!(plan(planner.as_mut(), &query, &mut path), none);
+    // Reading the whole map would be worth it after 900 expansions only.
+    assert!(path.stats.expanded <= 600, "{:?}", path.stats);
+}

@@ -14,8 +14,7 @@ const ALL_BLOCKED: u64 = u64::from_ne_bytes([BLOCKED; 8]);
 #[derive(Debug, Default)]
 pub(super) struct Cuts {
     forward: Vec<Interval>,
-    to_goal: Vec<Interval>,
-    is_cut_to_goal: PositionSet,
+    to_goal: PositionSet,
 }
 
 /// Which cells cut.
@@ -47,8 +46,8 @@ impl Cuts {
         self.to_goal.clear();
         for spot in risen {
             let (own, around) = field.prices.around(*spot);
-            // Where all neighbours are blocked, those before it on its ways cut it off themselves.
-            let is_inside = around == ALL_BLOCKED && *spot != forest.root();
+            // Its neighbours on both ways are blocked, too, and cut it off themselves.
+            let is_inside = around == ALL_BLOCKED && *spot != forest.root() && *spot != field.goal;
             if cutting == Cutting::Blocked && (own != BLOCKED || is_inside) {
                 continue;
             }
@@ -62,8 +61,7 @@ impl Cuts {
             }
         }
         merge(&mut self.forward);
-        merge(&mut self.to_goal);
-        self.is_cut_to_goal.set(&self.to_goal, forest.len());
+        self.to_goal.close(forest.len());
     }
 
     /// Cuts at a cell, unless the next one on a way cuts: then it is cut off with that.
@@ -86,7 +84,7 @@ impl Cuts {
             self.forward.push(forest.below(known.position));
         }
         if !next_cuts(known.step_to_goal, 0) {
-            self.to_goal.extend(forest.below_to_goal(known.position));
+            self.cut_to_goal(forest, known.position);
         }
     }
 
@@ -109,9 +107,15 @@ impl Cuts {
                     self.forward.push(forest.below(to.position));
                 }
                 if from.step_to_goal == step {
-                    self.to_goal.extend(forest.below_to_goal(from.position));
+                    self.cut_to_goal(forest, from.position);
                 }
             }
+        }
+    }
+
+    fn cut_to_goal(&mut self, forest: &Forest, position: u32) {
+        if let Some(below) = forest.below_to_goal(position) {
+            self.to_goal.add(below);
         }
     }
 
@@ -120,11 +124,10 @@ impl Cuts {
     }
 
     pub(super) fn to_goal(&self) -> &PositionSet {
-        &self.is_cut_to_goal
+        &self.to_goal
     }
 
     pub(super) fn bytes(&self) -> usize {
-        (self.forward.capacity() + self.to_goal.capacity()) * size_of::<Interval>()
-            + self.is_cut_to_goal.bytes()
+        self.forward.capacity() * size_of::<Interval>() + self.to_goal.bytes()
     }
 }

@@ -51,6 +51,7 @@ impl Known {
     /// In one number, which is never [`u32::MAX`]: steps are at most [`NO_STEP`].
     #[inline]
     fn packed(self) -> u32 {
+        debug_assert!(self.position < POSITIONS_MAX);
         self.position
             | self.step.unwrap_or(NO_STEP) << STEP_AT
             | self.step_to_goal.unwrap_or(NO_STEP) << STEP_TO_GOAL_AT

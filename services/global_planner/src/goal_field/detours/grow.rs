@@ -362,11 +362,11 @@ impl Growth {
         let (Some(member), Some(spot)) = (self.members.get(at), self.spots.get(at)) else {
             return false;
         };
-        let known = |step: u32| (step != NO_STEP).then_some(step);
+        let taken = |step: u8| Some(u32::from(step)).filter(|step| *step != NO_STEP);
         let known = Known {
             position: member.position,
-            step: known(u32::from(member.step)),
-            step_to_goal: known(u32::from(member.step_to_goal)),
+            step: taken(member.step),
+            step_to_goal: taken(member.step_to_goal),
             // It was free when it was closed, whatever came since.
             price: field.prices.at(*spot).min(BLOCKED - 1),
         };

@@ -66,9 +66,6 @@ impl Pages {
         reason = "pages are fewer than spots"
     )]
     pub(super) fn set(&mut self, spot: Spot, number: u32) {
-        if self.width == 0 {
-            return;
-        }
         let (at, place) = self.place(spot);
         let Some(page) = self.directory.get_mut(at) else {
             return;

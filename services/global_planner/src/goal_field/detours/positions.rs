@@ -12,25 +12,34 @@ pub(super) struct PositionSet {
 }
 
 impl PositionSet {
-    /// Becomes all positions of `intervals`, which [`merge`] has joined, of those below `limit`.
-    pub(super) fn set(&mut self, intervals: &[Interval], limit: usize) {
+    /// Forgets all.
+    pub(super) fn clear(&mut self) {
         self.intervals.clear();
-        self.intervals.extend_from_slice(intervals);
+    }
+
+    /// Adds positions, which count from the next [`Self::close`] on.
+    pub(super) fn add(&mut self, interval: Interval) {
+        self.intervals.push(interval);
+    }
+
+    /// All positions were added; they are below `limit`.
+    pub(super) fn close(&mut self, limit: usize) {
+        merge(&mut self.intervals);
         self.bits.clear();
         self.bits.resize(limit.div_ceil(64), 0);
-        for interval in intervals {
+        for interval in &self.intervals {
             fill(&mut self.bits, *interval);
         }
     }
 
-    /// True for a position of the set, and for one beyond the limit.
+    /// True for a position of the set, and for [`u32::MAX`], which is none.
     #[inline]
     pub(super) fn holds(&self, position: u32) -> bool {
         let word = self.bits.get(position as usize >> 6);
         word.is_none_or(|word| word >> (position & 63) & 1 != 0)
     }
 
-    /// True when the set holds all of `part`, or nothing is in it.
+    /// True when the set holds all of `part`, or `part` is empty.
     pub(super) fn holds_all(&self, part: Interval) -> bool {
         let holds_from_first = || {
             let behind = (self.intervals).partition_point(|interval| interval.0 <= part.0);
@@ -87,11 +96,15 @@ mod tests {
             let holds = |position: u32| {
                 (intervals.iter()).any(|(first, end)| (*first..*end).contains(&position))
             };
-            let mut merged = intervals.clone();
-            merge(&mut merged);
-            prop_assert!(merged.windows(2).all(|pair| pair[0].1 < pair[1].0));
             let mut set = PositionSet::default();
-            set.set(&merged, 280);
+            set.add((7, 270));
+            set.close(300);
+            set.clear();
+            for interval in &intervals {
+                set.add(*interval);
+            }
+            set.close(280);
+            prop_assert!(set.intervals.windows(2).all(|pair| pair[0].1 < pair[1].0));
             for position in 0..280 {
                 prop_assert_eq!(set.holds(position), holds(position), "{}", position);
             }

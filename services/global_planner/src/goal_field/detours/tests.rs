@@ -41,9 +41,13 @@ fn view(cells: &[MapCell]) -> MapView<'_> {
 fn raise(cells: &mut [MapCell], draw: &mut Draw) -> CellRect {
     let min = Cell::new(draw.coordinate(), draw.coordinate());
     let size = 1 + draw.below(6).cast_signed();
+    let cost = [COST_LETHAL, 100][draw.below(2) as usize];
+    raise_to(cells, min, size, cost)
+}
+
+fn raise_to(cells: &mut [MapCell], min: Cell, size: i32, cost: u8) -> CellRect {
     let max = Cell::new(min.x + size, min.y + size);
     let rect = CellRect { min, max }.grown(0, &GEOMETRY);
-    let cost = [COST_LETHAL, 100][draw.below(2) as usize];
     for y in rect.min.y..rect.max.y {
         for x in rect.min.x..rect.max.x {
             let cell = &mut cells[GEOMETRY.index_of(Cell::new(x, y)).unwrap()];
@@ -63,7 +67,7 @@ fn holds(intervals: &[positions::Interval], position: u32) -> bool {
     (intervals.iter()).any(|(first, end)| (*first..*end).contains(&position))
 }
 
-/// Of each cell of the region: what says that its two ways are cut is true. The number of those cut.
+/// Holds the cuts against both ways of each cell; gives how many are cut.
 fn check(field: &GoalField, detours: &mut Detours, cutting: Cutting) -> usize {
     let Detours {
         cuts, ready, risen, ..
@@ -131,8 +135,14 @@ fn what_changes_cut_off_is_every_way_that_leads_over_them() {
         if !detours.ready.is_for(&field) {
             continue;
         }
-        for _ in 0..4 {
-            let rect = raise(&mut cells, &mut draw);
+        for n in 0..5 {
+            let rect = if n < 4 {
+                raise(&mut cells, &mut draw)
+            } else {
+                // An end is buried.
+                let end = [start, goal][draw.below(2) as usize];
+                raise_to(&mut cells, Cell::new(end.x - 2, end.y - 2), 5, COST_LETHAL)
+            };
             let changed = field.change(&view(&cells), &[rect], |spot| detours.note(spot));
             detours.note_update(changed);
             for (n, cutting) in [Cutting::Blocked, Cutting::Dearer].into_iter().enumerate() {
