@@ -80,6 +80,8 @@ mod search;
 mod sight;
 mod smooth;
 mod table;
+#[cfg(test)]
+mod test_map;
 mod waypoints;
 mod window;
 

@@ -263,6 +263,7 @@ mod tests {
     use crate::moves::STEPS;
     use crate::padded::padded;
     use crate::planner::Unknown;
+    use crate::test_map::Draw;
     use proptest::prelude::*;
     use zeronav_msgs::map::{COST_FREE, COST_LETHAL};
     use zeronav_msgs::{Cell, CellRect, GridGeometry, MapCell, MapView};
@@ -291,25 +292,15 @@ mod tests {
         }
     }
 
+    /// One cell of so many is blocked.
     const SHARE_BLOCKED: u64 = 3;
 
-    struct Draw(u64);
-
-    impl Draw {
-        fn below(&mut self, n: u64) -> u64 {
-            self.0 = (self.0)
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1);
-            (self.0 >> 33) % n
-        }
-
-        fn cell(&mut self) -> MapCell {
-            let is_blocked = self.below(SHARE_BLOCKED) == 0;
-            MapCell {
-                cost: if is_blocked { COST_LETHAL } else { COST_FREE },
-                flags: 0,
-                clearance_mm: 0,
-            }
+    fn cell(draw: &mut Draw) -> MapCell {
+        let is_blocked = draw.below(SHARE_BLOCKED) == 0;
+        MapCell {
+            cost: if is_blocked { COST_LETHAL } else { COST_FREE },
+            flags: 0,
+            clearance_mm: 0,
         }
     }
 
@@ -358,7 +349,7 @@ mod tests {
             height,
         };
         let mut draw = Draw(seed);
-        let mut cells: Vec<MapCell> = (0..geometry.len()).map(|_| draw.cell()).collect();
+        let mut cells: Vec<MapCell> = (0..geometry.len()).map(|_| cell(&mut draw)).collect();
         let rule = if corners {
             CornerRule::Allow
         } else {
@@ -373,7 +364,7 @@ mod tests {
                 let rect = CellRect { min, max }.grown(0, &geometry);
                 for y in rect.min.y..rect.max.y {
                     for x in rect.min.x..rect.max.x {
-                        cells[geometry.index_of(Cell::new(x, y)).unwrap()] = draw.cell();
+                        cells[geometry.index_of(Cell::new(x, y)).unwrap()] = cell(&mut draw);
                     }
                 }
                 let map = MapView {

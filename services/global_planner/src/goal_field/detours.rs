@@ -202,7 +202,8 @@ impl Detours {
         })
     }
 
-    /// Appends the way from `start` over the cell at position `over` to the goal, and gives what it costs; none, and nothing appended, where it is not legal.
+    /// Appends the way from `start` over the cell at position `over` to the goal, and gives what it
+    /// costs; none, and nothing appended, where it is not legal.
     fn lead(
         &mut self,
         field: &GoalField,
@@ -236,10 +237,11 @@ impl Detours {
         self.chain.clear();
         let mut at = forest.place(over).spot;
         while at != walk.spot {
-            let step = forest.known(at)?.step?;
+            let known = forest.known(at)?;
+            let step = known.step?;
             self.chain.push(step);
             read_ahead(field, forest, at, step + 4);
-            at = forest.known(at)?.parent(field, at)?;
+            at = known.parent(field, at)?;
         }
         for step in self.chain.iter().rev() {
             walk.step(*step)?;

@@ -193,37 +193,9 @@ mod tests {
     use super::super::{Changed, State};
     use super::*;
     use crate::planner::{CornerRule, Unknown};
+    use crate::test_map::{Draw, FREE, SIDE, view};
     use zeronav_msgs::map::COST_LETHAL;
-    use zeronav_msgs::{Cell, CellRect, GridGeometry, MapCell, MapView};
-
-    const SIDE: u32 = 40;
-
-    struct Draw(u64);
-
-    impl Draw {
-        fn below(&mut self, n: u64) -> u64 {
-            self.0 = self
-                .0
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1);
-            (self.0 >> 33) % n
-        }
-    }
-
-    const GEOMETRY: GridGeometry = GridGeometry {
-        origin_x_m: 0.0,
-        origin_y_m: 0.0,
-        resolution_m: 0.05,
-        width: SIDE,
-        height: SIDE,
-    };
-
-    fn view(cells: &[MapCell]) -> MapView<'_> {
-        MapView {
-            geometry: &GEOMETRY,
-            cells,
-        }
-    }
+    use zeronav_msgs::{Cell, CellRect, MapCell};
 
     fn edit(cells: &mut [MapCell], draw: &mut Draw) -> CellRect {
         let (x, y) = (draw.below(u64::from(SIDE)), draw.below(u64::from(SIDE)));
@@ -253,11 +225,6 @@ mod tests {
     /// goal finds on the map as it is.
     #[test]
     fn work_ahead_makes_the_field_exact_again() {
-        let free = MapCell {
-            cost: 0,
-            flags: 0,
-            clearance_mm: 1000,
-        };
         let rules = [
             CornerRule::Allow,
             CornerRule::ForbidAny,
@@ -267,7 +234,7 @@ mod tests {
         for seed in 0..60_u64 {
             let mut draw = Draw(seed);
             let rule = rules[usize::try_from(seed % 3).unwrap()];
-            let mut cells = vec![free; (SIDE * SIDE) as usize];
+            let mut cells = vec![FREE; (SIDE * SIDE) as usize];
             let goal = Cell::new(20, 20);
             let mut field = GoalField::new(3.0);
             field.follow(&view(&cells), Unknown::Free, rule);

@@ -2,46 +2,15 @@
 
 use super::*;
 use crate::planner::{CornerRule, Unknown};
+use crate::test_map::{Draw, FREE, GEOMETRY, view};
 use zeronav_msgs::map::COST_LETHAL;
-use zeronav_msgs::{CellRect, GridGeometry, MapCell, MapView};
-
-const SIDE: u32 = 40;
-
-const GEOMETRY: GridGeometry = GridGeometry {
-    origin_x_m: 0.0,
-    origin_y_m: 0.0,
-    resolution_m: 0.05,
-    width: SIDE,
-    height: SIDE,
-};
-
-struct Draw(u64);
-
-impl Draw {
-    fn below(&mut self, n: u32) -> u32 {
-        self.0 = (self.0)
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1);
-        u32::try_from((self.0 >> 33) % u64::from(n)).unwrap()
-    }
-
-    fn coordinate(&mut self) -> i32 {
-        self.below(SIDE).cast_signed()
-    }
-}
-
-fn view(cells: &[MapCell]) -> MapView<'_> {
-    MapView {
-        geometry: &GEOMETRY,
-        cells,
-    }
-}
+use zeronav_msgs::{CellRect, MapCell};
 
 /// Makes cells of a rectangle dearer, or lethal.
 fn raise(cells: &mut [MapCell], draw: &mut Draw) -> CellRect {
     let min = Cell::new(draw.coordinate(), draw.coordinate());
-    let size = 1 + draw.below(6).cast_signed();
-    let cost = [COST_LETHAL, 100][draw.below(2) as usize];
+    let size = 1 + i32::try_from(draw.below(6)).unwrap();
+    let cost = [COST_LETHAL, 100][usize::try_from(draw.below(2)).unwrap()];
     raise_to(cells, min, size, cost)
 }
 
@@ -116,12 +85,7 @@ fn what_changes_cut_off_is_every_way_that_leads_over_them() {
     for seed in 0..60 {
         let mut draw = Draw(seed);
         let rule = rules[usize::try_from(seed % 3).unwrap()];
-        let free = MapCell {
-            cost: 0,
-            flags: 0,
-            clearance_mm: 1000,
-        };
-        let mut cells = vec![free; GEOMETRY.len()];
+        let mut cells = vec![FREE; GEOMETRY.len()];
         for _ in 0..25 {
             raise(&mut cells, &mut draw);
         }
@@ -140,7 +104,7 @@ fn what_changes_cut_off_is_every_way_that_leads_over_them() {
                 raise(&mut cells, &mut draw)
             } else {
                 // An end is buried.
-                let end = [start, goal][draw.below(2) as usize];
+                let end = [start, goal][usize::try_from(draw.below(2)).unwrap()];
                 raise_to(&mut cells, Cell::new(end.x - 2, end.y - 2), 5, COST_LETHAL)
             };
             let changed = field.change(&view(&cells), &[rect], |spot| detours.note(spot));
