@@ -195,7 +195,11 @@ fn suite_row(name: String, runs: &[&Value]) -> Row {
     let number = |run: &Value, key: &str| run[key].as_f64();
     // Only where the future of everything that moves is known.
     let judged = runs.iter().any(|run| run["unavoidable"].is_u64());
-    let own_fault = |run: &Value| run["contacts_moving"].as_u64() > run["unavoidable"].as_u64();
+    // Where nothing moves it is not said what was unavoidable: nothing was.
+    let own_fault = |run: &Value| {
+        let number = |key: &str| run[key].as_u64().unwrap_or(0);
+        number("contacts_moving") > number("unavoidable")
+    };
     let time_s = |run: &Value| {
         let time = number(run, "clock_s").or_else(|| number(run, "time_s"));
         time.filter(|_| run["success"] == true)
@@ -248,6 +252,24 @@ mod tests {
         let error = suites(&[("x", ten.clone()), ("y", other)]).expect_err("different");
         assert!(error.contains("different worlds"), "{error}");
         assert!(suites(&[("x", ten), ("y", report(&["a"]))]).is_err());
+    }
+
+    #[test]
+    fn a_run_without_contact_is_at_no_fault_where_nothing_moves() {
+        let run = |class: &str, contacts: u32, unavoidable: Option<u32>| {
+            json!({"world": class, "seed": 1, "class": class, "contacts_moving": contacts,
+                   "unavoidable": unavoidable})
+        };
+        let runs = [
+            run("static", 0, None),
+            run("static", 1, None),
+            run("walkers", 2, Some(2)),
+            run("walkers", 2, Some(1)),
+        ];
+        let all = suites(&[("dwa", json!({"runs": runs}))]).expect("a table");
+        assert_eq!(all.rows[0].figures[4], Figure::rate(2, 4));
+        assert_eq!(all.rows[1].figures[4], Figure::default(), "not judged");
+        assert_eq!(all.rows[2].figures[4], Figure::rate(1, 2));
     }
 
     #[test]
