@@ -14,6 +14,9 @@ const EXACT_M: f64 = 1.0e-6;
 /// Services that were off the processor for less in a cycle are not named to people. [us]
 const SHOWN_US: f64 = 100.0;
 
+/// Slowest trials that are shown; the result holds more.
+const SLOWEST_SHOWN: usize = 5;
+
 impl RunResult {
     /// What the services took, and which processes they were.
     fn write_services(&self, text: &mut String) {
@@ -146,7 +149,7 @@ impl RunResult {
         }
         if let Some(trials) = &self.trials {
             text.push_str("  slowest trials\n");
-            for slow in &trials.worst {
+            for slow in trials.worst.iter().take(SLOWEST_SHOWN) {
                 write_slow(slow, &mut text);
             }
         }
