@@ -243,6 +243,7 @@ mod tests {
             p50_interval_us: None,
             p90_interval_us: None,
             p99_interval_us: None,
+            p999_us: None,
         }
     }
 

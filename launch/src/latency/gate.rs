@@ -164,6 +164,7 @@ mod tests {
             p50_interval_us: Some([0.9 * p50_us, 1.1 * p50_us]),
             p90_interval_us: None,
             p99_interval_us: None,
+            p999_us: None,
         };
         result.profile = Some(Profile {
             rate_hz: 10.0,

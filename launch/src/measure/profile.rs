@@ -192,11 +192,14 @@ fn profile_row(name: &str, rounds: &[&Series], block: usize, deadline_ns: u64) -
         // The figures are exact to a thousandth only.
         Some([us(low).min(value_us), us(high).max(value_us)])
     };
+    let mut pooled = times_ns.concat();
+    let is_told = pooled.len() >= ProfileRow::P999_N_MIN;
     ProfileRow {
         name: name.to_owned(),
         p50_interval_us: interval(0, figures.p50_us),
         p90_interval_us: interval(1, figures.p90_us),
         p99_interval_us: interval(2, figures.p99_us),
+        p999_us: is_told.then(|| us(bootstrap::percentile(&mut pooled, 0.999))),
         figures,
     }
 }
@@ -208,4 +211,35 @@ fn profile_row(name: &str, rounds: &[&Series], block: usize, deadline_ns: u64) -
 )]
 fn us(time_ns: f64) -> f64 {
     to_us(time_ns.round() as u64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_999th_of_a_thousand_is_that_of_all_rounds_together() {
+        let round = |times_us: core::ops::Range<u64>| -> Series {
+            times_us.map(|time_us| Some(1000 * time_us)).collect()
+        };
+        let (one, other, unanswered) = (
+            round(1..500),
+            round(500..1000),
+            [None].into_iter().collect(),
+        );
+        let row = profile_row(
+            "replanning",
+            &[&one, &other, &unanswered],
+            ALONE,
+            5_000_000_000,
+        );
+        assert_eq!(row.figures.n, 1000);
+        assert_eq!(
+            row.p999_us,
+            Some(999.0),
+            "the unanswered one ranks as worst"
+        );
+        let few = profile_row("replanning", &[&one, &other], ALONE, 5_000_000_000);
+        assert_eq!(few.p999_us, None);
+    }
 }

@@ -37,6 +37,16 @@ pub struct ProfileRow {
     pub p90_interval_us: Option<[f64; 2]>,
     /// The same of the 99th percentile. [us]
     pub p99_interval_us: Option<[f64; 2]>,
+    /// 99.9th percentile of the samples of all rounds together, unanswered ones at the deadline; there
+    /// from [`Self::P999_N_MIN`] samples on. [us]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub p999_us: Option<f64>,
+}
+
+impl ProfileRow {
+    /// Fewest samples that tell a 99.9th percentile from the worst. A round of trials rarely has so
+    /// many, so this percentile is not the median of the rounds'.
+    pub const P999_N_MIN: usize = 1000;
 }
 
 /// Messages of a topic on their way to one of its readers.
