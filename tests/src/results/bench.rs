@@ -17,6 +17,23 @@ pub struct Measured {
     pub text: Option<String>,
 }
 
+impl Measured {
+    /// Figures alone.
+    #[must_use]
+    pub fn tables(tables: Vec<Table>) -> Self {
+        Self { tables, text: None }
+    }
+
+    /// What a program printed.
+    #[must_use]
+    pub fn printed(text: &str) -> Self {
+        Self {
+            tables: Vec::new(),
+            text: Some(text.to_owned()),
+        }
+    }
+}
+
 /// Writes the scenario of an experiment and returns its file from the workspace's folder.
 ///
 /// # Errors

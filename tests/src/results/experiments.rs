@@ -1,8 +1,7 @@
 //! What is measured: one row per experiment. A figure in a README is one of these or none.
 
 use super::bench::{Bench, Measured};
-use super::record::Table;
-use super::{extract, faults, paired, standing, trials, viewing};
+use super::{extract, faults, paired, standing, suites, trials, viewing};
 
 /// One experiment.
 #[derive(Debug)]
@@ -144,7 +143,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
         minutes: 3.0,
         by_default: true,
         note: None,
-        make: generated,
+        make: suites::generated,
     },
     Experiment {
         key: "barn",
@@ -152,7 +151,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
         minutes: 3.0,
         by_default: true,
         note: None,
-        make: barn,
+        make: suites::barn,
     },
     Experiment {
         key: "barn_controllers",
@@ -160,7 +159,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
         minutes: 10.0,
         by_default: false,
         note: Some("Ten worlds show how controllers differ, not how often they fail."),
-        make: barn_controllers,
+        make: suites::barn_controllers,
     },
     Experiment {
         key: "pedestrians",
@@ -168,7 +167,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
         minutes: 12.0,
         by_default: false,
         note: None,
-        make: pedestrians,
+        make: suites::pedestrians,
     },
     Experiment {
         key: "dynabarn",
@@ -176,7 +175,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
         minutes: 6.0,
         by_default: false,
         note: None,
-        make: dynabarn,
+        make: suites::dynabarn,
     },
     Experiment {
         key: "papers_dyn",
@@ -184,7 +183,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
         minutes: 4.0,
         by_default: false,
         note: Some("In brackets the 95 % intervals of Wilson."),
-        make: papers_dyn,
+        make: suites::papers_dyn,
     },
     Experiment {
         key: "bench_guard",
@@ -277,27 +276,18 @@ pub const EXPERIMENTS: &[Experiment] = &[
 /// Runs of an experiment in lockstep, with the seeds from 1.
 const LOCKSTEP_RUNS: usize = 12;
 
-fn tables(tables: Vec<Table>) -> Measured {
-    Measured { tables, text: None }
-}
-
-fn printed(text: &str) -> Measured {
-    Measured {
-        tables: Vec::new(),
-        text: Some(text.to_owned()),
-    }
-}
-
 fn example(bench: &mut Bench) -> Result<Measured, String> {
     let page = bench.zeronav_page(&["run", "blocked_aisle"])?;
     // The last line is the folder.
     let lines: Vec<&str> = page.trim_end().lines().collect();
-    Ok(printed(&lines[..lines.len().saturating_sub(1)].join("\n")))
+    Ok(Measured::printed(
+        &lines[..lines.len().saturating_sub(1)].join("\n"),
+    ))
 }
 
 fn replanning(bench: &mut Bench) -> Result<Measured, String> {
     let result = bench.zeronav(&["run", "blocked_aisle", "--trials", "200"])?;
-    Ok(tables(vec![
+    Ok(Measured::tables(vec![
         trials::latency(&result),
         trials::checks(&result),
         trials::slowest(&result),
@@ -313,12 +303,15 @@ fn lockstep_runs(bench: &mut Bench, n: usize) -> Result<Vec<serde_json::Value>, 
 
 fn lockstep(bench: &mut Bench) -> Result<Measured, String> {
     let results = lockstep_runs(bench, LOCKSTEP_RUNS)?;
-    Ok(tables(vec![extract::lockstep("`blocked_aisle`", &results)]))
+    Ok(Measured::tables(vec![extract::lockstep(
+        "`blocked_aisle`",
+        &results,
+    )]))
 }
 
 fn memory(bench: &mut Bench) -> Result<Measured, String> {
     let results = lockstep_runs(bench, 5)?;
-    Ok(tables(vec![extract::memory(&results)]))
+    Ok(Measured::tables(vec![extract::memory(&results)]))
 }
 
 fn drives(bench: &mut Bench) -> Result<Measured, String> {
@@ -336,85 +329,7 @@ fn drives(bench: &mut Bench) -> Result<Measured, String> {
         }
         runs.push((name, results));
     }
-    Ok(tables(vec![extract::drives(&runs)]))
-}
-
-/// One suite with each of the controllers, on the same worlds and seeds.
-fn suite(bench: &mut Bench, words: &[&str], controllers: &[&str]) -> Result<Measured, String> {
-    let mut reports = Vec::new();
-    for controller in controllers {
-        let mut arguments = vec!["suite"];
-        arguments.extend(words);
-        arguments.extend(["--controller", controller]);
-        reports.push((*controller, bench.zeronav(&arguments)?));
-    }
-    Ok(tables(vec![extract::suites(&reports)?]))
-}
-
-fn generated(bench: &mut Bench) -> Result<Measured, String> {
-    suite(
-        bench,
-        &["generated", "--seeds", "5"],
-        &["dwa_t", "dwa", "beam"],
-    )
-}
-
-fn barn(bench: &mut Bench) -> Result<Measured, String> {
-    suite(bench, &["barn"], &["dwa_t"])
-}
-
-fn barn_controllers(bench: &mut Bench) -> Result<Measured, String> {
-    let controllers = [
-        "dwa_t",
-        "dwa",
-        "mppi",
-        "beam",
-        "ju_fusion",
-        "ju_apf",
-        "ju_r6",
-        "ju_r7",
-        "zm_rep",
-        "zm_esc",
-        "zm_rv",
-        "lwx_apf",
-        "lwx_oapf",
-        "lwx_lsq",
-        "lwx_fusion",
-        "bao_dwa",
-    ];
-    suite(bench, &["barn", "--worlds", "0..20"], &controllers)
-}
-
-fn pedestrians(bench: &mut Bench) -> Result<Measured, String> {
-    suite(bench, &["pedestrians", "--seeds", "20"], &["beam", "dwa_t"])
-}
-
-fn dynabarn(bench: &mut Bench) -> Result<Measured, String> {
-    suite(bench, &["dynabarn"], &["beam", "dwa_t"])
-}
-
-fn papers_dyn(bench: &mut Bench) -> Result<Measured, String> {
-    let text = bench.cargo(&[
-        "test",
-        "--release",
-        "-p",
-        "zeronav-tests",
-        "--test",
-        "system",
-        "papers_dyn::",
-        "--",
-        "--show-output",
-        "--test-threads",
-        "1",
-    ])?;
-    let lines: Vec<&str> = text
-        .lines()
-        .filter(|line| line.starts_with("LWX-DYN") || line.starts_with("BAO-DYN"))
-        .collect();
-    if lines.is_empty() {
-        return Err("papers_dyn printed no rates".to_owned());
-    }
-    Ok(printed(&lines.join("\n")))
+    Ok(Measured::tables(vec![extract::drives(&runs)]))
 }
 
 fn criterion(bench: &mut Bench, package: &str, benches: &[&str]) -> Result<Measured, String> {
@@ -427,7 +342,7 @@ fn criterion(bench: &mut Bench, package: &str, benches: &[&str]) -> Result<Measu
             timings.push(timing);
         }
     }
-    Ok(tables(vec![extract::timings(&timings)]))
+    Ok(Measured::tables(vec![extract::timings(&timings)]))
 }
 
 /// Arguments of an example of the global planner.
@@ -453,13 +368,15 @@ fn planner_replan(bench: &mut Bench) -> Result<Measured, String> {
     } else {
         bench.cargo(&arguments)?
     };
-    Ok(printed(&text))
+    Ok(Measured::printed(&text))
 }
 
 fn with_data(bench: &mut Bench, example: &str, sample: &str) -> Result<Measured, String> {
     let mut arguments = example_of_planner(example).to_vec();
     arguments.extend(["--sample", sample]);
-    Ok(printed(&bench.cargo_with_data(&arguments, "movingai")?))
+    Ok(Measured::printed(
+        &bench.cargo_with_data(&arguments, "movingai")?,
+    ))
 }
 
 fn mapping_scale(bench: &mut Bench) -> Result<Measured, String> {
@@ -473,7 +390,7 @@ fn mapping_scale(bench: &mut Bench) -> Result<Measured, String> {
         "--example",
         "scale",
     ])?;
-    Ok(printed(&text))
+    Ok(Measured::printed(&text))
 }
 
 #[cfg(test)]

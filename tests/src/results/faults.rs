@@ -49,10 +49,7 @@ pub(super) fn make(bench: &mut Bench) -> Result<Measured, String> {
         "way to the stop [m]",
         "stood [s]",
     ];
-    Ok(Measured {
-        tables: vec![table("fault", &columns, rows)],
-        text: None,
-    })
+    Ok(Measured::tables(vec![table("fault", &columns, rows)]))
 }
 
 fn run(

@@ -14,6 +14,7 @@ pub mod record;
 mod rounds;
 pub mod spread;
 mod standing;
+mod suites;
 pub mod trials;
 mod viewing;
 

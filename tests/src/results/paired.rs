@@ -57,8 +57,5 @@ pub(super) fn placement(bench: &mut Bench) -> Result<Measured, String> {
 }
 
 fn measured(title: &str, rows: Vec<Row>) -> Measured {
-    Measured {
-        tables: vec![extract::table(title, &rounds::COLUMNS, rows)],
-        text: None,
-    }
+    Measured::tables(vec![extract::table(title, &rounds::COLUMNS, rows)])
 }

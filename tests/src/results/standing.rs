@@ -81,10 +81,7 @@ pub(super) fn swaps(bench: &mut Bench) -> Result<Measured, String> {
         "contacts",
         "every goal reached",
     ];
-    Ok(Measured {
-        tables: vec![table("seat", &columns, rows)],
-        text: None,
-    })
+    Ok(Measured::tables(vec![table("seat", &columns, rows)]))
 }
 
 /// The planner is killed again and again while the robot drives.
@@ -134,10 +131,7 @@ pub(super) fn restarts(bench: &mut Bench) -> Result<Measured, String> {
         "contacts",
         "every goal reached",
     ];
-    Ok(Measured {
-        tables: vec![table("", &columns, vec![row])],
-        text: None,
-    })
+    Ok(Measured::tables(vec![table("", &columns, vec![row])]))
 }
 
 /// The hop of each seat with and without a shadow of it, in pairs of drives.
@@ -171,10 +165,7 @@ pub(super) fn shadow(bench: &mut Bench) -> Result<Measured, String> {
         "p50 with a shadow [us]",
         "ratio of a pair",
     ];
-    Ok(Measured {
-        tables: vec![table("seat", &columns, rows)],
-        text: None,
-    })
+    Ok(Measured::tables(vec![table("seat", &columns, rows)]))
 }
 
 /// The median of the seat's own hop over all scans of a run. [us]

@@ -64,10 +64,7 @@ pub(super) fn viewers(bench: &mut Bench) -> Result<Measured, String> {
         row.figures.push(Figure::median(loads));
     }
     let columns = [&rounds::COLUMNS[..], &["viewer [cores]"]].concat();
-    Ok(Measured {
-        tables: vec![table("watched by", &columns, rows)],
-        text: None,
-    })
+    Ok(Measured::tables(vec![table("watched by", &columns, rows)]))
 }
 
 /// A viewer and those who look at it.
