@@ -49,6 +49,18 @@ pub(super) fn write_scenario(name: &str, text: &str) -> Result<String, String> {
     Ok(file)
 }
 
+/// The first line of such a scenario that builds on a shipped one.
+pub(super) fn on_shipped(name: &str) -> String {
+    format!("base = \"../../launch/scenarios/{name}.toml\"\n")
+}
+
+/// True when all trials were made and nothing failed but that some were not answered.
+fn is_only_unanswered(result: &Value) -> bool {
+    let expectations = result["expectations"].as_array().into_iter().flatten();
+    let mut failed = expectations.filter(|one| one["met"] != true).peekable();
+    failed.peek().is_some() && failed.all(|one| one["name"] == "trials without an answer")
+}
+
 /// One criterion benchmark.
 #[derive(Debug)]
 pub struct Timing {
@@ -88,6 +100,28 @@ impl Bench {
     pub fn zeronav(&mut self, arguments: &[&str]) -> Result<Value, String> {
         let text = self.zeronav_prints(arguments, &["--json"])?;
         serde_json::from_str(&text).map_err(|error| format!("zeronav {arguments:?}: {error}"))
+    }
+
+    /// Makes trials and returns their result, also when some were not answered: that is a figure, too.
+    ///
+    /// # Errors
+    /// See [`Self::zeronav`].
+    pub fn trials(&mut self, scenario: &str, n: usize) -> Result<Value, String> {
+        let n = n.to_string();
+        let mut command = self.command(&["run", scenario, "--trials", &n], &["--json"]);
+        let problem = |error: &dyn core::fmt::Display| format!("trials of {scenario}: {error}");
+        let output = command.stdin(Stdio::null()).output();
+        let output = output.map_err(|error| problem(&error))?;
+        let result = serde_json::from_slice(&output.stdout);
+        if let Some(result) = result
+            .as_ref()
+            .ok()
+            .filter(|result| is_only_unanswered(result))
+        {
+            return Ok(result.clone());
+        }
+        text_of(&command, &output)?;
+        result.map_err(|error| problem(&error))
     }
 
     /// Runs `zeronav` and returns its page for people.
@@ -356,6 +390,7 @@ fn read_timing(folder: &Path) -> Result<Timing, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use serde_json::json;
 
     #[test]
     fn timings_are_read_from_what_criterion_leaves() {
@@ -380,6 +415,20 @@ mod tests {
         let mut none = Vec::new();
         find_timings(folder.path(), later, &mut none).expect("timings");
         assert!(none.is_empty());
+    }
+
+    #[test]
+    fn trials_without_an_answer_are_figures_and_contacts_are_failures() {
+        let result = |met: [bool; 2]| {
+            let names = ["trials without an answer", "contacts"];
+            let expectations = names.iter().zip(met);
+            let expectations = expectations.map(|(name, met)| json!({"name": name, "met": met}));
+            json!({"expectations": expectations.collect::<Vec<_>>()})
+        };
+        assert!(is_only_unanswered(&result([false, true])));
+        assert!(!is_only_unanswered(&result([false, false])));
+        assert!(!is_only_unanswered(&result([true, true])));
+        assert!(!is_only_unanswered(&json!({})));
     }
 
     #[test]

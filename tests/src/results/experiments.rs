@@ -1,7 +1,7 @@
 //! What is measured: one row per experiment. A figure in a README is one of these or none.
 
 use super::bench::{Bench, Measured};
-use super::{extract, faults, paired, standing, suites, trials, viewing};
+use super::{extract, faults, latencies, paired, standing, suites, trials, viewing};
 
 /// One experiment.
 #[derive(Debug)]
@@ -136,6 +136,38 @@ pub const EXPERIMENTS: &[Experiment] = &[
              is asked of the kernel; in brackets the quartiles of the rounds.",
         ),
         make: paired::placement,
+    },
+    Experiment {
+        key: "rates",
+        title: "latencies by the rate of the scans and their beams, 102 trials each",
+        minutes: 14.0,
+        by_default: false,
+        note: Some(
+            "Percentiles are the median of three rounds, behind medians are the lowest and the highest \
+             round. The control rate is 50 Hz, and 100 Hz at 100 scans a second.",
+        ),
+        make: latencies::rates,
+    },
+    Experiment {
+        key: "tail",
+        title: "the slowest of 1,000 trials in real time, and what was slow in them",
+        minutes: 20.0,
+        by_default: false,
+        note: Some(
+            "p50, p90 and p99 are the median of three rounds; p99.9 is that of all samples together.",
+        ),
+        make: latencies::tail,
+    },
+    Experiment {
+        key: "hops",
+        title: "the time of the global planner in the running stack, 102 trials each",
+        minutes: 20.0,
+        by_default: false,
+        note: Some(
+            "From the map that shows the obstacle, taken in, to the new path, sent. Percentiles are the \
+             median of three rounds, behind the median are the lowest and the highest round.",
+        ),
+        make: latencies::hops,
     },
     Experiment {
         key: "generated",
@@ -290,7 +322,7 @@ fn replanning(bench: &mut Bench) -> Result<Measured, String> {
     Ok(Measured::tables(vec![
         trials::latency(&result),
         trials::checks(&result),
-        trials::slowest(&result),
+        trials::slowest(&result, 5),
         trials::disturbance(&result),
     ]))
 }

@@ -8,6 +8,7 @@ pub mod bench;
 pub mod experiments;
 pub mod extract;
 mod faults;
+mod latencies;
 pub mod page;
 mod paired;
 pub mod record;

@@ -5,6 +5,9 @@ use super::record::{Row, Table};
 use super::spread::Figure;
 use serde_json::Value;
 
+/// Columns of [`latency`].
+pub const COLUMNS: [&str; 5] = ["p50 [us]", "p90 [us]", "p99 [us]", "max [us]", "unanswered"];
+
 /// Latencies of `--trials`: behind the median the lowest and highest of the rounds'.
 #[must_use]
 pub fn latency(result: &Value) -> Table {
@@ -55,11 +58,58 @@ pub fn latency(result: &Value) -> Table {
             rows.push(row(name, &of));
         }
     }
-    table(
-        "",
-        &["p50 [us]", "p90 [us]", "p99 [us]", "max [us]", "unanswered"],
-        rows,
-    )
+    table("", &COLUMNS, rows)
+}
+
+/// The row of that name.
+///
+/// # Errors
+/// One line when there is none.
+pub fn row<'a>(table: &'a Table, name: &str) -> Result<&'a Row, String> {
+    let row = table.rows.iter().find(|row| row.name == name);
+    row.ok_or_else(|| format!("the trials have no `{name}`"))
+}
+
+/// The median over `results` of the median of a hop.
+#[must_use]
+pub fn hop_p50_us(results: &[Value], name: &str) -> Figure {
+    let p50_us = |result: &Value| {
+        let mut hops = list(&result["latency"], "hops").iter();
+        hops.find(|hop| hop["name"] == name)?["p50_us"].as_f64()
+    };
+    Figure::median(&results.iter().filter_map(p50_us).collect::<Vec<f64>>())
+}
+
+/// Latencies of a thousand `--trials`, far into the tail.
+#[must_use]
+pub fn tail(result: &Value) -> Table {
+    let named = |(name, key): (&str, &str)| {
+        let mut rows = list(&result["profile"], "rows").iter();
+        let found = rows
+            .find(|row| row["name"] == key)
+            .cloned()
+            .unwrap_or_default();
+        let plain = |key: &str| Figure::plain(found[key].as_f64());
+        Row {
+            name: name.to_owned(),
+            n: found["n"].as_u64().unwrap_or(0),
+            figures: [
+                "p50_us", "p90_us", "p99_us", "p999_us", "max_us", "censored",
+            ]
+            .map(plain)
+            .to_vec(),
+        }
+    };
+    let rows = [("**replanning**", "replanning"), ("reaction", "reaction")].map(named);
+    let columns = [
+        "p50 [us]",
+        "p90 [us]",
+        "p99 [us]",
+        "p99.9 [us]",
+        "max [us]",
+        "unanswered",
+    ];
+    table("", &columns, rows.to_vec())
 }
 
 /// What the records of `--trials` were checked for; above 0 is a fault of the measurement.
@@ -130,10 +180,10 @@ pub fn disturbance(result: &Value) -> Table {
     )
 }
 
-/// The slowest trials, each with its hop and the service that was off the processor longest.
+/// The `n` slowest trials, each with its hop and the service that was off the processor longest.
 #[must_use]
-pub fn slowest(result: &Value) -> Table {
-    let rows = list(&result["trials"], "worst").iter().map(|slow| {
+pub fn slowest(result: &Value, n: usize) -> Table {
+    let rows = list(&result["trials"], "worst").iter().take(n).map(|slow| {
         let hop = &slow["hop"];
         let off_us = |service: &&Value| service["off_processor_us_max"].as_f64().unwrap_or(0.0);
         let services = list(&slow["disturbance"], "services").iter();
@@ -232,8 +282,24 @@ mod tests {
             (checked.rows[0].n, checked.rows[0].figures[0].value),
             (70, Some(3.0))
         );
-        let slowest = slowest(&result);
+        assert_eq!(slowest(&result, 0).rows.len(), 0);
+        let slowest = slowest(&result, 5);
         assert!(slowest.rows[0].name.contains("round 2 trial 4: `mapping`"));
         assert_eq!(slowest.rows[0].figures[3].value, Some(70.0));
+        assert_eq!(
+            hop_p50_us(&[result.clone(), result], "mapping").value,
+            Some(1.0)
+        );
+        assert!(row(&latencies, "reaction").is_ok() && row(&latencies, "rest").is_err());
+    }
+
+    #[test]
+    fn the_tail_has_a_percentile_more() {
+        let replanning = json!({"name": "replanning", "n": 1000, "censored": 1, "p50_us": 1.0,
+            "p90_us": 2.0, "p99_us": 3.0, "p999_us": 4.0, "max_us": 5.0});
+        let tail = tail(&json!({"profile": {"rows": [replanning]}}));
+        let values: Vec<Option<f64>> = tail.rows[0].figures.iter().map(|one| one.value).collect();
+        assert_eq!(values, [1.0, 2.0, 3.0, 4.0, 5.0, 1.0].map(Some));
+        assert_eq!((tail.rows[0].n, tail.rows[1].n), (1000, 0));
     }
 }

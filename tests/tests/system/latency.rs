@@ -96,7 +96,7 @@ fn check_tables(result: &Value) {
             "{disturbance:#?}"
         );
     }
-    let slowest = trials::slowest(result);
+    let slowest = trials::slowest(result, 5);
     assert!(
         slowest.rows.len() == 5 && slowest.rows.iter().all(is_there(0)),
         "{slowest:#?}"
