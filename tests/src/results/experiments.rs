@@ -1,7 +1,7 @@
 //! What is measured: one row per experiment. A figure in a README is one of these or none.
 
 use super::bench::{Bench, Measured};
-use super::{extract, faults, latencies, paired, standing, suites, trials, viewing};
+use super::{big_map, extract, faults, latencies, paired, standing, suites, trials, viewing};
 
 /// One experiment.
 #[derive(Debug)]
@@ -157,6 +157,19 @@ pub const EXPERIMENTS: &[Experiment] = &[
             "p50, p90 and p99 are the median of three rounds; p99.9 is that of all samples together.",
         ),
         make: latencies::tail,
+    },
+    Experiment {
+        key: "big_map",
+        title: "the same aisle in a map of 4000 x 4000 cells, four rounds of 20 trials each",
+        minutes: 6.0,
+        by_default: false,
+        note: Some(
+            "The large map holds the same warehouse, and one door leads from it to 394 rooms. Ratios are \
+             to the run of the same round in the warehouse alone; in brackets the quartiles of the \
+             rounds. A page of shared memory counts in every process that has used it. The start is \
+             that of a short drive and counts from the command.",
+        ),
+        make: big_map::make,
     },
     Experiment {
         key: "hops",

@@ -5,6 +5,7 @@
 //! `tests/RESULTS.md` and into the marked blocks of the READMEs.
 
 pub mod bench;
+mod big_map;
 pub mod experiments;
 pub mod extract;
 mod faults;
