@@ -54,6 +54,25 @@ pub fn shipped(name: &str) -> String {
     std::fs::read_to_string(&file).unwrap_or_else(|error| panic!("{}: {error}", file.display()))
 }
 
+/// Writes a script that can be executed at once.
+///
+/// Another process writes it: a program that any process has open for writing cannot be executed
+/// (`ETXTBSY`), and what this process has open, the children that other tests start hold, too,
+/// until they execute their own program.
+///
+/// # Panics
+/// When it cannot be written.
+pub fn executable(path: &Path, text: &str) {
+    let mut install = Command::new("install");
+    install.args(["--mode=755", "/dev/stdin"]).arg(path);
+    let mut install = install.stdin(Stdio::piped()).spawn().expect("it starts");
+    let mut script = install.stdin.take().expect("its standard input");
+    script.write_all(text.as_bytes()).expect("it reads");
+    drop(script);
+    let status = install.wait().expect("it ends");
+    assert!(status.success(), "{} is not written", path.display());
+}
+
 /// Folder of the binaries of this very build and of the example service, built once per test
 /// program.
 ///

@@ -5,7 +5,7 @@ use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use crate::{binaries, workspace};
+use crate::{binaries, executable, workspace};
 
 /// The package, from the root of the workspace.
 const PACKAGE: &str = "services/python";
@@ -82,16 +82,6 @@ pub fn program(name: &str, text: &str, folder: &Path) -> PathBuf {
     let launcher = format!("#!/bin/sh\nexec '{}' '{script}' \"$@\"\n", python.display());
     executable(&path, &launcher);
     path
-}
-
-/// Writes a script that can be executed.
-///
-/// # Panics
-/// When it cannot be written.
-pub fn executable(path: &Path, text: &str) {
-    use std::os::unix::fs::PermissionsExt;
-    std::fs::write(path, text).expect("written");
-    std::fs::set_permissions(path, PermissionsExt::from_mode(0o755)).expect("its mode");
 }
 
 /// Runs a command to its end; what it printed.

@@ -1,9 +1,8 @@
 //! Whatever a user gets wrong: one clear line, exit code 2, nothing half-started.
 
-use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
 use std::process::Command;
-use zeronav_tests::{Ended, Zeronav, zeronav};
+use zeronav_tests::{Ended, Zeronav, executable, zeronav};
 
 const WORLD: &str = r#"
 [world]
@@ -275,8 +274,7 @@ fn binaries_that_do_not_print_their_configuration_are_named() {
         let folder = tempfile::tempdir().expect("a folder");
         std::fs::write(folder.path().join("it.toml"), &text).expect("written");
         let guest = folder.path().join("guest");
-        std::fs::write(&guest, format!("#!/bin/sh\n{program}\n")).expect("written");
-        std::fs::set_permissions(&guest, PermissionsExt::from_mode(0o755)).expect("a program");
+        executable(&guest, &format!("#!/bin/sh\n{program}\n"));
         let place = format!(
             "it.toml:{}: services.mapping.binary",
             line_of(&text, "binary")
@@ -294,12 +292,10 @@ fn cargo_never_builds_another_project() {
     let folder = tempfile::tempdir().expect("a folder");
     let built = folder.path().join("built");
     let cargo = folder.path().join("cargo");
-    std::fs::write(
+    executable(
         &cargo,
-        format!("#!/bin/sh\necho \"$@\" > {}\n", built.display()),
-    )
-    .expect("written");
-    std::fs::set_permissions(&cargo, PermissionsExt::from_mode(0o755)).expect("a program");
+        &format!("#!/bin/sh\necho \"$@\" > {}\n", built.display()),
+    );
     let check = |package: &Path| {
         let checked = Command::new(zeronav_tests::binaries().join("zeronav"))
             .args(["check", "open_aisle"])

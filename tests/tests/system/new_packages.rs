@@ -5,8 +5,8 @@ use serde_json::Value;
 use std::path::Path;
 use std::process::Command;
 use tempfile::TempDir;
-use zeronav_tests::python::{executable, python};
-use zeronav_tests::{Zeronav, binaries, quick_profile, real_time_turn, zeronav};
+use zeronav_tests::python::python;
+use zeronav_tests::{Zeronav, binaries, executable, quick_profile, real_time_turn, zeronav};
 
 /// A package, and the commands that were printed with it.
 struct Package {
