@@ -4,7 +4,7 @@
 //! Dynamic Terrain" (MPGAA*), AAAI 2015, and Sun, Koenig, Yeoh, "Generalized Adaptive A*", AAMAS
 //! 2008, of which come: raising the heuristic of expanded cells to what the search proved, and
 //! making it consistent again where costs fell. What is added: the heuristic begins as the exact
-//! cost to the goal of all cells, found by one search from the goal while no answer is due.
+//! cost to the goal of the cells, found by one search from the goal while no answer is due.
 //!
 //! While costs only rise the field stays a consistent lower bound, so a search expands the cells
 //! whose best way led through what changed, and the new way. It is made exact again when no answer
@@ -16,9 +16,13 @@
 //! to come there and to leave it for the last time, so it costs at least the octile distance to
 //! the box plus `least`. The smaller of the two is a consistent bound again.
 //!
+//! The field ends some way behind the robot ([`MARGIN`]): it costs what the way takes, not what the
+//! map does. From a cell beyond its reach at least the reach is left.
+//!
 //! No bound is ever below the octile distance to the goal. A search therefore closes no cell that
 //! a search from scratch would not, ties left aside, whatever happened to the map.
 
+mod bounds;
 pub(crate) mod detours;
 mod eased_box;
 mod node;
@@ -28,11 +32,12 @@ mod risen;
 mod run;
 mod upkeep;
 
+use bounds::Bounds;
 use eased_box::EasedBox;
 use node::{GENERATION_MAX, NO_WAY, Node, STEP_MASK, STEP_SHIFT, Spot};
 use prices::Prices;
 use risen::Raise;
-use run::{FIELD, FIELD_AND_BOX, OCTILE, Run, WEIGHTED};
+use run::{FIELD, FIELD_AND_BOX, OCTILE, Run, WEIGHTED, Within};
 
 use crate::bucket_queue::BucketQueue;
 use crate::moves::{DIAGONAL, STEPS, STRAIGHT, price};
@@ -42,14 +47,21 @@ use core::cmp::Reverse;
 use std::collections::BinaryHeap;
 use zeronav_msgs::{Cell, CellRect, GridGeometry, MapView, Pose};
 
+/// The field covers every cell from which at most half as much again is left as from the robot, and
+/// at least this much more, which is 25.6 m of free cells of 5 cm. What lies farther off costs memory
+/// and time that follow the size of the map, and no way round of that length is expected.
+const MARGIN: u32 = 512 * STRAIGHT;
+
 /// How far the field is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum State {
     /// There is none.
     Missing,
+    /// The bounds of the one before are forgotten.
+    Clearing,
     /// The search from the goal is under way.
     Growing,
-    /// Every cell has its bound.
+    /// Every cell within reach has its bound.
     Whole,
     /// Ways are longer than the numbers reach.
     Beyond,
@@ -101,6 +113,7 @@ pub(crate) struct GoalField {
     life: u64,
     width: u32,
     prices: Prices,
+    left: Bounds,
     nodes: Vec<Node>,
     generation: u32,
     lists: Lists,
@@ -111,7 +124,14 @@ pub(crate) struct GoalField {
     /// Differences of spots in the order of [`STEPS`].
     offsets: [u32; 8],
     goal: Spot,
+    /// Where the last search began.
+    from: Spot,
     state: State,
+    /// Larger bounds are not known: from such a cell at least this is left. [`NO_WAY`] when the field
+    /// covers all that is connected to the goal.
+    reach: u32,
+    /// How far beyond the robot the field grows, see [`MARGIN`].
+    margin: u32,
     /// Cells that became cheaper since the field was made consistent.
     eased: Vec<Spot>,
     /// The box of these cells: padded x and y, first and last.
@@ -142,6 +162,7 @@ impl GoalField {
             life: 0,
             width: 0,
             prices: Prices::default(),
+            left: Bounds::default(),
             nodes: Vec::new(),
             generation: 0,
             lists: Lists::default(),
@@ -151,7 +172,10 @@ impl GoalField {
             span: 2 * largest,
             offsets: [0; 8],
             goal: 0,
+            from: 0,
             state: State::Missing,
+            reach: NO_WAY,
+            margin: MARGIN,
             eased: Vec::new(),
             eased_box: EasedBox::EMPTY,
             lowered: BinaryHeap::new(),
@@ -163,6 +187,7 @@ impl GoalField {
 
     pub(crate) fn bytes(&self) -> usize {
         self.prices.bytes()
+            + self.left.bytes()
             + self.nodes.capacity() * size_of::<Node>()
             + self.lists.open.bytes()
             + self.front.bytes()
@@ -189,7 +214,7 @@ impl GoalField {
         self.state = State::Missing;
         self.forget_eased();
         self.lists.closed.clear();
-        self.generation = 0;
+        (self.from, self.generation) = (0, 0);
         let (width, height) = (map.geometry.width + 2, map.geometry.height + 2);
         self.width = width;
         self.offsets = STEPS.map(|(dx, dy)| {
@@ -198,14 +223,11 @@ impl GoalField {
         });
         let n_nodes = width as usize * height as usize;
         self.prices.reset(map, unknown, width, n_nodes);
-        let nothing = Node {
-            left: NO_WAY,
-            so_far: 0,
-            meta: 0,
-        };
-        self.nodes.clear();
-        self.nodes.resize(n_nodes, nothing);
-        self.raise.reset(n_nodes);
+        // The old ones go first: both need not fit.
+        (self.left, self.nodes) = Default::default();
+        self.left = Bounds::new(n_nodes);
+        self.nodes = bytemuck::allocation::zeroed_vec(n_nodes);
+        self.raise = Raise::new(n_nodes);
     }
 
     /// Takes in the cells of `changed` and calls `risen` with each that became dearer or blocked;
@@ -253,7 +275,7 @@ impl GoalField {
                     if new != old && matches!(self.state, State::Growing | State::Whole) {
                         self.raise.note(spot);
                     }
-                    if new < old && self.state != State::Missing {
+                    if new < old && !matches!(self.state, State::Missing | State::Clearing) {
                         self.raise.eased = true;
                         self.eased.push(spot);
                         self.eased_box.add(x, y);
@@ -312,7 +334,7 @@ impl GoalField {
         }
         let mut least = NO_WAY;
         let mut see = |x: u32, y: u32| {
-            least = least.min(self.nodes[(y * self.width + x) as usize].left);
+            least = least.min(self.left.at(y * self.width + x).min(self.reach));
         };
         for x in grown.min.0 - 1..=grown.max.0 + 1 {
             see(x, grown.min.1 - 1);
@@ -339,6 +361,7 @@ impl GoalField {
         self.learn();
         self.next_generation();
         let ends = (self.spot(start), self.spot(goal));
+        self.from = ends.0;
         let eased_box = if guide == Guide::Field && !self.eased_box.is_empty() {
             Some(self.whole_box())
         } else {
@@ -389,7 +412,15 @@ impl GoalField {
 
     /// A search of this generation that ends at `goal`.
     fn run<'a>(&'a mut self, lists: &'a mut Lists, goal: Spot) -> Run<'a> {
+        let goal_xy = (goal % self.width, goal / self.width);
         Run {
+            left: Within {
+                bounds: &self.left,
+                reach: self.reach,
+                beyond: self.reach,
+                width: self.width,
+                goal_xy,
+            },
             nodes: &mut self.nodes,
             prices: &self.prices,
             open: &mut lists.open,
@@ -400,7 +431,7 @@ impl GoalField {
             width: self.width,
             generation: self.generation,
             goal,
-            goal_xy: (goal % self.width, goal / self.width),
+            goal_xy,
             eased_box: EasedBox::EMPTY,
             span: self.span,
             quarters: 4,
@@ -408,45 +439,6 @@ impl GoalField {
             last: u64::MAX,
             generated: 0,
             overflow: false,
-        }
-    }
-
-    /// What the last search proved: from a cell that it closed, the rest costs what its way cost
-    /// less the way to the cell.
-    fn learn(&mut self) {
-        if let Some(EasedBox { min, max, least }) = self.closed_box.take()
-            && !self.lists.closed.is_empty()
-        {
-            // What was proved beside the box rests on this bound inside it.
-            for y in min.1..=max.1 {
-                for x in min.0..=max.0 {
-                    self.learn_of(y * self.width + x, least);
-                }
-            }
-        }
-        let mut closed = core::mem::take(&mut self.lists.closed);
-        for spot in closed.drain(..) {
-            let left = if self.proved == NO_WAY {
-                NO_WAY
-            } else {
-                self.proved.saturating_sub(self.nodes[spot as usize].so_far)
-            };
-            self.learn_of(spot, left);
-        }
-        self.lists.closed = closed;
-    }
-
-    /// At least `left` is left from `spot`.
-    fn learn_of(&mut self, spot: Spot, left: u32) {
-        let node = &mut self.nodes[spot as usize];
-        if left > node.left {
-            node.left = left;
-            self.raise.note(spot);
-            if left != NO_WAY && !self.eased_box.is_empty() {
-                // Those before it are not lowered to it yet.
-                self.lowered
-                    .push(Reverse(u64::from(left) << 32 | u64::from(spot)));
-            }
         }
     }
 

@@ -133,7 +133,7 @@ impl GlobalPlanner for Mpgaa {
             return false;
         };
         let start = self.field.cell_at(robot);
-        self.field.improve(goal, expansions)
+        self.field.improve(start, goal, expansions)
             || start.is_some_and(|start| self.detours.prepare(&mut self.field, start, expansions))
             || self.ground.prepare()
     }

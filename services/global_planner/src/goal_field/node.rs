@@ -1,4 +1,4 @@
-//! What the field and its searches keep about a cell.
+//! What the searches under the guidance of the field keep about a cell.
 
 /// In place of what is left: no way leads to the goal.
 pub(super) const NO_WAY: u32 = u32::MAX;
@@ -6,11 +6,11 @@ pub(super) const NO_WAY: u32 = u32::MAX;
 /// A padded position: `(y + 1) * (width + 2) + x + 1`.
 pub(super) type Spot = u32;
 
-/// What is known about a cell.
-#[derive(Debug, Clone, Copy)]
+/// What a search found about a cell. All zero is a cell that no search has seen, so that the nodes of
+/// a map are made without writing to them: what no search comes to takes no memory.
+#[derive(Debug, Clone, Copy, bytemuck::Zeroable)]
+#[repr(C)]
 pub(super) struct Node {
-    /// Lower bound of the cost to the goal.
-    pub(super) left: u32,
     /// Cost of the best way from the start found so far.
     pub(super) so_far: u32,
     /// `generation << 5 | step that led here << 1 | closed`.

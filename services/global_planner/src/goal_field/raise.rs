@@ -59,15 +59,15 @@ impl GoalField {
     }
 
     fn suspect(&mut self, spot: Spot) {
-        let Some(node) = self.nodes.get(spot as usize) else {
+        let Some(left) = self.left.get(spot) else {
             return;
         };
-        if node.left != NO_WAY
+        if left != NO_WAY
             && spot != self.goal
             && !self.raise.is_lost.has(spot)
             && self.raise.suspected.add(spot)
         {
-            self.raise.suspects.push(item(node.left, spot));
+            self.raise.suspects.push(item(left, spot));
         }
     }
 
@@ -88,7 +88,7 @@ impl GoalField {
     /// `spot` is what its way costs.
     fn is_supported(&self, spot: Spot) -> bool {
         let (own, around) = self.prices.around(spot);
-        let left = self.nodes[spot as usize].left;
+        let left = self.left.at(spot);
         own != BLOCKED
             && (0_u32..).zip(self.offsets).any(|(step, offset)| {
                 let to = spot.wrapping_add(offset);
@@ -103,8 +103,8 @@ impl GoalField {
     #[inline]
     pub(super) fn over(&self, step: u32, to: Spot) -> u32 {
         let price = usize::from(self.prices.at(to));
-        self.nodes[to as usize]
-            .left
+        self.left
+            .at(to)
             .saturating_add(self.steps[step as usize & 1][price])
     }
 
@@ -112,14 +112,10 @@ impl GoalField {
         self.raise.is_lost.add(spot);
         self.raise.lost.push(spot);
         // All that may have rested on it: also where a step is not legal any more.
-        let left = self.nodes[spot as usize].left;
+        let left = self.left.at(spot);
         for offset in self.offsets {
             let from = spot.wrapping_add(offset);
-            if self
-                .nodes
-                .get(from as usize)
-                .is_some_and(|node| node.left > left)
-            {
+            if self.left.get(from).is_some_and(|other| other > left) {
                 self.suspect(from);
             }
         }
@@ -175,13 +171,12 @@ impl GoalField {
     /// close cells again and again.
     fn commit(&mut self) {
         for (spot, left) in self.raise.found.drain(..) {
-            let node = &mut self.nodes[spot as usize];
-            node.left = node.left.max(left);
+            self.left.set(spot, left.max(self.left.at(spot)));
         }
         for spot in self.raise.lost.drain(..) {
             if self.raise.is_lost.has(spot) {
                 self.raise.is_lost.remove(spot);
-                self.nodes[spot as usize].left = NO_WAY;
+                self.left.set(spot, NO_WAY);
             }
         }
         self.raise.offered = None;
@@ -192,6 +187,7 @@ impl GoalField {
 mod tests {
     use super::super::{Changed, State};
     use super::*;
+    use crate::moves::STRAIGHT;
     use crate::planner::{CornerRule, Unknown};
     use crate::test_map::{Draw, FREE, SIDE, view};
     use zeronav_msgs::map::COST_LETHAL;
@@ -230,46 +226,60 @@ mod tests {
             CornerRule::ForbidAny,
             CornerRule::ForbidBoth,
         ];
-        let mut n_exact = 0;
+        let (mut n_exact, mut n_beyond) = (0, 0);
         for seed in 0..60_u64 {
             let mut draw = Draw(seed);
             let rule = rules[usize::try_from(seed % 3).unwrap()];
             let mut cells = vec![FREE; (SIDE * SIDE) as usize];
             let goal = Cell::new(20, 20);
             let mut field = GoalField::new(3.0);
+            // Half of the fields end before the map does.
+            if seed % 2 == 0 {
+                field.margin = 10 * STRAIGHT;
+            }
             field.follow(&view(&cells), Unknown::Free, rule);
+            let mut robot = Cell::new(0, 0);
             for _ in 0..40 {
                 let rect = edit(&mut cells, &mut draw);
                 let _: Changed = field.change(&view(&cells), &[rect], |_| {});
                 field.follow(&view(&cells), Unknown::Free, rule);
                 for _ in 0..draw.below(3) {
-                    field.improve(goal, 1 + draw.below(300));
+                    field.improve(Some(robot), goal, 1 + draw.below(300));
                 }
                 if draw.below(3) > 0 {
                     continue;
                 }
-                let start = Cell::new(0, 0);
-                let at = field.spot(start);
+                robot = Cell::new(draw.coordinate(), draw.coordinate());
+                let at = field.spot(robot);
                 if field.is_whole_for(goal) && field.prices.at(at) != BLOCKED {
                     let stats = &mut crate::planner::PlanStats::default();
                     let go = &mut |_| crate::planner::Control::Go;
                     let guide = super::super::Guide::Field;
-                    field.search((start, goal), guide, u64::MAX, go, stats);
+                    field.search((robot, goal), guide, u64::MAX, go, stats);
                 }
-                while field.improve(goal, 1 + draw.below(500)) {}
+                while field.improve(Some(robot), goal, 1 + draw.below(500)) {}
                 let mut fresh = GoalField::new(3.0);
                 fresh.follow(&view(&cells), Unknown::Free, rule);
-                while fresh.improve(goal, 10_000) {}
+                while fresh.improve(None, goal, 10_000) {}
                 assert_eq!((field.state, fresh.state), (State::Whole, State::Whole));
                 assert!(field.is_exact(), "seed {seed}");
-                for (n, (kept, anew)) in field.nodes.iter().zip(&fresh.nodes).enumerate() {
-                    if field.prices.at(u32::try_from(n).unwrap()) != BLOCKED {
-                        assert_eq!(kept.left, anew.left, "seed {seed}, spot {n}, {rule:?}");
-                        n_exact += 1;
+                assert_eq!(fresh.reach, NO_WAY);
+                if field.prices.at(at) != BLOCKED {
+                    let beyond = field.left.at(at).saturating_add(field.margin / 4);
+                    assert!(field.reach >= beyond, "seed {seed}");
+                }
+                for spot in 0..Spot::try_from(field.nodes.len()).unwrap() {
+                    if field.prices.at(spot) == BLOCKED {
+                        continue;
                     }
+                    let [kept, anew] = [&field, &fresh].map(|of| of.left.at(spot).min(field.reach));
+                    assert_eq!(kept, anew, "seed {seed}, spot {spot}, {rule:?}");
+                    n_exact += 1;
+                    n_beyond += u32::from(field.reach != NO_WAY && kept == field.reach);
                 }
             }
         }
         assert!(n_exact > 100_000, "{n_exact}");
+        assert!(n_beyond > 10_000, "{n_beyond}");
     }
 }

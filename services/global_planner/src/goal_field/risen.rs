@@ -9,9 +9,9 @@ use std::collections::BinaryHeap;
 pub(super) struct Marks(Vec<u64>);
 
 impl Marks {
-    fn reset(&mut self, n: usize) {
-        self.0.clear();
-        self.0.resize(n.div_ceil(64), 0);
+    /// Fits `n` cells, none of which is marked.
+    fn new(n: usize) -> Self {
+        Self(vec![0; n.div_ceil(64)])
     }
 
     pub(super) fn has(&self, spot: Spot) -> bool {
@@ -57,14 +57,26 @@ pub(super) struct Raise {
 }
 
 impl Raise {
-    pub(super) fn reset(&mut self, n_cells: usize) {
+    /// Of a map of `n_cells`.
+    pub(super) fn new(n_cells: usize) -> Self {
+        Self {
+            suspected: Marks::new(n_cells),
+            is_lost: Marks::new(n_cells),
+            ..Self::default()
+        }
+    }
+
+    /// Forgets all cells.
+    pub(super) fn clear(&mut self) {
         self.risen.clear();
         self.eased = false;
         self.found.clear();
-        self.suspects.clear();
-        self.suspected.reset(n_cells);
-        self.lost.clear();
-        self.is_lost.reset(n_cells);
+        for suspect in self.suspects.drain() {
+            self.suspected.remove(parts(suspect).1);
+        }
+        for spot in self.lost.drain(..) {
+            self.is_lost.remove(spot);
+        }
         self.offered = None;
         self.front.clear();
     }

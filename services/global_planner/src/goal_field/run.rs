@@ -1,5 +1,6 @@
 //! One search under the guidance of the field.
 
+use super::bounds::Bounds;
 use super::eased_box::EasedBox;
 use super::node::{CLOSED, GENERATION_SHIFT, NO_STEP, NO_WAY, Node, STEP_MASK, STEP_SHIFT, Spot};
 use super::prices::{BLOCKED, Prices};
@@ -18,8 +19,38 @@ pub(super) const FIELD: u8 = 1;
 pub(super) const FIELD_AND_BOX: u8 = 2;
 pub(super) const WEIGHTED: u8 = 3;
 
+/// What a field says is left, up to its reach.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Within<'a> {
+    pub(super) bounds: &'a Bounds,
+    /// Larger bounds count as `beyond`, or as the octile distance where that is more.
+    pub(super) reach: u32,
+    pub(super) beyond: u32,
+    pub(super) width: u32,
+    pub(super) goal_xy: (u32, u32),
+}
+
+impl Within<'_> {
+    #[inline]
+    fn from(&self, spot: Spot) -> u32 {
+        let left = self.bounds.at(spot);
+        if left <= self.reach {
+            left
+        } else if self.beyond == NO_WAY {
+            NO_WAY
+        } else {
+            let xy = (spot % self.width, spot / self.width);
+            self.beyond.max(octile(
+                xy.0.abs_diff(self.goal_xy.0),
+                xy.1.abs_diff(self.goal_xy.1),
+            ))
+        }
+    }
+}
+
 /// A search under way: slices and numbers in one place, so that the inner loop sees no `Vec`.
 pub(super) struct Run<'a> {
+    pub(super) left: Within<'a>,
     pub(super) nodes: &'a mut [Node],
     pub(super) prices: &'a Prices,
     pub(super) open: &'a mut BucketQueue,
@@ -63,7 +94,7 @@ impl Run<'_> {
         self.span = span;
         let node = &mut self.nodes[start as usize];
         let xy = (start % self.width, start / self.width);
-        let left = bound::<GUIDE>(node.left, xy, self.goal_xy, &self.eased_box);
+        let left = bound::<GUIDE>(self.left.from(start), xy, self.goal_xy, &self.eased_box);
         if left == NO_WAY {
             return false;
         }
@@ -94,7 +125,7 @@ impl Run<'_> {
                 } else {
                     (spot % self.width, spot / self.width)
                 };
-                let left = bound::<GUIDE>(node.left, xy, self.goal_xy, &self.eased_box);
+                let left = bound::<GUIDE>(self.left.from(spot), xy, self.goal_xy, &self.eased_box);
                 if left == NO_WAY {
                     continue;
                 }
@@ -251,7 +282,7 @@ impl Run<'_> {
         }
         let (dx, dy) = STEPS[step as usize & 7];
         let xy = (xy.0.wrapping_add_signed(dx), xy.1.wrapping_add_signed(dy));
-        let left = bound::<GUIDE>(node.left, xy, self.goal_xy, &self.eased_box);
+        let left = bound::<GUIDE>(self.left.from(spot), xy, self.goal_xy, &self.eased_box);
         if left == NO_WAY || GUIDE == WEIGHTED && so_far + left >= self.below {
             return;
         }

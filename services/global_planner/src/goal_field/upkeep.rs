@@ -10,24 +10,85 @@ use core::cmp::Reverse;
 use std::collections::BinaryHeap;
 use zeronav_msgs::Cell;
 
+/// Bounds that are forgotten in the time of an expansion.
+const CLEARED_PER_EXPANSION: usize = 256;
+
 impl GoalField {
-    /// Work for when no answer is due: learns from the last search, then grows the field of `goal`,
-    /// or repairs it where costs fell and where they rose, by `expansions` at most. True when work is left.
-    pub(crate) fn improve(&mut self, goal: Cell, expansions: u64) -> bool {
+    /// Work for when no answer is due: learns from the last search, then grows the field of `goal` to
+    /// beyond `robot`, or where the last search began when no way leads from there, or repairs it
+    /// where costs fell and where they rose, by `expansions` at most. True when work is left.
+    pub(crate) fn improve(&mut self, robot: Option<Cell>, goal: Cell, expansions: u64) -> bool {
         // The goal may be that of another map.
         if !self.built || self.geometry.index_of(goal).is_none() {
             return false;
         }
         let goal = self.spot(goal);
-        if goal != self.goal || self.state == State::Missing {
+        let robot = robot
+            .map(|cell| self.spot(cell))
+            .filter(|spot| self.prices.at(*spot) != BLOCKED)
+            .unwrap_or(self.from);
+        if goal != self.goal || self.state == State::Missing || self.falls_short_of(robot) {
             self.begin(goal);
             return true;
         }
         self.learn();
         match self.state {
-            State::Growing => self.grow(expansions),
-            State::Whole => !self.repair(expansions) || self.raise(expansions),
+            State::Clearing => {
+                self.clear(expansions);
+                true
+            }
+            State::Growing => self.grow(robot, expansions),
+            State::Whole => {
+                !self.repair(expansions) || self.raise(expansions) || self.falls_short_of(robot)
+            }
             State::Missing | State::Beyond => false,
+        }
+    }
+
+    /// True when so little of the field lies beyond the robot that ways round may leave it.
+    fn falls_short_of(&self, robot: Spot) -> bool {
+        let left = self.left.at(robot);
+        self.reach != NO_WAY
+            && self.is_exact()
+            && self.prices.at(robot) != BLOCKED
+            && left.saturating_add((left / 8).max(self.margin / 4)) > self.reach
+    }
+
+    /// What the last search proved: from a cell that it closed, the rest costs what its way cost
+    /// less the way to the cell.
+    pub(super) fn learn(&mut self) {
+        if let Some(EasedBox { min, max, least }) = self.closed_box.take()
+            && !self.lists.closed.is_empty()
+        {
+            // What was proved beside the box rests on this bound inside it.
+            for y in min.1..=max.1 {
+                for x in min.0..=max.0 {
+                    self.learn_of(y * self.width + x, least);
+                }
+            }
+        }
+        let mut closed = core::mem::take(&mut self.lists.closed);
+        for spot in closed.drain(..) {
+            let left = if self.proved == NO_WAY {
+                NO_WAY
+            } else {
+                self.proved.saturating_sub(self.nodes[spot as usize].so_far)
+            };
+            self.learn_of(spot, left);
+        }
+        self.lists.closed = closed;
+    }
+
+    /// At least `left` is left from `spot`.
+    fn learn_of(&mut self, spot: Spot, left: u32) {
+        if left > self.left.at(spot) {
+            self.left.set(spot, left);
+            self.raise.note(spot);
+            if left != NO_WAY && !self.eased_box.is_empty() {
+                // Those before it are not lowered to it yet.
+                self.lowered
+                    .push(Reverse(u64::from(left) << 32 | u64::from(spot)));
+            }
         }
     }
 
@@ -49,7 +110,7 @@ impl GoalField {
             };
             #[allow(clippy::cast_possible_truncation, reason = "the two halves, as pushed")]
             let (left, spot) = ((item >> 32) as u32, item as u32);
-            if self.nodes[spot as usize].left == left {
+            if self.left.at(spot) == left && left <= self.reach {
                 self.relax(spot, |heap, left, spot| {
                     heap.1
                         .push(Reverse(u64::from(left) << 32 | u64::from(spot)));
@@ -60,28 +121,43 @@ impl GoalField {
     }
 
     fn begin(&mut self, goal: Spot) {
-        for node in &mut self.nodes {
-            node.left = NO_WAY;
-        }
         self.goal = goal;
         self.forget_eased();
         self.lists.closed.clear();
-        self.raise.reset(self.nodes.len());
-        self.nodes[goal as usize].left = 0;
+        self.raise.clear();
+        self.reach = NO_WAY;
+        self.state = State::Clearing;
+    }
+
+    fn clear(&mut self, expansions: u64) {
+        let most = usize::try_from(expansions).unwrap_or(usize::MAX);
+        if self.left.clear(most.saturating_mul(CLEARED_PER_EXPANSION)) {
+            return;
+        }
+        self.left.set(self.goal, 0);
         self.front.reset(0, self.span);
-        self.front.push(0, goal);
+        self.front.push(0, self.goal);
         self.state = State::Growing;
     }
 
-    fn grow(&mut self, expansions: u64) -> bool {
+    fn grow(&mut self, robot: Spot, expansions: u64) -> bool {
+        let from_robot = self.left.at(robot);
+        if self.reach == NO_WAY && from_robot < self.front.key() {
+            self.reach = from_robot.saturating_add((from_robot / 2).max(self.margin));
+        }
         let mut used = 0;
         while used < expansions {
             let Some((left, spot)) = self.front.pop_with_key() else {
+                self.reach = NO_WAY;
                 self.state = State::Whole;
                 return !self.is_exact();
             };
-            if self.nodes[spot as usize].left != left {
+            if self.left.at(spot) != left {
                 continue;
+            }
+            if left > self.reach {
+                self.state = State::Whole;
+                return !self.is_exact();
             }
             if left > COST_SO_FAR_MAX {
                 self.state = State::Beyond;
@@ -104,7 +180,7 @@ impl GoalField {
         if own == BLOCKED {
             return;
         }
-        let left = self.nodes[spot as usize].left;
+        let left = self.left.at(spot);
         let costs = self.steps.each_ref().map(|steps| steps[usize::from(own)]);
         for (step, offset) in (0_u32..).zip(self.offsets) {
             if is_blocked(around, step) || !self.corner_permits(around, step) {
@@ -112,9 +188,8 @@ impl GoalField {
             }
             let from = spot.wrapping_add(offset);
             let left = left + costs[step as usize & 1];
-            let other = &mut self.nodes[from as usize];
-            if left < other.left {
-                other.left = left;
+            if left < self.left.at(from) {
+                self.left.set(from, left);
                 push((&mut self.front, &mut self.lowered), left, from);
             }
         }
@@ -133,15 +208,14 @@ impl GoalField {
                 continue;
             }
             let to = spot.wrapping_add(offset);
-            let left = self.nodes[to as usize].left;
+            let left = self.left.at(to);
             if left != NO_WAY {
                 let price = usize::from(self.prices.at(to));
                 least = least.min(left + self.steps[step as usize & 1][price]);
             }
         }
-        let node = &mut self.nodes[spot as usize];
-        if least < node.left {
-            node.left = least;
+        if least < self.left.at(spot) {
+            self.left.set(spot, least);
             self.lowered
                 .push(Reverse(u64::from(least) << 32 | u64::from(spot)));
         }

@@ -1,8 +1,8 @@
 //! How a region is found and its trees are numbered, in slices.
 
-use super::super::node::{GENERATION_SHIFT, NO_STEP, STEP_MASK, STEP_SHIFT, Spot};
+use super::super::node::{GENERATION_SHIFT, NO_STEP, NO_WAY, STEP_MASK, STEP_SHIFT, Spot};
 use super::super::prices::{BLOCKED, is_blocked};
-use super::super::run::FIELD;
+use super::super::run::{FIELD, Run};
 use super::super::{GoalField, Lists};
 use super::forest::{Forest, Known, NEVER, NOWHERE, POSITIONS_MAX, Place};
 use crate::planner::{Control, PlanStats};
@@ -95,6 +95,13 @@ pub(super) struct Growth {
     forest: Forest,
 }
 
+/// The search that finds a region, in cells from which it is known what is left.
+fn region_search<'a>(field: &'a mut GoalField, lists: &'a mut Lists) -> Run<'a> {
+    let mut run = field.run(lists, NO_GOAL);
+    run.left.beyond = NO_WAY;
+    run
+}
+
 impl Growth {
     /// False when nothing was begun, or a search of the field has come between.
     pub(super) fn is_under_way(&mut self, field: &GoalField) -> bool {
@@ -116,9 +123,7 @@ impl Growth {
         field.next_generation();
         (self.generation, self.life, self.goal) = (field.generation, field.life, field.goal);
         let span = field.span;
-        let begun = field
-            .run(&mut self.lists, NO_GOAL)
-            .begin::<FIELD>(start, span);
+        let begun = region_search(field, &mut self.lists).begin::<FIELD>(start, span);
         self.phase = if begun { Phase::Search } else { Phase::Done };
         begun
     }
@@ -169,7 +174,7 @@ impl Growth {
     /// True when more is left.
     fn search(&mut self, field: &mut GoalField, expansions: u64) -> bool {
         let n_closed = self.lists.closed.len() as u64;
-        let mut run = field.run(&mut self.lists, NO_GOAL);
+        let mut run = region_search(field, &mut self.lists);
         run.last = expansions.min(REGION_MAX.saturating_sub(n_closed));
         let mut stats = PlanStats::default();
         let found = run.go_on::<FIELD>(&mut |_| Control::Go, &mut stats);
@@ -210,7 +215,7 @@ impl Growth {
         // The search is over: its costs are not needed any more, numbers are.
         let generation = node.meta >> GENERATION_SHIFT;
         let so_far = node.so_far;
-        let total = so_far.saturating_add(node.left);
+        let total = so_far.saturating_add(field.left.at(spot));
         node.so_far = self.members.len() as u32;
         node.meta = node.meta & !STEP_MASK | NUMBERED << STEP_SHIFT;
         let parent = if step == NO_STEP {
@@ -253,7 +258,7 @@ impl Growth {
             return false;
         };
         let (own, around) = field.prices.around(spot);
-        let left = field.nodes[spot as usize].left;
+        let left = field.left.at(spot);
         if own == BLOCKED || spot == field.goal {
             return true;
         }
