@@ -22,6 +22,7 @@
 //! No bound is ever below the octile distance to the goal. A search therefore closes no cell that
 //! a search from scratch would not, ties left aside, whatever happened to the map.
 
+mod around;
 mod bounds;
 pub(crate) mod detours;
 mod eased_box;
@@ -32,6 +33,7 @@ mod risen;
 mod run;
 mod upkeep;
 
+use around::HeapQueue;
 use bounds::Bounds;
 use eased_box::EasedBox;
 use node::{GENERATION_MAX, NO_WAY, Node, STEP_MASK, STEP_SHIFT, Spot};
@@ -117,6 +119,8 @@ pub(crate) struct GoalField {
     nodes: Vec<Node>,
     generation: u32,
     lists: Lists,
+    /// Open list of the search around a cut.
+    open_around: HeapQueue,
     /// Open list of the search from the goal, which goes on between other searches.
     front: BucketQueue,
     steps: [[u32; 256]; 2],
@@ -166,6 +170,7 @@ impl GoalField {
             nodes: Vec::new(),
             generation: 0,
             lists: Lists::default(),
+            open_around: HeapQueue::default(),
             front: BucketQueue::default(),
             steps,
             // A key exceeds that of the node it came from by the step there and back.
@@ -190,6 +195,7 @@ impl GoalField {
             + self.left.bytes()
             + self.nodes.capacity() * size_of::<Node>()
             + self.lists.open.bytes()
+            + self.open_around.bytes()
             + self.front.bytes()
             + (self.eased.capacity() + self.lists.closed.capacity()) * size_of::<Spot>()
             + self.lowered.capacity() * size_of::<Reverse<u64>>()
@@ -369,7 +375,7 @@ impl GoalField {
         };
         let span = self.span;
         let mut lists = core::mem::take(&mut self.lists);
-        let mut run = self.run(&mut lists, ends.1);
+        let mut run = self.run(&mut lists.open, &mut lists.closed, ends.1);
         run.eased_box = eased_box.unwrap_or(EasedBox::EMPTY);
         run.last = stats.expanded.saturating_add(most);
         let found = match (guide, eased_box) {
@@ -411,7 +417,12 @@ impl GoalField {
     }
 
     /// A search of this generation that ends at `goal`.
-    fn run<'a>(&'a mut self, lists: &'a mut Lists, goal: Spot) -> Run<'a> {
+    fn run<'a, Q>(
+        &'a mut self,
+        open: &'a mut Q,
+        closed: &'a mut Vec<Spot>,
+        goal: Spot,
+    ) -> Run<'a, Q> {
         let goal_xy = (goal % self.width, goal / self.width);
         Run {
             left: Within {
@@ -423,8 +434,8 @@ impl GoalField {
             },
             nodes: &mut self.nodes,
             prices: &self.prices,
-            open: &mut lists.open,
-            closed: &mut lists.closed,
+            open,
+            closed,
             steps: &self.steps,
             offsets: self.offsets,
             rule: self.rule,

@@ -145,9 +145,22 @@ impl GlobalPlanner for Mpgaa {
         self.field.follow(&query.map, query.unknown, rule);
         let (mut detour, mut n_way_out) = (None, 0);
         self.ground
-            .answer(query, &ends, path, |_, between, path| {
+            .answer(query, &ends, path, |ground, between, path| {
                 n_way_out = path.cells.len();
                 detour = self.detours.answer(&self.field, between, &mut path.cells);
+                if detour.is_none() {
+                    let mut watched = |expansions: Expansions| {
+                        if ground.may(rule, between, expansions.0) {
+                            Control::Go
+                        } else {
+                            Control::Stop
+                        }
+                    };
+                    detour = (self.field).search_around(between, &mut watched, &mut path.stats);
+                    if detour.is_some() {
+                        self.field.trace(ends.goal, &mut path.cells);
+                    }
+                }
                 if detour.is_some() {
                     Found::Path
                 } else {

@@ -18,6 +18,43 @@ pub(super) const OCTILE: u8 = 0;
 pub(super) const FIELD: u8 = 1;
 pub(super) const FIELD_AND_BOX: u8 = 2;
 pub(super) const WEIGHTED: u8 = 3;
+/// The field up to its reach, weighted.
+pub(super) const FIELD_WEIGHTED: u8 = 4;
+
+const fn is_weighted(guide: u8) -> bool {
+    guide == WEIGHTED || guide == FIELD_WEIGHTED
+}
+
+/// What a search has yet to look at.
+pub(super) trait OpenList {
+    fn reset(&mut self, key: u32, span: u32);
+    fn push(&mut self, key: u32, item: u32);
+    fn pop(&mut self) -> Option<u32>;
+    /// No key that is pushed may be lower.
+    fn least(&self) -> u32;
+}
+
+impl OpenList for BucketQueue {
+    #[inline]
+    fn reset(&mut self, key: u32, span: u32) {
+        Self::reset(self, key, span);
+    }
+
+    #[inline]
+    fn push(&mut self, key: u32, item: u32) {
+        Self::push(self, key, item);
+    }
+
+    #[inline]
+    fn pop(&mut self) -> Option<u32> {
+        Self::pop(self)
+    }
+
+    #[inline]
+    fn least(&self) -> u32 {
+        self.key()
+    }
+}
 
 /// What a field says is left, up to its reach.
 #[derive(Debug, Clone, Copy)]
@@ -49,11 +86,11 @@ impl Within<'_> {
 }
 
 /// A search under way: slices and numbers in one place, so that the inner loop sees no `Vec`.
-pub(super) struct Run<'a> {
+pub(super) struct Run<'a, Q> {
     pub(super) left: Within<'a>,
     pub(super) nodes: &'a mut [Node],
     pub(super) prices: &'a Prices,
-    pub(super) open: &'a mut BucketQueue,
+    pub(super) open: &'a mut Q,
     pub(super) closed: &'a mut Vec<Spot>,
     pub(super) steps: &'a [[u32; 256]; 2],
     pub(super) offsets: [u32; 8],
@@ -73,7 +110,7 @@ pub(super) struct Run<'a> {
     pub(super) overflow: bool,
 }
 
-impl Run<'_> {
+impl<Q: OpenList> Run<'_, Q> {
     pub(super) fn search<const GUIDE: u8>(
         &mut self,
         start: Spot,
@@ -130,9 +167,9 @@ impl Run<'_> {
                     continue;
                 }
                 let key = node.so_far.saturating_add(left);
-                if key > self.open.key() {
+                if key > self.open.least() {
                     // Its key was beyond the span, or its bound has risen since.
-                    let most = self.open.key().saturating_add(self.span);
+                    let most = self.open.least().saturating_add(self.span);
                     self.open.push(key.min(most), spot);
                     continue;
                 }
@@ -151,7 +188,7 @@ impl Run<'_> {
                 return Found::Stopped;
             }
             stats.evaluated += if step == NO_STEP { 8 } else { 5 };
-            let xy = if GUIDE == FIELD {
+            let xy = if matches!(GUIDE, FIELD | FIELD_WEIGHTED) {
                 (0, 0)
             } else {
                 (spot % self.width, spot / self.width)
@@ -208,7 +245,7 @@ impl Run<'_> {
                 [(2, 1, 3), (6, 7, 5)].into_iter().zip(&mut fronts)
             {
                 let (beside, before) = (at(side), at(front));
-                let short = GUIDE != WEIGHTED
+                let short = !is_weighted(GUIDE)
                     && beside != BLOCKED
                     && rule.permits(at(behind) == BLOCKED, false);
                 let to_side = dear(diagonal, beside);
@@ -245,7 +282,7 @@ impl Run<'_> {
                 if target == BLOCKED || !rule.permits(side, passed == BLOCKED) {
                     continue;
                 }
-                let short = GUIDE != WEIGHTED
+                let short = !is_weighted(GUIDE)
                     && passed != BLOCKED
                     && dear(straight, passed) + dear(straight, target)
                         < dear(diagonal, own) + dear(diagonal, target);
@@ -272,7 +309,7 @@ impl Run<'_> {
         let so_far = so_far + self.steps[step as usize & 1][usize::from(price)];
         // Also refuses closed nodes: with a consistent heuristic theirs is the best way already,
         // and with a weighted one it is good enough for the weight.
-        let closed = GUIDE == WEIGHTED && node.meta & CLOSED != 0;
+        let closed = is_weighted(GUIDE) && node.meta & CLOSED != 0;
         if node.meta >> GENERATION_SHIFT == self.generation && (closed || so_far >= node.so_far) {
             return;
         }
@@ -283,7 +320,7 @@ impl Run<'_> {
         let (dx, dy) = STEPS[step as usize & 7];
         let xy = (xy.0.wrapping_add_signed(dx), xy.1.wrapping_add_signed(dy));
         let left = bound::<GUIDE>(self.left.from(spot), xy, self.goal_xy, &self.eased_box);
-        if left == NO_WAY || GUIDE == WEIGHTED && so_far + left >= self.below {
+        if left == NO_WAY || is_weighted(GUIDE) && so_far + left >= self.below {
             return;
         }
         node.so_far = so_far;
@@ -293,7 +330,7 @@ impl Run<'_> {
         // such a field may rise by more than the span; the key must not. A field is a lower bound
         // all the same: the way found is the cheapest, for a closed cell is opened again when a
         // cheaper way leads to it, and none is closed before its time.
-        let least = self.open.key();
+        let least = self.open.least();
         let key = so_far
             .saturating_add(weighted::<GUIDE>(left, self.quarters))
             .clamp(least, least.saturating_add(self.span));
@@ -304,7 +341,7 @@ impl Run<'_> {
 /// What is left as the keys count it.
 #[inline]
 const fn weighted<const GUIDE: u8>(left: u32, quarters: u32) -> u32 {
-    if GUIDE == WEIGHTED {
+    if is_weighted(GUIDE) {
         left + left / 4 * (quarters - 4)
     } else {
         left
@@ -316,7 +353,7 @@ const fn weighted<const GUIDE: u8>(left: u32, quarters: u32) -> u32 {
 fn bound<const GUIDE: u8>(left: u32, xy: (u32, u32), goal: (u32, u32), eased: &EasedBox) -> u32 {
     let straight = || octile(xy.0.abs_diff(goal.0), xy.1.abs_diff(goal.1));
     match GUIDE {
-        FIELD => left,
+        FIELD | FIELD_WEIGHTED => left,
         FIELD_AND_BOX => eased.bound(left, xy.0, xy.1).max(straight()),
         _ => straight(),
     }

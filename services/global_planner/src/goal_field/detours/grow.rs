@@ -5,6 +5,7 @@ use super::super::prices::{BLOCKED, is_blocked};
 use super::super::run::{FIELD, Run};
 use super::super::{GoalField, Lists};
 use super::forest::{Forest, Known, NEVER, NOWHERE, POSITIONS_MAX, Place};
+use crate::bucket_queue::BucketQueue;
 use crate::planner::{Control, PlanStats};
 use crate::search::Found;
 
@@ -96,8 +97,8 @@ pub(super) struct Growth {
 }
 
 /// The search that finds a region, in cells from which it is known what is left.
-fn region_search<'a>(field: &'a mut GoalField, lists: &'a mut Lists) -> Run<'a> {
-    let mut run = field.run(lists, NO_GOAL);
+fn region_search<'a>(field: &'a mut GoalField, lists: &'a mut Lists) -> Run<'a, BucketQueue> {
+    let mut run = field.run(&mut lists.open, &mut lists.closed, NO_GOAL);
     run.left.beyond = NO_WAY;
     run
 }
