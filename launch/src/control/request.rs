@@ -135,7 +135,7 @@ pub(crate) struct ServiceReport {
     pub state: String,
     /// Its progress counter.
     pub progress: u64,
-    /// Largest resident memory. [bytes]
+    /// Largest resident memory, without shared memory. [bytes]
     pub memory_peak_bytes: u64,
     /// File name of its binary.
     pub binary: String,

@@ -237,7 +237,7 @@ pub struct ServiceResult {
     pub key: Option<String>,
     /// How many times it was started.
     pub starts: u32,
-    /// Largest resident memory. [bytes]
+    /// Largest resident memory, without shared memory. [bytes]
     pub memory_peak_bytes: u64,
     /// How the kernel scheduled it; null when launch did not start it.
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -150,23 +150,11 @@ impl Child {
         )
     }
 
-    /// Largest resident memory so far. [bytes]
+    /// Largest resident memory so far, without what it shares with other processes. [bytes]
     pub fn memory_peak_bytes(&mut self) -> u64 {
         let status = std::fs::read_to_string(format!("/proc/{}/status", self.pid()));
-        let kibibytes = status.ok().and_then(|status| {
-            status
-                .lines()
-                .find_map(|line| line.strip_prefix("VmHWM:"))
-                .and_then(|rest| {
-                    rest.trim()
-                        .trim_end_matches("kB")
-                        .trim()
-                        .parse::<u64>()
-                        .ok()
-                })
-        });
-        if let Some(kibibytes) = kibibytes {
-            self.memory_peak_bytes = self.memory_peak_bytes.max(kibibytes * 1024);
+        if let Some(bytes) = status.ok().as_deref().and_then(own_memory_peak_bytes) {
+            self.memory_peak_bytes = self.memory_peak_bytes.max(bytes);
         }
         self.memory_peak_bytes
     }
@@ -270,5 +258,29 @@ pub(crate) fn end_with_this_thread(command: &mut Command, signal: Signal) {
             }
             Ok(())
         });
+    }
+}
+
+/// From a process's `status`: the largest resident memory, less the part that is shared memory now.
+/// The kernel keeps no peak of the difference; shared memory is mapped early and stays.
+fn own_memory_peak_bytes(status: &str) -> Option<u64> {
+    let bytes = |name: &str| -> Option<u64> {
+        let line = status.lines().find_map(|line| line.strip_prefix(name))?;
+        let kibibytes = line.trim().trim_end_matches("kB").trim();
+        Some(kibibytes.parse::<u64>().ok()?.saturating_mul(1024))
+    };
+    Some(bytes("VmHWM:")?.saturating_sub(bytes("RssShmem:").unwrap_or(0)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::own_memory_peak_bytes;
+
+    #[test]
+    fn shared_memory_is_no_memory_of_the_process() {
+        let status = "Name:\ta\nVmHWM:\t    90 kB\nVmRSS:\t   80 kB\nRssShmem:\t  30 kB\n";
+        assert_eq!(own_memory_peak_bytes(status), Some(60 * 1024));
+        assert_eq!(own_memory_peak_bytes("VmHWM:\t 7 kB\n"), Some(7 * 1024));
+        assert_eq!(own_memory_peak_bytes("VmRSS:\t 7 kB\n"), None);
     }
 }
