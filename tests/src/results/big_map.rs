@@ -98,9 +98,10 @@ fn memories(results: &[Vec<Value>; 2]) -> Table {
 fn sizes(results: &[Vec<Value>; 2], started: &[Vec<Value>; 2]) -> Table {
     let sum = |result: &Value| -> Option<f64> {
         let services = list(result, "services").iter();
-        services
+        let own: Option<f64> = services
             .map(|service| service["memory_peak_bytes"].as_f64())
-            .sum()
+            .sum();
+        Some(own? + result["shared_memory_bytes"].as_f64()?)
     };
     let row = |at: usize| {
         let median = |results: &[Value], of: &dyn Fn(&Value) -> Option<f64>| {
@@ -123,7 +124,7 @@ fn sizes(results: &[Vec<Value>; 2], started: &[Vec<Value>; 2]) -> Table {
     };
     let columns = [
         "cells",
-        "memory of all processes [MB]",
+        "memory of the run [MB]",
         "of it per cell [bytes]",
         "all ready [ms]",
         "first path [ms]",

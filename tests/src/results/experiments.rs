@@ -166,7 +166,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
         note: Some(
             "The large map holds the same warehouse, and one door leads from it to 394 rooms. Ratios are \
              to the run of the same round in the warehouse alone; in brackets the quartiles of the \
-             rounds. A page of shared memory counts in every process that has used it. The start is \
+             rounds. The memory of a run is that of all services and the shared memory. The start is \
              that of a short drive and counts from the command.",
         ),
         make: big_map::make,
