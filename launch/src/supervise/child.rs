@@ -150,7 +150,7 @@ impl Child {
         )
     }
 
-    /// Largest resident memory so far, without what it shares with other processes. [bytes]
+    /// Largest resident memory so far, without shared memory. [bytes]
     pub fn memory_peak_bytes(&mut self) -> u64 {
         let status = std::fs::read_to_string(format!("/proc/{}/status", self.pid()));
         if let Some(bytes) = status.ok().as_deref().and_then(own_memory_peak_bytes) {

@@ -71,6 +71,7 @@ impl Tally {
             "worst_error": self.worst_error,
             "expanded": self.expanded,
             "median_us": self.median_us(),
+            "sum_us": self.times_us.iter().sum::<f64>(),
         })
     }
 }

@@ -27,16 +27,17 @@ mod bounds;
 pub(crate) mod detours;
 mod eased_box;
 mod node;
+mod open_list;
 mod prices;
 mod raise;
 mod risen;
 mod run;
 mod upkeep;
 
-use around::HeapQueue;
 use bounds::Bounds;
 use eased_box::EasedBox;
 use node::{GENERATION_MAX, NO_WAY, Node, STEP_MASK, STEP_SHIFT, Spot};
+use open_list::HeapQueue;
 use prices::Prices;
 use risen::Raise;
 use run::{FIELD, FIELD_AND_BOX, OCTILE, Run, WEIGHTED, Within};
@@ -474,9 +475,21 @@ impl GoalField {
         cells[first..].reverse();
     }
 
+    /// Which diagonal steps are legal.
+    pub(crate) const fn rule(&self) -> CornerRule {
+        self.rule
+    }
+
     /// The cell of a pose of the robot, `map_from_base`.
     pub(crate) fn cell_at(&self, robot: &Pose) -> Option<Cell> {
         self.geometry.cell_at(robot.point())
+    }
+
+    const fn cell(&self, spot: Spot) -> Cell {
+        Cell::new(
+            (spot % self.width).cast_signed() - 1,
+            (spot / self.width).cast_signed() - 1,
+        )
     }
 
     const fn spot(&self, cell: Cell) -> Spot {

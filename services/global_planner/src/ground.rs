@@ -115,6 +115,11 @@ impl<M: FreeCells> Ground<M> {
         self.reach.may(self.map.bits(), rule, between, expanded)
     }
 
+    /// True when the two cells are connected.
+    pub(crate) fn known(&mut self, rule: CornerRule, a: Cell, b: Cell) -> bool {
+        self.reach.known(self.map.bits(), rule, a, b)
+    }
+
     /// Work for when no answer is due: gets the proof of [`Self::may`] ready, in slices; true when
     /// more is left.
     pub(crate) fn prepare(&mut self) -> bool {

@@ -36,9 +36,15 @@ pub trait GlobalPlanner: Send {
         false
     }
 
-    /// A legal path that was made ready by [`Self::prepare`], without a search; it need not be the
-    /// best, [`PlanStats::bound`] says what no path costs less than. The default has none.
-    fn detour(&mut self, _query: &PlanQuery<'_>, _path: &mut CellPath) -> Option<PlanStats> {
+    /// A legal path that [`Self::prepare`] made ready, or that a search of bounded effort finds; it need
+    /// not be the best, [`PlanStats::bound`] says what no path costs less than. Without one the counters
+    /// in `path` are those of what was tried. The default has none.
+    fn detour(
+        &mut self,
+        _query: &PlanQuery<'_>,
+        _budget: &mut dyn FnMut(Expansions) -> Control,
+        _path: &mut CellPath,
+    ) -> Option<PlanStats> {
         None
     }
 }
@@ -177,6 +183,15 @@ pub struct PlanStats {
     pub remarks: Remarks,
     /// Paths that an anytime planner had on the way, dearer ones first; the rest is 0.
     pub improved: [Improvement; IMPROVEMENTS_MAX],
+}
+
+impl PlanStats {
+    /// Adds what was tried before.
+    pub(crate) const fn add_effort(&mut self, tried: &Self) {
+        self.expanded += tried.expanded;
+        self.generated += tried.generated;
+        self.evaluated += tried.evaluated;
+    }
 }
 
 /// Most entries of [`PlanStats::improved`].

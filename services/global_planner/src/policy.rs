@@ -95,9 +95,7 @@ impl Policy {
         let mut with_spent = |Expansions(expanded)| budget(Expansions(expanded + spent.expanded));
         let result = self.jumps.plan(query, &mut with_spent, path);
         self.effort = self.jumps.effort(&path.stats);
-        path.stats.expanded += spent.expanded;
-        path.stats.generated += spent.generated;
-        path.stats.evaluated += spent.evaluated;
+        path.stats.add_effort(&spent);
         result.map(|_| path.stats)
     }
 }
@@ -159,7 +157,12 @@ impl GlobalPlanner for Policy {
         self.field.prepare(robot, expansions)
     }
 
-    fn detour(&mut self, query: &PlanQuery<'_>, path: &mut CellPath) -> Option<PlanStats> {
-        self.field.detour(query, path)
+    fn detour(
+        &mut self,
+        query: &PlanQuery<'_>,
+        budget: &mut dyn FnMut(Expansions) -> Control,
+        path: &mut CellPath,
+    ) -> Option<PlanStats> {
+        self.field.detour(query, budget, path)
     }
 }

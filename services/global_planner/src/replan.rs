@@ -22,7 +22,7 @@
 //!    cell that opened or a robot that is elsewhere; `goal_outside_map` needs another grid;
 //!    the others need any change of the map or a robot in another cell.
 //! 4. The map has another grid, or a cell ahead on the path blocks the robot's centre: a detour
-//!    that is ready ([`GlobalPlanner::detour`]), else search, cause `obstacle`.
+//!    ([`GlobalPlanner::detour`]), else search, cause `obstacle`.
 //! 5. The path is a detour: search, cause `improved`.
 //! 6. The robot is further than `off_path_m` from its path: search, cause `request`.
 //! 7. The local planner asks, about this very path, and map or robot have changed since the last
@@ -242,12 +242,17 @@ impl Replanner {
         };
         let candidate = &mut self.candidate;
         let planner = &mut self.planner;
+        candidate.cells.clear();
         candidate.is_detour = pending.cause == PathCause::Obstacle
-            && planner.detour(&query, &mut candidate.cells).is_some();
+            && (planner.detour(&query, &mut limited, &mut candidate.cells)).is_some();
+        let tried = candidate.cells.stats;
         let result = if candidate.is_detour {
-            Ok(candidate.cells.stats)
+            Ok(tried)
         } else {
-            planner.plan(&query, &mut limited, &mut candidate.cells)
+            let mut rest = |Expansions(n)| limited(Expansions(n + tried.expanded));
+            let result = planner.plan(&query, &mut rest, &mut candidate.cells);
+            candidate.cells.stats.add_effort(&tried);
+            result
         };
         self.timer.mark(Stage::Search);
         if result.is_ok() && self.config.smooth_m > 0.0 {

@@ -5,6 +5,9 @@
 //! `cargo run --release -p zeronav-global-planner --no-default-features --example replan --
 //! [--map FILE] [--data FOLDER] [--events N]`
 //!
+//! `detour` is the answer of bounded effort; the incremental search comes after it and has learnt from the
+//! search for it, where there was one.
+//!
 //! Every event is repeated five times and counts with its median (A* from scratch: once); the table
 //! shows the median, the 99th percentile and the worst over the events. Times in microseconds of
 //! wall time, without the work ahead that is done between two updates, which has its own column. Ends with 1 when the

@@ -19,7 +19,7 @@ pub(crate) struct Times {
     pub(crate) notify: f64,
     pub(crate) filter: f64,
     pub(crate) incremental: f64,
-    /// Of a path that is cut: NaN when no detour was ready.
+    /// Of a path that is cut: NaN when there was no detour.
     pub(crate) detour: f64,
     /// Its cost by that of the best path.
     pub(crate) detour_ratio: f64,
@@ -222,7 +222,7 @@ impl Bench {
         times.kept = corridor.is_cut(&self.map.view()).is_none();
         times.filter = us(started);
         let query = query(&self.map, ends);
-        let detour = Answer::ready(self.incremental.as_mut(), &query);
+        let detour = Answer::detour(self.incremental.as_mut(), &query);
         let incremental = Answer::of(self.incremental.as_mut(), &query);
         times.detour = f64::NAN;
         times.detour_ratio = f64::NAN;
@@ -268,16 +268,16 @@ struct Answer {
 }
 
 impl Answer {
-    /// The detour that is ready.
-    fn ready(planner: &mut dyn GlobalPlanner, query: &PlanQuery<'_>) -> Self {
+    /// The detour.
+    fn detour(planner: &mut dyn GlobalPlanner, query: &PlanQuery<'_>) -> Self {
         let mut path = CellPath::default();
         path.cells.reserve(20_000);
         let started = Instant::now();
-        let stats = planner.detour(query, &mut path);
+        let stats = planner.detour(query, &mut |_| Control::Go, &mut path);
         Self {
             time: us(started),
             cost: stats.map(|stats| stats.cost),
-            expanded: 0,
+            expanded: path.stats.expanded,
         }
     }
 

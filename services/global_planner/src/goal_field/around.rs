@@ -2,18 +2,16 @@
 //!
 //! A search from the robot under the guidance of the field expands every cell from which a way as
 //! cheap as the way round leads on: near the robot, too, long before the cut. With the field weighted
-//! it runs down the way before to the cut, looks for a way past it there, and turns to what lies
+//! it runs down the previous way to the cut, looks for a way past it there, and turns to what lies
 //! farther back only when that is dear. The way costs at most so many times the least as the weight
 //! says (Pohl, "Heuristic Search Viewed as Path Finding in a Graph", Artificial Intelligence 1,
 //! 1970).
 
 use super::detours::Detour;
-use super::run::{FIELD_WEIGHTED, OpenList};
+use super::run::FIELD_WEIGHTED;
 use super::{GoalField, Guide};
 use crate::planner::{Control, Expansions, PlanStats};
 use crate::search::Found;
-use core::cmp::Reverse;
-use std::collections::BinaryHeap;
 use zeronav_msgs::Cell;
 
 /// Weight times four.
@@ -24,35 +22,6 @@ const EXACT_MAX: u64 = 6144;
 
 /// Expansions of the weighted search, some 0.6 ms.
 const WEIGHTED_MAX: u64 = 8192;
-
-/// Keys that may fall: with a weight they do along the way before.
-#[derive(Debug, Default)]
-pub(super) struct HeapQueue(BinaryHeap<Reverse<u64>>);
-
-impl OpenList for HeapQueue {
-    fn reset(&mut self, _key: u32, _span: u32) {
-        self.0.clear();
-    }
-
-    fn push(&mut self, key: u32, item: u32) {
-        self.0.push(Reverse(u64::from(key) << 32 | u64::from(item)));
-    }
-
-    #[allow(clippy::cast_possible_truncation, reason = "the lower half, as pushed")]
-    fn pop(&mut self) -> Option<u32> {
-        self.0.pop().map(|item| item.0 as u32)
-    }
-
-    fn least(&self) -> u32 {
-        0
-    }
-}
-
-impl HeapQueue {
-    pub(super) fn bytes(&self) -> usize {
-        self.0.capacity() * size_of::<Reverse<u64>>()
-    }
-}
 
 impl GoalField {
     /// Searches a way round from `start` to `goal`, both free; to be traced when there is one. Adds to
@@ -92,6 +61,7 @@ impl GoalField {
         run.last = stats.expanded.saturating_add(WEIGHTED_MAX);
         let found = run.search::<FIELD_WEIGHTED>(ends.0, u32::MAX, budget, stats);
         stats.generated += run.generated;
+        stats.peak_open = stats.peak_open.max(open.peak());
         // Costs so far need not be the least: they teach the field nothing.
         closed.clear();
         (self.open_around, self.lists.closed) = (open, closed);
@@ -145,7 +115,7 @@ mod tests {
             field.margin = 10 * STRAIGHT;
             field.follow(&view(&cells), Unknown::Free, CornerRule::ForbidAny);
             field.change(&view(&cells), &[], |_| {});
-            while field.improve(Some(start), goal, 1000) {}
+            while field.improve(Some(start), goal, 1000, |_, _| true) {}
             for _ in 0..8 {
                 let min = Cell::new(draw.coordinate(), draw.coordinate());
                 let size = 1 + i32::try_from(draw.below(12)).unwrap();

@@ -59,3 +59,34 @@ impl Bounds {
         self.inverted.capacity() * size_of::<u32>()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_map::Draw;
+
+    #[test]
+    fn every_bound_is_forgotten_in_slices_of_any_size() {
+        for seed in 0..40 {
+            let mut draw = Draw(seed);
+            let mut bounds = Bounds::new(500);
+            for _ in 0..3 {
+                for _ in 0..draw.below(20) {
+                    let spot = Spot::try_from(draw.below(500)).unwrap();
+                    bounds.set(spot, 7);
+                    assert_eq!(bounds.at(spot), 7);
+                }
+                let most = 1 + usize::try_from(draw.below(90)).unwrap();
+                // One more while it is under way.
+                if bounds.clear(most) {
+                    bounds.set(Spot::try_from(draw.below(500)).unwrap(), 9);
+                }
+                while bounds.clear(most) {}
+                assert!(
+                    (0..500).all(|spot| bounds.at(spot) == NO_WAY),
+                    "seed {seed}"
+                );
+            }
+        }
+    }
+}

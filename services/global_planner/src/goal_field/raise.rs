@@ -226,7 +226,7 @@ mod tests {
             CornerRule::ForbidAny,
             CornerRule::ForbidBoth,
         ];
-        let (mut n_exact, mut n_beyond) = (0, 0);
+        let (mut n_exact, mut n_beyond, mut n_searches) = (0, 0, 0);
         for seed in 0..60_u64 {
             let mut draw = Draw(seed);
             let rule = rules[usize::try_from(seed % 3).unwrap()];
@@ -244,7 +244,7 @@ mod tests {
                 let _: Changed = field.change(&view(&cells), &[rect], |_| {});
                 field.follow(&view(&cells), Unknown::Free, rule);
                 for _ in 0..draw.below(3) {
-                    field.improve(Some(robot), goal, 1 + draw.below(300));
+                    field.improve(Some(robot), goal, 1 + draw.below(300), |_, _| true);
                 }
                 if draw.below(3) > 0 {
                     continue;
@@ -255,16 +255,29 @@ mod tests {
                     let stats = &mut crate::planner::PlanStats::default();
                     let go = &mut |_| crate::planner::Control::Go;
                     let guide = super::super::Guide::Field;
-                    field.search((robot, goal), guide, u64::MAX, go, stats);
+                    let found = field.search((robot, goal), guide, u64::MAX, go, stats);
+                    let cost = field.cost_of(goal);
+                    let mut other = GoalField::new(3.0);
+                    other.follow(&view(&cells), Unknown::Free, rule);
+                    let guide = super::super::Guide::Octile;
+                    let by_octile = other.search((robot, goal), guide, u64::MAX, go, stats);
+                    assert_eq!(found, by_octile, "seed {seed}");
+                    if found == crate::search::Found::Path {
+                        assert_eq!(cost, other.cost_of(goal), "seed {seed}");
+                        n_searches += 1;
+                    }
                 }
-                while field.improve(Some(robot), goal, 1 + draw.below(500)) {}
+                while field.improve(Some(robot), goal, 1 + draw.below(500), |_, _| true) {}
                 let mut fresh = GoalField::new(3.0);
                 fresh.follow(&view(&cells), Unknown::Free, rule);
-                while fresh.improve(None, goal, 10_000) {}
+                while fresh.improve(None, goal, 10_000, |_, _| true) {}
                 assert_eq!((field.state, fresh.state), (State::Whole, State::Whole));
                 assert!(field.is_exact(), "seed {seed}");
                 assert_eq!(fresh.reach, NO_WAY);
-                if field.prices.at(at) != BLOCKED {
+                if ![at, field.goal]
+                    .map(|end| field.prices.at(end))
+                    .contains(&BLOCKED)
+                {
                     let beyond = field.left.at(at).saturating_add(field.margin / 4);
                     assert!(field.reach >= beyond, "seed {seed}");
                 }
@@ -281,5 +294,6 @@ mod tests {
         }
         assert!(n_exact > 100_000, "{n_exact}");
         assert!(n_beyond > 10_000, "{n_beyond}");
+        assert!(n_searches > 200, "{n_searches}");
     }
 }

@@ -3,8 +3,8 @@
 use super::bounds::Bounds;
 use super::eased_box::EasedBox;
 use super::node::{CLOSED, GENERATION_SHIFT, NO_STEP, NO_WAY, Node, STEP_MASK, STEP_SHIFT, Spot};
+use super::open_list::OpenList;
 use super::prices::{BLOCKED, Prices};
-use crate::bucket_queue::BucketQueue;
 use crate::moves::{STEPS, octile};
 use crate::planner::{Control, CornerRule, Expansions, PlanStats};
 use crate::search::{COST_SO_FAR_MAX, Found};
@@ -23,37 +23,6 @@ pub(super) const FIELD_WEIGHTED: u8 = 4;
 
 const fn is_weighted(guide: u8) -> bool {
     guide == WEIGHTED || guide == FIELD_WEIGHTED
-}
-
-/// What a search has yet to look at.
-pub(super) trait OpenList {
-    fn reset(&mut self, key: u32, span: u32);
-    fn push(&mut self, key: u32, item: u32);
-    fn pop(&mut self) -> Option<u32>;
-    /// No key that is pushed may be lower.
-    fn least(&self) -> u32;
-}
-
-impl OpenList for BucketQueue {
-    #[inline]
-    fn reset(&mut self, key: u32, span: u32) {
-        Self::reset(self, key, span);
-    }
-
-    #[inline]
-    fn push(&mut self, key: u32, item: u32) {
-        Self::push(self, key, item);
-    }
-
-    #[inline]
-    fn pop(&mut self) -> Option<u32> {
-        Self::pop(self)
-    }
-
-    #[inline]
-    fn least(&self) -> u32 {
-        self.key()
-    }
 }
 
 /// What a field says is left, up to its reach.
@@ -320,7 +289,7 @@ impl<Q: OpenList> Run<'_, Q> {
         let (dx, dy) = STEPS[step as usize & 7];
         let xy = (xy.0.wrapping_add_signed(dx), xy.1.wrapping_add_signed(dy));
         let left = bound::<GUIDE>(self.left.from(spot), xy, self.goal_xy, &self.eased_box);
-        if left == NO_WAY || is_weighted(GUIDE) && so_far + left >= self.below {
+        if left == NO_WAY || is_weighted(GUIDE) && so_far.saturating_add(left) >= self.below {
             return;
         }
         node.so_far = so_far;
@@ -342,7 +311,8 @@ impl<Q: OpenList> Run<'_, Q> {
 #[inline]
 const fn weighted<const GUIDE: u8>(left: u32, quarters: u32) -> u32 {
     if is_weighted(GUIDE) {
-        left + left / 4 * (quarters - 4)
+        let more = quarters - 4;
+        left.saturating_add((left / 4).saturating_mul(more) + left % 4 * more / 4)
     } else {
         left
     }

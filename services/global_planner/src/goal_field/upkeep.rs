@@ -15,19 +15,29 @@ const CLEARED_PER_EXPANSION: usize = 256;
 
 impl GoalField {
     /// Work for when no answer is due: learns from the last search, then grows the field of `goal` to
-    /// beyond `robot`, or where the last search began when no way leads from there, or repairs it
-    /// where costs fell and where they rose, by `expansions` at most. True when work is left.
-    pub(crate) fn improve(&mut self, robot: Option<Cell>, goal: Cell, expansions: u64) -> bool {
+    /// beyond `robot`, or beyond where the last search began when that is off the map or blocked, or
+    /// repairs it where costs fell and where they rose, by `expansions` at most. A field that has lost
+    /// the robot is not grown anew while the two are not `connected`. True when work is left.
+    pub(crate) fn improve(
+        &mut self,
+        robot: Option<Cell>,
+        goal: Cell,
+        expansions: u64,
+        mut connected: impl FnMut(Cell, Cell) -> bool,
+    ) -> bool {
         // The goal may be that of another map.
         if !self.built || self.geometry.index_of(goal).is_none() {
             return false;
         }
+        let goal_cell = goal;
         let goal = self.spot(goal);
         let robot = robot
             .map(|cell| self.spot(cell))
             .filter(|spot| self.prices.at(*spot) != BLOCKED)
             .unwrap_or(self.from);
-        if goal != self.goal || self.state == State::Missing || self.falls_short_of(robot) {
+        let mut falls_short =
+            |field: &Self| field.falls_short_of(robot) && connected(field.cell(robot), goal_cell);
+        if goal != self.goal || self.state == State::Missing || falls_short(self) {
             self.begin(goal);
             return true;
         }
@@ -38,9 +48,7 @@ impl GoalField {
                 true
             }
             State::Growing => self.grow(robot, expansions),
-            State::Whole => {
-                !self.repair(expansions) || self.raise(expansions) || self.falls_short_of(robot)
-            }
+            State::Whole => !self.repair(expansions) || self.raise(expansions) || falls_short(self),
             State::Missing | State::Beyond => false,
         }
     }
@@ -51,6 +59,7 @@ impl GoalField {
         self.reach != NO_WAY
             && self.is_exact()
             && self.prices.at(robot) != BLOCKED
+            && self.prices.at(self.goal) != BLOCKED
             && left.saturating_add((left / 8).max(self.margin / 4)) > self.reach
     }
 

@@ -94,7 +94,7 @@ fn what_changes_cut_off_is_every_way_that_leads_over_them() {
         let mut field = GoalField::new(3.0);
         field.follow(&view(&cells), Unknown::Free, rule);
         let _: Changed = field.change(&view(&cells), &[], |_| {});
-        while field.improve(Some(start), goal, 1000) {}
+        while field.improve(Some(start), goal, 1000, |_, _| true) {}
         while detours.prepare(&mut field, start, 1000) {}
         if !detours.ready.is_for(&field) {
             continue;
