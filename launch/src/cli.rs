@@ -17,6 +17,7 @@ use crate::remote::cli::{
 };
 use crate::remote::swap::{ShadowArgs, SwapArgs};
 use crate::run_plan::{RunPlan, Source};
+use crate::scenario::{ForesightSpec, Perceive, Predict};
 use crate::start_up::StartUpArgs;
 use crate::suite::noise::Noise;
 use crate::suite::plan::SuitePlan;
@@ -341,7 +342,8 @@ pub struct SuiteArgs {
     /// Go on with the suite in this folder, which was interrupted, with the arguments that it was
     /// begun with.
     #[arg(long, value_name = "FOLDER",
-          conflicts_with_all = ["suite", "controller", "seeds", "worlds", "noise", "data", "out"])]
+          conflicts_with_all = ["suite", "controller", "seeds", "worlds", "noise", "perceive", "predict", "data",
+                                 "out"])]
     pub resume: Option<PathBuf>,
     /// Key of the local planner's controller; without, beam for dynabarn, pedestrians and what moves
     /// in generated, else its default or the scenario's.
@@ -358,6 +360,13 @@ pub struct SuiteArgs {
     /// How badly wheels, odometry and lidar do.
     #[arg(long, value_enum, default_value_t)]
     pub noise: Noise,
+    /// How mapping knows what moves: truth measures what perception costs, and is no result.
+    #[arg(long, value_enum, default_value_t)]
+    pub perceive: Perceive,
+    /// How the local planner knows where that will be: truth measures what prediction costs, and is no
+    /// result.
+    #[arg(long, value_enum, default_value_t)]
+    pub predict: Predict,
     /// Folder of the data sets: barn, dynabarn and pedestrians lie in it. Without, the environment's
     /// `$ZERONAV_DATA`, then ./data.
     #[arg(long, value_name = "DIR")]
@@ -387,6 +396,10 @@ impl SuiteArgs {
             seeds: self.seeds,
             worlds: self.worlds.clone(),
             noise: self.noise,
+            foresight: ForesightSpec {
+                perceive: self.perceive,
+                predict: self.predict,
+            },
             data: self.data.clone(),
             jobs: self.jobs,
             progress: !self.headless,

@@ -16,6 +16,7 @@ pub mod checksum;
 pub mod command;
 pub mod description;
 pub mod fields;
+pub mod foresight;
 pub mod grid;
 pub mod header;
 pub mod health;

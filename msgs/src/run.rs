@@ -1,5 +1,6 @@
 //! `run/clock` and `run/control`: what time means, and who is obeyed.
 
+use crate::foresight::{FORESIGHT_PERCEIVE, FORESIGHT_PREDICT};
 use crate::header::SHADOW_EPOCH_MIN;
 use crate::message::{Refusal, ZeroCopySend, ensure};
 use crate::role::Role;
@@ -37,14 +38,17 @@ codes! {
 
 message! {
     /// Fixed fields of the clock; the slice is empty. Written once, before any child starts.
-    pub struct RunClock = "zeronav.RunClock.v2" {
+    pub struct RunClock = "zeronav.RunClock.v3" {
         /// Code of [`RunMode`].
         pub mode: u16,
         /// [flag] 1 = services time the stages of their cycles and say it in their records; 0 = they
         /// read no clock for it. Always 0 in lockstep.
         pub stages: u16,
+        /// [bits] What services are told of what moves on `sim/foresight`: 1 = mapping what there is, 2 =
+        /// the local planner what will be; 0 in earnest.
+        pub foresight: u16,
         /// Written as 0.
-        pub spare: [u16; 2],
+        pub spare: u16,
         /// [number] Seed of everything random in the run.
         pub seed: u64,
         /// [ns] `CLOCK_MONOTONIC` at run time 0.
@@ -258,6 +262,10 @@ impl RunClock {
     /// The first field that is wrong.
     pub fn check(&self) -> Result<(), Refusal> {
         self.mode().ok_or(Refusal::Code("mode"))?;
+        ensure(
+            self.foresight <= (FORESIGHT_PERCEIVE | FORESIGHT_PREDICT),
+            Refusal::Code("foresight"),
+        )?;
         ensure(
             (1_000_000..=1_000_000_000).contains(&self.tick_ns),
             Refusal::OutOfRange("tick_ns"),

@@ -10,6 +10,7 @@
 use crate::checksum::{HEADER_BYTES, checksum};
 use crate::command::{VelocityCommand, VelocityRequest};
 use crate::description::{Corner, Description, FOOTPRINT_CORNERS_MAX};
+use crate::foresight::{FORESEEN_MAX, Foreseen, Foresight};
 use crate::header::Header;
 use crate::health::Health;
 use crate::map::{MapInfo, MapTile, TILES_PER_KEYFRAME_MAX, TILES_PER_UPDATE_MAX};
@@ -338,6 +339,15 @@ topics! {
         item: TruthObstacle, Latest,
         writers: [Robot], rings: [], in_lockstep: [],
         len_max: TRUTH_OBSTACLES_MAX,
+        check: |meta, items| meta.check(items),
+    }
+    /// `sim/foresight`: what moves, and where it will be; only in a run that measures what perception
+    /// and prediction cost.
+    SimForesight = 26 "sim/foresight" {
+        envelope: ForesightEnvelope = "zeronav.sim.foresight.v1" (Foresight),
+        item: Foreseen, Latest,
+        writers: [Robot], rings: [], in_lockstep: [],
+        len_max: FORESEEN_MAX,
         check: |meta, items| meta.check(items),
     }
     /// `sim/placement`: obstacles that launch puts into a simulated world.

@@ -1872,15 +1872,18 @@ static_assert(RobotVelocityCommandEnvelope::SCHEMA == [] {
 
 /// Fixed fields of the clock; the slice is empty. Written once, before any child starts.
 struct RunClock {
-    static constexpr const char* NAME = "zeronav.RunClock.v2";
-    static constexpr std::uint64_t SCHEMA = 0x67416b7689d7db12;
+    static constexpr const char* NAME = "zeronav.RunClock.v3";
+    static constexpr std::uint64_t SCHEMA = 0xd07a700a20640937;
     /// Code of `RunMode`.
     std::uint16_t mode{};
     /// [flag] 1 = services time the stages of their cycles and say it in their records; 0 = they
     /// read no clock for it. Always 0 in lockstep.
     std::uint16_t stages{};
+    /// [bits] What services are told of what moves on `sim/foresight`: 1 = mapping what there is,
+    /// 2 = the local planner what will be; 0 in earnest.
+    std::uint16_t foresight{};
     /// Written as 0.
-    std::uint16_t spare[2]{};
+    std::uint16_t spare{};
     /// [number] Seed of everything random in the run.
     std::uint64_t seed{};
     /// [ns] `CLOCK_MONOTONIC` at run time 0.
@@ -1892,7 +1895,8 @@ static_assert(sizeof(RunClock) == 32);
 static_assert(std::is_trivially_copyable_v<RunClock> && std::is_standard_layout_v<RunClock>);
 static_assert(offsetof(RunClock, mode) == 0);
 static_assert(offsetof(RunClock, stages) == 2);
-static_assert(offsetof(RunClock, spare) == 4);
+static_assert(offsetof(RunClock, foresight) == 4);
+static_assert(offsetof(RunClock, spare) == 6);
 static_assert(offsetof(RunClock, seed) == 8);
 static_assert(offsetof(RunClock, zero_ns) == 16);
 static_assert(offsetof(RunClock, tick_ns) == 24);
@@ -1904,6 +1908,9 @@ static_assert(RunClock::SCHEMA == [] {
     hash = fnv1a(hash, "stages");
     hash = fnv1a_number(hash, Schema<decltype(RunClock::stages)>::value);
     hash = fnv1a_number(hash, offsetof(RunClock, stages));
+    hash = fnv1a(hash, "foresight");
+    hash = fnv1a_number(hash, Schema<decltype(RunClock::foresight)>::value);
+    hash = fnv1a_number(hash, offsetof(RunClock, foresight));
     hash = fnv1a(hash, "spare");
     hash = fnv1a_number(hash, Schema<decltype(RunClock::spare)>::value);
     hash = fnv1a_number(hash, offsetof(RunClock, spare));
@@ -1922,7 +1929,7 @@ static_assert(RunClock::SCHEMA == [] {
 /// Header and fixed fields of the topic's messages.
 struct RunClockEnvelope {
     static constexpr const char* NAME = "zeronav.run.clock.v1";
-    static constexpr std::uint64_t SCHEMA = 0xd4bc53988a77db94;
+    static constexpr std::uint64_t SCHEMA = 0x9ed1e77c674af3f4;
     /// The header.
     Header header{};
     /// The fixed fields.
@@ -2269,6 +2276,108 @@ static_assert(TruthObstacle::SCHEMA == [] {
     hash = fnv1a(hash, "pose");
     hash = fnv1a_number(hash, Schema<decltype(TruthObstacle::pose)>::value);
     hash = fnv1a_number(hash, offsetof(TruthObstacle, pose));
+    return hash;
+}());
+
+/// Fixed fields of the foresight. The slice holds what moves.
+struct Foresight {
+    static constexpr const char* NAME = "zeronav.Foresight.v1";
+    static constexpr std::uint64_t SCHEMA = 0x37ad2d72e7b328f8;
+    /// True `map_from_base` at the capture of the scan.
+    Pose pose{};
+    /// [count] Obstacles in the slice.
+    std::uint64_t n_obstacles{};
+};
+static_assert(sizeof(Foresight) == 32);
+static_assert(std::is_trivially_copyable_v<Foresight> && std::is_standard_layout_v<Foresight>);
+static_assert(offsetof(Foresight, pose) == 0);
+static_assert(offsetof(Foresight, n_obstacles) == 24);
+static_assert(Foresight::SCHEMA == [] {
+    std::uint64_t hash = fnv1a(FNV_OFFSET, Foresight::NAME);
+    hash = fnv1a(hash, "pose");
+    hash = fnv1a_number(hash, Schema<decltype(Foresight::pose)>::value);
+    hash = fnv1a_number(hash, offsetof(Foresight, pose));
+    hash = fnv1a(hash, "n_obstacles");
+    hash = fnv1a_number(hash, Schema<decltype(Foresight::n_obstacles)>::value);
+    hash = fnv1a_number(hash, offsetof(Foresight, n_obstacles));
+    return hash;
+}());
+
+/// Header and fixed fields of the topic's messages.
+struct SimForesightEnvelope {
+    static constexpr const char* NAME = "zeronav.sim.foresight.v1";
+    static constexpr std::uint64_t SCHEMA = 0xfc490b748f05115a;
+    /// The header.
+    Header header{};
+    /// The fixed fields.
+    Foresight meta{};
+};
+static_assert(sizeof(SimForesightEnvelope) == 160);
+static_assert(std::is_trivially_copyable_v<SimForesightEnvelope> && std::is_standard_layout_v<SimForesightEnvelope>);
+static_assert(offsetof(SimForesightEnvelope, header) == 0);
+static_assert(offsetof(SimForesightEnvelope, meta) == 128);
+static_assert(SimForesightEnvelope::SCHEMA == [] {
+    std::uint64_t hash = fnv1a(FNV_OFFSET, SimForesightEnvelope::NAME);
+    hash = fnv1a(hash, "header");
+    hash = fnv1a_number(hash, Schema<decltype(SimForesightEnvelope::header)>::value);
+    hash = fnv1a_number(hash, offsetof(SimForesightEnvelope, header));
+    hash = fnv1a(hash, "meta");
+    hash = fnv1a_number(hash, Schema<decltype(SimForesightEnvelope::meta)>::value);
+    hash = fnv1a_number(hash, offsetof(SimForesightEnvelope, meta));
+    return hash;
+}());
+
+/// An obstacle that moves: where it is, and where it will be.
+struct Foreseen {
+    static constexpr const char* NAME = "zeronav.Foreseen.v1";
+    static constexpr std::uint64_t SCHEMA = 0xc66ce90421372d9a;
+    /// [number] Place in the scenario's list, from 0.
+    std::uint64_t index{};
+    /// [m/s] `map` frame.
+    double vx_mps{};
+    /// [m/s] `map` frame.
+    double vy_mps{};
+    /// [m] 0 to 10. Of what is no disc, of the disc around it.
+    double radius_m{};
+    /// [s] until it vanishes; 1e9 = it stays.
+    double lasts_s{};
+    /// [m] `map` frame, now and every 0.1 s from now on.
+    double x_m[64]{};
+    /// [m] `map` frame, at the same times.
+    double y_m[64]{};
+};
+static_assert(sizeof(Foreseen) == 1064);
+static_assert(std::is_trivially_copyable_v<Foreseen> && std::is_standard_layout_v<Foreseen>);
+static_assert(offsetof(Foreseen, index) == 0);
+static_assert(offsetof(Foreseen, vx_mps) == 8);
+static_assert(offsetof(Foreseen, vy_mps) == 16);
+static_assert(offsetof(Foreseen, radius_m) == 24);
+static_assert(offsetof(Foreseen, lasts_s) == 32);
+static_assert(offsetof(Foreseen, x_m) == 40);
+static_assert(offsetof(Foreseen, y_m) == 552);
+static_assert(Foreseen::SCHEMA == [] {
+    std::uint64_t hash = fnv1a(FNV_OFFSET, Foreseen::NAME);
+    hash = fnv1a(hash, "index");
+    hash = fnv1a_number(hash, Schema<decltype(Foreseen::index)>::value);
+    hash = fnv1a_number(hash, offsetof(Foreseen, index));
+    hash = fnv1a(hash, "vx_mps");
+    hash = fnv1a_number(hash, Schema<decltype(Foreseen::vx_mps)>::value);
+    hash = fnv1a_number(hash, offsetof(Foreseen, vx_mps));
+    hash = fnv1a(hash, "vy_mps");
+    hash = fnv1a_number(hash, Schema<decltype(Foreseen::vy_mps)>::value);
+    hash = fnv1a_number(hash, offsetof(Foreseen, vy_mps));
+    hash = fnv1a(hash, "radius_m");
+    hash = fnv1a_number(hash, Schema<decltype(Foreseen::radius_m)>::value);
+    hash = fnv1a_number(hash, offsetof(Foreseen, radius_m));
+    hash = fnv1a(hash, "lasts_s");
+    hash = fnv1a_number(hash, Schema<decltype(Foreseen::lasts_s)>::value);
+    hash = fnv1a_number(hash, offsetof(Foreseen, lasts_s));
+    hash = fnv1a(hash, "x_m");
+    hash = fnv1a_number(hash, Schema<decltype(Foreseen::x_m)>::value);
+    hash = fnv1a_number(hash, offsetof(Foreseen, x_m));
+    hash = fnv1a(hash, "y_m");
+    hash = fnv1a_number(hash, Schema<decltype(Foreseen::y_m)>::value);
+    hash = fnv1a_number(hash, offsetof(Foreseen, y_m));
     return hash;
 }());
 
@@ -2903,7 +3012,7 @@ struct run_clock {
     using Envelope = RunClockEnvelope;
     using Item = std::uint8_t;
     static constexpr const char* NAME = "run/clock";
-    static constexpr std::uint64_t SCHEMA = 0x4f97d940d4eedb9a;
+    static constexpr std::uint64_t SCHEMA = 0x2e21d988789afa53;
     static constexpr std::size_t NUMBER = 12;
     static constexpr std::size_t LEN_MAX = 1;
     static constexpr std::size_t BUFFER = 2;
@@ -2936,6 +3045,20 @@ struct sim_ground_truth {
     static constexpr std::uint64_t SCHEMA = 0x1e53b96e61365535;
     static constexpr std::size_t NUMBER = 14;
     static constexpr std::size_t LEN_MAX = 256;
+    static constexpr std::size_t BUFFER = 2;
+    static constexpr std::size_t POOL = 58;
+    static constexpr std::array<Role, 1> WRITERS{Role::robot};
+    static constexpr std::array<Role, 0> RINGS{};
+    static constexpr std::array<Role, 0> RINGS_IN_LOCKSTEP{};
+};
+
+struct sim_foresight {
+    using Envelope = SimForesightEnvelope;
+    using Item = Foreseen;
+    static constexpr const char* NAME = "sim/foresight";
+    static constexpr std::uint64_t SCHEMA = 0x0c5d3692f4580ad9;
+    static constexpr std::size_t NUMBER = 26;
+    static constexpr std::size_t LEN_MAX = 128;
     static constexpr std::size_t BUFFER = 2;
     static constexpr std::size_t POOL = 58;
     static constexpr std::array<Role, 1> WRITERS{Role::robot};
@@ -3060,8 +3183,8 @@ struct run_spans {
 using All = std::tuple<robot_description, robot_scan, robot_odometry, map_update, map_keyframe,
     map_obstacles, plan_path, plan_request, task_goal, task_status, task_pose,
     control_velocity_request, robot_velocity_command, run_clock, run_control, sim_ground_truth,
-    sim_placement, debug_rollouts, health_robot, health_mapping, health_global_planner,
-    health_local_planner, health_collision_guard, run_spans>;
+    sim_foresight, sim_placement, debug_rollouts, health_robot, health_mapping,
+    health_global_planner, health_local_planner, health_collision_guard, run_spans>;
 
 }  // namespace topics
 

@@ -88,6 +88,7 @@ pub(crate) fn drive(
         seed: prepared.seed,
         tick_ns,
         stages: u16::from(prepared.stages),
+        foresight: prepared.scenario.foresight.bits(),
         ..RunClock::default()
     };
     let mut stack = Stack::create(clock).map_err(|error| error.to_string())?;

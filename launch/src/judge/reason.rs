@@ -51,11 +51,15 @@ pub(super) fn reason(
         .filter(|expectation| !expectation.met && expectation.name != "outcome")
         .map(|expectation| format!("{}: {}", expectation.name, expectation.actual))
         .collect();
-    match (met, ending) {
+    let reason = match (met, ending) {
         (true, Ending::Task(TaskState::Reached, _) | Ending::TrialsOver) => what,
         (true, _) => format!("{what}, as the scenario expects"),
         (false, _) if missed.is_empty() => what,
         (false, _) => format!("{what}; {}", missed.join("; ")),
+    };
+    match prepared.scenario.foresight.label() {
+        Some(told) => format!("{reason}; told what moves ({told}): no result of the stack"),
+        None => reason,
     }
 }
 

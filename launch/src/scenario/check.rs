@@ -1,8 +1,8 @@
 //! Can it work? Everything that is known to be wrong before anything is started.
 
 use super::{
-    COORDINATE_M_MAX, FAULTS_MAX, GoalSpec, KEEP_S_MIN, Outcome, RandomFaults, Scenario,
-    ScenarioError, StackFault, TIME_LIMIT_S_MAX, TOLERANCE, YAW_RAD_MAX,
+    COORDINATE_M_MAX, ExpectSpec, FAULTS_MAX, GoalSpec, KEEP_S_MIN, Outcome, RandomFaults,
+    Scenario, ScenarioError, StackFault, TIME_LIMIT_S_MAX, TOLERANCE, YAW_RAD_MAX,
 };
 use core::f64::consts::PI;
 use zeronav_msgs::command::Intervention;
@@ -80,6 +80,12 @@ impl Scenario {
             )?;
         }
         let expect = &self.expect;
+        if !self.foresight.is_none() && (*expect != ExpectSpec::default() || self.trials.is_some())
+        {
+            let why = "a scenario that expects something or has trials is judged, and what is \
+                       judged is told nothing";
+            return Err(SpecError::new("foresight", why));
+        }
         if expect.outcome == Outcome::Unreachable && self.goals.is_empty() {
             let why = "nothing can be unreachable without a goal";
             return Err(SpecError::new("expect.outcome", why));

@@ -247,6 +247,9 @@ ratio = 0.0
 resolution_m = 1.0
 [robot]
 preset = "jackal"
+[foresight]
+perceive = "truth"
+predict = "truth"
 "#,
 ];
 

@@ -23,6 +23,7 @@ mod error;
 #[cfg(test)]
 mod every_field;
 mod faults;
+mod foresight;
 mod library;
 mod limits;
 mod made;
@@ -38,6 +39,7 @@ pub use check::Checked;
 pub use error::ScenarioError;
 pub(crate) use faults::{CLOCK_MS, DELAY_MS, KINDS, SHARE, SLOW_MS, faultable, mortals};
 pub use faults::{FAULTS_MAX, StackFault};
+pub use foresight::{ForesightSpec, Perceive, Predict};
 use library::Origin;
 pub use library::{Library, Listed};
 pub use limits::{COORDINATE_M_MAX, TIME_LIMIT_S_MAX, TOLERANCE, YAW_RAD_MAX};
@@ -111,6 +113,9 @@ pub struct Scenario {
     /// What the verdict asks for.
     #[serde(default)]
     pub expect: ExpectSpec,
+    /// What services are told of what moves, to measure what perception and prediction cost.
+    #[serde(default, skip_serializing_if = "ForesightSpec::is_none")]
+    pub foresight: ForesightSpec,
     /// How `--trials` measures in this world; without, it cannot.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub trials: Option<TrialsSpec>,

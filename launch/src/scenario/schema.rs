@@ -61,6 +61,7 @@ pub fn schema(services: &[(Role, Vec<Parameter>)]) -> Value {
         ("random_faults", random_faults()),
         ("swaps", list(&swap())),
         ("expect", expect()),
+        ("foresight", foresight()),
         ("trials", trials()),
     ]);
     let Value::Object(mut schema) = closed(fields, &[]) else {
@@ -143,6 +144,14 @@ fn closed(fields: Map<String, Value>, required: &[&str]) -> Value {
         "properties": Value::Object(fields),
         "required": required,
     })
+}
+
+/// What services are told of what moves.
+fn foresight() -> Value {
+    let choice = |keys: [&str; 2]| json!({ "type": "string", "enum": keys, "default": keys[0] });
+    let perceive = ("perceive", choice(["sensed", "truth"]));
+    let predict = ("predict", choice(["model", "truth"]));
+    closed(fields([perceive, predict]), &[])
 }
 
 fn fields<const N: usize>(fields: [(&str, Value); N]) -> Map<String, Value> {

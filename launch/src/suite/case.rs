@@ -132,6 +132,11 @@ impl Sheet {
         sheet.insert("world".into(), self.world.into());
         sheet.insert("robot".into(), robot.into());
         sheet.insert("goals".into(), vec![goal].into());
+        let foresight = setup.plan.foresight;
+        if !foresight.is_none() {
+            let told = Table::try_from(foresight).map_err(|error| error.to_string())?;
+            sheet.insert("foresight".into(), told.into());
+        }
         write(setup, &self.name, sheet)
     }
 }

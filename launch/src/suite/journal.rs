@@ -5,6 +5,7 @@ use super::case::Case;
 use super::hindsight::ContactRow;
 use super::plan::Setup;
 use super::row::Row;
+use crate::scenario::ForesightSpec;
 use crate::supervise::binaries;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -26,6 +27,8 @@ pub(super) struct Order {
     pub(super) seeds: u64,
     pub(super) worlds: Option<[u32; 2]>,
     pub(super) noise: String,
+    #[serde(default)]
+    pub(super) foresight: ForesightSpec,
     /// Folder of the data sets, if one was named.
     pub(super) data: Option<PathBuf>,
     /// Hash of the stock binaries.
@@ -153,6 +156,7 @@ impl Order {
             seeds: plan.seeds,
             worlds: plan.worlds.as_ref().map(|range| [range.start, range.end]),
             noise: plan.noise.label().to_owned(),
+            foresight: plan.foresight,
             data: plan.data.as_ref().map(absolute),
             build: build()?,
         })

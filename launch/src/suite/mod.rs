@@ -61,6 +61,7 @@ pub(crate) fn suite(plan: &SuitePlan, interrupted: &AtomicBool) -> Result<Report
         seeds: order.seeds,
         worlds: order.worlds.map(|[from, until]| from..until),
         noise: Noise::from_label(&order.noise).unwrap_or_default(),
+        foresight: order.foresight,
         data: order.data.clone(),
         ..plan.clone()
     };
@@ -73,6 +74,11 @@ fn begin(
     resumed: Option<(&Path, &Order, Journal)>,
 ) -> Result<Report, SuiteError> {
     let kind = Kind::of(&plan.suite);
+    if kind == Kind::Folder && !plan.foresight.is_none() {
+        let why = "--perceive and --predict: the scenarios of a folder are judged by what they \
+                   expect, and what is judged is told nothing";
+        return Err(SuiteError::Usage(why.to_owned()));
+    }
     let worlds = worlds(kind, plan)?;
     check_binaries(kind, plan)?;
     let before = Before::read();

@@ -1,6 +1,7 @@
 //! What a suite is asked to be.
 
 use super::noise::Noise;
+use crate::scenario::ForesightSpec;
 use core::ops::Range;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -20,6 +21,8 @@ pub struct SuitePlan {
     pub worlds: Option<Range<u32>>,
     /// Noise of wheels, odometry and lidar.
     pub noise: Noise,
+    /// What services are told of what moves.
+    pub foresight: ForesightSpec,
     /// Folder of the data sets; `None` = `$ZERONAV_DATA` or `./data`.
     pub data: Option<PathBuf>,
     /// Runs at a time; `None` = as many as there are cores.

@@ -62,6 +62,10 @@ pub(crate) struct Report {
     pub controller: String,
     /// How badly the robot did.
     pub noise: String,
+    /// What services were told of what moves: then nothing here is a result of the stack. Null in
+    /// earnest.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub foresight: Option<String>,
     /// Runs of each world.
     pub seeds: u64,
     /// False when the suite was stopped before its last run.
@@ -113,6 +117,7 @@ impl Report {
             note: kind.note().to_owned(),
             controller: setup.controller.unwrap_or("default").to_owned(),
             noise: plan.noise.label().to_owned(),
+            foresight: plan.foresight.label(),
             seeds: plan.seeds,
             complete: runs.len() == planned,
             planned,
@@ -170,6 +175,12 @@ impl Report {
             self.wall_s,
             self.note
         );
+        if let Some(told) = &self.foresight {
+            let _ = writeln!(
+                text,
+                "  told by the simulator what moves ({told}): no result of the stack\n"
+            );
+        }
         self.write_table(&mut text);
         self.write_failures(&mut text);
         self.write_faults(&mut text);

@@ -1,8 +1,10 @@
 //! Where tracked obstacles will be: discs that drive on and grow less and less certain.
 
 use crate::lanes::data::narrow;
+use crate::situation::Future;
 use nalgebra::{Point2, Vector2};
 use zeronav_msgs::Pose;
+use zeronav_msgs::foresight::{FORESEEN_MAX, Foreseen};
 use zeronav_msgs::obstacles::{OBSTACLES_MAX, Obstacle};
 
 /// [m/s] below which a tracked obstacle is static: an obstacle like any other.
@@ -30,6 +32,12 @@ const GROWTH_MPS_MIN: f64 = 0.08;
 /// [m] by which a predicted radius grows at most, so that gaps of a crowd stay open.
 const GROWTH_M_MAX: f64 = 0.5;
 
+/// [m] within which a tracked obstacle is one of those whose future is told.
+const SAME_M: f64 = 0.6;
+
+/// [m] away is what has vanished.
+const GONE_M: f64 = 1.0e6;
+
 /// A tracked obstacle, relative to the robot's centre along the axes of the map.
 #[derive(Debug, Clone, Copy)]
 struct Track {
@@ -39,6 +47,8 @@ struct Track {
     radius_m: f64,
     /// Mean variance of the position after `t`: `p0 + p1 t + p2 t^2`. [m^2]
     variance: [f64; 3],
+    /// Place among the futures that are told.
+    told: Option<usize>,
 }
 
 impl Track {
@@ -46,7 +56,7 @@ impl Track {
         self.speed_mps >= WALKING_MPS
     }
 
-    /// Centre and grown radius after `elapsed_s`. [m]
+    /// Centre and grown radius after `elapsed_s`, as predicted. [m]
     fn after(&self, elapsed_s: f64) -> (Point2<f64>, f64) {
         let at = Point2::new(
             self.at.x + self.velocity.0 * elapsed_s,
@@ -81,6 +91,9 @@ pub(crate) fn nearest_dynamic<'a>(obstacles: &'a [Obstacle], place: &Pose) -> Op
 #[derive(Debug, Clone, Default)]
 pub(crate) struct DynamicObstacles {
     tracks: Vec<Track>,
+    /// Futures that are told, how old they are [s], and what is from them.
+    told: Vec<Foreseen>,
+    told_age_s: f64,
     yaw_rad: f64,
     /// Centres and radii at the ends of the steps of a rollout, steps x tracks. [m]
     table: Vec<[f32; 3]>,
@@ -89,14 +102,25 @@ pub(crate) struct DynamicObstacles {
 }
 
 impl DynamicObstacles {
-    /// Takes in obstacles in the map frame, `age_s` after they were so.
-    pub(crate) fn take(&mut self, obstacles: &[Obstacle], age_s: f64, map_from_base: &Pose) {
+    /// Takes in obstacles in the map frame, `age_s` after they were so, and the future of those that it
+    /// is told of.
+    pub(crate) fn take(
+        &mut self,
+        obstacles: &[Obstacle],
+        age_s: f64,
+        future: &Future<'_>,
+        map_from_base: &Pose,
+    ) {
         self.yaw_rad = map_from_base.yaw_rad;
         self.tracks.clear();
+        self.told.clear();
+        self.told.extend(future.obstacles.iter().take(FORESEEN_MAX));
+        self.told_age_s = future.age_s;
         let centre = map_from_base.point();
         for obstacle in obstacles.iter().take(OBSTACLES_MAX) {
             let speed_mps = obstacle.vx_mps.hypot(obstacle.vy_mps);
-            if speed_mps < STATIC_MPS {
+            let told = self.told_of(obstacle, age_s);
+            if speed_mps < STATIC_MPS && told.is_none() {
                 continue;
             }
             let c = &obstacle.covariance;
@@ -115,7 +139,38 @@ impl DynamicObstacles {
                     p1 + 2.0 * p2 * age_s,
                     p2,
                 ],
+                told,
             });
+        }
+    }
+
+    /// Place among the futures of an obstacle that was so `age_s` ago.
+    fn told_of(&self, obstacle: &Obstacle, age_s: f64) -> Option<usize> {
+        let then_s = self.told_age_s - age_s;
+        let away = self.told.iter().enumerate().filter_map(|(n, told)| {
+            let [x, y] = told.at(then_s)?;
+            Some((n, (x - obstacle.x_m).hypot(y - obstacle.y_m)))
+        });
+        let nearest = away.min_by(|a, b| a.1.total_cmp(&b.1));
+        nearest
+            .filter(|(_, away_m)| *away_m < SAME_M)
+            .map(|(n, _)| n)
+    }
+
+    /// Centre and radius of a track after `elapsed_s`: as told, else as predicted. [m]
+    fn after(&self, track: &Track, elapsed_s: f64) -> (Point2<f64>, f64) {
+        let told = track.told.and_then(|told| self.told.get(told));
+        let Some(told) = told else {
+            return track.after(elapsed_s);
+        };
+        let now = told.at(self.told_age_s);
+        let then = told.at(self.told_age_s + elapsed_s);
+        match now.zip(then) {
+            Some((now, then)) => {
+                let way = Vector2::new(then[0] - now[0], then[1] - now[1]);
+                (track.at + way, track.radius_m)
+            }
+            None => (Point2::new(GONE_M, GONE_M), 0.0),
         }
     }
 
@@ -145,7 +200,7 @@ impl DynamicObstacles {
     pub(crate) fn around_m(&self, radius_m: f64, elapsed_s: f64) -> f64 {
         let tracks = self.tracks.iter().filter(|track| track.walks());
         tracks.fold(f64::INFINITY, |least, track| {
-            let (at, of_track_m) = track.after(elapsed_s);
+            let (at, of_track_m) = self.after(track, elapsed_s);
             least.min(at.coords.norm() - of_track_m - radius_m)
         })
     }
@@ -171,7 +226,7 @@ impl DynamicObstacles {
         let mut current = core::mem::take(&mut self.current);
         current.clear();
         current.extend(self.tracks.iter().map(|track| {
-            let (at, radius_m) = track.after(0.0);
+            let (at, radius_m) = self.after(track, 0.0);
             [narrow(at.x), narrow(at.y), narrow(radius_m)]
         }));
         self.current = current;
@@ -181,7 +236,7 @@ impl DynamicObstacles {
         for _ in 0..n {
             elapsed_s += step_s;
             table.extend(self.tracks.iter().map(|track| {
-                let (at, radius_m) = track.after(elapsed_s);
+                let (at, radius_m) = self.after(track, elapsed_s);
                 [narrow(at.x), narrow(at.y), narrow(radius_m)]
             }));
         }
@@ -211,7 +266,7 @@ impl DynamicObstacles {
         let base = Pose::new(0.0, 0.0, self.yaw_rad);
         let local_from_base = base.then(pose).isometry().inverse();
         self.tracks.iter().fold(f64::INFINITY, |least, track| {
-            let (at, radius_m) = track.after(elapsed_s);
+            let (at, radius_m) = self.after(track, elapsed_s);
             least.min(distance_m(local_from_base * at) - radius_m)
         })
     }
@@ -257,7 +312,12 @@ mod tests {
     #[test]
     fn discs_drive_on_and_grow() {
         let mut moving = DynamicObstacles::default();
-        moving.take(&[cart()], 0.5, &Pose::new(10.0, 1.0, 0.3));
+        moving.take(
+            &[cart()],
+            0.5,
+            &Future::default(),
+            &Pose::new(10.0, 1.0, 0.3),
+        );
         moving.tabulate(10, 0.1);
         // After 1 s: 2 m ahead, 0.5 m aside; sigma^2 = 0.01 + 0.04 * 1.5^2.
         let [x, y, radius] = moving.at_step(9)[0];
@@ -277,11 +337,17 @@ mod tests {
         let mut standing = cart();
         standing.vy_mps = 0.0;
         let mut moving = DynamicObstacles::default();
-        moving.take(&[standing], 0.0, &Pose::new(10.0, 1.0, 0.0));
+        moving.take(
+            &[standing],
+            0.0,
+            &Future::default(),
+            &Pose::new(10.0, 1.0, 0.0),
+        );
         assert!(moving.tracks.is_empty());
         moving.take(
             &[cart()],
             0.0,
+            &Future::default(),
             &Pose::new(10.0, 1.0, core::f64::consts::FRAC_PI_2),
         );
         // In base the cart is at (2, -2).
@@ -292,7 +358,12 @@ mod tests {
     #[test]
     fn contacts_come_when_discs_meet() {
         let mut moving = DynamicObstacles::default();
-        moving.take(&[cart()], 0.0, &Pose::new(12.0, 0.0, 0.0));
+        moving.take(
+            &[cart()],
+            0.0,
+            &Future::default(),
+            &Pose::new(12.0, 0.0, 0.0),
+        );
         assert!((moving.contact_s((0.0, 0.0), 0.3) - 2.3).abs() < 1e-9);
         assert!((moving.contact_s((0.0, 1.0), 0.3) - 1.15).abs() < 1e-9);
         assert!(moving.contact_s((1.0, 0.0), 0.3).is_infinite());

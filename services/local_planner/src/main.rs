@@ -10,6 +10,7 @@ use goal_log::GoalLog;
 use readings::{News, Readings};
 use std::process::ExitCode;
 use zeronav_local_planner::{LocalPlanner, LocalPlannerConfig};
+use zeronav_msgs::foresight::FORESIGHT_PREDICT;
 use zeronav_msgs::header::Parents;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::rollouts::ROLLOUTS_MAX;
@@ -71,6 +72,9 @@ impl Service for PlannerService {
 
     fn wake(&mut self, shell: &mut Shell, _rung: Rung) -> Result<(), StartError> {
         self.status.refresh();
+        if shell.roster().clock.foresight & FORESIGHT_PREDICT != 0 {
+            self.readings.be_told(shell.peer())?;
+        }
         let News { task, planning } = self.readings.poll(shell);
         self.readings.count(shell);
         if let Some(view) = self.readings.task.get().filter(|_| task) {

@@ -9,7 +9,7 @@ use crate::recovery::escape::{Escape, has_room_to_turn, is_free_behind};
 use crate::recovery::trail::Trail;
 use crate::recovery::{Behaviour, Cause, Facts, Recovery, Transition};
 use crate::requests::{PathRequests, RequestInputs};
-use crate::situation::{Decision, Situation};
+use crate::situation::{Decision, Future, Situation};
 use crate::staleness::{Ageing, Ages, StaleInput, ageing, speed_factor};
 use crate::table::{UnknownController, controller};
 use crate::task::{TaskInputs, TaskMachine, TaskStep};
@@ -57,6 +57,8 @@ pub struct Inputs<'a> {
     pub map_cells: u64,
     /// Tracked obstacles in the map frame and their age. [s]
     pub obstacles: (&'a [Obstacle], f64),
+    /// Where they will be, when that is told.
+    pub future: Future<'a>,
     /// The newest path.
     pub path: Option<PathInput<'a>>,
     /// Hits of the newest scan in `base` of now, see [`crate::scan_points::ScanPoints`]. [m]
@@ -385,6 +387,7 @@ impl LocalPlanner {
             map_cells: inputs.map_cells,
             obstacles: inputs.obstacles.0,
             obstacles_age_s: inputs.obstacles.1,
+            future: inputs.future,
             scan_points_in_base: inputs.scan_points_in_base,
             goal: &goal,
             speed_factor,

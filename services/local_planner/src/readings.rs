@@ -1,6 +1,7 @@
 //! What the local planner reads, and what it knows by it when an answer begins.
 
 use zeronav_local_planner::scan_points::ScanPoints;
+use zeronav_local_planner::situation::Future;
 use zeronav_local_planner::staleness::Ages;
 use zeronav_local_planner::{Inputs, PathInput};
 use zeronav_motion::Twist;
@@ -10,7 +11,7 @@ use zeronav_msgs::role::Role;
 use zeronav_msgs::task::{GoalEnd, TaskStatus};
 use zeronav_msgs::time::seconds;
 use zeronav_msgs::topics::{
-    MapObstacles, PlanPath, RobotDescription, RobotScan, TaskGoal, TaskState,
+    MapObstacles, PlanPath, RobotDescription, RobotScan, SimForesight, TaskGoal, TaskState,
 };
 use zeronav_shell::{
     Draft, Due, Latest, MapInput, OdometryReader, Peer, Received, Roster, Shell, StartError, Stream,
@@ -27,6 +28,8 @@ pub(crate) struct Readings {
     scan: Latest<RobotScan>,
     map: MapInput,
     obstacles: Latest<MapObstacles>,
+    /// Where they will be, when that is told.
+    foresight: Option<Latest<SimForesight>>,
     path: Latest<PlanPath>,
     /// What the local planner that is obeyed says of the task, as long as that is another one.
     office: Stream<TaskState>,
@@ -68,6 +71,7 @@ impl Readings {
             scan: peer.latest()?,
             map: MapInput::open(peer)?,
             obstacles: peer.latest()?,
+            foresight: None,
             path: peer.latest()?,
             office: peer.stream()?,
             statuses: [None, None],
@@ -76,6 +80,14 @@ impl Readings {
             scan_pose: None,
             scan_fresh: false,
         })
+    }
+
+    /// From now on is told where obstacles will be.
+    pub(crate) fn be_told(&mut self, peer: &Peer) -> Result<(), StartError> {
+        if self.foresight.is_none() {
+            self.foresight = Some(peer.latest()?);
+        }
+        Ok(())
     }
 
     /// Takes in what has come.
@@ -89,6 +101,9 @@ impl Readings {
         self.map.poll(shell);
         self.map_cells += u64::from(!self.map.changed().is_empty());
         self.obstacles.poll(roster);
+        if let Some(foresight) = &mut self.foresight {
+            foresight.poll(roster);
+        }
         let scan = self.scan.poll(roster);
         self.scan_fresh |= scan;
         self.take_points();
@@ -215,7 +230,12 @@ impl Readings {
             (view.items, seconds(age_ns))
         });
         let tracked = tracked.filter(|(_, age_s)| *age_s <= OBSTACLES_AGE_S_MAX);
+        let told = self.foresight.as_ref().and_then(Latest::get);
         Inputs {
+            future: told.map_or_else(Future::default, |view| Future {
+                obstacles: view.items,
+                age_s: seconds(draft.run_ns.saturating_sub(view.header.run_ns)),
+            }),
             tick: draft.tick,
             run_ns: draft.run_ns,
             period_s,

@@ -3,10 +3,21 @@
 use nalgebra::Point2;
 use zeronav_msgs::command::{RequestCause, Validity};
 use zeronav_msgs::description::{Corner, Description};
+use zeronav_msgs::foresight::Foreseen;
 use zeronav_msgs::obstacles::Obstacle;
 use zeronav_msgs::path::Waypoint;
 use zeronav_msgs::task::Goal;
 use zeronav_msgs::{MapView, Pose};
+
+/// Where obstacles will be, as the simulator tells it in a run that measures what prediction costs;
+/// empty in earnest.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Future<'a> {
+    /// What moves, `map` frame.
+    pub obstacles: &'a [Foreseen],
+    /// [s] since they were where they begin.
+    pub age_s: f64,
+}
 
 /// What a controller may know in one control period. Everything is as of now: the caller has
 /// carried the scan's points and the pose forward to the odometry of this period.
@@ -34,6 +45,8 @@ pub struct Situation<'a> {
     pub obstacles: &'a [Obstacle],
     /// [s] since the tracked obstacles were so.
     pub obstacles_age_s: f64,
+    /// Where they will be, when that is told.
+    pub future: Future<'a>,
     /// Hits of the current scan, in `base` as it is now. [m]
     pub scan_points_in_base: &'a [Point2<f64>],
     /// Where the path leads, with its tolerances.

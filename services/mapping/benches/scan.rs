@@ -115,6 +115,7 @@ fn everything(c: &mut Criterion) {
                         odom_from_base: from,
                         odometry_variance: [0.0; 3],
                         goal: None,
+                        told: None,
                     })
                 });
             });

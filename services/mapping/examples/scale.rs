@@ -166,6 +166,7 @@ fn measure(side: i32) -> Row {
                 odom_from_base: from,
                 odometry_variance: [0.0; 3],
                 goal: None,
+                told: None,
             });
             times_us.push(microseconds(begin));
         }

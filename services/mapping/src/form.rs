@@ -40,6 +40,16 @@ impl Form {
         }
     }
 
+    /// A disc whose radius is known.
+    #[must_use]
+    pub(crate) fn disc(radius_m: f64) -> Self {
+        Self {
+            radius_m,
+            radius_hits: RADIUS_HITS_MAX,
+            roundness: 1,
+        }
+    }
+
     /// True when it is taken for a disc.
     #[must_use]
     pub(crate) fn is_round(&self) -> bool {

@@ -30,6 +30,15 @@ impl ConstantVelocity {
         }
     }
 
+    /// At `position` with `velocity`, both exact. [m, m/s]
+    #[must_use]
+    pub(crate) fn exact(position: Point2<f64>, velocity: Vector2<f64>) -> Self {
+        Self {
+            state: Vector4::new(position.x, position.y, velocity.x, velocity.y),
+            covariance: Matrix4::zeros(),
+        }
+    }
+
     /// `dt_s` later. The acceleration of each axis is white noise whose integral over a second has
     /// the variance `acceleration_m2ps3`, in whatever steps that second passes.
     pub(crate) fn predict(&mut self, dt_s: f64, acceleration_m2ps3: f64) {

@@ -7,7 +7,7 @@
 //! |---|---|---|
 //! | deskew | [`beams`] | beams in `base` at the time of capture |
 //! | localise | [`localiser`]; `scan_odometry`, `near_points`: against a key scan; `scan_match`, `surface_candidates`: against the map; `pose_error` | `map_from_odom` with its covariance |
-//! | track | [`tracker`]; `clusters`, `fit`, `form`: what was seen; `track`, `kalman`: what is known of it; `past_scans`: whether it moved | dynamic obstacles |
+//! | track | [`tracker`]; `clusters`, `fit`, `form`: what was seen; `track`, `kalman`: what is known of it; `past_scans`: whether it moved; `told`: what the simulator says instead | dynamic obstacles |
 //! | decide | `belief`, `log_odds`, `flips`; `located_scan`, [`ray`], `free_blocks`: which cells beams pass; `isolated`: false returns; `outline`: the cells under the robot | which cells are obstacles |
 //! | measure | [`clearance`]; `cell_value`: costs | clearance and cost of every cell |
 //! | flag | [`regularise`], [`virtual_obstacles`] | cells that some planners avoid |
@@ -49,6 +49,7 @@ mod scan_match;
 mod scan_odometry;
 mod surface_candidates;
 mod tiles;
+mod told;
 mod track;
 pub mod tracker;
 pub mod virtual_obstacles;
@@ -61,3 +62,4 @@ pub use log_odds::LogOdds;
 pub use mapper::Mapper;
 pub use mapping::{Mapping, Observation};
 pub use tiles::{TileIndex, all_tiles};
+pub use told::Told;

@@ -12,6 +12,7 @@ use readings::Readings;
 use run_log::RunLog;
 use std::process::ExitCode;
 use zeronav_mapping::{Mapping, MappingConfig};
+use zeronav_msgs::foresight::FORESIGHT_PERCEIVE;
 use zeronav_msgs::header::Parents;
 use zeronav_msgs::pose::Pose;
 use zeronav_msgs::role::Role;
@@ -66,6 +67,9 @@ impl Service for MappingService {
 
     fn wake(&mut self, shell: &mut Shell, rung: Rung) -> Result<(), StartError> {
         self.map.refresh();
+        if shell.roster().clock.foresight & FORESIGHT_PERCEIVE != 0 {
+            self.readings.be_told(shell.peer())?;
+        }
         self.readings.poll(shell);
         self.make_map()?;
         if !self.begins(shell)? {

@@ -9,6 +9,7 @@ use crate::localiser::Localiser;
 use crate::located_scan::LocatedScan;
 use crate::mapper::Mapper;
 use crate::outline::Outline;
+use crate::told::Told;
 use crate::tracker::{ScanView, Tracker};
 use nalgebra::Point2;
 use zeronav_msgs::Pose;
@@ -40,6 +41,8 @@ pub struct Observation<'a> {
     pub odometry_variance: [f64; 3],
     /// Where the robot is going, in the map.
     pub goal: Option<Point2<f64>>,
+    /// What moves, when that is told instead of tracked.
+    pub told: Option<Told<'a>>,
 }
 
 /// The map and everything that is followed on it.
@@ -150,8 +153,12 @@ impl Mapping {
                 run_ns: observation.run_ns,
                 yaw_doubt: self.localiser.yaw_doubt(),
             };
-            self.tracker
-                .follow(&view, |point| mapper.is_near_static(point));
+            match &observation.told {
+                Some(told) => told.teach(&mut self.tracker, &view),
+                None => self
+                    .tracker
+                    .follow(&view, |point| mapper.is_near_static(point)),
+            }
             let margin_m = TRAIL_MARGIN_CELLS * mapper.geometry().resolution_m;
             self.tracker.new_trails(|place, radius_m| {
                 mapper.forget(place, radius_m + margin_m);

@@ -1,12 +1,12 @@
 //! What mapping reads, and the observation that a scan makes with the odometry around it.
 
-use zeronav_mapping::Observation;
+use zeronav_mapping::{Observation, Told};
 use zeronav_msgs::header::Parents;
 use zeronav_msgs::health::{REASON_ODOMETRY, REASON_SCAN};
 use zeronav_msgs::pose::Pose;
 use zeronav_msgs::task::PoseEstimate;
 use zeronav_msgs::time::nanoseconds;
-use zeronav_msgs::topics::{RobotDescription, RobotScan, TaskPose};
+use zeronav_msgs::topics::{RobotDescription, RobotScan, SimForesight, TaskPose};
 use zeronav_shell::{
     CurrentGoal, Draft, Due, Input, Latest, OdometryReader, Peer, Shell, StartError, Trigger,
 };
@@ -25,6 +25,8 @@ pub(crate) struct Readings {
     used: u64,
     /// For regularisation only.
     goal: Option<CurrentGoal>,
+    /// What moves, when that is told instead of tracked.
+    foresight: Option<Latest<SimForesight>>,
 }
 
 impl Readings {
@@ -40,7 +42,19 @@ impl Readings {
             estimate: peer.latest()?,
             used: 0,
             goal: reads_goal.then(|| CurrentGoal::open(peer)).transpose()?,
+            foresight: None,
         })
+    }
+
+    /// From now on is told what moves.
+    ///
+    /// # Errors
+    /// As [`Peer::latest`].
+    pub(crate) fn be_told(&mut self, peer: &Peer) -> Result<(), StartError> {
+        if self.foresight.is_none() {
+            self.foresight = Some(peer.latest()?);
+        }
+        Ok(())
     }
 
     /// Takes in what has come, and counts rejected messages for the heartbeat.
@@ -50,6 +64,10 @@ impl Readings {
         self.description.poll(roster);
         self.scan.poll(roster);
         self.estimate.poll(roster);
+        // It was sent before the scan.
+        if let Some(foresight) = &mut self.foresight {
+            foresight.poll(roster);
+        }
         let mut inputs: Vec<&dyn Input> = vec![
             &self.odometry,
             &self.scan,
@@ -132,6 +150,14 @@ impl Readings {
             odom_from_base: last,
             odometry_variance: newest.map_or([0.0; 3], |newest| newest.odometry.variance),
             goal: goal.map(|goal| goal.pose.point()),
+            told: self
+                .foresight
+                .as_ref()
+                .and_then(Latest::get)
+                .map(|view| Told {
+                    pose: view.meta.pose,
+                    obstacles: view.items,
+                }),
         })
     }
 

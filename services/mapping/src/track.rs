@@ -3,7 +3,7 @@
 use crate::fit::Place;
 use crate::form::Form;
 use crate::kalman::ConstantVelocity;
-use nalgebra::Point2;
+use nalgebra::{Matrix2, Point2, Vector2};
 use zeronav_msgs::message::SPEED_MAX;
 use zeronav_msgs::obstacles::Obstacle;
 use zeronav_msgs::time::seconds;
@@ -63,6 +63,24 @@ pub(crate) struct Track {
 }
 
 impl Track {
+    /// What is told of it instead of seen, `map` frame: as well known as can be.
+    #[must_use]
+    pub(crate) fn told(
+        number: u64,
+        radius_m: f64,
+        (at, velocity): (Point2<f64>, Vector2<f64>),
+        now: (u64, f64),
+    ) -> Self {
+        let place = Place {
+            centre: at,
+            covariance: Matrix2::zeros(),
+        };
+        let mut track = Self::new(number, Form::disc(radius_m), &place, now);
+        track.filter = ConstantVelocity::exact(at, velocity);
+        track.moving = true;
+        track
+    }
+
     /// Begins with what was seen of it at run time `run_ns`, with the yaw's doubt of then.
     #[must_use]
     pub(crate) fn new(

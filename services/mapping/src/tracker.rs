@@ -202,6 +202,29 @@ impl Tracker {
         }
     }
 
+    /// Forgets what was followed, and follows these into a scan: they move.
+    pub(crate) fn replace(&mut self, view: &ScanView<'_>, tracks: impl Iterator<Item = Track>) {
+        (self.run_ns, self.yaw_doubt) = (view.run_ns, view.yaw_doubt);
+        self.tracks.clear();
+        self.tracks.extend(tracks);
+        if !self.tracks.is_empty() {
+            self.moved_ns = Some(view.run_ns);
+        }
+        let map_from_frame = view.map_from_frame.isometry();
+        let tracks = &self.tracks;
+        let ends = view.beams.as_slice().iter().map(|beam| beam.point());
+        self.moving_beams.clear();
+        self.moving_beams.extend(ends.map(|end| {
+            end.is_some_and(|end| {
+                let end = map_from_frame * end;
+                tracks.iter().any(|track| {
+                    let reach_m = track.form.radius_m + RESTLESS_MARGIN_M;
+                    (end - track.filter.position()).norm_squared() <= reach_m * reach_m
+                })
+            })
+        }));
+    }
+
     /// True per beam of the last scan when it ended on something that moves.
     #[must_use]
     pub fn moving_beams(&self) -> &[bool] {

@@ -40,6 +40,7 @@ fn no_scan_allocates_once_they_repeat_themselves() {
                 odom_from_base: from,
                 odometry_variance: [0.01; 3],
                 goal: None,
+                told: None,
             });
             tiles.clear();
             mapping.mapper_mut().take_dirty_tiles(&mut tiles);

@@ -1036,18 +1036,21 @@ class RobotVelocityCommandEnvelope(Message):
 class RunClock(Message):
     """Fixed fields of the clock; the slice is empty. Written once, before any child starts."""
 
-    NAME = "zeronav.RunClock.v2"
+    NAME = "zeronav.RunClock.v3"
     SIZE = 32
-    SCHEMA = 0x67416b7689d7db12
-    OFFSETS = (0, 2, 4, 8, 16, 24)
+    SCHEMA = 0xd07a700a20640937
+    OFFSETS = (0, 2, 4, 6, 8, 16, 24)
     _fields_ = [
         # Code of `RunMode`.
         ("mode", u16),
         # [flag] 1 = services time the stages of their cycles and say it in their records; 0 = they
         # read no clock for it. Always 0 in lockstep.
         ("stages", u16),
+        # [bits] What services are told of what moves on `sim/foresight`: 1 = mapping what there
+        # is, 2 = the local planner what will be; 0 in earnest.
+        ("foresight", u16),
         # Written as 0.
-        ("spare", u16 * 2),
+        ("spare", u16),
         # [number] Seed of everything random in the run.
         ("seed", u64),
         # [ns] `CLOCK_MONOTONIC` at run time 0.
@@ -1062,7 +1065,7 @@ class RunClockEnvelope(Message):
 
     NAME = "zeronav.run.clock.v1"
     SIZE = 160
-    SCHEMA = 0xd4bc53988a77db94
+    SCHEMA = 0x9ed1e77c674af3f4
     OFFSETS = (0, 128)
     _fields_ = [
         # The header.
@@ -1231,6 +1234,61 @@ class TruthObstacle(Message):
         ("appeared_ns", u64),
         # Where it is, `map` frame.
         ("pose", Pose),
+    ]
+
+
+class Foresight(Message):
+    """Fixed fields of the foresight. The slice holds what moves."""
+
+    NAME = "zeronav.Foresight.v1"
+    SIZE = 32
+    SCHEMA = 0x37ad2d72e7b328f8
+    OFFSETS = (0, 24)
+    _fields_ = [
+        # True `map_from_base` at the capture of the scan.
+        ("pose", Pose),
+        # [count] Obstacles in the slice.
+        ("n_obstacles", u64),
+    ]
+
+
+class SimForesightEnvelope(Message):
+    """Header and fixed fields of the topic's messages."""
+
+    NAME = "zeronav.sim.foresight.v1"
+    SIZE = 160
+    SCHEMA = 0xfc490b748f05115a
+    OFFSETS = (0, 128)
+    _fields_ = [
+        # The header.
+        ("header", Header),
+        # The fixed fields.
+        ("meta", Foresight),
+    ]
+
+
+class Foreseen(Message):
+    """An obstacle that moves: where it is, and where it will be."""
+
+    NAME = "zeronav.Foreseen.v1"
+    SIZE = 1064
+    SCHEMA = 0xc66ce90421372d9a
+    OFFSETS = (0, 8, 16, 24, 32, 40, 552)
+    _fields_ = [
+        # [number] Place in the scenario's list, from 0.
+        ("index", u64),
+        # [m/s] `map` frame.
+        ("vx_mps", f64),
+        # [m/s] `map` frame.
+        ("vy_mps", f64),
+        # [m] 0 to 10. Of what is no disc, of the disc around it.
+        ("radius_m", f64),
+        # [s] until it vanishes; 1e9 = it stays.
+        ("lasts_s", f64),
+        # [m] `map` frame, now and every 0.1 s from now on.
+        ("x_m", f64 * 64),
+        # [m] `map` frame, at the same times.
+        ("y_m", f64 * 64),
     ]
 
 
@@ -1659,7 +1717,7 @@ RUN_CLOCK = Topic(
     len_max=1,
     buffer=2,
     pool=29,
-    schema=0x4f97d940d4eedb9a,
+    schema=0x2e21d988789afa53,
 )
 
 RUN_CONTROL = Topic(
@@ -1691,6 +1749,21 @@ SIM_GROUND_TRUTH = Topic(
     buffer=2,
     pool=58,
     schema=0x1e53b96e61365535,
+)
+
+SIM_FORESIGHT = Topic(
+    number=26,
+    name="sim/foresight",
+    discipline="latest",
+    envelope=SimForesightEnvelope,
+    item=Foreseen,
+    writers=(Role.ROBOT,),
+    rings=(),
+    rings_in_lockstep=(),
+    len_max=128,
+    buffer=2,
+    pool=58,
+    schema=0x0c5d3692f4580ad9,
 )
 
 SIM_PLACEMENT = Topic(
@@ -1831,6 +1904,7 @@ TOPICS = (
     RUN_CLOCK,
     RUN_CONTROL,
     SIM_GROUND_TRUTH,
+    SIM_FORESIGHT,
     SIM_PLACEMENT,
     DEBUG_ROLLOUTS,
     HEALTH_ROBOT,
@@ -1897,6 +1971,9 @@ for _message in (
     Truth,
     SimGroundTruthEnvelope,
     TruthObstacle,
+    Foresight,
+    SimForesightEnvelope,
+    Foreseen,
     Placements,
     SimPlacementEnvelope,
     Placement,

@@ -98,6 +98,9 @@ impl RobotService {
     fn start(&mut self, shell: &mut Shell) -> Result<(), StartError> {
         let clock = shell.roster().clock;
         let simulator = simulator(&self.config, clock.seed, clock.tick_ns)?;
+        if clock.foresight != 0 {
+            self.sensors.foresee(shell.peer())?;
+        }
         self.sensors.send_description(shell, &simulator);
         let seed = clock.seed;
         tracing::info!(seed, tick_ns = clock.tick_ns, "the robot begins");

@@ -166,6 +166,13 @@ impl Obstacle {
         self.appears.run_ns
     }
 
+    /// Run time from which it is gone; `None` = it stays, or has not appeared. [ns]
+    #[must_use]
+    pub(crate) fn vanishes_run_ns(&self) -> Option<u64> {
+        let lasts_ns = self.lasts_ns?;
+        Some(self.appears.run_ns?.saturating_add(lasts_ns))
+    }
+
     /// The first moment after `run_ns` at which it appears or is somewhere else at once. [ns]
     #[must_use]
     #[allow(

@@ -1,9 +1,10 @@
 //! What the simulated robot publishes: its description, scans, odometry, and the ground truth.
 
 use zeronav_msgs::description::FOOTPRINT_CORNERS_MAX;
+use zeronav_msgs::foresight::{FORESEEN_MAX, Foreseen};
 use zeronav_msgs::header::Parents;
 use zeronav_msgs::stages::{Stage, StageTimer};
-use zeronav_msgs::topics::{GroundTruth, RobotDescription, RobotOdometry, RobotScan};
+use zeronav_msgs::topics::{GroundTruth, RobotDescription, RobotOdometry, RobotScan, SimForesight};
 use zeronav_msgs::truth::{TRUTH_OBSTACLES_MAX, TruthObstacle};
 use zeronav_robot_sim::Simulator;
 use zeronav_shell::clock::both_ns;
@@ -28,6 +29,8 @@ pub(crate) struct Sensors {
     odometry: Writer<RobotOdometry>,
     truth: Writer<GroundTruth>,
     obstacles: Vec<TruthObstacle>,
+    /// Only in a run that measures what perception and prediction cost.
+    foresight: Option<(Writer<SimForesight>, Vec<Foreseen>)>,
     /// Newest tick with a scan.
     scan_tick: u64,
     /// Contacts that were logged.
@@ -44,10 +47,18 @@ impl Sensors {
             odometry: peer.writer(1)?,
             truth: peer.writer(TRUTH_OBSTACLES_MAX)?,
             obstacles: Vec::with_capacity(TRUTH_OBSTACLES_MAX),
+            foresight: None,
             scan_tick: 0,
             logged_contacts: 0,
             stopped_messages: 0,
         })
+    }
+
+    /// From now on tells what moves and where it will be.
+    pub(crate) fn foresee(&mut self, peer: &Peer) -> Result<(), StartError> {
+        let writer = peer.writer(FORESEEN_MAX)?;
+        self.foresight = Some((writer, Vec::with_capacity(TRUTH_OBSTACLES_MAX)));
+        Ok(())
     }
 
     /// Newest tick with a scan.
@@ -95,6 +106,8 @@ impl Sensors {
             self.scan_tick = due.tick;
             capture_ns = seen_ns - run_ns.saturating_sub(scan.capture_run_ns).min(seen_ns);
             let draft = shell.begin(due, scan.capture_run_ns, capture_ns, parents);
+            // Before the scan: whoever has that has this, too.
+            self.send_foresight(simulator, draft);
             let sent = shell.send_with(&draft, &mut self.scan, n_beams, |ranges| {
                 let scan = simulator.scan(ranges).unwrap_or_default();
                 timer.mark(Stage::Cast);
@@ -119,6 +132,17 @@ impl Sensors {
         shell.finish(&draft, sent, work);
         if simulator.truth_due() {
             self.send_truth(simulator, draft, seen_ns, moment.slipped_ns);
+        }
+    }
+
+    fn send_foresight(&mut self, simulator: &Simulator, draft: Draft) {
+        if let Some((writer, obstacles)) = &mut self.foresight {
+            let foresight = simulator.foresee(obstacles);
+            let draft = Draft {
+                hashed: false,
+                ..draft
+            };
+            writer.publish(&draft, foresight, obstacles);
         }
     }
 

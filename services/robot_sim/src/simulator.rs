@@ -1,5 +1,7 @@
 //! The simulated robot: world, body, motors and lidar, one tick after the other.
 
+mod foresee;
+
 use crate::config::SimConfig;
 use crate::contact::Body;
 use crate::delay::Delay;

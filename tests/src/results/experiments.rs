@@ -223,6 +223,18 @@ pub const EXPERIMENTS: &[Experiment] = &[
         make: suites::dynabarn,
     },
     Experiment {
+        key: "told",
+        title: "what perception and prediction cost among what moves",
+        minutes: 30.0,
+        by_default: false,
+        note: Some(
+            "Perception and prediction: `sensed` and `model` are the stack's own; with `truth` the \
+             simulator tells mapping what moves, or the local planner where it will be, and the row \
+             is no result of the stack.",
+        ),
+        make: suites::told,
+    },
+    Experiment {
         key: "papers_dyn",
         title: "the papers' scenes with dynamic obstacles",
         minutes: 4.0,

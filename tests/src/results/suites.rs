@@ -57,6 +57,37 @@ pub(super) fn dynabarn(bench: &mut Bench) -> Result<Measured, String> {
     suite(bench, &["dynabarn"], &["beam", "dwa_t"])
 }
 
+/// What perception and prediction cost: each controller with each of them told by the simulator.
+pub(super) fn told(bench: &mut Bench) -> Result<Measured, String> {
+    let mut tables = Vec::new();
+    for words in [
+        ["dynabarn", "--seeds", "3"],
+        ["pedestrians", "--seeds", "20"],
+    ] {
+        let mut reports = Vec::new();
+        for controller in ["beam", "dwa_t"] {
+            for (perceive, predict) in [
+                ("sensed", "model"),
+                ("truth", "model"),
+                ("sensed", "truth"),
+                ("truth", "truth"),
+            ] {
+                let mut arguments = vec!["suite"];
+                arguments.extend(words);
+                arguments.extend(["--controller", controller]);
+                arguments.extend(["--perceive", perceive, "--predict", predict]);
+                let name = format!("{} {controller}: {perceive}, {predict}", words[0]);
+                reports.push((name, bench.zeronav(&arguments)?));
+            }
+        }
+        let named: Vec<(&str, _)> = (reports.iter())
+            .map(|(name, report)| (name.as_str(), report.clone()))
+            .collect();
+        tables.push(extract::suites(&named)?);
+    }
+    Ok(Measured::tables(tables))
+}
+
 pub(super) fn papers_dyn(bench: &mut Bench) -> Result<Measured, String> {
     let text = bench.cargo(&[
         "test",

@@ -6,7 +6,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
 use std::hint::black_box;
 use zeronav_local_planner::pilot::Pilot;
-use zeronav_local_planner::situation::Situation;
+use zeronav_local_planner::situation::{Future, Situation};
 use zeronav_msgs::description::{Corner, Description};
 use zeronav_msgs::map::COST_LETHAL;
 use zeronav_msgs::obstacles::Obstacle;
@@ -78,6 +78,7 @@ impl Aisle {
             map_cells: 1,
             obstacles,
             obstacles_age_s: 0.0,
+            future: Future::default(),
             scan_points_in_base: points,
             goal: &self.goal,
             speed_factor: 1.0,

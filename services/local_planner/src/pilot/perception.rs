@@ -176,6 +176,7 @@ impl Perception {
         self.dynamic.take(
             obstacles,
             situation.obstacles_age_s,
+            &situation.future,
             &situation.map_from_base,
         );
     }
@@ -227,6 +228,7 @@ impl Perception {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::situation::Future;
     use crate::test_robot::robot;
     use zeronav_msgs::path::Waypoint;
     use zeronav_msgs::task::Goal;
@@ -269,6 +271,7 @@ mod tests {
                 map_cells: 1,
                 obstacles,
                 obstacles_age_s: 0.0,
+                future: Future::default(),
                 scan_points_in_base: &[],
                 goal: &goal,
                 speed_factor: 1.0,

@@ -2,6 +2,7 @@
 
 use crate::support::{Map, PERIOD_S, block, disc, path};
 use zeronav_local_planner::period::BuildError;
+use zeronav_local_planner::situation::Future;
 use zeronav_local_planner::staleness::{Ages, StaleInput};
 use zeronav_local_planner::{Inputs, LocalPlanner, LocalPlannerConfig, Outputs, PathInput};
 use zeronav_motion::{Twist, reachable};
@@ -91,6 +92,7 @@ impl Bench {
                 .map(|(path, waypoints)| PathInput { path, waypoints }),
             map_cells: 1,
             obstacles: (&[], 0.0),
+            future: Future::default(),
             scan_points_in_base: &[],
             ages: self.ages,
             stopping: false,

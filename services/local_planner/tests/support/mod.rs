@@ -13,7 +13,7 @@ mod world;
 
 use nalgebra::{Point2, Vector2};
 use zeronav_local_planner::pilot::Pilot;
-use zeronav_local_planner::situation::{Decision, Situation};
+use zeronav_local_planner::situation::{Decision, Future, Situation};
 use zeronav_motion::{Twist, reachable, stop_distance_m};
 use zeronav_msgs::Pose;
 use zeronav_msgs::command::Validity;
@@ -257,6 +257,7 @@ impl Loop {
             map_cells: 1,
             obstacles: &self.obstacles,
             obstacles_age_s: 0.0,
+            future: Future::default(),
             scan_points_in_base: scan,
             goal: &self.goal,
             speed_factor: 1.0,

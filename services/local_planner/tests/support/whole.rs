@@ -2,7 +2,7 @@
 
 use super::Drive;
 use zeronav_local_planner::recovery::Transition;
-use zeronav_local_planner::situation::{Decision, Situation};
+use zeronav_local_planner::situation::{Decision, Future, Situation};
 use zeronav_local_planner::staleness::Ages;
 use zeronav_local_planner::{Inputs, LocalPlanner, LocalPlannerConfig, PathInput};
 use zeronav_msgs::Pose;
@@ -75,6 +75,7 @@ impl Drive for Whole {
             map: situation.map.map(|map| (Pose::default(), map)),
             map_cells: situation.map_cells,
             obstacles: (situation.obstacles, situation.obstacles_age_s),
+            future: Future::default(),
             path: Some(PathInput {
                 path: &fields,
                 waypoints: situation.path,

@@ -1,6 +1,7 @@
 //! What moves: found soon, followed well, never made up, and gone without a trail.
 
 #[path = "../../../../launch/src/measure/tracking_score.rs"]
+#[allow(unreachable_pub, reason = "public in the crate that it is of")]
 mod tracking_score;
 
 use crate::support::{Rng, Room, config, description};
@@ -115,6 +116,7 @@ impl Scene {
             odom_from_base: *odometry,
             odometry_variance: [variance; 3],
             goal: None,
+            told: None,
         });
     }
 

@@ -132,6 +132,7 @@ fn drive(config: &MappingConfig, length_m: f64, noise: f64, drift_rad_per_m: f64
             odom_from_base: odometry,
             odometry_variance: [noise * drive.driven_m; 3],
             goal: None,
+            told: None,
         });
         let (map_from_odom, _) = mapping.map_from_odom();
         drive.identity &= map_from_odom == Pose::default();
@@ -165,6 +166,7 @@ fn stand(mapping: &mut Mapping, truth: &Pose, odometry: &Pose, n: u64, told: Opt
             odom_from_base: *odometry,
             odometry_variance: [1.0e-4; 3],
             goal: None,
+            told: None,
         };
         if let Some(pose) = told.filter(|_| index == 0) {
             let base_from_odom = odometry.isometry().inverse();

@@ -22,6 +22,7 @@ fn only_the_cells_under_the_robot_of_now_are_cleared() {
             odom_from_base: at,
             odometry_variance: [0.0; 3],
             goal: None,
+            told: None,
         });
     };
     let (before, now) = (room.pose(40.5, 40.5, 0.0), room.pose(90.5, 40.5, 0.0));

@@ -36,6 +36,7 @@ fn drive(mode: WindowMode) -> (Room, Mapping, usize) {
             odom_from_base: from,
             odometry_variance: [0.0; 3],
             goal: None,
+            told: None,
         });
         tiles.clear();
         mapping.mapper_mut().take_dirty_tiles(&mut tiles);
