@@ -15,6 +15,7 @@ mod said;
 pub mod seats;
 pub mod structure;
 pub mod trace;
+pub mod tracker_bench;
 mod turns;
 pub mod up;
 

@@ -8,13 +8,13 @@ use zeronav_msgs::time::seconds;
 use zeronav_msgs::truth::TruthObstacle;
 
 /// A tracked obstacle is this one when it is no farther from it. [m]
-const SAME_M: f64 = 0.6;
+pub const SAME_M: f64 = 0.6;
 
 /// A true obstacle slower than this does not move. [m/s]
-const MOVING_MPS: f64 = 0.1;
+pub const MOVING_MPS: f64 = 0.1;
 
 /// Beams on a moving obstacle from which on it should be found.
-const BEAMS_MIN: u32 = 3;
+pub const BEAMS_MIN: u32 = 3;
 
 /// A true obstacle from scan to scan.
 #[derive(Debug, Clone, Copy)]

@@ -192,6 +192,23 @@ impl Bench {
         cargo(arguments)
     }
 
+    /// Runs another binary of the tests and returns what it printed. `arguments` are followed by the
+    /// folder of the data sets.
+    ///
+    /// # Errors
+    /// See [`Self::zeronav`].
+    pub fn tool(&mut self, name: &str, arguments: &[&str]) -> Result<String, String> {
+        let mut command = Command::new(target().join("release").join(name));
+        command.args(arguments).current_dir(workspace());
+        if let Some(data) = &self.data {
+            command.arg("--data").arg(data);
+        }
+        let run = format!("cargo run --release -p zeronav-tests --bin {name}");
+        self.commands
+            .push(format!("{run} -- {}", arguments.join(" ")));
+        output(&mut command)
+    }
+
     /// True when the data sets are there.
     #[must_use]
     pub fn has_data(&self) -> bool {

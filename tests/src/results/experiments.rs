@@ -1,7 +1,9 @@
 //! What is measured: one row per experiment. A figure in a README is one of these or none.
 
 use super::bench::{Bench, Measured};
-use super::{big_map, extract, faults, latencies, paired, standing, suites, trials, viewing};
+use super::{
+    big_map, extract, faults, latencies, paired, standing, suites, tracker, trials, viewing,
+};
 
 /// One experiment.
 #[derive(Debug)]
@@ -241,6 +243,18 @@ pub const EXPERIMENTS: &[Experiment] = &[
         by_default: false,
         note: Some("In brackets the 95 % intervals of Wilson."),
         make: suites::papers_dyn,
+    },
+    Experiment {
+        key: "tracker",
+        title: "the tracker of mapping against the truth, among recorded people and in DynaBARN worlds",
+        minutes: 1.5,
+        by_default: false,
+        note: Some(
+            "In one process, by the script of `tests/src/tracker_bench`: a Jackal with its noise stands \
+             at the edge, or drives to and fro at 1 m/s. What is true is taken into mapping's map by the \
+             pose that mapping says.",
+        ),
+        make: tracker::make,
     },
     Experiment {
         key: "bench_guard",

@@ -17,6 +17,7 @@ mod rounds;
 pub mod spread;
 mod standing;
 mod suites;
+mod tracker;
 pub mod trials;
 mod viewing;
 

@@ -180,7 +180,7 @@ fn block(experiment: &Experiment, record: Option<&Record>) -> String {
     };
     let mut text = String::new();
     for table in &record.tables {
-        write_table(table, &mut text);
+        text += &self::table(table);
     }
     if let Some(printed) = &record.text {
         let _ = write!(text, "```\n{}\n```\n\n", printed.trim_end());
@@ -213,7 +213,10 @@ fn commands(commands: &[String]) -> String {
     quoted.join(", ")
 }
 
-fn write_table(table: &Table, text: &mut String) {
+/// A table, with an empty line behind it.
+#[must_use]
+pub fn table(table: &Table) -> String {
+    let mut text = String::new();
     let _ = writeln!(
         text,
         "| {} | n | {} |",
@@ -226,6 +229,7 @@ fn write_table(table: &Table, text: &mut String) {
         let _ = writeln!(text, "| {name} | {n} | {} |", cells.join(" | "));
     }
     text.push('\n');
+    text
 }
 
 fn cell(figure: &Figure) -> String {
