@@ -349,6 +349,11 @@ pub struct SuiteArgs {
     /// in generated, else its default or the scenario's.
     #[arg(long, value_name = "KEY")]
     pub controller: Option<String>,
+    /// Drive nothing: plan a way through each run's world that touches nothing, with exact wheels and
+    /// the future of everything that moves known, and report what is possible. Where none is found
+    /// there may be one.
+    #[arg(long, conflicts_with_all = ["controller", "resume"])]
+    pub bound: bool,
     /// Runs of each world, with the seeds 1 to N.
     #[arg(long, value_name = "N", default_value_t = 1,
           value_parser = clap::value_parser!(u64).range(1..=10_000))]
@@ -393,6 +398,7 @@ impl SuiteArgs {
             suite: self.suite.clone(),
             resume: self.resume.clone(),
             controller: self.controller.clone(),
+            bound: self.bound,
             seeds: self.seeds,
             worlds: self.worlds.clone(),
             noise: self.noise,

@@ -1,14 +1,12 @@
 //! What could have been done about the contacts of a run whose obstacles all had a known future.
 
-use super::oracle::robot::{Abilities, Disc, State};
+use super::future::{Future, Mover};
+use super::oracle::robot::State;
 use super::oracle::{Surroundings, is_unavoidable};
 use crate::result::Touch;
-use crate::scenario::Scenario;
 use nalgebra::Point2;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
-use zeronav_world::track::Track;
-use zeronav_world::{Obstacle, World};
 
 /// Times before a contact from which the oracle tries, shortest first. [s] A contact that not even
 /// the last avoids is unavoidable. Nothing is known of a pedestrian who has not appeared yet: with whom a
@@ -37,81 +35,37 @@ pub(crate) struct ContactRow {
     pub unavoidable: bool,
 }
 
-/// A world whose future is known, and the robot in it.
+/// A world whose future is known, looked at after a run.
 pub(super) struct Hindsight {
-    world: World,
-    movers: Vec<Mover>,
-    abilities: Abilities,
-}
-
-/// A disc on a track.
-struct Mover {
-    name: String,
-    track: Track,
-    radius_m: f64,
-    appears_s: f64,
-    lasts_s: f64,
-}
-
-impl Mover {
-    /// `None` when its future depends on the robot, or it is no disc on a track.
-    fn new(obstacle: &Obstacle) -> Option<Self> {
-        let spec = &obstacle.spec;
-        let radius_m = obstacle.shape.form().form().as_ball()?.radius;
-        let appears_s = match &spec.appears {
-            Some(trigger) => trigger.at_s.filter(|_| trigger.robot_near.is_none())?,
-            None => 0.0,
-        };
-        let is_played = !spec.track.is_empty() && spec.starts.is_none();
-        is_played.then(|| Self {
-            name: spec.name.clone(),
-            track: Track::new(&spec.track, spec.repeat, spec.track_from_s),
-            radius_m,
-            appears_s,
-            lasts_s: spec.lasts_s.unwrap_or(f64::INFINITY),
-        })
-    }
-
-    fn at(&self, t_s: f64) -> Option<Disc> {
-        let since_s = t_s - self.appears_s;
-        let at = (0.0..self.lasts_s)
-            .contains(&since_s)
-            .then(|| self.track.at(since_s))?;
-        Some(([at.x, at.y], self.radius_m))
-    }
+    future: Future,
 }
 
 impl Hindsight {
     /// The world of a scenario; `None` when something in it has an unknown future.
     pub(super) fn of(file: &Path) -> Option<Self> {
-        let scenario = Scenario::load(file.to_str()?).ok()?;
-        let checked = scenario.validate().ok()?;
-        let movers = checked.world.obstacles().iter().map(Mover::new);
-        Some(Self {
-            movers: movers.collect::<Option<_>>()?,
-            abilities: Abilities::new(&scenario.robot, &checked.footprint),
-            world: checked.world,
-        })
+        let future = Future::of(file).ok()?;
+        Some(Self { future })
     }
 
     /// The shortest of [`LEADS_S`] from which the contact could still have been avoided, at most
     /// the time since what was touched appeared. `motion` has rows of time, x, y, yaw, speed and
     /// yaw rate, as a run's result has them.
     pub(super) fn avoidable_s(&self, contact: &Touch, motion: &[[f64; 6]]) -> Option<f64> {
-        let discs_at = |t_s: f64| {
-            self.movers
-                .iter()
-                .filter_map(|mover| mover.at(t_s))
-                .collect()
-        };
-        let fixed_m = |[x, y]: [f64; 2]| self.world.point_distance_m(Point2::new(x, y));
+        let Future {
+            world,
+            movers,
+            abilities,
+            ..
+        } = &self.future;
+        let discs_at = |t_s: f64| movers.iter().filter_map(|mover| mover.at(t_s)).collect();
+        let fixed_m = |[x, y]: [f64; 2]| world.point_distance_m(Point2::new(x, y));
         let around = Surroundings {
             discs_at: &discs_at,
             fixed_m: &fixed_m,
         };
         // Who is there from the start was there before.
         let is_late = |mover: &&Mover| mover.name == contact.with && mover.appears_s > 0.0;
-        let late = self.movers.iter().find(is_late);
+        let late = movers.iter().find(is_late);
         let age_s = late.map_or(f64::INFINITY, |mover| contact.time_s - mover.appears_s);
         let known_s = LEADS_S.map(|lead_s| lead_s.min(age_s.max(0.0)));
         known_s.into_iter().find(|lead_s| {
@@ -128,64 +82,25 @@ impl Hindsight {
                 v_mps,
                 w_radps,
             };
-            !is_unavoidable(&state, contact.time_s, &self.abilities, &around)
+            !is_unavoidable(&state, contact.time_s, abilities, &around)
         })
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::future::walker;
     use super::*;
 
-    /// A hall, a robot of 0.25 m that brakes with 1 m/s^2, and a pedestrian who walks past x = 5 from
-    /// `y = 0` at 1 m/s, from the second second on.
-    fn scenario(more: &str) -> tempfile::TempDir {
-        let folder = tempfile::tempdir().unwrap();
-        let text = format!(
-            r#"
-            title = "Test"
-            start = [1.0, 2.0, 0.0]
-            [world]
-            area_m = [[0.0, 0.0], [10.0, 5.0]]
-            [[world.obstacles]]
-            name = "walker"
-            shape = {{ kind = "disc", centre_m = [5.0, 0.0], radius_m = 0.3 }}
-            appears = {{ at_s = 2.0 }}
-            track = [[7.0, 5.0, 0.0], [11.0, 5.0, 4.0]]
-            track_from_s = 7.0
-            {more}
-            [robot]
-            radius_m = 0.25
-            v_mps_max = 1.0
-            w_radps_max = 2.0
-            a_mps2_max = 1.0
-            alpha_radps2_max = 4.0
-            lidar = {{ n_beams = 360, rate_hz = 10.0, range_m_min = 0.1, range_m_max = 12.0 }}
-            "#
-        );
-        std::fs::write(folder.path().join("it.toml"), text).unwrap();
-        folder
-    }
-
-    fn of(more: &str) -> Option<Hindsight> {
-        Hindsight::of(&scenario(more).path().join("it.toml"))
-    }
-
-    #[test]
-    fn people_are_where_they_were_recorded() {
-        let walker = &of("").unwrap().movers[0];
-        assert_eq!(walker.at(1.9), None);
-        assert_eq!(walker.at(3.5), Some(([5.0, 1.5], 0.3)));
-        assert!(of("lasts_s = 1.0").unwrap().movers[0].at(3.1).is_none());
-        // Who waits for the robot has no future of its own.
-        let near = "starts = { robot_near = { point_m = [1.0, 1.0], distance_m = 1.0 } }";
-        assert!(of(near).is_none());
+    fn hindsight() -> Hindsight {
+        let folder = walker("");
+        Hindsight::of(&folder.path().join("it.toml")).unwrap()
     }
 
     #[test]
     fn nobody_knows_of_somebody_who_is_not_there_yet() {
         // He appears at 2 s at (5, 0), walking towards a robot that drives at 1 m/s.
-        let hindsight = of("").unwrap();
+        let hindsight = hindsight();
         let motion: Vec<[f64; 6]> = (0..=30)
             .map(|tenth| 0.1 * f64::from(tenth))
             .map(|t| {
@@ -214,7 +129,7 @@ mod tests {
 
     #[test]
     fn how_long_before_a_contact_could_be_avoided_depends_on_the_speed() {
-        let hindsight = of("").unwrap();
+        let hindsight = hindsight();
         // The walker is at (5, 2) at 4 s; the robot would be `x` west of him then, at `v`.
         let touch = Touch {
             time_s: 4.0,

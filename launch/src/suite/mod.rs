@@ -5,12 +5,14 @@
 //! with result and picture, and cannot take the others with it.
 
 mod barn;
+mod bound;
 mod case;
 mod csv_file;
 mod data;
 mod dynabarn;
 pub(crate) mod error;
 mod folder;
+mod future;
 mod generated;
 mod hindsight;
 mod journal;
@@ -51,6 +53,9 @@ use std::time::Instant;
 /// # Errors
 /// [`SuiteError`]; runs that fail are no error but rows of the report.
 pub(crate) fn suite(plan: &SuitePlan, interrupted: &AtomicBool) -> Result<Report, SuiteError> {
+    if plan.bound {
+        return plan_all(plan, interrupted);
+    }
     let Some(directory) = &plan.resume else {
         return begin(plan, interrupted, None);
     };
@@ -130,6 +135,38 @@ fn begin(
         Some(problem) => Err(SuiteError::Usage(problem)),
         None => Ok(report),
     }
+}
+
+/// Plans a way through every run in place of driving it. The empty scenes of recorded people are
+/// driven all the same: the scenarios depend on the time that it takes.
+fn plan_all(plan: &SuitePlan, interrupted: &AtomicBool) -> Result<Report, SuiteError> {
+    let kind = Kind::of(&plan.suite);
+    let worlds = worlds(kind, plan)?;
+    if kind == Kind::Pedestrians {
+        check_binaries(kind, plan)?;
+    }
+    let before = Before::read();
+    let started = Instant::now();
+    let directory = suite_folder(&plan.out, kind)?;
+    let setup = Setup {
+        plan,
+        controller: kind.controller(),
+        scenarios: &directory.join("scenarios"),
+    };
+    let runner = Runner::new(plan, directory.join("runs"), interrupted)?;
+    let cases = cases(kind, &setup, &worlds, &runner)?;
+    let rows = bound::rows(&cases, runner.jobs(), plan.progress, interrupted)?;
+    let report = Report::new(
+        &setup,
+        kind,
+        cases.len(),
+        rows,
+        &directory,
+        started.elapsed().as_secs_f64(),
+        before.environment(),
+    );
+    report.leave().map_err(SuiteError::Lost)?;
+    Ok(report)
 }
 
 /// The worlds that the plan asks for.

@@ -15,6 +15,8 @@ pub struct SuitePlan {
     pub resume: Option<PathBuf>,
     /// Key of the local planner's controller; `None` = the suite's default.
     pub controller: Option<String>,
+    /// True when nothing is driven and a way through each run is planned, with every future known.
+    pub bound: bool,
     /// Runs of each world, with the seeds 1 to N.
     pub seeds: u64,
     /// Numbers of the worlds; `None` = all.
@@ -41,4 +43,15 @@ pub(super) struct Setup<'a> {
     pub(super) controller: Option<&'a str>,
     /// Folder for the scenarios that are written.
     pub(super) scenarios: &'a Path,
+}
+
+impl Setup<'_> {
+    /// Who drives, for reports: a key, or what stands for none.
+    pub(super) fn driver(&self) -> &str {
+        if self.plan.bound {
+            "bound (every future known)"
+        } else {
+            self.controller.unwrap_or("default")
+        }
+    }
 }

@@ -42,6 +42,10 @@ const UNITS: [&str; COLUMNS] = [
 /// Failures that the page names at most; the files have them all.
 const FAILURES_SHOWN: usize = 40;
 
+/// What the numbers are when nothing was driven.
+const BOUND_NOTE: &str = "nothing was driven: ways without any contact, planned with exact wheels and \
+     every future known, up to the goal's tolerance; where none was found there may be one";
+
 /// A class of worlds.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Group {
@@ -58,7 +62,7 @@ pub(crate) struct Report {
     pub suite: String,
     /// What the numbers are.
     pub note: String,
-    /// Key of the local planner's controller; `default` is its own default.
+    /// Key of the local planner's controller; `default` is its own default, `bound (...)` none.
     pub controller: String,
     /// How badly the robot did.
     pub noise: String,
@@ -114,8 +118,8 @@ impl Report {
             .collect();
         Self {
             suite: plan.suite.clone(),
-            note: kind.note().to_owned(),
-            controller: setup.controller.unwrap_or("default").to_owned(),
+            note: if plan.bound { BOUND_NOTE } else { kind.note() }.to_owned(),
+            controller: setup.driver().to_owned(),
             noise: plan.noise.label().to_owned(),
             foresight: plan.foresight.label(),
             seeds: plan.seeds,

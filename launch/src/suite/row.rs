@@ -158,7 +158,8 @@ impl Row {
         }
     }
 
-    fn of(case: &Case) -> Self {
+    /// The row of a case of which nothing is known yet.
+    pub(super) fn of(case: &Case) -> Self {
         Self {
             world: case.world.clone(),
             class: case.class.clone(),

@@ -96,6 +96,11 @@ impl<'a> Runner<'a> {
         })
     }
 
+    /// Runs at a time.
+    pub(super) const fn jobs(&self) -> usize {
+        self.jobs
+    }
+
     /// Makes all runs, some at a time, and hands over what each finished with as it does. A run
     /// that was stopped before its end has not finished.
     ///

@@ -348,6 +348,37 @@ fn shipped_dynabarn_and_pedestrian_worlds_run() {
     }
 }
 
+#[test]
+fn a_bound_plans_ways_and_drives_nothing() {
+    let data = shipped_data("");
+    let data = data.to_str().expect("a path");
+    let bound = ["suite", "dynabarn", "--bound", "--data", data, "--json"];
+    let ended = zeronav(&bound);
+    let report = ended.expect(0);
+    assert_eq!(report["controller"], "bound (every future known)");
+    assert_eq!(report["complete"], true);
+    for run in report["runs"].as_array().expect("runs") {
+        assert_eq!(run["success"], true, "{run:#}");
+        assert_eq!(
+            (&run["contacts_moving"], &run["unavoidable"]),
+            (&0.into(), &0.into())
+        );
+        // 19 m at 2 m/s at most, the tolerance reached within the arena.
+        assert!(run["time_s"].as_f64().expect("seconds") > 9.8, "{run:#}");
+        assert!(run["clearance_m_min"].as_f64().expect("metres") > 0.0);
+    }
+    let left = directory(ended.folder.path(), &report);
+    for name in ["suite.json", "runs.csv", "junit.xml"] {
+        assert!(left.join(name).is_file(), "{name}");
+    }
+    let runs = std::fs::read_dir(left.join("runs")).expect("a folder");
+    assert_eq!(runs.count(), 0, "nothing was driven");
+    for more in [["--controller", "beam"], ["--resume", "runs"]] {
+        let refused = zeronav(&[&bound[..], &more[..]].concat());
+        assert_eq!(refused.code(), 2, "{}", refused.stderr);
+    }
+}
+
 /// The environment names the folder when the flag does not, and an absent set is named with its
 /// home and its layout.
 #[test]

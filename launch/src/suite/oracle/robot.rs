@@ -16,8 +16,10 @@ pub(in crate::suite) struct Abilities {
     pub(in crate::suite) v_mps: [f64; 2],
     /// Largest yaw rate. [rad/s]
     pub(in crate::suite) w_radps_max: f64,
-    /// Largest change of speed, faster or slower. [m/s^2]
+    /// Largest change of speed, faster or slower: that of braking. [m/s^2]
     pub(in crate::suite) a_mps2_max: f64,
+    /// Largest change of speed away from zero. [m/s^2]
+    pub(in crate::suite) speed_up_mps2: f64,
     /// Largest change of the yaw rate. [rad/s^2]
     pub(in crate::suite) alpha_radps2_max: f64,
 }
@@ -32,6 +34,7 @@ impl Abilities {
             v_mps: [robot.v_mps_min.min(0.0), robot.v_mps_max],
             w_radps_max: robot.w_radps_max,
             a_mps2_max: robot.brake_mps2.unwrap_or(0.0).max(robot.a_mps2_max),
+            speed_up_mps2: robot.a_mps2_max,
             alpha_radps2_max: robot.alpha_radps2_max,
         }
     }

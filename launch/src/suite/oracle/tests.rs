@@ -23,6 +23,7 @@ fn abilities() -> Abilities {
         v_mps: [0.0, 2.0],
         w_radps_max: 4.0,
         a_mps2_max: 3.0,
+        speed_up_mps2: 3.0,
         alpha_radps2_max: 8.0,
     }
 }
