@@ -253,7 +253,7 @@ impl Guard {
     }
 
     fn take_scan(&mut self, inputs: &GuardInputs<'_>) {
-        let (Some(input), Some((description, ..))) = (&inputs.scan, &self.described) else {
+        let (Some(input), Some((description, _, outline))) = (&inputs.scan, &self.described) else {
             return;
         };
         let Some(odom_from_base) = input.odom_from_base else {
@@ -273,14 +273,9 @@ impl Guard {
         let odometry = inputs.odometry.map(|input| input.odometry);
         let twist = odometry.map_or(Twist::REST, Twist::measured);
         self.frozen_scan.take(input.ranges, &odom_from_base);
-        let base_from_laser = &description.base_from_laser;
-        self.view.take(
-            input.scan,
-            input.ranges,
-            base_from_laser,
-            &odom_from_base,
-            twist,
-        );
+        let laser = (&description.base_from_laser, outline);
+        self.view
+            .take(input.scan, input.ranges, laser, &odom_from_base, twist);
         self.seen = Some((input.id, input.run_ns));
     }
 

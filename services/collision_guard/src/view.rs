@@ -1,6 +1,7 @@
 //! What the lidar shows: the hits of the last two scans, carried by odometry to where the robot is.
 
 use crate::hits::Hits;
+use crate::outline::Outline;
 use crate::swept::Swept;
 use nalgebra::{Isometry2, Point2, Vector2};
 use zeronav_motion::Twist;
@@ -32,6 +33,21 @@ impl Directions {
         }
         &self.table
     }
+}
+
+/// Ranges of neighbouring beams on one thing differ by less. [m]
+const SAME_M: f32 = 0.1;
+
+/// True when no beam beside this one has about its range.
+fn is_lone(ranges: &[f32], beam: usize) -> bool {
+    let here_m = ranges[beam];
+    let beside = [beam.checked_sub(1), beam.checked_add(1)];
+    let mut beside = beside.into_iter().flatten();
+    beside.all(|beam| {
+        let there_m = ranges.get(beam).copied().unwrap_or(f32::NAN);
+        let same = (there_m - here_m).abs() < SAME_M;
+        !same
+    })
 }
 
 /// One scan's hits in `odom`.
@@ -74,12 +90,12 @@ impl Default for View {
 impl View {
     /// Takes in a scan that passed its check. `odom_from_base` holds at its capture, the time of
     /// the last beam; `twist` is the robot's while the lidar turned. Ranges that are no hits give
-    /// no point.
+    /// no point, and neither does dust: a hit inside the outline that no neighbouring beam shares.
     pub(crate) fn take(
         &mut self,
         scan: &Scan,
         ranges: &[f32],
-        base_from_laser: &Pose,
+        (base_from_laser, outline): (&Pose, &Outline),
         odom_from_base: &Pose,
         twist: Twist,
     ) {
@@ -91,9 +107,16 @@ impl View {
         let beam_s = f64::from(scan.time_increment_s);
         let at_once = beam_s <= 0.0 || (twist.v_mps == 0.0 && twist.w_radps == 0.0);
         let mut elapsed_s = -f64::from(scan.n_beams.saturating_sub(1)) * beam_s;
-        for (range_m, direction) in ranges.iter().zip(directions) {
-            if scan.is_hit(*range_m) {
-                let in_laser = Point2::from(direction * f64::from(*range_m));
+        let reach_m = base_from_laser.point().coords.norm() + outline.radius_m;
+        let is_dust = |beam: usize, in_laser: Point2<f64>| {
+            is_lone(ranges, beam)
+                && outline.distance_m(base_from_laser.transform(in_laser).coords, 0.0) < 0.0
+        };
+        for (beam, (range_m, direction)) in ranges.iter().zip(directions).enumerate() {
+            let length_m = f64::from(*range_m);
+            let in_laser = Point2::from(direction * length_m);
+            let is_hit = scan.is_hit(*range_m);
+            if is_hit && !(length_m < reach_m && is_dust(beam, in_laser)) {
                 points.push(if at_once {
                     odom_from_laser * in_laser
                 } else {
@@ -136,7 +159,6 @@ impl View {
 mod tests {
     use super::*;
     use crate::limits::Limits;
-    use crate::outline::Outline;
     use zeronav_msgs::description::Description;
 
     fn scan(time_increment_s: f32) -> Scan {
@@ -150,6 +172,14 @@ mod tests {
         }
     }
 
+    fn outline() -> Outline {
+        let description = Description {
+            circumscribed_radius_m: 0.3,
+            ..Description::default()
+        };
+        Outline::new(&description, &[])
+    }
+
     /// Five metres around a stopped robot.
     fn all_around() -> Swept {
         let limits = Limits {
@@ -160,8 +190,7 @@ mod tests {
             brake_mps2: 1.0,
             alpha_radps2_max: 1.0,
         };
-        let outline = Outline::new(&Description::default(), &[]);
-        Swept::new(&limits, &outline, (Twist::REST, Twist::REST), 0.0, 5.0)
+        Swept::new(&limits, &outline(), (Twist::REST, Twist::REST), 0.0, 5.0)
     }
 
     fn ahead(view: &mut View, at: Pose) -> Vec<Vector2<f64>> {
@@ -175,11 +204,11 @@ mod tests {
         let (here, rest) = (Pose::default(), Twist::REST);
         let nothing = [f32::INFINITY; 4];
         let something = [1.0, f32::NAN, f32::INFINITY, f32::INFINITY];
-        view.take(&scan(0.0), &something, &here, &here, rest);
+        view.take(&scan(0.0), &something, (&here, &outline()), &here, rest);
         assert_eq!(ahead(&mut view, here).len(), 1, "one is enough");
-        view.take(&scan(0.0), &nothing, &here, &here, rest);
+        view.take(&scan(0.0), &nothing, (&here, &outline()), &here, rest);
         assert_eq!(ahead(&mut view, here).len(), 1, "one does not release");
-        view.take(&scan(0.0), &nothing, &here, &here, rest);
+        view.take(&scan(0.0), &nothing, (&here, &outline()), &here, rest);
         assert_eq!(ahead(&mut view, here).len(), 0, "two do");
     }
 
@@ -189,7 +218,7 @@ mod tests {
         let at = Pose::new(2.0, 1.0, core::f64::consts::FRAC_PI_2);
         let ranges = [1.0, f32::INFINITY, f32::INFINITY, f32::INFINITY];
         let laser = Pose::new(0.2, 0.0, 0.0);
-        view.take(&scan(0.0), &ranges, &laser, &at, Twist::REST);
+        view.take(&scan(0.0), &ranges, (&laser, &outline()), &at, Twist::REST);
         // 1.2 m ahead of a robot that looks along +y.
         let found = ahead(&mut view, Pose::new(2.0, 1.5, 0.0));
         assert!((found[0] - Vector2::new(0.0, 0.7)).norm() < 1e-6);
@@ -200,7 +229,22 @@ mod tests {
         };
         // 0.1 s per beam: beam 0 was seen 0.3 m further back.
         let origin = Pose::default();
-        view.take(&scan(0.1), &ranges, &origin, &origin, ahead_1);
+        view.take(&scan(0.1), &ranges, (&origin, &outline()), &origin, ahead_1);
         assert!((ahead(&mut view, origin)[0] - Vector2::new(0.7, 0.0)).norm() < 1e-6);
+    }
+
+    #[test]
+    fn dust_inside_the_outline_is_left_out_and_nothing_else() {
+        let (here, rest) = (Pose::default(), Twist::REST);
+        let hits = |ranges: [f32; 4]| {
+            let mut view = View::default();
+            view.take(&scan(0.0), &ranges, (&here, &outline()), &here, rest);
+            ahead(&mut view, here).len()
+        };
+        let far = f32::INFINITY;
+        assert_eq!(hits([0.2, far, 5.0, far]), 1, "alone and inside");
+        assert_eq!(hits([0.2, f32::NAN, far, far]), 0, "nothing beside it");
+        assert_eq!(hits([0.31, far, far, far]), 1, "just outside");
+        assert_eq!(hits([0.2, 0.25, far, far]), 2, "two that agree");
     }
 }
