@@ -14,9 +14,6 @@ use zeronav_world_files::synthetic::course::{self, Class, Kind};
 /// The worlds that are driven unless others are asked for: two of each class.
 const WORLDS: Range<u32> = 0..2 * Class::COUNT;
 
-/// Controller among what moves unless another is asked for: the one that searches in time.
-const AMONG_MOVERS: &str = "beam";
-
 /// The worlds that are asked for.
 pub(super) fn worlds(plan: &SuitePlan) -> Vec<WorldFile> {
     let numbers = plan.worlds.clone().unwrap_or(WORLDS);
@@ -65,20 +62,11 @@ fn case(setup: &Setup<'_>, world: &WorldFile, seed: u64, robot: Robot) -> Result
         goal_tolerance_m: TOLERANCE_SHARE * drawn.goal_tolerance_m,
         time_limit_s: drawn.time_limit_s,
     };
-    let among_movers = setup.controller.or(Some(AMONG_MOVERS));
-    let own = Setup {
-        controller: if drawn.moves {
-            among_movers
-        } else {
-            setup.controller
-        },
-        ..*setup
-    };
     Ok(Case {
         world: world.name.clone(),
         class: Some(class.label().to_owned()),
         seed,
-        scenario: sheet.write(&own)?,
+        scenario: sheet.write(setup)?,
         time_limit_s: drawn.time_limit_s,
         rule: Rule {
             success: Success::Arrival {

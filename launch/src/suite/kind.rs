@@ -32,15 +32,6 @@ impl Kind {
         }
     }
 
-    /// The controller unless another is asked for; `None` = the local planner's own default. Among
-    /// what moves it is the one that searches in time.
-    pub(super) const fn controller(self) -> Option<&'static str> {
-        match self {
-            Self::Dynabarn | Self::Pedestrians => Some("beam"),
-            Self::Barn | Self::Generated | Self::Folder => None,
-        }
-    }
-
     /// What the numbers are, and what they are not.
     pub(super) const fn note(self) -> &'static str {
         match self {
@@ -57,8 +48,7 @@ impl Kind {
                  goals are ours: no published figure compares"
             }
             Self::Generated => {
-                "worlds drawn from their numbers in our own 2-D simulator, driven with beam where \
-                 things move: no benchmark of others"
+                "worlds drawn from their numbers in our own 2-D simulator: no benchmark of others"
             }
             Self::Folder => "scenarios in our own 2-D simulator, judged by what they expect",
         }

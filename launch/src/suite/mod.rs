@@ -95,7 +95,7 @@ fn begin(
     let scenarios = directory.join("scenarios");
     let setup = Setup {
         plan,
-        controller: plan.controller.as_deref().or(kind.controller()),
+        controller: plan.controller.as_deref(),
         scenarios: &scenarios,
     };
     let order = Order::of(&setup)?;
@@ -150,7 +150,7 @@ fn plan_all(plan: &SuitePlan, interrupted: &AtomicBool) -> Result<Report, SuiteE
     let directory = suite_folder(&plan.out, kind)?;
     let setup = Setup {
         plan,
-        controller: kind.controller(),
+        controller: None,
         scenarios: &directory.join("scenarios"),
     };
     let runner = Runner::new(plan, directory.join("runs"), interrupted)?;

@@ -29,6 +29,9 @@ parameters! {
         off_path_m: f64 = 1.5, [0.05, 1.0e3] "m";
         /// Part of the remaining cost that a shortcut must save.
         shortcut_gain: f64 = 0.05, [0.0, 1.0];
+        /// Speed below which a tracked obstacle blocks the way like a static one. Faster ones are left
+        /// to the local planner.
+        blocks_below_mps: f64 = 0.3, [0.0, 1.0e3] "m/s";
         /// Map revisions between two searches for a shortcut.
         shortcut_every_revisions: u32 = 5, [1, u32::MAX];
     }

@@ -54,7 +54,7 @@ impl Service for PlannerService {
         let peer = shell.peer();
         Ok(Self {
             replanner,
-            inputs: Readings::open(peer)?,
+            inputs: Readings::open(peer, config.blocks_below_mps)?,
             path: peer.writer(WAYPOINTS_MAX)?,
             quiet_until_ns: 0,
         })

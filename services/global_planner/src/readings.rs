@@ -26,10 +26,10 @@ impl Readings {
     ///
     /// # Errors
     /// As [`Peer::latest`].
-    pub(crate) fn open(peer: &Peer) -> Result<Self, StartError> {
+    pub(crate) fn open(peer: &Peer, blocks_below_mps: f64) -> Result<Self, StartError> {
         Ok(Self {
             odometry: OdometryReader::open(peer)?,
-            map: MapInput::with_obstacles(peer)?,
+            map: MapInput::with_obstacles(peer)?.slower_than(blocks_below_mps),
             request: peer.latest()?,
             goal: CurrentGoal::open(peer)?,
             changed: Vec::new(),

@@ -15,6 +15,8 @@
 //!   does not turn back and forth with every path that comes.
 //! - **A stopped robot may be walked into**, at a cost; one that drives may not, as far as
 //!   predictions are to be relied on (1.5 s).
+//! - **Standing still is no refuge** from who does not give way: a robot that would be hit while it
+//!   brakes drives on as was found, if that leads to no static obstacle.
 //! - Without dynamic obstacles nearby, at the goal, and for the exact check of what is published it
 //!   is `dwa_t`.
 
@@ -45,6 +47,12 @@ const SPEEDS: [f32; 6] = [0.0, 0.15, 0.35, 0.6, 0.8, 1.0];
 /// Yaw rates that are asked for, as shares of the fastest.
 const YAW_RATES: [f32; 7] = [0.0, 0.125, -0.125, 0.3, -0.3, 0.625, -0.625];
 
+/// The same for manoeuvres from this one on: what comes later is only outlined, and searched again
+/// before it is driven.
+const FINE: usize = 2;
+const COARSE_SPEEDS: [f32; 4] = [0.0, 0.35, 0.7, 1.0];
+const COARSE_YAW_RATES: [f32; 5] = [0.0, 0.2, -0.2, 0.625, -0.625];
+
 /// [m/s^2] sideways beyond which a speed and a yaw rate are not asked for together.
 const SIDEWAYS_MPS2: f32 = 2.6;
 
@@ -55,7 +63,7 @@ const SIGHT_M: f64 = 6.0;
 const WALKS_M: f64 = 6.0;
 
 /// [m] before the goal where it ends.
-const FINAL_M: f64 = 1.0;
+const FINAL_M: f64 = 0.3;
 
 /// The controller `beam` at rest. The numbers must be within the ranges of their structs.
 #[must_use]
@@ -94,6 +102,7 @@ impl Choose for Beam {
             Some(twist) => {
                 scene.memory.mode = Mode::Follow;
                 scene.memory.astray_s = 0.0;
+                scene.memory.searched = true;
                 scene.memory.limit = scene.searched();
                 scene.steer(twist)
             }
@@ -164,7 +173,8 @@ impl Search {
             }
         }
         let looks = self.config.layers as usize * LOOKS;
-        scene.seen.dynamic.tabulate(looks, self.config.look_s());
+        let (look_s, delay_s) = (self.config.look_s(), self.config.delay_s);
+        scene.seen.dynamic.tabulate(looks, look_s, delay_s);
         scene.find_cost_to_go(false);
         let goal = situation.goal.pose.point() - situation.map_from_base.point();
         let seen = &*scene.seen;
@@ -176,6 +186,7 @@ impl Search {
             cost_to_go: seen.cost_to_go().filter(|_| situation.map.is_some()),
             here: situation.map_from_base,
             goal: (narrow(goal.x), narrow(goal.y)),
+            tolerance: narrow(situation.goal.tolerance_m),
             fastest: narrow(scene.top_speed_mps()),
             soft: narrow(scene.config.soft_clearance_m),
         };
@@ -280,16 +291,21 @@ impl Search {
         let jump = narrow(space.robot.a_mps2_max.max(space.robot.brake_mps2))
             * narrow(self.config.manoeuvre_s);
         let w_max = narrow(space.robot.w_radps_max);
+        let (speeds, yaw_rates): (&[f32], &[f32]) = if number < FINE {
+            (&SPEEDS, &YAW_RATES)
+        } else {
+            (&COARSE_SPEEDS, &COARSE_YAW_RATES)
+        };
         self.fresh.clear();
         for parent in layer {
             let node = self.nodes[parent];
             space.gather(&node, number, &mut self.near);
-            for v in SPEEDS.map(|share| share * space.fastest) {
+            for v in speeds.iter().map(|share| share * space.fastest) {
                 // Which is out of reach is another manoeuvre's end.
                 if (v - node.state.v).abs() > 1.1 * jump {
                     continue;
                 }
-                for w in YAW_RATES.map(|share| share * w_max) {
+                for w in yaw_rates.iter().map(|share| share * w_max) {
                     if (v * w).abs() > SIDEWAYS_MPS2 {
                         continue;
                     }

@@ -16,7 +16,7 @@ parameters! {
     /// Configuration of the local planner.
     pub struct LocalPlannerConfig {
         /// Key of the controller.
-        controller: String = "dwa_t".to_owned();
+        controller: String = "beam".to_owned();
         /// For the controller `dwa`.
         dwa: DwaConfig;
         /// For the controller `dwa_t`, which takes the rest from `dwa`.

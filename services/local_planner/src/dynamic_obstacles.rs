@@ -18,7 +18,7 @@ const WALKING_MPS: f64 = 0.3;
 pub(crate) const NEAR_M: f64 = 2.5;
 
 /// Share of its speed by which a tracked obstacle's radius grows at least: who walks may turn.
-const TURNS_SHARE: f64 = 0.2;
+const TURNS_SHARE: f64 = 0.1;
 
 /// [m] around a tracked obstacle within which points of the scan are its own.
 const OWN_POINTS_M: f64 = 0.12;
@@ -91,7 +91,7 @@ pub(crate) fn nearest_dynamic<'a>(obstacles: &'a [Obstacle], place: &Pose) -> Op
 #[derive(Debug, Clone, Default)]
 pub(crate) struct DynamicObstacles {
     tracks: Vec<Track>,
-    /// Futures that are told, how old they are [s], and what is from them.
+    /// Futures that are told, and how old they are. [s]
     told: Vec<Foreseen>,
     told_age_s: f64,
     yaw_rad: f64,
@@ -221,18 +221,18 @@ impl DynamicObstacles {
             })
     }
 
-    /// Predicts every track at the ends of `n` steps.
-    pub(crate) fn tabulate(&mut self, n: usize, step_s: f64) {
+    /// Predicts every track at the ends of `n` steps that begin `delay_s` from now.
+    pub(crate) fn tabulate(&mut self, n: usize, step_s: f64, delay_s: f64) {
         let mut current = core::mem::take(&mut self.current);
         current.clear();
         current.extend(self.tracks.iter().map(|track| {
-            let (at, radius_m) = self.after(track, 0.0);
+            let (at, radius_m) = self.after(track, delay_s);
             [narrow(at.x), narrow(at.y), narrow(radius_m)]
         }));
         self.current = current;
         let mut table = core::mem::take(&mut self.table);
         table.clear();
-        let mut elapsed_s = 0.0;
+        let mut elapsed_s = delay_s;
         for _ in 0..n {
             elapsed_s += step_s;
             table.extend(self.tracks.iter().map(|track| {
@@ -318,7 +318,7 @@ mod tests {
             &Future::default(),
             &Pose::new(10.0, 1.0, 0.3),
         );
-        moving.tabulate(10, 0.1);
+        moving.tabulate(10, 0.1, 0.0);
         // After 1 s: 2 m ahead, 0.5 m aside; sigma^2 = 0.01 + 0.04 * 1.5^2.
         let [x, y, radius] = moving.at_step(9)[0];
         assert!((x - 2.0).abs() < 1e-5 && (y - 0.5).abs() < 1e-5);
@@ -367,5 +367,89 @@ mod tests {
         assert!((moving.contact_s((0.0, 0.0), 0.3) - 2.3).abs() < 1e-9);
         assert!((moving.contact_s((0.0, 1.0), 0.3) - 1.15).abs() < 1e-9);
         assert!(moving.contact_s((1.0, 0.0), 0.3).is_infinite());
+    }
+
+    /// What is told of the cart, 0.5 s old: it turns to the east in a second from then.
+    fn told_cart() -> Foreseen {
+        let mut told = Foreseen {
+            radius_m: 0.4,
+            lasts_s: 4.0,
+            ..Foreseen::default()
+        };
+        let places = told.x_m.iter_mut().zip(&mut told.y_m);
+        for ((x_m, y_m), step) in places.zip(0_u32..) {
+            let elapsed_s = 0.1 * f64::from(step);
+            *x_m = 12.0 + (elapsed_s - 1.0).max(0.0);
+            *y_m = 3.0 - elapsed_s.min(1.0);
+        }
+        told
+    }
+
+    #[test]
+    fn a_track_goes_the_way_that_is_told_until_it_vanishes() {
+        let told = [told_cart()];
+        let future = Future {
+            obstacles: &told,
+            age_s: 0.5,
+        };
+        // Tracked 0.1 m beside where it really is.
+        let tracked = Obstacle {
+            x_m: 12.1,
+            ..cart()
+        };
+        let mut moving = DynamicObstacles::default();
+        moving.take(&[tracked], 0.5, &future, &Pose::new(10.0, 1.0, 0.3));
+        moving.tabulate(40, 0.1, 0.0);
+        let near = |step: usize, x_m: f32, y_m: f32| {
+            let [x, y, radius] = moving.at_step(step)[0];
+            assert!(
+                (x - x_m).abs() < 1e-5 && (y - y_m).abs() < 1e-5,
+                "{x}, {y} after step {step}"
+            );
+            assert!((radius - 0.4).abs() < 1e-6, "it is certain");
+        };
+        near(4, 2.1, 1.0);
+        near(14, 3.1, 1.0);
+        near(33, 5.0, 1.0);
+        // 4 s after it was told it is gone.
+        let apart_m = |elapsed_s| {
+            let there = Pose::new(5.0, 1.0, 0.0);
+            let moving = DynamicObstacles {
+                yaw_rad: 0.0,
+                ..moving.clone()
+            };
+            moving.margin_m(&there, elapsed_s, |point| point.coords.norm() - 0.25)
+        };
+        assert!(apart_m(3.4) < 0.0);
+        assert!(apart_m(3.6) > 1.0e5);
+        assert!(moving.at_step(35)[0][0] > 1.0e5);
+    }
+
+    #[test]
+    fn only_tracks_near_what_is_told_follow_it() {
+        let told = [told_cart()];
+        let future = Future {
+            obstacles: &told,
+            age_s: 0.0,
+        };
+        let far = Obstacle {
+            x_m: 12.7,
+            ..cart()
+        };
+        // It stands still for now, and will not.
+        let waiting = Obstacle {
+            vy_mps: 0.0,
+            ..cart()
+        };
+        let standing = Obstacle { vy_mps: 0.0, ..far };
+        let mut moving = DynamicObstacles::default();
+        let here = Pose::new(10.0, 1.0, 0.0);
+        moving.take(&[far, waiting, standing], 0.0, &future, &here);
+        moving.tabulate(20, 0.1, 0.0);
+        let [[x, y, _], [told_x, told_y, _]] = moving.at_step(19) else {
+            panic!("{:?}", moving.tracks)
+        };
+        assert!((x - 2.7).abs() < 1e-5 && y.abs() < 1e-5, "{x}, {y}");
+        assert!((told_x - 3.0).abs() < 1e-5 && (told_y - 1.0).abs() < 1e-5);
     }
 }

@@ -1,7 +1,7 @@
 //! Local planning: from a path, a map and a scan to the next velocity request.
 //!
 //! [`LocalPlanner`] is one control period: which goal is current ([`task`]), how old the inputs
-//! are ([`staleness`]), the next twist ([`pilot`], by default with [`dwa_t`]) and whether another
+//! are ([`staleness`]), the next twist ([`pilot`], by default with [`beam`]) and whether another
 //! path is needed ([`requests`]). A new controller is a file plus a row in [`table`].
 //!
 //! The library is pure: no clock, no I/O, no threads; times are passed in, the same calls give

@@ -381,7 +381,7 @@ impl Optimiser {
         } else {
             self.plan.hold(window);
         }
-        scene.seen.dynamic.tabulate(steps, self.config.step_s);
+        scene.seen.dynamic.tabulate(steps, self.config.step_s, 0.0);
         scene.find_cost_to_go(false);
         let (scene, seen) = (&*scene, &*scene.seen);
         let path = core::mem::take(&mut self.path);

@@ -455,9 +455,8 @@ impl LocalPlanner {
     /// The recovery while the robot is idle: it forgets its goal, or learns that the task has failed.
     fn idle_recovery(&mut self, inputs: &Inputs<'_>, step: TaskStep) -> Option<Transition> {
         let goal = self.task.goal().map_or(0, |goal| goal.id);
-        self.recovery
-            .as_mut()?
-            .idle(seconds(inputs.run_ns), goal, step.stuck)
+        let recovery = self.recovery.as_mut()?;
+        recovery.idle(seconds(inputs.run_ns), goal, step.stuck)
     }
 
     /// A ramp to rest from the last request; zero while the robot's brakes are unknown.

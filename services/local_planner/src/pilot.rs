@@ -273,11 +273,20 @@ impl Pilot {
         candidates: impl Iterator<Item = Twist>,
     ) -> Option<(Twist, f64)> {
         let robot = situation.robot;
-        let steps =
+        let mut steps =
             candidates.map(|wanted| self.shaper.next(robot, from, wanted, situation.period_s));
-        first_with_free_stop(steps, |twist| {
-            self.perception.stop_arc_m(&self.config, robot, twist)
-        })
+        let stop_arc_m = |twist| self.perception.stop_arc_m(&self.config, robot, twist);
+        if self.memory.searched {
+            let first = steps.next()?;
+            let arc_m = stop_arc_m(first).or_else(|| {
+                self.perception
+                    .flight_arc_m(&self.config, robot, from, first)
+            });
+            if let Some(arc_m) = arc_m {
+                return Some((first, arc_m));
+            }
+        }
+        first_with_free_stop(steps, stop_arc_m)
     }
 
     /// The decision for a command, or for the first step of a ramp to rest and its reason; the next

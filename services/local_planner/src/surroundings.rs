@@ -22,6 +22,9 @@ const STOP_SPACING_M: f64 = 0.03;
 const TURNING_MPS: f64 = 0.15;
 const TURNING_RADPS: f64 = 0.1;
 
+/// [s] between two looks at a robot that stands.
+const STANDING_STEP_S: f64 = 0.05;
+
 /// For so many steps of [s] a turn keeps clear of what comes.
 const COMING_STEPS: u32 = 6;
 const COMING_STEP_S: f64 = 0.1;
@@ -277,6 +280,58 @@ impl Surroundings {
         (1..=COMING_STEPS).all(|step| at(COMING_STEP_S * f64::from(step)) >= keep_m)
     }
 
+    /// False when the robot, braking from `twist` at once and then standing, is hit within `until_s`.
+    pub(crate) fn rest_is_free(
+        &self,
+        robot: &Description,
+        twist: Twist,
+        moving: &DynamicObstacles,
+        until_s: f64,
+    ) -> bool {
+        let outline_m = |point| self.footprint.distance_m(point);
+        let mut stop = Stop::new(robot, twist, 0.0, 0.0, STOP_SPACING_M);
+        let step_s = stop.step_s();
+        let mut at = Pose::default();
+        let mut elapsed_s = 0.0;
+        while elapsed_s < until_s {
+            elapsed_s += match stop.next() {
+                Some((pose, _)) => {
+                    at = pose;
+                    step_s
+                }
+                None => STANDING_STEP_S,
+            };
+            if moving.margin_m(&at, elapsed_s, outline_m) < 0.0 {
+                return false;
+            }
+        }
+        true
+    }
+
+    /// The arc of a stop from `twist`, when it is free of what is static: what moves is left to a
+    /// search. [m]
+    pub(crate) fn static_stop_arc_m(
+        &self,
+        robot: &Description,
+        twist: Twist,
+        reaction_s: f64,
+    ) -> Option<f64> {
+        let mut stop = Stop::new(robot, twist, reaction_s, self.reach_m(), STOP_SPACING_M);
+        let free = stop
+            .by_ref()
+            .all(|(pose, _)| self.space(self.local(&pose), 0.0).is_some());
+        free.then(|| stop.arc_m())
+    }
+
+    /// How far the outline reaches when the robot turns; 0 for a disc. [m]
+    fn reach_m(&self) -> f64 {
+        if self.footprint.is_disc() {
+            0.0
+        } else {
+            self.footprint.circumscribed_m
+        }
+    }
+
     /// The arc of a stop from `twist`, when it is free all along. [m]
     ///
     /// Holds the twist for `reaction_s`, then ramps to rest as [`zeronav_motion::towards_rest`]
@@ -291,11 +346,7 @@ impl Surroundings {
         reaction_s: f64,
         moving: &DynamicObstacles,
     ) -> Option<f64> {
-        let reach_m = if self.footprint.is_disc() {
-            0.0
-        } else {
-            self.footprint.circumscribed_m
-        };
+        let reach_m = self.reach_m();
         let outline_m = |point| self.footprint.distance_m(point);
         let now_m = moving.margin_m(&Pose::default(), 0.0, outline_m);
         let keep_m = self.need_m.max(0.0).min(now_m - MARGIN_NOISE_M);

@@ -52,6 +52,13 @@ fn law(law: impl Law + 'static, config: &LocalPlannerConfig) -> Pilot {
 /// Every controller; the first one is the default.
 pub const CONTROLLERS: &[ControllerRow] = &[
     ControllerRow {
+        key: "beam",
+        title: "Beam search in time among what moves, dwa_t where nothing does",
+        source: "beam search over manoeuvres, with constant-velocity tracks",
+        of_a_paper: false,
+        build: |config| beam(config.dwa, config.dwa_t, config.beam).shaped(config.shaping),
+    },
+    ControllerRow {
         key: "dwa_t",
         title: "Time-indexed dynamic window: predicted obstacles, cost-to-go, speed by clearance",
         source: "dwa, with rollouts in time, a local navigation function and constant-velocity tracks",
@@ -71,13 +78,6 @@ pub const CONTROLLERS: &[ControllerRow] = &[
         source: "Williams et al.: Information-Theoretic Model Predictive Control, IEEE T-RO 34(6), 2018",
         of_a_paper: false,
         build: |config| mppi(config.dwa, config.dwa_t, config.mppi).shaped(config.shaping),
-    },
-    ControllerRow {
-        key: "beam",
-        title: "Beam search in time among what moves, dwa_t where nothing does",
-        source: "beam search over manoeuvres, with constant-velocity tracks",
-        of_a_paper: false,
-        build: |config| beam(config.dwa, config.dwa_t, config.beam).shaped(config.shaping),
     },
     ControllerRow {
         key: "ju_apf",

@@ -5,7 +5,7 @@
 //! seen to leave where it was or to enter what was free (`past_scans.rs`): the visible end
 //! of a wall slides along when the robot drives past, but nothing is ever seen through it.
 
-use crate::beams::Beams;
+use crate::beams::{Beam, Beams};
 use crate::clusters::{Cluster, Clusters};
 use crate::fit::{Fit, Place, disc_through, fit};
 use crate::form::Form;
@@ -212,7 +212,7 @@ impl Tracker {
         }
         let map_from_frame = view.map_from_frame.isometry();
         let tracks = &self.tracks;
-        let ends = view.beams.as_slice().iter().map(|beam| beam.point());
+        let ends = view.beams.as_slice().iter().map(Beam::point);
         self.moving_beams.clear();
         self.moving_beams.extend(ends.map(|end| {
             end.is_some_and(|end| {

@@ -13,6 +13,7 @@ use crate::writer::Draft;
 use zeronav_msgs::grid::CellRect;
 use zeronav_msgs::header::{Id, Parents};
 use zeronav_msgs::map::{MapInfo, MapView};
+use zeronav_msgs::obstacles::Obstacle;
 use zeronav_msgs::pose::Pose;
 use zeronav_msgs::replica::MapReplica;
 use zeronav_msgs::role::Role;
@@ -32,6 +33,10 @@ pub struct MapInput {
     keyframe: Latest<MapKeyframe>,
     /// Stamped on the copy; `None` for a service that predicts them.
     obstacles: Option<Latest<MapObstacles>>,
+    /// Faster ones are not stamped. [m/s]
+    stamped_below_mps: f64,
+    /// Scratch: those that are.
+    stamped: Vec<Obstacle>,
     replica: MapReplica,
     changed: Vec<CellRect>,
     newest: Option<Received>,
@@ -49,6 +54,8 @@ impl MapInput {
             updates: peer.stream()?,
             keyframe: peer.latest()?,
             obstacles: None,
+            stamped_below_mps: f64::INFINITY,
+            stamped: Vec::new(),
             replica: MapReplica::new(),
             changed: Vec::new(),
             newest: None,
@@ -66,6 +73,16 @@ impl MapInput {
             obstacles: Some(peer.latest()?),
             ..Self::open(peer)?
         })
+    }
+
+    /// The same with only those stamped that are slower than this; faster ones are gone before the robot
+    /// is there. [m/s]
+    #[must_use]
+    pub fn slower_than(self, v_mps: f64) -> Self {
+        Self {
+            stamped_below_mps: v_mps,
+            ..self
+        }
     }
 
     /// Takes in what has come and asks for a keyframe if only that helps; true when the last part of
@@ -125,7 +142,14 @@ impl MapInput {
         let view = obstacles.get();
         let young =
             view.filter(|view| map_ns.saturating_sub(view.header.run_ns) <= OBSTACLES_AGE_NS_MAX);
-        self.replica.stamp(young.map_or(&[], |view| view.items));
+        let below_mps = self.stamped_below_mps;
+        let items = young.map_or(&[] as &[Obstacle], |view| view.items);
+        let slow = items
+            .iter()
+            .filter(|it| it.vx_mps.hypot(it.vy_mps) < below_mps);
+        self.stamped.clear();
+        self.stamped.extend(slow);
+        self.replica.stamp(&self.stamped);
         self.changed.append(&mut self.replica.take_changed());
     }
 

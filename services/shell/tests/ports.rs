@@ -423,9 +423,11 @@ fn obstacles_are_on_the_map_of_a_reader_that_asks_for_them_while_they_are_young(
     let planner = house.join(Role::GlobalPlanner, 1);
     let mut stamped = MapInput::with_obstacles(&planner).expect("a reader");
     let mut plain = MapInput::open(&planner).expect("a reader");
+    let slow = MapInput::with_obstacles(&planner).expect("a reader");
+    let mut slow = slow.slower_than(0.3);
     let mut updates = mapping.writer::<MapUpdate>(1).expect("a writer");
     let mut keyframes = mapping.writer::<MapKeyframe>(2).expect("a writer");
-    let mut obstacles = mapping.writer::<MapObstacles>(1).expect("a writer");
+    let mut obstacles = mapping.writer::<MapObstacles>(2).expect("a writer");
     let roster = roster(&[(Role::Mapping, 1)]);
     let free = MapCell {
         clearance_mm: 1000,
@@ -446,16 +448,17 @@ fn obstacles_are_on_the_map_of_a_reader_that_asks_for_them_while_they_are_young(
         updates.publish(&draft, info, &[]).expect("sent");
         revision
     };
-    let cost_at_obstacle = |map: &MapInput| {
+    let cost_at = |map: &MapInput, column: i32| {
         let view = map.view().expect("a map");
-        view.get(Cell::new(10, 10)).expect("inside").cost
+        view.get(Cell::new(column, 10)).expect("inside").cost
     };
     let first = update_at(1_000_000_000);
     let sent = keyframes.publish(&Draft::default(), map_info(first, 0, 1, 2), &tiles);
     assert!(sent.is_some());
-    let person = Obstacle {
-        x_m: 0.525,
+    let walks = |x_m: f64, vy_mps: f64| Obstacle {
+        x_m,
         y_m: 0.525,
+        vy_mps,
         radius_m: 0.2,
         ..Obstacle::default()
     };
@@ -463,20 +466,25 @@ fn obstacles_are_on_the_map_of_a_reader_that_asks_for_them_while_they_are_young(
         run_ns: 1_000_000_000,
         ..of_tick(1)
     };
-    let list = Obstacles { n_obstacles: 1 };
-    let sent = obstacles.publish(&draft, list, &[person]);
+    let list = Obstacles { n_obstacles: 2 };
+    let people = [walks(0.525, -0.29), walks(2.525, -0.31)];
+    let sent = obstacles.publish(&draft, list, &people);
     assert!(sent.is_some());
-    stamped.take_in(&roster);
-    plain.take_in(&roster);
-    assert_eq!(cost_at_obstacle(&stamped), COST_LETHAL);
-    assert_eq!(cost_at_obstacle(&plain), 0);
+    for map in [&mut stamped, &mut plain, &mut slow] {
+        map.take_in(&roster);
+    }
+    assert_eq!(cost_at(&stamped, 10), COST_LETHAL);
+    assert_eq!(cost_at(&stamped, 50), COST_LETHAL);
+    assert_eq!(cost_at(&plain, 10), 0);
+    assert_eq!(cost_at(&slow, 10), COST_LETHAL);
+    assert_eq!(cost_at(&slow, 50), 0, "it walks away");
 
     update_at(1_500_000_000);
     stamped.take_in(&roster);
-    assert_eq!(cost_at_obstacle(&stamped), COST_LETHAL, "0.5 s is young");
+    assert_eq!(cost_at(&stamped, 10), COST_LETHAL, "0.5 s is young");
     update_at(1_500_000_001);
     stamped.take_in(&roster);
-    assert_eq!(cost_at_obstacle(&stamped), 0);
+    assert_eq!(cost_at(&stamped, 10), 0);
     assert!(!stamped.changed().is_empty(), "it was taken off");
     assert_eq!(stamped.refused(), 0);
 }

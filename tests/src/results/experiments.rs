@@ -218,16 +218,16 @@ pub const EXPERIMENTS: &[Experiment] = &[
     },
     Experiment {
         key: "dynabarn",
-        title: "every DynaBARN world once for each controller",
-        minutes: 6.0,
+        title: "every DynaBARN world with three seeds for each controller",
+        minutes: 8.0,
         by_default: false,
         note: None,
         make: suites::dynabarn,
     },
     Experiment {
         key: "told",
-        title: "what perception and prediction cost among what moves",
-        minutes: 30.0,
+        title: "what is possible among what moves, and what perception and prediction cost",
+        minutes: 25.0,
         by_default: false,
         note: Some(
             "Perception and prediction: `sensed` and `model` are the stack's own; with `truth` the \

@@ -19,12 +19,12 @@ pub(super) fn generated(bench: &mut Bench) -> Result<Measured, String> {
     suite(
         bench,
         &["generated", "--seeds", "5"],
-        &["dwa_t", "dwa", "beam"],
+        &["beam", "dwa_t", "dwa"],
     )
 }
 
 pub(super) fn barn(bench: &mut Bench) -> Result<Measured, String> {
-    suite(bench, &["barn"], &["dwa_t"])
+    suite(bench, &["barn"], &["beam", "dwa_t"])
 }
 
 pub(super) fn barn_controllers(bench: &mut Bench) -> Result<Measured, String> {
@@ -54,31 +54,32 @@ pub(super) fn pedestrians(bench: &mut Bench) -> Result<Measured, String> {
 }
 
 pub(super) fn dynabarn(bench: &mut Bench) -> Result<Measured, String> {
-    suite(bench, &["dynabarn"], &["beam", "dwa_t"])
+    suite(bench, &["dynabarn", "--seeds", "3"], &["beam", "dwa_t"])
 }
 
-/// What perception and prediction cost: each controller with each of them told by the simulator.
+/// What is possible, and what perception and prediction cost: the bound, then the default controller
+/// with each of them told by the simulator.
 pub(super) fn told(bench: &mut Bench) -> Result<Measured, String> {
+    const BOUND: &[&str] = &["--bound"];
+    const TOLD: [(&str, &[&str]); 5] = [
+        ("bound", BOUND),
+        ("both told", &["--perceive", "truth", "--predict", "truth"]),
+        ("perception told", &["--perceive", "truth"]),
+        ("prediction told", &["--predict", "truth"]),
+        ("nothing told", &[]),
+    ];
     let mut tables = Vec::new();
     for words in [
         ["dynabarn", "--seeds", "3"],
         ["pedestrians", "--seeds", "20"],
     ] {
         let mut reports = Vec::new();
-        for controller in ["beam", "dwa_t"] {
-            for (perceive, predict) in [
-                ("sensed", "model"),
-                ("truth", "model"),
-                ("sensed", "truth"),
-                ("truth", "truth"),
-            ] {
-                let mut arguments = vec!["suite"];
-                arguments.extend(words);
-                arguments.extend(["--controller", controller]);
-                arguments.extend(["--perceive", perceive, "--predict", predict]);
-                let name = format!("{} {controller}: {perceive}, {predict}", words[0]);
-                reports.push((name, bench.zeronav(&arguments)?));
-            }
+        for (name, more) in TOLD {
+            let mut arguments = vec!["suite"];
+            arguments.extend(words);
+            arguments.extend(more);
+            let name = format!("{}, {name}", words[0]);
+            reports.push((name, bench.zeronav(&arguments)?));
         }
         let named: Vec<(&str, _)> = (reports.iter())
             .map(|(name, report)| (name.as_str(), report.clone()))

@@ -37,6 +37,7 @@ drives! {
     drop_box_0_8m
     drop_box_1_2m
     drop_box_2m
+    oncoming_cart
     oncoming_person
     crossing_person_0_5mps
     crossing_person_1mps

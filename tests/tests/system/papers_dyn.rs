@@ -449,7 +449,7 @@ fn bao_dyn_suite(seeds: std::ops::RangeInclusive<u64>) -> BaoTally {
 /// Twenty discs that stay where they appear, some of them right in front of the robot.
 #[test]
 fn lwx_dyn_with_appearing_discs() {
-    let tally = lwx_dyn_suite("dwa_t", Mode::Appear, 1..=10);
+    let tally = lwx_dyn_suite("beam", Mode::Appear, 1..=10);
     assert!(10 * tally.free >= 9 * tally.runs);
 }
 
@@ -457,7 +457,7 @@ fn lwx_dyn_with_appearing_discs() {
 /// width; what counts is that it never drives into one.
 #[test]
 fn lwx_dyn_with_moving_discs() {
-    let tally = lwx_dyn_suite("dwa_t", Mode::Move, 1..=10);
+    let tally = lwx_dyn_suite("beam", Mode::Move, 1..=10);
     assert!(10 * tally.arrived >= 9 * tally.runs);
     assert!(10 * tally.blameless >= 9 * tally.runs);
 }
@@ -468,7 +468,7 @@ fn lwx_dyn_with_moving_discs() {
 fn lwx_dyn_over_two_hundred_seeds() {
     for mode in [Mode::Appear, Mode::Move] {
         lwx_dyn_suite("lwx_oapf", mode, 1..=200);
-        let tally = lwx_dyn_suite("dwa_t", mode, 1..=200);
+        let tally = lwx_dyn_suite("beam", mode, 1..=200);
         assert!(10 * tally.free >= 9 * tally.runs, "{mode:?}");
     }
 }

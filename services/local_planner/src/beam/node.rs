@@ -1,6 +1,7 @@
 //! A node of the beam search.
 
 use super::visited;
+use crate::surroundings::LocalPose;
 use zeronav_msgs::rollouts::RolloutOutcome;
 
 /// Sides of a cell: [m], [rad], [m/s].
@@ -19,6 +20,18 @@ pub(super) struct State {
     pub(super) sin: f32,
     pub(super) v: f32,
     pub(super) w: f32,
+}
+
+impl State {
+    /// As the clearance field takes it.
+    pub(super) fn place(&self) -> LocalPose {
+        LocalPose {
+            x: self.x,
+            y: self.y,
+            cos: self.cos,
+            sin: self.sin,
+        }
+    }
 }
 
 /// What a manoeuvre leads into.
@@ -44,6 +57,8 @@ pub(super) struct Node {
     pub(super) parent: usize,
     /// Speed [m/s] and yaw rate [rad/s] of the last manoeuvre.
     pub(super) asked: (f32, f32),
+    /// The robot is at the goal and stays there.
+    pub(super) arrived: bool,
     /// Bit by bit: discs that the robot was in from the beginning.
     pub(super) inside: u64,
 }

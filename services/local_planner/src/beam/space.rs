@@ -5,7 +5,7 @@ use crate::beam::options::BeamConfig;
 use crate::cost_to_go::CostToGo;
 use crate::dynamic_obstacles::DynamicObstacles;
 use crate::lanes::data::narrow;
-use crate::surroundings::{LocalPose, Surroundings};
+use crate::surroundings::Surroundings;
 use nalgebra::Point2;
 use zeronav_msgs::Pose;
 use zeronav_msgs::description::Description;
@@ -34,7 +34,7 @@ const WEIGHT_NEAR: f32 = 3.0;
 
 /// [s] for which predictions are relied on; predicted collisions after it only cost.
 const CERTAIN_S: f32 = 1.5;
-const HIT_STANDING: f32 = 0.3;
+const HIT_STANDING: f32 = 1.0;
 
 /// [m/s] and [rad/s] below which the robot stays where it is, free or not.
 const RESTING: f32 = 0.01;
@@ -52,6 +52,12 @@ const LATER_MPS: f32 = 1.5;
 /// the other way costs. [s]
 const AHEAD_M: f32 = 0.4;
 const ASTRAY: f32 = 0.8;
+
+/// Share of the goal's tolerance within which the robot arrives.
+const ARRIVAL_SHARE: f32 = 0.8;
+
+/// [s] for which a robot stands at its goal before that counts.
+const NOTICED_S: f32 = 0.4;
 
 /// [s] that each metre per second at the end is worth.
 const MOMENTUM: f32 = 0.15;
@@ -72,8 +78,9 @@ pub(super) struct Space<'a> {
     pub(super) cost_to_go: Option<&'a CostToGo>,
     /// `map_from_base` now.
     pub(super) here: Pose,
-    /// Goal relative to the robot along the axes of the map. [m]
+    /// Goal relative to the robot along the axes of the map, and how near counts. [m]
     pub(super) goal: (f32, f32),
+    pub(super) tolerance: f32,
     /// [m/s] fastest speed.
     pub(super) fastest: f32,
     /// [m] of space to static obstacles from which on nearness costs nothing.
@@ -89,9 +96,10 @@ impl Space<'_> {
     /// The node that a search begins with.
     pub(super) fn root(&self, v_mps: f64, w_radps: f64) -> Node {
         let (sin, cos) = self.here.yaw_rad.sin_cos();
+        let delay = narrow(self.config.delay_s);
         let state = State {
-            x: 0.0,
-            y: 0.0,
+            x: narrow(v_mps * cos) * delay,
+            y: narrow(v_mps * sin) * delay,
             yaw: narrow(self.here.yaw_rad),
             cos: narrow(cos),
             sin: narrow(sin),
@@ -110,6 +118,7 @@ impl Space<'_> {
             to_go: self.goal.0.hypot(self.goal.1),
             parent: 0,
             asked: (state.v, state.w),
+            arrived: false,
             inside,
         };
         self.value(&mut root);
@@ -135,8 +144,42 @@ impl Space<'_> {
         cost_to_go.at(Point2::new(here.x + f64::from(x), here.y + f64::from(y)))
     }
 
+    /// True where the robot is at its goal and slow enough to stop there.
+    fn is_arrival(&self, state: &State) -> bool {
+        let away = (self.goal.0 - state.x).hypot(self.goal.1 - state.y);
+        let stop = state.v * state.v / (2.0 * narrow(self.robot.brake_mps2));
+        away < ARRIVAL_SHARE * self.tolerance && stop < self.tolerance
+    }
+
+    /// True when nothing that moves comes to a robot that stops from this state, the one at a look, until
+    /// its stop has been noticed.
+    fn stays_free(&self, state: &State, look: usize) -> bool {
+        let brake_mps2 = narrow(self.robot.brake_mps2);
+        let stop_m = state.v * state.v / (2.0 * brake_mps2);
+        let at = (state.x + stop_m * state.cos, state.y + stop_m * state.sin);
+        let reach = narrow(self.surroundings.footprint.circumscribed_m + self.config.margin_m);
+        let until_s = state.v / brake_mps2 + NOTICED_S;
+        let mut elapsed_s = self.look_s();
+        let mut later = look + 1;
+        while elapsed_s < until_s {
+            let discs = self.dynamic.at_step(later).iter();
+            let mut near =
+                discs.filter(|[x, y, radius]| (x - at.0).hypot(y - at.1) < radius + reach);
+            if near.next().is_some() {
+                return false;
+            }
+            elapsed_s += self.look_s();
+            later += 1;
+        }
+        true
+    }
+
     /// Adds what is still to come to a node that knows its parent's way to go, in seconds.
     fn value(&self, node: &mut Node) {
+        if node.arrived {
+            (node.to_go, node.total) = (0.0, node.cost - MOMENTUM * self.fastest);
+            return;
+        }
         let at = &node.state;
         node.to_go = self.to_go(at.x, at.y).unwrap_or(node.to_go);
         let ahead = self.to_go(at.x + AHEAD_M * at.cos, at.y + AHEAD_M * at.sin);
@@ -206,6 +249,9 @@ impl Space<'_> {
         let swing = if inner < outer { narrow(outer) } else { 0.0 };
         let outer = narrow(outer);
         let mut next = Node { asked, ..*node };
+        if next.arrived {
+            return Ok(next);
+        }
         for look in layer * LOOKS..(layer + 1) * LOOKS {
             let state = self.step(&next.state, asked);
             next.state = state;
@@ -215,13 +261,7 @@ impl Space<'_> {
             let space = if stopped {
                 self.soft
             } else {
-                let at = LocalPose {
-                    x: state.x,
-                    y: state.y,
-                    cos: state.cos,
-                    sin: state.sin,
-                };
-                let space = self.surroundings.space(at, self.soft);
+                let space = self.surroundings.space(state.place(), self.soft);
                 space.ok_or(blocked(RolloutOutcome::Collision))?
             };
             let elapsed_s = (look + 1) as f32 * step_s;
@@ -259,6 +299,11 @@ impl Space<'_> {
             let beside = (near_m - least.max(0.0)) / near_m;
             let tight = (self.soft - space) / self.soft;
             let nearness = WEIGHT_NEAR * faded(elapsed_s) * beside * beside + tight * tight;
+            next.cost += step_s;
+            if self.is_arrival(&state) && self.stays_free(&state, look) {
+                next.arrived = true;
+                break;
+            }
             next.cost += step_s * ((0.2 + state.v.abs()) * nearness + TURNING * asked.1 * asked.1);
         }
         next.cost += CHANGING * (asked.0 - node.asked.0).abs();
@@ -289,6 +334,8 @@ fn rotated((cos, sin): (f32, f32), (by_cos, by_sin): (f32, f32)) -> (f32, f32) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::surroundings::Reach;
+    use crate::test_robot::robot;
 
     #[test]
     fn small_angles_are_turned_by_exactly() {
@@ -298,5 +345,64 @@ mod tests {
             assert!((cos - angle.cos()).abs() < 3e-5, "{angle}");
             assert!((sin - angle.sin()).abs() < 3e-6, "{angle}");
         }
+    }
+
+    /// What a robot with the goal so far ahead finds of a manoeuvre on an open ground, from 0.4 m/s with
+    /// 0.4 m/s asked for: 0.16 m in 0.4 s.
+    fn towards(goal_m: f32, tolerance_m: f32) -> Node {
+        let (robot, here) = (robot(), Pose::new(3.0, -2.0, 0.0));
+        let mut surroundings = Surroundings::default();
+        surroundings.describe(&robot, &[]);
+        let reach = Reach {
+            field_m: 2.0,
+            stop_m: 1.0,
+            soft_m: 0.2,
+            margin_m: 0.03,
+        };
+        surroundings.look(None, &here, &[], &[], reach);
+        let dynamic = DynamicObstacles::default();
+        let space = Space {
+            config: BeamConfig {
+                delay_s: 0.0,
+                ..BeamConfig::default()
+            },
+            robot: &robot,
+            surroundings: &surroundings,
+            dynamic: &dynamic,
+            cost_to_go: None,
+            here,
+            goal: (goal_m, 0.0),
+            tolerance: tolerance_m,
+            fastest: 1.0,
+            soft: 0.2,
+        };
+        let root = space.root(0.4, 0.0);
+        let next = space.drive(&root, (0.4, 0.0), 0, &[]).expect("free");
+        let after = space.drive(&next, (0.4, 0.0), 1, &[]).expect("free");
+        if next.arrived {
+            assert!(after.arrived && after.state.x.to_bits() == next.state.x.to_bits());
+            assert!(
+                (after.total - next.total).abs() < 1e-9,
+                "it waits for nothing"
+            );
+        }
+        next
+    }
+
+    #[test]
+    fn a_robot_within_reach_of_its_goal_arrives_and_stays() {
+        // The first look after 0.04 m is 0.11 m before the goal, the second 0.07 m.
+        let there = towards(0.15, 0.1);
+        assert!(there.arrived);
+        assert!((there.state.x - 0.08).abs() < 1e-6, "{}", there.state.x);
+        assert!((there.cost - 0.2).abs() < 1e-6, "{}", there.cost);
+        assert!(there.to_go.abs() < 1e-9);
+        // 0.14 m before the goal at the end of it.
+        let before = towards(0.3, 0.1);
+        assert!(!before.arrived && (before.to_go - 0.14).abs() < 1e-5);
+        // It would take 0.04 m to stop.
+        assert!(!towards(0.15, 0.03).arrived);
+        // To arrive is worth more than to be about to.
+        assert!(there.total < before.total);
     }
 }

@@ -32,7 +32,7 @@ impl Rows {
         grid.prepare(window, n.0 as usize, n.1 as usize);
         scene.memory.rollouts = u32::try_from(grid.len()).unwrap_or(u32::MAX);
         let dynamic = &mut scene.seen.dynamic;
-        dynamic.tabulate(grid.steps, window.step_s);
+        dynamic.tabulate(grid.steps, window.step_s, 0.0);
         grid.foresee(dynamic, scene.seen.surroundings.footprint.circumscribed_m);
     }
 

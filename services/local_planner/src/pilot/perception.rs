@@ -19,6 +19,9 @@ use zeronav_msgs::scan::BEAMS_MAX;
 /// [s] of driving at full speed that the sampled stretch of the path spans at most.
 pub(crate) const PATH_HORIZON_S: f64 = 1.5;
 
+/// [s] within which a robot that brakes must be hit for rest to be no refuge.
+const HIT_SOON_S: f64 = 3.0;
+
 /// What is seen in a period.
 #[derive(Debug)]
 pub(crate) struct Perception {
@@ -211,6 +214,22 @@ impl Perception {
             &self.surroundings.field,
             self.surroundings.footprint.inscribed_m,
         )
+    }
+
+    /// [m] length of the stop from `twist` as far as what is static is concerned, when a robot that brakes
+    /// from `from` is hit soon; `None` when that is not free, or the robot may as well brake.
+    pub(crate) fn flight_arc_m(
+        &self,
+        config: &DwaConfig,
+        robot: &Description,
+        from: Twist,
+        twist: Twist,
+    ) -> Option<f64> {
+        let surroundings = &self.surroundings;
+        if surroundings.rest_is_free(robot, from, &self.dynamic, HIT_SOON_S) {
+            return None;
+        }
+        surroundings.static_stop_arc_m(robot, twist, config.reaction_s)
     }
 
     /// [m] length of the stop from `twist`; `None` when it is not free.

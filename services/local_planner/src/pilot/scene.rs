@@ -75,6 +75,9 @@ pub(crate) struct Memory {
     pub(crate) astray_s: f64,
     /// Of this period: the best twist of each speed with its worth, best first.
     pub(crate) reserve: Vec<(f64, Twist)>,
+    /// Of this period: the wish is the begin of a sequence that a search in time has found free of what
+    /// moves.
+    pub(crate) searched: bool,
     /// Of this period: motions looked at.
     pub(crate) rollouts: u32,
     /// Of this period: the wish is a turn on the spot.
@@ -95,6 +98,7 @@ impl Default for Memory {
             blocked_s: 0.0,
             astray_s: 0.0,
             reserve: Vec::with_capacity(LANES_MAX),
+            searched: false,
             rollouts: 0,
             turns: false,
             limit: Limit::NONE,
@@ -107,6 +111,7 @@ impl Memory {
     /// A period begins.
     pub(crate) fn begin(&mut self, goal: u64) {
         self.rollouts = 0;
+        self.searched = false;
         self.turns = false;
         self.limit = Limit::NONE;
         self.reserve.clear();

@@ -1,6 +1,7 @@
 //! What a stop is checked against, each source on its own.
 
 use super::*;
+use crate::situation::Future;
 use zeronav_msgs::obstacles::Obstacle;
 
 const REACTION_S: f64 = 0.1;
@@ -100,6 +101,7 @@ fn tracked(x_m: f64, y_m: f64, vx_mps: f64, vy_mps: f64) -> DynamicObstacles {
             ..Obstacle::default()
         }],
         0.0,
+        &Future::default(),
         &map_from_base,
     );
     moving
@@ -130,4 +132,47 @@ fn near_what_moves_the_robot_may_only_not_come_nearer() {
     let leaving = tracked(0.57, 0.0, 0.5, 0.0);
     assert!(arc_m(&open, 0.05, &leaving).is_some());
     assert_eq!(arc_m(&open, 1.0, &leaving), None);
+}
+
+#[test]
+fn a_robot_that_brakes_is_hit_by_who_comes_its_way() {
+    for corners in [Vec::new(), rectangle()] {
+        let (robot, open) = looked(&corners, &[], &[]);
+        let check = |v_mps: f64, moving: DynamicObstacles, expected: bool, what: &str| {
+            let twist = Twist::new(v_mps, 0.0);
+            let free = open.rest_is_free(&robot, twist, &moving, 1.5);
+            assert_eq!(free, expected, "{what}, {} corners", corners.len());
+        };
+        check(1.0, DynamicObstacles::default(), true, "nobody");
+        check(1.0, tracked(-1.8, 0.0, 1.6, 0.0), false, "who catches up");
+        check(1.0, tracked(-1.8, 1.1, 1.6, 0.0), true, "who overtakes");
+        check(0.0, tracked(1.8, 0.0, -1.6, 0.0), false, "who meets it");
+        check(0.0, tracked(1.8, 1.1, -1.6, 0.0), true, "who passes it");
+        check(0.0, tracked(1.8, 0.0, -0.5, 0.0), true, "who comes later");
+        // It comes to rest half a metre ahead, where nobody is now.
+        check(
+            1.0,
+            tracked(0.5, -1.8, 0.0, 1.6),
+            false,
+            "who crosses there",
+        );
+        check(
+            1.0,
+            tracked(-0.6, -1.8, 0.0, 1.6),
+            true,
+            "who crosses behind",
+        );
+    }
+}
+
+#[test]
+fn a_stop_for_a_flight_is_free_of_what_is_static_alone() {
+    let flight_m = |(robot, around): &(Description, Surroundings)| {
+        around.static_stop_arc_m(robot, Twist::new(1.0, 0.0), REACTION_S)
+    };
+    let point = [Point2::new(0.8, 0.0)];
+    // What moves is seen by the scan and kept out of the field.
+    let arc_m = flight_m(&looked(&[], &point, &[])).expect("free");
+    assert!((arc_m - 0.6).abs() < STOP_SPACING_M, "{arc_m}");
+    assert_eq!(flight_m(&looked(&[], &point, &point)), None);
 }

@@ -39,6 +39,36 @@ fn a_crossing_cart_is_given_way() {
     }
 }
 
+#[test]
+fn a_cart_that_comes_head_on_is_evaded() {
+    for speed in [0.5, 1.0, 1.5] {
+        for aside_m in [-0.2, 0.0, 0.2] {
+            check_untouched(Cart {
+                from: (11.0, 4.0 + aside_m),
+                velocity: (-speed, 0.0),
+            });
+        }
+    }
+}
+
+/// A robot that brakes is hit by it; at 0.8 m/s it can only leave its way.
+#[test]
+fn a_cart_that_catches_up_is_let_pass() {
+    for speed in [1.2, 1.6, 2.0] {
+        check_untouched(Cart {
+            from: (-4.0, 4.0),
+            velocity: (speed, 0.0),
+        });
+    }
+}
+
+fn check_untouched(cart: Cart) {
+    let (_, any_m, time_s) = cross(&mut beam(), cart, true);
+    println!("{cart:?}: {any_m:.3} m, {time_s:?}");
+    assert!(any_m > 0.0, "{cart:?}: touched");
+    assert!(time_s.is_some_and(|s| s < 40.0), "{cart:?}: {time_s:?}");
+}
+
 /// Somebody who walks to and fro between two walls, for ever.
 #[derive(Debug, Clone, Copy)]
 struct Walker {
