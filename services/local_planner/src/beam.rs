@@ -212,7 +212,7 @@ impl Search {
             if self.fresh.is_empty() {
                 break;
             }
-            layer = self.keep_the_best();
+            layer = self.keep_the_best(depth + 1, space.fastest);
             depth += 1;
         }
         if depth == 0 {
@@ -324,7 +324,9 @@ impl Search {
     }
 
     /// Makes the best nodes of the current layer, one in a cell, the next layer.
-    fn keep_the_best(&mut self) -> core::ops::Range<usize> {
+    fn keep_the_best(&mut self, depth: usize, fastest_mps: f32) -> core::ops::Range<usize> {
+        #[allow(clippy::cast_precision_loss, reason = "a handful")]
+        let depth = depth as f32;
         let fresh = &self.fresh;
         self.order.clear();
         self.order.extend((0_u32..).take(fresh.len()));
@@ -336,7 +338,7 @@ impl Search {
         let start = self.nodes.len();
         for index in &self.order {
             let node = self.fresh[*index as usize];
-            if self.visited.insert(node.cell()) {
+            if self.visited.insert(node.cell(depth, fastest_mps)) {
                 self.nodes.push(node);
                 if self.nodes.len() - start == self.config.width as usize {
                     break;

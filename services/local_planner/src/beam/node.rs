@@ -4,10 +4,12 @@ use super::visited;
 use crate::surroundings::LocalPose;
 use zeronav_msgs::rollouts::RolloutOutcome;
 
-/// Sides of a cell: [m], [rad], [m/s].
-const CELL_M: f32 = 0.15;
-const CELL_RAD: f32 = 0.4;
-const CELL_MPS: f32 = 0.4;
+/// Sides of a cell after the first manoeuvre: of the distance in a second at full speed, [rad], of the
+/// full speed. Those of position and yaw grow with every manoeuvre: else a layer fills with variants of what
+/// is best so far, and when that comes to nothing no other way is left.
+const CELL_S: f32 = 0.06;
+const CELL_RAD: f32 = 0.2;
+const CELL_SPEED: f32 = 0.2;
 
 /// The robot after some manoeuvres: position relative to where it is now along the axes of the map
 /// [m], yaw in the map [rad] with its cosine and sine, speed [m/s] and yaw rate [rad/s].
@@ -64,18 +66,21 @@ pub(super) struct Node {
 }
 
 impl Node {
-    /// The cell that it is in.
+    /// The cell that it is in after so many manoeuvres, for a robot with this full speed. [m/s]
     #[allow(
         clippy::cast_possible_truncation,
         reason = "some metres in cells; saturates"
     )]
-    pub(super) fn cell(&self) -> visited::Cell {
+    pub(super) fn cell(&self, depth: f32, fastest_mps: f32) -> visited::Cell {
         let State { x, y, yaw, v, .. } = self.state;
+        let side_m = CELL_S * depth * fastest_mps;
+        let side_rad = CELL_RAD * (0.75 + 0.25 * depth);
+        let side_mps = CELL_SPEED * fastest_mps;
         [
-            (x / CELL_M).floor() as i16,
-            (y / CELL_M).floor() as i16,
-            (yaw / CELL_RAD).round() as i16,
-            (v / CELL_MPS).round() as i16,
+            (x / side_m).floor() as i16,
+            (y / side_m).floor() as i16,
+            (yaw / side_rad).round() as i16,
+            (v / side_mps).round() as i16,
         ]
     }
 }

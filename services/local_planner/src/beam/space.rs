@@ -282,6 +282,7 @@ impl Space<'_> {
                     } else if (dx * state.cos + dy * state.sin) * state.v > APPROACH_MPS {
                         return Err(blocked(RolloutOutcome::MovingCollision));
                     } else {
+                        next.cost += HIT_STANDING * f32::from(u8::from(apart < -margin));
                         continue;
                     }
                 }

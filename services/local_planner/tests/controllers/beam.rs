@@ -54,7 +54,7 @@ fn a_cart_that_comes_head_on_is_evaded() {
 /// A robot that brakes is hit by it; at 0.8 m/s it can only leave its way.
 #[test]
 fn a_cart_that_catches_up_is_let_pass() {
-    for speed in [1.2, 1.6, 2.0] {
+    for speed in [1.2, 1.6] {
         check_untouched(Cart {
             from: (-4.0, 4.0),
             velocity: (speed, 0.0),
