@@ -94,3 +94,34 @@ fn every_planner_solves_the_blocked_aisle_or_reports_failure() {
     let faults = faults.into_inner().unwrap_or_else(PoisonError::into_inner);
     assert!(faults.is_empty(), "{faults:#?}");
 }
+
+/// How far the path of 5 s into `oncoming_person` leaves the middle of the corridor, in which somebody
+/// comes towards the robot at 1 m/s, when obstacles slower than this block the way. [m]
+fn aside_m(blocks_below_mps: f64) -> f64 {
+    let text = zeronav_tests::shipped("oncoming_person");
+    let (text, _) = text.split_once("[expect]").expect("what it expects");
+    let folder = tempfile::tempdir().expect("a folder");
+    let text = format!(
+        "{text}\n[services.global_planner]\nconfig.blocks_below_mps = {blocks_below_mps:?}\n"
+    );
+    std::fs::write(folder.path().join("it.toml"), text).expect("written");
+    let arguments = ["run", "./it.toml", "--lockstep", "--headless", "--json"];
+    let result = Zeronav::start_in(folder, &arguments).finish().json();
+    let plans = result["plans"].as_array().expect("paths");
+    let until = plans
+        .iter()
+        .rfind(|plan| plan["time_s"].as_f64().is_some_and(|time_s| time_s <= 5.0));
+    let points: Vec<[f64; 2]> =
+        serde_json::from_value(until.expect("a path")["points_m"].clone()).expect("points");
+    points
+        .iter()
+        .map(|[_, y]| (y - 4.0).abs())
+        .fold(0.0, f64::max)
+}
+
+#[test]
+fn who_walks_blocks_the_way_only_when_that_is_asked_for() {
+    let (left_alone_m, blocked_m) = (aside_m(0.3), aside_m(1.5));
+    assert!(left_alone_m < 0.1, "{left_alone_m} m");
+    assert!(blocked_m > 0.5, "{blocked_m} m");
+}
