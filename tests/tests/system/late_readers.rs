@@ -20,14 +20,15 @@ const LATE_S: f64 = 60.0;
 /// 50 ms at least, on a loaded machine later.
 const AT_ONCE: Duration = Duration::from_secs(2);
 
-/// Up and down an aisle for some minutes of run time.
+/// Up and down an aisle for some minutes of run time. Mapping is told what moves, so that the simulator
+/// says it.
 fn scenario() -> String {
     let goals = (0..16).map(|leg| {
         let x_m = if leg % 2 == 0 { 12.5 } else { 5.0 };
         format!("[[goals]]\npose = [{x_m}, 6.425, 0.0]\nyaw_tolerance_rad = 3.15\n")
     });
     "title = \"test\"\nbase = [\"warehouse\", \"porter\"]\nstart = [4.0, 6.425, 0.0]\n\
-     [run]\ntime_limit_s = 1000.0\n"
+     [run]\ntime_limit_s = 1000.0\n[foresight]\nperceive = \"truth\"\n"
         .to_owned()
         + &goals.collect::<String>()
 }
