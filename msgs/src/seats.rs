@@ -3,8 +3,8 @@
 use crate::role::Role;
 use crate::topics::{
     ControlRequest, Discipline, MapKeyframe, MapObstacles, MapUpdate, PlanPath, PlanRequests,
-    RobotCommand, RobotDescription, RobotOdometry, RobotScan, SimPlacement, TaskGoal, TaskPose,
-    TaskState, Topic, TopicRow, topics,
+    RobotCommand, RobotDescription, RobotOdometry, RobotScan, SimForesight, SimPlacement, TaskGoal,
+    TaskPose, TaskState, Topic, TopicRow, topics,
 };
 
 /// Ticks that a seat has to answer in lockstep.
@@ -71,6 +71,7 @@ pub static SEATS: [SeatRow; 5] = [
             TaskGoal::ROW,
             TaskState::ROW,
             TaskPose::ROW,
+            SimForesight::ROW,
         ],
         answers: Answers::TicksWithScan,
         after: &[],
@@ -107,6 +108,7 @@ pub static SEATS: [SeatRow; 5] = [
             PlanPath::ROW,
             TaskGoal::ROW,
             TaskState::ROW,
+            SimForesight::ROW,
         ],
         answers: Answers::EveryTick,
         after: &[Role::Mapping, Role::GlobalPlanner],

@@ -6,7 +6,7 @@ use zeronav_msgs::labels::{ENUMS, label};
 use zeronav_msgs::message::{self, Wire};
 use zeronav_msgs::span::Span;
 use zeronav_msgs::topics::{self, Topic, TopicRow, TopicVisitor, visit_topics};
-use zeronav_msgs::{grid, header, health, map, obstacles, rollouts, run};
+use zeronav_msgs::{foresight, grid, header, health, map, obstacles, rollouts, run};
 
 /// The contract.
 pub(crate) struct Contract {
@@ -176,6 +176,7 @@ fn constants() -> Vec<(&'static str, f64)> {
         header::{SHADOW_EPOCH_MIN},
         message::{COORDINATE_M_MAX, SPEED_MAX},
         run::{CLOCK_OFFSET_MS_MAX, DELAY_STEP_NS, DELAY_US_MAX, SHARE_ALL},
+        foresight::{FORESIGHT_PERCEIVE, FORESIGHT_PREDICT},
         topics::{EVENT_NEED_KEYFRAME},
         grid::{SIDE_CELLS_MAX},
         map::{

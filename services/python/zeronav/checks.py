@@ -270,6 +270,8 @@ def _rollouts(meta, rollouts):
 def _run_clock(meta, items):
     length(items, 0, 0, "items")
     code(c.RunMode, meta.mode, "mode")
+    known = c.FORESIGHT_PERCEIVE | c.FORESIGHT_PREDICT
+    ensure(meta.foresight <= known, "unknown code in foresight")
     ensure(1_000_000 <= meta.tick_ns <= 1_000_000_000, "tick_ns is out of range")
 
 

@@ -263,7 +263,7 @@ impl TopicVisitor for Changer {
     type Error = String;
 
     fn topic<T: Topic>(&mut self, row: &'static TopicRow) -> Result<(), String> {
-        // Between launch and the simulator; the package does not read them.
+        // Of launch and the simulator, and of runs that measure; the package does not read them.
         if row.name.starts_with("sim/") {
             return Ok(());
         }

@@ -177,6 +177,8 @@ fn beam_passes_recorded_pedestrians() {
         "data",
         "--seeds",
         "2",
+        "--controller",
+        "beam",
         "--json",
     ];
     let report = Zeronav::start_in(folder, &arguments).finish().expect(0);
