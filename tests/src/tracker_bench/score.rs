@@ -36,7 +36,7 @@ const STANDS_S: f64 = 2.0;
 /// Predictions and ellipses are looked at once in this time: neighbouring scans say the same. [s]
 const SAMPLE_S: f64 = 0.1;
 
-/// How long after each of [`AFTER_S`] a scan that shows the obstacle may come. [s]
+/// How long after each of `AFTER_S` a scan that shows the obstacle may come. [s]
 const LATE_S: f64 = 0.1;
 
 /// What is true of an obstacle in a scan, in mapping's map.
@@ -50,7 +50,7 @@ pub(super) struct Truth {
     pub(super) at: Point2<f64>,
     /// [m/s]
     pub(super) velocity: Vector2<f64>,
-    /// Where it is after each of [`AHEAD_S`], if it is still there. [m]
+    /// Where it is after each of `AHEAD_S`, if it is still there. [m]
     pub(super) ahead: [Option<Point2<f64>>; 3],
 }
 
@@ -76,7 +76,7 @@ struct Sight {
     held: Option<u64>,
     /// Since when another one does, or none. [ns]
     away_ns: Option<u64>,
-    /// Which of [`AFTER_S`] comes next.
+    /// Which of `AFTER_S` comes next.
     next: usize,
 }
 

@@ -8,7 +8,7 @@ pub(super) const AFTER_S: [f64; 3] = [0.2, 0.5, 1.0];
 /// How far ahead tracks are predicted. [s]
 pub(super) const AHEAD_S: [f64; 3] = [0.5, 1.0, 2.0];
 
-/// Which of [`AHEAD_S`] the covariance is judged at, too.
+/// Which of `AHEAD_S` the covariance is judged at, too.
 pub(super) const JUDGED: usize = 1;
 
 /// Velocities at one time after the first sight.
@@ -90,13 +90,13 @@ pub struct Tally {
     pub delays_s: Vec<f64>,
     /// Sights of more than a second.
     pub long_sights: usize,
-    /// The velocity at each of [`AFTER_S`].
+    /// The velocity at each of `AFTER_S`.
     pub early: [Early; 3],
-    /// Predictions for each of [`AHEAD_S`].
+    /// Predictions for each of `AHEAD_S`.
     pub ahead: [Ahead; 3],
     /// Where the obstacle is.
     pub now: Inside,
-    /// Where it is at [`JUDGED`].
+    /// Where it is at `JUDGED`.
     pub then: Inside,
     /// What went wrong, in the order of the scans.
     pub events: Vec<Event>,
