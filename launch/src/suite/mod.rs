@@ -116,16 +116,7 @@ fn begin(
         .iter()
         .filter_map(|case| journal.row(case).cloned())
         .collect();
-    let report = Report::new(
-        &setup,
-        kind,
-        cases.len(),
-        rows,
-        &directory,
-        started.elapsed().as_secs_f64(),
-        before.environment(),
-    );
-    report.leave().map_err(SuiteError::Lost)?;
+    let report = leave(&setup, (cases.len(), rows), &directory, (&started, &before))?;
     match ended {
         Ok(()) => {}
         Err(Stopped::Interrupted) => return Err(SuiteError::Interrupted(Some(Box::new(report)))),
@@ -156,12 +147,22 @@ fn plan_all(plan: &SuitePlan, interrupted: &AtomicBool) -> Result<Report, SuiteE
     let runner = Runner::new(plan, directory.join("runs"), interrupted)?;
     let cases = cases(kind, &setup, &worlds, &runner)?;
     let rows = bound::rows(&cases, runner.jobs(), plan.progress, interrupted)?;
+    leave(&setup, (cases.len(), rows), &directory, (&started, &before))
+}
+
+/// The report of so many cases, of which these have a row, in the suite's folder.
+fn leave(
+    setup: &Setup<'_>,
+    (n_cases, rows): (usize, Vec<Row>),
+    directory: &Path,
+    (started, before): (&Instant, &Before),
+) -> Result<Report, SuiteError> {
     let report = Report::new(
-        &setup,
-        kind,
-        cases.len(),
+        setup,
+        Kind::of(&setup.plan.suite),
+        n_cases,
         rows,
-        &directory,
+        directory,
         started.elapsed().as_secs_f64(),
         before.environment(),
     );

@@ -75,8 +75,7 @@ pub(crate) struct Memory {
     pub(crate) astray_s: f64,
     /// Of this period: the best twist of each speed with its worth, best first.
     pub(crate) reserve: Vec<(f64, Twist)>,
-    /// Of this period: the wish is the begin of a sequence that a search in time has found free of what
-    /// moves.
+    /// Of this period: the wish begins a sequence that a search in time has found free of what moves.
     pub(crate) searched: bool,
     /// Of this period: motions looked at.
     pub(crate) rollouts: u32,
