@@ -352,7 +352,7 @@ pub struct SuiteArgs {
     /// Drive nothing: plan a way through each run's world that touches nothing, with exact wheels and
     /// the future of everything that moves known, and report what is possible. Where none is found
     /// there may be one.
-    #[arg(long, conflicts_with_all = ["controller", "resume"])]
+    #[arg(long, conflicts_with_all = ["controller", "resume", "perceive", "predict"])]
     pub bound: bool,
     /// Runs of each world, with the seeds 1 to N.
     #[arg(long, value_name = "N", default_value_t = 1,

@@ -375,7 +375,11 @@ fn a_bound_plans_ways_and_drives_nothing() {
     }
     let runs = std::fs::read_dir(left.join("runs")).expect("a folder");
     assert_eq!(runs.count(), 0, "nothing was driven");
-    for more in [["--controller", "beam"], ["--resume", "runs"]] {
+    for more in [
+        ["--controller", "beam"],
+        ["--resume", "runs"],
+        ["--perceive", "truth"],
+    ] {
         let refused = zeronav(&[&bound[..], &more[..]].concat());
         assert_eq!(refused.code(), 2, "{}", refused.stderr);
     }
