@@ -19,7 +19,7 @@ message! {
 
 message! {
     /// A tracked obstacle: a disc with constant velocity.
-    pub struct Obstacle = "zeronav.Obstacle.v1" {
+    pub struct Obstacle = "zeronav.Obstacle.v2" {
         /// [number] Stays with the track as long as it lives.
         pub track: u64,
         /// [m] `map` frame.
@@ -34,6 +34,8 @@ message! {
         pub radius_m: f64,
         /// [s] since the track began.
         pub age_s: f64,
+        /// [s] since the last scan that showed it: where it is now is predicted. 0 while it is seen.
+        pub unseen_s: f64,
         /// Covariance of (x, y, vx, vy), upper triangle by rows. [m^2, m^2/s, m^2/s^2]
         pub covariance: [f64; 10],
     }
@@ -57,6 +59,7 @@ impl Obstacles {
             number(obstacle.vy_mps, -SPEED_MAX, SPEED_MAX, "vy_mps")?;
             number(obstacle.radius_m, 0.0, OBSTACLE_RADIUS_M_MAX, "radius_m")?;
             number(obstacle.age_s, 0.0, 1.0e9, "age_s")?;
+            number(obstacle.unseen_s, 0.0, 1.0e9, "unseen_s")?;
             for value in obstacle.covariance {
                 number(value, -1.0e12, 1.0e12, "covariance")?;
             }

@@ -1104,8 +1104,8 @@ static_assert(MapObstaclesEnvelope::SCHEMA == [] {
 
 /// A tracked obstacle: a disc with constant velocity.
 struct Obstacle {
-    static constexpr const char* NAME = "zeronav.Obstacle.v1";
-    static constexpr std::uint64_t SCHEMA = 0xd43821615d03e5c8;
+    static constexpr const char* NAME = "zeronav.Obstacle.v2";
+    static constexpr std::uint64_t SCHEMA = 0x8c5365a47ca1daff;
     /// [number] Stays with the track as long as it lives.
     std::uint64_t track{};
     /// [m] `map` frame.
@@ -1120,10 +1120,12 @@ struct Obstacle {
     double radius_m{};
     /// [s] since the track began.
     double age_s{};
+    /// [s] since the last scan that showed it: where it is now is predicted. 0 while it is seen.
+    double unseen_s{};
     /// Covariance of (x, y, vx, vy), upper triangle by rows. [m^2, m^2/s, m^2/s^2]
     double covariance[10]{};
 };
-static_assert(sizeof(Obstacle) == 136);
+static_assert(sizeof(Obstacle) == 144);
 static_assert(std::is_trivially_copyable_v<Obstacle> && std::is_standard_layout_v<Obstacle>);
 static_assert(offsetof(Obstacle, track) == 0);
 static_assert(offsetof(Obstacle, x_m) == 8);
@@ -1132,7 +1134,8 @@ static_assert(offsetof(Obstacle, vx_mps) == 24);
 static_assert(offsetof(Obstacle, vy_mps) == 32);
 static_assert(offsetof(Obstacle, radius_m) == 40);
 static_assert(offsetof(Obstacle, age_s) == 48);
-static_assert(offsetof(Obstacle, covariance) == 56);
+static_assert(offsetof(Obstacle, unseen_s) == 56);
+static_assert(offsetof(Obstacle, covariance) == 64);
 static_assert(Obstacle::SCHEMA == [] {
     std::uint64_t hash = fnv1a(FNV_OFFSET, Obstacle::NAME);
     hash = fnv1a(hash, "track");
@@ -1156,6 +1159,9 @@ static_assert(Obstacle::SCHEMA == [] {
     hash = fnv1a(hash, "age_s");
     hash = fnv1a_number(hash, Schema<decltype(Obstacle::age_s)>::value);
     hash = fnv1a_number(hash, offsetof(Obstacle, age_s));
+    hash = fnv1a(hash, "unseen_s");
+    hash = fnv1a_number(hash, Schema<decltype(Obstacle::unseen_s)>::value);
+    hash = fnv1a_number(hash, offsetof(Obstacle, unseen_s));
     hash = fnv1a(hash, "covariance");
     hash = fnv1a_number(hash, Schema<decltype(Obstacle::covariance)>::value);
     hash = fnv1a_number(hash, offsetof(Obstacle, covariance));
@@ -2902,7 +2908,7 @@ struct map_obstacles {
     using Envelope = MapObstaclesEnvelope;
     using Item = Obstacle;
     static constexpr const char* NAME = "map/obstacles";
-    static constexpr std::uint64_t SCHEMA = 0x34d46bee8a17ace4;
+    static constexpr std::uint64_t SCHEMA = 0xea9d1f73e5827ded;
     static constexpr std::size_t NUMBER = 5;
     static constexpr std::size_t LEN_MAX = 128;
     static constexpr std::size_t BUFFER = 2;

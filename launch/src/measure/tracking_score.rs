@@ -16,6 +16,10 @@ pub const MOVING_MPS: f64 = 0.1;
 /// Beams on a moving obstacle from which on it should be found.
 pub const BEAMS_MIN: u32 = 3;
 
+/// A track that was not seen for longer than this is a guess of where its obstacle is now, not a claim
+/// that something moves there. [s]
+pub const GUESSED_FROM_S: f64 = 0.31;
+
 /// A true obstacle from scan to scan.
 #[derive(Debug, Clone, Copy)]
 struct Followed {
@@ -126,7 +130,7 @@ impl TrackingScore {
                 _ => {}
             }
         }
-        for obstacle in tracked {
+        for obstacle in tracked.iter().filter(|one| one.unseen_s < GUESSED_FROM_S) {
             let near = |at: &Point2<f64>| (place(obstacle) - at).norm() <= 2.0 * SAME_M;
             if !movers.iter().any(near) && !self.false_numbers.contains(&obstacle.track) {
                 self.false_numbers.push(obstacle.track);

@@ -47,6 +47,15 @@ impl PastScan {
         })
     }
 
+    /// True when it says nothing of a point of the map: something at least `margin_m` nearer is in the
+    /// way, it is out of range, or no beam looks there.
+    #[must_use]
+    pub(crate) fn is_hidden(&self, point_in_map: Point2<f64>, margin_m: f64) -> bool {
+        let (beam, range_m) = self.towards(point_in_map);
+        let nearer = |seen: f32| self.scan.is_hit(seen) && f64::from(seen) < range_m - margin_m;
+        range_m > f64::from(self.scan.range_m_max) || self.range_of(beam).is_none_or(nearer)
+    }
+
     /// True when its beam towards a point of the map ended there, by at most `margin_m` off.
     #[must_use]
     pub(crate) fn ended_at(&self, point_in_map: Point2<f64>, margin_m: f64) -> bool {
@@ -200,6 +209,19 @@ mod tests {
             assert!(ended(5.05) && ended(4.95) && !ended(4.8) && !ended(5.2));
             assert!(see(200.0, 9.8) && !see(200.0, 9.95) && !see(199.0, 6.0));
         }
+    }
+
+    #[test]
+    fn hidden_is_what_lies_behind_out_of_range_or_beside_the_view() {
+        let past = past(100, -0.5, 0.01, &[5.0; 100]);
+        let hidden = |angle: f64, range_m: f64| {
+            let angle = 0.5 + angle;
+            let at = Point2::new(1.0 + range_m * angle.cos(), 2.0 + range_m * angle.sin());
+            past.is_hidden(at, 0.4)
+        };
+        assert!(!hidden(0.0, 4.0) && !hidden(0.0, 5.3) && hidden(0.0, 5.5));
+        assert!(!hidden(0.48, 4.0) && hidden(0.6, 4.0) && hidden(3.0, 4.0));
+        assert!(hidden(0.0, 10.5));
     }
 
     #[test]

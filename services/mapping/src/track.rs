@@ -122,6 +122,7 @@ impl Track {
             vy_mps: velocity.y.clamp(-SPEED_MAX, SPEED_MAX),
             radius_m: self.form.radius_m,
             age_s: seconds(run_ns.saturating_sub(self.born_ns)),
+            unseen_s: seconds(run_ns.saturating_sub(self.hit_ns)),
             covariance: self.filter.upper_triangle(),
         }
     }

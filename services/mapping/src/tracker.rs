@@ -52,6 +52,9 @@ const POINTS_MIN: usize = 3;
 /// Time after the last hit at which a track ends: three scans of a lidar at 10 Hz. [s]
 const COAST_S: f64 = 0.3;
 
+/// The same for what moves while it is hidden: who passed behind somebody comes out again. [s]
+const HIDDEN_S: f64 = 1.5;
+
 /// Standard deviations of the filter's speed above which a track may be called moving.
 const MOVING_SIGMAS: f64 = 2.0;
 
@@ -170,9 +173,7 @@ impl Tracker {
         let dt_s = seconds(view.run_ns.saturating_sub(self.run_ns));
         self.run_ns = view.run_ns;
         self.yaw_doubt = view.yaw_doubt;
-        let coast_ns = nanoseconds(COAST_S);
-        self.tracks
-            .retain(|track| view.run_ns.saturating_sub(track.hit_ns) <= coast_ns);
+        self.end_lost();
         let acceleration_m2ps3 = self.config.acceleration_sigma_mps2.powi(2) * ACCELERATION_LASTS_S;
         for track in &mut self.tracks {
             track.just_moving = false;
@@ -267,6 +268,20 @@ impl Tracker {
     pub fn obstacles(&self) -> impl Iterator<Item = Obstacle> + '_ {
         let moving = self.tracks.iter().filter(|track| track.moving);
         moving.map(|track| track.obstacle(self.run_ns))
+    }
+
+    /// Ends the tracks that were not seen for too long.
+    fn end_lost(&mut self) {
+        let (now_ns, gap_m) = (self.run_ns, self.config.gap_m);
+        let newest = self.past.newest();
+        self.tracks.retain(|track| {
+            let hidden = track.moving
+                && newest.is_some_and(|scan| {
+                    scan.is_hidden(track.filter.position(), track.form.radius_m + gap_m)
+                });
+            let lasts_s = if hidden { HIDDEN_S } else { COAST_S };
+            now_ns.saturating_sub(track.hit_ns) <= nanoseconds(lasts_s)
+        });
     }
 
     /// Decides which clusters may be obstacles of their own.

@@ -649,10 +649,10 @@ class MapObstaclesEnvelope(Message):
 class Obstacle(Message):
     """A tracked obstacle: a disc with constant velocity."""
 
-    NAME = "zeronav.Obstacle.v1"
-    SIZE = 136
-    SCHEMA = 0xd43821615d03e5c8
-    OFFSETS = (0, 8, 16, 24, 32, 40, 48, 56)
+    NAME = "zeronav.Obstacle.v2"
+    SIZE = 144
+    SCHEMA = 0x8c5365a47ca1daff
+    OFFSETS = (0, 8, 16, 24, 32, 40, 48, 56, 64)
     _fields_ = [
         # [number] Stays with the track as long as it lives.
         ("track", u64),
@@ -668,6 +668,8 @@ class Obstacle(Message):
         ("radius_m", f64),
         # [s] since the track began.
         ("age_s", f64),
+        # [s] since the last scan that showed it: where it is now is predicted. 0 while it is seen.
+        ("unseen_s", f64),
         # Covariance of (x, y, vx, vy), upper triangle by rows. [m^2, m^2/s, m^2/s^2]
         ("covariance", f64 * 10),
     ]
@@ -1598,7 +1600,7 @@ MAP_OBSTACLES = Topic(
     len_max=128,
     buffer=2,
     pool=58,
-    schema=0x34d46bee8a17ace4,
+    schema=0xea9d1f73e5827ded,
 )
 
 PLAN_PATH = Topic(

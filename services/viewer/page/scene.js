@@ -260,6 +260,7 @@ const ZeronavScene = (() => {
 
   const SCALE = { least: 2, most: 2000 }; // pixels per metre
   const CLICK_PX = 5;
+  const UNSEEN_S = 0.3; // after which a tracked obstacle is only an outline
 
   /** Draws a moment of a scene, and moves over it. */
   class View {
@@ -498,7 +499,7 @@ const ZeronavScene = (() => {
 
     /** Discs with their velocity, and where they are in the next two seconds if it stays. */
     drawObstacles(to, moment, theme, px) {
-      for (const [, x, y, vx, vy, radius] of moment.obstacles || []) {
+      for (const [, x, y, vx, vy, radius, unseen_s] of moment.obstacles || []) {
         const speed = Math.hypot(vx, vy);
         for (let ahead_s = 0.5; speed > 0.05 && ahead_s <= 2; ahead_s += 0.5) {
           to.globalAlpha = 0.45 * (1 - ahead_s / 2.5);
@@ -509,8 +510,10 @@ const ZeronavScene = (() => {
         to.globalAlpha = 1;
         to.beginPath();
         to.arc(x, y, radius, 0, 2 * Math.PI);
-        to.fillStyle = theme.obstacle + "40";
-        to.fill();
+        if (!(unseen_s > UNSEEN_S)) {
+          to.fillStyle = theme.obstacle + "40";
+          to.fill();
+        }
         stroke(to, theme.obstacle, 1.5 * px);
         if (speed > 0.05) {
           arrow(to, [x, y], [x + vx, y + vy], 6 * px);

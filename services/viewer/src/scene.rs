@@ -80,7 +80,7 @@ pub struct Frame {
     /// The newest scan.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub scan: Option<SceneScan>,
-    /// Tracked obstacles: track, x, y, vx, vy, radius.
+    /// Tracked obstacles: track, x, y, vx, vy, radius, time since it was seen.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub obstacles: Option<Vec<Tracked>>,
     /// True outlines of what moves by a script.
@@ -154,9 +154,9 @@ impl SceneScan {
     }
 }
 
-/// A tracked obstacle: track, x, y, vx, vy, radius.
+/// A tracked obstacle: track, x, y, vx, vy, radius, time since it was seen.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Tracked(u64, Rounded, Rounded, Rounded, Rounded, Rounded);
+pub struct Tracked(u64, Rounded, Rounded, Rounded, Rounded, Rounded, Rounded);
 
 impl Tracked {
     /// One of `map/obstacles`.
@@ -170,6 +170,7 @@ impl Tracked {
             round(obstacle.vx_mps),
             round(obstacle.vy_mps),
             round(obstacle.radius_m),
+            round(obstacle.unseen_s),
         )
     }
 }
@@ -431,7 +432,7 @@ mod tests {
         let text = serde_json::to_string(&frame).expect("JSON");
         assert_eq!(
             text,
-            r#"{"time_s":1.235,"tick":61,"robot":[1,-2,0.1235,0.5,0],"obstacles":[[3,1.25,0,0,0,0]],"goals":[[0,0,0,0.25,"active"]]}"#
+            r#"{"time_s":1.235,"tick":61,"robot":[1,-2,0.1235,0.5,0],"obstacles":[[3,1.25,0,0,0,0,0]],"goals":[[0,0,0,0.25,"active"]]}"#
         );
     }
 }

@@ -1,5 +1,5 @@
 //! A walker who stops: called moving while it walks, not any more once it has stood for a while,
-//! and again when it goes on.
+//! and again when it goes on; and one who passes behind a wall.
 
 use nalgebra::{Point2, Vector2};
 use zeronav_mapping::beams::{Beams, Sweep};
@@ -12,11 +12,16 @@ const PERIOD_NS: u64 = 100_000_000;
 const BEAMS: u16 = 720;
 const RADIUS_M: f64 = 0.3;
 
-/// A laser at the origin and a disc in the open before it.
+/// y of the wall that may stand between the laser and the disc. [m]
+const WALL_Y_M: f64 = 1.5;
+
+/// A laser at the origin and a disc before it, in the open or partly behind a wall.
 struct Scene {
     tracker: Tracker,
     beams: Beams,
     at: Point2<f64>,
+    /// From where to where along x the wall goes. [m]
+    wall: Option<(f64, f64)>,
     rng: crate::support::Rng,
     n: u64,
 }
@@ -27,6 +32,7 @@ impl Scene {
             tracker: Tracker::new(&TrackingConfig::default()),
             beams: Beams::default(),
             at: Point2::new(-2.0, 3.0),
+            wall: None,
             rng: crate::support::Rng(3),
             n: 0,
         }
@@ -58,6 +64,11 @@ impl Scene {
         let ranges: Vec<f32> = (0..usize::from(BEAMS))
             .map(|beam| {
                 let (sin, cos) = scan.angle_of(beam).sin_cos();
+                let wall_m = WALL_Y_M / sin;
+                let on_wall = |(from, to): (f64, f64)| (from..=to).contains(&(wall_m * cos));
+                if sin > 0.0 && self.wall.is_some_and(on_wall) {
+                    return wall_m as f32;
+                }
                 let along = self.at.coords.dot(&Vector2::new(cos, sin));
                 let squared = RADIUS_M.powi(2) - (self.at.coords.norm_squared() - along * along);
                 if along > 0.0 && squared > 0.0 {
@@ -78,7 +89,8 @@ impl Scene {
             run_ns: self.run_ns(),
             yaw_doubt: 0.0,
         };
-        self.tracker.follow(&view, |_| false);
+        let is_wall = |at: Point2<f64>| (at.y - WALL_Y_M).abs() < 0.1;
+        self.tracker.follow(&view, is_wall);
     }
 
     fn moving(&self) -> Vec<Obstacle> {
@@ -128,5 +140,43 @@ fn who_is_gone_is_forgotten_with_its_beams() {
     assert_eq!(scene.moving().len(), 1, "it may be hidden for a moment");
     assert!(!scene.tracker.moving_beams().contains(&true));
     scene.walk(4, 0.0);
+    assert_eq!(scene.moving(), []);
+}
+
+#[test]
+fn who_passes_behind_a_wall_is_predicted_until_he_comes_out() {
+    // From x = -0.3 to 0.3 m at y = 1.5 m it hides what is between -0.6 and 0.6 m at y = 3 m.
+    let mut scene = Scene::new();
+    scene.wall = Some((-0.3, 0.3));
+    let mut guessed = 0;
+    let mut numbers = Vec::new();
+    for n in 0..40 {
+        scene.walk(1, 1.0);
+        let [walker] = scene.moving()[..] else {
+            assert!(n < 10, "lost at {}: {:?}", scene.at, scene.moving());
+            continue;
+        };
+        let off_m = (walker.x_m - scene.at.x).hypot(walker.y_m - scene.at.y);
+        assert!(off_m < 0.3, "{off_m} m off at {}: {walker:?}", scene.at);
+        guessed += u32::from(walker.unseen_s > 0.05);
+        numbers.push(walker.track);
+    }
+    // 0.6 m of the way he is hidden as a whole.
+    assert!((3..=9).contains(&guessed), "{guessed}");
+    numbers.dedup();
+    assert_eq!(numbers.len(), 1, "one track: {numbers:?}");
+}
+
+#[test]
+fn who_does_not_come_out_is_given_up() {
+    let mut scene = Scene::new();
+    scene.wall = Some((-0.3, 3.0));
+    scene.walk(25, 1.0);
+    let [hidden] = scene.moving()[..] else {
+        panic!("{:?}", scene.moving());
+    };
+    let sigma_m = hidden.covariance[0].sqrt();
+    assert!(hidden.unseen_s > 0.3 && sigma_m > 0.1, "{hidden:?}");
+    scene.walk(20, 1.0);
     assert_eq!(scene.moving(), []);
 }
