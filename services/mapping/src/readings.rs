@@ -64,10 +64,6 @@ impl Readings {
         self.description.poll(roster);
         self.scan.poll(roster);
         self.estimate.poll(roster);
-        // It was sent before the scan.
-        if let Some(foresight) = &mut self.foresight {
-            foresight.poll(roster);
-        }
         let mut inputs: Vec<&dyn Input> = vec![
             &self.odometry,
             &self.scan,
@@ -77,6 +73,11 @@ impl Readings {
         if let Some(goal) = &mut self.goal {
             goal.poll(roster);
             inputs.push(goal);
+        }
+        // It was sent before the scan.
+        if let Some(foresight) = &mut self.foresight {
+            foresight.poll(roster);
+            inputs.push(foresight);
         }
         shell.count(&inputs);
     }

@@ -2,7 +2,7 @@
 //! with the default controller, judged by what is really so, as their files expect it.
 
 use serde_json::Value;
-use zeronav_tests::zeronav;
+use zeronav_tests::{workspace, zeronav};
 
 /// Drives a scenario and accepts nothing but its verdict.
 fn drive(scenario: &str) -> Value {
@@ -90,6 +90,24 @@ fn a_scenario_with_variants_is_run_by_its_own_name_too() {
     let variant = drive("u_trap_1m");
     assert_eq!(own["scenario"], "u_trap");
     assert_eq!(own["run_hash"], variant["run_hash"]);
+}
+
+/// `beam` searches only among what moves; the rest is `dwa_t`, bit for bit.
+#[test]
+fn where_nothing_moves_the_default_controller_is_dwa_t() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for scenario in ["door", "symmetric_post", "open_aisle"] {
+        let shipped = workspace().join(format!("launch/scenarios/{scenario}.toml"));
+        let mut text = std::fs::read_to_string(shipped).expect("a scenario");
+        text += "\n[services.local_planner]\nconfig.controller = \"dwa_t\"\n";
+        let file = folder.path().join(format!("{scenario}.toml"));
+        std::fs::write(&file, text).expect("written");
+        let (beam, dwa_t) = (drive(scenario), drive(file.to_str().expect("a path")));
+        assert!(beam["time_s"].as_f64() > Some(3.0), "{scenario}: {beam:#}");
+        for same in ["time_s", "motion", "track_m"] {
+            assert_eq!(beam[same], dwa_t[same], "{scenario}: {same}");
+        }
+    }
 }
 
 #[test]
