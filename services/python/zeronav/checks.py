@@ -167,6 +167,7 @@ def _obstacles(meta, obstacles):
         ("vy_mps", -c.SPEED_MAX, c.SPEED_MAX),
         ("radius_m", 0, c.OBSTACLE_RADIUS_M_MAX),
         ("age_s", 0, 1e9),
+        ("unseen_s", 0, 1e9),
         ("covariance", -1e12, 1e12),
     ):
         number(obstacles[field], low, high, field)
