@@ -18,7 +18,7 @@ const GOLDEN: &[(&str, usize, usize, u64)] = &[
     ("robot/odometry", 200, 1, 0x539b_fa04_c81d_517b),
     ("map/update", 288, 4104, 0xd9d1_18ec_8068_3c4f),
     ("map/keyframe", 288, 4104, 0xd4f8_f667_ac1d_8d9f),
-    ("map/obstacles", 136, 136, 0x34d4_6bee_8a17_ace4),
+    ("map/obstacles", 136, 144, 0xea9d_1f73_e582_7ded),
     ("plan/path", 272, 24, 0x9bfb_9634_c7bf_32a9),
     ("plan/request", 144, 1, 0x904f_8c1a_2cb8_a816),
     ("task/goal", 144, 48, 0x91f1_3d6d_71f9_fd5b),
