@@ -9,6 +9,9 @@ pub const OBSTACLES_MAX: usize = 128;
 /// Largest radius of a tracked obstacle, which bounds the work of stamping it on a map. [m]
 pub const OBSTACLE_RADIUS_M_MAX: f64 = 10.0;
 
+/// A tracked obstacle that has not been seen for this long is a guess. More than three scans at 10 Hz. [s]
+const GUESSED_FROM_S: f64 = 0.31;
+
 message! {
     /// Fixed fields of the list of tracked obstacles.
     pub struct Obstacles = "zeronav.Obstacles.v1" {
@@ -38,6 +41,15 @@ message! {
         pub unseen_s: f64,
         /// Covariance of (x, y, vx, vy), upper triangle by rows. [m^2, m^2/s, m^2/s^2]
         pub covariance: [f64; 10],
+    }
+}
+
+impl Obstacle {
+    /// True when it has not been seen for so long that it says where the obstacle may be, not that
+    /// something moves there: it is hidden, and its place is predicted.
+    #[must_use]
+    pub fn is_guess(&self) -> bool {
+        self.unseen_s >= GUESSED_FROM_S
     }
 }
 

@@ -33,7 +33,7 @@ pub use motion::Motion;
 pub use reaction::reactions;
 pub use series::Series;
 pub use tracking::TruthComparison;
-pub use tracking_score::{BEAMS_MIN, GUESSED_FROM_S, MOVING_MPS, SAME_M};
+pub use tracking_score::{BEAMS_MIN, MOVING_MPS, SAME_M};
 
 /// Time after which an obstacle or a scan counts as unanswered. [ns]
 pub const DEADLINE_NS: u64 = 5_000_000_000;

@@ -16,10 +16,6 @@ pub const MOVING_MPS: f64 = 0.1;
 /// Beams on a moving obstacle from which on it should be found.
 pub const BEAMS_MIN: u32 = 3;
 
-/// A track that was not seen for longer than this is a guess of where its obstacle is now, not a claim
-/// that something moves there. [s]
-pub const GUESSED_FROM_S: f64 = 0.31;
-
 /// A true obstacle from scan to scan.
 #[derive(Debug, Clone, Copy)]
 struct Followed {
@@ -44,7 +40,7 @@ pub(crate) struct TrackingReport {
     pub(crate) velocity_rmse_mps: f64,
     /// Samples of it.
     pub(crate) velocity_samples: usize,
-    /// Tracks that were called moving where nothing moved.
+    /// Tracks that were called moving where nothing moved; guesses do not count.
     pub(crate) false_tracks: usize,
     /// Time that was looked at. [s]
     pub(crate) duration_s: f64,
@@ -130,7 +126,7 @@ impl TrackingScore {
                 _ => {}
             }
         }
-        for obstacle in tracked.iter().filter(|one| one.unseen_s < GUESSED_FROM_S) {
+        for obstacle in tracked.iter().filter(|one| !one.is_guess()) {
             let near = |at: &Point2<f64>| (place(obstacle) - at).norm() <= 2.0 * SAME_M;
             if !movers.iter().any(near) && !self.false_numbers.contains(&obstacle.track) {
                 self.false_numbers.push(obstacle.track);
@@ -179,7 +175,16 @@ mod tests {
                 x_m: -5.0,
                 ..Obstacle::default()
             };
-            let found = if n < 5 { vec![] } else { vec![tracked, ghost] };
+            let guess = Obstacle {
+                track: 11,
+                unseen_s: 0.5,
+                ..ghost
+            };
+            let found = if n < 5 {
+                vec![]
+            } else {
+                vec![tracked, ghost, guess]
+            };
             score.add(u64::from(n) * 100_000_000, &[truth], &found);
         }
         let report = score.report();

@@ -38,7 +38,7 @@ pub struct TrackingResult {
     pub velocity_rmse_mps: Option<f64>,
     /// Samples of it.
     pub velocity_samples: usize,
-    /// Tracks that were called moving where nothing moved.
+    /// Tracks that were called moving where nothing moved, while they were seen.
     pub false_moving: usize,
     /// The same per minute of run time.
     pub false_moving_per_min: f64,

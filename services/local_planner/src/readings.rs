@@ -14,8 +14,7 @@ use zeronav_msgs::topics::{
     MapObstacles, PlanPath, RobotDescription, RobotScan, SimForesight, TaskGoal, TaskState,
 };
 use zeronav_shell::{
-    Draft, Due, Input, Latest, MapInput, OdometryReader, Peer, Received, Roster, Shell, StartError,
-    Stream,
+    Draft, Due, Latest, MapInput, OdometryReader, Peer, Received, Roster, Shell, StartError, Stream,
 };
 
 /// Age beyond which the positions of tracked obstacles are not used. [s]
@@ -165,7 +164,7 @@ impl Readings {
 
     /// Counts for the heartbeat.
     pub(crate) fn count(&self, shell: &mut Shell) {
-        let mut inputs: Vec<&dyn Input> = vec![
+        shell.count(&[
             &self.description,
             &self.odometry,
             &self.scan,
@@ -173,9 +172,8 @@ impl Readings {
             &self.obstacles,
             &self.path,
             &self.task,
-        ];
-        inputs.extend(self.foresight.iter().map(|told| told as &dyn Input));
-        shell.count(&inputs);
+            &self.foresight,
+        ]);
     }
 
     /// True when the newest tick can be answered: in lockstep its scan, if it has one, has been

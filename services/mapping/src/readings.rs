@@ -8,7 +8,7 @@ use zeronav_msgs::task::PoseEstimate;
 use zeronav_msgs::time::nanoseconds;
 use zeronav_msgs::topics::{RobotDescription, RobotScan, SimForesight, TaskPose};
 use zeronav_shell::{
-    CurrentGoal, Draft, Due, Input, Latest, OdometryReader, Peer, Shell, StartError, Trigger,
+    CurrentGoal, Draft, Due, Latest, OdometryReader, Peer, Shell, StartError, Trigger,
 };
 
 /// Time without a scan after which the map is not current. [ns]
@@ -64,22 +64,21 @@ impl Readings {
         self.description.poll(roster);
         self.scan.poll(roster);
         self.estimate.poll(roster);
-        let mut inputs: Vec<&dyn Input> = vec![
-            &self.odometry,
-            &self.scan,
-            &self.description,
-            &self.estimate,
-        ];
         if let Some(goal) = &mut self.goal {
             goal.poll(roster);
-            inputs.push(goal);
         }
         // It was sent before the scan.
         if let Some(foresight) = &mut self.foresight {
             foresight.poll(roster);
-            inputs.push(foresight);
         }
-        shell.count(&inputs);
+        shell.count(&[
+            &self.odometry,
+            &self.scan,
+            &self.description,
+            &self.estimate,
+            &self.goal,
+            &self.foresight,
+        ]);
     }
 
     /// Which answers the newest scan asks for; `located` once its poses are known.

@@ -10,3 +10,14 @@ pub trait Input {
         0
     }
 }
+
+/// A reader that is only opened when it is asked for.
+impl<T: Input> Input for Option<T> {
+    fn refused(&self) -> u64 {
+        self.as_ref().map_or(0, Input::refused)
+    }
+
+    fn superseded(&self) -> u64 {
+        self.as_ref().map_or(0, Input::superseded)
+    }
+}

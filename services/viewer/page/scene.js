@@ -510,6 +510,7 @@ const ZeronavScene = (() => {
         to.globalAlpha = 1;
         to.beginPath();
         to.arc(x, y, radius, 0, 2 * Math.PI);
+        // Older recordings do not say.
         if (!(unseen_s > UNSEEN_S)) {
           to.fillStyle = theme.obstacle + "40";
           to.fill();

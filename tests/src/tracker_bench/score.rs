@@ -9,7 +9,7 @@ use super::pairs::pairs;
 use super::tally::{AFTER_S, AHEAD_S, Event, Failing, JUDGED, Tally};
 use nalgebra::{Point2, Vector2};
 use std::collections::{BTreeMap, BTreeSet};
-use zeronav::measure::{GUESSED_FROM_S, MOVING_MPS, SAME_M};
+use zeronav::measure::{MOVING_MPS, SAME_M};
 use zeronav_msgs::obstacles::Obstacle;
 use zeronav_msgs::time::{nanoseconds, seconds};
 
@@ -316,10 +316,10 @@ impl Score {
         };
         let mut found = Vec::new();
         for (at, track) in tracks.iter().enumerate() {
-            let own = of_truth.iter().position(|pair| *pair == Some(at));
-            if track.unseen_s >= GUESSED_FROM_S {
+            if track.is_guess() {
                 continue;
             }
+            let own = of_truth.iter().position(|pair| *pair == Some(at));
             let doubt = self.doubts.entry(track.track).or_default();
             if own.is_some_and(|own| moves(&truths[own])) {
                 (doubt.since_ns, doubt.was_something) = (None, true);

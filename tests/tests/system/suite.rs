@@ -405,9 +405,9 @@ fn missing_data_set_names_its_source() {
 
 #[test]
 fn generated_suite_needs_no_data_and_has_a_row_per_class() {
-    let arguments = ["suite", "generated", "--worlds", "0..9", "--json"];
+    let arguments = ["suite", "generated", "--worlds", "0..18", "--json"];
     let report = zeronav(&arguments).expect(0);
-    assert_eq!(report["summary"]["runs"], 9);
+    assert_eq!(report["summary"]["runs"], 18);
     let groups = report["groups"].as_array().expect("classes");
     let names: Vec<&str> = groups
         .iter()
@@ -416,22 +416,21 @@ fn generated_suite_needs_no_data_and_has_a_row_per_class() {
     assert_eq!(names.len(), 9, "{names:?}");
     assert_eq!((names[0], names[8]), ("orbits_1_easy", "walkers_3_hard"));
     for run in report["runs"].as_array().expect("runs") {
-        // Each ran, however it ended.
         assert!(run["run_hash"].is_string(), "{run:#}");
         let class = run["class"].as_str().expect("a class");
-        if class.ends_with("easy") {
-            assert_eq!(run["outcome"], "reached", "{run:#}");
-            // A walker turns back when he likes: whether one run among walkers goes without a contact
-            // is chance, and its rate a figure of the suite.
-            assert!(
-                run["success"] == true || class.starts_with("walkers"),
-                "{run:#}"
-            );
+        assert_eq!(run["outcome"], "reached", "{run:#}");
+        // A walker turns back when it likes, so a single run among walkers may be touched.
+        if !class.ends_with("hard") && !class.starts_with("walkers") {
+            assert_eq!(run["success"], true, "{run:#}");
         }
         assert_eq!(
             run["unavoidable"].is_null(),
             class.starts_with("static"),
             "{run:#}"
         );
+    }
+    for group in groups {
+        let share = group["summary"]["success"].as_f64();
+        assert!(share >= Some(0.5), "{group:#}");
     }
 }

@@ -6,7 +6,7 @@ mod tracking_score;
 
 use crate::support::{Rng, Room, config, description};
 use nalgebra::{Point2, Vector2};
-use tracking_score::{GUESSED_FROM_S, TrackingScore};
+use tracking_score::TrackingScore;
 use zeronav_mapping::{Mapping, MappingConfig, Observation};
 use zeronav_msgs::map::FLAG_SENSED;
 use zeronav_msgs::obstacles::Obstacle;
@@ -279,8 +279,7 @@ fn posts_do_not_walk_because_the_robot_turns() {
         truth.yaw_rad += turn_rad;
         odometry.yaw_rad += turn_rad + 0.03 * turn_rad.abs().sqrt() * rng.normal();
         scene.observe_with(&mut mapping, &truth, &odometry, 1.0e-4);
-        let claimed = |one: &Obstacle| one.unseen_s < GUESSED_FROM_S;
-        for obstacle in mapping.obstacles().filter(claimed) {
+        for obstacle in mapping.obstacles().filter(|one| !one.is_guess()) {
             let at = Point2::new(obstacle.x_m, obstacle.y_m);
             let is_walker = scene.discs.iter().any(|disc| (disc.at - at).norm() < 1.0);
             *(if is_walker { &mut walkers } else { &mut posts }) += 1;
