@@ -62,7 +62,7 @@ mod tests {
         );
         let step = "options.papers.tree.step_cells";
         assert_eq!(
-            rejected(|config| config.options.papers.tree.step_cells = Some(0.5)),
+            rejected(|config| config.options.papers.tree.step_cells = 0.05),
             step
         );
     }

@@ -62,7 +62,8 @@ pub struct PlanQuery<'a> {
     pub tolerance_m: f64,
     /// Whether unknown cells may be crossed.
     pub unknown: Unknown,
-    /// Which diagonal steps are legal.
+    /// Which diagonal steps are legal. Planners of the papers whose rule is a part of the method keep
+    /// to their own.
     pub corner_rule: CornerRule,
 }
 
@@ -234,7 +235,7 @@ pub enum PlanError {
     /// No free cell within the tolerance of the goal.
     #[error("no free cell within the tolerance of the goal")]
     GoalBlocked,
-    /// Proved: no legal way leads to the goal.
+    /// Proved: no legal way leads to the goal, among what the planner takes for obstacles.
     #[error("no way leads to the goal{}", if *blocked_by_corner { " without cutting a corner" } else { "" })]
     Unreachable {
         /// A way exists that differs only in cutting corners.

@@ -1,7 +1,7 @@
 //! What a planner of the papers has to say about a path beside its counters.
 
 /// Remarks on one search.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Remarks {
     /// A fault that is printed in the paper was switched on
     /// ([`crate::papers::options::PaperOptions::literal`]): the result is for reproduction only.
@@ -24,6 +24,10 @@ pub struct Remarks {
     pub rectangles: u64,
     /// Rectangles that were not filled: robot, start or goal inside, or too large (TN-REG).
     pub rectangles_skipped: u64,
+    /// Sharpest turn of the curve that rounds the path, 0 without one (BAO-SPL). [1/m]
+    pub curvature_max_1pm: f64,
+    /// True when a curve would have left the free cells, so that the path is not rounded (BAO-SPL).
+    pub curve_dropped: bool,
 }
 
 /// What stepped in where the method of the paper failed.

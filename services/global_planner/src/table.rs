@@ -221,38 +221,28 @@ pub const PLANNERS: &[PlannerRow] = &[
         title: "A* with the Manhattan distance",
         source: BAO,
         complete: true,
-        build: |options| on_map(variants::bao_taa(options.papers.literal), options),
+        build: |options| on_map(variants::bao_taa(&options.papers), options),
     },
     PlannerRow {
         key: "bao_aao",
         title: "Virtual obstacles, Manhattan distance",
         source: BAO,
         complete: true,
-        build: |options| on_map(variants::bao_aao(options.papers.literal), options),
+        build: |options| on_map(variants::bao_aao(&options.papers), options),
     },
     PlannerRow {
         key: "bao_iaa",
         title: "Virtual obstacles, octile distance, spline",
         source: BAO,
         complete: true,
-        build: |options| {
-            on_map(
-                variants::bao_iaa(options.papers.spline, options.papers.literal),
-                options,
-            )
-        },
+        build: |options| on_map(variants::bao_iaa(&options.papers), options),
     },
     PlannerRow {
         key: "bao_dij",
         title: "Dijkstra with virtual obstacles, spline",
         source: BAO,
         complete: true,
-        build: |options| {
-            on_map(
-                variants::bao_dij(options.papers.spline, options.papers.literal),
-                options,
-            )
-        },
+        build: |options| on_map(variants::bao_dij(&options.papers), options),
     },
     PlannerRow {
         key: "bao_full",

@@ -1,15 +1,18 @@
 //! `bao_full`: A* on a map whose obstacles are all inflated by one cell, reference 31 of \[BAO\].
 //!
-//! Gaps of one or two cells close, so the planner gives up where there is a way. Start and goal
-//! are exempt.
+//! Gaps of one or two cells close, so it finds nothing on many maps that have a way: what it calls
+//! unreachable cannot be reached among the virtual obstacles. Start and goal are exempt. Virtual
+//! obstacles that mapping put around obstacles (`virtual_obstacles` there) count like those of its
+//! own ring.
 
 use crate::moves::{Neighbours, STEPS};
 use crate::papers::best_first::{BestFirst, Recipe};
 use crate::papers::field::{Field, Meter};
 use crate::papers::heuristic::Heuristic;
-use crate::papers::on_map::Solver;
+use crate::papers::on_map::{NO_WAY, Solver};
 use crate::planner::{CornerRule, PlanError};
 use zeronav_msgs::Cell;
+use zeronav_msgs::map::FLAG_VIRTUAL;
 
 /// The planner's method.
 #[must_use]
@@ -57,7 +60,7 @@ impl Solver for BaoFull {
     ) -> Result<(), PlanError> {
         // One pass over the map, as long as a search's own memory takes to be made.
         meter.stats.remarks.aux_cells += field.n_cells() as u64;
-        let marked = inflate(field, self.ring, &mut self.walls);
+        let marked = inflate(&field.without_layers(), self.ring, &mut self.walls);
         self.walls[field.index(start)] = false;
         self.walls[field.index(goal)] = false;
         let inflated = field.with_walls(&self.walls);
@@ -65,7 +68,7 @@ impl Solver for BaoFull {
         let found = self.memory.search(&inflated, &recipe, start, goal, meter)?;
         meter.stats.remarks.virtual_total = marked;
         if !found {
-            return Err(PlanError::DeadEnd);
+            return Err(NO_WAY);
         }
         self.memory.trace(field, goal, cells);
         Ok(())
@@ -73,5 +76,13 @@ impl Solver for BaoFull {
 
     fn corner_rule(&self) -> Option<CornerRule> {
         Some(CornerRule::ForbidAny)
+    }
+
+    fn layers(&self) -> u8 {
+        FLAG_VIRTUAL
+    }
+
+    fn keeps_layers(&self) -> bool {
+        true
     }
 }

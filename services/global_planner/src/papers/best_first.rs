@@ -12,6 +12,7 @@ use crate::planner::PlanError;
 use core::cmp::Ordering;
 use std::collections::BinaryHeap;
 use zeronav_msgs::Cell;
+use zeronav_params::choices;
 
 /// In what a best-first search differs from the next.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -52,13 +53,15 @@ pub(crate) enum SoFar {
     StraightLine,
 }
 
-/// What a cell is that a diagonal step must not enter past a corner.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum PastCorner {
-    /// That step is forbidden, nothing else.
-    Edge,
-    /// The cell is closed for every step, the literal reading of \[BAO\].
-    Persistent,
+choices! {
+    /// What a cell is that a diagonal step must not enter past a corner.
+    pub enum PastCorner {
+        /// That step is forbidden, nothing else.
+        #[default]
+        Edge = "edge",
+        /// The cell is closed for every step, the literal reading of [BAO].
+        Persistent = "persistent",
+    }
 }
 
 /// Memory of a search, reused from call to call.

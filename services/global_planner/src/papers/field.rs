@@ -41,6 +41,10 @@ pub(crate) struct Field<'a> {
     pub prices: &'a Prices,
     /// Row-major: true = an obstacle that is not on the map. Empty = none.
     pub walls: &'a [bool],
+    /// Flags of the map's cells that make an obstacle of a cell, too.
+    pub layers: u8,
+    /// Start and goal, which no flag makes an obstacle.
+    pub spared: [Cell; 2],
 }
 
 /// What one of the eight steps from a cell leads to.
@@ -59,6 +63,12 @@ impl<'a> Field<'a> {
     #[must_use]
     pub(crate) const fn with_walls(self, walls: &'a [bool]) -> Self {
         Self { walls, ..self }
+    }
+
+    /// The same without virtual obstacles from the map.
+    #[must_use]
+    pub(crate) const fn without_layers(self) -> Self {
+        Self { layers: 0, ..self }
     }
 
     /// The same under another corner rule.
@@ -96,7 +106,9 @@ impl<'a> Field<'a> {
     #[inline]
     pub(crate) fn is_free(&self, cell: Cell) -> bool {
         self.map.geometry.index_of(cell).is_some_and(|index| {
-            !self.unknown.blocks(self.map.cells[index])
+            let on_map = self.map.cells[index];
+            !self.unknown.blocks(on_map)
+                && (on_map.flags & self.layers == 0 || self.spared.contains(&cell))
                 && !self.walls.get(index).is_some_and(|wall| *wall)
         })
     }
@@ -181,6 +193,7 @@ pub(crate) struct Meter<'a> {
     pub stats: &'a mut PlanStats,
     work: u64,
     ask_at: u64,
+    stopped: bool,
 }
 
 impl<'a> Meter<'a> {
@@ -194,6 +207,7 @@ impl<'a> Meter<'a> {
             stats,
             work: 0,
             ask_at: ASK_EVERY * AUX_PER_EXPANSION,
+            stopped: false,
         }
     }
 
@@ -234,8 +248,17 @@ impl<'a> Meter<'a> {
         self.ask_at = self.work + ASK_EVERY * AUX_PER_EXPANSION;
         match (self.budget)(Expansions(self.stats.expanded)) {
             Control::Go => Ok(()),
-            Control::Stop => Err(PlanError::OutOfBudget),
+            Control::Stop => {
+                self.stopped = true;
+                Err(PlanError::OutOfBudget)
+            }
         }
+    }
+
+    /// True when the budget ended, and not a limit of the method's own.
+    #[must_use]
+    pub(crate) const fn is_stopped(&self) -> bool {
+        self.stopped
     }
 }
 

@@ -3,7 +3,8 @@
 //! Dorigo, Gambardella, "Ant Colony System", 1997, on a grid: an ant goes to a neighbour that it
 //! has not visited with probability `tau^alpha (1 / distance to the goal)^beta`; one without such a
 //! neighbour dies. After every iteration pheromone evaporates; ants that arrived, and the best of
-//! all so far, leave some on the cells of their path, loops removed.
+//! all so far, leave some on the cells of their path. As no ant enters a cell twice, no path has a
+//! loop that could be removed.
 
 use crate::papers::field::{Field, LENGTHS, Look, Marks, Meter, distance};
 use crate::papers::on_map::Solver;
@@ -28,7 +29,6 @@ pub(crate) fn lwx_aco(options: AntOptions, seed: u64) -> LwxAco {
         tau: Vec::new(),
         attraction: Vec::new(),
         visited: Marks::default(),
-        position: Vec::new(),
         ant: Vec::new(),
         arrived: Vec::new(),
     }
@@ -70,8 +70,6 @@ pub(crate) struct LwxAco {
     /// `(1 / distance to the goal)^beta`, row-major; 0 = not asked for yet.
     attraction: Vec<f64>,
     visited: Marks,
-    /// Where on the ant's path a cell is; valid for cells in `visited`.
-    position: Vec<u32>,
     ant: Vec<Cell>,
     /// Paths of this iteration, one after the other, with their costs and lengths.
     arrived: Vec<(f64, Vec<Cell>)>,
@@ -139,28 +137,6 @@ impl LwxAco {
         // So that the sum of eight is a number, whatever the exponents.
         (*attraction * self.tau[index].powf(ALPHA)).clamp(1e-300, 1e300)
     }
-
-    /// Cuts off every part of the ant's path between two cells that one legal step connects.
-    fn remove_loops(&mut self, field: &Field<'_>) {
-        for (position, cell) in (0..).zip(&self.ant) {
-            self.position[field.index(*cell)] = position;
-        }
-        let (mut kept, mut at) = (0, 0);
-        while at + 1 < self.ant.len() {
-            let mut furthest = at + 1;
-            for n in 0..LENGTHS.len() {
-                if let Look::Free(to) = field.look(self.ant[at], n)
-                    && self.visited.has(field.index(to))
-                {
-                    furthest = furthest.max(self.position[field.index(to)] as usize);
-                }
-            }
-            kept += 1;
-            self.ant[kept] = self.ant[furthest];
-            at = furthest;
-        }
-        self.ant.truncate(kept + 1);
-    }
 }
 
 impl Solver for LwxAco {
@@ -178,8 +154,6 @@ impl Solver for LwxAco {
         self.tau.resize(n_cells, TAU_START);
         self.attraction.clear();
         self.attraction.resize(n_cells, 0.0);
-        self.position.clear();
-        self.position.resize(n_cells, 0);
         let mut colony = Colony {
             field,
             goal,
@@ -192,7 +166,6 @@ impl Solver for LwxAco {
             self.arrived.clear();
             for _ in 0..options.ants {
                 if self.walk(&mut colony, start, meter)? {
-                    self.remove_loops(field);
                     let cost = cost_of(field, &self.ant);
                     self.arrived.push((cost, self.ant.clone()));
                 }

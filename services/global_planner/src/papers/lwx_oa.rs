@@ -41,10 +41,11 @@ choices! {
     pub enum DeadEndPolicy {
         /// Gives up.
         Fail = "fail",
-        /// Goes back to the last cell that has one: depth-first search, complete.
-        #[default]
+        /// Goes back to the last cell that has one: depth-first search, complete, but the ways it
+        /// finds are long.
         Backtrack = "backtrack",
         /// A* from the start.
+        #[default]
         FallbackAstar = "fallback_astar",
     }
 }

@@ -1,13 +1,14 @@
 //! `lwx_rrt`: the random tree that \[LWX\] compares with. Every parameter but the region is ours.
 //!
-//! `LaValle`, "Rapidly-exploring random trees: a new tool for path planning", 1998, with nodes on
-//! the centres of cells. The tree has arrived when a node lies in the region around the goal and
-//! sees it.
+//! `LaValle`, "Rapidly-exploring random trees: a new tool for path planning", 1998: nodes anywhere
+//! in the map's plane, branches of one length. The tree has arrived when its newest node lies in
+//! the region around the goal and sees it; the way is the branches to that node and the line to the
+//! goal, not smoothed. Samples that end first are a budget that ended.
 
-use crate::papers::field::{Field, Marks, Meter, distance};
+use crate::papers::field::{Field, Meter};
 use crate::papers::on_map::Solver;
-use crate::papers::sight::sees;
 use crate::planner::PlanError;
+use nalgebra::{Point2, Vector2};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_pcg::Pcg64Mcg;
 use zeronav_msgs::Cell;
@@ -19,9 +20,6 @@ const DRAWS: u32 = 64;
 /// Buckets along the longer side of the map.
 const BUCKETS: i32 = 64;
 
-/// Branches on the longer side of the map, without [`TreeOptions::step_cells`].
-const BRANCHES: f64 = 20.0;
-
 /// The planner's method.
 #[must_use]
 pub(crate) fn lwx_rrt(options: TreeOptions, seed: u64) -> LwxRrt {
@@ -29,7 +27,7 @@ pub(crate) fn lwx_rrt(options: TreeOptions, seed: u64) -> LwxRrt {
         options,
         seed,
         tree: Tree::default(),
-        taken: Marks::default(),
+        way: Vec::new(),
     }
 }
 
@@ -40,10 +38,9 @@ parameters! {
     /// `lwx_rrt`: the random tree.
     #[derive(Copy)]
     pub struct TreeOptions {
-        /// Length of a branch. Without, a twentieth of the map's longer side: one cell on the maps
-        /// of the paper.
-        #[serde(skip_serializing_if = "Option::is_none")]
-        step_cells: Option<f64> = None, [1.0, 1.0e4] "cells";
+        /// Length of a branch. One cell is for maps like those of the paper; on one of hundreds of
+        /// cells a tree of such branches rarely gets anywhere before its samples end.
+        step_cells: f64 = 1.0, [0.1, 100.0] "cells";
         /// Most samples.
         samples: u32 = 20_000, [1, 10_000_000];
         /// Distance to the goal that the tree must reach.
@@ -57,14 +54,14 @@ pub(crate) struct LwxRrt {
     options: TreeOptions,
     seed: u64,
     tree: Tree,
-    /// Cells that are nodes.
-    taken: Marks,
+    /// The last way found. [cells]
+    way: Vec<Point2<f64>>,
 }
 
 /// Nodes with their parents, in buckets by place.
 #[derive(Debug, Default)]
 struct Tree {
-    nodes: Vec<(Cell, u32)>,
+    nodes: Vec<(Point2<f64>, u32)>,
     buckets: Vec<Vec<u32>>,
     columns: i32,
     rows: i32,
@@ -84,9 +81,10 @@ impl Tree {
         self.nodes.clear();
     }
 
-    fn add(&mut self, cell: Cell, parent: u32) {
+    fn add(&mut self, at: Point2<f64>, parent: u32) {
         let number = u32::try_from(self.nodes.len()).unwrap_or(u32::MAX);
-        self.nodes.push((cell, parent));
+        self.nodes.push((at, parent));
+        let cell = cell_of(at);
         if let Some(bucket) = self.bucket(cell.x / self.side, cell.y / self.side) {
             self.buckets[bucket].push(number);
         }
@@ -97,12 +95,13 @@ impl Tree {
         inside.then(|| (row * self.columns + column).unsigned_abs() as usize)
     }
 
-    /// Number of the node nearest to `cell`, the earliest of equally near ones.
-    fn nearest(&self, cell: Cell) -> u32 {
+    /// Number of the node nearest to a point, the earliest of equally near ones.
+    fn nearest(&self, to: Point2<f64>) -> u32 {
+        let cell = cell_of(to);
         let (column, row) = (cell.x / self.side, cell.y / self.side);
         let mut best = (f64::INFINITY, 0);
         for ring in 0..self.columns.max(self.rows) {
-            // Every cell of this ring and all later ones is at least this far.
+            // Every point of this ring and all later ones is at least this far.
             if best.0 < f64::from((ring - 1) * self.side) {
                 break;
             }
@@ -116,9 +115,9 @@ impl Tree {
                 while dx <= ring {
                     if let Some(bucket) = self.bucket(column + dx, row + dy) {
                         for number in &self.buckets[bucket] {
-                            let d = distance(self.nodes[*number as usize].0, cell);
-                            if (d, *number) < best {
-                                best = (d, *number);
+                            let away = (self.nodes[*number as usize].0 - to).norm();
+                            if (away, *number) < best {
+                                best = (away, *number);
                             }
                         }
                     }
@@ -128,21 +127,102 @@ impl Tree {
         }
         best.1
     }
+
+    /// Writes the way from the root to a node.
+    fn trace(&self, mut number: u32, way: &mut Vec<Point2<f64>>) {
+        way.clear();
+        // Parents come before their children, so the numbers fall.
+        while let Some((at, parent)) = self.nodes.get(number as usize) {
+            way.push(*at);
+            if number == 0 {
+                break;
+            }
+            number = *parent;
+        }
+        way.reverse();
+    }
 }
 
-/// The cell nearest to the point `step` cells from `from` towards `to`.
+/// The cell that a point lies in; coordinates are in cells from the map's lower left corner.
 #[allow(
     clippy::cast_possible_truncation,
-    reason = "a point between two cells of the map"
+    reason = "points of a map of at most 2^13 cells a side"
 )]
-fn steer(from: Cell, to: Cell, step: f64) -> Cell {
-    let length = distance(from, to);
-    if length <= step {
-        return to;
+fn cell_of(at: Point2<f64>) -> Cell {
+    Cell::new(at.x.floor() as i32, at.y.floor() as i32)
+}
+
+/// Centre of a cell, in cells from the map's lower left corner.
+fn centre_of(cell: Cell) -> Point2<f64> {
+    Point2::new(f64::from(cell.x) + 0.5, f64::from(cell.y) + 0.5)
+}
+
+/// True when a segment touches no obstacle's square, not even at its edge, and does not leave the
+/// map.
+fn sees(
+    field: &Field<'_>,
+    from: Point2<f64>,
+    to: Point2<f64>,
+    meter: &mut Meter<'_>,
+) -> Result<bool, PlanError> {
+    let low = cell_of(from.coords.inf(&to.coords).into());
+    let high = cell_of(from.coords.sup(&to.coords).into());
+    meter.aux(u64::from(
+        (high.x - low.x + 1).unsigned_abs() * (high.y - low.y + 1).unsigned_abs(),
+    ))?;
+    // One more on the lower sides, whose squares a segment along a grid line touches.
+    let touched = |x: i32, y: i32| touches_square(from, to, f64::from(x), f64::from(y));
+    let free = (low.y - 1..=high.y).all(|y| {
+        (low.x - 1..=high.x).all(|x| {
+            let cell = Cell::new(x, y);
+            field.is_free(cell) || !touched(x, y)
+        })
+    });
+    let inside = |at| field.map.geometry.contains(cell_of(at));
+    Ok(free && inside(from) && inside(to))
+}
+
+/// True when a segment touches the closed square of side 1 with this lower left corner, by clipping
+/// (Liang, Barsky 1984).
+fn touches_square(from: Point2<f64>, to: Point2<f64>, left: f64, low: f64) -> bool {
+    let (mut enters, mut leaves) = (0.0_f64, 1.0_f64);
+    for (start, way, low) in [(from.x, to.x - from.x, left), (from.y, to.y - from.y, low)] {
+        if way == 0.0 {
+            if start < low || start > low + 1.0 {
+                return false;
+            }
+            continue;
+        }
+        let (one, other) = ((low - start) / way, (low + 1.0 - start) / way);
+        enters = enters.max(one.min(other));
+        leaves = leaves.min(one.max(other));
     }
-    let part = step / length;
-    let along = |from: i32, to: i32| from + (f64::from(to - from) * part).round() as i32;
-    Cell::new(along(from.x, to.x), along(from.y, to.y))
+    enters <= leaves
+}
+
+/// Appends the cells that a way passes through, one after the other.
+fn push_cells(way: &[Point2<f64>], cells: &mut Vec<Cell>) {
+    let mut crossings: Vec<f64> = Vec::new();
+    for ends in way.windows(2) {
+        let (from, along) = (ends[0], ends[1] - ends[0]);
+        crossings.clear();
+        crossings.extend([0.0, 1.0]);
+        for (start, way) in [(from.x, along.x), (from.y, along.y)] {
+            let end = start + way;
+            let mut line = start.min(end).floor() + 1.0;
+            while line < start.max(end) {
+                crossings.push((line - start) / way);
+                line += 1.0;
+            }
+        }
+        crossings.sort_by(f64::total_cmp);
+        for pair in crossings.windows(2) {
+            let cell = cell_of(from + along * (0.5 * (pair[0] + pair[1])));
+            if cells.last() != Some(&cell) {
+                cells.push(cell);
+            }
+        }
+    }
 }
 
 impl Solver for LwxRrt {
@@ -156,63 +236,59 @@ impl Solver for LwxRrt {
     ) -> Result<(), PlanError> {
         let (width, height) = field.map.geometry.size();
         let options = self.options;
-        let step = options
-            .step_cells
-            .unwrap_or_else(|| f64::from(width.max(height)) / BRANCHES)
-            .max(1.0);
         let mut rng = Pcg64Mcg::seed_from_u64(self.seed);
+        let target = centre_of(goal);
         self.tree.begin(width, height);
-        self.taken.begin(field.n_cells());
-        self.taken.insert(field.index(start));
-        self.tree.add(start, 0);
-        let mut newest = (start, 0);
+        self.tree.add(centre_of(start), 0);
+        let mut newest = (centre_of(start), 0);
         for _ in 0..options.samples {
-            let in_region = distance(newest.0, goal) <= options.region_cells.max(0.0);
-            if newest.0 == goal || (in_region && sees(field, newest.0, goal, meter)?) {
-                self.trace(newest.1, cells);
-                if newest.0 != goal {
-                    cells.push(goal);
+            let in_region = (newest.0 - target).norm() <= options.region_cells;
+            if newest.0 == target || (in_region && sees(field, newest.0, target, meter)?) {
+                self.tree.trace(newest.1, &mut self.way);
+                if newest.0 != target || self.way.len() == 1 {
+                    self.way.push(target);
                 }
+                push_cells(&self.way, cells);
                 return Ok(());
             }
             meter.expand()?;
             let sample = if rng.random_range(0.0..1.0) < GOAL_BIAS {
-                Some(goal)
+                Some(target)
             } else {
                 (0..DRAWS)
-                    .map(|_| Cell::new(rng.random_range(0..width), rng.random_range(0..height)))
-                    .find(|cell| field.is_free(*cell))
+                    .map(|_| {
+                        let x = rng.random_range(0.0..f64::from(width));
+                        Point2::new(x, rng.random_range(0.0..f64::from(height)))
+                    })
+                    .find(|at| field.is_free(cell_of(*at)))
             };
             let Some(sample) = sample else {
                 continue;
             };
             let nearest = self.tree.nearest(sample);
             let from = self.tree.nodes[nearest as usize].0;
-            let to = steer(from, sample, step);
+            let to = steer(from, sample, options.step_cells);
             meter.stats.evaluated += 1;
-            if !self.taken.has(field.index(to)) && sees(field, from, to, meter)? {
-                self.taken.insert(field.index(to));
+            if to != from && sees(field, from, to, meter)? {
                 newest = (to, u32::try_from(self.tree.nodes.len()).unwrap_or(u32::MAX));
                 self.tree.add(to, nearest);
                 meter.stats.generated += 1;
             }
         }
-        Err(PlanError::DeadEnd)
+        Err(PlanError::OutOfBudget)
+    }
+
+    fn polyline(&self) -> Option<&[Point2<f64>]> {
+        Some(&self.way)
     }
 }
 
-impl LwxRrt {
-    /// Appends the way from the root to a node.
-    fn trace(&self, mut number: u32, cells: &mut Vec<Cell>) {
-        let first = cells.len();
-        // Parents come before their children, so the numbers fall.
-        while let Some((cell, parent)) = self.tree.nodes.get(number as usize) {
-            cells.push(*cell);
-            if number == 0 {
-                break;
-            }
-            number = *parent;
-        }
-        cells[first..].reverse();
+/// The point `step` from `from` towards `to`, at most `to`.
+fn steer(from: Point2<f64>, to: Point2<f64>, step: f64) -> Point2<f64> {
+    let way: Vector2<f64> = to - from;
+    if way.norm() <= step {
+        to
+    } else {
+        from + way * (step / way.norm())
     }
 }

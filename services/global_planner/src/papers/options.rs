@@ -2,11 +2,12 @@
 //! from.
 
 use crate::moves::Neighbours;
+use crate::papers::best_first::PastCorner;
 use crate::papers::heuristic::Heuristic;
 use crate::papers::lwx_aco::AntOptions;
 use crate::papers::lwx_oa::GreedyOptions;
 use crate::papers::lwx_rrt::TreeOptions;
-use crate::papers::spline::SplineEnds;
+use crate::papers::spline::{SAMPLES_MAX, Spline, SplineEnds};
 use crate::papers::tn_3n::WalkOptions;
 use crate::papers::variants::WEIGHT_MAX;
 use crate::papers::weight::EtaOptions;
@@ -35,9 +36,26 @@ parameters! {
         tree: TreeOptions;
         /// `bao_full`: which cells around an obstacle are virtual obstacles.
         ring: Neighbours = Neighbours::default();
+        /// `bao_aao`, `bao_iaa`, `bao_dij`: for whom a cell past a corner is an obstacle.
+        past_corner: PastCorner = PastCorner::default();
+        /// `bao_taa`, `bao_aao`, `bao_iaa`, `bao_dij`: whether a closed node is opened again when a
+        /// cheaper way to it turns up.
+        reopen: bool = true;
         /// `bao_iaa`, `bao_dij`: the curve along the path.
         spline: SplineEnds = SplineEnds::default();
+        /// `bao_iaa`, `bao_dij`: samples of the curve from cell to cell.
+        spline_samples: u32 = 20, [1, SAMPLES_MAX];
         /// Seed of `lwx_aco` and `lwx_rrt`.
         seed: u64 = 1, [0, u64::MAX];
+    }
+}
+
+impl PaperOptions {
+    /// How `bao_iaa` and `bao_dij` round their paths.
+    pub(crate) const fn curve(&self) -> Spline {
+        Spline {
+            ends: self.spline,
+            samples: self.spline_samples,
+        }
     }
 }

@@ -5,12 +5,31 @@
 //! a path that cuts no corner, at least 0.465 cells from every cell that is not known to be free.
 
 use crate::planner::PlanQuery;
+use crate::remarks::Remarks;
 use nalgebra::{Point2, Vector2};
 use zeronav_msgs::Cell;
+use zeronav_msgs::path::WAYPOINTS_MAX;
 use zeronav_params::choices;
 
-/// Samples on a piece of the curve that is not straight, as it is sent to other processes.
-const PIECES_PER_SEGMENT: u32 = 4;
+/// Most samples between two control points.
+pub(crate) const SAMPLES_MAX: u32 = 100;
+
+/// How a path is rounded.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Spline {
+    /// How the curve meets its ends.
+    pub ends: SplineEnds,
+    /// Samples between two control points, at least 1, where the curve is not straight.
+    pub samples: u32,
+}
+
+impl Spline {
+    /// The cells' centres are the path.
+    pub(crate) const OFF: Self = Self {
+        ends: SplineEnds::Off,
+        samples: 1,
+    };
+}
 
 choices! {
     /// `bao_iaa`, `bao_dij`: how the cubic B-spline meets its first and last control point.
@@ -118,17 +137,20 @@ pub(crate) fn segments(
 }
 
 /// Writes the curve along a path of cells in the `map` frame [m], straight between the points;
-/// empty when there is none or when it would leave the free cells of the path's surroundings.
+/// empty when there is none or when it would leave the free cells of the path's surroundings, which
+/// the remarks say, as they say how sharply it turns.
 ///
-/// Control points are the cells' centres, and the goal itself in place of its cell's centre.
+/// Control points are the cells' centres, and the goal itself in place of its cell's centre. A
+/// curve of more points than a message holds is sampled half as densely, again and again.
 pub(crate) fn curve_of(
     query: &PlanQuery<'_>,
     cells: &[Cell],
-    ends: SplineEnds,
+    spline: Spline,
+    remarks: &mut Remarks,
     curve: &mut Vec<Point2<f64>>,
 ) {
     curve.clear();
-    if ends == SplineEnds::Off || cells.len() < 2 {
+    if spline.ends == SplineEnds::Off || cells.len() < 2 {
         return;
     }
     let geometry = query.map.geometry;
@@ -138,16 +160,24 @@ pub(crate) fn curve_of(
     {
         *point = query.goal.point();
     }
-    curve.push(points[0]);
-    for control in segments(&points, ends) {
-        let pieces = if is_straight(&control) {
-            1
-        } else {
-            PIECES_PER_SEGMENT
-        };
-        for piece in 1..=pieces {
-            curve.push(point_on(&control, f64::from(piece) / f64::from(pieces)).at);
+    let mut samples = spline.samples.clamp(1, SAMPLES_MAX);
+    loop {
+        curve.clear();
+        curve.push(points[0]);
+        let mut sharpest = 0.0_f64;
+        for control in segments(&points, spline.ends) {
+            let pieces = if is_straight(&control) { 1 } else { samples };
+            for piece in 1..=pieces {
+                let point = point_on(&control, f64::from(piece) / f64::from(pieces));
+                sharpest = sharpest.max(point.curvature.abs());
+                curve.push(point.at);
+            }
         }
+        remarks.curvature_max_1pm = sharpest;
+        if curve.len() <= WAYPOINTS_MAX || samples == 1 {
+            break;
+        }
+        samples /= 2;
     }
     let is_legal = |point: &Point2<f64>| {
         geometry.cell_at(*point).is_some_and(|cell| {
@@ -160,6 +190,8 @@ pub(crate) fn curve_of(
     };
     if !curve.iter().all(is_legal) {
         curve.clear();
+        remarks.curve_dropped = true;
+        remarks.curvature_max_1pm = 0.0;
     }
 }
 

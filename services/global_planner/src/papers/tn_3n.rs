@@ -9,6 +9,7 @@ use crate::papers::field::{Field, LENGTHS, Look, Marks, Meter, distance};
 use crate::papers::on_map::{NO_WAY, Solver};
 use crate::planner::{PlanError, PlanStats};
 use zeronav_msgs::Cell;
+use zeronav_msgs::map::FLAG_REGULARISED;
 use zeronav_params::{choices, parameters};
 
 /// The planner's method.
@@ -231,5 +232,9 @@ impl Solver for Tn3n {
 
     fn is_literal(&self) -> bool {
         self.literal
+    }
+
+    fn layers(&self) -> u8 {
+        FLAG_REGULARISED
     }
 }

@@ -9,6 +9,7 @@ use crate::papers::on_map::Solver;
 use crate::papers::sight::sees;
 use crate::planner::PlanError;
 use zeronav_msgs::Cell;
+use zeronav_msgs::map::FLAG_REGULARISED;
 
 /// See the module's description.
 #[derive(Debug)]
@@ -32,5 +33,9 @@ impl Solver for TnApf {
             cells.push(goal);
         }
         Ok(())
+    }
+
+    fn layers(&self) -> u8 {
+        FLAG_REGULARISED
     }
 }

@@ -2,8 +2,9 @@
 //! cells a step around what is.
 //!
 //! Other methods step in when it fails (`options.papers.walk.ladder`): the walk on the other side
-//! of obstacles, the walk without rectangles, A* from where the last walk gave up. That last one
-//! finds a way whenever there is one. [`crate::remarks::Remarks::fallback`] says which it was.
+//! of obstacles, the walk without rectangles, A* from where the last walk gave up, A* from the
+//! start. The last finds a way whenever there is one. [`crate::remarks::Remarks::fallback`] says
+//! which it was.
 
 use crate::line::supercover;
 use crate::papers::best_first::{BestFirst, Recipe};
@@ -16,6 +17,7 @@ use crate::papers::tn_3n::{Gait, Rotate, Walk, WalkOptions};
 use crate::planner::PlanError;
 use crate::remarks::Fallback;
 use zeronav_msgs::Cell;
+use zeronav_msgs::map::FLAG_REGULARISED;
 
 /// The planner's method.
 #[must_use]
@@ -214,17 +216,25 @@ impl Solver for TnHyb {
         let first = cells.len();
         let rungs_used = if self.options.ladder { 3 } else { 1 };
         for (fallback, rung) in &rungs[..rungs_used] {
-            match self.hybrid(field, start, goal, *rung, meter) {
+            // Those that mapping filled are rectangles, too.
+            let field = if rung.1 {
+                *field
+            } else {
+                field.without_layers()
+            };
+            match self.hybrid(&field, start, goal, *rung, meter) {
                 Ok(()) => {
                     meter.stats.remarks.fallback = *fallback;
                     cells.extend_from_slice(&self.walk.cells);
                     if self.options.pull {
-                        pull(field, cells, first, meter)?;
+                        pull(&field, cells, first, meter)?;
                     }
                     return Ok(());
                 }
                 // Without rectangles the walk was a search over the whole map.
-                Err(Failure::Exhausted) if self.regions.rectangles().is_empty() => {
+                Err(Failure::Exhausted)
+                    if self.regions.rectangles().is_empty() && field.layers == 0 =>
+                {
                     return Err(NO_WAY);
                 }
                 Err(Failure::Exhausted | Failure::Stuck) => {}
@@ -234,21 +244,28 @@ impl Solver for TnHyb {
         if !self.options.ladder {
             return Err(PlanError::DeadEnd);
         }
-        // Where the last walk ended can be reached, so that A* from there is as good a proof as
-        // A* from the start.
-        let here = self.walk.cells.last().copied().unwrap_or(start);
         let recipe = Recipe::plain(Heuristic::Octile);
-        if !self.astar.search(field, &recipe, here, goal, meter)? {
+        let plain = field.without_layers();
+        if let Some((here, before)) = self.walk.cells.split_last()
+            && *here != start
+            && self.astar.search(&plain, &recipe, *here, goal, meter)?
+        {
+            meter.stats.remarks.fallback = Fallback::AstarFromHere;
+            cells.extend_from_slice(before);
+        } else if self.astar.search(&plain, &recipe, start, goal, meter)? {
+            meter.stats.remarks.fallback = Fallback::Astar;
+        } else {
             return Err(NO_WAY);
         }
-        meter.stats.remarks.fallback = Fallback::AstarFromHere;
-        cells.extend_from_slice(&self.walk.cells);
-        cells.pop();
-        self.astar.trace(field, goal, cells);
+        self.astar.trace(&plain, goal, cells);
         Ok(())
     }
 
     fn is_literal(&self) -> bool {
         self.literal
+    }
+
+    fn layers(&self) -> u8 {
+        FLAG_REGULARISED
     }
 }

@@ -4,8 +4,9 @@ use crate::papers::best_first::{BestFirst, PastCorner, Recipe, SoFar};
 use crate::papers::field::{Field, Meter};
 use crate::papers::heuristic::Heuristic;
 use crate::papers::on_map::{NO_WAY, Solver};
+use crate::papers::options::PaperOptions;
 use crate::papers::sight::pull;
-use crate::papers::spline::SplineEnds;
+use crate::papers::spline::Spline;
 use crate::papers::weight::{EtaOptions, Weight};
 use crate::planner::{CornerRule, PlanError};
 use zeronav_msgs::Cell;
@@ -85,52 +86,55 @@ pub(crate) fn lwx_ta(literal: bool) -> Variant {
 /// `bao_taa`: the traditional A* of \[BAO\], with the Manhattan heuristic.
 ///
 /// The heuristic is too large where diagonal steps are allowed, so the path is not the cheapest.
-/// The paper lets it cut corners (`corner_rule = "allow"`); in the stack the rule of the query
-/// holds, and [`crate::remarks::Remarks::corner_cuts`] counts. Literal mode never reopens a closed
-/// node, as printed.
-pub(crate) fn bao_taa(literal: bool) -> Variant {
+/// It cuts corners as in the paper, whatever rule the query has, and
+/// [`crate::remarks::Remarks::corner_cuts`] counts them; on the robot the corners are those of the
+/// inflation, and the local planner checks the outline against the map all the same. Literal mode never reopens a closed node, as printed.
+pub(crate) fn bao_taa(options: &PaperOptions) -> Variant {
+    let reopen = options.reopen && !options.literal;
     Variant {
-        literal,
+        corner_rule: Some(CornerRule::Allow),
+        literal: !reopen,
         ..Variant::of(Recipe {
-            reopen: !literal,
+            reopen,
             ..Recipe::plain(Heuristic::Manhattan)
         })
     }
 }
 
 /// `bao_aao`: virtual obstacles and the Manhattan heuristic, which is not admissible; not smoothed.
-pub(crate) fn bao_aao(literal: bool) -> Variant {
-    with_virtual_obstacles(Heuristic::Manhattan, SplineEnds::Off, literal)
+pub(crate) fn bao_aao(options: &PaperOptions) -> Variant {
+    with_virtual_obstacles(Heuristic::Manhattan, Spline::OFF, options)
 }
 
 /// `bao_iaa`: virtual obstacles and the octile heuristic, eq. (8); smoothed.
-pub(crate) fn bao_iaa(spline: SplineEnds, literal: bool) -> Variant {
-    with_virtual_obstacles(Heuristic::Octile, spline, literal)
+pub(crate) fn bao_iaa(options: &PaperOptions) -> Variant {
+    with_virtual_obstacles(Heuristic::Octile, options.curve(), options)
 }
 
 /// `bao_dij`: virtual obstacles without a heuristic (Dijkstra's algorithm); smoothed.
-pub(crate) fn bao_dij(spline: SplineEnds, literal: bool) -> Variant {
-    with_virtual_obstacles(Heuristic::Zero, spline, literal)
+pub(crate) fn bao_dij(options: &PaperOptions) -> Variant {
+    with_virtual_obstacles(Heuristic::Zero, options.curve(), options)
 }
 
 /// A* with the virtual obstacles of \[BAO\].
 ///
 /// A cell past a corner is virtual for the cell it is seen from: no corner is ever cut, whatever
-/// rule the query has. Literal mode closes it for every other cell, too; what the search then
-/// finds depends on the order of expansion, and it may fail where there is a way. Literal mode
-/// never reopens a closed node either.
-fn with_virtual_obstacles(heuristic: Heuristic, spline: SplineEnds, literal: bool) -> Variant {
-    let past_corner = if literal {
+/// rule the query has. A persistent one ([`PastCorner::Persistent`]) is closed for every other
+/// cell, too; what the search then finds depends on the order of expansion, and it may fail where
+/// there is a way. Literal mode is that, and never reopens a closed node.
+fn with_virtual_obstacles(heuristic: Heuristic, spline: Spline, options: &PaperOptions) -> Variant {
+    let past_corner = if options.literal {
         PastCorner::Persistent
     } else {
-        PastCorner::Edge
+        options.past_corner
     };
+    let reopen = options.reopen && !options.literal;
     Variant {
         corner_rule: Some(CornerRule::ForbidAny),
         spline,
-        literal,
+        literal: past_corner == PastCorner::Persistent || !reopen,
         ..Variant::of(Recipe {
-            reopen: !literal,
+            reopen,
             past_corner,
             ..Recipe::plain(heuristic)
         })
@@ -146,7 +150,7 @@ pub(crate) struct Variant {
     /// Whether the path is pulled taut.
     pull: bool,
     /// How the path is rounded.
-    spline: SplineEnds,
+    spline: Spline,
     /// Whether a fault that is printed in the paper is switched on.
     literal: bool,
     memory: BestFirst,
@@ -159,7 +163,7 @@ impl Variant {
             recipe,
             corner_rule: None,
             pull: false,
-            spline: SplineEnds::Off,
+            spline: Spline::OFF,
             literal: false,
             memory: BestFirst::default(),
         }
@@ -199,7 +203,7 @@ impl Solver for Variant {
         self.literal
     }
 
-    fn spline(&self) -> SplineEnds {
+    fn spline(&self) -> Spline {
         self.spline
     }
 }

@@ -1,19 +1,21 @@
 //! BAO-TAA, BAO-AAO, BAO-IAA, BAO-DIJ, BAO-FULL.
 
-use super::generate::{any, blocky, corners, with_costs};
-use super::{assert_close, plain, plan, query};
+use super::generate::{any, blocky, corners, least_cost, with_costs};
+use super::{assert_close, assert_legal, plain, plan, query};
 use crate::moves::Neighbours;
 use crate::papers::bao_full::inflate;
+use crate::papers::best_first::PastCorner;
 use crate::papers::field::{Field, Prices};
 use crate::papers::heuristic::Heuristic;
 use crate::support::{Map, of_cost};
-use crate::{CornerRule, PlanError};
+use crate::{CornerRule, PlanError, PlannerOptions};
 use core::f64::consts::SQRT_2;
 use zeronav_msgs::Cell;
-use zeronav_msgs::map::COST_LETHAL;
+use zeronav_msgs::map::{COST_LETHAL, FLAG_VIRTUAL};
 
 #[test]
 fn bao_iaa_costs_what_bao_dij_costs_on_1000_maps() {
+    let (mut both, mut fewer, mut dearer) = (0, 0, 0);
     for seed in 0..1000 {
         let mut map = any(20, 16, seed);
         let mut options = plain();
@@ -27,8 +29,13 @@ fn bao_iaa_costs_what_bao_dij_costs_on_1000_maps() {
                 assert_close(iaa.cost, dij.cost, 1e-9, &format!("seed {seed}"));
                 assert!(iaa.stats().expanded <= dij.stats().expanded, "seed {seed}");
                 assert!(aao.cost >= iaa.cost - 1e-9, "seed {seed}");
+                both += 1;
+                fewer += u32::from(iaa.stats().expanded < dij.stats().expanded);
+                dearer += u32::from(aao.cost > iaa.cost + 1e-9);
                 for found in [&iaa, &dij, &aao] {
                     assert_eq!(found.stats().remarks.corner_cuts, 0, "seed {seed}");
+                    let what = format!("seed {seed}");
+                    assert_legal(found, &map, CornerRule::ForbidAny, &what);
                 }
             }
             (Err(one), Err(other), Err(third)) => {
@@ -37,6 +44,50 @@ fn bao_iaa_costs_what_bao_dij_costs_on_1000_maps() {
             _ => panic!("seed {seed}: they disagree about whether there is a way"),
         }
     }
+    // Strictly fewer on nearly every map, and Manhattan's ways are strictly longer on many.
+    eprintln!("{fewer} fewer, {dearer} dearer of {both}");
+    assert!(100 * fewer >= 99 * both, "{fewer} of {both}");
+    assert!(
+        (both / 10..both / 2).contains(&dearer),
+        "{dearer} of {both}"
+    );
+}
+
+#[test]
+fn bao_aao_takes_the_longer_way_that_manhattan_makes_it_believe_in() {
+    let (mut solved, mut dearer, mut change) = (0_u32, 0_u32, 0.0);
+    for seed in 0..200 {
+        let map = blocky(30, 20, 16, seed);
+        let run = |key| plan(key, &plain(), &map, CornerRule::ForbidAny, corners(&map));
+        if let (Ok(aao), Ok(dij)) = (run("bao_aao"), run("bao_dij")) {
+            assert_legal(&aao, &map, CornerRule::ForbidAny, &format!("seed {seed}"));
+            solved += 1;
+            dearer += u32::from(aao.cost > dij.cost + 1e-9);
+            change += aao.cost / dij.cost - 1.0;
+        }
+    }
+    let mean = change / f64::from(solved);
+    assert!(5 * dearer > solved, "{dearer} of {solved} dearer");
+    assert!((0.005..0.06).contains(&mean), "mean change of cost {mean}");
+}
+
+#[test]
+fn bao_dij_is_the_cheapest_and_looks_at_most() {
+    for seed in 0..100 {
+        let map = any(20, 16, seed);
+        let ends = corners(&map);
+        let least = least_cost(&map, CornerRule::ForbidAny, 0.0, ends);
+        match plan("bao_dij", &plain(), &map, CornerRule::Allow, ends) {
+            Ok(found) => assert_close(found.cost, least, 1e-9, &format!("seed {seed}")),
+            Err(error) => assert!(least.is_infinite(), "seed {seed}: {error}"),
+        }
+    }
+    // Without an estimate every cell nearer than the goal is closed first.
+    let map = Map::free(9, 9);
+    let ends = (Cell::new(4, 4), Cell::new(8, 4));
+    let run = |key| plan(key, &plain(), &map, CornerRule::ForbidAny, ends).unwrap();
+    assert_eq!(run("bao_iaa").stats().expanded, 5);
+    assert!(run("bao_dij").stats().expanded > 40);
 }
 
 #[test]
@@ -47,12 +98,20 @@ fn bao_taa_costs_no_less_than_a_star_and_cuts_corners() {
         let mut octile = plain();
         octile.papers.heuristic = Heuristic::Octile;
         let (Ok(taa), Ok(best)) = (
-            plan("bao_taa", &plain(), &map, CornerRule::Allow, corners(&map)),
+            // Its rule is its own.
+            plan(
+                "bao_taa",
+                &plain(),
+                &map,
+                CornerRule::ForbidAny,
+                corners(&map),
+            ),
             plan("tn_a8", &octile, &map, CornerRule::Allow, corners(&map)),
         ) else {
             continue;
         };
         assert!(taa.cost >= best.cost - 1e-9, "seed {seed}");
+        assert_legal(&taa, &map, CornerRule::Allow, &format!("seed {seed}"));
         dearer += u32::from(taa.cost > best.cost + 1e-9);
         cuts += taa.stats().remarks.corner_cuts;
     }
@@ -150,6 +209,36 @@ fn bao_iaa_literal_is_said_and_fails_where_there_is_a_way() {
 }
 
 #[test]
+fn bao_iaa_marks_that_persist_and_closed_nodes_that_stay_closed_are_two_options() {
+    let (mut persistent, mut closed) = (plain(), plain());
+    persistent.papers.past_corner = PastCorner::Persistent;
+    closed.papers.reopen = false;
+    let (mut failed, mut solvable) = (0, 0);
+    for seed in 0..100 {
+        let map = blocky(30, 20, 25, seed);
+        let run = |options: &PlannerOptions| {
+            plan(
+                "bao_iaa",
+                options,
+                &map,
+                CornerRule::ForbidAny,
+                corners(&map),
+            )
+        };
+        let Ok(proper) = run(&plain()) else {
+            continue;
+        };
+        solvable += 1;
+        // The octile distance is consistent: no closed node would be opened again anyway.
+        let found = run(&closed).unwrap();
+        assert_close(found.cost, proper.cost, 1e-9, &format!("seed {seed}"));
+        assert!(found.stats().remarks.literal && !proper.stats().remarks.literal);
+        failed += u32::from(run(&persistent).is_err());
+    }
+    assert!((1..solvable).contains(&failed), "{failed} of {solvable}");
+}
+
+#[test]
 fn bao_full_inflates_by_one_cell() {
     let mut map = Map::free(6, 5);
     map.put(Cell::new(2, 2), of_cost(COST_LETHAL));
@@ -167,6 +256,8 @@ fn bao_full_inflates_by_one_cell() {
         corner_rule: query.corner_rule,
         prices: &prices,
         walls: &[],
+        layers: 0,
+        spared: [Cell::new(0, 0); 2],
     };
     let mut walls = Vec::new();
     assert_eq!(inflate(&field, Neighbours::Eight, &mut walls), 8 + 3);
@@ -186,7 +277,11 @@ fn bao_full_closes_gaps_of_one_cell() {
     );
     let ends = (at('S'), at('G'));
     let result = plan("bao_full", &plain(), &map, CornerRule::ForbidAny, ends);
-    assert_eq!(result.map(|found| found.cost), Err(PlanError::DeadEnd));
+    let blocked_by_corner = false;
+    assert_eq!(
+        result.map(|found| found.cost),
+        Err(PlanError::Unreachable { blocked_by_corner })
+    );
     let (map, at) = Map::drawn(
         ".....#.....
          ...........
@@ -199,22 +294,64 @@ fn bao_full_closes_gaps_of_one_cell() {
     assert_close(found.cost, 10.0, 1e-12, "through the middle");
 }
 
-#[test]
-fn bao_full_fails_cleanly_where_obstacles_are_dense() {
-    let mut found = 0;
-    for seed in 0..40 {
-        let map = blocky(50, 40, 38, seed);
-        match plan(
-            "bao_full",
-            &plain(),
-            &map,
-            CornerRule::ForbidAny,
-            corners(&map),
-        ) {
-            Ok(_) => found += 1,
-            Err(PlanError::DeadEnd | PlanError::Unreachable { .. }) => {}
-            Err(error) => panic!("seed {seed}: {error}"),
+/// Of the maps that have a way, how many `bao_full` finds one on.
+fn found_among_inflated(size: (u32, u32), percent: i32, seeds: u64) -> (u32, u32) {
+    let (mut found, mut solvable) = (0, 0);
+    for seed in 0..seeds {
+        let map = blocky(size.0, size.1, percent, seed);
+        let rule = CornerRule::ForbidAny;
+        let Ok(best) = plan("bao_iaa", &plain(), &map, rule, corners(&map)) else {
+            continue;
+        };
+        solvable += 1;
+        match plan("bao_full", &plain(), &map, rule, corners(&map)) {
+            Ok(way) => {
+                assert!(way.cost >= best.cost - 1e-9, "seed {seed}");
+                assert!(way.stats().remarks.virtual_total > 0, "seed {seed}");
+                found += 1;
+            }
+            Err(error) => {
+                let blocked_by_corner = false;
+                let expected = PlanError::Unreachable { blocked_by_corner };
+                assert_eq!(error, expected, "seed {seed}");
+            }
         }
     }
+    (found, solvable)
+}
+
+#[test]
+fn bao_full_fails_on_half_of_the_sparse_maps_and_on_all_dense_ones() {
+    let (found, solvable) = found_among_inflated((30, 20), 16, 200);
+    assert!(solvable > 120, "{solvable}");
+    let share = f64::from(found) / f64::from(solvable);
+    assert!((0.3..0.7).contains(&share), "{found} of {solvable}");
+    let (found, solvable) = found_among_inflated((50, 40), 38, 60);
+    assert!(solvable > 10, "{solvable}");
     assert_eq!(found, 0, "ways among obstacles that leave none");
+}
+
+#[test]
+fn bao_full_keeps_clear_of_the_virtual_obstacles_of_mapping() {
+    let (mut map, at) = Map::drawn(
+        ".........
+         .........
+         S.......G
+         .........
+         .........",
+    );
+    let ends = (at('S'), at('G'));
+    let straight = plan("bao_full", &plain(), &map, CornerRule::ForbidAny, ends).unwrap();
+    assert_close(straight.cost, 8.0, 1e-12, "nothing in the way");
+    // Start and goal are exempt.
+    for x in [0, 3, 4, 5, 8] {
+        let mut cell = map.view().get(Cell::new(x, 2)).unwrap();
+        cell.flags |= FLAG_VIRTUAL;
+        map.put(Cell::new(x, 2), cell);
+    }
+    let around = plan("bao_full", &plain(), &map, CornerRule::ForbidAny, ends).unwrap();
+    assert_close(around.cost, 6.0 + 2.0 * SQRT_2, 1e-12, "beside them");
+    // No other planner's row says that it honours them.
+    let other = plan("bao_iaa", &plain(), &map, CornerRule::ForbidAny, ends).unwrap();
+    assert_close(other.cost, 8.0, 1e-12, "through them");
 }

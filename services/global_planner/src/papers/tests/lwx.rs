@@ -1,13 +1,13 @@
 //! LWX-OA, LWX-BI, LWX-ACO, LWX-RRT.
 
 use super::generate::{any, blocky, corners};
-use super::{assert_close, plain, plan};
+use super::{Found, assert_close, assert_legal, plain, plan};
 use crate::papers::lwx_bi::middle_of;
 use crate::papers::lwx_oa::{ChildCost, DeadEndPolicy};
 use crate::support::Map;
 use crate::{CornerRule, Fallback, PlanError, PlannerOptions};
 use core::f64::consts::SQRT_2;
-use zeronav_msgs::Cell;
+use zeronav_msgs::{Cell, MapCell};
 
 const RULE: CornerRule = CornerRule::ForbidAny;
 
@@ -98,7 +98,8 @@ fn lwx_oa_expands_less_than_a_star_where_it_succeeds() {
         ) {
             solved += 1;
             assert!(found.cost >= best.cost - 1e-9, "seed {seed}");
-            fewer += u32::from(found.stats().expanded <= best.stats().expanded);
+            assert_legal(&found, &map, RULE, &format!("seed {seed}"));
+            fewer += u32::from(found.stats().expanded < best.stats().expanded);
         }
     }
     assert!(solved < solvable, "it never gave up");
@@ -150,6 +151,7 @@ fn lwx_bi_passes_the_middle_and_is_never_cheaper_than_a_star() {
         {
             assert!(found.path.cells.contains(&middle), "seed {seed}");
         }
+        assert_legal(&found, &map, RULE, &format!("seed {seed}"));
         for pair in found.path.cells.windows(2) {
             let apart = (pair[1].x - pair[0].x)
                 .abs()
@@ -210,7 +212,9 @@ fn lwx_aco_finds_ways_and_repeats_itself_by_seed() {
         let run = |seed| {
             let mut options = plain();
             options.papers.seed = seed;
-            plan("lwx_aco", &options, &map, RULE, corners(&map)).map(|found| found.path)
+            let found = plan("lwx_aco", &options, &map, RULE, corners(&map))?;
+            assert_legal(&found, &map, RULE, &format!("seed {seed}"));
+            Ok::<_, PlanError>(found.path)
         };
         let (one, again, other) = (run(seed), run(seed), run(seed + 1000));
         assert_eq!(one, again, "seed {seed}");
@@ -231,42 +235,82 @@ fn lwx_aco_finds_the_shortest_way_over_an_empty_map() {
     assert_close(found.cost, 9.0 * SQRT_2, 1e-9, "diagonal");
 }
 
+/// Asserts that a curve touches no obstacle's square, looking every hundredth of a cell.
+fn assert_curve_free(found: &Found, map: &Map, what: &str) {
+    let geometry = &map.geometry;
+    let blocked = |cell| map.view().get(cell).is_none_or(MapCell::blocks_centre);
+    for ends in found.path.curve.windows(2) {
+        let n = ((ends[1] - ends[0]).norm() / geometry.resolution_m * 100.0).ceil();
+        #[allow(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a few hundred"
+        )]
+        for i in 0..=n as u32 {
+            let at = ends[0] + (ends[1] - ends[0]) * (f64::from(i) / n.max(1.0));
+            let cell = geometry.cell_at(at).expect("on the map");
+            assert!(!blocked(cell), "{what}: {cell:?}");
+        }
+    }
+}
+
 #[test]
 fn lwx_rrt_finds_ways_in_99_of_100() {
-    let (mut solvable, mut solved) = (0, 0);
+    let (mut solvable, mut solved, mut shorter) = (0, 0, 0);
     for seed in 0..200 {
         let map = blocky(20, 20, 20, seed);
-        let Ok(best) = plan("lwx_ta", &plain(), &map, RULE, corners(&map)) else {
+        let ends = corners(&map);
+        let Ok(best) = plan("lwx_ta", &plain(), &map, RULE, ends) else {
             continue;
         };
         solvable += 1;
         let mut options = plain();
         options.papers.seed = seed;
-        if let Ok(found) = plan("lwx_rrt", &options, &map, RULE, corners(&map)) {
+        if let Ok(found) = plan("lwx_rrt", &options, &map, RULE, ends) {
+            let what = format!("seed {seed}");
             solved += 1;
-            // Branches of one cell make a grid path.
-            assert!(found.cost >= best.cost - 1e-9, "seed {seed}");
+            assert_legal(&found, &map, RULE, &what);
+            assert_curve_free(&found, &map, &what);
+            let straight = f64::from(ends.1.x - ends.0.x).hypot(f64::from(ends.1.y - ends.0.y));
+            assert!(found.cost >= straight - 1e-9, "{what}");
+            // Its branches have any direction, so that it may be shorter than the grid allows.
+            shorter += u32::from(found.cost < best.cost);
         }
     }
     assert!(solvable > 100);
     assert!(100 * solved >= 99 * solvable, "{solved} of {solvable}");
+    assert!(
+        10 * shorter < solved,
+        "{shorter} of {solved} shorter than A*"
+    );
 }
 
 #[test]
-fn lwx_rrt_ends_in_the_region_and_gives_up_when_samples_end() {
+fn lwx_rrt_ends_in_the_region_and_at_the_limit_of_its_samples() {
     let map = Map::free(20, 20);
     let ends = (Cell::new(0, 0), Cell::new(19, 12));
     let mut options = plain();
     options.papers.tree.region_cells = 5.0;
-    options.papers.tree.step_cells = Some(3.0);
+    options.papers.tree.step_cells = 3.0;
     let found = plan("lwx_rrt", &options, &map, RULE, ends).unwrap();
-    let cells = &found.path.cells;
-    let before = cells[cells.len() - 2];
-    let apart = f64::from(19 - before.x).hypot(f64::from(12 - before.y));
-    assert!(apart <= 5.0, "{apart} cells from the goal");
+    let curve = &found.path.curve;
+    let goal = map.geometry.centre_of(ends.1);
+    let cells_apart = |n: usize| (curve[n] - goal).norm() / map.geometry.resolution_m;
+    assert_close(cells_apart(curve.len() - 1), 0.0, 1e-9, "the goal itself");
+    let before = cells_apart(curve.len() - 2);
+    assert!(
+        (0.0..=5.0).contains(&before),
+        "{before} cells from the goal"
+    );
+    // Branches of one length, but for the last and those that reached their sample.
+    let branch = (curve[1] - curve[0]).norm() / map.geometry.resolution_m;
+    assert_close(branch, 3.0, 1e-9, "a branch");
+    assert_eq!(found.path.cells.first(), Some(&ends.0));
+    assert_eq!(found.path.cells.last(), Some(&ends.1));
     options.papers.tree.samples = 2;
     let result = plan("lwx_rrt", &options, &map, RULE, ends).map(|found| found.cost);
-    assert_eq!(result, Err(PlanError::DeadEnd));
+    assert_eq!(result, Err(PlanError::OutOfBudget));
+    // What the samples cannot prove a flood does.
     let (map, at) = Map::drawn("S..#G\n...##\n.....");
     let result = plan("lwx_rrt", &plain(), &map, RULE, (at('S'), at('G')));
     let blocked_by_corner = false;

@@ -10,12 +10,13 @@ mod spline;
 mod tn;
 mod zm;
 
+use crate::line::supercover;
 use crate::support::Map;
 use crate::{
     CellPath, Control, CornerRule, Expansions, GlobalPlanner, PlanError, PlanQuery, PlanStats,
     PlannerOptions, Unknown, row_of,
 };
-use zeronav_msgs::Cell;
+use zeronav_msgs::{Cell, MapCell};
 
 /// All budget there is.
 fn go(_: Expansions) -> Control {
@@ -77,6 +78,24 @@ fn plan_with(
         path,
         cost: stats.cost / map.geometry.resolution_m,
     })
+}
+
+/// Asserts that a way is legal: no line from entry to entry touches an obstacle's square, and where
+/// one passes a corner, the rule permits it. Judged by the map alone.
+#[track_caller]
+fn assert_legal(found: &Found, map: &Map, rule: CornerRule, what: &str) {
+    let blocked = |cell| map.view().get(cell).is_none_or(MapCell::blocks_centre);
+    for pair in found.path.cells.windows(2) {
+        supercover(pair[0], pair[1], |crossing| {
+            assert!(!blocked(crossing.cell), "{what}: {:?}", crossing.cell);
+            if let Some([one, other]) = crossing.touched {
+                assert!(
+                    rule.permits(blocked(one), blocked(other)),
+                    "{what}: a corner"
+                );
+            }
+        });
+    }
 }
 
 /// A counter as a number to calculate with.

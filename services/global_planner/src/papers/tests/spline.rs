@@ -2,8 +2,7 @@
 
 use super::generate::{any, corners};
 use super::{assert_close, plain, plan};
-use crate::papers::spline::SplineEnds;
-use crate::papers::spline::{point_on, segments};
+use crate::papers::spline::{Spline, SplineEnds, curve_of, point_on, segments};
 use crate::support::{Map, Rng};
 use crate::waypoints::waypoints_along;
 use crate::{CornerRule, PlannerOptions};
@@ -186,6 +185,11 @@ fn bao_spl_keeps_its_distance_on_1000_maps() {
             !found.path.curve.is_empty(),
             "seed {seed}: the curve was refused"
         );
+        let remarks = found.stats().remarks;
+        assert!(!remarks.curve_dropped, "seed {seed}");
+        // A right angle from step to step turns as sharply as 1 / 0.3 cells.
+        let sharpest = remarks.curvature_max_1pm * map.geometry.resolution_m;
+        assert!((0.0..4.0).contains(&sharpest), "seed {seed}: {sharpest}");
         gains.push(length(&curve) / found.path.length_cells() - 1.0);
     }
     assert!(nearest >= 0.465, "{nearest} cells from an obstacle");
@@ -262,4 +266,47 @@ fn bao_spl_leads_from_the_robots_cell_to_the_goal_itself() {
         1e-6,
         "wrapped",
     );
+}
+
+#[test]
+fn bao_spl_a_curve_into_an_obstacle_is_dropped_and_said() {
+    // A zig-zag between blocks that touch at corners, which only cutting them can follow.
+    let (map, at) = Map::drawn(
+        "....#G
+         ...#.#
+         ..#.#.
+         .#.#..
+         #.#...
+         S#....",
+    );
+    let query = super::query(&map, CornerRule::Allow, at('S'), at('G'));
+    let spline = Spline {
+        ends: SplineEnds::Phantom,
+        samples: 20,
+    };
+    let cells = [(0, 0), (1, 1), (2, 2), (3, 1), (4, 2), (5, 5)].map(|(x, y)| Cell::new(x, y));
+    let (mut curve, mut remarks) = (Vec::new(), crate::Remarks::default());
+    curve_of(&query, &cells, spline, &mut remarks, &mut curve);
+    assert!(curve.is_empty() && remarks.curve_dropped);
+    assert_close(remarks.curvature_max_1pm, 0.0, 1e-12, "no curve");
+    // Straight ahead nothing is cut.
+    let (mut curve, mut remarks) = (Vec::new(), crate::Remarks::default());
+    curve_of(&query, &cells[..3], spline, &mut remarks, &mut curve);
+    assert!(!curve.is_empty() && !remarks.curve_dropped);
+}
+
+#[test]
+fn bao_spl_a_curve_of_too_many_points_is_sampled_less_densely() {
+    let map = Map::free(200, 3);
+    // A step up, a step down, again and again: no span is straight.
+    let cells: Vec<Cell> = (0..200).map(|x| Cell::new(x, 1 + x % 2)).collect();
+    let query = super::query(&map, CornerRule::Allow, cells[0], cells[199]);
+    let spline = Spline {
+        ends: SplineEnds::Phantom,
+        samples: 20,
+    };
+    let (mut curve, mut remarks) = (Vec::new(), crate::Remarks::default());
+    curve_of(&query, &cells, spline, &mut remarks, &mut curve);
+    assert_eq!(curve.len(), 1 + 199 * 10);
+    assert!(!remarks.curve_dropped);
 }
