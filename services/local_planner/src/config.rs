@@ -5,6 +5,7 @@ use crate::beam::options::BeamConfig;
 use crate::dwa::options::DwaConfig;
 use crate::dwa_t::options::DwaTConfig;
 use crate::mppi::options::MppiConfig;
+use crate::papers::options::PapersConfig;
 use crate::recovery::options::RecoveryConfig;
 use crate::requests::RequestConfig;
 use crate::shaping::ShapingConfig;
@@ -31,6 +32,8 @@ parameters! {
         recovery: RecoveryConfig;
         /// For the controllers of the papers: obstacles are points, as printed, instead of areas.
         literal: bool = false;
+        /// Gains of the controllers of the papers, each for its own key.
+        papers: PapersConfig;
         /// When a task has succeeded or failed.
         task: TaskConfig;
         /// When another path is requested.

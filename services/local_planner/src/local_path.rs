@@ -128,6 +128,25 @@ impl LocalPath {
         (steps * narrow(self.spacing_m)).min(narrow(self.ahead_m))
     }
 
+    /// Distance from the stretch of a point relative to the robot along the map's axes; infinite
+    /// without a stretch. [m]
+    pub(crate) fn distance_m(&self, at: Vector2<f64>) -> f64 {
+        let stretch = &self.stretch;
+        let (x, y) = (narrow(at.x), narrow(at.y));
+        let pieces = 0..stretch.n.saturating_sub(1);
+        let squared = pieces.map(|i| {
+            let (dx, dy) = (x - stretch.x[i], y - stretch.y[i]);
+            let along = dx * stretch.step_x[i] + dy * stretch.step_y[i];
+            let share = (along * stretch.inverse[i]).clamp(0.0, 1.0);
+            let (ox, oy) = (
+                dx - share * stretch.step_x[i],
+                dy - share * stretch.step_y[i],
+            );
+            ox * ox + oy * oy
+        });
+        f64::from(squared.fold(f32::INFINITY, f32::min).sqrt())
+    }
+
     /// The point to steer for: at most `lookahead_m` ahead, shortened until the straight way to
     /// it is free for the inscribed disc. Relative to the robot along the map's axes. [m]
     pub(crate) fn local_goal(

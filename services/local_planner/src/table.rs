@@ -6,7 +6,6 @@ use crate::dwa::dwa;
 use crate::dwa_t::dwa_t;
 use crate::mppi::mppi;
 use crate::papers::Law;
-use crate::papers::bao_dwa::BaoWeights;
 use crate::papers::bao_window::bao_dwa;
 use crate::papers::drive::along;
 use crate::papers::ju_apf::JuApf;
@@ -16,9 +15,9 @@ use crate::papers::ju_r7::JuR7;
 use crate::papers::lwx_fusion::LwxFusion;
 use crate::papers::lwx_lsq::LwxLsq;
 use crate::papers::lwx_oapf::LwxOapf;
-use crate::papers::potential::Gains;
 use crate::papers::walk::Walk;
 use crate::papers::zm_esc::ZmEsc;
+use crate::papers::zm_full::ZmFull;
 use crate::papers::zm_rep::ZmRep;
 use crate::papers::zm_rv::ZmRv;
 use crate::pilot::Pilot;
@@ -37,12 +36,6 @@ pub struct ControllerRow {
     /// Makes one.
     pub build: fn(&LocalPlannerConfig) -> Pilot,
 }
-
-/// [m] that a control period at full speed covers, more or less.
-const ESCAPE_STEP_M: f64 = 0.01;
-
-/// Control periods per metre that an interim goal may take.
-const PERIODS_PER_M: f64 = 500.0;
 
 /// A potential-field law at the wheels.
 fn law(law: impl Law + 'static, config: &LocalPlannerConfig) -> Pilot {
@@ -84,91 +77,109 @@ pub const CONTROLLERS: &[ControllerRow] = &[
         title: "Artificial potential field towards the goal",
         source: "JU-APF",
         of_a_paper: true,
-        build: |config| law(JuApf::new(Gains::JU), config),
+        build: |config| law(JuApf::new(config.papers.ju_apf.gains()), config),
     },
     ControllerRow {
         key: "ju_r6",
         title: "The path's inflection points as sub-goals of a potential field",
         source: "JU-R6",
         of_a_paper: true,
-        build: |config| law(JuR6::new(Gains::JU), config),
+        build: |config| law(JuR6::new(&config.papers.ju_r6), config),
     },
     ControllerRow {
         key: "ju_r7",
         title: "Potential field towards a carrot on the path",
         source: "JU-R7",
         of_a_paper: true,
-        build: |config| law(JuR7::new(Gains::JU), config),
+        build: |config| law(JuR7::new(&config.papers.ju_r7), config),
     },
     ControllerRow {
         key: "ju_fusion",
         title: "The path's points around the robot attract besides the goal",
         source: "JU-FUSION",
         of_a_paper: true,
-        build: |config| law(JuFusion::new(Gains::JU, false), config),
+        build: |config| law(JuFusion::new(&config.papers.ju_fusion), config),
     },
     ControllerRow {
         key: "zm_rep",
         title: "Repulsion that fades at the goal",
         source: "ZM-REP",
         of_a_paper: true,
-        build: |config| law(ZmRep::new(Gains::JU), config),
+        build: |config| law(ZmRep::new(&config.papers.zm_rep), config),
     },
     ControllerRow {
         key: "zm_esc",
         title: "Potential field that escapes from local minima",
         source: "ZM-ESC",
         of_a_paper: true,
-        build: |config| law(ZmEsc::new(Gains::JU, ESCAPE_STEP_M), config),
+        build: |config| law(ZmEsc::new(&config.papers.zm_esc), config),
     },
     ControllerRow {
         key: "zm_rv",
         title: "Sideways repulsion from what approaches",
         source: "ZM-RV",
         of_a_paper: true,
-        build: |config| law(ZmRv::new(Gains::JU, 1.0), config),
+        build: |config| law(ZmRv::new(&config.papers.zm_rv), config),
+    },
+    ControllerRow {
+        key: "zm_full",
+        title: "Fading repulsion, escapes and sideways repulsion together",
+        source: "ZM-REP, ZM-ESC, ZM-RV",
+        of_a_paper: true,
+        build: |config| law(ZmFull::new(&config.papers.zm_full), config),
     },
     ControllerRow {
         key: "lwx_apf",
         title: "Artificial potential field with a small reach",
         source: "LWX-APF",
         of_a_paper: true,
-        build: |config| law(JuApf::new(Gains::LWX_M), config),
+        build: |config| law(JuApf::new(config.papers.lwx_apf.gains()), config),
     },
     ControllerRow {
         key: "lwx_oapf",
         title: "The path's turning points as interim goals",
         source: "LWX-OAPF",
         of_a_paper: true,
-        build: |config| law(LwxOapf::new(Gains::LWX_M, PERIODS_PER_M, false), config),
+        build: |config| {
+            let own = &config.papers.lwx_oapf;
+            law(LwxOapf::new(own.gains(), own.steps_per_m, false), config)
+        },
     },
     ControllerRow {
         key: "lwx_iter",
         title: "The same with a strict budget of steps for every interim goal",
         source: "LWX-ITER",
         of_a_paper: true,
-        build: |config| law(LwxOapf::new(Gains::LWX_M, PERIODS_PER_M, true), config),
+        build: |config| {
+            let own = &config.papers.lwx_iter;
+            law(LwxOapf::new(own.gains(), own.steps_per_m, true), config)
+        },
     },
     ControllerRow {
         key: "lwx_lsq",
         title: "The path fitted by least squares, followed by a carrot",
         source: "LWX-LSQ",
         of_a_paper: true,
-        build: |config| law(LwxLsq::new(Gains::LWX_M), config),
+        build: |config| law(LwxLsq::new(&config.papers.lwx_lsq), config),
     },
     ControllerRow {
         key: "lwx_fusion",
         title: "Potential field over turning points, fitted by least squares",
         source: "LWX-FUSION",
         of_a_paper: true,
-        build: |config| law(LwxFusion::new(Gains::LWX_M, Walk::LWX_M), config),
+        build: |config| {
+            law(
+                LwxFusion::new(&config.papers.lwx_fusion, Walk::LWX_M),
+                config,
+            )
+        },
     },
     ControllerRow {
         key: "bao_dwa",
         title: "Dynamic window with normalised heading, distance and speed",
         source: "BAO-DWA",
         of_a_paper: true,
-        build: |config| bao_dwa(BaoWeights::default(), config.dwa).shaped(config.shaping),
+        build: |config| bao_dwa(&config.papers.bao_dwa, config.dwa).shaped(config.shaping),
     },
 ];
 

@@ -1,10 +1,12 @@
 //! `bao_dwa` [BAO]: the dynamic window of Fox, Burgard and Thrun with normalised terms.
 //!
 //! `V_r = V_m ∩ V_d ∩ V_a` (eq. 14 to 16, the second root of eq. 16 with the angle that is swept
-//! instead of a length), `G = sigma (alpha head + beta dist + gamma vel)` (eq. 17, every term
-//! divided by its sum over the admissible set, sigma the identity), exact arcs, a local goal at a
-//! look-ahead along the path.
+//! instead of a length), `G = sigma (alpha head + beta dist + gamma vel + delta path)` (eq. 17 and a
+//! term for the path, which `delta = 0` leaves out), every term scaled over the admissible set, exact
+//! arcs, a local goal at a look-ahead along the path. `sigma` smooths the scores over neighbouring
+//! twists, as in the original method; as a positive constant it would change nothing.
 
+use super::options::{BaoDwaConfig, Normalise, Smooth};
 use zeronav_motion::Twist;
 use zeronav_msgs::command::RequestCause;
 use zeronav_msgs::description::Description;
@@ -17,39 +19,6 @@ const W_STEP_RADPS: f64 = 0.1;
 
 /// Most samples of either.
 pub const SAMPLES_MAX: usize = 64;
-
-/// Weights and sizes of the evaluation.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct BaoWeights {
-    /// Of heading (`alpha`).
-    pub head: f64,
-    /// Of distance (`beta`).
-    pub dist: f64,
-    /// Of speed (`gamma`).
-    pub vel: f64,
-    /// Factor of everything (`sigma`); without effect on the choice when positive.
-    pub sigma: f64,
-    /// [m] beyond which distance counts no more.
-    pub dist_m_max: f64,
-    /// [s] length of a predicted arc.
-    pub horizon_s: f64,
-    /// [s] control period of the window.
-    pub period_s: f64,
-}
-
-impl Default for BaoWeights {
-    fn default() -> Self {
-        Self {
-            head: 0.15,
-            dist: 0.2,
-            vel: 0.1,
-            sigma: 1.0,
-            dist_m_max: 2.0,
-            horizon_s: 3.0,
-            period_s: 0.1,
-        }
-    }
-}
 
 /// A closed range.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -97,23 +66,44 @@ pub fn is_admissible(robot: &Description, twist: Twist, free_arc_m: f64) -> bool
 pub struct Sample {
     /// The twist.
     pub twist: Twist,
+    /// Its place in the sampled window: speeds, then yaw rates.
+    pub place: [u8; 2],
     /// `pi - |angle to the local goal - heading at the end|`. [rad]
     pub head: f64,
     /// Distance to the nearest obstacle on the arc, capped. [m]
     pub dist: f64,
+    /// How much less than the cap the end is away from the path. [m]
+    pub path: f64,
 }
 
-/// The terms of `G` for a sample: heading, distance and speed, each with its weight and divided by
-/// its sum over `samples`.
-fn terms(samples: &[Sample], weights: &BaoWeights) -> impl Fn(&Sample) -> [f64; 3] {
-    let of: [fn(&Sample) -> f64; 3] = [|s| s.head, |s| s.dist, |s| s.twist.v_mps.abs()];
-    let sums = of.map(|term| samples.iter().map(term).sum::<f64>());
-    let factors = [weights.head, weights.dist, weights.vel].map(|weight| weights.sigma * weight);
+/// Terms of the evaluation: heading, distance, speed, nearness to the path.
+const TERMS: usize = 4;
+
+/// The terms of a sample, each scaled over `samples` and with its weight.
+fn terms(samples: &[Sample], config: &BaoDwaConfig) -> impl Fn(&Sample) -> [f64; TERMS] {
+    let of: [fn(&Sample) -> f64; TERMS] = [
+        |sample| sample.head,
+        |sample| sample.dist,
+        |sample| sample.twist.v_mps.abs(),
+        |sample| sample.path,
+    ];
+    let weights = [config.head, config.dist, config.vel, config.path];
+    // What is subtracted, and what the rest is divided by.
+    let scales = of.map(|term| {
+        let values = || samples.iter().map(term);
+        match config.normalise {
+            Normalise::Sum => (0.0, values().sum::<f64>()),
+            Normalise::MinMax => {
+                let least = values().fold(f64::INFINITY, f64::min);
+                (least, values().fold(f64::NEG_INFINITY, f64::max) - least)
+            }
+        }
+    });
     move |sample| {
         core::array::from_fn(|i| {
-            let sum = sums[i];
-            if sum > 0.0 {
-                factors[i] * of[i](sample) / sum
+            let (offset, divisor) = scales[i];
+            if divisor > 0.0 {
+                weights[i] * (of[i](sample) - offset) / divisor
             } else {
                 0.0
             }
@@ -121,16 +111,43 @@ fn terms(samples: &[Sample], weights: &BaoWeights) -> impl Fn(&Sample) -> [f64; 
     }
 }
 
-/// The sample with the largest `G`; ties go to the smaller `|w|`.
-fn best<'a>(samples: &'a [Sample], weights: &BaoWeights) -> Option<&'a Sample> {
-    let terms = terms(samples, weights);
-    let tie = 1.0e-12 * weights.sigma;
+/// The mean of the scores of a sample and of those beside it in the window that are admissible.
+fn smoothed(samples: &[Sample], scores: &[f64], of: &Sample) -> f64 {
+    let beside = |sample: &Sample| {
+        let apart = |axis: usize| sample.place[axis].abs_diff(of.place[axis]);
+        apart(0) <= 1 && apart(1) <= 1
+    };
+    let near = samples
+        .iter()
+        .zip(scores)
+        .filter(|(sample, _)| beside(sample));
+    let (sum, n) = near.fold((0.0, 0.0), |(sum, n), (_, score)| (sum + score, n + 1.0));
+    sum / n
+}
+
+/// The sample with the largest `G`; ties go to the smaller `|w|`. `scores` is memory.
+fn best<'a>(
+    samples: &'a [Sample],
+    config: &BaoDwaConfig,
+    scores: &mut Vec<f64>,
+) -> Option<&'a Sample> {
+    const TIE: f64 = 1.0e-12;
+    let terms = terms(samples, config);
+    scores.clear();
+    scores.extend(
+        samples
+            .iter()
+            .map(|sample| terms(sample).iter().sum::<f64>()),
+    );
     let mut best: Option<(f64, &Sample)> = None;
-    for sample in samples {
-        let here = terms(sample).iter().sum::<f64>();
+    for (sample, score) in samples.iter().zip(&*scores) {
+        let here = match config.smooth {
+            Smooth::Identity => *score,
+            Smooth::Box => smoothed(samples, scores, sample),
+        };
         let better = best.is_none_or(|(most, known)| {
-            here > most + tie
-                || (here > most - tie && sample.twist.w_radps.abs() < known.twist.w_radps.abs())
+            here > most + TIE
+                || (here > most - TIE && sample.twist.w_radps.abs() < known.twist.w_radps.abs())
         });
         if better {
             best = Some((here, sample));
@@ -139,26 +156,27 @@ fn best<'a>(samples: &'a [Sample], weights: &BaoWeights) -> Option<&'a Sample> {
     best.map(|(_, sample)| sample)
 }
 
-/// The twist with the largest `G`; ties go to the smaller `|w|`.
+/// The twist with the largest `G`; ties go to the smaller `|w|`. `scores` is memory, reused.
 #[must_use]
-pub fn choose(samples: &[Sample], weights: &BaoWeights) -> Option<Twist> {
-    best(samples, weights).map(|sample| sample.twist)
+pub fn choose(samples: &[Sample], config: &BaoDwaConfig, scores: &mut Vec<f64>) -> Option<Twist> {
+    best(samples, config, scores).map(|sample| sample.twist)
 }
 
 /// The term that speaks most for the best sample and against the fastest, to explain the choice.
 #[must_use]
-pub fn decisive(samples: &[Sample], weights: &BaoWeights) -> RequestCause {
+pub fn decisive(samples: &[Sample], config: &BaoDwaConfig, scores: &mut Vec<f64>) -> RequestCause {
     let speed = |sample: &&Sample| sample.twist.v_mps;
     let fastest = samples.iter().max_by(|a, b| speed(a).total_cmp(&speed(b)));
-    let Some((best, fastest)) = best(samples, weights).zip(fastest) else {
+    let Some((best, fastest)) = best(samples, config, scores).zip(fastest) else {
         return RequestCause::Critics;
     };
     if best.twist.v_mps >= fastest.twist.v_mps {
         return RequestCause::StoppingDistance;
     }
-    let terms = terms(samples, weights);
+    let terms = terms(samples, config);
     let (chosen, faster) = (terms(best), terms(fastest));
-    if chosen[0] - faster[0] > chosen[1] - faster[1] {
+    let gain = |term: usize| chosen[term] - faster[term];
+    if gain(0).max(gain(3)) > gain(1) {
         RequestCause::PathCritic
     } else {
         RequestCause::ClearanceCritic

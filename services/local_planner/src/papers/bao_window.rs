@@ -1,7 +1,8 @@
 //! `bao_dwa` on the robot: the window's samples against map and scan, towards a local goal.
 
-use super::bao_dwa::{self, BaoWeights, SAMPLES_MAX, Sample};
-use super::drive::wish_or_slower;
+use super::bao_dwa::{self, SAMPLES_MAX, Sample};
+use super::drive::{steered, wish_or_slower};
+use super::options::{BaoDwaConfig, Switch};
 use crate::dwa::options::DwaConfig;
 use crate::lanes::data::narrow;
 use crate::pilot::Pilot;
@@ -10,14 +11,19 @@ use crate::pilot::scene::{Choose, Scene, Wish};
 use crate::record::{Record, Seen};
 use crate::surroundings::LocalPose;
 use crate::turn;
-use nalgebra::Vector2;
+use nalgebra::{Point2, Vector2};
 use zeronav_motion::{Twist, stop_distance_m};
+use zeronav_msgs::Cell;
 use zeronav_msgs::command::Validity;
+use zeronav_msgs::map::FLAG_STATIC;
 use zeronav_msgs::pose::wrap_angle;
 use zeronav_msgs::rollouts::RolloutOutcome;
 
-/// [m] look-ahead along the path.
-const LOOKAHEAD_M: f64 = 1.0;
+/// Distance from the way within which an obstacle that no map shows calls for the window. [m]
+const DETECT_M: f64 = 1.5;
+
+/// Cells around a hit in which the static map may show what was hit.
+const KNOWN_CELLS: i32 = 2;
 
 /// [m/s] below which the robot is stopped.
 const STOPPED_MPS: f64 = 0.02;
@@ -27,9 +33,10 @@ const STEPS: u8 = 30;
 
 /// The controller `bao_dwa` at rest.
 #[must_use]
-pub fn bao_dwa(weights: BaoWeights, config: DwaConfig) -> Pilot {
+pub fn bao_dwa(own: &BaoDwaConfig, config: DwaConfig) -> Pilot {
     let chooser = BaoWindow {
-        weights,
+        own: *own,
+        scores: Vec::with_capacity(SAMPLES_MAX * SAMPLES_MAX),
         speeds: Vec::with_capacity(SAMPLES_MAX),
         yaw_rates: Vec::with_capacity(SAMPLES_MAX),
         admissible: Vec::with_capacity(SAMPLES_MAX * SAMPLES_MAX),
@@ -40,7 +47,8 @@ pub fn bao_dwa(weights: BaoWeights, config: DwaConfig) -> Pilot {
 /// The best admissible twist; without one the robot stops, then turns towards its local goal.
 #[derive(Debug)]
 struct BaoWindow {
-    weights: BaoWeights,
+    own: BaoDwaConfig,
+    scores: Vec<f64>,
     /// Of this period: sampled speeds [m/s] and yaw rates [rad/s], and the admissible twists.
     speeds: Vec<f64>,
     yaw_rates: Vec<f64>,
@@ -49,14 +57,18 @@ struct BaoWindow {
 
 impl Choose for BaoWindow {
     fn choose(&mut self, scene: &mut Scene<'_>) -> Wish {
-        let (situation, weights) = (scene.situation, self.weights);
+        let (situation, weights) = (scene.situation, self.own);
         let (robot, pose) = (situation.robot, situation.map_from_base);
         let distance_m = pose.distance_m(&situation.goal.pose);
         let from = Twist::new(situation.v_mps.max(0.0), situation.w_radps);
         let surroundings = &scene.seen.surroundings;
         let (field, footprint) = (&surroundings.field, &surroundings.footprint);
-        let local = (scene.seen.path).local_goal(field, footprint.inscribed_m, LOOKAHEAD_M);
+        let local = (scene.seen.path).local_goal(field, footprint.inscribed_m, weights.lookahead_m);
         let goal_in_base = pose.isometry().rotation.inverse() * local;
+        if weights.switch == Switch::OnDetect && !detects(scene, &weights) {
+            let error_rad = goal_in_base.y.atan2(goal_in_base.x);
+            return steered(scene, error_rad, 1.0);
+        }
         let (vs, ws) = bao_dwa::window(robot, from, weights.period_s);
         let (v_step, w_step) = bao_dwa::steps();
         let fastest_mps = scene.top_speed_mps();
@@ -64,8 +76,9 @@ impl Choose for BaoWindow {
         bao_dwa::sample(&mut self.yaw_rates, ws, w_step);
         self.admissible.clear();
         let mut record = scene.memory.record.take();
-        for &v in &self.speeds {
-            for &w in &self.yaw_rates {
+        let (sin, cos) = pose.yaw_rad.sin_cos();
+        for (i, &v) in (0..).zip(&self.speeds) {
+            for (j, &w) in (0..).zip(&self.yaw_rates) {
                 let twist = Twist::new(v.min(fastest_mps.max(vs.low)), w);
                 let ahead = look(&weights, scene, twist);
                 let is_admissible = bao_dwa::is_admissible(robot, twist, ahead.free_m);
@@ -83,8 +96,13 @@ impl Choose for BaoWindow {
                 let end = twist.arc(weights.horizon_s.min(distance_m / v.max(0.1)));
                 let to_goal = goal_in_base - Vector2::new(end.x_m, end.y_m);
                 let error_rad = wrap_angle(to_goal.y.atan2(to_goal.x) - end.yaw_rad);
+                let in_map =
+                    Vector2::new(cos * end.x_m - sin * end.y_m, sin * end.x_m + cos * end.y_m);
+                let aside_m = scene.seen.path.distance_m(in_map);
                 self.admissible.push(Sample {
                     twist,
+                    place: [i, j],
+                    path: (weights.dist_m_max - aside_m).max(0.0),
                     head: core::f64::consts::PI - error_rad.abs(),
                     dist: ahead.near_m.min(distance_m).max(0.0),
                 });
@@ -92,9 +110,9 @@ impl Choose for BaoWindow {
         }
         scene.memory.record = record;
         scene.memory.rollouts = u32::try_from(self.admissible.len()).unwrap_or(u32::MAX);
-        match bao_dwa::choose(&self.admissible, &weights) {
+        match bao_dwa::choose(&self.admissible, &weights, &mut self.scores) {
             Some(twist) if twist.v_mps > STOPPED_MPS || !from.is_stopped() => {
-                let slower = bao_dwa::decisive(&self.admissible, &weights);
+                let slower = bao_dwa::decisive(&self.admissible, &weights, &mut self.scores);
                 wish_or_slower(scene, twist, slower)
             }
             _ if from.v_mps < STOPPED_MPS => {
@@ -105,6 +123,34 @@ impl Choose for BaoWindow {
             _ => Wish::Rest(Validity::Blocked),
         }
     }
+}
+
+/// True while something that moves is within the range of the distance term, or a hit near the way
+/// ahead is on nothing that the static map shows.
+fn detects(scene: &Scene<'_>, config: &BaoDwaConfig) -> bool {
+    let situation = scene.situation;
+    let (sin, cos) = situation.map_from_base.yaw_rad.sin_cos();
+    let is_known = |hit: Point2<f64>| {
+        let Some(map) = situation.map else {
+            return false;
+        };
+        let Some(cell) = map.geometry.cell_at(situation.map_from_base.transform(hit)) else {
+            return false;
+        };
+        let around = -KNOWN_CELLS..=KNOWN_CELLS;
+        around.clone().any(|dy| {
+            around.clone().any(|dx| {
+                let beside = map.get(Cell::new(cell.x + dx, cell.y + dy));
+                beside.is_some_and(|cell| cell.flags & FLAG_STATIC != 0)
+            })
+        })
+    };
+    let is_near = |hit: &Point2<f64>| {
+        let in_map = Vector2::new(cos * hit.x - sin * hit.y, sin * hit.x + cos * hit.y);
+        scene.seen.path.distance_m(in_map) < DETECT_M
+    };
+    scene.seen.dynamic.is_within(config.dist_m_max)
+        || (situation.scan_points_in_base.iter()).any(|hit| is_near(hit) && !is_known(*hit))
 }
 
 /// What is along an exact arc.
@@ -120,7 +166,7 @@ struct Ahead {
 /// Tells the record of an arc, which is not rated by itself.
 fn tell(
     record: &mut Record,
-    weights: &BaoWeights,
+    weights: &BaoDwaConfig,
     yaw_rad: f64,
     (twist, ahead, is_admissible): (Twist, &Ahead, bool),
 ) {
@@ -147,7 +193,7 @@ fn tell(
     });
 }
 
-fn look(weights: &BaoWeights, scene: &Scene<'_>, twist: Twist) -> Ahead {
+fn look(weights: &BaoDwaConfig, scene: &Scene<'_>, twist: Twist) -> Ahead {
     let surroundings = &scene.seen.surroundings;
     let yaw_rad = scene.situation.map_from_base.yaw_rad;
     let (sin, cos) = yaw_rad.sin_cos();

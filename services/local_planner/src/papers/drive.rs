@@ -4,7 +4,8 @@
 //! is scaled by `min(1, TTC / 2 s)`. The pilot brings the robot to the goal's pose, keeps to the
 //! accelerations and publishes no twist from which it cannot stop before contact.
 
-use super::law::{Body, Extent, Law, LawInput, Push};
+use super::law::{Body, Extent, Ground, Law, LawInput, Push};
+use super::pieces::{convex_pieces, middle, nearest};
 use crate::dwa::options::DwaConfig;
 use crate::dynamic_obstacles::DynamicObstacles;
 use crate::pilot::Pilot;
@@ -16,6 +17,7 @@ use nalgebra::{Point2, Vector2};
 use zeronav_motion::Twist;
 use zeronav_msgs::command::{RequestCause, Validity};
 use zeronav_msgs::pose::wrap_angle;
+use zeronav_msgs::{MapCell, MapView};
 
 /// [1/s] yaw rate per radian of heading error.
 const TURN_GAIN_HZ: f64 = 2.0;
@@ -23,8 +25,8 @@ const TURN_GAIN_HZ: f64 = 2.0;
 /// [s] time to contact below which the robot yields.
 const YIELD_S: f64 = 2.0;
 
-/// [m] between neighbouring hits of the scan that belong to two obstacles.
-const GAP_M: f64 = 0.3;
+/// Length of a step of the papers on the robot. [m]
+const STEP_M: f64 = 0.1;
 
 /// [m] from the robot within which obstacles are looked at.
 const RANGE_M: f64 = 3.0;
@@ -39,6 +41,8 @@ pub fn along(law: Box<dyn Law>, config: DwaConfig, literal: bool) -> Pilot {
         law,
         literal,
         bodies: Vec::new(),
+        hull: Vec::new(),
+        hits: Vec::new(),
     };
     Pilot::new(config, Tracks::Checked, Box::new(chooser))
 }
@@ -49,6 +53,48 @@ struct Along {
     law: Box<dyn Law>,
     literal: bool,
     bodies: Vec<Body>,
+    hull: Vec<usize>,
+    /// Hits of the scan, `map` frame. [m]
+    hits: Vec<Point2<f64>>,
+}
+
+/// What map and scan say about where the robot's centre may be.
+#[derive(Debug)]
+struct Seen<'a> {
+    map: Option<MapView<'a>>,
+    hits: &'a [Point2<f64>],
+    inscribed_m: f64,
+}
+
+impl Ground for Seen<'_> {
+    fn is_free(&self, from: Point2<f64>, to: Point2<f64>) -> bool {
+        let along = to - from;
+        let near = |hit: &Point2<f64>| {
+            let share = (hit - from).dot(&along) / along.norm_squared().max(1.0e-12);
+            (from + along * share.clamp(0.0, 1.0) - hit).norm() < self.inscribed_m
+        };
+        !self.hits.iter().any(near)
+            && self
+                .map
+                .as_ref()
+                .is_none_or(|map| is_free_on(map, from, to))
+    }
+}
+
+/// Looked at every half cell: a shorter cut through a blocked cell's corner is within what its
+/// inflation was rounded up by.
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "half cells along a piece of a path"
+)]
+fn is_free_on(map: &MapView<'_>, from: Point2<f64>, to: Point2<f64>) -> bool {
+    let steps = (2.0 * (to - from).norm() / map.geometry.resolution_m).ceil();
+    (0..=steps as u32).all(|i| {
+        let at = from + (to - from) * (f64::from(i) / steps.max(1.0));
+        let cell = map.geometry.cell_at(at).and_then(|cell| map.get(cell));
+        !cell.is_some_and(MapCell::blocks_centre)
+    })
 }
 
 impl Choose for Along {
@@ -60,6 +106,14 @@ impl Choose for Along {
         self.gather(situation, inscribed_m, &scene.seen.dynamic);
         let (sin, cos) = pose.yaw_rad.sin_cos();
         let velocity = Vector2::new(cos, sin) * situation.v_mps;
+        self.hits.clear();
+        let hits = situation.scan_points_in_base.iter();
+        self.hits.extend(hits.map(|hit| pose.transform(*hit)));
+        let ground = Seen {
+            map: situation.map,
+            hits: &self.hits,
+            inscribed_m,
+        };
         let push = self.law.push(&LawInput {
             at: pose.point(),
             velocity,
@@ -68,6 +122,8 @@ impl Choose for Along {
             path: situation.path,
             geometry: situation.path_geometry,
             literal: self.literal,
+            steps: robot.v_mps_max * situation.period_s / STEP_M,
+            ground: Some(&ground),
         });
         let Push::Along(force) = push else {
             return Wish::Rest(Validity::Blocked);
@@ -78,16 +134,23 @@ impl Choose for Along {
         let error_rad = wrap_angle(force.y.atan2(force.x) - pose.yaw_rad);
         let velocity = (velocity.x, velocity.y);
         let contact_s = scene.seen.dynamic.contact_s(velocity, circumscribed_m);
-        let (facing, yielding) = (error_rad.cos().max(0.0), (contact_s / YIELD_S).min(1.0));
-        let v_mps = scene.top_speed_mps() * facing * yielding;
-        let w_radps = (TURN_GAIN_HZ * error_rad).clamp(-robot.w_radps_max, robot.w_radps_max);
-        let slower = if yielding < facing {
-            RequestCause::Yield
-        } else {
-            RequestCause::PotentialField
-        };
-        wish_or_slower(scene, Twist::new(v_mps, w_radps), slower)
+        steered(scene, error_rad, (contact_s / YIELD_S).min(1.0))
     }
+}
+
+/// The wish for a direction `error_rad` to the left of the robot's, at this share of the speed that
+/// it allows.
+pub(super) fn steered(scene: &mut Scene<'_>, error_rad: f64, yielding: f64) -> Wish {
+    let facing = error_rad.cos().max(0.0);
+    let v_mps = scene.top_speed_mps() * facing * yielding;
+    let w_radps_max = scene.situation.robot.w_radps_max;
+    let w_radps = (TURN_GAIN_HZ * error_rad).clamp(-w_radps_max, w_radps_max);
+    let slower = if yielding < facing {
+        RequestCause::Yield
+    } else {
+        RequestCause::PotentialField
+    };
+    wish_or_slower(scene, Twist::new(v_mps, w_radps), slower)
 }
 
 /// The wish for a twist no faster than a stop at the goal allows; the same more slowly when it is
@@ -109,49 +172,29 @@ pub(super) fn wish_or_slower(scene: &mut Scene<'_>, twist: Twist, slower: Reques
 }
 
 impl Along {
-    /// One body per obstacle in the scan: neighbouring hits without a gap between them. Areas are
-    /// represented by their nearest hit, points by the middle of their hits; both as far around
-    /// them as the robot's inscribed disc reaches.
+    /// One body for each convex piece in the scan. Areas are represented by their nearest point,
+    /// points by the middle of their hits; both as far around them as the robot's inscribed disc
+    /// reaches.
     fn gather(&mut self, situation: &Situation<'_>, inscribed_m: f64, dynamic: &DynamicObstacles) {
         self.bodies.clear();
         let pose = situation.map_from_base;
-        let extent = Extent::Disc(if self.literal { 0.0 } else { inscribed_m });
-        let mut group: Option<(Point2<f64>, Vector2<f64>, f64)> = None;
-        let mut last: Option<Point2<f64>> = None;
-        let literal = self.literal;
+        let (extent, literal) = (
+            Extent::Disc(if self.literal { 0.0 } else { inscribed_m }),
+            self.literal,
+        );
         let bodies = &mut self.bodies;
-        let mut finish = |group: Option<(Point2<f64>, Vector2<f64>, f64)>| {
-            if let Some((nearest, sum, n)) = group {
-                let in_base = if literal {
-                    Point2::from(sum / n)
-                } else {
-                    nearest
-                };
-                bodies.push(Body {
-                    at: pose.transform(in_base),
-                    extent,
-                    velocity: dynamic.velocity_at(nearest),
-                });
+        let hits = situation.scan_points_in_base;
+        convex_pieces(hits, &mut self.hull, &mut |piece| {
+            let near = nearest(piece);
+            if near.coords.norm() > RANGE_M {
+                return;
             }
-        };
-        for point in situation.scan_points_in_base {
-            if point.coords.norm() > RANGE_M {
-                continue;
-            }
-            let joined = last.is_some_and(|last| (point - last).norm() < GAP_M);
-            last = Some(*point);
-            group = match group {
-                Some((nearest, sum, n)) if joined => {
-                    let nearer = point.coords.norm() < nearest.coords.norm();
-                    let nearest = if nearer { *point } else { nearest };
-                    Some((nearest, sum + point.coords, n + 1.0))
-                }
-                before => {
-                    finish(before);
-                    Some((*point, point.coords, 1.0))
-                }
-            };
-        }
-        finish(group);
+            let in_base = if literal { middle(piece) } else { near };
+            bodies.push(Body {
+                at: pose.transform(in_base),
+                extent,
+                velocity: dynamic.velocity_at(near),
+            });
+        });
     }
 }

@@ -2,20 +2,15 @@
 //! whose repulsion fades at the sub-goal (`ZM-REP`, n = 2).
 
 use super::law::{Law, LawInput, Push};
-use super::potential::{Gains, all_goal_repulsions, attraction};
+use super::options::JuR6Config;
+use super::potential::{all_goal_repulsions, attraction};
 use super::route::turning_points;
 use nalgebra::Point2;
-
-/// [m] from a sub-goal at which the next one is taken.
-const SUB_TOLERANCE_M: f64 = 0.3;
-
-/// Exponent of the goal's distance in the repulsion.
-const N: i32 = 2;
 
 /// The field towards one sub-goal after the other.
 #[derive(Debug, Clone)]
 pub struct JuR6 {
-    gains: Gains,
+    config: JuR6Config,
     geometry: u64,
     subgoals: Vec<Point2<f64>>,
     next: usize,
@@ -24,9 +19,9 @@ pub struct JuR6 {
 impl JuR6 {
     /// The field with these gains.
     #[must_use]
-    pub const fn new(gains: Gains) -> Self {
+    pub const fn new(config: &JuR6Config) -> Self {
         Self {
-            gains,
+            config: *config,
             geometry: 0,
             subgoals: Vec::new(),
             next: 0,
@@ -50,7 +45,7 @@ impl JuR6 {
             self.subgoals.get(self.next.wrapping_sub(1)),
             self.subgoals.get(self.next),
         ) {
-            let near = (input.at - here).norm() < SUB_TOLERANCE_M;
+            let near = (input.at - here).norm() < self.config.sub_tolerance_m;
             let passed = (input.at - here).dot(&(here - before)) > 0.0;
             let last = self.next + 1 >= self.subgoals.len();
             if last || !(near || passed) {
@@ -65,7 +60,8 @@ impl JuR6 {
 impl Law for JuR6 {
     fn push(&mut self, input: &LawInput<'_>) -> Push {
         let goal = self.advance(input);
-        let pull = attraction(self.gains.attract, input.at, goal);
-        Push::Along(pull + all_goal_repulsions(&self.gains, N, input, goal))
+        let gains = self.config.gains();
+        let pull = attraction(gains.attract, input.at, goal);
+        Push::Along(pull + all_goal_repulsions(&gains, self.config.n, input, goal))
     }
 }

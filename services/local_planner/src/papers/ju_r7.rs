@@ -1,16 +1,14 @@
 //! `ju_r7` [JU, its reference 7]: the plain field towards a carrot on the path.
 
 use super::law::{Law, LawInput, Push};
-use super::potential::{Gains, all_repulsions, attraction};
+use super::options::JuR7Config;
+use super::potential::{all_repulsions, attraction};
 use super::route::Route;
-
-/// [m] from the robot's place to the carrot.
-const LOOKAHEAD_M: f64 = 1.5;
 
 /// The field towards the carrot, in the end towards the goal.
 #[derive(Debug, Clone)]
 pub struct JuR7 {
-    gains: Gains,
+    config: JuR7Config,
     route: Route,
     /// [m] along the path, never falling.
     pub(crate) arc_m: f64,
@@ -19,9 +17,9 @@ pub struct JuR7 {
 impl JuR7 {
     /// The field with these gains.
     #[must_use]
-    pub fn new(gains: Gains) -> Self {
+    pub fn new(config: &JuR7Config) -> Self {
         Self {
-            gains,
+            config: *config,
             route: Route::default(),
             arc_m: 0.0,
         }
@@ -38,9 +36,10 @@ impl Law for JuR7 {
     fn push(&mut self, input: &LawInput<'_>) -> Push {
         let carrot = self.route.place(input).map_or(input.goal, |place| {
             self.arc_m = place.arc_m;
-            self.route.ahead(input, &place, LOOKAHEAD_M)
+            self.route.ahead(input, &place, self.config.lookahead_m)
         });
-        let pull = attraction(self.gains.attract, input.at, carrot);
-        Push::Along(pull + all_repulsions(&self.gains, input))
+        let gains = self.config.gains();
+        let pull = attraction(gains.attract, input.at, carrot);
+        Push::Along(pull + all_repulsions(&gains, input))
     }
 }

@@ -86,6 +86,30 @@ pub struct LawInput<'a> {
     pub geometry: u64,
     /// Obstacles are points, as printed; default on the robot: areas.
     pub literal: bool,
+    /// Steps of the method that this question stands for: one in a roll-out; on the robot what it
+    /// covers in a control period at full speed.
+    pub steps: f64,
+    /// Where the robot's centre may be, by the map and by every point of the scan; `None` off the
+    /// robot, where the bodies are all there is.
+    pub ground: Option<&'a dyn Ground>,
+}
+
+impl LawInput<'_> {
+    /// True when the robot's centre can go straight from one point to the other.
+    #[must_use]
+    pub fn is_free(&self, from: Point2<f64>, to: Point2<f64>) -> bool {
+        self.ground.map_or_else(
+            || super::walk::is_free(self.bodies, from, to),
+            |ground| ground.is_free(from, to),
+        )
+    }
+}
+
+/// What is known of the robot's surroundings beyond the bodies.
+pub trait Ground: fmt::Debug {
+    /// True when the robot's centre can go straight from one point of the map frame to the other.
+    /// [m]
+    fn is_free(&self, from: Point2<f64>, to: Point2<f64>) -> bool;
 }
 
 /// What a law says.
@@ -101,4 +125,10 @@ pub enum Push {
 pub trait Law: fmt::Debug {
     /// The force at the position of `input`.
     fn push(&mut self, input: &LawInput<'_>) -> Push;
+
+    /// True when the law sees by itself that it is caught in a local minimum and says
+    /// [`Push::Stuck`] once it has tried to escape; a roll-out leaves that to it.
+    fn escapes_minima(&self) -> bool {
+        false
+    }
 }

@@ -2,9 +2,11 @@
 //! with a budget of steps.
 //!
 //! The interim goal is the turning point after the next one. The printed method restarts at
-//! the turning point that was passed, so its path jumps; here the robot goes on from where it is,
-//! the only way that a robot can. When an interim goal is not reached within `L` steps per unit of
-//! distance, the nearer turning point is taken instead.
+//! the turning point that was passed, so its path jumps ([`super::lwx_loop`] reproduces that); here
+//! the robot goes on from where it is, the only way that a robot can. When an interim goal is not
+//! reached within `L` steps per unit of distance, the nearer turning point is taken instead; when
+//! that is not reached either, the law is stuck until there is another path. `lwx_iter` is stuck at
+//! once.
 
 use super::law::{Law, LawInput, Push};
 use super::potential::{Gains, all_repulsions, attraction};
@@ -23,10 +25,10 @@ pub struct LwxOapf {
     points: Vec<Point2<f64>>,
     /// The turning point passed last.
     passed: usize,
-    /// Turning points that the interim goal is ahead of it.
+    /// Turning points that the interim goal is ahead of it: 2, or 1 when that was not reached.
     ahead: usize,
     /// Steps left for the interim goal.
-    budget: u32,
+    left: f64,
 }
 
 impl LwxOapf {
@@ -41,7 +43,7 @@ impl LwxOapf {
             points: Vec::new(),
             passed: 0,
             ahead: 2,
-            budget: 0,
+            left: 0.0,
         }
     }
 
@@ -51,20 +53,22 @@ impl LwxOapf {
         self.points.get(index).copied().unwrap_or(input.goal)
     }
 
-    /// Eq. 11: `I = ceil(L |R - T|)`, at least what a step takes.
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "positive and bounded"
-    )]
+    /// Steps for the interim goal.
     fn refill(&mut self, input: &LawInput<'_>) {
-        let distance = (input.at - self.interim(input)).norm();
-        self.budget = (self.per_unit * distance).ceil().clamp(1.0, 1.0e6) as u32;
+        self.left = budget(self.per_unit, input.at, self.interim(input));
     }
 }
 
-fn manhattan(a: Point2<f64>, b: Point2<f64>) -> f64 {
-    (a.x - b.x).abs() + (a.y - b.y).abs()
+/// Eq. 11: `I = ceil(L |R - T|)`, at least a step.
+pub(super) fn budget(per_unit: f64, from: Point2<f64>, to: Point2<f64>) -> f64 {
+    (per_unit * (from - to).norm()).ceil().clamp(1.0, 1.0e6)
+}
+
+/// True for a robot that is farther from one turning point than the next one is, by the sum of
+/// both axes.
+pub(super) fn has_passed(at: Point2<f64>, here: Point2<f64>, next: Point2<f64>) -> bool {
+    let manhattan = |a: Point2<f64>, b: Point2<f64>| (a.x - b.x).abs() + (a.y - b.y).abs();
+    manhattan(at, here) > manhattan(here, next)
 }
 
 impl Law for LwxOapf {
@@ -76,24 +80,27 @@ impl Law for LwxOapf {
             self.ahead = 2;
             self.refill(input);
         }
-        while self.passed + 2 < self.points.len() {
-            let (here, next) = (self.points[self.passed], self.points[self.passed + 1]);
-            if manhattan(input.at, here) <= manhattan(here, next) {
+        while let [here, next, _, ..] = self.points[self.passed.min(self.points.len())..] {
+            if !has_passed(input.at, here, next) {
                 break;
             }
             self.passed += 1;
             self.ahead = 2;
             self.refill(input);
         }
-        if self.budget == 0 {
-            if self.strict {
+        if self.left <= 0.0 {
+            if self.strict || self.ahead == 1 {
                 return Push::Stuck;
             }
-            self.ahead = 3 - self.ahead;
+            self.ahead = 1;
             self.refill(input);
         }
-        self.budget -= 1;
+        self.left -= input.steps;
         let pull = attraction(self.gains.attract, input.at, self.interim(input));
         Push::Along(pull + all_repulsions(&self.gains, input))
+    }
+
+    fn escapes_minima(&self) -> bool {
+        true
     }
 }

@@ -10,6 +10,7 @@
 pub mod bao_dwa;
 pub mod bao_window;
 pub mod drive;
+mod escape;
 pub mod fit;
 pub mod ju_apf;
 pub mod ju_fusion;
@@ -17,13 +18,17 @@ pub mod ju_r6;
 pub mod ju_r7;
 pub mod law;
 pub mod lwx_fusion;
+pub mod lwx_loop;
 pub mod lwx_lsq;
 pub mod lwx_oapf;
+pub mod options;
+mod pieces;
 pub mod potential;
 pub mod route;
 pub mod walk;
 pub mod zm_esc;
+pub mod zm_full;
 pub mod zm_rep;
 pub mod zm_rv;
 
-pub use law::{Body, Extent, Law, LawInput, Push};
+pub use law::{Body, Extent, Ground, Law, LawInput, Push};

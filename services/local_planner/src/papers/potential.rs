@@ -35,10 +35,12 @@ impl Gains {
         reach: 1.5,
     };
 
-    /// [LWX] in metres, with cells of half a metre for a robot of that size.
+    /// [LWX] in metres, with cells of half a metre for a robot of that size. With cells of c metres
+    /// `K d / c` balances `K_rep c^3 (1/rho - 1/P0) / rho^2`, so that
+    /// `K_rep` is `c^4` of that in cells.
     pub const LWX_M: Self = Self {
         attract: 5.0,
-        repel: 0.1,
+        repel: 0.0625,
         reach: 0.75,
     };
 }
@@ -108,6 +110,76 @@ pub fn goal_repulsion(
     let half_n = 0.5 * f64::from(n);
     let size = half_n * gains.repel * nearness * nearness * d.powi(n - 1);
     first + towards * size.min(FORCE_MAX)
+}
+
+/// The gain of the repulsion by the distance to the obstacle, [ZM] eq. 5.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Eta {
+    /// Gain near the obstacle, above 1.
+    pub alpha: f64,
+    /// Slope further away. [1/m]
+    pub beta: f64,
+    /// Distance within which obstacles repel. [m]
+    pub p0: f64,
+    /// Whether the gain is differentiated like the rest of the potential (`F_rep3`).
+    pub is_differentiated: bool,
+}
+
+impl Eta {
+    /// The gain and its slope at a distance.
+    fn at(&self, rho: f64) -> (f64, f64) {
+        if rho <= self.p0 / self.alpha {
+            let gain = self.alpha * (rho - self.p0).exp();
+            (gain, gain)
+        } else if rho <= self.p0 {
+            (self.beta * rho, self.beta)
+        } else {
+            (0.0, 0.0)
+        }
+    }
+}
+
+/// [ZM] eq. 6 with the gain of eq. 5.
+#[must_use]
+pub fn eta_repulsion_potential(
+    eta: &Eta,
+    n: i32,
+    at: Point2<f64>,
+    from: Point2<f64>,
+    goal: Point2<f64>,
+) -> f64 {
+    let Some((rho, _)) = away(eta.p0, at, from) else {
+        return 0.0;
+    };
+    let nearness = 1.0 / rho - 1.0 / eta.p0;
+    0.5 * eta.at(rho).0 * nearness * nearness * (at - goal).norm().powi(n)
+}
+
+/// [ZM] eq. 7 and 8 with the gain of eq. 5: the gradient for the gain as it is there, and that of the
+/// gain too when it is differentiated.
+#[must_use]
+pub fn eta_repulsion(
+    eta: &Eta,
+    n: i32,
+    at: Point2<f64>,
+    from: Point2<f64>,
+    goal: Point2<f64>,
+) -> Vector2<f64> {
+    let Some((rho, direction)) = away(eta.p0, at, from) else {
+        return Vector2::zeros();
+    };
+    let (gain, slope) = eta.at(rho);
+    let gains = Gains {
+        attract: 0.0,
+        repel: gain,
+        reach: eta.p0,
+    };
+    let force = goal_repulsion(&gains, n, at, from, goal);
+    if !eta.is_differentiated {
+        return force;
+    }
+    let nearness = 1.0 / rho - 1.0 / eta.p0;
+    force - direction * (0.5 * slope * nearness * nearness * (at - goal).norm().powi(n))
 }
 
 /// [ZM] eq. 11 by vectors: sideways, to the side to which the relative motion leans, strongest

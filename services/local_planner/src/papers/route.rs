@@ -23,18 +23,6 @@ impl Route {
     pub fn ahead(&self, input: &LawInput<'_>, place: &Place, ahead: f64) -> Point2<f64> {
         self.tracker.point_at(input.path, place.arc_m + ahead)
     }
-
-    /// The point at an arc length of the path.
-    #[must_use]
-    pub fn at(&self, input: &LawInput<'_>, arc: f64) -> Point2<f64> {
-        self.tracker.point_at(input.path, arc)
-    }
-
-    /// Length of the path.
-    #[must_use]
-    pub fn length(&self) -> f64 {
-        self.tracker.length_m()
-    }
 }
 
 /// [LWX] turning points: the first and last point and every one where the direction changes, by

@@ -4,8 +4,10 @@ use super::law::{Body, Law, LawInput, Push};
 use nalgebra::{Point2, Vector2};
 use zeronav_msgs::path::Waypoint;
 
-/// Steps over which a displacement is looked at for [`End::Stuck`].
+/// Steps over which a displacement is looked at for [`End::Stuck`], and the least that it must be, in
+/// steps.
 const STUCK_STEPS: usize = 40;
+const STUCK_MOVED: f64 = 0.5 * 20.0;
 
 /// How a roll-out is done.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -18,9 +20,6 @@ pub struct Walk {
     pub limit: usize,
     /// Obstacles are points and may be walked through, as printed.
     pub literal: bool,
-    /// Stop on arrival. Without it the loop goes on until the law gives up or the steps are used
-    /// up, as a loop without that test does.
-    pub early_exit: bool,
 }
 
 impl Walk {
@@ -30,7 +29,6 @@ impl Walk {
         tolerance: 0.2,
         limit: 2000,
         literal: false,
-        early_exit: true,
     };
 
     /// [LWX], in cells: 0.2, 0.5, 4000 steps.
@@ -98,19 +96,10 @@ pub fn walk(
     let mut points = vec![start];
     let mut at = start;
     let mut velocity = Vector2::zeros();
-    let mut reached = false;
-    // Once at the goal, whatever ends the loop ends a walk that has arrived.
-    let done = |points: Vec<Point2<f64>>, reached, end, steps| Trace {
-        points,
-        end: if reached { End::Reached } else { end },
-        steps,
-    };
+    let done = |points: Vec<Point2<f64>>, end, steps| Trace { points, end, steps };
     for steps in 0..how.limit {
         if (at - goal).norm() < how.tolerance {
-            reached = true;
-            if how.early_exit {
-                return done(points, reached, End::Reached, steps);
-            }
+            return done(points, End::Reached, steps);
         }
         let input = LawInput {
             at,
@@ -120,36 +109,36 @@ pub fn walk(
             path,
             geometry: 1,
             literal: how.literal,
+            steps: 1.0,
+            ground: None,
         };
         let Push::Along(force) = law.push(&input) else {
-            return done(points, reached, End::Stuck, steps);
+            return done(points, End::Stuck, steps);
         };
         let next = force
             .try_normalize(1.0e-9)
             .ok_or(End::Stuck)
             .and_then(|direction| Ok((direction, stride(bodies, at, goal, direction, how)?)));
         match next {
-            // A loop that does not stop at the goal stays there.
-            Err(_) if reached => continue,
-            Err(end) => return done(points, reached, end, steps),
+            Err(end) => return done(points, end, steps),
             Ok((direction, length)) => {
                 at += direction * length;
                 velocity = direction;
                 points.push(at);
             }
         }
-        if !reached && points.len() > STUCK_STEPS {
+        if !law.escapes_minima() && points.len() > STUCK_STEPS {
             let before = points[points.len() - 1 - STUCK_STEPS];
-            if (at - before).norm() < 0.5 * how.step * 20.0 * 0.25 {
-                return done(points, reached, End::Stuck, steps + 1);
+            if (at - before).norm() < STUCK_MOVED * how.step {
+                return done(points, End::Stuck, steps + 1);
             }
         }
     }
-    done(points, reached, End::Limit, how.limit)
+    done(points, End::Limit, how.limit)
 }
 
 /// Length of the next step: at most to the goal, halved until it is free.
-fn stride(
+pub(super) fn stride(
     bodies: &[Body],
     at: Point2<f64>,
     goal: Point2<f64>,

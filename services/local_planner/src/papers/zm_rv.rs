@@ -1,7 +1,8 @@
 //! `zm_rv` [ZM]: sideways repulsion from what approaches, on top of `zm_rep`.
 
 use super::law::{Law, LawInput, Push};
-use super::potential::{Gains, velocity_repulsion};
+use super::options::{ZmRepConfig, ZmRvConfig};
+use super::potential::velocity_repulsion;
 use super::zm_rep::ZmRep;
 use nalgebra::Vector2;
 
@@ -9,19 +10,24 @@ use nalgebra::Vector2;
 #[derive(Debug, Clone)]
 pub struct ZmRv {
     field: ZmRep,
-    /// Gain of the relative velocity (`eta_v`).
-    gain: f64,
+    velocity: f64,
     reach: f64,
 }
 
 impl ZmRv {
-    /// The field with these gains and the gain `eta_v`.
+    /// The field with these gains.
     #[must_use]
-    pub const fn new(gains: Gains, gain: f64) -> Self {
+    pub const fn new(config: &ZmRvConfig) -> Self {
+        let field = ZmRepConfig {
+            attract: config.attract,
+            repel: config.repel,
+            reach_m: config.reach_m,
+            n: config.n,
+        };
         Self {
-            field: ZmRep::new(gains),
-            gain,
-            reach: gains.reach,
+            field: ZmRep::new(&field),
+            velocity: config.velocity,
+            reach: config.reach_m,
         }
     }
 }
@@ -29,7 +35,7 @@ impl ZmRv {
 impl Law for ZmRv {
     fn push(&mut self, input: &LawInput<'_>) -> Push {
         let sideways = input.bodies.iter().fold(Vector2::zeros(), |sum, body| {
-            sum + velocity_repulsion(self.gain, self.reach, input.at, input.velocity, body)
+            sum + velocity_repulsion(self.velocity, self.reach, input.at, input.velocity, body)
         });
         match self.field.push(input) {
             Push::Along(force) => Push::Along(force + sideways),

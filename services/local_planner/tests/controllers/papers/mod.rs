@@ -17,31 +17,35 @@ use nalgebra::{Point2, Vector2};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
 use zeronav_local_planner::LocalPlannerConfig;
-use zeronav_local_planner::papers::bao_dwa::{
-    BaoWeights, Sample, choose, decisive, is_admissible, window,
-};
-use zeronav_local_planner::papers::fit::{FitError, fit, fit_literal};
+use zeronav_local_planner::papers::bao_dwa::{Sample, choose, decisive, is_admissible, window};
+use zeronav_local_planner::papers::fit::{FitError, fit, fit_literal, free_fit};
 use zeronav_local_planner::papers::ju_apf::JuApf;
 use zeronav_local_planner::papers::ju_fusion::JuFusion;
 use zeronav_local_planner::papers::ju_r6::JuR6;
 use zeronav_local_planner::papers::ju_r7::JuR7;
 use zeronav_local_planner::papers::lwx_fusion::LwxFusion;
+use zeronav_local_planner::papers::lwx_loop::{Loop as Iteration, Restart, run};
 use zeronav_local_planner::papers::lwx_lsq::LwxLsq;
 use zeronav_local_planner::papers::lwx_oapf::LwxOapf;
+use zeronav_local_planner::papers::options::{
+    BaoDwaConfig, FitMode, JuFusionConfig, JuR6Config, JuR7Config, LwxFusionConfig, LwxLsqConfig,
+    Normalise, Smooth, Switch, ZmEscConfig, ZmFullConfig, ZmRepConfig, ZmRvConfig,
+};
 use zeronav_local_planner::papers::potential::{
-    Gains, all_goal_repulsions, attraction, goal_repulsion, goal_repulsion_potential, repulsion,
-    repulsion_potential, velocity_repulsion,
+    Eta, Gains, attraction, eta_repulsion, eta_repulsion_potential, goal_repulsion,
+    goal_repulsion_potential, repulsion, repulsion_potential, velocity_repulsion,
 };
 use zeronav_local_planner::papers::route::turning_points;
 use zeronav_local_planner::papers::walk::{End, Trace, Walk, walk};
 use zeronav_local_planner::papers::zm_esc::ZmEsc;
+use zeronav_local_planner::papers::zm_full::ZmFull;
 use zeronav_local_planner::papers::zm_rep::ZmRep;
 use zeronav_local_planner::papers::zm_rv::ZmRv;
-use zeronav_local_planner::papers::{Body, Extent, Law, LawInput, Push};
+use zeronav_local_planner::papers::{Body, Extent, Ground, Law, LawInput, Push};
 use zeronav_local_planner::table::controller;
 use zeronav_motion::Twist;
 use zeronav_msgs::Pose;
-use zeronav_msgs::command::RequestCause;
+use zeronav_msgs::command::{RequestCause, Validity};
 use zeronav_msgs::obstacles::Obstacle;
 use zeronav_msgs::path::Waypoint;
 
@@ -71,6 +75,8 @@ fn input(from: Point2<f64>, goal: Point2<f64>, bodies: &[Body]) -> LawInput<'_> 
         path: &[],
         geometry: 1,
         literal: false,
+        steps: 1.0,
+        ground: None,
     }
 }
 
@@ -171,6 +177,7 @@ drives_an_aisle! {
     zm_rep_drives_an_aisle "zm_rep",
     zm_esc_drives_an_aisle "zm_esc",
     zm_rv_drives_an_aisle "zm_rv",
+    zm_full_drives_an_aisle "zm_full",
     lwx_apf_drives_an_aisle "lwx_apf",
     lwx_oapf_drives_an_aisle "lwx_oapf",
     lwx_iter_drives_an_aisle "lwx_iter",
@@ -189,6 +196,7 @@ fn every_controller_stops_before_a_wall_across_its_path() {
         "zm_rep",
         "zm_esc",
         "zm_rv",
+        "zm_full",
         "lwx_apf",
         "lwx_oapf",
         "lwx_iter",

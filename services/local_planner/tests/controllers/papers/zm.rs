@@ -31,36 +31,91 @@ fn zm_rep_force_is_the_full_gradient() {
 fn zm_rep_reaches_the_goal_beside_an_obstacle() {
     let goal = at(5.0, 0.0);
     let bodies = [Body::standing(at(5.3, 0.0), Extent::Disc(0.0))];
-    let mut law = ZmRep::new(Gains::JU);
+    let mut law = ZmRep::new(&ZmRepConfig::default());
     let trace = walk(&mut law, at(0.0, 0.0), goal, &bodies, &[], &Walk::JU);
     assert_eq!(trace.end, End::Reached, "{:?}", trace.points.last());
-    let last = input(goal, goal, &bodies);
-    assert!(all_goal_repulsions(&Gains::JU, 2, &last, goal).norm() < 1.0e-9);
+    // The plain field of the same gains does not.
+    let plain = ZmRepConfig {
+        n: 0,
+        ..ZmRepConfig::default()
+    };
+    let mut law = ZmRep::new(&plain);
+    let trace = walk(&mut law, at(0.0, 0.0), goal, &bodies, &[], &Walk::JU);
+    assert_eq!(trace.end, End::Stuck, "{:?}", trace.points.last());
+}
+
+const ETA: Eta = Eta {
+    alpha: 2.0,
+    beta: 0.2975,
+    p0: 3.0,
+    is_differentiated: true,
+};
+
+#[test]
+fn zm_full_force_is_the_full_gradient_with_the_gain_of_eq_5() {
+    let (post, goal) = (at(0.3, -0.2), at(6.0, 1.0));
+    for n in [1, 2] {
+        // In both zones of eq. 5: nearer than P0 / alpha and farther.
+        for x in [at(1.0, 0.5), at(0.5, -0.9), at(2.4, 0.4), at(-1.9, -0.2)] {
+            let found = eta_repulsion(&ETA, n, x, post, goal);
+            let expected = slope(|x| eta_repulsion_potential(&ETA, n, x, post, goal), x);
+            assert!(
+                (found - expected).norm() < 1e-5 * expected.norm(),
+                "{n} {x}"
+            );
+            let undifferentiated = Eta {
+                is_differentiated: false,
+                ..ETA
+            };
+            let without = eta_repulsion(&undifferentiated, n, x, post, goal);
+            assert!((found - without).norm() > 1e-3 * expected.norm(), "{n} {x}");
+        }
+    }
+    assert!(eta_repulsion(&ETA, 1, at(3.31, -0.2), post, goal).norm() < 1e-12);
+}
+
+/// Laws that escape, with the gains of the table.
+fn escaping() -> [(&'static str, Box<dyn Law>); 2] {
+    [
+        ("zm_esc", Box::new(ZmEsc::new(&ZmEscConfig::default()))),
+        ("zm_full", Box::new(ZmFull::new(&ZmFullConfig::default()))),
+    ]
 }
 
 #[test]
-fn zm_esc_leaves_a_symmetric_minimum() {
+fn zm_esc_and_zm_full_leave_a_symmetric_minimum() {
     let bodies = [Body::standing(at(5.0, 0.0), Extent::Disc(0.8))];
-    let mut law = ZmEsc::new(Gains::JU, Walk::JU.step);
-    let trace = walk(
-        &mut law,
-        at(0.0, 0.0),
-        at(10.0, 0.0),
-        &bodies,
-        &[],
-        &Walk::JU,
-    );
-    assert_eq!(trace.end, End::Reached, "{:?}", trace.points.last());
-    assert!(law.escapes() > 0);
-    let caught = 45;
-    assert!(trace.steps < caught + 200, "{} steps", trace.steps);
-    assert_free(&trace, &bodies);
+    let (start, goal) = (at(0.0, 0.0), at(10.0, 0.0));
+    for (key, mut law) in escaping() {
+        let trace = walk(law.as_mut(), start, goal, &bodies, &[], &Walk::JU);
+        println!("{key}: {:?} {} steps", trace.end, trace.steps);
+        assert_eq!(trace.end, End::Reached, "{key}");
+        assert!(trace.steps < 70 + 200, "{key}: {} steps", trace.steps);
+        assert_free(&trace, &bodies);
+    }
+}
+
+#[test]
+fn zm_esc_and_zm_full_leave_a_u() {
+    let bodies = u_trap();
+    let (start, goal) = (at(0.0, 0.3), at(12.0, 0.0));
+    let mut law = JuApf::new(Gains::JU);
+    let plain = walk(&mut law, start, goal, &bodies, &[], &Walk::JU);
+    assert_eq!(plain.end, End::Stuck);
+    for (key, mut law) in escaping() {
+        let trace = walk(law.as_mut(), start, goal, &bodies, &[], &Walk::JU);
+        println!("{key}: {:?} {} steps", trace.end, trace.steps);
+        assert_eq!(trace.end, End::Reached, "{key}");
+        assert!(trace.steps < 500, "{key}: {} steps", trace.steps);
+        assert_free(&trace, &bodies);
+    }
 }
 
 #[test]
 fn zm_esc_does_not_stir_in_the_open_and_gives_up_in_a_pocket() {
-    let mut law = ZmEsc::new(Gains::JU, Walk::JU.step);
-    let trace = walk(&mut law, at(0.0, 0.0), at(10.0, 3.0), &[], &[], &Walk::JU);
+    let (start, goal) = (at(0.0, 0.0), at(10.0, 3.0));
+    let mut law = ZmEsc::new(&ZmEscConfig::default());
+    let trace = walk(&mut law, start, goal, &[], &[], &Walk::JU);
     assert_eq!((trace.end, law.escapes()), (End::Reached, 0));
     let ring: Vec<Body> = (0..40)
         .map(|i| {
@@ -68,15 +123,63 @@ fn zm_esc_does_not_stir_in_the_open_and_gives_up_in_a_pocket() {
             Body::standing(at(2.0 * cos, 2.0 * sin), Extent::Disc(0.2))
         })
         .collect();
-    let mut law = ZmEsc::new(Gains::JU, Walk::JU.step);
+    for (key, mut law) in escaping() {
+        let trace = walk(law.as_mut(), start, goal, &ring, &[], &Walk::JU);
+        println!("{key}: {:?} {} steps", trace.end, trace.steps);
+        assert_eq!(trace.end, End::Stuck, "{key}");
+        assert!(trace.steps < 1000, "{key}: {}", trace.steps);
+        assert_free(&trace, &ring);
+    }
+}
+
+#[test]
+fn zm_esc_forgets_its_tries_with_a_new_goal() {
+    let ring: Vec<Body> = (0..40)
+        .map(|i| {
+            let (sin, cos) = (core::f64::consts::TAU * f64::from(i) / 40.0).sin_cos();
+            Body::standing(at(2.0 * cos, 2.0 * sin), Extent::Disc(0.2))
+        })
+        .collect();
+    let mut law = ZmEsc::new(&ZmEscConfig::default());
     let trace = walk(&mut law, at(0.0, 0.0), at(10.0, 3.0), &ring, &[], &Walk::JU);
-    assert!(
-        matches!(trace.end, End::Stuck | End::Collision),
-        "{:?}",
-        trace.end
-    );
-    assert!(trace.steps < 1000);
-    assert_free(&trace, &ring);
+    assert_eq!((trace.end, law.escapes()), (End::Stuck, 3));
+    let here = trace.points[trace.points.len() - 1];
+    // It stays stuck towards the old goal and tries again towards a new one.
+    assert_eq!(law.push(&input(here, at(10.0, 3.0), &ring)), Push::Stuck);
+    assert!(matches!(
+        law.push(&input(here, at(-10.0, 3.0), &ring)),
+        Push::Along(_)
+    ));
+    assert_eq!(law.escapes(), 0);
+}
+
+#[test]
+fn zm_esc_counts_metres_and_not_questions() {
+    // Ten questions a step: what a robot asks while it covers a tenth of a metre.
+    let bodies = [Body::standing(at(5.0, 0.0), Extent::Disc(0.8))];
+    let mut law = ZmEsc::new(&ZmEscConfig::default());
+    let (mut here, goal) = (at(0.0, 0.0), at(10.0, 0.0));
+    let mut escaped_m = 0.0;
+    for _ in 0..4000 {
+        let input = LawInput {
+            steps: 0.1,
+            ..input(here, goal, &bodies)
+        };
+        let Push::Along(force) = law.push(&input) else {
+            panic!("stuck at {here}");
+        };
+        let step = force.normalize() * 0.01;
+        if law.escapes() == 1 && law.is_escaping() {
+            escaped_m += step.norm();
+        }
+        here += step;
+        if (here - goal).norm() < 0.2 {
+            break;
+        }
+    }
+    assert!((here - goal).norm() < 0.2, "{here}");
+    assert_eq!(law.escapes(), 1);
+    assert!((2.9..3.1).contains(&escaped_m), "{escaped_m} m");
 }
 
 #[test]
@@ -161,23 +264,22 @@ fn crossing_share(mut law: impl Law + Clone) -> f64 {
     f64::from(clear) / 300.0
 }
 
-/// With the gains of the table the field's own forces drown the sideways push. A gain of their size
-/// would be felt.
+/// PAPERS asks for 90 % of 300 collision courses without contact, and no worse than without the term.
 #[test]
-fn zm_rv_at_the_gains_of_the_table_is_hardly_more_than_zm_rep() {
-    let with = |gain| crossing_share(ZmRv::new(Gains::JU, gain));
-    let without = crossing_share(ZmRep::new(Gains::JU));
+fn zm_rv_avoids_more_than_zm_rep() {
+    let with = |velocity| {
+        crossing_share(ZmRv::new(&ZmRvConfig {
+            velocity,
+            ..ZmRvConfig::default()
+        }))
+    };
+    let rep = crossing_share(ZmRep::new(&ZmRepConfig::default()));
+    let rv = crossing_share(ZmRv::new(&ZmRvConfig::default()));
     println!(
-        "without contact: zm_rep {without:.3}, zm_rv {:.3}; with the gain times 30, 100, 300, 1000: {:.3} {:.3} {:.3} {:.3}",
-        with(1.0),
-        with(30.0),
-        with(100.0),
-        with(300.0),
-        with(1000.0)
+        "without contact: zm_rep {rep:.3}, zm_rv {rv:.3}, with ten times its gain {:.3}",
+        with(10.0)
     );
-    assert!(
-        (with(1.0) - without).abs() <= 0.02,
-        "{} {without}",
-        with(1.0)
-    );
+    assert!((with(0.0) - rep).abs() < 1e-12, "the field of zm_rep");
+    assert!((0.90..0.97).contains(&rep), "{rep}");
+    assert!((0.93..0.99).contains(&rv) && rv > rep, "{rv} {rep}");
 }
