@@ -37,7 +37,7 @@ pub(crate) fn judge(prepared: &Prepared, driven: &Driven, environment: Environme
         .paths
         .iter()
         .filter(|path| path.status != PathStatus::NoGoal && path.run_ns <= driven.end_run_ns)
-        .map(|path| plan(path, driven.goals_run_ns))
+        .map(|path| plan(prepared, path, driven.goals_run_ns))
         .collect();
     let replans: Vec<PlannedPath> = plans
         .iter()
@@ -262,7 +262,10 @@ fn interventions(driven: &Driven) -> BTreeMap<String, usize> {
     by_reason
 }
 
-fn plan(path: &PathRecord, goals_run_ns: u64) -> PlannedPath {
+fn plan(prepared: &Prepared, path: &PathRecord, goals_run_ns: u64) -> PlannedPath {
+    let points: Vec<Point2<f64>> = path.points_m.iter().map(|at| Point2::from(*at)).collect();
+    let clearance_m =
+        prepared.world.polyline_clearance_m(&points) - prepared.footprint.inscribed_radius_m();
     PlannedPath {
         time_s: seconds(path.run_ns.saturating_sub(goals_run_ns)),
         cause: path.cause.to_string(),
@@ -271,6 +274,8 @@ fn plan(path: &PathRecord, goals_run_ns: u64) -> PlannedPath {
         length_m: path.length_m,
         beside_goal_m: path.beside_goal_m,
         expanded: path.expanded,
+        clearance_m_min: clearance_m.is_finite().then_some(clearance_m),
+        collides: clearance_m < 0.0,
         points_m: path.points_m.clone(),
     }
 }

@@ -113,11 +113,16 @@ fn path(plan: &PlannedPath) -> Event {
     } else {
         format!(", ends {:.2} m beside the goal", plan.beside_goal_m)
     };
+    let clearance = match plan.clearance_m_min {
+        Some(clearance_m) if plan.collides => format!(", collides by {:.2} m", -clearance_m),
+        Some(clearance_m) => format!(", {clearance_m:.2} m clear"),
+        None => String::new(),
+    };
     Event {
         time_s: plan.time_s,
         kind: "path",
         text: format!(
-            "path by {}: {}, {:.1} m, {} expanded, cause {}{beside}",
+            "path by {}: {}, {:.1} m{clearance}, {} expanded, cause {}{beside}",
             plan.planner,
             words(&plan.status),
             plan.length_m,

@@ -177,6 +177,13 @@ pub struct PlannedPath {
     pub beside_goal_m: f64,
     /// Nodes expanded.
     pub expanded: u64,
+    /// Least distance of the robot's inscribed circle from everything static in the true world
+    /// when its centre follows the path exactly; null without a path or without anything static. [m]
+    #[serde(default)]
+    pub clearance_m_min: Option<f64>,
+    /// True when that is below 0.
+    #[serde(default)]
+    pub collides: bool,
     /// Its corners, `map` frame. [m]
     pub points_m: Vec<[f64; 2]>,
 }

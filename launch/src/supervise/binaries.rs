@@ -88,7 +88,13 @@ pub(crate) enum Needed {
 /// One line when cargo cannot be run or the build fails; cargo's own words went to stderr.
 pub(crate) fn refresh_under_cargo(needed: Needed) -> Result<(), String> {
     let bins: &[&str] = match needed {
-        Needed::Stock => &["--exclude", "zeronav-tests", "--bins"],
+        Needed::Stock => &[
+            "--exclude",
+            "zeronav-tests",
+            "--exclude",
+            "zeronav-papers",
+            "--bins",
+        ],
         Needed::Any => &["--bins"],
     };
     match build(bins) {

@@ -39,8 +39,11 @@ fn fault(row: &PlannerRow, code: i32, result: &Value) -> Option<String> {
     let by_another = plans.is_none_or(|plans| {
         plans.is_empty() || plans.iter().any(|plan| plan["planner"] != row.key)
     });
+    let collides = |plan: &Value| plan["status"] == "found" && plan["collides"] != false;
     let fault = if result["contacts"] != 0 {
         "a contact"
+    } else if plans.is_some_and(|plans| plans.iter().any(collides)) {
+        "a path through a wall"
     } else if by_another {
         "not the planner that was asked for"
     } else if reached {

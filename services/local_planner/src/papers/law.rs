@@ -62,6 +62,35 @@ impl Body {
         }
     }
 
+    /// True when a segment touches the area, exactly.
+    #[must_use]
+    pub fn touches(&self, from: Point2<f64>, to: Point2<f64>) -> bool {
+        let along = to - from;
+        match self.extent {
+            Extent::Disc(radius_m) => {
+                let share = (self.at - from).dot(&along) / along.norm_squared().max(1.0e-18);
+                (from + along * share.clamp(0.0, 1.0) - self.at).norm() <= radius_m
+            }
+            Extent::Square(half_m) => {
+                // Where the segment enters and leaves each of two strips (Liang, Barsky 1984).
+                let (mut enters, mut leaves) = (0.0_f64, 1.0_f64);
+                for axis in 0..2 {
+                    let (start, way) = (from[axis] - self.at[axis], along[axis]);
+                    if way == 0.0 {
+                        if start.abs() > half_m {
+                            return false;
+                        }
+                        continue;
+                    }
+                    let (one, other) = ((-half_m - start) / way, (half_m - start) / way);
+                    enters = enters.max(one.min(other));
+                    leaves = leaves.min(one.max(other));
+                }
+                enters <= leaves
+            }
+        }
+    }
+
     /// Distance of a point from the area, 0 inside. [m]
     #[must_use]
     pub fn distance_m(&self, from: Point2<f64>) -> f64 {

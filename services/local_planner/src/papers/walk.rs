@@ -160,10 +160,5 @@ pub(super) fn stride(
 /// True when a segment touches no area.
 #[must_use]
 pub fn is_free(bodies: &[Body], from: Point2<f64>, to: Point2<f64>) -> bool {
-    // Sampled at a fifth of the smallest thing that matters; ends included.
-    const SAMPLES: u8 = 8;
-    (0..=SAMPLES).all(|i| {
-        let at = from + (to - from) * (f64::from(i) / f64::from(SAMPLES));
-        bodies.iter().all(|body| body.distance_m(at) > 0.0)
-    })
+    !bodies.iter().any(|body| body.touches(from, to))
 }

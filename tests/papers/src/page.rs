@@ -1,0 +1,177 @@
+//! The page of all claims, written from the rows.
+
+use crate::claims::{CLAIMS, Claim, PAPERS};
+use crate::report::{Report, is_change, number};
+use crate::row::Row;
+use std::fmt::Write as _;
+
+/// Head of the page.
+const HEAD: &str = "# The papers' claims, measured
+
+Five papers gave this project its algorithms. None gives its maps, so that no table can be repeated cell by cell;
+what can be tested is the claim, on many random maps of the printed size. This page is written by
+
+    cargo run --release --bin papers -- --all --seeds SEEDS --drives DRIVES --page tests/papers/README.md
+
+and nobody edits it by hand.
+
+A change is (ours - base) / base, the mean over maps that both sides solve, with a 95 % interval by bootstrap; a
+share has Wilson's. **Reproduced**: the printed sign, an interval without zero, half to twice the printed size (a share:
+within five points). **Qualitative**: the same sign, another size. **Not reproduced**: zero in the interval, or the
+other sign. **Artefact**: only with a fault of the printed method switched on. **Theorem**: it cannot be otherwise,
+and was checked on every map. **Not comparable**: no number is printed, or the setup is missing. Times are ratios
+between programs of the same making, never seconds; those of the papers are MATLAB's.
+
+";
+
+/// Foot of the page.
+const FOOT: &str = "## Using it
+
+    cargo run --release --bin papers -- --list
+    cargo run --release --bin papers -- --paper BAO --table 3 --seeds 200
+    cargo run --release --bin papers -- --all --format json --out papers
+    cargo run --release --bin papers -- --feature ZM-ESC
+
+`--out FOLDER` leaves `rows.md`, `rows.csv`, `rows.json` and a picture of one map with all ways for each table. Maps are
+not stored: `seed`, `maps` and `zeronav_world::generate` draw them again. `--format json` prints one object: `seeds`,
+`drives`, `seed`, `revision`, `machine`, `command`, `wall_s` and `rows`, each with `paper`, `table`, `claim`, `metric`,
+`algorithm`, `maps`, `printed`, `ours`, `interval`, `n`, `excluded`, `acceptance`, `verdict`, `note`, `parameters` and
+`seed`. Exit codes: 0 complete (a claim that is not reproduced is a result), 1 an illegal path, a broken theorem, or a
+stack that does not drive, 2 wrong arguments.
+
+A table is a file in `src/tables/` and a row in `src/tables/mod.rs`; a claim is a row in `src/claims.rs`.
+";
+
+/// The row that stands for a claim.
+#[must_use]
+pub fn headline<'a>(claim: &Claim, rows: &'a [Row]) -> Option<&'a Row> {
+    let head = &claim.headline;
+    rows.iter().find(|row| {
+        row.paper == claim.paper
+            && row.table == head.table
+            && row.claim == claim.id
+            && row.metric == head.metric
+            && row.algorithm == head.algorithm
+            && row.maps.contains(head.maps)
+            && row.note.contains(head.note)
+    })
+}
+
+/// The page.
+#[must_use]
+pub fn page(report: &Report) -> String {
+    let mut text = HEAD
+        .replace("SEEDS", &report.seeds.to_string())
+        .replace("DRIVES", &report.drives.to_string());
+    let _ = writeln!(
+        text,
+        "{} maps of every kind from seed {}, {} drives of every scene; revision {}; {}; {:.0} min.\n",
+        report.seeds,
+        report.seed,
+        report.drives,
+        report.revision,
+        report.machine,
+        (report.wall_s / 60.0).ceil()
+    );
+    text += "## Summary\n\n| claim | what is said | printed | ours | verdict |\n|---|---|---|---|---|\n";
+    for claim in CLAIMS {
+        let Some(row) = headline(claim, &report.rows) else {
+            continue;
+        };
+        let (printed, ours) = figures(row);
+        let _ = writeln!(
+            text,
+            "| {} {} | {} | {printed} | {ours} | {} |",
+            claim.paper,
+            claim.id,
+            claim.text,
+            row.verdict.words()
+        );
+    }
+    for paper in PAPERS {
+        let _ = write!(
+            text,
+            "\n## [{}] {}\n\n{}\n",
+            paper.key, paper.title, paper.setup
+        );
+        for claim in CLAIMS.iter().filter(|claim| claim.paper == paper.key) {
+            of_claim(&mut text, claim, &report.rows);
+        }
+    }
+    text + "\n" + FOOT
+}
+
+fn of_claim(text: &mut String, claim: &Claim, rows: &[Row]) {
+    let _ = write!(
+        text,
+        "\n### {} {}: {}\n\n{}\n",
+        claim.paper, claim.id, claim.text, claim.why
+    );
+    let own: Vec<&Row> = rows
+        .iter()
+        .filter(|row| row.paper == claim.paper && row.claim == claim.id && row.n > 0)
+        .filter(|row| claim.tables.contains(&row.table))
+        .collect();
+    if own.is_empty() {
+        return;
+    }
+    *text += "\n| table | maps | algorithm | metric | printed | ours | n | excluded | verdict | note |\n\
+              |---|---|---|---|---|---|---|---|---|---|\n";
+    for row in own {
+        let (printed, ours) = figures(row);
+        let note = if row.parameters.is_null() {
+            row.note.clone()
+        } else {
+            format!("{} `{}`", row.note, row.parameters)
+                .trim()
+                .to_owned()
+        };
+        let _ = writeln!(
+            text,
+            "| {} | {} | {} | {} | {printed} | {ours} | {} | {:.0} % | {} | {note} |",
+            row.table,
+            row.maps,
+            row.algorithm,
+            row.metric,
+            row.n,
+            100.0 * row.excluded,
+            row.verdict.words()
+        );
+    }
+}
+
+/// The printed figure, and ours with its interval.
+fn figures(row: &Row) -> (String, String) {
+    let value = |value: f64| number(value, is_change(row));
+    let printed = row.printed.map_or_else(|| "-".to_owned(), value);
+    let ours = row.ours.zip(row.interval).map_or_else(
+        || "-".to_owned(),
+        |(ours, [low, high])| format!("{} [{}, {}]", value(ours), value(low), value(high)),
+    );
+    (printed, ours)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tables::TABLES;
+
+    #[test]
+    fn every_claim_names_tables_that_are_measured() {
+        for claim in CLAIMS {
+            assert!(PAPERS.iter().any(|paper| paper.key == claim.paper));
+            assert!(
+                claim.tables.contains(&claim.headline.table),
+                "{} {}",
+                claim.paper,
+                claim.id
+            );
+            for table in claim.tables {
+                let known = TABLES
+                    .iter()
+                    .any(|known| known.paper == claim.paper && known.number == *table);
+                assert!(known, "{} {table}", claim.paper);
+            }
+        }
+    }
+}

@@ -1,0 +1,320 @@
+//! [JU] tables I and II: the fusion of A* and potential field against A*, the field alone, and its
+//! references 6 and 7, on 15 x 15 cells of a metre with fifty blocked ones.
+
+use super::{Context, Outcome, TableError, Ways, draw, excluded, figure};
+use crate::figure::Drawing;
+use crate::maps::{Ends, MapFamily, MapSpec, Maze};
+use crate::rollout::{Rollout, bodies, goal_of, roll, waypoints};
+use crate::row::{Place, Row};
+use crate::solve::{Method, Way};
+use crate::stats::{self, median};
+use crate::verdict::{Printed, Standing};
+use serde_json::json;
+use std::hint::black_box;
+use std::time::Instant;
+use zeronav_global_planner::CornerRule;
+use zeronav_local_planner::papers::Law;
+use zeronav_local_planner::papers::ju_apf::JuApf;
+use zeronav_local_planner::papers::ju_fusion::JuFusion;
+use zeronav_local_planner::papers::ju_r6::JuR6;
+use zeronav_local_planner::papers::ju_r7::JuR7;
+use zeronav_local_planner::papers::options::{JuFusionConfig, JuR6Config, JuR7Config};
+use zeronav_local_planner::papers::potential::Gains;
+use zeronav_local_planner::papers::walk::Walk;
+
+/// Fifty cells.
+const SPEC: MapSpec = MapSpec {
+    family: MapFamily::Iid,
+    size: [15, 15],
+    ratio: 50.0 / 225.0,
+    ends: Ends::Cells([1, 1], [11, 11]),
+};
+
+/// Roll-outs, with the printed change of the fusion's length and time against them.
+const LAWS: [(&str, f64, f64); 3] = [
+    ("APF", -0.0578, 3.4960),
+    ("reference 6", -0.1004, 0.2450),
+    ("reference 7", -0.1045, 0.3877),
+];
+const ASTAR_LENGTH: f64 = -0.0346;
+const ASTAR_TIME: f64 = 0.5592;
+
+fn fusion(r1_m: f64) -> JuFusion {
+    JuFusion::new(&JuFusionConfig {
+        r1_m,
+        ..JuFusionConfig::default()
+    })
+}
+
+fn law(name: &str) -> Box<dyn Law> {
+    match name {
+        "APF" => Box::new(JuApf::new(Gains::JU)),
+        "reference 6" => Box::new(JuR6::new(&JuR6Config::default())),
+        "reference 7" => Box::new(JuR7::new(&JuR7Config::default())),
+        _ => Box::new(fusion(1.5)),
+    }
+}
+
+fn astar() -> Method {
+    Method::new("A*", "ju_astar").under(CornerRule::Allow)
+}
+
+/// How obstacles are taken.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Mode {
+    /// As points, which a path may cross: as printed.
+    Point,
+    /// As squares.
+    Area,
+}
+
+impl Mode {
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Point => "point obstacles",
+            Self::Area => "area obstacles",
+        }
+    }
+
+    const fn walk(self, step: f64) -> Walk {
+        Walk {
+            literal: matches!(self, Self::Point),
+            step,
+            ..Walk::JU
+        }
+    }
+}
+
+struct Set {
+    mazes: Vec<Maze>,
+    ways: Vec<Way>,
+    place: Place,
+}
+
+fn set(context: &Context, table: &'static str) -> Result<Set, TableError> {
+    let (mazes, place) = draw(context, "JU", table, &SPEC)?;
+    let ways = astar().ways(&mazes.mazes)?;
+    // Every map can be crossed without cutting corners, so that A* finds a way on all of them.
+    let ways: Vec<Way> = ways.into_iter().flatten().collect();
+    Ok(Set {
+        mazes: mazes.mazes,
+        ways,
+        place,
+    })
+}
+
+fn all(set: &Set, mut law: impl FnMut() -> Box<dyn Law>, how: &Walk) -> Vec<Rollout> {
+    let maps = set.mazes.iter().zip(&set.ways);
+    maps.map(|(maze, way)| {
+        let route = waypoints(maze, way);
+        roll(law().as_mut(), maze, &bodies(maze), &route, how)
+    })
+    .collect()
+}
+
+/// Changes of length from a base to the fusion where both arrive, and the share left out.
+fn changes(set: &Set, fusion: &[Rollout], base: impl Fn(usize) -> Option<f64>) -> (Vec<f64>, f64) {
+    let found: Vec<f64> = fusion
+        .iter()
+        .enumerate()
+        .filter(|(_, rollout)| rollout.arrived())
+        .filter_map(|(n, rollout)| Some(rollout.length(goal_of(&set.mazes[n])) / base(n)? - 1.0))
+        .collect();
+    let left = excluded(found.len(), fusion.len());
+    (found, left)
+}
+
+/// Table I.
+pub(super) fn lengths(context: &mut Context) -> Result<Outcome, TableError> {
+    let set = set(context, "1")?;
+    let mut outcome = Outcome::default();
+    let optimum = Method::new("A*", "tn_a8").with(json!({ "heuristic": "octile" }));
+    let pulled = Method::new("pulled A*", "c_los");
+    let baselines = [optimum.ways(&set.mazes)?, pulled.ways(&set.mazes)?];
+    for mode in [Mode::Point, Mode::Area] {
+        let how = mode.walk(Walk::JU.step);
+        let named = ["fusion", "APF", "reference 6", "reference 7"]
+            .map(|name| (name, all(&set, || law(name), &how)));
+        let rows = &mut outcome.rows;
+        arrivals(&set, mode, &named, rows);
+        against_laws(&set, mode, &named, rows);
+        against_astar(&set, mode, &named[0].1, (&baselines, rows));
+        sweep(&set, mode, rows);
+        if mode == Mode::Area {
+            let named = named
+                .each_ref()
+                .map(|(name, rollouts)| (*name, &rollouts[..]));
+            outcome.drawing = Drawing::of_rollouts(&set.mazes, &set.ways, &named);
+        }
+    }
+    Ok(outcome)
+}
+
+/// Names with their roll-outs, the fusion first.
+type Named<'a> = [(&'a str, Vec<Rollout>)];
+
+/// How a figure of this mode stands: what holds for points alone holds because paths cross obstacles.
+const fn standing(mode: Mode) -> Standing {
+    match mode {
+        Mode::Point => Standing::Artefact,
+        Mode::Area => Standing::Fair,
+    }
+}
+
+fn arrivals(set: &Set, mode: Mode, named: &Named<'_>, rows: &mut Vec<Row>) {
+    for (name, rollouts) in named {
+        let clean = rollouts.iter().filter(|rollout| rollout.is_clean()).count();
+        let share = (stats::share(clean, rollouts.len()), 0.0);
+        let metric = "arrives without a collision (share)";
+        rows.push(
+            set.place
+                .row(figure("C6", metric, name, Printed::Nothing, share).noting(mode.name())),
+        );
+        let arrived = rollouts.iter().filter(|rollout| rollout.arrived()).count();
+        let share = stats::share(arrived - clean, arrived);
+        let share = (share, excluded(arrived, rollouts.len()));
+        let algorithm = format!("{name}, where it arrives");
+        rows.push(
+            set.place.row(
+                figure(
+                    "C6",
+                    "collides (share)",
+                    &algorithm,
+                    Printed::Nothing,
+                    share,
+                )
+                .noting(mode.name()),
+            ),
+        );
+    }
+}
+
+fn against_laws(set: &Set, mode: Mode, named: &Named<'_>, rows: &mut Vec<Row>) {
+    for ((name, printed, _), (_, rollouts)) in LAWS.iter().zip(&named[1..]) {
+        let base = |n: usize| {
+            let rollout = &rollouts[n];
+            rollout
+                .arrived()
+                .then(|| rollout.length(goal_of(&set.mazes[n])))
+        };
+        let (found, left) = changes(set, &named[0].1, base);
+        let claim = if *name == "APF" { "C2" } else { "C3" };
+        let algorithm = format!("fusion vs {name}");
+        let ours = (stats::mean(&found), left);
+        rows.push(
+            set.place.row(
+                figure(claim, "length", &algorithm, Printed::Change(*printed), ours)
+                    .standing(standing(mode))
+                    .noting(mode.name()),
+            ),
+        );
+    }
+}
+
+fn against_astar(
+    set: &Set,
+    mode: Mode,
+    fusion: &[Rollout],
+    ([best, pulled], rows): (&[Ways; 2], &mut Vec<Row>),
+) {
+    let length = |ways: &Ways, n: usize| ways[n].as_ref().ok().map(|way| way.length);
+    let printed = Printed::Change(ASTAR_LENGTH);
+    let as_paper = changes(set, fusion, |n| Some(set.ways[n].length));
+    let matched = changes(set, fusion, |n| length(best, n));
+    let taut = changes(set, fusion, |n| length(pulled, n));
+    for (name, (found, left), printed) in [
+        ("fusion vs A*", as_paper, printed),
+        ("fusion vs A*, no corner cut", matched, printed),
+        ("fusion vs pulled A*", taut, Printed::Nothing),
+    ] {
+        rows.push(
+            set.place.row(
+                figure("C1", "length", name, printed, (stats::mean(&found), left))
+                    .standing(standing(mode))
+                    .noting(mode.name()),
+            ),
+        );
+    }
+}
+
+/// The sizes that are not printed: circle and step.
+fn sweep(set: &Set, mode: Mode, rows: &mut Vec<Row>) {
+    for r1_m in [1.0, 1.5, 2.0, 3.0] {
+        for step in [0.05, 0.2] {
+            let rollouts = all(set, || Box::new(fusion(r1_m)), &mode.walk(step));
+            let base = |n: usize| Some(set.ways[n].length);
+            let (found, left) = changes(set, &rollouts, base);
+            rows.push(
+                set.place.row(
+                    figure(
+                        "C1",
+                        "length",
+                        "fusion vs A*, sweep",
+                        Printed::Nothing,
+                        (stats::mean(&found), left),
+                    )
+                    .noting(mode.name())
+                    .with(json!({ "r1_m": r1_m, "step_m": step })),
+                ),
+            );
+        }
+    }
+}
+
+/// Table II.
+pub(super) fn times(context: &mut Context) -> Result<Outcome, TableError> {
+    const REPETITIONS: usize = 31;
+    const MAPS_MAX: usize = 40;
+    let set = set(context, "2")?;
+    let how = Mode::Point.walk(Walk::JU.step);
+    let astar = astar();
+    let mut planner = astar.build()?;
+    let mut path = zeronav_global_planner::CellPath::default();
+    let names = ["A*", "APF", "reference 6", "reference 7", "fusion"];
+    let mut found: Vec<Vec<f64>> = vec![Vec::new(); names.len()];
+    for (maze, way) in set.mazes.iter().zip(&set.ways).take(MAPS_MAX) {
+        let (around, route) = (bodies(maze), waypoints(maze, way));
+        let mut times = vec![Vec::new(); names.len()];
+        for _ in 0..REPETITIONS {
+            for (n, name) in names.iter().enumerate() {
+                let started = Instant::now();
+                // Every method but the field alone begins with A*.
+                if *name != "APF" {
+                    let solved = astar.solve(planner.as_mut(), maze, &mut path);
+                    black_box(&solved).as_ref().ok();
+                }
+                if *name != "A*" {
+                    black_box(roll(law(name).as_mut(), maze, &around, &route, &how));
+                }
+                times[n].push(started.elapsed().as_secs_f64());
+            }
+        }
+        for (found, times) in found.iter_mut().zip(times) {
+            found.extend(median(times));
+        }
+    }
+    let mut outcome = Outcome::default();
+    let of_fusion = &found[4];
+    let printed = core::iter::once(ASTAR_TIME).chain(LAWS.map(|(_, _, time)| time));
+    for (n, printed) in printed.enumerate() {
+        let changes: Vec<f64> = of_fusion
+            .iter()
+            .zip(&found[n])
+            .map(|(a, b)| a / b - 1.0)
+            .collect();
+        let algorithm = format!("fusion vs {}", names[n]);
+        outcome.rows.push(
+            set.place.row(
+                figure(
+                    "C4",
+                    "time",
+                    &algorithm,
+                    Printed::Change(printed),
+                    (stats::mean(&changes), 0.0),
+                )
+                .noting("ratio of medians of 31, interleaved, point obstacles"),
+            ),
+        );
+    }
+    Ok(outcome)
+}

@@ -1,0 +1,39 @@
+//! [JU] with movers: the paper says that the fusion avoids what moves, and reports no experiment.
+
+use super::lwx_dyn::shares;
+use super::{Context, Outcome, TableError};
+use crate::row::Place;
+use crate::scenes::{Scene, ju_dyn};
+
+/// Who drives: name, planner, controller.
+const DRIVERS: [(&str, Option<&str>, Option<&str>); 2] = [
+    (
+        "ju_astar and ju_fusion",
+        Some("ju_astar"),
+        Some("ju_fusion"),
+    ),
+    ("the defaults of this project", None, None),
+];
+
+/// Measures the scenes.
+pub(super) fn run(context: &mut Context) -> Result<Outcome, TableError> {
+    let mut outcome = Outcome::default();
+    let seeds = context.seed..context.seed + context.drives;
+    let scenes = seeds.map(ju_dyn).collect::<Result<Vec<Scene>, _>>()?;
+    let place = Place {
+        paper: "JU",
+        table: "dyn",
+        maps: "3 crossing discs, iid 15x15 m, 22.2 %".to_owned(),
+        acceptance: 1.0,
+        seed: context.seed,
+    };
+    for (name, planner, controller) in DRIVERS {
+        let scenes: Vec<Scene> = scenes
+            .iter()
+            .map(|scene| planner.map_or_else(|| scene.clone(), |key| scene.clone().planned_by(key)))
+            .collect();
+        let drives = context.stack()?.drive(&scenes, controller)?;
+        shares(&mut outcome, &place, "C5", name, &drives);
+    }
+    Ok(outcome)
+}

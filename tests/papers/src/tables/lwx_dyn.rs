@@ -1,0 +1,93 @@
+//! LWX-DYN, figure 13: twenty discs that appear or move, driven by the paper's planner and controller and
+//! by the defaults of this project. The paper shows two pictures and prints no number.
+
+use super::{Context, Outcome, TableError, excluded, figure};
+use crate::row::Place;
+use crate::scenes::{Coming, Scene, lwx_dyn};
+use crate::stack::Drive;
+use crate::stats;
+use crate::verdict::{Printed, Standing};
+
+/// Who drives: name, planner, controller; the defaults without.
+pub(crate) const DRIVERS: [(&str, Option<&str>, Option<&str>); 2] = [
+    ("lwx_oa and lwx_oapf", Some("lwx_oa"), Some("lwx_oapf")),
+    ("the defaults of this project", None, None),
+];
+
+/// Measures the scenes.
+pub(super) fn run(context: &mut Context) -> Result<Outcome, TableError> {
+    let mut outcome = Outcome::default();
+    for (coming, maps) in [
+        (Coming::Appear, "20 discs appear, blocky 20x20 m, 15.0 %"),
+        (Coming::Move, "20 discs move, blocky 20x20 m, 15.0 %"),
+    ] {
+        let seeds = context.seed..context.seed + context.drives;
+        let scenes = seeds
+            .map(|seed| lwx_dyn(coming, seed))
+            .collect::<Result<Vec<Scene>, _>>()?;
+        let place = Place {
+            paper: "LWX",
+            table: "dyn",
+            maps: maps.to_owned(),
+            acceptance: 1.0,
+            seed: context.seed,
+        };
+        for (name, planner, controller) in DRIVERS {
+            let scenes: Vec<Scene> = scenes
+                .iter()
+                .map(|scene| {
+                    planner.map_or_else(|| scene.clone(), |key| scene.clone().planned_by(key))
+                })
+                .collect();
+            let drives = context.stack()?.drive(&scenes, controller)?;
+            shares(&mut outcome, &place, "C7", name, &drives);
+        }
+    }
+    Ok(outcome)
+}
+
+/// What every driven table tells of its drives.
+pub(crate) fn shares(
+    outcome: &mut Outcome,
+    place: &Place,
+    claim: &'static str,
+    name: &str,
+    drives: &[Drive],
+) {
+    let share = |is: &dyn Fn(&Drive) -> bool| {
+        (
+            stats::share(
+                drives.iter().filter(|drive| is(drive)).count(),
+                drives.len(),
+            ),
+            0.0,
+        )
+    };
+    for (metric, ours) in [
+        ("arrives without a contact (share)", share(&Drive::is_clean)),
+        (
+            "arrives and never drives into anything (share)",
+            share(&Drive::is_blameless),
+        ),
+        ("arrives (share)", share(&|drive| drive.arrived())),
+        ("stuck (share)", share(&|drive| drive.outcome == "stuck")),
+    ] {
+        let printed = if metric.starts_with("arrives without") {
+            Printed::Share(1.0)
+        } else {
+            Printed::Nothing
+        };
+        let figure = figure(claim, metric, name, printed, ours).standing(Standing::NotComparable);
+        outcome
+            .rows
+            .push(place.row(figure.noting("no number is printed")));
+    }
+    let nearest: Vec<f64> = drives
+        .iter()
+        .filter_map(|drive| drive.clearance_m_min)
+        .collect();
+    let left = excluded(nearest.len(), drives.len());
+    let ours = (stats::mean(&nearest), left);
+    let figure = figure(claim, "min_clearance [m]", name, Printed::Nothing, ours);
+    outcome.rows.push(place.row(figure));
+}

@@ -1,0 +1,105 @@
+//! The tables that need no stack, on few maps: complete, without a broken theorem, in every format.
+
+use zeronav_papers::claims::CLAIMS;
+use zeronav_papers::maps::MapFamily;
+use zeronav_papers::page::{headline, page};
+use zeronav_papers::report::{Format, Report};
+use zeronav_papers::tables::{Context, TABLES};
+use zeronav_papers::verdict::Verdict;
+
+const SEEDS: u64 = 20;
+
+#[test]
+fn every_table_without_the_stack_is_complete_on_twenty_maps() {
+    let mut context = Context {
+        seeds: SEEDS,
+        drives: 0,
+        seed: 1,
+        families: vec![MapFamily::Blocky, MapFamily::Iid],
+        stack: None,
+    };
+    let (mut rows, mut drawn) = (Vec::new(), 0);
+    for table in TABLES.iter().filter(|table| !table.is_driven) {
+        let outcome = (table.run)(&mut context)
+            .unwrap_or_else(|error| panic!("{} {}: {error}", table.paper, table.number));
+        assert!(!outcome.rows.is_empty(), "{} {}", table.paper, table.number);
+        for row in &outcome.rows {
+            assert_eq!((row.paper, row.table), (table.paper, table.number));
+            assert!((0.0..=1.0).contains(&row.excluded), "{row:?}");
+            assert!(row.acceptance > 0.0 && row.acceptance <= 1.0, "{row:?}");
+            if let (Some(ours), Some([low, high])) = (row.ours, row.interval) {
+                assert!(low <= ours + 1e-9 && ours <= high + 1e-9, "{row:?}");
+            }
+        }
+        drawn += usize::from(outcome.drawing.is_some());
+        rows.extend(outcome.rows);
+    }
+    assert!(drawn >= 12, "{drawn} pictures");
+    // What no number of maps changes.
+    for row in rows
+        .iter()
+        .filter(|row| row.claim == "C1" && row.algorithm == "IAA = Dijkstra")
+    {
+        assert_eq!((row.verdict, row.ours), (Verdict::Theorem, Some(1.0)));
+    }
+    let driven = |table: &str| {
+        TABLES
+            .iter()
+            .any(|known| known.number == table && known.is_driven)
+    };
+    for claim in CLAIMS.iter().filter(|claim| !driven(claim.headline.table)) {
+        let row = headline(claim, &rows);
+        assert!(
+            row.is_some_and(|row| row.n > 0),
+            "{} {} has no row",
+            claim.paper,
+            claim.id
+        );
+    }
+    let report = Report {
+        seeds: SEEDS,
+        drives: 0,
+        seed: 1,
+        revision: "a revision".to_owned(),
+        machine: "a machine".to_owned(),
+        command: "papers --all --no-drives".to_owned(),
+        wall_s: 1.0,
+        rows,
+    };
+    let json: serde_json::Value =
+        serde_json::from_str(&report.print(Format::Json).unwrap()).unwrap();
+    assert_eq!(
+        json["rows"].as_array().map(Vec::len),
+        Some(report.rows.len())
+    );
+    assert_eq!(
+        report.print(Format::Csv).unwrap().lines().count(),
+        report.rows.len() + 1
+    );
+    let text = page(&report);
+    for claim in CLAIMS {
+        assert!(
+            text.contains(claim.why),
+            "{} {} is not told",
+            claim.paper,
+            claim.id
+        );
+    }
+}
+
+#[test]
+fn rows_are_the_same_for_the_same_seed() {
+    let measure = || {
+        let mut context = Context {
+            seeds: 5,
+            drives: 0,
+            seed: 3,
+            families: vec![MapFamily::Blocky],
+            stack: None,
+        };
+        let outcome = (TABLES[0].run)(&mut context).unwrap();
+        let rows = outcome.rows.into_iter().filter(|row| row.metric != "time");
+        rows.collect::<Vec<_>>()
+    };
+    assert_eq!(measure(), measure());
+}
