@@ -19,7 +19,7 @@ use zeronav_papers::tables::{Context, TABLES, Table, TableError};
 
 /// Measures the tables of the five papers on random maps and in the real stack.
 #[derive(Debug, Parser)]
-#[command(version, group(ArgGroup::new("what").required(true).args(["all", "paper", "list", "feature"])))]
+#[command(version, group(ArgGroup::new("what").required(true).args(["all", "paper", "list", "feature", "rows"])))]
 struct Arguments {
     /// Every table.
     #[arg(long)]
@@ -36,6 +36,9 @@ struct Arguments {
     /// The acceptance tests of one row of the feature table, such as ZM-ESC.
     #[arg(long, value_name = "KEY")]
     feature: Option<String>,
+    /// The `rows.json` of an earlier measurement, to print it or its page again.
+    #[arg(long, value_name = "FILE")]
+    rows: Option<PathBuf>,
     /// Maps of every kind.
     #[arg(long, default_value_t = 200, value_parser = clap::value_parser!(u64).range(1..=100_000))]
     seeds: u64,
@@ -82,17 +85,24 @@ fn main() -> ExitCode {
             Err(error) => fail(BROKEN, &error.to_string()),
         };
     }
-    let tables = match chosen(&arguments) {
-        Ok(tables) => tables,
-        Err(error) => return fail(USAGE, &error),
-    };
     // Before minutes of work, not after them.
     if let Err(error) = prepare(&arguments) {
         return fail(USAGE, &error);
     }
-    let (report, drawings) = match measure(&arguments, &tables) {
-        Ok(measured) => measured,
-        Err(error) => return fail(BROKEN, &error.to_string()),
+    let (report, drawings) = if let Some(file) = &arguments.rows {
+        match read(file) {
+            Ok(report) => (report, Vec::new()),
+            Err(error) => return fail(USAGE, &error),
+        }
+    } else {
+        let tables = match chosen(&arguments) {
+            Ok(tables) => tables,
+            Err(error) => return fail(USAGE, &error),
+        };
+        match measure(&arguments, &tables) {
+            Ok(measured) => measured,
+            Err(error) => return fail(BROKEN, &error.to_string()),
+        }
     };
     match leave(&arguments, &report, &drawings) {
         Ok(()) => ExitCode::SUCCESS,
@@ -123,6 +133,16 @@ fn list() {
         println!("  {:4} {:3} {}", claim.paper, claim.id, claim.text);
         println!("           tables {}", claim.tables.join(", "));
     }
+}
+
+/// An earlier measurement.
+fn read(file: &Path) -> Result<Report, String> {
+    let text = std::fs::read_to_string(file)
+        .map_err(|error| format!("--rows {}: {error}", file.display()))?;
+    serde_json::from_str(&text).map_err(|error| {
+        let name = file.display();
+        format!("--rows {name}: no rows of `papers --out`: {error}")
+    })
 }
 
 /// The tables asked for.

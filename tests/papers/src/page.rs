@@ -110,7 +110,7 @@ fn of_claim(text: &mut String, claim: &Claim, rows: &[Row]) {
     let own: Vec<&Row> = rows
         .iter()
         .filter(|row| row.paper == claim.paper && row.claim == claim.id && row.n > 0)
-        .filter(|row| claim.tables.contains(&row.table))
+        .filter(|row| claim.tables.contains(&&*row.table))
         .collect();
     if own.is_empty() {
         return;

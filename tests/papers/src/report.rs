@@ -1,7 +1,7 @@
 //! Rows as text for people, for spreadsheets and for programs.
 
 use crate::row::Row;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::fmt::Write as _;
 
 /// How rows are printed.
@@ -16,7 +16,7 @@ pub enum Format {
 }
 
 /// What was measured, and with what.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Report {
     /// Maps of every kind.
     pub seeds: u64,
@@ -61,9 +61,9 @@ impl Report {
                 row.parameters.to_string()
             };
             let fields = [
-                row.paper.to_owned(),
-                row.table.to_owned(),
-                row.claim.to_owned(),
+                row.paper.clone(),
+                row.table.clone(),
+                row.claim.clone(),
                 row.metric.clone(),
                 row.algorithm.clone(),
                 row.maps.clone(),
@@ -98,9 +98,9 @@ impl Report {
         );
         let mut table = ("", "");
         for row in &self.rows {
-            if (row.paper, row.table) != table {
-                table = (row.paper, row.table);
-                let _ = write!(text, "\n{}", table_head(row.paper, row.table));
+            if (&*row.paper, &*row.table) != table {
+                table = (&row.paper, &row.table);
+                let _ = write!(text, "\n{}", table_head(&row.paper, &row.table));
             }
             text += &line(row);
         }

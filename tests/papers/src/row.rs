@@ -2,17 +2,17 @@
 
 use crate::stats::Estimate;
 use crate::verdict::{Printed, Standing, Verdict, verdict};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// A measured figure beside a printed one.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Row {
     /// Paper: `TN`, `JU`, `ZM`, `LWX` or `BAO`.
-    pub paper: &'static str,
+    pub paper: String,
     /// Table or figure of the paper.
-    pub table: &'static str,
+    pub table: String,
     /// Claim, such as `C2`; see the registry.
-    pub claim: &'static str,
+    pub claim: String,
     /// What is measured, with its unit; a change is (ours - base) / base.
     pub metric: String,
     /// Algorithms: which is compared with which.
@@ -88,9 +88,9 @@ impl Place {
             Printed::Nothing => None,
         };
         Row {
-            paper: self.paper,
-            table: self.table,
-            claim: figure.claim,
+            paper: self.paper.to_owned(),
+            table: self.table.to_owned(),
+            claim: figure.claim.to_owned(),
             metric: figure.metric,
             algorithm: figure.algorithm,
             maps: self.maps.clone(),

@@ -24,7 +24,7 @@ fn every_table_without_the_stack_is_complete_on_twenty_maps() {
             .unwrap_or_else(|error| panic!("{} {}: {error}", table.paper, table.number));
         assert!(!outcome.rows.is_empty(), "{} {}", table.paper, table.number);
         for row in &outcome.rows {
-            assert_eq!((row.paper, row.table), (table.paper, table.number));
+            assert_eq!((&*row.paper, &*row.table), (table.paper, table.number));
             assert!((0.0..=1.0).contains(&row.excluded), "{row:?}");
             assert!(row.acceptance > 0.0 && row.acceptance <= 1.0, "{row:?}");
             if let (Some(ours), Some([low, high])) = (row.ours, row.interval) {

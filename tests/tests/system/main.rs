@@ -6,6 +6,7 @@ mod answers;
 mod bad_input;
 mod completions;
 mod contract_kit;
+mod controllers;
 mod cpp;
 mod deleted;
 mod doctor;
