@@ -2,8 +2,7 @@
 
 use crate::maps::Maze;
 use crate::rollout::Rollout;
-use crate::solve::Way;
-use crate::tables::Ways;
+use crate::solve::{Way, Ways};
 use nalgebra::Point2;
 use std::fmt::Write as _;
 use zeronav_msgs::Cell;
@@ -21,6 +20,7 @@ const COLOURS: [&str; 5] = ["#d55e00", "#0072b2", "#009e73", "#cc79a7", "#56b4e9
 #[derive(Debug, Clone)]
 pub struct Drawing {
     svg: String,
+    cells: String,
 }
 
 /// A named line in cells.
@@ -37,7 +37,21 @@ impl Drawing {
             let way = ways[best].as_ref().ok()?;
             Some(((*name).to_owned(), line_of(&mazes[best], way)))
         });
-        Some(Self::draw(&mazes[best], &lines.collect::<Vec<_>>()))
+        let mut drawing = Self::draw(&mazes[best], &lines.collect::<Vec<_>>());
+        for (name, ways) in named {
+            if let Ok(way) = &ways[best] {
+                let cells = way
+                    .cells
+                    .iter()
+                    .map(|cell| mazes[best].bao_index(*cell).to_string());
+                let _ = writeln!(
+                    drawing.cells,
+                    "{name},{}",
+                    cells.collect::<Vec<_>>().join(" ")
+                );
+            }
+        }
+        Some(drawing)
     }
 
     /// The first map on which most roll-outs arrive, with their walks and the way of A*.
@@ -130,7 +144,16 @@ impl Drawing {
             );
         }
         svg.push_str("</svg>\n");
-        Self { svg }
+        Self {
+            svg,
+            cells: String::new(),
+        }
+    }
+
+    /// The ways cell by cell, one method a line, numbered as [BAO] does (eq. 1); empty for roll-outs.
+    #[must_use]
+    pub fn cells(&self) -> &str {
+        &self.cells
     }
 
     /// The picture.

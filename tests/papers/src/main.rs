@@ -15,7 +15,8 @@ use zeronav_papers::feature;
 use zeronav_papers::maps::MapFamily;
 use zeronav_papers::page::page;
 use zeronav_papers::report::{Format, Report};
-use zeronav_papers::tables::{Context, TABLES, Table, TableError};
+use zeronav_papers::table::{Context, TableError};
+use zeronav_papers::tables::{TABLES, Table};
 
 /// Measures the tables of the five papers on random maps and in the real stack.
 #[derive(Debug, Parser)]
@@ -36,9 +37,9 @@ struct Arguments {
     /// The acceptance tests of one row of the feature table, such as ZM-ESC.
     #[arg(long, value_name = "KEY")]
     feature: Option<String>,
-    /// The `rows.json` of an earlier measurement, to print it or its page again.
-    #[arg(long, value_name = "FILE")]
-    rows: Option<PathBuf>,
+    /// The `rows.json` of earlier measurements, separated by commas, to print them or their page again.
+    #[arg(long, value_name = "FILES", value_delimiter = ',')]
+    rows: Vec<PathBuf>,
     /// Maps of every kind.
     #[arg(long, default_value_t = 200, value_parser = clap::value_parser!(u64).range(1..=100_000))]
     seeds: u64,
@@ -89,12 +90,7 @@ fn main() -> ExitCode {
     if let Err(error) = prepare(&arguments) {
         return fail(USAGE, &error);
     }
-    let (report, drawings) = if let Some(file) = &arguments.rows {
-        match read(file) {
-            Ok(report) => (report, Vec::new()),
-            Err(error) => return fail(USAGE, &error),
-        }
-    } else {
+    let (report, drawings) = if arguments.rows.is_empty() {
         let tables = match chosen(&arguments) {
             Ok(tables) => tables,
             Err(error) => return fail(USAGE, &error),
@@ -102,6 +98,14 @@ fn main() -> ExitCode {
         match measure(&arguments, &tables) {
             Ok(measured) => measured,
             Err(error) => return fail(BROKEN, &error.to_string()),
+        }
+    } else {
+        let read: Result<Vec<Report>, String> =
+            arguments.rows.iter().map(|file| read(file)).collect();
+        match read.map(joined) {
+            Ok(Some(report)) => (report, Vec::new()),
+            Ok(None) => return fail(USAGE, "--rows: no file"),
+            Err(error) => return fail(USAGE, &error),
         }
     };
     match leave(&arguments, &report, &drawings) {
@@ -143,6 +147,32 @@ fn read(file: &Path) -> Result<Report, String> {
         let name = file.display();
         format!("--rows {name}: no rows of `papers --out`: {error}")
     })
+}
+
+/// Several measurements as one, their rows in the order of the tables.
+fn joined(reports: Vec<Report>) -> Option<Report> {
+    let mut reports = reports.into_iter();
+    let mut all = reports.next()?;
+    for report in reports {
+        all.rows.extend(report.rows);
+        all.wall_s += report.wall_s;
+        all.drives = all.drives.max(report.drives);
+        all.seeds = all.seeds.max(report.seeds);
+        for (own, other) in [
+            (&mut all.command, report.command),
+            (&mut all.revision, report.revision),
+        ] {
+            if *own != other {
+                *own = format!("{own}, {other}");
+            }
+        }
+    }
+    let place = |row: &zeronav_papers::row::Row| {
+        let is_its = |table: &Table| table.paper == row.paper && table.number == row.table;
+        TABLES.iter().position(is_its)
+    };
+    all.rows.sort_by_key(place);
+    Some(all)
 }
 
 /// The tables asked for.
@@ -211,12 +241,13 @@ fn measure(
             begun.elapsed().as_secs_f64()
         );
         rows.extend(outcome.rows);
-        let name = format!("{}_{}.svg", table.paper, table.number).to_lowercase();
-        drawings.extend(
-            outcome
-                .drawing
-                .map(|drawing| (name, drawing.svg().to_owned())),
-        );
+        let name = format!("{}_{}", table.paper, table.number).to_lowercase();
+        if let Some(drawing) = outcome.drawing {
+            if !drawing.cells().is_empty() {
+                drawings.push((format!("{name}.csv"), drawing.cells().to_owned()));
+            }
+            drawings.push((format!("{name}.svg"), drawing.svg().to_owned()));
+        }
     }
     let words: Vec<String> = std::env::args().skip(1).collect();
     let report = Report {

@@ -32,8 +32,8 @@ const FOOT: &str = "## Using it
     cargo run --release --bin papers -- --all --format json --out papers
     cargo run --release --bin papers -- --feature ZM-ESC
 
-`--out FOLDER` leaves `rows.md`, `rows.csv`, `rows.json` and a picture of one map with all ways for each table. Maps are
-not stored: `seed`, `maps` and `zeronav_world::generate` draw them again. `--format json` prints one object: `seeds`,
+`--out FOLDER` leaves `rows.md`, `rows.csv`, `rows.json` and for each table a picture of one map with all ways, and the ways
+themselves in [BAO]'s numbering of cells (`.csv`); `--rows FOLDER/rows.json` prints them or their page again. Maps are not stored: `seed`, `maps` and `zeronav_world::generate` draw them again. `--format json` prints one object: `seeds`,
 `drives`, `seed`, `revision`, `machine`, `command`, `wall_s` and `rows`, each with `paper`, `table`, `claim`, `metric`,
 `algorithm`, `maps`, `printed`, `ours`, `interval`, `n`, `excluded`, `acceptance`, `verdict`, `note`, `parameters` and
 `seed`. Exit codes: 0 complete (a claim that is not reproduced is a result), 1 an illegal path, a broken theorem, or a

@@ -37,6 +37,9 @@ pub struct Way {
     pub stats: PlanStats,
 }
 
+/// Ways of one method on all maps of a kind, or how it failed.
+pub type Ways = Vec<Result<Way, PlanError>>;
+
 impl Way {
     /// Length of the curve that rounds the way; of the way without one. [cells]
     #[must_use]
@@ -158,7 +161,7 @@ impl Method {
     ///
     /// # Errors
     /// [`Fault`], also for a way that is not legal.
-    pub fn ways(&self, mazes: &[Maze]) -> Result<Vec<Result<Way, PlanError>>, Fault> {
+    pub fn ways(&self, mazes: &[Maze]) -> Result<Ways, Fault> {
         let halves = mazes.len().div_ceil(2).max(1);
         let parts: Vec<_> = std::thread::scope(|scope| {
             let handles: Vec<_> = mazes
@@ -181,7 +184,7 @@ impl Method {
         Ok(ways)
     }
 
-    fn part(&self, mazes: &[Maze], first: usize) -> Result<Vec<Result<Way, PlanError>>, Fault> {
+    fn part(&self, mazes: &[Maze], first: usize) -> Result<Ways, Fault> {
         let mut planner = self.build()?;
         let mut path = CellPath::default();
         let mut ways = Vec::with_capacity(mazes.len());

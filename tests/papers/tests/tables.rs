@@ -4,7 +4,8 @@ use zeronav_papers::claims::CLAIMS;
 use zeronav_papers::maps::MapFamily;
 use zeronav_papers::page::{headline, page};
 use zeronav_papers::report::{Format, Report};
-use zeronav_papers::tables::{Context, TABLES};
+use zeronav_papers::table::Context;
+use zeronav_papers::tables::TABLES;
 use zeronav_papers::verdict::Verdict;
 
 const SEEDS: u64 = 20;

@@ -44,6 +44,12 @@ fn allowed(from: &str) -> &'static [&'static str] {
             "zeronav-motion",
             "zeronav-shell",
         ],
+        "zeronav-papers" => &[
+            "zeronav-msgs",
+            "zeronav-world",
+            "zeronav-global-planner",
+            "zeronav-local-planner",
+        ],
         "zeronav" => &[
             "zeronav-msgs",
             "zeronav-params",

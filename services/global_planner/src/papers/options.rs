@@ -9,8 +9,7 @@ use crate::papers::lwx_oa::GreedyOptions;
 use crate::papers::lwx_rrt::TreeOptions;
 use crate::papers::spline::{SAMPLES_MAX, Spline, SplineEnds};
 use crate::papers::tn_3n::WalkOptions;
-use crate::papers::variants::WEIGHT_MAX;
-use crate::papers::weight::EtaOptions;
+use crate::papers::weight::{EtaOptions, WEIGHT_MAX};
 use zeronav_params::parameters;
 
 parameters! {

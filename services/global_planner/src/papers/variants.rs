@@ -7,12 +7,9 @@ use crate::papers::on_map::{NO_WAY, Solver};
 use crate::papers::options::PaperOptions;
 use crate::papers::sight::pull;
 use crate::papers::spline::Spline;
-use crate::papers::weight::{EtaOptions, Weight};
+use crate::papers::weight::{EtaOptions, WEIGHT_MAX, Weight};
 use crate::planner::{CornerRule, PlanError};
 use zeronav_msgs::Cell;
-
-/// Largest fixed weight of the heuristic.
-pub(crate) const WEIGHT_MAX: f64 = 10.0;
 
 /// `c_los`: the shortest way over the grid, pulled taut along lines of sight: the any-angle
 /// baseline of PAPERS 0.6.

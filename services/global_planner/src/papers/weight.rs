@@ -4,6 +4,9 @@ use crate::papers::field::Field;
 use zeronav_msgs::Cell;
 use zeronav_params::parameters;
 
+/// Largest fixed weight of the heuristic.
+pub(crate) const WEIGHT_MAX: f64 = 10.0;
+
 /// Largest [`EtaOptions::p0_cells`].
 pub(crate) const P0_CELLS_MAX: f64 = 12.0;
 

@@ -128,7 +128,7 @@ impl LawInput<'_> {
     #[must_use]
     pub fn is_free(&self, from: Point2<f64>, to: Point2<f64>) -> bool {
         self.ground.map_or_else(
-            || super::walk::is_free(self.bodies, from, to),
+            || is_free(self.bodies, from, to),
             |ground| ground.is_free(from, to),
         )
     }
@@ -160,4 +160,10 @@ pub trait Law: fmt::Debug {
     fn escapes_minima(&self) -> bool {
         false
     }
+}
+
+/// True when a segment touches no area.
+#[must_use]
+pub fn is_free(bodies: &[Body], from: Point2<f64>, to: Point2<f64>) -> bool {
+    !bodies.iter().any(|body| body.touches(from, to))
 }

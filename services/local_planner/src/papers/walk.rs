@@ -1,6 +1,6 @@
 //! The roll-out that all potential-field methods share (paper notes, Appendix D).
 
-use super::law::{Body, Law, LawInput, Push};
+use super::law::{Body, Law, LawInput, Push, is_free};
 use nalgebra::{Point2, Vector2};
 use zeronav_msgs::path::Waypoint;
 
@@ -155,10 +155,4 @@ pub(super) fn stride(
         length *= 0.5;
     }
     Ok(length)
-}
-
-/// True when a segment touches no area.
-#[must_use]
-pub fn is_free(bodies: &[Body], from: Point2<f64>, to: Point2<f64>) -> bool {
-    !bodies.iter().any(|body| body.touches(from, to))
 }

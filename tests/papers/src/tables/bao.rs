@@ -1,14 +1,14 @@
 //! [BAO] tables 1 to 4: traditional A* (TAA), virtual obstacles with the Manhattan distance (AAO) and
 //! with the octile one (IAA), Dijkstra, full inflation (reference 31).
 
-use super::{
-    Context, Outcome, TableError, Ways, change, corners, count, draw, excluded, failures, figure,
-    paired, safety, solved,
-};
 use crate::figure::Drawing;
 use crate::maps::MapFamily;
 use crate::row::{Place, Row};
-use crate::solve::{Fault, Method, Way};
+use crate::solve::{Fault, Method, Way, Ways};
+use crate::table::{
+    Context, Outcome, TableError, change, corners, count, draw, excluded, failures, figure, paired,
+    safety, solved,
+};
 use crate::timing;
 use crate::verdict::{Printed, Standing};
 use crate::{maps::Maze, stats};
@@ -187,6 +187,7 @@ fn theorems(iaa: &Ways, dij: &Ways, aao: &Ways, pulled: &Ways) -> Result<(), Fau
     Ok(())
 }
 
+// long: the rows of one table, one after the other
 fn lengths(rows: &mut Vec<Row>, place: &Place, printed: &Printout, ways: [&Ways; 5]) {
     let [taa, aao, iaa, dij, pulled] = ways;
     let by_length = |way: &Way| way.length;

@@ -2,10 +2,10 @@
 //! controller and by the defaults of this project, and followed blindly, which must not work.
 
 use super::lwx_dyn::shares;
-use super::{Context, Outcome, TableError, excluded, figure};
 use crate::row::Place;
 use crate::scenes::{BaoDyn, BaoMap, Scene};
 use crate::stats;
+use crate::table::{Context, Outcome, TableError, excluded, figure};
 use crate::verdict::Printed;
 
 const DRIVERS: [(&str, Option<&str>, Option<&str>); 2] = [

@@ -1,13 +1,13 @@
 //! [JU] tables I and II: the fusion of A* and potential field against A*, the field alone, and its
 //! references 6 and 7, on 15 x 15 cells of a metre with fifty blocked ones.
 
-use super::{Context, Outcome, TableError, Ways, draw, excluded, figure};
 use crate::figure::Drawing;
 use crate::maps::{Ends, MapFamily, MapSpec, Maze};
 use crate::rollout::{Rollout, bodies, goal_of, roll, waypoints};
 use crate::row::{Place, Row};
-use crate::solve::{Method, Way};
+use crate::solve::{Method, Way, Ways};
 use crate::stats::{self, median};
+use crate::table::{Context, Outcome, TableError, draw, excluded, figure};
 use crate::verdict::{Printed, Standing};
 use serde_json::json;
 use std::hint::black_box;

@@ -1,9 +1,9 @@
 //! [JU] with movers: the paper says that the fusion avoids what moves, and reports no experiment.
 
 use super::lwx_dyn::shares;
-use super::{Context, Outcome, TableError};
 use crate::row::Place;
 use crate::scenes::{Scene, ju_dyn};
+use crate::table::{Context, Outcome, TableError};
 
 /// Who drives: name, planner, controller.
 const DRIVERS: [(&str, Option<&str>, Option<&str>); 2] = [

@@ -1,13 +1,13 @@
 //! [LWX] tables 1 to 4: the "optimised A*", which is a greedy search without an open list, against A*
 //! (1 to 3) and against the bidirectional search to the middle (4).
 
-use super::{
-    Context, Outcome, TableError, Ways, change, corners, count, draw, excluded, failures, figure,
-    paired, safety, solved,
-};
 use crate::figure::Drawing;
 use crate::maps::MapFamily;
-use crate::solve::{Method, Way};
+use crate::solve::{Method, Way, Ways};
+use crate::table::{
+    Context, Outcome, TableError, change, corners, count, draw, excluded, failures, figure, paired,
+    safety, solved,
+};
 use crate::verdict::Printed;
 use crate::{stats, timing};
 use serde_json::json;

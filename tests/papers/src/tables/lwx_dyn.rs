@@ -1,11 +1,11 @@
 //! LWX-DYN, figure 13: twenty discs that appear or move, driven by the paper's planner and controller and
 //! by the defaults of this project. The paper shows two pictures and prints no number.
 
-use super::{Context, Outcome, TableError, excluded, figure};
 use crate::row::Place;
 use crate::scenes::{Coming, Scene, lwx_dyn};
 use crate::stack::Drive;
 use crate::stats;
+use crate::table::{Context, Outcome, TableError, excluded, figure};
 use crate::verdict::{Printed, Standing};
 
 /// Who drives: name, planner, controller; the defaults without.

@@ -1,12 +1,12 @@
 //! [LWX] tables 5 and 6: the whole method, greedy search, potential field over turning points and fit,
 //! against an ant colony and a random tree.
 
-use super::{Context, Outcome, TableError, corners, draw, excluded, figure};
 use crate::figure::Drawing;
 use crate::maps::{MapFamily, Maze};
 use crate::rollout::{Rollout, bodies, measured, waypoints};
 use crate::solve::{Method, Way};
 use crate::stats::{self, median};
+use crate::table::{Context, Outcome, TableError, corners, draw, excluded, figure};
 use crate::verdict::Printed;
 use nalgebra::{Point2, Vector2};
 use serde_json::json;
@@ -72,6 +72,7 @@ fn greedy() -> Method {
 }
 
 /// Measures a table.
+// long: the rows of one table, one after the other
 pub(super) fn run(context: &mut Context, table: &'static str) -> Result<Outcome, TableError> {
     let mut outcome = Outcome::default();
     let Some((_, name, key, printed)) = PRINTED.iter().find(|(of, ..)| *of == table) else {

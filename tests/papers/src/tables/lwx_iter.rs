@@ -1,10 +1,10 @@
 //! [LWX] figure 16: how many steps an interim goal may take.
 
-use super::{Context, Outcome, TableError, corners, draw, excluded, figure};
 use crate::maps::MapFamily;
 use crate::rollout::{bodies, waypoints};
 use crate::solve::Method;
 use crate::stats;
+use crate::table::{Context, Outcome, TableError, corners, draw, excluded, figure};
 use crate::verdict::{Printed, Standing};
 use serde_json::json;
 use zeronav_local_planner::papers::lwx_loop::{Loop, Restart, run as iterate};
@@ -16,6 +16,7 @@ const HUNDRED: f64 = 2.88;
 const ONE: f64 = -0.30;
 
 /// Measures the figure.
+// long: the rows of one table, one after the other
 pub(super) fn run(context: &mut Context) -> Result<Outcome, TableError> {
     let mut outcome = Outcome::default();
     let greedy = Method::new("greedy", "lwx_oa");
@@ -52,7 +53,7 @@ pub(super) fn run(context: &mut Context) -> Result<Outcome, TableError> {
                 Some([1.0, 10.0, 100.0].map(run))
             })
             .collect();
-        let steps = |trace: &Trace| super::count(trace.steps as u64);
+        let steps = |trace: &Trace| crate::table::count(trace.steps as u64);
         let arrived = |trace: &Trace| trace.end == End::Reached;
         for (name, index, printed) in [
             ("L = 100 vs L = 10", 2, HUNDRED),

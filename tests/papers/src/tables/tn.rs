@@ -1,13 +1,12 @@
 //! [TN] table 1: the hybrid of three-neighbour walk and attraction against A* over eight neighbours.
 
-use super::{
-    Context, Outcome, TableError, Ways, change, count, draw, failures, figure, paired, safety,
-    solved,
-};
 use crate::figure::Drawing;
 use crate::maps::{Ends, MapFamily, MapSpec};
 use crate::row::{Place, Row};
-use crate::solve::{Method, Way};
+use crate::solve::{Method, Way, Ways};
+use crate::table::{
+    Context, Outcome, TableError, change, count, draw, failures, figure, paired, safety, solved,
+};
 use crate::verdict::Printed;
 use crate::{stats, timing};
 use serde_json::json;

@@ -1,9 +1,9 @@
 //! [TN] table 3: a robot in a corridor of 5.5 m x 6 m on a map of 0.1 m, whose obstacles are not known.
 //! Blocks stand for them, grown by a robot of two cells.
 
-use super::{Context, Outcome, TableError, change, draw, figure, paired};
 use crate::maps::{Ends, MapFamily, MapSpec};
 use crate::solve::{Method, Way};
+use crate::table::{Context, Outcome, TableError, change, draw, figure, paired};
 use crate::verdict::{Printed, Standing};
 use crate::{stats, timing};
 

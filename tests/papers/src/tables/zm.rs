@@ -1,11 +1,13 @@
 //! [ZM] table 1: A* with a fixed weight (`H_W_A*`) and with the weight exp(eta) (`IM_APF_A*`) against
 //! A* (`TRA_A*`), and a sweep of the gains that the paper does not give.
 
-use super::{Context, Outcome, TableError, change, corners, count, draw, figure, paired, safety};
 use crate::figure::Drawing;
 use crate::maps::{MapFamily, Maze};
 use crate::row::{Place, Row};
 use crate::solve::{Fault, Method, Way};
+use crate::table::{
+    Context, Outcome, TableError, change, corners, count, draw, figure, paired, safety,
+};
 use crate::verdict::Printed;
 use crate::{stats, timing};
 use serde_json::json;
@@ -26,6 +28,7 @@ fn rule(method: Method) -> Method {
 }
 
 /// Measures the table.
+// long: the rows of one table, one after the other
 pub(super) fn run(context: &mut Context) -> Result<Outcome, TableError> {
     let mut outcome = Outcome::default();
     let (tra, hw, im) = (
@@ -129,7 +132,7 @@ pub(super) fn run(context: &mut Context) -> Result<Outcome, TableError> {
 }
 
 /// Weighted A* costs at most its weight times the optimum.
-fn bounded(optimum: &super::Ways, weighted: &super::Ways) -> Result<(), Fault> {
+fn bounded(optimum: &crate::solve::Ways, weighted: &crate::solve::Ways) -> Result<(), Fault> {
     for (map, pair) in optimum.iter().zip(weighted).enumerate() {
         if let (Ok(best), Ok(way)) = pair
             && !(best.length - 1.0e-6..=WEIGHT * best.length + 1.0e-6).contains(&way.length)
@@ -149,7 +152,7 @@ fn sweep(
     rows: &mut Vec<Row>,
     place: &Place,
     mazes: &[Maze],
-    of_hw: &super::Ways,
+    of_hw: &crate::solve::Ways,
 ) -> Result<(), Fault> {
     let nodes = |way: &Way| count(way.stats.expanded);
     let mut tried = Vec::new();

@@ -2,12 +2,12 @@
 //! on the grid of the paper, the drives are those of the real stack.
 
 use super::lwx_dyn::shares;
-use super::{Context, Outcome, TableError, change, corners, count, excluded, figure};
 use crate::maps::{MapFamily, Maze};
 use crate::row::Place;
 use crate::scenes::{Scene, ZmScene, zm_dyn};
 use crate::solve::{Fault, Method, Way};
 use crate::stats;
+use crate::table::{Context, Outcome, TableError, change, corners, count, excluded, figure};
 use crate::verdict::{Printed, Standing};
 use zeronav_global_planner::CornerRule;
 use zeronav_msgs::Cell;
@@ -22,6 +22,7 @@ const NEAR: f64 = 4.0;
 const NODES: f64 = 36.0 / 47.0 - 1.0;
 
 /// Measures a table.
+// long: the rows of one table, one after the other
 pub(super) fn run(context: &mut Context, table: &'static str) -> Result<Outcome, TableError> {
     let mut outcome = Outcome::default();
     let scene = if table == "2" {
