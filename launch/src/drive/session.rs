@@ -347,7 +347,8 @@ impl<'a> Session<'a> {
             if tick != moved.0 || is_held {
                 moved = (tick, Instant::now());
             } else if moved.1.elapsed() > SILENCE_LIMIT {
-                return Ending::Silent(self.silent(stack));
+                let owing = self.collector.owing(&stack.roster);
+                return Ending::Silent(owing.unwrap_or(Role::Robot));
             }
             if self.lockstep() {
                 if self.collector.all_answered(last_tick, &stack.roster) {
@@ -375,6 +376,10 @@ impl<'a> Session<'a> {
     fn task_ended(&mut self, stack: &mut Stack) -> Option<Ending> {
         let report = self.report()?;
         match (report.state, &mut self.shuttle) {
+            // A local planner without a task has nothing to cancel.
+            (TaskState::Idle, None) if self.is_cancelling => {
+                self.over(stack, TaskState::Cancelled, report.reason)
+            }
             (TaskState::Idle | TaskState::Active, _) => None,
             (TaskState::Reached, Some(shuttle)) => {
                 shuttle.turn();
@@ -446,11 +451,6 @@ impl<'a> Session<'a> {
         self.collector
             .task
             .filter(|report| self.task_id != 0 && report.task == self.task_id)
-    }
-
-    /// The first role in the flow of data that owes an answer.
-    fn silent(&self, stack: &Stack) -> Role {
-        self.collector.owing(&stack.roster).unwrap_or(Role::Robot)
     }
 
     /// The tick that ends the measured part of the run: the same in every lockstep run.

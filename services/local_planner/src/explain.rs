@@ -104,7 +104,7 @@ pub(crate) fn reason_of(reason: Reason) -> RecoveryReason {
 
 /// Ages of odometry, scan, map and path. [ms] Before the first scan map and path are idle outputs at
 /// most, and whether these have come yet depends on the speed of the machine: they are not told.
-fn ages_ms(ages: &Ages) -> [u16; 4] {
+pub(crate) fn ages_ms(ages: &Ages) -> [u16; 4] {
     let ms = |age_ns: Option<u64>| {
         age_ns.map_or(AGE_MS_MAX, |age_ns| {
             u16::try_from(age_ns / 1_000_000).unwrap_or(AGE_MS_MAX)

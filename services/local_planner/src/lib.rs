@@ -19,6 +19,7 @@ mod footprint;
 mod lanes;
 mod local_path;
 pub mod mppi;
+mod outputs;
 pub mod papers;
 pub mod period;
 pub mod pilot;
@@ -40,4 +41,5 @@ mod test_robot;
 mod turn;
 
 pub use config::LocalPlannerConfig;
-pub use period::{Inputs, LocalPlanner, Outputs, PathInput};
+pub use outputs::Outputs;
+pub use period::{Inputs, LocalPlanner, PathInput};

@@ -114,7 +114,7 @@ impl PlannerService {
         if let Some(plan_request) = outputs.plan_request {
             shell.send(&draft, &mut self.plan_request, plan_request, &[]);
         }
-        let status_due = due == Due::IDLE || due.tick >= self.status_tick + STATUS_TICKS;
+        let status_due = due.tick >= self.status_tick + STATUS_TICKS;
         let status_sent = outputs.status_changed || status_due;
         if status_sent {
             let (status, ended) = self.planner.status();

@@ -3,6 +3,7 @@
 use crate::config::LocalPlannerConfig;
 use crate::dynamic_obstacles::is_dynamic_near;
 use crate::explain::{self, Circumstances};
+use crate::outputs::Outputs;
 use crate::pilot::Pilot;
 use crate::progress::{PathTracker, Place};
 use crate::recovery::escape::{Escape, has_room_to_turn, is_free_behind};
@@ -10,12 +11,12 @@ use crate::recovery::trail::Trail;
 use crate::recovery::{Behaviour, Cause, Facts, Recovery, Transition};
 use crate::requests::{PathRequests, RequestInputs};
 use crate::situation::{Decision, Future, Situation};
-use crate::staleness::{Ageing, Ages, StaleInput, ageing, speed_factor};
+use crate::staleness::{Ages, StaleInput, ageing, speed_factor};
 use crate::table::{UnknownController, controller};
 use crate::task::{TaskInputs, TaskMachine, TaskStep};
 use nalgebra::Point2;
 use zeronav_motion::{Twist, stop_distance_m, towards_rest};
-use zeronav_msgs::command::{RecoveryReason, RequestCause, Validity, VelocityRequest};
+use zeronav_msgs::command::{RecoveryReason, RequestCause, Validity};
 use zeronav_msgs::description::{Corner, Description};
 use zeronav_msgs::obstacles::Obstacle;
 use zeronav_msgs::odometry::Odometry;
@@ -67,29 +68,6 @@ pub struct Inputs<'a> {
     pub ages: Ages,
     /// The run is stopping.
     pub stopping: bool,
-}
-
-/// What the local planner answers.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Outputs {
-    /// For `control/velocity_request`, always.
-    pub request: VelocityRequest,
-    /// For `plan/request`, when another path is needed.
-    pub plan_request: Option<PlanRequest>,
-    /// The task's status changed: send [`LocalPlanner::status`].
-    pub status_changed: bool,
-    /// The input because of which the robot stops, if so.
-    pub stale: Option<StaleInput>,
-    /// The inputs because of which it slows down or stops.
-    pub ageing: Ageing,
-    /// What the recovery does instead from now on, and why.
-    pub recovery: Option<Transition>,
-    /// Motions looked at.
-    pub rollouts: u32,
-    /// [m] along the path to the first obstacle in sight.
-    pub blocked_arc_m: Option<f64>,
-    /// [m] beside the path; 0 without one.
-    pub cross_track_m: f64,
 }
 
 /// Why no [`LocalPlanner`] can be made.
@@ -205,7 +183,7 @@ impl LocalPlanner {
     #[must_use]
     pub fn status(&self) -> (TaskStatus, &[GoalEnd]) {
         let (status, ends) = self.task.status();
-        if self.recovered.task != status.task {
+        if self.recovered.task != self.task.subject() {
             return (status, ends);
         }
         let status = TaskStatus {
@@ -218,7 +196,7 @@ impl LocalPlanner {
 
     /// Takes down what the recovery begins for the current task.
     fn note_recovery(&mut self, behaviour: Behaviour) {
-        let task = self.task.task();
+        let task = self.task.subject();
         if self.recovered.task != task {
             self.recovered = Recovered::of(task);
         }
@@ -240,8 +218,12 @@ impl LocalPlanner {
         self.task.goal()
     }
 
-    /// One control period: the task first, then the twist, then whether a path is needed.
+    /// One control period: the task first, then the twist, then whether a path is needed. Tick 0 is
+    /// the idle output, by which nothing is judged.
     pub fn step(&mut self, inputs: &Inputs<'_>) -> Outputs {
+        if inputs.tick == 0 {
+            return Outputs::idle(&inputs.ages);
+        }
         let map_from_base = inputs
             .odometry
             .zip(inputs.map)

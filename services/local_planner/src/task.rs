@@ -87,12 +87,14 @@ struct Assignment {
 ///
 /// Goals are taken in order. An intermediate goal counts on passing within its tolerance, the
 /// last one standing; the yaw counts where its tolerance is below pi. Goals after a failed or
-/// cancelled one never began and get no end.
+/// cancelled one never began and get no end. An outcome stays until the next goal.
 #[derive(Debug, Clone)]
 pub struct TaskMachine {
     config: TaskConfig,
     task: Assignment,
     pending: Assignment,
+    /// Id of the task that state, reason and ends are about: the newest one with goals.
+    subject: u64,
     state: TaskState,
     reason: EndReason,
     /// Index of the current goal while active.
@@ -118,6 +120,7 @@ impl TaskMachine {
             config,
             task: assignment(),
             pending: assignment(),
+            subject: 0,
             state: TaskState::Idle,
             reason: EndReason::None,
             index: 0,
@@ -161,6 +164,14 @@ impl TaskMachine {
             == (status.state, status.reason, status.goal)
             && self.ends == ends;
         let goals = &self.task.goals;
+        if status.task == self.task.id && goals.is_empty() && self.state == TaskState::Idle {
+            // It has heard no more of the task than that it is over.
+            if !matches!(state, TaskState::Idle | TaskState::Active) && ends.len() <= GOALS_MAX {
+                (self.state, self.reason) = (state, reason);
+                self.ends.extend_from_slice(ends);
+            }
+            return;
+        }
         let in_order = ends.len() <= goals.len()
             && (ends.iter().zip(goals)).all(|(end, goal)| end.goal == goal.id);
         let fits = match state {
@@ -205,6 +216,12 @@ impl TaskMachine {
     #[must_use]
     pub const fn task(&self) -> u64 {
         self.task.id
+    }
+
+    /// Id on `task/goal` of the newest task with goals, which the state is about; 0 = none.
+    #[must_use]
+    pub const fn subject(&self) -> u64 {
+        self.subject
     }
 
     /// The message of the task's state and the ends of its goals, without what the recovery did.
@@ -270,14 +287,11 @@ impl TaskMachine {
             return false;
         }
         if !self.pending.go {
-            // A cancel ends the current task and keeps its goals' ends; without one it is a task
-            // of its own that is over at once.
+            // A cancel ends the current task and keeps its goals' ends. What has ended before keeps
+            // its outcome until the next goal: launch cancels after every end, so that a successor
+            // does not begin the task again.
             if self.state == TaskState::Active {
                 self.end(inputs.tick, TaskState::Cancelled, EndReason::None);
-            } else {
-                self.ends.clear();
-                self.state = TaskState::Cancelled;
-                self.reason = EndReason::None;
             }
             self.task.id = self.pending.id;
             self.task.goals.clear();
@@ -289,6 +303,7 @@ impl TaskMachine {
             return true;
         }
         core::mem::swap(&mut self.task, &mut self.pending);
+        self.subject = self.task.id;
         // The id stays known, so the same task is not taken in twice.
         self.pending.id = self.task.id;
         self.ends.clear();

@@ -78,6 +78,10 @@ impl Bench {
 
     fn step(&mut self) -> Outputs {
         self.tick += 1;
+        self.answer()
+    }
+
+    fn answer(&mut self) -> Outputs {
         let robot = &self.robot;
         let outputs = self.planner.step(&Inputs {
             tick: self.tick,
@@ -149,6 +153,23 @@ fn from_idle_to_the_goal() {
         (bench.odometry.pose.x_m - 5.0).abs() < 0.15,
         "map is 1 m beside odom"
     );
+}
+
+/// A successor that knows task, map and pose when it starts: its idle output has run time 0.
+#[test]
+fn a_successor_does_not_count_the_time_before_its_first_tick_as_stalled() {
+    let mut bench = Bench::new();
+    bench.go(5, 6.0);
+    bench.path = Some(found(5, 2, &[(1.0, 2.0), (6.0, 2.0)]));
+    let idle = bench.answer();
+    assert_eq!(idle.request.validity(), Some(Validity::NoPath));
+    assert_eq!(idle.request.v_mps.to_bits(), 0.0_f64.to_bits());
+    assert!(idle.plan_request.is_none());
+    // A minute into the run, longer than `stuck_s`.
+    bench.tick = 3000;
+    bench.check(Validity::Drive, None);
+    let state = bench.planner.status().0.state();
+    assert_eq!(state, Some(TaskState::Active));
 }
 
 #[test]

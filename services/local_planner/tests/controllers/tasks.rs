@@ -226,6 +226,34 @@ fn a_cancel_ends_the_goal_at_hand() {
 }
 
 #[test]
+fn an_outcome_stays_until_the_next_goal() {
+    let mut bench = Bench::with_goals(&[goal(1, 5.0)]);
+    bench.step();
+    bench.remaining = None;
+    bench.path = Some((PathStatus::Unreachable, 1));
+    bench.steps(100);
+    let ends = [(1, TaskState::Failed)];
+    bench.check(TaskState::Failed, EndReason::Unreachable, &ends);
+    // launch cancels after every end; that is no outcome.
+    bench.machine.accept(8, &task(TaskKind::Cancel, 0, 0), &[]);
+    assert!(bench.step().changed);
+    bench.check(TaskState::Failed, EndReason::Unreachable, &ends);
+    assert_eq!(bench.machine.subject(), 7);
+    let (status, told) = bench.machine.status();
+    assert_eq!(status.task, 8);
+    let told = told.to_vec();
+    // A newcomer that has heard of the cancel alone takes the outcome over from its predecessor.
+    let machine = TaskMachine::new(TaskConfig::default());
+    let mut newcomer = Bench { machine, ..bench };
+    newcomer
+        .machine
+        .accept(8, &task(TaskKind::Cancel, 0, 0), &[]);
+    newcomer.step();
+    newcomer.machine.follow(&status, &told);
+    newcomer.check(TaskState::Failed, EndReason::Unreachable, &ends);
+}
+
+#[test]
 fn without_a_pose_nothing_is_judged() {
     let mut machine = TaskMachine::new(TaskConfig::default());
     machine.accept(1, &task(TaskKind::Go, 1, 0), &[goal(1, 0.0)]);
