@@ -59,7 +59,7 @@ pub struct ViewArgs {
     /// The page.
     #[command(flatten)]
     pub page: PageArgs,
-    /// Let nobody change anything from the page.
+    /// Let every user of this machine look at the run, and nobody change anything from the page.
     #[arg(long)]
     pub view_only: bool,
 }

@@ -199,6 +199,8 @@ pub(crate) struct RunReport {
     pub contacts: Option<u32>,
     /// State of the task.
     pub task: String,
+    /// Why the robot does what it does, in words; empty before the stages have said anything.
+    pub why: String,
     /// Clients' goals that are being driven to.
     pub goal: Option<GoalReport>,
     /// Clients' goals that wait.

@@ -7,6 +7,7 @@ use crate::result::moment::Moment;
 use crate::scenario::{GoalSpec, TIME_LIMIT_S_MAX, TOLERANCE};
 use crate::supervise::occupant::file_name;
 use crate::supervise::stack::Stack;
+use crate::why::{self, Now};
 use nalgebra::Point2;
 use std::collections::BTreeMap;
 use zeronav_msgs::Pose;
@@ -284,7 +285,7 @@ impl Session<'_> {
             });
         }
         let truth = self.collector.truth.as_ref();
-        RunReport {
+        let mut report = RunReport {
             scenario: self.prepared.scenario.name.clone(),
             domain: stack.root().display().to_string(),
             folder: std::path::absolute(&self.prepared.directory).unwrap_or_default(),
@@ -308,6 +309,20 @@ impl Session<'_> {
             services,
             restarts: newest(self.keeper.records()),
             faults: newest(&self.faults.results()),
-        }
+            why: String::new(),
+        };
+        report.why = self.why(stack, &report);
+        report
+    }
+
+    /// Why the robot does what it does; empty before the stages have said anything.
+    fn why(&self, stack: &Stack, report: &RunReport) -> String {
+        let moment = self.collector.reasons.at(self.collector.run_ns);
+        let odometry = self.collector.odometry;
+        let now = Now {
+            stopping: stack.roster.control.stopping == 1,
+            twist: odometry.map(|odometry| [odometry.v_mps, odometry.w_radps]),
+        };
+        moment.map_or_else(String::new, |moment| why::line(moment, &now, report))
     }
 }

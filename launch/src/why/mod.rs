@@ -6,8 +6,10 @@ mod live;
 mod past;
 mod sentence;
 
+use crate::control::request::RunReport;
 use crate::exit::EXIT_PASS;
 use crate::result::RunResult;
+use crate::result::moment::Moment;
 use crate::running;
 use crate::show::terminal::{say, say_json, usage};
 use cli::WhyArgs;
@@ -60,6 +62,31 @@ fn run_and_time(arguments: &WhyArgs) -> Result<Option<(PathBuf, Option<f64>)>, S
         }
         (_, time_s) => Ok(Some((of.clone(), time_s))),
     }
+}
+
+/// Why the robot does what it does, for the report of a run: what its stages said last, and how it
+/// moves by now.
+#[must_use]
+pub(crate) fn line(mut moment: Moment, now: &Now, report: &RunReport) -> String {
+    moment.time_s = report.time_s;
+    if let (Some([v_mps, w_radps]), Some(command)) = (now.twist, &mut moment.command) {
+        (command.v_mps, command.w_radps) = (v_mps, w_radps);
+    }
+    let around = around::Around {
+        paused: report.paused,
+        stopping: now.stopping,
+        ..past::around(&report.restarts, &report.faults, report.time_s)
+    };
+    sentence::why(&moment, &around)
+}
+
+/// What a moment that is kept does not tell.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Now {
+    /// The run is ending.
+    pub stopping: bool,
+    /// Speed [m/s] and yaw rate [rad/s] of the newest odometry.
+    pub twist: Option<[f64; 2]>,
 }
 
 fn tell(moment: &crate::result::moment::Moment, around: &around::Around, json: bool) {

@@ -1,8 +1,10 @@
-// The live page: what the server tells, tables, time line, acts. Drawing is ZeronavScene's.
+// The live page: what the server tells, tables, time line. Drawing is ZeronavScene's, acts are
+// ZeronavActs'.
 (() => {
   "use strict";
 
   const KEEP_S = 60; // of run time, for the time line
+  const UNSEEN_S = 1; // between two frames: the driven line breaks
   const LAG_S = 0.3; // longest time over which the robot moves to where it was told
   const KINDS = {
     path: "--accent", restart: "--bad", fault: "--bad", guard: "--warn", recovery: "--warn",
@@ -18,30 +20,42 @@
   let is_live = true;
   let seat_open = null; // the seat whose acts are shown
   let over = false;
+  let last_goal = ""; // what was said last about a goal
   let past = false; // true while the hops of an earlier replanning are shown
-  const placed = []; // names of obstacles from this page
   const arrival = { from_s: 0, to_s: 0, at: 0, took: 100 };
 
   // ---------------------------------------------------------------- the stream
 
   let wait_ms = 250;
   function connect() {
-    const socket = new WebSocket(`ws://${location.host}/stream`);
+    // The token stands in the list of protocols: a browser sets no header of its own here.
+    const socket = new WebSocket(`ws://${location.host}/stream`, token ? ["zeronav", token] : ["zeronav"]);
     socket.onopen = () => { wait_ms = 250; };
     socket.onmessage = (event) => take(JSON.parse(event.data));
-    socket.onclose = () => {
+    socket.onclose = async () => {
       if (over) return;
-      pill(by("link"), "not connected", "bad");
+      const why = await refusal();
+      pill(by("link"), why ? "no access" : "not connected", "bad");
+      by("why").textContent = why ? `${why}: open the link that zeronav printed` : "";
       setTimeout(connect, wait_ms);
       wait_ms = Math.min(4000, wait_ms * 2);
     };
   }
 
+  /** Why the stream is refused, which a socket does not say; empty when it is not, or nobody answers. */
+  async function refusal() {
+    try {
+      const response = await fetch("access", { headers: { "X-Zeronav-Token": token } });
+      return response.status === 403 ? (await response.text()).trim() : "";
+    } catch { return ""; }
+  }
+
   function take(news) {
     if (news.fixed) {
-      scene = new ZeronavScene.Scene(news.fixed, { keep_s: KEEP_S });
+      scene = new ZeronavScene.Scene(news.fixed, { keep_s: KEEP_S, unseen_s: UNSEEN_S });
       view.show(scene);
       by("events").replaceChildren();
+      last_goal = "";
       by("scenario").textContent = news.fixed.scenario || "zeronav";
       document.title = `${news.fixed.scenario || "run"} · zeronav`;
       is_live = true;
@@ -52,8 +66,8 @@
     if (news.over) {
       over = true;
       pill(by("link"), "the run is over", "warn");
-      by("acts").hidden = by("hint").hidden = true;
-      view.onclick = view.ondraft = null;
+      showActs();
+      acts.disable();
     }
   }
 
@@ -73,7 +87,9 @@
     const task = by("task");
     task.hidden = !state.task;
     const kinds = { active: "good", reached: "good", failed: "bad" };
-    if (state.task) pill(task, state.task, kinds[state.task] || "");
+    // The last event of a goal says why, too.
+    const is_told = last_goal.startsWith(state.task);
+    if (state.task) pill(task, is_told ? last_goal : state.task, kinds[state.task] || "");
     animate();
   }
 
@@ -117,6 +133,16 @@
   }
 
   const may_act = () => Boolean(token) && !over;
+  function showActs() {
+    for (const id of ["acts", "stop", "hint", "modes", "faults"]) by(id).hidden = !may_act();
+  }
+
+  const acts = ZeronavActs.acts({
+    token, view, may_act,
+    scene: () => scene, status: () => status, run: () => run,
+    note: (kind, text) => addEvent({ time_s: scene ? scene.end_s : 0, kind, text }),
+    refresh: () => { by("services").tBodies[0].dataset.open = "?"; if (status) showStatus(); },
+  });
 
   function showStatus() {
     const words = { silent: "silent", restarted: "restarted" };
@@ -125,7 +151,7 @@
     else if (status.paused) pill(by("link"), "paused", "warn");
     else if (silent.length) pill(by("link"), `${silent.join(", ")} silent`, "bad");
     else pill(by("link"), "live", "good");
-    by("acts").hidden = by("hint").hidden = !may_act();
+    showActs();
     by("pause").textContent = status.paused ? "Resume" : "Pause";
     by("steps").hidden = !(status.paused && scene && scene.fixed.mode === "lockstep");
     const body = by("services").tBodies[0];
@@ -135,15 +161,16 @@
       if (!row) continue;
       const words_of_state = [words[service.state] || service.state, ...service.reasons].join(", ");
       const cells = [
-        service.rate_hz.toFixed(0), `${service.cpu_percent.toFixed(1)} %`, (service.memory_bytes / 1e6).toFixed(1),
-        service.superseded, service.restarts,
+        service.rate_hz.toFixed(0), service.cpu_percent.toFixed(1), (service.memory_bytes / 1e6).toFixed(1),
+        short(service.superseded), short(service.restarts),
       ];
-      row.title = `pid ${service.pid}, epoch ${service.epoch}, ${service.rejected} messages rejected${binaryOf(service.role)}`;
+      const details = `${words_of_state}; pid ${service.pid}, epoch ${service.epoch}, ${service.rejected} messages rejected${binaryOf(service.role)}`;
+      row.title = details;
       const state = row.cells[1].firstChild;
       state.textContent = words_of_state;
       state.className = `state ${service.state}`;
-      state.title = words_of_state;
       cells.forEach((text, i) => { row.cells[i + 2].textContent = text; });
+      if (seat_open === service.role) by("seat-details").textContent = details;
     }
     showLatency(status.latency);
     const viewer = status.viewer;
@@ -155,90 +182,64 @@
     return found ? `, ${found.binary}` : "";
   }
 
+  /** A count in at most four characters. */
+  function short(n) {
+    if (n < 10000) return String(n);
+    return n < 999500 ? `${Math.round(n / 1000)}k` : `${(n / 1e6).toFixed(n < 9.95e6 ? 1 : 0)}M`;
+  }
+
   function buildServices(body) {
     body.dataset.open = String(seat_open);
     body.replaceChildren();
     for (const { role } of status.services) {
-      const row = make("tr");
+      const row = make("tr", undefined, "more");
       row.id = `seat-${role}`;
       row.append(make("td", role.replaceAll("_", " ")), make("td"));
       row.cells[1].append(make("span"));
       for (let i = 0; i < 5; i++) row.append(make("td"));
       body.append(row);
-      // The robot is the clock of a run: it is neither broken nor swapped.
-      if (role === "robot" || !may_act()) continue;
-      row.className = "more";
       row.tabIndex = 0;
       const toggle = () => { seat_open = seat_open === role ? null : role; showStatus(); };
       row.addEventListener("click", toggle);
       row.addEventListener("keydown", (event) => { if (event.key === "Enter") toggle(); });
-      if (seat_open === role) body.append(seatActs(role));
+      if (seat_open === role) body.append(seatDetails(role));
     }
   }
 
-  function seatActs(role) {
+  function seatDetails(role) {
     const row = make("tr", undefined, "seat-acts");
     const cell = make("td");
     cell.colSpan = 7;
-    const [first, second] = [make("div"), make("div")];
-    const button = (text, title, request) => {
-      const element = make("button", text);
-      element.title = title;
-      element.dataset.act = text.toLowerCase();
-      element.addEventListener("click", () => {
-        try { act(request()); } catch (error) { say(error.message, true); }
-      });
-      return element;
-    };
-    const field = (placeholder, title) => {
-      const element = make("input");
-      Object.assign(element, { placeholder, title, spellcheck: false });
-      return element;
-    };
-    const fault = (kind, more) => () => ({ command: "fault", fault: { kind, service: role, ...more } });
-    first.append(
-      button("Kill", "SIGKILL: it crashes and is restarted", fault("kill")),
-      button("Stop", "SIGSTOP: it hangs until it is restarted", fault("stop")),
-      button("Slow", "Each answer is 20 ms late, for 5 s", fault("slow", { by_ms: 20, lasts_s: 5 })),
-      button("Heal", "End the faults of this seat", () => ({ command: "heal", target: role })),
-    );
-    const binary = field("binary (the same)", "Another program that the scenario lists, or any by name or path; empty = the one in the seat");
-    binary.setAttribute("list", "binaries");
-    const listed = (run && run.binaries && run.binaries[role]) || [];
-    by("binaries").replaceChildren(...listed.map((name) => Object.assign(make("option"), { value: name })));
-    const keys = field("key=value, ...", "Parameters of the newcomer, such as controller=dwa");
-    second.append(binary, keys, button("Swap", "Exchange the process while the robot drives", () => ({
-      command: "swap",
-      order: { role, binary: binary.value.trim() || null, config: configOf(keys.value), shadow_s: 2, keep_s: 2 },
-    })));
-    cell.append(first, second);
+    const details = make("p");
+    details.id = "seat-details";
+    cell.append(details);
+    // The robot is the clock of a run: it is neither broken nor swapped.
+    if (role !== "robot" && may_act()) cell.append(...acts.seatActs(role));
     row.append(cell);
     return row;
   }
 
-  /** `a.b=1, c=x` as nested tables; numbers and booleans as such. */
-  function configOf(text) {
-    const config = {};
-    for (const pair of text.split(",").map((part) => part.trim()).filter(Boolean)) {
-      const at = pair.indexOf("=");
-      if (at < 1) throw new Error(`${pair}: parameters read like key=value`);
-      const [path, raw] = [pair.slice(0, at).trim().split("."), pair.slice(at + 1).trim()];
-      let value = raw.replace(/^"(.*)"$/, "$1");
-      if (raw === "true" || raw === "false") value = raw === "true";
-      else if (raw !== "" && Number.isFinite(Number(raw))) value = Number(raw);
-      const last = path.pop();
-      let table = config;
-      for (const key of path) table = table[key] ??= {};
-      table[last] = value;
-    }
-    return config;
-  }
-
   const micros = (us) => (us >= 10000 ? `${(us / 1000).toFixed(1)} ms` : `${us.toFixed(us < 100 ? 1 : 0)} µs`);
 
-  function showLatency({ reaction, replanning, direct }) {
-    by("reaction").textContent = reaction.n
-      ? `reaction p50 ${micros(reaction.p50_us)}  p99 ${micros(reaction.p99_us)}  n ${reaction.n}` : "";
+  /** Percentiles of the reaction, or why there are none. */
+  function reactionLine({ n, missed, p50_us, p99_us }, lost) {
+    const lost_text = lost ? `, ${short(lost)} records lost` : "";
+    if (p50_us !== null) return `p50 ${micros(p50_us)}  p99 ${micros(p99_us)}  n ${n}${missed ? `, ${missed} missed` : ""}${lost_text}`;
+    if (n + missed === 0) return lost_text.slice(2);
+    return `withheld: ${missed} of ${n + missed} missed${lost_text}`;
+  }
+
+  function showLatency({ reaction, replanning, direct, records_lost, scan_in_use }) {
+    const line = by("reaction");
+    const is_withheld = reaction.p50_us === null && reaction.n + reaction.missed > 0;
+    line.textContent = reactionLine(reaction, records_lost);
+    line.classList.toggle("bad", is_withheld);
+    line.title = is_withheld || records_lost
+      ? "This page was kept from reading by a busy machine. What rests on lost records is not measured, and percentiles of the rest would be those of its quiet part."
+      : "From the capture of a scan to the first command whose author checked it";
+    by("histogram").classList.toggle("withheld", is_withheld);
+    by("scan-age").textContent = scan_in_use
+      ? `The scan in use was ${micros(scan_in_use.age_us)} old when it was used${scan_in_use.uses > 1 ? `; ${scan_in_use.uses} commands rest on it` : ""}.` : "";
     const histogram = by("histogram");
     if (!histogram.children.length) {
       reaction.bins.forEach((_, i) => {
@@ -259,7 +260,7 @@
       bar.title = `${bar.dataset.range}: ${n}`;
     });
     if (!past) showHops(by("replanning"), by("replanning-title"), "Last replanning, scan to wheels", replanning);
-    showHops(by("direct"), by("direct-title"), "Last scan to wheels", direct);
+    showHops(by("direct"), by("direct-title"), "Last new scan to wheels", direct);
   }
 
   function showHops(into, title, text, way) {
@@ -287,14 +288,12 @@
     by("pace").hidden = !(may_act() && run.mode === "lockstep");
     if (document.activeElement !== by("pace")) by("pace").value = run.speed ? String(run.speed) : "max";
     if (run.scenario && scene && !scene.fixed.scenario) by("scenario").textContent = run.scenario;
-    const swap = run.swap;
-    if (swap && swap.state !== showRun.swap) {
-      if (showRun.swap !== undefined) say(`swap of ${swap.role}: ${swap.state}${swap.why ? `, ${swap.why}` : ""}`, swap.state === "rejected");
-      showRun.swap = swap.state;
-    }
+    by("why").textContent = run.why || "";
+    acts.report(run);
   }
 
   function addEvent({ time_s, kind, text, hops_us }) {
+    if (kind === "goal") last_goal = text;
     const line = make("li");
     const name = make("b", kind);
     name.style.setProperty("--kind", `var(${KINDS[kind] || "--soft"})`);
@@ -372,58 +371,6 @@
   timeline.addEventListener("pointermove", (event) => { if (timeline.hasPointerCapture(event.pointerId)) drag(event); });
   by("live").addEventListener("click", () => travel(Infinity));
 
-  // ---------------------------------------------------------------- acts
-
-  let said_timer = 0;
-  function say(text, is_bad) {
-    const said = by("said");
-    said.textContent = text;
-    said.className = is_bad ? "bad" : "";
-    said.hidden = false;
-    clearTimeout(said_timer);
-    said_timer = setTimeout(() => { said.hidden = true; }, is_bad ? 8000 : 2500);
-  }
-
-  /** Asks the stack; what it answers, or `null` when it did not do it. */
-  async function act(request) {
-    let why;
-    try {
-      const response = await fetch("act", { method: "POST", headers: { "X-Zeronav-Token": token }, body: JSON.stringify(request) });
-      const text = await response.text();
-      if (response.ok) {
-        const answer = JSON.parse(text);
-        if (answer.error === undefined) { say(`${request.command.replaceAll("_", " ")}: done`); return answer; }
-        why = answer.error;
-      } else why = text.trim();
-    } catch (error) {
-      why = String(error);
-    }
-    say(why, true);
-    return null;
-  }
-
-  const millimetres = (value) => Math.round(value * 1000) / 1000;
-  function enableActs() {
-    view.onclick = ([x, y]) => act({
-      command: "goal", now: true, goals: [{ pose: [millimetres(x), millimetres(y), 0], tolerance_m: 0.15, yaw_tolerance_rad: 3.1416 }],
-    });
-    view.ondraft = async ([[ax, ay], [bx, by_]]) => {
-      const name = `page_${Date.now().toString(36)}`;
-      const size_m = [Math.abs(bx - ax), Math.abs(by_ - ay)].map((side) => Math.max(0.05, millimetres(side)));
-      const pose = [millimetres((ax + bx) / 2), millimetres((ay + by_) / 2), 0];
-      if (await act({ command: "obstacle", name, change: { add: { pose, size_m } } })) placed.push(name);
-      by("clear").hidden = placed.length === 0;
-    };
-    by("pause").addEventListener("click", () => act({ command: status && status.paused ? "resume" : "pause" }));
-    by("step").addEventListener("click", () => act({ command: "step", ticks: Number(by("ticks").value) || 1 }));
-    by("pace").addEventListener("change", () => act({ command: "speed", factor: Number(by("pace").value) || null }));
-    by("cancel").addEventListener("click", () => act({ command: "cancel" }));
-    by("clear").addEventListener("click", async () => {
-      for (const name of placed.splice(0)) await act({ command: "obstacle", name, change: "remove" });
-      by("clear").hidden = true;
-    });
-  }
-
   // ---------------------------------------------------------------- the view
 
   function buildLayers() {
@@ -462,7 +409,7 @@
     view.theme = theme;
     if (theme === "auto") delete document.documentElement.dataset.theme;
     else document.documentElement.dataset.theme = theme;
-    by("theme").textContent = theme[0].toUpperCase() + theme.slice(1);
+    by("theme").textContent = `Theme: ${theme}`;
     try { localStorage.setItem("theme", theme); } catch { /* not allowed: as it is */ }
     buildLayers();
     view.redraw();
@@ -483,7 +430,14 @@
   let stored = null;
   try { stored = localStorage.getItem("theme"); } catch { /* not allowed: the default */ }
   setTheme(THEMES.includes(stored) ? stored : "auto");
-  if (token) enableActs();
+  if (token) acts.enable();
+  const narrow = matchMedia("(max-width: 820px)");
+  const layers = (is_on) => {
+    by("layers").hidden = !is_on;
+    by("layers-toggle").setAttribute("aria-pressed", String(is_on));
+  };
+  by("layers-toggle").addEventListener("click", () => layers(by("layers").hidden));
+  layers(!narrow.matches);
   // For the console of the browser.
   window.zeronavPage = { view, get scene() { return scene; }, get status() { return status; } };
   connect();

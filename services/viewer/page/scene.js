@@ -64,9 +64,11 @@ const ZeronavScene = (() => {
 
   /** Frames of a run in order of time. */
   class Scene {
-    constructor(fixed, { keep_s = Infinity } = {}) {
+    /** Longer than `unseen_s` between two frames, what was driven in between was not seen. */
+    constructor(fixed, { keep_s = Infinity, unseen_s = Infinity } = {}) {
       this.fixed = fixed;
       this.keep_s = keep_s;
+      this.unseen_s = unseen_s;
       this.states = []; // whole moments; what did not change is shared
       this.first = 0; // number of the first kept frame
       this.logs = [];
@@ -84,6 +86,9 @@ const ZeronavScene = (() => {
         state.before_path = before ? before.path : null;
         state.path_since_s = frame.time_s;
       }
+      // The driven line is drawn within a part, and never across what nobody saw.
+      const is_seen = before && frame.time_s - before.time_s <= this.unseen_s && frame.time_s >= before.time_s;
+      state.part = before ? before.part + (is_seen ? 0 : 1) : 0;
       if (map && map.grid) this.logs.push(new TileLog(map.grid, number));
       if (map && this.logs.length) this.logs[this.logs.length - 1].push(number, map.tiles || []);
       for (const event of events || []) this.events.push(event);
@@ -259,7 +264,8 @@ const ZeronavScene = (() => {
   // ---------------------------------------------------------------- the view
 
   const SCALE = { least: 2, most: 2000 }; // pixels per metre
-  const CLICK_PX = 5;
+  const CLICK_PX = 5; // a pointer that moved less has clicked
+  const TOUCH_PX = 12; // a finger
   const UNSEEN_S = 0.3; // after which a tracked obstacle is only an outline
 
   /** Draws a moment of a scene, and moves over it. */
@@ -274,10 +280,12 @@ const ZeronavScene = (() => {
       this.image = new MapImage();
       this.scale = 0; // pixels per metre; 0 = fit at the next drawing
       this.centre = [0, 0];
-      this.draft = null; // a rectangle that is being drawn: [[x, y], [x, y]]
-      this.onclick = null; // ([x, y]) of the map
-      this.ondraft = null; // ([[x, y], [x, y]]) of the map
+      this.tool = "move"; // what a drag of the main button does; any other word goes to `onpose`
+      this.draft = null; // what is being drawn: {is_box, from: [x, y], to: [x, y]}
+      this.onpose = null; // ({tool, at: [x, y], yaw, is_added}); yaw is null after a click
+      this.ondraft = null; // ([[x, y], [x, y]]) of a rectangle
       this.pointers = new Map();
+      this.pinched = false; // two fingers move the map until both are gone
       this.asked = false;
       this.listen();
       new ResizeObserver(() => this.redraw()).observe(canvas);
@@ -326,12 +334,18 @@ const ZeronavScene = (() => {
         event.preventDefault();
         this.zoom(Math.exp(-event.deltaY * (event.ctrlKey ? 0.01 : 0.0015)), ...at(event));
       }, { passive: false });
+      canvas.addEventListener("contextmenu", (event) => { if (this.onpose) event.preventDefault(); });
       canvas.addEventListener("pointerdown", (event) => {
-        if (event.button !== 0) return;
+        if (event.button > 2) return;
         canvas.setPointerCapture(event.pointerId);
         const from = at(event);
-        this.pointers.set(event.pointerId, { from, last: from, moved: false });
-        if (event.shiftKey && this.ondraft && this.scale) this.draft = [this.toMap(...from), this.toMap(...from)];
+        this.pointers.set(event.pointerId, { from, last: from, moved: false, is_touch: event.pointerType === "touch" });
+        this.pinched = this.pinched || this.pointers.size > 1;
+        this.draft = null;
+        if (event.button !== 0 || this.pinched || !this.scale) return;
+        const to = this.toMap(...from);
+        const is_box = this.tool === "obstacle" || (this.tool === "goal" && event.shiftKey);
+        if (is_box ? this.ondraft : this.onpose && this.tool !== "move") this.draft = { is_box, from: to, to, is_added: event.shiftKey };
       });
       canvas.addEventListener("pointermove", (event) => {
         const pointer = this.pointers.get(event.pointerId);
@@ -340,20 +354,25 @@ const ZeronavScene = (() => {
       const end = (event, is_done) => {
         const pointer = this.pointers.get(event.pointerId);
         this.pointers.delete(event.pointerId);
+        if (!this.pointers.size) this.pinched = false;
         const draft = this.draft;
         this.draft = null;
-        if (pointer && is_done && this.scale) {
-          if (draft && pointer.moved) this.ondraft(draft);
-          else if (!draft && !pointer.moved && !this.pointers.size && this.onclick) this.onclick(this.toMap(...pointer.from));
-        }
+        if (pointer && is_done && draft) this.finish(draft, pointer.moved);
         this.redraw();
       };
       canvas.addEventListener("pointerup", (event) => end(event, true));
       canvas.addEventListener("pointercancel", (event) => end(event, false));
     }
+    /** Hands over what was drawn. */
+    finish({ is_box, from, to, is_added }, moved) {
+      if (is_box && moved) return this.ondraft([from, to]);
+      if (this.tool === "obstacle" || !this.onpose) return null;
+      const yaw = moved ? Math.atan2(to[1] - from[1], to[0] - from[0]) : null;
+      return this.onpose({ tool: this.tool, at: from, yaw, is_added });
+    }
     move(pointer, [px, py]) {
       const [fx, fy] = pointer.from;
-      pointer.moved = pointer.moved || Math.hypot(px - fx, py - fy) > CLICK_PX;
+      pointer.moved = pointer.moved || Math.hypot(px - fx, py - fy) > (pointer.is_touch ? TOUCH_PX : CLICK_PX);
       const before = pointer.last;
       const spread = () => {
         const [a, b] = [...this.pointers.values()].map((each) => each.last);
@@ -361,12 +380,13 @@ const ZeronavScene = (() => {
       };
       const was = this.pointers.size === 2 ? spread() : 0;
       pointer.last = [px, py];
-      if (this.draft) this.draft[1] = this.toMap(px, py);
-      else if (this.pointers.size === 2 && was > 0) this.zoom(spread() / was, px, py);
+      const share = this.pointers.size === 2 ? 0.5 : 1; // two fingers move it together
+      if (this.draft) this.draft.to = this.toMap(px, py);
       else if (pointer.moved && this.scale) {
         this.follow = false;
-        this.centre = [this.centre[0] - (px - before[0]) / this.scale, this.centre[1] + (py - before[1]) / this.scale];
+        this.centre = [this.centre[0] - share * (px - before[0]) / this.scale, this.centre[1] + share * (py - before[1]) / this.scale];
       }
+      if (was > 0) this.zoom(spread() / was, px, py);
       this.redraw();
     }
 
@@ -433,16 +453,24 @@ const ZeronavScene = (() => {
         polygon(to, outline);
         to.fillStyle = theme.body + "55";
         to.fill();
-        stroke(to, theme.body, px);
+        to.setLineDash([4 * px, 3 * px]);
+        stroke(to, theme.body, 1.5 * px);
+        to.setLineDash([]);
       }
     }
 
     drawTrack(to, moment, theme, px) {
       const { states } = this.scene;
       const step = Math.max(1, Math.floor((moment.index + 1) / 2000));
+      let part = -1;
+      const point = (state, [x, y]) => {
+        if (state.part !== part) to.moveTo(x, y);
+        to.lineTo(x, y);
+        part = state.part;
+      };
       to.beginPath();
-      for (let i = 0; i <= moment.index; i += step) to.lineTo(states[i].robot[0], states[i].robot[1]);
-      to.lineTo(moment.robot[0], moment.robot[1]);
+      for (let i = 0; i <= moment.index; i += step) point(states[i], states[i].robot);
+      point(moment, moment.robot);
       stroke(to, theme.track, 1.5 * px);
     }
 
@@ -594,11 +622,18 @@ const ZeronavScene = (() => {
     }
 
     drawDraft(to, theme, px) {
-      const [[ax, ay], [bx, by]] = this.draft;
-      to.fillStyle = theme.sensed + "55";
-      to.fillRect(Math.min(ax, bx), Math.min(ay, by), Math.abs(bx - ax), Math.abs(by - ay));
-      polygon(to, [[ax, ay], [bx, ay], [bx, by], [ax, by]]);
-      stroke(to, theme.sensed, 1.5 * px);
+      const { is_box, from: [ax, ay], to: [bx, by] } = this.draft;
+      if (is_box) {
+        to.fillStyle = theme.sensed + "55";
+        to.fillRect(Math.min(ax, bx), Math.min(ay, by), Math.abs(bx - ax), Math.abs(by - ay));
+        polygon(to, [[ax, ay], [bx, ay], [bx, by], [ax, by]]);
+        stroke(to, theme.sensed, 1.5 * px);
+        return;
+      }
+      this.outline(to, [ax, ay, Math.atan2(by - ay, bx - ax)]);
+      stroke(to, theme.goal, px);
+      arrow(to, [ax, ay], [bx, by], 9 * px);
+      stroke(to, theme.goal, 2.5 * px);
     }
 
     drawScaleBar(to, theme, width, height) {

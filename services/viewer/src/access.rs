@@ -1,5 +1,5 @@
-//! Who may do what: requests come from the page itself, and those that change something have the
-//! token of the printed link.
+//! Who may do what: requests come from the page itself, and those that tell of the run or change it
+//! have the token of the printed link.
 //!
 //! A page of another site can make a browser send requests here. It cannot set the header with the
 //! token, and its own name stands in `Origin`; a name of its own that it lets point to this machine
@@ -12,6 +12,10 @@ use subtle::ConstantTimeEq;
 /// Header with the token.
 pub(crate) const TOKEN_HEADER: &str = "x-zeronav-token";
 
+/// Protocol of the stream. A browser cannot set a header of its own for it, so the token stands
+/// beside this name in the list of protocols that the page offers.
+pub(crate) const STREAM_PROTOCOL: &str = "zeronav";
+
 /// Random bytes of a token.
 const TOKEN_BYTES: usize = 16;
 
@@ -19,7 +23,7 @@ const TOKEN_BYTES: usize = 16;
 #[derive(Debug, Clone)]
 pub(crate) struct Access {
     hosts: [String; 2],
-    /// `None` where nothing can be changed.
+    /// `None` where everybody can look and nobody can change anything.
     token: Option<String>,
 }
 
@@ -63,6 +67,32 @@ impl Access {
             return Err("pages of other sites are not answered (Origin)");
         }
         Ok(())
+    }
+
+    /// True where everybody can look.
+    pub(crate) fn is_open(&self) -> bool {
+        self.token.is_none()
+    }
+
+    /// Whether a request with this token may look at the run.
+    ///
+    /// # Errors
+    /// What is wrong, for people.
+    pub(crate) fn check_look(&self, given: Option<&[u8]>) -> Result<(), &'static str> {
+        match self.token {
+            Some(_) => self.check_token(given),
+            None => Ok(()),
+        }
+    }
+
+    /// The same for the stream, from the list of protocols that its client offers.
+    ///
+    /// # Errors
+    /// What is wrong, for people.
+    pub(crate) fn check_stream(&self, offered: Option<&str>) -> Result<(), &'static str> {
+        let mut names = offered.unwrap_or("").split(',').map(str::trim);
+        let given = names.find(|name| *name != STREAM_PROTOCOL);
+        self.check_look(given.map(str::as_bytes))
     }
 
     /// Whether a request with this token may change something.
@@ -137,7 +167,24 @@ mod tests {
         assert!(access.check_token(Some(&token.as_bytes()[1..])).is_err());
         assert!(access.check_token(Some(b"")).is_err());
         assert!(access.check_token(None).is_err());
+        assert_eq!(access.check_look(Some(token.as_bytes())), Ok(()));
+        assert!(access.check_look(Some(b"")).is_err() && access.check_look(None).is_err());
+        assert_eq!(
+            access.check_stream(Some(&format!("zeronav, {token}"))),
+            Ok(())
+        );
+        for offered in [
+            None,
+            Some(""),
+            Some("zeronav"),
+            Some("zeronav, 0"),
+            Some("zeronav,0,1"),
+        ] {
+            assert!(access.check_stream(offered).is_err(), "{offered:?}");
+        }
         let looking = Access::new(8090, true).expect("random numbers");
+        assert_eq!(looking.check_look(None), Ok(()));
+        assert_eq!(looking.check_stream(None), Ok(()));
         assert_eq!(looking.link(), "http://127.0.0.1:8090/");
         assert!(looking.check_token(Some(b"")).is_err());
         assert!(looking.check_token(None).is_err());

@@ -6,7 +6,7 @@ use zeronav_shell::control;
 use zeronav_shell::folder::Folder;
 
 /// The commands that go on, with the keys that they may have.
-const COMMANDS: [(&str, &[&str]); 12] = [
+const COMMANDS: [(&str, &[&str]); 13] = [
     ("goal", &["goals", "repeats", "time_limit_s", "now"]),
     ("cancel", &["id"]),
     ("pause", &[]),
@@ -18,6 +18,7 @@ const COMMANDS: [(&str, &[&str]); 12] = [
     ("fault", &["fault"]),
     ("heal", &["target"]),
     ("swap", &["order"]),
+    ("swap_status", &["id"]),
     ("swap_cancel", &[]),
 ];
 

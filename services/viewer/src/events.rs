@@ -28,6 +28,8 @@ pub(crate) struct Events {
     goal: u64,
     ended: usize,
     task: u64,
+    /// The newest one without goals.
+    cancel: u64,
     recoveries: u32,
     seats: BTreeMap<u16, Seat>,
     paused: Option<bool>,
@@ -108,13 +110,17 @@ impl Events {
 
     /// A message of `task/goal`.
     pub(crate) fn task(&mut self, id: Id, goals: &[Goal]) {
+        if goals.is_empty() {
+            // It ends the task before it, whose status tells how; launch sends one after every end.
+            self.cancel = id.0;
+            return;
+        }
         if id.0 == self.task {
             return;
         }
         self.task = id.0;
         (self.ended, self.goal, self.recoveries) = (0, 0, 0);
         match goals {
-            [] => self.tell("goal", "cancelled".to_owned()),
             [goal] => {
                 let (x_m, y_m) = (goal.pose.x_m, goal.pose.y_m);
                 self.tell("goal", format!("to {x_m:.2}, {y_m:.2}"));
@@ -125,7 +131,7 @@ impl Events {
 
     /// A message of `task/status`.
     pub(crate) fn status(&mut self, status: &TaskStatus, ended: &[GoalEnd]) {
-        if status.task != self.task {
+        if status.task != self.task.max(self.cancel) && status.task != self.task {
             return;
         }
         for end in ended.iter().skip(self.ended) {
@@ -246,6 +252,34 @@ mod tests {
         let told = texts(&mut events);
         let words: Vec<&str> = told.iter().map(|(_, text)| text.as_str()).collect();
         assert_eq!(words, ["slowed", "slowed", "stopped short"]);
+    }
+
+    #[test]
+    fn the_outcome_of_a_goal_is_told_once_and_is_not_cancelled_after_it() {
+        let mut events = Events::default();
+        let (first, cancel) = (Id::new(1, 4), Id::new(1, 5));
+        let ended = |state: TaskState| GoalEnd {
+            state: state.code(),
+            ..GoalEnd::default()
+        };
+        let status = |id: Id| TaskStatus {
+            task: id.0,
+            ..TaskStatus::default()
+        };
+        let goals = [Goal::default()];
+        events.task(first, &goals);
+        events.status(&status(first), &[ended(TaskState::Reached)]);
+        events.task(cancel, &[]);
+        events.status(&status(cancel), &[ended(TaskState::Reached)]);
+        events.task(Id::new(1, 6), &goals);
+        events.task(Id::new(1, 7), &[]);
+        events.status(&status(Id::new(1, 7)), &[ended(TaskState::Cancelled)]);
+        let told = texts(&mut events);
+        let words: Vec<&str> = told.iter().map(|(_, text)| text.as_str()).collect();
+        assert_eq!(
+            words,
+            ["to 0.00, 0.00", "reached", "to 0.00, 0.00", "cancelled"]
+        );
     }
 
     #[test]

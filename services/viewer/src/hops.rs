@@ -2,10 +2,17 @@
 //!
 //! As in launch's results: boundaries of hops are single clock readings of the processes, the
 //! reaction is the time from the capture of a scan to the first command whose author checked it, and
-//! the hops through map and path are those of the first command that follows a new path.
+//! the hops through map and path are those of the first command that follows a new path. The hops of
+//! a scan are those of the first command that rests on it: later ones use it again, and what lies
+//! between is its age, not the way of a message.
+//!
+//! A process that is kept from reading loses records, more of them the busier the machine is. What
+//! rests on a lost one is counted as missed, never guessed, and percentiles over the rest are
+//! withheld, because it is the quiet part.
 
 use core::hash::Hash;
 use std::collections::{HashMap, VecDeque};
+use zeronav_msgs::header::Id;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::span::{Span, SpanKind};
 
@@ -36,8 +43,14 @@ pub(crate) const DIRECT: [&str; 6] = [
 /// Records that are kept of each role.
 const KEPT: usize = 512;
 
-/// Reaction times that are kept for percentiles.
+/// Scans of which reactions are kept for percentiles.
 const REACTIONS: usize = 600;
+
+/// One scan in so many may have been missed without the percentiles being withheld.
+const MISSED_ONE_IN: usize = 50;
+
+/// Roles whose records a reaction rests on.
+const CONTROL: [Role; 3] = [Role::Robot, Role::LocalPlanner, Role::CollisionGuard];
 
 /// Upper ends of the bins of the histogram; the last bin has none. [us]
 pub(crate) const BINS_US: [u64; 16] = [
@@ -96,6 +109,16 @@ impl Way {
     }
 }
 
+/// The scan that the local planner uses.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) struct InUse {
+    scan: u64,
+    /// Time since its capture when it was used last. [ns]
+    pub age_ns: u64,
+    /// Commands that rest on it.
+    pub uses: u64,
+}
+
 /// Nanoseconds as microseconds with one decimal.
 #[allow(clippy::cast_precision_loss, reason = "times of a cycle")]
 pub(crate) fn micros(ns: u64) -> f64 {
@@ -111,7 +134,8 @@ pub(crate) struct Hops {
     scans: Recent<u64, Span>,
     /// Newest scan with a reaction.
     reacted: u64,
-    reactions_ns: VecDeque<u64>,
+    /// Of the newest scans; `None` where records that it rests on were lost. [ns]
+    reactions_ns: VecDeque<Option<u64>>,
     /// Reactions since the beginning, by bin.
     bins: [u64; BINS_US.len() + 1],
     n_reactions: u64,
@@ -121,6 +145,15 @@ pub(crate) struct Hops {
     awaited: u64,
     last_replanning: Option<Way>,
     last_direct: Option<Way>,
+    in_use: Option<InUse>,
+    /// The newest main message of each role whose record came.
+    newest: HashMap<u16, Id>,
+    /// Records that did not come, now and at the last reaction.
+    n_lost: u64,
+    n_lost_before: u64,
+    n_missed: u64,
+    /// Commands of the guard that came since the last [`Self::settle`], and before it.
+    commands: [Vec<Span>; 2],
     /// Commands at the wheels that came since the last [`Self::settle`], and before it.
     applied: [Vec<Span>; 2],
 }
@@ -133,6 +166,7 @@ impl Hops {
 
     /// Takes in a record.
     pub(crate) fn take(&mut self, span: &Span) {
+        self.count_lost(span);
         match (span.kind(), span.role()) {
             (Some(SpanKind::Applied), _) if self.applied[0].len() < KEPT => {
                 self.applied[0].push(*span);
@@ -144,11 +178,26 @@ impl Hops {
                 if span.output != 0 {
                     self.answers.insert((span.role, span.output), *span);
                 }
-                if role == Role::CollisionGuard {
-                    self.commanded(span);
+                if role == Role::CollisionGuard && self.commands[0].len() < KEPT {
+                    self.commands[0].push(*span);
                 }
             }
             _ => {}
+        }
+    }
+
+    /// Every main message has its record, and they are numbered.
+    fn count_lost(&mut self, span: &Span) {
+        let is_counted = (span.role()).is_some_and(|role| CONTROL.contains(&role));
+        if !is_counted || span.output == 0 {
+            return;
+        }
+        let id = Id(span.output);
+        if let Some(before) = self.newest.insert(span.role, id)
+            && before.epoch() == id.epoch()
+        {
+            let between = id.count().saturating_sub(before.count());
+            self.n_lost += between.saturating_sub(1);
         }
     }
 
@@ -158,6 +207,9 @@ impl Hops {
     /// Records come writer by writer, and paths by themselves: a command may come before the records
     /// that it rests on. These are there one call later.
     pub(crate) fn settle(&mut self) -> Option<Way> {
+        let [fresh, due] = core::mem::take(&mut self.commands);
+        due.iter().for_each(|guard| self.commanded(guard));
+        self.commands = [Vec::new(), fresh];
         let [fresh, mut due] = core::mem::take(&mut self.applied);
         let replanned = due.drain(..).fold(None, |before, span| {
             let way = self.applied(&span).cloned();
@@ -171,6 +223,29 @@ impl Hops {
         self.answers.get((role.code(), output))
     }
 
+    /// The record before one of the same process; `None` when it did not come or there is none.
+    fn before(&self, span: &Span) -> Option<&Span> {
+        (self.answers).get((
+            span.role,
+            Id(span.output).count().checked_sub(1)? | epoch_of(span),
+        ))
+    }
+
+    /// Whether an answer is the first one on its scan; `None` when the record before it was lost.
+    /// Of the guard, that of its request counts.
+    fn is_first_on_its_scan(&self, span: &Span) -> Option<bool> {
+        if Id(span.output).count() <= 1 {
+            return Some(true);
+        }
+        let before = self.before(span)?;
+        let scan = |span: &Span| match span.role() {
+            Some(Role::CollisionGuard) if span.request == 0 => Some(0),
+            Some(Role::CollisionGuard) => Some(self.answer(Role::LocalPlanner, span.request)?.scan),
+            _ => Some(span.scan),
+        };
+        Some(scan(before)? != scan(span)?)
+    }
+
     /// The guard has sent a command: perhaps the first one after a scan.
     fn commanded(&mut self, guard: &Span) {
         let Some(local) = self.answer(Role::LocalPlanner, guard.request) else {
@@ -182,15 +257,42 @@ impl Hops {
         let (scan, Some(robot)) = (local.scan, self.scans.get(local.scan)) else {
             return;
         };
+        let is_first = self.is_first_on_its_scan(guard) == Some(true);
         let reaction_ns = guard.published_ns.saturating_sub(robot.capture_ns);
+        let is_measured = is_first.then_some(reaction_ns);
+        let (first, now) = (Id(self.reacted), Id(scan));
+        if self.n_lost > self.n_lost_before && first.is_some() && first.epoch() == now.epoch() {
+            // Nothing came of the scans between.
+            let between = now.count().saturating_sub(first.count() + 1);
+            (0..between.min(REACTIONS as u64)).for_each(|_| self.miss());
+        }
+        self.n_lost_before = self.n_lost;
         self.reacted = scan;
+        match is_measured {
+            Some(reaction_ns) => self.measured(reaction_ns),
+            // Of the first scan of all, nobody was there to see what was before.
+            None if first.is_some() => self.miss(),
+            None => {}
+        }
+    }
+
+    fn measured(&mut self, reaction_ns: u64) {
+        self.keep(Some(reaction_ns));
+        let bin = BINS_US.partition_point(|end_us| end_us * 1000 <= reaction_ns);
+        self.bins[bin] += 1;
+        self.n_reactions += 1;
+    }
+
+    fn miss(&mut self) {
+        self.keep(None);
+        self.n_missed += 1;
+    }
+
+    fn keep(&mut self, reaction_ns: Option<u64>) {
         if self.reactions_ns.len() == REACTIONS {
             self.reactions_ns.pop_front();
         }
         self.reactions_ns.push_back(reaction_ns);
-        let bin = BINS_US.partition_point(|end_us| end_us * 1000 <= reaction_ns);
-        self.bins[bin] += 1;
-        self.n_reactions += 1;
     }
 
     /// A command reached the wheels.
@@ -205,13 +307,19 @@ impl Hops {
             applied.started_ns,
         ];
         let (tick, path) = (applied.tick, local.path);
-        let direct = self.scans.get(local.scan).map(|scan| {
+        if let Some(scan) = self.scans.get(local.scan) {
+            let uses = self.in_use.filter(|before| before.scan == local.scan);
+            let in_use = InUse {
+                scan: local.scan,
+                age_ns: local.started_ns.saturating_sub(scan.capture_ns),
+                uses: uses.map_or(1, |before| before.uses + 1),
+            };
             let mut boundaries = vec![scan.capture_ns, scan.published_ns];
             boundaries.extend(control);
-            way(&boundaries, tick)
-        });
-        if direct.is_some() {
-            self.last_direct = direct;
+            if self.is_first_on_its_scan(local) == Some(true) {
+                self.last_direct = Some(way(&boundaries, tick));
+            }
+            self.in_use = Some(in_use);
         }
         if path < self.awaited || path == 0 || self.followed >= self.awaited {
             return None;
@@ -242,9 +350,19 @@ impl Hops {
         self.last_replanning.as_ref()
     }
 
-    /// The hops of the last command that reached the wheels.
+    /// The hops of the last command at the wheels that was the first one on its scan.
     pub(crate) fn direct(&self) -> Option<&Way> {
         self.last_direct.as_ref()
+    }
+
+    /// The scan that the last command at the wheels rests on.
+    pub(crate) fn in_use(&self) -> Option<InUse> {
+        self.in_use
+    }
+
+    /// Records that did not come, and scans whose reaction is not known for that.
+    pub(crate) fn lost(&self) -> (u64, u64) {
+        (self.n_lost, self.n_missed)
     }
 
     /// How many reactions were measured, and how many of them in each bin.
@@ -252,7 +370,8 @@ impl Hops {
         (self.n_reactions, &self.bins)
     }
 
-    /// Quantiles of the newest reactions; `None` when there are none. [ns]
+    /// Quantiles of the newest reactions; `None` when there are none, and when more than one scan in
+    /// [`MISSED_ONE_IN`] was missed among them. [ns]
     #[allow(
         clippy::cast_possible_truncation,
         clippy::cast_precision_loss,
@@ -260,11 +379,20 @@ impl Hops {
         reason = "at most 600 samples"
     )]
     pub(crate) fn quantiles<const N: usize>(&self, wanted: [f64; N]) -> Option<[u64; N]> {
-        let mut sorted: Vec<u64> = self.reactions_ns.iter().copied().collect();
+        let mut sorted: Vec<u64> = self.reactions_ns.iter().copied().flatten().collect();
+        let n_missed = self.reactions_ns.len() - sorted.len();
+        if n_missed * MISSED_ONE_IN > self.reactions_ns.len() {
+            return None;
+        }
         sorted.sort_unstable();
         let last = sorted.len().checked_sub(1)?;
         Some(wanted.map(|part| sorted[(part * last as f64).round() as usize]))
     }
+}
+
+/// The epoch of the process that wrote a record, as it stands in ids.
+fn epoch_of(span: &Span) -> u64 {
+    Id::new(Id(span.output).epoch(), 0).0
 }
 
 /// Lengths between boundaries; a hop that ends before it begins is 0 long.
@@ -277,107 +405,4 @@ fn way(boundaries_ns: &[u64], tick: u64) -> Way {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn span(role: Role, output: u64, started_ns: u64, published_ns: u64) -> Span {
-        Span {
-            role: role.code(),
-            kind: SpanKind::Answer.code(),
-            epoch: 1,
-            output,
-            started_ns,
-            published_ns,
-            ..Span::default()
-        }
-    }
-
-    /// The records of one scan through map and path to the wheels, in the order in which they are read:
-    /// those of the robot first.
-    fn cycle(hops: &mut Hops, id: u64, at_ns: u64) -> Option<Way> {
-        take_cycle(hops, id, at_ns);
-        hops.settle().or_else(|| hops.settle())
-    }
-
-    fn take_cycle(hops: &mut Hops, id: u64, at_ns: u64) {
-        let of = |role, output, started, published| {
-            span(role, output, at_ns + started, at_ns + published)
-        };
-        hops.take(&Span {
-            scan: id,
-            capture_ns: at_ns,
-            ..of(Role::Robot, id, 0, 10)
-        });
-        hops.take(&Span {
-            kind: SpanKind::Applied.code(),
-            request: id,
-            tick: id,
-            ..of(Role::Robot, 0, 550, 0)
-        });
-        hops.take(&Span {
-            scan: id,
-            ..of(Role::Mapping, id, 30, 60)
-        });
-        hops.take(&Span {
-            map: id,
-            ..of(Role::GlobalPlanner, id, 100, 150)
-        });
-        hops.take(&Span {
-            path: id,
-            scan: id,
-            ..of(Role::LocalPlanner, id, 210, 280)
-        });
-        hops.take(&Span {
-            request: id,
-            ..of(Role::CollisionGuard, id, 360, 450)
-        });
-    }
-
-    #[test]
-    fn hops_are_differences_of_the_boundaries() {
-        let mut hops = Hops::default();
-        assert_eq!(cycle(&mut hops, 1, 1_000), None, "no new path was told");
-        assert_eq!(hops.replanning(), None);
-        hops.new_path(2);
-        let way = cycle(&mut hops, 2, 2_000).expect("a way");
-        assert_eq!(hops.replanning(), Some(&way));
-        assert_eq!(way.named_us(&THROUGH_MAP)[9], ("to_robot", 0.1));
-        assert_eq!(way.hops_ns, [10, 20, 30, 40, 50, 60, 70, 80, 90, 100]);
-        assert_eq!(way.hops_ns.len(), THROUGH_MAP.len());
-        let direct = hops.direct().expect("a way");
-        assert_eq!(direct.hops_ns, [10, 200, 70, 80, 90, 100]);
-        assert_eq!(direct.hops_ns.len(), DIRECT.len());
-        // Later commands on the same path are no replanning.
-        assert_eq!(cycle(&mut hops, 3, 9_000), None);
-        assert_eq!(hops.replanning().map(|way| way.tick), Some(2));
-        assert_eq!(hops.quantiles([0.5]), Some([450]));
-    }
-
-    #[test]
-    fn what_a_command_rests_on_may_come_after_it() {
-        let mut hops = Hops::default();
-        take_cycle(&mut hops, 1, 1_000);
-        assert_eq!(hops.settle(), None);
-        // The path was sent before the command, but is read after it.
-        hops.new_path(1);
-        take_cycle(&mut hops, 2, 20_000);
-        let way = hops.settle().expect("a way");
-        assert_eq!((way.tick, way.hops_ns[5]), (1, 60));
-        assert_eq!(hops.settle(), None, "later commands are no replanning");
-        assert_eq!(hops.direct().map(|way| way.tick), Some(2));
-    }
-
-    #[test]
-    fn every_scan_counts_once_and_memory_is_bounded() {
-        let mut hops = Hops::default();
-        for id in 1..2_000 {
-            cycle(&mut hops, id, id * 1_000_000);
-            cycle(&mut hops, id, id * 1_000_000 + 500);
-        }
-        let (n, bins) = hops.histogram();
-        assert_eq!(n, 1_999);
-        assert_eq!(bins[0], 1_999);
-        assert_eq!(hops.answers.values.len(), KEPT);
-        assert_eq!(hops.reactions_ns.len(), REACTIONS);
-    }
-}
+mod tests;

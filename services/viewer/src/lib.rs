@@ -14,8 +14,12 @@ mod events;
 #[cfg(feature = "process")]
 mod feed;
 #[cfg(feature = "process")]
+mod handover;
+#[cfg(feature = "process")]
 mod hops;
 pub mod page;
+#[cfg(feature = "process")]
+mod places;
 #[cfg(feature = "process")]
 pub mod process;
 pub mod scene;

@@ -6,7 +6,10 @@ pub const SCENE_JS: &str = include_str!("../page/scene.js");
 /// The live page.
 pub const INDEX_HTML: &str = include_str!("../page/index.html");
 
-/// Receives frames, and shows tables, time line and acts of the live page.
+/// What the live page asks of the stack, and what became of it.
+pub const ACTS_JS: &str = include_str!("../page/acts.js");
+
+/// Receives frames, and shows tables and time line of the live page.
 pub const LIVE_JS: &str = include_str!("../page/live.js");
 
 /// How the live page looks.

@@ -3,13 +3,14 @@
 use crate::access::Access;
 use crate::act;
 use crate::feed::Feed;
+use crate::handover::Handover;
 use crate::server::{self, Shared};
 use crate::tap::Tap;
 use clap::Parser;
 use std::io::{ErrorKind, Write};
 use std::net::{Ipv4Addr, TcpListener};
 use std::path::PathBuf;
-use std::process::{Command, ExitCode, Stdio};
+use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -46,7 +47,7 @@ struct Arguments {
     /// Open the page in a browser.
     #[arg(long)]
     open: bool,
-    /// Let nobody change anything from the page.
+    /// Let every user of this machine look at the run, and nobody change anything from the page.
     #[arg(long)]
     view_only: bool,
 }
@@ -65,8 +66,7 @@ pub fn main() -> ExitCode {
     match view(&arguments) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            let said = error.to_string();
-            let _ = writeln!(std::io::stderr(), "zeronav-viewer: {}", printable(&said));
+            complain(&error.to_string());
             error.exit_code()
         }
     }
@@ -94,12 +94,20 @@ fn view(arguments: &Arguments) -> Result<(), StartError> {
     let mut tap = Tap::open(&peer, scenario(&opened()?))?;
     let shared = Shared::new(Arc::clone(&feed), access, opened()?);
     start_server(listener, shared)?;
+    if arguments.view_only {
+        complain("--view-only: every user of this machine can look at this run, without a token");
+    }
     let _ = writeln!(std::io::stdout(), "{link}");
     let _ = std::io::stdout().flush();
+    let mut handover = None;
     if arguments.open {
-        open(&link);
+        match Handover::begin(&opened()?, &link) {
+            Ok(begun) => handover = Some(begun),
+            Err(why) => complain(&format!("{why}; open the link by hand")),
+        }
     }
     tap.run(&peer, &feed, || {
+        handover.take_if(|handover| handover.is_over(feed.watchers() > 0));
         stop.load(Ordering::Relaxed) || peer.domain().is_orphaned()
     });
     feed.end();
@@ -170,18 +178,6 @@ fn start_server(listener: TcpListener, shared: Shared) -> Result<(), StartError>
     started.map(|_| ()).map_err(failed)
 }
 
-/// Opens the page in the browser of the user's choice, if there is one.
-fn open(link: &str) {
-    let started = Command::new("xdg-open")
-        .arg(link)
-        .stdin(Stdio::null())
-        .stdout(Stdio::null())
-        .stderr(Stdio::null())
-        .spawn();
-    if let Err(error) = started {
-        let _ = writeln!(
-            std::io::stderr(),
-            "zeronav-viewer: xdg-open: {error}; open the link by hand"
-        );
-    }
+fn complain(text: &str) {
+    let _ = writeln!(std::io::stderr(), "zeronav-viewer: {}", printable(text));
 }

@@ -2,11 +2,13 @@
 //! they are written: lengths to millimetres, angles to 0.1 mrad.
 
 mod numbers;
+mod placed;
 mod rollouts;
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 pub use numbers::{Rounded, point, pose};
+pub use placed::outline;
 pub use rollouts::SceneRollout;
 use serde::Serialize;
 use zeronav_msgs::Pose;
@@ -83,7 +85,7 @@ pub struct Frame {
     /// Tracked obstacles: track, x, y, vx, vy, radius, time since it was seen.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub obstacles: Option<Vec<Tracked>>,
-    /// True outlines of what moves by a script.
+    /// True outlines of what was put into the world or moves by a script.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bodies: Option<Vec<Vec<[Rounded; 2]>>>,
     /// The path.

@@ -1,15 +1,16 @@
 //! The server: the page, the stream of what is new, and the acts. Everything it keeps of a client is
 //! bounded: connections, headers, bodies, messages, and how long each may take.
 
-use crate::access::{Access, TOKEN_HEADER};
+use crate::access::{Access, STREAM_PROTOCOL, TOKEN_HEADER};
 use crate::act;
-use crate::connection::Connection;
+use crate::connection::{Connection, STALL_LIMIT};
 use crate::feed::{Cursor, Feed};
 use crate::page;
+use crate::places::{Card, Places, user_of};
 use axum::Router;
 use axum::body::{Body, Bytes, to_bytes};
 use axum::extract::ws::{Message, WebSocket, WebSocketUpgrade};
-use axum::extract::{Request, State};
+use axum::extract::{Extension, Request, State};
 use axum::http::header::{self, HeaderMap, HeaderName, HeaderValue};
 use axum::http::{StatusCode, Uri};
 use axum::middleware::{self, Next};
@@ -25,20 +26,20 @@ use tokio::sync::Semaphore;
 use tokio::time::timeout;
 use zeronav_shell::folder::Folder;
 
-/// Connections at a time; further ones are closed.
-const CONNECTIONS_MAX: usize = 64;
-
 /// Clients that are told what is new, at a time.
 const WATCHERS_MAX: usize = 32;
 
 /// Acts that wait for launch at a time.
 const ACTS_MAX: usize = 4;
 
-/// How long a client may take to send its headers or its body, also between two requests.
-const REQUEST_LIMIT: Duration = Duration::from_secs(5);
+/// How long a connection may wait for a request, and a client take to send its headers. Browsers
+/// connect before they ask, and on a machine under load long before: who is given up sees
+/// `ERR_CONNECTION_RESET` in place of the page. A connection that others need the place of leaves
+/// sooner, so that waiting costs nobody anything.
+const HEADERS_LIMIT: Duration = Duration::from_secs(60);
 
-/// How long a client may leave a message untaken.
-const STALL_LIMIT: Duration = Duration::from_secs(10);
+/// How long a client may take to send a body.
+const BODY_LIMIT: Duration = Duration::from_secs(10);
 
 /// Buffer for the headers of a request. [bytes]
 const HEADERS_BYTES_MAX: usize = 16 * 1024;
@@ -76,24 +77,23 @@ impl Shared {
 /// Serves until the end of the process.
 pub(crate) async fn serve(listener: TcpListener, shared: Arc<Shared>) {
     let app = router(Arc::clone(&shared));
-    let places = Arc::new(Semaphore::new(CONNECTIONS_MAX));
+    let places = Arc::new(Places::default());
     tokio::spawn(watch_run(Arc::clone(&shared)));
     loop {
-        let Ok((stream, _)) = listener.accept().await else {
+        let Ok((stream, peer)) = listener.accept().await else {
             // Out of descriptors, most likely: they come back.
             tokio::time::sleep(Duration::from_millis(50)).await;
             continue;
         };
-        let Ok(place) = Arc::clone(&places).try_acquire_owned() else {
-            continue;
-        };
+        let user = stream.local_addr().ok().and_then(|own| user_of(peer, own));
+        let place = places.take(user);
         let _ = stream.set_nodelay(true);
+        let service = TowerToHyperService::new(app.clone().layer(Extension(place.card())));
         let connection = TokioIo::new(Connection::new(stream, place));
-        let service = TowerToHyperService::new(app.clone());
         tokio::spawn(async move {
             let mut http = http1::Builder::new();
             http.timer(TokioTimer::new())
-                .header_read_timeout(REQUEST_LIMIT)
+                .header_read_timeout(HEADERS_LIMIT)
                 .max_buf_size(HEADERS_BYTES_MAX);
             // A client that breaks the protocol or its time limit is left.
             let _ = http
@@ -110,7 +110,11 @@ async fn watch_run(shared: Arc<Shared>) {
         if shared.feed.watchers() > 0 {
             let of = Arc::clone(&shared);
             let report = tokio::task::spawn_blocking(move || act::report(&of.folder)).await;
-            if let Ok(Some(report)) = report {
+            if let Ok(Some(mut report)) = report {
+                // Where the run lies is of no use on the page.
+                if let Some(report) = report.as_object_mut() {
+                    report.retain(|key, _| key != "folder" && key != "domain");
+                }
                 shared.feed.run(&report);
             }
         }
@@ -133,10 +137,15 @@ fn router(shared: Arc<Shared>) -> Router {
             get(async || file(page::SCENE_JS, "text/javascript; charset=utf-8")),
         )
         .route(
+            "/acts.js",
+            get(async || file(page::ACTS_JS, "text/javascript; charset=utf-8")),
+        )
+        .route(
             "/live.js",
             get(async || file(page::LIVE_JS, "text/javascript; charset=utf-8")),
         )
         .route("/stream", get(stream))
+        .route("/access", get(access))
         .route("/act", post(act_on))
         .fallback(|uri: Uri| async move {
             (
@@ -192,14 +201,31 @@ fn forbidden(why: &str) -> Response {
     (StatusCode::FORBIDDEN, format!("{why}\n")).into_response()
 }
 
+fn token(headers: &HeaderMap) -> Option<&[u8]> {
+    headers.get(TOKEN_HEADER).map(HeaderValue::as_bytes)
+}
+
+/// Whether the stream would be told: a browser does not say why it was not.
+async fn access(State(shared): State<Arc<Shared>>, headers: HeaderMap) -> Response {
+    match shared.access.check_look(token(&headers)) {
+        Ok(()) => StatusCode::NO_CONTENT.into_response(),
+        Err(why) => forbidden(why),
+    }
+}
+
 /// An act: a request that launch checks and carries out.
-async fn act_on(State(shared): State<Arc<Shared>>, headers: HeaderMap, body: Body) -> Response {
-    let token = headers.get(TOKEN_HEADER).map(HeaderValue::as_bytes);
-    if let Err(why) = shared.access.check_token(token) {
+async fn act_on(
+    State(shared): State<Arc<Shared>>,
+    Extension(card): Extension<Card>,
+    headers: HeaderMap,
+    body: Body,
+) -> Response {
+    if let Err(why) = shared.access.check_token(token(&headers)) {
         return forbidden(why);
     }
+    card.is_known();
     let said = |status: StatusCode, why: &str| (status, format!("{why}\n")).into_response();
-    let body: Bytes = match timeout(REQUEST_LIMIT, to_bytes(body, BODY_BYTES_MAX)).await {
+    let body: Bytes = match timeout(BODY_LIMIT, to_bytes(body, BODY_BYTES_MAX)).await {
         Ok(Ok(body)) => body,
         Ok(Err(_)) => return said(StatusCode::PAYLOAD_TOO_LARGE, "the request is too long"),
         Err(_) => return said(StatusCode::REQUEST_TIMEOUT, "the request came too slowly"),
@@ -229,12 +255,25 @@ async fn act_on(State(shared): State<Arc<Shared>>, headers: HeaderMap, body: Bod
 }
 
 /// The stream of what is new.
-async fn stream(State(shared): State<Arc<Shared>>, upgrade: WebSocketUpgrade) -> Response {
+async fn stream(
+    State(shared): State<Arc<Shared>>,
+    Extension(card): Extension<Card>,
+    headers: HeaderMap,
+    upgrade: WebSocketUpgrade,
+) -> Response {
+    let offered = only(&headers, header::SEC_WEBSOCKET_PROTOCOL);
+    if let Err(why) = shared.access.check_stream(offered) {
+        return forbidden(why);
+    }
+    if !shared.access.is_open() {
+        card.is_known();
+    }
     let Some(watching) = shared.feed.watch(WATCHERS_MAX) else {
         let why = format!("{WATCHERS_MAX} pages are open already\n");
         return (StatusCode::SERVICE_UNAVAILABLE, why).into_response();
     };
     upgrade
+        .protocols([STREAM_PROTOCOL])
         .max_message_size(MESSAGE_BYTES_MAX)
         .max_frame_size(MESSAGE_BYTES_MAX)
         .on_upgrade(async move |mut socket| {

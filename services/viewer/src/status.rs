@@ -211,9 +211,17 @@ impl Seats {
         let way = |way: Option<&Way>, names: &[&'static str]| {
             way.map(|way| json!({ "tick": way.tick, "hops_us": way.named_us(names) }))
         };
+        let (n_lost, n_missed) = self.hops.lost();
+        let in_use = self.hops.in_use();
         json!({
+            "records_lost": n_lost,
+            "scan_in_use": in_use.map(|scan| json!({
+                "age_us": micros(scan.age_ns),
+                "uses": scan.uses,
+            })),
             "reaction": {
                 "n": n,
+                "missed": n_missed,
                 "ends_us": BINS_US,
                 "bins": bins,
                 "p50_us": quantiles.map(|all| micros(all[0])),

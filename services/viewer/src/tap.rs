@@ -7,7 +7,7 @@ use crate::events::Events;
 use crate::feed::Feed;
 use crate::scene::{
     Control, FORMAT, Fixed, Frame, Grid, Robot, Rounded, SceneGoal, ScenePath, SceneRollout,
-    SceneScan, Tile, Tracked, pose, robot,
+    SceneScan, Tile, Tracked, outline, pose, robot,
 };
 use crate::status::Seats;
 use std::collections::BTreeSet;
@@ -20,7 +20,7 @@ use zeronav_msgs::task::TaskState;
 use zeronav_msgs::time::seconds;
 use zeronav_msgs::topics::{
     ControlRequest, DebugRollouts, EVENT_NEED_KEYFRAME, GroundTruth, MapObstacles, PlanPath,
-    RobotCommand, RobotDescription, RobotScan, TaskGoal, TaskState as TaskStateTopic,
+    RobotCommand, RobotDescription, RobotScan, SimPlacement, TaskGoal, TaskState as TaskStateTopic,
 };
 use zeronav_shell::doorbell::Bells;
 use zeronav_shell::records::SpanReader;
@@ -66,6 +66,7 @@ struct Ports {
     requests: Latest<ControlRequest>,
     commands: Stream<RobotCommand>,
     truth: Latest<GroundTruth>,
+    placed: Latest<SimPlacement>,
     spans: SpanReader,
 }
 
@@ -86,6 +87,7 @@ impl Ports {
             requests: peer.latest()?,
             commands: peer.stream()?,
             truth: peer.latest()?,
+            placed: peer.latest()?,
             spans: peer.span_reader()?,
         })
     }
@@ -126,6 +128,7 @@ struct Changed {
     goals: bool,
     control: bool,
     truth: bool,
+    placed: bool,
     rollouts: bool,
 }
 
@@ -201,6 +204,7 @@ impl Tap {
         }
         changed.control |= ports.requests.poll(roster);
         changed.truth |= ports.truth.poll(roster);
+        changed.placed |= ports.placed.poll(roster);
         if let Some(rollouts) = rollouts {
             changed.rollouts |= rollouts.poll(roster);
         }
@@ -272,7 +276,8 @@ impl Tap {
             return;
         }
         let since = self.last_frame.elapsed();
-        if (self.changed.scan && since >= FRAME_PAUSE) || since >= FRAME_AT_LEAST {
+        let is_due = self.changed.scan || self.changed.placed;
+        if (is_due && since >= FRAME_PAUSE) || since >= FRAME_AT_LEAST {
             self.last_frame = Instant::now();
             self.send_map(feed);
             if let Some(frame) = self.frame() {
@@ -358,7 +363,7 @@ impl Tap {
             truth: truth.map(|truth| pose(&truth.meta.pose)),
             scan,
             obstacles: obstacles.map(|all| all.items.iter().map(Tracked::of).collect()),
-            bodies: None,
+            bodies: changed.placed.then(|| self.placed(newest.run_ns)),
             path: self.path.take(),
             rollouts,
             goals: changed.goals.then(|| self.goals()),
@@ -378,6 +383,17 @@ impl Tap {
             .map_from_base(&at)
             .then(&description.meta.base_from_laser);
         Some(SceneScan::of(scan.meta, scan.items, &laser))
+    }
+
+    /// Outlines of the obstacles that were put into the simulated world and are there, seen or not.
+    fn placed(&self, run_ns: u64) -> Vec<Vec<[Rounded; 2]>> {
+        let Some(placed) = self.ports.placed.get() else {
+            return Vec::new();
+        };
+        let is_there = |until_ns: u64| until_ns == 0 || until_ns > run_ns;
+        let there = placed.items.iter();
+        let there = there.filter(|it| is_there(it.until_run_ns));
+        there.filter_map(outline).collect()
     }
 
     /// The goals of the task, each with what became of it.

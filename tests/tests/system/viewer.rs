@@ -1,9 +1,11 @@
 //! The live page of a real stack in a real browser: what it shows, what it may do, and that nothing
 //! that a client does reaches the stack.
 
+mod access;
 mod client;
+mod picture;
 
-use client::{Viewer, act, ask, connect};
+use client::{Viewer, act, ask, connect, noise, stream_lines};
 use rustix::process::Signal;
 use serde_json::Value;
 use std::fs::File;
@@ -93,6 +95,26 @@ fn shows_a_past_replanning(browser: &mut Browser) {
     );
 }
 
+/// One button brings the robot to rest, and the page says so; a swap that is rejected is said, too,
+/// the first time and again.
+fn stops_the_robot(browser: &mut Browser, up: &Up) {
+    let said = "document.getElementById('said').textContent";
+    browser.script("document.getElementById('stop').click()");
+    browser.wait_until("it stands", &format!("{said}.includes('the robot stands')"));
+    assert_eq!(up.status()["goal"], Value::Null);
+    browser.wait_until(
+        "the page says why",
+        "document.getElementById('why').textContent",
+    );
+    browser.script("document.querySelector('.seat-acts input').value = 'no_such_program'");
+    for times in 1..=2 {
+        browser.script("document.querySelector('[data-act=swap]').click()");
+        let told = "[...document.querySelectorAll('#events li')]\
+            .filter((line) => line.textContent.includes('of mapping: rejected')).length";
+        browser.wait_until("it is rejected", &format!("{told} === {times}"));
+    }
+}
+
 // long: the story of one page
 #[test]
 fn the_page_shows_the_robot_and_steers_it() {
@@ -147,6 +169,11 @@ fn the_page_shows_the_robot_and_steers_it() {
     let from = on_screen(&mut browser, 15.0, 5.7);
     let to = on_screen(&mut browser, 15.4, 7.2);
     browser.shift_drag(from, to);
+    let drawn = "zeronavPage.scene.at(Infinity).bodies?.length";
+    browser.wait_until(
+        "the obstacle is drawn, seen or not",
+        &format!("{drawn} === 1"),
+    );
     browser.wait_until("the path leads around the obstacle", &crosses(12.0));
     browser.wait_until(
         "the page says why",
@@ -164,7 +191,17 @@ fn the_page_shows_the_robot_and_steers_it() {
         browser.script(listed),
         serde_json::json!(["zeronav-mapping"])
     );
-    browser.script("document.querySelector('[data-act=kill]').click()");
+    // Faults stand behind a switch, and the worst ones are asked for twice.
+    assert_eq!(
+        browser.script("document.querySelector('[data-act=kill]')"),
+        Value::Null
+    );
+    browser.script("document.getElementById('faults').click()");
+    let kill = "document.querySelector('[data-act=kill]')";
+    browser.script(&format!("{kill}.click()"));
+    let sure = browser.script(&format!("{kill}.textContent"));
+    assert_eq!(sure, "Kill mapping: click again");
+    browser.script(&format!("{kill}.click()"));
     browser.wait_until(
         "the seat is red",
         "document.querySelector('#seat-mapping .silent, #seat-mapping .restarted')",
@@ -175,6 +212,8 @@ fn the_page_shows_the_robot_and_steers_it() {
     );
     let mapping = seats(&up).into_iter().find(|(role, ..)| role == "mapping");
     assert_eq!(mapping.map(|(_, epoch, _)| epoch), Some(Value::from(2)));
+
+    stops_the_robot(&mut browser, &up);
 
     // Time travel: the robot drives on, and the page shows where it was.
     browser.script("document.querySelector('#events li:last-child').click()");
@@ -222,6 +261,15 @@ fn only_the_page_with_the_token_may_act() {
         assert_eq!(ask(&host, &lines, "").0, 403, "{lines:?}");
     }
     assert_eq!(paused(&up), false, "none of them did anything");
+    // Nor is anything told.
+    for token in ["", wrong.as_str(), &token[1..]] {
+        let (status, said) = ask(&host, &stream_lines(&host, token), "");
+        assert_eq!(status, 403, "{token}: {said}");
+        let header = format!("X-Zeronav-Token: {token}");
+        let own = format!("Host: {host}");
+        let lines = ["GET /access HTTP/1.1", own.as_str(), header.as_str()];
+        assert_eq!(ask(&host, &lines, "").0, 403, "{token}");
+    }
     // What is not on the list, and what launch does not accept.
     let (status, said) = act(&host, &token, "", r#"{"command":"down"}"#);
     assert_eq!(
@@ -250,20 +298,14 @@ fn only_the_page_with_the_token_may_act() {
     assert_eq!(none, "");
     let (status, said) = act(&other, &token, "", r#"{"command":"resume"}"#);
     assert_eq!((status, said.contains("view-only")), (403, true), "{said}");
+    let mut stream = connect(&other);
+    let request = stream_lines(&other, "").join("\r\n") + "\r\n\r\n";
+    stream.write_all(request.as_bytes()).expect("sent");
+    let mut answer = [0; 12];
+    stream.read_exact(&mut answer).expect("an answer");
+    assert_eq!(&answer, b"HTTP/1.1 101", "everybody may look");
     up.down();
     assert_eq!((viewer.code(), looking.code()), (Some(0), Some(0)));
-}
-
-/// Bytes that look like chance, the same every time.
-fn noise(seed: u64, len: usize) -> Vec<u8> {
-    let mut state = seed | 1;
-    let mut next = || {
-        state ^= state << 13;
-        state ^= state >> 7;
-        state ^= state << 17;
-        state.to_le_bytes()[0]
-    };
-    (0..len).map(|_| next()).collect()
 }
 
 #[test]
@@ -275,11 +317,10 @@ fn hostile_and_stalled_clients_leave_the_stack_and_the_others_alone() {
     let (host, token) = viewer.address();
     // One that asks for the stream and never reads.
     let mut stalled = connect(&host);
-    let upgrade = format!(
-        "GET /stream HTTP/1.1\r\nHost: {host}\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n\
-         Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n"
-    );
+    let upgrade = stream_lines(&host, &token).join("\r\n") + "\r\n\r\n";
     stalled.write_all(upgrade.as_bytes()).expect("sent");
+    // A browser on a busy machine connects long before it asks.
+    let mut early = connect(&host);
     // Garbage, also where a request was promised.
     for seed in 0..60 {
         let mut stream = connect(&host);
@@ -302,7 +343,15 @@ fn hostile_and_stalled_clients_leave_the_stack_and_the_others_alone() {
     assert!(status == 431 || status == 0, "{status}");
     let (status, _) = act(&host, &token, "", &"x".repeat(1 << 20));
     assert!(status == 413 || status == 0, "{status}");
-    // More connections than there are places, which never finish their headers: they are closed.
+    early
+        .write_all(
+            format!("GET / HTTP/1.1\r\nHost: {host}\r\nConnection: close\r\n\r\n").as_bytes(),
+        )
+        .expect("it is still connected");
+    let mut answer = String::new();
+    early.read_to_string(&mut answer).expect("an answer");
+    assert!(answer.starts_with("HTTP/1.1 200"), "{answer}");
+    // More connections than there are places, which never finish their headers: others get theirs.
     let slow: Vec<TcpStream> = (0..100)
         .map(|_| {
             let mut stream = connect(&host);
@@ -310,11 +359,9 @@ fn hostile_and_stalled_clients_leave_the_stack_and_the_others_alone() {
             stream
         })
         .collect();
-    for mut stream in slow {
-        let _ = stream.read_to_end(&mut Vec::new());
-    }
     let (status, page) = ask(&host, &["GET / HTTP/1.1", &format!("Host: {host}")], "");
     assert_eq!((status, page.contains("<canvas")), (200, true));
+    drop(slow);
     assert_eq!(seats(&up), before, "the services are the same processes");
     drop(stalled);
     up.down();

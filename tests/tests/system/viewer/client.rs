@@ -15,10 +15,16 @@ pub(super) struct Viewer {
 
 impl Viewer {
     pub(super) fn start(root: &str, more: &[&str]) -> Self {
+        Self::start_in(root, more, &std::env::var("PATH").unwrap_or_default())
+    }
+
+    /// The same with programs looked for in these folders.
+    pub(super) fn start_in(root: &str, more: &[&str], path: &str) -> Self {
         let mut process = Command::new(binaries().join("zeronav"))
             .args(["view", "--domain", root])
             .args(more)
             .env_remove("CARGO")
+            .env("PATH", path)
             .stdin(Stdio::null())
             .stdout(Stdio::piped())
             .spawn()
@@ -71,11 +77,17 @@ pub(super) fn connect(host: &str) -> TcpStream {
 }
 
 /// Status and body of the answer to a request with these lines.
-pub(super) fn ask(host: &str, lines: &[&str], body: &str) -> (u16, String) {
+pub(super) fn ask(host: &str, lines: &[impl AsRef<str>], body: &str) -> (u16, String) {
     let mut stream = connect(host);
+    let lines: Vec<&str> = lines.iter().map(AsRef::as_ref).collect();
     let head = lines.join("\r\n");
     let length = body.len();
-    let request = format!("{head}\r\nConnection: close\r\nContent-Length: {length}\r\n\r\n{body}");
+    let close = if head.contains("Upgrade") {
+        ""
+    } else {
+        "\r\nConnection: close"
+    };
+    let request = format!("{head}{close}\r\nContent-Length: {length}\r\n\r\n{body}");
     // A server that has read enough closes, which may cut the request short.
     let _ = stream.write_all(request.as_bytes());
     let mut answer = String::new();
@@ -93,4 +105,35 @@ pub(super) fn act(host: &str, token: &str, more: &str, body: &str) -> (u16, Stri
         lines.push(more);
     }
     ask(host, &lines, body)
+}
+
+/// The lines of a request for the stream with this token.
+pub(super) fn stream_lines(host: &str, token: &str) -> Vec<String> {
+    let mut lines: Vec<String> = [
+        "GET /stream HTTP/1.1",
+        "Connection: Upgrade",
+        "Upgrade: websocket",
+        "Sec-WebSocket-Version: 13",
+        "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==",
+    ]
+    .map(str::to_owned)
+    .into();
+    lines.push(format!("Host: {host}"));
+    lines.push(match token {
+        "" => "Sec-WebSocket-Protocol: zeronav".to_owned(),
+        token => format!("Sec-WebSocket-Protocol: zeronav, {token}"),
+    });
+    lines
+}
+
+/// Bytes that look like chance, the same every time.
+pub(super) fn noise(seed: u64, len: usize) -> Vec<u8> {
+    let mut state = seed | 1;
+    let mut next = || {
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        state.to_le_bytes()[0]
+    };
+    (0..len).map(|_| next()).collect()
 }
