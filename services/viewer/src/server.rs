@@ -36,7 +36,7 @@ const ACTS_MAX: usize = 4;
 /// connect before they ask, and on a machine under load long before: who is given up sees
 /// `ERR_CONNECTION_RESET` in place of the page. A connection that others need the place of leaves
 /// sooner, so that waiting costs nobody anything.
-const HEADERS_LIMIT: Duration = Duration::from_secs(60);
+const HEADERS_LIMIT: Duration = Duration::from_secs(300);
 
 /// How long a client may take to send a body.
 const BODY_LIMIT: Duration = Duration::from_secs(10);

@@ -70,6 +70,15 @@ fn shown(viewer: &Viewer) -> Browser {
     browser
 }
 
+/// A browser on a busy machine connects long before it asks.
+fn is_answered(mut early: TcpStream, host: &str) {
+    let request = format!("GET / HTTP/1.1\r\nHost: {host}\r\nConnection: close\r\n\r\n");
+    early.write_all(request.as_bytes()).expect("sent");
+    let mut answer = String::new();
+    early.read_to_string(&mut answer).expect("an answer");
+    assert!(answer.starts_with("HTTP/1.1 200"), "{answer}");
+}
+
 /// A click on a new path shows where its time went, until the page is live again.
 fn shows_a_past_replanning(browser: &mut Browser) {
     let at_the_wheels = "[...document.querySelectorAll('#events li')]\
@@ -122,6 +131,8 @@ fn the_page_shows_the_robot_and_steers_it() {
     let up = Up::start(&["open_aisle"]);
     let viewer = Viewer::start(&up.root, &[]);
     assert_eq!(readers_of_rollouts(&up), 0, "no page is open");
+    let (host, _) = viewer.address();
+    let early = connect(&host);
     let mut browser = shown(&viewer);
 
     // A click sends a goal, through the lower aisle.
@@ -180,6 +191,7 @@ fn the_page_shows_the_robot_and_steers_it() {
         "[...document.querySelectorAll('#events li')].some((line) => line.textContent.includes('obstacle:'))",
     );
 
+    is_answered(early, &host);
     shows_a_past_replanning(&mut browser);
 
     // A service that is killed turns red, and green again.
@@ -319,8 +331,6 @@ fn hostile_and_stalled_clients_leave_the_stack_and_the_others_alone() {
     let mut stalled = connect(&host);
     let upgrade = stream_lines(&host, &token).join("\r\n") + "\r\n\r\n";
     stalled.write_all(upgrade.as_bytes()).expect("sent");
-    // A browser on a busy machine connects long before it asks.
-    let mut early = connect(&host);
     // Garbage, also where a request was promised.
     for seed in 0..60 {
         let mut stream = connect(&host);
@@ -343,14 +353,6 @@ fn hostile_and_stalled_clients_leave_the_stack_and_the_others_alone() {
     assert!(status == 431 || status == 0, "{status}");
     let (status, _) = act(&host, &token, "", &"x".repeat(1 << 20));
     assert!(status == 413 || status == 0, "{status}");
-    early
-        .write_all(
-            format!("GET / HTTP/1.1\r\nHost: {host}\r\nConnection: close\r\n\r\n").as_bytes(),
-        )
-        .expect("it is still connected");
-    let mut answer = String::new();
-    early.read_to_string(&mut answer).expect("an answer");
-    assert!(answer.starts_with("HTTP/1.1 200"), "{answer}");
     // More connections than there are places, which never finish their headers: others get theirs.
     let slow: Vec<TcpStream> = (0..100)
         .map(|_| {
