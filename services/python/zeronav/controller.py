@@ -2,12 +2,15 @@
 
 import math
 from dataclasses import dataclass
-from typing import Any
+
+import numpy as np
 
 from . import contract as c
 from . import geometry
-from .inputs import MapInput, OdometryReader
+from .inputs import OBSTACLES_AGE_NS_MAX, MapInput, OdometryReader
 from .outputs import TaskProgress
+from .ports import View
+from .replica import MapReplica
 from .service import Service
 
 # Age of odometry or scan at which it counts as lost. [ns]
@@ -21,29 +24,42 @@ class Scene:
     """What a controller decides by. Arrays and structures are views: copy what has to stay."""
 
     # Where the robot is on the map: x_m, y_m, yaw_rad.
-    pose: Any
+    pose: c.Pose
     # `contract.Odometry`: v_mps, w_radps and the pose in `odom`.
-    odometry: Any
+    odometry: c.Odometry
     # Where it shall go: `contract.Goal`.
-    goal: Any
+    goal: c.Goal
     # Waypoints of the path, an array with x_m, y_m, yaw_rad and clearance_m.
-    path: Any
+    path: np.ndarray
     # How far along the path the robot is, and what remains of it. [m]
     at_m: float
     remaining_m: float
     # The newest scan: `meta` and `items`, ranges in metres.
-    scan: Any
+    scan: View
     # Limits and outline: `contract.Description`.
-    robot: Any
+    robot: c.Description
     # The map: `MapReplica`.
-    map: Any
+    map: MapReplica
+    # What moves, an array of `contract.Obstacle`: x_m, y_m, radius_m, vx_mps, vy_mps in the map frame.
+    obstacles: np.ndarray
 
-    def path_point(self, ahead_m):
+    def clearance_m(self, x_m: float, y_m: float) -> float:
+        """From a point of the map frame to the nearest obstacle, static or tracked where it is now; 0
+        in one, beside the map and where nothing is known. [m]"""
+        place = self.map.cell_at(x_m, y_m)
+        if place is None or self.map.cells["cost"][place] == c.COST_UNKNOWN:
+            return 0.0
+        static_m = float(self.map.cells["clearance_mm"][place]) / 1000
+        moving = self.obstacles
+        gaps_m = np.hypot(moving["x_m"] - x_m, moving["y_m"] - y_m) - moving["radius_m"]
+        return max(0.0, min(static_m, float(gaps_m.min(initial=math.inf))))
+
+    def path_point(self, ahead_m: float) -> tuple[float, float]:
         """The point of the path that lies this far ahead, or its end: x and y. [m]"""
         x, y = geometry.along(self.path, self.at_m + ahead_m)
         return float(x), float(y)
 
-    def turn(self, error_rad):
+    def turn(self, error_rad: float) -> tuple[float, float]:
         """Turning in place by `error_rad`, so that it can still stop: 0 m/s, and a yaw rate."""
         fast = math.sqrt(self.robot.alpha_radps2_max * abs(error_rad))
         return 0.0, math.copysign(min(self.robot.w_radps_max, fast), error_rad)
@@ -59,10 +75,11 @@ class Controller(Service):
         self.odometry, self.map = OdometryReader(peer), MapInput(peer)
         self.robot = peer.latest(c.ROBOT_DESCRIPTION)
         self.scan, self.path = peer.latest(c.ROBOT_SCAN), peer.latest(c.PLAN_PATH)
+        self.obstacles = peer.latest(c.MAP_OBSTACLES)
         self.request = peer.writer(c.CONTROL_VELOCITY_REQUEST)
         self.task, self._is_there = TaskProgress(peer), False
 
-    def drive(self, scene):
+    def drive(self, scene: Scene) -> tuple[float, float]:
         """Speed and yaw rate on the way to the goal. [m/s] and [rad/s]"""
         raise NotImplementedError
 
@@ -71,8 +88,9 @@ class Controller(Service):
         self.map.poll(shell)
         self.task.poll(shell.roster)
         self.robot.poll(shell.roster)
+        self.obstacles.poll(shell.roster)
         news = [reader.poll(shell.roster) for reader in (self.scan, self.path)]
-        readers = [self.robot, self.scan, self.path, self.odometry.stream]
+        readers = [self.robot, self.scan, self.path, self.obstacles, self.odometry.stream]
         shell.count(readers + self.map.readers + self.task.readers)
         tick, complete = self.odometry.tick, self._is_complete(shell.roster)
         for due in shell.due(tick, complete=complete, news=any(news)):
@@ -130,7 +148,17 @@ class Controller(Service):
         if len(path) == 1:
             remaining_m = math.hypot(end["x_m"] - pose.x_m, end["y_m"] - pose.y_m)
         goal, replica = self.task.goal, self.map.replica
-        return Scene(pose, odometry, goal, path, at_m, remaining_m, scan, robot, replica)
+        moving = self._moving(scan.header.run_ns)
+        return Scene(
+            pose, odometry, goal, path, at_m, remaining_m, scan, robot, replica, moving
+        )
+
+    def _moving(self, run_ns):
+        """The tracked obstacles; none of a list that is old."""
+        view = self.obstacles.get()
+        if view is None or run_ns - view.header.run_ns > OBSTACLES_AGE_NS_MAX:
+            return np.empty(0, np.dtype(c.Obstacle))
+        return view.items
 
     def _arrive(self, draft, scene):
         """At the goal: the turn to its heading, and a stop; None on the way to it."""
