@@ -132,6 +132,8 @@ impl Orders {
             return Some(current.order.goals.clone());
         }
         let outcome = match (state, current.ends_as) {
+            // What repeats is over by its cancellation alone, wherever that finds the robot.
+            (TaskState::Reached, Some(outcome)) if current.order.repeats => outcome,
             (TaskState::Reached, _) => "reached",
             (_, Some(outcome)) => outcome,
             (TaskState::Cancelled, None) => "cancelled",
@@ -319,7 +321,7 @@ mod tests {
         assert_eq!(orders.cancel(Some(id)), Ok(true));
         // It arrived before the cancellation was due.
         assert_eq!(orders.ended(TaskState::Reached, EndReason::None, 30), None);
-        assert_eq!(outcomes(&orders), ["reached"]);
+        assert_eq!(outcomes(&orders), ["cancelled"]);
     }
 
     #[test]

@@ -15,6 +15,7 @@ use zeronav_msgs::time::seconds;
 
 /// What became of a stack.
 #[derive(Debug, Clone, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct StayResult {
     /// Scenario.
     pub scenario: String,

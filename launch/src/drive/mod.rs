@@ -5,6 +5,7 @@ mod breaking;
 mod course;
 mod faults;
 mod pace;
+mod reach;
 mod serve;
 mod session;
 mod stop;

@@ -51,6 +51,54 @@ impl Pace {
     }
 }
 
+/// How fast a lockstep stack goes: as was asked, otherwise as fast as it can while it has a goal, and in
+/// real time while it has none.
+#[derive(Debug, Default)]
+pub(super) struct Speed {
+    asked: Option<Pace>,
+    idle: Option<Pace>,
+}
+
+impl Speed {
+    /// From now on at this pace; `None` = as described above.
+    pub(super) fn ask(&mut self, pace: Option<Pace>) {
+        self.asked = pace;
+    }
+
+    /// The factor that was asked for.
+    pub(super) fn factor(&self) -> Option<f64> {
+        self.asked.map(|pace| pace.factor)
+    }
+
+    /// From this tick and moment on.
+    pub(super) fn restart(&mut self, robot_tick: u64, now: Instant) {
+        self.idle = None;
+        if let Some(pace) = &mut self.asked {
+            pace.restart(robot_tick, now);
+        }
+    }
+
+    /// The tick up to which the robot may go now, with ticks of this length; `u64::MAX` = any.
+    pub(super) fn granted(
+        &mut self,
+        is_idle: bool,
+        tick: Duration,
+        robot_tick: u64,
+        now: Instant,
+    ) -> u64 {
+        if let Some(pace) = &mut self.asked {
+            return pace.granted(robot_tick, now);
+        }
+        if !is_idle {
+            self.idle = None;
+            return u64::MAX;
+        }
+        let real_time = || Pace::new(1.0, tick, robot_tick, now);
+        let pace = self.idle.get_or_insert_with(real_time);
+        pace.granted(robot_tick, now)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -87,5 +135,19 @@ mod tests {
         );
         pace.restart(100, later);
         assert_eq!(pace.granted(100, later + TICK), 101);
+    }
+
+    #[test]
+    fn without_a_goal_run_time_is_real_time_and_with_one_there_is_no_limit() {
+        let began = Instant::now();
+        let mut speed = Speed::default();
+        assert_eq!(speed.granted(false, TICK, 7, began), u64::MAX);
+        assert_eq!(speed.granted(true, TICK, 7, began), 7);
+        assert_eq!(speed.granted(true, TICK, 7, began + 2 * TICK), 9);
+        assert_eq!(speed.granted(false, TICK, 9, began + 2 * TICK), u64::MAX);
+        let later = began + 50 * TICK;
+        assert_eq!(speed.granted(true, TICK, 900, later), 900, "no arrears");
+        speed.ask(Some(Pace::new(4.0, TICK, 900, later)));
+        assert_eq!(speed.granted(true, TICK, 900, later + TICK), 904);
     }
 }

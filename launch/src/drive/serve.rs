@@ -1,5 +1,6 @@
 //! What a run answers on its control socket.
 
+use super::reach::Reach;
 use super::session::Session;
 use crate::control::request::{GoalReport, Reply, Request, RunReport, ServiceReport};
 use crate::orders::Order;
@@ -160,7 +161,11 @@ impl Session<'_> {
         } else {
             return Ok(());
         };
-        let nearest = self.nearest(pose, goal.yaw_tolerance_rad);
+        let map = self.collector.replica.view();
+        let reach = (map.zip(self.collector.estimate()))
+            .map(|(map, robot)| Reach::from(&map, robot.point()));
+        let is_reached = |at| reach.as_ref().is_none_or(|reach| reach.contains(at));
+        let nearest = self.nearest(pose, goal.yaw_tolerance_rad, is_reached);
         Err(format!("{why}; {nearest}; the robot goes on as before"))
     }
 
@@ -178,17 +183,17 @@ impl Session<'_> {
         };
         Err(format!(
             "{why}; {}; the robot goes on as before",
-            self.nearest(pose, ESTIMATE_YAW_RAD)
+            self.nearest(pose, ESTIMATE_YAW_RAD, |_| true)
         ))
     }
 
-    /// The free pose that is nearest to one that is not, in words.
-    fn nearest(&self, pose: &Pose, yaw_tolerance_rad: f64) -> String {
+    /// The accepted free pose that is nearest to one that is not free, in words.
+    fn nearest(&self, pose: &Pose, yaw_rad: f64, accepts: impl Fn(Point2<f64>) -> bool) -> String {
         let (world, footprint) = (&self.prepared.world, &self.prepared.footprint);
         let nearest =
-            world.nearest_free_pose(footprint, pose, yaw_tolerance_rad, OFFERED_CLEARANCE_M);
+            world.nearest_free_pose(footprint, pose, yaw_rad, OFFERED_CLEARANCE_M, accepts);
         nearest.map_or_else(
-            || "no free pose is near".to_owned(),
+            || "no free pose that it can drive to is near".to_owned(),
             |pose| {
                 let (x_m, y_m, yaw_rad) = (pose.x_m, pose.y_m, pose.yaw_rad);
                 format!("the nearest free pose is {x_m:.2} {y_m:.2} {yaw_rad:.2}")
@@ -294,7 +299,7 @@ impl Session<'_> {
             ready: self.is_ready,
             paused: self.is_paused,
             binaries: self.listed_binaries(),
-            speed: self.pace.map(|pace| pace.factor),
+            speed: self.speed.factor(),
             time_s: seconds(self.collector.run_ns),
             tick: self.collector.robot_tick(),
             pose: truth.map(|truth| [truth.pose.x_m, truth.pose.y_m, truth.pose.yaw_rad]),

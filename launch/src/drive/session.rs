@@ -2,7 +2,7 @@
 
 use super::course::shuttle;
 use super::faults::Faults;
-use super::pace::Pace;
+use super::pace::Speed;
 use super::swaps::Swaps;
 use crate::collect::Collector;
 use crate::control::socket::Server;
@@ -74,7 +74,7 @@ pub(super) struct Session<'a> {
     /// The tick at which a paused lockstep robot waits.
     pub(super) hold_tick: u64,
     /// How fast lockstep goes; `None` = as it can.
-    pub(super) pace: Option<Pace>,
+    pub(super) speed: Speed,
     /// True while the current task is being cancelled.
     pub(super) is_cancelling: bool,
     /// True once the run ends: no request changes anything any more.
@@ -120,7 +120,7 @@ impl<'a> Session<'a> {
             is_ready: false,
             is_paused: false,
             hold_tick: 0,
-            pace: None,
+            speed: Speed::default(),
             is_cancelling: false,
             is_ending: false,
             server: None,

@@ -74,8 +74,7 @@ impl Session<'_> {
         if self.shuttle.is_some() {
             return Err("the run makes trials; end it with `zeronav down`".to_owned());
         }
-        let idle = self.task.is_empty() && self.orders.n_waiting() == 0;
-        if id.is_none() && idle {
+        if id.is_none() && self.has_no_goal() {
             return Err("there is no goal to cancel".to_owned());
         }
         if self.orders.cancel(id)? && !self.task.is_empty() {
@@ -127,9 +126,8 @@ impl Session<'_> {
             return Err("the stack is not paused".to_owned());
         }
         self.is_paused = false;
-        if let Some(pace) = &mut self.pace {
-            pace.restart(self.collector.robot_tick(), Instant::now());
-        }
+        let robot_tick = self.collector.robot_tick();
+        self.speed.restart(robot_tick, Instant::now());
         stack.pause(false);
         Ok(())
     }
@@ -168,19 +166,25 @@ impl Session<'_> {
         }
         let tick = Duration::from_nanos(stack.roster.clock.tick_ns);
         let robot_tick = self.collector.robot_tick();
-        self.pace = factor.map(|factor| Pace::new(factor, tick, robot_tick, Instant::now()));
+        let pace = factor.map(|factor| Pace::new(factor, tick, robot_tick, Instant::now()));
+        self.speed.ask(pace);
         Ok(())
     }
 
     /// The tick at which a lockstep robot that has reached `tick` has to wait, for whatever reason.
     pub(super) fn held_at(&mut self, tick: u64) -> u64 {
-        let mut limit = self.swap_limit().min(self.fault_limit());
+        let limit = self.swap_limit().min(self.fault_limit());
         if self.is_paused {
-            limit = limit.min(self.hold_tick);
-        } else if let Some(pace) = &mut self.pace {
-            limit = limit.min(pace.granted(tick, Instant::now()));
+            return limit.min(self.hold_tick);
         }
-        limit
+        let is_idle = self.prepared.stays && self.has_no_goal();
+        let length = Duration::from_nanos(self.prepared.scenario.run.tick_ns());
+        let granted = (self.speed).granted(is_idle, length, tick, Instant::now());
+        limit.min(granted)
+    }
+
+    fn has_no_goal(&self) -> bool {
+        self.task.is_empty() && self.orders.n_waiting() == 0
     }
 
     /// Tells mapping that the robot is at `pose`, x [m], y [m] and yaw [rad] in the map frame, now: when

@@ -1,7 +1,8 @@
 //! The result of a run as plain data: what `zeronav run --json` prints and `result.json` holds.
 //!
 //! The modules that drive, judge, draw and report share these types; nothing here computes anything.
-//! `launch/result.schema.json` is the JSON schema of [`RunResult`].
+//! `launch/result.schema.json` is the JSON schema of every `result.json`: that of a run, a [`RunResult`],
+//! and that of a stack that stayed up.
 
 pub mod fault;
 pub mod latency;

@@ -1,4 +1,5 @@
 use super::RunResult;
+use crate::stay_result::StayResult;
 use schemars::generate::SchemaSettings;
 use serde_json::Value;
 use std::path::Path;
@@ -8,6 +9,20 @@ const RESULTS: [&str; 2] = [
     include_str!("../../tests/data/result_lockstep.json"),
     include_str!("../../tests/data/result_trials.json"),
 ];
+
+/// That of a stack that stayed up.
+const STAY: &str = include_str!("../../tests/data/result_up.json");
+
+/// What `result.json` holds.
+#[derive(serde::Serialize, schemars::JsonSchema)]
+#[serde(untagged)]
+#[allow(dead_code, reason = "its schema is what is needed")]
+enum ResultFile {
+    /// Of `zeronav run`.
+    Run(Box<RunResult>),
+    /// Of `zeronav up`.
+    Stay(Box<StayResult>),
+}
 
 fn schema_file() -> std::path::PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("result.schema.json")
@@ -23,7 +38,7 @@ fn the_schema_is_that_of_the_types() {
     let generator = SchemaSettings::draft2020_12().for_serialize();
     let generated = generator
         .into_generator()
-        .into_root_schema_for::<RunResult>();
+        .into_root_schema_for::<ResultFile>();
     let generated = serde_json::to_string_pretty(&generated).expect("JSON") + "\n";
     let stored = std::fs::read_to_string(schema_file()).unwrap_or_default();
     if generated == stored {
@@ -54,7 +69,8 @@ fn a_real_result_is_read_and_written_back_unchanged() {
 #[test]
 fn a_real_result_is_valid_and_a_changed_one_is_not() {
     let validator = jsonschema::validator_for(&schema()).expect("a schema");
-    for text in RESULTS {
+    let texts = RESULTS.map(|text| (text, "verdict"));
+    for (text, needed) in texts.into_iter().chain([(STAY, "contacts")]) {
         let mut result: Value = serde_json::from_str(text).expect("JSON");
         let problems: Vec<String> = validator
             .iter_errors(&result)
@@ -66,7 +82,7 @@ fn a_real_result_is_valid_and_a_changed_one_is_not() {
         result["time_s"] = 12.into();
         assert!(validator.is_valid(&result));
         let fields = result.as_object_mut().expect("an object");
-        fields.remove("verdict");
-        assert!(!validator.is_valid(&result), "no verdict");
+        fields.remove(needed);
+        assert!(!validator.is_valid(&result), "no {needed}");
     }
 }

@@ -77,7 +77,7 @@ impl Scenario {
         let middle = world.geometry().centre_of(Cell::new(width / 2, height / 2));
         let middle = Pose::new(middle.x, middle.y, 0.0);
         world
-            .nearest_free_pose(&footprint, &middle, PI, START_CLEARANCE_M)
+            .nearest_free_pose(&footprint, &middle, PI, START_CLEARANCE_M, |_| true)
             .ok_or_else(|| {
                 let why =
                     "no free pose is near its middle: say where the robot starts (--start-pose)";

@@ -25,9 +25,12 @@ pub struct WhyArgs {
     pub stack: StackArgs,
 }
 
+/// Longest run that a time can name. [s]
+const TIME_S_MAX: f64 = 1.0e8;
+
 /// A time of a run. [s]
 pub(super) fn time(text: &str) -> Result<f64, String> {
     let time_s = text.trim_end_matches('s').parse::<f64>().ok();
-    let time_s = time_s.filter(|time_s| time_s.is_finite() && *time_s >= 0.0);
-    time_s.ok_or_else(|| format!("`{text}` is no time in seconds, such as 12.5"))
+    let time_s = time_s.filter(|time_s| (0.0..=TIME_S_MAX).contains(time_s));
+    time_s.ok_or_else(|| format!("a time is from 0 to {TIME_S_MAX} seconds, such as 12.5"))
 }

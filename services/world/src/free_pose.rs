@@ -82,8 +82,8 @@ impl World {
 
     /// The free pose on the map with about the yaw of `goal` that is nearest to it, found on rings
     /// `RING_STEP_M` apart up to `RING_M_MAX` around it, or around the map's nearest point when it
-    /// lies outside; `None` when there is none. Everything static is at least `clearance_m` away, and
-    /// yaws within `tolerance_rad` of the goal's are tried.
+    /// lies outside; `None` when there is none. Everything static is at least `clearance_m` away, yaws
+    /// within `tolerance_rad` of the goal's are tried, and only positions that `accepts` holds for.
     #[must_use]
     pub fn nearest_free_pose(
         &self,
@@ -91,6 +91,7 @@ impl World {
         goal: &Pose,
         tolerance_rad: f64,
         clearance_m: f64,
+        accepts: impl Fn(Point2<f64>) -> bool,
     ) -> Option<Pose> {
         let tolerance = Tolerance {
             distance_m: 0.0,
@@ -98,6 +99,9 @@ impl World {
         };
         let centre = self.nearest_point_on_map(goal.point());
         let free_at = |at: Point2<f64>| {
+            if !accepts(at) {
+                return None;
+            }
             let distance_m = self.point_distance_m(at);
             self.free_yaw_at(footprint, at, distance_m, (goal.yaw_rad, tolerance))
                 .filter(|pose| self.distance_m(footprint, pose) >= clearance_m)

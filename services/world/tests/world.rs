@@ -197,16 +197,23 @@ fn the_nearest_free_pose_keeps_its_clearance_and_lies_on_the_map() {
     let world = World::new(&spec(vec![a_box([5.0, 2.5], [2.0, 2.0])]), None).unwrap();
     let disc = Footprint::disc(0.25).unwrap();
     let goal = Pose::new(5.2, 2.5, 0.3);
-    let pose = world.nearest_free_pose(&disc, &goal, PI, 0.1).unwrap();
+    let pose = world
+        .nearest_free_pose(&disc, &goal, PI, 0.1, |_| true)
+        .unwrap();
     assert!(world.distance_m(&disc, &pose) >= 0.1);
     // 0.8 m to the right side of the block, the radius and the clearance, at most a ring more.
     let way_m = pose.distance_m(&goal);
     assert!((1.15..=1.25).contains(&way_m), "{way_m} m");
     near(pose.yaw_rad, 0.3);
     let outside = Pose::new(900.0, -900.0, 0.0);
-    let pose = world.nearest_free_pose(&disc, &outside, PI, 0.0).unwrap();
+    let pose = world
+        .nearest_free_pose(&disc, &outside, PI, 0.0, |_| true)
+        .unwrap();
     assert!(world.contains(pose.point()), "{pose:?}");
-    assert_eq!(world.nearest_free_pose(&disc, &goal, PI, 50.0), None);
+    assert_eq!(
+        world.nearest_free_pose(&disc, &goal, PI, 50.0, |_| true),
+        None
+    );
 }
 
 #[test]
