@@ -164,6 +164,9 @@ pub enum Command {
         /// Folder to write them to, such as `~/.local/share/man/man1`.
         #[arg(value_name = "DIR")]
         folder: PathBuf,
+        /// Replace files of the same names.
+        #[arg(long)]
+        force: bool,
     },
     /// Remove what a dead service left in a domain; `zeronav run` starts it by itself.
     #[command(name = cleaner::COMMAND, hide = true)]

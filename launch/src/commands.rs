@@ -109,7 +109,7 @@ pub fn up(plan: &RunPlan, json: bool) -> ExitCode {
         .and_then(|()| write_recording(&prepared, &recording))
         .and_then(|()| {
             report::write(
-                &prepared.directory,
+                &prepared.folder,
                 Outcome::Stay(Box::new(result.clone())),
                 recording,
             )
@@ -147,12 +147,12 @@ pub(crate) fn exit_code(ending: &Ending, pass: bool) -> ExitCode {
 /// Writes the object that `--json` prints into the run's folder.
 fn write_result(prepared: &Prepared, result: &impl Serialize) -> Result<(), String> {
     let json = serde_json::to_string_pretty(result).map_err(|error| error.to_string())?;
-    leave::write(&prepared.directory.join("result.json"), &(json + "\n"))
+    leave::write_in(&prepared.folder, "result.json", &(json + "\n"))
 }
 
 /// Writes the recording and the still picture of it.
 fn write_recording(prepared: &Prepared, recording: &Recording) -> Result<(), String> {
-    let write = |name: &str, text: &str| leave::write(&prepared.directory.join(name), text);
+    let write = |name: &str, text: &str| leave::write_in(&prepared.folder, name, text);
     let json = serde_json::to_string(recording).map_err(|error| error.to_string())?;
     write(recording::FILE, &(json + "\n"))?;
     write(picture::STILL, &picture::still(recording))
@@ -171,7 +171,7 @@ fn write_trace(prepared: &Prepared, driven: &Driven) -> Result<(), String> {
             .collect(),
     };
     let trace = trace(&driven.collector.records, &about)?;
-    leave::write(&prepared.directory.join("trace.json"), &trace)
+    leave::write_in(&prepared.folder, "trace.json", &trace)
 }
 
 /// Writes what a run leaves in its folder.
@@ -186,7 +186,7 @@ fn write_files(
     if prepared.mode == RunMode::Lockstep {
         let last_tick = driven.end_tick.saturating_sub(1);
         let answers = driven.collector.hash.to_csv(last_tick);
-        leave::write(&prepared.directory.join("answers.csv"), &answers)?;
+        leave::write_in(&prepared.folder, "answers.csv", &answers)?;
     }
     let mut recording = record::recording(prepared, driven, result, timings);
     let is_reported = !plan.report_failures_only || result.verdict != "pass";
@@ -197,7 +197,7 @@ fn write_files(
     write_recording(prepared, &recording)?;
     if is_reported {
         report::write(
-            &prepared.directory,
+            &prepared.folder,
             Outcome::Run(Box::new(result.clone())),
             recording,
         )?;

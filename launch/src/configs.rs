@@ -6,6 +6,7 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use toml::de::DeTable;
+use zeronav_files::read;
 use zeronav_msgs::role::Role;
 use zeronav_robot_description::RobotSpec;
 use zeronav_shell::places::Places;
@@ -141,7 +142,7 @@ fn place_of(said: &str, file: &Path) -> Option<(String, String)> {
         return Some((field.to_owned(), why.to_owned()));
     }
     let line: usize = line.parse().ok()?;
-    let text = std::fs::read_to_string(file).ok()?;
+    let text = read::text(file, read::TEXT_BYTES_MAX).ok()?;
     let table = DeTable::parse(&text).ok()?;
     let start = text
         .split_inclusive('\n')

@@ -81,10 +81,7 @@ fn start(ring: &mut Stack, prepared: &Prepared, load: Load, binary: &Path) -> Re
             let private = folder.make_files_private();
             private.map_err(|error| error.to_string())?;
         }
-        let log = prepared
-            .directory
-            .join("logs")
-            .join(format!("floor-{role}.log"));
+        let log = prepared.log(format!("floor-{role}.log"));
         let launch = Launch {
             binary,
             config: &config,
@@ -108,7 +105,7 @@ fn start(ring: &mut Stack, prepared: &Prepared, load: Load, binary: &Path) -> Re
                     .map(|role| role.label())
                     .collect::<Vec<_>>()
                     .join(", "),
-                prepared.directory.join("logs").display()
+                prepared.logs.path().display()
             ));
         }
         ring.refresh();

@@ -45,3 +45,12 @@ fn force_with_second_interrupt() -> std::io::Result<()> {
     unsafe { signal_hook::low_level::register(signal_hook::consts::SIGINT, force) }?;
     Ok(())
 }
+
+/// A file that becomes larger than `ulimit -f` allows is an error of the write then, which is told, and
+/// not the end of this process.
+pub fn survive_file_limit() {
+    let noted = Arc::new(AtomicBool::new(false));
+    if let Err(error) = signal_hook::flag::register(libc::SIGXFSZ, noted) {
+        tracing::warn!(%error, "SIGXFSZ ends this process");
+    }
+}

@@ -107,11 +107,7 @@ impl<'a> Keeper<'a> {
             ));
             return Ok(());
         };
-        let log = self
-            .prepared
-            .directory
-            .join("logs")
-            .join(format!("{role}.log"));
+        let log = self.prepared.log(format!("{role}.log"));
         let launch = Launch {
             binary,
             config,

@@ -23,7 +23,7 @@ pub mod exit;
 mod faults;
 mod film;
 pub mod floor;
-mod interrupts;
+pub mod interrupts;
 mod judge;
 mod keeper;
 pub mod latency;

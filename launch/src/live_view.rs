@@ -5,12 +5,12 @@ use crate::running;
 use crate::show::terminal::{complain, note, usage};
 use crate::supervise::binaries;
 use crate::supervise::child::end_with_this_thread;
+use crate::supervise::child_log::{LogPlace, last_lines};
 use crate::supervise::cleaner::Ticket;
 use crate::supervise::stack::Stack;
 use clap::Args;
 use rustix::process::{Pid, Signal, kill_process};
 use std::ffi::OsString;
-use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
 use std::os::unix::process::CommandExt;
 use std::path::{Path, PathBuf};
@@ -94,7 +94,7 @@ pub(crate) struct LiveView {
 impl LiveView {
     /// Starts the viewer of the stack at `root` and has its link printed, or why it cannot be
     /// started. Call it from a thread that lives as long as the viewer shall.
-    pub(crate) fn start(root: &Path, page: &PageArgs, log: &Path) -> Self {
+    pub(crate) fn start(root: &Path, page: &PageArgs, log: &LogPlace) -> Self {
         let process = start(root, page, log)
             .inspect_err(|problem| complain(&format!("no live page: {problem}")));
         Self {
@@ -136,23 +136,21 @@ impl Drop for LiveView {
     }
 }
 
-fn start(root: &Path, page: &PageArgs, log: &Path) -> Result<Child, String> {
+fn start(root: &Path, page: &PageArgs, log: &LogPlace) -> Result<Child, String> {
     let binary = binaries::find(Path::new(BINARY))?;
-    let log_file = File::options().create(true).append(true).open(log);
-    let log_file = log_file.map_err(|error| format!("{}: {error}", log.display()))?;
+    let log = log.open().map_err(|error| error.to_string())?;
     let mut command = Command::new(&binary);
     command
         .args(page.flags(root))
         .stdin(Stdio::null())
         .stdout(Stdio::piped())
-        .stderr(log_file)
+        .stderr(log.try_clone().map_err(|error| error.to_string())?)
         // Ctrl-C ends the run, and the run its viewer.
         .process_group(0);
     end_with_this_thread(&mut command, Signal::KILL);
     let mut process =
         (command.spawn()).map_err(|error| format!("starting {}: {error}", binary.display()))?;
     let output = process.stdout.take();
-    let log = log.to_owned();
     // It is told when it is known; the thread ends with the viewer.
     let told = std::thread::Builder::new().spawn(move || {
         let Some(output) = output else { return };
@@ -163,8 +161,8 @@ fn start(root: &Path, page: &PageArgs, log: &Path) -> Result<Child, String> {
                 note(&format!("live page: {link}"));
             }
             _ => {
-                let said = std::fs::read_to_string(&log).unwrap_or_default();
-                let why = said.lines().last().unwrap_or("the viewer has ended");
+                let said = last_lines(&log, 1);
+                let why = said.first().map_or("the viewer has ended", String::as_str);
                 complain(&format!("no live page: {why}"));
             }
         }

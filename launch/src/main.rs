@@ -49,6 +49,7 @@ fn main() -> ExitCode {
     if let Command::WithoutMemory(arguments) = &cli.command {
         return no_memory::contract_without_memory(arguments);
     }
+    zeronav::interrupts::survive_file_limit();
     warden::enable();
     log::start();
     // Whatever a killed run has left is removed by the next command, whichever it is; the doctor
@@ -104,7 +105,7 @@ fn main() -> ExitCode {
         Command::Report(arguments) => report::report(&arguments.runs, arguments.out.as_deref()),
         Command::Suite(arguments) => commands::suite(&arguments.plan(), arguments.json),
         Command::Completions { shell } => completions::completions(shell),
-        Command::Man { folder } => completions::man(&folder),
+        Command::Man { folder, force } => completions::man(&folder, force),
         Command::Clean { .. }
         | Command::Busy { .. }
         | Command::WithoutMemory(_)

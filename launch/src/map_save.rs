@@ -6,15 +6,18 @@ use crate::show::terminal::{complain, say, say_json, usage};
 use crate::topics::tap::{PAUSE, Tap};
 use clap::{Args, Subcommand};
 use serde_json::json;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
+use zeronav_files::{Folder, Replace};
 use zeronav_msgs::header::Id;
 use zeronav_msgs::replica::MapReplica;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::topics::{EVENT_NEED_KEYFRAME, MapKeyframe};
 use zeronav_shell::clock::now_ns;
 use zeronav_shell::doorbell::Bells;
+use zeronav_shell::printable::printable;
 use zeronav_world::{Occupancy, StaticMap};
 use zeronav_world_files::map_file;
 
@@ -44,6 +47,9 @@ pub enum MapVerb {
 pub struct MapSaveArgs {
     /// The YAML file to write, such as `maps/hall.yaml`; the image is written beside it.
     pub file: PathBuf,
+    /// Replace a map of the same name.
+    #[arg(long)]
+    pub force: bool,
     /// The stack.
     #[command(flatten)]
     pub stack: StackArgs,
@@ -53,7 +59,12 @@ pub struct MapSaveArgs {
 #[must_use]
 pub fn map(arguments: &MapArgs) -> ExitCode {
     let MapVerb::Save(arguments) = &arguments.verb;
-    let (folder, name) = match place(&arguments.file) {
+    let replace = if arguments.force {
+        Replace::Yes
+    } else {
+        Replace::No
+    };
+    let (folder, name) = match place(&arguments.file, replace) {
         Ok(place) => place,
         Err(problem) => return usage(&problem),
     };
@@ -61,10 +72,16 @@ pub fn map(arguments: &MapArgs) -> ExitCode {
         Ok(map) => map,
         Err(problem) => return usage(&problem),
     };
-    let file = match map_file::save(&map, folder, name) {
+    let saved = Folder::make(folder)
+        .map_err(|error| format!("{}: {error}", folder.display()))
+        .and_then(|folder| {
+            let saved = map_file::save_in(&map, &folder, name, replace);
+            saved.map_err(|error| error.to_string())
+        });
+    let file = match saved {
         Ok(file) => file,
-        Err(error) => {
-            complain(&error.to_string());
+        Err(problem) => {
+            complain(&problem);
             return ExitCode::from(EXIT_OUTPUT);
         }
     };
@@ -96,9 +113,13 @@ pub fn map(arguments: &MapArgs) -> ExitCode {
     ExitCode::from(EXIT_PASS)
 }
 
-/// Folder and name, without its ending, of the file to write.
-fn place(file: &Path) -> Result<(&Path, &str), String> {
-    let wrong = |problem: &str| Err(format!("{}: {problem}", file.display()));
+/// Folder, which may be missing, and name, without its ending, of the file to write.
+fn place(file: &Path, replace: Replace) -> Result<(&Path, &str), String> {
+    let shown = printable(&file.to_string_lossy()).into_owned();
+    let wrong = |problem: &str| Err(format!("{shown}: {problem}"));
+    if file.file_name().is_some_and(|name| name == ".yaml") {
+        return wrong("a map needs a name before .yaml, such as hall.yaml");
+    }
     if file.extension().is_none_or(|extension| extension != "yaml") {
         return wrong("the name of a map ends in .yaml");
     }
@@ -106,13 +127,18 @@ fn place(file: &Path) -> Result<(&Path, &str), String> {
     let Some(name) = name.filter(|name| !name.contains(char::is_control)) else {
         return wrong("the name of a map is plain text");
     };
-    let folder = match file.parent() {
-        Some(folder) if folder.as_os_str().is_empty() => Path::new("."),
-        Some(folder) => folder,
-        None => return wrong("not a file"),
+    let folder = file.parent().unwrap_or(Path::new(""));
+    let open = match Folder::open(folder) {
+        // It is made when there is a map to put into it.
+        Err(error) if error.kind() == ErrorKind::NotFound => return Ok((folder, name)),
+        open => open.map_err(|error| format!("the folder of {shown}: {error}"))?,
     };
-    if !folder.is_dir() {
-        return wrong("there is no such folder");
+    for ending in ["yaml", "pgm"] {
+        let free = open.check_free(&format!("{name}.{ending}"), replace);
+        free.map_err(|error| {
+            let shown = printable(&file.with_extension(ending).to_string_lossy()).into_owned();
+            format!("{shown} {error}; choose another name, or replace that map with --force")
+        })?;
     }
     Ok((folder, name))
 }
@@ -164,17 +190,32 @@ mod tests {
     #[test]
     fn names_that_no_map_can_have_are_told_apart() {
         let folder = tempfile::tempdir().expect("a folder");
-        let good = folder.path().join("a map.yaml");
-        assert_eq!(place(&good), Ok((folder.path(), "a map")));
-        assert_eq!(place(Path::new("hall.yaml")), Ok((Path::new("."), "hall")));
-        for bad in [
-            "hall",
-            "hall.pgm",
-            "/nowhere/at/all/hall.yaml",
-            "a\nb.yaml",
-            "..",
-        ] {
-            assert!(place(Path::new(bad)).is_err(), "{bad}");
+        let good = folder.path().join("new/a map.yaml");
+        let (missing, name) = place(&good, Replace::No).expect("a place");
+        assert_eq!(
+            (missing, name),
+            (folder.path().join("new").as_path(), "a map")
+        );
+        for bad in ["hall", "hall.pgm", "/dev/null/hall.yaml", "..", ".yaml"] {
+            assert!(place(Path::new(bad), Replace::No).is_err(), "{bad}");
+        }
+        let why = place(Path::new(".yaml"), Replace::No).expect_err("no name");
+        assert!(why.contains("before .yaml"), "{why}");
+        let why = place(Path::new("a\nb.yaml"), Replace::No).expect_err("no text");
+        assert!(why.contains("a\\nb.yaml"), "{why}");
+    }
+
+    #[test]
+    fn another_map_is_replaced_only_when_asked() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let file = folder.path().join("hall.yaml");
+        for taken in ["hall.yaml", "hall.pgm"] {
+            let taken = folder.path().join(taken);
+            std::fs::write(&taken, "mine").expect("written");
+            let why = place(&file, Replace::No).expect_err("it is there");
+            assert!(why.contains("--force"), "{why}");
+            assert!(place(&file, Replace::Yes).is_ok());
+            std::fs::remove_file(&taken).expect("removed");
         }
     }
 }

@@ -6,6 +6,7 @@ use crate::show::recording::{FILE, RecordedPath, Recording};
 use crate::show::terminal::{lose, say, usage};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use zeronav_files::read;
 use zeronav_msgs::Pose;
 
 /// Name of the still in the folder of a run.
@@ -43,7 +44,8 @@ pub fn picture(run: &Path, out: Option<&Path>, animated: bool) -> ExitCode {
 pub(crate) fn read(run: &Path) -> Result<Recording, String> {
     let file: PathBuf = run.join(FILE);
     let name = file.display();
-    let text = std::fs::read_to_string(&file).map_err(|error| format!("{name}: {error}"))?;
+    let text =
+        read::text(&file, read::RESULT_BYTES_MAX).map_err(|error| format!("{name}: {error}"))?;
     let recording: Recording =
         serde_json::from_str(&text).map_err(|error| format!("{name}: {error}"))?;
     recording

@@ -2,17 +2,20 @@
 
 use crate::configs;
 use crate::faults;
+use crate::leave;
 use crate::live_view::PageArgs;
 use crate::open_files;
 use crate::run_plan::{MachineLoad, RunPlan, Source};
 use crate::scenario::{self, Scenario, StackFault};
 use crate::shared_memory;
 use crate::supervise::binaries::{self, Needed};
+use crate::supervise::child_log::LogPlace;
 use crate::swap::order::SwapOrder;
 use crate::swap::require::Clause;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
+use zeronav_files::Folder;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::run::{DELAY_STEP_NS, RunMode};
 use zeronav_msgs::time::nanoseconds;
@@ -34,8 +37,12 @@ pub struct Prepared {
     pub footprint: Footprint,
     /// The binary of each seat that launch fills; the others are filled by hand.
     pub binaries: BTreeMap<Role, PathBuf>,
-    /// The run's own folder.
+    /// Path of the run's own folder, for people.
     pub directory: PathBuf,
+    /// That folder: what the run leaves is made in it.
+    pub folder: Folder,
+    /// The folder of the logs in it.
+    pub logs: Folder,
     /// Real time or lockstep.
     pub mode: RunMode,
     /// Seed of everything random.
@@ -63,6 +70,11 @@ pub struct Prepared {
 }
 
 impl Prepared {
+    /// The log `name` of this run.
+    pub(crate) fn log(&self, name: impl Into<String>) -> LogPlace {
+        LogPlace::new(&self.logs, name)
+    }
+
     /// Time from scan to scan. [ns]
     #[must_use]
     #[allow(
@@ -234,7 +246,7 @@ pub(crate) fn prepare(plan: &RunPlan) -> Result<Prepared, String> {
         .map_err(|error| error.to_string())?;
     let seed = plan.seed.unwrap_or(scenario.run.seed);
     let faults = faults_of(&scenario, plan.mode, seed)?;
-    let directory = run_folder(&plan.out, &scenario.name)?;
+    let (folder, logs) = run_folder(&plan.out, &scenario.name)?;
     // Nobody sees a lockstep run go by, and trials are not to be disturbed.
     let is_seen = plan.trials.is_none() && (plan.stays || plan.mode == RunMode::RealTime);
     Ok(Prepared {
@@ -254,7 +266,9 @@ pub(crate) fn prepare(plan: &RunPlan) -> Result<Prepared, String> {
         world,
         footprint,
         binaries,
-        directory,
+        directory: folder.path().to_owned(),
+        folder,
+        logs,
         mode: plan.mode,
         ready_ns: now_ns(),
     })
@@ -320,20 +334,10 @@ fn await_trials(scenario: &mut Scenario) -> Result<(), String> {
     Ok(())
 }
 
-/// Makes the run's own folder.
-fn run_folder(out: &Path, scenario: &str) -> Result<PathBuf, String> {
-    let now = std::time::SystemTime::now()
-        .duration_since(std::time::UNIX_EPOCH)
-        .unwrap_or_default();
-    let id = format!("{scenario}-{}-{}", now.as_secs(), std::process::id());
-    // A command that makes several runs may make two in a second.
-    let names = (1..1000).map(|n| match n {
-        1 => id.clone(),
-        n => format!("{id}-{n}"),
-    });
-    let mut free = names.map(|name| out.join(name)).filter(|it| !it.exists());
-    let folder = free.next().unwrap_or_else(|| out.join(&id));
-    std::fs::create_dir_all(folder.join("logs"))
-        .map_err(|error| format!("making the run's folder {}: {error}", folder.display()))?;
-    Ok(folder)
+/// Makes the run's own folder and that of its logs.
+fn run_folder(out: &Path, scenario: &str) -> Result<(Folder, Folder), String> {
+    let folder = leave::new_folder(out, scenario)?;
+    let logs = folder.create("logs");
+    let logs = logs.map_err(|error| leave::refused(&folder.path().join("logs"), &error))?;
+    Ok((folder, logs))
 }

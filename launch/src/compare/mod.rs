@@ -154,8 +154,9 @@ fn turns(
 
 fn keep(comparison: &Comparison, first: &Prepared) {
     let text = serde_json::to_string_pretty(comparison).map_err(|error| error.to_string());
-    let file = first.directory.join("comparison.json");
-    if let Err(problem) = text.and_then(|text| leave::write(&file, &(text + "\n"))) {
+    let written =
+        text.and_then(|text| leave::write_in(&first.folder, "comparison.json", &(text + "\n")));
+    if let Err(problem) = written {
         lose(&problem);
     }
 }

@@ -4,12 +4,14 @@ use super::others::{Others, TASK_GOAL};
 use super::program::{Program, last_line};
 use super::raw::{RawPeer, RawReader, Seen};
 use super::robot::TICK_NS;
+use crate::supervise::child_log::LogPlace;
 use crate::supervise::{Child, warden};
 use rustix::process::Signal;
 use std::ffi::OsString;
 use std::path::PathBuf;
 use std::process::ExitStatus;
 use std::time::{Duration, Instant};
+use zeronav_files::Folder;
 use zeronav_msgs::health::{Health, HealthState};
 use zeronav_msgs::role::Role;
 use zeronav_msgs::run::{RunClock, RunControl, RunMode, Seat};
@@ -208,7 +210,8 @@ impl Bench {
         let seat = seat.ok_or("the seat is not held")?;
         let stdin = seat.for_child().map_err(|error| error.to_string())?;
         let arguments = self.program.with(&self.flags(EPOCH));
-        let log = self.program.folder.join("program.log");
+        let folder = Folder::open(&self.program.folder).map_err(|error| error.to_string())?;
+        let log = LogPlace::new(&folder, "program.log");
         let (role, binary) = (self.program.role, &self.program.binary);
         let child = Child::start(role, EPOCH, binary, &arguments, stdin, &log, None);
         self.child = Some(child.map_err(|error| error.to_string())?);
@@ -336,9 +339,9 @@ impl Bench {
 
     /// The last line of its log.
     pub(crate) fn last_words(&self) -> String {
-        let log = self.program.folder.join("program.log");
-        let text = std::fs::read_to_string(log).unwrap_or_default();
-        last_line(&text).to_owned()
+        const LINES: usize = 20;
+        let text = self.child.as_ref().map(|child| child.log_tail(LINES));
+        last_line(&text.unwrap_or_default().join("\n")).to_owned()
     }
 
     /// Ends the program and removes the domain.

@@ -20,6 +20,9 @@ const ANSWER_LIMIT: Duration = Duration::from_secs(5);
 /// Most of an output that is read. [bytes]
 const BYTES_MAX: u64 = 1 << 20;
 
+/// An output beyond this has no end. [bytes]
+const FLOOD_BYTES: u64 = 4 << 20;
+
 const PAUSE: Duration = Duration::from_millis(2);
 
 /// The program under test.
@@ -42,6 +45,8 @@ pub(crate) struct Program {
 pub(crate) struct Ended {
     /// How; `None` when it had to be killed.
     status: Option<ExitStatus>,
+    /// True when it wrote more than [`FLOOD_BYTES`].
+    flooded: bool,
     /// Standard output.
     pub stdout: String,
     /// Standard error.
@@ -84,7 +89,7 @@ impl Program {
         [&self.arguments[..], flags].concat()
     }
 
-    /// Runs it with these flags to its end, or kills it after [`ANSWER_LIMIT`]; calls `meanwhile` now
+    /// Runs it with these flags to its end, or kills it after [`ANSWER_LIMIT`] or [`FLOOD_BYTES`]; calls `meanwhile` now
     /// and then.
     fn run(&self, flags: &[OsString], meanwhile: &dyn Fn()) -> std::io::Result<Ended> {
         let (mut stdout, mut stderr) = (tempfile::tempfile()?, tempfile::tempfile()?);
@@ -102,6 +107,7 @@ impl Program {
             match process.try_wait()? {
                 Some(status) => break Some(status),
                 None if started.elapsed() > ANSWER_LIMIT => break None,
+                None if is_flooded(&stdout) || is_flooded(&stderr) => break None,
                 None => {
                     meanwhile();
                     std::thread::sleep(PAUSE);
@@ -117,6 +123,7 @@ impl Program {
         }
         Ok(Ended {
             status,
+            flooded: is_flooded(&stdout) || is_flooded(&stderr),
             stdout: text(&mut stdout)?,
             stderr: text(&mut stderr)?,
         })
@@ -147,6 +154,10 @@ impl Program {
             Some(status) => Err(format!(
                 "{status} and not exit code {code}; it said: {}",
                 ended.last_words()
+            )),
+            None if ended.flooded => Err(format!(
+                "it wrote more than {} MB; expected exit code {code}",
+                FLOOD_BYTES >> 20
             )),
             None => Err(format!(
                 "it had not ended after {} s; expected exit code {code}",
@@ -179,6 +190,10 @@ fn as_named(name: &Path, found: PathBuf) -> PathBuf {
 pub(crate) fn last_line(text: &str) -> &str {
     let mut lines = text.lines().map(str::trim).rev();
     lines.find(|line| !line.is_empty()).unwrap_or("nothing")
+}
+
+fn is_flooded(output: &File) -> bool {
+    output.metadata().is_ok_and(|it| it.len() > FLOOD_BYTES)
 }
 
 fn text(file: &mut File) -> std::io::Result<String> {

@@ -94,7 +94,7 @@ pub(crate) fn drive(
     };
     let mut stack = Stack::create(clock).map_err(|error| error.to_string())?;
     stack.scheduling = prepared.scenario.scheduling();
-    if let Err(error) = log::open(&prepared.directory.join("logs/launch.log")) {
+    if let Err(error) = log::open(&prepared.logs) {
         tracing::warn!(%error, "no log of the supervisor");
     }
     tracing::info!(

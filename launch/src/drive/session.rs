@@ -190,7 +190,7 @@ impl<'a> Session<'a> {
     fn ready(&mut self, stack: &Stack) {
         self.is_ready = true;
         if let Some(page) = &self.prepared.view {
-            let log = self.prepared.directory.join("logs/viewer.log");
+            let log = self.prepared.log("viewer.log");
             self.view = LiveView::start(stack.root(), page, &log);
         }
         if self.prepared.stays {

@@ -12,6 +12,7 @@ use crate::swap::{Files, Scene, Swap};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use toml::Table;
+use zeronav_files::read;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::run::RunMode;
 
@@ -120,11 +121,10 @@ impl Session<'_> {
         let file = stack.root().join(format!("{role}.swap{id}.toml"));
         std::fs::write(&file, table.to_string())
             .map_err(|error| format!("writing {}: {error}", file.display()))?;
-        let logs = self.prepared.directory.join("logs");
         let files = Files {
             binary: newcomer,
             config: file,
-            log: logs.join(format!("{role}.log")),
+            log: self.prepared.log(format!("{role}.log")),
             log_level: self.prepared.log_level.clone(),
         };
         let ask = asking(&files);
@@ -188,6 +188,6 @@ fn asking(files: &Files) -> impl FnOnce() -> Result<(), String> + Send + use<> {
 
 fn table_in(file: &Path) -> Result<Table, String> {
     let problem = |error: &dyn core::fmt::Display| format!("{}: {error}", file.display());
-    let text = std::fs::read_to_string(file).map_err(|error| problem(&error))?;
+    let text = read::text(file, read::TEXT_BYTES_MAX).map_err(|error| problem(&error))?;
     toml::from_str(&text).map_err(|error| problem(&error))
 }

@@ -6,6 +6,7 @@ use crate::result::trials::Disturbance;
 use crate::result::{Environment, RunResult};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
+use zeronav_files::read;
 
 /// First word of every report: a file without it is no report.
 const FORMAT: &str = "zeronav latency 1";
@@ -96,11 +97,7 @@ impl Report {
     /// One line naming the file.
     pub(super) fn read(file: &Path) -> Result<Self, String> {
         let name = file.display();
-        let length = std::fs::metadata(file).map_err(|error| format!("{name}: {error}"))?;
-        if length.len() > BYTES_MAX {
-            return Err(format!("{name}: a baseline is smaller than 16 MB"));
-        }
-        let text = std::fs::read_to_string(file).map_err(|error| format!("{name}: {error}"))?;
+        let text = read::text(file, BYTES_MAX).map_err(|error| format!("{name}: {error}"))?;
         let report: Self = serde_json::from_str(&text).map_err(|error| {
             format!("{name} is no report of `zeronav latency --save-baseline`: {error}")
         })?;

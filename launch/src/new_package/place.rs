@@ -1,8 +1,8 @@
 //! The folder of a new package, and its files: all of them are written, or none.
 
-use std::fs::{self, File};
-use std::io::{ErrorKind, Write};
+use std::io::{Error, ErrorKind, Write};
 use std::path::{Path, PathBuf};
+use zeronav_files::Folder;
 
 /// A file of a package: its path in the folder, and its text.
 pub(crate) type Text = (PathBuf, String);
@@ -12,56 +12,61 @@ pub(crate) type Text = (PathBuf, String);
 /// # Errors
 /// The folder is in use, or something could not be written; then what was written is removed again.
 pub(crate) fn write(folder: &Path, files: &[Text]) -> Result<(), String> {
-    let named = |error: std::io::Error| format!("{}: {error}", folder.display());
-    let mut made = Made::default();
-    if folder.is_dir() {
-        let mut entries = fs::read_dir(folder).map_err(named)?;
-        if entries.next().is_some() {
-            return Err(format!(
-                "{} is not empty: name a new folder",
-                folder.display()
-            ));
-        }
+    let named = |error: Error| format!("{}: {error}", folder.display());
+    let missing: Vec<&Path> = folder.ancestors().take_while(|it| !it.exists()).collect();
+    let root = if missing.is_empty() {
+        Folder::open(folder)
+    } else {
+        Folder::create_at(folder)
+    };
+    let root = root.map_err(named)?;
+    if !root.names().map_err(named)?.is_empty() {
+        return Err(format!(
+            "{} is not empty: name a new folder",
+            folder.display()
+        ));
     }
-    let result = files
-        .iter()
-        .try_for_each(|(path, text)| made.file(&folder.join(path), text));
-    result.inspect_err(|_| made.remove())
+    let mut made = Made::default();
+    let result = files.iter().try_for_each(|(path, text)| {
+        let written = made.file(&root, path, text);
+        written.map_err(|error| format!("{}: {error}", folder.join(path).display()))
+    });
+    result.inspect_err(|_| {
+        made.remove();
+        // What others have put into a folder meanwhile keeps the folder.
+        for folder in missing {
+            let _ = std::fs::remove_dir(folder);
+        }
+    })
 }
 
-/// What was made, in its order.
+/// What was made, in its order: the folder and the name in it.
 #[derive(Debug, Default)]
-struct Made(Vec<PathBuf>);
+struct Made(Vec<(Folder, String)>);
 
 impl Made {
-    fn folder(&mut self, folder: &Path) -> Result<(), String> {
-        let none = folder.as_os_str().is_empty();
-        if none || folder.is_dir() {
-            return Ok(());
+    fn file(&mut self, root: &Folder, path: &Path, text: &str) -> std::io::Result<()> {
+        let (parents, name) = zeronav_files::parts(path)?;
+        let mut at = root.clone();
+        for parent in parents {
+            let parent = parent.to_str().ok_or(ErrorKind::InvalidInput)?;
+            let new = at.create(parent);
+            if new.is_ok() {
+                self.0.push((at.clone(), parent.to_owned()));
+            }
+            at = match new {
+                Err(error) if error.kind() == ErrorKind::AlreadyExists => at.inside(parent)?,
+                other => other?,
+            };
         }
-        if let Some(parent) = folder.parent() {
-            self.folder(parent)?;
-        }
-        match fs::create_dir(folder) {
-            Ok(()) => self.0.push(folder.to_owned()),
-            Err(error) if error.kind() == ErrorKind::AlreadyExists && folder.is_dir() => {}
-            Err(error) => return Err(format!("{}: {error}", folder.display())),
-        }
-        Ok(())
-    }
-
-    fn file(&mut self, path: &Path, text: &str) -> Result<(), String> {
-        self.folder(path.parent().unwrap_or_else(|| Path::new("")))?;
-        let named = |error: std::io::Error| format!("{}: {error}", path.display());
-        let mut file = File::create_new(path).map_err(named)?;
-        self.0.push(path.to_owned());
-        file.write_all(text.as_bytes()).map_err(named)
+        let mut file = at.new_file(name)?;
+        self.0.push((at, name.to_owned()));
+        file.write_all(text.as_bytes())
     }
 
     fn remove(&mut self) {
-        // What others have put into a folder meanwhile keeps the folder.
-        for path in self.0.drain(..).rev() {
-            let _ = fs::remove_file(&path).or_else(|_| fs::remove_dir(&path));
+        for (folder, name) in self.0.drain(..).rev() {
+            folder.remove(&name);
         }
     }
 }
@@ -69,6 +74,7 @@ impl Made {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::fs;
 
     fn files(names: &[&str]) -> Vec<Text> {
         names

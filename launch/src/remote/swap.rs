@@ -20,6 +20,7 @@ use std::process::ExitCode;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 use toml::Table;
+use zeronav_files::read;
 use zeronav_msgs::role::Role;
 use zeronav_shell::printable;
 
@@ -140,7 +141,7 @@ fn order(
     let mut config = Table::new();
     if let Some(file) = &newcomer.config {
         let problem = |error: &dyn core::fmt::Display| format!("{}: {error}", file.display());
-        let text = std::fs::read_to_string(file).map_err(|error| problem(&error))?;
+        let text = read::text(file, read::TEXT_BYTES_MAX).map_err(|error| problem(&error))?;
         config = toml::from_str(&text).map_err(|error| problem(&error))?;
     }
     for keys in &newcomer.set {

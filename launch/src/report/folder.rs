@@ -7,9 +7,7 @@ use crate::show::recording::{self, Recording};
 use crate::stay_result::StayResult;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
-
-/// Largest file that is read: many times what a run writes. [bytes]
-const FILE_BYTES_MAX: u64 = 256 << 20;
+use zeronav_files::read;
 
 /// What became of a run.
 #[derive(Debug, Clone)]
@@ -107,13 +105,5 @@ impl RunFolder {
 /// One line that names it.
 pub(crate) fn read_text(file: &Path) -> Result<String, String> {
     let failed = |error: std::io::Error| format!("{}: {error}", file.display());
-    let meta = std::fs::metadata(file).map_err(failed)?;
-    // Reading a pipe or a device would not end.
-    if !meta.is_file() {
-        return Err(format!("{}: no file", file.display()));
-    }
-    if meta.len() > FILE_BYTES_MAX {
-        return Err(format!("{}: larger than 256 MiB", file.display()));
-    }
-    std::fs::read_to_string(file).map_err(failed)
+    read::text(file, read::RESULT_BYTES_MAX).map_err(failed)
 }

@@ -2,6 +2,7 @@
 
 use crate::show::svg::escape;
 use core::fmt::Write;
+use zeronav_shell::printable::printable_json;
 
 /// Longest text of a cell. [characters]
 const TEXT_MAX: usize = 400;
@@ -158,11 +159,10 @@ pub(super) fn pairs(pairs: &[(&str, String)]) -> String {
     html
 }
 
-/// A text of JSON as it may stand in a `script` element: no `<` ends the element early.
+/// A text of JSON as it may stand in a `script` element: no `<` ends the element early, and nothing in it
+/// is obeyed by who reads the page as text.
 pub(super) fn json_in_script(json: &str) -> String {
-    json.replace('<', "\\u003c")
-        .replace('\u{2028}', "\\u2028")
-        .replace('\u{2029}', "\\u2029")
+    printable_json(json).replace('<', "\\u003c")
 }
 
 /// A whole page. `body` is HTML that this room has made.

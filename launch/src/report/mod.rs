@@ -23,6 +23,7 @@ use crate::show::terminal::{lose, say, usage};
 use folder::{Outcome, RunFolder};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use zeronav_files::Folder;
 
 /// Its name in the folder of a run.
 const FILE: &str = "report.html";
@@ -33,17 +34,17 @@ const COMPARISON: &str = "comparison.html";
 /// Most runs that are compared.
 const RUNS_MAX: usize = 100;
 
-/// Writes the report of the run whose folder is `run`.
+/// Writes the report of the run whose folder is `run` into it.
 ///
 /// # Errors
 /// One line when it cannot be written.
-pub(crate) fn write(run: &Path, outcome: Outcome, recording: Recording) -> Result<(), String> {
+pub(crate) fn write(run: &Folder, outcome: Outcome, recording: Recording) -> Result<(), String> {
     let folder = RunFolder {
-        path: run.to_owned(),
+        path: run.path().to_owned(),
         outcome,
         recording: Some(recording),
     };
-    leave::write(&run.join(FILE), &page::page(&folder))
+    leave::write_in(run, FILE, &page::page(&folder))
 }
 
 /// `zeronav report`: one run has its report written again, several are compared.

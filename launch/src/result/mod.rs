@@ -26,6 +26,7 @@ use std::path::Path;
 use swap::SwapResult;
 use trials::{Disturbance, TrialsResult};
 use truth::{PoseResult, TrackingResult};
+use zeronav_files::read;
 
 /// The result of a run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -138,9 +139,6 @@ pub struct RunResult {
     pub directory: String,
 }
 
-/// Largest file that is taken for a result. [bytes]
-const FILE_BYTES_MAX: u64 = 256 * 1024 * 1024;
-
 impl RunResult {
     /// The result in the folder of a run.
     ///
@@ -149,12 +147,8 @@ impl RunResult {
     pub fn read(run: &Path) -> Result<Self, String> {
         let file = run.join("result.json");
         let name = file.display();
-        let size = std::fs::metadata(&file)
+        let text = read::text(&file, read::RESULT_BYTES_MAX)
             .map_err(|error| format!("{name}: {error}; the folder of a run holds a result.json"))?;
-        if size.len() > FILE_BYTES_MAX {
-            return Err(format!("{name}: no result is that large"));
-        }
-        let text = std::fs::read_to_string(&file).map_err(|error| format!("{name}: {error}"))?;
         serde_json::from_str(&text)
             .map_err(|error| format!("{name} is no result of a run: {error}"))
     }

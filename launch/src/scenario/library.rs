@@ -8,8 +8,8 @@
 //! They are what is listed then; `u_trap` is the file as it is.
 
 use super::error::ScenarioError;
-use std::io::Read;
 use std::path::{Path, PathBuf};
+use zeronav_files::read;
 use zeronav_shell::nearest::{nearest, unknown};
 
 /// Largest scenario file. [bytes]
@@ -80,22 +80,10 @@ impl Origin {
             Self::BuiltIn(_, text) => return Ok((*text).to_owned()),
             Self::Made(_, text) => return Ok(text.clone()),
         };
-        let mut text = String::new();
-        // One byte more than allowed tells too large from just large enough.
-        std::fs::File::open(file)
-            .and_then(|opened| opened.take(TEXT_BYTES_MAX + 1).read_to_string(&mut text))
-            .and_then(|length| {
-                let fits = length as u64 <= TEXT_BYTES_MAX;
-                fits.then_some(()).ok_or_else(|| {
-                    let why = format!("more than {TEXT_BYTES_MAX} bytes");
-                    std::io::Error::new(std::io::ErrorKind::FileTooLarge, why)
-                })
-            })
-            .map_err(|source| ScenarioError::Read {
-                file: file.clone(),
-                source,
-            })?;
-        Ok(text)
+        read::text(file, TEXT_BYTES_MAX).map_err(|source| ScenarioError::Read {
+            file: file.clone(),
+            source,
+        })
     }
 }
 

@@ -4,14 +4,15 @@
 use super::terminal::beside_the_line;
 use std::fs::File;
 use std::io::Write;
-use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 use tracing_subscriber::Layer;
 use tracing_subscriber::filter::LevelFilter;
 use tracing_subscriber::fmt::MakeWriter;
 use tracing_subscriber::layer::SubscriberExt;
 use tracing_subscriber::util::SubscriberInitExt;
+use zeronav_files::Folder;
 use zeronav_shell::logs::Bounded;
+use zeronav_shell::printable::printable_event;
 
 /// The log of the run that goes on.
 static RUN: Mutex<Option<Bounded<File>>> = Mutex::new(None);
@@ -44,12 +45,12 @@ pub fn start() {
         .try_init();
 }
 
-/// From now on events go to this file, too.
+/// From now on events go to `launch.log` in this folder, too.
 ///
 /// # Errors
 /// What the file system says.
-pub fn open(file: &Path) -> std::io::Result<()> {
-    let log = Bounded::new(File::options().create(true).append(true).open(file)?);
+pub fn open(logs: &Folder) -> std::io::Result<()> {
+    let log = Bounded::new(logs.append("launch.log")?);
     *RUN.lock().unwrap_or_else(PoisonError::into_inner) = Some(log);
     Ok(())
 }
@@ -64,7 +65,10 @@ impl<'a> MakeWriter<'a> for Terminal {
 
 impl Write for Terminal {
     fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
-        beside_the_line(|| std::io::stderr().write(bytes))
+        let text = String::from_utf8_lossy(bytes);
+        let text = printable_event(&text);
+        beside_the_line(|| std::io::stderr().write_all(text.as_bytes()))?;
+        Ok(bytes.len())
     }
 
     fn flush(&mut self) -> std::io::Result<()> {

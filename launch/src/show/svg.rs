@@ -1,6 +1,7 @@
 //! Numbers, texts and lines as SVG.
 
 use core::fmt::Write;
+use zeronav_shell::printable::printable;
 
 /// The points of a line, without those that lie on it anyway. [px]
 pub(super) fn polyline(points: &[[f64; 2]]) -> String {
@@ -56,9 +57,10 @@ pub(crate) fn short(value: f64, digits: usize) -> String {
     if text == "-0" { "0" } else { text }.to_owned()
 }
 
-/// `text` safe inside SVG.
+/// `text` safe inside SVG and HTML; what those or a reader could obey or not see is written out.
 pub(crate) fn escape(text: &str) -> String {
-    text.replace('&', "&amp;")
+    printable(text)
+        .replace('&', "&amp;")
         .replace('<', "&lt;")
         .replace('>', "&gt;")
         .replace('"', "&quot;")
@@ -102,5 +104,9 @@ mod tests {
             ["1.5", "0", "20"]
         );
         assert_eq!(escape("a < \"b\" & c"), "a &lt; &quot;b&quot; &amp; c");
+        assert_eq!(
+            escape("\u{1}\u{202e}x\u{ffff}"),
+            "\\u{1}\\u{202e}x\\u{ffff}"
+        );
     }
 }

@@ -3,6 +3,7 @@
 use super::noise;
 use super::plan::Setup;
 use super::track::Clock;
+use crate::leave;
 use std::path::PathBuf;
 use std::time::Duration;
 use toml::{Table, Value};
@@ -155,10 +156,9 @@ pub(super) fn write(setup: &Setup<'_>, name: &str, mut sheet: Table) -> Result<P
         services.insert("local_planner".into(), seat.into());
         sheet.insert("services".into(), services.into());
     }
-    let file = setup.scenarios.join(format!("{name}.toml"));
-    std::fs::write(&file, sheet.to_string())
-        .map_err(|error| format!("writing {}: {error}", file.display()))?;
-    Ok(file)
+    let name = format!("{name}.toml");
+    leave::write_in(setup.scenarios, &name, &sheet.to_string())?;
+    Ok(setup.scenarios.path().join(name))
 }
 
 fn numbers(pose: Pose) -> Value {

@@ -12,6 +12,7 @@ use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
+use zeronav_files::{Folder, read};
 use zeronav_msgs::message::{FNV_OFFSET, fnv1a};
 use zeronav_msgs::role::Role;
 
@@ -63,9 +64,11 @@ impl Journal {
     ///
     /// # Errors
     /// One line naming the file.
-    pub(super) fn begin(directory: &Path, order: &Order) -> Result<Self, String> {
-        let file = directory.join(NAME);
-        let open = File::create_new(&file).map_err(|error| failed(&file, &error))?;
+    pub(super) fn begin(folder: &Folder, order: &Order) -> Result<Self, String> {
+        let file = folder.path().join(NAME);
+        let open = folder
+            .new_file(NAME)
+            .map_err(|error| failed(&file, &error))?;
         let mut journal = Self {
             file,
             open,
@@ -81,8 +84,9 @@ impl Journal {
     /// One line naming the file and what is wrong with it.
     pub(super) fn resume(directory: &Path) -> Result<(Order, Self), String> {
         let file = directory.join(NAME);
-        let text = std::fs::read_to_string(&file)
-            .map_err(|error| format!("nothing to resume, {}: {error}", file.display()))?;
+        let nothing = |error| format!("nothing to resume, {}: {error}", file.display());
+        let folder = Folder::open(directory).map_err(nothing)?;
+        let text = read::text(&file, read::RESULT_BYTES_MAX).map_err(nothing)?;
         // A line without its end was being written when the suite was killed.
         let whole = text.rfind('\n').map_or("", |end| &text[..=end]);
         let mut lines = whole.lines();
@@ -101,14 +105,9 @@ impl Journal {
             };
             rows.insert(entry.key, row);
         }
-        let open = File::options()
-            .write(true)
-            .open(&file)
-            .and_then(|open| {
-                open.set_len(whole.len() as u64)?;
-                drop(open);
-                File::options().append(true).open(&file)
-            })
+        let open = folder
+            .append(NAME)
+            .and_then(|open| open.set_len(whole.len() as u64).map(|()| open))
             .map_err(|error| failed(&file, &error))?;
         Ok((order, Self { file, open, rows }))
     }

@@ -1,6 +1,7 @@
 //! The runs of a suite as test cases for a build server, in the `JUnit` format.
 
 use super::row::Row;
+use crate::show::svg::escape;
 use core::fmt::Write;
 
 /// One test case a run; a run that is no success is a failure with its cause.
@@ -37,31 +38,15 @@ pub(super) fn text(suite: &str, rows: &[Row]) -> String {
     text + "  </testsuite>\n</testsuites>\n"
 }
 
-/// `text` as XML wants it; characters that XML does not have are left out.
-fn escape(text: &str) -> String {
-    let mut escaped = String::with_capacity(text.len());
-    for letter in text.chars() {
-        match letter {
-            '&' => escaped.push_str("&amp;"),
-            '<' => escaped.push_str("&lt;"),
-            '>' => escaped.push_str("&gt;"),
-            '"' => escaped.push_str("&quot;"),
-            '\u{0}'..='\u{1f}' | '\u{fffe}' | '\u{ffff}' => escaped.push(' '),
-            _ => escaped.push(letter),
-        }
-    }
-    escaped
-}
-
 #[cfg(test)]
 mod tests {
-    use super::escape;
+    use crate::show::svg::escape;
 
     #[test]
     fn what_xml_reserves_is_escaped() {
         assert_eq!(
             escape("a<b & \"c\"\u{1b}>"),
-            "a&lt;b &amp; &quot;c&quot; &gt;"
+            "a&lt;b &amp; &quot;c&quot;\\u{1b}&gt;"
         );
     }
 }

@@ -31,6 +31,7 @@ mod summary;
 mod track;
 
 use crate::environment::Before;
+use crate::leave;
 use crate::supervise::algorithms;
 use crate::supervise::binaries::{self, Needed};
 use case::Case;
@@ -44,9 +45,10 @@ use report::Report;
 use row::Row;
 use rows::drive_rest;
 use runner::{Runner, Stopped};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
+use zeronav_files::Folder;
 
 /// Runs a suite, or what is left of one, and writes what it gave into a folder of its own.
 ///
@@ -88,15 +90,15 @@ fn begin(
     check_binaries(kind, plan)?;
     let before = Before::read();
     let started = Instant::now();
-    let directory = match &resumed {
-        Some((directory, ..)) => (*directory).to_owned(),
-        None => suite_folder(&plan.out, kind)?,
+    let folders = match &resumed {
+        Some((directory, ..)) => Folders::again(directory)?,
+        None => Folders::new(&plan.out, kind)?,
     };
-    let scenarios = directory.join("scenarios");
+    let directory = folders.all.path();
     let setup = Setup {
         plan,
         controller: plan.controller.as_deref(),
-        scenarios: &scenarios,
+        scenarios: &folders.scenarios,
     };
     let order = Order::of(&setup)?;
     let mut journal = match resumed {
@@ -107,16 +109,21 @@ fn begin(
                 directory.display()
             )));
         }
-        None => Journal::begin(&directory, &order).map_err(SuiteError::Lost)?,
+        None => Journal::begin(&folders.all, &order).map_err(SuiteError::Lost)?,
     };
-    let runner = Runner::new(plan, directory.join("runs"), interrupted)?;
+    let runner = Runner::new(plan, folders.runs.clone(), interrupted)?;
     let cases = cases(kind, &setup, &worlds, &runner)?;
     let ended = drive_rest(&runner, kind.label(), &cases, &mut journal);
     let rows: Vec<Row> = cases
         .iter()
         .filter_map(|case| journal.row(case).cloned())
         .collect();
-    let report = leave(&setup, (cases.len(), rows), &directory, (&started, &before))?;
+    let report = leave(
+        &setup,
+        (cases.len(), rows),
+        &folders.all,
+        (&started, &before),
+    )?;
     match ended {
         Ok(()) => {}
         Err(Stopped::Interrupted) => return Err(SuiteError::Interrupted(Some(Box::new(report)))),
@@ -138,23 +145,28 @@ fn plan_all(plan: &SuitePlan, interrupted: &AtomicBool) -> Result<Report, SuiteE
     }
     let before = Before::read();
     let started = Instant::now();
-    let directory = suite_folder(&plan.out, kind)?;
+    let folders = Folders::new(&plan.out, kind)?;
     let setup = Setup {
         plan,
         controller: None,
-        scenarios: &directory.join("scenarios"),
+        scenarios: &folders.scenarios,
     };
-    let runner = Runner::new(plan, directory.join("runs"), interrupted)?;
+    let runner = Runner::new(plan, folders.runs.clone(), interrupted)?;
     let cases = cases(kind, &setup, &worlds, &runner)?;
     let rows = bound::rows(&cases, runner.jobs(), plan.progress, interrupted)?;
-    leave(&setup, (cases.len(), rows), &directory, (&started, &before))
+    leave(
+        &setup,
+        (cases.len(), rows),
+        &folders.all,
+        (&started, &before),
+    )
 }
 
 /// The report of so many cases, of which these have a row, in the suite's folder.
 fn leave(
     setup: &Setup<'_>,
     (n_cases, rows): (usize, Vec<Row>),
-    directory: &Path,
+    folder: &Folder,
     (started, before): (&Instant, &Before),
 ) -> Result<Report, SuiteError> {
     let report = Report::new(
@@ -162,11 +174,11 @@ fn leave(
         Kind::of(&setup.plan.suite),
         n_cases,
         rows,
-        directory,
+        folder.path(),
         started.elapsed().as_secs_f64(),
         before.environment(),
     );
-    report.leave().map_err(SuiteError::Lost)?;
+    report.leave(folder).map_err(SuiteError::Lost)?;
     Ok(report)
 }
 
@@ -213,21 +225,37 @@ fn check_binaries(kind: Kind, plan: &SuitePlan) -> Result<(), String> {
     }
 }
 
-/// Makes the suite's own folder.
-fn suite_folder(out: &Path, kind: Kind) -> Result<PathBuf, String> {
-    let now = std::time::SystemTime::now()
-        .duration_since(std::time::UNIX_EPOCH)
-        .unwrap_or_default();
-    let id = format!(
-        "suite-{}-{}-{}",
-        kind.label(),
-        now.as_secs(),
-        std::process::id()
-    );
-    let folder = out.join(id);
-    for part in ["scenarios", "runs"] {
-        std::fs::create_dir_all(folder.join(part))
-            .map_err(|error| format!("making the suite's folder {}: {error}", folder.display()))?;
+/// The suite's own folder and those in it.
+struct Folders {
+    all: Folder,
+    scenarios: Folder,
+    runs: Folder,
+}
+
+impl Folders {
+    fn new(out: &Path, kind: Kind) -> Result<Self, String> {
+        let all = leave::new_folder(out, &format!("suite-{}", kind.label()))?;
+        Self::within(all, Folder::create)
     }
-    Ok(folder)
+
+    /// Those of a suite that goes on.
+    fn again(directory: &Path) -> Result<Self, String> {
+        let all = Folder::open(directory).map_err(|error| leave::refused(directory, &error))?;
+        Self::within(all, Folder::inside)
+    }
+
+    fn within(
+        all: Folder,
+        get: impl Fn(&Folder, &str) -> std::io::Result<Folder>,
+    ) -> Result<Self, String> {
+        let part = |name: &str| {
+            let path = all.path().join(name);
+            get(&all, name).map_err(|error| leave::refused(&path, &error))
+        };
+        Ok(Self {
+            scenarios: part("scenarios")?,
+            runs: part("runs")?,
+            all,
+        })
+    }
 }

@@ -4,7 +4,8 @@ use super::noise::Noise;
 use crate::scenario::ForesightSpec;
 use core::ops::Range;
 use std::num::NonZeroUsize;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
+use zeronav_files::Folder;
 
 /// The order for a suite.
 #[derive(Debug, Clone)]
@@ -42,7 +43,7 @@ pub(super) struct Setup<'a> {
     /// Key of the local planner's controller; `None` = its own default, or the scenario's.
     pub(super) controller: Option<&'a str>,
     /// Folder for the scenarios that are written.
-    pub(super) scenarios: &'a Path,
+    pub(super) scenarios: &'a Folder,
 }
 
 impl Setup<'_> {

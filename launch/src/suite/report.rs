@@ -10,7 +10,8 @@ use crate::result::Environment;
 use core::fmt::Write;
 use serde::Serialize;
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
+use zeronav_files::Folder;
 
 /// Columns of the table beside the name.
 const COLUMNS: usize = 14;
@@ -139,9 +140,8 @@ impl Report {
     ///
     /// # Errors
     /// One line naming the file.
-    pub(super) fn leave(&self) -> Result<(), String> {
-        let directory = PathBuf::from(&self.directory);
-        let write = |name: &str, text: String| crate::leave::write(&directory.join(name), &text);
+    pub(super) fn leave(&self, folder: &Folder) -> Result<(), String> {
+        let write = |name: &str, text: String| crate::leave::write_in(folder, name, &text);
         let json = serde_json::to_string_pretty(self).map_err(|error| error.to_string())?;
         write("suite.json", json + "\n")?;
         write("junit.xml", junit::text(&self.suite, &self.runs))?;

@@ -7,10 +7,12 @@ use crate::result::RunResult;
 use crate::show::progress::{ProgressLine, Tally};
 use rustix::process::{Pid, Signal, kill_process};
 use std::fs::File;
-use std::path::{Path, PathBuf};
+use std::io::Seek;
+use std::path::PathBuf;
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
+use zeronav_files::{Folder, read};
 
 /// How long a run that was asked to stop may take, before it is killed.
 const STOP_LIMIT: Duration = Duration::from_secs(20);
@@ -56,7 +58,7 @@ pub(super) enum Stopped {
 #[derive(Debug)]
 pub(super) struct Runner<'a> {
     program: PathBuf,
-    out: PathBuf,
+    out: Folder,
     jobs: usize,
     progress: bool,
     interrupted: &'a AtomicBool,
@@ -68,8 +70,10 @@ struct Going<'a> {
     index: usize,
     case: &'a Case,
     process: Child,
-    /// What it writes, and what it complains.
-    files: [PathBuf; 2],
+    /// Where what it writes and what it complains lies.
+    out: Folder,
+    names: [String; 2],
+    files: [File; 2],
     started: Instant,
     /// When it was asked to stop, and whether because it took too long.
     asked: Option<(Instant, bool)>,
@@ -82,7 +86,7 @@ impl<'a> Runner<'a> {
     /// One line when this program cannot be found.
     pub(super) fn new(
         plan: &SuitePlan,
-        out: PathBuf,
+        out: Folder,
         interrupted: &'a AtomicBool,
     ) -> Result<Self, String> {
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
@@ -179,8 +183,15 @@ impl<'a> Runner<'a> {
     fn start<'c>(&self, index: usize, case: &'c Case) -> Result<Going<'c>, String> {
         let name = case.scenario.file_stem().unwrap_or_default();
         let name = format!("{}-seed{}", name.to_string_lossy(), case.seed);
-        let files = ["json", "txt"].map(|ending| self.out.join(format!("{name}.{ending}")));
+        let names = ["json", "txt"].map(|ending| format!("{name}.{ending}"));
         let failed = |error: std::io::Error| format!("starting a run of {name}: {error}");
+        // Those of a suite that was killed.
+        for name in &names {
+            self.out.remove(name);
+        }
+        let file = |name: &String| self.out.new_file(name).map_err(failed);
+        let files = [file(&names[0])?, file(&names[1])?];
+        let handed = |file: &File| file.try_clone().map_err(failed);
         let process = Command::new(&self.program)
             .arg("run")
             .arg(&case.scenario)
@@ -188,18 +199,20 @@ impl<'a> Runner<'a> {
             .arg("--report-failures-only")
             .args(["--seed", &case.seed.to_string()])
             .arg("--out")
-            .arg(&self.out)
+            .arg(self.out.path())
             // The binaries were built before the first run, if cargo started the suite.
             .env_remove("CARGO")
             .stdin(Stdio::null())
-            .stdout(File::create(&files[0]).map_err(failed)?)
-            .stderr(File::create(&files[1]).map_err(failed)?)
+            .stdout(handed(&files[0])?)
+            .stderr(handed(&files[1])?)
             .spawn()
             .map_err(failed)?;
         Ok(Going {
             index,
             case,
             process,
+            out: self.out.clone(),
+            names,
             files,
             started: Instant::now(),
             asked: None,
@@ -245,13 +258,11 @@ impl Going<'_> {
 
     /// Takes in what the run has written.
     fn finish(&self, status: ExitStatus) -> Finish {
-        let [result, complaints] = &self.files;
-        let text = std::fs::read_to_string(result).unwrap_or_default();
+        let [text, complaint] = self.files.each_ref().map(said);
         // The same lies in the run's own folder.
-        remove(result);
-        let complaint = std::fs::read_to_string(complaints).unwrap_or_default();
+        self.out.remove(&self.names[0]);
         if complaint.is_empty() {
-            remove(complaints);
+            self.out.remove(&self.names[1]);
         }
         let complaint = complaint
             .lines()
@@ -270,7 +281,11 @@ impl Going<'_> {
     }
 }
 
-/// A file that stays is no harm.
-fn remove(file: &Path) {
-    let _ = std::fs::remove_file(file);
+/// What was written to a file, unless it is too long.
+fn said(mut file: &File) -> String {
+    let read = (file.rewind()).and_then(|()| read::bounded(file, read::RESULT_BYTES_MAX));
+    read.map_or_else(
+        |_| String::new(),
+        |bytes| String::from_utf8_lossy(&bytes).into_owned(),
+    )
 }

@@ -1,5 +1,6 @@
 //! One service process.
 
+use super::child_log::{LogPlace, last_lines};
 use super::scheduling::{self, SchedulingSpec};
 use super::warden;
 use crate::result::scheduling::Scheduling;
@@ -7,7 +8,6 @@ use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::process::{Pid, PidfdFlags, Signal, kill_process_group, pidfd_open};
 use std::ffi::OsString;
 use std::fs::File;
-use std::io::{Read, Seek, SeekFrom};
 use std::os::fd::{AsFd, OwnedFd};
 use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::path::{Path, PathBuf};
@@ -25,8 +25,8 @@ pub struct Child {
     pub epoch: u32,
     /// The binary.
     pub binary: PathBuf,
-    /// Where its standard error goes.
-    pub log: PathBuf,
+    /// What it writes to both its outputs.
+    log: File,
     process: std::process::Child,
     pidfd: OwnedFd,
     ended: Option<ExitStatus>,
@@ -47,7 +47,7 @@ impl Child {
         binary: &Path,
         arguments: &[OsString],
         stdin: Stdio,
-        log: &Path,
+        log: &LogPlace,
         scheduling: Option<&SchedulingSpec>,
     ) -> std::io::Result<Self> {
         let name = |error: std::io::Error| {
@@ -56,17 +56,13 @@ impl Child {
                 format!("starting {}: {error}", binary.display()),
             )
         };
-        let stderr = File::options()
-            .create(true)
-            .append(true)
-            .open(log)
-            .map_err(name)?;
+        let log = log.open().map_err(name)?;
         let mut command = Command::new(binary);
         command
             .args(arguments)
             .stdin(stdin)
-            .stdout(stderr.try_clone().map_err(name)?)
-            .stderr(stderr)
+            .stdout(log.try_clone().map_err(name)?)
+            .stderr(log.try_clone().map_err(name)?)
             .process_group(0);
         end_with_this_thread(&mut command, Signal::TERM);
         if let Some(spec) = scheduling {
@@ -92,7 +88,7 @@ impl Child {
             role,
             epoch,
             binary: binary.to_owned(),
-            log: log.to_owned(),
+            log,
             process,
             pidfd,
             ended: None,
@@ -206,6 +202,9 @@ impl Child {
     pub fn end_in_words(status: ExitStatus) -> String {
         match (status.code(), status.signal()) {
             (Some(135), _) | (_, Some(7)) => "killed by SIGBUS: /dev/shm is full".to_owned(),
+            (Some(153), _) | (_, Some(25)) => {
+                "killed by SIGXFSZ: a file became larger than `ulimit -f` allows".to_owned()
+            }
             (Some(4), _) => "exit code 4: too little shared memory in /dev/shm".to_owned(),
             (Some(code), _) => format!("exit code {code}"),
             (None, Some(signal)) => format!("killed by signal {signal}"),
@@ -216,21 +215,7 @@ impl Child {
     /// The last lines of its log.
     #[must_use]
     pub fn log_tail(&self, lines: usize) -> Vec<String> {
-        const TAIL_BYTES: u64 = 16 * 1024;
-        let read = || -> std::io::Result<String> {
-            let mut file = File::open(&self.log)?;
-            let start = file.metadata()?.len().saturating_sub(TAIL_BYTES);
-            file.seek(SeekFrom::Start(start))?;
-            let mut bytes = Vec::new();
-            file.take(TAIL_BYTES).read_to_end(&mut bytes)?;
-            Ok(String::from_utf8_lossy(&bytes).into_owned())
-        };
-        let text = read().unwrap_or_default();
-        let all: Vec<&str> = text.lines().collect();
-        all[all.len().saturating_sub(lines)..]
-            .iter()
-            .map(|line| (*line).to_owned())
-            .collect()
+        last_lines(&self.log, lines)
     }
 }
 
@@ -252,6 +237,8 @@ pub(crate) fn end_with_this_thread(command: &mut Command, signal: Signal) {
     unsafe {
         command.pre_exec(move || {
             rustix::process::set_parent_process_death_signal(Some(signal))?;
+            // A log or segment beyond `ulimit -f` is an error of the write and kills no robot.
+            libc::signal(libc::SIGXFSZ, libc::SIG_IGN);
             // Launch may have died between fork and the call: then the signal would never be sent.
             if rustix::process::getppid() != Some(parent) {
                 return Err(std::io::Error::from_raw_os_error(3));

@@ -3,8 +3,10 @@
 pub(crate) mod algorithms;
 pub(crate) mod binaries;
 pub(crate) mod child;
+pub mod child_log;
 pub mod cleaner;
 pub(crate) mod hang;
+mod log_limit;
 pub(crate) mod occupant;
 pub(crate) mod question;
 pub(crate) mod restart;

@@ -6,6 +6,7 @@ mod shutdown;
 pub(crate) use shutdown::close;
 
 use super::child::Child;
+use super::child_log::LogPlace;
 use super::cleaner::{Cleaner, Ticket};
 use super::occupant::Occupant;
 use super::scheduling::SchedulingSpec;
@@ -48,7 +49,7 @@ pub struct Launch<'a> {
     /// What it logs.
     pub log_level: &'a str,
     /// Where its log goes.
-    pub log: &'a Path,
+    pub log: &'a LogPlace,
 }
 
 /// A running stack. Dropping it ends the processes and removes the domain.

@@ -3,9 +3,10 @@
 //! When launch dies, its services bring the robot to rest and leave by themselves. One that hangs or
 //! is stopped does not. The warden has a descriptor of every service and the names of the domains; it
 //! waits until launch is gone, gives the services their time, kills those that are still there and
-//! removes the domains. It is this program, started as `zeronav warden` with one end of a socket as
+//! removes the domains. Meanwhile it keeps the logs of all children short. It is this program, started as `zeronav warden` with one end of a socket as
 //! standard input; the kernel closes the other end when launch ends, in whatever way.
 
+use super::log_limit::{Logs, PAUSE};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::io::Errno;
 use rustix::net::{
@@ -13,6 +14,7 @@ use rustix::net::{
     SendAncillaryMessage, SendFlags, SocketFlags, SocketType, recvmsg, sendmsg, socketpair,
 };
 use rustix::process::{Pid, Signal, kill_process_group, pidfd_send_signal};
+use std::fs::File;
 use std::io::{IoSlice, IoSliceMut};
 use std::mem::MaybeUninit;
 use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
@@ -57,6 +59,11 @@ pub fn watch_domain(root: &Path) {
 /// Has the service `pid` ended after the death of this process, if it does not leave by itself.
 pub fn watch_service(pid: u32, pidfd: BorrowedFd<'_>) {
     tell(&format!("service {pid}"), Some(pidfd));
+}
+
+/// Has the log of a child kept short, until this process is dead and all its services are gone.
+pub(crate) fn watch_log(log: BorrowedFd<'_>) {
+    tell("log -", Some(log));
 }
 
 fn tell(text: &str, descriptor: Option<BorrowedFd<'_>>) {
@@ -139,19 +146,26 @@ pub fn run() {
     }
     let mut services: Vec<Service> = Vec::new();
     let mut domains: Vec<PathBuf> = Vec::new();
-    while listen(&mut services, &mut domains) {
+    let mut logs = Logs::default();
+    while listen(&mut services, &mut domains, &mut logs) {
+        logs.cut();
         services.retain(|service| !service.has_ended(Duration::ZERO));
         domains.retain(|root| root.exists());
     }
     let deadline = Instant::now() + LEAVE_LIMIT;
-    for service in &services {
-        service.has_ended(deadline.saturating_duration_since(Instant::now()));
+    while Instant::now() < deadline {
+        let Some(last) = services.iter().find(|it| !it.has_ended(Duration::ZERO)) else {
+            break;
+        };
+        last.has_ended(PAUSE.min(deadline.saturating_duration_since(Instant::now())));
+        logs.cut();
     }
     services.iter().for_each(Service::kill);
     let deadline = Instant::now() + GONE_LIMIT;
     for service in &services {
         service.has_ended(deadline.saturating_duration_since(Instant::now()));
     }
+    logs.cut();
     // A service that was started by hand may still be a member; the last one out removes the domain.
     while Instant::now() < deadline {
         domains.retain(|root| !zeronav_shell::domain::sweep(root).unwrap_or(false));
@@ -162,8 +176,17 @@ pub fn run() {
     }
 }
 
-/// Takes in one message; false when launch is gone.
-fn listen(services: &mut Vec<Service>, domains: &mut Vec<PathBuf>) -> bool {
+/// Takes in one message, or waits a moment while there are logs; false when launch is gone.
+fn listen(services: &mut Vec<Service>, domains: &mut Vec<PathBuf>, logs: &mut Logs) -> bool {
+    let stdin = std::io::stdin();
+    let mut descriptors = [PollFd::new(&stdin, PollFlags::IN)];
+    let pause = Timespec {
+        tv_sec: 0,
+        tv_nsec: i64::from(PAUSE.subsec_nanos()),
+    };
+    if matches!(poll(&mut descriptors, logs.any().then_some(&pause)), Ok(0)) {
+        return true;
+    }
     let mut bytes = [0; MESSAGE_BYTES_MAX];
     let mut space = [MaybeUninit::uninit(); rustix::cmsg_space!(ScmRights(1))];
     let mut ancillary = RecvAncillaryBuffer::new(&mut space);
@@ -188,6 +211,7 @@ fn listen(services: &mut Vec<Service>, domains: &mut Vec<PathBuf>) -> bool {
             let pid = pid.parse().ok().and_then(Pid::from_raw);
             services.extend(pid.map(|pid| Service { pid, pidfd }));
         }
+        (Some(("log", _)), Some(log)) => logs.add(File::from(log)),
         (Some(("domain", root)), _) => domains.push(PathBuf::from(root)),
         _ => {}
     }

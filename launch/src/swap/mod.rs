@@ -22,6 +22,7 @@ mod scores;
 mod steps;
 
 use crate::result::swap::SwapResult;
+use crate::supervise::child_log::LogPlace;
 use crate::supervise::cleaner::Ticket;
 use crate::supervise::occupant::file_name;
 use newcomer::Newcomer;
@@ -40,7 +41,7 @@ pub(crate) struct Files {
     /// Its configuration.
     pub config: PathBuf,
     /// Where its log goes.
-    pub log: PathBuf,
+    pub log: LogPlace,
     /// What it logs.
     pub log_level: String,
 }

@@ -5,6 +5,7 @@ use crate::result::fault::FaultResult;
 use crate::result::moment::Moment;
 use crate::result::{Restart, RunResult};
 use std::path::{Path, PathBuf};
+use zeronav_files::read;
 use zeronav_shell::printable;
 
 /// A restart is told for so long after it. [s]
@@ -24,13 +25,8 @@ pub(super) fn read(run: &Path) -> Result<RunResult, String> {
         run.to_owned()
     };
     let problem = |what: &str| format!("{}: {what}", printable(&file.display().to_string()));
-    let size = std::fs::metadata(&file)
-        .map_err(|error| problem(&format!("{error}; give the folder of a run, see `runs/`")))?
-        .len();
-    if size > RESULT_BYTES_MAX {
-        return Err(problem("too large for the result of a run"));
-    }
-    let text = std::fs::read_to_string(&file).map_err(|error| problem(&error.to_string()))?;
+    let text = read::text(&file, RESULT_BYTES_MAX)
+        .map_err(|error| problem(&format!("{error}; give the folder of a run, see `runs/`")))?;
     let result: RunResult = serde_json::from_str(&text)
         .map_err(|error| problem(&format!("not the result of a run: {error}")))?;
     if result.reasons.is_empty() {

@@ -275,24 +275,28 @@ fn compare(set: &Set) -> Result<Row, String> {
 
 /// A greyscale map with questions from a seed.
 fn robot_map(file: &Path, sample: usize) -> Result<Set, String> {
-    let picture = image::open(file)
-        .map_err(|error| format!("{}: {error}", file.display()))?
-        .into_luma8();
+    let named = |error: &dyn core::fmt::Display| format!("{}: {error}", file.display());
+    let opened = std::fs::File::open(file).map_err(|error| named(&error))?;
+    let mut decoder = png::Decoder::new(std::io::BufReader::new(opened));
+    decoder.set_transformations(png::Transformations::normalize_to_color8());
+    let mut picture = decoder.read_info().map_err(|error| named(&error))?;
+    if picture.output_color_type().0 != png::ColorType::Grayscale {
+        return Err(named(&"not a grey PNG"));
+    }
+    let mut pixels = vec![0; picture.output_buffer_size().unwrap_or(0)];
+    let frame = picture.next_frame(&mut pixels);
+    let frame = frame.map_err(|error| named(&error))?;
     let geometry = GridGeometry {
         origin_x_m: 0.0,
         origin_y_m: 0.0,
         resolution_m: 1.0,
-        width: picture.width(),
-        height: picture.height(),
+        width: frame.width,
+        height: frame.height,
     };
-    let cells = picture
-        .pixels()
+    let cells = pixels
+        .iter()
         .map(|pixel| MapCell {
-            cost: if pixel.0[0] < 250 {
-                COST_LETHAL
-            } else {
-                COST_FREE
-            },
+            cost: if *pixel < 250 { COST_LETHAL } else { COST_FREE },
             flags: 0,
             clearance_mm: 0,
         })

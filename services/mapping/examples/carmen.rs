@@ -269,17 +269,21 @@ fn is_near_occupied(mapper: &Mapper, beam: &Beam) -> bool {
 fn paint(mapper: &Mapper, out: &Path) -> Result<(), Box<dyn Error>> {
     let map = mapper.as_static_map();
     let (width, height) = (map.geometry.width, map.geometry.height);
-    let image = image::GrayImage::from_fn(width, height, |x, y| {
-        let cell = Cell::new(x.cast_signed(), (height - 1 - y).cast_signed());
-        image::Luma([match map.get(cell) {
+    let cells = (0..height)
+        .rev()
+        .flat_map(|y| (0..width).map(move |x| Cell::new(x.cast_signed(), y.cast_signed())));
+    let pixels: Vec<u8> = cells
+        .map(|cell| match map.get(cell) {
             Some(Occupancy::Occupied) => 0,
             Some(Occupancy::Free) => 254,
             Some(Occupancy::Unknown) | None => 205,
-        }])
-    });
+        })
+        .collect();
     if let Some(folder) = out.parent() {
         std::fs::create_dir_all(folder)?;
     }
-    image.save(out)?;
+    let mut encoder = png::Encoder::new(std::fs::File::create(out)?, width, height);
+    encoder.set_color(png::ColorType::Grayscale);
+    encoder.write_header()?.write_image_data(&pixels)?;
     Ok(())
 }

@@ -11,6 +11,7 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use toml::de::DeTable;
+use zeronav_files::read;
 
 /// Highest epoch of a process that may be obeyed; those above are for shadows.
 const EPOCH_MAX: i64 = zeronav_msgs::header::SHADOW_EPOCH_MIN as i64 - 1;
@@ -69,7 +70,7 @@ impl Flags {
             return check(&config).map(|()| config);
         };
         let file = path.display();
-        let text = std::fs::read_to_string(path)
+        let text = read::text(path, read::TEXT_BYTES_MAX)
             .map_err(|error| StartError::Usage(format!("configuration {file}: {error}")))?;
         let at = |offset: usize, why: &str| {
             let line = line_of(&text, offset);

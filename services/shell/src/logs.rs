@@ -1,6 +1,7 @@
 //! Logs: `tracing` to stderr, one line per event, bounded in size.
 
 use crate::nearest::unknown;
+use crate::printable::printable_event;
 use std::io::Write;
 use std::sync::Mutex;
 use tracing_subscriber::EnvFilter;
@@ -12,7 +13,7 @@ pub(crate) const LOG_BYTES_MAX: u64 = 8 << 20;
 const LAST_LINE: &[u8] = b"the log is full, nothing more is written\n";
 
 /// A writer that takes everything and passes on `LOG_BYTES_MAX` of it. What cannot be written is
-/// dropped: a log must not stop its process.
+/// dropped: a log must not stop its process. Each write is an event, and becomes one printable line.
 #[derive(Debug)]
 pub struct Bounded<W> {
     writer: W,
@@ -35,10 +36,13 @@ impl<W> Bounded<W> {
 
 impl<W: Write> Write for Bounded<W> {
     fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
-        let len = bytes.len() as u64;
+        // What is logged may come from other programs, and their files.
+        let text = String::from_utf8_lossy(bytes);
+        let text = printable_event(&text);
+        let len = text.len() as u64;
         if len < self.left {
             self.left -= len;
-            let _ = self.writer.write_all(bytes);
+            let _ = self.writer.write_all(text.as_bytes());
         } else if self.left > 0 {
             self.left = 0;
             let _ = self.writer.write_all(LAST_LINE);
@@ -133,6 +137,13 @@ mod tests {
         let lines: Vec<&str> = text.lines().collect();
         assert_eq!(lines.len(), 4, "{text}");
         assert_eq!(lines[3].as_bytes(), &LAST_LINE[..LAST_LINE.len() - 1]);
+    }
+
+    #[test]
+    fn what_a_terminal_obeys_is_written_out() {
+        let mut log = Bounded::new(Vec::new());
+        let _ = log.write(b"a \x1b[2J\nb\n");
+        assert_eq!(log.writer, b"a \\u{1b}[2J\\nb\n");
     }
 
     #[test]

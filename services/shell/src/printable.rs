@@ -21,6 +21,31 @@ pub fn printable_lines(text: &str) -> Cow<'_, str> {
     })
 }
 
+/// An event of a log on one line: as [`printable`], and the line end behind it stays.
+#[must_use]
+pub fn printable_event(text: &str) -> Cow<'_, str> {
+    let Some(line) = text.strip_suffix('\n') else {
+        return printable(text);
+    };
+    match printable(line) {
+        Cow::Borrowed(_) => Cow::Borrowed(text),
+        Cow::Owned(line) => Cow::Owned(line + "\n"),
+    }
+}
+
+/// A cell of a table for other programs: [`printable`], and what a spreadsheet would take for a formula
+/// begins with an apostrophe. Numbers stay as they are.
+#[must_use]
+pub fn printable_cell(text: &str) -> Cow<'_, str> {
+    let shown = printable(text);
+    let is_formula = shown.starts_with(['=', '+', '-', '@']) && shown.parse::<f64>().is_err();
+    if is_formula {
+        Cow::Owned(format!("'{shown}"))
+    } else {
+        shown
+    }
+}
+
 /// A JSON document without characters that a terminal could obey. Outside of strings it has none
 /// but line ends, and inside it has no line ends: so `\u001b` always means the same.
 #[must_use]
@@ -54,12 +79,12 @@ fn escaped(text: &str, form: impl Fn(char) -> Option<Form>) -> Cow<'_, str> {
     Cow::Owned(out)
 }
 
-/// Control characters, line and paragraph separators, and the marks that turn the direction of text.
+/// Control characters, what XML does not have, line and paragraph separators, and the marks that turn the direction of text.
 fn is_obeyed(character: char) -> bool {
     character.is_control()
         || matches!(
             character,
-            '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}'
+            '\u{fffe}' | '\u{ffff}' | '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}'
         )
 }
 
@@ -74,6 +99,18 @@ mod tests {
         assert_eq!(printable("a\nb\r\u{7}"), "a\\nb\\r\\u{7}");
         assert_eq!(printable("\u{202e}txt.exe"), "\\u{202e}txt.exe");
         assert_eq!(printable_lines("a\n\u{1b}b"), "a\n\\u{1b}b");
+    }
+
+    #[test]
+    fn an_event_is_one_line_and_a_cell_no_formula() {
+        assert_eq!(printable_event("a\n"), "a\n");
+        assert_eq!(printable_event("a\nb\u{1b}\n"), "a\\nb\\u{1b}\n");
+        for plain in ["-1.5", "+3", "1e-9", "hall", "", "-inf"] {
+            assert_eq!(printable_cell(plain), plain);
+        }
+        for formula in ["=1+1", "@SUM(A1)", "+cmd|' /C calc'!A0", "-2+3"] {
+            assert_eq!(printable_cell(formula), format!("'{formula}"));
+        }
     }
 
     #[test]

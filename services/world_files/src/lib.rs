@@ -16,6 +16,7 @@ mod map_file_error;
 mod map_image;
 mod movingai_map;
 pub mod pedestrians;
+mod pgm;
 pub mod synthetic;
 mod table;
 

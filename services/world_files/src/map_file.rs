@@ -11,8 +11,8 @@
 use crate::map_file_error::MapFileError;
 use crate::map_image::{self, Pixels};
 use serde::{Deserialize, Deserializer};
-use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
+use zeronav_files::{Folder, Replace, read};
 use zeronav_msgs::grid::SIDE_CELLS_MAX;
 use zeronav_msgs::message::COORDINATE_M_MAX;
 use zeronav_msgs::{Cell, Pose};
@@ -127,11 +127,28 @@ pub fn load(file: &Path) -> Result<LoadedMap, MapFileError> {
 
 /// Writes `NAME.yaml` and `NAME.pgm` into the existing folder `dir`; [`load`] reads the same map
 /// from them. Each file is there whole or not at all, the image before the YAML file that names it.
-/// Returns the path of the YAML file.
+/// What was there is replaced. Returns the path of the YAML file.
 ///
 /// # Errors
 /// [`MapFileError::Write`], naming the file.
 pub fn save(map: &StaticMap, dir: &Path, name: &str) -> Result<PathBuf, MapFileError> {
+    let folder = Folder::open(dir).map_err(|source| MapFileError::Write {
+        file: dir.to_path_buf(),
+        source,
+    })?;
+    save_in(map, &folder, name, Replace::Yes)
+}
+
+/// As [`save`], in a folder that is open; when either file is there and shall stay, none is written.
+///
+/// # Errors
+/// [`MapFileError::Write`], naming the file.
+pub fn save_in(
+    map: &StaticMap,
+    folder: &Folder,
+    name: &str,
+    replace: Replace,
+) -> Result<PathBuf, MapFileError> {
     let geometry = &map.geometry;
     let mut bytes = format!("P5\n{} {}\n255\n", geometry.width, geometry.height).into_bytes();
     let (width, height) = geometry.size();
@@ -153,10 +170,18 @@ pub fn save(map: &StaticMap, dir: &Path, name: &str) -> Result<PathBuf, MapFileE
         geometry.origin_x_m,
         geometry.origin_y_m
     );
-    write(&dir.join(image), &bytes)?;
-    let yaml_file = dir.join(format!("{name}.yaml"));
-    write(&yaml_file, yaml.as_bytes())?;
-    Ok(yaml_file)
+    let files = [(image, bytes), (format!("{name}.yaml"), yaml.into_bytes())];
+    let failed = |name: &str| {
+        let file = folder.path().join(name);
+        |source| MapFileError::Write { file, source }
+    };
+    for (name, _) in &files {
+        folder.check_free(name, replace).map_err(failed(name))?;
+    }
+    for (name, bytes) in &files {
+        folder.write(name, bytes, replace).map_err(failed(name))?;
+    }
+    Ok(folder.path().join(format!("{name}.yaml")))
 }
 
 /// A file name as YAML reads it back.
@@ -169,43 +194,11 @@ fn scalar(name: &str) -> String {
     }
 }
 
-/// Puts a file in its place once it is complete.
-fn write(file: &Path, bytes: &[u8]) -> Result<(), MapFileError> {
-    let mut part = file.as_os_str().to_owned();
-    part.push(format!(".{}.part", std::process::id()));
-    let part = PathBuf::from(part);
-    let written = std::fs::File::create(&part)
-        .and_then(|mut created| {
-            created.write_all(bytes)?;
-            created.sync_all()
-        })
-        .and_then(|()| std::fs::rename(&part, file));
-    written.map_err(|source| {
-        let _ = std::fs::remove_file(&part);
-        MapFileError::Write {
-            file: file.to_path_buf(),
-            source,
-        }
-    })
-}
-
 fn text_of(file: &Path) -> Result<String, MapFileError> {
-    let failed = |source: io::Error| MapFileError::Read {
+    read::text(file, YAML_BYTES_MAX).map_err(|source| MapFileError::Read {
         file: file.to_path_buf(),
         source,
-    };
-    let mut text = String::new();
-    // One byte more than allowed tells too large from just large enough.
-    std::fs::File::open(file)
-        .and_then(|opened| opened.take(YAML_BYTES_MAX + 1).read_to_string(&mut text))
-        .map_err(failed)?;
-    if text.len() as u64 > YAML_BYTES_MAX {
-        return Err(MapFileError::Yaml {
-            file: file.to_path_buf(),
-            why: format!("more than {YAML_BYTES_MAX} bytes, which no map file has"),
-        });
-    }
-    Ok(text)
+    })
 }
 
 fn parse(file: &Path, text: &str) -> Result<MapYaml, MapFileError> {

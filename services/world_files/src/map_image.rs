@@ -1,17 +1,24 @@
 //! Pixels of a map image: PGM (P2, P5) or PNG, also packed as `IMAGE.gz`.
 
 use crate::map_file_error::MapFileError;
-use image::{DynamicImage, ImageDecoder, ImageReader};
-use std::fs::File;
-use std::io::{self, Cursor, Read};
+use crate::pgm;
+use std::io::{self, Cursor};
 use std::path::{Path, PathBuf};
+use zeronav_files::read;
 use zeronav_msgs::grid::SIDE_CELLS_MAX;
 
 /// Largest image file, unpacked: the largest map as ASCII PGM. [bytes]
 const IMAGE_BYTES_MAX: u64 = 4 * (SIDE_CELLS_MAX as u64) * (SIDE_CELLS_MAX as u64) + 1_000_000;
 
+/// Most memory that a PNG may take beside its pixels: palettes and the like. [bytes]
+const PNG_BYTES_MAX: usize = 16 << 20;
+
+/// How a PNG begins.
+const PNG_SIGNATURE: &[u8] = b"\x89PNG\r\n\x1a\n";
+
 /// An image as map servers see it: the mean of the colours, and what is transparent. Row-major
 /// from the upper left.
+#[derive(Debug, PartialEq, Eq)]
 pub(crate) struct Pixels {
     pub(crate) width: u32,
     pub(crate) height: u32,
@@ -31,25 +38,56 @@ impl Pixels {
 /// Reads `file`, or `file.gz` when only that exists.
 pub(crate) fn read(file: &Path) -> Result<Pixels, MapFileError> {
     let (file, bytes) = bytes_of(file)?;
-    let refused = |why: String| MapFileError::Image {
-        file: file.clone(),
-        why,
+    let pixels = match bytes.get(..2) {
+        Some(b"P2" | b"P5") => pgm::decode(&bytes),
+        _ if bytes.starts_with(PNG_SIGNATURE) => png(&bytes),
+        _ => Err("neither a PGM (P2, P5) nor a PNG image".to_owned()),
     };
-    let image_error = |error: image::ImageError| refused(error.to_string());
-    let mut reader = ImageReader::new(Cursor::new(bytes))
-        .with_guessed_format()
-        .map_err(|error| refused(error.to_string()))?;
-    // The size is checked below, with words that help.
-    reader.no_limits();
-    let decoder = reader.into_decoder().map_err(image_error)?;
-    let (width, height) = decoder.dimensions();
+    pixels.map_err(|why| MapFileError::Image { file, why })
+}
+
+/// Accepts the size of a map.
+pub(crate) fn check_size(width: u32, height: u32) -> Result<usize, String> {
     if width == 0 || height == 0 || width.max(height) > SIDE_CELLS_MAX {
-        return Err(refused(format!(
+        return Err(format!(
             "{width} x {height} pixels, a map has 1 to {SIDE_CELLS_MAX} along each side"
-        )));
+        ));
     }
-    let image = DynamicImage::from_decoder(decoder).map_err(image_error)?;
-    let (grey, alpha) = channels(image);
+    Ok(width as usize * height as usize)
+}
+
+/// A 16-bit value as one of 8 bits.
+pub(crate) fn narrow(value: u16) -> u8 {
+    u8::try_from((u32::from(value) + 128) / 257).unwrap_or(u8::MAX)
+}
+
+/// Reads the pixels; colour profiles, texts and whatever else a PNG may carry are not unpacked.
+fn png(bytes: &[u8]) -> Result<Pixels, String> {
+    let limits = png::Limits {
+        bytes: PNG_BYTES_MAX,
+    };
+    let mut decoder = png::Decoder::new_with_limits(Cursor::new(bytes), limits);
+    decoder.set_ignore_text_chunk(true);
+    decoder.set_ignore_iccp_chunk(true);
+    decoder.set_transformations(png::Transformations::EXPAND);
+    let broken = |error: png::DecodingError| error.to_string();
+    let (width, height) = {
+        let header = decoder.read_header_info().map_err(broken)?;
+        (header.width, header.height)
+    };
+    check_size(width, height)?;
+    let mut reader = decoder.read_info().map_err(broken)?;
+    let (colours, depth) = reader.output_color_type();
+    let size = reader.output_buffer_size().ok_or("too large")?;
+    let mut samples = vec![0; size];
+    reader.next_frame(&mut samples).map_err(broken)?;
+    if depth == png::BitDepth::Sixteen {
+        let wide = samples.chunks_exact(2);
+        samples = wide
+            .map(|pair| narrow(u16::from_be_bytes([pair[0], pair[1]])))
+            .collect();
+    }
+    let (grey, alpha) = channels(samples, colours)?;
     Ok(Pixels {
         width,
         height,
@@ -58,51 +96,42 @@ pub(crate) fn read(file: &Path) -> Result<Pixels, MapFileError> {
     })
 }
 
-fn channels(image: DynamicImage) -> (Vec<u8>, Vec<u8>) {
-    match image {
-        DynamicImage::ImageLuma8(grey) => (grey.into_raw(), Vec::new()),
-        other => {
-            let has_alpha = other.color().has_alpha();
-            let colours = other.into_rgba8();
-            let mean = |[r, g, b, _]: [u8; 4]| {
-                let sum = u16::from(r) + u16::from(g) + u16::from(b);
-                u8::try_from((sum + 1) / 3).unwrap_or(u8::MAX)
-            };
-            let grey = colours.pixels().map(|pixel| mean(pixel.0)).collect();
-            let alpha = if has_alpha {
-                colours.pixels().map(|pixel| pixel.0[3]).collect()
-            } else {
-                Vec::new()
-            };
-            (grey, alpha)
-        }
-    }
+/// Grey and opacity of samples of 8 bits.
+fn channels(samples: Vec<u8>, colours: png::ColorType) -> Result<(Vec<u8>, Vec<u8>), String> {
+    let mean = |pixel: &[u8]| {
+        let sum: u16 = pixel[..3].iter().copied().map(u16::from).sum();
+        u8::try_from((sum + 1) / 3).unwrap_or(u8::MAX)
+    };
+    Ok(match colours {
+        png::ColorType::Grayscale => (samples, Vec::new()),
+        png::ColorType::GrayscaleAlpha => (
+            samples.chunks_exact(2).map(|pixel| pixel[0]).collect(),
+            samples.chunks_exact(2).map(|pixel| pixel[1]).collect(),
+        ),
+        png::ColorType::Rgb => (samples.chunks_exact(3).map(mean).collect(), Vec::new()),
+        png::ColorType::Rgba => (
+            samples.chunks_exact(4).map(mean).collect(),
+            samples.chunks_exact(4).map(|pixel| pixel[3]).collect(),
+        ),
+        png::ColorType::Indexed => return Err("its palette is missing".to_owned()),
+    })
 }
 
 fn bytes_of(file: &Path) -> Result<(PathBuf, Vec<u8>), MapFileError> {
     let read = |file: &Path, packed: bool| {
+        let bytes = read::open(file).and_then(|opened| {
+            if packed {
+                let unpacked = flate2::read::MultiGzDecoder::new(opened);
+                read::bounded(unpacked, IMAGE_BYTES_MAX)
+            } else {
+                read::bounded(opened, IMAGE_BYTES_MAX)
+            }
+        });
         let failed = |source: io::Error| MapFileError::Read {
             file: file.to_path_buf(),
             source,
         };
-        let opened = File::open(file).map_err(failed)?;
-        let mut bytes = Vec::new();
-        // One byte more than allowed tells too large from just large enough.
-        let limit = IMAGE_BYTES_MAX + 1;
-        if packed {
-            let mut unpacked = flate2::read::MultiGzDecoder::new(opened).take(limit);
-            unpacked.read_to_end(&mut bytes).map_err(failed)?;
-        } else {
-            let mut plain = opened.take(limit);
-            plain.read_to_end(&mut bytes).map_err(failed)?;
-        }
-        if bytes.len() as u64 > IMAGE_BYTES_MAX {
-            return Err(MapFileError::Image {
-                file: file.to_path_buf(),
-                why: format!("more than {IMAGE_BYTES_MAX} bytes"),
-            });
-        }
-        Ok((file.to_path_buf(), bytes))
+        Ok((file.to_path_buf(), bytes.map_err(failed)?))
     };
     if !file.exists() {
         let mut name = file.as_os_str().to_owned();
@@ -113,4 +142,105 @@ fn bytes_of(file: &Path) -> Result<(PathBuf, Vec<u8>), MapFileError> {
         }
     }
     read(file, false)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::Write;
+
+    fn encoded(colours: png::ColorType, depth: png::BitDepth, samples: &[u8]) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        let mut encoder = png::Encoder::new(&mut bytes, 2, 1);
+        encoder.set_color(colours);
+        encoder.set_depth(depth);
+        if colours == png::ColorType::Indexed {
+            encoder.set_palette(vec![0, 0, 0, 255, 255, 255]);
+        }
+        let mut writer = encoder.write_header().unwrap();
+        writer.write_image_data(samples).unwrap();
+        writer.finish().unwrap();
+        bytes
+    }
+
+    #[test]
+    fn every_kind_of_png_is_read_as_grey() {
+        use png::{BitDepth, ColorType};
+        let is = |colours, depth, samples: &[u8], grey: [u8; 2], alpha: &[u8]| {
+            let pixels = png(&encoded(colours, depth, samples)).unwrap();
+            assert_eq!((&pixels.grey[..], &pixels.alpha[..]), (&grey[..], alpha));
+        };
+        is(ColorType::Grayscale, BitDepth::Eight, &[7, 9], [7, 9], &[]);
+        is(
+            ColorType::Grayscale,
+            BitDepth::One,
+            &[0b0100_0000],
+            [0, 255],
+            &[],
+        );
+        let wide = [0x80, 0x80, 0xff, 0x00];
+        is(
+            ColorType::Grayscale,
+            BitDepth::Sixteen,
+            &wide,
+            [128, 254],
+            &[],
+        );
+        is(
+            ColorType::GrayscaleAlpha,
+            BitDepth::Eight,
+            &[1, 2, 3, 4],
+            [1, 3],
+            &[2, 4],
+        );
+        is(
+            ColorType::Rgb,
+            BitDepth::Eight,
+            &[255, 0, 0, 1, 1, 2],
+            [85, 1],
+            &[],
+        );
+        let rgba = [255, 0, 0, 9, 1, 1, 2, 8];
+        is(ColorType::Rgba, BitDepth::Eight, &rgba, [85, 1], &[9, 8]);
+        is(ColorType::Indexed, BitDepth::Eight, &[1, 0], [255, 0], &[]);
+    }
+
+    /// A chunk of a PNG.
+    fn chunk(name: &[u8; 4], data: &[u8]) -> Vec<u8> {
+        let body = [&name[..], data].concat();
+        let mut crc = flate2::Crc::new();
+        crc.update(&body);
+        let length = u32::try_from(data.len()).unwrap();
+        [&length.to_be_bytes()[..], &body, &crc.sum().to_be_bytes()].concat()
+    }
+
+    #[test]
+    fn a_profile_that_unpacks_to_gigabytes_is_not_unpacked() {
+        let plain = encoded(png::ColorType::Grayscale, png::BitDepth::Eight, &[7, 9]);
+        let mut packer = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::fast());
+        let zeros = vec![0; 1 << 20];
+        (0..64).for_each(|_| packer.write_all(&zeros).unwrap());
+        let packed = packer.finish().unwrap();
+        for (name, data) in [
+            (b"iCCP", [&b"it\0\0"[..], &packed].concat()),
+            (b"zTXt", [&b"it\0\0"[..], &packed].concat()),
+            (b"iTXt", [&b"it\0\x01\0\0\0"[..], &packed].concat()),
+        ] {
+            // After the header, whose chunk has 25 bytes.
+            let mut bytes = plain[..33].to_vec();
+            bytes.extend(chunk(name, &data));
+            bytes.extend(&plain[33..]);
+            assert_eq!(png(&bytes).unwrap().grey, [7, 9]);
+        }
+    }
+
+    #[test]
+    fn sizes_that_no_map_has_are_refused_before_the_pixels() {
+        let mut header = [0, 0, 0x40, 0, 0, 0, 0x40, 0, 8, 0, 0, 0, 0].to_vec();
+        let image = |header: &[u8]| [PNG_SIGNATURE, &chunk(b"IHDR", header)].concat();
+        assert!(png(&image(&header)).unwrap_err().contains("16384 x 16384"));
+        header[3] = 0;
+        header[2] = 0;
+        assert!(png(&image(&header)).is_err());
+    }
 }

@@ -1,7 +1,8 @@
 //! CSV tables of numbers, as data sets come in: read with a ceiling, believed cell by cell.
 
-use std::io::{self, Read};
+use std::io;
 use std::path::{Path, PathBuf};
+use zeronav_files::read;
 
 /// Largest file. [bytes]
 const BYTES_MAX: u64 = 64 << 20;
@@ -50,19 +51,10 @@ pub(crate) struct Row<'a> {
 /// # Errors
 /// [`DataError::Read`]; also for more than `bytes_max` bytes and for what is not UTF-8.
 pub(crate) fn read_text(file: &Path, bytes_max: u64) -> Result<String, DataError> {
-    let failed = |source| DataError::Read {
+    read::text(file, bytes_max).map_err(|source| DataError::Read {
         file: file.to_path_buf(),
         source,
-    };
-    let mut text = String::new();
-    std::fs::File::open(file)
-        .and_then(|opened| opened.take(bytes_max + 1).read_to_string(&mut text))
-        .map_err(failed)?;
-    if text.len() as u64 > bytes_max {
-        let why = format!("more than {bytes_max} bytes");
-        return Err(failed(io::Error::new(io::ErrorKind::FileTooLarge, why)));
-    }
-    Ok(text)
+    })
 }
 
 impl Table {

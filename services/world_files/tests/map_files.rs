@@ -4,9 +4,10 @@ use flate2::{Compression, write::GzEncoder};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
+use zeronav_files::Replace;
 use zeronav_msgs::{Cell, GridGeometry};
 use zeronav_world::{Occupancy, StaticMap};
-use zeronav_world_files::map_file::{load, save};
+use zeronav_world_files::map_file::{load, save, save_in};
 use zeronav_world_files::{MapFileError, MapWarning};
 
 use Occupancy::{Free, Occupied, Unknown};
@@ -84,17 +85,24 @@ fn negate_turns_black_and_white_around() {
     }
 }
 
+/// Three pixels in a row.
+fn png_of(colours: png::ColorType, samples: &[u8]) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, 3, 1);
+    encoder.set_color(colours);
+    let mut writer = encoder.write_header().unwrap();
+    writer.write_image_data(samples).unwrap();
+    writer.finish().unwrap();
+    bytes
+}
+
 #[test]
 fn scale_knows_everything_but_transparent_pixels() {
     let folder = Folder::new();
-    let image = image::GrayAlphaImage::from_raw(
-        3,
-        1,
-        vec![
-            0, 255, /* transparent */ 255, 0, /* between */ 128, 255,
-        ],
-    );
-    image.unwrap().save(folder.path().join("m.png")).unwrap();
+    let pixels = [
+        0, 255, /* transparent */ 255, 0, /* between */ 128, 255,
+    ];
+    folder.write("m.png", &png_of(png::ColorType::GrayscaleAlpha, &pixels));
     let map = load(&folder.yaml(&yaml("m.png", "mode: scale\n")))
         .unwrap()
         .map;
@@ -118,8 +126,8 @@ fn raw_pixels_are_percent() {
 #[test]
 fn colours_count_by_their_mean() {
     let folder = Folder::new();
-    let image = image::RgbImage::from_raw(3, 1, vec![255, 255, 255, 0, 0, 0, 255, 0, 0]);
-    image.unwrap().save(folder.path().join("m.png")).unwrap();
+    let pixels = [255, 255, 255, 0, 0, 0, 255, 0, 0];
+    folder.write("m.png", &png_of(png::ColorType::Rgb, &pixels));
     let map = load(&folder.yaml(&yaml("m.png", ""))).unwrap().map;
     // Pure red is a grey of 85, an occupancy of 0.67.
     assert_eq!(map.cells, [Free, Occupied, Occupied]);
@@ -235,10 +243,15 @@ fn map_that_cannot_be_written_leaves_the_one_before() {
     };
     let before = map(CELLS);
     let file = save(&before, folder.path(), "m").unwrap();
-    // A folder where the image would be put together.
-    let part = format!("m.pgm.{}.part", std::process::id());
-    std::fs::create_dir(folder.path().join(part)).unwrap();
+    let place = zeronav_files::Folder::open(folder.path()).unwrap();
+    assert!(save_in(&map([Free; 6]), &place, "m", Replace::No).is_err());
+    // A folder that has the name of the YAML file.
+    let aside = folder.path().join("aside");
+    std::fs::rename(&file, &aside).unwrap();
+    std::fs::create_dir(&file).unwrap();
     assert!(save(&map([Free; 6]), folder.path(), "m").is_err());
+    std::fs::remove_dir(&file).unwrap();
+    std::fs::rename(&aside, &file).unwrap();
     assert_eq!(load(&file).unwrap().map, before);
 }
 

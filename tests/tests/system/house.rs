@@ -15,11 +15,12 @@ const FUNCTION_LINES_MAX: usize = 80;
 /// Dependencies that a crate may have inside the workspace.
 fn allowed(from: &str) -> &'static [&'static str] {
     match from {
-        "zeronav-msgs" | "zeronav-params" => &[],
-        "zeronav-shell" | "zeronav-world" => &["zeronav-msgs", "zeronav-params"],
+        "zeronav-files" | "zeronav-msgs" | "zeronav-params" => &[],
+        "zeronav-shell" => &["zeronav-files", "zeronav-msgs", "zeronav-params"],
+        "zeronav-world" => &["zeronav-msgs", "zeronav-params"],
         "zeronav-cpp" | "zeronav-viewer" => &["zeronav-msgs", "zeronav-shell"],
         "zeronav-motion" => &["zeronav-msgs"],
-        "zeronav-world-files" => &["zeronav-msgs", "zeronav-world"],
+        "zeronav-world-files" => &["zeronav-files", "zeronav-msgs", "zeronav-world"],
         "zeronav-robot-description" => &["zeronav-msgs", "zeronav-params", "zeronav-world"],
         "zeronav-mapping" => &[
             "zeronav-msgs",
@@ -51,6 +52,7 @@ fn allowed(from: &str) -> &'static [&'static str] {
             "zeronav-local-planner",
         ],
         "zeronav" => &[
+            "zeronav-files",
             "zeronav-msgs",
             "zeronav-params",
             "zeronav-robot-description",

@@ -15,6 +15,7 @@ mod drives;
 mod ends;
 mod external;
 mod faults;
+mod foreign_files;
 mod full;
 mod house;
 mod injection;

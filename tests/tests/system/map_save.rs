@@ -101,7 +101,7 @@ fn saved_map_has_the_costs_of_the_running_one_and_carries_the_next_run() {
     let root = run.domains().pop().expect("a domain");
     let domain = root.to_str().expect("a path");
     let maps = tempfile::tempdir().expect("a folder");
-    let file = maps.path().join("seen.yaml");
+    let file = maps.path().join("new/seen.yaml");
     let file = file.to_str().expect("a path");
 
     let mut watcher = Watcher::join(&root);
@@ -133,6 +133,11 @@ fn saved_map_has_the_costs_of_the_running_one_and_carries_the_next_run() {
     let at = |x_m: f64, y_m: f64| map.at([x_m, y_m].into());
     let seen = (0..8).any(|n| at(8.025 + 0.05 * f64::from(n), 6.925) == Some(Occupancy::Occupied));
     assert!(seen, "the box is not in the map");
+    let again = zeronav(&["map", "save", file, "--domain", domain]);
+    assert_eq!(again.code(), 2);
+    assert!(again.stderr.contains("--force"), "{}", again.stderr);
+    let again = zeronav(&["map", "save", file, "--domain", domain, "--force"]);
+    assert_eq!(again.code(), 0, "{}", again.stderr);
     let result = run.finish().expect(0);
     assert_eq!(result["contacts"], 0, "{result:#}");
     assert_eq!(leftovers(&root), Vec::<PathBuf>::new());
@@ -182,7 +187,7 @@ fn mistakes_are_answered_in_one_line() {
     let gone = ["--domain", "/dev/shm/zn_nothing000"];
     for (file, said) in [
         ("hall", "ends in .yaml"),
-        ("/nowhere/hall.yaml", "no such folder"),
+        ("/dev/null/hall.yaml", "Not a directory"),
         ("hall.yaml", "the run is over or was never started"),
     ] {
         let ended = zeronav(&[&["map", "save", file], &gone[..]].concat());

@@ -1,7 +1,6 @@
 //! The files of `tests/data`, drawn from fixed seeds.
 
 use core::fmt::Write as _;
-use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
 use std::error::Error;
@@ -145,7 +144,11 @@ fn rosmaps(files: &mut Files) -> Result<(), Box<dyn Error>> {
     let png = |pixels: &[u8]| -> Result<Vec<u8>, Box<dyn Error>> {
         let mut bytes = Vec::new();
         let (width, height) = (u32::try_from(width)?, u32::try_from(height)?);
-        PngEncoder::new(&mut bytes).write_image(pixels, width, height, ExtendedColorType::L8)?;
+        let mut encoder = png::Encoder::new(&mut bytes, width, height);
+        encoder.set_color(png::ColorType::Grayscale);
+        encoder.set_compression(png::Compression::Fast);
+        encoder.set_filter(png::Filter::Adaptive);
+        encoder.write_header()?.write_image_data(pixels)?;
         Ok(bytes)
     };
     let images = [
