@@ -3,7 +3,7 @@
 use crate::busy::Burden;
 use crate::doctor;
 use crate::drive::{Driven, drive};
-use crate::ending::Ending;
+use crate::ending::{self, Ending};
 use crate::environment::Before;
 use crate::exit::{EXIT_FAIL, EXIT_INTERRUPTED, EXIT_OUTPUT, EXIT_PASS, EXIT_SERVICE, EXIT_USAGE};
 use crate::interrupts::interrupts;
@@ -127,9 +127,11 @@ pub(crate) fn exit_code(ending: &Ending, pass: bool) -> ExitCode {
         Ending::Interrupted => EXIT_INTERRUPTED,
         // A service that says that its configuration is wrong.
         Ending::Died { code: Some(2), .. } => EXIT_USAGE,
-        Ending::Died { .. } | Ending::NotReady(_) | Ending::Silent(_) | Ending::Deleted => {
-            EXIT_SERVICE
-        }
+        Ending::Died { .. }
+        | Ending::NotReady(_)
+        | Ending::Silent(_)
+        | Ending::Stalled(_)
+        | Ending::Deleted => EXIT_SERVICE,
         Ending::Task(..)
         | Ending::Redirected
         | Ending::Timeout
@@ -221,6 +223,7 @@ pub(crate) fn explain(ending: &Ending) {
             complain(&format!("not ready in time: {}", names.join(", ")));
         }
         Ending::Silent(role) => complain(&format!("{role} stopped answering")),
+        Ending::Stalled(role) => complain(&ending::stalled(*role)),
         Ending::Deleted => complain(&format!(
             "the shared memory of the stack was deleted in /dev/shm while it ran; everything is \
              stopped. {}",

@@ -29,6 +29,9 @@ pub(crate) enum Ending {
     NotReady(Vec<Role>),
     /// A service that stopped answering.
     Silent(Role),
+    /// No tick came within the wall time that a run may stand still, whatever the reason; what it waited
+    /// for.
+    Stalled(Role),
     /// The shared memory of the stack was deleted while it ran.
     Deleted,
     /// Ctrl-C.
@@ -52,9 +55,37 @@ impl Ending {
             Self::Died { .. } => "service_died",
             Self::NotReady(_) => "not_ready",
             Self::Silent(_) => "silent",
+            Self::Stalled(_) => "stalled",
             Self::Deleted => "memory_deleted",
             Self::Interrupted => "interrupted",
             Self::Down => "down",
         }
     }
+}
+
+impl Ending {
+    /// What has ended a run at a moment that the scenario does not know of.
+    #[must_use]
+    pub(crate) fn cut_short(&self) -> Option<String> {
+        match self {
+            // A death is named as the end of its service.
+            Self::Task(..)
+            | Self::Redirected
+            | Self::Timeout
+            | Self::TrialsOver
+            | Self::Died { .. } => None,
+            Self::NotReady(_) | Self::Silent(_) | Self::Stalled(_) | Self::Deleted => {
+                Some(format!("the run could not go on: {}", self.outcome()))
+            }
+            Self::Interrupted | Self::Down => Some("the run was ended by hand".to_owned()),
+        }
+    }
+}
+
+/// Why a run that stood still was ended, in words.
+#[must_use]
+pub(crate) fn stalled(role: Role) -> String {
+    format!(
+        "no tick came for minutes, waiting for {role}: it stands still, or the machine does too much"
+    )
 }

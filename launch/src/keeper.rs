@@ -3,22 +3,24 @@
 use crate::collect::Collector;
 use crate::ending::Ending;
 use crate::prepare::Prepared;
-use crate::result::Restart;
+use crate::result::{Restart, Starved};
 use crate::show::terminal::note;
+use crate::starvation::Starvation;
 use crate::supervise::child::Child;
 use crate::supervise::cleaner::Ticket;
-use crate::supervise::hang::HangWatch;
+use crate::supervise::hang::{HangWatch, Limit};
+use crate::supervise::own_time::Patience;
 use crate::supervise::restart::{Decision, Restarts};
 use crate::supervise::stack::{Launch, Stack};
 use rustix::process::Signal;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use zeronav_msgs::role::Role;
 use zeronav_msgs::run::RunMode;
 use zeronav_msgs::time::seconds;
 
-/// How long the services may take until they can answer.
+/// How long the services may take until they can answer, of their own time.
 pub(crate) const READY_LIMIT: Duration = Duration::from_secs(15);
 
 /// A seat that waits for its successor.
@@ -35,10 +37,10 @@ struct Vacant {
 }
 
 /// A successor that is not in its seat yet.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 struct Joining {
     role: Role,
-    since: Instant,
+    start: Patience,
     /// It can answer, and no answer is due, lockstep only.
     ready: bool,
     /// Ticks for which its seat stays empty once it can answer, lockstep only.
@@ -63,12 +65,21 @@ pub(crate) struct Keeper<'a> {
     restarts: Restarts,
     hangs: HangWatch,
     looked: Instant,
+    /// The same as run time. [s]
+    looked_s: f64,
     /// Seats that were killed because they hung, and what the kernel said of the process.
     hung: BTreeMap<Role, String>,
     vacant: Vec<Vacant>,
     joining: Vec<Joining>,
+    /// The first processes, until they can answer.
+    starting: BTreeMap<Role, Patience>,
+    /// Processes that are ended on purpose: by a fault of the scenario or of a client.
+    struck: BTreeSet<(Role, u32)>,
     memory_peaks: BTreeMap<Role, u64>,
     records: Vec<Restart>,
+    /// What was not asked for and changed the run, one line each.
+    unasked: Vec<String>,
+    starvation: Starvation,
 }
 
 impl<'a> Keeper<'a> {
@@ -82,11 +93,16 @@ impl<'a> Keeper<'a> {
             restarts: Restarts::default(),
             hangs: HangWatch::default(),
             looked: Instant::now(),
+            looked_s: 0.0,
             hung: BTreeMap::new(),
             vacant: Vec::new(),
             joining: Vec::new(),
+            starting: BTreeMap::new(),
+            struck: BTreeSet::new(),
             memory_peaks: BTreeMap::new(),
             records: Vec::new(),
+            unasked: Vec::new(),
+            starvation: Starvation::default(),
         }
     }
 
@@ -94,7 +110,7 @@ impl<'a> Keeper<'a> {
     ///
     /// # Errors
     /// One line naming the binary.
-    pub(crate) fn start(&self, stack: &mut Stack, role: Role) -> Result<(), String> {
+    pub(crate) fn start(&mut self, stack: &mut Stack, role: Role) -> Result<(), String> {
         let Some(config) = self.configs.get(&role) else {
             return Err(format!("no configuration for {role}"));
         };
@@ -120,6 +136,7 @@ impl<'a> Keeper<'a> {
         if let Some(child) = stack.children.last() {
             let (pid, epoch) = (child.pid(), child.epoch);
             tracing::info!(%role, pid, epoch, binary = %binary.display(), "started");
+            self.starting.insert(role, Patience::with(pid));
             for refused in child.refused_at_start() {
                 note(&format!(
                     "warning: the kernel did not grant {role} {refused}"
@@ -153,6 +170,37 @@ impl<'a> Keeper<'a> {
     #[must_use]
     pub(crate) fn records(&self) -> &[Restart] {
         &self.records
+    }
+
+    /// The services that got no processor, and for how long, in real time.
+    #[must_use]
+    pub(crate) fn starved(&self) -> Vec<Starved> {
+        let mut all = self.starvation.clone();
+        let limit = self.prepared.scenario.restart.hang_after();
+        if self.prepared.mode == RunMode::RealTime {
+            for seen in self.hangs.starving(limit) {
+                all.note(&seen, self.looked_s);
+            }
+        }
+        all.results()
+    }
+
+    /// The ends of services that neither the scenario nor a client asked for, one line each.
+    #[must_use]
+    pub(crate) fn unasked(&self) -> &[String] {
+        &self.unasked
+    }
+
+    /// The process with this epoch is ended on purpose: what becomes of its seat belongs to the run.
+    pub(crate) fn strike(&mut self, role: Role, epoch: u32) {
+        self.struck.insert((role, epoch));
+    }
+
+    /// True when the newest process of a seat has spent too much of its own time without being able to
+    /// answer.
+    pub(crate) fn is_late(&mut self, role: Role) -> bool {
+        let start = self.starting.get_mut(&role);
+        start.is_some_and(|start| start.is_over(READY_LIMIT))
     }
 
     /// How many times the process of a seat was started.
@@ -250,25 +298,42 @@ impl<'a> Keeper<'a> {
         left_out: Option<Role>,
     ) -> Vec<Taken> {
         let mut taken = Vec::new();
-        let limit = self.prepared.scenario.restart.hang_after();
+        let limit = Limit {
+            after: self.prepared.scenario.restart.hang_after(),
+            lockstep: self.prepared.mode == RunMode::Lockstep,
+        };
         for (role, epoch, progress, ready) in stack.heartbeats() {
             if ready {
                 taken.extend(self.seat(stack, collector, role));
             }
-            if self.hangs.look(role, epoch, progress, since, limit) && left_out != Some(role) {
+            let reading = || stack.reading(role);
+            let beat = (epoch, progress);
+            let is_hung = self.hangs.look(role, beat, since, limit, reading);
+            if is_hung && left_out != Some(role) {
                 self.kill(stack, role);
             }
         }
-        let late: Vec<Role> = self
-            .joining
-            .iter()
-            .filter(|joining| !joining.ready && joining.since.elapsed() > READY_LIMIT)
-            .map(|joining| joining.role)
-            .collect();
+        let mut late = Vec::new();
+        for joining in self.joining.iter_mut().filter(|joining| !joining.ready) {
+            if joining.start.is_over(READY_LIMIT) {
+                late.push(joining.role);
+            }
+        }
         for role in late {
             self.kill(stack, role);
         }
+        self.note_starved(collector, limit);
         taken
+    }
+
+    /// Remembers who got no processor. In lockstep a run only takes longer then.
+    fn note_starved(&mut self, collector: &Collector, limit: Limit) {
+        self.looked_s = seconds(collector.robot_tick() * self.prepared.scenario.run.tick_ns());
+        for seen in self.hangs.take_starved() {
+            if !limit.lockstep {
+                self.starvation.note(&seen, self.looked_s);
+            }
+        }
     }
 
     /// Lets a successor that can answer take its seat. In lockstep that happens at the tick at
@@ -328,6 +393,9 @@ impl<'a> Keeper<'a> {
         } else {
             status.map_or_else(String::new, Child::end_in_words)
         };
+        if !self.struck.remove(&(role, child.epoch)) {
+            self.unasked.push(format!("{role} {how}"));
+        }
         let peak = self.memory_peaks.entry(role).or_default();
         *peak = (*peak).max(child.memory_peak_bytes());
         self.joining.retain(|joining| joining.role != role);
@@ -384,9 +452,10 @@ impl<'a> Keeper<'a> {
             code: None,
             log: Vec::new(),
         })?;
+        let pid = stack.children.last().map_or(0, Child::pid);
         self.joining.push(Joining {
             role,
-            since: Instant::now(),
+            start: Patience::with(pid),
             ready: false,
             absent_ticks,
         });

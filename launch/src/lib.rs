@@ -56,6 +56,7 @@ mod shared_memory;
 pub mod show;
 mod shuttle;
 pub mod start_up;
+mod starvation;
 mod stay_result;
 mod suite;
 pub mod supervise;

@@ -6,8 +6,9 @@ use crate::prepare::Prepared;
 use crate::result::fault::FaultResult;
 use crate::result::latency::{Figures, Latency};
 use crate::result::swap::SwapResult;
-use crate::result::{Environment, Redirect, Restart, ServiceResult};
+use crate::result::{Environment, Redirect, Restart, ServiceResult, Starved};
 use crate::show::page::fault_line;
+use crate::show::page::starved_line;
 use core::fmt::Write;
 use serde::{Deserialize, Serialize};
 use zeronav_msgs::run::RunMode;
@@ -31,6 +32,9 @@ pub(crate) struct StayResult {
     pub contacts: u32,
     /// Restarts of services.
     pub restarts: Vec<Restart>,
+    /// Services that got no processor for longer than `hang_after_s`, in real time.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub starved: Vec<Starved>,
     /// Faults that were made on purpose.
     pub faults: Vec<FaultResult>,
     /// Swaps and comparisons, at most the newest 100.
@@ -58,6 +62,7 @@ impl StayResult {
             goals: driven.redirects.clone(),
             contacts: truth.contacts_moving + truth.contacts_standing,
             restarts: driven.restarts.clone(),
+            starved: driven.starved.clone(),
             faults: driven.faults.clone(),
             swaps: driven.swaps.clone(),
             latency: (prepared.mode == RunMode::RealTime)
@@ -95,6 +100,9 @@ impl StayResult {
                 "  {:8.2} s  {} restarted: {}",
                 restart.time_s, restart.service, restart.how
             );
+        }
+        for seat in &self.starved {
+            text.push_str(&starved_line(seat));
         }
         for fault in &self.faults {
             text.push_str(&fault_line(fault));

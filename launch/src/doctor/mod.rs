@@ -2,6 +2,7 @@
 
 mod checks;
 mod logind;
+mod processor;
 
 use crate::exit::{EXIT_FAIL, EXIT_PASS};
 use crate::show::terminal::{say, say_json};
@@ -78,6 +79,7 @@ fn examine() -> Vec<Finding> {
         checks::locked_memory(locked.current, &read("/proc/swaps").unwrap_or_default()),
         checks::clock_source(clock.as_deref()),
         checks::cores(std::thread::available_parallelism().map_or(1, usize::from)),
+        processor::share(&processor::measure()),
         checks::governor(&governors()),
         checks::remove_ipc(&logind::Facts::read()),
     ]

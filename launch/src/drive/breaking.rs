@@ -216,6 +216,7 @@ impl Session<'_> {
         };
         if let (Some(signal), Some((role, epoch))) = (signal, process) {
             stack.signal(role, signal);
+            self.keeper.strike(role, epoch);
             self.collector.recoveries.wait_for(Awaited {
                 id,
                 role,

@@ -8,10 +8,12 @@ mod pace;
 mod reach;
 mod serve;
 mod session;
+mod standstill;
 mod stop;
 mod swapping;
 mod swaps;
 mod verbs;
+mod waiting;
 
 use crate::began;
 use crate::collect::Collector;
@@ -22,7 +24,7 @@ use crate::prepare::Prepared;
 use crate::result::fault::FaultResult;
 use crate::result::swap::SwapResult;
 use crate::result::trials::Disturbance;
-use crate::result::{Redirect, Restart, ServiceResult};
+use crate::result::{Redirect, Restart, ServiceResult, Starved};
 use crate::seat_report;
 use crate::show::log;
 use crate::shuttle::{Quota, Shuttle, Trial};
@@ -59,6 +61,10 @@ pub(crate) struct Driven {
     pub services: Vec<ServiceResult>,
     /// The restarts that were made.
     pub restarts: Vec<Restart>,
+    /// Services that got no processor.
+    pub starved: Vec<Starved>,
+    /// Why a lockstep run goes otherwise the next time, one line each.
+    pub not_reproducible: Vec<String>,
     /// Faults that were made on purpose.
     pub faults: Vec<FaultResult>,
     /// Goals that were given by hand.
@@ -136,6 +142,8 @@ fn drive_stack(
         let spans = session.collector.records.spans.iter();
         reading(stack).since(&before, spans)
     });
+    let not_reproducible = session.not_reproducible(&ending);
+    let starved = session.keeper.starved();
     session.heal_all(stack);
     session.stop(stack);
     let shared_memory_bytes = stack.shared_memory_bytes();
@@ -165,6 +173,8 @@ fn drive_stack(
         shared_memory_bytes,
         services,
         restarts: session.keeper.records().to_vec(),
+        starved,
+        not_reproducible,
         faults: session.faults.results(),
         redirects: session.orders.records(),
         swaps: session.swaps.results(),

@@ -33,6 +33,27 @@ fn newest<T: Clone>(all: &[T]) -> Vec<T> {
     all[all.len().saturating_sub(LISTED_MAX)..].to_vec()
 }
 
+/// What a client does that the scenario does not know of; `None` when the run goes on as it would.
+fn interference(request: &Request) -> Option<&'static str> {
+    match request {
+        Request::Ps
+        | Request::GoalStatus { .. }
+        | Request::SwapStatus { .. }
+        | Request::Why { .. }
+        | Request::Pause
+        | Request::Resume
+        | Request::Step { .. }
+        | Request::Speed { .. }
+        // Says so by itself.
+        | Request::Down => None,
+        Request::Goal { .. } | Request::Cancel { .. } => Some("goals were given or cancelled by hand"),
+        Request::Pose { .. } => Some("a pose was given by hand"),
+        Request::Obstacle { .. } => Some("obstacles were changed by hand"),
+        Request::Fault { .. } | Request::Heal { .. } => Some("faults were made or ended by hand"),
+        Request::Swap { .. } | Request::SwapCancel => Some("services were swapped by hand"),
+    }
+}
+
 impl Session<'_> {
     /// Answers the clients that have asked since the last look.
     pub(super) fn serve(&mut self, stack: &mut Stack) {
@@ -54,6 +75,13 @@ impl Session<'_> {
         if self.is_ending && !is_question {
             return Err("the stack is ending".to_owned());
         }
+        let interference = interference(&request);
+        let reply = self.carry_out(stack, request)?;
+        self.interferences.extend(interference);
+        Ok(reply)
+    }
+
+    fn carry_out(&mut self, stack: &mut Stack, request: Request) -> Result<Reply, String> {
         match request {
             Request::Ps => return Ok(Reply::Run(Box::new(self.run_report(stack)))),
             Request::Goal {

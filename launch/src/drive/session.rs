@@ -3,12 +3,13 @@
 use super::course::shuttle;
 use super::faults::Faults;
 use super::pace::Speed;
+use super::standstill::{Standing, Standstill};
 use super::swaps::Swaps;
 use crate::collect::Collector;
 use crate::control::socket::Server;
 use crate::disturbance::Reading;
 use crate::ending::Ending;
-use crate::keeper::{Keeper, READY_LIMIT};
+use crate::keeper::Keeper;
 use crate::live_view::LiveView;
 use crate::measure::start_up::StartStamps;
 use crate::orders::Orders;
@@ -19,7 +20,7 @@ use crate::show::progress::{Progress, ProgressLine, Tally};
 use crate::show::terminal::note;
 use crate::shuttle::{Quota, Shuttle, Step};
 use crate::supervise::stack::Stack;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -31,9 +32,6 @@ use zeronav_msgs::task::{EndReason, Goal, TaskState};
 use zeronav_msgs::time::seconds;
 use zeronav_msgs::topics::{GroundTruth, Topic};
 use zeronav_shell::clock::now_ns;
-
-/// How long a run may go on without the robot's next tick.
-const SILENCE_LIMIT: Duration = Duration::from_secs(10);
 
 /// Ticks that the robot may be ahead of what launch has seen, lockstep only. The buffers of the
 /// taps hold the messages of that many ticks, so that nothing is lost however late launch is.
@@ -81,6 +79,8 @@ pub(super) struct Session<'a> {
     pub(super) is_ending: bool,
     /// The run's end of the control socket, once it is open.
     pub(super) server: Option<Server>,
+    /// What clients did that the scenario does not know of.
+    pub(super) interferences: BTreeSet<&'static str>,
     /// True once a client has asked for the end.
     pub(super) is_down: bool,
     /// Number of the next goal.
@@ -124,6 +124,7 @@ impl<'a> Session<'a> {
             is_cancelling: false,
             is_ending: false,
             server: None,
+            interferences: BTreeSet::new(),
             is_down: false,
             next_goal: 1,
             start: StartStamps::default(),
@@ -202,7 +203,7 @@ impl<'a> Session<'a> {
         }
     }
 
-    fn lockstep(&self) -> bool {
+    pub(super) fn lockstep(&self) -> bool {
         self.prepared.mode == RunMode::Lockstep
     }
 
@@ -251,7 +252,7 @@ impl<'a> Session<'a> {
     /// Sees to the processes. A new local planner knows nothing of goals that were reached before,
     /// so it gets those that are left; in lockstep while the robot is held for the answer of its
     /// seat, which makes the tick from which they hold the same in every run.
-    fn keep(&mut self, stack: &mut Stack) -> Option<Ending> {
+    pub(super) fn keep(&mut self, stack: &mut Stack) -> Option<Ending> {
         self.see_to_swap(stack);
         let left_out = self.swaps.keeps();
         let taken = match self.keeper.look(stack, &self.collector, left_out) {
@@ -284,33 +285,6 @@ impl<'a> Session<'a> {
         stack.refresh();
     }
 
-    fn wait_until_ready(&mut self, stack: &mut Stack) -> Option<Ending> {
-        let started = Instant::now();
-        loop {
-            self.listen(stack);
-            self.serve(stack);
-            let missing = stack.not_ready();
-            if missing.is_empty() {
-                return None;
-            }
-            if let Some(ending) = self.keep(stack) {
-                return Some(ending);
-            }
-            if let Some(ending) = self.asked_to_end(stack) {
-                return Some(ending);
-            }
-            // A service that is started by hand takes the time that it takes.
-            let late: Vec<Role> = missing
-                .into_iter()
-                .filter(|role| self.prepared.binaries.contains_key(role))
-                .collect();
-            if started.elapsed() > READY_LIMIT && !late.is_empty() {
-                return Some(Ending::NotReady(late));
-            }
-            std::thread::sleep(Duration::from_millis(2));
-        }
-    }
-
     /// Watches the drive until something ends it.
     fn watch(&mut self, stack: &mut Stack) -> Ending {
         let pause = Duration::from_millis(if self.lockstep() { 1 } else { 10 });
@@ -321,7 +295,7 @@ impl<'a> Session<'a> {
         } else {
             limit_ns.div_ceil(tick_ns)
         };
-        let mut moved = (self.collector.robot_tick(), Instant::now());
+        let mut standstill = Standstill::new(&self.prepared.scenario.restart);
         loop {
             self.listen(stack);
             // Before the requests: what was reached is not cancelled.
@@ -343,12 +317,13 @@ impl<'a> Session<'a> {
             self.view.look(stack);
             let tick = self.collector.robot_tick();
             let hold_tick = self.held_at(tick);
-            let is_held = self.is_paused || (self.lockstep() && hold_tick <= tick);
-            if tick != moved.0 || is_held {
-                moved = (tick, Instant::now());
-            } else if moved.1.elapsed() > SILENCE_LIMIT {
-                let owing = self.collector.owing(&stack.roster);
-                return Ending::Silent(owing.unwrap_or(Role::Robot));
+            let held = self.held(tick, hold_tick);
+            if let Some(why) = standstill.look(tick, held, || stack.is_quiet()) {
+                let role = self.silent(stack);
+                return match why {
+                    Standing::Silent => Ending::Silent(role),
+                    Standing::TooLong => Ending::Stalled(role),
+                };
             }
             if self.lockstep() {
                 if self.collector.all_answered(last_tick, &stack.roster) {

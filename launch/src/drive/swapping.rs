@@ -4,6 +4,7 @@ use super::session::Session;
 use crate::arguments::service_role;
 use crate::result::swap::SwapResult;
 use crate::supervise::binaries;
+use crate::supervise::hang::Limit;
 use crate::supervise::question;
 use crate::supervise::stack::Stack;
 use crate::swap::config::merged;
@@ -160,11 +161,15 @@ impl Session<'_> {
     }
 
     fn scene<'s>(&'s mut self, stack: &'s mut Stack, role: Role) -> Scene<'s> {
+        let lockstep = self.prepared.mode == RunMode::Lockstep;
         Scene {
             stack,
-            lockstep: self.prepared.mode == RunMode::Lockstep,
+            lockstep,
             tick_ns: self.prepared.scenario.run.tick_ns(),
-            hang_after: self.prepared.scenario.restart.hang_after(),
+            hang: Limit {
+                after: self.prepared.scenario.restart.hang_after(),
+                lockstep,
+            },
             is_vacant: self.keeper.is_vacant(role),
             collector: &mut self.collector,
         }

@@ -25,6 +25,11 @@ impl Swaps {
         current.keeps_seat().then(|| current.role())
     }
 
+    /// The seat of the swap that goes on.
+    pub(super) fn role(&self) -> Option<Role> {
+        self.current.as_ref().map(Swap::role)
+    }
+
     /// True while a swap goes on.
     pub(super) fn is_busy(&self) -> bool {
         self.current.is_some()

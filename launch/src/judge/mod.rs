@@ -88,13 +88,10 @@ pub(crate) fn judge(prepared: &Prepared, driven: &Driven, environment: Environme
         disturbance: driven.disturbance.clone(),
         start_up: (!lockstep).then(|| started(driven)).flatten(),
         trials: None,
-        injected_us: prepared
-            .delays
-            .iter()
-            .map(|(role, steps)| (role.to_string(), injected_us(*steps)))
-            .collect(),
+        injected_us: injected(prepared),
         services: services(driven),
         restarts: driven.restarts.clone(),
+        starved: driven.starved.clone(),
         faults: driven.faults.clone(),
         redirects: driven.redirects.clone(),
         swaps: driven.swaps.clone(),
@@ -103,6 +100,8 @@ pub(crate) fn judge(prepared: &Prepared, driven: &Driven, environment: Environme
         shared_memory_bytes: driven.shared_memory_bytes,
         // The last tick is left out: while it is answered, launch may already stop the robot.
         run_hash: lockstep.then(|| collector.hash.value(driven.end_tick.saturating_sub(1))),
+        reproducible: lockstep.then_some(driven.not_reproducible.is_empty()),
+        not_reproducible: driven.not_reproducible.clone(),
         expectations,
         directory: prepared.directory.display().to_string(),
     }
@@ -127,6 +126,7 @@ pub(crate) fn judge_trials(
         whole.wall_s += before.wall.as_secs_f64();
         whole.slipped_ms += seconds(truth.slipped_ns) * 1.0e3;
         whole.restarts.extend(before.restarts.iter().cloned());
+        whole.starved.extend(before.starved.iter().cloned());
         for (whole, seat) in whole.services.iter_mut().zip(&before.services) {
             whole.memory_peak_bytes = whole.memory_peak_bytes.max(seat.memory_peak_bytes);
             whole.starts += seat.starts;
@@ -182,6 +182,14 @@ pub(crate) fn judge_trials(
         worst: trials.worst.clone(),
     });
     whole
+}
+
+/// The delays that were put into seats on purpose, by seat. [us]
+fn injected(prepared: &Prepared) -> BTreeMap<String, f64> {
+    let delays = prepared.delays.iter();
+    delays
+        .map(|(role, steps)| (role.to_string(), injected_us(*steps)))
+        .collect()
 }
 
 /// A delay that was put into a seat on purpose. [us]

@@ -1,7 +1,7 @@
 //! The verdict of a run in words.
 
 use crate::drive::Driven;
-use crate::ending::Ending;
+use crate::ending::{self, Ending};
 use crate::prepare::Prepared;
 use crate::result::Expectation;
 use zeronav_msgs::role::Role;
@@ -42,6 +42,7 @@ pub(super) fn reason(
         Ending::Died { role, how, .. } => format!("{role} ended during the run: {how}"),
         Ending::NotReady(roles) => format!("not ready in time: {}", names(roles)),
         Ending::Silent(role) => format!("{role} stopped answering"),
+        Ending::Stalled(role) => ending::stalled(*role),
         Ending::Deleted => "the shared memory of the stack was deleted".to_owned(),
         Ending::Interrupted => "interrupted".to_owned(),
         Ending::Down => "ended by `zeronav down`".to_owned(),

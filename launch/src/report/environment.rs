@@ -41,6 +41,9 @@ pub(super) fn environment(run: &RunFolder) -> String {
             if let Some(hash) = &result.run_hash {
                 all.push(("run hash", hash.clone()));
             }
+            if result.reproducible == Some(false) {
+                all.push(("not reproducible", result.not_reproducible.join("; ")));
+            }
             all.push(("folder", result.directory.clone()));
         }
         Outcome::Stay(result) => {

@@ -90,13 +90,14 @@ fn below(run: &RunFolder, events: &[Event]) -> String {
             "{left_out} more interventions of the guard were not kept."
         )));
     }
-    let (processes, restarts, faults, swaps) = match &run.outcome {
+    let (processes, restarts, starved, faults, swaps) = match &run.outcome {
         Outcome::Run(result) => {
             let expectations = summary::expectations(&result.expectations);
             html.push_str(&section("expectations", "Expectations", &expectations));
             (
                 &result.services,
                 &result.restarts,
+                &result.starved,
                 &result.faults,
                 &result.swaps,
             )
@@ -104,6 +105,7 @@ fn below(run: &RunFolder, events: &[Event]) -> String {
         Outcome::Stay(result) => (
             &result.services,
             &result.restarts,
+            &result.starved,
             &result.faults,
             &result.swaps,
         ),
@@ -128,6 +130,7 @@ fn below(run: &RunFolder, events: &[Event]) -> String {
     let table = services::services(processes, Some(timings));
     html.push_str(&section("services", "Services", &table));
     let done_to_them = services::restarts(restarts, from_s)
+        + &services::starved(starved, from_s)
         + &services::faults(faults, from_s)
         + &services::swaps(swaps, events);
     html.push_str(&section(

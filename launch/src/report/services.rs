@@ -5,7 +5,7 @@ use super::html::{Cell, megabytes, number, table, time, words};
 use crate::measure::timings::Timings;
 use crate::result::fault::FaultResult;
 use crate::result::swap::SwapResult;
-use crate::result::{Restart, ServiceResult};
+use crate::result::{Restart, ServiceResult, Starved};
 
 /// The table of processes.
 pub(super) fn services(services: &[ServiceResult], timings: Option<&Timings>) -> String {
@@ -78,6 +78,28 @@ pub(super) fn restarts(restarts: &[Restart], from_s: f64) -> String {
             &rows,
         ),
     )
+}
+
+/// Services that got no processor, by the time of the page.
+pub(super) fn starved(starved: &[Starved], from_s: f64) -> String {
+    let row = |seat: &Starved| {
+        vec![
+            Cell::moment((seat.time_s - from_s).max(0.0)),
+            Cell::text(words(&seat.service)),
+            Cell::Number(seat.times.to_string()),
+            Cell::Number(format!("{} s", number(seat.longest_s, 1))),
+            Cell::Number(format!("{} s", number(seat.waited_s, 1))),
+        ]
+    };
+    let rows: Vec<Vec<Cell>> = starved.iter().map(row).collect();
+    let heads = [
+        "first at",
+        "seat",
+        "#times without progress",
+        "#longest",
+        "#waited for a processor",
+    ];
+    titled("Starved", &table(&heads, &rows))
 }
 
 /// Faults that were made on purpose.

@@ -115,6 +115,9 @@ pub struct RunResult {
     pub services: Vec<ServiceResult>,
     /// Restarts of services during the run.
     pub restarts: Vec<Restart>,
+    /// Services that got no processor for longer than `hang_after_s`, in real time.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub starved: Vec<Starved>,
     /// Faults that were made on purpose.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub faults: Vec<FaultResult>,
@@ -133,6 +136,13 @@ pub struct RunResult {
     pub shared_memory_bytes: u64,
     /// Hash of a lockstep run.
     pub run_hash: Option<String>,
+    /// True when the same command gives the same hash again, false when something decided about the
+    /// run that the scenario does not know of; null in real time.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reproducible: Option<bool>,
+    /// Why it is not, one line each.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub not_reproducible: Vec<String>,
     /// What was expected.
     pub expectations: Vec<Expectation>,
     /// Folder with everything that the run left.
@@ -282,6 +292,22 @@ pub struct Restart {
     pub how: String,
     /// Wait before the successor. [ms]
     pub wait_ms: u64,
+}
+
+/// A service that was ready to run and got no processor: the machine had too much to do.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub struct Starved {
+    /// Its seat.
+    pub service: String,
+    /// Run time at which it first stood still. [s]
+    pub time_s: f64,
+    /// How often it did for longer than `hang_after_s`.
+    pub times: u32,
+    /// The longest time without progress. [s]
+    pub longest_s: f64,
+    /// Time in the run queue in all of them. [s]
+    pub waited_s: f64,
 }
 
 /// A goal that was given by hand.

@@ -5,7 +5,7 @@ use crate::result::fault::FaultResult;
 use crate::result::latency::{Figures, Latency};
 use crate::result::trials::{SlowHop, SlowTrial};
 use crate::result::truth::{PoseResult, TrackingResult};
-use crate::result::{Redirect, RunResult, ServiceResult};
+use crate::result::{Redirect, RunResult, ServiceResult, Starved};
 use core::fmt::Write;
 
 /// Odometry that is never farther from the truth than this is the truth. [m]
@@ -82,6 +82,9 @@ impl RunResult {
                 restart.time_s, restart.service, restart.how
             );
         }
+        for seat in &self.starved {
+            text.push_str(&starved_line(seat));
+        }
         for fault in &self.faults {
             text.push_str(&fault_line(fault));
         }
@@ -157,13 +160,30 @@ impl RunResult {
         if let Some(hash) = &self.run_hash {
             let _ = writeln!(text, "  run hash {hash}");
         }
+        for why in &self.not_reproducible {
+            let _ = writeln!(text, "  not reproducible: {why}");
+        }
         self.write_missed(&mut text);
         let _ = writeln!(text, "  {}", self.directory);
         text
     }
 }
 
-/// Says where a path ends that does not end at its goal.
+/// A service that got no processor, in one line.
+pub(crate) fn starved_line(seat: &Starved) -> String {
+    let Starved {
+        service,
+        time_s,
+        times,
+        longest_s,
+        waited_s,
+    } = seat;
+    format!(
+        "  {time_s:8.2} s  {service} was starved: {times} times without progress, {longest_s:.1} s at the \
+         longest, it waited {waited_s:.1} s for a processor\n"
+    )
+}
+
 /// A fault and how its seat recovered, in one line.
 pub(crate) fn fault_line(fault: &FaultResult) -> String {
     let figures = match fault.figures.as_str() {
@@ -184,6 +204,7 @@ pub(crate) fn fault_line(fault: &FaultResult) -> String {
     )
 }
 
+/// Says where a path ends that does not end at its goal.
 fn beside(beside_goal_m: f64) -> String {
     if beside_goal_m < 0.005 {
         return String::new();

@@ -188,6 +188,7 @@ impl Report {
         self.write_table(&mut text);
         self.write_failures(&mut text);
         self.write_faults(&mut text);
+        self.write_not_reproducible(&mut text);
         let _ = writeln!(text, "\n  {}", self.directory);
         text
     }
@@ -222,6 +223,23 @@ impl Report {
                     row.directory.as_deref().unwrap_or("")
                 );
             }
+        }
+    }
+
+    /// The runs that may go otherwise the next time.
+    fn write_not_reproducible(&self, text: &mut String) {
+        if self.summary.not_reproducible == 0 {
+            return;
+        }
+        let _ = writeln!(
+            text,
+            "\n  {} not reproducible:",
+            self.summary.not_reproducible
+        );
+        let rows = self.runs.iter();
+        let rows = rows.filter_map(|row| Some((row, row.not_reproducible.as_ref()?)));
+        for (row, why) in rows.take(FAILURES_SHOWN) {
+            let _ = writeln!(text, "    {} seed {}  {why}", row.world, row.seed);
         }
     }
 

@@ -64,6 +64,9 @@ pub(crate) struct Row {
     pub wall_s: Option<f64>,
     /// Hash of the run.
     pub run_hash: Option<String>,
+    /// Why the run may go otherwise the next time; null when it does not.
+    #[serde(default)]
+    pub not_reproducible: Option<String>,
     /// The run's folder.
     pub directory: Option<String>,
     /// Why it could not begin, exit code 2; the report has it once.
@@ -131,6 +134,8 @@ impl Row {
             goal_distance_m,
             wall_s: Some(run.wall_s),
             run_hash: run.run_hash.clone(),
+            not_reproducible: (run.reproducible == Some(false))
+                .then(|| run.not_reproducible.join("; ")),
             directory: Some(run.directory.clone()),
             contacts,
             ..Self::of(case)
@@ -186,6 +191,7 @@ impl Row {
             goal_distance_m: None,
             wall_s: None,
             run_hash: None,
+            not_reproducible: None,
             directory: None,
             refusal: None,
             contacts: Vec::new(),
@@ -347,6 +353,23 @@ mod tests {
             (Some(3), None)
         );
         assert!(row.arrived && !row.is_at_fault());
+        assert_eq!(row.not_reproducible, None);
+    }
+
+    #[test]
+    fn a_run_that_something_else_decided_about_is_named() {
+        let why = ["mapping killed by signal 9", "the run was ended by hand"];
+        let changes = [
+            ("reproducible", json!(false)),
+            ("not_reproducible", json!(why)),
+        ];
+        let row = row(true, &changes);
+        assert!(row.success, "it counts all the same");
+        assert_eq!(row.not_reproducible, Some(why.join("; ")));
+        assert_eq!(
+            super::super::summary::Summary::of(&[&row]).not_reproducible,
+            1
+        );
     }
 
     #[test]

@@ -32,6 +32,8 @@ pub(crate) struct Summary {
     pub arrival: f64,
     /// Runs whose time was over.
     pub timeouts: usize,
+    /// Runs that may go otherwise the next time.
+    pub not_reproducible: usize,
     /// Time of the successes. [s]
     pub mean_time_s: Option<f64>,
     /// The same by the benchmark's clock, where it has one. [s]
@@ -92,6 +94,7 @@ impl Summary {
                 .reduce(u32::saturating_add),
             arrival: mean(&|row| Some(f64::from(u8::from(row.arrived)))).unwrap_or(0.0),
             timeouts: count(&Row::is_timeout),
+            not_reproducible: count(&|row| row.not_reproducible.is_some()),
             mean_time_s: of_success(|row| row.time_s),
             mean_clock_s: of_success(|row| row.clock_s),
             mean_path_ratio: of_success(|row| row.path_ratio),

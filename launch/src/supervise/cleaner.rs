@@ -4,6 +4,7 @@
 //! or lie on a slow disk may block or kill that process; launch only looks whether it has ended, and
 //! kills it when its time is over.
 
+use super::own_time::Patience;
 use std::os::unix::process::CommandExt;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
@@ -12,8 +13,11 @@ use std::time::{Duration, Instant};
 /// Name of the subcommand.
 pub const COMMAND: &str = "clean";
 
-/// How long one cleaning may take.
+/// How long one cleaning may take, of its own time: one that gets no processor is not stuck.
 const CLEANING_LIMIT: Duration = Duration::from_secs(1);
+
+/// How long it may take in any case.
+const WALL_LIMIT: Duration = Duration::from_secs(60);
 
 /// A cleaning that was asked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -36,8 +40,16 @@ pub struct Cleaner {
 struct UnderWay {
     process: Child,
     since: Instant,
+    patience: Patience,
     /// The last cleaning that was asked for when it was started.
     serves: Ticket,
+}
+
+impl UnderWay {
+    /// True when it has taken too long.
+    fn is_over(&mut self) -> bool {
+        self.patience.is_over(CLEANING_LIMIT) || self.since.elapsed() > WALL_LIMIT
+    }
 }
 
 impl Cleaner {
@@ -81,7 +93,7 @@ impl Cleaner {
         if let Some(mut under_way) = self.under_way.take() {
             let failure = match under_way.process.try_wait() {
                 Ok(Some(status)) => failure(status),
-                Ok(None) if under_way.since.elapsed() < CLEANING_LIMIT => {
+                Ok(None) if !under_way.is_over() => {
                     self.under_way = Some(under_way);
                     return;
                 }
@@ -99,6 +111,7 @@ impl Cleaner {
             match start(&self.root) {
                 Ok(process) => {
                     self.under_way = Some(UnderWay {
+                        patience: Patience::with(process.id()),
                         process,
                         since: Instant::now(),
                         serves,

@@ -1,104 +1,168 @@
-//! Who does not make progress. Pure over progress counters.
+//! Who does not make progress. Pure over progress counters and the kernel's counters.
 //!
-//! Time counts only as far as launch itself was awake: a machine that is suspended, or a load that
-//! keeps launch from looking, makes no process look hung. Seats that stand still together are more likely
-//! kept waiting by the machine (a processor that the host took away) than hung at the same moment:
-//! they get [`TOGETHER`] times as long.
+//! What counts against a process that stands still is its own time: what it computed, and what it slept
+//! or was stopped ([`OwnTime`]). Time in a run queue does not count: a process that waits for a processor is
+//! starved, and a successor would starve as well. Time counts only as far as launch itself was awake: a
+//! machine that is suspended, or a load that keeps launch from looking, makes no process look hung.
+//! Seats that stand still together are more likely kept waiting by the machine (a processor that the host
+//! took away) than hung at the same moment: they get [`LENIENT`] times as long. So do waits for a device,
+//! and in lockstep computing, which takes longer on another machine: a long search must not end otherwise
+//! there.
 
+use super::own_time::{OwnTime, Reading, awake};
 use core::time::Duration;
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use zeronav_msgs::role::Role;
 
-/// Most time that one look adds.
-const LOOK_MAX: Duration = Duration::from_millis(20);
+/// How many times longer seats may stand still that the machine may keep waiting.
+pub(crate) const LENIENT: u32 = 10;
 
-/// How many times longer seats may stand still that do it together.
-pub(crate) const TOGETHER: u32 = 10;
+/// The kernel is asked from this share of the limit on: one over it.
+const ASK_FROM: u32 = 4;
+
+/// When a process that stands still is hung.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Limit {
+    /// `hang_after_s` of the scenario.
+    pub after: Duration,
+    /// True in lockstep.
+    pub lockstep: bool,
+}
+
+/// A service that stood still because it got no processor.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Starved {
+    /// Its seat.
+    pub role: Role,
+    /// For how long it waited for a processor while it stood still.
+    pub waited: Duration,
+    /// For how long it stood still.
+    pub still: Duration,
+}
+
+/// A seat as it was seen last.
+#[derive(Debug, Clone)]
+struct Seen {
+    epoch: u32,
+    progress: u64,
+    /// For how long it has stood still, by launch's clock.
+    still: Duration,
+    /// Where that time went, from [`ASK_FROM`] on; before that it counts as blocked.
+    spent: OwnTime,
+    asked: bool,
+}
+
+impl Seen {
+    fn new(epoch: u32, progress: u64) -> Self {
+        Self {
+            epoch,
+            progress,
+            still: Duration::ZERO,
+            spent: OwnTime::default(),
+            asked: false,
+        }
+    }
+
+    /// What counts against the limit.
+    fn counted(&self, lockstep: bool) -> Duration {
+        let OwnTime {
+            ran,
+            blocked,
+            device,
+            ..
+        } = self.spent;
+        if lockstep {
+            blocked + (ran + device) / LENIENT
+        } else {
+            blocked + ran + device / LENIENT
+        }
+    }
+
+    /// Its time without a processor, when it would have counted as hung with it.
+    fn starved(&self, role: Role, limit: Duration) -> Option<Starved> {
+        let waited = self.spent.waited;
+        (self.spent.total() + waited > limit && waited > self.spent.total()).then_some(Starved {
+            role,
+            waited,
+            still: self.still,
+        })
+    }
+}
 
 /// Progress of every seat, as it was seen last.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct HangWatch {
-    seen: HashMap<Role, (u32, u64, Duration)>,
+    seen: HashMap<Role, Seen>,
+    starved: Vec<Starved>,
 }
 
 impl HangWatch {
-    /// One look, `since` after the one before: the seat's epoch and progress counter. True when
-    /// the counter has stood still for longer than `limit`, or much longer beside others.
+    /// One look, `since` after the one before: the seat's epoch and progress counter, and what the
+    /// kernel says of its process. True when the counter has stood still for more than the limit of
+    /// the process's own time, or much more beside others.
     pub(crate) fn look(
         &mut self,
         role: Role,
-        epoch: u32,
-        progress: u64,
+        (epoch, progress): (u32, u64),
         since: Duration,
-        limit: Duration,
+        limit: Limit,
+        reading: impl FnOnce() -> Option<Reading>,
     ) -> bool {
-        let fresh = (epoch, progress, Duration::ZERO);
         let seen = match self.seen.entry(role) {
-            Entry::Vacant(seat) => seat.insert(fresh),
+            Entry::Vacant(seat) => seat.insert(Seen::new(epoch, progress)),
             Entry::Occupied(seat) => {
                 let seen = seat.into_mut();
-                if (seen.0, seen.1) == (epoch, progress) {
-                    seen.2 += since.min(LOOK_MAX);
+                if (seen.epoch, seen.progress) == (epoch, progress) {
+                    seen.stand_still(since, limit.after, reading);
                 } else {
-                    *seen = fresh;
+                    let before = core::mem::replace(seen, Seen::new(epoch, progress));
+                    self.starved.extend(before.starved(role, limit.after));
                 }
                 seen
             }
         };
-        let still = seen.2;
-        let together = self.seen.values().filter(|seen| seen.2 > limit / 2).count() > 1;
-        let times = if together { TOGETHER } else { 1 };
-        still > limit.saturating_mul(times)
+        let counted = seen.counted(limit.lockstep);
+        let half = limit.after / 2;
+        let with_it = |seen: &&Seen| seen.counted(limit.lockstep) > half;
+        let together = self.seen.values().filter(with_it).count() > 1;
+        let times = if together { LENIENT } else { 1 };
+        counted > limit.after.saturating_mul(times)
+    }
+
+    /// The services that were starved and have gone on since this was last asked.
+    pub(crate) fn take_starved(&mut self) -> Vec<Starved> {
+        core::mem::take(&mut self.starved)
+    }
+
+    /// The services that are starved now.
+    pub(crate) fn starving(&self, limit: Duration) -> Vec<Starved> {
+        let all = self.seen.iter();
+        all.filter_map(|(role, seen)| seen.starved(*role, limit))
+            .collect()
+    }
+}
+
+impl Seen {
+    fn stand_still(
+        &mut self,
+        since: Duration,
+        after: Duration,
+        reading: impl FnOnce() -> Option<Reading>,
+    ) {
+        self.still += since;
+        if self.asked {
+            self.spent.add(since, awake(since), reading);
+            return;
+        }
+        // No need to ask the kernel before.
+        self.spent.blocked += awake(since);
+        if self.spent.blocked >= after / ASK_FROM {
+            self.asked = true;
+            self.spent = OwnTime::after(self.spent.blocked, reading());
+        }
     }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn standing_still_counts_only_while_launch_looks() {
-        let limit = Duration::from_millis(500);
-        let mut watch = HangWatch::default();
-        let mut look =
-            |progress, ms| watch.look(Role::Mapping, 1, progress, Duration::from_millis(ms), limit);
-        assert!(!look(1, 10));
-        assert!(!look(1, 3000), "launch was asleep, too");
-        for _ in 0..48 {
-            assert!(!look(1, 10));
-        }
-        assert!(look(1, 10));
-        assert!(!look(2, 10), "it goes on");
-    }
-
-    #[test]
-    fn seats_that_stand_still_together_get_more_time() {
-        let limit = Duration::from_millis(100);
-        let since = Duration::from_millis(10);
-        let mut watch = HangWatch::default();
-        let (mut first, mut looks) = (0, 0);
-        while first == 0 {
-            looks += 1;
-            let alone = watch.look(Role::Mapping, 1, looks, since, limit);
-            assert!(!alone, "it goes on");
-            let one = watch.look(Role::GlobalPlanner, 1, 7, since, limit);
-            let other = watch.look(Role::CollisionGuard, 1, 9, since, limit);
-            if one || other {
-                first = looks;
-            }
-        }
-        // The first look counts no time, and standing still has to last longer than the limit.
-        assert_eq!(first, 10 * u64::from(TOGETHER) + 2);
-    }
-
-    #[test]
-    fn a_successor_starts_with_a_clean_slate() {
-        let limit = Duration::from_millis(5);
-        let mut watch = HangWatch::default();
-        let since = Duration::from_millis(10);
-        watch.look(Role::Mapping, 1, 7, since, limit);
-        assert!(watch.look(Role::Mapping, 1, 7, since, limit));
-        assert!(!watch.look(Role::Mapping, 2, 7, since, limit));
-    }
-}
+mod tests;

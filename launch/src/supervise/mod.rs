@@ -8,6 +8,7 @@ pub mod cleaner;
 pub(crate) mod hang;
 mod log_limit;
 pub(crate) mod occupant;
+pub(crate) mod own_time;
 pub(crate) mod question;
 pub(crate) mod restart;
 pub(crate) mod scheduling;

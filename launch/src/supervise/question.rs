@@ -2,6 +2,7 @@
 //! it may print without end, hang, or be none.
 
 use super::child::{Child, end_with_this_thread};
+use super::own_time::Patience;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::process::{Pid, PidfdFlags, Signal, kill_process_group, pidfd_open};
 use std::ffi::OsStr;
@@ -12,8 +13,11 @@ use std::path::Path;
 use std::process::{Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
-/// Longest time that an answer may take, on a machine that is busy with other things.
+/// Longest time that an answer may take, of the program's own: time without a processor does not count.
 const LIMIT: Duration = Duration::from_secs(5);
+
+/// Longest time in any case.
+const WALL_LIMIT: Duration = Duration::from_secs(300);
 
 /// Longest answer. [bytes]
 const BYTES_MAX: usize = 4 << 20;
@@ -99,7 +103,8 @@ struct Heard {
 
 /// Reads both outputs until the process has ended.
 fn listen(process: &mut std::process::Child) -> Result<Heard, Silence> {
-    let deadline = Instant::now() + LIMIT;
+    let deadline = Instant::now() + WALL_LIMIT;
+    let mut patience = Patience::with(process.id());
     let pid = i32::try_from(process.id()).ok().and_then(Pid::from_raw);
     let pid = pid.ok_or_else(|| std::io::Error::other("no process id"))?;
     let end = pidfd_open(pid, PidfdFlags::empty()).map_err(std::io::Error::from)?;
@@ -129,7 +134,7 @@ fn listen(process: &mut std::process::Child) -> Result<Heard, Silence> {
         {
             return Ok(Heard { status, texts });
         }
-        if Instant::now() > deadline {
+        if patience.is_over(LIMIT) || Instant::now() > deadline {
             return Err(Silence::Late);
         }
     }

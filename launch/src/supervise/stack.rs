@@ -9,6 +9,7 @@ use super::child::Child;
 use super::child_log::LogPlace;
 use super::cleaner::{Cleaner, Ticket};
 use super::occupant::Occupant;
+use super::own_time::{Doing, Reading};
 use super::scheduling::SchedulingSpec;
 use super::taps::Taps;
 use super::warden;
@@ -303,6 +304,28 @@ impl Stack {
                 Some((*role, epoch, view.meta.progress, ready))
             })
             .collect()
+    }
+
+    /// What the kernel says of the process that answers in the seat of `role`: the one that was started, or
+    /// one that it has started in turn, as a script does.
+    pub(crate) fn reading(&self, role: Role) -> Option<Reading> {
+        let of_role = |child: &&Child| child.role == role;
+        let pid = self.children.iter().find(of_role).map(Child::pid);
+        let beats = self.occupants.get(&role);
+        let beats = beats.filter(|it| pid != Some(it.pid) && it.epoch == self.epoch(role));
+        let other = beats.and_then(|it| Reading::of(it.pid));
+        let Some(pid) = pid else { return other };
+        other
+            .filter(|other| other.group == pid)
+            .or_else(|| Reading::of(pid))
+    }
+
+    /// True when no process of the stack runs or waits for a processor: none of them is about to answer.
+    pub(crate) fn is_quiet(&self) -> bool {
+        let waits = |reading: Reading| reading.doing == Doing::Runnable;
+        let beside = self.beside.as_ref().map(Child::pid);
+        let all = Role::SERVICES.iter().filter_map(|role| self.reading(*role));
+        !all.chain(beside.and_then(Reading::of)).any(waits)
     }
 
     /// Seats whose heartbeat does not say yet that they can answer.

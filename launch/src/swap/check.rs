@@ -1,12 +1,14 @@
 //! Whether a newcomer fails.
 
+use super::owing::Owing;
 use super::{Phase, Scene, Swap};
 use crate::supervise::child::Child;
 use crate::supervise::question::headline;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 use zeronav_msgs::role::Role;
 
-/// How long a lockstep robot may wait for an answer of one of the two processes alone.
+/// How long a lockstep robot may wait for an answer of one of the two processes alone while no process
+/// of the stack runs or waits for a processor.
 pub(super) const SILENCE_LIMIT: Duration = Duration::from_secs(3);
 
 /// Ticks by which a shadow may be behind.
@@ -83,17 +85,13 @@ impl Swap {
             newcomer.owed = None;
             return None;
         }
-        let since = match newcomer.owed {
-            Some((owed, since)) if owed > own => since,
-            _ => {
-                let now = Instant::now();
-                newcomer.owed = Some((before, now));
-                now
-            }
-        };
+        if newcomer.owed.is_none_or(|(owed, _)| owed <= own) {
+            newcomer.owed = Some((before, Owing::new()));
+        }
+        let (_, owing) = newcomer.owed.as_mut()?;
         let behind = before - own;
         let is_late = if scene.lockstep {
-            since.elapsed() > SILENCE_LIMIT
+            owing.quiet(|| scene.stack.is_quiet()) > SILENCE_LIMIT
         } else if !is_obeyed {
             behind > SHADOW_TICKS_BEHIND
         } else {
@@ -101,7 +99,7 @@ impl Swap {
                 // The wheels hear nothing else: less than a tick, so that at most one is missed.
                 Role::CollisionGuard => {
                     let limit = Duration::from_nanos(scene.tick_ns / 10 * 6);
-                    behind > 1 || since.elapsed() > limit
+                    behind > 1 || owing.elapsed() > limit
                 }
                 Role::LocalPlanner => behind > TICKS_BEHIND,
                 _ => behind > SCAN_TICKS_BEHIND,
@@ -120,14 +118,12 @@ impl Swap {
         let before = scene.collector.aside.answered(newcomer.office);
         let before = before.max(newcomer.from_tick.saturating_sub(1));
         if before >= own {
-            newcomer.predecessor_owes_since = None;
+            newcomer.predecessor_owes = None;
             return false;
         }
-        let since = newcomer
-            .predecessor_owes_since
-            .get_or_insert_with(Instant::now);
+        let owing = newcomer.predecessor_owes.get_or_insert_with(Owing::new);
         if scene.lockstep {
-            since.elapsed() > SILENCE_LIMIT
+            owing.quiet(|| scene.stack.is_quiet()) > SILENCE_LIMIT
         } else {
             own - before > SHADOW_TICKS_BEHIND
         }

@@ -16,6 +16,7 @@ pub(crate) mod config;
 mod ears;
 mod newcomer;
 pub(crate) mod order;
+mod owing;
 pub(crate) mod require;
 mod scene;
 mod scores;
@@ -27,6 +28,7 @@ use crate::supervise::cleaner::Ticket;
 use crate::supervise::occupant::file_name;
 use newcomer::Newcomer;
 use order::SwapOrder;
+use owing::Owing;
 pub(crate) use scene::Scene;
 use std::path::PathBuf;
 use std::thread::JoinHandle;
@@ -46,19 +48,28 @@ pub(crate) struct Files {
     pub log_level: String,
 }
 
+/// What is known of a newcomer that was killed.
+#[derive(Debug, Clone, Copy)]
+struct Settling {
+    /// Its predecessor is waited for.
+    owing: Owing,
+    /// It was dead at an earlier look: everything that it has answered was heard since.
+    was_dead: bool,
+}
+
 /// Where a swap is.
 #[derive(Debug)]
 enum Phase {
     /// The binary is asked whether it can work with its configuration.
     Asking(JoinHandle<Result<(), String>>),
     /// The newcomer cannot answer yet.
-    Starting(Instant),
+    Starting,
     /// It is compared from a tick on, before another one.
     Shadow(Option<u64>),
     /// It is obeyed; its predecessor stays warm before this tick.
     Keep(u64),
-    /// Lockstep: the newcomer is dead, and the robot comes to the tick that it has not answered.
-    Settling(Instant),
+    /// Lockstep: the newcomer is killed, and the robot comes to the tick that it has not answered.
+    Settling(Settling),
     /// The process beside ends. Until the tick, its messages may still be in use.
     Leaving(Instant, u64),
     /// Nothing is left to do.
@@ -147,7 +158,7 @@ impl Swap {
     /// at the tick `next`, or when this one is over.
     pub(crate) fn lease_limit(&self, next: u64) -> u64 {
         match self.phase {
-            Phase::Asking(_) | Phase::Starting(_) => self.hold_tick,
+            Phase::Asking(_) | Phase::Starting => self.hold_tick,
             Phase::Shadow(Some(until)) | Phase::Keep(until) => until.saturating_sub(1),
             Phase::Settling(_) => 0,
             Phase::Shadow(None) => u64::MAX,
@@ -164,7 +175,7 @@ impl Swap {
         match self.phase {
             Phase::Asking(_) => self.end("cancelled", None),
             Phase::Shadow(None) => self.leave(scene, "compared", None),
-            Phase::Starting(_) | Phase::Shadow(_) => self.leave(scene, "cancelled", None),
+            Phase::Starting | Phase::Shadow(_) => self.leave(scene, "cancelled", None),
             Phase::Keep(_) => self.roll_back(scene, "it was cancelled".to_owned()),
             Phase::Settling(_) | Phase::Leaving(..) | Phase::Over => {
                 let (role, outcome) = (self.role, self.decided().state);
@@ -184,10 +195,7 @@ impl Swap {
         }
         match &self.phase {
             Phase::Asking(_) => self.hear_answer(scene),
-            Phase::Starting(since) => {
-                let since = *since;
-                self.wait_until_ready(scene, since);
-            }
+            Phase::Starting => self.wait_until_ready(scene),
             Phase::Shadow(until) => {
                 let until = *until;
                 self.compare(scene, until);
@@ -196,9 +204,9 @@ impl Swap {
                 let until = *until;
                 return self.keep(scene, until);
             }
-            Phase::Settling(since) => {
-                let since = *since;
-                self.settle(scene, since);
+            Phase::Settling(settling) => {
+                let settling = *settling;
+                self.settle(scene, settling);
             }
             Phase::Leaving(since, until) => {
                 let (since, until) = (*since, *until);

@@ -1,12 +1,15 @@
 //! The newcomer as launch sees it: its heart, its answers, its times.
 
 use super::ears::{Ears, roster_of};
+use super::owing::Owing;
 use super::scene::Scene;
 use super::scores::Scores;
 use crate::result::swap::Comparison;
+use crate::supervise::child::Child;
 use crate::supervise::hang::HangWatch;
+use crate::supervise::own_time::{Patience, Reading};
 use crate::supervise::stack::Stack;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 use zeronav_msgs::health::HealthState;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::topics::HealthTopic;
@@ -29,10 +32,12 @@ pub(super) struct Newcomer {
     looked: Instant,
     is_hung: bool,
     is_ready: bool,
-    /// The newest tick that its predecessor has answered and it has not, and since when.
-    pub owed: Option<(u64, Instant)>,
-    /// Since when its predecessor has owed an answer that it has given.
-    pub predecessor_owes_since: Option<Instant>,
+    pid: u32,
+    start: Patience,
+    /// The newest tick that its predecessor has answered and it has not, and for how long.
+    pub owed: Option<(u64, Owing)>,
+    /// For how long its predecessor has owed an answer that it has given.
+    pub predecessor_owes: Option<Owing>,
 }
 
 impl Newcomer {
@@ -41,6 +46,7 @@ impl Newcomer {
     /// # Errors
     /// When there is no place left for a reader.
     pub(super) fn open(stack: &Stack, role: Role, epoch: u32) -> Result<Self, StartError> {
+        let pid = stack.beside.as_ref().map_or(0, Child::pid);
         Ok(Self {
             epoch,
             office: stack.epoch(role),
@@ -53,8 +59,10 @@ impl Newcomer {
             looked: Instant::now(),
             is_hung: false,
             is_ready: false,
+            pid,
+            start: Patience::with(pid),
             owed: None,
-            predecessor_owes_since: None,
+            predecessor_owes: None,
         })
     }
 
@@ -70,9 +78,9 @@ impl Newcomer {
         self.health.poll(&self.roster);
         // A process that has not beaten yet still starts.
         if let Some(beat) = self.health.get() {
-            let (epoch, progress) = (self.epoch, beat.meta.progress);
-            let limit = scene.hang_after;
-            self.is_hung = self.hangs.look(role, epoch, progress, since, limit);
+            let beat_of = (self.epoch, beat.meta.progress);
+            let reading = || Reading::of(self.pid);
+            self.is_hung = self.hangs.look(role, beat_of, since, scene.hang, reading);
             let state = beat.meta.state();
             self.is_ready = matches!(state, Some(HealthState::Ready | HealthState::Degraded));
         }
@@ -99,6 +107,11 @@ impl Newcomer {
     /// True once its heartbeat says that it can answer.
     pub(super) fn is_ready(&self) -> bool {
         self.is_ready
+    }
+
+    /// True when it has spent more than `limit` of its own time since it was started.
+    pub(super) fn is_late(&mut self, limit: Duration) -> bool {
+        self.start.is_over(limit)
     }
 
     /// True when its heartbeat has shown no progress for too long.

@@ -1,8 +1,8 @@
 //! What a swap works on.
 
 use crate::collect::Collector;
+use crate::supervise::hang::Limit;
 use crate::supervise::stack::Stack;
-use std::time::Duration;
 use zeronav_msgs::time::nanoseconds;
 
 /// What a swap works on.
@@ -16,8 +16,8 @@ pub(crate) struct Scene<'a> {
     pub lockstep: bool,
     /// From tick to tick. [ns]
     pub tick_ns: u64,
-    /// Time without progress after which a process counts as hung.
-    pub hang_after: Duration,
+    /// When a process counts as hung.
+    pub hang: Limit,
     /// True while the seat has no process that answers.
     pub is_vacant: bool,
 }

@@ -2,7 +2,8 @@
 
 use super::check::SILENCE_LIMIT;
 use super::newcomer::Newcomer;
-use super::{Phase, Scene, Swap};
+use super::owing::Owing;
+use super::{Phase, Scene, Settling, Swap};
 use crate::keeper::READY_LIMIT;
 use crate::supervise::child::Child;
 use crate::supervise::stack::Launch;
@@ -43,7 +44,7 @@ impl Swap {
         match started {
             Ok(()) => {
                 "starting".clone_into(&mut self.result.state);
-                self.phase = Phase::Starting(Instant::now());
+                self.phase = Phase::Starting;
             }
             Err(why) if scene.stack.beside.is_some() => self.leave(scene, "rejected", Some(why)),
             Err(why) => self.end("rejected", Some(why)),
@@ -74,7 +75,7 @@ impl Swap {
     }
 
     /// Waits until the newcomer can answer; in lockstep also until the robot waits.
-    pub(super) fn wait_until_ready(&mut self, scene: &mut Scene<'_>, since: Instant) {
+    pub(super) fn wait_until_ready(&mut self, scene: &mut Scene<'_>) {
         if let Some(why) = self.failure(scene) {
             return self.leave(scene, "rejected", Some(why));
         }
@@ -82,7 +83,7 @@ impl Swap {
             return;
         };
         if !newcomer.is_ready() {
-            if since.elapsed() > READY_LIMIT {
+            if newcomer.is_late(READY_LIMIT) {
                 let why = format!("it was not ready within {} s", READY_LIMIT.as_secs());
                 self.leave(scene, "rejected", Some(why));
             }
@@ -209,7 +210,10 @@ impl Swap {
             if let Some(child) = children.find(|child| child.role == self.role) {
                 child.signal(Signal::KILL);
             }
-            self.phase = Phase::Settling(Instant::now());
+            self.phase = Phase::Settling(Settling {
+                owing: Owing::new(),
+                was_dead: false,
+            });
             return;
         }
         let tick = scene.collector.robot_tick() + 1;
@@ -227,12 +231,12 @@ impl Swap {
     }
 
     /// Lockstep: waits until the robot waits for the dead newcomer, then gives the seat back.
-    pub(super) fn settle(&mut self, scene: &mut Scene<'_>, since: Instant) {
+    pub(super) fn settle(&mut self, scene: &mut Scene<'_>, mut settling: Settling) {
         if (scene.stack.beside.as_mut()).is_none_or(|old| old.ended().is_some()) {
             let why = self.result.why.clone().unwrap_or_default();
             return self.fall_back_by_restart(scene, &why);
         }
-        if since.elapsed() > SILENCE_LIMIT {
+        if settling.owing.quiet(|| scene.stack.is_quiet()) > SILENCE_LIMIT {
             kill(&mut scene.stack.beside);
         }
         let mut children = scene.stack.children.iter_mut();
@@ -241,12 +245,16 @@ impl Swap {
         let lease = scene.stack.roster.control.lease;
         let waits = scene.collector.owing(&scene.stack.roster) == Some(self.role);
         let is_held = waits || scene.all_answered(lease);
-        // Both are facts that cannot change any more, once the last records have come.
-        if is_dead && is_held && since.elapsed() > Duration::from_millis(50) {
+        // Both are facts that cannot change any more, once its last records have been heard, which comes
+        // first at every look.
+        if settling.was_dead && is_held {
             let off_tick = scene.collector.answered_by(self.role) + 1;
             let tick = scene.collector.robot_tick() + 1;
             self.give_back(scene, tick.max(off_tick), Some(off_tick));
+            return;
         }
+        settling.was_dead = is_dead;
+        self.phase = Phase::Settling(settling);
     }
 
     fn give_back(&mut self, scene: &mut Scene<'_>, tick: u64, off_tick: Option<u64>) {

@@ -5,7 +5,7 @@ use zeronav_msgs::role::Role;
 use zeronav_shell::clock::now_ns;
 use zeronav_shell::{MapInput, Shell, StartError};
 
-/// How long the map of the process in the seat is waited for. [ns]
+/// How long the map of the process in the seat is waited for; in lockstep launch decides how long. [ns]
 const WAIT_NS: u64 = 2_000_000_000;
 
 /// Between two looks. [ns]
@@ -47,7 +47,7 @@ impl Predecessor {
         let what = "taking over the map of the process in the seat";
         if self.map.is_lost() || self.map.view().is_none() {
             shell.wake_by(now_ns() + PAUSE_NS);
-            if now_ns() < self.until_ns {
+            if shell.roster().lockstep() || now_ns() < self.until_ns {
                 return Ok(true);
             }
             let why = format!("none came within {} s", WAIT_NS / 1_000_000_000);

@@ -31,6 +31,7 @@ fn every_check_has_a_level_and_bad_ones_a_fix() {
         "locked memory",
         "clock",
         "cores",
+        "processor",
         "governor",
         "logind",
     ];

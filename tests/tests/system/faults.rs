@@ -54,6 +54,8 @@ fn a_fault_comes_at_its_tick_and_the_result_says_when_the_seat_answered_again() 
         );
         let [first, second] = [(); 2].map(|()| arrived(&run(&lines, &["--lockstep"])));
         assert_eq!(first["run_hash"], second["run_hash"], "{service}");
+        // The restarts are part of the scenario.
+        assert_eq!(first["reproducible"], true, "{first:#}");
         let seen: Vec<(&Value, &Value)> = (faults(&first).iter())
             .map(|fault| (&fault["kind"], &fault["tick"]))
             .collect();

@@ -51,6 +51,7 @@ mod seats;
 mod service_configs;
 mod signals;
 mod soak;
+mod starved;
 mod suite;
 mod swap;
 mod top;

@@ -86,7 +86,12 @@ fn every_service_may_be_killed_in_the_middle_of_a_drive() {
             strike(&mut run, role, Signal::KILL, 3.0),
             "{role} was not there"
         );
-        assert_eq!(restarts(&arrived(run)), [role]);
+        let result = arrived(run);
+        assert_eq!(restarts(&result), [role]);
+        // The scenario knows nothing of it.
+        assert_eq!(result["reproducible"], false, "{result:#}");
+        let why = result["not_reproducible"][0].as_str().unwrap_or_default();
+        assert_eq!(why, format!("{role} killed by signal 9"));
     }
 }
 

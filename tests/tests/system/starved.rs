@@ -1,0 +1,58 @@
+//! A service that gets no processor is no hung one: a lockstep run beside busy processes is the same run.
+
+use std::process::{Child, Command, Stdio};
+use zeronav_tests::{Ended, Zeronav, binaries};
+
+/// Processes that compute as long as this is kept: two a core.
+struct Burden(Vec<Child>);
+
+impl Burden {
+    fn start() -> Self {
+        let cores = std::thread::available_parallelism().map_or(1, usize::from);
+        let start = |_| {
+            let mut busy = Command::new(binaries().join("zeronav"));
+            busy.args(["busy", "600"]).stdin(Stdio::piped());
+            busy.spawn().expect("started")
+        };
+        Self((0..2 * cores).map(start).collect())
+    }
+}
+
+impl Drop for Burden {
+    fn drop(&mut self) {
+        for process in &mut self.0 {
+            let _ = process.kill();
+            let _ = process.wait();
+        }
+    }
+}
+
+/// A drive of 3 m whose planner comes last when the processors are busy, and that would not wait long
+/// for one that hangs.
+fn start() -> Zeronav {
+    let folder = tempfile::tempdir().expect("a folder");
+    let text = "title = \"starved\"\nbase = [\"warehouse\", \"porter\"]\nstart = [4.0, 6.425, 0.0]\n\
+                run.time_limit_s = 60.0\n[[goals]]\npose = [7.0, 6.425, 0.0]\n\
+                [restart]\nhang_after_s = 0.1\n\
+                [services.global_planner.scheduling]\npolicy = \"batch\"\nnice = 15\n";
+    std::fs::write(folder.path().join("it.toml"), text).expect("written");
+    let arguments = ["run", "./it.toml", "--lockstep", "--headless", "--json"];
+    Zeronav::start_in(folder, &arguments)
+}
+
+#[test]
+fn a_lockstep_run_is_the_same_run_however_busy_the_machine_is() {
+    let idle = start().finish().expect(0);
+    let burden = Burden::start();
+    let busy = [(); 2].map(|()| start()).map(Zeronav::finish);
+    drop(burden);
+    for result in busy.iter().map(|ended: &Ended| ended.expect(0)) {
+        assert_eq!(
+            result["restarts"].as_array().map(Vec::len),
+            Some(0),
+            "{result:#}"
+        );
+        assert_eq!(result["run_hash"], idle["run_hash"]);
+        assert_eq!(result["reproducible"], true, "{result:#}");
+    }
+}
