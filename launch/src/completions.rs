@@ -3,6 +3,7 @@
 
 use crate::cli::Cli;
 use crate::exit::{EXIT_OUTPUT, EXIT_PASS};
+use crate::known_words::with_known_words;
 use crate::show::terminal::{complain, pour, say};
 use clap::CommandFactory;
 use clap_complete::Shell;
@@ -18,7 +19,8 @@ const NAME: &str = "zeronav";
 #[must_use]
 pub fn completions(shell: Shell) -> ExitCode {
     let mut script = Vec::new();
-    clap_complete::generate(shell, &mut Cli::command(), NAME, &mut script);
+    let mut command = with_known_words(Cli::command());
+    clap_complete::generate(shell, &mut command, NAME, &mut script);
     let _ = pour(|to| to.write_all(&script));
     ExitCode::from(EXIT_PASS)
 }

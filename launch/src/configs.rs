@@ -13,6 +13,9 @@ use zeronav_shell::places::Places;
 use zeronav_world::{World, WorldSpec};
 use zeronav_world_files::map_file;
 
+/// Most values of a configuration that are refused one after the other.
+const REFUSALS_MAX: usize = 16;
+
 /// What the simulated robot reads.
 #[derive(Debug, Serialize)]
 struct RobotConfig<'a> {
@@ -75,56 +78,85 @@ pub(crate) fn write(
 /// Asks each of the `binaries` whether it can work with its configuration, which it gets as a run
 /// would write it. All at a time.
 ///
+/// A line for each that cannot, and for each value that it does not accept: by file, line and field
+/// of the scenario, or else by the binary.
+///
 /// # Errors
-/// One line about the first that cannot: a value of its configuration by file, line and field of the
-/// scenario, or else the binary.
-pub(crate) fn check(
+/// When there is no place for the configurations.
+pub(crate) fn check<'a>(
     scenario: &Scenario,
     world: &World,
-    binaries: &BTreeMap<Role, PathBuf>,
-) -> Result<(), String> {
+    binaries: impl Iterator<Item = (&'a Role, &'a PathBuf)>,
+) -> Result<Vec<String>, String> {
     let folder = tempfile::Builder::new()
         .prefix("zeronav-check-")
         .tempdir()
         .map_err(|error| format!("making a folder for the check: {error}"))?;
     let files = write(scenario, world, folder.path())?;
-    let asked = |binary: &Path, file: &Path| {
-        let arguments = [
-            "--print-config".as_ref(),
-            "--config".as_ref(),
-            file.as_os_str(),
-        ];
-        question::ask(binary, &arguments)
-    };
     std::thread::scope(|scope| {
         let questions: Vec<_> = binaries
-            .iter()
             .filter_map(|(role, binary)| Some((*role, binary, files.get(role)?)))
-            .map(|(role, binary, file)| (role, file, scope.spawn(move || asked(binary, file))))
+            .map(|(role, binary, file)| scope.spawn(move || refusals(scenario, role, binary, file)))
             .collect();
-        for (role, file, question) in questions {
-            let answer = question.join().unwrap_or(Err(Silence::Late));
-            answer.map_err(|silence| refusal(scenario, role, file, &silence))?;
-        }
-        Ok(())
+        let answers = questions
+            .into_iter()
+            .map(std::thread::ScopedJoinHandle::join);
+        Ok(answers.flat_map(Result::unwrap_or_default).collect())
     })
 }
 
 /// What a binary says against its configuration, about the scenario instead of the `file` that it
-/// was given.
-fn refusal(scenario: &Scenario, role: Role, file: &Path, silence: &Silence) -> String {
-    let said = match silence {
-        Silence::Refused { said, .. } => said.as_str(),
-        _ => "",
+/// was given. It says one thing at a time: what it has refused is taken out before it is asked again.
+fn refusals(scenario: &Scenario, role: Role, binary: &Path, file: &Path) -> Vec<String> {
+    let arguments = [
+        "--print-config".as_ref(),
+        "--config".as_ref(),
+        file.as_os_str(),
+    ];
+    let mut refusals = Vec::new();
+    while refusals.len() < REFUSALS_MAX {
+        let Err(silence) = question::ask(binary, &arguments) else {
+            break;
+        };
+        let said = match &silence {
+            Silence::Refused { said, .. } => said.as_str(),
+            _ => "",
+        };
+        let Some((field, why)) = place_of(said, file) else {
+            // Without what was taken out it may say things that are not true of the scenario.
+            if refusals.is_empty() {
+                let why = format!("asked with --print-config: {silence}");
+                let field = format!("services.{role}.binary");
+                refusals.push(scenario.error_at(&field, &why).to_string());
+            }
+            break;
+        };
+        let place = in_scenario(scenario, role, &field);
+        refusals.push(scenario.error_at(&place, &why).to_string());
+        if !take_out(file, &field) {
+            break;
+        }
+    }
+    refusals
+}
+
+/// Takes the value at `field`, or the table's key that holds it, out of a configuration.
+fn take_out(file: &Path, field: &str) -> bool {
+    let text = std::fs::read_to_string(file).unwrap_or_default();
+    let Ok(mut root) = text.parse::<toml::Table>() else {
+        return false;
     };
-    let (field, why) = match place_of(said, file) {
-        Some((field, why)) => (in_scenario(scenario, role, &field), why),
-        None => (
-            format!("services.{role}.binary"),
-            format!("asked with --print-config: {silence}"),
-        ),
-    };
-    scenario.error_at(&field, &why).to_string()
+    let path = field.split('[').next().unwrap_or(field);
+    let mut keys: Vec<&str> = path.split('.').collect();
+    let last = keys.pop().unwrap_or_default();
+    let mut table = &mut root;
+    for key in keys {
+        match table.get_mut(key).and_then(toml::Value::as_table_mut) {
+            Some(inner) => table = inner,
+            None => return false,
+        }
+    }
+    table.remove(last).is_some() && std::fs::write(file, root.to_string()).is_ok()
 }
 
 /// Field and reason of a complaint `... FILE:LINE: FIELD: REASON`; where the field is left out, that

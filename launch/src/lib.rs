@@ -26,6 +26,7 @@ pub mod floor;
 pub mod interrupts;
 mod judge;
 mod keeper;
+mod known_words;
 pub mod latency;
 mod leave;
 mod lints;

@@ -54,7 +54,7 @@ impl PageArgs {
 #[derive(Debug, Clone, Args)]
 pub struct ViewArgs {
     /// Root folder of the stack, when several run (see `zeronav ps`).
-    #[arg(long, value_name = "ROOT")]
+    #[arg(long, value_name = "ROOT", env = "ZERONAV_DOMAIN")]
     pub domain: Option<PathBuf>,
     /// The page.
     #[command(flatten)]

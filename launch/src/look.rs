@@ -44,7 +44,10 @@ pub fn check(name: &str, json: bool) -> ExitCode {
     let plan = match prepare::check(&Source::Named(name.to_owned()), &[]) {
         Ok(plan) => plan,
         Err(problem) if json => {
-            say_json(&json!({ "scenario": name, "ok": false, "error": problem }));
+            let errors: Vec<&str> = problem.lines().collect();
+            say_json(
+                &json!({ "scenario": name, "ok": false, "error": errors[0], "errors": errors }),
+            );
             return ExitCode::from(EXIT_USAGE);
         }
         Err(problem) => return usage(&problem),

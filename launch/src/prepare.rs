@@ -6,7 +6,7 @@ use crate::leave;
 use crate::live_view::PageArgs;
 use crate::open_files;
 use crate::run_plan::{MachineLoad, RunPlan, Source};
-use crate::scenario::{self, Scenario, StackFault};
+use crate::scenario::{self, AsFar, Scenario, StackFault};
 use crate::shared_memory;
 use crate::supervise::binaries::{self, Needed};
 use crate::supervise::child_log::LogPlace;
@@ -108,22 +108,23 @@ pub(crate) struct Checked {
 /// seats, but for those that are `external`.
 ///
 /// # Errors
-/// One line that names the thing and the fix.
+/// A line for each thing that is wrong, with the fix.
 pub(crate) fn check(source: &Source, external: &[Role]) -> Result<Checked, String> {
     check_scenario(load(source)?, external)
 }
 
-fn load(source: &Source) -> Result<Scenario, String> {
+fn load(source: &Source) -> Result<AsFar, String> {
     let scenario = match source {
-        Source::Named(name_or_path) => Scenario::load(name_or_path),
-        Source::Map { map, robot, start } => Scenario::of_map(map, robot, *start),
+        Source::Named(name_or_path) => Scenario::load_as_far(name_or_path),
+        Source::Map { map, robot, start } => Scenario::of_map(map, robot, *start).map(AsFar::from),
     };
     scenario.map_err(|error| error.to_string())
 }
 
 /// The scenario of a plan, with what the plan puts in the place of its words.
-fn scenario_of(plan: &RunPlan) -> Result<Scenario, String> {
-    let mut scenario = load(&plan.scenario)?;
+fn scenario_of(plan: &RunPlan) -> Result<AsFar, String> {
+    let mut read = load(&plan.scenario)?;
+    let scenario = &mut read.scenario;
     if let Some(rate_hz) = plan.rate_hz {
         scenario.robot.lidar.rate_hz = rate_hz;
     }
@@ -132,15 +133,48 @@ fn scenario_of(plan: &RunPlan) -> Result<Scenario, String> {
             service.binary = Some(binary.clone());
         }
     }
-    Ok(scenario)
+    Ok(read)
 }
 
-fn check_scenario(scenario: Scenario, external: &[Role]) -> Result<Checked, String> {
-    let scenario::Checked {
+fn check_scenario(mut read: AsFar, external: &[Role]) -> Result<Checked, String> {
+    let checked = read.examine();
+    let of_scenario = !read.wrong.is_empty();
+    let AsFar {
+        scenario, wrong, ..
+    } = read;
+    let mut wrong: Vec<String> = wrong.iter().map(ToString::to_string).collect();
+    let binaries = binaries_of(&scenario, external, &mut wrong)?;
+    if let Some(checked) = &checked {
+        // The robot is told of robot and world, of which it says what has been said.
+        let asked = binaries.iter();
+        let asked = asked.filter(|(role, _)| !of_scenario || **role != Role::Robot);
+        wrong.extend(configs::check(&scenario, &checked.world, asked)?);
+    }
+    let swaps = swaps_of(&scenario, &mut wrong);
+    let Some(scenario::Checked {
         world,
         footprint,
         warnings,
-    } = scenario.validate().map_err(|error| error.to_string())?;
+    }) = checked.filter(|_| wrong.is_empty())
+    else {
+        return Err(wrong.join("\n"));
+    };
+    Ok(Checked {
+        swaps,
+        scenario,
+        world,
+        footprint,
+        warnings: warnings.iter().map(ToString::to_string).collect(),
+        binaries,
+    })
+}
+
+/// The binaries of the seats that are not `external`; those that there are not are `wrong`.
+fn binaries_of(
+    scenario: &Scenario,
+    external: &[Role],
+    wrong: &mut Vec<String>,
+) -> Result<BTreeMap<Role, PathBuf>, String> {
     let named = |role: Role| scenario.services.of(role)?.binary.clone();
     let any_named = Role::SERVICES.iter().any(|role| named(*role).is_some())
         || scenario
@@ -158,30 +192,25 @@ fn check_scenario(scenario: Scenario, external: &[Role]) -> Result<Checked, Stri
             continue;
         }
         let name = named(role).unwrap_or_else(|| PathBuf::from(binaries::stock(role)));
-        let found = binaries::find_or_build(&name).map_err(|why| {
-            scenario
-                .error_at(&format!("services.{role}.binary"), &why)
-                .to_string()
-        })?;
-        binaries.insert(role, found);
+        match binaries::find_or_build(&name) {
+            Ok(found) => {
+                binaries.insert(role, found);
+            }
+            Err(why) => {
+                let field = format!("services.{role}.binary");
+                wrong.push(scenario.error_at(&field, &why).to_string());
+            }
+        }
     }
-    configs::check(&scenario, &world, &binaries)?;
-    let swaps = swaps_of(&scenario)?;
-    Ok(Checked {
-        swaps,
-        scenario,
-        world,
-        footprint,
-        warnings: warnings.iter().map(ToString::to_string).collect(),
-        binaries,
-    })
+    Ok(binaries)
 }
 
 /// The swaps of a scenario, or its shadow, with the tick before which each begins.
-fn swaps_of(scenario: &Scenario) -> Result<Vec<(u64, SwapOrder)>, String> {
-    let found = |field: &str, binary: Option<&PathBuf>| {
-        let binary = binary.map(|name| binaries::find_or_build(name)).transpose();
-        binary.map_err(|why| scenario.error_at(field, &why).to_string())
+fn swaps_of(scenario: &Scenario, wrong: &mut Vec<String>) -> Vec<(u64, SwapOrder)> {
+    let found = |field: &str, binary: Option<&PathBuf>, wrong: &mut Vec<String>| {
+        let found = binary.map(|name| binaries::find_or_build(name)).transpose();
+        let refused = |why: String| wrong.push(scenario.error_at(field, &why).to_string());
+        found.map_err(refused).ok().flatten()
     };
     let mut swaps = Vec::new();
     for (role, shadow) in scenario.shadows() {
@@ -190,7 +219,8 @@ fn swaps_of(scenario: &Scenario) -> Result<Vec<(u64, SwapOrder)>, String> {
             binary: found(
                 &format!("services.{role}.shadow.binary"),
                 shadow.binary.as_ref(),
-            )?,
+                wrong,
+            ),
             config: shadow.config.clone(),
             shadow_s: None,
             keep_s: None,
@@ -203,20 +233,20 @@ fn swaps_of(scenario: &Scenario) -> Result<Vec<(u64, SwapOrder)>, String> {
         let require = swap
             .require
             .as_deref()
-            .map_or(Ok(Vec::new()), Clause::parse_all);
+            .map_or(Ok(Vec::new()), Clause::parse_all)
+            .map_err(|why| wrong.push(scenario.error_at(&field("require"), &why).to_string()));
         let order = SwapOrder {
             role: swap.service.clone(),
-            binary: found(&field("binary"), swap.binary.as_ref())?,
+            binary: found(&field("binary"), swap.binary.as_ref(), wrong),
             config: swap.config.clone(),
             shadow_s: Some(swap.shadow_s),
             keep_s: Some(swap.keep_s),
-            require: require
-                .map_err(|why| scenario.error_at(&field("require"), &why).to_string())?,
+            require: require.unwrap_or_default(),
         };
         let tick = nanoseconds(swap.at_s) / scenario.run.tick_ns().max(1);
         swaps.push((tick, order));
     }
-    Ok(swaps)
+    swaps
 }
 
 /// Reads and checks everything that can be wrong before anything is started.

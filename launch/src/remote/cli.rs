@@ -11,7 +11,7 @@ use zeronav_world::error::number;
 #[derive(Debug, Clone, Args)]
 pub struct StackArgs {
     /// Root folder of the stack, when several run (see `zeronav ps`).
-    #[arg(long, value_name = "ROOT", global = true)]
+    #[arg(long, value_name = "ROOT", global = true, env = "ZERONAV_DOMAIN")]
     pub domain: Option<PathBuf>,
     /// Print JSON: one object, or one per line while something goes on.
     #[arg(long, global = true)]

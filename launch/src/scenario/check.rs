@@ -9,6 +9,7 @@ use zeronav_msgs::command::Intervention;
 use zeronav_msgs::map::{TILES_PER_KEYFRAME_MAX, tiles_of};
 use zeronav_msgs::task::GOALS_MAX;
 use zeronav_msgs::{Pose, Role};
+use zeronav_params::{ParameterError, Parameters};
 use zeronav_shell::nearest::unknown;
 use zeronav_shell::printable::{printable, printable_lines};
 use zeronav_world::error::{SpecError, number};
@@ -26,112 +27,142 @@ pub struct Checked {
     pub warnings: Vec<MapWarning>,
 }
 
+/// What an examination of a scenario leaves.
+#[derive(Debug)]
+pub(super) struct Examined {
+    /// The world, when it could be made.
+    pub(super) checked: Option<Checked>,
+    /// Everything that is wrong.
+    pub(super) wrong: Vec<ScenarioError>,
+}
+
 impl Scenario {
     /// Checks every number, reads the map file, and asks the world whether the robot can stand at
     /// its start and at its goals.
     ///
     /// # Errors
-    /// The first value that cannot be, with file, line and field.
+    /// Every value that cannot be, with file, line and field.
     pub fn validate(&self) -> Result<Checked, ScenarioError> {
-        let refused = |error: SpecError| self.error_at(&error.field, &error.why);
-        self.check_words().map_err(refused)?;
-        self.robot
-            .check()
-            .map_err(|error| refused(error.within("robot")))?;
-        self.check_run().map_err(refused)?;
-        self.check_faults().map_err(refused)?;
-        self.check_swaps().map_err(refused)?;
-        let (world, warnings) =
-            zeronav_world_files::load(&self.world).map_err(|error| match error {
-                WorldError::Map(error) => self.error_at("world.map", &error.to_string()),
-                WorldError::Data { field, error } => {
-                    self.error_at(&format!("world.{field}"), &error.to_string())
-                }
-                WorldError::Spec(error) => refused(error.within("world")),
-            })?;
-        self.check_size(&world).map_err(refused)?;
-        let footprint = self
-            .robot
-            .footprint()
-            .map_err(|error| refused(error.within("robot")))?;
-        self.check_start(&world, &footprint).map_err(refused)?;
-        self.check_goals(&world, &footprint).map_err(refused)?;
-        self.check_trials(&world, &footprint).map_err(refused)?;
-        Ok(Checked {
-            world,
-            footprint,
-            warnings,
-        })
+        let Examined { checked, wrong } = self.examine();
+        match (checked, ScenarioError::of(wrong)) {
+            (Some(checked), None) => Ok(checked),
+            (_, Some(error)) => Err(error),
+            (None, None) => Err(self.error_at("world", "cannot be made")),
+        }
     }
 
-    fn check_words(&self) -> Result<(), SpecError> {
+    /// Does what [`Self::validate`] does, and goes on after what is wrong.
+    pub(super) fn examine(&self) -> Examined {
+        let mut wrong = self.check_words();
+        wrong.extend(self.check_robot());
+        wrong.extend(self.check_run());
+        wrong.extend(self.check_faults());
+        wrong.extend(self.check_swaps().err());
+        let refused = |error: SpecError| self.error_at(&error.field, &error.why);
+        let mut all = Vec::new();
+        let loaded = zeronav_world_files::load(&self.world).map_err(|error| match error {
+            WorldError::Map(error) => self.error_at("world.map", &error.to_string()),
+            WorldError::Data { field, error } => {
+                self.error_at(&format!("world.{field}"), &error.to_string())
+            }
+            WorldError::Spec(error) => refused(error.within("world")),
+        });
+        let loaded = loaded.map_err(|error| all.push(error)).ok();
+        let world = loaded.as_ref().map(|(world, _)| world);
+        let footprint = self.robot.footprint().ok();
+        wrong.extend(world.and_then(|world| self.check_size(world).err()));
+        wrong.extend(self.check_start(world, footprint.as_ref()).err());
+        wrong.extend(self.check_goals(world, footprint.as_ref()));
+        if let (Some(world), Some(footprint)) = (world, &footprint) {
+            wrong.extend(self.check_trials(world, footprint).err());
+        }
+        all.extend(wrong.into_iter().map(refused));
+        let checked = loaded
+            .zip(footprint)
+            .map(|((world, warnings), footprint)| Checked {
+                world,
+                footprint,
+                warnings,
+            });
+        Examined {
+            checked,
+            wrong: all,
+        }
+    }
+
+    fn check_words(&self) -> Vec<SpecError> {
+        let mut wrong = Vec::new();
         if self.title.trim().is_empty() {
-            return Err(SpecError::new("title", "must not be empty"));
+            wrong.push(SpecError::new("title", "must not be empty"));
         }
-        check_text(&self.name, "name of the file", false)?;
-        check_text(&self.group, "group", false)?;
-        check_text(&self.title, "title", false)?;
-        check_text(&self.description, "description", true)?;
+        wrong.extend(check_text(&self.name, "name of the file", false).err());
+        wrong.extend(check_text(&self.group, "group", false).err());
+        wrong.extend(check_text(&self.title, "title", false).err());
+        wrong.extend(check_text(&self.description, "description", true).err());
         for (index, obstacle) in self.world.obstacles.iter().enumerate() {
-            check_text(
-                &obstacle.name,
-                &format!("world.obstacles[{index}].name"),
-                false,
-            )?;
+            let field = format!("world.obstacles[{index}].name");
+            wrong.extend(check_text(&obstacle.name, &field, false).err());
         }
+        wrong.extend(self.check_expectations());
+        wrong
+    }
+
+    fn check_expectations(&self) -> Vec<SpecError> {
+        let mut wrong = Vec::new();
         let expect = &self.expect;
         if !self.foresight.is_none() && (*expect != ExpectSpec::default() || self.trials.is_some())
         {
             let why = "a scenario that expects something or has trials is judged, and what is \
                        judged is told nothing";
-            return Err(SpecError::new("foresight", why));
+            wrong.push(SpecError::new("foresight", why));
         }
         if expect.outcome == Outcome::Unreachable && self.goals.is_empty() {
             let why = "nothing can be unreachable without a goal";
-            return Err(SpecError::new("expect.outcome", why));
+            wrong.push(SpecError::new("expect.outcome", why));
         }
         if let (Some(min), Some(max)) = (expect.obstacle_replans_min, expect.obstacle_replans_max)
             && min > max
         {
             let why = format!("{min} is above obstacle_replans_max {max}");
-            return Err(SpecError::new("expect.obstacle_replans_min", why));
+            wrong.push(SpecError::new("expect.obstacle_replans_min", why));
         }
-        if let Some(driven_m) = expect.driven_m_min {
-            number(driven_m, 0.0, 1.0e6, "expect.driven_m_min")?;
-        }
-        if let Some(distance_m) = expect.goal_distance_m_max {
-            number(distance_m, 0.0, 1.0e6, "expect.goal_distance_m_max")?;
+        for (value, field) in [
+            (expect.driven_m_min, "expect.driven_m_min"),
+            (expect.goal_distance_m_max, "expect.goal_distance_m_max"),
+        ] {
+            wrong.extend(value.and_then(|value| number(value, 0.0, 1.0e6, field).err()));
         }
         for label in expect.interventions_min.keys() {
             let known = |code| Intervention::from_code(code).map(Intervention::label);
             let known: Vec<&str> = (1..=u16::MAX).map_while(known).collect();
             if !known.contains(&label.as_str()) {
                 let field = format!("expect.interventions_min.{label}");
-                return Err(SpecError::new(field, unknown("reason", label, known)));
+                wrong.push(SpecError::new(field, unknown("reason", label, known)));
             }
         }
-        Ok(())
+        wrong
     }
 
-    fn check_faults(&self) -> Result<(), SpecError> {
+    fn check_faults(&self) -> Vec<SpecError> {
         if self.faults.len() > FAULTS_MAX {
             let why = format!("{} faults, at most {FAULTS_MAX}", self.faults.len());
-            return Err(SpecError::new("faults", why));
+            return vec![SpecError::new("faults", why)];
         }
+        let mut wrong = Vec::new();
         for (index, fault) in self.faults.iter().enumerate() {
-            let at = |error: SpecError| error.within(&format!("faults[{index}]"));
-            fault.check().map_err(at)?;
-            if fault.begins().is_none() {
+            let checked = fault.check().and_then(|()| {
                 let why = "is missing: say when, such as { at_s = 3.0 }";
-                return Err(at(SpecError::new("begins", why)));
-            }
-            self.check_delay(fault).map_err(at)?;
+                let begins = fault.begins().map(|_| ());
+                begins.ok_or_else(|| SpecError::new("begins", why))?;
+                self.check_delay(fault)
+            });
+            let at = |error: SpecError| error.within(&format!("faults[{index}]"));
+            wrong.extend(checked.err().map(at));
         }
-        let random = self
-            .random_faults
-            .as_ref()
-            .map_or(Ok(()), RandomFaults::check);
-        random.map_err(|error| error.within("random_faults"))
+        let random = self.random_faults.as_ref().map(RandomFaults::check);
+        let random = random.and_then(Result::err);
+        wrong.extend(random.map(|error| error.within("random_faults")));
+        wrong
     }
 
     /// Accepts delays that the hang watch does not take for a hang.
@@ -190,25 +221,33 @@ impl Scenario {
         }
     }
 
-    fn check_run(&self) -> Result<(), SpecError> {
+    fn check_robot(&self) -> Vec<SpecError> {
+        let mut wrong: Vec<SpecError> = self.robot.footprint().err().into_iter().collect();
+        wrong.extend(check_all(&self.robot).into_iter().map(SpecError::from));
+        if wrong.is_empty() {
+            wrong.extend(self.robot.check().err());
+        }
+        let within = |error: SpecError| error.within("robot");
+        wrong.into_iter().map(within).collect()
+    }
+
+    fn check_run(&self) -> Vec<SpecError> {
         let run = &self.run;
-        zeronav_params::check(run).map_err(|error| SpecError::from(error).within("run"))?;
+        let mut wrong = within(check_all(run), "run");
         let lidar_hz = self.robot.lidar.rate_hz;
-        if run.tick_hz < lidar_hz {
+        if wrong.is_empty() && run.tick_hz < lidar_hz {
             let why = format!(
                 "{} ticks per second are fewer than the lidar's {lidar_hz} scans",
                 run.tick_hz
             );
-            return Err(SpecError::new("run.tick_hz", why));
+            wrong.push(SpecError::new("run.tick_hz", why));
         }
-        zeronav_params::check(&self.restart)
-            .map_err(|error| SpecError::from(error).within("restart"))?;
+        wrong.extend(within(check_all(&self.restart), "restart"));
         for (role, scheduling) in self.scheduling() {
             let field = format!("services.{role}.scheduling");
-            zeronav_params::check(&scheduling)
-                .map_err(|error| SpecError::from(error).within(&field))?;
+            wrong.extend(within(check_all(&scheduling), &field));
         }
-        Ok(())
+        wrong
     }
 
     /// The map must fit into one keyframe.
@@ -233,8 +272,16 @@ impl Scenario {
         Err(SpecError::new(field, why))
     }
 
-    fn check_start(&self, world: &World, footprint: &Footprint) -> Result<(), SpecError> {
+    /// Of what cannot be made, nothing is checked that needs it.
+    fn check_start(
+        &self,
+        world: Option<&World>,
+        footprint: Option<&Footprint>,
+    ) -> Result<(), SpecError> {
         self.check_pose(world, &self.start, "start")?;
+        let Some((world, footprint)) = world.zip(footprint) else {
+            return Ok(());
+        };
         let standing = "the robot is in";
         if world.touches(footprint, &self.start) {
             let robot = footprint.placed(&self.start);
@@ -263,24 +310,25 @@ impl Scenario {
         Ok(())
     }
 
-    fn check_goals(&self, world: &World, footprint: &Footprint) -> Result<(), SpecError> {
+    fn check_goals(&self, world: Option<&World>, footprint: Option<&Footprint>) -> Vec<SpecError> {
         if self.goals.len() > GOALS_MAX {
             let why = format!("{} goals, at most {GOALS_MAX}", self.goals.len());
-            return Err(SpecError::new("goals", why));
+            return vec![SpecError::new("goals", why)];
         }
         // A goal inside a wall is a fair thing to call unreachable.
         let wants_room = self.expect.outcome == Outcome::Reached;
-        for (index, goal) in self.goals.iter().enumerate() {
-            self.check_goal(world, footprint, goal, wants_room)
-                .map_err(|error| error.within(&format!("goals[{index}]")))?;
-        }
-        Ok(())
+        let goals = self.goals.iter().enumerate();
+        let wrong = goals.filter_map(|(index, goal)| {
+            let checked = self.check_goal(world, footprint, goal, wants_room);
+            Some(checked.err()?.within(&format!("goals[{index}]")))
+        });
+        wrong.collect()
     }
 
     fn check_goal(
         &self,
-        world: &World,
-        footprint: &Footprint,
+        world: Option<&World>,
+        footprint: Option<&Footprint>,
         goal: &GoalSpec,
         wants_room: bool,
     ) -> Result<(), SpecError> {
@@ -289,6 +337,9 @@ impl Scenario {
         let yaw_rad = goal.yaw_tolerance_rad;
         number(yaw_rad, least, most, "yaw_tolerance_rad")?;
         self.check_pose(world, &goal.pose, "pose")?;
+        let Some((world, footprint)) = world.zip(footprint) else {
+            return Ok(());
+        };
         let free = || world.free_pose_near(footprint, &goal.pose, goal.tolerance());
         if !wants_room || free().is_some() {
             return Ok(());
@@ -320,12 +371,12 @@ impl Scenario {
             return Err(within(SpecError::new("obstacle", why)));
         };
         for (index, goal) in trials.goals.iter().enumerate() {
-            self.check_goal(world, footprint, goal, true)
+            self.check_goal(Some(world), Some(footprint), goal, true)
                 .map_err(|error| within(error.within(&format!("goals[{index}]"))))?;
         }
         for (index, end) in trials.line_m.iter().enumerate() {
             let pose = Pose::new(end[0], end[1], 0.0);
-            self.check_pose(world, &pose, &format!("line_m[{index}]"))
+            self.check_pose(Some(world), &pose, &format!("line_m[{index}]"))
                 .map_err(within)?;
         }
         let [from, to] = trials.line_m;
@@ -346,8 +397,8 @@ impl Scenario {
         number(trials.ahead_m, least_m, 1.0e3, "ahead_m").map_err(within)
     }
 
-    /// Accepts finite poses on the map.
-    fn check_pose(&self, world: &World, pose: &Pose, field: &str) -> Result<(), SpecError> {
+    /// Accepts finite poses on the map, if there is one.
+    fn check_pose(&self, world: Option<&World>, pose: &Pose, field: &str) -> Result<(), SpecError> {
         for (axis, value) in [pose.x_m, pose.y_m].into_iter().enumerate() {
             let field = format!("{field}[{axis}]");
             number(value, -COORDINATE_M_MAX, COORDINATE_M_MAX, &field)?;
@@ -358,9 +409,9 @@ impl Scenario {
             YAW_RAD_MAX,
             &format!("{field}[2]"),
         )?;
-        if world.contains(pose.point()) {
+        let Some(world) = world.filter(|world| !world.contains(pose.point())) else {
             return Ok(());
-        }
+        };
         let g = world.geometry();
         let (width_m, height_m) = (
             f64::from(g.width) * g.resolution_m,
@@ -379,6 +430,15 @@ impl Scenario {
         );
         Err(SpecError::new(field, why))
     }
+}
+
+fn check_all<P: Parameters>(config: &P) -> Option<ParameterError> {
+    zeronav_params::check(config).err()
+}
+
+fn within(errors: impl IntoIterator<Item = ParameterError>, place: &str) -> Vec<SpecError> {
+    let place = |error| SpecError::from(error).within(place);
+    errors.into_iter().map(place).collect()
 }
 
 /// Accepts texts that look in a terminal as they do in the file; with `lines`, of several lines.

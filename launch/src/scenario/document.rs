@@ -8,6 +8,7 @@
 
 use super::error::ScenarioError;
 use super::library::{Kind, Library, Origin, VARIANTS};
+use super::tolerant;
 use core::ops::Range;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -48,13 +49,36 @@ pub(super) struct Document {
     places: Places,
 }
 
+/// What could be read of a scenario.
+#[derive(Debug)]
+pub(super) struct Reading<T> {
+    /// The value; `None` when too much of it could not be read.
+    pub(super) value: Option<T>,
+    pub(super) document: Document,
+    /// Everything that is wrong with what was read.
+    pub(super) wrong: Vec<ScenarioError>,
+    /// Fields whose value is not that of the file, because that cannot be read.
+    pub(super) doubtful: Vec<String>,
+}
+
+impl<T> Reading<T> {
+    /// The value when nothing is wrong with it.
+    pub(super) fn faultless(self) -> Result<(T, Document), ScenarioError> {
+        match (ScenarioError::of(self.wrong), self.value) {
+            (Some(error), _) => Err(error),
+            (None, Some(value)) => Ok((value, self.document)),
+            (None, None) => Err(self.document.at_field("scenario", "cannot be read")),
+        }
+    }
+}
+
 /// Reads the scenario at `origin` and what it builds on, as its variant of that name if there is
-/// one.
+/// one. What is wrong with single values is in the reading.
 pub(super) fn read<T: Serialize + DeserializeOwned>(
     library: &Library,
     origin: Origin,
     variant: Option<&str>,
-) -> Result<(T, Document), ScenarioError> {
+) -> Result<Reading<T>, ScenarioError> {
     let mut texts = Vec::new();
     gather(library, origin, &mut texts)?;
     let mut merged = DeTable::new();
@@ -92,19 +116,28 @@ pub(super) fn read<T: Serialize + DeserializeOwned>(
         return Err(Document { texts, places }.at_field(key, why));
     }
     let own = texts.last().map_or(0, |text| text.start);
-    let root = Spanned::new(own..own, merged);
-    let read = T::deserialize(toml::Deserializer::from(root));
+    let read = tolerant::read::<T>(merged, &places, own);
     let document = Document { texts, places };
-    match read {
-        Ok(value) => match document.places.surplus(&value) {
-            Some((field, why)) => Err(document.at_field(&field, &why)),
-            None => Ok((value, document)),
-        },
-        Err(error) => {
-            let span = error.span().unwrap_or(own..own);
-            Err(document.at_span(&span, error.message()))
-        }
+    let error = |error: &toml::de::Error| {
+        let span = error.span().unwrap_or(own..own);
+        document.at_span(&span, error.message())
+    };
+    let mut wrong: Vec<ScenarioError> = read.errors.iter().map(error).collect();
+    let mut doubtful = read.doubtful;
+    let surplus = read
+        .value
+        .as_ref()
+        .and_then(|value| document.places.surplus(value));
+    if let Some((field, why)) = surplus.filter(|(field, _)| !doubtful.contains(field)) {
+        wrong.push(document.at_field(&field, &why));
+        doubtful.push(field);
     }
+    Ok(Reading {
+        value: read.value,
+        document,
+        wrong,
+        doubtful,
+    })
 }
 
 /// Puts the text at `origin` behind the texts that it builds on.

@@ -46,4 +46,31 @@ pub enum ScenarioError {
         /// What is wrong and what would be right.
         why: String,
     },
+    /// Several of these, each in a line of its own.
+    #[error("{}", lines(.0))]
+    Several(Vec<ScenarioError>),
+}
+
+impl ScenarioError {
+    /// All of these as one; `None` when there are none.
+    #[must_use]
+    pub(crate) fn of(mut all: Vec<Self>) -> Option<Self> {
+        match all.len() {
+            0 | 1 => all.pop(),
+            _ => Some(Self::Several(all)),
+        }
+    }
+
+    /// The value that it is about.
+    pub(crate) fn field(&self) -> Option<&str> {
+        match self {
+            Self::Field { field, .. } => Some(field),
+            _ => None,
+        }
+    }
+}
+
+fn lines(errors: &[ScenarioError]) -> String {
+    let lines: Vec<String> = errors.iter().map(ToString::to_string).collect();
+    lines.join("\n")
 }

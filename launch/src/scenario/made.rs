@@ -27,7 +27,8 @@ struct GoalsFile {
 /// See [`ScenarioError`].
 pub(crate) fn goals_in(file: &Path) -> Result<Vec<GoalSpec>, ScenarioError> {
     let origin = Origin::File(file.to_owned());
-    let (read, document): (GoalsFile, Document) = document::read(&Library::of(""), origin, None)?;
+    let (read, document): (GoalsFile, Document) =
+        document::read(&Library::of(""), origin, None)?.faultless()?;
     if read.goals.is_empty() {
         return Err(document.at_field("goals", "must not be empty"));
     }
@@ -59,7 +60,7 @@ impl Scenario {
         });
         let text = toml::to_string(&table).unwrap_or_default();
         let origin = Origin::Made(name.into_owned(), text);
-        let mut scenario = Self::read(&Library::of(""), origin, None)?;
+        let mut scenario = Self::read(&Library::of(""), origin, None)?.whole()?;
         scenario.start = match start {
             Some([x_m, y_m, yaw_rad]) => Pose::new(x_m, y_m, yaw_rad),
             None => scenario.free_start()?,

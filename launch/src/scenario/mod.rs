@@ -17,6 +17,7 @@
 //!
 //! Unknown fields are refused, and every error is one line that names file, line and field.
 
+mod as_far;
 mod check;
 mod document;
 mod error;
@@ -34,7 +35,9 @@ mod shipped;
 mod swaps;
 #[cfg(test)]
 mod tests;
+mod tolerant;
 
+pub(crate) use as_far::AsFar;
 pub use check::Checked;
 pub use error::ScenarioError;
 pub(crate) use faults::{CLOCK_MS, DELAY_MS, KINDS, SHARE, SLOW_MS, faultable, mortals};
@@ -51,7 +54,7 @@ pub use swaps::{KEEP_S, KEEP_S_MIN, SHADOW_S, ShadowSpec, SwapSpec};
 use crate::supervise::restart::RestartSpec;
 use crate::supervise::scheduling::SchedulingSpec;
 use core::f64::consts::PI;
-use document::Document;
+use document::{Document, Reading};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -330,10 +333,11 @@ impl Scenario {
     /// Like [`Self::load`] from the working folder of `library`.
     ///
     /// # Errors
-    /// See [`ScenarioError`].
+    /// See [`ScenarioError`]; with a value that cannot be read also what [`Self::validate`] finds
+    /// wrong with the others.
     pub fn load_from(library: &Library, name_or_path: &str) -> Result<Self, ScenarioError> {
         let (origin, variant) = library.scenario(name_or_path)?;
-        Self::read(library, origin, variant.as_deref())
+        Self::read(library, origin, variant.as_deref())?.whole()
     }
 
     /// The shadow of a seat.
@@ -355,13 +359,22 @@ impl Scenario {
         library: &Library,
         origin: Origin,
         variant: Option<&str>,
-    ) -> Result<Self, ScenarioError> {
+    ) -> Result<AsFar, ScenarioError> {
         let name = match variant {
             Some(variant) => format!("{}_{variant}", origin.name()),
             None => origin.name(),
         };
         let folder = origin.folder().map(Path::to_path_buf);
-        let (mut scenario, document): (Self, Document) = document::read(library, origin, variant)?;
+        let Reading {
+            value,
+            document,
+            wrong,
+            doubtful,
+        } = document::read::<Self>(library, origin, variant)?;
+        let Some(mut scenario) = value else {
+            return Err(ScenarioError::of(wrong)
+                .unwrap_or_else(|| document.at_field("scenario", "cannot be read")));
+        };
         for (field, file) in files_of(&mut scenario.world) {
             let folder = document.folder_of(field).unwrap_or(Path::new(""));
             *file = absolute(&folder.join(&*file));
@@ -374,11 +387,16 @@ impl Scenario {
                 *binary = absolute(&folder.join(&*binary));
             }
         }
-        Ok(Self {
+        let scenario = Self {
             name,
             folder,
             document,
             ..scenario
+        };
+        Ok(AsFar {
+            scenario,
+            wrong,
+            doubtful,
         })
     }
 

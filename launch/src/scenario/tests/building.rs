@@ -193,3 +193,30 @@ fn a_scenario_may_build_on_a_variant_of_another() {
         "{error}"
     );
 }
+
+/// Wrong at once: a key, a preset, a map file, a pose beside the map, a fault and a range.
+#[test]
+fn every_error_of_a_file_is_found_at_once() {
+    let folder = Folder::new();
+    let several = "title = \" \"\nstrat = 1\nstart = [1.0, 2.0]\nrun.tick_hz = 0.0\n\
+                   [world]\nmap = \"absent.yaml\"\n[robot]\npreset = \"porte\"\n\
+                   [[goals]]\npose = [1.0e9, 1.0, 0.0]\n[[goals]]\npose = [nan, 1.0, 0.0]\n\
+                   [[faults]]\nkind = \"kill\"\nservice = \"mapping\"\n";
+    folder.write("several.toml", several);
+    let error = folder.load("several.toml").unwrap_err().to_string();
+    for (line, field) in [
+        (1, "title"),
+        (2, "strat"),
+        (3, "start"),
+        (4, "run.tick_hz"),
+        (6, "world.map"),
+        (8, "robot.preset"),
+        (10, "goals[0].pose[0]"),
+        (12, "goals[1].pose[0]"),
+        (13, "faults[0].begins"),
+    ] {
+        let place = format!(":{line}: {field}: ");
+        assert_eq!(error.matches(&place).count(), 1, "{place}\n{error}");
+    }
+    assert_eq!(error.lines().count(), 9, "{error}");
+}

@@ -1,0 +1,75 @@
+//! A scenario and everything that is wrong with it, at once.
+
+use super::check::{Checked, Examined};
+use super::{Library, Scenario, ScenarioError};
+
+/// A scenario as far as it could be read.
+#[derive(Debug)]
+pub(crate) struct AsFar {
+    pub(crate) scenario: Scenario,
+    /// Everything that is wrong with what was read.
+    pub(crate) wrong: Vec<ScenarioError>,
+    /// Fields whose value is not that of the file, because that cannot be read: nothing that is
+    /// found about them is of use.
+    pub(super) doubtful: Vec<String>,
+}
+
+impl AsFar {
+    /// The scenario when everything could be read, or else everything that is wrong with it.
+    pub(crate) fn whole(mut self) -> Result<Scenario, ScenarioError> {
+        if self.wrong.is_empty() {
+            return Ok(self.scenario);
+        }
+        self.examine();
+        match ScenarioError::of(self.wrong) {
+            Some(error) => Err(error),
+            None => Ok(self.scenario),
+        }
+    }
+
+    /// Adds what [`Scenario::validate`] finds to what is wrong; the world when it could be made.
+    pub(crate) fn examine(&mut self) -> Option<Checked> {
+        let Examined { checked, wrong } = self.scenario.examine();
+        for error in wrong {
+            if !self.is_known(&error) {
+                self.wrong.push(error);
+            }
+        }
+        checked
+    }
+
+    /// True for an error about a value that is known to be wrong, or about what lies in it.
+    fn is_known(&self, error: &ScenarioError) -> bool {
+        let Some(field) = error.field() else {
+            return false;
+        };
+        let known = self.wrong.iter().filter_map(ScenarioError::field);
+        let mut known = known.chain(self.doubtful.iter().map(String::as_str));
+        known.any(|known| {
+            let rest = field.strip_prefix(known);
+            rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']))
+        })
+    }
+}
+
+impl From<Scenario> for AsFar {
+    fn from(scenario: Scenario) -> Self {
+        Self {
+            scenario,
+            wrong: Vec::new(),
+            doubtful: Vec::new(),
+        }
+    }
+}
+
+impl Scenario {
+    /// Like [`Self::load`], but leaves what is wrong with single values beside it.
+    ///
+    /// # Errors
+    /// When nothing can be read at all.
+    pub(crate) fn load_as_far(name_or_path: &str) -> Result<AsFar, ScenarioError> {
+        let library = Library::of("");
+        let (origin, variant) = library.scenario(name_or_path)?;
+        Self::read(&library, origin, variant.as_deref())
+    }
+}
