@@ -2,12 +2,19 @@
 
 use crate::measure::Distribution;
 use crate::result::swap::AnswerTimes;
-use std::collections::VecDeque;
+use std::collections::{BTreeSet, VecDeque};
 use zeronav_msgs::role::Role;
 use zeronav_msgs::span::{Span, SpanKind};
 
 /// Changes of what counts that are remembered; the oldest go first.
 const RANGES_MAX: usize = 64;
+
+/// Answers of one process that may wait for the robot's record of their tick; more are not taken.
+const CLAIMS_MAX: usize = 1024;
+
+/// Ticks by which a process may seem ahead of the robot in real time: records of different processes
+/// do not come in order.
+pub(crate) const AHEAD_TICKS: u64 = 2;
 
 /// Ticks at which the answers of a process do not count.
 #[derive(Debug, Clone, Copy)]
@@ -24,6 +31,8 @@ struct Watched {
     role: u16,
     epoch: u32,
     answered_tick: u64,
+    /// Answered ticks that the robot is not known to have begun.
+    claimed: BTreeSet<u64>,
     times: Distribution,
 }
 
@@ -32,6 +41,8 @@ struct Watched {
 pub(crate) struct Aside {
     ranges: VecDeque<Range>,
     watched: Vec<Watched>,
+    /// Newest tick that the robot has begun.
+    robot_tick: u64,
     /// Tick of the newest velocity command of the guard that is obeyed.
     command_tick: u64,
     /// Most ticks from one command to the next.
@@ -88,9 +99,9 @@ impl Aside {
         self.command_gap_ticks = 0;
     }
 
-    /// Takes in a velocity command of the guard that is obeyed.
-    pub(crate) fn command(&mut self, tick: u64) {
-        if tick > self.command_tick {
+    /// Takes in a velocity command of the guard that is obeyed. `last` is the last tick that it can have.
+    pub(crate) fn command(&mut self, tick: u64, last: u64) {
+        if (self.command_tick + 1..=last).contains(&tick) {
             if self.command_tick > 0 {
                 self.command_gap_ticks = self.command_gap_ticks.max(tick - self.command_tick);
             }
@@ -118,10 +129,29 @@ impl Aside {
             return;
         }
         if let Some(watched) = self.watched.iter_mut().find(of) {
-            watched.answered_tick = watched.answered_tick.max(span.tick);
+            if span.tick <= self.robot_tick {
+                watched.answered_tick = watched.answered_tick.max(span.tick);
+            } else if watched.claimed.len() < CLAIMS_MAX {
+                watched.claimed.insert(span.tick);
+            }
             if span.output != 0 {
                 (watched.times).add(span.published_ns.saturating_sub(span.woken_ns));
             }
+        }
+    }
+
+    /// The robot has begun `robot_tick`, and can have begun none after `last`. Answers of ticks that it
+    /// has not begun do not count until it has, and those after `last` never: a process that claims
+    /// them would not be missed once it is mute.
+    pub(crate) fn settle(&mut self, robot_tick: u64, last: u64) {
+        self.robot_tick = robot_tick;
+        for watched in &mut self.watched {
+            let (begun, ahead) = core::mem::take(&mut watched.claimed)
+                .into_iter()
+                .partition::<BTreeSet<_>, _>(|tick| *tick <= robot_tick);
+            let newest = begun.last().copied().unwrap_or(0);
+            watched.answered_tick = watched.answered_tick.max(newest);
+            watched.claimed = ahead.into_iter().filter(|tick| *tick <= last).collect();
         }
     }
 
@@ -149,6 +179,41 @@ impl Aside {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn answers_of_ticks_that_the_robot_has_not_begun_do_not_count() {
+        let (role, mut aside) = (Role::CollisionGuard, Aside::default());
+        aside.watch(role, &[1, 2]);
+        let answer = |aside: &mut Aside, epoch, tick| {
+            aside.note(&Span {
+                role: role.code(),
+                kind: SpanKind::Answer.code(),
+                epoch,
+                tick,
+                ..Span::default()
+            });
+        };
+        // Records of the processes come before those of the robot, and one claims what is to come.
+        for tick in 1..=9 {
+            answer(&mut aside, 1, tick);
+        }
+        for tick in [9, 10, 11, 12, 13, u64::MAX] {
+            answer(&mut aside, 2, tick);
+        }
+        aside.settle(9, 9 + AHEAD_TICKS);
+        assert_eq!((aside.answered(1), aside.answered(2)), (9, 9));
+        for tick in 10..=20 {
+            answer(&mut aside, 1, tick);
+            aside.settle(tick, tick + AHEAD_TICKS);
+        }
+        let mute_since = 9 + AHEAD_TICKS;
+        assert_eq!((aside.answered(1), aside.answered(2)), (20, mute_since));
+        aside.command(u64::MAX, 22);
+        for tick in [20, 23] {
+            aside.command(tick, 25);
+        }
+        assert_eq!(aside.command_gap_ticks(), 3);
+    }
 
     #[test]
     fn answers_count_for_the_ticks_at_which_their_process_is_obeyed() {

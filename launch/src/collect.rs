@@ -1,6 +1,6 @@
 //! Listens to a running stack and keeps what the result needs.
 
-use crate::aside::Aside;
+use crate::aside::{AHEAD_TICKS, Aside};
 use crate::faults::{Recoveries, Sight};
 use crate::film::{self, Film};
 use crate::measure::index::{PathRecord, Sensed, Sighting};
@@ -89,6 +89,8 @@ pub(crate) struct Collector {
     pub updates: (u64, u64),
     /// Spans that were dropped because there were too many.
     pub spans_dropped: u64,
+    /// The last tick that an answer can have.
+    last_tick: u64,
     /// Processes whose answers do not count.
     pub aside: Aside,
     /// Seats whose next answer is waited for.
@@ -104,7 +106,12 @@ pub(crate) struct Collector {
 impl Collector {
     /// Takes in whatever has come; true when mapping should be asked for a keyframe.
     pub(crate) fn listen(&mut self, taps: &mut Taps, roster: &Roster, placed: Placed<'_>) -> bool {
-        taps.spans.drain(|span| self.span(span));
+        let lease = roster.lockstep().then_some(roster.control.lease);
+        taps.spans.drain(|span| self.span(span, lease));
+        let robot_tick = self.robot_tick();
+        // In lockstep the robot goes as far as it is leased, and records may be far apart.
+        self.last_tick = lease.unwrap_or(robot_tick.saturating_add(AHEAD_TICKS));
+        self.aside.settle(robot_tick, self.last_tick);
         if taps.description.poll(roster)
             && let Some(view) = taps.description.get()
         {
@@ -257,7 +264,7 @@ impl Collector {
         taps.commands.drain(roster, |view| {
             let (run_ns, request) = (view.header.run_ns, view.header.parents.request);
             self.film.command(run_ns, request, view.meta);
-            self.aside.command(view.header.tick);
+            self.aside.command(view.header.tick, self.last_tick);
             (self.reasons).command(view.header.tick, view.header.run_ns, view.meta);
             let fact = Fact::Command(view.meta.intervention());
             (self.seen).hear(view.header.tick, view.header.run_ns, fact);
@@ -315,7 +322,12 @@ impl Collector {
         true
     }
 
-    fn span(&mut self, span: &Span) {
+    /// Takes in a record; in lockstep no answer can be to a tick after the `lease`.
+    fn span(&mut self, span: &Span, lease: Option<u64>) {
+        let is_answer = span.kind() == Some(SpanKind::Answer);
+        if is_answer && lease.is_some_and(|lease| span.tick > lease) {
+            return;
+        }
         self.aside.note(span);
         if !self.aside.counts(span) {
             return;
@@ -326,7 +338,7 @@ impl Collector {
         if scanned && matches!(span.kind(), Some(SpanKind::Answer | SpanKind::Extra)) {
             self.scan_tick = self.scan_tick.max(span.tick);
         }
-        if span.kind() == Some(SpanKind::Answer) {
+        if is_answer {
             let answered = self.answered.entry(span.role).or_default();
             *answered = (*answered).max(span.tick);
         }

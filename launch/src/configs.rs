@@ -96,12 +96,18 @@ pub(crate) fn check<'a>(
     std::thread::scope(|scope| {
         let questions: Vec<_> = binaries
             .filter_map(|(role, binary)| Some((*role, binary, files.get(role)?)))
-            .map(|(role, binary, file)| scope.spawn(move || refusals(scenario, role, binary, file)))
+            .map(|(role, binary, file)| {
+                let ask = move || refusals(scenario, role, binary, file);
+                let thread = std::thread::Builder::new().spawn_scoped(scope, ask);
+                // Without room for a thread they are asked one after another.
+                thread.map_err(|_| ask)
+            })
             .collect();
-        let answers = questions
-            .into_iter()
-            .map(std::thread::ScopedJoinHandle::join);
-        Ok(answers.flat_map(Result::unwrap_or_default).collect())
+        let answers = questions.into_iter().map(|question| match question {
+            Ok(thread) => thread.join().unwrap_or_default(),
+            Err(ask) => ask(),
+        });
+        Ok(answers.flatten().collect())
     })
 }
 

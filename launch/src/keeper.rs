@@ -6,7 +6,7 @@ use crate::prepare::Prepared;
 use crate::result::{Restart, Starved};
 use crate::show::terminal::note;
 use crate::starvation::Starvation;
-use crate::supervise::child::Child;
+use crate::supervise::child::{Child, is_short};
 use crate::supervise::cleaner::Ticket;
 use crate::supervise::hang::{HangWatch, Limit};
 use crate::supervise::own_time::Patience;
@@ -55,7 +55,7 @@ pub(crate) struct Taken {
     pub on_tick: u64,
 }
 
-/// See the module's description.
+/// The keeper of a run.
 #[derive(Debug)]
 pub(crate) struct Keeper<'a> {
     prepared: &'a Prepared,
@@ -111,8 +111,14 @@ impl<'a> Keeper<'a> {
     /// # Errors
     /// One line naming the binary.
     pub(crate) fn start(&mut self, stack: &mut Stack, role: Role) -> Result<(), String> {
+        (self.try_start(stack, role)).map_err(|error| error.to_string())
+    }
+
+    fn try_start(&mut self, stack: &mut Stack, role: Role) -> std::io::Result<()> {
         let Some(config) = self.configs.get(&role) else {
-            return Err(format!("no configuration for {role}"));
+            return Err(std::io::Error::other(format!(
+                "no configuration for {role}"
+            )));
         };
         let Some(binary) = self.binaries.get(&role) else {
             note(&format!(
@@ -130,9 +136,7 @@ impl<'a> Keeper<'a> {
             log_level: &self.prepared.log_level,
             log: &log,
         };
-        stack
-            .start(role, &launch)
-            .map_err(|error| error.to_string())?;
+        stack.start(role, &launch)?;
         if let Some(child) = stack.children.last() {
             let (pid, epoch) = (child.pid(), child.epoch);
             tracing::info!(%role, pid, epoch, binary = %binary.display(), "started");
@@ -233,7 +237,7 @@ impl<'a> Keeper<'a> {
             self.replace(stack, collector, at)?;
         }
         self.vacate(stack, collector);
-        self.fill_seats(stack, &mut taken)?;
+        self.fill_seats(stack, collector, &mut taken)?;
         Ok(taken)
     }
 
@@ -244,14 +248,19 @@ impl<'a> Keeper<'a> {
     }
 
     /// Starts the successors whose time has come; `taken` gets those that are obeyed at once.
-    fn fill_seats(&mut self, stack: &mut Stack, taken: &mut Vec<Taken>) -> Result<(), Ending> {
+    fn fill_seats(
+        &mut self,
+        stack: &mut Stack,
+        collector: &Collector,
+        taken: &mut Vec<Taken>,
+    ) -> Result<(), Ending> {
         for vacant in core::mem::take(&mut self.vacant) {
             if Instant::now() < vacant.due || !stack.is_clean(vacant.cleaning) {
                 self.vacant.push(vacant);
                 continue;
             }
-            self.join(stack, vacant.role, vacant.absent_ticks.unwrap_or(0))?;
-            if vacant.absent_ticks.is_none() {
+            let is_started = self.join(stack, collector, vacant)?;
+            if is_started && vacant.absent_ticks.is_none() {
                 taken.push(Taken {
                     role: vacant.role,
                     off_tick: 0,
@@ -443,22 +452,52 @@ impl<'a> Keeper<'a> {
         self.prepared.mode == RunMode::Lockstep && collector.robot_tick() > 0
     }
 
-    /// Starts a successor. It is obeyed when the roster says so.
-    fn join(&mut self, stack: &mut Stack, role: Role, absent_ticks: u64) -> Result<(), Ending> {
+    /// Starts a successor; it is obeyed when the roster says so. False when the system has no room for
+    /// it now: that counts as a restart, and the next one comes after its wait.
+    fn join(
+        &mut self,
+        stack: &mut Stack,
+        collector: &Collector,
+        vacant: Vacant,
+    ) -> Result<bool, Ending> {
+        let role = vacant.role;
         stack.next_epoch(role);
-        self.start(stack, role).map_err(|how| Ending::Died {
+        let Err(error) = self.try_start(stack, role) else {
+            let pid = stack.children.last().map_or(0, Child::pid);
+            self.joining.push(Joining {
+                role,
+                start: Patience::with(pid),
+                ready: false,
+                absent_ticks: vacant.absent_ticks.unwrap_or(0),
+            });
+            return Ok(true);
+        };
+        let died = |how| Ending::Died {
             role,
             how,
             code: None,
             log: Vec::new(),
-        })?;
-        let pid = stack.children.last().map_or(0, Child::pid);
-        self.joining.push(Joining {
-            role,
-            start: Patience::with(pid),
-            ready: false,
-            absent_ticks,
+        };
+        if !is_short(&error) {
+            return Err(died(error.to_string()));
+        }
+        let run_ns = collector.robot_tick() * self.prepared.scenario.run.tick_ns();
+        let spec = &self.prepared.scenario.restart;
+        let wait = match self.restarts.decide(spec, role, None, run_ns) {
+            Decision::Restart(wait) => wait,
+            Decision::GiveUp(why) => return Err(died(format!("{error}; {why}"))),
+        };
+        tracing::warn!(%role, %error, ?wait, "not started, trying again");
+        self.records.push(Restart {
+            service: role.to_string(),
+            time_s: seconds(run_ns),
+            how: error.to_string(),
+            wait_ms: u64::try_from(wait.as_millis()).unwrap_or(u64::MAX),
         });
-        Ok(())
+        self.vacant.push(Vacant {
+            due: Instant::now() + wait,
+            ..vacant
+        });
+        Ok(false)
     }
 }

@@ -53,7 +53,7 @@ impl Child {
         let name = |error: std::io::Error| {
             std::io::Error::new(
                 error.kind(),
-                format!("starting {}: {error}", binary.display()),
+                format!("starting {}: {error}{}", binary.display(), hint(&error)),
             )
         };
         let log = log.open().map_err(name)?;
@@ -219,6 +219,23 @@ impl Child {
     }
 }
 
+/// True when the system has no room for another process now, which may change.
+pub(crate) fn is_short(error: &std::io::Error) -> bool {
+    use std::io::ErrorKind::{OutOfMemory, WouldBlock};
+    matches!(error.kind(), WouldBlock | OutOfMemory)
+}
+
+/// What to do about an error of starting a process or a thread, as the end of a line.
+pub(crate) fn hint(error: &std::io::Error) -> &'static str {
+    match error.kind() {
+        std::io::ErrorKind::WouldBlock => {
+            "; the limit of processes and threads of this user is reached: see `ulimit -u`"
+        }
+        std::io::ErrorKind::OutOfMemory => "; there is too little memory: see `ulimit -v`",
+        _ => "",
+    }
+}
+
 impl Drop for Child {
     fn drop(&mut self) {
         self.signal(Signal::KILL);
@@ -261,7 +278,20 @@ fn own_memory_peak_bytes(status: &str) -> Option<u64> {
 
 #[cfg(test)]
 mod tests {
-    use super::own_memory_peak_bytes;
+    use super::{hint, is_short, own_memory_peak_bytes};
+
+    #[test]
+    fn a_system_without_room_is_told_from_a_binary_that_is_missing() {
+        // EAGAIN of fork(2), ENOMEM, ENOENT.
+        let of = |errno| {
+            let error = std::io::Error::from_raw_os_error(errno);
+            (is_short(&error), hint(&error).contains("ulimit -"))
+        };
+        assert_eq!(
+            [11, 12, 2].map(of),
+            [(true, true), (true, true), (false, false)]
+        );
+    }
 
     #[test]
     fn shared_memory_is_no_memory_of_the_process() {

@@ -23,6 +23,7 @@ mod scores;
 mod steps;
 
 use crate::result::swap::SwapResult;
+use crate::supervise::child::hint;
 use crate::supervise::child_log::LogPlace;
 use crate::supervise::cleaner::Ticket;
 use crate::supervise::occupant::file_name;
@@ -105,18 +106,27 @@ impl Swap {
         hold_tick: u64,
         ask: impl FnOnce() -> Result<(), String> + Send + 'static,
     ) -> Self {
-        let result = SwapResult {
+        let mut result = SwapResult {
             id,
             role: role.to_string(),
             binary: file_name(&files.binary),
             state: "asking".to_owned(),
             ..SwapResult::default()
         };
+        let asking = std::thread::Builder::new().spawn(ask);
+        let phase = asking.map_or_else(
+            |error| {
+                "rejected".clone_into(&mut result.state);
+                result.why = Some(format!("no thread to ask it: {error}{}", hint(&error)));
+                Phase::Over
+            },
+            Phase::Asking,
+        );
         Self {
             order,
             role,
             files,
-            phase: Phase::Asking(std::thread::spawn(ask)),
+            phase,
             newcomer: None,
             cleaning: None,
             outcome: "",

@@ -184,7 +184,7 @@ impl Watch {
 /// answer must not hold up the view.
 fn reports(stack: Running) -> Receiver<crate::control::request::RunReport> {
     let (to, from) = sync_channel(1);
-    std::thread::spawn(move || {
+    let asking = std::thread::Builder::new().spawn(move || {
         loop {
             if let Ok(report) = stack.report()
                 && to.send(report).is_err()
@@ -194,5 +194,8 @@ fn reports(stack: Running) -> Receiver<crate::control::request::RunReport> {
             std::thread::sleep(Duration::from_nanos(REFRESH_NS));
         }
     });
+    if let Err(error) = asking {
+        tracing::warn!(%error, "no thread to ask the stack: its own report is missing");
+    }
     from
 }
