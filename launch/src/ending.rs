@@ -64,6 +64,17 @@ impl Ending {
 }
 
 impl Ending {
+    /// No process could be started for a seat.
+    #[must_use]
+    pub(crate) const fn not_started(role: Role, how: String) -> Self {
+        Self::Died {
+            role,
+            how,
+            code: None,
+            log: Vec::new(),
+        }
+    }
+
     /// What has ended a run at a moment that the scenario does not know of.
     #[must_use]
     pub(crate) fn cut_short(&self) -> Option<String> {

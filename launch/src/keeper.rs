@@ -408,30 +408,16 @@ impl<'a> Keeper<'a> {
         let peak = self.memory_peaks.entry(role).or_default();
         *peak = (*peak).max(child.memory_peak_bytes());
         self.joining.retain(|joining| joining.role != role);
-        let run_ns = collector.robot_tick() * self.prepared.scenario.run.tick_ns();
-        let wait = match self
-            .restarts
-            .decide(&self.prepared.scenario.restart, role, code, run_ns)
-        {
-            Decision::Restart(wait) => wait,
-            Decision::GiveUp(why) => {
-                let log = child.log_tail(8);
-                return Err(Ending::Died {
-                    role,
-                    how: format!("{how}; {why}"),
-                    code,
-                    log,
-                });
-            }
-        };
+        let log = child.log_tail(8);
+        let wait = self
+            .restart_after(collector, role, code, how)
+            .map_err(|how| Ending::Died {
+                role,
+                how,
+                code,
+                log,
+            })?;
         let cleaning = stack.bury(at);
-        tracing::warn!(%role, how, ?wait, "restarting");
-        self.records.push(Restart {
-            service: role.to_string(),
-            time_s: seconds(run_ns),
-            how,
-            wait_ms: u64::try_from(wait.as_millis()).unwrap_or(u64::MAX),
-        });
         let played = self.plays_absence(collector);
         // Then the tick is held until the successor can answer; its absence and its wait are
         // played by the roster, in ticks.
@@ -472,32 +458,43 @@ impl<'a> Keeper<'a> {
             });
             return Ok(true);
         };
-        let died = |how| Ending::Died {
-            role,
-            how,
-            code: None,
-            log: Vec::new(),
-        };
+        let died = |how| Ending::not_started(role, how);
         if !is_short(&error) {
             return Err(died(error.to_string()));
         }
-        let run_ns = collector.robot_tick() * self.prepared.scenario.run.tick_ns();
-        let spec = &self.prepared.scenario.restart;
-        let wait = match self.restarts.decide(spec, role, None, run_ns) {
-            Decision::Restart(wait) => wait,
-            Decision::GiveUp(why) => return Err(died(format!("{error}; {why}"))),
-        };
-        tracing::warn!(%role, %error, ?wait, "not started, trying again");
-        self.records.push(Restart {
-            service: role.to_string(),
-            time_s: seconds(run_ns),
-            how: error.to_string(),
-            wait_ms: u64::try_from(wait.as_millis()).unwrap_or(u64::MAX),
-        });
+        let how = error.to_string();
+        let wait = (self.restart_after(collector, role, None, how)).map_err(died)?;
         self.vacant.push(Vacant {
             due: Instant::now() + wait,
             ..vacant
         });
         Ok(false)
+    }
+
+    /// The wait before the next start of a service that has ended like this, which is noted.
+    ///
+    /// # Errors
+    /// The same and why it is not started again.
+    fn restart_after(
+        &mut self,
+        collector: &Collector,
+        role: Role,
+        code: Option<i32>,
+        how: String,
+    ) -> Result<Duration, String> {
+        let run_ns = collector.robot_tick() * self.prepared.scenario.run.tick_ns();
+        let spec = &self.prepared.scenario.restart;
+        let wait = match self.restarts.decide(spec, role, code, run_ns) {
+            Decision::Restart(wait) => wait,
+            Decision::GiveUp(why) => return Err(format!("{how}; {why}")),
+        };
+        tracing::warn!(%role, how, ?wait, "restarting");
+        self.records.push(Restart {
+            service: role.to_string(),
+            time_s: seconds(run_ns),
+            how,
+            wait_ms: u64::try_from(wait.as_millis()).unwrap_or(u64::MAX),
+        });
+        Ok(wait)
     }
 }

@@ -53,10 +53,14 @@ impl Scenario {
 
     /// Does what [`Self::validate`] does, and goes on after what is wrong.
     pub(super) fn examine(&self) -> Examined {
-        let mut wrong = self.check_words();
-        wrong.extend(self.check_robot());
-        wrong.extend(self.check_run());
-        wrong.extend(self.check_faults());
+        let mut wrong = self.check_robot();
+        wrong.extend(self.check_ranges());
+        // What compares numbers says nothing of those that cannot be.
+        if wrong.is_empty() {
+            wrong.extend(self.check_rates().err());
+        }
+        wrong.extend(self.check_faults(wrong.is_empty()));
+        wrong.extend(self.check_words());
         wrong.extend(self.check_swaps().err());
         let refused = |error: SpecError| self.error_at(&error.field, &error.why);
         let mut all = Vec::new();
@@ -143,7 +147,7 @@ impl Scenario {
         wrong
     }
 
-    fn check_faults(&self) -> Vec<SpecError> {
+    fn check_faults(&self, are_numbers_right: bool) -> Vec<SpecError> {
         if self.faults.len() > FAULTS_MAX {
             let why = format!("{} faults, at most {FAULTS_MAX}", self.faults.len());
             return vec![SpecError::new("faults", why)];
@@ -154,7 +158,10 @@ impl Scenario {
                 let why = "is missing: say when, such as { at_s = 3.0 }";
                 let begins = fault.begins().map(|_| ());
                 begins.ok_or_else(|| SpecError::new("begins", why))?;
-                self.check_delay(fault)
+                if are_numbers_right {
+                    self.check_delay(fault)?;
+                }
+                Ok(())
             });
             let at = |error: SpecError| error.within(&format!("faults[{index}]"));
             wrong.extend(checked.err().map(at));
@@ -223,7 +230,12 @@ impl Scenario {
 
     fn check_robot(&self) -> Vec<SpecError> {
         let mut wrong: Vec<SpecError> = self.robot.footprint().err().into_iter().collect();
-        wrong.extend(check_all(&self.robot).into_iter().map(SpecError::from));
+        let parameters = check_all(&self.robot).into_iter().map(SpecError::from);
+        let outline = ["radius_m", "footprint_m"];
+        let is_said = !wrong.is_empty();
+        wrong.extend(
+            parameters.filter(|error| !is_said || !outline.contains(&error.field.as_str())),
+        );
         if wrong.is_empty() {
             wrong.extend(self.robot.check().err());
         }
@@ -231,23 +243,23 @@ impl Scenario {
         wrong.into_iter().map(within).collect()
     }
 
-    fn check_run(&self) -> Vec<SpecError> {
-        let run = &self.run;
-        let mut wrong = within(check_all(run), "run");
-        let lidar_hz = self.robot.lidar.rate_hz;
-        if wrong.is_empty() && run.tick_hz < lidar_hz {
-            let why = format!(
-                "{} ticks per second are fewer than the lidar's {lidar_hz} scans",
-                run.tick_hz
-            );
-            wrong.push(SpecError::new("run.tick_hz", why));
-        }
+    fn check_ranges(&self) -> Vec<SpecError> {
+        let mut wrong = within(check_all(&self.run), "run");
         wrong.extend(within(check_all(&self.restart), "restart"));
         for (role, scheduling) in self.scheduling() {
             let field = format!("services.{role}.scheduling");
             wrong.extend(within(check_all(&scheduling), &field));
         }
         wrong
+    }
+
+    fn check_rates(&self) -> Result<(), SpecError> {
+        let (tick_hz, lidar_hz) = (self.run.tick_hz, self.robot.lidar.rate_hz);
+        if tick_hz >= lidar_hz {
+            return Ok(());
+        }
+        let why = format!("{tick_hz} ticks per second are fewer than the lidar's {lidar_hz} scans");
+        Err(SpecError::new("run.tick_hz", why))
     }
 
     /// The map must fit into one keyframe.

@@ -31,12 +31,13 @@ pub(super) fn read<T: DeserializeOwned>(
         errors: Vec::new(),
         doubtful: Vec::new(),
     };
+    let mut is_whole = true;
     // Every round takes out or replaces a value; a wrong file ends it in any case.
     for _ in 0..4 * ERRORS_MAX {
         let root = Spanned::new(own..own, table.clone());
         let error = match T::deserialize(toml::Deserializer::from(root)) {
             Ok(value) => {
-                reading.value = Some(value);
+                reading.value = is_whole.then_some(value);
                 return reading;
             }
             Err(error) => error,
@@ -44,59 +45,87 @@ pub(super) fn read<T: DeserializeOwned>(
         let span = error.span().unwrap_or(own..own);
         let (field, _) = places.at_span(&span, "");
         let message = error.message().to_owned();
-        if !follows(&message, &field, &reading.doubtful) {
+        let follows = follows(&message, &field, &reading.doubtful);
+        if !follows {
             reading.errors.push(error);
         }
-        if reading.errors.len() >= ERRORS_MAX || !mend(&mut table, &field, &message) {
+        if reading.errors.len() >= ERRORS_MAX {
             return reading;
         }
-        reading.doubtful.push(field);
+        match mend(&mut table, &field, &message) {
+            Some(_) => {
+                // Without a value it is another scenario, of which nothing is to be said.
+                is_whole &= message.starts_with(UNKNOWN_FIELD) || substitute(&message).is_some();
+            }
+            None => return reading,
+        }
+        // Of a renamed value the places do not know the folder that its path counts from.
+        reading.doubtful.push(match misspelt(&message) {
+            Some((word, meant)) => {
+                field.trim_end_matches(&word).to_owned() + &meant.unwrap_or(word)
+            }
+            None => field,
+        });
     }
     reading
 }
 
-/// True when the value that is missing at `table` was taken out before, or is what a misspelt one
-/// was meant to be.
-fn follows(message: &str, table: &str, doubtful: &[String]) -> bool {
+/// True for what is only said because of a value that was taken out or replaced before.
+fn follows(message: &str, field: &str, doubtful: &[String]) -> bool {
     let Some(missing) = message.strip_prefix("missing field `") else {
-        return false;
+        return doubtful.iter().any(|path| path == field);
     };
     let missing = missing.trim_end_matches('`');
     doubtful.iter().any(|path| {
-        let (parent, name) = path.rsplit_once('.').unwrap_or(("", path));
-        parent == table && nearest(name, [missing]).is_some()
+        let is_within = field.is_empty() || path.starts_with(&format!("{field}."));
+        let mut words = path.split('.').filter_map(|word| word.split('[').next());
+        is_within && words.any(|word| word == missing)
     })
 }
 
-/// Makes a value that is read differently of the one at `path`; false when there is none.
-fn mend(table: &mut DeTable<'_>, path: &str, message: &str) -> bool {
-    // Lists keep their order, so that the places of their entries stay: they are taken out as a whole.
-    let path = match path.strip_suffix(']') {
-        Some(list) if !is_value_at_fault(message) => {
-            list.rsplit_once('[').map_or("", |(list, _)| list)
-        }
-        _ => path,
-    };
-    if path.is_empty() {
-        return false;
+/// Makes a value that is read differently of the one at `path`: the path of what was changed or
+/// taken out, if there is such a value.
+fn mend(table: &mut DeTable<'_>, path: &str, message: &str) -> Option<String> {
+    if substitute(message).is_some()
+        && let Some(value) = value_at(table, path)
+    {
+        return replace(value, message).then(|| path.to_owned());
     }
-    if let Some(value) = value_at(table, path).filter(|_| is_value_at_fault(message)) {
-        return replace(value, message);
+    if let Some((word, meant)) = misspelt(message) {
+        // Of a table with a kind, the table is named in place of its field.
+        let within = path
+            .strip_suffix(&word)
+            .map_or(path, |parent| parent.trim_end_matches('.'));
+        let within = table_at(table, within)?;
+        let key = within
+            .keys()
+            .find(|key| key.get_ref() == word.as_str())
+            .cloned()?;
+        let value = within.remove(&key)?;
+        if let Some(meant) = meant.filter(|meant| !within.contains_key(meant.as_str())) {
+            within.insert(Spanned::new(key.span(), meant.into()), value);
+        }
+        return Some(path.to_owned());
+    }
+    // Lists keep their order, so that the places of their entries stay: they are taken out as a whole.
+    let mut path = path;
+    while path.ends_with(']') {
+        path = path.rsplit_once('[').map_or("", |(list, _)| list);
     }
     let (parent, name) = path.rsplit_once('.').unwrap_or(("", path));
-    let Some(parent) = table_at(table, parent) else {
-        return false;
-    };
-    let Some(index) = parent.keys().position(|key| key.get_ref() == name) else {
-        return false;
-    };
-    let key = parent.keys().nth(index).cloned();
-    key.is_some_and(|key| parent.remove(&key).is_some())
+    let parent = table_at(table, parent)?;
+    let key = parent.keys().find(|key| key.get_ref() == name).cloned()?;
+    parent.remove(&key).map(|_| path.to_owned())
 }
 
-/// True for a word or a list in whose place another one can be read.
-fn is_value_at_fault(message: &str) -> bool {
-    substitute(message).is_some()
+const UNKNOWN_FIELD: &str = "unknown field `";
+
+/// The field that is not known, and the one that it was meant to be.
+fn misspelt(message: &str) -> Option<(String, Option<String>)> {
+    let rest = message.strip_prefix(UNKNOWN_FIELD)?;
+    let (word, expected) = rest.split_once("`, expected ")?;
+    let meant = nearest(word, expected.split('`').skip(1).step_by(2));
+    Some((word.to_owned(), meant.map(str::to_owned)))
 }
 
 fn replace(value: &mut Spanned<DeValue<'_>>, message: &str) -> bool {
@@ -139,7 +168,8 @@ fn substitute(message: &str) -> Option<Substitute> {
         return Some(Substitute::Word(meant.to_owned()));
     }
     let rest = message.strip_prefix("invalid length ")?;
-    let length = rest.rsplit_once(' ')?.1.trim().parse().ok()?;
+    let expected = rest.split_once("expected ")?.1;
+    let length = expected.split(' ').find_map(|word| word.parse().ok())?;
     Some(Substitute::Length(length))
 }
 
@@ -164,7 +194,7 @@ fn value_at<'a, 'b>(root: &'a mut DeTable<'b>, path: &str) -> Option<&'a mut Spa
             let DeValue::Array(list) = value.get_mut() else {
                 return None;
             };
-            value = list.iter_mut().nth(index.parse().ok()?)?;
+            value = list.get_mut(index.parse::<usize>().ok()?)?;
             rest = after;
         } else {
             let DeValue::Table(table) = value.get_mut() else {

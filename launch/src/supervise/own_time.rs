@@ -191,13 +191,13 @@ impl OwnTime {
         let whole = self.carry + ran;
         // Several threads do not make the time longer.
         let ran = whole.min(elapsed);
-        self.carry = (whole - ran).min(READ_EVERY);
-        let waited = waited.min(elapsed - ran);
+        self.carry = whole.saturating_sub(ran).min(READ_EVERY);
+        let waited = waited.min(elapsed.saturating_sub(ran));
         let still = awake.saturating_sub(ran + waited);
         self.ran += ran;
         self.waited += match doing {
             // The kernel counts a wait when it is over.
-            Doing::Runnable => elapsed - ran,
+            Doing::Runnable => elapsed.saturating_sub(ran),
             _ => waited,
         };
         match doing {

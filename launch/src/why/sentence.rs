@@ -222,12 +222,30 @@ fn failed(reason: EndReason, stuck: StuckCause, path: Option<&Path>) -> String {
         }
         (EndReason::Stuck, StuckCause::None) => "the robot got stuck".to_owned(),
         (EndReason::Replaced, _) => "a later task took its place".to_owned(),
-        _ => match path.filter(|path| path.status != PathStatus::Found) {
+        // The planner forgets its plan with the goal.
+        _ => match path
+            .filter(|path| !matches!(path.status, PathStatus::Found | PathStatus::NoGoal))
+        {
             Some(path) => no_way(path),
-            None => reason.label().replace('_', " "),
+            None => end_of_goal(reason),
         },
     };
     format!("The task has failed: {why}. Another goal moves the robot.")
+}
+
+/// Why a goal was given up, when the planner's plan is gone.
+fn end_of_goal(reason: EndReason) -> String {
+    match reason {
+        EndReason::Unreachable => {
+            "the global planner had proved that no way leads to the goal".to_owned()
+        }
+        EndReason::GoalBlocked => {
+            "the goal was in an obstacle and no cell within its tolerance was free".to_owned()
+        }
+        EndReason::GoalOutsideMap => "the goal is not on the map".to_owned(),
+        EndReason::NoPath => "the global planner had no path for too long".to_owned(),
+        _ => reason.label().replace('_', " "),
+    }
 }
 
 /// How old the inputs of the local planner are.

@@ -208,7 +208,9 @@ impl Hops {
     /// that it rests on. These are there one call later.
     pub(crate) fn settle(&mut self) -> Option<Way> {
         let [fresh, due] = core::mem::take(&mut self.commands);
-        due.iter().for_each(|guard| self.commanded(guard));
+        for guard in &due {
+            self.commanded(guard);
+        }
         self.commands = [Vec::new(), fresh];
         let [fresh, mut due] = core::mem::take(&mut self.applied);
         let replanned = due.drain(..).fold(None, |before, span| {

@@ -181,7 +181,9 @@ mod tests {
     fn those_with_the_token_leave_last() {
         let places = Arc::new(Places::default());
         let mut known: Vec<Place> = (0..PLACES).map(|_| places.take(Some(1))).collect();
-        known.iter().for_each(|place| place.card().is_known());
+        for place in &known {
+            place.card().is_known();
+        }
         let mut first = places.take(Some(2));
         assert!(left(&mut known[0]) && !left(&mut known[1]));
         let _second = places.take(Some(2));

@@ -206,7 +206,7 @@ mod tests {
     }
 
     /// A chunk of a PNG.
-    fn chunk(name: &[u8; 4], data: &[u8]) -> Vec<u8> {
+    fn chunk(name: [u8; 4], data: &[u8]) -> Vec<u8> {
         let body = [&name[..], data].concat();
         let mut crc = flate2::Crc::new();
         crc.update(&body);
@@ -219,7 +219,9 @@ mod tests {
         let plain = encoded(png::ColorType::Grayscale, png::BitDepth::Eight, &[7, 9]);
         let mut packer = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::fast());
         let zeros = vec![0; 1 << 20];
-        (0..64).for_each(|_| packer.write_all(&zeros).unwrap());
+        for _ in 0..64 {
+            packer.write_all(&zeros).unwrap();
+        }
         let packed = packer.finish().unwrap();
         for (name, data) in [
             (b"iCCP", [&b"it\0\0"[..], &packed].concat()),
@@ -228,7 +230,7 @@ mod tests {
         ] {
             // After the header, whose chunk has 25 bytes.
             let mut bytes = plain[..33].to_vec();
-            bytes.extend(chunk(name, &data));
+            bytes.extend(chunk(*name, &data));
             bytes.extend(&plain[33..]);
             assert_eq!(png(&bytes).unwrap().grey, [7, 9]);
         }
@@ -237,7 +239,7 @@ mod tests {
     #[test]
     fn sizes_that_no_map_has_are_refused_before_the_pixels() {
         let mut header = [0, 0, 0x40, 0, 0, 0, 0x40, 0, 8, 0, 0, 0, 0].to_vec();
-        let image = |header: &[u8]| [PNG_SIGNATURE, &chunk(b"IHDR", header)].concat();
+        let image = |header: &[u8]| [PNG_SIGNATURE, &chunk(*b"IHDR", header)].concat();
         assert!(png(&image(&header)).unwrap_err().contains("16384 x 16384"));
         header[3] = 0;
         header[2] = 0;

@@ -124,6 +124,39 @@ fn stops_the_robot(browser: &mut Browser, up: &Up) {
     }
 }
 
+/// A service that is killed turns red, and green again.
+fn kills_mapping(browser: &mut Browser, up: &Up) {
+    let state = "document.querySelector('#seat-mapping .state').className";
+    assert_eq!(browser.script(state), "state ready");
+    browser.script("document.getElementById('seat-mapping').click()");
+    let listed = "[...document.getElementById('binaries').options].map((one) => one.value)";
+    assert_eq!(
+        browser.script(listed),
+        serde_json::json!(["zeronav-mapping"])
+    );
+    // Faults stand behind a switch, and the worst ones are asked for twice.
+    assert_eq!(
+        browser.script("document.querySelector('[data-act=kill]')"),
+        Value::Null
+    );
+    browser.script("document.getElementById('faults').click()");
+    let kill = "document.querySelector('[data-act=kill]')";
+    browser.script(&format!("{kill}.click()"));
+    let sure = browser.script(&format!("{kill}.textContent"));
+    assert_eq!(sure, "Kill mapping: click again");
+    browser.script(&format!("{kill}.click()"));
+    browser.wait_until(
+        "the seat is red",
+        "document.querySelector('#seat-mapping .silent, #seat-mapping .restarted')",
+    );
+    browser.wait_until(
+        "the seat is green",
+        "document.querySelector('#seat-mapping .state.ready')",
+    );
+    let mapping = seats(up).into_iter().find(|(role, ..)| role == "mapping");
+    assert_eq!(mapping.map(|(_, epoch, _)| epoch), Some(Value::from(2)));
+}
+
 // long: the story of one page
 #[test]
 fn the_page_shows_the_robot_and_steers_it() {
@@ -194,37 +227,7 @@ fn the_page_shows_the_robot_and_steers_it() {
     is_answered(early, &host);
     shows_a_past_replanning(&mut browser);
 
-    // A service that is killed turns red, and green again.
-    let state = "document.querySelector('#seat-mapping .state').className";
-    assert_eq!(browser.script(state), "state ready");
-    browser.script("document.getElementById('seat-mapping').click()");
-    let listed = "[...document.getElementById('binaries').options].map((one) => one.value)";
-    assert_eq!(
-        browser.script(listed),
-        serde_json::json!(["zeronav-mapping"])
-    );
-    // Faults stand behind a switch, and the worst ones are asked for twice.
-    assert_eq!(
-        browser.script("document.querySelector('[data-act=kill]')"),
-        Value::Null
-    );
-    browser.script("document.getElementById('faults').click()");
-    let kill = "document.querySelector('[data-act=kill]')";
-    browser.script(&format!("{kill}.click()"));
-    let sure = browser.script(&format!("{kill}.textContent"));
-    assert_eq!(sure, "Kill mapping: click again");
-    browser.script(&format!("{kill}.click()"));
-    browser.wait_until(
-        "the seat is red",
-        "document.querySelector('#seat-mapping .silent, #seat-mapping .restarted')",
-    );
-    browser.wait_until(
-        "the seat is green",
-        "document.querySelector('#seat-mapping .state.ready')",
-    );
-    let mapping = seats(&up).into_iter().find(|(role, ..)| role == "mapping");
-    assert_eq!(mapping.map(|(_, epoch, _)| epoch), Some(Value::from(2)));
-
+    kills_mapping(&mut browser, &up);
     stops_the_robot(&mut browser, &up);
 
     // Time travel: the robot drives on, and the page shows where it was.

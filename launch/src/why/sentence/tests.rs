@@ -260,6 +260,18 @@ fn the_end_of_a_task_is_told_with_its_reason() {
         moment.task = task;
         says(&moment, &Around::default(), &[words]);
     }
+    // The planner forgets its plan with the goal; the outcome stays.
+    moment.path = Some(path(PathStatus::NoGoal));
+    for (reason, words) in [
+        (
+            EndReason::Unreachable,
+            "had proved that no way leads to the goal",
+        ),
+        (EndReason::GoalBlocked, "the goal was in an obstacle"),
+    ] {
+        moment.task = end(TaskState::Failed, reason, StuckCause::None);
+        says(&moment, &Around::default(), &[words]);
+    }
     let arrived = standing(Validity::AtGoal, RequestCause::None);
     says(
         &arrived,
