@@ -119,7 +119,7 @@ fn refusals(scenario: &Scenario, role: Role, binary: &Path, file: &Path) -> Vec<
         "--config".as_ref(),
         file.as_os_str(),
     ];
-    let mut refusals = Vec::new();
+    let (mut refusals, mut taken) = (Vec::new(), Vec::new());
     while refusals.len() < REFUSALS_MAX {
         let Err(silence) = question::ask(binary, &arguments) else {
             break;
@@ -137,11 +137,17 @@ fn refusals(scenario: &Scenario, role: Role, binary: &Path, file: &Path) -> Vec<
             }
             break;
         };
+        // What lacks a value that was taken out says nothing of the scenario.
+        if taken.iter().any(|name: &String| why.contains(name)) {
+            break;
+        }
         let place = in_scenario(scenario, role, &field);
         refusals.push(scenario.error_at(&place, &why).to_string());
         if !take_out(file, &field) {
             break;
         }
+        let name = field.rsplit('.').next().unwrap_or(&field);
+        taken.push(name.to_owned());
     }
     refusals
 }

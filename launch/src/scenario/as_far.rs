@@ -1,7 +1,10 @@
 //! A scenario and everything that is wrong with it, at once.
 
 use super::check::{Checked, Examined};
-use super::{Library, Scenario, ScenarioError};
+use super::document::{self, Reading};
+use super::library::Origin;
+use super::{Library, Scenario, ScenarioError, absolute, binaries_of, files_of};
+use std::path::Path;
 
 /// A scenario as far as it could be read.
 #[derive(Debug)]
@@ -63,6 +66,70 @@ impl From<Scenario> for AsFar {
 }
 
 impl Scenario {
+    /// Reads the scenario that a name or a path means from the working folder of this process.
+    /// [`Self::validate`] tells whether it can work.
+    ///
+    /// # Errors
+    /// See [`ScenarioError`].
+    pub fn load(name_or_path: &str) -> Result<Self, ScenarioError> {
+        Self::load_from(&Library::of(""), name_or_path)
+    }
+
+    /// Like [`Self::load`] from the working folder of `library`.
+    ///
+    /// # Errors
+    /// See [`ScenarioError`]; with a value that cannot be read also what [`Self::validate`] finds
+    /// wrong with the others.
+    pub fn load_from(library: &Library, name_or_path: &str) -> Result<Self, ScenarioError> {
+        let (origin, variant) = library.scenario(name_or_path)?;
+        Self::read(library, origin, variant.as_deref())?.whole()
+    }
+
+    pub(super) fn read(
+        library: &Library,
+        origin: Origin,
+        variant: Option<&str>,
+    ) -> Result<AsFar, ScenarioError> {
+        let name = match variant {
+            Some(variant) => format!("{}_{variant}", origin.name()),
+            None => origin.name(),
+        };
+        let folder = origin.folder().map(Path::to_path_buf);
+        let Reading {
+            value,
+            document,
+            wrong,
+            doubtful,
+        } = document::read::<Self>(library, origin, variant)?;
+        let Some(mut scenario) = value else {
+            return Err(ScenarioError::of(wrong)
+                .unwrap_or_else(|| document.at_field("scenario", "cannot be read")));
+        };
+        for (field, file) in files_of(&mut scenario.world) {
+            let folder = document.folder_of(field).unwrap_or(Path::new(""));
+            *file = absolute(&folder.join(&*file));
+        }
+        for (field, binary) in binaries_of(&mut scenario) {
+            if let Some(folder) = document.folder_of(&field)
+                && binary.components().count() > 1
+                && folder.join(&*binary).is_file()
+            {
+                *binary = absolute(&folder.join(&*binary));
+            }
+        }
+        let scenario = Self {
+            name,
+            folder,
+            document,
+            ..scenario
+        };
+        Ok(AsFar {
+            scenario,
+            wrong,
+            doubtful,
+        })
+    }
+
     /// Like [`Self::load`], but leaves what is wrong with single values beside it.
     ///
     /// # Errors

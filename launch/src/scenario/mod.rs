@@ -17,7 +17,7 @@
 //!
 //! Unknown fields are refused, and every error is one line that names file, line and field.
 
-mod as_far;
+pub(crate) mod as_far;
 mod check;
 mod document;
 mod error;
@@ -37,13 +37,11 @@ mod swaps;
 mod tests;
 mod tolerant;
 
-pub(crate) use as_far::AsFar;
 pub use check::Checked;
 pub use error::ScenarioError;
 pub(crate) use faults::{CLOCK_MS, DELAY_MS, KINDS, SHARE, SLOW_MS, faultable, mortals};
 pub use faults::{FAULTS_MAX, StackFault};
 pub use foresight::{ForesightSpec, Perceive, Predict};
-use library::Origin;
 pub use library::{Library, Listed};
 pub use limits::{COORDINATE_M_MAX, TIME_LIMIT_S_MAX, TOLERANCE, YAW_RAD_MAX};
 pub(crate) use made::goals_in;
@@ -54,7 +52,7 @@ pub use swaps::{KEEP_S, KEEP_S_MIN, SHADOW_S, ShadowSpec, SwapSpec};
 use crate::supervise::restart::RestartSpec;
 use crate::supervise::scheduling::SchedulingSpec;
 use core::f64::consts::PI;
-use document::{Document, Reading};
+use document::Document;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -321,25 +319,6 @@ pub enum Outcome {
 }
 
 impl Scenario {
-    /// Reads the scenario that a name or a path means from the working folder of this process.
-    /// [`Self::validate`] tells whether it can work.
-    ///
-    /// # Errors
-    /// See [`ScenarioError`].
-    pub fn load(name_or_path: &str) -> Result<Self, ScenarioError> {
-        Self::load_from(&Library::of(""), name_or_path)
-    }
-
-    /// Like [`Self::load`] from the working folder of `library`.
-    ///
-    /// # Errors
-    /// See [`ScenarioError`]; with a value that cannot be read also what [`Self::validate`] finds
-    /// wrong with the others.
-    pub fn load_from(library: &Library, name_or_path: &str) -> Result<Self, ScenarioError> {
-        let (origin, variant) = library.scenario(name_or_path)?;
-        Self::read(library, origin, variant.as_deref())?.whole()
-    }
-
     /// The shadow of a seat.
     pub fn shadows(&self) -> impl Iterator<Item = (Role, &ShadowSpec)> {
         Role::SERVICES
@@ -353,51 +332,6 @@ impl Scenario {
             .into_iter()
             .filter_map(|role| Some((role, self.services.of(role)?.scheduling.clone()?)))
             .collect()
-    }
-
-    fn read(
-        library: &Library,
-        origin: Origin,
-        variant: Option<&str>,
-    ) -> Result<AsFar, ScenarioError> {
-        let name = match variant {
-            Some(variant) => format!("{}_{variant}", origin.name()),
-            None => origin.name(),
-        };
-        let folder = origin.folder().map(Path::to_path_buf);
-        let Reading {
-            value,
-            document,
-            wrong,
-            doubtful,
-        } = document::read::<Self>(library, origin, variant)?;
-        let Some(mut scenario) = value else {
-            return Err(ScenarioError::of(wrong)
-                .unwrap_or_else(|| document.at_field("scenario", "cannot be read")));
-        };
-        for (field, file) in files_of(&mut scenario.world) {
-            let folder = document.folder_of(field).unwrap_or(Path::new(""));
-            *file = absolute(&folder.join(&*file));
-        }
-        for (field, binary) in binaries_of(&mut scenario) {
-            if let Some(folder) = document.folder_of(&field)
-                && binary.components().count() > 1
-                && folder.join(&*binary).is_file()
-            {
-                *binary = absolute(&folder.join(&*binary));
-            }
-        }
-        let scenario = Self {
-            name,
-            folder,
-            document,
-            ..scenario
-        };
-        Ok(AsFar {
-            scenario,
-            wrong,
-            doubtful,
-        })
     }
 
     /// The names of the variants of the scenario in `file`; none when it has none or cannot be read.

@@ -17,6 +17,7 @@ mod map_image;
 mod movingai_map;
 pub mod pedestrians;
 mod pgm;
+mod pixels;
 pub mod synthetic;
 mod table;
 

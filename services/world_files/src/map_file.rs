@@ -9,7 +9,8 @@
 //! turned map is laid onto an upright grid.
 
 use crate::map_file_error::MapFileError;
-use crate::map_image::{self, Pixels};
+use crate::map_image;
+use crate::pixels::Pixels;
 use serde::{Deserialize, Deserializer};
 use std::path::{Path, PathBuf};
 use zeronav_files::{Folder, Replace, read};

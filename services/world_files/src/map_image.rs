@@ -2,6 +2,7 @@
 
 use crate::map_file_error::MapFileError;
 use crate::pgm;
+use crate::pixels::{Pixels, check_size, narrow};
 use std::io::{self, Cursor};
 use std::path::{Path, PathBuf};
 use zeronav_files::read;
@@ -16,25 +17,6 @@ const PNG_BYTES_MAX: usize = 16 << 20;
 /// How a PNG begins.
 const PNG_SIGNATURE: &[u8] = b"\x89PNG\r\n\x1a\n";
 
-/// An image as map servers see it: the mean of the colours, and what is transparent. Row-major
-/// from the upper left.
-#[derive(Debug, PartialEq, Eq)]
-pub(crate) struct Pixels {
-    pub(crate) width: u32,
-    pub(crate) height: u32,
-    /// 0 = black.
-    pub(crate) grey: Vec<u8>,
-    /// 255 = opaque; empty = all opaque.
-    pub(crate) alpha: Vec<u8>,
-}
-
-impl Pixels {
-    /// Opacity of a pixel, 255 = opaque.
-    pub(crate) fn alpha_at(&self, index: usize) -> u8 {
-        self.alpha.get(index).copied().unwrap_or(u8::MAX)
-    }
-}
-
 /// Reads `file`, or `file.gz` when only that exists.
 pub(crate) fn read(file: &Path) -> Result<Pixels, MapFileError> {
     let (file, bytes) = bytes_of(file)?;
@@ -44,21 +26,6 @@ pub(crate) fn read(file: &Path) -> Result<Pixels, MapFileError> {
         _ => Err("neither a PGM (P2, P5) nor a PNG image".to_owned()),
     };
     pixels.map_err(|why| MapFileError::Image { file, why })
-}
-
-/// Accepts the size of a map.
-pub(crate) fn check_size(width: u32, height: u32) -> Result<usize, String> {
-    if width == 0 || height == 0 || width.max(height) > SIDE_CELLS_MAX {
-        return Err(format!(
-            "{width} x {height} pixels, a map has 1 to {SIDE_CELLS_MAX} along each side"
-        ));
-    }
-    Ok(width as usize * height as usize)
-}
-
-/// A 16-bit value as one of 8 bits.
-pub(crate) fn narrow(value: u16) -> u8 {
-    u8::try_from((u32::from(value) + 128) / 257).unwrap_or(u8::MAX)
 }
 
 /// Reads the pixels; colour profiles, texts and whatever else a PNG may carry are not unpacked.

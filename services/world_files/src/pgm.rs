@@ -1,6 +1,6 @@
 //! Grey images in the format PGM, as text (P2) or in bytes (P5).
 
-use crate::map_image::{Pixels, check_size, narrow};
+use crate::pixels::{Pixels, check_size, narrow};
 
 /// Largest value that a sample may have.
 const WHITE_MAX: u32 = 65_535;

@@ -206,7 +206,7 @@ fn the_log_of_a_flooding_service_is_bounded_also_while_launch_is_stopped() {
         planner.display()
     );
     executable(&place.path().join("floods"), &script);
-    let scenario = "base = [\"warehouse\", \"porter\"]\nstart = [4.0, 6.425, 0.0]\n\
+    let scenario = "title = \"flood\"\nbase = [\"warehouse\", \"porter\"]\nstart = [4.0, 6.425, 0.0]\n\
                     [[goals]]\npose = [14.0, 6.425, 0.0]\n\
                     [services.global_planner]\nbinary = \"./floods\"\n";
     std::fs::write(place.path().join("it.toml"), scenario).expect("written");

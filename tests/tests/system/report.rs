@@ -335,7 +335,7 @@ fn foreign_folders_give_one_clear_line() {
             &[("result.json", "{\"verdict\": \"pass\"}")],
             "missing field",
         ),
-        (&[("result.json/x", "")], "no file"),
+        (&[("result.json/x", "")], "not a file"),
     ];
     for (files, problem) in cases {
         let folder = tempfile::tempdir().expect("a folder");

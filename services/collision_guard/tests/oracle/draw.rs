@@ -85,6 +85,7 @@ fn driven(pose: &Pose, [v, w]: [f64; 2], elapsed_s: f64) -> Pose {
 }
 
 impl Draw {
+    // long: one draw of all that a call needs
     pub(crate) fn new(seed: u64) -> Self {
         let mut random = Pcg32::seed_from_u64(seed);
         let (points, inner_m) = loop {
