@@ -8,13 +8,14 @@ use crate::show::terminal::{say, say_json, usage};
 use crate::supervise::algorithms;
 use crate::supervise::binaries::{self, Needed};
 use serde_json::json;
+use std::path::PathBuf;
 use std::process::ExitCode;
 use zeronav_msgs::role::Role;
 
 /// `zeronav list`.
 #[must_use]
 pub fn list(json: bool) -> ExitCode {
-    let scenarios = scenario::list();
+    let (scenarios, left_out) = offered(scenario::list());
     if json {
         let rows: Vec<_> = scenarios
             .iter()
@@ -35,7 +36,30 @@ pub fn list(json: bool) -> ExitCode {
         let (name, title) = (&listed.name, &listed.title);
         say(&format!("  {name:width$}  {title}\n"));
     }
+    if let Some((binary, _)) = left_out.first() {
+        let names: Vec<&str> = left_out.iter().map(|(_, name)| name.as_str()).collect();
+        say(&format!(
+            "\nleft out, as {} is not installed: {}\n",
+            binary.display(),
+            names.join(", ")
+        ));
+    }
     ExitCode::from(EXIT_PASS)
+}
+
+/// What can be started, and the first binary that is missing with the name of each other one. Under
+/// cargo binaries are built when they are needed.
+fn offered(all: Vec<scenario::Listed>) -> (Vec<scenario::Listed>, Vec<(PathBuf, String)>) {
+    let builds = std::env::var_os("CARGO").is_some();
+    let mut left_out = Vec::new();
+    let mut rest = all;
+    rest.retain(|listed| {
+        let is_missing = |binary: &&PathBuf| !builds && binaries::find(binary).is_err();
+        let missing = listed.binaries.iter().find(is_missing);
+        left_out.extend(missing.map(|binary| (binary.clone(), listed.name.clone())));
+        missing.is_none()
+    });
+    (rest, left_out)
 }
 
 /// `zeronav check`: everything that can be known without starting the stack.

@@ -108,6 +108,8 @@ pub struct Listed {
     pub title: String,
     /// The file; `None` when it is built in.
     pub file: Option<PathBuf>,
+    /// Binaries that it names beside the stock ones, not by a path.
+    pub binaries: Vec<PathBuf>,
 }
 
 /// The scenarios of a working folder and of this program.
@@ -247,6 +249,7 @@ fn listed(origin: &Origin, name: String) -> Vec<Listed> {
         name: format!("{name}_{variant}"),
         title: word(changes, "title").unwrap_or_else(|| title.clone()),
         file: file.clone(),
+        binaries: binaries_in([changes].into_iter().chain(services_of(&table))),
     };
     let variants: Vec<Listed> = variants_of(&table).map(of_variant).collect();
     if !variants.is_empty() {
@@ -257,7 +260,35 @@ fn listed(origin: &Origin, name: String) -> Vec<Listed> {
         name,
         title,
         file,
+        binaries: binaries_in([&table]),
     }]
+}
+
+/// What a file with variants says of the services of all of them.
+fn services_of(table: &toml::Table) -> impl Iterator<Item = &toml::Table> {
+    let services = table.get("services").and_then(toml::Value::as_table);
+    services.into_iter()
+}
+
+/// The binaries that tables name, not by a path.
+fn binaries_in<'a>(tables: impl IntoIterator<Item = &'a toml::Table>) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    let mut open: Vec<&toml::Table> = tables.into_iter().collect();
+    while let Some(table) = open.pop() {
+        for (key, value) in table {
+            match value {
+                toml::Value::String(name) if key == "binary" && !name.contains('/') => {
+                    found.push(PathBuf::from(name));
+                }
+                toml::Value::Table(inner) => open.push(inner),
+                toml::Value::Array(list) => {
+                    open.extend(list.iter().filter_map(toml::Value::as_table));
+                }
+                _ => {}
+            }
+        }
+    }
+    found
 }
 
 /// The table of a scenario's own file; empty when it is none.

@@ -128,3 +128,28 @@ fn a_killed_planner_is_replaced_and_the_robot_arrives() {
         assert!((from_s..from_s + 2.0).contains(&time_s), "{restart:#}");
     }
 }
+
+#[test]
+fn a_scenario_whose_binary_is_not_installed_is_not_offered() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let alone = folder.path().join("zeronav");
+    std::fs::copy(zeronav_tests::binaries().join("zeronav"), &alone).expect("copied");
+    let listed = std::process::Command::new(&alone)
+        .args(["list", "--json"])
+        .current_dir(folder.path())
+        .env_remove("CARGO")
+        .env("PATH", "/usr/bin")
+        .output()
+        .expect("it runs");
+    let listed: Value = serde_json::from_slice(&listed.stdout).expect("JSON");
+    let rows = listed["scenarios"].as_array().expect("scenarios");
+    let has = |name: &str| rows.iter().any(|row| row["name"] == name);
+    assert!(has("blocked_aisle"), "{listed:#}");
+    for name in [
+        "hostile_planner_nan",
+        "hostile_planner_full_speed",
+        "swap_planner",
+    ] {
+        assert!(!has(name), "{name} is offered");
+    }
+}

@@ -157,12 +157,12 @@ fn a_paused_lockstep_stack_does_the_ticks_that_it_is_told() {
 fn a_lockstep_stack_goes_as_fast_as_it_is_told() {
     let started = Instant::now();
     let mut up = Up::start(&["open_aisle", "--lockstep"]);
-    // Without a goal it goes in real time.
-    up.stack.wait_until("half a second is over", |stack| {
+    // Without a goal it goes in real time, but for the ticks that it begins with.
+    up.stack.wait_until("two seconds are over", |stack| {
         let run_s = stack.report().and_then(|report| report["time_s"].as_f64());
         let wall_s = started.elapsed().as_secs_f64();
-        assert!(run_s < Some(wall_s + 0.2), "{run_s:?} s after {wall_s} s");
-        run_s > Some(0.5)
+        assert!(run_s < Some(wall_s + 1.0), "{run_s:?} s after {wall_s} s");
+        run_s > Some(2.0)
     });
     for wrong in ["0", "-1", "1000", "fast", "NaN"] {
         up.ask(&["speed", wrong], 2);

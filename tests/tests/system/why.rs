@@ -305,7 +305,8 @@ fn mistakes_are_answered_in_one_line() {
         (vec!["/nowhere/at/all"], "/nowhere/at/all"),
         (vec![broken], "not the result of a run"),
         (vec![broken, "-3"], "-3"),
-        (vec![broken, "soon"], "`soon` is no time"),
+        (vec![broken, "soon"], "a time is from 0 to"),
+        (vec!["--ago", "1e308"], "a time is from 0 to"),
         (vec!["12.5"], "no run is in runs"),
     ] {
         let ended = zeronav(&[&["why"][..], &words].concat());
