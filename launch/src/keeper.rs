@@ -43,8 +43,8 @@ struct Joining {
     start: Patience,
     /// It can answer, and no answer is due, lockstep only.
     ready: bool,
-    /// Ticks for which its seat stays empty once it can answer, lockstep only.
-    absent_ticks: u64,
+    /// As of the vacant seat.
+    absent_ticks: Option<u64>,
 }
 
 /// A successor that is to be obeyed: its seat is empty from `off_tick` to before `on_tick`.
@@ -55,7 +55,7 @@ pub(crate) struct Taken {
     pub on_tick: u64,
 }
 
-/// The keeper of a run.
+/// Keeps the seats of a run taken.
 #[derive(Debug)]
 pub(crate) struct Keeper<'a> {
     prepared: &'a Prepared,
@@ -350,19 +350,19 @@ impl<'a> Keeper<'a> {
     /// says for how long from there the seat is empty, and the successor hears nothing from before.
     fn seat(&mut self, stack: &Stack, collector: &Collector, role: Role) -> Option<Taken> {
         let at = (self.joining.iter()).position(|joining| joining.role == role)?;
-        if !self.plays_absence(collector) {
+        let Some(absent_ticks) = self.joining[at].absent_ticks else {
             self.joining.remove(at);
             return None;
-        }
+        };
         if !collector.owes(role, &stack.roster) {
             self.joining[at].ready = true;
             return None;
         }
-        let joining = self.joining.remove(at);
+        self.joining.remove(at);
         Some(Taken {
             role,
             off_tick: collector.answered_by(role) + 1,
-            on_tick: collector.robot_tick() + joining.absent_ticks,
+            on_tick: collector.robot_tick() + absent_ticks,
         })
     }
 
@@ -418,7 +418,8 @@ impl<'a> Keeper<'a> {
                 log,
             })?;
         let cleaning = stack.bury(at);
-        let played = self.plays_absence(collector);
+        // Before that no tick waits for an answer.
+        let played = self.prepared.mode == RunMode::Lockstep && stack.was_ready;
         // Then the tick is held until the successor can answer; its absence and its wait are
         // played by the roster, in ticks.
         let tick_ns = u128::from(self.prepared.scenario.run.tick_ns());
@@ -431,11 +432,6 @@ impl<'a> Keeper<'a> {
             absent_ticks: played.then(|| self.prepared.scenario.restart.absent_ticks + wait_ticks),
         });
         Ok(())
-    }
-
-    /// True in lockstep, once the robot has begun to tick.
-    fn plays_absence(&self, collector: &Collector) -> bool {
-        self.prepared.mode == RunMode::Lockstep && collector.robot_tick() > 0
     }
 
     /// Starts a successor; it is obeyed when the roster says so. False when the system has no room for
@@ -454,7 +450,7 @@ impl<'a> Keeper<'a> {
                 role,
                 start: Patience::with(pid),
                 ready: false,
-                absent_ticks: vacant.absent_ticks.unwrap_or(0),
+                absent_ticks: vacant.absent_ticks,
             });
             return Ok(true);
         };

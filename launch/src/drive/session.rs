@@ -71,7 +71,7 @@ pub(super) struct Session<'a> {
     pub(super) is_paused: bool,
     /// The tick at which a paused lockstep robot waits.
     pub(super) hold_tick: u64,
-    /// How fast lockstep goes; `None` = as it can.
+    /// How fast lockstep goes.
     pub(super) speed: Speed,
     /// True while the current task is being cancelled.
     pub(super) is_cancelling: bool,

@@ -177,8 +177,7 @@ impl Session<'_> {
         if self.is_paused {
             return limit.min(self.hold_tick);
         }
-        // The first ticks come at once: a seat that is empty before them is not played by the roster.
-        let is_idle = self.prepared.stays && tick > 0 && self.has_no_goal();
+        let is_idle = self.prepared.stays && self.has_no_goal();
         let length = Duration::from_nanos(self.prepared.scenario.run.tick_ns());
         let granted = (self.speed).granted(is_idle, length, tick, Instant::now());
         limit.min(granted)

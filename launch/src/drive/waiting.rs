@@ -16,6 +16,7 @@ impl Session<'_> {
             self.serve(stack);
             let missing = stack.not_ready();
             if missing.is_empty() {
+                stack.was_ready = true;
                 return None;
             }
             if let Some(ending) = self.keep(stack) {

@@ -2,7 +2,7 @@
 //!
 //! A child writes to a file, so nothing that happens to launch, to this process or to a reader can hold
 //! it up, and no signal can come of it. The warden, which goes on when launch is stopped or dead, looks
-//! at the files: of one that has grown beyond [`BYTES_MAX`] it keeps the begin and the end. Children
+//! at the files: of one that has grown beyond [`BYTES_MAX`] it keeps the beginning and the end. Children
 //! open their logs for appending, so they go on behind what is kept.
 
 use rustix::fs::{fstat, ftruncate};
@@ -11,10 +11,10 @@ use std::io::Write;
 use std::os::unix::fs::FileExt;
 use std::time::Duration;
 
-/// Most bytes of a log: twice what a service of this project logs before it falls silent.
+/// Most bytes of a log: twice what the services of this project write at most.
 pub(super) const BYTES_MAX: u64 = 16 << 20;
 
-/// What is kept of the begin and of the end. [bytes]
+/// What is kept of the beginning and of the end. [bytes]
 const KEPT_BYTES: u64 = 2 << 20;
 
 /// Between two looks: at 1 GB/s a log grows by 50 MB in this time.
@@ -64,7 +64,7 @@ impl Logs {
 }
 
 impl Log {
-    /// Keeps begin and end of a log beyond `most` bytes.
+    /// Keeps beginning and end of a log beyond `most` bytes.
     fn cut(&mut self, most: u64, kept: u64) -> std::io::Result<()> {
         let length = self.file.metadata()?.len();
         if length <= most {

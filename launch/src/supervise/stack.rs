@@ -62,6 +62,8 @@ pub struct Stack {
     pub beside: Option<Child>,
     /// How the processes of a seat are scheduled, where the scenario says so.
     pub scheduling: BTreeMap<Role, SchedulingSpec>,
+    /// Every service could answer once: from then on the robot may tick.
+    pub was_ready: bool,
     /// What launch reads.
     pub taps: Taps,
     /// The seats that launch fills, held for the whole run.
@@ -120,6 +122,7 @@ impl Stack {
             children: Vec::new(),
             beside: None,
             scheduling: BTreeMap::new(),
+            was_ready: false,
             taps,
             last_epochs: BTreeMap::new(),
             seats: BTreeMap::new(),

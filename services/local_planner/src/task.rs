@@ -212,12 +212,6 @@ impl TaskMachine {
         self.state
     }
 
-    /// Id on `task/goal` of the task, 0 = none.
-    #[must_use]
-    pub const fn task(&self) -> u64 {
-        self.task.id
-    }
-
     /// Id on `task/goal` of the newest task with goals, which the state is about; 0 = none.
     #[must_use]
     pub const fn subject(&self) -> u64 {
