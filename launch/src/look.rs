@@ -8,6 +8,7 @@ use crate::show::terminal::{say, say_json, usage};
 use crate::supervise::algorithms;
 use crate::supervise::binaries::{self, Needed};
 use serde_json::json;
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use zeronav_msgs::role::Role;
@@ -36,27 +37,28 @@ pub fn list(json: bool) -> ExitCode {
         let (name, title) = (&listed.name, &listed.title);
         say(&format!("  {name:width$}  {title}\n"));
     }
-    if let Some((binary, _)) = left_out.first() {
-        let names: Vec<&str> = left_out.iter().map(|(_, name)| name.as_str()).collect();
+    for (binary, names) in left_out {
+        let (binary, names) = (binary.display(), names.join(", "));
         say(&format!(
-            "\nleft out, as {} is not installed: {}\n",
-            binary.display(),
-            names.join(", ")
+            "\nleft out, as {binary} is not installed: {names}\n"
         ));
     }
     ExitCode::from(EXIT_PASS)
 }
 
-/// What can be started, and the first binary that is missing with the name of each other one. Under
-/// cargo binaries are built when they are needed.
-fn offered(all: Vec<scenario::Listed>) -> (Vec<scenario::Listed>, Vec<(PathBuf, String)>) {
+/// What can be started, and by the first binary that each of the others lacks, their names. Under cargo
+/// binaries are built when they are needed.
+fn offered(all: Vec<scenario::Listed>) -> (Vec<scenario::Listed>, BTreeMap<PathBuf, Vec<String>>) {
     let builds = std::env::var_os("CARGO").is_some();
-    let mut left_out = Vec::new();
+    let mut left_out = BTreeMap::<PathBuf, Vec<String>>::new();
     let mut rest = all;
     rest.retain(|listed| {
         let is_missing = |binary: &&PathBuf| !builds && binaries::find(binary).is_err();
         let missing = listed.binaries.iter().find(is_missing);
-        left_out.extend(missing.map(|binary| (binary.clone(), listed.name.clone())));
+        if let Some(binary) = missing {
+            let names = left_out.entry(binary.clone()).or_default();
+            names.push(listed.name.clone());
+        }
         missing.is_none()
     });
     (rest, left_out)

@@ -1,7 +1,7 @@
 //! What a binary answers to a flag that makes it print something and leave. It may be any program:
 //! it may print without end, hang, or be none.
 
-use super::child::{Child, end_with_this_thread};
+use super::child::{Child, end_with_this_thread, hint};
 use super::own_time::Patience;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::process::{Pid, PidfdFlags, Signal, kill_process_group, pidfd_open};
@@ -37,7 +37,7 @@ const NO_TIME: Timespec = Timespec {
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum Silence {
     /// It cannot be started.
-    #[error("cannot be started: {0}")]
+    #[error("cannot be started: {0}{hint}", hint = hint(.0))]
     Start(#[from] std::io::Error),
     /// It neither answered nor ended.
     #[error("no answer within {} s", LIMIT.as_secs())]
