@@ -19,6 +19,8 @@ use crate::stay_result::StayResult;
 use crate::suite;
 use crate::suite::error::SuiteError;
 use crate::suite::plan::SuitePlan;
+use crate::supervise::crash_result;
+use crate::supervise::will::Will;
 use crate::trace::{About, trace};
 use crate::{leave, picture, record, report, trials};
 use serde::Serialize;
@@ -50,10 +52,15 @@ pub(crate) fn drive_and_judge(
     plan: &RunPlan,
     interrupted: &Arc<AtomicBool>,
 ) -> Result<(RunResult, ExitCode), String> {
-    let (prepared, driven, result, timings) = run_and_judge(plan, interrupted)?;
+    let prepared = prepare(plan)?;
+    let before = Before::read();
+    let unseen = Driven::unseen(Ending::LaunchDied);
+    let will = leave_will(&prepared, &judge(&prepared, &unseen, before.environment()));
+    let (driven, result, timings) = run_and_judge(&prepared, before, interrupted)?;
     if let Err(problem) = write_files(plan, &prepared, &driven, &result, timings) {
         lose(&problem);
     }
+    drop(will);
     explain(&driven.ending);
     let code = exit_code(&driven.ending, result.verdict == "pass");
     Ok((result, code))
@@ -67,24 +74,32 @@ fn show<R: Serialize>(result: &R, json: bool, to_text: impl FnOnce(&R) -> String
     }
 }
 
-/// A run that was judged, and the times of trials.
-type Judged = (Prepared, Driven, RunResult, Option<Timings>);
+/// What was seen of a run, its result, and the times of trials.
+type Judged = (Driven, RunResult, Option<Timings>);
 
-/// Prepares and drives the run or its trials, and judges what was seen. Of trials, the drive is the
-/// last one, and their times are those of all.
-fn run_and_judge(plan: &RunPlan, interrupted: &Arc<AtomicBool>) -> Result<Judged, String> {
-    let prepared = prepare(plan)?;
-    let before = Before::read();
+/// Drives the run or its trials, and judges what was seen. Of trials, the drive is the last one, and
+/// their times are those of all.
+fn run_and_judge(
+    prepared: &Prepared,
+    before: Before,
+    interrupted: &Arc<AtomicBool>,
+) -> Result<Judged, String> {
     let _burden = Burden::start(prepared.load)?;
     let Some(wanted) = prepared.trials else {
-        let driven = drive(&prepared, None, interrupted)?;
-        let result = judge(&prepared, &driven, before.environment());
-        return Ok((prepared, driven, result, None));
+        let driven = drive(prepared, None, interrupted)?;
+        let result = judge(prepared, &driven, before.environment());
+        return Ok((driven, result, None));
     };
-    let mut trials = trials::make(&prepared, wanted, interrupted)?;
+    let mut trials = trials::make(prepared, wanted, interrupted)?;
     let driven = trials.drives.pop().ok_or("no trial was made")?;
-    let result = judge_trials(&prepared, &driven, &trials, before.environment());
-    Ok((prepared, driven, result, Some(trials.timings)))
+    let result = judge_trials(prepared, &driven, &trials, before.environment());
+    Ok((driven, result, Some(trials.timings)))
+}
+
+/// Leaves a result for the case that this process cannot end its run.
+fn leave_will(prepared: &Prepared, result: &impl Serialize) -> Will {
+    let text = serde_json::to_vec(result).unwrap_or_default();
+    Will::leave(&prepared.folder, &text)
 }
 
 /// `zeronav up`: prepare, drive to the goals of clients, until it is to end.
@@ -95,10 +110,13 @@ pub fn up(plan: &RunPlan, json: bool) -> ExitCode {
     }
     let before = Before::read();
     let driven = prepare(plan).and_then(|prepared| {
+        let unseen = Driven::unseen(Ending::LaunchDied);
+        let unseen = StayResult::of(&prepared, &unseen, before.environment());
+        let will = leave_will(&prepared, &unseen);
         let driven = drive(&prepared, None, &interrupts()?)?;
-        Ok((prepared, driven))
+        Ok((prepared, driven, will))
     });
-    let (prepared, driven) = match driven {
+    let (prepared, driven, will) = match driven {
         Ok(driven) => driven,
         Err(problem) => return usage(&problem),
     };
@@ -114,6 +132,7 @@ pub fn up(plan: &RunPlan, json: bool) -> ExitCode {
                 recording,
             )
         });
+    drop(will);
     if let Err(problem) = written {
         lose(&problem);
     }
@@ -131,7 +150,8 @@ pub(crate) fn exit_code(ending: &Ending, pass: bool) -> ExitCode {
         | Ending::NotReady(_)
         | Ending::Silent(_)
         | Ending::Stalled(_)
-        | Ending::Deleted => EXIT_SERVICE,
+        | Ending::Deleted
+        | Ending::LaunchDied => EXIT_SERVICE,
         Ending::Task(..)
         | Ending::Redirected
         | Ending::Timeout
@@ -149,7 +169,7 @@ pub(crate) fn exit_code(ending: &Ending, pass: bool) -> ExitCode {
 /// Writes the object that `--json` prints into the run's folder.
 fn write_result(prepared: &Prepared, result: &impl Serialize) -> Result<(), String> {
     let json = serde_json::to_string_pretty(result).map_err(|error| error.to_string())?;
-    leave::write_in(&prepared.folder, "result.json", &(json + "\n"))
+    leave::write_in(&prepared.folder, crash_result::FILE, &(json + "\n"))
 }
 
 /// Writes the recording and the still picture of it.
@@ -229,6 +249,7 @@ pub(crate) fn explain(ending: &Ending) {
              stopped. {}",
             doctor::deletion()
         )),
+        Ending::LaunchDied => complain("launch has crashed"),
         Ending::Interrupted => complain("interrupted, everything is stopped"),
         Ending::Task(..)
         | Ending::Redirected

@@ -2,8 +2,11 @@
 
 use crate::scenario::Scenario;
 use crate::supervise::question::{self, Silence, headline};
+use crate::supervise::warden;
 use serde::Serialize;
 use std::collections::BTreeMap;
+use std::fs::Permissions;
+use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 use toml::de::DeTable;
 use zeronav_files::read;
@@ -90,8 +93,10 @@ pub(crate) fn check<'a>(
 ) -> Result<Vec<String>, String> {
     let folder = tempfile::Builder::new()
         .prefix("zeronav-check-")
+        .permissions(Permissions::from_mode(0o700))
         .tempdir()
         .map_err(|error| format!("making a folder for the check: {error}"))?;
+    warden::watch_folder(folder.path());
     let files = write(scenario, world, folder.path())?;
     std::thread::scope(|scope| {
         let questions: Vec<_> = binaries

@@ -34,6 +34,8 @@ pub(crate) enum Ending {
     Stalled(Role),
     /// The shared memory of the stack was deleted while it ran.
     Deleted,
+    /// Launch was killed or has crashed.
+    LaunchDied,
     /// Ctrl-C.
     Interrupted,
     /// A client asked for the end.
@@ -57,6 +59,7 @@ impl Ending {
             Self::Silent(_) => "silent",
             Self::Stalled(_) => "stalled",
             Self::Deleted => "memory_deleted",
+            Self::LaunchDied => "launch_died",
             Self::Interrupted => "interrupted",
             Self::Down => "down",
         }
@@ -85,9 +88,11 @@ impl Ending {
             | Self::Timeout
             | Self::TrialsOver
             | Self::Died { .. } => None,
-            Self::NotReady(_) | Self::Silent(_) | Self::Stalled(_) | Self::Deleted => {
-                Some(format!("the run could not go on: {}", self.outcome()))
-            }
+            Self::NotReady(_)
+            | Self::Silent(_)
+            | Self::Stalled(_)
+            | Self::Deleted
+            | Self::LaunchDied => Some(format!("the run could not go on: {}", self.outcome())),
             Self::Interrupted | Self::Down => Some("the run was ended by hand".to_owned()),
         }
     }

@@ -12,7 +12,7 @@ use zeronav::live_view;
 use zeronav::new_package;
 use zeronav::remote::{fault, goal, swap, verbs};
 use zeronav::show::{log, terminal};
-use zeronav::supervise::{cleaner, warden};
+use zeronav::supervise::{cleaner, warden, will};
 use zeronav::{
     began, busy, commands, compare, completions, doctor, latency, logs, look, map_save, params,
     picture, remote, report, start_up, top, topics, why,
@@ -51,6 +51,7 @@ fn main() -> ExitCode {
     }
     zeronav::interrupts::survive_file_limit();
     warden::enable();
+    will::settle_when_fatal();
     log::start();
     // Whatever a killed run has left is removed by the next command, whichever it is; the doctor
     // does it itself.

@@ -4,8 +4,9 @@ use super::others::{Others, TASK_GOAL};
 use super::program::{Program, last_line};
 use super::raw::{RawPeer, RawReader, Seen};
 use super::robot::TICK_NS;
+use crate::supervise::child::Start;
 use crate::supervise::child_log::LogPlace;
-use crate::supervise::{Child, warden};
+use crate::supervise::{Child, descendants, warden};
 use rustix::process::Signal;
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -212,8 +213,14 @@ impl Bench {
         let arguments = self.program.with(&self.flags(EPOCH));
         let folder = Folder::open(&self.program.folder).map_err(|error| error.to_string())?;
         let log = LogPlace::new(&folder, "program.log");
-        let (role, binary) = (self.program.role, &self.program.binary);
-        let child = Child::start(role, EPOCH, binary, &arguments, stdin, &log, None);
+        let start = Start {
+            binary: &self.program.binary,
+            arguments: &arguments,
+            root: &self.root,
+            log: &log,
+            scheduling: None,
+        };
+        let child = Child::start(self.program.role, EPOCH, stdin, &start);
         self.child = Some(child.map_err(|error| error.to_string())?);
         Ok(())
     }
@@ -348,6 +355,7 @@ impl Bench {
     pub(crate) fn close(self) {
         let root = self.root.clone();
         drop(self);
+        descendants::end(&root);
         if let Err(error) = zeronav_shell::domain::sweep(&root) {
             tracing::warn!(root = %root.display(), %error, "the domain could not be removed");
         }

@@ -11,7 +11,9 @@ use std::io::{Error, ErrorKind, Read, Write};
 use std::os::fd::AsFd;
 use std::os::unix::net::{UnixListener, UnixStream};
 use std::time::Instant;
-use zeronav_shell::control::{self, LINE_BYTES_MAX, PATIENCE, SOCKET, check_same_user};
+use zeronav_shell::control::{
+    self, ANSWER_BYTES_MAX, LINE_BYTES_MAX, PATIENCE, SOCKET, check_same_user,
+};
 use zeronav_shell::folder::{FILE_MODE, Folder};
 
 /// Connections that the run keeps at a time; one more takes the place of the oldest.
@@ -132,8 +134,7 @@ impl Client {
                 Ok(request) => answer(request),
                 Err(error) => Reply::Error(format!("not a request: {error}")),
             };
-            self.answer = serde_json::to_vec(&reply).map_err(Error::other)?;
-            self.answer.push(b'\n');
+            self.answer = in_a_line(&reply)?;
         }
         while !self.answer.is_empty() {
             let written = self.stream.write(&self.answer)?;
@@ -162,6 +163,17 @@ impl Client {
             }
         }
     }
+}
+
+/// An answer and its end of line; no longer than a client reads.
+fn in_a_line(reply: &Reply) -> std::io::Result<Vec<u8>> {
+    let mut line = serde_json::to_vec(reply).map_err(Error::other)?;
+    if line.len() > ANSWER_BYTES_MAX {
+        let why = format!("the answer is longer than {ANSWER_BYTES_MAX} bytes");
+        line = serde_json::to_vec(&Reply::Error(why)).map_err(Error::other)?;
+    }
+    line.push(b'\n');
+    Ok(line)
 }
 
 /// Asks the run in the domain's root folder.
@@ -282,7 +294,7 @@ mod tests {
             .write_all(b"{\"command\":\"ps\"}\n")
             .expect("written");
         // More than the kernel buffers for a connection.
-        let long = Reply::Error("x".repeat(1 << 20));
+        let long = Reply::Error("x".repeat(ANSWER_BYTES_MAX - 100));
         server.serve(|_| long.clone());
         assert_eq!(server.clients.len(), 1);
         let reader = std::thread::spawn(move || answered(&stream).len());
@@ -290,7 +302,19 @@ mod tests {
             server.serve(|_| Reply::Done);
             std::thread::yield_now();
         }
-        assert!(reader.join().expect("the reader ends") > 1 << 20);
+        assert!(reader.join().expect("the reader ends") > ANSWER_BYTES_MAX - 100);
         assert!(server.clients.is_empty());
+    }
+
+    #[test]
+    fn an_answer_longer_than_clients_read_is_an_error_that_says_so() {
+        let whole = Reply::Error("x".repeat(ANSWER_BYTES_MAX / 2));
+        assert!(in_a_line(&whole).expect("a line").len() > ANSWER_BYTES_MAX / 2);
+        let long = in_a_line(&Reply::Error("x".repeat(ANSWER_BYTES_MAX))).expect("a line");
+        let long = String::from_utf8(long).expect("text");
+        assert!(
+            long.contains("is longer than") && long.len() < 100,
+            "{long}"
+        );
     }
 }

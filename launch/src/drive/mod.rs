@@ -29,6 +29,7 @@ use crate::seat_report;
 use crate::show::log;
 use crate::shuttle::{Quota, Shuttle, Trial};
 use crate::supervise::stack::{self, Stack};
+use crate::supervise::warden;
 use session::{Session, reading};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -79,6 +80,34 @@ pub(crate) struct Driven {
     pub disturbance: Option<Disturbance>,
 }
 
+impl Driven {
+    /// A run of which nothing was seen.
+    pub(crate) fn unseen(ending: Ending) -> Self {
+        let not_reproducible = ending.cut_short().into_iter().collect();
+        Self {
+            ending,
+            collector: Collector::default(),
+            zero_ns: 0,
+            start: StartStamps::default(),
+            goals_run_ns: 0,
+            end_run_ns: 0,
+            end_tick: 0,
+            wall: Duration::ZERO,
+            shared_memory_bytes: 0,
+            services: Vec::new(),
+            restarts: Vec::new(),
+            starved: Vec::new(),
+            not_reproducible,
+            faults: Vec::new(),
+            redirects: Vec::new(),
+            swaps: Vec::new(),
+            trials: Vec::new(),
+            trials_missed: 0,
+            disturbance: None,
+        }
+    }
+}
+
 /// Starts the stack, drives the scenario or the trials of `quota`, stops everything, leaves nothing
 /// behind.
 ///
@@ -98,6 +127,7 @@ pub(crate) fn drive(
         foresight: prepared.scenario.foresight.bits(),
         ..RunClock::default()
     };
+    warden::start();
     let mut stack = Stack::create(clock).map_err(|error| error.to_string())?;
     stack.scheduling = prepared.scenario.scheduling();
     if let Err(error) = log::open(&prepared.logs) {

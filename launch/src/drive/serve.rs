@@ -25,8 +25,8 @@ const ESTIMATE_YAW_RAD: f64 = 0.25;
 /// Slower than this the time that is left cannot be told. [m/s]
 const MOVING_MPS: f64 = 0.02;
 
-/// Restarts and faults that a report lists at most, so that it stays one short line.
-const LISTED_MAX: usize = 16;
+/// Entries that a list in a report has at most, so that it stays one short line.
+pub(super) const LISTED_MAX: usize = 16;
 
 /// The last ones of a list.
 fn newest<T: Clone>(all: &[T]) -> Vec<T> {

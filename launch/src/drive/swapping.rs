@@ -1,5 +1,6 @@
 //! Swaps while a stack runs.
 
+use super::serve::LISTED_MAX;
 use super::session::Session;
 use crate::arguments::service_role;
 use crate::result::swap::SwapResult;
@@ -71,6 +72,7 @@ impl Session<'_> {
             all.extend(swaps.filter_map(|swap| swap.binary.clone()));
             let mut seen = BTreeSet::new();
             all.retain(|binary| seen.insert(binary.clone()));
+            all.truncate(LISTED_MAX);
             (role.to_string(), all)
         };
         let roles = Role::SERVICES.into_iter();

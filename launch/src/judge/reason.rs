@@ -44,6 +44,9 @@ pub(super) fn reason(
         Ending::Silent(role) => format!("{role} stopped answering"),
         Ending::Stalled(role) => ending::stalled(*role),
         Ending::Deleted => "the shared memory of the stack was deleted".to_owned(),
+        Ending::LaunchDied => {
+            "launch was killed or has crashed; what it had seen of the run is lost".to_owned()
+        }
         Ending::Interrupted => "interrupted".to_owned(),
         Ending::Down => "ended by `zeronav down`".to_owned(),
     };

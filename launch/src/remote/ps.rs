@@ -2,31 +2,55 @@
 
 use crate::control::request::RunReport;
 use crate::exit::EXIT_PASS;
-use crate::running;
+use crate::running::{self, Silent};
 use crate::show::terminal::{say, say_json};
 use core::fmt::Write;
-use serde_json::json;
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use zeronav_shell::printable;
 
 /// `zeronav ps`.
 #[must_use]
 pub fn ps(json: bool) -> ExitCode {
-    let runs: Vec<RunReport> = running::all()
-        .into_iter()
-        .map(|(_, report)| report)
-        .collect();
+    let runs = running::all();
     if json {
+        let runs: Vec<Value> = runs.iter().map(in_json).collect();
         say_json(&json!({ "runs": runs }));
         return ExitCode::from(EXIT_PASS);
     }
     if runs.is_empty() {
         say("no run goes on\n");
     }
-    for run in &runs {
-        say(&processes(run));
+    for (root, run) in &runs {
+        say(&match run {
+            Ok(report) => processes(report),
+            Err(silent) => not_answering(root, silent),
+        });
     }
     ExitCode::from(EXIT_PASS)
+}
+
+fn in_json((root, run): &(PathBuf, Result<RunReport, Silent>)) -> Value {
+    match run {
+        Ok(report) => json!(report),
+        Err(silent) => json!({
+            "domain": root.display().to_string(),
+            "pid": silent.pid,
+            "silent": silent.why,
+        }),
+    }
+}
+
+fn not_answering(root: &Path, silent: &Silent) -> String {
+    let pid = (silent.pid).map_or_else(|| "?".to_owned(), |pid| pid.to_string());
+    let domain = root.display().to_string();
+    format!(
+        "does not answer  pid {pid}  {}  {}; `zeronav down --domain {}` ends it\n",
+        printable(&domain),
+        silent.why,
+        printable(&domain)
+    )
 }
 
 /// A stack in one line, and its processes in one each.

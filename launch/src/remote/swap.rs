@@ -121,7 +121,7 @@ pub fn shadow(arguments: &ShadowArgs) -> ExitCode {
 
 fn cancel(arguments: &StackArgs) -> ExitCode {
     let asked = running::find(arguments.domain.as_deref())
-        .and_then(|stack| stack.ask(&Request::SwapCancel));
+        .and_then(|stack| Ok(stack.ask(&Request::SwapCancel)?));
     match asked {
         Ok(_) => {
             say("cancelled\n");

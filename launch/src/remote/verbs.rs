@@ -9,7 +9,7 @@ use super::ps::processes;
 use super::swap::in_words as swap_in_words;
 use crate::control::request::{ObstacleChange, Request, RunReport};
 use crate::exit::{EXIT_FAIL, EXIT_PASS};
-use crate::running;
+use crate::running::{self, Running};
 use crate::show::terminal::{complain, say, say_json, usage};
 use core::fmt::Write;
 use serde_json::json;
@@ -92,7 +92,8 @@ pub fn obstacle(arguments: &ObstacleArgs) -> ExitCode {
 
 /// Makes a stack do something; `done` says that it did.
 pub(super) fn make(arguments: &StackArgs, request: &Request, done: &str) -> ExitCode {
-    let asked = running::find(arguments.domain.as_deref()).and_then(|stack| stack.ask(request));
+    let asked =
+        running::find(arguments.domain.as_deref()).and_then(|stack| Ok(stack.ask(request)?));
     match asked {
         Ok(_) if arguments.json => say_json(&json!({ "done": done })),
         Ok(_) => say(&format!("{done}\n")),
@@ -101,37 +102,57 @@ pub(super) fn make(arguments: &StackArgs, request: &Request, done: &str) -> Exit
     ExitCode::from(EXIT_PASS)
 }
 
-/// `zeronav down`: returns when the stack is gone.
+/// `zeronav down`: returns when the stack is gone. One that does not answer, or does not end, is
+/// ended.
 #[must_use]
 pub fn down(arguments: &StackArgs) -> ExitCode {
     let stack = match running::find(arguments.domain.as_deref()) {
         Ok(stack) => stack,
         Err(problem) => return usage(&problem),
     };
-    let report = match stack.report() {
-        Ok(report) => report,
-        Err(problem) => return usage(&problem),
-    };
-    if let Err(problem) = stack.ask(&Request::Down) {
-        return usage(&problem);
-    }
-    let asked = Instant::now();
-    while std::path::Path::new(&report.domain).exists() {
-        if asked.elapsed() > END_LIMIT {
-            complain(&format!(
-                "{} has not ended within {} s; see its log, or end process {}",
-                report.scenario,
-                END_LIMIT.as_secs(),
-                report.pid
-            ));
-            return ExitCode::from(EXIT_FAIL);
+    // One that is ending already goes on to.
+    let asked = stack
+        .report()
+        .and_then(|report| match stack.ask(&Request::Down) {
+            Err(problem) if problem.is_silent => Err(problem),
+            _ => Ok(report.scenario),
+        });
+    let name = match asked {
+        Ok(scenario) => scenario,
+        Err(problem) if problem.is_silent => {
+            complain(&problem.text);
+            return end(arguments, &stack);
         }
-        std::thread::sleep(PAUSE);
+        Err(problem) => return usage(&problem.text),
+    };
+    if !stack.wait_until_gone(END_LIMIT) {
+        complain(&format!(
+            "{name} has not ended within {} s; see its log",
+            END_LIMIT.as_secs()
+        ));
+        return end(arguments, &stack);
     }
+    say_down(arguments, &name, "down")
+}
+
+/// Ends a stack that does not end by itself.
+fn end(arguments: &StackArgs, stack: &Running) -> ExitCode {
+    match stack.end(END_LIMIT) {
+        Ok(how) => say_down(arguments, &stack.root().display().to_string(), how),
+        Err(problem) => {
+            complain(&problem);
+            ExitCode::from(EXIT_FAIL)
+        }
+    }
+}
+
+fn say_down(arguments: &StackArgs, name: &str, how: &str) -> ExitCode {
     if arguments.json {
-        say_json(&json!({ "done": "down" }));
+        say_json(&json!({ "done": "down", "how": how }));
+    } else if how == "down" {
+        say(&format!("{name} is down\n"));
     } else {
-        say(&format!("{} is down\n", report.scenario));
+        say(&format!("{name} is down, ended {how}\n"));
     }
     ExitCode::from(EXIT_PASS)
 }
@@ -139,7 +160,7 @@ pub fn down(arguments: &StackArgs) -> ExitCode {
 /// `zeronav status`.
 #[must_use]
 pub fn status(arguments: &StackArgs) -> ExitCode {
-    let asked = running::find(arguments.domain.as_deref()).and_then(|stack| stack.report());
+    let asked = running::find(arguments.domain.as_deref()).and_then(|stack| Ok(stack.report()?));
     match asked {
         Ok(report) if arguments.json => say_json(&report),
         Ok(report) => say(&in_words(&report)),

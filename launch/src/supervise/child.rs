@@ -1,6 +1,7 @@
 //! One service process.
 
 use super::child_log::{LogPlace, last_lines};
+use super::descendants::MARK;
 use super::scheduling::{self, SchedulingSpec};
 use super::warden;
 use crate::result::scheduling::Scheduling;
@@ -14,6 +15,22 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, ExitStatus, Stdio};
 use std::time::Duration;
 use zeronav_msgs::role::Role;
+use zeronav_shell::memory;
+
+/// How a child is started.
+#[derive(Debug, Clone, Copy)]
+pub struct Start<'a> {
+    /// The program.
+    pub binary: &'a Path,
+    /// Its arguments.
+    pub arguments: &'a [OsString],
+    /// Root folder of the domain.
+    pub root: &'a Path,
+    /// Where its output goes.
+    pub log: &'a LogPlace,
+    /// How it is scheduled, if not as launch is.
+    pub scheduling: Option<&'a SchedulingSpec>,
+}
 
 /// A started service in a process group of its own. When launch dies, whatever kills it, the service
 /// is asked to leave, and the warden ends it if it does not.
@@ -36,20 +53,19 @@ pub struct Child {
 }
 
 impl Child {
-    /// Starts `binary` with `arguments`; `stdin` is the seat that it sits in. Call it from a thread that lives as long as the child
-    /// shall: the kernel asks the child to leave when the thread ends.
+    /// Starts a process in the seat of `role`, which is its `stdin`. Call it from a thread that lives as
+    /// long as the child shall: the kernel asks the child to leave when the thread ends.
     ///
     /// # Errors
     /// What the system says, naming the binary.
-    pub fn start(
-        role: Role,
-        epoch: u32,
-        binary: &Path,
-        arguments: &[OsString],
-        stdin: Stdio,
-        log: &LogPlace,
-        scheduling: Option<&SchedulingSpec>,
-    ) -> std::io::Result<Self> {
+    pub fn start(role: Role, epoch: u32, stdin: Stdio, start: &Start<'_>) -> std::io::Result<Self> {
+        let Start {
+            binary,
+            arguments,
+            root,
+            log,
+            scheduling,
+        } = *start;
         let name = |error: std::io::Error| {
             std::io::Error::new(
                 error.kind(),
@@ -60,6 +76,7 @@ impl Child {
         let mut command = Command::new(binary);
         command
             .args(arguments)
+            .env(MARK, root)
             .stdin(stdin)
             .stdout(log.try_clone().map_err(name)?)
             .stderr(log.try_clone().map_err(name)?)
@@ -83,7 +100,7 @@ impl Child {
                 return Err(name(error));
             }
         };
-        warden::watch_service(process.id(), pidfd.as_fd());
+        warden::watch_service(role, process.id(), pidfd.as_fd());
         Ok(Self {
             role,
             epoch,
@@ -201,7 +218,12 @@ impl Child {
     #[must_use]
     pub fn end_in_words(status: ExitStatus) -> String {
         match (status.code(), status.signal()) {
-            (Some(135), _) | (_, Some(7)) => "killed by SIGBUS: /dev/shm is full".to_owned(),
+            (Some(135), _) | (_, Some(7)) if memory::is_full() => {
+                "killed by SIGBUS: /dev/shm is full".to_owned()
+            }
+            (Some(135), _) | (_, Some(7)) => {
+                "killed by SIGBUS: shared memory that it used was cut off".to_owned()
+            }
             (Some(153), _) | (_, Some(25)) => {
                 "killed by SIGXFSZ: a file became larger than `ulimit -f` allows".to_owned()
             }

@@ -94,7 +94,11 @@ impl Restarts {
             return Decision::GiveUp("the robot is not restarted");
         }
         match code {
-            Some(2) => return Decision::GiveUp("its configuration is wrong"),
+            Some(2) => {
+                return Decision::GiveUp(
+                    "it does not accept its configuration, its arguments or its seat",
+                );
+            }
             Some(3) => return Decision::GiveUp("it was built from another contract"),
             _ => {}
         }

@@ -5,7 +5,7 @@ mod shutdown;
 
 pub(crate) use shutdown::close;
 
-use super::child::Child;
+use super::child::{Child, Start};
 use super::child_log::LogPlace;
 use super::cleaner::{Cleaner, Ticket};
 use super::occupant::Occupant;
@@ -203,16 +203,14 @@ impl Stack {
         .into();
         let seat = self.hold_seat(role).map_err(std::io::Error::other)?;
         let stdin = seat.for_child()?;
-        let scheduling = self.scheduling.get(&role);
-        Child::start(
-            role,
-            epoch,
-            launch.binary,
-            &arguments,
-            stdin,
-            launch.log,
-            scheduling,
-        )
+        let start = Start {
+            binary: launch.binary,
+            arguments: &arguments,
+            root: self.root(),
+            log: launch.log,
+            scheduling: self.scheduling.get(&role),
+        };
+        Child::start(role, epoch, stdin, &start)
     }
 
     /// Says in the seat of `role` who sits there, for a process that comes second.

@@ -2,18 +2,23 @@
 //!
 //! When launch dies, its services bring the robot to rest and leave by themselves. One that hangs or
 //! is stopped does not. The warden has a descriptor of every service and the names of the domains; it
-//! waits until launch is gone, gives the services their time, kills those that are still there and
-//! removes the domains. Meanwhile it keeps the logs of all children short. It is this program, started as `zeronav warden` with one end of a socket as
-//! standard input; the kernel closes the other end when launch ends, in whatever way.
+//! waits until launch is gone, gives the services their time, kills those that are still there, with
+//! what they have started, and removes the domains. Meanwhile it keeps the logs of all children short.
+//! It is this program, started as `zeronav warden` with one end of a socket as standard input; the
+//! kernel closes the other end when launch ends, in whatever way.
 
+use super::crash_result;
+use super::descendants;
 use super::log_limit::{Logs, PAUSE};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::io::Errno;
 use rustix::net::{
     AddressFamily, RecvAncillaryBuffer, RecvAncillaryMessage, RecvFlags, SendAncillaryBuffer,
-    SendAncillaryMessage, SendFlags, SocketFlags, SocketType, recvmsg, sendmsg, socketpair,
+    SendAncillaryMessage, SendFlags, Shutdown, SocketFlags, SocketType, recvmsg, sendmsg, shutdown,
+    socketpair,
 };
 use rustix::process::{Pid, Signal, kill_process_group, pidfd_send_signal};
+use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{IoSlice, IoSliceMut};
 use std::mem::MaybeUninit;
@@ -24,6 +29,8 @@ use std::process::{Command, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
+use zeronav_msgs::role::Role;
+use zeronav_shell::damage::{Damaged, damaged};
 
 /// Name of the subcommand.
 pub const COMMAND: &str = "warden";
@@ -31,17 +38,29 @@ pub const COMMAND: &str = "warden";
 /// How long services may take to leave after the death of launch.
 const LEAVE_LIMIT: Duration = Duration::from_millis(1800);
 
+/// Services that are remembered after their end.
+const ROLES_MAX: usize = 10_000;
+
 /// How long killed services may take to be gone.
 const GONE_LIMIT: Duration = Duration::from_secs(2);
+
+/// How long launch waits at most for its result to be written.
+const SETTLE_LIMIT: Timespec = Timespec {
+    tv_sec: 5,
+    tv_nsec: 0,
+};
 
 /// Time between two tries to remove a domain.
 const SWEEP_PAUSE: Duration = Duration::from_millis(20);
 
-/// Longest message.
-const MESSAGE_BYTES_MAX: usize = 256;
+/// Longest message: a path with its word. [bytes]
+const MESSAGE_BYTES_MAX: usize = 4096 + 16;
 
 /// True in a program that is its own warden.
 static ENABLED: AtomicBool = AtomicBool::new(false);
+
+/// True while the warden has a result of this process's run.
+static HAS_WILL: AtomicBool = AtomicBool::new(false);
 
 /// Launch's end of the socket, once there was something to watch.
 static SOCKET: OnceLock<Option<OwnedFd>> = OnceLock::new();
@@ -51,14 +70,52 @@ pub fn enable() {
     ENABLED.store(true, Ordering::Relaxed);
 }
 
+/// Starts the warden before there is anything to watch: launch may be killed while it makes a domain.
+pub(crate) fn start() {
+    tell("begin -", None);
+}
+
+/// Has a temporary folder of this process removed after its death.
+pub(crate) fn watch_folder(folder: &Path) {
+    tell(&format!("folder {}", folder.display()), None);
+}
+
 /// Has the domain at `root` removed after the death of this process.
 pub fn watch_domain(root: &Path) {
     tell(&format!("domain {}", root.display()), None);
 }
 
 /// Has the service `pid` ended after the death of this process, if it does not leave by itself.
-pub fn watch_service(pid: u32, pidfd: BorrowedFd<'_>) {
-    tell(&format!("service {pid}"), Some(pidfd));
+pub fn watch_service(role: Role, pid: u32, pidfd: BorrowedFd<'_>) {
+    tell(&format!("service {pid} {role}"), Some(pidfd));
+}
+
+/// Has `result` put into the run's `folder` after the death of this process.
+pub(super) fn keep_will(folder: &Path, result: BorrowedFd<'_>) {
+    tell(&format!("will {}", folder.display()), Some(result));
+    HAS_WILL.store(true, Ordering::Relaxed);
+}
+
+/// Takes that back.
+pub(super) fn forget_will() {
+    if HAS_WILL.swap(false, Ordering::Relaxed) {
+        tell("forget -", None);
+    }
+}
+
+/// Has done now what the warden does after the death of this process, which must follow at once; waits
+/// until the result is written. False when none was left. For signal handlers, too: it makes system
+/// calls alone.
+pub(super) fn settle() -> bool {
+    let Some(Some(socket)) = SOCKET.get() else {
+        return false;
+    };
+    if !HAS_WILL.swap(false, Ordering::Relaxed) || shutdown(socket, Shutdown::Write).is_err() {
+        return false;
+    }
+    let mut end = [PollFd::new(socket, PollFlags::IN)];
+    let _ = poll(&mut end, Some(&SETTLE_LIMIT));
+    true
 }
 
 /// Has the log of a child kept short, until this process is dead and all its services are gone.
@@ -71,7 +128,7 @@ fn tell(text: &str, descriptor: Option<BorrowedFd<'_>>) {
         return;
     }
     let socket = SOCKET.get_or_init(|| {
-        start()
+        spawn()
             .inspect_err(|error| tracing::warn!(%error, "the warden could not be started"))
             .ok()
     });
@@ -94,8 +151,8 @@ fn tell(text: &str, descriptor: Option<BorrowedFd<'_>>) {
     }
 }
 
-/// Starts the warden; launch's end of its socket.
-fn start() -> std::io::Result<OwnedFd> {
+/// Starts the process; launch's end of its socket.
+fn spawn() -> std::io::Result<OwnedFd> {
     let (ours, theirs) = socketpair(
         AddressFamily::UNIX,
         SocketType::SEQPACKET,
@@ -144,14 +201,22 @@ pub fn run() {
     for signal in zeronav_shell::signals::stopping() {
         let _ = signal_hook::flag::register(signal, Arc::new(AtomicBool::new(false)));
     }
-    let mut services: Vec<Service> = Vec::new();
-    let mut domains: Vec<PathBuf> = Vec::new();
-    let mut logs = Logs::default();
-    while listen(&mut services, &mut domains, &mut logs) {
-        logs.cut();
-        services.retain(|service| !service.has_ended(Duration::ZERO));
-        domains.retain(|root| root.exists());
+    let mut watched = Watched::default();
+    while watched.listen() {
+        watched.logs.cut();
+        let gone = |service: &Service| service.has_ended(Duration::ZERO);
+        watched.services.retain(|service| !gone(service));
+        watched.domains.retain(|root| root.exists());
+        watched.folders.retain(|folder| folder.exists());
     }
+    watched.execute_will();
+    let Watched {
+        services,
+        mut domains,
+        folders,
+        mut logs,
+        ..
+    } = watched;
     let deadline = Instant::now() + LEAVE_LIMIT;
     while Instant::now() < deadline {
         let Some(last) = services.iter().find(|it| !it.has_ended(Duration::ZERO)) else {
@@ -165,7 +230,15 @@ pub fn run() {
     for service in &services {
         service.has_ended(deadline.saturating_duration_since(Instant::now()));
     }
+    for root in &domains {
+        descendants::end(root);
+    }
+    for folder in folders {
+        let _ = std::fs::remove_dir_all(folder);
+    }
     logs.cut();
+    // Launch may have been killed before it could say that it has made a domain.
+    let _ = zeronav_shell::domain::sweep_dead();
     // A service that was started by hand may still be a member; the last one out removes the domain.
     while Instant::now() < deadline {
         domains.retain(|root| !zeronav_shell::domain::sweep(root).unwrap_or(false));
@@ -176,44 +249,92 @@ pub fn run() {
     }
 }
 
-/// Takes in one message, or waits a moment while there are logs; false when launch is gone.
-fn listen(services: &mut Vec<Service>, domains: &mut Vec<PathBuf>, logs: &mut Logs) -> bool {
-    let stdin = std::io::stdin();
-    let mut descriptors = [PollFd::new(&stdin, PollFlags::IN)];
-    let pause = Timespec {
-        tv_sec: 0,
-        tv_nsec: i64::from(PAUSE.subsec_nanos()),
-    };
-    if matches!(poll(&mut descriptors, logs.any().then_some(&pause)), Ok(0)) {
-        return true;
-    }
-    let mut bytes = [0; MESSAGE_BYTES_MAX];
-    let mut space = [MaybeUninit::uninit(); rustix::cmsg_space!(ScmRights(1))];
-    let mut ancillary = RecvAncillaryBuffer::new(&mut space);
-    let received = recvmsg(
-        std::io::stdin(),
-        &mut [IoSliceMut::new(&mut bytes)],
-        &mut ancillary,
-        RecvFlags::CMSG_CLOEXEC,
-    );
-    let n = match received {
-        Ok(message) if message.bytes > 0 => message.bytes,
-        Err(Errno::INTR) => return true,
-        Ok(_) | Err(_) => return false,
-    };
-    let descriptor = ancillary.drain().find_map(|message| match message {
-        RecvAncillaryMessage::ScmRights(mut descriptors) => descriptors.next(),
-        _ => None,
-    });
-    let text = core::str::from_utf8(&bytes[..n]).unwrap_or_default();
-    match (text.split_once(' '), descriptor) {
-        (Some(("service", pid)), Some(pidfd)) => {
-            let pid = pid.parse().ok().and_then(Pid::from_raw);
-            services.extend(pid.map(|pid| Service { pid, pidfd }));
+/// What the warden has been told of.
+#[derive(Default)]
+struct Watched {
+    services: Vec<Service>,
+    domains: Vec<PathBuf>,
+    folders: Vec<PathBuf>,
+    logs: Logs,
+    /// Folder of a run and its result.
+    will: Option<(PathBuf, File)>,
+    /// The seats of all services so far.
+    roles: BTreeMap<u32, String>,
+}
+
+impl Watched {
+    /// Puts the result in its place that launch has not taken back. Segments are looked at first: their
+    /// makers remove them when they leave.
+    fn execute_will(&mut self) {
+        if let Some((folder, result)) = self.will.take() {
+            let damaged: Vec<(Damaged, Vec<String>)> = (self.domains.iter())
+                .flat_map(|root| damaged(root))
+                .map(|segment| {
+                    let authors = (segment.pids.iter())
+                        .filter_map(|pid| Some(format!("{} (pid {pid})", self.roles.get(pid)?)))
+                        .collect();
+                    (segment, authors)
+                })
+                .collect();
+            crash_result::write(&folder, result, &damaged);
         }
-        (Some(("log", _)), Some(log)) => logs.add(File::from(log)),
-        (Some(("domain", root)), _) => domains.push(PathBuf::from(root)),
-        _ => {}
+        let _ = shutdown(std::io::stdin(), Shutdown::Write);
     }
-    true
+
+    /// Takes in one message, or waits a moment while there are logs; false when launch is gone.
+    fn listen(&mut self) -> bool {
+        let stdin = std::io::stdin();
+        let mut descriptors = [PollFd::new(&stdin, PollFlags::IN)];
+        let pause = Timespec {
+            tv_sec: 0,
+            tv_nsec: i64::from(PAUSE.subsec_nanos()),
+        };
+        if matches!(
+            poll(&mut descriptors, self.logs.any().then_some(&pause)),
+            Ok(0)
+        ) {
+            return true;
+        }
+        let mut bytes = [0; MESSAGE_BYTES_MAX];
+        let mut space = [MaybeUninit::uninit(); rustix::cmsg_space!(ScmRights(1))];
+        let mut ancillary = RecvAncillaryBuffer::new(&mut space);
+        let received = recvmsg(
+            std::io::stdin(),
+            &mut [IoSliceMut::new(&mut bytes)],
+            &mut ancillary,
+            RecvFlags::CMSG_CLOEXEC,
+        );
+        let n = match received {
+            Ok(message) if message.bytes > 0 => message.bytes,
+            Err(Errno::INTR) => return true,
+            Ok(_) | Err(_) => return false,
+        };
+        let descriptor = ancillary.drain().find_map(|message| match message {
+            RecvAncillaryMessage::ScmRights(mut descriptors) => descriptors.next(),
+            _ => None,
+        });
+        let text = core::str::from_utf8(&bytes[..n]).unwrap_or_default();
+        match (text.split_once(' '), descriptor) {
+            (Some(("service", said)), Some(pidfd)) => {
+                let (number, role) = said.split_once(' ').unwrap_or((said, ""));
+                let pid = number.parse().ok().and_then(Pid::from_raw);
+                self.services.extend(pid.map(|pid| Service { pid, pidfd }));
+                if let Ok(pid) = number.parse() {
+                    self.roles.insert(pid, role.to_owned());
+                    if self.roles.len() > ROLES_MAX {
+                        self.roles.pop_first();
+                    }
+                }
+            }
+            (Some(("will", folder)), Some(result)) => {
+                self.will = Some((PathBuf::from(folder), File::from(result)));
+            }
+            (Some(("forget", _)), _) => self.will = None,
+            (Some(("log", _)), Some(log)) => self.logs.add(File::from(log)),
+            (Some(("domain", root)), _) => self.domains.push(PathBuf::from(root)),
+            (Some(("folder", path)), _) => self.folders.push(PathBuf::from(path)),
+            _ => {}
+        }
+        true
+    }
 }

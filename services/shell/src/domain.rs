@@ -257,6 +257,11 @@ fn prefix_of(name: &str) -> String {
     format!("{name}_")
 }
 
+/// The middleware's prefix for the domain at `root`, when that can be one.
+pub(crate) fn prefix_at(root: &Path) -> Option<String> {
+    name_of(root).map(prefix_of)
+}
+
 /// The file in which the middleware counts its nodes.
 fn node_counter(prefix: &str) -> PathBuf {
     let [major, minor, patch] = MIDDLEWARE;
@@ -270,11 +275,15 @@ fn node_counter(prefix: &str) -> PathBuf {
 fn make_node_counter(prefix: &str) -> std::io::Result<()> {
     let flags = OFlags::WRONLY | OFlags::CREATE | OFlags::EXCL;
     let mut file = own_file(CWD, &node_counter(prefix), flags)?;
-    let [major, minor, patch] = MIDDLEWARE.map(u64::from);
     let mut bytes = [0; NODE_COUNTER_BYTES];
-    let version = (major << 32) | (minor << 16) | patch;
-    bytes[..8].copy_from_slice(&version.to_ne_bytes());
+    bytes[..8].copy_from_slice(&middleware_version().to_ne_bytes());
     file.write_all(&bytes)
+}
+
+/// With what every segment of the middleware begins.
+pub(crate) fn middleware_version() -> u64 {
+    let [major, minor, patch] = MIDDLEWARE.map(u64::from);
+    (major << 32) | (minor << 16) | patch
 }
 
 /// Accepts a counter of nodes that the middleware can map: it waits for ever for an empty one.
@@ -348,7 +357,8 @@ fn half_made(prefix: &str) -> Vec<(PathBuf, u64)> {
         .collect()
 }
 
-/// Root folders of all domains of the caller on this host, dead or alive.
+/// Root folders of all domains of the caller on this host, dead or alive. Users whom a service has let
+/// into one are shut out again.
 #[must_use]
 pub fn all() -> Vec<PathBuf> {
     let mut roots: Vec<PathBuf> = std::fs::read_dir(SHM)
@@ -361,7 +371,7 @@ pub fn all() -> Vec<PathBuf> {
             })
         })
         .map(|entry| entry.path())
-        .filter(|root| Folder::open(root).is_ok())
+        .filter(|root| Folder::reclaim(root).is_ok())
         .collect();
     roots.sort();
     roots
@@ -397,7 +407,22 @@ pub fn sweep_dead() -> Vec<PathBuf> {
 mod tests {
     use super::*;
     use std::fs::OpenOptions;
-    use std::os::unix::fs::OpenOptionsExt;
+    use std::os::unix::fs::{OpenOptionsExt, PermissionsExt};
+
+    #[test]
+    fn a_domain_that_was_opened_to_others_is_shut_and_swept() {
+        let domain = Domain::create().unwrap();
+        let root = domain.root().to_owned();
+        let open = std::fs::Permissions::from_mode(0o777);
+        std::fs::set_permissions(&root, open).unwrap();
+        assert!(all().contains(&root));
+        let mode = std::fs::metadata(&root).unwrap().mode() & 0o7777;
+        assert_eq!(mode, 0o700);
+        drop(domain);
+        // Another test may sweep, too.
+        let _ = sweep_dead();
+        assert!(!root.exists());
+    }
 
     #[test]
     fn segments_that_were_never_finished_are_removed_and_the_others_stay() {

@@ -1,5 +1,6 @@
 //! Why a process could not start, and the exit code that says so.
 
+use crate::shm;
 use std::process::ExitCode;
 use zeronav_params::ParameterError;
 
@@ -75,9 +76,14 @@ impl From<ParameterError> for StartError {
 impl StartError {
     /// A refusal of the middleware or the system.
     pub fn system(what: impl Into<String>, why: impl core::fmt::Display) -> Self {
+        let mut why = why.to_string();
+        // All that the middleware says of most errors of the system.
+        if why.contains("InternalFailure") {
+            why.push_str(shm::shortage());
+        }
         Self::System {
             what: what.into(),
-            why: why.to_string(),
+            why,
         }
     }
 

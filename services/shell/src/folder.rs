@@ -7,7 +7,7 @@
 
 use crate::error::StartError;
 use rustix::fs::{AtFlags, CWD, FileType, FlockOperation, Mode, OFlags, Stat};
-use rustix::fs::{chmodat, flock, fstat, mkdirat, openat, statat};
+use rustix::fs::{chmodat, fchmod, flock, fstat, mkdirat, openat, statat};
 use rustix::io::Errno;
 use std::fs::File;
 use std::io::{Error, ErrorKind};
@@ -58,16 +58,7 @@ impl Folder {
     /// `NotFound` when there is none, `PermissionDenied` when it is not the caller's own, and what
     /// the system says.
     pub fn open(path: &Path) -> std::io::Result<Self> {
-        let flags = OFlags::RDONLY | OFlags::DIRECTORY | OFlags::NOFOLLOW | OFlags::CLOEXEC;
-        let handle = match openat(CWD, path, flags, Mode::empty()) {
-            Ok(handle) => handle,
-            // NOFOLLOW: a link is not a directory.
-            Err(Errno::LOOP | Errno::NOTDIR) => return Err(denied("is not a directory")),
-            Err(error) => return Err(error.into()),
-        };
-        let stat = fstat(&handle)?;
-        check_owner(&stat)?;
-        let mode = stat.st_mode & 0o7777;
+        let (handle, mode) = open_own(path)?;
         if mode != FOLDER_MODE {
             return Err(denied(&format!("has mode {mode:04o} instead of 0700")));
         }
@@ -75,6 +66,18 @@ impl Folder {
             handle,
             path: path.to_owned(),
         })
+    }
+
+    /// Opens the caller's own folder at `path`; a service may have let others in, whom it shuts out.
+    ///
+    /// # Errors
+    /// As [`Self::open`].
+    pub(crate) fn reclaim(path: &Path) -> std::io::Result<Self> {
+        let (handle, mode) = open_own(path)?;
+        if mode != FOLDER_MODE {
+            fchmod(&handle, Mode::from_raw_mode(FOLDER_MODE))?;
+        }
+        Self::open(path)
     }
 
     /// Where it was opened.
@@ -194,6 +197,20 @@ pub fn own_file(folder: impl AsFd, path: &Path, flags: OFlags) -> std::io::Resul
     } else {
         Err(denied("is not a regular file"))
     }
+}
+
+/// Opens the caller's own directory at `path`; its mode.
+fn open_own(path: &Path) -> std::io::Result<(OwnedFd, u32)> {
+    let flags = OFlags::RDONLY | OFlags::DIRECTORY | OFlags::NOFOLLOW | OFlags::CLOEXEC;
+    let handle = match openat(CWD, path, flags, Mode::empty()) {
+        Ok(handle) => handle,
+        // NOFOLLOW: a link is not a directory.
+        Err(Errno::LOOP | Errno::NOTDIR) => return Err(denied("is not a directory")),
+        Err(error) => return Err(error.into()),
+    };
+    let stat = fstat(&handle)?;
+    check_owner(&stat)?;
+    Ok((handle, stat.st_mode & 0o7777))
 }
 
 /// Accepts what belongs to the caller.

@@ -10,7 +10,7 @@
 //!
 //! | what | where |
 //! |---|---|
-//! | the run's folder, its locks, and how it is removed | [`domain`], [`folder`], [`cleaning`], [`memory`] |
+//! | the run's folder, its locks, and how it is removed | [`domain`], [`folder`], [`cleaning`], [`memory`], [`damage`] |
 //! | a member of a run, and the typed ports that it opens | [`Peer`]: [`Latest`], [`Stream`], [`Writer`], [`records`] |
 //! | which process is obeyed, and how time runs | [`Roster`], [`roster_reader`], [`seat`], [`clock`] |
 //! | inputs that several services read alike | [`OdometryReader`], [`MapInput`], [`Tasks`], [`CurrentGoal`] |
@@ -26,6 +26,7 @@ pub mod cleaning;
 pub mod clock;
 pub mod control;
 mod current_goal;
+pub mod damage;
 pub mod domain;
 pub mod doorbell;
 mod due;
@@ -53,6 +54,7 @@ pub mod roster_reader;
 pub mod seat;
 mod service;
 mod shell;
+mod shm;
 pub mod signals;
 mod tasks;
 mod writer;

@@ -5,13 +5,12 @@
 
 use crate::error::StartError;
 use crate::folder::own_file;
-use rustix::fs::{CWD, FallocateFlags, OFlags, fallocate, statvfs};
+use crate::shm;
+pub use crate::shm::SHM;
+use rustix::fs::{CWD, FallocateFlags, OFlags, fallocate};
 use rustix::io::Errno;
 use std::os::unix::fs::MetadataExt;
 use std::path::PathBuf;
-
-/// Where the segments lie.
-pub const SHM: &str = "/dev/shm";
 
 /// Room that is left for connections, which cannot be reserved. [bytes]
 pub(crate) const HEADROOM_BYTES: u64 = 1 << 20;
@@ -38,8 +37,13 @@ pub(crate) fn segments(prefix: &str) -> impl Iterator<Item = (PathBuf, std::fs::
 /// # Errors
 /// [`StartError::System`] when there is no /dev/shm.
 pub(crate) fn free_bytes() -> Result<u64, StartError> {
-    let stat = statvfs(SHM).map_err(|error| StartError::system(SHM, error))?;
-    Ok(stat.f_bavail.saturating_mul(stat.f_frsize))
+    shm::free_bytes().map_err(|error| StartError::system(SHM, error))
+}
+
+/// True when /dev/shm has less room than connections need.
+#[must_use]
+pub fn is_full() -> bool {
+    free_bytes().is_ok_and(|free| free < HEADROOM_BYTES)
 }
 
 /// Accepts `needed` more bytes and the headroom.

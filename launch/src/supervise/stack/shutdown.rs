@@ -2,6 +2,7 @@
 
 use super::Stack;
 use crate::supervise::cleaner::Cleaner;
+use crate::supervise::descendants;
 use std::path::Path;
 use std::time::{Duration, Instant};
 use zeronav_msgs::role::Role;
@@ -46,6 +47,10 @@ pub(crate) fn close(mut stack: Stack) {
     stack.stop_processes();
     stack.children.clear();
     stack.beside = None;
+    let strays = descendants::end(stack.root());
+    if !strays.is_empty() {
+        tracing::warn!(pids = ?strays, "processes that services had started were ended");
+    }
     let deleted = stack.is_deleted();
     let (peer, topics) = (stack.peer.take(), stack.topics.take());
     let domain = if deleted || stack.cleaner.has_failed() {
