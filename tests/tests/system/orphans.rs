@@ -9,7 +9,10 @@ use zeronav_msgs::role::Role;
 use zeronav_msgs::topics::{RobotCommand, RobotDescription, RobotOdometry};
 use zeronav_shell::roster_reader::RosterReader;
 use zeronav_shell::{Domain, Latest, Peer, Stream};
-use zeronav_tests::{Zeronav, await_by_itself, is_alive, leftovers, real_time_turn, send_signal};
+use zeronav_tests::{
+    Zeronav, await_by_itself, binaries, executable, is_alive, leftovers, real_time_turn,
+    send_signal,
+};
 
 /// By then everything is over.
 const LIMIT: Duration = Duration::from_secs(2);
@@ -159,6 +162,45 @@ fn nothing_is_left_two_seconds_after_launch_was_killed() {
     });
     await_by_itself("nothing is left", || leftovers(&root).is_empty());
     assert!(started.elapsed() < LIMIT, "{:?}", started.elapsed());
+}
+
+/// A run whose mapping has started a daemon, which says its id in a file.
+fn with_a_daemon() -> (Zeronav, u32) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (script, said) = (folder.path().join("mapping"), folder.path().join("daemon"));
+    let text = format!(
+        "#!/bin/sh\nif [ \"$1\" = --domain ]; then\n  setsid sh -c 'echo $$ > {said}.new; mv {said}.new \
+         {said}; exec sleep 600' > /dev/null 2>&1 < /dev/null &\nfi\nexec {mapping} \"$@\"\n",
+        said = said.display(),
+        mapping = binaries().join("zeronav-mapping").display()
+    );
+    executable(&script, &text);
+    let text = format!(
+        "base = [\"warehouse\", \"porter\"]\ntitle = \"daemon\"\nstart = [4.0, 6.425, 0.0]\n\
+         [[goals]]\npose = [20.0, 6.425, 0.0]\n[services.mapping]\nbinary = \"{}\"\n",
+        script.display()
+    );
+    std::fs::write(folder.path().join("it.toml"), text).expect("written");
+    let mut run = Zeronav::start_in(folder, &["run", "./it.toml", "--headless", "--json"]);
+    let mut daemon = None;
+    run.wait_until("the daemon runs", |_| {
+        let text = std::fs::read_to_string(&said).unwrap_or_default();
+        daemon = text.trim().parse().ok();
+        daemon.is_some()
+    });
+    (run, daemon.expect("its id"))
+}
+
+#[test]
+fn what_a_service_has_started_ends_with_the_stack() {
+    let _turn = real_time_turn();
+    for signal in [Signal::INT, Signal::KILL] {
+        let (run, daemon) = with_a_daemon();
+        assert!(is_alive(daemon));
+        run.signal(signal);
+        await_by_itself("the daemon is gone", || !is_alive(daemon));
+        drop(run);
+    }
 }
 
 #[test]
