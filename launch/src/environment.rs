@@ -1,6 +1,7 @@
 //! The machine under a run.
 
 use crate::result::Environment;
+use crate::show::terminal::note;
 use crate::version::VERSION;
 
 /// Readings at the start of a run; the rest is read at its end.
@@ -63,6 +64,29 @@ pub(crate) fn load() -> f64 {
         .unwrap_or(0.0)
 }
 
+/// What a busy machine means for times that were measured or kept, for the end of a line; `None` when it
+/// has a core for everybody.
+pub(crate) fn busy() -> Option<String> {
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    busy_at(load(), cores)
+}
+
+/// Warns before times are measured on a busy machine.
+pub(crate) fn warn_when_busy() {
+    if let Some(busy) = busy() {
+        note(&format!("warning: {busy}"));
+    }
+}
+
+fn busy_at(load: f64, cores: usize) -> Option<String> {
+    let most = u32::try_from(cores).map_or(f64::MAX, f64::from);
+    (load > most).then(|| {
+        format!(
+            "load average {load:.1} on {cores} cores: on an idle machine it may come out otherwise"
+        )
+    })
+}
+
 /// Ticks of all processors together, and those that the host gave to others.
 pub(crate) fn processor_ticks() -> (u64, u64) {
     let text = read("/proc/stat");
@@ -90,5 +114,17 @@ pub(crate) fn steal(before: (u64, u64), after: (u64, u64)) -> f64 {
         0.0
     } else {
         stolen as f64 / all as f64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::busy_at;
+
+    #[test]
+    fn a_machine_with_more_to_do_than_cores_is_busy() {
+        assert_eq!(busy_at(2.0, 2), None);
+        let said = busy_at(8.04, 2).expect("busy");
+        assert!(said.starts_with("load average 8.0 on 2 cores: "), "{said}");
     }
 }

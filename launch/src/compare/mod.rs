@@ -6,6 +6,7 @@ pub mod cli;
 use crate::commands::{exit_code, explain};
 use crate::drive::drive;
 use crate::ending::Ending;
+use crate::environment;
 use crate::exit::EXIT_PASS;
 use crate::interrupts::interrupts;
 use crate::leave;
@@ -15,7 +16,7 @@ use crate::measure::profile::{self, RoundProfile};
 use crate::measure::{DEADLINE_NS, Event};
 use crate::prepare::{Prepared, prepare};
 use crate::run_plan::{RunPlan, Source};
-use crate::show::terminal::{lose, say, say_json, usage};
+use crate::show::terminal::{lose, note, say, say_json, usage};
 use crate::shuttle::Quota;
 use crate::trials::timing;
 use cli::CompareArgs;
@@ -79,6 +80,12 @@ fn sides(arguments: &CompareArgs) -> Result<ExitCode, String> {
     };
     let second = prepare(&other).inspect_err(|_| forget(&first))?;
     let interrupted = interrupts()?;
+    environment::warn_when_busy();
+    note(&format!(
+        "{} drives with {} trials in all; the time left is known after the first ones",
+        2 * ROUNDS,
+        2 * arguments.trials
+    ));
     let (rounds, ending) = turns([&first, &second], arguments.trials as usize, &interrupted)?;
     let mut b = second.scenario.name.clone();
     for (role, binary) in &arguments.swap {

@@ -1,6 +1,7 @@
 //! What came out, clause by clause, printed as soon as it is known.
 
 use super::clause::{Clause, Verdict};
+use crate::environment;
 use crate::show::terminal::say;
 use serde::Serialize;
 use zeronav_shell::printable;
@@ -38,7 +39,12 @@ impl Report {
     pub(crate) fn add(&mut self, clause: Clause, result: Result<String, String>) {
         match result {
             Ok(seen) => self.push(clause, Verdict::Ok, seen),
-            Err(why) => self.push(clause, Verdict::Failed, why),
+            Err(why) => {
+                // Most clauses have a time limit.
+                let busy =
+                    environment::busy().map_or_else(String::new, |busy| format!(" ({busy})"));
+                self.push(clause, Verdict::Failed, why + &busy);
+            }
         }
     }
 

@@ -65,6 +65,17 @@ impl Session<'_> {
         }
         let by_hand = self.interferences.iter().map(|what| (*what).to_owned());
         let unasked = self.keeper.unasked().iter().cloned();
-        unasked.chain(by_hand).chain(ending.cut_short()).collect()
+        let rolled_back = self.swaps.results().into_iter().filter_map(|swap| {
+            let why = swap.why.filter(|_| swap.state == "rolled_back")?;
+            // Launch reads what a newcomer sends some ticks later.
+            Some(format!(
+                "a newcomer of {} was rolled back: {why}",
+                swap.role
+            ))
+        });
+        (unasked.chain(rolled_back))
+            .chain(by_hand)
+            .chain(ending.cut_short())
+            .collect()
     }
 }

@@ -8,6 +8,7 @@ mod report;
 mod table;
 
 use crate::commands::drive_and_judge;
+use crate::environment;
 use crate::exit::{EXIT_FAIL, EXIT_PASS};
 use crate::interrupts::interrupts;
 use crate::leave;
@@ -91,9 +92,10 @@ fn finish(
             save(&report, file);
         }
     }
+    let busy = environment::busy().map_or_else(String::new, |busy| format!("; {busy}"));
     for one in &missed {
         complain(&format!(
-            "{} is not met: {} (n {}), {} Hz, {}",
+            "{} is not met: {} (n {}), {} Hz, {}{busy}",
             one.clause, one.said, one.n, one.rate_hz, one.load
         ));
     }
@@ -131,6 +133,7 @@ fn measure(
     clauses: &[Clause],
     baseline: Option<&Report>,
 ) -> Result<Measured, String> {
+    environment::warn_when_busy();
     let trials = arguments.trials.unwrap_or(TRIALS);
     let rates_hz: Vec<Option<f64>> = match &arguments.rate[..] {
         [] => vec![None],

@@ -168,6 +168,21 @@ fn a_newcomer_that_lies_in_the_seat_gives_it_back() {
         assert!(tick("roll_back_tick") + 3 > tick("cut_over_tick"), "{back}");
         assert_eq!(process(&up.status(), seat)[0]["pid"], before);
     }
+    // It is missed at the ticks that the robot has begun, whatever it claims.
+    let before = process(&up.status(), "collision_guard")[0]["pid"].clone();
+    let liar = [
+        "collision_guard",
+        "ahead_once_obeyed",
+        "--shadow",
+        "0s",
+        "--keep",
+        "30s",
+    ];
+    let back = swap(&up, &liar, 1);
+    assert_eq!(back["state"], "rolled_back", "{back}");
+    let said = back["why"].as_str().unwrap_or_default();
+    assert!(said.contains("it has answered tick"), "{back}");
+    assert_eq!(process(&up.status(), "collision_guard")[0]["pid"], before);
     // The drive goes on under those who were there before.
     let result = up.down();
     assert_eq!(result["contacts"], 0, "{result}");
@@ -309,6 +324,28 @@ fn a_lockstep_run_with_swaps_is_bit_identical() {
         assert_eq!(first["run_hash"], second["run_hash"], "{seat}");
         assert_eq!(first["contacts"], 0);
     }
+}
+
+/// What a newcomer sends is read some ticks later: the tick of a rollback is that of the machine.
+#[test]
+fn a_lockstep_run_with_a_rollback_does_not_claim_to_be_reproducible() {
+    let seat = "local_planner";
+    let swap =
+        format!("[[swaps]]\nservice = \"{seat}\"\nat_s = 2.0\nshadow_s = 0.1\nkeep_s = 3.0\n");
+    let swapped = lockstep(&swap);
+    assert_eq!(swapped["reproducible"], true, "{swapped:#}");
+    let back = lockstep(&format!("{swap}binary = \"nan_once_obeyed\"\n"));
+    assert_eq!(
+        back["swaps"][0]["state"], "rolled_back",
+        "{}",
+        back["swaps"]
+    );
+    assert_eq!(back["reproducible"], false, "{back:#}");
+    let why = back["not_reproducible"][0].as_str().unwrap_or_default();
+    assert!(
+        why.starts_with("a newcomer of local_planner was rolled back: "),
+        "{why}"
+    );
 }
 
 /// The second swap is due in the period at which the first one ends, and its comparison ends before
