@@ -38,6 +38,7 @@ mod params;
 mod perfetto;
 mod planners;
 mod pose;
+mod process_limit;
 mod python;
 mod python_checks;
 mod readme;
