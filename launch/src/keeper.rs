@@ -156,11 +156,16 @@ impl<'a> Keeper<'a> {
         Some((self.binaries.get(&role)?, self.configs.get(&role)?))
     }
 
-    /// From now on the seat is filled with this binary and configuration.
-    pub(crate) fn refit(&mut self, role: Role, binary: PathBuf, config: PathBuf) {
+    /// From now on the seat is filled with this binary and configuration; the configuration before.
+    pub(crate) fn refit(
+        &mut self,
+        role: Role,
+        binary: PathBuf,
+        config: PathBuf,
+    ) -> Option<PathBuf> {
         self.binaries.insert(role, binary);
-        self.configs.insert(role, config);
         self.hung.remove(&role);
+        self.configs.insert(role, config)
     }
 
     /// True while no process in the seat can answer.

@@ -18,6 +18,14 @@ use zeronav_files::read;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::run::RunMode;
 
+/// What the configuration of a newcomer has in its name.
+const OF_A_SWAP: &str = ".swap";
+
+fn is_of_a_swap(config: &Path) -> bool {
+    let name = config.file_name().and_then(|name| name.to_str());
+    name.is_some_and(|name| name.contains(OF_A_SWAP))
+}
+
 impl Session<'_> {
     /// The tick beyond which a lockstep robot may not go yet because of a swap.
     pub(super) fn swap_limit(&self) -> u64 {
@@ -121,7 +129,7 @@ impl Session<'_> {
         let table = merged(table_in(config)?, role, newcomer == binary, keys);
         self.swaps.last_id += 1;
         let id = self.swaps.last_id;
-        let file = stack.root().join(format!("{role}.swap{id}.toml"));
+        let file = stack.root().join(format!("{role}{OF_A_SWAP}{id}.toml"));
         std::fs::write(&file, table.to_string())
             .map_err(|error| format!("writing {}: {error}", file.display()))?;
         let files = Files {
@@ -145,7 +153,20 @@ impl Session<'_> {
         };
         if swap.look(&mut self.scene(stack, swap.role())) {
             let Files { binary, config, .. } = swap.files().clone();
-            self.keeper.refit(swap.role(), binary, config);
+            let before = self.keeper.refit(swap.role(), binary, config);
+            if let Some(before) = before.filter(|file| is_of_a_swap(file)) {
+                let _ = std::fs::remove_file(before);
+            }
+        }
+        self.put_back(swap);
+    }
+
+    /// Goes on with a swap, or removes what it leaves in the domain.
+    fn put_back(&mut self, swap: Swap) {
+        let config = &swap.files().config;
+        let used = self.keeper.files(swap.role());
+        if swap.is_over() && used.is_none_or(|(_, used)| used != config) {
+            let _ = std::fs::remove_file(config);
         }
         self.swaps.put_back(swap);
     }
@@ -158,7 +179,7 @@ impl Session<'_> {
         let none = || "no swap goes on".to_owned();
         let mut swap = self.swaps.current.take().ok_or_else(none)?;
         let cancelled = swap.cancel(&mut self.scene(stack, swap.role()));
-        self.swaps.put_back(swap);
+        self.put_back(swap);
         cancelled
     }
 

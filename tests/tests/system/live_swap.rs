@@ -96,12 +96,22 @@ fn every_seat_is_swapped_while_the_robot_drives_and_no_period_is_missed() {
             eprintln!("round {round}: {seat} swapped, {swapped}");
         }
     }
+    swap(&up, &[SEATS[0], "--shadow", "500ms", "--keep", "500ms"], 0);
     up.ask(&["cancel"], 0);
+    // In use is the configuration of the newest swap of each seat; those before it are gone.
+    assert_eq!(configurations_of_swaps(&up), SEATS.len());
     let result = up.down();
     assert_eq!(result["contacts"], 0, "{result}");
     assert_eq!(result["restarts"].as_array().map(Vec::len), Some(0));
     let swaps = result["swaps"].as_array().expect("swaps");
-    assert!(swaps.len() >= (4 * swaps_per_seat()).min(100));
+    assert!(swaps.len() > (4 * swaps_per_seat()).min(99));
+}
+
+/// Files that swaps have left in the domain.
+fn configurations_of_swaps(up: &Up) -> usize {
+    let files = std::fs::read_dir(&up.root).expect("a domain").flatten();
+    let of_swap = |file: &std::fs::DirEntry| file.file_name().to_string_lossy().contains(".swap");
+    files.filter(of_swap).count()
 }
 
 /// Swaps a seat and breaks the newcomer once it is obeyed; the swap, rolled back.
@@ -183,6 +193,7 @@ fn a_newcomer_that_lies_in_the_seat_gives_it_back() {
     let said = back["why"].as_str().unwrap_or_default();
     assert!(said.contains("it has answered tick"), "{back}");
     assert_eq!(process(&up.status(), "collision_guard")[0]["pid"], before);
+    assert_eq!(configurations_of_swaps(&up), 0);
     // The drive goes on under those who were there before.
     let result = up.down();
     assert_eq!(result["contacts"], 0, "{result}");
