@@ -80,7 +80,7 @@ mod tests {
             .spawn()
             .expect("started");
         // A service that leaves a daemon behind: it says its process id.
-        let daemon = Command::new("sh")
+        let mut service = Command::new("sh")
             .args(["-c", "setsid sleep 600 & echo $!"])
             .env(MARK, root)
             .stderr(Stdio::null())
@@ -89,9 +89,10 @@ mod tests {
             .spawn()
             .expect("started");
         let mut said = String::new();
-        let mut out = std::io::BufReader::new(daemon.stdout.expect("its output"));
+        let mut out = std::io::BufReader::new(service.stdout.take().expect("its output"));
         std::io::BufRead::read_line(&mut out, &mut said).expect("a line");
         let daemon: u32 = said.trim().parse().expect("a process id");
+        let _ = service.wait();
         assert!(end(root).contains(&daemon), "{daemon} goes on");
         assert_eq!(find(root).len(), 0);
         assert!(other.try_wait().expect("looked at").is_none());

@@ -70,7 +70,7 @@ mod tests {
             let path = Path::new(SHM).join(format!("{}{name}", domain.prefix()));
             std::fs::write(path, bytes).unwrap();
         };
-        let number = |pid: u128, counter: u128| (counter << 96) | (pid << 64) | 77;
+        let number = |pid: u128, counter: u128| (counter << 96) + (pid << 64) + 77;
         let version = middleware_version().to_ne_bytes();
         make(&format!("ab12_{}.data", number(41, 1)), &version);
         make(&format!("ab12_{}.data", number(42, 2)), &version[..4]);
