@@ -106,7 +106,7 @@ impl Readings {
         }
         let scan = self.scan.poll(roster);
         self.scan_fresh |= scan;
-        self.take_points();
+        self.take_points(shell.roster().clock.tick_ns);
         News {
             task,
             planning: scan || path,
@@ -141,15 +141,19 @@ impl Readings {
         Some((newest.status, newest.ends))
     }
 
-    /// Takes the points of a new scan, once odometry tells where it was captured.
-    fn take_points(&mut self) {
+    /// Takes the points of a new scan, once odometry tells where it was captured. The first scan of a
+    /// successor may be up to a tick older than its first odometry: in lockstep no other scan comes
+    /// until it has answered that one.
+    fn take_points(&mut self, tick_ns: u64) {
         if !self.scan_fresh {
             return;
         }
         let (Some(scan), Some(description)) = (self.scan.get(), self.description.get()) else {
             return;
         };
-        let Some(pose) = self.odometry.history().pose_at(scan.header.run_ns) else {
+        let (history, run_ns) = (self.odometry.history(), scan.header.run_ns);
+        let pose = history.pose_at(run_ns);
+        let Some(pose) = pose.or_else(|| history.pose_before(run_ns, tick_ns)) else {
             return;
         };
         let twist = self.odometry.newest().map_or(Twist::REST, |newest| {

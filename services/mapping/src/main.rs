@@ -75,7 +75,8 @@ impl Service for MappingService {
         if !self.begins(shell)? {
             return Ok(());
         }
-        let poses = self.readings.poses_of_scan();
+        let tick_ns = shell.roster().clock.tick_ns;
+        let poses = self.readings.poses_of_scan(tick_ns);
         for due in shell.due(&self.readings.trigger(poses.is_some())) {
             match poses.filter(|_| due.kind == SpanKind::Answer) {
                 Some(poses) => self.answer(shell, due, poses),

@@ -121,12 +121,15 @@ impl Readings {
     }
 
     /// `odom_from_base` at the capture of the newest scan's first and last beam; `None` until the
-    /// odometry around the capture has been received.
-    pub(crate) fn poses_of_scan(&self) -> Option<(Pose, Pose)> {
+    /// odometry around the capture has been received. The first scan of a successor may have been
+    /// captured up to a tick before the first odometry that it has: in lockstep no other scan comes
+    /// until it has answered that one.
+    pub(crate) fn poses_of_scan(&self, tick_ns: u64) -> Option<(Pose, Pose)> {
         let scan = self.scan.get()?;
         let history = self.odometry.history();
         let last_ns = scan.header.run_ns;
-        let last = history.pose_at(last_ns)?;
+        let last = history.pose_at(last_ns);
+        let last = last.or_else(|| history.pose_before(last_ns, tick_ns))?;
         let steps = f64::from(scan.meta.n_beams.saturating_sub(1));
         let turn_ns = nanoseconds(steps * f64::from(scan.meta.time_increment_s));
         if turn_ns == 0 {

@@ -101,6 +101,24 @@ impl OdometryHistory {
                 .all(|sample| is_stopped(&sample.odometry))
     }
 
+    /// `odom_from_base` at a run time before the oldest message, by at most `most_ns`: as its speeds say
+    /// that the robot came there. `None` at any other time.
+    #[must_use]
+    #[allow(clippy::cast_precision_loss, reason = "nanoseconds of a tick")]
+    pub fn pose_before(&self, run_ns: u64, most_ns: u64) -> Option<Pose> {
+        let oldest = self.samples.front()?;
+        let before_ns = oldest.run_ns.checked_sub(run_ns)?;
+        let before_s =
+            (0 < before_ns && before_ns <= most_ns).then_some(before_ns as f64 * 1.0e-9)?;
+        let Odometry {
+            pose,
+            v_mps,
+            w_radps,
+            ..
+        } = oldest.odometry;
+        Some(pose.then(&Pose::new(-v_mps * before_s, 0.0, -w_radps * before_s)))
+    }
+
     /// `odom_from_base` at a run time between two messages, or at one; `None` outside the history.
     #[must_use]
     #[allow(clippy::cast_precision_loss, reason = "nanoseconds between two ticks")]
@@ -228,6 +246,32 @@ mod tests {
         assert_eq!(history.pose_at(40).map(|pose| pose.x_m), Some(2.0));
         assert_eq!(history.pose_at(19), None);
         assert_eq!(history.pose_at(41), None);
+    }
+
+    #[test]
+    fn before_the_oldest_message_the_robot_came_by_its_speeds() {
+        let mut history = OdometryHistory::default();
+        assert_eq!(history.pose_before(0, 100), None);
+        let header = Header {
+            id: Id::new(1, 1).0,
+            tick: 1,
+            run_ns: 1_000_000_000,
+            ..Header::default()
+        };
+        let odometry = Odometry {
+            pose: Pose::new(1.0, 2.0, core::f64::consts::FRAC_PI_2),
+            v_mps: 2.0,
+            w_radps: 0.5,
+            ..Odometry::default()
+        };
+        history.push(&header, &odometry, 0);
+        let before = history.pose_before(990_000_000, 20_000_000);
+        let before = before.expect("half a tick before");
+        assert!(before.distance_m(&Pose::new(1.0, 1.98, 0.0)) < 1e-9);
+        assert!((before.yaw_rad - odometry.pose.yaw_rad + 0.005).abs() < 1e-9);
+        assert_eq!(history.pose_before(979_999_999, 20_000_000), None);
+        assert_eq!(history.pose_before(1_000_000_000, 20_000_000), None);
+        assert_eq!(history.pose_before(1_000_000_001, 20_000_000), None);
     }
 
     #[test]
