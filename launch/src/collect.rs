@@ -65,7 +65,7 @@ pub(crate) struct Collector {
     pub sights: Vec<Sight>,
     /// The newest odometry, also after the end.
     pub odometry: Option<Odometry>,
-    /// `map_from_odom` of the newest map.
+    /// `map_from_odom` of the newest map with a scan: before its first, a successor knows nothing.
     pub map_from_odom: Option<Pose>,
     /// Run time of the newest odometry or truth. [ns]
     pub run_ns: u64,
@@ -132,10 +132,10 @@ impl Collector {
         taps.keyframe.release();
         taps.updates.drain(roster, |view| {
             let scan = view.header.parents.scan;
-            self.map_from_odom = Some(view.meta.map_from_odom);
             self.film.placed(view.meta.map_from_odom);
             self.film.written(view.items);
             if scan != 0 && view.meta.is_last_part() {
+                self.map_from_odom = Some(view.meta.map_from_odom);
                 let fact = Fact::Placed(scan, view.meta.map_from_odom);
                 (self.seen).hear(view.header.tick, view.header.run_ns, fact);
             }

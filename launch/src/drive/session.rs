@@ -255,10 +255,12 @@ impl<'a> Session<'a> {
     pub(super) fn keep(&mut self, stack: &mut Stack) -> Option<Ending> {
         self.see_to_swap(stack);
         let left_out = self.swaps.keeps();
+        let restarts_before = self.keeper.records().len();
         let taken = match self.keeper.look(stack, &self.collector, left_out) {
             Ok(taken) => taken,
             Err(ending) => return Some(ending),
         };
+        self.hand_pose_on(stack, restarts_before);
         for taken in taken {
             let left = self.left();
             let goes_on = taken.role == Role::LocalPlanner && !self.is_cancelling;

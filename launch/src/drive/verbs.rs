@@ -10,6 +10,7 @@ use crate::supervise::stack::Stack;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 use zeronav_msgs::Pose;
+use zeronav_msgs::role::Role;
 use zeronav_msgs::run::RunMode;
 use zeronav_msgs::task::PoseEstimate;
 use zeronav_msgs::time::seconds;
@@ -208,6 +209,25 @@ impl Session<'_> {
             return Err("no memory for the message; try again".to_owned());
         }
         Ok(())
+    }
+
+    /// When mapping has ended since there were `restarts_before`, tells its successor where odometry
+    /// had drifted by then: a new process takes odometry for the truth.
+    pub(super) fn hand_pose_on(&mut self, stack: &mut Stack, restarts_before: usize) {
+        let restarts = self.keeper.records().iter().skip(restarts_before);
+        let mut of_mapping = restarts.filter(|it| it.service == Role::Mapping.label());
+        let map_from_odom = self.collector.map_from_odom.unwrap_or_default();
+        if of_mapping.next().is_none() || map_from_odom == Pose::default() {
+            return;
+        }
+        let estimate = PoseEstimate {
+            map_from_base: map_from_odom,
+            odom_from_base: Pose::default(),
+            from_tick: self.collector.robot_tick(),
+        };
+        if !stack.estimate_pose(estimate) {
+            tracing::warn!("no memory to tell mapping where the robot is");
+        }
     }
 
     /// Changes an obstacle of the simulated world, from the first tick on that the robot may not have
