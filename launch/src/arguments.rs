@@ -48,6 +48,19 @@ pub(crate) fn delay(text: &str) -> Result<(Role, u16), String> {
     Ok((role, steps as u16))
 }
 
+/// A number of hours: more than none, and at most a year.
+pub(crate) fn hours(text: &str) -> Result<f64, String> {
+    /// A year. [h]
+    const MOST: f64 = 8766.0;
+    let number: Result<f64, _> = text.parse();
+    let hours = number.map_err(|_| format!("`{text}` is no number of hours"))?;
+    if hours > 0.0 && hours <= MOST {
+        Ok(hours)
+    } else {
+        Err(format!("{text}: more than 0 and at most {MOST} hours"))
+    }
+}
+
 /// `plan/path=0.3` as a topic and a share of its messages; without a share it is all.
 pub(crate) fn topic_share(text: &str) -> Result<(String, f64), String> {
     let (topic, share) = text.split_once('=').unwrap_or((text, "1"));

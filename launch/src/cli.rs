@@ -1,6 +1,6 @@
 //! The command line.
 
-use crate::arguments::{delay, service_role};
+use crate::arguments::{delay, hours, service_role};
 use crate::busy;
 use crate::compare::cli::CompareArgs;
 use crate::contract_kit::cli::ContractArgs;
@@ -334,9 +334,10 @@ impl UpArgs {
 /// Arguments of `zeronav suite`.
 #[derive(Debug, Clone, Args)]
 pub struct SuiteArgs {
-    /// generated (needs no data), barn, dynabarn, pedestrians, or a folder of scenarios.
+    /// generated (needs no data), barn, dynabarn, pedestrians, soak (drives under random faults), or a
+    /// folder of scenarios.
     #[arg(
-        value_name = "generated|barn|dynabarn|pedestrians|FOLDER",
+        value_name = "generated|barn|dynabarn|pedestrians|soak|FOLDER",
         default_value = "",
         hide_default_value = true,
         required_unless_present = "resume"
@@ -348,6 +349,9 @@ pub struct SuiteArgs {
           conflicts_with_all = ["suite", "controller", "seeds", "worlds", "noise", "perceive", "predict", "data",
                                  "out"])]
     pub resume: Option<PathBuf>,
+    /// Wall time of a soak in all of its calls, after which it begins no more drives; without, an hour.
+    #[arg(long, value_name = "H", value_parser = hours)]
+    pub hours: Option<f64>,
     /// Key of the local planner's controller; without, beam for dynabarn, pedestrians and what moves
     /// in generated, else its default or the scenario's.
     #[arg(long, value_name = "KEY")]
@@ -410,6 +414,7 @@ impl SuiteArgs {
                 predict: self.predict,
             },
             data: self.data.clone(),
+            hours: self.hours,
             jobs: self.jobs,
             progress: !self.headless,
             out: self.out.clone(),

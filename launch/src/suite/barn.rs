@@ -1,6 +1,6 @@
 //! BARN: static worlds, a score by time.
 
-use super::case::{Case, Rule, Sheet, Success};
+use super::case::{Case, Manner, Rule, Sheet, Success};
 use super::data::{self, WorldFile};
 use super::plan::{Setup, SuitePlan};
 use serde::Deserialize;
@@ -73,6 +73,7 @@ pub(super) fn cases(setup: &Setup<'_>, worlds: &[WorldFile]) -> Result<Vec<Case>
                     reference_m: Some(entry.path_length_m - GOAL_TOLERANCE_M),
                     future_is_known: false,
                 },
+                manner: Manner::default(),
             });
         }
     }

@@ -24,6 +24,18 @@ pub(super) struct Case {
     pub(super) time_limit_s: f64,
     /// By what it is judged.
     pub(super) rule: Rule,
+    /// How it is driven.
+    pub(super) manner: Manner,
+}
+
+/// How a run is driven.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Manner {
+    /// True in real time, false in lockstep.
+    pub(super) real_time: bool,
+    /// A folder of its own for temporary files, by which everything that it starts is known again;
+    /// `None` = that of this process.
+    pub(super) temp: Option<PathBuf>,
 }
 
 /// By what a run is judged.
@@ -110,20 +122,27 @@ pub(super) struct Sheet {
 const HANG_AFTER_S: f64 = 5.0;
 
 impl Sheet {
-    /// Writes the scenario: a Jackal that knows nothing of the world.
+    /// Writes the scenario.
     ///
     /// # Errors
     /// One line naming the file.
     pub(super) fn write(self, setup: &Setup<'_>) -> Result<PathBuf, String> {
+        let name = self.name.clone();
+        write(setup, &name, self.table(setup)?)
+    }
+
+    /// The scenario: a Jackal that knows nothing of the world.
+    ///
+    /// # Errors
+    /// One line about a value without a TOML form.
+    pub(super) fn table(self, setup: &Setup<'_>) -> Result<Table, String> {
         let mut robot = noise::jackal(setup.plan.noise);
         robot.insert("preset".into(), "jackal".into());
         let mut run = Table::new();
         run.insert("time_limit_s".into(), self.time_limit_s.into());
         let mut restart = Table::new();
         restart.insert("hang_after_s".into(), HANG_AFTER_S.into());
-        let mut goal = Table::new();
-        goal.insert("pose".into(), numbers(self.goal));
-        goal.insert("tolerance_m".into(), self.goal_tolerance_m.into());
+        let goal = goal(self.goal, self.goal_tolerance_m);
         let mut sheet = Table::new();
         sheet.insert("title".into(), self.title.into());
         sheet.insert("start".into(), numbers(self.start));
@@ -138,8 +157,16 @@ impl Sheet {
             let told = Table::try_from(foresight).map_err(|error| error.to_string())?;
             sheet.insert("foresight".into(), told.into());
         }
-        write(setup, &self.name, sheet)
+        Ok(sheet)
     }
+}
+
+/// A goal of a scenario.
+pub(super) fn goal(pose: Pose, tolerance_m: f64) -> Table {
+    let mut goal = Table::new();
+    goal.insert("pose".into(), numbers(pose));
+    goal.insert("tolerance_m".into(), tolerance_m.into());
+    goal
 }
 
 /// Writes a scenario with the suite's controller.
@@ -161,6 +188,6 @@ pub(super) fn write(setup: &Setup<'_>, name: &str, mut sheet: Table) -> Result<P
     Ok(setup.scenarios.path().join(name))
 }
 
-fn numbers(pose: Pose) -> Value {
+pub(super) fn numbers(pose: Pose) -> Value {
     vec![pose.x_m, pose.y_m, pose.yaw_rad].into()
 }

@@ -1,7 +1,7 @@
 //! `DynaBARN`: cylinders that go round whatever the robot does.
 
 use super::barn::TOLERANCE_SHARE;
-use super::case::{Case, Rule, Sheet, Success};
+use super::case::{Case, Manner, Rule, Sheet, Success};
 use super::data::{self, WorldFile};
 use super::plan::{Setup, SuitePlan};
 use rand::{RngExt, SeedableRng};
@@ -76,6 +76,7 @@ pub(super) fn cases(setup: &Setup<'_>, worlds: &[WorldFile]) -> Result<Vec<Case>
                     reference_m: Some(straight_m - GOAL_TOLERANCE_M),
                     future_is_known: true,
                 },
+                manner: Manner::default(),
             });
         }
     }

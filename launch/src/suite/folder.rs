@@ -1,6 +1,6 @@
 //! A folder of scenarios, each judged by what it expects itself.
 
-use super::case::{Case, Rule, Success, write};
+use super::case::{Case, Manner, Rule, Success, write};
 use super::data::{self, WorldFile};
 use super::noise;
 use super::plan::{Setup, SuitePlan};
@@ -16,7 +16,7 @@ use zeronav_shell::nearest::unknown;
 pub(super) fn worlds(plan: &SuitePlan) -> Result<Vec<WorldFile>, String> {
     let folder = Path::new(&plan.suite);
     if !folder.is_dir() {
-        let known = ["generated", "barn", "dynabarn", "pedestrians"];
+        let known = ["generated", "barn", "dynabarn", "pedestrians", "soak"];
         let why = unknown("suite", &plan.suite, known);
         return Err(format!("{why} (no folder of scenarios is called so)"));
     }
@@ -78,6 +78,7 @@ fn of_scenario(
             reference_m: straight_m(&own),
             future_is_known: false,
         },
+        manner: Manner::default(),
     };
     Ok((1..=setup.plan.seeds).map(case).collect())
 }

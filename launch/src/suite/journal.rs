@@ -5,6 +5,7 @@ use super::case::Case;
 use super::hindsight::ContactRow;
 use super::plan::Setup;
 use super::row::Row;
+use super::soak::soaked::Soaked;
 use crate::scenario::ForesightSpec;
 use crate::supervise::binaries;
 use serde::{Deserialize, Serialize};
@@ -20,7 +21,7 @@ use zeronav_msgs::role::Role;
 const NAME: &str = "runs.jsonl";
 
 /// First line: what decides about every run.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Order {
     pub(super) suite: String,
@@ -32,16 +33,28 @@ pub(super) struct Order {
     pub(super) foresight: ForesightSpec,
     /// Folder of the data sets, if one was named.
     pub(super) data: Option<PathBuf>,
+    /// Wall time of a soak, of which another may be said when it goes on. [h]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) hours: Option<f64>,
     /// Hash of the stock binaries.
     pub(super) build: String,
 }
 
-/// Every other line.
+/// A run that has finished.
 #[derive(Debug, Serialize, Deserialize)]
 struct Entry {
     key: String,
     row: Row,
     contacts: Vec<ContactRow>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    soaked: Option<Box<Soaked>>,
+}
+
+/// Wall time that a soak has used by then, in all of its calls.
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Used {
+    used_s: f64,
 }
 
 /// The journal, open for more.
@@ -51,6 +64,8 @@ pub(super) struct Journal {
     open: File,
     /// The rows that it holds by [`key`].
     rows: BTreeMap<String, Row>,
+    /// Wall time that a soak has used. [s]
+    used_s: f64,
 }
 
 /// Names a run: its scenario and its seed.
@@ -73,6 +88,7 @@ impl Journal {
             file,
             open,
             rows: BTreeMap::new(),
+            used_s: 0.0,
         };
         journal.append(order)?;
         Ok(journal)
@@ -96,11 +112,17 @@ impl Journal {
         let order: Order = serde_json::from_str(lines.next().unwrap_or_default())
             .map_err(|error| unusable(1, &error))?;
         let mut rows = BTreeMap::new();
+        let mut used_s: f64 = 0.0;
         for (n, line) in lines.enumerate() {
+            if let Ok(used) = serde_json::from_str::<Used>(line) {
+                used_s = used_s.max(used.used_s);
+                continue;
+            }
             let entry: Entry =
                 serde_json::from_str(line).map_err(|error| unusable(n + 2, &error))?;
             let row = Row {
                 contacts: entry.contacts,
+                soaked: entry.soaked,
                 ..entry.row
             };
             rows.insert(entry.key, row);
@@ -109,7 +131,13 @@ impl Journal {
             .append(NAME)
             .and_then(|open| open.set_len(whole.len() as u64).map(|()| open))
             .map_err(|error| failed(&file, &error))?;
-        Ok((order, Self { file, open, rows }))
+        let journal = Self {
+            file,
+            open,
+            rows,
+            used_s,
+        };
+        Ok((order, journal))
     }
 
     /// The row of a run that has finished.
@@ -125,11 +153,26 @@ impl Journal {
         let entry = Entry {
             key: key(case),
             contacts: row.contacts.clone(),
+            soaked: row.soaked.clone(),
             row,
         };
         self.append(&entry)?;
         self.rows.insert(entry.key, entry.row);
         Ok(())
+    }
+
+    /// Wall time that a soak has used, in all of its calls. [s]
+    pub(super) fn used_s(&self) -> f64 {
+        self.used_s
+    }
+
+    /// Notes how much that is by now.
+    ///
+    /// # Errors
+    /// One line naming the file.
+    pub(super) fn use_up(&mut self, used_s: f64) -> Result<(), String> {
+        self.used_s = used_s;
+        self.append(&Used { used_s })
     }
 
     fn append(&mut self, line: &impl Serialize) -> Result<(), String> {
@@ -142,6 +185,15 @@ impl Journal {
 }
 
 impl Order {
+    /// True when the runs of `other` are those of this one, for however long they go on.
+    pub(super) fn is_same(&self, other: &Self) -> bool {
+        let other = Self {
+            hours: self.hours,
+            ..other.clone()
+        };
+        *self == other
+    }
+
     /// What `setup` asks for, with the binaries that are there now.
     ///
     /// # Errors
@@ -157,6 +209,7 @@ impl Order {
             noise: plan.noise.label().to_owned(),
             foresight: plan.foresight,
             data: plan.data.as_ref().map(absolute),
+            hours: plan.hours,
             build: build()?,
         })
     }

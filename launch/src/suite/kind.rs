@@ -7,6 +7,7 @@ pub(super) enum Kind {
     Dynabarn,
     Pedestrians,
     Generated,
+    Soak,
     Folder,
 }
 
@@ -18,6 +19,7 @@ impl Kind {
             "dynabarn" => Self::Dynabarn,
             "pedestrians" => Self::Pedestrians,
             "generated" => Self::Generated,
+            "soak" => Self::Soak,
             _ => Self::Folder,
         }
     }
@@ -28,6 +30,7 @@ impl Kind {
             Self::Dynabarn => "dynabarn",
             Self::Pedestrians => "pedestrians",
             Self::Generated => "generated",
+            Self::Soak => "soak",
             Self::Folder => "folder",
         }
     }
@@ -49,6 +52,10 @@ impl Kind {
             }
             Self::Generated => {
                 "worlds drawn from their numbers in our own 2-D simulator: no benchmark of others"
+            }
+            Self::Soak => {
+                "drives with random faults in our own 2-D simulator: what breaks is put right, and \
+                 nothing is left over"
             }
             Self::Folder => "scenarios in our own 2-D simulator, judged by what they expect",
         }

@@ -1,7 +1,7 @@
 //! `zeronav suite`: the worlds of a data set, or a folder of scenarios, one lockstep run after the
-//! other on every core, and what came of them.
+//! other on every core, and what came of them; or a soak of drives under faults.
 //!
-//! Every run is a `zeronav run --lockstep` of its own, so it has its own domain, its own folder
+//! Every run is a `zeronav run` of its own, so it has its own domain, its own folder
 //! with result and picture, and cannot take the others with it.
 
 mod barn;
@@ -27,6 +27,7 @@ mod row;
 mod rows;
 mod runner;
 mod score;
+mod soak;
 mod summary;
 mod track;
 
@@ -45,6 +46,7 @@ use report::Report;
 use row::Row;
 use rows::drive_rest;
 use runner::{Runner, Stopped};
+use soak::verdict::{End, SoakReport};
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
@@ -55,6 +57,9 @@ use zeronav_files::Folder;
 /// # Errors
 /// [`SuiteError`]; runs that fail are no error but rows of the report.
 pub(crate) fn suite(plan: &SuitePlan, interrupted: &AtomicBool) -> Result<Report, SuiteError> {
+    if plan.resume.is_none() {
+        check_words(plan)?;
+    }
     if plan.bound {
         return plan_all(plan, interrupted);
     }
@@ -70,8 +75,10 @@ pub(crate) fn suite(plan: &SuitePlan, interrupted: &AtomicBool) -> Result<Report
         noise: Noise::from_label(&order.noise).unwrap_or_default(),
         foresight: order.foresight,
         data: order.data.clone(),
+        hours: plan.hours.or(order.hours),
         ..plan.clone()
     };
+    check_words(&plan)?;
     begin(&plan, interrupted, Some((directory, &order, journal)))
 }
 
@@ -81,11 +88,6 @@ fn begin(
     resumed: Option<(&Path, &Order, Journal)>,
 ) -> Result<Report, SuiteError> {
     let kind = Kind::of(&plan.suite);
-    if kind == Kind::Folder && !plan.foresight.is_none() {
-        let why = "--perceive and --predict: the scenarios of a folder are judged by what they \
-                   expect, and what is judged is told nothing";
-        return Err(SuiteError::Usage(why.to_owned()));
-    }
     let worlds = worlds(kind, plan)?;
     check_binaries(kind, plan)?;
     let before = Before::read();
@@ -102,7 +104,7 @@ fn begin(
     };
     let order = Order::of(&setup)?;
     let mut journal = match resumed {
-        Some((_, begun, journal)) if *begun == order => journal,
+        Some((_, begun, journal)) if begun.is_same(&order) => journal,
         Some(_) => {
             return Err(SuiteError::Usage(format!(
                 "{} was begun with other binaries or data than are here now: run the suite again",
@@ -112,15 +114,22 @@ fn begin(
         None => Journal::begin(&folders.all, &order).map_err(SuiteError::Lost)?,
     };
     let runner = Runner::new(plan, folders.runs.clone(), interrupted)?;
-    let cases = cases(kind, &setup, &worlds, &runner)?;
-    let ended = drive_rest(&runner, kind.label(), &cases, &mut journal);
+    let (cases, soaked, ended) = if kind == Kind::Soak {
+        let driven = soak::drive(&runner.quiet(), &setup, &folders.all, &mut journal)?;
+        let soaked = (driven.end, driven.used_s);
+        (driven.cases, Some(soaked), driven.ended)
+    } else {
+        let cases = cases(kind, &setup, &worlds, &runner)?;
+        let ended = drive_rest(&runner, kind.label(), &cases, &mut journal);
+        (cases, None, ended)
+    };
     let rows: Vec<Row> = cases
         .iter()
         .filter_map(|case| journal.row(case).cloned())
         .collect();
     let report = leave(
         &setup,
-        (cases.len(), rows),
+        (cases.len(), rows, soaked),
         &folders.all,
         (&started, &before),
     )?;
@@ -156,20 +165,26 @@ fn plan_all(plan: &SuitePlan, interrupted: &AtomicBool) -> Result<Report, SuiteE
     let rows = bound::rows(&cases, runner.jobs(), plan.progress, interrupted)?;
     leave(
         &setup,
-        (cases.len(), rows),
+        (cases.len(), rows, None),
         &folders.all,
         (&started, &before),
     )
 }
 
-/// The report of so many cases, of which these have a row, in the suite's folder.
+/// The report of so many cases, of which these have a row, in the suite's folder; of a soak with how it
+/// ended and the wall time that it has used. [s]
 fn leave(
     setup: &Setup<'_>,
-    (n_cases, rows): (usize, Vec<Row>),
+    (n_cases, rows, soaked): (usize, Vec<Row>, Option<(End, f64)>),
     folder: &Folder,
     (started, before): (&Instant, &Before),
 ) -> Result<Report, SuiteError> {
-    let report = Report::new(
+    let soak = soaked.map(|(end, used_s)| {
+        let hours = setup.plan.hours.unwrap_or(soak::HOURS);
+        let drives = rows.iter().filter_map(|row| row.soaked.as_deref().cloned());
+        SoakReport::new(end, (hours, used_s), drives.collect())
+    });
+    let mut report = Report::new(
         setup,
         Kind::of(&setup.plan.suite),
         n_cases,
@@ -178,8 +193,30 @@ fn leave(
         started.elapsed().as_secs_f64(),
         before.environment(),
     );
+    if let Some(soak) = soak {
+        report = report.of_soak(soak);
+    }
     report.leave(folder).map_err(SuiteError::Lost)?;
     Ok(report)
+}
+
+/// Accepts what fits the suite.
+fn check_words(plan: &SuitePlan) -> Result<(), SuiteError> {
+    let kind = Kind::of(&plan.suite);
+    let is_soak = kind == Kind::Soak;
+    let is_told = !plan.foresight.is_none();
+    let why = if kind == Kind::Folder && is_told {
+        "--perceive and --predict: the scenarios of a folder are judged by what they expect, and what \
+         is judged is told nothing"
+    } else if is_soak && (is_told || plan.bound || plan.seeds != 1) {
+        "--perceive, --predict, --bound and --seeds: a soak has none of them; each of its drives has \
+         the seed that is drawn from its number, and --worlds A..B picks some"
+    } else if !is_soak && plan.hours.is_some() {
+        "--hours: only a soak goes on until its time is used up"
+    } else {
+        return Ok(());
+    };
+    Err(SuiteError::Usage(why.to_owned()))
 }
 
 /// The worlds that the plan asks for.
@@ -189,6 +226,8 @@ fn worlds(kind: Kind, plan: &SuitePlan) -> Result<Vec<WorldFile>, String> {
         Kind::Dynabarn => dynabarn::worlds(plan),
         Kind::Pedestrians => pedestrians::worlds(plan),
         Kind::Generated => Ok(generated::worlds(plan)),
+        // Each of its drives draws its own.
+        Kind::Soak => Ok(Vec::new()),
         Kind::Folder => folder::worlds(plan),
     }
 }
@@ -205,6 +244,8 @@ fn cases(
         Kind::Dynabarn => dynabarn::cases(setup, worlds)?,
         Kind::Pedestrians => pedestrians::cases(setup, worlds, runner)?,
         Kind::Generated => generated::cases(setup, worlds)?,
+        // They are endless.
+        Kind::Soak => Vec::new(),
         Kind::Folder => folder::cases(setup, worlds)?,
     };
     Ok(cases)

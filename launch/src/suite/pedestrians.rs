@@ -1,7 +1,7 @@
 //! Recorded people: the robot crosses the scene, and they do not see it.
 
 use super::barn::TOLERANCE_SHARE;
-use super::case::{Case, Rule, Sheet, Success};
+use super::case::{Case, Manner, Rule, Sheet, Success};
 use super::data::{self, WorldFile};
 use super::error::SuiteError;
 use super::plan::{Setup, SuitePlan};
@@ -124,6 +124,7 @@ fn empty_case(
         scenario: sheet.write(setup)?,
         time_limit_s: EMPTY_LIMIT_S,
         rule: rule(start, goal),
+        manner: Manner::default(),
     })
 }
 
@@ -160,6 +161,7 @@ fn case(
         scenario: sheet.write(setup)?,
         time_limit_s: limit_s,
         rule: rule(start, goal),
+        manner: Manner::default(),
     })
 }
 

@@ -10,7 +10,7 @@ use zeronav_files::Folder;
 /// The order for a suite.
 #[derive(Debug, Clone)]
 pub struct SuitePlan {
-    /// `generated`, `barn`, `dynabarn`, `pedestrians`, or a folder of scenarios.
+    /// `generated`, `barn`, `dynabarn`, `pedestrians`, `soak`, or a folder of scenarios.
     pub suite: String,
     /// Folder of an interrupted suite to continue; its journal then has the order.
     pub resume: Option<PathBuf>,
@@ -28,6 +28,8 @@ pub struct SuitePlan {
     pub foresight: ForesightSpec,
     /// Folder of the data sets; `None` = `$ZERONAV_DATA` or `./data`.
     pub data: Option<PathBuf>,
+    /// Wall time of a soak in all its calls; `None` = an hour. [h]
+    pub hours: Option<f64>,
     /// Runs at a time; `None` = as many as there are cores.
     pub jobs: Option<NonZeroUsize>,
     /// True when a progress line is shown.

@@ -4,6 +4,7 @@ use super::hindsight::ContactRow;
 use super::kind::Kind;
 use super::plan::Setup;
 use super::row::Row;
+use super::soak::verdict::{End, SoakReport};
 use super::summary::Summary;
 use super::{csv_file, junit};
 use crate::result::Environment;
@@ -85,6 +86,9 @@ pub(crate) struct Report {
     pub runs: Vec<Row>,
     /// Every contact of every run.
     pub contacts: Vec<ContactRow>,
+    /// What is asked of a soak, and what it came to; null for other suites.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub soak: Option<SoakReport>,
     /// Wall time. [s]
     pub wall_s: f64,
     /// Machine and build.
@@ -130,9 +134,19 @@ impl Report {
             groups,
             contacts: runs.iter().flat_map(|row| row.contacts.clone()).collect(),
             runs,
+            soak: None,
             wall_s,
             environment,
             directory: directory.display().to_string(),
+        }
+    }
+
+    /// The same with what a soak came to, whose last run is known when it has ended.
+    pub(super) fn of_soak(self, soak: SoakReport) -> Self {
+        Self {
+            complete: soak.ended != End::Interrupted,
+            soak: Some(soak),
+            ..self
         }
     }
 
@@ -160,11 +174,14 @@ impl Report {
     pub(crate) fn to_text(&self) -> String {
         let mut text = String::new();
         if !self.complete {
+            let of = match &self.soak {
+                Some(_) => String::new(),
+                None => format!(" of {}", self.planned),
+            };
             let _ = writeln!(
                 text,
-                "interrupted: {} of {} runs; go on with `zeronav suite --resume {}`",
+                "interrupted: {}{of} runs; go on with `zeronav suite --resume {}`",
                 self.runs.len(),
-                self.planned,
                 self.directory
             );
         }
@@ -189,6 +206,9 @@ impl Report {
         self.write_failures(&mut text);
         self.write_faults(&mut text);
         self.write_not_reproducible(&mut text);
+        if let Some(soak) = &self.soak {
+            soak.write(&mut text);
+        }
         let _ = writeln!(text, "\n  {}", self.directory);
         text
     }

@@ -4,6 +4,7 @@ use super::case::{Case, Success};
 use super::hindsight::{ContactRow, Hindsight};
 use super::runner::Finish;
 use super::score::{RULES, score};
+use super::soak::soaked::Soaked;
 use super::track::{closest_m, turning_rad};
 use crate::exit::EXIT_USAGE;
 use crate::result::{RunResult, Touch};
@@ -75,6 +76,9 @@ pub(crate) struct Row {
     /// What it touched; the report has it in a list of its own.
     #[serde(skip)]
     pub contacts: Vec<ContactRow>,
+    /// What came of a drive of a soak; the report has it in a list of its own.
+    #[serde(skip)]
+    pub soaked: Option<Box<Soaked>>,
 }
 
 impl Row {
@@ -195,6 +199,7 @@ impl Row {
             directory: None,
             refusal: None,
             contacts: Vec::new(),
+            soaked: None,
         }
     }
 
@@ -272,7 +277,7 @@ fn missed(success: &Success, run: &RunResult, goal_distance_m: Option<f64>) -> O
 
 #[cfg(test)]
 mod tests {
-    use super::super::case::Rule;
+    use super::super::case::{Manner, Rule};
     use super::*;
     use serde_json::{Value, json};
     use std::path::PathBuf;
@@ -294,6 +299,7 @@ mod tests {
                 reference_m: Some(9.0),
                 future_is_known: false,
             },
+            manner: Manner::default(),
         }
     }
 
@@ -332,6 +338,7 @@ mod tests {
             code: Some(0),
             hung: false,
             complaint: String::new(),
+            domain: None,
         };
         Row::new(&case(standing_counts), &finish)
     }
@@ -403,6 +410,7 @@ mod tests {
             code: Some(3),
             hung: false,
             complaint: "mapping stopped answering".to_owned(),
+            domain: None,
         };
         let row = Row::new(&case(true), &finish);
         assert_eq!((row.success, row.score), (false, Some(0.0)));

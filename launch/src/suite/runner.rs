@@ -1,7 +1,8 @@
-//! Runs side by side: each a `zeronav run --lockstep` of its own.
+//! Runs side by side: each a `zeronav run` of its own, in lockstep unless its case is in real time.
 
 use super::case::Case;
 use super::plan::SuitePlan;
+use super::soak::left;
 use crate::exit::EXIT_INTERRUPTED;
 use crate::result::RunResult;
 use crate::show::progress::{ProgressLine, Tally};
@@ -20,6 +21,9 @@ const STOP_LIMIT: Duration = Duration::from_secs(20);
 /// Between two looks at the runs.
 const PAUSE: Duration = Duration::from_millis(10);
 
+/// Between two looks for the domain of a run.
+const DOMAIN_PAUSE: Duration = Duration::from_millis(50);
+
 /// How a run begins what it complains; warnings of the log may stand before it.
 const COMPLAINT: &str = "zeronav: ";
 
@@ -34,6 +38,8 @@ pub(super) struct Finish {
     pub(super) hung: bool,
     /// What it complained, without the log before; empty when it did not.
     pub(super) complaint: String,
+    /// Root folder of its domain; `None` when that was not looked for, or it ended before it had one.
+    pub(super) domain: Option<PathBuf>,
 }
 
 impl Finish {
@@ -77,6 +83,9 @@ struct Going<'a> {
     started: Instant,
     /// When it was asked to stop, and whether because it took too long.
     asked: Option<(Instant, bool)>,
+    /// Root folder of its domain, and when that was looked for.
+    domain: Option<PathBuf>,
+    looked: Instant,
 }
 
 impl<'a> Runner<'a> {
@@ -103,6 +112,19 @@ impl<'a> Runner<'a> {
     /// Runs at a time.
     pub(super) const fn jobs(&self) -> usize {
         self.jobs
+    }
+
+    /// The same without a line that says how far the runs are.
+    pub(super) fn quiet(self) -> Self {
+        Self {
+            progress: false,
+            ..self
+        }
+    }
+
+    /// True after Ctrl-C.
+    pub(super) fn is_interrupted(&self) -> bool {
+        self.interrupted.load(Ordering::Relaxed)
     }
 
     /// Makes all runs, some at a time, and hands over what each finished with as it does. A run
@@ -134,12 +156,13 @@ impl<'a> Runner<'a> {
                     Err(problem) => stopped = Some(Stopped::Refused(problem)),
                 }
             }
-            if self.interrupted.load(Ordering::Relaxed) {
+            if self.is_interrupted() {
                 stopped.get_or_insert(Stopped::Interrupted);
             }
             let mut still = Vec::with_capacity(going.len());
             for mut one in going.drain(..) {
                 one.hurry(stopped.is_some());
+                one.look();
                 let Some(status) = one.ended() else {
                     still.push(one);
                     continue;
@@ -192,10 +215,19 @@ impl<'a> Runner<'a> {
         let file = |name: &String| self.out.new_file(name).map_err(failed);
         let files = [file(&names[0])?, file(&names[1])?];
         let handed = |file: &File| file.try_clone().map_err(failed);
-        let process = Command::new(&self.program)
+        let mut command = Command::new(&self.program);
+        if let Some(temp) = &case.manner.temp {
+            // What a suite that was killed has left of this very run.
+            left::clear(temp);
+            std::fs::create_dir(temp).map_err(failed)?;
+            command.env(left::TEMP, temp);
+        }
+        let lockstep = (!case.manner.real_time).then_some("--lockstep");
+        let process = command
             .arg("run")
             .arg(&case.scenario)
-            .args(["--lockstep", "--headless", "--json", "--log-level", "warn"])
+            .args(lockstep)
+            .args(["--headless", "--json", "--log-level", "warn"])
             .arg("--report-failures-only")
             .args(["--seed", &case.seed.to_string()])
             .arg("--out")
@@ -216,6 +248,8 @@ impl<'a> Runner<'a> {
             files,
             started: Instant::now(),
             asked: None,
+            domain: None,
+            looked: Instant::now(),
         })
     }
 }
@@ -247,6 +281,14 @@ impl Going<'_> {
         }
     }
 
+    /// Looks for its domain, if what it leaves over is asked for.
+    fn look(&mut self) {
+        if self.domain.is_none() && self.looked.elapsed() >= DOMAIN_PAUSE {
+            self.looked = Instant::now();
+            self.domain = self.case.manner.temp.as_deref().and_then(left::domain);
+        }
+    }
+
     /// True when it was asked to stop because all were.
     fn is_cut_short(&self) -> bool {
         self.asked.is_some_and(|(_, hung)| !hung)
@@ -273,6 +315,7 @@ impl Going<'_> {
             result: serde_json::from_str(&text).ok(),
             code: status.code(),
             hung: self.asked.is_some_and(|(_, hung)| hung),
+            domain: self.domain.clone(),
             complaint: complaint
                 .strip_prefix(COMPLAINT)
                 .unwrap_or_default()

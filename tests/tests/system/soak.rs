@@ -1,6 +1,7 @@
 //! Every service with every fault, and many random faults in one long drive.
 
-use serde_json::Value;
+use rustix::process::Signal;
+use serde_json::{Value, json};
 use std::os::unix::fs::MetadataExt;
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -8,7 +9,7 @@ use zeronav_tests::faults::{
     DISTURBED_EVERY_S, KINDS, SERVICES, disturbed, effect, fault, scenario,
 };
 use zeronav_tests::up::Up;
-use zeronav_tests::{Zeronav, leftovers, real_time_turn};
+use zeronav_tests::{Zeronav, children_of, leftovers, real_time_turn, services_of};
 
 /// Faults that come twice a second make a long drive slow: no run takes longer.
 const LONG: Duration = Duration::from_secs(3600);
@@ -134,6 +135,56 @@ fn successors_of_mapping_know_where_odometry_has_drifted_to() {
     eprintln!("odometry {alone_m:.2} m off, the map {corrected_m:.3} m");
     assert!(alone_m > 0.3, "{alone_m} m of drift prove nothing");
     assert!(corrected_m < 0.1, "{corrected_m} m off after a restart");
+}
+
+/// One drive of `zeronav suite soak`, which is interrupted and goes on.
+#[test]
+fn soak_as_a_suite_goes_on_and_counts_faults_restarts_and_what_is_left() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let arguments = ["suite", "soak", "--worlds", "0..1", "--json"];
+    let mut soak = Zeronav::start_in(folder, &arguments);
+    let services = |soak: &Zeronav| -> Vec<(u32, String)> {
+        let runs = children_of(soak.pid()).into_iter();
+        runs.flat_map(|(run, _)| services_of(run)).collect()
+    };
+    soak.wait_until("it drives", |soak| services(soak).len() == 5);
+    soak.signal(Signal::INT);
+    let ended = soak.finish();
+    let report = ended.expect(130);
+    assert_eq!(report["complete"], false, "{report:#}");
+    let (first, first_s) = (&report["soak"], &report["soak"]["used_s"]);
+    assert_eq!(
+        (&first["ended"], &first["verdict"]),
+        (&json!("interrupted"), &json!("open"))
+    );
+
+    let name = report["directory"].as_str().expect("its folder").to_owned();
+    let arguments = ["suite", "--resume", &name, "--hours", "0.5", "--json"];
+    let report = Zeronav::start_in(ended.folder, &arguments)
+        .finish()
+        .expect(0);
+    assert_eq!(report["complete"], true);
+    let soak = &report["soak"];
+    assert_eq!(
+        (&soak["ended"], &soak["hours"]),
+        (&json!("worlds"), &json!(0.5))
+    );
+    assert!(soak["used_s"].as_f64() > first_s.as_f64(), "{soak:#}");
+    let totals = &soak["totals"];
+    assert_eq!(
+        (&totals["drives"], &totals["faults"]),
+        (&json!(1), &json!(40))
+    );
+    let restarts = totals["restarts"].as_object().expect("restarts by seat");
+    let n: u64 = restarts.values().filter_map(Value::as_u64).sum();
+    assert_eq!((restarts.len(), n), (4, 30), "{totals:#}");
+    // Other tests' stacks come and go meanwhile, and do not count.
+    for name in ["contacts_own_fault", "stuck", "failed", "left", "unasked"] {
+        assert_eq!(totals[name], 0, "{name}: {soak:#}");
+    }
+    assert_eq!(soak["drives"][0]["seed"], 1);
+    let run = report["runs"][0]["directory"].as_str().expect("its folder");
+    assert!(run.starts_with(&name), "{run}");
 }
 
 #[test]

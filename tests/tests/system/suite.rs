@@ -131,6 +131,12 @@ fn invalid_suites_end_with_one_line_and_exit_code_2() {
         (&["suite", "barn", "--data", "nowhere"][..], "nowhere/barn"),
         (&["suite", "no_such_folder"], "no_such_folder"),
         (&["suite", "barn", "--worlds", "5..5"], "5..5"),
+        (&["suite", "generated", "--hours", "1"], "--hours"),
+        (&["suite", "soak", "--hours", "0"], "more than 0"),
+        (
+            &["suite", "soak", "--hours", "1", "--seeds", "2"],
+            "--seeds",
+        ),
     ] {
         let ended = zeronav(arguments);
         assert_eq!(ended.code(), 2, "{}", ended.stderr);

@@ -1,4 +1,4 @@
-use super::super::case::Rule;
+use super::super::case::{Manner, Rule};
 use super::super::future::{Mover, walker};
 use super::super::oracle::robot::{Abilities, State};
 use super::*;
@@ -195,6 +195,7 @@ fn case(folder: &tempfile::TempDir) -> Case {
             reference_m: Some(7.0),
             future_is_known: true,
         },
+        manner: Manner::default(),
     }
 }
 
