@@ -21,7 +21,7 @@ use zeronav_msgs::pose::Pose;
 use zeronav_msgs::replica::{MapReplica, Step};
 use zeronav_msgs::role::Role;
 use zeronav_msgs::span::{Span, SpanKind};
-use zeronav_msgs::task::{StuckCause, TaskState};
+use zeronav_msgs::task::TaskState;
 use zeronav_msgs::truth::Truth;
 use zeronav_shell::Roster;
 use zeronav_world::Convex;
@@ -202,8 +202,9 @@ impl Collector {
     fn hear_status(&mut self, taps: &mut Taps, roster: &Roster) {
         if taps.status.poll(roster)
             && let Some(view) = taps.status.get()
-            && let Some((state, reason)) = view.meta.state().zip(view.meta.reason())
+            && let Some(told) = Task::of(view.meta)
         {
+            let state = told.state;
             let reached = view
                 .items
                 .iter()
@@ -218,23 +219,19 @@ impl Collector {
             let report = TaskReport {
                 task: view.meta.task,
                 state,
-                reason,
+                reason: told.reason,
                 tick,
                 remaining_m: view.meta.remaining_m,
                 recoveries: view.meta.recoveries,
-                cause: view.meta.cause().unwrap_or(StuckCause::None),
+                cause: told.stuck,
+                blocked: told.blocked,
             };
             self.task = Some(report);
             (self.film).task(view.header.run_ns, state, &self.reached);
-            let task = Task {
-                state,
-                reason,
-                stuck: report.cause,
-            };
             // The end of a task may be heard with a later message.
             let is_then = tick == view.header.tick;
             let run_ns = if is_then { view.header.run_ns } else { 0 };
-            self.reasons.task(tick, run_ns, task);
+            self.reasons.task(tick, run_ns, told);
             self.seen.hear(tick, view.header.run_ns, Fact::Task(report));
         }
     }

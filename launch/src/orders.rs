@@ -41,6 +41,8 @@ struct Kept {
     id: u64,
     /// Run time that it took, once it has ended. [ns]
     took_ns: u64,
+    /// Why it failed, in words; empty when it has not.
+    why: String,
     redirect: Redirect,
 }
 
@@ -85,6 +87,7 @@ impl Orders {
         self.kept.push_back(Kept {
             id,
             took_ns: 0,
+            why: String::new(),
             redirect: Redirect {
                 time_s,
                 goal: pose,
@@ -120,11 +123,12 @@ impl Orders {
         Some(goals)
     }
 
-    /// The current order's task has ended. Returns its goals when it begins again.
+    /// The current order's task has ended; `why` it failed, in words. Returns its goals when it begins
+    /// again.
     pub(crate) fn ended(
         &mut self,
-        state: TaskState,
-        reason: EndReason,
+        (state, reason): (TaskState, EndReason),
+        why: Option<String>,
         run_ns: u64,
     ) -> Option<Vec<Goal>> {
         let current = self.current.as_ref()?;
@@ -139,7 +143,12 @@ impl Orders {
             (TaskState::Cancelled, None) => "cancelled",
             (_, None) => reason.label(),
         };
+        let failed = outcome == reason.label();
+        let id = current.id;
         self.settle(outcome, run_ns);
+        if let Some(kept) = self.kept.iter_mut().find(|kept| failed && kept.id == id) {
+            kept.why = why.unwrap_or_default();
+        }
         None
     }
 
@@ -209,6 +218,12 @@ impl Orders {
     pub(crate) fn outcome(&self, id: u64) -> Option<(&str, u64)> {
         let kept = self.kept.iter().find(|kept| kept.id == id)?;
         Some((&kept.redirect.outcome, kept.took_ns))
+    }
+
+    /// Why an order failed, in words; empty when it has not.
+    pub(crate) fn why(&self, id: u64) -> &str {
+        let kept = self.kept.iter().find(|kept| kept.id == id);
+        kept.map_or("", |kept| &kept.why)
     }
 
     /// How many orders are served before this one.
@@ -296,11 +311,16 @@ mod tests {
         assert_eq!(orders.begin(11, Vec::new()), None, "one at a time");
         assert_eq!(orders.outcome(3), Some((QUEUED, 0)));
         assert_eq!(orders.n_before(3), 2);
-        assert_eq!(orders.ended(TaskState::Reached, EndReason::None, 30), None);
+        assert_eq!(
+            orders.ended((TaskState::Reached, EndReason::None), None, 30),
+            None
+        );
         assert_eq!(orders.begin(20, Vec::new()).expect("the second").len(), 1);
         assert_eq!(orders.n_before(3), 1);
         assert_eq!(orders.outcome(1), Some(("reached", 20)));
-        orders.ended(TaskState::Failed, EndReason::GoalBlocked, 40);
+        let why = Some("because".to_owned());
+        orders.ended((TaskState::Failed, EndReason::GoalBlocked), why, 40);
+        assert_eq!((orders.why(2), orders.why(1)), ("because", ""));
         assert_eq!(orders.current(), None);
         assert_eq!(outcomes(&orders), ["reached", "goal_blocked", "queued"]);
     }
@@ -315,12 +335,15 @@ mod tests {
         let id = give(&mut orders, repeated);
         orders.begin(0, Vec::new());
         for _ in 0..3 {
-            let again = orders.ended(TaskState::Reached, EndReason::None, 30);
+            let again = orders.ended((TaskState::Reached, EndReason::None), None, 30);
             assert_eq!(again.map(|goals| goals.len()), Some(1));
         }
         assert_eq!(orders.cancel(Some(id)), Ok(true));
         // It arrived before the cancellation was due.
-        assert_eq!(orders.ended(TaskState::Reached, EndReason::None, 30), None);
+        assert_eq!(
+            orders.ended((TaskState::Reached, EndReason::None), None, 30),
+            None
+        );
         assert_eq!(outcomes(&orders), ["cancelled"]);
     }
 
@@ -335,7 +358,7 @@ mod tests {
         assert!(orders.cancel(Some(2)).is_err(), "it is cancelled already");
         assert!(orders.cancel(Some(99)).is_err());
         assert_eq!(orders.cancel(None), Ok(true));
-        orders.ended(TaskState::Cancelled, EndReason::None, 30);
+        orders.ended((TaskState::Cancelled, EndReason::None), None, 30);
         assert_eq!(outcomes(&orders), ["cancelled"; 3]);
     }
 
@@ -365,7 +388,7 @@ mod tests {
         assert!(!orders.is_over_time(1_100));
         assert!(orders.is_over_time(1_101));
         assert!(!orders.is_over_time(1_102), "it is cancelled once");
-        orders.ended(TaskState::Cancelled, EndReason::None, 30);
+        orders.ended((TaskState::Cancelled, EndReason::None), None, 30);
         assert_eq!(outcomes(&orders), ["time_limit"]);
     }
 
@@ -378,7 +401,7 @@ mod tests {
         assert!(orders.give(0.0, order(1.0)).is_err());
         for _ in 0..2 * KEPT_MAX {
             orders.begin(0, Vec::new());
-            orders.ended(TaskState::Reached, EndReason::None, 30);
+            orders.ended((TaskState::Reached, EndReason::None), None, 30);
             give(&mut orders, order(1.0));
         }
         assert_eq!(orders.records().len(), KEPT_MAX);

@@ -68,10 +68,14 @@ impl Reasons {
     }
 
     /// The task is so, since this tick; 0 = its run time is not known. [ns] That it is active is told
-    /// now and then only, so it is news only after an end.
+    /// now and then only, so it is news only after an end. A local planner without a task is none:
+    /// an outcome stays until the next goal, whoever has told it.
     pub(crate) fn task(&mut self, tick: u64, run_ns: u64, task: Task) {
+        if task.state == TaskState::Idle {
+            return;
+        }
         let held = self.held.values().rev().find_map(|tick| tick.task);
-        let is_over = |task: Task| !matches!(task.state, TaskState::Idle | TaskState::Active);
+        let is_over = |task: Task| task.state != TaskState::Active;
         if is_over(task) || held.or(self.now.task).is_some_and(is_over) {
             self.tick(tick, run_ns).task = Some(task);
         }
@@ -175,9 +179,10 @@ fn words(moment: &Moment) -> impl PartialEq + use<> {
                 said.time_s.map(f64::to_bits),
             )
         }),
-        moment
-            .task
-            .map(|said| (said.state, said.reason, said.stuck)),
+        moment.task.map(|said| {
+            let block = said.blocked.map(|blocked| blocked.block);
+            (said.state, said.reason, said.stuck, block)
+        }),
     )
 }
 
@@ -185,6 +190,7 @@ fn words(moment: &Moment) -> impl PartialEq + use<> {
 mod tests {
     use super::*;
     use zeronav_msgs::command::{Intervention, RequestCause, Validity};
+    use zeronav_msgs::task::{EndReason, StuckCause};
 
     const TICK_NS: u64 = 20_000_000;
 
@@ -285,6 +291,31 @@ mod tests {
         assert!((held.time_s - 24.0).abs() < 1e-9, "{held:?}");
         assert_eq!(held.request.expect("a request").cause, RequestCause::Free);
         assert_eq!(reasons.at(100 * TICK_NS), None, "the oldest are gone");
+    }
+
+    #[test]
+    fn an_outcome_stays_until_the_next_goal_whoever_answers() {
+        let task = |state| Task {
+            state,
+            reason: EndReason::None,
+            stuck: StuckCause::None,
+            blocked: None,
+        };
+        let mut reasons = Reasons::default();
+        let mut state_after = |tick: u64, state| {
+            reasons.task(tick, tick * TICK_NS, task(state));
+            say(&mut reasons, tick, RequestCause::None, Intervention::None);
+            let moment = reasons.at(tick * TICK_NS).expect("it is kept");
+            moment.task.map(|task| task.state)
+        };
+        assert_eq!(state_after(1, TaskState::Active), None, "no news");
+        for (tick, outcome) in [(100, TaskState::Failed), (200, TaskState::Reached)] {
+            assert_eq!(state_after(tick, outcome), Some(outcome));
+            // A successor has no task.
+            assert_eq!(state_after(tick + 1, TaskState::Idle), Some(outcome));
+            let next = state_after(tick + 2, TaskState::Active);
+            assert_eq!(next, Some(TaskState::Active), "the next goal");
+        }
     }
 
     #[test]

@@ -6,6 +6,7 @@
 //! it; the rest is dropped. So the same run gives the same totals whatever the load.
 
 use crate::measure::{Motion, TruthComparison};
+use crate::result::moment::{Blocked, Task};
 use std::collections::{HashMap, VecDeque};
 use zeronav_msgs::command::Intervention;
 use zeronav_msgs::obstacles::Obstacle;
@@ -42,6 +43,20 @@ pub(crate) struct TaskReport {
     pub recoveries: u32,
     /// Why it got stuck.
     pub cause: StuckCause,
+    /// The cell because of which it failed.
+    pub blocked: Option<Blocked>,
+}
+
+impl TaskReport {
+    /// What became of it.
+    pub(crate) const fn outcome(&self) -> Task {
+        Task {
+            state: self.state,
+            reason: self.reason,
+            stuck: self.cause,
+            blocked: self.blocked,
+        }
+    }
 }
 
 /// Something that was heard.

@@ -2,6 +2,7 @@
 
 use crate::command::{Intervention, PlannerInput, RecoveryReason, RequestCause, Validity};
 use crate::health::HealthState;
+use crate::map::ObstacleSource;
 use crate::path::{PathBlock, PathCause, PathStatus};
 use crate::request::RequestReason;
 use crate::role::Role;
@@ -31,6 +32,7 @@ labels!(
     EndReason,
     HealthState,
     Intervention,
+    ObstacleSource,
     PathBlock,
     PathCause,
     PathStatus,

@@ -1,9 +1,9 @@
 //! `map/update` and `map/keyframe`: the map, tile by tile.
 
 use crate::grid::{Cell, CellRect, GridGeometry};
-use crate::message;
 use crate::message::{Refusal, ZeroCopySend, ensure, number};
 use crate::pose::Pose;
+use crate::{codes, message};
 
 /// Side of a tile. [cells]
 pub const TILE_CELLS: usize = 32;
@@ -42,6 +42,22 @@ pub const FLAG_UNKNOWN: u8 = 1 << 4;
 
 const FLAGS_ALL: u8 = (1 << 5) - 1;
 
+codes! {
+    /// Where an obstacle comes from, as far as the map tells.
+    pub enum ObstacleSource: u16 {
+        /// Not told.
+        None = 0 => "none",
+        /// It is part of the static map.
+        StaticMap = 1 => "static_map",
+        /// The lidar saw it, and the static map does not have it.
+        Lidar = 2 => "lidar",
+        /// It is a tracked obstacle.
+        Tracked = 3 => "tracked",
+        /// It is none: nothing is known of the cell, and unknown cells count as obstacles.
+        Unknown = 4 => "unknown",
+    }
+}
+
 message! {
     /// One cell. `cost` and `clearance_mm` come from obstacles that are static, by the static map or
     /// by what the lidar saw; those that move are on `map/obstacles` alone.
@@ -72,6 +88,23 @@ impl MapCell {
     #[must_use]
     pub const fn blocks_centre(self) -> bool {
         self.cost == COST_INSCRIBED || self.cost == COST_LETHAL
+    }
+
+    /// Where the obstacle in this cell comes from. On a reader's copy a lethal cell that neither the
+    /// static map nor the lidar holds is a tracked obstacle, stamped on it.
+    #[must_use]
+    pub const fn source(self) -> ObstacleSource {
+        if self.flags & FLAG_STATIC != 0 {
+            ObstacleSource::StaticMap
+        } else if self.flags & FLAG_SENSED != 0 {
+            ObstacleSource::Lidar
+        } else if self.cost == COST_LETHAL {
+            ObstacleSource::Tracked
+        } else if self.flags & FLAG_UNKNOWN != 0 {
+            ObstacleSource::Unknown
+        } else {
+            ObstacleSource::None
+        }
     }
 
     /// Clearance in metres.
@@ -338,5 +371,102 @@ impl MapView<'_> {
             .index_of(cell)
             .and_then(|index| self.cells.get(index))
             .copied()
+    }
+
+    /// Clearance that a robot whose centre is in `start`, too close to an obstacle, has at least wherever
+    /// it is led out of there. [mm]
+    ///
+    /// It fits where it is, so it fits where there is as much room; half a cell's diagonal less counts as
+    /// much, because the robot is anywhere in its cell.
+    #[must_use]
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "not more than a number of 16 bits, and not negative"
+    )]
+    pub fn least_clearance_mm(&self, start: MapCell) -> u16 {
+        let half_diagonal_m = self.geometry.resolution_m * core::f64::consts::FRAC_1_SQRT_2;
+        (f64::from(start.clearance_mm) - 1000.0 * half_diagonal_m).max(0.0) as u16
+    }
+
+    /// Where the obstacle comes from that blocks `cell`: the nearest one, no farther than the cell's
+    /// clearance says, of two equally near the one in the lower row, then column. An unknown cell that
+    /// no obstacle blocks is its own reason.
+    #[must_use]
+    #[allow(clippy::cast_possible_truncation, reason = "clamped")]
+    pub fn source_at(&self, cell: Cell) -> ObstacleSource {
+        let Some(own) = self.get(cell) else {
+            return ObstacleSource::None;
+        };
+        if own.cost == COST_UNKNOWN {
+            return own.source();
+        }
+        // Clearance is to the edge of the obstacle's cell.
+        let clearance_cells = (own.clearance_m() / self.geometry.resolution_m).floor();
+        let reach = clearance_cells.clamp(0.0, SOURCE_CELLS_MAX) as i32 + 1;
+        let mut nearest: Option<(i32, MapCell)> = None;
+        for y in -reach..=reach {
+            for x in -reach..=reach {
+                let away = x * x + y * y;
+                let at = Cell::new(cell.x.saturating_add(x), cell.y.saturating_add(y));
+                if nearest.is_none_or(|(nearest, _)| away < nearest)
+                    && let Some(obstacle) = self.get(at).filter(|at| at.cost == COST_LETHAL)
+                {
+                    nearest = Some((away, obstacle));
+                }
+            }
+        }
+        nearest.map_or(own, |(_, obstacle)| obstacle).source()
+    }
+}
+
+/// Farthest that the obstacle which blocks a cell is looked for. [cells]
+const SOURCE_CELLS_MAX: f64 = 64.0;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_nearest_obstacle_says_where_it_comes_from() {
+        let geometry = GridGeometry {
+            resolution_m: 0.05,
+            width: 9,
+            height: 1,
+            ..GridGeometry::default()
+        };
+        let near = |clearance_mm| MapCell {
+            cost: COST_INSCRIBED,
+            flags: 0,
+            clearance_mm,
+        };
+        let obstacle = |flags| MapCell {
+            cost: COST_LETHAL,
+            flags,
+            clearance_mm: 0,
+        };
+        let cells = [
+            obstacle(FLAG_STATIC | FLAG_SENSED),
+            near(25),
+            near(75),
+            near(25),
+            obstacle(FLAG_SENSED),
+            near(25),
+            MapCell::unknown(75),
+            near(25),
+            // Stamped on a reader's copy.
+            obstacle(0),
+        ];
+        let map = MapView {
+            geometry: &geometry,
+            cells: &cells,
+        };
+        let sources = [-1, 0, 1, 2, 3, 4, 5, 6, 7, 8].map(|x| map.source_at(Cell::new(x, 0)));
+        use ObstacleSource::{Lidar, None, StaticMap, Tracked, Unknown};
+        // In the middle between two: the lower one.
+        let expected = [
+            None, StaticMap, StaticMap, StaticMap, Lidar, Lidar, Lidar, Unknown, Tracked, Tracked,
+        ];
+        assert_eq!(sources, expected);
     }
 }

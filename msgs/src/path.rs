@@ -1,5 +1,6 @@
 //! `plan/path`: the way to the goal, or why there is none.
 
+use crate::map::ObstacleSource;
 use crate::message::{COORDINATE_M_MAX, Refusal, ZeroCopySend, ensure, number};
 use crate::{codes, message};
 
@@ -55,7 +56,7 @@ codes! {
 }
 
 codes! {
-    /// The cell that decided about a path.
+    /// The cell that decided about a path, or about the end of a task.
     pub enum PathBlock: u16 {
         /// None is known.
         None = 0 => "none",
@@ -65,13 +66,17 @@ codes! {
         Goal = 2 => "goal",
         /// The first blocked one on the path before this one.
         PathBefore = 3 => "path_before",
+        /// The tightest one of the shortest way that could be opened: no way leads to the goal.
+        Closed = 4 => "closed",
+        /// One of the obstacle that the robot did not get past.
+        Obstacle = 5 => "obstacle",
     }
 }
 
 message! {
     /// Fixed fields of a path. Search statistics are counts, never times. A message with an
     /// unchanged path repeats the waypoints and says by its parents how current it is.
-    pub struct Path = "zeronav.Path.v4" {
+    pub struct Path = "zeronav.Path.v5" {
         /// [text] Key of the planner in lower case, padded with 0.
         pub planner: [u8; 24],
         /// Code of [`PathStatus`].
@@ -106,8 +111,10 @@ message! {
         /// Code of [`PathBlock`]: which cell made this path another one, made it end beside the goal, or
         /// left no path. May be left 0.
         pub block: u16,
+        /// Code of [`ObstacleSource`] of the obstacle in that cell or nearest to it. May be left 0.
+        pub source: u16,
         /// Written as 0.
-        pub spare: [u16; 3],
+        pub spare: [u16; 2],
         /// [m] x and y of the centre of that cell, `map` frame.
         pub block_m: [f64; 2],
     }
@@ -172,6 +179,12 @@ impl Path {
         PathBlock::from_code(self.block)
     }
 
+    /// Where the obstacle comes from that blocks that cell.
+    #[must_use]
+    pub const fn source(&self) -> Option<ObstacleSource> {
+        ObstacleSource::from_code(self.source)
+    }
+
     /// The planner's key as text.
     #[must_use]
     pub fn planner(&self) -> &str {
@@ -201,6 +214,7 @@ impl Path {
         let status = self.status().ok_or(Refusal::Code("status"))?;
         self.cause().ok_or(Refusal::Code("cause"))?;
         self.block().ok_or(Refusal::Code("block"))?;
+        self.source().ok_or(Refusal::Code("source"))?;
         for along in self.block_m {
             number(along, -COORDINATE_M_MAX, COORDINATE_M_MAX, "block_m")?;
         }

@@ -1,6 +1,8 @@
 //! `task/goal` and `task/status`: where to, and what became of it.
 
-use crate::message::{Refusal, ZeroCopySend, ensure, number};
+use crate::map::ObstacleSource;
+use crate::message::{COORDINATE_M_MAX, Refusal, ZeroCopySend, ensure, number};
+use crate::path::PathBlock;
 use crate::pose::Pose;
 use crate::{codes, message};
 
@@ -113,7 +115,7 @@ message! {
 
 message! {
     /// Fixed fields of the status. The slice holds one entry per goal that has ended.
-    pub struct TaskStatus = "zeronav.TaskStatus.v2" {
+    pub struct TaskStatus = "zeronav.TaskStatus.v3" {
         /// Code of [`TaskState`].
         pub state: u16,
         /// Code of [`EndReason`].
@@ -130,8 +132,14 @@ message! {
         pub recoveries: u32,
         /// Code of [`StuckCause`], with the reason `stuck`.
         pub cause: u16,
+        /// Code of [`PathBlock`]: the cell because of which the task failed. May be left 0.
+        pub block: u16,
+        /// [m] x and y of the centre of that cell, `map` frame.
+        pub block_m: [f64; 2],
+        /// Code of [`ObstacleSource`] of the obstacle in that cell or nearest to it. May be left 0.
+        pub source: u16,
         /// Written as 0.
-        pub spare: u16,
+        pub spare: [u16; 3],
     }
 }
 
@@ -217,6 +225,18 @@ impl TaskStatus {
         StuckCause::from_code(self.cause)
     }
 
+    /// Because of which cell it failed.
+    #[must_use]
+    pub const fn block(&self) -> Option<PathBlock> {
+        PathBlock::from_code(self.block)
+    }
+
+    /// Where the obstacle comes from that blocks that cell.
+    #[must_use]
+    pub const fn source(&self) -> Option<ObstacleSource> {
+        ObstacleSource::from_code(self.source)
+    }
+
     /// Accepts known states.
     ///
     /// # Errors
@@ -225,6 +245,11 @@ impl TaskStatus {
         self.state().ok_or(Refusal::Code("state"))?;
         self.reason().ok_or(Refusal::Code("reason"))?;
         self.cause().ok_or(Refusal::Code("cause"))?;
+        self.block().ok_or(Refusal::Code("block"))?;
+        self.source().ok_or(Refusal::Code("source"))?;
+        for along in self.block_m {
+            number(along, -COORDINATE_M_MAX, COORDINATE_M_MAX, "block_m")?;
+        }
         ensure(
             ended.len() == self.n_ended as usize && ended.len() <= GOALS_MAX,
             Refusal::Length("ends"),

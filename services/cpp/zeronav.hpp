@@ -98,11 +98,21 @@ enum class Intervention : std::uint16_t {
     stopped_short = 7,
 };
 
+enum class ObstacleSource : std::uint16_t {
+    none = 0,
+    static_map = 1,
+    lidar = 2,
+    tracked = 3,
+    unknown = 4,
+};
+
 enum class PathBlock : std::uint16_t {
     none = 0,
     robot = 1,
     goal = 2,
     path_before = 3,
+    closed = 4,
+    obstacle = 5,
 };
 
 enum class PathCause : std::uint16_t {
@@ -1171,8 +1181,8 @@ static_assert(Obstacle::SCHEMA == [] {
 /// Fixed fields of a path. Search statistics are counts, never times. A message with an unchanged
 /// path repeats the waypoints and says by its parents how current it is.
 struct Path {
-    static constexpr const char* NAME = "zeronav.Path.v4";
-    static constexpr std::uint64_t SCHEMA = 0x8a542140ed425de0;
+    static constexpr const char* NAME = "zeronav.Path.v5";
+    static constexpr std::uint64_t SCHEMA = 0xa7edfb8ed361ed11;
     /// [text] Key of the planner in lower case, padded with 0.
     std::uint8_t planner[24]{};
     /// Code of `PathStatus`.
@@ -1207,8 +1217,10 @@ struct Path {
     /// Code of `PathBlock`: which cell made this path another one, made it end beside the goal, or
     /// left no path. May be left 0.
     std::uint16_t block{};
+    /// Code of `ObstacleSource` of the obstacle in that cell or nearest to it. May be left 0.
+    std::uint16_t source{};
     /// Written as 0.
-    std::uint16_t spare[3]{};
+    std::uint16_t spare[2]{};
     /// [m] x and y of the centre of that cell, `map` frame.
     double block_m[2]{};
 };
@@ -1230,7 +1242,8 @@ static_assert(offsetof(Path, bound) == 96);
 static_assert(offsetof(Path, goal) == 104);
 static_assert(offsetof(Path, beside_goal_m) == 112);
 static_assert(offsetof(Path, block) == 120);
-static_assert(offsetof(Path, spare) == 122);
+static_assert(offsetof(Path, source) == 122);
+static_assert(offsetof(Path, spare) == 124);
 static_assert(offsetof(Path, block_m) == 128);
 static_assert(Path::SCHEMA == [] {
     std::uint64_t hash = fnv1a(FNV_OFFSET, Path::NAME);
@@ -1282,6 +1295,9 @@ static_assert(Path::SCHEMA == [] {
     hash = fnv1a(hash, "block");
     hash = fnv1a_number(hash, Schema<decltype(Path::block)>::value);
     hash = fnv1a_number(hash, offsetof(Path, block));
+    hash = fnv1a(hash, "source");
+    hash = fnv1a_number(hash, Schema<decltype(Path::source)>::value);
+    hash = fnv1a_number(hash, offsetof(Path, source));
     hash = fnv1a(hash, "spare");
     hash = fnv1a_number(hash, Schema<decltype(Path::spare)>::value);
     hash = fnv1a_number(hash, offsetof(Path, spare));
@@ -1294,7 +1310,7 @@ static_assert(Path::SCHEMA == [] {
 /// Header and fixed fields of the topic's messages.
 struct PlanPathEnvelope {
     static constexpr const char* NAME = "zeronav.plan.path.v1";
-    static constexpr std::uint64_t SCHEMA = 0xcd9c897df7fe9504;
+    static constexpr std::uint64_t SCHEMA = 0x14c041652310caa2;
     /// The header.
     Header header{};
     /// The fixed fields.
@@ -1503,8 +1519,8 @@ static_assert(Goal::SCHEMA == [] {
 
 /// Fixed fields of the status. The slice holds one entry per goal that has ended.
 struct TaskStatus {
-    static constexpr const char* NAME = "zeronav.TaskStatus.v2";
-    static constexpr std::uint64_t SCHEMA = 0x51c8b9a227965308;
+    static constexpr const char* NAME = "zeronav.TaskStatus.v3";
+    static constexpr std::uint64_t SCHEMA = 0x9eb5c1e775525fe1;
     /// Code of `TaskState`.
     std::uint16_t state{};
     /// Code of `EndReason`.
@@ -1521,10 +1537,16 @@ struct TaskStatus {
     std::uint32_t recoveries{};
     /// Code of `StuckCause`, with the reason `stuck`.
     std::uint16_t cause{};
+    /// Code of `PathBlock`: the cell because of which the task failed. May be left 0.
+    std::uint16_t block{};
+    /// [m] x and y of the centre of that cell, `map` frame.
+    double block_m[2]{};
+    /// Code of `ObstacleSource` of the obstacle in that cell or nearest to it. May be left 0.
+    std::uint16_t source{};
     /// Written as 0.
-    std::uint16_t spare{};
+    std::uint16_t spare[3]{};
 };
-static_assert(sizeof(TaskStatus) == 40);
+static_assert(sizeof(TaskStatus) == 64);
 static_assert(std::is_trivially_copyable_v<TaskStatus> && std::is_standard_layout_v<TaskStatus>);
 static_assert(offsetof(TaskStatus, state) == 0);
 static_assert(offsetof(TaskStatus, reason) == 2);
@@ -1534,7 +1556,10 @@ static_assert(offsetof(TaskStatus, goal) == 16);
 static_assert(offsetof(TaskStatus, remaining_m) == 24);
 static_assert(offsetof(TaskStatus, recoveries) == 32);
 static_assert(offsetof(TaskStatus, cause) == 36);
-static_assert(offsetof(TaskStatus, spare) == 38);
+static_assert(offsetof(TaskStatus, block) == 38);
+static_assert(offsetof(TaskStatus, block_m) == 40);
+static_assert(offsetof(TaskStatus, source) == 56);
+static_assert(offsetof(TaskStatus, spare) == 58);
 static_assert(TaskStatus::SCHEMA == [] {
     std::uint64_t hash = fnv1a(FNV_OFFSET, TaskStatus::NAME);
     hash = fnv1a(hash, "state");
@@ -1561,6 +1586,15 @@ static_assert(TaskStatus::SCHEMA == [] {
     hash = fnv1a(hash, "cause");
     hash = fnv1a_number(hash, Schema<decltype(TaskStatus::cause)>::value);
     hash = fnv1a_number(hash, offsetof(TaskStatus, cause));
+    hash = fnv1a(hash, "block");
+    hash = fnv1a_number(hash, Schema<decltype(TaskStatus::block)>::value);
+    hash = fnv1a_number(hash, offsetof(TaskStatus, block));
+    hash = fnv1a(hash, "block_m");
+    hash = fnv1a_number(hash, Schema<decltype(TaskStatus::block_m)>::value);
+    hash = fnv1a_number(hash, offsetof(TaskStatus, block_m));
+    hash = fnv1a(hash, "source");
+    hash = fnv1a_number(hash, Schema<decltype(TaskStatus::source)>::value);
+    hash = fnv1a_number(hash, offsetof(TaskStatus, source));
     hash = fnv1a(hash, "spare");
     hash = fnv1a_number(hash, Schema<decltype(TaskStatus::spare)>::value);
     hash = fnv1a_number(hash, offsetof(TaskStatus, spare));
@@ -1570,13 +1604,13 @@ static_assert(TaskStatus::SCHEMA == [] {
 /// Header and fixed fields of the topic's messages.
 struct TaskStatusEnvelope {
     static constexpr const char* NAME = "zeronav.task.status.v1";
-    static constexpr std::uint64_t SCHEMA = 0x8aaadca0d8317b42;
+    static constexpr std::uint64_t SCHEMA = 0x68486bd9a75cb630;
     /// The header.
     Header header{};
     /// The fixed fields.
     TaskStatus meta{};
 };
-static_assert(sizeof(TaskStatusEnvelope) == 168);
+static_assert(sizeof(TaskStatusEnvelope) == 192);
 static_assert(std::is_trivially_copyable_v<TaskStatusEnvelope> && std::is_standard_layout_v<TaskStatusEnvelope>);
 static_assert(offsetof(TaskStatusEnvelope, header) == 0);
 static_assert(offsetof(TaskStatusEnvelope, meta) == 128);
@@ -2922,7 +2956,7 @@ struct plan_path {
     using Envelope = PlanPathEnvelope;
     using Item = Waypoint;
     static constexpr const char* NAME = "plan/path";
-    static constexpr std::uint64_t SCHEMA = 0x9bfb9634c7bf32a9;
+    static constexpr std::uint64_t SCHEMA = 0x98746698aac9e113;
     static constexpr std::size_t NUMBER = 6;
     static constexpr std::size_t LEN_MAX = 2048;
     static constexpr std::size_t BUFFER = 2;
@@ -2964,7 +2998,7 @@ struct task_status {
     using Envelope = TaskStatusEnvelope;
     using Item = GoalEnd;
     static constexpr const char* NAME = "task/status";
-    static constexpr std::uint64_t SCHEMA = 0x5b76391a93084ce3;
+    static constexpr std::uint64_t SCHEMA = 0xbce176d8ce956f72;
     static constexpr std::size_t NUMBER = 9;
     static constexpr std::size_t LEN_MAX = 64;
     static constexpr std::size_t BUFFER = 2;

@@ -162,6 +162,9 @@ pub(crate) struct GoalReport {
     pub time_remaining_s: Option<f64>,
     /// Manoeuvres and waits of the recovery.
     pub recoveries: u32,
+    /// Why they failed, in the words of `zeronav why`; empty when they have not.
+    #[serde(default)]
+    pub why: String,
 }
 
 /// A stack and its processes. What an older program does not tell has its default.

@@ -20,6 +20,7 @@ use crate::show::progress::{Progress, ProgressLine, Tally};
 use crate::show::terminal::note;
 use crate::shuttle::{Quota, Shuttle, Step};
 use crate::supervise::stack::Stack;
+use crate::why;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -382,7 +383,10 @@ impl<'a> Session<'a> {
         if !self.orders.is_active() && !self.prepared.stays {
             return Some(Ending::Task(state, reason));
         }
-        if let Some(goals) = self.orders.ended(state, reason, self.collector.run_ns) {
+        let outcome = self.report().map(|report| report.outcome());
+        let why = outcome.and_then(|outcome| why::failure(&outcome));
+        let run_ns = self.collector.run_ns;
+        if let Some(goals) = self.orders.ended((state, reason), why, run_ns) {
             self.send_now(stack, goals);
             return None;
         }

@@ -43,11 +43,14 @@ impl GoalReport {
                     self.recoveries, self.elapsed_s
                 )
             }
-            outcome => format!(
-                "goal {id}: {}, {:.1} s\n",
-                printable(outcome),
-                self.elapsed_s
-            ),
+            outcome => {
+                let why = match self.why.as_str() {
+                    "" => String::new(),
+                    why => format!(": {}", printable(why)),
+                };
+                let outcome = printable(outcome);
+                format!("goal {id}: {outcome}, {:.1} s{why}\n", self.elapsed_s)
+            }
         }
     }
 }

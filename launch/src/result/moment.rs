@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 use zeronav_msgs::command::{Intervention, PlannerInput, RecoveryReason, RequestCause, Validity};
+use zeronav_msgs::map::ObstacleSource;
 use zeronav_msgs::path::{PathBlock, PathCause, PathStatus};
 use zeronav_msgs::task::{EndReason, StuckCause, TaskState};
 
@@ -38,6 +39,7 @@ words!(
     path_status = zeronav_msgs::path::PathStatus,
     path_cause = zeronav_msgs::path::PathCause,
     path_block = zeronav_msgs::path::PathBlock,
+    obstacle_source = zeronav_msgs::map::ObstacleSource,
     task_state = zeronav_msgs::task::TaskState,
     end_reason = zeronav_msgs::task::EndReason,
     stuck_cause = zeronav_msgs::task::StuckCause,
@@ -166,6 +168,40 @@ pub struct Path {
     pub block: PathBlock,
     /// Its centre, `map` frame. [m]
     pub block_m: [f64; 2],
+    /// Where the obstacle comes from that blocks it.
+    #[serde(
+        with = "obstacle_source",
+        default = "not_told",
+        skip_serializing_if = "is_not_told"
+    )]
+    #[cfg_attr(test, schemars(with = "String"))]
+    pub source: ObstacleSource,
+}
+
+/// What results of older versions say of an obstacle's source.
+const fn not_told() -> ObstacleSource {
+    ObstacleSource::None
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "as serde calls it")]
+fn is_not_told(source: &ObstacleSource) -> bool {
+    *source == ObstacleSource::None
+}
+
+/// A cell that is blocked.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub struct Blocked {
+    /// What it is.
+    #[serde(with = "path_block")]
+    #[cfg_attr(test, schemars(with = "String"))]
+    pub block: PathBlock,
+    /// Its centre, `map` frame. [m]
+    pub at_m: [f64; 2],
+    /// Where the obstacle comes from that blocks it.
+    #[serde(with = "obstacle_source")]
+    #[cfg_attr(test, schemars(with = "String"))]
+    pub source: ObstacleSource,
 }
 
 /// What became of the task.
@@ -184,6 +220,9 @@ pub struct Task {
     #[serde(with = "stuck_cause")]
     #[cfg_attr(test, schemars(with = "String"))]
     pub stuck: StuckCause,
+    /// The cell because of which it failed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub blocked: Option<Blocked>,
 }
 
 impl Request {
@@ -251,6 +290,38 @@ impl Path {
             beside_goal_m: path.beside_goal_m,
             block: path.block()?,
             block_m: path.block_m,
+            source: path.source()?,
+        })
+    }
+
+    /// The cell that decided, if one is named.
+    #[must_use]
+    pub fn blocked(&self) -> Option<Blocked> {
+        Blocked::named(self.block, self.block_m, self.source)
+    }
+}
+
+impl Blocked {
+    /// A cell, if one is named.
+    fn named(block: PathBlock, at_m: [f64; 2], source: ObstacleSource) -> Option<Self> {
+        let blocked = Self {
+            block,
+            at_m,
+            source,
+        };
+        (block != PathBlock::None).then_some(blocked)
+    }
+}
+
+impl Task {
+    /// What a message says; `None` for unknown codes.
+    #[must_use]
+    pub fn of(status: &zeronav_msgs::task::TaskStatus) -> Option<Self> {
+        Some(Self {
+            state: status.state()?,
+            reason: status.reason()?,
+            stuck: status.cause()?,
+            blocked: Blocked::named(status.block()?, status.block_m, status.source()?),
         })
     }
 }

@@ -298,7 +298,7 @@ mod tests {
         assert_eq!(json["length_m"], 0.0);
         assert_eq!(json["cost"], "inf");
         assert_eq!(json["bound"], 0.0);
-        assert_eq!(json.as_object().map(serde_json::Map::len), Some(17));
+        assert_eq!(json.as_object().map(serde_json::Map::len), Some(18));
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use super::around::{Around, Missing};
 use super::past;
 use crate::control::request::{self, Reply, RunReport};
-use crate::result::moment::{Command, Moment, Obstacle, Path, Request, Task};
+use crate::result::moment::{Command, Moment, Obstacle, Path, Request};
 use crate::running::Running;
 use crate::topics::tap::{PAUSE, Tap};
 use std::time::{Duration, Instant};
@@ -11,7 +11,7 @@ use zeronav_msgs::health::HealthState;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::time::seconds;
 use zeronav_msgs::topics::{
-    ControlRequest, HealthTopic, MapObstacles, PlanPath, RobotCommand, TaskState, health_of,
+    ControlRequest, HealthTopic, MapObstacles, PlanPath, RobotCommand, health_of,
 };
 use zeronav_shell::clock::now_ns;
 use zeronav_shell::{Latest, Peer, Roster, StartError};
@@ -30,7 +30,6 @@ struct Readers {
     request: Latest<ControlRequest>,
     command: Latest<RobotCommand>,
     path: Latest<PlanPath>,
-    status: Latest<TaskState>,
     obstacles: Latest<MapObstacles>,
     health: Vec<(Role, Latest<HealthTopic>)>,
     /// The geometry of the path, and the run time at which it was new, if that was seen. [ns]
@@ -49,7 +48,6 @@ impl Readers {
             request: peer.latest()?,
             command: peer.latest()?,
             path: peer.latest()?,
-            status: peer.latest()?,
             obstacles: peer.latest()?,
             health,
             geometry: (0, None),
@@ -59,7 +57,6 @@ impl Readers {
     fn poll(&mut self, roster: &Roster) {
         self.request.poll(roster);
         self.command.poll(roster);
-        self.status.poll(roster);
         self.obstacles.poll(roster);
         for (_, health) in &mut self.health {
             health.poll(roster);
@@ -95,13 +92,8 @@ impl Readers {
             request,
             command: command.and_then(|view| Command::of(view.meta)),
             path: path.and_then(|view| Path::of(view.meta, new_s)),
-            task: self.status.get().and_then(|view| {
-                Some(Task {
-                    state: view.meta.state()?,
-                    reason: view.meta.reason()?,
-                    stuck: view.meta.cause()?,
-                })
-            }),
+            // A local planner that was started again knows nothing of what its predecessor was given.
+            task: None,
         }
     }
 
@@ -143,7 +135,7 @@ pub(super) fn now(stack: &Running) -> Result<(Moment, Around), String> {
         std::thread::sleep(PAUSE);
     }
     let control = tap.poll().control;
-    let moment = readers.moment();
+    let mut moment = readers.moment();
     let mut around = Around {
         paused: control.paused == 1,
         stopping: control.stopping == 1,
@@ -153,6 +145,10 @@ pub(super) fn now(stack: &Running) -> Result<(Moment, Around), String> {
     drop(readers);
     tap.leave();
     add(&mut around, &stack.report()?);
+    // Nothing is kept yet of a stack that has just begun.
+    if let Ok(Reply::Why(kept)) = stack.ask(&request::Request::Why { ago_s: 0.0 }) {
+        moment.task = kept.task;
+    }
     Ok((moment, around))
 }
 

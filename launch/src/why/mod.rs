@@ -9,13 +9,14 @@ mod sentence;
 use crate::control::request::RunReport;
 use crate::exit::EXIT_PASS;
 use crate::result::RunResult;
-use crate::result::moment::Moment;
+use crate::result::moment::{Moment, Task};
 use crate::running;
 use crate::show::terminal::{say, say_json, usage};
 use cli::WhyArgs;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use zeronav_msgs::task::TaskState;
 
 /// Where a run leaves its folder.
 const RUNS: &str = "runs";
@@ -80,6 +81,12 @@ pub(crate) fn line(mut moment: Moment, now: &Now, report: &RunReport) -> String 
     sentence::why(&moment, &around)
 }
 
+/// Why a task has failed, as the report of a run says it; `None` when it has not.
+#[must_use]
+pub(crate) fn failure(task: &Task) -> Option<String> {
+    (task.state == TaskState::Failed).then(|| sentence::words::failure(task))
+}
+
 /// What a moment that is kept does not tell.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Now {
@@ -89,7 +96,7 @@ pub(crate) struct Now {
     pub twist: Option<[f64; 2]>,
 }
 
-fn tell(moment: &crate::result::moment::Moment, around: &around::Around, json: bool) {
+fn tell(moment: &Moment, around: &around::Around, json: bool) {
     let text = sentence::why(moment, around);
     if json {
         say_json(&json!({ "why": text, "moment": moment, "missing": names(around) }));

@@ -5,15 +5,15 @@
 //! first; then what the local planner meant; then why the global planner has no path, or this one.
 
 mod driving;
-mod words;
+pub(super) mod words;
 
 use super::around::Around;
 use crate::result::moment::{Command, Moment, Path, Point, Request, Task};
 use driving::driving;
-use words::{age, no_way, stale};
+use words::{age, failure, no_way, stale};
 use zeronav_msgs::command::{AGE_MS_MAX, Intervention, RequestCause, Validity};
 use zeronav_msgs::path::PathStatus;
-use zeronav_msgs::task::{EndReason, StuckCause, TaskState};
+use zeronav_msgs::task::TaskState;
 
 /// [m/s] and [rad/s] below which a robot stands.
 const STANDING: (f64, f64) = (0.005, 0.01);
@@ -181,15 +181,18 @@ fn planner(request: &Request, moment: &Moment) -> String {
 
 /// Why there is no path to follow.
 fn no_path(path: Option<&Path>, task: Option<Task>) -> String {
-    match task.map(|task| (task.state, task.reason, task.stuck)) {
-        Some((TaskState::Reached, ..)) => {
+    match task.map(|task| (task.state, task)) {
+        Some((TaskState::Reached, _)) => {
             return "The robot has arrived: every goal is reached. Another goal moves it."
                 .to_owned();
         }
-        Some((TaskState::Cancelled, ..)) => {
+        Some((TaskState::Cancelled, _)) => {
             return "The task was cancelled. Another goal moves it.".to_owned();
         }
-        Some((TaskState::Failed, reason, stuck)) => return failed(reason, stuck, path),
+        Some((TaskState::Failed, task)) => {
+            let why = failure(&task);
+            return format!("The task has failed: {why}. Another goal moves the robot.");
+        }
         _ => {}
     }
     let Some(path) = path else {
@@ -205,46 +208,6 @@ fn no_path(path: Option<&Path>, task: Option<Task>) -> String {
             "The local planner has no path to follow and brakes: {}. The task fails when that lasts.",
             no_way(path)
         ),
-    }
-}
-
-/// Why a task has failed.
-fn failed(reason: EndReason, stuck: StuckCause, path: Option<&Path>) -> String {
-    let why = match (reason, stuck) {
-        (EndReason::Stuck, StuckCause::Blocked) => {
-            "the robot got stuck, because no motion was admissible".to_owned()
-        }
-        (EndReason::Stuck, StuckCause::NoProgress) => {
-            "the robot got stuck: it moved, but came no closer to its goal".to_owned()
-        }
-        (EndReason::Stuck, StuckCause::TooManyAttempts) => {
-            "the robot got stuck: every attempt of its recovery was made".to_owned()
-        }
-        (EndReason::Stuck, StuckCause::None) => "the robot got stuck".to_owned(),
-        (EndReason::Replaced, _) => "a later task took its place".to_owned(),
-        // The planner forgets its plan with the goal.
-        _ => match path
-            .filter(|path| !matches!(path.status, PathStatus::Found | PathStatus::NoGoal))
-        {
-            Some(path) => no_way(path),
-            None => end_of_goal(reason),
-        },
-    };
-    format!("The task has failed: {why}. Another goal moves the robot.")
-}
-
-/// Why a goal was given up, when the planner's plan is gone.
-fn end_of_goal(reason: EndReason) -> String {
-    match reason {
-        EndReason::Unreachable => {
-            "the global planner had proved that no way leads to the goal".to_owned()
-        }
-        EndReason::GoalBlocked => {
-            "the goal was in an obstacle and no cell within its tolerance was free".to_owned()
-        }
-        EndReason::GoalOutsideMap => "the goal is not on the map".to_owned(),
-        EndReason::NoPath => "the global planner had no path for too long".to_owned(),
-        _ => reason.label().replace('_', " "),
     }
 }
 

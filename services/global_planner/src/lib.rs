@@ -16,6 +16,7 @@
 //! | ask the chosen planner | `replan`: [`Replanner::search`]; `table`: a row of [`PLANNERS`] |
 //! | find both ends: out of the inflation, into the tolerance | `ends`, `goal_cell` |
 //! | lead out of the inflation, prove that there is no path | `ground`: `reach` over `regions` |
+//! | name the cell that would have to open | `barrier` |
 //! | search | the planner's own file, below |
 //! | round the path | `smooth` |
 //! | turn cells into waypoints, an error into a status | `plan`, `waypoints` |
@@ -45,6 +46,7 @@ mod support;
 mod any_angle;
 mod anytime;
 mod astar;
+mod barrier;
 mod bits;
 mod bucket_queue;
 mod canonical;
@@ -93,7 +95,7 @@ pub use map_options::MapOptions;
 pub use mpgaa::Mpgaa;
 pub use options::PlannerOptions;
 pub use papers::options::PaperOptions;
-pub use plan::{Plan, Target};
+pub use plan::{Blocked, Plan, Target};
 pub use planner::{
     CellPath, Control, CornerRule, Expansions, GlobalPlanner, Improvement, PlanError, PlanQuery,
     PlanStats, Unknown,

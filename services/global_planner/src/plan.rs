@@ -4,6 +4,7 @@ use crate::corridor::{Corridor, Legality};
 use crate::planner::{CellPath, PlanError, PlanQuery};
 use crate::waypoints::{waypoints_along, waypoints_of};
 use nalgebra::Point2;
+use zeronav_msgs::map::ObstacleSource;
 use zeronav_msgs::path::{Path, PathBlock, PathCause, PathStatus, Waypoint};
 use zeronav_msgs::{Cell, MapView, Pose};
 
@@ -21,6 +22,25 @@ pub struct Target {
     pub pose: Pose,
     /// [m] how close counts, > 0.
     pub tolerance_m: f64,
+}
+
+/// A blocked cell that decided.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Blocked {
+    /// Its centre, `map` frame. [m]
+    pub at_m: [f64; 2],
+    /// Where the obstacle comes from that blocks it.
+    pub source: ObstacleSource,
+}
+
+impl Blocked {
+    pub(crate) fn of(map: &MapView<'_>, cell: Cell) -> Self {
+        let centre = map.geometry.centre_of(cell);
+        Self {
+            at_m: [centre.x, centre.y],
+            source: map.source_at(cell),
+        }
+    }
 }
 
 /// A path, or why there is none.
@@ -52,8 +72,12 @@ pub struct Plan {
     pub length_m: f64,
     /// The cells to be held against later maps.
     pub corridor: Corridor,
-    /// The first blocked cell of the path before this one: its centre. [m]
-    pub cut_m: Option<[f64; 2]>,
+    /// The first blocked cell of the path before this one.
+    pub cut: Option<Blocked>,
+    /// The cell that would have to open, where no way leads to the goal.
+    pub closed: Option<Blocked>,
+    /// Where the obstacle comes from at the end that is blocked: the robot's or the goal's.
+    pub end_source: ObstacleSource,
 }
 
 impl Plan {
@@ -74,7 +98,9 @@ impl Plan {
             waypoints: Vec::new(),
             length_m: 0.0,
             corridor: Corridor::default(),
-            cut_m: None,
+            cut: None,
+            closed: None,
+            end_source: ObstacleSource::None,
         }
     }
 
@@ -87,7 +113,9 @@ impl Plan {
         self.target = None;
         self.robot_cell = None;
         self.is_detour = false;
-        self.cut_m = None;
+        self.cut = None;
+        self.closed = None;
+        self.end_source = ObstacleSource::None;
         self.cells.clear();
         self.forget_way();
     }
@@ -112,6 +140,12 @@ impl Plan {
         self.target = Some(target);
         self.robot = query.start;
         self.robot_cell = query.map.geometry.cell_at(query.start.point());
+        self.closed = None;
+        let end = match error {
+            Some(PlanError::StartBlocked) => self.robot_cell,
+            _ => query.map.geometry.cell_at(query.goal.point()),
+        };
+        self.end_source = end.map_or(ObstacleSource::None, |end| query.map.source_at(end));
         let length_m = error.map_or_else(
             || {
                 let (cells, curve) = (&self.cells.cells, &self.cells.curve);
@@ -144,34 +178,37 @@ impl Plan {
             })
     }
 
-    /// Centre of the first cell that cuts this path on `map`. [m]
-    pub(crate) fn first_cut_m(&self, map: &MapView<'_>) -> Option<[f64; 2]> {
+    /// The first cell that cuts this path on `map`.
+    pub(crate) fn first_cut(&self, map: &MapView<'_>) -> Option<Blocked> {
         if self.status != PathStatus::Found || !self.corridor.is_on(map.geometry) {
             return None;
         }
         let cell = self.corridor.first_blocked(map)?;
-        let centre = map.geometry.centre_of(cell);
-        Some([centre.x, centre.y])
+        Some(Blocked::of(map, cell))
     }
 
-    /// The cell that decided, and its centre. [m]
-    fn block(&self) -> (PathBlock, [f64; 2]) {
-        let goal = self.target.map(|target| target.pose);
-        let at = |block, place: Option<[f64; 2]>| {
-            place.map_or((PathBlock::None, [0.0; 2]), |place| (block, place))
+    /// The cell that decided.
+    fn block(&self) -> Option<(PathBlock, Blocked)> {
+        let end = |block, [x_m, y_m]: [f64; 2]| {
+            let source = self.end_source;
+            let at_m = [x_m, y_m];
+            (block, Blocked { at_m, source })
+        };
+        let goal = || {
+            let pose = self.target?.pose;
+            Some(end(PathBlock::Goal, [pose.x_m, pose.y_m]))
         };
         match self.status {
             PathStatus::StartBlocked => {
-                at(PathBlock::Robot, Some([self.robot.x_m, self.robot.y_m]))
+                Some(end(PathBlock::Robot, [self.robot.x_m, self.robot.y_m]))
             }
-            PathStatus::GoalBlocked | PathStatus::GoalOutsideMap => {
-                at(PathBlock::Goal, goal.map(|pose| [pose.x_m, pose.y_m]))
+            PathStatus::GoalBlocked | PathStatus::GoalOutsideMap => goal(),
+            _ => {
+                let before = self.cut.map(|cut| (PathBlock::PathBefore, cut));
+                let closed = self.closed.map(|closed| (PathBlock::Closed, closed));
+                let beside = || goal().filter(|_| self.beside_goal_m() > BESIDE_M);
+                before.or(closed).or_else(beside)
             }
-            _ if self.cut_m.is_some() => at(PathBlock::PathBefore, self.cut_m),
-            PathStatus::Found if self.beside_goal_m() > BESIDE_M => {
-                at(PathBlock::Goal, goal.map(|pose| [pose.x_m, pose.y_m]))
-            }
-            _ => (PathBlock::None, [0.0; 2]),
         }
     }
 
@@ -185,7 +222,13 @@ impl Plan {
     /// Fills every field of the message; the slice is [`Self::waypoints`].
     pub fn fill(&self, message: &mut Path) {
         let stats = &self.cells.stats;
-        let (block, block_m) = self.block();
+        let (block, blocked) = self.block().unwrap_or((
+            PathBlock::None,
+            Blocked {
+                at_m: [0.0; 2],
+                source: ObstacleSource::None,
+            },
+        ));
         *message = Path {
             planner: Path::planner_bytes(self.planner),
             status: self.status.code(),
@@ -203,8 +246,9 @@ impl Plan {
             goal: self.target.map_or(0, |target| target.goal),
             beside_goal_m: self.beside_goal_m(),
             block: block.code(),
-            spare: [0; 3],
-            block_m,
+            source: blocked.source.code(),
+            spare: [0; 2],
+            block_m: blocked.at_m,
         };
     }
 }
@@ -257,9 +301,15 @@ mod tests {
         check(&plan, PathBlock::Goal, [5.0, 6.0]);
         plan.status = PathStatus::Unreachable;
         check(&plan, PathBlock::None, [0.0, 0.0]);
-        plan.cut_m = Some([3.0, 4.0]);
+        let at = |x_m| Blocked {
+            at_m: [x_m, 4.0],
+            source: ObstacleSource::Lidar,
+        };
+        plan.closed = Some(at(3.5));
+        check(&plan, PathBlock::Closed, [3.5, 4.0]);
+        plan.cut = Some(at(3.0));
         check(&plan, PathBlock::PathBefore, [3.0, 4.0]);
-        plan.cut_m = None;
+        (plan.cut, plan.closed) = (None, None);
         plan.status = PathStatus::Found;
         plan.waypoints.push(Waypoint {
             x_m: 5.0,

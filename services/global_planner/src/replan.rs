@@ -42,11 +42,12 @@
 //!     on the newest map, or when the old path is cut by now, then with cause `obstacle`. A search
 //!     for one that fails changes nothing; a detour is then a path like any other.
 
+use crate::barrier::Barrier;
 use crate::change::{Change, CostMemory};
 use crate::config::GlobalPlannerConfig;
 use crate::corridor::Legality;
 use crate::moves::octile_cells;
-use crate::plan::{Plan, Target};
+use crate::plan::{Blocked, Plan, Target};
 use crate::planner::{Control, Expansions, GlobalPlanner, PlanQuery};
 use crate::smooth::Smooth;
 use crate::table::{UnknownPlanner, row_of};
@@ -144,8 +145,9 @@ pub struct Replanner {
     revision: u64,
     revisions_since_search: u32,
     request_served: u64,
-    /// Where the last path was cut. [m]
-    cut_m: Option<[f64; 2]>,
+    /// Where the last path was cut.
+    cut: Option<Blocked>,
+    barrier: Barrier,
     timer: StageTimer,
 }
 
@@ -171,7 +173,8 @@ impl Replanner {
             revision: 0,
             revisions_since_search: 0,
             request_served: 0,
-            cut_m: None,
+            cut: None,
+            barrier: Barrier::default(),
             timer: StageTimer::default(),
         })
     }
@@ -272,7 +275,15 @@ impl Replanner {
         }
         self.timer.mark(Stage::Smooth);
         candidate.cause = pending.cause;
-        candidate.cut_m = self.cut_m.filter(|_| pending.cause == PathCause::Obstacle);
+        candidate.cut = self.cut.filter(|_| pending.cause == PathCause::Obstacle);
+        let is_proof = matches!(
+            candidate.status,
+            PathStatus::Unreachable | PathStatus::UnreachableCorner
+        );
+        if is_proof && candidate.cut.is_none() {
+            let closed = self.barrier.find(&query);
+            candidate.closed = closed.map(|cell| Blocked::of(&query.map, cell));
+        }
         candidate.searched_map = situation.revision;
         if let Some(request) = situation.request {
             self.request_served = request.id;
@@ -336,7 +347,7 @@ impl Replanner {
         }
         let off_path_m = self.plan.corridor.advance(situation.robot.point());
         if self.plan.is_cut(map) {
-            self.cut_m = self.plan.first_cut_m(map);
+            self.cut = self.plan.first_cut(map);
             return Some(PathCause::Obstacle);
         }
         if self.plan.is_detour {
@@ -366,7 +377,7 @@ impl Replanner {
         self.plan.corridor.advance(newest.robot.point());
         if self.plan.is_cut(map) {
             self.candidate.cause = PathCause::Obstacle;
-            self.candidate.cut_m = self.plan.first_cut_m(map);
+            self.candidate.cut = self.plan.first_cut(map);
             return true;
         }
         let weight = self.config.options.cost_weight;

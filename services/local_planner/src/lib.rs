@@ -7,6 +7,7 @@
 //! The library is pure: no clock, no I/O, no threads; times are passed in, the same calls give
 //! the same answers, and after the first periods nothing is allocated.
 
+mod account;
 pub mod beam;
 pub mod config;
 mod cost_to_go;
@@ -19,6 +20,7 @@ mod footprint;
 mod lanes;
 mod local_path;
 pub mod mppi;
+mod obstruction;
 mod outputs;
 pub mod papers;
 pub mod period;

@@ -1,14 +1,16 @@
 //! One control period of the local planner.
 
+use crate::account::Account;
 use crate::config::LocalPlannerConfig;
 use crate::dynamic_obstacles::is_dynamic_near;
 use crate::explain::{self, Circumstances};
+use crate::obstruction::{Known, Obstruction};
 use crate::outputs::Outputs;
 use crate::pilot::Pilot;
 use crate::progress::{PathTracker, Place};
 use crate::recovery::escape::{Escape, has_room_to_turn, is_free_behind};
 use crate::recovery::trail::Trail;
-use crate::recovery::{Behaviour, Cause, Facts, Recovery, Transition};
+use crate::recovery::{Behaviour, Facts, Recovery, Transition};
 use crate::requests::{PathRequests, RequestInputs};
 use crate::situation::{Decision, Future, Situation};
 use crate::staleness::{Ages, StaleInput, ageing, speed_factor};
@@ -24,7 +26,7 @@ use zeronav_msgs::path::{Path, PathStatus, Waypoint};
 use zeronav_msgs::request::PlanRequest;
 use zeronav_msgs::rollouts::{Rollout, Rollouts};
 use zeronav_msgs::stages::{Stage, StageTimer};
-use zeronav_msgs::task::{Goal, GoalEnd, StuckCause, Task, TaskState, TaskStatus};
+use zeronav_msgs::task::{Goal, GoalEnd, Task, TaskState, TaskStatus};
 use zeronav_msgs::time::seconds;
 use zeronav_msgs::{MapView, Pose};
 use zeronav_params::ParameterError;
@@ -70,6 +72,9 @@ pub struct Inputs<'a> {
     pub stopping: bool,
 }
 
+/// [m] beyond the robot's outer circle within which an obstacle is what stops it.
+const OBSTRUCTION_M: f64 = 0.3;
+
 /// Why no [`LocalPlanner`] can be made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum BuildError {
@@ -90,33 +95,16 @@ pub struct LocalPlanner {
     tracker: PathTracker,
     /// `None` = the controller is left alone.
     recovery: Option<Recovery>,
-    recovered: Recovered,
+    account: Account,
+    /// Where the robot does not get on: where an obstacle is on its path, or where it stands without an
+    /// admissible motion. `map` frame [m]
+    stopped_at: Option<Point2<f64>>,
     /// Why the recovery does what it does.
     reason: RecoveryReason,
     escape: Escape,
     trail: Trail,
     /// Requested last; ramps to rest start here.
     last: Twist,
-}
-
-/// What the recovery did for a task.
-struct Recovered {
-    /// Id of the task.
-    task: u64,
-    /// Manoeuvres and waits.
-    attempts: u32,
-    /// Why it gave up.
-    cause: StuckCause,
-}
-
-impl Recovered {
-    const fn of(task: u64) -> Self {
-        Self {
-            task,
-            attempts: 0,
-            cause: StuckCause::None,
-        }
-    }
 }
 
 /// A path that leads to the current goal, and the robot's place on it.
@@ -143,7 +131,8 @@ impl LocalPlanner {
             requests: PathRequests::new(config.requests),
             tracker: PathTracker::new(),
             recovery: recovers.then(|| Recovery::new(config.recovery)),
-            recovered: Recovered::of(0),
+            account: Account::of(0),
+            stopped_at: None,
             reason: RecoveryReason::None,
             escape: Escape::new(config.recovery),
             trail: Trail::new(),
@@ -177,39 +166,17 @@ impl LocalPlanner {
     /// not.
     pub fn follow(&mut self, status: &TaskStatus, ends: &[GoalEnd]) {
         self.task.follow(status, ends);
+        if status.task == self.task.status().0.task {
+            self.account.follow(self.task.subject(), status);
+        }
     }
 
     /// The task's status and the ends of its goals.
     #[must_use]
     pub fn status(&self) -> (TaskStatus, &[GoalEnd]) {
         let (status, ends) = self.task.status();
-        if self.recovered.task != self.task.subject() {
-            return (status, ends);
-        }
-        let status = TaskStatus {
-            recoveries: self.recovered.attempts,
-            cause: self.recovered.cause.code(),
-            ..status
-        };
+        let status = self.account.complete(self.task.subject(), status);
         (status, ends)
-    }
-
-    /// Takes down what the recovery begins for the current task.
-    fn note_recovery(&mut self, behaviour: Behaviour) {
-        let task = self.task.subject();
-        if self.recovered.task != task {
-            self.recovered = Recovered::of(task);
-        }
-        if behaviour.is_attempt() {
-            self.recovered.attempts = self.recovered.attempts.saturating_add(1);
-        }
-        if let Behaviour::GiveUp(cause) = behaviour {
-            self.recovered.cause = match cause {
-                Cause::Blocked => StuckCause::Blocked,
-                Cause::NoProgress => StuckCause::NoProgress,
-                Cause::TooManyAttempts => StuckCause::TooManyAttempts,
-            };
-        }
     }
 
     /// The current goal.
@@ -229,6 +196,7 @@ impl LocalPlanner {
             .zip(inputs.map)
             .map(|(odometry, (map_from_odom, _))| map_from_odom.then(&odometry.pose));
         let mut route = self.route(inputs, map_from_base);
+        let was_active = self.task.state() == TaskState::Active;
         let step = self.task.step(&TaskInputs {
             tick: inputs.tick,
             run_ns: inputs.run_ns,
@@ -244,6 +212,11 @@ impl LocalPlanner {
                 .is_some_and(|goal| is_dynamic_near(inputs.obstacles.0, &goal.pose)),
         });
         if step.changed {
+            if self.task.state() == TaskState::Failed && was_active {
+                let obstruction = self.obstruction(inputs, map_from_base, step);
+                self.account.fail(self.task.subject(), obstruction);
+            }
+            self.stopped_at = None;
             // The goal may be another one now.
             route = self.route(inputs, map_from_base);
         }
@@ -279,7 +252,7 @@ impl LocalPlanner {
         };
         let request = explain::request(&decision, &about);
         if let Some(change) = &recovery {
-            self.note_recovery(change.to);
+            self.account.note(self.task.subject(), change.to);
             self.reason = explain::reason_of(change.reason);
         }
         Outputs {
@@ -293,6 +266,42 @@ impl LocalPlanner {
             blocked_arc_m: decision.blocked_arc_m,
             cross_track_m: route.map_or(0.0, |route| route.place.cross_track_m),
         }
+    }
+
+    /// Because of what the task has just failed: the global planner says why there is no path, else
+    /// it is the obstacle nearest to where the robot does not get on.
+    fn obstruction(
+        &self,
+        inputs: &Inputs<'_>,
+        map_from_base: Option<Pose>,
+        step: TaskStep,
+    ) -> Obstruction {
+        let told = inputs.path.and_then(|path| Obstruction::told_by(path.path));
+        let found = || {
+            let at = self.stopped_at.filter(|_| step.stuck)?;
+            let reach_m = inputs.robot?.0.circumscribed_radius_m + OBSTRUCTION_M;
+            let known = Known {
+                map_from_base: map_from_base?,
+                map: inputs.map.map(|(_, map)| map),
+                obstacles: inputs.obstacles.0,
+                scan_points_in_base: inputs.scan_points_in_base,
+            };
+            known.nearest(at, reach_m)
+        };
+        told.or_else(found).unwrap_or(Obstruction::NONE)
+    }
+
+    /// Notes where the robot does not get on. A manoeuvre says nothing about that.
+    fn note_stop(&mut self, decision: &Decision, route: Route<'_>, robot: &Pose) {
+        self.stopped_at = match decision.blocked_arc_m {
+            Some(ahead_m) => {
+                let arc_m = route.place.arc_m + ahead_m;
+                Some(self.tracker.point_at(route.waypoints, arc_m))
+            }
+            None if decision.validity == Validity::Blocked => Some(robot.point()),
+            None if self.behaviour().is_manoeuvre() => self.stopped_at,
+            None => None,
+        };
     }
 
     /// The path when it leads to the current goal.
@@ -375,7 +384,9 @@ impl LocalPlanner {
             speed_factor,
             period_s: inputs.period_s,
         };
-        Ok(self.recover(inputs, &situation, odometry, step))
+        let driven = self.recover(inputs, &situation, odometry, step);
+        self.note_stop(&driven.0, route, &map_from_base);
+        Ok(driven)
     }
 
     /// The controller's decision, or that of the recovery where that has a manoeuvre of its own.

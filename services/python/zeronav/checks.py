@@ -177,6 +177,7 @@ def _path(meta, waypoints):
     code(c.PathStatus, meta.status, "status")
     code(c.PathCause, meta.cause, "cause")
     code(c.PathBlock, meta.block, "block")
+    code(c.ObstacleSource, meta.source, "source")
     for along in meta.block_m:
         number(along, -c.COORDINATE_M_MAX, c.COORDINATE_M_MAX, "block_m")
     length(waypoints, meta.n_waypoints, c.PLAN_PATH.len_max, "waypoints")
@@ -220,6 +221,10 @@ def _task_status(meta, ended):
     code(c.TaskState, meta.state, "state")
     code(c.EndReason, meta.reason, "reason")
     code(c.StuckCause, meta.cause, "cause")
+    code(c.PathBlock, meta.block, "block")
+    code(c.ObstacleSource, meta.source, "source")
+    for along in meta.block_m:
+        number(along, -c.COORDINATE_M_MAX, c.COORDINATE_M_MAX, "block_m")
     length(ended, meta.n_ended, c.TASK_STATUS.len_max, "ends")
     code(c.TaskState, ended["state"], "end.state")
     code(c.EndReason, ended["reason"], "end.reason")

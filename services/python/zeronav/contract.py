@@ -37,11 +37,21 @@ class Intervention(IntEnum):
     STOPPED_SHORT = 7
 
 
+class ObstacleSource(IntEnum):
+    NONE = 0
+    STATIC_MAP = 1
+    LIDAR = 2
+    TRACKED = 3
+    UNKNOWN = 4
+
+
 class PathBlock(IntEnum):
     NONE = 0
     ROBOT = 1
     GOAL = 2
     PATH_BEFORE = 3
+    CLOSED = 4
+    OBSTACLE = 5
 
 
 class PathCause(IntEnum):
@@ -679,10 +689,10 @@ class Path(Message):
     """Fixed fields of a path. Search statistics are counts, never times. A message with an
     unchanged path repeats the waypoints and says by its parents how current it is."""
 
-    NAME = "zeronav.Path.v4"
+    NAME = "zeronav.Path.v5"
     SIZE = 144
-    SCHEMA = 0x8a542140ed425de0
-    OFFSETS = (0, 24, 26, 28, 32, 40, 48, 56, 64, 72, 80, 88, 96, 104, 112, 120, 122, 128)
+    SCHEMA = 0xa7edfb8ed361ed11
+    OFFSETS = (0, 24, 26, 28, 32, 40, 48, 56, 64, 72, 80, 88, 96, 104, 112, 120, 122, 124, 128)
     _fields_ = [
         # [text] Key of the planner in lower case, padded with 0.
         ("planner", u8 * 24),
@@ -719,8 +729,10 @@ class Path(Message):
         # Code of `PathBlock`: which cell made this path another one, made it end beside the goal,
         # or left no path. May be left 0.
         ("block", u16),
+        # Code of `ObstacleSource` of the obstacle in that cell or nearest to it. May be left 0.
+        ("source", u16),
         # Written as 0.
-        ("spare", u16 * 3),
+        ("spare", u16 * 2),
         # [m] x and y of the centre of that cell, `map` frame.
         ("block_m", f64 * 2),
     ]
@@ -731,7 +743,7 @@ class PlanPathEnvelope(Message):
 
     NAME = "zeronav.plan.path.v1"
     SIZE = 272
-    SCHEMA = 0xcd9c897df7fe9504
+    SCHEMA = 0x14c041652310caa2
     OFFSETS = (0, 128)
     _fields_ = [
         # The header.
@@ -848,10 +860,10 @@ class Goal(Message):
 class TaskStatus(Message):
     """Fixed fields of the status. The slice holds one entry per goal that has ended."""
 
-    NAME = "zeronav.TaskStatus.v2"
-    SIZE = 40
-    SCHEMA = 0x51c8b9a227965308
-    OFFSETS = (0, 2, 4, 8, 16, 24, 32, 36, 38)
+    NAME = "zeronav.TaskStatus.v3"
+    SIZE = 64
+    SCHEMA = 0x9eb5c1e775525fe1
+    OFFSETS = (0, 2, 4, 8, 16, 24, 32, 36, 38, 40, 56, 58)
     _fields_ = [
         # Code of `TaskState`.
         ("state", u16),
@@ -869,8 +881,14 @@ class TaskStatus(Message):
         ("recoveries", u32),
         # Code of `StuckCause`, with the reason `stuck`.
         ("cause", u16),
+        # Code of `PathBlock`: the cell because of which the task failed. May be left 0.
+        ("block", u16),
+        # [m] x and y of the centre of that cell, `map` frame.
+        ("block_m", f64 * 2),
+        # Code of `ObstacleSource` of the obstacle in that cell or nearest to it. May be left 0.
+        ("source", u16),
         # Written as 0.
-        ("spare", u16),
+        ("spare", u16 * 3),
     ]
 
 
@@ -878,8 +896,8 @@ class TaskStatusEnvelope(Message):
     """Header and fixed fields of the topic's messages."""
 
     NAME = "zeronav.task.status.v1"
-    SIZE = 168
-    SCHEMA = 0x8aaadca0d8317b42
+    SIZE = 192
+    SCHEMA = 0x68486bd9a75cb630
     OFFSETS = (0, 128)
     _fields_ = [
         # The header.
@@ -1615,7 +1633,7 @@ PLAN_PATH = Topic(
     len_max=2048,
     buffer=2,
     pool=58,
-    schema=0x9bfb9634c7bf32a9,
+    schema=0x98746698aac9e113,
 )
 
 PLAN_REQUEST = Topic(
@@ -1660,7 +1678,7 @@ TASK_STATUS = Topic(
     len_max=64,
     buffer=2,
     pool=29,
-    schema=0x5b76391a93084ce3,
+    schema=0xbce176d8ce956f72,
 )
 
 TASK_POSE = Topic(

@@ -125,7 +125,8 @@ fn the_bytes_of_a_message_mean_the_same_in_cpp() {
         remaining_m: 12.25,
         recoveries: 4,
         cause: StuckCause::NoProgress.code(),
-        spare: 0,
+        block_m: [3.5, -1.25],
+        ..TaskStatus::default()
     };
     let message = seal::<Status>(header, status, &[]);
     let program = r#"
@@ -147,7 +148,7 @@ fn the_bytes_of_a_message_mean_the_same_in_cpp() {
                 && meta.state == static_cast<std::uint16_t>(TaskState::failed)
                 && meta.reason == static_cast<std::uint16_t>(EndReason::stuck)
                 && meta.n_ended == 2 && meta.task == 5 && meta.goal == 8
-                && meta.recoveries == 4
+                && meta.recoveries == 4 && meta.block_m[0] == 3.5 && meta.block_m[1] == -1.25
                 && meta.cause == static_cast<std::uint16_t>(StuckCause::no_progress);
             std::printf("%d %.2f", right, meta.remaining_m);
         }

@@ -1,8 +1,10 @@
 use super::*;
-use crate::result::moment::Obstacle;
+use crate::result::moment::{Blocked, Obstacle};
 use crate::why::around::Missing;
 use zeronav_msgs::command::{PlannerInput, RecoveryReason};
+use zeronav_msgs::map::ObstacleSource;
 use zeronav_msgs::path::{PathBlock, PathCause};
+use zeronav_msgs::task::{EndReason, StuckCause};
 
 fn request(validity: Validity, cause: RequestCause) -> Request {
     Request {
@@ -39,6 +41,7 @@ fn path(status: PathStatus) -> Path {
         beside_goal_m: 0.0,
         block: PathBlock::None,
         block_m: [0.0; 2],
+        source: ObstacleSource::None,
     }
 }
 
@@ -99,6 +102,14 @@ fn a_way_around_names_the_cell_that_cut_the_one_before() {
         &moment,
         &Around::default(),
         &["because an obstacle at (9.05, 6.45) cut the one before"],
+    );
+    if let Some(path) = &mut moment.path {
+        path.source = ObstacleSource::Tracked;
+    }
+    says(
+        &moment,
+        &Around::default(),
+        &["because an obstacle at (9.05, 6.45) that is tracked cut the one before"],
     );
     moment.path = Some(Path {
         beside_goal_m: 0.2,
@@ -192,7 +203,7 @@ fn no_path_says_what_closed_it_and_what_would_have_to_open() {
     });
     let words = [
         "has no path to follow and brakes: the global planner has proved that no way leads to the goal; the \
-         last path was cut at (3.00, 4.00), which would have to open (unreachable).",
+         last path was cut at (3.00, 4.00) by an obstacle, which would have to go (unreachable).",
         "The task fails when that lasts.",
     ];
     says(&moment, &Around::default(), &words);
@@ -223,53 +234,54 @@ fn no_path_says_what_closed_it_and_what_would_have_to_open() {
     }
 }
 
+/// A task that is over.
+fn over(state: TaskState, reason: EndReason, stuck: StuckCause) -> Option<Task> {
+    Some(Task {
+        state,
+        reason,
+        stuck,
+        blocked: None,
+    })
+}
+
 #[test]
 fn the_end_of_a_task_is_told_with_its_reason() {
     let mut moment = standing(Validity::NoPath, RequestCause::None);
-    moment.path = Some(path(PathStatus::Unreachable));
-    let end = |state, reason, stuck| {
-        Some(Task {
-            state,
-            reason,
-            stuck,
-        })
-    };
+    // The planner forgets its plan with the goal; the outcome stays.
+    moment.path = Some(path(PathStatus::NoGoal));
+    let failed = |reason| over(TaskState::Failed, reason, StuckCause::None);
+    let stuck = |cause| over(TaskState::Failed, EndReason::Stuck, cause);
     let cases = [
         (
-            end(TaskState::Failed, EndReason::Unreachable, StuckCause::None),
-            "The task has failed: the global planner has proved that no way",
+            failed(EndReason::Unreachable),
+            "The task has failed: the global planner has proved that no way leads to the goal. \
+             Another",
         ),
         (
-            end(TaskState::Failed, EndReason::Stuck, StuckCause::Blocked),
-            "got stuck, because no motion was admissible",
+            failed(EndReason::GoalBlocked),
+            "the goal's cell is in an obstacle",
         ),
         (
-            end(TaskState::Failed, EndReason::Stuck, StuckCause::NoProgress),
-            "came no closer",
+            failed(EndReason::GoalOutsideMap),
+            "the goal is not on the map",
         ),
+        (failed(EndReason::NoPath), "had no path for too long."),
         (
-            end(TaskState::Cancelled, EndReason::None, StuckCause::None),
+            stuck(StuckCause::Blocked),
+            "got stuck, because no motion was admissible.",
+        ),
+        (stuck(StuckCause::NoProgress), "came no closer to its goal."),
+        (
+            over(TaskState::Cancelled, EndReason::None, StuckCause::None),
             "The task was cancelled.",
         ),
         (
-            end(TaskState::Reached, EndReason::None, StuckCause::None),
+            over(TaskState::Reached, EndReason::None, StuckCause::None),
             "The robot has arrived",
         ),
     ];
     for (task, words) in cases {
         moment.task = task;
-        says(&moment, &Around::default(), &[words]);
-    }
-    // The planner forgets its plan with the goal; the outcome stays.
-    moment.path = Some(path(PathStatus::NoGoal));
-    for (reason, words) in [
-        (
-            EndReason::Unreachable,
-            "had proved that no way leads to the goal",
-        ),
-        (EndReason::GoalBlocked, "the goal was in an obstacle"),
-    ] {
-        moment.task = end(TaskState::Failed, reason, StuckCause::None);
         says(&moment, &Around::default(), &[words]);
     }
     let arrived = standing(Validity::AtGoal, RequestCause::None);
@@ -278,6 +290,59 @@ fn the_end_of_a_task_is_told_with_its_reason() {
         &Around::default(),
         &["The robot has arrived: it is within the goal's tolerance."],
     );
+}
+
+#[test]
+fn the_end_of_a_task_names_the_cell_and_where_its_obstacle_comes_from() {
+    let mut moment = standing(Validity::NoPath, RequestCause::None);
+    let cases = [
+        (
+            (EndReason::Unreachable, PathBlock::Closed),
+            ObstacleSource::StaticMap,
+            "no way leads to the goal; the nearest way that could open is closed at (3.00, 4.00) by \
+             an obstacle of the static map.",
+        ),
+        (
+            (EndReason::Unreachable, PathBlock::PathBefore),
+            ObstacleSource::Lidar,
+            "the last path was cut at (3.00, 4.00) by an obstacle that the lidar saw and the static \
+             map does not have, which would have to go.",
+        ),
+        (
+            (EndReason::GoalBlocked, PathBlock::Goal),
+            ObstacleSource::Tracked,
+            "the goal's cell at (3.00, 4.00) is in an obstacle that is tracked, or too close to",
+        ),
+        (
+            (EndReason::Stuck, PathBlock::Obstacle),
+            ObstacleSource::Lidar,
+            "no motion was admissible; in its way is an obstacle at (3.00, 4.00) that the lidar saw",
+        ),
+        (
+            (EndReason::NoPath, PathBlock::Robot),
+            ObstacleSource::None,
+            "the robot's own cell at (3.00, 4.00) is in an obstacle and no free cell is near.",
+        ),
+        (
+            (EndReason::Unreachable, PathBlock::Closed),
+            ObstacleSource::Unknown,
+            "closed at (3.00, 4.00) by an obstacle of cells of which nothing is known.",
+        ),
+    ];
+    for ((reason, block), source, words) in cases {
+        moment.task = over(TaskState::Failed, reason, StuckCause::Blocked);
+        let task = moment.task.as_mut().expect("a task");
+        let at_m = [3.0, 4.0];
+        task.blocked = Some(Blocked {
+            block,
+            at_m,
+            source,
+        });
+        // What the end of a goal says of itself is in the sentence about the robot.
+        let alone = crate::why::failure(task).expect("it has failed");
+        assert!(why(&moment, &Around::default()).contains(&alone), "{alone}");
+        says(&moment, &Around::default(), &[words]);
+    }
 }
 
 #[test]

@@ -1,54 +1,129 @@
 //! What is said of inputs and paths, whoever says it.
 
-use crate::result::moment::{Path, Request};
+use crate::result::moment::{Blocked, Path, Request, Task};
 use zeronav_msgs::command::{AGE_MS_MAX, PlannerInput};
+use zeronav_msgs::map::ObstacleSource;
 use zeronav_msgs::path::{PathBlock, PathCause, PathStatus};
+use zeronav_msgs::task::{EndReason, StuckCause};
 
 /// Why the global planner has no path, and what would have to change.
 pub(super) fn no_way(path: &Path) -> String {
-    let at = |[x_m, y_m]: [f64; 2]| format!("({x_m:.2}, {y_m:.2})");
-    let cut = match path.block {
-        PathBlock::PathBefore => {
-            format!(
-                "; the last path was cut at {}, which would have to open",
-                at(path.block_m)
-            )
-        }
-        _ => String::new(),
-    };
+    let (planner, blocked) = (&path.planner, path.blocked());
     let what = match path.status {
-        PathStatus::Unreachable => {
-            format!("the global planner has proved that no way leads to the goal{cut}")
-        }
+        PathStatus::Unreachable => unreachable(blocked),
         PathStatus::UnreachableCorner => format!(
             "the global planner has proved that only a way that cuts an obstacle's corner leads \
-             to the goal{cut}"
+             to the goal{}",
+            opening(blocked)
         ),
-        PathStatus::StartBlocked => format!(
-            "the robot's own cell at {} is in an obstacle and no free cell is near",
-            at(path.block_m)
-        ),
+        PathStatus::StartBlocked => start_blocked(blocked),
         PathStatus::StartOutsideMap => {
             "the robot is not on the map: `zeronav pose` says where it is".to_owned()
         }
-        PathStatus::GoalBlocked => format!(
-            "the goal's cell at {} is in an obstacle and no cell within its tolerance is free",
-            at(path.block_m)
-        ),
-        PathStatus::GoalOutsideMap => {
-            format!("the goal at {} is not on the map", at(path.block_m))
+        PathStatus::GoalBlocked => goal_blocked(blocked),
+        PathStatus::GoalOutsideMap => goal_outside(blocked),
+        PathStatus::DeadEnd => {
+            let opening = opening(blocked);
+            format!("the planner {planner} gave up in a dead end{opening}")
         }
-        PathStatus::DeadEnd => format!("the planner {} gave up in a dead end{cut}", path.planner),
         PathStatus::OutOfBudget => {
-            format!(
-                "the planner {} spent its budget before it found a way{cut}",
-                path.planner
-            )
+            let opening = opening(blocked);
+            format!("the planner {planner} spent its budget before it found a way{opening}")
         }
         PathStatus::TooLong => "the path has more corners than a message holds".to_owned(),
         PathStatus::NoGoal | PathStatus::Found => "there is none".to_owned(),
     };
     format!("{what} ({})", path.status)
+}
+
+/// Why a task has failed, and what was in the way.
+pub(in crate::why) fn failure(task: &Task) -> String {
+    let blocked = task.blocked;
+    match (task.reason, task.stuck) {
+        (EndReason::Stuck, cause) => {
+            let why = match cause {
+                StuckCause::Blocked => ", because no motion was admissible",
+                StuckCause::NoProgress => ": it moved, but came no closer to its goal",
+                StuckCause::TooManyAttempts => ": every attempt of its recovery was made",
+                StuckCause::None => "",
+            };
+            format!("the robot got stuck{why}{}", opening(blocked))
+        }
+        (EndReason::Replaced, _) => "a later task took its place".to_owned(),
+        (EndReason::Unreachable, _) => unreachable(blocked),
+        (EndReason::GoalBlocked, _) => goal_blocked(blocked),
+        (EndReason::GoalOutsideMap, _) => goal_outside(blocked),
+        (EndReason::NoPath, _) => match blocked.map(|blocked| blocked.block) {
+            Some(PathBlock::Robot) => start_blocked(blocked),
+            _ => format!(
+                "the global planner had no path for too long{}",
+                opening(blocked)
+            ),
+        },
+        (EndReason::None, _) => "no reason was told".to_owned(),
+    }
+}
+
+fn unreachable(blocked: Option<Blocked>) -> String {
+    let opening = opening(blocked);
+    format!("the global planner has proved that no way leads to the goal{opening}")
+}
+
+fn start_blocked(blocked: Option<Blocked>) -> String {
+    format!(
+        "the robot's own cell{} is in an obstacle{} and no free cell is near",
+        place(blocked),
+        origin(blocked)
+    )
+}
+
+fn goal_blocked(blocked: Option<Blocked>) -> String {
+    format!(
+        "the goal's cell{} is in an obstacle{}, or too close to one, and no cell within its \
+         tolerance is free",
+        place(blocked),
+        origin(blocked)
+    )
+}
+
+fn goal_outside(blocked: Option<Blocked>) -> String {
+    format!("the goal{} is not on the map", place(blocked))
+}
+
+/// What would have to open, or go.
+fn opening(blocked: Option<Blocked>) -> String {
+    let (place, origin) = (place(blocked), origin(blocked));
+    match blocked.map(|blocked| blocked.block) {
+        Some(PathBlock::PathBefore) => {
+            format!("; the last path was cut{place} by an obstacle{origin}, which would have to go")
+        }
+        Some(PathBlock::Closed) => {
+            format!("; the nearest way that could open is closed{place} by an obstacle{origin}")
+        }
+        Some(PathBlock::Obstacle) => format!("; in its way is an obstacle{place}{origin}"),
+        Some(PathBlock::None | PathBlock::Robot | PathBlock::Goal) | None => String::new(),
+    }
+}
+
+/// Where a cell is, `map` frame.
+fn place(blocked: Option<Blocked>) -> String {
+    blocked.map_or_else(
+        String::new,
+        |Blocked {
+             at_m: [x_m, y_m], ..
+         }| { format!(" at ({x_m:.2}, {y_m:.2})") },
+    )
+}
+
+/// Where the obstacle comes from that blocks a cell.
+fn origin(blocked: Option<Blocked>) -> &'static str {
+    match blocked.map(|blocked| blocked.source) {
+        Some(ObstacleSource::StaticMap) => " of the static map",
+        Some(ObstacleSource::Lidar) => " that the lidar saw and the static map does not have",
+        Some(ObstacleSource::Tracked) => " that is tracked",
+        Some(ObstacleSource::Unknown) => " of cells of which nothing is known",
+        Some(ObstacleSource::None) | None => "",
+    }
 }
 
 /// Why the local planner brakes for an input.
@@ -100,8 +175,8 @@ pub(super) fn way(path: &Path) -> String {
     }
     let why = match (path.cause, path.block) {
         (PathCause::Obstacle, PathBlock::PathBefore) => {
-            let [x_m, y_m] = path.block_m;
-            format!("an obstacle at ({x_m:.2}, {y_m:.2}) cut the one before")
+            let (place, origin) = (place(path.blocked()), origin(path.blocked()));
+            format!("an obstacle{place}{origin} cut the one before")
         }
         (PathCause::Obstacle, _) => "an obstacle cut the one before".to_owned(),
         (PathCause::Request, _) => "the local planner asked for another one".to_owned(),

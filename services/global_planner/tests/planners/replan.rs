@@ -4,10 +4,10 @@ use crate::support::cycle::{Bench, ROOM};
 use zeronav_global_planner::{
     GlobalPlannerConfig, News, Replanner, Request, Situation, Step, Target,
 };
-use zeronav_msgs::map::COST_LETHAL;
+use zeronav_msgs::map::{COST_INSCRIBED, COST_LETHAL, FLAG_SENSED, FLAG_STATIC, ObstacleSource};
 use zeronav_msgs::path::{Path, PathBlock, PathCause, PathStatus};
 use zeronav_msgs::request::RequestReason;
-use zeronav_msgs::{Cell, Pose};
+use zeronav_msgs::{Cell, CellRect, MapCell, Pose};
 
 #[test]
 fn rule_1_without_a_goal_or_a_map_there_is_no_path() {
@@ -183,6 +183,57 @@ fn a_proof_that_no_way_is_left_names_where_the_last_one_was_cut() {
         (message.block_m[0] - bench.map.pose(cut).x_m).abs() < 1e-9,
         "{message:?}"
     );
+}
+
+#[test]
+fn a_proof_without_a_path_before_names_what_would_have_to_open_and_where_it_comes_from() {
+    let cell = |cost, flags, clearance_mm| MapCell {
+        cost,
+        flags,
+        clearance_mm,
+    };
+    // Two gaps of the wall: one that a box closes, one that is only too narrow for the robot.
+    let (mut bench, at) = Bench::new(
+        "S....#.....
+         .....B.....
+         .....#....G
+         .....#.....
+         .....N.....
+         .....#.....",
+    );
+    for row in [0, 2, 3, 5] {
+        let wall = cell(COST_LETHAL, FLAG_STATIC, 0);
+        bench.map.put(Cell::new(5, row), wall);
+    }
+    bench.map.put(at('B'), cell(COST_LETHAL, FLAG_SENSED, 0));
+    let told = |bench: &mut Bench, narrow: MapCell| {
+        bench.map.put(at('N'), narrow);
+        bench.revision += 1;
+        let task = bench.target.map_or(0, |target| target.task + 1);
+        bench.target = bench.target.map(|target| Target { task, ..target });
+        bench.expect_new(PathCause::Goal, PathStatus::Unreachable);
+        let mut message = Path::default();
+        bench.replanner.plan().fill(&mut message);
+        assert_eq!(message.block(), Some(PathBlock::Closed), "{message:?}");
+        let [x_m, y_m] = message.block_m;
+        let at = bench.map.geometry.cell_at(nalgebra::Point2::new(x_m, y_m));
+        (at.unwrap(), message.source().unwrap())
+    };
+    bench.changed = vec![CellRect {
+        min: Cell::new(0, 0),
+        max: Cell::new(11, 6),
+    }];
+    // What is only too narrow is told before what the lidar saw, and that before a wall.
+    let narrow = cell(COST_INSCRIBED, 0, 30);
+    let found = told(&mut bench, narrow);
+    assert_eq!(found, (at('N'), ObstacleSource::StaticMap));
+    let wall = cell(COST_LETHAL, FLAG_STATIC, 0);
+    let found = told(&mut bench, wall);
+    assert_eq!(found, (at('B'), ObstacleSource::Lidar));
+    // Stamped on the copy.
+    bench.map.put(at('B'), cell(COST_LETHAL, 0, 0));
+    let found = told(&mut bench, wall);
+    assert_eq!(found, (at('B'), ObstacleSource::Tracked));
 }
 
 #[test]

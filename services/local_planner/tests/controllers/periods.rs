@@ -8,10 +8,11 @@ use zeronav_local_planner::{Inputs, LocalPlanner, LocalPlannerConfig, Outputs, P
 use zeronav_motion::{Twist, reachable};
 use zeronav_msgs::Pose;
 use zeronav_msgs::command::{PlannerInput, RequestCause, Validity};
+use zeronav_msgs::map::ObstacleSource;
 use zeronav_msgs::odometry::Odometry;
-use zeronav_msgs::path::{Path, PathStatus, Waypoint};
+use zeronav_msgs::path::{Path, PathBlock, PathStatus, Waypoint};
 use zeronav_msgs::request::RequestReason;
-use zeronav_msgs::task::{Goal, Task, TaskKind, TaskState};
+use zeronav_msgs::task::{EndReason, Goal, StuckCause, Task, TaskKind, TaskState, TaskStatus};
 
 const PERIOD_NS: u64 = 20_000_000;
 const MS: u64 = 1_000_000;
@@ -231,4 +232,93 @@ fn unusable_configurations_are_refused() {
         LocalPlanner::new(&config).err(),
         Some(BuildError::Config(_))
     ));
+}
+
+/// The global planner forgets its plan with the goal, and launch cancels after every end.
+#[test]
+fn a_task_that_failed_keeps_the_cell_that_blocked_it_until_the_next_one() {
+    let mut bench = Bench::new();
+    bench.go(1, 6.0);
+    let closed = |status: PathStatus, block: PathBlock| Path {
+        status: status.code(),
+        goal: 1,
+        block: block.code(),
+        block_m: [4.0, 2.5],
+        source: ObstacleSource::StaticMap.code(),
+        ..Path::default()
+    };
+    bench.path = Some((closed(PathStatus::Unreachable, PathBlock::Closed), vec![]));
+    for _ in 0..100 {
+        bench.step();
+    }
+    let told = |bench: &Bench| {
+        let (status, ends) = bench.planner.status();
+        assert_eq!(status.check(ends), Ok(()));
+        (
+            status.state(),
+            status.block(),
+            status.block_m,
+            status.source(),
+        )
+    };
+    let expected = (
+        Some(TaskState::Failed),
+        Some(PathBlock::Closed),
+        [4.0, 2.5],
+        Some(ObstacleSource::StaticMap),
+    );
+    assert_eq!(told(&bench), expected);
+    bench.path = Some((closed(PathStatus::NoGoal, PathBlock::None), vec![]));
+    let cancel = Task {
+        kind: TaskKind::Cancel.code(),
+        ..Task::default()
+    };
+    bench.planner.accept_task(2, &cancel, &[]);
+    for _ in 0..10 {
+        bench.step();
+    }
+    assert_eq!(bench.planner.status().0.task, 2);
+    assert_eq!(told(&bench), expected);
+    bench.go(3, 6.0);
+    bench.step();
+    let (state, block, ..) = told(&bench);
+    assert_eq!(
+        (state, block),
+        (Some(TaskState::Active), Some(PathBlock::None))
+    );
+}
+
+#[test]
+fn a_newcomer_goes_on_with_what_was_tried_for_the_task_and_why_it_failed() {
+    let mut bench = Bench::new();
+    bench.go(1, 6.0);
+    bench.path = Some(found(1, 1, &[(1.0, 2.0), (6.0, 2.0)]));
+    bench.step();
+    let status = |task, state: TaskState| TaskStatus {
+        state: state.code(),
+        reason: EndReason::None.code(),
+        task,
+        goal: 1,
+        recoveries: 3,
+        cause: StuckCause::Blocked.code(),
+        block: PathBlock::Obstacle.code(),
+        block_m: [4.0, 2.5],
+        source: ObstacleSource::Lidar.code(),
+        ..TaskStatus::default()
+    };
+    // Of another task nothing is taken over.
+    bench.planner.follow(&status(9, TaskState::Active), &[]);
+    assert_eq!(bench.planner.status().0.recoveries, 0);
+    bench.planner.follow(&status(1, TaskState::Active), &[]);
+    let (own, ends) = bench.planner.status();
+    assert_eq!(own.recoveries, 3);
+    assert_eq!(own.cause(), Some(StuckCause::Blocked));
+    assert_eq!(own.source(), Some(ObstacleSource::Lidar));
+    assert_eq!(own.check(ends), Ok(()));
+    // The next task begins with nothing.
+    bench.go(2, 6.0);
+    bench.step();
+    bench.step();
+    let (own, _) = bench.planner.status();
+    assert_eq!((own.task, own.recoveries, own.source), (2, 0, 0));
 }

@@ -16,6 +16,7 @@ use zeronav_local_planner::table::CONTROLLERS;
 use zeronav_motion::Twist;
 use zeronav_msgs::Pose;
 use zeronav_msgs::command::Validity;
+use zeronav_msgs::path::PathBlock;
 use zeronav_msgs::pose::wrap_angle;
 use zeronav_msgs::task::{StuckCause, TaskState};
 
@@ -387,6 +388,11 @@ fn a_way_that_never_opens_ends_with_a_cause_and_without_contact() {
     assert_eq!((status.recoveries, attempts.count()), (4, 4));
     assert_eq!(status.cause(), Some(StuckCause::TooManyAttempts));
     assert_eq!(status.check(ends), Ok(()));
+    // The wall across the way, between its sides.
+    assert_eq!(status.block(), Some(PathBlock::Obstacle), "{status:?}");
+    let [x_m, y_m] = status.block_m;
+    assert!((4.95..5.4).contains(&x_m), "{status:?}");
+    assert!((0.3..1.7).contains(&y_m), "{status:?}");
     assert!(whole.changes.iter().all(|change| change.from != change.to));
 }
 
