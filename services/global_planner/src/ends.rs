@@ -84,7 +84,8 @@ const ROOT: u8 = 8;
 /// Finds the first and the last cell of the search.
 ///
 /// A start that is blocked, but not lethal, is left on a shortest way (in steps) over cells that
-/// are not lethal, at most [`MapOptions::escape_m`] from the robot along either axis. A blocked goal is replaced
+/// are not lethal and have as much room as the robot has now, at most [`MapOptions::escape_m`] from the
+/// robot along either axis. A blocked goal is replaced
 /// by the free cell whose centre is nearest to it, within the tolerance; the lower row, then the
 /// lower column, of two equally near. `connected` says whether a way may lead from one free cell to
 /// another.
@@ -139,7 +140,23 @@ pub(crate) fn find_ends_on_map(
 }
 
 /// Writes the way out and gives its last cell.
+///
+/// Clearance does not fall on it ([`MapView::least_clearance_mm`]): a gap that is too narrow for the robot is
+/// none because the robot stands right before it. Only where that leaves no free cell within reach, as
+/// on a map that is wrong, any cell will do that is not lethal.
 fn leave_inflation(query: &PlanQuery<'_>, start: Cell, way_out: &mut WayOut) -> Option<Cell> {
+    let own = query.map.get(start)?;
+    let least_mm = query.map.least_clearance_mm(own);
+    flood(query, start, least_mm, way_out)?;
+    if way_out.exits.is_empty() {
+        flood(query, start, 0, way_out)?;
+    }
+    way_out.turn_to_next(|_| false)
+}
+
+/// Finds the free cells within reach, nearest first, over cells with at least this clearance. [mm]
+/// `None` when the robot is in an obstacle.
+fn flood(query: &PlanQuery<'_>, start: Cell, least_mm: u16, way_out: &mut WayOut) -> Option<()> {
     let (map, unknown) = (query.map, query.unknown);
     let cell = map.get(start)?;
     let reach = if unknown.is_lethal(cell) {
@@ -157,6 +174,7 @@ fn leave_inflation(query: &PlanQuery<'_>, start: Cell, way_out: &mut WayOut) -> 
     way_out.exits.clear();
     way_out.queue.clear();
     way_out.queue.push(start);
+    let has_room = |cell| (map.get(cell)).is_some_and(|cell| cell.clearance_mm >= least_mm);
     let mut next = 0;
     while let Some(&from) = way_out.queue.get(next) {
         next += 1;
@@ -173,6 +191,7 @@ fn leave_inflation(query: &PlanQuery<'_>, start: Cell, way_out: &mut WayOut) -> 
             };
             if way_out.seen[index] == UNSEEN
                 && passable(map, unknown, to)
+                && has_room(to)
                 && (n % 2 == 0 || corner_is_free(map, unknown, query.corner_rule, from, to))
             {
                 way_out.seen[index] = n;
@@ -180,7 +199,7 @@ fn leave_inflation(query: &PlanQuery<'_>, start: Cell, way_out: &mut WayOut) -> 
             }
         }
     }
-    way_out.turn_to_next(|_| false)
+    Some(())
 }
 
 fn passable(map: MapView<'_>, unknown: Unknown, cell: Cell) -> bool {

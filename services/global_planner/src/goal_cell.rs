@@ -1,4 +1,4 @@
-//! Which cell a path leads to when the goal's own is blocked.
+//! Which cell a path leads to when the goal's own is blocked or cannot be reached.
 
 use crate::moves::STEPS;
 use crate::planner::{CornerRule, PlanQuery};
@@ -16,8 +16,8 @@ pub(crate) struct GoalCell {
 }
 
 impl GoalCell {
-    /// The goal's own cell if it is free; else the nearest within the tolerance that is connected
-    /// with one of `exits`, else the nearest that is free.
+    /// The free cell within the tolerance that is nearest to the goal, its own before all, of those that
+    /// are connected with one of `exits`; else the nearest that is free.
     ///
     /// Where all free cells within the tolerance hang together, which is seen by looking around,
     /// the nearest is as reachable as any. Only where a wall runs between them `connected` is asked
@@ -30,7 +30,7 @@ impl GoalCell {
         connected: &mut dyn FnMut(Cell, Cell) -> bool,
     ) -> Option<Cell> {
         let nearest = nearest(query, own, |_| true)?;
-        if nearest == own || self.hangs_together(query, own, nearest) {
+        if self.hangs_together(query, own, nearest) {
             return Some(nearest);
         }
         let reachable = |cell: Cell| exits.iter().any(|exit| connected(*exit, cell));
@@ -88,8 +88,8 @@ fn is_free(query: &PlanQuery<'_>, cell: Cell) -> bool {
 /// The free cell nearest to the goal of those that `counts` holds of, ring by ring.
 fn nearest(query: &PlanQuery<'_>, own: Cell, mut counts: impl FnMut(Cell) -> bool) -> Option<Cell> {
     let geometry = query.map.geometry;
-    if is_free(query, own) {
-        return counts(own).then_some(own);
+    if is_free(query, own) && counts(own) {
+        return Some(own);
     }
     let mut best: Option<(f64, Cell)> = None;
     for ring in 1..=rings(query) {

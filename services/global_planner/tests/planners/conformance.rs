@@ -7,7 +7,7 @@ use zeronav_global_planner::{
     PlanStats, PlannerOptions, PlannerRow, Unknown, supercover,
 };
 use zeronav_msgs::map::{COST_INSCRIBED, COST_LETHAL};
-use zeronav_msgs::{Cell, Pose};
+use zeronav_msgs::{Cell, MapCell, Pose};
 
 const RULES: [CornerRule; 3] = [
     CornerRule::Allow,
@@ -273,6 +273,114 @@ fn a_start_too_close_to_an_obstacle_is_not_led_into_a_pocket() {
         result.unwrap();
         assert_eq!(path.cells[0], at('S'), "{}", row.key);
         assert_eq!(path.cells.last(), Some(&at('G')), "{}", row.key);
+    }
+}
+
+/// Two rooms with a wall in between that has a gap too narrow for the robot, and cells with their true
+/// clearance: of 5 cm, the robot's inscribed radius is 0.12 m.
+fn narrow_door() -> (Map, impl Fn(char) -> Cell) {
+    let (mut map, at) = Map::drawn(
+        "##################
+         #.......##.......#
+         #.......##.......#
+         #.......##.......#
+         #...F.N......G...#
+         #................#
+         #.......##.......#
+         #.......##.......#
+         #.......##.......#
+         ##################",
+    );
+    // The gap is two cells high: 5 cm of room in the middle of either.
+    let (width, height) = map.geometry.size();
+    let all = || (0..height).flat_map(|y| (0..width).map(move |x| Cell::new(x, y)));
+    let lethal: Vec<Cell> = all()
+        .filter(|cell| map.view().get(*cell).unwrap().cost == COST_LETHAL)
+        .collect();
+    for cell in all() {
+        let gap = |d: i32| (f64::from(d.abs()) - 0.5).max(0.0) * 50.0;
+        let away_mm = lethal
+            .iter()
+            .map(|it| gap(it.x - cell.x).hypot(gap(it.y - cell.y)));
+        let clearance_mm = away_mm.fold(1000.0, f64::min);
+        let mut known = map.view().get(cell).unwrap();
+        if known.cost != COST_LETHAL {
+            let inscribed = clearance_mm <= 120.0;
+            known = of_cost(if inscribed { COST_INSCRIBED } else { 0 });
+        }
+        #[allow(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "0 to 1000"
+        )]
+        let clearance_mm = clearance_mm as u16;
+        map.put(
+            cell,
+            MapCell {
+                clearance_mm,
+                ..known
+            },
+        );
+    }
+    (map, at)
+}
+
+#[test]
+fn a_gap_too_narrow_for_the_robot_is_none_for_one_right_before_it_either() {
+    let (map, at) = narrow_door();
+    let near = map.view().get(at('N')).unwrap();
+    assert_eq!(near.cost, COST_INSCRIBED, "{near:?}");
+    for row in PLANNERS {
+        for start in ['F', 'N'] {
+            let mut path = CellPath::default();
+            let query = query(&map, at(start), at('G'));
+            let result = build(row).plan(&query, &mut go, &mut path);
+            let none = PlanError::Unreachable {
+                blocked_by_corner: false,
+            };
+            if !gave_up(row, result) {
+                assert_eq!(result, Err(none), "{} from {start}", row.key);
+            }
+        }
+        // It is led out to its own side none the less.
+        let mut path = CellPath::default();
+        let result = build(row).plan(&query(&map, at('N'), at('F')), &mut go, &mut path);
+        if !gave_up(row, result) {
+            result.unwrap_or_else(|error| panic!("{}: {error}", row.key));
+        }
+    }
+}
+
+#[test]
+fn a_free_goal_that_is_cut_off_gives_way_to_a_cell_that_can_be_reached() {
+    let (map, at) = Map::drawn(
+        "S....###
+         .....#G#
+         .....###
+         ........",
+    );
+    for row in PLANNERS {
+        let mut query = query(&map, at('S'), at('G'));
+        query.tolerance_m = 0.101;
+        let mut path = CellPath::default();
+        let result = build(row).plan(&query, &mut go, &mut path);
+        if gave_up(row, result) {
+            continue;
+        }
+        result.unwrap_or_else(|error| panic!("{}: {error}", row.key));
+        let last = *path.cells.last().unwrap();
+        let apart = f64::from(last.x - at('G').x).hypot(f64::from(last.y - at('G').y));
+        assert!((1.9..=2.01).contains(&apart), "{}: {last:?}", row.key);
+        // Without such a tolerance there is no way.
+        query.tolerance_m = 0.01;
+        let result = build(row).plan(&query, &mut go, &mut path);
+        if !gave_up(row, result) {
+            assert!(
+                matches!(result, Err(PlanError::Unreachable { .. })),
+                "{}: {result:?}",
+                row.key
+            );
+        }
     }
 }
 
