@@ -1,10 +1,19 @@
 //! Where a robot can drive to on a map. Pure.
+//!
+//! The stock global planner's rules, for which launch must not depend on it: with every corner rule
+//! but `allow` cells are connected over their edges, and a robot that is too close to an obstacle leaves
+//! it over cells with as much clearance. What a planner's own options forbid is not known here.
 
 use nalgebra::Point2;
+use std::collections::VecDeque;
 use zeronav_msgs::MapView;
 use zeronav_msgs::grid::{Cell, GridGeometry};
+use zeronav_msgs::map::{COST_LETHAL, MapCell, ObstacleSource};
 
-/// Cells that are connected with the robot's over cells that do not block its centre.
+/// How far a robot is led out of the inflation, along either axis. [m]
+const ESCAPE_M: f64 = 0.6;
+
+/// Cells that the robot can drive to.
 #[derive(Debug)]
 pub(super) struct Reach {
     geometry: GridGeometry,
@@ -19,22 +28,55 @@ impl Reach {
             geometry: *map.geometry,
             reached: vec![false; map.cells.len()],
         };
-        let mut open: Vec<Cell> = map.geometry.cell_at(start).into_iter().collect();
-        let mut is_start = true;
-        while let Some(cell) = open.pop() {
-            let Some(index) = map.geometry.index_of(cell) else {
-                continue;
-            };
-            // A robot beside a wall stands in a cell that blocks its centre.
-            let blocks = !is_start && map.cells.get(index).is_none_or(|cell| cell.blocks_centre());
-            is_start = false;
-            if blocks || std::mem::replace(&mut reach.reached[index], true) {
-                continue;
+        let mut open = reach.exits(map, start);
+        while let Some(cell) = open.pop_front() {
+            for next in beside(cell) {
+                let Some(index) = map.geometry.index_of(next) else {
+                    continue;
+                };
+                let is_free = (map.cells.get(index)).is_some_and(|cell| !cell.blocks_centre());
+                if is_free && !reach.reached[index] {
+                    reach.reached[index] = true;
+                    open.push_back(next);
+                }
             }
-            let steps = [(1, 0), (-1, 0), (0, 1), (0, -1)];
-            open.extend(steps.map(|(x, y)| Cell::new(cell.x + x, cell.y + y)));
         }
         reach
+    }
+
+    /// Marks the cells over which the robot leaves the inflation, and gives the free ones at their
+    /// ends; its own cell alone where it is free.
+    fn exits(&mut self, map: &MapView<'_>, start: Point2<f64>) -> VecDeque<Cell> {
+        let mut exits = VecDeque::new();
+        let Some((first, own)) =
+            (map.geometry.cell_at(start)).and_then(|cell| Some((cell, map.get(cell)?)))
+        else {
+            return exits;
+        };
+        let least_mm = map.least_clearance_mm(own);
+        let has_room = |cell: MapCell| cell.cost != COST_LETHAL && cell.clearance_mm >= least_mm;
+        let is_near = |cell: Cell| {
+            let steps = (cell.x - first.x).abs().max((cell.y - first.y).abs());
+            // Rounding must not lose the cell at the very end.
+            f64::from(steps) * map.geometry.resolution_m <= ESCAPE_M + 1.0e-6
+        };
+        let mut open = VecDeque::from([first]);
+        while let Some(cell) = open.pop_front() {
+            let (Some(index), Some(known)) = (map.geometry.index_of(cell), map.get(cell)) else {
+                continue;
+            };
+            // A robot in an obstacle goes nowhere.
+            if !is_near(cell) || !has_room(known) || self.reached[index] {
+                continue;
+            }
+            self.reached[index] = true;
+            if known.blocks_centre() {
+                open.extend(beside(cell));
+            } else {
+                exits.push_back(cell);
+            }
+        }
+        exits
     }
 
     /// Whether the robot can be driven to this point of the map frame. [m]
@@ -44,10 +86,35 @@ impl Reach {
     }
 }
 
+/// The cells that share an edge with one.
+fn beside(cell: Cell) -> [Cell; 4] {
+    [(1, 0), (-1, 0), (0, 1), (0, -1)].map(|(x, y)| Cell::new(cell.x + x, cell.y + y))
+}
+
+/// True when the centre of some cell within `tolerance_m` of a goal is free for the robot's centre, or may
+/// become so, because what blocks it is not in the static map: a planner on this map may lead there.
+pub(super) fn may_have_room(map: &MapView<'_>, goal: Point2<f64>, tolerance_m: f64) -> bool {
+    let corner = nalgebra::Vector2::repeat(tolerance_m);
+    let low = map.geometry.unbounded_cell_at(goal - corner);
+    let high = map.geometry.unbounded_cell_at(goal + corner);
+    let (width, height) = map.geometry.size();
+    let cells = || {
+        let rows = low.y.max(0)..=high.y.min(height - 1);
+        let columns = low.x.max(0)..=high.x.min(width - 1);
+        let all = rows.flat_map(move |y| columns.clone().map(move |x| Cell::new(x, y)));
+        all.filter(|cell| {
+            let own = map.geometry.cell_at(goal) == Some(*cell);
+            own || (map.geometry.centre_of(*cell) - goal).norm() <= tolerance_m
+        })
+    };
+    let is_free = |cell: Cell| map.get(cell).is_some_and(|cell| !cell.blocks_centre());
+    cells().any(is_free) || cells().any(|cell| map.source_at(cell) != ObstacleSource::StaticMap)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use zeronav_msgs::map::{COST_LETHAL, MapCell};
+    use zeronav_msgs::map::{COST_INSCRIBED, FLAG_SENSED, FLAG_STATIC};
 
     #[test]
     fn what_lies_behind_a_wall_is_not_reached() {
@@ -72,10 +139,73 @@ mod tests {
         let here = Point2::new(0.3, 0.3);
         assert_eq!(view(&cells, here), [true, true, false, false, false]);
         assert_eq!(view(&cells, Point2::new(-3.0, 0.3)), [false; 5]);
-        // From within the inflation of the wall both sides may be tried.
+        // In an obstacle it goes nowhere.
         let inside = Point2::new(1.6, 0.8);
-        assert_eq!(view(&cells, inside), [true, true, true, true, false]);
+        assert_eq!(view(&cells, inside), [false; 5]);
         cells[3].cost = 0;
         assert_eq!(view(&cells, here), [true, true, false, true, false]);
+    }
+
+    /// A row of cells of 10 cm by cost and clearance [mm].
+    fn row(cells: &[(u8, u16)]) -> (GridGeometry, Vec<MapCell>) {
+        let geometry = GridGeometry {
+            resolution_m: 0.1,
+            width: u32::try_from(cells.len()).expect("a few"),
+            height: 1,
+            ..GridGeometry::default()
+        };
+        let cell = |(cost, clearance_mm): &(u8, u16)| MapCell {
+            cost: *cost,
+            flags: FLAG_STATIC,
+            clearance_mm: *clearance_mm,
+        };
+        (geometry, cells.iter().map(cell).collect())
+    }
+
+    #[test]
+    fn a_robot_leaves_the_inflation_where_it_has_as_much_room() {
+        let close = COST_INSCRIBED;
+        let reached = |cells: &[(u8, u16)], x_m: f64| -> Vec<bool> {
+            let (geometry, cells) = row(cells);
+            let map = MapView {
+                geometry: &geometry,
+                cells: &cells,
+            };
+            let reach = Reach::from(&map, Point2::new(x_m, 0.05));
+            let all = 0..geometry.width;
+            all.map(|x| reach.contains(geometry.centre_of(Cell::new(x.cast_signed(), 0))))
+                .collect()
+        };
+        // Two cells deep in the inflation, with a gap on the right that is tighter than that.
+        let room = [(0, 400), (close, 250), (close, 230), (close, 120), (0, 400)];
+        assert_eq!(reached(&room, 0.25), [true, true, true, false, false]);
+        // A gap as wide as where it is, which it may fit through, too.
+        let room = [(0, 400), (close, 250), (close, 230), (close, 200), (0, 400)];
+        assert_eq!(reached(&room, 0.25), [true; 5]);
+        // Farther than it is led.
+        let mut long = vec![(close, 250); 9];
+        long.push((0, 400));
+        assert!(!reached(&long, 0.05)[9]);
+        assert!(reached(&long, 0.35)[9]);
+    }
+
+    #[test]
+    fn a_goal_has_room_where_a_cell_is_free_or_may_become_so() {
+        let (geometry, mut cells) = row(&[(0, 400), (COST_INSCRIBED, 150), (COST_LETHAL, 0)]);
+        let goal = Point2::new(0.25, 0.05);
+        let has_room = |cells: &[MapCell], tolerance_m| {
+            let map = MapView {
+                geometry: &geometry,
+                cells,
+            };
+            may_have_room(&map, goal, tolerance_m)
+        };
+        assert!(has_room(&cells, 0.2001));
+        assert!(!has_room(&cells, 0.19), "the free cell's centre is farther");
+        assert!(!has_room(&cells, 0.001));
+        cells[2].flags = FLAG_SENSED;
+        assert!(has_room(&cells, 0.001), "it may go");
+        cells[2].flags = 0;
+        assert!(has_room(&cells, 0.001), "what is tracked may, too");
     }
 }

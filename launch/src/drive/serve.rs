@@ -1,6 +1,6 @@
 //! What a run answers on its control socket.
 
-use super::reach::Reach;
+use super::reach::{Reach, may_have_room};
 use super::session::Session;
 use crate::control::request::{GoalReport, Reply, Request, RunReport, ServiceReport};
 use crate::orders::Order;
@@ -182,19 +182,29 @@ impl Session<'_> {
         }
         let at = format!("({}, {})", pose.x_m, pose.y_m);
         let (world, footprint) = (&self.prepared.world, &self.prepared.footprint);
-        let why = if !world.contains(Point2::new(pose.x_m, pose.y_m)) {
+        let map = self.collector.replica.view();
+        let has_room = || {
+            let in_world = world.free_pose_near(footprint, pose, goal.tolerance());
+            let on_map = |map| may_have_room(&map, pose.point(), *tolerance_m);
+            in_world.is_some() && map.is_none_or(on_map)
+        };
+        let why = if !world.contains(pose.point()) {
             format!("{at} is not on the map")
-        } else if (world.free_pose_near(footprint, pose, goal.tolerance())).is_none() {
+        } else if !has_room() {
             format!("the robot finds no room within {tolerance_m} m of {at}")
         } else {
             return Ok(());
         };
-        let map = self.collector.replica.view();
-        let reach = (map.zip(self.collector.estimate()))
-            .map(|(map, robot)| Reach::from(&map, robot.point()));
-        let is_reached = |at| reach.as_ref().is_none_or(|reach| reach.contains(at));
-        let nearest = self.nearest(pose, goal.yaw_tolerance_rad, is_reached);
-        Err(format!("{why}; {nearest}; the robot goes on as before"))
+        let robot = self.collector.estimate();
+        let hint = map.zip(robot).map_or_else(
+            || "where it can drive to is not known before its first map".to_owned(),
+            |(map, robot)| {
+                let reach = Reach::from(&map, robot.point());
+                let is_reached = |at| reach.contains(at);
+                self.nearest(pose, goal.yaw_tolerance_rad, is_reached)
+            },
+        );
+        Err(format!("{why}; {hint}; the robot goes on as before"))
     }
 
     /// Accepts a pose where the robot can be.
@@ -250,6 +260,7 @@ impl Session<'_> {
                 .filter(|_| speed_mps > MOVING_MPS)
                 .map(|distance_m| distance_m / speed_mps),
             recoveries: report.map_or(0, |report| report.recoveries),
+            why: self.orders.why(id).to_owned(),
         })
     }
 
