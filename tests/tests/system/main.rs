@@ -18,6 +18,7 @@ mod external;
 mod faults;
 mod foreign_files;
 mod full;
+mod goals;
 mod house;
 mod injection;
 mod late_readers;
