@@ -153,6 +153,7 @@ mod tests {
     use super::*;
     use serde_json::{Value, json};
     use std::path::PathBuf;
+    use zeronav_msgs::topics::{RobotScan, Topic};
 
     fn case() -> Case {
         Case {
@@ -228,7 +229,7 @@ mod tests {
         let faults = json!([
             fault("kill", "mapping", 3.0, Value::Null),
             fault("stop", "mapping", 5.0, Value::Null),
-            fault("drop", "robot/scan", 5.0, Value::Null),
+            fault("drop", RobotScan::ROW.name, 5.0, Value::Null),
             fault("kill", "collision_guard", 6.0, json!("no process")),
         ]);
         let restarts = json!([
@@ -247,7 +248,7 @@ mod tests {
             soaked.kinds,
             counts(&[("kill", 1), ("stop", 1), ("drop", 1)])
         );
-        let targets = counts(&[("mapping", 2), ("robot/scan", 1)]);
+        let targets = counts(&[("mapping", 2), (RobotScan::ROW.name, 1)]);
         assert_eq!((&soaked.targets, soaked.not_made), (&targets, 1));
         let by_seat = counts(&[("mapping", 3), ("local_planner", 1)]);
         assert_eq!(soaked.restarts, by_seat);
