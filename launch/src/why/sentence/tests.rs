@@ -103,9 +103,7 @@ fn a_way_around_names_the_cell_that_cut_the_one_before() {
         &Around::default(),
         &["because an obstacle at (9.05, 6.45) cut the one before"],
     );
-    if let Some(path) = &mut moment.path {
-        path.source = ObstacleSource::Tracked;
-    }
+    moment.path.as_mut().expect("a path").source = ObstacleSource::Tracked;
     says(
         &moment,
         &Around::default(),

@@ -1,4 +1,5 @@
 //! What every row of `PLANNERS` promises.
+// long: one list of promises, which share what is counted as giving up
 
 use crate::support::{Map, Rng, of_cost};
 use proptest::prelude::*;
