@@ -116,9 +116,8 @@ impl<'a> Keeper<'a> {
 
     fn try_start(&mut self, stack: &mut Stack, role: Role) -> std::io::Result<()> {
         let Some(config) = self.configs.get(&role) else {
-            return Err(std::io::Error::other(format!(
-                "no configuration for {role}"
-            )));
+            let why = format!("no configuration for {role}");
+            return Err(std::io::Error::other(why));
         };
         let Some(binary) = self.binaries.get(&role) else {
             note(&format!(
