@@ -452,13 +452,6 @@ fn fastest_free(clamped: Twist, way: impl Fn(Twist) -> Option<f64>) -> Option<(T
     best
 }
 
-/// [m] driven until rest from `v_mps` when braking begins after `reaction_s`:
-/// `|v| t_reaction + v^2 / (2 brake)`.
-#[must_use]
-pub fn stop_distance_m(limits: &Limits, v_mps: f64, reaction_s: f64) -> f64 {
-    v_mps.abs() * reaction_s + v_mps * v_mps / (2.0 * limits.brake_mps2)
-}
-
 /// True for a scan that describes its ranges, fits the robot's lidar and is not blind.
 fn is_usable(scan: &Scan, ranges: &[f32], description: &Description) -> bool {
     let last = f64::from(scan.n_beams.saturating_sub(1));

@@ -171,4 +171,34 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn neighbours_are_gathered_in_runs() {
+        let mut hits = Hits::default();
+        let x_m = |n: i32| 0.01 * f64::from(n);
+        // 40 hits in a row, then one farther than a run reaches.
+        let row = (0..40).map(|n| Vector2::new(x_m(n), 1.0));
+        hits.refill(row.chain([Vector2::new(2.0, 1.0)]));
+        let runs: Vec<(usize, f64, f64)> = hits
+            .runs
+            .iter()
+            .map(|run| (run.n, run.middle.x, run.radius_m))
+            .collect();
+        let expected = [
+            (16, 0.075, 0.075),
+            (16, 0.235, 0.075),
+            (8, 0.355, 0.035),
+            (1, 2.0, 0.0),
+        ];
+        assert_eq!(runs.len(), expected.len(), "{runs:?}");
+        for (found, expected) in runs.into_iter().zip(expected) {
+            let off_m = (found.1 - expected.1)
+                .abs()
+                .max((found.2 - expected.2).abs());
+            assert!(
+                found.0 == expected.0 && off_m < 1e-9,
+                "{found:?} not {expected:?}"
+            );
+        }
+    }
 }

@@ -24,5 +24,5 @@ mod view;
 mod watch;
 
 pub use config::GuardConfig;
-pub use guard::{Guard, GuardInputs, OdometryInput, ScanInput, stop_distance_m};
+pub use guard::{Guard, GuardInputs, OdometryInput, ScanInput};
 pub use limits::Limits;

@@ -3,8 +3,8 @@
 //! The guard keeps arithmetic of its own on purpose (diverse redundancy): a defect in
 //! `zeronav_motion`, which the local planner drives by, must not hide itself from the last check
 //! before the wheels. `tests/limits.rs` compares the two. They differ where the robot changes
-//! direction: the guard lets `brake_mps2` act through zero, so it sweeps at least what the local
-//! planner can ask for.
+//! direction within one step: here `brake_mps2` acts through zero. The sweep ends a step there
+//! ([`Limits::even_towards_s`]), because beyond zero it is `a_mps2_max` that counts.
 
 use zeronav_motion::Twist;
 use zeronav_msgs::description::Description;
@@ -96,6 +96,36 @@ impl Limits {
         }
     }
 
+    /// [s] for which [`Self::towards`] changes both speeds evenly: until one of them arrives, or the
+    /// forward speed is zero, where braking ends and speeding up begins. Infinite when both have
+    /// arrived.
+    pub(crate) fn even_towards_s(&self, from: Twist, wanted: Twist) -> f64 {
+        let reverses = from.v_mps * wanted.v_mps < 0.0;
+        let change_mps = if reverses {
+            from.v_mps
+        } else {
+            wanted.v_mps - from.v_mps
+        };
+        let slows = reverses || wanted.v_mps.abs() < from.v_mps.abs();
+        let rate = if slows {
+            self.brake_mps2
+        } else {
+            self.a_mps2_max
+        };
+        let turn_radps = wanted.w_radps - from.w_radps;
+        until_s(change_mps, rate).min(until_s(turn_radps, self.alpha_radps2_max))
+    }
+
+    /// [s] for which [`Self::towards_rest`] changes both speeds evenly.
+    pub(crate) fn even_towards_rest_s(&self, last: Twist) -> f64 {
+        // The yaw rate is zero with the speed, or later, and then falls on its own.
+        if last.v_mps.abs() > 0.0 {
+            until_s(last.v_mps, self.brake_mps2)
+        } else {
+            until_s(last.w_radps, self.alpha_radps2_max)
+        }
+    }
+
     /// The next twist on the way from `last` to rest after `elapsed_s`: the speed falls by
     /// `brake_mps2`, the yaw rate falls in proportion, so that the robot stays on its arc, but
     /// never by more than `alpha_radps2_max`. At rest after at most
@@ -111,6 +141,15 @@ impl Limits {
         };
         let w_radps = on_arc.clamp(last.w_radps - yaw_step, last.w_radps + yaw_step);
         Twist { v_mps, w_radps }
+    }
+}
+
+/// [s] that a change takes at this rate; infinite for none.
+fn until_s(change: f64, rate: f64) -> f64 {
+    if change.abs() > 0.0 {
+        change.abs() / rate
+    } else {
+        f64::INFINITY
     }
 }
 
@@ -166,15 +205,127 @@ mod tests {
     }
 
     #[test]
+    fn a_change_is_even_until_a_speed_arrives_or_turns_round() {
+        // 1 m/s^2 faster, 2 m/s^2 slower, 3 rad/s^2.
+        let limits = Limits {
+            brake_mps2: 2.0,
+            ..LIMITS
+        };
+        for (from, wanted, even_s) in [
+            ((0.2, 0.0), (0.8, 0.0), 0.6),
+            ((0.8, 0.0), (0.2, 0.0), 0.3),
+            ((-0.8, 0.0), (-0.2, 0.0), 0.3),
+            ((-0.2, 0.0), (-0.8, 0.0), 0.6),
+            // Through rest: braking ends there, whatever comes behind it.
+            ((0.4, 0.0), (-1.0, 0.0), 0.2),
+            ((-0.4, 0.0), (0.1, 0.0), 0.2),
+            ((0.0, 0.0), (-0.5, 0.0), 0.5),
+            ((0.4, 0.0), (0.0, 0.0), 0.2),
+            ((0.4, -0.3), (0.4, 0.3), 0.2),
+            ((0.4, 0.3), (1.4, 0.0), 0.1),
+            ((0.4, 0.3), (0.5, 0.9), 0.1),
+            ((0.4, 0.3), (0.4, 0.3), f64::INFINITY),
+        ] {
+            let found = limits.even_towards_s(twist(from.0, from.1), twist(wanted.0, wanted.1));
+            let same = (found - even_s).abs() < 1e-12 || found.total_cmp(&even_s).is_eq();
+            assert!(same, "{from:?} to {wanted:?}: {found}");
+        }
+        for (last, even_s) in [
+            ((0.4, 5.0), 0.2),
+            ((-0.4, -5.0), 0.2),
+            ((0.0, -0.6), 0.2),
+            ((0.0, 0.0), f64::INFINITY),
+        ] {
+            let found = limits.even_towards_rest_s(twist(last.0, last.1));
+            let same = (found - even_s).abs() < 1e-12 || found.total_cmp(&even_s).is_eq();
+            assert!(same, "{last:?} to rest: {found}");
+        }
+    }
+
+    #[test]
+    fn towards_is_bounded_by_the_rate_of_its_direction() {
+        let limits = Limits {
+            brake_mps2: 2.0,
+            ..LIMITS
+        };
+        for (from, wanted, next) in [
+            ((0.2, 0.0), (1.0, 1.0), (0.3, 0.3)),
+            ((0.8, 0.0), (0.0, -1.0), (0.6, -0.3)),
+            ((-0.2, 0.5), (-1.0, 0.5), (-0.3, 0.5)),
+            ((-0.8, 0.5), (0.0, 0.4), (-0.6, 0.4)),
+            ((0.0, 0.0), (1.0, 0.0), (0.1, 0.0)),
+            ((0.0, 0.0), (-1.0, 0.0), (-0.1, 0.0)),
+        ] {
+            let found = limits.towards(twist(from.0, from.1), twist(wanted.0, wanted.1), 0.1);
+            let off = (found.v_mps - next.0)
+                .abs()
+                .max((found.w_radps - next.1).abs());
+            assert!(off < 1e-12, "{from:?} to {wanted:?}: {found:?}");
+        }
+    }
+
+    #[test]
+    fn clamping_takes_the_tighter_of_both_limits() {
+        let limits = Limits {
+            v_mps_min: -0.5,
+            ..LIMITS
+        };
+        for (asked, clamped) in [
+            ((2.0, 8.0), (0.5, 2.0)),
+            ((4.0, 4.0), (1.0, 1.0)),
+            ((-1.0, 1.0), (-0.5, 0.5)),
+            ((-0.5, 0.0), (-0.5, 0.0)),
+            ((1.0, 2.0), (1.0, 2.0)),
+            ((0.0, -4.0), (0.0, -2.0)),
+        ] {
+            let found = limits.clamp(twist(asked.0, asked.1));
+            assert_eq!(found, twist(clamped.0, clamped.1), "{asked:?}");
+        }
+    }
+
+    #[test]
     fn unusable_descriptions_have_no_limits() {
         assert_eq!(Limits::of(&Description::default()), None);
-        let description = Description {
-            v_mps_max: f64::NAN,
-            w_radps_max: 1.0,
-            brake_mps2: 1.0,
-            alpha_radps2_max: 1.0,
+        let right = Description {
+            v_mps_max: 1.0,
+            v_mps_min: -0.5,
+            w_radps_max: 2.0,
+            a_mps2_max: 3.0,
+            brake_mps2: 4.0,
+            alpha_radps2_max: 5.0,
             ..Description::default()
         };
-        assert_eq!(Limits::of(&description), None);
+        let limits = Limits {
+            v_mps_max: 1.0,
+            v_mps_min: -0.5,
+            w_radps_max: 2.0,
+            a_mps2_max: 3.0,
+            brake_mps2: 4.0,
+            alpha_radps2_max: 5.0,
+        };
+        assert_eq!(Limits::of(&right), Some(limits));
+        let positive: [fn(&mut Description) -> &mut f64; 5] = [
+            |it| &mut it.v_mps_max,
+            |it| &mut it.w_radps_max,
+            |it| &mut it.a_mps2_max,
+            |it| &mut it.brake_mps2,
+            |it| &mut it.alpha_radps2_max,
+        ];
+        for (n, of) in positive.iter().enumerate() {
+            for value in [f64::NAN, f64::INFINITY, 0.0, -1.0] {
+                let mut wrong = right;
+                *of(&mut wrong) = value;
+                assert_eq!(Limits::of(&wrong), None, "number {n}: {value}");
+            }
+        }
+        for v_mps_min in [f64::NAN, f64::NEG_INFINITY, 0.1] {
+            let wrong = Description { v_mps_min, ..right };
+            assert_eq!(Limits::of(&wrong), None, "{v_mps_min}");
+        }
+        let ahead_only = Description {
+            v_mps_min: 0.0,
+            ..right
+        };
+        assert!(Limits::of(&ahead_only).is_some());
     }
 }

@@ -215,4 +215,33 @@ mod tests {
         };
         assert!((outline.speed_mps(turning) - 0.1).abs() < 1e-12);
     }
+
+    #[test]
+    fn a_turned_outline_reaches_so_far_at_most() {
+        let corners = [(0.4, 0.2), (-0.1, 0.2), (-0.1, -0.15), (0.4, -0.15)]
+            .map(|(x_m, y_m)| Corner { x_m, y_m });
+        let outline = Outline::new(&Description::default(), &corners);
+        let sin = 0.1_f64.sin();
+        let (forward, backward, (left, right)) = outline.extents(0.1);
+        for (found, expected) in [
+            (forward, 0.4 + 0.2 * sin),
+            (backward, 0.1 + 0.2 * sin),
+            (left, 0.2 + 0.4 * sin),
+            (right, 0.15 + 0.4 * sin),
+        ] {
+            assert!((found - expected).abs() < 1e-12, "{found} not {expected}");
+        }
+        // No farther than its outermost corner, whatever the turn.
+        let most = 0.4_f64.hypot(0.2);
+        let most = (most, most, (most, most));
+        for turned_rad in [1.5, 1.6, 9.0] {
+            let found = outline.extents(turned_rad);
+            let farther = found.0 > most.0 || found.1 > most.0 || found.2.0 > most.0;
+            assert!(
+                !farther && (turned_rad < 1.55 || found == most),
+                "{found:?}"
+            );
+        }
+        assert!((outline.speed_mps(Twist::new(-0.5, -2.0)) - 0.5 - 2.0 * most.0).abs() < 1e-12);
+    }
 }

@@ -11,10 +11,14 @@ use zeronav_motion::Twist;
 /// margin that proves that nothing was touched in between.
 pub(crate) const SPACING_M: f64 = 0.02;
 
-/// [s] shortest step, so that a stop has a bounded number of poses.
-const STEP_S_MIN: f64 = 2.0e-3;
+/// [m] by which a pose may be off, and a robot inside the margin nearer than before, all together.
+/// Steps are shorter by twice as much, so that half of the spacing stays the bound that it is.
+const OFF_M: f64 = 1.0e-5;
 
-/// [s] longest step, over which a ramp is taken as one mean twist.
+/// [s] shortest step, so that every step goes on: what a ramp does in it is below rounding.
+const STEP_S_MIN: f64 = 1.0e-6;
+
+/// [s] longest step.
 pub(crate) const STEP_S_MAX: f64 = 0.05;
 
 /// Most poses of one way.
@@ -162,31 +166,28 @@ impl<'a> Space<'a> {
             if braking && twist == Twist::REST {
                 return Some(least_m);
             }
-            let fastest = self
-                .outline
-                .speed_mps(twist)
-                .max(
-                    self.outline
-                        .speed_mps(if braking { twist } else { towards }),
-                );
-            let mut step_s = (SPACING_M / fastest.max(1.0e-6)).clamp(STEP_S_MIN, STEP_S_MAX);
+            // Both speeds change evenly within a step, so none exceeds what it has at the ends.
+            let (end, even_s) = if braking {
+                (Twist::REST, limits.even_towards_rest_s(twist))
+            } else {
+                (towards, limits.even_towards_s(twist, towards).min(left_s))
+            };
+            let fastest_mps = self.outline.speed_mps(faster(twist, end));
+            let step_s = ((SPACING_M - 2.0 * OFF_M) / fastest_mps)
+                .min(STEP_S_MAX)
+                .min(even_s)
+                .max(STEP_S_MIN);
             let next = if braking {
                 limits.towards_rest(twist, step_s)
             } else {
-                step_s = step_s.min(left_s);
                 left_s -= step_s;
                 limits.towards(twist, towards, step_s)
             };
-            let mean = Twist {
-                v_mps: 0.5 * (twist.v_mps + next.v_mps),
-                w_radps: 0.5 * (twist.w_radps + next.w_radps),
-            };
-            let (chord_m, half) = mean.chord(step_s);
-            let (sin, cos) = turned(heading, half);
-            at += chord_m * Vector2::new(cos, sin);
-            heading = turned((sin, cos), half);
+            let (moved, half) = moved(twist, next, step_s);
+            at += turned_by(heading, moved);
+            heading = turned(turned(heading, half), half);
+            blind_m -= self.outline.speed_mps(faster(twist, next)) * step_s;
             twist = next;
-            blind_m -= self.outline.speed_mps(mean) * step_s;
             if blind_m > 0.0 {
                 continue;
             }
@@ -201,7 +202,157 @@ impl<'a> Space<'a> {
     }
 }
 
+/// The larger of each speed, without its direction.
+fn faster(a: Twist, b: Twist) -> Twist {
+    Twist {
+        v_mps: a.v_mps.abs().max(b.v_mps.abs()),
+        w_radps: a.w_radps.abs().max(b.w_radps.abs()),
+    }
+}
+
+/// The motion of a step in which both speeds change evenly: in `base` before it [m], and sine and
+/// cosine of half the angle turned.
+///
+/// The mean twist drives an arc; the true way curves more where the robot is faster or turns more,
+/// and ends beside that arc by the second term of the Magnus expansion (Magnus, "On the exponential
+/// solution of differential equations for a linear operator", 1954). What is left out is of the
+/// fifth order in the step.
+fn moved(from: Twist, to: Twist, step_s: f64) -> (Vector2<f64>, (f64, f64)) {
+    let mean = from.mean(to);
+    let (chord_m, half) = mean.chord(step_s);
+    let (dv_mps, dw_radps) = (to.v_mps - from.v_mps, to.w_radps - from.w_radps);
+    let beside_m = (dv_mps * mean.w_radps - mean.v_mps * dw_radps) * step_s * step_s / 12.0;
+    (turned_by(half, Vector2::new(chord_m, beside_m)), half)
+}
+
+/// A vector turned by an angle given by its sine and cosine.
+fn turned_by((sin, cos): (f64, f64), v: Vector2<f64>) -> Vector2<f64> {
+    Vector2::new(cos * v.x - sin * v.y, sin * v.x + cos * v.y)
+}
+
 /// Sine and cosine of the sum of two angles given by theirs.
 fn turned((sin_a, cos_a): (f64, f64), (sin_b, cos_b): (f64, f64)) -> (f64, f64) {
     (sin_a * cos_b + cos_a * sin_b, cos_a * cos_b - sin_a * sin_b)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use zeronav_msgs::description::{Corner, Description};
+
+    /// Where a stop ends in very small steps, independent of how the sweep cuts its own.
+    fn slowly(limits: &Limits, (from, towards): (Twist, Twist), reaction_s: f64) -> [f64; 3] {
+        let mut at = [0.0_f64; 3];
+        let mut drive = |from: Twist, to: Twist, step_s: f64| {
+            let mean = from.mean(to);
+            let (sin, cos) = (at[2] + 0.5 * mean.w_radps * step_s).sin_cos();
+            at[0] += mean.v_mps * step_s * cos;
+            at[1] += mean.v_mps * step_s * sin;
+            at[2] += mean.w_radps * step_s;
+            to
+        };
+        let mut twist = from;
+        let obeyed = 20_000;
+        for _ in 0..obeyed {
+            let mut step_s = reaction_s / f64::from(obeyed);
+            if twist.v_mps * limits.towards(twist, towards, step_s).v_mps < 0.0 {
+                // First to rest.
+                let braking_s = twist.v_mps.abs() / limits.brake_mps2;
+                let turned = limits.towards(twist, towards, braking_s);
+                twist = drive(twist, Twist::new(0.0, turned.w_radps), braking_s);
+                step_s -= braking_s;
+            }
+            twist = drive(twist, limits.towards(twist, towards, step_s), step_s);
+        }
+        let step_s = 1.0e-4;
+        while twist != Twist::REST {
+            twist = drive(twist, limits.towards_rest(twist, step_s), step_s);
+        }
+        at
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(64))]
+
+        /// The poses are those of the motion itself, and no two of them are farther apart than
+        /// what the margin allows for.
+        #[test]
+        fn poses_are_where_the_robot_will_be(
+            limits in (0.3..4.0_f64, 0.3..4.0_f64, 0.5..10.0_f64),
+            from in (-1.5..3.0_f64, -4.0..4.0_f64),
+            towards in (-1.5..3.0_f64, -4.0..4.0_f64),
+            reaction_s in 0.0..0.3_f64,
+            disc in any::<bool>(),
+        ) {
+            let limits = Limits {
+                v_mps_max: 3.0,
+                v_mps_min: -1.5,
+                w_radps_max: 4.0,
+                a_mps2_max: limits.0,
+                brake_mps2: limits.1,
+                alpha_radps2_max: limits.2,
+            };
+            let corners = [(0.6, 0.0), (-0.2, 0.3), (-0.3, 0.0), (-0.2, -0.3)]
+                .map(|(x_m, y_m)| Corner { x_m, y_m });
+            let description = Description { circumscribed_radius_m: 0.3, ..Description::default() };
+            let outline = Outline::new(&description, if disc { &[] } else { &corners });
+            let hits = Hits::default();
+            let space = Space::new(&outline, &hits, 0.01);
+            let ends = (Twist::new(from.0, from.1), Twist::new(towards.0, towards.1));
+            let (mut last, mut gap_m) = ((Vector2::zeros(), (0.0, 1.0)), 0.0_f64);
+            let way = space.walk(&limits, ends, reaction_s, 0.02, |at, heading, _| {
+                let moved_m = if disc { (at - last.0).norm() } else {
+                    let place = |(at, heading), corner: &Corner| {
+                        let corner = Vector2::new(corner.x_m, corner.y_m);
+                        let there: Vector2<f64> = turned_by(heading, corner);
+                        there + at
+                    };
+                    let moved = |corner| (place((at, heading), corner) - place(last, corner)).norm();
+                    corners.iter().map(moved).fold(0.0, f64::max)
+                };
+                gap_m = gap_m.max(moved_m);
+                last = (at, heading);
+                // As near as a look has to be at every pose.
+                Some(0.02)
+            });
+            // A way of too many poses is not looked at to its end.
+            prop_assume!(way.is_some());
+            prop_assert!(gap_m <= SPACING_M - OFF_M, "{gap_m} m between two poses");
+            let [x, y, yaw] = slowly(&limits, ends, reaction_s);
+            let off_m = (last.0 - Vector2::new(x, y)).norm();
+            prop_assert!(off_m < 0.5 * OFF_M, "{off_m} m off");
+            let off_rad = (yaw.sin() - last.1.0).hypot(yaw.cos() - last.1.1);
+            prop_assert!(off_rad < 0.5 * OFF_M, "{off_rad} rad off");
+        }
+    }
+
+    /// A point inside the outline may stay as deep as it is: a robot that drives along a wall that it
+    /// touches is not held.
+    #[test]
+    fn a_point_inside_may_stay_as_deep_but_get_no_deeper() {
+        let corners = [(0.3, 0.2), (-0.3, 0.2), (-0.3, -0.2), (0.3, -0.2)]
+            .map(|(x_m, y_m)| Corner { x_m, y_m });
+        let outline = Outline::new(&Description::default(), &corners);
+        let limits = Limits {
+            v_mps_max: 1.0,
+            v_mps_min: -1.0,
+            w_radps_max: 1.0,
+            a_mps2_max: 1.0,
+            brake_mps2: 1.0,
+            alpha_radps2_max: 1.0,
+        };
+        let free = |hit: (f64, f64), v_mps: f64| {
+            let mut hits = Hits::default();
+            hits.refill([Vector2::new(hit.0, hit.1)].into_iter());
+            let space = Space::new(&outline, &hits, 0.01);
+            let twist = Twist::new(v_mps, 0.0);
+            space.way(&limits, (twist, twist), 0.1, 0.02).is_some()
+        };
+        // 1 cm inside the left edge, and inside the front.
+        assert!(free((0.0, 0.19), 0.1) && free((0.0, 0.19), -0.1));
+        assert!(!free((0.29, 0.0), 0.1) && free((0.29, 0.0), -0.1));
+        // Outside, within the margin.
+        assert!(free((0.0, 0.205), 0.1) && !free((0.305, 0.0), 0.1));
+    }
 }

@@ -163,4 +163,52 @@ mod tests {
             }
         }
     }
+
+    /// The corners of the box, worked out by hand. [m]
+    #[test]
+    fn the_box_is_as_large_as_its_bounds_say() {
+        let limits = |brake_mps2| Limits {
+            v_mps_max: 1.0,
+            v_mps_min: -1.0,
+            w_radps_max: 4.0,
+            a_mps2_max: 1.0,
+            brake_mps2,
+            alpha_radps2_max: 4.0,
+        };
+        let description = Description {
+            circumscribed_radius_m: 0.3,
+            ..Description::default()
+        };
+        let corners = [(0.4, 0.2), (-0.1, 0.2), (-0.1, -0.15), (0.4, -0.15)]
+            .map(|(x_m, y_m)| Corner { x_m, y_m });
+        let disc = Outline::new(&description, &[]);
+        let polygon = Outline::new(&description, &corners);
+        let check = |outline, brake_mps2, ends: [(f64, f64); 2], reaction_s, expected: [f64; 4]| {
+            let [from, to] = ends.map(|(v, w)| Twist::new(v, w));
+            let swept = Swept::new(&limits(brake_mps2), outline, (from, to), reaction_s, 0.05);
+            let found = [swept.low.x, swept.low.y, swept.high.x, swept.high.y];
+            for (found, expected) in found.into_iter().zip(expected) {
+                assert!(
+                    (found - expected).abs() < 1e-6,
+                    "{found} not {expected}: {swept:?}"
+                );
+            }
+        };
+        // 0.47 m ahead; 0.25 s and 0.55 s of turning at 0.5 rad/s: 75 mm to the left.
+        let ends = [(1.0, 0.5), (0.6, 0.2)];
+        check(&disc, 2.0, ends, 0.2, [-0.37, -0.37, 0.82, 0.445_208_3]);
+        // More than a quarter turn: either way as far as the farther.
+        let ends = [(-0.5, -3.0), (0.2, 1.0)];
+        check(
+            &disc,
+            1.0,
+            ends,
+            0.1,
+            [-0.545, -0.421_458_3, 0.545, 0.524_375],
+        );
+        // The polygon turns by 0.04125 rad.
+        let ends = [(0.2, 0.1), (0.2, 0.1)];
+        let expected = [-0.178_247_7, -0.236_495_3, 0.518_247_7, 0.287_303_6];
+        check(&polygon, 1.0, ends, 0.1, expected);
+    }
 }

@@ -247,4 +247,17 @@ mod tests {
         assert_eq!(hits([0.31, far, far, far]), 1, "just outside");
         assert_eq!(hits([0.2, 0.25, far, far]), 2, "two that agree");
     }
+
+    #[test]
+    fn beams_are_placed_by_the_turn_while_the_lidar_turned() {
+        let mut view = View::default();
+        let ranges = [1.0, f32::INFINITY, f32::INFINITY, f32::INFINITY];
+        let origin = Pose::default();
+        // 0.1 s per beam at 1 rad/s on the spot: beam 0 looked 0.3 rad to the right.
+        let turning = Twist::new(0.0, 1.0);
+        view.take(&scan(0.1), &ranges, (&origin, &outline()), &origin, turning);
+        let found = ahead(&mut view, origin)[0];
+        let expected = Vector2::new(0.3_f64.cos(), -(0.3_f64.sin()));
+        assert!((found - expected).norm() < 1e-6, "{found:?}");
+    }
 }

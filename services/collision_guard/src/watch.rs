@@ -186,4 +186,54 @@ mod tests {
         sense.take(&at(0.32, 1.0), 200 * ms, fastest);
         assert!(sense.frozen_s(300 * ms) < 1e-9);
     }
+
+    #[test]
+    fn a_jump_is_half_as_much_again_as_the_fastest_motion_and_some_slack() {
+        // 20 ms at 1 m/s and 2 rad/s: 0.03 + 0.03 m, 0.06 + 0.05 rad.
+        let jumps = |pose: Pose| {
+            let mut sense = OdometrySense::default();
+            let at = |pose| Odometry {
+                pose,
+                ..Odometry::default()
+            };
+            sense.take(&at(Pose::new(1.0, 2.0, 3.1)), 40_000_000, (1.0, 2.0));
+            sense.take(&at(pose), 60_000_000, (1.0, 2.0))
+        };
+        for (pose, jumped) in [
+            (Pose::new(1.059, 2.0, 3.1), false),
+            (Pose::new(1.061, 2.0, 3.1), true),
+            (Pose::new(1.0, 1.939, 3.1), true),
+            (Pose::new(1.0, 2.0, 3.209 - core::f64::consts::TAU), false),
+            (Pose::new(1.0, 2.0, 3.211), true),
+            (Pose::new(1.0, 2.0, 2.989), true),
+        ] {
+            assert_eq!(jumps(pose), jumped, "{pose:?}");
+        }
+    }
+
+    #[test]
+    fn only_a_twist_that_moves_contradicts_a_pose_that_stays() {
+        for (v_mps, w_radps, stands) in [
+            (0.049, 0.099, false),
+            (0.051, 0.0, true),
+            (-0.051, 0.0, true),
+            (0.0, 0.101, true),
+            (0.0, -0.101, true),
+        ] {
+            let mut sense = OdometrySense::default();
+            let odometry = Odometry {
+                v_mps,
+                w_radps,
+                ..Odometry::default()
+            };
+            sense.take(&odometry, 1_000_000_000, (1.0, 2.0));
+            sense.take(&odometry, 2_000_000_000, (1.0, 2.0));
+            let stood = sense.frozen_s(3_000_000_000);
+            let expected = if stands { 1.0 } else { 0.0 };
+            assert!(
+                (stood - expected).abs() < 1e-9,
+                "{v_mps} m/s, {w_radps} rad/s: {stood} s"
+            );
+        }
+    }
 }

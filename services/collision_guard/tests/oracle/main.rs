@@ -21,10 +21,6 @@ const STARTS: [f64; 3] = [0.25, 0.6, 1.0];
 /// [m] Half of what the README lets the outline move between two looks.
 const BETWEEN_M: f64 = 0.01;
 
-/// [m] Tolerance. Of ten million calls 172 fall short of 0, by 0.125 mm at most; whether by the steps of the
-/// guard or of the oracle is not known.
-const STEPS_M: f64 = 2.0e-4;
-
 /// What came of many calls.
 #[derive(Debug, Default)]
 struct Tally {
@@ -34,8 +30,6 @@ struct Tally {
     stopped: u64,
     /// Passed, with a hit that the same request at full speed would have touched.
     mattered: u64,
-    /// Nearer than promised by less than the steps differ.
-    within_steps: u64,
     /// [m] least clearance beyond what is promised.
     spare_m: Option<f64>,
     unsafe_calls: Vec<String>,
@@ -48,7 +42,6 @@ impl Tally {
         self.slowed += other.slowed;
         self.stopped += other.stopped;
         self.mattered += other.mattered;
-        self.within_steps += other.within_steps;
         self.spare_m = self
             .spare_m
             .into_iter()
@@ -143,8 +136,7 @@ fn some_calls(seed: u64) -> Tally {
                 .spare_m
                 .map_or(spare_m, |least_m| least_m.min(spare_m)),
         );
-        tally.within_steps += u64::from((-STEPS_M..0.0).contains(&spare_m));
-        if spare_m < -STEPS_M {
+        if spare_m < 0.0 {
             let why = format!("seed {seed}, call {call}: {spare_m:.6} m beyond, {by:?} {sent:?}");
             tally.unsafe_calls.push(why);
         }
@@ -172,8 +164,7 @@ fn calls(first: u64, n: u64, threads: u64) -> Tally {
     });
     println!(
         "{} calls, seeds {first} to {}: {} let through, {} of them slowed ({} would have come too \
-         near), {} stopped; least spare {:.6} m ({} \
-         below 0 by less than the steps differ); {} unsafe",
+         near), {} stopped; least spare {:.6} m; {} unsafe",
         all.calls,
         first + seeds - 1,
         all.passed,
@@ -181,7 +172,6 @@ fn calls(first: u64, n: u64, threads: u64) -> Tally {
         all.mattered,
         all.stopped,
         all.spare_m.unwrap_or(f64::INFINITY),
-        all.within_steps,
         all.unsafe_calls.len()
     );
     let some: Vec<&String> = all.unsafe_calls.iter().take(10).collect();
@@ -196,12 +186,26 @@ fn what_the_guard_lets_through_is_safe_for_the_oracle() {
     calls(1_000_000, 20_000, 1);
 }
 
-/// `ZERONAV_ORACLE_CALLS` is another number than ten million.
+/// A robot that speeds up faster than it brakes turns round: beyond rest it is faster than its brakes
+/// alone would make it. A sweep whose steps went on through rest let these two come up to 16 mm
+/// nearer than promised, and one of them into contact.
+#[test]
+fn reversing_is_swept_at_the_acceleration_that_holds_beyond_rest() {
+    for seed in [1310, 3530] {
+        assert_eq!(some_calls(seed).unsafe_calls, Vec::<String>::new());
+    }
+}
+
+/// `ZERONAV_ORACLE_CALLS` is another number than ten million, `ZERONAV_ORACLE_SEED` another first seed
+/// than 0: with both, what a line of a failure names is played again.
 #[test]
 #[ignore = "takes about an hour"]
 fn ten_million_calls_are_safe_for_the_oracle() {
-    let asked = std::env::var("ZERONAV_ORACLE_CALLS").ok();
-    let n = asked.map_or(10_000_000, |text| text.parse().expect("a number"));
+    let asked = |name, default| {
+        let asked = std::env::var(name).ok();
+        asked.map_or(default, |text| text.parse().expect("a number"))
+    };
+    let n = asked("ZERONAV_ORACLE_CALLS", 10_000_000);
     let threads = std::thread::available_parallelism().map_or(1, |n| n.get() as u64);
-    calls(0, n, threads);
+    calls(asked("ZERONAV_ORACLE_SEED", 0), n, threads);
 }
