@@ -143,4 +143,59 @@ mod tests {
         walker.lasts_s = 3.0;
         assert!(walker.at(2.9).is_some() && walker.at(3.0).is_none());
     }
+
+    #[test]
+    fn both_coordinates_move_and_only_far_ones_jump() {
+        let mut walker = Foreseen {
+            lasts_s: LASTS_S_MAX,
+            ..Foreseen::default()
+        };
+        // Towards (3, -4), 0.25 m in each step, then one of 0.9 m, then one of more than 1 m.
+        for (step, (x_m, y_m)) in (0_u32..).zip(walker.x_m.iter_mut().zip(&mut walker.y_m)) {
+            let way_m = match step {
+                0..=10 => 0.25 * f64::from(step),
+                11 => 3.4,
+                _ => 4.75,
+            };
+            (*x_m, *y_m) = (1.0 + 0.6 * way_m, 2.0 - 0.8 * way_m);
+        }
+        for (after_s, way_m) in [
+            (0.0, 0.0),
+            (0.14, 0.35),
+            (1.0, 2.5),
+            (1.15, 3.4),
+            (1.3, 4.75),
+        ] {
+            let [x, y] = walker.at(after_s).expect("a place");
+            let off_m = (x - 1.0 - 0.6 * way_m).hypot(y - 2.0 + 0.8 * way_m);
+            assert!(off_m < 1e-9, "({x}, {y}) after {after_s} s");
+        }
+        let [x, y] = walker.at(1.05).expect("a place");
+        assert!(
+            (x - 2.77).abs() < 1e-9 && (y + 0.36).abs() < 1e-9,
+            "0.9 m is motion: ({x}, {y})"
+        );
+    }
+
+    #[test]
+    fn the_last_steps_are_no_others() {
+        let mut walker = Foreseen {
+            lasts_s: LASTS_S_MAX,
+            ..Foreseen::default()
+        };
+        // Still for 5 s, then 0.5 m in each step, and 1 m exactly in the last one.
+        for (step, x_m) in (0_u32..).zip(&mut walker.x_m) {
+            let moved = step.saturating_sub(50);
+            *x_m = 0.5 * f64::from(moved) + if step == 63 { 0.5 } else { 0.0 };
+        }
+        let x_m = |walker: &Foreseen, after_s| walker.at(after_s).expect("a place")[0];
+        for (after_s, expected) in [(5.0, 0.0), (5.25, 1.25), (6.25, 6.5), (6.4, 8.0)] {
+            let found = x_m(&walker, after_s);
+            assert!((found - expected).abs() < 1e-9, "{found} after {after_s} s");
+        }
+        // What jumps in the last step stays where it came to.
+        walker.x_m[63] += 5.0;
+        assert!((x_m(&walker, 6.25) - 6.0).abs() < 1e-9);
+        assert!((x_m(&walker, 7.0) - 12.0).abs() < 1e-9);
+    }
 }

@@ -184,4 +184,48 @@ mod tests {
         assert_eq!(GRID.cell_at(Point2::new(1.0e300, 2.1)), None);
         assert_eq!(GRID.cell_at(Point2::new(-1.0, 2.0)), Some(Cell::new(0, 0)));
     }
+
+    #[test]
+    fn rectangles_are_half_open_and_grow_up_to_the_map() {
+        let rect = CellRect {
+            min: Cell::new(2, 5),
+            max: Cell::new(4, 9),
+        };
+        for x in 0..6 {
+            for y in 3..11 {
+                let inside = (x == 2 || x == 3) && (5..=8).contains(&y);
+                assert_eq!(rect.contains(Cell::new(x, y)), inside, "({x}, {y})");
+            }
+        }
+        let grown = rect.grown(1, &GRID);
+        assert_eq!((grown.min, grown.max), (Cell::new(1, 4), Cell::new(5, 10)));
+        let all = rect.grown(100, &GRID);
+        assert_eq!((all.min, all.max), (Cell::new(0, 0), Cell::new(40, 30)));
+    }
+
+    #[test]
+    fn cells_have_an_index_row_by_row() {
+        assert_eq!((GRID.size(), GRID.len()), ((40, 30), 1200));
+        let nothing = GridGeometry { height: 0, ..GRID };
+        assert!(nothing.is_empty() && !GRID.is_empty());
+        for (x, y, index) in [
+            (0, 0, Some(0)),
+            (1, 2, Some(81)),
+            (39, 29, Some(1199)),
+            (40, 0, None),
+            (0, 30, None),
+            (-1, 3, None),
+            (3, -1, None),
+        ] {
+            assert_eq!(GRID.index_of(Cell::new(x, y)), index, "({x}, {y})");
+        }
+        let centre = GRID.centre_of(Cell::new(3, 4));
+        assert!((centre.x + 0.825).abs() < 1e-12 && (centre.y - 2.225).abs() < 1e-12);
+        // Beside the map, too: the half-open cell that would be there.
+        let beside = GRID.unbounded_cell_at(Point2::new(-1.26, 3.51));
+        assert_eq!(beside, Cell::new(-6, 30));
+        for nan in [Point2::new(f64::NAN, 0.0), Point2::new(0.0, f64::NAN)] {
+            assert_eq!(GRID.unbounded_cell_at(nan), Cell::new(i32::MIN, i32::MIN));
+        }
+    }
 }

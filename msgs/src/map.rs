@@ -188,7 +188,10 @@ impl MapTile {
         let (width, height) = geometry.size();
         CellRect {
             min,
-            max: Cell::new((min.x + side).min(width), (min.y + side).min(height)),
+            max: Cell::new(
+                min.x.saturating_add(side).min(width),
+                min.y.saturating_add(side).min(height),
+            ),
         }
     }
 
@@ -244,7 +247,7 @@ impl MapTile {
             let (min_x, max_x) = (rect.min.x + first as i32, rect.min.x + last as i32 + 1);
             let so_far = changed.get_or_insert(CellRect {
                 min: Cell::new(min_x, y),
-                max: Cell::new(max_x, y + 1),
+                max: Cell::new(max_x, y),
             });
             so_far.min.x = so_far.min.x.min(min_x);
             so_far.max.x = so_far.max.x.max(max_x);

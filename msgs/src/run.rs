@@ -302,3 +302,135 @@ impl RunControl {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::header::Id;
+
+    /// Obeys 7 from tick 100 on, 6 before it; empty from 200 to 299.
+    const SEAT: Seat = Seat {
+        role: 3,
+        delay: 25,
+        epoch: 7,
+        off_tick: 200,
+        on_tick: 300,
+        hear_tick: 80,
+        since_tick: 100,
+        other_tick: 40,
+        other: 6,
+        clock_offset_ms: -3,
+    };
+
+    /// Nobody has been in it before.
+    const FIRST: Seat = Seat {
+        off_tick: 0,
+        on_tick: 0,
+        hear_tick: 0,
+        since_tick: 0,
+        other_tick: 0,
+        other: 0,
+        ..SEAT
+    };
+
+    #[test]
+    fn a_seat_answers_but_while_it_is_empty() {
+        let answers = [0, 199, 200, 299, 300].map(|tick| SEAT.answers(tick));
+        assert_eq!(answers, [true, true, false, false, true]);
+        assert!([0, 1, u64::MAX].map(|tick| FIRST.answers(tick)) == [true; 3]);
+        let untaken = Seat { epoch: 0, ..SEAT };
+        assert!(!untaken.answers(0));
+    }
+
+    #[test]
+    fn one_process_is_obeyed_at_every_tick() {
+        for (tick, obeyed) in [(0, 7), (1, 6), (99, 6), (100, 7), (101, 7)] {
+            for epoch in [0, 5, 6, 7, 8] {
+                let expected = epoch == obeyed;
+                assert_eq!(SEAT.obeys(epoch, tick), expected, "{epoch} at {tick}");
+            }
+        }
+        assert!(FIRST.obeys(7, 1));
+        let untaken = Seat { epoch: 0, ..FIRST };
+        assert!(!untaken.obeys(0, 1), "nobody is no process");
+        assert!(SEAT.is_taken_over() && !FIRST.is_taken_over());
+        let heard = Seat {
+            hear_tick: 1,
+            ..FIRST
+        };
+        let since = Seat {
+            since_tick: 1,
+            ..FIRST
+        };
+        assert!(heard.is_taken_over() && since.is_taken_over());
+    }
+
+    #[test]
+    fn a_process_hears_and_answers_from_its_tick_on() {
+        let shadow = SHADOW_EPOCH_MIN;
+        for (epoch, tick, answers) in [
+            (6, 39, false),
+            (6, 40, true),
+            // The other one goes on while the seat is empty.
+            (6, 250, true),
+            (7, 39, true),
+            (7, 250, false),
+            (8, 39, false),
+            (shadow - 1, 39, false),
+            (shadow, 39, true),
+            (shadow, 250, false),
+        ] {
+            let found = SEAT.answers_as(epoch, tick);
+            assert_eq!(found, answers, "{epoch} at {tick}");
+        }
+        let from = [0, 6, 7, 8, shadow].map(|epoch| SEAT.hears_from(epoch));
+        assert_eq!(from, [u64::MAX, 40, 80, u64::MAX, 80]);
+        let alone = Seat { epoch: 0, ..FIRST };
+        assert_eq!((alone.hears_from(0), alone.answers_as(0, 1)), (0, false));
+        assert_eq!(
+            (SEAT.delay_ns(), SEAT.clock_offset_ns()),
+            (250_000, -3_000_000)
+        );
+    }
+
+    #[test]
+    fn a_share_of_all_messages_is_hit_and_always_the_same() {
+        let fault = TopicFault {
+            topic: 3,
+            share: 100_000,
+            delay_us: 5,
+            seed: 9,
+            ..TopicFault::default()
+        };
+        assert_eq!(fault.delay_ns(), 5000);
+        // The same in every build: a run can be repeated.
+        assert_eq!(fault.draw(4, Id::new(1, 77).0), 0x431d_9c71_9997_1056);
+        let hits = |fault: &TopicFault| {
+            (0..20_000)
+                .filter(|id| fault.hits(fault.draw(4, *id)))
+                .count()
+        };
+        let n = hits(&fault);
+        assert!((1850..2150).contains(&n), "{n} of 20000, not about a tenth");
+        assert_eq!(hits(&TopicFault { share: 0, ..fault }), 0);
+        assert_eq!(
+            hits(&TopicFault {
+                share: SHARE_ALL,
+                ..fault
+            }),
+            20_000
+        );
+        // Another reader, topic or seed draws otherwise.
+        let others = [
+            fault.draw(5, 77),
+            TopicFault { topic: 4, ..fault }.draw(4, 77),
+            TopicFault { seed: 8, ..fault }.draw(4, 77),
+        ];
+        assert!(others.iter().all(|draw| *draw != fault.draw(4, 77)));
+        let edge = TopicFault { share: 1, ..fault };
+        assert_eq!(
+            [0, 1, 1_000_000].map(|draw| edge.hits(draw)),
+            [true, false, true]
+        );
+    }
+}

@@ -174,3 +174,22 @@ fn codes_are_shown_by_name_and_unknown_ones_by_number() {
     assert_eq!(label("Role", 99), None);
     assert_eq!(label("Nothing", 0), None);
 }
+
+#[test]
+fn spare_fields_are_those_that_say_so() {
+    let fields = collect().fields;
+    let spare: Vec<_> = fields
+        .iter()
+        .filter(|(_, field)| field.is_spare())
+        .collect();
+    assert!(
+        spare
+            .iter()
+            .all(|(_, field)| field.name.starts_with("spare"))
+    );
+    let named = fields
+        .iter()
+        .filter(|(_, field)| field.name.starts_with("spare"));
+    assert_eq!(spare.len(), named.count());
+    assert!(spare.len() > 5);
+}

@@ -334,6 +334,7 @@ fn stamped_discs_block_by_the_cost_model_and_leave_no_trace() {
     let _ = writer.set(20, 20, 7);
     writer.cells[GEOMETRY.index_of(Cell::new(70, 30)).expect("inside")] = MapCell::unknown(1000);
     writer.cells[GEOMETRY.index_of(Cell::new(62, 30)).expect("inside")] = MapCell::unknown(1000);
+    writer.cells[GEOMETRY.index_of(Cell::new(65, 30)).expect("inside")] = MapCell::unknown(1000);
     let (mut info, tiles) = writer.keyframe();
     info.cost_model = MODEL;
     assert_eq!(replica.keyframe(&info, &tiles), Step::Applied);
@@ -355,10 +356,15 @@ fn stamped_discs_block_by_the_cost_model_and_leave_no_trace() {
     // 0.3 m: 252 exp(-0.4) = 168.9.
     assert_eq!(values(cell(&replica, 52)), (168, 300));
     assert_eq!(values(cell(&replica, 45)), (0, 650));
+    // 0.15 m: within the inscribed radius nothing is left unknown.
+    assert_eq!(values(cell(&replica, 65)), (253, 150));
     // Unknown cells stay unknown unless they are blocked.
     assert_eq!(values(cell(&replica, 62)), (254, 0));
     assert_eq!(values(cell(&replica, 70)), (255, 400));
-    assert_eq!(replica.take_changed().len(), 1);
+    // As far as it reaches: 1.1 m around it, 1.0 m of that by the limit of the clearance.
+    let changed = replica.take_changed();
+    let reached: Vec<_> = changed.iter().map(|rect| (rect.min, rect.max)).collect();
+    assert_eq!(reached, [(Cell::new(38, 8), Cell::new(83, 53))]);
 
     // The same disc elsewhere: nothing is left of where it was.
     replica.stamp(&[disc(1.025, 1.525, 0.1), disc(1.1, 1.6, 0.01)]);
@@ -431,4 +437,44 @@ fn parts_out_of_order_or_without_end_are_not_collected() {
         assert_eq!(replica.keyframe(&info, &tiles), Step::Applied);
         assert_equal(&replica, &writer);
     }
+}
+
+#[test]
+fn tiles_out_of_place_are_no_keyframe() {
+    let (writer, _) = started();
+    let (info, right) = writer.keyframe();
+    let (columns, rows) = (4, 3);
+    assert_eq!(right.len(), columns * rows);
+    assert_eq!(MapReplica::new().keyframe(&info, &right), Step::Applied);
+    for (a, b) in [(0, 1), (0, columns), (columns - 1, columns)] {
+        let mut tiles = right.clone();
+        tiles.swap(a, b);
+        let mut replica = MapReplica::new();
+        assert_eq!(
+            replica.keyframe(&info, &tiles),
+            Step::Ignored,
+            "{a} and {b}"
+        );
+        assert!(replica.view().is_none());
+    }
+    // The one in place of the other, once in each direction alone.
+    for (tile_x, tile_y) in [(1, 0), (0, 1)] {
+        let mut tiles = right.clone();
+        (tiles[0].tile_x, tiles[0].tile_y) = (tile_x, tile_y);
+        assert_eq!(MapReplica::new().keyframe(&info, &tiles), Step::Ignored);
+    }
+}
+
+/// Cells that a keyframe has replaced are not put back over it.
+#[test]
+fn a_keyframe_forgets_what_was_stamped() {
+    let (mut writer, mut replica) = started();
+    replica.stamp(&[disc(2.0, 1.5, 0.2)]);
+    writer.epoch = 2;
+    let _ = writer.set(40, 30, 9);
+    let (info, tiles) = writer.keyframe();
+    assert_eq!(replica.keyframe(&info, &tiles), Step::Applied);
+    replica.stamp(&[]);
+    assert_equal(&replica, &writer);
+    assert_eq!(replica.take_changed().len(), 1, "all of the map, once");
 }

@@ -93,4 +93,71 @@ mod tests {
         let back = reachable(&robot, creeping, Twist::new(-1.0, 0.0), 0.1);
         assert!(back.v_mps <= 0.0 && back.v_mps >= -0.1);
     }
+
+    #[test]
+    fn every_change_has_its_own_limit_in_either_direction() {
+        let robot = robot();
+        // From, wanted, and what 0.1 s reaches: 0.1 m/s faster, 0.2 m/s slower, 0.4 rad/s.
+        for (from, wanted, reached) in [
+            ((0.5, 0.0), (2.0, 3.0), (0.6, 0.4)),
+            ((0.5, 1.0), (0.0, -3.0), (0.3, 0.6)),
+            ((-0.5, 0.0), (-2.0, 0.0), (-0.6, 0.0)),
+            ((-0.5, 0.0), (0.0, 0.0), (-0.3, 0.0)),
+            ((0.0, 0.0), (2.0, 0.0), (0.1, 0.0)),
+            ((0.0, 0.0), (-2.0, 0.0), (-0.1, 0.0)),
+            ((0.05, 0.0), (-2.0, 0.0), (-0.1, 0.0)),
+            ((-0.05, 0.0), (2.0, 0.0), (0.1, 0.0)),
+            ((0.5, 0.2), (0.55, 0.3), (0.55, 0.3)),
+        ] {
+            let twist = |(v, w)| Twist::new(v, w);
+            let found = reachable(&robot, twist(from), twist(wanted), 0.1);
+            let off = (found.v_mps - reached.0)
+                .abs()
+                .max((found.w_radps - reached.1).abs());
+            assert!(off < 1e-12, "{from:?} to {wanted:?}: {found:?}");
+        }
+    }
+
+    #[test]
+    fn a_stop_stays_on_its_arc_as_far_as_the_yaw_limit_allows() {
+        let robot = robot();
+        for (from, next) in [
+            ((1.0, 0.5), (0.8, 0.4)),
+            ((-1.0, 0.5), (-0.8, 0.4)),
+            // The arc would need 2 rad/s less.
+            ((0.2, 2.0), (0.0, 1.6)),
+            ((0.0, -1.0), (0.0, -0.6)),
+            ((0.0, 0.3), (0.0, 0.0)),
+            ((0.1, 0.0), (0.0, 0.0)),
+        ] {
+            let found = towards_rest(&robot, Twist::new(from.0, from.1), 0.1);
+            let off = (found.v_mps - next.0)
+                .abs()
+                .max((found.w_radps - next.1).abs());
+            assert!(off < 1e-12, "{from:?}: {found:?}");
+        }
+    }
+
+    #[test]
+    fn the_last_command_is_as_far_ahead_as_the_robot_can_have_followed() {
+        let robot = robot();
+        // Within 0.1 s: 0.2 m/s and 0.4 rad/s, whichever way.
+        let near = |last: (f64, f64), measured: (f64, f64)| {
+            let last = Twist::new(last.0, last.1);
+            let near = last.near(&robot, Twist::new(measured.0, measured.1), 0.1);
+            (near.v_mps, near.w_radps)
+        };
+        let is = |found: (f64, f64), v: f64, w: f64| {
+            assert!(
+                (found.0 - v).abs() < 1e-12 && (found.1 - w).abs() < 1e-12,
+                "{found:?}"
+            );
+        };
+        is(near((0.55, 0.1), (0.5, 0.0)), 0.55, 0.1);
+        is(near((1.0, 2.0), (0.5, 0.0)), 0.7, 0.4);
+        is(near((0.0, -2.0), (0.5, 0.0)), 0.3, -0.4);
+        // What is measured beyond the limits counts as the limit.
+        is(near((3.0, 9.0), (2.0, 5.0)), 1.2, 2.4);
+        is(near((3.0, -9.0), (2.0, -5.0)), 1.2, -2.4);
+    }
 }

@@ -117,4 +117,43 @@ mod tests {
         assert!((stop.arc_m() - expected).abs() < 0.01);
         assert!((last.x_m - expected).abs() < 0.01);
     }
+
+    #[test]
+    fn stops_have_closed_forms() {
+        let robot = Description {
+            brake_mps2: 2.0,
+            alpha_radps2_max: 4.0,
+            ..Description::default()
+        };
+        // 1 m/s: 0.25 m of braking, 0.1 m before it. 2 rad/s: 0.5 rad and 0.2 rad.
+        assert!((stop_distance_m(&robot, -1.0, 0.1) - 0.35).abs() < 1e-12);
+        assert!((stop_angle_rad(&robot, -2.0, 0.1) - 0.7).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_stop_on_an_arc_has_poses_no_farther_apart_than_asked() {
+        let robot = Description {
+            brake_mps2: 2.0,
+            alpha_radps2_max: 40.0,
+            ..Description::default()
+        };
+        let stop = Stop::new(&robot, Twist::new(1.0, 2.0), 0.0, 0.5, 0.02);
+        // 2 m/s at the outermost point.
+        assert!((stop.step_s() - 0.01).abs() < 1e-12);
+        let poses: Vec<(Pose, Twist)> = stop.collect();
+        let (last, twist) = poses[poses.len() - 1];
+        assert_eq!(twist, Twist::REST);
+        // A quarter of a metre on a circle of half a metre.
+        assert!((last.yaw_rad - 0.5).abs() < 1e-9, "{last:?}");
+        assert!((last.x_m - 0.5 * 0.5_f64.sin()).abs() < 1e-4, "{last:?}");
+        assert!(
+            (last.y_m - 0.5 * (1.0 - 0.5_f64.cos())).abs() < 1e-4,
+            "{last:?}"
+        );
+        let slow = Stop::new(&robot, Twist::new(0.0, 0.0), 0.0, 0.5, 0.02);
+        assert!((slow.step_s() - 0.1).abs() < 1e-12 && slow.count() == 0);
+        let fast = Stop::new(&robot, Twist::new(100.0, 0.0), 0.0, 0.5, 0.02);
+        assert!((fast.step_s() - 0.005).abs() < 1e-12);
+        assert_eq!(fast.count(), 2000, "bounded");
+    }
 }

@@ -107,4 +107,36 @@ mod tests {
         let straight = Twist::new(0.8, 0.0).arc(2.0);
         assert!((straight.x_m - 1.6).abs() < 1e-15 && straight.y_m.abs() < 1e-15);
     }
+
+    #[test]
+    fn a_mean_lies_between_and_a_scaled_twist_on_the_same_arc() {
+        let mean = Twist::new(0.4, -1.0).mean(Twist::new(0.8, 2.0));
+        assert!((mean.v_mps - 0.6).abs() < 1e-12 && (mean.w_radps - 0.5).abs() < 1e-12);
+        assert_eq!(Twist::new(0.4, -1.0).scaled(0.5), Twist::new(0.2, -0.5));
+    }
+
+    #[test]
+    fn stopped_is_slow_in_both_ways_and_either_direction() {
+        for (v, w, stopped) in [
+            (0.0, 0.0, true),
+            (0.019, -0.049, true),
+            (-0.019, 0.049, true),
+            (0.02, 0.0, false),
+            (-0.03, 0.0, false),
+            (0.0, 0.05, false),
+            (0.0, -0.06, false),
+        ] {
+            assert_eq!(Twist::new(v, w).is_stopped(), stopped, "{v} m/s, {w} rad/s");
+        }
+    }
+
+    #[test]
+    fn sinc_is_smooth_at_its_series() {
+        assert!((sinc(0.0) - 1.0).abs() < 1e-15);
+        // The series and the quotient meet, 1e-8 / 6 below 1.
+        for x in [0.999e-4, 1.001e-4, -1.001e-4_f64] {
+            assert!((sinc(x) - (1.0 - x * x / 6.0)).abs() < 1e-15, "{x}");
+        }
+        assert!((sinc(0.5 * core::f64::consts::PI) - core::f64::consts::FRAC_2_PI).abs() < 1e-15);
+    }
 }
