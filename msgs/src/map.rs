@@ -432,6 +432,7 @@ mod tests {
 
     #[test]
     fn the_nearest_obstacle_says_where_it_comes_from() {
+        use ObstacleSource::{Lidar, None, StaticMap, Tracked, Unknown};
         let geometry = GridGeometry {
             resolution_m: 0.05,
             width: 9,
@@ -465,7 +466,6 @@ mod tests {
             cells: &cells,
         };
         let sources = [-1, 0, 1, 2, 3, 4, 5, 6, 7, 8].map(|x| map.source_at(Cell::new(x, 0)));
-        use ObstacleSource::{Lidar, None, StaticMap, Tracked, Unknown};
         // In the middle between two: the lower one.
         let expected = [
             None, StaticMap, StaticMap, StaticMap, Lidar, Lidar, Lidar, Unknown, Tracked, Tracked,

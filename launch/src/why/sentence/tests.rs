@@ -233,13 +233,13 @@ fn no_path_says_what_closed_it_and_what_would_have_to_open() {
 }
 
 /// A task that is over.
-fn over(state: TaskState, reason: EndReason, stuck: StuckCause) -> Option<Task> {
-    Some(Task {
+fn over(state: TaskState, reason: EndReason, stuck: StuckCause) -> Task {
+    Task {
         state,
         reason,
         stuck,
         blocked: None,
-    })
+    }
 }
 
 #[test]
@@ -279,7 +279,7 @@ fn the_end_of_a_task_is_told_with_its_reason() {
         ),
     ];
     for (task, words) in cases {
-        moment.task = task;
+        moment.task = Some(task);
         says(&moment, &Around::default(), &[words]);
     }
     let arrived = standing(Validity::AtGoal, RequestCause::None);
@@ -328,7 +328,7 @@ fn the_end_of_a_task_names_the_cell_and_where_its_obstacle_comes_from() {
         ),
     ];
     for ((reason, block), source, words) in cases {
-        moment.task = over(TaskState::Failed, reason, StuckCause::Blocked);
+        moment.task = Some(over(TaskState::Failed, reason, StuckCause::Blocked));
         let task = moment.task.as_mut().expect("a task");
         let at_m = [3.0, 4.0];
         task.blocked = Some(Blocked {
