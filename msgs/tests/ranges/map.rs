@@ -314,7 +314,8 @@ fn paths() {
     };
     assert_eq!(coded(|it| it.status = 11), Err(Refusal::Code("status")));
     assert_eq!(coded(|it| it.cause = 7), Err(Refusal::Code("cause")));
-    assert_eq!(coded(|it| it.block = 4), Err(Refusal::Code("block")));
+    assert_eq!(coded(|it| it.block = 6), Err(Refusal::Code("block")));
+    assert_eq!(coded(|it| it.source = 5), Err(Refusal::Code("source")));
     assert_eq!(
         coded(|it| it.planner = Path::planner_bytes("theta_star")),
         Ok(())

@@ -150,6 +150,15 @@ fn a_scan_has_the_geometry_of_the_description() {
     assert_eq!(beam_more, ScanStale);
 }
 
+#[test]
+fn a_scan_that_does_not_describe_its_ranges_is_not_used() {
+    use Intervention::{None, ScanStale};
+    assert_eq!(with(|_| ()), None);
+    assert_eq!(with(|it| it.ranges.truncate(20)), ScanStale);
+    assert_eq!(with(|it| it.ranges.clear()), ScanStale);
+    assert_eq!(with(|it| it.scan.range_m_max = f32::NAN), ScanStale);
+}
+
 /// Of 21 beams 3 are more than a tenth, 2 are less.
 #[test]
 fn a_scan_with_too_few_valid_beams_is_blind() {
@@ -214,6 +223,30 @@ fn a_ramp_begins_where_the_robot_is_and_no_faster_than_its_last_command() {
         let found = ramp(last, measured);
         let off = (found[0] - first[0]).abs().max((found[1] - first[1]).abs());
         assert!(off < 1e-9, "{last:?} at {measured:?}: {found:?}");
+    }
+}
+
+/// A ramp is given up with the next request that is obeyed: the one after it begins at the speed of then.
+#[test]
+fn a_second_ramp_does_not_go_on_from_the_first() {
+    let mut guard = Guard::new(GuardConfig::default());
+    let mut inputs = Inputs::new();
+    let mut speeds_mps = Vec::new();
+    for (tick, asked, measured_mps) in [
+        (1, true, 0.5),
+        // 40 ms of braking.
+        (2, false, 0.5),
+        (3, false, 0.46),
+        (4, true, 0.5),
+        (5, false, 0.5),
+    ] {
+        inputs.odometry.v_mps = measured_mps;
+        inputs.odometry.pose.x_m += 0.02 * measured_mps;
+        inputs.asked = asked;
+        speeds_mps.push(inputs.decide(&mut guard, tick, [0.5, 0.0]).v_mps);
+    }
+    for (found, expected) in speeds_mps.iter().zip([0.5, 0.46, 0.42, 0.5, 0.46]) {
+        assert!((found - expected).abs() < 1e-9, "{speeds_mps:?}");
     }
 }
 
