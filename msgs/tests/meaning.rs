@@ -10,8 +10,8 @@ use zeronav_msgs::seats::SEATS;
 use zeronav_msgs::stages::Stage;
 use zeronav_msgs::task::PoseEstimate;
 use zeronav_msgs::topics::{
-    Discipline, HEALTH, MapKeyframe, PlanPath, RobotDescription, RobotScan, SPANS, ScanEnvelope,
-    Topic, TopicRow, decode, health_of, seal,
+    Discipline, HEALTH, MapKeyframe, PlanPath, RobotCommand, RobotDescription, RobotScan, SPANS,
+    ScanEnvelope, Topic, TopicRow, decode, health_of, seal,
 };
 use zeronav_msgs::{Cell, GridGeometry, Header, MapCell, Pose, Refusal, Role};
 
@@ -142,12 +142,15 @@ fn a_seat_writes_what_bears_its_name_alone() {
         .find(|(role, _)| *role == Role::CollisionGuard);
     assert_eq!(
         guard,
-        Some((Role::CollisionGuard, vec!["robot/velocity_command"]))
+        Some((Role::CollisionGuard, vec![RobotCommand::ROW.name]))
     );
     let planner = written
         .clone()
         .find(|(role, _)| *role == Role::GlobalPlanner);
-    assert_eq!(planner, Some((Role::GlobalPlanner, vec!["plan/path"])));
+    assert_eq!(
+        planner,
+        Some((Role::GlobalPlanner, vec![PlanPath::ROW.name]))
+    );
 }
 
 #[test]

@@ -182,18 +182,23 @@ fn sees(
     Ok(free && inside(from) && inside(to))
 }
 
+/// By how much a segment may miss a square and still touch it: a way that passes a corner within rounding
+/// would cross it by its cells. [cells]
+const ROUNDING: f64 = 1.0e-9;
+
 /// True when a segment touches the closed square of side 1 with this lower left corner, by clipping
 /// (Liang, Barsky 1984).
 fn touches_square(from: Point2<f64>, to: Point2<f64>, left: f64, low: f64) -> bool {
     let (mut enters, mut leaves) = (0.0_f64, 1.0_f64);
     for (start, way, low) in [(from.x, to.x - from.x, left), (from.y, to.y - from.y, low)] {
+        let (low, high) = (low - ROUNDING, low + 1.0 + ROUNDING);
         if way == 0.0 {
-            if start < low || start > low + 1.0 {
+            if start < low || start > high {
                 return false;
             }
             continue;
         }
-        let (one, other) = ((low - start) / way, (low + 1.0 - start) / way);
+        let (one, other) = ((low - start) / way, (high - start) / way);
         enters = enters.max(one.min(other));
         leaves = leaves.min(one.max(other));
     }
