@@ -249,12 +249,12 @@ pub(crate) fn explain(ending: &Ending) {
              stopped. {}",
             doctor::deletion()
         )),
-        Ending::LaunchDied => complain("launch has crashed"),
         Ending::Interrupted => complain("interrupted, everything is stopped"),
         Ending::Task(..)
         | Ending::Redirected
         | Ending::Timeout
         | Ending::TrialsOver
+        | Ending::LaunchDied
         | Ending::Down => {}
     }
 }

@@ -48,14 +48,17 @@ fn in_words(damaged: &[(Damaged, Vec<String>)]) -> Option<String> {
         .collect();
     authors.sort_unstable();
     authors.dedup();
+    let more = match damaged.len() - 1 {
+        0 => String::new(),
+        n => format!(" and {n} more"),
+    };
     Some(format!(
-        "shared memory of {} was cut off or overwritten: {} and {} more in /dev/shm",
+        "shared memory of {} was cut off or overwritten: {}{more} in /dev/shm",
         if authors.is_empty() {
             "the stack".to_owned()
         } else {
             authors.join(", ")
         },
-        first.name,
-        damaged.len() - 1
+        first.name
     ))
 }
