@@ -1,9 +1,21 @@
 //! Words of a command line that more than one command takes.
 
+use std::ffi::OsString;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::run::DELAY_STEP_NS;
 use zeronav_msgs::time::seconds;
 use zeronav_shell::nearest::unknown;
+
+/// The first of these words that holds a line break or another control character, made readable. Names
+/// with such characters would break the lines in which messages and reports show them.
+#[must_use]
+pub fn unprintable(words: impl IntoIterator<Item = OsString>) -> Option<String> {
+    let mut words = words
+        .into_iter()
+        .map(|word| word.to_string_lossy().into_owned());
+    let word = words.find(|word| word.chars().any(char::is_control))?;
+    Some(word.escape_debug().to_string())
+}
 
 /// The seat of a service by its name.
 pub(crate) fn service_role(name: &str) -> Result<Role, String> {

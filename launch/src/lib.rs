@@ -2,7 +2,7 @@
 
 #![warn(clippy::print_stderr)]
 
-mod arguments;
+pub mod arguments;
 mod aside;
 pub mod began;
 pub mod busy;

@@ -14,8 +14,8 @@ use zeronav::remote::{fault, goal, swap, verbs};
 use zeronav::show::{log, terminal};
 use zeronav::supervise::{cleaner, warden, will};
 use zeronav::{
-    began, busy, commands, compare, completions, doctor, latency, logs, look, map_save, params,
-    picture, remote, report, start_up, top, topics, why,
+    arguments, began, busy, commands, compare, completions, doctor, latency, logs, look, map_save,
+    params, picture, remote, report, start_up, top, topics, why,
 };
 use zeronav_msgs::role::Role;
 use zeronav_shell::flags::one_line;
@@ -23,6 +23,11 @@ use zeronav_shell::flags::one_line;
 // long: a line for each verb
 fn main() -> ExitCode {
     began::note();
+    if let Some(word) = arguments::unprintable(std::env::args_os().skip(1)) {
+        return terminal::usage(&format!(
+            "`{word}` holds control characters: rename that file or folder"
+        ));
+    }
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
         Err(error) => {

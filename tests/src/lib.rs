@@ -74,7 +74,14 @@ pub fn executable(path: &Path, text: &str) {
     assert!(status.success(), "{} is not written", path.display());
 }
 
-/// Folder of the binaries of this very build and of the example service, built once per test
+/// The example services that scenarios name.
+const EXAMPLES: [&str; 3] = [
+    "straight_line_service",
+    "requests_full_speed",
+    "requests_nan",
+];
+
+/// Folder of the binaries of this very build and of the example services, built once per test
 /// program.
 ///
 /// # Panics
@@ -97,7 +104,7 @@ pub fn binaries() -> &'static Path {
         // does: its build of all dependencies serves this one, too.
         let status = Command::new(cargo)
             .args(["build", "--quiet", "--workspace", "--bins", "--lib"])
-            .args(["--example", "straight_line_service"])
+            .args(EXAMPLES.map(|name| format!("--example={name}")))
             .args(["--profile", profile])
             .arg("--target-dir")
             .arg(folder.parent().expect("a target folder"))

@@ -1,59 +1,15 @@
 //! The correct part of test processes that misbehave, so that each of their files contains its
 //! misbehaviour only.
 
-use serde::{Deserialize, Serialize};
+#[path = "../../services/local_planner/examples/request_seat/mod.rs"]
+mod request_seat;
+
+pub use request_seat::{AnyConfig, RequestSeat};
 use zeronav_msgs::command::VelocityRequest;
-use zeronav_msgs::header::Parents;
 use zeronav_msgs::span::SpanKind;
-use zeronav_msgs::topics::ControlRequest;
-use zeronav_shell::{Draft, Due, OdometryReader, Shell, StartError, Trigger, Writer};
-
-/// Accepts any configuration.
-#[derive(Debug, Serialize, Deserialize)]
-pub struct AnyConfig {}
-
-/// The seat of a local planner that reads odometry only.
-#[derive(Debug)]
-pub struct RequestSeat {
-    odometry: OdometryReader,
-    request: Writer<ControlRequest>,
-}
+use zeronav_shell::{Due, Shell};
 
 impl RequestSeat {
-    /// Opens its topics.
-    ///
-    /// # Errors
-    /// What keeps a service from starting.
-    pub fn open(shell: &Shell) -> Result<Self, StartError> {
-        Ok(Self {
-            odometry: OdometryReader::open(shell.peer())?,
-            request: shell.peer().writer(1)?,
-        })
-    }
-
-    /// Polls odometry; the answers that are due.
-    pub fn due(&mut self, shell: &mut Shell) -> impl Iterator<Item = Due> + use<> {
-        self.odometry.poll(shell.roster());
-        shell.due(&Trigger {
-            tick: self.odometry.tick(),
-            complete: true,
-            ..Trigger::default()
-        })
-    }
-
-    /// Answers with a request.
-    pub fn answer(&mut self, shell: &mut Shell, due: Due, request: VelocityRequest) {
-        let draft = self.begin(shell, due);
-        shell.answer(&draft, &mut self.request, request, &[]);
-    }
-
-    /// Answers everything that is due with the same request.
-    pub fn answer_all(&mut self, shell: &mut Shell, request: VelocityRequest) {
-        for due in self.due(shell) {
-            self.answer(shell, due, request);
-        }
-    }
-
     /// Sends a request that answers nothing.
     pub fn send(&mut self, shell: &mut Shell, request: VelocityRequest) {
         let due = Due {
@@ -63,14 +19,6 @@ impl RequestSeat {
         let draft = self.begin(shell, due);
         shell.send(&draft, &mut self.request, request, &[]);
         shell.ring();
-    }
-
-    fn begin(&self, shell: &Shell, due: Due) -> Draft {
-        let parents = Parents {
-            odometry: self.odometry.id().0,
-            ..Parents::default()
-        };
-        shell.begin(due, shell.run_ns(due.tick), 0, parents)
     }
 }
 

@@ -366,6 +366,10 @@ fn wrong_arguments() {
         (&["run", "blocked_aisle", "--seed", "x"], &["--seed", "'x'"]),
         (&["run", "blocked\u{1b}[31m"], &["\\u{1b}[31m"]),
         (
+            &["check", "./a\nb.toml"],
+            &["`./a\\nb.toml` holds control characters"],
+        ),
+        (
             &["run", "blocked_aisle", "--log-level", "nonsense"],
             &["--log-level", "nonsense", "info"],
         ),

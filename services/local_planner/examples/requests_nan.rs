@@ -1,11 +1,13 @@
 //! A local planner that requests NaN with every odometry message.
 
+mod request_seat;
+
+use request_seat::{AnyConfig, RequestSeat};
 use std::process::ExitCode;
 use zeronav_msgs::command::{Validity, VelocityRequest};
 use zeronav_msgs::role::Role;
 use zeronav_shell::doorbell::Rung;
 use zeronav_shell::{Service, Shell, StartError};
-use zeronav_tests::seats::{AnyConfig, RequestSeat};
 
 struct RequestsNan(RequestSeat);
 

@@ -1,12 +1,14 @@
 //! A local planner that requests full speed straight on with every odometry, whatever is ahead, and
 //! reports a braking distance of zero.
 
+mod request_seat;
+
+use request_seat::{AnyConfig, RequestSeat};
 use std::process::ExitCode;
 use zeronav_msgs::command::{Validity, VelocityRequest};
 use zeronav_msgs::role::Role;
 use zeronav_shell::doorbell::Rung;
 use zeronav_shell::{Service, Shell, StartError};
-use zeronav_tests::seats::{AnyConfig, RequestSeat};
 
 /// Faster than any robot of this project. [m/s]
 const FULL_MPS: f64 = 5.0;
