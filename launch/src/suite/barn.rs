@@ -72,6 +72,7 @@ pub(super) fn cases(setup: &Setup<'_>, worlds: &[WorldFile]) -> Result<Vec<Case>
                     optimal_time_s: Some(entry.ot_s),
                     reference_m: Some(entry.path_length_m - GOAL_TOLERANCE_M),
                     future_is_known: false,
+                    way: None,
                 },
                 manner: Manner::default(),
             });

@@ -9,6 +9,7 @@ mod crowd;
 mod gaits;
 mod ground;
 mod search;
+pub(super) mod turns;
 mod way;
 
 use super::case::{Case, Success};
@@ -24,6 +25,7 @@ use std::collections::BTreeSet;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::time::{Duration, Instant};
+use turns::Turns;
 use way::{Task, Way};
 
 /// Between two looks at what was found.
@@ -42,7 +44,12 @@ pub(super) fn rows(
 ) -> Result<Vec<Row>, SuiteError> {
     // Before the first search, which may take long. Seeds may share a scenario.
     let mut seen = BTreeSet::new();
-    for case in cases.iter().filter(|case| seen.insert(&case.scenario)) {
+    let own = |case: &&Case| case.rule.way.is_none();
+    for case in cases
+        .iter()
+        .filter(own)
+        .filter(|case| seen.insert(&case.scenario))
+    {
         target(case, &Future::of(&case.scenario)?)?;
     }
     let mut rows: Vec<Option<Result<Row, String>>> = vec![None; cases.len()];
@@ -97,6 +104,9 @@ pub(super) fn rows(
 
 /// Plans one case.
 fn row_of(case: &Case, interrupted: &AtomicBool) -> Result<Row, String> {
+    if let Some(way) = &case.rule.way {
+        return Ok(of_outline(case, way.as_ref()));
+    }
     let began = Instant::now();
     let future = Future::of(&case.scenario)?;
     let (goal_m, tolerance_m) = target(case, &future)?;
@@ -116,6 +126,21 @@ fn row_of(case: &Case, interrupted: &AtomicBool) -> Result<Row, String> {
         wall_s: Some(began.elapsed().as_secs_f64()),
         ..row
     })
+}
+
+/// The row of a case for which the way of the outline among what stands was looked for.
+fn of_outline(case: &Case, way: Option<&Turns>) -> Row {
+    let Some(way) = way else {
+        return not_found(case);
+    };
+    Row {
+        success: true,
+        arrived: true,
+        outcome: Some("reached".to_owned()),
+        time_s: Some(way.time_s),
+        driven_m: Some(way.length_m),
+        ..Row::of(case)
+    }
 }
 
 /// Goal and tolerance. [m]

@@ -75,6 +75,7 @@ pub(super) fn cases(setup: &Setup<'_>, worlds: &[WorldFile]) -> Result<Vec<Case>
                     optimal_time_s: None,
                     reference_m: Some(straight_m - GOAL_TOLERANCE_M),
                     future_is_known: true,
+                    way: None,
                 },
                 manner: Manner::default(),
             });

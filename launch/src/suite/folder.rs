@@ -16,7 +16,14 @@ use zeronav_shell::nearest::unknown;
 pub(super) fn worlds(plan: &SuitePlan) -> Result<Vec<WorldFile>, String> {
     let folder = Path::new(&plan.suite);
     if !folder.is_dir() {
-        let known = ["generated", "barn", "dynabarn", "pedestrians", "soak"];
+        let known = [
+            "generated",
+            "barn",
+            "dynabarn",
+            "pedestrians",
+            "field",
+            "soak",
+        ];
         let why = unknown("suite", &plan.suite, known);
         return Err(format!("{why} (no folder of scenarios is called so)"));
     }
@@ -77,6 +84,7 @@ fn of_scenario(
             optimal_time_s: None,
             reference_m: straight_m(&own),
             future_is_known: false,
+            way: None,
         },
         manner: Manner::default(),
     };

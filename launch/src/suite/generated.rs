@@ -60,6 +60,7 @@ fn case(setup: &Setup<'_>, world: &WorldFile, seed: u64) -> Result<Case, String>
             optimal_time_s: None,
             reference_m: Some(drawn.reference_m - drawn.goal_tolerance_m),
             future_is_known: drawn.moves,
+            way: None,
         },
         manner: Manner::default(),
     })

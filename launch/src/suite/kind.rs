@@ -7,6 +7,7 @@ pub(super) enum Kind {
     Dynabarn,
     Pedestrians,
     Generated,
+    Field,
     Soak,
     Folder,
 }
@@ -19,6 +20,7 @@ impl Kind {
             "dynabarn" => Self::Dynabarn,
             "pedestrians" => Self::Pedestrians,
             "generated" => Self::Generated,
+            "field" => Self::Field,
             "soak" => Self::Soak,
             _ => Self::Folder,
         }
@@ -30,6 +32,7 @@ impl Kind {
             Self::Dynabarn => "dynabarn",
             Self::Pedestrians => "pedestrians",
             Self::Generated => "generated",
+            Self::Field => "field",
             Self::Soak => "soak",
             Self::Folder => "folder",
         }
@@ -52,6 +55,10 @@ impl Kind {
             }
             Self::Generated => {
                 "worlds drawn from their numbers in our own 2-D simulator: no benchmark of others"
+            }
+            Self::Field => {
+                "worlds of what real robots meet, drawn from their numbers in our own 2-D simulator: no \
+                 benchmark of others"
             }
             Self::Soak => {
                 "drives with random faults in our own 2-D simulator: what breaks is put right, and \

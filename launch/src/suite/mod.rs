@@ -11,6 +11,7 @@ mod csv_file;
 mod data;
 mod dynabarn;
 pub(crate) mod error;
+mod field;
 mod folder;
 mod future;
 mod generated;
@@ -226,6 +227,7 @@ fn worlds(kind: Kind, plan: &SuitePlan) -> Result<Vec<WorldFile>, String> {
         Kind::Dynabarn => dynabarn::worlds(plan),
         Kind::Pedestrians => pedestrians::worlds(plan),
         Kind::Generated => Ok(generated::worlds(plan)),
+        Kind::Field => Ok(field::worlds(plan)),
         // Each of its drives draws its own.
         Kind::Soak => Ok(Vec::new()),
         Kind::Folder => folder::worlds(plan),
@@ -244,6 +246,7 @@ fn cases(
         Kind::Dynabarn => dynabarn::cases(setup, worlds)?,
         Kind::Pedestrians => pedestrians::cases(setup, worlds, runner)?,
         Kind::Generated => generated::cases(setup, worlds)?,
+        Kind::Field => field::cases(setup, worlds)?,
         // They are endless.
         Kind::Soak => Vec::new(),
         Kind::Folder => folder::cases(setup, worlds)?,

@@ -176,6 +176,7 @@ fn rule(start: Pose, goal: Pose) -> Rule {
         optimal_time_s: None,
         reference_m: Some(start.distance_m(&goal) - GOAL_TOLERANCE_M),
         future_is_known: true,
+        way: None,
     }
 }
 

@@ -205,6 +205,15 @@ impl Report {
         self.write_table(&mut text);
         self.write_failures(&mut text);
         self.write_faults(&mut text);
+        if let Some(arrival) = self.summary.arrival_where_a_way_exists {
+            let ratio = self.summary.mean_time_ratio.unwrap_or(0.0);
+            let _ = writeln!(
+                text,
+                "\n  arrived where the outline has a way {arrival:.4}; arrivals that were none {}; run time per \
+                 time of that way at top speeds {ratio:.2}",
+                self.summary.wrong_arrivals
+            );
+        }
         self.write_not_reproducible(&mut text);
         if let Some(soak) = &self.soak {
             soak.write(&mut text);

@@ -10,6 +10,9 @@ use crate::exit::EXIT_USAGE;
 use crate::result::{RunResult, Touch};
 use serde::{Deserialize, Serialize};
 
+/// Why a run is no success whose robot said that it had arrived and had not.
+const BESIDE_THE_GOAL: &str = "stopped beside the goal";
+
 /// One run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Row {
@@ -43,6 +46,15 @@ pub(crate) struct Row {
     pub score: Option<f64>,
     /// Score by the rule of 4 OT.
     pub score_4ot: Option<f64>,
+    /// True when a way of the robot's outline was found among what stands; null where none was looked for.
+    #[serde(default)]
+    pub way_exists: Option<bool>,
+    /// True when the robot said that it had arrived and had not.
+    #[serde(default)]
+    pub wrong_arrival: bool,
+    /// Run time per time of that way at top speeds, of successes.
+    #[serde(default)]
+    pub time_ratio: Option<f64>,
     /// Distance driven per length of reference, of successes.
     pub path_ratio: Option<f64>,
     /// Smallest distance of the footprint to anything. [m]
@@ -105,6 +117,7 @@ impl Row {
             touched(&case.rule.success, run, unavoidable).or_else(|| arrival.clone())
         };
         let success = cause.is_none();
+        let way_s = case.rule.way.flatten().map(|way| way.time_s);
         let clock_s = case.clock().and_then(|clock| clock.time_s(&run.motion));
         let by_rule = |fastest| {
             let optimal_time_s = case.rule.optimal_time_s?;
@@ -119,6 +132,10 @@ impl Row {
             contacts_standing: run.contacts_standing,
             unavoidable: case.rule.future_is_known.then_some(unavoidable),
             arrived: arrival.is_none() && !finish.hung,
+            wrong_arrival: arrival.as_deref() == Some(BESIDE_THE_GOAL),
+            time_ratio: way_s
+                .filter(|way_s| success && *way_s > 0.0)
+                .map(|way_s| run.time_s / way_s),
             time_s: Some(run.time_s),
             clock_s,
             score: by_rule(RULES[0]),
@@ -182,6 +199,9 @@ impl Row {
             arrived: false,
             time_s: None,
             clock_s: None,
+            way_exists: case.rule.way.map(|way| way.is_some()),
+            wrong_arrival: false,
+            time_ratio: None,
             score: None,
             score_4ot: None,
             path_ratio: None,
@@ -269,7 +289,7 @@ fn missed(success: &Success, run: &RunResult, goal_distance_m: Option<f64>) -> O
     if !run.reached {
         Some(run.outcome.clone())
     } else if goal_distance_m.is_none_or(|distance_m| distance_m > *tolerance_m) {
-        Some("stopped beside the goal".to_owned())
+        Some(BESIDE_THE_GOAL.to_owned())
     } else {
         None
     }
@@ -298,6 +318,7 @@ mod tests {
                 optimal_time_s: Some(5.0),
                 reference_m: Some(9.0),
                 future_is_known: false,
+                way: None,
             },
             manner: Manner::default(),
         }

@@ -30,6 +30,11 @@ pub(crate) struct Summary {
     pub unavoidable: Option<u32>,
     /// Share of the runs in which the robot came to its goal in time, whatever it touched.
     pub arrival: f64,
+    /// The same where a way of the robot's outline was found among what stands; null where none was looked
+    /// for.
+    pub arrival_where_a_way_exists: Option<f64>,
+    /// Runs in which the robot said that it had arrived and had not.
+    pub wrong_arrivals: usize,
     /// Runs whose time was over.
     pub timeouts: usize,
     /// Runs that may go otherwise the next time.
@@ -38,6 +43,8 @@ pub(crate) struct Summary {
     pub mean_time_s: Option<f64>,
     /// The same by the benchmark's clock, where it has one. [s]
     pub mean_clock_s: Option<f64>,
+    /// Run time per time of the outline's way at top speeds, of the successes.
+    pub mean_time_ratio: Option<f64>,
     /// Distance driven per length of reference, of the successes.
     pub mean_path_ratio: Option<f64>,
     /// Smallest clearance of all runs. [m]
@@ -93,10 +100,15 @@ impl Summary {
                 .filter_map(|row| row.unavoidable)
                 .reduce(u32::saturating_add),
             arrival: mean(&|row| Some(f64::from(u8::from(row.arrived)))).unwrap_or(0.0),
+            arrival_where_a_way_exists: mean(&|row| {
+                (row.way_exists == Some(true)).then_some(f64::from(u8::from(row.arrived)))
+            }),
+            wrong_arrivals: count(&|row| row.wrong_arrival),
             timeouts: count(&Row::is_timeout),
             not_reproducible: count(&|row| row.not_reproducible.is_some()),
             mean_time_s: of_success(|row| row.time_s),
             mean_clock_s: of_success(|row| row.clock_s),
+            mean_time_ratio: of_success(|row| row.time_ratio),
             mean_path_ratio: of_success(|row| row.path_ratio),
             clearance_m_min: rows
                 .iter()

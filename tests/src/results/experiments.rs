@@ -193,6 +193,17 @@ pub const EXPERIMENTS: &[Experiment] = &[
         make: suites::generated,
     },
     Experiment {
+        key: "field",
+        title: "what real robots meet, drawn from seeds: walls beside, docks, corners, late drives, slip, people",
+        minutes: 20.0,
+        by_default: false,
+        note: Some(
+            "A way of the outline is one that a search in place and yaw found, 1 cm from everything that \
+             stands; run time is per time of that way at top speeds.",
+        ),
+        make: suites::field,
+    },
+    Experiment {
         key: "barn",
         title: "every public BARN world once, in our own 2-D simulator: no leaderboard entry",
         minutes: 3.0,

@@ -170,8 +170,28 @@ pub fn suites(reports: &[(&str, Value)]) -> Result<Table, String> {
             rows.push(suite_row(format!("{name}, {class}"), &of_class));
         }
     }
-    Ok(table("", &SUITE_COLUMNS, rows))
+    let has_ways = |report: &Value| {
+        list(report, "runs")
+            .iter()
+            .any(|run| run["way_exists"].is_boolean())
+    };
+    let mut columns = SUITE_COLUMNS.to_vec();
+    if reports.iter().any(|(_, report)| has_ways(report)) {
+        columns.extend(WAY_COLUMNS);
+    } else {
+        for row in &mut rows {
+            row.figures.truncate(columns.len());
+        }
+    }
+    Ok(table("", &columns, rows))
 }
+
+/// Where a way of the robot's outline was looked for.
+const WAY_COLUMNS: [&str; 3] = [
+    "arrived where a way exists",
+    "arrivals that were none",
+    "run time per time of the way",
+];
 
 const SUITE_COLUMNS: [&str; 9] = [
     "success",
@@ -204,6 +224,10 @@ fn suite_row(name: String, runs: &[&Value]) -> Row {
         let time = number(run, "clock_s").or_else(|| number(run, "time_s"));
         time.filter(|_| run["success"] == true)
     };
+    let with_way: Vec<_> = runs
+        .iter()
+        .filter(|run| run["way_exists"] == true)
+        .collect();
     Row {
         name,
         n: count(runs.len()),
@@ -221,6 +245,12 @@ fn suite_row(name: String, runs: &[&Value]) -> Row {
             Figure::median(&values(&time_s)),
             Figure::median(&values(&|run| number(run, "clearance_m_min"))),
             Figure::median(&values(&|run| number(run, "interventions"))),
+            Figure::rate(
+                with_way.iter().filter(|run| run["arrived"] == true).count(),
+                with_way.len(),
+            ),
+            rate(&|run| run["wrong_arrival"] == true),
+            Figure::median(&values(&|run| number(run, "time_ratio"))),
         ],
     }
 }

@@ -23,6 +23,10 @@ pub(super) fn generated(bench: &mut Bench) -> Result<Measured, String> {
     )
 }
 
+pub(super) fn field(bench: &mut Bench) -> Result<Measured, String> {
+    suite(bench, &["field"], &["beam"])
+}
+
 pub(super) fn barn(bench: &mut Bench) -> Result<Measured, String> {
     suite(bench, &["barn"], &["beam", "dwa_t"])
 }

@@ -2,10 +2,11 @@ use super::super::case::{Manner, Rule};
 use super::super::future::{Mover, walker};
 use super::super::oracle::robot::{Abilities, State};
 use super::*;
+use crate::scenario::GoalSpec;
 use zeronav_msgs::Pose;
 use zeronav_robot_description::RobotPreset;
 use zeronav_world::spec::ShapeSpec;
-use zeronav_world::{World, WorldSpec};
+use zeronav_world::{Footprint, World, WorldSpec};
 
 /// Half of the robot's length and width. [m]
 const HALF_M: [f64; 2] = [0.254, 0.215];
@@ -194,6 +195,7 @@ fn case(folder: &tempfile::TempDir) -> Case {
             optimal_time_s: Some(3.5),
             reference_m: Some(7.0),
             future_is_known: true,
+            way: None,
         },
         manner: Manner::default(),
     }
@@ -236,4 +238,74 @@ fn what_depends_on_the_robot_is_refused_before_anything_is_planned() {
     case.rule.success = Success::Expectations;
     // It has no goal.
     assert!(rows(&[case], 1, false, &AtomicBool::new(false)).is_err());
+}
+
+/// The way of a rectangle, from a pose to a pose and a yaw, in a hall with these walls.
+fn outline_way(
+    half_m: [f64; 2],
+    shapes: &[ShapeSpec],
+    from: Pose,
+    to: Pose,
+) -> Option<turns::Turns> {
+    let robot = RobotPreset::Jackal.robot();
+    let [x, y] = half_m;
+    let footprint = Footprint::polygon(&[[-x, -y], [x, -y], [x, y], [-x, y]]).unwrap();
+    let abilities = Abilities::new(&robot, &footprint);
+    let goal = GoalSpec {
+        pose: to,
+        tolerance_m: 0.1,
+        yaw_tolerance_rad: 0.1,
+    };
+    turns::find(&hall(shapes), &abilities, from, &goal)
+}
+
+#[test]
+fn the_way_of_an_outline_takes_no_less_than_the_straight_line_and_its_turns() {
+    let open = outline_way(
+        [0.6, 0.25],
+        &[],
+        Pose::new(1.5, 3.0, 0.0),
+        Pose::new(11.5, 3.0, 0.0),
+    );
+    let open = open.unwrap();
+    // 10 m less the tolerance at 2 m/s.
+    assert!((4.94..5.1).contains(&open.time_s), "{open:?}");
+    assert!((9.89..10.1).contains(&open.length_m), "{open:?}");
+    let about = outline_way(
+        [0.6, 0.25],
+        &[],
+        Pose::new(3.0, 3.0, 0.0),
+        Pose::new(3.0, 3.0, 3.0),
+    );
+    let [.., w_max, _] = LIMITS;
+    let about = about.unwrap();
+    assert!(
+        (2.9 / w_max - 0.01..3.1 / w_max).contains(&about.time_s),
+        "{about:?}"
+    );
+}
+
+#[test]
+fn an_outline_turns_a_corner_only_where_it_fits() {
+    // A corridor of 1.2 m along the lower edge, and one of the same width up along the right.
+    let corner = |width_m: f64| {
+        [
+            wall([0.0, 1.0 + width_m], [12.8 - width_m, 6.0]),
+            wall([0.0, 0.0], [14.0, 1.0]),
+            wall([12.8, 1.0], [14.0, 6.0]),
+        ]
+    };
+    let around = |half_m, width_m: f64| {
+        let from = Pose::new(2.0, 1.0 + 0.5 * width_m, 0.0);
+        let to = Pose::new(12.8 - 0.5 * width_m, 4.5, 0.5 * PI);
+        outline_way(half_m, &corner(width_m), from, to)
+    };
+    assert!(around([0.6, 0.25], 1.2).is_some());
+    // 1.2 m x 0.5 m gets around no corner of two corridors that are narrower than 0.92 m.
+    assert!(around([0.6, 0.25], 0.8).is_none());
+    // A door that is narrower than the robot is none.
+    let door = [wall([6.0, 0.0], [6.2, 2.76]), wall([6.0, 3.24], [6.2, 6.0])];
+    let (from, to) = (Pose::new(2.0, 3.0, 0.0), Pose::new(10.0, 3.0, 0.0));
+    assert!(outline_way([0.6, 0.25], &door, from, to).is_none());
+    assert!(outline_way([0.6, 0.22], &door, from, to).is_some());
 }

@@ -214,6 +214,7 @@ impl Drive {
                 optimal_time_s: None,
                 reference_m: None,
                 future_is_known: self.place == Place::ORBITS,
+                way: None,
             },
             manner: Manner {
                 real_time: self.is_real_time(),

@@ -167,6 +167,7 @@ mod tests {
                 optimal_time_s: None,
                 reference_m: None,
                 future_is_known: true,
+                way: None,
             },
             manner: Manner::default(),
         }
