@@ -8,7 +8,7 @@ use zeronav_msgs::foresight::{FORESEEN_MAX, Foreseen};
 use zeronav_msgs::obstacles::{OBSTACLES_MAX, Obstacle};
 
 /// [m/s] below which a tracked obstacle is static: an obstacle like any other.
-const STATIC_MPS: f64 = 0.1;
+pub(crate) const STATIC_MPS: f64 = 0.1;
 
 /// [m/s] from which a tracked obstacle surely moves: slower ones may be the end of a wall that the
 /// robot passes, and are not waited for.

@@ -102,7 +102,7 @@ pub(crate) fn reason_of(reason: Reason) -> RecoveryReason {
     }
 }
 
-/// Ages of odometry, scan, map and path. [ms] Before the first scan map and path are idle outputs at
+/// Ages of odometry, scan, map (or what moves in it) and path. [ms] Before the first scan map and path are idle outputs at
 /// most, and whether these have come yet depends on the speed of the machine: they are not told.
 pub(crate) fn ages_ms(ages: &Ages) -> [u16; 4] {
     let ms = |age_ns: Option<u64>| {
@@ -111,7 +111,7 @@ pub(crate) fn ages_ms(ages: &Ages) -> [u16; 4] {
         })
     };
     let of_scan = |age_ns: Option<u64>| age_ns.filter(|_| ages.scan_ns.is_some());
-    let (map_ns, path_ns) = (of_scan(ages.map_ns), of_scan(ages.path_ns));
+    let (map_ns, path_ns) = (of_scan(ages.oldest_of_map_ns()), of_scan(ages.path_ns));
     [ages.odometry_ns, ages.scan_ns, map_ns, path_ns].map(ms)
 }
 
@@ -125,12 +125,14 @@ mod tests {
             odometry_ns: Some(1_999_999),
             scan_ns: Some(50_000_000),
             map_ns: Some(u64::MAX),
+            obstacles_ns: Some(0),
             path_ns: None,
         };
         assert_eq!(ages_ms(&ages), [1, 50, AGE_MS_MAX, AGE_MS_MAX]);
         let before_the_first_scan = Ages {
             odometry_ns: Some(0),
             map_ns: Some(20_000_000),
+            obstacles_ns: Some(20_000_000),
             ..Ages::default()
         };
         assert_eq!(

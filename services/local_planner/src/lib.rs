@@ -29,6 +29,7 @@ pub mod progress;
 mod rated;
 mod record;
 pub mod recovery;
+pub mod remembered;
 pub mod requests;
 pub mod scan_points;
 pub mod shaping;

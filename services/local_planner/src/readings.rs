@@ -1,5 +1,6 @@
 //! What the local planner reads, and what it knows by it when an answer begins.
 
+use zeronav_local_planner::remembered::Remembered;
 use zeronav_local_planner::scan_points::ScanPoints;
 use zeronav_local_planner::situation::Future;
 use zeronav_local_planner::staleness::Ages;
@@ -17,9 +18,6 @@ use zeronav_shell::{
     Draft, Due, Latest, MapInput, OdometryReader, Peer, Received, Roster, Shell, StartError, Stream,
 };
 
-/// Age beyond which the positions of tracked obstacles are not used. [s]
-const OBSTACLES_AGE_S_MAX: f64 = 0.5;
-
 /// The readers of the seat.
 pub(crate) struct Readings {
     pub(crate) odometry: OdometryReader,
@@ -28,6 +26,8 @@ pub(crate) struct Readings {
     scan: Latest<RobotScan>,
     map: MapInput,
     obstacles: Latest<MapObstacles>,
+    /// The same, and what a mapping before knew.
+    remembered: Remembered,
     /// Where they will be, when that is told.
     foresight: Option<Latest<SimForesight>>,
     path: Latest<PlanPath>,
@@ -71,6 +71,7 @@ impl Readings {
             scan: peer.latest()?,
             map: MapInput::open(peer)?,
             obstacles: peer.latest()?,
+            remembered: Remembered::default(),
             foresight: None,
             path: peer.latest()?,
             office: peer.stream()?,
@@ -100,7 +101,9 @@ impl Readings {
         self.hear_office(shell);
         self.map.poll(shell);
         self.map_cells += u64::from(!self.map.changed().is_empty());
-        self.obstacles.poll(roster);
+        if self.obstacles.poll(roster) {
+            self.remember(roster);
+        }
         if let Some(foresight) = &mut self.foresight {
             foresight.poll(roster);
         }
@@ -110,6 +113,18 @@ impl Readings {
         News {
             task,
             planning: scan || path,
+        }
+    }
+
+    fn remember(&mut self, roster: &Roster) {
+        // Whether a message that its author left before this process began came in depends on the speed
+        // of the machine.
+        if roster.lockstep() && roster.began_after(Role::Mapping, self.remembered.author()) {
+            self.remembered.forget();
+        }
+        if let Some(view) = self.obstacles.get() {
+            let author = view.header.id().epoch();
+            (self.remembered).take(author, view.items, view.header.run_ns);
         }
     }
 
@@ -230,11 +245,12 @@ impl Readings {
         let age_ns = |message: Received| shell.age_ns(draft, &message);
         let newest = self.odometry.newest();
         let odometry = newest.map(|newest| &newest.odometry);
+        // However old: what moves is somewhere near where it would be by now, and not where the scan met
+        // it. When they are too old to say so, the robot stops.
         let tracked = self.obstacles.get().map(|view| {
             let age_ns = draft.run_ns.saturating_sub(view.header.run_ns);
-            (view.items, seconds(age_ns))
+            (self.remembered.obstacles(), seconds(age_ns))
         });
-        let tracked = tracked.filter(|(_, age_s)| *age_s <= OBSTACLES_AGE_S_MAX);
         let told = self.foresight.as_ref().and_then(Latest::get);
         Inputs {
             future: told.map_or_else(Future::default, |view| Future {
@@ -260,6 +276,7 @@ impl Readings {
                 scan_ns: self.scan.received().map(age_ns),
                 odometry_ns: newest.map(|newest| age_ns(newest.received())),
                 map_ns: self.map.received().map(age_ns),
+                obstacles_ns: self.obstacles.received().map(age_ns),
                 path_ns: self.path.received().map(age_ns),
             },
             stopping: shell.roster().control.stopping == 1,

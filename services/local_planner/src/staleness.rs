@@ -10,7 +10,8 @@ parameters! {
         scan_age_s: f64 = 0.35, [0.01, 10.0] "s";
         /// Age of odometry since its capture.
         odometry_age_s: f64 = 0.1, [0.01, 10.0] "s";
-        /// Age of the map since the scan that it is current as of.
+        /// Age of the map and of the tracked obstacles, the older of both, since the scan that they are
+        /// current as of.
         map_age_s: f64 = 1.0, [0.01, 60.0] "s";
         /// Age of the path since it was last confirmed.
         path_age_s: f64 = 1.5, [0.01, 60.0] "s";
@@ -32,6 +33,8 @@ pub struct Ages {
     pub odometry_ns: Option<u64>,
     /// Of the map since the scan that it is current as of.
     pub map_ns: Option<u64>,
+    /// Of the tracked obstacles, likewise. Who does not know what moves has an old map.
+    pub obstacles_ns: Option<u64>,
     /// Of the path since it was last confirmed.
     pub path_ns: Option<u64>,
 }
@@ -43,7 +46,7 @@ pub enum StaleInput {
     Odometry,
     /// The scan.
     Scan,
-    /// The map.
+    /// The map, or what moves in it.
     Map,
     /// The path.
     Path,
@@ -84,12 +87,19 @@ const INPUTS: [StaleInput; 4] = [
     StaleInput::Path,
 ];
 
+impl Ages {
+    /// Age of the older one of the map and of what moves in it; `None` = one never came. [ns]
+    pub(crate) fn oldest_of_map_ns(&self) -> Option<u64> {
+        Some(self.map_ns?.max(self.obstacles_ns?))
+    }
+}
+
 /// Ages as shares of their limits, in the order of [`INPUTS`]; `None` = never received.
 fn shares(ages: &Ages, config: &StalenessConfig) -> [Option<f64>; 4] {
     [
         (ages.odometry_ns, config.odometry_age_s),
         (ages.scan_ns, config.scan_age_s),
-        (ages.map_ns, config.map_age_s),
+        (ages.oldest_of_map_ns(), config.map_age_s),
         (ages.path_ns, config.path_age_s),
     ]
     .map(|(age_ns, limit_s)| Some(nanoseconds(age_ns?) / (limit_s * 1.0e9)))
@@ -140,6 +150,7 @@ mod tests {
             scan_ns: Some(50 * MS),
             odometry_ns: Some(5 * MS),
             map_ns: Some(60 * MS),
+            obstacles_ns: Some(60 * MS),
             path_ns: Some(80 * MS),
         }
     }
@@ -223,6 +234,23 @@ mod tests {
             check(at(1.01), Err(input));
             assert!(ageing(&at(1.01), &config).includes(input));
         }
+    }
+
+    #[test]
+    fn who_does_not_know_what_moves_has_an_old_map() {
+        let since = |ms| Ages {
+            obstacles_ns: Some(ms * MS),
+            ..young()
+        };
+        check(since(700), Ok(1.0));
+        check(since(850), Ok(0.65));
+        check(since(1001), Err(StaleInput::Map));
+        assert!(ageing(&since(850), &StalenessConfig::default()).includes(StaleInput::Map));
+        let never = Ages {
+            obstacles_ns: None,
+            ..young()
+        };
+        check(never, Err(StaleInput::Map));
     }
 
     #[test]

@@ -61,7 +61,8 @@ impl Roster {
 
     /// True when this process began at a tick at which the seat of `role` was empty, which the
     /// process with this epoch had left.
-    pub(crate) fn began_after(&self, role: Role, epoch: u32) -> bool {
+    #[must_use]
+    pub fn began_after(&self, role: Role, epoch: u32) -> bool {
         let first_tick = self.first_tick();
         let seat = self.seat(role).filter(|seat| seat.epoch != epoch);
         first_tick > 0 && seat.is_some_and(|seat| !seat.answers(first_tick))

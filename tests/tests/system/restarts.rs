@@ -141,6 +141,42 @@ fn without_mapping_the_guard_brakes_for_the_scan() {
     assert!(planned_s <= back_s + 1.0, "no new path within a second");
 }
 
+/// What moved when mapping died is avoided while the map grows old, and until the successor has seen it
+/// move.
+#[test]
+fn what_moves_is_known_while_there_is_no_mapping() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let text = zeronav_tests::shipped("moving_discs");
+    let more = "[restart]\nabsent_ticks = 45\n\
+                [[faults]]\nkind = \"kill\"\nservice = \"mapping\"\nbegins = { at_s = 4.6 }\n";
+    std::fs::write(folder.path().join("it.toml"), format!("{text}\n{more}")).expect("written");
+    let arguments = [
+        "run",
+        "./it.toml",
+        "--lockstep",
+        "--headless",
+        "--json",
+        "--seed",
+        "1",
+    ];
+    let result = Zeronav::start_in(folder, &arguments).finish().expect(0);
+    assert_eq!(result["contacts"], 0, "{result:#}");
+    // A disc is near before, and until its successor follows it at 5.9 s.
+    let moments = result["reasons"].as_array().expect("moments");
+    let around: Vec<&Value> = (moments.iter())
+        .filter(|moment| {
+            let time_s = moment["time_s"].as_f64().expect("a time");
+            (4.4..6.0).contains(&time_s) && !moment["request"].is_null()
+        })
+        .map(|moment| &moment["request"])
+        .collect();
+    let age_ms = |request: &Value| request["ages_ms"][2].as_u64().expect("an age");
+    let oldest_ms = around.iter().map(|request| age_ms(request)).max();
+    assert!(oldest_ms > Some(600), "the map was {oldest_ms:?} ms old");
+    let unknown = around.iter().find(|it| it["obstacle"].is_null());
+    assert!(unknown.is_none(), "{unknown:?}");
+}
+
 /// The seat that is empty owes no answer, so that the time limit ends the run and not its silence.
 #[test]
 fn the_time_limit_ends_a_run_in_which_a_seat_is_empty() {

@@ -56,6 +56,7 @@ impl Bench {
                 scan_ns: Some(20 * MS),
                 odometry_ns: Some(MS),
                 map_ns: Some(40 * MS),
+                obstacles_ns: Some(40 * MS),
                 path_ns: Some(40 * MS),
             },
             tick: 0,

@@ -85,6 +85,7 @@ impl Drive for Whole {
                 scan_ns: young,
                 odometry_ns: young,
                 map_ns: young,
+                obstacles_ns: young,
                 path_ns: young,
             },
             stopping: false,
