@@ -22,7 +22,9 @@ use crate::leave;
 use crate::show::progress::ProgressLine;
 use drives::Drive;
 use soaked::Soaked;
+use std::collections::VecDeque;
 use std::io::ErrorKind;
+use std::ops::Range;
 use std::time::Instant;
 use verdict::{End, Totals};
 use zeronav_files::Folder;
@@ -68,6 +70,8 @@ struct Soak<'a> {
     setup: &'a Setup<'a>,
     temp: Folder,
     totals: Totals,
+    /// Drives in real time that wait until the others beside which they may not go are made.
+    waiting: VecDeque<(Drive, Case)>,
 }
 
 /// Drives, from the first number that the journal does not have yet.
@@ -91,30 +95,13 @@ pub(super) fn drive(
         setup,
         temp: inner(folder, "temp")?,
         totals: Totals::default(),
+        waiting: VecDeque::new(),
     };
     let mut line = ProgressLine::new("soak", plan.progress);
     let mut cases = Vec::new();
-    let mut numbers = plan.worlds.clone().unwrap_or(0..u32::MAX).peekable();
+    let mut numbers = plan.worlds.clone().unwrap_or(0..u32::MAX);
     let (end, ended) = loop {
-        let mut batch: Vec<(Drive, Case)> = Vec::new();
-        while let Some(number) = numbers.peek() {
-            let drive = Drive::of(*number);
-            let goes_alone = drive.is_real_time();
-            if batch.len() >= runner.jobs() || (goes_alone && !batch.is_empty()) {
-                break;
-            }
-            numbers.next();
-            let case = drive.case(setup, &soak.temp, false)?;
-            if let Some(row) = journal.row(&case) {
-                soak.note(row);
-                cases.push(case);
-                continue;
-            }
-            batch.push((drive, case));
-            if goes_alone {
-                break;
-            }
-        }
+        let batch = soak.next(&mut numbers, journal, &mut cases)?;
         if runner.is_interrupted() {
             break (End::Interrupted, Err(Stopped::Interrupted));
         } else if soak.totals.is_enough() {
@@ -143,6 +130,41 @@ pub(super) fn drive(
 }
 
 impl Soak<'_> {
+    /// The drives that are made next: one in real time alone, or as many others as go side by side. Those
+    /// that the journal has are noted, and go to `cases`.
+    fn next(
+        &mut self,
+        numbers: &mut Range<u32>,
+        journal: &Journal,
+        cases: &mut Vec<Case>,
+    ) -> Result<Vec<(Drive, Case)>, String> {
+        if let Some(alone) = self.waiting.pop_front() {
+            return Ok(vec![alone]);
+        }
+        let mut batch = Vec::new();
+        while batch.len() < self.runner.jobs()
+            && let Some(number) = numbers.next()
+        {
+            let drive = Drive::of(number);
+            let case = drive.case(self.setup, &self.temp, false)?;
+            if let Some(row) = journal.row(&case) {
+                self.note(row);
+                cases.push(case);
+            } else if !drive.is_real_time() {
+                batch.push((drive, case));
+            } else if batch.is_empty() {
+                return Ok(vec![(drive, case)]);
+            } else {
+                self.waiting.push_back((drive, case));
+            }
+        }
+        // The last ones.
+        if batch.is_empty() {
+            batch.extend(self.waiting.pop_front());
+        }
+        Ok(batch)
+    }
+
     /// Makes drives side by side, and those in doubt once more without faults.
     fn drive(&mut self, batch: &[(Drive, Case)], journal: &mut Journal) -> Result<(), Stopped> {
         let cases: Vec<&Case> = batch.iter().map(|(_, case)| case).collect();

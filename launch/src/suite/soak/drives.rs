@@ -24,19 +24,19 @@ pub(super) const REAL_TIME_EVERY: u32 = 4;
 pub(super) const SWAPS_EVERY: u32 = 5;
 
 /// When faults begin. [s]
-const FAULTS_S: [f64; 2] = [2.0, 32.0];
+const FAULTS_S: [f64; 2] = [2.0, 62.0];
 
 /// Kills and hangs of a drive: each seat loses its process every few seconds.
-const DEATHS: usize = 30;
+const DEATHS: usize = 60;
 
 /// Faults of other kinds of a drive.
-const DISTURBANCES: usize = 10;
+const DISTURBANCES: usize = 20;
 
 /// The kinds after which a seat has a successor.
 const DEADLY: [&str; 2] = ["kill", "stop"];
 
 /// Run time of a drive, several times what it takes without faults. [s]
-const TIME_LIMIT_S: f64 = 200.0;
+const TIME_LIMIT_S: f64 = 300.0;
 
 /// Swaps of a drive that has some begin within so long after these times: one is over before the next
 /// begins. [s]
@@ -47,7 +47,7 @@ const SWAPS_WITHIN_S: f64 = 10.0;
 const SHADOW_S: f64 = 1.0;
 
 /// Times through a generated world.
-const CROSSINGS: usize = 4;
+const CROSSINGS: usize = 6;
 
 /// Restarts are what is wanted: no budget ends a drive.
 const RESTARTS_MAX: i64 = 10_000;
