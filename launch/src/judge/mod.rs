@@ -64,6 +64,7 @@ pub(crate) fn judge(prepared: &Prepared, driven: &Driven, environment: Environme
         contacts_standing: truth.contacts_standing,
         clearance_m_min: seen.clearance_m_min,
         time_s,
+        first_goal_s: seconds(driven.goals_run_ns),
         driven_m: seen.driven_m(),
         mode: prepared.mode.to_string(),
         seed: prepared.seed,

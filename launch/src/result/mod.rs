@@ -52,6 +52,10 @@ pub struct RunResult {
     pub clearance_m_min: Option<f64>,
     /// Run time from the first goal to the end. [s]
     pub time_s: f64,
+    /// Run time of the first goal, from which `motion`, `touches` and `plans` count; 0 in lockstep, and left
+    /// out then. [s]
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub first_goal_s: f64,
     /// Distance driven. [m]
     pub driven_m: f64,
     /// `real_time` or `lockstep`.
@@ -147,6 +151,14 @@ pub struct RunResult {
     pub expectations: Vec<Expectation>,
     /// Folder with everything that the run left.
     pub directory: String,
+}
+
+#[allow(
+    clippy::trivially_copy_pass_by_ref,
+    reason = "as serde asks for a field"
+)]
+fn is_zero(time_s: &f64) -> bool {
+    *time_s == 0.0
 }
 
 impl RunResult {

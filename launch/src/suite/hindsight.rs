@@ -3,7 +3,7 @@
 use super::future::{Future, Mover};
 use super::oracle::robot::State;
 use super::oracle::{Surroundings, is_unavoidable};
-use crate::result::Touch;
+use crate::result::{RunResult, Touch};
 use nalgebra::Point2;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -47,10 +47,28 @@ impl Hindsight {
         Some(Self { future })
     }
 
+    /// The world and the robot.
+    pub(super) const fn future(&self) -> &Future {
+        &self.future
+    }
+
     /// The shortest of [`LEADS_S`] from which the contact could still have been avoided, at most
-    /// the time since what was touched appeared. `motion` has rows of time, x, y, yaw, speed and
-    /// yaw rate, as a run's result has them.
-    pub(super) fn avoidable_s(&self, contact: &Touch, motion: &[[f64; 6]]) -> Option<f64> {
+    /// the time since what was touched appeared.
+    pub(super) fn avoidable_s(&self, contact: &Touch, run: &RunResult) -> Option<f64> {
+        // Who is there from the start was there before.
+        let is_late = |mover: &&Mover| mover.name == contact.with && mover.appears_s > 0.0;
+        let late = self.future.movers.iter().find(is_late);
+        let contact_s = contact.time_s + run.first_goal_s;
+        let age_s = late.map_or(f64::INFINITY, |mover| contact_s - mover.appears_s);
+        let known_s = LEADS_S.map(|lead_s| lead_s.min(age_s.max(0.0)));
+        known_s.into_iter().find(|lead_s| {
+            state_at(run, contact_s - lead_s)
+                .is_none_or(|state| self.is_avoidable(&state, contact_s))
+        })
+    }
+
+    /// Whether the robot could have avoided the contact at a run time [s] from a state on.
+    pub(super) fn is_avoidable(&self, state: &State, contact_s: f64) -> bool {
         let Future {
             world,
             movers,
@@ -63,34 +81,40 @@ impl Hindsight {
             discs_at: &discs_at,
             fixed_m: &fixed_m,
         };
-        // Who is there from the start was there before.
-        let is_late = |mover: &&Mover| mover.name == contact.with && mover.appears_s > 0.0;
-        let late = movers.iter().find(is_late);
-        let age_s = late.map_or(f64::INFINITY, |mover| contact.time_s - mover.appears_s);
-        let known_s = LEADS_S.map(|lead_s| lead_s.min(age_s.max(0.0)));
-        known_s.into_iter().find(|lead_s| {
-            let until_s = contact.time_s - lead_s;
-            let before = motion.partition_point(|row| row[0] <= until_s);
-            let Some(row) = motion.get(before.saturating_sub(1)) else {
-                return true;
-            };
-            let [t_s, x, y, yaw_rad, v_mps, w_radps] = *row;
-            let state = State {
-                t_s,
-                at_m: [x, y],
-                yaw_rad,
-                v_mps,
-                w_radps,
-            };
-            !is_unavoidable(&state, contact.time_s, abilities, &around)
-        })
+        !is_unavoidable(state, contact_s, abilities, &around)
     }
+}
+
+/// The newest state of a run up to a run time, `None` before its first goal. [s] The rows of a result's
+/// motion count from that goal, the tracks of obstacles from the beginning of the run.
+pub(super) fn state_at(run: &RunResult, run_s: f64) -> Option<State> {
+    let until_s = run_s - run.first_goal_s;
+    let before = run.motion.partition_point(|row| row[0] <= until_s);
+    let [t_s, x, y, yaw_rad, v_mps, w_radps] = *run.motion.get(before.checked_sub(1)?)?;
+    Some(State {
+        t_s: t_s + run.first_goal_s,
+        at_m: [x, y],
+        yaw_rad,
+        v_mps,
+        w_radps,
+    })
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::future::walker;
     use super::*;
+
+    /// A real result with this motion, whose first goal came at a run time. [s]
+    fn run(motion: Vec<[f64; 6]>, first_goal_s: f64) -> RunResult {
+        let text = include_str!("../../tests/data/result_lockstep.json");
+        let result: RunResult = serde_json::from_str(text).unwrap();
+        RunResult {
+            motion,
+            first_goal_s,
+            ..result
+        }
+    }
 
     fn hindsight() -> Hindsight {
         let folder = walker("");
@@ -121,9 +145,10 @@ mod tests {
             with: with.to_owned(),
             pose: [0.0; 3],
         };
-        assert_eq!(hindsight.avoidable_s(&touch("walker"), &motion), None);
+        let run = run(motion, 0.0);
+        assert_eq!(hindsight.avoidable_s(&touch("walker"), &run), None);
         // Who had been there all the time could have been seen.
-        let other = hindsight.avoidable_s(&touch("another"), &motion);
+        let other = hindsight.avoidable_s(&touch("another"), &run);
         assert!(other.is_some(), "{other:?}");
     }
 
@@ -143,12 +168,38 @@ mod tests {
                 let t = 0.1 * f64::from(tenth);
                 [t, 5.0 - x - v * (4.0 - t), 2.0, 0.0, v, 0.0]
             };
-            hindsight.avoidable_s(&touch, &(0..=40).map(row).collect::<Vec<_>>())
+            hindsight.avoidable_s(&touch, &run((0..=40).map(row).collect(), 0.0))
         };
         // At a crawl it can stop in time; at 1 m/s half a second is not enough, a second is.
         assert_eq!(avoidable_s(0.54, 0.1), Some(0.5));
         assert_eq!(avoidable_s(0.1, 1.0), Some(1.0));
         // Without a motion nothing is proved.
-        assert_eq!(hindsight.avoidable_s(&touch, &[]), Some(LEADS_S[0]));
+        assert_eq!(
+            hindsight.avoidable_s(&touch, &run(Vec::new(), 0.0)),
+            Some(LEADS_S[0])
+        );
+    }
+
+    #[test]
+    fn who_moves_is_where_it_is_by_the_run_and_not_by_the_goal() {
+        let hindsight = hindsight();
+        // The goal came at 1.5 s; 2.5 s later the walker is at (5, 2), and the robot just west of him.
+        let touch = Touch {
+            time_s: 2.5,
+            moving: true,
+            v_mps: 1.0,
+            with: "walker".to_owned(),
+            pose: [0.0; 3],
+        };
+        let row = |tenth: u32| {
+            let t = 0.1 * f64::from(tenth);
+            [t, 4.9 - (2.5 - t), 2.0, 0.0, 1.0, 0.0]
+        };
+        let motion: Vec<[f64; 6]> = (0..=25).map(row).collect();
+        let late = hindsight.avoidable_s(&touch, &run(motion.clone(), 1.5));
+        assert_eq!(late, Some(1.0), "half a second before he cannot be missed");
+        // 1.5 s before he is elsewhere.
+        let wrong = hindsight.avoidable_s(&touch, &run(motion, 0.0));
+        assert_eq!(wrong, Some(0.5));
     }
 }

@@ -245,7 +245,7 @@ fn contacts(case: &Case, run: &RunResult) -> Vec<ContactRow> {
     let hindsight = known.then(|| Hindsight::of(&case.scenario)).flatten();
     let row = |touch: &Touch| {
         let avoidable = hindsight.as_ref();
-        let avoidable = avoidable.map(|hindsight| hindsight.avoidable_s(touch, &run.motion));
+        let avoidable = avoidable.map(|hindsight| hindsight.avoidable_s(touch, run));
         ContactRow {
             world: case.world.clone(),
             seed: case.seed,
