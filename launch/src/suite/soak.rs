@@ -7,6 +7,7 @@
 //! side by side; one in real time goes alone.
 
 mod drives;
+mod excuse;
 pub(super) mod left;
 pub(super) mod soaked;
 #[cfg(test)]

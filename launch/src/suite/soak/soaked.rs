@@ -1,7 +1,8 @@
 //! What came of one drive of a soak.
 
 use super::super::case::Case;
-use super::super::hindsight::ContactRow;
+use super::super::hindsight::{ContactRow, Hindsight};
+use super::excuse::excuse;
 use crate::result::RunResult;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -32,6 +33,10 @@ pub(crate) struct Soaked {
     pub outcome: Option<String>,
     /// Contacts of its own fault.
     pub contacts_own_fault: u64,
+    /// Contacts that an oracle could have avoided and that nothing the stack did brought about, one line
+    /// each that says why.
+    #[serde(default)]
+    pub excused: Vec<String>,
     /// Faults that were made, by kind.
     pub kinds: BTreeMap<String, u64>,
     /// The same by what broke: a seat or a topic.
@@ -59,14 +64,28 @@ impl Soaked {
         run: Option<&RunResult>,
         left: Vec<String>,
     ) -> Self {
-        let own = contacts.iter().filter(|contact| is_own_fault(contact));
+        let mut own: Vec<usize> = (0..contacts.len())
+            .filter(|at| is_own_fault(&contacts[*at]))
+            .collect();
+        let mut excused = Vec::new();
+        if let Some(run) = run.filter(|_| case.rule.future_is_known && !own.is_empty())
+            && let Some(hindsight) = Hindsight::of(&case.scenario)
+        {
+            own.retain(|at| {
+                let touch = run.touches.get(*at);
+                let why = touch.and_then(|touch| excuse(&hindsight, run, touch));
+                excused.extend(why.clone());
+                why.is_none()
+            });
+        }
         let mut soaked = Self {
             world: case.world.clone(),
             seed: case.seed,
             mode: case.class.clone().unwrap_or_default(),
             arrived,
             outcome: run.map(|run| run.outcome.clone()),
-            contacts_own_fault: own.count() as u64,
+            contacts_own_fault: own.len() as u64,
+            excused,
             left,
             ..Self::default()
         };

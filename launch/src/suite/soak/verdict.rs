@@ -85,6 +85,8 @@ pub(crate) struct Totals {
     pub swaps: BTreeMap<String, u64>,
     /// Contacts of own fault.
     pub contacts_own_fault: u64,
+    /// Contacts with what moves that an oracle could have avoided and that are of no own fault.
+    pub excused: u64,
     /// Drives that ended stuck, without a way or out of time, though not without faults.
     pub stuck: u64,
     /// Drives that did not reach their goals in another way: a stack that ended, a robot that stopped
@@ -135,6 +137,7 @@ impl Totals {
         self.unasked += drive.unasked.len() as u64;
         self.contacts_own_fault =
             (self.contacts_own_fault).saturating_add(drive.contacts_own_fault);
+        self.excused += drive.excused.len() as u64;
         self.left += drive.left.len() as u64;
         let ends = ["stuck", "unreachable", "timeout"];
         let is_stuck = (drive.outcome.as_deref()).is_some_and(|outcome| ends.contains(&outcome));
@@ -300,6 +303,8 @@ impl SoakReport {
             text,
         );
         self.write_lines("left over", |drive| &drive.left, text);
+        let title = "contacts of no own fault that an oracle could have avoided";
+        self.write_lines(title, |drive| &drive.excused, text);
     }
 
     /// Lines of the drives, each with the command that makes the drive again.
