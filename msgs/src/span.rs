@@ -156,6 +156,19 @@ mod tests {
     }
 
     #[test]
+    fn records_without_a_known_author_are_refused() {
+        let right = span(Role::Mapping, [0; STAGES_MAX]);
+        assert_eq!(right.check(), Ok(()));
+        for (wrong, refusal) in [
+            (Span { role: 99, ..right }, Refusal::Code("role")),
+            (Span { kind: 99, ..right }, Refusal::Code("kind")),
+            (Span { epoch: 0, ..right }, Refusal::Identity),
+        ] {
+            assert_eq!(wrong.check(), Err(refusal));
+        }
+    }
+
+    #[test]
     fn stages_beyond_the_message_are_refused() {
         let refused = Err(Refusal::OutOfRange("stages_ns"));
         assert_eq!(span(Role::Mapping, [40, 0, 60, 0]).check(), Ok(()));

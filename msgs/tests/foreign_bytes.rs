@@ -226,7 +226,10 @@ fn headers_of_strangers_are_refused() {
         }),
         Err(Refusal::Writer)
     );
-    assert_eq!(check(Header { id: 5, ..header }), Err(Refusal::Identity));
+    // Without an epoch, and without a count.
+    for id in [0, 5, 1 << 40] {
+        assert_eq!(check(Header { id, ..header }), Err(Refusal::Identity));
+    }
 }
 
 #[test]

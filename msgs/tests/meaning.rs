@@ -1,17 +1,19 @@
 //! What helpers of the contract say, against values worked out by hand.
 
 use std::f64::consts::FRAC_PI_2;
+use zeronav_msgs::command::{VelocityCommand, VelocityRequest};
 use zeronav_msgs::header::Id;
 use zeronav_msgs::health::reason_labels;
 use zeronav_msgs::map::{MapInfo, MapTile, clearance_mm, tiles_of};
+use zeronav_msgs::odometry::Odometry;
 use zeronav_msgs::path::{Path, PathCause, PathStatus, Waypoint};
 use zeronav_msgs::scan::Scan;
 use zeronav_msgs::seats::SEATS;
 use zeronav_msgs::stages::Stage;
 use zeronav_msgs::task::PoseEstimate;
 use zeronav_msgs::topics::{
-    Discipline, HEALTH, MapKeyframe, PlanPath, RobotCommand, RobotDescription, RobotScan, SPANS,
-    ScanEnvelope, Topic, TopicRow, decode, health_of, seal,
+    ControlRequest, Discipline, HEALTH, MapKeyframe, PlanPath, RobotCommand, RobotDescription,
+    RobotOdometry, RobotScan, SPANS, ScanEnvelope, Topic, TopicRow, decode, health_of, seal,
 };
 use zeronav_msgs::{Cell, GridGeometry, Header, MapCell, Pose, Refusal, Role};
 
@@ -275,4 +277,24 @@ fn a_sealed_message_is_rejected_once_it_was_changed() {
     other = sealed;
     other.header.tick = 1;
     assert_eq!(check(&other, 1.0), wrong);
+}
+
+/// A message of fixed fields alone is not accepted with an item behind them.
+#[test]
+fn topics_without_items_refuse_items() {
+    fn check<T: Topic<Item = u8>>(meta: T::Meta) {
+        let row = T::ROW;
+        let header = Header {
+            role: row.writers[0].code(),
+            schema: u32::try_from(row.schema & 0xffff_ffff).expect("32 bits"),
+            id: Id::new(1, 1).0,
+            ..Header::default()
+        };
+        let decoded = |items: &[u8]| decode::<T>(row, &seal::<T>(header, meta, items), items);
+        assert_eq!(decoded(&[]), Ok(()), "{}", row.name);
+        assert_eq!(decoded(&[0]), Err(Refusal::Length("items")), "{}", row.name);
+    }
+    check::<RobotOdometry>(Odometry::default());
+    check::<ControlRequest>(VelocityRequest::default());
+    check::<RobotCommand>(VelocityCommand::default());
 }
