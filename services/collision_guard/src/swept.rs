@@ -164,6 +164,25 @@ mod tests {
         }
     }
 
+    #[test]
+    fn the_box_leaves_out_what_is_beyond_any_of_its_sides() {
+        let swept = Swept {
+            low: Vector2::new(-1.0, -2.0),
+            high: Vector2::new(3.0, 4.0),
+        };
+        for (x, y, holds) in [
+            (0.0, 0.0, true),
+            (-1.0, -2.0, true),
+            (3.0, 4.0, true),
+            (-1.1, 0.0, false),
+            (3.1, 0.0, false),
+            (0.0, -2.1, false),
+            (0.0, 4.1, false),
+        ] {
+            assert_eq!(swept.holds(Vector2::new(x, y)), holds, "({x}, {y})");
+        }
+    }
+
     /// The corners of the box, worked out by hand. [m]
     #[test]
     fn the_box_is_as_large_as_its_bounds_say() {

@@ -157,6 +157,22 @@ mod tests {
         }
     }
 
+    /// A single bit of a single range is noise enough.
+    #[test]
+    fn scans_that_differ_in_one_bit_are_not_frozen() {
+        let ranges = [1.0_f32, 2.5, 0.1, f32::INFINITY];
+        for beam in 0..ranges.len() {
+            for bit in 0..32 {
+                let mut frozen = FrozenScan::default();
+                frozen.take(&ranges, &Pose::default());
+                let mut other = ranges;
+                other[beam] = f32::from_bits(ranges[beam].to_bits() ^ 1 << bit);
+                frozen.take(&other, &Pose::new(1.0, 0.0, 0.0));
+                assert!(!frozen.is_frozen(0.1, 0.2), "bit {bit} of beam {beam}");
+            }
+        }
+    }
+
     #[test]
     fn equal_scans_are_frozen_once_the_robot_has_turned() {
         let mut frozen = FrozenScan::default();
@@ -214,7 +230,7 @@ mod tests {
     #[test]
     fn only_a_twist_that_moves_contradicts_a_pose_that_stays() {
         for (v_mps, w_radps, stands) in [
-            (0.049, 0.099, false),
+            (0.05, 0.1, false),
             (0.051, 0.0, true),
             (-0.051, 0.0, true),
             (0.0, 0.101, true),
