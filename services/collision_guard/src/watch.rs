@@ -146,7 +146,7 @@ mod tests {
         let at = |x_m| Pose::new(x_m, 0.0, 0.0);
         for (x_m, ranges, expected) in [
             (0.0, [1.0, 2.0], false),
-            (0.08, [1.0, 2.0], false),
+            (0.1, [1.0, 2.0], false),
             (0.12, [1.0, 2.0], true),
             (0.14, [1.0, 2.1], false),
             (0.3, [f32::INFINITY; 2], false),
@@ -224,6 +224,24 @@ mod tests {
             (Pose::new(1.0, 2.0, 2.989), true),
         ] {
             assert_eq!(jumps(pose), jumped, "{pose:?}");
+        }
+    }
+
+    #[test]
+    fn the_slack_itself_is_no_jump() {
+        for (pose, jumped) in [
+            (Pose::new(0.03, 0.0, 0.0), false),
+            (Pose::new(0.031, 0.0, 0.0), true),
+            (Pose::new(0.0, 0.0, 0.05), false),
+            (Pose::new(0.0, 0.0, 0.051), true),
+        ] {
+            let mut sense = OdometrySense::default();
+            let standing = Odometry::default();
+            // Two messages of one moment.
+            sense.take(&standing, 20_000_000, (1.0, 2.0));
+            let moved = Odometry { pose, ..standing };
+            let found = sense.take(&moved, 20_000_000, (1.0, 2.0));
+            assert_eq!(found, jumped, "{pose:?}");
         }
     }
 

@@ -110,6 +110,49 @@ fn backing_up_at_full_speed_is_no_jump_of_odometry() {
     assert_eq!(bench.intervention(-0.5, false), Intervention::ScanStale);
 }
 
+/// A message that is no number does not hide the jump between those around it.
+#[test]
+fn a_jump_is_noticed_across_a_malformed_message() {
+    let mut bench = Bench::new(GuardConfig::default());
+    assert_eq!(bench.intervention(0.1, true), Intervention::None);
+    bench.odometry.v_mps = f64::NAN;
+    bench.odometry.pose.x_m = f64::NAN;
+    assert_eq!(bench.intervention(0.1, false), Intervention::OdometryStale);
+    bench.odometry = Odometry::default();
+    bench.odometry.pose.x_m = 1.0;
+    assert_eq!(bench.intervention(0.1, false), Intervention::ScanStale);
+}
+
+/// Where points of before the jump lie nobody knows: they do not stand in the way after it.
+#[test]
+fn what_was_seen_before_a_jump_is_forgotten() {
+    let mut bench = Bench::new(GuardConfig::default());
+    bench.ranges[0] = 0.8;
+    assert_eq!(bench.intervention(0.3, true), Intervention::None);
+    bench.ranges[0] = f32::INFINITY;
+    bench.odometry.pose.x_m += 0.5;
+    assert_eq!(bench.intervention(0.3, true), Intervention::None);
+}
+
+/// The command comes to rest in its time whatever the robot does.
+#[test]
+fn a_ramp_ends_in_time_though_the_robot_goes_on() {
+    let mut bench = Bench::new(GuardConfig::default());
+    bench.odometry.v_mps = 0.5;
+    bench.step(0.5, true);
+    bench.scan_tick = 0;
+    // 0.5 m/s at 1 m/s^2 are 25 ticks.
+    for n in 1..=26 {
+        bench.odometry.pose.x_m += 0.01;
+        bench.scan.range_m_max = f32::NAN;
+        let command = bench.step(0.5, false);
+        assert_eq!(command.intervention(), Some(Intervention::ScanStale));
+        let expected_mps = (0.5 - 0.02 * f64::from(n)).max(0.0);
+        let off_mps = (command.v_mps - expected_mps).abs();
+        assert!(off_mps < 1e-9, "tick {n}: {} m/s", command.v_mps);
+    }
+}
+
 #[test]
 fn the_scan_of_the_tick_in_which_odometry_jumped_counts() {
     let mut bench = Bench::new(GuardConfig::default());
@@ -190,4 +233,53 @@ fn a_request_is_slowed_no_more_than_needed() {
             slowed.v_mps
         );
     }
+}
+
+/// A robot with a wide slow zone that drives at this speed, and what it sees ahead and on its left.
+fn passing(v_mps: f64, [ahead_m, left_m]: [f32; 2]) -> VelocityCommand {
+    let mut bench = Bench::new(GuardConfig {
+        reaction_s: 0.1,
+        slow_zone_m: 0.1,
+        ..GuardConfig::default()
+    });
+    bench.odometry.v_mps = v_mps;
+    (bench.ranges[0], bench.ranges[1]) = (ahead_m, left_m);
+    bench.step(v_mps, true)
+}
+
+/// Near obstacles it brakes, over the 60 ms by which a command may be ahead of it.
+#[test]
+fn in_the_slow_zone_the_speed_falls_as_the_brakes_allow() {
+    let command = passing(1.0, [f32::INFINITY, 0.3]);
+    assert_eq!(command.intervention(), Some(Intervention::Slowed));
+    assert!((command.v_mps - 0.94).abs() < 1e-9, "{command:?}");
+}
+
+/// At 0.6 m/s it stops within 0.24 m: what is 0.37 m ahead has no part in that.
+#[test]
+fn what_lies_beyond_the_way_is_not_named() {
+    let command = passing(0.6, [0.62, 0.3]);
+    assert_eq!(command.intervention(), Some(Intervention::Slowed));
+    assert_eq!(command.beam, 2, "{command:?}");
+}
+
+/// What is nearest at first, on the left, is passed; what is ahead comes nearer.
+#[test]
+fn what_comes_nearest_on_the_way_is_named() {
+    let command = passing(0.6, [0.58, 0.4]);
+    assert_eq!(command.intervention(), Some(Intervention::Slowed));
+    assert_eq!(command.beam, 1, "{command:?}");
+    assert!((command.point_clearance_m - 0.09).abs() < 0.02);
+}
+
+/// A robot that something stands nearer to than the margin may come as near to something else.
+#[test]
+fn inside_the_margin_nothing_comes_nearer_than_the_nearest() {
+    let creeps = |ahead_m: f32| {
+        let mut bench = Bench::new(GuardConfig::default());
+        (bench.ranges[0], bench.ranges[1]) = (ahead_m, 0.252);
+        bench.intervention(0.02, true)
+    };
+    assert_eq!(creeps(0.259), Intervention::None);
+    assert_ne!(creeps(0.2525), Intervention::None);
 }

@@ -121,6 +121,11 @@ fn an_input_is_good_until_its_age() {
     }
 }
 
+#[test]
+fn a_request_of_exactly_its_age_is_good() {
+    assert_eq!(with(|it| it.ages_ms[0] = 100), Intervention::None);
+}
+
 /// The first beam may be 0.02 rad off, and so may the last.
 #[test]
 fn a_scan_has_the_geometry_of_the_description() {
