@@ -1,12 +1,13 @@
 //! Map files of the ROS `map_server`: a YAML file that names an image.
 //!
 //! Pixels mean what Nav2's `map_server` makes of them, read the way its costmap reads the result:
-//! in `trinary` mode (the default) an occupancy above `occupied_thresh` is occupied, below
-//! `free_thresh` free, between them unknown; in `scale` mode what lies between is known and
-//! passable, and transparent pixels are unknown; in `raw` mode a pixel is an occupancy in percent
-//! (the thresholds sort it as in `trinary`), and pixels above 100 are unknown. The first row of
-//! the image has the largest y. The origin is the lower left corner of the lower left pixel; a
-//! turned map is laid onto an upright grid.
+//! in `trinary` mode (the default) an occupancy of `occupied_thresh` or more is occupied, of
+//! `free_thresh` or less free, between them unknown; in `scale` mode what lies between is known and
+//! passable, unless it rounds to 100 percent of the way. In both a pixel that is not opaque is
+//! unknown, whatever its colour. In `raw` mode a pixel is an occupancy in percent (the thresholds
+//! sort it as in `trinary`, `negate` and opacity do not count), and pixels above 100 are unknown. The
+//! first row of the image has the largest y. The origin is the lower left corner of the lower left
+//! pixel; a turned map is laid onto an upright grid.
 
 use crate::map_file_error::MapFileError;
 use crate::map_image;
@@ -25,6 +26,10 @@ const PIXEL_UNKNOWN: u8 = 205;
 const PIXEL_OCCUPIED: u8 = 0;
 /// Pixel for free cells.
 const PIXEL_FREE: u8 = 254;
+
+/// Part of the way between the thresholds that `scale` rounds to 100 percent, which a costmap takes for
+/// an obstacle.
+const SCALE_LETHAL: f64 = 0.995;
 
 /// Largest YAML file. [bytes]
 const YAML_BYTES_MAX: u64 = 65_536;
@@ -45,6 +50,19 @@ pub enum MapWarning {
         free_thresh: f64,
         /// How many pixels it concerns.
         n_pixels: usize,
+    },
+    /// The map is turned by more than a full turn: its yaw was probably meant in degrees.
+    #[error(
+        "{}: the yaw of origin is in radians, and {yaw_rad} is more than a full turn: if degrees are \
+         meant, write {:.6}",
+        file.display(),
+        yaw_rad.to_radians()
+    )]
+    YawInDegrees {
+        /// The YAML file.
+        file: PathBuf,
+        /// Its yaw. [rad]
+        yaw_rad: f64,
     },
 }
 
@@ -113,17 +131,26 @@ pub fn load(file: &Path) -> Result<LoadedMap, MapFileError> {
             field: "origin",
             why: format!("turned, the map has more than {SIDE_CELLS_MAX} cells along a side"),
         })?;
-    let n_unknown_free = unknown_that_loads_as_free(&yaml, &pixels);
-    let warnings = (n_unknown_free > 0).then(|| MapWarning::UnknownLoadsAsFree {
-        file: file.to_path_buf(),
-        free_thresh: yaml.free_thresh,
-        n_pixels: n_unknown_free,
-    });
     let cells = cells_of(&yaml, &pixels);
     Ok(LoadedMap {
         map: upright(geometry, &corner, size, cells),
-        warnings: warnings.into_iter().collect(),
+        warnings: warnings(file, &yaml, &pixels),
     })
+}
+
+fn warnings(file: &Path, yaml: &MapYaml, pixels: &Pixels) -> Vec<MapWarning> {
+    let n_pixels = unknown_that_loads_as_free(yaml, pixels);
+    let frees = (n_pixels > 0).then(|| MapWarning::UnknownLoadsAsFree {
+        file: file.to_path_buf(),
+        free_thresh: yaml.free_thresh,
+        n_pixels,
+    });
+    let yaw_rad = yaml.origin[2];
+    let turns = (yaw_rad.abs() > core::f64::consts::TAU).then(|| MapWarning::YawInDegrees {
+        file: file.to_path_buf(),
+        yaw_rad,
+    });
+    frees.into_iter().chain(turns).collect()
 }
 
 /// Writes `NAME.yaml` and `NAME.pgm` into the existing folder `dir`; [`load`] reads the same map
@@ -258,7 +285,7 @@ fn cells_of(yaml: &MapYaml, pixels: &Pixels) -> Vec<Occupancy> {
     let mut cells = Vec::with_capacity(pixels.grey.len());
     for row in (0..pixels.height as usize).rev() {
         for index in row * width..(row + 1) * width {
-            let transparent = yaml.mode == Mode::Scale && pixels.alpha_at(index) < u8::MAX;
+            let transparent = yaml.mode != Mode::Raw && pixels.alpha_at(index) < u8::MAX;
             cells.push(if transparent {
                 Occupancy::Unknown
             } else {
@@ -276,12 +303,18 @@ fn occupancy_of(yaml: &MapYaml, pixel: u8) -> Occupancy {
         Mode::Raw if pixel > 100 => return Occupancy::Unknown,
         Mode::Raw => f64::from(pixel) / 100.0,
     };
-    if ratio > yaml.occupied_thresh {
-        Occupancy::Occupied
-    } else if ratio < yaml.free_thresh || yaml.mode == Mode::Scale {
+    let (least, most) = (yaml.free_thresh, yaml.occupied_thresh);
+    if ratio <= least {
+        // At both, when they are the same, it is free.
         Occupancy::Free
-    } else {
+    } else if ratio >= most {
+        Occupancy::Occupied
+    } else if yaml.mode != Mode::Scale {
         Occupancy::Unknown
+    } else if (ratio - least) / (most - least) >= SCALE_LETHAL {
+        Occupancy::Occupied
+    } else {
+        Occupancy::Free
     }
 }
 

@@ -37,7 +37,12 @@ fn png(bytes: &[u8]) -> Result<Pixels, String> {
     decoder.set_ignore_text_chunk(true);
     decoder.set_ignore_iccp_chunk(true);
     decoder.set_transformations(png::Transformations::EXPAND);
-    let broken = |error: png::DecodingError| error.to_string();
+    let broken = |error: png::DecodingError| match error {
+        png::DecodingError::IoError(error) if error.kind() == io::ErrorKind::UnexpectedEof => {
+            "the file is truncated".to_owned()
+        }
+        error => error.to_string(),
+    };
     let (width, height) = {
         let header = decoder.read_header_info().map_err(broken)?;
         (header.width, header.height)
@@ -200,6 +205,16 @@ mod tests {
             bytes.extend(chunk(*name, &data));
             bytes.extend(&plain[33..]);
             assert_eq!(png(&bytes).unwrap().grey, [7, 9]);
+        }
+    }
+
+    #[test]
+    fn an_image_that_ends_before_its_pixels_is_called_truncated() {
+        let whole = encoded(png::ColorType::Grayscale, png::BitDepth::Eight, &[7, 9]);
+        // In its header, before and in the chunk of its pixels.
+        for n_bytes in [20, 33, 45] {
+            let why = png(&whole[..n_bytes]).unwrap_err();
+            assert!(why.contains("truncated"), "{n_bytes}: {why}");
         }
     }
 

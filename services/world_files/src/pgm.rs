@@ -5,6 +5,9 @@ use crate::pixels::{Pixels, check_size, narrow};
 /// Largest value that a sample may have.
 const WHITE_MAX: u32 = 65_535;
 
+/// What is wrong with an image that ends before its last pixel.
+const TRUNCATED: &str = "the file is truncated";
+
 /// What is left to be read.
 struct Rest<'a>(&'a [u8]);
 
@@ -36,13 +39,13 @@ impl Rest<'_> {
                     }
                     value = Some(more);
                 }
-                None => return value.ok_or_else(|| "it ends too early".to_owned()),
+                None => return value.ok_or_else(|| TRUNCATED.to_owned()),
                 Some(space) if is_space(space) && value.is_some() => break,
                 Some(_) => return Err("something that is no number".to_owned()),
             }
             digit = self.byte();
         }
-        value.ok_or_else(|| "it ends too early".to_owned())
+        value.ok_or_else(|| TRUNCATED.to_owned())
     }
 }
 
@@ -78,7 +81,10 @@ pub(crate) fn decode(bytes: &[u8]) -> Result<Pixels, String> {
     let grey = if is_text {
         let mut grey = Vec::with_capacity(n.min(bytes.len()));
         for _ in 0..n {
-            let value = rest.number().map_err(|why| format!("its pixels: {why}"))?;
+            let value = rest.number().map_err(|why| {
+                let n_read = grey.len();
+                format!("its pixels: {why}, {n_read} of {n} pixels are there")
+            })?;
             grey.push(shade(value, white));
         }
         grey
@@ -86,7 +92,7 @@ pub(crate) fn decode(bytes: &[u8]) -> Result<Pixels, String> {
         let width_bytes = if white > 255 { 2 } else { 1 };
         let short = || {
             format!(
-                "{} bytes of pixels in place of {}",
+                "its pixels: {TRUNCATED}, {} of {} bytes are there",
                 rest.0.len(),
                 n * width_bytes
             )
@@ -147,12 +153,13 @@ mod tests {
         for (image, word) in [
             (&b"P5"[..], "header"),
             (b"P5x", "header"),
-            (b"P5 2", "height"),
+            (b"P5 2", "height: the file is truncated"),
             (b"P5 2 2 0\n", "largest value is 0"),
             (b"P5 99999 2 255\n", "width"),
             (b"P5 9000 2 255\n", "9000 x 2"),
-            (b"P5 2 2 255\n123", "3 bytes"),
-            (b"P2 2 2 255 1 2 3", "ends too early"),
+            (b"P5 2 2 255\n123", "truncated, 3 of 4 bytes"),
+            (b"P5 2 2 65535\n1234567", "truncated, 7 of 8 bytes"),
+            (b"P2 2 2 255 1 2 3", "truncated, 3 of 4 pixels"),
             (b"P2 2 2 255 1 2 3 -4", "no number"),
         ] {
             let why = decode(image).unwrap_err();

@@ -96,21 +96,65 @@ fn png_of(colours: png::ColorType, samples: &[u8]) -> Vec<u8> {
     bytes
 }
 
+/// Only what is opaque is known; `raw` does not ask.
 #[test]
-fn scale_knows_everything_but_transparent_pixels() {
+fn pixels_that_are_not_opaque_are_unknown_whatever_their_colour() {
     let folder = Folder::new();
     let pixels = [
         0, 255, /* transparent */ 255, 0, /* between */ 128, 255,
     ];
     folder.write("m.png", &png_of(png::ColorType::GrayscaleAlpha, &pixels));
-    let map = load(&folder.yaml(&yaml("m.png", "mode: scale\n")))
-        .unwrap()
-        .map;
-    assert_eq!(map.cells, [Occupied, Unknown, Free]);
-    let map = load(&folder.yaml(&yaml("m.png", "mode: trinary\n")))
-        .unwrap()
-        .map;
-    assert_eq!(map.cells, [Occupied, Free, Unknown]);
+    let veiled = [0, 254, 255, 254, 100, 0];
+    folder.write("v.png", &png_of(png::ColorType::GrayscaleAlpha, &veiled));
+    let colours = [0, 0, 0, 255, 255, 255, 255, 128, 0, 0, 0, 0];
+    folder.write("c.png", &png_of(png::ColorType::Rgba, &colours));
+    for (image, mode, expected) in [
+        ("m.png", "scale", [Occupied, Unknown, Free]),
+        ("m.png", "trinary", [Occupied, Unknown, Unknown]),
+        ("v.png", "scale", [Unknown; 3]),
+        ("v.png", "trinary", [Unknown; 3]),
+        ("v.png", "raw", [Free, Unknown, Occupied]),
+        ("c.png", "trinary", [Occupied, Unknown, Unknown]),
+    ] {
+        let text = yaml(image, &format!("mode: {mode}\n"));
+        let map = load(&folder.yaml(&text)).unwrap().map;
+        assert_eq!(map.cells, expected, "{image} {mode}");
+    }
+}
+
+/// Pixels and what `map_server` makes of them as a costmap reads it: thresholds count themselves, in
+/// every mode, also where a pixel is at both.
+#[test]
+fn pixels_mean_what_they_mean_to_a_map_server() {
+    let folder = Folder::new();
+    // Occupancies of 1, 0.6, 0.2 and 0 as fractions of 255, and those beside them.
+    folder.write("m.pgm", b"P5\n8 1\n255\n\x00\x01\x65\x66\x67\xcb\xcc\xff");
+    // 0, 19, 20, 60, 99, 100 percent, and two beyond.
+    folder.write("raw.pgm", b"P5\n8 1\n255\n\x00\x13\x14\x3c\x63\x64\x65\xff");
+    let (f, u, o) = (Free, Unknown, Occupied);
+    for (image, mode, negate, [occupied, free], expected) in [
+        ("m", "trinary", 0, [0.6, 0.2], [o, o, o, o, u, u, f, f]),
+        ("m", "trinary", 0, [1.0, 0.0], [o, u, u, u, u, u, u, f]),
+        ("m", "trinary", 0, [0.6, 0.6], [o, o, o, f, f, f, f, f]),
+        ("m", "trinary", 0, [0.0, 0.0], [o, o, o, o, o, o, o, f]),
+        ("m", "trinary", 1, [0.8, 0.4], [f, f, f, f, u, u, o, o]),
+        ("m", "trinary", 1, [1.0, 0.0], [f, u, u, u, u, u, u, o]),
+        ("m", "scale", 0, [0.6, 0.2], [o, o, o, o, f, f, f, f]),
+        // 254 of 255 rounds to 100 percent.
+        ("m", "scale", 0, [1.0, 0.0], [o, o, f, f, f, f, f, f]),
+        ("m", "scale", 1, [0.8, 0.4], [f, f, f, f, f, o, o, o]),
+        ("m", "scale", 0, [0.6, 0.6], [o, o, o, f, f, f, f, f]),
+        ("raw", "raw", 0, [0.6, 0.2], [f, f, f, o, o, o, u, u]),
+        ("raw", "raw", 0, [1.0, 0.0], [f, u, u, u, u, o, u, u]),
+        ("raw", "raw", 1, [1.0, 0.0], [f, u, u, u, u, o, u, u]),
+    ] {
+        let text = format!(
+            "image: {image}.pgm\nresolution: 0.05\norigin: [0, 0, 0]\nnegate: {negate}\n\
+             occupied_thresh: {occupied}\nfree_thresh: {free}\nmode: {mode}\n"
+        );
+        let map = load(&folder.yaml(&text)).unwrap().map;
+        assert_eq!(map.cells, expected, "{text}");
+    }
 }
 
 #[test]
@@ -162,13 +206,22 @@ fn a_threshold_that_frees_the_unknown_is_reported() {
 }
 
 #[test]
-fn an_occupancy_at_a_threshold_is_unknown() {
+fn a_yaw_of_more_than_a_turn_is_reported_as_degrees() {
     let folder = Folder::new();
-    // 204 is an occupancy of exactly 0.2, as a fraction and as a number of the file.
-    folder.write("m.pgm", b"P5\n3 1\n255\n\xcb\xcc\xcd");
-    let text = yaml("m.pgm", "").replace("0.65", "0.2");
-    let low = load(&folder.yaml(&text.replace("0.196", "0.2"))).unwrap();
-    assert_eq!(low.map.cells, [Occupied, Unknown, Free]);
+    folder.write("m.pgm", P5);
+    let warnings = |yaw: &str| {
+        let text = yaml("m.pgm", "").replace("[-1.0, 2, 0]", &format!("[-1.0, 2, {yaw}]"));
+        load(&folder.yaml(&text)).unwrap().warnings
+    };
+    for (degrees, radians) in [("90", "1.570796"), ("-180.0", "-3.141593")] {
+        let words: Vec<String> = warnings(degrees).iter().map(ToString::to_string).collect();
+        assert_eq!(words.len(), 1, "{words:?}");
+        for part in ["map.yaml", "origin", "degrees", radians] {
+            assert!(words[0].contains(part), "{words:?} without {part}");
+        }
+    }
+    assert!(warnings("-3.2").is_empty());
+    assert!(warnings("6.2").is_empty());
 }
 
 #[test]
@@ -280,7 +333,10 @@ fn errors_name_the_file_and_what_is_wrong() {
         &with("m.pgm", "absent.pgm"),
         &["absent.pgm", "No such file"],
     );
-    refused(&with("m.pgm", "broken.pgm"), &["broken.pgm"]);
+    refused(
+        &with("m.pgm", "broken.pgm"),
+        &["broken.pgm", "truncated", "1 of 6 bytes"],
+    );
     refused(&with("m.pgm", "letter.pgm"), &["letter.pgm"]);
     refused(&with("m.pgm", "mud.pgm"), &["mud.pgm.gz"]);
     refused(
