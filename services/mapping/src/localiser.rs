@@ -2,9 +2,11 @@
 
 use crate::pose_error::{swing, turned};
 use crate::scan_match::Surfaces;
-use crate::scan_odometry::ScanOdometry;
+use crate::scan_odometry::{Moved, ScanOdometry};
+use crate::slip::Ends;
 use nalgebra::{Matrix3, Point2, Vector3};
 use zeronav_msgs::Pose;
+use zeronav_msgs::map::{POSE_SIGMA_M_MAX, POSE_SIGMA_RAD_MAX};
 use zeronav_msgs::pose::wrap_angle;
 use zeronav_params::{choices, parameters};
 
@@ -46,6 +48,30 @@ const CEILING: (f64, f64) = (0.5, 0.2);
 /// the configuration's: with a gyro it knows the yaw better than scans do among those who walk.
 const CLAIM: f64 = 2.0;
 
+/// Motion of which nothing is known from which on the pose is uncertain. [m, rad]
+const UNKNOWN: (f64, f64) = (0.1, 0.15);
+
+/// Standard deviations of an uncertain pose beyond the motion of which nothing is known, as shares of
+/// those from which on readers must not rely on it.
+const UNCERTAIN: f64 = 1.01;
+
+/// How far beyond the motion of which nothing is known the scan is looked for on the map. [m, rad]
+const BEYOND: (f64, f64) = (0.3, 0.2);
+
+/// Share of the fastest motion, and the slack, beyond which a step of odometry is no motion. [m, rad]
+const JUMP: (f64, f64, f64) = (1.5, 0.05, 0.1);
+
+/// Odometry at a scan.
+#[derive(Debug, Clone, Copy)]
+pub struct OdometryAt {
+    /// `odom_from_base` at the last beam.
+    pub odom_from_base: Pose,
+    /// Variance of the yaw that it claims since it began. [rad^2]
+    pub claimed_yaw: f64,
+    /// Run time of the last beam. [s]
+    pub run_s: f64,
+}
+
 /// Keeps `map_from_odom` right.
 #[derive(Debug)]
 pub struct Localiser {
@@ -64,13 +90,19 @@ pub struct Localiser {
     claimed_yaw: [f64; 2],
     assumed_yaw: f64,
     scans: ScanOdometry,
+    /// Run time of the last scan. [s]
+    last_s: f64,
+    /// Fastest motion. [m/s, rad/s] 0 = not known.
+    fastest: (f64, f64),
+    /// Motion of which nothing is known since the scan lay on the map. [m, rad]
+    unknown: (f64, f64),
     active: bool,
 }
 
 impl Localiser {
-    /// `odom` is `map`.
+    /// `odom` is `map`, for a robot that drives and turns as fast as this [m/s, rad/s]; 0 = not known.
     #[must_use]
-    pub fn new(config: &CorrectionConfig) -> Self {
+    pub fn new(config: &CorrectionConfig, fastest: (f64, f64)) -> Self {
         Self {
             config: *config,
             map_from_odom: Pose::default(),
@@ -82,6 +114,9 @@ impl Localiser {
             claimed_yaw: [0.0; 2],
             assumed_yaw: 0.0,
             scans: ScanOdometry::default(),
+            last_s: 0.0,
+            fastest,
+            unknown: (0.0, 0.0),
             active: false,
         }
     }
@@ -92,6 +127,11 @@ impl Localiser {
         let [xx, xy, xw, yy, yw, ww] = covariance;
         self.map_from_odom = map_from_odom;
         self.covariance = Matrix3::new(xx, xy, xw, xy, yy, yw, xw, yw, ww);
+        self.unknown = (0.0, 0.0);
+        if xx.max(yy) > CEILING.0.powi(2) || ww > CEILING.1.powi(2) {
+            self.unknown = (xx.max(yy).sqrt(), ww.sqrt());
+            self.limit();
+        }
     }
 
     /// True when the pose is corrected, given the variances that odometry states of itself.
@@ -122,10 +162,24 @@ impl Localiser {
         }
     }
 
-    /// Covariance of the robot's pose in the map, upper triangle by rows. [m, m, rad]
+    /// True while the robot does not know where it is: the scans have contradicted odometry, told no
+    /// motion, and did not lie on the map since.
+    #[must_use]
+    pub fn is_uncertain(&self) -> bool {
+        self.unknown.0 > UNKNOWN.0 || self.unknown.1 > UNKNOWN.1
+    }
+
+    /// Covariance of the robot's pose in the map, upper triangle by rows. [m, m, rad] As long as it is
+    /// uncertain its deviations are above those from which on nobody may rely on it.
     #[must_use]
     pub fn covariance(&self) -> [f64; 6] {
-        let c = &self.covariance;
+        let mut c = self.covariance;
+        if self.is_uncertain() {
+            let place_m = self.unknown.0 + UNCERTAIN * POSE_SIGMA_M_MAX;
+            let yaw_rad = self.unknown.1 + UNCERTAIN * POSE_SIGMA_RAD_MAX;
+            let most = Vector3::new(place_m, place_m, yaw_rad);
+            c += Matrix3::from_diagonal(&most.component_mul(&most));
+        }
         [
             c[(0, 0)],
             c[(0, 1)],
@@ -156,53 +210,36 @@ impl Localiser {
             let (place, yaw) = (CEILING.0.powi(2), CEILING.1.powi(2));
             self.covariance = Matrix3::from_diagonal(&Vector3::new(place, place, yaw));
         }
+        self.unknown = (0.0, 0.0);
     }
 
-    /// Takes in where odometry says the robot is, with the variance of the yaw [rad^2] that it claims
-    /// since it began, and where beams ended, in `base` [m]: on static obstacles, and of these on what is
-    /// on the map.
-    pub fn correct(
+    /// Takes in where odometry says the robot is, and where beams ended on static obstacles. The motion
+    /// since the last scan, as the scans and odometry tell it.
+    pub(crate) fn predict(
         &mut self,
-        (odom_from_base, claimed_yaw): (&Pose, f64),
-        standing: &[Point2<f64>],
-        known: &[Point2<f64>],
-        surfaces: &Surfaces,
+        odometry: &OdometryAt,
+        standing: &Ends<'_>,
         something_moves: bool,
-    ) {
-        self.claimed_yaw[1] = claimed_yaw;
-        let mut pose = self.predict(odom_from_base, standing, something_moves);
-        if let Some(matched) = surfaces.lay(known, &pose, &self.covariance) {
-            self.covariance = matched.covariance;
-            self.limit();
-            pose = matched.pose;
-        }
-        self.yaw_doubt += self.step_yaw.min(self.covariance[(2, 2)]);
-        self.map_from_base = pose;
-        let base_from_odom = odom_from_base.isometry().inverse();
-        self.map_from_odom = Pose::from(pose.isometry() * base_from_odom);
-    }
-
-    /// Where odometry and the scans say the robot is now, with what that is worth.
-    fn predict(
-        &mut self,
-        odom_from_base: &Pose,
-        standing: &[Point2<f64>],
-        something_moves: bool,
-    ) -> Pose {
+    ) -> Option<Moved> {
+        let odom_from_base = &odometry.odom_from_base;
+        self.claimed_yaw[1] = odometry.claimed_yaw;
+        let elapsed_s = odometry.run_s - core::mem::replace(&mut self.last_s, odometry.run_s);
         let Some(last) = self.last_odom_from_base.replace(*odom_from_base) else {
             self.map_from_base = self.map_from_base(odom_from_base);
             self.claimed_yaw[0] = self.claimed_yaw[1];
-            self.scans.begin(odom_from_base, standing);
-            return self.map_from_base;
+            self.scans.begin(odom_from_base, standing.at);
+            self.step_yaw = 0.0;
+            return None;
         };
-        let length_m = last.distance_m(odom_from_base);
-        let turn_rad = wrap_angle(odom_from_base.yaw_rad - last.yaw_rad).abs();
-        let config = &self.config;
-        let place = config.noise_m_per_sqrt_m.powi(2) * length_m;
-        let yaw = config.noise_rad_per_sqrt_rad.powi(2) * turn_rad
-            + config.noise_rad_per_sqrt_m.powi(2) * length_m;
-        let yaw = yaw * self.yaw_trust(yaw);
-        let noise = Matrix3::from_diagonal(&Vector3::new(place, place, yaw));
+        let jumped = self.is_jump(&last, odom_from_base, elapsed_s);
+        let noise = if jumped {
+            self.scans.jumped(odom_from_base);
+            let (v_mps, w_radps) = self.fastest;
+            let (place_m, yaw_rad) = (v_mps * elapsed_s, w_radps * elapsed_s);
+            Matrix3::from_diagonal(&Vector3::new(place_m, place_m, yaw_rad).map(|s| s * s))
+        } else {
+            self.noise(&last, odom_from_base)
+        };
         let moved = self
             .scans
             .follow(odom_from_base, &noise, standing, something_moves);
@@ -210,11 +247,77 @@ impl Localiser {
         let came = predicted.point() - self.map_from_base.point();
         let step = swing(&came);
         let left = turned(predicted.yaw_rad) * moved.left;
-        let added = left * noise * left.transpose();
+        let added = left * moved.noise * left.transpose();
         self.step_yaw = added[(2, 2)];
         self.covariance = step * self.covariance * step.transpose() + added;
         self.limit();
-        predicted
+        if let Some((place_m, yaw_rad)) = moved.unknown() {
+            self.unknown.0 += place_m;
+            self.unknown.1 += yaw_rad;
+        }
+        self.map_from_base = predicted;
+        Some(moved)
+    }
+
+    /// Lays the scan on the map, after [`Self::predict`]: where beams ended, in `base` [m], on static
+    /// obstacles, and of these on what is on the map. `is_mapped` says of a point of the map whether
+    /// anything is known there.
+    pub(crate) fn lay(
+        &mut self,
+        standing: &[Point2<f64>],
+        known: &[Point2<f64>],
+        surfaces: &Surfaces,
+        is_mapped: impl Fn(Point2<f64>) -> bool,
+    ) {
+        let odom_from_base = self.last_odom_from_base.unwrap_or_default();
+        let mut pose = self.map_from_base;
+        let is_sure = self.unknown == (0.0, 0.0);
+        let reach = (self.unknown.0 + BEYOND.0, self.unknown.1 + BEYOND.1);
+        let matched = if is_sure {
+            surfaces.lay(known, &pose, &self.covariance)
+        } else {
+            surfaces.find(standing, &pose, reach, is_mapped)
+        };
+        if let Some(matched) = matched {
+            self.covariance = matched.covariance;
+            self.limit();
+            pose = matched.pose;
+            self.unknown = (0.0, 0.0);
+        }
+        self.yaw_doubt += self.step_yaw.min(self.covariance[(2, 2)]);
+        self.map_from_base = pose;
+        let base_from_odom = odom_from_base.isometry().inverse();
+        self.map_from_odom = Pose::from(pose.isometry() * base_from_odom);
+    }
+
+    /// `map_from_base` at the last scan.
+    #[must_use]
+    pub fn pose(&self) -> Pose {
+        self.map_from_base
+    }
+
+    /// What a step of odometry may be off by.
+    fn noise(&mut self, last: &Pose, odom_from_base: &Pose) -> Matrix3<f64> {
+        let length_m = last.distance_m(odom_from_base);
+        let turn_rad = wrap_angle(odom_from_base.yaw_rad - last.yaw_rad).abs();
+        let config = &self.config;
+        let place = config.noise_m_per_sqrt_m.powi(2) * length_m;
+        let yaw = config.noise_rad_per_sqrt_rad.powi(2) * turn_rad
+            + config.noise_rad_per_sqrt_m.powi(2) * length_m;
+        let yaw = yaw * self.yaw_trust(yaw);
+        Matrix3::from_diagonal(&Vector3::new(place, place, yaw))
+    }
+
+    /// True when odometry has moved by more than the robot can.
+    fn is_jump(&self, last: &Pose, now: &Pose, elapsed_s: f64) -> bool {
+        let (v_mps, w_radps) = self.fastest;
+        let (share, slack_m, slack_rad) = JUMP;
+        let turned_rad = wrap_angle(now.yaw_rad - last.yaw_rad).abs();
+        v_mps > 0.0
+            && w_radps > 0.0
+            && elapsed_s > 0.0
+            && (last.distance_m(now) > share * v_mps * elapsed_s + slack_m
+                || turned_rad > share * w_radps * elapsed_s + slack_rad)
     }
 
     /// Share, 0 to 1, that is left of the variance `yaw` [rad^2] of a step by what odometry claims.

@@ -284,15 +284,26 @@ impl Mapper {
         self.n_virtual
     }
 
-    /// What scans can be laid on; made at the first call and kept up from then on.
-    pub fn surfaces(&mut self) -> &Surfaces {
-        self.make_surfaces()
+    /// What scans can be laid on, once it was made.
+    #[must_use]
+    pub fn surfaces(&self) -> Option<&Surfaces> {
+        self.surfaces.as_ref()
     }
 
-    fn make_surfaces(&mut self) -> &Surfaces {
+    /// Makes what scans can be laid on, at the first call; it is kept up from then on.
+    pub fn make_surfaces(&mut self) {
         let belief = &self.belief;
-        self.surfaces
-            .get_or_insert_with(|| Surfaces::new(&self.geometry, |index| belief.is_obstacle(index)))
+        self.surfaces.get_or_insert_with(|| {
+            Surfaces::new(&self.geometry, |index| belief.is_obstacle(index))
+        });
+    }
+
+    /// True when something is known of a point of the map: by the static map or a scan.
+    #[must_use]
+    pub fn is_known(&self, point_in_map: Point2<f64>) -> bool {
+        let cell = self.geometry.unbounded_cell_at(point_in_map);
+        let index = self.geometry.index_of(cell);
+        index.is_some_and(|index| !self.belief.is_unknown(index))
     }
 
     /// True when a point of the map may be matched against the surfaces: no cell around it is a

@@ -5,10 +5,12 @@ use crate::beams::{Beam, Beams, End, Sweep};
 use crate::config::MappingConfig;
 use crate::error::MappingError;
 use crate::flips::Integrated;
-use crate::localiser::Localiser;
+use crate::localiser::{Localiser, OdometryAt};
 use crate::located_scan::LocatedScan;
 use crate::mapper::Mapper;
 use crate::outline::Outline;
+use crate::scan_odometry::Basis;
+use crate::slip::Ends;
 use crate::told::Told;
 use crate::tracker::{ScanView, Tracker};
 use nalgebra::Point2;
@@ -18,6 +20,7 @@ use zeronav_msgs::map::{MapInfo, MapView};
 use zeronav_msgs::obstacles::Obstacle;
 use zeronav_msgs::scan::Scan;
 use zeronav_msgs::stages::{Stage, StageTimer};
+use zeronav_msgs::time::seconds;
 use zeronav_world::StaticMap;
 
 /// How far beyond its radius the trail of something that moves is forgotten, in cells: its hits
@@ -58,10 +61,14 @@ pub struct Mapping {
     /// The current scan, in `base` at its capture.
     beams: Beams,
     under_robot: Vec<usize>,
-    /// Scratch: where beams ended on what is not known to move, in `base`. [m]
+    /// Scratch: where beams ended on what is not known to move, in `base` [m], and which share of
+    /// the scan was still to come.
     standing: Vec<Point2<f64>>,
+    ago: Vec<f64>,
     /// Scratch: those that may be trusted to be on the map.
     landmarks: Vec<Point2<f64>>,
+    /// Run time of the last scan. [ns]
+    last_ns: u64,
     /// The grid changed with the last scan.
     moved: bool,
     timer: StageTimer,
@@ -84,11 +91,16 @@ impl Mapping {
             base_from_laser: description.base_from_laser,
             outline: Outline::new(description, corners),
             mapper: Mapper::new(config, static_map, description)?,
-            localiser: Localiser::new(&config.pose_correction),
+            localiser: Localiser::new(
+                &config.pose_correction,
+                (description.v_mps_max, description.w_radps_max),
+            ),
+            last_ns: 0,
             tracker: Tracker::new(&config.tracking),
             beams: Beams::default(),
             under_robot: Vec::new(),
             standing: Vec::new(),
+            ago: Vec::new(),
             landmarks: Vec::new(),
             moved: false,
             timer: StageTimer::default(),
@@ -127,18 +139,11 @@ impl Mapping {
     /// Takes in a scan: corrects the pose, follows what moves, brings the map up to date.
     pub fn take_in(&mut self, observation: &Observation<'_>) -> Integrated {
         let odom_from_base = &observation.odom_from_base;
-        self.cast(observation);
+        self.cast(observation, None);
         if self.localiser.is_active(&observation.odometry_variance) {
-            self.find_landmarks(odom_from_base, observation.run_ns);
-            let surfaces = self.mapper.surfaces();
-            self.localiser.correct(
-                (odom_from_base, observation.odometry_variance[2]),
-                &self.standing,
-                &self.landmarks,
-                surfaces,
-                self.tracker.sees_motion(observation.run_ns),
-            );
+            self.localise(observation);
         }
+        self.last_ns = observation.run_ns;
         let map_from_base = self.localiser.map_from_base(odom_from_base);
         self.follow_window(map_from_base.point());
         self.timer.mark(Stage::Localise);
@@ -179,23 +184,89 @@ impl Mapping {
             run_ns: observation.run_ns,
         };
         self.timer.mark(Stage::Track);
-        let integrated = mapper.take_in(&sight, &self.under_robot, &mut self.timer);
+        // A scan from nobody knows where would only spoil what the robot can be found by.
+        let integrated = if self.localiser.is_uncertain() {
+            Integrated::default()
+        } else {
+            mapper.take_in(&sight, &self.under_robot, &mut self.timer)
+        };
         mapper.regularise(observation.goal.map(|goal| (map_from_base.point(), goal)));
         self.timer.mark(Stage::Clearance);
         integrated
     }
 
-    /// The beams in `base` as it was at the last one.
-    fn cast(&mut self, observation: &Observation<'_>) {
+    /// Where the robot is: by the scan before, and by the map.
+    fn localise(&mut self, observation: &Observation<'_>) {
+        let run_ns = observation.run_ns;
+        let odometry = OdometryAt {
+            odom_from_base: observation.odom_from_base,
+            claimed_yaw: observation.odometry_variance[2],
+            run_s: seconds(run_ns),
+        };
+        let guess = self.localiser.map_from_base(&odometry.odom_from_base);
+        self.find_landmarks(&guess, run_ns);
+        let sweep_share = self.sweep_share(observation);
+        let ends = Ends {
+            at: &self.standing,
+            ago: if sweep_share > 0.0 { &self.ago } else { &[] },
+            sweep_share,
+        };
+        let something_moves = self.tracker.sees_motion(run_ns);
+        let moved = self.localiser.predict(&odometry, &ends, something_moves);
+        if let Some(moved) = moved.filter(|moved| moved.basis == Basis::Scans) {
+            if sweep_share > 0.0 {
+                self.cast(observation, Some((&moved.last_from_base, sweep_share)));
+            }
+            self.find_landmarks(&self.localiser.pose(), run_ns);
+        }
+        self.mapper.make_surfaces();
+        let mapper = &self.mapper;
+        let was_uncertain = self.localiser.is_uncertain();
+        if let Some(surfaces) = mapper.surfaces() {
+            self.localiser
+                .lay(&self.standing, &self.landmarks, surfaces, |point| {
+                    mapper.is_known(point)
+                });
+        }
+        if was_uncertain && !self.localiser.is_uncertain() {
+            // What was tracked meanwhile was seen from elsewhere.
+            self.tracker.restart();
+        }
+    }
+
+    /// Share, 0 to 1, of the time since the last scan that the scan took; 0 = all beams at once.
+    fn sweep_share(&self, observation: &Observation<'_>) -> f64 {
+        let scan = observation.scan;
+        let took_s = f64::from(scan.n_beams.saturating_sub(1)) * f64::from(scan.time_increment_s);
+        let elapsed_s = seconds(observation.run_ns.saturating_sub(self.last_ns));
+        if self.last_ns > 0 && elapsed_s > 0.0 {
+            (took_s / elapsed_s).clamp(0.0, 1.0)
+        } else {
+            0.0
+        }
+    }
+
+    /// The beams in `base` as it was at the last one: by odometry, or by another motion since the last
+    /// scan and the share of it during which they were taken.
+    fn cast(&mut self, observation: &Observation<'_>, other: Option<(&Pose, f64)>) {
         let Observation {
             odom_from_base_first: first,
             odom_from_base: last,
             ..
         } = observation;
-        let sweep = if first == last {
+        let base_from_first = match other {
+            Some((motion, share)) => Pose::new(
+                motion.x_m * share,
+                motion.y_m * share,
+                motion.yaw_rad * share,
+            )
+            .isometry()
+            .inverse(),
+            None => last.isometry().inverse() * first.isometry(),
+        };
+        let sweep = if other.is_none() && first == last {
             Sweep::still(self.base_from_laser)
         } else {
-            let base_from_first = last.isometry().inverse() * first.isometry();
             Sweep {
                 first: Pose::from(base_from_first * self.base_from_laser.isometry()),
                 last: self.base_from_laser,
@@ -207,8 +278,7 @@ impl Mapping {
 
     /// Leaves out the beams that ended on what may move: laid onto the map of a moment ago they
     /// would carry the robot along.
-    fn find_landmarks(&mut self, odom_from_base: &Pose, run_ns: u64) {
-        let guess = self.localiser.map_from_base(odom_from_base);
+    fn find_landmarks(&mut self, guess: &Pose, run_ns: u64) {
         let (sin, cos) = guess.yaw_rad.sin_cos();
         let in_map = |end: &Point2<f64>| {
             Point2::new(
@@ -218,24 +288,42 @@ impl Mapping {
         };
         // What lies beyond is on no map.
         let range_m_max = self.config.obstacle_range_m;
-        let end = |beam: &Beam| match beam.end {
+        let end_of = |beam: &Beam| match beam.end {
             End::Hit(range_m) if range_m <= range_m_max => beam.point(),
             _ => None,
         };
-        let ends = self.beams.as_slice().iter().filter_map(end);
+        let beams = self.beams.as_slice();
+        #[allow(clippy::cast_precision_loss, reason = "at most 4096 beams")]
+        let steps = beams.len().saturating_sub(1).max(1) as f64;
         let (tracker, mapper) = (&self.tracker, &self.mapper);
         self.standing.clear();
-        self.standing.extend(
-            ends.clone()
-                .filter(|end| !tracker.is_restless_at(in_map(end), run_ns)),
-        );
-        if tracker.sees_motion(run_ns) && 4 * self.standing.len() < 3 * ends.clone().count() {
+        self.ago.clear();
+        let mut n_ends = 0;
+        for (n, end) in beams.iter().enumerate() {
+            let Some(end) = end_of(end) else {
+                continue;
+            };
+            n_ends += 1;
+            if !tracker.is_restless_at(in_map(&end), run_ns) {
+                self.standing.push(end);
+                #[allow(clippy::cast_precision_loss, reason = "at most 4096 beams")]
+                self.ago.push(1.0 - n as f64 / steps);
+            }
+        }
+        if tracker.sees_motion(run_ns) && 4 * self.standing.len() < 3 * n_ends {
             self.standing.clear();
+            self.ago.clear();
         }
         let known = |end: &&Point2<f64>| mapper.is_matchable(in_map(end));
         self.landmarks.clear();
         self.landmarks
             .extend(self.standing.iter().filter(known).copied());
+    }
+
+    /// True while the robot does not know where it is.
+    #[must_use]
+    pub fn is_uncertain(&self) -> bool {
+        self.localiser.is_uncertain()
     }
 
     /// Lets the map go where the robot is.

@@ -180,6 +180,21 @@ impl Surfaces {
         })
     }
 
+    /// Where they lie.
+    pub(crate) fn geometry(&self) -> &GridGeometry {
+        &self.geometry
+    }
+
+    /// Distance of a point of the map to the nearest surface, at most [`REACH_M`], which counts beside
+    /// the map, too. [m]
+    pub(crate) fn distance_m(&self, at: Point2<f64>) -> f64 {
+        let index = self.geometry.index_of(self.geometry.unbounded_cell_at(at));
+        index.map_or(REACH_M, |index| {
+            let square = usize::from(self.field.squares()[index].unsigned_abs());
+            self.distance_m.get(square).copied().unwrap_or(REACH_M)
+        })
+    }
+
     /// True when most of the points that lie near a surface at `pose` lie within `held_m` of it.
     fn is_held<'a>(
         &self,

@@ -6,9 +6,15 @@
 //! variant using a point-to-line metric", 2008), with the odometry since then as a prior and with
 //! weights that let go of what has moved by itself (Geman, `McClure`, 1987). A key scan serves until
 //! the robot has gone or turned some way or sees too little of it, so drift grows with their number.
+//!
+//! Wheels that slip lie about the motion by more than the prior allows, and a match that begins where
+//! they say lets go of everything. So what other motions explain is looked at in every scan
+//! (`slip.rs`): none at all, and that of the scan before. Where one of them explains more, the scans
+//! carry the robot; where nothing explains a scan full of points, the motion is not known.
 
 use crate::near_points::NearPoints;
 use crate::pose_error::{swing, turned};
+use crate::slip::{Ends, apart, is_share_of, motions};
 use nalgebra::{Isometry2, Matrix3, Point2, Vector2, Vector3};
 use zeronav_msgs::Pose;
 use zeronav_msgs::pose::wrap_angle;
@@ -34,6 +40,31 @@ const GATE: f64 = 11.34;
 /// Distance at which a point's weight is a quarter. [m]
 const LETS_GO_M: f64 = 0.05;
 
+/// The same where a motion is looked for that odometry does not tell. [m]
+const LETS_GO_FAR_M: f64 = 0.12;
+
+/// Share of the points by which another motion must explain more for odometry to be doubted.
+const EXPLAINS_MORE: f64 = 0.08;
+
+/// Share of the points that a motion which contradicts odometry must explain; where something moves,
+/// which may carry the robot along.
+const SLIP_SHARE: (f64, f64) = (0.35, 0.6);
+
+/// Fewest points of a scan that nothing explains by which the motion counts as unknown.
+const LOST_POINTS_MIN: usize = 60;
+
+/// How far a motion that contradicts odometry may be from where it was looked for, at least. [m, rad]
+const WEAK: (f64, f64) = (0.05, 0.05);
+
+/// Standard deviation to which the scans must tell a motion that odometry does not. [m]
+const TOLD_M: f64 = 0.03;
+
+/// Share of the points by which a motion must explain more than one that is nearer to odometry's.
+const BETTER: f64 = 0.02;
+
+/// Most motions that are followed up when odometry is contradicted.
+const BEST: usize = 3;
+
 /// Motion after which the next key scan is due. [m, rad]
 const KEY: (f64, f64) = (0.3, 0.4);
 
@@ -50,8 +81,25 @@ pub(crate) struct ScanOdometry {
     key_from_base: Pose,
     /// The same by odometry alone.
     odometry: Pose,
+    /// The last scan's `last_from_base`.
+    last: Pose,
     /// Of `key_from_base` by odometry alone, x, y and yaw. [m^2, m rad, rad^2]
     drift: Matrix3<f64>,
+    /// Share of the points that lay on lines when a scan was matched last.
+    share: f64,
+    /// Scratch: the ends as another motion than odometry's has them. [m]
+    ends: Vec<Point2<f64>>,
+}
+
+/// What the motion between two scans rests on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Basis {
+    /// Odometry, corrected by the scans as far as they tell.
+    Odometry,
+    /// The scans: they contradict odometry.
+    Scans,
+    /// Nothing: the scans contradict odometry and tell no motion.
+    Nothing,
 }
 
 /// What two scans say about the motion between them.
@@ -59,53 +107,122 @@ pub(crate) struct ScanOdometry {
 pub(crate) struct Moved {
     /// `last_from_base`.
     pub(crate) last_from_base: Pose,
-    /// What is left of an error of the odometry's step, in the axes of `base`.
+    /// The step's covariance before the scans were looked at.
+    pub(crate) noise: Matrix3<f64>,
+    /// What is left of an error of that step, in the axes of `base`.
     pub(crate) left: Matrix3<f64>,
+    /// What this rests on.
+    pub(crate) basis: Basis,
 }
 
 impl ScanOdometry {
     /// The motion since the last scan, given where odometry says the robot is, the covariance of its
-    /// step since then (x and y alike), and where beams ended that are not known to be on what moves, in
-    /// `base`. [m] Where something moves, a scan that contradicts odometry is not believed; elsewhere the
-    /// wheels may well have slipped.
+    /// step since then (x and y alike), and where beams ended that are not known to be on what moves.
+    /// Where something moves, a scan that contradicts odometry is believed only when it says that the
+    /// wheels have slipped; elsewhere they may well have.
     pub(crate) fn follow(
         &mut self,
         odom_from_base: &Pose,
         noise: &Matrix3<f64>,
-        ends: &[Point2<f64>],
+        ends: &Ends<'_>,
         something_moves: bool,
     ) -> Moved {
         let before = self.key_from_base;
         let by_odometry = between(&self.odom_from_key, odom_from_base);
         let step = swing(&(by_odometry.point() - self.odometry.point()));
         self.drift = step * self.drift * step.transpose() + noise;
+        let step = between(&self.odometry, &by_odometry);
         // Those who walk would carry the robot along from scan to scan.
         let guess = if something_moves {
             by_odometry
         } else {
-            before.then(&between(&self.odometry, &by_odometry))
+            before.then(&step)
         };
         self.odometry = by_odometry;
         let laid = self
-            .lay(ends, (&by_odometry, &guess))
+            .lay(ends.at, (&by_odometry, &self.drift), &guess, LETS_GO_M)
             .filter(|laid| !(something_moves && laid.surprise > GATE));
-        let (at, left) = laid
-            .as_ref()
-            .map_or((by_odometry, Matrix3::identity()), |laid| {
-                (laid.pose, laid.left)
-            });
-        self.key_from_base = at;
-        let moved = Moved {
-            last_from_base: between(&before, &at),
-            left: turned(-at.yaw_rad) * left,
+        let slip = if self.is_contradicted(ends, laid.as_ref(), &step) {
+            self.slip(ends, laid.as_ref(), &step, something_moves)
+        } else {
+            None
         };
+        // Far and sparse points lie on no lines: that says nothing, unless the scans before did.
+        let contradicted = laid.is_none()
+            && !something_moves
+            && ends.at.len() >= LOST_POINTS_MIN
+            && self.share > FOUND_SHARE.1;
+        let (at, noise, left, basis) = match (&slip, &laid) {
+            (Some((slip, weak)), _) => (slip.pose, *weak, slip.left, Basis::Scans),
+            (None, Some(laid)) => (laid.pose, *noise, laid.left, Basis::Odometry),
+            (None, None) if contradicted && apart(&step, &Pose::default()) => {
+                let lost = Vector3::new(step.x_m, step.y_m, step.yaw_rad);
+                let place = lost.xy().norm_squared();
+                let all = Vector3::new(place, place, lost.z * lost.z);
+                let all = Matrix3::from_diagonal(&all) + noise;
+                (by_odometry, all, Matrix3::identity(), Basis::Nothing)
+            }
+            (None, None) => (by_odometry, *noise, Matrix3::identity(), Basis::Odometry),
+        };
+        self.key_from_base = at;
+        self.last = between(&before, &at);
+        let moved = Moved {
+            last_from_base: self.last,
+            noise,
+            left: turned(-at.yaw_rad) * left,
+            basis,
+        };
+        let share = slip.map_or(laid.map(|laid| laid.share), |(slip, _)| Some(slip.share));
+        self.share = share.unwrap_or(self.share);
+        self.go_on(odom_from_base, (ends, &step), &moved, share);
+        moved
+    }
+
+    /// Odometry says at once that the robot is somewhere else, by more than it can drive: until the
+    /// scans tell more, it goes on as it did.
+    pub(crate) fn jumped(&mut self, odom_from_base: &Pose) {
+        let as_before = self.key_from_base.then(&self.last);
+        self.rebase(odom_from_base, &as_before);
+        self.odometry = self.key_from_base;
+    }
+
+    /// From now on odometry's motion counts from `at`, `key_from_base`.
+    fn rebase(&mut self, odom_from_base: &Pose, at: &Pose) {
+        let base_from_key = Pose::from(at.isometry().inverse());
+        self.odom_from_key = odom_from_base.then(&base_from_key);
+        self.odometry = *at;
+    }
+
+    /// What the next scan is judged by: the same key scan, or this scan as the next one.
+    fn go_on(
+        &mut self,
+        odom_from_base: &Pose,
+        (ends, step): (&Ends<'_>, &Pose),
+        moved: &Moved,
+        share: Option<f64>,
+    ) {
+        let at = self.key_from_base;
+        if moved.basis == Basis::Scans {
+            self.rebase(odom_from_base, &at);
+            let left = turned(at.yaw_rad) * moved.left;
+            self.drift = left * moved.noise * left.transpose();
+        }
         let is_far = at.x_m.hypot(at.y_m) > KEY.0 || at.yaw_rad.abs() > KEY.1;
         // A scan that cannot be believed tells against the next key scan, too: those who walk have
         // come too far to be taken for static only after a while.
-        if is_far || laid.is_some_and(|laid| laid.share < FOUND_SHARE.1) {
-            self.begin(odom_from_base, ends);
+        let is_lost = moved.basis == Basis::Nothing;
+        if is_far || is_lost || share.is_some_and(|share| share < FOUND_SHARE.1) {
+            let last = self.last;
+            if moved.basis == Basis::Scans {
+                ends.along(&mut self.ends, step, &last);
+                let ends = core::mem::take(&mut self.ends);
+                self.begin(odom_from_base, &ends);
+                self.ends = ends;
+            } else {
+                self.begin(odom_from_base, ends.at);
+            }
+            self.last = last;
         }
-        moved
     }
 
     /// The next key scan.
@@ -114,14 +231,140 @@ impl ScanOdometry {
         self.odom_from_key = *odom_from_base;
         self.key_from_base = Pose::default();
         self.odometry = Pose::default();
+        self.last = Pose::default();
         self.drift = Matrix3::zeros();
     }
 
-    /// `key_from_base` near `guess`, where odometry says `predicted`.
-    fn lay(&self, ends: &[Point2<f64>], (predicted, guess): (&Pose, &Pose)) -> Option<Laid> {
+    /// True when the scan is not where odometry's `step` has it, or another motion explains more of it.
+    fn is_contradicted(&mut self, ends: &Ends<'_>, laid: Option<&Laid>, step: &Pose) -> bool {
+        let Some(laid) = laid.filter(|laid| laid.surprise <= GATE) else {
+            return true;
+        };
+        let last = self.last;
+        let others = [Pose::default(), last];
+        let mut n = 0;
+        others.into_iter().any(|other| {
+            n += 1;
+            let is_new = apart(&other, step) && (n == 1 || apart(&other, &Pose::default()));
+            is_new && self.explained(ends, step, &other, LETS_GO_M) > laid.share + EXPLAINS_MORE
+        })
+    }
+
+    /// Share of the points that lie on lines after a motion since the last scan, given odometry's.
+    fn explained(&mut self, ends: &Ends<'_>, step: &Pose, motion: &Pose, lets_go_m: f64) -> f64 {
+        ends.along(&mut self.ends, step, motion);
+        let at = self.key_from_base.then(motion);
+        let (sin, cos) = at.yaw_rad.sin_cos();
+        let every = self.ends.len().div_ceil(POINTS_MAX).max(1);
+        let (mut near, mut n) = (0.0, 0.0_f64);
+        for end in self.ends.iter().step_by(every) {
+            n += 1.0;
+            let place = Point2::new(
+                at.x_m + cos * end.x - sin * end.y,
+                at.y_m + sin * end.x + cos * end.y,
+            );
+            if let Some(line) = self.key.line_near(place) {
+                let distance_m = (place - line.at).dot(&line.normal);
+                near += weight(distance_m, lets_go_m);
+            }
+        }
+        near / n.max(1.0)
+    }
+
+    /// The motion that explains the scan best although odometry's `step` says otherwise, with the
+    /// covariance that it was looked for with; `None` where none explains enough.
+    fn slip(
+        &mut self,
+        ends: &Ends<'_>,
+        laid: Option<&Laid>,
+        step: &Pose,
+        something_moves: bool,
+    ) -> Option<(Laid, Matrix3<f64>)> {
+        let before = self.key_from_base;
+        let found = laid.map(|laid| between(&before, &laid.pose));
+        let mut best = [(0.0, Pose::default()); BEST];
+        for motion in motions(step, &self.last) {
+            let mut row = (self.explained(ends, step, &motion, LETS_GO_FAR_M), motion);
+            for place in &mut best {
+                if row.0 > place.0 {
+                    core::mem::swap(place, &mut row);
+                }
+            }
+        }
+        let (place, yaw) = (
+            step.x_m.hypot(step.y_m).max(WEAK.0).powi(2),
+            step.yaw_rad.abs().max(WEAK.1).powi(2),
+        );
+        let weak = Matrix3::from_diagonal(&Vector3::new(place, place, yaw));
+        // Where several motions explain as much, the one nearest to odometry's is taken.
+        let mut winner: Option<Laid> = None;
+        let rest = best.into_iter().filter(|(share, _)| *share > 0.0);
+        for motion in found.into_iter().chain(rest.map(|(_, motion)| motion)) {
+            let Some(laid) = self.refine(ends, step, &motion, &weak) else {
+                continue;
+            };
+            let beats = |best: &Laid| laid.share > best.share + BETTER;
+            if winner.as_ref().is_none_or(beats) {
+                winner = Some(laid);
+            }
+        }
+        let winner = winner?;
+        let needed = if something_moves {
+            SLIP_SHARE.1
+        } else {
+            SLIP_SHARE.0
+        };
+        let already = laid.map_or(0.0, |laid| {
+            if laid.surprise > GATE {
+                laid.share + BETTER
+            } else {
+                laid.share + 0.5 * EXPLAINS_MORE
+            }
+        });
+        // Along a bare corridor any motion explains the scan: there odometry tells.
+        let is_told = || deviations(&winner.left, &weak).0 <= TOLD_M;
+        if laid.is_some_and(|laid| laid.surprise > GATE) && !is_told() {
+            return None;
+        }
+        if winner.share < needed.max(already) {
+            return None;
+        }
+        let motion = between(&before, &winner.pose);
+        let slips = !something_moves || is_share_of(&motion, step);
+        slips.then_some((winner, weak))
+    }
+
+    /// A motion found about right, made exact, first with what lies farther off, and with beams that
+    /// start from where it has the laser.
+    fn refine(
+        &mut self,
+        ends: &Ends<'_>,
+        step: &Pose,
+        motion: &Pose,
+        weak: &Matrix3<f64>,
+    ) -> Option<Laid> {
+        let before = self.key_from_base;
+        let centre = before.then(motion);
+        let mut laid: Option<Laid> = None;
+        for lets_go_m in [LETS_GO_FAR_M, LETS_GO_M] {
+            let guess = laid.as_ref().map_or(centre, |laid| laid.pose);
+            ends.along(&mut self.ends, step, &between(&before, &guess));
+            laid = Some(self.lay(&self.ends, (&centre, weak), &guess, lets_go_m)?);
+        }
+        laid
+    }
+
+    /// `key_from_base` near `guess`, where the prior says `predicted` with a covariance.
+    fn lay(
+        &self,
+        ends: &[Point2<f64>],
+        (predicted, covariance): (&Pose, &Matrix3<f64>),
+        guess: &Pose,
+        lets_go_m: f64,
+    ) -> Option<Laid> {
         let every = ends.len().div_ceil(POINTS_MAX).max(1);
         let prior =
-            (self.drift + Matrix3::from_diagonal(&Vector3::repeat(1.0e-8))).try_inverse()?;
+            (covariance + Matrix3::from_diagonal(&Vector3::repeat(1.0e-8))).try_inverse()?;
         let start = Vector3::new(predicted.x_m, predicted.y_m, predicted.yaw_rad);
         let mut at = Vector3::new(guess.x_m, guess.y_m, guess.yaw_rad);
         let mut information = prior;
@@ -140,7 +383,7 @@ impl ScanOdometry {
                 };
                 found += 1;
                 let distance_m = (place - line.at).dot(&line.normal);
-                let weight = (1.0 + (distance_m / LETS_GO_M).powi(2)).powi(-2);
+                let weight = weight(distance_m, lets_go_m);
                 near += weight;
                 let row = Vector3::new(
                     line.normal.x,
@@ -174,7 +417,27 @@ impl ScanOdometry {
     }
 }
 
+impl Moved {
+    /// How far the motion may be off, where that is more than odometry's errors: the scans contradict
+    /// it and tell no motion, or not along every direction. [m, rad]
+    pub(crate) fn unknown(&self) -> Option<(f64, f64)> {
+        if self.basis == Basis::Odometry {
+            return None;
+        }
+        let (place_m, yaw_rad) = deviations(&self.left, &self.noise);
+        (self.basis == Basis::Nothing || place_m > TOLD_M).then_some((place_m, yaw_rad))
+    }
+}
+
+/// Largest standard deviations of place and yaw of what is `left` of an error. [m, rad]
+fn deviations(left: &Matrix3<f64>, noise: &Matrix3<f64>) -> (f64, f64) {
+    let added = left * noise * left.transpose();
+    let place = added.fixed_view::<2, 2>(0, 0).symmetric_eigenvalues().max();
+    (place.max(0.0).sqrt(), added[(2, 2)].max(0.0).sqrt())
+}
+
 /// A scan on a key scan.
+#[derive(Debug)]
 struct Laid {
     /// `key_from_base`.
     pose: Pose,
@@ -182,8 +445,13 @@ struct Laid {
     left: Matrix3<f64>,
     /// Of the points that lie on lines.
     share: f64,
-    /// By how much it contradicts odometry, squared, in standard deviations.
+    /// By how much it contradicts the prior, squared, in standard deviations.
     surprise: f64,
+}
+
+/// What a point at a distance from its line counts.
+fn weight(distance_m: f64, lets_go_m: f64) -> f64 {
+    (1.0 + (distance_m / lets_go_m).powi(2)).powi(-2)
 }
 
 /// `a_from_b` of two poses in one frame.
@@ -193,104 +461,4 @@ fn between(a: &Pose, b: &Pose) -> Pose {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Ends of the beams, in `base`, in a hall of 6 m x 4 m with a pillar, seen from a pose.
-    fn hall(from: &Pose) -> Vec<Point2<f64>> {
-        let into_base = from.isometry().inverse();
-        let edge = |n: i32, from: [f64; 2], to: [f64; 2]| {
-            (0..n).map(move |k| {
-                let share = f64::from(k) / f64::from(n);
-                Point2::new(
-                    from[0] + share * (to[0] - from[0]),
-                    from[1] + share * (to[1] - from[1]),
-                )
-            })
-        };
-        edge(200, [-3.0, -2.0], [3.0, -2.0])
-            .chain(edge(140, [3.0, -2.0], [3.0, 2.0]))
-            .chain(edge(200, [3.0, 2.0], [-3.0, 2.0]))
-            .chain(edge(140, [-3.0, 2.0], [-3.0, -2.0]))
-            .chain(edge(20, [1.0, 0.5], [1.0, 0.9]))
-            .map(|point| into_base * point)
-            .collect()
-    }
-
-    fn noise(length_m: f64, turn_rad: f64) -> Matrix3<f64> {
-        let place = 0.03_f64.powi(2) * length_m;
-        let yaw = 0.04_f64.powi(2) * turn_rad + 0.02_f64.powi(2) * length_m;
-        Matrix3::from_diagonal(&Vector3::new(place, place, yaw))
-    }
-
-    /// An arc of 3 m in steps of 4 cm, with odometry that reads lengths 4 % and turns 8 % too long.
-    fn arc(moves: bool, mut see: impl FnMut(f64, &Pose) -> Vec<Point2<f64>>) -> (Pose, Pose, Pose) {
-        let (mut truth, mut odometry) = (Pose::new(-1.5, -1.0, 0.0), Pose::default());
-        let mut judged = truth;
-        let mut scans = ScanOdometry::default();
-        scans.begin(&odometry, &see(0.0, &truth));
-        let step = Pose::new(0.04, 0.0, 0.015);
-        for n in 1..=75 {
-            truth = truth.then(&step);
-            odometry = odometry.then(&Pose::new(1.04 * 0.04, 0.0, 1.08 * 0.015));
-            let moved = scans.follow(
-                &odometry,
-                &noise(0.04, 0.015),
-                &see(f64::from(n), &truth),
-                moves,
-            );
-            judged = judged.then(&moved.last_from_base);
-        }
-        (truth, judged, Pose::new(-1.5, -1.0, 0.0).then(&odometry))
-    }
-
-    #[test]
-    fn two_scans_of_a_hall_know_better_than_odometry() {
-        let (truth, judged, by_odometry) = arc(false, |_, from| hall(from));
-        assert!(by_odometry.distance_m(&truth) > 0.15);
-        assert!(judged.distance_m(&truth) < 0.02, "{judged:?} {truth:?}");
-        assert!(wrap_angle(judged.yaw_rad - truth.yaw_rad).abs() < 0.01);
-    }
-
-    /// Without anything to see, and where all that is seen walks, the robot is where odometry says.
-    #[test]
-    fn nothing_and_those_who_walk_are_not_believed() {
-        let (_, judged, by_odometry) = arc(true, |_, _| Vec::new());
-        assert!(judged.distance_m(&by_odometry) < 1e-9);
-        // 40 Hz, 1.2 m/s sideways.
-        let (_, judged, by_odometry) = arc(true, |n, from| {
-            let walked = Pose::new(from.x_m, from.y_m - 0.03 * n, from.yaw_rad);
-            hall(&walked)
-        });
-        let off_m = judged.distance_m(&by_odometry);
-        assert!(off_m < 0.25, "{off_m} of 2.25 m");
-    }
-
-    /// Wheels that slip: odometry says twice what was driven. Nothing moves, so the scans decide.
-    #[test]
-    fn slip_is_seen() {
-        let (mut truth, mut odometry) = (Pose::new(-1.5, -1.0, 0.0), Pose::default());
-        let mut judged = truth;
-        let mut scans = ScanOdometry::default();
-        scans.begin(&odometry, &hall(&truth));
-        for _ in 0..60 {
-            truth = truth.then(&Pose::new(0.02, 0.0, 0.005));
-            odometry = odometry.then(&Pose::new(0.04, 0.0, 0.01));
-            let moved = scans.follow(&odometry, &noise(0.04, 0.01), &hall(&truth), false);
-            judged = judged.then(&moved.last_from_base);
-        }
-        assert!(judged.distance_m(&truth) < 0.1, "{judged:?} {truth:?}");
-    }
-
-    #[test]
-    fn what_scans_tell_is_what_odometry_does_not_err_by() {
-        let mut scans = ScanOdometry::default();
-        scans.begin(&Pose::default(), &hall(&Pose::default()));
-        let odometry = Pose::new(0.05, 0.0, 0.0);
-        let moved = scans.follow(&odometry, &noise(0.05, 0.0), &hall(&odometry), true);
-        let left = moved.left.diagonal();
-        assert!(left.iter().all(|left| (0.0..0.9).contains(left)), "{left}");
-        let moved = scans.follow(&odometry, &noise(0.05, 0.0), &[], true);
-        assert_eq!(moved.left, Matrix3::identity());
-    }
-}
+mod tests;
