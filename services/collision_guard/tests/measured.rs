@@ -2,7 +2,6 @@
 
 use std::f32::consts::FRAC_PI_2;
 use zeronav_collision_guard::{Guard, GuardConfig, GuardInputs, OdometryInput, ScanInput};
-use zeronav_msgs::Pose;
 use zeronav_msgs::command::{Intervention, Validity, VelocityCommand, VelocityRequest};
 use zeronav_msgs::description::Description;
 use zeronav_msgs::odometry::Odometry;
