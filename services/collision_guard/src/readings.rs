@@ -1,6 +1,7 @@
 //! What the guard reads, and what it knows by it when an answer begins.
 
 use zeronav_collision_guard::{GuardInputs, OdometryInput, ScanInput};
+use zeronav_msgs::Pose;
 use zeronav_msgs::header::Parents;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::topics::{ControlRequest, RobotDescription, RobotScan};
@@ -88,6 +89,15 @@ impl Readings {
         }
     }
 
+    /// Where the robot was when a scan was captured. The first one of a successor may be up to a tick older
+    /// than its first odometry.
+    fn pose_at_capture(&self, shell: &Shell, run_ns: u64) -> Option<Pose> {
+        let history = self.odometry.history();
+        let tick_ns = shell.roster().clock.tick_ns;
+        let pose = history.pose_at(run_ns);
+        pose.or_else(|| history.pose_before(run_ns, tick_ns))
+    }
+
     /// What is known at the beginning of an answer. A scan is as old as its capture, the other
     /// messages are as old as their arrival.
     pub(crate) fn inputs(&self, shell: &Shell, draft: &Draft) -> GuardInputs<'_> {
@@ -108,7 +118,7 @@ impl Readings {
                 id: view.header.id,
                 run_ns: view.header.run_ns,
                 age_ns: age_ns(self.scan.received()),
-                odom_from_base: self.odometry.history().pose_at(view.header.run_ns),
+                odom_from_base: self.pose_at_capture(shell, view.header.run_ns),
             }),
             odometry: self.odometry.newest().map(|newest| OdometryInput {
                 odometry: &newest.odometry,
