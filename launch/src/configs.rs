@@ -5,6 +5,7 @@ use crate::supervise::question::{self, Silence, headline};
 use crate::supervise::warden;
 use serde::Serialize;
 use std::collections::BTreeMap;
+use std::ffi::OsStr;
 use std::fs::Permissions;
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
@@ -119,11 +120,22 @@ pub(crate) fn check<'a>(
 /// What a binary says against its configuration, about the scenario instead of the `file` that it
 /// was given. It says one thing at a time: what it has refused is taken out before it is asked again.
 fn refusals(scenario: &Scenario, role: Role, binary: &Path, file: &Path) -> Vec<String> {
-    let arguments = [
+    let rates = format!("{},{}", scenario.run.tick_hz, scenario.robot.lidar.rate_hz);
+    let mut arguments: Vec<&OsStr> = vec![
         "--print-config".as_ref(),
         "--config".as_ref(),
         file.as_os_str(),
     ];
+    // Of a service of another author only the contract is known.
+    let named = scenario.services.of(role);
+    let is_stock = named.is_none_or(|service| service.binary.is_none());
+    if is_stock
+        && [scenario.run.tick_hz, scenario.robot.lidar.rate_hz]
+            .iter()
+            .all(|it| *it > 0.0)
+    {
+        arguments.extend(["--rates".as_ref(), OsStr::new(&rates)]);
+    }
     let (mut refusals, mut taken) = (Vec::new(), Vec::new());
     while refusals.len() < REFUSALS_MAX {
         let Err(silence) = question::ask(binary, &arguments) else {

@@ -45,17 +45,28 @@ impl GuardConfig {
     /// The first parameter that is wrong.
     pub fn check(&self, period_s: f64, scan_period_s: f64) -> Result<(), ParameterError> {
         zeronav_params::check(self)?;
-        for (path, value_s, least_s) in [
-            ("request_age_s", self.request_age_s, 2.0 * period_s),
-            ("scan_age_s", self.scan_age_s, scan_period_s),
-            ("odometry_age_s", self.odometry_age_s, 2.0 * period_s),
+        for (path, value_s, least_s, what) in [
+            (
+                "request_age_s",
+                self.request_age_s,
+                2.0 * period_s,
+                "two control periods",
+            ),
+            (
+                "scan_age_s",
+                self.scan_age_s,
+                scan_period_s,
+                "the time from scan to scan",
+            ),
+            (
+                "odometry_age_s",
+                self.odometry_age_s,
+                2.0 * period_s,
+                "two control periods",
+            ),
         ] {
             if value_s <= least_s {
-                return Err(ParameterError {
-                    path: path.to_owned(),
-                    rule: format!("must exceed {least_s} s"),
-                    value: format!("{value_s:?}"),
-                });
+                return Err(ParameterError::too_short((path, value_s), (what, least_s)));
             }
         }
         Ok(())
@@ -84,7 +95,7 @@ mod tests {
     fn ages_within_two_periods_are_rejected() {
         assert_eq!(
             complaint(|config| config.request_age_s = 0.04),
-            "request_age_s must exceed 0.04 s, not 0.04"
+            "request_age_s must exceed two control periods, 0.04 s (0.07 would do), not 0.04"
         );
         assert_eq!(
             complaint(|config| config.scan_age_s = f64::NAN),

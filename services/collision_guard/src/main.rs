@@ -12,7 +12,7 @@ use zeronav_msgs::time::seconds;
 use zeronav_msgs::topics::RobotCommand;
 use zeronav_params::Parameter;
 use zeronav_shell::doorbell::Rung;
-use zeronav_shell::{Due, Service, Shell, StartError, Writer};
+use zeronav_shell::{Due, Rates, Service, Shell, StartError, Writer};
 
 struct GuardService {
     guard: Guard,
@@ -35,6 +35,10 @@ impl Service for GuardService {
     fn check(config: &GuardConfig) -> Result<(), StartError> {
         // The periods that the ages must exceed come with the run.
         Ok(config.check(0.0, 0.0)?)
+    }
+
+    fn check_rates(config: &GuardConfig, rates: Rates) -> Result<(), StartError> {
+        Ok(config.check(rates.tick_s, rates.scan_s)?)
     }
 
     fn open(shell: &mut Shell, config: GuardConfig) -> Result<Self, StartError> {

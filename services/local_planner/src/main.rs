@@ -19,7 +19,7 @@ use zeronav_msgs::time::seconds;
 use zeronav_msgs::topics::{ControlRequest, DebugRollouts, PlanRequests, TaskState};
 use zeronav_params::Parameter;
 use zeronav_shell::doorbell::Rung;
-use zeronav_shell::{Draft, Due, Sent, Service, Shell, StartError, Trigger, Writer};
+use zeronav_shell::{Draft, Due, Rates, Sent, Service, Shell, StartError, Trigger, Writer};
 
 /// Ticks between two statuses of an unchanged task.
 const STATUS_TICKS: u64 = 10;
@@ -53,6 +53,10 @@ impl Service for PlannerService {
 
     fn check(config: &LocalPlannerConfig) -> Result<(), StartError> {
         LocalPlanner::new(config).map(|_| ()).map_err(unusable)
+    }
+
+    fn check_rates(config: &LocalPlannerConfig, rates: Rates) -> Result<(), StartError> {
+        Ok(config.staleness.check(rates.scan_s)?)
     }
 
     fn open(shell: &mut Shell, config: LocalPlannerConfig) -> Result<Self, StartError> {

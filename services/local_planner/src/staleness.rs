@@ -1,6 +1,6 @@
 //! How fast the robot may go by what it knows, given how old that is.
 
-use zeronav_params::parameters;
+use zeronav_params::{ParameterError, parameters};
 
 parameters! {
     /// How old inputs may be. Within the last part of an age the robot slows down, beyond it stops.
@@ -15,6 +15,30 @@ parameters! {
         map_age_s: f64 = 1.0, [0.01, 60.0] "s";
         /// Age of the path since it was last confirmed.
         path_age_s: f64 = 1.5, [0.01, 60.0] "s";
+    }
+}
+
+impl StalenessConfig {
+    /// Accepts ages that what is made from scans does not reach between two of them: else the robot would
+    /// stop before every scan.
+    ///
+    /// # Errors
+    /// The first age that is too short.
+    pub fn check(&self, scan_period_s: f64) -> Result<(), ParameterError> {
+        let what = "the time from scan to scan";
+        for (path, age_s) in [
+            ("staleness.scan_age_s", self.scan_age_s),
+            ("staleness.map_age_s", self.map_age_s),
+            ("staleness.path_age_s", self.path_age_s),
+        ] {
+            if age_s <= scan_period_s {
+                return Err(ParameterError::too_short(
+                    (path, age_s),
+                    (what, scan_period_s),
+                ));
+            }
+        }
+        Ok(())
     }
 }
 

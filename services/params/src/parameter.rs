@@ -61,6 +61,24 @@ pub struct ParameterError {
     pub value: String,
 }
 
+/// What an age that must exceed a period is set to, in periods: messages may be late by most of one.
+const FIT_PERIODS: f64 = 1.75;
+
+impl ParameterError {
+    /// An age that an input reaches between two messages, with one that would do. `least_s` is the time that
+    /// `what` takes. [s]
+    #[must_use]
+    pub fn too_short((path, value_s): (&str, f64), (what, least_s): (&str, f64)) -> Self {
+        let thousandths = |time_s: f64| (1000.0 * time_s).round() / 1000.0;
+        let (least_s, fit_s) = (thousandths(least_s), thousandths(FIT_PERIODS * least_s));
+        Self {
+            path: path.to_owned(),
+            rule: format!("must exceed {what}, {least_s} s ({fit_s} would do)"),
+            value: format!("{value_s:?}"),
+        }
+    }
+}
+
 impl Parameter {
     /// A parameter as [`crate::parameters!`] declares it.
     #[doc(hidden)]

@@ -124,6 +124,17 @@ impl LidarSpec {
             let why = format!("beams lie {step_rad:.6} rad apart, must be 0.00001 to 1.6 rad");
             return Err(SpecError::new("n_beams", why));
         }
+        // The robot drives forward, and stops for what it sees.
+        let half_rad = 0.5 * self.fov_rad;
+        let aside_rad = zeronav_msgs::pose::wrap_angle(self.pose[2]).abs();
+        if aside_rad > half_rad && self.fov_rad < TAU - 1.0e-6 {
+            let why = format!(
+                "the lidar looks {half_rad:.3} rad to either side of its yaw and does not see straight \
+                 ahead of the robot: a yaw within {half_rad:.3} of 0 would do, or a fov_rad of {:.3}",
+                2.0 * aside_rad
+            );
+            return Err(SpecError::new("pose[2]", why));
+        }
         if self.range_m_min >= self.range_m_max {
             let why = format!("must be below range_m_max {}", self.range_m_max);
             return Err(SpecError::new("range_m_min", why));

@@ -40,12 +40,42 @@ pub struct Flags {
     /// Print the configuration that would be used as TOML and leave.
     #[arg(long)]
     pub print_config: bool,
+    /// With --print-config: ticks and scans per second of the run that the configuration is for.
+    #[arg(long, value_name = "TICKS,SCANS", value_parser = Rates::parse, requires = "print_config")]
+    pub rates: Option<Rates>,
     /// Print all parameters of the configuration as a JSON list and leave.
     #[arg(long)]
     pub print_params: bool,
     /// Print the algorithms that the configuration can name, one a line, and leave.
     #[arg(long)]
     pub list: bool,
+}
+
+/// How often a run ticks and scans.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rates {
+    /// Time from tick to tick. [s]
+    pub tick_s: f64,
+    /// Time from scan to scan. [s]
+    pub scan_s: f64,
+}
+
+impl Rates {
+    /// Reads `TICKS,SCANS`, both per second.
+    fn parse(text: &str) -> Result<Self, String> {
+        let period_s = |rate_hz: &str| {
+            let rate_hz: f64 = rate_hz.trim().parse().ok()?;
+            (rate_hz > 0.0 && rate_hz.is_finite()).then(|| rate_hz.recip())
+        };
+        text.split_once(',')
+            .and_then(|(ticks, scans)| {
+                Some(Self {
+                    tick_s: period_s(ticks)?,
+                    scan_s: period_s(scans)?,
+                })
+            })
+            .ok_or_else(|| "must be two rates above 0, such as 50,10".to_owned())
+    }
 }
 
 /// The configuration of a service that has nothing to set; an unknown key is refused.

@@ -63,7 +63,7 @@ pub use current_goal::CurrentGoal;
 pub use domain::Domain;
 pub use due::{Due, Trigger};
 pub use error::StartError;
-pub use flags::NoConfig;
+pub use flags::{NoConfig, Rates};
 pub use input::Input;
 pub use link::View;
 pub use locked::LOCK_MEMORY;

@@ -3,7 +3,7 @@
 use crate::clock::now_ns;
 use crate::doorbell::{Rung, WAKE_AT_LEAST_NS};
 use crate::error::{EXIT_STOPPED, EXIT_USAGE, StartError};
-use crate::flags::{Flags, one_line};
+use crate::flags::{Flags, Rates, one_line};
 use crate::leaving::Leaving;
 use crate::printable::printable;
 use crate::shell::Shell;
@@ -42,6 +42,15 @@ pub trait Service: Sized {
     /// # Errors
     /// [`StartError::config`], naming the field.
     fn check(_config: &Self::Config) -> Result<(), StartError> {
+        Ok(())
+    }
+
+    /// Accepts configurations that it can work with in a run with these rates. Called after
+    /// [`Self::check`] when launch asks for a scenario.
+    ///
+    /// # Errors
+    /// [`StartError::config`], naming the field and a value that would do.
+    fn check_rates(_config: &Self::Config, _rates: Rates) -> Result<(), StartError> {
         Ok(())
     }
 
@@ -105,7 +114,10 @@ fn start<S: Service>(flags: &Flags) -> Result<(), StartError> {
             .map_err(|error| StartError::system("writing the parameters as JSON", error))?;
         return print(&format!("{text}\n"));
     }
-    let config: S::Config = flags.read_config(S::check)?;
+    let config: S::Config = flags.read_config(|config| {
+        S::check(config)?;
+        (flags.rates).map_or(Ok(()), |rates| S::check_rates(config, rates))
+    })?;
     if flags.print_config {
         return print(&Flags::config_text(&config)?);
     }

@@ -10,6 +10,24 @@ use parry2d::shape::Segment;
 use zeronav_msgs::Pose;
 use zeronav_msgs::description::FOOTPRINT_CORNERS_MAX;
 
+/// What is wrong with an outline beside the origin, and by how much it would have to be moved for that to
+/// be its middle.
+fn beside_origin(corners: &[Point2<f64>]) -> String {
+    let middle = |along: fn(&Point2<f64>) -> f64| {
+        let ends = corners.iter().map(along);
+        let (least, most) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), it| {
+            (least.min(it), most.max(it))
+        });
+        0.5 * (least + most)
+    };
+    format!(
+        "must hold the origin of base, the point about which the robot turns: corners are relative to it; \
+         with [{:.3}, {:.3}] added to each it is in the middle",
+        -middle(|corner| corner.x),
+        -middle(|corner| corner.y)
+    )
+}
+
 /// Smallest and largest radius of a round outline. [m]
 pub const RADIUS_M: [f64; 2] = [1.0e-3, 100.0];
 
@@ -64,8 +82,7 @@ impl Footprint {
             let edge = Segment::new(a.coords.into(), b.coords.into());
             let edge_m = edge.distance_to_local_point(Vec2::ZERO, true);
             if !inside || edge_m < 1.0e-3 {
-                let why = "must hold the origin of base, the point about which the robot turns";
-                return Err(SpecError::new(field, why));
+                return Err(SpecError::new(field, beside_origin(&corners)));
             }
             inscribed_radius_m = inscribed_radius_m.min(edge_m);
         }
@@ -134,7 +151,9 @@ mod tests {
     fn outlines_without_the_origin_or_the_wrong_way_around_are_refused() {
         let beside = [[0.1, 0.0], [1.0, 0.0], [1.0, 1.0]];
         let error = Footprint::polygon(&beside).unwrap_err();
-        assert!(error.why.contains("origin of base"), "{error}");
+        for part in ["origin of base", "with [-0.550, -0.500] added"] {
+            assert!(error.why.contains(part), "{error}");
+        }
         let clockwise = [[-1.0, -1.0], [-1.0, 1.0], [1.0, 1.0], [1.0, -1.0]];
         let error = Footprint::polygon(&clockwise).unwrap_err();
         assert!(error.why.contains("counter-clockwise"), "{error}");
