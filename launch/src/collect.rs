@@ -225,6 +225,7 @@ impl Collector {
                 recoveries: view.meta.recoveries,
                 cause: told.stuck,
                 blocked: told.blocked,
+                waits_s: told.waits_s,
             };
             self.task = Some(report);
             (self.film).task(view.header.run_ns, state, &self.reached);

@@ -2,7 +2,8 @@
 //!
 //! An order is one client's list of goals. It ends when its last goal is reached (then a repeated one
 //! begins again), when one of its goals fails, when it is cancelled or replaced, or when its time is
-//! over; the next order begins then.
+//! over; the next order begins then. A goal that failed by an obstacle that may go is given again while
+//! somebody still wants it: as long as the order repeats, or has a time limit that is not over.
 
 use crate::result::Redirect;
 use std::collections::VecDeque;
@@ -25,6 +26,23 @@ pub(crate) struct Order {
     pub time_limit_ns: Option<u64>,
 }
 
+/// How the task of an order has ended.
+#[derive(Debug, Clone)]
+pub(crate) struct End {
+    /// Its state.
+    pub state: TaskState,
+    /// Why.
+    pub reason: EndReason,
+    /// Why it failed, in words.
+    pub why: Option<String>,
+    /// It failed by an obstacle that may go.
+    pub may_open: bool,
+    /// Manoeuvres and waits of the recovery.
+    pub recoveries: u32,
+    /// Its goals that were not reached.
+    pub left: Vec<Goal>,
+}
+
 /// An order that is being served.
 #[derive(Debug, Clone)]
 struct Current {
@@ -33,6 +51,8 @@ struct Current {
     began_run_ns: u64,
     /// How it will end, once it has been cancelled.
     ends_as: Option<&'static str>,
+    /// Manoeuvres and waits of the recovery in its tasks that are over.
+    recoveries: u32,
 }
 
 /// An order with what became of it.
@@ -43,6 +63,8 @@ struct Kept {
     took_ns: u64,
     /// Why it failed, in words; empty when it has not.
     why: String,
+    /// Manoeuvres and waits of the recovery, once it has ended.
+    recoveries: u32,
     redirect: Redirect,
 }
 
@@ -88,6 +110,7 @@ impl Orders {
             id,
             took_ns: 0,
             why: String::new(),
+            recoveries: 0,
             redirect: Redirect {
                 time_s,
                 goal: pose,
@@ -119,35 +142,40 @@ impl Orders {
             order,
             began_run_ns: run_ns,
             ends_as: None,
+            recoveries: 0,
         });
         Some(goals)
     }
 
-    /// The current order's task has ended; `why` it failed, in words. Returns its goals when it begins
-    /// again.
-    pub(crate) fn ended(
-        &mut self,
-        (state, reason): (TaskState, EndReason),
-        why: Option<String>,
-        run_ns: u64,
-    ) -> Option<Vec<Goal>> {
-        let current = self.current.as_ref()?;
-        if state == TaskState::Reached && current.order.repeats && current.ends_as.is_none() {
-            return Some(current.order.goals.clone());
+    /// The current order's task has ended. Returns the goals of the next one when it begins again, or
+    /// goes on at the goal that failed.
+    pub(crate) fn ended(&mut self, end: End, run_ns: u64) -> Option<Vec<Goal>> {
+        let current = self.current.as_mut()?;
+        current.recoveries = current.recoveries.saturating_add(end.recoveries);
+        let (order, goes_on) = (&current.order, current.ends_as.is_none());
+        if end.state == TaskState::Reached && order.repeats && goes_on {
+            return Some(order.goals.clone());
         }
-        let outcome = match (state, current.ends_as) {
+        // The time limit of an order that has one is seen to every tick.
+        let is_wanted = order.repeats || order.time_limit_ns.is_some();
+        let fails = end.state == TaskState::Failed;
+        if fails && end.may_open && is_wanted && goes_on && !end.left.is_empty() {
+            return Some(end.left);
+        }
+        let outcome = match (end.state, current.ends_as) {
             // What repeats is over by its cancellation alone, wherever that finds the robot.
-            (TaskState::Reached, Some(outcome)) if current.order.repeats => outcome,
+            (TaskState::Reached, Some(outcome)) if order.repeats => outcome,
             (TaskState::Reached, _) => "reached",
             (_, Some(outcome)) => outcome,
             (TaskState::Cancelled, None) => "cancelled",
-            (_, None) => reason.label(),
+            (_, None) => end.reason.label(),
         };
-        let failed = outcome == reason.label();
-        let id = current.id;
+        let failed = outcome == end.reason.label();
+        let (id, recoveries) = (current.id, current.recoveries);
         self.settle(outcome, run_ns);
-        if let Some(kept) = self.kept.iter_mut().find(|kept| failed && kept.id == id) {
-            kept.why = why.unwrap_or_default();
+        if let Some(kept) = self.kept.iter_mut().find(|kept| kept.id == id) {
+            kept.recoveries = recoveries;
+            kept.why = end.why.filter(|_| failed).unwrap_or_default();
         }
         None
     }
@@ -226,6 +254,12 @@ impl Orders {
         kept.map_or("", |kept| &kept.why)
     }
 
+    /// Manoeuvres and waits of the recovery for an order, once it has ended.
+    pub(crate) fn recoveries(&self, id: u64) -> u32 {
+        let kept = self.kept.iter().find(|kept| kept.id == id);
+        kept.map_or(0, |kept| kept.recoveries)
+    }
+
     /// How many orders are served before this one.
     pub(crate) fn n_before(&self, id: u64) -> usize {
         let at = self.waiting.iter().position(|(waiting, _)| *waiting == id);
@@ -275,136 +309,4 @@ impl Orders {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use zeronav_msgs::Pose;
-
-    fn order(x_m: f64) -> Order {
-        Order {
-            goals: vec![Goal {
-                pose: Pose::new(x_m, 2.0, 0.5),
-                tolerance_m: 0.25,
-                yaw_tolerance_rad: 0.25,
-                id: 0,
-            }],
-            repeats: false,
-            time_limit_ns: None,
-        }
-    }
-
-    fn give(orders: &mut Orders, order: Order) -> u64 {
-        orders.give(3.0, order).expect("room for it")
-    }
-
-    fn outcomes(orders: &Orders) -> Vec<String> {
-        let records = orders.records().into_iter();
-        records.map(|record| record.outcome).collect()
-    }
-
-    #[test]
-    fn orders_are_served_as_they_came() {
-        let mut orders = Orders::default();
-        let ids = [1.0, 2.0, 3.0].map(|x_m| give(&mut orders, order(x_m)));
-        assert_eq!(ids, [1, 2, 3]);
-        let first = orders.begin(10, Vec::new()).expect("the first");
-        assert!((first[0].pose.x_m - 1.0).abs() < 1.0e-12);
-        assert_eq!(orders.begin(11, Vec::new()), None, "one at a time");
-        assert_eq!(orders.outcome(3), Some((QUEUED, 0)));
-        assert_eq!(orders.n_before(3), 2);
-        assert_eq!(
-            orders.ended((TaskState::Reached, EndReason::None), None, 30),
-            None
-        );
-        assert_eq!(orders.begin(20, Vec::new()).expect("the second").len(), 1);
-        assert_eq!(orders.n_before(3), 1);
-        assert_eq!(orders.outcome(1), Some(("reached", 20)));
-        let why = Some("because".to_owned());
-        orders.ended((TaskState::Failed, EndReason::GoalBlocked), why, 40);
-        assert_eq!((orders.why(2), orders.why(1)), ("because", ""));
-        assert_eq!(orders.current(), None);
-        assert_eq!(outcomes(&orders), ["reached", "goal_blocked", "queued"]);
-    }
-
-    #[test]
-    fn a_repeated_order_begins_again_until_it_is_cancelled() {
-        let mut orders = Orders::default();
-        let repeated = Order {
-            repeats: true,
-            ..order(1.0)
-        };
-        let id = give(&mut orders, repeated);
-        orders.begin(0, Vec::new());
-        for _ in 0..3 {
-            let again = orders.ended((TaskState::Reached, EndReason::None), None, 30);
-            assert_eq!(again.map(|goals| goals.len()), Some(1));
-        }
-        assert_eq!(orders.cancel(Some(id)), Ok(true));
-        // It arrived before the cancellation was due.
-        assert_eq!(
-            orders.ended((TaskState::Reached, EndReason::None), None, 30),
-            None
-        );
-        assert_eq!(outcomes(&orders), ["cancelled"]);
-    }
-
-    #[test]
-    fn those_that_wait_are_cancelled_without_the_robot() {
-        let mut orders = Orders::default();
-        for x_m in [1.0, 2.0, 3.0] {
-            give(&mut orders, order(x_m));
-        }
-        orders.begin(0, Vec::new());
-        assert_eq!(orders.cancel(Some(2)), Ok(false));
-        assert!(orders.cancel(Some(2)).is_err(), "it is cancelled already");
-        assert!(orders.cancel(Some(99)).is_err());
-        assert_eq!(orders.cancel(None), Ok(true));
-        orders.ended((TaskState::Cancelled, EndReason::None), None, 30);
-        assert_eq!(outcomes(&orders), ["cancelled"; 3]);
-    }
-
-    #[test]
-    fn an_order_that_takes_the_place_of_all_others_ends_them() {
-        let mut orders = Orders::default();
-        give(&mut orders, order(1.0));
-        give(&mut orders, order(2.0));
-        orders.begin(0, order(9.0).goals);
-        orders.replace(4);
-        give(&mut orders, order(3.0));
-        assert!(orders.begin(5, Vec::new()).is_some());
-        assert_eq!(outcomes(&orders), ["replaced", "replaced", "active"]);
-        assert_eq!(orders.take_aside(), Some(order(9.0).goals));
-    }
-
-    #[test]
-    fn time_limits_end_an_order_once() {
-        let mut orders = Orders::default();
-        let limited = Order {
-            time_limit_ns: Some(100),
-            ..order(1.0)
-        };
-        give(&mut orders, limited);
-        assert!(!orders.is_over_time(1_000), "it has not begun");
-        orders.begin(1_000, Vec::new());
-        assert!(!orders.is_over_time(1_100));
-        assert!(orders.is_over_time(1_101));
-        assert!(!orders.is_over_time(1_102), "it is cancelled once");
-        orders.ended((TaskState::Cancelled, EndReason::None), None, 30);
-        assert_eq!(outcomes(&orders), ["time_limit"]);
-    }
-
-    #[test]
-    fn waiting_and_memory_are_bounded() {
-        let mut orders = Orders::default();
-        for _ in 0..WAITING_MAX {
-            give(&mut orders, order(1.0));
-        }
-        assert!(orders.give(0.0, order(1.0)).is_err());
-        for _ in 0..2 * KEPT_MAX {
-            orders.begin(0, Vec::new());
-            orders.ended((TaskState::Reached, EndReason::None), None, 30);
-            give(&mut orders, order(1.0));
-        }
-        assert_eq!(orders.records().len(), KEPT_MAX);
-        assert_eq!(orders.outcome(orders.newest_id), Some((QUEUED, 0)));
-    }
-}
+mod tests;

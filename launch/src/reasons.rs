@@ -68,15 +68,15 @@ impl Reasons {
     }
 
     /// The task is so, since this tick; 0 = its run time is not known. [ns] That it is active is told
-    /// now and then only, so it is news only after an end. A local planner without a task is none:
+    /// now and then only, so it is news only after an end, and while it waits or has just waited. A local planner without a task is none:
     /// an outcome stays until the next goal, whoever has told it.
     pub(crate) fn task(&mut self, tick: u64, run_ns: u64, task: Task) {
         if task.state == TaskState::Idle {
             return;
         }
         let held = self.held.values().rev().find_map(|tick| tick.task);
-        let is_over = |task: Task| task.state != TaskState::Active;
-        if is_over(task) || held.or(self.now.task).is_some_and(is_over) {
+        let is_told = |task: Task| task.state != TaskState::Active || task.waits();
+        if is_told(task) || held.or(self.now.task).is_some_and(is_told) {
             self.tick(tick, run_ns).task = Some(task);
         }
     }
@@ -181,7 +181,7 @@ fn words(moment: &Moment) -> impl PartialEq + use<> {
         }),
         moment.task.map(|said| {
             let block = said.blocked.map(|blocked| blocked.block);
-            (said.state, said.reason, said.stuck, block)
+            (said.state, said.reason, said.stuck, block, said.waits())
         }),
     )
 }
@@ -300,6 +300,7 @@ mod tests {
             reason: EndReason::None,
             stuck: StuckCause::None,
             blocked: None,
+            waits_s: 0,
         };
         let mut reasons = Reasons::default();
         let mut state_after = |tick: u64, state| {

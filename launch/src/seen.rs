@@ -43,8 +43,10 @@ pub(crate) struct TaskReport {
     pub recoveries: u32,
     /// Why it got stuck.
     pub cause: StuckCause,
-    /// The cell because of which it failed.
+    /// The cell because of which it failed, or waits.
     pub blocked: Option<Blocked>,
+    /// For which it waits at most. [s]
+    pub waits_s: u16,
 }
 
 impl TaskReport {
@@ -55,6 +57,7 @@ impl TaskReport {
             reason: self.reason,
             stuck: self.cause,
             blocked: self.blocked,
+            waits_s: self.waits_s,
         }
     }
 }

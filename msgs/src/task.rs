@@ -118,7 +118,7 @@ message! {
     pub struct TaskStatus = "zeronav.TaskStatus.v3" {
         /// Code of [`TaskState`].
         pub state: u16,
-        /// Code of [`EndReason`].
+        /// Code of [`EndReason`]; while it waits, that for which the goal will end.
         pub reason: u16,
         /// [count] Goals that have ended.
         pub n_ended: u32,
@@ -132,14 +132,16 @@ message! {
         pub recoveries: u32,
         /// Code of [`StuckCause`], with the reason `stuck`.
         pub cause: u16,
-        /// Code of [`PathBlock`]: the cell because of which the task failed. May be left 0.
+        /// Code of [`PathBlock`]: the cell because of which the task failed, or waits. May be left 0.
         pub block: u16,
         /// [m] x and y of the centre of that cell, `map` frame.
         pub block_m: [f64; 2],
         /// Code of [`ObstacleSource`] of the obstacle in that cell or nearest to it. May be left 0.
         pub source: u16,
+        /// [s] for which it waits at most for that obstacle to go, rounded up; 0 = it does not wait.
+        pub waits_s: u16,
         /// Written as 0.
-        pub spare: [u16; 3],
+        pub spare: [u16; 2],
     }
 }
 

@@ -1520,10 +1520,10 @@ static_assert(Goal::SCHEMA == [] {
 /// Fixed fields of the status. The slice holds one entry per goal that has ended.
 struct TaskStatus {
     static constexpr const char* NAME = "zeronav.TaskStatus.v3";
-    static constexpr std::uint64_t SCHEMA = 0x9eb5c1e775525fe1;
+    static constexpr std::uint64_t SCHEMA = 0xe2d4217383846950;
     /// Code of `TaskState`.
     std::uint16_t state{};
-    /// Code of `EndReason`.
+    /// Code of `EndReason`; while it waits, that for which the goal will end.
     std::uint16_t reason{};
     /// [count] Goals that have ended.
     std::uint32_t n_ended{};
@@ -1537,14 +1537,16 @@ struct TaskStatus {
     std::uint32_t recoveries{};
     /// Code of `StuckCause`, with the reason `stuck`.
     std::uint16_t cause{};
-    /// Code of `PathBlock`: the cell because of which the task failed. May be left 0.
+    /// Code of `PathBlock`: the cell because of which the task failed, or waits. May be left 0.
     std::uint16_t block{};
     /// [m] x and y of the centre of that cell, `map` frame.
     double block_m[2]{};
     /// Code of `ObstacleSource` of the obstacle in that cell or nearest to it. May be left 0.
     std::uint16_t source{};
+    /// [s] for which it waits at most for that obstacle to go, rounded up; 0 = it does not wait.
+    std::uint16_t waits_s{};
     /// Written as 0.
-    std::uint16_t spare[3]{};
+    std::uint16_t spare[2]{};
 };
 static_assert(sizeof(TaskStatus) == 64);
 static_assert(std::is_trivially_copyable_v<TaskStatus> && std::is_standard_layout_v<TaskStatus>);
@@ -1559,7 +1561,8 @@ static_assert(offsetof(TaskStatus, cause) == 36);
 static_assert(offsetof(TaskStatus, block) == 38);
 static_assert(offsetof(TaskStatus, block_m) == 40);
 static_assert(offsetof(TaskStatus, source) == 56);
-static_assert(offsetof(TaskStatus, spare) == 58);
+static_assert(offsetof(TaskStatus, waits_s) == 58);
+static_assert(offsetof(TaskStatus, spare) == 60);
 static_assert(TaskStatus::SCHEMA == [] {
     std::uint64_t hash = fnv1a(FNV_OFFSET, TaskStatus::NAME);
     hash = fnv1a(hash, "state");
@@ -1595,6 +1598,9 @@ static_assert(TaskStatus::SCHEMA == [] {
     hash = fnv1a(hash, "source");
     hash = fnv1a_number(hash, Schema<decltype(TaskStatus::source)>::value);
     hash = fnv1a_number(hash, offsetof(TaskStatus, source));
+    hash = fnv1a(hash, "waits_s");
+    hash = fnv1a_number(hash, Schema<decltype(TaskStatus::waits_s)>::value);
+    hash = fnv1a_number(hash, offsetof(TaskStatus, waits_s));
     hash = fnv1a(hash, "spare");
     hash = fnv1a_number(hash, Schema<decltype(TaskStatus::spare)>::value);
     hash = fnv1a_number(hash, offsetof(TaskStatus, spare));
@@ -1604,7 +1610,7 @@ static_assert(TaskStatus::SCHEMA == [] {
 /// Header and fixed fields of the topic's messages.
 struct TaskStatusEnvelope {
     static constexpr const char* NAME = "zeronav.task.status.v1";
-    static constexpr std::uint64_t SCHEMA = 0x68486bd9a75cb630;
+    static constexpr std::uint64_t SCHEMA = 0xee37965966771ef6;
     /// The header.
     Header header{};
     /// The fixed fields.
@@ -2998,7 +3004,7 @@ struct task_status {
     using Envelope = TaskStatusEnvelope;
     using Item = GoalEnd;
     static constexpr const char* NAME = "task/status";
-    static constexpr std::uint64_t SCHEMA = 0xbce176d8ce956f72;
+    static constexpr std::uint64_t SCHEMA = 0x5c1beab4fcb50bb2;
     static constexpr std::size_t NUMBER = 9;
     static constexpr std::size_t LEN_MAX = 64;
     static constexpr std::size_t BUFFER = 2;

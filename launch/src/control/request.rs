@@ -162,9 +162,13 @@ pub(crate) struct GoalReport {
     pub time_remaining_s: Option<f64>,
     /// Manoeuvres and waits of the recovery.
     pub recoveries: u32,
-    /// Why they failed, in the words of `zeronav why`; empty when they have not.
+    /// Why they failed, in the words of `zeronav why`, or will when the robot has waited; empty when
+    /// neither is so.
     #[serde(default)]
     pub why: String,
+    /// For which the robot waits at most for what is in its way to go; 0 = it does not wait. [s]
+    #[serde(default)]
+    pub waits_s: u16,
 }
 
 /// A stack and its processes. What an older program does not tell has its default.

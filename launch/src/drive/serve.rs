@@ -259,8 +259,11 @@ impl Session<'_> {
             time_remaining_s: distance_remaining_m
                 .filter(|_| speed_mps > MOVING_MPS)
                 .map(|distance_m| distance_m / speed_mps),
-            recoveries: report.map_or(0, |report| report.recoveries),
-            why: self.orders.why(id).to_owned(),
+            recoveries: report.map_or(self.orders.recoveries(id), |report| report.recoveries),
+            why: report
+                .and_then(|report| why::failure(&report.outcome()))
+                .unwrap_or_else(|| self.orders.why(id).to_owned()),
+            waits_s: report.map_or(0, |report| report.waits_s),
         })
     }
 

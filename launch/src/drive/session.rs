@@ -12,7 +12,7 @@ use crate::ending::Ending;
 use crate::keeper::Keeper;
 use crate::live_view::LiveView;
 use crate::measure::start_up::StartStamps;
-use crate::orders::Orders;
+use crate::orders::{End, Orders};
 use crate::placed::PlacedObstacles;
 use crate::prepare::Prepared;
 use crate::seen::TaskReport;
@@ -383,10 +383,18 @@ impl<'a> Session<'a> {
         if !self.orders.is_active() && !self.prepared.stays {
             return Some(Ending::Task(state, reason));
         }
-        let outcome = self.report().map(|report| report.outcome());
-        let why = outcome.and_then(|outcome| why::failure(&outcome));
+        let report = self.report();
+        let outcome = report.map(|report| report.outcome());
+        let end = End {
+            state,
+            reason,
+            why: outcome.and_then(|outcome| why::failure(&outcome)),
+            may_open: outcome.is_some_and(|outcome| outcome.may_open()),
+            recoveries: report.map_or(0, |report| report.recoveries),
+            left: self.left(),
+        };
         let run_ns = self.collector.run_ns;
-        if let Some(goals) = self.orders.ended((state, reason), why, run_ns) {
+        if let Some(goals) = self.orders.ended(end, run_ns) {
             self.send_now(stack, goals);
             return None;
         }

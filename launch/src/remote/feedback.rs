@@ -38,8 +38,12 @@ impl GoalReport {
                 } else {
                     String::new()
                 };
+                let waits = match self.waits_s {
+                    0 => String::new(),
+                    waits_s => format!(", waits {waits_s} s more: {}", printable(&self.why)),
+                };
                 format!(
-                    "goal {id}: {way}{time}{goals}, {} recoveries, {:.1} s\n",
+                    "goal {id}: {way}{time}{goals}, {} recoveries, {:.1} s{waits}\n",
                     self.recoveries, self.elapsed_s
                 )
             }
@@ -49,7 +53,12 @@ impl GoalReport {
                     why => format!(": {}", printable(why)),
                 };
                 let outcome = printable(outcome);
-                format!("goal {id}: {outcome}, {:.1} s{why}\n", self.elapsed_s)
+                let recoveries = match self.recoveries {
+                    0 => String::new(),
+                    recoveries => format!(", {recoveries} recoveries"),
+                };
+                let elapsed_s = self.elapsed_s;
+                format!("goal {id}: {outcome}, {elapsed_s:.1} s{recoveries}{why}\n")
             }
         }
     }

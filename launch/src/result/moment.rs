@@ -212,7 +212,7 @@ pub struct Task {
     #[serde(with = "task_state")]
     #[cfg_attr(test, schemars(with = "String"))]
     pub state: TaskState,
-    /// Why it ended.
+    /// Why it ended, or will when it has waited.
     #[serde(with = "end_reason")]
     #[cfg_attr(test, schemars(with = "String"))]
     pub reason: EndReason,
@@ -220,9 +220,17 @@ pub struct Task {
     #[serde(with = "stuck_cause")]
     #[cfg_attr(test, schemars(with = "String"))]
     pub stuck: StuckCause,
-    /// The cell because of which it failed.
+    /// The cell because of which it failed, or waits.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub blocked: Option<Blocked>,
+    /// For which it waits at most for that obstacle to go; 0 = it does not wait. [s]
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub waits_s: u16,
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "as serde calls it")]
+const fn is_zero(seconds: &u16) -> bool {
+    *seconds == 0
 }
 
 impl Request {
@@ -322,6 +330,42 @@ impl Task {
             reason: status.reason()?,
             stuck: status.cause()?,
             blocked: Blocked::named(status.block()?, status.block_m, status.source()?),
+            waits_s: status.waits_s,
         })
+    }
+
+    /// The same so much later, if nothing else has been heard. [s]
+    #[must_use]
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "clamped"
+    )]
+    pub fn after(self, time_s: f64) -> Self {
+        let past_s = time_s.clamp(0.0, f64::from(u16::MAX)) as u16;
+        // Waiting does not end by its being told late.
+        let waits_s = self.waits_s.saturating_sub(past_s).max(self.waits_s.min(1));
+        Self { waits_s, ..self }
+    }
+
+    /// True while it waits for what blocks robot, way or goal to go.
+    #[must_use]
+    pub const fn waits(&self) -> bool {
+        self.waits_s > 0
+    }
+
+    /// True when what it failed by may go: it is in no static map.
+    #[must_use]
+    pub fn may_open(&self) -> bool {
+        let source = self.blocked.map(|blocked| blocked.source);
+        let is_passing = matches!(
+            source,
+            Some(ObstacleSource::Lidar | ObstacleSource::Tracked)
+        );
+        let is_blocked = matches!(
+            self.reason,
+            EndReason::Unreachable | EndReason::GoalBlocked | EndReason::NoPath
+        );
+        is_passing && is_blocked
     }
 }

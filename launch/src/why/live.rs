@@ -147,7 +147,8 @@ pub(super) fn now(stack: &Running) -> Result<(Moment, Around), String> {
     add(&mut around, &stack.report()?);
     // Nothing is kept yet of a stack that has just begun.
     if let Ok(Reply::Why(kept)) = stack.ask(&request::Request::Why { ago_s: 0.0 }) {
-        moment.task = kept.task;
+        let since_s = moment.time_s - kept.time_s;
+        moment.task = kept.task.map(|task| task.after(since_s));
     }
     Ok((moment, around))
 }

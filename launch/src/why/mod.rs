@@ -69,6 +69,8 @@ fn run_and_time(arguments: &WhyArgs) -> Result<Option<(PathBuf, Option<f64>)>, S
 /// moves by now.
 #[must_use]
 pub(crate) fn line(mut moment: Moment, now: &Now, report: &RunReport) -> String {
+    let since_s = report.time_s - moment.time_s;
+    moment.task = moment.task.map(|task| task.after(since_s));
     moment.time_s = report.time_s;
     if let (Some([v_mps, w_radps]), Some(command)) = (now.twist, &mut moment.command) {
         (command.v_mps, command.w_radps) = (v_mps, w_radps);
@@ -81,10 +83,12 @@ pub(crate) fn line(mut moment: Moment, now: &Now, report: &RunReport) -> String 
     sentence::why(&moment, &around)
 }
 
-/// Why a task has failed, as the report of a run says it; `None` when it has not.
+/// Why a task has failed, or will when it has waited, as the report of a run says it; `None` when neither
+/// is so.
 #[must_use]
 pub(crate) fn failure(task: &Task) -> Option<String> {
-    (task.state == TaskState::Failed).then(|| sentence::words::failure(task))
+    let is_told = task.state == TaskState::Failed || task.waits();
+    is_told.then(|| sentence::words::failure(task))
 }
 
 /// What a moment that is kept does not tell.

@@ -10,7 +10,7 @@ pub(super) mod words;
 use super::around::Around;
 use crate::result::moment::{Command, Moment, Path, Point, Request, Task};
 use driving::driving;
-use words::{age, failure, no_way, stale};
+use words::{age, failure, no_way, stale, waiting};
 use zeronav_msgs::command::{AGE_MS_MAX, Intervention, RequestCause, Validity};
 use zeronav_msgs::path::PathStatus;
 use zeronav_msgs::task::TaskState;
@@ -193,6 +193,9 @@ fn no_path(path: Option<&Path>, task: Option<Task>) -> String {
             let why = failure(&task);
             return format!("The task has failed: {why}. Another goal moves the robot.");
         }
+        Some((TaskState::Active, task)) if task.waits() => {
+            return format!("{}.", waiting(&task));
+        }
         _ => {}
     }
     let Some(path) = path else {
@@ -232,5 +235,7 @@ fn service(role: &str) -> String {
     role.replace('_', " ")
 }
 
+#[cfg(test)]
+mod task_tests;
 #[cfg(test)]
 mod tests;

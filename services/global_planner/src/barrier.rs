@@ -1,25 +1,29 @@
 //! The cell that would have to open where no way leads to the goal. Nothing is decided by it.
 //!
 //! Dijkstra's algorithm from the robot over all cells of the map: a free cell costs its length, a
-//! blocked one much more, and the more the less likely it opens. The cheapest way passes what
-//! closes it; of that its tightest cell is told.
+//! blocked one much more, and the more the less likely it opens: what the static map closes by
+//! itself opens last. The cheapest way passes what closes it; of that its tightest cell is told, of
+//! those that the static map closes where there are such.
 
+use crate::blockers::Blockers;
 use crate::bucket_queue::BucketQueue;
 use crate::moves::STEPS;
+use crate::plan::Blocked;
 use crate::planner::{CornerRule, PlanQuery};
-use zeronav_msgs::map::{COST_LETHAL, FLAG_STATIC};
-use zeronav_msgs::{Cell, MapCell};
+use zeronav_msgs::Cell;
+use zeronav_msgs::map::{COST_LETHAL, FLAG_STATIC, ObstacleSource};
 
 /// Cells that are looked at at most: some ten milliseconds.
 const SETTLED_MAX: u32 = 1 << 19;
 
 /// Costs, in half cells of a free way: of a straight and a diagonal step, and what a blocked cell
-/// adds that is only too close to an obstacle, that the lidar saw or nobody knows, and that is in the
-/// static map.
+/// adds that is only too close to an obstacle, that the lidar saw or nobody knows, that is too close to
+/// an obstacle of the static map, and that is one.
 const STRAIGHT: u32 = 2;
 const DIAGONAL: u32 = 3;
 const CLOSE: u32 = 16;
 const SEEN: u32 = 64;
+const SHUT: u32 = 512;
 const STATIC: u32 = 2048;
 
 /// Instead of the step that led to a cell.
@@ -46,8 +50,9 @@ impl Barrier {
         clippy::cast_possible_wrap,
         reason = "a map has at most 2^26 cells, steps are fewer than 16"
     )]
-    pub(crate) fn find(&mut self, query: &PlanQuery<'_>) -> Option<Cell> {
+    pub(crate) fn find(&mut self, query: &PlanQuery<'_>) -> Option<Blocked> {
         let geometry = query.map.geometry;
+        let blockers = Blockers::of(query.map);
         let start = geometry.cell_at(query.start.point())?;
         let goal = geometry.cell_at(query.goal.point())?;
         let (width, _) = geometry.size();
@@ -69,7 +74,7 @@ impl Barrier {
             self.steps[index] = (entry & ((1 << STEP_BITS) - 1)) as u8;
             let from = Cell::new(index as i32 % width, index as i32 / width);
             if is_end(query, goal, from) {
-                return self.tightest(query, from);
+                return self.tightest(query, &blockers, from);
             }
             settled += 1;
             if settled == SETTLED_MAX {
@@ -79,10 +84,9 @@ impl Barrier {
                 let to = Cell::new(from.x + dx, from.y + dy);
                 if let Some(next) = geometry.index_of(to)
                     && self.steps[next] == UNSEEN
-                    && let Some(cell) = query.map.cells.get(next)
                 {
                     let step = if n % 2 == 0 { STRAIGHT } else { DIAGONAL };
-                    let cost = cost + step + obstacle_cost(query, *cell);
+                    let cost = cost + step + obstacle_cost(query, &blockers, to);
                     self.open.push(cost, item(next, n as u8));
                 }
             }
@@ -91,8 +95,14 @@ impl Barrier {
     }
 
     /// The cell with the least clearance of the first blocked ones on the way to `end` where the
-    /// robot cannot be led out of the inflation.
-    fn tightest(&mut self, query: &PlanQuery<'_>, end: Cell) -> Option<Cell> {
+    /// robot cannot be led out of the inflation; of those that the static map closes by itself
+    /// where the way has such.
+    fn tightest(
+        &mut self,
+        query: &PlanQuery<'_>,
+        blockers: &Blockers<'_>,
+        end: Cell,
+    ) -> Option<Blocked> {
         let map = query.map;
         self.way.clear();
         let mut cell = end;
@@ -111,22 +121,32 @@ impl Barrier {
                 !query.unknown.is_lethal(known) && known.clearance_mm >= least_mm
             })
         };
-        let way = self.way.iter().rev().skip_while(|cell| leaves(cell));
-        let closed = way
-            .skip_while(|cell| known(cell).is_none())
-            .map_while(|cell| known(cell).map(|known| (known.clearance_mm, *cell)));
-        let tightest = closed.min_by_key(|(clearance_mm, _)| *clearance_mm);
-        tightest.map(|(_, cell)| cell)
+        let closed = |closes: &dyn Fn(&Cell) -> bool| {
+            let way = self.way.iter().rev().skip_while(|cell| leaves(cell));
+            let closed = way
+                .skip_while(|cell| !closes(cell))
+                .take_while(|cell| closes(cell))
+                .filter_map(|cell| Some((known(cell)?.clearance_mm, *cell)));
+            closed.min_by_key(|(clearance_mm, _)| *clearance_mm)
+        };
+        let is_shut = |cell: &Cell| {
+            known(cell).is_some() && blockers.source_at(*cell) == ObstacleSource::StaticMap
+        };
+        let tightest = closed(&is_shut).or_else(|| closed(&|cell| known(cell).is_some()));
+        tightest.map(|(_, cell)| blockers.blocked(cell))
     }
 }
 
 /// What a blocked cell adds to the cost of a step into it.
-fn obstacle_cost(query: &PlanQuery<'_>, cell: MapCell) -> u32 {
-    if !query.unknown.blocks(cell) {
-        0
-    } else if cell.cost == COST_LETHAL && cell.flags & FLAG_STATIC != 0 {
+fn obstacle_cost(query: &PlanQuery<'_>, blockers: &Blockers<'_>, cell: Cell) -> u32 {
+    let Some(known) = query.map.get(cell).filter(|it| query.unknown.blocks(*it)) else {
+        return 0;
+    };
+    if known.cost == COST_LETHAL && known.flags & FLAG_STATIC != 0 {
         STATIC
-    } else if query.unknown.is_lethal(cell) {
+    } else if blockers.source_at(cell) == ObstacleSource::StaticMap {
+        SHUT
+    } else if query.unknown.is_lethal(known) {
         SEEN
     } else {
         CLOSE

@@ -16,7 +16,7 @@
 //! | ask the chosen planner | `replan`: [`Replanner::search`]; `table`: a row of [`PLANNERS`] |
 //! | find both ends: out of the inflation, into the tolerance | `ends`, `goal_cell` |
 //! | lead out of the inflation, prove that there is no path | `ground`: `reach` over `regions` |
-//! | name the cell that would have to open | `barrier` |
+//! | name the cell that would have to open, and what closes it | `barrier`, `blockers` |
 //! | search | the planner's own file, below |
 //! | round the path | `smooth` |
 //! | turn cells into waypoints, an error into a status | `plan`, `waypoints` |
@@ -48,6 +48,7 @@ mod anytime;
 mod astar;
 mod barrier;
 mod bits;
+mod blockers;
 mod bucket_queue;
 mod canonical;
 mod change;

@@ -281,8 +281,7 @@ impl Replanner {
             PathStatus::Unreachable | PathStatus::UnreachableCorner
         );
         if is_proof && candidate.cut.is_none() {
-            let closed = self.barrier.find(&query);
-            candidate.closed = closed.map(|cell| Blocked::of(&query.map, cell));
+            candidate.closed = self.barrier.find(&query);
         }
         candidate.searched_map = situation.revision;
         if let Some(request) = situation.request {

@@ -3,7 +3,7 @@
 
 use crate::obstruction::Obstruction;
 use crate::recovery::{Behaviour, Cause};
-use zeronav_msgs::task::{StuckCause, TaskStatus};
+use zeronav_msgs::task::{StuckCause, TaskState, TaskStatus};
 
 /// Of the newest task with goals.
 #[derive(Debug, Clone, Copy)]
@@ -44,8 +44,8 @@ impl Account {
         }
     }
 
-    /// Takes down because of what the task failed.
-    pub(crate) fn fail(&mut self, task: u64, obstruction: Obstruction) {
+    /// Takes down because of what the task failed, or what it waits for.
+    pub(crate) fn blocked(&mut self, task: u64, obstruction: Obstruction) {
         self.turn_to(task);
         self.obstruction = obstruction;
     }
@@ -65,12 +65,19 @@ impl Account {
         if self.task != task {
             return status;
         }
+        // A way that has opened is blocked no more.
+        let is_blocked = status.waits_s > 0 || status.state() != Some(TaskState::Active);
+        let obstruction = if is_blocked {
+            self.obstruction
+        } else {
+            Obstruction::NONE
+        };
         TaskStatus {
             recoveries: self.attempts,
             cause: self.cause.code(),
-            block: self.obstruction.block.code(),
-            block_m: self.obstruction.at_m,
-            source: self.obstruction.source.code(),
+            block: obstruction.block.code(),
+            block_m: obstruction.at_m,
+            source: obstruction.source.code(),
             ..status
         }
     }

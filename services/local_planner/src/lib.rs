@@ -23,6 +23,7 @@ pub mod mppi;
 mod obstruction;
 mod outputs;
 pub mod papers;
+mod patience;
 pub mod period;
 pub mod pilot;
 pub mod progress;

@@ -15,7 +15,7 @@ use crate::requests::{PathRequests, RequestInputs};
 use crate::situation::{Decision, Future, Situation};
 use crate::staleness::{Ages, StaleInput, ageing, speed_factor};
 use crate::table::{UnknownController, controller};
-use crate::task::{TaskInputs, TaskMachine, TaskStep};
+use crate::task::{Planned, TaskInputs, TaskMachine, TaskStep};
 use nalgebra::Point2;
 use zeronav_motion::{Twist, stop_distance_m, towards_rest};
 use zeronav_msgs::command::{RecoveryReason, RequestCause, Validity};
@@ -105,6 +105,8 @@ pub struct LocalPlanner {
     trail: Trail,
     /// Requested last; ramps to rest start here.
     last: Twist,
+    /// The last period turned on the spot.
+    turns: bool,
 }
 
 /// A path that leads to the current goal, and the robot's place on it.
@@ -137,6 +139,7 @@ impl LocalPlanner {
             escape: Escape::new(config.recovery),
             trail: Trail::new(),
             last: Twist::REST,
+            turns: false,
         })
     }
 
@@ -201,21 +204,21 @@ impl LocalPlanner {
             tick: inputs.tick,
             run_ns: inputs.run_ns,
             robot: map_from_base.zip(inputs.odometry.map(Twist::measured)),
-            path: inputs
-                .path
-                .and_then(|input| Some((input.path.status()?, input.path.goal))),
+            path: inputs.path.and_then(|input| Planned::of(input.path)),
             remaining: route.map(|route| (route.place.remaining_m, route.geometry)),
+            turns: self.turns,
             given_up: matches!(self.behaviour(), Behaviour::GiveUp(_)),
             moves_at_goal: self
                 .task
                 .goal()
                 .is_some_and(|goal| is_dynamic_near(inputs.obstacles.0, &goal.pose)),
         });
+        let has_failed = step.changed && self.task.state() == TaskState::Failed && was_active;
+        if has_failed || self.task.waits() {
+            let obstruction = self.obstruction(inputs, map_from_base, step);
+            self.account.blocked(self.task.subject(), obstruction);
+        }
         if step.changed {
-            if self.task.state() == TaskState::Failed && was_active {
-                let obstruction = self.obstruction(inputs, map_from_base, step);
-                self.account.fail(self.task.subject(), obstruction);
-            }
             self.stopped_at = None;
             // The goal may be another one now.
             route = self.route(inputs, map_from_base);
@@ -240,6 +243,7 @@ impl LocalPlanner {
             }
         };
         self.last = Twist::new(decision.v_mps, decision.w_radps);
+        self.turns = decision.turns;
         let ageing = ageing(&self.ages(inputs), &self.config.staleness);
         let about = Circumstances {
             ages: &inputs.ages,
@@ -427,6 +431,7 @@ impl LocalPlanner {
             blocked,
             turns: decision.turns,
             stalled_s: step.stalled_s,
+            idle_s: step.idle_s,
             no_progress: step.no_progress,
             stuck: step.stuck,
             dynamic_obstacle: is_dynamic_near(situation.obstacles, &situation.map_from_base),

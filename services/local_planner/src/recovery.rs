@@ -105,7 +105,8 @@ impl Recovery {
             turning_s: lasted_s(self.turning_since_s),
             since_tried_s: facts.now_s - self.tried_s,
             escalated: self.escalated_s.is_some(),
-            another_path: facts.geometry != 0 && facts.geometry != self.geometry,
+            // One on which it stands as blocked as before is the same in another message, or no help.
+            another_path: facts.geometry != 0 && facts.geometry != self.geometry && !facts.blocked,
         };
         let rule = RULES
             .iter()

@@ -1,9 +1,11 @@
 //! The task: which goal is current, and what became of the others.
 
-use crate::stall::Stall;
+use crate::patience::Patience;
+use crate::stall::{Stall, Stalled};
 use zeronav_motion::Twist;
 use zeronav_msgs::Pose;
-use zeronav_msgs::path::PathStatus;
+use zeronav_msgs::map::ObstacleSource;
+use zeronav_msgs::path::{Path, PathStatus};
 use zeronav_msgs::pose::wrap_angle;
 use zeronav_msgs::task::{
     EndReason, GOALS_MAX, Goal, GoalEnd, Task, TaskKind, TaskState, TaskStatus,
@@ -16,15 +18,18 @@ parameters! {
     #[derive(Copy)]
     pub struct TaskConfig {
         /// Run time that a planning failure must last, with the robot stopped, before the task
-        /// fails by it; a goal that a dynamic obstacle occupies is waited for.
+        /// fails by it.
         failure_s: f64 = 1.0, [0.0, 600.0] "s";
-        /// The same for a goal that is blocked but was not before.
-        blocked_goal_s: f64 = 10.0, [0.0, 600.0] "s";
+        /// The same where what blocks robot, way or goal may go: it is no obstacle of the static map,
+        /// or a path has led to the goal. In sum, since the robot last came closer.
+        blocked_goal_s: f64 = 30.0, [0.0, 600.0] "s";
         /// Decrease of the remaining path that counts as progress.
         progress_m: f64 = 0.1, [0.001, 10.0] "m";
-        /// Run time without progress after which another path is requested.
+        /// Run time without progress after which another path is requested. A turn on the spot is
+        /// progress, once around.
         no_progress_s: f64 = 10.0, [0.1, 3600.0] "s";
-        /// Run time without progress after which the task fails as stuck.
+        /// Run time without progress after which the task fails as stuck. Waiting for what blocks the
+        /// way does not count.
         stuck_s: f64 = 30.0, [0.1, 3600.0] "s";
     }
     relations |own| {
@@ -42,6 +47,29 @@ fn is_stopped(twist: Twist) -> bool {
     twist.v_mps.abs() < STOPPED_MPS && twist.w_radps.abs() < STOPPED_RADPS
 }
 
+/// What the newest path message says, as far as the task is judged by it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Planned {
+    /// The outcome.
+    pub status: PathStatus,
+    /// [`Goal::id`] that it is for.
+    pub goal: u64,
+    /// Where the obstacle comes from because of which there is no path.
+    pub source: ObstacleSource,
+}
+
+impl Planned {
+    /// What a message says; `None` for unknown codes.
+    #[must_use]
+    pub fn of(path: &Path) -> Option<Self> {
+        Some(Self {
+            status: path.status()?,
+            goal: path.goal,
+            source: path.source()?,
+        })
+    }
+}
+
 /// What the task is judged by in one period.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TaskInputs {
@@ -51,11 +79,13 @@ pub struct TaskInputs {
     pub run_ns: u64,
     /// `map_from_base` and the measured twist; `None` = unknown.
     pub robot: Option<(Pose, Twist)>,
-    /// Outcome of the newest path and the goal it is for.
-    pub path: Option<(PathStatus, u64)>,
+    /// The newest path.
+    pub path: Option<Planned>,
     /// [m] along the path to its end and the id of its geometry, when it leads to the goal at
     /// hand.
     pub remaining: Option<(f64, u64)>,
+    /// The robot turns on the spot, towards its path or the goal's yaw.
+    pub turns: bool,
     /// Nothing more can be tried.
     pub given_up: bool,
     /// Something that moves is near the current goal, which may be free again soon.
@@ -73,6 +103,17 @@ pub struct TaskStep {
     pub stuck: bool,
     /// [s] since it came closer to the current goal.
     pub stalled_s: f64,
+    /// [s] since it came closer, or turned on towards its way.
+    pub idle_s: f64,
+}
+
+/// A failure that is waited out: what it comes from may go.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Wait {
+    /// How the goal ends if it does not.
+    reason: EndReason,
+    /// [s] until then.
+    left_s: f64,
 }
 
 #[derive(Debug, Clone, Default)]
@@ -105,6 +146,8 @@ pub struct TaskMachine {
     /// A path has led to the current goal.
     was_free: bool,
     stall: Stall,
+    patience: Patience,
+    wait: Option<Wait>,
     remaining_m: f64,
 }
 
@@ -128,6 +171,8 @@ impl TaskMachine {
             failing_since_ns: None,
             was_free: false,
             stall: Stall::default(),
+            patience: Patience::default(),
+            wait: None,
             remaining_m: 0.0,
         }
     }
@@ -160,8 +205,10 @@ impl TaskMachine {
         let Some((state, reason)) = status.state().zip(status.reason()) else {
             return;
         };
-        let is_same = (own.state, own.reason, own.goal)
-            == (status.state, status.reason, status.goal)
+        // While it is active the reason is that of a wait.
+        let is_active = state == TaskState::Active;
+        let is_same = (own.state, own.goal) == (status.state, status.goal)
+            && (is_active || own.reason == status.reason)
             && self.ends == ends;
         let goals = &self.task.goals;
         if status.task == self.task.id && goals.is_empty() && self.state == TaskState::Idle {
@@ -185,7 +232,8 @@ impl TaskMachine {
         if status.task != self.task.id || is_same || !in_order || !fits {
             return;
         }
-        (self.state, self.reason) = (state, reason);
+        self.state = state;
+        self.reason = if is_active { EndReason::None } else { reason };
         self.index = ends.len().min(goals.len().saturating_sub(1));
         self.ends.clear();
         self.ends.extend_from_slice(ends);
@@ -218,12 +266,19 @@ impl TaskMachine {
         self.subject
     }
 
+    /// True while it waits for what blocks robot, way or goal to go.
+    #[must_use]
+    pub const fn waits(&self) -> bool {
+        self.wait.is_some()
+    }
+
     /// The message of the task's state and the ends of its goals, without what the recovery did.
     #[must_use]
     pub fn status(&self) -> (TaskStatus, &[GoalEnd]) {
         let status = TaskStatus {
             state: self.state.code(),
-            reason: self.reason.code(),
+            reason: self.wait.map_or(self.reason, |wait| wait.reason).code(),
+            waits_s: self.wait.map_or(0, |wait| whole_seconds(wait.left_s)),
             n_ended: u32::try_from(self.ends.len()).unwrap_or(0),
             task: self.task.id,
             goal: self.goal().map_or(0, |goal| goal.id),
@@ -258,19 +313,29 @@ impl TaskMachine {
             return step;
         }
         let geometry = inputs.remaining.map_or(0, |(_, geometry)| geometry);
-        let stalled_s = self.stall.step(
+        if self.wait.is_some() {
+            self.stall.hold(inputs.run_ns);
+        }
+        let Stalled {
+            far_s,
+            idle_s,
+            closer,
+        } = self.stall.step(
             inputs.run_ns,
-            geometry,
-            self.remaining_m,
+            (geometry, self.remaining_m),
+            inputs.turns.then_some(pose.yaw_rad),
             self.config.progress_m,
         );
-        step.stalled_s = stalled_s;
-        if stalled_s > self.config.stuck_s || inputs.given_up {
+        if closer {
+            self.patience.renew();
+        }
+        (step.stalled_s, step.idle_s) = (far_s, idle_s);
+        if idle_s > self.config.stuck_s || inputs.given_up {
             step.stuck = true;
             self.end(inputs.tick, TaskState::Failed, EndReason::Stuck);
             step.changed = true;
         } else {
-            step.no_progress = stalled_s > self.config.no_progress_s;
+            step.no_progress = idle_s > self.config.no_progress_s;
         }
         step
     }
@@ -312,6 +377,8 @@ impl TaskMachine {
         self.failing_since_ns = None;
         self.was_free = false;
         self.stall = Stall::default();
+        self.patience = Patience::default();
+        self.wait = None;
     }
 
     fn is_reached(&self, goal: &Goal, pose: &Pose, twist: Twist) -> bool {
@@ -334,29 +401,45 @@ impl TaskMachine {
 
     /// The failure that has lasted long enough with the robot standing.
     fn failure(&mut self, goal: &Goal, inputs: &TaskInputs, twist: Twist) -> Option<EndReason> {
-        let status = inputs
-            .path
-            .filter(|(_, path_goal)| *path_goal == goal.id)
-            .map(|(status, _)| status);
-        self.was_free |= status == Some(PathStatus::Found);
-        let reason = status
-            .and_then(end_of)
-            .filter(|_| is_stopped(twist))
-            .filter(|reason| *reason != EndReason::GoalBlocked || !inputs.moves_at_goal);
-        let Some(reason) = reason else {
+        self.wait = None;
+        let planned = inputs.path.filter(|planned| planned.goal == goal.id);
+        self.was_free |= planned.is_some_and(|planned| planned.status == PathStatus::Found);
+        let failing = planned
+            .and_then(|planned| Some((planned, end_of(planned.status)?)))
+            .filter(|_| is_stopped(twist));
+        let Some((planned, reason)) = failing else {
             self.failing_since_ns = None;
+            self.patience.pause();
             return None;
         };
+        if self.may_open(planned, inputs.moves_at_goal) {
+            self.failing_since_ns = None;
+            let left_s = self.config.blocked_goal_s - self.patience.wait(inputs.run_ns);
+            if left_s <= 0.0 {
+                return Some(reason);
+            }
+            self.wait = Some(Wait { reason, left_s });
+            return None;
+        }
+        self.patience.pause();
         let since_ns = *self.failing_since_ns.get_or_insert(inputs.run_ns);
         let lasted_s = seconds(inputs.run_ns.saturating_sub(since_ns));
-        // What came onto the goal since may go as it came.
-        let waits = reason == EndReason::GoalBlocked && self.was_free;
-        let patience_s = if waits {
-            self.config.blocked_goal_s
-        } else {
-            self.config.failure_s
-        };
-        (lasted_s >= patience_s).then_some(reason)
+        (lasted_s >= self.config.failure_s).then_some(reason)
+    }
+
+    /// True when there may be a path soon though nothing is done: what is in the way is not in the
+    /// static map, came after a path had led to the goal, or moves.
+    const fn may_open(&self, planned: Planned, moves_at_goal: bool) -> bool {
+        let may_go = matches!(
+            planned.source,
+            ObstacleSource::Lidar | ObstacleSource::Tracked
+        );
+        match planned.status {
+            PathStatus::StartBlocked => may_go,
+            PathStatus::GoalBlocked => may_go || self.was_free || moves_at_goal,
+            PathStatus::Unreachable | PathStatus::UnreachableCorner => may_go || self.was_free,
+            _ => false,
+        }
     }
 
     /// The current goal and the task with it end.
@@ -364,6 +447,7 @@ impl TaskMachine {
         self.push_end(tick, state, reason);
         self.state = state;
         self.reason = reason;
+        self.wait = None;
     }
 
     fn push_end(&mut self, tick: u64, state: TaskState, reason: EndReason) {
@@ -392,4 +476,14 @@ const fn end_of(status: PathStatus) -> Option<EndReason> {
         | PathStatus::OutOfBudget
         | PathStatus::TooLong => Some(EndReason::NoPath),
     }
+}
+
+/// A time as the status tells it, rounded up. [s]
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "clamped"
+)]
+fn whole_seconds(time_s: f64) -> u16 {
+    time_s.ceil().clamp(0.0, f64::from(u16::MAX)) as u16
 }

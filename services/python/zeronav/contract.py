@@ -862,12 +862,12 @@ class TaskStatus(Message):
 
     NAME = "zeronav.TaskStatus.v3"
     SIZE = 64
-    SCHEMA = 0x9eb5c1e775525fe1
-    OFFSETS = (0, 2, 4, 8, 16, 24, 32, 36, 38, 40, 56, 58)
+    SCHEMA = 0xe2d4217383846950
+    OFFSETS = (0, 2, 4, 8, 16, 24, 32, 36, 38, 40, 56, 58, 60)
     _fields_ = [
         # Code of `TaskState`.
         ("state", u16),
-        # Code of `EndReason`.
+        # Code of `EndReason`; while it waits, that for which the goal will end.
         ("reason", u16),
         # [count] Goals that have ended.
         ("n_ended", u32),
@@ -881,14 +881,16 @@ class TaskStatus(Message):
         ("recoveries", u32),
         # Code of `StuckCause`, with the reason `stuck`.
         ("cause", u16),
-        # Code of `PathBlock`: the cell because of which the task failed. May be left 0.
+        # Code of `PathBlock`: the cell because of which the task failed, or waits. May be left 0.
         ("block", u16),
         # [m] x and y of the centre of that cell, `map` frame.
         ("block_m", f64 * 2),
         # Code of `ObstacleSource` of the obstacle in that cell or nearest to it. May be left 0.
         ("source", u16),
+        # [s] for which it waits at most for that obstacle to go, rounded up; 0 = it does not wait.
+        ("waits_s", u16),
         # Written as 0.
-        ("spare", u16 * 3),
+        ("spare", u16 * 2),
     ]
 
 
@@ -897,7 +899,7 @@ class TaskStatusEnvelope(Message):
 
     NAME = "zeronav.task.status.v1"
     SIZE = 192
-    SCHEMA = 0x68486bd9a75cb630
+    SCHEMA = 0xee37965966771ef6
     OFFSETS = (0, 128)
     _fields_ = [
         # The header.
@@ -1678,7 +1680,7 @@ TASK_STATUS = Topic(
     len_max=64,
     buffer=2,
     pool=29,
-    schema=0xbce176d8ce956f72,
+    schema=0x5c1beab4fcb50bb2,
 )
 
 TASK_POSE = Topic(

@@ -83,6 +83,68 @@ fn a_door_too_narrow_is_proved_shut_from_afar_and_from_right_before_it() {
     }
 }
 
+/// A cart stands in the only door when the goal is given, and another one on the goal while the robot is on
+/// its way there: both are waited for, with and without a static map.
+#[test]
+fn what_stands_in_the_only_door_or_on_the_goal_is_waited_for() {
+    let carts = r#"
+[[goals]]
+pose = [8.0, 3.0, 0.0]
+yaw_tolerance_rad = 3.15
+[[world.obstacles]]
+name = "in the door"
+shape = { kind = "box", centre_m = [5.0, 3.0], size_m = [0.5, 0.7] }
+appears = { at_s = 0.0 }
+lasts_s = 13.0
+[[world.obstacles]]
+name = "on the goal"
+shape = { kind = "disc", centre_m = [8.0, 3.0], radius_m = 0.35 }
+appears = { at_s = 15.0 }
+lasts_s = 12.0
+"#;
+    for static_map in [true, false] {
+        let lines = format!("start = [2.5, 3.0, 0.0]\nstatic_map = {static_map}\n{carts}");
+        let folder = folder(&lines);
+        let file = folder.path().join("it.toml");
+        let text = std::fs::read_to_string(&file).expect("the scenario");
+        // The door is 0.9 m wide.
+        let text = text
+            .replace(
+                "[5.02, 1.425], size_m = [0.1, 2.85]",
+                "[5.02, 1.275], size_m = [0.1, 2.55]",
+            )
+            .replace(
+                "[5.02, 4.575], size_m = [0.1, 2.85]",
+                "[5.02, 4.725], size_m = [0.1, 2.55]",
+            );
+        std::fs::write(&file, text).expect("written");
+        let arguments = ["run", "./it.toml", "--lockstep", "--headless", "--json"];
+        let ended = Zeronav::start_in(folder, &arguments).finish();
+        let result = ended.json();
+        assert_eq!(result["outcome"], "reached", "{static_map}: {result:#}");
+        assert_eq!(result["contacts"], 0, "{static_map}");
+        let all = result["reasons"].as_array().expect("moments");
+        let waits = all
+            .iter()
+            .filter(|it| it["task"]["waits_s"].as_u64() > Some(0));
+        let waits: Vec<f64> = waits.filter_map(|it| it["time_s"].as_f64()).collect();
+        let before = |time_s: f64| waits.iter().any(|wait| *wait < time_s);
+        assert!(before(13.0), "{static_map}: {waits:?}");
+        let last = waits.last().copied().unwrap_or_default();
+        assert!(last > 15.0, "{static_map}: {waits:?}");
+        let run = ended.folder.path();
+        let run = run.join(result["directory"].as_str().expect("a folder"));
+        let run = run.to_str().expect("a path");
+        let told = zeronav(&["why", run, &format!("{}", last + 0.001)]).stdout;
+        let words = [
+            "The robot waits for what is in its way to go",
+            " s more, then the goal fails: ",
+            "that the lidar saw",
+        ];
+        says(&told, &words);
+    }
+}
+
 #[test]
 fn the_end_of_a_goal_is_told_in_the_same_words_and_survives_the_local_planner() {
     let mut up = up("[2.5, 3.0, 0.0]");

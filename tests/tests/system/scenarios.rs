@@ -289,6 +289,8 @@ fn unreachable_external_goal_falls_back_to_the_scenarios() {
         .replace(shut, own)
         .replace("\"unreachable\"", "\"reached\"");
     assert!(text.contains(own), "{text}");
+    // Nobody opens the doors.
+    let text = format!("{text}\n[services.local_planner]\nconfig.task.blocked_goal_s = 1.0\n");
     std::fs::write(folder.path().join("it.toml"), text).expect("written");
     let mut run = Zeronav::start_in(folder, &["run", "./it.toml", "--headless", "--json"]);
     let domain = domain_of_active(&mut run);

@@ -1,3 +1,4 @@
+use super::task_tests::over;
 use super::*;
 use crate::result::moment::{Blocked, Obstacle};
 use crate::why::around::Missing;
@@ -31,7 +32,7 @@ fn command(v_mps: f64, intervention: Intervention) -> Command {
     }
 }
 
-fn path(status: PathStatus) -> Path {
+pub(super) fn path(status: PathStatus) -> Path {
     Path {
         planner: "mpgaa".to_owned(),
         status,
@@ -56,7 +57,7 @@ fn driving() -> Moment {
 }
 
 /// The same with another word of the local planner, standing.
-fn standing(validity: Validity, cause: RequestCause) -> Moment {
+pub(super) fn standing(validity: Validity, cause: RequestCause) -> Moment {
     Moment {
         request: Some(request(validity, cause)),
         command: Some(command(0.0, Intervention::None)),
@@ -65,7 +66,7 @@ fn standing(validity: Validity, cause: RequestCause) -> Moment {
 }
 
 #[track_caller]
-fn says(moment: &Moment, around: &Around, words: &[&str]) {
+pub(super) fn says(moment: &Moment, around: &Around, words: &[&str]) {
     let text = why(moment, around);
     for word in words {
         assert!(text.contains(word), "`{word}` is not in: {text}");
@@ -230,64 +231,6 @@ fn no_path_says_what_closed_it_and_what_would_have_to_open() {
         (said.status, said.block) = (status, PathBlock::Goal);
         says(&moment, &Around::default(), &[words]);
     }
-}
-
-/// A task that is over.
-fn over(state: TaskState, reason: EndReason, stuck: StuckCause) -> Task {
-    Task {
-        state,
-        reason,
-        stuck,
-        blocked: None,
-    }
-}
-
-#[test]
-fn the_end_of_a_task_is_told_with_its_reason() {
-    let mut moment = standing(Validity::NoPath, RequestCause::None);
-    // The planner forgets its plan with the goal; the outcome stays.
-    moment.path = Some(path(PathStatus::NoGoal));
-    let failed = |reason| over(TaskState::Failed, reason, StuckCause::None);
-    let stuck = |cause| over(TaskState::Failed, EndReason::Stuck, cause);
-    let cases = [
-        (
-            failed(EndReason::Unreachable),
-            "The task has failed: the global planner has proved that no way leads to the goal. \
-             Another",
-        ),
-        (
-            failed(EndReason::GoalBlocked),
-            "the goal's cell is in an obstacle",
-        ),
-        (
-            failed(EndReason::GoalOutsideMap),
-            "the goal is not on the map",
-        ),
-        (failed(EndReason::NoPath), "had no path for too long."),
-        (
-            stuck(StuckCause::Blocked),
-            "got stuck, because no motion was admissible.",
-        ),
-        (stuck(StuckCause::NoProgress), "came no closer to its goal."),
-        (
-            over(TaskState::Cancelled, EndReason::None, StuckCause::None),
-            "The task was cancelled.",
-        ),
-        (
-            over(TaskState::Reached, EndReason::None, StuckCause::None),
-            "The robot has arrived",
-        ),
-    ];
-    for (task, words) in cases {
-        moment.task = Some(task);
-        says(&moment, &Around::default(), &[words]);
-    }
-    let arrived = standing(Validity::AtGoal, RequestCause::None);
-    says(
-        &arrived,
-        &Around::default(),
-        &["The robot has arrived: it is within the goal's tolerance."],
-    );
 }
 
 #[test]

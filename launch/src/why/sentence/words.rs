@@ -64,6 +64,17 @@ pub(in crate::why) fn failure(task: &Task) -> String {
     }
 }
 
+/// What a task waits for, and for how long at most.
+pub(in crate::why) fn waiting(task: &Task) -> String {
+    format!(
+        "The robot waits for what is in its way to go, and takes any way that opens; {} s more, then the \
+         goal fails: {} ({})",
+        task.waits_s,
+        failure(task),
+        task.reason
+    )
+}
+
 fn unreachable(blocked: Option<Blocked>) -> String {
     let opening = opening(blocked);
     format!("the global planner has proved that no way leads to the goal{opening}")

@@ -195,19 +195,28 @@ fn a_proof_without_a_path_before_names_what_would_have_to_open_and_where_it_come
     // Two gaps of the wall: one that a box closes, one that is only too narrow for the robot.
     let (mut bench, at) = Bench::new(
         "S....#.....
+         .....a.....
+         .....b.....
          .....B.....
-         .....#....G
+         .....b.....
+         .....a....G
          .....#.....
          .....N.....
          .....#.....",
     );
-    for row in [0, 2, 3, 5] {
-        let wall = cell(COST_LETHAL, FLAG_STATIC, 0);
+    let wall = cell(COST_LETHAL, FLAG_STATIC, 0);
+    for row in [0, 6, 8] {
         bench.map.put(Cell::new(5, row), wall);
     }
-    bench.map.put(at('B'), cell(COST_LETHAL, FLAG_SENSED, 0));
-    let told = |bench: &mut Bench, narrow: MapCell| {
-        bench.map.put(at('N'), narrow);
+    // Beside the wall, and beside the box alone.
+    for row in [1, 2, 4, 5] {
+        bench
+            .map
+            .put(Cell::new(5, row), cell(COST_INSCRIBED, 0, 25));
+    }
+    bench.map.put(at('N'), cell(COST_INSCRIBED, 0, 25));
+    let told = |bench: &mut Bench, in_gap: MapCell| {
+        bench.map.put(at('B'), in_gap);
         bench.revision += 1;
         let task = bench.target.map_or(0, |target| target.task + 1);
         bench.target = bench.target.map(|target| Target { task, ..target });
@@ -221,19 +230,22 @@ fn a_proof_without_a_path_before_names_what_would_have_to_open_and_where_it_come
     };
     bench.changed = vec![CellRect {
         min: Cell::new(0, 0),
-        max: Cell::new(11, 6),
+        max: Cell::new(11, 9),
     }];
-    // What is only too narrow is told before what the lidar saw, and that before a wall.
-    let narrow = cell(COST_INSCRIBED, 0, 30);
-    let found = told(&mut bench, narrow);
-    assert_eq!(found, (at('N'), ObstacleSource::StaticMap));
-    let wall = cell(COST_LETHAL, FLAG_STATIC, 0);
-    let found = told(&mut bench, wall);
-    assert_eq!(found, (at('B'), ObstacleSource::Lidar));
+    // What may go is told before what the static map closes by itself.
+    let seen = cell(COST_LETHAL, FLAG_SENSED, 0);
+    let (at_m, source) = told(&mut bench, seen);
+    assert_eq!((at_m.x, source), (5, ObstacleSource::Lidar));
+    assert!((at_m.y - at('B').y).abs() == 1, "{at_m:?}");
     // Stamped on the copy.
-    bench.map.put(at('B'), cell(COST_LETHAL, 0, 0));
+    let (_, source) = told(&mut bench, cell(COST_LETHAL, 0, 0));
+    assert_eq!(source, ObstacleSource::Tracked);
+    // The static map closes both: what is only too narrow is told before a wall.
+    for row in [1, 2, 4, 5] {
+        bench.map.put(Cell::new(5, row), wall);
+    }
     let found = told(&mut bench, wall);
-    assert_eq!(found, (at('B'), ObstacleSource::Tracked));
+    assert_eq!(found, (at('N'), ObstacleSource::StaticMap));
 }
 
 #[test]

@@ -97,9 +97,11 @@ pub struct Facts {
     pub turns: bool,
     /// [s] since the robot came closer to the goal.
     pub stalled_s: f64,
-    /// That is longer than `task.no_progress_s`.
+    /// [s] since it came closer, or turned on towards its way.
+    pub idle_s: f64,
+    /// The latter is longer than `task.no_progress_s`.
     pub no_progress: bool,
-    /// That is longer than `task.stuck_s`.
+    /// It is longer than `task.stuck_s`.
     pub stuck: bool,
     /// A dynamic obstacle is near.
     pub dynamic_obstacle: bool,

@@ -22,7 +22,7 @@ pub(super) struct View<'a> {
     pub(super) since_tried_s: f64,
     /// Something was tried since the robot last came closer.
     pub(super) escalated: bool,
-    /// The path is another one than when the behaviour began.
+    /// The path is another one than when the behaviour began, and a motion along it is admissible.
     pub(super) another_path: bool,
 }
 
@@ -84,14 +84,17 @@ pub(super) const RULES: &[Rule] = &[
     },
     Rule {
         from: &[Follow],
-        when: "turning on the spot for longer than 2 `manoeuvre_s`",
-        holds: |view| view.turning_s > 2.0 * view.config.manoeuvre_s,
+        when: "turning on the spot for longer than 2 `manoeuvre_s`, for `manoeuvre_s` without progress",
+        holds: |view| {
+            let patience_s = 2.0 * view.config.manoeuvre_s;
+            view.turning_s > patience_s && view.facts.idle_s > view.config.manoeuvre_s
+        },
         next: Escalate,
         reason: Reason::TimedOut,
     },
     Rule {
         from: &[AskForPath],
-        when: "another path",
+        when: "another path, a motion is admissible",
         holds: |view| view.another_path,
         next: Go(Follow),
         reason: Reason::AnotherPath,
@@ -116,13 +119,6 @@ pub(super) const RULES: &[Rule] = &[
         holds: |view| !view.facts.blocked,
         next: Go(Follow),
         reason: Reason::Cleared,
-    },
-    Rule {
-        from: &[Wait],
-        when: "another path",
-        holds: |view| view.another_path,
-        next: Go(Follow),
-        reason: Reason::AnotherPath,
     },
     Rule {
         from: &[Wait],

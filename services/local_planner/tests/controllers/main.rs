@@ -3,6 +3,7 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+mod attempts;
 mod beam;
 mod braking;
 mod closed_loop;
@@ -15,3 +16,4 @@ mod recovery;
 mod rollouts;
 mod shut_in;
 mod tasks;
+mod waiting;
