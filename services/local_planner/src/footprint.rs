@@ -86,6 +86,40 @@ impl Footprint {
             polygon_distance_m(&self.corners, point)
         }
     }
+
+    /// Signed distance of a square from the outline: its centre in `base` [m], the direction of one of
+    /// its sides, and half of a side [m]. Negative where they overlap.
+    pub(crate) fn square_distance_m(
+        &self,
+        centre: Point2<f64>,
+        side: Vector2<f64>,
+        half_m: f64,
+    ) -> f64 {
+        let across = Vector2::new(-side.y, side.x);
+        let outside_m = |point: Point2<f64>| {
+            let offset = point - centre;
+            let over = Vector2::new(offset.dot(&side).abs(), offset.dot(&across).abs())
+                - Vector2::repeat(half_m);
+            over.sup(&Vector2::zeros()).norm() + over.max().min(0.0)
+        };
+        if self.is_disc() {
+            return outside_m(Point2::origin()) - self.circumscribed_m;
+        }
+        // Two convex shapes are nearest at a corner of one of them.
+        let (a, b) = (side * half_m, across * half_m);
+        let corners = [
+            centre + a + b,
+            centre + a - b,
+            centre - a + b,
+            centre - a - b,
+        ];
+        let of_square = corners.map(|corner| polygon_distance_m(&self.corners, corner));
+        let of_outline = self.corners.iter().map(|corner| outside_m(*corner));
+        of_square
+            .into_iter()
+            .chain(of_outline)
+            .fold(f64::INFINITY, f64::min)
+    }
 }
 
 /// Signed distance of `point` from a convex, counter-clockwise polygon. [m]
@@ -241,6 +275,35 @@ mod tests {
         check(0.254, 0.0, 0.0);
         check(0.254 + 0.3, 0.215 + 0.4, 0.5);
         assert!((footprint.inscribed_m - 0.215).abs() < 1e-12);
+    }
+
+    #[test]
+    fn distances_of_squares_are_exact() {
+        let (robot, corners) = jackal();
+        let footprint = Footprint::new(&robot, &corners);
+        let along = Vector2::new(1.0, 0.0);
+        let slanted = Vector2::new(0.5_f64.sqrt(), 0.5_f64.sqrt());
+        let half_diagonal_m = 0.025 * 2.0_f64.sqrt();
+        for (x, y, side, expected) in [
+            // Side to side, corner to side, corner to corner, and the outline's corner to a side.
+            (0.354, 0.0, along, 0.075),
+            (0.0, 0.415, slanted, 0.2 - half_diagonal_m),
+            (0.254 + 0.325, 0.215 + 0.425, along, 0.5),
+            (
+                0.254 + 0.1,
+                0.215 + 0.1,
+                slanted,
+                0.1 * 2.0_f64.sqrt() - 0.025,
+            ),
+            // Into it by a centimetre.
+            (0.254 + 0.015, 0.0, along, -0.01),
+        ] {
+            let found = footprint.square_distance_m(Point2::new(x, y), side, 0.025);
+            assert!((found - expected).abs() < 1e-12, "{found} at {x}, {y}");
+        }
+        let disc = Footprint::new(&robot, &[]);
+        let found = disc.square_distance_m(Point2::new(0.433, 0.0), along, 0.025);
+        assert!((found - 0.075).abs() < 1e-12, "{found}");
     }
 
     #[test]

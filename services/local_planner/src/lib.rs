@@ -35,6 +35,7 @@ pub mod requests;
 pub mod scan_points;
 pub mod shaping;
 pub mod situation;
+mod squares;
 pub mod staleness;
 mod stall;
 mod surroundings;

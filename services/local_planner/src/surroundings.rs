@@ -4,7 +4,8 @@ use crate::dynamic_obstacles::DynamicObstacles;
 use crate::field::ClearanceField;
 use crate::footprint::Footprint;
 use crate::lanes::data::narrow;
-use nalgebra::Point2;
+use crate::squares::Squares;
+use nalgebra::{Point2, Vector2};
 use zeronav_motion::{Stop, Twist};
 use zeronav_msgs::description::{Corner, Description};
 use zeronav_msgs::{MapView, Pose};
@@ -38,6 +39,8 @@ pub(crate) struct Surroundings {
     /// Points of the scan that a stop can reach, in `base`. [m]
     near_x: Vec<f64>,
     near_y: Vec<f64>,
+    /// Obstacle cells that a stop can reach; for an outline with corners.
+    squares: Squares,
     yaw_rad: f64,
     /// Margin that motions of this period must keep. [m]
     need_m: f64,
@@ -65,6 +68,7 @@ impl Default for Surroundings {
             described: (robot, Vec::new()),
             near_x: Vec::new(),
             near_y: Vec::new(),
+            squares: Squares::default(),
             yaw_rad: 0.0,
             need_m: 0.0,
         }
@@ -124,6 +128,9 @@ impl Surroundings {
                 self.near_y.push(point.y);
             }
         }
+        if !self.footprint.is_disc() {
+            self.squares(points_in_base, near_m);
+        }
         let now_m = self.margin_m(&Pose::default());
         // Inside the margin already: no nearer; inside the outline: only away.
         self.need_m = if now_m >= reach.margin_m {
@@ -135,21 +142,59 @@ impl Surroundings {
         };
     }
 
+    /// Finds the obstacle cells within `reach_m` of the robot that the scan does not measure.
+    fn squares(&mut self, points_in_base: &[Point2<f64>], reach_m: f64) {
+        let (sin, cos) = self.yaw_rad.sin_cos();
+        let along_axes =
+            |at: &Point2<f64>| Point2::new(cos * at.x - sin * at.y, sin * at.x + cos * at.y);
+        let lidar = along_axes(&self.described.0.base_from_laser.point());
+        let points = points_in_base.iter().map(along_axes);
+        self.squares
+            .fill(&self.field.sheet(), reach_m, points, lidar);
+    }
+
     /// Margin that motions of this period must keep. [m]
     pub(crate) const fn need_m(&self) -> f64 {
         self.need_m
     }
 
-    /// Space around the outline at a pose in the `base` of now: exact for the points of the scan,
-    /// a bound from below for the map. [m]
+    /// Space around the outline at a pose in the `base` of now: exact for the points of the scan and,
+    /// with corners, for the cells of the map; for a disc a bound from below for the map. [m]
     fn margin_m(&self, pose: &Pose) -> f64 {
-        let map_m = f64::from(self.field_margin_m(self.local(pose)));
+        let map_m = if self.footprint.is_disc() {
+            f64::from(self.field_margin_m(self.local(pose)))
+        } else {
+            self.squares_m(pose, f64::INFINITY)
+        };
         map_m.min(self.scan_margin_m(pose))
     }
 
     /// True when the outline keeps the margin of this period at a pose in the `base` of now.
     pub(crate) fn keeps_margin(&self, pose: &Pose) -> bool {
-        self.space(self.local(pose), 0.0).is_some() && self.scan_keeps(pose)
+        let is_free = self.space(self.local(pose), 0.0).is_some()
+            || !self.footprint.is_disc() && self.squares_m(pose, self.need_m) >= self.need_m;
+        is_free && self.scan_keeps(pose)
+    }
+
+    /// Space between the outline at a pose in the `base` of now and the obstacle cells, as far as it is
+    /// less than `enough_m`. [m]
+    fn squares_m(&self, pose: &Pose, enough_m: f64) -> f64 {
+        let (half_m, at) = (self.squares.half_m, self.local(pose));
+        let (x, y) = (f64::from(at.x), f64::from(at.y));
+        let (cos, sin) = (f64::from(at.cos), f64::from(at.sin));
+        // Half of a diagonal from a square's centre to its corners.
+        let around_m = self.footprint.circumscribed_m + core::f64::consts::SQRT_2 * half_m;
+        let mut least_m = enough_m;
+        for centre in &self.squares.centres {
+            let (dx, dy) = (centre.x - x, centre.y - y);
+            if dx.hypot(dy) - around_m < least_m {
+                let in_base = Point2::new(cos * dx + sin * dy, cos * dy - sin * dx);
+                let side = Vector2::new(cos, -sin);
+                let space_m = self.footprint.square_distance_m(in_base, side, half_m);
+                least_m = least_m.min(space_m);
+            }
+        }
+        least_m
     }
 
     /// A pose in the `base` of now as the clearance field takes it.
