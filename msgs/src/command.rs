@@ -106,6 +106,9 @@ codes! {
         PotentialField = 25 => "potential_field",
         /// It yields to a dynamic obstacle that a faster motion would soon touch.
         Yield = 26 => "yield",
+        /// Recovery: it drives a manoeuvre of arcs and turns that was searched for with the true
+        /// outline.
+        Manoeuvre = 27 => "manoeuvre",
     }
 }
 
@@ -115,7 +118,12 @@ impl RequestCause {
     pub const fn is_recovery(self) -> bool {
         matches!(
             self,
-            Self::AskForPath | Self::BackUp | Self::Rotate | Self::Wait | Self::GiveUp
+            Self::AskForPath
+                | Self::BackUp
+                | Self::Rotate
+                | Self::Manoeuvre
+                | Self::Wait
+                | Self::GiveUp
         )
     }
 }

@@ -186,6 +186,7 @@ enum class RequestCause : std::uint16_t {
     timed_search = 24,
     potential_field = 25,
     yield = 26,
+    manoeuvre = 27,
 };
 
 enum class RequestReason : std::uint16_t {

@@ -363,11 +363,18 @@ fn odometry_and_poses() {
 }
 
 #[test]
-fn behaviours_of_the_recovery_are_the_five_in_its_list() {
+fn behaviours_of_the_recovery_are_the_six_in_its_list() {
     let recovery = RequestCause::ALL.iter().filter(|cause| cause.is_recovery());
     let labels: Vec<_> = recovery.map(|cause| cause.label()).collect();
     assert_eq!(
         labels,
-        ["ask_for_path", "back_up", "rotate", "wait", "give_up"]
+        [
+            "ask_for_path",
+            "back_up",
+            "rotate",
+            "wait",
+            "give_up",
+            "manoeuvre"
+        ]
     );
 }

@@ -70,6 +70,7 @@ fn cause(decision: &Decision, about: &Circumstances<'_>) -> RequestCause {
     match about.behaviour {
         Behaviour::BackUp if recovers => RequestCause::BackUp,
         Behaviour::Rotate if recovers => RequestCause::Rotate,
+        Behaviour::Manoeuvre if recovers => RequestCause::Manoeuvre,
         Behaviour::Wait if recovers => RequestCause::Wait,
         Behaviour::GiveUp(_) if recovers => RequestCause::GiveUp,
         // While it waits for the path the controller goes on.
@@ -90,15 +91,21 @@ fn input_of(input: StaleInput) -> PlannerInput {
 /// The reason of a behaviour that is none of following the path.
 pub(crate) fn reason_of(reason: Reason) -> RecoveryReason {
     match reason {
-        Reason::Blocked | Reason::NotFreeBehind | Reason::NoRoomToTurn => RecoveryReason::Blocked,
+        Reason::Blocked
+        | Reason::NotFreeBehind
+        | Reason::NoRoomToTurn
+        | Reason::NoManoeuvre
+        | Reason::NotFreeAhead => RecoveryReason::Blocked,
         Reason::NoProgress => RecoveryReason::NoProgress,
         Reason::DynamicObstacle => RecoveryReason::DynamicObstacle,
         Reason::TimedOut => RecoveryReason::TimedOut,
         Reason::Stuck => RecoveryReason::Stuck,
         Reason::OutOfAttempts => RecoveryReason::OutOfAttempts,
-        Reason::AnotherGoal | Reason::AnotherPath | Reason::Cleared | Reason::Done => {
-            RecoveryReason::None
-        }
+        Reason::AnotherGoal
+        | Reason::AnotherPath
+        | Reason::Cleared
+        | Reason::Done
+        | Reason::Approach => RecoveryReason::None,
     }
 }
 

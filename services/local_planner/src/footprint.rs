@@ -120,6 +120,20 @@ impl Footprint {
             .chain(of_outline)
             .fold(f64::INFINITY, f64::min)
     }
+
+    /// The lowest and the highest corner of a box around the outline along the axes of `base`. [m]
+    pub(crate) fn bounds(&self) -> (Point2<f64>, Point2<f64>) {
+        if self.is_disc() {
+            let reach = Vector2::repeat(self.circumscribed_m);
+            return (Point2::from(-reach), Point2::from(reach));
+        }
+        let first = self.corners[0];
+        self.corners
+            .iter()
+            .fold((first, first), |(low, high), corner| {
+                (low.inf(corner), high.sup(corner))
+            })
+    }
 }
 
 /// Signed distance of `point` from a convex, counter-clockwise polygon. [m]

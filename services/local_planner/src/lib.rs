@@ -9,6 +9,7 @@
 
 mod account;
 pub mod beam;
+mod behaviours;
 pub mod config;
 mod cost_to_go;
 pub mod dwa;
@@ -19,6 +20,7 @@ mod field;
 mod footprint;
 mod lanes;
 mod local_path;
+mod manoeuvre;
 pub mod mppi;
 mod obstruction;
 mod outputs;

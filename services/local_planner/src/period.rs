@@ -1,6 +1,7 @@
 //! One control period of the local planner.
 
 use crate::account::Account;
+use crate::behaviours::{Behaviours, Moment};
 use crate::config::LocalPlannerConfig;
 use crate::dynamic_obstacles::is_dynamic_near;
 use crate::explain::{self, Circumstances};
@@ -8,8 +9,6 @@ use crate::obstruction::{Known, Obstruction};
 use crate::outputs::Outputs;
 use crate::pilot::Pilot;
 use crate::progress::{PathTracker, Place};
-use crate::recovery::escape::{Escape, has_room_to_turn, is_free_behind};
-use crate::recovery::trail::Trail;
 use crate::recovery::{Behaviour, Facts, Recovery, Transition};
 use crate::requests::{PathRequests, RequestInputs};
 use crate::situation::{Decision, Future, Situation};
@@ -101,8 +100,7 @@ pub struct LocalPlanner {
     stopped_at: Option<Point2<f64>>,
     /// Why the recovery does what it does.
     reason: RecoveryReason,
-    escape: Escape,
-    trail: Trail,
+    behaviours: Behaviours,
     /// Requested last; ramps to rest start here.
     last: Twist,
     /// The last period turned on the spot.
@@ -136,8 +134,7 @@ impl LocalPlanner {
             account: Account::of(0),
             stopped_at: None,
             reason: RecoveryReason::None,
-            escape: Escape::new(config.recovery),
-            trail: Trail::new(),
+            behaviours: Behaviours::new(config.recovery, config.dwa.safety_margin_m),
             last: Twist::REST,
             turns: false,
         })
@@ -224,11 +221,9 @@ impl LocalPlanner {
             route = self.route(inputs, map_from_base);
         }
         if let Some(odometry) = inputs.odometry {
-            if self.behaviour() == Behaviour::BackUp {
-                self.trail.retrace(&odometry.pose);
-            } else {
-                self.trail.note(&odometry.pose);
-            }
+            let behaviour = self.behaviour();
+            self.behaviours
+                .note(behaviour, &odometry.pose, odometry.v_mps);
         }
         let behaviour = self.behaviour();
         let driven = self.drive(inputs, map_from_base, route, step);
@@ -402,50 +397,36 @@ impl LocalPlanner {
         step: TaskStep,
     ) -> (Decision, Option<Transition>) {
         self.timer().mark(Stage::Prepare);
-        let (robot, pose) = (situation.robot, &odometry.pose);
         let behaviour = self.behaviour();
-        let decision = match behaviour {
-            Behaviour::BackUp => {
-                let near = self.pilot.look_around(situation);
-                let wanted = self.escape.back_up(near, robot, (&self.trail, pose));
-                self.pilot.manoeuvre(situation, wanted)
-            }
-            Behaviour::Rotate => {
-                let near = self.pilot.look_around(situation);
-                let wanted = self.escape.rotate(near, robot, pose);
-                self.pilot.manoeuvre(situation, wanted)
-            }
-            _ => self.pilot.decide(situation),
+        let at = Moment {
+            situation,
+            odom_from_base: &odometry.pose,
+            tracker: &self.tracker,
+            now_s: seconds(inputs.run_ns),
         };
+        let decision = self.behaviours.decide(behaviour, &mut self.pilot, &at);
         let Some(recovery) = &mut self.recovery else {
             return (decision, None);
         };
-        let manoeuvring = behaviour.is_manoeuvre();
-        let blocked = decision.validity == Validity::Blocked && !manoeuvring;
-        // Only where a manoeuvre may begin or goes on.
-        let near = (manoeuvring || blocked).then(|| self.pilot.look_around(situation));
         let facts = Facts {
-            now_s: seconds(inputs.run_ns),
+            now_s: at.now_s,
             goal: situation.goal.id,
             geometry: situation.path_geometry,
-            blocked,
+            blocked: decision.validity == Validity::Blocked && !behaviour.is_manoeuvre(),
             turns: decision.turns,
             stalled_s: step.stalled_s,
             idle_s: step.idle_s,
             no_progress: step.no_progress,
             stuck: step.stuck,
             dynamic_obstacle: is_dynamic_near(situation.obstacles, &situation.map_from_base),
-            free_behind: near.is_some_and(|near| is_free_behind(near, robot, &self.trail, pose)),
-            room_to_turn: near.is_some_and(has_room_to_turn),
-            backed_m: self.escape.backed_m(pose),
-            rotated_rad: self.escape.turned_rad(),
+            ..Facts::default()
         };
+        let facts = self
+            .behaviours
+            .complete(facts, behaviour, &mut self.pilot, &at);
         let transition = recovery.step(&facts);
-        if let (Some(change), Some(near)) = (&transition, near)
-            && change.to.is_manoeuvre() != manoeuvring
-        {
-            self.escape.begin(near, pose);
-            self.pilot.interrupted();
+        if let Some(change) = &transition {
+            self.behaviours.change(change, &mut self.pilot, &at);
         }
         (decision, transition)
     }

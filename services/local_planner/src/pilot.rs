@@ -143,25 +143,33 @@ impl Pilot {
         }
     }
 
-    /// What is near the robot, tracked obstacles included, for a manoeuvre that follows no path.
-    pub(crate) fn look_around(&mut self, situation: &Situation<'_>) -> &Surroundings {
-        self.perception.look_around(&self.config, situation);
+    /// What is near the robot, tracked obstacles included, for a manoeuvre that follows no path, at
+    /// least so far. [m]
+    pub(crate) fn look_around(&mut self, situation: &Situation<'_>, reach_m: f64) -> &Surroundings {
+        self.perception
+            .look_around(&self.config, situation, reach_m);
         self.timer.mark(Stage::Look);
         &self.perception.surroundings
     }
 
-    /// The command of a manoeuvre after [`Self::look_around`]: the step towards `wanted` when a stop
-    /// from it is free, else the first step of a stop.
+    /// What was near in the last period that looked.
+    pub(crate) const fn seen(&self) -> &Surroundings {
+        &self.perception.surroundings
+    }
+
+    /// The command of a manoeuvre after [`Self::look_around`]: the step towards the first one wanted from
+    /// which a stop is free, else the first step of a stop.
     pub(crate) fn manoeuvre(
         &mut self,
         situation: &Situation<'_>,
-        wanted: Option<Twist>,
+        wanted: impl Iterator<Item = Twist> + Clone,
     ) -> Decision {
         self.chooser.forget();
         self.begin_record(situation);
         let from = self.start(situation);
-        let command = self.command(situation, from, wanted.into_iter());
-        self.end_record(situation, (from, wanted.filter(|_| command.is_some())), 1);
+        let command = self.command(situation, from, wanted.clone());
+        let first = wanted.clone().next().filter(|_| command.is_some());
+        self.end_record(situation, (from, first), 1);
         self.decision(situation, from, command.ok_or(Validity::Blocked))
     }
 

@@ -99,6 +99,12 @@ impl PathTracker {
         self.arcs_m.last().copied().unwrap_or(0.0)
     }
 
+    /// The place of the last [`Self::advance`]; `None` without a path.
+    #[must_use]
+    pub fn place(&self) -> Option<Place> {
+        (!self.arcs_m.is_empty()).then_some(self.place)
+    }
+
     /// The point at `arc_m` along `path`, clipped to its ends. `path` is the one given to
     /// [`Self::advance`] last and not empty.
     #[must_use]

@@ -1,7 +1,7 @@
 //! What the robot does when it makes no progress: a state machine with a reason on every transition.
 //!
-//! A ladder of ever more expensive attempts: ask for another path, move back along the driven track,
-//! turn on the spot to look around, wait, and the same again; a dynamic obstacle in the way is
+//! A ladder of ever more expensive attempts: ask for another path, search for a manoeuvre with the true
+//! outline and drive it, move back along the driven track, turn on the spot to look around, wait, and the same again; a dynamic obstacle in the way is
 //! waited for first. Coming closer to the goal goes back to its foot. Every behaviour but following
 //! the path ends after a bounded time, and every goal has a bounded number of attempts, so the end
 //! is arrival or a failed task with a named cause. The machine is pure: `rules.rs` is the table of
@@ -17,8 +17,8 @@ pub use behaviour::{Behaviour, Cause, Facts, Reason, Transition};
 use options::RecoveryConfig;
 use rules::{Next, RULES, View};
 
-/// Rungs of the ladder beyond asking for a path: back, back, back, turn, wait.
-const RUNGS: u32 = 5;
+/// Rungs of the ladder beyond asking for a path: manoeuvre, back, back, back, turn, wait.
+const RUNGS: u32 = 6;
 
 /// The machine.
 #[derive(Debug, Clone)]
@@ -200,13 +200,16 @@ impl Recovery {
             let rung = self.rung % RUNGS;
             self.rung += 1;
             match rung {
-                0..=2 if facts.free_behind => {
+                0 if facts.manoeuvrable => {
+                    return self.attempt(now, Behaviour::Manoeuvre, reason);
+                }
+                1..=3 if facts.free_behind => {
                     return self.attempt(now, Behaviour::BackUp, reason);
                 }
-                3 if facts.room_to_turn && self.config.rotate_rad > 0.0 => {
+                4 if facts.room_to_turn && self.config.rotate_rad > 0.0 => {
                     return self.attempt(now, Behaviour::Rotate, reason);
                 }
-                4 => return self.attempt(now, Behaviour::Wait, reason),
+                5 => return self.attempt(now, Behaviour::Wait, reason),
                 _ => {}
             }
         }

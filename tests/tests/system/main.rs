@@ -58,6 +58,7 @@ mod soak;
 mod starved;
 mod suite;
 mod swap;
+mod tight;
 mod top;
 mod topics;
 mod up;

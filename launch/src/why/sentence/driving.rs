@@ -78,6 +78,7 @@ pub(super) fn driving(request: &Request, moment: &Moment) -> String {
         RequestCause::AskForPath
         | RequestCause::BackUp
         | RequestCause::Rotate
+        | RequestCause::Manoeuvre
         | RequestCause::Wait
         | RequestCause::GiveUp => format!("{}{ahead}{obstacle}", recovery(request)),
     };
@@ -158,6 +159,9 @@ fn recovery(request: &Request) -> String {
         RequestCause::AskForPath => "has asked for another path and waits for it",
         RequestCause::BackUp => "drives back along the track that the robot came by",
         RequestCause::Rotate => "turns on the spot to look around",
+        RequestCause::Manoeuvre => {
+            "stops, searches for a manoeuvre with the true outline and drives it"
+        }
         RequestCause::Wait => "waits for the way to become free",
         _ => "has nothing left to try",
     };

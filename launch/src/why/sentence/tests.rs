@@ -313,6 +313,11 @@ fn the_recovery_says_what_it_does_and_why() {
             "turns on the spot to look around because",
         ),
         (
+            RequestCause::Manoeuvre,
+            RecoveryReason::Blocked,
+            "stops, searches for a manoeuvre with the true outline and drives it because no motion",
+        ),
+        (
             RequestCause::AskForPath,
             RecoveryReason::NoProgress,
             "has asked for another path and waits for it because the robot came no closer",

@@ -163,14 +163,24 @@ impl Perception {
     }
 
     /// Takes in map, scan and dynamic obstacles for a manoeuvre that follows no path: all points of
-    /// the scan are obstacles, and tracked ones are predicted besides, whatever the controller does.
-    pub(crate) fn look_around(&mut self, config: &DwaConfig, situation: &Situation<'_>) {
+    /// the scan are obstacles, and tracked ones are predicted besides, whatever the controller does. Sees
+    /// at least `reach_m` far.
+    pub(crate) fn look_around(
+        &mut self,
+        config: &DwaConfig,
+        situation: &Situation<'_>,
+        reach_m: f64,
+    ) {
         self.surroundings
             .describe(situation.robot, situation.corners);
         self.predict(situation, situation.obstacles);
         let map = situation.map.map(|map| (map, situation.map_cells));
         let points = situation.scan_points_in_base;
         let reach = self.reach(config, situation);
+        let reach = Reach {
+            field_m: reach.field_m.max(reach_m),
+            ..reach
+        };
         self.surroundings
             .look(map, &situation.map_from_base, points, points, reach);
     }

@@ -11,6 +11,8 @@ pub enum Behaviour {
     BackUp,
     /// Turning on the spot to look around.
     Rotate,
+    /// Driving a manoeuvre of arcs and turns that was searched for with the true outline.
+    Manoeuvre,
     /// Waiting for the way to become free.
     Wait,
     /// Nothing more: the task has failed.
@@ -31,13 +33,16 @@ pub enum Cause {
 impl Behaviour {
     /// True for a motion of the recovery's own.
     pub(crate) const fn is_manoeuvre(self) -> bool {
-        matches!(self, Self::BackUp | Self::Rotate)
+        matches!(self, Self::BackUp | Self::Rotate | Self::Manoeuvre)
     }
 
     /// True for an attempt to make progress again.
     #[must_use]
     pub const fn is_attempt(self) -> bool {
-        matches!(self, Self::BackUp | Self::Rotate | Self::Wait)
+        matches!(
+            self,
+            Self::BackUp | Self::Rotate | Self::Manoeuvre | Self::Wait
+        )
     }
 }
 
@@ -62,6 +67,12 @@ pub enum Reason {
     NotFreeBehind,
     /// There is no room to turn.
     NoRoomToTurn,
+    /// The goal's yaw can only be reached by a manoeuvre.
+    Approach,
+    /// No manoeuvre was found.
+    NoManoeuvre,
+    /// The next piece of the manoeuvre is not free.
+    NotFreeAhead,
     /// It took too long.
     TimedOut,
     /// The task's time without coming closer is over.
@@ -82,7 +93,7 @@ pub struct Transition {
 }
 
 /// Observations of a control period.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[allow(clippy::struct_excessive_bools, reason = "independent observations")]
 pub struct Facts {
     /// [s] run time.
@@ -109,6 +120,14 @@ pub struct Facts {
     pub free_behind: bool,
     /// There is room to turn on the spot.
     pub room_to_turn: bool,
+    /// A manoeuvre may be searched for.
+    pub manoeuvrable: bool,
+    /// Following, the robot has hardly moved for some seconds.
+    pub hardly_moves: bool,
+    /// One is needed to arrive with the goal's yaw.
+    pub approach: bool,
+    /// The manoeuvre is over, and why.
+    pub manoeuvred: Option<Reason>,
     /// [m] driven back since that began.
     pub backed_m: f64,
     /// [rad] turned since that began.

@@ -37,7 +37,7 @@ pub(super) enum Next {
     Escalate,
     /// The same with `asks` questions allowed again.
     EscalateAfresh,
-    /// The next rung that is possible: `BackUp` three times, `Rotate`, `Wait`, and again.
+    /// The next rung that is possible: `Manoeuvre`, `BackUp` three times, `Rotate`, `Wait`, and again.
     Climb,
 }
 
@@ -52,11 +52,18 @@ pub(super) struct Rule {
     pub(super) reason: Reason,
 }
 
-use Behaviour::{AskForPath, BackUp, Follow, Rotate, Wait};
+use Behaviour::{AskForPath, BackUp, Follow, Manoeuvre, Rotate, Wait};
 use Next::{Attempt, Climb, Escalate, EscalateAfresh, Go};
 
 /// Every transition of a robot that has a goal and time left.
 pub(super) const RULES: &[Rule] = &[
+    Rule {
+        from: &[Follow],
+        when: "the goal is near, and at it there is no room to turn to its yaw",
+        holds: |view| view.facts.approach && view.facts.manoeuvrable,
+        next: Attempt(Manoeuvre),
+        reason: Reason::Approach,
+    },
     Rule {
         from: &[Follow],
         when: "no motion admissible for `patience_s`, a dynamic obstacle near, nothing tried yet",
@@ -70,6 +77,16 @@ pub(super) const RULES: &[Rule] = &[
         holds: is_blocked,
         next: Escalate,
         reason: Reason::Blocked,
+    },
+    Rule {
+        from: &[Follow],
+        when: "hardly a motion for 3 s, no dynamic obstacle near, no manoeuvre tried in vain here",
+        holds: |view| {
+            let facts = view.facts;
+            facts.hardly_moves && facts.manoeuvrable && !facts.dynamic_obstacle
+        },
+        next: Attempt(Manoeuvre),
+        reason: Reason::NoProgress,
     },
     Rule {
         from: &[Follow],
@@ -154,6 +171,34 @@ pub(super) const RULES: &[Rule] = &[
         holds: |view| !view.facts.room_to_turn,
         next: Go(Follow),
         reason: Reason::NoRoomToTurn,
+    },
+    Rule {
+        from: &[Manoeuvre],
+        when: "it is driven",
+        holds: |view| view.facts.manoeuvred == Some(Reason::Done),
+        next: Go(Follow),
+        reason: Reason::Done,
+    },
+    Rule {
+        from: &[Manoeuvre],
+        when: "none is found",
+        holds: |view| view.facts.manoeuvred == Some(Reason::NoManoeuvre),
+        next: Go(Follow),
+        reason: Reason::NoManoeuvre,
+    },
+    Rule {
+        from: &[Manoeuvre],
+        when: "its next piece does not become free",
+        holds: |view| view.facts.manoeuvred.is_some(),
+        next: Go(Follow),
+        reason: Reason::NotFreeAhead,
+    },
+    Rule {
+        from: &[Manoeuvre],
+        when: "longer than 10 `manoeuvre_s`",
+        holds: |view| view.lasted_s > 10.0 * view.config.manoeuvre_s,
+        next: Go(Follow),
+        reason: Reason::TimedOut,
     },
     Rule {
         from: &[BackUp, Rotate],

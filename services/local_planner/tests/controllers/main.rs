@@ -16,4 +16,5 @@ mod recovery;
 mod rollouts;
 mod shut_in;
 mod tasks;
+mod tight;
 mod waiting;

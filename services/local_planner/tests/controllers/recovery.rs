@@ -34,8 +34,7 @@ pub(crate) fn fine(now_s: f64) -> Facts {
         dynamic_obstacle: false,
         free_behind: false,
         room_to_turn: false,
-        backed_m: 0.0,
-        rotated_rad: 0.0,
+        ..Facts::default()
     }
 }
 
@@ -46,6 +45,7 @@ fn limit_s(behaviour: Behaviour, config: &RecoveryConfig) -> f64 {
         Behaviour::AskForPath => config.ask_s,
         Behaviour::Wait => config.wait_s,
         Behaviour::BackUp | Behaviour::Rotate => config.manoeuvre_s,
+        Behaviour::Manoeuvre => 10.0 * config.manoeuvre_s,
     };
     limit_s + 2.0 * PERIOD_S
 }

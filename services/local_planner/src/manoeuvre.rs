@@ -1,0 +1,476 @@
+//! Getting on where the outline has no room to turn: a manoeuvre of arcs ahead and back and of turns on
+//! the spot, searched for with the true outline and then driven.
+//!
+//! The controllers choose among motions of a second or two and turn on the spot where that is free. A
+//! robot with corners that stands beside a wall, in an aisle or before a bend has often neither. A
+//! [`Manoeuvre`] stops the robot, searches for a way to a pose on the path from which the controller
+//! gets on, or to the goal with its yaw (`search.rs`, some periods long), and drives it (`track.rs`). It
+//! only wants twists: the pilot checks the stop from each as from every other command.
+
+mod motions;
+mod search;
+mod space;
+mod targets;
+mod track;
+
+use crate::progress::{PathTracker, Place};
+use crate::situation::Situation;
+use crate::surroundings::Surroundings;
+use core::f64::consts::PI;
+use motions::Motion;
+use search::{Progress, Search};
+use targets::{TARGETS_MAX, Target, is_inside};
+use track::{Step, Track};
+use zeronav_motion::Twist;
+use zeronav_msgs::Pose;
+use zeronav_msgs::pose::wrap_angle;
+
+/// [m] that the surroundings must reach when a search begins.
+pub(crate) const SIGHT_M: f64 = space::HALF_M;
+
+/// [m] of path ahead that a manoeuvre leads along at most.
+const REACH_M: f64 = 2.6;
+
+/// [m] of path ahead at which it may end first, and by how much more from attempt to attempt.
+const FIRST_M: f64 = 0.3;
+const FARTHER_M: f64 = 0.6;
+
+/// [m] from one possible end to the next.
+const EVERY_M: f64 = 0.1;
+
+/// [m] of path from which its direction at a place is taken.
+const DIRECTION_M: f64 = 0.4;
+
+/// [m] within which two manoeuvres begin at the same place.
+const SAME_PLACE_M: f64 = 0.8;
+
+/// [s] after a search without a result before the next one in the same place.
+const AGAIN_S: f64 = 5.0;
+
+/// [m] from where a search has found nothing to another place.
+const ELSEWHERE_M: f64 = 0.1;
+const ELSEWHERE_RAD: f64 = 0.15;
+
+/// [s] that a manoeuvre waits for its next piece to become free.
+const PATIENCE_S: f64 = 3.0;
+
+/// [m] kept besides the margin that every command is checked with: errors of following.
+const SPARE_M: f64 = 0.004;
+
+/// [m] of clearance from which a controller gets on: its margin, some more, and the share of the outline's
+/// extent by which the discs that it takes the outline for stand out.
+const FREE_M: f64 = 0.03;
+const OVERHANG: f64 = 0.04;
+
+/// Share of the goal's tolerances within which a manoeuvre ends there.
+const AIM: f64 = 0.6;
+
+/// How near to a pose on the path it ends, and to the farthest one.
+const ON_PATH: (f64, f64) = (0.12, 0.25);
+const FARTHEST: (f64, f64) = (0.2, 0.35);
+
+/// [m] from a goal, besides the outline's diameter, at which an approach to its yaw begins.
+const APPROACH_M: f64 = 1.0;
+
+/// [m] by which any point of the outline moves from one checked pose of a turn to the next.
+const TURN_SPACING_M: f64 = 0.03;
+
+/// Motions of a manoeuvre that are expected; more need more memory.
+const MOTIONS: usize = 256;
+
+/// Of the twist wanted, what is tried in turn.
+const SHARES: [f64; 3] = [1.0, 0.5, 0.2];
+
+/// Why a manoeuvre is over.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum End {
+    /// It has been driven.
+    Done,
+    /// There is none.
+    NotFound,
+    /// Its next piece does not become free, or the robot has left it.
+    Blocked,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Phase {
+    Stopping,
+    /// From where the robot is to arrive: the goal.
+    SearchingBack,
+    Searching,
+    Driving,
+    Over(End),
+}
+
+/// Where and when a search has found nothing.
+#[derive(Debug, Clone, Copy)]
+struct Failure {
+    odom_from_base: Pose,
+    geometry: u64,
+    at_s: f64,
+}
+
+/// What a manoeuvre is to know in a period.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct View<'a> {
+    pub(crate) situation: &'a Situation<'a>,
+    pub(crate) near: &'a Surroundings,
+    pub(crate) odom_from_base: &'a Pose,
+    pub(crate) tracker: &'a PathTracker,
+    /// [m] that every command keeps free.
+    pub(crate) margin_m: f64,
+}
+
+/// A manoeuvre.
+#[derive(Debug)]
+pub(crate) struct Manoeuvre {
+    phase: Phase,
+    search: Search,
+    track: Track,
+    motions: Vec<(Motion, f64)>,
+    /// The goal, where it is near.
+    goal: Option<Target>,
+    /// Where the search began.
+    begun: Pose,
+    /// Where the last ones began, and how many of them there.
+    place: Pose,
+    times: u32,
+    failure: Option<Failure>,
+    /// Of a goal and a path: whether the goal's yaw asks for an approach.
+    approach: Option<((u64, u64), bool)>,
+    waited_s: f64,
+}
+
+impl Manoeuvre {
+    pub(crate) fn new() -> Self {
+        Self {
+            phase: Phase::Over(End::Done),
+            search: Search::new(),
+            track: Track::new(),
+            motions: Vec::with_capacity(MOTIONS),
+            goal: None,
+            begun: Pose::default(),
+            place: Pose::default(),
+            times: 0,
+            failure: None,
+            approach: None,
+            waited_s: 0.0,
+        }
+    }
+
+    /// True where one has not been searched for in vain just now.
+    pub(crate) fn is_worth_a_search(
+        &self,
+        now_s: f64,
+        geometry: u64,
+        odom_from_base: &Pose,
+    ) -> bool {
+        self.failure.is_none_or(|failure| {
+            let turned_rad = wrap_angle(failure.odom_from_base.yaw_rad - odom_from_base.yaw_rad);
+            failure.geometry != geometry
+                || now_s - failure.at_s > AGAIN_S
+                || failure.odom_from_base.distance_m(odom_from_base) > ELSEWHERE_M
+                || turned_rad.abs() > ELSEWHERE_RAD
+        })
+    }
+
+    /// Begins one.
+    pub(crate) fn begin(&mut self, odom_from_base: &Pose) {
+        if self.place.distance_m(odom_from_base) < SAME_PLACE_M {
+            self.times = self.times.saturating_add(1);
+        } else {
+            self.times = 0;
+            self.place = *odom_from_base;
+        }
+        self.phase = Phase::Stopping;
+        self.waited_s = 0.0;
+    }
+
+    /// Why it is over, when it is.
+    pub(crate) const fn end(&self) -> Option<End> {
+        match self.phase {
+            Phase::Over(end) => Some(end),
+            _ => None,
+        }
+    }
+
+    /// [m] that the surroundings of this period must reach.
+    pub(crate) fn reach_m(&self) -> f64 {
+        if self.phase == Phase::Stopping {
+            SIGHT_M
+        } else {
+            0.0
+        }
+    }
+
+    /// The twists of this period, best first; none to stand.
+    pub(crate) fn step(
+        &mut self,
+        view: &View<'_>,
+        now_s: f64,
+    ) -> impl Iterator<Item = Twist> + Clone + use<> {
+        let situation = view.situation;
+        let twist = Twist::new(situation.v_mps, situation.w_radps);
+        if self.phase == Phase::Stopping && twist.is_stopped() {
+            self.phase = self.set_targets(view);
+        }
+        if matches!(self.phase, Phase::SearchingBack | Phase::Searching) {
+            match self.search.advance(&view.near.footprint) {
+                Progress::Searching => {}
+                Progress::NotFound if self.phase == Phase::SearchingBack => {
+                    self.search.targets.all.clear();
+                    self.search.targets.all.extend(self.goal);
+                    self.phase = self.search_on(view);
+                }
+                Progress::NotFound => self.phase = Phase::Over(End::NotFound),
+                Progress::Found => {
+                    self.search.found(&mut self.motions);
+                    self.track.take(&self.begun, &self.motions);
+                    self.phase = Phase::Driving;
+                }
+            }
+        }
+        if self.phase == Phase::Over(End::NotFound) {
+            // No approach from here: on by the path, as near as that leads.
+            self.approach = Some(((situation.goal.id, situation.path_geometry), false));
+            self.failure = Some(Failure {
+                odom_from_base: *view.odom_from_base,
+                geometry: situation.path_geometry,
+                at_s: now_s,
+            });
+        }
+        let mut wanted = None;
+        if self.phase == Phase::Driving {
+            match self.track.step(situation.robot, view.odom_from_base, twist) {
+                Step::Towards(twist) => wanted = Some(twist),
+                Step::Done => self.phase = Phase::Over(End::Done),
+                Step::Lost => self.phase = Phase::Over(End::Blocked),
+            }
+        }
+        wanted
+            .into_iter()
+            .flat_map(|twist| SHARES.map(|share| twist.scaled(share)))
+    }
+
+    /// Takes in whether the pilot moves the robot in this period of so many seconds.
+    pub(crate) fn note(&mut self, moves: bool, period_s: f64) {
+        if moves || self.phase != Phase::Driving {
+            self.waited_s = 0.0;
+            return;
+        }
+        self.waited_s += period_s;
+        if self.waited_s > PATIENCE_S {
+            self.phase = Phase::Over(End::Blocked);
+        }
+    }
+
+    /// Prepares the search from where the robot stands and says what it begins with.
+    fn set_targets(&mut self, view: &View<'_>) -> Phase {
+        self.begun = *view.odom_from_base;
+        self.fill(view);
+        let Some(place) = view.tracker.place() else {
+            return Phase::Over(End::NotFound);
+        };
+        self.search.targets.all.clear();
+        self.add_goal(view, &place);
+        let alone = view.is_at_goal() || self.needs_approach(view);
+        if !alone {
+            self.add_path(view, &place);
+        }
+        let targets = &mut self.search.targets.all;
+        self.goal = targets.first().copied();
+        let Some(goal) = self.goal.filter(|goal| alone && goal.tolerance_rad < PI) else {
+            return self.search_on(view);
+        };
+        // Where the goal is, there is less room than where the robot comes from.
+        targets.clear();
+        targets.push(Target {
+            pose: view.here(),
+            tolerance_m: 0.0,
+            tolerance_rad: 0.0,
+            either_way: false,
+            clearance_m: 0.0,
+        });
+        self.begin_search(view, (goal.pose, true));
+        Phase::SearchingBack
+    }
+
+    /// Begins the search from where the robot stands towards the targets.
+    fn search_on(&mut self, view: &View<'_>) -> Phase {
+        if self.search.targets.all.is_empty() {
+            return Phase::Over(End::NotFound);
+        }
+        self.begin_search(view, (view.here(), false));
+        Phase::Searching
+    }
+
+    fn begin_search(&mut self, view: &View<'_>, from: (Pose, bool)) {
+        let footprint = &view.near.footprint;
+        self.search.targets.find_ways(&self.search.space, footprint);
+        let margin_m = view.margin_m + SPARE_M;
+        self.search
+            .begin(view.situation.robot, footprint, from, margin_m);
+    }
+
+    fn fill(&mut self, view: &View<'_>) {
+        let (situation, near) = (view.situation, view.near);
+        self.search.space.fill(
+            (&near.field, &near.footprint),
+            situation.map_from_base.yaw_rad,
+            situation.scan_points_in_base,
+            situation.robot.base_from_laser.point(),
+        );
+    }
+
+    /// Whether the goal's yaw asks for an approach; `None` when that is not decided yet for this goal and
+    /// this path.
+    pub(crate) fn wants_approach(&self, situation: &Situation<'_>) -> Option<bool> {
+        let of = (situation.goal.id, situation.path_geometry);
+        let decided = self.approach.filter(|(decided, _)| *decided == of);
+        decided.map(|(_, wanted)| wanted)
+    }
+
+    /// Decides it from surroundings that reach as far as [`SIGHT_M`].
+    pub(crate) fn decide_approach(&mut self, view: &View<'_>) -> bool {
+        let situation = view.situation;
+        self.fill(view);
+        let wanted = self.needs_approach(view);
+        self.approach = Some(((situation.goal.id, situation.path_geometry), wanted));
+        wanted
+    }
+
+    /// True when the robot, arriving by the path, could not turn to the goal's yaw.
+    fn needs_approach(&self, view: &View<'_>) -> bool {
+        let (goal, footprint) = (view.situation.goal, &view.near.footprint);
+        let at = view.from_here(&goal.pose);
+        let Some(place) = view.tracker.place().filter(|_| view.may_approach()) else {
+            return false;
+        };
+        let arrives = view.on_path(place.arc_m + place.remaining_m);
+        let off_rad = wrap_angle(goal.pose.yaw_rad - arrives.yaw_rad);
+        let is_free = |yaw_rad: f64| {
+            let pose = Pose::new(at.x_m, at.y_m, yaw_rad);
+            let (space, need_m) = (&self.search.space, view.margin_m);
+            space.clearance_m(footprint, &pose, need_m, need_m) >= need_m
+        };
+        let turn_is_free = |angle_rad: f64| {
+            let steps = (angle_rad.abs() * footprint.circumscribed_m / TURN_SPACING_M).ceil();
+            let shares = core::iter::successors(Some(0.0), |step| Some(step + 1.0));
+            shares
+                .take_while(|step| *step <= steps)
+                .all(|step| is_free(arrives.yaw_rad + angle_rad * step / steps.max(1.0)))
+        };
+        let other_rad = off_rad - (2.0 * PI).copysign(off_rad);
+        off_rad.abs() > AIM * goal.yaw_tolerance_rad
+            && is_free(goal.pose.yaw_rad)
+            && !turn_is_free(off_rad)
+            && !turn_is_free(other_rad)
+    }
+
+    /// Adds the goal when the path ends there within reach.
+    fn add_goal(&mut self, view: &View<'_>, place: &Place) {
+        let goal = view.situation.goal;
+        let pose = view.from_here(&goal.pose);
+        let footprint = &view.near.footprint;
+        if place.remaining_m > REACH_M + goal.tolerance_m || !is_inside(&pose, footprint) {
+            return;
+        }
+        let any_yaw = goal.yaw_tolerance_rad >= PI;
+        self.search.targets.all.push(Target {
+            pose,
+            tolerance_m: AIM * goal.tolerance_m,
+            tolerance_rad: if any_yaw {
+                PI
+            } else {
+                AIM * goal.yaw_tolerance_rad
+            },
+            either_way: false,
+            clearance_m: 0.0,
+        });
+    }
+
+    /// Adds poses along the path: those with room around them, and the farthest, facing either way.
+    fn add_path(&mut self, view: &View<'_>, place: &Place) {
+        let footprint = &view.near.footprint;
+        let (low, high) = footprint.bounds();
+        let free_m = FREE_M + OVERHANG * (high - low).max();
+        let reach_m = REACH_M.min(place.remaining_m);
+        let first_m = FIRST_M + FARTHER_M * f64::from(self.times);
+        let mut along_m = FIRST_M;
+        let mut farthest = None;
+        while along_m <= reach_m && self.search.targets.all.len() + 1 < TARGETS_MAX {
+            let pose = view.on_path(place.arc_m + along_m);
+            if !is_inside(&pose, footprint) {
+                break;
+            }
+            farthest = Some(pose);
+            let ahead = (1..=2).map(|n| view.on_path(place.arc_m + along_m + 0.2 * f64::from(n)));
+            let is_free = along_m >= first_m.min(reach_m)
+                && core::iter::once(pose).chain(ahead).all(|pose| {
+                    let space = &self.search.space;
+                    space.clearance_m(footprint, &pose, free_m, free_m) >= free_m
+                });
+            if is_free {
+                self.search.targets.all.push(Target {
+                    pose,
+                    tolerance_m: ON_PATH.0,
+                    tolerance_rad: ON_PATH.1,
+                    either_way: false,
+                    clearance_m: free_m,
+                });
+            }
+            along_m += EVERY_M;
+        }
+        self.search.targets.all.extend(farthest.map(|pose| Target {
+            pose,
+            tolerance_m: FARTHEST.0,
+            tolerance_rad: FARTHEST.1,
+            either_way: view.situation.robot.v_mps_min < 0.0,
+            clearance_m: 0.0,
+        }));
+    }
+}
+
+impl View<'_> {
+    /// A pose of the map, relative to the robot along the axes of the map.
+    fn from_here(&self, in_map: &Pose) -> Pose {
+        let here = self.situation.map_from_base;
+        Pose::new(in_map.x_m - here.x_m, in_map.y_m - here.y_m, in_map.yaw_rad)
+    }
+
+    /// Where the robot is.
+    fn here(&self) -> Pose {
+        Pose::new(0.0, 0.0, self.situation.map_from_base.yaw_rad)
+    }
+
+    /// The pose along the path at a place on it, relative to the robot. [m]
+    fn on_path(&self, arc_m: f64) -> Pose {
+        let path = self.situation.path;
+        let at = self.tracker.point_at(path, arc_m);
+        let ahead = self.tracker.point_at(path, arc_m + DIRECTION_M);
+        let mut way = ahead - at;
+        if way.norm() < 0.5 * DIRECTION_M {
+            way = ahead - self.tracker.point_at(path, arc_m - DIRECTION_M);
+        }
+        self.from_here(&Pose::new(at.x, at.y, way.y.atan2(way.x)))
+    }
+
+    /// True for a robot with corners that comes near a goal with a yaw.
+    pub(crate) fn may_approach(&self) -> bool {
+        let (goal, footprint) = (self.situation.goal, &self.near.footprint);
+        let within_m = (APPROACH_M + 2.0 * footprint.circumscribed_m).min(REACH_M);
+        !footprint.is_disc()
+            && goal.yaw_tolerance_rad < PI
+            && self
+                .tracker
+                .place()
+                .is_some_and(|place| place.remaining_m <= within_m)
+            && !self.is_at_goal()
+            && is_inside(&self.from_here(&goal.pose), footprint)
+    }
+
+    fn is_at_goal(&self) -> bool {
+        let goal = self.situation.goal;
+        self.situation.map_from_base.distance_m(&goal.pose) <= goal.tolerance_m
+    }
+}
