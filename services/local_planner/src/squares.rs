@@ -95,7 +95,7 @@ mod tests {
     use super::*;
 
     /// Cells of 0.1 m around a robot at the centre of cell (10, 10); obstacles at `obstacles`.
-    fn found(obstacles: &[(usize, usize)], points: &[(f64, f64)]) -> Vec<(i64, i64)> {
+    fn found(obstacles: &[(usize, usize)], points: &[(f64, f64)]) -> Vec<(usize, usize)> {
         let mut cells = vec![1.0_f32; 21 * 21];
         for &(x, y) in obstacles {
             cells[y * 21 + x] = 0.0;
@@ -110,7 +110,7 @@ mod tests {
         let mut squares = Squares::default();
         let points = points.iter().map(|&(x, y)| Point2::new(x, y));
         squares.fill(&sheet, 0.8, points, Point2::origin());
-        let cell = |at: f64| (at / 0.1).round() as i64 + 10;
+        let cell = |at: f64| (at / 0.1 + 10.0).round() as usize;
         let cells = squares.centres.iter();
         cells.map(|at| (cell(at.x), cell(at.y))).collect()
     }
