@@ -81,8 +81,7 @@ pub(in crate::suite) fn find(
 ) -> Option<Turns> {
     let goal_m = [goal.pose.x_m, goal.pose.y_m];
     let ground = Ground::new(world, abilities, goal_m, goal.tolerance_m);
-    let [slowest_mps, fastest_mps] = abilities.v_mps;
-    let directions = [fastest_mps, slowest_mps];
+    let [_, fastest_mps] = abilities.v_mps;
     let total_s = |at: &Turns| {
         let way_s = ground.to_go_m([at.end.x_m, at.end.y_m]) / fastest_mps;
         let off_rad = (off_rad(&at.end, goal) - goal.yaw_tolerance_rad).max(0.0);
@@ -110,28 +109,14 @@ pub(in crate::suite) fn find(
         if expanded > STATES_MAX {
             return None;
         }
-        let step_m = STEPS_M[usize::from(is_wide)];
-        let spins = [TURN_RAD, -TURN_RAD].map(|turn_rad| (0.0, turn_rad, abilities.w_radps_max));
-        let arcs = directions
-            .iter()
-            .filter(|mps| **mps != 0.0)
-            .flat_map(|mps| {
-                BENDS.map(|bend| {
-                    (
-                        step_m.copysign(*mps),
-                        bend * TURN_RAD * step_m / STEPS_M[0],
-                        mps.abs(),
-                    )
-                })
-            });
-        for (way_m, turn_rad, limit) in spins.into_iter().chain(arcs) {
+        for (way_m, turn_rad, limit) in steps(abilities, is_wide) {
             let end = moved(&at.end, way_m, turn_rad);
             let turn_s = turn_rad.abs() / abilities.w_radps_max;
             let time_s = at.time_s
                 + if way_m == 0.0 {
                     turn_s
                 } else {
-                    turn_s.max(step_m / limit)
+                    turn_s.max(way_m.abs() / limit)
                 };
             // Halfway as well: a turn of five degrees moves a corner by less than a short step.
             let is_free =
@@ -154,6 +139,18 @@ pub(in crate::suite) fn find(
         }
     }
     None
+}
+
+/// The steps from a state: way [m], turn [rad], and the limit of speed that counts [m/s] (of a turn on the
+/// spot the yaw rate [rad/s]).
+fn steps(abilities: &Abilities, is_wide: bool) -> impl Iterator<Item = (f64, f64, f64)> {
+    let step_m = STEPS_M[usize::from(is_wide)];
+    let bend_rad = TURN_RAD * step_m / STEPS_M[0];
+    let spins = [TURN_RAD, -TURN_RAD].map(|turn_rad| (0.0, turn_rad, abilities.w_radps_max));
+    let speeds = abilities.v_mps.into_iter().filter(|mps| *mps != 0.0);
+    let arcs = speeds
+        .flat_map(move |mps| BENDS.map(|bend| (step_m.copysign(mps), bend * bend_rad, mps.abs())));
+    spins.into_iter().chain(arcs)
 }
 
 /// True within the tolerances of a goal.
