@@ -8,6 +8,9 @@ use crate::scan::BEAMS_MAX;
 /// Most corners of a footprint.
 pub const FOOTPRINT_CORNERS_MAX: usize = 32;
 
+/// Longest time that a command takes to take effect. [ns]
+pub const ACTUATION_DELAY_NS_MAX: u64 = 2_000_000_000;
+
 message! {
     /// A corner of the footprint.
     pub struct Corner = "zeronav.Corner.v1" {
@@ -21,7 +24,7 @@ message! {
 message! {
     /// What the robot is. The slice holds the corners of a convex footprint, counter-clockwise in
     /// `base`; an empty slice is a disc of `circumscribed_radius_m`.
-    pub struct Description = "zeronav.Description.v1" {
+    pub struct Description = "zeronav.Description.v2" {
         /// [m] largest disc around the origin of `base` inside the footprint, > 0.
         pub inscribed_radius_m: f64,
         /// [m] smallest disc around the origin of `base` that holds the footprint.
@@ -50,6 +53,9 @@ message! {
         pub range_m_max: f64,
         /// [ns] from scan to scan.
         pub scan_period_ns: u64,
+        /// [ns] from a command's arrival to its taking effect; until then the commands before it are
+        /// obeyed.
+        pub actuation_delay_ns: u64,
         /// [count] Beams of a scan.
         pub n_beams: u32,
         /// [count] Corners in the slice, 0 = disc.
@@ -106,6 +112,10 @@ impl Description {
         ensure(
             self.scan_period_ns > 0,
             Refusal::OutOfRange("scan_period_ns"),
+        )?;
+        ensure(
+            self.actuation_delay_ns <= ACTUATION_DELAY_NS_MAX,
+            Refusal::OutOfRange("actuation_delay_ns"),
         )?;
         ensure(
             (1..=BEAMS_MAX).contains(&(self.n_beams as usize)),

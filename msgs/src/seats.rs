@@ -102,6 +102,7 @@ pub static SEATS: [SeatRow; 5] = [
             RobotDescription::ROW,
             RobotOdometry::ROW,
             RobotScan::ROW,
+            RobotCommand::ROW,
             MapUpdate::ROW,
             MapKeyframe::ROW,
             MapObstacles::ROW,

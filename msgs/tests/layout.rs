@@ -13,7 +13,7 @@ use zeronav_msgs::topics::{MapKeyframe, RobotScan, SPANS, SimForesight, Topic, T
 
 /// Name, bytes of header and fixed fields, bytes of an item, schema hash.
 const GOLDEN: &[(&str, usize, usize, u64)] = &[
-    ("robot/description", 264, 16, 0xadca_8cec_092e_d691),
+    ("robot/description", 272, 16, 0x4269_f1a2_e0ce_4de2),
     ("robot/scan", 160, 4, 0x7cad_df9d_db10_ba5c),
     ("robot/odometry", 200, 1, 0x539b_fa04_c81d_517b),
     ("map/update", 288, 4104, 0xd9d1_18ec_8068_3c4f),

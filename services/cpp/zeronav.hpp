@@ -288,6 +288,7 @@ inline constexpr int FLAG_SENSED = 2;
 inline constexpr int FLAG_VIRTUAL = 4;
 inline constexpr int FLAG_REGULARISED = 8;
 inline constexpr int FLAG_UNKNOWN = 16;
+inline constexpr int ACTUATION_DELAY_NS_MAX = 2000000000;
 inline constexpr int OBSTACLE_RADIUS_M_MAX = 10;
 inline constexpr int ROLLOUT_COST_MAX = 1000000000;
 inline constexpr int ROLLOUT_POINTS_MAX = 12;
@@ -498,8 +499,8 @@ static_assert(Pose::SCHEMA == [] {
 /// What the robot is. The slice holds the corners of a convex footprint, counter-clockwise in
 /// `base`; an empty slice is a disc of `circumscribed_radius_m`.
 struct Description {
-    static constexpr const char* NAME = "zeronav.Description.v1";
-    static constexpr std::uint64_t SCHEMA = 0x9dd7e3c8a9d102e7;
+    static constexpr const char* NAME = "zeronav.Description.v2";
+    static constexpr std::uint64_t SCHEMA = 0x96a0516fd40ddf35;
     /// [m] largest disc around the origin of `base` inside the footprint, > 0.
     double inscribed_radius_m{};
     /// [m] smallest disc around the origin of `base` that holds the footprint.
@@ -528,12 +529,15 @@ struct Description {
     double range_m_max{};
     /// [ns] from scan to scan.
     std::uint64_t scan_period_ns{};
+    /// [ns] from a command's arrival to its taking effect; until then the commands before it are
+    /// obeyed.
+    std::uint64_t actuation_delay_ns{};
     /// [count] Beams of a scan.
     std::uint32_t n_beams{};
     /// [count] Corners in the slice, 0 = disc.
     std::uint32_t n_corners{};
 };
-static_assert(sizeof(Description) == 136);
+static_assert(sizeof(Description) == 144);
 static_assert(std::is_trivially_copyable_v<Description> && std::is_standard_layout_v<Description>);
 static_assert(offsetof(Description, inscribed_radius_m) == 0);
 static_assert(offsetof(Description, circumscribed_radius_m) == 8);
@@ -549,8 +553,9 @@ static_assert(offsetof(Description, angle_increment_rad) == 96);
 static_assert(offsetof(Description, range_m_min) == 104);
 static_assert(offsetof(Description, range_m_max) == 112);
 static_assert(offsetof(Description, scan_period_ns) == 120);
-static_assert(offsetof(Description, n_beams) == 128);
-static_assert(offsetof(Description, n_corners) == 132);
+static_assert(offsetof(Description, actuation_delay_ns) == 128);
+static_assert(offsetof(Description, n_beams) == 136);
+static_assert(offsetof(Description, n_corners) == 140);
 static_assert(Description::SCHEMA == [] {
     std::uint64_t hash = fnv1a(FNV_OFFSET, Description::NAME);
     hash = fnv1a(hash, "inscribed_radius_m");
@@ -595,6 +600,9 @@ static_assert(Description::SCHEMA == [] {
     hash = fnv1a(hash, "scan_period_ns");
     hash = fnv1a_number(hash, Schema<decltype(Description::scan_period_ns)>::value);
     hash = fnv1a_number(hash, offsetof(Description, scan_period_ns));
+    hash = fnv1a(hash, "actuation_delay_ns");
+    hash = fnv1a_number(hash, Schema<decltype(Description::actuation_delay_ns)>::value);
+    hash = fnv1a_number(hash, offsetof(Description, actuation_delay_ns));
     hash = fnv1a(hash, "n_beams");
     hash = fnv1a_number(hash, Schema<decltype(Description::n_beams)>::value);
     hash = fnv1a_number(hash, offsetof(Description, n_beams));
@@ -607,13 +615,13 @@ static_assert(Description::SCHEMA == [] {
 /// Header and fixed fields of the topic's messages.
 struct RobotDescriptionEnvelope {
     static constexpr const char* NAME = "zeronav.robot.description.v1";
-    static constexpr std::uint64_t SCHEMA = 0xc4afec7fe78c1af5;
+    static constexpr std::uint64_t SCHEMA = 0x6e64a288bef5faec;
     /// The header.
     Header header{};
     /// The fixed fields.
     Description meta{};
 };
-static_assert(sizeof(RobotDescriptionEnvelope) == 264);
+static_assert(sizeof(RobotDescriptionEnvelope) == 272);
 static_assert(std::is_trivially_copyable_v<RobotDescriptionEnvelope> && std::is_standard_layout_v<RobotDescriptionEnvelope>);
 static_assert(offsetof(RobotDescriptionEnvelope, header) == 0);
 static_assert(offsetof(RobotDescriptionEnvelope, meta) == 128);
@@ -2878,7 +2886,7 @@ struct robot_description {
     using Envelope = RobotDescriptionEnvelope;
     using Item = Corner;
     static constexpr const char* NAME = "robot/description";
-    static constexpr std::uint64_t SCHEMA = 0xadca8cec092ed691;
+    static constexpr std::uint64_t SCHEMA = 0x4269f1a2e0ce4de2;
     static constexpr std::size_t NUMBER = 0;
     static constexpr std::size_t LEN_MAX = 32;
     static constexpr std::size_t BUFFER = 2;

@@ -228,6 +228,18 @@ fn corners_beams_and_stops_of_a_description() {
         still.check(&[Corner::default(); 3]),
         Err(Refusal::OutOfRange("scan_period_ns"))
     );
+    let late = |actuation_delay_ns| {
+        Description {
+            actuation_delay_ns,
+            ..description()
+        }
+        .check(&[Corner::default(); 3])
+    };
+    assert_eq!(late(2_000_000_000), Ok(()));
+    assert_eq!(
+        late(2_000_000_001),
+        Err(Refusal::OutOfRange("actuation_delay_ns"))
+    );
     let stop_m = Description {
         brake_mps2: 1.5,
         ..description()

@@ -1,14 +1,14 @@
 //! One decision per control period: pass on, clamp, slow down, or ramp to rest.
 
 use crate::config::GuardConfig;
-use crate::explain::{decider, explained};
+use crate::explain::explained;
+use crate::in_flight::InFlight;
 use crate::limits::Limits;
 use crate::outline::Outline;
-use crate::sweep::Space;
-use crate::swept::Swept;
+use crate::ramp::Ramp;
+use crate::verdict::{Decider, Mover, Verdict};
 use crate::view::View;
 use crate::watch::{FrozenScan, OdometrySense, Order};
-use nalgebra::Vector2;
 use zeronav_motion::Twist;
 use zeronav_msgs::Pose;
 use zeronav_msgs::command::{Intervention, Validity, VelocityCommand, VelocityRequest};
@@ -23,19 +23,6 @@ const VALID_SHARE_MIN: f64 = 0.1;
 
 /// [rad] by which a scan's geometry may differ from the description's at its ends.
 const GEOMETRY_RAD: f64 = 0.02;
-
-/// [s] of acceleration by which the last command may be ahead of the measured twist when a ramp
-/// begins there.
-const LEAD_S: f64 = 0.06;
-
-/// [m/s] up to which a robot turns on the spot.
-const CREEP_MPS: f64 = 0.01;
-
-/// Shares of the reaction time after which braking may begin, and at which stops are looked at.
-const STARTS: [f64; 3] = [1.0, 0.6, 0.25];
-
-/// Halvings in the search for the fastest free speed on an arc.
-const HALVINGS: u32 = 5;
 
 /// A scan as the guard takes it in.
 #[derive(Debug, Clone, Copy)]
@@ -87,45 +74,6 @@ pub struct GuardInputs<'a> {
     pub stopping: bool,
 }
 
-/// What becomes of a request.
-enum Verdict {
-    /// Goes to the wheels.
-    Pass(Twist, Intervention),
-    /// A ramp from the last command to rest.
-    Rest(Validity, Intervention),
-}
-
-/// A ramp to rest under way.
-#[derive(Debug, Clone, Copy)]
-struct Ramp {
-    /// What a robot that obeys does by now: it brakes on the arc that it was on.
-    expected: Twist,
-    /// [m/s] >= 0 by which commands are slower than that, so that a robot that was slowing down
-    /// already does not pause.
-    lead_mps: f64,
-}
-
-impl Ramp {
-    /// A ramp whose commands begin at this twist.
-    const fn from(expected: Twist) -> Self {
-        Self {
-            expected,
-            lead_mps: 0.0,
-        }
-    }
-
-    /// The command one step later. The yaw rate is the one for the speed that the robot has, not
-    /// for the one commanded.
-    fn step(&mut self, limits: &Limits, elapsed_s: f64) -> Twist {
-        self.expected = limits.towards_rest(self.expected, elapsed_s);
-        let speed_mps = (self.expected.v_mps.abs() - self.lead_mps).max(0.0);
-        limits.clamp(Twist {
-            v_mps: speed_mps.copysign(self.expected.v_mps),
-            w_radps: self.expected.w_radps,
-        })
-    }
-}
-
 /// The guard. Remembers its last command, from which ramps start, and the last two scans.
 #[derive(Debug, Clone)]
 pub struct Guard {
@@ -141,13 +89,13 @@ pub struct Guard {
     sense: OdometrySense,
     /// Id and run time of the newest scan in the view.
     seen: Option<(u64, u64)>,
+    in_flight: InFlight,
     /// Scans captured before this run time are of no use: odometry has jumped since. [ns]
     blind_before_ns: u64,
     described: Option<(Description, Limits, Outline)>,
     corners: Vec<Corner>,
-    /// Of this decision: the point that slowed or stopped the robot, in `base`, and its distance to
-    /// the outline on the way that was asked for. [m]
-    decider: Option<(Vector2<f64>, f64)>,
+    /// Of this decision.
+    decider: Decider,
 }
 
 impl Guard {
@@ -165,6 +113,7 @@ impl Guard {
             frozen_scan: FrozenScan::default(),
             sense: OdometrySense::default(),
             seen: None,
+            in_flight: InFlight::default(),
             blind_before_ns: 0,
             described: None,
             corners: Vec::new(),
@@ -187,13 +136,14 @@ impl Guard {
         self.describe(inputs.robot);
         self.take_odometry(inputs);
         self.take_scan(inputs);
+        let odometry_ns = inputs.odometry.as_ref().map(|input| input.run_ns);
+        self.in_flight.begin(odometry_ns, inputs.period_ns);
         let limits = self.described.as_ref().map(|(_, limits, _)| *limits);
         let verdict = self.verdict(inputs);
         let (twist, validity, intervention) = match (verdict, limits) {
             (Verdict::Pass(twist, intervention), Some(_)) => (twist, Validity::Drive, intervention),
             (Verdict::Rest(validity, intervention), Some(limits)) => {
-                let measured = self.feels(inputs).map(Twist::measured);
-                let start = || self.ramp_start(measured, &limits);
+                let start = || Ramp::begin(self.soon(inputs), self.last, &limits);
                 let mut ramp = self.ramp.unwrap_or_else(start);
                 let twist = ramp.step(&limits, seconds(inputs.period_ns));
                 self.ramp = Some(ramp);
@@ -203,6 +153,7 @@ impl Guard {
             (Verdict::Rest(validity, intervention), None) => (Twist::REST, validity, intervention),
         };
         self.last = twist;
+        self.in_flight.send(twist);
         if validity == Validity::Drive {
             self.ramp = None;
         } else if limits.is_none() {
@@ -246,14 +197,13 @@ impl Guard {
         }
         let jumped = self.sense.take(input.odometry, input.run_ns, fastest);
         if jumped || !self.odometry_order.is_forward() {
-            self.view.clear();
-            self.seen = None;
+            self.forget();
             self.blind_before_ns = input.run_ns;
         }
     }
 
     fn take_scan(&mut self, inputs: &GuardInputs<'_>) {
-        let (Some(input), Some((description, _, outline))) = (&inputs.scan, &self.described) else {
+        let Some(input) = inputs.scan.as_ref().filter(|_| self.described.is_some()) else {
             return;
         };
         let Some(odom_from_base) = input.odom_from_base else {
@@ -263,9 +213,11 @@ impl Guard {
             return;
         }
         if !self.scan_order.is_forward() {
-            self.view.clear();
-            self.seen = None;
+            self.forget();
         }
+        let Some((description, _, outline)) = &self.described else {
+            return;
+        };
         if input.run_ns < self.blind_before_ns || !is_usable(input.scan, input.ranges, description)
         {
             return;
@@ -277,6 +229,12 @@ impl Guard {
         self.view
             .take(input.scan, input.ranges, laser, &odom_from_base, twist);
         self.seen = Some((input.id, input.run_ns));
+    }
+
+    /// What was seen is of no use any more.
+    fn forget(&mut self) {
+        self.view.clear();
+        self.seen = None;
     }
 
     fn verdict(&mut self, inputs: &GuardInputs<'_>) -> Verdict {
@@ -303,80 +261,44 @@ impl Guard {
         if validity != Validity::Drive {
             return Verdict::Rest(validity, Intervention::None);
         }
+        let asked = Twist {
+            v_mps: request.v_mps,
+            w_radps: request.w_radps,
+        };
         if !self.sees(inputs) {
             return Verdict::Rest(Validity::Stale, Intervention::ScanStale);
         }
         let Some(odometry) = self.feels(inputs) else {
             return Verdict::Rest(Validity::Stale, Intervention::OdometryStale);
         };
-        let asked = Twist {
-            v_mps: request.v_mps,
-            w_radps: request.w_radps,
-        };
         self.drive(asked, odometry)
     }
 
-    /// The fastest twist on the arc asked for from which the robot can still stop.
+    /// What becomes of a motion that is asked for.
     fn drive(&mut self, asked: Twist, odometry: &Odometry) -> Verdict {
-        let Some((_, limits, outline)) = &self.described else {
+        let Some((description, limits, outline)) = &self.described else {
             return Verdict::Rest(Validity::Stale, Intervention::Refused);
         };
-        let config = &self.config;
-        let clamped = limits.clamp(asked);
-        let measured = Twist::measured(odometry);
-        let enough_m = config.margin_m + config.slow_zone_m;
-        let ends = (measured, clamped);
-        let swept = Swept::new(limits, outline, ends, config.reaction_s, enough_m);
-        self.view.look(&odometry.pose, &swept);
-        let space = Space::new(outline, &self.view.near, config.margin_m);
-        // Braking may begin with the next command or at the end of the reaction time, on another
-        // curvature when the robot is still turning in: the stops must be free, those that reach
-        // farthest first.
-        let way = |twist: Twist| {
-            STARTS
-                .iter()
-                .try_fold(f64::INFINITY, |least_m: f64, share| {
-                    let reaction_s = share * config.reaction_s;
-                    let here_m = space.way(limits, (measured, twist), reaction_s, enough_m)?;
-                    Some(least_m.min(here_m))
-                })
+        let mover = Mover {
+            config: &self.config,
+            limits,
+            outline,
+            in_flight: &self.in_flight,
+            delay_ns: description.actuation_delay_ns,
         };
-        // Near obstacles the robot may not be faster than this. It gets there on its arc: a yaw rate
-        // for a speed that it does not have yet would lead it off the way that was looked at.
-        let slow = |twist: Twist, least_m: f64| {
-            let speed_mps = outline.speed_mps(twist);
-            let soon_mps = outline.speed_mps(measured) - limits.brake_mps2 * LEAD_S;
-            let most_mps = config.slow_mps.max(soon_mps);
-            if least_m >= enough_m || speed_mps <= most_mps {
-                return twist;
-            }
-            let slower = twist.scaled(most_mps / speed_mps);
-            if way(slower).is_some() { slower } else { twist }
-        };
-        let verdict = if let Some(least_m) = way(clamped) {
-            let slowed = slow(clamped, least_m);
-            let intervention = if slowed != clamped {
-                Intervention::Slowed
-            } else if clamped != asked {
-                Intervention::Clamped
-            } else {
-                Intervention::None
-            };
-            Verdict::Pass(slowed, intervention)
-        } else {
-            fastest_free(clamped, way).map_or(
-                Verdict::Rest(Validity::Blocked, Intervention::StoppedShort),
-                |(slower, least_m)| Verdict::Pass(slow(slower, least_m), Intervention::Slowed),
-            )
-        };
-        if let Verdict::Pass(_, Intervention::Slowed) | Verdict::Rest(..) = verdict {
-            let nearest = STARTS.map(|share| {
-                let reaction_s = share * config.reaction_s;
-                space.nearest_on_way(limits, (measured, clamped), reaction_s, enough_m)
-            });
-            self.decider = decider(&nearest);
-        }
+        let (verdict, decider) = mover.judge(asked, odometry, &mut self.view);
+        self.decider = decider;
         verdict
+    }
+
+    /// The twist of the robot when a command of now takes effect, as far as odometry can be believed.
+    fn soon(&self, inputs: &GuardInputs<'_>) -> Option<Twist> {
+        let odometry = self.feels(inputs)?;
+        let (description, limits, _) = self.described.as_ref()?;
+        let legs = self.in_flight.legs(description.actuation_delay_ns);
+        Some(legs.fold(Twist::measured(odometry), |twist, leg| {
+            leg.after(limits, twist)
+        }))
     }
 
     /// True while there is a young, well-formed scan that is neither blind nor frozen.
@@ -411,45 +333,6 @@ impl Guard {
             && self.sense.frozen_s(input.run_ns) <= self.config.odometry_age_s;
         fine.then_some(input.odometry)
     }
-
-    /// Where a ramp begins: on the arc that the robot is on, because the stops that were checked
-    /// begin there, with commands as far below its speed as the last one can be ahead of it.
-    fn ramp_start(&self, measured: Option<Twist>, limits: &Limits) -> Ramp {
-        let Some(Twist { v_mps, w_radps }) = measured else {
-            return Ramp::from(self.last);
-        };
-        let lead_mps = limits.a_mps2_max.max(limits.brake_mps2) * LEAD_S;
-        let ahead_mps = (v_mps - self.last.v_mps) * v_mps.signum();
-        let w_radps = if v_mps.abs() > CREEP_MPS {
-            w_radps
-        } else {
-            let lead_radps = limits.alpha_radps2_max * LEAD_S;
-            let (low, high) = (w_radps - lead_radps, w_radps + lead_radps);
-            self.last.w_radps.clamp(low, high)
-        };
-        Ramp {
-            expected: Twist { v_mps, w_radps },
-            // A request far beyond its speed must not make it faster yet.
-            lead_mps: ahead_mps.clamp(0.0, lead_mps),
-        }
-    }
-}
-
-/// The fastest twist on the arc of `clamped` whose way is free, with the least distance there. [m]
-fn fastest_free(clamped: Twist, way: impl Fn(Twist) -> Option<f64>) -> Option<(Twist, f64)> {
-    let mut best = None;
-    let (mut low, mut high) = (0.0, 1.0);
-    for _ in 0..HALVINGS {
-        let share = 0.5 * (low + high);
-        let slower = clamped.scaled(share);
-        if let Some(least_m) = way(slower) {
-            best = Some((slower, least_m));
-            low = share;
-        } else {
-            high = share;
-        }
-    }
-    best
 }
 
 /// True for a scan that describes its ranges, fits the robot's lidar and is not blind.

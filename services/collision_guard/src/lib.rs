@@ -16,10 +16,13 @@ mod config;
 mod explain;
 mod guard;
 mod hits;
+mod in_flight;
 mod limits;
 mod outline;
+mod ramp;
 mod sweep;
 mod swept;
+mod verdict;
 mod view;
 mod watch;
 

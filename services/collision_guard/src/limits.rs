@@ -116,6 +116,18 @@ impl Limits {
         until_s(change_mps, rate).min(until_s(turn_radps, self.alpha_radps2_max))
     }
 
+    /// The twist after obeying `towards` for `lasts_s`.
+    pub(crate) fn obeyed(&self, from: Twist, towards: Twist, lasts_s: f64) -> Twist {
+        let (mut twist, mut left_s) = (from, lasts_s);
+        // To rest, on from there, and until the turn is what it should be.
+        for _ in 0..2 {
+            let step_s = self.even_towards_s(twist, towards).min(left_s);
+            twist = self.towards(twist, towards, step_s);
+            left_s -= step_s;
+        }
+        self.towards(twist, towards, left_s.max(0.0))
+    }
+
     /// [s] for which [`Self::towards_rest`] changes both speeds evenly.
     pub(crate) fn even_towards_rest_s(&self, last: Twist) -> f64 {
         // The yaw rate is zero with the speed, or later, and then falls on its own.

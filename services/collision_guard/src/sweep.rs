@@ -38,6 +38,74 @@ pub(crate) struct Space<'a> {
     now_m: f64,
 }
 
+/// How far a walk has come.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Walked {
+    /// In `base` of now. [m]
+    at: Vector2<f64>,
+    /// Sine and cosine.
+    heading: (f64, f64),
+    pub(crate) twist: Twist,
+    /// Least distance to a hit so far. [m]
+    least_m: f64,
+    /// What the outline may still move before another look can tell anything new. [m]
+    blind_m: f64,
+    poses: u32,
+}
+
+impl Walked {
+    /// Nothing yet: the robot is where it is, and only what is nearer than `enough_m` matters.
+    pub(crate) fn none(twist: Twist, enough_m: f64) -> Self {
+        Self {
+            at: Vector2::zeros(),
+            heading: (0.0, 1.0),
+            twist,
+            least_m: enough_m,
+            blind_m: 0.0,
+            poses: 0,
+        }
+    }
+}
+
+/// One leg of a walk.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Leg {
+    /// Nears a twist for so long. [s]
+    Obey(Twist, f64),
+    /// Keeps the twist for so long. [s]
+    Keep(f64),
+    /// Ramps to rest as [`Limits::towards_rest`] does.
+    Brake,
+}
+
+impl Leg {
+    /// [s]; a ramp lasts as long as it takes.
+    pub(crate) const fn lasts_s(self) -> f64 {
+        match self {
+            Self::Obey(_, lasts_s) | Self::Keep(lasts_s) => lasts_s,
+            Self::Brake => f64::INFINITY,
+        }
+    }
+
+    /// The twist behind it.
+    pub(crate) fn after(self, limits: &Limits, twist: Twist) -> Twist {
+        match self {
+            Self::Obey(towards, lasts_s) => limits.obeyed(twist, towards, lasts_s),
+            Self::Keep(_) => twist,
+            Self::Brake => Twist::REST,
+        }
+    }
+
+    /// The twist that it nears, if it is not the one that it begins with.
+    pub(crate) const fn towards(self) -> Option<Twist> {
+        match self {
+            Self::Obey(towards, _) => Some(towards),
+            Self::Keep(_) => None,
+            Self::Brake => Some(Twist::REST),
+        }
+    }
+}
+
 /// What one look leaves for the next.
 struct Look {
     /// Room for the outline at a pose.
@@ -92,15 +160,37 @@ impl<'a> Space<'a> {
         free.then_some(here_m)
     }
 
+    /// The way up to where a command of now takes effect: of what is `walked` already, these legs;
+    /// `None` when that is not free.
+    pub(crate) fn lead(
+        &self,
+        limits: &Limits,
+        mut walked: Walked,
+        legs: impl Iterator<Item = Leg>,
+        enough_m: f64,
+    ) -> Option<Walked> {
+        let mut look = Look {
+            placed: *self.outline,
+            nearest: 0,
+        };
+        for leg in legs {
+            self.walk(limits, &mut walked, leg, enough_m, |at, heading, far_m| {
+                self.free_m(&mut look, at, heading, far_m)
+            })?;
+        }
+        // What follows may have as many poses of its own.
+        Some(Walked { poses: 0, ..walked })
+    }
+
     /// Least distance between the outline and the points along the way, at most `enough_m`;
     /// `None` when the way is not free. [m]
     ///
-    /// The way begins at `from`, nears `towards` within the limits for `reaction_s` and ramps to
-    /// rest as [`Limits::towards_rest`] does.
+    /// The way begins where the robot has `walked` to, nears `towards` within the limits for
+    /// `reaction_s` and ramps to rest as [`Limits::towards_rest`] does.
     pub(crate) fn way(
         &self,
         limits: &Limits,
-        ends: (Twist, Twist),
+        (mut walked, towards): (Walked, Twist),
         reaction_s: f64,
         enough_m: f64,
     ) -> Option<f64> {
@@ -108,94 +198,96 @@ impl<'a> Space<'a> {
             placed: *self.outline,
             nearest: 0,
         };
-        self.walk(limits, ends, reaction_s, enough_m, |at, heading, far_m| {
-            self.free_m(&mut look, at, heading, far_m)
-        })
+        for leg in [Leg::Obey(towards, reaction_s), Leg::Brake] {
+            self.walk(limits, &mut walked, leg, enough_m, |at, heading, far_m| {
+                self.free_m(&mut look, at, heading, far_m)
+            })?;
+        }
+        Some(walked.least_m)
     }
 
-    /// The hit that is nearest to that way up to the first pose that is not free, if one is nearer
-    /// than `enough_m`, and its distance there. [m]
+    /// The hit that is nearest to a way of these legs up to the first pose that is not free, if one is
+    /// nearer than `enough_m`, and its distance there. [m]
     pub(crate) fn nearest_on_way(
         &self,
         limits: &Limits,
-        ends: (Twist, Twist),
-        reaction_s: f64,
+        mut walked: Walked,
+        mut legs: impl Iterator<Item = Leg>,
         enough_m: f64,
     ) -> Nearest {
         let mut placed = *self.outline;
         let mut look = Look { placed, nearest: 0 };
         let mut found: Option<(Vector2<f64>, f64)> = None;
-        let way = self.walk(limits, ends, reaction_s, enough_m, |at, heading, far_m| {
-            let free_m = self.free_m(&mut look, at, heading, far_m);
-            placed.place(self.outline, at, heading);
-            let mut nearest = look.nearest;
-            let (here_m, hit) = self.hits.nearest(&placed, far_m, &mut nearest);
-            // What ends the way decides, whatever came nearer before.
-            if let Some(hit) = hit
-                && (free_m.is_none() || found.is_none_or(|(_, least_m)| here_m < least_m))
-            {
-                found = Some((hit, here_m));
-            }
-            free_m
+        let is_free = legs.all(|leg| {
+            let walk = self.walk(limits, &mut walked, leg, enough_m, |at, heading, far_m| {
+                let free_m = self.free_m(&mut look, at, heading, far_m);
+                placed.place(self.outline, at, heading);
+                let mut nearest = look.nearest;
+                let (here_m, hit) = self.hits.nearest(&placed, far_m, &mut nearest);
+                // What ends the way decides, whatever came nearer before.
+                if let Some(hit) = hit
+                    && (free_m.is_none() || found.is_none_or(|(_, least_m)| here_m < least_m))
+                {
+                    found = Some((hit, here_m));
+                }
+                free_m
+            });
+            walk.is_some()
         });
         Nearest {
             hit: found.filter(|(_, least_m)| *least_m < enough_m),
-            is_free: way.is_some(),
+            is_free,
         }
     }
 
-    /// Follows a way and asks `look` for the least distance at every pose that can tell anything new,
-    /// given by place, sine and cosine of the heading, and how far to look; ends with the first that
-    /// is not free.
+    /// Goes on by a leg and asks `look` for the least distance at every pose that can tell anything
+    /// new, given by place, sine and cosine of the heading, and how far to look; `None` with the first
+    /// that is not free.
     fn walk(
         &self,
         limits: &Limits,
-        (from, towards): (Twist, Twist),
-        reaction_s: f64,
+        walked: &mut Walked,
+        leg: Leg,
         enough_m: f64,
         mut look: impl FnMut(Vector2<f64>, (f64, f64), f64) -> Option<f64>,
-    ) -> Option<f64> {
-        let mut twist = from;
-        let mut left_s = reaction_s;
-        let (mut at, mut heading) = (Vector2::zeros(), (0.0, 1.0));
-        let mut least_m = enough_m;
-        // What the outline may still move before another look can tell anything new.
-        let mut blind_m = 0.0;
-        for _ in 0..POSES_MAX {
-            let braking = left_s <= 0.0;
-            if braking && twist == Twist::REST {
-                return Some(least_m);
+    ) -> Option<()> {
+        let mut left_s = leg.lasts_s();
+        while walked.poses < POSES_MAX {
+            let twist = walked.twist;
+            if left_s <= 0.0 || (matches!(leg, Leg::Brake) && twist == Twist::REST) {
+                return Some(());
             }
+            walked.poses += 1;
             // Both speeds change evenly within a step, so none exceeds what it has at the ends.
-            let (end, even_s) = if braking {
-                (Twist::REST, limits.even_towards_rest_s(twist))
-            } else {
-                (towards, limits.even_towards_s(twist, towards).min(left_s))
+            let (end, even_s) = match leg {
+                Leg::Obey(towards, _) => (towards, limits.even_towards_s(twist, towards)),
+                Leg::Keep(_) => (twist, f64::INFINITY),
+                Leg::Brake => (Twist::REST, limits.even_towards_rest_s(twist)),
             };
             let fastest_mps = self.outline.speed_mps(faster(twist, end));
             let step_s = ((SPACING_M - 2.0 * OFF_M) / fastest_mps)
                 .min(STEP_S_MAX)
-                .min(even_s)
+                .min(even_s.min(left_s))
                 .max(STEP_S_MIN);
-            let next = if braking {
-                limits.towards_rest(twist, step_s)
-            } else {
-                left_s -= step_s;
-                limits.towards(twist, towards, step_s)
+            left_s -= step_s;
+            let next = match leg {
+                Leg::Obey(towards, _) => limits.towards(twist, towards, step_s),
+                Leg::Keep(_) => twist,
+                Leg::Brake => limits.towards_rest(twist, step_s),
             };
             let (moved, half) = moved(twist, next, step_s);
-            at += turned_by(heading, moved);
-            heading = turned(turned(heading, half), half);
-            blind_m -= self.outline.speed_mps(faster(twist, next)) * step_s;
-            twist = next;
-            if blind_m > 0.0 {
+            walked.at += turned_by(walked.heading, moved);
+            walked.heading = turned(turned(walked.heading, half), half);
+            walked.blind_m -= self.outline.speed_mps(faster(twist, next)) * step_s;
+            walked.twist = next;
+            if walked.blind_m > 0.0 {
                 continue;
             }
             // Far enough to see what the next moves cannot reach.
             let far_m = enough_m + 0.5;
-            let here_m = look(at, heading, far_m)?;
-            least_m = least_m.min(here_m);
-            blind_m = here_m - enough_m;
+            let here_m = look(walked.at, walked.heading, far_m)?;
+            walked.least_m = walked.least_m.min(here_m);
+            walked.blind_m = here_m - enough_m;
         }
         // A way of so many poses ends nowhere near.
         None
@@ -301,7 +393,8 @@ mod tests {
             let space = Space::new(&outline, &hits, 0.01);
             let ends = (Twist::new(from.0, from.1), Twist::new(towards.0, towards.1));
             let (mut last, mut gap_m) = ((Vector2::zeros(), (0.0, 1.0)), 0.0_f64);
-            let way = space.walk(&limits, ends, reaction_s, 0.02, |at, heading, _| {
+            let mut walked = Walked::none(ends.0, 0.02);
+            let mut look = |at: Vector2<f64>, heading, _: f64| {
                 let moved_m = if disc { (at - last.0).norm() } else {
                     let place = |(at, heading), corner: &Corner| {
                         let corner = Vector2::new(corner.x_m, corner.y_m);
@@ -315,7 +408,9 @@ mod tests {
                 last = (at, heading);
                 // As near as a look has to be at every pose.
                 Some(0.02)
-            });
+            };
+            let mut legs = [Leg::Obey(ends.1, reaction_s), Leg::Brake].into_iter();
+            let way = legs.try_for_each(|leg| space.walk(&limits, &mut walked, leg, 0.02, &mut look));
             // A way of too many poses is not looked at to its end.
             prop_assume!(way.is_some());
             prop_assert!(gap_m <= SPACING_M - OFF_M, "{gap_m} m between two poses");
@@ -347,7 +442,8 @@ mod tests {
             hits.refill([Vector2::new(hit.0, hit.1)].into_iter());
             let space = Space::new(&outline, &hits, 0.01);
             let twist = Twist::new(v_mps, 0.0);
-            space.way(&limits, (twist, twist), 0.1, 0.02).is_some()
+            let here = Walked::none(twist, 0.02);
+            space.way(&limits, (here, twist), 0.1, 0.02).is_some()
         };
         // 1 cm inside the left edge, and inside the front.
         assert!(free((0.0, 0.19), 0.1) && free((0.0, 0.19), -0.1));

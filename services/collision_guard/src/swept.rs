@@ -44,24 +44,32 @@ impl Drive {
 }
 
 impl Swept {
-    /// Holds every point within `around_m` of the outline on every way that begins at `from`, nears
-    /// some share in [0, 1] of `towards` for at most `reaction_s` and then ramps to rest.
+    /// Holds every point within `around_m` of the outline on every way that begins at one of `ends`,
+    /// nears some share in [0, 1] of any of the others for at most `reaction_s` all together and then
+    /// ramps to rest.
     ///
-    /// Neither speed ever exceeds the larger of the two ends of the way or changes to a sign that
-    /// neither of them has. While the robot still drives, for `v / brake` at most, the yaw rate only
-    /// falls; what is left of it then falls by the yaw acceleration.
+    /// Neither speed ever exceeds the larger of the ends of the way or changes to a sign that none of
+    /// them has. While the robot ramps, for `v / brake` at most until it does not drive, the yaw rate
+    /// only falls; what is left of it then falls by the yaw acceleration.
     pub(crate) fn new(
         limits: &Limits,
         outline: &Outline,
-        (from, towards): (Twist, Twist),
+        ends: impl Iterator<Item = Twist>,
         reaction_s: f64,
         around_m: f64,
     ) -> Self {
-        let most = |a: f64, b: f64| a.max(b).max(0.0);
-        let ahead = Drive::new(limits, most(from.v_mps, towards.v_mps), reaction_s);
-        let back = Drive::new(limits, most(-from.v_mps, -towards.v_mps), reaction_s);
-        let left_radps = most(from.w_radps, towards.w_radps);
-        let right_radps = most(-from.w_radps, -towards.w_radps);
+        let none = [0.0; 4];
+        let [ahead_mps, back_mps, left_radps, right_radps] = ends.fold(none, |most, end| {
+            let [ahead, back, left, right] = most;
+            [
+                end.v_mps.max(ahead),
+                (-end.v_mps).max(back),
+                end.w_radps.max(left),
+                (-end.w_radps).max(right),
+            ]
+        });
+        let ahead = Drive::new(limits, ahead_mps, reaction_s);
+        let back = Drive::new(limits, back_mps, reaction_s);
         let turned_rad = |w_radps: f64| {
             let driving_s = ahead.stop_s.max(back.stop_s);
             w_radps * (driving_s + STEP_S_MAX) + w_radps * w_radps / (2.0 * limits.alpha_radps2_max)
@@ -102,7 +110,7 @@ impl Swept {
 mod tests {
     use super::*;
     use crate::hits::Hits;
-    use crate::sweep::Space;
+    use crate::sweep::{Space, Walked};
     use proptest::prelude::*;
     use zeronav_msgs::description::{Corner, Description};
 
@@ -144,7 +152,7 @@ mod tests {
             };
             let (from, towards) = (twist(from), twist(towards));
             let (margin_m, enough_m) = (0.01, 0.02);
-            let swept = Swept::new(&limits, &outline, (from, towards), reaction_s, enough_m);
+            let swept = Swept::new(&limits, &outline, [from, towards].into_iter(), reaction_s, enough_m);
             let all: Vec<Vector2<f64>> = points.iter().map(|&(x, y)| Vector2::new(x, y)).collect();
             let near: Vec<Vector2<f64>> =
                 all.iter().copied().filter(|point| swept.holds(*point)).collect();
@@ -152,7 +160,8 @@ mod tests {
                 let mut hits = Hits::default();
                 hits.refill(points.iter().copied());
                 let space = Space::new(&outline, &hits, margin_m);
-                space.way(&limits, (from, towards.scaled(share)), reaction_s, enough_m)
+                let here = Walked::none(from, enough_m);
+                space.way(&limits, (here, towards.scaled(share)), reaction_s, enough_m)
             };
             for reaction_s in [reaction_s, 0.25 * reaction_s] {
                 let (full, fast) = (way(&all, reaction_s), way(&near, reaction_s));
@@ -204,7 +213,13 @@ mod tests {
         let polygon = Outline::new(&description, &corners);
         let check = |outline, brake_mps2, ends: [(f64, f64); 2], reaction_s, expected: [f64; 4]| {
             let [from, to] = ends.map(|(v, w)| Twist::new(v, w));
-            let swept = Swept::new(&limits(brake_mps2), outline, (from, to), reaction_s, 0.05);
+            let swept = Swept::new(
+                &limits(brake_mps2),
+                outline,
+                [from, to].into_iter(),
+                reaction_s,
+                0.05,
+            );
             let found = [swept.low.x, swept.low.y, swept.high.x, swept.high.y];
             for (found, expected) in found.into_iter().zip(expected) {
                 assert!(

@@ -190,7 +190,7 @@ mod tests {
             brake_mps2: 1.0,
             alpha_radps2_max: 1.0,
         };
-        Swept::new(&limits, &outline(), (Twist::REST, Twist::REST), 0.0, 5.0)
+        Swept::new(&limits, &outline(), [Twist::REST].into_iter(), 0.0, 5.0)
     }
 
     fn ahead(view: &mut View, at: Pose) -> Vec<Vector2<f64>> {

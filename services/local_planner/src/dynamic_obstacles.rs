@@ -94,6 +94,8 @@ pub(crate) struct DynamicObstacles {
     /// Futures that are told, and how old they are. [s]
     told: Vec<Foreseen>,
     told_age_s: f64,
+    /// [s] by which they are ahead of the scan.
+    ahead_s: f64,
     yaw_rad: f64,
     /// Centres and radii at the ends of the steps of a rollout, steps x tracks. [m]
     table: Vec<[f32; 3]>,
@@ -102,15 +104,16 @@ pub(crate) struct DynamicObstacles {
 }
 
 impl DynamicObstacles {
-    /// Takes in obstacles in the map frame, `age_s` after they were so, and the future of those that it
-    /// is told of.
+    /// Takes in obstacles in the map frame, `age_s` after they were so and `ahead_s` after the scan,
+    /// and the future of those that it is told of.
     pub(crate) fn take(
         &mut self,
         obstacles: &[Obstacle],
-        age_s: f64,
+        (age_s, ahead_s): (f64, f64),
         future: &Future<'_>,
         map_from_base: &Pose,
     ) {
+        self.ahead_s = ahead_s;
         self.yaw_rad = map_from_base.yaw_rad;
         self.tracks.clear();
         self.told.clear();
@@ -174,6 +177,12 @@ impl DynamicObstacles {
         }
     }
 
+    /// Where the scan has met it.
+    fn seen(&self, track: &Track) -> Point2<f64> {
+        let (vx_mps, vy_mps) = track.velocity;
+        track.at - Vector2::new(vx_mps, vy_mps) * self.ahead_s
+    }
+
     /// True when a point in `base` belongs to one of them.
     pub(crate) fn owns(&self, point_in_base: Point2<f64>) -> bool {
         if self.tracks.is_empty() {
@@ -185,7 +194,7 @@ impl DynamicObstacles {
             sin * point_in_base.x + cos * point_in_base.y,
         );
         self.tracks.iter().any(|track| {
-            (local - track.at).norm_squared() <= (track.radius_m + OWN_POINTS_M).powi(2)
+            (local - self.seen(track)).norm_squared() <= (track.radius_m + OWN_POINTS_M).powi(2)
         })
     }
 
@@ -215,7 +224,7 @@ impl DynamicObstacles {
         );
         self.tracks
             .iter()
-            .find(|track| (local - track.at).norm() <= track.radius_m + OWN_POINTS_M)
+            .find(|track| (local - self.seen(track)).norm() <= track.radius_m + OWN_POINTS_M)
             .map_or_else(Vector2::zeros, |track| {
                 Vector2::new(track.velocity.0, track.velocity.1)
             })
@@ -314,7 +323,7 @@ mod tests {
         let mut moving = DynamicObstacles::default();
         moving.take(
             &[cart()],
-            0.5,
+            (0.5, 0.0),
             &Future::default(),
             &Pose::new(10.0, 1.0, 0.3),
         );
@@ -339,14 +348,14 @@ mod tests {
         let mut moving = DynamicObstacles::default();
         moving.take(
             &[standing],
-            0.0,
+            (0.0, 0.0),
             &Future::default(),
             &Pose::new(10.0, 1.0, 0.0),
         );
         assert!(moving.tracks.is_empty());
         moving.take(
             &[cart()],
-            0.0,
+            (0.0, 0.0),
             &Future::default(),
             &Pose::new(10.0, 1.0, core::f64::consts::FRAC_PI_2),
         );
@@ -360,7 +369,7 @@ mod tests {
         let mut moving = DynamicObstacles::default();
         moving.take(
             &[cart()],
-            0.0,
+            (0.0, 0.0),
             &Future::default(),
             &Pose::new(12.0, 0.0, 0.0),
         );
@@ -398,7 +407,7 @@ mod tests {
             ..cart()
         };
         let mut moving = DynamicObstacles::default();
-        moving.take(&[tracked], 0.5, &future, &Pose::new(10.0, 1.0, 0.3));
+        moving.take(&[tracked], (0.5, 0.0), &future, &Pose::new(10.0, 1.0, 0.3));
         moving.tabulate(40, 0.1, 0.0);
         let near = |step: usize, x_m: f32, y_m: f32| {
             let [x, y, radius] = moving.at_step(step)[0];
@@ -444,7 +453,7 @@ mod tests {
         let standing = Obstacle { vy_mps: 0.0, ..far };
         let mut moving = DynamicObstacles::default();
         let here = Pose::new(10.0, 1.0, 0.0);
-        moving.take(&[far, waiting, standing], 0.0, &future, &here);
+        moving.take(&[far, waiting, standing], (0.0, 0.0), &future, &here);
         moving.tabulate(20, 0.1, 0.0);
         let [[x, y, _], [told_x, told_y, _]] = moving.at_step(19) else {
             panic!("{:?}", moving.tracks)

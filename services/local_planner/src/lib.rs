@@ -18,6 +18,7 @@ mod dynamic_obstacles;
 mod explain;
 mod field;
 mod footprint;
+mod inputs;
 mod lanes;
 mod local_path;
 mod manoeuvre;
@@ -48,5 +49,6 @@ mod test_robot;
 mod turn;
 
 pub use config::LocalPlannerConfig;
+pub use inputs::{Inputs, PathInput};
 pub use outputs::Outputs;
-pub use period::{Inputs, LocalPlanner, PathInput};
+pub use period::LocalPlanner;

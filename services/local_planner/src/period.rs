@@ -5,71 +5,30 @@ use crate::behaviours::{Behaviours, Moment};
 use crate::config::LocalPlannerConfig;
 use crate::dynamic_obstacles::is_dynamic_near;
 use crate::explain::{self, Circumstances};
+use crate::inputs::{Inputs, PathInput};
 use crate::obstruction::{Known, Obstruction};
 use crate::outputs::Outputs;
 use crate::pilot::Pilot;
 use crate::progress::{PathTracker, Place};
 use crate::recovery::{Behaviour, Facts, Recovery, Transition};
 use crate::requests::{PathRequests, RequestInputs};
-use crate::situation::{Decision, Future, Situation};
+use crate::situation::{Decision, Situation};
 use crate::staleness::{Ages, StaleInput, ageing, speed_factor};
 use crate::table::{UnknownController, controller};
 use crate::task::{Planned, TaskInputs, TaskMachine, TaskStep};
 use nalgebra::Point2;
-use zeronav_motion::{Twist, stop_distance_m, towards_rest};
+use zeronav_motion::{Ahead, Twist, stop_distance_m, towards_rest};
+use zeronav_msgs::Pose;
 use zeronav_msgs::command::{RecoveryReason, RequestCause, Validity};
-use zeronav_msgs::description::{Corner, Description};
-use zeronav_msgs::obstacles::Obstacle;
 use zeronav_msgs::odometry::Odometry;
-use zeronav_msgs::path::{Path, PathStatus, Waypoint};
+use zeronav_msgs::path::{PathStatus, Waypoint};
 use zeronav_msgs::request::PlanRequest;
 use zeronav_msgs::rollouts::{Rollout, Rollouts};
+use zeronav_msgs::scan::BEAMS_MAX;
 use zeronav_msgs::stages::{Stage, StageTimer};
 use zeronav_msgs::task::{Goal, GoalEnd, Task, TaskState, TaskStatus};
 use zeronav_msgs::time::seconds;
-use zeronav_msgs::{MapView, Pose};
 use zeronav_params::ParameterError;
-
-/// The newest path message.
-#[derive(Debug, Clone, Copy)]
-pub struct PathInput<'a> {
-    /// Its fixed fields.
-    pub path: &'a Path,
-    /// Its waypoints, in the map frame.
-    pub waypoints: &'a [Waypoint],
-}
-
-/// What the local planner knows in one control period. Messages have passed their checks;
-/// `None` = never received.
-#[derive(Debug, Clone, Copy)]
-pub struct Inputs<'a> {
-    /// Control tick.
-    pub tick: u64,
-    /// [ns] run time of the tick.
-    pub run_ns: u64,
-    /// [s] control period.
-    pub period_s: f64,
-    /// The robot and its footprint.
-    pub robot: Option<(&'a Description, &'a [Corner])>,
-    /// Odometry of this tick.
-    pub odometry: Option<&'a Odometry>,
-    /// `map_from_odom` of the newest map, with the map.
-    pub map: Option<(Pose, MapView<'a>)>,
-    /// Grows when cells of the map change.
-    pub map_cells: u64,
-    /// Tracked obstacles in the map frame and their age. [s]
-    pub obstacles: (&'a [Obstacle], f64),
-    /// Where they will be, when that is told.
-    pub future: Future<'a>,
-    /// The newest path.
-    pub path: Option<PathInput<'a>>,
-    /// Hits of the newest scan in `base` of now, see [`crate::scan_points::ScanPoints`]. [m]
-    pub scan_points_in_base: &'a [Point2<f64>],
-    /// Ages of all of them.
-    pub ages: Ages,
-    /// The run is stopping.
-    pub stopping: bool,
-}
 
 /// [m] beyond the robot's outer circle within which an obstacle is what stops it.
 const OBSTRUCTION_M: f64 = 0.3;
@@ -105,6 +64,19 @@ pub struct LocalPlanner {
     last: Twist,
     /// The last period turned on the spot.
     turns: bool,
+    /// Room for the scan as of when a command takes effect. [m]
+    points: Vec<Point2<f64>>,
+}
+
+/// How the robot moves: as measured, or as it will when it stands but a command on its way moves it.
+fn moves(odometry: &Odometry, ahead: Option<Ahead>) -> Twist {
+    let measured = Twist::measured(odometry);
+    let then = ahead.map_or(measured, |ahead| ahead.twist);
+    if measured.is_stopped() {
+        then
+    } else {
+        measured
+    }
 }
 
 /// A path that leads to the current goal, and the robot's place on it.
@@ -137,6 +109,7 @@ impl LocalPlanner {
             behaviours: Behaviours::new(config.recovery, config.dwa.safety_margin_m),
             last: Twist::REST,
             turns: false,
+            points: Vec::with_capacity(BEAMS_MAX),
         })
     }
 
@@ -196,11 +169,12 @@ impl LocalPlanner {
             .zip(inputs.map)
             .map(|(odometry, (map_from_odom, _))| map_from_odom.then(&odometry.pose));
         let mut route = self.route(inputs, map_from_base);
+        let ahead = inputs.ahead();
         let was_active = self.task.state() == TaskState::Active;
         let step = self.task.step(&TaskInputs {
             tick: inputs.tick,
             run_ns: inputs.run_ns,
-            robot: map_from_base.zip(inputs.odometry.map(Twist::measured)),
+            robot: map_from_base.zip(inputs.odometry.map(|odometry| moves(odometry, ahead))),
             path: inputs.path.and_then(|input| Planned::of(input.path)),
             remaining: route.map(|route| (route.place.remaining_m, route.geometry)),
             turns: self.turns,
@@ -226,7 +200,7 @@ impl LocalPlanner {
                 .note(behaviour, &odometry.pose, odometry.v_mps);
         }
         let behaviour = self.behaviour();
-        let driven = self.drive(inputs, map_from_base, route, step);
+        let driven = self.drive(inputs, (map_from_base, ahead), route, step);
         let (decision, recovery, stale) = match driven {
             Ok((decision, recovery)) => (decision, recovery, None),
             Err((validity, stale)) => {
@@ -343,7 +317,7 @@ impl LocalPlanner {
     fn drive(
         &mut self,
         inputs: &Inputs<'_>,
-        map_from_base: Option<Pose>,
+        (map_from_base, ahead): (Option<Pose>, Option<Ahead>),
         route: Option<Route<'_>>,
         step: TaskStep,
     ) -> Result<(Decision, Option<Transition>), (Validity, Option<StaleInput>)> {
@@ -382,8 +356,20 @@ impl LocalPlanner {
             goal: &goal,
             speed_factor,
             period_s: inputs.period_s,
+            ahead_s: 0.0,
         };
-        let driven = self.recover(inputs, &situation, odometry, step);
+        let driven = match ahead {
+            None => self.recover(inputs, &situation, &odometry.pose, step),
+            Some(ahead) => {
+                // The command is for the robot that it finds.
+                let mut points = core::mem::take(&mut self.points);
+                let then = situation.ahead(&ahead, &mut points);
+                let odom_from_base = odometry.pose.then(&ahead.shift);
+                let driven = self.recover(inputs, &then, &odom_from_base, step);
+                self.points = points;
+                driven
+            }
+        };
         self.note_stop(&driven.0, route, &map_from_base);
         Ok(driven)
     }
@@ -393,14 +379,14 @@ impl LocalPlanner {
         &mut self,
         inputs: &Inputs<'_>,
         situation: &Situation<'_>,
-        odometry: &Odometry,
+        pose: &Pose,
         step: TaskStep,
     ) -> (Decision, Option<Transition>) {
         self.timer().mark(Stage::Prepare);
         let behaviour = self.behaviour();
         let at = Moment {
             situation,
-            odom_from_base: &odometry.pose,
+            odom_from_base: pose,
             tracker: &self.tracker,
             now_s: seconds(inputs.run_ns),
         };

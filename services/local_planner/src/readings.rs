@@ -5,14 +5,15 @@ use zeronav_local_planner::scan_points::ScanPoints;
 use zeronav_local_planner::situation::Future;
 use zeronav_local_planner::staleness::Ages;
 use zeronav_local_planner::{Inputs, PathInput};
-use zeronav_motion::Twist;
+use zeronav_motion::{InFlight, Twist};
 use zeronav_msgs::header::Parents;
 use zeronav_msgs::pose::Pose;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::task::{GoalEnd, TaskStatus};
 use zeronav_msgs::time::seconds;
 use zeronav_msgs::topics::{
-    MapObstacles, PlanPath, RobotDescription, RobotScan, SimForesight, TaskGoal, TaskState,
+    MapObstacles, PlanPath, RobotCommand, RobotDescription, RobotScan, SimForesight, TaskGoal,
+    TaskState,
 };
 use zeronav_shell::{
     Draft, Due, Latest, MapInput, OdometryReader, Peer, Received, Roster, Shell, StartError, Stream,
@@ -31,6 +32,9 @@ pub(crate) struct Readings {
     /// Where they will be, when that is told.
     foresight: Option<Latest<SimForesight>>,
     path: Latest<PlanPath>,
+    /// What the wheels get.
+    commands: Stream<RobotCommand>,
+    in_flight: InFlight,
     /// What the local planner that is obeyed says of the task, as long as that is another one.
     office: Stream<TaskState>,
     /// Its last two statuses, the newer one last.
@@ -74,6 +78,8 @@ impl Readings {
             remembered: Remembered::default(),
             foresight: None,
             path: peer.latest()?,
+            commands: peer.stream()?,
+            in_flight: InFlight::default(),
             office: peer.stream()?,
             statuses: [None, None],
             map_cells: 0,
@@ -98,6 +104,11 @@ impl Readings {
         self.description.poll(roster);
         let task = self.task.poll(roster);
         let path = self.path.poll(roster);
+        let in_flight = &mut self.in_flight;
+        self.commands.drain(roster, |view| {
+            let command = Twist::new(view.meta.v_mps, view.meta.w_radps);
+            in_flight.send(view.header.run_ns, command);
+        });
         self.hear_office(shell);
         self.map.poll(shell);
         self.map_cells += u64::from(!self.map.changed().is_empty());
@@ -190,6 +201,7 @@ impl Readings {
             &self.map,
             &self.obstacles,
             &self.path,
+            &self.commands,
             &self.task,
             &self.foresight,
         ]);
@@ -272,6 +284,7 @@ impl Readings {
                 path: view.meta,
                 waypoints: view.items,
             }),
+            in_flight: &self.in_flight,
             ages: Ages {
                 scan_ns: self.scan.received().map(age_ns),
                 odometry_ns: newest.map(|newest| age_ns(newest.received())),

@@ -1,6 +1,7 @@
 //! What a controller is given in a control period, and what it answers.
 
 use nalgebra::Point2;
+use zeronav_motion::Ahead;
 use zeronav_msgs::command::{RequestCause, Validity};
 use zeronav_msgs::description::{Corner, Description};
 use zeronav_msgs::foresight::Foreseen;
@@ -55,6 +56,34 @@ pub struct Situation<'a> {
     pub speed_factor: f64,
     /// [s] control period: the published twist holds that long.
     pub period_s: f64,
+    /// [s] by which "now" is ahead of the scan and of what the sensors tell; see
+    /// [`Situation::ahead`].
+    pub ahead_s: f64,
+}
+
+impl Situation<'_> {
+    /// The same as of the moment when a command of now takes effect: the robot is where the commands on
+    /// their way take it, and what moves has moved on. `points` is room for the scan from there.
+    #[must_use]
+    pub fn ahead<'b>(&'b self, ahead: &Ahead, points: &'b mut Vec<Point2<f64>>) -> Situation<'b> {
+        let then_from_now = ahead.shift.isometry().inverse();
+        let here = self.scan_points_in_base.iter();
+        points.clear();
+        points.extend(here.map(|point| then_from_now * point));
+        Situation {
+            map_from_base: self.map_from_base.then(&ahead.shift),
+            v_mps: ahead.twist.v_mps,
+            w_radps: ahead.twist.w_radps,
+            scan_points_in_base: points,
+            obstacles_age_s: self.obstacles_age_s + ahead.elapsed_s,
+            future: Future {
+                age_s: self.future.age_s + ahead.elapsed_s,
+                ..self.future
+            },
+            ahead_s: self.ahead_s + ahead.elapsed_s,
+            ..*self
+        }
+    }
 }
 
 /// The twist for this period and what it rests on.

@@ -91,6 +91,10 @@ def _description(meta, corners):
     number(meta.range_m_min, 0, 1e3, "range_m_min")
     number(meta.range_m_max, meta.range_m_min, 1e3, "range_m_max")
     ensure(meta.scan_period_ns > 0, "scan_period_ns is out of range")
+    ensure(
+        meta.actuation_delay_ns <= c.ACTUATION_DELAY_NS_MAX,
+        "actuation_delay_ns is out of range",
+    )
     ensure(1 <= meta.n_beams <= c.ROBOT_SCAN.len_max, "n_beams is out of range")
 
 

@@ -226,6 +226,7 @@ FLAG_SENSED = 2
 FLAG_VIRTUAL = 4
 FLAG_REGULARISED = 8
 FLAG_UNKNOWN = 16
+ACTUATION_DELAY_NS_MAX = 2000000000
 OBSTACLE_RADIUS_M_MAX = 10
 ROLLOUT_COST_MAX = 1000000000
 ROLLOUT_POINTS_MAX = 12
@@ -338,10 +339,10 @@ class Description(Message):
     """What the robot is. The slice holds the corners of a convex footprint, counter-clockwise in
     `base`; an empty slice is a disc of `circumscribed_radius_m`."""
 
-    NAME = "zeronav.Description.v1"
-    SIZE = 136
-    SCHEMA = 0x9dd7e3c8a9d102e7
-    OFFSETS = (0, 8, 16, 24, 32, 40, 48, 56, 64, 88, 96, 104, 112, 120, 128, 132)
+    NAME = "zeronav.Description.v2"
+    SIZE = 144
+    SCHEMA = 0x96a0516fd40ddf35
+    OFFSETS = (0, 8, 16, 24, 32, 40, 48, 56, 64, 88, 96, 104, 112, 120, 128, 136, 140)
     _fields_ = [
         # [m] largest disc around the origin of `base` inside the footprint, > 0.
         ("inscribed_radius_m", f64),
@@ -371,6 +372,9 @@ class Description(Message):
         ("range_m_max", f64),
         # [ns] from scan to scan.
         ("scan_period_ns", u64),
+        # [ns] from a command's arrival to its taking effect; until then the commands before it are
+        # obeyed.
+        ("actuation_delay_ns", u64),
         # [count] Beams of a scan.
         ("n_beams", u32),
         # [count] Corners in the slice, 0 = disc.
@@ -382,8 +386,8 @@ class RobotDescriptionEnvelope(Message):
     """Header and fixed fields of the topic's messages."""
 
     NAME = "zeronav.robot.description.v1"
-    SIZE = 264
-    SCHEMA = 0xc4afec7fe78c1af5
+    SIZE = 272
+    SCHEMA = 0x6e64a288bef5faec
     OFFSETS = (0, 128)
     _fields_ = [
         # The header.
@@ -1545,7 +1549,7 @@ ROBOT_DESCRIPTION = Topic(
     len_max=32,
     buffer=2,
     pool=29,
-    schema=0xadca8cec092ed691,
+    schema=0x4269f1a2e0ce4de2,
 )
 
 ROBOT_SCAN = Topic(

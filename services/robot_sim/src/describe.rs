@@ -4,18 +4,23 @@ use crate::drive::DriveLimits;
 use crate::lidar::Lidar;
 use crate::scan_schedule::ScanSchedule;
 use zeronav_msgs::description::Description;
+use zeronav_msgs::time::nanoseconds;
 use zeronav_robot_description::RobotSpec;
 use zeronav_world::Footprint;
 
-/// The message `robot/description` without its corners.
+/// The message `robot/description` without its corners, of a robot that looks at its commands every
+/// `tick_ns`.
 #[must_use]
 pub fn describe(
     robot: &RobotSpec,
     footprint: &Footprint,
     lidar: &Lidar,
     schedule: &ScanSchedule,
+    tick_ns: u64,
 ) -> Description {
     let scan = lidar.header();
+    // A command takes effect at the beginning of a tick.
+    let delay_ticks = nanoseconds(robot.actuation_delay_s).div_ceil(tick_ns);
     Description {
         inscribed_radius_m: footprint.inscribed_radius_m(),
         circumscribed_radius_m: footprint.circumscribed_radius_m(),
@@ -31,6 +36,7 @@ pub fn describe(
         range_m_min: robot.lidar.range_m_min,
         range_m_max: robot.lidar.range_m_max,
         scan_period_ns: schedule.period_ns(),
+        actuation_delay_ns: delay_ticks * tick_ns,
         n_beams: scan.n_beams,
         n_corners: u32::try_from(footprint.corners().len()).unwrap_or(u32::MAX),
     }

@@ -135,7 +135,7 @@ impl Simulator {
                 y_m: corner.y,
             })
             .collect();
-        let description = describe(&config.robot, &footprint, &lidar, &schedule);
+        let description = describe(&config.robot, &footprint, &lidar, &schedule, tick_ns);
         description.check(&corners).map_err(SimError::Description)?;
 
         let [x_m, y_m, yaw_rad] = config.start;

@@ -89,6 +89,7 @@ impl Service for MinimalRobot {
                 range_m_min: lidar.range_m_min,
                 range_m_max: lidar.range_m_max,
                 scan_period_ns: nanoseconds(1.0 / lidar.rate_hz),
+                actuation_delay_ns: 0,
                 n_beams: lidar.n_beams,
                 n_corners: u32::try_from(corners.len()).unwrap_or(u32::MAX),
             },

@@ -22,6 +22,7 @@ mod goals;
 mod house;
 mod injection;
 mod late_readers;
+mod late_robots;
 mod latency;
 mod latency_gate;
 mod live_swap;

@@ -34,6 +34,8 @@ pub(crate) struct Draw {
     pub(crate) request: VelocityRequest,
     /// Of the last two scans, in `odom`.
     sights: [Vec<Hit>; 2],
+    /// When each command was sent [ns], and its speeds.
+    sent: Vec<(u64, [f64; 2])>,
 }
 
 /// A disc, a rectangle around the axle or anywhere near it, or corners on an ellipse.
@@ -84,6 +86,17 @@ fn driven(pose: &Pose, [v, w]: [f64; 2], elapsed_s: f64) -> Pose {
     Pose::new(at[0], at[1], yaw)
 }
 
+/// How late a robot obeys: every other one at once, the others by up to 0.6 s, some of them by a whole
+/// number of periods. [ns]
+fn late_ns(seed: u64) -> u64 {
+    let mut random = Pcg32::seed_from_u64(!seed);
+    match random.random_range(0..4) {
+        0 | 1 => 0,
+        2 => random.random_range(1..31) * PERIOD_NS,
+        _ => random.random_range(1..600_000_000),
+    }
+}
+
 impl Draw {
     // long: one draw of all that a call needs
     pub(crate) fn new(seed: u64) -> Self {
@@ -128,6 +141,7 @@ impl Draw {
             range_m_max: 20.0,
             scan_period_ns: PERIOD_NS,
             n_beams,
+            actuation_delay_ns: late_ns(seed),
             n_corners: u32::try_from(corners.len()).unwrap_or(0),
             ..Description::default()
         };
@@ -172,6 +186,7 @@ impl Draw {
             run_ns: 0,
             request: VelocityRequest::default(),
             sights: [Vec::new(), Vec::new()],
+            sent: Vec::new(),
             random,
         }
     }
@@ -275,6 +290,35 @@ impl Draw {
             [cos * dx + sin * dy, cos * dy - sin * dx]
         })
         .collect()
+    }
+
+    /// The command of this period.
+    pub(crate) fn sent(&mut self, v_mps: f64, w_radps: f64) {
+        self.sent.push((self.run_ns, [v_mps, w_radps]));
+    }
+
+    /// What the robot obeys until a command of now takes effect, each with its end from now. [s]
+    #[allow(clippy::cast_precision_loss, reason = "a few seconds")]
+    pub(crate) fn on_their_way(&self) -> Vec<([f64; 2], f64)> {
+        let delay_ns = self.description.actuation_delay_ns;
+        if delay_ns == 0 {
+            return Vec::new();
+        }
+        // Before it obeys anything the robot goes on as it does.
+        let as_it_does = [self.odometry.v_mps, self.odometry.w_radps];
+        let mut obeyed = vec![(0, as_it_does)];
+        obeyed.extend(
+            self.sent
+                .iter()
+                .map(|(at_ns, speeds)| (at_ns + delay_ns, *speeds)),
+        );
+        let ends = obeyed.iter().skip(1).map(|next| next.0);
+        let ends = ends.chain([self.run_ns + delay_ns]);
+        let from_now = |at_ns: u64| (at_ns as f64 - self.run_ns as f64) / 1.0e9;
+        (obeyed.iter().zip(ends))
+            .map(|((_, speeds), end_ns)| (*speeds, from_now(end_ns)))
+            .filter(|(_, end_s)| *end_s > 0.0)
+            .collect()
     }
 
     /// The request within the limits, on its arc.

@@ -30,6 +30,8 @@ struct Tally {
     stopped: u64,
     /// Passed, with a hit that the same request at full speed would have touched.
     mattered: u64,
+    /// Passed to a robot that obeys late.
+    late: u64,
     /// [m] least clearance beyond what is promised.
     spare_m: Option<f64>,
     unsafe_calls: Vec<String>,
@@ -42,6 +44,7 @@ impl Tally {
         self.slowed += other.slowed;
         self.stopped += other.stopped;
         self.mattered += other.mattered;
+        self.late += other.late;
         self.spare_m = self
             .spare_m
             .into_iter()
@@ -62,19 +65,23 @@ fn promised_m(outline: &Outline, hits: &[Hit], margin_m: f64) -> Vec<f64> {
         .collect()
 }
 
-/// [m] by which all hits stay clear of what is promised on the stops from `from` by `command`;
-/// negative = unsafe. What may happen between two looks of the guard is `between_m`.
+/// [m] by which all hits stay clear of what is promised on the stops from `from` by `command`, which
+/// takes effect when the commands on their way, each with its end [s], have been obeyed; negative =
+/// unsafe. What may happen between two looks of the guard is `between_m`.
 fn spare_m(
     robot: &Robot,
     hits: &[Hit],
-    (from, command): ([f64; 2], [f64; 2]),
+    (from, on_their_way, command): ([f64; 2], &[([f64; 2], f64)], [f64; 2]),
     config: &GuardConfig,
     between_m: f64,
 ) -> f64 {
+    let effect_s = on_their_way.last().map_or(0.0, |last| last.1);
     let promised = promised_m(&robot.outline, hits, config.margin_m);
     let mut least_m = f64::INFINITY;
     for share in STARTS {
-        let stop = Stop::new(robot, from, command, share * config.reaction_s);
+        let own = (command, effect_s + share * config.reaction_s);
+        let commands: Vec<_> = on_their_way.iter().copied().chain([own]).collect();
+        let stop = Stop::new(robot, from, &commands);
         for (hit, promised_m) in hits.iter().zip(&promised) {
             let keep_m = promised_m - between_m;
             least_m = least_m.min(stop.least_beyond_m(&robot.outline, *hit, keep_m));
@@ -111,6 +118,8 @@ fn some_calls(seed: u64) -> Tally {
             stopping: false,
         });
         tally.calls += 1;
+        let on_their_way = draw.on_their_way();
+        draw.sent(command.v_mps, command.w_radps);
         let by = command.intervention().expect("a known intervention");
         tally.stopped += u64::from(by == Intervention::StoppedShort);
         assert!(
@@ -126,11 +135,13 @@ fn some_calls(seed: u64) -> Tally {
         let sent = [command.v_mps, command.w_radps];
         if by == Intervention::Slowed {
             tally.slowed += 1;
-            let asked = draw.clamped();
+            let asked = (from, on_their_way.as_slice(), draw.clamped());
             tally.mattered +=
-                u64::from(spare_m(&draw.robot, &hits, (from, asked), &draw.config, 0.0) < 0.0);
+                u64::from(spare_m(&draw.robot, &hits, asked, &draw.config, 0.0) < 0.0);
         }
-        let spare_m = spare_m(&draw.robot, &hits, (from, sent), &draw.config, BETWEEN_M);
+        tally.late += u64::from(!on_their_way.is_empty());
+        let way = (from, on_their_way.as_slice(), sent);
+        let spare_m = spare_m(&draw.robot, &hits, way, &draw.config, BETWEEN_M);
         tally.spare_m = Some(
             tally
                 .spare_m
@@ -163,11 +174,12 @@ fn calls(first: u64, n: u64, threads: u64) -> Tally {
         }
     });
     println!(
-        "{} calls, seeds {first} to {}: {} let through, {} of them slowed ({} would have come too \
-         near), {} stopped; least spare {:.6} m; {} unsafe",
+        "{} calls, seeds {first} to {}: {} let through, {} of them to robots that obey late, {} slowed \
+         ({} would have come too near), {} stopped; least spare {:.6} m; {} unsafe",
         all.calls,
         first + seeds - 1,
         all.passed,
+        all.late,
         all.slowed,
         all.mattered,
         all.stopped,
@@ -177,6 +189,7 @@ fn calls(first: u64, n: u64, threads: u64) -> Tally {
     let some: Vec<&String> = all.unsafe_calls.iter().take(10).collect();
     assert!(some.is_empty(), "{some:#?}");
     assert!(all.passed > n / 10, "hardly anything was let through");
+    assert!(all.late > n / 50, "hardly any robot obeyed late");
     assert!(all.stopped + all.slowed > n / 10, "nothing was at stake");
     all
 }

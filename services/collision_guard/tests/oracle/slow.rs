@@ -147,14 +147,23 @@ impl Piece {
 }
 
 impl Stop {
-    /// Obeys `command` for `reaction_s`, then brakes.
-    pub(crate) fn new(robot: &Robot, from: [f64; 2], command: [f64; 2], reaction_s: f64) -> Self {
+    /// Obeys the commands, each until its moment [s], the last one until braking begins.
+    pub(crate) fn new(robot: &Robot, from: [f64; 2], commands: &[([f64; 2], f64)]) -> Self {
         let (mut pose, mut speeds) = ([0.0_f64; 3], from);
         let (mut from_s, mut pieces) = (0.0_f64, Vec::new());
         let mut fastest = speeds.map(f64::abs);
-        while from_s < reaction_s || speeds != [0.0, 0.0] {
-            let left_s = reaction_s - from_s;
-            let (rates, goals, even_s) = if left_s > 0.0 {
+        let mut commands = commands.iter().copied().peekable();
+        loop {
+            while commands.peek().is_some_and(|next| next.1 <= from_s) {
+                commands.next();
+            }
+            let obeyed = commands.peek().copied();
+            if obeyed.is_none() && speeds == [0.0, 0.0] {
+                break;
+            }
+            let until_s = obeyed.map_or(from_s, |(_, until_s)| until_s);
+            let left_s = until_s - from_s;
+            let (rates, goals, even_s) = if let Some((command, _)) = obeyed {
                 let (rates, goals, even_s) = robot.obeying(speeds, command);
                 (rates, goals, even_s.min(left_s))
             } else {
@@ -175,9 +184,9 @@ impl Stop {
                 if arrived { goals[i] } else { there[i] }
             });
             fastest = [0, 1].map(|i| fastest[i].max(speeds[i].abs()));
-            // What is left of the reaction time below rounding would be no piece.
-            from_s = if (left_s - lasts_s).abs() < NOTHING {
-                reaction_s
+            // What is left of a command's time below rounding would be no piece.
+            from_s = if obeyed.is_some() && (left_s - lasts_s).abs() < NOTHING {
+                until_s
             } else {
                 from_s + lasts_s
             };

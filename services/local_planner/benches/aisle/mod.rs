@@ -83,6 +83,7 @@ impl Aisle {
             goal: &self.goal,
             speed_factor: 1.0,
             period_s: 0.02,
+            ahead_s: 0.0,
         }
     }
 

@@ -188,7 +188,7 @@ impl Perception {
     fn predict(&mut self, situation: &Situation<'_>, obstacles: &[Obstacle]) {
         self.dynamic.take(
             obstacles,
-            situation.obstacles_age_s,
+            (situation.obstacles_age_s, situation.ahead_s),
             &situation.future,
             &situation.map_from_base,
         );
@@ -305,6 +305,7 @@ mod tests {
                 goal: &goal,
                 speed_factor: 1.0,
                 period_s: 0.02,
+                ahead_s: 0.0,
             };
             let here = situation.map_from_base.point();
             let place = seen.tracker.advance(path_geometry, &path, here);

@@ -7,6 +7,7 @@ mod attempts;
 mod beam;
 mod braking;
 mod closed_loop;
+mod delay;
 mod dwa_t;
 mod laws;
 mod mppi;

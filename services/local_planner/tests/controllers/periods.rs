@@ -5,7 +5,7 @@ use zeronav_local_planner::period::BuildError;
 use zeronav_local_planner::situation::Future;
 use zeronav_local_planner::staleness::{Ages, StaleInput};
 use zeronav_local_planner::{Inputs, LocalPlanner, LocalPlannerConfig, Outputs, PathInput};
-use zeronav_motion::{Twist, reachable};
+use zeronav_motion::{InFlight, Twist, reachable};
 use zeronav_msgs::Pose;
 use zeronav_msgs::command::{PlannerInput, RequestCause, Validity};
 use zeronav_msgs::map::ObstacleSource;
@@ -27,6 +27,7 @@ struct Bench {
     odometry: Odometry,
     path: Option<(Path, Vec<Waypoint>)>,
     ages: Ages,
+    in_flight: InFlight,
     tick: u64,
 }
 
@@ -61,6 +62,7 @@ impl Bench {
                 obstacles_ns: Some(40 * MS),
                 path_ns: Some(40 * MS),
             },
+            in_flight: InFlight::default(),
             tick: 0,
         }
     }
@@ -102,6 +104,7 @@ impl Bench {
             obstacles: (&[], 0.0),
             future: Future::default(),
             scan_points_in_base: &[],
+            in_flight: &self.in_flight,
             ages: self.ages,
             stopping: false,
         });

@@ -262,6 +262,7 @@ impl Loop {
             goal: &self.goal,
             speed_factor: 1.0,
             period_s: PERIOD_S,
+            ahead_s: 0.0,
         }
     }
 

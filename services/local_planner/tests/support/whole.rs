@@ -5,6 +5,7 @@ use zeronav_local_planner::recovery::Transition;
 use zeronav_local_planner::situation::{Decision, Future, Situation};
 use zeronav_local_planner::staleness::Ages;
 use zeronav_local_planner::{Inputs, LocalPlanner, LocalPlannerConfig, PathInput};
+use zeronav_motion::{InFlight, Twist};
 use zeronav_msgs::Pose;
 use zeronav_msgs::odometry::Odometry;
 use zeronav_msgs::path::{Path, PathStatus};
@@ -15,6 +16,7 @@ use zeronav_msgs::task::{Task, TaskKind, TaskState};
 pub(crate) struct Whole {
     pub(crate) planner: LocalPlanner,
     tick: u64,
+    in_flight: InFlight,
     pub(crate) changes: Vec<Transition>,
     pub(crate) asked: Vec<PlanRequest>,
 }
@@ -24,6 +26,7 @@ impl Whole {
         Self {
             planner: LocalPlanner::new(config).expect("a usable configuration"),
             tick: 0,
+            in_flight: InFlight::default(),
             changes: Vec::new(),
             asked: Vec::new(),
         }
@@ -81,6 +84,7 @@ impl Drive for Whole {
                 waypoints: situation.path,
             }),
             scan_points_in_base: situation.scan_points_in_base,
+            in_flight: &self.in_flight,
             ages: Ages {
                 scan_ns: young,
                 odometry_ns: young,
@@ -90,6 +94,8 @@ impl Drive for Whole {
             },
             stopping: false,
         });
+        let command = Twist::new(outputs.request.v_mps, outputs.request.w_radps);
+        self.in_flight.send(self.tick * 20_000_000, command);
         self.changes.extend(outputs.recovery);
         self.asked.extend(outputs.plan_request);
         Decision {
