@@ -1,5 +1,6 @@
 //! One decision per control period: pass on, clamp, slow down, or ramp to rest.
 
+use crate::blindness::{Blindness, Look};
 use crate::config::GuardConfig;
 use crate::explain::explained;
 use crate::in_flight::InFlight;
@@ -90,6 +91,7 @@ pub struct Guard {
     /// Id and run time of the newest scan in the view.
     seen: Option<(u64, u64)>,
     in_flight: InFlight,
+    blindness: Blindness,
     /// Scans captured before this run time are of no use: odometry has jumped since. [ns]
     blind_before_ns: u64,
     described: Option<(Description, Limits, Outline)>,
@@ -114,6 +116,7 @@ impl Guard {
             sense: OdometrySense::default(),
             seen: None,
             in_flight: InFlight::default(),
+            blindness: Blindness::default(),
             blind_before_ns: 0,
             described: None,
             corners: Vec::new(),
@@ -225,6 +228,13 @@ impl Guard {
         let odometry = inputs.odometry.map(|input| input.odometry);
         let twist = odometry.map_or(Twist::REST, Twist::measured);
         self.frozen_scan.take(input.ranges, &odom_from_base);
+        let base_from_laser = description.base_from_laser.isometry();
+        self.blindness.take(&Look {
+            scan: input.scan,
+            ranges: input.ranges,
+            odom_from_laser: odom_from_base.isometry() * base_from_laser,
+            laser_yaw_rad: description.base_from_laser.yaw_rad,
+        });
         let laser = (&description.base_from_laser, outline);
         self.view
             .take(input.scan, input.ranges, laser, &odom_from_base, twist);
@@ -234,6 +244,7 @@ impl Guard {
     /// What was seen is of no use any more.
     fn forget(&mut self) {
         self.view.clear();
+        self.blindness.clear();
         self.seen = None;
     }
 
@@ -265,7 +276,7 @@ impl Guard {
             v_mps: request.v_mps,
             w_radps: request.w_radps,
         };
-        if !self.sees(inputs) {
+        if !self.sees(inputs) || self.blindness.is_towards(asked) {
             return Verdict::Rest(Validity::Stale, Intervention::ScanStale);
         }
         let Some(odometry) = self.feels(inputs) else {
@@ -319,6 +330,7 @@ impl Guard {
         seconds(age_ns) <= self.config.scan_age_s
             && is_usable(input.scan, input.ranges, description)
             && self.scan_order.is_forward()
+            && !self.blindness.is_total()
             && !self
                 .frozen_scan
                 .is_frozen(self.config.frozen_m, self.config.frozen_rad)

@@ -12,6 +12,7 @@
 //! The library is pure: no clock, no I/O, no threads, no allocation after the first scan. Ages and
 //! periods are passed in, so a recorded run gives the same commands again.
 
+mod blindness;
 mod config;
 mod explain;
 mod guard;

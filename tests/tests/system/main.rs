@@ -4,6 +4,7 @@
 mod ages;
 mod answers;
 mod bad_input;
+mod blind_lidar;
 mod completions;
 mod contract_kit;
 mod controllers;
