@@ -116,6 +116,7 @@ impl Collector {
             && let Some(view) = taps.description.get()
         {
             self.film.description(view.meta, view.items);
+            self.seen.lag.description(view.meta);
         }
         self.hear(taps, roster, placed);
         // In lockstep there are no latencies.
@@ -261,6 +262,7 @@ impl Collector {
         });
         taps.commands.drain(roster, |view| {
             let (run_ns, request) = (view.header.run_ns, view.header.parents.request);
+            self.seen.lag.command(run_ns, view.meta);
             self.film.command(run_ns, request, view.meta);
             self.aside.command(view.header.tick, self.last_tick);
             (self.reasons).command(view.header.tick, view.header.run_ns, view.meta);
@@ -269,6 +271,7 @@ impl Collector {
         });
         taps.odometry.drain(roster, |view| {
             self.odometry = Some(*view.meta);
+            self.seen.lag.odometry(view.header.run_ns, view.meta);
             if view.meta.v_mps.abs() > MOVING_MPS || view.meta.w_radps.abs() > MOVING_RADPS {
                 self.first_motion_tick.get_or_insert(view.header.tick);
             }

@@ -1,9 +1,9 @@
 //! What a reader of latencies should know before believing them, as sentences.
 
-use crate::result::RunResult;
 use crate::result::latency::{Figures, Latency};
 use crate::result::profile::Profile;
 use crate::result::trials::Disturbance;
+use crate::result::{CommandLag, RunResult};
 use std::collections::BTreeMap;
 
 /// A service that waited for a processor for less is not named. [us]
@@ -28,14 +28,14 @@ const STEAL_MAX: f64 = 0.01;
 /// Run time that may be lost because the machine was busy. [ms]
 const SLIPPED_MS_MAX: f64 = 1.0;
 
-/// The sentences about a run; none for one in lockstep.
+/// The sentences about a run; for one in lockstep, what the robot does not say of itself.
 #[must_use]
 pub(crate) fn lints(result: &RunResult) -> Vec<String> {
+    let mut lints: Vec<String> = result.command_lag.iter().map(command_lag).collect();
     let (Some(latency), Some(profile)) = (&result.latency, &result.profile) else {
-        return Vec::new();
+        return lints;
     };
     let disturbances = disturbances(result);
-    let mut lints = Vec::new();
     lints.extend(waited(&disturbances));
     lints.extend(woke_in_vain(&disturbances, &profile.answers));
     lints.extend(superseded(profile));
@@ -43,6 +43,14 @@ pub(crate) fn lints(result: &RunResult) -> Vec<String> {
     lints.extend(refused(profile));
     lints.extend(disturbed(result, profile, &disturbances));
     lints
+}
+
+/// The delay that the robot's description should say.
+pub(crate) fn command_lag(lag: &CommandLag) -> String {
+    format!(
+        "commands take effect after {:.2} s, the robot's description says {:.2} s: set `actuation_delay_s`",
+        lag.seen_s, lag.declared_s
+    )
 }
 
 /// What disturbed the run, or each round of its trials.
@@ -255,6 +263,23 @@ mod tests {
             sent: 1000,
             superseded,
         }
+    }
+
+    #[test]
+    fn a_delay_that_is_not_declared_is_told_in_lockstep_too() {
+        let mut result = result();
+        (result.latency, result.profile) = (None, None);
+        assert_eq!(lints(&result), Vec::<String>::new());
+        result.command_lag = Some(CommandLag {
+            seen_s: 0.28,
+            declared_s: 0.0,
+        });
+        assert_eq!(
+            lints(&result),
+            [
+                "commands take effect after 0.28 s, the robot's description says 0.00 s: set `actuation_delay_s`"
+            ]
+        );
     }
 
     fn disturbance() -> Disturbance {

@@ -5,6 +5,7 @@
 //! end is known, what is held is taken in up to it, and so is what comes later about ticks before
 //! it; the rest is dropped. So the same run gives the same totals whatever the load.
 
+use crate::measure::command_lag::LagSeen;
 use crate::measure::{Motion, TruthComparison};
 use crate::result::moment::{Blocked, Task};
 use std::collections::{HashMap, VecDeque};
@@ -85,6 +86,8 @@ pub(crate) enum Fact {
 pub(crate) struct Seen {
     /// What mapping said against what was so.
     pub comparison: TruthComparison,
+    /// After how long the wheels obey.
+    pub lag: LagSeen,
     /// How the robot really moved, and what became of it.
     pub motion: Motion,
     /// Where the robot really drove. [m]

@@ -84,6 +84,7 @@ pub(crate) fn judge(prepared: &Prepared, driven: &Driven, environment: Environme
         interventions_by_reason: by_reason,
         pose: seen.comparison.pose(),
         tracking: seen.comparison.tracking(),
+        command_lag: seen.lag.result(),
         latency,
         profile,
         disturbance: driven.disturbance.clone(),

@@ -6,6 +6,7 @@
 
 pub(crate) mod bootstrap;
 mod command_gaps;
+pub(crate) mod command_lag;
 pub(crate) mod distribution;
 pub(crate) mod edges;
 pub(crate) mod event;

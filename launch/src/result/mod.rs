@@ -98,6 +98,9 @@ pub struct RunResult {
     /// Moving obstacles as mapping followed them; null when nothing moved. Of trials: of the last
     /// drive.
     pub tracking: Option<TrackingResult>,
+    /// After how long the wheels obeyed, when that is not what the robot's description says.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub command_lag: Option<CommandLag>,
     /// Latencies; null in lockstep. Of trials: the median of the rounds, the worst of all.
     pub latency: Option<Latency>,
     /// How sure they are and what lies behind them; null in lockstep.
@@ -174,6 +177,16 @@ impl RunResult {
         serde_json::from_str(&text)
             .map_err(|error| format!("{name} is no result of a run: {error}"))
     }
+}
+
+/// Commands that take effect later or sooner than the robot's description says.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub struct CommandLag {
+    /// As commands and odometry show it, to 20 ms. [s]
+    pub seen_s: f64,
+    /// As the description says. [s]
+    pub declared_s: f64,
 }
 
 /// A path that was published.
