@@ -36,6 +36,9 @@ const WEIGHT_NEAR: f32 = 3.0;
 const CERTAIN_S: f32 = 1.5;
 const HIT_STANDING: f32 = 1.0;
 
+/// How likely a predicted collision may be that only costs all the same.
+const GRAZING: f32 = 0.1;
+
 /// [m/s] and [rad/s] below which the robot stays where it is, free or not.
 const RESTING: f32 = 0.01;
 
@@ -213,6 +216,21 @@ impl Space<'_> {
         }
     }
 
+    /// How likely it is that a predicted disc touches an outline that is so far inside of it, margin
+    /// included [m]: surely, when what is there now would; less, the more of the overlap is what it has
+    /// grown by. Beside somebody who comes along a corridor there is room, though not for all that he
+    /// may do until then.
+    fn likely(&self, disc: usize, predicted: &[f32; 3], apart: f32) -> f32 {
+        let now = self
+            .dynamic
+            .now()
+            .get(disc)
+            .map_or(predicted[2], |now| now[2]);
+        let grown = (predicted[2] - now).max(0.0) + narrow(self.config.margin_m);
+        let share = (-apart / grown.max(1.0e-3)).min(1.0);
+        share * share
+    }
+
     /// The discs that a manoeuvre of this layer can meet when it begins at `node`.
     pub(super) fn gather(&self, node: &Node, layer: usize, near: &mut Vec<usize>) {
         near.clear();
@@ -287,12 +305,13 @@ impl Space<'_> {
                     }
                 }
                 if apart < 0.0 {
+                    let likely = self.likely(i, disc, apart);
                     if state.v.abs() + state.w.abs() * swing <= STANDING_MPS {
-                        next.cost += HIT_STANDING;
-                    } else if elapsed_s <= CERTAIN_S {
+                        next.cost += HIT_STANDING * likely;
+                    } else if elapsed_s <= CERTAIN_S && likely > GRAZING {
                         return Err(blocked(RolloutOutcome::MovingCollision));
                     } else {
-                        next.cost += HIT_DRIVING * step_s * faded(elapsed_s);
+                        next.cost += HIT_DRIVING * step_s * faded(elapsed_s) * likely;
                     }
                 }
                 least = least.min(apart);

@@ -11,6 +11,7 @@ mod delay;
 mod dwa_t;
 mod laws;
 mod mppi;
+mod oncoming;
 mod papers;
 mod periods;
 mod recovery;
