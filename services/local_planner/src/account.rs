@@ -3,7 +3,7 @@
 
 use crate::obstruction::Obstruction;
 use crate::recovery::{Behaviour, Cause};
-use zeronav_msgs::task::{StuckCause, TaskState, TaskStatus};
+use zeronav_msgs::task::{StuckCause, TaskStatus};
 
 /// Of the newest task with goals.
 #[derive(Debug, Clone, Copy)]
@@ -65,19 +65,12 @@ impl Account {
         if self.task != task {
             return status;
         }
-        // A way that has opened is blocked no more.
-        let is_blocked = status.waits_s > 0 || status.state() != Some(TaskState::Active);
-        let obstruction = if is_blocked {
-            self.obstruction
-        } else {
-            Obstruction::NONE
-        };
         TaskStatus {
             recoveries: self.attempts,
             cause: self.cause.code(),
-            block: obstruction.block.code(),
-            block_m: obstruction.at_m,
-            source: obstruction.source.code(),
+            block: self.obstruction.block.code(),
+            block_m: self.obstruction.at_m,
+            source: self.obstruction.source.code(),
             ..status
         }
     }

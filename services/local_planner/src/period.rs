@@ -14,7 +14,8 @@ use crate::recovery::{Behaviour, Facts, Recovery, Transition};
 use crate::requests::{PathRequests, RequestInputs};
 use crate::situation::{Decision, Situation};
 use crate::staleness::{Ages, StaleInput, ageing, speed_factor};
-use crate::table::{UnknownController, controller};
+pub use crate::table::BuildError;
+use crate::table::controller;
 use crate::task::{Planned, TaskInputs, TaskMachine, TaskStep};
 use nalgebra::Point2;
 use zeronav_motion::{Ahead, Twist, stop_distance_m, towards_rest};
@@ -28,21 +29,9 @@ use zeronav_msgs::scan::BEAMS_MAX;
 use zeronav_msgs::stages::{Stage, StageTimer};
 use zeronav_msgs::task::{Goal, GoalEnd, Task, TaskState, TaskStatus};
 use zeronav_msgs::time::seconds;
-use zeronav_params::ParameterError;
 
 /// [m] beyond the robot's outer circle within which an obstacle is what stops it.
 const OBSTRUCTION_M: f64 = 0.3;
-
-/// Why no [`LocalPlanner`] can be made.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum BuildError {
-    /// A number of the configuration is out of range.
-    #[error(transparent)]
-    Config(#[from] ParameterError),
-    /// The configuration names a controller that there is not.
-    #[error(transparent)]
-    Controller(#[from] UnknownController),
-}
 
 /// The local planner: a task, a pilot with the configured controller, and the rules around them.
 pub struct LocalPlanner {
@@ -170,7 +159,7 @@ impl LocalPlanner {
             .map(|(odometry, (map_from_odom, _))| map_from_odom.then(&odometry.pose));
         let mut route = self.route(inputs, map_from_base);
         let ahead = inputs.ahead();
-        let was_active = self.task.state() == TaskState::Active;
+        let (was_active, waited) = (self.task.state() == TaskState::Active, self.task.waits());
         let step = self.task.step(&TaskInputs {
             tick: inputs.tick,
             run_ns: inputs.run_ns,
@@ -185,9 +174,11 @@ impl LocalPlanner {
                 .is_some_and(|goal| is_dynamic_near(inputs.obstacles.0, &goal.pose)),
         });
         let has_failed = step.changed && self.task.state() == TaskState::Failed && was_active;
-        if has_failed || self.task.waits() {
-            let obstruction = self.obstruction(inputs, map_from_base, step);
-            self.account.blocked(self.task.subject(), obstruction);
+        if has_failed || waited || self.task.waits() {
+            let is_blocked = has_failed || self.task.waits();
+            let told = is_blocked.then(|| self.obstruction(inputs, map_from_base, step));
+            let told = told.unwrap_or(Obstruction::NONE);
+            self.account.blocked(self.task.subject(), told);
         }
         if step.changed {
             self.stopped_at = None;
@@ -204,10 +195,7 @@ impl LocalPlanner {
         let (decision, recovery, stale) = match driven {
             Ok((decision, recovery)) => (decision, recovery, None),
             Err((validity, stale)) => {
-                let recovery = self.idle_recovery(inputs, step);
-                let rest = self.rest(inputs, validity);
-                let twist = Twist::new(rest.v_mps, rest.w_radps);
-                self.pilot.overruled(twist);
+                let (rest, recovery) = self.idle(inputs, validity, step);
                 (rest, recovery, stale)
             }
         };
@@ -422,6 +410,19 @@ impl LocalPlanner {
         let goal = self.task.goal().map_or(0, |goal| goal.id);
         let recovery = self.recovery.as_mut()?;
         recovery.idle(seconds(inputs.run_ns), goal, step.stuck)
+    }
+
+    /// The first step of a ramp to rest, and what the recovery makes of that.
+    fn idle(
+        &mut self,
+        inputs: &Inputs<'_>,
+        validity: Validity,
+        step: TaskStep,
+    ) -> (Decision, Option<Transition>) {
+        let recovery = self.idle_recovery(inputs, step);
+        let rest = self.rest(inputs, validity);
+        self.pilot.overruled(Twist::new(rest.v_mps, rest.w_radps));
+        (rest, recovery)
     }
 
     /// A ramp to rest from the last request; zero while the robot's brakes are unknown.

@@ -21,6 +21,7 @@ use crate::papers::zm_full::ZmFull;
 use crate::papers::zm_rep::ZmRep;
 use crate::papers::zm_rv::ZmRv;
 use crate::pilot::Pilot;
+use zeronav_params::ParameterError;
 
 /// A controller that can be chosen.
 #[derive(Debug, Clone, Copy)]
@@ -182,6 +183,17 @@ pub const CONTROLLERS: &[ControllerRow] = &[
         build: |config| bao_dwa(&config.papers.bao_dwa, config.dwa).shaped(config.shaping),
     },
 ];
+
+/// Why there is no [`crate::LocalPlanner`] for a configuration.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum BuildError {
+    /// A number of the configuration is out of range.
+    #[error(transparent)]
+    Config(#[from] ParameterError),
+    /// The configuration names a controller that there is not.
+    #[error(transparent)]
+    Controller(#[from] UnknownController),
+}
 
 /// No controller has this key.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]

@@ -142,7 +142,7 @@ fn pixels_mean_what_they_mean_to_a_map_server() {
         ("m", "scale", 0, [0.6, 0.2], [o, o, o, o, f, f, f, f]),
         // 254 of 255 rounds to 100 percent.
         ("m", "scale", 0, [1.0, 0.0], [o, o, f, f, f, f, f, f]),
-        ("m", "scale", 1, [0.8, 0.4], [f, f, f, f, f, o, o, o]),
+        ("m", "scale", 1, [0.8, 0.4], [f, f, f, f, f, f, o, o]),
         ("m", "scale", 0, [0.6, 0.6], [o, o, o, f, f, f, f, f]),
         ("raw", "raw", 0, [0.6, 0.2], [f, f, f, o, o, o, u, u]),
         ("raw", "raw", 0, [1.0, 0.0], [f, u, u, u, u, o, u, u]),

@@ -10,16 +10,17 @@ use zeronav_msgs::task::{EndReason, Goal, GoalEnd, Task, TaskKind, TaskState, Ta
 const PERIOD_NS: u64 = 20_000_000;
 
 /// A message about the path to a goal, of which nobody says what is in the way.
+#[allow(clippy::unnecessary_wraps, reason = "as the inputs take it")]
 pub(crate) fn planned(status: PathStatus, goal: u64) -> Option<Planned> {
-    blocked(status, goal, ObstacleSource::None)
+    Some(blocked(status, goal, ObstacleSource::None))
 }
 
-pub(crate) fn blocked(status: PathStatus, goal: u64, source: ObstacleSource) -> Option<Planned> {
-    Some(Planned {
+pub(crate) fn blocked(status: PathStatus, goal: u64, source: ObstacleSource) -> Planned {
+    Planned {
         status,
         goal,
         source,
-    })
+    }
 }
 
 pub(crate) fn goal(id: u64, x_m: f64) -> Goal {

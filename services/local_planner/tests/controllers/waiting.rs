@@ -37,7 +37,7 @@ fn what_may_go_is_waited_for_and_a_wall_is_not() {
     ] {
         for source in [Lidar, Tracked, StaticMap, Unknown, None] {
             let mut bench = Bench::with_goals(&[goal(1, 5.0)]);
-            bench.path = blocked(status, 1, source);
+            bench.path = Some(blocked(status, 1, source));
             let waits = matches!(source, Lidar | Tracked) && status != OutOfBudget;
             bench.steps(10);
             let (told, _) = bench.machine.status();
@@ -91,7 +91,7 @@ fn a_wait_is_counted_down_until_the_robot_comes_closer() {
     bench.steps(2);
     let wait = |bench: &mut Bench, seconds: u32| {
         bench.remaining = None;
-        bench.path = blocked(PathStatus::Unreachable, 1, ObstacleSource::Lidar);
+        bench.path = Some(blocked(PathStatus::Unreachable, 1, ObstacleSource::Lidar));
         bench.steps(50 * seconds);
         let (status, ends) = bench.machine.status();
         assert_eq!(status.check(ends), Ok(()));
