@@ -12,9 +12,7 @@ use zeronav_msgs::map::ObstacleSource;
 use zeronav_msgs::odometry::Odometry;
 use zeronav_msgs::path::{Path, PathBlock, PathStatus, Waypoint};
 use zeronav_msgs::request::RequestReason;
-use zeronav_msgs::task::{
-    EndReason, Goal, GoalEnd, StuckCause, Task, TaskKind, TaskState, TaskStatus,
-};
+use zeronav_msgs::task::{EndReason, Goal, StuckCause, Task, TaskKind, TaskState, TaskStatus};
 
 const PERIOD_NS: u64 = 20_000_000;
 const MS: u64 = 1_000_000;
@@ -319,24 +317,6 @@ fn a_newcomer_goes_on_with_what_was_tried_for_the_task_and_why_it_failed() {
     let (own, ends) = bench.planner.status();
     assert_eq!(own.recoveries, 3);
     assert_eq!(own.cause(), Some(StuckCause::Blocked));
-    // What drives and waits for nothing is not blocked.
-    assert_eq!(own.source(), Some(ObstacleSource::None));
-    assert_eq!(own.check(ends), Ok(()));
-    let failed = TaskStatus {
-        reason: EndReason::Stuck.code(),
-        goal: 0,
-        n_ended: 1,
-        ..status(1, TaskState::Failed)
-    };
-    let end = GoalEnd {
-        goal: 1,
-        tick: 1,
-        state: TaskState::Failed.code(),
-        reason: EndReason::Stuck.code(),
-        ..GoalEnd::default()
-    };
-    bench.planner.follow(&failed, &[end]);
-    let (own, ends) = bench.planner.status();
     assert_eq!(own.source(), Some(ObstacleSource::Lidar));
     assert_eq!(own.check(ends), Ok(()));
     // The next task begins with nothing.
