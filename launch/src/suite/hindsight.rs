@@ -110,8 +110,8 @@ mod tests {
         let text = include_str!("../../tests/data/result_lockstep.json");
         let result: RunResult = serde_json::from_str(text).unwrap();
         RunResult {
-            motion,
             first_goal_s,
+            motion,
             ..result
         }
     }

@@ -129,7 +129,10 @@ impl Swap {
         if !is_over {
             return;
         }
-        if scene.is_vacant {
+        // One that hears nothing before a later tick could not come back: its seat would owe answers to
+        // what it never hears.
+        let is_absent = scene.lockstep && !scene.stack.roster.answers(self.role, until);
+        if scene.is_vacant || is_absent {
             // A seat whose process died gets a successor first; in lockstep that needs the tick at
             // which its answer is due.
             self.phase = Phase::Shadow(Some(until + u64::from(scene.lockstep)));

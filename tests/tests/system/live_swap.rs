@@ -337,6 +337,32 @@ fn a_lockstep_run_with_swaps_is_bit_identical() {
     }
 }
 
+/// A newcomer takes over when the process in the seat is there to come back to. The fault after the
+/// swap is made when every seat has answered: nobody may owe what nobody has heard.
+#[test]
+fn a_lockstep_swap_waits_for_the_successor_of_the_process_in_the_seat() {
+    let fault = |kind: &str, seat: &str, at_s: f64| {
+        format!(
+            "[[faults]]\nkind = \"{kind}\"\nservice = \"{seat}\"\nbegins = {{ at_s = {at_s} }}\n"
+        )
+    };
+    let seat = "collision_guard";
+    let faults = [
+        fault("kill", seat, 2.0),
+        fault("stop", seat, 3.2),
+        fault("kill", "mapping", 3.6),
+    ];
+    let swap =
+        format!("[[swaps]]\nservice = \"{seat}\"\nat_s = 2.4\nshadow_s = 0.5\nkeep_s = 1.0\n");
+    let faults = faults.concat();
+    let result = lockstep(&format!("[restart]\nabsent_ticks = 150\n{faults}{swap}"));
+    let swapped = &result["swaps"][0];
+    assert_eq!(swapped["state"], "swapped", "{swapped}");
+    let cut_over = swapped["cut_over_tick"].as_u64();
+    assert!(cut_over > Some(250), "it came back at 5 s: {swapped}");
+    assert_eq!(result["contacts"], 0);
+}
+
 /// What a newcomer sends is read some ticks later: the tick of a rollback is that of the machine.
 #[test]
 fn a_lockstep_run_with_a_rollback_does_not_claim_to_be_reproducible() {

@@ -173,11 +173,11 @@ fn soak_as_a_suite_goes_on_and_counts_faults_restarts_and_what_is_left() {
     let totals = &soak["totals"];
     assert_eq!(
         (&totals["drives"], &totals["faults"]),
-        (&json!(1), &json!(40))
+        (&json!(1), &json!(80))
     );
     let restarts = totals["restarts"].as_object().expect("restarts by seat");
     let n: u64 = restarts.values().filter_map(Value::as_u64).sum();
-    assert_eq!((restarts.len(), n), (4, 30), "{totals:#}");
+    assert_eq!((restarts.len(), n), (4, 60), "{totals:#}");
     // Other tests' stacks come and go meanwhile, and do not count.
     for name in ["contacts_own_fault", "stuck", "failed", "left", "unasked"] {
         assert_eq!(totals[name], 0, "{name}: {soak:#}");

@@ -65,8 +65,8 @@ impl Stack {
         self.exchange(role);
         self.change_seat(role, |seat| {
             turn_over(seat, tick);
-            // An absence of the one before is over with it.
-            (seat.off_tick, seat.on_tick) = (0, 0);
+            // An absence of the one before is over with it, and not before: what nobody answered is not owed.
+            seat.on_tick = seat.on_tick.min(tick);
         });
     }
 
