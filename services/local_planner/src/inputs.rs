@@ -54,6 +54,13 @@ pub struct Inputs<'a> {
 }
 
 impl Inputs<'_> {
+    /// Where the robot is.
+    #[must_use]
+    pub fn map_from_base(&self) -> Option<Pose> {
+        let (map_from_odom, _) = self.map?;
+        Some(map_from_odom.then(&self.odometry?.pose))
+    }
+
     /// Where the robot will be when a command of now takes effect; `None` = it is there, or nobody
     /// knows.
     #[must_use]

@@ -153,10 +153,7 @@ impl LocalPlanner {
         if inputs.tick == 0 {
             return Outputs::idle(&inputs.ages);
         }
-        let map_from_base = inputs
-            .odometry
-            .zip(inputs.map)
-            .map(|(odometry, (map_from_odom, _))| map_from_odom.then(&odometry.pose));
+        let map_from_base = inputs.map_from_base();
         let mut route = self.route(inputs, map_from_base);
         let ahead = inputs.ahead();
         let (was_active, waited) = (self.task.state() == TaskState::Active, self.task.waits());

@@ -1,6 +1,6 @@
 //! Random robots, scans, odometry and requests, and the oracle's own view of the hits.
 
-use crate::slow::{Hit, Outline, Robot};
+use crate::slow::{Hit, Obeyed, Outline, Robot};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
 use zeronav_collision_guard::GuardConfig;
@@ -299,7 +299,7 @@ impl Draw {
 
     /// What the robot obeys until a command of now takes effect, each with its end from now. [s]
     #[allow(clippy::cast_precision_loss, reason = "a few seconds")]
-    pub(crate) fn on_their_way(&self) -> Vec<([f64; 2], f64)> {
+    pub(crate) fn on_their_way(&self) -> Vec<Obeyed> {
         let delay_ns = self.description.actuation_delay_ns;
         if delay_ns == 0 {
             return Vec::new();

@@ -8,7 +8,7 @@ mod draw;
 mod slow;
 
 use draw::Draw;
-use slow::{Hit, Outline, Robot, Stop};
+use slow::{Hit, Obeyed, Outline, Robot, Stop};
 use zeronav_collision_guard::{Guard, GuardConfig, GuardInputs, OdometryInput, ScanInput};
 use zeronav_msgs::command::{Intervention, Validity};
 
@@ -71,7 +71,7 @@ fn promised_m(outline: &Outline, hits: &[Hit], margin_m: f64) -> Vec<f64> {
 fn spare_m(
     robot: &Robot,
     hits: &[Hit],
-    (from, on_their_way, command): ([f64; 2], &[([f64; 2], f64)], [f64; 2]),
+    (from, on_their_way, command): ([f64; 2], &[Obeyed], [f64; 2]),
     config: &GuardConfig,
     between_m: f64,
 ) -> f64 {

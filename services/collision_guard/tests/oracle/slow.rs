@@ -13,6 +13,9 @@ const NOTHING: f64 = 1.0e-9;
 /// A point that the lidar saw, in `base` of now. [m]
 pub(crate) type Hit = [f64; 2];
 
+/// A command, [m/s] and [rad/s], and until when it is obeyed from now. [s]
+pub(crate) type Obeyed = ([f64; 2], f64);
+
 /// A footprint.
 pub(crate) enum Outline {
     /// Its radius. [m]
@@ -148,7 +151,7 @@ impl Piece {
 
 impl Stop {
     /// Obeys the commands, each until its moment [s], the last one until braking begins.
-    pub(crate) fn new(robot: &Robot, from: [f64; 2], commands: &[([f64; 2], f64)]) -> Self {
+    pub(crate) fn new(robot: &Robot, from: [f64; 2], commands: &[Obeyed]) -> Self {
         let (mut pose, mut speeds) = ([0.0_f64; 3], from);
         let (mut from_s, mut pieces) = (0.0_f64, Vec::new());
         let mut fastest = speeds.map(f64::abs);

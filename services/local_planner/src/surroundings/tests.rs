@@ -100,7 +100,7 @@ fn tracked(x_m: f64, y_m: f64, vx_mps: f64, vy_mps: f64) -> DynamicObstacles {
             radius_m: 0.3,
             ..Obstacle::default()
         }],
-        0.0,
+        (0.0, 0.0),
         &Future::default(),
         &map_from_base,
     );
