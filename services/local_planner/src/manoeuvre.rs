@@ -20,7 +20,7 @@ use core::f64::consts::PI;
 use motions::Motion;
 use search::{Progress, Search};
 use targets::{TARGETS_MAX, Target, is_inside};
-use track::{Step, Track};
+use track::{Step, Track, sees_behind};
 use zeronav_motion::Twist;
 use zeronav_msgs::Pose;
 use zeronav_msgs::pose::wrap_angle;
@@ -317,7 +317,7 @@ impl Manoeuvre {
         self.search.space.fill(
             (&near.field, &near.footprint),
             situation.map_from_base.yaw_rad,
-            situation.scan_points_in_base,
+            (situation.scan_points_in_base, sees_behind(situation.robot)),
             situation.robot.base_from_laser.point(),
         );
     }
@@ -372,7 +372,11 @@ impl Manoeuvre {
         let goal = view.situation.goal;
         let pose = view.from_here(&goal.pose);
         let footprint = &view.near.footprint;
-        if place.remaining_m > REACH_M + goal.tolerance_m || !is_inside(&pose, footprint) {
+        // A path may end where the way to the goal is cut off.
+        let end = view.on_path(place.arc_m + place.remaining_m);
+        let leads_there = end.distance_m(&pose) <= goal.tolerance_m + EVERY_M;
+        let is_near = place.remaining_m <= REACH_M + goal.tolerance_m;
+        if !leads_there || !is_near || !is_inside(&pose, footprint) {
             return;
         }
         let any_yaw = goal.yaw_tolerance_rad >= PI;

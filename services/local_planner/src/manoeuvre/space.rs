@@ -54,12 +54,14 @@ pub(crate) struct Space {
 }
 
 impl Space {
-    /// Takes in obstacle cells and points, the latter in the `base` of a robot with this yaw.
+    /// Takes in obstacle cells and points, the latter in the `base` of a robot with this yaw. A robot that
+    /// does not see all around (`sees_on`) keeps the cells that it measures now: it will not when it has
+    /// passed them.
     pub(crate) fn fill(
         &mut self,
         (field, footprint): (&ClearanceField, &Footprint),
         yaw_rad: f64,
-        points_in_base: &[Point2<f64>],
+        (points_in_base, sees_on): (&[Point2<f64>], bool),
         lidar_in_base: Point2<f64>,
     ) {
         let here = Pose::new(0.0, 0.0, yaw_rad);
@@ -67,7 +69,7 @@ impl Space {
         self.squares.fill(
             &field.sheet(),
             HALF_M,
-            points(),
+            points().take(if sees_on { usize::MAX } else { 0 }),
             here.transform(lidar_in_base),
         );
         (self.low, self.high) = footprint.bounds();
@@ -214,7 +216,8 @@ mod tests {
             let here = Pose::new(0.0, 0.0, yaw_rad);
             field.fill(None, &here, &points, HALF_M, 1.5);
             let mut space = Space::default();
-            space.fill((&field, &footprint), yaw_rad, &points, Point2::origin());
+            let lidar = Point2::origin();
+            space.fill((&field, &footprint), yaw_rad, (&points, true), lidar);
             for _ in 0..2000 {
                 let pose = Pose::new(within(2.0), within(2.0), within(3.0));
                 let in_base = |point: &Point2<f64>| {

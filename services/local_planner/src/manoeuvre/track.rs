@@ -216,7 +216,7 @@ fn speed_mps(robot: &Description, point: &Point, left_m: f64) -> f64 {
 }
 
 /// True when a beam of the lidar points backwards.
-fn sees_behind(robot: &Description) -> bool {
+pub(crate) fn sees_behind(robot: &Description) -> bool {
     let increment_rad = robot.angle_increment_rad;
     if increment_rad == 0.0 {
         return false;

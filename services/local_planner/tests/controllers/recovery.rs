@@ -306,7 +306,8 @@ fn a_robot_that_drove_into_a_pocket_backs_out_by_its_own_track() {
         }
         println!("{key}: {:?} {:?}", run.pose, whole.changes);
         assert!(run.least_m > 0.0, "{key} touched something");
-        let backed = |change: &Transition| change.to == Behaviour::BackUp;
+        let backed =
+            |change: &Transition| matches!(change.to, Behaviour::BackUp | Behaviour::Manoeuvre);
         assert!(whole.changes.iter().any(backed), "{key} did not back up");
         assert!(
             out,
