@@ -143,6 +143,8 @@ codes! {
         Path = 4 => "path",
         /// `robot/description`.
         Description = 5 => "description",
+        /// The pose on `map/update`: the robot does not know where it is.
+        Pose = 6 => "pose",
     }
 }
 

@@ -146,6 +146,7 @@ enum class PlannerInput : std::uint16_t {
     map = 3,
     path = 4,
     description = 5,
+    pose = 6,
 };
 
 enum class RecoveryReason : std::uint16_t {

@@ -85,6 +85,7 @@ fn input_of(input: StaleInput) -> PlannerInput {
         StaleInput::Scan => PlannerInput::Scan,
         StaleInput::Map => PlannerInput::Map,
         StaleInput::Path => PlannerInput::Path,
+        StaleInput::Pose => PlannerInput::Pose,
     }
 }
 

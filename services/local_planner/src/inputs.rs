@@ -35,6 +35,8 @@ pub struct Inputs<'a> {
     pub odometry: Option<&'a Odometry>,
     /// `map_from_odom` of the newest map, with the map.
     pub map: Option<(Pose, MapView<'a>)>,
+    /// The robot knows where it is on that map, see [`zeronav_msgs::map::MapInfo::knows_pose`].
+    pub knows_pose: bool,
     /// Grows when cells of the map change.
     pub map_cells: u64,
     /// Tracked obstacles in the map frame and their age. [s]

@@ -164,6 +164,7 @@ impl LocalPlanner {
             path: inputs.path.and_then(|input| Planned::of(input.path)),
             remaining: route.map(|route| (route.place.remaining_m, route.geometry)),
             turns: self.turns,
+            knows_pose: inputs.knows_pose,
             given_up: matches!(self.behaviour(), Behaviour::GiveUp(_)),
             moves_at_goal: self
                 .task
@@ -322,6 +323,9 @@ impl LocalPlanner {
         let odometry = inputs.odometry.ok_or(stale(StaleInput::Odometry))?;
         let (_, map) = inputs.map.ok_or(stale(StaleInput::Map))?;
         let map_from_base = map_from_base.ok_or(stale(StaleInput::Map))?;
+        if !inputs.knows_pose {
+            return Err(stale(StaleInput::Pose));
+        }
         let (robot, corners) = inputs.robot.ok_or((Validity::Stale, None))?;
         let route = route.ok_or((Validity::NoPath, None))?;
         let situation = Situation {

@@ -13,9 +13,11 @@ pub(crate) fn report(shell: &mut Shell, outputs: &Outputs) {
         (StaleInput::Map, REASON_MAP),
         (StaleInput::Path, REASON_PATH),
     ] {
+        // A pose that nobody knows comes with the map.
+        let of_map = input == StaleInput::Map && outputs.stale == Some(StaleInput::Pose);
         shell.reason(
             bit,
-            outputs.stale == Some(input) || outputs.ageing.includes(input),
+            of_map || outputs.stale == Some(input) || outputs.ageing.includes(input),
         );
     }
 }

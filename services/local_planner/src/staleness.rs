@@ -74,6 +74,8 @@ pub enum StaleInput {
     Map,
     /// The path.
     Path,
+    /// The pose: the robot does not know where it is.
+    Pose,
 }
 
 /// Which inputs are so old that the robot slows down or stops; for its health.
@@ -238,6 +240,7 @@ mod tests {
                     StaleInput::Scan => ages.scan_ns = age,
                     StaleInput::Map => ages.map_ns = age,
                     StaleInput::Path => ages.path_ns = age,
+                    StaleInput::Pose => unreachable!("a pose has no age"),
                 }
                 ages
             };

@@ -79,6 +79,8 @@ pub struct TaskInputs {
     pub run_ns: u64,
     /// `map_from_base` and the measured twist; `None` = unknown.
     pub robot: Option<(Pose, Twist)>,
+    /// The robot knows where it is; otherwise it can neither have arrived nor be shut in.
+    pub knows_pose: bool,
     /// The newest path.
     pub path: Option<Planned>,
     /// [m] along the path to its end and the id of its geometry, when it leads to the goal at
@@ -302,7 +304,7 @@ impl TaskMachine {
             || pose.distance_m(&goal.pose),
             |(remaining_m, _)| remaining_m,
         );
-        if self.is_reached(&goal, &pose, twist) {
+        if inputs.knows_pose && self.is_reached(&goal, &pose, twist) {
             self.reach(inputs);
             step.changed = true;
             return step;
@@ -406,7 +408,7 @@ impl TaskMachine {
         self.was_free |= planned.is_some_and(|planned| planned.status == PathStatus::Found);
         let failing = planned
             .and_then(|planned| Some((planned, end_of(planned.status)?)))
-            .filter(|_| is_stopped(twist));
+            .filter(|_| inputs.knows_pose && is_stopped(twist));
         let Some((planned, reason)) = failing else {
             self.failing_since_ns = None;
             self.patience.pause();

@@ -14,14 +14,15 @@
 //!   falls into the obstacle's own cell: an obstacle marks the cells whose centre it covers.
 //! - A cell that touches an obstacle is marked with the second hit only: mostly it is noise, and the
 //!   robot's centre cannot be there anyway.
-//! - So is a free cell with an isolated return (`isolated.rs`); two neighbouring beams mark a
-//!   cell in the open at once.
+//! - So is a free cell with a return of fewer than three beams beside each other; more mark a cell in the open at once.
+//! - Returns from where beams lie too far apart to tell a surface from an edge mark nothing
+//!   (`isolated.rs`).
 
 use crate::beams::End;
 use crate::config::MappingConfig;
 use crate::flips::Flips;
 use crate::free_blocks::FreeBlocks;
-use crate::isolated::is_isolated;
+use crate::isolated::{Evidence, evidence};
 use crate::located_scan::{GridRay, LocatedScan};
 use crate::log_odds::LogOdds;
 use crate::ray::{Passing, Ray};
@@ -265,7 +266,7 @@ impl Belief {
         }
         for (n, (ray, end, moving)) in rays.iter().enumerate() {
             if let (End::Hit(range_m), false) = (end, *moving) {
-                self.note_hit(ray, *range_m, || is_isolated(scan.beams, n));
+                self.note_hit(ray, *range_m, || evidence(scan.beams, n));
             }
         }
         let resolution_m = self.geometry.resolution_m;
@@ -320,7 +321,7 @@ impl Belief {
     }
 
     /// Remembers the cell that a beam was returned from.
-    fn note_hit(&mut self, ray: &Ray, range_m: f64, is_isolated: impl Fn() -> bool) {
+    fn note_hit(&mut self, ray: &Ray, range_m: f64, evidence: impl Fn() -> Evidence) {
         if range_m > self.obstacle_range_m {
             return;
         }
@@ -331,11 +332,19 @@ impl Belief {
         if self.bits[index] & (HIT | BESIDE_STATIC | STATIC) != 0 {
             return;
         }
-        self.bits[index] |= HIT;
-        let old = self.odds[index];
-        let beside = || self.blocks_beside && self.touches_sensed(index);
         // An obstacle that is known needs no proof; an unknown cell was never seen to be free.
-        if !self.is_sensed(index) && (beside() || old != UNKNOWN && is_isolated()) {
+        let doubtful = if self.is_sensed(index) {
+            false
+        } else {
+            let told = evidence();
+            if told == Evidence::None {
+                return;
+            }
+            let beside = || self.blocks_beside && self.touches_sensed(index);
+            beside() || self.odds[index] != UNKNOWN && told == Evidence::Isolated
+        };
+        self.bits[index] |= HIT;
+        if doubtful {
             self.doubtful.push(index);
         } else {
             self.hits.push(index);

@@ -2,7 +2,7 @@
 
 use crate::pose_error::{swing, turned};
 use crate::scan_match::Surfaces;
-use crate::scan_odometry::{Moved, ScanOdometry};
+use crate::scan_odometry::{Basis, Moved, ScanOdometry};
 use crate::slip::Ends;
 use nalgebra::{Matrix3, Point2, Vector3};
 use zeronav_msgs::Pose;
@@ -61,6 +61,9 @@ const BEYOND: (f64, f64) = (0.3, 0.2);
 /// Share of the fastest motion, and the slack, beyond which a step of odometry is no motion. [m, rad]
 const JUMP: (f64, f64, f64) = (1.5, 0.05, 0.1);
 
+/// Share of the points that must contradict odometry that claims to be exact.
+const NOTICED_SHARE: f64 = 0.6;
+
 /// Odometry at a scan.
 #[derive(Debug, Clone, Copy)]
 pub struct OdometryAt {
@@ -94,6 +97,8 @@ pub struct Localiser {
     last_s: f64,
     /// Fastest motion. [m/s, rad/s] 0 = not known.
     fastest: (f64, f64),
+    /// Odometry has moved by more than the robot can, at the last scan.
+    has_jumped: bool,
     /// Motion of which nothing is known since the scan lay on the map. [m, rad]
     unknown: (f64, f64),
     active: bool,
@@ -116,6 +121,7 @@ impl Localiser {
             scans: ScanOdometry::default(),
             last_s: 0.0,
             fastest,
+            has_jumped: false,
             unknown: (0.0, 0.0),
             active: false,
         }
@@ -202,8 +208,10 @@ impl Localiser {
     /// be off by as much as the largest standard deviations, so the next scans are laid on the map.
     pub fn relocate(&mut self, map_from_odom: Pose, odom_from_base: &Pose) {
         self.map_from_odom = map_from_odom;
-        let last = self.last_odom_from_base.unwrap_or(*odom_from_base);
-        self.map_from_base = map_from_odom.then(&last);
+        self.map_from_base = map_from_odom.then(odom_from_base);
+        // The motion until then does not matter: the next scan begins anew.
+        self.last_odom_from_base = None;
+        self.assumed_yaw = 0.0;
         // No person is exact: scans correct the pose from now on, whatever odometry claims.
         self.active |= self.config.mode != CorrectionMode::Off;
         if self.active {
@@ -231,8 +239,8 @@ impl Localiser {
             self.step_yaw = 0.0;
             return None;
         };
-        let jumped = self.is_jump(&last, odom_from_base, elapsed_s);
-        let noise = if jumped {
+        self.has_jumped = self.is_jump(&last, odom_from_base, elapsed_s);
+        let noise = if self.has_jumped {
             self.scans.jumped(odom_from_base);
             let (v_mps, w_radps) = self.fastest;
             let (place_m, yaw_rad) = (v_mps * elapsed_s, w_radps * elapsed_s);
@@ -257,6 +265,38 @@ impl Localiser {
         }
         self.map_from_base = predicted;
         Some(moved)
+    }
+
+    /// True when odometry that claims to be exact is held against the scans.
+    #[must_use]
+    pub fn watches(&self) -> bool {
+        self.config.mode == CorrectionMode::Auto && !self.active
+    }
+
+    /// True when `moved`, of [`Self::predict`], shows that odometry which claims to be exact is not:
+    /// the wheels have slipped, or it has jumped. The pose is corrected from now on. Otherwise odometry
+    /// alone tells the pose.
+    pub(crate) fn notices(
+        &mut self,
+        moved: Option<&Moved>,
+        standing: &Ends<'_>,
+        something_moves: bool,
+    ) -> bool {
+        let odom_from_base = self.last_odom_from_base.unwrap_or_default();
+        self.active = moved.is_some_and(|moved| {
+            (moved.basis == Basis::Scans || self.has_jumped)
+                && moved.share > NOTICED_SHARE
+                && !something_moves
+        });
+        if !self.active {
+            if self.has_jumped {
+                self.scans.begin(&odom_from_base, standing.at);
+            }
+            self.map_from_base = self.map_from_base(&odom_from_base);
+            self.covariance = Matrix3::zeros();
+            self.unknown = (0.0, 0.0);
+        }
+        self.active
     }
 
     /// Lays the scan on the map, after [`Self::predict`]: where beams ended, in `base` [m], on static

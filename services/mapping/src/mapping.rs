@@ -140,7 +140,7 @@ impl Mapping {
     pub fn take_in(&mut self, observation: &Observation<'_>) -> Integrated {
         let odom_from_base = &observation.odom_from_base;
         self.cast(observation, None);
-        if self.localiser.is_active(&observation.odometry_variance) {
+        if self.localiser.is_active(&observation.odometry_variance) || self.localiser.watches() {
             self.localise(observation);
         }
         self.last_ns = observation.run_ns;
@@ -213,6 +213,13 @@ impl Mapping {
         };
         let something_moves = self.tracker.sees_motion(run_ns);
         let moved = self.localiser.predict(&odometry, &ends, something_moves);
+        if self.localiser.watches()
+            && !self
+                .localiser
+                .notices(moved.as_ref(), &ends, something_moves)
+        {
+            return;
+        }
         if let Some(moved) = moved.filter(|moved| moved.basis == Basis::Scans) {
             if sweep_share > 0.0 {
                 self.cast(observation, Some((&moved.last_from_base, sweep_share)));

@@ -35,7 +35,13 @@ pub(crate) struct NearPoints {
     next: Vec<u16>,
     /// The first line of every bucket.
     first: Vec<u16>,
+    /// Standard deviation of the hits across their surfaces. [m]
+    noise_m: f64,
 }
+
+/// Standard deviations per mean of absolute values of a normal variable, and of a hit beside the middle of
+/// its neighbours per one of a hit.
+const SIGMAS: f64 = 1.2533 / 1.2247;
 
 impl NearPoints {
     /// Takes in hits in the order of their beams. [m]
@@ -44,6 +50,7 @@ impl NearPoints {
         self.next.clear();
         self.first.clear();
         self.first.resize(BUCKETS * BUCKETS, NONE);
+        self.noise_m = noise_m(hits);
         for n in 0..hits.len() {
             let Some(line) = line_through(hits, n) else {
                 continue;
@@ -56,6 +63,11 @@ impl NearPoints {
             self.next.push(self.first[bucket]);
             self.first[bucket] = index;
         }
+    }
+
+    /// Standard deviation of the hits across their surfaces; 0 where none has neighbours. [m]
+    pub(crate) fn noise_m(&self) -> f64 {
+        self.noise_m
     }
 
     /// The line of the hit that is nearest to a place; `None` where none is within [`BUCKET_M`].
@@ -82,6 +94,29 @@ impl NearPoints {
         }
         nearest
     }
+}
+
+/// Standard deviation of hits across their surfaces, by how far they lie beside the middle of their
+/// neighbours. [m]
+fn noise_m(hits: &[Point2<f64>]) -> f64 {
+    let (mut sum_m, mut n) = (0.0, 0.0_f64);
+    for three in hits.windows(3) {
+        let along = three[2] - three[0];
+        if (three[1] - three[0]).norm() < GAP_M && (three[2] - three[1]).norm() < GAP_M {
+            let across = Vector2::new(-along.y, along.x) / along.norm().max(1.0e-9);
+            let middle = three[0] + 0.5 * along;
+            sum_m += (three[1] - middle).dot(&across).abs();
+            n += 1.0;
+        }
+    }
+    SIGMAS * sum_m / n.max(1.0)
+}
+
+/// True when a hit lies on one surface with the one before or after it.
+pub(crate) fn is_linked(hits: &[Point2<f64>], n: usize) -> bool {
+    let joins =
+        |other: Option<&Point2<f64>>| other.is_some_and(|other| (hits[n] - other).norm() < GAP_M);
+    joins(n.checked_sub(1).and_then(|before| hits.get(before))) || joins(hits.get(n + 1))
 }
 
 /// The line through a hit and its neighbours on the same surface; `None` when it has none.

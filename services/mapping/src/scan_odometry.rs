@@ -9,12 +9,12 @@
 //!
 //! Wheels that slip lie about the motion by more than the prior allows, and a match that begins where
 //! they say lets go of everything. So what other motions explain is looked at in every scan
-//! (`slip.rs`): none at all, and that of the scan before. Where one of them explains more, the scans
+//! (`slip.rs`): none at all, none since the key scan, and that of the scan before. Where one of them explains more, the scans
 //! carry the robot; where nothing explains a scan full of points, the motion is not known.
 
-use crate::near_points::NearPoints;
+use crate::near_points::{NearPoints, is_linked};
 use crate::pose_error::{swing, turned};
-use crate::slip::{Ends, apart, is_share_of, motions};
+use crate::slip::{Ends, EndsOf, apart, is_share_of, motions};
 use nalgebra::{Isometry2, Matrix3, Point2, Vector2, Vector3};
 use zeronav_msgs::Pose;
 use zeronav_msgs::pose::wrap_angle;
@@ -39,6 +39,9 @@ const GATE: f64 = 11.34;
 
 /// Distance at which a point's weight is a quarter. [m]
 const LETS_GO_M: f64 = 0.05;
+
+/// The same in standard deviations of what the lidar measures, where that is more.
+const LETS_GO_SIGMAS: f64 = 2.5;
 
 /// The same where a motion is looked for that odometry does not tell. [m]
 const LETS_GO_FAR_M: f64 = 0.12;
@@ -87,6 +90,8 @@ pub(crate) struct ScanOdometry {
     drift: Matrix3<f64>,
     /// Share of the points that lay on lines when a scan was matched last.
     share: f64,
+    /// Scratch: the ends that lie on a line.
+    linked: EndsOf,
     /// Scratch: the ends as another motion than odometry's has them. [m]
     ends: Vec<Point2<f64>>,
 }
@@ -113,6 +118,8 @@ pub(crate) struct Moved {
     pub(crate) left: Matrix3<f64>,
     /// What this rests on.
     pub(crate) basis: Basis,
+    /// Share of the points that it explains; 0 where they were not matched.
+    pub(crate) share: f64,
 }
 
 impl ScanOdometry {
@@ -121,6 +128,25 @@ impl ScanOdometry {
     /// Where something moves, a scan that contradicts odometry is believed only when it says that the
     /// wheels have slipped; elsewhere they may well have.
     pub(crate) fn follow(
+        &mut self,
+        odom_from_base: &Pose,
+        noise: &Matrix3<f64>,
+        ends: &Ends<'_>,
+        something_moves: bool,
+    ) -> Moved {
+        // What lies on no line itself cannot tell where it is on others.
+        let mut linked = core::mem::take(&mut self.linked);
+        let moved = self.follow_linked(
+            odom_from_base,
+            noise,
+            &linked.of(ends, is_linked),
+            something_moves,
+        );
+        self.linked = linked;
+        moved
+    }
+
+    fn follow_linked(
         &mut self,
         odom_from_base: &Pose,
         noise: &Matrix3<f64>,
@@ -147,7 +173,7 @@ impl ScanOdometry {
         } else {
             None
         };
-        // Far and sparse points lie on no lines: that says nothing, unless the scans before did.
+        // That says nothing where the scans before were not matched, either.
         let contradicted = laid.is_none()
             && !something_moves
             && ends.at.len() >= LOST_POINTS_MIN
@@ -166,13 +192,14 @@ impl ScanOdometry {
         };
         self.key_from_base = at;
         self.last = between(&before, &at);
+        let share = slip.map_or(laid.map(|laid| laid.share), |(slip, _)| Some(slip.share));
         let moved = Moved {
             last_from_base: self.last,
             noise,
             left: turned(-at.yaw_rad) * left,
             basis,
+            share: share.unwrap_or(0.0),
         };
-        let share = slip.map_or(laid.map(|laid| laid.share), |(slip, _)| Some(slip.share));
         self.share = share.unwrap_or(self.share);
         self.go_on(odom_from_base, (ends, &step), &moved, share);
         moved
@@ -240,14 +267,25 @@ impl ScanOdometry {
         let Some(laid) = laid.filter(|laid| laid.surprise <= GATE) else {
             return true;
         };
-        let last = self.last;
-        let others = [Pose::default(), last];
-        let mut n = 0;
-        others.into_iter().any(|other| {
-            n += 1;
-            let is_new = apart(&other, step) && (n == 1 || apart(&other, &Pose::default()));
-            is_new && self.explained(ends, step, &other, LETS_GO_M) > laid.share + EXPLAINS_MORE
+        let others = [Pose::default(), self.last, self.back_to_key()];
+        (0..others.len()).any(|n| {
+            let other = &others[n];
+            let is_new = others[..n].iter().all(|before| apart(before, other));
+            is_new
+                && apart(other, step)
+                && self.explained(ends, step, other, LETS_GO_M) > laid.share + EXPLAINS_MORE
         })
+    }
+
+    /// The motion of a robot that has stood since the key scan: wheels that slip slowly among noisy
+    /// returns are noticed late.
+    fn back_to_key(&self) -> Pose {
+        Pose::from(self.key_from_base.isometry().inverse())
+    }
+
+    /// Distance at which a point lets go, with a lidar as noisy as this. [m]
+    fn lets_go_m(&self, lets_go_m: f64) -> f64 {
+        lets_go_m.max(LETS_GO_SIGMAS * self.key.noise_m())
     }
 
     /// Share of the points that lie on lines after a motion since the last scan, given odometry's.
@@ -256,6 +294,7 @@ impl ScanOdometry {
         let at = self.key_from_base.then(motion);
         let (sin, cos) = at.yaw_rad.sin_cos();
         let every = self.ends.len().div_ceil(POINTS_MAX).max(1);
+        let lets_go_m = self.lets_go_m(lets_go_m);
         let (mut near, mut n) = (0.0, 0.0_f64);
         for end in self.ends.iter().step_by(every) {
             n += 1.0;
@@ -283,7 +322,8 @@ impl ScanOdometry {
         let before = self.key_from_base;
         let found = laid.map(|laid| between(&before, &laid.pose));
         let mut best = [(0.0, Pose::default()); BEST];
-        for motion in motions(step, &self.last) {
+        let others = [self.last, self.back_to_key()];
+        for motion in motions(step).chain(others) {
             let mut row = (self.explained(ends, step, &motion, LETS_GO_FAR_M), motion);
             for place in &mut best {
                 if row.0 > place.0 {
@@ -330,7 +370,9 @@ impl ScanOdometry {
             return None;
         }
         let motion = between(&before, &winner.pose);
-        let slips = !something_moves || is_share_of(&motion, step);
+        let slips = !something_moves
+            || is_share_of(&motion, step)
+            || is_share_of(&winner.pose, &self.odometry);
         slips.then_some((winner, weak))
     }
 
@@ -369,6 +411,8 @@ impl ScanOdometry {
         let mut at = Vector3::new(guess.x_m, guess.y_m, guess.yaw_rad);
         let mut information = prior;
         let mut share = 0.0;
+        let lets_go_m = self.lets_go_m(lets_go_m);
+        let sigma_m = SIGMA_M.max(self.key.noise_m());
         for _ in 0..STEPS_MAX {
             let (sin, cos) = at.z.sin_cos();
             let mut normal = Matrix3::zeros();
@@ -399,7 +443,7 @@ impl ScanOdometry {
                 return None;
             }
             share = near / all;
-            let worth = POINT_WORTH / (SIGMA_M * SIGMA_M);
+            let worth = POINT_WORTH / (sigma_m * sigma_m);
             information = prior + normal * worth;
             let step = information.try_inverse()? * (prior * (at - start) + right * worth);
             at -= step;

@@ -85,6 +85,7 @@ class PlannerInput(IntEnum):
     MAP = 3
     PATH = 4
     DESCRIPTION = 5
+    POSE = 6
 
 
 class RecoveryReason(IntEnum):

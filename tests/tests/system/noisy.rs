@@ -56,6 +56,26 @@ fn over_200_m_with_slip_and_drift_the_pose_is_within_10_cm_and_2_degrees() {
 }
 
 #[test]
+fn a_robot_whose_wheels_spin_arrives_where_its_goal_is() {
+    for seed in ["1", "2"] {
+        let result = lockstep("tests/scenarios/spinning_wheels.toml", &["--seed", seed]);
+        let pose = &result["pose"];
+        assert!(
+            number(&pose["odometry_error_m_max"]) > 2.0,
+            "{seed}: {pose}"
+        );
+        assert!(number(&pose["error_m_max"]) < 0.15, "{seed}: {pose}");
+    }
+}
+
+#[test]
+fn a_narrow_door_that_is_open_is_not_closed_by_looking_at_it_from_afar() {
+    for seed in ["1", "2", "3"] {
+        lockstep("tests/scenarios/far_narrow_door.toml", &["--seed", seed]);
+    }
+}
+
+#[test]
 fn robot_drives_among_dynamic_obstacles_and_scores_its_tracking() {
     // At 0.3 m/s a walker needs two thirds of a second for the 0.2 m that make it a moving one.
     for (scenario, movers, delay_s_max) in [("moving_discs", 5, 1.0), ("crossing_walkers", 2, 1.5)]

@@ -4,27 +4,32 @@ use serde_json::Value;
 use tempfile::TempDir;
 use zeronav_tests::up::Up;
 
-/// Odometry jumps by more than mapping can find again by itself.
-const JUMPS: &str = r#"
-title = "odometry jumps before the drive"
+/// A robot that is told before the drive that it is somewhere else.
+const ROOMS: &str = r#"
+title = "a robot that is told where it is"
 base = ["two_rooms", "porter"]
 start = [1.5, 4.5, 0.0]
 [robot]
 odometry = true
-[[robot.faults]]
-kind = "odometry_jump"
-begins = { at_s = 1.0 }
-shift = [2.5, -1.0, 0.8]
 "#;
+
+/// Farther from its start than mapping can find it again by itself.
+const ELSEWHERE: [&str; 3] = ["4.0", "3.5", "0.8"];
 
 /// Through the door, behind which the robot must really be.
 const GOAL: [f64; 3] = [12.0, 4.5, 0.0];
 
 fn start() -> Up {
     let folder = TempDir::new().expect("a folder");
-    std::fs::write(folder.path().join("it.toml"), JUMPS).expect("written");
+    std::fs::write(folder.path().join("it.toml"), ROOMS).expect("written");
     let mut up = Up::start_in(folder, &["./it.toml", "--lockstep"]);
-    up.stack.wait_until("odometry has jumped", |stack| {
+    up.stack.wait_until("the robot knows where it is", |stack| {
+        let report = stack.report().unwrap_or_default();
+        off(&report).is_some_and(|[place_m, _]| place_m < 0.1)
+    });
+    let [x_m, y_m, yaw_rad] = ELSEWHERE;
+    assert_eq!(up.ask(&["pose", x_m, y_m, yaw_rad], 0), "placed\n");
+    up.stack.wait_until("it is told wrongly", |stack| {
         let report = stack.report().unwrap_or_default();
         off(&report).is_some_and(|[place_m, yaw_rad]| place_m > 1.0 && yaw_rad > 0.5)
     });

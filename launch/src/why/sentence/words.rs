@@ -149,6 +149,12 @@ pub(super) fn stale(request: &Request) -> String {
             return "The local planner brakes because the robot has not been described yet."
                 .to_owned();
         }
+        PlannerInput::Pose => {
+            return "The local planner brakes because the robot does not know where it is: the scans \
+                    contradict odometry and do not lie on the map near by. It goes on when they do; \
+                    `zeronav pose` says where it is."
+                .to_owned();
+        }
         PlannerInput::None => {
             return "The local planner brakes because an input is too old or missing.".to_owned();
         }
@@ -176,6 +182,7 @@ pub(super) fn input(input: PlannerInput) -> &'static str {
         PlannerInput::Map => "the map",
         PlannerInput::Path => "the path",
         PlannerInput::Description => "the robot's description",
+        PlannerInput::Pose => "the pose",
     }
 }
 

@@ -27,6 +27,7 @@ struct Bench {
     ages: Ages,
     in_flight: InFlight,
     tick: u64,
+    knows_pose: bool,
 }
 
 fn found(goal: u64, geometry: u64, corners: &[(f64, f64)]) -> (Path, Vec<Waypoint>) {
@@ -62,6 +63,7 @@ impl Bench {
             },
             in_flight: InFlight::default(),
             tick: 0,
+            knows_pose: true,
         }
     }
 
@@ -98,6 +100,7 @@ impl Bench {
                 .path
                 .as_ref()
                 .map(|(path, waypoints)| PathInput { path, waypoints }),
+            knows_pose: self.knows_pose,
             map_cells: 1,
             obstacles: (&[], 0.0),
             future: Future::default(),
@@ -175,6 +178,29 @@ fn a_successor_does_not_count_the_time_before_its_first_tick_as_stalled() {
     bench.check(Validity::Drive, None);
     let state = bench.planner.status().0.state();
     assert_eq!(state, Some(TaskState::Active));
+}
+
+#[test]
+fn a_robot_that_does_not_know_where_it_is_brakes_and_says_so() {
+    let mut bench = Bench::new();
+    bench.go(5, 7.0);
+    bench.path = Some(found(5, 1, &[(1.0, 2.0), (7.0, 2.0)]));
+    for _ in 0..50 {
+        bench.step();
+    }
+    assert!(bench.odometry.v_mps > 0.3);
+    bench.knows_pose = false;
+    let outputs = bench.check(Validity::Stale, Some(StaleInput::Pose));
+    assert_eq!(outputs.request.input(), Some(PlannerInput::Pose));
+    for _ in 0..100 {
+        bench.step();
+    }
+    assert!(bench.odometry.v_mps.abs() < 1.0e-9);
+    bench.knows_pose = true;
+    for _ in 0..50 {
+        bench.step();
+    }
+    assert!(bench.odometry.v_mps > 0.3, "it goes on");
 }
 
 #[test]

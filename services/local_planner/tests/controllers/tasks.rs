@@ -51,6 +51,7 @@ pub(crate) struct Bench {
     pub(crate) remaining: Option<(f64, u64)>,
     pub(crate) moves_at_goal: bool,
     pub(crate) turns: bool,
+    pub(crate) knows_pose: bool,
 }
 
 impl Bench {
@@ -67,6 +68,7 @@ impl Bench {
             remaining: None,
             moves_at_goal: false,
             turns: false,
+            knows_pose: true,
         }
     }
 
@@ -79,6 +81,7 @@ impl Bench {
             path: self.path,
             remaining: self.remaining,
             turns: self.turns,
+            knows_pose: self.knows_pose,
             given_up: false,
             moves_at_goal: self.moves_at_goal,
         };
@@ -123,6 +126,37 @@ fn goals_are_taken_in_order_and_the_last_one_standing() {
     bench.check(TaskState::Reached, EndReason::None, &ends);
     assert_eq!(bench.machine.status().0.goal, 0);
     assert_eq!(bench.steps(500), 0, "the end is the end");
+}
+
+/// A robot that does not know where it is has not arrived, whatever its pose says, and is not shut in;
+/// it waits as long as it does for progress.
+#[test]
+fn a_robot_that_does_not_know_where_it_is_has_not_arrived() {
+    for path in [PathStatus::Found, PathStatus::Unreachable] {
+        let mut bench = Bench::with_goals(&[goal(1, 0.0)]);
+        bench.knows_pose = false;
+        bench.path = planned(path, 1);
+        bench.steps(29 * 50);
+        bench.check(TaskState::Active, EndReason::None, &[]);
+        let mut found_again = Bench {
+            machine: bench.machine.clone(),
+            knows_pose: true,
+            ..Bench::with_goals(&[goal(1, 0.0)])
+        };
+        found_again.tick = bench.tick;
+        found_again.step();
+        found_again.check(
+            TaskState::Reached,
+            EndReason::None,
+            &[(1, TaskState::Reached)],
+        );
+        bench.steps(2 * 50);
+        bench.check(
+            TaskState::Failed,
+            EndReason::Stuck,
+            &[(1, TaskState::Failed)],
+        );
+    }
 }
 
 #[test]
@@ -282,6 +316,7 @@ fn without_a_pose_nothing_is_judged() {
             path: planned(PathStatus::Unreachable, 1),
             remaining: None,
             turns: false,
+            knows_pose: true,
             given_up: false,
             moves_at_goal: false,
         });
@@ -300,6 +335,7 @@ fn a_task_that_was_given_up_fails_as_stuck() {
         path: planned(PathStatus::Found, 1),
         remaining: Some((5.0, 1)),
         turns: false,
+        knows_pose: true,
         given_up,
         moves_at_goal: false,
     };

@@ -76,6 +76,7 @@ impl Drive for Whole {
             robot: Some((situation.robot, situation.corners)),
             odometry: Some(&odometry),
             map: situation.map.map(|map| (Pose::default(), map)),
+            knows_pose: true,
             map_cells: situation.map_cells,
             obstacles: (situation.obstacles, situation.obstacles_age_s),
             future: Future::default(),

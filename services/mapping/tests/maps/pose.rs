@@ -8,7 +8,7 @@ use parry2d::query::Ray;
 use zeronav_mapping::localiser::CorrectionMode;
 use zeronav_mapping::{Mapping, MappingConfig, Observation};
 use zeronav_msgs::Pose;
-use zeronav_msgs::map::FLAG_SENSED;
+use zeronav_msgs::map::{FLAG_SENSED, MapInfo};
 use zeronav_msgs::pose::wrap_angle;
 use zeronav_msgs::scan::Scan;
 use zeronav_world::{World, WorldSpec};
@@ -272,4 +272,113 @@ fn correction_can_be_switched_off() {
     config.pose_correction.mode = CorrectionMode::Off;
     let drive = drive(&config, 15.0, 1.0, 0.02);
     assert!(drive.identity && drive.worst_m > 0.5, "{drive:?}");
+}
+
+/// Down an aisle with wheels that spin on the spot from the 15th scan to the 45th; how far mapping and odometry are
+/// off at most. [m]
+fn spin(config: &MappingConfig, variance: f64) -> (f64, f64) {
+    let world = warehouse();
+    let map = world.rasterise();
+    let known = config.area_m.is_none().then_some(&map);
+    let mut mapping = Mapping::new(config, known, &description(), &[]).expect("a map");
+    let mut rng = Rng(7);
+    let mut truth = Pose::new(1.8, 6.425, 0.0);
+    let mut odometry = truth;
+    let (mut worst_m, mut odometry_m) = (0.0_f64, 0.0_f64);
+    for n in 0..60_u32 {
+        let step = Pose::new(0.08, 0.0, 0.0);
+        if !(15..45).contains(&n) {
+            truth = truth.then(&step);
+        }
+        odometry = odometry.then(&step);
+        let (scan, ranges) = look(&world, &truth, &mut rng);
+        mapping.take_in(&Observation {
+            scan: &scan,
+            ranges: &ranges,
+            run_ns: u64::from(n + 1) * 100_000_000,
+            odom_from_base_first: odometry,
+            odom_from_base: odometry,
+            odometry_variance: [variance * f64::from(n); 3],
+            goal: None,
+            told: None,
+        });
+        assert!(!mapping.is_uncertain(), "scan {n}");
+        let estimate = mapping.map_from_odom().0.then(&odometry);
+        worst_m = worst_m.max(estimate.distance_m(&truth));
+        odometry_m = odometry_m.max(odometry.distance_m(&truth));
+    }
+    (worst_m, odometry_m)
+}
+
+#[test]
+fn wheels_that_spin_do_not_carry_the_robot_away() {
+    let unknown = MappingConfig {
+        area_m: Some([[-1.0, -1.0], [31.0, 21.0]]),
+        ..MappingConfig::default()
+    };
+    for config in [MappingConfig::default(), unknown] {
+        // Odometry that says how far it may be off, and one that claims to be exact.
+        for variance in [1.0e-5, 0.0] {
+            let (worst_m, odometry_m) = spin(&config, variance);
+            assert!(odometry_m > 2.3, "{odometry_m}");
+            assert!(worst_m < 0.15, "{variance}: {worst_m}");
+        }
+    }
+}
+
+/// The scans of a moment ago and of now have nothing in common while odometry says that the robot has driven on: it
+/// does not know where it is. Nobody may rely on its pose, and the map stays as it is, until the scan lies on it again.
+#[test]
+fn a_robot_that_has_lost_contact_says_so_until_it_is_found() {
+    let map = warehouse().rasterise();
+    let mut mapping =
+        Mapping::new(&MappingConfig::default(), Some(&map), &description(), &[]).expect("a map");
+    let knows = |mapping: &Mapping| {
+        let info = MapInfo {
+            covariance: mapping.map_from_odom().1,
+            ..MapInfo::default()
+        };
+        assert_eq!(info.knows_pose(), !mapping.is_uncertain());
+        info.knows_pose()
+    };
+    let mut rng = Rng(9);
+    let world = warehouse();
+    let truth = Pose::new(1.8, 6.425, 0.0);
+    let mut take = |mapping: &mut Mapping, n: u64, from: Option<&Pose>, odometry: &Pose| {
+        let (scan, mut ranges) = look(&world, from.unwrap_or(&truth), &mut rng);
+        if from.is_none() {
+            // Somebody stands around it.
+            for (n, range_m) in (0_u16..).zip(&mut ranges) {
+                *range_m = 0.8 + 0.3 * (0.3 * f32::from(n)).sin();
+            }
+        }
+        mapping.take_in(&Observation {
+            scan: &scan,
+            ranges: &ranges,
+            run_ns: n * 100_000_000,
+            odom_from_base_first: *odometry,
+            odom_from_base: *odometry,
+            odometry_variance: [1.0e-4; 3],
+            goal: None,
+            told: None,
+        });
+    };
+    for n in 1..10 {
+        take(&mut mapping, n, Some(&truth), &truth);
+    }
+    assert!(knows(&mapping));
+    let sensed = n_sensed(&mapping);
+    let mut odometry = truth;
+    for n in 10..13 {
+        odometry = odometry.then(&Pose::new(0.15, 0.0, 0.0));
+        take(&mut mapping, n, None, &odometry);
+    }
+    assert!(!knows(&mapping));
+    assert_eq!(n_sensed(&mapping), sensed, "the map stays");
+    for n in 13..20 {
+        take(&mut mapping, n, Some(&truth), &odometry);
+    }
+    assert!(knows(&mapping), "it is found");
+    let found = mapping.map_from_odom().0.then(&odometry);
+    assert!(found.distance_m(&truth) < 0.05, "{found:?}");
 }
