@@ -1,5 +1,6 @@
 //! BARN: static worlds, a score by time.
 
+use super::bound::turns::OutlineWay;
 use super::case::{Case, Manner, Rule, Sheet, Success};
 use super::data::{self, WorldFile};
 use super::plan::{Setup, SuitePlan};
@@ -72,7 +73,7 @@ pub(super) fn cases(setup: &Setup<'_>, worlds: &[WorldFile]) -> Result<Vec<Case>
                     optimal_time_s: Some(entry.ot_s),
                     reference_m: Some(entry.path_length_m - GOAL_TOLERANCE_M),
                     future_is_known: false,
-                    way: None,
+                    way: OutlineWay::NotSearched,
                 },
                 manner: Manner::default(),
             });

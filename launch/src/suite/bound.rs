@@ -44,7 +44,7 @@ pub(super) fn rows(
 ) -> Result<Vec<Row>, SuiteError> {
     // Before the first search, which may take long. Seeds may share a scenario.
     let mut seen = BTreeSet::new();
-    let own = |case: &&Case| case.rule.way.is_none();
+    let own = |case: &&Case| case.rule.way.exists().is_none();
     for case in cases
         .iter()
         .filter(own)
@@ -104,8 +104,8 @@ pub(super) fn rows(
 
 /// Plans one case.
 fn row_of(case: &Case, interrupted: &AtomicBool) -> Result<Row, String> {
-    if let Some(way) = &case.rule.way {
-        return Ok(of_outline(case, way.as_ref()));
+    if case.rule.way.exists().is_some() {
+        return Ok(of_outline(case, case.rule.way.found()));
     }
     let began = Instant::now();
     let future = Future::of(&case.scenario)?;

@@ -1,6 +1,6 @@
 //! One run that a suite makes, and by what it is judged.
 
-use super::bound::turns::Turns;
+use super::bound::turns::OutlineWay;
 use super::noise;
 use super::plan::Setup;
 use super::track::Clock;
@@ -50,9 +50,8 @@ pub(super) struct Rule {
     pub(super) reference_m: Option<f64>,
     /// True when everything moves as it was recorded, whatever the robot does.
     pub(super) future_is_known: bool,
-    /// The way of the outline among what stands; `None` where none was looked for, and within it where none
-    /// was found.
-    pub(super) way: Option<Option<Turns>>,
+    /// The way of the outline among what stands.
+    pub(super) way: OutlineWay,
 }
 
 /// What counts as a success.

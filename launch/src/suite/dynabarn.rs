@@ -1,6 +1,7 @@
 //! `DynaBARN`: cylinders that go round whatever the robot does.
 
 use super::barn::TOLERANCE_SHARE;
+use super::bound::turns::OutlineWay;
 use super::case::{Case, Manner, Rule, Sheet, Success};
 use super::data::{self, WorldFile};
 use super::plan::{Setup, SuitePlan};
@@ -75,7 +76,7 @@ pub(super) fn cases(setup: &Setup<'_>, worlds: &[WorldFile]) -> Result<Vec<Case>
                     optimal_time_s: None,
                     reference_m: Some(straight_m - GOAL_TOLERANCE_M),
                     future_is_known: true,
-                    way: None,
+                    way: OutlineWay::NotSearched,
                 },
                 manner: Manner::default(),
             });

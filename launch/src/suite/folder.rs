@@ -1,5 +1,6 @@
 //! A folder of scenarios, each judged by what it expects itself.
 
+use super::bound::turns::OutlineWay;
 use super::case::{Case, Manner, Rule, Success, write};
 use super::data::{self, WorldFile};
 use super::noise;
@@ -84,7 +85,7 @@ fn of_scenario(
             optimal_time_s: None,
             reference_m: straight_m(&own),
             future_is_known: false,
-            way: None,
+            way: OutlineWay::NotSearched,
         },
         manner: Manner::default(),
     };

@@ -1,6 +1,7 @@
 //! Worlds that are drawn from a seed: no data is needed.
 
 use super::barn::TOLERANCE_SHARE;
+use super::bound::turns::OutlineWay;
 use super::case::{Case, Manner, Rule, Sheet, Success};
 use super::data::WorldFile;
 use super::plan::{Setup, SuitePlan};
@@ -60,7 +61,7 @@ fn case(setup: &Setup<'_>, world: &WorldFile, seed: u64) -> Result<Case, String>
             optimal_time_s: None,
             reference_m: Some(drawn.reference_m - drawn.goal_tolerance_m),
             future_is_known: drawn.moves,
-            way: None,
+            way: OutlineWay::NotSearched,
         },
         manner: Manner::default(),
     })

@@ -1,6 +1,7 @@
 //! Recorded people: the robot crosses the scene, and they do not see it.
 
 use super::barn::TOLERANCE_SHARE;
+use super::bound::turns::OutlineWay;
 use super::case::{Case, Manner, Rule, Sheet, Success};
 use super::data::{self, WorldFile};
 use super::error::SuiteError;
@@ -176,7 +177,7 @@ fn rule(start: Pose, goal: Pose) -> Rule {
         optimal_time_s: None,
         reference_m: Some(start.distance_m(&goal) - GOAL_TOLERANCE_M),
         future_is_known: true,
-        way: None,
+        way: OutlineWay::NotSearched,
     }
 }
 

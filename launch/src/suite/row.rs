@@ -117,7 +117,7 @@ impl Row {
             touched(&case.rule.success, run, unavoidable).or_else(|| arrival.clone())
         };
         let success = cause.is_none();
-        let way_s = case.rule.way.flatten().map(|way| way.time_s);
+        let way_s = case.rule.way.found().map(|way| way.time_s);
         let clock_s = case.clock().and_then(|clock| clock.time_s(&run.motion));
         let by_rule = |fastest| {
             let optimal_time_s = case.rule.optimal_time_s?;
@@ -199,7 +199,7 @@ impl Row {
             arrived: false,
             time_s: None,
             clock_s: None,
-            way_exists: case.rule.way.map(|way| way.is_some()),
+            way_exists: case.rule.way.exists(),
             wrong_arrival: false,
             time_ratio: None,
             score: None,
@@ -297,6 +297,7 @@ fn missed(success: &Success, run: &RunResult, goal_distance_m: Option<f64>) -> O
 
 #[cfg(test)]
 mod tests {
+    use super::super::bound::turns::OutlineWay;
     use super::super::case::{Manner, Rule};
     use super::*;
     use serde_json::{Value, json};
@@ -318,7 +319,7 @@ mod tests {
                 optimal_time_s: Some(5.0),
                 reference_m: Some(9.0),
                 future_is_known: false,
-                way: None,
+                way: OutlineWay::NotSearched,
             },
             manner: Manner::default(),
         }

@@ -151,8 +151,8 @@ impl Behaviours {
             .then(|| self.manoeuvre.end())
             .flatten();
         // Only where a manoeuvre may begin or goes on.
-        let near = (behaviour.is_manoeuvre() || facts.blocked)
-            .then(|| &*pilot.look_around(situation, 0.0));
+        let near =
+            (behaviour.is_manoeuvre() || facts.blocked).then(|| pilot.look_around(situation, 0.0));
         Facts {
             free_behind: near
                 .is_some_and(|near| is_free_behind(near, situation.robot, &self.trail, pose)),
@@ -175,7 +175,7 @@ impl Behaviours {
     }
 
     /// Takes in a change of behaviour.
-    pub(crate) fn change(&mut self, change: &Transition, pilot: &mut Pilot, at: &Moment<'_>) {
+    pub(crate) fn change(&mut self, change: Transition, pilot: &mut Pilot, at: &Moment<'_>) {
         let pose = at.odom_from_base;
         if change.to == Behaviour::Manoeuvre {
             self.manoeuvre.begin(pose);

@@ -342,7 +342,7 @@ impl Manoeuvre {
     /// True when the robot, arriving by the path, could not turn to the goal's yaw.
     fn needs_approach(&self, view: &View<'_>) -> bool {
         let (goal, footprint) = (view.situation.goal, &view.near.footprint);
-        let at = view.from_here(&goal.pose);
+        let at = view.relative_to_robot(&goal.pose);
         let Some(place) = view.tracker.place().filter(|_| view.may_approach()) else {
             return false;
         };
@@ -370,7 +370,7 @@ impl Manoeuvre {
     /// Adds the goal when the path ends there within reach.
     fn add_goal(&mut self, view: &View<'_>, place: &Place) {
         let goal = view.situation.goal;
-        let pose = view.from_here(&goal.pose);
+        let pose = view.relative_to_robot(&goal.pose);
         let footprint = &view.near.footprint;
         // A path may end where the way to the goal is cut off.
         let end = view.on_path(place.arc_m + place.remaining_m);
@@ -437,7 +437,7 @@ impl Manoeuvre {
 
 impl View<'_> {
     /// A pose of the map, relative to the robot along the axes of the map.
-    fn from_here(&self, in_map: &Pose) -> Pose {
+    fn relative_to_robot(&self, in_map: &Pose) -> Pose {
         let here = self.situation.map_from_base;
         Pose::new(in_map.x_m - here.x_m, in_map.y_m - here.y_m, in_map.yaw_rad)
     }
@@ -456,7 +456,7 @@ impl View<'_> {
         if way.norm() < 0.5 * DIRECTION_M {
             way = ahead - self.tracker.point_at(path, arc_m - DIRECTION_M);
         }
-        self.from_here(&Pose::new(at.x, at.y, way.y.atan2(way.x)))
+        self.relative_to_robot(&Pose::new(at.x, at.y, way.y.atan2(way.x)))
     }
 
     /// True for a robot with corners that comes near a goal with a yaw.
@@ -470,7 +470,7 @@ impl View<'_> {
                 .place()
                 .is_some_and(|place| place.remaining_m <= within_m)
             && !self.is_at_goal()
-            && is_inside(&self.from_here(&goal.pose), footprint)
+            && is_inside(&self.relative_to_robot(&goal.pose), footprint)
     }
 
     fn is_at_goal(&self) -> bool {

@@ -401,7 +401,7 @@ impl LocalPlanner {
             .complete(facts, behaviour, &mut self.pilot, &at);
         let transition = recovery.step(&facts);
         if let Some(change) = &transition {
-            self.behaviours.change(change, &mut self.pilot, &at);
+            self.behaviours.change(*change, &mut self.pilot, &at);
         }
         (decision, transition)
     }

@@ -162,13 +162,14 @@ impl Pilot {
     pub(crate) fn manoeuvre(
         &mut self,
         situation: &Situation<'_>,
-        wanted: impl Iterator<Item = Twist> + Clone,
+        mut wanted: impl Iterator<Item = Twist>,
     ) -> Decision {
         self.chooser.forget();
         self.begin_record(situation);
         let from = self.start(situation);
-        let command = self.command(situation, from, wanted.clone());
-        let first = wanted.clone().next().filter(|_| command.is_some());
+        let first = wanted.next();
+        let command = self.command(situation, from, first.into_iter().chain(wanted));
+        let first = first.filter(|_| command.is_some());
         self.end_record(situation, (from, first), 1);
         self.decision(situation, from, command.ok_or(Validity::Blocked))
     }

@@ -72,6 +72,7 @@ impl Planned {
 
 /// What the task is judged by in one period.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[allow(clippy::struct_excessive_bools, reason = "independent observations")]
 pub struct TaskInputs {
     /// Control tick.
     pub tick: u64,

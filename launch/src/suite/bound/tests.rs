@@ -195,7 +195,7 @@ fn case(folder: &tempfile::TempDir) -> Case {
             optimal_time_s: Some(3.5),
             reference_m: Some(7.0),
             future_is_known: true,
-            way: None,
+            way: turns::OutlineWay::NotSearched,
         },
         manner: Manner::default(),
     }

@@ -44,6 +44,38 @@ pub(in crate::suite) struct Turns {
     pub(in crate::suite) end: Pose,
 }
 
+/// What a case's search for a way came to.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(in crate::suite) enum OutlineWay {
+    /// There was none.
+    #[default]
+    NotSearched,
+    /// It found none.
+    NotFound,
+    /// It found this one.
+    Found(Turns),
+}
+
+impl OutlineWay {
+    /// The way that was found.
+    pub(in crate::suite) const fn found(&self) -> Option<&Turns> {
+        if let Self::Found(way) = self {
+            Some(way)
+        } else {
+            None
+        }
+    }
+
+    /// Whether a way was found, where one was searched for.
+    pub(in crate::suite) const fn exists(&self) -> Option<bool> {
+        match self {
+            Self::NotSearched => None,
+            Self::NotFound => Some(false),
+            Self::Found(_) => Some(true),
+        }
+    }
+}
+
 impl Turns {
     /// None yet.
     pub(in crate::suite) const fn at(start: Pose) -> Self {
@@ -121,7 +153,7 @@ pub(in crate::suite) fn find(
             // Halfway as well: a turn of five degrees moves a corner by less than a short step.
             let is_free =
                 |share: f64| ground.room_m(&moved(&at.end, share * way_m, share * turn_rad)) > 0.0;
-            if !is_wide && !(is_free(0.5) && is_free(1.0)) {
+            if !(is_wide || is_free(0.5) && is_free(1.0)) {
                 continue;
             }
             let next = Turns {

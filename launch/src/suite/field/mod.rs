@@ -8,7 +8,7 @@ mod kinds;
 mod robots;
 mod scene;
 
-use super::bound::turns::{self, Turns};
+use super::bound::turns::{self, OutlineWay, Turns};
 use super::case::{Case, Manner, Rule, Success, write};
 use super::data::WorldFile;
 use super::noise;
@@ -130,7 +130,7 @@ fn case(setup: &Setup<'_>, world: &WorldFile) -> Result<Case, String> {
                 .map(|way| way.length_m)
                 .filter(|length_m| *length_m > 0.0),
             future_is_known: false,
-            way: Some(way),
+            way: way.map_or(OutlineWay::NotFound, OutlineWay::Found),
         },
         manner: Manner::default(),
     })

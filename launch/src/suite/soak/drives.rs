@@ -1,5 +1,6 @@
 //! The drives of a soak: an endless list, in which each is drawn from its number alone.
 
+use super::super::bound::turns::OutlineWay;
 use super::super::case::{Case, Manner, Rule, Success, goal, numbers, write};
 use super::super::plan::Setup;
 use super::super::{barn, generated};
@@ -214,7 +215,7 @@ impl Drive {
                 optimal_time_s: None,
                 reference_m: None,
                 future_is_known: self.place == Place::ORBITS,
-                way: None,
+                way: OutlineWay::NotSearched,
             },
             manner: Manner {
                 real_time: self.is_real_time(),

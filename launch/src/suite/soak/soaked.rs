@@ -186,7 +186,7 @@ mod tests {
                 optimal_time_s: None,
                 reference_m: None,
                 future_is_known: true,
-                way: None,
+                way: crate::suite::bound::turns::OutlineWay::NotSearched,
             },
             manner: Manner::default(),
         }
