@@ -261,13 +261,12 @@ impl Collector {
             (self.reasons).request(view.header.tick, view.header.run_ns, view.meta);
         });
         taps.commands.drain(roster, |view| {
-            let (run_ns, request) = (view.header.run_ns, view.header.parents.request);
+            let (tick, run_ns) = (view.header.tick, view.header.run_ns);
             self.seen.lag.command(run_ns, view.meta);
-            self.film.command(run_ns, request, view.meta);
-            self.aside.command(view.header.tick, self.last_tick);
-            (self.reasons).command(view.header.tick, view.header.run_ns, view.meta);
-            let fact = Fact::Command(view.meta.intervention());
-            (self.seen).hear(view.header.tick, view.header.run_ns, fact);
+            (self.film).command(run_ns, view.header.parents.request, view.meta);
+            self.aside.command(tick, self.last_tick);
+            self.reasons.command(tick, run_ns, view.meta);
+            (self.seen).hear(tick, run_ns, Fact::Command(view.meta.intervention()));
         });
         taps.odometry.drain(roster, |view| {
             self.odometry = Some(*view.meta);

@@ -37,6 +37,8 @@ pub(crate) struct Reasons {
     /// Run time and moment. [ns]
     moments: VecDeque<(u64, Moment)>,
     end_tick: Option<u64>,
+    /// Ages of the inputs of the newest request. [ms]
+    ages_ms: [u16; 4],
 }
 
 impl Reasons {
@@ -51,7 +53,13 @@ impl Reasons {
     /// The local planner has asked for this.
     pub(crate) fn request(&mut self, tick: u64, run_ns: u64, request: &VelocityRequest) {
         self.tick(tick, run_ns).request = Some(*request);
+        self.ages_ms = request.ages_ms;
         self.settle_before(tick.saturating_sub(HOLD_TICKS));
+    }
+
+    /// Ages of odometry, scan, map and path at the newest request. [ms]
+    pub(crate) const fn ages_ms(&self) -> [u16; 4] {
+        self.ages_ms
     }
 
     /// The guard has let this pass.

@@ -22,7 +22,7 @@ const GOLDEN: &[(&str, usize, usize, u64)] = &[
     ("plan/path", 272, 24, 0x9874_6698_aac9_e113),
     ("plan/request", 144, 1, 0x904f_8c1a_2cb8_a816),
     ("task/goal", 144, 48, 0x91f1_3d6d_71f9_fd5b),
-    ("task/status", 192, 24, 0xbce1_76d8_ce95_6f72),
+    ("task/status", 192, 24, 0x5c1b_eab4_fcb5_0bb2),
     ("task/pose", 184, 1, 0xe69a_38fe_b2ce_2572),
     ("control/velocity_request", 192, 1, 0xbca4_0804_cf7a_583b),
     ("robot/velocity_command", 176, 1, 0x00d6_3076_348f_f2bd),

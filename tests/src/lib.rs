@@ -374,7 +374,10 @@ impl Stranger {
     #[must_use]
     pub fn start(binary: &str, root: &Path, flags: &[&str]) -> Self {
         let stderr = tempfile::tempfile().expect("a file");
-        let process = Command::new(binaries().join(binary))
+        let examples = binaries().join("examples");
+        let is_example = EXAMPLES.contains(&binary);
+        let folder = if is_example { &examples } else { binaries() };
+        let process = Command::new(folder.join(binary))
             .arg("--domain")
             .arg(root)
             .args(flags)

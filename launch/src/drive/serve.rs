@@ -369,6 +369,7 @@ impl Session<'_> {
         let now = Now {
             stopping: stack.roster.control.stopping == 1,
             twist: odometry.map(|odometry| [odometry.v_mps, odometry.w_radps]),
+            ages_ms: self.collector.reasons.ages_ms(),
         };
         moment.map_or_else(String::new, |moment| why::line(moment, &now, report))
     }

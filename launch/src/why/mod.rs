@@ -9,7 +9,7 @@ mod sentence;
 use crate::control::request::RunReport;
 use crate::exit::EXIT_PASS;
 use crate::result::RunResult;
-use crate::result::moment::{Moment, Task};
+use crate::result::moment::{self, Moment, Task};
 use crate::running;
 use crate::show::terminal::{say, say_json, usage};
 use cli::WhyArgs;
@@ -75,6 +75,14 @@ pub(crate) fn line(mut moment: Moment, now: &Now, report: &RunReport) -> String 
     if let (Some([v_mps, w_radps]), Some(command)) = (now.twist, &mut moment.command) {
         (command.v_mps, command.w_radps) = (v_mps, w_radps);
     }
+    if let Some(request) = &mut moment.request {
+        request.ages_ms = now.ages_ms;
+    }
+    if report.goal.is_none() && moment.task.is_none() {
+        // That there is no goal the planner says before the first tick, which is kept nowhere.
+        let none = moment::Path::of(&zeronav_msgs::path::Path::default(), None);
+        moment.path = moment.path.or(none);
+    }
     let around = around::Around {
         paused: report.paused,
         stopping: now.stopping,
@@ -98,6 +106,8 @@ pub(crate) struct Now {
     pub stopping: bool,
     /// Speed [m/s] and yaw rate [rad/s] of the newest odometry.
     pub twist: Option<[f64; 2]>,
+    /// Ages of odometry, scan, map and path at the newest request. [ms]
+    pub ages_ms: [u16; 4],
 }
 
 fn tell(moment: &Moment, around: &around::Around, json: bool) {

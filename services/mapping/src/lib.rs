@@ -38,6 +38,7 @@ mod located_scan;
 mod log_odds;
 mod mapper;
 mod mapping;
+mod moved;
 mod near_points;
 mod outline;
 mod past_scans;

@@ -1,8 +1,9 @@
 //! `map_from_odom`: what odometry has drifted away by.
 
+use crate::moved::{Basis, Moved};
 use crate::pose_error::{swing, turned};
 use crate::scan_match::Surfaces;
-use crate::scan_odometry::{Basis, Moved, ScanOdometry};
+use crate::scan_odometry::ScanOdometry;
 use crate::slip::Ends;
 use nalgebra::{Matrix3, Point2, Vector3};
 use zeronav_msgs::Pose;

@@ -12,6 +12,7 @@
 //! (`slip.rs`): none at all, none since the key scan, and that of the scan before. Where one of them explains more, the scans
 //! carry the robot; where nothing explains a scan full of points, the motion is not known.
 
+use crate::moved::{Basis, Moved, TOLD_M, deviations};
 use crate::near_points::{NearPoints, is_linked};
 use crate::pose_error::{swing, turned};
 use crate::slip::{Ends, EndsOf, apart, is_share_of, motions};
@@ -59,9 +60,6 @@ const LOST_POINTS_MIN: usize = 60;
 /// How far a motion that contradicts odometry may be from where it was looked for, at least. [m, rad]
 const WEAK: (f64, f64) = (0.05, 0.05);
 
-/// Standard deviation to which the scans must tell a motion that odometry does not. [m]
-const TOLD_M: f64 = 0.03;
-
 /// Share of the points by which a motion must explain more than one that is nearer to odometry's.
 const BETTER: f64 = 0.02;
 
@@ -94,32 +92,6 @@ pub(crate) struct ScanOdometry {
     linked: EndsOf,
     /// Scratch: the ends as another motion than odometry's has them. [m]
     ends: Vec<Point2<f64>>,
-}
-
-/// What the motion between two scans rests on.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Basis {
-    /// Odometry, corrected by the scans as far as they tell.
-    Odometry,
-    /// The scans: they contradict odometry.
-    Scans,
-    /// Nothing: the scans contradict odometry and tell no motion.
-    Nothing,
-}
-
-/// What two scans say about the motion between them.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Moved {
-    /// `last_from_base`.
-    pub(crate) last_from_base: Pose,
-    /// The step's covariance before the scans were looked at.
-    pub(crate) noise: Matrix3<f64>,
-    /// What is left of an error of that step, in the axes of `base`.
-    pub(crate) left: Matrix3<f64>,
-    /// What this rests on.
-    pub(crate) basis: Basis,
-    /// Share of the points that it explains; 0 where they were not matched.
-    pub(crate) share: f64,
 }
 
 impl ScanOdometry {
@@ -459,25 +431,6 @@ impl ScanOdometry {
             surprise: (off.transpose() * prior * off).x,
         })
     }
-}
-
-impl Moved {
-    /// How far the motion may be off, where that is more than odometry's errors: the scans contradict
-    /// it and tell no motion, or not along every direction. [m, rad]
-    pub(crate) fn unknown(&self) -> Option<(f64, f64)> {
-        if self.basis == Basis::Odometry {
-            return None;
-        }
-        let (place_m, yaw_rad) = deviations(&self.left, &self.noise);
-        (self.basis == Basis::Nothing || place_m > TOLD_M).then_some((place_m, yaw_rad))
-    }
-}
-
-/// Largest standard deviations of place and yaw of what is `left` of an error. [m, rad]
-fn deviations(left: &Matrix3<f64>, noise: &Matrix3<f64>) -> (f64, f64) {
-    let added = left * noise * left.transpose();
-    let place = added.fixed_view::<2, 2>(0, 0).symmetric_eigenvalues().max();
-    (place.max(0.0).sqrt(), added[(2, 2)].max(0.0).sqrt())
 }
 
 /// A scan on a key scan.

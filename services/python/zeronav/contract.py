@@ -126,6 +126,7 @@ class RequestCause(IntEnum):
     TIMED_SEARCH = 24
     POTENTIAL_FIELD = 25
     YIELD = 26
+    MANOEUVRE = 27
 
 
 class RequestReason(IntEnum):

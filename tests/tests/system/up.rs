@@ -26,6 +26,11 @@ fn goals_of_two_clients_are_served_as_they_came_and_bad_ones_change_nothing() {
     let mut up = Up::start(&["open_aisle", "--out", &out]);
     // Nobody drives a scenario's own goals.
     assert_eq!(up.status()["task"], "waiting");
+    up.stack.wait_until("it says that it has no goal", |stack| {
+        let report = stack.report().unwrap_or_default();
+        let why = report["why"].as_str().unwrap_or_default();
+        why.contains("There is no goal") && !why.contains("scan missing")
+    });
     let first = up.lines(&["goal", "6", "8.5", "0"], 0);
     assert_eq!(first[0]["outcome"], "active", "{first:?}");
     // Where it can drive to is known from its first map on.

@@ -63,6 +63,8 @@ fn shown(viewer: &Viewer) -> Browser {
         "(() => { const [log] = zeronavPage.scene.logs; \
          return log && log.versions.size === log.columns * log.rows; })()",
     );
+    // Until then no place of the map is anywhere on the screen.
+    browser.wait_until("the map is drawn", "zeronavPage.view.scale > 0");
     browser.wait_until(
         "it says how it is",
         "document.querySelector('.state.ready')",
