@@ -445,14 +445,14 @@ fn generated_suite_needs_no_data_and_has_a_row_per_class() {
 fn field_suite_has_a_row_per_kind_and_says_where_there_is_a_way() {
     let arguments = ["suite", "field", "--worlds", "0..12", "--json"];
     let report = zeronav(&arguments).expect(0);
-    println!("{:#}", report["summary"]);
     assert_eq!(report["groups"].as_array().map(Vec::len), Some(12));
     assert_eq!(report["summary"]["wrong_arrivals"], 0);
     for run in report["runs"].as_array().expect("runs") {
         assert!(run["run_hash"].is_string(), "{run:#}");
-        println!(
-            "{} {} {} {}",
-            run["world"], run["success"], run["cause"], run["way_exists"]
-        );
+        assert!(run["way_exists"].is_boolean(), "{run:#}");
+        // Returns of rain at every fifth beam stop a robot for good: not solved.
+        if run["class"] != "short_returns" {
+            assert_eq!(run["success"], run["way_exists"], "{run:#}");
+        }
     }
 }
