@@ -204,12 +204,13 @@ impl Mapping {
             run_s: seconds(run_ns),
         };
         let guess = self.localiser.map_from_base(&odometry.odom_from_base);
-        self.find_landmarks(&guess, run_ns);
+        let are_most = self.find_landmarks(&guess, run_ns);
         let sweep_share = self.sweep_share(observation);
         let ends = Ends {
             at: &self.standing,
             ago: if sweep_share > 0.0 { &self.ago } else { &[] },
             sweep_share,
+            are_most,
         };
         let something_moves = self.tracker.sees_motion(run_ns);
         let moved = self.localiser.predict(&odometry, &ends, something_moves);
@@ -284,8 +285,8 @@ impl Mapping {
     }
 
     /// Leaves out the beams that ended on what may move: laid onto the map of a moment ago they
-    /// would carry the robot along.
-    fn find_landmarks(&mut self, guess: &Pose, run_ns: u64) {
+    /// would carry the robot along. True when most beams are left.
+    fn find_landmarks(&mut self, guess: &Pose, run_ns: u64) -> bool {
         let (sin, cos) = guess.yaw_rad.sin_cos();
         let in_map = |end: &Point2<f64>| {
             Point2::new(
@@ -317,7 +318,8 @@ impl Mapping {
                 self.ago.push(1.0 - n as f64 / steps);
             }
         }
-        if tracker.sees_motion(run_ns) && 4 * self.standing.len() < 3 * n_ends {
+        let are_most = 4 * self.standing.len() >= 3 * n_ends;
+        if tracker.sees_motion(run_ns) && !are_most {
             self.standing.clear();
             self.ago.clear();
         }
@@ -325,6 +327,7 @@ impl Mapping {
         self.landmarks.clear();
         self.landmarks
             .extend(self.standing.iter().filter(known).copied());
+        are_most
     }
 
     /// True while the robot does not know where it is.

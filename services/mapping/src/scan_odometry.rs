@@ -51,7 +51,7 @@ const LETS_GO_FAR_M: f64 = 0.12;
 const EXPLAINS_MORE: f64 = 0.08;
 
 /// Share of the points that a motion which contradicts odometry must explain; where something moves,
-/// which may carry the robot along.
+/// which may carry the robot along, or where wheels that slip do not explain the motion.
 const SLIP_SHARE: (f64, f64) = (0.35, 0.6);
 
 /// Fewest points of a scan that nothing explains by which the motion counts as unknown.
@@ -140,7 +140,8 @@ impl ScanOdometry {
         let laid = self
             .lay(ends.at, (&by_odometry, &self.drift), &guess, LETS_GO_M)
             .filter(|laid| !(something_moves && laid.surprise > GATE));
-        let slip = if self.is_contradicted(ends, laid.as_ref(), &step) {
+        // What is left where most may move lies on the lines of many motions.
+        let slip = if ends.are_most && self.is_contradicted(ends, laid.as_ref(), &step) {
             self.slip(ends, laid.as_ref(), &step, something_moves)
         } else {
             None
@@ -148,6 +149,7 @@ impl ScanOdometry {
         // That says nothing where the scans before were not matched, either.
         let contradicted = laid.is_none()
             && !something_moves
+            && ends.are_most
             && ends.at.len() >= LOST_POINTS_MIN
             && self.share > FOUND_SHARE.1;
         let (at, noise, left, basis) = match (&slip, &laid) {
@@ -342,7 +344,7 @@ impl ScanOdometry {
             return None;
         }
         let motion = between(&before, &winner.pose);
-        let slips = !something_moves
+        let slips = !something_moves && winner.share >= SLIP_SHARE.1
             || is_share_of(&motion, step)
             || is_share_of(&winner.pose, &self.odometry);
         slips.then_some((winner, weak))

@@ -31,6 +31,8 @@ pub(crate) struct Ends<'a> {
     pub(crate) ago: &'a [f64],
     /// Share, 0 to 1, of the time since the scan before that this scan took.
     pub(crate) sweep_share: f64,
+    /// True when they are most of what the scan sees: little of it is left out as what may move.
+    pub(crate) are_most: bool,
 }
 
 /// Memory for some ends of a scan. It is reused.
@@ -57,6 +59,7 @@ impl EndsOf {
             at: &self.at,
             ago: &self.ago,
             sweep_share: ends.sweep_share,
+            are_most: ends.are_most,
         }
     }
 }
@@ -150,6 +153,7 @@ mod tests {
             at: &at,
             ago: &ago,
             sweep_share: 0.5,
+            are_most: true,
         };
         let mut ends = Vec::new();
         seen.along(&mut ends, &Pose::new(0.4, 0.0, 0.0), &Pose::default());

@@ -27,6 +27,7 @@ fn at_once(at: &[Point2<f64>]) -> Ends<'_> {
         at,
         ago: &[],
         sweep_share: 0.0,
+            are_most: true,
     }
 }
 
@@ -149,6 +150,7 @@ fn beams_put_together_by_wheels_that_slip_are_put_together_anew() {
             at: &at,
             ago: &ago,
             sweep_share: 1.0,
+            are_most: true,
         };
         let moved = scans.follow(&odometry, &noise(0.12, 0.1), &ends, false);
         assert_eq!(moved.basis, Basis::Scans);
