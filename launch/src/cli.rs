@@ -334,10 +334,10 @@ impl UpArgs {
 /// Arguments of `zeronav suite`.
 #[derive(Debug, Clone, Args)]
 pub struct SuiteArgs {
-    /// generated (needs no data), barn, dynabarn, pedestrians, soak (drives under random faults), or a
-    /// folder of scenarios.
+    /// generated and field (where real robots fail) need no data; barn, dynabarn, pedestrians, soak
+    /// (drives under random faults), or a folder of scenarios.
     #[arg(
-        value_name = "generated|barn|dynabarn|pedestrians|soak|FOLDER",
+        value_name = "generated|field|barn|dynabarn|pedestrians|soak|FOLDER",
         default_value = "",
         hide_default_value = true,
         required_unless_present = "resume"

@@ -53,6 +53,9 @@ pub(crate) fn drive_and_judge(
     interrupted: &Arc<AtomicBool>,
 ) -> Result<(RunResult, ExitCode), String> {
     let prepared = prepare(plan)?;
+    if let Some(trials) = plan.trials {
+        note(&format!("{trials} trials: {}", trials::usual_time(trials.into())));
+    }
     let before = Before::read();
     let unseen = Driven::unseen(Ending::LaunchDied);
     let will = leave_will(&prepared, &judge(&prepared, &unseen, before.environment()));

@@ -23,6 +23,17 @@ const ROUNDS: usize = 3;
 /// Slowest trials that are listed with what disturbed them.
 const WORST: usize = 10;
 
+/// Usual wall time of a trial in `blocked_aisle`. [s]
+const TRIAL_S: f64 = 1.2;
+
+/// About how long so many trials take, in words: "usually about 4 min".
+#[must_use]
+pub(crate) fn usual_time(trials: u64) -> String {
+    #[allow(clippy::cast_precision_loss, reason = "counts far below 2^53")]
+    let minutes = trials as f64 * TRIAL_S / 60.0;
+    format!("usually about {:.0} min", minutes.max(1.0))
+}
+
 /// All rounds.
 #[derive(Debug)]
 pub(crate) struct Trials {

@@ -18,7 +18,7 @@ use crate::prepare::{Prepared, prepare};
 use crate::run_plan::{RunPlan, Source};
 use crate::show::terminal::{lose, note, say, say_json, usage};
 use crate::shuttle::Quota;
-use crate::trials::timing;
+use crate::trials::{timing, usual_time};
 use cli::CompareArgs;
 use core::fmt::Write;
 use serde::Serialize;
@@ -82,9 +82,10 @@ fn sides(arguments: &CompareArgs) -> Result<ExitCode, String> {
     let interrupted = interrupts()?;
     environment::warn_when_busy();
     note(&format!(
-        "{} drives with {} trials in all; the time left is known after the first ones",
+        "{} drives with {} trials in all: {}",
         2 * ROUNDS,
-        2 * arguments.trials
+        2 * arguments.trials,
+        usual_time(2 * u64::from(arguments.trials))
     ));
     let (rounds, ending) = turns([&first, &second], arguments.trials as usize, &interrupted)?;
     let mut b = second.scenario.name.clone();

@@ -20,8 +20,9 @@ mod room;
 mod seats;
 mod short_runs;
 
+use crate::environment;
 use crate::exit::{EXIT_FAIL, EXIT_PASS};
-use crate::show::terminal::{say, say_json, usage};
+use crate::show::terminal::{note, say, say_json, usage};
 use clause::{Clause, Verdict};
 use cli::ContractArgs;
 use program::Program;
@@ -40,6 +41,12 @@ pub fn contract(arguments: &ContractArgs) -> ExitCode {
         Ok(program) => program,
         Err(problem) => return usage(&problem),
     };
+    environment::warn_when_busy();
+    note(&format!(
+        "{} clauses, {} hostile messages: usually about a minute",
+        Clause::ALL.len(),
+        arguments.hostile
+    ));
     let mut report = Report::new(arguments.json);
     short_runs::test(&program, &mut report);
     seats::test(&program, &mut report);

@@ -11,6 +11,7 @@ use super::raw::Seen;
 use super::report::Report;
 use super::robot::{Robot, SCAN_TICKS, TICK_NS, scan_due};
 use super::room::Room;
+use crate::environment;
 use rustix::process::Signal;
 use std::time::{Duration, Instant};
 use zeronav_msgs::command::Validity;
@@ -182,6 +183,9 @@ impl Play {
                 return Ok(text);
             }
             worst = text;
+        }
+        if let Some(busy) = environment::busy() {
+            worst = format!("{worst}; {busy}");
         }
         Err(worst)
     }

@@ -15,7 +15,8 @@ use crate::leave;
 use crate::measure::profile;
 use crate::result::RunResult;
 use crate::run_plan::{MachineLoad, RunPlan, Source};
-use crate::show::terminal::{complain, lose, say, say_json, usage};
+use crate::show::terminal::{complain, lose, note, say, say_json, usage};
+use crate::trials::usual_time;
 use assertion::Clause;
 use cli::{LatencyArgs, TRIALS};
 use report::{Cell, Report};
@@ -161,6 +162,10 @@ fn measure(
         report: Report::new(),
         failed: None,
     };
+    if cells.len() > 1 {
+        let all = u64::from(trials) * cells.len() as u64;
+        note(&format!("{all} trials in all: {}", usual_time(all)));
+    }
     for (rate_hz, load) in cells {
         let plan = plan(arguments, trials, rate_hz, load);
         let (result, code) = drive_and_judge(&plan, &interrupted)?;

@@ -140,6 +140,16 @@ pub const EXPERIMENTS: &[Experiment] = &[
         make: paired::placement,
     },
     Experiment {
+        key: "full_search",
+        title: "replanning by a kept detour and by a full search, four rounds of 20 trials each",
+        minutes: 5.0,
+        by_default: false,
+        note: Some(
+            "Ratios are to the kept detour of the same round; in brackets the quartiles of the rounds.",
+        ),
+        make: paired::full_search,
+    },
+    Experiment {
         key: "rates",
         title: "latencies by the rate of the scans and their beams, 102 trials each",
         minutes: 14.0,

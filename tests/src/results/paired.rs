@@ -1,6 +1,6 @@
-//! Latencies under conditions that take turns: timed stages, the kernel's scheduling.
+//! Latencies under conditions that take turns: timed stages, the kernel's scheduling, kept detours.
 
-use super::bench::{Bench, Measured, write_scenario};
+use super::bench::{Bench, Measured, on_shipped, write_scenario};
 use super::record::Row;
 use super::{extract, rounds};
 use crate::shipped;
@@ -10,6 +10,7 @@ use zeronav_msgs::Role;
 /// Rounds; in each every condition has a run, and each begins one in turn.
 const STAGES_ROUNDS: usize = 8;
 const PLACEMENT_ROUNDS: usize = 4;
+const SEARCH_ROUNDS: usize = 4;
 
 /// Name, and the lines of a service's scheduling.
 type Condition = (&'static str, fn(Role) -> &'static str);
@@ -38,6 +39,26 @@ pub(super) fn stages(bench: &mut Bench) -> Result<Measured, String> {
         bench.zeronav(&arguments[..5 - at])
     })?;
     Ok(measured("stages", rows))
+}
+
+/// Where a detour is kept ready, and where every change of the map is searched from scratch.
+pub(super) fn full_search(bench: &mut Bench) -> Result<Measured, String> {
+    let planners = [
+        ("`mpgaa`, a detour kept ready", "mpgaa"),
+        ("`c_astar`, a full search", "c_astar"),
+    ];
+    let mut files = Vec::new();
+    for (_, planner) in planners {
+        let text = format!(
+            "{}services.global_planner.config.planner = \"{planner}\"\n",
+            on_shipped("blocked_aisle")
+        );
+        files.push(write_scenario(&format!("search_{planner}"), &text)?);
+    }
+    let rows = rounds::in_turn(SEARCH_ROUNDS, &planners.map(|(name, _)| name), |at| {
+        bench.trials(&files[at], 20)
+    })?;
+    Ok(measured("planner", rows))
 }
 
 /// By how the kernel schedules the services.
