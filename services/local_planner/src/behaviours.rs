@@ -9,7 +9,6 @@ use crate::recovery::trail::Trail;
 use crate::recovery::{Behaviour, Facts, Reason, Transition};
 use crate::situation::{Decision, Situation};
 use zeronav_msgs::Pose;
-use zeronav_msgs::command::Validity;
 use zeronav_msgs::pose::wrap_angle;
 
 /// [m] and [rad] from where a robot hardly moves, and [s] for which.
@@ -118,8 +117,7 @@ impl Behaviours {
                 let view = at.view(near, self.margin_m);
                 let wanted = self.manoeuvre.step(&view, at.now_s);
                 let decision = pilot.manoeuvre(situation, wanted);
-                let moves = decision.validity == Validity::Drive;
-                self.manoeuvre.note(moves, situation.period_s);
+                self.manoeuvre.note(situation.period_s);
                 decision
             }
             _ => pilot.decide(situation),

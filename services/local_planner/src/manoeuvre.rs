@@ -12,24 +12,24 @@ mod search;
 mod space;
 mod targets;
 mod track;
+mod view;
 
-use crate::progress::{PathTracker, Place};
+use crate::progress::Place;
 use crate::situation::Situation;
-use crate::surroundings::Surroundings;
 use core::f64::consts::PI;
 use motions::Motion;
 use search::{Progress, Search};
 use targets::{TARGETS_MAX, Target, is_inside};
 use track::{Step, Track, sees_behind};
+use view::REACH_M;
+pub(crate) use view::View;
 use zeronav_motion::Twist;
 use zeronav_msgs::Pose;
+use zeronav_msgs::map::FLAG_UNKNOWN;
 use zeronav_msgs::pose::wrap_angle;
 
 /// [m] that the surroundings must reach when a search begins.
 pub(crate) const SIGHT_M: f64 = space::HALF_M;
-
-/// [m] of path ahead that a manoeuvre leads along at most.
-const REACH_M: f64 = 2.6;
 
 /// [m] of path ahead at which it may end first, and by how much more from attempt to attempt.
 const FIRST_M: f64 = 0.3;
@@ -37,9 +37,6 @@ const FARTHER_M: f64 = 0.6;
 
 /// [m] from one possible end to the next.
 const EVERY_M: f64 = 0.1;
-
-/// [m] of path from which its direction at a place is taken.
-const DIRECTION_M: f64 = 0.4;
 
 /// [m] within which two manoeuvres begin at the same place.
 const SAME_PLACE_M: f64 = 0.8;
@@ -51,11 +48,18 @@ const AGAIN_S: f64 = 5.0;
 const ELSEWHERE_M: f64 = 0.1;
 const ELSEWHERE_RAD: f64 = 0.15;
 
-/// [s] that a manoeuvre waits for its next piece to become free.
+/// [s] that a manoeuvre waits for its next piece to become free, for the pilot and for who checks its
+/// commands.
 const PATIENCE_S: f64 = 3.0;
 
 /// [m] kept besides the margin that every command is checked with: errors of following.
 const SPARE_M: f64 = 0.004;
+
+/// [m] the same after a manoeuvre that has not got on: the noise by which another scan sees less room.
+const CAREFUL_M: f64 = 0.02;
+
+/// [m] beyond its circle by which a robot backs where it sees nothing.
+const UNSEEN_M: f64 = 0.15;
 
 /// [m] of clearance from which a controller gets on: its margin, some more, and the share of the outline's
 /// extent by which the discs that it takes the outline for stand out.
@@ -68,9 +72,6 @@ const AIM: f64 = 0.6;
 /// How near to a pose on the path it ends, and to the farthest one.
 const ON_PATH: (f64, f64) = (0.12, 0.25);
 const FARTHEST: (f64, f64) = (0.2, 0.35);
-
-/// [m] from a goal, besides the outline's diameter, at which an approach to its yaw begins.
-const APPROACH_M: f64 = 1.0;
 
 /// [m] by which any point of the outline moves from one checked pose of a turn to the next.
 const TURN_SPACING_M: f64 = 0.03;
@@ -110,17 +111,6 @@ struct Failure {
     at_s: f64,
 }
 
-/// What a manoeuvre is to know in a period.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct View<'a> {
-    pub(crate) situation: &'a Situation<'a>,
-    pub(crate) near: &'a Surroundings,
-    pub(crate) odom_from_base: &'a Pose,
-    pub(crate) tracker: &'a PathTracker,
-    /// [m] that every command keeps free.
-    pub(crate) margin_m: f64,
-}
-
 /// A manoeuvre.
 #[derive(Debug)]
 pub(crate) struct Manoeuvre {
@@ -138,7 +128,11 @@ pub(crate) struct Manoeuvre {
     failure: Option<Failure>,
     /// Of a goal and a path: whether the goal's yaw asks for an approach.
     approach: Option<((u64, u64), bool)>,
+    /// Without getting on along the manoeuvre. [s]
     waited_s: f64,
+    driven: usize,
+    /// One has not got on here, though it was free as far as the search saw.
+    careful: bool,
 }
 
 impl Manoeuvre {
@@ -155,6 +149,8 @@ impl Manoeuvre {
             failure: None,
             approach: None,
             waited_s: 0.0,
+            driven: 0,
+            careful: false,
         }
     }
 
@@ -181,6 +177,7 @@ impl Manoeuvre {
         } else {
             self.times = 0;
             self.place = *odom_from_base;
+            self.careful = false;
         }
         self.phase = Phase::Stopping;
         self.waited_s = 0.0;
@@ -222,8 +219,11 @@ impl Manoeuvre {
                     self.search.targets.all.extend(self.goal);
                     self.phase = self.search_on(view);
                 }
-                Progress::NotFound => self.phase = Phase::Over(End::NotFound),
-                Progress::Found => {
+                // A window is too short for a flat arc to lead away from a wall.
+                Progress::NotFound if !self.search.find_room() => {
+                    self.phase = Phase::Over(End::NotFound);
+                }
+                Progress::Found | Progress::NotFound => {
                     self.search.found(&mut self.motions);
                     self.track.take(&self.begun, &self.motions);
                     self.phase = Phase::Driving;
@@ -231,6 +231,7 @@ impl Manoeuvre {
             }
         }
         if self.phase == Phase::Over(End::NotFound) {
+            self.careful = false;
             // No approach from here: on by the path, as near as that leads.
             self.approach = Some(((situation.goal.id, situation.path_geometry), false));
             self.failure = Some(Failure {
@@ -252,15 +253,22 @@ impl Manoeuvre {
             .flat_map(|twist| SHARES.map(|share| twist.scaled(share)))
     }
 
-    /// Takes in whether the pilot moves the robot in this period of so many seconds.
-    pub(crate) fn note(&mut self, moves: bool, period_s: f64) {
-        if moves || self.phase != Phase::Driving {
-            self.waited_s = 0.0;
+    /// Takes in that a period of so many seconds is over. What does not get on, whoever holds the robot, is
+    /// searched for again once, so that nothing swings beside what the robot stands at.
+    pub(crate) fn note(&mut self, period_s: f64) {
+        let driven = self.track.driven();
+        if driven != self.driven || self.phase != Phase::Driving {
+            (self.driven, self.waited_s) = (driven, 0.0);
             return;
         }
         self.waited_s += period_s;
         if self.waited_s > PATIENCE_S {
-            self.phase = Phase::Over(End::Blocked);
+            self.phase = if self.careful {
+                Phase::Over(End::Blocked)
+            } else {
+                Phase::Stopping
+            };
+            (self.careful, self.waited_s) = (true, 0.0);
         }
     }
 
@@ -307,7 +315,9 @@ impl Manoeuvre {
     fn begin_search(&mut self, view: &View<'_>, from: (Pose, bool)) {
         let footprint = &view.near.footprint;
         self.search.targets.find_ways(&self.search.space, footprint);
-        let margin_m = view.margin_m + SPARE_M;
+        let spare_m = if self.careful { CAREFUL_M } else { SPARE_M };
+        let margin_m = view.margin_m + spare_m;
+        self.search.careful = self.careful;
         self.search
             .begin(view.situation.robot, footprint, from, margin_m);
     }
@@ -320,6 +330,18 @@ impl Manoeuvre {
             (situation.scan_points_in_base, sees_behind(situation.robot)),
             situation.robot.base_from_laser.point(),
         );
+        let map = situation.map.filter(|_| !sees_behind(situation.robot));
+        let Some(map) = map else {
+            return self.search.space.see_all();
+        };
+        let here = situation.map_from_base.point();
+        let own_m = near.footprint.circumscribed_m + UNSEEN_M;
+        self.search.space.fill_unseen(own_m, |at| {
+            let index = map
+                .geometry
+                .index_of(map.geometry.unbounded_cell_at(here + at));
+            index.is_none_or(|index| map.cells[index].flags & FLAG_UNKNOWN != 0)
+        });
     }
 
     /// Whether the goal's yaw asks for an approach; `None` when that is not decided yet for this goal and
@@ -435,46 +457,35 @@ impl Manoeuvre {
     }
 }
 
-impl View<'_> {
-    /// A pose of the map, relative to the robot along the axes of the map.
-    fn relative_to_robot(&self, in_map: &Pose) -> Pose {
-        let here = self.situation.map_from_base;
-        Pose::new(in_map.x_m - here.x_m, in_map.y_m - here.y_m, in_map.yaw_rad)
-    }
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_robot::robot;
 
-    /// Where the robot is.
-    fn here(&self) -> Pose {
-        Pose::new(0.0, 0.0, self.situation.map_from_base.yaw_rad)
-    }
-
-    /// The pose along the path at a place on it, relative to the robot. [m]
-    fn on_path(&self, arc_m: f64) -> Pose {
-        let path = self.situation.path;
-        let at = self.tracker.point_at(path, arc_m);
-        let ahead = self.tracker.point_at(path, arc_m + DIRECTION_M);
-        let mut way = ahead - at;
-        if way.norm() < 0.5 * DIRECTION_M {
-            way = ahead - self.tracker.point_at(path, arc_m - DIRECTION_M);
-        }
-        self.relative_to_robot(&Pose::new(at.x, at.y, way.y.atan2(way.x)))
-    }
-
-    /// True for a robot with corners that comes near a goal with a yaw.
-    pub(crate) fn may_approach(&self) -> bool {
-        let (goal, footprint) = (self.situation.goal, &self.near.footprint);
-        let within_m = (APPROACH_M + 2.0 * footprint.circumscribed_m).min(REACH_M);
-        !footprint.is_disc()
-            && goal.yaw_tolerance_rad < PI
-            && self
-                .tracker
-                .place()
-                .is_some_and(|place| place.remaining_m <= within_m)
-            && !self.is_at_goal()
-            && is_inside(&self.relative_to_robot(&goal.pose), footprint)
-    }
-
-    fn is_at_goal(&self) -> bool {
-        let goal = self.situation.goal;
-        self.situation.map_from_base.distance_m(&goal.pose) <= goal.tolerance_m
+    #[test]
+    fn what_does_not_get_on_is_searched_for_again_once() {
+        let mut manoeuvre = Manoeuvre::new();
+        let ahead = Motion::arc(1.0, 0.0, 1.0, 0.3);
+        manoeuvre.track.take(&Pose::default(), &[(ahead, 0.1)]);
+        let waits = |manoeuvre: &mut Manoeuvre, periods: u32| {
+            (0..periods).for_each(|_| manoeuvre.note(0.1));
+            manoeuvre.phase
+        };
+        manoeuvre.phase = Phase::Driving;
+        assert_eq!(waits(&mut manoeuvre, 29), Phase::Driving);
+        // It gets on.
+        let there = Pose::new(0.1, 0.0, 0.0);
+        manoeuvre.track.step(&robot(), &there, Twist::REST);
+        assert_eq!(waits(&mut manoeuvre, 29), Phase::Driving);
+        assert!(!manoeuvre.careful);
+        assert_eq!(waits(&mut manoeuvre, 3), Phase::Stopping);
+        assert!(manoeuvre.careful);
+        manoeuvre.phase = Phase::Driving;
+        assert_eq!(waits(&mut manoeuvre, 32), Phase::Over(End::Blocked));
+        // Here flat arcs again, elsewhere any.
+        manoeuvre.begin(&Pose::new(0.2, 0.0, 0.0));
+        assert!(manoeuvre.careful);
+        manoeuvre.begin(&Pose::new(3.0, 0.0, 0.0));
+        assert!(!manoeuvre.careful);
     }
 }

@@ -29,6 +29,11 @@ fn a_rectangle_gets_away_from_a_wall() {
 }
 
 #[test]
+fn a_long_rectangle_gets_away_from_a_wall_on_flat_arcs() {
+    drive("tight_long_beside_wall");
+}
+
+#[test]
 fn a_goal_along_a_wall_is_reached_with_its_yaw() {
     drive("tight_goal_along_wall");
 }

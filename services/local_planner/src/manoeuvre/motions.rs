@@ -9,6 +9,9 @@ use zeronav_msgs::pose::wrap_angle;
 /// without its rear corner swinging into it.
 const CURVATURES: [f64; 5] = [0.05, 0.15, 0.4, 1.0, 2.2];
 
+/// [1/m] up to which an arc is flat.
+const FLAT: f64 = 0.1;
+
 /// [m] shortest arc, and [rad] that an arc turns at least: each leads to another cell of the search.
 const ARC_M: f64 = 0.1;
 const ARC_RAD: f64 = 0.07;
@@ -67,6 +70,11 @@ impl Motion {
             turn_rad,
             steps: steps(turn_rad.abs() * reach_m),
         }
+    }
+
+    /// True for one on which no corner swings.
+    pub(crate) fn is_flat(&self) -> bool {
+        self.direction != 0.0 && self.curvature.abs() <= FLAT
     }
 
     /// The motion that undoes it.

@@ -52,6 +52,10 @@ const NEAR_M: f64 = 0.4;
 const SOFT_M: f64 = 0.12;
 const TIGHT: f64 = 2.0;
 
+/// [m] of clearance below which a robot stands in a tight place, and [m] more that are worth a manoeuvre.
+const TIGHT_M: f64 = 0.07;
+const MORE_M: f64 = 0.03;
+
 /// By how much the remaining cost counts.
 const WEIGHT: f64 = 1.4;
 
@@ -119,6 +123,9 @@ pub(crate) enum Progress {
 pub(crate) struct Search {
     pub(crate) space: Space,
     pub(crate) targets: Targets,
+    /// Inside the margin only flat motions are free: what the search sees there is noise, and whoever checks
+    /// the commands sees another one.
+    pub(crate) careful: bool,
     motions: Vec<Motion>,
     /// The search goes from where the robot is to arrive to where it stands.
     undone: bool,
@@ -135,6 +142,8 @@ pub(crate) struct Search {
     margin_m: f64,
     /// Least clearance of a robot that begins inside the margin. [m]
     floor_m: f64,
+    /// The node with the most room so far, and how much that is. [m]
+    roomiest: (u32, f64),
     checks: u32,
 }
 
@@ -176,6 +185,7 @@ impl Search {
             .space
             .clearance_m(footprint, &pose, f64::NEG_INFINITY, SOFT_M);
         self.floor_m = clearance_m - NEARER_M;
+        self.roomiest = (0, clearance_m);
         self.push(
             Node {
                 pose,
@@ -213,6 +223,19 @@ impl Search {
             }
         }
         Progress::NotFound
+    }
+
+    /// After a search without a result from where the robot stands in a tight place: makes the way to the
+    /// place with the most room the manoeuvre. False when it stands in none, or there is not much more.
+    pub(crate) fn find_room(&mut self) -> bool {
+        let (node, room_m) = self.roomiest;
+        let from_m = self.nodes.first().map_or(SOFT_M, |first| first.clearance_m);
+        let found = from_m < TIGHT_M && room_m > from_m + MORE_M;
+        if found {
+            self.last = [None; 3];
+            self.nodes.push(self.nodes[node as usize]);
+        }
+        found
     }
 
     /// The motions of the manoeuvre, each with its clearance [m], in the order in which they are driven.
@@ -269,7 +292,7 @@ impl Search {
                 ..*from
             };
             let is_free = way.iter().flatten().all(|motion| {
-                let free = self.check(footprint, &at, motion);
+                let free = self.check(footprint, &at, (motion, motion.direction < 0.0));
                 at.pose = at.pose.then(&motion.at(1.0));
                 at.inside &= free.is_some_and(|(_, inside)| inside);
                 free.is_some()
@@ -286,11 +309,8 @@ impl Search {
         for index in 0..self.motions.len() {
             let motion = self.motions[index];
             let direction = motion.direction as i8;
-            let own = if self.undone {
-                motion.undone().cost()
-            } else {
-                motion.cost()
-            };
+            let driven = if self.undone { motion.undone() } else { motion };
+            let own = driven.cost();
             let mut cost = from.cost + own;
             if direction != from.direction && node > 0 {
                 cost += CHANGE;
@@ -306,7 +326,9 @@ impl Search {
             let Some((to_go_m, off_rad)) = self.to_go(&pose) else {
                 continue;
             };
-            let Some((clearance_m, inside)) = self.check(footprint, from, &motion) else {
+            let Some((clearance_m, inside)) =
+                self.check(footprint, from, (&motion, driven.direction < 0.0))
+            else {
                 continue;
             };
             let tight = ((SOFT_M - clearance_m) / SOFT_M).clamp(0.0, 1.0);
@@ -334,16 +356,19 @@ impl Search {
         Some((to_go_m, target.off_rad(pose.yaw_rad)))
     }
 
-    /// The least clearance of a motion [m], and whether it ends inside the margin still; `None` when it
-    /// is not free.
+    /// The least clearance of a motion [m], driven backwards or not, and whether it ends inside the margin
+    /// still; `None` when it is not free.
     fn check(
         &mut self,
         footprint: &Footprint,
         from: &Node,
-        motion: &Motion,
+        (motion, backwards): (&Motion, bool),
     ) -> Option<(f64, bool)> {
         let mut least_m = f64::INFINITY;
         let mut inside = from.inside;
+        if inside && self.careful && !motion.is_flat() {
+            return None;
+        }
         if !inside {
             // What is not free is mostly not free at its end.
             self.checks += 1;
@@ -363,7 +388,7 @@ impl Search {
                 self.margin_m
             };
             let clearance_m = self.space.clearance_m(footprint, &pose, need_m, SOFT_M);
-            if clearance_m < need_m {
+            if clearance_m < need_m || backwards && self.space.backs_unseen(&pose) {
                 return None;
             }
             inside &= clearance_m < self.margin_m;
@@ -375,6 +400,9 @@ impl Search {
     fn push(&mut self, node: Node, to_go: f64) {
         let index = self.nodes.len() as u32;
         let cell = cell_of(&node.pose);
+        if node.clearance_m > self.roomiest.1 {
+            self.roomiest = (index, node.clearance_m);
+        }
         if self.cells[cell] == 0 {
             self.used.push(cell as u32);
         }

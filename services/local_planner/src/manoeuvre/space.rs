@@ -48,6 +48,8 @@ pub(crate) struct Space {
     starts: Vec<u32>,
     /// Clearance at the centres of the coarse cells; a bound from below, less than a cell's diagonal. [m]
     coarse: Vec<f32>,
+    /// Coarse cells of which nothing is known, beyond what the robot may stand in.
+    unseen: Vec<bool>,
     /// Box around the outline in `base`.
     low: Point2<f64>,
     high: Point2<f64>,
@@ -87,6 +89,34 @@ impl Space {
                 self.coarse.push(field.nearest_m(at(x), at(y)));
             }
         }
+    }
+
+    /// Takes in, for a robot that does not see where it backs, of which places nothing is known; those within
+    /// `own_m` of it count as known: it stands there.
+    pub(crate) fn fill_unseen(&mut self, own_m: f64, is_unknown: impl Fn(Vector2<f64>) -> bool) {
+        let at = |index: usize| (index as f64 + 0.5) * CELL_M - HALF_M;
+        self.unseen.clear();
+        for y in 0..CELLS {
+            for x in 0..CELLS {
+                let at = Vector2::new(at(x), at(y));
+                self.unseen.push(at.norm() > own_m && is_unknown(at));
+            }
+        }
+    }
+
+    /// All that is known counts as seen: the robot sees where it backs.
+    pub(crate) fn see_all(&mut self) {
+        self.unseen.clear();
+    }
+
+    /// True when the rear of the outline is where nothing is known of, at a pose.
+    pub(crate) fn backs_unseen(&self, pose: &Pose) -> bool {
+        let middle_m = 0.5 * (self.low.y + self.high.y);
+        !self.unseen.is_empty()
+            && [self.low.y, middle_m, self.high.y].iter().any(|side_m| {
+                let at = pose.transform(Point2::new(self.low.x, *side_m));
+                self.unseen[cell(at.y) * CELLS + cell(at.x)]
+            })
     }
 
     /// Counting sort by bucket.
@@ -235,5 +265,30 @@ mod tests {
             let outside = Pose::new(3.0, 0.0, 0.0);
             assert!(space.clearance_m(&footprint, &outside, 0.0, 0.2) < 0.0);
         }
+    }
+
+    #[test]
+    fn the_rear_does_not_go_where_nothing_is_known_of() {
+        let corner = |(x_m, y_m)| Corner { x_m, y_m };
+        let corners = [(0.4, 0.3), (-0.4, 0.3), (-0.4, -0.3), (0.4, -0.3)].map(corner);
+        let robot = Description {
+            inscribed_radius_m: 0.3,
+            circumscribed_radius_m: 0.5,
+            ..Description::default()
+        };
+        let footprint = Footprint::new(&robot, &corners);
+        let mut field = ClearanceField::default();
+        field.fill(None, &Pose::default(), &[], HALF_M, 1.5);
+        let mut space = Space::default();
+        space.fill((&field, &footprint), 0.0, (&[], false), Point2::origin());
+        space.fill_unseen(0.65, |at| at.x < -0.2);
+        let backs = |space: &Space, x_m: f64, yaw_rad: f64| {
+            space.backs_unseen(&Pose::new(x_m, 0.0, yaw_rad))
+        };
+        assert!(!backs(&space, 0.0, 0.0), "where it stands");
+        assert!(backs(&space, -0.5, 0.0));
+        assert!(!backs(&space, -0.5, 3.1), "its nose sees");
+        space.see_all();
+        assert!(!backs(&space, -0.5, 0.0));
     }
 }

@@ -115,6 +115,11 @@ impl Track {
         }
     }
 
+    /// Poses that the robot has passed.
+    pub(crate) const fn driven(&self) -> usize {
+        self.at
+    }
+
     /// The next step of a robot at `odom_from_base` with this measured twist.
     pub(crate) fn step(
         &mut self,
