@@ -54,7 +54,10 @@ pub(crate) fn drive_and_judge(
 ) -> Result<(RunResult, ExitCode), String> {
     let prepared = prepare(plan)?;
     if let Some(trials) = plan.trials {
-        note(&format!("{trials} trials: {}", trials::usual_time(trials.into())));
+        note(&format!(
+            "{trials} trials: {}",
+            trials::usual_time(trials.into())
+        ));
     }
     let before = Before::read();
     let unseen = Driven::unseen(Ending::LaunchDied);

@@ -27,7 +27,7 @@ fn at_once(at: &[Point2<f64>]) -> Ends<'_> {
         at,
         ago: &[],
         sweep_share: 0.0,
-            are_most: true,
+        are_most: true,
     }
 }
 
