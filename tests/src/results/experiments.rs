@@ -1,6 +1,7 @@
 //! What is measured: one row per experiment. A figure in a README is one of these or none.
 
 use super::bench::{Bench, Measured};
+use super::printed::{mapping_scale, planner_replan, with_data};
 use super::{
     big_map, extract, faults, latencies, paired, standing, suites, tracker, trials, viewing,
 };
@@ -435,54 +436,6 @@ fn criterion(bench: &mut Bench, package: &str, benches: &[&str]) -> Result<Measu
         }
     }
     Ok(Measured::tables(vec![extract::timings(&timings)]))
-}
-
-/// Arguments of an example of the global planner.
-fn example_of_planner(name: &str) -> [&str; 9] {
-    [
-        "run",
-        "--release",
-        "--quiet",
-        "-p",
-        "zeronav-global-planner",
-        "--no-default-features",
-        "--example",
-        name,
-        "--",
-    ]
-}
-
-fn planner_replan(bench: &mut Bench) -> Result<Measured, String> {
-    let mut arguments = example_of_planner("replan").to_vec();
-    arguments.extend(["--events", "20"]);
-    let text = if bench.has_data() {
-        bench.cargo_with_data(&arguments, "movingai")?
-    } else {
-        bench.cargo(&arguments)?
-    };
-    Ok(Measured::printed(&text))
-}
-
-fn with_data(bench: &mut Bench, example: &str, sample: &str) -> Result<Measured, String> {
-    let mut arguments = example_of_planner(example).to_vec();
-    arguments.extend(["--sample", sample]);
-    Ok(Measured::printed(
-        &bench.cargo_with_data(&arguments, "movingai")?,
-    ))
-}
-
-fn mapping_scale(bench: &mut Bench) -> Result<Measured, String> {
-    let text = bench.cargo(&[
-        "run",
-        "--release",
-        "--quiet",
-        "-p",
-        "zeronav-mapping",
-        "--no-default-features",
-        "--example",
-        "scale",
-    ])?;
-    Ok(Measured::printed(&text))
 }
 
 #[cfg(test)]

@@ -12,6 +12,7 @@ mod faults;
 mod latencies;
 pub mod page;
 mod paired;
+mod printed;
 pub mod record;
 mod rounds;
 pub mod spread;
