@@ -7,12 +7,18 @@ use std::io::Read;
 use std::os::fd::OwnedFd;
 use std::os::unix::fs::MetadataExt;
 use std::path::Path;
+use std::time::Duration;
 
 /// Environment variable of every process of a stack: the root folder of its domain.
 pub(crate) const MARK: &str = "ZERONAV_STACK";
 
 /// Looks for processes that were started while the others were killed.
 const ROUNDS_MAX: usize = 10;
+
+/// Looks in a row that find nothing before there is nothing, and the time between them: the environment of
+/// a process that is just being replaced by another program is empty for a moment.
+const EMPTY_LOOKS: usize = 3;
+const PAUSE: Duration = Duration::from_millis(5);
 
 /// Longest environment that is read. [bytes]
 const ENVIRONMENT_BYTES_MAX: u64 = 8 << 20;
@@ -21,11 +27,18 @@ const ENVIRONMENT_BYTES_MAX: u64 = 8 << 20;
 /// services must have ended.
 pub(crate) fn end(root: &Path) -> Vec<u32> {
     let mut ended = Vec::new();
+    let mut empty = 0;
     for _ in 0..ROUNDS_MAX {
         let found = find(root);
         if found.is_empty() {
-            break;
+            empty += 1;
+            if empty == EMPTY_LOOKS {
+                break;
+            }
+            std::thread::sleep(PAUSE);
+            continue;
         }
+        empty = 0;
         for (pid, process) in found {
             let _ = pidfd_send_signal(&process, Signal::KILL);
             ended.push(pid);
