@@ -221,6 +221,12 @@ mod tests {
     use crate::measure::{EventOutcome, Records};
     use crate::result::latency::Hop;
 
+    #[test]
+    fn the_usual_time_is_said_in_whole_minutes() {
+        assert_eq!(usual_time(3), "usually about 1 min");
+        assert_eq!(usual_time(200), "usually about 4 min");
+    }
+
     fn trial(replanning_us: Option<u64>, hops_us: [u64; HOPS.len()]) -> Trial {
         let mut boundaries_ns = vec![0];
         let mut at_ns = 0;

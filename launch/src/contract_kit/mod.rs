@@ -43,9 +43,10 @@ pub fn contract(arguments: &ContractArgs) -> ExitCode {
     };
     environment::warn_when_busy();
     note(&format!(
-        "{} clauses, {} hostile messages: usually about a minute",
+        "{} clauses, {} hostile messages: usually about {} min",
         Clause::ALL.len(),
-        arguments.hostile
+        arguments.hostile,
+        arguments.hostile.div_ceil(1_000_000)
     ));
     let mut report = Report::new(arguments.json);
     short_runs::test(&program, &mut report);

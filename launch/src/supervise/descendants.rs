@@ -90,11 +90,14 @@ mod tests {
         let root = Path::new("/dev/shm/zn_no_such_domain");
         let mut other = Command::new("sleep");
         let mut other = (other.arg("600").env(MARK, "/dev/shm/zn_no_such_domain2"))
+            .stdin(Stdio::null())
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
             .spawn()
             .expect("started");
         // A service that leaves a daemon behind: it says its process id.
         let mut service = Command::new("sh")
-            .args(["-c", "setsid sleep 600 & echo $!"])
+            .args(["-c", "setsid sleep 600 > /dev/null & echo $!"])
             .env(MARK, root)
             .stderr(Stdio::null())
             .stdin(Stdio::null())

@@ -128,12 +128,12 @@ fn successors_of_mapping_know_where_odometry_has_drifted_to() {
         .concat();
     // A lidar of four turns in five ticks: most scans lie between two ticks.
     let robot = "[robot]\nslip = true\nodometry = true\nlidar.rate_hz = 40.0\n";
-    let result = drive(&scenario(3, &format!("{robot}{kills}")));
+    let result = drive(&scenario(5, &format!("{robot}{kills}")));
     assert_eq!(result["restarts"].as_array().map(Vec::len), Some(4));
     let error_m = |name: &str| result["pose"][name].as_f64().expect("an error");
     let (alone_m, corrected_m) = (error_m("odometry_error_m_max"), error_m("error_m_max"));
     eprintln!("odometry {alone_m:.2} m off, the map {corrected_m:.3} m");
-    assert!(alone_m > 0.15, "{alone_m} m of drift prove nothing");
+    assert!(alone_m > 0.3, "{alone_m} m of drift prove nothing");
     assert!(corrected_m < 0.1, "{corrected_m} m off after a restart");
 }
 

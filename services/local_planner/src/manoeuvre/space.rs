@@ -225,16 +225,21 @@ mod tests {
     use rand_pcg::Pcg32;
     use zeronav_msgs::description::{Corner, Description};
 
-    #[test]
-    fn the_clearance_is_that_of_the_nearest_point() {
+    /// 0.6 m wide, from 0.4 m behind `base` to so far ahead of it.
+    fn rectangle(front_m: f64) -> Footprint {
         let corner = |(x_m, y_m)| Corner { x_m, y_m };
-        let corners = [(0.8, 0.3), (-0.4, 0.3), (-0.4, -0.3), (0.8, -0.3)].map(corner);
+        let corners = [(front_m, 0.3), (-0.4, 0.3), (-0.4, -0.3), (front_m, -0.3)].map(corner);
         let robot = Description {
             inscribed_radius_m: 0.3,
-            circumscribed_radius_m: 0.8_f64.hypot(0.3),
+            circumscribed_radius_m: front_m.hypot(0.3),
             ..Description::default()
         };
-        let footprint = Footprint::new(&robot, &corners);
+        Footprint::new(&robot, &corners)
+    }
+
+    #[test]
+    fn the_clearance_is_that_of_the_nearest_point() {
+        let footprint = rectangle(0.8);
         for seed in 0..5 {
             println!("seed {seed}");
             let mut random = Pcg32::seed_from_u64(seed);
@@ -269,14 +274,7 @@ mod tests {
 
     #[test]
     fn the_rear_does_not_go_where_nothing_is_known_of() {
-        let corner = |(x_m, y_m)| Corner { x_m, y_m };
-        let corners = [(0.4, 0.3), (-0.4, 0.3), (-0.4, -0.3), (0.4, -0.3)].map(corner);
-        let robot = Description {
-            inscribed_radius_m: 0.3,
-            circumscribed_radius_m: 0.5,
-            ..Description::default()
-        };
-        let footprint = Footprint::new(&robot, &corners);
+        let footprint = rectangle(0.4);
         let mut field = ClearanceField::default();
         field.fill(None, &Pose::default(), &[], HALF_M, 1.5);
         let mut space = Space::default();

@@ -219,3 +219,48 @@ fn what_scans_tell_is_what_odometry_does_not_err_by() {
     let moved = scans.follow(&odometry, &noise(0.05, 0.0), &at_once(&[]), true);
     assert_eq!(moved.left, Matrix3::identity());
 }
+
+/// The basis of the motion to a scan that shows `share` of a hall from `truth` and else an arc that was not
+/// there, of which `are_most` beams are left, while odometry has moved by `step`.
+fn basis(truth: &Pose, share: f64, are_most: bool, step: &Pose) -> Basis {
+    let mut scans = ScanOdometry::default();
+    let mut seen = hall(&Pose::default());
+    scans.begin(&Pose::default(), &seen);
+    let still = scans.follow(&Pose::default(), &noise(0.0, 0.0), &at_once(&seen), false);
+    assert!(still.share > 0.9, "{still:?}");
+    seen = hall(truth);
+    let n = f64::from(u16::try_from(seen.len()).expect("a few hundred ends"));
+    for (end, k) in seen.iter_mut().zip(0_u16..) {
+        let at = f64::from(k) / n;
+        if at >= share {
+            let angle = at * core::f64::consts::TAU;
+            *end = Point2::new(0.7 * angle.cos(), 0.7 * angle.sin());
+        }
+    }
+    let ends = Ends {
+        are_most,
+        ..at_once(&seen)
+    };
+    let noise = noise(step.x_m.hypot(step.y_m), step.yaw_rad.abs());
+    scans.follow(step, &noise, &ends, false).basis
+}
+
+#[test]
+fn what_is_left_where_most_may_move_does_not_speak_against_odometry() {
+    let step = Pose::new(0.2, 0.0, 0.0);
+    // The wheels have turned for nothing.
+    let stands = Pose::default();
+    assert_eq!(basis(&stands, 1.0, true, &step), Basis::Scans);
+    assert_eq!(basis(&stands, 1.0, false, &step), Basis::Odometry);
+    // Nothing explains an arc that was not there.
+    assert_eq!(basis(&stands, 0.0, true, &step), Basis::Nothing);
+    assert_eq!(basis(&stands, 0.0, false, &step), Basis::Odometry);
+}
+
+#[test]
+fn a_motion_that_no_slip_explains_must_explain_most_of_the_scan() {
+    let step = Pose::new(0.04, 0.0, 0.0);
+    let sideways = Pose::new(0.0, 0.08, 0.0);
+    assert_eq!(basis(&sideways, 1.0, true, &step), Basis::Scans);
+    assert_eq!(basis(&sideways, 0.5, true, &step), Basis::Nothing);
+}
