@@ -22,6 +22,7 @@ use crate::beams::End;
 use crate::config::MappingConfig;
 use crate::flips::Flips;
 use crate::free_blocks::FreeBlocks;
+use crate::hit_means::BeamEnd;
 use crate::isolated::{Evidence, evidence};
 use crate::located_scan::{GridRay, LocatedScan};
 use crate::log_odds::LogOdds;
@@ -74,6 +75,8 @@ pub(crate) struct Belief {
     passed: Vec<usize>,
     /// Cells whose layers may have changed.
     touched: Vec<usize>,
+    /// Where beams of the last scan ended on what the static map does not hold. [cells]
+    ended: Vec<BeamEnd>,
 }
 
 impl Belief {
@@ -130,6 +133,7 @@ impl Belief {
             doubtful: Vec::new(),
             passed: Vec::new(),
             touched: Vec::new(),
+            ended: Vec::new(),
         }
     }
 
@@ -259,6 +263,7 @@ impl Belief {
         under_robot: &[usize],
         flips: &mut Flips,
     ) {
+        self.ended.clear();
         let mut rays = core::mem::take(&mut self.rays);
         if !scan.cast_on(&self.geometry, &mut rays) {
             self.rays = rays;
@@ -329,7 +334,12 @@ impl Belief {
         let Some(index) = self.geometry.index_of(ray.cell_at(cells)) else {
             return;
         };
-        if self.bits[index] & (HIT | BESIDE_STATIC | STATIC) != 0 {
+        if self.bits[index] & (BESIDE_STATIC | STATIC) != 0 {
+            return;
+        }
+        let end = (ray.at(range_m / self.geometry.resolution_m), -ray.direction);
+        if self.bits[index] & HIT != 0 {
+            self.note_end(index, end);
             return;
         }
         // An obstacle that is known needs no proof; an unknown cell was never seen to be free.
@@ -344,11 +354,24 @@ impl Belief {
             beside() || self.odds[index] != UNKNOWN && told == Evidence::Isolated
         };
         self.bits[index] |= HIT;
+        self.note_end(index, end);
         if doubtful {
             self.doubtful.push(index);
         } else {
             self.hits.push(index);
         }
+    }
+
+    /// Remembers where exactly a beam ended, unless that belongs to the static map.
+    fn note_end(&mut self, index: usize, end: BeamEnd) {
+        if !self.is_near_static(index) {
+            self.ended.push(end);
+        }
+    }
+
+    /// Where beams of the last scan ended on what the static map does not hold. [cells]
+    pub(crate) fn ended(&self) -> &[BeamEnd] {
+        &self.ended
     }
 
     /// Changes a belief, and whether the cell counts as free for its block.

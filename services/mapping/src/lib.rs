@@ -6,7 +6,7 @@
 //! | stage | files | result |
 //! |---|---|---|
 //! | deskew | [`beams`] | beams in `base` at the time of capture |
-//! | localise | [`localiser`]; `scan_odometry`, `near_points`, `slip`: against a key scan; `scan_match`, `scan_search`, `surface_candidates`: against the map; `pose_error` | `map_from_odom` with its covariance |
+//! | localise | [`localiser`]; `scan_odometry`, `near_points`, `slip`: against a key scan; `scan_match`, `hit_means`, `scan_search`, `surface_candidates`: against the map; `pose_error` | `map_from_odom` with its covariance |
 //! | track | [`tracker`]; `clusters`, `fit`, `form`: what was seen; `track`, `kalman`: what is known of it; `past_scans`: whether it moved; `told`: what the simulator says instead | dynamic obstacles |
 //! | decide | `belief`, `log_odds`, `flips`; `located_scan`, [`ray`], `free_blocks`: which cells beams pass; `isolated`: false returns; `outline`: the cells under the robot | which cells are obstacles |
 //! | measure | [`clearance`]; `cell_value`: costs | clearance and cost of every cell |
@@ -31,6 +31,7 @@ mod fit;
 mod flips;
 mod form;
 mod free_blocks;
+mod hit_means;
 mod isolated;
 mod kalman;
 pub mod localiser;

@@ -302,20 +302,21 @@ impl Localiser {
 
     /// Lays the scan on the map, after [`Self::predict`]: where beams ended, in `base` [m], on static
     /// obstacles, and of these on what is on the map. `is_mapped` says of a point of the map whether
-    /// anything is known there.
+    /// anything is known there, `is_static` whether what is seen there belongs to the static map.
     pub(crate) fn lay(
         &mut self,
         standing: &[Point2<f64>],
         known: &[Point2<f64>],
         surfaces: &Surfaces,
         is_mapped: impl Fn(Point2<f64>) -> bool,
+        is_static: impl Fn(Point2<f64>) -> bool,
     ) {
         let odom_from_base = self.last_odom_from_base.unwrap_or_default();
         let mut pose = self.map_from_base;
         let is_sure = self.unknown == (0.0, 0.0);
         let reach = (self.unknown.0 + BEYOND.0, self.unknown.1 + BEYOND.1);
         let matched = if is_sure {
-            surfaces.lay(known, &pose, &self.covariance)
+            surfaces.lay(known, &pose, &self.covariance, is_static)
         } else {
             surfaces.find(standing, &pose, reach, is_mapped)
         };

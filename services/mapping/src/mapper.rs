@@ -153,8 +153,11 @@ impl Mapper {
         let belief = self.belief.moved(geometry, shift);
         let mut mapper = Self::around(geometry, belief, self.cost_model, config);
         mapper.run_ns = self.run_ns;
-        if self.surfaces.is_some() {
+        if let Some(surfaces) = &self.surfaces {
             mapper.make_surfaces();
+            if let Some(moved) = &mut mapper.surfaces {
+                moved.take_over(surfaces, shift);
+            }
             for (index, since_ns) in self.candidates.iter() {
                 let cell = self.cell_of(index);
                 let there = Cell::new(cell.x - shift.x, cell.y - shift.y);
@@ -216,6 +219,9 @@ impl Mapper {
         self.belief.integrate(sight, under_robot, &mut flips);
         self.run_ns = sight.run_ns;
         timer.mark(Stage::Integrate);
+        if let Some(surfaces) = &mut self.surfaces {
+            surfaces.take_in(self.belief.ended());
+        }
         self.follow(&flips);
         let integrated = flips.count();
         flips.clear();
@@ -363,18 +369,7 @@ impl Mapper {
             self.refresh_cell(*index, self.cell_of(*index));
         }
         if let Some(surfaces) = &mut self.surfaces {
-            for index in &flips.cleared {
-                surfaces.set(*index, false);
-                self.candidates.remove(*index);
-            }
-            for index in &flips.marked {
-                if !surfaces.is_surface(*index) {
-                    self.candidates.add(*index, self.run_ns);
-                }
-            }
-            while let Some(index) = self.candidates.take_confirmed(self.run_ns) {
-                surfaces.set(index, true);
-            }
+            self.candidates.follow(flips, self.run_ns, surfaces);
         }
         self.flipped.clear();
         self.cleared.clear();

@@ -231,10 +231,13 @@ impl Mapping {
         let mapper = &self.mapper;
         let was_uncertain = self.localiser.is_uncertain();
         if let Some(surfaces) = mapper.surfaces() {
-            self.localiser
-                .lay(&self.standing, &self.landmarks, surfaces, |point| {
-                    mapper.is_known(point)
-                });
+            self.localiser.lay(
+                &self.standing,
+                &self.landmarks,
+                surfaces,
+                |point| mapper.is_known(point),
+                |point| mapper.is_near_static(point),
+            );
         }
         if was_uncertain && !self.localiser.is_uncertain() {
             // What was tracked meanwhile was seen from elsewhere.

@@ -65,6 +65,11 @@ impl NearPoints {
         }
     }
 
+    /// Number of lines.
+    pub(crate) fn len(&self) -> usize {
+        self.lines.len()
+    }
+
     /// Standard deviation of the hits across their surfaces; 0 where none has neighbours. [m]
     pub(crate) fn noise_m(&self) -> f64 {
         self.noise_m

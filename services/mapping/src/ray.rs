@@ -36,6 +36,11 @@ impl Ray {
         Cell::new(at.x.floor() as i32, at.y.floor() as i32)
     }
 
+    /// The point `cells` after its origin. [cells]
+    pub(crate) fn at(&self, cells: f64) -> Point2<f64> {
+        self.origin + self.direction * cells
+    }
+
     /// Shows `passing` every cell of a `width x height` grid that the ray has left again `until`
     /// cells after its origin, in order, except those of blocks that it leaps over. A cell that
     /// the ray only touches at a corner is not shown.

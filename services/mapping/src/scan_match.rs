@@ -8,7 +8,10 @@
 //! weights that let go of what is not on the map (Geman, `McClure`, 1987).
 
 use crate::clearance::ClearanceField;
+use crate::hit_means::{BeamEnd, HitMeans, Seen};
+use crate::rows_around::rows_around;
 use nalgebra::{Matrix3, Point2, Vector2, Vector3};
+use zeronav_msgs::pose::wrap_angle;
 use zeronav_msgs::{Cell, CellRect, GridGeometry, Pose};
 
 /// How far from a surface a point still says something. [m]
@@ -37,6 +40,13 @@ const NEAR_SHARE_MIN: f64 = 0.3;
 /// Fewest points near a surface: of fewer, what is wrong with one decides.
 const NEAR_MIN: f64 = 20.0;
 
+/// What a point laid on earlier hits is worth beside one on the static map: they were seen from poses that
+/// had drifted about as far, and tell the same at every scan.
+const HITS_WORTH: f64 = 0.25;
+
+/// Steps of Gauss and Newton after which surfaces are looked up again.
+const LOOKS_EVERY: usize = 4;
+
 /// Steps of Gauss and Newton.
 const STEPS_MAX: usize = 10;
 
@@ -48,6 +58,25 @@ pub struct Surfaces {
     field: ClearanceField,
     /// Distance to the nearest surface by its square in half cells. [m]
     distance_m: Vec<f64>,
+    /// Where scans ended on what the static map does not hold.
+    means: HitMeans,
+}
+
+/// Sums of the normal equations in x, y and yaw.
+#[derive(Debug, Default)]
+struct Pulls {
+    normal: Matrix3<f64>,
+    right: Vector3<f64>,
+}
+
+impl Pulls {
+    /// A point, `turned` from `base` into the axes of the map, lies `off_m` off along `axis`.
+    fn add(&mut self, turned: &Vector2<f64>, axis: &Vector2<f64>, off_m: f64, worth: f64) {
+        let row = Vector3::new(axis.x, axis.y, axis.y * turned.x - axis.x * turned.y);
+        let weight = worth * (1.0 + (off_m / LETS_GO_M).powi(2)).powi(-2);
+        self.normal += row * row.transpose() * weight;
+        self.right += row * (weight * off_m);
+    }
 }
 
 /// What a match came to.
@@ -88,6 +117,7 @@ impl Surfaces {
             geometry: *geometry,
             field,
             distance_m,
+            means: HitMeans::new(geometry),
         }
     }
 
@@ -97,15 +127,35 @@ impl Surfaces {
         self.field.is_obstacle(index)
     }
 
+    /// Takes in where beams ended on what the static map does not hold. [cells]
+    pub(crate) fn take_in(&mut self, ends: &[BeamEnd]) {
+        for end in ends {
+            self.means.add(end);
+        }
+    }
+
+    /// Takes over where beams ended on the map that this one is `shift` cells off.
+    pub(crate) fn take_over(&mut self, other: &Self, shift: Cell) {
+        other.means.copy_to(&mut self.means, shift);
+    }
+
+    /// Forgets where beams ended in the cell at `index`, unless there is a surface beside it.
+    pub(crate) fn forget(&mut self, index: usize) {
+        let beside = rows_around(&self.geometry, index);
+        let width = self.geometry.width as usize;
+        let mut cells = beside.flat_map(|(row, columns)| columns.map(move |x| row * width + x));
+        if !cells.any(|index| self.field.is_obstacle(index)) {
+            self.means.forget(cell_at(&self.geometry, index));
+        }
+    }
+
     /// Says whether the cell at `index` is a surface.
     pub fn set(&mut self, index: usize, surface: bool) {
         if self.field.is_obstacle(index) == surface {
             return;
         }
         self.field.set(index, surface);
-        let width = self.geometry.width as usize;
-        let number = |cells: usize| i32::try_from(cells).unwrap_or(i32::MAX);
-        let cell = Cell::new(number(index % width), number(index / width));
+        let cell = cell_at(&self.geometry, index);
         if surface {
             self.field.add(cell);
         } else {
@@ -119,13 +169,18 @@ impl Surfaces {
     }
 
     /// The pose near `predicted`, known to `covariance`, at which the ends of the beams, in `base`
-    /// [m], lie best; `None` when too few of them lie anywhere near.
+    /// [m], lie best; `None` when too few of them lie anywhere near. `is_static` says whether what is seen
+    /// at a point of the map belongs to the static map.
+    ///
+    /// As long as most points lie near surfaces, points on the static map are drawn to its cells, and the
+    /// others to where scans have really ended there ([`HitMeans`]).
     #[must_use]
     pub fn lay(
         &self,
         ends: &[Point2<f64>],
         predicted: &Pose,
         covariance: &Matrix3<f64>,
+        is_static: impl Fn(Point2<f64>) -> bool,
     ) -> Option<Match> {
         let every = ends.len().div_ceil(POINTS_MAX).max(1);
         let points = || ends.iter().step_by(every);
@@ -135,47 +190,65 @@ impl Surfaces {
         let mut information = prior;
         let sigma_m = SIGMA_CELLS * self.geometry.resolution_m;
         let held_m = HELD_CELLS * self.geometry.resolution_m;
-        let reach_m = if self.is_held(points(), predicted, held_m) {
-            held_m
-        } else {
-            REACH_M
-        };
-        for _ in 0..STEPS_MAX {
+        let is_held = self.is_held(points(), predicted, held_m);
+        let reach_m = if is_held { held_m } else { REACH_M };
+        let mut seen = [Seen::Nothing; POINTS_MAX];
+        for step in 0..STEPS_MAX {
             let (sin, cos) = at.z.sin_cos();
-            let mut normal = Matrix3::zeros();
-            let mut right = Vector3::zeros();
+            let mut pulls = Pulls::default();
             let (mut n, mut near) = (0.0, 0.0);
-            for point in points() {
+            for (point, seen) in points().zip(&mut seen) {
                 n += 1.0;
                 let turned =
                     Vector2::new(cos * point.x - sin * point.y, sin * point.x + cos * point.y);
-                let Some((distance_m, slope)) =
-                    self.distance(Point2::new(at.x + turned.x, at.y + turned.y))
-                else {
+                let there = Point2::new(at.x + turned.x, at.y + turned.y);
+                let Some((distance_m, slope)) = self.distance(there) else {
                     continue;
                 };
                 near += 1.0;
                 if distance_m > reach_m {
                     continue;
                 }
-                let row = Vector3::new(slope.x, slope.y, slope.y * turned.x - slope.x * turned.y);
-                let weight = (1.0 + (distance_m / LETS_GO_M).powi(2)).powi(-2);
-                normal += row * row.transpose() * weight;
-                right += row * (weight * distance_m);
+                if is_held && step % LOOKS_EVERY == 0 {
+                    *seen = self.means.near(there, -turned);
+                }
+                match seen {
+                    Seen::Surface(surface) => {
+                        for (axis, variance) in surface.axes() {
+                            let off_m = (there - surface.mean).dot(&axis);
+                            pulls.add(
+                                &turned,
+                                &axis,
+                                off_m,
+                                HITS_WORTH * sigma_m * sigma_m / variance,
+                            );
+                        }
+                    }
+                    Seen::Nothing if !is_held || is_static(there) => {
+                        pulls.add(&turned, &slope, distance_m, 1.0);
+                    }
+                    Seen::Nothing | Seen::Unclear => {}
+                }
             }
             if near < (NEAR_SHARE_MIN * n).max(NEAR_MIN) {
                 return None;
             }
             let worth = (POINTS_WORTH / n).min(1.0) / (sigma_m * sigma_m);
-            information = prior + normal * worth;
-            let step = information.try_inverse()? * (prior * (at - at_start) + right * worth);
+            information = prior + pulls.normal * worth;
+            let off = prior * (at - at_start) + pulls.right * worth;
+            let step = information.try_inverse()? * off;
             at -= step;
             if step.norm() < 1.0e-5 {
                 break;
             }
         }
+        let pose = Pose::new(at.x, at.y, wrap_angle(at.z));
+        // What has come into view beside known surfaces is no reason to move.
+        if !is_held && !self.is_held(points(), &pose, held_m) {
+            return None;
+        }
         Some(Match {
-            pose: Pose::new(at.x, at.y, zeronav_msgs::pose::wrap_angle(at.z)),
+            pose,
             covariance: information.try_inverse()?,
         })
     }
@@ -246,4 +319,10 @@ impl Surfaces {
         let slope = Vector2::new((b - a) + fy * ((e - c) - (b - a)), above - below) * per_m;
         Some((below + fy * (above - below), slope))
     }
+}
+
+fn cell_at(geometry: &GridGeometry, index: usize) -> Cell {
+    let width = geometry.width as usize;
+    let number = |cells: usize| i32::try_from(cells).unwrap_or(i32::MAX);
+    Cell::new(number(index % width), number(index / width))
 }

@@ -151,6 +151,7 @@ impl ScanOdometry {
             && !something_moves
             && ends.are_most
             && ends.at.len() >= LOST_POINTS_MIN
+            && self.key.len() >= LOST_POINTS_MIN
             && self.share > FOUND_SHARE.1;
         let (at, noise, left, basis) = match (&slip, &laid) {
             (Some((slip, weak)), _) => (slip.pose, *weak, slip.left, Basis::Scans),

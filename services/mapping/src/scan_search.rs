@@ -55,7 +55,7 @@ impl Surfaces {
             if *share <= 0.0 {
                 continue;
             }
-            let Some(laid) = self.lay(ends, pose, &covariance) else {
+            let Some(laid) = self.lay(ends, pose, &covariance, |_| true) else {
                 continue;
             };
             let share = self.explained(ends, &laid.pose, ON_CELLS.1);

@@ -4,6 +4,8 @@
 //! into view holds the pose back, so a cell counts as a surface only after it has been an obstacle
 //! without interruption for [`CONFIRM_NS`].
 
+use crate::flips::Flips;
+use crate::scan_match::Surfaces;
 use std::collections::{HashMap, VecDeque};
 
 /// How long a cell must have been an obstacle: dynamic obstacles are tracked by then; longer, and a
@@ -18,6 +20,26 @@ pub(crate) struct SurfaceCandidates {
 }
 
 impl SurfaceCandidates {
+    /// Takes in which cells became obstacles and which are none any more at `run_ns`, and brings the
+    /// surfaces up to date.
+    pub(crate) fn follow(&mut self, flips: &Flips, run_ns: u64, surfaces: &mut Surfaces) {
+        for index in &flips.cleared {
+            surfaces.set(*index, false);
+            self.remove(*index);
+        }
+        for index in &flips.cleared {
+            surfaces.forget(*index);
+        }
+        for index in &flips.marked {
+            if !surfaces.is_surface(*index) {
+                self.add(*index, run_ns);
+            }
+        }
+        while let Some(index) = self.take_confirmed(run_ns) {
+            surfaces.set(index, true);
+        }
+    }
+
     /// Adds the cell at `index`, an obstacle since `run_ns`, unless it is a candidate already.
     pub(crate) fn add(&mut self, index: usize, run_ns: u64) {
         self.since_ns.entry(index).or_insert_with(|| {
@@ -27,12 +49,12 @@ impl SurfaceCandidates {
     }
 
     /// Removes the cell at `index`, if it is a candidate.
-    pub(crate) fn remove(&mut self, index: usize) {
+    fn remove(&mut self, index: usize) {
         self.since_ns.remove(&index);
     }
 
     /// Removes and returns a candidate that has been an obstacle for long enough at `run_ns`.
-    pub(crate) fn take_confirmed(&mut self, run_ns: u64) -> Option<usize> {
+    fn take_confirmed(&mut self, run_ns: u64) -> Option<usize> {
         while let Some((index, since_ns)) = self.queue.front().copied() {
             if since_ns.saturating_add(CONFIRM_NS) > run_ns {
                 return None;

@@ -23,7 +23,7 @@ fn no_scan_allocates_once_they_repeat_themselves() {
     let mut worst = 0;
     for n in 0..400_u64 {
         #[allow(clippy::cast_precision_loss, reason = "a few hundred")]
-        let angle = 0.05 * n as f64;
+        let angle = core::f64::consts::TAU * (n % 100) as f64 / 100.0;
         let from = room.pose(
             200.0 + 20.0 * angle.cos(),
             180.0 + 20.0 * angle.sin(),

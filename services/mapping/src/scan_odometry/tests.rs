@@ -180,6 +180,20 @@ fn a_scan_that_nothing_explains_tells_that_the_motion_is_unknown() {
     }
 }
 
+/// A key scan of a few returns explains no whole scan: that says nothing about odometry.
+#[test]
+fn a_key_scan_of_few_points_contradicts_nobody() {
+    let few = &hall(&Pose::default())[..40];
+    let elsewhere = hall(&Pose::new(1.3, 0.9, 0.7));
+    let mut scans = ScanOdometry::default();
+    scans.begin(&Pose::default(), few);
+    let stood = scans.follow(&Pose::default(), &noise(0.0, 0.0), &at_once(few), false);
+    assert!(stood.share > FOUND_SHARE.1, "{stood:?}");
+    let odometry = Pose::new(0.3, 0.0, 0.0);
+    let moved = scans.follow(&odometry, &noise(0.3, 0.0), &at_once(&elsewhere), false);
+    assert_eq!(moved.basis, Basis::Odometry);
+}
+
 /// Odometry that jumps by more than a robot can drive in no time says nothing of its motion.
 #[test]
 fn after_a_jump_the_robot_goes_on_as_it_did() {

@@ -3,6 +3,7 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+mod drift;
 mod exact;
 mod mapper;
 mod moving;

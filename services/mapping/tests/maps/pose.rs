@@ -13,11 +13,34 @@ use zeronav_msgs::pose::wrap_angle;
 use zeronav_msgs::scan::Scan;
 use zeronav_world::{World, WorldSpec};
 
-const N_BEAMS: u32 = 180;
+/// What a lidar can do.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Lidar {
+    pub(crate) n_beams: u32,
+    /// [m]
+    pub(crate) range_m_max: f32,
+    /// Standard deviation of a range, and as a share of it. [m]
+    pub(crate) sigma_m: f64,
+    pub(crate) sigma_ratio: f64,
+}
+
+/// A good one: noise of 1 cm.
+const GOOD: Lidar = Lidar {
+    n_beams: 180,
+    range_m_max: 12.0,
+    sigma_m: 0.01,
+    sigma_ratio: 0.0,
+};
 
 #[derive(serde::Deserialize)]
 struct WorldFile {
     world: WorldSpec,
+}
+
+/// The world of a file's text.
+pub(crate) fn world_of(text: &str) -> World {
+    let file: WorldFile = toml::from_str(text).expect("a world");
+    World::new(&file.world, None).expect("a world")
 }
 
 /// The world of `blocked_aisle`.
@@ -27,23 +50,22 @@ fn warehouse() -> World {
         "/../../launch/worlds/warehouse.toml"
     );
     let text = std::fs::read_to_string(file).expect("the world");
-    let file: WorldFile = toml::from_str(&text).expect("a world");
-    World::new(&file.world, None).expect("a world")
+    world_of(&text)
 }
 
-/// Exact ranges with noise of 1 cm.
+/// What the lidar sees from a pose; infinite where nothing returns.
 #[allow(
     clippy::cast_possible_truncation,
     clippy::cast_precision_loss,
     reason = "a simulation"
 )]
-fn look(world: &World, from: &Pose, rng: &mut Rng) -> (Scan, Vec<f32>) {
+pub(crate) fn look(lidar: &Lidar, world: &World, from: &Pose, rng: &mut Rng) -> (Scan, Vec<f32>) {
     let scan = Scan {
-        n_beams: N_BEAMS,
+        n_beams: lidar.n_beams,
         angle_min_rad: -std::f32::consts::PI,
-        angle_increment_rad: std::f32::consts::TAU / N_BEAMS as f32,
+        angle_increment_rad: std::f32::consts::TAU / lidar.n_beams as f32,
         range_m_min: 0.1,
-        range_m_max: 12.0,
+        range_m_max: lidar.range_m_max,
         ..Scan::default()
     };
     let range_m = |beam: usize| {
@@ -57,12 +79,19 @@ fn look(world: &World, from: &Pose, rng: &mut Rng) -> (Scan, Vec<f32>) {
             .iter()
             .filter_map(|shape| {
                 let placed = shape.placed();
-                placed.form().cast_ray(placed.pose(), &ray, 12.0, true)
+                let farthest_m = f64::from(lidar.range_m_max);
+                placed
+                    .form()
+                    .cast_ray(placed.pose(), &ray, farthest_m, true)
             })
             .fold(f64::INFINITY, f64::min)
     };
-    let ranges = (0..N_BEAMS as usize)
-        .map(|beam| (range_m(beam) + 0.01 * rng.normal()) as f32)
+    let ranges = (0..lidar.n_beams as usize)
+        .map(|beam| {
+            let range_m = range_m(beam);
+            let sigma_m = lidar.sigma_m.hypot(lidar.sigma_ratio * range_m);
+            (range_m + sigma_m * rng.normal()) as f32
+        })
         .collect();
     (scan, ranges)
 }
@@ -123,7 +152,7 @@ fn drive(config: &MappingConfig, length_m: f64, noise: f64, drift_rad_per_m: f64
             + drift_rad_per_m * step_m;
         odometry = moved(&odometry, erred_m, erred_rad);
         run_ns += 100_000_000;
-        let (scan, ranges) = look(&world, &truth, &mut rng);
+        let (scan, ranges) = look(&GOOD, &world, &truth, &mut rng);
         mapping.take_in(&Observation {
             scan: &scan,
             ranges: &ranges,
@@ -157,7 +186,7 @@ fn stand(mapping: &mut Mapping, truth: &Pose, odometry: &Pose, n: u64, told: Opt
     let world = warehouse();
     let mut rng = Rng(5);
     for index in 0..n {
-        let (scan, ranges) = look(&world, truth, &mut rng);
+        let (scan, ranges) = look(&GOOD, &world, truth, &mut rng);
         let observation = Observation {
             scan: &scan,
             ranges: &ranges,
@@ -246,7 +275,7 @@ fn on_an_unknown_map_the_pose_drifts_far_less_than_odometry() {
     let drive = drive(&config, 60.0, 1.0, 0.01);
     eprintln!("{drive:?}");
     assert!(drive.odometry_off_m > 2.0, "{drive:?}");
-    assert!(drive.worst_m < 0.1 * drive.odometry_off_m, "{drive:?}");
+    assert!(drive.worst_m < 0.2, "{drive:?}");
 }
 
 #[test]
@@ -291,7 +320,7 @@ fn spin(config: &MappingConfig, variance: f64) -> (f64, f64) {
             truth = truth.then(&step);
         }
         odometry = odometry.then(&step);
-        let (scan, ranges) = look(&world, &truth, &mut rng);
+        let (scan, ranges) = look(&GOOD, &world, &truth, &mut rng);
         mapping.take_in(&Observation {
             scan: &scan,
             ranges: &ranges,
@@ -345,7 +374,7 @@ fn a_robot_that_has_lost_contact_says_so_until_it_is_found() {
     let world = warehouse();
     let truth = Pose::new(1.8, 6.425, 0.0);
     let mut take = |mapping: &mut Mapping, n: u64, from: Option<&Pose>, odometry: &Pose| {
-        let (scan, mut ranges) = look(&world, from.unwrap_or(&truth), &mut rng);
+        let (scan, mut ranges) = look(&GOOD, &world, from.unwrap_or(&truth), &mut rng);
         if from.is_none() {
             // Somebody stands around it.
             for (n, range_m) in (0_u16..).zip(&mut ranges) {
