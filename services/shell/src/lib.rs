@@ -31,6 +31,8 @@ pub mod domain;
 pub mod doorbell;
 mod due;
 pub mod error;
+#[cfg(test)]
+mod fixture;
 pub mod flags;
 pub mod folder;
 mod heartbeat;

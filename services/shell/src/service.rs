@@ -1,6 +1,6 @@
 //! A service, and the loop that all of them share.
 
-use crate::clock::now_ns;
+use crate::clock::{host_ns, now_ns};
 use crate::doorbell::{Rung, WAKE_AT_LEAST_NS};
 use crate::error::{EXIT_STOPPED, EXIT_USAGE, StartError};
 use crate::flags::{Flags, Rates, one_line};
@@ -156,7 +156,7 @@ fn serve<S: Service>(
     let mut deadline_ns = 0;
     loop {
         let rung = shell.wait(deadline_ns);
-        if leaving.look(shell) {
+        if leaving.look(shell, host_ns()) {
             return Ok(());
         }
         shell.heartbeat.progress();
@@ -168,7 +168,7 @@ fn serve<S: Service>(
         shell.ring();
         let now = now_ns();
         shell.beat(now);
-        if leaving.rests(shell, || service.is_at_rest()) {
+        if leaving.rests(shell, host_ns(), || service.is_at_rest()) {
             return Ok(());
         }
         deadline_ns = shell
