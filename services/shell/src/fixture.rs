@@ -245,4 +245,11 @@ impl Beats {
         });
         beats
     }
+
+    /// The one that has come.
+    pub(crate) fn one(&mut self) -> Health {
+        let beats = self.take();
+        assert_eq!(beats.len(), 1, "{beats:?}");
+        beats[0].health
+    }
 }

@@ -210,11 +210,15 @@ impl Shell {
             stages_ns: [0; STAGES_MAX],
             hashed: tick > 0 && self.roster().lockstep(),
         };
-        let seat = self.roster().seat(self.peer.role());
-        if let Some(delay_ns) = seat.map(Seat::delay_ns).filter(|ns| *ns > 0 && tick > 0) {
-            std::thread::sleep(Duration::from_nanos(delay_ns));
-        }
+        std::thread::sleep(self.delay(tick));
         draft
+    }
+
+    /// The delay that launch injects into an answer to `tick`; none into what belongs to no tick.
+    fn delay(&self, tick: u64) -> Duration {
+        let seat = self.roster().seat(self.peer.role());
+        let delayed = seat.filter(|_| tick > 0);
+        Duration::from_nanos(delayed.map_or(0, Seat::delay_ns))
     }
 
     /// What takes the times of the stages of an answer that began at `started_ns`, for its draft:
@@ -415,3 +419,6 @@ impl Shell {
         self.heartbeat.publish(self.woken_ns, now_ns);
     }
 }
+
+#[cfg(test)]
+mod tests;
