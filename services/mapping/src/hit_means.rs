@@ -16,10 +16,11 @@ const BLOCK: usize = 8;
 /// Most hits that a cell remembers: the first ones, whose poses have drifted least.
 const HITS_MAX: f32 = 40.0;
 
-/// How far around a point its surface is looked for, and where that tells no direction. [cells]
-const AROUND: [i32; 2] = [3, 6];
+/// How far around a point its surface is looked for, and where that tells no direction: this far, and in cells
+/// at most. [m]
+const AROUND: [(f64, i32); 2] = [(0.15, 8), (0.3, 12)];
 
-/// Standard deviation to which the direction of a line must be known. [rad]
+/// Largest standard error of a line's direction. [rad]
 const TILT_RAD: f64 = 0.03;
 
 /// Fewest hits that make a surface.
@@ -28,10 +29,11 @@ const HITS_MIN: f64 = 6.0;
 /// How many times as far hits must scatter along a line as across it, squared.
 const LINE_RATIO: f64 = 3.0;
 
-/// Least standard deviation of hits along a line: before the end of a wall the last hits lie on one across it. [m]
+/// Least standard deviation of hits along a line. Near the end of a wall the few hits around scatter farther across
+/// it than along it; a line at right angles would come out. [m]
 const ALONG_M: f64 = 0.07;
 
-/// How many standard deviations of the hits beside their mean, along the line, a point lies on it.
+/// A point lies on a line up to this many standard deviations of its hits from their mean, along it.
 const BESIDE: f64 = 2.0;
 
 /// Standard deviation of a line where hits do not scatter. [m]
@@ -41,7 +43,7 @@ const SIGMA_M: f64 = 0.02;
 #[derive(Debug, Clone, Copy, Default)]
 struct Hits {
     n: f32,
-    /// Sum of what they are off the cell's lower corner. [cells]
+    /// Sums of their offsets from the cell's lower corner. [cells]
     x: f32,
     y: f32,
     /// Sum of the unit vectors to where they were seen from.
@@ -114,7 +116,12 @@ pub(crate) struct HitMeans {
     /// Number of every block, [`NO_BLOCK`] where nothing was seen.
     blocks: Vec<u32>,
     hits: Vec<[Hits; BLOCK * BLOCK]>,
+    /// How far around a point its surface is looked for. [cells]
+    around: [i32; 2],
 }
+
+/// Hits that an obstacle without any is taken for.
+const OF_A_CELL: f32 = 3.0;
 
 /// Blocks that memory is set aside for.
 const BLOCKS_AT_FIRST: usize = 1024;
@@ -132,6 +139,11 @@ impl HitMeans {
             columns,
             blocks: vec![NO_BLOCK; columns * rows],
             hits: Vec::with_capacity((columns * rows).min(BLOCKS_AT_FIRST)),
+            around: AROUND.map(|(around_m, cells_max)| {
+                #[allow(clippy::cast_possible_truncation, reason = "clamped")]
+                let cells = (around_m / geometry.resolution_m).round().min(99.0) as i32;
+                cells.clamp(2, cells_max)
+            }),
         }
     }
 
@@ -157,6 +169,16 @@ impl HitMeans {
         }
     }
 
+    /// Takes in that an obstacle is in a cell, of which nobody knows any more where scans ended: it counts until
+    /// they end there again.
+    pub(crate) fn add_cell(&mut self, cell: Cell) {
+        if let Some(hits) = self.hits_mut(cell).filter(|hits| hits.n == 0.0) {
+            hits.n = OF_A_CELL;
+            hits.x = 0.5 * OF_A_CELL;
+            hits.y = 0.5 * OF_A_CELL;
+        }
+    }
+
     /// Copies all hits to a map whose origin lies `shift` cells from this one's.
     pub(crate) fn copy_to(&self, other: &mut Self, shift: Cell) {
         let number = |n: usize| i32::try_from(n).unwrap_or(i32::MAX);
@@ -178,6 +200,12 @@ impl HitMeans {
         }
     }
 
+    /// Forgets all hits.
+    pub(crate) fn clear(&mut self) {
+        self.blocks.fill(NO_BLOCK);
+        self.hits.clear();
+    }
+
     /// Forgets the hits in a cell.
     pub(crate) fn forget(&mut self, cell: Cell) {
         if let Some((block, place)) = self.place_of(cell)
@@ -190,7 +218,7 @@ impl HitMeans {
     /// The surface near a point of the map [m] that is seen from the direction `eye`: a wall has another
     /// one behind.
     pub(crate) fn near(&self, at: Point2<f64>, eye: Vector2<f64>) -> Seen {
-        for around in AROUND {
+        for around in self.around {
             let seen = self.within(around, at, eye);
             if seen != Seen::Unclear {
                 return seen;
@@ -219,7 +247,7 @@ impl HitMeans {
                 }
             }
         }
-        let is_alone = !all.on_edge && around == AROUND[0];
+        let is_alone = !all.on_edge && around == self.around[0];
         // Along a wall one looks now from here, now from there.
         let scatter = if facing.n < HITS_MIN { all } else { facing };
         if scatter.n < HITS_MIN {
@@ -292,19 +320,31 @@ mod tests {
     use super::*;
 
     fn empty() -> HitMeans {
+        with_cells(0.05)
+    }
+
+    /// 5 m x 4.5 m.
+    fn with_cells(resolution_m: f64) -> HitMeans {
+        #[allow(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a few hundred"
+        )]
+        let cells = |size_m: f64| (size_m / resolution_m).round() as u32;
         HitMeans::new(&GridGeometry {
             origin_x_m: -1.0,
             origin_y_m: -2.0,
-            resolution_m: 0.05,
-            width: 100,
-            height: 90,
+            resolution_m,
+            width: cells(5.0),
+            height: cells(4.5),
         })
     }
 
     /// Hits at places of the map [m], seen from `eye`.
     fn add(means: &mut HitMeans, places: impl Iterator<Item = (f64, f64)>, eye: Vector2<f64>) {
         for (x, y) in places {
-            let at = Point2::new((x + 1.0) / 0.05, (y + 2.0) / 0.05);
+            let cell_m = means.geometry.resolution_m;
+            let at = Point2::new((x + 1.0) / cell_m, (y + 2.0) / cell_m);
             means.add(&(at, eye));
         }
     }
@@ -326,7 +366,12 @@ mod tests {
 
     #[test]
     fn the_middle_of_noisy_hits_is_where_the_wall_is() {
-        let mut means = empty();
+        for cell_m in [0.02, 0.03, 0.05] {
+            finds_the_middle(with_cells(cell_m));
+        }
+    }
+
+    fn finds_the_middle(mut means: HitMeans) {
         let front = Vector2::new(0.0, -1.0);
         add(&mut means, wall(), front);
         for y in [0.05, 0.11, 0.17] {
@@ -373,6 +418,20 @@ mod tests {
     }
 
     #[test]
+    fn obstacles_hold_the_place_until_scans_end_there_again() {
+        let mut means = empty();
+        let front = Vector2::new(0.0, -1.0);
+        for x in 20..60 {
+            means.add_cell(Cell::new(x, 42));
+        }
+        let held = surface(means.near(Point2::new(1.0, 0.15), front));
+        assert!((held.mean.y - 0.125).abs() < 1.0e-6, "{held:?}");
+        add(&mut means, wall(), front);
+        let seen = surface(means.near(Point2::new(1.0, 0.15), front));
+        assert!((seen.mean.y - 0.11).abs() < 5.0e-3, "{seen:?}");
+    }
+
+    #[test]
     fn what_is_forgotten_or_lies_beside_the_new_map_is_gone() {
         let mut means = empty();
         let front = Vector2::new(0.0, -1.0);
@@ -390,5 +449,7 @@ mod tests {
             }
         }
         assert_eq!(means.near(Point2::new(1.0, 0.11), front), Seen::Nothing);
+        moved.clear();
+        assert_eq!(moved.near(Point2::new(0.5, 0.11), front), Seen::Nothing);
     }
 }

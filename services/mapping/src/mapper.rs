@@ -9,6 +9,7 @@ use crate::error::MappingError;
 use crate::flips::{Flips, Integrated};
 use crate::located_scan::LocatedScan;
 use crate::regularise::Regulariser;
+use crate::rows_around::cell_at;
 use crate::scan_match::Surfaces;
 use crate::surface_candidates::SurfaceCandidates;
 use crate::tiles::{TileBoxes, TileIndex};
@@ -154,12 +155,12 @@ impl Mapper {
         let mut mapper = Self::around(geometry, belief, self.cost_model, config);
         mapper.run_ns = self.run_ns;
         if let Some(surfaces) = &self.surfaces {
-            mapper.make_surfaces();
-            if let Some(moved) = &mut mapper.surfaces {
-                moved.take_over(surfaces, shift);
-            }
+            let belief = &mapper.belief;
+            let mut moved = Surfaces::new(geometry, |index| belief.is_obstacle(index));
+            moved.take_over(surfaces, shift);
+            mapper.surfaces = Some(moved);
             for (index, since_ns) in self.candidates.iter() {
-                let cell = self.cell_of(index);
+                let cell = cell_at(&self.geometry, index);
                 let there = Cell::new(cell.x - shift.x, cell.y - shift.y);
                 if let Some(index) = geometry.index_of(there) {
                     mapper.candidates.add(index, since_ns);
@@ -245,6 +246,9 @@ impl Mapper {
         let middle = self.geometry.centre_of(Cell::new(width / 2, height / 2));
         let reach_m = f64::from(width).hypot(f64::from(height)) * self.geometry.resolution_m;
         self.forget(middle, reach_m);
+        if let Some(surfaces) = &mut self.surfaces {
+            surfaces.forget_hits();
+        }
     }
 
     /// Finds the obstacle groups on the line from the robot to its goal, or none without a line,
@@ -296,11 +300,14 @@ impl Mapper {
         self.surfaces.as_ref()
     }
 
-    /// Makes what scans can be laid on, at the first call; it is kept up from then on.
+    /// Makes what scans can be laid on, at the first call; it is kept up from then on. Where obstacles are from
+    /// before, beside the static map, scans are laid on their cells until they have ended there again.
     pub fn make_surfaces(&mut self) {
         let belief = &self.belief;
         self.surfaces.get_or_insert_with(|| {
-            Surfaces::new(&self.geometry, |index| belief.is_obstacle(index))
+            let mut made = Surfaces::new(&self.geometry, |index| belief.is_obstacle(index));
+            made.add_cells(|index| !belief.is_near_static(index));
+            made
         });
     }
 
@@ -338,13 +345,13 @@ impl Mapper {
     /// Brings clearance and cells up to date with the belief.
     fn follow(&mut self, flips: &Flips) {
         for index in &flips.cleared {
-            let cell = self.cell_of(*index);
+            let cell = cell_at(&self.geometry, *index);
             self.clearance.set(*index, false);
             self.flipped.add(cell);
             self.cleared.add(cell);
         }
         for index in &flips.marked {
-            let cell = self.cell_of(*index);
+            let cell = cell_at(&self.geometry, *index);
             self.clearance.set(*index, true);
             self.flipped.add(cell);
         }
@@ -358,7 +365,7 @@ impl Mapper {
             self.clearance.recompute(&gone);
         }
         for index in &flips.marked {
-            self.clearance.add(self.cell_of(*index));
+            self.clearance.add(cell_at(&self.geometry, *index));
         }
         let reach = clear.max(self.virtuals.reach());
         for n in 0..self.flipped.len() {
@@ -366,7 +373,7 @@ impl Mapper {
             self.refresh(&changed);
         }
         for index in &flips.revealed {
-            self.refresh_cell(*index, self.cell_of(*index));
+            self.refresh_cell(*index, cell_at(&self.geometry, *index));
         }
         if let Some(surfaces) = &mut self.surfaces {
             self.candidates.follow(flips, self.run_ns, surfaces);
@@ -433,12 +440,6 @@ impl Mapper {
             flags,
             clearance_mm,
         }
-    }
-
-    fn cell_of(&self, index: usize) -> Cell {
-        let width = self.geometry.width as usize;
-        let number = |cells: usize| i32::try_from(cells).unwrap_or(i32::MAX);
-        Cell::new(number(index % width), number(index / width))
     }
 
     /// Where the map lies.

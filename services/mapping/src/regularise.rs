@@ -7,6 +7,7 @@
 //! hold the robot or the goal, or is too large. Nothing but the list of rectangles is made: what
 //! is an obstacle stays the business of the other layers.
 
+use crate::rows_around::cell_at;
 use zeronav_msgs::{Cell, CellRect, GridGeometry};
 use zeronav_params::parameters;
 
@@ -83,7 +84,7 @@ impl Regulariser {
             }
             let near = group.bounds.grown(1, geometry);
             let mut all = came.iter().chain(went);
-            !all.any(|index| near.contains(cell_of(geometry, *index)))
+            !all.any(|index| near.contains(cell_at(geometry, *index)))
         });
     }
 
@@ -183,12 +184,6 @@ impl Regulariser {
         self.groups.push(group);
         group
     }
-}
-
-fn cell_of(geometry: &GridGeometry, index: usize) -> Cell {
-    let width = geometry.width as usize;
-    let number = |cells: usize| i32::try_from(cells).unwrap_or(i32::MAX);
-    Cell::new(number(index % width), number(index / width))
 }
 
 /// Shows `see` every cell that the line between two cells' centres touches, in order, both cells

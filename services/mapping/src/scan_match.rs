@@ -8,8 +8,8 @@
 //! weights that let go of what is not on the map (Geman, `McClure`, 1987).
 
 use crate::clearance::ClearanceField;
-use crate::hit_means::{BeamEnd, HitMeans, Seen};
-use crate::rows_around::rows_around;
+use crate::hit_means::{BeamEnd, HitMeans, Seen, Surface};
+use crate::rows_around::{around, cell_at};
 use nalgebra::{Matrix3, Point2, Vector2, Vector3};
 use zeronav_msgs::pose::wrap_angle;
 use zeronav_msgs::{Cell, CellRect, GridGeometry, Pose};
@@ -77,6 +77,20 @@ impl Pulls {
         self.normal += row * row.transpose() * weight;
         self.right += row * (weight * off_m);
     }
+
+    /// Such a point lies at `at`, on a surface of earlier hits; one on a cell has `sigma_m`.
+    fn add_surface(
+        &mut self,
+        turned: &Vector2<f64>,
+        at: Point2<f64>,
+        surface: &Surface,
+        sigma_m: f64,
+    ) {
+        for (axis, variance) in surface.axes() {
+            let worth = HITS_WORTH * sigma_m * sigma_m / variance;
+            self.add(turned, &axis, (at - surface.mean).dot(&axis), worth);
+        }
+    }
 }
 
 /// What a match came to.
@@ -139,14 +153,27 @@ impl Surfaces {
         other.means.copy_to(&mut self.means, shift);
     }
 
+    /// Takes in the surfaces of which it is not known where beams ended, those whose index `which` holds.
+    pub(crate) fn add_cells(&mut self, which: impl Fn(usize) -> bool) {
+        for index in (0..self.geometry.len()).filter(|index| which(*index)) {
+            if self.field.is_obstacle(index) {
+                self.means.add_cell(cell_at(&self.geometry, index));
+            }
+        }
+    }
+
     /// Forgets where beams ended in the cell at `index`, unless there is a surface beside it.
     pub(crate) fn forget(&mut self, index: usize) {
-        let beside = rows_around(&self.geometry, index);
-        let width = self.geometry.width as usize;
-        let mut cells = beside.flat_map(|(row, columns)| columns.map(move |x| row * width + x));
-        if !cells.any(|index| self.field.is_obstacle(index)) {
-            self.means.forget(cell_at(&self.geometry, index));
+        let cell = cell_at(&self.geometry, index);
+        let mut beside = around(cell).filter_map(|cell| self.geometry.index_of(cell));
+        if !beside.any(|index| self.field.is_obstacle(index)) {
+            self.means.forget(cell);
         }
+    }
+
+    /// Forgets where beams have ended.
+    pub(crate) fn forget_hits(&mut self) {
+        self.means.clear();
     }
 
     /// Says whether the cell at `index` is a surface.
@@ -210,19 +237,16 @@ impl Surfaces {
                     continue;
                 }
                 if is_held && step % LOOKS_EVERY == 0 {
-                    *seen = self.means.near(there, -turned);
+                    let look = || self.means.near(there, -turned);
+                    *seen = if is_static(there) {
+                        Seen::Nothing
+                    } else {
+                        look()
+                    };
                 }
                 match seen {
                     Seen::Surface(surface) => {
-                        for (axis, variance) in surface.axes() {
-                            let off_m = (there - surface.mean).dot(&axis);
-                            pulls.add(
-                                &turned,
-                                &axis,
-                                off_m,
-                                HITS_WORTH * sigma_m * sigma_m / variance,
-                            );
-                        }
+                        pulls.add_surface(&turned, there, surface, sigma_m);
                     }
                     Seen::Nothing if !is_held || is_static(there) => {
                         pulls.add(&turned, &slope, distance_m, 1.0);
@@ -236,15 +260,16 @@ impl Surfaces {
             let worth = (POINTS_WORTH / n).min(1.0) / (sigma_m * sigma_m);
             information = prior + pulls.normal * worth;
             let off = prior * (at - at_start) + pulls.right * worth;
-            let step = information.try_inverse()? * off;
-            at -= step;
-            if step.norm() < 1.0e-5 {
+            let change = information.try_inverse()? * off;
+            at -= change;
+            if change.norm() < 1.0e-5 {
                 break;
             }
         }
         let pose = Pose::new(at.x, at.y, wrap_angle(at.z));
-        // What has come into view beside known surfaces is no reason to move.
-        if !is_held && !self.is_held(points(), &pose, held_m) {
+        // What has come into view beside known surfaces is no reason to move for a robot that knows where it is.
+        let is_known = covariance[(0, 0)].max(covariance[(1, 1)]) < held_m * held_m;
+        if is_known && !is_held && !self.is_held(points(), &pose, held_m) {
             return None;
         }
         Some(Match {
@@ -319,10 +344,4 @@ impl Surfaces {
         let slope = Vector2::new((b - a) + fy * ((e - c) - (b - a)), above - below) * per_m;
         Some((below + fy * (above - below), slope))
     }
-}
-
-fn cell_at(geometry: &GridGeometry, index: usize) -> Cell {
-    let width = geometry.width as usize;
-    let number = |cells: usize| i32::try_from(cells).unwrap_or(i32::MAX);
-    Cell::new(number(index % width), number(index / width))
 }

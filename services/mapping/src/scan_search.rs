@@ -55,6 +55,7 @@ impl Surfaces {
             if *share <= 0.0 {
                 continue;
             }
+            // A lost robot is laid on cells: hits tell nothing from far.
             let Some(laid) = self.lay(ends, pose, &covariance, |_| true) else {
                 continue;
             };

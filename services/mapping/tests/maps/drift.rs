@@ -27,8 +27,8 @@ shapes = [
 ]
 "#;
 
-/// Along the hall and through the door, 4.4 cm a scan; how far the pose is off in the end. [m]
-fn drive(seed: u64) -> f64 {
+/// Along the hall and through the door, 4.4 cm a scan; how far mapping and odometry are off in the end. [m]
+fn drive(seed: u64) -> (f64, f64) {
     let world = world_of(HALL);
     let config = MappingConfig {
         area_m: Some([[-2.0, -2.0], [18.0, 18.0]]),
@@ -59,14 +59,17 @@ fn drive(seed: u64) -> f64 {
         });
         off_m = mapping.map_from_odom().0.then(&odometry).distance_m(&truth);
     }
-    off_m
+    (off_m, odometry.distance_m(&truth))
 }
 
 #[test]
 fn a_short_sighted_robot_is_not_led_away_by_its_own_map() {
-    let off_m: Vec<f64> = (1..=8).map(drive).collect();
-    let mean_m = off_m.iter().sum::<f64>() / 8.0;
-    // Cells alone lead it away by 0.46 m, odometry alone by 0.16 m.
-    assert!(mean_m < 0.19, "{mean_m} {off_m:?}");
+    let (off_m, by_odometry_m): (Vec<f64>, Vec<f64>) = (1..=8).map(drive).unzip();
+    let mean_m = |off_m: &[f64]| off_m.iter().sum::<f64>() / 8.0;
+    // Cells led it away by 0.46 m.
+    assert!(
+        mean_m(&off_m) < mean_m(&by_odometry_m),
+        "{off_m:?} {by_odometry_m:?}"
+    );
     assert!(off_m.iter().all(|off_m| *off_m < 0.36), "{off_m:?}");
 }
