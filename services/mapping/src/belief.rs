@@ -14,7 +14,8 @@
 //!   falls into the obstacle's own cell: an obstacle marks the cells whose centre it covers.
 //! - A cell that touches an obstacle is marked with the second hit only: mostly it is noise, and the
 //!   robot's centre cannot be there anyway.
-//! - So is a free cell with a return of fewer than three beams beside each other; more mark a cell in the open at once.
+//! - A free cell with a return of fewer than three beams beside each other is marked when every scan of 0.2 s has had
+//!   one there, and three at least; more mark a cell in the open at once.
 //! - Returns from where beams lie too far apart to tell a surface from an edge mark nothing
 //!   (`isolated.rs`).
 
@@ -23,13 +24,14 @@ use crate::config::MappingConfig;
 use crate::flips::Flips;
 use crate::free_blocks::FreeBlocks;
 use crate::hit_means::BeamEnd;
-use crate::isolated::{Evidence, evidence};
+use crate::isolated::{Evidence, evidence, isolated_hit};
 use crate::located_scan::{GridRay, LocatedScan};
 use crate::log_odds::LogOdds;
 use crate::ray::{Passing, Ray};
 use crate::rows_around::rows_around;
 use nalgebra::{Point2, Vector2};
 use zeronav_msgs::map::{FLAG_SENSED, FLAG_UNKNOWN};
+use zeronav_msgs::time::seconds;
 use zeronav_msgs::{Cell, GridGeometry, MapCell};
 use zeronav_world::{Occupancy, StaticMap};
 
@@ -70,8 +72,12 @@ pub(crate) struct Belief {
     /// Scratch: the beams of the scan.
     rays: Vec<GridRay>,
     hits: Vec<usize>,
-    /// Of the cells hit, those that are no obstacles and need a second hit to become one.
-    doubtful: Vec<usize>,
+    /// Of the cells hit, those that are no obstacles and need further hits to become one, beside what is one
+    /// already or of few beams.
+    beside: Vec<usize>,
+    isolated: Vec<usize>,
+    /// [ns] run time of the newest scan.
+    run_ns: Option<u64>,
     passed: Vec<usize>,
     /// Cells whose layers may have changed.
     touched: Vec<usize>,
@@ -130,7 +136,9 @@ impl Belief {
             free_blocks: FreeBlocks::new(geometry),
             rays: Vec::new(),
             hits: Vec::new(),
-            doubtful: Vec::new(),
+            beside: Vec::new(),
+            isolated: Vec::new(),
+            run_ns: None,
             passed: Vec::new(),
             touched: Vec::new(),
             ended: Vec::new(),
@@ -295,9 +303,16 @@ impl Belief {
             }
             .passed(*index);
         }
-        self.mark(flips);
+        let before_ns = self.run_ns.replace(scan.run_ns);
+        let since_s = before_ns.map_or(0.0, |ns| seconds(scan.run_ns.saturating_sub(ns)));
+        self.mark(since_s, flips);
         self.tell(flips);
-        let lists = [&mut self.hits, &mut self.doubtful, &mut self.passed];
+        let lists = [
+            &mut self.hits,
+            &mut self.beside,
+            &mut self.isolated,
+            &mut self.passed,
+        ];
         for index in lists.into_iter().flat_map(|list| list.drain(..)) {
             self.bits[index] &= !(HIT | PASSED);
         }
@@ -343,23 +358,19 @@ impl Belief {
             return;
         }
         // An obstacle that is known needs no proof; an unknown cell was never seen to be free.
-        let doubtful = if self.is_sensed(index) {
-            false
+        let list = if self.is_sensed(index) {
+            &mut self.hits
         } else {
-            let told = evidence();
-            if told == Evidence::None {
-                return;
+            match evidence() {
+                Evidence::None => return,
+                Evidence::Isolated if self.odds[index] != UNKNOWN => &mut self.isolated,
+                _ if self.blocks_beside && self.touches_sensed(index) => &mut self.beside,
+                _ => &mut self.hits,
             }
-            let beside = || self.blocks_beside && self.touches_sensed(index);
-            beside() || self.odds[index] != UNKNOWN && told == Evidence::Isolated
         };
+        list.push(index);
         self.bits[index] |= HIT;
         self.note_end(index, end);
-        if doubtful {
-            self.doubtful.push(index);
-        } else {
-            self.hits.push(index);
-        }
     }
 
     /// Remembers where exactly a beam ended, unless that belongs to the static map.
@@ -385,8 +396,8 @@ impl Belief {
         }
     }
 
-    /// Raises the belief in the cells that were hit.
-    fn mark(&mut self, flips: &mut Flips) {
+    /// Raises the belief in the cells that were hit, `since_s` after the scan before. [s]
+    fn mark(&mut self, since_s: f64, flips: &mut Flips) {
         let LogOdds {
             hit,
             min,
@@ -394,22 +405,26 @@ impl Belief {
             occupied_above,
             ..
         } = self.log_odds;
-        for n in 0..self.hits.len() + self.doubtful.len() {
-            let hits = self.hits.len();
-            let doubt = n >= hits;
-            let index = if doubt {
-                self.doubtful[n - hits]
+        let (hits, beside) = (self.hits.len(), self.hits.len() + self.beside.len());
+        let isolated = isolated_hit(occupied_above - min, since_s);
+        for n in 0..beside + self.isolated.len() {
+            // As far as a doubtful hit leads by itself; it leads to the threshold, and the next one beyond.
+            let (index, doubtful) = if n < hits {
+                (self.hits[n], None)
+            } else if n < beside {
+                (self.beside[n - hits], Some(occupied_above - min))
             } else {
-                self.hits[n]
+                (self.isolated[n - beside], Some(isolated))
             };
             let old = self.odds[index];
             if old == UNKNOWN {
                 flips.revealed.push(index);
             }
-            let new = if doubt && old <= min {
-                occupied_above
-            } else {
-                old.max(min).saturating_add(hit).min(max)
+            let new = match doubtful {
+                Some(by) if old < occupied_above => {
+                    old.max(min).saturating_add(by).min(occupied_above)
+                }
+                _ => old.max(min).saturating_add(hit).min(max),
             };
             self.set_odds(index, new);
             if old <= occupied_above && new > occupied_above {

@@ -1,7 +1,7 @@
 //! What a return tells of a surface: single beams come back from dust, rain or from between two edges.
 //!
 //! A thing is as wide as the beams that it stops. What stops three beams beside each other is there; what
-//! stops fewer has to be there again in the next scan: of a hundred drops of rain in a scan, some are
+//! stops fewer has to be there in every scan of a fifth of a second: of a hundred drops of rain in a scan, some are
 //! beside each other. Far away beams lie farther apart than the edges of a door tell from each other: a
 //! beam beside an edge gives a range somewhere between what is before and behind it, which may lie as near to its
 //! neighbour's as a surface seen at a slant does. There a return counts only when it lies on a line with two
@@ -33,6 +33,9 @@ const ON_LINE_SHARE: f64 = 0.015;
 
 /// Smallest angle between a beam and a line on which its end can be told to lie. [rad]
 const GRAZING_RAD: f64 = 0.03;
+
+/// [s] for which a free cell has to be hit by few beams, in every scan, to become an obstacle.
+const ISOLATED_S: f64 = 0.2;
 
 /// What a return tells of a surface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -124,6 +127,20 @@ fn neighbour(beams: &[Beam], n: usize, offset: isize) -> Option<&Beam> {
     (spread < spread_max).then_some(other)
 }
 
+/// By how much a hit of few beams, `since_s` after the scan before [s], leads from free to the threshold, which is
+/// `whole` away: at most half of it.
+pub(crate) fn isolated_hit(whole: i16, since_s: f64) -> i16 {
+    let half = (whole / 2).max(1);
+    if since_s <= 0.0 {
+        return half;
+    }
+    #[allow(clippy::cast_possible_truncation, reason = "clamped")]
+    let hit = (f64::from(whole) * since_s / ISOLATED_S)
+        .ceil()
+        .clamp(1.0, f64::from(half)) as i16;
+    hit
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -197,6 +214,15 @@ mod tests {
         }
         for n in [200, 201, 202, 300, 301, 302, 303] {
             assert_eq!(told[n], Evidence::Surface, "beam {n}");
+        }
+    }
+
+    #[test]
+    fn few_beams_need_three_scans_and_as_many_as_there_are_in_a_fifth_of_a_second() {
+        let whole = 40;
+        for (since_s, scans) in [(0.0, 3), (0.2, 3), (0.1, 3), (0.05, 5), (0.025, 9)] {
+            let hit = isolated_hit(whole, since_s);
+            assert_eq!(1 + (whole + hit - 1) / hit, scans, "{since_s} s");
         }
     }
 }
