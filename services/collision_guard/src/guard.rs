@@ -236,8 +236,20 @@ impl Guard {
             laser_yaw_rad: description.base_from_laser.yaw_rad,
         });
         let laser = (&description.base_from_laser, outline);
-        self.view
-            .take(input.scan, input.ranges, laser, &odom_from_base, twist);
+        let since_ns = |(_, seen_ns): (u64, u64)| input.run_ns.saturating_sub(seen_ns);
+        if self
+            .seen
+            .is_none_or(|seen| seconds(since_ns(seen)) > self.config.scan_age_s)
+        {
+            self.view.trust_no_more();
+        }
+        self.view.take(
+            input.scan,
+            input.ranges,
+            laser,
+            &odom_from_base,
+            (twist, input.run_ns),
+        );
         self.seen = Some((input.id, input.run_ns));
     }
 

@@ -14,6 +14,7 @@
 
 mod blindness;
 mod config;
+mod dust;
 mod explain;
 mod guard;
 mod hits;

@@ -1,5 +1,7 @@
 //! What the lidar shows: the hits of the last two scans, carried by odometry to where the robot is.
+//! What is dust ([`crate::dust`]) is left out.
 
+use crate::dust::{BEFORE_MAX, Looked, Stance};
 use crate::hits::Hits;
 use crate::outline::Outline;
 use crate::swept::Swept;
@@ -53,17 +55,24 @@ fn is_lone(ranges: &[f32], beam: usize) -> bool {
 /// One scan's hits in `odom`.
 #[derive(Debug, Clone, Default)]
 struct Sight {
+    /// Those that count.
     points_in_odom: Vec<Point2<f64>>,
+    /// All that the scan said.
+    looked: Looked,
 }
+
+/// Scans that are kept.
+const SIGHTS: usize = 1 + BEFORE_MAX;
 
 /// The hits of the newest scan and of the one before.
 ///
 /// A motion must be free of both: one scan is enough to show an obstacle, and it takes two in a
 /// row without it to be rid of it (debounce 1 to trigger, 2 to release), place by place, so that
-/// a vanishing obstacle on one side never holds back a motion to the other.
+/// a vanishing obstacle on one side never holds back a motion to the other. The scans before
+/// these are kept to tell dust by.
 #[derive(Debug, Clone)]
 pub(crate) struct View {
-    sights: [Sight; 2],
+    sights: [Sight; SIGHTS],
     newest: usize,
     directions: Directions,
     /// Hits near the robot, in `base` of now. [m]
@@ -74,9 +83,10 @@ impl Default for View {
     fn default() -> Self {
         let sight = || Sight {
             points_in_odom: Vec::with_capacity(BEAMS_MAX),
+            looked: Looked::with_capacity(),
         };
         Self {
-            sights: [sight(), sight()],
+            sights: core::array::from_fn(|_| sight()),
             newest: 0,
             directions: Directions {
                 table: Vec::with_capacity(BEAMS_MAX),
@@ -88,43 +98,89 @@ impl Default for View {
 }
 
 impl View {
-    /// Takes in a scan that passed its check. `odom_from_base` holds at its capture, the time of
-    /// the last beam; `twist` is the robot's while the lidar turned. Ranges that are no hits give
-    /// no point, and neither does dust: a hit inside the outline that no neighbouring beam shares.
+    /// Takes in a scan that passed its check. `odom_from_base` holds at its capture, run time `run_ns`, the
+    /// time of the last beam; `twist` is the robot's while the lidar turned. Ranges that are no hits give
+    /// no point, and neither does dust: a hit inside the outline that no neighbouring beam shares, and
+    /// one that the scans before deny.
     pub(crate) fn take(
         &mut self,
         scan: &Scan,
         ranges: &[f32],
         (base_from_laser, outline): (&Pose, &Outline),
         odom_from_base: &Pose,
-        twist: Twist,
+        (twist, run_ns): (Twist, u64),
     ) {
-        self.newest = 1 - self.newest;
-        let points = &mut self.sights[self.newest].points_in_odom;
+        self.newest = (self.newest + 1) % SIGHTS;
+        let Sight {
+            points_in_odom: points,
+            looked,
+        } = &mut self.sights[self.newest];
         points.clear();
         let directions = self.directions.of(scan);
         let odom_from_laser = odom_from_base.isometry() * base_from_laser.isometry();
         let beam_s = f64::from(scan.time_increment_s);
         let at_once = beam_s <= 0.0 || (twist.v_mps == 0.0 && twist.w_radps == 0.0);
-        let mut elapsed_s = -f64::from(scan.n_beams.saturating_sub(1)) * beam_s;
-        let reach_m = base_from_laser.point().coords.norm() + outline.radius_m;
-        let is_dust = |beam: usize, in_laser: Point2<f64>| {
-            is_lone(ranges, beam)
-                && outline.distance_m(base_from_laser.transform(in_laser).coords, 0.0) < 0.0
+        let stance = Stance {
+            odom_from_base: odom_from_base.isometry(),
+            base_from_laser: base_from_laser.isometry(),
+            run_ns,
+            twist,
         };
-        for (beam, (range_m, direction)) in ranges.iter().zip(directions).enumerate() {
-            let length_m = f64::from(*range_m);
-            let in_laser = Point2::from(direction * length_m);
-            let is_hit = scan.is_hit(*range_m);
-            if is_hit && !(length_m < reach_m && is_dust(beam, in_laser)) {
-                points.push(if at_once {
+        looked.begin(scan, ranges, stance);
+        let mut elapsed_s = -f64::from(scan.n_beams.saturating_sub(1)) * beam_s;
+        for (range_m, direction) in ranges.iter().zip(directions) {
+            let in_laser = Point2::from(direction * f64::from(*range_m));
+            looked.push(scan.is_hit(*range_m).then(|| {
+                if at_once {
                     odom_from_laser * in_laser
                 } else {
                     let in_base = base_from_laser.transform(in_laser);
                     odom_from_base.transform(twist.arc(elapsed_s).transform(in_base))
-                });
-            }
+                }
+            }));
             elapsed_s += beam_s;
+        }
+        looked.end();
+        self.keep_hits(scan, ranges, (base_from_laser, outline));
+    }
+
+    /// Of the hits of the newest scan, those that count.
+    fn keep_hits(
+        &mut self,
+        scan: &Scan,
+        ranges: &[f32],
+        (base_from_laser, outline): (&Pose, &Outline),
+    ) {
+        let mut points = core::mem::take(&mut self.sights[self.newest].points_in_odom);
+        let looked = |before: usize| &self.sights[(self.newest + SIGHTS - before) % SIGHTS].looked;
+        let newest = looked(0);
+        let before = core::array::from_fn(|n| looked(n + 1));
+        let reach_m = base_from_laser.point().coords.norm() + outline.radius_m;
+        let directions = &self.directions.table;
+        let mut compared = 0;
+        for (beam, (range_m, direction)) in ranges.iter().zip(directions).enumerate() {
+            let length_m = f64::from(*range_m);
+            let is_within = || {
+                let in_laser = Point2::from(direction * length_m);
+                let in_base = base_from_laser.transform(in_laser).coords;
+                length_m < reach_m
+                    && is_lone(ranges, beam)
+                    && outline.distance_m(in_base, 0.0) < 0.0
+            };
+            if scan.is_hit(*range_m)
+                && !is_within()
+                && !newest.is_dust(beam, &before, &mut compared)
+            {
+                points.extend(newest.hit(beam));
+            }
+        }
+        self.sights[self.newest].points_in_odom = points;
+    }
+
+    /// The scans so far are too old to tell dust by.
+    pub(crate) fn trust_no_more(&mut self) {
+        for sight in &mut self.sights {
+            sight.looked.clear();
         }
     }
 
@@ -132,6 +188,7 @@ impl View {
     pub(crate) fn clear(&mut self) {
         for sight in &mut self.sights {
             sight.points_in_odom.clear();
+            sight.looked.clear();
         }
     }
 
@@ -143,7 +200,9 @@ impl View {
             base_from_odom.rotation.into_inner(),
         );
         let (cos, sin) = (rotation.re, rotation.im);
-        let points = self.sights.iter().flat_map(|sight| &sight.points_in_odom);
+        let last = (self.newest + SIGHTS - 1) % SIGHTS;
+        let sights = [self.newest, last].into_iter();
+        let points = sights.flat_map(|sight| &self.sights[sight].points_in_odom);
         let in_base = points.map(|point| {
             Vector2::new(
                 cos * point.x - sin * point.y + translation.x,
@@ -201,7 +260,7 @@ mod tests {
     #[test]
     fn an_obstacle_is_gone_after_two_scans_without_it() {
         let mut view = View::default();
-        let (here, rest) = (Pose::default(), Twist::REST);
+        let (here, rest) = (Pose::default(), (Twist::REST, 0));
         let nothing = [f32::INFINITY; 4];
         let something = [1.0, f32::NAN, f32::INFINITY, f32::INFINITY];
         view.take(&scan(0.0), &something, (&here, &outline()), &here, rest);
@@ -218,7 +277,13 @@ mod tests {
         let at = Pose::new(2.0, 1.0, core::f64::consts::FRAC_PI_2);
         let ranges = [1.0, f32::INFINITY, f32::INFINITY, f32::INFINITY];
         let laser = Pose::new(0.2, 0.0, 0.0);
-        view.take(&scan(0.0), &ranges, (&laser, &outline()), &at, Twist::REST);
+        view.take(
+            &scan(0.0),
+            &ranges,
+            (&laser, &outline()),
+            &at,
+            (Twist::REST, 0),
+        );
         // 1.2 m ahead of a robot that looks along +y.
         let found = ahead(&mut view, Pose::new(2.0, 1.5, 0.0));
         assert!((found[0] - Vector2::new(0.0, 0.7)).norm() < 1e-6);
@@ -229,13 +294,19 @@ mod tests {
         };
         // 0.1 s per beam: beam 0 was seen 0.3 m further back.
         let origin = Pose::default();
-        view.take(&scan(0.1), &ranges, (&origin, &outline()), &origin, ahead_1);
+        view.take(
+            &scan(0.1),
+            &ranges,
+            (&origin, &outline()),
+            &origin,
+            (ahead_1, 0),
+        );
         assert!((ahead(&mut view, origin)[0] - Vector2::new(0.7, 0.0)).norm() < 1e-6);
     }
 
     #[test]
     fn dust_inside_the_outline_is_left_out_and_nothing_else() {
-        let (here, rest) = (Pose::default(), Twist::REST);
+        let (here, rest) = (Pose::default(), (Twist::REST, 0));
         let hits = |ranges: [f32; 4]| {
             let mut view = View::default();
             view.take(&scan(0.0), &ranges, (&here, &outline()), &here, rest);
@@ -255,7 +326,13 @@ mod tests {
         let origin = Pose::default();
         // 0.1 s per beam at 1 rad/s on the spot: beam 0 looked 0.3 rad to the right.
         let turning = Twist::new(0.0, 1.0);
-        view.take(&scan(0.1), &ranges, (&origin, &outline()), &origin, turning);
+        view.take(
+            &scan(0.1),
+            &ranges,
+            (&origin, &outline()),
+            &origin,
+            (turning, 0),
+        );
         let found = ahead(&mut view, origin)[0];
         let expected = Vector2::new(0.3_f64.cos(), -(0.3_f64.sin()));
         assert!((found - expected).norm() < 1e-6, "{found:?}");

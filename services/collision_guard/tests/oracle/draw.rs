@@ -17,6 +17,46 @@ const PERIOD_S: f64 = 0.02;
 /// [m] Ranges of neighbouring beams on one thing differ by less; a hit inside without is dust.
 const SAME_M: f64 = 0.1;
 
+/// [m] Beams lie at most so far apart where a hit that the scans before deny is dust.
+const DUST_APART_M: f64 = 0.03;
+
+/// A scan for the oracle's memory.
+#[derive(Default)]
+struct Past {
+    run_ns: u64,
+    /// The robot moved while the lidar turned.
+    turned: bool,
+    /// Of every beam where it began and ended in `odom`, its direction there [rad] and its range. [m]
+    beams: Vec<(Hit, Hit, f64, f64)>,
+}
+
+impl Past {
+    /// How many of so many beams to either side of one ended near it, where beams lie so far apart.
+    fn beside(&self, beam: usize, side: usize, apart_m: f64) -> usize {
+        let n = self.beams.len();
+        let at = self.beams[beam].1;
+        (1..=side)
+            .flat_map(|offset| [(beam + offset) % n, (beam + n - offset) % n])
+            .filter(|other| apart(self.beams[*other].1, at) <= 0.03 + 3.0 * apart_m)
+            .count()
+    }
+
+    /// The hits that not both beams beside them share.
+    fn thin(&self, description: &Description) -> Vec<Hit> {
+        let beams = self.beams.iter().enumerate();
+        beams
+            .filter(|(_, beam)| beam.3.is_finite())
+            .filter(|(n, beam)| self.beside(*n, 1, description.angle_increment_rad * beam.3) < 2)
+            .map(|(_, beam)| beam.1)
+            .collect()
+    }
+}
+
+/// Distance of two points; not a number where one of them is none. [m]
+fn apart(a: Hit, b: Hit) -> f64 {
+    (a[0] - b[0]).hypot(a[1] - b[1])
+}
+
 /// One robot that is driven at random.
 pub(crate) struct Draw {
     random: Pcg32,
@@ -34,6 +74,12 @@ pub(crate) struct Draw {
     pub(crate) request: VelocityRequest,
     /// Of the last two scans, in `odom`.
     sights: [Vec<Hit>; 2],
+    /// The last eight scans, the newest one first.
+    past: Vec<Past>,
+    /// What stands around a robot with many beams, in `odom`.
+    things: Vec<Hit>,
+    /// Hits that were dust so far.
+    pub(crate) dust: u64,
     /// When each command was sent [ns], and its speeds.
     sent: Vec<(u64, [f64; 2])>,
 }
@@ -74,11 +120,11 @@ fn placed(pose: &Pose, at: Hit) -> Hit {
     ]
 }
 
-/// The pose after `elapsed_s` of constant speeds, in a hundred small steps.
+/// The pose after `elapsed_s` of constant speeds, in ten small steps.
 fn driven(pose: &Pose, [v, w]: [f64; 2], elapsed_s: f64) -> Pose {
     let (mut at, mut yaw) = ([pose.x_m, pose.y_m], pose.yaw_rad);
-    let step_s = elapsed_s / 100.0;
-    for _ in 0..100 {
+    let step_s = elapsed_s / 10.0;
+    for _ in 0..10 {
         let (sin, cos) = (yaw + 0.5 * w * step_s).sin_cos();
         at = [at[0] + v * step_s * cos, at[1] + v * step_s * sin];
         yaw += w * step_s;
@@ -95,6 +141,13 @@ fn late_ns(seed: u64) -> u64 {
         2 => random.random_range(1..31) * PERIOD_NS,
         _ => random.random_range(1..600_000_000),
     }
+}
+
+/// A fine lidar for every third robot, with which a single hit can be dust.
+fn many_beams(seed: u64) -> Option<u32> {
+    let mut random = Pcg32::seed_from_u64(seed ^ 0xd057);
+    let fine = random.random_bool(1.0 / 3.0);
+    fine.then(|| random.random_range(150..500))
 }
 
 impl Draw {
@@ -114,7 +167,7 @@ impl Draw {
         };
         let outer_m = points.iter().map(|at| at[0].hypot(at[1]));
         let outer_m = outer_m.fold(inner_m, f64::max);
-        let n_beams = random.random_range(8..40);
+        let n_beams = many_beams(seed).unwrap_or(random.random_range(8..40));
         let step_rad = std::f64::consts::TAU / f64::from(n_beams);
         let corners: Vec<Corner> = points
             .iter()
@@ -186,6 +239,9 @@ impl Draw {
             run_ns: 0,
             request: VelocityRequest::default(),
             sights: [Vec::new(), Vec::new()],
+            past: Vec::new(),
+            things: Vec::new(),
+            dust: 0,
             sent: Vec::new(),
             random,
         }
@@ -244,15 +300,135 @@ impl Draw {
                 self.ranges[(beam + 1) % n] = range_m + random.random_range(-0.12_f32..0.12).abs();
             }
         }
+        if n >= 150 {
+            self.stand(n);
+        }
         self.scan_id += 1;
         (self.scan_ns, self.scan_pose) = (self.run_ns, self.odometry.pose);
         self.sights.swap(0, 1);
         self.sights[0] = self.seen();
     }
 
+    /// Things that stay for a few scans: what was new becomes one, some of the others go.
+    fn stand(&mut self, n: usize) {
+        let pose = self.odometry.pose;
+        let at = placed(&pose, placed(&self.description.base_from_laser, [0.0, 0.0]));
+        let yaw = pose.yaw_rad + self.description.base_from_laser.yaw_rad;
+        let step_rad = self.description.angle_increment_rad;
+        let random = &mut self.random;
+        self.things.retain(|_| random.random_bool(0.8));
+        let new: Vec<usize> = (0..n)
+            .filter(|beam| self.ranges[*beam].is_finite())
+            .collect();
+        for thing in &self.things {
+            let [dx, dy] = [thing[0] - at[0], thing[1] - at[1]];
+            let turns = (dy.atan2(dx) - yaw).rem_euclid(std::f64::consts::TAU) / step_rad;
+            #[allow(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "a beam and a range on the wire"
+            )]
+            let (beam, range_m) = (turns.round() as usize % n, dx.hypot(dy) as f32);
+            self.ranges[beam] = self.ranges[beam].min(range_m);
+        }
+        for beam in new {
+            let (sin, cos) = (yaw + self.scan.angle_of(beam)).sin_cos();
+            let range_m = f64::from(self.ranges[beam]);
+            self.things
+                .push([at[0] + range_m * cos, at[1] + range_m * sin]);
+        }
+    }
+
+    /// True when the README makes the guard take this hit of the newest scan for dust.
+    fn is_dust(&self, newest: &Past, beam: usize) -> bool {
+        let (_, at, _, range_m) = newest.beams[beam];
+        let apart_m = self.description.angle_increment_rad * range_m;
+        let Some([last, earlier]) = self.past.first_chunk() else {
+            return false;
+        };
+        #[allow(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a few beams"
+        )]
+        let side = ((0.005 / apart_m) as usize).clamp(1, 32);
+        if apart_m > DUST_APART_M
+            || newest.beside(beam, side, apart_m) >= side
+            || !self.went_on_behind(last, at)
+        {
+            return false;
+        }
+        let laser = placed(
+            &self.scan_pose,
+            self.description.base_from_laser.point().coords.into(),
+        );
+        let range_to_m = apart(at, laser);
+        let along = [0, 1].map(|i| (at[i] - laser[i]) / range_to_m);
+        let same = |end: Hit, there: Hit| {
+            let off = [0, 1].map(|i| end[i] - there[i]);
+            (off[0] * along[0] + off[1] * along[1]).abs() <= 0.03
+                && (off[0] * along[1] - off[1] * along[0]).abs() <= 0.01 + 2.0 * apart_m
+        };
+        let recent = |past: &&Past| newest.run_ns - past.run_ns <= 220_000_000;
+        let asked = self.past.iter().take_while(recent).count().max(2);
+        let shows = |past: &&Past| past.beams.iter().any(|beam| same(beam.1, at));
+        let shown = self.past[..asked].iter().filter(shows).count();
+        2 * shown < asked && !self.came_evenly(newest.run_ns, [last, earlier], at, same)
+    }
+
+    /// True when two of the three beams of a scan whose directions are nearest to that of a place went on
+    /// behind it, at one of the moments at which the lidar looked there.
+    fn went_on_behind(&self, past: &Past, place: Hit) -> bool {
+        let n = past.beams.len();
+        let aside = past.beams.iter().map(|(from, _, yaw, _)| {
+            let [dx, dy] = [place[0] - from[0], place[1] - from[1]];
+            let (sin, cos) = (yaw - dy.atan2(dx)).sin_cos();
+            sin.atan2(cos).abs()
+        });
+        let aside: Vec<f64> = aside.collect();
+        let behind = |beam: usize| {
+            let (from, _, _, range_m) = past.beams[beam];
+            let away_m = apart(from, place);
+            away_m >= 0.1 && range_m > away_m + 0.1
+        };
+        (0..n).any(|beam| {
+            let [before, after] = [(beam + n - 1) % n, (beam + 1) % n];
+            // Before its first beam and after its last one a lidar that turns with the robot looked elsewhere.
+            let seam = beam == 0 || beam == n - 1;
+            let turned = past.turned && self.scan.time_increment_s > 0.0;
+            let nearest = aside[beam] <= aside[before].min(aside[after])
+                && aside[beam] <= self.description.angle_increment_rad;
+            let asked = [before, beam, after].into_iter();
+            let through = asked.filter(|asked| behind(*asked)).count();
+            nearest && !(seam && turned) && through >= 2
+        })
+    }
+
+    /// True when three thin things of the three scans are on one even way of at most 2 m/s.
+    fn came_evenly(
+        &self,
+        run_ns: u64,
+        [last, earlier]: [&Past; 2],
+        at: Hit,
+        same: impl Fn(Hit, Hit) -> bool,
+    ) -> bool {
+        #[allow(clippy::cast_precision_loss, reason = "less than a second")]
+        let [since_s, before_s] =
+            [run_ns - last.run_ns, last.run_ns - earlier.run_ns].map(|ns| ns as f64 / 1.0e9);
+        let mut came_from = last.thin(&self.description);
+        came_from.retain(|was| apart(*was, at) <= 2.0 * since_s + 0.03);
+        let first = earlier.thin(&self.description);
+        came_from.len() > 32
+            || came_from.iter().any(|was| {
+                let velocity = [0, 1].map(|i| (at[i] - was[i]) / since_s);
+                let there = [0, 1].map(|i| was[i] - velocity[i] * before_s);
+                first.iter().any(|end| same(*end, there))
+            })
+    }
+
     /// The hits of the newest scan in `odom`: each from where the robot was when its beam looked.
-    fn seen(&self) -> Vec<Hit> {
-        let speeds = [self.odometry.v_mps, self.odometry.w_radps];
+    fn seen(&mut self) -> Vec<Hit> {
+        let newest = self.beams();
         let last = self.ranges.len() - 1;
         let same = |a: usize, b: usize| {
             let [a, b] = [a, b].map(|beam| f64::from(self.ranges[beam]));
@@ -272,12 +448,47 @@ impl Draw {
             if lone && self.robot.outline.distance_m(in_base) < 0.0 {
                 continue;
             }
-            #[allow(clippy::cast_precision_loss, reason = "a few beams")]
-            let ago_s = (last - beam) as f64 * f64::from(self.scan.time_increment_s);
-            let then = driven(&self.scan_pose, speeds, -ago_s);
-            hits.push(placed(&then, in_base));
+            if self.is_dust(&newest, beam) {
+                self.dust += 1;
+                continue;
+            }
+            hits.push(newest.beams[beam].1);
         }
+        self.past.insert(0, newest);
+        self.past.truncate(8);
         hits
+    }
+
+    /// The beams of the newest scan.
+    fn beams(&self) -> Past {
+        let speeds = [self.odometry.v_mps, self.odometry.w_radps];
+        let last = self.ranges.len() - 1;
+        let laser = &self.description.base_from_laser;
+        let (mut then, beam_s) = (self.scan_pose, f64::from(self.scan.time_increment_s));
+        let mut of = |beam: usize, range_m: f64| {
+            if beam < last {
+                then = driven(&then, speeds, -beam_s);
+            }
+            let angle_rad = self.scan.angle_of(beam);
+            let end = [range_m * angle_rad.cos(), range_m * angle_rad.sin()];
+            let end = if range_m.is_finite() {
+                placed(&then, placed(laser, end))
+            } else {
+                [f64::NAN; 2]
+            };
+            let from = placed(&then, laser.point().coords.into());
+            (from, end, then.yaw_rad + laser.yaw_rad + angle_rad, range_m)
+        };
+        // From the last one, whose pose is the scan's, to the first.
+        let ranges = self.ranges.iter().map(|range_m| f64::from(*range_m));
+        let beams = ranges.enumerate().rev();
+        let mut beams: Vec<_> = beams.map(|(beam, range_m)| of(beam, range_m)).collect();
+        beams.reverse();
+        Past {
+            run_ns: self.scan_ns,
+            turned: speeds != [0.0, 0.0],
+            beams,
+        }
     }
 
     /// The hits of the last two scans in `base` of now.

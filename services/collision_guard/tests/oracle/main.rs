@@ -32,6 +32,8 @@ struct Tally {
     mattered: u64,
     /// Passed to a robot that obeys late.
     late: u64,
+    /// Hits that were dust.
+    dust: u64,
     /// [m] least clearance beyond what is promised.
     spare_m: Option<f64>,
     unsafe_calls: Vec<String>,
@@ -45,6 +47,7 @@ impl Tally {
         self.stopped += other.stopped;
         self.mattered += other.mattered;
         self.late += other.late;
+        self.dust += other.dust;
         self.spare_m = self
             .spare_m
             .into_iter()
@@ -152,6 +155,7 @@ fn some_calls(seed: u64) -> Tally {
             tally.unsafe_calls.push(why);
         }
     }
+    tally.dust = draw.dust;
     tally
 }
 
@@ -175,7 +179,7 @@ fn calls(first: u64, n: u64, threads: u64) -> Tally {
     });
     println!(
         "{} calls, seeds {first} to {}: {} let through, {} of them to robots that obey late, {} slowed \
-         ({} would have come too near), {} stopped; least spare {:.6} m; {} unsafe",
+         ({} would have come too near), {} stopped; {} hits were dust; least spare {:.6} m; {} unsafe",
         all.calls,
         first + seeds - 1,
         all.passed,
@@ -183,12 +187,14 @@ fn calls(first: u64, n: u64, threads: u64) -> Tally {
         all.slowed,
         all.mattered,
         all.stopped,
+        all.dust,
         all.spare_m.unwrap_or(f64::INFINITY),
         all.unsafe_calls.len()
     );
     let some: Vec<&String> = all.unsafe_calls.iter().take(10).collect();
     assert!(some.is_empty(), "{some:#?}");
     assert!(all.passed > n / 10, "hardly anything was let through");
+    assert!(all.dust > n / 50, "hardly any hit was dust");
     assert!(all.late > n / 50, "hardly any robot obeyed late");
     assert!(all.stopped + all.slowed > n / 10, "nothing was at stake");
     all
