@@ -46,6 +46,7 @@ pub mod table;
 pub mod task;
 #[cfg(test)]
 mod test_robot;
+mod thin;
 mod turn;
 
 pub use config::LocalPlannerConfig;

@@ -186,8 +186,13 @@ impl Readings {
             Twist::new(newest.odometry.v_mps, newest.odometry.w_radps)
         });
         let base_from_laser = &description.meta.base_from_laser;
-        self.points
-            .take(scan.meta, scan.items, base_from_laser, &pose, twist);
+        self.points.take(
+            scan.meta,
+            scan.items,
+            base_from_laser,
+            (&pose, run_ns),
+            twist,
+        );
         self.scan_pose = Some(pose);
         self.scan_fresh = false;
     }

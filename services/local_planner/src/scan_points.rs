@@ -3,13 +3,16 @@
 //! Lidars report things that are not there: single beams that dust or rain throws back, and beams
 //! that hit an edge and give a range between what is before and behind it. A hit that neither a
 //! neighbouring beam nor the scan before saw at about the same place is left out until the next
-//! scan confirms it. A real thing is wider than one beam wherever it is near enough to matter, or it
-//! is there again one scan later; the guard looks at the raw scan all the same.
+//! scan confirms it; one on something thin, before what beams on both sides show, until it has been there for some
+//! time. A real thing is wider than one beam wherever it is near enough to matter, or it
+//! is there again; the guard has a rule of its own.
 
-use nalgebra::{Isometry2, Point2};
+use crate::thin::is_before;
+use nalgebra::{Isometry2, Point2, Vector2};
 use zeronav_motion::Twist;
 use zeronav_msgs::Pose;
 use zeronav_msgs::scan::{BEAMS_MAX, Scan};
+use zeronav_msgs::time::seconds;
 
 /// Beams to either side that can confirm a hit.
 const NEIGHBOURS: usize = 2;
@@ -20,6 +23,15 @@ const TOGETHER_M: f64 = 0.06;
 /// Distances between neighbouring beams, square to them, that hits on one surface may lie apart:
 /// surfaces are met at an angle.
 const TOGETHER_BEAMS: f64 = 4.0;
+
+/// Of the drops in two scans some are near each other: what is there again is where it was, off by so much at most
+/// along its beam [m], across it [m] and across it besides, in distances between beams.
+const AGAIN_ALONG_M: f64 = 0.03;
+const AGAIN_ACROSS_M: f64 = 0.01;
+const AGAIN_BEAMS: f64 = 2.0;
+
+/// [s] for which every scan has to show it there; one scan at least.
+const AGAIN_S: f64 = 0.09;
 
 /// Pairs of beams whose ranges are averaged with the one between them.
 const PAIRS: usize = 4;
@@ -35,8 +47,31 @@ const ROUGH_M: f64 = 0.06;
 struct Hit {
     at: Point2<f64>,
     beam: usize,
-    /// [m] how near a confirming hit must be.
+    /// [m] how near a confirming hit must be, and distance of neighbouring beams. [m]
     together_m: f64,
+    apart_m: f64,
+    /// It is on something thin; beams on both sides went on far behind it.
+    is_before: bool,
+    /// [s] for which every scan has shown it; infinite for what the beams beside it confirm.
+    shown_s: f64,
+}
+
+impl Hit {
+    /// True when a hit of the scan before shows what this one shows; `at` is its place and `along` its beam's
+    /// direction in the frame of the other.
+    fn is_again(&self, was: &Self, at: Point2<f64>, along: Vector2<f64>) -> bool {
+        let off = was.at - at;
+        if !self.is_before {
+            return off.norm_squared() <= self.together_m * self.together_m;
+        }
+        let across_m = AGAIN_ACROSS_M + AGAIN_BEAMS * self.apart_m;
+        off.dot(&along).abs() <= AGAIN_ALONG_M && off.perp(&along).abs() <= across_m
+    }
+
+    fn is_confirmed(&self) -> bool {
+        let enough_s = if self.is_before { AGAIN_S } else { 0.0 };
+        self.shown_s > enough_s
+    }
 }
 
 /// Hits of the newest scan. Deskewed once when the scan comes, carried forward in every period.
@@ -45,8 +80,8 @@ pub struct ScanPoints {
     /// All hits of the newest scan and of the one before it, in `base` at their captures.
     hits: Vec<Hit>,
     before: Vec<Hit>,
-    /// `odom_from_base` at the capture of the scan before, and now of the newest.
-    pose: Option<Pose>,
+    /// `odom_from_base` at the capture of the scan before, now of the newest, and its run time. [ns]
+    captured: Option<(Pose, u64)>,
     /// Confirmed ones.
     at_capture: Vec<Point2<f64>>,
     now: Vec<Point2<f64>>,
@@ -57,7 +92,7 @@ impl Default for ScanPoints {
         Self {
             hits: Vec::with_capacity(BEAMS_MAX),
             before: Vec::with_capacity(BEAMS_MAX),
-            pose: None,
+            captured: None,
             at_capture: Vec::with_capacity(BEAMS_MAX),
             now: Vec::with_capacity(BEAMS_MAX),
         }
@@ -65,7 +100,7 @@ impl Default for ScanPoints {
 }
 
 impl ScanPoints {
-    /// Takes in a scan. `odom_from_base` holds at its capture, `twist` is the robot's while the
+    /// Takes in a scan. `odom_from_base` holds at its capture, at run time `run_ns`, `twist` is the robot's while the
     /// lidar turned; beam `i` was captured `(n - 1 - i) * time_increment_s` before the last one,
     /// which is the scan's capture. Ranges that are no hits (no return, invalid, outside the
     /// sensor's limits) give no point, nor do hits that nothing confirms. Linear in the beams, and
@@ -75,16 +110,16 @@ impl ScanPoints {
         scan: &Scan,
         ranges: &[f32],
         base_from_laser: &Pose,
-        odom_from_base: &Pose,
+        (odom_from_base, run_ns): (&Pose, u64),
         twist: Twist,
     ) {
         core::mem::swap(&mut self.hits, &mut self.before);
-        let before = self.pose.replace(*odom_from_base);
+        let before = self.captured.replace((*odom_from_base, run_ns));
         self.hits.clear();
         let beam_s = f64::from(scan.time_increment_s);
         let last = f64::from(scan.n_beams.saturating_sub(1));
         let mut elapsed_s = -last * beam_s;
-        let apart = TOGETHER_BEAMS * f64::from(scan.angle_increment_rad).abs();
+        let step_rad = f64::from(scan.angle_increment_rad).abs();
         for (beam, &range) in ranges.iter().take(BEAMS_MAX).enumerate() {
             if scan.is_hit(range) {
                 let (sin, cos) = scan.angle_of(beam).sin_cos();
@@ -95,53 +130,72 @@ impl ScanPoints {
                 } else {
                     in_base
                 };
+                let apart_m = step_rad * range_m;
                 self.hits.push(Hit {
                     at,
                     beam,
-                    together_m: TOGETHER_M + apart * range_m,
+                    together_m: TOGETHER_M + TOGETHER_BEAMS * apart_m,
+                    apart_m,
+                    is_before: is_before(ranges, beam, apart_m),
+                    shown_s: 0.0,
                 });
             }
             elapsed_s += beam_s;
         }
-        self.confirm(before.map(|before| before.isometry().inv_mul(&odom_from_base.isometry())));
+        let laser = base_from_laser.point();
+        self.confirm_beside();
+        if let Some((pose, before_ns)) = before {
+            let before_from_capture = pose.isometry().inv_mul(&odom_from_base.isometry());
+            let since_s = seconds(run_ns.saturating_sub(before_ns));
+            self.confirm_again(&before_from_capture, since_s, laser);
+        }
+        let confirmed = self.hits.iter().filter(|hit| hit.is_confirmed());
+        self.at_capture.clear();
+        self.at_capture.extend(confirmed.map(|hit| hit.at));
     }
 
-    /// Keeps the hits that are confirmed. `before_from_capture` leads to the scan before.
-    fn confirm(&mut self, before_from_capture: Option<Isometry2<f64>>) {
-        let (hits, before) = (&self.hits, &self.before);
-        let beside = |i: usize, hit: &Hit| {
-            let (from, to) = (
-                i.saturating_sub(NEIGHBOURS),
-                (i + NEIGHBOURS + 1).min(hits.len()),
-            );
-            hits[from..to].iter().any(|other| {
+    /// Confirms the hits that a beam beside them shares.
+    fn confirm_beside(&mut self) {
+        for i in 0..self.hits.len() {
+            let hit = self.hits[i];
+            let from = i.saturating_sub(NEIGHBOURS);
+            let to = (i + NEIGHBOURS + 1).min(self.hits.len());
+            let beside = self.hits[from..to].iter().any(|other| {
                 other.beam != hit.beam
                     && other.beam.abs_diff(hit.beam) <= NEIGHBOURS
                     && (other.at - hit.at).norm_squared() <= hit.together_m * hit.together_m
-            })
-        };
-        let again = |hit: &Hit| {
-            before_from_capture.is_some_and(|before_from_capture| {
-                let at = before_from_capture * hit.at;
-                before
-                    .iter()
-                    .any(|was| (was.at - at).norm_squared() <= hit.together_m * hit.together_m)
-            })
-        };
-        self.at_capture.clear();
-        self.at_capture.extend(
-            hits.iter()
-                .enumerate()
-                .filter(|(i, hit)| beside(*i, hit) || again(hit))
-                .map(|(_, hit)| hit.at),
-        );
+            });
+            if beside && !hit.is_before {
+                self.hits[i].shown_s = f64::INFINITY;
+            }
+        }
+    }
+
+    /// Tells how long the other hits have been there. `before_from_capture` leads to the scan before, `since_s`
+    /// ago [s]; `laser` is the lidar's place in `base`.
+    fn confirm_again(
+        &mut self,
+        before_from_capture: &Isometry2<f64>,
+        since_s: f64,
+        laser: Point2<f64>,
+    ) {
+        for hit in self.hits.iter_mut().filter(|hit| hit.shown_s == 0.0) {
+            let along = (hit.at - laser).try_normalize(0.0).unwrap_or_default();
+            let (at, along) = (before_from_capture * hit.at, before_from_capture * along);
+            let again = self
+                .before
+                .iter()
+                .filter(|was| hit.is_again(was, at, along));
+            let longest_s = again.map(|was| was.shown_s).reduce(f64::max);
+            hit.shown_s = longest_s.map_or(0.0, |shown_s| shown_s + since_s);
+        }
     }
 
     /// Forgets the scans.
     pub fn clear(&mut self) {
         self.hits.clear();
         self.before.clear();
-        self.pose = None;
+        self.captured = None;
         self.at_capture.clear();
         self.now.clear();
     }
@@ -225,7 +279,9 @@ mod tests {
     }
 
     fn still(points: &mut ScanPoints, scan: &Scan, ranges: &[f32], laser: &Pose) -> usize {
-        points.take(scan, ranges, laser, &Pose::default(), Twist::REST);
+        let before_ns = points.captured.map_or(0, |(_, run_ns)| run_ns);
+        let captured = (&Pose::default(), before_ns + 100_000_000);
+        points.take(scan, ranges, laser, captured, Twist::REST);
         points.carry(&Pose::default(), &Pose::default()).len()
     }
 
@@ -260,8 +316,8 @@ mod tests {
         // 1 m/s ahead, 0.1 s per beam: beam 0 was seen 0.3 m further back.
         let twist = Twist::new(1.0, 0.0);
         let here = Pose::default();
-        for _ in 0..2 {
-            points.take(&scan(0.1), &[2.0; 4], &here, &here, twist);
+        for run_ns in [0, 100_000_000] {
+            points.take(&scan(0.1), &[2.0; 4], &here, (&here, run_ns), twist);
         }
         let found = points.carry(&here, &here);
         assert!((found[0] - Point2::new(1.7, 0.0)).norm() < 1e-6);
@@ -294,7 +350,7 @@ mod tests {
         assert_eq!(still(&mut ScanPoints::default(), &one, &flies, &here), 0);
         // Confirmed where it was, although the robot has moved since: 0.3 m ahead and turned.
         let mut points = ScanPoints::default();
-        points.take(&one, &fly, &here, &here, Twist::REST);
+        points.take(&one, &fly, &here, (&here, 0), Twist::REST);
         let there = Pose::new(0.3, 0.0, 0.02);
         let mut nearer = fly;
         nearer[4] = 1.0;
@@ -302,8 +358,53 @@ mod tests {
         let at = Point2::new(0.04_f64.cos(), 0.04_f64.sin());
         let seen = there.isometry().inverse() * at;
         nearer[3] = seen.coords.norm() as f32;
-        points.take(&one, &nearer, &here, &there, Twist::REST);
+        points.take(&one, &nearer, &here, (&there, 100_000_000), Twist::REST);
         assert_eq!(points.carry(&there, &there).len(), 1);
+    }
+
+    #[test]
+    fn two_drops_of_rain_near_each_other_do_not_confirm_each_other() {
+        let none = f32::INFINITY;
+        let (one, here) = (beams(9, 0.01), Pose::default());
+        let drop = |range_m| [none, none, none, none, range_m, none, none, none, none];
+        let after = |range_m| {
+            let mut points = ScanPoints::default();
+            still(&mut points, &one, &drop(1.0), &here);
+            still(&mut points, &one, &drop(range_m), &here)
+        };
+        assert_eq!(after(1.06), 0, "another drop");
+        assert_eq!(after(1.02), 1, "a wire");
+        // Of many scans in a short time all have to show it, and as long.
+        let mut points = ScanPoints::default();
+        for n in 0..6 {
+            let captured = (&here, n * 25_000_000);
+            points.take(&one, &drop(1.0), &here, captured, Twist::REST);
+            assert_eq!(points.carry(&here, &here).len(), usize::from(n >= 4));
+        }
+    }
+
+    /// In a narrow passage every drop lies close before a wall, and where beams lie close some hit neighbouring ones.
+    #[test]
+    fn drops_on_neighbouring_beams_and_close_before_a_wall_are_drops() {
+        let (wall, here) = (1.2, Pose::default());
+        let seen = |drops: &[usize]| {
+            let mut ranges = [wall; 15];
+            for beam in drops {
+                ranges[*beam] = 1.0;
+            }
+            // 4 mm apart: two are thin, three are not.
+            still(
+                &mut ScanPoints::default(),
+                &beams(15, 0.004),
+                &ranges,
+                &here,
+            )
+        };
+        assert_eq!(seen(&[7]), 14);
+        assert_eq!(seen(&[7, 8]), 13);
+        assert_eq!(seen(&[6, 7, 8]), 15);
+        // With a drop of its own beside.
+        assert_eq!(seen(&[5, 7]), 13);
     }
 
     #[test]
