@@ -12,7 +12,8 @@ codes! {
     pub enum PathStatus: u16 {
         /// Idle: no path was asked for, or no map has come yet.
         NoGoal = 0 => "no_goal",
-        /// The waypoints lead from the robot to the goal.
+        /// The waypoints lead from the robot to the goal; with a block that closes the only way as far as is known,
+        /// to where the robot can see it from near.
         Found = 1 => "found",
         /// The robot is not on the map.
         StartOutsideMap = 2 => "start_outside_map",

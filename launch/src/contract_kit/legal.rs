@@ -7,7 +7,7 @@ use super::room::{Room, geometry};
 use nalgebra::Point2;
 use zeronav_msgs::command::{Validity, VelocityCommand, VelocityRequest};
 use zeronav_msgs::map::COST_LETHAL;
-use zeronav_msgs::path::{Path, PathStatus, Waypoint};
+use zeronav_msgs::path::{Path, PathBlock, PathStatus, Waypoint};
 use zeronav_msgs::topics::{ControlRequest, PlanPath, RobotCommand};
 
 /// What floating point may add to a limit.
@@ -105,6 +105,8 @@ fn path_problem(path: &Path, waypoints: &[Waypoint], tick: u64) -> Option<String
     }
     let end = waypoints.last()?;
     let beside_m = (Point2::new(end.x_m, end.y_m) - TASK_GOAL.pose.point()).norm();
-    (path.goal == TASK_GOAL.id && beside_m > TASK_GOAL.tolerance_m + ROUNDING)
+    // With a block that closes the way it leads to where that is seen from near.
+    let is_whole = path.block() != Some(PathBlock::Closed);
+    (is_whole && path.goal == TASK_GOAL.id && beside_m > TASK_GOAL.tolerance_m + ROUNDING)
         .then(|| format!("it ends {beside_m:.2} m from the goal"))
 }

@@ -209,7 +209,7 @@ fn beside(beside_goal_m: f64) -> String {
     if beside_goal_m < 0.005 {
         return String::new();
     }
-    format!(", to {beside_goal_m:.2} m beside the goal, which is blocked")
+    format!(", ends {beside_goal_m:.2} m beside the goal")
 }
 
 /// The table of latencies.

@@ -1,5 +1,6 @@
 //! The configuration of the process.
 
+use crate::corridor::Legality;
 use crate::options::PlannerOptions;
 use crate::planner::{CornerRule, Unknown};
 use zeronav_params::parameters;
@@ -29,11 +30,24 @@ parameters! {
         off_path_m: f64 = 1.5, [0.05, 1.0e3] "m";
         /// Part of the remaining cost that a shortcut must save.
         shortcut_gain: f64 = 0.05, [0.0, 1.0];
+        /// What the lidar saw closes the only way to the goal when it is at most so far from the robot; what is
+        /// farther is looked at from there first.
+        look_from_m: f64 = 1.5, [0.3, 1.0e3] "m";
         /// Speed below which a tracked obstacle blocks the way like a static one. Faster ones are left
         /// to the local planner.
         blocks_below_mps: f64 = 0.3, [0.0, 1.0e3] "m/s";
         /// Map revisions between two searches for a shortcut.
         shortcut_every_revisions: u32 = 5, [1, u32::MAX];
+    }
+}
+
+impl GlobalPlannerConfig {
+    /// Which steps of a path are legal.
+    pub(crate) const fn legality(&self) -> Legality {
+        Legality {
+            unknown: self.unknown,
+            corner_rule: self.corner_rule,
+        }
     }
 }
 

@@ -214,14 +214,17 @@ impl Corridor {
     }
 
     /// The first cell ahead on the path that blocks the robot's centre on `map`, or a corner of the
-    /// path at it.
-    pub(crate) fn first_blocked(&self, map: &MapView<'_>) -> Option<Cell> {
+    /// path at it; and the one before it on the path.
+    pub(crate) fn first_blocked(&self, map: &MapView<'_>) -> Option<[Cell; 2]> {
         let ahead = self.ahead();
         let mut pieces = self.pieces[ahead..].iter().zip(ahead..);
-        let (piece, _) = pieces.find(|(piece, n)| self.is_blocked(map, piece, *n))?;
+        let (_, n) = pieces.find(|(piece, n)| self.is_blocked(map, piece, *n))?;
         let (width, _) = self.geometry.size();
-        let index = i32::try_from(piece.index).ok()?;
-        Some(Cell::new(index % width, index / width))
+        let cell = |n: usize| {
+            let index = i32::try_from(self.pieces.get(n)?.index).ok()?;
+            Some(Cell::new(index % width, index / width))
+        };
+        Some([cell(n)?, cell(n.saturating_sub(1))?])
     }
 
     /// Cost of what is left of the path, in metres of free cells: length in each cell times the

@@ -64,6 +64,7 @@ mod jumps;
 mod lazy_theta;
 mod limits;
 mod line;
+mod look;
 mod map_options;
 pub mod moves;
 mod mpgaa;

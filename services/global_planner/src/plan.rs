@@ -33,7 +33,21 @@ pub struct Blocked {
     pub source: ObstacleSource,
 }
 
+/// Where a path was cut.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Cut {
+    /// Its first blocked cell.
+    pub(crate) blocked: Blocked,
+    /// Centre of the cell before that. [m]
+    pub(crate) before: Point2<f64>,
+}
+
 impl Blocked {
+    /// Its centre, `map` frame. [m]
+    pub(crate) fn point(&self) -> Point2<f64> {
+        Point2::from(self.at_m)
+    }
+
     pub(crate) fn of(map: &MapView<'_>, cell: Cell) -> Self {
         let centre = map.geometry.centre_of(cell);
         Self {
@@ -74,8 +88,10 @@ pub struct Plan {
     pub corridor: Corridor,
     /// The first blocked cell of the path before this one.
     pub cut: Option<Blocked>,
-    /// The cell that would have to open, where no way leads to the goal.
+    /// The cell that would have to open, where no way leads to the goal, or none but for what was seen from afar.
     pub closed: Option<Blocked>,
+    /// It leads to where [`Self::closed`] can be seen from near.
+    pub is_look: bool,
     /// Where the obstacle comes from at the end that is blocked: the robot's or the goal's.
     pub end_source: ObstacleSource,
 }
@@ -100,6 +116,7 @@ impl Plan {
             corridor: Corridor::default(),
             cut: None,
             closed: None,
+            is_look: false,
             end_source: ObstacleSource::None,
         }
     }
@@ -115,6 +132,7 @@ impl Plan {
         self.is_detour = false;
         self.cut = None;
         self.closed = None;
+        self.is_look = false;
         self.end_source = ObstacleSource::None;
         self.cells.clear();
         self.forget_way();
@@ -141,6 +159,7 @@ impl Plan {
         self.robot = query.start;
         self.robot_cell = query.map.geometry.cell_at(query.start.point());
         self.closed = None;
+        self.is_look = false;
         let end = match error {
             Some(PlanError::StartBlocked) => self.robot_cell,
             _ => query.map.geometry.cell_at(query.goal.point()),
@@ -179,12 +198,15 @@ impl Plan {
     }
 
     /// The first cell that cuts this path on `map`.
-    pub(crate) fn first_cut(&self, map: &MapView<'_>) -> Option<Blocked> {
+    pub(crate) fn first_cut(&self, map: &MapView<'_>) -> Option<Cut> {
         if self.status != PathStatus::Found || !self.corridor.is_on(map.geometry) {
             return None;
         }
-        let cell = self.corridor.first_blocked(map)?;
-        Some(Blocked::of(map, cell))
+        let [cell, before] = self.corridor.first_blocked(map)?;
+        Some(Cut {
+            blocked: Blocked::of(map, cell),
+            before: map.geometry.centre_of(before),
+        })
     }
 
     /// The cell that decided.

@@ -21,6 +21,9 @@
 //!    can make it succeed. A proof (`unreachable`, `unreachable_corner`, `goal_blocked`) needs a
 //!    cell that opened or a robot that is elsewhere; `goal_outside_map` needs another grid;
 //!    the others need any change of the map or a robot in another cell.
+//!    A proof is none yet when the path was cut by what the lidar saw from farther than `look_from_m`: from
+//!    afar beams that graze the edges of a door close it. The path then leads to the cell before the cut, and
+//!    the search is repeated when the robot is near, or a cell opened and `shortcut_every_revisions` have passed.
 //! 4. The map has another grid, or a cell ahead on the path blocks the robot's centre: a detour
 //!    ([`GlobalPlanner::detour`]), else search, cause `obstacle`.
 //! 5. The path is a detour: search, cause `improved`.
@@ -45,9 +48,9 @@
 use crate::barrier::Barrier;
 use crate::change::{Change, CostMemory};
 use crate::config::GlobalPlannerConfig;
-use crate::corridor::Legality;
+use crate::look;
 use crate::moves::octile_cells;
-use crate::plan::{Blocked, Plan, Target};
+use crate::plan::{Blocked, Cut, Plan, Target};
 use crate::planner::{Control, Expansions, GlobalPlanner, PlanQuery};
 use crate::smooth::Smooth;
 use crate::table::{UnknownPlanner, row_of};
@@ -145,8 +148,8 @@ pub struct Replanner {
     revision: u64,
     revisions_since_search: u32,
     request_served: u64,
-    /// Where the last path was cut.
-    cut: Option<Blocked>,
+    /// Where the last path to the goal was cut.
+    cut: Option<Cut>,
     barrier: Barrier,
     timer: StageTimer,
 }
@@ -262,10 +265,7 @@ impl Replanner {
             self.smooth
                 .run(&query, self.config.smooth_m, &mut candidate.cells);
         }
-        let legality = Legality {
-            unknown: self.config.unknown,
-            corner_rule: self.config.corner_rule,
-        };
+        let legality = self.config.legality();
         candidate.set(&query, legality, target, result.err());
         if candidate.is_detour && candidate.status != PathStatus::Found {
             // It has more corners than a message holds.
@@ -275,13 +275,24 @@ impl Replanner {
         }
         self.timer.mark(Stage::Smooth);
         candidate.cause = pending.cause;
-        candidate.cut = self.cut.filter(|_| pending.cause == PathCause::Obstacle);
+        let cut = self.cut.filter(|_| pending.cause == PathCause::Obstacle);
+        candidate.cut = cut.map(|cut| cut.blocked);
         let is_proof = matches!(
             candidate.status,
             PathStatus::Unreachable | PathStatus::UnreachableCorner
         );
         if is_proof && candidate.cut.is_none() {
             candidate.closed = self.barrier.find(&query);
+        }
+        if let Some(cut) = cut.filter(|_| is_proof || candidate.status == PathStatus::GoalBlocked) {
+            look::lead(
+                planner.as_mut(),
+                &query,
+                &self.config,
+                cut,
+                &mut limited,
+                candidate,
+            );
         }
         candidate.searched_map = situation.revision;
         if let Some(request) = situation.request {
@@ -346,7 +357,9 @@ impl Replanner {
         }
         let off_path_m = self.plan.corridor.advance(situation.robot.point());
         if self.plan.is_cut(map) {
-            self.cut = self.plan.first_cut(map);
+            if !self.plan.is_look {
+                self.cut = self.plan.first_cut(map);
+            }
             return Some(PathCause::Obstacle);
         }
         if self.plan.is_detour {
@@ -363,8 +376,13 @@ impl Replanner {
         {
             return Some(PathCause::Request);
         }
-        let worth_m = (1.0 - self.config.shortcut_gain) * self.cost_ahead_m(map);
         let due = self.revisions_since_search >= self.config.shortcut_every_revisions;
+        if self.plan.is_look {
+            let near = |closed: Blocked| look::is_near(&self.config, &closed, &situation.robot);
+            let is_near = self.plan.closed.is_none_or(near);
+            return (is_near || due && self.change.opened).then_some(self.plan.cause);
+        }
+        let worth_m = (1.0 - self.config.shortcut_gain) * self.cost_ahead_m(map);
         (due && self.promised_m < worth_m).then_some(PathCause::Shortcut)
     }
 
@@ -376,7 +394,7 @@ impl Replanner {
         self.plan.corridor.advance(newest.robot.point());
         if self.plan.is_cut(map) {
             self.candidate.cause = PathCause::Obstacle;
-            self.candidate.cut = self.plan.first_cut(map);
+            self.candidate.cut = self.plan.first_cut(map).map(|cut| cut.blocked);
             return true;
         }
         let weight = self.config.options.cost_weight;

@@ -119,6 +119,16 @@ fn a_way_around_names_the_cell_that_cut_the_one_before() {
         &Around::default(),
         &["it ends 0.20 m beside the goal"],
     );
+    let path = moment.path.as_mut().expect("a path");
+    (path.block, path.source) = (PathBlock::Closed, ObstacleSource::Lidar);
+    (path.block_m, path.beside_goal_m) = ([9.05, 6.45], 4.0);
+    says(
+        &moment,
+        &Around::default(),
+        &[
+            "it leads to where the robot sees from near whether an obstacle at (9.05, 6.45) that the lidar saw",
+        ],
+    );
 }
 
 #[test]

@@ -205,7 +205,13 @@ pub(super) fn way(path: &Path) -> String {
         (PathCause::NextGoal, _) => "the next goal came up".to_owned(),
         (PathCause::Goal | PathCause::None, _) => "the goal was given".to_owned(),
     };
-    let beside = if path.beside_goal_m > 0.005 {
+    let beside = if path.block == PathBlock::Closed {
+        format!(
+            "; it leads to where the robot sees from near whether an obstacle{}{} closes the only way",
+            place(path.blocked()),
+            origin(path.blocked())
+        )
+    } else if path.beside_goal_m > 0.005 {
         format!(
             "; it ends {:.2} m beside the goal, whose own cell is not free",
             path.beside_goal_m

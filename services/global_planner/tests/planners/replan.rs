@@ -9,6 +9,14 @@ use zeronav_msgs::path::{Path, PathBlock, PathCause, PathStatus};
 use zeronav_msgs::request::RequestReason;
 use zeronav_msgs::{Cell, CellRect, MapCell, Pose};
 
+const fn cell(cost: u8, flags: u8, clearance_mm: u16) -> MapCell {
+    MapCell {
+        cost,
+        flags,
+        clearance_mm,
+    }
+}
+
 #[test]
 fn rule_1_without_a_goal_or_a_map_there_is_no_path() {
     let (mut bench, _) = Bench::new(ROOM);
@@ -104,6 +112,73 @@ fn rule_3_the_cause_survives_a_failure() {
     bench.expect_new(PathCause::Obstacle, PathStatus::Found);
 }
 
+/// A lidar that closes the only way from afar proves nothing: the robot drives there and looks.
+#[test]
+fn rule_3_what_was_seen_from_afar_counts_when_it_was_seen_from_near() {
+    for closed in [Cell::new(15, 0), Cell::new(19, 0)] {
+        let (mut bench, at) = Bench::new("S..................G");
+        let config = GlobalPlannerConfig {
+            look_from_m: 0.3,
+            ..GlobalPlannerConfig::default()
+        };
+        bench.replanner = Replanner::new(&config).unwrap();
+        let shut = match closed == at('G') {
+            true => PathStatus::GoalBlocked,
+            false => PathStatus::Unreachable,
+        };
+        let put = |bench: &mut Bench, flags| {
+            bench.update(&[closed], COST_LETHAL);
+            bench.map.put(closed, cell(COST_LETHAL, flags, 0));
+        };
+        let block = |bench: &Bench| {
+            let mut message = Path::default();
+            bench.replanner.plan().fill(&mut message);
+            let [x_m, y_m] = message.block_m;
+            let cell = bench.map.geometry.cell_at(nalgebra::Point2::new(x_m, y_m));
+            (message.block().unwrap(), cell.unwrap())
+        };
+        bench.expect_new(PathCause::Goal, PathStatus::Found);
+        put(&mut bench, FLAG_SENSED);
+        bench.expect_new(PathCause::Obstacle, PathStatus::Found);
+        let before = Cell::new(closed.x - 1, 0);
+        assert_eq!(bench.path().last(), Some(&before));
+        assert_eq!(block(&bench), (PathBlock::Closed, closed));
+        bench.expect_unchanged();
+        // Still far; nor does a cell that opens elsewhere hurry.
+        bench.robot = bench.map.pose(Cell::new(closed.x - 8, 0));
+        bench.expect_unchanged();
+        bench.update(&[Cell::new(2, 0)], COST_LETHAL);
+        bench.expect_unchanged();
+        bench.update(&[Cell::new(2, 0)], 0);
+        bench.expect_unchanged();
+        for _ in 3..config.shortcut_every_revisions {
+            bench.update(&[], 0);
+            bench.expect_unchanged();
+        }
+        bench.update(&[], 0);
+        bench.expect_new(PathCause::Obstacle, PathStatus::Found);
+        assert_eq!(block(&bench), (PathBlock::Closed, closed));
+        // Near, and sure.
+        bench.robot = bench.map.pose(Cell::new(closed.x - 5, 0));
+        bench.expect_new(PathCause::Obstacle, shut);
+        assert_eq!(block(&bench).1, closed);
+        bench.expect_unchanged();
+        bench.update(&[closed], 0);
+        bench.expect_new(PathCause::Obstacle, PathStatus::Found);
+        assert_eq!(bench.path().last(), Some(&at('G')));
+        // The static map is sure from afar, and so is a track.
+        bench.robot = bench.map.pose(at('S'));
+        bench.target = bench.target.map(|target| Target { task: 8, ..target });
+        for flags in [FLAG_STATIC, 0] {
+            bench.update(&[closed], 0);
+            let _ = bench.cycle();
+            assert_eq!(bench.replanner.plan().status, PathStatus::Found);
+            put(&mut bench, flags);
+            bench.expect_new(PathCause::Obstacle, shut);
+        }
+    }
+}
+
 #[test]
 fn rule_3_blocked_ends_wait_for_what_can_help() {
     let (mut bench, at) = Bench::new("S....G");
@@ -187,11 +262,6 @@ fn a_proof_that_no_way_is_left_names_where_the_last_one_was_cut() {
 
 #[test]
 fn a_proof_without_a_path_before_names_what_would_have_to_open_and_where_it_comes_from() {
-    let cell = |cost, flags, clearance_mm| MapCell {
-        cost,
-        flags,
-        clearance_mm,
-    };
     // Two gaps of the wall: one that a box closes, one that is only too narrow for the robot.
     let (mut bench, at) = Bench::new(
         "S....#.....

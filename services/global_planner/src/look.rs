@@ -1,0 +1,57 @@
+//! Going to see whether a way is closed.
+//!
+//! From afar a lidar closes doors: beams that graze an edge return from somewhere in the opening, and they lie
+//! so far apart that a few of them are as wide as the door. So what the lidar saw from afar proves nothing.
+
+use crate::config::GlobalPlannerConfig;
+use crate::plan::{Blocked, Cut, Plan};
+use crate::planner::{Control, Expansions, GlobalPlanner, PlanQuery};
+use zeronav_msgs::Pose;
+use zeronav_msgs::map::ObstacleSource;
+use zeronav_msgs::path::PathStatus;
+
+/// How far beside the last path the place may be from which the robot looks, at most [m] and as a part of the
+/// distance that is near.
+const BESIDE_M: f64 = 0.5;
+const BESIDE_SHARE: f64 = 0.5;
+
+/// True when the robot has seen `blocked` from near.
+pub(crate) fn is_near(config: &GlobalPlannerConfig, blocked: &Blocked, robot: &Pose) -> bool {
+    (blocked.point() - robot.point()).norm() <= config.look_from_m
+}
+
+/// Instead of the failed search `plan`, leads to the cell before the cut of the path before, when the lidar alone
+/// saw it, from afar.
+pub(crate) fn lead(
+    planner: &mut dyn GlobalPlanner,
+    query: &PlanQuery<'_>,
+    config: &GlobalPlannerConfig,
+    cut: Cut,
+    budget: &mut dyn FnMut(Expansions) -> Control,
+    plan: &mut Plan,
+) {
+    let Some(target) = plan.target else {
+        return;
+    };
+    let blocked = cut.blocked;
+    if blocked.source != ObstacleSource::Lidar || is_near(config, &blocked, &query.start) {
+        return;
+    }
+    let ahead = blocked.point() - cut.before;
+    let there = PlanQuery {
+        goal: Pose::new(cut.before.x, cut.before.y, ahead.y.atan2(ahead.x)),
+        tolerance_m: (BESIDE_SHARE * config.look_from_m).min(BESIDE_M),
+        ..*query
+    };
+    let (status, end_source, effort) = (plan.status, plan.end_source, plan.cells.stats);
+    plan.cells.clear();
+    let result = planner.plan(&there, budget, &mut plan.cells);
+    plan.cells.stats.add_effort(&effort);
+    plan.set(&there, config.legality(), target, result.err());
+    if plan.status == PathStatus::Found {
+        plan.is_look = true;
+        (plan.cut, plan.closed) = (None, Some(blocked));
+    } else {
+        (plan.status, plan.end_source) = (status, end_source);
+    }
+}
