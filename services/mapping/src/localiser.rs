@@ -1,7 +1,7 @@
 //! `map_from_odom`: what odometry has drifted away by.
 
 use crate::moved::{Basis, Moved};
-use crate::pose_error::{swing, turned};
+use crate::pose_error::{CEILING, limit, swing, turned};
 use crate::scan_match::Surfaces;
 use crate::scan_odometry::ScanOdometry;
 use crate::slip::Ends;
@@ -39,12 +39,6 @@ parameters! {
     }
 }
 
-/// Least standard deviations of the pose, for what neither scan nor map can tell. [m, rad]
-const FLOOR: (f64, f64) = (0.005, 0.002);
-
-/// Largest standard deviations: a robot that has been lost for long is not lost everywhere.
-const CEILING: (f64, f64) = (0.5, 0.2);
-
 /// Times the deviation of the yaw that odometry claims by which it is trusted, when that is less than
 /// the configuration's: with a gyro it knows the yaw better than scans do among those who walk.
 const CLAIM: f64 = 2.0;
@@ -61,6 +55,9 @@ const BEYOND: (f64, f64) = (0.3, 0.2);
 
 /// Share of the fastest motion, and the slack, beyond which a step of odometry is no motion. [m, rad]
 const JUMP: (f64, f64, f64) = (1.5, 0.05, 0.1);
+
+/// How far a way from key scan to key scan leads away, as a share of it.
+const DRIFT: f64 = 0.01;
 
 /// Share of the points that must contradict odometry that claims to be exact.
 const NOTICED_SHARE: f64 = 0.6;
@@ -83,7 +80,11 @@ pub struct Localiser {
     map_from_odom: Pose,
     /// At the last scan.
     map_from_base: Pose,
+    /// Against what the scan is laid on.
     covariance: Matrix3<f64>,
+    /// Against where the map began: what was seen before on a map of its own making lies where the robot
+    /// had drifted to by then, and lessens nothing.
+    drift: Matrix3<f64>,
     /// Variance of the yaw that the last step added. [rad^2]
     step_yaw: f64,
     /// All that was added so far. [rad^2]
@@ -114,6 +115,7 @@ impl Localiser {
             map_from_odom: Pose::default(),
             map_from_base: Pose::default(),
             covariance: Matrix3::zeros(),
+            drift: Matrix3::zeros(),
             step_yaw: 0.0,
             yaw_doubt: 0.0,
             last_odom_from_base: None,
@@ -135,10 +137,11 @@ impl Localiser {
         self.map_from_odom = map_from_odom;
         self.covariance = Matrix3::new(xx, xy, xw, xy, yy, yw, xw, yw, ww);
         self.unknown = (0.0, 0.0);
-        if xx.max(yy) > CEILING.0.powi(2) || ww > CEILING.1.powi(2) {
+        if xx.max(yy) >= POSE_SIGMA_M_MAX.powi(2) || ww >= POSE_SIGMA_RAD_MAX.powi(2) {
             self.unknown = (xx.max(yy).sqrt(), ww.sqrt());
-            self.limit();
         }
+        limit(&mut self.covariance);
+        self.drift = self.covariance;
     }
 
     /// True when the pose is corrected, given the variances that odometry states of itself.
@@ -176,11 +179,12 @@ impl Localiser {
         self.unknown.0 > UNKNOWN.0 || self.unknown.1 > UNKNOWN.1
     }
 
-    /// Covariance of the robot's pose in the map, upper triangle by rows. [m, m, rad] As long as it is
+    /// Covariance of the robot's pose in the map, upper triangle by rows. [m, m, rad] On a map of its own
+    /// making that is against where the map began, and grows with the way. As long as the pose is
     /// uncertain its deviations are above those from which on nobody may rely on it.
     #[must_use]
     pub fn covariance(&self) -> [f64; 6] {
-        let mut c = self.covariance;
+        let mut c = self.drift;
         if self.is_uncertain() {
             let place_m = self.unknown.0 + UNCERTAIN * POSE_SIGMA_M_MAX;
             let yaw_rad = self.unknown.1 + UNCERTAIN * POSE_SIGMA_RAD_MAX;
@@ -218,6 +222,7 @@ impl Localiser {
         if self.active {
             let (place, yaw) = (CEILING.0.powi(2), CEILING.1.powi(2));
             self.covariance = Matrix3::from_diagonal(&Vector3::new(place, place, yaw));
+            self.drift = self.covariance;
         }
         self.unknown = (0.0, 0.0);
     }
@@ -258,8 +263,11 @@ impl Localiser {
         let left = turned(predicted.yaw_rad) * moved.left;
         let added = left * moved.noise * left.transpose();
         self.step_yaw = added[(2, 2)];
-        self.covariance = step * self.covariance * step.transpose() + added;
-        self.limit();
+        for covariance in [&mut self.covariance, &mut self.drift] {
+            *covariance = step * *covariance * step.transpose() + added;
+            limit(covariance);
+        }
+        self.drift_by(came.norm());
         if let Some((place_m, yaw_rad)) = moved.unknown() {
             self.unknown.0 += place_m;
             self.unknown.1 += yaw_rad;
@@ -294,7 +302,7 @@ impl Localiser {
                 self.scans.begin(&odom_from_base, standing.at);
             }
             self.map_from_base = self.map_from_base(&odom_from_base);
-            self.covariance = Matrix3::zeros();
+            (self.covariance, self.drift) = (Matrix3::zeros(), Matrix3::zeros());
             self.unknown = (0.0, 0.0);
         }
         self.active
@@ -322,7 +330,11 @@ impl Localiser {
         };
         if let Some(matched) = matched {
             self.covariance = matched.covariance;
-            self.limit();
+            limit(&mut self.covariance);
+            // A robot that was found knows where it is on its map, not where that lies.
+            if is_sure {
+                self.learn(&matched.told);
+            }
             pose = matched.pose;
             self.unknown = (0.0, 0.0);
         }
@@ -374,26 +386,22 @@ impl Localiser {
         }
     }
 
-    /// Keeps the covariance between floor and ceiling.
-    fn limit(&mut self) {
-        for (axis, (low, high)) in [
-            (FLOOR.0, CEILING.0),
-            (FLOOR.0, CEILING.0),
-            (FLOOR.1, CEILING.1),
-        ]
-        .into_iter()
-        .enumerate()
-        {
-            let variance = self.covariance[(axis, axis)];
-            if variance < low * low {
-                self.covariance[(axis, axis)] = low * low;
-            } else if variance > high * high {
-                let shrink = high / variance.sqrt();
-                for other in 0..3 {
-                    self.covariance[(axis, other)] *= shrink;
-                    self.covariance[(other, axis)] *= shrink;
-                }
-            }
+    /// A way from key scan to key scan leads away by a share of its length, always to the same side.
+    fn drift_by(&mut self, way_m: f64) {
+        let off_m = DRIFT * way_m;
+        for axis in 0..2 {
+            let sigma_m = self.drift[(axis, axis)].max(0.0).sqrt();
+            self.drift[(axis, axis)] += (2.0 * sigma_m + off_m) * off_m;
+        }
+        limit(&mut self.drift);
+    }
+
+    /// What the static map told about the pose lessens its drift. [information]
+    fn learn(&mut self, told: &Matrix3<f64>) {
+        let information = self.drift.try_inverse().map(|before| before + told);
+        if let Some(drift) = information.and_then(Matrix3::try_inverse) {
+            self.drift = drift;
+            limit(&mut self.drift);
         }
     }
 }

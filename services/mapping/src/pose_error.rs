@@ -2,6 +2,12 @@
 
 use nalgebra::{Matrix3, Rotation2, Vector2};
 
+/// Least standard deviations of the pose, for what neither scan nor map can tell. [m, rad]
+const FLOOR: (f64, f64) = (0.005, 0.002);
+
+/// Largest standard deviations: a robot that has been lost for long is not lost everywhere.
+pub(crate) const CEILING: (f64, f64) = (0.5, 0.2);
+
 /// How an error of a pose changes when the robot has come a way from there, in the axes of the way: a
 /// wrong yaw swings its end around its beginning.
 pub(crate) fn swing(came: &Vector2<f64>) -> Matrix3<f64> {
@@ -14,4 +20,27 @@ pub(crate) fn swing(came: &Vector2<f64>) -> Matrix3<f64> {
 /// Turns the axes of an error of a pose.
 pub(crate) fn turned(yaw_rad: f64) -> Matrix3<f64> {
     Rotation2::new(yaw_rad).to_homogeneous()
+}
+
+/// Keeps a covariance between floor and ceiling.
+pub(crate) fn limit(covariance: &mut Matrix3<f64>) {
+    for (axis, (low, high)) in [
+        (FLOOR.0, CEILING.0),
+        (FLOOR.0, CEILING.0),
+        (FLOOR.1, CEILING.1),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let variance = covariance[(axis, axis)];
+        if variance < low * low {
+            covariance[(axis, axis)] = low * low;
+        } else if variance > high * high {
+            let shrink = high / variance.sqrt();
+            for other in 0..3 {
+                covariance[(axis, other)] *= shrink;
+                covariance[(other, axis)] *= shrink;
+            }
+        }
+    }
 }

@@ -100,6 +100,8 @@ pub struct Match {
     pub pose: Pose,
     /// Of (x, y, yaw). [m^2, m rad, rad^2]
     pub covariance: Matrix3<f64>,
+    /// What the static map told, as the inverse of a covariance; 0 where it told nothing.
+    pub told: Matrix3<f64>,
 }
 
 impl Surfaces {
@@ -215,6 +217,7 @@ impl Surfaces {
         let at_start = Vector3::new(predicted.x_m, predicted.y_m, predicted.yaw_rad);
         let mut at = at_start;
         let mut information = prior;
+        let mut told = Matrix3::zeros();
         let sigma_m = SIGMA_CELLS * self.geometry.resolution_m;
         let held_m = HELD_CELLS * self.geometry.resolution_m;
         let is_held = self.is_held(points(), predicted, held_m);
@@ -223,6 +226,7 @@ impl Surfaces {
         for step in 0..STEPS_MAX {
             let (sin, cos) = at.z.sin_cos();
             let mut pulls = Pulls::default();
+            let mut by_static_map = Pulls::default();
             let (mut n, mut near) = (0.0, 0.0);
             for (point, seen) in points().zip(&mut seen) {
                 n += 1.0;
@@ -250,6 +254,9 @@ impl Surfaces {
                     }
                     Seen::Nothing if !is_held || is_static(there) => {
                         pulls.add(&turned, &slope, distance_m, 1.0);
+                        if is_static(there) {
+                            by_static_map.add(&turned, &slope, distance_m, 1.0);
+                        }
                     }
                     Seen::Nothing | Seen::Unclear => {}
                 }
@@ -259,6 +266,7 @@ impl Surfaces {
             }
             let worth = (POINTS_WORTH / n).min(1.0) / (sigma_m * sigma_m);
             information = prior + pulls.normal * worth;
+            told = by_static_map.normal * worth;
             let off = prior * (at - at_start) + pulls.right * worth;
             let change = information.try_inverse()? * off;
             at -= change;
@@ -275,6 +283,7 @@ impl Surfaces {
         Some(Match {
             pose,
             covariance: information.try_inverse()?,
+            told,
         })
     }
 
