@@ -181,6 +181,19 @@ fn a_closed_aisle_turns_the_robot_once() {
     }
 }
 
+#[test]
+fn only_a_path_that_is_cut_is_replaced_by_a_detour() {
+    let mut bench = two_aisles();
+    bench.expect_new(PathCause::Goal, PathStatus::Found);
+    while bench.replanner.prepare(1 << 20) {}
+    let load: Vec<Cell> = (0..3).map(|y| Cell::new(30, y)).collect();
+    bench.update(&load, COST_LETHAL);
+    bench.target =
+        (bench.target).map(|target| zeronav_global_planner::Target { task: 8, ..target });
+    bench.expect_new(PathCause::Goal, PathStatus::Found);
+    assert!(!bench.replanner.plan().is_detour);
+}
+
 /// Blocks before a robot in an office, until a detour is so dear that the path found after it counts.
 #[test]
 fn a_path_better_than_the_detour_follows_it() {

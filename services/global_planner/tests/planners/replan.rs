@@ -207,6 +207,26 @@ fn rule_3_blocked_ends_wait_for_what_can_help() {
 }
 
 #[test]
+fn rule_3_a_blocked_robot_that_stands_still_is_freed_by_what_changes() {
+    let (mut bench, at) = Bench::new("S....G");
+    bench.update(&[at('S')], COST_LETHAL);
+    bench.expect_new(PathCause::Goal, PathStatus::StartBlocked);
+    bench.expect_unchanged();
+    // Whatever changes: what becomes dearer, too.
+    bench.update(&[Cell::new(3, 0)], 100);
+    bench.expect_new(PathCause::Goal, PathStatus::StartBlocked);
+    bench.update(&[at('S')], 0);
+    bench.expect_new(PathCause::Goal, PathStatus::Found);
+    // What changed during a search is not forgotten when the next update changes nothing.
+    bench.update(&[at('S')], COST_LETHAL);
+    let (causes, _) = bench.cycle_with(|bench| bench.update(&[at('S')], 0));
+    assert_eq!(causes, [PathCause::Obstacle]);
+    assert_eq!(bench.replanner.plan().status, PathStatus::StartBlocked);
+    bench.update(&[], 0);
+    bench.expect_new(PathCause::Obstacle, PathStatus::Found);
+}
+
+#[test]
 fn rule_4_only_what_is_ahead_on_the_path_counts() {
     let (mut bench, at) = Bench::new(ROOM);
     bench.expect_new(PathCause::Goal, PathStatus::Found);
@@ -242,6 +262,19 @@ fn rule_4_only_what_is_ahead_on_the_path_counts() {
     bench.expect_new(PathCause::Goal, PathStatus::Found);
     bench.replanner.plan().fill(&mut message);
     assert_eq!(message.block(), Some(PathBlock::None));
+}
+
+#[test]
+fn rule_4_a_corner_that_the_robot_has_passed_does_not_count() {
+    let (mut bench, _) = Bench::new("S...\n....\n....\n...G");
+    bench.expect_new(PathCause::Goal, PathStatus::Found);
+    assert_eq!(bench.path()[..2], [Cell::new(0, 3), Cell::new(1, 2)]);
+    bench.robot = bench.map.pose(bench.path()[1]);
+    bench.expect_unchanged();
+    bench.update(&[Cell::new(0, 2)], COST_LETHAL);
+    bench.expect_unchanged();
+    bench.update(&[Cell::new(2, 2)], COST_LETHAL);
+    bench.expect_new(PathCause::Obstacle, PathStatus::Found);
 }
 
 #[test]
@@ -364,5 +397,10 @@ fn rule_6_a_request_is_answered_once_and_only_about_this_path() {
     bench.request = ask(3, geometry, RequestReason::None);
     bench.expect_unchanged();
     bench.request = ask(4, geometry, RequestReason::NoProgress);
+    bench.expect_new(PathCause::Request, PathStatus::Found);
+    // A robot elsewhere is news, too, and ids start again with another local planner.
+    let geometry = bench.replanner.plan().geometry;
+    bench.robot = bench.map.pose(bench.path()[1]);
+    bench.request = ask(2, geometry, RequestReason::Blocked);
     bench.expect_new(PathCause::Request, PathStatus::Found);
 }

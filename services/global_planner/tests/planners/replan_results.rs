@@ -6,7 +6,7 @@ use zeronav_global_planner::{
     Control, Expansions, GlobalPlannerConfig, News, Replanner, Request, Situation, Step, Target,
 };
 use zeronav_msgs::map::COST_LETHAL;
-use zeronav_msgs::path::{PathCause, PathStatus};
+use zeronav_msgs::path::{Path, PathBlock, PathCause, PathStatus};
 use zeronav_msgs::request::RequestReason;
 use zeronav_msgs::{Cell, CellRect};
 
@@ -71,9 +71,8 @@ fn rule_10_a_shortcut_that_saves_nothing_changes_nothing() {
     assert_eq!(bench.replanner.plan().geometry, geometry);
 }
 
-/// A wall with the way round its upper end, and a door that opens at `door`. A niche right before
-/// the robot opens, too, and promises more than the door holds. The length of the way round, too.
-fn with_a_door(door: i32) -> (Bench, f64) {
+/// A wall with the way round its upper end.
+fn with_a_wall() -> Bench {
     let row = |y: i32| match y {
         10 => ".".repeat(41),
         0 => format!("S{}#{}G", ".".repeat(19), ".".repeat(19)),
@@ -82,6 +81,13 @@ fn with_a_door(door: i32) -> (Bench, f64) {
     let drawing: Vec<String> = (0..=10).rev().map(row).collect();
     let (mut bench, _) = Bench::new(&drawing.join("\n"));
     bench.expect_new(PathCause::Goal, PathStatus::Found);
+    bench
+}
+
+/// The same with a door that opens at `door`. A niche right before the robot opens, too, and promises
+/// more than the door holds. The length of the way round, too.
+fn with_a_door(door: i32) -> (Bench, f64) {
+    let mut bench = with_a_wall();
     let long_m = bench.replanner.plan().length_m;
     bench.update(&[Cell::new(21, 0), Cell::new(21, 1)], COST_LETHAL);
     bench.expect_unchanged();
@@ -115,6 +121,89 @@ fn rule_10_a_shortcut_must_save_what_it_must() {
         (searches, news),
         (vec![PathCause::Shortcut], News::Unchanged)
     );
+}
+
+#[test]
+fn rule_8_what_cannot_save_enough_is_not_looked_for() {
+    // The way over the corner of the wall is hardly shorter than the way round it.
+    let mut bench = with_a_wall();
+    bench.update(&[Cell::new(20, 9)], 0);
+    for _ in 0..8 {
+        bench.expect_unchanged();
+        bench.update(&[], 0);
+    }
+    // Nor does what becomes dearer.
+    bench.update(&[Cell::new(30, 0)], 100);
+    for _ in 0..8 {
+        bench.expect_unchanged();
+        bench.update(&[], 0);
+    }
+}
+
+#[test]
+fn rule_8_what_promised_too_little_counts_when_the_robot_has_come_closer() {
+    let (mut bench, _) = Bench::new(
+        "S.........#.........G
+         ..........#..........
+         ..........#..........
+         .....................",
+    );
+    bench.expect_new(PathCause::Goal, PathStatus::Found);
+    // Right beside the way: from where the robot is it saves too little.
+    bench.update(&[Cell::new(10, 1)], 0);
+    for _ in 0..6 {
+        bench.expect_unchanged();
+        bench.update(&[], 0);
+    }
+    let (mut n, mut causes) = (1, Vec::new());
+    while causes.is_empty() && bench.path()[n].x < 9 {
+        bench.robot = bench.map.pose(bench.path()[n]);
+        causes = bench.cycle().0;
+        n += 1;
+    }
+    assert_eq!(causes, [PathCause::Shortcut]);
+}
+
+/// Cycles until a shortcut is searched for, with `meanwhile` in between.
+fn shortcut_with(bench: &mut Bench, meanwhile: impl Fn(&mut Bench)) -> News {
+    for _ in 0..8 {
+        let mut searched = false;
+        let (causes, news) = bench.cycle_with(|bench| {
+            searched = true;
+            meanwhile(bench);
+        });
+        if searched {
+            assert_eq!(causes, [PathCause::Shortcut]);
+            return news;
+        }
+        bench.update(&[], 0);
+    }
+    panic!("no shortcut was looked for");
+}
+
+#[test]
+fn rule_11_a_shortcut_is_no_longer_one_for_a_robot_that_has_gone_on() {
+    let (mut bench, _) = with_a_door(6);
+    let further = bench.path()[8];
+    let news = shortcut_with(&mut bench, |bench| bench.robot = bench.map.pose(further));
+    assert_eq!(news, News::Unchanged);
+}
+
+#[test]
+fn rule_11_a_shortcut_that_saves_little_counts_when_the_old_path_is_cut_by_now() {
+    let (mut bench, _) = with_a_door(8);
+    let cut = Cell::new(20, 10);
+    assert!(bench.path().contains(&cut));
+    let news = shortcut_with(&mut bench, |bench| bench.update(&[cut], COST_LETHAL));
+    assert_eq!(news, News::New);
+    let plan = bench.replanner.plan();
+    assert_eq!(plan.cause, PathCause::Obstacle);
+    let mut message = Path::default();
+    plan.fill(&mut message);
+    let centre = bench.map.pose(cut);
+    assert_eq!(message.block(), Some(PathBlock::PathBefore));
+    let off_m = (message.block_m[0] - centre.x_m).hypot(message.block_m[1] - centre.y_m);
+    assert!(off_m < 1e-9, "{:?}", message.block_m);
 }
 
 #[test]
