@@ -15,6 +15,7 @@
 pub mod checksum;
 pub mod command;
 pub mod description;
+pub mod escape;
 pub mod fields;
 pub mod foresight;
 pub mod grid;
@@ -42,6 +43,7 @@ pub mod task;
 pub mod time;
 pub mod topics;
 pub mod truth;
+pub mod window;
 
 pub use grid::{Cell, CellRect, GridGeometry};
 pub use header::{Header, Id, Parents, Stamps};

@@ -1,17 +1,15 @@
 //! Where a robot can drive to on a map. Pure.
 //!
 //! The stock global planner's rules, for which launch must not depend on it: with every corner rule
-//! but `allow` cells are connected over their edges, and a robot that is too close to an obstacle leaves
-//! it over cells with as much clearance. What a planner's own options forbid is not known here.
+//! but `allow` cells are connected over their edges. A robot that is too close to an obstacle leaves it as
+//! the planner leads it ([`zeronav_msgs::escape`]). What a planner's own options forbid is not known here.
 
 use nalgebra::Point2;
 use std::collections::VecDeque;
 use zeronav_msgs::MapView;
+use zeronav_msgs::escape::{ESCAPE_M, Escape, Standing};
 use zeronav_msgs::grid::{Cell, GridGeometry};
 use zeronav_msgs::map::{COST_LETHAL, MapCell, ObstacleSource};
-
-/// How far a robot is led out of the inflation, along either axis. [m]
-const ESCAPE_M: f64 = 0.6;
 
 /// Cells that the robot can drive to.
 #[derive(Debug)]
@@ -47,36 +45,23 @@ impl Reach {
     /// Marks the cells over which the robot leaves the inflation, and gives the free ones at their
     /// ends; its own cell alone where it is free.
     fn exits(&mut self, map: &MapView<'_>, start: Point2<f64>) -> VecDeque<Cell> {
-        let mut exits = VecDeque::new();
-        let Some((first, own)) =
-            (map.geometry.cell_at(start)).and_then(|cell| Some((cell, map.get(cell)?)))
-        else {
-            return exits;
+        let here = map.geometry.cell_at(start);
+        let Some((first, own)) = here.and_then(|cell| Some((cell, map.get(cell)?))) else {
+            return VecDeque::new();
         };
-        let least_mm = map.least_clearance_mm(own);
-        let has_room = |cell: MapCell| cell.cost != COST_LETHAL && cell.clearance_mm >= least_mm;
-        let is_near = |cell: Cell| {
-            let steps = (cell.x - first.x).abs().max((cell.y - first.y).abs());
-            // Rounding must not lose the cell at the very end.
-            f64::from(steps) * map.geometry.resolution_m <= ESCAPE_M + 1.0e-6
+        let standing = |cell: MapCell| match cell {
+            cell if cell.cost == COST_LETHAL => Standing::Obstacle,
+            cell if cell.blocks_centre() => Standing::Inflated,
+            _ => Standing::Free,
         };
-        let mut open = VecDeque::from([first]);
-        while let Some(cell) = open.pop_front() {
-            let (Some(index), Some(known)) = (map.geometry.index_of(cell), map.get(cell)) else {
-                continue;
-            };
-            // A robot in an obstacle goes nowhere.
-            if !is_near(cell) || !has_room(known) || self.reached[index] {
-                continue;
-            }
+        let mut escape = Escape::default();
+        let reach = (ESCAPE_M, map.least_clearance_mm(own));
+        escape.flood(map, first, reach, standing, |_, _| false);
+        let entered = escape.entered().iter();
+        for index in entered.filter_map(|cell| map.geometry.index_of(*cell)) {
             self.reached[index] = true;
-            if known.blocks_centre() {
-                open.extend(beside(cell));
-            } else {
-                exits.push_back(cell);
-            }
         }
-        exits
+        escape.exits().iter().copied().collect()
     }
 
     /// Whether the robot can be driven to this point of the map frame. [m]

@@ -3,11 +3,10 @@
 use crate::bits::BitMap;
 use crate::goal_cell::GoalCell;
 use crate::map_options::MapOptions;
-use crate::moves::STEPS;
 use crate::padded::padded;
 use crate::planner::{CornerRule, PlanError, PlanQuery, Unknown};
 use crate::regions::Regions;
-use crate::window::{Window, cells_in};
+use zeronav_msgs::escape::{Escape, Standing};
 use zeronav_msgs::{Cell, MapView};
 
 /// Where a search begins and ends.
@@ -25,12 +24,7 @@ pub(crate) struct Ends {
 pub(crate) struct WayOut {
     escape_m: f64,
     cells: Vec<Cell>,
-    /// Free cells within reach, nearest first.
-    exits: Vec<Cell>,
-    /// Step that led to each cell of the window, `UNSEEN` or `ROOT`.
-    seen: Vec<u8>,
-    window: Window,
-    queue: Vec<Cell>,
+    escape: Escape,
     goal: GoalCell,
     bits: BitMap,
     regions: Regions,
@@ -60,26 +54,10 @@ impl WayOut {
     }
 
     /// Turns to the nearest free cell of which `tried` does not hold; `None` when there is none.
-    pub(crate) fn turn_to_next(&mut self, mut tried: impl FnMut(Cell) -> bool) -> Option<Cell> {
-        self.exits.retain(|exit| !tried(*exit));
-        let exit = self.exits.first().copied()?;
-        self.cells.clear();
-        let mut cell = exit;
-        loop {
-            self.cells.push(cell);
-            let step = self.window.index_of(cell).map_or(ROOT, |n| self.seen[n]);
-            let Some((dx, dy)) = STEPS.get(usize::from(step)) else {
-                break;
-            };
-            cell = Cell::new(cell.x - dx, cell.y - dy);
-        }
-        self.cells.reverse();
-        Some(exit)
+    pub(crate) fn turn_to_next(&mut self, tried: impl FnMut(Cell) -> bool) -> Option<Cell> {
+        self.escape.turn_to_next(tried, &mut self.cells)
     }
 }
-
-const UNSEEN: u8 = 255;
-const ROOT: u8 = 8;
 
 /// Finds the first and the last cell of the search.
 ///
@@ -108,7 +86,7 @@ pub(crate) fn find_ends(
     let start = leave_inflation(query, start, way_out).ok_or(PlanError::StartBlocked)?;
     let goal = way_out
         .goal
-        .find(query, goal, &way_out.exits, connected)
+        .find(query, goal, way_out.escape.exits(), connected)
         .ok_or(PlanError::GoalBlocked)?;
     Ok(Ends { start, goal })
 }
@@ -141,65 +119,35 @@ pub(crate) fn find_ends_on_map(
 
 /// Writes the way out and gives its last cell.
 ///
-/// Clearance does not fall on it ([`MapView::least_clearance_mm`]): a gap that is too narrow for the robot is
-/// none because the robot stands right before it. Only where that leaves no free cell within reach, as
-/// on a map that is wrong, any cell will do that is not lethal.
+/// Clearance does not fall on it. Only where that leaves no free cell within reach, as on a map that is
+/// wrong, any cell will do that is not lethal.
 fn leave_inflation(query: &PlanQuery<'_>, start: Cell, way_out: &mut WayOut) -> Option<Cell> {
     let own = query.map.get(start)?;
     let least_mm = query.map.least_clearance_mm(own);
     flood(query, start, least_mm, way_out)?;
-    if way_out.exits.is_empty() {
+    if way_out.escape.exits().is_empty() {
         flood(query, start, 0, way_out)?;
     }
     way_out.turn_to_next(|_| false)
 }
 
-/// Finds the free cells within reach, nearest first, over cells with at least this clearance. [mm]
-/// `None` when the robot is in an obstacle.
+/// Finds the free cells within reach over cells with at least this clearance. [mm] `None` when the
+/// robot is in an obstacle.
 fn flood(query: &PlanQuery<'_>, start: Cell, least_mm: u16, way_out: &mut WayOut) -> Option<()> {
     let (map, unknown) = (query.map, query.unknown);
-    let cell = map.get(start)?;
-    let reach = if unknown.is_lethal(cell) {
-        return None;
-    } else if unknown.blocks(cell) {
-        cells_in(way_out.escape_m, map.geometry.resolution_m)
-    } else {
-        0
+    let standing = |cell| {
+        if unknown.is_lethal(cell) {
+            Standing::Obstacle
+        } else if unknown.blocks(cell) {
+            Standing::Inflated
+        } else {
+            Standing::Free
+        }
     };
-    let window = Window::around(start, reach);
-    way_out.window = window;
-    way_out.seen.clear();
-    way_out.seen.resize(window.len(), UNSEEN);
-    way_out.seen[window.index_of(start)?] = ROOT;
-    way_out.exits.clear();
-    way_out.queue.clear();
-    way_out.queue.push(start);
-    let has_room = |cell| (map.get(cell)).is_some_and(|cell| cell.clearance_mm >= least_mm);
-    let mut next = 0;
-    while let Some(&from) = way_out.queue.get(next) {
-        next += 1;
-        if !unknown.blocks(map.get(from)?) {
-            way_out.exits.push(from);
-            continue;
-        }
-        // Straight steps first, so that ways of equal steps are the shorter ones.
-        for n in [0_u8, 2, 4, 6, 1, 3, 5, 7] {
-            let (dx, dy) = STEPS[usize::from(n)];
-            let to = Cell::new(from.x + dx, from.y + dy);
-            let Some(index) = window.index_of(to) else {
-                continue;
-            };
-            if way_out.seen[index] == UNSEEN
-                && passable(map, unknown, to)
-                && has_room(to)
-                && (n % 2 == 0 || corner_is_free(map, unknown, query.corner_rule, from, to))
-            {
-                way_out.seen[index] = n;
-                way_out.queue.push(to);
-            }
-        }
-    }
-    Some(())
+    let diagonal = |from, to| corner_is_free(map, unknown, query.corner_rule, from, to);
+    let reach = (way_out.escape_m, least_mm);
+    let is_out = (way_out.escape).flood(&map, start, reach, standing, diagonal);
+    is_out.then_some(())
 }
 
 fn passable(map: MapView<'_>, unknown: Unknown, cell: Cell) -> bool {

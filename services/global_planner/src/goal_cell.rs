@@ -2,7 +2,7 @@
 
 use crate::moves::STEPS;
 use crate::planner::{CornerRule, PlanQuery};
-use crate::window::{Window, cells_in};
+use zeronav_msgs::window::{Window, cells_in};
 use zeronav_msgs::{Cell, MapCell};
 
 /// Largest window in which the free cells are looked at one by one before the map is. [cells]

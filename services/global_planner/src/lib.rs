@@ -87,7 +87,6 @@ mod table;
 #[cfg(test)]
 mod test_map;
 mod waypoints;
-mod window;
 
 pub use config::GlobalPlannerConfig;
 pub use corridor::{Corridor, Legality};

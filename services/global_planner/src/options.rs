@@ -2,6 +2,7 @@
 
 use crate::map_options::{COST_WEIGHT_MAX, ESCAPE_M_MAX, MapOptions};
 use crate::papers::options::PaperOptions;
+use zeronav_msgs::escape::ESCAPE_M;
 use zeronav_params::parameters;
 
 parameters! {
@@ -12,7 +13,7 @@ parameters! {
         /// the shortest path; larger values keep away from obstacles.
         cost_weight: f64 = 3.0, [0.0, COST_WEIGHT_MAX];
         /// How far a robot inside the inflation may be led out of it.
-        escape_m: f64 = 0.6, [0.0, ESCAPE_M_MAX] "m";
+        escape_m: f64 = ESCAPE_M, [0.0, ESCAPE_M_MAX] "m";
         /// Options of the planners of the papers.
         papers: PaperOptions;
     }
