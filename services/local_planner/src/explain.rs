@@ -158,6 +158,7 @@ mod tests {
             turns: false,
             rollouts: 0,
             blocked_arc_m: None,
+            against: None,
             cause,
             limit_mps: 0.0,
         }

@@ -252,11 +252,12 @@ impl LocalPlanner {
 
     /// Notes where the robot does not get on. A manoeuvre says nothing about that.
     fn note_stop(&mut self, decision: &Decision, route: Route<'_>, robot: &Pose) {
-        self.stopped_at = match decision.blocked_arc_m {
-            Some(ahead_m) => {
-                let arc_m = route.place.arc_m + ahead_m;
-                Some(self.tracker.point_at(route.waypoints, arc_m))
-            }
+        let on_path = decision.blocked_arc_m.map(|ahead_m| {
+            let arc_m = route.place.arc_m + ahead_m;
+            self.tracker.point_at(route.waypoints, arc_m)
+        });
+        self.stopped_at = match on_path.or(decision.against) {
+            Some(at) => Some(at),
             None if decision.validity == Validity::Blocked => Some(robot.point()),
             None if self.behaviour().is_manoeuvre() => self.stopped_at,
             None => None,
@@ -440,6 +441,7 @@ impl LocalPlanner {
             turns: false,
             rollouts: 0,
             blocked_arc_m: None,
+            against: None,
             cause: RequestCause::None,
             limit_mps: 0.0,
         }

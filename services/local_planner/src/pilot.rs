@@ -137,8 +137,10 @@ impl Pilot {
             return self.publish(situation, from, &Wish::Rest(Validity::NoPath));
         };
         let blocked_arc_m = self.perception.blocked_arc_m();
+        let against = self.memory.against;
         Decision {
             blocked_arc_m,
+            against,
             ..self.publish(situation, from, &wish)
         }
     }
@@ -327,6 +329,7 @@ impl Pilot {
             turns: false,
             rollouts: 1,
             blocked_arc_m: None,
+            against: None,
             cause: RequestCause::None,
             limit_mps: 0.0,
         }

@@ -104,6 +104,9 @@ pub struct Decision {
     /// [m] along the path to the first place where the robot would touch something, within the
     /// controller's sight; `None` = the path is free as far as it sees.
     pub blocked_arc_m: Option<f64>,
+    /// Where an obstacle keeps the robot from its goal, `map` frame [m], as far as a controller tells that
+    /// does not follow the path.
+    pub against: Option<Point2<f64>>,
     /// What decided the twist, as far as the controller tells.
     pub cause: RequestCause,
     /// [m/s] fastest speed that this allows; 0 = it sets none.

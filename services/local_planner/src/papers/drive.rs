@@ -114,6 +114,7 @@ impl Choose for Along {
             hits: &self.hits,
             inscribed_m,
         };
+        scene.memory.against = self.against(pose.point(), situation.goal.pose.point());
         let push = self.law.push(&LawInput {
             at: pose.point(),
             velocity,
@@ -172,6 +173,15 @@ pub(super) fn wish_or_slower(scene: &mut Scene<'_>, twist: Twist, slower: Reques
 }
 
 impl Along {
+    /// The nearest point of the bodies on the goal's side of the robot. [m]
+    fn against(&self, at: Point2<f64>, goal: Point2<f64>) -> Option<Point2<f64>> {
+        let to_goal = goal - at;
+        let ahead = self.bodies.iter().map(|body| body.at);
+        ahead
+            .filter(|body| (body - at).dot(&to_goal) > 0.0)
+            .min_by(|one, other| (one - at).norm().total_cmp(&(other - at).norm()))
+    }
+
     /// One body for each convex piece in the scan. Areas are represented by their nearest point,
     /// points by the middle of their hits; both as far around them as the robot's inscribed disc
     /// reaches.

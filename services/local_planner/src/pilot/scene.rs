@@ -10,7 +10,7 @@ use crate::rated::Worth;
 use crate::record::Record;
 use crate::situation::Situation;
 use core::fmt;
-use nalgebra::Vector2;
+use nalgebra::{Point2, Vector2};
 use zeronav_motion::Twist;
 use zeronav_msgs::command::{RequestCause, Validity};
 
@@ -83,6 +83,9 @@ pub(crate) struct Memory {
     pub(crate) turns: bool,
     /// Of this period: what limits the speed, to explain it.
     pub(crate) limit: Limit,
+    /// Of this period: where an obstacle keeps the robot from going straight to its goal, `map` frame.
+    /// [m] For choosers that do not follow the path, to explain it.
+    pub(crate) against: Option<Point2<f64>>,
     /// Of this period: what was looked at, while somebody wants to know.
     pub(crate) record: Option<Box<Record>>,
 }
@@ -101,6 +104,7 @@ impl Default for Memory {
             rollouts: 0,
             turns: false,
             limit: Limit::NONE,
+            against: None,
             record: None,
         }
     }
@@ -113,6 +117,7 @@ impl Memory {
         self.searched = false;
         self.turns = false;
         self.limit = Limit::NONE;
+        self.against = None;
         self.reserve.clear();
         if goal != self.goal {
             self.goal = goal;

@@ -1,6 +1,7 @@
 //! Whole control periods: from messages to requests.
 
 use crate::support::{Map, PERIOD_S, block, disc, path};
+use nalgebra::Point2;
 use zeronav_local_planner::period::BuildError;
 use zeronav_local_planner::situation::Future;
 use zeronav_local_planner::staleness::{Ages, StaleInput};
@@ -26,6 +27,8 @@ struct Bench {
     path: Option<(Path, Vec<Waypoint>)>,
     ages: Ages,
     in_flight: InFlight,
+    /// Hits of the scan, `map` frame. [m]
+    hits: Vec<Point2<f64>>,
     tick: u64,
     knows_pose: bool,
 }
@@ -62,6 +65,7 @@ impl Bench {
                 path_ns: Some(40 * MS),
             },
             in_flight: InFlight::default(),
+            hits: Vec::new(),
             tick: 0,
             knows_pose: true,
         }
@@ -89,13 +93,16 @@ impl Bench {
 
     fn answer(&mut self) -> Outputs {
         let robot = &self.robot;
+        let map_from_odom = Pose::new(1.0, 0.0, 0.0);
+        let base_from_map = map_from_odom.then(&self.odometry.pose).isometry().inverse();
+        let hits: Vec<Point2<f64>> = self.hits.iter().map(|hit| base_from_map * hit).collect();
         let outputs = self.planner.step(&Inputs {
             tick: self.tick,
             run_ns: self.tick * PERIOD_NS,
             period_s: PERIOD_S,
             robot: Some((&robot.description, &robot.corners)),
             odometry: Some(&self.odometry),
-            map: Some((Pose::new(1.0, 0.0, 0.0), self.map.view())),
+            map: Some((map_from_odom, self.map.view())),
             path: self
                 .path
                 .as_ref()
@@ -104,7 +111,7 @@ impl Bench {
             map_cells: 1,
             obstacles: (&[], 0.0),
             future: Future::default(),
-            scan_points_in_base: &[],
+            scan_points_in_base: &hits,
             in_flight: &self.in_flight,
             ages: self.ages,
             stopping: false,
@@ -316,6 +323,44 @@ fn a_task_that_failed_keeps_the_cell_that_blocked_it_until_the_next_one() {
         (state, block),
         (Some(TaskState::Active), Some(PathBlock::None))
     );
+}
+
+/// A potential field leads to where it holds the robot, in front of a wall that the path goes around.
+#[test]
+fn controllers_that_do_not_follow_the_path_name_what_keeps_them_from_the_goal() {
+    for controller in ["ju_apf", "lwx_apf", "ju_r6", "zm_rep"] {
+        let config = LocalPlannerConfig {
+            controller: controller.to_owned(),
+            ..LocalPlannerConfig::default()
+        };
+        let mut bench = Bench::new();
+        bench.planner = LocalPlanner::new(&config).expect(controller);
+        bench.hits = (0..40)
+            .map(|n| Point2::new(4.0, 1.2 + 0.04 * f64::from(n)))
+            .collect();
+        bench.go(1, 6.0);
+        bench.path = Some(found(
+            1,
+            1,
+            &[(1.0, 2.0), (1.5, 3.2), (6.0, 3.2), (6.0, 2.0)],
+        ));
+        let is_over = |bench: &Bench| bench.planner.status().0.state() != Some(TaskState::Active);
+        for _ in 0..10_000 {
+            bench.step();
+            if is_over(&bench) && bench.tick > 1 {
+                break;
+            }
+        }
+        let (status, _) = bench.planner.status();
+        assert_eq!(status.reason(), Some(EndReason::Stuck), "{controller}");
+        assert_eq!(status.block(), Some(PathBlock::Obstacle), "{controller}");
+        assert_eq!(status.source(), Some(ObstacleSource::Lidar), "{controller}");
+        let [x_m, y_m] = status.block_m;
+        assert!(
+            (x_m - 4.0).abs() < 0.1 && (y_m - 2.0).abs() < 0.85,
+            "{controller}: {x_m} {y_m}"
+        );
+    }
 }
 
 #[test]

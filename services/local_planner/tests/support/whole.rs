@@ -107,6 +107,7 @@ impl Drive for Whole {
             turns: false,
             rollouts: outputs.rollouts,
             blocked_arc_m: outputs.blocked_arc_m,
+            against: None,
             cause: outputs.request.cause().expect("a known code"),
             limit_mps: outputs.request.limit_mps,
         }
