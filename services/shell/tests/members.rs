@@ -2,6 +2,7 @@
 
 mod support;
 
+use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 use std::io::Write;
 use std::os::unix::net::UnixStream;
 use support::House;
@@ -219,4 +220,23 @@ fn a_corrupt_counter_of_nodes_is_named_and_not_waited_for() {
     let error = Domain::join(domain.root()).expect_err("it is corrupt");
     assert!(error.to_string().contains("counter of nodes"), "{error}");
     assert!(domain.close().expect("closed"));
+}
+
+/// The middleware says no more than that something has failed.
+#[test]
+fn an_error_of_the_middleware_names_what_the_system_is_short_of() {
+    let said = |why: &str| StartError::system("opening a topic", why).to_string();
+    let own = getrlimit(Resource::As);
+    // Far above what this process needs: only that there is a limit counts.
+    let most = 1 << 46;
+    let limited = Rlimit {
+        current: Some(own.maximum.map_or(most, |maximum| maximum.min(most))),
+        ..own
+    };
+    setrlimit(Resource::As, limited).expect("a soft limit");
+    let (vague, clear) = (said("InternalFailure"), said("it does not exist"));
+    setrlimit(Resource::As, own).expect("as it was");
+    let hint = "; the address space is limited: see `ulimit -v`";
+    assert_eq!(vague, format!("opening a topic: InternalFailure{hint}"));
+    assert_eq!(clear, "opening a topic: it does not exist");
 }
