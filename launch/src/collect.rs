@@ -65,8 +65,8 @@ pub(crate) struct Collector {
     pub sights: Vec<Sight>,
     /// The newest odometry, also after the end.
     pub odometry: Option<Odometry>,
-    /// `map_from_odom` of the newest map with a scan: before its first, a successor knows nothing.
-    pub map_from_odom: Option<Pose>,
+    /// Tick and `map_from_odom` of the newest map with a scan: before its first, a successor knows nothing.
+    pub located: Option<(u64, Pose)>,
     /// Run time of the newest odometry or truth. [ns]
     pub run_ns: u64,
     /// First tick at which the wheels turned.
@@ -136,7 +136,7 @@ impl Collector {
             self.film.placed(view.meta.map_from_odom);
             self.film.written(view.items);
             if scan != 0 && view.meta.is_last_part() {
-                self.map_from_odom = Some(view.meta.map_from_odom);
+                self.located = Some((view.header.tick, view.meta.map_from_odom));
                 let fact = Fact::Placed(scan, view.meta.map_from_odom);
                 (self.seen).hear(view.header.tick, view.header.run_ns, fact);
             }
@@ -352,7 +352,7 @@ impl Collector {
     /// `map_from_base` as the stack takes it to be; `None` before the first map and odometry.
     #[must_use]
     pub(crate) fn estimate(&self) -> Option<Pose> {
-        let (map_from_odom, odometry) = self.map_from_odom.zip(self.odometry)?;
+        let ((_, map_from_odom), odometry) = self.located.zip(self.odometry)?;
         Some(map_from_odom.then(&odometry.pose))
     }
 

@@ -29,7 +29,7 @@ use std::time::{Duration, Instant};
 use zeronav_msgs::Pose;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::run::RunMode;
-use zeronav_msgs::task::{EndReason, Goal, TaskState};
+use zeronav_msgs::task::{EndReason, Goal, PoseEstimate, TaskState};
 use zeronav_msgs::time::seconds;
 use zeronav_msgs::topics::{GroundTruth, Topic};
 use zeronav_shell::clock::now_ns;
@@ -62,6 +62,8 @@ pub(super) struct Session<'a> {
     pub(super) orders: Orders,
     /// Obstacles that clients have put into the world.
     pub(super) placed: PlacedObstacles,
+    /// Where a client has said last that the robot is.
+    pub(super) given_pose: Option<PoseEstimate>,
     /// The swap that goes on, and those before it.
     pub(super) swaps: Swaps,
     /// The live page beside the run.
@@ -116,6 +118,7 @@ impl<'a> Session<'a> {
             placed: PlacedObstacles::new(
                 (prepared.world.obstacles().iter()).map(|obstacle| obstacle.spec.name.clone()),
             ),
+            given_pose: None,
             swaps: Swaps::default(),
             view: LiveView::default(),
             is_ready: false,

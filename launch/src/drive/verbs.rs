@@ -20,6 +20,10 @@ use zeronav_world::Shape;
 /// Most ticks of one step.
 const STEP_TICKS_MAX: u64 = 1_000_000;
 
+/// In real time, ticks after the newest one known whose scan is surely made after a message is out: a
+/// map of that scan rests on it.
+const BEGUN_TICKS: u64 = 2;
+
 impl Session<'_> {
     /// Takes in an order, and begins it when it is its turn. Returns its id.
     ///
@@ -200,31 +204,45 @@ impl Session<'_> {
         let map_from_base = Pose::new(pose[0], pose[1], pose[2]);
         self.check_pose(&map_from_base)?;
         let odometry = (self.collector.odometry).ok_or("the robot has sent no odometry yet")?;
+        let from_tick = if self.lockstep() {
+            self.next_tick(stack)
+        } else {
+            self.collector.robot_tick() + BEGUN_TICKS
+        };
         let estimate = PoseEstimate {
             map_from_base,
             odom_from_base: odometry.pose,
-            from_tick: self.next_tick(stack).max(self.collector.robot_tick()),
+            from_tick,
         };
         if !stack.estimate_pose(estimate) {
             return Err("no memory for the message; try again".to_owned());
         }
+        self.given_pose = Some(estimate);
         Ok(())
     }
 
     /// When mapping has ended since there were `restarts_before`, tells its successor where odometry
-    /// had drifted by then: a new process takes odometry for the truth.
+    /// had drifted by then: a new process takes odometry for the truth. A pose given by hand that no map
+    /// rests on yet is newer than that.
     pub(super) fn hand_pose_on(&mut self, stack: &mut Stack, restarts_before: usize) {
         let restarts = self.keeper.records().iter().skip(restarts_before);
         let mut of_mapping = restarts.filter(|it| it.service == Role::Mapping.label());
-        let map_from_odom = self.collector.map_from_odom.unwrap_or_default();
-        if of_mapping.next().is_none() || map_from_odom == Pose::default() {
+        if of_mapping.next().is_none() {
             return;
         }
-        let estimate = PoseEstimate {
+        let (located_tick, map_from_odom) = self.collector.located.unwrap_or_default();
+        let given = self.given_pose.filter(|it| it.from_tick > located_tick);
+        let drifted = || PoseEstimate {
             map_from_base: map_from_odom,
-            odom_from_base: Pose::default(),
-            from_tick: self.collector.robot_tick(),
+            ..PoseEstimate::default()
         };
+        let estimate = PoseEstimate {
+            from_tick: self.collector.robot_tick(),
+            ..given.unwrap_or_else(drifted)
+        };
+        if given.is_none() && estimate.map_from_base == Pose::default() {
+            return;
+        }
         if !stack.estimate_pose(estimate) {
             tracing::warn!("no memory to tell mapping where the robot is");
         }

@@ -30,6 +30,8 @@ struct MappingService {
     predecessor: Option<Predecessor>,
     /// The map has begun, or goes on with that of a predecessor.
     began: bool,
+    /// Tick of the predecessor's map: what was said of the robot's pose until then is in it. 0 = none.
+    learnt_tick: u64,
     /// Made when the robot is known.
     mapping: Option<Mapping>,
     readings: Readings,
@@ -57,6 +59,7 @@ impl Service for MappingService {
             static_map: loaded.map(|loaded| loaded.map),
             predecessor: None,
             began: false,
+            learnt_tick: 0,
             mapping: None,
             readings: Readings::open(peer, config.regularisation.enabled)?,
             map: MapOutput::open(peer, config.window.most_tiles(&geometry))?,
@@ -117,14 +120,15 @@ impl MappingService {
         if self.predecessor.is_none() {
             self.predecessor = Predecessor::open(shell)?;
         }
-        self.began = match &mut self.predecessor {
-            Some(predecessor) => !predecessor.is_waited_for(shell, mapping)?,
-            None => true,
-        };
-        if self.began {
+        if let Some(predecessor) = &mut self.predecessor {
+            let Some(tick) = predecessor.hand_over(shell, mapping)? else {
+                return Ok(false);
+            };
+            self.learnt_tick = tick;
             self.predecessor = None;
         }
-        Ok(self.began)
+        self.began = true;
+        Ok(true)
     }
 
     /// The first revision is the static map: an empty update, and a keyframe that holds it.
@@ -146,9 +150,7 @@ impl MappingService {
         let (Some(observation), Some(mapping)) = (observation, &mut self.mapping) else {
             return;
         };
-        // A map that goes on from a predecessor's has the estimates before its first scan behind it.
-        let goes_on = shell.answered_tick() == 0 && mapping.map_from_odom().0 != Pose::default();
-        if let Some(estimate) = estimate.filter(|_| !goes_on) {
+        if let Some(estimate) = estimate.filter(|it| it.from_tick > self.learnt_tick) {
             let pose = estimate.map_from_base;
             let (x_m, y_m, yaw_rad) = (pose.x_m, pose.y_m, pose.yaw_rad);
             tracing::info!(tick = due.tick, x_m, y_m, yaw_rad, "the robot is put there");

@@ -34,21 +34,21 @@ impl Predecessor {
         }))
     }
 
-    /// Hands the map over as soon as it is whole. True while it is still to come.
+    /// Hands the map over as soon as it is whole, and gives its tick; `None` while it is still to come.
     ///
     /// # Errors
     /// When no map comes, or one of another grid: what was learnt would be lost.
-    pub(crate) fn is_waited_for(
+    pub(crate) fn hand_over(
         &mut self,
         shell: &mut Shell,
         mapping: &mut Mapping,
-    ) -> Result<bool, StartError> {
+    ) -> Result<Option<u64>, StartError> {
         self.map.poll(shell);
         let what = "taking over the map of the process in the seat";
         if self.map.is_lost() || self.map.view().is_none() {
             shell.wake_by(now_ns() + PAUSE_NS);
             if shell.roster().lockstep() || now_ns() < self.until_ns {
-                return Ok(true);
+                return Ok(None);
             }
             let why = format!("none came within {} s", WAIT_NS / 1_000_000_000);
             return Err(StartError::system(what, why));
@@ -60,6 +60,6 @@ impl Predecessor {
             return Err(StartError::system(what, why));
         }
         tracing::info!("goes on with the map of the process in the seat");
-        Ok(false)
+        Ok(Some(self.map.tick()))
     }
 }

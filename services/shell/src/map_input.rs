@@ -40,6 +40,8 @@ pub struct MapInput {
     replica: MapReplica,
     changed: Vec<CellRect>,
     newest: Option<Received>,
+    /// Tick of the newest keyframe.
+    keyframe_tick: u64,
     asked_ns: Option<u64>,
 }
 
@@ -59,6 +61,7 @@ impl MapInput {
             replica: MapReplica::new(),
             changed: Vec::new(),
             newest: None,
+            keyframe_tick: 0,
             asked_ns: None,
         })
     }
@@ -105,7 +108,7 @@ impl MapInput {
         let author = self.revision().epoch();
         if author != 0 && roster.lockstep() && roster.began_after(Role::Mapping, author) {
             self.replica = MapReplica::new();
-            self.newest = None;
+            (self.newest, self.keyframe_tick) = (None, 0);
         }
         let mut completed = false;
         self.updates.drain(roster, |view| {
@@ -122,6 +125,7 @@ impl MapInput {
             && let Some(view) = self.keyframe.get()
         {
             self.replica.keyframe(view.meta, view.items);
+            self.keyframe_tick = view.header.tick;
         }
         self.keyframe.release();
         self.changed = self.replica.take_changed();
@@ -218,6 +222,13 @@ impl MapInput {
     #[must_use]
     pub fn received(&self) -> Option<Received> {
         self.newest
+    }
+
+    /// Tick of the newest revision that came in, as an update or as a keyframe; 0 before the first.
+    #[must_use]
+    pub fn tick(&self) -> u64 {
+        let updated = self.newest.map_or(0, |newest| newest.tick);
+        updated.max(self.keyframe_tick)
     }
 
     /// True when there is a map without a gap and mapping still receives scans.

@@ -82,12 +82,8 @@ fn a_robot_that_is_told_where_it_is_arrives() {
     assert_eq!(up.down()["contacts"], 0);
 }
 
-#[test]
-fn a_new_mapping_knows_where_the_robot_was_said_to_be() {
-    let mut up = start();
-    tell(&up);
-    await_located(&mut up, "mapping has laid the scan on the map");
-    up.ask(&["fault", "kill", "mapping"], 0);
+/// Waits until a new mapping is in the seat.
+fn await_successor(up: &mut Up) {
     up.stack.wait_until("a successor answers", |stack| {
         let report = stack.report().unwrap_or_default();
         let services = report["services"].as_array().cloned().unwrap_or_default();
@@ -95,6 +91,37 @@ fn a_new_mapping_knows_where_the_robot_was_said_to_be() {
             service["role"] == "mapping" && service["epoch"] == 2 && service["state"] == "ready"
         })
     });
+}
+
+/// What launch remembers of the map is older than what the person said.
+#[test]
+fn a_pose_that_is_given_just_before_mapping_dies_is_not_lost() {
+    let mut up = start();
+    up.ask(&["pause"], 0);
+    tell(&up);
+    up.ask(&["fault", "kill", "mapping"], 0);
+    up.ask(&["resume"], 0);
+    await_successor(&mut up);
+    let tick = up.status()["tick"].as_u64();
+    up.stack.wait_until("it has taken in scans", |stack| {
+        let now = stack.report().and_then(|report| report["tick"].as_u64());
+        now > tick.map(|tick| tick + 50)
+    });
+    let [place_m, yaw_rad] = off(&up.status()).expect("poses");
+    assert!(
+        place_m < 0.3 && yaw_rad < 0.2,
+        "{place_m} m, {yaw_rad} rad off"
+    );
+    let _ = up.down();
+}
+
+#[test]
+fn a_new_mapping_knows_where_the_robot_was_said_to_be() {
+    let mut up = start();
+    tell(&up);
+    await_located(&mut up, "mapping has laid the scan on the map");
+    up.ask(&["fault", "kill", "mapping"], 0);
+    await_successor(&mut up);
     let tick = up.status()["tick"].as_u64();
     up.stack.wait_until("it has taken in scans", |stack| {
         let now = stack.report().and_then(|report| report["tick"].as_u64());
