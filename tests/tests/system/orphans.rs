@@ -1,7 +1,9 @@
 //! Launch is killed while the robot drives: the robot comes to rest, and nothing is left.
 
 use rustix::process::Signal;
+use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 use zeronav_msgs::command::VelocityCommand;
 use zeronav_msgs::odometry::Odometry;
@@ -201,6 +203,35 @@ fn what_a_service_has_started_ends_with_the_stack() {
         await_by_itself("the daemon is gone", || !is_alive(daemon));
         drop(run);
     }
+}
+
+/// The folder in which launch asks the binaries for their configurations.
+#[test]
+fn the_folder_of_a_check_goes_with_a_launch_that_is_killed() {
+    let place = tempfile::tempdir().expect("a folder");
+    let (temporary, asked) = (place.path().join("tmp"), place.path().join("asked"));
+    std::fs::create_dir(&temporary).expect("a folder");
+    let script = place.path().join("mapping");
+    let text = format!("#!/bin/sh\necho > {}\nexec sleep 600\n", asked.display());
+    executable(&script, &text);
+    let text = "base = [\"warehouse\", \"porter\"]\ntitle = \"asked\"\nstart = [4.0, 6.425, 0.0]\n\
+                [services.mapping]\nbinary = \"./mapping\"\n";
+    std::fs::write(place.path().join("it.toml"), text).expect("written");
+    let mut launch = Command::new(binaries().join("zeronav"))
+        .args(["check", "./it.toml"])
+        .current_dir(place.path())
+        .env("TMPDIR", &temporary)
+        .stdin(Stdio::null())
+        .spawn()
+        .expect("it starts");
+    await_by_itself("a binary is asked", || asked.exists());
+    let made = || std::fs::read_dir(&temporary).expect("it").flatten();
+    let folder = made().next().expect("a folder").path();
+    let mode = std::fs::metadata(&folder).expect("it").permissions().mode();
+    assert_eq!(mode & 0o777, 0o700, "{}", folder.display());
+    launch.kill().expect("it is there");
+    launch.wait().expect("its end");
+    await_by_itself("its folder is gone", || made().next().is_none());
 }
 
 #[test]
