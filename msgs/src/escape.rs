@@ -2,8 +2,8 @@
 //!
 //! It fits where it is, so it is led over cells with as much clearance
 //! ([`MapView::least_clearance_mm`]) to the free ones near by: a gap that is too narrow for the robot is
-//! none because the robot stands right before it. Planners lead it so, and launch takes or refuses
-//! goals by the same rule.
+//! none because the robot stands right before it. The stock planner leads it so, and launch takes or refuses
+//! goals by it.
 
 use crate::grid::Cell;
 use crate::map::{MapCell, MapView};

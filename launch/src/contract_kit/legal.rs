@@ -6,12 +6,15 @@ use super::robot::description;
 use super::room::{Room, geometry};
 use nalgebra::Point2;
 use zeronav_msgs::command::{Validity, VelocityCommand, VelocityRequest};
-use zeronav_msgs::map::COST_LETHAL;
+use zeronav_msgs::map::{COST_LETHAL, ObstacleSource};
 use zeronav_msgs::path::{Path, PathBlock, PathStatus, Waypoint};
 use zeronav_msgs::topics::{ControlRequest, PlanPath, RobotCommand};
 
 /// What floating point may add to a limit.
 const ROUNDING: f64 = 1.0e-9;
+
+/// How far before a block a path may end that leads to where it can be seen. [m]
+const LOOK_M: f64 = 1.5;
 
 /// Length of the first part of a path that may lie where the robot stands already. [m]
 const BEGINNING_M: f64 = 0.3;
@@ -105,8 +108,11 @@ fn path_problem(path: &Path, waypoints: &[Waypoint], tick: u64) -> Option<String
     }
     let end = waypoints.last()?;
     let beside_m = (Point2::new(end.x_m, end.y_m) - TASK_GOAL.pose.point()).norm();
-    // With a block that closes the way it leads to where that is seen from near.
-    let is_whole = path.block() != Some(PathBlock::Closed);
-    (is_whole && path.goal == TASK_GOAL.id && beside_m > TASK_GOAL.tolerance_m + ROUNDING)
+    // With a block that only the lidar saw it leads to where that is seen from near.
+    let [x_m, y_m] = path.block_m;
+    let is_look = path.block() == Some(PathBlock::Closed)
+        && path.source() == Some(ObstacleSource::Lidar)
+        && (Point2::new(end.x_m, end.y_m) - Point2::new(x_m, y_m)).norm() < LOOK_M;
+    (!is_look && path.goal == TASK_GOAL.id && beside_m > TASK_GOAL.tolerance_m + ROUNDING)
         .then(|| format!("it ends {beside_m:.2} m from the goal"))
 }

@@ -6,18 +6,28 @@
 use crate::config::GlobalPlannerConfig;
 use crate::plan::{Blocked, Cut, Plan};
 use crate::planner::{Control, Expansions, GlobalPlanner, PlanQuery};
-use zeronav_msgs::Pose;
 use zeronav_msgs::map::ObstacleSource;
 use zeronav_msgs::path::PathStatus;
+use zeronav_msgs::{MapView, Pose};
 
 /// How far beside the last path the place may be from which the robot looks, at most [m] and as a part of the
 /// distance that is near.
 const BESIDE_M: f64 = 0.5;
 const BESIDE_SHARE: f64 = 0.5;
 
-/// True when the robot has seen `blocked` from near.
-pub(crate) fn is_near(config: &GlobalPlannerConfig, blocked: &Blocked, robot: &Pose) -> bool {
-    (blocked.point() - robot.point()).norm() <= config.look_from_m
+/// True when the robot is near enough to `blocked` to see whether it is; at the end of a look it is.
+pub(crate) fn is_near(
+    config: &GlobalPlannerConfig,
+    map: &MapView<'_>,
+    blocked: &Blocked,
+    robot: &Pose,
+) -> bool {
+    let least_m = beside_m(config) + 2.0 * map.geometry.resolution_m;
+    (blocked.point() - robot.point()).norm() <= config.look_from_m.max(least_m)
+}
+
+fn beside_m(config: &GlobalPlannerConfig) -> f64 {
+    (BESIDE_SHARE * config.look_from_m).min(BESIDE_M)
 }
 
 /// Instead of the failed search `plan`, leads to the cell before the cut of the path before, when the lidar alone
@@ -34,13 +44,15 @@ pub(crate) fn lead(
         return;
     };
     let blocked = cut.blocked;
-    if blocked.source != ObstacleSource::Lidar || is_near(config, &blocked, &query.start) {
+    if blocked.source != ObstacleSource::Lidar
+        || is_near(config, &query.map, &blocked, &query.start)
+    {
         return;
     }
     let ahead = blocked.point() - cut.before;
     let there = PlanQuery {
         goal: Pose::new(cut.before.x, cut.before.y, ahead.y.atan2(ahead.x)),
-        tolerance_m: (BESIDE_SHARE * config.look_from_m).min(BESIDE_M),
+        tolerance_m: beside_m(config),
         ..*query
     };
     let (status, end_source, effort) = (plan.status, plan.end_source, plan.cells.stats);

@@ -40,6 +40,8 @@ pub(crate) struct Cut {
     pub(crate) blocked: Blocked,
     /// Centre of the cell before that. [m]
     pub(crate) before: Point2<f64>,
+    /// What the path led to.
+    pub(crate) target: Target,
 }
 
 impl Blocked {
@@ -204,9 +206,16 @@ impl Plan {
         }
         let [cell, before] = self.corridor.first_blocked(map)?;
         Some(Cut {
+            target: self.target?,
             blocked: Blocked::of(map, cell),
             before: map.geometry.centre_of(before),
         })
+    }
+
+    /// True when this leads to the same place to look from as another plan, and can be followed.
+    pub(crate) fn looks_like(&self, other: &Self, map: &MapView<'_>) -> bool {
+        let is_same = self.target == other.target && self.closed == other.closed;
+        self.is_look && is_same && !self.is_cut(map)
     }
 
     /// The cell that decided.

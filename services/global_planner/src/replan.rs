@@ -275,8 +275,9 @@ impl Replanner {
         }
         self.timer.mark(Stage::Smooth);
         candidate.cause = pending.cause;
-        let cut = self.cut.filter(|_| pending.cause == PathCause::Obstacle);
-        candidate.cut = cut.map(|cut| cut.blocked);
+        let cut = self.cut.filter(|cut| cut.target == target);
+        let named = cut.filter(|_| pending.cause == PathCause::Obstacle);
+        candidate.cut = named.map(|cut| cut.blocked);
         let is_proof = matches!(
             candidate.status,
             PathStatus::Unreachable | PathStatus::UnreachableCorner
@@ -284,7 +285,9 @@ impl Replanner {
         if is_proof && candidate.cut.is_none() {
             candidate.closed = self.barrier.find(&query);
         }
-        if let Some(cut) = cut.filter(|_| is_proof || candidate.status == PathStatus::GoalBlocked) {
+        let is_closed = is_proof || candidate.status == PathStatus::GoalBlocked;
+        let counts = !matches!(pending.cause, PathCause::Shortcut | PathCause::Improved);
+        if let Some(cut) = cut.filter(|_| is_closed && counts) {
             look::lead(
                 planner.as_mut(),
                 &query,
@@ -317,8 +320,14 @@ impl Replanner {
                 return self.ask(cause, true);
             }
             if self.candidate.is_cut(&map) {
+                if !self.candidate.is_look {
+                    self.cut = self.candidate.first_cut(&map);
+                }
                 return self.ask(cause, true);
             }
+        }
+        if self.candidate.is_look && self.plan.looks_like(&self.candidate, &map) {
+            return Step::Publish(News::Unchanged);
         }
         if matches!(cause, PathCause::Shortcut | PathCause::Improved)
             && !self.accept_shortcut(newest, &map)
@@ -328,6 +337,9 @@ impl Replanner {
         }
         core::mem::swap(&mut self.plan, &mut self.candidate);
         self.plan.geometry = 0;
+        if self.plan.status == PathStatus::Found && !self.plan.is_look {
+            self.cut = None;
+        }
         Step::Publish(News::New)
     }
 
@@ -378,7 +390,8 @@ impl Replanner {
         }
         let due = self.revisions_since_search >= self.config.shortcut_every_revisions;
         if self.plan.is_look {
-            let near = |closed: Blocked| look::is_near(&self.config, &closed, &situation.robot);
+            let near =
+                |closed: Blocked| look::is_near(&self.config, map, &closed, &situation.robot);
             let is_near = self.plan.closed.is_none_or(near);
             return (is_near || due && self.change.opened).then_some(self.plan.cause);
         }

@@ -153,6 +153,7 @@ impl Belief {
             obstacle_range_m: self.obstacle_range_m,
             raytrace_range_m: self.raytrace_range_m,
             blocks_beside: self.blocks_beside,
+            run_ns: self.run_ns,
             ..Self::blank(geometry, self.log_odds)
         };
         let (old_width, old_height) = self.geometry.size();

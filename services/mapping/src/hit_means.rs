@@ -169,8 +169,8 @@ impl HitMeans {
         }
     }
 
-    /// Takes in that an obstacle is in a cell, of which nobody knows any more where scans ended: it counts until
-    /// they end there again.
+    /// Takes in that an obstacle is in a cell, of which nobody knows any more where scans ended: it counts as a few
+    /// hits at its centre, besides those that come.
     pub(crate) fn add_cell(&mut self, cell: Cell) {
         if let Some(hits) = self.hits_mut(cell).filter(|hits| hits.n == 0.0) {
             hits.n = OF_A_CELL;

@@ -59,6 +59,9 @@ const JUMP: (f64, f64, f64) = (1.5, 0.05, 0.1);
 /// How far a way from key scan to key scan leads away, as a share of it.
 const DRIFT: f64 = 0.01;
 
+/// Largest standard deviations against its own map of a pose that was known when the map was taken over. [m, rad]
+const TAKEN_OVER: (f64, f64) = (0.05, 0.02);
+
 /// Share of the points that must contradict odometry that claims to be exact.
 const NOTICED_SHARE: f64 = 0.6;
 
@@ -140,8 +143,11 @@ impl Localiser {
         if xx.max(yy) >= POSE_SIGMA_M_MAX.powi(2) || ww >= POSE_SIGMA_RAD_MAX.powi(2) {
             self.unknown = (xx.max(yy).sqrt(), ww.sqrt());
         }
-        limit(&mut self.covariance);
+        limit(&mut self.covariance, CEILING);
         self.drift = self.covariance;
+        if !self.is_uncertain() {
+            limit(&mut self.covariance, TAKEN_OVER);
+        }
     }
 
     /// True when the pose is corrected, given the variances that odometry states of itself.
@@ -265,7 +271,7 @@ impl Localiser {
         self.step_yaw = added[(2, 2)];
         for covariance in [&mut self.covariance, &mut self.drift] {
             *covariance = step * *covariance * step.transpose() + added;
-            limit(covariance);
+            limit(covariance, CEILING);
         }
         self.drift_by(came.norm());
         if let Some((place_m, yaw_rad)) = moved.unknown() {
@@ -330,7 +336,7 @@ impl Localiser {
         };
         if let Some(matched) = matched {
             self.covariance = matched.covariance;
-            limit(&mut self.covariance);
+            limit(&mut self.covariance, CEILING);
             // A robot that was found knows where it is on its map, not where that lies.
             if is_sure {
                 self.learn(&matched.told);
@@ -393,7 +399,7 @@ impl Localiser {
             let sigma_m = self.drift[(axis, axis)].max(0.0).sqrt();
             self.drift[(axis, axis)] += (2.0 * sigma_m + off_m) * off_m;
         }
-        limit(&mut self.drift);
+        limit(&mut self.drift, CEILING);
     }
 
     /// What the static map told about the pose lessens its drift. [information]
@@ -401,7 +407,7 @@ impl Localiser {
         let information = self.drift.try_inverse().map(|before| before + told);
         if let Some(drift) = information.and_then(Matrix3::try_inverse) {
             self.drift = drift;
-            limit(&mut self.drift);
+            limit(&mut self.drift, CEILING);
         }
     }
 }

@@ -301,7 +301,7 @@ impl Mapper {
     }
 
     /// Makes what scans can be laid on, at the first call; it is kept up from then on. Where obstacles are from
-    /// before, beside the static map, scans are laid on their cells until they have ended there again.
+    /// before, beside the static map, scans are laid on their cells' centres, and soon on where they end.
     pub fn make_surfaces(&mut self) {
         let belief = &self.belief;
         self.surfaces.get_or_insert_with(|| {

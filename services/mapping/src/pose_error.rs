@@ -22,15 +22,11 @@ pub(crate) fn turned(yaw_rad: f64) -> Matrix3<f64> {
     Rotation2::new(yaw_rad).to_homogeneous()
 }
 
-/// Keeps a covariance between floor and ceiling.
-pub(crate) fn limit(covariance: &mut Matrix3<f64>) {
-    for (axis, (low, high)) in [
-        (FLOOR.0, CEILING.0),
-        (FLOOR.0, CEILING.0),
-        (FLOOR.1, CEILING.1),
-    ]
-    .into_iter()
-    .enumerate()
+/// Keeps a covariance between the floor and standard deviations of `most`. [m, rad]
+pub(crate) fn limit(covariance: &mut Matrix3<f64>, most: (f64, f64)) {
+    for (axis, (low, high)) in [(FLOOR.0, most.0), (FLOOR.0, most.0), (FLOOR.1, most.1)]
+        .into_iter()
+        .enumerate()
     {
         let variance = covariance[(axis, axis)];
         if variance < low * low {

@@ -122,9 +122,10 @@ fn rule_3_what_was_seen_from_afar_counts_when_it_was_seen_from_near() {
             ..GlobalPlannerConfig::default()
         };
         bench.replanner = Replanner::new(&config).unwrap();
-        let shut = match closed == at('G') {
-            true => PathStatus::GoalBlocked,
-            false => PathStatus::Unreachable,
+        let shut = if closed == at('G') {
+            PathStatus::GoalBlocked
+        } else {
+            PathStatus::Unreachable
         };
         let put = |bench: &mut Bench, flags| {
             bench.update(&[closed], COST_LETHAL);
@@ -156,7 +157,17 @@ fn rule_3_what_was_seen_from_afar_counts_when_it_was_seen_from_near() {
             bench.expect_unchanged();
         }
         bench.update(&[], 0);
-        bench.expect_new(PathCause::Obstacle, PathStatus::Found);
+        let again = (vec![PathCause::Obstacle], News::Unchanged);
+        assert_eq!(bench.cycle(), again);
+        // The local planner asks for another path.
+        bench.request = Some(Request {
+            id: 1,
+            geometry: bench.replanner.plan().geometry,
+            reason: RequestReason::Blocked,
+        });
+        bench.update(&[], 0);
+        let asked = (vec![PathCause::Request], News::Unchanged);
+        assert_eq!(bench.cycle(), asked);
         assert_eq!(block(&bench), (PathBlock::Closed, closed));
         // Near, and sure.
         bench.robot = bench.map.pose(Cell::new(closed.x - 5, 0));
@@ -177,6 +188,25 @@ fn rule_3_what_was_seen_from_afar_counts_when_it_was_seen_from_near() {
             bench.expect_new(PathCause::Obstacle, shut);
         }
     }
+}
+
+/// The update that closes the way comes during the search.
+#[test]
+fn rule_3_a_path_that_is_cut_before_it_is_told_is_looked_at_too() {
+    let (mut bench, _) = Bench::new("S..................G");
+    let config = GlobalPlannerConfig {
+        look_from_m: 0.3,
+        ..GlobalPlannerConfig::default()
+    };
+    bench.replanner = Replanner::new(&config).unwrap();
+    let closed = Cell::new(15, 0);
+    let (causes, _) = bench.cycle_with(|bench| {
+        bench.update(&[closed], COST_LETHAL);
+        bench.map.put(closed, cell(COST_LETHAL, FLAG_SENSED, 0));
+    });
+    assert_eq!(causes, [PathCause::Goal; 2]);
+    assert_eq!(bench.replanner.plan().status, PathStatus::Found);
+    assert_eq!(bench.path().last(), Some(&Cell::new(14, 0)));
 }
 
 #[test]

@@ -31,6 +31,9 @@ const STEP_M: f64 = 0.1;
 /// [m] from the robot within which obstacles are looked at.
 const RANGE_M: f64 = 3.0;
 
+/// How far from the robot a body is that keeps it from its goal, at most. [m]
+const AGAINST_M: f64 = 1.5;
+
 /// Shares of a wish's speed that are tried when it is not free.
 const SLOWER: [f64; 2] = [0.5, 0.2];
 
@@ -173,12 +176,12 @@ pub(super) fn wish_or_slower(scene: &mut Scene<'_>, twist: Twist, slower: Reques
 }
 
 impl Along {
-    /// The nearest point of the bodies on the goal's side of the robot. [m]
+    /// The nearest point of the bodies near the robot on the goal's side of it. [m]
     fn against(&self, at: Point2<f64>, goal: Point2<f64>) -> Option<Point2<f64>> {
         let to_goal = goal - at;
         let ahead = self.bodies.iter().map(|body| body.at);
         ahead
-            .filter(|body| (body - at).dot(&to_goal) > 0.0)
+            .filter(|body| (body - at).dot(&to_goal) > 0.0 && (body - at).norm() < AGAINST_M)
             .min_by(|one, other| (one - at).norm().total_cmp(&(other - at).norm()))
     }
 
