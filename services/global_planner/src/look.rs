@@ -7,7 +7,7 @@ use crate::config::GlobalPlannerConfig;
 use crate::plan::{Blocked, Cut, Plan};
 use crate::planner::{Control, Expansions, GlobalPlanner, PlanQuery};
 use zeronav_msgs::map::ObstacleSource;
-use zeronav_msgs::path::PathStatus;
+use zeronav_msgs::path::{PathCause, PathStatus};
 use zeronav_msgs::{MapView, Pose};
 
 /// How far beside the last path the place may be from which the robot looks, at most [m] and as a part of the
@@ -34,13 +34,18 @@ fn beside_m(config: &GlobalPlannerConfig) -> f64 {
 /// saw it, from afar.
 pub(crate) fn lead(
     planner: &mut dyn GlobalPlanner,
-    query: &PlanQuery<'_>,
-    config: &GlobalPlannerConfig,
+    (query, config): (&PlanQuery<'_>, &GlobalPlannerConfig),
     cut: Cut,
     budget: &mut dyn FnMut(Expansions) -> Control,
     plan: &mut Plan,
 ) {
-    let Some(target) = plan.target else {
+    let is_closed = matches!(
+        plan.status,
+        PathStatus::Unreachable | PathStatus::UnreachableCorner | PathStatus::GoalBlocked
+    );
+    // A search for something better that fails changes nothing.
+    let counts = !matches!(plan.cause, PathCause::Shortcut | PathCause::Improved);
+    let Some(target) = plan.target.filter(|_| is_closed && counts) else {
         return;
     };
     let blocked = cut.blocked;

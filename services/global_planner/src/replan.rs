@@ -285,17 +285,9 @@ impl Replanner {
         if is_proof && candidate.cut.is_none() {
             candidate.closed = self.barrier.find(&query);
         }
-        let is_closed = is_proof || candidate.status == PathStatus::GoalBlocked;
-        let counts = !matches!(pending.cause, PathCause::Shortcut | PathCause::Improved);
-        if let Some(cut) = cut.filter(|_| is_closed && counts) {
-            look::lead(
-                planner.as_mut(),
-                &query,
-                &self.config,
-                cut,
-                &mut limited,
-                candidate,
-            );
+        if let Some(cut) = cut {
+            let asked = (&query, &self.config);
+            look::lead(planner.as_mut(), asked, cut, &mut limited, candidate);
         }
         candidate.searched_map = situation.revision;
         if let Some(request) = situation.request {

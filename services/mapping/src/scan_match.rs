@@ -67,6 +67,8 @@ pub struct Surfaces {
 struct Pulls {
     normal: Matrix3<f64>,
     right: Vector3<f64>,
+    /// What of `normal` the static map tells.
+    told: Matrix3<f64>,
 }
 
 impl Pulls {
@@ -76,6 +78,21 @@ impl Pulls {
         let weight = worth * (1.0 + (off_m / LETS_GO_M).powi(2)).powi(-2);
         self.normal += row * row.transpose() * weight;
         self.right += row * (weight * off_m);
+    }
+
+    /// Such a point lies so far off a cell, which may be one of the static map.
+    fn add_cell(
+        &mut self,
+        turned: &Vector2<f64>,
+        axis: &Vector2<f64>,
+        off_m: f64,
+        is_static: bool,
+    ) {
+        let before = self.normal;
+        self.add(turned, axis, off_m, 1.0);
+        if is_static {
+            self.told += self.normal - before;
+        }
     }
 
     /// Such a point lies at `at`, on a surface of earlier hits; one on a cell has `sigma_m`.
@@ -226,7 +243,6 @@ impl Surfaces {
         for step in 0..STEPS_MAX {
             let (sin, cos) = at.z.sin_cos();
             let mut pulls = Pulls::default();
-            let mut by_static_map = Pulls::default();
             let (mut n, mut near) = (0.0, 0.0);
             for (point, seen) in points().zip(&mut seen) {
                 n += 1.0;
@@ -253,10 +269,7 @@ impl Surfaces {
                         pulls.add_surface(&turned, there, surface, sigma_m);
                     }
                     Seen::Nothing if !is_held || is_static(there) => {
-                        pulls.add(&turned, &slope, distance_m, 1.0);
-                        if is_static(there) {
-                            by_static_map.add(&turned, &slope, distance_m, 1.0);
-                        }
+                        pulls.add_cell(&turned, &slope, distance_m, is_static(there));
                     }
                     Seen::Nothing | Seen::Unclear => {}
                 }
@@ -266,7 +279,7 @@ impl Surfaces {
             }
             let worth = (POINTS_WORTH / n).min(1.0) / (sigma_m * sigma_m);
             information = prior + pulls.normal * worth;
-            told = by_static_map.normal * worth;
+            told = pulls.told * worth;
             let off = prior * (at - at_start) + pulls.right * worth;
             let change = information.try_inverse()? * off;
             at -= change;

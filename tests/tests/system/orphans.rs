@@ -221,6 +221,7 @@ fn the_folder_of_a_check_goes_with_a_launch_that_is_killed() {
         .args(["check", "./it.toml"])
         .current_dir(place.path())
         .env("TMPDIR", &temporary)
+        .env_remove("CARGO")
         .stdin(Stdio::null())
         .spawn()
         .expect("it starts");
