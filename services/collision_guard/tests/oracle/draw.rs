@@ -1,5 +1,8 @@
 //! Random robots, scans, odometry and requests, and the oracle's own view of the hits.
 
+mod dust;
+
+use crate::past::{Past, placed};
 use crate::slow::{Hit, Obeyed, Outline, Robot};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
@@ -16,46 +19,6 @@ const PERIOD_S: f64 = 0.02;
 
 /// [m] Ranges of neighbouring beams on one thing differ by less; a hit inside without is dust.
 const SAME_M: f64 = 0.1;
-
-/// [m] Beams lie at most so far apart where a hit that the scans before deny is dust.
-const DUST_APART_M: f64 = 0.03;
-
-/// A scan for the oracle's memory.
-#[derive(Default)]
-struct Past {
-    run_ns: u64,
-    /// The robot moved while the lidar turned.
-    turned: bool,
-    /// Of every beam where it began and ended in `odom`, its direction there [rad] and its range. [m]
-    beams: Vec<(Hit, Hit, f64, f64)>,
-}
-
-impl Past {
-    /// How many of so many beams to either side of one ended near it, where beams lie so far apart.
-    fn beside(&self, beam: usize, side: usize, apart_m: f64) -> usize {
-        let n = self.beams.len();
-        let at = self.beams[beam].1;
-        (1..=side)
-            .flat_map(|offset| [(beam + offset) % n, (beam + n - offset) % n])
-            .filter(|other| apart(self.beams[*other].1, at) <= 0.03 + 3.0 * apart_m)
-            .count()
-    }
-
-    /// The hits that not both beams beside them share.
-    fn thin(&self, description: &Description) -> Vec<Hit> {
-        let beams = self.beams.iter().enumerate();
-        beams
-            .filter(|(_, beam)| beam.3.is_finite())
-            .filter(|(n, beam)| self.beside(*n, 1, description.angle_increment_rad * beam.3) < 2)
-            .map(|(_, beam)| beam.1)
-            .collect()
-    }
-}
-
-/// Distance of two points; not a number where one of them is none. [m]
-fn apart(a: Hit, b: Hit) -> f64 {
-    (a[0] - b[0]).hypot(a[1] - b[1])
-}
 
 /// One robot that is driven at random.
 pub(crate) struct Draw {
@@ -110,14 +73,6 @@ fn footprint(random: &mut Pcg32) -> Vec<Hit> {
                 .collect()
         }
     }
-}
-
-fn placed(pose: &Pose, at: Hit) -> Hit {
-    let (sin, cos) = pose.yaw_rad.sin_cos();
-    [
-        pose.x_m + cos * at[0] - sin * at[1],
-        pose.y_m + sin * at[0] + cos * at[1],
-    ]
 }
 
 /// The pose after `elapsed_s` of constant speeds, in ten small steps.
@@ -337,93 +292,6 @@ impl Draw {
             self.things
                 .push([at[0] + range_m * cos, at[1] + range_m * sin]);
         }
-    }
-
-    /// True when the README makes the guard take this hit of the newest scan for dust.
-    fn is_dust(&self, newest: &Past, beam: usize) -> bool {
-        let (_, at, _, range_m) = newest.beams[beam];
-        let apart_m = self.description.angle_increment_rad * range_m;
-        let Some([last, earlier]) = self.past.first_chunk() else {
-            return false;
-        };
-        #[allow(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "a few beams"
-        )]
-        let side = ((0.005 / apart_m) as usize).clamp(1, 32);
-        if apart_m > DUST_APART_M
-            || newest.beside(beam, side, apart_m) >= side
-            || !self.went_on_behind(last, at)
-        {
-            return false;
-        }
-        let laser = placed(
-            &self.scan_pose,
-            self.description.base_from_laser.point().coords.into(),
-        );
-        let range_to_m = apart(at, laser);
-        let along = [0, 1].map(|i| (at[i] - laser[i]) / range_to_m);
-        let same = |end: Hit, there: Hit| {
-            let off = [0, 1].map(|i| end[i] - there[i]);
-            (off[0] * along[0] + off[1] * along[1]).abs() <= 0.03
-                && (off[0] * along[1] - off[1] * along[0]).abs() <= 0.01 + 2.0 * apart_m
-        };
-        let recent = |past: &&Past| newest.run_ns - past.run_ns <= 220_000_000;
-        let asked = self.past.iter().take_while(recent).count().max(2);
-        let shows = |past: &&Past| past.beams.iter().any(|beam| same(beam.1, at));
-        let shown = self.past[..asked].iter().filter(shows).count();
-        2 * shown < asked && !self.came_evenly(newest.run_ns, [last, earlier], at, same)
-    }
-
-    /// True when two of the three beams of a scan whose directions are nearest to that of a place went on
-    /// behind it, at one of the moments at which the lidar looked there.
-    fn went_on_behind(&self, past: &Past, place: Hit) -> bool {
-        let n = past.beams.len();
-        let aside = past.beams.iter().map(|(from, _, yaw, _)| {
-            let [dx, dy] = [place[0] - from[0], place[1] - from[1]];
-            let (sin, cos) = (yaw - dy.atan2(dx)).sin_cos();
-            sin.atan2(cos).abs()
-        });
-        let aside: Vec<f64> = aside.collect();
-        let behind = |beam: usize| {
-            let (from, _, _, range_m) = past.beams[beam];
-            let away_m = apart(from, place);
-            away_m >= 0.1 && range_m > away_m + 0.1
-        };
-        (0..n).any(|beam| {
-            let [before, after] = [(beam + n - 1) % n, (beam + 1) % n];
-            // Before its first beam and after its last one a lidar that turns with the robot looked elsewhere.
-            let seam = beam == 0 || beam == n - 1;
-            let turned = past.turned && self.scan.time_increment_s > 0.0;
-            let nearest = aside[beam] <= aside[before].min(aside[after])
-                && aside[beam] <= self.description.angle_increment_rad;
-            let asked = [before, beam, after].into_iter();
-            let through = asked.filter(|asked| behind(*asked)).count();
-            nearest && !(seam && turned) && through >= 2
-        })
-    }
-
-    /// True when three thin things of the three scans are on one even way of at most 2 m/s.
-    fn came_evenly(
-        &self,
-        run_ns: u64,
-        [last, earlier]: [&Past; 2],
-        at: Hit,
-        same: impl Fn(Hit, Hit) -> bool,
-    ) -> bool {
-        #[allow(clippy::cast_precision_loss, reason = "less than a second")]
-        let [since_s, before_s] =
-            [run_ns - last.run_ns, last.run_ns - earlier.run_ns].map(|ns| ns as f64 / 1.0e9);
-        let mut came_from = last.thin(&self.description);
-        came_from.retain(|was| apart(*was, at) <= 2.0 * since_s + 0.03);
-        let first = earlier.thin(&self.description);
-        came_from.len() > 32
-            || came_from.iter().any(|was| {
-                let velocity = [0, 1].map(|i| (at[i] - was[i]) / since_s);
-                let there = [0, 1].map(|i| was[i] - velocity[i] * before_s);
-                first.iter().any(|end| same(*end, there))
-            })
     }
 
     /// The hits of the newest scan in `odom`: each from where the robot was when its beam looked.

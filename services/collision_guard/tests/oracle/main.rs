@@ -5,6 +5,7 @@
 #![allow(clippy::print_stdout, reason = "seeds and counts of a run")]
 
 mod draw;
+mod past;
 mod slow;
 
 use draw::Draw;
