@@ -7,6 +7,7 @@ use crate::line::supercover;
 use crate::moves::price;
 use crate::planner::{CornerRule, Unknown};
 use nalgebra::Point2;
+use zeronav_msgs::map::COST_UNKNOWN;
 use zeronav_msgs::{Cell, GridGeometry, MapView};
 
 /// How far ahead of the last position on the path the robot is looked for. [m]
@@ -147,6 +148,14 @@ impl Corridor {
                 length_m,
             }),
         }
+    }
+
+    /// True when what is left of the path leads over cells that nobody has seen.
+    pub(crate) fn is_guess(&self, map: &MapView<'_>) -> bool {
+        let cells = self.pieces[self.ahead()..].iter();
+        cells
+            .filter_map(|piece| map.cells.get(piece.index as usize))
+            .any(|cell| cell.cost == COST_UNKNOWN)
     }
 
     /// True when the path was made on a map of this geometry.

@@ -1,7 +1,9 @@
 //! Going to see whether a way is closed.
 //!
 //! From afar a lidar closes doors: beams that graze an edge return from somewhere in the opening, and they lie
-//! so far apart that a few of them are as wide as the door. So what the lidar saw from afar proves nothing.
+//! so far apart that a few of them are as wide as the door. So what the lidar saw from afar proves nothing, where a
+//! path led over what had been seen to be free. A path over what nobody has seen was a guess: a wall there is news,
+//! and looking at it leads away from the door in which somebody stands.
 
 use crate::config::GlobalPlannerConfig;
 use crate::plan::{Blocked, Cut, Plan};
@@ -49,9 +51,8 @@ pub(crate) fn lead(
         return;
     };
     let blocked = cut.blocked;
-    if blocked.source != ObstacleSource::Lidar
-        || is_near(config, &query.map, &blocked, &query.start)
-    {
+    let is_doubtful = blocked.source == ObstacleSource::Lidar && !cut.was_guess;
+    if !is_doubtful || is_near(config, &query.map, &blocked, &query.start) {
         return;
     }
     let ahead = blocked.point() - cut.before;

@@ -42,6 +42,8 @@ pub(crate) struct Cut {
     pub(crate) before: Point2<f64>,
     /// What the path led to.
     pub(crate) target: Target,
+    /// The path led over cells that nobody has seen: that it is closed is no surprise.
+    pub(crate) was_guess: bool,
 }
 
 impl Blocked {
@@ -207,6 +209,7 @@ impl Plan {
         let [cell, before] = self.corridor.first_blocked(map)?;
         Some(Cut {
             target: self.target?,
+            was_guess: self.corridor.is_guess(map),
             blocked: Blocked::of(map, cell),
             before: map.geometry.centre_of(before),
         })

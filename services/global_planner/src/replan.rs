@@ -21,8 +21,8 @@
 //!    can make it succeed. A proof (`unreachable`, `unreachable_corner`, `goal_blocked`) needs a
 //!    cell that opened or a robot that is elsewhere; `goal_outside_map` needs another grid;
 //!    the others need any change of the map or a robot in another cell.
-//!    A proof is none yet when the path was cut by what the lidar saw from farther than `look_from_m`: from
-//!    afar beams that graze the edges of a door close it. The path then leads to the cell before the cut, and
+//!    A proof is none yet when a path over known cells was cut by what the lidar saw from farther than
+//!    `look_from_m`: from afar beams that graze the edges of a door close it. The path then leads to the cell before the cut, and
 //!    the search is repeated when the robot is near, or a cell opened and `shortcut_every_revisions` have passed.
 //! 4. The map has another grid, or a cell ahead on the path blocks the robot's centre: a detour
 //!    ([`GlobalPlanner::detour`]), else search, cause `obstacle`.

@@ -4,7 +4,9 @@ use crate::support::cycle::{Bench, ROOM};
 use zeronav_global_planner::{
     GlobalPlannerConfig, News, Replanner, Request, Situation, Step, Target,
 };
-use zeronav_msgs::map::{COST_INSCRIBED, COST_LETHAL, FLAG_SENSED, FLAG_STATIC, ObstacleSource};
+use zeronav_msgs::map::{
+    COST_INSCRIBED, COST_LETHAL, COST_UNKNOWN, FLAG_SENSED, FLAG_STATIC, ObstacleSource,
+};
 use zeronav_msgs::path::{Path, PathBlock, PathCause, PathStatus};
 use zeronav_msgs::request::RequestReason;
 use zeronav_msgs::{Cell, CellRect, MapCell, Pose};
@@ -188,6 +190,24 @@ fn rule_3_what_was_seen_from_afar_counts_when_it_was_seen_from_near() {
             bench.expect_new(PathCause::Obstacle, shut);
         }
     }
+}
+
+/// A path over what nobody has seen was a guess: a wall there is no door that may be open.
+#[test]
+fn rule_3_a_guess_that_was_wrong_is_not_looked_at() {
+    let (mut bench, _) = Bench::new("S..................G");
+    let config = GlobalPlannerConfig {
+        look_from_m: 0.3,
+        ..GlobalPlannerConfig::default()
+    };
+    bench.replanner = Replanner::new(&config).unwrap();
+    bench.update(&[Cell::new(17, 0)], COST_UNKNOWN);
+    bench.expect_new(PathCause::Goal, PathStatus::Found);
+    bench.update(&[Cell::new(15, 0)], COST_LETHAL);
+    bench
+        .map
+        .put(Cell::new(15, 0), cell(COST_LETHAL, FLAG_SENSED, 0));
+    bench.expect_new(PathCause::Obstacle, PathStatus::Unreachable);
 }
 
 /// The update that closes the way comes during the search.
