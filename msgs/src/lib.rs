@@ -1,8 +1,8 @@
 //! The contract between the processes of zeronav.
 //!
 //! Whatever two processes would otherwise misread is defined here and nowhere else: the names of the
-//! topics, the layout and meaning of every message, what an identity is, who is obeyed, and how a
-//! map arrives whole at the other end. A service in any language needs this crate (or a copy of
+//! topics, the layout and meaning of every message, what an identity is, who is obeyed, how a
+//! map arrives whole at the other end, and how a robot leaves the inflation. A service in any language needs this crate (or a copy of
 //! these layouts), the flags of the shell and an exit code; nothing else is shared.
 //!
 //! Every message is `#[repr(C)]`, free of padding and made of plain numbers, so its bytes can be

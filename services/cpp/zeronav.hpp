@@ -908,7 +908,8 @@ struct MapInfo {
     std::uint64_t revision{};
     /// `map_from_odom`.
     Pose map_from_odom{};
-    /// Covariance of `map_from_odom`, upper triangle by rows. [m, m, rad]
+    /// Covariance of the pose of `base` in the map, against where that began, upper triangle by
+    /// rows. [m, m, rad]
     double covariance[6]{};
     /// [number] Which part of the revision this is, from 0.
     std::uint16_t part{};
