@@ -4,6 +4,7 @@
 //! live stack. Runs in real time take turns, so that they leave each other the processors.
 
 pub mod browser;
+mod built;
 #[path = "../data/folder.rs"]
 pub mod data;
 pub mod faults;
@@ -19,6 +20,7 @@ pub mod tracker_bench;
 mod turns;
 pub mod up;
 
+pub use built::{binaries, command, executable, quick_profile, workspace};
 pub use processes::{children_of, domains_of, services_of};
 use rustix::process::{Pid, Signal, kill_process};
 use serde_json::Value;
@@ -27,7 +29,6 @@ use std::io::{BufRead, BufReader, Read, Seek, SeekFrom, Write};
 use std::os::unix::net::UnixStream;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
-use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 pub use turns::{Turn, quiet_turn, real_time_turn};
 
@@ -37,14 +38,6 @@ pub const WATCHDOG: Duration = Duration::from_secs(240);
 /// A service that a test started and that has not exited by then never will.
 const STRANGER_LIMIT: Duration = Duration::from_secs(10);
 
-/// Root folder of the workspace.
-#[must_use]
-pub fn workspace() -> &'static Path {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-        .parent()
-        .unwrap_or(Path::new("."))
-}
-
 /// The text of a shipped scenario.
 ///
 /// # Panics
@@ -53,79 +46,6 @@ pub fn workspace() -> &'static Path {
 pub fn shipped(name: &str) -> String {
     let file = workspace().join(format!("launch/scenarios/{name}.toml"));
     std::fs::read_to_string(&file).unwrap_or_else(|error| panic!("{}: {error}", file.display()))
-}
-
-/// Writes a script that can be executed at once.
-///
-/// Another process writes it: a program that any process has open for writing cannot be executed
-/// (`ETXTBSY`), and what this process has open, the children that other tests start hold, too,
-/// until they execute their own program.
-///
-/// # Panics
-/// When it cannot be written.
-pub fn executable(path: &Path, text: &str) {
-    let mut install = Command::new("install");
-    install.args(["--mode=755", "/dev/stdin"]).arg(path);
-    let mut install = install.stdin(Stdio::piped()).spawn().expect("it starts");
-    let mut script = install.stdin.take().expect("its standard input");
-    script.write_all(text.as_bytes()).expect("it reads");
-    drop(script);
-    let status = install.wait().expect("it ends");
-    assert!(status.success(), "{} is not written", path.display());
-}
-
-/// The example services that scenarios name.
-const EXAMPLES: [&str; 3] = [
-    "straight_line_service",
-    "requests_full_speed",
-    "requests_nan",
-];
-
-/// Folder of the binaries of this very build and of the example services, built once per test
-/// program.
-///
-/// # Panics
-/// When they do not build.
-pub fn binaries() -> &'static Path {
-    static FOLDER: OnceLock<PathBuf> = OnceLock::new();
-    FOLDER.get_or_init(|| {
-        let program = std::env::current_exe().expect("this test has a path");
-        let folder = program
-            .parent()
-            .and_then(Path::parent)
-            .expect("test programs lie in target/PROFILE/deps")
-            .to_owned();
-        let profile = match folder.file_name().and_then(|name| name.to_str()) {
-            Some("debug") | None => "dev",
-            Some(name) => name,
-        };
-        let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-        // With an example cargo counts in what only tests depend on, as `cargo test --workspace`
-        // does: its build of all dependencies serves this one, too.
-        let status = Command::new(cargo)
-            .args(["build", "--quiet", "--workspace", "--bins", "--lib"])
-            .args(EXAMPLES.map(|name| format!("--example={name}")))
-            .args(["--profile", profile])
-            .arg("--target-dir")
-            .arg(folder.parent().expect("a target folder"))
-            .current_dir(workspace())
-            .status()
-            .expect("cargo runs");
-        assert!(status.success(), "the binaries do not build");
-        folder
-    })
-}
-
-/// A configuration of cargo for a package outside the workspace, whose dependencies are built for it
-/// alone: as fast as that goes, but for what it spends its time in.
-#[must_use]
-pub fn quick_profile(package: &str) -> String {
-    let optimised = [package, "zeronav-msgs", "zeronav-shell", "zeronav-world"];
-    let optimised = optimised.map(|name| format!("[profile.dev.package.{name}]\nopt-level = 2\n"));
-    format!(
-        "[profile.dev]\nopt-level = 0\ndebug = \"none\"\n{}",
-        optimised.concat()
-    )
 }
 
 /// Checks the `latency` of a run: no stamp before its predecessor, no record missing, and the robot's
@@ -187,11 +107,9 @@ impl Zeronav {
     pub fn start_in(folder: tempfile::TempDir, arguments: &[&str]) -> Self {
         let stdout = tempfile::tempfile().expect("a file");
         let stderr = tempfile::tempfile().expect("a file");
-        let process = Command::new(binaries().join("zeronav"))
+        let process = command()
             .args(arguments)
             .current_dir(folder.path())
-            // The binaries are fresh: `binaries` has just built them.
-            .env_remove("CARGO")
             .stdin(Stdio::null())
             .stdout(stdout.try_clone().expect("a handle"))
             .stderr(stderr.try_clone().expect("a handle"))
@@ -375,7 +293,7 @@ impl Stranger {
     pub fn start(binary: &str, root: &Path, flags: &[&str]) -> Self {
         let stderr = tempfile::tempfile().expect("a file");
         let examples = binaries().join("examples");
-        let is_example = EXAMPLES.contains(&binary);
+        let is_example = built::EXAMPLES.contains(&binary);
         let folder = if is_example { &examples } else { binaries() };
         let process = Command::new(folder.join(binary))
             .arg("--domain")

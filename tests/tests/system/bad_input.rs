@@ -2,7 +2,7 @@
 
 use std::path::Path;
 use std::process::Command;
-use zeronav_tests::{Ended, Zeronav, executable, zeronav};
+use zeronav_tests::{Ended, Zeronav, command, executable, zeronav};
 
 const WORLD: &str = r#"
 [world]
@@ -297,7 +297,7 @@ fn cargo_never_builds_another_project() {
         &format!("#!/bin/sh\necho \"$@\" > {}\n", built.display()),
     );
     let check = |package: &Path| {
-        let checked = Command::new(zeronav_tests::binaries().join("zeronav"))
+        let checked = command()
             .args(["check", "open_aisle"])
             .current_dir(folder.path())
             .env("CARGO", &cargo)

@@ -329,6 +329,20 @@ fn files_and_functions_are_short_or_give_a_reason() {
     assert!(long.is_empty(), "{rule}:\n{}", long.join("\n"));
 }
 
+/// Under cargo `zeronav` builds its workspace before it starts services: a test that lets it do so
+/// waits behind all others.
+#[test]
+fn tests_start_zeronav_without_cargo() {
+    let direct = |file: &PathBuf| {
+        let text = std::fs::read_to_string(workspace().join(file)).expect("a source file");
+        let text = text.replace("zeronav_tests::", "");
+        text.contains("Command::new(binaries().join(\"zeronav\"))")
+    };
+    let mut tests = all_sources();
+    tests.retain(|file| file.starts_with("tests/tests") && direct(file));
+    assert!(tests.is_empty(), "use `zeronav_tests::command`: {tests:?}");
+}
+
 fn sources(folder: &Path) -> Vec<PathBuf> {
     let mut files = Vec::new();
     let entries =

@@ -3,7 +3,7 @@
 use rustix::process::Signal;
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::Stdio;
 use std::time::{Duration, Instant};
 use zeronav_msgs::command::VelocityCommand;
 use zeronav_msgs::odometry::Odometry;
@@ -12,7 +12,7 @@ use zeronav_msgs::topics::{RobotCommand, RobotDescription, RobotOdometry};
 use zeronav_shell::roster_reader::RosterReader;
 use zeronav_shell::{Domain, Latest, Peer, Stream};
 use zeronav_tests::{
-    Zeronav, await_by_itself, binaries, executable, is_alive, leftovers, real_time_turn,
+    Zeronav, await_by_itself, binaries, command, executable, is_alive, leftovers, real_time_turn,
     send_signal,
 };
 
@@ -217,11 +217,10 @@ fn the_folder_of_a_check_goes_with_a_launch_that_is_killed() {
     let text = "base = [\"warehouse\", \"porter\"]\ntitle = \"asked\"\nstart = [4.0, 6.425, 0.0]\n\
                 [services.mapping]\nbinary = \"./mapping\"\n";
     std::fs::write(place.path().join("it.toml"), text).expect("written");
-    let mut launch = Command::new(binaries().join("zeronav"))
+    let mut launch = command()
         .args(["check", "./it.toml"])
         .current_dir(place.path())
         .env("TMPDIR", &temporary)
-        .env_remove("CARGO")
         .stdin(Stdio::null())
         .spawn()
         .expect("it starts");

@@ -4,9 +4,9 @@ use rustix::process::Signal;
 use std::fs::File;
 use std::os::fd::OwnedFd;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
+use std::process::{Output, Stdio};
 use zeronav_tests::rooms::short_drive;
-use zeronav_tests::{Zeronav, binaries};
+use zeronav_tests::{Zeronav, command};
 
 fn short() -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("a folder");
@@ -16,10 +16,9 @@ fn short() -> tempfile::TempDir {
 
 /// Runs `zeronav` with these ends of its output.
 fn with_output(folder: &Path, arguments: &[&str], out: Stdio, err: Stdio) -> Output {
-    Command::new(binaries().join("zeronav"))
+    command()
         .args(arguments)
         .current_dir(folder)
-        .env_remove("CARGO")
         .stdin(Stdio::null())
         .stdout(out)
         .stderr(err)
@@ -121,10 +120,9 @@ fn without_a_terminal_progress_is_a_line_every_five_seconds() {
     let folder = tempfile::tempdir().expect("a folder");
     std::fs::write(folder.path().join("endless.toml"), endless).expect("written");
     let err = folder.path().join("err.txt");
-    let mut run = Command::new(binaries().join("zeronav"))
+    let mut run = command()
         .args(["run", "./endless.toml", "--lockstep"])
         .current_dir(folder.path())
-        .env_remove("CARGO")
         .stdout(Stdio::null())
         .stderr(File::create(&err).expect("a file"))
         .spawn()

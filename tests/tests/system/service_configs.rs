@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 use std::process::{Command, Output};
 use toml::{Table, Value};
-use zeronav_tests::binaries;
+use zeronav_tests::{binaries, command};
 
 /// The stock services but for the robot, whose configuration is a part of the scenario.
 const SERVICES: [&str; 4] = [
@@ -126,11 +126,9 @@ fn every_value_of_a_configuration_is_described_with_its_default() {
     let folder = tempfile::tempdir().expect("a folder");
     for service in SERVICES {
         let role = &service["zeronav-".len()..].replace('-', "_");
-        let described = Command::new(binaries().join("zeronav"))
+        let described = command()
             .args(["params", role, "--json", "--binary"])
             .arg(binaries().join(service))
-            // Everything is built, and is in use.
-            .env_remove("CARGO")
             .output()
             .expect("it starts");
         assert!(described.status.success(), "{described:?}");
@@ -166,11 +164,7 @@ fn every_value_of_a_configuration_is_described_with_its_default() {
 /// What `zeronav` prints with these words must be in this file.
 #[track_caller]
 fn current(words: &[&str], file: &str) -> String {
-    let written = Command::new(binaries().join("zeronav"))
-        .args(words)
-        .env_remove("CARGO")
-        .output()
-        .expect("it starts");
+    let written = command().args(words).output().expect("it starts");
     assert!(written.status.success(), "{written:?}");
     let written = String::from_utf8(written.stdout).expect("text");
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(file);

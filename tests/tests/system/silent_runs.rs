@@ -8,10 +8,10 @@ use std::os::fd::AsRawFd;
 use std::os::unix::fs::OpenOptionsExt;
 use std::os::unix::process::ExitStatusExt;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, Stdio};
 use std::time::{Duration, Instant};
 use zeronav_tests::up::Up;
-use zeronav_tests::{binaries, domains_of, leftovers, zeronav};
+use zeronav_tests::{command, domains_of, leftovers, zeronav};
 
 /// How long a stack may take to begin.
 const START_LIMIT: Duration = Duration::from_secs(120);
@@ -79,7 +79,7 @@ impl Deaf {
         };
         assert_eq!(full, ErrorKind::WouldBlock);
         let folder = tempfile::tempdir().expect("a folder");
-        let launch = Command::new(binaries().join("zeronav"))
+        let launch = command()
             .args(["up", "open_aisle", "--headless", "--lockstep"])
             .current_dir(folder.path())
             .stdin(Stdio::null())

@@ -1,7 +1,7 @@
 //! A service that gets no processor is no hung one: a lockstep run beside busy processes is the same run.
 
-use std::process::{Child, Command, Stdio};
-use zeronav_tests::{Ended, Zeronav, binaries};
+use std::process::{Child, Stdio};
+use zeronav_tests::{Ended, Zeronav, command};
 
 /// Processes that compute as long as this is kept: two a core.
 struct Burden(Vec<Child>);
@@ -10,7 +10,7 @@ impl Burden {
     fn start() -> Self {
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
         let start = |_| {
-            let mut busy = Command::new(binaries().join("zeronav"));
+            let mut busy = command();
             busy.args(["busy", "600"]).stdin(Stdio::piped());
             busy.spawn().expect("started")
         };

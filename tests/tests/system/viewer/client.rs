@@ -2,9 +2,9 @@
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
-use std::process::{Child, ChildStdout, Command, Stdio};
+use std::process::{Child, ChildStdout, Stdio};
 use std::time::{Duration, Instant};
-use zeronav_tests::binaries;
+use zeronav_tests::command;
 
 /// `zeronav view` on a stack, once it has printed its link.
 pub(super) struct Viewer {
@@ -20,10 +20,9 @@ impl Viewer {
 
     /// The same with programs looked for in these folders.
     pub(super) fn start_in(root: &str, more: &[&str], path: &str) -> Self {
-        let mut process = Command::new(binaries().join("zeronav"))
+        let mut process = command()
             .args(["view", "--domain", root])
             .args(more)
-            .env_remove("CARGO")
             .env("PATH", path)
             .stdin(Stdio::null())
             .stdout(Stdio::piped())

@@ -1,0 +1,99 @@
+//! The workspace and what is built of it for tests, and scripts that they write.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::sync::OnceLock;
+
+/// Root folder of the workspace.
+#[must_use]
+pub fn workspace() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .parent()
+        .unwrap_or(Path::new("."))
+}
+
+/// The example services that scenarios name.
+pub(crate) const EXAMPLES: [&str; 3] = [
+    "straight_line_service",
+    "requests_full_speed",
+    "requests_nan",
+];
+
+/// Folder of the binaries of this very build and of the example services, built once per test
+/// program.
+///
+/// # Panics
+/// When they do not build.
+pub fn binaries() -> &'static Path {
+    static FOLDER: OnceLock<PathBuf> = OnceLock::new();
+    FOLDER.get_or_init(|| {
+        let program = std::env::current_exe().expect("this test has a path");
+        let folder = program
+            .parent()
+            .and_then(Path::parent)
+            .expect("test programs lie in target/PROFILE/deps")
+            .to_owned();
+        let profile = match folder.file_name().and_then(|name| name.to_str()) {
+            Some("debug") | None => "dev",
+            Some(name) => name,
+        };
+        let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+        // With an example cargo counts in what only tests depend on, as `cargo test --workspace`
+        // does: its build of all dependencies serves this one, too.
+        let status = Command::new(cargo)
+            .args(["build", "--quiet", "--workspace", "--bins", "--lib"])
+            .args(EXAMPLES.map(|name| format!("--example={name}")))
+            .args(["--profile", profile])
+            .arg("--target-dir")
+            .arg(folder.parent().expect("a target folder"))
+            .current_dir(workspace())
+            .status()
+            .expect("cargo runs");
+        assert!(status.success(), "the binaries do not build");
+        folder
+    })
+}
+
+/// A command of `zeronav`. Under cargo it would build its workspace first, which [`binaries`] has
+/// done: a test would wait for that, behind all others.
+///
+/// # Panics
+/// As [`binaries`].
+#[must_use]
+pub fn command() -> Command {
+    let mut command = Command::new(binaries().join("zeronav"));
+    command.env_remove("CARGO");
+    command
+}
+
+/// A configuration of cargo for a package outside the workspace, whose dependencies are built for it
+/// alone: as fast as that goes, but for what it spends its time in.
+#[must_use]
+pub fn quick_profile(package: &str) -> String {
+    let optimised = [package, "zeronav-msgs", "zeronav-shell", "zeronav-world"];
+    let optimised = optimised.map(|name| format!("[profile.dev.package.{name}]\nopt-level = 2\n"));
+    format!(
+        "[profile.dev]\nopt-level = 0\ndebug = \"none\"\n{}",
+        optimised.concat()
+    )
+}
+
+/// Writes a script that can be executed at once.
+///
+/// Another process writes it: a program that any process has open for writing cannot be executed
+/// (`ETXTBSY`), and what this process has open, the children that other tests start hold, too,
+/// until they execute their own program.
+///
+/// # Panics
+/// When it cannot be written.
+pub fn executable(path: &Path, text: &str) {
+    let mut install = Command::new("install");
+    install.args(["--mode=755", "/dev/stdin"]).arg(path);
+    let mut install = install.stdin(Stdio::piped()).spawn().expect("it starts");
+    let mut script = install.stdin.take().expect("its standard input");
+    script.write_all(text.as_bytes()).expect("it reads");
+    drop(script);
+    let status = install.wait().expect("it ends");
+    assert!(status.success(), "{} is not written", path.display());
+}
