@@ -274,6 +274,7 @@ pub(crate) fn prepare(plan: &RunPlan) -> Result<Prepared, String> {
     }
     open_files::raise()?;
     memory::check(shared_memory::planned_bytes(&scenario, &world))
+        .and_then(|()| memory::check_inodes())
         .map_err(|error| error.to_string())?;
     let seed = plan.seed.unwrap_or(scenario.run.seed);
     let faults = faults_of(&scenario, plan.mode, seed)?;

@@ -48,6 +48,17 @@ pub enum StartError {
         /// Bytes that are free.
         free: u64,
     },
+    /// Too few inodes for the files of a stack.
+    #[error(
+        "shared memory: a stack needs some {needed} inodes in /dev/shm and {free} are free \
+         (`df -i /dev/shm`); enlarge it (mount option nr_inodes) or remove what fills it"
+    )]
+    Inodes {
+        /// Inodes that a stack takes.
+        needed: u64,
+        /// Inodes that are free.
+        free: u64,
+    },
     /// A topic has no place left for one more process.
     #[error("{what}: all {places} places are taken")]
     Full {
@@ -100,7 +111,7 @@ impl StartError {
     pub fn exit_code(&self) -> ExitCode {
         ExitCode::from(match self {
             Self::Usage(_) | Self::Config { .. } => EXIT_USAGE,
-            Self::Memory { .. } => EXIT_MEMORY,
+            Self::Memory { .. } | Self::Inodes { .. } => EXIT_MEMORY,
             Self::Contract { .. } => EXIT_CONTRACT,
             Self::Full { .. } | Self::System { .. } => EXIT_CRASH,
         })

@@ -15,6 +15,9 @@ use std::path::PathBuf;
 /// Room that is left for connections, which cannot be reserved. [bytes]
 pub(crate) const HEADROOM_BYTES: u64 = 1 << 20;
 
+/// Inodes of /dev/shm that a stack takes: a shipped one has 440 files there.
+const STACK_INODES: u64 = 512;
+
 /// The caller's own files in /dev/shm whose names begin with `prefix`. Other users may have made
 /// files with such names.
 pub(crate) fn segments(prefix: &str) -> impl Iterator<Item = (PathBuf, std::fs::Metadata)> {
@@ -57,6 +60,20 @@ pub fn check(needed: u64) -> Result<(), StartError> {
         Err(StartError::Memory { needed, free })
     } else {
         Ok(())
+    }
+}
+
+/// Accepts one more stack.
+///
+/// # Errors
+/// [`StartError::Inodes`] when there are too few for its files.
+pub fn check_inodes() -> Result<(), StartError> {
+    match shm::free_inodes() {
+        Some(free) if free < STACK_INODES => Err(StartError::Inodes {
+            needed: STACK_INODES,
+            free,
+        }),
+        _ => Ok(()),
     }
 }
 

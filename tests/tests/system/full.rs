@@ -3,8 +3,12 @@
 
 use serde_json::Value;
 use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::{Command, Output, Stdio};
 use zeronav_tests::{binaries, real_time_turn};
+
+/// Makes a /dev/shm of few inodes, then runs `zeronav`.
+const FEW_INODES: &str = "mount -t tmpfs -o nr_inodes=300 tmpfs /dev/shm && \"$@\"; code=$?; \
+                          ls /dev/shm > shm_left; exit $code";
 
 /// Makes a /dev/shm and a run folder of their own, then runs `zeronav`.
 const SCRIPT: &str = "mount -t tmpfs -o size=256m tmpfs /dev/shm && mkdir -p runs && \
@@ -18,21 +22,7 @@ fn drive(folder: &Path, mode: &[&str], lines: &str) -> Value {
          run.time_limit_s = 60.0\n[[goals]]\npose = [12.5, 6.425, 0.0]\n{lines}"
     );
     std::fs::write(folder.join("it.toml"), text).expect("written");
-    let mut command = Command::new("unshare");
-    // Who is root needs no user namespace, which a container may not have.
-    if !rustix::process::geteuid().is_root() {
-        command.args(["--user", "--map-root-user"]);
-    }
-    let output = command
-        .args(["--mount", "sh", "-c", SCRIPT, "sh"])
-        .arg(binaries().join("zeronav"))
-        .args(["run", "./it.toml", "--headless", "--json"])
-        .args(mode)
-        .env_remove("CARGO")
-        .current_dir(folder)
-        .stdin(Stdio::null())
-        .output()
-        .expect("unshare, of the package util-linux");
+    let output = in_namespace(folder, SCRIPT, &[&["./it.toml", "--json"], mode].concat());
     let (said, errors) = (&output.stdout, &output.stderr);
     let (said, errors) = (
         String::from_utf8_lossy(said),
@@ -41,9 +31,33 @@ fn drive(folder: &Path, mode: &[&str], lines: &str) -> Value {
     assert_eq!(output.status.code(), Some(0), "{said}\n{errors}");
     let result: Value = serde_json::from_str(&said).expect("a result");
     assert_eq!(result["contacts"], 0, "{result:#}");
-    let left = std::fs::read_to_string(folder.join("shm_left")).expect("a list");
-    assert_eq!(left.trim(), "", "left in /dev/shm");
+    assert_eq!(left_in_shm(folder), "");
     result
+}
+
+/// What `script` saw in its /dev/shm in the end.
+fn left_in_shm(folder: &Path) -> String {
+    let left = std::fs::read_to_string(folder.join("shm_left")).expect("a list");
+    left.trim().to_owned()
+}
+
+/// `zeronav run` with these arguments by a script in a mount namespace of its own.
+fn in_namespace(folder: &Path, script: &str, arguments: &[&str]) -> Output {
+    let mut command = Command::new("unshare");
+    // Who is root needs no user namespace, which a container may not have.
+    if !rustix::process::geteuid().is_root() {
+        command.args(["--user", "--map-root-user"]);
+    }
+    command
+        .args(["--mount", "sh", "-c", script, "sh"])
+        .arg(binaries().join("zeronav"))
+        .args(["run", "--headless"])
+        .args(arguments)
+        .env_remove("CARGO")
+        .current_dir(folder)
+        .stdin(Stdio::null())
+        .output()
+        .expect("unshare, of the package util-linux")
 }
 
 /// A successor needs memory: its seat stays empty until there is some.
@@ -84,4 +98,17 @@ fn a_run_whose_disk_is_full_for_a_while_goes_on_and_leaves_its_result() {
     let text = std::fs::read_to_string(run.join("result.json")).expect("a result");
     let kept: Value = serde_json::from_str(&text).expect("whole");
     assert_eq!(kept["run_hash"], result["run_hash"]);
+}
+
+#[test]
+fn too_few_inodes_are_named_before_anything_is_started() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let output = in_namespace(folder.path(), FEW_INODES, &["open_aisle", "--lockstep"]);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    assert!(
+        said.contains("some 512 inodes in /dev/shm and 299 are free"),
+        "{said}"
+    );
+    assert_eq!(left_in_shm(folder.path()), "");
 }
