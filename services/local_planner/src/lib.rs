@@ -26,6 +26,7 @@ pub mod mppi;
 mod obstruction;
 mod outputs;
 pub mod papers;
+pub mod past_hits;
 mod patience;
 pub mod period;
 pub mod pilot;

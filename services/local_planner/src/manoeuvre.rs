@@ -327,7 +327,11 @@ impl Manoeuvre {
         self.search.space.fill(
             (&near.field, &near.footprint),
             situation.map_from_base.yaw_rad,
-            (situation.scan_points_in_base, sees_behind(situation.robot)),
+            (
+                situation.scan_points_in_base,
+                situation.past_hits_in_base,
+                sees_behind(situation.robot),
+            ),
             situation.robot.base_from_laser.point(),
         );
         let map = situation.map.filter(|_| !sees_behind(situation.robot));

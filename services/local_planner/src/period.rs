@@ -8,11 +8,12 @@ use crate::explain::{self, Circumstances};
 use crate::inputs::{Inputs, PathInput};
 use crate::obstruction::{Known, Obstruction};
 use crate::outputs::Outputs;
+use crate::past_hits::PastHits;
 use crate::pilot::Pilot;
 use crate::progress::{PathTracker, Place};
 use crate::recovery::{Behaviour, Facts, Recovery, Transition};
 use crate::requests::{PathRequests, RequestInputs};
-use crate::situation::{Decision, Situation};
+use crate::situation::{Decision, Room, Situation};
 use crate::staleness::{Ages, StaleInput, ageing, speed_factor};
 pub use crate::table::BuildError;
 use crate::table::controller;
@@ -25,7 +26,6 @@ use zeronav_msgs::odometry::Odometry;
 use zeronav_msgs::path::{PathStatus, Waypoint};
 use zeronav_msgs::request::PlanRequest;
 use zeronav_msgs::rollouts::{Rollout, Rollouts};
-use zeronav_msgs::scan::BEAMS_MAX;
 use zeronav_msgs::stages::{Stage, StageTimer};
 use zeronav_msgs::task::{Goal, GoalEnd, Task, TaskState, TaskStatus};
 use zeronav_msgs::time::seconds;
@@ -53,8 +53,10 @@ pub struct LocalPlanner {
     last: Twist,
     /// The last period turned on the spot.
     turns: bool,
-    /// Room for the scan as of when a command takes effect. [m]
-    points: Vec<Point2<f64>>,
+    /// Of an outline with corners.
+    past: PastHits,
+    /// Room for the scan as of when a command takes effect.
+    room: Room,
 }
 
 /// How the robot moves: as measured, or as it will when it stands but a command on its way moves it.
@@ -98,7 +100,8 @@ impl LocalPlanner {
             behaviours: Behaviours::new(config.recovery, config.dwa.safety_margin_m),
             last: Twist::REST,
             turns: false,
-            points: Vec::with_capacity(BEAMS_MAX),
+            past: PastHits::default(),
+            room: Room::default(),
         })
     }
 
@@ -329,6 +332,14 @@ impl LocalPlanner {
         }
         let (robot, corners) = inputs.robot.ok_or((Validity::Stale, None))?;
         let route = route.ok_or((Validity::NoPath, None))?;
+        let points = inputs.scan_points_in_base;
+        let mut past = core::mem::take(&mut self.past);
+        let past_hits_in_base = if corners.is_empty() {
+            &[]
+        } else {
+            let lidar = robot.base_from_laser.point();
+            past.after(map, (&map_from_base, inputs.run_ns), (points, lidar))
+        };
         let situation = Situation {
             map_from_base,
             v_mps: odometry.v_mps,
@@ -342,7 +353,8 @@ impl LocalPlanner {
             obstacles: inputs.obstacles.0,
             obstacles_age_s: inputs.obstacles.1,
             future: inputs.future,
-            scan_points_in_base: inputs.scan_points_in_base,
+            scan_points_in_base: points,
+            past_hits_in_base,
             goal: &goal,
             speed_factor,
             period_s: inputs.period_s,
@@ -352,14 +364,15 @@ impl LocalPlanner {
             None => self.recover(inputs, &situation, &odometry.pose, step),
             Some(ahead) => {
                 // The command is for the robot that it finds.
-                let mut points = core::mem::take(&mut self.points);
-                let then = situation.ahead(&ahead, &mut points);
+                let mut room = core::mem::take(&mut self.room);
+                let then = situation.ahead(&ahead, &mut room);
                 let odom_from_base = odometry.pose.then(&ahead.shift);
                 let driven = self.recover(inputs, &then, &odom_from_base, step);
-                self.points = points;
+                self.room = room;
                 driven
             }
         };
+        self.past = past;
         self.note_stop(&driven.0, route, &map_from_base);
         Ok(driven)
     }

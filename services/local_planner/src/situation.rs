@@ -1,5 +1,6 @@
 //! What a controller is given in a control period, and what it answers.
 
+use crate::past_hits::Hit;
 use nalgebra::Point2;
 use zeronav_motion::Ahead;
 use zeronav_msgs::command::{RequestCause, Validity};
@@ -50,6 +51,8 @@ pub struct Situation<'a> {
     pub future: Future<'a>,
     /// Hits of the current scan, in `base` as it is now. [m]
     pub scan_points_in_base: &'a [Point2<f64>],
+    /// Hits of scans before it where it measures nothing, in `base` as it is now. [m]
+    pub past_hits_in_base: &'a [Hit],
     /// Where the path leads, with its tolerances.
     pub goal: &'a Goal,
     /// [0, 1] share of the fastest speed that the age of the inputs allows.
@@ -61,20 +64,32 @@ pub struct Situation<'a> {
     pub ahead_s: f64,
 }
 
+/// Room for what [`Situation::ahead`] moves.
+#[derive(Debug, Clone, Default)]
+pub struct Room {
+    points: Vec<Point2<f64>>,
+    hits: Vec<Hit>,
+}
+
 impl Situation<'_> {
     /// The same as of the moment when a command of now takes effect: the robot is where the commands on
-    /// their way take it, and what moves has moved on. `points` is room for the scan from there.
+    /// their way take it, and what moves has moved on. `room` is for the scan and the hits before it from there.
     #[must_use]
-    pub fn ahead<'b>(&'b self, ahead: &Ahead, points: &'b mut Vec<Point2<f64>>) -> Situation<'b> {
-        let then_from_now = ahead.shift.isometry().inverse();
+    pub fn ahead<'b>(&'b self, ahead: &Ahead, room: &'b mut Room) -> Situation<'b> {
+        let then_from_now = Pose::from(ahead.shift.isometry().inverse());
+        let Room { points, hits } = room;
         let here = self.scan_points_in_base.iter();
         points.clear();
-        points.extend(here.map(|point| then_from_now * point));
+        points.extend(here.map(|point| then_from_now.transform(*point)));
+        hits.clear();
+        let past = self.past_hits_in_base.iter();
+        hits.extend(past.map(|hit| hit.from(&then_from_now)));
         Situation {
             map_from_base: self.map_from_base.then(&ahead.shift),
             v_mps: ahead.twist.v_mps,
             w_radps: ahead.twist.w_radps,
             scan_points_in_base: points,
+            past_hits_in_base: hits,
             obstacles_age_s: self.obstacles_age_s + ahead.elapsed_s,
             future: Future {
                 age_s: self.future.age_s + ahead.elapsed_s,

@@ -1,8 +1,8 @@
 //! Obstacle cells of the map near the robot as the squares that they are, for exact distances.
 //!
 //! A cell may be larger than what is in it by most of its side. Where the current scan measures the
-//! surface, its points tell where that is: a cell that a beam ends in or within [`ALONG_M`] of is
-//! left to them.
+//! surface, or one before it did that the lidar has turned away from since, its hits tell where that is: a
+//! cell that a beam ends in or within [`ALONG_M`] of is left to them.
 
 #![allow(
     clippy::cast_possible_truncation,
@@ -12,11 +12,8 @@
 )]
 
 use crate::lanes::data::Sheet;
+use crate::past_hits::{ALONG_M, Hit};
 use nalgebra::{Point2, Vector2};
-
-/// [m] along a beam, before and behind its end, within which an obstacle cell holds the surface that
-/// the beam met: a cell's side, and noise.
-const ALONG_M: f64 = 0.05;
 
 /// Places on a beam at which its cells are marked.
 const PLACES: i32 = 2;
@@ -33,14 +30,13 @@ pub(crate) struct Squares {
 }
 
 impl Squares {
-    /// Looks at the cells within `reach_m` of the robot along either axis. Points and the lidar are
+    /// Looks at the cells within `reach_m` of the robot along either axis. Hits are
     /// relative to the robot along the axes of the map. Cells inside an obstacle are left out.
     pub(crate) fn fill(
         &mut self,
         sheet: &Sheet<'_>,
         reach_m: f64,
-        points: impl Iterator<Item = Point2<f64>>,
-        lidar: Point2<f64>,
+        hits: impl Iterator<Item = Hit>,
     ) {
         self.centres.clear();
         let resolution_m = f64::from(sheet.resolution_m);
@@ -54,9 +50,7 @@ impl Squares {
         let (width, side) = (to_x - from_x + 1, sheet.side as usize);
         self.measured.clear();
         self.measured.resize(width * (to_y - from_y + 1), false);
-        for point in points {
-            let beam = point - lidar;
-            let along = beam / beam.norm().max(1.0e-6);
+        for Hit { at: point, along } in hits {
             for place in -PLACES..=PLACES {
                 let at: Point2<f64> =
                     point + along * (ALONG_M * f64::from(place) / f64::from(PLACES));
@@ -109,7 +103,8 @@ mod tests {
         };
         let mut squares = Squares::default();
         let points = points.iter().map(|&(x, y)| Point2::new(x, y));
-        squares.fill(&sheet, 0.8, points, Point2::origin());
+        let hits = points.map(|at| Hit::of(Point2::origin(), at));
+        squares.fill(&sheet, 0.8, hits);
         let cell = |at: f64| (at / 0.1 + 10.0).round() as usize;
         let cells = squares.centres.iter();
         cells.map(|at| (cell(at.x), cell(at.y))).collect()

@@ -4,6 +4,7 @@ use crate::dynamic_obstacles::DynamicObstacles;
 use crate::field::ClearanceField;
 use crate::footprint::Footprint;
 use crate::lanes::data::narrow;
+use crate::past_hits::Hit;
 use crate::squares::Squares;
 use nalgebra::{Point2, Vector2};
 use zeronav_motion::{Stop, Twist};
@@ -100,12 +101,13 @@ impl Surroundings {
 
     /// Looks around: after this the queries are as of `map_from_base`. The number beside the map
     /// grows when its cells change. Stops are checked against
-    /// all points; those of `stamped_in_base`, normally the same, lower the clearance field.
+    /// all points and the hits of scans before them; the points of `stamped_in_base`, normally the same,
+    /// lower the clearance field.
     pub(crate) fn look(
         &mut self,
         map: Option<(MapView<'_>, u64)>,
         map_from_base: &Pose,
-        points_in_base: &[Point2<f64>],
+        (points_in_base, past_in_base): (&[Point2<f64>], &[Hit]),
         stamped_in_base: &[Point2<f64>],
         reach: Reach,
     ) {
@@ -122,14 +124,15 @@ impl Surroundings {
         self.near_x.clear();
         self.near_y.clear();
         let near_m = reach.stop_m + outer_m + reach.margin_m;
-        for point in points_in_base {
+        let past = past_in_base.iter().map(|hit| &hit.at);
+        for point in points_in_base.iter().chain(past) {
             if point.coords.norm_squared() <= near_m * near_m {
                 self.near_x.push(point.x);
                 self.near_y.push(point.y);
             }
         }
         if !self.footprint.is_disc() {
-            self.squares(points_in_base, near_m);
+            self.squares((points_in_base, past_in_base), near_m);
         }
         let now_m = self.margin_m(&Pose::default());
         // Inside the margin already: no nearer; inside the outline: only away.
@@ -142,15 +145,14 @@ impl Surroundings {
         };
     }
 
-    /// Finds the obstacle cells within `reach_m` of the robot that the scan does not measure.
-    fn squares(&mut self, points_in_base: &[Point2<f64>], reach_m: f64) {
-        let (sin, cos) = self.yaw_rad.sin_cos();
-        let along_axes =
-            |at: &Point2<f64>| Point2::new(cos * at.x - sin * at.y, sin * at.x + cos * at.y);
-        let lidar = along_axes(&self.described.0.base_from_laser.point());
-        let points = points_in_base.iter().map(along_axes);
-        self.squares
-            .fill(&self.field.sheet(), reach_m, points, lidar);
+    /// Finds the obstacle cells within `reach_m` of the robot that no scan measures.
+    fn squares(&mut self, (points, past): (&[Point2<f64>], &[Hit]), reach_m: f64) {
+        let along_axes = Pose::new(0.0, 0.0, self.yaw_rad);
+        let lidar = self.described.0.base_from_laser.point();
+        let hits = points.iter().map(|at| Hit::of(lidar, *at));
+        let hits = hits.chain(past.iter().copied());
+        let hits = hits.map(|hit| hit.from(&along_axes));
+        self.squares.fill(&self.field.sheet(), reach_m, hits);
     }
 
     /// Margin that motions of this period must keep. [m]

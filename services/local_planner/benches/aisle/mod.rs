@@ -80,6 +80,7 @@ impl Aisle {
             obstacles_age_s: 0.0,
             future: Future::default(),
             scan_points_in_base: points,
+            past_hits_in_base: &[],
             goal: &self.goal,
             speed_factor: 1.0,
             period_s: 0.02,

@@ -379,7 +379,7 @@ mod tests {
             soft_m: 0.2,
             margin_m: 0.03,
         };
-        surroundings.look(None, &here, &[], &[], reach);
+        surroundings.look(None, &here, (&[], &[]), &[], reach);
         let dynamic = DynamicObstacles::default();
         let space = Space {
             config: BeamConfig {

@@ -13,6 +13,7 @@
 use crate::field::ClearanceField;
 use crate::footprint::Footprint;
 use crate::lanes::data::narrow;
+use crate::past_hits::{Hit, is_remembered};
 use crate::squares::Squares;
 use nalgebra::{Point2, Vector2};
 use zeronav_msgs::Pose;
@@ -57,30 +58,30 @@ pub(crate) struct Space {
 
 impl Space {
     /// Takes in obstacle cells and points, the latter in the `base` of a robot with this yaw. A robot that
-    /// does not see all around (`sees_on`) keeps the cells that it measures now: it will not when it has
-    /// passed them.
+    /// does not see all around (`sees_on`) keeps the cells that it measures from afar: it will not when it
+    /// has passed them.
     pub(crate) fn fill(
         &mut self,
         (field, footprint): (&ClearanceField, &Footprint),
         yaw_rad: f64,
-        (points_in_base, sees_on): (&[Point2<f64>], bool),
+        (points_in_base, past_in_base, sees_on): (&[Point2<f64>], &[Hit], bool),
         lidar_in_base: Point2<f64>,
     ) {
         let here = Pose::new(0.0, 0.0, yaw_rad);
-        let points = || points_in_base.iter().map(|point| here.transform(*point));
-        self.squares.fill(
-            &field.sheet(),
-            HALF_M,
-            points().take(if sees_on { usize::MAX } else { 0 }),
-            here.transform(lidar_in_base),
-        );
+        let points = points_in_base.iter();
+        let hits = points.map(|at| Hit::of(lidar_in_base, *at));
+        let hits = || hits.clone().chain(past_in_base.iter().copied());
+        let measured = hits().filter(|hit| sees_on || is_remembered(&hit.at));
+        let measured = measured.map(|hit| hit.from(&here));
+        self.squares.fill(&field.sheet(), HALF_M, measured);
         (self.low, self.high) = footprint.bounds();
         self.unsorted.clear();
         let inside = |at: &Point2<f64>| at.x.abs() < HALF_M && at.y.abs() < HALF_M;
         let of = |is_square| move |at| Obstacle { at, is_square };
         let squares = self.squares.centres.iter().copied();
         self.unsorted.extend(squares.filter(inside).map(of(true)));
-        self.unsorted.extend(points().filter(inside).map(of(false)));
+        let points = hits().map(|hit| here.transform(hit.at));
+        self.unsorted.extend(points.filter(inside).map(of(false)));
         self.sort();
         self.coarse.clear();
         let at = |index: usize| narrow((index as f64 + 0.5) * CELL_M - HALF_M);
@@ -252,7 +253,7 @@ mod tests {
             field.fill(None, &here, &points, HALF_M, 1.5);
             let mut space = Space::default();
             let lidar = Point2::origin();
-            space.fill((&field, &footprint), yaw_rad, (&points, true), lidar);
+            space.fill((&field, &footprint), yaw_rad, (&points, &[], true), lidar);
             for _ in 0..2000 {
                 let pose = Pose::new(within(2.0), within(2.0), within(3.0));
                 let in_base = |point: &Point2<f64>| {
@@ -278,7 +279,12 @@ mod tests {
         let mut field = ClearanceField::default();
         field.fill(None, &Pose::default(), &[], HALF_M, 1.5);
         let mut space = Space::default();
-        space.fill((&field, &footprint), 0.0, (&[], false), Point2::origin());
+        space.fill(
+            (&field, &footprint),
+            0.0,
+            (&[], &[], false),
+            Point2::origin(),
+        );
         space.fill_unseen(0.65, |at| at.x < -0.2);
         let backs = |space: &Space, x_m: f64, yaw_rad: f64| {
             space.backs_unseen(&Pose::new(x_m, 0.0, yaw_rad))

@@ -290,7 +290,7 @@ mod tests {
             margin_m: 0.02,
         };
         let post = [Point2::new(1.2, 0.0)];
-        surroundings.look(None, &Pose::default(), &post, &post, reach);
+        surroundings.look(None, &Pose::default(), (&post, &[]), &post, reach);
         let mut batch = asking(|_| (1.0, 0.0));
         for step in 0..56 {
             batch.asked_v[step][1] = 0.2;

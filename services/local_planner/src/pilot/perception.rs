@@ -119,9 +119,9 @@ impl Perception {
                 .extend(points.filter(|point| !self.dynamic.owns(**point)));
             stamped = &prediction.static_points;
         }
-        let points = situation.scan_points_in_base;
+        let hits = (situation.scan_points_in_base, situation.past_hits_in_base);
         self.surroundings
-            .look(map, &situation.map_from_base, points, stamped, reach);
+            .look(map, &situation.map_from_base, hits, stamped, reach);
     }
 
     /// Makes the cost-to-go of a chooser in time that of path and map.
@@ -181,8 +181,9 @@ impl Perception {
             field_m: reach.field_m.max(reach_m),
             ..reach
         };
+        let hits = (points, situation.past_hits_in_base);
         self.surroundings
-            .look(map, &situation.map_from_base, points, points, reach);
+            .look(map, &situation.map_from_base, hits, points, reach);
     }
 
     fn predict(&mut self, situation: &Situation<'_>, obstacles: &[Obstacle]) {
@@ -302,6 +303,7 @@ mod tests {
                 obstacles_age_s: 0.0,
                 future: Future::default(),
                 scan_points_in_base: &[],
+                past_hits_in_base: &[],
                 goal: &goal,
                 speed_factor: 1.0,
                 period_s: 0.02,

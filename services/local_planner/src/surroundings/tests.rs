@@ -40,7 +40,7 @@ fn looked(
     surroundings.look(
         None,
         &Pose::new(3.0, -2.0, 0.7),
-        points,
+        (points, &[]),
         stamped,
         Reach {
             field_m: 1.5,
@@ -175,4 +175,60 @@ fn a_stop_for_a_flight_is_free_of_what_is_static_alone() {
     let arc_m = flight_m(&looked(&[], &point, &[])).expect("free");
     assert!((arc_m - 0.6).abs() < STOP_SPACING_M, "{arc_m}");
     assert_eq!(flight_m(&looked(&[], &point, &point)), None);
+}
+
+/// The rectangle in a corridor of 0.63 m along y, between columns of cells of 5 cm whose surfaces lie at
+/// their far sides; the scan measures the left one only.
+#[test]
+fn a_wall_behind_is_where_it_was_measured_last_and_not_where_its_cells_begin() {
+    use zeronav_msgs::{GridGeometry, MapCell, MapView};
+    let geometry = GridGeometry {
+        origin_x_m: 0.0,
+        origin_y_m: 0.0,
+        resolution_m: 0.05,
+        width: 80,
+        height: 80,
+    };
+    let (low_m, high_m) = (1.7, 2.33);
+    // Squares from 1.65 to 1.7 m and from 2.25 to 2.3 m.
+    let cell = |index: u16| {
+        let column = index % 80;
+        let steps = column.abs_diff(33).min(column.abs_diff(45));
+        MapCell {
+            clearance_mm: (50 * steps).saturating_sub(25),
+            ..MapCell::default()
+        }
+    };
+    let cells: Vec<MapCell> = (0..80 * 80).map(cell).collect();
+    let map = MapView {
+        geometry: &geometry,
+        cells: &cells,
+    };
+    let corners = rectangle();
+    let robot = robot(&corners);
+    let here = Pose::new(0.5 * (low_m + high_m), 2.0, core::f64::consts::FRAC_PI_2);
+    // Ahead is along y: what is at a smaller x is to the left.
+    let side = |y_m: f64| (-40..40).map(move |n| Point2::new(0.02 * f64::from(n), y_m));
+    let left: Vec<_> = side(here.x_m - low_m).collect();
+    let right = side(here.x_m - high_m);
+    let right: Vec<_> = right.map(|at| Hit::of(Point2::origin(), at)).collect();
+    let turns = |past: &[Hit]| {
+        let mut surroundings = Surroundings::default();
+        surroundings.describe(&robot, &corners);
+        let reach = Reach {
+            field_m: 1.5,
+            stop_m: 0.1,
+            soft_m: 0.2,
+            margin_m: 0.01,
+        };
+        surroundings.look(Some((map, 1)), &here, (&left, past), &left, reach);
+        surroundings.turn_is_free(3.0)
+    };
+    assert!(!turns(&[]), "0.26 m to a cell, 0.29 m to a corner");
+    assert!(turns(&right));
+    // What is measured nearer counts.
+    let near = right
+        .iter()
+        .map(|hit| Hit::of(Point2::origin(), Point2::new(hit.at.x, hit.at.y + 0.03)));
+    assert!(!turns(&near.collect::<Vec<_>>()));
 }

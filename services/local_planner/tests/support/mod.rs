@@ -259,6 +259,7 @@ impl Loop {
             obstacles_age_s: 0.0,
             future: Future::default(),
             scan_points_in_base: scan,
+            past_hits_in_base: &[],
             goal: &self.goal,
             speed_factor: 1.0,
             period_s: PERIOD_S,
