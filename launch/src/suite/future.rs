@@ -1,8 +1,9 @@
-//! A world whose future is known: everything that moves in it is a disc on a track and does not care
-//! about the robot.
+//! A world whose future is known: everything in it that comes, goes or moves is a disc that does so at
+//! times of its own, whatever the robot does.
 
 use super::oracle::robot::{Abilities, Disc};
 use crate::scenario::Scenario;
+use nalgebra::Point2;
 use std::path::Path;
 use zeronav_world::track::Track;
 use zeronav_world::{Obstacle, World};
@@ -19,7 +20,7 @@ pub(super) struct Future {
     pub(super) abilities: Abilities,
 }
 
-/// A disc on a track.
+/// A disc that stands, walks or follows a track.
 pub(super) struct Mover {
     /// Its name.
     pub(super) name: String,
@@ -32,7 +33,8 @@ pub(super) struct Mover {
 }
 
 impl Mover {
-    /// `None` when its future depends on the robot, or it is no disc on a track.
+    /// `None` when its future depends on the robot or on what it bounces off, it walks in rounds, or it is
+    /// no disc.
     fn new(obstacle: &Obstacle) -> Option<Self> {
         let spec = &obstacle.spec;
         let radius_m = obstacle.shape.form().form().as_ball()?.radius;
@@ -40,10 +42,17 @@ impl Mover {
             Some(trigger) => trigger.at_s.filter(|_| trigger.robot_near.is_none())?,
             None => 0.0,
         };
-        let is_played = !spec.track.is_empty() && spec.starts.is_none();
-        is_played.then(|| Self {
+        if spec.starts.is_some() || spec.bounces_mps.is_some() {
+            return None;
+        }
+        let track = if spec.track.is_empty() {
+            walk(obstacle)?
+        } else {
+            Track::new(&spec.track, spec.repeat, spec.track_from_s)
+        };
+        Some(Self {
             name: spec.name.clone(),
-            track: Track::new(&spec.track, spec.repeat, spec.track_from_s),
+            track,
             radius_m,
             appears_s,
             lasts_s: spec.lasts_s.unwrap_or(f64::INFINITY),
@@ -73,6 +82,23 @@ impl Mover {
     }
 }
 
+/// The track of what walks along its waypoints once, or stands; `None` when it walks in rounds.
+fn walk(obstacle: &Obstacle) -> Option<Track> {
+    let spec = &obstacle.spec;
+    let mut at = obstacle.shape.pose().point();
+    let mut rows = vec![[0.0, at.x, at.y]];
+    if spec.waypoints_m.is_empty() || spec.speed_mps <= 0.0 {
+        return Some(Track::new(&rows, false, 0.0));
+    }
+    let mut time_s = 0.0;
+    for next in spec.waypoints_m.iter().map(|next| Point2::from(*next)) {
+        time_s += (next - at).norm() / spec.speed_mps;
+        at = next;
+        rows.push([time_s, at.x, at.y]);
+    }
+    (!spec.repeat).then(|| Track::new(&rows, false, 0.0))
+}
+
 impl Future {
     /// The world of a scenario.
     ///
@@ -88,7 +114,7 @@ impl Future {
         let mover = |obstacle: &Obstacle| {
             Mover::new(obstacle).ok_or_else(|| {
                 let what = &obstacle.spec.name;
-                format!("{name}: nobody knows the future of \"{what}\": it is no disc on a track")
+                format!("{name}: nobody knows the future of \"{what}\": it is no disc that moves by itself")
             })
         };
         let movers = checked.world.obstacles().iter().map(mover);
@@ -146,6 +172,25 @@ mod tests {
         assert_eq!(walker.at(1.9), None);
         assert_eq!(walker.at(3.5), Some(([5.0, 1.5], 0.3)));
         assert!(of("lasts_s = 1.0").unwrap().movers[0].at(3.1).is_none());
+    }
+
+    #[test]
+    fn who_stands_or_walks_has_a_future_too() {
+        let more = |text: &str| format!("[[world.obstacles]]\nname = \"other\"\n{text}");
+        let disc = "shape = { kind = \"disc\", centre_m = [2.0, 1.0], radius_m = 0.4 }";
+        let visit = format!("{disc}\nappears = {{ at_s = 3.0 }}\nlasts_s = 2.0");
+        let visitor = &of(&more(&visit)).unwrap().movers[1];
+        assert_eq!(
+            [2.9, 3.0, 4.9, 5.1].map(|t_s| visitor.at(t_s).map(|(at, _)| at)),
+            [None, Some([2.0, 1.0]), Some([2.0, 1.0]), None]
+        );
+        let way = format!("{disc}\nwaypoints_m = [[4.0, 1.0], [4.0, 2.0]]\nspeed_mps = 0.5");
+        let walker = &of(&more(&way)).unwrap().movers[1];
+        assert_eq!(
+            [0.0, 2.0, 5.0, 9.0].map(|t_s| walker.at(t_s).unwrap().0),
+            [[2.0, 1.0], [3.0, 1.0], [4.0, 1.5], [4.0, 2.0]]
+        );
+        assert!(of(&more(&format!("{way}\nrepeat = true"))).is_err());
     }
 
     #[test]

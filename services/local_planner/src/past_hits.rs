@@ -54,7 +54,7 @@ impl Hit {
 
     /// The same in the parent frame of a pose.
     #[must_use]
-    pub fn from(self, pose: &Pose) -> Self {
+    pub fn in_parent(self, pose: &Pose) -> Self {
         let isometry = pose.isometry();
         Self {
             at: isometry * self.at,
@@ -63,7 +63,7 @@ impl Hit {
     }
 }
 
-/// Hits of one scan in a square of the map.
+/// A square of the map that holds hits of one scan.
 #[derive(Debug, Clone, Copy, Default)]
 struct Bin {
     /// Index of the square along x and y.
@@ -71,14 +71,14 @@ struct Bin {
     /// Run time of the period that took it in. [ns]
     run_ns: u64,
     n: usize,
-    /// Map frame.
-    hits: [Hit; HITS_MAX],
 }
 
 /// See the module's description. Nothing is allocated after the first scan.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct PastHits {
     bins: Vec<Bin>,
+    /// Hits of each bin, map frame. Apart from the bins, all of which are looked at in every period.
+    hits: Vec<[Hit; HITS_MAX]>,
     in_base: Vec<Hit>,
 }
 
@@ -91,23 +91,25 @@ impl PastHits {
         (map_from_base, run_ns): (&Pose, u64),
         (points_in_base, lidar): (&[Point2<f64>], Point2<f64>),
     ) -> &[Hit] {
-        self.bins.resize((BINS * BINS) as usize, Bin::default());
+        let n_bins = (BINS * BINS) as usize;
+        self.bins.resize(n_bins, Bin::default());
+        self.hits.resize(n_bins, [Hit::default(); HITS_MAX]);
         for point in points_in_base {
             if is_remembered(point) {
-                self.take(Hit::of(lidar, *point).from(map_from_base), run_ns);
+                self.take(Hit::of(lidar, *point).in_parent(map_from_base), run_ns);
             }
         }
         let base_from_map = Pose::from(map_from_base.isometry().inverse());
         self.in_base.clear();
-        for bin in &mut self.bins {
-            if bin.run_ns == run_ns {
+        for (bin, hits) in self.bins.iter_mut().zip(&self.hits) {
+            if bin.n == 0 || bin.run_ns == run_ns {
                 continue;
             }
             if seconds(run_ns.saturating_sub(bin.run_ns)) > KEPT_S {
                 bin.n = 0;
             }
-            for hit in &bin.hits[..bin.n] {
-                let in_base = hit.from(&base_from_map);
+            for hit in &hits[..bin.n] {
+                let in_base = hit.in_parent(&base_from_map);
                 if is_remembered(&in_base.at) && is_obstacle(map, hit) {
                     self.in_base.push(in_base);
                 }
@@ -121,17 +123,18 @@ impl PastHits {
         let index = |m: f64| (m / BIN_M).floor() as i32;
         let square = (index(hit.at.x), index(hit.at.y));
         let (column, row) = (square.0.rem_euclid(BINS), square.1.rem_euclid(BINS));
-        let bin = &mut self.bins[(row * BINS + column) as usize];
+        let slot = (row * BINS + column) as usize;
+        let (bin, hits) = (&mut self.bins[slot], &mut self.hits[slot]);
         if bin.square != square || bin.run_ns != run_ns {
             *bin = Bin {
                 square,
                 run_ns,
-                ..Bin::default()
+                n: 0,
             };
         }
         let is_new = |before: &Hit| (before.at - hit.at).norm() >= APART_M;
-        if bin.n < HITS_MAX && bin.hits[..bin.n].iter().all(is_new) {
-            bin.hits[bin.n] = hit;
+        if bin.n < HITS_MAX && hits[..bin.n].iter().all(is_new) {
+            hits[bin.n] = hit;
             bin.n += 1;
         }
     }

@@ -83,7 +83,7 @@ impl Situation<'_> {
         points.extend(here.map(|point| then_from_now.transform(*point)));
         hits.clear();
         let past = self.past_hits_in_base.iter();
-        hits.extend(past.map(|hit| hit.from(&then_from_now)));
+        hits.extend(past.map(|hit| hit.in_parent(&then_from_now)));
         Situation {
             map_from_base: self.map_from_base.then(&ahead.shift),
             v_mps: ahead.twist.v_mps,

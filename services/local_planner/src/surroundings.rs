@@ -151,7 +151,7 @@ impl Surroundings {
         let lidar = self.described.0.base_from_laser.point();
         let hits = points.iter().map(|at| Hit::of(lidar, *at));
         let hits = hits.chain(past.iter().copied());
-        let hits = hits.map(|hit| hit.from(&along_axes));
+        let hits = hits.map(|hit| hit.in_parent(&along_axes));
         self.squares.fill(&self.field.sheet(), reach_m, hits);
     }
 

@@ -11,6 +11,7 @@ mod scene;
 use super::bound::turns::{self, OutlineWay, Turns};
 use super::case::{Case, Manner, Rule, Success, write};
 use super::data::WorldFile;
+use super::hindsight::Hindsight;
 use super::noise;
 use super::oracle::robot::Abilities;
 use super::plan::{Setup, SuitePlan};
@@ -129,7 +130,7 @@ fn case(setup: &Setup<'_>, world: &WorldFile) -> Result<Case, String> {
             reference_m: way
                 .map(|way| way.length_m)
                 .filter(|length_m| *length_m > 0.0),
-            future_is_known: false,
+            future_is_known: Hindsight::of(&file).is_some(),
             way: way.map_or(OutlineWay::NotFound, OutlineWay::Found),
         },
         manner: Manner::default(),

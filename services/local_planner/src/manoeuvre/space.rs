@@ -72,7 +72,7 @@ impl Space {
         let hits = points.map(|at| Hit::of(lidar_in_base, *at));
         let hits = || hits.clone().chain(past_in_base.iter().copied());
         let measured = hits().filter(|hit| sees_on || is_remembered(&hit.at));
-        let measured = measured.map(|hit| hit.from(&here));
+        let measured = measured.map(|hit| hit.in_parent(&here));
         self.squares.fill(&field.sheet(), HALF_M, measured);
         (self.low, self.high) = footprint.bounds();
         self.unsorted.clear();
