@@ -17,6 +17,9 @@ codes! {
     }
 }
 
+/// Age of the newest heartbeat from which on a service is silent. [ns] Hearts beat every 100 ms and more often.
+pub const SILENT_AFTER_NS: u64 = 500_000_000;
+
 /// Reason bit: the scan is too old or missing.
 pub const REASON_SCAN: u32 = 1;
 /// Reason bit: odometry is too old or missing.

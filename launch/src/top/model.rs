@@ -10,7 +10,7 @@ use crate::control::request::RunReport;
 use std::collections::{BTreeMap, VecDeque};
 use zeronav_msgs::command::{Intervention, VelocityCommand};
 use zeronav_msgs::header::Header;
-use zeronav_msgs::health::{Health, HealthState, reason_labels};
+use zeronav_msgs::health::{Health, HealthState, SILENT_AFTER_NS, reason_labels};
 use zeronav_msgs::odometry::Odometry;
 use zeronav_msgs::path::{Path, PathCause, PathStatus};
 use zeronav_msgs::role::Role;
@@ -18,9 +18,6 @@ use zeronav_msgs::span::Span;
 use zeronav_msgs::task::{EndReason, TaskState, TaskStatus};
 use zeronav_msgs::time::seconds;
 use zeronav_shell::printable;
-
-/// A service whose last heartbeat is older is silent. [ns]
-const SILENT_NS: u64 = 500_000_000;
 
 /// Time over which the share of a processor is taken. [ns]
 const USAGE_NS: u64 = 2_000_000_000;
@@ -289,7 +286,7 @@ impl Model {
         let beat = &seat.beat;
         let state = match beat.state() {
             _ if seat.epoch == 0 => "absent",
-            _ if seat.beaten_ns.saturating_add(SILENT_NS) < now_ns => "silent",
+            _ if seat.beaten_ns.saturating_add(SILENT_AFTER_NS) < now_ns => "silent",
             Some(state) => state.label(),
             None => "unknown",
         };

@@ -7,7 +7,7 @@ use crate::result::moment::{Command, Moment, Obstacle, Path, Request};
 use crate::running::Running;
 use crate::topics::tap::{PAUSE, Tap};
 use std::time::{Duration, Instant};
-use zeronav_msgs::health::HealthState;
+use zeronav_msgs::health::{HealthState, SILENT_AFTER_NS};
 use zeronav_msgs::role::Role;
 use zeronav_msgs::time::seconds;
 use zeronav_msgs::topics::{
@@ -18,9 +18,6 @@ use zeronav_shell::{Latest, Peer, Roster, StartError};
 
 /// Longest wait for what every stage sends several times a second.
 const WAIT: Duration = Duration::from_millis(600);
-
-/// A service whose last heartbeat is older does not answer. [ns]
-const SILENT_NS: u64 = 300_000_000;
 
 /// A restart is told for so long after it. [s]
 const RESTART_S: f64 = 2.0;
@@ -101,7 +98,14 @@ impl Readers {
     fn silent(&self, now_ns: u64) -> Vec<Missing> {
         let how = |health: &Latest<HealthTopic>| match health.get() {
             None => Some("has not answered yet"),
-            Some(view) if view.header.stamps.published_ns.saturating_add(SILENT_NS) < now_ns => {
+            Some(view)
+                if view
+                    .header
+                    .stamps
+                    .published_ns
+                    .saturating_add(SILENT_AFTER_NS)
+                    < now_ns =>
+            {
                 Some("does not answer any more")
             }
             Some(view) if view.meta.state() == Some(HealthState::Starting) => Some("is starting"),

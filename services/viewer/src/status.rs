@@ -9,7 +9,7 @@ use zeronav_msgs::command::VelocityCommand;
 use zeronav_msgs::header::Id;
 use zeronav_msgs::health::{
     HealthState, REASON_MAP, REASON_NO_LOAN, REASON_ODOMETRY, REASON_PATH, REASON_REFUSED,
-    REASON_REQUEST, REASON_SCAN, REASON_TOO_LONG,
+    REASON_REQUEST, REASON_SCAN, REASON_TOO_LONG, SILENT_AFTER_NS,
 };
 use zeronav_msgs::role::Role;
 use zeronav_msgs::span::{Span, SpanKind};
@@ -17,8 +17,8 @@ use zeronav_msgs::time::seconds;
 use zeronav_msgs::topics::{HealthTopic, health_of};
 use zeronav_shell::{Latest, Peer, Roster, StartError};
 
-/// A heart that has not beaten for this long is silent; it beats at least every 100 ms.
-const SILENT: Duration = Duration::from_millis(400);
+/// A service whose heart has not beaten for this long is silent.
+const SILENT: Duration = Duration::from_nanos(SILENT_AFTER_NS);
 
 /// Time between two looks above which this process was kept from looking: it has a low priority, and
 /// what it did not see says nothing about the others.

@@ -56,11 +56,11 @@ fn a_seat_shows_its_heartbeat_until_that_is_too_old() {
     let mut model = model();
     assert_eq!(mapping(&model, 0).state, "absent");
     model.hear(&beat(1, S, HealthState::Ready, 0));
-    let line = mapping(&model, S + SILENT_NS);
+    let line = mapping(&model, S + SILENT_AFTER_NS);
     assert_eq!((line.state, line.epoch), ("ready", 1));
     assert_eq!((line.rejected, line.superseded), (3, 4));
     assert_eq!(line.restarts, None, "the stack has said nothing yet");
-    assert_eq!(mapping(&model, S + SILENT_NS + 1).state, "silent");
+    assert_eq!(mapping(&model, S + SILENT_AFTER_NS + 1).state, "silent");
     model.hear(&beat(
         1,
         2 * S,
