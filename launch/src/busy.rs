@@ -4,12 +4,12 @@
 //! kernel kills it, its standard input is closed, and it gives up after a while by itself.
 
 use crate::run_plan::MachineLoad;
-use crate::supervise::child::end_with_this_thread;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::process::Signal;
 use std::hint::black_box;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
+use zeronav_supervise::child::end_with_this_thread;
 
 /// Name of the subcommand.
 pub const COMMAND: &str = "busy";

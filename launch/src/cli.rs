@@ -1,10 +1,7 @@
 //! The command line.
 
-use crate::arguments::{delay, hours, service_role};
 use crate::busy;
 use crate::compare::cli::CompareArgs;
-use crate::contract_kit::cli::ContractArgs;
-use crate::contract_kit::no_memory;
 use crate::latency::cli::LatencyArgs;
 use crate::live_view::{PageArgs, ViewArgs};
 use crate::logs::LogsArgs;
@@ -17,14 +14,9 @@ use crate::remote::cli::{
 };
 use crate::remote::swap::{ShadowArgs, SwapArgs};
 use crate::run_plan::{RunPlan, Source};
-use crate::scenario::{ForesightSpec, Perceive, Predict};
 use crate::start_up::StartUpArgs;
-use crate::suite::noise::Noise;
-use crate::suite::plan::SuitePlan;
-use crate::supervise::cleaner;
 use crate::top::cli::TopArgs;
 use crate::topics::cli::TopicsArgs;
-use crate::version::VERSION;
 use crate::why::cli::WhyArgs;
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
@@ -32,9 +24,17 @@ use core::ops::Range;
 use std::io::IsTerminal;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
+use zeronav_console::arguments::{delay, hours, service_role};
+use zeronav_console::version::VERSION;
+use zeronav_contract_kit::cli::ContractArgs;
+use zeronav_contract_kit::no_memory;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::run::RunMode;
+use zeronav_scenario::{ForesightSpec, Perceive, Predict};
 use zeronav_shell::logs;
+use zeronav_suite::noise::Noise;
+use zeronav_suite::plan::SuitePlan;
+use zeronav_supervise::cleaner;
 
 /// Zero-copy, multi-process navigation: launch a scenario, swap a service, profile latency.
 #[derive(Debug, Parser)]

@@ -1,16 +1,14 @@
 //! Listens to a running stack and keeps what the result needs.
 
-use crate::aside::{AHEAD_TICKS, Aside};
-use crate::faults::{Recoveries, Sight};
 use crate::film::{self, Film};
-use crate::measure::index::{PathRecord, Sensed, Sighting};
-use crate::measure::{Records, RunHash};
-use crate::reasons::Reasons;
-use crate::result::moment::Task;
-use crate::seen::{Fact, Seen, TaskReport};
-use crate::supervise::taps::Taps;
 use std::collections::{BTreeSet, HashMap, VecDeque};
 use std::time::{Duration, Instant};
+use zeronav_measure::aside::{AHEAD_TICKS, Aside};
+use zeronav_measure::index::{PathRecord, Sensed, Sighting};
+use zeronav_measure::reasons::Reasons;
+use zeronav_measure::result::moment::Task;
+use zeronav_measure::seen::{Fact, Seen, TaskReport};
+use zeronav_measure::{Records, RunHash};
 use zeronav_msgs::grid::{Cell, GridGeometry};
 use zeronav_msgs::header::Id;
 use zeronav_msgs::map::{COST_LETHAL, FLAG_STATIC, MapView};
@@ -23,7 +21,9 @@ use zeronav_msgs::role::Role;
 use zeronav_msgs::span::{Span, SpanKind};
 use zeronav_msgs::task::TaskState;
 use zeronav_msgs::truth::Truth;
+use zeronav_scenario::fault_plan::{Recoveries, Sight};
 use zeronav_shell::Roster;
+use zeronav_supervise::taps::Taps;
 use zeronav_world::Convex;
 
 /// Spans that are kept at most; the oldest go first.

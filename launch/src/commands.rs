@@ -4,31 +4,34 @@ use crate::busy::Burden;
 use crate::doctor;
 use crate::drive::{Driven, drive};
 use crate::ending::{self, Ending};
-use crate::environment::Before;
-use crate::exit::{EXIT_FAIL, EXIT_INTERRUPTED, EXIT_OUTPUT, EXIT_PASS, EXIT_SERVICE, EXIT_USAGE};
-use crate::interrupts::interrupts;
 use crate::judge::{judge, judge_trials};
-use crate::measure::timings::Timings;
 use crate::prepare::{Prepared, prepare};
 use crate::report::folder::Outcome;
-use crate::result::RunResult;
 use crate::run_plan::RunPlan;
+use crate::show::page;
 use crate::show::recording::{self, Recording};
-use crate::show::terminal::{complain, lose, note, say, say_json, usage};
-use crate::stay_result::StayResult;
-use crate::suite;
-use crate::suite::error::SuiteError;
-use crate::suite::plan::SuitePlan;
-use crate::supervise::crash_result;
-use crate::supervise::will::Will;
-use crate::trace::{About, trace};
-use crate::{leave, picture, record, report, trials};
+use crate::{picture, record, report, stay_result, trials};
 use serde::Serialize;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
+use zeronav_console::environment::Before;
+use zeronav_console::exit::{
+    EXIT_FAIL, EXIT_INTERRUPTED, EXIT_OUTPUT, EXIT_PASS, EXIT_SERVICE, EXIT_USAGE,
+};
+use zeronav_console::interrupts::interrupts;
+use zeronav_console::leave;
+use zeronav_console::terminal::{complain, lose, note, say, say_json, usage};
+use zeronav_measure::result::RunResult;
+use zeronav_measure::timings::Timings;
+use zeronav_measure::trace::{About, trace};
 use zeronav_msgs::run::RunMode;
 use zeronav_shell::printable::printable;
+use zeronav_suite;
+use zeronav_suite::error::SuiteError;
+use zeronav_suite::plan::SuitePlan;
+use zeronav_supervise::crash_result;
+use zeronav_supervise::will::Will;
 
 /// `zeronav run`: plan, prepare, drive, judge, show.
 #[must_use]
@@ -36,7 +39,7 @@ pub fn run(plan: &RunPlan, json: bool) -> ExitCode {
     let driven = interrupts().and_then(|interrupted| drive_and_judge(plan, &interrupted));
     match driven {
         Ok((result, code)) => {
-            show(&result, json, RunResult::to_text);
+            show(&result, json, page::to_text);
             code
         }
         Err(problem) => usage(&problem),
@@ -117,7 +120,7 @@ pub fn up(plan: &RunPlan, json: bool) -> ExitCode {
     let before = Before::read();
     let driven = prepare(plan).and_then(|prepared| {
         let unseen = Driven::unseen(Ending::LaunchDied);
-        let unseen = StayResult::of(&prepared, &unseen, before.environment());
+        let unseen = stay_result::of(&prepared, &unseen, before.environment());
         let will = leave_will(&prepared, &unseen);
         let driven = drive(&prepared, None, &interrupts()?)?;
         Ok((prepared, driven, will))
@@ -126,7 +129,7 @@ pub fn up(plan: &RunPlan, json: bool) -> ExitCode {
         Ok(driven) => driven,
         Err(problem) => return usage(&problem),
     };
-    let result = StayResult::of(&prepared, &driven, before.environment());
+    let result = stay_result::of(&prepared, &driven, before.environment());
     let recording = record::of_stay(&prepared, &driven, &result.outcome);
     let written = write_result(&prepared, &result)
         .and_then(|()| write_trace(&prepared, &driven))
@@ -143,7 +146,7 @@ pub fn up(plan: &RunPlan, json: bool) -> ExitCode {
         lose(&problem);
     }
     explain(&driven.ending);
-    show(&result, json, StayResult::to_text);
+    show(&result, json, stay_result::to_text);
     exit_code(&driven.ending, true)
 }
 
@@ -272,7 +275,7 @@ pub fn suite(plan: &SuitePlan, json: bool) -> ExitCode {
         Ok(interrupted) => interrupted,
         Err(problem) => return usage(&problem),
     };
-    match suite::suite(plan, &interrupted) {
+    match zeronav_suite::suite(plan, &interrupted) {
         Ok(report) if json => say_json(&report),
         Ok(report) => say(&report.to_text()),
         Err(SuiteError::Usage(problem)) => return usage(&problem),

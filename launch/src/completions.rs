@@ -2,14 +2,14 @@
 //! declaration.
 
 use crate::cli::Cli;
-use crate::exit::{EXIT_OUTPUT, EXIT_PASS};
 use crate::known_words::with_known_words;
-use crate::show::terminal::{complain, pour, say};
 use clap::CommandFactory;
 use clap_complete::Shell;
 use std::io::{Error, ErrorKind};
 use std::path::Path;
 use std::process::ExitCode;
+use zeronav_console::exit::{EXIT_OUTPUT, EXIT_PASS};
+use zeronav_console::terminal::{complain, pour, say};
 use zeronav_files::{Folder, Replace, read};
 
 /// Name of the command.

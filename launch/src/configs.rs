@@ -1,8 +1,5 @@
 //! What each seat is told: its configuration file, and whether its binary can work with it.
 
-use crate::scenario::Scenario;
-use crate::supervise::question::{self, Silence, headline};
-use crate::supervise::warden;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
@@ -13,7 +10,10 @@ use toml::de::DeTable;
 use zeronav_files::read;
 use zeronav_msgs::role::Role;
 use zeronav_robot_description::RobotSpec;
+use zeronav_scenario::Scenario;
 use zeronav_shell::places::Places;
+use zeronav_supervise::question::{self, Silence, headline};
+use zeronav_supervise::warden;
 use zeronav_world::{World, WorldSpec};
 use zeronav_world_files::map_file;
 

@@ -1,10 +1,10 @@
 //! What disturbed a measurement, as the kernel counted it: load and steal of the machine, and for
 //! each service how long it ran, how long it waited for a processor, and what interrupted it.
 
-use crate::environment;
-use crate::measure::distribution::to_us;
-use crate::result::trials::{Disturbance, ServiceDisturbance};
 use std::collections::BTreeMap;
+use zeronav_console::environment;
+use zeronav_measure::distribution::to_us;
+use zeronav_measure::result::trials::{Disturbance, ServiceDisturbance};
 use zeronav_msgs::role::Role;
 use zeronav_msgs::span::Span;
 

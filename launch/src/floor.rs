@@ -4,19 +4,19 @@
 //! the stack's have, at the pace of the lidar. What they need from the capture of a scan to the
 //! command is what transport, waking and records cost; no stack of these parts can be faster.
 
-use crate::measure::Series;
 use crate::prepare::Prepared;
-use crate::result::trials::Load;
-use crate::supervise::binaries;
-use crate::supervise::stack::{self, Launch, Stack};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
+use zeronav_measure::Series;
+use zeronav_measure::result::trials::Load;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::run::{RunClock, RunMode};
 use zeronav_msgs::span::SpanKind;
+use zeronav_supervise::binaries;
+use zeronav_supervise::stack::{self, Launch, Stack};
 
 /// Binary of a stage that does nothing.
 const EMPTY_STAGE: &str = "zeronav-empty-stage";

@@ -3,22 +3,22 @@
 use crate::collect::Collector;
 use crate::ending::Ending;
 use crate::prepare::Prepared;
-use crate::result::{Restart, Starved};
-use crate::show::terminal::note;
 use crate::starvation::Starvation;
-use crate::supervise::child::{Child, is_short};
-use crate::supervise::cleaner::Ticket;
-use crate::supervise::hang::{HangWatch, Limit};
-use crate::supervise::own_time::Patience;
-use crate::supervise::restart::{Decision, Restarts};
-use crate::supervise::stack::{Launch, Stack};
 use rustix::process::Signal;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
+use zeronav_console::terminal::note;
+use zeronav_measure::result::{Restart, Starved};
 use zeronav_msgs::role::Role;
 use zeronav_msgs::run::RunMode;
 use zeronav_msgs::time::seconds;
+use zeronav_supervise::child::{Child, is_short};
+use zeronav_supervise::cleaner::Ticket;
+use zeronav_supervise::hang::{HangWatch, Limit};
+use zeronav_supervise::own_time::Patience;
+use zeronav_supervise::restart::{Decision, Restarts};
+use zeronav_supervise::stack::{Launch, Stack};
 
 /// How long the services may take until they can answer, of their own time.
 pub(crate) const READY_LIMIT: Duration = Duration::from_secs(15);

@@ -1,16 +1,18 @@
 //! What can be named on a command line, for completions: scenarios, seats, algorithms.
 
-use crate::scenario;
-use crate::supervise::algorithms;
 use clap::builder::PossibleValuesParser;
 use clap::{Arg, Command};
 use zeronav_msgs::role::Role;
+use zeronav_supervise::algorithms;
 
 /// `command` with the words that its arguments can be. Only completions are made of it: as a parser
 /// it would refuse paths and say less about a slip.
 pub(crate) fn with_known_words(command: Command) -> Command {
     let words = Words {
-        scenarios: scenario::list().into_iter().map(|one| one.name).collect(),
+        scenarios: zeronav_scenario::list()
+            .into_iter()
+            .map(|one| one.name)
+            .collect(),
         roles: Role::SERVICES.map(|role| role.label().to_owned()).to_vec(),
         planners: keys(Role::GlobalPlanner),
         controllers: keys(Role::LocalPlanner),

@@ -2,12 +2,6 @@
 //! start beside the services.
 
 use crate::running;
-use crate::show::terminal::{complain, note, usage};
-use crate::supervise::binaries;
-use crate::supervise::child::end_with_this_thread;
-use crate::supervise::child_log::{LogPlace, last_lines};
-use crate::supervise::cleaner::Ticket;
-use crate::supervise::stack::Stack;
 use clap::Args;
 use rustix::process::{Pid, Signal, kill_process};
 use std::ffi::OsString;
@@ -16,6 +10,12 @@ use std::os::unix::process::CommandExt;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitCode, Stdio};
 use std::time::{Duration, Instant};
+use zeronav_console::terminal::{complain, note, usage};
+use zeronav_supervise::binaries;
+use zeronav_supervise::child::end_with_this_thread;
+use zeronav_supervise::child_log::{LogPlace, last_lines};
+use zeronav_supervise::cleaner::Ticket;
+use zeronav_supervise::stack::Stack;
 
 /// The binary.
 const BINARY: &str = "zeronav-viewer";

@@ -1,22 +1,21 @@
 //! The commands that start nothing: what there is, and whether it can work.
 
-use crate::exit::{EXIT_PASS, EXIT_USAGE};
 use crate::prepare::{self, Checked};
 use crate::run_plan::Source;
-use crate::scenario;
-use crate::show::terminal::{say, say_json, usage};
-use crate::supervise::algorithms;
-use crate::supervise::binaries::{self, Needed};
 use serde_json::json;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::process::ExitCode;
+use zeronav_console::exit::{EXIT_PASS, EXIT_USAGE};
+use zeronav_console::terminal::{say, say_json, usage};
 use zeronav_msgs::role::Role;
+use zeronav_supervise::algorithms;
+use zeronav_supervise::binaries::{self, Needed};
 
 /// `zeronav list`.
 #[must_use]
 pub fn list(json: bool) -> ExitCode {
-    let (scenarios, left_out) = offered(scenario::list());
+    let (scenarios, left_out) = offered(zeronav_scenario::list());
     if json {
         let rows: Vec<_> = scenarios
             .iter()
@@ -48,7 +47,12 @@ pub fn list(json: bool) -> ExitCode {
 
 /// What can be started, and by the first binary that each of the others lacks, their names. Under cargo
 /// binaries are built when they are needed.
-fn offered(all: Vec<scenario::Listed>) -> (Vec<scenario::Listed>, BTreeMap<PathBuf, Vec<String>>) {
+fn offered(
+    all: Vec<zeronav_scenario::Listed>,
+) -> (
+    Vec<zeronav_scenario::Listed>,
+    BTreeMap<PathBuf, Vec<String>>,
+) {
     let builds = std::env::var_os("CARGO").is_some();
     let mut left_out = BTreeMap::<PathBuf, Vec<String>>::new();
     let mut rest = all;

@@ -6,19 +6,20 @@ use clap::Parser;
 use clap::error::ErrorKind;
 use std::process::ExitCode;
 use zeronav::cli::{Cli, Command};
-use zeronav::contract_kit::{self, no_memory};
-use zeronav::exit::EXIT_USAGE;
 use zeronav::live_view;
 use zeronav::new_package;
 use zeronav::remote::{fault, goal, swap, verbs};
-use zeronav::show::{log, terminal};
-use zeronav::supervise::{cleaner, warden, will};
+use zeronav::show::log;
 use zeronav::{
-    arguments, began, busy, commands, compare, completions, doctor, latency, logs, look, map_save,
-    params, picture, remote, report, start_up, top, topics, why,
+    began, busy, commands, compare, completions, doctor, latency, logs, look, map_save, params,
+    picture, remote, report, start_up, top, topics, why,
 };
+use zeronav_console::exit::EXIT_USAGE;
+use zeronav_console::{arguments, terminal};
+use zeronav_contract_kit::no_memory;
 use zeronav_msgs::role::Role;
 use zeronav_shell::flags::one_line;
+use zeronav_supervise::{cleaner, warden, will};
 
 // long: a line for each verb
 fn main() -> ExitCode {
@@ -54,7 +55,7 @@ fn main() -> ExitCode {
     if let Command::WithoutMemory(arguments) = &cli.command {
         return no_memory::contract_without_memory(arguments);
     }
-    zeronav::interrupts::survive_file_limit();
+    zeronav_console::interrupts::survive_file_limit();
     warden::enable();
     will::settle_when_fatal();
     log::start();
@@ -100,7 +101,7 @@ fn main() -> ExitCode {
         Command::Status(arguments) => verbs::status(&arguments),
         Command::Wait(arguments) => verbs::wait(&arguments),
         Command::Down(arguments) => verbs::down(&arguments),
-        Command::Contract(arguments) => contract_kit::contract(&arguments),
+        Command::Contract(arguments) => zeronav_contract_kit::contract(&arguments),
         Command::New(arguments) => new_package::new(&arguments),
         Command::Picture(arguments) => {
             picture::picture(&arguments.run, arguments.out.as_deref(), arguments.animated)

@@ -1,8 +1,6 @@
 //! `zeronav map save`: the map of a run as a file for the ROS `map_server`, and for the next run.
 
-use crate::exit::{EXIT_OUTPUT, EXIT_PASS};
 use crate::remote::cli::StackArgs;
-use crate::show::terminal::{complain, say, say_json, usage};
 use crate::topics::tap::{PAUSE, Tap};
 use clap::{Args, Subcommand};
 use serde_json::json;
@@ -10,6 +8,8 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
+use zeronav_console::exit::{EXIT_OUTPUT, EXIT_PASS};
+use zeronav_console::terminal::{complain, say, say_json, usage};
 use zeronav_files::{Folder, Replace};
 use zeronav_msgs::header::Id;
 use zeronav_msgs::replica::MapReplica;

@@ -5,8 +5,8 @@
 //! over; the next order begins then. A goal that failed by an obstacle that may go is given again while
 //! somebody still wants it: as long as the order repeats, or has a time limit that is not over.
 
-use crate::result::Redirect;
 use std::collections::VecDeque;
+use zeronav_measure::result::Redirect;
 use zeronav_msgs::task::{EndReason, Goal, TaskState};
 
 /// Most orders that wait at a time.

@@ -2,19 +2,18 @@
 
 mod in_use;
 
-use crate::arguments::service_role;
-use crate::exit::EXIT_PASS;
 use crate::remote::cli::StackArgs;
-use crate::scenario;
-use crate::show::terminal::{say, say_json, usage};
-use crate::supervise::algorithms::parameters_of;
-use crate::supervise::binaries::{self, Needed};
 use clap::Args;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use zeronav_console::arguments::service_role;
+use zeronav_console::exit::EXIT_PASS;
+use zeronav_console::terminal::{say, say_json, usage};
 use zeronav_msgs::role::Role;
 use zeronav_params::Parameter;
+use zeronav_supervise::algorithms::parameters_of;
+use zeronav_supervise::binaries::{self, Needed};
 
 /// The text above the tables of [`Form::Markdown`].
 const HEAD: &str = "# Parameters of the services
@@ -90,7 +89,7 @@ pub fn params(arguments: &ParamsArgs) -> ExitCode {
 #[must_use]
 pub fn schema() -> ExitCode {
     match described(&Role::SERVICES, None) {
-        Ok(services) => say_json(&scenario::schema(&services)),
+        Ok(services) => say_json(&zeronav_scenario::schema(&services)),
         Err(problem) => return usage(&problem),
     }
     ExitCode::from(EXIT_PASS)

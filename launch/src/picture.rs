@@ -1,11 +1,11 @@
 //! `zeronav picture` and `zeronav draw`: a recorded run as a picture, still or animated.
 
-use crate::leave;
 use crate::show::picture::{Area, Line, Picture};
 use crate::show::recording::{FILE, RecordedPath, Recording};
-use crate::show::terminal::{lose, say, usage};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use zeronav_console::leave;
+use zeronav_console::terminal::{lose, say, usage};
 use zeronav_files::read;
 use zeronav_msgs::Pose;
 

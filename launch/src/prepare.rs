@@ -1,27 +1,27 @@
 //! Everything that can be wrong is found here, before anything is started.
 
 use crate::configs;
-use crate::faults;
-use crate::leave;
 use crate::live_view::PageArgs;
 use crate::open_files;
 use crate::run_plan::{MachineLoad, RunPlan, Source};
-use crate::scenario::as_far::AsFar;
-use crate::scenario::{self, Scenario, StackFault};
-use crate::shared_memory;
-use crate::supervise::binaries::{self, Needed};
-use crate::supervise::child_log::LogPlace;
 use crate::swap::order::SwapOrder;
 use crate::swap::require::Clause;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
+use zeronav_console::leave;
 use zeronav_files::Folder;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::run::{DELAY_STEP_NS, RunMode};
 use zeronav_msgs::time::nanoseconds;
+use zeronav_scenario::as_far::AsFar;
+use zeronav_scenario::fault_plan;
+use zeronav_scenario::{Scenario, StackFault};
 use zeronav_shell::clock::now_ns;
 use zeronav_shell::memory;
+use zeronav_supervise::binaries::{self, Needed};
+use zeronav_supervise::child_log::LogPlace;
+use zeronav_supervise::shared_memory;
 use zeronav_world::spec::Trigger;
 use zeronav_world::{Footprint, World};
 
@@ -152,7 +152,7 @@ fn check_scenario(mut read: AsFar, external: &[Role]) -> Result<Checked, String>
         wrong.extend(configs::check(&scenario, &checked.world, asked)?);
     }
     let swaps = swaps_of(&scenario, &mut wrong);
-    let Some(scenario::Checked {
+    let Some(zeronav_scenario::Checked {
         world,
         footprint,
         warnings,
@@ -319,7 +319,7 @@ fn faults_of(scenario: &Scenario, mode: RunMode, seed: u64) -> Result<Vec<StackF
     }
     let hang_after_s = scenario.restart.hang_after_s;
     let random = scenario.random_faults.as_ref();
-    let drawn = random.map(|random| faults::draw(random, seed, mode, hang_after_s));
+    let drawn = random.map(|random| fault_plan::draw(random, seed, mode, hang_after_s));
     let mut all = scenario.faults.clone();
     all.extend(drawn.into_iter().flatten());
     let ends = |fault: &&StackFault| matches!(fault.kind(), "kill" | "stop");

@@ -3,12 +3,12 @@
 use crate::drive::Driven;
 use crate::film::Cut;
 use crate::judge;
-use crate::measure::DEADLINE_NS;
-use crate::measure::timings::{Drive, Gathering, Timings};
 use crate::prepare::Prepared;
-use crate::result::RunResult;
 use crate::show::recording::{RecordedObstacle, RecordedPath, Recording};
 use std::path::Path;
+use zeronav_measure::DEADLINE_NS;
+use zeronav_measure::result::RunResult;
+use zeronav_measure::timings::{Drive, Gathering, Timings};
 use zeronav_msgs::path::PathStatus;
 use zeronav_msgs::pose::Pose;
 use zeronav_msgs::run::RunMode;

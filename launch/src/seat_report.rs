@@ -1,13 +1,13 @@
 //! How each seat did: who answered there last, and how it ended.
 
 use crate::keeper::Keeper;
-use crate::result::ServiceResult;
-use crate::supervise::Stack;
-use crate::supervise::child::Child;
-use crate::supervise::occupant::{Occupant, file_name};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
+use zeronav_measure::result::ServiceResult;
 use zeronav_msgs::role::Role;
+use zeronav_supervise::Stack;
+use zeronav_supervise::child::Child;
+use zeronav_supervise::occupant::{Occupant, file_name};
 
 /// Ends the processes and says how each seat did, in the order of the roles.
 #[must_use]

@@ -6,18 +6,18 @@
 
 use crate::collect::{Collector, sensed_at};
 use crate::disturbance::Reading;
-use crate::measure::index::PathRecord;
-use crate::measure::{Event, EventOutcome, Records, judge};
-use crate::result::trials::Disturbance;
-use crate::scenario::{GoalSpec, TrialsSpec};
 use nalgebra::Point2;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
+use zeronav_measure::index::PathRecord;
+use zeronav_measure::result::trials::Disturbance;
+use zeronav_measure::{Event, EventOutcome, Records, judge};
 use zeronav_msgs::Pose;
 use zeronav_msgs::path::PathStatus;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::span::Span;
 use zeronav_msgs::truth::Placement;
+use zeronav_scenario::{GoalSpec, TrialsSpec};
 use zeronav_world::{Shape, World};
 
 /// Run time between the decision to drop the obstacle and the first moment at which it may

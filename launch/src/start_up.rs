@@ -1,13 +1,13 @@
 //! `zeronav start-up`: what a run did from the command to the first motion, and who waited for whom.
 
-use crate::result::RunResult;
-use crate::result::start_up::{Stage, StartUp};
-use crate::show::terminal::{say, say_json, usage};
 use clap::Args;
 use core::fmt::Write;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use zeronav_console::terminal::{say, say_json, usage};
+use zeronav_measure::result::RunResult;
+use zeronav_measure::result::start_up::{Stage, StartUp};
 
 /// Width of the bars. [characters]
 const BAR: usize = 40;

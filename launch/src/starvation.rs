@@ -1,9 +1,9 @@
 //! Which services got no processor, and for how long.
 
-use crate::result::Starved;
-use crate::supervise::hang;
 use std::collections::BTreeMap;
+use zeronav_measure::result::Starved;
 use zeronav_msgs::role::Role;
+use zeronav_supervise::hang;
 
 /// The services that were starved so far.
 #[derive(Debug, Clone, Default)]

@@ -3,19 +3,19 @@
 use crate::drive::{Driven, drive};
 use crate::ending::Ending;
 use crate::floor;
-use crate::measure::DEADLINE_NS;
-use crate::measure::Event;
-use crate::measure::distribution::to_us;
-use crate::measure::profile::{RoundProfile, Timing};
-use crate::measure::timings::{Drive, Gathering, Timings};
-use crate::measure::way::HOPS;
 use crate::prepare::Prepared;
-use crate::result::latency::Latency;
-use crate::result::profile::Profile;
-use crate::result::trials::{Load, Round, SlowHop, SlowTrial};
 use crate::shuttle::{Quota, Trial};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use zeronav_measure::DEADLINE_NS;
+use zeronav_measure::Event;
+use zeronav_measure::distribution::to_us;
+use zeronav_measure::profile::{RoundProfile, Timing};
+use zeronav_measure::result::latency::Latency;
+use zeronav_measure::result::profile::Profile;
+use zeronav_measure::result::trials::{Load, Round, SlowHop, SlowTrial};
+use zeronav_measure::timings::{Drive, Gathering, Timings};
+use zeronav_measure::way::HOPS;
 
 /// Rounds, each with a stack of its own.
 const ROUNDS: usize = 3;
@@ -217,9 +217,9 @@ fn load(prepared: &Prepared, driven: &Driven) -> Load {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::measure::way::{ALL, Way};
-    use crate::measure::{EventOutcome, Records};
-    use crate::result::latency::Hop;
+    use zeronav_measure::result::latency::Hop;
+    use zeronav_measure::way::{ALL, Way};
+    use zeronav_measure::{EventOutcome, Records};
 
     #[test]
     fn the_usual_time_is_said_in_whole_minutes() {

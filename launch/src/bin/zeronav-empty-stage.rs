@@ -4,8 +4,8 @@
 use clap::Parser;
 use std::process::ExitCode;
 use zeronav::floor::StageConfig;
-use zeronav::result::trials::Load;
-use zeronav::show::terminal::note;
+use zeronav_console::terminal::note;
+use zeronav_measure::result::trials::Load;
 use zeronav_msgs::GridGeometry;
 use zeronav_msgs::command::{Validity, VelocityCommand, VelocityRequest};
 use zeronav_msgs::header::{Id, Parents};

@@ -1,8 +1,8 @@
 //! The command line of `zeronav compare`.
 
-use crate::arguments::service_role;
 use clap::Args;
 use std::path::PathBuf;
+use zeronav_console::arguments::service_role;
 use zeronav_msgs::role::Role;
 use zeronav_shell::logs;
 

@@ -1,14 +1,14 @@
 //! What can be asked of a stack over its control socket, and the answers.
 
-use crate::result::Restart;
-use crate::result::fault::FaultResult;
-use crate::result::moment::Moment;
-use crate::result::swap::SwapResult;
-use crate::scenario::{GoalSpec, StackFault};
 use crate::swap::order::SwapOrder;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
+use zeronav_measure::result::Restart;
+use zeronav_measure::result::fault::FaultResult;
+use zeronav_measure::result::moment::Moment;
+use zeronav_measure::result::swap::SwapResult;
+use zeronav_scenario::{GoalSpec, StackFault};
 
 /// What can be asked of a stack.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

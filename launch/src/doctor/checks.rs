@@ -2,9 +2,9 @@
 
 use super::logind::Facts;
 use crate::open_files;
-use crate::shared_memory::most_bytes;
 use serde::Serialize;
 use std::path::PathBuf;
+use zeronav_supervise::shared_memory::most_bytes;
 
 /// Clocks that are read without a system call.
 const FAST_CLOCKS: [&str; 6] = [

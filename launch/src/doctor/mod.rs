@@ -4,12 +4,12 @@ mod checks;
 mod logind;
 mod processor;
 
-use crate::exit::{EXIT_FAIL, EXIT_PASS};
-use crate::show::terminal::{say, say_json};
 use checks::{Finding, Level};
 use rustix::process::{Resource, getrlimit};
 use serde_json::json;
 use std::process::ExitCode;
+use zeronav_console::exit::{EXIT_FAIL, EXIT_PASS};
+use zeronav_console::terminal::{say, say_json};
 use zeronav_shell::memory::SHM;
 use zeronav_shell::{domain, printable};
 

@@ -1,9 +1,9 @@
 //! Whether a process gets a processor when it needs one.
 
 use super::checks::{Finding, Level};
-use crate::environment;
-use crate::supervise::own_time::Reading;
 use std::time::{Duration, Instant};
+use zeronav_console::environment;
+use zeronav_supervise::own_time::Reading;
 
 /// Time that is computed for, at most.
 const COMPUTED: Duration = Duration::from_millis(30);

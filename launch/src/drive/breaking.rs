@@ -3,17 +3,17 @@
 use super::ballast::Ballast;
 use super::faults::{Active, Faults, Hold};
 use super::session::Session;
-use crate::faults::{Awaited, Event};
-use crate::result::fault::FaultResult;
-use crate::scenario::StackFault;
-use crate::supervise::stack::Stack;
 use rustix::process::Signal;
 use std::path::Path;
+use zeronav_measure::result::fault::FaultResult;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::run::{RunMode, TOPIC_FAULTS_MAX, TopicFault};
 use zeronav_msgs::time::{nanoseconds, seconds};
+use zeronav_scenario::StackFault;
+use zeronav_scenario::fault_plan::{Awaited, Event};
 use zeronav_shell::clock::now_ns;
 use zeronav_shell::memory::SHM;
+use zeronav_supervise::stack::Stack;
 
 impl Session<'_> {
     /// The tick beyond which a lockstep robot may not go yet because of a fault.

@@ -1,8 +1,8 @@
 //! Where the trials of a run are made.
 
-use crate::measure::DEADLINE_NS;
 use crate::prepare::Prepared;
 use crate::shuttle::{Course, Quota, Shuttle};
+use zeronav_measure::DEADLINE_NS;
 
 /// The trials of `prepared`'s scenario; `None` when it has none.
 pub(super) fn shuttle(prepared: &Prepared, quota: Quota) -> Option<Shuttle<'_>> {

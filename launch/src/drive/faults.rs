@@ -1,13 +1,13 @@
 //! The faults that go on, those that will come, and what became of the others.
 
 use super::ballast::Ballast;
-use crate::faults::{Pace, Schedule, Sight};
 use crate::prepare::Prepared;
-use crate::result::fault::FaultResult;
-use crate::scenario::{FAULTS_MAX, StackFault};
 use std::collections::VecDeque;
+use zeronav_measure::result::fault::FaultResult;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::time::seconds;
+use zeronav_scenario::fault_plan::{Pace, Schedule, Sight};
+use zeronav_scenario::{FAULTS_MAX, StackFault};
 
 /// A fault that goes on.
 #[derive(Debug)]

@@ -19,23 +19,23 @@ use crate::began;
 use crate::collect::Collector;
 use crate::configs;
 use crate::ending::Ending;
-use crate::measure::start_up::StartStamps;
 use crate::prepare::Prepared;
-use crate::result::fault::FaultResult;
-use crate::result::swap::SwapResult;
-use crate::result::trials::Disturbance;
-use crate::result::{Redirect, Restart, ServiceResult, Starved};
 use crate::seat_report;
 use crate::show::log;
 use crate::shuttle::{Quota, Shuttle, Trial};
-use crate::supervise::stack::{self, Stack};
-use crate::supervise::warden;
 use session::{Session, reading};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
+use zeronav_measure::result::fault::FaultResult;
+use zeronav_measure::result::swap::SwapResult;
+use zeronav_measure::result::trials::Disturbance;
+use zeronav_measure::result::{Redirect, Restart, ServiceResult, Starved};
+use zeronav_measure::start_up::StartStamps;
 use zeronav_msgs::run::RunClock;
 use zeronav_shell::clock::now_ns;
+use zeronav_supervise::stack::{self, Stack};
+use zeronav_supervise::warden;
 
 /// What was seen of a run.
 #[derive(Debug)]

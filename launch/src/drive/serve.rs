@@ -4,17 +4,17 @@ use super::reach::{Reach, may_have_room};
 use super::session::Session;
 use crate::control::request::{GoalReport, Reply, Request, RunReport, ServiceReport};
 use crate::orders::Order;
-use crate::result::moment::Moment;
-use crate::scenario::{GoalSpec, TIME_LIMIT_S_MAX, TOLERANCE};
-use crate::supervise::occupant::file_name;
-use crate::supervise::stack::Stack;
 use crate::why::{self, Now};
 use nalgebra::Point2;
 use std::collections::BTreeMap;
+use zeronav_measure::result::moment::Moment;
 use zeronav_msgs::Pose;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::task::GOALS_MAX;
 use zeronav_msgs::time::{nanoseconds, seconds};
+use zeronav_scenario::{GoalSpec, TIME_LIMIT_S_MAX, TOLERANCE};
+use zeronav_supervise::occupant::file_name;
+use zeronav_supervise::stack::Stack;
 
 /// Room around the robot at a pose that is offered in place of one that cannot be. [m]
 const OFFERED_CLEARANCE_M: f64 = 0.1;

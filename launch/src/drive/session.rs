@@ -11,21 +11,20 @@ use crate::disturbance::Reading;
 use crate::ending::Ending;
 use crate::keeper::Keeper;
 use crate::live_view::LiveView;
-use crate::measure::start_up::StartStamps;
 use crate::orders::{End, Orders};
 use crate::placed::PlacedObstacles;
 use crate::prepare::Prepared;
-use crate::seen::TaskReport;
-use crate::show::progress::{Progress, ProgressLine, Tally};
-use crate::show::terminal::note;
 use crate::shuttle::{Quota, Shuttle, Step};
-use crate::supervise::stack::Stack;
 use crate::why;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
+use zeronav_console::progress::{Progress, ProgressLine, Tally};
+use zeronav_console::terminal::note;
+use zeronav_measure::seen::TaskReport;
+use zeronav_measure::start_up::StartStamps;
 use zeronav_msgs::Pose;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::run::RunMode;
@@ -33,6 +32,7 @@ use zeronav_msgs::task::{EndReason, Goal, PoseEstimate, TaskState};
 use zeronav_msgs::time::seconds;
 use zeronav_msgs::topics::{GroundTruth, Topic};
 use zeronav_shell::clock::now_ns;
+use zeronav_supervise::stack::Stack;
 
 /// Ticks that the robot may be ahead of what launch has seen, lockstep only. The buffers of the
 /// taps hold the messages of that many ticks, so that nothing is lost however late launch is.

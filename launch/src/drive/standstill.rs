@@ -4,8 +4,8 @@
 //! as one waits, the machine is busy, and the answer may still come. What is beyond any machine ends by
 //! the wall clock. Either way the run ends with its reason; it never goes on in another way.
 
-use crate::supervise::restart::RestartSpec;
 use std::time::{Duration, Instant};
+use zeronav_scenario::restart::RestartSpec;
 
 /// How long a run may go on without the robot's next tick while nobody does anything.
 const SILENCE_LIMIT: Duration = Duration::from_secs(10);

@@ -1,10 +1,10 @@
 //! The end of a run: the robot comes to rest, and clients hear what became of their goals.
 
 use super::session::{LEASE_TICKS, Session};
-use crate::supervise::stack::Stack;
 use std::time::{Duration, Instant};
 use zeronav_msgs::role::Role;
 use zeronav_msgs::run::RunMode;
+use zeronav_supervise::stack::Stack;
 
 /// How long the robot may take to stand.
 const STAND_LIMIT: Duration = Duration::from_secs(4);

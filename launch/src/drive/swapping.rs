@@ -2,21 +2,21 @@
 
 use super::serve::LISTED_MAX;
 use super::session::Session;
-use crate::arguments::service_role;
-use crate::result::swap::SwapResult;
-use crate::supervise::binaries;
-use crate::supervise::hang::Limit;
-use crate::supervise::question;
-use crate::supervise::stack::Stack;
 use crate::swap::config::merged;
 use crate::swap::order::SwapOrder;
 use crate::swap::{Files, Scene, Swap};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use toml::Table;
+use zeronav_console::arguments::service_role;
 use zeronav_files::read;
+use zeronav_measure::result::swap::SwapResult;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::run::RunMode;
+use zeronav_supervise::binaries;
+use zeronav_supervise::hang::Limit;
+use zeronav_supervise::question;
+use zeronav_supervise::stack::Stack;
 
 /// What the configuration of a newcomer has in its name.
 const OF_A_SWAP: &str = ".swap";

@@ -1,8 +1,8 @@
 //! The swap that goes on, and those before it.
 
-use crate::result::swap::SwapResult;
 use crate::swap::Swap;
 use std::collections::VecDeque;
+use zeronav_measure::result::swap::SwapResult;
 use zeronav_msgs::role::Role;
 
 /// Swaps that are remembered; the oldest go first.

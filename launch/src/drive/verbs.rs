@@ -6,7 +6,6 @@ use crate::control::request::ObstacleChange;
 use crate::ending::Ending;
 use crate::orders::Order;
 use crate::placed::shape_of;
-use crate::supervise::stack::Stack;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 use zeronav_msgs::Pose;
@@ -15,6 +14,7 @@ use zeronav_msgs::run::RunMode;
 use zeronav_msgs::task::PoseEstimate;
 use zeronav_msgs::time::seconds;
 use zeronav_msgs::truth::Placement;
+use zeronav_supervise::stack::Stack;
 use zeronav_world::Shape;
 
 /// Most ticks of one step.

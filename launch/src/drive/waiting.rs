@@ -3,9 +3,9 @@
 use super::session::Session;
 use super::standstill::{Held, WALL_LIMIT};
 use crate::ending::Ending;
-use crate::supervise::stack::Stack;
 use std::time::{Duration, Instant};
 use zeronav_msgs::role::Role;
+use zeronav_supervise::stack::Stack;
 
 impl Session<'_> {
     /// Waits until every service can answer; how the run ends when one cannot.

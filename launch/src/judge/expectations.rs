@@ -2,10 +2,10 @@
 
 use crate::drive::Driven;
 use crate::prepare::Prepared;
-use crate::result::{Expectation, PlannedPath};
-use crate::scenario::{ExpectSpec, Outcome};
 use std::collections::BTreeMap;
+use zeronav_measure::result::{Expectation, PlannedPath};
 use zeronav_msgs::path::{PathCause, PathStatus};
+use zeronav_scenario::{ExpectSpec, Outcome};
 
 /// The expectations of the scenario. `replans` are the paths that replaced another, `by_reason` the
 /// interventions of the collision guard by their reason.

@@ -4,23 +4,25 @@ mod expectations;
 mod reason;
 
 use crate::drive::Driven;
-use crate::measure::index::PathRecord;
-use crate::measure::motion::{Contact, Moment, jerk_mps3};
-use crate::measure::profile::RoundProfile;
-use crate::measure::start_up::start_up;
-use crate::measure::{self, DEADLINE_NS, Event};
 use crate::prepare::Prepared;
-use crate::result::ServiceResult;
-use crate::result::latency::Latency;
-use crate::result::profile::Profile;
-use crate::result::start_up::StartUp;
-use crate::result::trials::TrialsResult;
-use crate::result::{Environment, Expectation, ObstacleResult, PlannedPath, RunResult, Touch};
 use crate::trials::{self, Trials};
 use expectations::{contacts, expectations};
 use nalgebra::Point2;
 use reason::reason;
 use std::collections::BTreeMap;
+use zeronav_measure::index::PathRecord;
+use zeronav_measure::motion::{Contact, Moment, jerk_mps3};
+use zeronav_measure::profile::RoundProfile;
+use zeronav_measure::result::ServiceResult;
+use zeronav_measure::result::latency::Latency;
+use zeronav_measure::result::profile::Profile;
+use zeronav_measure::result::start_up::StartUp;
+use zeronav_measure::result::trials::TrialsResult;
+use zeronav_measure::result::{
+    Environment, Expectation, ObstacleResult, PlannedPath, RunResult, Touch,
+};
+use zeronav_measure::start_up::start_up;
+use zeronav_measure::{self, DEADLINE_NS, Event};
 use zeronav_msgs::path::{PathCause, PathStatus};
 use zeronav_msgs::role::Role;
 use zeronav_msgs::run::RunMode;
@@ -319,7 +321,7 @@ pub(crate) fn latency(prepared: &Prepared, driven: &Driven) -> (Vec<Event>, Late
     };
     let radius_m = prepared.footprint.inscribed_radius_m();
     let records = &driven.collector.records;
-    measure::measure(records, &clearance_m, radius_m, DEADLINE_NS)
+    zeronav_measure::measure(records, &clearance_m, radius_m, DEADLINE_NS)
 }
 
 /// What the start took.

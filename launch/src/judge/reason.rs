@@ -3,7 +3,7 @@
 use crate::drive::Driven;
 use crate::ending::{self, Ending};
 use crate::prepare::Prepared;
-use crate::result::Expectation;
+use zeronav_measure::result::Expectation;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::task::{EndReason, TaskState};
 

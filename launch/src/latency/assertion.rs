@@ -9,8 +9,8 @@
 //!
 //! A row is a name of the report. Counts have no unit; `x` is the ratio to the baseline.
 
-use crate::result::latency::Figures;
 use core::fmt;
+use zeronav_measure::result::latency::Figures;
 use zeronav_shell::nearest::unknown;
 
 /// A figure of a row.

@@ -1,9 +1,9 @@
 //! The command line of `zeronav latency`.
 
-use crate::arguments::delay;
 use crate::run_plan::MachineLoad;
 use clap::Args;
 use std::path::PathBuf;
+use zeronav_console::arguments::delay;
 use zeronav_msgs::role::Role;
 use zeronav_shell::logs;
 

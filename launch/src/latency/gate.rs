@@ -142,14 +142,14 @@ fn value(figure: Figure, value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::result::RunResult;
-    use crate::result::latency::Figures;
-    use crate::result::profile::{CommandGaps, Profile, ProfileRow};
     use std::collections::BTreeMap;
+    use zeronav_measure::result::RunResult;
+    use zeronav_measure::result::latency::Figures;
+    use zeronav_measure::result::profile::{CommandGaps, Profile, ProfileRow};
 
     /// A measurement in which replanning took `p50_us` at the median of `n` samples.
     fn report(n: u64, p50_us: f64) -> Report {
-        let text = include_str!("../../tests/data/result_trials.json");
+        let text = include_str!("../../measure/tests/data/result_trials.json");
         let mut result: RunResult = serde_json::from_str(text).expect("a result");
         let row = ProfileRow {
             name: "replanning".to_owned(),

@@ -8,14 +8,7 @@ mod report;
 mod table;
 
 use crate::commands::drive_and_judge;
-use crate::environment;
-use crate::exit::{EXIT_FAIL, EXIT_PASS};
-use crate::interrupts::interrupts;
-use crate::leave;
-use crate::measure::profile;
-use crate::result::RunResult;
 use crate::run_plan::{MachineLoad, RunPlan, Source};
-use crate::show::terminal::{complain, lose, note, say, say_json, usage};
 use crate::trials::usual_time;
 use assertion::Clause;
 use cli::{LatencyArgs, TRIALS};
@@ -23,6 +16,13 @@ use report::{Cell, Report};
 use std::path::Path;
 use std::process::ExitCode;
 use std::sync::atomic::Ordering;
+use zeronav_console::environment;
+use zeronav_console::exit::{EXIT_FAIL, EXIT_PASS};
+use zeronav_console::interrupts::interrupts;
+use zeronav_console::leave;
+use zeronav_console::terminal::{complain, lose, note, say, say_json, usage};
+use zeronav_measure::profile;
+use zeronav_measure::result::RunResult;
 use zeronav_msgs::run::RunMode;
 
 /// What was measured, and the exit code of the first run that failed.

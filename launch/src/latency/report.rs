@@ -1,12 +1,12 @@
 //! The report of `zeronav latency`: what `--json` prints and a baseline holds.
 
-use crate::lints::{disturbances, lints};
-use crate::result::profile::{CommandGaps, Edge, ProfileRow};
-use crate::result::trials::Disturbance;
-use crate::result::{Environment, RunResult};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 use zeronav_files::read;
+use zeronav_measure::lints::{disturbances, lints};
+use zeronav_measure::result::profile::{CommandGaps, Edge, ProfileRow};
+use zeronav_measure::result::trials::Disturbance;
+use zeronav_measure::result::{Environment, RunResult};
 
 /// First word of every report: a file without it is no report.
 const FORMAT: &str = "zeronav latency 1";

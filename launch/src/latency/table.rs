@@ -1,12 +1,12 @@
 //! The report of `zeronav latency` for people.
 
 use super::report::{Assertion, Cell, Report};
-use crate::measure::profile::{FLOOR, REACTIONS};
-use crate::measure::way::HOPS;
-use crate::result::profile::ProfileRow;
-use crate::result::trials::Disturbance;
 use core::fmt::Write;
 use std::collections::BTreeMap;
+use zeronav_measure::profile::{FLOOR, REACTIONS};
+use zeronav_measure::result::profile::ProfileRow;
+use zeronav_measure::result::trials::Disturbance;
+use zeronav_measure::way::HOPS;
 
 impl Report {
     /// The report as a page of text.

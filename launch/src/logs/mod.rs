@@ -2,17 +2,17 @@
 
 mod merge;
 
-use crate::exit::{EXIT_INTERRUPTED, EXIT_PASS};
-use crate::interrupts::interrupts;
 use crate::remote::cli::StackArgs;
 use crate::running;
-use crate::show::terminal::{is_read, note, pour, usage};
 use clap::Args;
 use merge::{Line, Merge};
 use serde_json::json;
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
+use zeronav_console::exit::{EXIT_INTERRUPTED, EXIT_PASS};
+use zeronav_console::interrupts::interrupts;
+use zeronav_console::terminal::{is_read, note, pour, usage};
 use zeronav_msgs::role::Role;
 use zeronav_shell::{Domain, printable};
 

@@ -12,8 +12,6 @@ mod rust;
 mod sources;
 pub mod template;
 
-use crate::exit::EXIT_PASS;
-use crate::show::terminal::{say, usage};
 use cli::{NewArgs, word_of};
 use name::Name;
 use place::Text;
@@ -21,6 +19,8 @@ use sources::Sources;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use template::{Language, Template};
+use zeronav_console::exit::EXIT_PASS;
+use zeronav_console::terminal::{say, usage};
 
 /// The scenario that a package comes with.
 const SCENARIO: &str = include_str!("../../scenarios/blocked_aisle.toml");

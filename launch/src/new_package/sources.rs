@@ -1,7 +1,7 @@
 //! Where the sources of zeronav are that a package is built with.
 
-use crate::version::VERSION;
 use std::path::{Path, PathBuf};
+use zeronav_console::version::VERSION;
 
 /// Files that sources of zeronav have.
 const MARKS: [&str; 3] = [

@@ -3,16 +3,16 @@
 //! Its binary is asked with `--print-config` and the configuration file that stands on its command
 //! line, so that defaults are shown, too.
 
-use crate::exit::EXIT_PASS;
 use crate::remote::cli::StackArgs;
 use crate::running;
-use crate::show::terminal::{say, say_json, usage};
-use crate::supervise::question;
 use std::ffi::{OsStr, OsString};
 use std::os::unix::ffi::OsStrExt;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use zeronav_console::exit::EXIT_PASS;
+use zeronav_console::terminal::{say, say_json, usage};
 use zeronav_msgs::role::Role;
+use zeronav_supervise::question;
 
 /// Prints the value at the path `key`, or all values of the process in the seat `role`.
 pub(super) fn show(role: Role, key: Option<&str>, stack: &StackArgs) -> ExitCode {

@@ -1,10 +1,12 @@
 //! Arguments of the requests to a stack that runs.
 
-use crate::arguments::{clock_offset, delay, service_role, time_s, topic_delay, topic_share};
-use crate::scenario::{COORDINATE_M_MAX, TIME_LIMIT_S_MAX, TOLERANCE, YAW_RAD_MAX};
 use clap::{Args, Subcommand, ValueEnum};
 use std::path::PathBuf;
+use zeronav_console::arguments::{
+    clock_offset, delay, service_role, time_s, topic_delay, topic_share,
+};
 use zeronav_msgs::role::Role;
+use zeronav_scenario::{COORDINATE_M_MAX, TIME_LIMIT_S_MAX, TOLERANCE, YAW_RAD_MAX};
 use zeronav_world::error::number;
 
 /// Which stack, and how the answer is printed.

@@ -3,10 +3,10 @@
 use super::cli::{FaultArgs, FaultCommand, LastsArgs};
 use super::verbs::make;
 use crate::control::request::Request;
-use crate::scenario::StackFault;
 use std::process::ExitCode;
 use zeronav_msgs::run::DELAY_STEP_NS;
 use zeronav_msgs::time::seconds;
+use zeronav_scenario::StackFault;
 
 /// `zeronav fault`.
 #[must_use]

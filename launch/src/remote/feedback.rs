@@ -1,8 +1,8 @@
 //! What becomes of a goal, in words and for scripts.
 
 use crate::control::request::GoalReport;
-use crate::exit::{EXIT_FAIL, EXIT_PASS};
 use crate::orders::{ACTIVE, QUEUED};
+use zeronav_console::exit::{EXIT_FAIL, EXIT_PASS};
 use zeronav_shell::printable;
 
 impl GoalReport {

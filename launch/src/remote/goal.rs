@@ -2,13 +2,13 @@
 
 use super::cli::{GoalArgs, GoalsArgs, OrderArgs};
 use crate::control::request::{GoalReport, Reply, Request};
-use crate::exit::{EXIT_FAIL, EXIT_PASS};
 use crate::running::{self, Running};
-use crate::scenario::{GoalSpec, goals_in};
-use crate::show::terminal::{complain, say, say_json_line, usage};
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
+use zeronav_console::exit::{EXIT_FAIL, EXIT_PASS};
+use zeronav_console::terminal::{complain, say, say_json_line, usage};
 use zeronav_msgs::Pose;
+use zeronav_scenario::{GoalSpec, goals_in};
 
 /// Between two questions about a goal.
 const PAUSE: Duration = Duration::from_millis(100);

@@ -1,13 +1,13 @@
 //! `zeronav ps`: the stacks of this user.
 
 use crate::control::request::RunReport;
-use crate::exit::EXIT_PASS;
 use crate::running::{self, Silent};
-use crate::show::terminal::{say, say_json};
 use core::fmt::Write;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use zeronav_console::exit::EXIT_PASS;
+use zeronav_console::terminal::{say, say_json};
 use zeronav_shell::printable;
 
 /// `zeronav ps`.

@@ -1,15 +1,8 @@
 //! `zeronav swap` and `zeronav shadow`: exchange the process in a seat, or compare another with it.
 
 use super::cli::StackArgs;
-use crate::arguments::{service_role, time_s};
 use crate::control::request::{Reply, Request};
-use crate::exit::{EXIT_FAIL, EXIT_PASS};
-use crate::interrupts::interrupts;
-use crate::result::swap::SwapResult;
 use crate::running::{self, Running};
-use crate::scenario::{KEEP_S, SHADOW_S};
-use crate::show::terminal::{complain, say, say_json_line, usage};
-use crate::supervise::binaries;
 use crate::swap::config::{assignment, lay_over};
 use crate::swap::order::SwapOrder;
 use crate::swap::require::Clause;
@@ -20,9 +13,16 @@ use std::process::ExitCode;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 use toml::Table;
+use zeronav_console::arguments::{service_role, time_s};
+use zeronav_console::exit::{EXIT_FAIL, EXIT_PASS};
+use zeronav_console::interrupts::interrupts;
+use zeronav_console::terminal::{complain, say, say_json_line, usage};
 use zeronav_files::read;
+use zeronav_measure::result::swap::SwapResult;
 use zeronav_msgs::role::Role;
+use zeronav_scenario::{KEEP_S, SHADOW_S};
 use zeronav_shell::printable;
+use zeronav_supervise::binaries;
 
 /// Between two questions about a swap.
 const PAUSE: Duration = Duration::from_millis(100);
@@ -194,7 +194,7 @@ fn follow(stack: &Running, mut result: SwapResult, json: bool, ends_with_us: boo
         if interrupted.swap(false, Ordering::Relaxed) {
             if !ends_with_us {
                 say("the swap goes on; `zeronav status` says what becomes of it\n");
-                return ExitCode::from(crate::exit::EXIT_INTERRUPTED);
+                return ExitCode::from(zeronav_console::exit::EXIT_INTERRUPTED);
             }
             let _ = stack.ask(&Request::SwapCancel);
         }

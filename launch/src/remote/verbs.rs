@@ -8,13 +8,13 @@ use super::goal::follow;
 use super::ps::processes;
 use super::swap::in_words as swap_in_words;
 use crate::control::request::{ObstacleChange, Request, RunReport};
-use crate::exit::{EXIT_FAIL, EXIT_PASS};
 use crate::running::{self, Running};
-use crate::show::terminal::{complain, say, say_json, usage};
 use core::fmt::Write;
 use serde_json::json;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
+use zeronav_console::exit::{EXIT_FAIL, EXIT_PASS};
+use zeronav_console::terminal::{complain, say, say_json, usage};
 
 /// Between two looks at a stack that is waited for.
 const PAUSE: Duration = Duration::from_millis(50);

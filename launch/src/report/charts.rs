@@ -2,9 +2,9 @@
 //! light, dark and paper.
 
 use super::html::{number, text_of, time};
-use crate::measure::timings::{BINS_PER_DECADE, Slow, Spread};
-use crate::result::latency::Figures;
 use core::fmt::Write;
+use zeronav_measure::result::latency::Figures;
+use zeronav_measure::timings::{BINS_PER_DECADE, Slow, Spread};
 
 /// Size of a histogram. [px]
 const WIDTH: f64 = 340.0;
@@ -244,7 +244,7 @@ pub(super) fn hop_bar(name: &str, figures: &Figures, whole_us: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::measure::timings::SlowStage;
+    use zeronav_measure::timings::SlowStage;
 
     fn stage(hop: &str, name: &str, from_us: f64, time_us: f64) -> SlowStage {
         SlowStage {

@@ -4,12 +4,12 @@ use super::environment::machine_line;
 use super::folder::{Outcome, RunFolder};
 use super::html::{document, note, section, text_of, words};
 use super::paired::{Measure, Unit};
-use crate::measure::timings::{Spread, Timings};
-use crate::result::ServiceResult;
 use crate::show::picture::{Line, Picture};
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use core::fmt::Write;
+use zeronav_measure::result::ServiceResult;
+use zeronav_measure::timings::{Spread, Timings};
 
 /// Colours of the tracks, the first run's first.
 const COLOURS: [&str; 6] = [
@@ -166,7 +166,7 @@ fn count(n: usize) -> f64 {
 
 /// What the drives came to.
 fn drive(runs: &[RunFolder]) -> Vec<Row> {
-    let of_run = |name: &str, unit, of: fn(&crate::result::RunResult) -> Option<f64>| {
+    let of_run = |name: &str, unit, of: fn(&zeronav_measure::result::RunResult) -> Option<f64>| {
         row(runs, name, unit, |run| {
             Measure::exact(run.result().and_then(of))
         })

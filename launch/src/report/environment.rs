@@ -2,8 +2,8 @@
 
 use super::folder::{Outcome, RunFolder};
 use super::html::{megabytes, pairs, text_of};
-use crate::result::Environment;
 use core::fmt::Write;
+use zeronav_measure::result::Environment;
 
 /// Files of a run that a report links to, when they are there.
 const FILES: [&str; 7] = [

@@ -2,11 +2,11 @@
 
 use super::folder::{Outcome, RunFolder};
 use super::html::{Cell, table, text_of, words};
-use crate::result::fault::FaultResult;
-use crate::result::swap::SwapResult;
-use crate::result::{PlannedPath, Redirect, Restart};
 use crate::show::recording::Recording;
 use serde::Serialize;
+use zeronav_measure::result::fault::FaultResult;
+use zeronav_measure::result::swap::SwapResult;
+use zeronav_measure::result::{PlannedPath, Redirect, Restart};
 
 /// Events that a player marks at most.
 const MARKED_MAX: usize = 400;

@@ -1,13 +1,13 @@
 //! What a run left in its folder, read again. Others may have written it.
 
 use crate::picture;
-use crate::result::RunResult;
-use crate::result::latency::Latency;
 use crate::show::recording::{self, Recording};
-use crate::stay_result::StayResult;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use zeronav_files::read;
+use zeronav_measure::result::RunResult;
+use zeronav_measure::result::latency::Latency;
+use zeronav_measure::result::stay::StayResult;
 
 /// What became of a run.
 #[derive(Debug, Clone)]

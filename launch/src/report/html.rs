@@ -1,7 +1,7 @@
 //! Elements of a page.
 
-use crate::show::svg::escape;
 use core::fmt::Write;
+use zeronav_console::svg::escape;
 use zeronav_shell::printable::printable_json;
 
 /// Longest text of a cell. [characters]

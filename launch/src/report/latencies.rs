@@ -2,9 +2,9 @@
 
 use super::charts;
 use super::html::{Cell, note, table, time, words};
-use crate::measure::timings::{Slow, Timings};
-use crate::result::latency::{Figures, Hop, Latency};
 use core::fmt::Write;
+use zeronav_measure::result::latency::{Figures, Hop, Latency};
+use zeronav_measure::timings::{Slow, Timings};
 
 /// Most of the slowest answers that are shown of each kind.
 const SLOWEST: usize = 10;

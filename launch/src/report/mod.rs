@@ -17,12 +17,12 @@ mod perfetto;
 mod services;
 mod summary;
 
-use crate::leave;
 use crate::show::recording::Recording;
-use crate::show::terminal::{lose, say, usage};
 use folder::{Outcome, RunFolder};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use zeronav_console::leave;
+use zeronav_console::terminal::{lose, say, usage};
 use zeronav_files::Folder;
 
 /// Its name in the folder of a run.

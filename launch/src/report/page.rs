@@ -5,12 +5,12 @@ use super::folder::{Outcome, RunFolder};
 use super::html::{document, json_in_script, note, section};
 use super::perfetto::{TraceSection, trace_section};
 use super::{environment, latencies, services, summary};
-use crate::measure::timings::Timings;
 use crate::picture;
 use crate::show::recording::Recording;
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::json;
+use zeronav_measure::timings::Timings;
 use zeronav_viewer::page::SCENE_JS;
 
 /// Largest report. [bytes]
@@ -190,13 +190,13 @@ mod tests {
     use crate::film::Cut;
     use crate::film::tests::busy_drive;
     use crate::report::perfetto::PERFETTO_JS;
-    use crate::result::{PlannedPath, RunResult};
     use core::fmt::Write;
     use std::path::PathBuf;
+    use zeronav_measure::result::{PlannedPath, RunResult};
     use zeronav_msgs::message::{FNV_OFFSET, fnv1a};
 
     fn result() -> RunResult {
-        let text = include_str!("../../tests/data/result_lockstep.json");
+        let text = include_str!("../../measure/tests/data/result_lockstep.json");
         serde_json::from_str(text).expect("a result")
     }
 

@@ -2,10 +2,10 @@
 
 use super::events::Event;
 use super::html::{Cell, megabytes, number, table, time, words};
-use crate::measure::timings::Timings;
-use crate::result::fault::FaultResult;
-use crate::result::swap::SwapResult;
-use crate::result::{Restart, ServiceResult, Starved};
+use zeronav_measure::result::fault::FaultResult;
+use zeronav_measure::result::swap::SwapResult;
+use zeronav_measure::result::{Restart, ServiceResult, Starved};
+use zeronav_measure::timings::Timings;
 
 /// The table of processes.
 pub(super) fn services(services: &[ServiceResult], timings: Option<&Timings>) -> String {

@@ -2,8 +2,8 @@
 
 use super::folder::{Outcome, RunFolder};
 use super::html::{Cell, number, pairs, table, text_of, words};
-use crate::result::{Expectation, RunResult};
-use crate::stay_result::StayResult;
+use zeronav_measure::result::stay::StayResult;
+use zeronav_measure::result::{Expectation, RunResult};
 
 /// Title and verdict.
 pub(super) fn head(run: &RunFolder) -> String {

@@ -6,8 +6,8 @@
 
 use super::captions::captions;
 use super::recording::{RecordedObstacle, Recording, first_and_last, unwrapped};
-use super::svg::{escape, polyline, short};
 use core::fmt::Write;
+use zeronav_console::svg::{escape, polyline, short};
 
 /// Width of the drawing. [px]
 const WIDTH_PX: f64 = 800.0;

@@ -1,7 +1,6 @@
 //! The supervisor's own log: warnings on standard error beside the progress line, and from `info`
 //! on everything in the run's `logs/launch.log`.
 
-use super::terminal::beside_the_line;
 use std::fs::File;
 use std::io::Write;
 use std::sync::{Mutex, PoisonError};
@@ -10,6 +9,7 @@ use tracing_subscriber::filter::LevelFilter;
 use tracing_subscriber::fmt::MakeWriter;
 use tracing_subscriber::layer::SubscriberExt;
 use tracing_subscriber::util::SubscriberInitExt;
+use zeronav_console::terminal::beside_the_line;
 use zeronav_files::Folder;
 use zeronav_shell::logs::Bounded;
 use zeronav_shell::printable::printable_event;

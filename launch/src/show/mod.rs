@@ -5,7 +5,4 @@ mod captions;
 pub mod log;
 pub(crate) mod page;
 pub(crate) mod picture;
-pub(crate) mod progress;
 pub(crate) mod recording;
-pub(crate) mod svg;
-pub mod terminal;

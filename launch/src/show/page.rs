@@ -1,12 +1,12 @@
 //! The result of a run as a page of text.
 
-use crate::lints::lints;
-use crate::result::fault::FaultResult;
-use crate::result::latency::{Figures, Latency};
-use crate::result::trials::{SlowHop, SlowTrial};
-use crate::result::truth::{PoseResult, TrackingResult};
-use crate::result::{Redirect, RunResult, ServiceResult, Starved};
 use core::fmt::Write;
+use zeronav_measure::lints::lints;
+use zeronav_measure::result::fault::FaultResult;
+use zeronav_measure::result::latency::{Figures, Latency};
+use zeronav_measure::result::trials::{SlowHop, SlowTrial};
+use zeronav_measure::result::truth::{PoseResult, TrackingResult};
+use zeronav_measure::result::{Redirect, RunResult, ServiceResult, Starved};
 
 /// Odometry that is never farther from the truth than this is the truth. [m]
 const EXACT_M: f64 = 1.0e-6;
@@ -17,156 +17,156 @@ const SHOWN_US: f64 = 100.0;
 /// Slowest trials that are shown; the result holds more.
 const SLOWEST_SHOWN: usize = 5;
 
-impl RunResult {
-    /// What the services took, and which processes they were.
-    fn write_services(&self, text: &mut String) {
+/// What the services took, and which processes they were.
+fn write_services(result: &RunResult, text: &mut String) {
+    let _ = writeln!(
+        text,
+        "\n  shared memory {:.1} MB; peak memory {}",
+        megabytes(result.shared_memory_bytes),
+        result
+            .services
+            .iter()
+            .map(|service| format!(
+                "{} {:.0} MB",
+                service.name,
+                megabytes(service.memory_peak_bytes)
+            ))
+            .collect::<Vec<_>>()
+            .join(", ")
+    );
+    let _ = writeln!(text, "  answered by {}", who_answered(result));
+    for service in &result.services {
+        for refused in service.scheduling.iter().flat_map(|it| &it.refused) {
+            let _ = writeln!(text, "  {} was not granted {refused}", service.name);
+        }
+    }
+}
+
+/// The processes that answered, for people.
+fn who_answered(result: &RunResult) -> String {
+    let who: Vec<String> = result.services.iter().map(who).collect();
+    who.join(", ")
+}
+
+/// The expectations that were not met.
+fn write_missed(result: &RunResult, text: &mut String) {
+    let missed = result.expectations.iter();
+    for expectation in missed.filter(|expectation| !expectation.met) {
         let _ = writeln!(
             text,
-            "\n  shared memory {:.1} MB; peak memory {}",
-            megabytes(self.shared_memory_bytes),
-            self.services
-                .iter()
-                .map(|service| format!(
-                    "{} {:.0} MB",
-                    service.name,
-                    megabytes(service.memory_peak_bytes)
-                ))
-                .collect::<Vec<_>>()
-                .join(", ")
+            "  expected {}: {}, but it was {}",
+            expectation.name, expectation.expected, expectation.actual
         );
-        let _ = writeln!(text, "  answered by {}", self.who_answered());
-        for service in &self.services {
-            for refused in service.scheduling.iter().flat_map(|it| &it.refused) {
-                let _ = writeln!(text, "  {} was not granted {refused}", service.name);
-            }
-        }
     }
+}
 
-    /// The processes that answered, for people.
-    fn who_answered(&self) -> String {
-        let who: Vec<String> = self.services.iter().map(ServiceResult::who).collect();
-        who.join(", ")
-    }
-
-    /// The expectations that were not met.
-    fn write_missed(&self, text: &mut String) {
-        let missed = self.expectations.iter();
-        for expectation in missed.filter(|expectation| !expectation.met) {
-            let _ = writeln!(
-                text,
-                "  expected {}: {}, but it was {}",
-                expectation.name, expectation.expected, expectation.actual
-            );
-        }
-    }
-
-    /// The paths, the restarts, and the goals given by hand.
-    fn write_events(&self, text: &mut String) {
-        for plan in &self.plans {
-            let _ = writeln!(
-                text,
-                "  {:8.2} s  path by {}: {}, {:.1} m, {} expanded, cause {}{}",
-                plan.time_s,
-                plan.planner,
-                plan.status,
-                plan.length_m,
-                plan.expanded,
-                plan.cause,
-                beside(plan.beside_goal_m)
-            );
-        }
-        for restart in &self.restarts {
-            let _ = writeln!(
-                text,
-                "  {:8.2} s  {} restarted: {}",
-                restart.time_s, restart.service, restart.how
-            );
-        }
-        for seat in &self.starved {
-            text.push_str(&starved_line(seat));
-        }
-        for fault in &self.faults {
-            text.push_str(&fault_line(fault));
-        }
-        for Redirect {
-            time_s,
-            goal: [x_m, y_m, yaw_rad],
-            outcome,
-        } in &self.redirects
-        {
-            let _ = writeln!(
-                text,
-                "  {time_s:8.2} s  sent to ({x_m:.2}, {y_m:.2}, {yaw_rad:.2}) by hand: {outcome}"
-            );
-        }
-    }
-
-    /// The result as a page of text.
-    #[must_use]
-    pub fn to_text(&self) -> String {
-        let mut text = String::new();
+/// The paths, the restarts, and the goals given by hand.
+fn write_events(result: &RunResult, text: &mut String) {
+    for plan in &result.plans {
         let _ = writeln!(
             text,
-            "{}  {}: {}",
-            self.verdict.to_uppercase(),
-            self.scenario,
-            self.reason
+            "  {:8.2} s  path by {}: {}, {:.1} m, {} expanded, cause {}{}",
+            plan.time_s,
+            plan.planner,
+            plan.status,
+            plan.length_m,
+            plan.expanded,
+            plan.cause,
+            beside(plan.beside_goal_m)
         );
+    }
+    for restart in &result.restarts {
         let _ = writeln!(
             text,
-            "  drove {:.1} m in {:.1} s of run time ({}, {:.1} x real time), {} contacts{}",
-            self.driven_m,
-            self.time_s,
-            self.mode,
-            self.speed_factor,
-            self.contacts,
-            self.clearance_m_min
-                .map_or_else(String::new, |least| format!(", closest {least:.2} m")),
+            "  {:8.2} s  {} restarted: {}",
+            restart.time_s, restart.service, restart.how
         );
-        if self.slipped_ms > 0.0 {
-            let _ = writeln!(
-                text,
-                "  run time slipped by {:.1} ms: the machine was busy",
-                self.slipped_ms
-            );
-        }
-        if !self.injected_us.is_empty() {
-            let delays = self.injected_us.iter();
-            let delays: Vec<String> = delays
-                .map(|(role, delay_us)| format!("{role} {:.2} ms", delay_us / 1.0e3))
-                .collect();
-            let _ = writeln!(text, "  delays were injected: {}", delays.join(", "));
-        }
-        self.write_events(&mut text);
-        if let Some(pose) = &self.pose {
-            write_pose(pose, &mut text);
-        }
-        if let Some(tracking) = &self.tracking {
-            write_tracking(tracking, &mut text);
-        }
-        if let Some(latency) = &self.latency {
-            write_latency(latency, &mut text);
-        }
-        for lint in lints(self) {
-            let _ = writeln!(text, "  note: {lint}");
-        }
-        if let Some(trials) = &self.trials {
-            text.push_str("  slowest trials\n");
-            for slow in trials.worst.iter().take(SLOWEST_SHOWN) {
-                write_slow(slow, &mut text);
-            }
-        }
-        self.write_services(&mut text);
-        if let Some(hash) = &self.run_hash {
-            let _ = writeln!(text, "  run hash {hash}");
-        }
-        for why in &self.not_reproducible {
-            let _ = writeln!(text, "  not reproducible: {why}");
-        }
-        self.write_missed(&mut text);
-        let _ = writeln!(text, "  {}", self.directory);
-        text
     }
+    for seat in &result.starved {
+        text.push_str(&starved_line(seat));
+    }
+    for fault in &result.faults {
+        text.push_str(&fault_line(fault));
+    }
+    for Redirect {
+        time_s,
+        goal: [x_m, y_m, yaw_rad],
+        outcome,
+    } in &result.redirects
+    {
+        let _ = writeln!(
+            text,
+            "  {time_s:8.2} s  sent to ({x_m:.2}, {y_m:.2}, {yaw_rad:.2}) by hand: {outcome}"
+        );
+    }
+}
+
+/// The result as a page of text.
+#[must_use]
+pub(crate) fn to_text(result: &RunResult) -> String {
+    let mut text = String::new();
+    let _ = writeln!(
+        text,
+        "{}  {}: {}",
+        result.verdict.to_uppercase(),
+        result.scenario,
+        result.reason
+    );
+    let _ = writeln!(
+        text,
+        "  drove {:.1} m in {:.1} s of run time ({}, {:.1} x real time), {} contacts{}",
+        result.driven_m,
+        result.time_s,
+        result.mode,
+        result.speed_factor,
+        result.contacts,
+        result
+            .clearance_m_min
+            .map_or_else(String::new, |least| format!(", closest {least:.2} m")),
+    );
+    if result.slipped_ms > 0.0 {
+        let _ = writeln!(
+            text,
+            "  run time slipped by {:.1} ms: the machine was busy",
+            result.slipped_ms
+        );
+    }
+    if !result.injected_us.is_empty() {
+        let delays = result.injected_us.iter();
+        let delays: Vec<String> = delays
+            .map(|(role, delay_us)| format!("{role} {:.2} ms", delay_us / 1.0e3))
+            .collect();
+        let _ = writeln!(text, "  delays were injected: {}", delays.join(", "));
+    }
+    write_events(result, &mut text);
+    if let Some(pose) = &result.pose {
+        write_pose(pose, &mut text);
+    }
+    if let Some(tracking) = &result.tracking {
+        write_tracking(tracking, &mut text);
+    }
+    if let Some(latency) = &result.latency {
+        write_latency(latency, &mut text);
+    }
+    for lint in lints(result) {
+        let _ = writeln!(text, "  note: {lint}");
+    }
+    if let Some(trials) = &result.trials {
+        text.push_str("  slowest trials\n");
+        for slow in trials.worst.iter().take(SLOWEST_SHOWN) {
+            write_slow(slow, &mut text);
+        }
+    }
+    write_services(result, &mut text);
+    if let Some(hash) = &result.run_hash {
+        let _ = writeln!(text, "  run hash {hash}");
+    }
+    for why in &result.not_reproducible {
+        let _ = writeln!(text, "  not reproducible: {why}");
+    }
+    write_missed(result, &mut text);
+    let _ = writeln!(text, "  {}", result.directory);
+    text
 }
 
 /// A service that got no processor, in one line.
@@ -349,16 +349,17 @@ fn write_slow(slow: &SlowTrial, text: &mut String) {
     text.push('\n');
 }
 
-impl ServiceResult {
-    /// The process that answered, for people.
-    fn who(&self) -> String {
-        let by_hand = if self.external {
-            ", started by hand"
-        } else {
-            ""
-        };
-        format!("{} {} (pid {}{by_hand})", self.name, self.binary, self.pid)
-    }
+/// The process that answered, for people.
+fn who(service: &ServiceResult) -> String {
+    let by_hand = if service.external {
+        ", started by hand"
+    } else {
+        ""
+    };
+    format!(
+        "{} {} (pid {}{by_hand})",
+        service.name, service.binary, service.pid
+    )
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! The picture of a run, as SVG: map, obstacles, planned paths, driven track.
 
-use super::svg::escape;
 use core::fmt::Write;
+use zeronav_console::svg::escape;
 
 /// A line with a name in the legend.
 #[derive(Debug, Clone, PartialEq)]

@@ -2,9 +2,9 @@
 //! the map files or the robot's description.
 
 use crate::film::Rates;
-use crate::measure::timings::Timings;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
+use zeronav_measure::timings::Timings;
 
 /// Its name in the folder of a run.
 pub(crate) const FILE: &str = "recording.json";

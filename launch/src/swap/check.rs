@@ -2,10 +2,10 @@
 
 use super::owing::Owing;
 use super::{Phase, Scene, Swap};
-use crate::supervise::child::Child;
-use crate::supervise::question::headline;
 use std::time::Duration;
 use zeronav_msgs::role::Role;
+use zeronav_supervise::child::Child;
+use zeronav_supervise::question::headline;
 
 /// How long a lockstep robot may wait for an answer of one of the two processes alone while no process
 /// of the stack runs or waits for a processor.

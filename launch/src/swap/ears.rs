@@ -1,7 +1,6 @@
 //! Hears what both processes of a seat answer.
 
 use super::scores::{Answer, Scores};
-use crate::supervise::stack::Stack;
 use zeronav_msgs::header::Id;
 use zeronav_msgs::map::{COST_LETHAL, FLAG_STATIC, MapView};
 use zeronav_msgs::path::{PathStatus, Waypoint};
@@ -10,6 +9,7 @@ use zeronav_msgs::role::Role;
 use zeronav_msgs::run::Seat;
 use zeronav_msgs::topics::{ControlRequest, MapKeyframe, MapUpdate, PlanPath, RobotCommand, Topic};
 use zeronav_shell::{Latest, Roster, StartError, Stream, View};
+use zeronav_supervise::stack::Stack;
 
 /// Paths in a row through cells that the lidar saw occupied: the newcomer may not have had that scan
 /// yet.

@@ -22,11 +22,6 @@ mod scene;
 mod scores;
 mod steps;
 
-use crate::result::swap::SwapResult;
-use crate::supervise::child::hint;
-use crate::supervise::child_log::LogPlace;
-use crate::supervise::cleaner::Ticket;
-use crate::supervise::occupant::file_name;
 use newcomer::Newcomer;
 use order::SwapOrder;
 use owing::Owing;
@@ -34,7 +29,12 @@ pub(crate) use scene::Scene;
 use std::path::PathBuf;
 use std::thread::JoinHandle;
 use std::time::Instant;
+use zeronav_measure::result::swap::SwapResult;
 use zeronav_msgs::role::Role;
+use zeronav_supervise::child::hint;
+use zeronav_supervise::child_log::LogPlace;
+use zeronav_supervise::cleaner::Ticket;
+use zeronav_supervise::occupant::file_name;
 
 /// What a newcomer is started with.
 #[derive(Debug, Clone)]

@@ -4,16 +4,16 @@ use super::ears::{Ears, roster_of};
 use super::owing::Owing;
 use super::scene::Scene;
 use super::scores::Scores;
-use crate::result::swap::Comparison;
-use crate::supervise::child::Child;
-use crate::supervise::hang::HangWatch;
-use crate::supervise::own_time::{Patience, Reading};
-use crate::supervise::stack::Stack;
 use std::time::{Duration, Instant};
+use zeronav_measure::result::swap::Comparison;
 use zeronav_msgs::health::HealthState;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::topics::HealthTopic;
 use zeronav_shell::{Latest, Roster, StartError};
+use zeronav_supervise::child::Child;
+use zeronav_supervise::hang::HangWatch;
+use zeronav_supervise::own_time::{Patience, Reading};
+use zeronav_supervise::stack::Stack;
 
 /// A process that was started beside the one in a seat.
 #[derive(Debug)]

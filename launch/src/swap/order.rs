@@ -1,9 +1,9 @@
 //! What is asked of a swap, and whether it can be.
 
 use super::require::Clause;
-use crate::scenario::{KEEP_S_MIN, TIME_LIMIT_S_MAX};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
+use zeronav_scenario::{KEEP_S_MIN, TIME_LIMIT_S_MAX};
 
 /// What is asked of a swap.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

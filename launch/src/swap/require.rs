@@ -1,8 +1,8 @@
 //! What a newcomer has to reach: `p99<2ms, agree>0.95`.
 
-use crate::result::swap::Comparison;
 use core::fmt;
 use serde::{Deserialize, Serialize};
+use zeronav_measure::result::swap::Comparison;
 
 /// Fewest answers that a median is taken of, and a 99th percentile at the end of the comparison.
 const ANSWERS_MIN: u64 = 20;
@@ -117,7 +117,7 @@ impl fmt::Display for Clause {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::result::swap::AnswerTimes;
+    use zeronav_measure::result::swap::AnswerTimes;
 
     #[test]
     fn requirements_are_read_with_their_units() {

@@ -1,9 +1,9 @@
 //! What a swap works on.
 
 use crate::collect::Collector;
-use crate::supervise::hang::Limit;
-use crate::supervise::stack::Stack;
 use zeronav_msgs::time::nanoseconds;
+use zeronav_supervise::hang::Limit;
+use zeronav_supervise::stack::Stack;
 
 /// What a swap works on.
 #[derive(Debug)]

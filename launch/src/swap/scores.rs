@@ -1,7 +1,7 @@
 //! How far the answers of two processes differ, tick by tick. Pure.
 
-use crate::result::swap::Comparison;
 use std::collections::BTreeMap;
+use zeronav_measure::result::swap::Comparison;
 use zeronav_msgs::command::{Intervention, VelocityCommand, VelocityRequest};
 use zeronav_msgs::map::{COST_LETHAL, COST_UNKNOWN, MapView};
 

@@ -5,11 +5,11 @@ use super::newcomer::Newcomer;
 use super::owing::Owing;
 use super::{Phase, Scene, Settling, Swap};
 use crate::keeper::READY_LIMIT;
-use crate::supervise::child::Child;
-use crate::supervise::stack::Launch;
 use rustix::process::Signal;
 use std::time::{Duration, Instant};
 use zeronav_msgs::role::Role;
+use zeronav_supervise::child::Child;
+use zeronav_supervise::stack::Launch;
 
 /// Ticks from the decision to the cut-over in real time: every process reads in time who is obeyed
 /// from then on.

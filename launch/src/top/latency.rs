@@ -1,12 +1,12 @@
 //! Latencies of the last seconds, from the records of the processes.
 
 use super::view::{HopLine, Replanning};
-use crate::measure::distribution::to_us;
-use crate::measure::joins::Joins;
-use crate::measure::way::{HOPS, Way};
-use crate::measure::{DEADLINE_NS, Records, reactions};
-use crate::result::latency::Figures;
 use std::collections::VecDeque;
+use zeronav_measure::distribution::to_us;
+use zeronav_measure::joins::Joins;
+use zeronav_measure::result::latency::Figures;
+use zeronav_measure::way::{HOPS, Way};
+use zeronav_measure::{DEADLINE_NS, Records, reactions};
 use zeronav_msgs::role::Role;
 use zeronav_msgs::span::Span;
 use zeronav_msgs::time::seconds;

@@ -13,10 +13,7 @@ mod totals;
 mod usage;
 mod view;
 
-use crate::exit::{EXIT_INTERRUPTED, EXIT_PASS};
-use crate::interrupts::interrupts;
 use crate::running::{self, Running};
-use crate::show::terminal::{note, say, say_json, usage as complain};
 use crate::topics::tap::{PAUSE, Tap};
 use cli::TopArgs;
 use model::Model;
@@ -28,6 +25,9 @@ use std::sync::mpsc::{Receiver, sync_channel};
 use std::time::Duration;
 use usage::Reading;
 use view::View;
+use zeronav_console::exit::{EXIT_INTERRUPTED, EXIT_PASS};
+use zeronav_console::interrupts::interrupts;
+use zeronav_console::terminal::{note, say, say_json, usage as complain};
 use zeronav_shell::clock::now_ns;
 
 /// Time between two looks in real time; the queues hold several times as much.

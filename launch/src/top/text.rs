@@ -67,8 +67,8 @@ fn table<const N: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::result::latency::Figures;
     use crate::top::view::{EventLine, RunLine, ServiceLine, TopicLine, Usage};
+    use zeronav_measure::result::latency::Figures;
 
     #[test]
     fn a_sample_is_a_page_of_aligned_text() {

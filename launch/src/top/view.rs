@@ -1,7 +1,7 @@
 //! What is shown of a stack, as plain data: drawn on a terminal, printed, or written as JSON.
 
-use crate::result::latency::Figures;
 use serde::Serialize;
+use zeronav_measure::result::latency::Figures;
 
 /// What is shown of a stack at a moment.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]

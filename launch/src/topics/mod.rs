@@ -8,13 +8,13 @@ pub(crate) mod tap;
 mod value;
 mod watches;
 
-use crate::exit::{EXIT_FAIL, EXIT_INTERRUPTED, EXIT_PASS};
-use crate::interrupts::interrupts;
-use crate::show::terminal::{complain, note, usage};
 use cli::{TopicArgs, TopicsArgs, TopicsVerb};
 use std::process::ExitCode;
 use tap::{End, Tap};
 use watches::{Echo, Meter, Unit, Wanted};
+use zeronav_console::exit::{EXIT_FAIL, EXIT_INTERRUPTED, EXIT_PASS};
+use zeronav_console::interrupts::interrupts;
+use zeronav_console::terminal::{complain, note, usage};
 
 /// `zeronav topics`.
 #[must_use]

@@ -3,8 +3,8 @@
 use super::message::Message;
 use super::tap::Tap;
 use super::watches::{Units, units_of};
-use crate::show::terminal::{say, say_json};
 use serde_json::{Value, json};
+use zeronav_console::terminal::{say, say_json};
 use zeronav_msgs::fields::Shape;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::topics::{Discipline, READERS_MAX, Topic, TopicRow, TopicVisitor, visit_topics};

@@ -3,16 +3,16 @@
 
 use super::message::Message;
 use crate::running;
-use crate::show::terminal;
-use crate::supervise::cleaner::Cleaner;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
+use zeronav_console::terminal;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::topics::{Topic, TopicRow, TopicVisitor, visit_topics};
 use zeronav_shell::roster_reader::RosterReader;
 use zeronav_shell::{Domain, Peer, Roster, StartError};
+use zeronav_supervise::cleaner::Cleaner;
 
 /// Time between two looks. A queue holds at least 32 messages, which is enough for lockstep, too.
 pub(crate) const PAUSE: Duration = Duration::from_millis(2);

@@ -4,11 +4,11 @@ use super::message::Message;
 use super::rate::Rate;
 use super::tap::Watch;
 use super::value::{Elements, Value, units, write_all};
-use crate::show::terminal::{pour, say};
 use serde::ser::{Serialize, SerializeMap, Serializer};
 use std::io::{Result, Write};
 use std::num::NonZeroU64;
 use std::time::{Duration, Instant};
+use zeronav_console::terminal::{pour, say};
 use zeronav_msgs::header::Header;
 use zeronav_msgs::message::Wire;
 

@@ -3,10 +3,10 @@
 use super::around::{Around, Missing};
 use super::past;
 use crate::control::request::{self, Reply, RunReport};
-use crate::result::moment::{Command, Moment, Obstacle, Path, Request};
 use crate::running::Running;
 use crate::topics::tap::{PAUSE, Tap};
 use std::time::{Duration, Instant};
+use zeronav_measure::result::moment::{Command, Moment, Obstacle, Path, Request};
 use zeronav_msgs::health::{HealthState, SILENT_AFTER_NS};
 use zeronav_msgs::role::Role;
 use zeronav_msgs::time::seconds;

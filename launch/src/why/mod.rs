@@ -7,15 +7,15 @@ mod past;
 mod sentence;
 
 use crate::control::request::RunReport;
-use crate::exit::EXIT_PASS;
-use crate::result::RunResult;
-use crate::result::moment::{self, Moment, Task};
 use crate::running;
-use crate::show::terminal::{say, say_json, usage};
 use cli::WhyArgs;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use zeronav_console::exit::EXIT_PASS;
+use zeronav_console::terminal::{say, say_json, usage};
+use zeronav_measure::result::RunResult;
+use zeronav_measure::result::moment::{self, Moment, Task};
 use zeronav_msgs::task::TaskState;
 
 /// Where a run leaves its folder.

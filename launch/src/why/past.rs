@@ -1,11 +1,11 @@
 //! Why the robot did what it did at a moment of a run that is over.
 
 use super::around::{Around, Missing};
-use crate::result::fault::FaultResult;
-use crate::result::moment::Moment;
-use crate::result::{Restart, RunResult};
 use std::path::{Path, PathBuf};
 use zeronav_files::read;
+use zeronav_measure::result::fault::FaultResult;
+use zeronav_measure::result::moment::Moment;
+use zeronav_measure::result::{Restart, RunResult};
 use zeronav_shell::printable;
 
 /// A restart is told for so long after it. [s]

@@ -8,9 +8,9 @@ mod driving;
 pub(super) mod words;
 
 use super::around::Around;
-use crate::result::moment::{Command, Moment, Path, Point, Request, Task};
 use driving::driving;
 use words::{age, failure, no_way, stale, waiting};
+use zeronav_measure::result::moment::{Command, Moment, Path, Point, Request, Task};
 use zeronav_msgs::command::{AGE_MS_MAX, Intervention, RequestCause, Validity};
 use zeronav_msgs::path::PathStatus;
 use zeronav_msgs::task::TaskState;

@@ -262,7 +262,7 @@ impl Bench {
 ///
 /// # Errors
 /// One line when the compiler does not say its version.
-pub fn machine(before: zeronav::environment::Before) -> Result<Machine, String> {
+pub fn machine(before: zeronav_console::environment::Before) -> Result<Machine, String> {
     let environment = before.environment();
     let rustc = output(Command::new("rustc").arg("--version"))?;
     Ok(Machine {

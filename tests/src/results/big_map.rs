@@ -233,8 +233,8 @@ fn walls() -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use zeronav::scenario::Scenario;
     use zeronav_msgs::{GridGeometry, Pose};
+    use zeronav_scenario::Scenario;
     use zeronav_world::{Occupancy, StaticMap};
 
     /// The cell that holds a point.

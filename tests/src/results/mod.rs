@@ -109,7 +109,7 @@ pub fn measure(experiments: &[&Experiment], data: Option<PathBuf>) -> Result<(),
 }
 
 fn make(experiment: &Experiment, bench: &mut Bench, commit: &str) -> Result<Record, String> {
-    let before = zeronav::environment::Before::read();
+    let before = zeronav_console::environment::Before::read();
     let started = Instant::now();
     bench.commands.clear();
     let measured = (experiment.make)(bench)?;

@@ -1,7 +1,7 @@
 //! Which track is which obstacle.
 
 use nalgebra::Point2;
-use zeronav::measure::SAME_M;
+use zeronav_measure::SAME_M;
 
 /// By how much a pair of the scan before counts as nearer: two who pass each other closely are not
 /// exchanged by the noise of their places. [m]

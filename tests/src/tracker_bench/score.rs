@@ -9,7 +9,7 @@ use super::pairs::pairs;
 use super::tally::{AFTER_S, AHEAD_S, Event, Failing, JUDGED, Tally};
 use nalgebra::{Point2, Vector2};
 use std::collections::{BTreeMap, BTreeSet};
-use zeronav::measure::{MOVING_MPS, SAME_M};
+use zeronav_measure::{MOVING_MPS, SAME_M};
 use zeronav_msgs::obstacles::Obstacle;
 use zeronav_msgs::time::{nanoseconds, seconds};
 

@@ -1,7 +1,7 @@
 use super::*;
 use crate::control::request::ServiceReport;
-use crate::result::Restart;
-use crate::result::fault::FaultResult;
+use zeronav_measure::result::Restart;
+use zeronav_measure::result::fault::FaultResult;
 use zeronav_msgs::header::Id;
 use zeronav_msgs::health::{REASON_MAP, REASON_SCAN};
 use zeronav_msgs::path::Waypoint;

@@ -1,7 +1,7 @@
 //! Why the local planner drives as it does, or stands although it has a path.
 
 use super::words::{input, stale, way};
-use crate::result::moment::{Command, Moment, Request};
+use zeronav_measure::result::moment::{Command, Moment, Request};
 use zeronav_msgs::command::{RecoveryReason, RequestCause, Validity};
 
 /// [m/s] below its limit at which a robot is still getting faster.

@@ -2,7 +2,7 @@
 
 use super::tests::{path, says, standing};
 use super::*;
-use crate::result::moment::Blocked;
+use zeronav_measure::result::moment::Blocked;
 use zeronav_msgs::map::ObstacleSource;
 use zeronav_msgs::path::PathBlock;
 use zeronav_msgs::task::{EndReason, StuckCause};

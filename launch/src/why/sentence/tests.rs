@@ -1,7 +1,7 @@
 use super::task_tests::over;
 use super::*;
-use crate::result::moment::{Blocked, Obstacle};
 use crate::why::around::Missing;
+use zeronav_measure::result::moment::{Blocked, Obstacle};
 use zeronav_msgs::command::{PlannerInput, RecoveryReason};
 use zeronav_msgs::map::ObstacleSource;
 use zeronav_msgs::path::{PathBlock, PathCause};

@@ -1,6 +1,6 @@
 //! What is said of inputs and paths, whoever says it.
 
-use crate::result::moment::{Blocked, Path, Request, Task};
+use zeronav_measure::result::moment::{Blocked, Path, Request, Task};
 use zeronav_msgs::command::{AGE_MS_MAX, PlannerInput};
 use zeronav_msgs::map::ObstacleSource;
 use zeronav_msgs::path::{PathBlock, PathCause, PathStatus};

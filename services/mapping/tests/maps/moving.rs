@@ -1,6 +1,6 @@
 //! What moves: found soon, followed well, never made up, and gone without a trail.
 
-#[path = "../../../../launch/src/measure/tracking_score.rs"]
+#[path = "../../../../launch/measure/src/tracking_score.rs"]
 #[allow(unreachable_pub, reason = "public in the crate that it is of")]
 mod tracking_score;
 

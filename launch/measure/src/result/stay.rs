@@ -1,0 +1,43 @@
+//! What a stack that stayed up leaves: its goals, its contacts, its processes.
+
+use super::fault::FaultResult;
+use super::latency::Latency;
+use super::swap::SwapResult;
+use super::{Environment, Redirect, Restart, ServiceResult, Starved};
+use serde::{Deserialize, Serialize};
+
+/// What became of a stack.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub struct StayResult {
+    /// Scenario.
+    pub scenario: String,
+    /// How it ended: `down`, `interrupted`, or what went wrong.
+    pub outcome: String,
+    /// Run time since it was ready. [s]
+    pub time_s: f64,
+    /// Wall time since its start. [s]
+    pub wall_s: f64,
+    /// The goals of clients, at most the newest 1000.
+    pub goals: Vec<Redirect>,
+    /// Contacts of the simulated robot.
+    pub contacts: u32,
+    /// Restarts of services.
+    pub restarts: Vec<Restart>,
+    /// Services that got no processor for longer than `hang_after_s`, in real time.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub starved: Vec<Starved>,
+    /// Faults that were made on purpose.
+    pub faults: Vec<FaultResult>,
+    /// Swaps and comparisons, at most the newest 100.
+    pub swaps: Vec<SwapResult>,
+    /// Latencies, in real time only; of a long stay those of its end.
+    #[serde(default)]
+    pub latency: Option<Latency>,
+    /// The processes.
+    pub services: Vec<ServiceResult>,
+    /// Machine and build.
+    pub environment: Environment,
+    /// Folder with everything that it left.
+    pub directory: String,
+}

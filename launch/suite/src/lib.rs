@@ -1,0 +1,305 @@
+//! `zeronav suite`: the worlds of a data set, or a folder of scenarios, one lockstep run after the
+//! other on every core, and what came of them; or a soak of drives under faults.
+//!
+//! Every run is a `zeronav run` of its own, so it has its own domain, its own folder
+//! with result and picture, and cannot take the others with it.
+
+mod barn;
+mod bound;
+mod case;
+mod csv_file;
+mod data;
+mod dynabarn;
+pub mod error;
+mod field;
+mod folder;
+mod future;
+mod generated;
+mod hindsight;
+mod journal;
+mod junit;
+mod kind;
+pub mod noise;
+mod oracle;
+mod pedestrians;
+pub mod plan;
+pub mod report;
+mod row;
+mod rows;
+mod runner;
+mod score;
+mod soak;
+mod summary;
+mod track;
+
+use case::Case;
+use data::WorldFile;
+use error::SuiteError;
+use journal::{Journal, Order};
+use kind::Kind;
+use noise::Noise;
+use plan::{Setup, SuitePlan};
+use report::Report;
+use row::Row;
+use rows::drive_rest;
+use runner::{Runner, Stopped};
+use soak::verdict::{End, SoakReport};
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
+use zeronav_console::environment::Before;
+use zeronav_console::leave;
+use zeronav_files::Folder;
+use zeronav_supervise::algorithms;
+use zeronav_supervise::binaries::{self, Needed};
+
+/// Runs a suite, or what is left of one, and writes what it gave into a folder of its own.
+///
+/// # Errors
+/// [`SuiteError`]; runs that fail are no error but rows of the report.
+pub fn suite(plan: &SuitePlan, interrupted: &AtomicBool) -> Result<Report, SuiteError> {
+    if plan.resume.is_none() {
+        check_words(plan)?;
+    }
+    if plan.bound {
+        return plan_all(plan, interrupted);
+    }
+    let Some(directory) = &plan.resume else {
+        return begin(plan, interrupted, None);
+    };
+    let (order, journal) = Journal::resume(directory)?;
+    let plan = SuitePlan {
+        suite: order.suite.clone(),
+        controller: order.controller.clone(),
+        seeds: order.seeds,
+        worlds: order.worlds.map(|[from, until]| from..until),
+        noise: Noise::from_label(&order.noise).unwrap_or_default(),
+        foresight: order.foresight,
+        data: order.data.clone(),
+        hours: plan.hours.or(order.hours),
+        ..plan.clone()
+    };
+    check_words(&plan)?;
+    begin(&plan, interrupted, Some((directory, &order, journal)))
+}
+
+fn begin(
+    plan: &SuitePlan,
+    interrupted: &AtomicBool,
+    resumed: Option<(&Path, &Order, Journal)>,
+) -> Result<Report, SuiteError> {
+    let kind = Kind::of(&plan.suite);
+    let worlds = worlds(kind, plan)?;
+    check_binaries(kind, plan)?;
+    let before = Before::read();
+    let started = Instant::now();
+    let folders = match &resumed {
+        Some((directory, ..)) => Folders::again(directory)?,
+        None => Folders::new(&plan.out, kind)?,
+    };
+    let directory = folders.all.path();
+    let setup = Setup {
+        plan,
+        controller: plan.controller.as_deref(),
+        scenarios: &folders.scenarios,
+    };
+    let order = Order::of(&setup)?;
+    let mut journal = match resumed {
+        Some((_, begun, journal)) if begun.is_same(&order) => journal,
+        Some(_) => {
+            return Err(SuiteError::Usage(format!(
+                "{} was begun with other binaries or data than are here now: run the suite again",
+                directory.display()
+            )));
+        }
+        None => Journal::begin(&folders.all, &order).map_err(SuiteError::Lost)?,
+    };
+    let runner = Runner::new(plan, folders.runs.clone(), interrupted)?;
+    let (cases, soaked, ended) = if kind == Kind::Soak {
+        let driven = soak::drive(&runner.quiet(), &setup, &folders.all, &mut journal)?;
+        let soaked = (driven.end, driven.used_s);
+        (driven.cases, Some(soaked), driven.ended)
+    } else {
+        let cases = cases(kind, &setup, &worlds, &runner)?;
+        let ended = drive_rest(&runner, kind.label(), &cases, &mut journal);
+        (cases, None, ended)
+    };
+    let rows: Vec<Row> = cases
+        .iter()
+        .filter_map(|case| journal.row(case).cloned())
+        .collect();
+    let report = leave(
+        &setup,
+        (cases.len(), rows, soaked),
+        &folders.all,
+        (&started, &before),
+    )?;
+    match ended {
+        Ok(()) => {}
+        Err(Stopped::Interrupted) => return Err(SuiteError::Interrupted(Some(Box::new(report)))),
+        Err(other) => return Err(other.into()),
+    }
+    match report.refusal() {
+        Some(problem) => Err(SuiteError::Usage(problem)),
+        None => Ok(report),
+    }
+}
+
+/// Plans a way through every run in place of driving it. The empty scenes of recorded people are
+/// driven all the same: the scenarios depend on the time that it takes.
+fn plan_all(plan: &SuitePlan, interrupted: &AtomicBool) -> Result<Report, SuiteError> {
+    let kind = Kind::of(&plan.suite);
+    let worlds = worlds(kind, plan)?;
+    if kind == Kind::Pedestrians {
+        check_binaries(kind, plan)?;
+    }
+    let before = Before::read();
+    let started = Instant::now();
+    let folders = Folders::new(&plan.out, kind)?;
+    let setup = Setup {
+        plan,
+        controller: None,
+        scenarios: &folders.scenarios,
+    };
+    let runner = Runner::new(plan, folders.runs.clone(), interrupted)?;
+    let cases = cases(kind, &setup, &worlds, &runner)?;
+    let rows = bound::rows(&cases, runner.jobs(), plan.progress, interrupted)?;
+    leave(
+        &setup,
+        (cases.len(), rows, None),
+        &folders.all,
+        (&started, &before),
+    )
+}
+
+/// The report of so many cases, of which these have a row, in the suite's folder; of a soak with how it
+/// ended and the wall time that it has used. [s]
+fn leave(
+    setup: &Setup<'_>,
+    (n_cases, rows, soaked): (usize, Vec<Row>, Option<(End, f64)>),
+    folder: &Folder,
+    (started, before): (&Instant, &Before),
+) -> Result<Report, SuiteError> {
+    let soak = soaked.map(|(end, used_s)| {
+        let hours = setup.plan.hours.unwrap_or(soak::HOURS);
+        let drives = rows.iter().filter_map(|row| row.soaked.as_deref().cloned());
+        SoakReport::new(end, (hours, used_s), drives.collect())
+    });
+    let mut report = Report::new(
+        setup,
+        Kind::of(&setup.plan.suite),
+        n_cases,
+        rows,
+        folder.path(),
+        started.elapsed().as_secs_f64(),
+        before.environment(),
+    );
+    if let Some(soak) = soak {
+        report = report.of_soak(soak);
+    }
+    report.leave(folder).map_err(SuiteError::Lost)?;
+    Ok(report)
+}
+
+/// Accepts what fits the suite.
+fn check_words(plan: &SuitePlan) -> Result<(), SuiteError> {
+    let kind = Kind::of(&plan.suite);
+    let is_soak = kind == Kind::Soak;
+    let is_told = !plan.foresight.is_none();
+    let why = if kind == Kind::Folder && is_told {
+        "--perceive and --predict: the scenarios of a folder are judged by what they expect, and what \
+         is judged is told nothing"
+    } else if is_soak && (is_told || plan.bound || plan.seeds != 1) {
+        "--perceive, --predict, --bound and --seeds: a soak has none of them; each of its drives has \
+         the seed that is drawn from its number, and --worlds A..B picks some"
+    } else if !is_soak && plan.hours.is_some() {
+        "--hours: only a soak goes on until its time is used up"
+    } else {
+        return Ok(());
+    };
+    Err(SuiteError::Usage(why.to_owned()))
+}
+
+/// The worlds that the plan asks for.
+fn worlds(kind: Kind, plan: &SuitePlan) -> Result<Vec<WorldFile>, String> {
+    match kind {
+        Kind::Barn => barn::worlds(plan),
+        Kind::Dynabarn => dynabarn::worlds(plan),
+        Kind::Pedestrians => pedestrians::worlds(plan),
+        Kind::Generated => Ok(generated::worlds(plan)),
+        Kind::Field => Ok(field::worlds(plan)),
+        // Each of its drives draws its own.
+        Kind::Soak => Ok(Vec::new()),
+        Kind::Folder => folder::worlds(plan),
+    }
+}
+
+/// The runs to make.
+fn cases(
+    kind: Kind,
+    setup: &Setup<'_>,
+    worlds: &[WorldFile],
+    runner: &Runner<'_>,
+) -> Result<Vec<Case>, SuiteError> {
+    let cases = match kind {
+        Kind::Barn => barn::cases(setup, worlds)?,
+        Kind::Dynabarn => dynabarn::cases(setup, worlds)?,
+        Kind::Pedestrians => pedestrians::cases(setup, worlds, runner)?,
+        Kind::Generated => generated::cases(setup, worlds)?,
+        Kind::Field => field::cases(setup, worlds)?,
+        // They are endless.
+        Kind::Soak => Vec::new(),
+        Kind::Folder => folder::cases(setup, worlds)?,
+    };
+    Ok(cases)
+}
+
+/// Builds the binaries under cargo and checks the controller's key. The scenarios of a folder may
+/// name any binary, and their local planner may have keys of its own.
+fn check_binaries(kind: Kind, plan: &SuitePlan) -> Result<(), String> {
+    let is_folder = kind == Kind::Folder;
+    binaries::refresh_under_cargo(if is_folder {
+        Needed::Any
+    } else {
+        Needed::Stock
+    })?;
+    match plan.controller.as_deref() {
+        Some(key) if !is_folder => algorithms::check_controller(key),
+        _ => Ok(()),
+    }
+}
+
+/// The suite's own folder and those in it.
+struct Folders {
+    all: Folder,
+    scenarios: Folder,
+    runs: Folder,
+}
+
+impl Folders {
+    fn new(out: &Path, kind: Kind) -> Result<Self, String> {
+        let all = leave::new_folder(out, &format!("suite-{}", kind.label()))?;
+        Self::within(all, Folder::create)
+    }
+
+    /// Those of a suite that goes on.
+    fn again(directory: &Path) -> Result<Self, String> {
+        let all = Folder::open(directory).map_err(|error| leave::refused(directory, &error))?;
+        Self::within(all, Folder::inside)
+    }
+
+    fn within(
+        all: Folder,
+        get: impl Fn(&Folder, &str) -> std::io::Result<Folder>,
+    ) -> Result<Self, String> {
+        let part = |name: &str| {
+            let path = all.path().join(name);
+            get(&all, name).map_err(|error| leave::refused(&path, &error))
+        };
+        Ok(Self {
+            scenarios: part("scenarios")?,
+            runs: part("runs")?,
+            all,
+        })
+    }
+}

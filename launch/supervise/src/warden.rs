@@ -1,0 +1,340 @@
+//! The warden: a small process beside launch that ends what a dead launch left behind.
+//!
+//! When launch dies, its services bring the robot to rest and leave by themselves. One that hangs or
+//! is stopped does not. The warden has a descriptor of every service and the names of the domains; it
+//! waits until launch is gone, gives the services their time, kills those that are still there, with
+//! what they have started, and removes the domains. Meanwhile it keeps the logs of all children short.
+//! It is this program, started as `zeronav warden` with one end of a socket as standard input; the
+//! kernel closes the other end when launch ends, in whatever way.
+
+use super::crash_result;
+use super::descendants;
+use super::log_limit::{Logs, PAUSE};
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use rustix::io::Errno;
+use rustix::net::{
+    AddressFamily, RecvAncillaryBuffer, RecvAncillaryMessage, RecvFlags, SendAncillaryBuffer,
+    SendAncillaryMessage, SendFlags, Shutdown, SocketFlags, SocketType, recvmsg, sendmsg, shutdown,
+    socketpair,
+};
+use rustix::process::{Pid, Signal, kill_process_group, pidfd_send_signal};
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::{IoSlice, IoSliceMut};
+use std::mem::MaybeUninit;
+use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
+use std::os::unix::process::CommandExt;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, OnceLock};
+use std::time::{Duration, Instant};
+use zeronav_msgs::role::Role;
+use zeronav_shell::damage::{Damaged, damaged};
+
+/// Name of the subcommand.
+pub const COMMAND: &str = "warden";
+
+/// How long services may take to leave after the death of launch.
+const LEAVE_LIMIT: Duration = Duration::from_millis(1800);
+
+/// Services that are remembered after their end.
+const ROLES_MAX: usize = 10_000;
+
+/// How long killed services may take to be gone.
+const GONE_LIMIT: Duration = Duration::from_secs(2);
+
+/// How long launch waits at most for its result to be written.
+const SETTLE_LIMIT: Timespec = Timespec {
+    tv_sec: 5,
+    tv_nsec: 0,
+};
+
+/// Time between two tries to remove a domain.
+const SWEEP_PAUSE: Duration = Duration::from_millis(20);
+
+/// Longest message: a path with its word. [bytes]
+const MESSAGE_BYTES_MAX: usize = 4096 + 16;
+
+/// True in a program that is its own warden.
+static ENABLED: AtomicBool = AtomicBool::new(false);
+
+/// True while the warden has a result of this process's run.
+static HAS_WILL: AtomicBool = AtomicBool::new(false);
+
+/// Launch's end of the socket, once there was something to watch.
+static SOCKET: OnceLock<Option<OwnedFd>> = OnceLock::new();
+
+/// Says that this program has the subcommand [`COMMAND`]. Without this nothing is watched.
+pub fn enable() {
+    ENABLED.store(true, Ordering::Relaxed);
+}
+
+/// Starts the warden before there is anything to watch: launch may be killed while it makes a domain.
+pub fn start() {
+    tell("begin -", None);
+}
+
+/// Has a temporary folder of this process removed after its death.
+pub fn watch_folder(folder: &Path) {
+    tell(&format!("folder {}", folder.display()), None);
+}
+
+/// Has the domain at `root` removed after the death of this process.
+pub fn watch_domain(root: &Path) {
+    tell(&format!("domain {}", root.display()), None);
+}
+
+/// Has the service `pid` ended after the death of this process, if it does not leave by itself.
+pub fn watch_service(role: Role, pid: u32, pidfd: BorrowedFd<'_>) {
+    tell(&format!("service {pid} {role}"), Some(pidfd));
+}
+
+/// Has `result` put into the run's `folder` after the death of this process.
+pub(super) fn keep_will(folder: &Path, result: BorrowedFd<'_>) {
+    tell(&format!("will {}", folder.display()), Some(result));
+    HAS_WILL.store(true, Ordering::Relaxed);
+}
+
+/// Takes that back.
+pub(super) fn forget_will() {
+    if HAS_WILL.swap(false, Ordering::Relaxed) {
+        tell("forget -", None);
+    }
+}
+
+/// Has done now what the warden does after the death of this process, which must follow at once; waits
+/// until the result is written. False when none was left. For signal handlers, too: it makes system
+/// calls alone.
+pub(super) fn settle() -> bool {
+    let Some(Some(socket)) = SOCKET.get() else {
+        return false;
+    };
+    if !HAS_WILL.swap(false, Ordering::Relaxed) || shutdown(socket, Shutdown::Write).is_err() {
+        return false;
+    }
+    let mut end = [PollFd::new(socket, PollFlags::IN)];
+    let _ = poll(&mut end, Some(&SETTLE_LIMIT));
+    true
+}
+
+/// Has the log of a child kept short, until this process is dead and all its services are gone.
+pub fn watch_log(log: BorrowedFd<'_>) {
+    tell("log -", Some(log));
+}
+
+fn tell(text: &str, descriptor: Option<BorrowedFd<'_>>) {
+    if !ENABLED.load(Ordering::Relaxed) {
+        return;
+    }
+    let socket = SOCKET.get_or_init(|| {
+        spawn()
+            .inspect_err(|error| tracing::warn!(%error, "the warden could not be started"))
+            .ok()
+    });
+    let Some(socket) = socket else { return };
+    let mut space = [MaybeUninit::uninit(); rustix::cmsg_space!(ScmRights(1))];
+    let mut ancillary = SendAncillaryBuffer::new(&mut space);
+    let descriptors: Vec<BorrowedFd<'_>> = descriptor.into_iter().collect();
+    if !descriptors.is_empty() {
+        ancillary.push(SendAncillaryMessage::ScmRights(&descriptors));
+    }
+    // A warden that does not listen must not keep launch waiting.
+    let flags = SendFlags::DONTWAIT | SendFlags::NOSIGNAL;
+    if let Err(error) = sendmsg(
+        socket,
+        &[IoSlice::new(text.as_bytes())],
+        &mut ancillary,
+        flags,
+    ) {
+        tracing::warn!(%error, text, "the warden does not listen");
+    }
+}
+
+/// Starts the process; launch's end of its socket.
+fn spawn() -> std::io::Result<OwnedFd> {
+    let (ours, theirs) = socketpair(
+        AddressFamily::UNIX,
+        SocketType::SEQPACKET,
+        SocketFlags::CLOEXEC,
+        None,
+    )?;
+    Command::new("/proc/self/exe")
+        .arg(COMMAND)
+        .stdin(theirs)
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        // What the terminal sends to launch's group is not meant for the warden.
+        .process_group(0)
+        .spawn()?;
+    Ok(ours)
+}
+
+/// A service that is watched.
+struct Service {
+    pid: Pid,
+    pidfd: OwnedFd,
+}
+
+impl Service {
+    /// True once it has ended.
+    fn has_ended(&self, limit: Duration) -> bool {
+        let timeout = Timespec {
+            tv_sec: limit.as_secs().cast_signed(),
+            tv_nsec: i64::from(limit.subsec_nanos()),
+        };
+        let mut descriptors = [PollFd::from_borrowed_fd(self.pidfd.as_fd(), PollFlags::IN)];
+        matches!(poll(&mut descriptors, Some(&timeout)), Ok(1..))
+    }
+
+    fn kill(&self) {
+        if !self.has_ended(Duration::ZERO) {
+            let _ = pidfd_send_signal(&self.pidfd, Signal::KILL);
+            let _ = kill_process_group(self.pid, Signal::KILL);
+        }
+    }
+}
+
+/// The warden itself: listens on standard input until launch is gone, then sees to what is left.
+pub fn run() {
+    // Asked to stop together with launch, it has its work still before it.
+    for signal in zeronav_shell::signals::stopping() {
+        let _ = signal_hook::flag::register(signal, Arc::new(AtomicBool::new(false)));
+    }
+    let mut watched = Watched::default();
+    while watched.listen() {
+        watched.logs.cut();
+        let gone = |service: &Service| service.has_ended(Duration::ZERO);
+        watched.services.retain(|service| !gone(service));
+        watched.domains.retain(|root| root.exists());
+        watched.folders.retain(|folder| folder.exists());
+    }
+    watched.execute_will();
+    let Watched {
+        services,
+        mut domains,
+        folders,
+        mut logs,
+        ..
+    } = watched;
+    let deadline = Instant::now() + LEAVE_LIMIT;
+    while Instant::now() < deadline {
+        let Some(last) = services.iter().find(|it| !it.has_ended(Duration::ZERO)) else {
+            break;
+        };
+        last.has_ended(PAUSE.min(deadline.saturating_duration_since(Instant::now())));
+        logs.cut();
+    }
+    services.iter().for_each(Service::kill);
+    let deadline = Instant::now() + GONE_LIMIT;
+    for service in &services {
+        service.has_ended(deadline.saturating_duration_since(Instant::now()));
+    }
+    for root in &domains {
+        descendants::end(root);
+    }
+    for folder in folders {
+        let _ = std::fs::remove_dir_all(folder);
+    }
+    logs.cut();
+    // Launch may have been killed before it could say that it has made a domain.
+    let _ = zeronav_shell::domain::sweep_dead();
+    // A service that was started by hand may still be a member; the last one out removes the domain.
+    while Instant::now() < deadline {
+        domains.retain(|root| !zeronav_shell::domain::sweep(root).unwrap_or(false));
+        if domains.is_empty() {
+            break;
+        }
+        std::thread::sleep(SWEEP_PAUSE);
+    }
+}
+
+/// What the warden has been told of.
+#[derive(Default)]
+struct Watched {
+    services: Vec<Service>,
+    domains: Vec<PathBuf>,
+    folders: Vec<PathBuf>,
+    logs: Logs,
+    /// Folder of a run and its result.
+    will: Option<(PathBuf, File)>,
+    /// The seats of all services so far.
+    roles: BTreeMap<u32, String>,
+}
+
+impl Watched {
+    /// Puts the result in its place that launch has not taken back. Segments are looked at first: their
+    /// makers remove them when they leave.
+    fn execute_will(&mut self) {
+        if let Some((folder, result)) = self.will.take() {
+            let damaged: Vec<(Damaged, Vec<String>)> = (self.domains.iter())
+                .flat_map(|root| damaged(root))
+                .map(|segment| {
+                    let authors = (segment.pids.iter())
+                        .filter_map(|pid| Some(format!("{} (pid {pid})", self.roles.get(pid)?)))
+                        .collect();
+                    (segment, authors)
+                })
+                .collect();
+            crash_result::write(&folder, result, &damaged);
+        }
+        let _ = shutdown(std::io::stdin(), Shutdown::Write);
+    }
+
+    /// Takes in one message, or waits a moment while there are logs; false when launch is gone.
+    fn listen(&mut self) -> bool {
+        let stdin = std::io::stdin();
+        let mut descriptors = [PollFd::new(&stdin, PollFlags::IN)];
+        let pause = Timespec {
+            tv_sec: 0,
+            tv_nsec: i64::from(PAUSE.subsec_nanos()),
+        };
+        if matches!(
+            poll(&mut descriptors, self.logs.any().then_some(&pause)),
+            Ok(0)
+        ) {
+            return true;
+        }
+        let mut bytes = [0; MESSAGE_BYTES_MAX];
+        let mut space = [MaybeUninit::uninit(); rustix::cmsg_space!(ScmRights(1))];
+        let mut ancillary = RecvAncillaryBuffer::new(&mut space);
+        let received = recvmsg(
+            std::io::stdin(),
+            &mut [IoSliceMut::new(&mut bytes)],
+            &mut ancillary,
+            RecvFlags::CMSG_CLOEXEC,
+        );
+        let n = match received {
+            Ok(message) if message.bytes > 0 => message.bytes,
+            Err(Errno::INTR) => return true,
+            Ok(_) | Err(_) => return false,
+        };
+        let descriptor = ancillary.drain().find_map(|message| match message {
+            RecvAncillaryMessage::ScmRights(mut descriptors) => descriptors.next(),
+            _ => None,
+        });
+        let text = core::str::from_utf8(&bytes[..n]).unwrap_or_default();
+        match (text.split_once(' '), descriptor) {
+            (Some(("service", said)), Some(pidfd)) => {
+                let (number, role) = said.split_once(' ').unwrap_or((said, ""));
+                let pid = number.parse().ok().and_then(Pid::from_raw);
+                self.services.extend(pid.map(|pid| Service { pid, pidfd }));
+                if let Ok(pid) = number.parse() {
+                    self.roles.insert(pid, role.to_owned());
+                    if self.roles.len() > ROLES_MAX {
+                        self.roles.pop_first();
+                    }
+                }
+            }
+            (Some(("will", folder)), Some(result)) => {
+                self.will = Some((PathBuf::from(folder), File::from(result)));
+            }
+            (Some(("forget", _)), _) => self.will = None,
+            (Some(("log", _)), Some(log)) => self.logs.add(File::from(log)),
+            (Some(("domain", root)), _) => self.domains.push(PathBuf::from(root)),
+            (Some(("folder", path)), _) => self.folders.push(PathBuf::from(path)),
+            _ => {}
+        }
+        true
+    }
+}
