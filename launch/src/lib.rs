@@ -45,6 +45,7 @@ pub mod start_up;
 mod starvation;
 mod stay_result;
 mod swap;
+mod swap_order;
 pub mod top;
 pub mod topics;
 mod trials;

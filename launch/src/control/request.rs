@@ -1,6 +1,6 @@
 //! What can be asked of a stack over its control socket, and the answers.
 
-use crate::swap::order::SwapOrder;
+use crate::swap_order::SwapOrder;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::PathBuf;

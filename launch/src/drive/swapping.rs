@@ -3,8 +3,8 @@
 use super::serve::LISTED_MAX;
 use super::session::Session;
 use crate::swap::config::merged;
-use crate::swap::order::SwapOrder;
 use crate::swap::{Files, Scene, Swap};
+use crate::swap_order::SwapOrder;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use toml::Table;

@@ -15,15 +15,13 @@ mod check;
 pub(crate) mod config;
 mod ears;
 mod newcomer;
-pub(crate) mod order;
 mod owing;
-pub(crate) mod require;
 mod scene;
 mod scores;
 mod steps;
 
+use crate::swap_order::SwapOrder;
 use newcomer::Newcomer;
-use order::SwapOrder;
 use owing::Owing;
 pub(crate) use scene::Scene;
 use std::path::PathBuf;

@@ -18,6 +18,9 @@ use std::collections::{BTreeMap, BTreeSet, HashMap, VecDeque};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
+/// What each uses of the others.
+type Uses = [BTreeMap<usize, BTreeSet<String>>];
+
 /// Re-exports that are followed from one path at most.
 const REEXPORTS_MAX: usize = 16;
 
@@ -127,37 +130,52 @@ impl Crate {
     /// files relative to the folder of the root, with what each uses of the next.
     #[must_use]
     pub fn circles(&self) -> Vec<String> {
-        let uses = self.uses();
-        let mut taken = BTreeSet::new();
-        let mut circles = Vec::new();
-        for file in 0..self.files.len() {
-            if taken.contains(&file) {
-                continue;
-            }
-            if let Some(circle) = shortest_circle(file, &uses) {
-                taken.extend(circle.iter().copied());
-                circles.push(self.describe(&circle, &uses));
-            }
-        }
-        circles
+        let name = |file: usize| self.relative(file).display().to_string();
+        circles(&self.uses(), &name)
     }
 
-    fn describe(&self, circle: &[usize], uses: &[BTreeMap<usize, BTreeSet<String>>]) -> String {
-        let folder = self.root.parent().unwrap_or(Path::new("."));
-        let name = |file: usize| {
-            let path = &self.files[file];
-            path.strip_prefix(folder)
-                .unwrap_or(path)
-                .display()
-                .to_string()
-        };
-        let mut text = String::new();
-        for (at, &file) in circle.iter().enumerate() {
-            let next = circle[(at + 1) % circle.len()];
-            let items: Vec<&str> = uses[file][&next].iter().map(String::as_str).collect();
-            let _ = write!(text, "{} -({})-> ", name(file), items.join(", "));
+    /// The same for the rooms of the crate: a file beside its root, with the folder of its name, or a
+    /// folder.
+    #[must_use]
+    pub fn circles_of_rooms(&self) -> Vec<String> {
+        let mut rooms: Vec<String> = Vec::new();
+        let room_of: Vec<Option<usize>> = (0..self.files.len())
+            .map(|file| {
+                if file == 0 {
+                    return None;
+                }
+                let first = self.relative(file).components().next()?;
+                let name = Path::new(first.as_os_str()).with_extension("");
+                let name = name.display().to_string();
+                Some(
+                    rooms
+                        .iter()
+                        .position(|room| *room == name)
+                        .unwrap_or_else(|| {
+                            rooms.push(name);
+                            rooms.len() - 1
+                        }),
+                )
+            })
+            .collect();
+        let mut uses = vec![BTreeMap::<usize, BTreeSet<String>>::new(); rooms.len()];
+        for (file, used) in self.uses().into_iter().enumerate() {
+            for (other, items) in used {
+                if let (Some(room), Some(next)) = (room_of[file], room_of[other])
+                    && room != next
+                {
+                    uses[room].entry(next).or_default().extend(items);
+                }
+            }
         }
-        text + &name(circle[0])
+        circles(&uses, &|room| rooms[room].clone())
+    }
+
+    /// A file relative to the folder of the root.
+    fn relative(&self, file: usize) -> &Path {
+        let folder = self.root.parent().unwrap_or(Path::new("."));
+        let path = &self.files[file];
+        path.strip_prefix(folder).unwrap_or(path)
     }
 
     /// For each file the files that it uses, with the names of the items.
@@ -291,8 +309,32 @@ fn file_of(folder: &Path, name: &str) -> PathBuf {
     folder.join(name).join("mod.rs")
 }
 
+/// The shortest circle through each that is in one, unless an earlier one goes through it, with what
+/// each uses of the next.
+fn circles(uses: &Uses, name: &dyn Fn(usize) -> String) -> Vec<String> {
+    let mut taken = BTreeSet::new();
+    let mut circles = Vec::new();
+    for start in 0..uses.len() {
+        if taken.contains(&start) {
+            continue;
+        }
+        let Some(circle) = shortest_circle(start, uses) else {
+            continue;
+        };
+        taken.extend(circle.iter().copied());
+        let mut text = String::new();
+        for (at, &from) in circle.iter().enumerate() {
+            let next = circle[(at + 1) % circle.len()];
+            let items: Vec<&str> = uses[from][&next].iter().map(String::as_str).collect();
+            let _ = write!(text, "{} -({})-> ", name(from), items.join(", "));
+        }
+        circles.push(text + &name(circle[0]));
+    }
+    circles
+}
+
 /// The shortest circle of uses through `start`, beginning there.
-fn shortest_circle(start: usize, uses: &[BTreeMap<usize, BTreeSet<String>>]) -> Option<Vec<usize>> {
+fn shortest_circle(start: usize, uses: &Uses) -> Option<Vec<usize>> {
     let mut before: HashMap<usize, usize> = HashMap::new();
     let mut queue = VecDeque::from([start]);
     while let Some(file) = queue.pop_front() {

@@ -364,6 +364,23 @@ fn no_circles_of_modules() {
     );
 }
 
+/// The rooms of the command line, which is the largest crate.
+#[test]
+fn no_circles_of_rooms_in_launch() {
+    let mut circles = Vec::new();
+    for (name, folder) in packages() {
+        if folder.starts_with(workspace().join("launch")) && name != "zeronav-suite" {
+            let crates = crates_of(&folder);
+            circles.extend(crates.iter().flat_map(Crate::circles_of_rooms));
+        }
+    }
+    assert!(
+        circles.is_empty(),
+        "circles of rooms:\n{}",
+        circles.join("\n")
+    );
+}
+
 #[test]
 fn files_and_functions_are_short_or_give_a_reason() {
     let mut long = Vec::new();

@@ -1,14 +1,37 @@
 use super::*;
 
-/// The circles of a crate with these files below its root folder.
+/// The circles of files of a crate with these files below its root folder.
 fn circles(files: &[(&str, &str)]) -> Vec<String> {
+    of_files(files).circles()
+}
+
+/// A crate with these files below its root folder.
+fn of_files(files: &[(&str, &str)]) -> Crate {
     let folder = tempfile::tempdir().unwrap();
     for (name, text) in files {
         let file = folder.path().join(name);
         std::fs::create_dir_all(file.parent().unwrap()).unwrap();
         std::fs::write(file, text).unwrap();
     }
-    Crate::read(&folder.path().join("lib.rs")).circles()
+    Crate::read(&folder.path().join("lib.rs"))
+}
+
+#[test]
+fn folders_that_use_each_other_are_a_circle_of_rooms_though_no_files_are() {
+    let files = [
+        ("lib.rs", "mod a; mod b;"),
+        (
+            "a.rs",
+            "mod one; mod two; pub use one::One; pub use two::Two;",
+        ),
+        ("a/one.rs", "pub struct One;"),
+        ("a/two.rs", "use crate::b::B; pub struct Two(B);"),
+        ("b/mod.rs", "mod inner; pub use inner::B;"),
+        ("b/inner.rs", "use crate::a::One; pub struct B(One);"),
+    ];
+    assert!(circles(&files).is_empty());
+    let rooms = of_files(&files).circles_of_rooms();
+    assert_eq!(rooms, ["a -(B)-> b -(One)-> a"]);
 }
 
 #[test]

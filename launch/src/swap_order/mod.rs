@@ -1,6 +1,8 @@
 //! What is asked of a swap, and whether it can be.
 
-use super::require::Clause;
+use require::Clause;
+pub(crate) mod require;
+
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use zeronav_scenario::{KEEP_S_MIN, TIME_LIMIT_S_MAX};
