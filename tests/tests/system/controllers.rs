@@ -29,8 +29,8 @@ const ENDS: &[(&str, [End; 3])] = &[
     ("ju_fusion", [Reached, Reached, Caught]),
     // Escapes of three metres and more leave a small one, too.
     ("zm_esc", [Reached, Reached, Caught]),
-    ("zm_full", [Reached, Reached, Caught]),
     // Those that follow the path leave any.
+    ("zm_full", [Reached, Reached, Reached]),
     ("ju_r6", [Reached, Reached, Reached]),
     ("ju_r7", [Reached, Reached, Reached]),
     ("lwx_oapf", [Reached, Reached, Reached]),

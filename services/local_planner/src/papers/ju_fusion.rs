@@ -3,7 +3,7 @@
 use super::law::{Law, LawInput, Push};
 use super::options::JuFusionConfig;
 use super::potential::{all_repulsions, attraction};
-use super::route::Route;
+use super::route::{Nodes, Route};
 use nalgebra::{Point2, Vector2};
 
 /// The fused field: `F_att(goal) + sum over path points F_att + sum over obstacles F_rep`, the
@@ -12,9 +12,7 @@ use nalgebra::{Point2, Vector2};
 pub struct JuFusion {
     config: JuFusionConfig,
     route: Route,
-    geometry: u64,
-    /// The points of the path, with their places along it.
-    points: Vec<(f64, Point2<f64>)>,
+    nodes: Nodes,
 }
 
 impl JuFusion {
@@ -24,8 +22,7 @@ impl JuFusion {
         Self {
             config: *config,
             route: Route::default(),
-            geometry: 0,
-            points: Vec::new(),
+            nodes: Nodes::default(),
         }
     }
 
@@ -40,46 +37,18 @@ impl JuFusion {
         }
     }
 
-    /// The points that A* would have given: a path comes as its corners, between which there is one
-    /// point a cell.
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "cells of a path between two corners"
-    )]
-    fn take(&mut self, input: &LawInput<'_>) {
-        self.geometry = input.geometry;
-        self.points.clear();
-        let mut arc = 0.0;
-        for pair in input.path.windows(2) {
-            let from = Point2::new(pair[0].x_m, pair[0].y_m);
-            let along = Point2::new(pair[1].x_m, pair[1].y_m) - from;
-            let cells = along.amax() / self.config.point_m;
-            let n = cells.round().clamp(1.0, 1.0e4) as u32;
-            for i in 1..=n {
-                let share = f64::from(i) / f64::from(n);
-                let place = arc + share * along.norm();
-                self.points.push((place, from + along * share));
-            }
-            arc += along.norm();
-        }
-    }
-
     /// Sum of the attractions of the path's points that are near and ahead by the progress along
     /// the path (the printed `x_p > x_r` is right for goals to the right alone).
     #[must_use]
     pub fn path_pull(&mut self, input: &LawInput<'_>) -> Vector2<f64> {
-        if self.geometry != input.geometry {
-            self.take(input);
-        }
+        self.nodes.take(input, self.config.point_m);
         let Some(place) = self.route.place(input) else {
             return Vector2::zeros();
         };
-        let ahead = self.points.iter().filter(|(arc, point)| {
-            *arc > place.arc_m && (point - input.at).norm() < self.config.r1_m
-        });
-        ahead.fold(Vector2::zeros(), |sum, (_, point)| {
-            sum + self.pull(input.at, *point)
+        let near = |node: &Point2<f64>| (node - input.at).norm() < self.config.r1_m;
+        let ahead = self.nodes.after(place.arc_m).filter(near);
+        ahead.fold(Vector2::zeros(), |sum, node| {
+            sum + self.pull(input.at, node)
         })
     }
 }

@@ -109,7 +109,10 @@ parameters! {
         beta: f64 = 0.2975, [0.0, 100.0] "1/m";
         /// Distance within which obstacles repel.
         p0_m: f64 = 3.0, [0.01, 20.0] "m";
-        /// Exponent of the goal's distance in the repulsion.
+        /// Distance between nodes of the A* path, of which the next attracts: the side of a cell of
+        /// the paper.
+        point_m: f64 = 1.0, [0.05, 10.0] "m";
+        /// Exponent of the next point's distance in the repulsion.
         n: i32 = 1, [0, 4];
         /// Whether the gain is differentiated, too (`F_rep3`).
         full_gradient: bool = false;

@@ -74,6 +74,54 @@ fn zm_full_force_is_the_full_gradient_with_the_gain_of_eq_5() {
     assert!(eta_repulsion(&ETA, 1, at(3.31, -0.2), post, goal).norm() < 1e-12);
 }
 
+/// Distance of a point from a polyline.
+fn beside(way: &[Waypoint], point: Point2<f64>) -> f64 {
+    let legs = way.windows(2).map(|leg| {
+        let (from, to) = (at(leg[0].x_m, leg[0].y_m), at(leg[1].x_m, leg[1].y_m));
+        let along = to - from;
+        let share = ((point - from).dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
+        (from + along * share - point).norm()
+    });
+    legs.fold(f64::INFINITY, f64::min)
+}
+
+/// [ZM] is the field inside A*: what attracts is the next point of the path.
+#[test]
+fn zm_full_goes_along_a_bent_path_and_not_straight_to_its_goal() {
+    let (start, goal) = (at(0.0, 0.0), at(6.0, 5.0));
+    let bent = path(&[(0.0, 0.0), (0.0, 5.0), (6.0, 5.0)]);
+    let farthest = |way: &[Waypoint]| {
+        let mut law = ZmFull::new(&ZmFullConfig::default());
+        let trace = walk(&mut law, start, goal, &[], way, &Walk::JU);
+        assert_eq!(trace.end, End::Reached);
+        let far = trace.points.iter().map(|point| beside(&bent, *point));
+        far.fold(0.0, f64::max)
+    };
+    let (along, straight) = (farthest(&bent), farthest(&[]));
+    assert!(along < 0.5, "{along} m beside the path");
+    assert!(straight > 2.0, "{straight} m: the scene tells nothing");
+}
+
+/// The next point is the node after the one that the robot is nearest to along the path.
+#[test]
+fn zm_full_is_pulled_to_the_node_after_its_own() {
+    let bent = path(&[(0.0, 0.0), (0.0, 5.0), (6.0, 5.0)]);
+    let check = |x, y, expected| {
+        let mut law = ZmFull::new(&ZmFullConfig::default());
+        let input = LawInput {
+            path: &bent,
+            ..input(at(x, y), at(6.0, 5.0), &[])
+        };
+        let next = law.next_point(&input);
+        assert!((next - expected).norm() < 1e-9, "{next} from ({x}, {y})");
+    };
+    check(0.0, 0.2, at(0.0, 1.0));
+    check(0.3, 0.6, at(0.0, 2.0));
+    check(0.0, 4.4, at(0.0, 5.0));
+    check(0.0, 4.6, at(1.0, 5.0));
+    check(5.8, 5.0, at(6.0, 5.0));
+}
+
 /// Laws that escape, with the gains of the table.
 fn escaping() -> [(&'static str, Box<dyn Law>); 2] {
     [
