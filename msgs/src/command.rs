@@ -109,6 +109,9 @@ codes! {
         /// Recovery: it drives a manoeuvre of arcs and turns that was searched for with the true
         /// outline.
         Manoeuvre = 27 => "manoeuvre",
+        /// The controller fits a curve to its way and follows it; no fit is free of obstacles, so that it
+        /// goes without one. Nothing else limits it.
+        NoFit = 28 => "no_fit",
     }
 }
 

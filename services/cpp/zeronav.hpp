@@ -188,6 +188,7 @@ enum class RequestCause : std::uint16_t {
     potential_field = 25,
     yield = 26,
     manoeuvre = 27,
+    no_fit = 28,
 };
 
 enum class RequestReason : std::uint16_t {

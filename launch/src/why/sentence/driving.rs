@@ -46,6 +46,7 @@ pub(super) fn driving(request: &Request, moment: &Moment) -> String {
         | RequestCause::StoppingDistance
         | RequestCause::TimedSearch
         | RequestCause::PotentialField
+        | RequestCause::NoFit
         | RequestCause::Yield => {
             format!("{}{ahead}{obstacle}", slower(request.cause, &limit))
         }
@@ -107,6 +108,12 @@ fn slower(cause: RequestCause, limit: &str) -> String {
             return format!(
                 "The robot faces away from where the potential field leads it: the local planner \
                  slows down to {limit} until it faces there."
+            );
+        }
+        RequestCause::NoFit => {
+            return format!(
+                "No curve that was fitted to the way is free of obstacles: the local planner goes \
+                 without one, at {limit} at most."
             );
         }
         RequestCause::Yield => {

@@ -402,6 +402,11 @@ fn turning_slowing_down_and_critics_are_told_apart() {
             "away from where the potential field leads it: the local planner slows down to 0.50 m/s",
         ),
         (
+            RequestCause::NoFit,
+            "No curve that was fitted to the way is free of obstacles: the local planner goes without \
+             one, at 0.50 m/s at most.",
+        ),
+        (
             RequestCause::Yield,
             "yields, at 0.50 m/s: a faster motion would soon touch",
         ),

@@ -17,7 +17,7 @@ use nalgebra::{Point2, Vector2};
 use zeronav_motion::Twist;
 use zeronav_msgs::command::{RequestCause, Validity};
 use zeronav_msgs::pose::wrap_angle;
-use zeronav_msgs::{MapCell, MapView};
+use zeronav_msgs::{Cell, MapCell, MapView};
 
 /// [1/s] yaw rate per radian of heading error.
 const TURN_GAIN_HZ: f64 = 2.0;
@@ -69,6 +69,40 @@ struct Seen<'a> {
     inscribed_m: f64,
 }
 
+/// Side of the squares in each of which the nearest blocked cell of the map is one obstacle: a cell of
+/// [LWX] on the robot. A finer grid would multiply the repulsion by the cells of a wall. [m]
+const OBSTACLE_M: f64 = 0.5;
+
+/// Appends the blocked cell of the map that is nearest to `at` in every square of [`OBSTACLE_M`] within
+/// `reach`, at most [`RANGE_M`]. The map is widened by the robot's inscribed radius already. [m]
+fn bodies_on(map: &MapView<'_>, at: Point2<f64>, reach: f64, bodies: &mut Vec<Body>) {
+    let reach = reach.min(RANGE_M);
+    let half_m = 0.5 * map.geometry.resolution_m;
+    let square = |along: f64| (along / OBSTACLE_M).floor();
+    let first = bodies.len();
+    let low = map
+        .geometry
+        .unbounded_cell_at(at.map(|along| along - reach));
+    let high = map
+        .geometry
+        .unbounded_cell_at(at.map(|along| along + reach));
+    let cells = (low.y..=high.y).flat_map(|y| (low.x..=high.x).map(move |x| Cell::new(x, y)));
+    for cell in cells.filter(|cell| map.get(*cell).is_some_and(MapCell::blocks_centre)) {
+        let body = Body::standing(map.geometry.centre_of(cell), Extent::Square(half_m));
+        if body.distance_m(at) > reach {
+            continue;
+        }
+        let is_beside = |other: &&mut Body| {
+            square(other.at.x) == square(body.at.x) && square(other.at.y) == square(body.at.y)
+        };
+        match bodies[first..].iter_mut().find(is_beside) {
+            Some(other) if body.distance_m(at) < other.distance_m(at) => *other = body,
+            Some(_) => {}
+            None => bodies.push(body),
+        }
+    }
+}
+
 impl Ground for Seen<'_> {
     fn is_free(&self, from: Point2<f64>, to: Point2<f64>) -> bool {
         let along = to - from;
@@ -81,6 +115,13 @@ impl Ground for Seen<'_> {
                 .map
                 .as_ref()
                 .is_none_or(|map| is_free_on(map, from, to))
+    }
+
+    fn bodies(&self, at: Point2<f64>, reach: f64, bodies: &mut Vec<Body>) -> bool {
+        if let Some(map) = &self.map {
+            bodies_on(map, at, reach, bodies);
+        }
+        self.map.is_some()
     }
 }
 
@@ -138,7 +179,25 @@ impl Choose for Along {
         let error_rad = wrap_angle(force.y.atan2(force.x) - pose.yaw_rad);
         let velocity = (velocity.x, velocity.y);
         let contact_s = scene.seen.dynamic.contact_s(velocity, circumscribed_m);
-        steered(scene, error_rad, (contact_s / YIELD_S).min(1.0))
+        let wish = steered(scene, error_rad, (contact_s / YIELD_S).min(1.0));
+        if let Some(remark) = self.law.remark() {
+            scene.memory.limit = remarked(scene.memory.limit, remark);
+        }
+        wish
+    }
+}
+
+/// The limit of a law that does without a part of its method: it is said where nothing else than the law
+/// limits the speed.
+fn remarked(limit: Limit, remark: RequestCause) -> Limit {
+    let said = |cause| match cause {
+        RequestCause::Free | RequestCause::PotentialField => remark,
+        other => other,
+    };
+    Limit {
+        cause: said(limit.cause),
+        slower: said(limit.slower),
+        ..limit
     }
 }
 

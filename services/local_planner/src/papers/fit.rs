@@ -186,12 +186,12 @@ pub fn fit_literal(points: &[Point2<f64>], degree: usize) -> Result<Vec<Point2<f
         .collect())
 }
 
-/// Halvings of a path that no single fit is free on.
-const SPLITS_MAX: u32 = 3;
+/// Halvings of a path that no single fit is free on: enough for the corners of a building.
+const SPLITS_MAX: u32 = 6;
 
 /// The fit of the lowest degree that is free, from `min(7, points / 4)` to 15. Where none is, the
 /// path is split at its sharpest turn and the parts are fitted so that they join in the same
-/// direction, each split again up to three times; `None` when that does not help either: the
+/// direction, each split again up to six times; `None` when that does not help either: the
 /// unfitted path stays. `is_free` judges a segment.
 #[must_use]
 pub fn free_fit(

@@ -2,6 +2,7 @@
 
 use core::fmt;
 use nalgebra::{Point2, Vector2};
+use zeronav_msgs::command::RequestCause;
 use zeronav_msgs::path::Waypoint;
 
 /// The shape of an obstacle.
@@ -139,6 +140,11 @@ pub trait Ground: fmt::Debug {
     /// True when the robot's centre can go straight from one point of the map frame to the other.
     /// [m]
     fn is_free(&self, from: Point2<f64>, to: Point2<f64>) -> bool;
+
+    /// Appends what repels at `at`, wherever that is on the map: of every obstacle within `reach` the
+    /// nearest part, widened by the robot's inscribed radius. `false` where there is no map, and nothing is
+    /// known beyond the scan's bodies. [m]
+    fn bodies(&self, at: Point2<f64>, reach: f64, bodies: &mut Vec<Body>) -> bool;
 }
 
 /// What a law says.
@@ -159,6 +165,12 @@ pub trait Law: fmt::Debug {
     /// [`Push::Stuck`] once it has tried to escape; a roll-out leaves that to it.
     fn escapes_minima(&self) -> bool {
         false
+    }
+
+    /// Something of the method that the law does without just now, to explain the drive; `None` when it
+    /// is whole. Nothing is decided by it.
+    fn remark(&self) -> Option<RequestCause> {
+        None
     }
 }
 

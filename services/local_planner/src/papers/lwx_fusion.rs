@@ -1,19 +1,22 @@
 //! `lwx_fusion` [LWX]: the turning points of the global path walked by the potential field, the walk
-//! fitted by least squares, the fit followed by a carrot; where the walk does not arrive or is not
-//! free, `lwx_oapf` itself.
+//! fitted by least squares, the fit followed by a carrot. Where no fit is free the walk itself is followed,
+//! and where it does not arrive, or is not free any longer, `lwx_oapf` drives: a drive without the fit says
+//! so ([`Law::remark`]).
 //!
-//! The paper's path is that of its greedy A*: choose the planner `lwx_oa` with this controller for its
-//! combination.
+//! The walk is planned at once for the whole path, with the obstacles of the map along it; those of a scan
+//! reach three metres. The paper's path is that of its greedy A*: choose the planner `lwx_oa` with this
+//! controller for its combination.
 
 use super::fit::free_fit;
 use super::law::{Law, LawInput, Push};
-use super::lwx_loop::{Loop, Restart, run};
+use super::lwx_loop::{Loop, Restart, run_on};
 use super::lwx_lsq::Curve;
 use super::lwx_oapf::LwxOapf;
 use super::options::LwxFusionConfig;
 use super::potential::{all_repulsions, attraction};
 use super::walk::{End, Trace, Walk};
 use nalgebra::Point2;
+use zeronav_msgs::command::RequestCause;
 
 /// OAPF, then LSQ.
 #[derive(Debug, Clone)]
@@ -21,7 +24,10 @@ pub struct LwxFusion {
     config: LwxFusionConfig,
     walk: Walk,
     geometry: u64,
+    /// The fit, or the walk where there is none, while it is free.
     curve: Option<Curve>,
+    /// The curve is the fit.
+    fitted: bool,
     walker: LwxOapf,
 }
 
@@ -34,8 +40,15 @@ impl LwxFusion {
             walk,
             geometry: 0,
             curve: None,
+            fitted: false,
             walker: LwxOapf::new(config.gains(), config.steps_per_m, false),
         }
+    }
+
+    /// True while the fitted curve is driven.
+    #[must_use]
+    pub const fn is_fitted(&self) -> bool {
+        self.fitted && self.curve.is_some()
     }
 
     /// The whole plan: the walk, and the fitted curve when the walk arrives and a fit is free.
@@ -48,7 +61,8 @@ impl LwxFusion {
             restart: Restart::Robot,
             falls_back: true,
         };
-        let trace = run(self.config.gains(), input.bodies, input.path, &how);
+        let around = (input.bodies, input.ground);
+        let trace = run_on(self.config.gains(), around, input.path, &how);
         let curve = (trace.end == End::Reached)
             .then(|| free_fit(&trace.points, |from, to| input.is_free(from, to)))
             .flatten();
@@ -60,9 +74,10 @@ impl Law for LwxFusion {
     fn push(&mut self, input: &LawInput<'_>) -> Push {
         if self.geometry != input.geometry {
             self.geometry = input.geometry;
-            let (trace, curve) = self.plan(input);
+            let (trace, fit) = self.plan(input);
+            self.fitted = fit.is_some();
             let walked = (trace.end == End::Reached).then_some(trace.points);
-            self.curve = curve.or(walked).map(Curve::new);
+            self.curve = fit.or(walked).map(Curve::new);
         }
         // What was free when it was fitted may not be any longer.
         self.curve.take_if(|curve| !curve.is_free(input));
@@ -77,5 +92,9 @@ impl Law for LwxFusion {
         let gains = self.config.gains();
         let pull = attraction(gains.attract, input.at, carrot);
         Push::Along(pull + all_repulsions(&gains, input))
+    }
+
+    fn remark(&self) -> Option<RequestCause> {
+        (!self.is_fitted()).then_some(RequestCause::NoFit)
     }
 }

@@ -2,7 +2,7 @@
 //! steps of the field for every interim goal, one goal after the other.
 
 use super::ju_apf::JuApf;
-use super::law::{Body, Law as _, LawInput, Push};
+use super::law::{Body, Ground, Law as _, LawInput, Push};
 use super::lwx_oapf::{budget, has_passed};
 use super::potential::Gains;
 use super::route::turning_points;
@@ -34,9 +34,22 @@ pub struct Loop {
     pub falls_back: bool,
 }
 
-/// Walks from the first turning point of `path` to its last.
+/// Walks from the first turning point of `path` to its last among `bodies`.
 #[must_use]
 pub fn run(gains: Gains, bodies: &[Body], path: &[Waypoint], how: &Loop) -> Trace {
+    run_on(gains, (bodies, None), path, how)
+}
+
+/// The same on the ground of a robot where there is one: what repels is looked up at every step, all along
+/// the walk, and a step is free when the ground says so. `bodies` are then those of the scan, which stand
+/// for what is around where there is no map.
+#[must_use]
+pub fn run_on(
+    gains: Gains,
+    (bodies, ground): (&[Body], Option<&dyn Ground>),
+    path: &[Waypoint],
+    how: &Loop,
+) -> Trace {
     let corners = turning_points(path);
     let (Some(start), Some(goal)) = (corners.first(), corners.last()) else {
         return Trace {
@@ -48,6 +61,9 @@ pub fn run(gains: Gains, bodies: &[Body], path: &[Waypoint], how: &Loop) -> Trac
     let mut state = State {
         law: JuApf::new(gains),
         bodies,
+        ground,
+        reach: gains.reach,
+        around: Vec::new(),
         how,
         trace: Trace {
             points: vec![*start],
@@ -88,6 +104,11 @@ pub fn run(gains: Gains, bodies: &[Body], path: &[Waypoint], how: &Loop) -> Trac
 struct State<'a> {
     law: JuApf,
     bodies: &'a [Body],
+    ground: Option<&'a dyn Ground>,
+    /// Distance within which bodies repel.
+    reach: f64,
+    /// Bodies at a step, where the ground tells them.
+    around: Vec<Body>,
     how: &'a Loop,
     trace: Trace,
 }
@@ -116,16 +137,24 @@ impl State<'_> {
             }
             left -= 1.0;
             self.trace.steps += 1;
+            self.around.clear();
+            let is_told =
+                (self.ground).is_some_and(|ground| ground.bodies(at, self.reach, &mut self.around));
+            let bodies = if is_told {
+                &self.around[..]
+            } else {
+                self.bodies
+            };
             let input = LawInput {
                 at,
                 velocity: Vector2::zeros(),
                 goal: target,
-                bodies: self.bodies,
+                bodies,
                 path: &[],
                 geometry: 1,
                 literal: self.how.walk.literal,
                 steps: 1.0,
-                ground: None,
+                ground: self.ground,
             };
             let Push::Along(force) = self.law.push(&input) else {
                 return Err(End::Stuck);
@@ -134,7 +163,7 @@ impl State<'_> {
             let Some(direction) = force.try_normalize(1.0e-9) else {
                 continue;
             };
-            let length = stride(self.bodies, at, target, direction, &self.how.walk)?;
+            let length = stride(&input, target, direction, &self.how.walk)?;
             self.trace.points.push(at + direction * length);
         }
         Ok(())

@@ -5,6 +5,7 @@ use super::law::{Law, LawInput, Push};
 use super::options::{FitMode, LwxLsqConfig};
 use super::potential::{all_repulsions, attraction};
 use nalgebra::Point2;
+use zeronav_msgs::command::RequestCause;
 
 /// Between the path's points that are fitted. [m or cells]
 const SPACING: f64 = 0.25;
@@ -120,5 +121,9 @@ impl Law for LwxLsq {
         let gains = self.config.gains();
         let pull = attraction(gains.attract, input.at, carrot);
         Push::Along(pull + all_repulsions(&gains, input))
+    }
+
+    fn remark(&self) -> Option<RequestCause> {
+        (self.fitted != Ok(true)).then_some(RequestCause::NoFit)
     }
 }

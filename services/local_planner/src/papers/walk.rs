@@ -1,6 +1,6 @@
 //! The roll-out that all potential-field methods share (paper notes, Appendix D).
 
-use super::law::{Body, Law, LawInput, Push, is_free};
+use super::law::{Body, Law, LawInput, Push};
 use nalgebra::{Point2, Vector2};
 use zeronav_msgs::path::Waypoint;
 
@@ -118,7 +118,7 @@ pub fn walk(
         let next = force
             .try_normalize(1.0e-9)
             .ok_or(End::Stuck)
-            .and_then(|direction| Ok((direction, stride(bodies, at, goal, direction, how)?)));
+            .and_then(|direction| Ok((direction, stride(&input, goal, direction, how)?)));
         match next {
             Err(end) => return done(points, end, steps),
             Ok((direction, length)) => {
@@ -139,15 +139,15 @@ pub fn walk(
 
 /// Length of the next step: at most to the goal, halved until it is free.
 pub(super) fn stride(
-    bodies: &[Body],
-    at: Point2<f64>,
+    input: &LawInput<'_>,
     goal: Point2<f64>,
     direction: Vector2<f64>,
     how: &Walk,
 ) -> Result<f64, End> {
+    let at = input.at;
     let mut length = how.step.min((at - goal).norm());
     let mut halvings = 0;
-    while !how.literal && !is_free(bodies, at, at + direction * length) {
+    while !how.literal && !input.is_free(at, at + direction * length) {
         if halvings == 4 {
             return Err(End::Collision);
         }

@@ -258,6 +258,10 @@ impl Ground for Below {
     fn is_free(&self, from: Point2<f64>, to: Point2<f64>) -> bool {
         from.y.max(to.y) < self.0
     }
+
+    fn bodies(&self, _: Point2<f64>, _: f64, _: &mut Vec<Body>) -> bool {
+        false
+    }
 }
 
 #[test]

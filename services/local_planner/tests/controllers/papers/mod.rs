@@ -10,9 +10,10 @@
 mod bao;
 mod ju;
 mod lwx;
+mod lwx_fusion;
 mod zm;
 
-use crate::support::{Loop, block, disc, path};
+use crate::support::{Loop, PERIOD_S, block, disc, path};
 use nalgebra::{Point2, Vector2};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;

@@ -106,7 +106,7 @@ fn zm_full_goes_along_a_bent_path_and_not_straight_to_its_goal() {
 #[test]
 fn zm_full_is_pulled_to_the_node_after_its_own() {
     let bent = path(&[(0.0, 0.0), (0.0, 5.0), (6.0, 5.0)]);
-    let check = |x, y, expected| {
+    let check = |x: f64, y: f64, expected: Point2<f64>| {
         let mut law = ZmFull::new(&ZmFullConfig::default());
         let input = LawInput {
             path: &bent,
