@@ -1,8 +1,10 @@
 //! `tn_3n`: \[TN\]'s walk that looks at three cells a step.
 //!
-//! As printed the walk has no memory: it may turn in circles or end in a pocket (literal mode).
-//! Here it does not enter a cell twice and goes back when nothing is left, which makes it a
-//! depth-first search: complete, but far from the shortest way.
+//! The paper turns the pose vector when the three cells "are all obstacle grids or grids that have been
+//! searched", and does not say what becomes of a walk that has nothing left. Three readings
+//! ([`Memory`]): without a memory it may turn in circles; as the text says it enters no cell twice and ends
+//! in a pocket; going back there makes it a depth-first search, complete, but far from the shortest way,
+//! which is the default. Literal mode is the text.
 
 use crate::moves::Neighbours;
 use crate::papers::field::{Field, LENGTHS, Look, Marks, Meter, distance};
@@ -16,6 +18,7 @@ use zeronav_params::{choices, parameters};
 #[must_use]
 pub(crate) fn tn_3n(options: WalkOptions, literal: bool) -> Tn3n {
     Tn3n {
+        memory: Memory::read(&options, literal),
         options,
         literal,
         walk: Walk::default(),
@@ -29,6 +32,8 @@ parameters! {
     /// `tn_3n`, `tn_hyb`: the walk of three neighbours and what is around it.
     #[derive(Copy)]
     pub struct WalkOptions {
+        /// What the walk knows of the cells that it has entered.
+        memory: Memory = Memory::default();
         /// To which side the pose vector turns when the three cells are blocked.
         rotate: Rotate = Rotate::default();
         /// Keeps a turned vector until the direction of the target is free.
@@ -43,6 +48,39 @@ parameters! {
         ladder: bool = true;
         /// Whether the path is pulled taut afterwards.
         pull: bool = false;
+    }
+}
+
+choices! {
+    /// Readings of "grids that have been searched".
+    pub enum Memory {
+        /// Nothing: cells are entered as often as one likes, and the walk may go in circles.
+        None = "none",
+        /// It enters no cell twice, as the text says, and gives up in a pocket.
+        Visited = "visited",
+        /// It goes back from a pocket as well, which makes it complete.
+        #[default]
+        Backtracking = "backtracking",
+    }
+}
+
+impl Memory {
+    /// The reading of a walk: in literal mode at most that of the text.
+    pub(crate) fn read(options: &WalkOptions, literal: bool) -> Self {
+        match options.memory {
+            Self::Backtracking if literal => Self::Visited,
+            memory => memory,
+        }
+    }
+
+    /// True when no cell is entered twice.
+    pub(crate) fn remembers(self) -> bool {
+        self != Self::None
+    }
+
+    /// True when the walk goes back where nothing is left.
+    pub(crate) fn goes_back(self) -> bool {
+        self == Self::Backtracking
     }
 }
 
@@ -63,6 +101,7 @@ choices! {
 #[derive(Debug)]
 pub(crate) struct Tn3n {
     options: WalkOptions,
+    memory: Memory,
     literal: bool,
     walk: Walk,
 }
@@ -84,8 +123,8 @@ pub(crate) struct Gait {
     pub rotate: Rotate,
     /// See [`WalkOptions::keep_heading`].
     pub keep_heading: bool,
-    /// False: as printed, cells are entered as often as one likes.
-    pub remembers: bool,
+    /// See [`WalkOptions::memory`].
+    pub memory: Memory,
 }
 
 impl Walk {
@@ -130,7 +169,7 @@ impl Walk {
         let towards = direction(at, target);
         let visited = &self.visited;
         let open = |n: usize| match field.look(at, n) {
-            Look::Free(to) if !gait.remembers || !visited.has(field.index(to)) => Some(to),
+            Look::Free(to) if !gait.memory.remembers() || !visited.has(field.index(to)) => Some(to),
             _ => None,
         };
         if gait.keep_heading && open(towards).is_some() {
@@ -201,12 +240,12 @@ impl Solver for Tn3n {
         let gait = Gait {
             rotate: self.options.rotate,
             keep_heading: self.options.keep_heading,
-            remembers: !self.literal,
+            memory: self.memory,
         };
         self.walk.begin(field.n_cells(), start, field.index(start));
         meter.expand()?;
         let mut at = start;
-        // A walk with a memory enters every cell once; one without may go in circles.
+        // A walk with a memory enters every cell at most once; one without may go in circles.
         let mut steps_left = 4 * field.n_cells();
         while at != goal {
             match self.walk.step(field, goal, gait, meter.stats) {
@@ -216,7 +255,7 @@ impl Solver for Tn3n {
                     self.walk.enter(field, to);
                     at = to;
                 }
-                None if gait.remembers => {
+                None if gait.memory.goes_back() => {
                     if !self.walk.turn_back() {
                         return Err(NO_WAY);
                     }

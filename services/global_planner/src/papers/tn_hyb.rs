@@ -13,7 +13,7 @@ use crate::papers::heuristic::Heuristic;
 use crate::papers::on_map::{NO_WAY, Solver};
 use crate::papers::regularise::Regions;
 use crate::papers::sight::{pull, sees};
-use crate::papers::tn_3n::{Gait, Rotate, Walk, WalkOptions};
+use crate::papers::tn_3n::{Gait, Memory, Rotate, Walk, WalkOptions};
 use crate::planner::PlanError;
 use crate::remarks::Fallback;
 use zeronav_msgs::Cell;
@@ -23,6 +23,7 @@ use zeronav_msgs::map::FLAG_REGULARISED;
 #[must_use]
 pub(crate) fn tn_hyb(options: WalkOptions, literal: bool) -> TnHyb {
     TnHyb {
+        memory: Memory::read(&options, literal),
         options,
         literal,
         regions: Regions::default(),
@@ -37,7 +38,9 @@ pub(crate) fn tn_hyb(options: WalkOptions, literal: bool) -> TnHyb {
 #[derive(Debug)]
 pub(crate) struct TnHyb {
     options: WalkOptions,
-    /// The walk has no memory, as printed.
+    /// What the walk knows of the cells that it has entered.
+    memory: Memory,
+    /// The walk is that of the text.
     literal: bool,
     regions: Regions,
     walk: Walk,
@@ -60,7 +63,7 @@ pub(crate) enum Mode {
 enum Failure {
     /// Every cell that it could enter was entered. The proof holds for the walk's own map.
     Exhausted,
-    /// Where a walk without a memory is.
+    /// Where a walk that does not go back is.
     Stuck,
     Budget(PlanError),
 }
@@ -99,7 +102,7 @@ impl TnHyb {
         let gait = Gait {
             rotate,
             keep_heading: self.options.keep_heading,
-            remembers: !self.literal,
+            memory: self.memory,
         };
         let options = WalkOptions {
             rectangle_share_max: if fills {
@@ -134,7 +137,7 @@ impl TnHyb {
                 let walled = field.with_walls(self.regions.walls());
                 match self.walk.step(&walled, goal, gait, meter.stats) {
                     Some(to) => self.enter(field, to, Mode::ThreeNeighbours, meter)?,
-                    None if gait.remembers => {
+                    None if gait.memory.goes_back() => {
                         self.walk.turn_back();
                         self.modes.pop();
                         meter.turn_back()?;
@@ -185,7 +188,7 @@ impl TnHyb {
         // The cell's centre lies beside the line by up to half a cell.
         while let Some(to) = self.line.pop() {
             if sees(&walled, at, to, meter)? {
-                let new = self.literal || !self.walk.has_visited(field.index(to));
+                let new = !self.memory.remembers() || !self.walk.has_visited(field.index(to));
                 return Ok(new.then_some(to));
             }
         }

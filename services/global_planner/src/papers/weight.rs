@@ -21,6 +21,10 @@ parameters! {
         beta: f64 = 0.2975, [0.0, 5.0] "1/cell";
         /// Distance beyond which obstacles do not count.
         p0_cells: f64 = 3.0, [0.1, P0_CELLS_MAX] "cells";
+        /// Side of a cell of the paper, where those of the map are finer: all distances are measured
+        /// in it, by the clearance of the map, whose limit must then lie above P0
+        /// (`mapping.clearance_limit_m`). 0 = cells are those of the map.
+        cell_m: f64 = 0.0, [0.0, 10.0] "m";
         /// In place of eq. (5) `alpha (1 - x / P0)^2`, which decreases and is continuous.
         monotone: bool = false;
     }
@@ -45,8 +49,13 @@ impl Weight {
             Self::One => 1.0,
             Self::Fixed(weight) => *weight,
             Self::Eta(options) => {
-                let obstacle = obstacle_distance(field, cell, options.p0_cells);
-                obstacle.map_or(1.0, |x| options.eta(x).exp())
+                let x = if options.cell_m > 0.0 {
+                    let known = field.map.get(cell);
+                    known.map(|cell| cell.clearance_m() / options.cell_m)
+                } else {
+                    obstacle_distance(field, cell, options.p0_cells)
+                };
+                x.map_or(1.0, |x| options.eta(x).exp())
             }
         }
     }

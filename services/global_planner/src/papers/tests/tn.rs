@@ -3,7 +3,7 @@
 use super::generate::{blocky, corners, iid};
 use super::{assert_close, assert_legal, count, median, plain, plan, plan_with};
 use crate::papers::on_map::OnMap;
-use crate::papers::tn_3n::Rotate;
+use crate::papers::tn_3n::{Memory, Rotate};
 use crate::papers::tn_hyb::{Mode, TnHyb, tn_hyb};
 use crate::support::Map;
 use crate::{CornerRule, Fallback, PlanError, PlannerOptions};
@@ -252,6 +252,68 @@ fn tn_3n_leaves_a_pocket_by_going_back_and_literally_does_not() {
     assert_eq!(result, Err(PlanError::DeadEnd));
 }
 
+/// A switch from one mode to the other happens where a line meets an obstacle and where the walk leaves its
+/// area: not again and again along the same side of it.
+#[test]
+fn tn_sw_switches_at_most_twice_at_an_area() {
+    let (mut switches, mut areas) = (0, 0);
+    for seed in 0..200 {
+        let map = blocky(30, 30, 10, seed);
+        let (from, to) = corners(&map);
+        let mut planner = hybrid_planner(&without_ladder());
+        let Ok(found) = plan_with(&mut planner, &map, RULE, (from, to)) else {
+            continue;
+        };
+        let own = planner.solver.modes();
+        let changes = own.windows(2).filter(|pair| pair[0] != pair[1]).count();
+        let skipped = usize::try_from(found.stats().remarks.rectangles_skipped).unwrap();
+        let met = planner.solver.regions().rectangles().len() + skipped;
+        // In to and out of every area that was met, and on.
+        assert!(changes <= 2 * met.max(1), "seed {seed}: {changes} at {met}");
+        switches += changes;
+        areas += met;
+    }
+    eprintln!("{switches} switches at {areas} areas");
+    assert!(areas > 200, "{areas} areas: the maps tell nothing");
+}
+
+/// Maps of 200 that the hybrid solves without its ladder, and the mean of the lengths of a reading as
+/// shares of the shortest.
+fn solved_by(memory: Memory) -> (u32, f64) {
+    let mut options = without_ladder();
+    options.papers.walk.memory = memory;
+    let (mut solved, mut length) = (0, 0.0);
+    for seed in 0..200 {
+        let map = blocky(20, 20, 25, seed);
+        let Ok(astar) = plan("tn_a8", &plain(), &map, RULE, corners(&map)) else {
+            continue;
+        };
+        if let Ok(found) = plan("tn_hyb", &options, &map, RULE, corners(&map)) {
+            assert_legal(&found, &map, RULE, &format!("{memory:?} {seed}"));
+            solved += 1;
+            length += found.cost / astar.cost;
+        }
+    }
+    (solved, length / f64::from(solved))
+}
+
+/// Without a memory the walk turns in circles, with one it dies in pockets, and going back it solves
+/// nearly everything, on longer and longer ways.
+#[test]
+fn tn_3n_readings_solve_more_the_more_they_remember() {
+    let [none, visited, back] =
+        [Memory::None, Memory::Visited, Memory::Backtracking].map(solved_by);
+    eprintln!("memoryless {none:?}, visited {visited:?}, backtracking {back:?}");
+    assert!(none.0 + 20 < visited.0 && visited.0 + 10 < back.0);
+    assert!(none.1 < visited.1 && visited.1 < back.1);
+    // Literal mode is the text: visited, and nothing about going back.
+    let mut literal = without_ladder();
+    literal.papers.literal = true;
+    assert_eq!(Memory::read(&literal.papers.walk, true), Memory::Visited);
+    literal.papers.walk.memory = Memory::None;
+    assert_eq!(Memory::read(&literal.papers.walk, true), Memory::None);
+}
+
 #[test]
 fn tn_3n_a_closed_box_is_unreachable() {
     let (map, at) = Map::drawn(
@@ -291,16 +353,15 @@ fn tn_hyb_the_walls_of_a_room_are_no_rectangle() {
 }
 
 #[test]
-fn tn_hyb_literal_walks_in_circles_until_a_star_steps_in() {
+fn tn_hyb_without_a_memory_walks_in_circles_until_a_star_steps_in() {
     let mut options = plain();
-    options.papers.literal = true;
+    options.papers.walk.memory = Memory::None;
     let (mut rescued, mut from_start) = (0, 0);
     for seed in 0..60 {
         let map = iid(20, 20, 30, seed);
         let Ok(found) = plan("tn_hyb", &options, &map, RULE, corners(&map)) else {
             continue;
         };
-        assert!(found.stats().remarks.literal);
         assert_legal(&found, &map, RULE, &format!("seed {seed}"));
         rescued += u32::from(found.stats().remarks.fallback == Fallback::AstarFromHere);
         from_start += u32::from(found.stats().remarks.fallback == Fallback::Astar);

@@ -2,9 +2,12 @@
 
 use super::generate::{any, blocky, corners};
 use super::{assert_close, count, median, plain, plan};
-use crate::CornerRule;
+use crate::papers::field::{Field, Prices};
 use crate::papers::weight::EtaOptions;
 use crate::papers::weight::Weight;
+use crate::support::Map;
+use crate::{CornerRule, Unknown};
+use zeronav_msgs::Cell;
 
 const RULE: CornerRule = CornerRule::ForbidAny;
 
@@ -72,6 +75,39 @@ fn zm_im_eta_at_its_breakpoints() {
     assert_close(monotone.eta(3.0), 0.0, 1e-12, "monotone, continuous at P0");
 }
 
+/// On cells of 5 cm three cells are 0.15 m. With the side of a cell of the paper distances are those of
+/// the map's clearance, in such cells.
+#[test]
+fn zm_im_measures_in_cells_of_the_paper() {
+    let mut map = Map::free(4, 4);
+    for cell in &mut map.cells {
+        cell.clearance_mm = 1500;
+    }
+    let prices = Prices::new(0.0);
+    let here = Cell::new(1, 2);
+    let field = Field {
+        map: map.view(),
+        unknown: Unknown::Free,
+        corner_rule: RULE,
+        prices: &prices,
+        walls: &[],
+        layers: 0,
+        spared: [here, here],
+    };
+    let weight = |cell_m| {
+        let eta = EtaOptions {
+            cell_m,
+            ..EtaOptions::default()
+        };
+        Weight::Eta(eta).at(&field, here)
+    };
+    let eta = EtaOptions::default();
+    assert_close(weight(1.0), eta.eta(1.5).exp(), 1e-12, "cells of a metre");
+    assert_close(weight(0.75), eta.eta(2.0).exp(), 1e-12, "smaller cells");
+    assert_close(weight(0.4), 1.0, 1e-12, "beyond P0");
+    assert_close(weight(0.0), 1.0, 1e-12, "no obstacle on the map");
+}
+
 #[test]
 fn zm_im_eta_max_is_a_bound() {
     for alpha in [0.0, 0.5, 1.0, 1.1, 2.0, 4.0] {
@@ -82,6 +118,7 @@ fn zm_im_eta_max_is_a_bound() {
                     beta,
                     p0_cells,
                     monotone,
+                    ..EtaOptions::default()
                 };
                 let largest = (1..=600)
                     .map(|n| eta.eta(f64::from(n) * 0.01))
