@@ -30,6 +30,7 @@ use zeronav_contract_kit::cli::ContractArgs;
 use zeronav_contract_kit::no_memory;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::run::RunMode;
+use zeronav_scenario::settings::DriverArgs;
 use zeronav_scenario::{ForesightSpec, Perceive, Predict};
 use zeronav_shell::logs;
 use zeronav_suite::noise::Noise;
@@ -56,7 +57,7 @@ pub enum Command {
     Compare(CompareArgs),
     /// What a run did from the command to the first motion, and who waited for whom.
     StartUp(StartUpArgs),
-    /// The scenarios that are there.
+    /// The scenarios that are there, and the methods of papers that can drive them.
     List {
         /// Print one JSON object.
         #[arg(long)]
@@ -212,6 +213,9 @@ pub struct StartArgs {
     /// Folder in which the run's own folder is made.
     #[arg(long, value_name = "FOLDER", default_value = "runs")]
     pub out: PathBuf,
+    /// Who drives.
+    #[command(flatten)]
+    pub driver: DriverArgs,
     /// What the services log: error, warn, info, debug, trace, or a filter.
     #[arg(long, value_name = "LEVEL", default_value = "info", value_parser = logs::filter)]
     pub log_level: String,
@@ -237,6 +241,7 @@ impl StartArgs {
             view: (is_watched && !self.no_view).then(|| self.page.clone()),
             seed: self.seed,
             external: self.external.clone(),
+            settings: self.driver.settings(),
             out: self.out.clone(),
             log_level: self.log_level.clone(),
             progress: !self.headless,
@@ -346,20 +351,24 @@ pub struct SuiteArgs {
     /// Go on with the suite in this folder, which was interrupted, with the arguments that it was
     /// begun with.
     #[arg(long, value_name = "FOLDER",
-          conflicts_with_all = ["suite", "controller", "seeds", "worlds", "noise", "perceive", "predict", "data",
-                                 "out"])]
+          conflicts_with_all = ["suite", "controller", "method", "setting", "seeds", "worlds", "noise",
+                                 "perceive", "predict", "data", "out"])]
     pub resume: Option<PathBuf>,
     /// Wall time of a soak in all of its calls, after which it begins no more drives; without, an hour.
     #[arg(long, value_name = "H", value_parser = hours)]
     pub hours: Option<f64>,
     /// Key of the local planner's controller; without, beam for dynabarn, pedestrians and what moves
     /// in generated, else its default or the scenario's.
-    #[arg(long, value_name = "KEY")]
+    #[arg(long, value_name = "KEY", conflicts_with = "method")]
     pub controller: Option<String>,
+    /// Who drives.
+    #[command(flatten)]
+    pub driver: DriverArgs,
     /// Drive nothing: plan a way through each run's world that touches nothing, with exact wheels and
     /// the future of everything that moves known, and report what is possible. Where none is found
     /// there may be one.
-    #[arg(long, conflicts_with_all = ["controller", "resume", "perceive", "predict"])]
+    #[arg(long, conflicts_with_all = ["controller", "method", "setting", "resume", "perceive",
+                                      "predict"])]
     pub bound: bool,
     /// Runs of each world, with the seeds 1 to N.
     #[arg(long, value_name = "N", default_value_t = 1,
@@ -405,6 +414,7 @@ impl SuiteArgs {
             suite: self.suite.clone(),
             resume: self.resume.clone(),
             controller: self.controller.clone(),
+            settings: self.driver.settings(),
             bound: self.bound,
             seeds: self.seeds,
             worlds: self.worlds.clone(),

@@ -3,6 +3,7 @@
 use clap::builder::PossibleValuesParser;
 use clap::{Arg, Command};
 use zeronav_msgs::role::Role;
+use zeronav_scenario::methods::METHODS;
 use zeronav_supervise::algorithms;
 
 /// `command` with the words that its arguments can be. Only completions are made of it: as a parser
@@ -51,6 +52,16 @@ impl Words {
                     .chain(controllers.map(|key| format!("controller={key}")))
                     .collect()
             }
+            "setting" => {
+                let of = |seat: &str, key: &str, words: &[String]| {
+                    let full = words.iter().map(|word| format!("{seat}.{key}={word}"));
+                    full.collect::<Vec<String>>()
+                };
+                let mut words = of("global_planner", "planner", &self.planners);
+                words.extend(of("local_planner", "controller", &self.controllers));
+                words
+            }
+            "method" => METHODS.iter().map(|it| it.key.to_owned()).collect(),
             _ => return arg,
         };
         if words.is_empty() {

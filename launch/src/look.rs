@@ -9,6 +9,7 @@ use std::process::ExitCode;
 use zeronav_console::exit::{EXIT_PASS, EXIT_USAGE};
 use zeronav_console::terminal::{say, say_json, usage};
 use zeronav_msgs::role::Role;
+use zeronav_scenario::methods::METHODS;
 use zeronav_supervise::algorithms;
 use zeronav_supervise::binaries::{self, Needed};
 
@@ -23,7 +24,11 @@ pub fn list(json: bool) -> ExitCode {
                 |listed| json!({ "group": listed.group, "name": listed.name, "title": listed.title, "file": listed.file }),
             )
             .collect();
-        say_json(&json!({ "scenarios": rows }));
+        let methods: Vec<_> = METHODS
+            .iter()
+            .map(|it| json!({ "key": it.key, "title": it.title, "set": it.keys }))
+            .collect();
+        say_json(&json!({ "scenarios": rows, "methods": methods }));
         return ExitCode::from(EXIT_PASS);
     }
     let names = scenarios.iter().map(|listed| listed.name.len());
@@ -35,6 +40,11 @@ pub fn list(json: bool) -> ExitCode {
         }
         let (name, title) = (&listed.name, &listed.title);
         say(&format!("  {name:width$}  {title}\n"));
+    }
+    say("methods of papers, any scenario with --as KEY\n");
+    for method in METHODS {
+        let (key, title) = (method.key, method.title);
+        say(&format!("  {key:width$}  {title}\n"));
     }
     for (binary, names) in left_out {
         let (binary, names) = (binary.display(), names.join(", "));

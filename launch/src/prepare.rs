@@ -15,6 +15,7 @@ use zeronav_msgs::role::Role;
 use zeronav_msgs::run::{DELAY_STEP_NS, RunMode};
 use zeronav_msgs::time::nanoseconds;
 use zeronav_scenario::as_far::AsFar;
+use zeronav_scenario::assignment::lay_over;
 use zeronav_scenario::fault_plan;
 use zeronav_scenario::{Scenario, StackFault};
 use zeronav_shell::clock::now_ns;
@@ -132,6 +133,9 @@ fn scenario_of(plan: &RunPlan) -> Result<AsFar, String> {
     for (role, service) in scenario.services.each_mut() {
         if let Some(binary) = plan.binaries.get(&role) {
             service.binary = Some(binary.clone());
+        }
+        if let Some(keys) = plan.settings.of(role) {
+            lay_over(&mut service.config, keys.clone());
         }
     }
     Ok(read)

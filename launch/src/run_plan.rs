@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::run::RunMode;
+use zeronav_scenario::settings::Settings;
 
 /// Where a scenario comes from.
 #[derive(Debug, Clone, PartialEq)]
@@ -59,6 +60,8 @@ pub struct RunPlan {
     pub rate_hz: Option<f64>,
     /// Binaries in place of the scenario's, by seat.
     pub binaries: BTreeMap<Role, PathBuf>,
+    /// Keys of configurations in place of the scenario's.
+    pub settings: Settings,
     /// What else the machine does.
     pub load: MachineLoad,
     /// Seats that are left to processes started by hand.
@@ -94,6 +97,7 @@ impl RunPlan {
             seed: None,
             rate_hz: None,
             binaries: BTreeMap::new(),
+            settings: Settings::default(),
             load: MachineLoad::Idle,
             external: Vec::new(),
             trials: None,

@@ -18,6 +18,7 @@
 //! Unknown fields are refused, and every error is one line that names file, line and field.
 
 pub mod as_far;
+pub mod assignment;
 mod check;
 mod document;
 mod error;
@@ -29,10 +30,12 @@ mod foresight;
 mod library;
 mod limits;
 mod made;
+pub mod methods;
 mod random_faults;
 pub mod restart;
 pub mod scheduling;
 mod schema;
+pub mod settings;
 #[cfg(test)]
 mod shipped;
 mod swaps;

@@ -3,7 +3,6 @@
 use super::cli::StackArgs;
 use crate::control::request::{Reply, Request};
 use crate::running::{self, Running};
-use crate::swap::config::{assignment, lay_over};
 use crate::swap_order::SwapOrder;
 use crate::swap_order::require::Clause;
 use clap::Args;
@@ -20,6 +19,7 @@ use zeronav_console::terminal::{complain, say, say_json_line, usage};
 use zeronav_files::read;
 use zeronav_measure::result::swap::SwapResult;
 use zeronav_msgs::role::Role;
+use zeronav_scenario::assignment::{assignment, lay_over};
 use zeronav_scenario::{KEEP_S, SHADOW_S};
 use zeronav_shell::printable;
 use zeronav_supervise::binaries;

@@ -172,7 +172,7 @@ pub(super) fn goal(pose: Pose, tolerance_m: f64) -> Table {
     goal
 }
 
-/// Writes a scenario with the suite's controller.
+/// Writes a scenario with the suite's controller and settings.
 ///
 /// # Errors
 /// One line naming the file.
@@ -186,6 +186,7 @@ pub(super) fn write(setup: &Setup<'_>, name: &str, mut sheet: Table) -> Result<P
         services.insert("local_planner".into(), seat.into());
         sheet.insert("services".into(), services.into());
     }
+    setup.plan.settings.lay_over_sheet(&mut sheet);
     let name = format!("{name}.toml");
     leave::write_in(setup.scenarios, &name, &sheet.to_string())?;
     Ok(setup.scenarios.path().join(name))

@@ -15,6 +15,7 @@ use zeronav_files::{Folder, read};
 use zeronav_msgs::message::{FNV_OFFSET, fnv1a};
 use zeronav_msgs::role::Role;
 use zeronav_scenario::ForesightSpec;
+use zeronav_scenario::settings::Settings;
 use zeronav_supervise::binaries;
 
 /// Its name in the suite's folder.
@@ -26,6 +27,8 @@ const NAME: &str = "runs.jsonl";
 pub(super) struct Order {
     pub(super) suite: String,
     pub(super) controller: Option<String>,
+    #[serde(default, skip_serializing_if = "Settings::is_empty")]
+    pub(super) settings: Settings,
     pub(super) seeds: u64,
     pub(super) worlds: Option<[u32; 2]>,
     pub(super) noise: String,
@@ -204,6 +207,7 @@ impl Order {
         Ok(Self {
             suite: plan.suite.clone(),
             controller: plan.controller.clone(),
+            settings: plan.settings.clone(),
             seeds: plan.seeds,
             worlds: plan.worlds.as_ref().map(|range| [range.start, range.end]),
             noise: plan.noise.label().to_owned(),

@@ -71,6 +71,7 @@ pub fn suite(plan: &SuitePlan, interrupted: &AtomicBool) -> Result<Report, Suite
     let plan = SuitePlan {
         suite: order.suite.clone(),
         controller: order.controller.clone(),
+        settings: order.settings.clone(),
         seeds: order.seeds,
         worlds: order.worlds.map(|[from, until]| from..until),
         noise: Noise::from_label(&order.noise).unwrap_or_default(),

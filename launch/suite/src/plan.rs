@@ -6,6 +6,7 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use zeronav_files::Folder;
 use zeronav_scenario::ForesightSpec;
+use zeronav_scenario::settings::Settings;
 
 /// The order for a suite.
 #[derive(Debug, Clone)]
@@ -16,6 +17,8 @@ pub struct SuitePlan {
     pub resume: Option<PathBuf>,
     /// Key of the local planner's controller; `None` = the suite's default.
     pub controller: Option<String>,
+    /// Keys of configurations in place of the scenarios'.
+    pub settings: Settings,
     /// True when nothing is driven and a way through each run is planned, with every future known.
     pub bound: bool,
     /// Runs of each world, with the seeds 1 to N.
@@ -54,7 +57,8 @@ impl Setup<'_> {
         if self.plan.bound {
             "bound (every future known)"
         } else {
-            self.controller.unwrap_or("default")
+            let said = self.plan.settings.controller();
+            said.or(self.controller).unwrap_or("default")
         }
     }
 }

@@ -10,6 +10,7 @@
 //! ([`stack`]).
 
 pub mod claims;
+pub mod drivers;
 pub mod feature;
 pub mod figure;
 pub mod maps;

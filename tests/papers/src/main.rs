@@ -10,7 +10,7 @@ use clap::{ArgGroup, Parser};
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 use std::time::Instant;
-use zeronav_papers::claims::CLAIMS;
+use zeronav_papers::claims::claims;
 use zeronav_papers::feature;
 use zeronav_papers::maps::MapFamily;
 use zeronav_papers::page::page;
@@ -133,7 +133,7 @@ fn list() {
         );
     }
     println!("claims:");
-    for claim in CLAIMS {
+    for claim in claims() {
         println!("  {:4} {:3} {}", claim.paper, claim.id, claim.text);
         println!("           tables {}", claim.tables.join(", "));
     }

@@ -1,5 +1,6 @@
 //! Random maps of a size and a share of obstacles, the same for the same seed.
 
+use nalgebra::Point2;
 use zeronav_msgs::map::COST_LETHAL;
 use zeronav_msgs::{Cell, GridGeometry, MapCell, MapView, Pose};
 use zeronav_world::World;
@@ -27,6 +28,8 @@ pub enum MapFamily {
     Blocky,
     /// Single cells anywhere: the stress family.
     Iid,
+    /// U, L and spiral traps.
+    Concave,
 }
 
 impl MapFamily {
@@ -36,6 +39,7 @@ impl MapFamily {
         match self {
             Self::Blocky => "blocky",
             Self::Iid => "iid",
+            Self::Concave => "concave",
         }
     }
 }
@@ -117,6 +121,7 @@ impl MapSpec {
             family: match self.family {
                 MapFamily::Blocky => Family::Blocky { side_cells_max: 4 },
                 MapFamily::Iid => Family::Iid,
+                MapFamily::Concave => Family::Concave { side_cells_max: 8 },
             },
             size_cells: self.size,
             ratio: self.ratio,
@@ -188,6 +193,18 @@ impl Maze {
         self.view()
             .get(cell)
             .is_some_and(|cell| !cell.blocks_centre())
+    }
+
+    /// True when the same cells are blocked.
+    #[must_use]
+    pub fn is_same_map(&self, other: &Self) -> bool {
+        self.cells == other.cells
+    }
+
+    /// The cell at a point; `None` off the map. [cells]
+    #[must_use]
+    pub fn cell_at(&self, at: Point2<f64>) -> Option<Cell> {
+        self.geometry.cell_at(at)
     }
 
     /// Centre of a cell as a pose.
@@ -273,6 +290,8 @@ mod tests {
             let (columns, rows) = maze.size();
             assert_eq!(maze.bao_index(Cell::new(0, rows - 1)), 1, "upper left");
             assert_eq!(maze.bao_index(Cell::new(columns - 1, 0)), columns * rows);
+            assert_eq!(maze.bao_index(Cell::new(0, 0)), rows, "lower left");
+            assert_eq!(maze.bao_index(Cell::new(1, rows - 1)), rows + 1);
             for x in 0..columns {
                 for y in 0..rows {
                     let index = maze.bao_index(Cell::new(x, y));

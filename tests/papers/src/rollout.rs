@@ -82,7 +82,20 @@ impl Rollout {
     }
 }
 
-/// Rolls a law out from start to goal of a map.
+/// Rolls a law out from start to goal of a map; how near it comes to obstacles is not measured, so that
+/// this is what can be timed.
+pub fn walked(
+    law: &mut dyn Law,
+    maze: &Maze,
+    bodies: &[Body],
+    path: &[Waypoint],
+    how: &Walk,
+) -> Trace {
+    let (start, goal) = (centre(maze, maze.start), centre(maze, maze.goal));
+    walk(law, start, goal, bodies, path, how)
+}
+
+/// The same with its distance from obstacles.
 pub fn roll(
     law: &mut dyn Law,
     maze: &Maze,
@@ -90,9 +103,7 @@ pub fn roll(
     path: &[Waypoint],
     how: &Walk,
 ) -> Rollout {
-    let (start, goal) = (centre(maze, maze.start), centre(maze, maze.goal));
-    let trace = walk(law, start, goal, bodies, path, how);
-    measured(maze, trace)
+    measured(maze, walked(law, maze, bodies, path, how))
 }
 
 /// A walk with its distance from the map's obstacles, by their true outlines.

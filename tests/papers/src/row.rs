@@ -84,7 +84,8 @@ impl Place {
     #[must_use]
     pub fn row(&self, figure: Figure) -> Row {
         let printed = match figure.printed {
-            Printed::Change(value) | Printed::Share(value) => Some(value),
+            Printed::Change(value) | Printed::Count(value) | Printed::Share(value) => Some(value),
+            Printed::Always => Some(1.0),
             Printed::Nothing => None,
         };
         Row {

@@ -41,6 +41,22 @@ pub struct Way {
 pub type Ways = Vec<Result<Way, PlanError>>;
 
 impl Way {
+    /// Cells at which the way changes its direction.
+    #[must_use]
+    pub fn turns(&self) -> u64 {
+        let is_turn = |cells: &&[Cell]| {
+            let [one, here, other] = [cells[0], cells[1], cells[2]];
+            let (before, after) = (
+                (i64::from(here.x - one.x), i64::from(here.y - one.y)),
+                (i64::from(other.x - here.x), i64::from(other.y - here.y)),
+            );
+            // Pieces may be any number of cells long.
+            let is_bent = before.0 * after.1 != before.1 * after.0;
+            is_bent || before.0 * after.0 + before.1 * after.1 < 0
+        };
+        self.cells.windows(3).filter(is_turn).count() as u64
+    }
+
     /// Length of the curve that rounds the way; of the way without one. [cells]
     #[must_use]
     pub fn curve_length(&self) -> f64 {
@@ -293,6 +309,21 @@ mod tests {
         let mut nearer = way;
         nearer.length = 1.0;
         assert!(check(&maze, &nearer, CornerRule::ForbidAny).is_err());
+    }
+
+    #[test]
+    fn turns_are_changes_of_direction_whatever_the_length_of_a_piece() {
+        let way = maze();
+        let mut way = Method::new("IAA", "bao_iaa").ways(&[way]).unwrap();
+        let mut way = way.remove(0).unwrap();
+        let mut of = |cells: &[(i32, i32)]| {
+            way.cells = cells.iter().map(|&(x, y)| Cell::new(x, y)).collect();
+            way.turns()
+        };
+        assert_eq!(of(&[(0, 0)]), 0);
+        assert_eq!(of(&[(0, 0), (1, 1), (2, 2), (5, 5)]), 0);
+        assert_eq!(of(&[(0, 0), (1, 1), (2, 1), (4, 1), (4, 3)]), 2);
+        assert_eq!(of(&[(0, 0), (2, 0), (1, 0)]), 1, "back");
     }
 
     #[test]

@@ -154,16 +154,12 @@ impl Stack {
         })
     }
 
-    /// Drives every scene, with this controller or the default one; the drives come in the order
-    /// of the scenes.
+    /// Drives every scene with these settings, `ROLE.KEY=VALUE` as of `zeronav suite --set`; the drives
+    /// come in the order of the scenes.
     ///
     /// # Errors
     /// See [`StackError`].
-    pub fn drive(
-        &mut self,
-        scenes: &[Scene],
-        controller: Option<&str>,
-    ) -> Result<Vec<Drive>, StackError> {
+    pub fn drive(&mut self, scenes: &[Scene], settings: &[&str]) -> Result<Vec<Drive>, StackError> {
         if scenes.is_empty() {
             return Ok(Vec::new());
         }
@@ -187,8 +183,8 @@ impl Stack {
             .env_remove("CARGO")
             .current_dir(&root)
             .stdin(Stdio::null());
-        if let Some(key) = controller {
-            command.args(["--controller", key]);
+        for setting in settings {
+            command.args(["--set", setting]);
         }
         let output = command.output().map_err(|error| io(&self.zeronav, error))?;
         let report: Report = serde_json::from_slice(&output.stdout).map_err(|error| {

@@ -67,13 +67,24 @@ pub(crate) fn draw(
     table: &'static str,
     spec: &MapSpec,
 ) -> Result<(Mazes, Place), GenerateError> {
-    let mazes = spec.draw(context.seed, context.seeds)?;
+    draw_from(context, paper, table, spec, context.seed)
+}
+
+/// The same with another seed of the first map, for a table with maps of its own.
+pub(crate) fn draw_from(
+    context: &Context,
+    paper: &'static str,
+    table: &'static str,
+    spec: &MapSpec,
+    seed: u64,
+) -> Result<(Mazes, Place), GenerateError> {
+    let mazes = spec.draw(seed, context.seeds)?;
     let place = Place {
         paper,
         table,
         maps: spec.name(),
         acceptance: mazes.acceptance,
-        seed: context.seed,
+        seed,
     };
     Ok((mazes, place))
 }
@@ -172,6 +183,17 @@ impl Figure {
 /// Mean of paired changes with the share left out.
 pub(crate) fn change((changes, excluded): (Vec<f64>, f64)) -> (Option<Estimate>, f64) {
     (stats::mean(&changes), excluded)
+}
+
+/// The figure of a time, of the changes on the maps that were timed and the share left out.
+pub(crate) fn time(
+    claim: &'static str,
+    name: &str,
+    printed: Printed,
+    changes: (Vec<f64>, f64),
+) -> Figure {
+    figure(claim, "time", name, printed, change(changes))
+        .noting("ratio of medians of 31, interleaved")
 }
 
 /// A counter as a number to calculate with.

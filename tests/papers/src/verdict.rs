@@ -8,8 +8,12 @@ use serde::{Deserialize, Serialize};
 pub enum Printed {
     /// A relative change, or another number with a sign. -0.1 = 10 % less.
     Change(f64),
-    /// A share of the maps for which something holds, mostly 1: "always".
+    /// A number of things, such as cells: it has no sign, and zero is no dividing line.
+    Count(f64),
+    /// A share of the maps for which something holds.
     Share(f64),
+    /// "On all maps": one map on which it does not hold is enough against it.
+    Always,
     /// Nothing to compare with.
     Nothing,
 }
@@ -43,7 +47,12 @@ pub enum Verdict {
     Artefact,
     /// The setup is missing.
     NotComparable,
+    /// Fewer than [`MAPS_MIN`] maps could be counted.
+    TooFew,
 }
+
+/// Fewest maps on which a figure is judged.
+pub const MAPS_MIN: usize = 10;
 
 impl Verdict {
     /// In words.
@@ -56,7 +65,28 @@ impl Verdict {
             Self::NotReproduced => "not reproduced",
             Self::Artefact => "artefact",
             Self::NotComparable => "not comparable",
+            Self::TooFew => "too few maps",
         }
+    }
+
+    /// How much it says against the claim; `None` when it says nothing.
+    const fn weight(self) -> Option<u8> {
+        match self {
+            Self::Theorem => Some(0),
+            Self::Reproduced => Some(1),
+            Self::Qualitative => Some(2),
+            Self::Artefact => Some(3),
+            Self::NotReproduced => Some(4),
+            Self::NotComparable | Self::TooFew => None,
+        }
+    }
+
+    /// The verdict on a claim that several figures are measured for: that of the figure which says most
+    /// against it. `None` when none of them can be judged.
+    #[must_use]
+    pub fn of_all(verdicts: impl IntoIterator<Item = Self>) -> Option<Self> {
+        let judged = verdicts.into_iter().filter(|it| it.weight().is_some());
+        judged.max_by_key(|it| it.weight())
     }
 }
 
@@ -67,18 +97,26 @@ const SHARE_NEAR: f64 = 0.05;
 ///
 /// A change is reproduced when it has the printed sign, its interval excludes zero and its size is
 /// half to twice the printed one; qualitative when only the size differs; else not reproduced. An
-/// artefact stays one only while it shows at all. For a share zero is no dividing line: it is
+/// artefact stays one only while it shows at all. For a count zero is no dividing line: it is reproduced
+/// within a factor of two, qualitative within a factor of three. Nor is it for a share: it is
 /// reproduced when its interval comes within five points of the printed share, qualitative when it
-/// lies on the same side of one half, with all of its interval.
+/// lies on the same side of one half, with all of its interval. What is said of all maps is reproduced
+/// when it holds on every map, and not reproduced on one counterexample, however few maps there are; else
+/// a figure of fewer than [`MAPS_MIN`] maps is not judged.
 #[must_use]
 pub fn verdict(printed: Printed, ours: Option<Estimate>, standing: Standing) -> Verdict {
     let Some(ours) = ours.filter(|_| standing != Standing::NotComparable) else {
         return Verdict::NotComparable;
     };
+    let is_refuted = printed == Printed::Always && ours.mean < 1.0;
     let plain = match printed {
         Printed::Nothing => Verdict::NotComparable,
+        _ if is_refuted => Verdict::NotReproduced,
+        _ if ours.n < MAPS_MIN => Verdict::TooFew,
         Printed::Change(printed) => change(printed, ours),
+        Printed::Count(printed) => count(printed, ours),
         Printed::Share(printed) => share(printed, ours),
+        Printed::Always => Verdict::Reproduced,
     };
     match standing {
         Standing::Theorem if plain == Verdict::Reproduced => Verdict::Theorem,
@@ -100,6 +138,17 @@ fn change(printed: f64, ours: Estimate) -> Verdict {
         Verdict::Reproduced
     } else {
         Verdict::Qualitative
+    }
+}
+
+fn count(printed: f64, ours: Estimate) -> Verdict {
+    let factor = (ours.mean / printed).max(printed / ours.mean);
+    if factor <= 2.0 {
+        Verdict::Reproduced
+    } else if factor <= 3.0 {
+        Verdict::Qualitative
+    } else {
+        Verdict::NotReproduced
     }
 }
 
@@ -165,13 +214,75 @@ mod tests {
     }
 
     #[test]
+    fn a_count_is_judged_by_its_factor() {
+        let count = |printed, mean: f64| {
+            let near = [mean - 1.0, mean + 1.0];
+            of(Printed::Count(printed), mean, near, Standing::Fair)
+        };
+        assert_eq!(count(6.0, 4.9), Verdict::Reproduced);
+        assert_eq!(count(100.0, 50.0), Verdict::Reproduced);
+        assert_eq!(count(100.0, 34.0), Verdict::Qualitative);
+        assert_eq!(count(9.0, 27.0), Verdict::Qualitative);
+        // Any positive change would have had "the same sign".
+        assert_eq!(count(9.0, 102.0), Verdict::NotReproduced);
+        assert_eq!(count(9.0, 0.0), Verdict::NotReproduced);
+    }
+
+    #[test]
+    fn one_map_is_enough_against_what_is_said_of_all() {
+        let always = |mean, n, standing| {
+            let ours = Estimate {
+                mean,
+                interval: [0.9, 1.0],
+                n,
+            };
+            verdict(Printed::Always, Some(ours), standing)
+        };
+        assert_eq!(always(1.0, 200, Standing::Fair), Verdict::Reproduced);
+        // 199 of 200 come within five points.
+        assert_eq!(always(0.995, 200, Standing::Fair), Verdict::NotReproduced);
+        assert_eq!(always(0.5, 2, Standing::Fair), Verdict::NotReproduced);
+        assert_eq!(always(1.0, 9, Standing::Fair), Verdict::TooFew);
+        assert_eq!(always(1.0, 200, Standing::Theorem), Verdict::Theorem);
+        assert_eq!(
+            always(0.995, 200, Standing::Theorem),
+            Verdict::NotReproduced
+        );
+    }
+
+    #[test]
+    fn one_map_is_no_figure() {
+        let of_maps = |n| {
+            let ours = Estimate {
+                mean: -0.1,
+                interval: [-0.1, -0.1],
+                n,
+            };
+            verdict(Printed::Change(-0.1), Some(ours), Standing::Fair)
+        };
+        assert_eq!(of_maps(1), Verdict::TooFew);
+        assert_eq!(of_maps(MAPS_MIN - 1), Verdict::TooFew);
+        assert_eq!(of_maps(MAPS_MIN), Verdict::Reproduced);
+    }
+
+    #[test]
+    fn several_figures_are_judged_by_the_worst() {
+        use Verdict::{Artefact, NotComparable, NotReproduced, Qualitative, Reproduced, TooFew};
+        let all = [Reproduced, NotReproduced, Qualitative, NotComparable];
+        assert_eq!(Verdict::of_all(all), Some(NotReproduced));
+        assert_eq!(Verdict::of_all([Artefact, Qualitative]), Some(Artefact));
+        assert_eq!(Verdict::of_all([TooFew, Reproduced]), Some(Reproduced));
+        assert_eq!(Verdict::of_all([TooFew, NotComparable]), None);
+    }
+
+    #[test]
     fn a_standing_changes_what_a_figure_means() {
         let yes = |standing| of(Printed::Change(-0.1), -0.1, [-0.12, -0.08], standing);
         assert_eq!(yes(Standing::Artefact), Verdict::Artefact);
         assert_eq!(yes(Standing::NotComparable), Verdict::NotComparable);
         let no = of(Printed::Change(-0.1), 0.1, [0.08, 0.12], Standing::Artefact);
         assert_eq!(no, Verdict::NotReproduced, "not even with the fault");
-        let always = of(Printed::Share(1.0), 1.0, [0.98, 1.0], Standing::Theorem);
+        let always = of(Printed::Always, 1.0, [0.98, 1.0], Standing::Theorem);
         assert_eq!(always, Verdict::Theorem);
         let nothing = of(Printed::Nothing, 1.0, [0.9, 1.1], Standing::Fair);
         assert_eq!(nothing, Verdict::NotComparable);

@@ -30,6 +30,7 @@ mod live_swap;
 mod logs;
 mod map_save;
 mod mapping;
+mod methods;
 mod new_packages;
 mod noisy;
 mod orphans;

@@ -7,6 +7,7 @@ fn plan() -> SuitePlan {
         suite: "field".to_owned(),
         resume: None,
         controller: None,
+        settings: zeronav_scenario::settings::Settings::default(),
         bound: false,
         seeds: 1,
         worlds: None,

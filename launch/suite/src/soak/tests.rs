@@ -16,6 +16,7 @@ fn plan(out: &tempfile::TempDir) -> SuitePlan {
         suite: "soak".to_owned(),
         resume: None,
         controller: None,
+        settings: zeronav_scenario::settings::Settings::default(),
         bound: false,
         seeds: 1,
         worlds: None,
@@ -118,6 +119,7 @@ fn order() -> Order {
     Order {
         suite: "soak".to_owned(),
         controller: None,
+        settings: zeronav_scenario::settings::Settings::default(),
         seeds: 1,
         worlds: None,
         noise: "default".to_owned(),

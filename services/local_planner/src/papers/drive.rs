@@ -93,7 +93,10 @@ fn bodies_on(map: &MapView<'_>, at: Point2<f64>, reach: f64, bodies: &mut Vec<Bo
             continue;
         }
         let is_beside = |other: &&mut Body| {
-            square(other.at.x) == square(body.at.x) && square(other.at.y) == square(body.at.y)
+            let along = |axis: usize| (square(other.at[axis]), square(body.at[axis]));
+            (0..2)
+                .map(along)
+                .all(|(of_other, own)| of_other.total_cmp(&own).is_eq())
         };
         match bodies[first..].iter_mut().find(is_beside) {
             Some(other) if body.distance_m(at) < other.distance_m(at) => *other = body,

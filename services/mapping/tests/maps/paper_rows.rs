@@ -27,9 +27,35 @@ fn inside(rect: (i32, i32, i32, i32)) -> impl Fn(&(i32, i32)) -> bool {
     move |(x, y)| (rect.0..rect.2).contains(x) && (rect.1..rect.3).contains(y)
 }
 
-/// Every cell of three grids: cell to metres and back, cell to row-major index and back, and the
-/// 1-based column-major index of the Bao paper, whose y looks down: `x = ceil(i / n_y)`,
-/// `y = (i - 1) mod n_y + 1`, `i = (x - 1) n_y + y`.
+/// What stands at a place in metres is in the map's cell of that place, and nowhere else: places, cells and
+/// indices are written down here by hand, not by the formulas of the grid. The index map of the Bao paper
+/// is tested where it is used, in `tests/papers`.
+#[test]
+fn c_grid_a_place_in_metres_is_its_cell_of_the_map() {
+    // 5 cm cells whose lower left corner is at (-3, 1.25): column, row, centre [m], index.
+    for (x, y, x_m, y_m, index) in [
+        (0, 0, -2.975, 1.275, 0_usize),
+        (29, 0, -1.525, 1.275, 29),
+        (0, 19, -2.975, 2.225, 570),
+        (11, 3, -2.425, 1.425, 101),
+        (29, 19, -1.525, 2.225, 599),
+    ] {
+        let mut room = Room::empty(30, 20);
+        room.fill(x, y, x + 1, y + 1, true);
+        let mapper = mapper(&room, |_| {});
+        assert_eq!(flagged(&mapper, FLAG_STATIC), [(x, y)]);
+        assert_eq!(mapper.view().cells[index].flags & FLAG_STATIC, FLAG_STATIC);
+        let geometry = mapper.geometry();
+        for (dx, dy) in [(0.0, 0.0), (-0.024, 0.024), (0.024, -0.024)] {
+            let place = Point2::new(x_m + dx, y_m + dy);
+            assert_eq!(geometry.cell_at(place), Some(Cell::new(x, y)), "{place}");
+        }
+        let centre = geometry.centre_of(Cell::new(x, y));
+        assert!((centre - Point2::new(x_m, y_m)).norm() < 1e-12, "{centre}");
+    }
+}
+
+/// Every cell of three grids: cell to metres and back, and an index of its own.
 #[test]
 fn c_grid_round_trips_of_every_cell() {
     for (width, height, resolution_m) in [(30_u32, 20_u32, 1.0), (97, 41, 0.05), (1, 64, 0.1)] {
@@ -42,15 +68,9 @@ fn c_grid_round_trips_of_every_cell() {
         };
         let (n_x, n_y) = geometry.size();
         let mut seen = vec![false; geometry.len()];
-        for i in 1..=n_x * n_y {
-            let x = (i + n_y - 1) / n_y;
-            let y = (i - 1) % n_y + 1;
-            assert_eq!((x - 1) * n_y + y, i);
-            // Its upper left cell is (1, 1), ours in the lower left (0, 0).
-            let cell = Cell::new(x - 1, n_y - y);
+        for cell in (0..n_y).flat_map(|y| (0..n_x).map(move |x| Cell::new(x, y))) {
             assert_eq!(geometry.cell_at(geometry.centre_of(cell)), Some(cell));
             let index = geometry.index_of(cell).unwrap();
-            assert_eq!(index, (cell.y * n_x + cell.x).unsigned_abs() as usize);
             assert!(!seen[index], "{cell:?} twice");
             seen[index] = true;
         }

@@ -25,6 +25,10 @@ const ASIDE_M: f64 = 1.2;
 /// Range of the lidar. [m]
 const RANGE_M: f64 = 3.0;
 
+/// Run time that the robot has. With 120 s the rate of arrival measured the clock: what was not over by then
+/// arrives within this, and the time is a row of its own. [s]
+pub const LIMIT_S: f64 = 300.0;
+
 /// A place on a path and the direction there.
 type Along = [[f64; 2]; 2];
 
@@ -60,6 +64,7 @@ impl BaoMap {
             start: [1, 1],
             goal: [SIDE - 2, SIDE - 2],
             seed: 0x0b_a000 + seed,
+            limit_s: LIMIT_S,
         })?;
         Ok(Self { blocks, seed })
     }

@@ -20,7 +20,12 @@ pub(super) struct Plan {
     pub goal: [u32; 2],
     /// Seed of the map.
     pub seed: u64,
+    /// Run time that the robot has. [s]
+    pub limit_s: f64,
 }
+
+/// Run time of the scenes, unless one says otherwise. [s]
+pub(super) const LIMIT_S: f64 = 120.0;
 
 /// A map that can be crossed without cutting corners.
 #[derive(Debug, Clone)]
@@ -96,11 +101,12 @@ impl Blocks {
         let mut text = format!(
             "title = \"{title}\"\nbase = [\"porter\"]\nstart = [{sx}, {sy}, {yaw_rad:.4}]\n\
              [[goals]]\npose = [{gx}, {gy}, 0.0]\n\
-             [run]\ntime_limit_s = 120.0\n[restart]\nhang_after_s = 10.0\n\
+             [run]\ntime_limit_s = {limit_s:?}\n[restart]\nhang_after_s = 10.0\n\
              [expect]\noutcome = \"reached\"\ncontacts_max = 0\n\
              [robot]\nradius_m = {radius_m:?}\n{range}\
              [world]\narea_m = [[-0.2, -0.2], [{end_m:?}, {end_m:?}]]\nresolution_m = 0.05\nshapes = [\n",
-            end_m = side_m + 0.2
+            end_m = side_m + 0.2,
+            limit_s = self.plan.limit_s,
         );
         let mut put = |centre: [f64; 2], size: [f64; 2]| {
             let line = format!("{{ kind = \"box\", centre_m = {centre:?}, size_m = {size:?} }},");

@@ -1,7 +1,7 @@
 //! JU with movers: fifty single cells of 15 m x 15 m and three discs that cross the map. The paper
 //! says that its method avoids what moves and reports no experiment.
 
-use super::blocks::{Blocks, Plan};
+use super::blocks::{Blocks, LIMIT_S, Plan};
 use super::{Scene, disc};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_pcg::Pcg64Mcg;
@@ -34,6 +34,7 @@ pub fn ju_dyn(seed: u64) -> Result<Scene, GenerateError> {
         start: [1, 1],
         goal: [11, 11],
         seed,
+        limit_s: LIMIT_S,
     })?;
     let mut text = blocks.text(&format!("JU with movers {seed}"), ROBOT_M, None);
     let [start, goal] = blocks.ends_m();

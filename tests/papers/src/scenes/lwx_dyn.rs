@@ -1,6 +1,6 @@
 //! LWX-DYN: twenty discs, none within two cells of start or goal, in blocks over 15 % of the map.
 
-use super::blocks::{Blocks, Plan, middle};
+use super::blocks::{Blocks, LIMIT_S, Plan, middle};
 use super::{Scene, disc};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_pcg::Pcg64Mcg;
@@ -40,6 +40,7 @@ pub fn lwx_dyn(coming: Coming, seed: u64) -> Result<Scene, GenerateError> {
         start: [1, 1],
         goal: [SIDE - 2, SIDE - 2],
         seed,
+        limit_s: LIMIT_S,
     })?;
     let title = format!("LWX-DYN {coming:?} {seed}");
     let mut text = blocks.text(&title, RADIUS_M, None);

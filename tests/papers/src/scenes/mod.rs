@@ -8,7 +8,7 @@ mod ju_dyn;
 mod lwx_dyn;
 mod zm_dyn;
 
-pub use bao_dyn::{BaoDyn, BaoMap};
+pub use bao_dyn::{BaoDyn, BaoMap, LIMIT_S as BAO_LIMIT_S};
 pub use ju_dyn::ju_dyn;
 pub use lwx_dyn::{Coming, lwx_dyn};
 pub use zm_dyn::{ZmScene, zm_dyn};
@@ -21,10 +21,13 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// The scene with this global planner, by its key.
+    /// The scene with this global planner of a paper, by its key: it searches the shortest way, without
+    /// a price on nearness to obstacles.
     #[must_use]
     pub fn planned_by(mut self, planner: &str) -> Self {
-        let row = format!("\n[services.global_planner.config]\nplanner = \"{planner}\"\n");
+        let row = format!(
+            "\n[services.global_planner.config]\nplanner = \"{planner}\"\noptions.cost_weight = 0.0\n"
+        );
         self.text.push_str(&row);
         self
     }

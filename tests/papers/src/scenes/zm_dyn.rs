@@ -1,7 +1,7 @@
 //! ZM's dynamic scenes: an obstacle appears in one cell when the robot is four cells away.
 
 use super::Scene;
-use super::blocks::{Blocks, Plan, middle};
+use super::blocks::{Blocks, LIMIT_S, Plan, middle};
 use zeronav_msgs::Cell;
 use zeronav_world::generate::GenerateError;
 use zeronav_world::spec::Family;
@@ -44,6 +44,7 @@ pub fn zm_dyn(scene: ZmScene, ratio: f64, seed: u64) -> Result<Option<Scene>, Ge
         start: [0, 0],
         goal: [SIDE - 1, SIDE - 1],
         seed,
+        limit_s: LIMIT_S,
     })?;
     if !blocks.is_free(scene.cell()) {
         return Ok(None);

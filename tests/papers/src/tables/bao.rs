@@ -7,7 +7,7 @@ use crate::row::{Place, Row};
 use crate::solve::{Fault, Method, Way, Ways};
 use crate::table::{
     Context, Outcome, TableError, change, corners, count, draw, excluded, failures, figure, paired,
-    safety, solved,
+    safety, solved, time,
 };
 use crate::timing;
 use crate::verdict::{Printed, Standing};
@@ -24,6 +24,13 @@ struct Printout {
     iaa_taa: f64,
     iaa_dij_time: f64,
     aao_taa_time: f64,
+    /// "Basically the same" in the text.
+    iaa_aao_time: f64,
+    /// Length and time against full inflation, where that works.
+    iaa_full: Option<f64>,
+    iaa_full_time: Option<f64>,
+    /// Moving grids of TAA, AAO and IAA.
+    grids: [f64; 3],
     full_works: f64,
     /// Virtual obstacles of AAO, IAA and Dijkstra.
     virtuals: [f64; 3],
@@ -39,6 +46,10 @@ const PRINTED: [Printout; 4] = [
         iaa_taa: -0.0820,
         iaa_dij_time: -0.5242,
         aao_taa_time: 0.285,
+        iaa_aao_time: 0.167 / 0.176 - 1.0,
+        iaa_full: Some(38.2132 / 42.3137 - 1.0),
+        iaa_full_time: Some(0.167 / 0.395 - 1.0),
+        grids: [36.0, 39.0, 33.0],
         full_works: 1.0,
         virtuals: [15.0, 6.0, 6.0],
     },
@@ -51,6 +62,10 @@ const PRINTED: [Printout; 4] = [
         iaa_taa: 0.0252,
         iaa_dij_time: -0.7151,
         aao_taa_time: 0.397,
+        iaa_aao_time: 0.316 / 0.197 - 1.0,
+        iaa_full: Some(71.5269 / 73.2843 - 1.0),
+        iaa_full_time: Some(0.316 / 1.533 - 1.0),
+        grids: [60.0, 69.0, 63.0],
         full_works: 1.0,
         virtuals: [8.0, 11.0, 10.0],
     },
@@ -63,6 +78,10 @@ const PRINTED: [Printout; 4] = [
         iaa_taa: 0.1925,
         iaa_dij_time: -0.5087,
         aao_taa_time: 0.876,
+        iaa_aao_time: 0.592 / 0.424 - 1.0,
+        iaa_full: None,
+        iaa_full_time: None,
+        grids: [62.0, 80.0, 74.0],
         full_works: 0.0,
         virtuals: [11.0, 9.0, 12.0],
     },
@@ -75,6 +94,10 @@ const PRINTED: [Printout; 4] = [
         iaa_taa: 0.0740,
         iaa_dij_time: -0.6841,
         aao_taa_time: 0.647,
+        iaa_aao_time: 4.812 / 0.761 - 1.0,
+        iaa_full: None,
+        iaa_full_time: None,
+        grids: [113.0, 140.0, 133.0],
         full_works: 0.0,
         virtuals: [129.0, 111.0, 108.0],
     },
@@ -121,6 +144,7 @@ pub(super) fn run(context: &mut Context, index: usize) -> Result<Outcome, TableE
         lengths(rows, &place, printed, [&taa, &aao, &iaa, &dij, &pulled]);
         effort(rows, &place, printed, [&iaa, &dij]);
         times(rows, &place, printed, (&methods, &mazes.mazes))?;
+        others(rows, &place, printed, [&taa, &aao, &iaa, &full]);
         rows.push(
             place.row(
                 figure(
@@ -208,7 +232,7 @@ fn lengths(rows: &mut Vec<Row>, place: &Place, printed: &Printout, ways: [&Ways;
                 "C1",
                 "same length (share)",
                 "IAA = Dijkstra",
-                Printed::Share(1.0),
+                Printed::Always,
                 (stats::share(equal, n), excluded(n, iaa.len())),
             )
             .standing(Standing::Theorem),
@@ -262,7 +286,7 @@ fn lengths(rows: &mut Vec<Row>, place: &Place, printed: &Printout, ways: [&Ways;
         "C5",
         "nothing shorter that cuts no corner (share)",
         "IAA, against pulled A*",
-        Printed::Share(1.0),
+        Printed::Always,
         (
             stats::share(shortest, shorter.len()),
             excluded(shorter.len(), iaa.len()),
@@ -283,21 +307,52 @@ fn times(
     printed: &Printout,
     (methods, mazes): (&Methods, &[Maze]),
 ) -> Result<(), Fault> {
-    let [of_iaa] = timing::changes(&methods.dij, &[&methods.iaa], mazes)?
-        .try_into()
-        .unwrap_or_default();
-    let [of_aao] = timing::changes(&methods.taa, &[&methods.aao], mazes)?
-        .try_into()
-        .unwrap_or_default();
-    for (claim, name, changes, printed) in [
-        ("C3", "IAA vs Dijkstra", of_iaa, printed.iaa_dij_time),
-        ("C4", "AAO vs TAA", of_aao, printed.aao_taa_time),
+    let Methods {
+        taa,
+        aao,
+        iaa,
+        dij,
+        full,
+        ..
+    } = methods;
+    for (claim, base, ours, printed) in [
+        ("C3", dij, iaa, Some(printed.iaa_dij_time)),
+        ("C4", taa, aao, Some(printed.aao_taa_time)),
+        ("C10", aao, iaa, Some(printed.iaa_aao_time)),
+        ("C11", full, iaa, printed.iaa_full_time),
     ] {
-        let ours = (stats::mean(&changes), 0.0);
-        let figure = figure(claim, "time", name, Printed::Change(printed), ours);
-        rows.push(place.row(figure.noting("ratio of medians of 31, interleaved")));
+        let name = format!("{} vs {}", ours.name, base.name);
+        let printed = printed.map_or(Printed::Nothing, Printed::Change);
+        for changes in timing::changes(base, &[ours], mazes)? {
+            rows.push(place.row(time(claim, &name, printed, changes)));
+        }
     }
     Ok(())
+}
+
+/// Reference 31 where it finds a way, and the grids that a robot moves over.
+fn others(
+    rows: &mut Vec<Row>,
+    place: &Place,
+    printed: &Printout,
+    [taa, aao, iaa, full]: [&Ways; 4],
+) {
+    let changes = change(paired(full, iaa, |way: &Way| way.length));
+    let of_full = (printed.iaa_full).map_or(Printed::Nothing, Printed::Change);
+    rows.push(place.row(figure(
+        "C11",
+        "length",
+        "IAA vs full inflation",
+        of_full,
+        changes,
+    )));
+    let [of_taa, of_aao, of_iaa] = printed.grids;
+    let cells = |way: &Way| count(way.cells.len() as u64);
+    for (name, base, grids) in [("IAA vs TAA", taa, of_taa), ("IAA vs AAO", aao, of_aao)] {
+        let changes = change(paired(base, iaa, cells));
+        let printed = Printed::Change(of_iaa / grids - 1.0);
+        rows.push(place.row(figure("C12", "moving grids", name, printed, changes)));
+    }
 }
 
 fn virtuals(rows: &mut Vec<Row>, place: &Place, printed: &Printout, ways: [&Ways; 3]) {
@@ -309,7 +364,7 @@ fn virtuals(rows: &mut Vec<Row>, place: &Place, printed: &Printout, ways: [&Ways
         for (metric, printed, of) in [
             (
                 "virtual obstacles on the path",
-                Printed::Change(printed),
+                Printed::Count(printed),
                 (|way: &Way| way.stats.remarks.virtual_on_path) as fn(&Way) -> u64,
             ),
             ("virtual obstacles in all", Printed::Nothing, |way| {
@@ -351,13 +406,7 @@ fn curves(rows: &mut Vec<Row>, place: &Place, mazes: &[Maze], iaa: &Ways) {
     });
     let ours = (stats::share(safe.count(), found.len()), left);
     let metric = "curve keeps 0.465 cells from every obstacle (share)";
-    rows.push(place.row(figure(
-        "C8",
-        metric,
-        "IAA's spline",
-        Printed::Share(1.0),
-        ours,
-    )));
+    rows.push(place.row(figure("C8", metric, "IAA's spline", Printed::Always, ours)));
     let sharpest: Vec<f64> = found
         .iter()
         .map(|(_, way)| way.stats.remarks.curvature_max_1pm)

@@ -2,27 +2,26 @@
 //! controller and by the defaults of this project, and followed blindly, which must not work.
 
 use super::lwx_dyn::shares;
+use crate::drivers::{BAO, DEFAULTS, Driver};
 use crate::row::Place;
 use crate::scenes::{BaoDyn, BaoMap, Scene};
 use crate::stats;
 use crate::table::{Context, Outcome, TableError, excluded, figure};
 use crate::verdict::Printed;
 
-const DRIVERS: [(&str, Option<&str>, Option<&str>); 2] = [
-    ("bao_iaa and bao_dwa", Some("bao_iaa"), Some("bao_dwa")),
-    ("the defaults of this project", None, None),
+/// The planner of [BAO], whose path the discs are placed on.
+const PLANNER: &[&str] = &[
+    "global_planner.planner=bao_iaa",
+    "global_planner.options.cost_weight=0",
 ];
 
 /// The scenes of some seeds whose path has room for six discs.
 pub(crate) fn scenes(context: &mut Context) -> Result<Vec<BaoDyn>, TableError> {
     let seeds = context.seed..context.seed + context.drives;
     let maps = seeds.map(BaoMap::new).collect::<Result<Vec<_>, _>>()?;
-    let empty: Vec<Scene> = maps
-        .iter()
-        .map(|map| map.empty().planned_by("bao_iaa"))
-        .collect();
+    let empty: Vec<Scene> = maps.iter().map(BaoMap::empty).collect();
     let mut scenes = Vec::new();
-    for (map, drive) in maps.iter().zip(context.stack()?.drive(&empty, None)?) {
+    for (map, drive) in maps.iter().zip(context.stack()?.drive(&empty, PLANNER)?) {
         let plans = drive.result()?.plans;
         let path = plans.into_iter().find(|plan| plan.status == "found");
         scenes.extend(path.and_then(|plan| map.with_discs(plan.points_m)));
@@ -61,22 +60,17 @@ pub(super) fn run(context: &mut Context) -> Result<Outcome, TableError> {
             .noting("more than half, or the scene means nothing"),
         ),
     );
-    for (name, planner, controller) in DRIVERS {
-        let texts: Vec<Scene> = scenes
-            .iter()
-            .map(|scene| {
-                let scene = scene.scene.clone();
-                planner.map_or_else(|| scene.clone(), |key| scene.clone().planned_by(key))
-            })
-            .collect();
-        let drives = context.stack()?.drive(&texts, controller)?;
+    let texts: Vec<Scene> = scenes.iter().map(|scene| scene.scene.clone()).collect();
+    for Driver { name, settings } in [BAO, DEFAULTS] {
+        let drives = context.stack()?.drive(&texts, settings)?;
         shares(&mut outcome, &place, "C9", name, &drives);
-        let (mut ratios, mut aside) = (Vec::new(), Vec::new());
+        let (mut ratios, mut aside, mut times) = (Vec::new(), Vec::new(), Vec::new());
         for (drive, scene) in drives
             .iter()
             .zip(&scenes)
             .filter(|(drive, _)| drive.arrived())
         {
+            times.push(drive.time_s);
             ratios.push(drive.driven_m / scene.path_m() - 1.0);
             aside.push(scene.lateral_m(&drive.result()?.track_m));
         }
@@ -84,6 +78,7 @@ pub(super) fn run(context: &mut Context) -> Result<Outcome, TableError> {
         for (metric, values) in [
             ("length vs the path", ratios),
             ("largest distance from the path [m]", aside),
+            ("time until it arrives [s]", times),
         ] {
             let ours = (stats::mean(&values), left);
             outcome

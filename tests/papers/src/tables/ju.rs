@@ -3,7 +3,7 @@
 
 use crate::figure::Drawing;
 use crate::maps::{Ends, MapFamily, MapSpec, Maze};
-use crate::rollout::{Rollout, bodies, goal_of, roll, waypoints};
+use crate::rollout::{Rollout, bodies, goal_of, roll, walked, waypoints};
 use crate::row::{Place, Row};
 use crate::solve::{Method, Way, Ways};
 use crate::stats::{self, median};
@@ -38,6 +38,12 @@ const LAWS: [(&str, f64, f64); 3] = [
 ];
 const ASTAR_LENGTH: f64 = -0.0346;
 const ASTAR_TIME: f64 = 0.5592;
+
+/// Printed lengths of A* and of the field alone: A* is the shorter one.
+const ASTAR_APF: f64 = 14.7279 / 15.0897 - 1.0;
+
+/// Control period of the robot, within which a step of a method that is called real-time must be. [s]
+const PERIOD_S: f64 = 0.02;
 
 fn fusion(r1_m: f64) -> JuFusion {
     JuFusion::new(&JuFusionConfig {
@@ -139,6 +145,7 @@ pub(super) fn lengths(context: &mut Context) -> Result<Outcome, TableError> {
         arrivals(&set, mode, &named, rows);
         against_laws(&set, mode, &named, rows);
         against_astar(&set, mode, &named[0].1, (&baselines, rows));
+        field_against_astar(&set, mode, &named[1].1, rows);
         sweep(&set, mode, rows);
         if mode == Mode::Area {
             let named = named
@@ -168,7 +175,7 @@ fn arrivals(set: &Set, mode: Mode, named: &Named<'_>, rows: &mut Vec<Row>) {
         let metric = "arrives without a collision (share)";
         rows.push(
             set.place
-                .row(figure("C6", metric, name, Printed::Nothing, share).noting(mode.name())),
+                .row(figure("safety", metric, name, Printed::Nothing, share).noting(mode.name())),
         );
         let arrived = rollouts.iter().filter(|rollout| rollout.arrived()).count();
         let share = stats::share(arrived - clean, arrived);
@@ -177,7 +184,7 @@ fn arrivals(set: &Set, mode: Mode, named: &Named<'_>, rows: &mut Vec<Row>) {
         rows.push(
             set.place.row(
                 figure(
-                    "C6",
+                    "safety",
                     "collides (share)",
                     &algorithm,
                     Printed::Nothing,
@@ -237,6 +244,25 @@ fn against_astar(
     }
 }
 
+/// Table I without the fusion: A* against the field alone.
+fn field_against_astar(set: &Set, mode: Mode, field: &[Rollout], rows: &mut Vec<Row>) {
+    let arrived = |n: &usize| field[*n].arrived();
+    let found: Vec<f64> = (0..field.len())
+        .filter(arrived)
+        .map(|n| set.ways[n].length / field[n].length(goal_of(&set.mazes[n])) - 1.0)
+        .collect();
+    let left = excluded(found.len(), field.len());
+    let ours = (stats::mean(&found), left);
+    let printed = Printed::Change(ASTAR_APF);
+    rows.push(
+        set.place.row(
+            figure("C6", "length", "A* vs APF", printed, ours)
+                .standing(standing(mode))
+                .noting(mode.name()),
+        ),
+    );
+}
+
 /// The sizes that are not printed: circle and step.
 fn sweep(set: &Set, mode: Mode, rows: &mut Vec<Row>) {
     for r1_m in [1.0, 1.5, 2.0, 3.0] {
@@ -259,6 +285,22 @@ fn sweep(set: &Set, mode: Mode, rows: &mut Vec<Row>) {
             );
         }
     }
+}
+
+/// The share of the maps on which a step of the fusion takes less than a control period on average.
+fn real_time(set: &Set, how: &Walk) -> Row {
+    let maps = set.mazes.iter().zip(&set.ways);
+    let in_time = maps.filter(|(maze, way)| {
+        let (around, route) = (bodies(maze), waypoints(maze, way));
+        let started = Instant::now();
+        let trace = black_box(walked(law("fusion").as_mut(), maze, &around, &route, how));
+        let steps = u32::try_from(trace.steps.max(1)).unwrap_or(u32::MAX);
+        started.elapsed().as_secs_f64() / f64::from(steps) < PERIOD_S
+    });
+    let ours = (stats::share(in_time.count(), set.mazes.len()), 0.0);
+    let metric = "a step within a control period of 20 ms (share)";
+    let figure = figure("C7", metric, "fusion", Printed::Always, ours);
+    set.place.row(figure.noting(Mode::Point.name()))
 }
 
 /// Table II.
@@ -284,7 +326,7 @@ pub(super) fn times(context: &mut Context) -> Result<Outcome, TableError> {
                     black_box(&solved).as_ref().ok();
                 }
                 if *name != "A*" {
-                    black_box(roll(law(name).as_mut(), maze, &around, &route, &how));
+                    black_box(walked(law(name).as_mut(), maze, &around, &route, &how));
                 }
                 times[n].push(started.elapsed().as_secs_f64());
             }
@@ -294,6 +336,7 @@ pub(super) fn times(context: &mut Context) -> Result<Outcome, TableError> {
         }
     }
     let mut outcome = Outcome::default();
+    outcome.rows.push(real_time(&set, &how));
     let of_fusion = &found[4];
     let printed = core::iter::once(ASTAR_TIME).chain(LAWS.map(|(_, _, time)| time));
     for (n, printed) in printed.enumerate() {

@@ -1,19 +1,10 @@
 //! [JU] with movers: the paper says that the fusion avoids what moves, and reports no experiment.
 
 use super::lwx_dyn::shares;
+use crate::drivers::{DEFAULTS, Driver, JU};
 use crate::row::Place;
 use crate::scenes::{Scene, ju_dyn};
 use crate::table::{Context, Outcome, TableError};
-
-/// Who drives: name, planner, controller.
-const DRIVERS: [(&str, Option<&str>, Option<&str>); 2] = [
-    (
-        "ju_astar and ju_fusion",
-        Some("ju_astar"),
-        Some("ju_fusion"),
-    ),
-    ("the defaults of this project", None, None),
-];
 
 /// Measures the scenes.
 pub(super) fn run(context: &mut Context) -> Result<Outcome, TableError> {
@@ -27,12 +18,8 @@ pub(super) fn run(context: &mut Context) -> Result<Outcome, TableError> {
         acceptance: 1.0,
         seed: context.seed,
     };
-    for (name, planner, controller) in DRIVERS {
-        let scenes: Vec<Scene> = scenes
-            .iter()
-            .map(|scene| planner.map_or_else(|| scene.clone(), |key| scene.clone().planned_by(key)))
-            .collect();
-        let drives = context.stack()?.drive(&scenes, controller)?;
+    for Driver { name, settings } in [JU, DEFAULTS] {
+        let drives = context.stack()?.drive(&scenes, settings)?;
         shares(&mut outcome, &place, "C5", name, &drives);
     }
     Ok(outcome)

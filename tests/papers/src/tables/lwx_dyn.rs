@@ -1,6 +1,7 @@
 //! LWX-DYN, figure 13: twenty discs that appear or move, driven by the paper's planner and controller and
 //! by the defaults of this project. The paper shows two pictures and prints no number.
 
+use crate::drivers::{DEFAULTS, Driver, LWX, LWX_CELLS};
 use crate::row::Place;
 use crate::scenes::{Coming, Scene, lwx_dyn};
 use crate::stack::Drive;
@@ -8,11 +9,9 @@ use crate::stats;
 use crate::table::{Context, Outcome, TableError, excluded, figure};
 use crate::verdict::{Printed, Standing};
 
-/// Who drives: name, planner, controller; the defaults without.
-pub(crate) const DRIVERS: [(&str, Option<&str>, Option<&str>); 2] = [
-    ("lwx_oa and lwx_oapf", Some("lwx_oa"), Some("lwx_oapf")),
-    ("the defaults of this project", None, None),
-];
+/// Who drives. Of the two sets of gains that with cells of a metre is the paper's, because the cells of the
+/// scenes are a metre; the other one is what this project ships, for robots of half a metre.
+const DRIVERS: [Driver; 3] = [LWX, LWX_CELLS, DEFAULTS];
 
 /// Measures the scenes.
 pub(super) fn run(context: &mut Context) -> Result<Outcome, TableError> {
@@ -32,14 +31,8 @@ pub(super) fn run(context: &mut Context) -> Result<Outcome, TableError> {
             acceptance: 1.0,
             seed: context.seed,
         };
-        for (name, planner, controller) in DRIVERS {
-            let scenes: Vec<Scene> = scenes
-                .iter()
-                .map(|scene| {
-                    planner.map_or_else(|| scene.clone(), |key| scene.clone().planned_by(key))
-                })
-                .collect();
-            let drives = context.stack()?.drive(&scenes, controller)?;
+        for Driver { name, settings } in DRIVERS {
+            let drives = context.stack()?.drive(&scenes, settings)?;
             shares(&mut outcome, &place, "C7", name, &drives);
         }
     }

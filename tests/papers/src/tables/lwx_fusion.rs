@@ -1,19 +1,22 @@
 //! [LWX] tables 5 and 6: the whole method, greedy search, potential field over turning points and fit,
 //! against an ant colony and a random tree.
 
+use super::lwx::own_maps;
 use crate::figure::Drawing;
 use crate::maps::{MapFamily, Maze};
-use crate::rollout::{Rollout, bodies, measured, waypoints};
-use crate::solve::{Method, Way};
+use crate::rollout::{Rollout, bodies, measured, roll, waypoints};
+use crate::row::{Place, Row};
+use crate::solve::{Method, Way, Ways};
 use crate::stats::{self, median};
-use crate::table::{Context, Outcome, TableError, corners, draw, excluded, figure};
-use crate::verdict::Printed;
+use crate::table::{Context, Outcome, TableError, corners, count, excluded, figure, time};
+use crate::verdict::{Printed, Standing};
 use nalgebra::{Point2, Vector2};
 use serde_json::json;
 use std::hint::black_box;
 use std::time::Instant;
 use zeronav_global_planner::CellPath;
 use zeronav_local_planner::papers::LawInput;
+use zeronav_local_planner::papers::ju_apf::JuApf;
 use zeronav_local_planner::papers::lwx_fusion::LwxFusion;
 use zeronav_local_planner::papers::options::LwxFusionConfig;
 use zeronav_local_planner::papers::potential::Gains;
@@ -24,6 +27,9 @@ const PRINTED: [(&str, &str, &str, f64); 2] = [
     ("5", "ant colony", "lwx_aco", -0.652),
     ("6", "random tree", "lwx_rrt", -0.8364),
 ];
+
+/// What the conclusion says of the time of the whole method.
+const FUSION_TIME: f64 = -0.40;
 
 /// The method in cells.
 fn fusion() -> LwxFusion {
@@ -37,9 +43,9 @@ fn fusion() -> LwxFusion {
     LwxFusion::new(&config, Walk::LWX)
 }
 
-/// The plan on a map for a way of the greedy search: the walk, and the fit of it when one is free.
-#[must_use]
-pub fn plan(maze: &Maze, way: &Way) -> (Rollout, Option<Rollout>) {
+/// The plan on a map for a way of the greedy search: the walk, and the fit of it when one is free. This is
+/// all that is timed: how near it comes to obstacles is measured by the caller.
+fn planned(maze: &Maze, way: &Way) -> (Trace, Option<Vec<Point2<f64>>>) {
     let (around, route) = (bodies(maze), waypoints(maze, way));
     let end = |waypoint: Option<&zeronav_msgs::path::Waypoint>| {
         waypoint.map_or(Point2::origin(), |at| Point2::new(at.x_m, at.y_m))
@@ -55,7 +61,13 @@ pub fn plan(maze: &Maze, way: &Way) -> (Rollout, Option<Rollout>) {
         steps: 1.0,
         ground: None,
     };
-    let (trace, curve) = fusion().plan(&input);
+    fusion().plan(&input)
+}
+
+/// The same with its distance from obstacles.
+#[must_use]
+pub fn plan(maze: &Maze, way: &Way) -> (Rollout, Option<Rollout>) {
+    let (trace, curve) = planned(maze, way);
     let fit = curve.map(|points| {
         let trace = Trace {
             points,
@@ -87,7 +99,7 @@ pub(super) fn run(context: &mut Context, table: &'static str) -> Result<Outcome,
     };
     for family in context.families.clone() {
         let spec = corners(family, [20, 20], 0.2);
-        let (mazes, place) = draw(context, "LWX", table, &spec)?;
+        let (mazes, place) = own_maps(context, table, &spec)?;
         let mazes = &mazes.mazes[..usize::try_from(seeds)
             .unwrap_or(usize::MAX)
             .min(mazes.mazes.len())];
@@ -98,20 +110,24 @@ pub(super) fn run(context: &mut Context, table: &'static str) -> Result<Outcome,
             .map(|(maze, way)| Some(plan(maze, way.as_ref().ok()?)))
             .collect();
         let algorithm = format!("fusion vs {name}");
-        let times = times(&other, mazes)?;
+        let changes = times(&other, mazes)?;
         let rows = &mut outcome.rows;
-        rows.push(
-            place.row(
-                figure(
-                    "C5",
-                    "time",
-                    &algorithm,
-                    Printed::Change(*printed),
-                    (stats::mean(&times), 0.0),
-                )
-                .noting("whole plans, ratio of medians of 7, interleaved"),
-            ),
-        );
+        let note = "whole plans, ratio of medians of 7, interleaved";
+        let printed = Printed::Change(*printed);
+        rows.push(place.row(time("C5", &algorithm, printed, changes).noting(note)));
+        if table == "6" {
+            let astar = Method::new("A*", "lwx_ta");
+            let printed = Printed::Change(FUSION_TIME);
+            let changes = times(&astar, mazes)?;
+            rows.push(
+                place.row(
+                    time("C8", "fusion vs A*", printed, changes)
+                        .standing(Standing::NotComparable)
+                        .noting("said in the conclusion, in no table; of what, is not said"),
+                ),
+            );
+            whole(rows, &place, (mazes, &ways), &plans);
+        }
         let changes: Vec<f64> = plans
             .iter()
             .zip(&others)
@@ -168,15 +184,96 @@ pub(super) fn run(context: &mut Context, table: &'static str) -> Result<Outcome,
     Ok(outcome)
 }
 
-/// Changes of the time of a whole plan, from the other planner to the fusion.
-fn times(other: &Method, mazes: &[Maze]) -> Result<Vec<f64>, TableError> {
+/// What the paper says of the whole method besides its time: fewer inflection points and more distance
+/// from obstacles than the path of the search, and no local optimum that holds it.
+fn whole(
+    rows: &mut Vec<Row>,
+    place: &Place,
+    (mazes, ways): (&[Maze], &Ways),
+    plans: &[Option<(Rollout, Option<Rollout>)>],
+) {
+    let driven = |plan: &(Rollout, Option<Rollout>)| {
+        let (walk, fit) = plan;
+        walk.arrived()
+            .then(|| fit.clone().unwrap_or_else(|| walk.clone()))
+    };
+    let pairs: Vec<(Rollout, &Way)> = plans
+        .iter()
+        .zip(ways)
+        .filter_map(|(plan, way)| Some((driven(plan.as_ref()?)?, way.as_ref().ok()?)))
+        .collect();
+    let left = excluded(pairs.len(), mazes.len());
+    let name = "fusion vs its greedy path";
+    for (claim, metric, values) in [
+        (
+            "C9",
+            "inflection points",
+            pairs
+                .iter()
+                .map(|(fit, way)| {
+                    let (ours, base) = (inflections(&fit.trace.points), way.turns());
+                    (1.0 + count(ours)) / (1.0 + count(base)) - 1.0
+                })
+                .collect::<Vec<f64>>(),
+        ),
+        (
+            "C10",
+            "min_clearance",
+            pairs
+                .iter()
+                .map(|(fit, way)| fit.clearance / way.clearance - 1.0)
+                .collect(),
+        ),
+    ] {
+        let ours = (stats::mean(&values), left);
+        rows.push(
+            place.row(
+                figure(claim, metric, name, Printed::Nothing, ours)
+                    .noting("better is claimed, no number is printed"),
+            ),
+        );
+    }
+    let alone: Vec<bool> = mazes
+        .iter()
+        .map(|maze| {
+            let mut law = JuApf::new(Gains::LWX);
+            roll(&mut law, maze, &bodies(maze), &[], &Walk::LWX).arrived()
+        })
+        .collect();
+    let arrived = plans.iter().flatten().filter(|(walk, _)| walk.arrived());
+    let whole = arrived.count();
+    let hits = alone.iter().filter(|arrived| **arrived).count();
+    for (name, hits, printed) in [
+        ("fusion", whole, Printed::Always),
+        ("the field alone", hits, Printed::Nothing),
+    ] {
+        let ours = (stats::share(hits, mazes.len()), 0.0);
+        rows.push(place.row(figure("C11", "arrives (share)", name, printed, ours)));
+    }
+}
+
+/// Changes of the side to which a curve turns; turns of less than a thousandth do not count.
+fn inflections(points: &[Point2<f64>]) -> u64 {
+    let turns = points.windows(3).filter_map(|w| {
+        let (before, after) = (w[1] - w[0], w[2] - w[1]);
+        let turn = before.perp(&after).atan2(before.dot(&after));
+        (turn.abs() > 1.0e-3).then_some(turn > 0.0)
+    });
+    let sides: Vec<bool> = turns.collect();
+    sides.windows(2).filter(|pair| pair[0] != pair[1]).count() as u64
+}
+
+/// Changes of the time of a whole plan, from the other planner to the fusion, on the maps that are timed,
+/// and the share left out because one of the two has no plan there.
+fn times(other: &Method, mazes: &[Maze]) -> Result<(Vec<f64>, f64), TableError> {
     const REPETITIONS: usize = 7;
-    const MAPS_MAX: usize = 12;
+    const MAPS_MAX: usize = 20;
     let greedy = greedy();
     let (mut ours, mut theirs) = (greedy.build()?, other.build()?);
     let mut path = CellPath::default();
     let mut changes = Vec::new();
-    for maze in mazes.iter().take(MAPS_MAX) {
+    let timed = &mazes[..mazes.len().min(MAPS_MAX)];
+    for maze in timed {
         let (mut fusion, mut base) = (Vec::new(), Vec::new());
         let mut solved = true;
         let way = greedy.ways(core::slice::from_ref(maze))?.remove(0);
@@ -184,7 +281,7 @@ fn times(other: &Method, mazes: &[Maze]) -> Result<Vec<f64>, TableError> {
         for _ in 0..REPETITIONS {
             let started = Instant::now();
             solved &= black_box(greedy.solve(ours.as_mut(), maze, &mut path)).is_ok();
-            black_box(plan(maze, &way));
+            black_box(planned(maze, &way));
             fusion.push(started.elapsed().as_secs_f64());
             let started = Instant::now();
             solved &= black_box(other.solve(theirs.as_mut(), maze, &mut path)).is_ok();
@@ -194,5 +291,23 @@ fn times(other: &Method, mazes: &[Maze]) -> Result<Vec<f64>, TableError> {
             changes.push(ours / base - 1.0);
         }
     }
-    Ok(changes)
+    let left = excluded(changes.len(), timed.len());
+    Ok((changes, left))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn inflections_are_changes_of_side() {
+        let of = |points: &[(f64, f64)]| {
+            let points: Vec<_> = points.iter().map(|&(x, y)| Point2::new(x, y)).collect();
+            inflections(&points)
+        };
+        assert_eq!(of(&[(0., 0.), (1., 0.), (2., 0.)]), 0);
+        // All to the left, then to the right and to the left again.
+        assert_eq!(of(&[(0., 0.), (1., 0.), (1.5, 0.5), (1.5, 1.5)]), 0);
+        assert_eq!(of(&[(0., 0.), (1., 0.), (2., 1.), (3., 1.), (4., 2.)]), 2);
+    }
 }

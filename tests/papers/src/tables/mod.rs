@@ -12,6 +12,7 @@ mod tn;
 mod tn_robot;
 mod zm;
 mod zm_dyn;
+mod zm_walk;
 
 pub use lwx_fusion::plan as fusion_plan;
 

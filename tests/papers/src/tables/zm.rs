@@ -6,7 +6,7 @@ use crate::maps::{MapFamily, Maze};
 use crate::row::{Place, Row};
 use crate::solve::{Fault, Method, Way};
 use crate::table::{
-    Context, Outcome, TableError, change, corners, count, draw, figure, paired, safety,
+    Context, Outcome, TableError, change, corners, count, draw, figure, paired, safety, time,
 };
 use crate::verdict::Printed;
 use crate::{stats, timing};
@@ -19,6 +19,8 @@ const IM_NODES: f64 = 67.0 / 84.0 - 1.0;
 const IM_HW_NODES: f64 = 67.0 / 66.0 - 1.0;
 const PATH_NODES: f64 = 30.0 / 26.0 - 1.0;
 const IM_HW_TIME: f64 = 0.007 / 0.016 - 1.0;
+const HW_TRA_TIME: f64 = 0.016 / 0.042 - 1.0;
+const IM_TRA_TIME: f64 = 0.007 / 0.042 - 1.0;
 
 /// Fixed weight of `zm_hw`, which bounds its cost.
 const WEIGHT: f64 = 1.5;
@@ -29,6 +31,10 @@ fn rule(method: Method) -> Method {
 
 /// Measures the table.
 // long: the rows of one table, one after the other
+#[allow(
+    clippy::too_many_lines,
+    reason = "the rows of one table, one after the other"
+)]
 pub(super) fn run(context: &mut Context) -> Result<Outcome, TableError> {
     let mut outcome = Outcome::default();
     let (tra, hw, im) = (
@@ -106,14 +112,26 @@ pub(super) fn run(context: &mut Context) -> Result<Outcome, TableError> {
                 Printed::Nothing,
                 paired(of_tra, of_im, length),
             );
-            let times = timing::changes(&hw, &[&im], mazes)?;
-            let time = (times.first().and_then(|changes| stats::mean(changes)), 0.0);
-            rows.push(
-                place.row(
-                    figure("C3", "time", im_hw, Printed::Change(IM_HW_TIME), time)
-                        .noting("ratio of medians of 31, interleaved"),
-                ),
-            );
+            for (name, base, ours, printed) in [
+                (im_hw, &hw, &im, IM_HW_TIME),
+                (hw_tra, &tra, &hw, HW_TRA_TIME),
+                (im_tra, &tra, &im, IM_TRA_TIME),
+            ] {
+                for changes in timing::changes(base, &[ours], mazes)? {
+                    let claim = if base.name == tra.name { "C6" } else { "C3" };
+                    rows.push(place.row(time(claim, name, Printed::Change(printed), changes)));
+                }
+            }
+            for (name, ways) in [(hw_tra, of_hw), (im_tra, of_im)] {
+                let turns = change(paired(of_tra, ways, |way| 1.0 + count(way.turns())));
+                rows.push(
+                    place.row(
+                        figure("C7", "turning points", name, Printed::Nothing, turns).noting(
+                            "smoother is claimed, no number is printed; the end is counted",
+                        ),
+                    ),
+                );
+            }
             if family == MapFamily::Blocky {
                 sweep(rows, &place, mazes, of_hw)?;
                 if outcome.drawing.is_none() {
