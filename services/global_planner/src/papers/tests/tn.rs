@@ -240,16 +240,23 @@ const U_TRAP: &str = "............
                       ...######...
                       ............";
 
+/// The three readings of "grids that have been searched": a walk without a memory turns to and fro in the
+/// pocket, one that enters no cell twice (the text) finds the way out, and so does one that goes back.
 #[test]
-fn tn_3n_leaves_a_pocket_by_going_back_and_literally_does_not() {
+fn tn_3n_leaves_a_pocket_with_a_memory_only() {
     let (map, at) = Map::drawn(U_TRAP);
     let ends = (at('S'), at('G'));
-    let found = plan("tn_3n", &plain(), &map, RULE, ends).unwrap();
-    assert!(found.cost >= 13.0);
-    let mut literal = plain();
-    literal.papers.literal = true;
-    let result = plan("tn_3n", &literal, &map, RULE, ends).map(|found| found.cost);
-    assert_eq!(result, Err(PlanError::DeadEnd));
+    let cost = |memory, literal| {
+        let mut options = plain();
+        options.papers.literal = literal;
+        options.papers.walk.memory = memory;
+        plan("tn_3n", &options, &map, RULE, ends).map(|found| found.cost)
+    };
+    assert_eq!(cost(Memory::None, false), Err(PlanError::DeadEnd));
+    let visited = cost(Memory::Visited, false).unwrap();
+    assert!(visited >= 13.0, "{visited}");
+    assert!(cost(Memory::Backtracking, false).unwrap() >= 13.0);
+    assert_eq!(cost(Memory::Backtracking, true), Ok(visited), "literally");
 }
 
 /// A switch from one mode to the other happens where a line meets an obstacle and where the walk leaves its
