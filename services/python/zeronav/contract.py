@@ -127,6 +127,7 @@ class RequestCause(IntEnum):
     POTENTIAL_FIELD = 25
     YIELD = 26
     MANOEUVRE = 27
+    NO_FIT = 28
 
 
 class RequestReason(IntEnum):
