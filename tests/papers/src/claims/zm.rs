@@ -1,6 +1,6 @@
 //! The claims of [ZM].
 
-use super::{Claim, head};
+use super::claim::{Claim, head};
 
 /// Every one.
 pub(super) const CLAIMS: &[Claim] = &[

