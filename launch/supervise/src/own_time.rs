@@ -156,7 +156,7 @@ impl OwnTime {
     }
 
     /// One look, `elapsed` after the one before, of which launch was awake for `awake`. The kernel is
-    /// asked every [`READ_EVERY`]. A process that cannot be seen counts as blocked. Between readings of
+    /// asked every `READ_EVERY`. A process that cannot be seen counts as blocked. Between readings of
     /// which one is of another process, or whose counters went backwards because a thread has ended,
     /// nothing counts.
     pub fn add(
