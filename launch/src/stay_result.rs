@@ -3,7 +3,7 @@
 use crate::drive::Driven;
 use crate::judge;
 use crate::prepare::Prepared;
-use crate::show::page::{fault_line, starved_line};
+use crate::show::page::write_troubles;
 use core::fmt::Write;
 use zeronav_measure::result::Environment;
 use zeronav_measure::result::latency::Figures;
@@ -53,19 +53,10 @@ pub(crate) fn to_text(result: &StayResult) -> String {
             text.push_str(&latency_line(name, figures));
         }
     }
-    for restart in &result.restarts {
-        let _ = writeln!(
-            text,
-            "  {:8.2} s  {} restarted: {}",
-            restart.time_s, restart.service, restart.how
-        );
-    }
-    for seat in &result.starved {
-        text.push_str(&starved_line(seat));
-    }
-    for fault in &result.faults {
-        text.push_str(&fault_line(fault));
-    }
+    write_troubles(
+        (&result.restarts, &result.starved, &result.faults),
+        &mut text,
+    );
     let _ = writeln!(text, "  {}", result.directory);
     text
 }

@@ -6,7 +6,7 @@ use zeronav_measure::result::fault::FaultResult;
 use zeronav_measure::result::latency::{Figures, Latency};
 use zeronav_measure::result::trials::{SlowHop, SlowTrial};
 use zeronav_measure::result::truth::{PoseResult, TrackingResult};
-use zeronav_measure::result::{Redirect, RunResult, ServiceResult, Starved};
+use zeronav_measure::result::{Redirect, Restart, RunResult, ServiceResult, Starved};
 
 /// Odometry that is never farther from the truth than this is the truth. [m]
 const EXACT_M: f64 = 1.0e-6;
@@ -60,6 +60,26 @@ fn write_missed(result: &RunResult, text: &mut String) {
     }
 }
 
+/// The restarts, the services without a processor, and the faults that were made.
+pub(crate) fn write_troubles(
+    (restarts, starved, faults): (&[Restart], &[Starved], &[FaultResult]),
+    text: &mut String,
+) {
+    for restart in restarts {
+        let _ = writeln!(
+            text,
+            "  {:8.2} s  {} restarted: {}",
+            restart.time_s, restart.service, restart.how
+        );
+    }
+    for seat in starved {
+        text.push_str(&starved_line(seat));
+    }
+    for fault in faults {
+        text.push_str(&fault_line(fault));
+    }
+}
+
 /// The paths, the restarts, and the goals given by hand.
 fn write_events(result: &RunResult, text: &mut String) {
     for plan in &result.plans {
@@ -75,19 +95,7 @@ fn write_events(result: &RunResult, text: &mut String) {
             beside(plan.beside_goal_m)
         );
     }
-    for restart in &result.restarts {
-        let _ = writeln!(
-            text,
-            "  {:8.2} s  {} restarted: {}",
-            restart.time_s, restart.service, restart.how
-        );
-    }
-    for seat in &result.starved {
-        text.push_str(&starved_line(seat));
-    }
-    for fault in &result.faults {
-        text.push_str(&fault_line(fault));
-    }
+    write_troubles((&result.restarts, &result.starved, &result.faults), text);
     for Redirect {
         time_s,
         goal: [x_m, y_m, yaw_rad],
@@ -170,7 +178,7 @@ pub(crate) fn to_text(result: &RunResult) -> String {
 }
 
 /// A service that got no processor, in one line.
-pub(crate) fn starved_line(seat: &Starved) -> String {
+fn starved_line(seat: &Starved) -> String {
     let Starved {
         service,
         time_s,
@@ -185,7 +193,7 @@ pub(crate) fn starved_line(seat: &Starved) -> String {
 }
 
 /// A fault and how its seat recovered, in one line.
-pub(crate) fn fault_line(fault: &FaultResult) -> String {
+fn fault_line(fault: &FaultResult) -> String {
     let figures = match fault.figures.as_str() {
         "" => String::new(),
         figures => format!(" {figures}"),
