@@ -5,6 +5,7 @@
 
 use crate::clock::now_ns;
 use crate::error::StartError;
+use crate::middleware::Kept;
 use crate::peer::{Peer, service_name};
 use iceoryx2::port::listener::Listener;
 use iceoryx2::port::notifier::{Notifier, NotifierCreateError};
@@ -35,7 +36,7 @@ impl Rung {
 /// The own doorbell, and the pipe that wakes on signals.
 #[derive(Debug)]
 pub struct Doorbell {
-    listener: Listener<ipc::Service>,
+    listener: Kept<Listener<ipc::Service>>,
     signals: UnixStream,
 }
 
@@ -58,7 +59,10 @@ impl Doorbell {
             .listener_builder()
             .create()
             .map_err(|error| failed(&error))?;
-        Ok(Self { listener, signals })
+        Ok(Self {
+            listener: Kept::new(listener),
+            signals,
+        })
     }
 
     /// Sleeps until a ring, a signal or `deadline_ns` of the monotonic clock; says what rang.
@@ -107,7 +111,7 @@ impl Doorbell {
 /// The doorbells of the others.
 #[derive(Debug)]
 pub struct Bells {
-    notifiers: Vec<(Role, Notifier<ipc::Service>)>,
+    notifiers: Vec<(Role, Kept<Notifier<ipc::Service>>)>,
 }
 
 impl Bells {
@@ -144,7 +148,7 @@ impl Bells {
                     NotifierCreateError::ExceedsMaxSupportedNotifiers => full(RINGERS_MAX),
                     error => failed(&error),
                 })?;
-            notifiers.push((role, notifier));
+            notifiers.push((role, Kept::new(notifier)));
         }
         Ok(Self { notifiers })
     }

@@ -43,6 +43,7 @@ mod locked;
 pub mod logs;
 mod map_input;
 pub mod memory;
+mod middleware;
 pub mod nearest;
 pub mod odometry;
 pub mod peer;

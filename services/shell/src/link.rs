@@ -1,20 +1,13 @@
 //! The way of the messages of a topic to one reader, which launch may disturb on purpose: some are
 //! lost, late, or have a bit flipped. Otherwise they are read in place, in shared memory.
 
+use crate::middleware::{Received, Receiver};
 use crate::roster::Roster;
-use bytemuck::{bytes_of_mut, cast_slice_mut};
-use iceoryx2::prelude::ipc;
-use iceoryx2::sample::Sample;
+use bytemuck::{bytes_of_mut, cast_slice, cast_slice_mut, from_bytes};
 use std::collections::VecDeque;
 use zeronav_msgs::header::Header;
 use zeronav_msgs::run::{TopicFault, TopicFaultKind};
 use zeronav_msgs::topics::{Envelope, Topic, TopicRow};
-
-pub(crate) type Subscriber<T> = iceoryx2::port::subscriber::Subscriber<
-    ipc::Service,
-    [<T as Topic>::Item],
-    <T as Topic>::Envelope,
->;
 
 /// A message as it lies in shared memory.
 #[derive(Debug)]
@@ -45,7 +38,7 @@ pub(crate) const LOOK_NS: u64 = 1_000_000;
 /// A received message.
 pub(crate) enum Message<T: Topic> {
     /// As it lies in shared memory.
-    Shared(Sample<ipc::Service, [T::Item], T::Envelope>),
+    Shared(Received),
     /// A copy that was late, or has a bit flipped.
     Copied(Box<(T::Envelope, Vec<T::Item>)>),
 }
@@ -61,14 +54,14 @@ impl<T: Topic> core::fmt::Debug for Message<T> {
 impl<T: Topic> Message<T> {
     pub(crate) fn envelope(&self) -> &T::Envelope {
         match self {
-            Self::Shared(sample) => sample.user_header(),
+            Self::Shared(received) => from_bytes(received.envelope()),
             Self::Copied(copy) => &copy.0,
         }
     }
 
     pub(crate) fn items(&self) -> &[T::Item] {
         match self {
-            Self::Shared(sample) => sample.payload(),
+            Self::Shared(received) => cast_slice(received.items()),
             Self::Copied(copy) => &copy.1,
         }
     }
@@ -120,23 +113,23 @@ fn flip(draw: u64, envelope: &mut [u8], items: &mut [u8]) {
 #[derive(Debug)]
 pub(crate) struct Link<T: Topic> {
     row: &'static TopicRow,
-    subscriber: Subscriber<T>,
+    receiver: Receiver,
     /// When each message arrives, by this process's clock [ns]; the next one first.
     late: VecDeque<(u64, Message<T>)>,
 }
 
 impl<T: Topic> Link<T> {
-    pub(crate) fn new(row: &'static TopicRow, subscriber: Subscriber<T>) -> Self {
+    pub(crate) fn new(row: &'static TopicRow, receiver: Receiver) -> Self {
         Self {
             row,
-            subscriber,
+            receiver,
             late: VecDeque::new(),
         }
     }
 
     /// True when something has come that [`Self::receive`] has not returned yet.
     pub(crate) fn waits(&self) -> bool {
-        self.subscriber.has_samples().unwrap_or(false)
+        self.receiver.waits()
     }
 
     /// The next message.
@@ -176,8 +169,7 @@ impl<T: Topic> Link<T> {
     }
 
     fn take(&self) -> Option<Message<T>> {
-        let sample = self.subscriber.receive().ok().flatten()?;
-        Some(Message::Shared(sample))
+        self.receiver.receive().map(Message::Shared)
     }
 }
 

@@ -3,6 +3,7 @@
 use crate::domain::Domain;
 use crate::error::StartError;
 use crate::memory;
+use crate::middleware::{self, Factory, Kept, Layout, Receiver, Sender};
 use crate::reader::{Latest, Stream};
 use crate::records::{SpanReader, SpanWriter};
 use crate::writer::Writer;
@@ -26,17 +27,13 @@ use zeronav_msgs::topics::{
 /// Name of the attribute that carries the schema hash.
 const SCHEMA_ATTRIBUTE: &str = "schema";
 
-/// What a topic's ports are made from.
-pub(crate) type Factory<T> =
-    PortFactory<ipc::Service, [<T as Topic>::Item], <T as Topic>::Envelope>;
-
 /// A member of a domain: its role, and the ports of every topic.
 #[derive(Debug)]
 pub struct Peer {
     role: Role,
     epoch: u32,
     tap: bool,
-    node: Node<ipc::Service>,
+    node: Kept<Node<ipc::Service>>,
     domain: Domain,
 }
 
@@ -63,7 +60,7 @@ impl Peer {
             role,
             epoch,
             tap,
-            node,
+            node: Kept::new(node),
             domain,
         })
     }
@@ -166,18 +163,10 @@ impl Peer {
                 row.name, row.len_max
             )));
         }
-        memory::check(row.segment_bytes(len) as u64)?;
-        let factory = self.open::<T>(row)?;
-        let pool = row.pool();
-        let publisher = factory
-            .publisher_builder()
-            .initial_max_slice_len(len.max(1))
-            .max_loaned_samples(1)
-            .override_sample_preallocation(move |worst| worst.min(pool))
-            .create()
-            .map_err(|error| StartError::system(format!("writing {}", row.name), error))?;
-        memory::reserve(self.domain.prefix(), publisher.id().value(), row.name)?;
-        Ok(Writer::new(row, publisher, factory, self.role, self.epoch))
+        let layout = Layout::of::<T>();
+        let factory = self.open(row, &layout)?;
+        let sender = self.sender(row, &factory, &layout, len)?;
+        Ok(Writer::new(row, sender, factory, self.role, self.epoch))
     }
 
     /// Opens a reader that keeps the newest message of a latest or latched topic.
@@ -193,8 +182,7 @@ impl Peer {
     /// # Errors
     /// As [`Self::latest`].
     pub fn latest_on<T: Topic>(&self, row: &'static TopicRow) -> Result<Latest<T>, StartError> {
-        let factory = self.open::<T>(row)?;
-        Ok(Latest::new(row, self.subscriber::<T>(row, &factory)?))
+        Ok(Latest::new(row, self.receiver(row, &Layout::of::<T>())?))
     }
 
     /// Opens a reader that sees every message in order. Taps read latest topics so, too.
@@ -210,8 +198,7 @@ impl Peer {
     /// # Errors
     /// As [`Self::stream`].
     pub fn stream_on<T: Topic>(&self, row: &'static TopicRow) -> Result<Stream<T>, StartError> {
-        let factory = self.open::<T>(row)?;
-        Ok(Stream::new(row, self.subscriber::<T>(row, &factory)?))
+        Ok(Stream::new(row, self.receiver(row, &Layout::of::<T>())?))
     }
 
     /// How many writers and readers a topic has now.
@@ -219,9 +206,8 @@ impl Peer {
     /// # Errors
     /// As [`Self::latest`].
     pub fn ports<T: Topic>(&self, row: &'static TopicRow) -> Result<[usize; 2], StartError> {
-        let factory = self.open::<T>(row)?;
-        let ports = factory.dynamic_config();
-        Ok([ports.number_of_publishers(), ports.number_of_subscribers()])
+        let factory = self.open(row, &Layout::of::<T>())?;
+        Ok(middleware::ports(&factory))
     }
 
     /// How many writers and readers `run/spans` has now.
@@ -265,33 +251,68 @@ impl Peer {
         Ok(SpanReader::new(subscriber))
     }
 
-    fn subscriber<T: Topic>(
+    fn sender(
         &self,
         row: &TopicRow,
-        factory: &Factory<T>,
-    ) -> Result<crate::link::Subscriber<T>, StartError> {
+        factory: &Factory,
+        layout: &Layout,
+        len: usize,
+    ) -> Result<Sender, StartError> {
+        memory::check(row.segment_bytes(len) as u64)?;
+        let pool = row.pool();
+        let publisher = factory
+            .publisher_builder()
+            .initial_max_slice_len(len.max(1))
+            .max_loaned_samples(1)
+            .override_sample_preallocation(move |worst| worst.min(pool))
+            .create()
+            .map_err(|error| StartError::system(format!("writing {}", row.name), error))?;
+        memory::reserve(self.domain.prefix(), publisher.id().value(), row.name)?;
+        Ok(Sender::new(publisher, layout))
+    }
+
+    fn receiver(&self, row: &'static TopicRow, layout: &Layout) -> Result<Receiver, StartError> {
         let buffer = if self.tap {
             row.buffer()
         } else {
             row.service_buffer()
         };
-        factory
+        let subscriber = self
+            .open(row, layout)?
             .subscriber_builder()
             .buffer_size(buffer)
             .create()
-            .map_err(|error| read_error(row, error))
+            .map_err(|error| read_error(row, error))?;
+        Ok(Receiver::new(subscriber, layout))
     }
 
-    fn open<T: Topic>(&self, row: &'static TopicRow) -> Result<Factory<T>, StartError> {
+    fn open(&self, row: &'static TopicRow, layout: &Layout) -> Result<Kept<Factory>, StartError> {
         let verifier = verifier(row)?;
         retry(|| {
-            self.node
-                .service_builder(&service_name(row.name)?)
-                .publish_subscribe::<[T::Item]>()
-                .user_header::<T::Envelope>()
+            middleware::topic(&self.node, &service_name(row.name)?, layout)
                 .open_with_attributes(&verifier)
+                .map(Kept::new)
                 .map_err(|error| open_error(row.name, error))
         })
+    }
+
+    fn create(
+        &self,
+        row: &'static TopicRow,
+        layout: &Layout,
+        attributes: &AttributeSpecifier,
+    ) -> Result<Kept<Factory>, StartError> {
+        middleware::topic(&self.node, &service_name(row.name)?, layout)
+            .history_size(row.history())
+            .subscriber_max_buffer_size(row.buffer())
+            .subscriber_max_borrowed_samples(row.borrowed())
+            .enable_safe_overflow(true)
+            .max_publishers(row.writers_max())
+            .max_subscribers(READERS_MAX)
+            .max_nodes(NODES_MAX)
+            .create_with_attributes(attributes)
+            .map(Kept::new)
+            .map_err(|error| StartError::system(format!("making topic {}", row.name), error))
     }
 
     fn open_spans(&self) -> Result<PortFactory<ipc::Service, Span, ()>, StartError> {
@@ -317,21 +338,8 @@ impl TopicVisitor for Creator<'_> {
     type Error = StartError;
 
     fn topic<T: Topic>(&mut self, row: &'static TopicRow) -> Result<(), StartError> {
-        let factory: Factory<T> = self
-            .peer
-            .node
-            .service_builder(&service_name(row.name)?)
-            .publish_subscribe::<[T::Item]>()
-            .user_header::<T::Envelope>()
-            .history_size(row.history())
-            .subscriber_max_buffer_size(row.buffer())
-            .subscriber_max_borrowed_samples(row.borrowed())
-            .enable_safe_overflow(true)
-            .max_publishers(row.writers_max())
-            .max_subscribers(READERS_MAX)
-            .max_nodes(NODES_MAX)
-            .create_with_attributes(&specifier(row, self.foreign)?)
-            .map_err(|error| StartError::system(format!("making topic {}", row.name), error))?;
+        let attributes = specifier(row, self.foreign)?;
+        let factory = self.peer.create(row, &Layout::of::<T>(), &attributes)?;
         self.topics.held.push(Box::new(factory));
         Ok(())
     }

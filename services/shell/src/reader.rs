@@ -1,7 +1,8 @@
 //! The reading ends of a topic. Foreign bytes are checked here and nowhere else.
 
 use crate::input::Input;
-use crate::link::{Link, Message, Subscriber, View};
+use crate::link::{Link, Message, View};
+use crate::middleware::Receiver;
 use crate::received::Received;
 use crate::roster::Roster;
 use zeronav_msgs::header::{Header, Id};
@@ -95,10 +96,10 @@ pub struct Latest<T: Topic> {
 }
 
 impl<T: Topic> Latest<T> {
-    pub(crate) fn new(row: &'static TopicRow, subscriber: Subscriber<T>) -> Self {
+    pub(crate) fn new(row: &'static TopicRow, receiver: Receiver) -> Self {
         Self {
             gate: Gate::new(row),
-            link: Link::new(row, subscriber),
+            link: Link::new(row, receiver),
             held: None,
             came_ns: 0,
             superseded: 0,
@@ -203,10 +204,10 @@ pub struct Stream<T: Topic> {
 }
 
 impl<T: Topic> Stream<T> {
-    pub(crate) fn new(row: &'static TopicRow, subscriber: Subscriber<T>) -> Self {
+    pub(crate) fn new(row: &'static TopicRow, receiver: Receiver) -> Self {
         Self {
             gate: Gate::new(row),
-            link: Link::new(row, subscriber),
+            link: Link::new(row, receiver),
             last: Id::NONE,
             gaps: 0,
             missed: 0,

@@ -1,5 +1,6 @@
 //! `run/spans`: records without header, one per cycle and process.
 
+use crate::middleware::Kept;
 use iceoryx2::port::publisher::Publisher;
 use iceoryx2::port::subscriber::Subscriber;
 use iceoryx2::prelude::ipc;
@@ -9,14 +10,14 @@ use zeronav_msgs::span::Span;
 /// The writing end.
 #[derive(Debug)]
 pub struct SpanWriter {
-    publisher: Publisher<ipc::Service, Span, ()>,
+    publisher: Kept<Publisher<ipc::Service, Span, ()>>,
     failed: u64,
 }
 
 impl SpanWriter {
     pub(crate) fn new(publisher: Publisher<ipc::Service, Span, ()>) -> Self {
         Self {
-            publisher,
+            publisher: Kept::new(publisher),
             failed: 0,
         }
     }
@@ -42,14 +43,14 @@ impl SpanWriter {
 /// The reading end.
 #[derive(Debug)]
 pub struct SpanReader {
-    subscriber: Subscriber<ipc::Service, Span, ()>,
+    subscriber: Kept<Subscriber<ipc::Service, Span, ()>>,
     refused: u64,
 }
 
 impl SpanReader {
     pub(crate) fn new(subscriber: Subscriber<ipc::Service, Span, ()>) -> Self {
         Self {
-            subscriber,
+            subscriber: Kept::new(subscriber),
             refused: 0,
         }
     }

@@ -1,11 +1,8 @@
 //! The writing end of a topic.
 
 use crate::clock::now_ns;
-use iceoryx2::port::publisher::Publisher;
-use iceoryx2::port::update_connections::UpdateConnections;
-use iceoryx2::prelude::ipc;
-use iceoryx2::service::port_factory::PortFactory as _;
-use iceoryx2::service::port_factory::publish_subscribe::PortFactory;
+use crate::middleware::{self, Factory, Kept, Sender, Unsent};
+use core::marker::PhantomData;
 use zeronav_msgs::header::{Header, Id, Parents, Stamps};
 use zeronav_msgs::message::{FNV_OFFSET, fnv1a};
 use zeronav_msgs::role::Role;
@@ -70,8 +67,9 @@ pub struct Sent {
 #[derive(Debug)]
 pub struct Writer<T: Topic> {
     row: &'static TopicRow,
-    publisher: Publisher<ipc::Service, [T::Item], T::Envelope>,
-    topic: PortFactory<ipc::Service, [T::Item], T::Envelope>,
+    sender: Sender,
+    topic: Kept<Factory>,
+    of: PhantomData<fn(T)>,
     role: Role,
     epoch: u32,
     count: u64,
@@ -82,15 +80,16 @@ pub struct Writer<T: Topic> {
 impl<T: Topic> Writer<T> {
     pub(crate) fn new(
         row: &'static TopicRow,
-        publisher: Publisher<ipc::Service, [T::Item], T::Envelope>,
-        topic: PortFactory<ipc::Service, [T::Item], T::Envelope>,
+        sender: Sender,
+        topic: Kept<Factory>,
         role: Role,
         epoch: u32,
     ) -> Self {
         Self {
             row,
-            publisher,
+            sender,
             topic,
+            of: PhantomData,
             role,
             epoch,
             count: 0,
@@ -126,13 +125,13 @@ impl<T: Topic> Writer<T> {
     /// True while the topic has a reader; one that was killed counts until it is cleaned up after.
     #[must_use]
     pub fn is_read(&self) -> bool {
-        self.topic.dynamic_config().number_of_subscribers() > 0
+        middleware::ports(&self.topic)[1] > 0
     }
 
     /// Longest slice that fits.
     #[must_use]
     pub fn len_max(&self) -> usize {
-        self.publisher.initial_max_slice_len()
+        self.sender.len_max()
     }
 
     /// Sends one message; `None` when there is no free memory, which readers that hold old
@@ -167,54 +166,57 @@ impl<T: Topic> Writer<T> {
             }
             return None;
         }
-        let Ok(mut sample) = self.publisher.loan_slice(len) else {
-            if self.failed == self.too_long {
+        let (id, row, role) = (self.next_id(), self.row, self.role);
+        let mut fill = Some(fill);
+        let mut sent = None;
+        let outcome = self.sender.send(len, &mut |envelope, items| {
+            let items: &mut [T::Item] = bytemuck::cast_slice_mut(items);
+            let Some(fill) = fill.take() else { return };
+            let meta = fill(items);
+            let mut header = Header {
+                role: role.code(),
+                schema: u32::try_from(row.schema & 0xffff_ffff).unwrap_or(0),
+                id: id.0,
+                tick: draft.tick,
+                run_ns: draft.run_ns,
+                parents: draft.parents,
+                ..Header::default()
+            };
+            let hash = if draft.hashed {
+                let state = fnv1a(FNV_OFFSET, bytemuck::bytes_of(&header));
+                let state = fnv1a(state, bytemuck::bytes_of(&meta));
+                fnv1a(state, bytemuck::cast_slice(items))
+            } else {
+                0
+            };
+            header.capture_ns = draft.capture_ns;
+            let published_ns = now_ns();
+            header.stamps = Stamps {
+                woken_ns: draft.woken_ns,
+                started_ns: draft.started_ns,
+                published_ns,
+            };
+            envelope.copy_from_slice(bytemuck::bytes_of(&seal::<T>(header, meta, items)));
+            sent = Some(Sent {
+                id,
+                published_ns,
+                hash,
+            });
+        });
+        if let Err(unsent) = outcome {
+            if unsent == Unsent::NoMemory && self.failed == self.too_long {
                 let topic = self.row.name;
                 tracing::warn!(topic, len, "dropped: no free memory; said once");
             }
             self.failed += 1;
             return None;
-        };
-        let meta = fill(sample.payload_mut());
-        let id = self.next_id();
-        let mut header = Header {
-            role: self.role.code(),
-            schema: u32::try_from(self.row.schema & 0xffff_ffff).unwrap_or(0),
-            id: id.0,
-            tick: draft.tick,
-            run_ns: draft.run_ns,
-            parents: draft.parents,
-            ..Header::default()
-        };
-        let hash = if draft.hashed {
-            let state = fnv1a(FNV_OFFSET, bytemuck::bytes_of(&header));
-            let state = fnv1a(state, bytemuck::bytes_of(&meta));
-            fnv1a(state, bytemuck::cast_slice(sample.payload()))
-        } else {
-            0
-        };
-        header.capture_ns = draft.capture_ns;
-        let published_ns = now_ns();
-        header.stamps = Stamps {
-            woken_ns: draft.woken_ns,
-            started_ns: draft.started_ns,
-            published_ns,
-        };
-        *sample.user_header_mut() = seal::<T>(header, meta, sample.payload());
-        if sample.send().is_err() {
-            self.failed += 1;
-            return None;
         }
         self.count += 1;
-        Some(Sent {
-            id,
-            published_ns,
-            hash,
-        })
+        sent
     }
 
     /// Brings the last message of a latched topic to readers that joined since.
     pub fn refresh(&self) {
-        let _ = self.publisher.update_connections();
+        self.sender.refresh();
     }
 }
