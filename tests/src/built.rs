@@ -1,5 +1,6 @@
 //! The workspace and what is built of it for tests, and scripts that they write.
 
+use std::ffi::OsStr;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -62,7 +63,28 @@ pub fn binaries() -> &'static Path {
 /// As [`binaries`].
 #[must_use]
 pub fn command() -> Command {
-    let mut command = Command::new(binaries().join("zeronav"));
+    without_cargo(Command::new(binaries().join("zeronav")))
+}
+
+/// [`command`] for what does not depend on the clock, such as a run in lockstep: it takes the
+/// processor time that others leave.
+///
+/// # Panics
+/// As [`binaries`].
+#[must_use]
+pub fn background_command() -> Command {
+    without_cargo(background(binaries().join("zeronav")))
+}
+
+/// A command that takes the processor time that others leave.
+#[must_use]
+pub fn background(program: impl AsRef<OsStr>) -> Command {
+    let mut command = Command::new("nice");
+    command.args(["-n", "19"]).arg(program);
+    command
+}
+
+fn without_cargo(mut command: Command) -> Command {
     command.env_remove("CARGO");
     command
 }

@@ -1,5 +1,7 @@
 //! Turns of tests in real time, so that they leave each other the processors.
 
+use std::cell::Cell;
+use std::marker::PhantomData;
 use std::sync::{Condvar, Mutex, PoisonError};
 
 /// Stacks in real time that may be up at once, besides those in lockstep.
@@ -18,10 +20,21 @@ static PLACES: Mutex<Places> = Mutex::new(Places {
 });
 static FREED: Condvar = Condvar::new();
 
-/// A test's turn, until it is dropped.
+thread_local! {
+    /// True while the test of this thread has a turn.
+    static HAS_TURN: Cell<bool> = const { Cell::new(false) };
+}
+
+/// True while the test of this thread has a turn.
+pub(crate) fn has_turn() -> bool {
+    HAS_TURN.get()
+}
+
+/// A test's turn, until it is dropped, by the thread that took it.
 #[derive(Debug)]
 pub struct Turn {
     places: usize,
+    of_this_thread: PhantomData<*const ()>,
 }
 
 /// A turn for a run in real time, beside one other at most.
@@ -46,13 +59,18 @@ fn take(places: usize) -> Turn {
     }
     now.waiting -= usize::from(is_quiet);
     now.taken += places;
-    Turn { places }
+    HAS_TURN.set(true);
+    Turn {
+        places,
+        of_this_thread: PhantomData,
+    }
 }
 
 impl Drop for Turn {
     fn drop(&mut self) {
         let mut now = PLACES.lock().unwrap_or_else(PoisonError::into_inner);
         now.taken -= self.places;
+        HAS_TURN.set(false);
         FREED.notify_all();
     }
 }

@@ -10,7 +10,7 @@ use zeronav_msgs::header::{Header, Id, Parents, Stamps};
 use zeronav_msgs::role::Role;
 use zeronav_msgs::task::{EndReason, StuckCause, TaskState, TaskStatus};
 use zeronav_msgs::topics::{TaskState as Status, Topic, seal, topics};
-use zeronav_tests::{Stranger, Zeronav, binaries, quiet_turn, send_signal, workspace};
+use zeronav_tests::{Stranger, Zeronav, background, binaries, quiet_turn, send_signal, workspace};
 
 const HEADER: &str = "services/cpp/zeronav.hpp";
 
@@ -18,7 +18,7 @@ const HEADER: &str = "services/cpp/zeronav.hpp";
 fn compile(folder: &Path, header: &str, program: &str) -> Output {
     std::fs::write(folder.join("zeronav.hpp"), header).expect("written");
     std::fs::write(folder.join("program.cpp"), program).expect("written");
-    Command::new("g++")
+    background("g++")
         .args(["-std=c++17", "-O1", "-Wall", "-Wextra", "-Wconversion"])
         .args(["-pedantic", "-Werror", "program.cpp", "-o", "program"])
         .current_dir(folder)

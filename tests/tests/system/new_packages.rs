@@ -3,10 +3,11 @@
 
 use serde_json::Value;
 use std::path::Path;
-use std::process::Command;
 use tempfile::TempDir;
 use zeronav_tests::python::python;
-use zeronav_tests::{Zeronav, binaries, executable, quick_profile, real_time_turn, zeronav};
+use zeronav_tests::{
+    Zeronav, background, binaries, executable, quick_profile, real_time_turn, zeronav,
+};
 
 /// A package, and the commands that were printed with it.
 struct Package {
@@ -49,7 +50,7 @@ impl Package {
 
     /// Runs the command that builds it.
     fn build(&self) {
-        let output = Command::new("sh")
+        let output = background("sh")
             .args(["-c", &self.build])
             .current_dir(self.folder.path())
             // Everything is there: the workspace has been built with the same versions.

@@ -2,8 +2,7 @@
 
 use std::collections::BTreeSet;
 use std::path::Path;
-use std::process::Command;
-use zeronav_tests::{Zeronav, binaries, quick_profile, workspace};
+use zeronav_tests::{Zeronav, background, binaries, quick_profile, workspace};
 
 const PACKAGE: &str = "services/shell/examples/own_planner";
 
@@ -39,7 +38,7 @@ fn build() {
     let quick = tempfile::tempdir().expect("a folder");
     let config = quick.path().join("config.toml");
     std::fs::write(&config, quick_profile("own_planner")).expect("written");
-    let status = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
+    let status = background(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
         .args(["build", "--quiet", "--locked", "--profile", profile])
         .arg("--config")
         .arg(&config)
