@@ -72,7 +72,7 @@ pub fn command() -> Command {
 /// # Panics
 /// As [`binaries`].
 #[must_use]
-pub fn background_command() -> Command {
+pub(crate) fn background_command() -> Command {
     without_cargo(background(binaries().join("zeronav")))
 }
 

@@ -12,6 +12,7 @@
 //! |---|---|
 //! | the run's folder, its locks, and how it is removed | [`domain`], [`folder`], [`cleaning`], [`memory`], [`damage`] |
 //! | a member of a run, and the typed ports that it opens | [`Peer`]: [`Latest`], [`Stream`], [`Writer`], [`records`] |
+//! | the middleware's ports, on bytes: the one place where they are compiled | `middleware` |
 //! | which process is obeyed, and how time runs | [`Roster`], [`roster_reader`], [`seat`], [`clock`] |
 //! | inputs that several services read alike | [`OdometryReader`], [`MapInput`], [`Tasks`], [`CurrentGoal`] |
 //! | when an answer is due, and how it is given | [`Trigger`], [`Due`], [`Shell`], [`Draft`] |

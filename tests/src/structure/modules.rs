@@ -21,8 +21,11 @@ use std::path::{Path, PathBuf};
 /// What each uses of the others.
 type Uses = [BTreeMap<usize, BTreeSet<String>>];
 
-/// Re-exports that are followed from one path at most.
-const REEXPORTS_MAX: usize = 16;
+/// What the paths asked for in one search lead to, by module.
+type Seen = HashMap<(usize, Vec<String>), Option<Target>>;
+
+/// Segments of a path that is followed; a longer one comes of imports that name each other.
+const SEGMENTS_MAX: usize = 32;
 
 #[derive(Debug)]
 struct Module {
@@ -185,7 +188,7 @@ impl Crate {
             let mut targets = Vec::new();
             for import in &module.named.imports {
                 let path = import.path.strip_suffix(&["*".to_owned()]);
-                match self.follow(index, path.unwrap_or(&import.path), 0) {
+                match self.follow(index, path.unwrap_or(&import.path), &mut Seen::new()) {
                     Some(target) if target.is_module && path.is_none() => {}
                     Some(target) if self.is_only_exported(index, import, &target) => {}
                     Some(target) => targets.push((target, import.name.clone())),
@@ -193,7 +196,7 @@ impl Crate {
                 }
             }
             for path in &module.named.paths {
-                if let Some(target) = self.follow(index, path, 0) {
+                if let Some(target) = self.follow(index, path, &mut Seen::new()) {
                     targets.push((target, path.last().cloned().unwrap_or_default()));
                 }
             }
@@ -223,24 +226,24 @@ impl Crate {
     }
 
     /// Where the item that `path` names in module `index` is declared; `None` outside this crate.
-    fn follow(&self, index: usize, path: &[String], depth: usize) -> Option<Target> {
+    fn follow(&self, index: usize, path: &[String], seen: &mut Seen) -> Option<Target> {
         let (first, rest) = path.split_first()?;
         match first.as_str() {
-            "crate" => self.descend(0, rest, depth),
-            "self" => self.descend(index, rest, depth),
+            "crate" => self.descend(0, rest, seen),
+            "self" => self.descend(index, rest, seen),
             "super" => {
                 let parent = self.modules[index].parent?;
                 match rest.first().map(String::as_str) {
-                    Some("super") => self.follow(parent, rest, depth),
-                    _ => self.descend(parent, rest, depth),
+                    Some("super") => self.follow(parent, rest, seen),
+                    _ => self.descend(parent, rest, seen),
                 }
             }
-            _ => self.lookup(index, path, depth),
+            _ => self.lookup(index, path, seen),
         }
     }
 
     /// The item `path` inside the module `index`, or the module itself.
-    fn descend(&self, index: usize, path: &[String], depth: usize) -> Option<Target> {
+    fn descend(&self, index: usize, path: &[String], seen: &mut Seen) -> Option<Target> {
         if path.is_empty() {
             return Some(Target {
                 module: index,
@@ -248,22 +251,34 @@ impl Crate {
             });
         }
         // What is found nowhere is declared by a macro of the module.
-        self.lookup(index, path, depth).or(Some(Target {
+        self.lookup(index, path, seen).or(Some(Target {
             module: index,
             is_module: false,
         }))
     }
 
     /// The item that `path` names relative to the module `index`: in a child, declared there,
-    /// imported there, or behind one of its globs.
-    fn lookup(&self, index: usize, path: &[String], depth: usize) -> Option<Target> {
-        let (first, rest) = path.split_first()?;
-        let module = &self.modules[index];
-        if depth > REEXPORTS_MAX {
+    /// imported there, or behind one of its globs. What is asked for while it is looked for, by globs
+    /// in a circle, is not found that way.
+    fn lookup(&self, index: usize, path: &[String], seen: &mut Seen) -> Option<Target> {
+        if path.len() > SEGMENTS_MAX {
             return None;
         }
+        let asked = (index, path.to_vec());
+        if let Some(found) = seen.get(&asked) {
+            return *found;
+        }
+        seen.insert(asked.clone(), None);
+        let found = self.search(index, path, seen);
+        seen.insert(asked, found);
+        found
+    }
+
+    fn search(&self, index: usize, path: &[String], seen: &mut Seen) -> Option<Target> {
+        let (first, rest) = path.split_first()?;
+        let module = &self.modules[index];
         if let Some(child) = module.children.get(first) {
-            return self.descend(*child, rest, depth);
+            return self.descend(*child, rest, seen);
         }
         if module.named.items.contains(first) {
             return Some(Target {
@@ -274,18 +289,18 @@ impl Crate {
         for import in &module.named.imports {
             let glob = import.path.strip_suffix(&["*".to_owned()]);
             if let (Some(from), false) = (glob, first == "*") {
-                let Some(target) = self.follow(index, from, depth + 1) else {
+                let Some(target) = self.follow(index, from, seen) else {
                     continue;
                 };
                 if target.is_module
                     && target.module != index
-                    && let Some(found) = self.lookup(target.module, path, depth + 1)
+                    && let Some(found) = self.lookup(target.module, path, seen)
                 {
                     return Some(found);
                 }
             } else if import.name == *first && import.path.first() != Some(first) {
                 let whole: Vec<String> = import.path.iter().chain(rest).cloned().collect();
-                return self.follow(index, &whole, depth + 1);
+                return self.follow(index, &whole, seen);
             }
         }
         None
