@@ -66,6 +66,7 @@ impl Doorbell {
     }
 
     /// Sleeps until a ring, a signal or `deadline_ns` of the monotonic clock; says what rang.
+    #[allow(clippy::must_use_candidate, reason = "one may wait for the time alone")]
     pub fn wait(&self, deadline_ns: u64) -> Rung {
         let left_ns = deadline_ns.saturating_sub(now_ns()).min(WAKE_AT_LEAST_NS);
         let timeout = Timespec {
