@@ -1,6 +1,6 @@
 //! A scenario says how the kernel schedules a service; the result says what was granted.
 
-use zeronav_tests::Zeronav;
+use zeronav_tests::{Zeronav, real_time_turn};
 
 /// A drive with `mapping` at a nice value on the first processor and on one that is not there, which
 /// dies once.
@@ -37,6 +37,8 @@ fn folder(more: &str) -> tempfile::TempDir {
 
 #[test]
 fn a_restarted_service_too_is_scheduled_as_asked_and_what_is_not_granted_is_said() {
+    // In the background launch itself would be scheduled otherwise.
+    let _turn = real_time_turn();
     let first = first_cpu();
     let folder = folder(&EXTRA.replace("FIRST", &first));
     let arguments = ["run", "./it.toml", "--lockstep", "--headless", "--json"];
