@@ -5,7 +5,7 @@
 
 use crate::clock::now_ns;
 use crate::error::StartError;
-use crate::middleware::Kept;
+use crate::middleware::Erased;
 use crate::peer::{Peer, service_name};
 use iceoryx2::port::listener::Listener;
 use iceoryx2::port::notifier::{Notifier, NotifierCreateError};
@@ -36,7 +36,7 @@ impl Rung {
 /// The own doorbell, and the pipe that wakes on signals.
 #[derive(Debug)]
 pub struct Doorbell {
-    listener: Kept<Listener<ipc::Service>>,
+    listener: Erased<Listener<ipc::Service>>,
     signals: UnixStream,
 }
 
@@ -60,7 +60,7 @@ impl Doorbell {
             .create()
             .map_err(|error| failed(&error))?;
         Ok(Self {
-            listener: Kept::new(listener),
+            listener: Erased::new(listener),
             signals,
         })
     }
@@ -112,7 +112,7 @@ impl Doorbell {
 /// The doorbells of the others.
 #[derive(Debug)]
 pub struct Bells {
-    notifiers: Vec<(Role, Kept<Notifier<ipc::Service>>)>,
+    notifiers: Vec<(Role, Erased<Notifier<ipc::Service>>)>,
 }
 
 impl Bells {
@@ -149,7 +149,7 @@ impl Bells {
                     NotifierCreateError::ExceedsMaxSupportedNotifiers => full(RINGERS_MAX),
                     error => failed(&error),
                 })?;
-            notifiers.push((role, Kept::new(notifier)));
+            notifiers.push((role, Erased::new(notifier)));
         }
         Ok(Self { notifiers })
     }

@@ -1,7 +1,7 @@
 //! The way of the messages of a topic to one reader, which launch may disturb on purpose: some are
 //! lost, late, or have a bit flipped. Otherwise they are read in place, in shared memory.
 
-use crate::middleware::{Received, Receiver};
+use crate::middleware::{Receiver, Sample};
 use crate::roster::Roster;
 use bytemuck::{bytes_of_mut, cast_slice, cast_slice_mut, from_bytes};
 use std::collections::VecDeque;
@@ -38,7 +38,7 @@ pub(crate) const LOOK_NS: u64 = 1_000_000;
 /// A received message.
 pub(crate) enum Message<T: Topic> {
     /// As it lies in shared memory.
-    Shared(Received),
+    Shared(Sample),
     /// A copy that was late, or has a bit flipped.
     Copied(Box<(T::Envelope, Vec<T::Item>)>),
 }
@@ -54,14 +54,14 @@ impl<T: Topic> core::fmt::Debug for Message<T> {
 impl<T: Topic> Message<T> {
     pub(crate) fn envelope(&self) -> &T::Envelope {
         match self {
-            Self::Shared(received) => from_bytes(received.envelope()),
+            Self::Shared(sample) => from_bytes(sample.envelope()),
             Self::Copied(copy) => &copy.0,
         }
     }
 
     pub(crate) fn items(&self) -> &[T::Item] {
         match self {
-            Self::Shared(received) => cast_slice(received.items()),
+            Self::Shared(sample) => cast_slice(sample.items()),
             Self::Copied(copy) => &copy.1,
         }
     }

@@ -1,8 +1,8 @@
 //! The middleware's publish-subscribe ports, on the bytes of messages.
 //!
-//! Ports that are generic over the message would be compiled again in every service, at 40 to 100 s
-//! each. Here they are compiled once: the types of a topic are values ([`Layout`]), and what is of the
-//! middleware is dropped here, too ([`Kept`]).
+//! Ports that are generic over the message would be compiled again in every service, which is most of
+//! the build of a small one. Here they are compiled once: the types of a topic are values ([`Layout`]),
+//! and destructors of the middleware are called through a vtable ([`Erased`]).
 
 use core::any::Any;
 use core::fmt;
@@ -10,8 +10,7 @@ use core::marker::PhantomData;
 use core::mem::{ManuallyDrop, MaybeUninit};
 use core::ops::Deref;
 use iceoryx2::node::Node;
-use iceoryx2::port::publisher::Publisher;
-use iceoryx2::port::subscriber::Subscriber;
+use iceoryx2::port;
 use iceoryx2::port::update_connections::UpdateConnections;
 use iceoryx2::prelude::ipc;
 use iceoryx2::service::builder::publish_subscribe::Builder;
@@ -20,6 +19,7 @@ use iceoryx2::service::port_factory::PortFactory as _;
 use iceoryx2::service::port_factory::publish_subscribe::PortFactory;
 use iceoryx2::service::service_name::ServiceName;
 use iceoryx2::service::static_config::message_type_details::{TypeDetail, TypeVariant};
+use zeronav_msgs::span::Span;
 use zeronav_msgs::topics::Topic;
 
 /// The middleware's builder of a topic.
@@ -28,33 +28,37 @@ pub(crate) type TopicBuilder = Builder<[CustomPayloadMarker], CustomHeaderMarker
 /// What a topic's ports are made from.
 pub(crate) type Factory = PortFactory<ipc::Service, [CustomPayloadMarker], CustomHeaderMarker>;
 
-type Sample = iceoryx2::sample::Sample<ipc::Service, [CustomPayloadMarker], CustomHeaderMarker>;
+type Publisher =
+    port::publisher::Publisher<ipc::Service, [CustomPayloadMarker], CustomHeaderMarker>;
 
-/// Something of the middleware, of which the crates above do not compile the destructor.
-pub(crate) struct Kept<T> {
-    it: Box<dyn Any>,
+type Subscriber =
+    port::subscriber::Subscriber<ipc::Service, [CustomPayloadMarker], CustomHeaderMarker>;
+
+/// A value of the middleware whose destructor the crates above do not compile.
+pub(crate) struct Erased<T> {
+    value: Box<dyn Any>,
     of: PhantomData<fn() -> T>,
 }
 
-impl<T: 'static> Kept<T> {
-    pub(crate) fn new(it: T) -> Self {
+impl<T: 'static> Erased<T> {
+    pub(crate) fn new(value: T) -> Self {
         Self {
-            it: Box::new(it),
+            value: Box::new(value),
             of: PhantomData,
         }
     }
 }
 
-impl<T: 'static> Deref for Kept<T> {
+impl<T: 'static> Deref for Erased<T> {
     type Target = T;
 
     fn deref(&self) -> &T {
-        let it = self.it.downcast_ref();
-        it.expect("nothing else is kept")
+        let value = self.value.downcast_ref();
+        value.expect("made from this type")
     }
 }
 
-impl<T> fmt::Debug for Kept<T> {
+impl<T> fmt::Debug for Erased<T> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(core::any::type_name::<T>())
     }
@@ -72,6 +76,14 @@ impl Layout {
         Self {
             envelope: TypeDetail::new::<T::Envelope>(TypeVariant::FixedSize),
             item: TypeDetail::new::<T::Item>(TypeVariant::Dynamic),
+        }
+    }
+
+    /// Records have no envelope, and one item each.
+    pub(crate) fn of_spans() -> Self {
+        Self {
+            envelope: TypeDetail::new::<()>(TypeVariant::FixedSize),
+            item: TypeDetail::new::<Span>(TypeVariant::FixedSize),
         }
     }
 }
@@ -117,17 +129,14 @@ pub(crate) enum Unsent {
 /// The writing end.
 #[derive(Debug)]
 pub(crate) struct Sender {
-    port: Kept<Publisher<ipc::Service, [CustomPayloadMarker], CustomHeaderMarker>>,
+    port: Erased<Publisher>,
     envelope_bytes: usize,
 }
 
 impl Sender {
-    pub(crate) fn new(
-        port: Publisher<ipc::Service, [CustomPayloadMarker], CustomHeaderMarker>,
-        layout: &Layout,
-    ) -> Self {
+    pub(crate) fn new(port: Publisher, layout: &Layout) -> Self {
         Self {
-            port: Kept::new(port),
+            port: Erased::new(port),
             envelope_bytes: layout.envelope.size(),
         }
     }
@@ -137,8 +146,8 @@ impl Sender {
         self.port.initial_max_slice_len()
     }
 
-    /// Sends a message of `len` items, after `fill` has written envelope and items, which are zero
-    /// before, in place.
+    /// Sends a message of `len` items, one on a topic of records. `fill` writes envelope and items, which
+    /// are zero before, in place.
     ///
     /// # Errors
     /// [`Unsent::NoMemory`] before `fill` is called, [`Unsent::Rejected`] after.
@@ -151,7 +160,7 @@ impl Sender {
         len: usize,
         fill: &mut dyn FnMut(&mut [u8], &mut [u8]),
     ) -> Result<(), Unsent> {
-        // SAFETY: the topic's items are a slice, of which any number may be lent.
+        // SAFETY: any number of items may be lent of a slice, and one of a record.
         let lent = unsafe { self.port.loan_custom_payload(len) };
         let mut lent = lent.map_err(|_| Unsent::NoMemory)?;
         let envelope: *mut CustomHeaderMarker = lent.user_header_mut();
@@ -181,17 +190,14 @@ impl Sender {
 /// The reading end.
 #[derive(Debug)]
 pub(crate) struct Receiver {
-    port: Kept<Subscriber<ipc::Service, [CustomPayloadMarker], CustomHeaderMarker>>,
+    port: Erased<Subscriber>,
     envelope_bytes: usize,
 }
 
 impl Receiver {
-    pub(crate) fn new(
-        port: Subscriber<ipc::Service, [CustomPayloadMarker], CustomHeaderMarker>,
-        layout: &Layout,
-    ) -> Self {
+    pub(crate) fn new(port: Subscriber, layout: &Layout) -> Self {
         Self {
-            port: Kept::new(port),
+            port: Erased::new(port),
             envelope_bytes: layout.envelope.size(),
         }
     }
@@ -202,9 +208,9 @@ impl Receiver {
     }
 
     /// The next message.
-    pub(crate) fn receive(&self) -> Option<Received> {
+    pub(crate) fn receive(&self) -> Option<Sample> {
         let sample = self.port.receive().ok().flatten()?;
-        Some(Received {
+        Some(Sample {
             sample: ManuallyDrop::new(sample),
             envelope_bytes: self.envelope_bytes,
         })
@@ -212,12 +218,14 @@ impl Receiver {
 }
 
 /// A message in shared memory.
-pub(crate) struct Received {
-    sample: ManuallyDrop<Sample>,
+pub(crate) struct Sample {
+    sample: ManuallyDrop<
+        iceoryx2::sample::Sample<ipc::Service, [CustomPayloadMarker], CustomHeaderMarker>,
+    >,
     envelope_bytes: usize,
 }
 
-impl Received {
+impl Sample {
     /// Header and fixed fields.
     #[allow(
         unsafe_code,
@@ -242,7 +250,7 @@ impl Received {
     }
 }
 
-impl Drop for Received {
+impl Drop for Sample {
     #[allow(
         unsafe_code,
         reason = "what is dropped by itself is compiled in every crate above"

@@ -3,7 +3,7 @@
 use crate::domain::Domain;
 use crate::error::StartError;
 use crate::memory;
-use crate::middleware::{self, Factory, Kept, Layout, Receiver, Sender};
+use crate::middleware::{self, Erased, Factory, Layout, Receiver, Sender};
 use crate::reader::{Latest, Stream};
 use crate::records::{SpanReader, SpanWriter};
 use crate::writer::Writer;
@@ -15,10 +15,7 @@ use iceoryx2::prelude::{
 };
 use iceoryx2::service::attribute::{AttributeKey, AttributeValue};
 use iceoryx2::service::builder::publish_subscribe::PublishSubscribeOpenError;
-use iceoryx2::service::port_factory::PortFactory as _;
-use iceoryx2::service::port_factory::publish_subscribe::PortFactory;
 use zeronav_msgs::role::Role;
-use zeronav_msgs::span::Span;
 use zeronav_msgs::topics::{
     EVENT_MAX, NODES_MAX, READERS_MAX, RINGERS_MAX, SPANS, Topic, TopicRow, TopicVisitor,
     WRITERS_MAX, visit_topics,
@@ -33,7 +30,7 @@ pub struct Peer {
     role: Role,
     epoch: u32,
     tap: bool,
-    node: Kept<Node<ipc::Service>>,
+    node: Erased<Node<ipc::Service>>,
     domain: Domain,
 }
 
@@ -60,7 +57,7 @@ impl Peer {
             role,
             epoch,
             tap,
-            node: Kept::new(node),
+            node: Erased::new(node),
             domain,
         })
     }
@@ -215,9 +212,8 @@ impl Peer {
     /// # Errors
     /// As [`Self::latest`].
     pub fn span_ports(&self) -> Result<[usize; 2], StartError> {
-        let factory = self.open_spans()?;
-        let ports = factory.dynamic_config();
-        Ok([ports.number_of_publishers(), ports.number_of_subscribers()])
+        let factory = self.open(&SPANS, &Layout::of_spans())?;
+        Ok(middleware::ports(&factory))
     }
 
     /// Opens the writer of `run/spans`.
@@ -225,17 +221,9 @@ impl Peer {
     /// # Errors
     /// As [`Self::writer`].
     pub fn span_writer(&self) -> Result<SpanWriter, StartError> {
-        memory::check(SPANS.segment_bytes(1) as u64)?;
-        let factory = self.open_spans()?;
-        let pool = SPANS.pool();
-        let publisher = factory
-            .publisher_builder()
-            .max_loaned_samples(1)
-            .override_sample_preallocation(move |worst| worst.min(pool))
-            .create()
-            .map_err(|error| StartError::system("writing run/spans", error))?;
-        memory::reserve(self.domain.prefix(), publisher.id().value(), SPANS.name)?;
-        Ok(SpanWriter::new(publisher))
+        let layout = Layout::of_spans();
+        let factory = self.open(&SPANS, &layout)?;
+        Ok(SpanWriter::new(self.sender(&SPANS, &factory, &layout, 1)?))
     }
 
     /// Opens a reader of `run/spans`.
@@ -243,12 +231,8 @@ impl Peer {
     /// # Errors
     /// As [`Self::latest`].
     pub fn span_reader(&self) -> Result<SpanReader, StartError> {
-        let subscriber = self
-            .open_spans()?
-            .subscriber_builder()
-            .create()
-            .map_err(|error| read_error(&SPANS, error))?;
-        Ok(SpanReader::new(subscriber))
+        let receiver = self.receiver(&SPANS, &Layout::of_spans())?;
+        Ok(SpanReader::new(receiver))
     }
 
     fn sender(
@@ -286,43 +270,13 @@ impl Peer {
         Ok(Receiver::new(subscriber, layout))
     }
 
-    fn open(&self, row: &'static TopicRow, layout: &Layout) -> Result<Kept<Factory>, StartError> {
+    fn open(&self, row: &'static TopicRow, layout: &Layout) -> Result<Erased<Factory>, StartError> {
         let verifier = verifier(row)?;
         retry(|| {
             middleware::topic(&self.node, &service_name(row.name)?, layout)
                 .open_with_attributes(&verifier)
-                .map(Kept::new)
+                .map(Erased::new)
                 .map_err(|error| open_error(row.name, error))
-        })
-    }
-
-    fn create(
-        &self,
-        row: &'static TopicRow,
-        layout: &Layout,
-        attributes: &AttributeSpecifier,
-    ) -> Result<Kept<Factory>, StartError> {
-        middleware::topic(&self.node, &service_name(row.name)?, layout)
-            .history_size(row.history())
-            .subscriber_max_buffer_size(row.buffer())
-            .subscriber_max_borrowed_samples(row.borrowed())
-            .enable_safe_overflow(true)
-            .max_publishers(row.writers_max())
-            .max_subscribers(READERS_MAX)
-            .max_nodes(NODES_MAX)
-            .create_with_attributes(attributes)
-            .map(Kept::new)
-            .map_err(|error| StartError::system(format!("making topic {}", row.name), error))
-    }
-
-    fn open_spans(&self) -> Result<PortFactory<ipc::Service, Span, ()>, StartError> {
-        let verifier = verifier(&SPANS)?;
-        retry(|| {
-            self.node
-                .service_builder(&service_name(SPANS.name)?)
-                .publish_subscribe::<Span>()
-                .open_with_attributes(&verifier)
-                .map_err(|error| open_error(SPANS.name, error))
         })
     }
 }
@@ -334,22 +288,11 @@ struct Creator<'a> {
     topics: Topics,
 }
 
-impl TopicVisitor for Creator<'_> {
-    type Error = StartError;
-
-    fn topic<T: Topic>(&mut self, row: &'static TopicRow) -> Result<(), StartError> {
+impl Creator<'_> {
+    fn create(&mut self, row: &'static TopicRow, layout: &Layout) -> Result<(), StartError> {
         let attributes = specifier(row, self.foreign)?;
-        let factory = self.peer.create(row, &Layout::of::<T>(), &attributes)?;
-        self.topics.held.push(Box::new(factory));
-        Ok(())
-    }
-
-    fn records(&mut self, row: &'static TopicRow) -> Result<(), StartError> {
-        let factory = self
-            .peer
-            .node
-            .service_builder(&service_name(row.name)?)
-            .publish_subscribe::<Span>()
+        let name = service_name(row.name)?;
+        let factory = middleware::topic(&self.peer.node, &name, layout)
             .history_size(row.history())
             .subscriber_max_buffer_size(row.buffer())
             .subscriber_max_borrowed_samples(row.borrowed())
@@ -357,10 +300,22 @@ impl TopicVisitor for Creator<'_> {
             .max_publishers(row.writers_max())
             .max_subscribers(READERS_MAX)
             .max_nodes(NODES_MAX)
-            .create_with_attributes(&specifier(row, self.foreign)?)
+            .create_with_attributes(&attributes)
             .map_err(|error| StartError::system(format!("making topic {}", row.name), error))?;
         self.topics.held.push(Box::new(factory));
         Ok(())
+    }
+}
+
+impl TopicVisitor for Creator<'_> {
+    type Error = StartError;
+
+    fn topic<T: Topic>(&mut self, row: &'static TopicRow) -> Result<(), StartError> {
+        self.create(row, &Layout::of::<T>())
+    }
+
+    fn records(&mut self, row: &'static TopicRow) -> Result<(), StartError> {
+        self.create(row, &Layout::of_spans())
     }
 }
 

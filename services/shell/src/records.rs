@@ -1,34 +1,26 @@
 //! `run/spans`: records without header, one per cycle and process.
 
-use crate::middleware::Kept;
-use iceoryx2::port::publisher::Publisher;
-use iceoryx2::port::subscriber::Subscriber;
-use iceoryx2::prelude::ipc;
+use crate::middleware::{Receiver, Sender};
+use bytemuck::{bytes_of, try_from_bytes};
 use zeronav_msgs::header::SHADOW_EPOCH_MIN;
 use zeronav_msgs::span::Span;
 
 /// The writing end.
 #[derive(Debug)]
 pub struct SpanWriter {
-    publisher: Kept<Publisher<ipc::Service, Span, ()>>,
+    sender: Sender,
     failed: u64,
 }
 
 impl SpanWriter {
-    pub(crate) fn new(publisher: Publisher<ipc::Service, Span, ()>) -> Self {
-        Self {
-            publisher: Kept::new(publisher),
-            failed: 0,
-        }
+    pub(crate) fn new(sender: Sender) -> Self {
+        Self { sender, failed: 0 }
     }
 
     /// Sends one record.
     pub fn write(&mut self, span: Span) {
-        let sent = self
-            .publisher
-            .loan_uninit()
-            .map(|slot| slot.write_payload(span).send());
-        if !matches!(sent, Ok(Ok(_))) {
+        let mut fill = |_: &mut [u8], item: &mut [u8]| item.copy_from_slice(bytes_of(&span));
+        if self.sender.send(1, &mut fill).is_err() {
             self.failed += 1;
         }
     }
@@ -43,14 +35,14 @@ impl SpanWriter {
 /// The reading end.
 #[derive(Debug)]
 pub struct SpanReader {
-    subscriber: Kept<Subscriber<ipc::Service, Span, ()>>,
+    receiver: Receiver,
     refused: u64,
 }
 
 impl SpanReader {
-    pub(crate) fn new(subscriber: Subscriber<ipc::Service, Span, ()>) -> Self {
+    pub(crate) fn new(receiver: Receiver) -> Self {
         Self {
-            subscriber: Kept::new(subscriber),
+            receiver,
             refused: 0,
         }
     }
@@ -66,11 +58,15 @@ impl SpanReader {
     /// The oldest record that has come, as [`Self::drain`] shows it.
     pub fn take(&mut self) -> Option<Span> {
         loop {
-            let span = *self.subscriber.receive().ok().flatten()?;
-            if span.check().is_err() {
-                self.refused += 1;
-            } else if span.epoch < SHADOW_EPOCH_MIN {
-                return Some(span);
+            let sample = self.receiver.receive()?;
+            // How many bytes there are, the writer says.
+            match try_from_bytes::<Span>(sample.items()) {
+                Ok(span) if span.check().is_ok() => {
+                    if span.epoch < SHADOW_EPOCH_MIN {
+                        return Some(*span);
+                    }
+                }
+                _ => self.refused += 1,
             }
         }
     }

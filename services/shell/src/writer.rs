@@ -1,7 +1,7 @@
 //! The writing end of a topic.
 
 use crate::clock::now_ns;
-use crate::middleware::{self, Factory, Kept, Sender, Unsent};
+use crate::middleware::{self, Erased, Factory, Sender, Unsent};
 use core::marker::PhantomData;
 use zeronav_msgs::header::{Header, Id, Parents, Stamps};
 use zeronav_msgs::message::{FNV_OFFSET, fnv1a};
@@ -68,7 +68,7 @@ pub struct Sent {
 pub struct Writer<T: Topic> {
     row: &'static TopicRow,
     sender: Sender,
-    topic: Kept<Factory>,
+    topic: Erased<Factory>,
     of: PhantomData<fn(T)>,
     role: Role,
     epoch: u32,
@@ -81,7 +81,7 @@ impl<T: Topic> Writer<T> {
     pub(crate) fn new(
         row: &'static TopicRow,
         sender: Sender,
-        topic: Kept<Factory>,
+        topic: Erased<Factory>,
         role: Role,
         epoch: u32,
     ) -> Self {
