@@ -190,17 +190,33 @@ impl Browser {
         self.call("Input.dispatchMouseEvent", event);
     }
 
+    /// Presses at one place of the window, moves to another where that is another, and lets go.
+    fn press_and_move(&mut self, from: [f64; 2], to: [f64; 2], modifiers: u32) {
+        self.mouse("mousePressed", from, modifiers);
+        if from != to {
+            self.mouse("mouseMoved", to, modifiers);
+        }
+        self.mouse("mouseReleased", to, modifiers);
+    }
+
     /// Clicks at a place of the window.
     pub fn click(&mut self, at: [f64; 2]) {
-        self.mouse("mousePressed", at, 0);
-        self.mouse("mouseReleased", at, 0);
+        self.press_and_move(at, at, 0);
+    }
+
+    /// Clicks at a place of the window with the shift key held.
+    pub fn shift_click(&mut self, at: [f64; 2]) {
+        self.press_and_move(at, at, SHIFT);
+    }
+
+    /// Drags from one place of the window to another.
+    pub fn drag(&mut self, from: [f64; 2], to: [f64; 2]) {
+        self.press_and_move(from, to, 0);
     }
 
     /// Drags from one place of the window to another with the shift key held.
     pub fn shift_drag(&mut self, from: [f64; 2], to: [f64; 2]) {
-        self.mouse("mousePressed", from, SHIFT);
-        self.mouse("mouseMoved", to, SHIFT);
-        self.mouse("mouseReleased", to, SHIFT);
+        self.press_and_move(from, to, SHIFT);
     }
 
     /// Presses a key.

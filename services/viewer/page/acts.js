@@ -41,7 +41,7 @@ const ZeronavActs = (() => {
     return `swap ${id ? `${id} ` : ""}of ${role.replaceAll("_", " ")}: ${what}${why ? `: ${why}` : ""}`;
   }
 
-  /** The acts of a page: {token, view, scene(), status(), run(), may_act(), note(kind, text), refresh()}. */
+  /** The acts of a page: {token, view, scene(), run(), is_held(), may_act(), note(kind, text), refresh()}. */
   function acts(page) {
     const { token, view } = page;
     const placed = []; // names of obstacles from this page
@@ -256,7 +256,7 @@ const ZeronavActs = (() => {
         page.refresh();
       });
       by("pause").addEventListener("click", () => {
-        const is_held = page.status() && page.status().paused;
+        const is_held = page.is_held();
         act({ command: is_held ? "resume" : "pause" }, is_held ? "run time goes on" : "run time is held");
       });
       by("step").addEventListener("click", () => act({ command: "step", ticks: Number(by("ticks").value) || 1 }, "stepped"));

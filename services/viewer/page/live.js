@@ -133,27 +133,35 @@
   }
 
   const may_act = () => Boolean(token) && !over;
+  /** Is run time held? In lockstep launch alone knows: it grants no further tick. */
+  const is_held = () => Boolean((status && status.paused) || (run && run.paused));
   function showActs() {
     for (const id of ["acts", "stop", "hint", "modes", "faults"]) by(id).hidden = !may_act();
   }
 
   const acts = ZeronavActs.acts({
     token, view, may_act,
-    scene: () => scene, status: () => status, run: () => run,
+    is_held, scene: () => scene, run: () => run,
     note: (kind, text) => addEvent({ time_s: scene ? scene.end_s : 0, kind, text }),
     refresh: () => { by("services").tBodies[0].dataset.open = "?"; if (status) showStatus(); },
   });
 
-  function showStatus() {
-    const words = { silent: "silent", restarted: "restarted" };
+  /** How the stack is as a whole, and what can be done about run time. */
+  function showLink() {
+    if (!status || over) return;
     const silent = status.services.filter((service) => service.state === "silent").map((service) => service.role);
     if (status.stopping) pill(by("link"), "stopping", "warn");
-    else if (status.paused) pill(by("link"), "paused", "warn");
+    else if (is_held()) pill(by("link"), "paused", "warn");
     else if (silent.length) pill(by("link"), `${silent.join(", ")} silent`, "bad");
     else pill(by("link"), "live", "good");
+    by("pause").textContent = is_held() ? "Resume" : "Pause";
+    by("steps").hidden = !(is_held() && scene && scene.fixed.mode === "lockstep");
+  }
+
+  function showStatus() {
+    const words = { silent: "silent", restarted: "restarted" };
+    showLink();
     showActs();
-    by("pause").textContent = status.paused ? "Resume" : "Pause";
-    by("steps").hidden = !(status.paused && scene && scene.fixed.mode === "lockstep");
     const body = by("services").tBodies[0];
     if (!body.rows.length || body.dataset.open !== String(seat_open)) buildServices(body);
     for (const service of status.services) {
@@ -289,6 +297,7 @@
     if (document.activeElement !== by("pace")) by("pace").value = run.speed ? String(run.speed) : "max";
     if (run.scenario && scene && !scene.fixed.scenario) by("scenario").textContent = run.scenario;
     by("why").textContent = run.why || "";
+    showLink();
     acts.report(run);
   }
 

@@ -3,6 +3,7 @@
 
 mod access;
 mod client;
+mod operator;
 mod picture;
 
 use client::{Viewer, act, ask, connect, noise, stream_lines};

@@ -52,7 +52,7 @@ impl Viewer {
         let began = Instant::now();
         while self.process.try_wait().expect("its state").is_none() {
             assert!(
-                began.elapsed() < Duration::from_secs(20),
+                began.elapsed() < Duration::from_secs(60),
                 "the viewer stays"
             );
             std::thread::sleep(Duration::from_millis(5));
