@@ -1,7 +1,7 @@
 //! The table against published crates, in one run over the same maps and questions.
 //!
-//! `cargo run --release -p zeronav-global-planner --no-default-features --example peers -- --data
-//! DIR [--robot-map FILE.pgm]... [--sample N]`
+//! `cargo run --release -p zeronav-global-planner --no-default-features --features peers --example
+//! peers -- --data DIR [--robot-map FILE.pgm]... [--sample N]`
 //!
 //! Corner rules: ours and our A* over `pathfinding` (its neighbours are ours to give) cut no
 //! corner; `grid_pathfinding` passes corners, which is another problem with shorter answers.

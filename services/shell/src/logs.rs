@@ -4,7 +4,10 @@ use crate::nearest::unknown;
 use crate::printable::printable_event;
 use std::io::Write;
 use std::sync::Mutex;
-use tracing_subscriber::EnvFilter;
+use tracing_subscriber::Layer as _;
+use tracing_subscriber::filter::Targets;
+use tracing_subscriber::layer::SubscriberExt as _;
+use tracing_subscriber::util::SubscriberInitExt as _;
 
 /// Most that one process logs. [bytes]
 pub(crate) const LOG_BYTES_MAX: u64 = 8 << 20;
@@ -71,12 +74,12 @@ const LEVELS: [&str; 6] = ["error", "warn", "info", "debug", "trace", "off"];
 /// What is wrong with it, in words.
 pub fn filter(text: &str) -> Result<String, String> {
     for part in text.split(',').map(str::trim) {
-        let lone = !part.contains(['=', '[', ':']);
+        let lone = !part.contains(['=', ':']);
         if lone && !LEVELS.contains(&part.to_lowercase().as_str()) {
             return Err(unknown("level", part, LEVELS));
         }
     }
-    match EnvFilter::try_new(text) {
+    match text.parse::<Targets>() {
         Ok(_) => Ok(text.to_owned()),
         Err(_) => Err("no filter; one reads like `warn,zeronav_mapping=debug`".to_owned()),
     }
@@ -87,16 +90,20 @@ pub fn filter(text: &str) -> Result<String, String> {
 /// `filter` is a level or a filter directive; an unusable one falls back to `info`, aloud.
 pub fn start(filter: &str) {
     quiet_middleware();
-    let (directives, problem) = match EnvFilter::try_new(filter) {
-        Ok(directives) => (directives, None),
-        Err(error) => (EnvFilter::new("info"), Some(error)),
+    let (targets, problem) = match filter.parse::<Targets>() {
+        Ok(targets) => (targets, None),
+        Err(error) => (
+            Targets::new().with_default(tracing::Level::INFO),
+            Some(error),
+        ),
     };
     // A second call in one process (tests) keeps the first subscriber, which is what is wanted.
-    let _ = tracing_subscriber::fmt()
-        .with_env_filter(directives)
+    let lines = tracing_subscriber::fmt::layer()
         .with_writer(Mutex::new(Bounded::new(std::io::stderr())))
         .with_ansi(false)
-        .log_internal_errors(false)
+        .log_internal_errors(false);
+    let _ = tracing_subscriber::registry()
+        .with(lines.with_filter(targets))
         .try_init();
     if let Some(error) = problem {
         tracing::warn!(filter, %error, "unusable log filter, using info");

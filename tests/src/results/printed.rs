@@ -3,7 +3,7 @@
 use super::bench::{Bench, Measured};
 
 /// Arguments of an example of the global planner.
-fn example_of_planner(name: &str) -> [&str; 9] {
+fn example_of_planner(name: &str) -> [&str; 11] {
     [
         "run",
         "--release",
@@ -11,6 +11,8 @@ fn example_of_planner(name: &str) -> [&str; 9] {
         "-p",
         "zeronav-global-planner",
         "--no-default-features",
+        "--features",
+        "peers",
         "--example",
         name,
         "--",
