@@ -9,7 +9,7 @@ use rustix::process::Signal;
 use std::hint::black_box;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
-use zeronav_supervise::child::end_with_this_thread;
+use zeronav_supervise::process::end_with_this_thread;
 
 /// Name of the subcommand.
 pub const COMMAND: &str = "busy";

@@ -6,6 +6,7 @@ use std::ffi::OsStr;
 use std::fs::Permissions;
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use toml::de::DeTable;
 use zeronav_files::read;
 use zeronav_msgs::role::Role;
@@ -79,6 +80,71 @@ pub(crate) fn write(
     Ok(files)
 }
 
+/// Writes the configuration of every companion into `folder`.
+///
+/// # Errors
+/// One line naming the file.
+pub(crate) fn write_companions(
+    scenario: &Scenario,
+    folder: &Path,
+) -> Result<BTreeMap<String, PathBuf>, String> {
+    let mut files = BTreeMap::new();
+    for (name, companion) in &scenario.companions {
+        let file = folder.join(format!("{name}.toml"));
+        std::fs::write(&file, companion.config.to_string())
+            .map_err(|error| format!("writing {}: {error}", file.display()))?;
+        files.insert(name.clone(), file);
+    }
+    Ok(files)
+}
+
+/// A program that is asked whether it can work with its configuration.
+struct Asked<'a> {
+    binary: &'a Path,
+    /// The configuration, as a run would write it.
+    file: &'a Path,
+    /// Where the program stands in the scenario, such as `services.mapping`.
+    place: String,
+    /// Its seat; `None` of a companion.
+    role: Option<Role>,
+}
+
+/// A folder for the configurations of a check.
+fn folder_of_check() -> Result<tempfile::TempDir, String> {
+    let folder = tempfile::Builder::new()
+        .prefix("zeronav-check-")
+        .permissions(Permissions::from_mode(0o700))
+        .tempdir()
+        .map_err(|error| format!("making a folder for the check: {error}"))?;
+    warden::watch_folder(folder.path());
+    Ok(folder)
+}
+
+/// Asks each of the companions whether it can work with its configuration, as [`check`] does. One whose name
+/// cannot be is not asked: it may name a file elsewhere.
+///
+/// # Errors
+/// As [`check`].
+pub(crate) fn check_companions(
+    scenario: &Scenario,
+    binaries: &BTreeMap<String, PathBuf>,
+) -> Result<Vec<String>, String> {
+    if binaries.is_empty() || !scenario.can_name_companions() {
+        return Ok(Vec::new());
+    }
+    let folder = folder_of_check()?;
+    let files = write_companions(scenario, folder.path())?;
+    let asked = binaries.iter().filter_map(|(name, binary)| {
+        Some(Asked {
+            binary,
+            file: files.get(name)?,
+            place: format!("companions.{name}"),
+            role: None,
+        })
+    });
+    Ok(ask_all(scenario, asked))
+}
+
 /// Asks each of the `binaries` whether it can work with its configuration, which it gets as a run
 /// would write it. All at a time.
 ///
@@ -92,34 +158,44 @@ pub(crate) fn check<'a>(
     world: &World,
     binaries: impl Iterator<Item = (&'a Role, &'a PathBuf)>,
 ) -> Result<Vec<String>, String> {
-    let folder = tempfile::Builder::new()
-        .prefix("zeronav-check-")
-        .permissions(Permissions::from_mode(0o700))
-        .tempdir()
-        .map_err(|error| format!("making a folder for the check: {error}"))?;
-    warden::watch_folder(folder.path());
+    let folder = folder_of_check()?;
     let files = write(scenario, world, folder.path())?;
+    let asked = binaries.filter_map(|(role, binary)| {
+        Some(Asked {
+            binary,
+            file: files.get(role)?,
+            place: format!("services.{role}"),
+            role: Some(*role),
+        })
+    });
+    Ok(ask_all(scenario, asked))
+}
+
+/// What they say, all asked at a time.
+fn ask_all<'a>(scenario: &Scenario, asked: impl Iterator<Item = Asked<'a>>) -> Vec<String> {
     std::thread::scope(|scope| {
-        let questions: Vec<_> = binaries
-            .filter_map(|(role, binary)| Some((*role, binary, files.get(role)?)))
-            .map(|(role, binary, file)| {
-                let ask = move || refusals(scenario, role, binary, file);
+        let questions: Vec<_> = asked
+            .map(|asked| {
+                let asked = Arc::new(asked);
+                let of_thread = Arc::clone(&asked);
+                let ask = move || refusals(scenario, &of_thread);
                 let thread = std::thread::Builder::new().spawn_scoped(scope, ask);
                 // Without room for a thread they are asked one after another.
-                thread.map_err(|_| ask)
+                thread.map_err(|_| asked)
             })
             .collect();
         let answers = questions.into_iter().map(|question| match question {
             Ok(thread) => thread.join().unwrap_or_default(),
-            Err(ask) => ask(),
+            Err(asked) => refusals(scenario, &asked),
         });
-        Ok(answers.flatten().collect())
+        answers.flatten().collect()
     })
 }
 
 /// What a binary says against its configuration, about the scenario instead of the `file` that it
 /// was given. It says one thing at a time: what it has refused is taken out before it is asked again.
-fn refusals(scenario: &Scenario, role: Role, binary: &Path, file: &Path) -> Vec<String> {
+fn refusals(scenario: &Scenario, asked: &Asked<'_>) -> Vec<String> {
+    let Asked { binary, file, .. } = *asked;
     let rates = format!("{},{}", scenario.run.tick_hz, scenario.robot.lidar.rate_hz);
     let mut arguments: Vec<&OsStr> = vec![
         "--print-config".as_ref(),
@@ -127,8 +203,8 @@ fn refusals(scenario: &Scenario, role: Role, binary: &Path, file: &Path) -> Vec<
         file.as_os_str(),
     ];
     // Of a service of another author only the contract is known.
-    let named = scenario.services.of(role);
-    let is_stock = named.is_none_or(|service| service.binary.is_none());
+    let named = asked.role.and_then(|role| scenario.services.of(role));
+    let is_stock = named.is_some_and(|service| service.binary.is_none());
     if is_stock
         && [scenario.run.tick_hz, scenario.robot.lidar.rate_hz]
             .iter()
@@ -149,7 +225,7 @@ fn refusals(scenario: &Scenario, role: Role, binary: &Path, file: &Path) -> Vec<
             // Without what was taken out it may say things that are not true of the scenario.
             if refusals.is_empty() {
                 let why = format!("asked with --print-config: {silence}");
-                let field = format!("services.{role}.binary");
+                let field = format!("{}.binary", asked.place);
                 refusals.push(scenario.error_at(&field, &why).to_string());
             }
             break;
@@ -158,7 +234,7 @@ fn refusals(scenario: &Scenario, role: Role, binary: &Path, file: &Path) -> Vec<
         if (taken.iter()).any(|name: &String| why.contains(name) || field.ends_with(name)) {
             break;
         }
-        let place = in_scenario(scenario, role, &field);
+        let place = in_scenario(scenario, asked, &field);
         refusals.push(scenario.error_at(&place, &why).to_string());
         if !take_out(file, &field) {
             break;
@@ -216,14 +292,15 @@ fn place_of(said: &str, file: &Path) -> Option<(String, String)> {
     Some((field.to_owned(), rest))
 }
 
-/// The field of a seat's configuration as a field of the scenario.
-fn in_scenario(scenario: &Scenario, role: Role, field: &str) -> String {
+/// The field of a configuration as a field of the scenario.
+fn in_scenario(scenario: &Scenario, asked: &Asked<'_>, field: &str) -> String {
     let table = field.split(['.', '[']).next().unwrap_or_default();
-    let config = scenario.services.of(role).map(|service| &service.config);
-    let written = config.is_some_and(|config| config.contains_key(table));
+    let robot = (asked.role == Some(Role::Robot)).then_some(&scenario.services.robot.config);
     // World, robot and start are the scenario's own.
-    if role == Role::Robot && !written && ["world", "robot", "start"].contains(&table) {
+    if robot.is_some_and(|config| !config.contains_key(table))
+        && ["world", "robot", "start"].contains(&table)
+    {
         return field.to_owned();
     }
-    format!("services.{role}.config.{field}")
+    format!("{}.config.{field}", asked.place)
 }

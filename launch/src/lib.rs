@@ -7,6 +7,7 @@ pub mod busy;
 pub mod cli;
 mod collect;
 pub mod commands;
+mod companions;
 pub mod compare;
 pub mod completions;
 mod configs;
@@ -32,6 +33,7 @@ pub mod params;
 pub mod picture;
 mod placed;
 mod prepare;
+mod program;
 mod record;
 
 pub mod remote;

@@ -1,27 +1,24 @@
 //! The live page of a stack: `zeronav view`, and the viewer that `zeronav run` and `zeronav up`
-//! start beside the services.
+//! start beside the services as a companion.
 
 use crate::running;
 use clap::Args;
-use rustix::process::{Pid, Signal, kill_process};
 use std::ffi::OsString;
-use std::io::{BufRead, BufReader, Read};
+use std::io::{BufRead, BufReader, Read, Write};
 use std::os::unix::process::CommandExt;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, ExitCode, Stdio};
-use std::time::{Duration, Instant};
+use std::process::{Command, ExitCode, Stdio};
+use std::sync::{Arc, Mutex, PoisonError};
 use zeronav_console::terminal::{complain, note, usage};
 use zeronav_supervise::binaries;
-use zeronav_supervise::child::end_with_this_thread;
-use zeronav_supervise::child_log::{LogPlace, last_lines};
-use zeronav_supervise::cleaner::Ticket;
-use zeronav_supervise::stack::Stack;
+use zeronav_supervise::child_log::last_lines;
+use zeronav_supervise::process::Process;
 
 /// The binary.
 const BINARY: &str = "zeronav-viewer";
 
-/// How long the viewer may take to tell its clients that the run is over.
-const STOP_LIMIT: Duration = Duration::from_millis(700);
+/// What to do about a viewer that is lost.
+pub(crate) const HINT: &str = "`zeronav view` brings the live page back";
 
 /// Longest line that is read from the viewer. [bytes]
 const LINK_BYTES_MAX: u64 = 256;
@@ -82,95 +79,85 @@ pub fn view(arguments: &ViewArgs) -> ExitCode {
     usage(&format!("starting {}: {error}", binary.display()))
 }
 
-/// The viewer of a run. It is no part of the stack: it may die or hang, and ends with the run, with
-/// this process, and when this is dropped.
-#[derive(Debug, Default)]
-pub(crate) struct LiveView {
-    process: Option<Child>,
-    /// The cleaning after it has died.
-    cleaning: Option<Ticket>,
+/// Finds the binary of the viewer.
+///
+/// # Errors
+/// Why there is none, and what to do.
+pub(crate) fn binary() -> Result<PathBuf, String> {
+    binaries::find(Path::new(BINARY))
 }
 
-impl LiveView {
-    /// Starts the viewer of the stack at `root` and has its link printed, or why it cannot be
-    /// started. Call it from a thread that lives as long as the viewer shall.
-    pub(crate) fn start(root: &Path, page: &PageArgs, log: &LogPlace) -> Self {
-        let process = start(root, page, log)
-            .inspect_err(|problem| complain(&format!("no live page: {problem}")));
+/// The live page of a run, served by one viewer after the other.
+#[derive(Debug)]
+pub(crate) struct LivePage {
+    page: PageArgs,
+    /// The link that the viewers so far have printed last.
+    link: Arc<Mutex<Option<String>>>,
+}
+
+impl LivePage {
+    /// A page that is not served yet.
+    pub(crate) fn new(page: &PageArgs) -> Self {
         Self {
-            process: process.ok(),
-            cleaning: None,
+            page: page.clone(),
+            link: Arc::default(),
         }
     }
 
-    /// Has removed what a viewer that has died left; the run goes on without it.
-    pub(crate) fn look(&mut self, stack: &mut Stack) {
-        if self.process.as_mut().is_some_and(has_ended) {
-            note("the live page has ended; `zeronav view` brings it back");
-            self.process = None;
-            self.cleaning = Some(stack.clean());
-        }
-        self.cleaning.take_if(|ticket| stack.is_clean(*ticket));
+    fn link(&self) -> Option<String> {
+        let link = self.link.lock();
+        link.unwrap_or_else(PoisonError::into_inner).clone()
     }
-}
 
-fn has_ended(process: &mut Child) -> bool {
-    !matches!(process.try_wait(), Ok(None))
-}
+    /// The flags of the next viewer. One that comes back under the link of the one before opens no browser.
+    pub(crate) fn flags(&self, root: &Path) -> Vec<OsString> {
+        if self.link().is_none() {
+            return self.page.flags(root);
+        }
+        let page = PageArgs::default();
+        let mut flags = page.flags(root);
+        flags.push("--come-back".into());
+        flags
+    }
 
-impl Drop for LiveView {
-    fn drop(&mut self) {
-        let Some(process) = &mut self.process else {
-            return;
+    /// The standard input of the next viewer: the link has a token, which stands in no argument.
+    pub(crate) fn stdin(&self) -> Stdio {
+        self.link().map_or_else(Stdio::null, |_| Stdio::piped())
+    }
+
+    /// Tells a viewer that was started with these flags the link of the one before, and has the one that it
+    /// prints shown when it is known. The thread that waits for it ends with the viewer.
+    ///
+    /// # Errors
+    /// When there is no room for a thread.
+    pub(crate) fn hear(&self, process: &mut Process) -> std::io::Result<()> {
+        let before = self.link();
+        if let (Some(link), Some(mut stdin)) = (&before, process.stdin()) {
+            // One that has died already is noticed as such.
+            let _ = writeln!(stdin, "{link}");
+        }
+        let (output, log) = (process.stdout(), process.log()?);
+        let known = Arc::clone(&self.link);
+        let hear = move || {
+            let Some(output) = output else { return };
+            let mut link = String::new();
+            let read = BufReader::new(output.take(LINK_BYTES_MAX)).read_line(&mut link);
+            match (read, link.trim()) {
+                (Ok(1..), link) if link.starts_with("http://127.0.0.1:") => {
+                    if before.as_deref() == Some(link) {
+                        note("the live page is back under the same link");
+                    } else {
+                        note(&format!("live page: {link}"));
+                    }
+                    *known.lock().unwrap_or_else(PoisonError::into_inner) = Some(link.to_owned());
+                }
+                _ => {
+                    let said = last_lines(&log, 1);
+                    let why = said.first().map_or("the viewer has ended", String::as_str);
+                    complain(&format!("no live page: {why}"));
+                }
+            }
         };
-        let pid = i32::try_from(process.id()).ok().and_then(Pid::from_raw);
-        if let Some(pid) = pid.filter(|_| !has_ended(process)) {
-            let _ = kill_process(pid, Signal::TERM);
-        }
-        let asked = Instant::now();
-        while !has_ended(process) && asked.elapsed() < STOP_LIMIT {
-            std::thread::sleep(Duration::from_millis(5));
-        }
-        let _ = process.kill();
-        let _ = process.wait();
+        std::thread::Builder::new().spawn(hear).map(|_| ())
     }
-}
-
-fn start(root: &Path, page: &PageArgs, log: &LogPlace) -> Result<Child, String> {
-    let binary = binaries::find(Path::new(BINARY))?;
-    let log = log.open().map_err(|error| error.to_string())?;
-    let mut command = Command::new(&binary);
-    command
-        .args(page.flags(root))
-        .stdin(Stdio::null())
-        .stdout(Stdio::piped())
-        .stderr(log.try_clone().map_err(|error| error.to_string())?)
-        // Ctrl-C ends the run, and the run its viewer.
-        .process_group(0);
-    end_with_this_thread(&mut command, Signal::KILL);
-    let mut process =
-        (command.spawn()).map_err(|error| format!("starting {}: {error}", binary.display()))?;
-    let output = process.stdout.take();
-    // It is told when it is known; the thread ends with the viewer.
-    let told = std::thread::Builder::new().spawn(move || {
-        let Some(output) = output else { return };
-        let mut link = String::new();
-        let read = BufReader::new(output.take(LINK_BYTES_MAX)).read_line(&mut link);
-        match (read, link.trim()) {
-            (Ok(1..), link) if link.starts_with("http://127.0.0.1:") => {
-                note(&format!("live page: {link}"));
-            }
-            _ => {
-                let said = last_lines(&log, 1);
-                let why = said.first().map_or("the viewer has ended", String::as_str);
-                complain(&format!("no live page: {why}"));
-            }
-        }
-    });
-    if let Err(error) = told {
-        let _ = process.kill();
-        let _ = process.wait();
-        return Err(error.to_string());
-    }
-    Ok(process)
 }

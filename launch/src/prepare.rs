@@ -3,6 +3,7 @@
 use crate::configs;
 use crate::live_view::PageArgs;
 use crate::open_files;
+use crate::program;
 use crate::run_plan::{MachineLoad, RunPlan, Source};
 use crate::swap_order::SwapOrder;
 use crate::swap_order::require::Clause;
@@ -39,6 +40,8 @@ pub struct Prepared {
     pub footprint: Footprint,
     /// The binary of each seat that launch fills; the others are filled by hand.
     pub binaries: BTreeMap<Role, PathBuf>,
+    /// The binary of each companion of the scenario.
+    pub companions: BTreeMap<String, PathBuf>,
     /// Path of the run's own folder, for people.
     pub directory: PathBuf,
     /// That folder: what the run leaves is made in it.
@@ -102,6 +105,8 @@ pub(crate) struct Checked {
     pub warnings: Vec<String>,
     /// The binary of each seat that launch fills. Each has accepted its configuration.
     pub binaries: BTreeMap<Role, PathBuf>,
+    /// The binary of each of its companions. Each has accepted its configuration.
+    pub companions: BTreeMap<String, PathBuf>,
     /// Its swaps, with the tick before which each begins.
     pub swaps: Vec<(u64, SwapOrder)>,
 }
@@ -155,6 +160,8 @@ fn check_scenario(mut read: AsFar, external: &[Role]) -> Result<Checked, String>
         let asked = asked.filter(|(role, _)| !of_scenario || **role != Role::Robot);
         wrong.extend(configs::check(&scenario, &checked.world, asked)?);
     }
+    let companions = companions_of(&scenario, &mut wrong);
+    wrong.extend(configs::check_companions(&scenario, &companions)?);
     let swaps = swaps_of(&scenario, &mut wrong);
     let Some(zeronav_scenario::Checked {
         world,
@@ -171,7 +178,19 @@ fn check_scenario(mut read: AsFar, external: &[Role]) -> Result<Checked, String>
         footprint,
         warnings: warnings.iter().map(ToString::to_string).collect(),
         binaries,
+        companions,
     })
+}
+
+/// The binaries of the companions; those that there are not are `wrong`.
+fn companions_of(scenario: &Scenario, wrong: &mut Vec<String>) -> BTreeMap<String, PathBuf> {
+    let mut found = BTreeMap::new();
+    for (name, companion) in &scenario.companions {
+        let field = format!("companions.{name}.binary");
+        let binary = program::named(scenario, &field, &companion.binary, wrong);
+        found.extend(binary.map(|binary| (name.clone(), binary)));
+    }
+    found
 }
 
 /// The binaries of the seats that are not `external`; those that there are not are `wrong`.
@@ -185,7 +204,8 @@ fn binaries_of(
         || scenario
             .shadows()
             .any(|(_, shadow)| shadow.binary.is_some())
-        || scenario.swaps.iter().any(|swap| swap.binary.is_some());
+        || scenario.swaps.iter().any(|swap| swap.binary.is_some())
+        || !scenario.companions.is_empty();
     binaries::refresh_under_cargo(if any_named {
         Needed::Any
     } else {
@@ -197,15 +217,9 @@ fn binaries_of(
             continue;
         }
         let name = named(role).unwrap_or_else(|| PathBuf::from(binaries::stock(role)));
-        match binaries::find_or_build(&name) {
-            Ok(found) => {
-                binaries.insert(role, found);
-            }
-            Err(why) => {
-                let field = format!("services.{role}.binary");
-                wrong.push(scenario.error_at(&field, &why).to_string());
-            }
-        }
+        let field = format!("services.{role}.binary");
+        let found = program::named(scenario, &field, &name, wrong);
+        binaries.extend(found.map(|found| (role, found)));
     }
     Ok(binaries)
 }
@@ -213,9 +227,7 @@ fn binaries_of(
 /// The swaps of a scenario, or its shadow, with the tick before which each begins.
 fn swaps_of(scenario: &Scenario, wrong: &mut Vec<String>) -> Vec<(u64, SwapOrder)> {
     let found = |field: &str, binary: Option<&PathBuf>, wrong: &mut Vec<String>| {
-        let found = binary.map(|name| binaries::find_or_build(name)).transpose();
-        let refused = |why: String| wrong.push(scenario.error_at(field, &why).to_string());
-        found.map_err(refused).ok().flatten()
+        binary.and_then(|name| program::named(scenario, field, name, wrong))
     };
     let mut swaps = Vec::new();
     for (role, shadow) in scenario.shadows() {
@@ -265,6 +277,7 @@ pub(crate) fn prepare(plan: &RunPlan) -> Result<Prepared, String> {
         footprint,
         warnings,
         binaries,
+        companions,
         swaps,
     } = check_scenario(scenario_of(plan)?, &plan.external)?;
     for warning in &warnings {
@@ -302,6 +315,7 @@ pub(crate) fn prepare(plan: &RunPlan) -> Result<Prepared, String> {
         world,
         footprint,
         binaries,
+        companions,
         directory: folder.path().to_owned(),
         folder,
         logs,

@@ -3,7 +3,7 @@
 use crate::drive::Driven;
 use crate::judge;
 use crate::prepare::Prepared;
-use crate::show::page::write_troubles;
+use crate::show::page::{write_companions, write_troubles};
 use core::fmt::Write;
 use zeronav_measure::result::Environment;
 use zeronav_measure::result::latency::Figures;
@@ -27,6 +27,7 @@ pub(crate) fn of(prepared: &Prepared, driven: &Driven, environment: Environment)
         swaps: driven.swaps.clone(),
         latency: (prepared.mode == RunMode::RealTime).then(|| judge::latency(prepared, driven).1),
         services: driven.services.clone(),
+        companions: driven.companions.clone(),
         environment,
         directory: prepared.directory.display().to_string(),
     }
@@ -57,6 +58,7 @@ pub(crate) fn to_text(result: &StayResult) -> String {
         (&result.restarts, &result.starved, &result.faults),
         &mut text,
     );
+    write_companions(&result.companions, &mut text);
     let _ = writeln!(text, "  {}", result.directory);
     text
 }

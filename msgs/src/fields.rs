@@ -100,6 +100,22 @@ impl Number {
             Self::U64 | Self::I64 | Self::F64 => 8,
         }
     }
+
+    /// The shape of one.
+    #[must_use]
+    pub const fn shape(self) -> &'static Shape {
+        match self {
+            Self::U8 => &Shape::Number(Self::U8),
+            Self::U16 => &Shape::Number(Self::U16),
+            Self::U32 => &Shape::Number(Self::U32),
+            Self::U64 => &Shape::Number(Self::U64),
+            Self::I16 => &Shape::Number(Self::I16),
+            Self::I32 => &Shape::Number(Self::I32),
+            Self::I64 => &Shape::Number(Self::I64),
+            Self::F32 => &Shape::Number(Self::F32),
+            Self::F64 => &Shape::Number(Self::F64),
+        }
+    }
 }
 
 impl Field {

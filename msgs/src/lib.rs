@@ -43,6 +43,7 @@ pub mod task;
 pub mod time;
 pub mod topics;
 pub mod truth;
+pub mod user;
 pub mod window;
 
 pub use grid::{Cell, CellRect, GridGeometry};

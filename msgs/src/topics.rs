@@ -113,7 +113,11 @@ pub trait TopicVisitor {
     fn records(&mut self, row: &'static TopicRow) -> Result<(), Self::Error>;
 }
 
-const fn topic_schema(name: &str, envelope: u64, item: u64) -> u64 {
+/// What the names of topics begin with that are a user's own, see [`crate::user`].
+pub const USER_PREFIX: &str = "user/";
+
+/// Schema hash of a topic by its name and the hashes of its types.
+pub(crate) const fn topic_schema(name: &str, envelope: u64, item: u64) -> u64 {
     let hash = fnv1a(FNV_OFFSET, name.as_bytes());
     fnv1a(fnv1a(hash, &envelope.to_le_bytes()), &item.to_le_bytes())
 }

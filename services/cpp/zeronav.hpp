@@ -277,7 +277,11 @@ inline constexpr int DELAY_US_MAX = 10000000;
 inline constexpr int SHARE_ALL = 1000000;
 inline constexpr int FORESIGHT_PERCEIVE = 1;
 inline constexpr int FORESIGHT_PREDICT = 2;
+inline constexpr int EVENT_MAX = 63;
 inline constexpr int EVENT_NEED_KEYFRAME = 40;
+inline constexpr int NODES_MAX = 24;
+inline constexpr int READERS_MAX = 12;
+inline constexpr int WRITERS_MAX = 4;
 inline constexpr int SIDE_CELLS_MAX = 8192;
 inline constexpr int TILE_CELLS = 32;
 inline constexpr int COST_FREE = 0;
@@ -290,6 +294,12 @@ inline constexpr int FLAG_SENSED = 2;
 inline constexpr int FLAG_VIRTUAL = 4;
 inline constexpr int FLAG_REGULARISED = 8;
 inline constexpr int FLAG_UNKNOWN = 16;
+inline constexpr int FORM_BYTES_MAX = 200;
+inline constexpr int USER_BORROWED = 2;
+inline constexpr int USER_BUFFER = 32;
+inline constexpr int USER_BYTES_MAX = 65536;
+inline constexpr int USER_NAME_BYTES_MAX = 40;
+inline constexpr int USER_POOL = 58;
 inline constexpr int ACTUATION_DELAY_NS_MAX = 2000000000;
 inline constexpr int OBSTACLE_RADIUS_M_MAX = 10;
 inline constexpr int ROLLOUT_COST_MAX = 1000000000;
@@ -2879,6 +2889,48 @@ static_assert(Span::SCHEMA == [] {
     hash = fnv1a(hash, "stages_ns");
     hash = fnv1a_number(hash, Schema<decltype(Span::stages_ns)>::value);
     hash = fnv1a_number(hash, offsetof(Span, stages_ns));
+    return hash;
+}());
+
+/// Fixed fields of a message on a user's own topic; the slice holds its bytes.
+struct UserMessage {
+    static constexpr const char* NAME = "zeronav.UserMessage.v1";
+    static constexpr std::uint64_t SCHEMA = 0x8b22ab13735b6140;
+    /// [number] FNV-1a of the text of the form.
+    std::uint64_t form{};
+};
+static_assert(sizeof(UserMessage) == 8);
+static_assert(std::is_trivially_copyable_v<UserMessage> && std::is_standard_layout_v<UserMessage>);
+static_assert(offsetof(UserMessage, form) == 0);
+static_assert(UserMessage::SCHEMA == [] {
+    std::uint64_t hash = fnv1a(FNV_OFFSET, UserMessage::NAME);
+    hash = fnv1a(hash, "form");
+    hash = fnv1a_number(hash, Schema<decltype(UserMessage::form)>::value);
+    hash = fnv1a_number(hash, offsetof(UserMessage, form));
+    return hash;
+}());
+
+/// Header and fixed fields of a message on a user's own topic.
+struct UserEnvelope {
+    static constexpr const char* NAME = "zeronav.user.v1";
+    static constexpr std::uint64_t SCHEMA = 0x64a9cb430099747a;
+    /// The header.
+    Header header{};
+    /// The fixed fields.
+    UserMessage meta{};
+};
+static_assert(sizeof(UserEnvelope) == 136);
+static_assert(std::is_trivially_copyable_v<UserEnvelope> && std::is_standard_layout_v<UserEnvelope>);
+static_assert(offsetof(UserEnvelope, header) == 0);
+static_assert(offsetof(UserEnvelope, meta) == 128);
+static_assert(UserEnvelope::SCHEMA == [] {
+    std::uint64_t hash = fnv1a(FNV_OFFSET, UserEnvelope::NAME);
+    hash = fnv1a(hash, "header");
+    hash = fnv1a_number(hash, Schema<decltype(UserEnvelope::header)>::value);
+    hash = fnv1a_number(hash, offsetof(UserEnvelope, header));
+    hash = fnv1a(hash, "meta");
+    hash = fnv1a_number(hash, Schema<decltype(UserEnvelope::meta)>::value);
+    hash = fnv1a_number(hash, offsetof(UserEnvelope, meta));
     return hash;
 }());
 

@@ -13,7 +13,7 @@ use zeronav_console::exit::{EXIT_FAIL, EXIT_PASS};
 use zeronav_console::terminal::say;
 use zeronav_msgs::run::RunMode;
 use zeronav_shell::memory::SHM;
-use zeronav_supervise::child::end_with_this_thread;
+use zeronav_supervise::process::end_with_this_thread;
 
 /// The hidden command that runs in the namespace.
 pub const COMMAND: &str = "contract-without-memory";

@@ -12,7 +12,7 @@ use std::process::{Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 use zeronav_msgs::role::Role;
 use zeronav_supervise::binaries;
-use zeronav_supervise::child::end_with_this_thread;
+use zeronav_supervise::process::end_with_this_thread;
 
 /// Longest time that a short run may take: as `zeronav check` gives it.
 const ANSWER_LIMIT: Duration = Duration::from_secs(5);

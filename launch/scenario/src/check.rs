@@ -4,6 +4,7 @@ use super::{
     COORDINATE_M_MAX, ExpectSpec, FAULTS_MAX, GoalSpec, KEEP_S_MIN, Outcome, RandomFaults,
     Scenario, ScenarioError, StackFault, TIME_LIMIT_S_MAX, TOLERANCE, YAW_RAD_MAX,
 };
+use crate::companions;
 use core::f64::consts::PI;
 use zeronav_msgs::command::Intervention;
 use zeronav_msgs::map::{TILES_PER_KEYFRAME_MAX, tiles_of};
@@ -51,6 +52,13 @@ impl Scenario {
         }
     }
 
+    /// True when every companion has a name that it can have.
+    #[must_use]
+    pub fn can_name_companions(&self) -> bool {
+        let mut names = self.companions.keys();
+        names.all(|name| companions::refusal(name).is_none())
+    }
+
     /// Does what [`Self::validate`] does, and goes on after what is wrong.
     pub(super) fn examine(&self) -> Examined {
         let mut wrong = self.check_robot();
@@ -62,6 +70,7 @@ impl Scenario {
         wrong.extend(self.check_faults(wrong.is_empty()));
         wrong.extend(self.check_words());
         wrong.extend(self.check_swaps().err());
+        wrong.extend(companions::check(&self.companions));
         let refused = |error: SpecError| self.error_at(&error.field, &error.why);
         let mut all = Vec::new();
         let loaded = zeronav_world_files::load(&self.world).map_err(|error| match error {

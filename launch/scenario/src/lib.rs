@@ -20,6 +20,7 @@
 pub mod as_far;
 pub mod assignment;
 mod check;
+pub mod companions;
 mod document;
 mod error;
 #[cfg(test)]
@@ -55,6 +56,7 @@ pub use random_faults::RandomFaults;
 pub use schema::schema;
 pub use swaps::{KEEP_S, KEEP_S_MIN, SHADOW_S, ShadowSpec, SwapSpec};
 
+use crate::companions::CompanionSpec;
 use crate::restart::RestartSpec;
 use crate::scheduling::SchedulingSpec;
 use core::f64::consts::PI;
@@ -117,6 +119,9 @@ pub struct Scenario {
     /// Services that are exchanged while the robot drives, one after the other.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub swaps: Vec<SwapSpec>,
+    /// Processes beside the stack on which nothing in it waits, by name.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub companions: BTreeMap<String, CompanionSpec>,
     /// What the verdict asks for.
     #[serde(default)]
     pub expect: ExpectSpec,
@@ -424,6 +429,9 @@ fn binaries_of(scenario: &mut Scenario) -> Vec<(String, &mut PathBuf)> {
     for (index, swap) in scenario.swaps.iter_mut().enumerate() {
         let binary = swap.binary.as_mut();
         binaries.extend(binary.map(|file| (format!("swaps[{index}].binary"), file)));
+    }
+    for (name, companion) in &mut scenario.companions {
+        binaries.push((format!("companions.{name}.binary"), &mut companion.binary));
     }
     binaries
 }

@@ -11,6 +11,7 @@ use super::{
     CLOCK_MS, COORDINATE_M_MAX, DELAY_MS, FAULTS_MAX, KEEP_S_MIN, KINDS, RunSpec, SHARE, SLOW_MS,
     TIME_LIMIT_S_MAX, TOLERANCE, YAW_RAD_MAX, faultable,
 };
+use crate::companions;
 use crate::restart::RestartSpec;
 use crate::scheduling::SchedulingSpec;
 use serde_json::{Map, Value, json};
@@ -60,17 +61,15 @@ pub fn schema(services: &[(Role, Vec<Parameter>)]) -> Value {
         ("faults", at_most(FAULTS_MAX, &stack_fault())),
         ("random_faults", random_faults()),
         ("swaps", list(&swap())),
+        ("companions", companions::schema()),
         ("expect", expect()),
         ("foresight", foresight()),
         ("trials", trials()),
     ]);
-    let Value::Object(mut schema) = closed(fields, &[]) else {
-        unreachable!("`closed` makes an object");
-    };
-    let dialect = "https://json-schema.org/draft/2020-12/schema";
-    schema.insert("$schema".to_owned(), dialect.into());
-    schema.insert("title".to_owned(), "A scenario of zeronav".into());
-    Value::Object(schema)
+    let mut schema = closed(fields, &[]);
+    schema["$schema"] = "https://json-schema.org/draft/2020-12/schema".into();
+    schema["title"] = "A scenario of zeronav".into();
+    schema
 }
 
 /// The table that holds `parameters`, with their groups as tables in it.

@@ -232,7 +232,7 @@ impl Stage for Guard {
 
 fn main() -> ExitCode {
     // The seat is in the configuration; the shell reads flags and configuration again.
-    let seat = Flags::parse().read_config(|_: &StageConfig| Ok(()));
+    let seat = Flags::parse().member.read_config(|_: &StageConfig| Ok(()));
     match seat.map(|config| Role::from_label(&config.seat)) {
         Ok(Some(Role::Robot)) => zeronav_shell::run::<Source>(),
         Ok(Some(Role::Mapping)) => zeronav_shell::run::<Passing<Mapping>>(),

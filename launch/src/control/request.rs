@@ -143,6 +143,24 @@ pub(crate) struct ServiceReport {
     pub restarts: u32,
 }
 
+/// A process beside a stack. What an older program does not tell has its default.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub(crate) struct CompanionReport {
+    /// Its name.
+    pub name: String,
+    /// Its process id; 0 while there is no process.
+    pub pid: u32,
+    /// `running`, `restarting` or `ended`.
+    pub state: String,
+    /// How many times it was started.
+    pub starts: u32,
+    /// File name of its binary.
+    pub binary: String,
+    /// How the last process ended that has ended.
+    pub end: String,
+}
+
 /// What becomes of a client's goals.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct GoalReport {
@@ -216,6 +234,8 @@ pub(crate) struct RunReport {
     pub swap: Option<SwapResult>,
     /// Its processes; the second one of a seat is not obeyed.
     pub services: Vec<ServiceReport>,
+    /// The processes beside it.
+    pub companions: Vec<CompanionReport>,
     /// The last restarts of services, the newest last.
     pub restarts: Vec<Restart>,
     /// The last faults that were made on purpose, the newest last.

@@ -2,6 +2,7 @@
 
 mod ballast;
 mod breaking;
+mod companions;
 mod course;
 mod faults;
 mod pace;
@@ -27,6 +28,7 @@ use session::{Session, reading};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
+use zeronav_measure::result::companion::CompanionResult;
 use zeronav_measure::result::fault::FaultResult;
 use zeronav_measure::result::swap::SwapResult;
 use zeronav_measure::result::trials::Disturbance;
@@ -60,6 +62,8 @@ pub(crate) struct Driven {
     pub shared_memory_bytes: u64,
     /// The seats and their processes.
     pub services: Vec<ServiceResult>,
+    /// The processes that ran beside them.
+    pub companions: Vec<CompanionResult>,
     /// The restarts that were made.
     pub restarts: Vec<Restart>,
     /// Services that got no processor.
@@ -95,6 +99,7 @@ impl Driven {
             wall: Duration::ZERO,
             shared_memory_bytes: 0,
             services: Vec::new(),
+            companions: Vec::new(),
             restarts: Vec::new(),
             starved: Vec::new(),
             not_reproducible,
@@ -179,6 +184,7 @@ fn drive_stack(
     let shared_memory_bytes = stack.shared_memory_bytes();
     let services = seat_report::stop(stack, &session.keeper, &prepared.binaries);
     session.listen(stack);
+    let companions = session.companions.stop();
     let (trials, trials_missed) = session
         .shuttle
         .take()
@@ -202,6 +208,7 @@ fn drive_stack(
         wall,
         shared_memory_bytes,
         services,
+        companions,
         restarts: session.keeper.records().to_vec(),
         starved,
         not_reproducible,

@@ -354,6 +354,7 @@ impl Session<'_> {
             goals_waiting: self.orders.n_waiting(),
             swap: self.swaps.result(None).cloned(),
             services,
+            companions: self.companions.reports(),
             restarts: newest(self.keeper.records()),
             faults: newest(&self.faults.results()),
             why: String::new(),

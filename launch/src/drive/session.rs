@@ -6,11 +6,11 @@ use super::pace::Speed;
 use super::standstill::{Standing, Standstill};
 use super::swaps::Swaps;
 use crate::collect::Collector;
+use crate::companions::Companions;
 use crate::control::socket::Server;
 use crate::disturbance::Reading;
 use crate::ending::Ending;
 use crate::keeper::Keeper;
-use crate::live_view::LiveView;
 use crate::orders::{End, Orders};
 use crate::placed::PlacedObstacles;
 use crate::prepare::Prepared;
@@ -66,8 +66,8 @@ pub(super) struct Session<'a> {
     pub(super) given_pose: Option<PoseEstimate>,
     /// The swap that goes on, and those before it.
     pub(super) swaps: Swaps,
-    /// The live page beside the run.
-    view: LiveView,
+    /// What runs beside the stack.
+    pub(super) companions: Companions,
     /// True once every service can answer.
     pub(super) is_ready: bool,
     /// True while run time is held.
@@ -120,7 +120,7 @@ impl<'a> Session<'a> {
             ),
             given_pose: None,
             swaps: Swaps::default(),
-            view: LiveView::default(),
+            companions: Companions::default(),
             is_ready: false,
             is_paused: false,
             hold_tick: 0,
@@ -159,6 +159,7 @@ impl<'a> Session<'a> {
         for role in self.prepared.binaries.keys() {
             stack.hold_seat(*role).map_err(|error| error.to_string())?;
         }
+        self.start_companions(stack)?;
         for role in Role::SERVICES {
             self.keeper.start(stack, role)?;
             if self.prepared.binaries.contains_key(&role) {
@@ -192,12 +193,9 @@ impl<'a> Session<'a> {
     }
 
     /// Every service can answer.
-    fn ready(&mut self, stack: &Stack) {
+    fn ready(&mut self, stack: &mut Stack) {
         self.is_ready = true;
-        if let Some(page) = &self.prepared.view {
-            let log = self.prepared.log("viewer.log");
-            self.view = LiveView::start(stack.root(), page, &log);
-        }
+        self.show_page(stack);
         if self.prepared.stays {
             note(&format!(
                 "{} is up in {}; `zeronav goal X Y YAW` drives, `zeronav down` ends it",
@@ -320,7 +318,7 @@ impl<'a> Session<'a> {
                 return ending;
             }
             self.see_to_faults(stack);
-            self.view.look(stack);
+            self.companions.look(stack);
             let tick = self.collector.robot_tick();
             let hold_tick = self.held_at(tick);
             let held = self.held(tick, hold_tick);

@@ -22,6 +22,7 @@ impl Session<'_> {
             if let Some(ending) = self.keep(stack) {
                 return Some(ending);
             }
+            self.companions.look(stack);
             if let Some(ending) = self.asked_to_end(stack) {
                 return Some(ending);
             }

@@ -31,8 +31,7 @@ use zeronav_msgs::time::seconds;
 /// The result of a run.
 #[must_use]
 pub(crate) fn judge(prepared: &Prepared, driven: &Driven, environment: Environment) -> RunResult {
-    let collector = &driven.collector;
-    let seen = &collector.seen;
+    let (collector, seen) = (&driven.collector, &driven.collector.seen);
     let truth = seen.truth.unwrap_or_default();
     let plans: Vec<PlannedPath> = collector
         .records
@@ -94,6 +93,7 @@ pub(crate) fn judge(prepared: &Prepared, driven: &Driven, environment: Environme
         trials: None,
         injected_us: injected(prepared),
         services: services(driven),
+        companions: driven.companions.clone(),
         restarts: driven.restarts.clone(),
         starved: driven.starved.clone(),
         faults: driven.faults.clone(),

@@ -77,6 +77,20 @@ pub(crate) fn processes(run: &RunReport) -> String {
             printable(&service.binary)
         );
     }
+    for companion in &run.companions {
+        let pid = match companion.pid {
+            0 => "-".to_owned(),
+            pid => pid.to_string(),
+        };
+        let _ = writeln!(
+            text,
+            "  {:<16} pid {pid:<8} start {}  {:<9} beside    {}",
+            printable(&companion.name),
+            companion.starts,
+            printable(&companion.state),
+            printable(&companion.binary)
+        );
+    }
     text
 }
 

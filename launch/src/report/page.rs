@@ -90,12 +90,13 @@ fn below(run: &RunFolder, events: &[Event]) -> String {
             "{left_out} more interventions of the guard were not kept."
         )));
     }
-    let (processes, restarts, starved, faults, swaps) = match &run.outcome {
+    let (processes, companions, restarts, starved, faults, swaps) = match &run.outcome {
         Outcome::Run(result) => {
             let expectations = summary::expectations(&result.expectations);
             html.push_str(&section("expectations", "Expectations", &expectations));
             (
                 &result.services,
+                &result.companions,
                 &result.restarts,
                 &result.starved,
                 &result.faults,
@@ -104,6 +105,7 @@ fn below(run: &RunFolder, events: &[Event]) -> String {
         }
         Outcome::Stay(result) => (
             &result.services,
+            &result.companions,
             &result.restarts,
             &result.starved,
             &result.faults,
@@ -127,7 +129,7 @@ fn below(run: &RunFolder, events: &[Event]) -> String {
         "Computing",
         &latencies::computing(timings),
     ));
-    let table = services::services(processes, Some(timings));
+    let table = services::services(processes, Some(timings)) + &services::companions(companions);
     html.push_str(&section("services", "Services", &table));
     let done_to_them = services::restarts(restarts, from_s)
         + &services::starved(starved, from_s)

@@ -2,6 +2,7 @@
 
 use super::events::Event;
 use super::html::{Cell, megabytes, number, table, time, words};
+use zeronav_measure::result::companion::CompanionResult;
 use zeronav_measure::result::fault::FaultResult;
 use zeronav_measure::result::swap::SwapResult;
 use zeronav_measure::result::{Restart, ServiceResult, Starved};
@@ -48,6 +49,21 @@ pub(super) fn services(services: &[ServiceResult], timings: Option<&Timings>) ->
         ],
         &rows,
     )
+}
+
+/// The processes that ran beside the stack.
+pub(super) fn companions(companions: &[CompanionResult]) -> String {
+    let row = |companion: &CompanionResult| {
+        vec![
+            Cell::text(companion.name.clone()),
+            Cell::text(companion.binary.clone()),
+            Cell::count(companion.starts.saturating_sub(1)),
+            Cell::text(companion.end.clone()),
+        ]
+    };
+    let rows: Vec<Vec<Cell>> = companions.iter().map(row).collect();
+    let heads = ["companion", "binary", "#restarts", "end"];
+    titled("Companions", &table(&heads, &rows))
 }
 
 /// What the kernel granted, and what it did not.

@@ -2,6 +2,7 @@
 
 use core::fmt::Write;
 use zeronav_measure::lints::lints;
+use zeronav_measure::result::companion::{CompanionResult, STOPPED};
 use zeronav_measure::result::fault::FaultResult;
 use zeronav_measure::result::latency::{Figures, Latency};
 use zeronav_measure::result::trials::{SlowHop, SlowTrial};
@@ -80,6 +81,19 @@ pub(crate) fn write_troubles(
     }
 }
 
+/// The companions that did not end as they were asked to, or were started more than once.
+pub(crate) fn write_companions(companions: &[CompanionResult], text: &mut String) {
+    for companion in companions {
+        if companion.starts > 1 || companion.end != STOPPED {
+            let _ = writeln!(
+                text,
+                "  companion {}: {} starts, {}",
+                companion.name, companion.starts, companion.end
+            );
+        }
+    }
+}
+
 /// The paths, the restarts, and the goals given by hand.
 fn write_events(result: &RunResult, text: &mut String) {
     for plan in &result.plans {
@@ -96,6 +110,7 @@ fn write_events(result: &RunResult, text: &mut String) {
         );
     }
     write_troubles((&result.restarts, &result.starved, &result.faults), text);
+    write_companions(&result.companions, text);
     for Redirect {
         time_s,
         goal: [x_m, y_m, yaw_rad],

@@ -29,10 +29,10 @@ use std::thread::JoinHandle;
 use std::time::Instant;
 use zeronav_measure::result::swap::SwapResult;
 use zeronav_msgs::role::Role;
-use zeronav_supervise::child::hint;
 use zeronav_supervise::child_log::LogPlace;
 use zeronav_supervise::cleaner::Ticket;
 use zeronav_supervise::occupant::file_name;
+use zeronav_supervise::process::hint;
 
 /// What a newcomer is started with.
 #[derive(Debug, Clone)]

@@ -1,10 +1,12 @@
 //! The arguments of `zeronav topics`.
 
 use crate::remote::cli::StackArgs;
-use clap::builder::PossibleValuesParser;
-use clap::{Args, Subcommand};
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use clap::{Arg, Args, Command, Error, Subcommand};
+use std::ffi::OsStr;
 use std::num::NonZeroU64;
 use zeronav_msgs::topics::topics;
+use zeronav_msgs::user;
 
 /// Arguments of `zeronav topics`.
 #[derive(Debug, Clone, Args)]
@@ -31,11 +33,38 @@ pub enum TopicsVerb {
 /// The topic, and when it is enough.
 #[derive(Debug, Clone, Args)]
 pub struct TopicArgs {
-    /// Name of the topic (see `zeronav topics`).
-    #[arg(value_parser = PossibleValuesParser::new(topics().iter().map(|row| row.name)),
-          hide_possible_values = true)]
+    /// Name of the topic (see `zeronav topics`), also of one of a user's own.
+    #[arg(value_parser = TopicName, hide_possible_values = true)]
     pub topic: String,
     /// End after N messages.
     #[arg(short, long, value_name = "N")]
     pub number: Option<NonZeroU64>,
+}
+
+/// A topic of the contract, or one that a user may have made.
+#[derive(Debug, Clone, Copy)]
+struct TopicName;
+
+impl TypedValueParser for TopicName {
+    type Value = String;
+
+    fn parse_ref(
+        &self,
+        command: &Command,
+        argument: Option<&Arg>,
+        value: &OsStr,
+    ) -> Result<String, Error> {
+        match value.to_str().filter(|name| user::name_in(name).is_some()) {
+            Some(name) => Ok(name.to_owned()),
+            None => PossibleValuesParser::new(names()).parse_ref(command, argument, value),
+        }
+    }
+
+    fn possible_values(&self) -> Option<Box<dyn Iterator<Item = PossibleValue> + '_>> {
+        Some(Box::new(names().map(PossibleValue::new)))
+    }
+}
+
+fn names() -> impl Iterator<Item = &'static str> {
+    topics().into_iter().map(|row| row.name)
 }

@@ -6,6 +6,7 @@ use zeronav_msgs::header::{Header, Id};
 use zeronav_msgs::message::Wire;
 use zeronav_msgs::span::Span;
 use zeronav_msgs::topics::{SPANS, Topic, TopicRow};
+use zeronav_msgs::user::{Form, UserMessage};
 use zeronav_shell::View;
 
 /// A copy of one message. Its memory is used again for the next.
@@ -33,6 +34,11 @@ impl Message {
     /// No message of topic `T` yet.
     pub(super) fn of_topic<T: Topic>(row: &'static TopicRow) -> Self {
         Self::empty(row, Some(T::Meta::SHAPE), T::Item::SHAPE)
+    }
+
+    /// No message of a user's own topic with this form yet.
+    pub(super) fn of_user(row: &'static TopicRow, form: &Form) -> Self {
+        Self::empty(row, Some(UserMessage::SHAPE), form.shape())
     }
 
     /// No record yet.

@@ -5,6 +5,7 @@ mod message;
 mod rate;
 mod table;
 pub(crate) mod tap;
+mod user;
 mod value;
 mod watches;
 

@@ -2,18 +2,22 @@
 
 use super::message::Message;
 use super::tap::Tap;
+use super::user;
 use super::watches::{Units, units_of};
 use serde_json::{Value, json};
 use zeronav_console::terminal::{say, say_json};
 use zeronav_msgs::fields::Shape;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::topics::{Discipline, READERS_MAX, Topic, TopicRow, TopicVisitor, visit_topics};
+use zeronav_msgs::user::Form;
 use zeronav_shell::Peer;
 
 /// What is shown of a topic.
 struct Line {
     row: &'static TopicRow,
     message: Message,
+    /// What the bytes of a user's own topic mean.
+    form: Option<Form>,
     writers: usize,
     readers: usize,
 }
@@ -28,6 +32,7 @@ impl Lister<'_> {
         self.lines.push(Line {
             row: message.row,
             message,
+            form: None,
             writers,
             readers,
         });
@@ -62,7 +67,18 @@ pub(super) fn list(tap: &Tap, json: bool) -> Result<(), String> {
         lines: Vec::new(),
     };
     visit_topics(&mut lister)?;
-    let lines = lister.lines;
+    let mut lines = lister.lines;
+    for found in user::all(tap.peer()).map_err(|error| error.to_string())? {
+        let ports = found.ports(tap.peer());
+        let [writers, readers] = ports.map_err(|error| error.to_string())?;
+        lines.push(Line {
+            row: found.row,
+            message: found.message(),
+            form: Some(found.form),
+            writers,
+            readers,
+        });
+    }
     if json {
         let rows: Vec<_> = lines.iter().map(to_json).collect();
         say_json(&json!({ "topics": rows }));
@@ -131,12 +147,16 @@ const COLUMNS: [Column; 8] = [
     },
     Column {
         heading: "type",
-        text: |line| type_name(&line.message).to_owned(),
+        text: |line| match &line.form {
+            Some(form) => form.text().to_owned(),
+            None => type_name(&line.message).to_owned(),
+        },
         json: |line| {
             let message = &line.message;
             json!({
                 "type": type_name(message),
                 "item_type": item_type(message),
+                "form": line.form.as_ref().map(Form::text),
                 "schema": format!("{:016x}", line.row.schema),
                 "units": Units(&units_of(message)),
             })
@@ -145,6 +165,7 @@ const COLUMNS: [Column; 8] = [
     Column {
         heading: "written by",
         text: |line| match line.row.writers {
+            all if all.len() == Role::ALL.len() => "anybody".to_owned(),
             all if all.len() == Role::SERVICES.len() => "every service".to_owned(),
             _ => writers(line.row).join(", "),
         },
@@ -190,6 +211,9 @@ fn writers(row: &TopicRow) -> Vec<&'static str> {
 /// Bytes of the fixed part and of the items.
 fn bytes(line: &Line) -> String {
     let row = line.row;
+    if line.form.is_some() {
+        return format!("{} + {} at most", row.envelope_bytes, row.len_max);
+    }
     match (line.message.fields, item_type(&line.message)) {
         (None, _) => row.item_bytes.to_string(),
         (_, None) => row.envelope_bytes.to_string(),

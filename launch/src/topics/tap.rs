@@ -2,6 +2,7 @@
 //! the run depends on it. It polls.
 
 use super::message::Message;
+use super::user::find;
 use crate::running;
 use std::path::Path;
 use std::sync::Arc;
@@ -10,6 +11,7 @@ use std::time::Duration;
 use zeronav_console::terminal;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::topics::{Topic, TopicRow, TopicVisitor, visit_topics};
+use zeronav_msgs::user;
 use zeronav_shell::roster_reader::RosterReader;
 use zeronav_shell::{Domain, Peer, Roster, StartError};
 use zeronav_supervise::cleaner::Cleaner;
@@ -101,7 +103,11 @@ impl Tap {
             interrupted,
             end: None,
         };
-        visit_topics(&mut listener)?;
+        if user::name_in(name).is_some() {
+            listener.follow_user()?;
+        } else {
+            visit_topics(&mut listener)?;
+        }
         let end = listener.end.ok_or_else(|| format!("no topic {name}"))?;
         self.leave();
         Ok(end)
@@ -174,6 +180,14 @@ impl<W: Watch> TopicVisitor for Listener<'_, W> {
 }
 
 impl<W: Watch> Listener<'_, W> {
+    /// Shows the messages of a user's own topic.
+    fn follow_user(&mut self) -> Result<(), String> {
+        let found = find(self.tap.peer(), self.name)?;
+        let mut follower = self.tap.open(|peer| found.follow(peer))?;
+        self.follow(found.message(), |_, message| follower.copy_next(message));
+        Ok(())
+    }
+
     /// Shows what `take` copies until the end.
     fn follow(
         &mut self,

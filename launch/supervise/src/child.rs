@@ -1,17 +1,13 @@
 //! One service process.
 
-use super::child_log::{LogPlace, last_lines};
-use super::descendants::MARK;
+use super::child_log::LogPlace;
+use super::process::{Beginning, Process};
 use super::scheduling;
-use super::warden;
-use rustix::event::{PollFd, PollFlags, Timespec, poll};
-use rustix::process::{Pid, PidfdFlags, Signal, kill_process_group, pidfd_open};
+use rustix::process::Signal;
 use std::ffi::OsString;
-use std::fs::File;
-use std::os::fd::{AsFd, OwnedFd};
-use std::os::unix::process::{CommandExt, ExitStatusExt};
+use std::os::unix::process::ExitStatusExt;
 use std::path::{Path, PathBuf};
-use std::process::{Command, ExitStatus, Stdio};
+use std::process::{ExitStatus, Stdio};
 use std::time::Duration;
 use zeronav_measure::result::scheduling::Scheduling;
 use zeronav_msgs::role::Role;
@@ -33,8 +29,7 @@ pub struct Start<'a> {
     pub scheduling: Option<&'a SchedulingSpec>,
 }
 
-/// A started service in a process group of its own. When launch dies, whatever kills it, the service
-/// is asked to leave, and the warden ends it if it does not.
+/// A started service in a process group of its own, see [`Process`].
 #[derive(Debug)]
 pub struct Child {
     /// The seat it sits in.
@@ -43,11 +38,7 @@ pub struct Child {
     pub epoch: u32,
     /// The binary.
     pub binary: PathBuf,
-    /// What it writes to both its outputs.
-    log: File,
-    process: std::process::Child,
-    pidfd: OwnedFd,
-    ended: Option<ExitStatus>,
+    process: Process,
     memory_peak_bytes: u64,
     scheduling: Option<SchedulingSpec>,
     scheduled: Option<Scheduling>,
@@ -60,58 +51,27 @@ impl Child {
     /// # Errors
     /// What the system says, naming the binary.
     pub fn start(role: Role, epoch: u32, stdin: Stdio, start: &Start<'_>) -> std::io::Result<Self> {
-        let Start {
-            binary,
-            arguments,
-            root,
-            log,
-            scheduling,
-        } = *start;
-        let name = |error: std::io::Error| {
-            std::io::Error::new(
-                error.kind(),
-                format!("starting {}: {error}{}", binary.display(), hint(&error)),
-            )
+        let beginning = Beginning {
+            name: role.label(),
+            binary: start.binary,
+            arguments: start.arguments,
+            root: start.root,
+            log: start.log,
+            stdin,
+            stdout: None,
         };
-        let log = log.open().map_err(name)?;
-        let mut command = Command::new(binary);
-        command
-            .args(arguments)
-            .env(MARK, root)
-            .stdin(stdin)
-            .stdout(log.try_clone().map_err(name)?)
-            .stderr(log.try_clone().map_err(name)?)
-            .process_group(0);
-        end_with_this_thread(&mut command, Signal::TERM);
-        if let Some(spec) = scheduling {
-            scheduling::ask(&mut command, spec);
-        }
-        let process = command.spawn().map_err(name)?;
-        let pidfd = i32::try_from(process.id())
-            .ok()
-            .and_then(Pid::from_raw)
-            .ok_or_else(|| std::io::Error::other("no process id"))
-            .and_then(|pid| Ok(pidfd_open(pid, PidfdFlags::empty())?));
-        let mut process = process;
-        let pidfd = match pidfd {
-            Ok(pidfd) => pidfd,
-            Err(error) => {
-                let _ = process.kill();
-                let _ = process.wait();
-                return Err(name(error));
+        let process = Process::start(beginning, |command| {
+            if let Some(spec) = start.scheduling {
+                scheduling::ask(command, spec);
             }
-        };
-        warden::watch_service(role, process.id(), pidfd.as_fd());
+        })?;
         Ok(Self {
             role,
             epoch,
-            binary: binary.to_owned(),
-            log,
+            binary: start.binary.to_owned(),
             process,
-            pidfd,
-            ended: None,
             memory_peak_bytes: 0,
-            scheduling: scheduling.cloned(),
+            scheduling: start.scheduling.cloned(),
             scheduled: None,
         })
     }
@@ -119,15 +79,12 @@ impl Child {
     /// Process id.
     #[must_use]
     pub fn pid(&self) -> u32 {
-        self.process.id()
+        self.process.pid()
     }
 
     /// How it ended, once it has.
     pub fn ended(&mut self) -> Option<ExitStatus> {
-        if self.ended.is_none() {
-            self.ended = self.process.try_wait().ok().flatten();
-        }
-        self.ended
+        self.process.ended()
     }
 
     /// True while it is stopped by a signal.
@@ -194,25 +151,12 @@ impl Child {
 
     /// Sends `signal` to its process group.
     pub fn signal(&mut self, signal: Signal) {
-        if self.ended().is_none()
-            && let Some(pid) = i32::try_from(self.pid()).ok().and_then(Pid::from_raw)
-        {
-            let _ = kill_process_group(pid, signal);
-        }
+        self.process.signal(signal);
     }
 
     /// Waits for the end; true when it came within `limit`.
     pub fn wait(&mut self, limit: Duration) -> bool {
-        if self.ended().is_some() {
-            return true;
-        }
-        let timeout = Timespec {
-            tv_sec: limit.as_secs().cast_signed(),
-            tv_nsec: i64::from(limit.subsec_nanos()),
-        };
-        let mut descriptors = [PollFd::from_borrowed_fd(self.pidfd.as_fd(), PollFlags::IN)];
-        let _ = poll(&mut descriptors, Some(&timeout));
-        self.ended().is_some()
+        self.process.wait(limit)
     }
 
     /// How it ended, in words.
@@ -238,7 +182,7 @@ impl Child {
     /// The last lines of its log.
     #[must_use]
     pub fn log_tail(&self, lines: usize) -> Vec<String> {
-        last_lines(&self.log, lines)
+        self.process.log_tail(lines)
     }
 }
 
@@ -247,48 +191,6 @@ impl Child {
 pub fn is_short(error: &std::io::Error) -> bool {
     use std::io::ErrorKind::{OutOfMemory, WouldBlock};
     matches!(error.kind(), WouldBlock | OutOfMemory)
-}
-
-/// What to do about an error of starting a process or a thread, as the end of a line.
-#[must_use]
-pub fn hint(error: &std::io::Error) -> &'static str {
-    match error.kind() {
-        std::io::ErrorKind::WouldBlock => {
-            "; the limit of processes and threads of this user is reached: see `ulimit -u`"
-        }
-        std::io::ErrorKind::OutOfMemory => "; there is too little memory: see `ulimit -v`",
-        _ => "",
-    }
-}
-
-impl Drop for Child {
-    fn drop(&mut self) {
-        self.signal(Signal::KILL);
-        let _ = self.process.wait();
-    }
-}
-
-/// Has the process that `command` starts sent `signal` when this thread ends.
-#[allow(
-    unsafe_code,
-    reason = "the parent-death signal can only be set between fork and exec"
-)]
-pub fn end_with_this_thread(command: &mut Command, signal: Signal) {
-    let parent = rustix::process::getpid();
-    // SAFETY: the closure runs in the forked child before exec and makes only system calls that
-    // are async-signal-safe; it allocates nothing and takes no lock.
-    unsafe {
-        command.pre_exec(move || {
-            rustix::process::set_parent_process_death_signal(Some(signal))?;
-            // A log or segment beyond `ulimit -f` is an error of the write and kills no robot.
-            libc::signal(libc::SIGXFSZ, libc::SIG_IGN);
-            // Launch may have died between fork and the call: then the signal would never be sent.
-            if rustix::process::getppid() != Some(parent) {
-                return Err(std::io::Error::from_raw_os_error(3));
-            }
-            Ok(())
-        });
-    }
 }
 
 /// From a process's `status`: the largest resident memory, less the part that is shared memory now.
@@ -304,7 +206,8 @@ fn own_memory_peak_bytes(status: &str) -> Option<u64> {
 
 #[cfg(test)]
 mod tests {
-    use super::{hint, is_short, own_memory_peak_bytes};
+    use super::{is_short, own_memory_peak_bytes};
+    use crate::process::hint;
 
     #[test]
     fn a_system_without_room_is_told_from_a_binary_that_is_missing() {

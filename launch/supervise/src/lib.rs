@@ -11,6 +11,7 @@ pub mod hang;
 mod log_limit;
 pub mod occupant;
 pub mod own_time;
+pub mod process;
 pub mod question;
 pub mod restart;
 pub mod scheduling;

@@ -1,8 +1,9 @@
 //! What a binary answers to a flag that makes it print something and leave. It may be any program:
 //! it may print without end, hang, or be none.
 
-use super::child::{Child, end_with_this_thread, hint};
+use super::child::Child;
 use super::own_time::Patience;
+use super::process::{end_with_this_thread, hint};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::process::{Pid, PidfdFlags, Signal, kill_process_group, pidfd_open};
 use std::ffi::OsStr;

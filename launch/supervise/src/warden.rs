@@ -29,7 +29,6 @@ use std::process::{Command, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
-use zeronav_msgs::role::Role;
 use zeronav_shell::damage::{Damaged, damaged};
 
 /// Name of the subcommand.
@@ -85,9 +84,10 @@ pub fn watch_domain(root: &Path) {
     tell(&format!("domain {}", root.display()), None);
 }
 
-/// Has the service `pid` ended after the death of this process, if it does not leave by itself.
-pub fn watch_service(role: Role, pid: u32, pidfd: BorrowedFd<'_>) {
-    tell(&format!("service {pid} {role}"), Some(pidfd));
+/// Has the process `pid`, a service or a companion of this name, ended after the death of this process, if it
+/// does not leave by itself.
+pub fn watch_process(name: &str, pid: u32, pidfd: BorrowedFd<'_>) {
+    tell(&format!("service {pid} {name}"), Some(pidfd));
 }
 
 /// Has `result` put into the run's `folder` after the death of this process.

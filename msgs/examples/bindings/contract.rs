@@ -6,7 +6,10 @@ use zeronav_msgs::labels::{ENUMS, label};
 use zeronav_msgs::message::{self, Wire};
 use zeronav_msgs::span::Span;
 use zeronav_msgs::topics::{self, Topic, TopicRow, TopicVisitor, visit_topics};
-use zeronav_msgs::{description, foresight, grid, header, health, map, obstacles, rollouts, run};
+use zeronav_msgs::user::UserEnvelope;
+use zeronav_msgs::{
+    description, foresight, grid, header, health, map, obstacles, rollouts, run, user,
+};
 
 /// The contract.
 pub(crate) struct Contract {
@@ -61,6 +64,7 @@ impl Contract {
         match visit_topics(&mut collector) {
             Ok(()) => {}
         }
+        collector.add(UserEnvelope::SHAPE);
         Self {
             messages: collector.messages,
             topics: collector.topics,
@@ -177,11 +181,14 @@ fn constants() -> Vec<(&'static str, f64)> {
         message::{COORDINATE_M_MAX, SPEED_MAX},
         run::{CLOCK_OFFSET_MS_MAX, DELAY_STEP_NS, DELAY_US_MAX, SHARE_ALL},
         foresight::{FORESIGHT_PERCEIVE, FORESIGHT_PREDICT},
-        topics::{EVENT_NEED_KEYFRAME},
+        topics::{EVENT_MAX, EVENT_NEED_KEYFRAME, NODES_MAX, READERS_MAX, WRITERS_MAX},
         grid::{SIDE_CELLS_MAX},
         map::{
             TILE_CELLS, COST_FREE, COST_CIRCUMSCRIBED_MAX, COST_INSCRIBED, COST_LETHAL,
             COST_UNKNOWN, FLAG_STATIC, FLAG_SENSED, FLAG_VIRTUAL, FLAG_REGULARISED, FLAG_UNKNOWN,
+        },
+        user::{
+            FORM_BYTES_MAX, USER_BORROWED, USER_BUFFER, USER_BYTES_MAX, USER_NAME_BYTES_MAX, USER_POOL,
         },
         description::{ACTUATION_DELAY_NS_MAX},
         obstacles::{OBSTACLE_RADIUS_M_MAX},

@@ -216,7 +216,11 @@ DELAY_US_MAX = 10000000
 SHARE_ALL = 1000000
 FORESIGHT_PERCEIVE = 1
 FORESIGHT_PREDICT = 2
+EVENT_MAX = 63
 EVENT_NEED_KEYFRAME = 40
+NODES_MAX = 24
+READERS_MAX = 12
+WRITERS_MAX = 4
 SIDE_CELLS_MAX = 8192
 TILE_CELLS = 32
 COST_FREE = 0
@@ -229,6 +233,12 @@ FLAG_SENSED = 2
 FLAG_VIRTUAL = 4
 FLAG_REGULARISED = 8
 FLAG_UNKNOWN = 16
+FORM_BYTES_MAX = 200
+USER_BORROWED = 2
+USER_BUFFER = 32
+USER_BYTES_MAX = 65536
+USER_NAME_BYTES_MAX = 40
+USER_POOL = 58
 ACTUATION_DELAY_NS_MAX = 2000000000
 OBSTACLE_RADIUS_M_MAX = 10
 ROLLOUT_COST_MAX = 1000000000
@@ -1541,6 +1551,34 @@ class Span(Message):
     ]
 
 
+class UserMessage(Message):
+    """Fixed fields of a message on a user's own topic; the slice holds its bytes."""
+
+    NAME = "zeronav.UserMessage.v1"
+    SIZE = 8
+    SCHEMA = 0x8b22ab13735b6140
+    OFFSETS = (0,)
+    _fields_ = [
+        # [number] FNV-1a of the text of the form.
+        ("form", u64),
+    ]
+
+
+class UserEnvelope(Message):
+    """Header and fixed fields of a message on a user's own topic."""
+
+    NAME = "zeronav.user.v1"
+    SIZE = 136
+    SCHEMA = 0x64a9cb430099747a
+    OFFSETS = (0, 128)
+    _fields_ = [
+        # The header.
+        ("header", Header),
+        # The fixed fields.
+        ("meta", UserMessage),
+    ]
+
+
 ROBOT_DESCRIPTION = Topic(
     number=0,
     name="robot/description",
@@ -2015,6 +2053,8 @@ for _message in (
     Health,
     HealthEnvelope,
     Span,
+    UserMessage,
+    UserEnvelope,
 ):
     verify(_message)
 for _topic in TOPICS:

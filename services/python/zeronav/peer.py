@@ -12,6 +12,7 @@ from . import memory
 from .clock import now_ns
 from .errors import ContractError, StartError, UsageError
 from .ports import Latest, SpanWriter, Stream, Writer
+from .user import Form, UserReader, UserWriter, topic_of
 
 OPEN_TRIES = 20
 OPEN_PAUSE_S = 0.005
@@ -72,18 +73,18 @@ class Peer:
                     raise StartError(f"opening topic {topic.name}: {error}") from error
                 time.sleep(OPEN_PAUSE_S)
 
-    def _subscriber(self, topic):
+    def _subscriber(self, topic, factory=None):
         try:
-            builder = self._open(topic).subscriber_builder().buffer_size(topic.buffer)
+            builder = (factory or self._open(topic)).subscriber_builder().buffer_size(topic.buffer)
             return self._keep(builder.create())
         except StartError:
             raise
         except Exception as error:
             raise StartError(f"reading {topic.name}: {error}") from error
 
-    def _publisher(self, topic, length):
+    def _publisher(self, topic, length, factory=None):
         memory.check(topic.segment_bytes(length))
-        factory = self._open(topic)
+        factory = factory or self._open(topic)
         try:
             builder = factory.publisher_builder().max_loaned_samples(1)
             if topic.envelope is not None:
@@ -109,6 +110,62 @@ class Peer:
             most = f"the contract allows {topic.len_max}"
             raise UsageError(f"topic {topic.name}: {length} items asked, {most}")
         return Writer(topic, self._publisher(topic, length), self.role, self.epoch, length)
+
+    def user_writer(self, name, form, bytes_max=64):
+        """The writer of the user's own topic `name` (without its prefix), whose messages of up to
+        `bytes_max` bytes are what the text `form` says, see `zeronav.user`."""
+        form = Form(form)
+        if not 0 <= bytes_max <= c.USER_BYTES_MAX:
+            raise UsageError(f"user topic {name}: at most {c.USER_BYTES_MAX} bytes, not {bytes_max}")
+        topic = topic_of(name, form)
+        publisher = self._publisher(topic, bytes_max, self._open_user(topic, form))
+        return UserWriter(form, topic, publisher, self.role, self.epoch, bytes_max)
+
+    def user_reader(self, name, form):
+        """A reader of the user's own topic `name` (without its prefix)."""
+        form = Form(form)
+        topic = topic_of(name, form)
+        return UserReader(form, topic, self._subscriber(topic, self._open_user(topic, form)))
+
+    def _open_user(self, topic, form):
+        """Opens the topic, or makes it."""
+        verifier = iox2.AttributeVerifier.new()
+        for key, value in (("schema", f"{topic.schema:016x}"), ("form", form.text)):
+            key, value = iox2.AttributeKey.new(key), iox2.AttributeValue.new(value)
+            verifier = verifier.require(key, value)
+
+        def builder():
+            name = iox2.ServiceName.new(topic.name)
+            made = self._node.service_builder(name).publish_subscribe(iox2.Slice[topic.item])
+            made = made.user_header(topic.envelope).history_size(0).enable_safe_overflow(True)
+            made = made.subscriber_max_buffer_size(c.USER_BUFFER).max_nodes(c.NODES_MAX)
+            made = made.subscriber_max_borrowed_samples(c.USER_BORROWED)
+            return made.max_publishers(c.WRITERS_MAX).max_subscribers(c.READERS_MAX)
+
+        for attempt in range(OPEN_TRIES + 1):
+            try:
+                return builder().open_or_create_with_attributes(verifier)
+            except Exception as error:
+                if "IncompatibleAttributes" in str(error):
+                    problem = self._other_form(builder(), form)
+                    raise ContractError(topic.name, problem) from error
+                # Opening may meet a cleanup that is under way; that passes.
+                if attempt == OPEN_TRIES:
+                    raise StartError(f"opening topic {topic.name}: {error}") from error
+                time.sleep(OPEN_PAUSE_S)
+
+    def _other_form(self, builder, form):
+        """What is wrong with a topic that has another form."""
+        try:
+            attributes = builder.open().attributes.values
+            forms = (one.value for one in attributes if one.key.to_string() == "form")
+            other = next(forms).to_string()
+        except Exception:
+            return PROBLEMS["IncompatibleAttributes"]
+        return (
+            f'its form is "{other}", and this program expects "{form.text}": '
+            "declare the same text in both"
+        )
 
     def span_writer(self):
         """The writer of `run/spans`."""

@@ -1,26 +1,19 @@
 """A service, and the loop that all of them share."""
 
-import argparse
 import ctypes
 import gc
 import logging
-import signal
-import socket
-import sys
 import time
-from dataclasses import dataclass
 
-from . import parameters
 from .clock import now_ns
-from .contract import SHADOW_EPOCH_MIN, Role
+from .contract import Role
 from .errors import EXIT_CRASH, EXIT_STOPPED, StartError, UsageError
 from .peer import WAKE_AT_LEAST_NS
+from .program import Program, catch_signals
 from .shell import Shell
 
 log = logging.getLogger("zeronav")
 
-LEVELS = {"error": 40, "warn": 30, "info": 20, "debug": 10, "trace": 5, "off": 100}
-LOG_BYTES_MAX = 8 << 20
 PR_SET_TIMERSLACK = 29
 SEATS = (Role.MAPPING, Role.GLOBAL_PLANNER, Role.LOCAL_PLANNER, Role.COLLISION_GUARD)
 LOOK_NS = 50_000_000
@@ -29,16 +22,10 @@ SOON_NS = 5_000_000
 REST_LIMIT_NS = 1_500_000_000
 
 
-@dataclass(frozen=True)
-class NoConfig:
-    """The configuration of a service that has nothing to set."""
-
-
-class Service:
+class Service(Program):
     """A program that takes the seat `role`. Derive, then call `run` on the class."""
 
     role: Role
-    Config = NoConfig
 
     def __init__(self, shell, config):
         """Opens the ports. Nothing is known yet about the run."""
@@ -52,108 +39,26 @@ class Service:
         """True when the robot is stopped, as far as this service knows."""
         return False
 
+    @classmethod
+    def add_flags(cls, parser):
+        if cls.role not in SEATS:
+            raise UsageError(f"no service in Python can take the seat {cls.role.name.lower()}")
+        parser.add_argument(
+            "--shadow", action="store_true", help="run beside the seat, never obeyed"
+        )
 
-def run(kind):
-    """`main` of a service: flags, configuration, ports, loop, exit code."""
-    try:
-        if kind.role not in SEATS:
-            raise UsageError(f"no service in Python can take the seat {kind.role.name.lower()}")
-        flags = _flags(kind)
-        config = parameters.read(kind.Config, flags.config)
-    except UsageError as error:
-        print(error, file=sys.stderr)
-        sys.exit(error.exit_code)
-    if flags.print_params:
-        print(parameters.as_json(kind.Config))
-    elif flags.print_config:
-        print(parameters.as_toml(config), end="")
-    else:
-        sys.exit(_serve(kind, flags, config))
-    sys.exit(EXIT_STOPPED)
-
-
-class _Parser(argparse.ArgumentParser):
-    def error(self, message):
-        raise UsageError(message)
-
-
-def _flags(kind):
-    parser = _Parser(description=(kind.__doc__ or "").split("\n")[0], allow_abbrev=False)
-    parser.add_argument("--domain", metavar="ROOT", help="root folder of the run")
-    parser.add_argument("--epoch", metavar="N", type=int, help="which start of this role it is")
-    parser.add_argument("--shadow", action="store_true", help="run beside the seat, never obeyed")
-    parser.add_argument("--config", metavar="FILE", help="TOML; without it, defaults")
-    parser.add_argument("--log-level", metavar="LEVEL", default="info", help=", ".join(LEVELS))
-    parser.add_argument("--print-config", action="store_true", help="print the configuration")
-    parser.add_argument("--print-params", action="store_true", help="print the parameters")
-    flags = parser.parse_args()
-    # Directives of one module, as in `warn,zeronav_mapping=debug`, are for the others.
-    words = [word.strip().lower() for word in flags.log_level.split(",") if "=" not in word]
-    for word in words:
-        if word not in LEVELS:
-            raise UsageError(f"--log-level: there is no level `{word}`; known are {', '.join(LEVELS)}")
-    flags.level = LEVELS[words[-1]] if words else LEVELS["info"]
-    if not (flags.print_config or flags.print_params):
-        if flags.domain is None:
-            raise UsageError("--domain ROOT is needed")
+    @classmethod
+    def check_flags(cls, flags):
         if flags.shadow == (flags.epoch is not None):
             raise UsageError("either --epoch N or --shadow is needed")
-        if not flags.shadow and not 1 <= flags.epoch < SHADOW_EPOCH_MIN:
-            raise UsageError(f"--epoch {flags.epoch}: must be 1 to {SHADOW_EPOCH_MIN - 1}")
-    return flags
 
-
-class _Bounded:
-    """Standard error up to a size; a log must not stop its process."""
-
-    def __init__(self):
-        self._left = LOG_BYTES_MAX
-
-    def write(self, text):
-        size = len(text.encode(errors="replace"))
-        if self._left <= 0:
-            return
-        if size >= self._left:
-            text = "the log is full, nothing more is written\n"
-        self._left = self._left - size if size < self._left else 0
-        try:
-            sys.stderr.write(text)
-        except OSError:
-            pass
-
-    def flush(self):
-        try:
-            sys.stderr.flush()
-        except OSError:
-            pass
-
-
-def _start_log(level):
-    handler = logging.StreamHandler(_Bounded())
-    handler.setFormatter(
-        logging.Formatter("%(asctime)s %(levelname)5s %(message)s", "%Y-%m-%dT%H:%M:%S")
-    )
-    logging.basicConfig(level=level, handlers=[handler])
-
-
-def _catch_signals():
-    """A set that gets the signals that ask the process to stop, and a socket that they wake."""
-    asked, (reader, writer) = set(), socket.socketpair()
-    for end in (reader, writer):
-        end.setblocking(False)
-    signal.set_wakeup_fd(writer.fileno(), warn_on_full_buffer=False)
-    stopping = [signal.SIGTERM, signal.SIGINT, signal.SIGQUIT]
-    # A hang-up that is ignored from the start (nohup) stays ignored.
-    if signal.getsignal(signal.SIGHUP) != signal.SIG_IGN:
-        stopping.append(signal.SIGHUP)
-    for number in stopping:
-        signal.signal(number, lambda number, _frame: asked.add(number))
-    return asked, (reader, writer)
+    @classmethod
+    def serve(cls, flags, config):
+        return _serve(cls, flags, config)
 
 
 def _serve(kind, flags, config):
-    _start_log(flags.level)
-    asked, (signals, _writer) = _catch_signals()
+    asked, (signals, _writer) = catch_signals()
     # The default slack of 50 us would be a large part of every wait.
     ctypes.CDLL(None).prctl(PR_SET_TIMERSLACK, 1)
     try:

@@ -8,19 +8,17 @@ from typing import NamedTuple
 from . import contract as c
 from .clock import now_ns, put_forward
 from .domain import Domain
-from .errors import StartError, UsageError
+from .errors import UsageError
 from .layout import FNV_PRIME, U64_MAX
 from .link import LOOK_NS
 from .peer import Peer
 from .ports import Draft
-from .roster import Roster
+from .roster_reader import RosterReader
 from .seat import Seat, shadow_epoch
 
 log = logging.getLogger("zeronav")
 
 BEAT_NS = 20_000_000
-KNOWN_LIMIT_S = 5.0
-KNOWN_PAUSE_S = 0.005
 U32_MAX = 0xFFFF_FFFF
 
 
@@ -48,10 +46,8 @@ class Shell:
         epoch = shadow_epoch() if flags.shadow else flags.epoch
         self.role, self.domain = role, domain
         self.peer = Peer(domain, role, epoch)
-        self.roster = Roster(role, epoch)
-        self._clock = self.peer.latest(c.RUN_CLOCK)
-        self._control = self.peer.latest(c.RUN_CONTROL)
-        self._rests = False
+        self._roster_reader = RosterReader(self.peer)
+        self.roster = self._roster_reader.roster
         if self.seat is not None and not self.seat.is_from_launch:
             self._check_epoch(epoch)
         self._doorbell = self.peer.doorbell(signals)
@@ -73,21 +69,16 @@ class Shell:
     @property
     def is_orphaned(self):
         """True when launch is gone: the robot comes to rest, whatever is requested."""
-        return self._rests
+        return self._roster_reader.rests
 
     def come_to_rest(self):
         """Behaves from now on as if launch had asked for a stop."""
-        self._rests = True
-        self._read_roster()
+        self._roster_reader.rests = True
+        self._roster_reader.poll()
 
     def _check_epoch(self, epoch):
         """Accepts the epoch that launch expects in this seat."""
-        deadline_s = time.monotonic() + KNOWN_LIMIT_S
-        while not self.roster.is_known:
-            if time.monotonic() > deadline_s:
-                raise StartError("reading run/control: launch says nothing")
-            time.sleep(KNOWN_PAUSE_S)
-            self._read_roster()
+        self._roster_reader.await_known()
         seat, name = self.roster.seats.get(self.role), self.role.name.lower()
         if seat is None:
             raise UsageError(f"this run has no seat for {name}")
@@ -97,28 +88,13 @@ class Shell:
                 "no other is obeyed"
             )
 
-    def _read_roster(self):
-        roster = self.roster
-        if self._clock.poll(roster):
-            roster.clock = self._clock.get().meta.copy()
-            roster.lockstep = roster.clock.mode == c.RunMode.LOCKSTEP
-        if self._control.poll(roster):
-            view = self._control.get()
-            roster.control = view.meta.copy()
-            data = view.items.tobytes()
-            places = range(0, len(data), c.Seat.SIZE)
-            seats = [c.Seat.from_buffer_copy(data, place) for place in places]
-            roster.seats = {c.Role(seat.role): seat for seat in seats}
-        if self._rests:
-            roster.control.stopping, roster.control.paused = 1, 0
-
     def wait(self, deadline_ns):
         """Sleeps until a ring or `deadline_ns`, then reads the roster; the events that rang."""
         rung = self._doorbell.wait(deadline_ns)
         self.woken_ns, self._woken_cpu_ns = now_ns(), time.thread_time_ns()
         self.wake_by_ns = None
         self.roster.woken_ns = self.woken_ns
-        self._read_roster()
+        self._roster_reader.poll()
         put_forward(self.roster.clock_offset_ns())
         if self.roster.has_delays():
             self.wake_by_ns = self.woken_ns + LOOK_NS

@@ -1,11 +1,11 @@
-//! The flags that every service understands.
+//! The flags that every service and every companion understands.
 
 use crate::error::StartError;
 use crate::logs;
 use crate::nearest::hinted;
 use crate::places::{Places, line_of};
 use crate::printable::printable;
-use clap::Parser;
+use clap::{ArgGroup, Args, Parser};
 use core::ops::Range;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -16,39 +16,63 @@ use zeronav_files::read;
 /// Highest epoch of a process that may be obeyed; those above are for shadows.
 const EPOCH_MAX: i64 = zeronav_msgs::header::SHADOW_EPOCH_MIN as i64 - 1;
 
-/// The five flags of a service, and what people want to know of one.
-#[derive(Debug, Clone, Parser)]
-#[command(about = "A service of a zeronav stack; normally started by `zeronav run`.", long_about = None)]
-#[allow(clippy::struct_excessive_bools, reason = "switches of a command line")]
-pub struct Flags {
+/// The group of the flags that ask a program something instead of starting it.
+const QUESTIONS: &str = "question";
+
+/// The flags that services and companions share.
+#[derive(Debug, Clone, Args)]
+#[command(group = ArgGroup::new(QUESTIONS).multiple(true))]
+pub struct MemberFlags {
     /// Root folder of the run, directly under /dev/shm; its name is the prefix of everything.
-    #[arg(long, value_name = "ROOT", required_unless_present_any = ["print_config", "print_params", "list"])]
+    #[arg(long, value_name = "ROOT", required_unless_present = QUESTIONS)]
     pub domain: Option<PathBuf>,
-    /// Which start of this role this is, as launch says: it gives every process a higher one and
-    /// obeys that one alone.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=EPOCH_MAX), required_unless_present_any = ["print_config", "print_params", "list", "shadow"], conflicts_with = "shadow")]
-    pub epoch: Option<u32>,
-    /// Run beside the process that sits in this seat: hear and answer, but never be obeyed.
-    #[arg(long)]
-    pub shadow: bool,
-    /// TOML file with the service's configuration; without it, defaults.
+    /// TOML file with the program's configuration; without it, defaults.
     #[arg(long, value_name = "FILE")]
     pub config: Option<PathBuf>,
     /// error, warn, info, debug, trace, or a filter such as `warn,zeronav_mapping=debug`.
     #[arg(long, value_name = "LEVEL", default_value = "info", value_parser = logs::filter)]
     pub log_level: String,
     /// Print the configuration that would be used as TOML and leave.
-    #[arg(long)]
+    #[arg(long, group = QUESTIONS)]
     pub print_config: bool,
+    /// Print all parameters of the configuration as a JSON list and leave.
+    #[arg(long, group = QUESTIONS)]
+    pub print_params: bool,
+}
+
+/// The flags of a service, and what people want to know of one.
+#[derive(Debug, Clone, Parser)]
+#[command(about = "A service of a zeronav stack; normally started by `zeronav run`.", long_about = None)]
+pub struct Flags {
+    /// Those that it shares with companions.
+    #[command(flatten)]
+    pub member: MemberFlags,
+    /// Which start of this role this is, as launch says: it gives every process a higher one and
+    /// obeys that one alone.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=EPOCH_MAX), required_unless_present_any = [QUESTIONS, "shadow"], conflicts_with = "shadow")]
+    pub epoch: Option<u32>,
+    /// Run beside the process that sits in this seat: hear and answer, but never be obeyed.
+    #[arg(long)]
+    pub shadow: bool,
     /// With --print-config: ticks and scans per second of the run that the configuration is for.
     #[arg(long, value_name = "TICKS,SCANS", value_parser = Rates::parse, requires = "print_config")]
     pub rates: Option<Rates>,
-    /// Print all parameters of the configuration as a JSON list and leave.
-    #[arg(long)]
-    pub print_params: bool,
     /// Print the algorithms that the configuration can name, one a line, and leave.
-    #[arg(long)]
+    #[arg(long, group = QUESTIONS)]
     pub list: bool,
+}
+
+/// The flags of a companion.
+#[derive(Debug, Clone, Parser)]
+#[command(about = "A companion of a zeronav stack; normally started by `zeronav run`.", long_about = None)]
+pub struct CompanionFlags {
+    /// Those that it shares with services.
+    #[command(flatten)]
+    pub member: MemberFlags,
+    /// Which start of this companion this is; it counts the messages on its own topics onwards from
+    /// those of the starts before.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=EPOCH_MAX), default_value = "1")]
+    pub epoch: u32,
 }
 
 /// How often a run ticks and scans.
@@ -78,12 +102,12 @@ impl Rates {
     }
 }
 
-/// The configuration of a service that has nothing to set; an unknown key is refused.
+/// The configuration of a program that has nothing to set; an unknown key is refused.
 #[derive(Debug, Clone, Copy, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct NoConfig {}
 
-impl Flags {
+impl MemberFlags {
     /// The configuration of the file; without one, that of an empty file. What `check` refuses is
     /// reported like what cannot be read.
     ///

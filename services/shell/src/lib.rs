@@ -17,7 +17,8 @@
 //! | inputs that several services read alike | [`OdometryReader`], [`MapInput`], [`Tasks`], [`CurrentGoal`] |
 //! | when an answer is due, and how it is given | [`Trigger`], [`Due`], [`Shell`], [`Draft`] |
 //! | a question to launch over the run's socket | [`control`] |
-//! | a process: flags, configuration, logs, exit code, loop | [`Service`], [`run`], [`flags`], [`logs`], [`error`] |
+//! | a process: flags, configuration, logs, exit code, loop | [`Service`], [`run`], [`Companion`], [`flags`], [`logs`], [`error`] |
+//! | topics of a user's own | [`user_topics`] |
 //!
 //! `examples/own_planner` is a service in a package of its own.
 
@@ -25,6 +26,7 @@
 
 pub mod cleaning;
 pub mod clock;
+pub mod companion;
 pub mod control;
 mod current_goal;
 pub mod damage;
@@ -50,6 +52,7 @@ pub mod odometry;
 pub mod peer;
 pub mod places;
 pub mod printable;
+mod program;
 mod reader;
 mod received;
 pub mod records;
@@ -61,8 +64,10 @@ mod shell;
 mod shm;
 pub mod signals;
 mod tasks;
+pub mod user_topics;
 mod writer;
 
+pub use companion::{Companion, Guest};
 pub use current_goal::CurrentGoal;
 pub use domain::Domain;
 pub use due::{Due, Trigger};
@@ -81,4 +86,5 @@ pub use roster::Roster;
 pub use service::{Service, run};
 pub use shell::Shell;
 pub use tasks::{HeldTask, Tasks};
+pub use user_topics::{UserReader, UserWriter};
 pub use writer::{Draft, Sent, Writer};

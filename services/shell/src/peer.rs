@@ -3,7 +3,7 @@
 use crate::domain::Domain;
 use crate::error::StartError;
 use crate::memory;
-use crate::middleware::{self, Erased, Factory, Layout, Receiver, Sender};
+use crate::middleware::{self, Erased, Factory, Layout, Receiver, Sender, TopicBuilder};
 use crate::reader::{Latest, Stream};
 use crate::records::{SpanReader, SpanWriter};
 use crate::writer::Writer;
@@ -235,7 +235,7 @@ impl Peer {
         Ok(SpanReader::new(receiver))
     }
 
-    fn sender(
+    pub(crate) fn sender(
         &self,
         row: &TopicRow,
         factory: &Factory,
@@ -256,13 +256,21 @@ impl Peer {
     }
 
     fn receiver(&self, row: &'static TopicRow, layout: &Layout) -> Result<Receiver, StartError> {
+        self.receiver_of(row, &*self.open(row, layout)?, layout)
+    }
+
+    pub(crate) fn receiver_of(
+        &self,
+        row: &TopicRow,
+        factory: &Factory,
+        layout: &Layout,
+    ) -> Result<Receiver, StartError> {
         let buffer = if self.tap {
             row.buffer()
         } else {
             row.service_buffer()
         };
-        let subscriber = self
-            .open(row, layout)?
+        let subscriber = factory
             .subscriber_builder()
             .buffer_size(buffer)
             .create()
@@ -291,15 +299,7 @@ struct Creator<'a> {
 impl Creator<'_> {
     fn create(&mut self, row: &'static TopicRow, layout: &Layout) -> Result<(), StartError> {
         let attributes = specifier(row, self.foreign)?;
-        let name = service_name(row.name)?;
-        let factory = middleware::topic(&self.peer.node, &name, layout)
-            .history_size(row.history())
-            .subscriber_max_buffer_size(row.buffer())
-            .subscriber_max_borrowed_samples(row.borrowed())
-            .enable_safe_overflow(true)
-            .max_publishers(row.writers_max())
-            .max_subscribers(READERS_MAX)
-            .max_nodes(NODES_MAX)
+        let factory = builder(self.peer, row, layout)?
             .create_with_attributes(&attributes)
             .map_err(|error| StartError::system(format!("making topic {}", row.name), error))?;
         self.topics.held.push(Box::new(factory));
@@ -317,6 +317,23 @@ impl TopicVisitor for Creator<'_> {
     fn records(&mut self, row: &'static TopicRow) -> Result<(), StartError> {
         self.create(row, &Layout::of_spans())
     }
+}
+
+/// Builder of a topic that does not exist yet.
+pub(crate) fn builder(
+    peer: &Peer,
+    row: &TopicRow,
+    layout: &Layout,
+) -> Result<TopicBuilder, StartError> {
+    let builder = middleware::topic(&peer.node, &service_name(row.name)?, layout)
+        .history_size(row.history())
+        .subscriber_max_buffer_size(row.buffer())
+        .subscriber_max_borrowed_samples(row.borrowed())
+        .enable_safe_overflow(true)
+        .max_publishers(row.writers_max())
+        .max_subscribers(READERS_MAX)
+        .max_nodes(NODES_MAX);
+    Ok(builder)
 }
 
 pub(crate) fn service_name(name: &str) -> Result<ServiceName, StartError> {
@@ -344,7 +361,7 @@ fn specifier(row: &TopicRow, foreign: &str) -> Result<AttributeSpecifier, StartE
         .map_err(|error| StartError::system("schema attribute", format!("{error:?}")))
 }
 
-fn verifier(row: &TopicRow) -> Result<AttributeVerifier, StartError> {
+pub(crate) fn verifier(row: &TopicRow) -> Result<AttributeVerifier, StartError> {
     let (key, value) = schema_attribute(row.schema)?;
     AttributeVerifier::new()
         .require(&key, &value)
@@ -352,7 +369,7 @@ fn verifier(row: &TopicRow) -> Result<AttributeVerifier, StartError> {
 }
 
 /// Opening may meet a cleanup that is under way; that passes.
-fn retry<R>(mut open: impl FnMut() -> Result<R, StartError>) -> Result<R, StartError> {
+pub(crate) fn retry<R>(mut open: impl FnMut() -> Result<R, StartError>) -> Result<R, StartError> {
     let mut last = open();
     for _ in 0..20 {
         match last {
@@ -377,7 +394,7 @@ fn read_error(row: &TopicRow, error: SubscriberCreateError) -> StartError {
     }
 }
 
-fn open_error(topic: &str, error: PublishSubscribeOpenError) -> StartError {
+pub(crate) fn open_error(topic: &str, error: PublishSubscribeOpenError) -> StartError {
     use PublishSubscribeOpenError as E;
     let contract = |problem: &str| StartError::Contract {
         topic: topic.to_owned(),

@@ -2,17 +2,15 @@
 
 use crate::clock::{host_ns, now_ns};
 use crate::doorbell::{Rung, WAKE_AT_LEAST_NS};
-use crate::error::{EXIT_STOPPED, EXIT_USAGE, StartError};
-use crate::flags::{Flags, Rates, one_line};
+use crate::error::{EXIT_STOPPED, StartError};
+use crate::flags::{Flags, MemberFlags, Rates};
 use crate::leaving::Leaving;
-use crate::printable::printable;
+use crate::program;
 use crate::shell::Shell;
 use crate::signals;
-use clap::Parser;
 use core::num::NonZeroU64;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
-use std::io::Write;
 use std::process::ExitCode;
 use zeronav_msgs::role::Role;
 use zeronav_params::Parameter;
@@ -77,22 +75,15 @@ pub trait Service: Sized {
 /// `main` of a service: flags, configuration, ports, loop, exit code.
 #[must_use]
 pub fn run<S: Service>() -> ExitCode {
-    let flags = match Flags::try_parse() {
+    let flags: Flags = match program::flags() {
         Ok(flags) => flags,
-        Err(error) => {
-            if error.use_stderr() {
-                complain(&one_line(&error));
-                return ExitCode::from(EXIT_USAGE);
-            }
-            let _ = error.print();
-            return ExitCode::from(EXIT_STOPPED);
-        }
+        Err(code) => return code,
     };
-    crate::logs::start(&flags.log_level);
+    crate::logs::start(&flags.member.log_level);
     match start::<S>(&flags) {
         Ok(()) => ExitCode::from(EXIT_STOPPED),
-        Err(error) if flags.print_config => {
-            complain(&error.to_string());
+        Err(error) if flags.member.print_config => {
+            program::complain(&error.to_string());
             error.exit_code()
         }
         Err(error) => {
@@ -105,21 +96,19 @@ pub fn run<S: Service>() -> ExitCode {
 fn start<S: Service>(flags: &Flags) -> Result<(), StartError> {
     if flags.list {
         for (key, line) in S::algorithms() {
-            print(&format!("{key}\t{line}\n"))?;
+            program::print(&format!("{key}\t{line}\n"))?;
         }
         return Ok(());
     }
-    if flags.print_params {
-        let text = serde_json::to_string_pretty(&S::parameters())
-            .map_err(|error| StartError::system("writing the parameters as JSON", error))?;
-        return print(&format!("{text}\n"));
+    if flags.member.print_params {
+        return program::print_parameters(&S::parameters());
     }
-    let config: S::Config = flags.read_config(|config| {
+    let config: S::Config = flags.member.read_config(|config| {
         S::check(config)?;
         (flags.rates).map_or(Ok(()), |rates| S::check_rates(config, rates))
     })?;
-    if flags.print_config {
-        return print(&Flags::config_text(&config)?);
+    if flags.member.print_config {
+        return program::print(&MemberFlags::config_text(&config)?);
     }
     let (stop, signals) = signals::catch()?;
     // The default slack of 50 us would be the largest part of every wait.
@@ -176,18 +165,4 @@ fn serve<S: Service>(
             .min(now + WAKE_AT_LEAST_NS)
             .min(leaving.deadline_ns());
     }
-}
-
-/// `--print-config` and `--list` are data for the caller.
-fn print(text: &str) -> Result<(), StartError> {
-    let mut output = std::io::stdout().lock();
-    output
-        .write_all(text.as_bytes())
-        .and_then(|()| output.flush())
-        .map_err(|error| StartError::system("writing to standard output", error))
-}
-
-/// One line on standard error.
-fn complain(problem: &str) {
-    let _ = writeln!(std::io::stderr(), "{}", printable(problem));
 }

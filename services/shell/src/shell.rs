@@ -54,6 +54,7 @@ pub struct Shell {
 impl Shell {
     pub(crate) fn open(flags: &Flags, role: Role, signals: UnixStream) -> Result<Self, StartError> {
         let root = flags
+            .member
             .domain
             .as_ref()
             .ok_or_else(|| StartError::Usage("--domain is missing".to_owned()))?;

@@ -38,7 +38,7 @@ fn read(
     let path = folder.path().join("it.toml");
     std::fs::write(&path, text).expect("a file");
     let start = format!("configuration {}:", path.display());
-    flags(&path).read_config(check).map_err(|error| {
+    flags(&path).member.read_config(check).map_err(|error| {
         let error = error.to_string();
         let said = error.strip_prefix(&start);
         said.unwrap_or_else(|| panic!("{error} does not begin with {start}"))
@@ -110,14 +110,25 @@ fn what_the_service_refuses_is_named_with_its_line() {
 fn without_a_file_the_defaults_count() {
     let words = ["service", "--domain", "d", "--epoch", "1"];
     let flags = Flags::try_parse_from(words).expect("flags");
-    let defaults = flags.read_config(|_: &Config| Ok(())).expect("defaults");
+    let defaults = flags
+        .member
+        .read_config(|_: &Config| Ok(()))
+        .expect("defaults");
     assert!(defaults.speed_mps.abs() < 1e-12 && defaults.shapes.is_empty());
-    let refused = flags.read_config(|_: &Config| Err(StartError::config("speed_mps", "is 0")));
+    let refused = flags
+        .member
+        .read_config(|_: &Config| Err(StartError::config("speed_mps", "is 0")));
     assert!(refused.is_err());
-    let needed = flags.read_config(|_: &Shape| Ok(())).expect_err("a size");
+    let needed = flags
+        .member
+        .read_config(|_: &Shape| Ok(()))
+        .expect_err("a size");
     assert!(needed.to_string().contains("--config FILE is needed"));
     let absent = self::flags(std::path::Path::new("/nowhere.toml"));
-    let absent = absent.read_config(|_: &Config| Ok(())).expect_err("a file");
+    let absent = absent
+        .member
+        .read_config(|_: &Config| Ok(()))
+        .expect_err("a file");
     assert!(absent.to_string().contains("/nowhere.toml"), "{absent}");
 }
 

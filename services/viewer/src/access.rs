@@ -23,6 +23,7 @@ const TOKEN_BYTES: usize = 16;
 #[derive(Debug, Clone)]
 pub(crate) struct Access {
     hosts: [String; 2],
+    port: u16,
     /// `None` where everybody can look and nobody can change anything.
     token: Option<String>,
 }
@@ -34,10 +35,31 @@ impl Access {
     /// When the system has no random numbers.
     pub(crate) fn new(port: u16, view_only: bool) -> std::io::Result<Self> {
         let token = (!view_only).then(token).transpose()?;
-        Ok(Self {
+        Ok(Self::with(port, token))
+    }
+
+    /// The access that a link with a token gives; `None` for another text.
+    pub(crate) fn of_link(link: &str) -> Option<Self> {
+        let (port, token) = link.strip_prefix("http://127.0.0.1:")?.split_once("/#")?;
+        let is_token = token.len() == 2 * TOKEN_BYTES
+            && token
+                .bytes()
+                .all(|byte| byte.is_ascii_digit() || (b'a'..=b'f').contains(&byte));
+        let port = port.parse().ok().filter(|port| *port > 0)?;
+        is_token.then(|| Self::with(port, Some(token.to_owned())))
+    }
+
+    fn with(port: u16, token: Option<String>) -> Self {
+        Self {
             hosts: [format!("127.0.0.1:{port}"), format!("localhost:{port}")],
+            port,
             token,
-        })
+        }
+    }
+
+    /// The port of the page.
+    pub(crate) fn port(&self) -> u16 {
+        self.port
     }
 
     /// The address of the page, with the token where there is one.
@@ -152,6 +174,26 @@ mod tests {
         ] {
             let checked = access.check(Some("127.0.0.1:8090"), Some(origin));
             assert!(checked.is_err(), "{origin}");
+        }
+    }
+
+    #[test]
+    fn a_link_gives_the_access_that_printed_it() {
+        let access = Access::new(8090, false).expect("random numbers");
+        let again = Access::of_link(&access.link()).expect("a link");
+        assert_eq!(again.link(), access.link());
+        assert_eq!(again.port(), 8090);
+        let token = access.token.expect("a token");
+        for wrong in [
+            String::new(),
+            "http://127.0.0.1:8090/".to_owned(),
+            format!("http://127.0.0.1:0/#{token}"),
+            format!("http://127.0.0.1:65536/#{token}"),
+            format!("http://127.0.0.1:8090/#{token}0"),
+            format!("http://127.0.0.1:8090/#{}", token.to_uppercase() + "A"),
+            format!("http://evil.example:8090/#{token}"),
+        ] {
+            assert!(Access::of_link(&wrong).is_none(), "{wrong}");
         }
     }
 

@@ -4,6 +4,7 @@
 
 use rustix::fs::OFlags;
 use std::io::Write;
+use std::os::unix::process::CommandExt;
 use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
@@ -33,6 +34,8 @@ impl Handover {
             .stdin(Stdio::null())
             .stdout(Stdio::null())
             .stderr(Stdio::null())
+            // The browser outlives this process and whatever ends its group.
+            .process_group(0)
             .spawn();
         handover.browser = Some(started.map_err(|error| format!("xdg-open: {error}"))?);
         Ok(handover)

@@ -7,7 +7,7 @@ use crate::handover::Handover;
 use crate::server::{self, Shared};
 use crate::tap::Tap;
 use clap::Parser;
-use std::io::{ErrorKind, Write};
+use std::io::{BufRead, ErrorKind, Read, Write};
 use std::net::{Ipv4Addr, TcpListener};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -27,6 +27,9 @@ const EPOCH: u32 = 1;
 
 /// How much lower than that of the stack the priority of this process is.
 const NICER: i32 = 5;
+
+/// Longest link that is read. [bytes]
+const LINK_BYTES_MAX: u64 = 256;
 
 /// How long launch may take to say which scenario runs.
 const NAME_LIMIT: Duration = Duration::from_secs(2);
@@ -50,6 +53,10 @@ struct Arguments {
     /// Let every user of this machine look at the run, and nobody change anything from the page.
     #[arg(long)]
     view_only: bool,
+    /// Serve the page under the link of a viewer that was there before, a line on standard input, where its
+    /// port is free.
+    #[arg(long, conflicts_with_all = ["port", "view_only"])]
+    come_back: bool,
 }
 
 /// Joins a run, serves its page and ends with it.
@@ -80,12 +87,7 @@ fn view(arguments: &Arguments) -> Result<(), StartError> {
     }
     // The stack comes first. Where the system does not allow even that, it goes on as it is.
     let _ = rustix::process::nice(NICER);
-    let listener = bind(arguments.port)?;
-    let port = listener
-        .local_addr()
-        .map_err(|error| StartError::system("the port", error))?;
-    let access = Access::new(port.port(), arguments.view_only)
-        .map_err(|error| StartError::system("making a token", error))?;
+    let (listener, access) = open_page(arguments)?;
     let link = access.link();
     let root = arguments.domain.clone();
     let peer = Peer::join(Domain::join(&root)?, Role::Tap, EPOCH)?;
@@ -119,6 +121,31 @@ fn view(arguments: &Arguments) -> Result<(), StartError> {
     // Of a run that is over, launch removes what this cannot.
     let _ = peer.leave().close();
     Ok(())
+}
+
+/// The port, and who may do what there.
+fn open_page(arguments: &Arguments) -> Result<(TcpListener, Access), StartError> {
+    if let Some(link) = arguments.come_back.then(link_before).flatten()
+        && let Some(access) = Access::of_link(&link)
+        && let Ok(listener) = bind(Some(access.port()))
+    {
+        return Ok((listener, access));
+    }
+    let listener = bind(arguments.port)?;
+    let port = listener
+        .local_addr()
+        .map_err(|error| StartError::system("the port", error))?;
+    let access = Access::new(port.port(), arguments.view_only)
+        .map_err(|error| StartError::system("making a token", error))?;
+    Ok((listener, access))
+}
+
+/// The link of the viewer before, from standard input.
+fn link_before() -> Option<String> {
+    let mut line = String::new();
+    let mut input = std::io::stdin().lock().take(LINK_BYTES_MAX);
+    input.read_line(&mut line).ok()?;
+    Some(line.trim().to_owned())
 }
 
 /// The port that was asked for; without, the usual one or any.

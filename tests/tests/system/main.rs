@@ -5,6 +5,7 @@ mod ages;
 mod answers;
 mod bad_input;
 mod blind_lidar;
+mod companions;
 mod completions;
 mod contract_kit;
 mod controllers;

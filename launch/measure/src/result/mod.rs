@@ -4,6 +4,7 @@
 //! `launch/result.schema.json` is the JSON schema of every `result.json`: that of a run, a [`RunResult`],
 //! and that of a stack that stayed up.
 
+pub mod companion;
 pub mod fault;
 pub mod latency;
 pub mod moment;
@@ -15,6 +16,7 @@ pub mod swap;
 pub mod trials;
 pub mod truth;
 
+use companion::CompanionResult;
 use fault::FaultResult;
 use latency::Latency;
 use moment::Moment;
@@ -121,6 +123,9 @@ pub struct RunResult {
     pub injected_us: BTreeMap<String, f64>,
     /// The processes.
     pub services: Vec<ServiceResult>,
+    /// The processes that ran beside the stack.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub companions: Vec<CompanionResult>,
     /// Restarts of services during the run.
     pub restarts: Vec<Restart>,
     /// Services that got no processor for longer than `hang_after_s`, in real time.

@@ -1,5 +1,6 @@
 //! What a stack that stayed up leaves: its goals, its contacts, its processes.
 
+use super::companion::CompanionResult;
 use super::fault::FaultResult;
 use super::latency::Latency;
 use super::swap::SwapResult;
@@ -36,6 +37,9 @@ pub struct StayResult {
     pub latency: Option<Latency>,
     /// The processes.
     pub services: Vec<ServiceResult>,
+    /// The processes that ran beside it.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub companions: Vec<CompanionResult>,
     /// Machine and build.
     pub environment: Environment,
     /// Folder with everything that it left.
