@@ -57,22 +57,28 @@ pub struct TopicRow {
 }
 
 impl TopicRow {
-    /// Messages that the middleware keeps for a reader.
+    /// Messages that the middleware keeps for a reader. Of a keyframe, which is large and rare, two; of
+    /// every other topic enough for a recorder that looks now and then.
     #[must_use]
     pub const fn buffer(&self) -> usize {
         match self.discipline {
-            Discipline::Latest | Discipline::Stream => 32,
-            Discipline::Latched => 2,
+            Discipline::Latched if self.is_large() => 2,
+            Discipline::Latest | Discipline::Stream | Discipline::Latched => 32,
             Discipline::Records => 1024,
         }
+    }
+
+    /// True for a topic whose messages are so large that few places are reserved for them.
+    const fn is_large(&self) -> bool {
+        self.item_bytes > 1024 && self.history() > 0
     }
 
     /// Messages that a service asks for; taps ask for [`Self::buffer`].
     #[must_use]
     pub const fn service_buffer(&self) -> usize {
         match self.discipline {
-            Discipline::Latest => 2,
-            _ => self.buffer(),
+            Discipline::Latest | Discipline::Latched => 2,
+            Discipline::Stream | Discipline::Records => self.buffer(),
         }
     }
 
@@ -109,7 +115,7 @@ impl TopicRow {
     /// when even these are taken, the keyframe waits for the next wake.
     #[must_use]
     pub const fn pool(&self) -> usize {
-        if self.item_bytes > 1024 && self.history() > 0 {
+        if self.is_large() {
             4
         } else {
             self.buffer() + READERS_MAX * self.borrowed() + self.history() + 2

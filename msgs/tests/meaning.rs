@@ -122,7 +122,7 @@ fn every_discipline_has_its_memory() {
     assert_eq!(numbers(RobotScan::ROW), [32, 2, 2, 0, 4, 32 + 24 + 2]);
     assert_eq!(
         numbers(RobotDescription::ROW),
-        [2, 2, 2, 1, 4, 2 + 24 + 1 + 2]
+        [32, 2, 2, 1, 4, 32 + 24 + 1 + 2]
     );
     assert_eq!(numbers(&SPANS), [1024, 1024, 1, 0, 16, 1024 + 12 + 2]);
     assert_eq!(numbers(MapKeyframe::ROW), [2, 2, 2, 1, 4, 4]);

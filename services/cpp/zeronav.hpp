@@ -2945,7 +2945,7 @@ struct robot_description {
     static constexpr std::size_t NUMBER = 0;
     static constexpr std::size_t LEN_MAX = 32;
     static constexpr std::size_t BUFFER = 2;
-    static constexpr std::size_t POOL = 29;
+    static constexpr std::size_t POOL = 59;
     static constexpr std::array<Role, 1> WRITERS{Role::robot};
     static constexpr std::array<Role, 4> RINGS{Role::mapping, Role::global_planner,
         Role::local_planner, Role::collision_guard};
@@ -3058,7 +3058,7 @@ struct task_goal {
     static constexpr std::size_t NUMBER = 8;
     static constexpr std::size_t LEN_MAX = 64;
     static constexpr std::size_t BUFFER = 2;
-    static constexpr std::size_t POOL = 29;
+    static constexpr std::size_t POOL = 59;
     static constexpr std::array<Role, 1> WRITERS{Role::launch};
     static constexpr std::array<Role, 2> RINGS{Role::global_planner, Role::local_planner};
     static constexpr std::array<Role, 0> RINGS_IN_LOCKSTEP{};
@@ -3072,7 +3072,7 @@ struct task_status {
     static constexpr std::size_t NUMBER = 9;
     static constexpr std::size_t LEN_MAX = 64;
     static constexpr std::size_t BUFFER = 2;
-    static constexpr std::size_t POOL = 29;
+    static constexpr std::size_t POOL = 59;
     static constexpr std::array<Role, 1> WRITERS{Role::local_planner};
     static constexpr std::array<Role, 1> RINGS{Role::global_planner};
     static constexpr std::array<Role, 0> RINGS_IN_LOCKSTEP{};
@@ -3086,7 +3086,7 @@ struct task_pose {
     static constexpr std::size_t NUMBER = 24;
     static constexpr std::size_t LEN_MAX = 1;
     static constexpr std::size_t BUFFER = 2;
-    static constexpr std::size_t POOL = 29;
+    static constexpr std::size_t POOL = 59;
     static constexpr std::array<Role, 1> WRITERS{Role::launch};
     static constexpr std::array<Role, 1> RINGS{Role::mapping};
     static constexpr std::array<Role, 0> RINGS_IN_LOCKSTEP{};
@@ -3128,7 +3128,7 @@ struct run_clock {
     static constexpr std::size_t NUMBER = 12;
     static constexpr std::size_t LEN_MAX = 1;
     static constexpr std::size_t BUFFER = 2;
-    static constexpr std::size_t POOL = 29;
+    static constexpr std::size_t POOL = 59;
     static constexpr std::array<Role, 1> WRITERS{Role::launch};
     static constexpr std::array<Role, 5> RINGS{Role::robot, Role::mapping, Role::global_planner,
         Role::local_planner, Role::collision_guard};
@@ -3143,7 +3143,7 @@ struct run_control {
     static constexpr std::size_t NUMBER = 13;
     static constexpr std::size_t LEN_MAX = 16;
     static constexpr std::size_t BUFFER = 2;
-    static constexpr std::size_t POOL = 29;
+    static constexpr std::size_t POOL = 59;
     static constexpr std::array<Role, 1> WRITERS{Role::launch};
     static constexpr std::array<Role, 5> RINGS{Role::robot, Role::mapping, Role::global_planner,
         Role::local_planner, Role::collision_guard};

@@ -1590,7 +1590,7 @@ ROBOT_DESCRIPTION = Topic(
     rings_in_lockstep=(),
     len_max=32,
     buffer=2,
-    pool=29,
+    pool=59,
     schema=0x4269f1a2e0ce4de2,
 )
 
@@ -1710,7 +1710,7 @@ TASK_GOAL = Topic(
     rings_in_lockstep=(),
     len_max=64,
     buffer=2,
-    pool=29,
+    pool=59,
     schema=0x91f13d6d71f9fd5b,
 )
 
@@ -1725,7 +1725,7 @@ TASK_STATUS = Topic(
     rings_in_lockstep=(),
     len_max=64,
     buffer=2,
-    pool=29,
+    pool=59,
     schema=0x5c1beab4fcb50bb2,
 )
 
@@ -1740,7 +1740,7 @@ TASK_POSE = Topic(
     rings_in_lockstep=(),
     len_max=1,
     buffer=2,
-    pool=29,
+    pool=59,
     schema=0xe69a38feb2ce2572,
 )
 
@@ -1786,7 +1786,7 @@ RUN_CLOCK = Topic(
     rings_in_lockstep=(),
     len_max=1,
     buffer=2,
-    pool=29,
+    pool=59,
     schema=0x2e21d988789afa53,
 )
 
@@ -1802,7 +1802,7 @@ RUN_CONTROL = Topic(
     rings_in_lockstep=(),
     len_max=16,
     buffer=2,
-    pool=29,
+    pool=59,
     schema=0xaabe4789147f5ef3,
 )
 

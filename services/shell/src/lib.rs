@@ -11,7 +11,7 @@
 //! | what | where |
 //! |---|---|
 //! | the run's folder, its locks, and how it is removed | [`domain`], [`folder`], [`cleaning`], [`memory`], [`damage`] |
-//! | a member of a run, and the typed ports that it opens | [`Peer`]: [`Latest`], [`Stream`], [`Writer`], [`records`] |
+//! | a member of a run, and the typed ports that it opens | [`Peer`]: [`Latest`], [`Stream`], [`Writer`], [`records`]; [`RawReader`] for recorders |
 //! | the middleware's ports, on bytes: the one place where they are compiled | `middleware` |
 //! | which process is obeyed, and how time runs | [`Roster`], [`roster_reader`], [`seat`], [`clock`] |
 //! | inputs that several services read alike | [`OdometryReader`], [`MapInput`], [`Tasks`], [`CurrentGoal`] |
@@ -53,6 +53,7 @@ pub mod peer;
 pub mod places;
 pub mod printable;
 mod program;
+mod raw;
 mod reader;
 mod received;
 pub mod records;
@@ -80,6 +81,7 @@ pub use map_input::MapInput;
 pub use odometry::{OdometryHistory, OdometryReader, OdometrySample};
 pub use peer::Peer;
 pub use printable::printable;
+pub use raw::RawReader;
 pub use reader::{Latest, Stream};
 pub use received::Received;
 pub use roster::Roster;

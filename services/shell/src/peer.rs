@@ -4,6 +4,7 @@ use crate::domain::Domain;
 use crate::error::StartError;
 use crate::memory;
 use crate::middleware::{self, Erased, Factory, Layout, Receiver, Sender, TopicBuilder};
+use crate::raw::RawReader;
 use crate::reader::{Latest, Stream};
 use crate::records::{SpanReader, SpanWriter};
 use crate::writer::Writer;
@@ -233,6 +234,23 @@ impl Peer {
     pub fn span_reader(&self) -> Result<SpanReader, StartError> {
         let receiver = self.receiver(&SPANS, &Layout::of_spans())?;
         Ok(SpanReader::new(receiver))
+    }
+
+    /// Opens a reader that sees every message of a topic as it is.
+    ///
+    /// # Errors
+    /// As [`Self::latest`].
+    pub fn raw_on<T: Topic>(&self, row: &'static TopicRow) -> Result<RawReader, StartError> {
+        Ok(RawReader::new(self.receiver(row, &Layout::of::<T>())?))
+    }
+
+    /// [`Self::raw_on`] for `run/spans`.
+    ///
+    /// # Errors
+    /// As [`Self::latest`].
+    pub fn raw_spans(&self) -> Result<RawReader, StartError> {
+        let receiver = self.receiver(&SPANS, &Layout::of_spans())?;
+        Ok(RawReader::new(receiver))
     }
 
     pub(crate) fn sender(
