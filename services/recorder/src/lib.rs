@@ -1,0 +1,22 @@
+//! Records a running stack into one MCAP file, in two layers:
+//!
+//! - for the world ([`ros`]): messages of ROS 2 in CDR with their definitions (`ros2msg`), as rosbag2
+//!   writes them, so that the tools of ROS 2 open the file without a conversion;
+//! - for replay ([`native`]): every message of every topic byte for byte on `zeronav/<topic>`.
+//!
+//! Everything but the feature `process` is pure: it turns messages into bytes ([`file`]) and bytes of
+//! a file into what is in it ([`read`], [`recover`]).
+
+pub mod file;
+pub mod native;
+#[cfg(feature = "process")]
+pub mod process;
+pub mod read;
+#[cfg(feature = "process")]
+mod recorder;
+pub mod recover;
+pub mod ros;
+#[cfg(feature = "process")]
+mod taps;
+pub mod times;
+pub mod verdict;

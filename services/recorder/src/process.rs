@@ -1,0 +1,232 @@
+//! The process: its flags, its loop, and its end.
+
+use crate::recorder::{Recorder, Start, WriteError};
+use crate::taps::Taps;
+use crate::times::TimeBase;
+use clap::Parser;
+use rustix::fs::OFlags;
+use std::collections::{BTreeMap, VecDeque};
+use std::fs::File;
+use std::io::Write;
+use std::os::unix::fs::FileExt;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+use zeronav_files::{Folder, parts};
+use zeronav_msgs::role::Role;
+use zeronav_msgs::topics::EVENT_NEED_KEYFRAME;
+use zeronav_shell::clock::now_ns;
+use zeronav_shell::doorbell::Bells;
+use zeronav_shell::error::EXIT_USAGE;
+use zeronav_shell::roster_reader::RosterReader;
+use zeronav_shell::{Domain, Peer, Roster, StartError, flags, logs, printable, signals};
+
+/// Guests are not restarted.
+const EPOCH: u32 = 1;
+
+/// How much lower than that of the stack the priority of this process is in real time, where the
+/// shortest queue holds the messages of 0.6 s.
+const NICER: i32 = 5;
+
+/// Time between two looks in real time.
+const PAUSE: Duration = Duration::from_millis(8);
+
+/// The same in lockstep, where run time is a hundred times as fast.
+const LOCKSTEP_PAUSE: Duration = Duration::from_micros(500);
+
+/// Least time between two requests for the whole map, and how long it may take to come by itself.
+const ASK_PAUSE: Duration = Duration::from_secs(1);
+
+/// Records a running stack into one MCAP file until the stack or SIGTERM ends it; normally started
+/// by `zeronav run --record`.
+#[derive(Debug, Parser)]
+#[command(name = "zeronav-recorder", version)]
+struct Arguments {
+    /// Root folder of the run, directly under /dev/shm.
+    #[arg(long, value_name = "ROOT", env = "ZERONAV_DOMAIN")]
+    domain: PathBuf,
+    /// The file; its name ends in .mcap, as readers expect.
+    #[arg(long, value_name = "FILE")]
+    out: PathBuf,
+    /// Take the place of a file that is there.
+    #[arg(long)]
+    force: bool,
+    /// Record what the local planner looks at, too (`debug/rollouts`, `/local_plan`), which costs it time.
+    #[arg(long)]
+    rollouts: bool,
+}
+
+/// File in the folder of the domain that says up to which tick everything was read, for a launch that
+/// waits in lockstep: 8 bytes, little-endian. It is there as soon as the recording has begun.
+const PROGRESS: &str = "recorded";
+
+/// Why there is no recording, or none to the end.
+#[derive(Debug, thiserror::Error)]
+enum RecordError {
+    /// The stack.
+    #[error("{0}")]
+    Start(#[from] StartError),
+    /// The file.
+    #[error("recording to {}: {why}", file.display())]
+    File {
+        /// Which one.
+        file: PathBuf,
+        /// What is wrong with it.
+        why: WriteError,
+    },
+}
+
+/// Joins a run, records it and ends with it.
+#[must_use]
+pub fn main() -> ExitCode {
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(error) if error.use_stderr() => {
+            say(&flags::one_line(&error));
+            return ExitCode::from(EXIT_USAGE);
+        }
+        Err(error) => {
+            let _ = error.print();
+            return ExitCode::SUCCESS;
+        }
+    };
+    logs::quiet_middleware();
+    match record(&arguments) {
+        Ok(fields) => {
+            say(&conclusion(&arguments.out, &fields));
+            ExitCode::SUCCESS
+        }
+        Err(error) => {
+            say(&error.to_string());
+            match error {
+                RecordError::Start(error) => error.exit_code(),
+                RecordError::File { .. } => ExitCode::FAILURE,
+            }
+        }
+    }
+}
+
+/// One line about a finished recording.
+fn conclusion(file: &Path, fields: &BTreeMap<String, String>) -> String {
+    let field = |name: &str| fields.get(name).map_or("", String::as_str);
+    let messages = field("messages");
+    let complete = match field("why") {
+        "" => "complete".to_owned(),
+        why => format!("NOT COMPLETE: {why}"),
+    };
+    format!("{}: {messages} messages, {complete}", file.display())
+}
+
+fn record(arguments: &Arguments) -> Result<BTreeMap<String, String>, RecordError> {
+    let stop = Arc::new(AtomicBool::new(false));
+    for signal in signals::stopping() {
+        signal_hook::flag::register(signal, Arc::clone(&stop))
+            .map_err(|error| StartError::system("catching signals", error))?;
+    }
+    let failed = |why: WriteError| RecordError::File {
+        file: arguments.out.clone(),
+        why,
+    };
+    let file = create(&arguments.out, arguments.force).map_err(|error| failed(error.into()))?;
+    let peer = Peer::join(Domain::join(&arguments.domain)?, Role::Tap, EPOCH)?;
+    let mut taps = Taps::open(&peer, arguments.rollouts)?;
+    let roster = known(&peer)?;
+    if !roster.lockstep() {
+        // The stack comes first. Where the system does not allow even that, it goes on as it is.
+        let _ = rustix::process::nice(NICER);
+    }
+    let recorder = Recorder::start(file, &taps, &start_of(&roster)).map_err(failed)?;
+    let progress = peer
+        .domain()
+        .folder()
+        .file(PROGRESS, OFlags::RDWR | OFlags::CREATE)
+        .map_err(|error| StartError::system("saying that the recording has begun", error))?;
+    let done = listen(&peer, &mut taps, &recorder, (&roster, &progress), || {
+        stop.load(Ordering::Relaxed) || peer.domain().is_orphaned()
+    });
+    let fields = recorder.finish(&taps).map_err(failed);
+    drop(taps);
+    // Of a run that is over, launch removes what this cannot.
+    let _ = peer.leave().close();
+    done?;
+    fields
+}
+
+/// Reads until `is_over` says so, and then what is left.
+fn listen(
+    peer: &Peer,
+    taps: &mut Taps,
+    recorder: &Recorder,
+    (roster, progress): (&Roster, &File),
+    mut is_over: impl FnMut() -> bool,
+) -> Result<(), StartError> {
+    let pause = if roster.lockstep() {
+        LOCKSTEP_PAUSE
+    } else {
+        PAUSE
+    };
+    let mut messages = VecDeque::new();
+    let mut may_ask = Instant::now() + ASK_PAUSE;
+    loop {
+        // Before the last messages are read, so that they are recorded.
+        let last = is_over();
+        if !recorder.is_full() {
+            while taps.drain(&mut messages) > 0 && last {}
+            if !recorder.write(&mut messages) {
+                return Ok(());
+            }
+            // Nobody waits when it cannot be said.
+            let _ = progress.write_all_at(&taps.tick().to_le_bytes(), 0);
+        }
+        if last {
+            return Ok(());
+        }
+        if !recorder.needs_keyframe() {
+            may_ask = Instant::now() + ASK_PAUSE;
+        } else if Instant::now() >= may_ask {
+            may_ask = Instant::now() + ASK_PAUSE;
+            Bells::open(peer)?.ring(Role::Mapping, EVENT_NEED_KEYFRAME);
+        }
+        std::thread::sleep(pause);
+    }
+}
+
+/// Which processes are obeyed and how time runs, once launch has said so.
+fn known(peer: &Peer) -> Result<Roster, StartError> {
+    let mut reader = RosterReader::open(peer)?;
+    reader.await_known()?;
+    Ok(reader.roster().clone())
+}
+
+fn start_of(roster: &Roster) -> Start {
+    let clock = &roster.clock;
+    let since = SystemTime::now().duration_since(UNIX_EPOCH);
+    let unix_ns = since.map_or(0, |since| u64::try_from(since.as_nanos()).unwrap_or(0));
+    Start {
+        times: TimeBase::new(clock, unix_ns, now_ns()),
+        mode: clock.mode().map_or("none", |mode| mode.label()),
+        seed: clock.seed,
+        tick_ns: clock.tick_ns,
+    }
+}
+
+/// Makes the file, in the place of one that is there only when `force` is.
+fn create(path: &Path, force: bool) -> std::io::Result<File> {
+    let (folder, name) = parts(path)?;
+    let folder = Folder::open(folder)?;
+    if force {
+        folder.remove(name);
+    }
+    folder.new_file(name).map_err(|error| match error.kind() {
+        std::io::ErrorKind::AlreadyExists => {
+            std::io::Error::other("it exists; name another file, or --force to replace it")
+        }
+        _ => error,
+    })
+}
+
+fn say(text: &str) {
+    let _ = writeln!(std::io::stderr(), "zeronav-recorder: {}", printable(text));
+}

@@ -1,0 +1,288 @@
+//! One thread reads the stack, another one writes the file: a disk that stalls for a moment loses no
+//! message. Between them lie at most [`QUEUE_BYTES_MAX`]; beyond that nothing is read, and what the
+//! stack's queues then lose is counted.
+
+use crate::file::{Channel, RecordingFile, Stamped};
+use crate::native::{self, NativeTopic};
+use crate::ros::{Bytes, Ros, RosTopic};
+use crate::taps::{Message, Taps};
+use crate::times::TimeBase;
+use crate::verdict::{VERDICT, verdict};
+use std::collections::{BTreeMap, VecDeque};
+use std::fs::File;
+use std::io::{BufWriter, Write};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::time::{Duration, Instant};
+
+/// Most that waits to be written. [bytes]
+const QUEUE_BYTES_MAX: usize = 64 << 20;
+
+/// How often what has come is handed to the system.
+const FLUSH_PAUSE: Duration = Duration::from_secs(1);
+
+/// Size of the buffer in front of the file. [bytes]
+const BUFFER_BYTES: usize = 512 << 10;
+
+/// Name of the metadata record that begins a recording.
+const START: &str = "zeronav.start";
+
+/// Why a file cannot be written.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum WriteError {
+    /// The system, or the file's format.
+    #[error("{0}")]
+    File(#[from] mcap::McapError),
+    /// The system.
+    #[error("{0}")]
+    System(#[from] std::io::Error),
+    /// A message that has no form in CDR.
+    #[error("a message has no form in CDR: {0}")]
+    Cdr(#[from] cdr_encoding::Error),
+    /// The thread is gone.
+    #[error("the writing thread has ended unexpectedly")]
+    Ended,
+}
+
+/// What the reading thread tells the writing one.
+enum Order {
+    /// Messages that were read together.
+    Write(VecDeque<Message>),
+    /// The end of the file, with the fields of its verdict.
+    Finish(BTreeMap<String, String>),
+}
+
+/// The end of the recorder that takes messages.
+#[derive(Debug)]
+pub(crate) struct Recorder {
+    orders: Sender<Order>,
+    queued_bytes: Arc<AtomicUsize>,
+    needs_keyframe: Arc<AtomicBool>,
+    writer: std::thread::JoinHandle<Result<(), WriteError>>,
+}
+
+/// What a recording says of itself at its beginning.
+#[derive(Debug, Clone)]
+pub(crate) struct Start {
+    pub times: TimeBase,
+    /// `real_time` or `lockstep`.
+    pub mode: &'static str,
+    pub seed: u64,
+    pub tick_ns: u64,
+}
+
+impl Recorder {
+    /// Begins a recording of `taps` in `file`, of which something is on the disk when this returns.
+    pub(crate) fn start(file: File, taps: &Taps, start: &Start) -> Result<Self, WriteError> {
+        let writer = Writer::new(file, taps, start)?;
+        let (orders, received) = channel();
+        let queued_bytes = Arc::clone(&writer.queued_bytes);
+        let needs_keyframe = Arc::clone(&writer.needs_keyframe);
+        let thread = std::thread::Builder::new().name("writer".to_owned());
+        let writer = thread.spawn(move || writer.run(&received))?;
+        Ok(Self {
+            orders,
+            queued_bytes,
+            needs_keyframe,
+            writer,
+        })
+    }
+
+    /// True while no more is to be read.
+    pub(crate) fn is_full(&self) -> bool {
+        self.queued_bytes.load(Ordering::Relaxed) > QUEUE_BYTES_MAX
+    }
+
+    /// True when the map can only be shown with a keyframe.
+    pub(crate) fn needs_keyframe(&self) -> bool {
+        self.needs_keyframe.load(Ordering::Relaxed)
+    }
+
+    /// Hands messages on; false when the file can be written no longer.
+    pub(crate) fn write(&self, messages: &mut VecDeque<Message>) -> bool {
+        if messages.is_empty() {
+            return !self.writer.is_finished();
+        }
+        let bytes = messages.iter().map(|it| it.bytes.len()).sum();
+        self.queued_bytes.fetch_add(bytes, Ordering::Relaxed);
+        self.orders
+            .send(Order::Write(core::mem::take(messages)))
+            .is_ok()
+    }
+
+    /// Ends the file with the verdict on `taps`.
+    pub(crate) fn finish(self, taps: &Taps) -> Result<BTreeMap<String, String>, WriteError> {
+        let fields = verdict(taps.tallies(), None);
+        // When the writer has ended, it says why itself.
+        let _ = self.orders.send(Order::Finish(fields.clone()));
+        self.writer.join().map_err(|_| WriteError::Ended)??;
+        Ok(fields)
+    }
+}
+
+/// The end that writes.
+struct Writer {
+    file: RecordingFile<BufWriter<File>>,
+    topics: Vec<NativeTopic>,
+    native: Vec<Option<u16>>,
+    world: BTreeMap<RosTopic, u16>,
+    times: TimeBase,
+    ros: Ros,
+    /// The newest moment that a message was about. [ns]
+    newest_ns: u64,
+    queued_bytes: Arc<AtomicUsize>,
+    needs_keyframe: Arc<AtomicBool>,
+    /// Number of the next record, which has none of its own.
+    record: u32,
+}
+
+impl Writer {
+    fn new(file: File, taps: &Taps, start: &Start) -> Result<Self, WriteError> {
+        let rows = taps.rows();
+        let mut topics = native::topics();
+        topics.retain(|topic| rows.iter().any(|row| row.number == topic.row.number));
+        let mut file = RecordingFile::new(BufWriter::with_capacity(BUFFER_BYTES, file))?;
+        let times = match start.times.base_ns() {
+            0 => "run time",
+            _ => "system time",
+        };
+        let fields = [
+            ("version", env!("CARGO_PKG_VERSION").to_owned()),
+            ("mode", start.mode.to_owned()),
+            ("seed", start.seed.to_string()),
+            ("tick_ns", start.tick_ns.to_string()),
+            ("times", times.to_owned()),
+            ("run_zero_ns", start.times.base_ns().to_string()),
+        ];
+        let fields = fields.map(|(key, value)| (key.to_owned(), value));
+        file.metadata(START, fields.into())?;
+        file.flush()?;
+        Ok(Self {
+            file,
+            native: vec![None; topics.len()],
+            topics,
+            world: BTreeMap::new(),
+            times: start.times,
+            ros: Ros::new(start.times),
+            newest_ns: start.times.base_ns(),
+            queued_bytes: Arc::default(),
+            needs_keyframe: Arc::default(),
+            record: 0,
+        })
+    }
+
+    fn run(mut self, orders: &Receiver<Order>) -> Result<(), WriteError> {
+        let mut flushed = Instant::now();
+        loop {
+            let wait = FLUSH_PAUSE.saturating_sub(flushed.elapsed());
+            match orders.recv_timeout(wait) {
+                Ok(Order::Write(messages)) => {
+                    for message in messages {
+                        self.write(&message)?;
+                        let bytes = message.bytes.len();
+                        self.queued_bytes.fetch_sub(bytes, Ordering::Relaxed);
+                    }
+                    let needs_keyframe = self.ros.needs_keyframe();
+                    self.needs_keyframe.store(needs_keyframe, Ordering::Relaxed);
+                }
+                Ok(Order::Finish(fields)) => {
+                    self.file.metadata(VERDICT, fields)?;
+                    let mut file = self.file.finish()?;
+                    file.flush()?;
+                    file.get_ref().sync_data()?;
+                    return Ok(());
+                }
+                Err(RecvTimeoutError::Timeout) => {}
+                // Without a verdict: the reader has failed.
+                Err(RecvTimeoutError::Disconnected) => return Ok(self.file.flush()?),
+            }
+            if flushed.elapsed() >= FLUSH_PAUSE {
+                self.file.flush()?;
+                flushed = Instant::now();
+            }
+        }
+    }
+
+    fn write(&mut self, message: &Message) -> Result<(), WriteError> {
+        let row = self.topics[message.topic].row;
+        let header = message.header.as_ref();
+        let run_ns = header.map_or(0, |header| header.run_ns);
+        // Idle outputs, records and what launch says belong to no moment of their own.
+        let log_ns = if run_ns > 0 {
+            self.times.at_run(run_ns)
+        } else {
+            self.newest_ns
+        };
+        self.newest_ns = self.newest_ns.max(log_ns);
+        let sent_ns = header.and_then(|it| self.times.at_monotonic(it.stamps.published_ns));
+        let sequence = header.map_or(self.record, |header| low32(header.id().count()));
+        if header.is_none() {
+            self.record = self.record.wrapping_add(1);
+        }
+        let when = Stamped {
+            sequence,
+            log_ns,
+            publish_ns: sent_ns.unwrap_or(log_ns),
+        };
+        let channel = self.native_channel(message.topic)?;
+        self.file.write(channel, when, &message.bytes)?;
+        if header.is_none() {
+            return Ok(());
+        }
+        let (envelope, items) = message.bytes.split_at(message.envelope_bytes);
+        let bytes = Bytes {
+            row,
+            log_ns,
+            envelope,
+            items,
+        };
+        for made in self.ros.see(&bytes)? {
+            let channel = self.world_channel(made.topic)?;
+            let when = Stamped {
+                log_ns: made.log_ns,
+                ..when
+            };
+            self.file.write(channel, when, &made.bytes)?;
+        }
+        Ok(())
+    }
+
+    fn native_channel(&mut self, topic: usize) -> Result<u16, WriteError> {
+        if let Some(channel) = self.native[topic] {
+            return Ok(channel);
+        }
+        let it = &self.topics[topic];
+        let channel = self.file.channel(&Channel {
+            topic: &it.channel(),
+            encoding: native::ENCODING,
+            schema: it.type_name,
+            schema_encoding: "",
+            definition: b"",
+            metadata: it.metadata(),
+        })?;
+        self.native[topic] = Some(channel);
+        Ok(channel)
+    }
+
+    fn world_channel(&mut self, topic: RosTopic) -> Result<u16, WriteError> {
+        if let Some(channel) = self.world.get(&topic) {
+            return Ok(*channel);
+        }
+        let channel = self.file.channel(&Channel {
+            topic: topic.name(),
+            encoding: "cdr",
+            schema: topic.type_name(),
+            schema_encoding: "ros2msg",
+            definition: topic.definition().as_bytes(),
+            metadata: topic.metadata(),
+        })?;
+        self.world.insert(topic, channel);
+        Ok(channel)
+    }
+}
+
+/// The last 32 bits: MCAP's numbers have no more.
+fn low32(count: u64) -> u32 {
+    u32::try_from(count & 0xffff_ffff).unwrap_or(0)
+}
