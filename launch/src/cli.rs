@@ -1,5 +1,6 @@
 //! The command line.
 
+use crate::bag::BagArgs;
 use crate::busy;
 use crate::compare::cli::CompareArgs;
 use crate::latency::cli::LatencyArgs;
@@ -8,6 +9,7 @@ use crate::logs::LogsArgs;
 use crate::map_save::MapArgs;
 use crate::new_package::cli::NewArgs;
 use crate::params::ParamsArgs;
+use crate::recorder::RecordArgs;
 use crate::remote::cli::{
     CancelArgs, FaultArgs, GoalArgs, GoalsArgs, InitialPoseArgs, ObstacleArgs, SpeedArgs,
     StackArgs, StepArgs, WaitArgs,
@@ -135,6 +137,8 @@ pub enum Command {
     Logs(LogsArgs),
     /// The map of a running stack.
     Map(MapArgs),
+    /// What is in a recording, and one that was cut made whole again.
+    Bag(BagArgs),
     /// A live page of a running stack: prints its link, and serves it until the stack ends.
     View(ViewArgs),
     /// Whether this machine can run a stack well, and what to do where it cannot.
@@ -226,6 +230,9 @@ pub struct StartArgs {
     /// The live page.
     #[command(flatten)]
     pub page: PageArgs,
+    /// The recording.
+    #[command(flatten)]
+    pub record: RecordArgs,
 }
 
 impl StartArgs {
@@ -239,6 +246,7 @@ impl StartArgs {
         let is_watched = !self.json && !self.headless && std::io::stdout().is_terminal();
         RunPlan {
             view: (is_watched && !self.no_view).then(|| self.page.clone()),
+            record: self.record.record.clone(),
             seed: self.seed,
             external: self.external.clone(),
             settings: self.driver.settings(),
@@ -260,7 +268,7 @@ pub struct RunArgs {
     pub start: StartArgs,
     /// Measure: drop the scenario's obstacle before the robot N times, in three rounds, with the
     /// floor of the transport between them.
-    #[arg(long, value_name = "N", conflicts_with = "lockstep",
+    #[arg(long, value_name = "N", conflicts_with_all = ["lockstep", "record"],
           value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub trials: Option<u32>,
     /// Delay every answer of a service, to see that the delay appears in its hop and nowhere

@@ -57,6 +57,8 @@ pub(crate) enum Told {
         /// What it logs.
         log_level: String,
     },
+    /// Those of the recorder: the file that it writes.
+    Recording(PathBuf),
     /// Those of the live page, whose link is printed.
     Page(LivePage),
 }
@@ -110,6 +112,26 @@ impl Companions {
     pub(crate) fn look(&mut self, stack: &mut Stack) {
         for companion in &mut self.0 {
             companion.look(stack);
+        }
+    }
+
+    /// How the companion `name` has ended, if it has; it is not started again then.
+    pub(crate) fn end_of(&mut self, name: &str) -> Option<String> {
+        let mut all = self.0.iter_mut();
+        let companion = all.find(|companion| companion.plan.name == name)?;
+        if let State::Running { process, .. } = &mut companion.state {
+            companion.end = Child::end_in_words(process.ended()?);
+            companion.state = State::Over { cleaning: None };
+        }
+        Some(companion.end.clone())
+    }
+
+    /// The process of the companion `name`, while one runs.
+    pub(crate) fn pid_of(&self, name: &str) -> Option<u32> {
+        let mut all = self.0.iter();
+        match &all.find(|it| it.plan.name == name)?.state {
+            State::Running { process, .. } => Some(process.pid()),
+            State::Waiting { .. } | State::Over { .. } => None,
         }
     }
 
@@ -179,6 +201,10 @@ impl Companion {
                 ];
                 (arguments, Stdio::null(), None)
             }
+            Told::Recording(file) => {
+                let arguments = ["--domain".into(), root.into(), "--out".into(), file.into()];
+                (arguments.into(), Stdio::null(), None)
+            }
             Told::Page(page) => (page.flags(root), page.stdin(), Some(Stdio::piped())),
         };
         let beginning = Beginning {
@@ -244,6 +270,9 @@ impl Companion {
                 let log = log.display();
                 let hint = match self.plan.told {
                     Told::Page(_) => live_view::HINT.to_owned(),
+                    Told::Recording(_) => format!(
+                        "the run goes on and is not recorded; see {log}, and `zeronav bag recover`"
+                    ),
                     Told::Flags { .. } => format!("the run goes on; see {log}"),
                 };
                 complain(&format!("companion {name} is lost ({how}): {why}; {hint}"));

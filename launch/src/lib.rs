@@ -2,6 +2,7 @@
 
 #![warn(clippy::print_stderr)]
 
+pub mod bag;
 pub mod began;
 pub mod busy;
 pub mod cli;
@@ -35,7 +36,7 @@ mod placed;
 mod prepare;
 mod program;
 mod record;
-
+mod recorder;
 pub mod remote;
 pub mod report;
 mod run_plan;

@@ -11,8 +11,8 @@ use zeronav::new_package;
 use zeronav::remote::{fault, goal, swap, verbs};
 use zeronav::show::log;
 use zeronav::{
-    began, busy, commands, compare, completions, doctor, latency, logs, look, map_save, params,
-    picture, remote, report, start_up, top, topics, why,
+    bag, began, busy, commands, compare, completions, doctor, latency, logs, look, map_save,
+    params, picture, remote, report, start_up, top, topics, why,
 };
 use zeronav_console::exit::EXIT_USAGE;
 use zeronav_console::{arguments, terminal};
@@ -84,6 +84,7 @@ fn main() -> ExitCode {
         Command::Topics(arguments) => topics::topics(&arguments),
         Command::Logs(arguments) => logs::logs(&arguments),
         Command::Map(arguments) => map_save::map(&arguments),
+        Command::Bag(arguments) => bag::bag(&arguments),
         Command::View(arguments) => live_view::view(&arguments),
         Command::Doctor { json } => doctor::doctor(json),
         Command::Goal(arguments) => goal::goal(&arguments),

@@ -32,6 +32,8 @@ use zeronav_world::{Footprint, World};
 pub struct Prepared {
     /// The live page that is wanted.
     pub view: Option<PageArgs>,
+    /// The file in which every message is recorded.
+    pub recording: Option<PathBuf>,
     /// What to drive.
     pub scenario: Scenario,
     /// Its world.
@@ -300,6 +302,7 @@ pub(crate) fn prepare(plan: &RunPlan) -> Result<Prepared, String> {
     let is_seen = plan.trials.is_none() && (plan.stays || plan.mode == RunMode::RealTime);
     Ok(Prepared {
         view: plan.view.clone().filter(|_| is_seen),
+        recording: (plan.record.as_ref()).map(|to| to.file(folder.path())),
         seed,
         log_level: plan.log_level.clone(),
         progress: plan.progress,

@@ -1,6 +1,7 @@
 //! What a run is asked to be, before anything is read or checked.
 
 use crate::live_view::PageArgs;
+use crate::recorder::RecordTo;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use zeronav_msgs::role::Role;
@@ -50,6 +51,8 @@ impl MachineLoad {
 pub struct RunPlan {
     /// The live page that is wanted beside it.
     pub view: Option<PageArgs>,
+    /// Where every message is recorded.
+    pub record: Option<RecordTo>,
     /// What to drive in.
     pub scenario: Source,
     /// Real time or lockstep.
@@ -90,6 +93,7 @@ impl RunPlan {
     pub fn of(scenario: Source, mode: RunMode) -> Self {
         Self {
             view: None,
+            record: None,
             report_failures_only: false,
             stages: true,
             scenario,

@@ -10,6 +10,9 @@ use crate::{binaries, executable, workspace};
 /// The package, from the root of the workspace.
 const PACKAGE: &str = "services/python";
 
+/// What reads recordings, from the package registry.
+const READERS: [&str; 3] = ["mcap==1.6.0", "mcap-ros2-support==0.6.0", "rosbags==0.11.9"];
+
 /// What a machine lacks that cannot make the environment.
 const NEEDED: &str = "install Python 3.11 or later with venv";
 
@@ -20,15 +23,44 @@ const NEEDED: &str = "install Python 3.11 or later with venv";
 /// When there is no Python, no `venv`, or the package registry cannot be reached.
 #[must_use]
 pub fn python() -> PathBuf {
-    let place = binaries().join("python");
+    let copy = tempfile::tempdir().expect("a folder");
+    environment("python", sources(), |install| {
+        // A copy, because building leaves files behind.
+        let mut copied = Command::new("cp");
+        copied
+            .arg("-r")
+            .arg(workspace().join(PACKAGE))
+            .arg(copy.path());
+        succeed(copied, "cp copies a folder");
+        // What an installation from the checkout itself has left may be older.
+        let _ = std::fs::remove_dir_all(copy.path().join("python/build"));
+        install.arg(copy.path().join("python"));
+    })
+}
+
+/// The Python of an environment with what reads recordings: two independent implementations.
+///
+/// # Panics
+/// As [`python`].
+#[must_use]
+pub fn readers() -> PathBuf {
+    let wanted = READERS.join("\n") + &version();
+    environment("readers", wanted, |install| {
+        install.args(READERS);
+    })
+}
+
+/// The Python of the environment `name` in the target folder, made again when it was made of something
+/// else than `wanted`; `add` tells pip what to install.
+fn environment(name: &str, wanted: String, add: impl FnOnce(&mut Command)) -> PathBuf {
+    let place = binaries().join(name);
     std::fs::create_dir_all(&place).expect("a folder for the environment");
     // One test program at a time makes it; the lock ends with the program, however that ends.
     let lock = File::create(place.join("lock")).expect("a lock file");
     flock(&lock, FlockOperation::LockExclusive).expect("the lock");
     let environment = place.join("environment");
     let (python, installed) = (environment.join("bin/python"), place.join("installed"));
-    let sources = sources();
-    let current = std::fs::read_to_string(&installed).is_ok_and(|text| text == sources);
+    let current = std::fs::read_to_string(&installed).is_ok_and(|text| text == wanted);
     if current && python.exists() {
         return python;
     }
@@ -36,23 +68,13 @@ pub fn python() -> PathBuf {
     let mut make = Command::new("python3");
     make.args(["-m", "venv", "--clear"]).arg(&environment);
     succeed(make, NEEDED);
-    // A copy, because building leaves files behind.
-    let copy = tempfile::tempdir().expect("a folder");
-    let mut copied = Command::new("cp");
-    copied
-        .arg("-r")
-        .arg(workspace().join(PACKAGE))
-        .arg(copy.path());
-    succeed(copied, "cp copies a folder");
-    // What an installation from the checkout itself has left may be older.
-    let _ = std::fs::remove_dir_all(copy.path().join("python/build"));
     let mut install = Command::new(&python);
     install
         .args(["-m", "pip", "install", "--quiet"])
-        .arg("--disable-pip-version-check")
-        .arg(copy.path().join("python"));
+        .arg("--disable-pip-version-check");
+    add(&mut install);
     succeed(install, "pip needs the package registry");
-    std::fs::write(&installed, sources).expect("a note");
+    std::fs::write(&installed, wanted).expect("a note");
     python
 }
 
@@ -93,11 +115,16 @@ fn succeed(mut command: Command, needed: &str) -> String {
     String::from_utf8_lossy(&output.stdout).into_owned()
 }
 
-/// Everything that is installed, by name and text, and the Python that it is installed for.
-fn sources() -> String {
+/// The Python that environments are made of.
+fn version() -> String {
     let mut version = Command::new("python3");
     version.arg("-VV");
-    let version = succeed(version, NEEDED);
+    succeed(version, NEEDED)
+}
+
+/// Everything that is installed, by name and text, and the Python that it is installed for.
+fn sources() -> String {
+    let version = version();
     let package = workspace().join(PACKAGE);
     let mut files = vec![package.join("pyproject.toml")];
     let modules = std::fs::read_dir(package.join("zeronav")).expect("the package");

@@ -19,6 +19,9 @@ pub const RESTARTS: u32 = 3;
 /// Name of the companion that is the live page; launch starts it itself.
 pub const VIEWER: &str = "viewer";
 
+/// Name of the companion that records the run (`--record`); launch starts it itself.
+pub const RECORDER: &str = "recorder";
+
 /// Longest name. [characters]
 const NAME_CHARS_MAX: usize = 32;
 
@@ -72,7 +75,7 @@ pub(super) fn refusal(name: &str) -> Option<String> {
             NAME_CHARS_MAX - 1
         ));
     }
-    let of_launch = [VIEWER].contains(&name) || Role::from_label(name).is_some();
+    let of_launch = [VIEWER, RECORDER].contains(&name) || Role::from_label(name).is_some();
     of_launch.then(|| format!("`{name}` is the name of a part of the stack: choose another one"))
 }
 
@@ -116,7 +119,7 @@ mod tests {
         assert_eq!(check(&companions(&["nearest", "a_1"], RESTARTS_MAX)), []);
         let long = "a".repeat(NAME_CHARS_MAX + 1);
         for bad in [
-            "", "Nearest", "1a", "a-b", "a.b", "mapping", "launch", "tap", VIEWER, &long,
+            "", "Nearest", "1a", "a-b", "a.b", "mapping", "launch", "tap", VIEWER, RECORDER, &long,
         ] {
             let wrong = check(&companions(&[bad], 0));
             assert_eq!(wrong.len(), 1, "{bad:?}");

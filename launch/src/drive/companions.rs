@@ -4,17 +4,26 @@ use super::session::Session;
 use crate::companions::{Plan, Told};
 use crate::configs;
 use crate::live_view::{self, LivePage};
-use zeronav_console::terminal::complain;
-use zeronav_scenario::companions::{RESTARTS, VIEWER};
+use crate::recorder::{self, RecordedTicks, START_LIMIT, WALL_LIMIT, last_words};
+use std::path::Path;
+use std::time::{Duration, Instant};
+use zeronav_console::terminal::{complain, note};
+use zeronav_scenario::companions::{RECORDER, RESTARTS, VIEWER};
+use zeronav_supervise::binaries;
+use zeronav_supervise::child_log::LogPlace;
+use zeronav_supervise::own_time::Patience;
 use zeronav_supervise::stack::Stack;
 
 impl Session<'_> {
-    /// Starts the companions of the scenario, before the services. They are not waited for.
+    /// Starts the companions of the scenario, before the services. They are not waited for, except the
+    /// recorder: a run that shall be recorded and cannot be does not begin.
     ///
     /// # Errors
-    /// One line when a configuration cannot be written.
+    /// One line when a configuration cannot be written, or the recorder does not work.
     pub(super) fn start_companions(&mut self, stack: &mut Stack) -> Result<(), String> {
         let prepared = self.prepared;
+        self.start_recorder(stack)
+            .map_err(|why| format!("--record: {why}"))?;
         let configs = configs::write_companions(&prepared.scenario, stack.root())?;
         for (name, config) in configs {
             let binary = prepared.companions.get(&name);
@@ -35,6 +44,64 @@ impl Session<'_> {
             self.companions.start(stack, plan);
         }
         Ok(())
+    }
+
+    fn start_recorder(&mut self, stack: &mut Stack) -> Result<(), String> {
+        let Some(file) = &self.prepared.recording else {
+            return Ok(());
+        };
+        let plan = Plan {
+            name: RECORDER.to_owned(),
+            binary: binaries::find(Path::new(recorder::BINARY))?,
+            restarts: 0,
+            log: self.recorder_log(),
+            told: Told::Recording(file.clone()),
+        };
+        self.companions.start(stack, plan);
+        let (pid, began) = (self.companions.pid_of(RECORDER), Instant::now());
+        let mut patience = pid.map(Patience::with);
+        let progress = loop {
+            if let Some(progress) = stack.folder().and_then(RecordedTicks::open) {
+                break progress;
+            }
+            if let Some(end) = self.companions.end_of(RECORDER) {
+                let said = last_words(&self.recorder_log()).unwrap_or_default();
+                return Err(format!("the recorder does not work ({end}: {said})"));
+            }
+            let is_late = patience.as_mut().is_some_and(|it| it.is_over(START_LIMIT));
+            if is_late || began.elapsed() > WALL_LIMIT {
+                let limit_s = START_LIMIT.as_secs();
+                return Err(format!("the recorder does not begin within {limit_s} s"));
+            }
+            // What was said before it joined reaches it so.
+            stack.refresh();
+            std::thread::sleep(Duration::from_millis(2));
+        };
+        self.recorded = self.lockstep().then_some(progress);
+        Ok(())
+    }
+
+    fn recorder_log(&self) -> LogPlace {
+        self.prepared.log(format!("{RECORDER}.log"))
+    }
+
+    /// The last tick that the robot may begin, so that the recorder misses nothing.
+    pub(super) fn last_recorded_tick(&mut self) -> u64 {
+        if self.companions.pid_of(RECORDER).is_none() {
+            self.recorded = None;
+        }
+        self.recorded
+            .as_mut()
+            .map_or(u64::MAX, RecordedTicks::last_tick)
+    }
+
+    /// Says what became of the recording, once the recorder has ended.
+    pub(super) fn conclude_recording(&self) {
+        if self.prepared.recording.is_some()
+            && let Some(said) = last_words(&self.recorder_log())
+        {
+            note(&format!("recording: {said}"));
+        }
     }
 
     /// Starts the live page where one is wanted. It shows a stack that is ready, so that it takes no

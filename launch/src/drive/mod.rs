@@ -185,6 +185,7 @@ fn drive_stack(
     let services = seat_report::stop(stack, &session.keeper, &prepared.binaries);
     session.listen(stack);
     let companions = session.companions.stop();
+    session.conclude_recording();
     let (trials, trials_missed) = session
         .shuttle
         .take()

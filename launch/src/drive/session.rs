@@ -14,6 +14,7 @@ use crate::keeper::Keeper;
 use crate::orders::{End, Orders};
 use crate::placed::PlacedObstacles;
 use crate::prepare::Prepared;
+use crate::recorder::RecordedTicks;
 use crate::shuttle::{Quota, Shuttle, Step};
 use crate::why;
 use std::collections::{BTreeMap, BTreeSet};
@@ -68,6 +69,8 @@ pub(super) struct Session<'a> {
     pub(super) swaps: Swaps,
     /// What runs beside the stack.
     pub(super) companions: Companions,
+    /// How far the recorder is, in a lockstep run that is recorded.
+    pub(super) recorded: Option<RecordedTicks>,
     /// True once every service can answer.
     pub(super) is_ready: bool,
     /// True while run time is held.
@@ -121,6 +124,7 @@ impl<'a> Session<'a> {
             given_pose: None,
             swaps: Swaps::default(),
             companions: Companions::default(),
+            recorded: None,
             is_ready: false,
             is_paused: false,
             hold_tick: 0,
@@ -333,7 +337,8 @@ impl<'a> Session<'a> {
                 if self.collector.all_answered(last_tick, &stack.roster) {
                     return Ending::Timeout;
                 }
-                stack.extend_lease((tick + LEASE_TICKS).min(last_tick).min(hold_tick));
+                let last_tick = last_tick.min(hold_tick).min(self.last_recorded_tick());
+                stack.extend_lease((tick + LEASE_TICKS).min(last_tick));
             } else if self.shuttle.is_none()
                 && !self.prepared.stays
                 && self.collector.run_ns.saturating_sub(self.goals_run_ns) > limit_ns

@@ -53,7 +53,9 @@ fn allowed(from: &str) -> &'static [&'static str] {
             "zeronav-global-planner",
             "zeronav-local-planner",
         ],
-        "zeronav-measure" => &["zeronav-files", "zeronav-msgs", "zeronav-shell"],
+        "zeronav-measure" | "zeronav-recorder" => {
+            &["zeronav-files", "zeronav-msgs", "zeronav-shell"]
+        }
         "zeronav-scenario" => &[
             "zeronav-console",
             "zeronav-files",
@@ -106,6 +108,7 @@ fn allowed(from: &str) -> &'static [&'static str] {
             "zeronav-measure",
             "zeronav-msgs",
             "zeronav-params",
+            "zeronav-recorder",
             "zeronav-robot-description",
             "zeronav-scenario",
             "zeronav-shell",
@@ -230,7 +233,7 @@ fn one_package_installs_every_service() {
             services += 1;
         }
     }
-    assert_eq!(services, 6, "{together:#?}");
+    assert_eq!(services, 7, "{together:#?}");
 }
 
 #[test]

@@ -47,6 +47,7 @@ mod process_limit;
 mod python;
 mod python_checks;
 mod readme;
+mod recording;
 mod report;
 mod restarts;
 mod results;

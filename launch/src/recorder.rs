@@ -1,0 +1,113 @@
+//! The recorder of a run: `--record` of `zeronav run` and `zeronav up`. It is a companion: when it dies, the
+//! run goes on. In lockstep launch gives it time to keep up, so that nothing is lost however busy the
+//! machine is.
+
+use clap::Args;
+use clap::builder::{OsStringValueParser, TypedValueParser};
+use rustix::fs::OFlags;
+use std::ffi::OsString;
+use std::fs::File;
+use std::os::unix::fs::FileExt;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+use zeronav_shell::folder::Folder;
+use zeronav_supervise::child_log::{LogPlace, last_lines};
+
+/// The binary.
+pub(crate) const BINARY: &str = "zeronav-recorder";
+
+/// File in the folder of a domain in which a recorder says up to which tick it has read everything; it
+/// is there from the beginning of the recording on.
+const PROGRESS: &str = "recorded";
+
+/// How long the recorder may take to begin, of its own time: time without a processor does not count.
+pub(crate) const START_LIMIT: Duration = Duration::from_secs(5);
+
+/// How long it may take in any case.
+pub(crate) const WALL_LIMIT: Duration = Duration::from_secs(60);
+
+/// How long a lockstep run waits for a recorder that reads nothing.
+const WAIT_LIMIT: Duration = Duration::from_secs(5);
+
+/// Ticks that the robot may be ahead of the recorder, lockstep only: its queues hold the messages of
+/// some more.
+const TICKS_AHEAD: u64 = 24;
+
+/// Whether a run is recorded.
+#[derive(Debug, Clone, Default, Args)]
+pub struct RecordArgs {
+    /// Record every message into an MCAP file, for ROS 2 tools and for replay; without FILE, into
+    /// `recording.mcap` in the run's own folder.
+    #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true, default_missing_value = "",
+          value_parser = OsStringValueParser::new().map(RecordTo::of))]
+    pub record: Option<RecordTo>,
+}
+
+/// Where to.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum RecordTo {
+    /// `recording.mcap` in the run's own folder.
+    RunFolder,
+    /// This file.
+    File(PathBuf),
+}
+
+impl RecordTo {
+    fn of(text: OsString) -> Self {
+        if text.is_empty() {
+            Self::RunFolder
+        } else {
+            Self::File(text.into())
+        }
+    }
+
+    /// The file, of a run in `folder`.
+    pub(crate) fn file(&self, folder: &Path) -> PathBuf {
+        match self {
+            Self::RunFolder => folder.join("recording.mcap"),
+            Self::File(file) => file.clone(),
+        }
+    }
+}
+
+/// How far a recorder is.
+#[derive(Debug)]
+pub(crate) struct RecordedTicks {
+    file: File,
+    /// Tick up to which everything was read, and when it became so.
+    tick: u64,
+    since: Instant,
+}
+
+impl RecordedTicks {
+    /// Of the recorder of the domain in `folder`, once it records.
+    pub(crate) fn open(folder: &Folder) -> Option<Self> {
+        Some(Self {
+            file: folder.file(PROGRESS, OFlags::RDONLY).ok()?,
+            tick: 0,
+            since: Instant::now(),
+        })
+    }
+
+    /// The last tick that the robot may begin, so that the recorder misses nothing.
+    pub(crate) fn last_tick(&mut self) -> u64 {
+        let mut bytes = [0; 8];
+        let read = self.file.read_exact_at(&mut bytes, 0);
+        let tick = read.map_or(0, |()| u64::from_le_bytes(bytes));
+        if tick != self.tick {
+            (self.tick, self.since) = (tick, Instant::now());
+        }
+        if self.since.elapsed() > WAIT_LIMIT {
+            // It hangs, or its disk does, or the robot stands: what it misses, it counts.
+            return u64::MAX;
+        }
+        tick.saturating_add(TICKS_AHEAD)
+    }
+}
+
+/// What the recorder said last, without its name.
+pub(crate) fn last_words(log: &LogPlace) -> Option<String> {
+    let said = last_lines(&log.open().ok()?, 1).pop()?;
+    let own = said.strip_prefix("zeronav-recorder: ");
+    Some(own.unwrap_or(&said).to_owned())
+}
