@@ -4,9 +4,13 @@ use super::name::Name;
 use super::place::Text;
 use super::sources::Sources;
 use super::template::Template;
+use zeronav_files::read;
 
 /// The lock file of this source tree.
 const LOCK: &str = include_str!("../../../Cargo.lock");
+
+/// Largest lock file of sources that are named. [bytes]
+const LOCK_BYTES_MAX: u64 = 16 << 20;
 
 /// Where cargo puts the binary.
 pub(crate) fn binary(name: &Name) -> String {
@@ -32,7 +36,7 @@ pub(crate) fn files(
     let lock = match sources {
         Sources::Folder(folder) => {
             let file = folder.join("Cargo.lock");
-            std::fs::read_to_string(&file)
+            read::text(&file, LOCK_BYTES_MAX)
                 .map_err(|error| format!("{}: {error}", file.display()))?
         }
         Sources::Git { .. } => LOCK.to_owned(),
@@ -91,4 +95,31 @@ opt-level = 0
 /// A string of TOML.
 fn quoted(text: &str) -> String {
     toml::Value::from(text).to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::new_package::template::TEMPLATES;
+    use std::process::Command;
+
+    #[test]
+    fn a_lock_file_that_is_no_file_is_not_waited_for() {
+        let root = tempfile::tempdir().unwrap();
+        let file = root.path().join("Cargo.lock");
+        let template = TEMPLATES.first().unwrap();
+        let name = Name::new("mine").unwrap();
+        let sources = Sources::Folder(root.path().to_owned());
+        let made = Command::new("mkfifo").arg(&file).status().unwrap();
+        assert!(made.success());
+        let why = files(template, &name, &sources).unwrap_err();
+        assert_eq!(why, format!("{}: is a pipe, not a file", file.display()));
+        std::fs::remove_file(&file).unwrap();
+        let large = std::fs::File::create(&file).unwrap();
+        large.set_len(LOCK_BYTES_MAX + 1).unwrap();
+        let why = files(template, &name, &sources).unwrap_err();
+        assert!(why.contains("has more than"), "{why}");
+        large.set_len(0).unwrap();
+        assert!(files(template, &name, &sources).is_ok());
+    }
 }

@@ -47,19 +47,33 @@ fn png(bytes: &[u8]) -> Result<Pixels, String> {
         let header = decoder.read_header_info().map_err(broken)?;
         (header.width, header.height)
     };
-    check_size(width, height)?;
+    let n_pixels = check_size(width, height)?;
     let mut reader = decoder.read_info().map_err(broken)?;
     let (colours, depth) = reader.output_color_type();
-    let size = reader.output_buffer_size().ok_or("too large")?;
-    let mut samples = vec![0; size];
-    reader.next_frame(&mut samples).map_err(broken)?;
-    if depth == png::BitDepth::Sixteen {
-        let wide = samples.chunks_exact(2);
-        samples = wide
-            .map(|pair| narrow(u16::from_be_bytes([pair[0], pair[1]])))
-            .collect();
+    let has_alpha = matches!(
+        colours,
+        png::ColorType::GrayscaleAlpha | png::ColorType::Rgba
+    );
+    let mut grey = vec![0; n_pixels];
+    let mut alpha = vec![0; if has_alpha { n_pixels } else { 0 }];
+    // Row by row: eight bytes a pixel, as of colours with 16 bits, are never there for the whole image.
+    let (mut line, mut row) = (0, Row::default());
+    while let Some(read) = reader.next_interlaced_row().map_err(broken)? {
+        row.take(read.data(), colours, depth)?;
+        for (pixels, of_row) in [(&mut grey, &row.grey), (&mut alpha, &row.alpha)] {
+            match read.interlace() {
+                png::InterlaceInfo::Adam7(_) if of_row.is_empty() => {}
+                png::InterlaceInfo::Adam7(pass) => {
+                    png::expand_interlaced_row(pixels, width as usize, of_row, pass, 8);
+                }
+                png::InterlaceInfo::Null(_) => {
+                    let there = pixels.iter_mut().skip(line * width as usize);
+                    there.zip(of_row).for_each(|(pixel, value)| *pixel = *value);
+                }
+            }
+        }
+        line += 1;
     }
-    let (grey, alpha) = channels(samples, colours)?;
     Ok(Pixels {
         width,
         height,
@@ -68,25 +82,56 @@ fn png(bytes: &[u8]) -> Result<Pixels, String> {
     })
 }
 
-/// Grey and opacity of samples of 8 bits.
-fn channels(samples: Vec<u8>, colours: png::ColorType) -> Result<(Vec<u8>, Vec<u8>), String> {
-    let mean = |pixel: &[u8]| {
-        let sum: u16 = pixel[..3].iter().copied().map(u16::from).sum();
-        u8::try_from((sum + 1) / 3).unwrap_or(u8::MAX)
-    };
-    Ok(match colours {
-        png::ColorType::Grayscale => (samples, Vec::new()),
-        png::ColorType::GrayscaleAlpha => (
-            samples.chunks_exact(2).map(|pixel| pixel[0]).collect(),
-            samples.chunks_exact(2).map(|pixel| pixel[1]).collect(),
-        ),
-        png::ColorType::Rgb => (samples.chunks_exact(3).map(mean).collect(), Vec::new()),
-        png::ColorType::Rgba => (
-            samples.chunks_exact(4).map(mean).collect(),
-            samples.chunks_exact(4).map(|pixel| pixel[3]).collect(),
-        ),
-        png::ColorType::Indexed => return Err("its palette is missing".to_owned()),
-    })
+/// One row of a PNG, or of a pass over it.
+#[derive(Default)]
+struct Row {
+    samples: Vec<u8>,
+    grey: Vec<u8>,
+    /// Empty when everything is opaque.
+    alpha: Vec<u8>,
+}
+
+impl Row {
+    /// Takes in samples of 8 or 16 bits.
+    fn take(
+        &mut self,
+        data: &[u8],
+        colours: png::ColorType,
+        depth: png::BitDepth,
+    ) -> Result<(), String> {
+        let Self {
+            samples,
+            grey,
+            alpha,
+        } = self;
+        for buffer in [&mut *samples, &mut *grey, &mut *alpha] {
+            buffer.clear();
+        }
+        if depth == png::BitDepth::Sixteen {
+            let wide = data.chunks_exact(2);
+            samples.extend(wide.map(|pair| narrow(u16::from_be_bytes([pair[0], pair[1]]))));
+        } else {
+            samples.extend_from_slice(data);
+        }
+        let mean = |pixel: &[u8]| {
+            let sum: u16 = pixel[..3].iter().copied().map(u16::from).sum();
+            u8::try_from((sum + 1) / 3).unwrap_or(u8::MAX)
+        };
+        match colours {
+            png::ColorType::Grayscale => grey.extend_from_slice(samples),
+            png::ColorType::GrayscaleAlpha => {
+                grey.extend(samples.chunks_exact(2).map(|pixel| pixel[0]));
+                alpha.extend(samples.chunks_exact(2).map(|pixel| pixel[1]));
+            }
+            png::ColorType::Rgb => grey.extend(samples.chunks_exact(3).map(mean)),
+            png::ColorType::Rgba => {
+                grey.extend(samples.chunks_exact(4).map(mean));
+                alpha.extend(samples.chunks_exact(4).map(|pixel| pixel[3]));
+            }
+            png::ColorType::Indexed => return Err("its palette is missing".to_owned()),
+        }
+        Ok(())
+    }
 }
 
 fn bytes_of(file: &Path) -> Result<(PathBuf, Vec<u8>), MapFileError> {
@@ -184,6 +229,96 @@ mod tests {
         crc.update(&body);
         let length = u32::try_from(data.len()).unwrap();
         [&length.to_be_bytes()[..], &body, &crc.sum().to_be_bytes()].concat()
+    }
+
+    /// The passes over an interlaced image: first column and row, and the steps between them.
+    const PASSES: [[usize; 4]; 7] = [
+        [0, 0, 8, 8],
+        [4, 0, 8, 8],
+        [0, 4, 4, 8],
+        [2, 0, 4, 4],
+        [0, 2, 2, 4],
+        [1, 0, 2, 2],
+        [0, 1, 1, 2],
+    ];
+
+    /// A square image of colours and opacity with 16 bits each, 8 bytes a pixel, as a file.
+    fn wide(side: u16, interlaced: bool, pixel: impl Fn(usize, usize) -> [u16; 4]) -> Vec<u8> {
+        let mut packer = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::fast());
+        let whole = [[0, 0, 1, 1]];
+        let passes = if interlaced { &PASSES[..] } else { &whole[..] };
+        let side_usize = usize::from(side);
+        for [x0, y0, dx, dy] in passes {
+            for y in (*y0..side_usize).step_by(*dy) {
+                let mut row = vec![0];
+                for x in (*x0..side_usize).step_by(*dx) {
+                    row.extend(pixel(x, y).iter().flat_map(|sample| sample.to_be_bytes()));
+                }
+                if row.len() > 1 {
+                    packer.write_all(&row).unwrap();
+                }
+            }
+        }
+        let [high, low] = side.to_be_bytes();
+        let header = [
+            0,
+            0,
+            high,
+            low,
+            0,
+            0,
+            high,
+            low,
+            16,
+            6,
+            0,
+            0,
+            interlaced.into(),
+        ];
+        let data = packer.finish().unwrap();
+        let chunks = [
+            chunk(*b"IHDR", &header),
+            chunk(*b"IDAT", &data),
+            chunk(*b"IEND", &[]),
+        ];
+        [PNG_SIGNATURE, &chunks.concat()].concat()
+    }
+
+    #[test]
+    fn an_interlaced_image_is_the_same_as_a_plain_one() {
+        let pixel = |x: usize, y: usize| {
+            let value = |it: usize| u16::try_from(257 * (it % 256)).unwrap();
+            [
+                value(x + 19 * y),
+                value(x + 19 * y),
+                value(x + 19 * y),
+                value(7 * x + y),
+            ]
+        };
+        for side in [1, 2, 3, 5, 8, 9, 19] {
+            let plain = png(&wide(side, false, pixel)).unwrap();
+            assert_eq!(png(&wide(side, true, pixel)), Ok(plain.clone()), "{side}");
+            let side = usize::from(side);
+            for (at, (grey, alpha)) in plain.grey.iter().zip(&plain.alpha).enumerate() {
+                let (x, y) = (at % side, at / side);
+                let expected = ((x + 19 * y) % 256, (7 * x + y) % 256);
+                assert_eq!((usize::from(*grey), usize::from(*alpha)), expected);
+            }
+        }
+    }
+
+    /// The largest map would take half a gigabyte with eight bytes a pixel.
+    #[test]
+    fn an_image_with_sixteen_bits_takes_no_more_memory_than_its_map() {
+        for interlaced in [false, true] {
+            let bytes = wide(1024, interlaced, |_, _| [0xffff; 4]);
+            let used = allocation_counter::measure(|| {
+                let pixels = png(&bytes).unwrap();
+                assert!(pixels.grey.iter().chain(&pixels.alpha).all(|it| *it == 255));
+            });
+            // A byte of grey and one of opacity for each pixel, and what unpacks them.
+            assert!(used.bytes_max < 3 << 20, "{used:?}");
+        }
     }
 
     #[test]

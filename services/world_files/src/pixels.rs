@@ -4,7 +4,7 @@ use zeronav_msgs::grid::SIDE_CELLS_MAX;
 
 /// An image as map servers see it: the mean of the colours, and what is transparent. Row-major
 /// from the upper left.
-#[derive(Debug, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Pixels {
     pub(crate) width: u32,
     pub(crate) height: u32,
