@@ -7,6 +7,7 @@ from zeronav import checks
 from zeronav import contract as c
 from zeronav.layout import checksum
 from zeronav.link import Link, draw, flip
+from zeronav.ports import Latest
 from zeronav.roster import Roster
 
 TOPIC = c.CONTROL_VELOCITY_REQUEST
@@ -15,10 +16,11 @@ TOPIC = c.CONTROL_VELOCITY_REQUEST
 class Sample:
     """What a subscriber returns, in memory of its own."""
 
-    def __init__(self, count):
+    def __init__(self, count, tick=0, v_mps=0.0):
         envelope = TOPIC.envelope()
         head = envelope.header
-        head.role, head.id = c.Role.LOCAL_PLANNER, 1 << 40 | count
+        head.role, head.id, head.tick = c.Role.LOCAL_PLANNER, 1 << 40 | count, tick
+        envelope.meta.v_mps = v_mps
         head.schema = TOPIC.schema & 0xFFFF_FFFF
         envelope.meta.validity = c.Validity.DRIVE
         head.checksum = checksum(bytes(envelope), b"")
@@ -94,6 +96,30 @@ class TopicFaults(unittest.TestCase):
         self.assertEqual(envelope(link.receive(late)).header.id & 0xFF, 2)
         self.assertEqual(envelope(link.receive(late)).header.id & 0xFF, 3)
         self.assertIsNone(link.receive(late))
+
+
+class RejectedMessages(unittest.TestCase):
+    def test_one_counts_as_an_answer_until_the_next_one(self):
+        found = Roster(c.Role.COLLISION_GUARD, 1)
+        found.clock.mode, found.lockstep = c.RunMode.LOCKSTEP, True
+        found.seats[c.Role.LOCAL_PLANNER] = c.Seat(role=c.Role.LOCAL_PLANNER, epoch=1)
+        subscriber = Subscriber(0)
+        reader = Latest(TOPIC, subscriber)
+
+        def spoken_after(number, tick, v_mps=0.0):
+            subscriber.samples.append(Sample(number, tick, v_mps))
+            reader.poll(found)
+            return reader.spoken_tick
+
+        bad, most = float("nan"), 2**64 - 1
+        self.assertEqual(spoken_after(1, 8), 8)
+        self.assertEqual(spoken_after(2, 9, bad), 9)
+        self.assertEqual(spoken_after(3, most, bad), most)
+        self.assertEqual(spoken_after(4, 10), 10)
+        self.assertEqual(spoken_after(5, most, bad), most)
+        self.assertEqual(spoken_after(6, 11, bad), 11)
+        self.assertEqual(spoken_after(7, 3, bad), 10)
+        self.assertEqual(reader.refused, 5)
 
 
 if __name__ == "__main__":

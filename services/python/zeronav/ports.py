@@ -99,7 +99,11 @@ class _Reader:
         except Refused as refusal:
             self._note(view, roster, str(refusal))
             return False
-        return self._hears(view.header, roster)
+        if not self._hears(view.header, roster):
+            return False
+        # A rejected message answers until the next one comes: its tick may be any number.
+        self.refused_tick = 0
+        return True
 
     def _hears(self, header, roster):
         """In lockstep an idle output would take effect at a tick that depends on the speed of the
@@ -116,7 +120,7 @@ class _Reader:
             header(self.topic, view.header)
             # A header in which a bit was changed may name anything.
             if why != CHECKSUM and self._hears(view.header, roster):
-                self.refused_tick = max(self.refused_tick, view.tick)
+                self.refused_tick = view.tick
         except Refused:
             pass
         if why not in self._said:

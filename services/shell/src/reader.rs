@@ -17,7 +17,7 @@ struct Gate {
     is_health: bool,
     is_map: bool,
     refused: u64,
-    /// Newest tick of a message whose sender is obeyed though its content is rejected.
+    /// Tick of the last message, when its sender is obeyed and its content was rejected; 0 otherwise.
     refused_tick: u64,
     /// Rejected messages by the epoch in their header, as far as that can be read.
     refused_of: Vec<(u32, u64)>,
@@ -59,7 +59,7 @@ impl Gate {
             if is_whole && header.check(self.row.schema, self.row.writers).is_ok() {
                 self.note_author(header.id().epoch());
                 if self.hears(header, roster) {
-                    self.refused_tick = self.refused_tick.max(header.tick);
+                    self.refused_tick = header.tick;
                 }
             }
             if !self.seen.contains(&refusal) {
@@ -68,7 +68,11 @@ impl Gate {
             }
             return false;
         }
-        self.hears(header, roster)
+        let is_heard = self.hears(header, roster);
+        if is_heard {
+            self.refused_tick = 0;
+        }
+        is_heard
     }
 
     /// In lockstep an idle output would take effect at a tick that depends on the speed of the
@@ -176,7 +180,8 @@ impl<T: Topic> Latest<T> {
     }
 
     /// Tick up to which the writer has answered, whether its message was accepted or rejected; in
-    /// lockstep a rejected message is not waited for any longer.
+    /// lockstep a rejected message is not waited for any longer. It answers until the next message
+    /// comes: its tick may be any number.
     #[must_use]
     pub fn spoken_tick(&self) -> u64 {
         self.tick().max(self.gate.refused_tick)

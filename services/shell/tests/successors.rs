@@ -119,3 +119,39 @@ fn a_successor_begins_with_the_map_unless_mapping_was_gone_at_its_first_tick() {
     map.take_in(&gone);
     assert!(map.view().is_none() && map.received().is_none() && map.is_lost());
 }
+
+/// A message whose content is rejected is an answer, so that nobody waits for it; but its tick may be any.
+#[test]
+fn a_rejected_message_counts_as_an_answer_until_the_next_one() {
+    let house = House::new();
+    let planner = house.join(Role::LocalPlanner, 2);
+    let guard = house.join(Role::CollisionGuard, 1);
+    let mut requests = planner.writer::<ControlRequest>(1).expect("a writer");
+    let mut reader = guard.latest::<ControlRequest>().expect("a reader");
+    let roster = lockstep(&[seat(Role::LocalPlanner, 2, 0, 0)]);
+    let good = VelocityRequest::default();
+    let bad = VelocityRequest {
+        v_mps: f64::NAN,
+        ..good
+    };
+    let mut spoken_after = |tick, request| {
+        assert!(requests.publish(&of_tick(tick), request, &[]).is_some());
+        reader.poll(&roster);
+        reader.spoken_tick()
+    };
+    assert_eq!(spoken_after(8, good), 8);
+    assert_eq!(spoken_after(9, bad), 9, "it is not waited for");
+    assert_eq!(spoken_after(u64::MAX, bad), u64::MAX);
+    assert_eq!(
+        spoken_after(10, good),
+        10,
+        "the next one is an answer to its own tick"
+    );
+    assert_eq!(spoken_after(u64::MAX, bad), u64::MAX);
+    assert_eq!(spoken_after(11, bad), 11, "a rejected one, too");
+    assert_eq!(
+        spoken_after(3, bad),
+        10,
+        "never before the newest accepted one"
+    );
+}
