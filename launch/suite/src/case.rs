@@ -88,16 +88,21 @@ impl Case {
         })
     }
 
-    /// Wall time after which the run counts as hung: far more than a lockstep run takes.
+    /// Wall time after which the run counts as hung: far more than it takes. In lockstep that is what is
+    /// beyond any machine, as a busy one only makes the run longer; a service that hangs ends it before.
     pub(super) fn wall_limit(&self) -> Duration {
-        /// Time to start and stop on a busy machine. [s]
-        const AROUND_S: f64 = 60.0;
-        /// Slowest lockstep, in wall time per run time.
-        const SLOWEST: f64 = 6.0;
+        /// Time to start and stop, and wall time per run time, in real time and in lockstep. [s], []
+        const LIMITS: [[f64; 2]; 2] = [[60.0, 6.0], [600.0, 60.0]];
         /// A day. [s]
         const LONGEST_S: f64 = 86_400.0;
-        let limit_s = (AROUND_S + SLOWEST * self.time_limit_s).min(LONGEST_S);
+        let [around_s, slowest] = LIMITS[usize::from(!self.manner.real_time)];
+        let limit_s = (around_s + slowest * self.time_limit_s).min(LONGEST_S);
         Duration::try_from_secs_f64(limit_s).unwrap_or(Duration::MAX)
+    }
+
+    /// What a row says of a run that was ended because of [`Self::wall_limit`].
+    pub(super) fn hung(&self) -> String {
+        format!("hung: no end within {} s", self.wall_limit().as_secs())
     }
 }
 

@@ -112,7 +112,7 @@ impl Row {
         let unavoidable = u32::try_from(n_unavoidable).unwrap_or(u32::MAX);
         let arrival = missed(&case.rule.success, run, goal_distance_m);
         let cause = if finish.hung {
-            Some("hung".to_owned())
+            Some(case.hung())
         } else {
             touched(&case.rule.success, run, unavoidable).or_else(|| arrival.clone())
         };
@@ -155,8 +155,11 @@ impl Row {
             goal_distance_m,
             wall_s: Some(run.wall_s),
             run_hash: run.run_hash.clone(),
-            not_reproducible: (run.reproducible == Some(false))
-                .then(|| run.not_reproducible.join("; ")),
+            not_reproducible: match run.reproducible {
+                Some(_) if finish.hung => Some(by_the_suite(case)),
+                Some(false) => Some(run.not_reproducible.join("; ")),
+                _ => None,
+            },
             directory: Some(run.directory.clone()),
             contacts,
             ..Self::of(case)
@@ -167,7 +170,7 @@ impl Row {
     fn without_result(case: &Case, finish: &Finish) -> Self {
         let nothing = case.rule.optimal_time_s.map(|_| 0.0);
         let cause = if finish.hung {
-            "hung".to_owned()
+            case.hung()
         } else {
             match finish.code {
                 Some(code) => format!("no result, exit code {code}: {}", finish.headline()),
@@ -178,6 +181,7 @@ impl Row {
         Self {
             refusal: refused.then(|| format!("{}: {}", case.world, finish.complaint)),
             cause: Some(cause),
+            not_reproducible: (finish.hung && !case.manner.real_time).then(|| by_the_suite(case)),
             score: nothing,
             score_4ot: nothing,
             ..Self::of(case)
@@ -293,6 +297,11 @@ fn missed(success: &Success, run: &RunResult, goal_distance_m: Option<f64>) -> O
     } else {
         None
     }
+}
+
+/// Why a run that the suite has ended goes otherwise the next time.
+fn by_the_suite(case: &Case) -> String {
+    format!("ended by the suite ({})", case.hung())
 }
 
 #[cfg(test)]
@@ -439,6 +448,19 @@ mod tests {
         assert!(row.cause.unwrap().contains("mapping stopped answering"));
         finish.hung = true;
         let row = Row::new(&case(true), &finish);
-        assert_eq!(row.cause.as_deref(), Some("hung"));
+        // 10 minutes and a minute for each of its 100 s.
+        let cause = "hung: no end within 6600 s";
+        assert_eq!(row.cause.as_deref(), Some(cause));
+        let why = row.not_reproducible.unwrap_or_default();
+        assert_eq!(why, format!("ended by the suite ({cause})"));
+        finish.result = Some(run(&[]));
+        let row = Row::new(&case(true), &finish);
+        assert_eq!((row.success, row.cause.as_deref()), (false, Some(cause)));
+        let mut in_real_time = case(true);
+        in_real_time.manner.real_time = true;
+        finish.result = None;
+        let row = Row::new(&in_real_time, &finish);
+        assert_eq!(row.cause.as_deref(), Some("hung: no end within 660 s"));
+        assert_eq!(row.not_reproducible, None);
     }
 }
