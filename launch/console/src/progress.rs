@@ -72,7 +72,10 @@ impl ProgressLine {
     pub fn show<M: fmt::Display>(&mut self, message: impl FnOnce() -> M) {
         match &mut self.shown {
             Shown::Not => {}
-            Shown::OnTerminal(bar) => bar.set_message(message().to_string()),
+            Shown::OnTerminal(bar) => {
+                bar.set_message(message().to_string());
+                bar.tick();
+            }
             Shown::AsLines(last) => {
                 if last.elapsed() >= PAUSE {
                     *last = Instant::now();
@@ -97,13 +100,13 @@ impl Drop for ProgressLine {
     }
 }
 
+/// It is drawn when there is something to show, by no thread of its own: there may be no room for one.
 fn bar(title: &str) -> ProgressBar {
     let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr_with_hz(10));
     if let Ok(style) = ProgressStyle::with_template("{spinner} {prefix}  {msg}") {
         bar.set_style(style);
     }
     bar.set_prefix(title.to_owned());
-    bar.enable_steady_tick(Duration::from_millis(200));
     show_line(Some(bar.clone()));
     bar
 }
@@ -125,6 +128,18 @@ impl fmt::Display for Progress {
 }
 
 impl Tally {
+    /// "300 runs, 2 at a time: about 5.0 min", for what takes a minute and more; nothing before the time
+    /// that one takes is known.
+    #[must_use]
+    #[allow(clippy::cast_precision_loss, reason = "counts far below 2^53")]
+    pub fn estimate(&self, what: &str, at_a_time: usize) -> Option<String> {
+        let whole_s = self.each_s? * self.total as f64;
+        (whole_s >= 60.0).then(|| {
+            let (total, minutes) = (self.total, whole_s / 60.0);
+            format!("{total} {what}, {at_a_time} at a time: about {minutes:.1} min")
+        })
+    }
+
     /// "37 of 200 trials, about 4.2 min left"; nothing about the time before it can be known.
     #[must_use]
     #[allow(clippy::cast_precision_loss, reason = "counts far below 2^53")]
@@ -151,6 +166,29 @@ mod tests {
         assert_eq!(tally.in_words("runs"), "0 of 300 runs");
         (tally.done, tally.each_s) = (60, Some(2.0));
         assert_eq!(tally.in_words("runs"), "60 of 300 runs, about 8.0 min left");
+    }
+
+    #[test]
+    fn what_takes_a_minute_says_so_once_that_is_known() {
+        let estimate = |total, each_s| {
+            let tally = Tally {
+                done: 2,
+                total,
+                each_s,
+            };
+            tally.estimate("runs", 2)
+        };
+        assert_eq!(estimate(300, None), None);
+        assert_eq!(estimate(60, Some(0.999)), None);
+        let said = |text: &str| Some(text.to_owned());
+        assert_eq!(
+            estimate(60, Some(1.0)),
+            said("60 runs, 2 at a time: about 1.0 min")
+        );
+        assert_eq!(
+            estimate(900, Some(0.5)),
+            said("900 runs, 2 at a time: about 7.5 min")
+        );
     }
 
     #[test]

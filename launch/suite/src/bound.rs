@@ -26,7 +26,9 @@ use std::time::{Duration, Instant};
 use turns::Turns;
 use way::{Task, Way};
 use zeronav_console::progress::{ProgressLine, Tally};
+use zeronav_console::terminal::note;
 use zeronav_scenario::Outcome;
+use zeronav_supervise::child::hint;
 
 /// Between two looks at what was found.
 const PAUSE: Duration = Duration::from_millis(100);
@@ -55,23 +57,34 @@ pub(super) fn rows(
     let mut rows: Vec<Option<Result<Row, String>>> = vec![None; cases.len()];
     let mut line = ProgressLine::new("bound", progress);
     let (began, next) = (Instant::now(), AtomicUsize::new(0));
+    let next_case = || {
+        let index = next.fetch_add(1, Ordering::Relaxed);
+        Some((index, cases.get(index)?))
+    };
+    let plan = |sender: mpsc::Sender<(usize, Result<Row, String>)>| {
+        while let Some((index, case)) = next_case() {
+            let row = row_of(case, interrupted);
+            // Nobody waits any more when this fails.
+            if interrupted.load(Ordering::Relaxed) || sender.send((index, row)).is_err() {
+                break;
+            }
+        }
+    };
     std::thread::scope(|scope| {
         let (sender, found) = mpsc::channel();
-        for _ in 0..jobs.min(cases.len()) {
-            let (sender, next) = (sender.clone(), &next);
-            scope.spawn(move || {
-                loop {
-                    let index = next.fetch_add(1, Ordering::Relaxed);
-                    let Some(case) = cases.get(index) else {
-                        break;
-                    };
-                    let row = row_of(case, interrupted);
-                    // Nobody waits any more when this fails.
-                    if interrupted.load(Ordering::Relaxed) || sender.send((index, row)).is_err() {
-                        break;
-                    }
+        let jobs = jobs.min(cases.len());
+        for job in 0..jobs {
+            let (sender, plan) = (sender.clone(), &plan);
+            let planner = std::thread::Builder::new().spawn_scoped(scope, move || plan(sender));
+            if let Err(error) = planner {
+                // With fewer threads it takes longer, and without any there is nothing.
+                if job == 0 {
+                    return Err(format!("no thread to plan ways: {error}{}", hint(&error)));
                 }
-            });
+                let hint = hint(&error);
+                note(&format!("warning: {job} of {jobs} threads: {error}{hint}"));
+                break;
+            }
         }
         drop(sender);
         let (mut done, mut passed) = (0, 0);
@@ -93,7 +106,8 @@ pub(super) fn rows(
             };
             line.show(|| format!("{}  {passed} found", tally.in_words("ways")));
         }
-    });
+        Ok(())
+    })?;
     line.clear();
     if interrupted.load(Ordering::Relaxed) {
         return Err(SuiteError::Interrupted(None));

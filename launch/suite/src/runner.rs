@@ -12,6 +12,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use zeronav_console::exit::EXIT_INTERRUPTED;
 use zeronav_console::progress::{ProgressLine, Tally};
+use zeronav_console::terminal::note;
 use zeronav_files::{Folder, read};
 use zeronav_measure::result::RunResult;
 
@@ -146,6 +147,7 @@ impl<'a> Runner<'a> {
         let mut stopped: Option<Stopped> = None;
         let (mut done, mut passed) = (0, 0);
         let mut last = String::new();
+        let mut is_said = false;
         loop {
             while stopped.is_none() && going.len() < self.jobs {
                 let Some((index, case)) = waiting.next() else {
@@ -192,6 +194,13 @@ impl<'a> Runner<'a> {
                 total: cases.len(),
                 each_s: (done > 0).then(|| began.elapsed().as_secs_f64() / count(done)),
             };
+            // Once a run of each place is over, the rest can be known.
+            if self.progress && !is_said && done >= self.jobs {
+                is_said = true;
+                if let Some(estimate) = tally.estimate("runs", self.jobs) {
+                    note(&format!("{title}: {estimate}"));
+                }
+            }
             line.show(|| format!("{}  {passed} passed  {last}", tally.in_words("runs")));
             std::thread::sleep(PAUSE);
         }
