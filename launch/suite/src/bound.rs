@@ -28,7 +28,7 @@ use way::{Task, Way};
 use zeronav_console::progress::{ProgressLine, Tally};
 use zeronav_console::terminal::note;
 use zeronav_scenario::Outcome;
-use zeronav_supervise::child::hint;
+use zeronav_supervise::process::hint;
 
 /// Between two looks at what was found.
 const PAUSE: Duration = Duration::from_millis(100);

@@ -206,8 +206,30 @@ fn own_memory_peak_bytes(status: &str) -> Option<u64> {
 
 #[cfg(test)]
 mod tests {
-    use super::{is_short, own_memory_peak_bytes};
+    use super::{Child, is_short, own_memory_peak_bytes};
     use crate::process::hint;
+    use std::os::unix::process::ExitStatusExt;
+    use std::process::ExitStatus;
+
+    #[test]
+    fn every_end_is_said_by_its_code_or_its_signal() {
+        let code = |code: i32| Child::end_in_words(ExitStatus::from_raw(code << 8));
+        let signal = |signal| Child::end_in_words(ExitStatus::from_raw(signal));
+        for n in [0, 1, 3, 5, 101] {
+            assert_eq!(code(n), format!("exit code {n}"));
+        }
+        assert_eq!(code(4), "exit code 4: too little shared memory in /dev/shm");
+        for n in [6, 9, 11, 15, 24, 26] {
+            assert_eq!(signal(n), format!("killed by signal {n}"));
+        }
+        // A shell says 128 and the signal.
+        for said in [code(135), signal(7)] {
+            assert!(said.starts_with("killed by SIGBUS: "), "{said}");
+        }
+        for said in [code(153), signal(25)] {
+            assert!(said.starts_with("killed by SIGXFSZ: "), "{said}");
+        }
+    }
 
     #[test]
     fn a_system_without_room_is_told_from_a_binary_that_is_missing() {

@@ -101,6 +101,7 @@ impl Log {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::path::{Path, PathBuf};
 
     #[test]
     fn begin_and_end_of_a_long_log_are_kept_and_its_writer_goes_on() {
@@ -136,5 +137,73 @@ mod tests {
             assert!(whole, "{text}");
         }
         assert!(log.dropped_bytes > 5 * 17_000 - 4_000);
+    }
+    /// An empty log, and its path.
+    fn log(place: &Path) -> (File, PathBuf) {
+        let path = place.join("it.log");
+        let mut options = File::options();
+        let file = options.create(true).append(true).read(true).open(&path);
+        (file.expect("opened"), path)
+    }
+
+    #[test]
+    fn a_log_is_cut_when_it_is_a_byte_too_long() {
+        let place = tempfile::tempdir().expect("a folder");
+        let (file, path) = log(place.path());
+        let length = || std::fs::metadata(&path).expect("it").len();
+        let mut logs = Logs::default();
+        assert!(!logs.any());
+        logs.add(file.try_clone().expect("a handle"));
+        assert!(logs.any());
+        file.set_len(BYTES_MAX).expect("so long");
+        logs.cut();
+        assert_eq!(length(), BYTES_MAX);
+        file.set_len(BYTES_MAX + 1).expect("longer");
+        logs.cut();
+        // Beginning and end without a line in them, and the line about what is missing.
+        let line = "zeronav: the log was too long, 12582913 bytes were dropped here\n";
+        assert_eq!(length(), 2 * KEPT_BYTES + line.len() as u64);
+        assert_eq!(logs.0[0].dropped_bytes, BYTES_MAX + 1 - 2 * KEPT_BYTES);
+    }
+
+    #[test]
+    fn whole_lines_are_kept_of_the_beginning_and_of_the_end() {
+        let place = tempfile::tempdir().expect("a folder");
+        let (mut file, path) = log(place.path());
+        // Ten bytes each: the third ends at 30, the last three begin at 70.
+        for line in 0..10 {
+            writeln!(file, "line    {line}").expect("written");
+        }
+        let mut logs = Logs::default();
+        logs.add(file);
+        logs.0[0].cut(99, 35).expect("cut");
+        let text = std::fs::read_to_string(&path).expect("read");
+        let lines: Vec<&str> = text.lines().collect();
+        let dropped = "zeronav: the log was too long, 40 bytes were dropped here";
+        let kept = ["line    0", "line    1", "line    2", dropped];
+        assert_eq!(lines[..4], kept);
+        assert_eq!(lines[4..], ["line    7", "line    8", "line    9"]);
+        // Counted on, and neither a line of its own nor one that is exactly at the edge is lost.
+        logs.0[0].cut(20, 10).expect("cut");
+        let text = std::fs::read_to_string(&path).expect("read");
+        assert!(text.starts_with("line    0\nzeronav: "), "{text}");
+        let left = 30 + dropped.len() as u64 + 1 + 30 - 10;
+        assert!(
+            text.contains(&format!("long, {} bytes", 40 + left)),
+            "{text}"
+        );
+    }
+
+    #[test]
+    fn a_log_that_was_removed_is_forgotten() {
+        let place = tempfile::tempdir().expect("a folder");
+        let (file, path) = log(place.path());
+        let mut logs = Logs::default();
+        logs.add(file);
+        std::fs::remove_file(&path).expect("removed");
+        let (other, _) = log(place.path());
+        logs.add(other);
+        assert_eq!(logs.0.len(), 1);
+        assert_eq!(fstat(&logs.0[0].file).expect("it").st_nlink, 1);
     }
 }

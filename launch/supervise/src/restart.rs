@@ -183,4 +183,106 @@ mod tests {
         }
         assert_eq!(restarts.of(Role::Mapping), 0);
     }
+    /// Restarts at these run times [ns]; the wait of each, `None` for one that is not made.
+    fn decide_at(spec: &RestartSpec, at_ns: &[u64]) -> Vec<Option<Duration>> {
+        let mut restarts = Restarts::default();
+        let decide = |at_ns: &u64| match restarts.decide(spec, Role::Mapping, None, *at_ns) {
+            Decision::Restart(wait) => Some(wait),
+            Decision::GiveUp(_) => None,
+        };
+        at_ns.iter().map(decide).collect()
+    }
+
+    /// It is stable 5 s after its start, which is after the wait.
+    #[test]
+    fn a_process_is_stable_from_five_seconds_after_its_start_on() {
+        let spec = RestartSpec::default();
+        let (first, wait) = (3_000_000_000, Duration::from_millis(100));
+        let second = first + 1_000_000_000;
+        let started = second + 100_000_000;
+        for (third, waits) in [
+            (started + STABLE_NS - 1, Duration::from_millis(200)),
+            (started + STABLE_NS, Duration::ZERO),
+        ] {
+            let found = decide_at(&spec, &[first, second, third]);
+            assert_eq!(found, [Some(Duration::ZERO), Some(wait), Some(waits)]);
+        }
+        // Before the first restart it has run since the beginning.
+        assert_eq!(decide_at(&spec, &[0]), [Some(Duration::ZERO)]);
+    }
+
+    #[test]
+    fn a_restart_counts_until_its_window_is_over_and_not_a_nanosecond_longer() {
+        let spec = RestartSpec {
+            per_service: 1,
+            per_run: 9,
+            window_s: 2.0,
+            ..RestartSpec::default()
+        };
+        let made = |at_ns: u64| decide_at(&spec, &[7, at_ns])[1].is_some();
+        assert!(!made(7 + 1_999_999_999));
+        assert!(made(7 + 2_000_000_000));
+        // Run time does not go backwards, but who asks may be late.
+        assert!(!made(0));
+    }
+
+    #[test]
+    fn each_budget_is_the_number_of_restarts_and_says_which_it_is() {
+        for (per_service, per_run, why) in [
+            (3, 9, "its restart budget is used up"),
+            (9, 3, "the run's restart budget is used up"),
+            (3, 3, "its restart budget is used up"),
+        ] {
+            let spec = RestartSpec {
+                per_service,
+                per_run,
+                ..RestartSpec::default()
+            };
+            let mut restarts = Restarts::default();
+            for n in 0..3 {
+                assert_eq!(restarts.of(Role::Mapping), n);
+                let decision = restarts.decide(&spec, Role::Mapping, Some(1), 5);
+                assert!(matches!(decision, Decision::Restart(_)), "{decision:?}");
+            }
+            let decision = restarts.decide(&spec, Role::Mapping, Some(1), 5);
+            assert_eq!(decision, Decision::GiveUp(why));
+            assert_eq!(
+                restarts.of(Role::Mapping),
+                3,
+                "what is not made does not count"
+            );
+            assert_eq!(restarts.of(Role::LocalPlanner), 0);
+        }
+    }
+
+    #[test]
+    fn the_seats_count_alone_for_their_budget_and_together_for_that_of_the_run() {
+        let spec = RestartSpec {
+            per_service: 1,
+            per_run: 2,
+            ..RestartSpec::default()
+        };
+        let mut restarts = Restarts::default();
+        let mut made = |role| {
+            let decision = restarts.decide(&spec, role, None, 0);
+            matches!(decision, Decision::Restart(_))
+        };
+        assert!(made(Role::Mapping) && made(Role::GlobalPlanner));
+        assert!(!made(Role::CollisionGuard));
+    }
+
+    #[test]
+    fn every_end_but_a_wrong_configuration_or_contract_is_restarted() {
+        let spec = RestartSpec::default();
+        let decide = |code| Restarts::default().decide(&spec, Role::Mapping, code, 0);
+        for code in [None, Some(0), Some(1), Some(4), Some(101)] {
+            assert_eq!(decide(code), Decision::Restart(Duration::ZERO), "{code:?}");
+        }
+        let why = "it does not accept its configuration, its arguments or its seat";
+        assert_eq!(decide(Some(2)), Decision::GiveUp(why));
+        let why = "it was built from another contract";
+        assert_eq!(decide(Some(3)), Decision::GiveUp(why));
+        let robot = Restarts::default().decide(&spec, Role::Robot, Some(4), 0);
+        assert_eq!(robot, Decision::GiveUp("the robot is not restarted"));
+    }
 }
