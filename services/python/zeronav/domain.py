@@ -21,6 +21,7 @@ SHM = "/dev/shm"
 NODE_COUNTER = "_node.0_10_0.global_mgmt"
 NODE_COUNTER_BYTES = 16
 TURN_LIMIT_S = 1.0
+CREATION_LIMIT_S = 60
 
 
 def _open_own(name, flags, folder=None):
@@ -123,6 +124,8 @@ class Domain:
         config.global_cfg.node.cleanup_dead_nodes_on_creation = False
         config.global_cfg.node.cleanup_dead_nodes_on_destruction = False
         config.global_cfg.service.cleanup_dead_nodes_on_open = False
+        # Another member that makes something may get no processor for a while.
+        config.global_cfg.creation_timeout = iox2.Duration.from_secs(CREATION_LIMIT_S)
         config.global_cfg.prefix = iox2.FileName.new(self.prefix)
         config.global_cfg.root_path = iox2.Path.new(self.root)
         return config

@@ -6,7 +6,7 @@ from . import contract as c
 from .errors import StartError
 from .roster import Roster
 
-KNOWN_LIMIT_S = 5.0
+KNOWN_LIMIT_S = 60.0
 KNOWN_PAUSE_S = 0.005
 
 

@@ -46,6 +46,10 @@ const NODE_COUNTER_BYTES: usize = 16;
 /// For how long a segment must be half made until its maker counts as dead.
 const HALF_MADE: std::time::Duration = std::time::Duration::from_millis(100);
 
+/// How long a member waits for what another one is just making. By default the middleware gives up after a
+/// second of wall time, which a busy machine would decide.
+const CREATION_LIMIT: std::time::Duration = std::time::Duration::from_secs(60);
+
 /// How often a new domain is tried again when a sweeper was faster.
 const CREATE_TRIES: u32 = 8;
 
@@ -226,6 +230,8 @@ fn config(root: &Path, prefix: &str) -> Result<Config, StartError> {
     config.global.node.cleanup_dead_nodes_on_creation = false;
     config.global.node.cleanup_dead_nodes_on_destruction = false;
     config.global.service.cleanup_dead_nodes_on_open = false;
+    // The other end of a half-made connection may get no processor for a while.
+    config.global.creation_timeout = CREATION_LIMIT;
     config.global.prefix = FileName::new(prefix.as_bytes()).map_err(unusable)?;
     let root = root.to_str().unwrap_or("");
     config
@@ -306,7 +312,8 @@ pub fn sweep(root: &Path) -> std::io::Result<bool> {
     let Some(name) = name_of(root) else {
         return Ok(false);
     };
-    let folder = match Folder::open(root) {
+    // A service may have let others into it.
+    let folder = match Folder::reclaim(root) {
         Ok(folder) => folder,
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(true),
         Err(error) => return Err(error),
@@ -421,6 +428,28 @@ mod tests {
         drop(domain);
         // Another test may sweep, too.
         let _ = sweep_dead();
+        assert!(!root.exists());
+    }
+
+    #[test]
+    fn no_member_gives_up_what_another_one_makes_because_the_machine_is_busy() {
+        let domain = Domain::create().unwrap();
+        let config = domain.config().unwrap();
+        assert_eq!(config.global.creation_timeout, CREATION_LIMIT);
+        assert!(CREATION_LIMIT.as_secs() >= 60);
+        assert!(domain.close().unwrap());
+    }
+
+    #[test]
+    fn who_leaves_last_removes_a_domain_that_was_opened_to_others() {
+        let domain = Domain::create().unwrap();
+        let root = domain.root().to_owned();
+        let other = Domain::join(&root).unwrap();
+        std::fs::set_permissions(&root, std::fs::Permissions::from_mode(0o777)).unwrap();
+        assert!(!domain.close().unwrap(), "the other one is a member");
+        assert!(root.exists());
+        std::fs::set_permissions(&root, std::fs::Permissions::from_mode(0o500)).unwrap();
+        assert!(other.close().unwrap());
         assert!(!root.exists());
     }
 

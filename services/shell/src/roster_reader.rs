@@ -8,8 +8,9 @@ use std::time::{Duration, Instant};
 use zeronav_msgs::role::Role;
 use zeronav_msgs::topics::{RunClockTopic, RunControlTopic};
 
-/// How long launch may take to publish which processes are obeyed.
-const KNOWN_LIMIT: Duration = Duration::from_secs(5);
+/// How long launch may take to publish which processes are obeyed: on a busy machine it may get no
+/// processor for seconds, which must not decide how a lockstep run goes on.
+const KNOWN_LIMIT: Duration = Duration::from_secs(60);
 
 /// Time between two looks at what launch says.
 const KNOWN_PAUSE: Duration = Duration::from_millis(5);
