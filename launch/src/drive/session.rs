@@ -325,7 +325,7 @@ impl<'a> Session<'a> {
             self.companions.look(stack);
             let tick = self.collector.robot_tick();
             let hold_tick = self.held_at(tick);
-            let held = self.held(tick, hold_tick);
+            let held = self.held(stack, tick, hold_tick);
             if let Some(why) = standstill.look(tick, held, || stack.is_quiet()) {
                 let role = self.silent(stack);
                 return match why {

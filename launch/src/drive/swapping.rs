@@ -3,7 +3,7 @@
 use super::serve::LISTED_MAX;
 use super::session::Session;
 use crate::swap::config::merged;
-use crate::swap::{Files, Scene, Swap};
+use crate::swap::{Failure, Files, Scene, Swap};
 use crate::swap_order::SwapOrder;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -15,7 +15,7 @@ use zeronav_msgs::role::Role;
 use zeronav_msgs::run::RunMode;
 use zeronav_supervise::binaries;
 use zeronav_supervise::hang::Limit;
-use zeronav_supervise::question;
+use zeronav_supervise::question::{self, Silence};
 use zeronav_supervise::stack::Stack;
 
 /// What the configuration of a newcomer has in its name.
@@ -200,7 +200,7 @@ impl Session<'_> {
 }
 
 /// Asks a binary whether it can work with its configuration.
-fn asking(files: &Files) -> impl FnOnce() -> Result<(), String> + Send + use<> {
+fn asking(files: &Files) -> impl FnOnce() -> Result<(), Failure> + Send + use<> {
     let (binary, config): (PathBuf, PathBuf) = (files.binary.clone(), files.config.clone());
     move || {
         let arguments = [
@@ -210,7 +210,10 @@ fn asking(files: &Files) -> impl FnOnce() -> Result<(), String> + Send + use<> {
         ];
         question::ask(&binary, &arguments)
             .map(|_| ())
-            .map_err(|silence| format!("{}: {silence}", binary.display()))
+            .map_err(|silence| Failure {
+                why: format!("{}: {silence}", binary.display()),
+                by_clock: matches!(silence, Silence::Late | Silence::Start(_)),
+            })
     }
 }
 

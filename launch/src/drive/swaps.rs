@@ -14,6 +14,8 @@ pub(super) struct Swaps {
     pub(super) current: Option<Swap>,
     pub(super) done: VecDeque<SwapResult>,
     pub(super) last_id: u64,
+    /// What the clock has decided of swaps that are over, one line each; the oldest go first.
+    decided_by_clock: VecDeque<String>,
     /// Swaps of the scenario that have begun.
     pub(super) begun: usize,
 }
@@ -52,9 +54,27 @@ impl Swaps {
         self.done.iter().cloned().chain(current).collect()
     }
 
+    /// What the clock has decided of swaps, one line each.
+    pub(super) fn decided_by_clock(&self) -> impl Iterator<Item = String> {
+        let current = self.current.as_ref().and_then(Swap::by_clock);
+        let before = self.decided_by_clock.iter().map(String::as_str);
+        before.chain(current).map(str::to_owned)
+    }
+
+    /// True while the robot is held after each tick, to judge a newcomer; lockstep only.
+    pub(super) fn steps(&self) -> bool {
+        self.current.as_ref().is_some_and(Swap::steps)
+    }
+
     /// Goes on with a swap, or remembers what became of it.
     pub(super) fn put_back(&mut self, swap: Swap) {
         if swap.is_over() {
+            if let Some(line) = swap.by_clock() {
+                if self.decided_by_clock.len() == REMEMBERED_MAX {
+                    self.decided_by_clock.pop_front();
+                }
+                self.decided_by_clock.push_back(line.to_owned());
+            }
             self.remember(swap.result);
         } else {
             self.current = Some(swap);

@@ -39,10 +39,12 @@ impl Session<'_> {
     }
 
     /// Why the robot does not tick, as far as launch holds it.
-    pub(super) fn held(&self, tick: u64, hold_tick: u64) -> Held {
+    pub(super) fn held(&self, stack: &Stack, tick: u64, hold_tick: u64) -> Held {
+        // Before a newcomer is judged, everybody has to answer.
+        let is_owed = || self.swaps.steps() && self.collector.owing(&stack.roster).is_some();
         if self.is_paused {
             Held::ByClient
-        } else if !self.lockstep() || hold_tick > tick {
+        } else if !self.lockstep() || hold_tick > tick || is_owed() {
             Held::Not
         } else if self.swap_limit().min(self.fault_limit()) <= tick {
             Held::ByLaunch
@@ -66,15 +68,7 @@ impl Session<'_> {
         }
         let by_hand = self.interferences.iter().map(|what| (*what).to_owned());
         let unasked = self.keeper.unasked().iter().cloned();
-        let rolled_back = self.swaps.results().into_iter().filter_map(|swap| {
-            let why = swap.why.filter(|_| swap.state == "rolled_back")?;
-            // Launch reads what a newcomer sends some ticks later.
-            Some(format!(
-                "a newcomer of {} was rolled back: {why}",
-                swap.role
-            ))
-        });
-        (unasked.chain(rolled_back))
+        (unasked.chain(self.swaps.decided_by_clock()))
             .chain(by_hand)
             .chain(ending.cut_short())
             .collect()

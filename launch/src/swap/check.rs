@@ -1,5 +1,7 @@
 //! Whether a newcomer fails.
 
+use super::failure::Failure;
+use super::newcomer::Newcomer;
 use super::owing::Owing;
 use super::{Phase, Scene, Swap};
 use std::time::Duration;
@@ -21,35 +23,82 @@ const TICKS_BEHIND: u64 = 5;
 const SCAN_TICKS_BEHIND: u64 = 25;
 
 impl Swap {
+    /// True when the newcomer can be judged by what it has sent. In lockstep that is so once everybody
+    /// has answered the tick at which the robot is held, so that nothing depends on how fast launch reads.
+    pub(super) fn may_judge(&self, scene: &Scene<'_>) -> bool {
+        let Some(newcomer) = &self.newcomer else {
+            return false;
+        };
+        if !scene.lockstep || !self.steps() {
+            return true;
+        }
+        let tick = self.judged_tick;
+        let owed = match self.role {
+            Role::Mapping | Role::GlobalPlanner => scene.collector.scan_tick.min(tick),
+            _ => tick,
+        };
+        scene.all_answered(tick)
+            && newcomer.answered(scene) >= owed
+            && !self.predecessor_owes(newcomer, scene, owed)
+    }
+
+    /// True while the process before the newcomer, which stays warm, is still to answer the tick `owed`.
+    fn predecessor_owes(&self, newcomer: &Newcomer, scene: &Scene<'_>, owed: u64) -> bool {
+        // It may have been restarted shortly before: then it has heard nothing from before the cut-over.
+        let is_due = self.result.cut_over_tick.is_some_and(|tick| owed >= tick);
+        is_due
+            && scene.stack.beside.is_some()
+            && scene.collector.aside.answered(newcomer.office) < owed
+    }
+
+    /// The newcomer has passed at this look: the next tick after which it is judged.
+    pub(super) fn judged_on(&mut self) -> u64 {
+        self.judged_tick += u64::from(self.is_judging);
+        self.judged_tick
+    }
+
     /// Why the newcomer fails; `None` while it does not.
-    pub(super) fn failure(&mut self, scene: &mut Scene<'_>) -> Option<String> {
+    pub(super) fn failure(&mut self, scene: &mut Scene<'_>) -> Option<Failure> {
         if let Some(how) = self.death(scene) {
-            return Some(how);
+            return Some(Failure::by_clock(how));
         }
         let is_obeyed = matches!(self.phase, Phase::Keep(_));
-        let comparison = &self.result.comparison;
-        let newcomer = self.newcomer.as_ref()?;
-        if comparison.rejected > 0 {
-            return Some(format!(
-                "{} of its messages were rejected",
-                comparison.rejected
-            ));
+        if let Some(why) = self.bad_content(is_obeyed) {
+            return Some(why);
         }
-        if newcomer.is_blocked() {
-            return Some("its path leads through an obstacle".to_owned());
-        }
-        if newcomer.is_hung() {
+        if self.newcomer.as_ref()?.is_hung() {
             let condition = self.process(scene).map(|child| child.condition());
             let condition = condition.unwrap_or_default();
-            return Some(format!("it made no progress ({condition})"));
+            let why = format!("it made no progress ({condition})");
+            return Some(Failure::by_clock(why));
         }
-        if is_obeyed {
-            let mut clauses = self.order.require.iter();
-            if let Some(missed) = clauses.find_map(|clause| clause.missed(comparison, false)) {
-                return Some(missed);
-            }
+        self.lateness(scene, is_obeyed).map(Failure::by_clock)
+    }
+
+    /// Why the newcomer fails by what it has sent.
+    fn bad_content(&self, is_obeyed: bool) -> Option<Failure> {
+        let newcomer = self.newcomer.as_ref().filter(|_| self.is_judging)?;
+        let comparison = &self.result.comparison;
+        if comparison.rejected > 0 {
+            let why = format!("{} of its messages were rejected", comparison.rejected);
+            return Some(Failure::by_content(why));
         }
-        self.lateness(scene, is_obeyed)
+        if newcomer.is_blocked() {
+            let why = "its path leads through an obstacle".to_owned();
+            return Some(Failure::by_content(why));
+        }
+        is_obeyed.then(|| self.missed(false)).flatten()
+    }
+
+    /// The first requirement that is not met.
+    pub(super) fn missed(&self, is_final: bool) -> Option<Failure> {
+        let comparison = &self.result.comparison;
+        self.order.require.iter().find_map(|clause| {
+            Some(Failure {
+                why: clause.missed(comparison, is_final)?,
+                by_clock: clause.is_timed(),
+            })
+        })
     }
 
     /// The newcomer's process.

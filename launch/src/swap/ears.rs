@@ -207,14 +207,18 @@ fn hear_maps(
             let (replica, scan) = (&mut own.replica, &mut own.scan);
             let taken = own.updates.take(roster, |view| {
                 replica.update(view.header.id(), view.meta, view.items);
-                if view.meta.is_last_part() && view.header.parents.scan != 0 {
+                // A revision counts with its last part.
+                let is_whole = view.meta.is_last_part() && view.header.parents.scan != 0;
+                if is_whole {
                     *scan = view.header.parents.scan;
                 }
-                view.header.tick
+                (view.header.tick, is_whole)
             });
-            let Some(tick) = taken else { break };
+            let Some((tick, is_whole)) = taken else {
+                break;
+            };
             own.replica.take_changed();
-            if tick >= from_tick.max(1) && own.scan == scan_of_other && own.scan != 0 {
+            if is_whole && tick >= from_tick.max(1) && own.scan == scan_of_other {
                 let [office, newcomer] = &*ears;
                 if let (Some(one), Some(other)) = (whole(office), whole(newcomer)) {
                     scores.maps(&one, &other);

@@ -8,12 +8,15 @@
 //! | shadow | it hears and answers everything and is compared | `rejected`, `compared`, or the cut-over |
 //! | keep | it is obeyed, its predecessor stays warm | `rolled_back` when it fails, else `swapped` |
 //!
-//! In lockstep every phase begins and ends at a tick that is known before, so a run with a swap is
-//! as reproducible as one without.
+//! In lockstep every phase begins and ends at a tick that is known before, and the newcomer is judged
+//! after each tick while the robot is held there, by what was sent up to that tick. So a run with a swap
+//! is as reproducible as one without, also when the newcomer is rolled back for what it sends. What the
+//! clock decides, such as a death, is named ([`Swap::by_clock`]).
 
 mod check;
 pub(crate) mod config;
 mod ears;
+mod failure;
 mod newcomer;
 mod owing;
 mod scene;
@@ -21,6 +24,7 @@ mod scores;
 mod steps;
 
 use crate::swap_order::SwapOrder;
+pub(crate) use failure::Failure;
 use newcomer::Newcomer;
 use owing::Owing;
 pub(crate) use scene::Scene;
@@ -60,7 +64,7 @@ struct Settling {
 #[derive(Debug)]
 enum Phase {
     /// The binary is asked whether it can work with its configuration.
-    Asking(JoinHandle<Result<(), String>>),
+    Asking(JoinHandle<Result<(), Failure>>),
     /// The newcomer cannot answer yet.
     Starting,
     /// It is compared from a tick on, before another one.
@@ -89,6 +93,12 @@ pub(crate) struct Swap {
     outcome: &'static str,
     /// Tick at which the robot waits before the newcomer hears its first one, lockstep only.
     hold_tick: u64,
+    /// The tick after which the newcomer is judged next, lockstep only: the robot's lease ends there.
+    judged_tick: u64,
+    /// True at a look at which the newcomer is judged by what it has sent.
+    is_judging: bool,
+    /// What the clock has decided.
+    by_clock: Option<String>,
     /// What became of it so far.
     pub result: SwapResult,
 }
@@ -102,9 +112,9 @@ impl Swap {
         order: SwapOrder,
         files: Files,
         hold_tick: u64,
-        ask: impl FnOnce() -> Result<(), String> + Send + 'static,
+        ask: impl FnOnce() -> Result<(), Failure> + Send + 'static,
     ) -> Self {
-        let mut result = SwapResult {
+        let result = SwapResult {
             id,
             role: role.to_string(),
             binary: file_name(&files.binary),
@@ -112,15 +122,14 @@ impl Swap {
             ..SwapResult::default()
         };
         let asking = std::thread::Builder::new().spawn(ask);
-        let phase = asking.map_or_else(
-            |error| {
-                "rejected".clone_into(&mut result.state);
-                result.why = Some(format!("no thread to ask it: {error}{}", hint(&error)));
-                Phase::Over
-            },
-            Phase::Asking,
-        );
-        Self {
+        let (phase, no_room) = match asking {
+            Ok(asking) => (Phase::Asking(asking), None),
+            Err(error) => {
+                let why = format!("no thread to ask it: {error}{}", hint(&error));
+                (Phase::Over, Some(Failure::by_clock(why)))
+            }
+        };
+        let mut swap = Self {
             order,
             role,
             files,
@@ -129,8 +138,15 @@ impl Swap {
             cleaning: None,
             outcome: "",
             hold_tick,
+            judged_tick: 0,
+            is_judging: false,
+            by_clock: None,
             result,
+        };
+        if let Some(failure) = no_room {
+            swap.reject(failure);
         }
+        swap
     }
 
     /// Its seat.
@@ -152,9 +168,19 @@ impl Swap {
         result
     }
 
+    /// What the clock has decided of it, one line: the same command may decide otherwise the next time.
+    pub(crate) fn by_clock(&self) -> Option<&str> {
+        self.by_clock.as_deref()
+    }
+
     /// True when nothing is left of it.
     pub(crate) fn is_over(&self) -> bool {
         matches!(self.phase, Phase::Over)
+    }
+
+    /// True while the robot is held after each tick, to judge the newcomer; lockstep only.
+    pub(crate) fn steps(&self) -> bool {
+        matches!(self.phase, Phase::Shadow(Some(_)) | Phase::Keep(_))
     }
 
     /// True while it looks after both processes of its seat itself.
@@ -167,7 +193,9 @@ impl Swap {
     pub(crate) fn lease_limit(&self, next: u64) -> u64 {
         match self.phase {
             Phase::Asking(_) | Phase::Starting => self.hold_tick,
-            Phase::Shadow(Some(until)) | Phase::Keep(until) => until.saturating_sub(1),
+            Phase::Shadow(Some(until)) | Phase::Keep(until) => {
+                self.judged_tick.min(until.saturating_sub(1))
+            }
             Phase::Settling(_) => 0,
             Phase::Shadow(None) => u64::MAX,
             Phase::Leaving(_, until) => next.max(until),
@@ -184,7 +212,9 @@ impl Swap {
             Phase::Asking(_) => self.end("cancelled", None),
             Phase::Shadow(None) => self.leave(scene, "compared", None),
             Phase::Starting | Phase::Shadow(_) => self.leave(scene, "cancelled", None),
-            Phase::Keep(_) => self.roll_back(scene, "it was cancelled".to_owned()),
+            Phase::Keep(_) => {
+                self.roll_back(scene, Failure::by_clock("it was cancelled".to_owned()));
+            }
             Phase::Settling(_) | Phase::Leaving(..) | Phase::Over => {
                 let (role, outcome) = (self.role, self.decided().state);
                 return Err(format!("the swap of {role} ends already: {outcome}"));
@@ -195,8 +225,12 @@ impl Swap {
 
     /// One look. True once the newcomer has the seat for good.
     pub(crate) fn look(&mut self, scene: &mut Scene<'_>) -> bool {
+        self.is_judging = self.may_judge(scene);
         if let Some(newcomer) = &mut self.newcomer {
-            newcomer.listen(self.role, scene, &mut self.result.comparison);
+            newcomer.listen(self.role, scene);
+            if self.is_judging {
+                newcomer.compare(scene, &mut self.result.comparison);
+            }
         }
         if !matches!(self.phase, Phase::Asking(_)) {
             self.result.command_gap_ticks = scene.collector.aside.command_gap_ticks();
@@ -223,6 +257,21 @@ impl Swap {
             Phase::Over => {}
         }
         false
+    }
+
+    /// The newcomer fails before it was started.
+    fn reject(&mut self, failure: Failure) {
+        self.note_clock("rejected", &failure);
+        self.end("rejected", Some(failure.why));
+    }
+
+    /// Remembers what became of the newcomer when the clock has decided that.
+    fn note_clock(&mut self, outcome: &str, failure: &Failure) {
+        if failure.by_clock {
+            let outcome = outcome.replace('_', " ");
+            let (role, why) = (self.role, &failure.why);
+            self.by_clock = Some(format!("a newcomer of {role} was {outcome}: {why}"));
+        }
     }
 
     fn end(&mut self, state: &'static str, why: Option<String>) {

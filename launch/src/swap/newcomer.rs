@@ -66,13 +66,8 @@ impl Newcomer {
         })
     }
 
-    /// Takes in what has come of it.
-    pub(super) fn listen(
-        &mut self,
-        role: Role,
-        scene: &mut Scene<'_>,
-        comparison: &mut Comparison,
-    ) {
+    /// Looks at its heart.
+    pub(super) fn listen(&mut self, role: Role, scene: &mut Scene<'_>) {
         let since = self.looked.elapsed();
         self.looked = Instant::now();
         self.health.poll(&self.roster);
@@ -91,6 +86,10 @@ impl Newcomer {
             self.ears.office_is(office);
             scene.collector.aside.watch(role, &[office, self.epoch]);
         }
+    }
+
+    /// Takes in what has come of it, and of the process in office.
+    pub(super) fn compare(&mut self, scene: &mut Scene<'_>, comparison: &mut Comparison) {
         let map = scene.collector.replica.view();
         let is_missing = self
             .ears

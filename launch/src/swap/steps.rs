@@ -1,13 +1,13 @@
 //! What a swap does in each phase.
 
 use super::check::SILENCE_LIMIT;
+use super::failure::Failure;
 use super::newcomer::Newcomer;
 use super::owing::Owing;
 use super::{Phase, Scene, Settling, Swap};
 use crate::keeper::READY_LIMIT;
 use rustix::process::Signal;
 use std::time::{Duration, Instant};
-use zeronav_msgs::role::Role;
 use zeronav_supervise::child::Child;
 use zeronav_supervise::stack::Launch;
 
@@ -20,6 +20,9 @@ const IN_USE_TICKS: u64 = 50;
 
 /// State of a swap whose process beside ends.
 const LEAVING: &str = "leaving";
+
+/// Outcome of a swap whose newcomer failed in the seat.
+const ROLLED_BACK: &str = "rolled_back";
 
 /// How long a process may take to end.
 const STOP_LIMIT: Duration = Duration::from_secs(2);
@@ -37,17 +40,17 @@ impl Swap {
         let Phase::Asking(asking) = core::mem::replace(&mut self.phase, Phase::Over) else {
             return;
         };
-        let started = asking
-            .join()
-            .unwrap_or_else(|_| Err("it could not be asked".to_owned()))
-            .and_then(|()| self.start(scene));
-        match started {
+        let asked = asking.join().unwrap_or_else(|_| {
+            let why = "it could not be asked".to_owned();
+            Err(Failure::by_clock(why))
+        });
+        match asked.and_then(|()| self.start(scene).map_err(Failure::by_clock)) {
             Ok(()) => {
                 "starting".clone_into(&mut self.result.state);
                 self.phase = Phase::Starting;
             }
-            Err(why) if scene.stack.beside.is_some() => self.leave(scene, "rejected", Some(why)),
-            Err(why) => self.end("rejected", Some(why)),
+            Err(failure) if scene.stack.beside.is_some() => self.turn_away(scene, failure),
+            Err(failure) => self.reject(failure),
         }
     }
 
@@ -76,8 +79,8 @@ impl Swap {
 
     /// Waits until the newcomer can answer; in lockstep also until the robot waits.
     pub(super) fn wait_until_ready(&mut self, scene: &mut Scene<'_>) {
-        if let Some(why) = self.failure(scene) {
-            return self.leave(scene, "rejected", Some(why));
+        if let Some(failure) = self.failure(scene) {
+            return self.turn_away(scene, failure);
         }
         let Some(newcomer) = &mut self.newcomer else {
             return;
@@ -85,7 +88,7 @@ impl Swap {
         if !newcomer.is_ready() {
             if newcomer.is_late(READY_LIMIT) {
                 let why = format!("it was not ready within {} s", READY_LIMIT.as_secs());
-                self.leave(scene, "rejected", Some(why));
+                self.turn_away(scene, Failure::by_clock(why));
             }
             return;
         }
@@ -98,6 +101,7 @@ impl Swap {
             scene.collector.robot_tick() + 1
         };
         newcomer.from_tick = first;
+        self.judged_tick = first;
         scene.collector.aside.restart_times();
         self.result.warm_tick = Some(first);
         "shadow".clone_into(&mut self.result.state);
@@ -110,21 +114,16 @@ impl Swap {
 
     /// Compares until the time is over, then decides.
     pub(super) fn compare(&mut self, scene: &mut Scene<'_>, until: Option<u64>) {
-        if let Some(why) = self.failure(scene) {
-            return self.leave(scene, "rejected", Some(why));
+        if let Some(failure) = self.failure(scene) {
+            return self.turn_away(scene, failure);
         }
-        let (Some(until), Some(newcomer)) = (until, &self.newcomer) else {
+        let Some(until) = until else {
             return;
         };
-        let last = until.saturating_sub(1);
         let is_over = if scene.lockstep {
-            let owed = match self.role {
-                Role::Mapping | Role::GlobalPlanner => scene.collector.scan_tick.min(last),
-                _ => last,
-            };
-            scene.all_answered(last) && newcomer.answered(scene) >= owed
+            self.judged_on() >= until
         } else {
-            scene.collector.robot_tick() >= last
+            scene.collector.robot_tick() >= until.saturating_sub(1)
         };
         if !is_over {
             return;
@@ -138,13 +137,9 @@ impl Swap {
             self.phase = Phase::Shadow(Some(until + u64::from(scene.lockstep)));
             return;
         }
-        if let Some(late) = self.lateness(scene, true) {
-            return self.leave(scene, "rejected", Some(late));
-        }
-        let comparison = &self.result.comparison;
-        let mut clauses = self.order.require.iter();
-        if let Some(missed) = clauses.find_map(|clause| clause.missed(comparison, true)) {
-            return self.leave(scene, "rejected", Some(missed));
+        let late = self.lateness(scene, true).map(Failure::by_clock);
+        if let Some(failure) = late.or_else(|| self.missed(true)) {
+            return self.turn_away(scene, failure);
         }
         match self.order.keep_s {
             None => self.leave(scene, "compared", None),
@@ -170,6 +165,7 @@ impl Swap {
         scene.collector.aside.restart_times();
         tracing::info!(role = %self.role, tick = at, epoch, "the newcomer is obeyed");
         self.result.cut_over_tick = Some(at);
+        self.judged_tick = at;
         "keep".clone_into(&mut self.result.state);
         self.phase = Phase::Keep(at + scene.ticks(keep_s));
     }
@@ -178,11 +174,11 @@ impl Swap {
     /// the seat for good.
     pub(super) fn keep(&mut self, scene: &mut Scene<'_>, until: u64) -> bool {
         let has_fallback = (scene.stack.beside.as_mut()).is_some_and(|old| old.ended().is_none());
-        if let Some(why) = self.failure(scene) {
+        if let Some(failure) = self.failure(scene) {
             if has_fallback {
-                self.roll_back(scene, why);
+                self.roll_back(scene, failure);
             } else {
-                self.fall_back_by_restart(scene, &why);
+                self.fall_back_by_restart(scene, &failure.why);
             }
             return false;
         }
@@ -192,10 +188,15 @@ impl Swap {
             return false;
         }
         let is_over = if scene.lockstep {
-            scene.all_answered(until.saturating_sub(1))
+            self.judged_on() >= until
         } else {
             scene.collector.robot_tick() >= until
         };
+        if !is_over && !has_fallback {
+            let role = self.role;
+            let line = format!("a newcomer of {role} was kept early: its predecessor has ended");
+            self.by_clock = Some(line);
+        }
         if is_over || !has_fallback {
             self.leave(scene, "swapped", None);
             return true;
@@ -204,7 +205,9 @@ impl Swap {
     }
 
     /// The predecessor is obeyed again.
-    pub(super) fn roll_back(&mut self, scene: &mut Scene<'_>, why: String) {
+    pub(super) fn roll_back(&mut self, scene: &mut Scene<'_>, failure: Failure) {
+        self.note_clock(ROLLED_BACK, &failure);
+        let why = failure.why;
         tracing::warn!(role = %self.role, why, "the newcomer fails, its predecessor comes back");
         self.result.why = Some(why);
         if scene.lockstep {
@@ -230,7 +233,9 @@ impl Swap {
             child.signal(Signal::KILL);
         }
         let why = format!("{why}; its predecessor failed as well and is restarted");
-        self.leave(scene, "rolled_back", Some(why));
+        let failure = Failure::by_clock(why);
+        self.note_clock(ROLLED_BACK, &failure);
+        self.leave(scene, ROLLED_BACK, Some(failure.why));
     }
 
     /// Lockstep: waits until the robot waits for the dead newcomer, then gives the seat back.
@@ -269,12 +274,18 @@ impl Swap {
         scene.collector.aside.end(self.role, office, tick);
         scene.collector.aside.begin(self.role, epoch, tick);
         self.result.roll_back_tick = Some(tick);
-        self.outcome = "rolled_back";
+        self.outcome = ROLLED_BACK;
         LEAVING.clone_into(&mut self.result.state);
         // One that hangs does not hear that it is asked to end.
         kill(&mut scene.stack.beside);
         self.newcomer = None;
         self.phase = Phase::Leaving(Instant::now(), tick + IN_USE_TICKS);
+    }
+
+    /// The newcomer fails before it is obeyed.
+    fn turn_away(&mut self, scene: &mut Scene<'_>, failure: Failure) {
+        self.note_clock("rejected", &failure);
+        self.leave(scene, "rejected", Some(failure.why));
     }
 
     /// The process beside is asked to end.

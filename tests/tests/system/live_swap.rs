@@ -311,11 +311,17 @@ fn a_shadow_is_compared_until_it_is_ended() {
 
 /// A lockstep drive with these lines in its scenario; its result.
 fn lockstep(lines: &str) -> Value {
+    lockstep_to([7.0, 12.5], 6.425, lines)
+}
+
+/// One from x = 4 m to these places along an aisle, beside which shelves stand at y = 8.5 m. [m]
+fn lockstep_to(goals_x_m: [f64; 2], y_m: f64, lines: &str) -> Value {
     let folder = tempfile::tempdir().expect("a folder");
+    let goal = |x_m| format!("[[goals]]\npose = [{x_m:.1}, {y_m:.3}, 0.0]\n");
+    let goals = goals_x_m.map(goal).concat();
     let text = format!(
-        "title = \"a swap\"\nbase = [\"warehouse\", \"porter\"]\nstart = [4.0, 6.425, 0.0]\n\
-         run.time_limit_s = 60.0\n[[goals]]\npose = [7.0, 6.425, 0.0]\n[[goals]]\n\
-         pose = [12.5, 6.425, 0.0]\n{lines}"
+        "title = \"a swap\"\nbase = [\"warehouse\", \"porter\"]\nstart = [4.0, {y_m:.3}, 0.0]\n\
+         run.time_limit_s = 60.0\n{goals}{lines}"
     );
     std::fs::write(folder.path().join("it.toml"), text).expect("written");
     let arguments = ["run", "./it.toml", "--lockstep", "--headless", "--json"];
@@ -363,26 +369,59 @@ fn a_lockstep_swap_waits_for_the_successor_of_the_process_in_the_seat() {
     assert_eq!(result["contacts"], 0);
 }
 
-/// What a newcomer sends is read some ticks later: the tick of a rollback is that of the machine.
+/// What a newcomer sends is judged after each tick while the robot is held there.
 #[test]
-fn a_lockstep_run_with_a_rollback_does_not_claim_to_be_reproducible() {
-    let seat = "local_planner";
-    let swap =
-        format!("[[swaps]]\nservice = \"{seat}\"\nat_s = 2.0\nshadow_s = 0.1\nkeep_s = 3.0\n");
-    let swapped = lockstep(&swap);
+fn a_lockstep_run_with_a_rollback_is_bit_identical() {
+    for (seat, liar, y_m, why) in [
+        ("local_planner", "nan_once_obeyed", 6.425, "rejected"),
+        (
+            "global_planner",
+            "through_walls_once_obeyed",
+            8.5,
+            "obstacle",
+        ),
+    ] {
+        let lines = format!(
+            "[[swaps]]\nservice = \"{seat}\"\nat_s = 2.0\nshadow_s = 0.1\nkeep_s = 3.0\n\
+             binary = \"{liar}\"\n"
+        );
+        let runs = [(); 3].map(|()| lockstep_to([20.0, 24.0], y_m, &lines));
+        for run in &runs {
+            let swap = &run["swaps"][0];
+            assert_eq!(swap["state"], "rolled_back", "{swap}");
+            let said = swap["why"].as_str().unwrap_or_default();
+            assert!(said.contains(why), "{swap}");
+            let ticks = ["cut_over_tick", "roll_back_tick"];
+            for tick in ticks {
+                assert!(swap[tick].is_u64(), "{swap}");
+                assert_eq!(swap[tick], runs[0]["swaps"][0][tick], "{seat}: {tick}");
+            }
+            assert_eq!(run["run_hash"], runs[0]["run_hash"], "{seat}: {swap}");
+            assert_eq!(run["reproducible"], true, "{run:#}");
+            assert_eq!(run["contacts"], 0, "{run:#}");
+        }
+    }
+}
+
+/// A newcomer that dies does so when it likes; one that cannot be started may be the next time.
+#[test]
+fn a_lockstep_run_whose_swap_was_decided_by_the_clock_says_so() {
+    let swap = "[[swaps]]\nservice = \"local_planner\"\nat_s = 2.0\nshadow_s = 0.1\nkeep_s = 1.0\n";
+    let swapped = lockstep(swap);
+    assert_eq!(swapped["swaps"][0]["state"], "swapped", "{swapped:#}");
     assert_eq!(swapped["reproducible"], true, "{swapped:#}");
-    let back = lockstep(&format!("{swap}binary = \"nan_once_obeyed\"\n"));
-    assert_eq!(
-        back["swaps"][0]["state"], "rolled_back",
-        "{}",
-        back["swaps"]
-    );
-    assert_eq!(back["reproducible"], false, "{back:#}");
-    let why = back["not_reproducible"][0].as_str().unwrap_or_default();
-    assert!(
-        why.starts_with("a newcomer of local_planner was rolled back: "),
-        "{why}"
-    );
+    let fails = |binary: &str, outcome: &str, why: &str| {
+        let run = lockstep(&format!("{swap}binary = \"{binary}\"\n"));
+        assert_eq!(run["swaps"][0]["state"], outcome, "{}", run["swaps"]);
+        assert_eq!(run["reproducible"], false, "{run:#}");
+        let words = outcome.replace('_', " ");
+        let said = run["not_reproducible"][0].as_str().unwrap_or_default();
+        let start = format!("a newcomer of local_planner was {words}: ");
+        assert!(said.starts_with(&start) && said.contains(why), "{said}");
+        assert_eq!(run["contacts"], 0, "{run:#}");
+    };
+    fails("crashes_at_start", "rejected", "exit code");
+    fails("dies_once_obeyed", "rolled_back", "exit code");
 }
 
 /// The second swap is due in the period at which the first one ends, and its comparison ends before
