@@ -3,8 +3,6 @@
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
-use std::fs::Permissions;
-use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use toml::de::DeTable;
@@ -14,7 +12,7 @@ use zeronav_robot_description::RobotSpec;
 use zeronav_scenario::Scenario;
 use zeronav_shell::places::Places;
 use zeronav_supervise::question::{self, Silence, headline};
-use zeronav_supervise::warden;
+use zeronav_supervise::temporary;
 use zeronav_world::{World, WorldSpec};
 use zeronav_world_files::map_file;
 
@@ -111,13 +109,8 @@ struct Asked<'a> {
 
 /// A folder for the configurations of a check.
 fn folder_of_check() -> Result<tempfile::TempDir, String> {
-    let folder = tempfile::Builder::new()
-        .prefix("zeronav-check-")
-        .permissions(Permissions::from_mode(0o700))
-        .tempdir()
-        .map_err(|error| format!("making a folder for the check: {error}"))?;
-    warden::watch_folder(folder.path());
-    Ok(folder)
+    temporary::folder("zeronav-check-")
+        .map_err(|error| format!("making a folder for the check: {error}"))
 }
 
 /// Asks each of the companions whether it can work with its configuration, as [`check`] does. One whose name

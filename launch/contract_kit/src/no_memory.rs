@@ -58,6 +58,8 @@ fn in_private(program: &Program) -> Result<Result<String, String>, String> {
         .arg(&program.config)
         .arg("--")
         .args(&program.arguments)
+        // Its folder goes with that of this command.
+        .env("TMPDIR", &program.folder)
         .stdin(Stdio::null());
     end_with_this_thread(&mut command, Signal::KILL);
     let output = command.output();

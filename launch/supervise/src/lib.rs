@@ -18,6 +18,7 @@ pub mod scheduling;
 pub mod shared_memory;
 pub mod stack;
 pub mod taps;
+pub mod temporary;
 pub mod warden;
 pub mod will;
 

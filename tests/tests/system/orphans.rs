@@ -231,6 +231,32 @@ fn the_folder_of_a_check_goes_with_a_launch_that_is_killed() {
     await_by_itself("its folder is gone", || made().next().is_none());
 }
 
+/// The same of the folders of `contract`, in which a program is asked for its configuration first.
+#[test]
+fn the_folder_of_a_contract_goes_with_a_command_that_is_killed() {
+    let place = tempfile::tempdir().expect("a folder");
+    let (temporary, asked) = (place.path().join("tmp"), place.path().join("asked"));
+    std::fs::create_dir(&temporary).expect("a folder");
+    let script = place.path().join("mapping");
+    let text = format!("#!/bin/sh\necho > {}\nexec sleep 600\n", asked.display());
+    executable(&script, &text);
+    let mut kit = command()
+        .args(["contract", "mapping", "./mapping"])
+        .current_dir(place.path())
+        .env("TMPDIR", &temporary)
+        .stdin(Stdio::null())
+        .spawn()
+        .expect("it starts");
+    await_by_itself("the program is asked", || asked.exists());
+    let made = || std::fs::read_dir(&temporary).expect("it").flatten();
+    let folder = made().next().expect("a folder").path();
+    let name = folder.file_name().expect("a name").to_string_lossy();
+    assert!(name.starts_with("zeronav-contract-"), "{name}");
+    kit.kill().expect("it is there");
+    kit.wait().expect("its end");
+    await_by_itself("its folder is gone", || made().next().is_none());
+}
+
 #[test]
 fn robot_without_guard_stops_when_launch_is_killed() {
     let _turn = real_time_turn();
@@ -295,4 +321,72 @@ fn lockstep_processes_end_when_launch_is_killed() {
     });
     await_by_itself("nothing is left", || leftovers(&root).is_empty());
     assert!(started.elapsed() < LIMIT, "{:?}", started.elapsed());
+}
+
+/// The domains of which a process has files open.
+fn opened_domains(pid: u32) -> Vec<PathBuf> {
+    let files = std::fs::read_dir(format!("/proc/{pid}/fd")).into_iter();
+    let files = files.flatten().flatten();
+    let paths = files.filter_map(|file| std::fs::read_link(file.path()).ok());
+    let mut roots: Vec<PathBuf> = paths
+        .filter_map(|path| {
+            let inside = path.strip_prefix("/dev/shm").ok()?.iter().next()?;
+            let is_domain = inside.to_str()?.starts_with("zn_");
+            is_domain.then(|| Path::new("/dev/shm").join(inside))
+        })
+        .filter(|root| root.is_dir())
+        .collect();
+    roots.sort();
+    roots.dedup();
+    roots
+}
+
+/// The living processes whose temporary folder is `folder`.
+fn with_temporary(folder: &Path) -> Vec<u32> {
+    let entry = format!("TMPDIR={}", folder.display());
+    let is_one = |pid: &u32| {
+        let environment = std::fs::read(format!("/proc/{pid}/environ")).unwrap_or_default();
+        environment
+            .split(|byte| *byte == 0)
+            .any(|it| it == entry.as_bytes())
+    };
+    let processes = std::fs::read_dir("/proc").into_iter().flatten().flatten();
+    let pids = processes.filter_map(|it| it.file_name().to_str()?.parse().ok());
+    pids.filter(is_one).collect()
+}
+
+/// Launch is killed at any moment of its start, with and without a domain, services and a warden.
+#[test]
+fn nothing_is_left_of_a_launch_that_is_killed_while_it_starts() {
+    for after_ms in [1, 3, 7, 12, 20, 30, 45, 65, 90, 120, 170, 240, 350, 500] {
+        let temporary = tempfile::tempdir().expect("a folder");
+        let mut launch = command()
+            .args(["run", "open_aisle", "--lockstep", "--headless"])
+            .current_dir(temporary.path())
+            .env("TMPDIR", temporary.path())
+            .stdin(Stdio::null())
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()
+            .expect("it starts");
+        // The moment is what is tested.
+        std::thread::sleep(Duration::from_millis(after_ms));
+        let roots = opened_domains(launch.id());
+        launch.kill().expect("it is there");
+        launch.wait().expect("its end");
+        await_by_itself("every process is gone", || {
+            with_temporary(temporary.path()).is_empty()
+        });
+        await_by_itself("nothing is left", || {
+            roots.iter().all(|root| leftovers(root).is_empty())
+        });
+        let left = || {
+            let entries = std::fs::read_dir(temporary.path()).expect("it").flatten();
+            let names = entries.map(|entry| entry.file_name());
+            let temporary = names.filter(|name| name.to_string_lossy().starts_with("zeronav-"));
+            temporary.collect::<Vec<_>>()
+        };
+        await_by_itself("no temporary folder is left", || left().is_empty());
+        eprintln!("killed after {after_ms} ms: domains {roots:?}");
+    }
 }
