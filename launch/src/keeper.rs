@@ -115,10 +115,8 @@ impl<'a> Keeper<'a> {
     }
 
     fn try_start(&mut self, stack: &mut Stack, role: Role) -> std::io::Result<()> {
-        let Some(config) = self.configs.get(&role) else {
-            let why = format!("no configuration for {role}");
-            return Err(std::io::Error::other(why));
-        };
+        let none = || std::io::Error::other(format!("no configuration for {role}"));
+        let config = self.configs.get(&role).ok_or_else(none)?;
         let Some(binary) = self.binaries.get(&role) else {
             note(&format!(
                 "waiting for {role}; start it with --domain {} --epoch {} --config {}",
@@ -458,11 +456,12 @@ impl<'a> Keeper<'a> {
             });
             return Ok(true);
         };
-        let died = |how| Ending::not_started(role, how);
+        let (how, died) = (error.to_string(), |how| Ending::not_started(role, how));
         if !is_short(&error) {
-            return Err(died(error.to_string()));
+            return Err(died(how));
         }
-        let how = error.to_string();
+        // The next run may find room.
+        (self.unasked).push(format!("a successor of {role} found no room: {how}"));
         let wait = (self.restart_after(collector, role, None, how)).map_err(died)?;
         self.vacant.push(Vacant {
             due: Instant::now() + wait,

@@ -44,6 +44,9 @@ impl Session<'_> {
         let is_owed = || self.swaps.steps() && self.collector.owing(&stack.roster).is_some();
         if self.is_paused {
             Held::ByClient
+        } else if self.lockstep() && self.keeper.is_busy() {
+            // A successor has to be started first, as often as its budget allows.
+            Held::ByLaunch
         } else if !self.lockstep() || hold_tick > tick || is_owed() {
             Held::Not
         } else if self.swap_limit().min(self.fault_limit()) <= tick {
