@@ -15,9 +15,22 @@ const MEMORY_DAMAGED: &str = "memory_damaged";
 /// Largest result. [bytes]
 const BYTES_MAX: u64 = 1 << 20;
 
+/// What launch read when it could not read memory any more.
+#[derive(Debug)]
+pub(super) struct Unread {
+    pub topic: String,
+    /// The living services that write the topic.
+    pub authors: Vec<String>,
+}
+
 /// Puts `result`, a JSON object, into the `folder` of its run, unless launch has written one. `damaged`:
 /// segments, and the processes that may have damaged each.
-pub(super) fn write(folder: &Path, mut result: File, damaged: &[(Damaged, Vec<String>)]) {
+pub(super) fn write(
+    folder: &Path,
+    mut result: File,
+    damaged: &[(Damaged, Vec<String>)],
+    unread: Option<&Unread>,
+) {
     let mut text = String::new();
     let read = result
         .rewind()
@@ -28,7 +41,7 @@ pub(super) fn write(folder: &Path, mut result: File, damaged: &[(Damaged, Vec<St
     if read.is_err() {
         return;
     }
-    if let Some(why) = in_words(damaged) {
+    if let Some(why) = in_words(damaged).or_else(|| unread.map(Unread::in_words)) {
         result.insert("outcome".to_owned(), MEMORY_DAMAGED.into());
         result.insert("reason".to_owned(), why.into());
     }
@@ -37,6 +50,21 @@ pub(super) fn write(folder: &Path, mut result: File, damaged: &[(Damaged, Vec<St
     };
     let _ = Folder::open(folder)
         .and_then(|folder| folder.write(FILE, (text + "\n").as_bytes(), Replace::No));
+}
+
+impl Unread {
+    /// A segment that begins as it should may be overwritten behind that.
+    fn in_words(&self) -> String {
+        let Self { topic, authors } = self;
+        let whose = match &authors[..] {
+            [] => "the stack".to_owned(),
+            [author] => author.clone(),
+            several => format!("one of {}", several.join(", ")),
+        };
+        format!(
+            "shared memory of {whose} was cut off or overwritten: launch crashed while it read {topic}"
+        )
+    }
 }
 
 /// Whose shared memory is damaged; `None` when none is.
@@ -61,4 +89,28 @@ fn in_words(damaged: &[(Damaged, Vec<String>)]) -> Option<String> {
         },
         first.name
     ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_authors_of_what_could_not_be_read_are_named() {
+        let said = |authors: &[&str]| {
+            let unread = Unread {
+                topic: "it".to_owned(),
+                authors: authors.iter().map(|author| (*author).to_owned()).collect(),
+            };
+            unread.in_words()
+        };
+        let end = "was cut off or overwritten: launch crashed while it read it";
+        for (authors, whose) in [
+            (&[][..], "the stack"),
+            (&["mapping (pid 7)"], "mapping (pid 7)"),
+            (&["a (pid 1)", "b (pid 2)"], "one of a (pid 1), b (pid 2)"),
+        ] {
+            assert_eq!(said(authors), format!("shared memory of {whose} {end}"));
+        }
+    }
 }

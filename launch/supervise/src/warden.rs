@@ -7,15 +7,15 @@
 //! It is this program, started as `zeronav warden` with one end of a socket as standard input; the
 //! kernel closes the other end when launch ends, in whatever way.
 
-use super::crash_result;
+use super::crash_result::{self, Unread};
 use super::descendants;
 use super::log_limit::{Logs, PAUSE};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::io::Errno;
 use rustix::net::{
     AddressFamily, RecvAncillaryBuffer, RecvAncillaryMessage, RecvFlags, SendAncillaryBuffer,
-    SendAncillaryMessage, SendFlags, Shutdown, SocketFlags, SocketType, recvmsg, sendmsg, shutdown,
-    socketpair,
+    SendAncillaryMessage, SendFlags, Shutdown, SocketFlags, SocketType, recvmsg, send, sendmsg,
+    shutdown, socketpair,
 };
 use rustix::process::{Pid, Signal, kill_process_group, pidfd_send_signal};
 use std::collections::BTreeMap;
@@ -29,7 +29,7 @@ use std::process::{Command, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
-use zeronav_shell::damage::{Damaged, damaged};
+use zeronav_shell::damage::{Damaged, damaged, read_last};
 
 /// Name of the subcommand.
 pub const COMMAND: &str = "warden";
@@ -116,6 +116,28 @@ pub(super) fn settle() -> bool {
     let mut end = [PollFd::new(socket, PollFlags::IN)];
     let _ = poll(&mut end, Some(&SETTLE_LIMIT));
     true
+}
+
+/// [`settle`] when this process cannot read memory any more: the warden is told of which topic it read last,
+/// and who writes that.
+pub(super) fn settle_while_reading() -> bool {
+    if let (Some(Some(socket)), Some(row)) = (SOCKET.get(), read_last()) {
+        let mut bytes = [0; MESSAGE_BYTES_MAX];
+        let writers = row.writers.iter().flat_map(|role| [" ", role.label()]);
+        let words = ["read ", row.name].into_iter().chain(writers);
+        let mut n = 0;
+        // Without allocating: this may be a signal handler.
+        for byte in words.flat_map(str::bytes).take(MESSAGE_BYTES_MAX) {
+            bytes[n] = byte;
+            n += 1;
+        }
+        let _ = send(
+            socket,
+            &bytes[..n],
+            SendFlags::DONTWAIT | SendFlags::NOSIGNAL,
+        );
+    }
+    settle()
 }
 
 /// Has the log of a child kept short, until this process is dead and all its services are gone.
@@ -233,6 +255,7 @@ pub fn run() {
     for root in &domains {
         descendants::end(root);
     }
+    let deadline = Instant::now() + GONE_LIMIT;
     for folder in folders {
         let _ = std::fs::remove_dir_all(folder);
     }
@@ -258,6 +281,8 @@ struct Watched {
     logs: Logs,
     /// Folder of a run and its result.
     will: Option<(PathBuf, File)>,
+    /// The topic that launch could not read, and the seats that write it.
+    unread: Option<(String, Vec<String>)>,
     /// The seats of all services so far.
     roles: BTreeMap<u32, String>,
 }
@@ -276,9 +301,25 @@ impl Watched {
                     (segment, authors)
                 })
                 .collect();
-            crash_result::write(&folder, result, &damaged);
+            let unread = self.unread.take();
+            let unread = unread.map(|(topic, roles)| Unread {
+                topic,
+                authors: self.living(&roles),
+            });
+            crash_result::write(&folder, result, &damaged, unread.as_ref());
         }
         let _ = shutdown(std::io::stdin(), Shutdown::Write);
+    }
+
+    /// The services in these seats that have not ended.
+    fn living(&self, roles: &[String]) -> Vec<String> {
+        let in_seat = |service: &Service| {
+            let pid = service.pid.as_raw_nonzero().get();
+            let role = self.roles.get(&pid.unsigned_abs())?;
+            let lives = !service.has_ended(Duration::ZERO);
+            (lives && roles.contains(role)).then(|| format!("{role} (pid {pid})"))
+        };
+        self.services.iter().filter_map(in_seat).collect()
     }
 
     /// Takes in one message, or waits a moment while there are logs; false when launch is gone.
@@ -330,6 +371,10 @@ impl Watched {
                 self.will = Some((PathBuf::from(folder), File::from(result)));
             }
             (Some(("forget", _)), _) => self.will = None,
+            (Some(("read", said)), _) => {
+                let mut words = said.split(' ').map(str::to_owned);
+                self.unread = words.next().map(|topic| (topic, words.collect()));
+            }
             (Some(("log", _)), Some(log)) => self.logs.add(File::from(log)),
             (Some(("domain", root)), _) => self.domains.push(PathBuf::from(root)),
             (Some(("folder", path)), _) => self.folders.push(PathBuf::from(path)),

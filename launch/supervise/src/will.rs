@@ -13,6 +13,7 @@ use std::io::Write;
 use std::os::fd::AsFd;
 use zeronav_console::exit::EXIT_SERVICE;
 use zeronav_files::Folder;
+use zeronav_shell::damage::is_reading;
 
 /// Signals of a process that cannot go on.
 const FATAL: [i32; 5] = [SIGBUS, SIGSEGV, SIGABRT, SIGILL, SIGFPE];
@@ -74,8 +75,13 @@ pub fn settle_when_fatal() {
 
 /// What a fatal signal does. It returns when no result was left, and the signal comes again: then it
 /// has its usual effect.
-extern "C" fn end(_signal: libc::c_int) {
-    if warden::settle() {
+extern "C" fn end(signal: libc::c_int) {
+    let is_settled = match signal {
+        SIGBUS | SIGSEGV => warden::settle_while_reading(),
+        SIGABRT if is_reading() => warden::settle_while_reading(),
+        _ => warden::settle(),
+    };
+    if is_settled {
         let _ = rustix::io::write(rustix::stdio::stderr(), SAID.as_bytes());
         signal_hook::low_level::exit(i32::from(EXIT_SERVICE));
     }

@@ -1,5 +1,5 @@
 //! Shared memory that a process of a stack has cut off or overwritten, as far as it can be seen from
-//! outside, and whose it is.
+//! outside, and whose it is; and what this process read last, when reading it was its end.
 
 use crate::domain::{middleware_version, prefix_at};
 use crate::folder::own_file;
@@ -8,6 +8,51 @@ use rustix::fs::{CWD, OFlags};
 use std::io::Read;
 use std::os::unix::fs::MetadataExt;
 use std::path::Path;
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use zeronav_msgs::topics::TopicRow;
+
+/// Numbers of topics that are told apart by [`read_last`].
+const TOPICS_MAX: usize = 64;
+
+/// The topics that this process reads, by number.
+static READ: [OnceLock<&'static TopicRow>; TOPICS_MAX] = [const { OnceLock::new() }; TOPICS_MAX];
+
+/// Number of the topic that was read last.
+static LAST: AtomicUsize = AtomicUsize::new(usize::MAX);
+
+/// True while the middleware looks for a message.
+static IS_READING: AtomicBool = AtomicBool::new(false);
+
+/// This process reads the topic from now on.
+pub(crate) fn will_read(row: &'static TopicRow) {
+    if let Some(place) = READ.get(row.number) {
+        let _ = place.set(row);
+    }
+}
+
+/// Reads a message of the topic with this number.
+pub(crate) fn reading<R>(number: usize, read: impl FnOnce() -> R) -> R {
+    LAST.store(number, Ordering::Relaxed);
+    IS_READING.store(true, Ordering::Relaxed);
+    let read = read();
+    IS_READING.store(false, Ordering::Relaxed);
+    read
+}
+
+/// True while some thread of this process looks for a message: the middleware aborts when what it finds
+/// there cannot be. For signal handlers, too.
+#[must_use]
+pub fn is_reading() -> bool {
+    IS_READING.load(Ordering::Relaxed)
+}
+
+/// The topic whose messages this process read last, in whichever thread. For signal handlers, too.
+#[must_use]
+pub fn read_last() -> Option<&'static TopicRow> {
+    let place = READ.get(LAST.load(Ordering::Relaxed))?;
+    place.get().copied()
+}
 
 /// A segment of a domain that somebody has cut off or overwritten.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -61,6 +106,20 @@ mod tests {
     use super::*;
     use crate::Domain;
     use crate::memory::SHM;
+    use zeronav_msgs::topics::{MapUpdate, Topic};
+
+    #[test]
+    fn what_was_read_last_is_named_by_its_topic() {
+        // Other tests of this process may read other topics meanwhile.
+        will_read(MapUpdate::ROW);
+        let named = || {
+            reading(MapUpdate::ROW.number, || {
+                is_reading() && read_last().is_some_and(|row| row.name == MapUpdate::ROW.name)
+            })
+        };
+        assert!((0..1000).any(|_| named()));
+        assert!(MapUpdate::ROW.number < TOPICS_MAX);
+    }
 
     #[test]
     fn segments_that_are_cut_off_or_overwritten_are_found_with_their_makers() {

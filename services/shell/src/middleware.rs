@@ -4,6 +4,7 @@
 //! the build of a small one. Here they are compiled once: the types of a topic are values ([`Layout`]),
 //! and destructors of the middleware are called through a vtable ([`Erased`]).
 
+use crate::damage;
 use core::any::Any;
 use core::fmt;
 use core::marker::PhantomData;
@@ -20,7 +21,7 @@ use iceoryx2::service::port_factory::publish_subscribe::PortFactory;
 use iceoryx2::service::service_name::ServiceName;
 use iceoryx2::service::static_config::message_type_details::{TypeDetail, TypeVariant};
 use zeronav_msgs::span::Span;
-use zeronav_msgs::topics::Topic;
+use zeronav_msgs::topics::{Topic, TopicRow};
 
 /// The middleware's builder of a topic.
 pub(crate) type TopicBuilder = Builder<[CustomPayloadMarker], CustomHeaderMarker, ipc::Service>;
@@ -191,12 +192,15 @@ impl Sender {
 #[derive(Debug)]
 pub(crate) struct Receiver {
     port: Erased<Subscriber>,
+    number: usize,
     envelope_bytes: usize,
 }
 
 impl Receiver {
-    pub(crate) fn new(port: Subscriber, layout: &Layout) -> Self {
+    pub(crate) fn new(port: Subscriber, row: &'static TopicRow, layout: &Layout) -> Self {
+        damage::will_read(row);
         Self {
+            number: row.number,
             port: Erased::new(port),
             envelope_bytes: layout.envelope.size(),
         }
@@ -209,7 +213,8 @@ impl Receiver {
 
     /// The next message.
     pub(crate) fn receive(&self) -> Option<Sample> {
-        let sample = self.port.receive().ok().flatten()?;
+        let receive = || self.port.receive().ok().flatten();
+        let sample = damage::reading(self.number, receive)?;
         Some(Sample {
             sample: ManuallyDrop::new(sample),
             envelope_bytes: self.envelope_bytes,

@@ -279,7 +279,7 @@ impl Peer {
 
     pub(crate) fn receiver_of(
         &self,
-        row: &TopicRow,
+        row: &'static TopicRow,
         factory: &Factory,
         layout: &Layout,
     ) -> Result<Receiver, StartError> {
@@ -293,7 +293,7 @@ impl Peer {
             .buffer_size(buffer)
             .create()
             .map_err(|error| read_error(row, error))?;
-        Ok(Receiver::new(subscriber, layout))
+        Ok(Receiver::new(subscriber, row, layout))
     }
 
     fn open(&self, row: &'static TopicRow, layout: &Layout) -> Result<Erased<Factory>, StartError> {

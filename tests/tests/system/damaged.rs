@@ -119,6 +119,18 @@ fn a_service_that_overwrites_its_memory_ends_the_run_with_its_name() {
     });
 }
 
+/// The segment begins as it should, so that it does not look damaged.
+#[test]
+fn a_service_that_overwrites_its_memory_behind_the_beginning_ends_the_run_with_its_name() {
+    check(".connection", |segment| {
+        let len = segment.metadata().expect("a size").len();
+        let noise: Vec<u8> = (0..len)
+            .map(|at| at.wrapping_mul(0x9e37_79b9).to_le_bytes()[1])
+            .collect();
+        segment.write_all_at(&noise[8..], 8).expect("overwritten");
+    });
+}
+
 #[test]
 fn a_run_whose_launch_is_killed_has_a_result() {
     let _turn = real_time_turn();
