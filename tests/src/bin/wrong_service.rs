@@ -2,6 +2,7 @@
 //! (`FAULT=NAME`). The faults have the names of the clauses that they break.
 
 use std::env::var;
+use std::io::Write;
 use std::process::ExitCode;
 use std::time::Duration;
 use zeronav_msgs::command::{Validity, VelocityRequest};
@@ -257,6 +258,12 @@ fn main() -> ExitCode {
     let bad_config = text.is_some_and(|text| !text.trim().is_empty());
     if fault("help") && has("--help") {
         return ExitCode::FAILURE;
+    }
+    if fault("help_flood") && has("--help") {
+        // Until nobody reads any more.
+        let mut out = std::io::stdout().lock();
+        while out.write_all(&[b'x'; 1 << 16]).is_ok() {}
+        return ExitCode::SUCCESS;
     }
     if fault("unknown_flag") && has("--no-such-flag") {
         return ExitCode::SUCCESS;

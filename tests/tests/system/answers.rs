@@ -7,6 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::time::{Duration, Instant};
 use zeronav_msgs::command::{Validity, VelocityCommand, VelocityRequest};
+use zeronav_msgs::header::Id;
 use zeronav_msgs::path as plan;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::seats::{Answers, SEATS, SeatRow};
@@ -28,6 +29,10 @@ const TICKS: u64 = 190;
 /// messages on a busy machine.
 const SEEN_MIN: usize = 60;
 
+/// Runs that are watched until one was seen from its first message on: on a busy machine the guest may get
+/// no processor for longer than the queue of a reader lasts.
+const TRIES_MAX: usize = 8;
+
 /// No run needs longer.
 const LIMIT: Duration = Duration::from_secs(60);
 
@@ -38,6 +43,8 @@ struct Seen {
     messages: BTreeMap<&'static str, BTreeMap<u64, Vec<u64>>>,
     spans: BTreeMap<(u16, u64), Span>,
     missed: BTreeSet<u64>,
+    /// Seats of which the first message of a topic was missed.
+    late: BTreeSet<u16>,
 }
 
 type Reader = Box<dyn FnMut(&Roster, &mut Seen)>;
@@ -66,6 +73,10 @@ impl TopicVisitor for Opener<'_> {
                 }
                 if last.0 != 0 && header.id > last.0 + 1 {
                     seen.missed.extend(last.1..=header.tick);
+                }
+                let is_first = header.id == Id::new(header.id().epoch(), 1).0;
+                if last.0 == 0 && !is_first {
+                    seen.late.insert(header.role);
                 }
                 last = (header.id, header.tick);
                 let ticks = seen.messages.entry(row.name).or_default();
@@ -267,14 +278,20 @@ fn watch(seat: &SeatRow, binary: &str) -> Seen {
 
 fn check(role: Role, binary: &str) {
     let seat = SEATS.iter().find(|seat| seat.role == role).expect("a seat");
-    let seen = watch(seat, binary);
+    let seen = (0..TRIES_MAX)
+        .map(|_| watch(seat, binary))
+        .find(|seen| {
+            let is_late = seen.late.contains(&role.code()) || seen.missed.contains(&0);
+            let whole = seen.whole(1..=TICKS).count();
+            eprintln!("{role}: {whole} ticks were seen whole, its first message missed: {is_late}");
+            !is_late && whole >= SEEN_MIN
+        })
+        .expect("a run that was seen");
     assert_eq!(
         seen.written(seat, 0),
         names(seat.idle),
         "{role}: the idle output"
     );
-    let whole = seen.whole(1..=TICKS).count();
-    assert!(whole >= SEEN_MIN, "{whole} ticks were seen whole");
     let idle = &seen.spans[&(role.code(), 0)];
     assert_eq!(idle.kind(), Some(SpanKind::Idle), "{idle:?}");
     for seat in &SEATS {

@@ -88,9 +88,10 @@ fn stock_services_survive_a_million_hostile_messages() {
 }
 
 /// What a program of the zoo is made to break: fault, seat, clause. Some clauses are broken in two ways.
-const ZOO: [(&str, &str, &str); 27] = [
+const ZOO: [(&str, &str, &str); 28] = [
     ("none", "local_planner", ""),
     ("help", "local_planner", "help"),
+    ("help_flood", "local_planner", "help"),
     ("print_config", "local_planner", "print_config"),
     ("unknown_flag", "local_planner", "unknown_flag"),
     ("bad_config", "local_planner", "bad_config"),

@@ -385,7 +385,7 @@ fn a_lockstep_run_with_a_rollback_is_bit_identical() {
             "[[swaps]]\nservice = \"{seat}\"\nat_s = 2.0\nshadow_s = 0.1\nkeep_s = 3.0\n\
              binary = \"{liar}\"\n"
         );
-        let runs = [(); 3].map(|()| lockstep_to([20.0, 24.0], y_m, &lines));
+        let runs = [(); 3].map(|()| lockstep_to([23.5, 24.0], y_m, &lines));
         for run in &runs {
             let swap = &run["swaps"][0];
             assert_eq!(swap["state"], "rolled_back", "{swap}");
