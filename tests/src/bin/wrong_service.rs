@@ -262,7 +262,7 @@ fn main() -> ExitCode {
     if fault("help_flood") && has("--help") {
         // Until nobody reads any more.
         let mut out = std::io::stdout().lock();
-        while out.write_all(&[b'x'; 1 << 16]).is_ok() {}
+        while out.write_all(&[b'x'; 1 << 12]).is_ok() {}
         return ExitCode::SUCCESS;
     }
     if fault("unknown_flag") && has("--no-such-flag") {
