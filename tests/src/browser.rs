@@ -190,12 +190,10 @@ impl Browser {
         self.call("Input.dispatchMouseEvent", event);
     }
 
-    /// Presses at one place of the window, moves to another where that is another, and lets go.
+    /// Presses at one place of the window, moves to another and lets go.
     fn press_and_move(&mut self, from: [f64; 2], to: [f64; 2], modifiers: u32) {
         self.mouse("mousePressed", from, modifiers);
-        if from != to {
-            self.mouse("mouseMoved", to, modifiers);
-        }
+        self.mouse("mouseMoved", to, modifiers);
         self.mouse("mouseReleased", to, modifiers);
     }
 
