@@ -19,7 +19,7 @@ const BYTES_MAX: u64 = 1 << 20;
 #[derive(Debug)]
 pub(super) struct Unread {
     pub topic: String,
-    /// The living services that write the topic.
+    /// The services that may have written the topic.
     pub authors: Vec<String>,
 }
 

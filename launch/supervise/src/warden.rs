@@ -304,22 +304,30 @@ impl Watched {
             let unread = self.unread.take();
             let unread = unread.map(|(topic, roles)| Unread {
                 topic,
-                authors: self.living(&roles),
+                authors: self.possible_authors(&roles),
             });
             crash_result::write(&folder, result, &damaged, unread.as_ref());
         }
         let _ = shutdown(std::io::stdin(), Shutdown::Write);
     }
 
-    /// The services in these seats that have not ended.
-    fn living(&self, roles: &[String]) -> Vec<String> {
-        let in_seat = |service: &Service| {
-            let pid = service.pid.as_raw_nonzero().get();
-            let role = self.roles.get(&pid.unsigned_abs())?;
-            let lives = !service.has_ended(Duration::ZERO);
-            (lives && roles.contains(role)).then(|| format!("{role} (pid {pid})"))
-        };
-        self.services.iter().filter_map(in_seat).collect()
+    /// The newest service in each of these seats, and every other that has not ended. The newest may just have
+    /// crashed, too, since it read what it had overwritten.
+    fn possible_authors(&self, roles: &[String]) -> Vec<String> {
+        let mut authors = Vec::new();
+        let mut seen: Vec<&String> = Vec::new();
+        for service in self.services.iter().rev() {
+            let pid = service.pid.as_raw_nonzero().get().unsigned_abs();
+            let Some(role) = self.roles.get(&pid).filter(|role| roles.contains(role)) else {
+                continue;
+            };
+            if !seen.contains(&role) || !service.has_ended(Duration::ZERO) {
+                authors.push(format!("{role} (pid {pid})"));
+            }
+            seen.push(role);
+        }
+        authors.reverse();
+        authors
     }
 
     /// Takes in one message, or waits a moment while there are logs; false when launch is gone.

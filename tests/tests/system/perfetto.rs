@@ -13,8 +13,8 @@ use zeronav_tests::rooms::short_drive;
 use zeronav_tests::trace::{check_stages, checked};
 use zeronav_tests::{Ended, Zeronav, real_time_turn};
 
-/// How long a page may take to be opened and to get the trace.
-const LIMIT: Duration = Duration::from_secs(30);
+/// How long a page may take to be opened and to get the trace: longer than the report waits for it.
+const LIMIT: Duration = Duration::from_secs(90);
 
 /// Answers the second word that asks whether it is there, and sends what it gets to its server.
 const STAND_IN: &str = r#"<!doctype html><title>stand-in</title><script>
