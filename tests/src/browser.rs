@@ -199,7 +199,8 @@ impl Browser {
 
     /// Clicks at a place of the window.
     pub fn click(&mut self, at: [f64; 2]) {
-        self.press_and_move(at, at, 0);
+        self.mouse("mousePressed", at, 0);
+        self.mouse("mouseReleased", at, 0);
     }
 
     /// Clicks at a place of the window with the shift key held.

@@ -81,10 +81,13 @@ fn answer(mut stream: TcpStream, to: &Sender<Asked>) -> Option<()> {
     .ok()
 }
 
-/// The next request for a way that begins like this.
-fn next(asked: &Receiver<Asked>, way: &str) -> Asked {
+/// The next request for a way that begins like this, by what `browser` does.
+fn next(browser: &mut Browser, asked: &Receiver<Asked>, way: &str) -> Asked {
     loop {
-        let one = asked.recv_timeout(LIMIT).expect("a request");
+        let Ok(one) = asked.recv_timeout(LIMIT) else {
+            let said = browser.script("document.getElementById('perfetto-said').textContent");
+            panic!("nobody asks for {way}; the page says {said}");
+        };
         if one.0.starts_with(way) {
             return one;
         }
@@ -159,14 +162,14 @@ fn the_trace_of_a_report_opens_in_perfetto() {
     let nothing = asked.recv_timeout(Duration::from_millis(1));
     assert_eq!(nothing, Err(RecvTimeoutError::Timeout), "nothing by itself");
     press(&mut browser, &format!("{origin}/"));
-    let (way, body) = next(&asked, "/got/");
+    let (way, body) = next(&mut browser, &asked, "/got/");
     assert!(way.starts_with("/got/test%2C%20"), "{way}");
     assert!(body == trace.as_bytes(), "the same trace");
     await_said(&mut browser, "in Perfetto");
 
     // A window that goes away is no reason to wait.
     press(&mut browser, &format!("{origin}/goes"));
-    next(&asked, "/goes");
+    next(&mut browser, &asked, "/goes");
     await_said(&mut browser, "does not answer");
     check_quiet(browser);
 
@@ -191,7 +194,7 @@ fn the_trace_of_a_report_opens_in_perfetto() {
     let files = json!({ "nodeId": input["nodeId"], "files": [run.join("trace.json")] });
     browser.call("DOM.setFileInputFiles", files);
     press(&mut browser, &format!("{origin}/"));
-    let (_, body) = next(&asked, "/got/");
+    let (_, body) = next(&mut browser, &asked, "/got/");
     assert!(body == large.as_bytes(), "the file that was chosen");
     check_quiet(browser);
 }
