@@ -1,14 +1,19 @@
-//! `zeronav bag`: what is in a recording, and one that was cut made whole again.
+//! `zeronav bag`: what is in a recording, where two differ, tables of one, and one that was cut made whole again.
+
+pub(crate) mod diff;
+mod export;
 
 use clap::{Args, Subcommand};
+use export::{ExportError, export};
 use serde_json::json;
 use std::fs::File;
 use std::io::{BufReader, BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use zeronav_console::exit::{EXIT_OUTPUT, EXIT_PASS};
+use zeronav_console::exit::{EXIT_FAIL, EXIT_OUTPUT, EXIT_PASS};
 use zeronav_console::terminal::{complain, say, say_json, usage};
 use zeronav_files::{Folder, parts, read};
+use zeronav_msgs::fields::KINDS;
 use zeronav_msgs::time::seconds;
 use zeronav_recorder::native::PREFIX;
 use zeronav_recorder::read::{ReadError, Summary, summary};
@@ -34,6 +39,32 @@ pub enum BagVerb {
         #[arg(long)]
         json: bool,
     },
+    /// Say whether a recording is whole and complete: exit code 1 when messages are missing.
+    Check {
+        /// The MCAP file.
+        file: PathBuf,
+    },
+    /// Say where two recordings begin to differ, by tick, topic and field: exit code 1 when they do.
+    Diff {
+        /// The first MCAP file.
+        a: PathBuf,
+        /// The second one.
+        b: PathBuf,
+        /// Print one JSON object.
+        #[arg(long)]
+        json: bool,
+    },
+    /// Write every message of the contract into tables, a CSV file for each topic and one for its items.
+    Export {
+        /// The MCAP file.
+        file: PathBuf,
+        /// The folder of the tables: a new one, or an empty one.
+        #[arg(long, value_name = "FOLDER")]
+        csv: PathBuf,
+        /// This topic only, such as plan/path. May be given several times.
+        #[arg(long, value_name = "TOPIC")]
+        topic: Vec<String>,
+    },
     /// Write a recording that was cut again, up to its last whole chunk: at most a second is lost.
     Recover {
         /// The MCAP file.
@@ -52,6 +83,20 @@ pub enum BagVerb {
 pub fn bag(arguments: &BagArgs) -> ExitCode {
     match &arguments.verb {
         BagVerb::Info { file, json } => info(file, *json),
+        BagVerb::Check { file } => check(file),
+        BagVerb::Diff { a, b, json } => diff::diff(a, b, *json),
+        BagVerb::Export { file, csv, topic } => match export(file, csv, topic) {
+            Ok(rows) => {
+                let lines = rows.iter().map(|(topic, n)| format!("{n:>8}  {topic}\n"));
+                say(&lines.collect::<String>());
+                ExitCode::from(EXIT_PASS)
+            }
+            Err(ExportError::Input(problem)) => usage(&problem),
+            Err(ExportError::Output(problem)) => {
+                complain(&problem);
+                ExitCode::from(EXIT_OUTPUT)
+            }
+        },
         BagVerb::Recover { file, out, force } => {
             let out = out.clone().unwrap_or_else(|| beside(file));
             match recovered(file, &out, *force) {
@@ -70,7 +115,12 @@ pub fn bag(arguments: &BagArgs) -> ExitCode {
     }
 }
 
-fn open(file: &Path) -> Result<BufReader<File>, String> {
+/// True for a unit of measure, in the place of what kind of number it is.
+fn is_unit(unit: &str) -> bool {
+    !KINDS.contains(&unit) && unit != "-"
+}
+
+pub(crate) fn open(file: &Path) -> Result<BufReader<File>, String> {
     let opened = read::open(file).map(BufReader::new);
     opened.map_err(|error| format!("{}: {error}", file.display()))
 }
@@ -89,6 +139,25 @@ fn info(file: &Path, json: bool) -> ExitCode {
         Some(damage) => usage(&format!("{}: {damage}", file.display())),
         None => ExitCode::from(EXIT_PASS),
     }
+}
+
+/// One line on whether a recording can be relied on.
+fn check(file: &Path) -> ExitCode {
+    let (found, damage) = match open(file) {
+        Ok(input) => summary(input),
+        Err(problem) => return usage(&problem),
+    };
+    if let Some(damage) = damage {
+        return usage(&format!("{}: {damage}", file.display()));
+    }
+    let n = found.messages();
+    let (valid, why) = validity(&found, None);
+    if valid {
+        say(&format!("{}: complete, {n} messages\n", file.display()));
+        return ExitCode::from(EXIT_PASS);
+    }
+    complain(&format!("{}: NOT COMPLETE: {why}", file.display()));
+    ExitCode::from(EXIT_FAIL)
 }
 
 /// True when nothing is missing, and why it is not otherwise.

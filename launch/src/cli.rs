@@ -15,6 +15,7 @@ use crate::remote::cli::{
     StackArgs, StepArgs, WaitArgs,
 };
 use crate::remote::swap::{ShadowArgs, SwapArgs};
+use crate::replay::ReplayArgs;
 use crate::run_plan::{RunPlan, Source};
 use crate::start_up::StartUpArgs;
 use crate::top::cli::TopArgs;
@@ -137,8 +138,11 @@ pub enum Command {
     Logs(LogsArgs),
     /// The map of a running stack.
     Map(MapArgs),
-    /// What is in a recording, and one that was cut made whole again.
+    /// What is in a recording, where two differ, tables of one, and one that was cut made whole again.
     Bag(BagArgs),
+    /// Drive a recorded lockstep run again, the same or with another binary in a seat, and say where it begins
+    /// to differ.
+    Replay(ReplayArgs),
     /// A live page of a running stack: prints its link, and serves it until the stack ends.
     View(ViewArgs),
     /// Whether this machine can run a stack well, and what to do where it cannot.

@@ -57,8 +57,13 @@ pub(crate) enum Told {
         /// What it logs.
         log_level: String,
     },
-    /// Those of the recorder: the file that it writes.
-    Recording(PathBuf),
+    /// Those of the recorder.
+    Recording {
+        /// The file that it writes.
+        file: PathBuf,
+        /// The scenario that is driven, which it puts into that.
+        scenario: Option<PathBuf>,
+    },
     /// Those of the live page, whose link is printed.
     Page(LivePage),
 }
@@ -201,9 +206,13 @@ impl Companion {
                 ];
                 (arguments, Stdio::null(), None)
             }
-            Told::Recording(file) => {
+            Told::Recording { file, scenario } => {
                 let arguments = ["--domain".into(), root.into(), "--out".into(), file.into()];
-                (arguments.into(), Stdio::null(), None)
+                let mut arguments: Vec<OsString> = arguments.into();
+                if let Some(scenario) = scenario {
+                    arguments.extend(["--scenario".into(), scenario.into()]);
+                }
+                (arguments, Stdio::null(), None)
             }
             Told::Page(page) => (page.flags(root), page.stdin(), Some(Stdio::piped())),
         };
@@ -270,7 +279,7 @@ impl Companion {
                 let log = log.display();
                 let hint = match self.plan.told {
                     Told::Page(_) => live_view::HINT.to_owned(),
-                    Told::Recording(_) => format!(
+                    Told::Recording { .. } => format!(
                         "the run goes on and is not recorded; see {log}, and `zeronav bag recover`"
                     ),
                     Told::Flags { .. } => format!("the run goes on; see {log}"),

@@ -38,6 +38,7 @@ mod program;
 mod record;
 mod recorder;
 pub mod remote;
+pub mod replay;
 pub mod report;
 mod run_plan;
 mod running;

@@ -12,7 +12,7 @@ use zeronav::remote::{fault, goal, swap, verbs};
 use zeronav::show::log;
 use zeronav::{
     bag, began, busy, commands, compare, completions, doctor, latency, logs, look, map_save,
-    params, picture, remote, report, start_up, top, topics, why,
+    params, picture, remote, replay, report, start_up, top, topics, why,
 };
 use zeronav_console::exit::EXIT_USAGE;
 use zeronav_console::{arguments, terminal};
@@ -85,6 +85,7 @@ fn main() -> ExitCode {
         Command::Logs(arguments) => logs::logs(&arguments),
         Command::Map(arguments) => map_save::map(&arguments),
         Command::Bag(arguments) => bag::bag(&arguments),
+        Command::Replay(arguments) => replay::replay(&arguments),
         Command::View(arguments) => live_view::view(&arguments),
         Command::Doctor { json } => doctor::doctor(json),
         Command::Goal(arguments) => goal::goal(&arguments),

@@ -125,6 +125,7 @@ pub(crate) fn check(source: &Source, external: &[Role]) -> Result<Checked, Strin
 fn load(source: &Source) -> Result<AsFar, String> {
     let scenario = match source {
         Source::Named(name_or_path) => Scenario::load_as_far(name_or_path),
+        Source::Text { name, text } => Scenario::of_text(name, text),
         Source::Map { map, robot, start } => Scenario::of_map(map, robot, *start).map(AsFar::from),
     };
     scenario.map_err(|error| error.to_string())

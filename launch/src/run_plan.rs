@@ -13,6 +13,13 @@ use zeronav_scenario::settings::Settings;
 pub enum Source {
     /// Its name or path.
     Named(String),
+    /// Its text, with everything that it builds on.
+    Text {
+        /// Its name.
+        name: String,
+        /// What [`zeronav_scenario::Scenario::to_toml`] has written.
+        text: String,
+    },
     /// Made of a map and a robot, without goals.
     Map {
         /// YAML file of a ROS `map_server` map.

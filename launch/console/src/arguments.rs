@@ -1,6 +1,7 @@
 //! Words of a command line that more than one command takes.
 
 use std::ffi::OsString;
+use std::path::PathBuf;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::run::DELAY_STEP_NS;
 use zeronav_msgs::time::seconds;
@@ -30,6 +31,20 @@ pub fn service_role(name: &str) -> Result<Role, String> {
             Role::SERVICES.iter().map(|role| role.label()),
         )
     })
+}
+
+/// `global_planner=./my_planner` as a seat and a binary.
+///
+/// # Errors
+/// One line that says what such a word looks like.
+pub fn seat(text: &str) -> Result<(Role, PathBuf), String> {
+    let (role, binary) = text
+        .split_once('=')
+        .ok_or("a seat and its binary read like global_planner=./my_planner")?;
+    if binary.is_empty() {
+        return Err("the binary is missing".to_owned());
+    }
+    Ok((service_role(role)?, PathBuf::from(binary)))
 }
 
 /// `global_planner=5ms` as a seat and its delay in steps of

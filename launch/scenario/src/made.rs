@@ -1,8 +1,9 @@
 //! Scenarios and goals that come from elsewhere than from a scenario's file.
 
+use super::as_far::AsFar;
 use super::document::{self, Document};
 use super::library::{Library, Origin};
-use super::{GoalSpec, Scenario, ScenarioError, absolute};
+use super::{GoalSpec, RunSpec, Scenario, ScenarioError, absolute};
 use core::f64::consts::PI;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -62,6 +63,38 @@ impl Scenario {
             None => scenario.free_start()?,
         };
         Ok(scenario)
+    }
+
+    /// The scenario that [`Self::to_toml`] has written.
+    ///
+    /// # Errors
+    /// See [`ScenarioError`].
+    pub fn of_text(name: &str, text: &str) -> Result<AsFar, ScenarioError> {
+        let origin = Origin::Made(name.to_owned(), text.to_owned());
+        Self::read(&Library::of(""), origin, None)
+    }
+
+    /// The text of a scenario file that says the same with the seed `seed`, whatever this one builds on. The
+    /// files of its world and binaries that are named by a path stay where they are. A seed above 2^63 - 1, for
+    /// which TOML has no number, is left out.
+    ///
+    /// # Errors
+    /// One line when TOML has no number for another value.
+    pub fn to_toml(&self, seed: u64) -> Result<String, String> {
+        let failed = |why: &dyn core::fmt::Display| format!("scenario {}: {why}", self.name);
+        let seed = i64::try_from(seed).map_or(self.run.seed, i64::unsigned_abs);
+        let run = RunSpec {
+            seed,
+            ..self.run.clone()
+        };
+        let scenario = Self {
+            run,
+            ..self.clone()
+        };
+        let mut table = toml::Table::try_from(&scenario).map_err(|error| failed(&error))?;
+        // It is that of the file.
+        table.remove("name");
+        toml::to_string(&table).map_err(|error| failed(&error))
     }
 
     /// The free pose that is nearest to the map's middle.

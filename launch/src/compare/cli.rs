@@ -2,7 +2,7 @@
 
 use clap::Args;
 use std::path::PathBuf;
-use zeronav_console::arguments::service_role;
+use zeronav_console::arguments::seat;
 use zeronav_msgs::role::Role;
 use zeronav_shell::logs;
 
@@ -36,14 +36,4 @@ pub struct CompareArgs {
     /// What the services log: error, warn, info, debug, trace, or a filter.
     #[arg(long, value_name = "LEVEL", default_value = "info", value_parser = logs::filter)]
     pub log_level: String,
-}
-
-fn seat(text: &str) -> Result<(Role, PathBuf), String> {
-    let (role, binary) = text
-        .split_once('=')
-        .ok_or("a seat and its binary read like global_planner=./my_planner")?;
-    if binary.is_empty() {
-        return Err("the binary is missing".to_owned());
-    }
-    Ok((service_role(role)?, PathBuf::from(binary)))
 }

@@ -5,8 +5,9 @@ use crate::companions::{Plan, Told};
 use crate::configs;
 use crate::live_view::{self, LivePage};
 use crate::recorder::{self, RecordedTicks, START_LIMIT, WALL_LIMIT, last_words};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
+use zeronav_console::leave;
 use zeronav_console::terminal::{complain, note};
 use zeronav_scenario::companions::{RECORDER, RESTARTS, VIEWER};
 use zeronav_supervise::binaries;
@@ -55,7 +56,10 @@ impl Session<'_> {
             binary: binaries::find(Path::new(recorder::BINARY))?,
             restarts: 0,
             log: self.recorder_log(),
-            told: Told::Recording(file.clone()),
+            told: Told::Recording {
+                file: file.clone(),
+                scenario: self.write_scenario()?,
+            },
         };
         self.companions.start(stack, plan);
         let (pid, began) = (self.companions.pid_of(RECORDER), Instant::now());
@@ -79,6 +83,19 @@ impl Session<'_> {
         };
         self.recorded = self.lockstep().then_some(progress);
         Ok(())
+    }
+
+    /// Leaves the scenario that is driven, with all that it builds on, in the run's folder. A stack that stays
+    /// up drives where its clients say.
+    fn write_scenario(&self) -> Result<Option<PathBuf>, String> {
+        let prepared = self.prepared;
+        if prepared.stays {
+            return Ok(None);
+        }
+        let name = format!("{}.toml", prepared.scenario.name);
+        let text = prepared.scenario.to_toml(prepared.seed)?;
+        leave::write_in(&prepared.folder, &name, &text)?;
+        Ok(Some(prepared.folder.path().join(name)))
     }
 
     fn recorder_log(&self) -> LogPlace {

@@ -18,7 +18,7 @@ use rustix::net::{
     shutdown, socketpair,
 };
 use rustix::process::{Pid, Signal, kill_process_group, pidfd_send_signal};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
 use std::io::{IoSlice, IoSliceMut};
 use std::mem::MaybeUninit;
@@ -285,6 +285,8 @@ struct Watched {
     unread: Option<(String, Vec<String>)>,
     /// The seats of all services so far.
     roles: BTreeMap<u32, String>,
+    /// The newest service of each seat.
+    newest: BTreeMap<String, u32>,
 }
 
 impl Watched {
@@ -311,23 +313,19 @@ impl Watched {
         let _ = shutdown(std::io::stdin(), Shutdown::Write);
     }
 
-    /// The newest service in each of these seats, and every other that has not ended. The newest may just have
+    /// The newest service of each of these seats, and every other that has not ended. The newest may just have
     /// crashed, too, since it read what it had overwritten.
     fn possible_authors(&self, roles: &[String]) -> Vec<String> {
-        let mut authors = Vec::new();
-        let mut seen: Vec<&String> = Vec::new();
-        for service in self.services.iter().rev() {
-            let pid = service.pid.as_raw_nonzero().get().unsigned_abs();
-            let Some(role) = self.roles.get(&pid).filter(|role| roles.contains(role)) else {
-                continue;
-            };
-            if !seen.contains(&role) || !service.has_ended(Duration::ZERO) {
-                authors.push(format!("{role} (pid {pid})"));
-            }
-            seen.push(role);
-        }
-        authors.reverse();
-        authors
+        let newest = roles.iter().filter_map(|role| self.newest.get(role));
+        let living = (self.services.iter()).filter(|service| !service.has_ended(Duration::ZERO));
+        let living = living.map(|service| service.pid.as_raw_nonzero().get().unsigned_abs());
+        let pids: BTreeSet<u32> = newest.copied().chain(living).collect();
+        let author = |pid: u32| {
+            let role = self.roles.get(&pid)?;
+            let writes = roles.contains(role);
+            writes.then(|| format!("{role} (pid {pid})"))
+        };
+        pids.into_iter().filter_map(author).collect()
     }
 
     /// Takes in one message, or waits a moment while there are logs; false when launch is gone.
@@ -369,6 +367,7 @@ impl Watched {
                 let pid = number.parse().ok().and_then(Pid::from_raw);
                 self.services.extend(pid.map(|pid| Service { pid, pidfd }));
                 if let Ok(pid) = number.parse() {
+                    self.newest.insert(role.to_owned(), pid);
                     self.roles.insert(pid, role.to_owned());
                     if self.roles.len() > ROLES_MAX {
                         self.roles.pop_first();
@@ -389,5 +388,33 @@ impl Watched {
             _ => {}
         }
         true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rustix::process::{PidfdFlags, pidfd_open};
+
+    #[test]
+    fn who_crashed_with_launch_may_have_written_what_it_read() {
+        let own = rustix::process::getpid();
+        let mut watched = Watched::default();
+        let mut came = |pid: u32, role: &str| {
+            watched.roles.insert(pid, role.to_owned());
+            watched.newest.insert(role.to_owned(), pid);
+        };
+        // A predecessor that has ended, one that has not and its newcomer that has, and another seat.
+        let own_id = own.as_raw_nonzero().get().unsigned_abs();
+        let (gone, crashed, other) = (own_id + 1, own_id + 2, own_id + 3);
+        came(gone, "mapping");
+        came(own_id, "mapping");
+        came(crashed, "mapping");
+        came(other, "robot");
+        let pidfd = pidfd_open(own, PidfdFlags::empty()).expect("this process");
+        watched.services.push(Service { pid: own, pidfd });
+        let authors = watched.possible_authors(&["mapping".to_owned(), "local_planner".to_owned()]);
+        let named = |pid| format!("mapping (pid {pid})");
+        assert_eq!(authors, [named(own_id), named(crashed)]);
     }
 }

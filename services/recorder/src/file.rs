@@ -4,7 +4,7 @@
 //! was killed, can be read up to its last whole chunk. [`RecordingFile::flush`] ends a chunk early.
 
 use mcap::records::{MessageHeader, Metadata};
-use mcap::{Compression, McapError, WriteOptions, Writer};
+use mcap::{Attachment, Compression, McapError, WriteOptions, Writer};
 use std::collections::BTreeMap;
 use std::io::{Seek, Write};
 
@@ -13,6 +13,14 @@ pub const CHUNK_BYTES: u64 = 256 << 10;
 
 /// Profile of the file: what MCAP calls the conventions of ROS 2.
 const PROFILE: &str = "ros2";
+
+/// Name of the metadata record that begins a recording: `version`, `mode` (`lockstep` or `real_time`), `seed`,
+/// `tick_ns`, `times`, `run_zero_ns`.
+pub const START: &str = "zeronav.start";
+
+/// Media type of the attachment with the scenario that was driven, whose name is that of the attachment without
+/// `.toml`.
+pub const SCENARIO_TYPE: &str = "application/toml";
 
 /// The program that has written a file, in its header.
 #[must_use]
@@ -129,6 +137,20 @@ impl<W: Write + Seek> RecordingFile<W> {
         })
     }
 
+    /// Puts a whole file of this name into the recording.
+    ///
+    /// # Errors
+    /// What the output says.
+    pub fn attach(&mut self, name: &str, media_type: &str, data: &[u8]) -> Result<(), McapError> {
+        self.writer.attach(&Attachment {
+            log_time: 0,
+            create_time: 0,
+            name: name.to_owned(),
+            media_type: media_type.to_owned(),
+            data: data.into(),
+        })
+    }
+
     /// Hands everything so far to the output: what a reader finds if nothing more comes.
     ///
     /// # Errors
@@ -178,6 +200,8 @@ pub(crate) mod tests {
                 file.flush().expect("flushed");
             }
         }
+        file.attach("a.toml", "application/toml", b"a = 1\n")
+            .expect("written");
         let fields = [("valid".to_owned(), "true".to_owned())];
         file.metadata("end", fields.into()).expect("written");
         file.finish().expect("finished").into_inner()

@@ -7,7 +7,11 @@
 //! Everything but the feature `process` is pure: it turns messages into bytes ([`file`]) and bytes of
 //! a file into what is in it ([`read`], [`recover`]).
 
+pub mod compare;
+pub mod figures;
 pub mod file;
+pub mod layout;
+pub mod messages;
 pub mod native;
 #[cfg(feature = "process")]
 pub mod process;

@@ -14,7 +14,7 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
-use zeronav_files::{Folder, parts};
+use zeronav_files::{Folder, parts, read};
 use zeronav_msgs::role::Role;
 use zeronav_msgs::topics::EVENT_NEED_KEYFRAME;
 use zeronav_shell::clock::now_ns;
@@ -53,6 +53,9 @@ struct Arguments {
     /// Take the place of a file that is there.
     #[arg(long)]
     force: bool,
+    /// Put this file, the text of the scenario that is driven, into the recording, for `zeronav replay`.
+    #[arg(long, value_name = "FILE")]
+    scenario: Option<PathBuf>,
     /// Record what the local planner looks at, too (`debug/rollouts`, `/local_plan`), which costs it time.
     #[arg(long)]
     rollouts: bool,
@@ -130,6 +133,7 @@ fn record(arguments: &Arguments) -> Result<BTreeMap<String, String>, RecordError
         why,
     };
     let file = create(&arguments.out, arguments.force).map_err(|error| failed(error.into()))?;
+    let scenario = scenario_in(arguments.scenario.as_deref())?;
     let peer = Peer::join(Domain::join(&arguments.domain)?, Role::Tap, EPOCH)?;
     let mut taps = Taps::open(&peer, arguments.rollouts)?;
     let roster = known(&peer)?;
@@ -137,7 +141,7 @@ fn record(arguments: &Arguments) -> Result<BTreeMap<String, String>, RecordError
         // The stack comes first. Where the system does not allow even that, it goes on as it is.
         let _ = rustix::process::nice(NICER);
     }
-    let recorder = Recorder::start(file, &taps, &start_of(&roster)).map_err(failed)?;
+    let recorder = Recorder::start(file, &taps, &start_of(&roster, scenario)).map_err(failed)?;
     let progress = peer
         .domain()
         .folder()
@@ -200,7 +204,16 @@ fn known(peer: &Peer) -> Result<Roster, StartError> {
     Ok(reader.roster().clone())
 }
 
-fn start_of(roster: &Roster) -> Start {
+/// Name and text of a scenario's file.
+fn scenario_in(file: Option<&Path>) -> Result<Option<(String, String)>, StartError> {
+    let Some(file) = file else { return Ok(None) };
+    let text = read::text(file, read::TEXT_BYTES_MAX)
+        .map_err(|error| StartError::Usage(format!("--scenario {}: {error}", file.display())))?;
+    let name = file.file_name().unwrap_or_default();
+    Ok(Some((name.to_string_lossy().into_owned(), text)))
+}
+
+fn start_of(roster: &Roster, scenario: Option<(String, String)>) -> Start {
     let clock = &roster.clock;
     let since = SystemTime::now().duration_since(UNIX_EPOCH);
     let unix_ns = since.map_or(0, |since| u64::try_from(since.as_nanos()).unwrap_or(0));
@@ -209,6 +222,7 @@ fn start_of(roster: &Roster) -> Start {
         mode: clock.mode().map_or("none", |mode| mode.label()),
         seed: clock.seed,
         tick_ns: clock.tick_ns,
+        scenario,
     }
 }
 

@@ -145,6 +145,46 @@ pub fn records<E: From<ReadError>>(
     Err(damaged(offset, &"the file ends in the middle"))
 }
 
+/// Name and bytes of the first file of this type that lies in a recording, if one does; one larger than
+/// `bytes_max` counts as damage.
+///
+/// # Errors
+/// The damage before it.
+pub fn attachment(
+    input: impl Read,
+    media_type: &str,
+    bytes_max: usize,
+) -> Result<Option<(String, Vec<u8>)>, ReadError> {
+    let mut found = None;
+    let read = records(input, |record| match record {
+        Record::Attachment { header, data, .. } if header.media_type == media_type => {
+            if data.len() > bytes_max {
+                let why = format!("{} in it has more than {bytes_max} bytes", header.name);
+                return Err(Stop::Damage(ReadError { offset: 0, why }));
+            }
+            found = Some((header.name.clone(), data.to_vec()));
+            Err(Stop::Found)
+        }
+        _ => Ok(()),
+    });
+    match read {
+        Err(Stop::Damage(damage)) => Err(damage),
+        Err(Stop::Found) | Ok(()) => Ok(found),
+    }
+}
+
+/// Why a file is not read to its end.
+enum Stop {
+    Found,
+    Damage(ReadError),
+}
+
+impl From<ReadError> for Stop {
+    fn from(damage: ReadError) -> Self {
+        Self::Damage(damage)
+    }
+}
+
 /// What is in a file up to its end or the first damage, and which that is.
 pub fn summary(input: impl Read) -> (Summary, Option<ReadError>) {
     let mut summary = Summary::default();
@@ -173,6 +213,19 @@ mod tests {
         assert_eq!(summary.metadata["end"]["valid"], "true");
         let channel = summary.channels.values().next().expect("a channel");
         assert_eq!((&*channel.topic, &*channel.schema), ("/a", "a/msg/A"));
+    }
+
+    #[test]
+    fn what_is_attached_is_found_by_its_type() {
+        const TYPE: &str = "application/toml";
+        let whole = recording(100);
+        let found = |media_type: &str, bytes_max| attachment(&whole[..], media_type, bytes_max);
+        let file = ("a.toml".to_owned(), b"a = 1\n".to_vec());
+        assert_eq!(found(TYPE, 6).expect("read"), Some(file));
+        assert_eq!(found("text/plain", 6).expect("read"), None);
+        assert!(found(TYPE, 5).is_err(), "too large");
+        let cut = attachment(&whole[..whole.len() / 20], TYPE, 6);
+        assert!(cut.is_err(), "cut before it");
     }
 
     #[test]

@@ -2,7 +2,7 @@
 //! message. Between them lie at most [`QUEUE_BYTES_MAX`]; beyond that nothing is read, and what the
 //! stack's queues then lose is counted.
 
-use crate::file::{Channel, RecordingFile, Stamped};
+use crate::file::{Channel, RecordingFile, SCENARIO_TYPE, START, Stamped};
 use crate::native::{self, NativeTopic};
 use crate::ros::{Bytes, Ros, RosTopic};
 use crate::taps::{Message, Taps};
@@ -24,9 +24,6 @@ const FLUSH_PAUSE: Duration = Duration::from_secs(1);
 
 /// Size of the buffer in front of the file. [bytes]
 const BUFFER_BYTES: usize = 512 << 10;
-
-/// Name of the metadata record that begins a recording.
-const START: &str = "zeronav.start";
 
 /// Why a file cannot be written.
 #[derive(Debug, thiserror::Error)]
@@ -70,6 +67,8 @@ pub(crate) struct Start {
     pub mode: &'static str,
     pub seed: u64,
     pub tick_ns: u64,
+    /// Name and text of the scenario that is driven, if that is known.
+    pub scenario: Option<(String, String)>,
 }
 
 impl Recorder {
@@ -157,6 +156,9 @@ impl Writer {
         ];
         let fields = fields.map(|(key, value)| (key.to_owned(), value));
         file.metadata(START, fields.into())?;
+        if let Some((name, text)) = &start.scenario {
+            file.attach(name, SCENARIO_TYPE, text.as_bytes())?;
+        }
         file.flush()?;
         Ok(Self {
             file,

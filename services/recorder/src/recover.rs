@@ -4,7 +4,7 @@ use crate::file;
 use crate::read::{ReadError, Summary, records};
 use crate::verdict::VERDICT;
 use mcap::records::Record;
-use mcap::{McapError, Writer};
+use mcap::{Attachment, McapError, Writer};
 use std::collections::BTreeMap;
 use std::io::{Read, Seek, Write};
 
@@ -111,6 +111,13 @@ impl<W: Write + Seek> Copy<W> {
                 }
             }
             Record::Metadata(metadata) => self.writer.write_metadata(metadata)?,
+            Record::Attachment { header, data, .. } => self.writer.attach(&Attachment {
+                log_time: header.log_time,
+                create_time: header.create_time,
+                name: header.name.clone(),
+                media_type: header.media_type.clone(),
+                data: data.clone(),
+            })?,
             _ => {}
         }
         Ok(())
@@ -121,7 +128,7 @@ impl<W: Write + Seek> Copy<W> {
 mod tests {
     use super::*;
     use crate::file::tests::recording;
-    use crate::read::summary;
+    use crate::read::{attachment, summary};
     use std::io::Cursor;
 
     #[test]
@@ -137,6 +144,14 @@ mod tests {
         assert_eq!(after.messages(), before.messages());
         assert_eq!(after.metadata[VERDICT]["valid"], "false");
         assert_eq!(after.metadata, recovered.summary.metadata);
+    }
+
+    #[test]
+    fn what_is_attached_comes_along() {
+        let (_, output) = recover(&recording(9)[..], Cursor::new(Vec::new())).expect("recovered");
+        let found = attachment(&output.into_inner()[..], "application/toml", 100);
+        let found = found.expect("read").expect("it is there");
+        assert_eq!(found, ("a.toml".to_owned(), b"a = 1\n".to_vec()));
     }
 
     #[test]

@@ -1,0 +1,167 @@
+//! `zeronav bag diff`: where two recordings begin to differ.
+
+use serde_json::json;
+use std::path::Path;
+use std::process::ExitCode;
+use zeronav_console::exit::{EXIT_FAIL, EXIT_PASS};
+use zeronav_console::terminal::{say, say_json, usage};
+use zeronav_recorder::compare::{Comparison, Difference, compare};
+use zeronav_recorder::figures::{Figure, figures};
+use zeronav_shell::printable::printable;
+
+/// Two recordings beside each other.
+#[derive(Debug)]
+pub(crate) struct Beside {
+    pub comparison: Comparison,
+    pub figures: [Vec<Figure>; 2],
+}
+
+/// Compares the recordings in two files.
+///
+/// # Errors
+/// One line naming the file.
+pub(crate) fn beside(a: &Path, b: &Path) -> Result<Beside, String> {
+    let files = [a, b];
+    let in_file = |file: &Path, why: &dyn core::fmt::Display| format!("{}: {why}", file.display());
+    // Before anything is read of the first one.
+    for file in files {
+        super::open(file)?;
+    }
+    let open = |second: bool| {
+        let file = files[usize::from(second)];
+        super::open(file).map_err(|why| zeronav_recorder::read::ReadError { offset: 0, why })
+    };
+    let compared = compare(|second| Ok(open(second)?));
+    let comparison =
+        compared.map_err(|(second, error)| in_file(files[usize::from(second)], &error))?;
+    let of = |second: bool| {
+        let figures = open(second).map_err(Into::into).and_then(figures);
+        figures.map_err(|error| in_file(files[usize::from(second)], &error))
+    };
+    Ok(Beside {
+        comparison,
+        figures: [of(false)?, of(true)?],
+    })
+}
+
+/// `zeronav bag diff`.
+pub(super) fn diff(a: &Path, b: &Path, as_json: bool) -> ExitCode {
+    let beside = match beside(a, b) {
+        Ok(beside) => beside,
+        Err(problem) => return usage(&problem),
+    };
+    if as_json {
+        say_json(&beside.to_json());
+    } else {
+        say(&beside.to_text());
+    }
+    ExitCode::from(if beside.is_equal() {
+        EXIT_PASS
+    } else {
+        EXIT_FAIL
+    })
+}
+
+impl Beside {
+    /// True when nothing differs that is compared.
+    pub(crate) fn is_equal(&self) -> bool {
+        self.comparison.first.is_none()
+    }
+
+    pub(crate) fn to_json(&self) -> serde_json::Value {
+        let [a, b] = &self.figures;
+        json!({
+            "equal": self.is_equal(),
+            "first": self.comparison.first,
+            "topics": self.comparison.topics,
+            "figures": { "a": a, "b": b },
+        })
+    }
+
+    /// The first difference, the topics and the figures, a line each.
+    pub(crate) fn to_text(&self) -> String {
+        let topics = &self.comparison.topics;
+        let equal: u64 = topics.iter().map(|topic| topic.equal).sum();
+        let mut text = match &self.comparison.first {
+            Some(first) => format!("first difference: {}\n", in_words(first)),
+            None => format!("equal: {equal} messages on {} topics\n", topics.len()),
+        };
+        if !self.is_equal() {
+            text += &self.topics_in_words();
+        }
+        text + &self.figures_in_words()
+    }
+
+    fn topics_in_words(&self) -> String {
+        let topics = &self.comparison.topics;
+        let width = topics.iter().map(|topic| topic.topic.len()).max();
+        let width = width.unwrap_or(0).max(5);
+        let row = |topic: &str, counts: [&dyn core::fmt::Display; 4], first: &str| {
+            let [equal, different, a, b] = counts;
+            format!("{topic:width$}  {equal:>8}  {different:>9}  {a:>8}  {b:>8}  {first}\n")
+        };
+        let heads: [&dyn core::fmt::Display; 4] = [&"equal", &"different", &"only a", &"only b"];
+        let head = row("topic", heads, "first difference");
+        let rows = topics.iter().map(|topic| {
+            let first = topic.first.as_ref().map_or_else(String::new, |first| {
+                let field = first.field.as_deref().unwrap_or("one is missing");
+                format!("tick {}: {}", first.tick, printable(field))
+            });
+            let counts: [&dyn core::fmt::Display; 4] =
+                [&topic.equal, &topic.different, &topic.only_a, &topic.only_b];
+            row(&printable(&topic.topic), counts, &first)
+        });
+        format!("\n{head}{}", rows.collect::<String>())
+    }
+
+    fn figures_in_words(&self) -> String {
+        let [a, b] = &self.figures;
+        let mut names: Vec<(&str, &str)> = Vec::new();
+        for figure in a.iter().chain(b) {
+            if !names.contains(&(&figure.name, figure.unit)) {
+                names.push((&figure.name, figure.unit));
+            }
+        }
+        let value = |figures: &[Figure], name: &str| {
+            let figure = figures.iter().find(|figure| figure.name == name);
+            let value = figure.and_then(|figure| figure.value);
+            value.map_or_else(|| "-".to_owned(), |value| format!("{value:.3}"))
+        };
+        let width = names.iter().map(|(name, _)| name.len()).max().unwrap_or(0);
+        let mut text = format!("\n{:width$}  {:>10}  {:>10}\n", "", "a", "b");
+        for (name, unit) in names {
+            let (a, b) = (value(a, name), value(b, name));
+            let line = format!("{name:width$}  {a:>10}  {b:>10}  {unit}");
+            text += line.trim_end();
+            text.push('\n');
+        }
+        text
+    }
+}
+
+/// What differs first, in a line.
+fn in_words(first: &Difference) -> String {
+    let Difference {
+        topic,
+        author,
+        tick,
+        run_s,
+        field,
+        unit,
+        a,
+        b,
+    } = first;
+    let place = format!("tick {tick} ({run_s:.3} s), {author} on {topic}: ");
+    let what = match (field, a, b) {
+        (Some(field), Some(a), Some(b)) => {
+            let unit = unit.as_deref().filter(|unit| super::is_unit(unit));
+            let unit = unit.map_or_else(String::new, |unit| format!(" {unit}"));
+            format!("{field} is {a}{unit} in a, {b}{unit} in b")
+        }
+        (_, Some(_), None) => "the message is in a only".to_owned(),
+        (_, None, Some(_)) => "the message is in b only".to_owned(),
+        _ => "the message differs".to_owned(),
+    };
+    // A recording of others may hold anything.
+    printable(&(place + &what)).into_owned()
+}
