@@ -10,15 +10,12 @@ use std::fs::File;
 use std::os::unix::fs::FileExt;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
+use zeronav_recorder::domain_files::{END, RECORDED};
 use zeronav_shell::folder::Folder;
 use zeronav_supervise::child_log::{LogPlace, last_lines};
 
 /// The binary.
 pub(crate) const BINARY: &str = "zeronav-recorder";
-
-/// File in the folder of a domain in which a recorder says up to which tick it has read everything; it
-/// is there from the beginning of the recording on.
-const PROGRESS: &str = "recorded";
 
 /// How long the recorder may take to begin, of its own time: time without a processor does not count.
 pub(crate) const START_LIMIT: Duration = Duration::from_secs(5);
@@ -83,7 +80,7 @@ impl RecordedTicks {
     /// Of the recorder of the domain in `folder`, once it records.
     pub(crate) fn open(folder: &Folder) -> Option<Self> {
         Some(Self {
-            file: folder.file(PROGRESS, OFlags::RDONLY).ok()?,
+            file: folder.file(RECORDED, OFlags::RDONLY).ok()?,
             tick: 0,
             since: Instant::now(),
         })
@@ -102,6 +99,16 @@ impl RecordedTicks {
             return u64::MAX;
         }
         tick.saturating_add(TICKS_AHEAD)
+    }
+}
+
+/// Says to a recorder of the domain in `folder` with which tick the run ended. When that cannot be said, a recording
+/// has all of what comes behind as well.
+pub(crate) fn say_end(folder: &Folder, end_tick: u64) {
+    let file = folder.file(END, OFlags::WRONLY | OFlags::CREATE);
+    let said = file.and_then(|file| file.write_all_at(&end_tick.to_le_bytes(), 0));
+    if let Err(error) = said {
+        tracing::warn!(%error, "a recorder could not be told of the end of the run");
     }
 }
 

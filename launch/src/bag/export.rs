@@ -69,8 +69,8 @@ pub(super) fn export(
     let result = match (problem, read, missing) {
         (Some(error), _, _) => Err(failed(&error)),
         (None, Err(error), _) => Err(wrong(&error)),
-        (None, Ok(()), Some(topic)) => Err(wrong(&format!("no message on {topic} is in it"))),
-        (None, Ok(()), None) => Ok(()),
+        (None, Ok(_), Some(topic)) => Err(wrong(&format!("no message on {topic} is in it"))),
+        (None, Ok(_), None) => Ok(()),
     };
     if result.is_err() {
         tables

@@ -21,6 +21,7 @@ use crate::collect::Collector;
 use crate::configs;
 use crate::ending::Ending;
 use crate::prepare::Prepared;
+use crate::recorder;
 use crate::seat_report;
 use crate::show::log;
 use crate::shuttle::{Quota, Shuttle, Trial};
@@ -173,6 +174,9 @@ fn drive_stack(
     session.collector.seen.end_at(end_tick);
     session.collector.reasons.end_at(end_tick);
     tracing::info!(outcome = ending.outcome(), end_tick, "the run ends");
+    if let Some(folder) = stack.folder().filter(|_| prepared.recording.is_some()) {
+        recorder::say_end(folder, end_tick);
+    }
     let disturbance = session.at_start.take().map(|before| {
         let spans = session.collector.records.spans.iter();
         reading(stack).since(&before, spans)

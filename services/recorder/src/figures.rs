@@ -101,18 +101,14 @@ impl Sums {
     fn add_span(&mut self, layout: &Layout, item: &[u8]) {
         let number = |path: &str| {
             let leaf = layout.item.iter().find(|leaf| leaf.path == path)?;
-            leaf.text(leaf.of(item)?).parse::<u64>().ok()
+            leaf.unsigned(leaf.of(item)?)
         };
-        let role = layout.item.iter().find(|leaf| leaf.path == "role");
-        let role = role.and_then(|leaf| Some(leaf.text(leaf.of(item)?)));
-        let role = role.and_then(|label| Role::from_label(&label));
         // A thread that wakes another one up has no output.
         let times = number("published_ns").zip(number("started_ns"));
         let times = times.filter(|_| number("output").is_some_and(|id| id > 0));
-        if let (Some(role), Some((end_ns, begin_ns))) = (role, times)
+        if let (Some(role), Some((end_ns, begin_ns))) = (number("role"), times)
             && let Some(ns) = end_ns.checked_sub(begin_ns)
         {
-            let role = u64::from(role.code());
             self.computing_ns.entry(role).or_default().push(ns);
         }
     }

@@ -170,7 +170,9 @@ impl Leaf {
         }
     }
 
-    fn unsigned(&self, value: &[u8]) -> Option<u64> {
+    /// A value as an unsigned number, if it is one.
+    #[must_use]
+    pub fn unsigned(&self, value: &[u8]) -> Option<u64> {
         match self.kind {
             Kind::Number(Number::U8 | Number::U16 | Number::U32 | Number::U64) => {
                 let mut wide = [0; 8];

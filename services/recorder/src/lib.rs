@@ -8,6 +8,7 @@
 //! a file into what is in it ([`read`], [`recover`]).
 
 pub mod compare;
+pub mod domain_files;
 pub mod figures;
 pub mod file;
 pub mod layout;

@@ -3,6 +3,7 @@
 use crate::layout::{Layout, LayoutError};
 use crate::native::PREFIX;
 use crate::read::{ReadError, records};
+use crate::verdict::{END_TICK, VERDICT};
 use mcap::records::Record;
 use std::collections::BTreeMap;
 use std::io::Read;
@@ -29,7 +30,8 @@ pub enum MessagesError {
 }
 
 /// Shows the messages of the topics that are wanted: name of the topic, layout, header with fixed fields, and
-/// items. One that is shorter than it can be is left out.
+/// items. One that is shorter than it can be is left out. The tick with which the run ended, if the recording says
+/// it.
 ///
 /// # Errors
 /// See [`MessagesError`]; what was read before has been shown.
@@ -37,7 +39,8 @@ pub fn native_messages(
     input: impl Read,
     wants: impl Fn(&str) -> bool,
     mut see: impl FnMut(&str, &Layout, [&[u8]; 2]),
-) -> Result<(), MessagesError> {
+) -> Result<Option<u64>, MessagesError> {
+    let mut end_tick = None;
     let mut channels: BTreeMap<u16, (String, Layout)> = BTreeMap::new();
     let mut is_ours = false;
     let mut n = 0;
@@ -63,12 +66,16 @@ pub fn native_messages(
                     see(name, layout, [envelope, items]);
                 }
             }
+            Record::Metadata(metadata) if metadata.name == VERDICT => {
+                let tick = metadata.metadata.get(END_TICK);
+                end_tick = tick.and_then(|tick| tick.parse().ok());
+            }
             _ => {}
         }
         Ok(())
     })?;
     if is_ours {
-        Ok(())
+        Ok(end_tick)
     } else {
         Err(MessagesError::Foreign)
     }

@@ -1,5 +1,6 @@
 //! The process: its flags, its loop, and its end.
 
+use crate::domain_files::{END, RECORDED};
 use crate::recorder::{Recorder, Start, WriteError};
 use crate::taps::Taps;
 use crate::times::TimeBase;
@@ -60,10 +61,6 @@ struct Arguments {
     #[arg(long)]
     rollouts: bool,
 }
-
-/// File in the folder of the domain that says up to which tick everything was read, for a launch that
-/// waits in lockstep: 8 bytes, little-endian. It is there as soon as the recording has begun.
-const PROGRESS: &str = "recorded";
 
 /// Why there is no recording, or none to the end.
 #[derive(Debug, thiserror::Error)]
@@ -145,12 +142,18 @@ fn record(arguments: &Arguments) -> Result<BTreeMap<String, String>, RecordError
     let progress = peer
         .domain()
         .folder()
-        .file(PROGRESS, OFlags::RDWR | OFlags::CREATE)
+        .file(RECORDED, OFlags::RDWR | OFlags::CREATE)
         .map_err(|error| StartError::system("saying that the recording has begun", error))?;
     let done = listen(&peer, &mut taps, &recorder, (&roster, &progress), || {
         stop.load(Ordering::Relaxed) || peer.domain().is_orphaned()
     });
-    let fields = recorder.finish(&taps).map_err(failed);
+    let end_tick = peer.domain().folder().file(END, OFlags::RDONLY);
+    let end_tick = end_tick.ok().and_then(|file| {
+        let mut bytes = [0; 8];
+        file.read_exact_at(&mut bytes, 0).ok()?;
+        Some(u64::from_le_bytes(bytes))
+    });
+    let fields = recorder.finish(&taps, end_tick).map_err(failed);
     drop(taps);
     // Of a run that is over, launch removes what this cannot.
     let _ = peer.leave().close();

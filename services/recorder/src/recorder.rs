@@ -7,7 +7,7 @@ use crate::native::{self, NativeTopic};
 use crate::ros::{Bytes, Ros, RosTopic};
 use crate::taps::{Message, Taps};
 use crate::times::TimeBase;
-use crate::verdict::{VERDICT, verdict};
+use crate::verdict::{END_TICK, VERDICT, verdict};
 use std::collections::{BTreeMap, VecDeque};
 use std::fs::File;
 use std::io::{BufWriter, Write};
@@ -110,9 +110,15 @@ impl Recorder {
             .is_ok()
     }
 
-    /// Ends the file with the verdict on `taps`.
-    pub(crate) fn finish(self, taps: &Taps) -> Result<BTreeMap<String, String>, WriteError> {
-        let fields = verdict(taps.tallies(), None);
+    /// Ends the file with the verdict on `taps`, and the tick with which the run ended, if it did.
+    pub(crate) fn finish(
+        self,
+        taps: &Taps,
+        end_tick: Option<u64>,
+    ) -> Result<BTreeMap<String, String>, WriteError> {
+        let mut fields = verdict(taps.tallies(), None);
+        let end_tick = end_tick.map(|tick| (END_TICK.to_owned(), tick.to_string()));
+        fields.extend(end_tick);
         // When the writer has ended, it says why itself.
         let _ = self.orders.send(Order::Finish(fields.clone()));
         self.writer.join().map_err(|_| WriteError::Ended)??;

@@ -58,6 +58,9 @@ impl Tally {
 /// Name of the metadata record with the verdict, which ends a recording.
 pub const VERDICT: &str = "zeronav";
 
+/// Field of the verdict with the tick with which launch ended the run.
+pub const END_TICK: &str = "end_tick";
+
 /// The verdict on these topics, as the fields of the metadata record [`VERDICT`]; `cut` is why the
 /// recording ended before the run, if it did.
 ///
