@@ -34,8 +34,11 @@ pub(crate) fn beside(a: &Path, b: &Path) -> Result<Beside, String> {
     let compared = compare(|second| Ok(open(second)?));
     let comparison =
         compared.map_err(|(second, error)| in_file(files[usize::from(second)], &error))?;
+    let end_ticks = comparison.end_ticks;
     let of = |second: bool| {
-        let figures = open(second).map_err(Into::into).and_then(figures);
+        let end_tick = end_ticks[usize::from(second)];
+        let input = open(second).map_err(Into::into);
+        let figures = input.and_then(|input| figures(input, end_tick));
         figures.map_err(|error| in_file(files[usize::from(second)], &error))
     };
     Ok(Beside {

@@ -2,8 +2,8 @@
 //!
 //! Stamps of the machine's clock, checksums and the numbers of starts are left out, so that two lockstep runs
 //! that did the same are equal. Not compared are `run/spans` and `health/*`, by which processes speak of
-//! themselves, `run/clock` and `run/control`, with which launch follows the clock, and everything from the tick on
-//! with which the run ended.
+//! themselves, `run/clock` and `run/control`, with which launch follows the clock, `map/keyframe`, which comes when a
+//! reader asks for it, and everything from the tick on with which the run ended.
 
 use crate::layout::{Layout, Leaf};
 use crate::messages::{MessagesError, native_messages};
@@ -14,7 +14,7 @@ use std::io::Read;
 use zeronav_msgs::header::{Id, SHADOW_EPOCH_MIN};
 use zeronav_msgs::role::Role;
 use zeronav_msgs::time::seconds;
-use zeronav_msgs::topics::{HEALTH, RunClockTopic, RunControlTopic, SPANS, Topic};
+use zeronav_msgs::topics::{HEALTH, MapKeyframe, RunClockTopic, RunControlTopic, SPANS, Topic};
 
 /// What differs first.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -62,6 +62,8 @@ pub struct Comparison {
     pub first: Option<Difference>,
     /// The topics that one of them has, by name.
     pub topics: Vec<TopicComparison>,
+    /// The tick with which each run ended, where its recording says so.
+    pub end_ticks: [Option<u64>; 2],
 }
 
 /// Which message: tick, author in the order of the data flow, whether a shadow wrote it, and which of those with
@@ -91,7 +93,8 @@ pub fn compare<R: Read>(
         let digests = open(second).and_then(digests);
         digests.map_err(|error| (second, error))
     };
-    let (a, b) = (of(false)?, of(true)?);
+    let ((a, a_end_tick), (b, b_end_tick)) = (of(false)?, of(true)?);
+    let end_ticks = [a_end_tick, b_end_tick];
     let names: BTreeSet<&String> = a.keys().chain(b.keys()).collect();
     let none = BTreeMap::new();
     let mut topics = Vec::new();
@@ -127,6 +130,7 @@ pub fn compare<R: Read>(
     Ok(Comparison {
         first: first.map(|(_, difference)| difference),
         topics,
+        end_ticks,
     })
 }
 
@@ -172,6 +176,7 @@ fn is_compared(name: &str) -> bool {
         SPANS.name,
         RunClockTopic::ROW.name,
         RunControlTopic::ROW.name,
+        MapKeyframe::ROW.name,
     ];
     let is_health = HEALTH.iter().any(|row| row.name == name);
     !is_health && !left_out.contains(&name)
@@ -198,7 +203,7 @@ fn messages(
     })
 }
 
-fn digests(input: impl Read) -> Result<Digests, MessagesError> {
+fn digests(input: impl Read) -> Result<(Digests, Option<u64>), MessagesError> {
     let mut digests = Digests::new();
     let end_tick = messages(input, |name, layout, key, [envelope, items]| {
         let mut hasher = DefaultHasher::new();
@@ -222,7 +227,7 @@ fn digests(input: impl Read) -> Result<Digests, MessagesError> {
             topic.retain(|(tick, ..), _| *tick < end_tick);
         }
     }
-    Ok(digests)
+    Ok((digests, end_tick))
 }
 
 /// The messages of these topics with these keys.

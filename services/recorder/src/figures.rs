@@ -38,17 +38,19 @@ struct Sums {
     computing_ns: BTreeMap<u64, Vec<u64>>,
 }
 
-/// The figures of a recording: of those processes that were obeyed, shadows left out.
+/// The figures of a recording up to the tick with which its run ended, if that is known: of those processes that were
+/// obeyed, shadows left out.
 ///
 /// # Errors
 /// See [`MessagesError`].
-pub fn figures(input: impl Read) -> Result<Vec<Figure>, MessagesError> {
+pub fn figures(input: impl Read, end_tick: Option<u64>) -> Result<Vec<Figure>, MessagesError> {
     let topics = [
         PlanPath::ROW.name,
         RobotCommand::ROW.name,
         GroundTruth::ROW.name,
         SPANS.name,
     ];
+    let counts = |tick: Option<u64>| tick.is_none_or(|tick| end_tick.is_none_or(|end| tick < end));
     let mut sums = Sums::default();
     native_messages(
         input,
@@ -56,9 +58,13 @@ pub fn figures(input: impl Read) -> Result<Vec<Figure>, MessagesError> {
         |name, layout, [envelope, items]| {
             if name == SPANS.name {
                 for item in items.chunks_exact(layout.item_bytes.max(1)) {
-                    sums.add_span(layout, item);
+                    if counts(Layout::unsigned(&layout.item, item, "tick")) {
+                        sums.add_span(layout, item);
+                    }
                 }
-            } else if !is_shadow(layout.number(envelope, "header.id")) {
+            } else if counts(layout.number(envelope, "header.tick"))
+                && !is_shadow(layout.number(envelope, "header.id"))
+            {
                 sums.add(name, layout, envelope);
             }
         },
@@ -99,10 +105,7 @@ impl Sums {
     }
 
     fn add_span(&mut self, layout: &Layout, item: &[u8]) {
-        let number = |path: &str| {
-            let leaf = layout.item.iter().find(|leaf| leaf.path == path)?;
-            leaf.unsigned(leaf.of(item)?)
-        };
+        let number = |path: &str| Layout::unsigned(&layout.item, item, path);
         // A thread that wakes another one up has no output.
         let times = number("published_ns").zip(number("started_ns"));
         let times = times.filter(|_| number("output").is_some_and(|id| id > 0));

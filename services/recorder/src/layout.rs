@@ -121,8 +121,14 @@ impl Layout {
     /// The value at this path of header and fixed fields, if it is an unsigned number.
     #[must_use]
     pub fn number(&self, envelope: &[u8], path: &str) -> Option<u64> {
-        let leaf = self.envelope.iter().find(|leaf| leaf.path == path)?;
-        leaf.unsigned(leaf.of(envelope)?)
+        Self::unsigned(&self.envelope, envelope, path)
+    }
+
+    /// The value at this path of a part with these values, if it is an unsigned number.
+    #[must_use]
+    pub fn unsigned(leaves: &[Leaf], part: &[u8], path: &str) -> Option<u64> {
+        let leaf = leaves.iter().find(|leaf| leaf.path == path)?;
+        leaf.unsigned(leaf.of(part)?)
     }
 
     /// The value at this path of a part with these values, as a number.
@@ -170,9 +176,7 @@ impl Leaf {
         }
     }
 
-    /// A value as an unsigned number, if it is one.
-    #[must_use]
-    pub fn unsigned(&self, value: &[u8]) -> Option<u64> {
+    fn unsigned(&self, value: &[u8]) -> Option<u64> {
         match self.kind {
             Kind::Number(Number::U8 | Number::U16 | Number::U32 | Number::U64) => {
                 let mut wide = [0; 8];

@@ -194,3 +194,140 @@ fn what_is_no_recording_is_refused_in_one_line() {
         refused(&zeronav(&["bag", verb, "/absent.mcap"]), "/absent.mcap: ");
     }
 }
+
+/// The comparison that `zeronav bag diff` prints as JSON.
+fn diff(a: &Path, b: &Path, code: i32) -> Value {
+    let [a, b] = [a, b].map(|file| file.display().to_string());
+    zeronav(&["bag", "diff", &a, &b, "--json"]).expect(code)
+}
+
+#[test]
+fn a_recorded_run_is_driven_again_and_what_was_changed_is_found_where_it_begins() {
+    let original = zeronav(&["run", "blocked_aisle", "--lockstep", "--json", "--record"]);
+    let result = original.expect(0);
+    let file = recording_of(original.folder.path());
+    let path = file.display().to_string();
+    let again = zeronav(&["replay", &path, "--json"]);
+    let same = again.expect(0);
+    assert_eq!(same["comparison"]["equal"], true, "{same:#}");
+    assert_eq!(same["result"]["run_hash"], result["run_hash"]);
+    let compared = same["comparison"]["topics"].as_array().expect("topics");
+    let equal: u64 = compared.iter().map(|topic| n(&topic["equal"])).sum();
+    assert!(equal > 8000, "{compared:#?}");
+    // The scenario in the run's folder says the same without those that it builds on.
+    let scenario = file
+        .with_file_name("blocked_aisle.toml")
+        .display()
+        .to_string();
+    let plain = zeronav(&["run", &scenario, "--lockstep", "--json"]).expect(0);
+    assert_eq!(plain["run_hash"], result["run_hash"]);
+
+    // A change of one parameter shows first in its own seat, and no difference is no surprise then.
+    let set = "local_planner.controller=dwa";
+    let changed = zeronav(&["replay", &path, "--set", set, "--json"]);
+    let differs = changed.expect(0);
+    let first = &differs["comparison"]["first"];
+    assert_eq!(first["author"], "local_planner", "{first:#}");
+    assert_eq!(first["topic"], "control/velocity_request", "{first:#}");
+    let other = recording_of(changed.folder.path());
+    assert_eq!(&diff(&file, &other, 1)["first"], first);
+    assert_eq!(diff(&file, &file, 0)["equal"], true);
+    let figure = |of: &str| {
+        let figures = differs["comparison"]["figures"][of].as_array();
+        let mut figures = figures.expect("figures").iter();
+        let speed = figures.find(|figure| figure["name"] == "mean speed");
+        speed
+            .and_then(|figure| figure["value"].as_f64())
+            .expect("a speed")
+    };
+    assert!(figure("a") > 0.3 && figure("b") > 0.3, "{differs:#}");
+}
+
+#[test]
+fn a_fault_is_found_at_its_tick() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let fault = "base = [\"open_aisle\"]\ntitle = \"with a fault\"\n[[faults]]\nkind = \"kill\"\n\
+                 service = \"local_planner\"\nbegins = { at_s = 4.0 }\n";
+    std::fs::write(folder.path().join("fault.toml"), fault).expect("written");
+    let drive = |scenario: &str, file: &str| {
+        let record = format!("--record={}", folder.path().join(file).display());
+        let scenario = match scenario {
+            "fault.toml" => folder.path().join(scenario).display().to_string(),
+            name => name.to_owned(),
+        };
+        zeronav(&["run", &scenario, "--lockstep", "--json", &record]).expect(0)
+    };
+    let result = drive("open_aisle", "a.mcap");
+    drive("fault.toml", "b.mcap");
+    let compared = diff(
+        &folder.path().join("a.mcap"),
+        &folder.path().join("b.mcap"),
+        1,
+    );
+    let first = &compared["first"];
+    let tick = n(&first["tick"]);
+    let due = 200;
+    assert!((due..due + 3).contains(&tick), "{first:#} of {result:#}");
+    assert_eq!(first["author"], "local_planner", "{first:#}");
+}
+
+#[test]
+fn what_cannot_be_driven_again_is_refused_in_one_line() {
+    let _turn = real_time_turn();
+    let folder = tempfile::tempdir().expect("a folder");
+    let short = zeronav_tests::rooms::short_drive("");
+    std::fs::write(folder.path().join("short.toml"), short).expect("written");
+    let arguments = ["run", "short.toml", "--headless", "--record"];
+    let real = Zeronav::start_in(folder, &arguments).finish();
+    assert_eq!(real.code(), 0, "{}", real.stderr);
+    let path = recording_of(real.folder.path()).display().to_string();
+    refused(&zeronav(&["replay", &path]), "it was recorded in real time");
+    let junk = real.folder.path().join("junk.mcap");
+    std::fs::write(&junk, b"this is no recording at all, and long enough").expect("written");
+    let junk = junk.display().to_string();
+    refused(&zeronav(&["replay", &junk]), &format!("{junk}: byte "));
+    refused(
+        &zeronav(&["bag", "diff", &path, &junk]),
+        &format!("{junk}: byte "),
+    );
+    refused(
+        &zeronav(&["bag", "check", &junk]),
+        &format!("{junk}: byte "),
+    );
+    refused(
+        &zeronav(&["bag", "diff", "/absent.mcap", &path]),
+        "/absent.mcap: ",
+    );
+
+    // Tables of it.
+    let tables = real.folder.path().join("tables");
+    let arguments = [
+        "bag",
+        "export",
+        &path,
+        "--csv",
+        &tables.display().to_string(),
+    ];
+    let exported = zeronav(&arguments);
+    assert_eq!(exported.code(), 0, "{}", exported.stderr);
+    let info = info(Path::new(&path), 0);
+    let channels = info["channels"].as_array().expect("channels");
+    let name = format!("zeronav/{}", RobotOdometry::ROW.name);
+    let odometry = channels.iter().find(|it| it["topic"] == *name);
+    let messages = n(&odometry.expect("odometry")["messages"]);
+    let table = std::fs::read_to_string(tables.join("robot-odometry.csv")).expect("a table");
+    let mut lines = table.lines();
+    let heads = lines.next().expect("heads");
+    assert!(heads.contains(",meta.v_mps [m/s],"), "{heads}");
+    assert_eq!(lines.clone().count() as u64, messages);
+    let columns = heads.split(',').count();
+    assert!(
+        lines.all(|line| line.split(',').count() == columns),
+        "{table}"
+    );
+    refused(&zeronav(&arguments), "it is not empty; name another folder");
+    let other = real.folder.path().join("other");
+    let arguments = ["bag", "export", &path, "--topic", "no/such", "--csv"];
+    let arguments = [&arguments[..], &[&other.display().to_string()]].concat();
+    refused(&zeronav(&arguments), "no message on no/such is in it");
+}
