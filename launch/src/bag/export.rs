@@ -4,7 +4,6 @@ use core::iter::once;
 use csv::Writer;
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::Error;
 use std::path::Path;
 use zeronav_files::Folder;
 use zeronav_recorder::layout::{Kind, Layout, Leaf};
@@ -27,6 +26,7 @@ struct Tables {
     items: Option<Writer<File>>,
     /// Their files.
     names: Vec<String>,
+    stem: String,
     rows: u64,
 }
 
@@ -105,9 +105,10 @@ fn write(
     let values = cells(&layout.envelope, envelope);
     let cells_of_row = [row.clone()].into_iter().chain(values).chain([n]);
     tables.messages.write_record(cells_of_row)?;
-    if let Some(to) = &mut tables.items {
+    if (1..=COLUMNS_MAX).contains(&layout.item.len()) {
         for (at, item) in items.chunks_exact(layout.item_bytes.max(1)).enumerate() {
             let place = [row.clone(), at.to_string()];
+            let to = tables.items(folder, layout)?;
             to.write_record(place.into_iter().chain(cells(&layout.item, item)))?;
         }
     }
@@ -116,42 +117,41 @@ fn write(
 }
 
 impl Tables {
-    fn begin(folder: &Folder, name: &str, layout: &Layout) -> csv::Result<Self> {
+    fn begin(folder: &Folder, topic: &str, layout: &Layout) -> csv::Result<Self> {
         let letter = |letter: char| match letter {
             'a'..='z' | 'A'..='Z' | '0'..='9' | '_' => letter,
             _ => '-',
         };
-        let stem: String = name.chars().map(letter).collect();
-        let mut names = Vec::new();
-        let mut table = |name: String| {
-            let file = folder.new_file(&name)?;
-            names.push(name);
-            Ok::<_, Error>(Writer::from_writer(file))
-        };
-        let mut messages = table(format!("{stem}.csv"))?;
+        let stem: String = topic.chars().map(letter).collect();
+        let name = format!("{stem}.csv");
+        let mut messages = Writer::from_writer(folder.new_file(&name)?);
         let heads = heads(&layout.envelope);
-        messages.write_record(
-            once("message")
-                .chain(heads.iter().map(|it| &**it))
-                .chain(["items"]),
-        )?;
-        let mut items = None;
-        if (1..=COLUMNS_MAX).contains(&layout.item.len()) {
-            let mut file = table(format!("{stem}.items.csv"))?;
-            let heads = self::heads(&layout.item);
-            file.write_record(
-                ["message", "item"]
-                    .into_iter()
-                    .chain(heads.iter().map(|it| &**it)),
-            )?;
-            items = Some(file);
-        }
+        let heads = once("message").chain(heads.iter().map(String::as_str));
+        messages.write_record(heads.chain(once("items")))?;
         Ok(Self {
             messages,
-            items,
-            names,
+            items: None,
+            names: vec![name],
+            stem,
             rows: 0,
         })
+    }
+
+    /// The table of the items, which is there from the first on.
+    fn items(&mut self, folder: &Folder, layout: &Layout) -> csv::Result<&mut Writer<File>> {
+        let begun = match self.items.take() {
+            Some(items) => items,
+            None => {
+                let name = format!("{}.items.csv", self.stem);
+                let mut items = Writer::from_writer(folder.new_file(&name)?);
+                self.names.push(name);
+                let heads = heads(&layout.item);
+                let heads = heads.iter().map(String::as_str);
+                items.write_record(["message", "item"].into_iter().chain(heads))?;
+                items
+            }
+        };
+        Ok(self.items.insert(begun))
     }
 }
 

@@ -28,6 +28,9 @@ const CLOCK_FIELDS: [&str; 7] = [
     "checksum",
 ];
 
+/// Name of fields that hold nothing.
+const SPARE: &str = "spare";
+
 /// Why a channel's description cannot be used.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("channel {channel}: its metadata has no usable `{what}`")]
@@ -269,9 +272,21 @@ impl Flat {
                 if about.is_some_and(|about| about.unit == Some(TEXT)) && of == "u8" {
                     return self.leaf(path, offset, len, Kind::Text, about);
                 }
+                // One unit for all, or one for each.
+                let units: Vec<&str> = about
+                    .and_then(|about| about.unit)
+                    .map_or_else(Vec::new, |units| units.split(", ").collect());
                 let mut end = 0;
                 for n in 0..len {
                     let path = format!("{path}[{n}]");
+                    let about = about.map(|about| About {
+                        unit: if units.len() == len {
+                            Some(units[n])
+                        } else {
+                            about.unit
+                        },
+                        ..about
+                    });
                     let bytes = self.add(of, &path, offset.checked_add(end)?, about, depth + 1)?;
                     end = end.checked_add(bytes)?;
                 }
@@ -281,6 +296,9 @@ impl Flat {
                 let dot = if path.is_empty() { "" } else { "." };
                 for field in message.get("fields")?.as_array()? {
                     let name = field["name"].as_str()?;
+                    if name == SPARE {
+                        continue;
+                    }
                     let at = usize::try_from(field["offset"].as_u64()?).ok()?;
                     let about = About {
                         unit: field["unit"].as_str(),
