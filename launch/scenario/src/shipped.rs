@@ -179,3 +179,23 @@ fn the_sealed_room_is_sealed_and_nobody_sees_it_from_the_start() {
     assert_eq!(unsealed.world.shapes, sealed.world.shapes);
     assert!(checked.world.obstacles().is_empty());
 }
+
+#[test]
+fn the_text_of_every_scenario_says_the_same_without_what_it_builds_on() {
+    for listed in Library::of("/nowhere").list() {
+        let (scenario, _) = built_in(&listed.name);
+        let text = scenario.to_toml(42).unwrap();
+        let read = Scenario::of_text(&listed.name, &text).unwrap();
+        let read = read
+            .whole()
+            .unwrap_or_else(|error| panic!("{}: {error}", listed.name));
+        let mut expected = scenario;
+        expected.run.seed = 42;
+        let json = |scenario: &Scenario| serde_json::to_value(scenario).unwrap();
+        assert_eq!(json(&read), json(&expected), "{}", listed.name);
+        // TOML has no number for it.
+        let text = expected.to_toml(u64::MAX).unwrap();
+        let read = Scenario::of_text(&listed.name, &text).unwrap();
+        assert_eq!(read.scenario.run.seed, 42);
+    }
+}

@@ -139,17 +139,16 @@ impl Tables {
 
     /// The table of the items, which is there from the first on.
     fn items(&mut self, folder: &Folder, layout: &Layout) -> csv::Result<&mut Writer<File>> {
-        let begun = match self.items.take() {
-            Some(items) => items,
-            None => {
-                let name = format!("{}.items.csv", self.stem);
-                let mut items = Writer::from_writer(folder.new_file(&name)?);
-                self.names.push(name);
-                let heads = heads(&layout.item);
-                let heads = heads.iter().map(String::as_str);
-                items.write_record(["message", "item"].into_iter().chain(heads))?;
-                items
-            }
+        let begun = if let Some(items) = self.items.take() {
+            items
+        } else {
+            let name = format!("{}.items.csv", self.stem);
+            let mut items = Writer::from_writer(folder.new_file(&name)?);
+            self.names.push(name);
+            let heads = heads(&layout.item);
+            let heads = heads.iter().map(String::as_str);
+            items.write_record(["message", "item"].into_iter().chain(heads))?;
+            items
         };
         Ok(self.items.insert(begun))
     }
