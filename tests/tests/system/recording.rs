@@ -254,7 +254,8 @@ fn a_fault_is_found_at_its_tick() {
         std::fs::write(file("toml"), short_drive(more)).expect("written");
         let record = format!("--record={}", file("mcap").display());
         let scenario = file("toml").display().to_string();
-        zeronav(&["run", &scenario, "--lockstep", "--json", &record]).expect(0);
+        let ended = zeronav(&["run", &scenario, "--lockstep", "--headless", &record]);
+        assert_eq!(ended.code(), 0, "{}", ended.stderr);
         file("mcap")
     };
     let compared = diff(&drive("plain", ""), &drive("fault", fault), 1);
