@@ -17,10 +17,11 @@ and nobody edits it by hand.
 
 A change is (ours - base) / base, the mean over maps that both sides solve, with a 95 % interval by bootstrap; a
 share has Wilson's. **Reproduced**: the printed sign, an interval without zero, half to twice the printed size (a count:
-within a factor of two; a share: within five points; what is said of all maps: no counterexample). **Qualitative**: the
-same sign, another size (a count: within a factor of three). **Not reproduced**: zero in the interval, the other sign, or one map against what is said of
-all. **Artefact**: only with a fault of the printed method switched on. **Theorem**: it cannot be otherwise,
-and was checked on every map. **Not comparable**: no number is printed, or the setup is missing. **Too few maps**: fewer
+within a factor of two; a share: within five points; \"about the same\": the interval within a quarter more and a fifth
+less; what is said of all maps: no counterexample). **Qualitative**: the same sign, another size, or no size printed (a
+count: within a factor of three; \"about the same\": within twice and half). **Not reproduced**: zero in the interval, the
+other sign, or one map against what is said of all. **Artefact**: only with a fault of the printed method switched on, and
+not without. **Theorem**: it cannot be otherwise, and was checked on every map. **Not comparable**: no number is printed, or the setup is missing. **Too few maps**: fewer
 than ten could be counted. \"Excluded\" is the share of the maps that one of the two sides did not solve; of a time, of the
 maps that were timed. The summary shows the figures of one row of each claim and the verdict of all of them: that of the row
 which says most against it. Times are ratios between programs of the same making, never seconds; those of the papers are MATLAB's.

@@ -84,9 +84,12 @@ impl Place {
     #[must_use]
     pub fn row(&self, figure: Figure) -> Row {
         let printed = match figure.printed {
-            Printed::Change(value) | Printed::Count(value) | Printed::Share(value) => Some(value),
+            Printed::Change(value)
+            | Printed::Count(value)
+            | Printed::Share(value)
+            | Printed::Same(value) => Some(value),
             Printed::Always => Some(1.0),
-            Printed::Nothing => None,
+            Printed::Less | Printed::More | Printed::Nothing => None,
         };
         Row {
             paper: self.paper.to_owned(),

@@ -12,6 +12,12 @@ pub enum Printed {
     Count(f64),
     /// A share of the maps for which something holds.
     Share(f64),
+    /// "About the same", printed as this change: neither sign is for it or against it.
+    Same(f64),
+    /// Less of it, without a number.
+    Less,
+    /// More of it, without a number.
+    More,
     /// "On all maps": one map on which it does not hold is enough against it.
     Always,
     /// Nothing to compare with.
@@ -69,29 +75,40 @@ impl Verdict {
         }
     }
 
-    /// How much it says against the claim; `None` when it says nothing.
+    /// How much a fair figure says against the claim; `None` when it is none, or says nothing.
     const fn weight(self) -> Option<u8> {
         match self {
             Self::Theorem => Some(0),
             Self::Reproduced => Some(1),
             Self::Qualitative => Some(2),
-            Self::Artefact => Some(3),
-            Self::NotReproduced => Some(4),
-            Self::NotComparable | Self::TooFew => None,
+            Self::NotReproduced => Some(3),
+            Self::Artefact | Self::NotComparable | Self::TooFew => None,
         }
     }
 
     /// The verdict on a claim that several figures are measured for: that of the figure which says most
-    /// against it. `None` when none of them can be judged.
+    /// against it; [`Self::Artefact`] where it fails without the printed fault and shows with it. `None`
+    /// when none of them can be judged.
     #[must_use]
     pub fn of_all(verdicts: impl IntoIterator<Item = Self>) -> Option<Self> {
-        let judged = verdicts.into_iter().filter(|it| it.weight().is_some());
-        judged.max_by_key(|it| it.weight())
+        let verdicts: Vec<Self> = verdicts.into_iter().collect();
+        let fair = verdicts.iter().filter(|it| it.weight().is_some());
+        let worst = fair.max_by_key(|it| it.weight()).copied();
+        match worst {
+            None | Some(Self::NotReproduced) if verdicts.contains(&Self::Artefact) => {
+                Some(Self::Artefact)
+            }
+            worst => worst,
+        }
     }
 }
 
 /// How near to a printed share a measured one's interval must come.
 const SHARE_NEAR: f64 = 0.05;
+
+/// Factors of "about the same": all of the interval within the first one, or at least within the other.
+const SAME: f64 = 1.25;
+const SAME_BROADLY: f64 = 2.0;
 
 /// The verdict on a figure.
 ///
@@ -100,7 +117,10 @@ const SHARE_NEAR: f64 = 0.05;
 /// artefact stays one only while it shows at all. For a count zero is no dividing line: it is reproduced
 /// within a factor of two, qualitative within a factor of three. Nor is it for a share: it is
 /// reproduced when its interval comes within five points of the printed share, qualitative when it
-/// lies on the same side of one half, with all of its interval. What is said of all maps is reproduced
+/// lies on the same side of one half, with all of its interval. "About the same" is reproduced when all of
+/// the interval lies within a quarter more or a fifth less, qualitative within twice and half. Less or more
+/// without a number has no size that could be reproduced: it is qualitative with the right sign and an
+/// interval without zero. What is said of all maps is reproduced
 /// when it holds on every map, and not reproduced on one counterexample, however few maps there are; else
 /// a figure of fewer than [`MAPS_MIN`] maps is not judged.
 #[must_use]
@@ -116,6 +136,9 @@ pub fn verdict(printed: Printed, ours: Option<Estimate>, standing: Standing) -> 
         Printed::Change(printed) => change(printed, ours),
         Printed::Count(printed) => count(printed, ours),
         Printed::Share(printed) => share(printed, ours),
+        Printed::Same(_) => same(ours),
+        Printed::Less => sign(ours.interval[1] < 0.0),
+        Printed::More => sign(ours.interval[0] > 0.0),
         Printed::Always => Verdict::Reproduced,
     };
     match standing {
@@ -162,6 +185,27 @@ fn share(printed: f64, ours: Estimate) -> Verdict {
     if low - SHARE_NEAR <= printed && printed <= high + SHARE_NEAR {
         Verdict::Reproduced
     } else if same_side {
+        Verdict::Qualitative
+    } else {
+        Verdict::NotReproduced
+    }
+}
+
+fn same(ours: Estimate) -> Verdict {
+    let factor = |change: f64| (1.0 + change).max(1.0 / (1.0 + change));
+    let [low, high] = ours.interval.map(factor);
+    let farthest = low.max(high);
+    if farthest <= SAME {
+        Verdict::Reproduced
+    } else if farthest <= SAME_BROADLY {
+        Verdict::Qualitative
+    } else {
+        Verdict::NotReproduced
+    }
+}
+
+const fn sign(is_right: bool) -> Verdict {
+    if is_right {
         Verdict::Qualitative
     } else {
         Verdict::NotReproduced
@@ -267,12 +311,47 @@ mod tests {
 
     #[test]
     fn several_figures_are_judged_by_the_worst() {
-        use Verdict::{Artefact, NotComparable, NotReproduced, Qualitative, Reproduced, TooFew};
+        use Verdict::{NotComparable, NotReproduced, Qualitative, Reproduced, Theorem, TooFew};
         let all = [Reproduced, NotReproduced, Qualitative, NotComparable];
         assert_eq!(Verdict::of_all(all), Some(NotReproduced));
-        assert_eq!(Verdict::of_all([Artefact, Qualitative]), Some(Artefact));
+        assert_eq!(Verdict::of_all([Theorem, Reproduced]), Some(Reproduced));
         assert_eq!(Verdict::of_all([TooFew, Reproduced]), Some(Reproduced));
         assert_eq!(Verdict::of_all([TooFew, NotComparable]), None);
+    }
+
+    /// An artefact is what shows with the fault only: of a claim that holds without it, it says nothing.
+    #[test]
+    fn a_claim_is_an_artefact_when_it_fails_without_the_fault() {
+        use Verdict::{Artefact, NotComparable, NotReproduced, Qualitative};
+        assert_eq!(Verdict::of_all([Artefact, NotReproduced]), Some(Artefact));
+        assert_eq!(Verdict::of_all([Artefact, NotComparable]), Some(Artefact));
+        assert_eq!(Verdict::of_all([Artefact, Qualitative]), Some(Qualitative));
+    }
+
+    /// A ratio of one has no sign: +1.5 % and +291 % would have "the same" one, -5 % and +3 % would not.
+    #[test]
+    fn about_the_same_has_no_sign() {
+        let same =
+            |printed, mean, interval| of(Printed::Same(printed), mean, interval, Standing::Fair);
+        assert_eq!(same(-0.05, 0.03, [-0.01, 0.07]), Verdict::Reproduced);
+        assert_eq!(same(0.015, 0.0, [0.0, 0.0]), Verdict::Reproduced);
+        assert_eq!(same(0.015, 0.4, [0.3, 0.5]), Verdict::Qualitative);
+        assert_eq!(same(0.015, -0.4, [-0.45, -0.35]), Verdict::Qualitative);
+        assert_eq!(same(0.015, 2.91, [2.7, 3.1]), Verdict::NotReproduced);
+        assert_eq!(same(0.015, -0.6, [-0.65, -0.55]), Verdict::NotReproduced);
+    }
+
+    #[test]
+    fn less_and_more_without_a_number_are_judged_by_their_sign() {
+        let of = |printed, interval: [f64; 2]| {
+            let mean = 0.5 * (interval[0] + interval[1]);
+            of(printed, mean, interval, Standing::Fair)
+        };
+        assert_eq!(of(Printed::Less, [-0.2, -0.1]), Verdict::Qualitative);
+        assert_eq!(of(Printed::Less, [-0.2, 0.1]), Verdict::NotReproduced);
+        assert_eq!(of(Printed::Less, [0.1, 0.2]), Verdict::NotReproduced);
+        assert_eq!(of(Printed::More, [0.1, 0.2]), Verdict::Qualitative);
+        assert_eq!(of(Printed::More, [-0.2, -0.1]), Verdict::NotReproduced);
     }
 
     #[test]

@@ -56,9 +56,9 @@ pub(super) const fn head(
 /// What all rows of a claim say of it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Judged {
-    /// The verdict of the row that says most against it.
+    /// See [`Verdict::of_all`].
     pub verdict: Verdict,
-    /// Rows that can be judged: those with a printed figure and enough maps.
+    /// Rows that can be judged: those with something to compare with and enough maps.
     pub rows: usize,
     /// Rows among them whose verdict is this one.
     pub agree: usize,
@@ -76,8 +76,7 @@ impl Claim {
     /// What all of its rows say; `None` when none of them can be judged.
     #[must_use]
     pub fn judged(&self, rows: &[Row]) -> Option<Judged> {
-        let printed = self.rows(rows).filter(|row| row.printed.is_some());
-        let verdicts: Vec<Verdict> = printed.map(|row| row.verdict).collect();
+        let verdicts: Vec<Verdict> = self.rows(rows).map(|row| row.verdict).collect();
         let verdict = Verdict::of_all(verdicts.iter().copied())?;
         let judged = verdicts
             .iter()

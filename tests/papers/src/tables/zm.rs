@@ -81,7 +81,7 @@ pub(super) fn run(context: &mut Context) -> Result<Outcome, TableError> {
                 "C2",
                 "expanded",
                 im_hw,
-                Printed::Change(IM_HW_NODES),
+                Printed::Same(IM_HW_NODES),
                 paired(of_hw, of_im, nodes),
             );
             push(
@@ -126,7 +126,7 @@ pub(super) fn run(context: &mut Context) -> Result<Outcome, TableError> {
                 let turns = change(paired(of_tra, ways, |way| 1.0 + count(way.turns())));
                 rows.push(
                     place.row(
-                        figure("C7", "turning points", name, Printed::Nothing, turns).noting(
+                        figure("C7", "turning points", name, Printed::Less, turns).noting(
                             "smoother is claimed, no number is printed; the end is counted",
                         ),
                     ),
@@ -197,7 +197,7 @@ fn sweep(
     for (name, index) in [("best of 36 gains", 0), ("median of 36 gains", middle)] {
         let (changes, eta) = &tried[index];
         let algorithm = format!("IM_APF_A* vs H_W_A*, {name}");
-        let printed = Printed::Change(IM_HW_NODES);
+        let printed = Printed::Same(IM_HW_NODES);
         rows.push(
             place.row(figure("C2", "expanded", &algorithm, printed, *changes).with(eta.clone())),
         );

@@ -84,7 +84,7 @@ pub(super) fn run(context: &mut Context, table: &'static str) -> Result<Outcome,
     let cells = changes(&|way| count(way.cells.len() as u64));
     outcome.rows.push(
         on_grid.row(
-            figure("C2", "cells of the path", name, Printed::Nothing, cells)
+            figure("C2", "cells of the path", name, Printed::Same(0.0), cells)
                 .noting("printed: 15 and 15"),
         ),
     );
