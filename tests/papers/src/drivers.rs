@@ -1,7 +1,14 @@
 //! Who drives the scenes: names for the rows and the settings that the stack is started with.
 //!
 //! The papers' planners search with `cost_weight = 0`: a price on nearness to obstacles is none of theirs.
-//! Lengths in cells are scaled to the scenes, whose cells are a metre on a map of 5 cm.
+//! Lengths in cells are scaled to the scenes, whose cells are a metre on a map of 5 cm; so is what a path keeps
+//! from obstacles ([`crate::scenes::padding_m`]).
+
+/// Half a cell between path and obstacle for the robots of the scenes, but for that of [LWX].
+pub const HALF_A_CELL: &str = "mapping.padding_m=0.2";
+
+/// The same for the robot of [LWX], which is larger.
+const HALF_A_CELL_LWX: &str = "mapping.padding_m=0.15";
 
 /// A driver.
 #[derive(Debug, Clone, Copy)]
@@ -24,6 +31,7 @@ pub const JU: Driver = Driver {
     settings: &[
         "global_planner.planner=ju_astar",
         "global_planner.options.cost_weight=0",
+        HALF_A_CELL,
         "local_planner.controller=ju_fusion",
     ],
 };
@@ -34,6 +42,7 @@ pub const LWX: Driver = Driver {
     settings: &[
         "global_planner.planner=lwx_oa",
         "global_planner.options.cost_weight=0",
+        HALF_A_CELL_LWX,
         "local_planner.controller=lwx_oapf",
     ],
 };
@@ -44,6 +53,7 @@ pub const LWX_CELLS: Driver = Driver {
     settings: &[
         "global_planner.planner=lwx_oa",
         "global_planner.options.cost_weight=0",
+        HALF_A_CELL_LWX,
         "local_planner.controller=lwx_oapf",
         "local_planner.papers.lwx_oapf.repel=1.0",
         "local_planner.papers.lwx_oapf.reach_m=1.5",
@@ -57,6 +67,7 @@ pub const ZM_HW: Driver = Driver {
     settings: &[
         "global_planner.planner=zm_hw",
         "global_planner.options.cost_weight=0",
+        HALF_A_CELL,
         "local_planner.controller=zm_full",
     ],
 };
@@ -67,6 +78,7 @@ pub const ZM_IM: Driver = Driver {
     settings: &[
         "global_planner.planner=zm_im",
         "global_planner.options.cost_weight=0",
+        HALF_A_CELL,
         "global_planner.options.papers.eta.cell_m=1.0",
         "mapping.clearance_limit_m=3.1",
         "local_planner.controller=zm_full",
@@ -79,6 +91,7 @@ pub const BAO: Driver = Driver {
     settings: &[
         "global_planner.planner=bao_iaa",
         "global_planner.options.cost_weight=0",
+        HALF_A_CELL,
         "local_planner.controller=bao_dwa",
     ],
 };
@@ -86,6 +99,52 @@ pub const BAO: Driver = Driver {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scenes::{BaoMap, Coming, ZmScene, ju_dyn, lwx_dyn, padding_m, zm_dyn};
+    use zeronav_global_planner::PaperOptions;
+    use zeronav_local_planner::papers::options::ZmFullConfig;
+    use zeronav_local_planner::papers::potential::Gains;
+
+    /// The number that a driver sets a key to.
+    fn number(driver: &Driver, key: &str) -> f64 {
+        let value = |it: &&str| it.strip_prefix(key)?.strip_prefix('=')?.parse::<f64>().ok();
+        let found = driver.settings.iter().find_map(value);
+        found.unwrap_or_else(|| panic!("{driver:?} has no {key}"))
+    }
+
+    /// The least that a path over the centres of a metre's cells keeps, but for the middle of a passage.
+    #[test]
+    fn paths_keep_half_a_cell_of_the_scenes() {
+        let scene = |driver: &Driver| match driver.name {
+            name if name.starts_with("lwx") => lwx_dyn(Coming::Move, 1).unwrap(),
+            name if name.starts_with("ju") => ju_dyn(1).unwrap(),
+            name if name.starts_with("bao") => BaoMap::new(1).unwrap().empty(),
+            _ => (1..20)
+                .find_map(|seed| zm_dyn(ZmScene::Table2, 0.15, seed).unwrap())
+                .unwrap(),
+        };
+        for driver in [JU, LWX, LWX_CELLS, ZM_HW, ZM_IM, BAO] {
+            let set = number(&driver, "mapping.padding_m");
+            let robot_m = scene(&driver).robot_m;
+            assert!((set - padding_m(robot_m)).abs() < 1e-9, "{driver:?}");
+            assert!((0.44..=0.46).contains(&(set + robot_m)), "{driver:?}");
+        }
+    }
+
+    /// The cells of the scenes are a metre, those of the map 5 cm: three cells of those would be 0.15 m.
+    #[test]
+    fn lengths_in_cells_are_those_of_the_scenes() {
+        let cell_m = number(&ZM_IM, "global_planner.options.papers.eta.cell_m");
+        let reach_m = cell_m * PaperOptions::default().eta.p0_cells;
+        assert!(
+            (reach_m - ZmFullConfig::default().p0_m).abs() < 1e-9,
+            "{reach_m}"
+        );
+        assert!(number(&ZM_IM, "mapping.clearance_limit_m") > reach_m);
+        let of_lwx =
+            |key: &str| number(&LWX_CELLS, &format!("local_planner.papers.lwx_oapf.{key}"));
+        let own = [of_lwx("repel"), of_lwx("reach_m"), of_lwx("steps_per_m")];
+        assert_eq!(own, [Gains::LWX.repel, Gains::LWX.reach, 10.0]);
+    }
 
     #[test]
     fn the_papers_search_without_a_price_on_nearness() {

@@ -4,6 +4,7 @@ use zeronav_papers::claims::claims;
 use zeronav_papers::maps::MapFamily;
 use zeronav_papers::page::{headline, page};
 use zeronav_papers::report::{Format, Report};
+use zeronav_papers::row::Row;
 use zeronav_papers::table::Context;
 use zeronav_papers::tables::TABLES;
 use zeronav_papers::verdict::Verdict;
@@ -43,6 +44,7 @@ fn every_table_without_the_stack_is_complete_on_twenty_maps() {
     {
         assert_eq!((row.verdict, row.ours), (Verdict::Theorem, Some(1.0)));
     }
+    are_beside_each_other(&rows);
     let driven = |table: &str| {
         TABLES
             .iter()
@@ -78,12 +80,76 @@ fn every_table_without_the_stack_is_complete_on_twenty_maps() {
         report.rows.len() + 1
     );
     let text = page(&report);
+    for method in ["tn", "ju", "zm", "lwx", "bao"] {
+        assert!(text.contains(&format!("`{method}`")) || text.contains(&format!("--as {method}")));
+    }
     for claim in claims() {
         assert!(
             text.contains(claim.why),
             "{} {} is not told",
             claim.paper,
             claim.id
+        );
+    }
+}
+
+/// What a claim is measured for stands in rows of its own: the readings of a text, both bases, and what is
+/// said without a table.
+fn are_beside_each_other(rows: &[Row]) {
+    let has = |paper: &str, claim: &str, metric: &str, algorithm: &str, is_printed: bool| {
+        let found = rows.iter().any(|row| {
+            (&*row.paper, &*row.claim, &*row.metric) == (paper, claim, metric)
+                && row.algorithm == algorithm
+                && row.n > 0
+                && row.printed.is_some() == is_printed
+        });
+        assert!(found, "{paper} {claim} has no {metric} of {algorithm}");
+    };
+    for reading in ["memoryless", "visited", "backtracking"] {
+        let name = format!("hybrid, {reading} vs A*");
+        for (claim, metric) in [("C1", "cells examined"), ("C2", "time"), ("C3", "length")] {
+            has("TN", claim, metric, &name, true);
+        }
+        let matched = format!("{name}, same corners");
+        has("TN", "C3", "length", &matched, true);
+        has("TN", "C6", "turning points", &name, false);
+        has(
+            "TN",
+            "C7",
+            "success (share)",
+            &format!("hybrid, {reading}"),
+            true,
+        );
+    }
+    // The printed figures of the robot are against A*; Dijkstra was its planner before.
+    for metric in ["length", "time"] {
+        has("TN", "C5", metric, "hybrid with ladder vs A*", true);
+        has("TN", "C5", metric, "hybrid with ladder vs Dijkstra", false);
+    }
+    has("JU", "C6", "length", "A* vs APF", true);
+    let metric = "a step within a control period of 20 ms (share)";
+    has("JU", "C7", metric, "fusion", true);
+    has("ZM", "C6", "time", "H_W_A* vs TRA_A*", true);
+    has("ZM", "C6", "time", "IM_APF_A* vs TRA_A*", true);
+    has("ZM", "C7", "turning points", "IM_APF_A* vs TRA_A*", false);
+    has("LWX", "C8", "time", "fusion vs A*", true);
+    let greedy = "fusion vs its greedy path";
+    has("LWX", "C9", "inflection points", greedy, false);
+    has("LWX", "C10", "min_clearance", greedy, false);
+    has("LWX", "C11", "arrives (share)", "fusion", true);
+    has("BAO", "C10", "time", "IAA vs AAO", true);
+    has("BAO", "C11", "length", "IAA vs full inflation", true);
+    has("BAO", "C11", "time", "IAA vs full inflation", true);
+    has("BAO", "C12", "moving grids", "IAA vs AAO", true);
+    // Said without a number, and judged all the same.
+    let judged = |row: &&Row| !matches!(row.verdict, Verdict::NotComparable | Verdict::TooFew);
+    for (paper, claim) in [("TN", "C6"), ("ZM", "C7"), ("LWX", "C9"), ("LWX", "C10")] {
+        let of = rows
+            .iter()
+            .filter(|row| row.paper == paper && row.claim == claim);
+        assert!(
+            of.filter(judged).count() > 0,
+            "{paper} {claim} is not judged"
         );
     }
 }

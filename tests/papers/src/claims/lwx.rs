@@ -88,12 +88,15 @@ pub(super) const CLAIMS: &[Claim] = &[
         headline: head(
             "dyn",
             "arrives without a contact (share)",
-            "lwx_oa and lwx_oapf",
+            "lwx_oa and lwx_oapf, cells of 1 m",
             "move",
             "",
         ),
         why: "Two pictures and no number are printed; whether the obstacles move is not said. \
-              What is counted against it are mostly discs that run into a robot that waits.",
+              The paper has unit cells, and the cells of the scenes are a metre, so that K_rep 1, \
+              P0 1.5 m and ten steps a metre are its gains; those that this project ships are the \
+              same ones on cells of half a metre. What is counted against either are mostly discs \
+              that run into a robot that waits.",
     },
     Claim {
         paper: "LWX",

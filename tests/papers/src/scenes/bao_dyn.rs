@@ -75,6 +75,7 @@ impl BaoMap {
         let title = format!("BAO-DYN {}", self.seed);
         Scene {
             text: self.blocks.text(&title, ROBOT_M, Some(RANGE_M)),
+            robot_m: ROBOT_M,
         }
     }
 
@@ -120,7 +121,10 @@ impl BaoMap {
             crossing.push(ends);
         }
         Some(BaoDyn {
-            scene: Scene { text },
+            scene: Scene {
+                text,
+                robot_m: ROBOT_M,
+            },
             path,
             standing,
             crossing,

@@ -56,5 +56,8 @@ pub fn ju_dyn(seed: u64) -> Result<Scene, GenerateError> {
         let script = format!("bounces_mps = [{along_mps:.4}, {:.4}]", -along_mps);
         text += &disc(&format!("disc {index}"), place, DISC_M, &script);
     }
-    Ok(Scene { text })
+    Ok(Scene {
+        text,
+        robot_m: ROBOT_M,
+    })
 }

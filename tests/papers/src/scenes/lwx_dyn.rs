@@ -70,5 +70,8 @@ pub fn lwx_dyn(coming: Coming, seed: u64) -> Result<Scene, GenerateError> {
         };
         text += &disc(&format!("disc {index}"), middle(cell), RADIUS_M, &script);
     }
-    Ok(Scene { text })
+    Ok(Scene {
+        text,
+        robot_m: RADIUS_M,
+    })
 }

@@ -2,7 +2,7 @@
 //! controller and by the defaults of this project, and followed blindly, which must not work.
 
 use super::lwx_dyn::shares;
-use crate::drivers::{BAO, DEFAULTS, Driver};
+use crate::drivers::{BAO, DEFAULTS, Driver, HALF_A_CELL};
 use crate::row::Place;
 use crate::scenes::{BaoDyn, BaoMap, Scene};
 use crate::stats;
@@ -13,6 +13,7 @@ use crate::verdict::Printed;
 const PLANNER: &[&str] = &[
     "global_planner.planner=bao_iaa",
     "global_planner.options.cost_weight=0",
+    HALF_A_CELL,
 ];
 
 /// The scenes of some seeds whose path has room for six discs.

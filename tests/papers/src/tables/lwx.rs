@@ -174,6 +174,15 @@ fn rows(
         figure("C3", "success (share)", "greedy", Printed::Always, success)
             .noting(failures(&of_greedy)),
     );
+    let success = (solved(&of_back), 0.0);
+    put(figure(
+        "C3",
+        "success (share)",
+        methods.back.name,
+        Printed::Nothing,
+        success,
+    )
+    .noting("what the text may mean; on ways as long as the next row says"));
     let name = "greedy with backtracking vs optimal A*";
     let changes = change(paired(&of_best, &of_back, |way: &Way| way.length));
     put(figure("C3", "length", name, Printed::Nothing, changes));

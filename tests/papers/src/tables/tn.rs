@@ -8,8 +8,8 @@ use crate::maps::{Ends, MapFamily, MapSpec, Maze};
 use crate::row::{Place, Row};
 use crate::solve::{Fault, Method, Way, Ways};
 use crate::table::{
-    Context, Outcome, TableError, change, count, draw, failures, figure, paired, safety, solved,
-    time,
+    Context, Outcome, TableError, change, count, draw, excluded, failures, figure, paired, safety,
+    solved, time,
 };
 use crate::verdict::Printed;
 use crate::{stats, timing};
@@ -161,7 +161,7 @@ fn rows(rows: &mut Vec<Row>, place: &Place, found: &Found) {
         let turns = change(paired(&found.astar, ways, |way| 1.0 + count(way.turns())));
         rows.push(
             place.row(
-                figure("C6", "turning points", &algorithm, Printed::Nothing, turns)
+                figure("C6", "turning points", &algorithm, Printed::Less, turns)
                     .noting("fewer are claimed, no number is printed; the end is counted"),
             ),
         );
@@ -174,10 +174,11 @@ fn rows(rows: &mut Vec<Row>, place: &Place, found: &Found) {
     ));
     let ladder = found.hybrids.iter().filter(|(name, _)| *name == LADDER);
     let fallbacks: Vec<&Way> = ladder.flat_map(|(_, ways)| ways.iter().flatten()).collect();
+    let left = excluded(fallbacks.len(), found.astar.len());
     let helped = fallbacks
         .iter()
         .filter(|way| way.stats.remarks.fallback != zeronav_global_planner::Fallback::None);
-    let ours = (stats::share(helped.count(), fallbacks.len()), 0.0);
+    let ours = (stats::share(helped.count(), fallbacks.len()), left);
     let metric = "fallback (share)";
     rows.push(place.row(figure("C4", metric, LADDER, Printed::Nothing, ours)));
 }
