@@ -2,6 +2,7 @@
 //! has there; and the settings of a command line, of which a method is made.
 
 use serde_json::Value;
+use zeronav_tests::rooms::short_drive;
 use zeronav_tests::{Zeronav, zeronav};
 
 /// Drives `blocked_aisle` with these arguments.
@@ -78,6 +79,31 @@ fn a_setting_is_checked_like_the_scenario() {
     let ended = zeronav(&["run", "open_aisle", "--as", "dijkstra"]);
     assert_eq!(ended.code(), 2);
     assert!(ended.stderr.contains("dijkstra"), "{}", ended.stderr);
+}
+
+/// The words of `run` are those of `up` and `suite`: a suite drives as the method, with the setting over it.
+#[test]
+fn up_and_suite_take_a_method_and_settings_too() {
+    let ended = zeronav(&["up", "open_aisle", "--as", "dijkstra"]);
+    assert_eq!(ended.code(), 2);
+    assert!(ended.stderr.contains("dijkstra"), "{}", ended.stderr);
+    let setting = "global_planner.planner=tn_3n";
+    for (words, planner) in [(&[][..], "tn_hyb"), (&["--set", setting], "tn_3n")] {
+        let folder = tempfile::tempdir().expect("a folder");
+        std::fs::create_dir(folder.path().join("scenes")).expect("a folder");
+        let scene = short_drive("resolution_m = 0.05\nshapes = []");
+        std::fs::write(folder.path().join("scenes/tiny.toml"), scene).expect("written");
+        let mut arguments = vec!["suite", "scenes", "--as", "tn", "--json"];
+        arguments.extend(words);
+        let ended = Zeronav::start_in(folder, &arguments).finish();
+        let report = ended.expect(0);
+        assert_eq!(report["summary"]["success"], 1.0, "{report:#}");
+        let run = report["runs"][0]["directory"].as_str().expect("a folder");
+        let file = ended.folder.path().join(run).join("result.json");
+        let text = std::fs::read_to_string(&file).expect("a result");
+        let result: Value = serde_json::from_str(&text).expect("JSON");
+        assert_eq!(result["plans"][0]["planner"], planner, "{arguments:?}");
+    }
 }
 
 /// The walk turns counter-clockwise at the block of racks, so that it takes the north aisle from the start

@@ -150,7 +150,8 @@ fn bao_dyn_leaves_its_path_and_arrives() {
         .map(|scene| scene.planned_by("bao_iaa"))
         .collect();
     let paper = tally("BAO-DYN", "bao_dwa", &paper);
-    // None that arrived would be blameless, too; without a price on nearness to obstacles half arrive.
-    assert!(paper.arrived >= 2, "{} of {}", paper.arrived, paper.runs);
+    // Half a cell of the paper off obstacles all arrive, over 13 scenes, too. On paths along the very edge of
+    // where the robot fits half of them stand there for ever, because no arc along it has any clearance.
+    assert!(paper.arrived + 1 >= paper.runs, "{} arrive", paper.arrived);
     assert_eq!(paper.blameless, paper.arrived, "it drove into something");
 }
