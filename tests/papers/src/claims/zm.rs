@@ -65,9 +65,11 @@ pub(super) const CLAIMS: &[Claim] = &[
             "obstacle",
             "",
         ),
-        why: "A disc that the force alone moves, without a brake, as in the paper: it touches \
-              obstacles. In the real stack nothing is touched, because the pilot of this project \
-              brakes before contact whatever a controller asks for, and the robot stands instead.",
+        why: "A disc that the force alone moves, without a brake, as in the paper: the repulsion \
+              grows without a bound towards an obstacle, so that no walk touches one; about one \
+              in ten is caught before its goal instead. In the real stack nothing is touched \
+              either, but there the pilot of this project brakes before contact whatever a \
+              controller asks for.",
     },
     Claim {
         paper: "ZM",

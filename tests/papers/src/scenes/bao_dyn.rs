@@ -29,6 +29,14 @@ const RANGE_M: f64 = 3.0;
 /// arrives within this, and the time is a row of its own. [s]
 pub const LIMIT_S: f64 = 300.0;
 
+/// What paths keep from obstacles besides the robot's radius. [m]
+///
+/// A path of the paper leads over the centres of cells, half a cell away from obstacles; the cells of the
+/// scenes are a metre. On the map's cells of 5 cm the shortest way leads along the very edge of where the
+/// robot fits, where no arc has any clearance and the window stands for ever. What is left of half a cell is a
+/// cell of the map, for the middle of a passage lies between two of them.
+pub const PADDING_M: f64 = 0.5 - ROBOT_M - 0.05;
+
 /// A place on a path and the direction there.
 type Along = [[f64; 2]; 2];
 
@@ -75,7 +83,6 @@ impl BaoMap {
         let title = format!("BAO-DYN {}", self.seed);
         Scene {
             text: self.blocks.text(&title, ROBOT_M, Some(RANGE_M)),
-            robot_m: ROBOT_M,
         }
     }
 
@@ -121,10 +128,7 @@ impl BaoMap {
             crossing.push(ends);
         }
         Some(BaoDyn {
-            scene: Scene {
-                text,
-                robot_m: ROBOT_M,
-            },
+            scene: Scene { text },
             path,
             standing,
             crossing,

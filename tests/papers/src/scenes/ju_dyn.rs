@@ -56,8 +56,5 @@ pub fn ju_dyn(seed: u64) -> Result<Scene, GenerateError> {
         let script = format!("bounces_mps = [{along_mps:.4}, {:.4}]", -along_mps);
         text += &disc(&format!("disc {index}"), place, DISC_M, &script);
     }
-    Ok(Scene {
-        text,
-        robot_m: ROBOT_M,
-    })
+    Ok(Scene { text })
 }

@@ -70,8 +70,5 @@ pub fn lwx_dyn(coming: Coming, seed: u64) -> Result<Scene, GenerateError> {
         };
         text += &disc(&format!("disc {index}"), middle(cell), RADIUS_M, &script);
     }
-    Ok(Scene {
-        text,
-        robot_m: RADIUS_M,
-    })
+    Ok(Scene { text })
 }

@@ -8,7 +8,7 @@ mod ju_dyn;
 mod lwx_dyn;
 mod zm_dyn;
 
-pub use bao_dyn::{BaoDyn, BaoMap, LIMIT_S as BAO_LIMIT_S};
+pub use bao_dyn::{BaoDyn, BaoMap, LIMIT_S as BAO_LIMIT_S, PADDING_M as BAO_PADDING_M};
 pub use ju_dyn::ju_dyn;
 pub use lwx_dyn::{Coming, lwx_dyn};
 pub use zm_dyn::{ZmScene, zm_dyn};
@@ -18,36 +18,27 @@ pub use zm_dyn::{ZmScene, zm_dyn};
 pub struct Scene {
     /// The scenario, TOML.
     pub text: String,
-    /// Radius of its robot. [m]
-    pub robot_m: f64,
 }
 
 impl Scene {
     /// The scene with this global planner of a paper, by its key: it searches the shortest way, without
-    /// a price on nearness to obstacles, half a cell of the paper away from them.
+    /// a price on nearness to obstacles.
     #[must_use]
     pub fn planned_by(mut self, planner: &str) -> Self {
-        let padding_m = padding_m(self.robot_m);
         let row = format!(
-            "\n[services.global_planner.config]\nplanner = \"{planner}\"\noptions.cost_weight = 0.0\n\
-             [services.mapping.config]\npadding_m = {padding_m:.3}\n"
+            "\n[services.global_planner.config]\nplanner = \"{planner}\"\noptions.cost_weight = 0.0\n"
         );
         self.text.push_str(&row);
         self
     }
-}
 
-/// What paths keep from obstacles besides the robot's radius. [m]
-///
-/// A path of the papers leads over the centres of cells, half a cell away from obstacles; the cells of the
-/// scenes are a metre. On the map's cells of 5 cm the shortest way leads along the very edge of where the
-/// robot fits, where a controller stands for ever. Half a cell of the map is left for the middle of a
-/// passage, which lies between two of its cells.
-#[must_use]
-pub const fn padding_m(robot_m: f64) -> f64 {
-    const HALF_A_CELL_M: f64 = 0.5;
-    const MIDDLE_M: f64 = 0.05;
-    HALF_A_CELL_M - robot_m - MIDDLE_M
+    /// The same with paths that keep [`BAO_PADDING_M`] off obstacles besides the robot's radius.
+    #[must_use]
+    pub fn half_a_cell_off(mut self) -> Self {
+        let row = format!("\n[services.mapping.config]\npadding_m = {BAO_PADDING_M:?}\n");
+        self.text.push_str(&row);
+        self
+    }
 }
 
 /// A round obstacle of `radius_m` at a place [m], with the lines that say how it comes and goes.

@@ -57,8 +57,5 @@ pub fn zm_dyn(scene: ZmScene, ratio: f64, seed: u64) -> Result<Option<Scene>, Ge
          shape = {{ kind = \"box\", centre_m = [{x}, {y}], size_m = [0.98, 0.98] }}\n\
          appears = {{ robot_near = {{ point_m = [{x}, {y}], distance_m = 4.0 }} }}\n"
     );
-    Ok(Some(Scene {
-        text,
-        robot_m: ROBOT_M,
-    }))
+    Ok(Some(Scene { text }))
 }

@@ -40,9 +40,19 @@ pub(super) fn unbraked(
     mazes: &[Maze],
     scene: ZmScene,
 ) -> Result<Vec<Walked>, TableError> {
+    walks(method, &ZmFullConfig::default(), mazes, scene)
+}
+
+/// The same with these gains.
+fn walks(
+    method: &Method,
+    gains: &ZmFullConfig,
+    mazes: &[Maze],
+    scene: ZmScene,
+) -> Result<Vec<Walked>, TableError> {
     let mut walks = Vec::new();
     for maze in mazes.iter().filter(|maze| maze.is_free(scene.cell())) {
-        walks.extend(of_map(method, maze, scene.cell())?);
+        walks.extend(of_map(method, gains, maze, scene.cell())?);
     }
     Ok(walks)
 }
@@ -65,14 +75,19 @@ fn grown(maze: &Maze) -> Vec<Body> {
     bodies(maze).into_iter().map(grow).collect()
 }
 
-fn of_map(method: &Method, maze: &Maze, obstacle: Cell) -> Result<Option<Walked>, TableError> {
+fn of_map(
+    method: &Method,
+    gains: &ZmFullConfig,
+    maze: &Maze,
+    obstacle: Cell,
+) -> Result<Option<Walked>, TableError> {
     let Some(mut path) = route(method, maze)? else {
         return Ok(None);
     };
     let goal = maze.pose(maze.goal).point();
     let appears = maze.pose(obstacle).point();
     let mut around = grown(maze);
-    let mut law = ZmFull::new(&ZmFullConfig::default());
+    let mut law = ZmFull::new(gains);
     let (mut at, mut velocity) = (maze.pose(maze.start).point(), Vector2::zeros());
     let mut geometry = 1;
     let mut contact = None;
@@ -140,5 +155,25 @@ mod tests {
         let arrived = walks.iter().filter(|walk| walk.arrived).count();
         assert!(walks.len() >= 10, "{} walks", walks.len());
         assert!(2 * arrived > walks.len(), "{arrived} of {}", walks.len());
+        // None of them touches anything.
+        let touched = walks.iter().filter(|walk| walk.contact.is_some());
+        assert_eq!(touched.count(), 0);
+    }
+
+    /// What the claim is judged by can fail: pulled a hundred thousand times as hard, the disc runs into
+    /// what it is not led around.
+    #[test]
+    fn a_disc_that_minds_no_obstacle_touches_some() {
+        let mazes = corners(MapFamily::Blocky, [20, 20], 0.15)
+            .draw(1, 60)
+            .unwrap();
+        let method = Method::new("IM_APF_A*", "zm_im").under(CornerRule::Allow);
+        let gains = ZmFullConfig {
+            attract: 1.0e5,
+            ..ZmFullConfig::default()
+        };
+        let walks = walks(&method, &gains, &mazes.mazes, ZmScene::Table2).unwrap();
+        let touched = walks.iter().filter(|walk| walk.contact.is_some()).count();
+        assert!(touched > 0, "0 of {}", walks.len());
     }
 }
