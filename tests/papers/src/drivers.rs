@@ -131,7 +131,9 @@ mod tests {
         let of_lwx =
             |key: &str| number(&LWX_CELLS, &format!("local_planner.papers.lwx_oapf.{key}"));
         let own = [of_lwx("repel"), of_lwx("reach_m"), of_lwx("steps_per_m")];
-        assert_eq!(own, [Gains::LWX.repel, Gains::LWX.reach, 10.0]);
+        for (own, papers) in own.iter().zip([Gains::LWX.repel, Gains::LWX.reach, 10.0]) {
+            assert!((own - papers).abs() < 1e-9, "{own} and {papers}");
+        }
     }
 
     #[test]

@@ -23,8 +23,8 @@ count: within a factor of three; \"about the same\": within twice and half). **N
 other sign, or one map against what is said of all. **Artefact**: only with a fault of the printed method switched on, and
 not without. **Theorem**: it cannot be otherwise, and was checked on every map. **Not comparable**: no number is printed, or the setup is missing. **Too few maps**: fewer
 than ten could be counted. \"Excluded\" is the share of the maps that one of the two sides did not solve; of a time, of the
-maps that were timed. The summary shows the figures of one row of each claim and the verdict of all of them: that of the row
-which says most against it. Times are ratios between programs of the same making, never seconds; those of the papers are MATLAB's.
+maps that were timed. The summary shows the figures of one row of each claim and what all of them say: their verdict where
+they agree, \"not reproduced\" where one stands against what is said of all maps, and else how many came out how. Times are ratios between programs of the same making, never seconds; those of the papers are MATLAB's.
 
 ";
 
@@ -39,8 +39,8 @@ const FOOT: &str = "## Using it
 `--out FOLDER` leaves `rows.md`, `rows.csv`, `rows.json` and for each table a picture of one map with all ways, and the ways
 themselves in [BAO]'s numbering of cells (`.csv`); `--rows FOLDER/rows.json` prints them or their page again. Maps are not stored: `seed`, `maps` and `zeronav_world::generate` draw them again. `--format json` prints one object: `seeds`,
 `drives`, `seed`, `revision`, `machine`, `command`, `wall_s` and `rows`, each with `paper`, `table`, `claim`, `metric`,
-`algorithm`, `maps`, `printed`, `ours`, `interval`, `n`, `excluded`, `acceptance`, `verdict`, `note`, `parameters` and
-`seed`. Exit codes: 0 complete (a claim that is not reproduced is a result), 1 an illegal path, a broken theorem, or a
+`algorithm`, `maps`, `printed`, `ours`, `interval`, `n`, `excluded`, `acceptance`, `verdict`, `note`, `parameters`, `seed`
+and `universal` (said of all maps). Exit codes: 0 complete (a claim that is not reproduced is a result), 1 an illegal path, a broken theorem, or a
 stack that does not drive, 2 wrong arguments.
 
 Each whole method drives any scenario of this project: `zeronav run blocked_aisle --as tn` (`ju`, `zm`, `lwx`, `bao`); what came
@@ -116,10 +116,17 @@ fn of_all_rows(claim: &Claim, headline: &Row, rows: &[Row]) -> String {
         Some(Judged {
             verdict, rows: 1, ..
         }) => verdict.words().to_owned(),
+        Some(Judged { mixed, .. }) if !mixed.is_empty() => {
+            let parts = mixed
+                .iter()
+                .map(|(verdict, n)| format!("{n} {}", verdict.words()));
+            format!("mixed: {}", parts.collect::<Vec<_>>().join(", "))
+        }
         Some(Judged {
             verdict,
             rows,
             agree,
+            ..
         }) => format!("{} ({agree} of {rows} rows)", verdict.words()),
     }
 }
@@ -220,6 +227,13 @@ mod tests {
         assert_eq!((judged.agree, judged.rows), (1, 2));
         assert_eq!(
             of_all_rows(claim, headline, &rows),
+            "mixed: 1 reproduced, 1 not reproduced"
+        );
+        // Of what is said of all maps one row is enough.
+        let mut said_of_all = rows.clone();
+        said_of_all[1].universal = true;
+        assert_eq!(
+            of_all_rows(claim, headline, &said_of_all),
             "not reproduced (1 of 2 rows)"
         );
         assert_eq!(of_all_rows(claim, headline, &rows[..1]), "reproduced");

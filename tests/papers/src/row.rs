@@ -39,6 +39,9 @@ pub struct Row {
     pub parameters: serde_json::Value,
     /// Lower 64 bits of what the maps were drawn from.
     pub seed: u64,
+    /// Said of all maps, so that one against it is enough.
+    #[serde(default)]
+    pub universal: bool,
 }
 
 /// Where a figure belongs.
@@ -108,6 +111,7 @@ impl Place {
             note: figure.note,
             parameters: figure.parameters,
             seed: self.seed,
+            universal: figure.printed == Printed::Always,
         }
     }
 }

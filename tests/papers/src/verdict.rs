@@ -61,6 +61,15 @@ pub enum Verdict {
 pub const MAPS_MIN: usize = 10;
 
 impl Verdict {
+    /// Those that say something of a claim, from the best on.
+    pub const FROM_THE_BEST: [Self; 5] = [
+        Self::Theorem,
+        Self::Reproduced,
+        Self::Qualitative,
+        Self::Artefact,
+        Self::NotReproduced,
+    ];
+
     /// In words.
     #[must_use]
     pub const fn words(self) -> &'static str {

@@ -54,7 +54,7 @@ pub(super) const fn head(
 }
 
 /// What all rows of a claim say of it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Judged {
     /// See [`Verdict::of_all`].
     pub verdict: Verdict,
@@ -62,6 +62,9 @@ pub struct Judged {
     pub rows: usize,
     /// Rows among them whose verdict is this one.
     pub agree: usize,
+    /// How many of them came out how, where they differ and none of them is a counterexample to what is said of
+    /// all maps; empty where [`Self::verdict`] is the claim's.
+    pub mixed: Vec<(Verdict, usize)>,
 }
 
 impl Claim {
@@ -78,13 +81,22 @@ impl Claim {
     pub fn judged(&self, rows: &[Row]) -> Option<Judged> {
         let verdicts: Vec<Verdict> = self.rows(rows).map(|row| row.verdict).collect();
         let verdict = Verdict::of_all(verdicts.iter().copied())?;
-        let judged = verdicts
-            .iter()
-            .filter(|it| !matches!(it, Verdict::NotComparable | Verdict::TooFew));
+        let of = |verdict: Verdict| verdicts.iter().filter(|it| **it == verdict).count();
+        let silent = of(Verdict::NotComparable) + of(Verdict::TooFew);
+        let (rows_judged, agree) = (verdicts.len() - silent, of(verdict));
+        let is_refuted =
+            (self.rows(rows)).any(|row| row.universal && row.verdict == Verdict::NotReproduced);
+        let is_mixed = agree < rows_judged && verdict != Verdict::Artefact && !is_refuted;
+        let mut mixed = Vec::new();
+        if is_mixed {
+            mixed.extend(Verdict::FROM_THE_BEST.map(|verdict| (verdict, of(verdict))));
+            mixed.retain(|(_, n)| *n > 0);
+        }
         Some(Judged {
             verdict,
-            rows: judged.count(),
-            agree: verdicts.iter().filter(|it| **it == verdict).count(),
+            rows: rows_judged,
+            agree,
+            mixed,
         })
     }
 }
