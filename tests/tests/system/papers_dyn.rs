@@ -3,7 +3,7 @@
 //! many; the bands here are around what came out there.
 
 use serde_json::Value;
-use zeronav_papers::scenes::{BAO_LIMIT_S, BaoDyn, BaoMap, Coming, Scene, lwx_dyn};
+use zeronav_papers::scenes::{BaoDyn, BaoMap, Coming, LIMIT_S, Scene, lwx_dyn};
 use zeronav_papers::stats::share;
 use zeronav_tests::{Ended, Zeronav};
 
@@ -124,7 +124,7 @@ fn bao_scenes(seeds: core::ops::RangeInclusive<u64>) -> Vec<BaoDyn> {
 /// The first path of a scenario, without driving it.
 fn first_path(text: &str) -> Option<Vec<[f64; 2]>> {
     let folder = tempfile::tempdir().expect("a folder");
-    let limit = format!("time_limit_s = {BAO_LIMIT_S:?}");
+    let limit = format!("time_limit_s = {LIMIT_S:?}");
     assert!(text.contains(&limit), "{text}");
     let text = text.replace(&limit, "time_limit_s = 0.5");
     std::fs::write(folder.path().join("it.toml"), text).expect("written");

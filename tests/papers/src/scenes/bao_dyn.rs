@@ -1,7 +1,7 @@
 //! BAO-DYN: three discs that no map shows on the path of the improved A*, and three that cross it
 //! at 0.3 m/s again and again; the robot sees three metres.
 
-use super::blocks::{Blocks, Plan};
+use super::blocks::{Blocks, LIMIT_S, Plan};
 use super::{Scene, disc};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_pcg::Pcg64Mcg;
@@ -24,10 +24,6 @@ const ASIDE_M: f64 = 1.2;
 
 /// Range of the lidar. [m]
 const RANGE_M: f64 = 3.0;
-
-/// Run time that the robot has. With 120 s the rate of arrival measured the clock: what was not over by then
-/// arrives within this, and the time is a row of its own. [s]
-pub const LIMIT_S: f64 = 300.0;
 
 /// What paths keep from obstacles besides the robot's radius. [m]
 ///

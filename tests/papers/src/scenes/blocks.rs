@@ -24,8 +24,9 @@ pub(super) struct Plan {
     pub limit_s: f64,
 }
 
-/// Run time of the scenes, unless one says otherwise. [s]
-pub(super) const LIMIT_S: f64 = 120.0;
+/// Run time of the scenes. With 120 s the rate of arrival measured the clock: of 36 drives of [ZM] 29 had arrived
+/// by then and 34 by this. [s]
+pub const LIMIT_S: f64 = 300.0;
 
 /// A map that can be crossed without cutting corners.
 #[derive(Debug, Clone)]

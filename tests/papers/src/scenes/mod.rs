@@ -8,7 +8,8 @@ mod ju_dyn;
 mod lwx_dyn;
 mod zm_dyn;
 
-pub use bao_dyn::{BaoDyn, BaoMap, LIMIT_S as BAO_LIMIT_S, PADDING_M as BAO_PADDING_M};
+pub use bao_dyn::{BaoDyn, BaoMap, PADDING_M as BAO_PADDING_M};
+pub use blocks::LIMIT_S;
 pub use ju_dyn::ju_dyn;
 pub use lwx_dyn::{Coming, lwx_dyn};
 pub use zm_dyn::{ZmScene, zm_dyn};

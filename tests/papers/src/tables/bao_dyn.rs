@@ -65,13 +65,12 @@ pub(super) fn run(context: &mut Context) -> Result<Outcome, TableError> {
     for Driver { name, settings } in [BAO, DEFAULTS] {
         let drives = context.stack()?.drive(&texts, settings)?;
         shares(&mut outcome, &place, "C9", name, &drives);
-        let (mut ratios, mut aside, mut times) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut ratios, mut aside) = (Vec::new(), Vec::new());
         for (drive, scene) in drives
             .iter()
             .zip(&scenes)
             .filter(|(drive, _)| drive.arrived())
         {
-            times.push(drive.time_s);
             ratios.push(drive.driven_m / scene.path_m() - 1.0);
             aside.push(scene.lateral_m(&drive.result()?.track_m));
         }
@@ -79,7 +78,6 @@ pub(super) fn run(context: &mut Context) -> Result<Outcome, TableError> {
         for (metric, values) in [
             ("length vs the path", ratios),
             ("largest distance from the path [m]", aside),
-            ("time until it arrives [s]", times),
         ] {
             let ours = (stats::mean(&values), left);
             outcome

@@ -75,12 +75,71 @@ pub(crate) fn shares(
             .rows
             .push(place.row(figure.noting("no number is printed")));
     }
-    let nearest: Vec<f64> = drives
-        .iter()
-        .filter_map(|drive| drive.clearance_m_min)
-        .collect();
-    let left = excluded(nearest.len(), drives.len());
-    let ours = (stats::mean(&nearest), left);
-    let figure = figure(claim, "min_clearance [m]", name, Printed::Nothing, ours);
-    outcome.rows.push(place.row(figure));
+    let nearest = drives.iter().filter_map(|drive| drive.clearance_m_min);
+    let arrived = drives.iter().filter(|drive| drive.arrived());
+    for (metric, values) in [
+        ("min_clearance [m]", nearest.collect::<Vec<f64>>()),
+        (
+            "time until it arrives [s]",
+            arrived.map(|drive| drive.time_s).collect(),
+        ),
+    ] {
+        let left = excluded(values.len(), drives.len());
+        let ours = (stats::mean(&values), left);
+        let figure = figure(claim, metric, name, Printed::Nothing, ours);
+        outcome.rows.push(place.row(figure));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scenes::{BaoMap, LIMIT_S, ju_dyn};
+    use serde_json::json;
+
+    /// The time of those that arrive is a row, and the others are left out of it.
+    #[test]
+    fn a_driven_table_tells_how_long_it_took() {
+        let drive = |outcome: &str, time_s: f64| -> Drive {
+            let row = json!({
+                "outcome": outcome, "contacts_moving": 0, "contacts_standing": 0, "time_s": time_s,
+                "driven_m": 20.0, "clearance_m_min": 0.1, "directory": "nowhere"
+            });
+            serde_json::from_value(row).unwrap()
+        };
+        let drives = [
+            drive("reached", 40.0),
+            drive("timeout", LIMIT_S),
+            drive("reached", 50.0),
+            drive("stuck", 10.0),
+        ];
+        let place = Place {
+            paper: "LWX",
+            table: "dyn",
+            maps: "none".to_owned(),
+            acceptance: 1.0,
+            seed: 1,
+        };
+        let mut outcome = Outcome::default();
+        shares(&mut outcome, &place, "C7", "somebody", &drives);
+        let row = outcome
+            .rows
+            .iter()
+            .find(|row| row.metric.starts_with("time"));
+        let row = row.unwrap();
+        assert_eq!((row.ours, row.n), (Some(45.0), 2));
+        assert!((row.excluded - 0.5).abs() < 1e-12, "{row:?}");
+    }
+
+    /// The slowest drives of [ZM] that arrive take 207 s: 120 s measured the clock.
+    #[test]
+    fn every_scene_leaves_the_time_to_arrive() {
+        for text in [
+            lwx_dyn(Coming::Move, 1).unwrap().text,
+            ju_dyn(1).unwrap().text,
+            BaoMap::new(1).unwrap().empty().text,
+        ] {
+            assert!(text.contains("time_limit_s = 300.0"), "{text}");
+        }
+    }
 }
