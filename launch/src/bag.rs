@@ -2,18 +2,18 @@
 
 pub(crate) mod diff;
 mod export;
+pub(crate) mod input;
 
 use clap::{Args, Subcommand};
 use export::{ExportError, export};
+use input::open;
 use serde_json::json;
-use std::fs::File;
-use std::io::{BufReader, BufWriter, ErrorKind, Write};
+use std::io::{BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use zeronav_console::exit::{EXIT_FAIL, EXIT_OUTPUT, EXIT_PASS};
 use zeronav_console::terminal::{complain, say, say_json, usage};
-use zeronav_files::{Folder, parts, read};
-use zeronav_msgs::fields::KINDS;
+use zeronav_files::{Folder, parts};
 use zeronav_msgs::time::seconds;
 use zeronav_recorder::native::PREFIX;
 use zeronav_recorder::read::{ReadError, Summary, summary};
@@ -113,16 +113,6 @@ pub fn bag(arguments: &BagArgs) -> ExitCode {
             }
         }
     }
-}
-
-/// True for a unit of measure, in the place of what kind of number it is.
-fn is_unit(unit: &str) -> bool {
-    !KINDS.contains(&unit) && unit != "-"
-}
-
-pub(crate) fn open(file: &Path) -> Result<BufReader<File>, String> {
-    let opened = read::open(file).map(BufReader::new);
-    opened.map_err(|error| format!("{}: {error}", file.display()))
 }
 
 fn info(file: &Path, json: bool) -> ExitCode {

@@ -63,6 +63,8 @@ pub(crate) enum Told {
         file: PathBuf,
         /// The scenario that is driven, which it puts into that.
         scenario: Option<PathBuf>,
+        /// True when the file's folder becomes a bag of rosbag2.
+        is_bag: bool,
     },
     /// Those of the live page, whose link is printed.
     Page(LivePage),
@@ -206,12 +208,17 @@ impl Companion {
                 ];
                 (arguments, Stdio::null(), None)
             }
-            Told::Recording { file, scenario } => {
+            Told::Recording {
+                file,
+                scenario,
+                is_bag,
+            } => {
                 let arguments = ["--domain".into(), root.into(), "--out".into(), file.into()];
                 let mut arguments: Vec<OsString> = arguments.into();
                 if let Some(scenario) = scenario {
                     arguments.extend(["--scenario".into(), scenario.into()]);
                 }
+                arguments.extend(is_bag.then(|| "--metadata".into()));
                 (arguments, Stdio::null(), None)
             }
             Told::Page(page) => (page.flags(root), page.stdin(), Some(Stdio::piped())),

@@ -1,7 +1,7 @@
 //! `zeronav replay`: drives a recorded lockstep run again and says where it begins to differ.
 
 use crate::bag::diff::{Beside, beside};
-use crate::bag::open;
+use crate::bag::input::open;
 use crate::commands::drive_and_judge;
 use crate::recorder::RecordTo;
 use crate::run_plan::{RunPlan, Source};

@@ -11,6 +11,7 @@ from pathlib import Path
 from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
 from rosbags.highlevel import AnyReader
+from rosbags.rosbag2 import Reader
 
 file = Path(sys.argv[1])
 result = {"metadata": {}, "counts": {}, "rosbags": {}}
@@ -61,5 +62,17 @@ with AnyReader([file]) as reader:
         reader.deserialize(raw, connection.msgtype)
         counts = result["rosbags"]
         counts[connection.topic] = counts.get(connection.topic, 0) + 1
+
+# The run's own folder is a bag of rosbag2: topics, types and QoS come from its metadata.yaml.
+if (file.parent / "metadata.yaml").exists():
+    with Reader(file.parent) as reader:
+        result["folder"] = {it.topic: it.msgcount for it in reader.connections if it.topic in world}
+        result["folder_messages"] = reader.message_count
+        result["folder_duration_ns"] = reader.duration
+        result["folder_qos"] = {
+            it.topic: [profile.durability.name.lower() for profile in it.ext.offered_qos_profiles]
+            for it in reader.connections
+            if it.topic in world
+        }
 
 print(json.dumps(result))

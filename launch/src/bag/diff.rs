@@ -1,5 +1,6 @@
 //! `zeronav bag diff`: where two recordings begin to differ.
 
+use super::input::{is_unit, open as open_file};
 use serde_json::json;
 use std::path::Path;
 use std::process::ExitCode;
@@ -25,11 +26,11 @@ pub(crate) fn beside(a: &Path, b: &Path) -> Result<Beside, String> {
     let in_file = |file: &Path, why: &dyn core::fmt::Display| format!("{}: {why}", file.display());
     // Before anything is read of the first one.
     for file in files {
-        super::open(file)?;
+        open_file(file)?;
     }
     let open = |second: bool| {
         let file = files[usize::from(second)];
-        super::open(file).map_err(|why| zeronav_recorder::read::ReadError { offset: 0, why })
+        open_file(file).map_err(|why| zeronav_recorder::read::ReadError { offset: 0, why })
     };
     let compared = compare(|second| Ok(open(second)?));
     let comparison =
@@ -157,7 +158,7 @@ fn in_words(first: &Difference) -> String {
     let place = format!("tick {tick} ({run_s:.3} s), {author} on {topic}: ");
     let what = match (field, a, b) {
         (Some(field), Some(a), Some(b)) => {
-            let unit = unit.as_deref().filter(|unit| super::is_unit(unit));
+            let unit = unit.as_deref().filter(|unit| is_unit(unit));
             let unit = unit.map_or_else(String::new, |unit| format!(" {unit}"));
             format!("{field} is {a}{unit} in a, {b}{unit} in b")
         }

@@ -1,5 +1,6 @@
 //! `zeronav bag export`: the messages of the contract as tables.
 
+use super::input::{is_unit, open};
 use core::iter::once;
 use csv::Writer;
 use std::collections::BTreeMap;
@@ -38,7 +39,7 @@ pub(super) fn export(
     folder: &Path,
     topics: &[String],
 ) -> Result<BTreeMap<String, u64>, ExportError> {
-    let input = super::open(file).map_err(ExportError::Input)?;
+    let input = open(file).map_err(ExportError::Input)?;
     let failed = |why: &dyn core::fmt::Display| {
         ExportError::Output(format!("writing {}: {why}", folder.display()))
     };
@@ -156,7 +157,7 @@ impl Tables {
 
 /// The names of columns with their units.
 fn heads(leaves: &[Leaf]) -> Vec<String> {
-    let head = |leaf: &Leaf| match leaf.unit.as_deref().filter(|unit| super::is_unit(unit)) {
+    let head = |leaf: &Leaf| match leaf.unit.as_deref().filter(|unit| is_unit(unit)) {
         Some(unit) => format!("{} [{unit}]", leaf.path),
         None => leaf.path.clone(),
     };

@@ -59,6 +59,7 @@ impl Session<'_> {
             told: Told::Recording {
                 file: file.clone(),
                 scenario: self.write_scenario()?,
+                is_bag: file.parent() == Some(self.prepared.folder.path()),
             },
         };
         self.companions.start(stack, plan);

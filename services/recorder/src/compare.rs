@@ -3,7 +3,8 @@
 //! Stamps of the machine's clock, checksums and the numbers of starts are left out, so that two lockstep runs
 //! that did the same are equal. Not compared are `run/spans` and `health/*`, by which processes speak of
 //! themselves, `run/clock` and `run/control`, with which launch follows the clock, `map/keyframe`, which comes when a
-//! reader asks for it, and everything from the tick on with which the run ended.
+//! reader asks for it, what services say before they answer a tick, and everything from the tick on with which the
+//! run ended.
 
 use crate::layout::{Layout, Leaf};
 use crate::messages::{MessagesError, native_messages};
@@ -193,6 +194,9 @@ fn messages(
         let number = |path: &str| layout.number(envelope, path).unwrap_or(0);
         let tick = number("header.tick");
         let role = u16::try_from(number("header.role")).unwrap_or(u16::MAX);
+        if tick == 0 && ![Role::Launch, Role::Robot].map(Role::code).contains(&role) {
+            return;
+        }
         let shadow = Id(number("header.id")).epoch() >= SHADOW_EPOCH_MIN;
         let n = counts
             .entry((name.to_owned(), tick, role, shadow))

@@ -1,7 +1,8 @@
 //! The process: its flags, its loop, and its end.
 
 use crate::domain_files::{END, RECORDED};
-use crate::recorder::{Recorder, Start, WriteError};
+use crate::recorder::{Recorder, Start, World, WriteError};
+use crate::ros::bag_folder;
 use crate::taps::Taps;
 use crate::times::TimeBase;
 use clap::Parser;
@@ -15,7 +16,7 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
-use zeronav_files::{Folder, parts, read};
+use zeronav_files::{Folder, Replace, parts, read};
 use zeronav_msgs::role::Role;
 use zeronav_msgs::topics::EVENT_NEED_KEYFRAME;
 use zeronav_shell::clock::now_ns;
@@ -57,6 +58,9 @@ struct Arguments {
     /// Put this file, the text of the scenario that is driven, into the recording, for `zeronav replay`.
     #[arg(long, value_name = "FILE")]
     scenario: Option<PathBuf>,
+    /// Make the folder of the file a bag of rosbag2: write `metadata.yaml` there.
+    #[arg(long)]
+    metadata: bool,
     /// Record what the local planner looks at, too (`debug/rollouts`, `/local_plan`), which costs it time.
     #[arg(long)]
     rollouts: bool,
@@ -153,12 +157,23 @@ fn record(arguments: &Arguments) -> Result<BTreeMap<String, String>, RecordError
         file.read_exact_at(&mut bytes, 0).ok()?;
         Some(u64::from_le_bytes(bytes))
     });
-    let fields = recorder.finish(&taps, end_tick).map_err(failed);
+    let finished = recorder.finish(&taps, end_tick).map_err(failed);
     drop(taps);
     // Of a run that is over, launch removes what this cannot.
     let _ = peer.leave().close();
     done?;
-    fields
+    let (fields, world) = finished?;
+    if arguments.metadata {
+        describe(&arguments.out, &world).map_err(|error| failed(error.into()))?;
+    }
+    Ok(fields)
+}
+
+/// Writes `metadata.yaml` beside a recording.
+fn describe(file: &Path, world: &World) -> std::io::Result<()> {
+    let (folder, name) = parts(file)?;
+    let text = bag_folder::metadata(name, &world.messages, world.range_ns);
+    Folder::open(folder)?.write(bag_folder::FILE, text.as_bytes(), Replace::Yes)
 }
 
 /// Reads until `is_over` says so, and then what is left.

@@ -56,7 +56,16 @@ pub(crate) struct Recorder {
     orders: Sender<Order>,
     queued_bytes: Arc<AtomicUsize>,
     needs_keyframe: Arc<AtomicBool>,
-    writer: std::thread::JoinHandle<Result<(), WriteError>>,
+    writer: std::thread::JoinHandle<Result<World, WriteError>>,
+}
+
+/// What of the layer for the world is in a file.
+#[derive(Debug)]
+pub(crate) struct World {
+    /// Messages by topic.
+    pub messages: BTreeMap<RosTopic, u64>,
+    /// The first and the last moment that they are about. [ns]
+    pub range_ns: [u64; 2],
 }
 
 /// What a recording says of itself at its beginning.
@@ -115,14 +124,14 @@ impl Recorder {
         self,
         taps: &Taps,
         end_tick: Option<u64>,
-    ) -> Result<BTreeMap<String, String>, WriteError> {
+    ) -> Result<(BTreeMap<String, String>, World), WriteError> {
         let mut fields = verdict(taps.tallies(), None);
         let end_tick = end_tick.map(|tick| (END_TICK.to_owned(), tick.to_string()));
         fields.extend(end_tick);
         // When the writer has ended, it says why itself.
         let _ = self.orders.send(Order::Finish(fields.clone()));
-        self.writer.join().map_err(|_| WriteError::Ended)??;
-        Ok(fields)
+        let world = self.writer.join().map_err(|_| WriteError::Ended)??;
+        Ok((fields, world))
     }
 }
 
@@ -132,6 +141,9 @@ struct Writer {
     topics: Vec<NativeTopic>,
     native: Vec<Option<u16>>,
     world: BTreeMap<RosTopic, u16>,
+    /// Messages of each of its topics, and the first and the last moment that they are about. [ns]
+    world_messages: BTreeMap<RosTopic, u64>,
+    world_range_ns: Option<[u64; 2]>,
     times: TimeBase,
     ros: Ros,
     /// The newest moment that a message was about. [ns]
@@ -171,6 +183,8 @@ impl Writer {
             native: vec![None; topics.len()],
             topics,
             world: BTreeMap::new(),
+            world_messages: BTreeMap::new(),
+            world_range_ns: None,
             times: start.times,
             ros: Ros::new(start.times),
             newest_ns: start.times.base_ns(),
@@ -180,7 +194,7 @@ impl Writer {
         })
     }
 
-    fn run(mut self, orders: &Receiver<Order>) -> Result<(), WriteError> {
+    fn run(mut self, orders: &Receiver<Order>) -> Result<World, WriteError> {
         let mut flushed = Instant::now();
         loop {
             let wait = FLUSH_PAUSE.saturating_sub(flushed.elapsed());
@@ -199,11 +213,17 @@ impl Writer {
                     let mut file = self.file.finish()?;
                     file.flush()?;
                     file.get_ref().sync_data()?;
-                    return Ok(());
+                    return Ok(World {
+                        messages: self.world_messages,
+                        range_ns: self.world_range_ns.unwrap_or_default(),
+                    });
                 }
                 Err(RecvTimeoutError::Timeout) => {}
                 // Without a verdict: the reader has failed.
-                Err(RecvTimeoutError::Disconnected) => return Ok(self.file.flush()?),
+                Err(RecvTimeoutError::Disconnected) => {
+                    self.file.flush()?;
+                    return Err(WriteError::Ended);
+                }
             }
             if flushed.elapsed() >= FLUSH_PAUSE {
                 self.file.flush()?;
@@ -252,6 +272,9 @@ impl Writer {
                 ..when
             };
             self.file.write(channel, when, &made.bytes)?;
+            *self.world_messages.entry(made.topic).or_default() += 1;
+            let [first_ns, last_ns] = self.world_range_ns.unwrap_or([made.log_ns; 2]);
+            self.world_range_ns = Some([first_ns.min(made.log_ns), last_ns.max(made.log_ns)]);
         }
         Ok(())
     }

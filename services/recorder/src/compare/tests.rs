@@ -143,6 +143,16 @@ fn the_first_difference_is_that_of_the_first_tick_and_of_whoever_computes_first(
     );
 }
 
+/// A successor says that it is there, which is no answer.
+#[test]
+fn idle_outputs_are_no_difference() {
+    let idle = || written(PlanPath::ROW, 4, 0, &[]);
+    let answer = || written(PlanPath::ROW, 4, 1, &[]);
+    let compared = compared(&[idle(), answer()], &[idle(), answer(), idle()]);
+    assert_eq!(compared.first, None);
+    assert_eq!(compared.topics[0].equal, 1);
+}
+
 #[test]
 fn more_items_and_missing_messages_are_differences() {
     let path = |items| Written {

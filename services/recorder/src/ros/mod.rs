@@ -2,6 +2,7 @@
 //!
 //! It shows what is obeyed: a shadow, or a newcomer that is not obeyed yet, moves nothing here.
 
+pub mod bag_folder;
 mod grid;
 pub mod messages;
 mod topics;
