@@ -3,6 +3,7 @@
 use crate::bag::diff::{Beside, beside};
 use crate::bag::input::open;
 use crate::commands::drive_and_judge;
+use crate::ending::Ending;
 use crate::recorder::RecordTo;
 use crate::run_plan::{RunPlan, Source};
 use clap::Args;
@@ -66,10 +67,13 @@ pub fn replay(arguments: &ReplayArgs) -> ExitCode {
         Ok(driven) => driven,
         Err(problem) => return usage(&problem),
     };
+    if result.outcome == Ending::Interrupted.outcome() {
+        return code;
+    }
     let again = RecordTo::RunFolder.file(Path::new(&result.directory));
     let beside = match beside(&arguments.file, &again) {
         Ok(beside) => beside,
-        // A run that was interrupted, for one, says so itself.
+        // A run that could not go on has said why.
         Err(problem) => {
             note(&problem);
             return code;

@@ -121,7 +121,13 @@ pub fn compare<R: Read>(
         let Some(key) = firsts.get(&topic.topic) else {
             continue;
         };
-        let [a, b] = [&found[0], &found[1]].map(|found| found.get(&topic.topic));
+        // What comes after the end of a run may have the same key.
+        let counts = |digests: &Digests| {
+            let digests = digests.get(&topic.topic);
+            digests.is_some_and(|digests| digests.contains_key(key))
+        };
+        let a = found[0].get(&topic.topic).filter(|_| counts(&a));
+        let b = found[1].get(&topic.topic).filter(|_| counts(&b));
         let difference = difference(&topic.topic, *key, a, b);
         if first.as_ref().is_none_or(|(before, _)| key < before) {
             first = Some((*key, difference.clone()));
@@ -293,26 +299,29 @@ fn difference(topic: &str, key: Key, a: Option<&Found>, b: Option<&Found>) -> Di
 /// The first value that differs: name, unit and both values.
 fn field(a: &Found, b: &Found) -> Option<(String, Option<String>, [String; 2])> {
     let (of_a, of_b) = (a.layout.as_ref()?, b.layout.as_ref()?);
-    let first = |leaves: &[Leaf], a: &[u8], others: &[Leaf], b: &[u8], within: &str| {
-        leaves.iter().find_map(|leaf| {
-            let value = leaf.of(a)?;
-            // Of another version of the contract by its name; a value that it lacks differs.
-            let other = others.iter().find(|other| other.path == leaf.path);
-            let (text, repeatable) = match other.and_then(|other| Some((other, other.of(b)?))) {
-                Some((other, value)) => (other.text(value), other.repeatable(value)),
-                None => ("no such field".to_owned(), &[0; 9][..]),
-            };
-            (leaf.repeatable(value) != repeatable).then(|| {
-                let unit = leaf.unit.clone();
-                (
-                    format!("{within}{}", leaf.path),
-                    unit,
-                    [leaf.text(value), text],
-                )
-            })
-        })
+    let by_path = |leaves: &'_ [Leaf]| -> BTreeMap<String, Leaf> {
+        let named = leaves.iter().map(|leaf| (leaf.path.clone(), leaf.clone()));
+        named.collect()
     };
-    let fixed = first(&of_a.envelope, &a.envelope, &of_b.envelope, &b.envelope, "");
+    let (envelope_of_b, item_of_b) = (by_path(&of_b.envelope), by_path(&of_b.item));
+    let first =
+        |leaves: &[Leaf], a: &[u8], others: &BTreeMap<String, Leaf>, b: &[u8], within: &str| {
+            leaves.iter().find_map(|leaf| {
+                let value = leaf.of(a)?;
+                // Of another version of the contract by its name; a value that it lacks differs.
+                let other = others.get(&leaf.path);
+                let (text, repeatable) = match other.and_then(|other| Some((other, other.of(b)?))) {
+                    Some((other, value)) => (other.text(value), other.repeatable(value)),
+                    None => ("no such field".to_owned(), &[0; 9][..]),
+                };
+                (leaf.repeatable(value) != repeatable).then(|| {
+                    let name = format!("{within}{}", leaf.path);
+                    let name = name.trim_end_matches('.').to_owned();
+                    (name, leaf.unit.clone(), [leaf.text(value), text])
+                })
+            })
+        };
+    let fixed = first(&of_a.envelope, &a.envelope, &envelope_of_b, &b.envelope, "");
     let items_of = |found: &'_ Found, layout: &Layout| found.items.len() / layout.item_bytes.max(1);
     let counts = [items_of(a, of_a), items_of(b, of_b)];
     fixed
@@ -324,7 +333,7 @@ fn field(a: &Found, b: &Found) -> Option<(String, Option<String>, [String; 2])> 
             let a = a.items.chunks_exact(of_a.item_bytes.max(1));
             let b = b.items.chunks_exact(of_b.item_bytes.max(1));
             a.zip(b).enumerate().find_map(|(n, (a, b))| {
-                first(&of_a.item, a, &of_b.item, b, &format!("items[{n}]."))
+                first(&of_a.item, a, &item_of_b, b, &format!("items[{n}]."))
             })
         })
 }

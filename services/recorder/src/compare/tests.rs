@@ -188,6 +188,15 @@ fn what_comes_after_the_end_of_the_run_is_not_compared() {
     };
     assert_eq!(counts(Some(6)), (5, 0, 0));
     assert_eq!(counts(None), (7, 0, 2));
+    // One run ends in the middle: its recording has a little more.
+    let (a, b) = (with(9, Some(9)), with(6, Some(5)));
+    let open = |second: bool| Ok(Cursor::new(if second { b.clone() } else { a.clone() }));
+    let first = compare(open)
+        .expect("compared")
+        .first
+        .expect("a difference");
+    assert_eq!((first.tick, first.b), (5, None));
+    assert!(first.a.is_some());
 }
 
 #[test]
