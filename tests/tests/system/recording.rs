@@ -20,7 +20,7 @@ fn recording_of(folder: &Path) -> PathBuf {
 
 /// What two readers of others say of a recording.
 fn read_by_others(file: &Path) -> Value {
-    let script = workspace().join("tests/data/read_recording.py");
+    let script = workspace().join("tests/src/read_recording.py");
     let read = Command::new(readers())
         .arg(script)
         .arg(file)
