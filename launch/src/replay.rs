@@ -3,7 +3,6 @@
 use crate::bag::diff::{Beside, beside};
 use crate::bag::input::open;
 use crate::commands::drive_and_judge;
-use crate::ending::Ending;
 use crate::recorder::RecordTo;
 use crate::run_plan::{RunPlan, Source};
 use clap::Args;
@@ -11,17 +10,17 @@ use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use zeronav_console::arguments::seat;
-use zeronav_console::exit::{EXIT_FAIL, EXIT_PASS};
+use zeronav_console::exit::{EXIT_FAIL, EXIT_OUTPUT, EXIT_PASS};
 use zeronav_console::interrupts::interrupts;
-use zeronav_console::terminal::{note, say, say_json, usage};
-use zeronav_files::read::TEXT_BYTES_MAX;
+use zeronav_console::terminal::{complain, say, say_json, usage};
 use zeronav_measure::result::RunResult;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::run::RunMode;
-use zeronav_recorder::file::{SCENARIO_TYPE, START};
+use zeronav_recorder::file::{SCENARIO_BYTES_MAX, SCENARIO_TYPE, START};
 use zeronav_recorder::read::{attachment, summary};
 use zeronav_scenario::settings::DriverArgs;
 use zeronav_shell::logs;
+use zeronav_shell::printable::printable;
 
 /// Arguments of `zeronav replay`.
 #[derive(Debug, Clone, Args)]
@@ -67,16 +66,25 @@ pub fn replay(arguments: &ReplayArgs) -> ExitCode {
         Ok(driven) => driven,
         Err(problem) => return usage(&problem),
     };
-    if result.outcome == Ending::Interrupted.outcome() {
-        return code;
-    }
+    let is_judged = [EXIT_PASS, EXIT_FAIL].map(ExitCode::from).contains(&code);
     let again = RecordTo::RunFolder.file(Path::new(&result.directory));
-    let beside = match beside(&arguments.file, &again) {
+    let beside = if is_judged {
+        beside(&arguments.file, &again)
+    } else {
+        Err(format!("not compared: {}", result.reason))
+    };
+    let beside = match beside {
         Ok(beside) => beside,
-        // A run that could not go on has said why.
         Err(problem) => {
-            note(&problem);
-            return code;
+            if arguments.json {
+                say_json(&json!({ "comparison": null, "result": result }));
+            }
+            complain(&printable(&problem));
+            return if is_judged {
+                ExitCode::from(EXIT_OUTPUT)
+            } else {
+                code
+            };
         }
     };
     let is_changed = !arguments.swap.is_empty() || !plan.settings.is_empty();
@@ -141,10 +149,12 @@ fn recorded(file: &Path) -> Result<Recorded, String> {
         }
         None => return Err(wrong(&"zeronav-recorder has not written it")),
     }
-    let most = usize::try_from(TEXT_BYTES_MAX).unwrap_or(usize::MAX);
+    let most = usize::try_from(SCENARIO_BYTES_MAX).unwrap_or(usize::MAX);
     let attached = attachment(open(file)?, SCENARIO_TYPE, most).map_err(|error| wrong(&error))?;
     let (name, text) = attached.ok_or_else(|| {
-        wrong(&"it holds no scenario: only a recording that `zeronav run --record` has made does")
+        let why = "it holds no scenario: only a recording that `zeronav run --record` has made does, \
+                   with no seat left to a process that was started by hand (--external)";
+        wrong(&why)
     })?;
     let seed = field("seed").and_then(|seed| seed.parse().ok());
     Ok(Recorded {

@@ -161,7 +161,10 @@ fn heads(leaves: &[Leaf]) -> Vec<String> {
         Some(unit) => format!("{} [{unit}]", leaf.path),
         None => leaf.path.clone(),
     };
-    leaves.iter().map(head).collect()
+    let heads = leaves.iter().map(head);
+    heads
+        .map(|head| printable_cell(&head).into_owned())
+        .collect()
 }
 
 fn cells<'a>(leaves: &'a [Leaf], part: &'a [u8]) -> impl Iterator<Item = String> + 'a {

@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use zeronav_console::leave;
 use zeronav_console::terminal::{complain, note};
+use zeronav_msgs::role::Role;
 use zeronav_scenario::companions::{RECORDER, RESTARTS, VIEWER};
 use zeronav_supervise::binaries;
 use zeronav_supervise::child_log::LogPlace;
@@ -87,10 +88,13 @@ impl Session<'_> {
     }
 
     /// Leaves the scenario that is driven, with all that it builds on, in the run's folder. A stack that stays
-    /// up drives where its clients say.
+    /// up drives where its clients say, and what sits in a seat by hand is not known.
     fn write_scenario(&self) -> Result<Option<PathBuf>, String> {
         let prepared = self.prepared;
-        if prepared.stays {
+        let is_filled = Role::SERVICES
+            .iter()
+            .all(|role| prepared.binaries.contains_key(role));
+        if prepared.stays || !is_filled {
             return Ok(None);
         }
         let name = format!("{}.toml", prepared.scenario.name);

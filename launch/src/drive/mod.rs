@@ -174,7 +174,7 @@ fn drive_stack(
     session.collector.seen.end_at(end_tick);
     session.collector.reasons.end_at(end_tick);
     tracing::info!(outcome = ending.outcome(), end_tick, "the run ends");
-    if let Some(folder) = stack.folder().filter(|_| prepared.recording.is_some()) {
+    if let Some(folder) = stack.folder() {
         recorder::say_end(folder, end_tick);
     }
     let disturbance = session.at_start.take().map(|before| {

@@ -22,6 +22,9 @@ pub const START: &str = "zeronav.start";
 /// `.toml`.
 pub const SCENARIO_TYPE: &str = "application/toml";
 
+/// Largest scenario that a recording holds. [bytes]
+pub const SCENARIO_BYTES_MAX: u64 = 16 << 20;
+
 /// The program that has written a file, in its header.
 #[must_use]
 pub fn library() -> String {

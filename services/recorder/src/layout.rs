@@ -16,6 +16,10 @@ const DEPTH_MAX: usize = 16;
 /// Largest message without its items, and largest item. [bytes]
 const BYTES_MAX: u64 = 16 << 20;
 
+/// Longest description, and longest path or unit of a value. [bytes]
+const TEXT_BYTES_MAX: usize = 1 << 20;
+const WORD_BYTES_MAX: usize = 256;
+
 /// Fields that say when something happened by the clock of the machine, or follow from such: they differ
 /// between two runs that do the same.
 const CLOCK_FIELDS: [&str; 7] = [
@@ -98,12 +102,14 @@ impl Layout {
         };
         let (envelope_bytes, item_bytes) = (bytes("envelope_bytes")?, bytes("item_bytes")?);
         let layout = metadata.get("layout").map(String::as_str);
+        let layout = layout.filter(|layout| layout.len() <= TEXT_BYTES_MAX);
         let layout: Value =
             serde_json::from_str(layout.unwrap_or_default()).map_err(|_| wrong("layout"))?;
         let leaves = |part: &str, bytes: usize| {
             let mut flat = Flat {
                 leaves: Vec::new(),
                 steps: 0,
+                used: 0,
                 bytes,
             };
             let of = &layout[part];
@@ -243,6 +249,8 @@ struct Flat {
     leaves: Vec<Leaf>,
     /// Parts that were looked at, which may be without a value.
     steps: usize,
+    /// Bytes of the values so far.
+    used: usize,
     /// Size of the part. [bytes]
     bytes: usize,
 }
@@ -322,8 +330,19 @@ impl Flat {
         kind: Kind,
         about: Option<About<'_>>,
     ) -> Option<usize> {
-        let fits = offset.checked_add(bytes)? <= self.bytes && self.leaves.len() < LEAVES_MAX;
-        if !fits {
+        // No two values share bytes, so that there are no more of them than bytes.
+        self.used = self.used.checked_add(bytes)?;
+        let fits = offset.checked_add(bytes)? <= self.bytes && self.used <= self.bytes;
+        let words = [
+            Some(path),
+            about.and_then(|it| it.unit),
+            about.and_then(|it| it.code),
+        ];
+        let are_short = words
+            .iter()
+            .flatten()
+            .all(|word| word.len() <= WORD_BYTES_MAX);
+        if !fits || bytes == 0 || !are_short || self.leaves.len() >= LEAVES_MAX {
             return None;
         }
         self.leaves.push(Leaf {
@@ -448,6 +467,8 @@ mod tests {
             r#"{"envelope":{"of":"u64","len":18446744073709551615}}"#,
             r#"{"envelope":{"of":{"of":"u8","len":9999999},"len":9999999}}"#,
             r#"{"envelope":{"of":{"bytes":0,"fields":[]},"len":18446744073709551615}}"#,
+            r#"{"envelope":{"of":"u8","len":65537}}"#,
+            r#"{"envelope":{"bytes":8,"fields":[{"name":"a","offset":0,"type":{"of":"u64","len":90}}]}}"#,
             r#"{"envelope":{"bytes":8,"fields":[{"name":"a","offset":9999,"type":"u64"}]}}"#,
         ] {
             assert_eq!(with("layout", layout), wrong("layout"), "{layout}");

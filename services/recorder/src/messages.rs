@@ -12,6 +12,10 @@ use std::io::Read;
 /// each.
 const MESSAGES_MAX: usize = 20_000_000;
 
+/// Most topics of the contract, and the longest of their names. [bytes]
+const CHANNELS_MAX: usize = 256;
+const NAME_BYTES_MAX: usize = 256;
+
 /// Why the messages of a recording cannot be read.
 #[derive(Debug, thiserror::Error)]
 pub enum MessagesError {
@@ -24,6 +28,9 @@ pub enum MessagesError {
     /// It is too long.
     #[error("it has more than {MESSAGES_MAX} messages of the contract")]
     TooLong,
+    /// It has more channels than any contract.
+    #[error("it has two channels of one topic, or more than {CHANNELS_MAX} topics of the contract")]
+    Channels,
     /// It was made by something else.
     #[error("it holds no messages of the contract: zeronav-recorder has not written it")]
     Foreign,
@@ -50,6 +57,11 @@ pub fn native_messages(
                 if let Some(name) = channel.topic.strip_prefix(PREFIX) {
                     is_ours = true;
                     if wants(name) && !channels.contains_key(&channel.id) {
+                        let is_known = channels.values().any(|(known, _)| known == name);
+                        if is_known || channels.len() >= CHANNELS_MAX || name.len() > NAME_BYTES_MAX
+                        {
+                            return Err(MessagesError::Channels);
+                        }
                         let layout = Layout::of(&channel.topic, &channel.metadata)?;
                         channels.insert(channel.id, (name.to_owned(), layout));
                     }

@@ -1,6 +1,7 @@
 //! The process: its flags, its loop, and its end.
 
 use crate::domain_files::{END, RECORDED};
+use crate::file::SCENARIO_BYTES_MAX;
 use crate::recorder::{Recorder, Start, World, WriteError};
 use crate::ros::bag_folder;
 use crate::taps::Taps;
@@ -225,7 +226,7 @@ fn known(peer: &Peer) -> Result<Roster, StartError> {
 /// Name and text of a scenario's file.
 fn scenario_in(file: Option<&Path>) -> Result<Option<(String, String)>, StartError> {
     let Some(file) = file else { return Ok(None) };
-    let text = read::text(file, read::TEXT_BYTES_MAX)
+    let text = read::text(file, SCENARIO_BYTES_MAX)
         .map_err(|error| StartError::Usage(format!("--scenario {}: {error}", file.display())))?;
     let name = file.file_name().unwrap_or_default();
     Ok(Some((name.to_string_lossy().into_owned(), text)))
