@@ -68,11 +68,17 @@ pub struct Comparison {
 }
 
 /// Which message: tick, author in the order of the data flow, whether a shadow wrote it, and which of those with
-/// all of this in common.
+/// all of this in common, in the order of their authors' starts: two processes in a seat write in any order.
 type Key = (u64, u16, bool, u32);
 
-/// What is kept of a recording, by topic: of each message a hash of what is compared.
-type Digests = BTreeMap<String, BTreeMap<Key, u64>>;
+/// Which message of one recording: as [`Key`], with its identity in the place of the last.
+type Place = (u64, u16, bool, u64);
+
+/// What is kept of a message: a hash of what is compared, and its identity.
+type Kept = (u64, u64);
+
+/// What is kept of a recording, by topic.
+type Digests = BTreeMap<String, BTreeMap<Key, Kept>>;
 
 /// A message that differs, or is in one recording only.
 #[derive(Default, Clone)]
@@ -111,8 +117,13 @@ pub fn compare<R: Read>(
     }
     let mut found = [BTreeMap::new(), BTreeMap::new()];
     if !firsts.is_empty() {
-        for (second, found) in [false, true].into_iter().zip(&mut found) {
-            let messages = open(second).and_then(|input| find(input, &firsts));
+        for ((second, digests), found) in [(false, &a), (true, &b)].into_iter().zip(&mut found) {
+            let places = firsts.iter().filter_map(|(name, key)| {
+                let (_, id) = digests.get(name)?.get(key)?;
+                Some((name.clone(), (key.0, key.1, key.2, *id)))
+            });
+            let places: BTreeMap<String, Place> = places.collect();
+            let messages = open(second).and_then(|input| find(input, &places));
             *found = messages.map_err(|error| (second, error))?;
         }
     }
@@ -121,13 +132,7 @@ pub fn compare<R: Read>(
         let Some(key) = firsts.get(&topic.topic) else {
             continue;
         };
-        // What comes after the end of a run may have the same key.
-        let counts = |digests: &Digests| {
-            let digests = digests.get(&topic.topic);
-            digests.is_some_and(|digests| digests.contains_key(key))
-        };
-        let a = found[0].get(&topic.topic).filter(|_| counts(&a));
-        let b = found[1].get(&topic.topic).filter(|_| counts(&b));
+        let [a, b] = [&found[0], &found[1]].map(|found| found.get(&topic.topic));
         let difference = difference(&topic.topic, *key, a, b);
         if first.as_ref().is_none_or(|(before, _)| key < before) {
             first = Some((*key, difference.clone()));
@@ -144,8 +149,8 @@ pub fn compare<R: Read>(
 /// Counts, and the first message that is not the same in both.
 fn beside(
     name: &str,
-    a: &BTreeMap<Key, u64>,
-    b: &BTreeMap<Key, u64>,
+    a: &BTreeMap<Key, Kept>,
+    b: &BTreeMap<Key, Kept>,
 ) -> (TopicComparison, Option<Key>) {
     let mut counted = TopicComparison {
         topic: name.to_owned(),
@@ -157,9 +162,9 @@ fn beside(
     };
     let mut first: Option<Key> = None;
     let mut differs = |key: &Key| first = Some(first.map_or(*key, |before| before.min(*key)));
-    for (key, digest) in a {
+    for (key, (digest, _)) in a {
         match b.get(key) {
-            Some(other) if other == digest => counted.equal += 1,
+            Some((other, _)) if other == digest => counted.equal += 1,
             Some(_) => {
                 counted.different += 1;
                 differs(key);
@@ -193,9 +198,8 @@ fn is_compared(name: &str) -> bool {
 /// which the run ended.
 fn messages(
     input: impl Read,
-    mut see: impl FnMut(&str, &Layout, Key, [&[u8]; 2]),
+    mut see: impl FnMut(&str, &Layout, Place, [&[u8]; 2]),
 ) -> Result<Option<u64>, MessagesError> {
-    let mut counts: BTreeMap<(String, u64, u16, bool), u32> = BTreeMap::new();
     native_messages(input, is_compared, |name, layout, [envelope, items]| {
         let number = |path: &str| layout.number(envelope, path).unwrap_or(0);
         let tick = number("header.tick");
@@ -203,19 +207,17 @@ fn messages(
         if tick == 0 && ![Role::Launch, Role::Robot].map(Role::code).contains(&role) {
             return;
         }
-        let shadow = Id(number("header.id")).epoch() >= SHADOW_EPOCH_MIN;
-        let n = counts
-            .entry((name.to_owned(), tick, role, shadow))
-            .or_default();
-        let key = (tick, role, shadow, *n);
-        *n = n.saturating_add(1);
-        see(name, layout, key, [envelope, items]);
+        let id = Id(number("header.id"));
+        let shadow = id.epoch() >= SHADOW_EPOCH_MIN;
+        // The epoch of a shadow is its process id.
+        let order = if shadow { id.count() } else { id.0 };
+        see(name, layout, (tick, role, shadow, order), [envelope, items]);
     })
 }
 
 fn digests(input: impl Read) -> Result<(Digests, Option<u64>), MessagesError> {
-    let mut digests = Digests::new();
-    let end_tick = messages(input, |name, layout, key, [envelope, items]| {
+    let mut digests: BTreeMap<String, BTreeMap<Place, u64>> = BTreeMap::new();
+    let end_tick = messages(input, |name, layout, place, [envelope, items]| {
         let mut hasher = DefaultHasher::new();
         let mut hash = |leaves: &[Leaf], part: &[u8]| {
             for leaf in leaves {
@@ -230,24 +232,36 @@ fn digests(input: impl Read) -> Result<(Digests, Option<u64>), MessagesError> {
             Some(topic) => topic,
             None => digests.entry(name.to_owned()).or_default(),
         };
-        topic.insert(key, hasher.finish());
+        topic.insert(place, hasher.finish());
     })?;
-    if let Some(end_tick) = end_tick {
-        for topic in digests.values_mut() {
-            topic.retain(|(tick, ..), _| *tick < end_tick);
-        }
-    }
-    Ok((digests, end_tick))
+    let ranked = |(name, mut topic): (String, BTreeMap<Place, u64>)| {
+        topic.retain(|(tick, ..), _| end_tick.is_none_or(|end_tick| *tick < end_tick));
+        (name, ranked(topic))
+    };
+    Ok((digests.into_iter().map(ranked).collect(), end_tick))
 }
 
-/// The messages of these topics with these keys.
+/// Numbers those that have all but their identity in common.
+fn ranked(topic: BTreeMap<Place, u64>) -> BTreeMap<Key, Kept> {
+    let mut last = None;
+    let mut n = 0;
+    let numbered = topic.into_iter().map(|((tick, role, shadow, id), digest)| {
+        let same = Some((tick, role, shadow));
+        n = if last == same { n + 1 } else { 0 };
+        last = same;
+        ((tick, role, shadow, n), (digest, id))
+    });
+    numbered.collect()
+}
+
+/// The messages of these topics at these places.
 fn find(
     input: impl Read,
-    wanted: &BTreeMap<String, Key>,
+    wanted: &BTreeMap<String, Place>,
 ) -> Result<BTreeMap<String, Found>, MessagesError> {
     let mut found = BTreeMap::new();
-    messages(input, |name, layout, key, [envelope, items]| {
-        if wanted.get(name) == Some(&key) {
+    messages(input, |name, layout, place, [envelope, items]| {
+        if wanted.get(name) == Some(&place) {
             let message = Found {
                 envelope: envelope.to_vec(),
                 items: items.to_vec(),

@@ -143,6 +143,27 @@ fn the_first_difference_is_that_of_the_first_tick_and_of_whoever_computes_first(
     );
 }
 
+/// While a seat is handed over, two processes answer a tick.
+#[test]
+fn two_in_a_seat_may_write_in_any_order() {
+    let by = |epoch: u32, cost: f64| {
+        let id = ("header.id", Id::new(epoch, 9).0.to_le_bytes().to_vec());
+        let cost = ("meta.cost", cost.to_le_bytes().to_vec());
+        written(PlanPath::ROW, 4, 7, &[id, cost])
+    };
+    let one = compared(&[by(1, 1.0), by(2, 2.0)], &[by(2, 2.0), by(1, 1.0)]);
+    assert_eq!((one.first, one.topics[0].equal), (None, 2));
+    // Another start of the same author is the same one.
+    let other = compared(&[by(1, 1.0)], &[by(3, 1.0)]);
+    assert_eq!((other.first, other.topics[0].equal), (None, 1));
+    let first = compared(&[by(1, 1.0), by(2, 2.0)], &[by(2, 5.0), by(1, 1.0)]).first;
+    let first = first.expect("a difference");
+    assert_eq!(
+        (first.a.as_deref(), first.b.as_deref()),
+        (Some("2"), Some("5"))
+    );
+}
+
 /// A successor says that it is there, which is no answer.
 #[test]
 fn idle_outputs_are_no_difference() {
