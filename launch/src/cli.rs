@@ -8,6 +8,7 @@ use crate::live_view::{PageArgs, ViewArgs};
 use crate::logs::LogsArgs;
 use crate::map_save::MapArgs;
 use crate::new_package::cli::NewArgs;
+use crate::output_args::OutputArgs;
 use crate::params::ParamsArgs;
 use crate::recorder::RecordArgs;
 use crate::remote::cli::{
@@ -35,7 +36,6 @@ use zeronav_msgs::role::Role;
 use zeronav_msgs::run::RunMode;
 use zeronav_scenario::settings::DriverArgs;
 use zeronav_scenario::{ForesightSpec, Perceive, Predict};
-use zeronav_shell::logs;
 use zeronav_suite::noise::Noise;
 use zeronav_suite::plan::SuitePlan;
 use zeronav_supervise::cleaner;
@@ -205,12 +205,9 @@ pub struct StartArgs {
     /// Every stage answers every tick exactly once: as fast as the machine can, the same every time.
     #[arg(long)]
     pub lockstep: bool,
-    /// Show nothing while it runs.
-    #[arg(long)]
-    pub headless: bool,
-    /// Print the result as one JSON object on standard output.
-    #[arg(long)]
-    pub json: bool,
+    /// What it shows.
+    #[command(flatten)]
+    pub output: OutputArgs,
     /// Seed of everything random, in place of the scenario's.
     #[arg(long, value_name = "N")]
     pub seed: Option<u64>,
@@ -218,15 +215,9 @@ pub struct StartArgs {
     /// one in a debugger. May be given several times.
     #[arg(long, value_name = "ROLE", value_parser = service_role)]
     pub external: Vec<Role>,
-    /// Folder in which the run's own folder is made.
-    #[arg(long, value_name = "FOLDER", default_value = "runs")]
-    pub out: PathBuf,
     /// Who drives.
     #[command(flatten)]
     pub driver: DriverArgs,
-    /// What the services log: error, warn, info, debug, trace, or a filter.
-    #[arg(long, value_name = "LEVEL", default_value = "info", value_parser = logs::filter)]
-    pub log_level: String,
     /// Serve no live page. There is one when standard output is a terminal, without --json and
     /// --headless; a run in lockstep and trials have none.
     #[arg(long, conflicts_with_all = ["port", "open"])]
@@ -247,18 +238,17 @@ impl StartArgs {
         } else {
             RunMode::RealTime
         };
-        let is_watched = !self.json && !self.headless && std::io::stdout().is_terminal();
-        RunPlan {
+        let is_watched =
+            !self.output.json && !self.output.headless && std::io::stdout().is_terminal();
+        let plan = RunPlan {
             view: (is_watched && !self.no_view).then(|| self.page.clone()),
             record: self.record.record.clone(),
             seed: self.seed,
             external: self.external.clone(),
             settings: self.driver.settings(),
-            out: self.out.clone(),
-            log_level: self.log_level.clone(),
-            progress: !self.headless,
             ..RunPlan::of(scenario, mode)
-        }
+        };
+        self.output.laid_over(plan)
     }
 }
 

@@ -30,6 +30,7 @@ pub mod map_save;
 pub mod new_package;
 mod open_files;
 mod orders;
+pub mod output_args;
 pub mod params;
 pub mod picture;
 mod placed;

@@ -67,11 +67,11 @@ fn main() -> ExitCode {
         }
     }
     terminal::settle(match cli.command {
-        Command::Run(arguments) => commands::run(&arguments.plan(), arguments.start.json),
+        Command::Run(arguments) => commands::run(&arguments.plan(), arguments.start.output.json),
         Command::Latency(arguments) => latency::latency(&arguments),
         Command::Compare(arguments) => compare::compare(&arguments),
         Command::StartUp(arguments) => start_up::start_up(&arguments),
-        Command::Up(arguments) => commands::up(&arguments.plan(), arguments.start.json),
+        Command::Up(arguments) => commands::up(&arguments.plan(), arguments.start.output.json),
         Command::List { json } => look::list(json),
         Command::Check { scenario, json } => look::check(&scenario, json),
         Command::Planners { json } => look::algorithms_of(Role::GlobalPlanner, json),

@@ -3,6 +3,7 @@
 use crate::bag::diff::{Beside, beside};
 use crate::bag::input::open;
 use crate::commands::drive_and_judge;
+use crate::output_args::OutputArgs;
 use crate::recorder::RecordTo;
 use crate::run_plan::{RunPlan, Source};
 use clap::Args;
@@ -19,7 +20,6 @@ use zeronav_msgs::run::RunMode;
 use zeronav_recorder::file::{SCENARIO_BYTES_MAX, SCENARIO_TYPE, START};
 use zeronav_recorder::read::{attachment, summary};
 use zeronav_scenario::settings::DriverArgs;
-use zeronav_shell::logs;
 use zeronav_shell::printable::printable;
 
 /// Arguments of `zeronav replay`.
@@ -33,18 +33,9 @@ pub struct ReplayArgs {
     /// Who drives.
     #[command(flatten)]
     pub driver: DriverArgs,
-    /// Print one JSON object.
-    #[arg(long)]
-    pub json: bool,
-    /// Show nothing while it runs.
-    #[arg(long)]
-    pub headless: bool,
-    /// Folder in which the run's own folder is made.
-    #[arg(long, value_name = "FOLDER", default_value = "runs")]
-    pub out: PathBuf,
-    /// What the services log: error, warn, info, debug, trace, or a filter.
-    #[arg(long, value_name = "LEVEL", default_value = "info", value_parser = logs::filter)]
-    pub log_level: String,
+    /// What it shows.
+    #[command(flatten)]
+    pub output: OutputArgs,
 }
 
 /// What a recording says of how its run was driven.
@@ -76,7 +67,7 @@ pub fn replay(arguments: &ReplayArgs) -> ExitCode {
     let beside = match beside {
         Ok(beside) => beside,
         Err(problem) => {
-            if arguments.json {
+            if arguments.output.json {
                 say_json(&json!({ "comparison": null, "result": result }));
             }
             complain(&printable(&problem));
@@ -88,7 +79,7 @@ pub fn replay(arguments: &ReplayArgs) -> ExitCode {
         }
     };
     let is_changed = !arguments.swap.is_empty() || !plan.settings.is_empty();
-    if arguments.json {
+    if arguments.output.json {
         say_json(&json!({ "comparison": beside.to_json(), "result": result }));
     } else {
         say(&to_text(arguments, &again, &result, &beside));
@@ -113,16 +104,14 @@ fn to_text(arguments: &ReplayArgs, again: &Path, result: &RunResult, beside: &Be
 impl ReplayArgs {
     fn plan(&self, recorded: Recorded) -> RunPlan {
         let Recorded { name, text, seed } = recorded;
-        RunPlan {
+        let plan = RunPlan {
             record: Some(RecordTo::RunFolder),
             seed: Some(seed),
             binaries: self.swap.iter().cloned().collect(),
             settings: self.driver.settings(),
-            out: self.out.clone(),
-            log_level: self.log_level.clone(),
-            progress: !self.headless && !self.json,
             ..RunPlan::of(Source::Text { name, text }, RunMode::Lockstep)
-        }
+        };
+        self.output.laid_over(plan)
     }
 }
 

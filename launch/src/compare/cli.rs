@@ -1,10 +1,10 @@
 //! The command line of `zeronav compare`.
 
+use crate::output_args::OutputArgs;
 use clap::Args;
 use std::path::PathBuf;
 use zeronav_console::arguments::seat;
 use zeronav_msgs::role::Role;
-use zeronav_shell::logs;
 
 /// Arguments of `zeronav compare`.
 #[derive(Debug, Clone, Args)]
@@ -24,16 +24,7 @@ pub struct CompareArgs {
     /// Seed of the first round, in place of the scenario's; both sides have the same.
     #[arg(long, value_name = "N")]
     pub seed: Option<u64>,
-    /// Print one JSON object.
-    #[arg(long)]
-    pub json: bool,
-    /// Show nothing while it runs.
-    #[arg(long)]
-    pub headless: bool,
-    /// Folder in which the folders of both sides are made.
-    #[arg(long, value_name = "FOLDER", default_value = "runs")]
-    pub out: PathBuf,
-    /// What the services log: error, warn, info, debug, trace, or a filter.
-    #[arg(long, value_name = "LEVEL", default_value = "info", value_parser = logs::filter)]
-    pub log_level: String,
+    /// What it shows.
+    #[command(flatten)]
+    pub output: OutputArgs,
 }

@@ -63,13 +63,12 @@ pub fn compare(arguments: &CompareArgs) -> ExitCode {
 }
 
 fn sides(arguments: &CompareArgs) -> Result<ExitCode, String> {
-    let plan = |scenario: &str| RunPlan {
-        trials: Some(arguments.trials),
-        seed: arguments.seed,
-        out: arguments.out.clone(),
-        log_level: arguments.log_level.clone(),
-        progress: !arguments.headless,
-        ..RunPlan::of(Source::Named(scenario.to_owned()), RunMode::RealTime)
+    let plan = |scenario: &str| {
+        arguments.output.laid_over(RunPlan {
+            trials: Some(arguments.trials),
+            seed: arguments.seed,
+            ..RunPlan::of(Source::Named(scenario.to_owned()), RunMode::RealTime)
+        })
     };
     let first = prepare(&plan(&arguments.a))?;
     let other = RunPlan {
@@ -103,7 +102,7 @@ fn sides(arguments: &CompareArgs) -> Result<ExitCode, String> {
     if let Some(ending) = &ending {
         explain(ending);
     }
-    if arguments.json {
+    if arguments.output.json {
         say_json(&comparison);
     } else {
         say(&comparison.to_text());

@@ -1,11 +1,11 @@
 //! The command line of `zeronav latency`.
 
+use crate::output_args::OutputArgs;
 use crate::run_plan::MachineLoad;
 use clap::Args;
 use std::path::PathBuf;
 use zeronav_console::arguments::delay;
 use zeronav_msgs::role::Role;
-use zeronav_shell::logs;
 
 /// Trials without `--trials`.
 pub(super) const TRIALS: u32 = 30;
@@ -43,18 +43,9 @@ pub struct LatencyArgs {
     /// Seed of everything random, in place of the scenario's.
     #[arg(long, value_name = "N")]
     pub seed: Option<u64>,
-    /// Print the report as one JSON object on standard output.
-    #[arg(long)]
-    pub json: bool,
-    /// Show nothing while it runs.
-    #[arg(long)]
-    pub headless: bool,
-    /// Folder in which the folders of the runs are made.
-    #[arg(long, value_name = "FOLDER", default_value = "runs")]
-    pub out: PathBuf,
-    /// What the services log: error, warn, info, debug, trace, or a filter.
-    #[arg(long, value_name = "LEVEL", default_value = "info", value_parser = logs::filter)]
-    pub log_level: String,
+    /// What it shows.
+    #[command(flatten)]
+    pub output: OutputArgs,
 }
 
 impl LatencyArgs {

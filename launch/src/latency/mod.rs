@@ -80,7 +80,7 @@ fn finish(
     if let Ok(held) = &held {
         report.assertions.clone_from(held);
     }
-    if arguments.json {
+    if arguments.output.json {
         say_json(&report);
     } else {
         say(&report.to_text());
@@ -181,15 +181,12 @@ fn measure(
 }
 
 fn plan(arguments: &LatencyArgs, trials: u32, rate_hz: Option<f64>, load: MachineLoad) -> RunPlan {
-    RunPlan {
+    arguments.output.laid_over(RunPlan {
         trials: Some(trials),
         rate_hz,
         load,
         seed: arguments.seed,
         delays: arguments.inject.iter().copied().collect(),
-        out: arguments.out.clone(),
-        log_level: arguments.log_level.clone(),
-        progress: !arguments.headless,
         ..RunPlan::of(Source::Named(arguments.subject.clone()), RunMode::RealTime)
-    }
+    })
 }
