@@ -30,6 +30,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 use zeronav_shell::damage::{Damaged, damaged, read_last};
+use zeronav_shell::half_made;
 
 /// Name of the subcommand.
 pub const COMMAND: &str = "warden";
@@ -226,8 +227,7 @@ pub fn run() {
     let mut watched = Watched::default();
     while watched.listen() {
         watched.logs.cut();
-        let gone = |service: &Service| service.has_ended(Duration::ZERO);
-        watched.services.retain(|service| !gone(service));
+        watched.forget_ended();
         watched.domains.retain(|root| root.exists());
         watched.folders.retain(|folder| folder.exists());
     }
@@ -290,6 +290,19 @@ struct Watched {
 }
 
 impl Watched {
+    /// Forgets the services that have ended. One that died while it made a segment keeps everybody waiting for
+    /// it, launch before all, which cannot see to it then.
+    fn forget_ended(&mut self) {
+        let before = self.services.len();
+        self.services
+            .retain(|service| !service.has_ended(Duration::ZERO));
+        if self.services.len() < before {
+            for root in &self.domains {
+                half_made::remove(root);
+            }
+        }
+    }
+
     /// Puts the result in its place that launch has not taken back. Segments are looked at first: their
     /// makers remove them when they leave.
     fn execute_will(&mut self) {

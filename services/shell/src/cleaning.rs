@@ -5,6 +5,7 @@
 
 use crate::domain;
 use crate::error::StartError;
+use crate::half_made;
 use iceoryx2::node::{Node, NodeCleanupFailure, NodeState};
 use iceoryx2::prelude::{CallbackProgression, ipc};
 use std::path::Path;
@@ -15,8 +16,8 @@ use std::path::Path;
 /// [`StartError::Usage`] when there is no such domain, [`StartError::System`] when something could
 /// not be removed.
 pub fn clean(root: &Path) -> Result<(), StartError> {
-    let (prefix, config) = domain::look_up(root)?;
-    domain::remove_half_made(&prefix);
+    let config = domain::look_up(root)?;
+    half_made::remove(root);
     let mut left = Ok(());
     Node::<ipc::Service>::list(&config, |state| {
         if let NodeState::Dead(dead) = state {

@@ -43,9 +43,6 @@ const NODE_COUNTER_TYPE: &str = "9204dd183d1c4d8e1ff592a30766ffa6765aa8b5";
 /// Size of that counter.
 const NODE_COUNTER_BYTES: usize = 16;
 
-/// For how long a segment must be half made until its maker counts as dead.
-const HALF_MADE: std::time::Duration = std::time::Duration::from_millis(100);
-
 /// How long a member waits for what another one is just making. By default the middleware gives up after a
 /// second of wall time, which a busy machine would decide.
 const CREATION_LIMIT: std::time::Duration = std::time::Duration::from_secs(60);
@@ -206,19 +203,17 @@ impl Domain {
     }
 }
 
-/// The prefix of the caller's own domain at `root`, and the middleware's configuration for it.
+/// The middleware's configuration for the caller's own domain at `root`.
 ///
 /// # Errors
 /// [`StartError::Usage`] when there is no such domain.
-pub fn look_up(root: &Path) -> Result<(String, Config), StartError> {
+pub fn look_up(root: &Path) -> Result<Config, StartError> {
     let unusable = |problem: &dyn core::fmt::Display| {
         StartError::Usage(format!("--domain {}: {problem}", root.display()))
     };
     let name = name_of(root).ok_or_else(|| unusable(&"not a folder directly under /dev/shm"))?;
     Folder::open(root).map_err(|error| unusable(&error))?;
-    let prefix = prefix_of(name);
-    let config = config(root, &prefix)?;
-    Ok((prefix, config))
+    config(root, &prefix_of(name))
 }
 
 /// The middleware's configuration for the domain at `root`.
@@ -340,30 +335,6 @@ fn remove_segments(prefix: &str) {
     }
 }
 
-/// Removes the segments of a domain whose maker died while it made them. The middleware gives the
-/// right to read with the last step, and a process that cleans up waits for that step for ever.
-pub(crate) fn remove_half_made(prefix: &str) {
-    let first = half_made(prefix);
-    if first.is_empty() {
-        return;
-    }
-    // A living process needs far less than this for it.
-    std::thread::sleep(HALF_MADE);
-    for (path, inode) in half_made(prefix) {
-        if first.contains(&(path.clone(), inode)) {
-            let _ = std::fs::remove_file(path);
-        }
-    }
-}
-
-/// The segments that cannot be read yet, with their inodes.
-fn half_made(prefix: &str) -> Vec<(PathBuf, u64)> {
-    segments(prefix)
-        .filter(|(_, metadata)| metadata.mode() & 0o400 == 0)
-        .map(|(path, metadata)| (path, metadata.ino()))
-        .collect()
-}
-
 /// Root folders of all domains of the caller on this host, dead or alive. Users whom a service has let
 /// into one are shut out again.
 #[must_use]
@@ -413,8 +384,7 @@ pub fn sweep_dead() -> Vec<PathBuf> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::fs::OpenOptions;
-    use std::os::unix::fs::{OpenOptionsExt, PermissionsExt};
+    use std::os::unix::fs::PermissionsExt;
 
     #[test]
     fn a_domain_that_was_opened_to_others_is_shut_and_swept() {
@@ -451,23 +421,5 @@ mod tests {
         std::fs::set_permissions(&root, std::fs::Permissions::from_mode(0o500)).unwrap();
         assert!(other.close().unwrap());
         assert!(!root.exists());
-    }
-
-    #[test]
-    fn segments_that_were_never_finished_are_removed_and_the_others_stay() {
-        let domain = Domain::create().unwrap();
-        let make = |name: &str, mode: u32| {
-            let path = Path::new(SHM).join(format!("{}{name}", domain.prefix()));
-            let mut options = OpenOptions::new();
-            options.write(true).create_new(true).mode(mode);
-            options.open(&path).unwrap();
-            path
-        };
-        let (half, whole) = (make("a.connection", 0o200), make("b.connection", 0o600));
-        remove_half_made(domain.prefix());
-        assert!(!half.exists());
-        assert!(whole.exists());
-        assert!(domain.close().unwrap());
-        assert!(!whole.exists());
     }
 }

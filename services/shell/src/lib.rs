@@ -38,6 +38,7 @@ pub mod error;
 mod fixture;
 pub mod flags;
 pub mod folder;
+pub mod half_made;
 mod heartbeat;
 mod input;
 mod leaving;

@@ -4,10 +4,10 @@
 use rustix::process::Signal;
 use serde_json::Value;
 use std::fs::File;
-use std::os::unix::fs::FileExt;
+use std::os::unix::fs::{FileExt, OpenOptionsExt};
 use std::path::{Path, PathBuf};
 use zeronav_tests::up::Up;
-use zeronav_tests::{await_by_itself, is_alive, leftovers, real_time_turn};
+use zeronav_tests::{await_by_itself, is_alive, leftovers, real_time_turn, send_signal};
 
 /// A stack whose robot drives.
 struct Driving {
@@ -138,4 +138,25 @@ fn a_run_whose_launch_is_killed_has_a_result() {
     run.up.stack.signal(Signal::KILL);
     let (_, result) = run.end(None);
     assert_eq!(result["outcome"], "launch_died", "{result:#}");
+}
+
+/// Launch would wait a minute for such a segment, and cannot see to it meanwhile.
+#[test]
+fn a_segment_that_a_killed_service_was_making_goes_while_launch_waits() {
+    let _turn = real_time_turn();
+    let mut run = Driving::start();
+    let segment = PathBuf::from(format!("{}_a1_1.data", run.up.root));
+    let mut options = File::options();
+    options.write(true).create_new(true).mode(0o200);
+    let made = options.open(&segment).expect("a half-made segment");
+    run.up.stack.signal(Signal::STOP);
+    drop(made);
+    assert!(send_signal(run.mapping, Signal::KILL));
+    await_by_itself("it is gone", || !segment.exists());
+    run.up.stack.signal(Signal::CONT);
+    let killed = run.mapping;
+    run.up.stack.wait_until("mapping is back", |stack| {
+        stack.service("mapping").is_some_and(|pid| pid != killed)
+    });
+    run.up.down();
 }
