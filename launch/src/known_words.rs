@@ -44,6 +44,9 @@ impl Words {
         let words: Vec<String> = match arg.get_id().as_str() {
             "scenario" => self.scenarios.clone(),
             "role" | "external" => self.roles.clone(),
+            "writer" => (self.roles.iter().cloned())
+                .chain([Role::Launch.label().to_owned()])
+                .collect(),
             "controller" => self.controllers.clone(),
             "set" => {
                 let planners = self.planners.iter().map(|key| format!("planner={key}"));

@@ -7,13 +7,13 @@ use crate::running;
 use clap::Args;
 use merge::{Line, Merge};
 use serde_json::json;
+use std::path::Path;
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 use zeronav_console::exit::{EXIT_INTERRUPTED, EXIT_PASS};
 use zeronav_console::interrupts::interrupts;
 use zeronav_console::terminal::{is_read, note, pour, usage};
-use zeronav_msgs::role::Role;
 use zeronav_shell::{Domain, printable};
 
 /// Time between two looks at the logs.
@@ -22,10 +22,8 @@ const PAUSE: Duration = Duration::from_millis(50);
 /// Arguments of `zeronav logs`.
 #[derive(Debug, Clone, Args)]
 pub struct LogsArgs {
-    /// Whose, such as `local_planner` or `launch`; without, of all.
-    #[arg(value_parser = clap::builder::PossibleValuesParser::new(writers()),
-          hide_possible_values = true)]
-    pub role: Option<String>,
+    /// Whose: a role, `launch`, or the name of a companion; without, of all.
+    pub writer: Option<String>,
     /// Go on until the run ends.
     #[arg(short, long)]
     pub follow: bool,
@@ -34,10 +32,16 @@ pub struct LogsArgs {
     pub stack: StackArgs,
 }
 
-/// The processes that write a log.
-fn writers() -> impl Iterator<Item = &'static str> {
-    let roles = [Role::Launch].into_iter().chain(Role::SERVICES);
-    roles.map(Role::label)
+/// What to say where nobody of this name has a log: who has one.
+fn no_log(folder: &Path, name: &str) -> String {
+    let mut all = Merge::new(folder, None);
+    let _ = all.look();
+    let names: Vec<&str> = all.names().collect();
+    format!(
+        "nothing called `{}` writes a log in this run; there are those of {}",
+        printable(name),
+        printable(&names.join(", "))
+    )
 }
 
 /// `zeronav logs`.
@@ -53,12 +57,14 @@ fn show(arguments: &LogsArgs) -> Result<u8, String> {
     let run = running::find(arguments.stack.domain.as_deref())?;
     let folder = run.report()?.folder.join("logs");
     let unreadable = |error| format!("{}: {error}", folder.display());
-    let mut merge = Merge::new(&folder, arguments.role.as_deref());
+    let mut merge = Merge::new(&folder, arguments.writer.as_deref());
     merge.look().map_err(unreadable)?;
+    if let Some(name) = &arguments.writer
+        && merge.names().next().is_none()
+    {
+        return Err(no_log(&folder, name));
+    }
     if !arguments.follow {
-        if arguments.role.is_some() && merge.names().next().is_none() {
-            return Err(format!("{}: no such log", folder.display()));
-        }
         let _ = show_lines(&mut merge, arguments, true, &AtomicBool::new(false));
         return Ok(EXIT_PASS);
     }
@@ -92,7 +98,7 @@ fn show_lines(
     last: bool,
     interrupted: &AtomicBool,
 ) -> bool {
-    let width = writers().map(str::len).max().unwrap_or(0);
+    let width = merge.names().map(str::len).max().unwrap_or(0);
     pour(|to| {
         while !interrupted.load(Ordering::Relaxed)
             && let Some(line) = merge.next(last)
@@ -102,7 +108,7 @@ fn show_lines(
                 continue;
             }
             let text = String::from_utf8_lossy(&line.bytes);
-            if arguments.role.is_none() {
+            if arguments.writer.is_none() {
                 write!(to, "{:width$}  ", printable(&line.name))?;
             }
             writeln!(to, "{}", printable(&text))?;

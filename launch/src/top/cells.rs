@@ -1,6 +1,6 @@
 //! What stands in the tables, on paper and on a terminal.
 
-use super::view::{ServiceLine, TopicLine, View};
+use super::view::{CompanionLine, ServiceLine, TopicLine, Usage, View};
 use core::fmt::Write;
 
 /// Headings of the services.
@@ -21,18 +21,44 @@ pub(super) const TOPIC_HEADINGS: [&str; 4] = ["topic", "Hz", "kB/s", "age"];
 
 /// The cells of a service.
 pub(super) fn service(line: &ServiceLine) -> [String; 9] {
+    let [cpu, memory] = taken(&line.usage);
     [
         line.role.to_owned(),
         line.state.to_owned(),
         line.epoch.to_string(),
         line.restarts.map_or_else(dash, |n| n.to_string()),
-        line.usage
-            .cpu_percent
-            .map_or_else(dash, |percent| format!("{percent:.1}")),
-        line.usage.memory_bytes.map_or_else(dash, megabytes),
+        cpu,
+        memory,
         line.rejected.to_string(),
         line.superseded.to_string(),
         line.reasons.join(", "),
+    ]
+}
+
+/// The cells of a companion, under the same headings: it has no epoch and no inputs, and how it ended stands in
+/// the place of reasons.
+pub(super) fn companion(line: &CompanionLine) -> [String; 9] {
+    let [cpu, memory] = taken(&line.usage);
+    [
+        line.name.clone(),
+        line.state.clone(),
+        dash(),
+        line.restarts.to_string(),
+        cpu,
+        memory,
+        dash(),
+        dash(),
+        line.end.clone(),
+    ]
+}
+
+/// Share of a processor and memory.
+fn taken(usage: &Usage) -> [String; 2] {
+    [
+        usage
+            .cpu_percent
+            .map_or_else(dash, |percent| format!("{percent:.1}")),
+        usage.memory_bytes.map_or_else(dash, megabytes),
     ]
 }
 
@@ -89,13 +115,8 @@ pub(super) fn reaction(view: &View) -> String {
 
 /// What this view takes, in one line.
 pub(super) fn own(view: &View) -> String {
-    let own = &view.own;
-    format!(
-        "top: cpu {} %, {} MB",
-        own.cpu_percent
-            .map_or_else(dash, |percent| format!("{percent:.1}")),
-        own.memory_bytes.map_or_else(dash, megabytes)
-    )
+    let [cpu, memory] = taken(&view.own);
+    format!("top: cpu {cpu} %, {memory} MB")
 }
 
 fn dash() -> String {

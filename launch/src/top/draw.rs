@@ -16,7 +16,8 @@ const LATENCY_COLUMNS: u16 = 44;
 
 /// Draws `view`, with the topics sorted by `sort`.
 pub(super) fn draw(frame: &mut Frame<'_>, view: &View, sort: Sort) {
-    let services = u16::try_from(view.services.len()).unwrap_or(u16::MAX);
+    let services = view.services.len() + view.companions.len();
+    let services = u16::try_from(services).unwrap_or(u16::MAX);
     let narrow = frame.area().width < WIDE_COLUMNS;
     let [title, service_area, middle, latency, events, footer] = Layout::vertical([
         Constraint::Length(2),
@@ -50,18 +51,24 @@ pub(super) fn draw(frame: &mut Frame<'_>, view: &View, sort: Sort) {
 }
 
 fn draw_services(frame: &mut Frame<'_>, view: &View, area: Rect) {
-    let rows = view.services.iter().map(|line| {
-        let colour = match line.state {
-            "ready" => Color::Green,
-            "silent" | "absent" => Color::Red,
+    let services = view.services.iter().map(cells::service);
+    let companions = view.companions.iter().map(cells::companion);
+    let rows = services.chain(companions).map(|cells| {
+        let colour = match cells[1].as_str() {
+            "ready" | "running" => Color::Green,
+            "silent" | "absent" | "ended" => Color::Red,
             _ => Color::Yellow,
         };
-        let cells = cells::service(line).into_iter().enumerate();
-        Row::new(cells.map(|(column, text)| match column {
-            1 => Cell::new(text).style(Style::new().fg(colour)),
-            2..=7 => Cell::new(Line::from(text).right_aligned()),
-            _ => Cell::new(text),
-        }))
+        Row::new(
+            cells
+                .into_iter()
+                .enumerate()
+                .map(|(column, text)| match column {
+                    1 => Cell::new(text).style(Style::new().fg(colour)),
+                    2..=7 => Cell::new(Line::from(text).right_aligned()),
+                    _ => Cell::new(text),
+                }),
+        )
     });
     let widths = [16, 9, 5, 8, 5, 6, 8, 10].map(Constraint::Length);
     let widths = widths.into_iter().chain([Constraint::Fill(1)]);

@@ -174,8 +174,8 @@ impl Watch {
     }
 
     fn read_processes(&mut self) {
-        for (role, pid) in self.model.pids() {
-            self.model.read(role, Reading::of(pid, now_ns()));
+        for (whose, pid) in self.model.pids() {
+            self.model.read(whose, Reading::of(pid, now_ns()));
         }
     }
 }

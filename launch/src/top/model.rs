@@ -5,8 +5,8 @@ use super::events::Events;
 use super::latency::Latency;
 use super::totals::Totals;
 use super::usage::Reading;
-use super::view::{RunLine, ServiceLine, Usage, View};
-use crate::control::request::RunReport;
+use super::view::{CompanionLine, RunLine, ServiceLine, Usage, View};
+use crate::control::request::{CompanionReport, RunReport};
 use std::collections::{BTreeMap, VecDeque};
 use zeronav_msgs::command::{Intervention, VelocityCommand};
 use zeronav_msgs::header::Header;
@@ -39,6 +39,17 @@ pub(super) enum Heard {
     Other,
 }
 
+/// Whose usage a reading is.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Whose {
+    /// The process in a seat.
+    Seat(Role),
+    /// The companion of this name.
+    Companion(String),
+    /// This view's own.
+    Own,
+}
+
 /// What is known of one seat.
 #[derive(Debug, Default)]
 struct Seat {
@@ -46,7 +57,6 @@ struct Seat {
     /// Of the process that has beaten; 0 = none.
     epoch: u32,
     beaten_ns: u64,
-    readings: VecDeque<Reading>,
 }
 
 /// What is known of a stack.
@@ -56,7 +66,7 @@ pub(super) struct Model {
     latency: Latency,
     events: Events,
     seats: BTreeMap<Role, Seat>,
-    own: VecDeque<Reading>,
+    readings: BTreeMap<Whose, VecDeque<Reading>>,
     /// The last that the stack has said of itself.
     report: RunReport,
     has_report: bool,
@@ -74,7 +84,7 @@ impl Model {
             latency: Latency::default(),
             events: Events::default(),
             seats: BTreeMap::new(),
-            own: VecDeque::new(),
+            readings: BTreeMap::new(),
             report: RunReport::default(),
             has_report: false,
             run_ns: 0,
@@ -206,27 +216,27 @@ impl Model {
                     .add_at(self.report.time_s, "swap", printable(&text).into_owned());
             }
         }
+        self.forget_companions();
         self.has_report = true;
     }
 
-    /// Processes that are to be read, and this one.
-    pub(super) fn pids(&self) -> Vec<(Option<Role>, u32)> {
-        let seats = self
-            .seats
-            .iter()
-            .map(|(role, seat)| (Some(*role), seat.beat.pid));
-        seats.chain([(None, std::process::id())]).collect()
+    /// Processes that are to be read.
+    pub(super) fn pids(&self) -> Vec<(Whose, u32)> {
+        let seats = (self.seats.iter()).map(|(role, seat)| (Whose::Seat(*role), seat.beat.pid));
+        let companions = (self.report.companions.iter())
+            .filter(|companion| companion.pid != 0)
+            .map(|companion| (Whose::Companion(companion.name.clone()), companion.pid));
+        let own = [(Whose::Own, std::process::id())];
+        seats.chain(companions).chain(own).collect()
     }
 
-    /// Takes in a reading of the process in a seat, or of this one; `None` when it is gone.
-    pub(super) fn read(&mut self, of: Option<Role>, reading: Option<Reading>) {
-        let readings = match of {
-            Some(role) => &mut self.seats.entry(role).or_default().readings,
-            None => &mut self.own,
-        };
+    /// Takes in a reading of a process; `None` when it is gone.
+    pub(super) fn read(&mut self, whose: Whose, reading: Option<Reading>) {
         let Some(reading) = reading else {
-            return readings.clear();
+            self.readings.remove(&whose);
+            return;
         };
+        let readings = self.readings.entry(whose).or_default();
         if readings.back().is_some_and(|last| last.pid != reading.pid) {
             readings.clear();
         }
@@ -236,6 +246,15 @@ impl Model {
         {
             readings.pop_front();
         }
+    }
+
+    /// Forgets companions that the stack does not have any more.
+    fn forget_companions(&mut self) {
+        let companions = &self.report.companions;
+        self.readings.retain(|whose, _| match whose {
+            Whose::Companion(name) => companions.iter().any(|companion| companion.name == *name),
+            Whose::Seat(_) | Whose::Own => true,
+        });
     }
 
     /// Brings rates and latencies up to this moment. [ns]
@@ -252,12 +271,13 @@ impl Model {
         View {
             run: self.run(),
             services: services.to_vec(),
+            companions: self.companions(),
             topics: self.totals.lines(now_ns),
             window_s: self.totals.window_s(),
             reaction: self.latency.reaction(),
             replanning: self.latency.replanning().cloned(),
             events: self.events.lines(),
-            own: usage(&self.own, std::process::id()),
+            own: self.usage(&Whose::Own, std::process::id()),
         }
     }
 
@@ -300,23 +320,38 @@ impl Model {
             epoch: seat.epoch,
             restarts: restarts.filter(|_| self.has_report),
             state,
-            usage: usage(&seat.readings, beat.pid),
+            usage: self.usage(&Whose::Seat(role), beat.pid),
             rejected: beat.refused,
             superseded: beat.superseded,
             reasons: reason_labels(beat.reasons),
         }
     }
-}
 
-/// What a process takes by its readings.
-fn usage(readings: &VecDeque<Reading>, pid: u32) -> Usage {
-    readings.back().map_or_else(
-        || Usage {
-            pid,
-            ..Usage::default()
-        },
-        |last| last.since(readings.front()),
-    )
+    fn companions(&self) -> Vec<CompanionLine> {
+        let line = |companion: &CompanionReport| CompanionLine {
+            name: printable(&companion.name).into_owned(),
+            state: printable(&companion.state).into_owned(),
+            restarts: companion.starts.saturating_sub(1),
+            usage: self.usage(&Whose::Companion(companion.name.clone()), companion.pid),
+            end: printable(&companion.end).into_owned(),
+        };
+        self.report.companions.iter().map(line).collect()
+    }
+
+    /// What a process takes by its readings.
+    fn usage(&self, whose: &Whose, pid: u32) -> Usage {
+        let readings = self.readings.get(whose);
+        let last = readings
+            .and_then(VecDeque::back)
+            .filter(|last| last.pid == pid);
+        last.map_or_else(
+            || Usage {
+                pid,
+                ..Usage::default()
+            },
+            |last| last.since(readings.and_then(VecDeque::front)),
+        )
+    }
 }
 
 #[cfg(test)]

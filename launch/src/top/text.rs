@@ -11,6 +11,7 @@ const EVENTS_SHOWN: usize = 20;
 pub(super) fn text(view: &View) -> String {
     let mut text = cells::run(view) + "\n\n";
     let services = view.services.iter().map(cells::service);
+    let services = services.chain(view.companions.iter().map(cells::companion));
     table(&mut text, &cells::SERVICE_HEADINGS, services, &[0, 1, 8]);
     text.push('\n');
     let topics = view.topics.iter().map(cells::topic);
@@ -67,7 +68,7 @@ fn table<const N: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::top::view::{EventLine, RunLine, ServiceLine, TopicLine, Usage};
+    use crate::top::view::{CompanionLine, EventLine, RunLine, ServiceLine, TopicLine, Usage};
     use zeronav_measure::result::latency::Figures;
 
     #[test]
@@ -94,6 +95,13 @@ mod tests {
                 },
                 reasons: vec!["scan"],
                 ..ServiceLine::default()
+            }],
+            companions: vec![CompanionLine {
+                name: "page".to_owned(),
+                state: "running".to_owned(),
+                restarts: 2,
+                end: "killed".to_owned(),
+                ..CompanionLine::default()
             }],
             topics: vec![
                 TopicLine {
@@ -127,6 +135,7 @@ blocked_aisle  real_time  3.2 s  task active, 20.0 m left  0.80 m/s
 
 service  state     epoch  restarts  cpu %    MB  rejected  superseded  reasons
 mapping  degraded      2         1    3.3  16.0         0           0  scan
+page     running       -         2      -     -         -           -  killed
 
 topic    Hz  kB/s    age
 fast   60.0  14.4  12 ms

@@ -10,6 +10,8 @@ pub(crate) struct View {
     pub run: RunLine,
     /// Its services, in the order of the data flow.
     pub services: Vec<ServiceLine>,
+    /// The processes beside them, in the order of the scenario; empty while the stack does not answer.
+    pub companions: Vec<CompanionLine>,
     /// Its topics, in the order of the table.
     pub topics: Vec<TopicLine>,
     /// Time over which rates and shares were taken. [s]
@@ -79,6 +81,22 @@ pub(crate) struct ServiceLine {
     pub superseded: u64,
     /// Why it is degraded.
     pub reasons: Vec<&'static str>,
+}
+
+/// One companion.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub(crate) struct CompanionLine {
+    /// Its name.
+    pub name: String,
+    /// `running`, `restarting` or `ended`.
+    pub state: String,
+    /// Its restarts.
+    pub restarts: u32,
+    /// What it takes; process id 0 while there is no process.
+    #[serde(flatten)]
+    pub usage: Usage,
+    /// How the last process ended that has ended; empty before the first.
+    pub end: String,
 }
 
 /// One topic.

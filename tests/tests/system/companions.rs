@@ -170,6 +170,30 @@ fn a_companion_that_is_killed_changes_nothing() {
     assert_eq!(planner.left().0, 0);
 }
 
+/// What `logs` and `top` make of the companions of the test below.
+fn logs_and_top_show_them(up: &Up) {
+    let logged = up.ask(&["logs", "fails"], 0);
+    assert_eq!(logged, "it cannot be\n".repeat(3));
+    let unknown = up.ask(&["logs", "fials", "-f"], 2);
+    assert!(
+        unknown.contains("there are those of collision_guard"),
+        "{unknown}"
+    );
+    assert!(unknown.contains(", fails,"), "{unknown}");
+    let top = up.ask(&["top", "--once", "--json"], 0);
+    let top: Value = serde_json::from_str(&top).expect("JSON");
+    let shown = |name: &str| {
+        let line = top["companions"].as_array().expect("companions").iter();
+        line.clone()
+            .find(|line| line["name"] == name)
+            .expect("its line")
+            .clone()
+    };
+    assert_eq!(shown("fails")["restarts"], 2, "{top:#}");
+    assert_eq!(shown("fails")["state"], "ended", "{top:#}");
+    assert!(shown("stays")["memory_bytes"].as_u64() > Some(0), "{top:#}");
+}
+
 #[test]
 fn what_fails_is_started_again_within_its_budget_and_its_loss_is_a_line() {
     let more = "[companions.fails]\nbinary = \"./fails\"\nrestarts = 2\n\
@@ -177,7 +201,7 @@ fn what_fails_is_started_again_within_its_budget_and_its_loss_is_a_line() {
                 [companions.done]\nbinary = \"./done\"\n\
                 [companions.stays]\nbinary = \"./stays\"\n";
     let folder = folder_with("open_aisle", more);
-    script(folder.path(), "fails", "exit 1");
+    script(folder.path(), "fails", "echo it cannot be; exit 1");
     script(folder.path(), "refuses", "exit 2");
     script(folder.path(), "done", "exit 0");
     // It ignores that it is asked to end.
@@ -202,6 +226,7 @@ fn what_fails_is_started_again_within_its_budget_and_its_loss_is_a_line() {
     for name in ["fails", "stays"] {
         assert!(listed.contains(&format!("\n  {name} ")), "{listed}");
     }
+    logs_and_top_show_them(&up);
     let said = up.ask(&["down"], 0);
     assert!(said.contains("is down"), "{said}");
     let ended = up.stack.finish();

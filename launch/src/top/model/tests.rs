@@ -1,5 +1,5 @@
 use super::*;
-use crate::control::request::ServiceReport;
+use crate::control::request::{CompanionReport, ServiceReport};
 use zeronav_measure::result::Restart;
 use zeronav_measure::result::fault::FaultResult;
 use zeronav_msgs::header::Id;
@@ -76,11 +76,11 @@ fn a_seat_shows_its_heartbeat_until_that_is_too_old() {
 fn a_successor_is_an_event_and_the_restarts_come_from_the_stack() {
     let mut model = model();
     model.hear(&beat(1, S, HealthState::Ready, 0));
-    model.read(Some(Role::Mapping), Some(reading(71, S, 0)));
-    model.read(Some(Role::Mapping), Some(reading(71, 2 * S, S / 2)));
+    model.read(Whose::Seat(Role::Mapping), Some(reading(71, S, 0)));
+    model.read(Whose::Seat(Role::Mapping), Some(reading(71, 2 * S, S / 2)));
     assert_eq!(mapping(&model, S).usage.cpu_percent, Some(50.0));
     model.hear(&beat(2, 2 * S, HealthState::Ready, 0));
-    model.read(Some(Role::Mapping), Some(reading(72, 3 * S, 5)));
+    model.read(Whose::Seat(Role::Mapping), Some(reading(72, 3 * S, 5)));
     let report = RunReport {
         services: vec![ServiceReport {
             role: "mapping".to_owned(),
@@ -110,7 +110,7 @@ fn a_successor_is_an_event_and_the_restarts_come_from_the_stack() {
         said.contains(&"restart mapping: killed by signal 9".to_owned()),
         "{said:?}"
     );
-    model.read(Some(Role::Mapping), None);
+    model.read(Whose::Seat(Role::Mapping), None);
     assert_eq!(
         mapping(&model, 2 * S).usage.memory_bytes,
         None,
@@ -198,4 +198,36 @@ fn faults_tasks_and_interventions_are_told_as_they_change() {
         "task failed: stuck",
     ];
     assert_eq!(events(&model), expected);
+}
+
+#[test]
+fn companions_come_from_the_stack_with_what_they_take() {
+    let mut model = model();
+    let report = |pid, starts| RunReport {
+        companions: vec![CompanionReport {
+            name: "page".to_owned(),
+            pid,
+            state: "running".to_owned(),
+            starts,
+            ..CompanionReport::default()
+        }],
+        ..RunReport::default()
+    };
+    let page = || Whose::Companion("page".to_owned());
+    model.report(report(71, 1));
+    assert!(model.pids().contains(&(page(), 71)));
+    model.read(page(), Some(reading(71, S, 0)));
+    model.read(page(), Some(reading(71, 2 * S, S / 2)));
+    let line = model.view(0).companions.remove(0);
+    assert_eq!((line.name.as_str(), line.restarts), ("page", 0));
+    assert_eq!((line.usage.pid, line.usage.cpu_percent), (71, Some(50.0)));
+    model.report(report(72, 2));
+    let line = model.view(0).companions.remove(0);
+    assert_eq!((line.usage.pid, line.restarts), (72, 1));
+    assert_eq!(line.usage.memory_bytes, None, "the old process is not it");
+    model.report(report(0, 2));
+    assert!(!model.pids().iter().any(|(whose, _)| *whose == page()));
+    model.report(RunReport::default());
+    assert_eq!(model.view(0).companions, []);
+    assert!(!model.readings.contains_key(&page()));
 }
