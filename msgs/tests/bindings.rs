@@ -26,7 +26,7 @@ fn the_bindings_are_current() {
         let current = kept(file) == text;
         assert!(
             current,
-            "{file} is old: cargo run -p zeronav-msgs --example bindings"
+            "{file} is not current: cargo run -p zeronav-tests --bin zeronav-regenerate"
         );
     }
 }

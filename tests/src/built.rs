@@ -30,11 +30,11 @@ pub fn binaries() -> &'static Path {
     static FOLDER: OnceLock<PathBuf> = OnceLock::new();
     FOLDER.get_or_init(|| {
         let program = std::env::current_exe().expect("this test has a path");
-        let folder = program
-            .parent()
-            .and_then(Path::parent)
-            .expect("test programs lie in target/PROFILE/deps")
-            .to_owned();
+        let folder = program.parent().expect("programs lie in a folder");
+        // Those of tests lie in target/PROFILE/deps, others in target/PROFILE.
+        let is_test = folder.ends_with("deps");
+        let folder = folder.parent().filter(|_| is_test).unwrap_or(folder);
+        let folder = folder.to_owned();
         let profile = match folder.file_name().and_then(|name| name.to_str()) {
             Some("debug") | None => "dev",
             Some(name) => name,

@@ -8,6 +8,7 @@ mod built;
 #[path = "../data/folder.rs"]
 pub mod data;
 pub mod faults;
+pub mod generated;
 mod processes;
 pub mod python;
 pub mod results;

@@ -1,5 +1,6 @@
 //! The figures of the READMEs are what the results tool measured, and nothing else.
 
+use zeronav_tests::generated::COMMAND;
 use zeronav_tests::results::record::Table;
 use zeronav_tests::results::{experiments::EXPERIMENTS, extract, page, page_file, readmes, record};
 use zeronav_tests::zeronav;
@@ -11,14 +12,20 @@ fn stored() -> record::Records {
 #[test]
 fn pages_match_the_stored_records() {
     let records = stored();
-    let hint = "run `cargo run --release -p zeronav-tests --bin zeronav-results -- render`";
     let page = std::fs::read_to_string(page_file()).expect("tests/RESULTS.md");
-    assert!(page == page::page(&records), "tests/RESULTS.md: {hint}");
+    assert!(
+        page == page::page(&records),
+        "tests/RESULTS.md is not current: {COMMAND}"
+    );
     for file in readmes() {
         let text = std::fs::read_to_string(&file).expect("a README");
         let rendered = page::filled(&text, &records);
         let rendered = rendered.unwrap_or_else(|error| panic!("{}: {error}", file.display()));
-        assert!(rendered == text, "{}: {hint}", file.display());
+        assert!(
+            rendered == text,
+            "{} is not current: {COMMAND}",
+            file.display()
+        );
     }
 }
 

@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 use std::process::{Command, Output};
 use toml::{Table, Value};
+use zeronav_tests::generated::{COMMAND, PRINTED};
 use zeronav_tests::{binaries, command};
 
 /// The stock services but for the robot, whose configuration is a part of the scenario.
@@ -161,34 +162,26 @@ fn every_value_of_a_configuration_is_described_with_its_default() {
     }
 }
 
-/// What `zeronav` prints with these words must be in this file.
-#[track_caller]
-fn current(words: &[&str], file: &str) -> String {
-    let written = command().args(words).output().expect("it starts");
-    assert!(written.status.success(), "{written:?}");
-    let written = String::from_utf8(written.stdout).expect("text");
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(file);
-    let stored = std::fs::read_to_string(path).unwrap_or_default();
-    let command = words.join(" ");
-    assert!(
-        written == stored,
-        "{file} is not current: cargo run -- {command} > {file}"
-    );
-    written
+#[test]
+fn what_zeronav_prints_is_current_in_the_repository() {
+    for printed in PRINTED {
+        let written = printed.text().expect("printed");
+        let stored = std::fs::read_to_string(printed.path()).unwrap_or_default();
+        assert!(
+            written == stored,
+            "{} is not current: {COMMAND}",
+            printed.file
+        );
+    }
 }
 
 #[test]
-fn the_table_of_all_parameters_is_current() {
-    let table = current(&["params", "--markdown"], "services/PARAMETERS.md");
+fn the_table_of_all_parameters_has_those_of_every_service() {
+    let table = PRINTED[0].text().expect("printed");
     for row in [
         "| `robot.lidar.n_beams` | integer |",
         "| `controller` | string |",
     ] {
         assert!(table.contains(row), "{row} is missing");
     }
-}
-
-#[test]
-fn the_schema_of_a_scenario_is_current() {
-    current(&["schema"], "launch/scenario.schema.json");
 }
