@@ -2,7 +2,7 @@
 //!
 //! The guard keeps arithmetic of its own on purpose (diverse redundancy): a defect in
 //! `zeronav_motion`, which the local planner drives by, must not hide itself from the last check
-//! before the wheels. `tests/limits.rs` compares the two. They differ where the robot changes
+//! before the wheels. `tests/decisions/limits.rs` compares the two. They differ where the robot changes
 //! direction within one step: here `brake_mps2` acts through zero. The sweep ends a step there
 //! ([`Limits::even_towards_s`]), because beyond zero it is `a_mps2_max` that counts.
 

@@ -2,9 +2,7 @@
 //! written here; whole files are the shipped ones, and those of others where the environment names
 //! them.
 
-#[path = "../../../tests/data/folder.rs"]
-mod data;
-
+use super::data;
 use core::f64::consts::FRAC_PI_2;
 use core::fmt::Write as _;
 use nalgebra::Point2;

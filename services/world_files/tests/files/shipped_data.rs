@@ -1,10 +1,9 @@
 //! The data in `tests/data` is what its command makes, and small.
 
-#[path = "../../../tests/data/folder.rs"]
-mod data;
-#[path = "../examples/test_data/files.rs"]
+#[path = "../../examples/test_data/files.rs"]
 mod files;
 
+use super::data;
 use std::collections::BTreeSet;
 use std::path::Path;
 

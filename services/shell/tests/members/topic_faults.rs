@@ -1,8 +1,6 @@
 //! Messages that are lost, late or corrupted on purpose, over real shared memory.
 
-mod support;
-
-use support::House;
+use super::support::House;
 use zeronav_msgs::command::{Validity, VelocityRequest};
 use zeronav_msgs::odometry::Odometry;
 use zeronav_msgs::role::Role;

@@ -1,8 +1,6 @@
 //! The current goal, as the task and what the local planner says of it make it.
 
-mod support;
-
-use support::House;
+use super::support::House;
 use zeronav_msgs::header::Id;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::run::{RunClock, RunMode, Seat};

@@ -1,9 +1,7 @@
 //! What readers hear of a process that takes a seat over, and what such a process hears, over real
 //! shared memory.
 
-mod support;
-
-use support::House;
+use super::support::House;
 use zeronav_msgs::command::VelocityRequest;
 use zeronav_msgs::grid::GridGeometry;
 use zeronav_msgs::map::{MapCell, MapInfo, MapTile};

@@ -1,11 +1,9 @@
 //! The members of a domain: joining and leaving, the seats, the doorbells.
 
-mod support;
-
+use super::support::House;
 use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 use std::io::Write;
 use std::os::unix::net::UnixStream;
-use support::House;
 use zeronav_msgs::header::SHADOW_EPOCH_MIN;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::span::{Span, SpanKind};

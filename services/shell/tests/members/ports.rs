@@ -1,8 +1,6 @@
 //! The ports over real shared memory: several members of one domain in one process.
 
-mod support;
-
-use support::House;
+use super::support::House;
 use zeronav_msgs::command::{Validity, VelocityRequest};
 use zeronav_msgs::description::Description;
 use zeronav_msgs::grid::{Cell, GridGeometry};

@@ -1,10 +1,7 @@
 //! Whole map files load as their authors meant them: a drawn one in every form, and, where the
 //! environment names them, maps of the ROS world.
 
-#[path = "../../../tests/data/folder.rs"]
-mod data;
-
-use data::{external_data, shipped_data};
+use super::data::{external_data, shipped_data};
 use std::path::Path;
 use zeronav_msgs::{Cell, Pose};
 use zeronav_world::{Footprint, Occupancy, WorldSpec};
