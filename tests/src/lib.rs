@@ -75,6 +75,7 @@ pub struct Zeronav {
     /// Its working folder; `runs/` lies there.
     pub folder: tempfile::TempDir,
     started: Instant,
+    _place: Option<turns::Place>,
 }
 
 /// A `zeronav` that has ended.
@@ -111,7 +112,8 @@ impl Zeronav {
         let stderr = tempfile::tempfile().expect("a file");
         let is_suite = arguments.first() == Some(&"suite");
         let needs_no_clock = is_suite || arguments.contains(&"--lockstep");
-        let mut command = if needs_no_clock && !turns::has_turn() {
+        let place = (needs_no_clock && !turns::has_turn()).then(turns::background_place);
+        let mut command = if place.is_some() {
             built::background_command()
         } else {
             command()
@@ -130,6 +132,7 @@ impl Zeronav {
             stderr,
             folder,
             started: Instant::now(),
+            _place: place,
         }
     }
 

@@ -1,4 +1,5 @@
-//! Turns of tests in real time, so that they leave each other the processors.
+//! Turns of tests in real time, so that they leave each other the processors, and places for what needs no
+//! clock, so that more tests than processors can wait for a turn without all others driving at once.
 
 use std::cell::Cell;
 use std::marker::PhantomData;
@@ -6,6 +7,9 @@ use std::sync::{Condvar, Mutex, PoisonError};
 
 /// Stacks in real time that may be up at once, besides those in lockstep.
 const AT_ONCE: usize = 2;
+
+/// Tests whose runs in lockstep and suites may be at work at once, besides those in real time.
+const IN_BACKGROUND: usize = 4;
 
 #[derive(Debug)]
 struct Places {
@@ -20,9 +24,16 @@ static PLACES: Mutex<Places> = Mutex::new(Places {
 });
 static FREED: Condvar = Condvar::new();
 
+/// Tests with a place in the background.
+static BACKGROUND: Mutex<usize> = Mutex::new(0);
+static LEFT: Condvar = Condvar::new();
+
 thread_local! {
     /// True while the test of this thread has a turn.
     static HAS_TURN: Cell<bool> = const { Cell::new(false) };
+    /// Runs of this thread in the background: they share its place, or a test that has one and starts another
+    /// could wait for ever.
+    static RUNS: Cell<usize> = const { Cell::new(0) };
 }
 
 /// True while the test of this thread has a turn.
@@ -47,6 +58,37 @@ pub fn real_time_turn() -> Turn {
 #[must_use]
 pub fn quiet_turn() -> Turn {
     take(AT_ONCE)
+}
+
+/// A run's share in the place of its test in the background, until it is dropped.
+#[derive(Debug)]
+pub(crate) struct Place {
+    of_this_thread: PhantomData<*const ()>,
+}
+
+/// Waits for a place in the background, unless this thread has one.
+pub(crate) fn background_place() -> Place {
+    if RUNS.get() == 0 {
+        let mut at_work = BACKGROUND.lock().unwrap_or_else(PoisonError::into_inner);
+        while *at_work >= IN_BACKGROUND {
+            at_work = LEFT.wait(at_work).unwrap_or_else(PoisonError::into_inner);
+        }
+        *at_work += 1;
+    }
+    RUNS.set(RUNS.get() + 1);
+    Place {
+        of_this_thread: PhantomData,
+    }
+}
+
+impl Drop for Place {
+    fn drop(&mut self) {
+        RUNS.set(RUNS.get() - 1);
+        if RUNS.get() == 0 {
+            *BACKGROUND.lock().unwrap_or_else(PoisonError::into_inner) -= 1;
+            LEFT.notify_one();
+        }
+    }
 }
 
 fn take(places: usize) -> Turn {
@@ -104,5 +146,24 @@ mod tests {
             }
         });
         assert!(most.load(Ordering::SeqCst) <= AT_ONCE);
+    }
+
+    #[test]
+    fn so_many_are_in_the_background_and_a_test_shares_its_place() {
+        let at_work = AtomicUsize::new(0);
+        std::thread::scope(|scope| {
+            for _ in 0..3 * IN_BACKGROUND {
+                scope.spawn(|| {
+                    let places: Vec<Place> =
+                        (0..2 * IN_BACKGROUND).map(|_| background_place()).collect();
+                    let beside = at_work.fetch_add(1, Ordering::SeqCst);
+                    assert!(beside < IN_BACKGROUND, "{beside} others");
+                    std::thread::yield_now();
+                    at_work.fetch_sub(1, Ordering::SeqCst);
+                    drop(places);
+                });
+            }
+        });
+        assert_eq!(RUNS.get(), 0);
     }
 }
