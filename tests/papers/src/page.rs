@@ -16,15 +16,23 @@ what can be tested is the claim, on many random maps of the printed size. This p
 and nobody edits it by hand.
 
 A change is (ours - base) / base, the mean over maps that both sides solve, with a 95 % interval by bootstrap; a
-share has Wilson's. **Reproduced**: the printed sign, an interval without zero, half to twice the printed size (a count:
-within a factor of two; a share: within five points; \"about the same\": the interval within a quarter more and a fifth
-less; what is said of all maps: no counterexample). **Qualitative**: the same sign, another size, or no size printed (a
-count: within a factor of three; \"about the same\": within twice and half). **Not reproduced**: zero in the interval, the
-other sign, or one map against what is said of all. **Artefact**: only with a fault of the printed method switched on, and
-not without. **Theorem**: it cannot be otherwise, and was checked on every map. **Not comparable**: no number is printed, or the setup is missing. **Too few maps**: fewer
-than ten could be counted. \"Excluded\" is the share of the maps that one of the two sides did not solve; of a time, of the
-maps that were timed. The summary shows the figures of one row of each claim and what all of them say: their verdict where
-they agree, \"not reproduced\" where one stands against what is said of all maps, and else how many came out how. Times are ratios between programs of the same making, never seconds; those of the papers are MATLAB's.
+share has Wilson's. The verdicts:
+
+- **Reproduced**: the printed sign, an interval without zero, half to twice the printed size. A count: within a factor
+  of two. A share: within five points. \"About the same\": the interval within a quarter more and a fifth less. What is
+  said of all maps: no counterexample.
+- **Qualitative**: the same sign, another size, or no size printed. A count: within a factor of three. \"About the same\":
+  within twice and half.
+- **Not reproduced**: zero in the interval, the other sign, or one map against what is said of all.
+- **Artefact**: only with a fault of the printed method switched on, and not without.
+- **Theorem**: it cannot be otherwise, and was checked on every map.
+- **Not comparable**: no number is printed, or the setup is missing.
+- **Too few maps**: fewer than ten could be counted.
+
+\"Excluded\" is the share of the maps that one of the two sides did not solve; of a time, of the maps that were timed.
+The summary shows the figures of one row of each claim and what all of them say: their verdict where they agree, \"not
+reproduced\" where one stands against what is said of all maps, and else how many came out how. Times are ratios between
+programs of the same making, never seconds; those of the papers are MATLAB's.
 
 ";
 
@@ -36,12 +44,13 @@ const FOOT: &str = "## Using it
     cargo run --release --bin papers -- --all --format json --out papers
     cargo run --release --bin papers -- --feature ZM-ESC
 
-`--out FOLDER` leaves `rows.md`, `rows.csv`, `rows.json` and for each table a picture of one map with all ways, and the ways
-themselves in [BAO]'s numbering of cells (`.csv`); `--rows FOLDER/rows.json` prints them or their page again. Maps are not stored: `seed`, `maps` and `zeronav_world::generate` draw them again. `--format json` prints one object: `seeds`,
+`--out FOLDER` leaves `rows.md`, `rows.csv`, `rows.json` and for each table a picture of one map with all ways, and the
+ways themselves in [BAO]'s numbering of cells (`.csv`); `--rows FOLDER/rows.json` prints them or their page again. Maps are
+not stored: `seed`, `maps` and `zeronav_world::generate` draw them again. `--format json` prints one object: `seeds`,
 `drives`, `seed`, `revision`, `machine`, `command`, `wall_s` and `rows`, each with `paper`, `table`, `claim`, `metric`,
 `algorithm`, `maps`, `printed`, `ours`, `interval`, `n`, `excluded`, `acceptance`, `verdict`, `note`, `parameters`, `seed`
-and `universal` (said of all maps). Exit codes: 0 complete (a claim that is not reproduced is a result), 1 an illegal path, a broken theorem, or a
-stack that does not drive, 2 wrong arguments.
+and `universal` (said of all maps). Exit codes: 0 complete (a claim that is not reproduced is a result), 1 an illegal
+path, a broken theorem, or a stack that does not drive, 2 wrong arguments.
 
 Each whole method drives any scenario of this project: `zeronav run blocked_aisle --as tn` (`ju`, `zm`, `lwx`, `bao`); what came
 out there is asserted, with its reason, in `tests/tests/system/methods.rs`.
