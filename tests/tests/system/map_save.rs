@@ -3,21 +3,21 @@
 
 use serde_json::Value;
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use zeronav_msgs::map::{COST_INSCRIBED, COST_UNKNOWN, MapInfo};
 use zeronav_msgs::role::Role;
 use zeronav_msgs::topics::MapKeyframe;
 use zeronav_msgs::{Cell, Id, MapCell};
 use zeronav_shell::roster_reader::RosterReader;
 use zeronav_shell::{Domain, Latest, Peer};
-use zeronav_tests::{Zeronav, leftovers, real_time_turn, zeronav};
+use zeronav_tests::up::Up;
+use zeronav_tests::{Zeronav, real_time_turn, zeronav};
 use zeronav_world::{Occupancy, StaticMap};
 use zeronav_world_files::map_file;
 
 /// A box that no map knows stands beside the aisle.
 const SCENARIO: &str = "title = \"test\"\nbase = [\"warehouse\", \"porter\"]\n\
                         start = [4.0, 6.425, 0.0]\n\
-                        [[goals]]\npose = [14.0, 6.425, 0.0]\n\
                         [[world.obstacles]]\nname = \"box\"\n\
                         shape = { kind = \"box\", centre_m = [8.2, 7.1], size_m = [0.4, 0.4] }\n";
 
@@ -93,19 +93,21 @@ fn saved_map_has_the_costs_of_the_running_one_and_carries_the_next_run() {
     let _turn = real_time_turn();
     let folder = tempfile::tempdir().expect("a folder");
     std::fs::write(folder.path().join("it.toml"), SCENARIO).expect("written");
-    let mut run = Zeronav::start_in(folder, &["run", "./it.toml", "--headless", "--json"]);
-    run.wait_until("the robot is on its way", |run| {
-        let report = run.report().unwrap_or_default();
-        report["time_s"].as_f64().is_some_and(|time_s| time_s > 5.0)
+    // It stays up: saving may take longer than the drive.
+    let mut up = Up::start_in(folder, &["./it.toml"]);
+    up.ask(&["goal", "14", "6.425", "0"], 0);
+    up.stack.wait_until("the robot is on its way", |stack| {
+        let report = stack.report().unwrap_or_default();
+        report["goal"]["elapsed_s"].as_f64() > Some(5.0)
     });
-    let root = run.domains().pop().expect("a domain");
-    let domain = root.to_str().expect("a path");
+    let domain = up.root.clone();
+    let root = Path::new(&domain);
     let maps = tempfile::tempdir().expect("a folder");
     let file = maps.path().join("new/seen.yaml");
     let file = file.to_str().expect("a path");
 
-    let mut watcher = Watcher::join(&root);
-    let mut saving = Zeronav::start(&["map", "save", file, "--domain", domain, "--json"]);
+    let mut watcher = Watcher::join(root);
+    let mut saving = Zeronav::start(&["map", "save", file, "--domain", &domain, "--json"]);
     while !saving.has_ended() {
         watcher.look();
         std::thread::sleep(std::time::Duration::from_millis(5));
@@ -133,14 +135,11 @@ fn saved_map_has_the_costs_of_the_running_one_and_carries_the_next_run() {
     let at = |x_m: f64, y_m: f64| map.at([x_m, y_m].into());
     let seen = (0..8).any(|n| at(8.025 + 0.05 * f64::from(n), 6.925) == Some(Occupancy::Occupied));
     assert!(seen, "the box is not in the map");
-    let again = zeronav(&["map", "save", file, "--domain", domain]);
-    assert_eq!(again.code(), 2);
-    assert!(again.stderr.contains("--force"), "{}", again.stderr);
-    let again = zeronav(&["map", "save", file, "--domain", domain, "--force"]);
-    assert_eq!(again.code(), 0, "{}", again.stderr);
-    let result = run.finish().expect(0);
+    let again = up.ask(&["map", "save", file], 2);
+    assert!(again.contains("--force"), "{again}");
+    up.ask(&["map", "save", file, "--force"], 0);
+    let result = up.down();
     assert_eq!(result["contacts"], 0, "{result:#}");
-    assert_eq!(leftovers(&root), Vec::<PathBuf>::new());
 
     let next = drive_on(Path::new(file));
     assert_eq!(next["reached"], true, "{next:#}");
