@@ -140,8 +140,8 @@ pub enum Command {
     Map(MapArgs),
     /// What is in a recording, where two differ, tables of one, and one that was cut made whole again.
     Bag(BagArgs),
-    /// Drive a recorded lockstep run again, the same or with another binary in a seat, and say where it begins
-    /// to differ.
+    /// Drive a recorded run again, the same or with another binary in a seat, as a whole or played to some seats, and say
+    /// where it begins to differ.
     Replay(ReplayArgs),
     /// A live page of a running stack: prints its link, and serves it until the stack ends.
     View(ViewArgs),

@@ -5,6 +5,7 @@ mod budget;
 
 use crate::control::request::CompanionReport;
 use crate::live_view::{self, LivePage};
+use crate::recorder::DrivenBy;
 use budget::{Budget, Decision};
 use rustix::process::Signal;
 use std::ffi::OsString;
@@ -62,7 +63,13 @@ pub(crate) enum Told {
         /// The file that it writes.
         file: PathBuf,
         /// The scenario that is driven, which it puts into that.
-        scenario: Option<PathBuf>,
+        scenario: PathBuf,
+        /// Who decides where the robot drives.
+        driven_by: DrivenBy,
+        /// What services and companions are started with, which it puts into that, too.
+        parameters: PathBuf,
+        /// The folder of the logs, whose lines it records.
+        logs: PathBuf,
         /// True when the file's folder becomes a bag of rosbag2.
         is_bag: bool,
     },
@@ -211,13 +218,26 @@ impl Companion {
             Told::Recording {
                 file,
                 scenario,
+                driven_by,
+                parameters,
+                logs,
                 is_bag,
             } => {
-                let arguments = ["--domain".into(), root.into(), "--out".into(), file.into()];
+                let arguments = [
+                    "--domain".into(),
+                    root.into(),
+                    "--out".into(),
+                    file.into(),
+                    "--scenario".into(),
+                    scenario.into(),
+                    "--driven-by".into(),
+                    driven_by.label().into(),
+                    "--parameters".into(),
+                    parameters.into(),
+                    "--logs".into(),
+                    logs.into(),
+                ];
                 let mut arguments: Vec<OsString> = arguments.into();
-                if let Some(scenario) = scenario {
-                    arguments.extend(["--scenario".into(), scenario.into()]);
-                }
                 arguments.extend(is_bag.then(|| "--metadata".into()));
                 (arguments, Stdio::null(), None)
             }

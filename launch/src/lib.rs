@@ -29,6 +29,7 @@ pub mod look;
 pub mod map_save;
 pub mod new_package;
 mod open_files;
+mod open_loop;
 mod orders;
 pub mod output_args;
 pub mod params;

@@ -2,6 +2,9 @@
 //! run goes on. In lockstep launch gives it time to keep up, so that nothing is lost however busy the
 //! machine is.
 
+mod parameters;
+pub(crate) mod start;
+
 use clap::Args;
 use clap::builder::{OsStringValueParser, TypedValueParser};
 use rustix::fs::OFlags;
@@ -15,13 +18,13 @@ use zeronav_shell::folder::Folder;
 use zeronav_supervise::child_log::{LogPlace, last_lines};
 
 /// The binary.
-pub(crate) const BINARY: &str = "zeronav-recorder";
+const BINARY: &str = "zeronav-recorder";
 
 /// How long the recorder may take to begin, of its own time: time without a processor does not count.
-pub(crate) const START_LIMIT: Duration = Duration::from_secs(5);
+const START_LIMIT: Duration = Duration::from_secs(5);
 
 /// How long it may take in any case.
-pub(crate) const WALL_LIMIT: Duration = Duration::from_secs(60);
+const WALL_LIMIT: Duration = Duration::from_secs(60);
 
 /// How long a lockstep run waits for a recorder that reads nothing.
 const WAIT_LIMIT: Duration = Duration::from_secs(5);
@@ -67,6 +70,28 @@ impl RecordTo {
     }
 }
 
+/// Who decides where the robot of a run drives.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum DrivenBy {
+    /// The scenario alone: the run can be driven again.
+    Scenario,
+    /// Clients, or processes that were started by hand.
+    Clients,
+    /// A recording that is played.
+    Recording,
+}
+
+impl DrivenBy {
+    /// The word for it in a recording.
+    pub(crate) const fn label(self) -> &'static str {
+        match self {
+            Self::Scenario => "scenario",
+            Self::Clients => "clients",
+            Self::Recording => "recording",
+        }
+    }
+}
+
 /// How far a recorder is.
 #[derive(Debug)]
 pub(crate) struct RecordedTicks {
@@ -102,11 +127,12 @@ impl RecordedTicks {
     }
 }
 
-/// Says to a recorder of the domain in `folder` with which tick the run ended. When that cannot be said, a recording
-/// has all of what comes behind as well.
-pub(crate) fn say_end(folder: &Folder, end_tick: u64) {
+/// Says to a recorder of the domain in `folder` with which tick the run ended, and its outcome. When that cannot be said,
+/// a recording has all of what comes behind as well.
+pub(crate) fn say_end(folder: &Folder, end_tick: u64, outcome: &str) {
     let file = folder.file(END, OFlags::WRONLY | OFlags::CREATE);
-    let said = file.and_then(|file| file.write_all_at(&end_tick.to_le_bytes(), 0));
+    let said = [&end_tick.to_le_bytes(), outcome.as_bytes()].concat();
+    let said = file.and_then(|file| file.write_all_at(&said, 0));
     if let Err(error) = said {
         tracing::warn!(%error, "a recorder could not be told of the end of the run");
     }

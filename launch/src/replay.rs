@@ -1,35 +1,50 @@
-//! `zeronav replay`: drives a recorded lockstep run again and says where it begins to differ.
+//! `zeronav replay`: drives a recorded run again and says where it begins to differ. In closed loop the scenario of a
+//! lockstep run is driven; in open loop what was recorded is played to some seats.
+
+mod recorded;
 
 use crate::bag::diff::{Beside, beside};
-use crate::bag::input::open;
 use crate::commands::drive_and_judge;
+use crate::open_loop::{self, NotPlayed, open_loop};
 use crate::output_args::OutputArgs;
 use crate::recorder::RecordTo;
 use crate::run_plan::{RunPlan, Source};
 use clap::Args;
-use serde_json::json;
+use recorded::Recorded;
+use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use zeronav_console::arguments::seat;
-use zeronav_console::exit::{EXIT_FAIL, EXIT_OUTPUT, EXIT_PASS};
+use zeronav_console::arguments::{seat, service_role};
+use zeronav_console::exit::{EXIT_FAIL, EXIT_OUTPUT, EXIT_PASS, EXIT_USAGE};
 use zeronav_console::interrupts::interrupts;
-use zeronav_console::terminal::{complain, say, say_json, usage};
-use zeronav_measure::result::RunResult;
+use zeronav_console::terminal::{complain, say, say_json};
 use zeronav_msgs::role::Role;
 use zeronav_msgs::run::RunMode;
-use zeronav_recorder::file::{SCENARIO_BYTES_MAX, SCENARIO_TYPE, START};
-use zeronav_recorder::read::{attachment, summary};
+use zeronav_recorder::compare::Scope;
 use zeronav_scenario::settings::DriverArgs;
 use zeronav_shell::printable::printable;
 
 /// Arguments of `zeronav replay`.
 #[derive(Debug, Clone, Args)]
 pub struct ReplayArgs {
-    /// The MCAP file of a run with `--lockstep --record`.
+    /// The MCAP file of a run with `--record`.
     pub file: PathBuf,
+    /// Open loop: start these seats alone, and play to them what was recorded of all others. What they send is compared.
+    /// Without, the scenario of a lockstep run is driven again as a whole.
+    #[arg(long, value_name = "ROLE[,ROLE]", value_delimiter = ',', value_parser = open_seat)]
+    pub open: Vec<Role>,
     /// Another binary in a seat; it drives on its own from the first tick. May be given several times.
     #[arg(long, value_name = "ROLE=BINARY", value_parser = seat)]
     pub swap: Vec<(Role, PathBuf)>,
+    /// Compare from this run time on. [s]
+    #[arg(long, value_name = "S", value_parser = run_time)]
+    pub from: Option<f64>,
+    /// Compare up to this run time; in open loop nothing is played beyond it. [s]
+    #[arg(long, value_name = "S", value_parser = run_time)]
+    pub to: Option<f64>,
+    /// Configure the open seats by this scenario (its name or path) in place of the one in the recording.
+    #[arg(long, value_name = "SCENARIO", requires = "open")]
+    pub scenario: Option<String>,
     /// Who drives.
     #[command(flatten)]
     pub driver: DriverArgs,
@@ -38,117 +53,212 @@ pub struct ReplayArgs {
     pub output: OutputArgs,
 }
 
-/// What a recording says of how its run was driven.
-struct Recorded {
-    name: String,
-    text: String,
-    seed: u64,
+/// A seat that can be open.
+fn open_seat(name: &str) -> Result<Role, String> {
+    let role = service_role(name)?;
+    if open_loop::SEATS.contains(&role) {
+        Ok(role)
+    } else {
+        Err("what the robot senses is what is played: name a seat behind it".to_owned())
+    }
+}
+
+/// A run time. [s]
+fn run_time(text: &str) -> Result<f64, String> {
+    let number: Option<f64> = text.parse().ok();
+    let time_s = number.filter(|it| it.is_finite() && *it >= 0.0);
+    time_s.ok_or_else(|| format!("`{text}` is no time such as 12.5"))
+}
+
+/// A run that was made to be compared with the recording.
+struct Again {
+    /// Its recording.
+    file: PathBuf,
+    /// What it is compared with.
+    original: PathBuf,
+    /// What became of it, in words and for `--json`.
+    said: String,
+    result: Value,
+}
+
+/// Why there is nothing to compare, with what is known of the run.
+struct NotCompared {
+    why: String,
+    code: ExitCode,
+    result: Value,
+}
+
+impl From<String> for NotCompared {
+    fn from(why: String) -> Self {
+        Self {
+            why,
+            code: ExitCode::from(EXIT_USAGE),
+            result: Value::Null,
+        }
+    }
 }
 
 /// `zeronav replay`: exit code 1 when the run differs although nothing in it was changed.
 #[must_use]
 pub fn replay(arguments: &ReplayArgs) -> ExitCode {
-    let plan = match recorded(&arguments.file) {
-        Ok(recorded) => arguments.plan(recorded),
-        Err(problem) => return usage(&problem),
-    };
-    let driven = interrupts().and_then(|interrupted| drive_and_judge(&plan, &interrupted));
-    let (result, code) = match driven {
-        Ok(driven) => driven,
-        Err(problem) => return usage(&problem),
-    };
-    let is_judged = [EXIT_PASS, EXIT_FAIL].map(ExitCode::from).contains(&code);
-    let again = RecordTo::RunFolder.file(Path::new(&result.directory));
-    let beside = if is_judged {
-        beside(&arguments.file, &again)
-    } else {
-        Err(format!("not compared: {}", result.reason))
-    };
-    let beside = match beside {
-        Ok(beside) => beside,
-        Err(problem) => {
-            if arguments.output.json {
+    let (again, beside) = match arguments.compared() {
+        Ok(compared) => compared,
+        Err(NotCompared { why, code, result }) => {
+            if arguments.output.json && !result.is_null() {
                 say_json(&json!({ "comparison": null, "result": result }));
             }
-            complain(&printable(&problem));
-            return if is_judged {
-                ExitCode::from(EXIT_OUTPUT)
-            } else {
-                code
-            };
+            complain(&printable(&why));
+            return code;
         }
     };
-    let is_changed = !arguments.swap.is_empty() || !plan.settings.is_empty();
     if arguments.output.json {
-        say_json(&json!({ "comparison": beside.to_json(), "result": result }));
+        say_json(&json!({ "comparison": beside.to_json(), "result": again.result }));
     } else {
-        say(&to_text(arguments, &again, &result, &beside));
+        say(&to_text(&again, &beside));
     }
-    ExitCode::from(if beside.is_equal() || is_changed {
+    let is_changed = !arguments.swap.is_empty() || !arguments.driver.settings().is_empty();
+    // To what a robot of others did there is no answer that could differ.
+    let has_none = !arguments.open.is_empty() && beside.has_none_of_a();
+    ExitCode::from(if beside.is_equal() || is_changed || has_none {
         EXIT_PASS
     } else {
         EXIT_FAIL
     })
 }
 
-fn to_text(arguments: &ReplayArgs, again: &Path, result: &RunResult, beside: &Beside) -> String {
+fn to_text(again: &Again, beside: &Beside) -> String {
     format!(
         "a: {}\nb: {} ({})\n{}",
-        arguments.file.display(),
-        again.display(),
-        result.reason,
+        again.original.display(),
+        again.file.display(),
+        again.said,
         beside.to_text()
     )
 }
 
 impl ReplayArgs {
-    fn plan(&self, recorded: Recorded) -> RunPlan {
-        let Recorded { name, text, seed } = recorded;
+    fn compared(&self) -> Result<(Again, Beside), NotCompared> {
+        let recorded = Recorded::read(&self.file)?;
+        let again = if self.open.is_empty() {
+            self.closed(&recorded)?
+        } else {
+            self.opened(&recorded)?
+        };
+        let beside = beside(&self.scope(&recorded), &again.original, &again.file);
+        match beside {
+            Ok(beside) => Ok((again, beside)),
+            Err(why) => Err(NotCompared {
+                why,
+                code: ExitCode::from(EXIT_OUTPUT),
+                result: again.result,
+            }),
+        }
+    }
+
+    /// Drives the scenario again.
+    fn closed(&self, recorded: &Recorded) -> Result<Again, NotCompared> {
+        let (name, text) = recorded.drive().map_err(|why| self.in_file(&why))?;
+        let plan = self.plan(recorded, Source::Text { name, text });
+        let (result, code) = drive_and_judge(&plan, &interrupts()?)?;
+        let json = serde_json::to_value(&result).unwrap_or_default();
+        if ![EXIT_PASS, EXIT_FAIL].map(ExitCode::from).contains(&code) {
+            return Err(NotCompared {
+                why: format!("not compared: {}", result.reason),
+                code,
+                result: json,
+            });
+        }
+        Ok(Again {
+            file: RecordTo::RunFolder.file(Path::new(&result.directory)),
+            original: self.file.clone(),
+            said: result.reason,
+            result: json,
+        })
+    }
+
+    /// Plays the recording to the open seats.
+    fn opened(&self, recorded: &Recorded) -> Result<Again, NotCompared> {
+        self.check_seats()?;
+        let source = match (&self.scenario, &recorded.scenario) {
+            (Some(name), _) => Source::Named(name.clone()),
+            (None, Some((name, text))) => Source::Text {
+                name: name.clone(),
+                text: text.clone(),
+            },
+            (None, None) => {
+                let why = "it holds no scenario, which says how the seats are configured: name one with --scenario";
+                return Err(self.in_file(why).into());
+            }
+        };
+        let plan = RunPlan {
+            external: Role::SERVICES
+                .into_iter()
+                .filter(|role| !self.open.contains(role))
+                .collect(),
+            ..self.plan(recorded, source)
+        };
+        let interrupted = interrupts()?;
+        let input = (&*self.file, &recorded.found, recorded.is_lockstep());
+        let played = open_loop(input, &plan, &self.open, self.to, &interrupted);
+        let played = played.map_err(|NotPlayed { why, code }| NotCompared {
+            why,
+            code: ExitCode::from(code),
+            result: Value::Null,
+        })?;
+        let seats: Vec<&str> = self.open.iter().map(|role| role.label()).collect();
+        Ok(Again {
+            said: format!("played to {}, {} ticks", seats.join(", "), played.last_tick),
+            result: json!({
+                "open": seats,
+                "last_tick": played.last_tick,
+                "directory": played.folder,
+                "recording": played.file,
+            }),
+            file: played.file,
+            original: played.compared,
+        })
+    }
+
+    /// Accepts changes of open seats alone: what is played cannot be changed.
+    fn check_seats(&self) -> Result<(), String> {
+        let settings = self.driver.settings();
+        let mut changed: Vec<Role> = self.swap.iter().map(|(role, _)| *role).collect();
+        changed.extend(
+            Role::SERVICES
+                .iter()
+                .filter(|role| settings.of(**role).is_some()),
+        );
+        match changed.iter().find(|role| !self.open.contains(role)) {
+            Some(role) => Err(format!(
+                "{role} is played from the recording and cannot be changed: name it with --open, too"
+            )),
+            None => Ok(()),
+        }
+    }
+
+    /// What is compared.
+    fn scope(&self, recorded: &Recorded) -> Scope {
+        let tick = |time_s: f64| zeronav_msgs::time::nanoseconds(time_s) / recorded.tick_ns;
+        Scope {
+            authors: (!self.open.is_empty()).then(|| self.open.clone()),
+            ticks: [self.from.map_or(0, tick), self.to.map_or(u64::MAX, tick)],
+            // Seats of a run in real time answer more or less often.
+            numbers: recorded.is_lockstep(),
+        }
+    }
+
+    fn plan(&self, recorded: &Recorded, source: Source) -> RunPlan {
         let plan = RunPlan {
             record: Some(RecordTo::RunFolder),
-            seed: Some(seed),
+            seed: Some(recorded.seed),
             binaries: self.swap.iter().cloned().collect(),
             settings: self.driver.settings(),
-            ..RunPlan::of(Source::Text { name, text }, RunMode::Lockstep)
+            ..RunPlan::of(source, RunMode::Lockstep)
         };
         self.output.laid_over(plan)
     }
-}
 
-/// How the run in a recording was driven.
-fn recorded(file: &Path) -> Result<Recorded, String> {
-    let wrong = |why: &dyn core::fmt::Display| format!("{}: {why}", file.display());
-    let (found, damage) = summary(open(file)?);
-    if let Some(damage) = damage {
-        let fix = "`zeronav bag recover` makes a whole file of what is there";
-        return Err(wrong(&format!("{damage}; {fix}")));
+    fn in_file(&self, why: &str) -> String {
+        format!("{}: {why}", self.file.display())
     }
-    let start = found.metadata.get(START);
-    let field = |name: &str| {
-        start
-            .and_then(|fields| fields.get(name))
-            .map(String::as_str)
-    };
-    match field("mode") {
-        Some(mode) if mode == RunMode::Lockstep.label() => {}
-        Some(_) => {
-            let why = "it was recorded in real time, which nothing can drive again the same: \
-                       `zeronav run SCENARIO --lockstep --record` makes one that can";
-            return Err(wrong(&why));
-        }
-        None => return Err(wrong(&"zeronav-recorder has not written it")),
-    }
-    let most = usize::try_from(SCENARIO_BYTES_MAX).unwrap_or(usize::MAX);
-    let attached = attachment(open(file)?, SCENARIO_TYPE, most).map_err(|error| wrong(&error))?;
-    let (name, text) = attached.ok_or_else(|| {
-        let why = "it holds no scenario: only a recording that `zeronav run --record` has made does, \
-                   with no seat left to a process that was started by hand (--external)";
-        wrong(&why)
-    })?;
-    let seed = field("seed").and_then(|seed| seed.parse().ok());
-    Ok(Recorded {
-        name: name.strip_suffix(".toml").unwrap_or(&name).to_owned(),
-        text: String::from_utf8(text).map_err(|_| wrong(&"its scenario is no UTF-8"))?,
-        seed: seed.ok_or_else(|| wrong(&"it does not say its seed"))?,
-    })
 }

@@ -30,12 +30,17 @@ with file.open("rb") as stream:
     world = [it.topic for it in channels if it.message_encoding == "cdr"]
     decoded = {}
     odometry = []
+    texts = {"/rosout": [], "/why": []}
     for _, channel, message, ros in reader.iter_decoded_messages(topics=world):
         decoded[channel.topic] = decoded.get(channel.topic, 0) + 1
+        if channel.topic in texts:
+            text = {"name": ros.name, "msg": ros.msg, "level": ros.level}
+            texts[channel.topic].append(text)
         if channel.topic == "/odom":
             position = ros.pose.pose.position
             odometry.append([message.log_time, message.sequence, position.x, position.y])
     result["decoded"] = decoded
+    result["rosout"], result["why"] = texts["/rosout"], texts["/why"]
 
     # The same numbers in the bytes, by the layout that the channel carries.
     name = "zeronav/" + sys.argv[2]

@@ -3,7 +3,7 @@
 use super::as_far::AsFar;
 use super::document::{self, Document};
 use super::library::{Library, Origin};
-use super::{GoalSpec, RunSpec, Scenario, ScenarioError, absolute};
+use super::{GoalSpec, RunSpec, Scenario, ScenarioError, absolute, binaries_of};
 use core::f64::consts::PI;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -74,9 +74,9 @@ impl Scenario {
         Self::read(&Library::of(""), origin, None)
     }
 
-    /// The text of a scenario file that says the same with the seed `seed`, whatever this one builds on. The
-    /// files of its world and binaries that are named by a path stay where they are. A seed above 2^63 - 1, for
-    /// which TOML has no number, is left out.
+    /// The text of a scenario file that says the same with the seed `seed`, whatever this one builds on, and
+    /// wherever it is read: files of its world and binaries that are named by a path are named by a whole one. A
+    /// seed above 2^63 - 1, for which TOML has no number, is left out.
     ///
     /// # Errors
     /// One line when TOML has no number for another value.
@@ -87,10 +87,15 @@ impl Scenario {
             seed,
             ..self.run.clone()
         };
-        let scenario = Self {
+        let mut scenario = Self {
             run,
             ..self.clone()
         };
+        for (_, binary) in binaries_of(&mut scenario) {
+            if binary.components().count() > 1 {
+                *binary = absolute(binary);
+            }
+        }
         let mut table = toml::Table::try_from(&scenario).map_err(|error| failed(&error))?;
         // It is that of the file.
         table.remove("name");

@@ -1,12 +1,13 @@
 //! `zeronav bag diff`: where two recordings begin to differ.
 
 use super::input::{is_unit, open as open_file};
+use core::fmt::Write;
 use serde_json::json;
 use std::path::Path;
 use std::process::ExitCode;
 use zeronav_console::exit::{EXIT_FAIL, EXIT_PASS};
 use zeronav_console::terminal::{say, say_json, usage};
-use zeronav_recorder::compare::{Comparison, Difference, compare};
+use zeronav_recorder::compare::{Comparison, Difference, Scope, compare};
 use zeronav_recorder::figures::{Figure, figures};
 use zeronav_shell::printable::printable;
 
@@ -17,11 +18,11 @@ pub(crate) struct Beside {
     pub figures: [Vec<Figure>; 2],
 }
 
-/// Compares the recordings in two files.
+/// Compares what `scope` says of the recordings in two files.
 ///
 /// # Errors
 /// One line naming the file.
-pub(crate) fn beside(a: &Path, b: &Path) -> Result<Beside, String> {
+pub(crate) fn beside(scope: &Scope, a: &Path, b: &Path) -> Result<Beside, String> {
     let files = [a, b];
     let in_file = |file: &Path, why: &dyn core::fmt::Display| format!("{}: {why}", file.display());
     // Before anything is read of the first one.
@@ -32,14 +33,16 @@ pub(crate) fn beside(a: &Path, b: &Path) -> Result<Beside, String> {
         let file = files[usize::from(second)];
         open_file(file).map_err(|why| zeronav_recorder::read::ReadError { offset: 0, why })
     };
-    let compared = compare(|second| Ok(open(second)?));
+    let compared = compare(scope, |second| Ok(open(second)?));
     let comparison =
         compared.map_err(|(second, error)| in_file(files[usize::from(second)], &error))?;
     let end_ticks = comparison.end_ticks;
     let of = |second: bool| {
-        let end_tick = end_ticks[usize::from(second)];
+        // Of what is left out there are no figures, either.
+        let after = scope.ticks[1].saturating_add(1);
+        let end_tick = end_ticks[usize::from(second)].map_or(after, |tick| tick.min(after));
         let input = open(second).map_err(Into::into);
-        let figures = input.and_then(|input| figures(input, end_tick));
+        let figures = input.and_then(|input| figures(input, Some(end_tick)));
         figures.map_err(|error| in_file(files[usize::from(second)], &error))
     };
     Ok(Beside {
@@ -50,7 +53,7 @@ pub(crate) fn beside(a: &Path, b: &Path) -> Result<Beside, String> {
 
 /// `zeronav bag diff`.
 pub(super) fn diff(a: &Path, b: &Path, as_json: bool) -> ExitCode {
-    let beside = match beside(a, b) {
+    let beside = match beside(&Scope::default(), a, b) {
         Ok(beside) => beside,
         Err(problem) => return usage(&problem),
     };
@@ -67,30 +70,54 @@ pub(super) fn diff(a: &Path, b: &Path, as_json: bool) -> ExitCode {
 }
 
 impl Beside {
-    /// True when nothing differs that is compared.
+    /// True when nothing differs that is compared, and both recordings are whole.
     pub(crate) fn is_equal(&self) -> bool {
-        self.comparison.first.is_none()
+        self.comparison.is_equal()
+    }
+
+    /// True when the first recording has none of the messages that are compared, as the log of another robot: nothing can
+    /// differ.
+    pub(crate) fn has_none_of_a(&self) -> bool {
+        let mut topics = self.comparison.topics.iter();
+        topics.all(|it| it.equal + it.different + it.only_a == 0)
     }
 
     pub(crate) fn to_json(&self) -> serde_json::Value {
         let [a, b] = &self.figures;
         json!({
             "equal": self.is_equal(),
+            "compared": !self.has_none_of_a(),
+            "incomplete": { "a": self.comparison.incomplete[0], "b": self.comparison.incomplete[1] },
             "first": self.comparison.first,
             "topics": self.comparison.topics,
             "figures": { "a": a, "b": b },
         })
     }
 
-    /// The first difference, the topics and the figures, a line each.
+    /// What is missing, the first difference, the topics and the figures, a line each.
     pub(crate) fn to_text(&self) -> String {
         let topics = &self.comparison.topics;
         let equal: u64 = topics.iter().map(|topic| topic.equal).sum();
-        let mut text = match &self.comparison.first {
-            Some(first) => format!("first difference: {}\n", in_words(first)),
-            None => format!("equal: {equal} messages on {} topics\n", topics.len()),
+        let mut text = String::new();
+        for (name, why) in ["a", "b"].iter().zip(&self.comparison.incomplete) {
+            if let Some(why) = why.as_deref().map(printable) {
+                let _ = writeln!(text, "{name}: NOT COMPLETE: {why}");
+            }
+        }
+        let counted = format!("{equal} messages on {} topics", topics.len());
+        let only_b: u64 = topics.iter().map(|topic| topic.only_b).sum();
+        let _ = match &self.comparison.first {
+            _ if self.has_none_of_a() => {
+                writeln!(
+                    text,
+                    "nothing to compare: a has none of these messages, b has {only_b}"
+                )
+            }
+            Some(first) => writeln!(text, "first difference: {}", in_words(first)),
+            None if self.is_equal() => writeln!(text, "equal: {counted}"),
+            None => writeln!(text, "no difference in what is there of both: {counted}"),
         };
-        if !self.is_equal() {
+        if self.comparison.first.is_some() && !self.has_none_of_a() {
             text += &self.topics_in_words();
         }
         text + &self.figures_in_words()

@@ -43,6 +43,10 @@ pub(super) fn export(
     let failed = |why: &dyn core::fmt::Display| {
         ExportError::Output(format!("writing {}: {why}", folder.display()))
     };
+    let made: Vec<&Path> = folder
+        .ancestors()
+        .take_while(|it| !it.as_os_str().is_empty() && it.symlink_metadata().is_err())
+        .collect();
     let folder = Folder::make(folder).map_err(|error| failed(&error))?;
     if !folder.names().map_err(|error| failed(&error))?.is_empty() {
         let why = format!(
@@ -78,6 +82,10 @@ pub(super) fn export(
             .values()
             .flat_map(|tables| &tables.names)
             .for_each(|name| folder.remove(name));
+        // An export that failed leaves nothing behind, not even its folder.
+        for folder in made {
+            let _ = std::fs::remove_dir(folder);
+        }
     }
     result.map(|()| {
         tables
@@ -157,9 +165,16 @@ impl Tables {
 
 /// The names of columns with their units.
 fn heads(leaves: &[Leaf]) -> Vec<String> {
-    let head = |leaf: &Leaf| match leaf.unit.as_deref().filter(|unit| is_unit(unit)) {
-        Some(unit) => format!("{} [{unit}]", leaf.path),
-        None => leaf.path.clone(),
+    let head = |leaf: &Leaf| {
+        // An item that is a number alone has no name of its own.
+        let name = match &*leaf.path {
+            "" => "value",
+            path => path,
+        };
+        match leaf.unit.as_deref().filter(|unit| is_unit(unit)) {
+            Some(unit) => format!("{name} [{unit}]"),
+            None => name.to_owned(),
+        }
     };
     let heads = leaves.iter().map(head);
     heads

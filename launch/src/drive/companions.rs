@@ -4,16 +4,13 @@ use super::session::Session;
 use crate::companions::{Plan, Told};
 use crate::configs;
 use crate::live_view::{self, LivePage};
-use crate::recorder::{self, RecordedTicks, START_LIMIT, WALL_LIMIT, last_words};
-use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
-use zeronav_console::leave;
+use crate::recorder::start::start_recorder;
+use crate::recorder::{DrivenBy, RecordedTicks, last_words};
+use std::collections::BTreeMap;
+use std::path::PathBuf;
 use zeronav_console::terminal::{complain, note};
 use zeronav_msgs::role::Role;
 use zeronav_scenario::companions::{RECORDER, RESTARTS, VIEWER};
-use zeronav_supervise::binaries;
-use zeronav_supervise::child_log::LogPlace;
-use zeronav_supervise::own_time::Patience;
 use zeronav_supervise::stack::Stack;
 
 impl Session<'_> {
@@ -24,9 +21,9 @@ impl Session<'_> {
     /// One line when a configuration cannot be written, or the recorder does not work.
     pub(super) fn start_companions(&mut self, stack: &mut Stack) -> Result<(), String> {
         let prepared = self.prepared;
-        self.start_recorder(stack)
-            .map_err(|why| format!("--record: {why}"))?;
         let configs = configs::write_companions(&prepared.scenario, stack.root())?;
+        self.start_recorder(stack, &configs)
+            .map_err(|why| format!("--record: {why}"))?;
         for (name, config) in configs {
             let binary = prepared.companions.get(&name);
             let spec = prepared.scenario.companions.get(&name);
@@ -48,63 +45,27 @@ impl Session<'_> {
         Ok(())
     }
 
-    fn start_recorder(&mut self, stack: &mut Stack) -> Result<(), String> {
-        let Some(file) = &self.prepared.recording else {
-            return Ok(());
-        };
-        let plan = Plan {
-            name: RECORDER.to_owned(),
-            binary: binaries::find(Path::new(recorder::BINARY))?,
-            restarts: 0,
-            log: self.recorder_log(),
-            told: Told::Recording {
-                file: file.clone(),
-                scenario: self.write_scenario()?,
-                is_bag: file.parent() == Some(self.prepared.folder.path()),
-            },
-        };
-        self.companions.start(stack, plan);
-        let (pid, began) = (self.companions.pid_of(RECORDER), Instant::now());
-        let mut patience = pid.map(Patience::with);
-        let progress = loop {
-            if let Some(progress) = stack.folder().and_then(RecordedTicks::open) {
-                break progress;
-            }
-            if let Some(end) = self.companions.end_of(RECORDER) {
-                let said = last_words(&self.recorder_log()).unwrap_or_default();
-                return Err(format!("the recorder does not work ({end}: {said})"));
-            }
-            let is_late = patience.as_mut().is_some_and(|it| it.is_over(START_LIMIT));
-            if is_late || began.elapsed() > WALL_LIMIT {
-                let limit_s = START_LIMIT.as_secs();
-                return Err(format!("the recorder does not begin within {limit_s} s"));
-            }
-            // What was said before it joined reaches it so.
-            stack.refresh();
-            std::thread::sleep(Duration::from_millis(2));
-        };
-        self.recorded = self.lockstep().then_some(progress);
-        Ok(())
-    }
-
-    /// Leaves the scenario that is driven, with all that it builds on, in the run's folder. A stack that stays
-    /// up drives where its clients say, and what sits in a seat by hand is not known.
-    fn write_scenario(&self) -> Result<Option<PathBuf>, String> {
+    fn start_recorder(
+        &mut self,
+        stack: &mut Stack,
+        configs: &BTreeMap<String, PathBuf>,
+    ) -> Result<(), String> {
         let prepared = self.prepared;
+        if prepared.recording.is_none() {
+            return Ok(());
+        }
+        // A stack that stays up drives where its clients say, and what sits in a seat by hand is not known.
         let is_filled = Role::SERVICES
             .iter()
             .all(|role| prepared.binaries.contains_key(role));
-        if prepared.stays || !is_filled {
-            return Ok(None);
-        }
-        let name = format!("{}.toml", prepared.scenario.name);
-        let text = prepared.scenario.to_toml(prepared.seed)?;
-        leave::write_in(&prepared.folder, &name, &text)?;
-        Ok(Some(prepared.folder.path().join(name)))
-    }
-
-    fn recorder_log(&self) -> LogPlace {
-        self.prepared.log(format!("{RECORDER}.log"))
+        let driven_by = if prepared.stays || !is_filled {
+            DrivenBy::Clients
+        } else {
+            DrivenBy::Scenario
+        };
+        let progress = start_recorder(&mut self.companions, stack, prepared, (driven_by, configs))?;
+        self.recorded = self.lockstep().then_some(progress);
+        Ok(())
     }
 
     /// The last tick that the robot may begin, so that the recorder misses nothing.
@@ -120,7 +81,7 @@ impl Session<'_> {
     /// Says what became of the recording, once the recorder has ended.
     pub(super) fn conclude_recording(&self) {
         if self.prepared.recording.is_some()
-            && let Some(said) = last_words(&self.recorder_log())
+            && let Some(said) = last_words(&self.prepared.log(format!("{RECORDER}.log")))
         {
             note(&format!("recording: {said}"));
         }

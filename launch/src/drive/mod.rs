@@ -175,7 +175,7 @@ fn drive_stack(
     session.collector.reasons.end_at(end_tick);
     tracing::info!(outcome = ending.outcome(), end_tick, "the run ends");
     if let Some(folder) = stack.folder() {
-        recorder::say_end(folder, end_tick);
+        recorder::say_end(folder, end_tick, ending.outcome());
     }
     let disturbance = session.at_start.take().map(|before| {
         let spans = session.collector.records.spans.iter();

@@ -285,6 +285,18 @@ impl Stack {
         self.publish_control();
     }
 
+    /// Says something else of the seat of `role`, when that is news: for a stack whose other seats are played.
+    pub fn announce(&mut self, role: Role, change: impl FnOnce(&mut Seat)) {
+        let Some(seat) = seat_mut(&mut self.roster, role) else {
+            return;
+        };
+        let before = *seat;
+        change(seat);
+        if *seat != before {
+            self.publish_control();
+        }
+    }
+
     /// Epoch and progress counter of the newest process of every seat that has beaten its heart,
     /// and whether it can answer.
     pub fn heartbeats(&mut self) -> Vec<(Role, u32, u64, bool)> {

@@ -127,6 +127,19 @@ impl Folder {
         self.opened(name, flags)
     }
 
+    /// Opens the file `name` for reading.
+    ///
+    /// # Errors
+    /// `PermissionDenied` when it is no regular file or a link, and what the system says.
+    pub fn existing(&self, name: &str) -> std::io::Result<File> {
+        let flags = OFlags::RDONLY | OFlags::NONBLOCK;
+        let file = self.opened(name, flags)?;
+        match FileType::from_raw_mode(fstat(&file)?.st_mode) {
+            FileType::RegularFile => Ok(file),
+            _ => Err(denied("is not a file")),
+        }
+    }
+
     /// Opens the file `name` for more at its end, and makes it when it is missing.
     ///
     /// # Errors

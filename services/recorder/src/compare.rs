@@ -3,19 +3,22 @@
 //! Stamps of the machine's clock, checksums and the numbers of starts are left out, so that two lockstep runs
 //! that did the same are equal. Not compared are `run/spans` and `health/*`, by which processes speak of
 //! themselves, `run/clock` and `run/control`, with which launch follows the clock, `map/keyframe`, which comes when a
-//! reader asks for it, what services say before they answer a tick, and everything from the tick on with which the
-//! run ended.
+//! reader asks for it, what services say before they answer a tick, what companions say, which follow no tick, and
+//! everything from the tick on with which the run ended.
 
 use crate::layout::{Layout, Leaf};
-use crate::messages::{MessagesError, native_messages};
+use crate::messages::{Conclusion, MessagesError, native_messages};
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::hash::{DefaultHasher, Hasher};
 use std::io::Read;
+use zeronav_msgs::fields::ID;
 use zeronav_msgs::header::{Id, SHADOW_EPOCH_MIN};
 use zeronav_msgs::role::Role;
 use zeronav_msgs::time::seconds;
-use zeronav_msgs::topics::{HEALTH, MapKeyframe, RunClockTopic, RunControlTopic, SPANS, Topic};
+use zeronav_msgs::topics::{
+    HEALTH, MapKeyframe, RunClockTopic, RunControlTopic, SPANS, Topic, topics,
+};
 
 /// What differs first.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -65,6 +68,16 @@ pub struct Comparison {
     pub topics: Vec<TopicComparison>,
     /// The tick with which each run ended, where its recording says so.
     pub end_ticks: [Option<u64>; 2],
+    /// Why each recording is not the whole of a run that came to its end; none when it is.
+    pub incomplete: [Option<String>; 2],
+}
+
+impl Comparison {
+    /// True when nothing differs that is compared and both are whole: of what is missing nobody knows.
+    #[must_use]
+    pub fn is_equal(&self) -> bool {
+        self.first.is_none() && self.incomplete.iter().all(Option::is_none)
+    }
 }
 
 /// Which message: tick, author in the order of the data flow, whether a shadow wrote it, and which of those with
@@ -88,20 +101,71 @@ struct Found {
     layout: Option<Layout>,
 }
 
+/// What of two recordings is compared.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Scope {
+    /// Whose messages; none = everybody's.
+    pub authors: Option<Vec<Role>>,
+    /// The first and the last tick.
+    pub ticks: [u64; 2],
+    /// True when the numbers of messages are compared, too.
+    pub numbers: bool,
+}
+
+impl Default for Scope {
+    /// Everything.
+    fn default() -> Self {
+        Self {
+            authors: None,
+            ticks: [0, u64::MAX],
+            numbers: true,
+        }
+    }
+}
+
+impl Scope {
+    fn holds(&self, role: u16, tick: u64) -> bool {
+        let [first, last] = self.ticks;
+        let is_author = |authors: &Vec<Role>| authors.iter().any(|author| author.code() == role);
+        (first..=last).contains(&tick) && self.authors.as_ref().is_none_or(is_author)
+    }
+
+    /// The bytes of a value that are compared.
+    fn of<'a>(&self, leaf: &Leaf, value: &'a [u8]) -> &'a [u8] {
+        if !self.numbers && leaf.unit.as_deref() == Some(ID) {
+            return &[];
+        }
+        leaf.repeatable(value)
+    }
+
+    /// Why a recording is not the whole of what is compared.
+    fn incomplete(&self, end: &Conclusion) -> Option<String> {
+        let Some(authors) = &self.authors else {
+            return end.incomplete.clone();
+        };
+        let theirs = topics().into_iter().filter(|row| {
+            let is_one = |role: &Role| authors.contains(role);
+            is_compared(row.name) && row.writers.iter().any(is_one)
+        });
+        let theirs: Vec<&str> = theirs.map(|row| row.name).collect();
+        end.incomplete_of(&theirs)
+    }
+}
+
 /// Compares two recordings; `open` opens the first (`false`) or the second (`true`) from its beginning. It is called
 /// twice for each.
 ///
 /// # Errors
 /// [`MessagesError`], with the recording that it is about.
 pub fn compare<R: Read>(
+    scope: &Scope,
     mut open: impl FnMut(bool) -> Result<R, MessagesError>,
 ) -> Result<Comparison, (bool, MessagesError)> {
     let mut of = |second: bool| {
-        let digests = open(second).and_then(digests);
+        let digests = open(second).and_then(|input| digests(scope, input));
         digests.map_err(|error| (second, error))
     };
-    let ((a, a_end_tick), (b, b_end_tick)) = (of(false)?, of(true)?);
-    let end_ticks = [a_end_tick, b_end_tick];
+    let ((a, end_of_a), (b, end_of_b)) = (of(false)?, of(true)?);
     let names: BTreeSet<&String> = a.keys().chain(b.keys()).collect();
     let none = BTreeMap::new();
     let mut topics = Vec::new();
@@ -123,7 +187,7 @@ pub fn compare<R: Read>(
                 Some((name.clone(), (key.0, key.1, key.2, *id)))
             });
             let places: BTreeMap<String, Place> = places.collect();
-            let messages = open(second).and_then(|input| find(input, &places));
+            let messages = open(second).and_then(|input| find(scope, input, &places));
             *found = messages.map_err(|error| (second, error))?;
         }
     }
@@ -133,7 +197,7 @@ pub fn compare<R: Read>(
             continue;
         };
         let [a, b] = [&found[0], &found[1]].map(|found| found.get(&topic.topic));
-        let difference = difference(&topic.topic, *key, a, b);
+        let difference = difference(scope, &topic.topic, *key, a, b);
         if first.as_ref().is_none_or(|(before, _)| key < before) {
             first = Some((*key, difference.clone()));
         }
@@ -142,7 +206,8 @@ pub fn compare<R: Read>(
     Ok(Comparison {
         first: first.map(|(_, difference)| difference),
         topics,
-        end_ticks,
+        end_ticks: [end_of_a.end_tick, end_of_b.end_tick],
+        incomplete: [scope.incomplete(&end_of_a), scope.incomplete(&end_of_b)],
     })
 }
 
@@ -194,17 +259,21 @@ fn is_compared(name: &str) -> bool {
     !is_health && !left_out.contains(&name)
 }
 
-/// Shows every message that is compared, with the name of its topic, its layout and its two parts. The tick with
-/// which the run ended.
+/// Shows every message that is compared, with the name of its topic, its layout and its two parts. What the recording
+/// says of its end.
 fn messages(
+    scope: &Scope,
     input: impl Read,
     mut see: impl FnMut(&str, &Layout, Place, [&[u8]; 2]),
-) -> Result<Option<u64>, MessagesError> {
+) -> Result<Conclusion, MessagesError> {
     native_messages(input, is_compared, |name, layout, [envelope, items]| {
         let number = |path: &str| layout.number(envelope, path).unwrap_or(0);
         let tick = number("header.tick");
         let role = u16::try_from(number("header.role")).unwrap_or(u16::MAX);
-        if tick == 0 && ![Role::Launch, Role::Robot].map(Role::code).contains(&role) {
+        // A companion follows no tick.
+        let is_guest = role == Role::Tap.code();
+        let is_idle = tick == 0 && ![Role::Launch, Role::Robot].map(Role::code).contains(&role);
+        if is_guest || is_idle || !scope.holds(role, tick) {
             return;
         }
         let id = Id(number("header.id"));
@@ -215,13 +284,13 @@ fn messages(
     })
 }
 
-fn digests(input: impl Read) -> Result<(Digests, Option<u64>), MessagesError> {
+fn digests(scope: &Scope, input: impl Read) -> Result<(Digests, Conclusion), MessagesError> {
     let mut digests: BTreeMap<String, BTreeMap<Place, u64>> = BTreeMap::new();
-    let end_tick = messages(input, |name, layout, place, [envelope, items]| {
+    let end = messages(scope, input, |name, layout, place, [envelope, items]| {
         let mut hasher = DefaultHasher::new();
         let mut hash = |leaves: &[Leaf], part: &[u8]| {
             for leaf in leaves {
-                hasher.write(leaf.repeatable(leaf.of(part).unwrap_or_default()));
+                hasher.write(scope.of(leaf, leaf.of(part).unwrap_or_default()));
             }
         };
         hash(&layout.envelope, envelope);
@@ -235,10 +304,10 @@ fn digests(input: impl Read) -> Result<(Digests, Option<u64>), MessagesError> {
         topic.insert(place, hasher.finish());
     })?;
     let ranked = |(name, mut topic): (String, BTreeMap<Place, u64>)| {
-        topic.retain(|(tick, ..), _| end_tick.is_none_or(|end_tick| *tick < end_tick));
+        topic.retain(|(tick, ..), _| end.end_tick.is_none_or(|end_tick| *tick < end_tick));
         (name, ranked(topic))
     };
-    Ok((digests.into_iter().map(ranked).collect(), end_tick))
+    Ok((digests.into_iter().map(ranked).collect(), end))
 }
 
 /// Numbers those that have all but their identity in common.
@@ -256,11 +325,12 @@ fn ranked(topic: BTreeMap<Place, u64>) -> BTreeMap<Key, Kept> {
 
 /// The messages of these topics at these places.
 fn find(
+    scope: &Scope,
     input: impl Read,
     wanted: &BTreeMap<String, Place>,
 ) -> Result<BTreeMap<String, Found>, MessagesError> {
     let mut found = BTreeMap::new();
-    messages(input, |name, layout, place, [envelope, items]| {
+    messages(scope, input, |name, layout, place, [envelope, items]| {
         if wanted.get(name) == Some(&place) {
             let message = Found {
                 envelope: envelope.to_vec(),
@@ -274,7 +344,13 @@ fn find(
 }
 
 /// What differs between two messages, of which one may be missing.
-fn difference(topic: &str, key: Key, a: Option<&Found>, b: Option<&Found>) -> Difference {
+fn difference(
+    scope: &Scope,
+    topic: &str,
+    key: Key,
+    a: Option<&Found>,
+    b: Option<&Found>,
+) -> Difference {
     let (tick, role, shadow, _) = key;
     let role = Role::from_code(role).map_or_else(|| role.to_string(), |role| role.to_string());
     let whole = a.or(b);
@@ -302,7 +378,7 @@ fn difference(topic: &str, key: Key, a: Option<&Found>, b: Option<&Found>) -> Di
         difference.b = b.and_then(|_| there());
         return difference;
     };
-    if let Some((field, unit, [a, b])) = field(a, b) {
+    if let Some((field, unit, [a, b])) = field(scope, a, b) {
         difference.field = Some(field);
         difference.unit = unit;
         (difference.a, difference.b) = (Some(a), Some(b));
@@ -311,7 +387,7 @@ fn difference(topic: &str, key: Key, a: Option<&Found>, b: Option<&Found>) -> Di
 }
 
 /// The first value that differs: name, unit and both values.
-fn field(a: &Found, b: &Found) -> Option<(String, Option<String>, [String; 2])> {
+fn field(scope: &Scope, a: &Found, b: &Found) -> Option<(String, Option<String>, [String; 2])> {
     let (of_a, of_b) = (a.layout.as_ref()?, b.layout.as_ref()?);
     let by_path = |leaves: &'_ [Leaf]| -> BTreeMap<String, Leaf> {
         let named = leaves.iter().map(|leaf| (leaf.path.clone(), leaf.clone()));
@@ -325,10 +401,10 @@ fn field(a: &Found, b: &Found) -> Option<(String, Option<String>, [String; 2])> 
                 // Of another version of the contract by its name; a value that it lacks differs.
                 let other = others.get(&leaf.path);
                 let (text, repeatable) = match other.and_then(|other| Some((other, other.of(b)?))) {
-                    Some((other, value)) => (other.text(value), other.repeatable(value)),
+                    Some((other, value)) => (other.text(value), scope.of(other, value)),
                     None => ("no such field".to_owned(), &[0; 9][..]),
                 };
-                (leaf.repeatable(value) != repeatable).then(|| {
+                (scope.of(leaf, value) != repeatable).then(|| {
                     let name = format!("{within}{}", leaf.path);
                     let name = name.trim_end_matches('.').to_owned();
                     (name, leaf.unit.clone(), [leaf.text(value), text])

@@ -1,15 +1,19 @@
 //! What a recorded drive came to, in figures, to be put beside those of another one.
 
+use crate::holders::Holders;
 use crate::layout::Layout;
 use crate::messages::{MessagesError, native_messages};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::io::Read;
 use zeronav_msgs::command::Intervention;
-use zeronav_msgs::header::{Id, SHADOW_EPOCH_MIN};
+use zeronav_msgs::header::Id;
 use zeronav_msgs::path::PathStatus;
+use zeronav_msgs::pose::Pose;
 use zeronav_msgs::role::Role;
-use zeronav_msgs::topics::{GroundTruth, PlanPath, RobotCommand, SPANS, Topic};
+use zeronav_msgs::topics::{
+    GroundTruth, MapUpdate, PlanPath, RobotCommand, RobotOdometry, RunControlTopic, SPANS, Topic,
+};
 
 /// One figure.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -34,17 +38,49 @@ struct Sums {
     clearance_m: Option<f64>,
     driven_m: Option<f64>,
     contacts: Option<f64>,
+    located: Located,
     /// Times of computing of each role. [ns]
     computing_ns: BTreeMap<u64, Vec<u64>>,
 }
 
-/// The figures of a recording up to the tick with which its run ended, if that is known: of those processes that were
-/// obeyed, shadows left out.
+/// Most ticks of which not everything has come yet.
+const TICKS_MAX: usize = 1024;
+
+/// Where mapping has the robot, beside where it really is.
+#[derive(Default)]
+struct Located {
+    /// Odometry, the map's place of its origin, and the truth, by tick.
+    waiting: BTreeMap<u64, [Option<Pose>; 3]>,
+    /// Distances between the two. [m]
+    errors_m: Vec<f64>,
+}
+
+impl Located {
+    /// Odometry (0), the place of its origin on the map (1), or the truth (2) of a tick.
+    fn add(&mut self, tick: u64, which: usize, pose: Pose) {
+        let it = self.waiting.entry(tick).or_default();
+        it[which] = Some(pose);
+        if let [Some(odometry), Some(map_from_odom), Some(truth)] = *it {
+            let believed = map_from_odom.then(&odometry);
+            self.errors_m.push(believed.distance_m(&truth));
+            self.waiting.remove(&tick);
+        }
+        if self.waiting.len() > TICKS_MAX {
+            self.waiting.pop_first();
+        }
+    }
+}
+
+/// The figures of a recording up to the tick with which its run ended, if that is known: of the process that was obeyed in
+/// its seat at each tick. Shadows, and newcomers and predecessors of a swap, are left out.
 ///
 /// # Errors
 /// See [`MessagesError`].
 pub fn figures(input: impl Read, end_tick: Option<u64>) -> Result<Vec<Figure>, MessagesError> {
     let topics = [
+        RunControlTopic::ROW.name,
+        RobotOdometry::ROW.name,
+        MapUpdate::ROW.name,
         PlanPath::ROW.name,
         RobotCommand::ROW.name,
         GroundTruth::ROW.name,
@@ -52,28 +88,32 @@ pub fn figures(input: impl Read, end_tick: Option<u64>) -> Result<Vec<Figure>, M
     ];
     let counts = |tick: Option<u64>| tick.is_none_or(|tick| end_tick.is_none_or(|end| tick < end));
     let mut sums = Sums::default();
+    let mut holders = Holders::default();
     native_messages(
         input,
         |name| topics.contains(&name),
         |name, layout, [envelope, items]| {
-            if name == SPANS.name {
+            if name == RunControlTopic::ROW.name {
+                holders.see(layout, items);
+            } else if name == SPANS.name {
                 for item in items.chunks_exact(layout.item_bytes.max(1)) {
-                    if counts(Layout::unsigned(&layout.item, item, "tick")) {
+                    let number = |path: &str| Layout::unsigned(&layout.item, item, path);
+                    let author = [number("role"), number("epoch"), number("tick")];
+                    if counts(number("tick")) && holders.obey(author) {
                         sums.add_span(layout, item);
                     }
                 }
-            } else if counts(layout.number(envelope, "header.tick"))
-                && !is_shadow(layout.number(envelope, "header.id"))
-            {
-                sums.add(name, layout, envelope);
+            } else {
+                let number = |path: &str| layout.number(envelope, path);
+                let epoch = number("header.id").map(|id| u64::from(Id(id).epoch()));
+                let tick = number("header.tick");
+                if counts(tick) && holders.obey([number("header.role"), epoch, tick]) {
+                    sums.add(name, layout, envelope);
+                }
             }
         },
     )?;
     Ok(sums.figures())
-}
-
-fn is_shadow(id: Option<u64>) -> bool {
-    id.is_some_and(|id| Id(id).epoch() >= SHADOW_EPOCH_MIN)
 }
 
 impl Sums {
@@ -91,7 +131,12 @@ impl Sums {
             self.speeds_mps += real("meta.v_mps").unwrap_or(0.0).abs();
             let intervened = word("meta.intervention") != Intervention::None.label();
             self.interventions += u32::from(intervened);
+        } else if name == RobotOdometry::ROW.name {
+            self.locate(layout, envelope, 0, "meta.pose");
+        } else if name == MapUpdate::ROW.name {
+            self.locate(layout, envelope, 1, "meta.map_from_odom");
         } else {
+            self.locate(layout, envelope, 2, "meta.pose");
             let clearance_m = real("meta.clearance_m").filter(|it| it.is_finite());
             self.clearance_m = [self.clearance_m, clearance_m]
                 .into_iter()
@@ -101,6 +146,15 @@ impl Sums {
             let contacts = ["meta.contacts_moving", "meta.contacts_standing"].map(real);
             let sum: Option<f64> = contacts.into_iter().sum();
             self.contacts = sum.or(self.contacts);
+        }
+    }
+
+    fn locate(&mut self, layout: &Layout, envelope: &[u8], which: usize, path: &str) {
+        let real = |name: &str| Layout::real(&layout.envelope, envelope, &format!("{path}.{name}"));
+        let tick = layout.number(envelope, "header.tick");
+        let pose = ["x_m", "y_m", "yaw_rad"].map(real);
+        if let (Some(tick), [Some(x_m), Some(y_m), Some(yaw_rad)]) = (tick, pose) {
+            self.located.add(tick, which, Pose::new(x_m, y_m, yaw_rad));
         }
     }
 
@@ -116,7 +170,7 @@ impl Sums {
         }
     }
 
-    fn figures(self) -> Vec<Figure> {
+    fn figures(mut self) -> Vec<Figure> {
         let figure = |name: &str, unit, value| Figure {
             name: name.to_owned(),
             unit,
@@ -142,6 +196,15 @@ impl Sums {
             ),
             figure("mean cost of a path", "", mean(self.costs, self.paths)),
         ];
+        let errors_m = &mut self.located.errors_m;
+        errors_m.sort_unstable_by(f64::total_cmp);
+        let median_m = errors_m.get(errors_m.len() / 2).copied();
+        figures.push(figure("median error of the place", "m", median_m));
+        figures.push(figure(
+            "largest error of the place",
+            "m",
+            errors_m.last().copied(),
+        ));
         for (role, mut times_ns) in self.computing_ns {
             times_ns.sort_unstable();
             let role = u16::try_from(role).ok().and_then(Role::from_code);
@@ -158,3 +221,6 @@ impl Sums {
         figures
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -15,8 +15,18 @@ pub const CHUNK_BYTES: u64 = 256 << 10;
 const PROFILE: &str = "ros2";
 
 /// Name of the metadata record that begins a recording: `version`, `mode` (`lockstep` or `real_time`), `seed`,
-/// `tick_ns`, `times`, `run_zero_ns`.
+/// `tick_ns`, `times`, `run_zero_ns`, `driven_by`.
 pub const START: &str = "zeronav.start";
+
+/// Field of [`START`]: who decided where the robot drives, `scenario`, `clients` or `recording`.
+pub const DRIVEN_BY: &str = "driven_by";
+
+/// [`DRIVEN_BY`] of a run that its scenario describes.
+pub const DRIVEN_BY_SCENARIO: &str = "scenario";
+
+/// What stands before the name of a service or companion in the name of the metadata record with its parameters: the
+/// values that it was started with by their path, defaults included.
+pub const PARAMETERS: &str = "zeronav.parameters.";
 
 /// Media type of the attachment with the scenario that was driven, whose name is that of the attachment without
 /// `.toml`.

@@ -7,11 +7,21 @@
 //! Everything but the feature `process` is pure: it turns messages into bytes ([`file`]) and bytes of
 //! a file into what is in it ([`read`], [`recover`]).
 
+pub mod accepted;
 pub mod compare;
 pub mod domain_files;
+pub mod ending;
 pub mod figures;
 pub mod file;
+#[cfg(test)]
+pub(crate) mod fixture;
+pub mod holders;
+#[cfg(feature = "process")]
+mod kept;
 pub mod layout;
+#[cfg(feature = "process")]
+mod logs;
+pub mod made;
 pub mod messages;
 pub mod native;
 #[cfg(feature = "process")]
@@ -24,4 +34,6 @@ pub mod ros;
 #[cfg(feature = "process")]
 mod taps;
 pub mod times;
+#[cfg(feature = "process")]
+mod user_taps;
 pub mod verdict;

@@ -3,7 +3,7 @@
 use crate::layout::{Layout, LayoutError};
 use crate::native::PREFIX;
 use crate::read::{ReadError, records};
-use crate::verdict::{END_TICK, VERDICT};
+use crate::verdict::{END_TICK, OUTCOME, OUTCOME_INTERRUPTED, VALID, VERDICT, WHY};
 use mcap::records::Record;
 use std::collections::BTreeMap;
 use std::io::Read;
@@ -36,9 +36,63 @@ pub enum MessagesError {
     Foreign,
 }
 
+/// What a recording says of its end.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Conclusion {
+    /// The tick with which the run ended, where the recording says it.
+    pub end_tick: Option<u64>,
+    /// Why it is not the whole of a run that came to its end; none when it is.
+    pub incomplete: Option<String>,
+    /// The fields of its verdict.
+    pub verdict: BTreeMap<String, String>,
+}
+
+impl Conclusion {
+    /// By the fields of the verdict, of which a recording that was cut has none.
+    fn of(verdict: Option<&BTreeMap<String, String>>) -> Self {
+        let field = |name: &str| verdict.and_then(|fields| fields.get(name));
+        let end_tick = field(END_TICK).and_then(|tick| tick.parse().ok());
+        let is_valid = field(VALID).is_some_and(|valid| valid == "true");
+        let missing = || field(WHY).cloned().unwrap_or_default();
+        let incomplete = if verdict.is_none() {
+            Some("its recorder ended before it could say whether anything is missing".to_owned())
+        } else if !is_valid {
+            Some(missing())
+        } else if end_tick.is_none() {
+            Some("the recorder, or launch, ended before the run did".to_owned())
+        } else if field(OUTCOME).is_some_and(|outcome| outcome == OUTCOME_INTERRUPTED) {
+            Some("the run was interrupted".to_owned())
+        } else {
+            None
+        };
+        Self {
+            end_tick,
+            incomplete,
+            verdict: verdict.cloned().unwrap_or_default(),
+        }
+    }
+
+    /// Why the messages of these topics are not all there; none when they are, whatever else is missing.
+    #[must_use]
+    pub fn incomplete_of(&self, topics: &[&str]) -> Option<String> {
+        if self.incomplete.is_none() || self.verdict.is_empty() {
+            return self.incomplete.clone();
+        }
+        let lost = |topic: &&str| {
+            let number = |name: &str| {
+                let text = self.verdict.get(&format!("{topic}.{name}"))?;
+                text.parse::<u64>().ok()
+            };
+            let n = number("missed").unwrap_or(0) + number("before_first").unwrap_or(0);
+            (n > 0).then(|| format!("{topic}: {n} messages are missing"))
+        };
+        let lost: Vec<String> = topics.iter().filter_map(lost).collect();
+        (!lost.is_empty()).then(|| lost.join("; "))
+    }
+}
+
 /// Shows the messages of the topics that are wanted: name of the topic, layout, header with fixed fields, and
-/// items. One that is shorter than it can be is left out. The tick with which the run ended, if the recording says
-/// it.
+/// items. One that is shorter than it can be is left out. What the recording says of its end.
 ///
 /// # Errors
 /// See [`MessagesError`]; what was read before has been shown.
@@ -46,8 +100,8 @@ pub fn native_messages(
     input: impl Read,
     wants: impl Fn(&str) -> bool,
     mut see: impl FnMut(&str, &Layout, [&[u8]; 2]),
-) -> Result<Option<u64>, MessagesError> {
-    let mut end_tick = None;
+) -> Result<Conclusion, MessagesError> {
+    let mut verdict = None;
     let mut channels: BTreeMap<u16, (String, Layout)> = BTreeMap::new();
     let mut is_ours = false;
     let mut n = 0;
@@ -79,15 +133,14 @@ pub fn native_messages(
                 }
             }
             Record::Metadata(metadata) if metadata.name == VERDICT => {
-                let tick = metadata.metadata.get(END_TICK);
-                end_tick = tick.and_then(|tick| tick.parse().ok());
+                verdict = Some(metadata.metadata.clone());
             }
             _ => {}
         }
         Ok(())
     })?;
     if is_ours {
-        Ok(end_tick)
+        Ok(Conclusion::of(verdict.as_ref()))
     } else {
         Err(MessagesError::Foreign)
     }

@@ -6,6 +6,7 @@ use zeronav_msgs::fields::{Number, Shape};
 use zeronav_msgs::message::Wire;
 use zeronav_msgs::span::Span;
 use zeronav_msgs::topics::{Topic, TopicRow, TopicVisitor, visit_topics};
+use zeronav_msgs::user::{Form, UserEnvelope};
 
 /// What stands before the name of a topic in the name of its channel.
 pub const PREFIX: &str = "zeronav/";
@@ -23,9 +24,23 @@ pub struct NativeTopic {
     pub type_name: &'static str,
     header_and_fields: Option<&'static Shape>,
     item: &'static Shape,
+    /// What the bytes of a user's own topic mean.
+    form: Option<Form>,
 }
 
 impl NativeTopic {
+    /// The topic of a user with this row and form.
+    #[must_use]
+    pub fn of_user(row: &'static TopicRow, form: &Form) -> Self {
+        Self {
+            row,
+            type_name: UserEnvelope::NAME,
+            header_and_fields: Some(UserEnvelope::SHAPE),
+            item: form.shape(),
+            form: Some(form.clone()),
+        }
+    }
+
     /// Name of the channel.
     #[must_use]
     pub fn channel(&self) -> String {
@@ -34,7 +49,7 @@ impl NativeTopic {
 
     /// Everything that a reader needs to understand the bytes, whatever version it was built from:
     /// `schema_hash`, `envelope_bytes` and `item_bytes`, and `layout`, a JSON description of both parts
-    /// with offset, type, unit and kind of every field.
+    /// with offset, type, unit and kind of every field. `form` of a user's own topic, whose items are its records.
     #[must_use]
     pub fn metadata(&self) -> BTreeMap<String, String> {
         let row = self.row;
@@ -42,14 +57,17 @@ impl NativeTopic {
             "envelope": self.header_and_fields.map(shape),
             "item": shape(self.item),
         });
+        let form = self.form.as_ref();
+        let form = form.map(|form| ("form", form.text().to_owned()));
         [
             ("schema_hash", format!("{:016x}", row.schema)),
             ("envelope_bytes", row.envelope_bytes.to_string()),
-            ("item_bytes", row.item_bytes.to_string()),
+            ("item_bytes", self.item.bytes().to_string()),
             ("topic_number", row.number.to_string()),
             ("layout", layout.to_string()),
         ]
         .into_iter()
+        .chain(form)
         .map(|(key, value)| (key.to_owned(), value))
         .collect()
     }
@@ -68,6 +86,7 @@ pub fn topics() -> Vec<NativeTopic> {
                 type_name: T::Envelope::NAME,
                 header_and_fields: Some(T::Envelope::SHAPE),
                 item: T::Item::SHAPE,
+                form: None,
             });
             Ok(())
         }
@@ -78,6 +97,7 @@ pub fn topics() -> Vec<NativeTopic> {
                 type_name: Span::NAME,
                 header_and_fields: None,
                 item: Span::SHAPE,
+                form: None,
             });
             Ok(())
         }
@@ -165,5 +185,21 @@ mod tests {
             layout.contains(r#""name":"v_mps","offset":24,"type":"f64","unit":"m/s""#),
             "{layout}"
         );
+    }
+
+    #[test]
+    fn a_topic_of_a_user_says_what_its_records_are() {
+        let form = Form::new("distance_m: f64, n: u16").expect("a form");
+        let row = zeronav_msgs::user::row("nearest", &form).expect("a row");
+        let topic = NativeTopic::of_user(row, &form);
+        let metadata = topic.metadata();
+        assert_eq!(metadata["form"], form.text());
+        assert_eq!(metadata["item_bytes"], "10");
+        let layout = crate::layout::Layout::of("it", &metadata).expect("a layout");
+        let names: Vec<&str> = layout.item.iter().map(|leaf| &*leaf.path).collect();
+        assert_eq!(names, ["distance_m", "n"]);
+        let form = Form::new("json").expect("a form");
+        let bytes = NativeTopic::of_user(row, &form).metadata();
+        assert_eq!((&*bytes["item_bytes"], &*bytes["form"]), ("1", "json"));
     }
 }

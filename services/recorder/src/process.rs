@@ -1,8 +1,9 @@
 //! The process: its flags, its loop, and its end.
 
-use crate::domain_files::{END, RECORDED};
-use crate::file::SCENARIO_BYTES_MAX;
-use crate::recorder::{Recorder, Start, World, WriteError};
+use crate::domain_files::{END, OUTCOME_BYTES_MAX, RECORDED};
+use crate::file::{DRIVEN_BY_SCENARIO, SCENARIO_BYTES_MAX};
+use crate::logs::Logs;
+use crate::recorder::{Parameters, Recorder, Start, World, WriteError};
 use crate::ros::bag_folder;
 use crate::taps::Taps;
 use crate::times::TimeBase;
@@ -59,6 +60,15 @@ struct Arguments {
     /// Put this file, the text of the scenario that is driven, into the recording, for `zeronav replay`.
     #[arg(long, value_name = "FILE")]
     scenario: Option<PathBuf>,
+    /// Say who decides where the robot drives.
+    #[arg(long, value_name = "WHO", value_parser = [DRIVEN_BY_SCENARIO, "clients", "recording"])]
+    driven_by: Option<String>,
+    /// Put this file, a JSON object of parameters by service and path, into the recording.
+    #[arg(long, value_name = "FILE")]
+    parameters: Option<PathBuf>,
+    /// Record the lines of the logs in this folder, as `/rosout`.
+    #[arg(long, value_name = "FOLDER")]
+    logs: Option<PathBuf>,
     /// Make the folder of the file a bag of rosbag2: write `metadata.yaml` there.
     #[arg(long)]
     metadata: bool,
@@ -130,12 +140,19 @@ fn record(arguments: &Arguments) -> Result<BTreeMap<String, String>, RecordError
         signal_hook::flag::register(signal, Arc::clone(&stop))
             .map_err(|error| StartError::system("catching signals", error))?;
     }
+    // A file that may not grow any more is an error of writing, and no end of this process.
+    signal_hook::flag::register(signal_hook::consts::SIGXFSZ, Arc::default())
+        .map_err(|error| StartError::system("catching signals", error))?;
     let failed = |why: WriteError| RecordError::File {
         file: arguments.out.clone(),
         why,
     };
     let file = create(&arguments.out, arguments.force).map_err(|error| failed(error.into()))?;
-    let scenario = scenario_in(arguments.scenario.as_deref())?;
+    let (scenario, parameters) = (
+        scenario_in(arguments.scenario.as_deref())?,
+        parameters_in(arguments.parameters.as_deref())?,
+    );
+    let mut logs = logs_in(arguments.logs.as_deref())?;
     let peer = Peer::join(Domain::join(&arguments.domain)?, Role::Tap, EPOCH)?;
     let mut taps = Taps::open(&peer, arguments.rollouts)?;
     let roster = known(&peer)?;
@@ -143,22 +160,28 @@ fn record(arguments: &Arguments) -> Result<BTreeMap<String, String>, RecordError
         // The stack comes first. Where the system does not allow even that, it goes on as it is.
         let _ = rustix::process::nice(NICER);
     }
-    let recorder = Recorder::start(file, &taps, &start_of(&roster, scenario)).map_err(failed)?;
+    let start = Start {
+        scenario,
+        parameters,
+        driven_by: arguments.driven_by.clone(),
+        ..start_of(&roster)
+    };
+    let recorder = Recorder::start(file, &taps, &start).map_err(failed)?;
+    for topic in taps.open_users(&peer) {
+        recorder.add(topic);
+    }
     let progress = peer
         .domain()
         .folder()
         .file(RECORDED, OFlags::RDWR | OFlags::CREATE)
         .map_err(|error| StartError::system("saying that the recording has begun", error))?;
-    let done = listen(&peer, &mut taps, &recorder, (&roster, &progress), || {
+    let said = (&roster, &progress);
+    let done = listen(&peer, &mut taps, &recorder, said, logs.as_mut(), || {
         stop.load(Ordering::Relaxed) || peer.domain().is_orphaned()
     });
-    let end_tick = peer.domain().folder().file(END, OFlags::RDONLY);
-    let end_tick = end_tick.ok().and_then(|file| {
-        let mut bytes = [0; 8];
-        file.read_exact_at(&mut bytes, 0).ok()?;
-        Some(u64::from_le_bytes(bytes))
-    });
-    let finished = recorder.finish(&taps, end_tick).map_err(failed);
+    let end = peer.domain().folder().file(END, OFlags::RDONLY);
+    let end = end.ok().and_then(|file| end_in(&file));
+    let finished = recorder.finish(&taps, end).map_err(failed);
     drop(taps);
     // Of a run that is over, launch removes what this cannot.
     let _ = peer.leave().close();
@@ -183,6 +206,7 @@ fn listen(
     taps: &mut Taps,
     recorder: &Recorder,
     (roster, progress): (&Roster, &File),
+    mut logs: Option<&mut Logs>,
     mut is_over: impl FnMut() -> bool,
 ) -> Result<(), StartError> {
     let pause = if roster.lockstep() {
@@ -200,8 +224,14 @@ fn listen(
             if !recorder.write(&mut messages) {
                 return Ok(());
             }
+            for topic in taps.open_users(peer) {
+                recorder.add(topic);
+            }
             // Nobody waits when it cannot be said.
             let _ = progress.write_all_at(&taps.tick().to_le_bytes(), 0);
+        }
+        if let Some(logs) = &mut logs {
+            recorder.log(logs.look(last));
         }
         if last {
             return Ok(());
@@ -214,6 +244,15 @@ fn listen(
         }
         std::thread::sleep(pause);
     }
+}
+
+/// The tick with which the run ended, and its outcome, as launch has written them.
+fn end_in(file: &File) -> Option<(u64, String)> {
+    let mut bytes = [0; 8 + OUTCOME_BYTES_MAX];
+    let len = file.read_at(&mut bytes, 0).ok()?;
+    let (tick, outcome) = bytes.get(..len)?.split_first_chunk::<8>()?;
+    let outcome = String::from_utf8_lossy(outcome).into_owned();
+    Some((u64::from_le_bytes(*tick), outcome))
 }
 
 /// Which processes are obeyed and how time runs, once launch has said so.
@@ -232,7 +271,29 @@ fn scenario_in(file: Option<&Path>) -> Result<Option<(String, String)>, StartErr
     Ok(Some((name.to_string_lossy().into_owned(), text)))
 }
 
-fn start_of(roster: &Roster, scenario: Option<(String, String)>) -> Start {
+/// Parameters by service and path, in a file.
+fn parameters_in(file: Option<&Path>) -> Result<Parameters, StartError> {
+    let Some(file) = file else {
+        return Ok(Parameters::new());
+    };
+    let wrong = |why: &dyn core::fmt::Display| {
+        StartError::Usage(format!("--parameters {}: {why}", file.display()))
+    };
+    let text = read::text(file, SCENARIO_BYTES_MAX).map_err(|error| wrong(&error))?;
+    serde_json::from_str(&text).map_err(|error| wrong(&error))
+}
+
+/// The logs in a folder, but that of this process.
+fn logs_in(folder: Option<&Path>) -> Result<Option<Logs>, StartError> {
+    let Some(folder) = folder else {
+        return Ok(None);
+    };
+    let opened = Folder::open(folder)
+        .map_err(|error| StartError::Usage(format!("--logs {}: {error}", folder.display())))?;
+    Ok(Some(Logs::new(opened, "recorder")))
+}
+
+fn start_of(roster: &Roster) -> Start {
     let clock = &roster.clock;
     let since = SystemTime::now().duration_since(UNIX_EPOCH);
     let unix_ns = since.map_or(0, |since| u64::try_from(since.as_nanos()).unwrap_or(0));
@@ -241,7 +302,7 @@ fn start_of(roster: &Roster, scenario: Option<(String, String)>) -> Start {
         mode: clock.mode().map_or("none", |mode| mode.label()),
         seed: clock.seed,
         tick_ns: clock.tick_ns,
-        scenario,
+        ..Start::default()
     }
 }
 

@@ -2,12 +2,14 @@
 //! message. Between them lie at most [`QUEUE_BYTES_MAX`]; beyond that nothing is read, and what the
 //! stack's queues then lose is counted.
 
-use crate::file::{Channel, RecordingFile, SCENARIO_TYPE, START, Stamped};
+use crate::file::{Channel, DRIVEN_BY, PARAMETERS, RecordingFile, SCENARIO_TYPE, START, Stamped};
+use crate::kept::Kept;
+use crate::logs::LogLine;
 use crate::native::{self, NativeTopic};
-use crate::ros::{Bytes, Ros, RosTopic};
+use crate::ros::{Bytes, Ros, RosMessage, RosTopic, cdr};
 use crate::taps::{Message, Taps};
 use crate::times::TimeBase;
-use crate::verdict::{END_TICK, VERDICT, verdict};
+use crate::verdict::{END_TICK, OUTCOME, VERDICT, verdict};
 use std::collections::{BTreeMap, VecDeque};
 use std::fs::File;
 use std::io::{BufWriter, Write};
@@ -29,7 +31,7 @@ const BUFFER_BYTES: usize = 512 << 10;
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum WriteError {
     /// The system, or the file's format.
-    #[error("{0}")]
+    #[error("{}", in_words(.0))]
     File(#[from] mcap::McapError),
     /// The system.
     #[error("{0}")]
@@ -42,10 +44,22 @@ pub(crate) enum WriteError {
     Ended,
 }
 
+/// What is wrong with a file: what the system says of it, where it is the system.
+fn in_words(error: &mcap::McapError) -> String {
+    match error {
+        mcap::McapError::Io(error) => error.to_string(),
+        error => error.to_string(),
+    }
+}
+
 /// What the reading thread tells the writing one.
 enum Order {
+    /// A topic that was found while the run went on: behind all others.
+    Topic(NativeTopic),
     /// Messages that were read together.
     Write(VecDeque<Message>),
+    /// Lines of logs.
+    Logs(Vec<LogLine>),
     /// The end of the file, with the fields of its verdict.
     Finish(BTreeMap<String, String>),
 }
@@ -68,8 +82,11 @@ pub(crate) struct World {
     pub range_ns: [u64; 2],
 }
 
+/// Parameters by service or companion, and by their path.
+pub(crate) type Parameters = BTreeMap<String, BTreeMap<String, String>>;
+
 /// What a recording says of itself at its beginning.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct Start {
     pub times: TimeBase,
     /// `real_time` or `lockstep`.
@@ -78,6 +95,10 @@ pub(crate) struct Start {
     pub tick_ns: u64,
     /// Name and text of the scenario that is driven, if that is known.
     pub scenario: Option<(String, String)>,
+    /// What services and companions are started with: for each, its parameters by their path.
+    pub parameters: Parameters,
+    /// Who decides where the robot drives, if that is known.
+    pub driven_by: Option<String>,
 }
 
 impl Recorder {
@@ -88,7 +109,15 @@ impl Recorder {
         let queued_bytes = Arc::clone(&writer.queued_bytes);
         let needs_keyframe = Arc::clone(&writer.needs_keyframe);
         let thread = std::thread::Builder::new().name("writer".to_owned());
-        let writer = thread.spawn(move || writer.run(&received))?;
+        let kept = Arc::clone(&writer.kept);
+        let writer = thread.spawn(move || {
+            let done = writer.run(&received);
+            match &done {
+                Ok(_) => kept.finished(),
+                Err(error) => kept.end(&error.to_string()),
+            }
+            done
+        })?;
         Ok(Self {
             orders,
             queued_bytes,
@@ -107,6 +136,19 @@ impl Recorder {
         self.needs_keyframe.load(Ordering::Relaxed)
     }
 
+    /// Messages of one more topic will come.
+    pub(crate) fn add(&self, topic: NativeTopic) {
+        // When the writer has ended, it says why itself.
+        let _ = self.orders.send(Order::Topic(topic));
+    }
+
+    /// Hands lines of logs on.
+    pub(crate) fn log(&self, lines: Vec<LogLine>) {
+        if !lines.is_empty() {
+            let _ = self.orders.send(Order::Logs(lines));
+        }
+    }
+
     /// Hands messages on; false when the file can be written no longer.
     pub(crate) fn write(&self, messages: &mut VecDeque<Message>) -> bool {
         if messages.is_empty() {
@@ -119,15 +161,17 @@ impl Recorder {
             .is_ok()
     }
 
-    /// Ends the file with the verdict on `taps`, and the tick with which the run ended, if it did.
+    /// Ends the file with the verdict on `taps`, and the tick with which the run ended and its outcome, if it did.
     pub(crate) fn finish(
         self,
         taps: &Taps,
-        end_tick: Option<u64>,
+        end: Option<(u64, String)>,
     ) -> Result<(BTreeMap<String, String>, World), WriteError> {
-        let mut fields = verdict(taps.tallies(), None);
-        let end_tick = end_tick.map(|tick| (END_TICK.to_owned(), tick.to_string()));
-        fields.extend(end_tick);
+        let mut fields = verdict(taps.tallies(), taps.problem());
+        if let Some((tick, outcome)) = end {
+            fields.insert(END_TICK.to_owned(), tick.to_string());
+            fields.insert(OUTCOME.to_owned(), outcome);
+        }
         // When the writer has ended, it says why itself.
         let _ = self.orders.send(Order::Finish(fields.clone()));
         let world = self.writer.join().map_err(|_| WriteError::Ended)??;
@@ -138,6 +182,7 @@ impl Recorder {
 /// The end that writes.
 struct Writer {
     file: RecordingFile<BufWriter<File>>,
+    kept: Arc<Kept>,
     topics: Vec<NativeTopic>,
     native: Vec<Option<u16>>,
     world: BTreeMap<RosTopic, u16>,
@@ -150,8 +195,9 @@ struct Writer {
     newest_ns: u64,
     queued_bytes: Arc<AtomicUsize>,
     needs_keyframe: Arc<AtomicBool>,
-    /// Number of the next record, which has none of its own.
+    /// Number of the next record, and of the next line of a log, which have none of their own.
     record: u32,
+    log_line: u32,
 }
 
 impl Writer {
@@ -159,6 +205,7 @@ impl Writer {
         let rows = taps.rows();
         let mut topics = native::topics();
         topics.retain(|topic| rows.iter().any(|row| row.number == topic.row.number));
+        let kept = Arc::new(Kept::new(&file)?);
         let mut file = RecordingFile::new(BufWriter::with_capacity(BUFFER_BYTES, file))?;
         let times = match start.times.base_ns() {
             0 => "run time",
@@ -173,13 +220,20 @@ impl Writer {
             ("run_zero_ns", start.times.base_ns().to_string()),
         ];
         let fields = fields.map(|(key, value)| (key.to_owned(), value));
-        file.metadata(START, fields.into())?;
+        let driven_by = start.driven_by.clone();
+        let driven_by = driven_by.map(|who| (DRIVEN_BY.to_owned(), who));
+        file.metadata(START, fields.into_iter().chain(driven_by).collect())?;
         if let Some((name, text)) = &start.scenario {
             file.attach(name, SCENARIO_TYPE, text.as_bytes())?;
         }
+        for (name, values) in &start.parameters {
+            file.metadata(&format!("{PARAMETERS}{name}"), values.clone())?;
+        }
         file.flush()?;
+        kept.is_whole()?;
         Ok(Self {
             file,
+            kept,
             native: vec![None; topics.len()],
             topics,
             world: BTreeMap::new(),
@@ -191,6 +245,7 @@ impl Writer {
             queued_bytes: Arc::default(),
             needs_keyframe: Arc::default(),
             record: 0,
+            log_line: 0,
         })
     }
 
@@ -208,7 +263,18 @@ impl Writer {
                     let needs_keyframe = self.ros.needs_keyframe();
                     self.needs_keyframe.store(needs_keyframe, Ordering::Relaxed);
                 }
+                Ok(Order::Topic(topic)) => {
+                    self.topics.push(topic);
+                    self.native.push(None);
+                }
+                Ok(Order::Logs(lines)) => {
+                    for line in lines {
+                        self.write_log(&line)?;
+                    }
+                }
                 Ok(Order::Finish(fields)) => {
+                    // If there is no room for the index, these messages are there all the same.
+                    self.flush()?;
                     self.file.metadata(VERDICT, fields)?;
                     let mut file = self.file.finish()?;
                     file.flush()?;
@@ -221,15 +287,20 @@ impl Writer {
                 Err(RecvTimeoutError::Timeout) => {}
                 // Without a verdict: the reader has failed.
                 Err(RecvTimeoutError::Disconnected) => {
-                    self.file.flush()?;
+                    self.flush()?;
                     return Err(WriteError::Ended);
                 }
             }
             if flushed.elapsed() >= FLUSH_PAUSE {
-                self.file.flush()?;
+                self.flush()?;
                 flushed = Instant::now();
             }
         }
+    }
+
+    fn flush(&mut self) -> Result<(), WriteError> {
+        self.file.flush()?;
+        Ok(self.kept.is_whole()?)
     }
 
     fn write(&mut self, message: &Message) -> Result<(), WriteError> {
@@ -266,17 +337,42 @@ impl Writer {
             items,
         };
         for made in self.ros.see(&bytes)? {
-            let channel = self.world_channel(made.topic)?;
-            let when = Stamped {
-                log_ns: made.log_ns,
-                ..when
-            };
-            self.file.write(channel, when, &made.bytes)?;
-            *self.world_messages.entry(made.topic).or_default() += 1;
-            let [first_ns, last_ns] = self.world_range_ns.unwrap_or([made.log_ns; 2]);
-            self.world_range_ns = Some([first_ns.min(made.log_ns), last_ns.max(made.log_ns)]);
+            self.write_world(&made, when)?;
         }
         Ok(())
+    }
+
+    fn write_world(&mut self, made: &RosMessage, when: Stamped) -> Result<(), WriteError> {
+        let channel = self.world_channel(made.topic)?;
+        let when = Stamped {
+            log_ns: made.log_ns,
+            ..when
+        };
+        self.file.write(channel, when, &made.bytes)?;
+        *self.world_messages.entry(made.topic).or_default() += 1;
+        let [first_ns, last_ns] = self.world_range_ns.unwrap_or([made.log_ns; 2]);
+        self.world_range_ns = Some([first_ns.min(made.log_ns), last_ns.max(made.log_ns)]);
+        Ok(())
+    }
+
+    /// A line of a log: of the time that it says in real time, in lockstep of the newest moment.
+    fn write_log(&mut self, line: &LogLine) -> Result<(), WriteError> {
+        let log_ns = match line.unix_ns {
+            Some(unix_ns) if self.times.is_real_time() => unix_ns,
+            _ => self.newest_ns,
+        };
+        let made = RosMessage {
+            topic: RosTopic::Rosout,
+            log_ns,
+            bytes: cdr(&line.message(log_ns))?,
+        };
+        let when = Stamped {
+            sequence: self.log_line,
+            log_ns,
+            publish_ns: log_ns,
+        };
+        self.log_line = self.log_line.wrapping_add(1);
+        self.write_world(&made, when)
     }
 
     fn native_channel(&mut self, topic: usize) -> Result<u16, WriteError> {

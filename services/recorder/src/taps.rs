@@ -1,12 +1,16 @@
 //! The topics of a stack as they are read: every message once, with what its header says.
 
+use crate::accepted::{Check, accepted};
+use crate::native::NativeTopic;
+use crate::user_taps::{FoundTopic, UserTopics};
 use crate::verdict::Tally;
 use std::collections::VecDeque;
 use zeronav_msgs::header::Header;
 use zeronav_msgs::topics::{
-    DebugRollouts, Envelope, MapKeyframe, RobotOdometry, RunClockTopic, RunControlTopic, Topic,
-    TopicRow, TopicVisitor, decode, visit_topics,
+    DebugRollouts, MapKeyframe, RobotOdometry, RunClockTopic, RunControlTopic, Topic, TopicRow,
+    TopicVisitor, visit_topics,
 };
+use zeronav_msgs::user::UserTopic;
 use zeronav_shell::{Peer, RawReader, StartError};
 
 /// A message as it was read.
@@ -22,15 +26,14 @@ pub(crate) struct Message {
     pub envelope_bytes: usize,
 }
 
-/// The header of a message of a topic's row, if its two parts are accepted.
-type Check = fn(&'static TopicRow, &[u8], &[u8]) -> Option<Header>;
-
 #[derive(Debug)]
 struct Tap {
     row: &'static TopicRow,
     reader: RawReader,
     /// `None` for a topic of records.
     check: Option<Check>,
+    /// True of a user's own, which several programs may write that call themselves the same.
+    is_users: bool,
     tally: Tally,
 }
 
@@ -42,6 +45,7 @@ pub(crate) struct Taps {
     all: Vec<Tap>,
     /// The order in which they are read: who is obeyed first.
     order: Vec<usize>,
+    users: UserTopics,
 }
 
 impl Taps {
@@ -73,12 +77,30 @@ impl Taps {
             tick: 0,
             all,
             order,
+            users: UserTopics::new(),
         })
     }
 
     /// The topics, in the order of the contract's table.
     pub(crate) fn rows(&self) -> Vec<&'static TopicRow> {
         self.all.iter().map(|tap| tap.row).collect()
+    }
+
+    /// Opens the topics of users that were made since the last time; they come behind all others, in this order.
+    pub(crate) fn open_users(&mut self, peer: &Peer) -> Vec<NativeTopic> {
+        let found = self.users.look(peer);
+        let opened = found.into_iter().map(|FoundTopic { row, form, reader }| {
+            self.order.push(self.all.len());
+            self.all.push(Tap {
+                row,
+                reader,
+                check: Some(accepted::<UserTopic>),
+                is_users: true,
+                tally: Tally::default(),
+            });
+            NativeTopic::of_user(row, &form)
+        });
+        opened.collect()
     }
 
     /// Takes what has come, at most as much of a topic as its queue holds; how many messages.
@@ -89,6 +111,7 @@ impl Taps {
                 row,
                 reader,
                 check,
+                is_users,
                 tally,
             } = &mut self.all[topic];
             let check = *check;
@@ -104,6 +127,7 @@ impl Taps {
                 });
                 let Some(message) = message else { break };
                 match (&message.header, check) {
+                    (Some(header), _) if *is_users => tally.see_of_any(header.id()),
                     (Some(header), _) => {
                         tally.see(header.id());
                         if row.number == RobotOdometry::ROW.number {
@@ -123,6 +147,11 @@ impl Taps {
     /// the one before, and is read before the others.
     pub(crate) fn tick(&self) -> u64 {
         self.tick
+    }
+
+    /// A topic that could not be read.
+    pub(crate) fn problem(&self) -> Option<&str> {
+        self.users.problem.as_deref()
     }
 
     /// What was read of each topic.
@@ -148,6 +177,7 @@ impl TopicVisitor for Opener<'_> {
             row,
             reader: self.peer.raw_on::<T>(row)?,
             check: Some(accepted::<T>),
+            is_users: false,
             tally: Tally::default(),
         });
         Ok(())
@@ -158,16 +188,9 @@ impl TopicVisitor for Opener<'_> {
             row,
             reader: self.peer.raw_spans()?,
             check: None,
+            is_users: false,
             tally: Tally::default(),
         });
         Ok(())
     }
-}
-
-/// The header of a message that a reader of the stack accepts.
-fn accepted<T: Topic>(row: &'static TopicRow, envelope: &[u8], items: &[u8]) -> Option<Header> {
-    let envelope: &T::Envelope = bytemuck::try_from_bytes(envelope).ok()?;
-    let items: &[T::Item] = bytemuck::try_cast_slice(items).ok()?;
-    decode::<T>(row, envelope, items).ok()?;
-    Some(*envelope.header())
 }

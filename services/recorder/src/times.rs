@@ -35,6 +35,12 @@ impl TimeBase {
         self.base_ns
     }
 
+    /// True when the file's times are those of the system.
+    #[must_use]
+    pub fn is_real_time(&self) -> bool {
+        self.zero_ns.is_some()
+    }
+
     /// The file's time at `run_ns`. [ns]
     #[must_use]
     pub fn at_run(&self, run_ns: u64) -> u64 {

@@ -21,6 +21,8 @@ pub struct Tally {
     pub before_first: u64,
     /// Number of the last message of an author, by its epoch.
     last: BTreeMap<u32, u64>,
+    /// True when several authors have the same epoch, so that the numbers say nothing.
+    are_mixed: bool,
 }
 
 impl Tally {
@@ -37,6 +39,14 @@ impl Tally {
         }
     }
 
+    /// [`Self::see`] on a topic whose authors may have the same epoch. A number that does not grow tells them: from
+    /// then on nothing is known to be missing.
+    pub fn see_of_any(&mut self, id: Id) {
+        let last = self.last.get(&id.epoch());
+        self.are_mixed |= last.is_some_and(|last| *last >= id.count());
+        self.see(id);
+    }
+
     /// A record without a number is in the file.
     pub fn see_record(&mut self) {
         self.messages += 1;
@@ -51,6 +61,9 @@ impl Tally {
     /// Messages that are not in the file. [count]
     #[must_use]
     pub fn lost(&self) -> u64 {
+        if self.are_mixed {
+            return 0;
+        }
         self.missed + self.before_first
     }
 }
@@ -58,8 +71,20 @@ impl Tally {
 /// Name of the metadata record with the verdict, which ends a recording.
 pub const VERDICT: &str = "zeronav";
 
+/// Field of the verdict: `true` when nothing is missing.
+pub const VALID: &str = "valid";
+
+/// Field of the verdict that says what is missing.
+pub const WHY: &str = "why";
+
 /// Field of the verdict with the tick with which launch ended the run.
 pub const END_TICK: &str = "end_tick";
+
+/// Field of the verdict with the outcome of the run in one word, by launch.
+pub const OUTCOME: &str = "outcome";
+
+/// [`OUTCOME`] of a run that somebody ended by a signal.
+pub const OUTCOME_INTERRUPTED: &str = "interrupted";
 
 /// The verdict on these topics, as the fields of the metadata record [`VERDICT`]; `cut` is why the
 /// recording ended before the run, if it did.
@@ -83,11 +108,14 @@ pub fn verdict<'a>(
         }
         let name = row.name;
         fields.insert(format!("{name}.messages"), tally.messages.to_string());
-        if row.discipline == Discipline::Records {
-            fields.insert(
-                format!("{name}.numbers"),
-                "none: missing records are not counted".to_owned(),
-            );
+        let is_records = row.discipline == Discipline::Records;
+        if is_records || tally.are_mixed {
+            let why = if is_records {
+                "none: missing records are not counted"
+            } else {
+                "of several authors with one epoch: missing messages are not counted"
+            };
+            fields.insert(format!("{name}.numbers"), why.to_owned());
             continue;
         }
         for (field, n) in [
@@ -105,8 +133,8 @@ pub fn verdict<'a>(
             why.push(format!("{name}: {n} messages sent before the first"));
         }
     }
-    fields.insert("valid".to_owned(), why.is_empty().to_string());
-    fields.insert("why".to_owned(), why.join("; "));
+    fields.insert(VALID.to_owned(), why.is_empty().to_string());
+    fields.insert(WHY.to_owned(), why.join("; "));
     fields.insert("messages".to_owned(), messages.to_string());
     fields.insert("missed".to_owned(), missed.to_string());
     fields.insert("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned());
@@ -175,5 +203,24 @@ mod tests {
         let fields = verdict([(&SPANS, &tally)].into_iter(), None);
         assert_eq!(fields["valid"], "true");
         assert!(fields[&format!("{}.numbers", SPANS.name)].starts_with("none"));
+    }
+
+    #[test]
+    fn numbers_of_several_authors_with_one_epoch_are_not_believed() {
+        let scan = RobotScan::ROW;
+        let seen = |counts: &[u64]| {
+            let mut tally = Tally::default();
+            for count in counts {
+                tally.see_of_any(Id::new(1, *count));
+            }
+            tally
+        };
+        let one = seen(&[1, 2, 5]);
+        assert_eq!(one.lost(), 2);
+        let two = seen(&[1, 2, 1, 3, 2]);
+        assert_eq!((two.messages, two.lost()), (5, 0));
+        let fields = verdict([(scan, &two)].into_iter(), None);
+        assert_eq!(fields["valid"], "true");
+        assert!(fields[&format!("{}.numbers", scan.name)].starts_with("of several authors"));
     }
 }

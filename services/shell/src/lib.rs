@@ -82,7 +82,7 @@ pub use map_input::MapInput;
 pub use odometry::{OdometryHistory, OdometryReader, OdometrySample};
 pub use peer::Peer;
 pub use printable::printable;
-pub use raw::RawReader;
+pub use raw::{RawReader, RawUnsent, RawWriter};
 pub use reader::{Latest, Stream};
 pub use received::Received;
 pub use roster::Roster;

@@ -4,7 +4,7 @@ use crate::domain::Domain;
 use crate::error::StartError;
 use crate::memory;
 use crate::middleware::{self, Erased, Factory, Layout, Receiver, Sender, TopicBuilder};
-use crate::raw::RawReader;
+use crate::raw::{RawReader, RawWriter};
 use crate::reader::{Latest, Stream};
 use crate::records::{SpanReader, SpanWriter};
 use crate::writer::Writer;
@@ -242,6 +242,21 @@ impl Peer {
     /// As [`Self::latest`].
     pub fn raw_on<T: Topic>(&self, row: &'static TopicRow) -> Result<RawReader, StartError> {
         Ok(RawReader::new(self.receiver(row, &Layout::of::<T>())?))
+    }
+
+    /// Opens a writer that sends messages of up to `len` items as they are, whoever their header names.
+    ///
+    /// # Errors
+    /// As [`Self::writer`].
+    pub fn raw_writer_on<T: Topic>(
+        &self,
+        row: &'static TopicRow,
+        len: usize,
+    ) -> Result<RawWriter, StartError> {
+        let layout = Layout::of::<T>();
+        let factory = self.open(row, &layout)?;
+        let sender = self.sender(row, &factory, &layout, len.min(row.len_max))?;
+        Ok(RawWriter::new(sender, factory, row.item_bytes))
     }
 
     /// [`Self::raw_on`] for `run/spans`.

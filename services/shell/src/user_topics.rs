@@ -5,6 +5,7 @@ use crate::error::StartError;
 use crate::link::View;
 use crate::middleware::{self, Erased, Factory, Layout, Receiver, Sample};
 use crate::peer::{self, Peer};
+use crate::raw::{RawReader, RawWriter};
 use crate::writer::{Draft, Sent, Writer};
 use bytemuck::from_bytes;
 use iceoryx2::prelude::{
@@ -13,6 +14,8 @@ use iceoryx2::prelude::{
 use iceoryx2::service::attribute::{AttributeKey, AttributeSet, AttributeValue};
 use iceoryx2::service::builder::publish_subscribe::PublishSubscribeOpenOrCreateError;
 use iceoryx2::service::port_factory::PortFactory as _;
+use std::path::PathBuf;
+use std::time::SystemTime;
 use zeronav_msgs::message::Refusal;
 use zeronav_msgs::topics::{Envelope, TopicRow, decode};
 use zeronav_msgs::user::{
@@ -156,6 +159,49 @@ impl Peer {
             refused: 0,
             seen: Vec::new(),
         })
+    }
+
+    /// Opens a reader that sees every message of the topic `name` (without the prefix) as it is.
+    ///
+    /// # Errors
+    /// As [`Self::user_writer`].
+    pub fn raw_user(
+        &self,
+        name: &str,
+        form: &Form,
+    ) -> Result<(&'static TopicRow, RawReader), StartError> {
+        let row = user::row(name, form)?;
+        let layout = Layout::of::<UserTopic>();
+        let factory = self.open_user(row, form, &layout)?;
+        let receiver = self.receiver_of(row, &factory, &layout)?;
+        Ok((row, RawReader::new(receiver)))
+    }
+
+    /// Opens a writer of the topic `name` (without the prefix) that sends messages of up to `bytes_max` as they are.
+    ///
+    /// # Errors
+    /// As [`Self::user_writer`].
+    pub fn raw_user_writer(
+        &self,
+        name: &str,
+        form: &Form,
+        bytes_max: usize,
+    ) -> Result<RawWriter, StartError> {
+        let row = user::row(name, form)?;
+        let layout = Layout::of::<UserTopic>();
+        let factory = self.open_user(row, form, &layout)?;
+        let sender = self.sender(row, &factory, &layout, bytes_max.min(USER_BYTES_MAX))?;
+        Ok(RawWriter::new(sender, factory, 1))
+    }
+
+    /// When a topic was last made or removed, by the clock of the files: one that is just being made is listed a moment
+    /// later. `None` when that cannot be known.
+    #[must_use]
+    pub fn topics_changed(&self) -> Option<SystemTime> {
+        let config = self.domain().config().ok()?;
+        let folder = config.global.service_dir();
+        let folder = PathBuf::from(core::str::from_utf8(folder.as_bytes()).ok()?);
+        folder.metadata().ok()?.modified().ok()
     }
 
     /// How many writers and readers a user's own topic has now.

@@ -1,6 +1,10 @@
 //! Recordings: read by two independent implementations, honest about what is missing, and never in the way of
 //! a run.
 
+mod content;
+mod lost;
+mod open_loop;
+
 use rustix::process::Signal;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -329,4 +333,11 @@ fn what_cannot_be_driven_again_is_refused_in_one_line() {
         "bag", "export", &path, "--csv", &other, "--topic", "no/such",
     ];
     refused(&zeronav(&arguments), "no message on no/such is in it");
+    assert!(!Path::new(&other).exists(), "nothing is left of it");
+    let arguments = ["bag", "export", &junk, "--csv", &other];
+    refused(&zeronav(&arguments), &format!("{junk}: byte "));
+    assert!(!Path::new(&other).exists(), "nothing is left of it");
+    // Items that are numbers alone have a name.
+    let ranges = std::fs::read_to_string(tables.join("robot-scan.items.csv")).expect("ranges");
+    assert_eq!(ranges.lines().next(), Some("message,item,value"));
 }

@@ -220,3 +220,39 @@ fn every_error_of_a_file_is_found_at_once() {
     }
     assert_eq!(error.lines().count(), 9, "{error}");
 }
+
+/// The text lies in a recording, which is read elsewhere.
+#[test]
+fn the_text_of_a_scenario_names_programs_by_whole_paths() {
+    let text = format!(
+        "{GOOD}[services.global_planner]\nbinary = \"./mine/planner\"\n\
+         [services.global_planner.shadow]\nbinary = \"shadows/planner\"\n\
+         [services.mapping]\nbinary = \"my-mapping\"\n\
+         [companions.dash]\nbinary = \"dash/board\"\n\
+         [[swaps]]\nat_s = 1.0\nservice = \"mapping\"\nbinary = \"other/mapping\"\n"
+    );
+    let written = load(&text).unwrap().to_toml(1).unwrap();
+    let read = Scenario::of_text("it", &written).unwrap().scenario;
+    let here = std::env::current_dir().unwrap();
+    let planner = read.services.of(Role::GlobalPlanner).unwrap();
+    let shadow = planner.shadow.as_ref().unwrap().binary.clone();
+    let found = [
+        planner.binary.clone(),
+        shadow,
+        Some(read.companions["dash"].binary.clone()),
+        read.swaps[0].binary.clone(),
+    ];
+    let expected = [
+        "mine/planner",
+        "shadows/planner",
+        "dash/board",
+        "other/mapping",
+    ];
+    assert_eq!(found, expected.map(|name| Some(here.join(name))));
+    let mapping = read.services.of(Role::Mapping).unwrap();
+    assert_eq!(
+        mapping.binary,
+        Some("my-mapping".into()),
+        "a name is looked for there"
+    );
+}

@@ -1,81 +1,10 @@
 //! Two recordings beside each other, made by hand.
 
 use super::*;
-use crate::file::{Channel, RecordingFile, Stamped};
-use crate::native;
-use crate::verdict::{END_TICK, VERDICT};
+use crate::fixture::{Written, odometry, recording_until, recording_with, written};
+use crate::verdict::{END_TICK, OUTCOME, OUTCOME_INTERRUPTED, VALID, WHY};
 use std::io::Cursor;
 use zeronav_msgs::topics::{PlanPath, RobotOdometry, RunControlTopic, TopicRow};
-
-/// A message as a test changes it: values by their paths, in the item behind it with `items`.
-struct Written {
-    row: &'static TopicRow,
-    values: Vec<(&'static str, Vec<u8>)>,
-    items: usize,
-}
-
-fn odometry(tick: u64, more: &[(&'static str, Vec<u8>)]) -> Written {
-    written(RobotOdometry::ROW, 2, tick, more)
-}
-
-fn written(
-    row: &'static TopicRow,
-    role: u8,
-    tick: u64,
-    more: &[(&'static str, Vec<u8>)],
-) -> Written {
-    let mut values = vec![
-        ("header.role", vec![role]),
-        ("header.tick", tick.to_le_bytes().to_vec()),
-        ("header.run_ns", (tick * 20_000_000).to_le_bytes().to_vec()),
-    ];
-    values.extend_from_slice(more);
-    Written {
-        row,
-        values,
-        items: 0,
-    }
-}
-
-fn recording_until(messages: &[Written], end_tick: Option<u64>) -> Vec<u8> {
-    let mut file = RecordingFile::new(Cursor::new(Vec::new())).expect("a file");
-    let topics = native::topics();
-    for message in messages {
-        let topic = topics
-            .iter()
-            .find(|topic| topic.row.number == message.row.number)
-            .expect("a topic");
-        let channel = file
-            .channel(&Channel {
-                topic: &topic.channel(),
-                encoding: native::ENCODING,
-                schema: topic.type_name,
-                schema_encoding: "",
-                definition: b"",
-                metadata: topic.metadata(),
-            })
-            .expect("a channel");
-        let layout = Layout::of("it", &topic.metadata()).expect("a layout");
-        let items = message.items * layout.item_bytes;
-        let mut bytes = vec![0; layout.envelope_bytes + items];
-        for (path, value) in &message.values {
-            let leaf = layout.envelope.iter().find(|leaf| leaf.path == *path);
-            let at = leaf.expect("a field").offset;
-            bytes[at..at + value.len()].copy_from_slice(value);
-        }
-        let when = Stamped {
-            sequence: 0,
-            log_ns: 0,
-            publish_ns: 0,
-        };
-        file.write(channel, when, &bytes).expect("written");
-    }
-    if let Some(tick) = end_tick {
-        let fields = [(END_TICK.to_owned(), tick.to_string())];
-        file.metadata(VERDICT, fields.into()).expect("written");
-    }
-    file.finish().expect("finished").into_inner()
-}
 
 fn recording(messages: &[Written]) -> Vec<u8> {
     recording_until(messages, None)
@@ -84,7 +13,7 @@ fn recording(messages: &[Written]) -> Vec<u8> {
 fn compared(a: &[Written], b: &[Written]) -> Comparison {
     let (a, b) = (recording(a), recording(b));
     let open = |second: bool| Ok(Cursor::new(if second { b.clone() } else { a.clone() }));
-    compare(open).expect("compared")
+    compare(&Scope::default(), open).expect("compared")
 }
 
 #[test]
@@ -176,10 +105,7 @@ fn idle_outputs_are_no_difference() {
 
 #[test]
 fn more_items_and_missing_messages_are_differences() {
-    let path = |items| Written {
-        items,
-        ..written(PlanPath::ROW, 4, 1, &[])
-    };
+    let path = |items| written(PlanPath::ROW, 4, 1, &[]).with_items(items);
     let first = compared(&[path(2)], &[path(3)])
         .first
         .expect("a difference");
@@ -204,7 +130,7 @@ fn what_comes_after_the_end_of_the_run_is_not_compared() {
     let counts = |end_tick| {
         let (a, b) = (with(7, end_tick), with(9, end_tick));
         let open = |second: bool| Ok(Cursor::new(if second { b.clone() } else { a.clone() }));
-        let topics = compare(open).expect("compared").topics;
+        let topics = compare(&Scope::default(), open).expect("compared").topics;
         (topics[0].equal, topics[0].only_a, topics[0].only_b)
     };
     assert_eq!(counts(Some(6)), (5, 0, 0));
@@ -212,7 +138,7 @@ fn what_comes_after_the_end_of_the_run_is_not_compared() {
     // One run ends in the middle: its recording has a little more.
     let (a, b) = (with(9, Some(9)), with(6, Some(5)));
     let open = |second: bool| Ok(Cursor::new(if second { b.clone() } else { a.clone() }));
-    let first = compare(open)
+    let first = compare(&Scope::default(), open)
         .expect("compared")
         .first
         .expect("a difference");
@@ -220,15 +146,142 @@ fn what_comes_after_the_end_of_the_run_is_not_compared() {
     assert!(first.a.is_some());
 }
 
+/// What is missing may differ: two recordings are equal only when both are whole.
+#[test]
+fn what_is_not_whole_is_never_equal() {
+    let with = |fields: &[(&str, &str)]| {
+        let owned = fields
+            .iter()
+            .map(|(key, value)| ((*key).to_owned(), (*value).to_owned()));
+        recording_with(&[odometry(1, &[])], Some(owned.collect()))
+    };
+    let (valid, end) = ((VALID, "true"), (END_TICK, "9"));
+    let whole = with(&[valid, end, (OUTCOME, "reached")]);
+    let compared = |other: &[u8]| {
+        let open = |second: bool| {
+            Ok(Cursor::new(if second {
+                other.to_vec()
+            } else {
+                whole.clone()
+            }))
+        };
+        compare(&Scope::default(), open).expect("compared")
+    };
+    let one = compared(&whole);
+    assert!(one.is_equal() && one.incomplete == [None, None], "{one:?}");
+    for (other, why) in [
+        (
+            recording_with(&[odometry(1, &[])], None),
+            "its recorder ended before",
+        ),
+        (with(&[(VALID, "false"), (WHY, "a gap"), end]), "a gap"),
+        (
+            with(&[valid]),
+            "the recorder, or launch, ended before the run did",
+        ),
+        (
+            with(&[valid, end, (OUTCOME, OUTCOME_INTERRUPTED)]),
+            "the run was interrupted",
+        ),
+    ] {
+        let one = compared(&other);
+        assert_eq!((&one.first, &one.incomplete[0]), (&None, &None), "{why}");
+        let said = one.incomplete[1].as_deref().unwrap_or_default();
+        assert!(said.starts_with(why), "{said}");
+        assert!(!one.is_equal(), "{why}");
+    }
+}
+
+#[test]
+fn a_scope_leaves_authors_ticks_and_numbers_out() {
+    let id = |count: u64| ("header.id", Id::new(1, count).0.to_le_bytes().to_vec());
+    let path = |tick, count, cost: f64| {
+        let cost = ("meta.cost", cost.to_le_bytes().to_vec());
+        written(PlanPath::ROW, 4, tick, &[id(count), cost])
+    };
+    let a = [
+        odometry(1, &[]),
+        path(1, 1, 1.0),
+        path(2, 2, 2.0),
+        path(3, 3, 3.0),
+    ];
+    let b = [
+        odometry(1, &[("meta.scan_due", vec![1])]),
+        path(1, 7, 9.0),
+        path(2, 8, 2.0),
+    ];
+    let (a, b) = (recording(&a), recording(&b));
+    let within = |scope: &Scope| {
+        let open = |second: bool| Ok(Cursor::new(if second { b.clone() } else { a.clone() }));
+        compare(scope, open).expect("compared")
+    };
+    let scope = Scope {
+        authors: Some(vec![Role::GlobalPlanner]),
+        ticks: [2, 2],
+        numbers: false,
+    };
+    let one = within(&scope);
+    assert_eq!((&one.first, one.topics.len()), (&None, 1), "{one:?}");
+    let field = |scope: &Scope| within(scope).first.and_then(|first| first.field);
+    let numbers = Scope {
+        numbers: true,
+        ..scope.clone()
+    };
+    assert_eq!(field(&numbers).as_deref(), Some("header.id"));
+    let earlier = Scope {
+        ticks: [1, 2],
+        ..scope.clone()
+    };
+    assert_eq!(field(&earlier).as_deref(), Some("meta.cost"));
+    let all = Scope {
+        authors: None,
+        ..earlier
+    };
+    assert_eq!(field(&all).as_deref(), Some("meta.scan_due"));
+}
+
+/// Of what a robot sent before the recorder came, a planner that is compared alone says nothing.
+#[test]
+fn within_a_scope_only_its_own_topics_have_to_be_complete() {
+    let gap = |row: &TopicRow| {
+        let fields = [(VALID, "false"), (WHY, "a gap"), (END_TICK, "9")];
+        let mut fields: std::collections::BTreeMap<String, String> = fields
+            .map(|(key, value)| (key.to_owned(), value.to_owned()))
+            .into();
+        fields.insert(format!("{}.before_first", row.name), "3".to_owned());
+        recording_with(&[written(PlanPath::ROW, 4, 1, &[])], Some(fields))
+    };
+    let of_planner = Scope {
+        authors: Some(vec![Role::GlobalPlanner]),
+        ..Scope::default()
+    };
+    let compared = |bytes: &[u8], scope: &Scope| {
+        compare(scope, |_| Ok(Cursor::new(bytes.to_vec()))).expect("compared")
+    };
+    let robot = gap(RobotOdometry::ROW);
+    assert!(!compared(&robot, &Scope::default()).is_equal());
+    assert!(compared(&robot, &of_planner).is_equal());
+    let planner = compared(&gap(PlanPath::ROW), &of_planner);
+    let said = planner.incomplete[0].as_deref();
+    assert_eq!(
+        said,
+        Some(&*format!("{}: 3 messages are missing", PlanPath::ROW.name))
+    );
+}
+
 #[test]
 fn what_is_no_recording_of_a_stack_is_named() {
     let ours = recording(&[odometry(1, &[])]);
     let foreign = crate::file::tests::recording(10);
-    let compared = compare(|second| Ok(Cursor::new(if second { &foreign } else { &ours })));
+    let compared = compare(&Scope::default(), |second| {
+        Ok(Cursor::new(if second { &foreign } else { &ours }))
+    });
     let error = compared.map(|_| ()).expect_err("foreign");
     assert!(matches!(error, (true, MessagesError::Foreign)), "{error:?}");
     let cut = &ours[..ours.len() / 20];
-    let compared = compare(|second| Ok(Cursor::new(if second { &ours[..] } else { cut })));
+    let compared = compare(&Scope::default(), |second| {
+        Ok(Cursor::new(if second { &ours[..] } else { cut }))
+    });
     let error = compared.map(|_| ()).expect_err("cut");
     assert!(
         matches!(error, (false, MessagesError::Read(_))),

@@ -205,6 +205,18 @@ pub struct DiagnosticArray {
     pub status: Vec<DiagnosticStatus>,
 }
 
+/// `rcl_interfaces/Log`.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Log {
+    pub stamp: Time,
+    pub level: u8,
+    pub name: String,
+    pub msg: String,
+    pub file: String,
+    pub function: String,
+    pub line: u32,
+}
+
 /// `std_msgs/ColorRGBA`.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct ColorRgba {

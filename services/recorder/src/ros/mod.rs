@@ -5,6 +5,7 @@
 pub mod bag_folder;
 mod grid;
 pub mod messages;
+pub mod reasons;
 mod topics;
 pub mod view;
 
@@ -15,6 +16,7 @@ use bytemuck::{AnyBitPattern, NoUninit, pod_collect_to_vec, try_pod_read_unalign
 use byteorder::LittleEndian;
 use cdr_encoding::to_writer;
 use grid::Grid;
+use reasons::{Reason, Reasons};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use zeronav_msgs::description::Description;
@@ -25,9 +27,9 @@ use zeronav_msgs::rollouts::RolloutOutcome;
 use zeronav_msgs::run::Seat;
 use zeronav_msgs::task::{Goal, TaskKind};
 use zeronav_msgs::topics::{
-    DebugRollouts, Envelope, HEALTH, HealthTopic, MapKeyframe, MapObstacles, MapUpdate, PlanPath,
-    RobotCommand, RobotDescription, RobotOdometry, RobotScan, RunControlTopic, TaskGoal, TaskState,
-    Topic, TopicRow,
+    ControlRequest, DebugRollouts, Envelope, HEALTH, HealthTopic, MapKeyframe, MapObstacles,
+    MapUpdate, PlanPath, RobotCommand, RobotDescription, RobotOdometry, RobotScan, RunControlTopic,
+    TaskGoal, TaskState, Topic, TopicRow,
 };
 
 /// What CDR in little-endian order begins with.
@@ -69,6 +71,7 @@ pub struct Ros {
     shown_goal: u64,
     health: BTreeMap<Role, Health>,
     diagnosed_ns: Option<u64>,
+    reasons: Reasons,
     /// What comes of the message that is taken in.
     made: Vec<RosMessage>,
 }
@@ -141,17 +144,24 @@ impl Ros {
         } else if let Some((header, meta, _)) = self.obeyed::<RobotCommand>(message) {
             let ns = self.times.at_run(header.run_ns);
             self.make(RosTopic::CmdVel, ns, &view::command(ns, &meta))?;
+            let reason = self.reasons.command(&meta);
+            self.tell(ns, reason)?;
         } else if let Some((header, _, obstacles)) = self.obeyed::<MapObstacles>(message) {
             let ns = self.times.at_run(header.run_ns);
             let markers = view::obstacles(ns, &obstacles);
             self.make(RosTopic::TrackedObstacles, ns, &markers)?;
-        } else if let Some((header, _, waypoints)) = self.obeyed::<PlanPath>(message) {
+        } else if let Some((header, meta, waypoints)) = self.obeyed::<PlanPath>(message) {
             let ns = self.times.at_run(header.run_ns);
             let path = view::path(ns, view::waypoints(&waypoints));
             self.make(RosTopic::Plan, ns, &path)?;
             let points_m = waypoints.iter().map(|it| [it.x_m, it.y_m]);
             let cloud = view::cloud(ns, frame::MAP, points_m);
             self.make(RosTopic::PlanPoints, ns, &cloud)?;
+            let reason = self.reasons.path(&meta);
+            self.tell(ns, reason)?;
+        } else if let Some((header, meta, _)) = self.obeyed::<ControlRequest>(message) {
+            let reason = self.reasons.request(&meta);
+            self.tell(self.times.at_run(header.run_ns), reason)?;
         } else {
             self.see_rare(message)?;
             self.see_map(message)?;
@@ -253,6 +263,13 @@ impl Ros {
         let seat = self.seats.iter().find(|seat| seat.role == header.role);
         let is_obeyed = seat.is_none_or(|seat| seat.obeys(id.epoch(), header.tick));
         is_obeyed.then_some((header, meta, items))
+    }
+
+    fn tell(&mut self, ns: u64, reason: Option<Reason>) -> Result<(), cdr_encoding::Error> {
+        match reason {
+            Some(reason) => self.make(RosTopic::Why, ns, &reason.message(ns)),
+            None => Ok(()),
+        }
     }
 
     fn make<T: Serialize>(

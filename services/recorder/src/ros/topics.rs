@@ -83,6 +83,10 @@ ros_topics! {
     GoalPose = "/goal_pose" geometry_msgs/PoseStamped Reliable,
     /// How the services are.
     Diagnostics = "/diagnostics" diagnostic_msgs/DiagnosticArray Reliable,
+    /// What services, companions and launch log.
+    Rosout = "/rosout" rcl_interfaces/Log Reliable,
+    /// Why the robot does what it does: what decided in each stage, when that changes.
+    Why = "/why" rcl_interfaces/Log Reliable,
     /// Tracked dynamic obstacles.
     TrackedObstacles = "/tracked_obstacles" visualization_msgs/MarkerArray Reliable,
 }

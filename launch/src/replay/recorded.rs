@@ -1,0 +1,94 @@
+//! What a recording says of how its run was driven.
+
+use crate::bag::input::open;
+use std::path::Path;
+use zeronav_msgs::run::RunMode;
+use zeronav_recorder::file::{
+    DRIVEN_BY, DRIVEN_BY_SCENARIO, SCENARIO_BYTES_MAX, SCENARIO_TYPE, START,
+};
+use zeronav_recorder::read::{Summary, attachment, summary};
+
+/// How the run in a recording was driven.
+#[derive(Debug)]
+pub(super) struct Recorded {
+    pub found: Summary,
+    /// Name and text of its scenario.
+    pub scenario: Option<(String, String)>,
+    pub seed: u64,
+    pub tick_ns: u64,
+}
+
+impl Recorded {
+    /// Reads the recording in `file`.
+    ///
+    /// # Errors
+    /// One line naming the file.
+    pub(super) fn read(file: &Path) -> Result<Self, String> {
+        let wrong = |why: &dyn core::fmt::Display| format!("{}: {why}", file.display());
+        let (found, damage) = summary(open(file)?);
+        if let Some(damage) = damage {
+            // Of what is no recording nothing can be made whole.
+            let fix = if found.profile.is_empty() {
+                ""
+            } else {
+                "; `zeronav bag recover` makes a whole file of what is there"
+            };
+            return Err(wrong(&format!("{damage}{fix}")));
+        }
+        if !found.metadata.contains_key(START) {
+            return Err(wrong(&"zeronav-recorder has not written it"));
+        }
+        let most = usize::try_from(SCENARIO_BYTES_MAX).unwrap_or(usize::MAX);
+        let attached =
+            attachment(open(file)?, SCENARIO_TYPE, most).map_err(|error| wrong(&error))?;
+        let scenario = attached.map(|(name, text)| {
+            let text = String::from_utf8(text).map_err(|_| wrong(&"its scenario is no UTF-8"))?;
+            Ok::<_, String>((name.strip_suffix(".toml").unwrap_or(&name).to_owned(), text))
+        });
+        let number = |name: &str| {
+            let field = found.metadata.get(START).and_then(|it| it.get(name));
+            let number = field.and_then(|field| field.parse::<u64>().ok());
+            number.ok_or_else(|| wrong(&format!("it does not say its {name}")))
+        };
+        Ok(Self {
+            seed: number("seed")?,
+            tick_ns: number("tick_ns")?.max(1),
+            scenario: scenario.transpose()?,
+            found,
+        })
+    }
+
+    pub(super) fn field(&self, name: &str) -> Option<&str> {
+        let fields = self.found.metadata.get(START)?;
+        fields.get(name).map(String::as_str)
+    }
+
+    pub(super) fn is_lockstep(&self) -> bool {
+        self.field("mode") == Some(RunMode::Lockstep.label())
+    }
+
+    /// Name and text of the scenario that drove the run in lockstep alone, so that it can be driven again.
+    ///
+    /// # Errors
+    /// Why it cannot.
+    pub(super) fn drive(&self) -> Result<(String, String), String> {
+        const OPEN: &str = "`--open ROLE` plays it to a seat";
+        if !self.is_lockstep() {
+            return Err(format!(
+                "it was recorded in real time, which nothing can drive again the same: `zeronav run SCENARIO \
+                 --lockstep --record` makes one that can; {OPEN}"
+            ));
+        }
+        if self
+            .field(DRIVEN_BY)
+            .is_some_and(|who| who != DRIVEN_BY_SCENARIO)
+        {
+            return Err(format!(
+                "clients, or processes that were started by hand, drove it, which is not known to the scenario; {OPEN}"
+            ));
+        }
+        self.scenario.clone().ok_or_else(|| {
+            format!("it holds no scenario: only a recording of `zeronav run --record` does; {OPEN}")
+        })
+    }
+}

@@ -1,0 +1,172 @@
+//! Recordings that are played to some seats.
+
+use super::{n, recording_of, refused};
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use zeronav_msgs::topics::{ControlRequest, MapUpdate, PlanPath, Topic};
+use zeronav_tests::rooms::short_drive;
+use zeronav_tests::{Zeronav, real_time_turn, zeronav};
+
+/// Drives `more` than a short drive in lockstep; its recording in `folder`.
+fn recorded(folder: &Path, name: &str, more: &str) -> PathBuf {
+    let file = |end: &str| folder.join(format!("{name}.{end}"));
+    std::fs::write(file("toml"), short_drive(more)).expect("written");
+    let record = format!("--record={}", file("mcap").display());
+    let scenario = file("toml").display().to_string();
+    let ended = zeronav(&["run", &scenario, "--lockstep", "--headless", &record]);
+    assert_eq!(ended.code(), 0, "{}", ended.stderr);
+    file("mcap")
+}
+
+/// The comparison of a recording with what came of it in open loop.
+fn played(file: &Path, open: &str, more: &[&str], code: i32) -> Value {
+    let path = file.display().to_string();
+    let ended = zeronav(&[&["replay", &path, "--open", open, "--json"], more].concat());
+    ended.expect(code)["comparison"].clone()
+}
+
+/// Messages that are equal on a topic.
+fn equal_on(compared: &Value, topic: &str) -> u64 {
+    let topics = compared["topics"].as_array().expect("topics");
+    let found = topics.iter().find(|it| it["topic"] == topic);
+    found.map_or(0, |it| n(&it["equal"]))
+}
+
+#[test]
+fn a_recording_that_is_played_to_its_own_seats_gives_the_same_messages() {
+    let original = zeronav(&["run", "blocked_aisle", "--lockstep", "--json", "--record"]);
+    assert_eq!(original.code(), 0, "{}", original.stderr);
+    let file = recording_of(original.folder.path());
+    for open in [
+        "mapping",
+        "global_planner",
+        "local_planner",
+        "collision_guard",
+        "mapping,local_planner",
+        "mapping,global_planner,local_planner,collision_guard",
+    ] {
+        let compared = played(&file, open, &[], 0);
+        assert_eq!(compared["equal"], true, "{open}: {compared:#}");
+        let topics = compared["topics"].as_array().expect("topics");
+        let equal: u64 = topics.iter().map(|topic| n(&topic["equal"])).sum();
+        assert!(equal > 300, "{open}: {compared:#}");
+    }
+    // Another parameter shows in its seat, and what is played stays as it was.
+    let set = ["--set", "local_planner.controller=dwa"];
+    let compared = played(&file, "local_planner", &set, 0);
+    assert_eq!(compared["first"]["author"], "local_planner", "{compared:#}");
+    assert_eq!(compared["first"]["topic"], ControlRequest::ROW.name);
+    assert_eq!(equal_on(&compared, PlanPath::ROW.name), 0, "not compared");
+    let path = file.display().to_string();
+    let set = ["replay", &path, "--open", "mapping", set[0], set[1]];
+    refused(&zeronav(&set), "local_planner is played from the recording");
+    let robot = ["replay", &path, "--open", "robot"];
+    refused(&zeronav(&robot), "what the robot senses is what is played");
+}
+
+#[test]
+fn only_a_part_of_a_recording_is_played_and_compared() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = recorded(folder.path(), "it", "");
+    let all = equal_on(
+        &played(&file, "local_planner", &[], 0),
+        ControlRequest::ROW.name,
+    );
+    let part = played(&file, "local_planner", &["--from", "1.0", "--to", "2.0"], 0);
+    // Ticks 50 to 100 of 20 ms.
+    assert_eq!(equal_on(&part, ControlRequest::ROW.name), 51, "{part:#}");
+    assert!(all > 100, "{all}");
+}
+
+/// Seats that were empty for a while, and taken by a successor, are so again.
+#[test]
+fn faults_in_a_recording_are_played_too() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for role in ["mapping", "global_planner", "collision_guard"] {
+        let fault = format!(
+            "[[faults]]\nkind = \"kill\"\nservice = \"{role}\"\nbegins = {{ at_s = 1.0 }}\n"
+        );
+        let file = recorded(folder.path(), role, &fault);
+        let compared = played(&file, "local_planner", &[], 0);
+        assert_eq!(compared["equal"], true, "{role}: {compared:#}");
+        assert!(
+            equal_on(&compared, ControlRequest::ROW.name) > 100,
+            "{compared:#}"
+        );
+    }
+    // A seat that answers where the recorded process was dead differs there first.
+    let fault =
+        "[[faults]]\nkind = \"kill\"\nservice = \"local_planner\"\nbegins = { at_s = 2.0 }\n";
+    let file = recorded(folder.path(), "own", fault);
+    let compared = played(&file, "local_planner", &[], 1);
+    assert_eq!(n(&compared["first"]["tick"]), 101, "{compared:#}");
+}
+
+#[test]
+fn another_program_in_an_open_seat_is_compared_tick_by_tick() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = recorded(folder.path(), "it", "");
+    let swap = ["--swap", "global_planner=straight_line_service"];
+    let compared = played(&file, "global_planner", &swap, 0);
+    assert_eq!(
+        compared["first"]["author"], "global_planner",
+        "{compared:#}"
+    );
+    assert_eq!(compared["first"]["topic"], PlanPath::ROW.name);
+    // One that gives up is named, with the tick.
+    let path = file.display().to_string();
+    let swap = "--swap=local_planner=hangs_after_start";
+    let ended = zeronav(&["replay", &path, "--open", "local_planner", swap]);
+    assert_eq!(ended.code(), 3, "{}", ended.stderr);
+    assert!(ended.stderr.contains("local_planner"), "{}", ended.stderr);
+}
+
+/// In real time scans come between ticks and answers when they can: it is played in ticks.
+#[test]
+fn a_recording_in_real_time_is_played_too() {
+    let _turn = real_time_turn();
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::write(folder.path().join("it.toml"), short_drive("")).expect("written");
+    let arguments = ["run", "./it.toml", "--headless", "--record"];
+    let real = Zeronav::start_in(folder, &arguments).finish();
+    assert_eq!(real.code(), 0, "{}", real.stderr);
+    let file = recording_of(real.folder.path());
+    let path = file.display().to_string();
+    // Mapping sees the same scans from the same places, whenever they came.
+    let ended = zeronav(&["replay", &path, "--open", "mapping", "--json"]);
+    let said = ended.json();
+    let compared = &said["comparison"];
+    assert!([0, 1].contains(&ended.code()), "{}", ended.stderr);
+    assert!(equal_on(compared, MapUpdate::ROW.name) > 20, "{compared:#}");
+    // The same in lockstep, twice: what is played has no clock.
+    let played = said["result"]["directory"].as_str().expect("a folder");
+    let played = ended.folder.path().join(played).join("played.mcap");
+    let all = "mapping,global_planner,local_planner,collision_guard";
+    let again = |n: usize| {
+        let ended = zeronav(&[
+            "replay",
+            &played.display().to_string(),
+            "--open",
+            all,
+            "--json",
+            "--scenario",
+            &scenario_of(&file),
+        ]);
+        assert!([0, 1].contains(&ended.code()), "{n}: {}", ended.stderr);
+        let directory = ended.json()["result"]["recording"]
+            .as_str()
+            .expect("a file")
+            .to_owned();
+        let file = ended.folder.path().join(directory);
+        (ended, file)
+    };
+    let (one, other) = (again(1), again(2));
+    let [a, b] = [one.1, other.1].map(|file| file.display().to_string());
+    let beside = zeronav(&["bag", "diff", &a, &b, "--json"]);
+    assert_eq!(beside.json()["first"], Value::Null, "{}", beside.stdout);
+}
+
+/// The scenario beside a recording.
+fn scenario_of(file: &Path) -> String {
+    file.with_file_name("it.toml").display().to_string()
+}
