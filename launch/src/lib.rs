@@ -39,6 +39,7 @@ mod prepare;
 mod program;
 mod record;
 mod recorder;
+mod recorder_start;
 pub mod remote;
 pub mod replay;
 pub mod report;

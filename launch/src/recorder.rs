@@ -2,9 +2,6 @@
 //! run goes on. In lockstep launch gives it time to keep up, so that nothing is lost however busy the
 //! machine is.
 
-mod parameters;
-pub(crate) mod start;
-
 use clap::Args;
 use clap::builder::{OsStringValueParser, TypedValueParser};
 use rustix::fs::OFlags;
@@ -18,13 +15,13 @@ use zeronav_shell::folder::Folder;
 use zeronav_supervise::child_log::{LogPlace, last_lines};
 
 /// The binary.
-const BINARY: &str = "zeronav-recorder";
+pub(crate) const BINARY: &str = "zeronav-recorder";
 
 /// How long the recorder may take to begin, of its own time: time without a processor does not count.
-const START_LIMIT: Duration = Duration::from_secs(5);
+pub(crate) const START_LIMIT: Duration = Duration::from_secs(5);
 
 /// How long it may take in any case.
-const WALL_LIMIT: Duration = Duration::from_secs(60);
+pub(crate) const WALL_LIMIT: Duration = Duration::from_secs(60);
 
 /// How long a lockstep run waits for a recorder that reads nothing.
 const WAIT_LIMIT: Duration = Duration::from_secs(5);

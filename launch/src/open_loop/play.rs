@@ -6,8 +6,8 @@ use super::score::{Note, Score};
 use crate::companions::Companions;
 use crate::configs;
 use crate::prepare::Prepared;
-use crate::recorder::start::start_recorder;
 use crate::recorder::{self, DrivenBy, RecordedTicks};
+use crate::recorder_start::start_recorder;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -183,6 +183,9 @@ impl Playing<'_> {
                 .filter(|it| not_ready.contains(it))
                 .collect();
             let Some(first) = waits.first() else {
+                // To ports that were opened since.
+                stack.refresh();
+                player.refresh();
                 return Ok(());
             };
             self.look(stack)?;

@@ -138,35 +138,4 @@ fn a_recording_in_real_time_is_played_too() {
     let compared = &said["comparison"];
     assert!([0, 1].contains(&ended.code()), "{}", ended.stderr);
     assert!(equal_on(compared, MapUpdate::ROW.name) > 20, "{compared:#}");
-    // The same in lockstep, twice: what is played has no clock.
-    let played = said["result"]["directory"].as_str().expect("a folder");
-    let played = ended.folder.path().join(played).join("played.mcap");
-    let all = "mapping,global_planner,local_planner,collision_guard";
-    let again = |n: usize| {
-        let ended = zeronav(&[
-            "replay",
-            &played.display().to_string(),
-            "--open",
-            all,
-            "--json",
-            "--scenario",
-            &scenario_of(&file),
-        ]);
-        assert!([0, 1].contains(&ended.code()), "{n}: {}", ended.stderr);
-        let directory = ended.json()["result"]["recording"]
-            .as_str()
-            .expect("a file")
-            .to_owned();
-        let file = ended.folder.path().join(directory);
-        (ended, file)
-    };
-    let (one, other) = (again(1), again(2));
-    let [a, b] = [one.1, other.1].map(|file| file.display().to_string());
-    let beside = zeronav(&["bag", "diff", &a, &b, "--json"]);
-    assert_eq!(beside.json()["first"], Value::Null, "{}", beside.stdout);
-}
-
-/// The scenario beside a recording.
-fn scenario_of(file: &Path) -> String {
-    file.with_file_name("it.toml").display().to_string()
 }

@@ -1,9 +1,11 @@
 //! Starts the recorder of a run, and waits until it records.
 
-use super::parameters::{self, Asked};
-use super::{BINARY, DrivenBy, RecordedTicks, START_LIMIT, WALL_LIMIT, last_words};
+mod parameters;
+
 use crate::companions::{Companions, Plan, Told};
 use crate::prepare::Prepared;
+use crate::recorder::{BINARY, DrivenBy, RecordedTicks, START_LIMIT, WALL_LIMIT, last_words};
+use parameters::Asked;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
