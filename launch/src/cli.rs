@@ -3,6 +3,7 @@
 use crate::bag::BagArgs;
 use crate::busy;
 use crate::compare::cli::CompareArgs;
+use crate::import::ImportArgs;
 use crate::latency::cli::LatencyArgs;
 use crate::live_view::{PageArgs, ViewArgs};
 use crate::logs::LogsArgs;
@@ -143,6 +144,8 @@ pub enum Command {
     /// Drive a recorded run again, the same or with another binary in a seat, as a whole or played to some seats, and say
     /// where it begins to differ.
     Replay(ReplayArgs),
+    /// Bring the log of another robot into the form of a recording, to be played with `replay --open`.
+    Import(ImportArgs),
     /// A live page of a running stack: prints its link, and serves it until the stack ends.
     View(ViewArgs),
     /// Whether this machine can run a stack well, and what to do where it cannot.

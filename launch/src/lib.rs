@@ -19,6 +19,7 @@ mod drive;
 mod ending;
 mod film;
 pub mod floor;
+pub mod import;
 mod judge;
 mod keeper;
 mod known_words;

@@ -11,8 +11,8 @@ use zeronav::new_package;
 use zeronav::remote::{fault, goal, swap, verbs};
 use zeronav::show::log;
 use zeronav::{
-    bag, began, busy, commands, compare, completions, doctor, latency, logs, look, map_save,
-    params, picture, remote, replay, report, start_up, top, topics, why,
+    bag, began, busy, commands, compare, completions, doctor, import, latency, logs, look,
+    map_save, params, picture, remote, replay, report, start_up, top, topics, why,
 };
 use zeronav_console::exit::EXIT_USAGE;
 use zeronav_console::{arguments, terminal};
@@ -86,6 +86,7 @@ fn main() -> ExitCode {
         Command::Map(arguments) => map_save::map(&arguments),
         Command::Bag(arguments) => bag::bag(&arguments),
         Command::Replay(arguments) => replay::replay(&arguments),
+        Command::Import(arguments) => import::import(&arguments),
         Command::View(arguments) => live_view::view(&arguments),
         Command::Doctor { json } => doctor::doctor(json),
         Command::Goal(arguments) => goal::goal(&arguments),

@@ -89,6 +89,7 @@ fn allowed(from: &str) -> &'static [&'static str] {
             "zeronav-shell",
             "zeronav-supervise",
         ],
+        "zeronav-import" => &["zeronav-msgs", "zeronav-recorder"],
         "zeronav-suite" => &[
             "zeronav-console",
             "zeronav-files",
@@ -105,6 +106,7 @@ fn allowed(from: &str) -> &'static [&'static str] {
             "zeronav-console",
             "zeronav-contract-kit",
             "zeronav-files",
+            "zeronav-import",
             "zeronav-measure",
             "zeronav-msgs",
             "zeronav-params",

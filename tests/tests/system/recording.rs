@@ -2,6 +2,7 @@
 //! a run.
 
 mod content;
+mod import;
 mod lost;
 mod open_loop;
 

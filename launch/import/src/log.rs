@@ -1,0 +1,122 @@
+//! A log, whatever it was read from.
+
+use std::collections::BTreeMap;
+use zeronav_msgs::pose::Pose;
+
+/// Which topics are read; the only one of its type without.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Topics {
+    /// Of `sensor_msgs/LaserScan`.
+    pub scan: Option<String>,
+    /// Of `nav_msgs/Odometry`.
+    pub odometry: Option<String>,
+}
+
+/// What was missing, assumed, left out or mended.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Report {
+    /// What the log does not have, a line each.
+    pub missing: Vec<String>,
+    /// What was taken to be so, a line each.
+    pub assumed: Vec<String>,
+    /// What was left out or mended, and how often.
+    pub mended: BTreeMap<&'static str, u64>,
+}
+
+impl Report {
+    /// One more of these.
+    pub fn mend(&mut self, what: &'static str) {
+        *self.mended.entry(what).or_default() += 1;
+    }
+}
+
+/// One turn of a lidar.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LogScan {
+    /// When its last beam was. [ns]
+    pub ns: u64,
+    /// Direction of the first beam. [rad]
+    pub angle_min_rad: f32,
+    /// Step from beam to beam. [rad]
+    pub angle_increment_rad: f32,
+    /// Time from beam to beam. [s]
+    pub time_increment_s: f32,
+    /// Limits of what is a hit. [m]
+    pub range_m: [f32; 2],
+    /// Ranges as the contract has them: infinite without a return, NaN when invalid. [m]
+    pub ranges: Vec<f32>,
+}
+
+/// Where the robot was at a moment.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LogPose {
+    /// The moment. [ns]
+    pub ns: u64,
+    /// The pose.
+    pub pose: Pose,
+}
+
+/// Everything of a log that is used, each in the order of its times.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Log {
+    /// Name of the format.
+    pub format: &'static str,
+    /// Scans.
+    pub scans: Vec<LogScan>,
+    /// `odom_from_base`.
+    pub odometry: Vec<LogPose>,
+    /// `map_from_base` as the log says itself that it was: corrected poses.
+    pub corrected: Vec<LogPose>,
+    /// `base_from_laser`.
+    pub laser: Pose,
+    /// What was missing and assumed.
+    pub report: Report,
+}
+
+/// Ranges as the contract has them, from those of a sensor with these limits: what is closer than it can see, or is no
+/// number, is invalid; what is farther is no return.
+pub fn clean_ranges(ranges: &mut [f32], [min_m, max_m]: [f32; 2], report: &mut Report) {
+    for range in ranges {
+        if range.is_nan() || *range < min_m {
+            if range.is_nan() {
+                report.mend("ranges that are no number");
+            } else {
+                report.mend("ranges below the least");
+            }
+            *range = f32::NAN;
+        } else if *range >= max_m {
+            *range = f32::INFINITY;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ranges_that_mean_nothing_become_invalid_or_no_return() {
+        let mut report = Report::default();
+        let mut ranges = [
+            1.0,
+            0.0,
+            -1.0,
+            f32::NAN,
+            f32::INFINITY,
+            f32::NEG_INFINITY,
+            30.0,
+            80.0,
+        ];
+        clean_ranges(&mut ranges, [0.1, 30.0], &mut report);
+        assert_eq!(ranges[0].to_bits(), 1.0_f32.to_bits());
+        assert!(ranges[1].is_nan() && ranges[2].is_nan() && ranges[3].is_nan());
+        assert!(ranges[5].is_nan());
+        assert!(
+            [ranges[4], ranges[6], ranges[7]]
+                .iter()
+                .all(|it| *it == f32::INFINITY)
+        );
+        assert_eq!(report.mended["ranges that are no number"], 1);
+        assert_eq!(report.mended["ranges below the least"], 3);
+    }
+}

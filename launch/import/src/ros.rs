@@ -1,0 +1,413 @@
+//! Bags of ROS 2: messages in CDR, of whichever container.
+
+use crate::clock::{Clock, put_in_order};
+use crate::log::{Log, LogPose, LogScan, Topics, clean_ranges};
+use byteorder::{BigEndian, LittleEndian};
+use cdr_encoding::from_bytes;
+use mcap::records::Record;
+use serde::Deserialize;
+use serde::de::DeserializeOwned;
+use std::collections::{BTreeMap, BTreeSet};
+use std::io::Read;
+use zeronav_msgs::pose::{Pose, wrap_angle};
+use zeronav_msgs::scan::BEAMS_MAX;
+use zeronav_recorder::read::{ReadError, records};
+
+/// The types that are read.
+const SCAN: &str = "sensor_msgs/msg/LaserScan";
+const ODOMETRY: &str = "nav_msgs/msg/Odometry";
+const TF: &str = "tf2_msgs/msg/TFMessage";
+const MAP: &str = "nav_msgs/msg/OccupancyGrid";
+
+/// Most channels and most messages of a bag.
+const CHANNELS_MAX: usize = 10_000;
+const MESSAGES_MAX: usize = 20_000_000;
+
+#[derive(Deserialize, Clone, Copy)]
+struct Time {
+    sec: i32,
+    nanosec: u32,
+}
+
+#[derive(Deserialize)]
+struct Header {
+    stamp: Time,
+    frame_id: String,
+}
+
+#[derive(Deserialize)]
+struct LaserScan {
+    header: Header,
+    angle_min: f32,
+    _angle_max: f32,
+    angle_increment: f32,
+    time_increment: f32,
+    _scan_time: f32,
+    range_min: f32,
+    range_max: f32,
+    ranges: Vec<f32>,
+}
+
+#[derive(Deserialize)]
+struct Vector3 {
+    x: f64,
+    y: f64,
+    _z: f64,
+}
+
+#[derive(Deserialize)]
+struct Quaternion {
+    x: f64,
+    y: f64,
+    z: f64,
+    w: f64,
+}
+
+#[derive(Deserialize)]
+struct Odometry {
+    header: Header,
+    _child_frame_id: String,
+    position: Vector3,
+    orientation: Quaternion,
+}
+
+#[derive(Deserialize)]
+struct TransformStamped {
+    header: Header,
+    child_frame_id: String,
+    translation: Vector3,
+    rotation: Quaternion,
+}
+
+#[derive(Deserialize)]
+struct TfMessage {
+    transforms: Vec<TransformStamped>,
+}
+
+/// What is kept of a bag while it is read.
+pub(crate) struct Bag<'a> {
+    topics: &'a Topics,
+    log: Log,
+    clock: Clock,
+    /// Topics by type.
+    seen: BTreeMap<&'static str, BTreeSet<String>>,
+    scan_frames: BTreeSet<String>,
+    /// Transforms that do not move, by parent and child.
+    fixed: BTreeMap<(String, String), Pose>,
+    from_tf: Vec<LogPose>,
+    map_from_odom: Vec<LogPose>,
+    n: usize,
+}
+
+impl<'a> Bag<'a> {
+    pub(crate) fn new(topics: &'a Topics) -> Self {
+        Self {
+            topics,
+            log: Log {
+                format: "ROS 2",
+                ..Log::default()
+            },
+            clock: Clock::default(),
+            seen: BTreeMap::new(),
+            scan_frames: BTreeSet::new(),
+            fixed: BTreeMap::new(),
+            from_tf: Vec::new(),
+            map_from_odom: Vec::new(),
+            n: 0,
+        }
+    }
+
+    /// Takes in an MCAP file. One that is cut is read as far as it goes.
+    ///
+    /// # Errors
+    /// Why nothing can be read.
+    pub(crate) fn read_mcap(&mut self, input: impl Read) -> Result<(), String> {
+        let mut schemas: BTreeMap<u16, String> = BTreeMap::new();
+        let mut channels: BTreeMap<u16, (String, &'static str)> = BTreeMap::new();
+        let mut any = false;
+        let read = records(input, |record| {
+            match record {
+                Record::Header(_) => any = true,
+                Record::Schema { header, .. } if schemas.len() < CHANNELS_MAX => {
+                    schemas.insert(header.id, header.name.clone());
+                }
+                Record::Channel(channel)
+                    if channel.message_encoding == "cdr" && channels.len() < CHANNELS_MAX =>
+                {
+                    let kind = schemas.get(&channel.schema_id).and_then(|name| kind(name));
+                    if let Some(kind) = kind {
+                        channels.insert(channel.id, (channel.topic.clone(), kind));
+                    }
+                }
+                Record::Message { header, data } => {
+                    if let Some((topic, kind)) = channels.get(&header.channel_id) {
+                        self.take(topic, kind, header.log_time, data);
+                    }
+                }
+                _ => {}
+            }
+            Ok::<(), ReadError>(())
+        });
+        match read {
+            Err(damage) if !any => Err(damage.to_string()),
+            Err(damage) => {
+                self.is_damaged(&damage.to_string());
+                Ok(())
+            }
+            Ok(()) => Ok(()),
+        }
+    }
+
+    /// A file of it cannot be read any further.
+    pub(crate) fn is_damaged(&mut self, damage: &str) {
+        let missing = &mut self.log.report.missing;
+        missing.push(format!("what comes behind the damage: {damage}"));
+    }
+
+    /// Takes in a message.
+    pub(crate) fn take(&mut self, topic: &str, kind: &'static str, log_ns: u64, data: &[u8]) {
+        self.n += 1;
+        if self.n > MESSAGES_MAX || !self.is_wanted(topic, kind) {
+            return;
+        }
+        let known = match kind {
+            SCAN => self.scan(log_ns, data),
+            ODOMETRY => self.odometry(log_ns, data),
+            TF => self.transforms(topic, data),
+            _ => Some(()),
+        };
+        if known.is_none() {
+            self.log.report.mend("messages that cannot be read");
+        }
+    }
+
+    /// True for the topic of a type that was named, or the first one.
+    fn is_wanted(&mut self, topic: &str, kind: &'static str) -> bool {
+        let seen = self.seen.entry(kind).or_default();
+        if seen.len() < CHANNELS_MAX && !seen.contains(topic) {
+            seen.insert(topic.to_owned());
+        }
+        let named = match kind {
+            SCAN => &self.topics.scan,
+            ODOMETRY => &self.topics.odometry,
+            _ => return true,
+        };
+        named.as_deref().is_none_or(|named| named == topic)
+    }
+
+    fn scan(&mut self, log_ns: u64, data: &[u8]) -> Option<()> {
+        let it: LaserScan = decoded(data)?;
+        let numbers = [it.angle_min, it.angle_increment, it.range_min, it.range_max];
+        let is_sound = numbers.iter().all(|it| it.is_finite())
+            && it.angle_increment.abs() > 1.0e-6
+            && it.angle_increment.abs() < 1.6
+            && it.angle_min.abs() < 12.6
+            && (0.0..=it.range_max).contains(&it.range_min)
+            && (1..=BEAMS_MAX).contains(&it.ranges.len());
+        if !is_sound {
+            return None;
+        }
+        let report = &mut self.log.report;
+        let step_s = it.time_increment;
+        let step_s = if (0.0..=1.0).contains(&step_s) {
+            step_s
+        } else {
+            0.0
+        };
+        #[allow(clippy::cast_precision_loss, reason = "at most 4096 beams")]
+        let turn_s = step_s * (it.ranges.len() as f32 - 1.0);
+        let first_ns = self.clock.at(stamp(it.header.stamp, log_ns), report);
+        let ns = first_ns + zeronav_msgs::time::nanoseconds(f64::from(turn_s));
+        let range_m = [it.range_min, it.range_max.min(1.0e3)];
+        let mut ranges = it.ranges;
+        clean_ranges(&mut ranges, range_m, report);
+        self.scan_frames.insert(it.header.frame_id);
+        self.log.scans.push(LogScan {
+            ns,
+            angle_min_rad: it.angle_min,
+            angle_increment_rad: it.angle_increment,
+            time_increment_s: step_s,
+            range_m,
+            ranges,
+        });
+        Some(())
+    }
+
+    fn odometry(&mut self, log_ns: u64, data: &[u8]) -> Option<()> {
+        let it: Odometry = decoded(data)?;
+        let pose = pose(&it.position, &it.orientation)?;
+        let ns = self
+            .clock
+            .at(stamp(it.header.stamp, log_ns), &mut self.log.report);
+        self.log.odometry.push(LogPose { ns, pose });
+        Some(())
+    }
+
+    fn transforms(&mut self, topic: &str, data: &[u8]) -> Option<()> {
+        let message: TfMessage = decoded(data)?;
+        for it in message.transforms {
+            let Some(pose) = pose(&it.translation, &it.rotation) else {
+                self.log.report.mend("transforms that are no numbers");
+                continue;
+            };
+            let (parent, child) = (plain(&it.header.frame_id), plain(&it.child_frame_id));
+            let place = |ns| LogPose { ns, pose };
+            match (parent, child) {
+                // Late ones are put in order by their stamps; their clock is that of the messages before.
+                ("odom", "base_link" | "base_footprint") => {
+                    self.from_tf.push(place(stamp(it.header.stamp, 0)));
+                }
+                ("map", "odom") => self.map_from_odom.push(place(stamp(it.header.stamp, 0))),
+                _ if topic.ends_with("tf_static") || self.fixed.len() < CHANNELS_MAX => {
+                    self.fixed
+                        .insert((parent.to_owned(), child.to_owned()), pose);
+                }
+                _ => {}
+            }
+        }
+        Some(())
+    }
+
+    /// What was read.
+    ///
+    /// # Errors
+    /// What is missing without which nothing can be driven.
+    pub(crate) fn into_log(self) -> Result<Log, String> {
+        self.one_topic(SCAN, "--scan")?;
+        self.one_topic(ODOMETRY, "--odometry")?;
+        let mut log = self.log;
+        if log.scans.is_empty() {
+            return Err(format!("no message of {SCAN} that can be read is in it"));
+        }
+        if log.odometry.is_empty() && !self.from_tf.is_empty() {
+            log.report
+                .assumed
+                .push("the odometry is the transform from odom to base_link".to_owned());
+            log.odometry = self.from_tf;
+        }
+        if log.odometry.is_empty() {
+            return Err(format!(
+                "neither {ODOMETRY} nor a transform from odom to base_link is in it: without odometry nothing can be driven"
+            ));
+        }
+        let frame = self.scan_frames.first().cloned().unwrap_or_default();
+        match mount(&self.fixed, plain(&frame)) {
+            Some(laser) => log.laser = laser,
+            None => log.report.assumed.push(format!(
+                "the lidar ({frame}) is in the middle of the robot and looks ahead: no transform says where it is"
+            )),
+        }
+        if self.scan_frames.len() > 1 {
+            let missing = &mut log.report.missing;
+            missing.push("scans of several lidars are taken for those of the first".to_owned());
+        }
+        if !self.seen.contains_key(MAP) {
+            log.report.missing.push("no map".to_owned());
+        }
+        log.report
+            .missing
+            .push("no outline and no limits of the robot".to_owned());
+        put_in_order(&mut log);
+        correct(&mut log, self.map_from_odom);
+        Ok(log)
+    }
+
+    /// Accepts one topic of a type, or a named one.
+    fn one_topic(&self, kind: &'static str, flag: &str) -> Result<(), String> {
+        let named = match kind {
+            SCAN => &self.topics.scan,
+            _ => &self.topics.odometry,
+        };
+        let none = BTreeSet::new();
+        let seen = self.seen.get(kind).unwrap_or(&none);
+        let all = || {
+            let names: Vec<&str> = seen.iter().map(String::as_str).collect();
+            names.join(", ")
+        };
+        match named {
+            Some(named) if !seen.contains(named) => {
+                Err(format!("no {kind} on {named} is in it; there is {}", all()))
+            }
+            None if seen.len() > 1 => Err(format!(
+                "several topics have {kind}: name one with {flag} ({})",
+                all()
+            )),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Corrected poses from where a localiser had the odometry, at its moments.
+fn correct(log: &mut Log, mut map_from_odom: Vec<LogPose>) {
+    map_from_odom.sort_by_key(|it| it.ns);
+    if map_from_odom.is_empty() {
+        return;
+    }
+    log.report
+        .assumed
+        .push("corrected poses are those of the transform from map to odom".to_owned());
+    let corrected = log.scans.iter().filter_map(|scan| {
+        let at = map_from_odom.partition_point(|it| it.ns <= scan.ns);
+        let map_from_odom = map_from_odom.get(at.checked_sub(1)?)?;
+        let odometry = crate::recording::pose_at(&log.odometry, scan.ns)?;
+        Some(LogPose {
+            ns: scan.ns,
+            pose: map_from_odom.pose.then(&odometry),
+        })
+    });
+    log.corrected = corrected.collect();
+}
+
+/// The type that this name means, with or without `msg`.
+pub(crate) fn kind(name: &str) -> Option<&'static str> {
+    [SCAN, ODOMETRY, TF, MAP]
+        .into_iter()
+        .find(|known| *known == name || known.replace("/msg/", "/") == name)
+}
+
+/// Where a frame is on the robot, by transforms that do not move.
+fn mount(fixed: &BTreeMap<(String, String), Pose>, frame: &str) -> Option<Pose> {
+    const DEEPEST: usize = 16;
+    let (mut at, mut pose) = (frame.to_owned(), Pose::default());
+    for _ in 0..DEEPEST {
+        if at == "base_link" || at == "base_footprint" {
+            return Some(pose);
+        }
+        let ((parent, _), parent_from_at) = fixed.iter().find(|((_, child), _)| *child == at)?;
+        pose = parent_from_at.then(&pose);
+        at.clone_from(parent);
+    }
+    None
+}
+
+/// The name of a frame without a slash and a name space.
+fn plain(frame: &str) -> &str {
+    frame.rsplit('/').next().unwrap_or(frame)
+}
+
+/// A stamp, or when the message was logged where it has none. [ns]
+fn stamp(stamp: Time, log_ns: u64) -> u64 {
+    let ns = u64::try_from(stamp.sec).unwrap_or(0) * 1_000_000_000 + u64::from(stamp.nanosec);
+    if ns == 0 { log_ns } else { ns }
+}
+
+/// A pose in the plane; `None` when it is no number.
+fn pose(at: &Vector3, turn: &Quaternion) -> Option<Pose> {
+    let sin = 2.0 * (turn.w * turn.z + turn.x * turn.y);
+    let cos = 1.0 - 2.0 * (turn.y * turn.y + turn.z * turn.z);
+    let yaw_rad = sin.atan2(cos);
+    let is_sound = [at.x, at.y, yaw_rad].iter().all(|it| it.is_finite());
+    is_sound.then(|| Pose::new(at.x, at.y, wrap_angle(yaw_rad)))
+}
+
+/// A message in CDR of either byte order; what stands behind its fields is left.
+fn decoded<T: DeserializeOwned>(data: &[u8]) -> Option<T> {
+    let (head, body) = data.split_at_checked(4)?;
+    match head[1] & 1 {
+        1 => from_bytes::<T, LittleEndian>(body).ok().map(|(it, _)| it),
+        _ => from_bytes::<T, BigEndian>(body).ok().map(|(it, _)| it),
+    }
+}
+
+#[cfg(test)]
+mod tests;
