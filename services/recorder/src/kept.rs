@@ -7,6 +7,7 @@ use rustix::io::Errno;
 use rustix::process::{Resource, getrlimit};
 use std::fs::File;
 use std::io::Error;
+use std::os::fd::AsRawFd;
 use std::os::unix::fs::FileExt;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -51,7 +52,7 @@ impl Kept {
 
     /// Cuts off what was not whole, and ends the file with a verdict that says why it ends.
     pub(crate) fn end(&self, why: &str) {
-        let whole_bytes = self.whole_bytes.load(Ordering::Relaxed);
+        let whole_bytes = whole_until(&self.file, self.whole_bytes.load(Ordering::Relaxed));
         let fields = [
             (VALID, "false".to_owned()),
             (WHY, format!("the file could be written no longer: {why}")),
@@ -73,6 +74,32 @@ impl Kept {
     }
 }
 
+/// Where the last record of `file` ends that is there as a whole, at `from` or behind: chunks go to the file between two
+/// looks at it, too. [bytes]
+fn whole_until(file: &File, from: u64) -> u64 {
+    /// Opcode and length in front of each record. [bytes]
+    const HEAD_BYTES: usize = 9;
+    let mut at = from;
+    // The recording itself may be open for writing alone.
+    let path = format!("/proc/self/fd/{}", file.as_raw_fd());
+    let Ok((file, len)) = File::open(path).and_then(|file| {
+        let len = file.metadata()?.len();
+        Ok((file, len))
+    }) else {
+        return at;
+    };
+    let mut head = [0; HEAD_BYTES];
+    while file.read_exact_at(&mut head, at).is_ok() {
+        let [_, length @ ..] = head;
+        let next = (at + HEAD_BYTES as u64).checked_add(u64::from_le_bytes(length));
+        match next.filter(|next| *next <= len) {
+            Some(next) => at = next,
+            None => break,
+        }
+    }
+    at
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -84,12 +111,17 @@ mod tests {
         let kept = Kept::new(&file).expect("it");
         file.write_all(b"whole").expect("written");
         kept.is_whole().expect("room");
-        file.write_all(b"half of a chunk").expect("written");
+        // What was written since, and is there as a whole.
+        file.write_all(b"\x06\x03\0\0\0\0\0\0\0abc")
+            .expect("written");
+        file.write_all(b"\x06\x09\0\0\0\0\0\0\0half")
+            .expect("written");
         kept.end("no space");
         let len = file.metadata().expect("it").len();
         let mut bytes = vec![0; usize::try_from(len).expect("short")];
         file.read_exact_at(&mut bytes, 0).expect("read");
-        assert!(bytes.starts_with(b"whole\x0c"), "{bytes:?}");
+        let begin = b"whole\x06\x03\0\0\0\0\0\0\0abc\x0c";
+        assert!(bytes.starts_with(begin), "{bytes:?}");
         assert!(bytes.ends_with(mcap::MAGIC));
         let text = String::from_utf8_lossy(&bytes);
         assert!(text.contains("no longer: no space"), "{text}");
