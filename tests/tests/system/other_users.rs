@@ -66,8 +66,8 @@ impl Drop for Planted {
 
 /// Runs a command that must end by itself within ten seconds.
 fn ends(arguments: &[&str]) -> Ended {
-    let started = Instant::now();
     let mut run = Zeronav::start(arguments);
+    let started = Instant::now();
     while !run.has_ended() {
         assert!(
             started.elapsed() < Duration::from_secs(10),
