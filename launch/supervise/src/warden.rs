@@ -227,7 +227,7 @@ pub fn run() {
     let mut watched = Watched::default();
     while watched.listen() {
         watched.logs.cut();
-        watched.forget_ended();
+        watched.clear_up_after_the_dead();
         watched.domains.retain(|root| root.exists());
         watched.folders.retain(|folder| folder.exists());
     }
@@ -290,9 +290,9 @@ struct Watched {
 }
 
 impl Watched {
-    /// Forgets the services that have ended. One that died while it made a segment keeps everybody waiting for
-    /// it, launch before all, which cannot see to it then.
-    fn forget_ended(&mut self) {
+    /// Forgets the services that have ended, and removes segments that they had begun: whoever waits for one waits
+    /// long, launch before all, which cannot see to it then.
+    fn clear_up_after_the_dead(&mut self) {
         let before = self.services.len();
         self.services
             .retain(|service| !service.has_ended(Duration::ZERO));
