@@ -4,16 +4,16 @@ pub(crate) mod diff;
 mod export;
 pub(crate) mod input;
 
+use crate::output_file::{self, Problem};
 use clap::{Args, Subcommand};
-use export::{ExportError, export};
+use export::export;
 use input::open;
 use serde_json::json;
-use std::io::{BufWriter, ErrorKind, Write};
+use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use zeronav_console::exit::{EXIT_FAIL, EXIT_OUTPUT, EXIT_PASS};
+use zeronav_console::exit::{EXIT_FAIL, EXIT_PASS};
 use zeronav_console::terminal::{complain, say, say_json, usage};
-use zeronav_files::{Folder, parts};
 use zeronav_msgs::time::seconds;
 use zeronav_recorder::native::PREFIX;
 use zeronav_recorder::read::{ReadError, Summary, summary};
@@ -91,11 +91,7 @@ pub fn bag(arguments: &BagArgs) -> ExitCode {
                 say(&lines.collect::<String>());
                 ExitCode::from(EXIT_PASS)
             }
-            Err(ExportError::Input(problem)) => usage(&problem),
-            Err(ExportError::Output(problem)) => {
-                complain(&problem);
-                ExitCode::from(EXIT_OUTPUT)
-            }
+            Err(problem) => problem.say(),
         },
         BagVerb::Recover { file, out, force } => {
             let out = out.clone().unwrap_or_else(|| beside(file));
@@ -105,11 +101,7 @@ pub fn bag(arguments: &BagArgs) -> ExitCode {
                     say(&format!("{}: {n} messages{lost}\n", out.display()));
                     ExitCode::from(EXIT_PASS)
                 }
-                Err(Problem::Input(problem)) => usage(&problem),
-                Err(Problem::Output(problem)) => {
-                    complain(&problem);
-                    ExitCode::from(EXIT_OUTPUT)
-                }
+                Err(problem) => problem.say(),
             }
         }
     }
@@ -212,11 +204,6 @@ fn to_json(found: &Summary, damage: Option<&ReadError>) -> serde_json::Value {
     })
 }
 
-enum Problem {
-    Input(String),
-    Output(String),
-}
-
 fn beside(file: &Path) -> PathBuf {
     let stem = file.file_stem().unwrap_or_default().to_string_lossy();
     file.with_file_name(format!("{stem}_recovered.mcap"))
@@ -225,33 +212,20 @@ fn beside(file: &Path) -> PathBuf {
 /// Writes `out`; what became of it, and what is lost, in words.
 fn recovered(file: &Path, out: &Path, force: bool) -> Result<(Recovered, String), Problem> {
     let input = open(file).map_err(Problem::Input)?;
-    let failed =
-        |why: &dyn core::fmt::Display| Problem::Output(format!("writing {}: {why}", out.display()));
     if file.canonicalize().ok() == Some(out.canonicalize().unwrap_or_default()) {
         let problem = "it is the file to recover; name another one";
         return Err(Problem::Input(format!("{}: {problem}", out.display())));
     }
-    let (folder, name) = parts(out).map_err(|error| failed(&error))?;
-    let folder = Folder::open(folder).map_err(|error| failed(&error))?;
-    if force {
-        folder.remove(name);
-    }
-    let output = folder.new_file(name).map_err(|error| match error.kind() {
-        ErrorKind::AlreadyExists => Problem::Input(format!(
-            "{}: it exists; name another file with --out, or --force to replace it",
-            out.display()
-        )),
-        _ => failed(&error),
-    })?;
-    let copied = recover(input, BufWriter::new(output)).map_err(|error| match error {
-        RecoverError::Read(damage) => Problem::Input(format!("{}: {damage}", file.display())),
-        RecoverError::Write(error) => failed(&error),
-    });
-    let copied = copied.and_then(|(recovered, mut output)| {
-        output.flush().map_err(|error| failed(&error))?;
+    let recovered = output_file::made(out, force, |output| {
+        let copied = recover(input, BufWriter::new(output));
+        let (recovered, mut output) = copied.map_err(|error| match error {
+            RecoverError::Read(damage) => Problem::Input(format!("{}: {damage}", file.display())),
+            RecoverError::Write(error) => Problem::writing(out, &error),
+        })?;
+        let flushed = output.flush();
+        flushed.map_err(|error| Problem::writing(out, &error))?;
         Ok(recovered)
-    });
-    let recovered = copied.inspect_err(|_| folder.remove(name))?;
+    })?;
     let lost = match &recovered.damage {
         Some(damage) => format!(", up to the damage at {damage}"),
         None => ", the old file was whole".to_owned(),

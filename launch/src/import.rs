@@ -1,14 +1,14 @@
 //! `zeronav import`: the log of another robot as a recording for `zeronav replay --open`.
 
+use crate::output_file::{self, Problem};
 use clap::Args;
 use serde_json::json;
-use std::io::{BufWriter, ErrorKind, Write};
+use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use zeronav_console::exit::{EXIT_OUTPUT, EXIT_PASS};
-use zeronav_console::terminal::{complain, say, say_json, usage};
-use zeronav_files::{Folder, parts};
-use zeronav_import::recording::{Imported, assumed};
+use zeronav_console::exit::EXIT_PASS;
+use zeronav_console::terminal::{say, say_json, usage};
+use zeronav_import::recording::{Imported, WriteError, assumed};
 use zeronav_import::{Log, Topics};
 use zeronav_shell::printable::printable;
 
@@ -34,11 +34,6 @@ pub struct ImportArgs {
     pub json: bool,
 }
 
-enum Problem {
-    Input(String),
-    Output(String),
-}
-
 /// `zeronav import`.
 #[must_use]
 pub fn import(arguments: &ImportArgs) -> ExitCode {
@@ -46,7 +41,7 @@ pub fn import(arguments: &ImportArgs) -> ExitCode {
         scan: arguments.scan.clone(),
         odometry: arguments.odometry.clone(),
     };
-    let log = match zeronav_import::read(&arguments.log, &topics) {
+    let log = match zeronav_import::log_in(&arguments.log, &topics) {
         Ok(log) => log,
         Err(error) => return usage(&printable(&error.to_string())),
     };
@@ -63,35 +58,21 @@ pub fn import(arguments: &ImportArgs) -> ExitCode {
             }
             ExitCode::from(EXIT_PASS)
         }
-        Err(Problem::Input(why)) => usage(&printable(&why)),
-        Err(Problem::Output(why)) => {
-            complain(&format!("{}: {why}", out.display()));
-            ExitCode::from(EXIT_OUTPUT)
-        }
+        Err(problem) => problem.say(),
     }
 }
 
 fn write(log: &Log, name: &str, out: &Path, force: bool) -> Result<Imported, Problem> {
-    let failed = |why: &dyn core::fmt::Display| Problem::Output(why.to_string());
-    let (folder, file) = parts(out).map_err(|error| failed(&error))?;
-    let folder = Folder::open(folder).map_err(|error| failed(&error))?;
-    if force {
-        folder.remove(file);
-    }
-    let output = folder.new_file(file).map_err(|error| match error.kind() {
-        ErrorKind::AlreadyExists => {
-            let fix = "it exists; name another file with --out, or --force to replace it";
-            Problem::Input(format!("{}: {fix}", out.display()))
-        }
-        _ => failed(&error),
-    })?;
-    let written = zeronav_import::recording::write(log, name, BufWriter::new(output));
-    let in_log = |why: String| Problem::Input(format!("{name}: {why}"));
-    let written = written.map_err(in_log).and_then(|(imported, mut output)| {
-        output.flush().map_err(|error| failed(&error))?;
+    output_file::made(out, force, |output| {
+        let written = zeronav_import::recording::write(log, name, BufWriter::new(output));
+        let (imported, mut output) = written.map_err(|error| match error {
+            WriteError::Log(why) => Problem::Input(format!("{name}: {why}")),
+            WriteError::Made(error) => Problem::writing(out, &error),
+        })?;
+        let flushed = output.flush();
+        flushed.map_err(|error| Problem::writing(out, &error))?;
         Ok(imported)
-    });
-    written.inspect_err(|_| folder.remove(file))
+    })
 }
 
 fn to_text(log: &Log, imported: &Imported, out: &Path) -> String {

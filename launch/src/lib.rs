@@ -33,6 +33,7 @@ mod open_files;
 mod open_loop;
 mod orders;
 pub mod output_args;
+mod output_file;
 pub mod params;
 pub mod picture;
 mod placed;

@@ -5,7 +5,7 @@
 //! the odometry, they are corrected ones.
 
 use crate::clock::{Clock, put_in_order};
-use crate::log::{Log, LogPose, LogScan, clean_ranges};
+use crate::log::{Log, LogPose, LogScan, add_pose, clean_ranges};
 use core::f32::consts::PI;
 use std::io::{BufRead, BufReader, Read};
 use zeronav_msgs::pose::Pose;
@@ -114,7 +114,7 @@ fn odometry<'a>(
     }
     let ns = clock.at(ns, &mut log.report);
     let pose = start.then(&pose);
-    log.odometry.push(LogPose { ns, pose });
+    add_pose(&mut log.odometry, LogPose { ns, pose }, &mut log.report);
     Some(())
 }
 
@@ -138,7 +138,7 @@ fn scan<'a>(
     clean_ranges(&mut ranges, [RANGE_M_MIN, RANGE_M_MAX], &mut log.report);
     #[allow(clippy::cast_precision_loss, reason = "at most 4096 beams")]
     let step_rad = PI / (n as f32 - 1.0);
-    log.scans.push(LogScan {
+    log.add_scan(LogScan {
         ns,
         angle_min_rad: -PI / 2.0,
         angle_increment_rad: step_rad,
@@ -146,11 +146,9 @@ fn scan<'a>(
         range_m: [RANGE_M_MIN, RANGE_M_MAX],
         ranges,
     });
-    log.corrected.push(LogPose {
-        ns,
-        pose: corrected,
-    });
-    raw.push(LogPose { ns, pose: own });
+    let place = |pose| LogPose { ns, pose };
+    add_pose(&mut log.corrected, place(corrected), &mut log.report);
+    add_pose(raw, place(own), &mut log.report);
     Some(())
 }
 

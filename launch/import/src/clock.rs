@@ -5,6 +5,9 @@ use crate::log::{Log, LogPose, LogScan, Report};
 /// A step of the clock beyond this, either way, is a jump. [ns]
 const JUMP_NS: u64 = 5_000_000_000;
 
+/// Latest time, some hundred years: room for sums. [ns]
+const NS_MAX: u64 = u64::MAX / 4;
+
 /// What lies between two messages in place of a jump. [ns]
 const STEP_NS: u64 = 50_000_000;
 
@@ -19,8 +22,7 @@ pub(crate) struct Clock {
 impl Clock {
     /// The time of the next message without the jumps before it. [ns]
     pub(crate) fn at(&mut self, stamp_ns: u64, report: &mut Report) -> u64 {
-        let shifted = i128::from(stamp_ns) + self.shift_ns;
-        let mut ns = u64::try_from(shifted).unwrap_or(0);
+        let mut ns = self.late(stamp_ns);
         if let Some(newest_ns) = self.newest_ns
             && ns.abs_diff(newest_ns) > JUMP_NS
         {
@@ -34,7 +36,8 @@ impl Clock {
 
     /// The time of a message that is logged much later than others of its time, without the jumps so far. [ns]
     pub(crate) fn late(&self, stamp_ns: u64) -> u64 {
-        u64::try_from(i128::from(stamp_ns) + self.shift_ns).unwrap_or(0)
+        let ns = u64::try_from(i128::from(stamp_ns) + self.shift_ns).unwrap_or(0);
+        ns.min(NS_MAX)
     }
 }
 

@@ -12,9 +12,9 @@ mod sqlite;
 
 pub use log::{Log, Report, Topics};
 
-use std::fs::File;
 use std::io::{BufReader, Read};
 use std::path::{Path, PathBuf};
+use zeronav_files::read;
 
 /// Most of a file that is read, unpacked. [bytes]
 const BYTES_MAX: u64 = 4 << 30;
@@ -38,7 +38,7 @@ pub struct ImportError {
 ///
 /// # Errors
 /// [`ImportError`].
-pub fn read(path: &Path, topics: &Topics) -> Result<Log, ImportError> {
+pub fn log_in(path: &Path, topics: &Topics) -> Result<Log, ImportError> {
     let wrong = |why: String| ImportError {
         file: path.to_owned(),
         why,
@@ -64,8 +64,8 @@ pub fn read(path: &Path, topics: &Topics) -> Result<Log, ImportError> {
         read_bag(path, &mut bag)?;
         return bag.into_log().map_err(wrong);
     }
-    let open = || File::open(path).map(BufReader::new);
-    let input = open().map_err(|error| wrong(error.to_string()))?;
+    let input = read::open(path).map(BufReader::new);
+    let input = input.map_err(|error| wrong(error.to_string()))?;
     let log = if start.starts_with(GZIP) {
         carmen::read(flate2::read::GzDecoder::new(input).take(BYTES_MAX))
     } else {
@@ -81,22 +81,17 @@ fn read_bag(path: &Path, bag: &mut ros::Bag<'_>) -> Result<(), ImportError> {
         why,
     };
     let start = start_of(path).map_err(|error| wrong(error.to_string()))?;
-    let file = File::open(path).map_err(|error| wrong(error.to_string()))?;
     if start.starts_with(SQLITE) {
-        sqlite::read(&file, bag).map_err(wrong)
-    } else {
-        bag.read_mcap(BufReader::new(file)).map_err(wrong)
+        return sqlite::read(path, bag).map_err(wrong);
     }
+    let file = read::open(path).map_err(|error| wrong(error.to_string()))?;
+    bag.read_mcap(BufReader::new(file)).map_err(wrong)
 }
 
 /// The first bytes of a file.
 fn start_of(path: &Path) -> std::io::Result<Vec<u8>> {
-    let file = File::open(path)?;
-    if !file.metadata()?.is_file() {
-        return Err(std::io::Error::other("is no regular file"));
-    }
     let mut start = Vec::new();
-    file.take(32).read_to_end(&mut start)?;
+    read::open(path)?.take(32).read_to_end(&mut start)?;
     Ok(start)
 }
 

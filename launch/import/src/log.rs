@@ -71,6 +71,34 @@ pub struct Log {
     pub laser: Pose,
     /// What was missing and assumed.
     pub report: Report,
+    /// Beams of all scans.
+    pub(crate) n_beams: usize,
+}
+
+/// Most beams, and most poses of each kind, that are held: a gigabyte.
+const BEAMS_HELD_MAX: usize = 1 << 28;
+const POSES_HELD_MAX: usize = 1 << 24;
+
+impl Log {
+    /// Takes a scan in, as long as there is room.
+    pub(crate) fn add_scan(&mut self, scan: LogScan) {
+        self.n_beams += scan.ranges.len();
+        if self.n_beams > BEAMS_HELD_MAX {
+            self.report
+                .mend("scans behind the longest log that is held");
+        } else {
+            self.scans.push(scan);
+        }
+    }
+}
+
+/// Takes a pose in, as long as there is room.
+pub(crate) fn add_pose(to: &mut Vec<LogPose>, pose: LogPose, report: &mut Report) {
+    if to.len() < POSES_HELD_MAX {
+        to.push(pose);
+    } else {
+        report.mend("poses behind the longest log that is held");
+    }
 }
 
 /// Ranges as the contract has them, from those of a sensor with these limits: what is closer than it can see, or is no

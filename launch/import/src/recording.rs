@@ -181,14 +181,31 @@ impl<'a> Placed<'a> {
     }
 }
 
+/// Why a log does not become a recording.
+#[derive(Debug, thiserror::Error)]
+pub enum WriteError {
+    /// What is in the log.
+    #[error("{0}")]
+    Log(&'static str),
+    /// It cannot be written.
+    #[error("{0}")]
+    Made(#[from] MadeError),
+}
+
 /// Writes a log as the recording `name`.
 ///
 /// # Errors
-/// One line when nothing of it can be driven, or it cannot be written.
-pub fn write<W: Write + Seek>(log: &Log, name: &str, output: W) -> Result<(Imported, W), String> {
-    let placed = Placed::of(log).ok_or("no scan lies between two odometry messages")?;
-    let written = placed.write(name, output);
-    written.map_err(|error| format!("writing: {error}"))
+/// [`WriteError`].
+pub fn write<W: Write + Seek>(
+    log: &Log,
+    name: &str,
+    output: W,
+) -> Result<(Imported, W), WriteError> {
+    let placed = Placed::of(log);
+    let placed = placed.ok_or(WriteError::Log(
+        "no scan lies between two odometry messages",
+    ))?;
+    Ok(placed.write(name, output)?)
 }
 
 impl Placed<'_> {
@@ -410,6 +427,6 @@ mod tests {
         let error = write(&log, "it", Cursor::new(Vec::new()))
             .map(|_| ())
             .expect_err("none");
-        assert!(error.contains("no scan"), "{error}");
+        assert!(error.to_string().contains("no scan"), "{error}");
     }
 }

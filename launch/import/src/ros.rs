@@ -1,7 +1,7 @@
 //! Bags of ROS 2: messages in CDR, of whichever container.
 
 use crate::clock::{Clock, put_in_order};
-use crate::log::{Log, LogPose, LogScan, Topics, clean_ranges};
+use crate::log::{Log, LogPose, LogScan, Topics, add_pose, clean_ranges};
 use byteorder::{BigEndian, LittleEndian};
 use cdr_encoding::from_bytes;
 use mcap::records::Record;
@@ -173,7 +173,7 @@ impl<'a> Bag<'a> {
         let known = match kind {
             SCAN => self.scan(log_ns, data),
             ODOMETRY => self.odometry(log_ns, data),
-            TF => self.transforms(topic, data),
+            TF => self.transforms(data),
             _ => Some(()),
         };
         if known.is_none() {
@@ -217,12 +217,12 @@ impl<'a> Bag<'a> {
         #[allow(clippy::cast_precision_loss, reason = "at most 4096 beams")]
         let turn_s = step_s * (it.ranges.len() as f32 - 1.0);
         let first_ns = self.clock.at(stamp(it.header.stamp, log_ns), report);
-        let ns = first_ns + zeronav_msgs::time::nanoseconds(f64::from(turn_s));
+        let ns = first_ns.saturating_add(zeronav_msgs::time::nanoseconds(f64::from(turn_s)));
         let range_m = [it.range_min, it.range_max.min(1.0e3)];
         let mut ranges = it.ranges;
         clean_ranges(&mut ranges, range_m, report);
         self.scan_frames.insert(it.header.frame_id);
-        self.log.scans.push(LogScan {
+        self.log.add_scan(LogScan {
             ns,
             angle_min_rad: it.angle_min,
             angle_increment_rad: it.angle_increment,
@@ -239,11 +239,14 @@ impl<'a> Bag<'a> {
         let ns = self
             .clock
             .at(stamp(it.header.stamp, log_ns), &mut self.log.report);
-        self.log.odometry.push(LogPose { ns, pose });
+        let Log {
+            odometry, report, ..
+        } = &mut self.log;
+        add_pose(odometry, LogPose { ns, pose }, report);
         Some(())
     }
 
-    fn transforms(&mut self, topic: &str, data: &[u8]) -> Option<()> {
+    fn transforms(&mut self, data: &[u8]) -> Option<()> {
         let message: TfMessage = decoded(data)?;
         for it in message.transforms {
             let Some(pose) = pose(&it.translation, &it.rotation) else {
@@ -251,14 +254,18 @@ impl<'a> Bag<'a> {
                 continue;
             };
             let (parent, child) = (plain(&it.header.frame_id), plain(&it.child_frame_id));
-            let place = |ns| LogPose { ns, pose };
+            let place = LogPose {
+                ns: stamp(it.header.stamp, 0),
+                pose,
+            };
+            let report = &mut self.log.report;
             match (parent, child) {
                 // Late ones are put in order by their stamps; their clock is that of the messages before.
                 ("odom", "base_link" | "base_footprint") => {
-                    self.from_tf.push(place(stamp(it.header.stamp, 0)));
+                    add_pose(&mut self.from_tf, place, report);
                 }
-                ("map", "odom") => self.map_from_odom.push(place(stamp(it.header.stamp, 0))),
-                _ if topic.ends_with("tf_static") || self.fixed.len() < CHANNELS_MAX => {
+                ("map", "odom") => add_pose(&mut self.map_from_odom, place, report),
+                _ if self.fixed.len() < CHANNELS_MAX => {
                     self.fixed
                         .insert((parent.to_owned(), child.to_owned()), pose);
                 }

@@ -1,6 +1,7 @@
 //! `zeronav bag export`: the messages of the contract as tables.
 
 use super::input::{is_unit, open};
+use crate::output_file::Problem;
 use core::iter::once;
 use csv::Writer;
 use std::collections::BTreeMap;
@@ -13,13 +14,6 @@ use zeronav_shell::printable::printable_cell;
 
 /// Most values of an item that become columns: those of a map's tile do not.
 const COLUMNS_MAX: usize = 256;
-
-/// What was written, or why it was not.
-#[derive(Debug, PartialEq, Eq)]
-pub(super) enum ExportError {
-    Input(String),
-    Output(String),
-}
 
 /// The tables of one topic.
 struct Tables {
@@ -38,11 +32,9 @@ pub(super) fn export(
     file: &Path,
     folder: &Path,
     topics: &[String],
-) -> Result<BTreeMap<String, u64>, ExportError> {
-    let input = open(file).map_err(ExportError::Input)?;
-    let failed = |why: &dyn core::fmt::Display| {
-        ExportError::Output(format!("writing {}: {why}", folder.display()))
-    };
+) -> Result<BTreeMap<String, u64>, Problem> {
+    let input = open(file).map_err(Problem::Input)?;
+    let failed = |why: &dyn core::fmt::Display| Problem::writing(folder, why);
     let made: Vec<&Path> = folder
         .ancestors()
         .take_while(|it| !it.as_os_str().is_empty() && it.symlink_metadata().is_err())
@@ -53,7 +45,7 @@ pub(super) fn export(
             "{}: it is not empty; name another folder",
             folder.path().display()
         );
-        return Err(ExportError::Input(why));
+        return Err(Problem::Input(why));
     }
     let mut tables: BTreeMap<String, Tables> = BTreeMap::new();
     let mut problem = None;
@@ -69,8 +61,7 @@ pub(super) fn export(
         problem = problem.or(flushed.err().map(csv::Error::from));
     }
     let missing = topics.iter().find(|topic| !tables.contains_key(*topic));
-    let wrong =
-        |why: &dyn core::fmt::Display| ExportError::Input(format!("{}: {why}", file.display()));
+    let wrong = |why: &dyn core::fmt::Display| Problem::Input(format!("{}: {why}", file.display()));
     let result = match (problem, read, missing) {
         (Some(error), _, _) => Err(failed(&error)),
         (None, Err(error), _) => Err(wrong(&error)),

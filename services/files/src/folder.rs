@@ -171,20 +171,25 @@ impl Folder {
     /// `AlreadyExists` when it is there and `replace` says no, or when something that is neither a file
     /// nor a link is there; what the system says. What was there before is still there then.
     pub fn write(&self, name: &str, bytes: &[u8], replace: Replace) -> std::io::Result<()> {
-        static COUNT: AtomicU32 = AtomicU32::new(0);
         self.check_free(name, replace)?;
+        let part = self.part()?;
+        part.file().write_all(bytes)?;
+        part.place(name, replace)
+    }
+
+    /// Begins a file of this folder that has no name yet.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub fn part(&self) -> std::io::Result<Part> {
+        static COUNT: AtomicU32 = AtomicU32::new(0);
         let n = COUNT.fetch_add(1, Ordering::Relaxed);
-        let part = format!(".zeronav.{}.{n}.{}.part", std::process::id(), moment());
-        let mut file = self.new_file(&part)?;
-        let written = (file.write_all(bytes))
-            .and_then(|()| file.sync_all())
-            .and_then(|()| self.rename(&part, name, replace))
-            .and_then(|()| Ok(rustix::fs::fsync(&*self.handle)?));
-        if written.is_err() {
-            // Half a file is of no use; without it there is more room.
-            self.remove(&part);
-        }
-        written
+        let name = format!(".zeronav.{}.{n}.{}.part", std::process::id(), moment());
+        Ok(Part {
+            file: self.new_file(&name)?,
+            folder: self.clone(),
+            name,
+        })
     }
 
     /// Accepts a name for [`Self::write`].
@@ -240,6 +245,40 @@ impl Folder {
     #[must_use]
     pub fn here(&self) -> PathBuf {
         PathBuf::from(format!("/proc/self/fd/{}", self.handle.as_raw_fd()))
+    }
+}
+
+/// A file that is being written: what has its name stays until it is complete. Dropping it removes it.
+#[derive(Debug)]
+pub struct Part {
+    folder: Folder,
+    name: String,
+    file: File,
+}
+
+impl Part {
+    /// Where it is written.
+    #[must_use]
+    pub fn file(&self) -> &File {
+        &self.file
+    }
+
+    /// Gives it its name, complete and durable.
+    ///
+    /// # Errors
+    /// As [`Folder::write`].
+    pub fn place(self, name: &str, replace: Replace) -> std::io::Result<()> {
+        self.folder.check_free(name, replace)?;
+        self.file.sync_all()?;
+        self.folder.rename(&self.name, plain(name)?, replace)?;
+        Ok(rustix::fs::fsync(&*self.folder.handle)?)
+    }
+}
+
+impl Drop for Part {
+    /// Half a file is of no use; without it there is more room.
+    fn drop(&mut self) {
+        self.folder.remove(&self.name);
     }
 }
 

@@ -9,4 +9,4 @@
 mod folder;
 pub mod read;
 
-pub use folder::{Folder, Replace, parts};
+pub use folder::{Folder, Part, Replace, parts};

@@ -8,6 +8,7 @@
 //! a file into what is in it ([`read`], [`recover`]).
 
 pub mod accepted;
+mod channels;
 pub mod compare;
 pub mod domain_files;
 pub mod ending;

@@ -6,7 +6,7 @@ use crate::ros::view::time;
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::os::unix::fs::FileExt;
-use std::time::{Duration, Instant};
+use std::time::{Duration, Instant, SystemTime};
 use zeronav_files::Folder;
 
 /// Time between two looks at the logs.
@@ -81,36 +81,9 @@ fn level_of(word: &str) -> Option<u8> {
 
 /// The moment that a time like `2026-11-23T16:52:19.123456Z` means. [ns] since 1970
 fn unix_ns(text: &str) -> Option<u64> {
-    let (date, time) = text.strip_suffix('Z')?.split_once('T')?;
-    let numbers = |text: &str, separator| -> Option<Vec<u64>> {
-        text.split(separator)
-            .map(|it: &str| it.parse().ok())
-            .collect()
-    };
-    let (time, fraction) = time.split_once('.').unwrap_or((time, "0"));
-    let [year, month, day] = numbers(date, '-')?.try_into().ok()?;
-    let [hour, minute, second] = numbers(time, ':')?.try_into().ok()?;
-    let is_date =
-        (1970..=9999).contains(&year) && (1..=12).contains(&month) && (1..=31).contains(&day);
-    let is_time = hour < 24 && minute < 60 && second < 61;
-    if !is_date || !is_time || fraction.is_empty() || fraction.len() > 9 {
-        return None;
-    }
-    let digits: u64 = fraction.parse().ok()?;
-    let places = u32::try_from(fraction.len()).ok()?;
-    let fraction_ns = digits * 10_u64.pow(9 - places);
-    // Source: H. Hinnant, "chrono-compatible low-level date algorithms", `days_from_civil`.
-    let (year, month) = if month <= 2 {
-        (year - 1, month + 9)
-    } else {
-        (year, month - 3)
-    };
-    let (era, of_era) = (year / 400, year % 400);
-    let of_year = (153 * month + 2) / 5 + day - 1;
-    let days = era * 146_097 + of_era * 365 + of_era / 4 - of_era / 100 + of_year;
-    let days = days.checked_sub(719_468)?;
-    let seconds = ((days * 24 + hour) * 60 + minute) * 60 + second;
-    Some(seconds * 1_000_000_000 + fraction_ns)
+    let time = humantime::parse_rfc3339(text).ok()?;
+    let since = time.duration_since(SystemTime::UNIX_EPOCH).ok()?;
+    u64::try_from(since.as_nanos()).ok()
 }
 
 /// One log as far as it was read.

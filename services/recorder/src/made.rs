@@ -1,9 +1,10 @@
 //! A recording that is made of something else than a running stack: of the log of another robot, or of a recording that
 //! is brought into another form. It has both layers, as the recorder writes them.
 
-use crate::file::{Channel, RecordingFile, SCENARIO_TYPE, START, Stamped};
+use crate::channels::Channels;
+use crate::file::{RecordingFile, SCENARIO_TYPE, START, Stamped};
 use crate::native::{self, NativeTopic};
-use crate::ros::{Bytes, Ros, RosTopic};
+use crate::ros::{Bytes, Ros};
 use crate::times::TimeBase;
 use crate::verdict::{END_TICK, Tally, VERDICT, verdict};
 use mcap::McapError;
@@ -42,8 +43,7 @@ pub struct Moment {
 pub struct Made<W: Write + Seek> {
     file: RecordingFile<W>,
     topics: Vec<NativeTopic>,
-    native: BTreeMap<&'static str, u16>,
-    world: BTreeMap<RosTopic, u16>,
+    channels: Channels,
     ros: Ros,
     tallies: BTreeMap<usize, Tally>,
     counts: BTreeMap<(Role, &'static str), u64>,
@@ -74,8 +74,7 @@ impl<W: Write + Seek> Made<W> {
         Ok(Self {
             file,
             topics: native::topics(),
-            native: BTreeMap::new(),
-            world: BTreeMap::new(),
+            channels: Channels::default(),
             ros: Ros::new(TimeBase::default()),
             tallies: BTreeMap::new(),
             counts: BTreeMap::new(),
@@ -147,7 +146,10 @@ impl<W: Write + Seek> Made<W> {
             log_ns,
             publish_ns: log_ns,
         };
-        let channel = self.native_channel(row)?;
+        let mut topics = self.topics.iter();
+        let topic = topics.find(|topic| topic.row.number == row.number);
+        let topic = topic.ok_or(MadeError::Topic(row.name))?;
+        let channel = self.channels.native(&mut self.file, topic)?;
         self.file
             .write(channel, when, &[envelope, items].concat())?;
         let bytes = Bytes {
@@ -157,7 +159,7 @@ impl<W: Write + Seek> Made<W> {
             items,
         };
         for made in self.ros.see(&bytes)? {
-            let channel = self.world_channel(made.topic)?;
+            let channel = self.channels.world(&mut self.file, made.topic)?;
             let when = Stamped {
                 log_ns: made.log_ns,
                 ..when
@@ -180,41 +182,6 @@ impl<W: Write + Seek> Made<W> {
         fields.insert(END_TICK.to_owned(), end_tick.to_string());
         self.file.metadata(VERDICT, fields)?;
         Ok(self.file.finish()?)
-    }
-
-    fn native_channel(&mut self, row: &'static TopicRow) -> Result<u16, MadeError> {
-        if let Some(channel) = self.native.get(row.name) {
-            return Ok(*channel);
-        }
-        let mut topics = self.topics.iter();
-        let topic = topics.find(|topic| topic.row.number == row.number);
-        let topic = topic.ok_or(MadeError::Topic(row.name))?;
-        let channel = self.file.channel(&Channel {
-            topic: &topic.channel(),
-            encoding: native::ENCODING,
-            schema: topic.type_name,
-            schema_encoding: "",
-            definition: b"",
-            metadata: topic.metadata(),
-        })?;
-        self.native.insert(row.name, channel);
-        Ok(channel)
-    }
-
-    fn world_channel(&mut self, topic: RosTopic) -> Result<u16, MadeError> {
-        if let Some(channel) = self.world.get(&topic) {
-            return Ok(*channel);
-        }
-        let channel = self.file.channel(&Channel {
-            topic: topic.name(),
-            encoding: "cdr",
-            schema: topic.type_name(),
-            schema_encoding: "ros2msg",
-            definition: topic.definition().as_bytes(),
-            metadata: topic.metadata(),
-        })?;
-        self.world.insert(topic, channel);
-        Ok(channel)
     }
 }
 

@@ -2,7 +2,8 @@
 //! message. Between them lie at most [`QUEUE_BYTES_MAX`]; beyond that nothing is read, and what the
 //! stack's queues then lose is counted.
 
-use crate::file::{Channel, DRIVEN_BY, PARAMETERS, RecordingFile, SCENARIO_TYPE, START, Stamped};
+use crate::channels::Channels;
+use crate::file::{DRIVEN_BY, PARAMETERS, RecordingFile, SCENARIO_TYPE, START, Stamped};
 use crate::kept::Kept;
 use crate::logs::LogLine;
 use crate::native::{self, NativeTopic};
@@ -184,8 +185,7 @@ struct Writer {
     file: RecordingFile<BufWriter<File>>,
     kept: Arc<Kept>,
     topics: Vec<NativeTopic>,
-    native: Vec<Option<u16>>,
-    world: BTreeMap<RosTopic, u16>,
+    channels: Channels,
     /// Messages of each of its topics, and the first and the last moment that they are about. [ns]
     world_messages: BTreeMap<RosTopic, u64>,
     world_range_ns: Option<[u64; 2]>,
@@ -234,9 +234,8 @@ impl Writer {
         Ok(Self {
             file,
             kept,
-            native: vec![None; topics.len()],
+            channels: Channels::default(),
             topics,
-            world: BTreeMap::new(),
             world_messages: BTreeMap::new(),
             world_range_ns: None,
             times: start.times,
@@ -263,10 +262,7 @@ impl Writer {
                     let needs_keyframe = self.ros.needs_keyframe();
                     self.needs_keyframe.store(needs_keyframe, Ordering::Relaxed);
                 }
-                Ok(Order::Topic(topic)) => {
-                    self.topics.push(topic);
-                    self.native.push(None);
-                }
+                Ok(Order::Topic(topic)) => self.topics.push(topic),
                 Ok(Order::Logs(lines)) => {
                     for line in lines {
                         self.write_log(&line)?;
@@ -324,7 +320,8 @@ impl Writer {
             log_ns,
             publish_ns: sent_ns.unwrap_or(log_ns),
         };
-        let channel = self.native_channel(message.topic)?;
+        let topic = &self.topics[message.topic];
+        let channel = self.channels.native(&mut self.file, topic)?;
         self.file.write(channel, when, &message.bytes)?;
         if header.is_none() {
             return Ok(());
@@ -343,7 +340,7 @@ impl Writer {
     }
 
     fn write_world(&mut self, made: &RosMessage, when: Stamped) -> Result<(), WriteError> {
-        let channel = self.world_channel(made.topic)?;
+        let channel = self.channels.world(&mut self.file, made.topic)?;
         let when = Stamped {
             log_ns: made.log_ns,
             ..when
@@ -373,39 +370,6 @@ impl Writer {
         };
         self.log_line = self.log_line.wrapping_add(1);
         self.write_world(&made, when)
-    }
-
-    fn native_channel(&mut self, topic: usize) -> Result<u16, WriteError> {
-        if let Some(channel) = self.native[topic] {
-            return Ok(channel);
-        }
-        let it = &self.topics[topic];
-        let channel = self.file.channel(&Channel {
-            topic: &it.channel(),
-            encoding: native::ENCODING,
-            schema: it.type_name,
-            schema_encoding: "",
-            definition: b"",
-            metadata: it.metadata(),
-        })?;
-        self.native[topic] = Some(channel);
-        Ok(channel)
-    }
-
-    fn world_channel(&mut self, topic: RosTopic) -> Result<u16, WriteError> {
-        if let Some(channel) = self.world.get(&topic) {
-            return Ok(*channel);
-        }
-        let channel = self.file.channel(&Channel {
-            topic: topic.name(),
-            encoding: "cdr",
-            schema: topic.type_name(),
-            schema_encoding: "ros2msg",
-            definition: topic.definition().as_bytes(),
-            metadata: topic.metadata(),
-        })?;
-        self.world.insert(topic, channel);
-        Ok(channel)
     }
 }
 

@@ -155,6 +155,9 @@ fn a_pipe_or_device_in_the_place_of_a_file_is_refused_at_once() {
     let device = place.path().join("device.yaml");
     std::fs::write(&device, yaml("/dev/zero")).expect("written");
     made("result.json");
+    let bag = place.path().join("bag");
+    std::fs::create_dir(&bag).expect("a folder");
+    let log = made("bag/it.mcap");
     let run = text(place.path());
     for arguments in [
         &["check", text(&scenario)][..],
@@ -166,6 +169,10 @@ fn a_pipe_or_device_in_the_place_of_a_file_is_refused_at_once() {
         &["latency", run],
         &["why", run],
         &["start-up", run],
+        &["bag", "info", text(&log)],
+        &["replay", text(&log)],
+        &["import", text(&log)],
+        &["import", text(&bag)],
     ] {
         let mut ended = Zeronav::start(arguments);
         // It may have waited for a place among other runs.

@@ -89,7 +89,7 @@ fn allowed(from: &str) -> &'static [&'static str] {
             "zeronav-shell",
             "zeronav-supervise",
         ],
-        "zeronav-import" => &["zeronav-msgs", "zeronav-recorder"],
+        "zeronav-import" => &["zeronav-files", "zeronav-msgs", "zeronav-recorder"],
         "zeronav-suite" => &[
             "zeronav-console",
             "zeronav-files",

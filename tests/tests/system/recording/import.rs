@@ -92,6 +92,18 @@ fn a_carmen_log_is_played_to_mapping_and_planners() {
     refused(&zeronav(&again), "it exists; name another file");
     std::fs::write(&log, "this is no log at all\n").expect("written");
     refused(&zeronav(&again), "no line begins with FLASER");
+    // What cannot become a recording does not cost the one that is there.
+    let before = std::fs::read(&out).expect("it");
+    let late = "ODOM 0 0 0 0 0 0 1.0 h 1.0\nFLASER 3 1 2 3 0 0 0 0 0 0 1.5 h 1.5\n";
+    std::fs::write(&log, late).expect("written");
+    let replace = [&again[..], &["--force"]].concat();
+    refused(
+        &zeronav(&replace),
+        "no scan lies between two odometry messages",
+    );
+    assert_eq!(std::fs::read(&out).expect("it"), before);
+    let names = std::fs::read_dir(folder.path()).expect("it").count();
+    assert_eq!(names, 2, "the log and the recording");
 }
 
 /// Makes a `.db3` of the channels of ROS in an MCAP file, as rosbag2 does.
