@@ -118,7 +118,7 @@ pub fn replay(arguments: &ReplayArgs) -> ExitCode {
     }
     let is_changed = !arguments.swap.is_empty() || !arguments.driver.settings().is_empty();
     // To what a robot of others did there is no answer that could differ.
-    let has_none = !arguments.open.is_empty() && beside.has_none_of_a();
+    let has_none = !arguments.open.is_empty() && beside.has_none_of_a() && beside.n_of_b() > 0;
     ExitCode::from(if beside.is_equal() || is_changed || has_none {
         EXIT_PASS
     } else {
@@ -138,6 +138,12 @@ fn to_text(again: &Again, beside: &Beside) -> String {
 
 impl ReplayArgs {
     fn compared(&self) -> Result<(Again, Beside), NotCompared> {
+        if let (Some(from_s), Some(to_s)) = (self.from, self.to)
+            && from_s > to_s
+        {
+            let why = format!("--from {from_s} is behind --to {to_s}: nothing lies between them");
+            return Err(why.into());
+        }
         let recorded = Recorded::read(&self.file)?;
         let again = if self.open.is_empty() {
             self.closed(&recorded)?

@@ -70,9 +70,9 @@ pub(super) fn diff(a: &Path, b: &Path, as_json: bool) -> ExitCode {
 }
 
 impl Beside {
-    /// True when nothing differs that is compared, and both recordings are whole.
+    /// True when something is compared, nothing of it differs, and both recordings are whole.
     pub(crate) fn is_equal(&self) -> bool {
-        self.comparison.is_equal()
+        self.comparison.is_equal() && !self.has_none_of_a()
     }
 
     /// True when the first recording has none of the messages that are compared, as the log of another robot: nothing can
@@ -80,6 +80,11 @@ impl Beside {
     pub(crate) fn has_none_of_a(&self) -> bool {
         let mut topics = self.comparison.topics.iter();
         topics.all(|it| it.equal + it.different + it.only_a == 0)
+    }
+
+    /// How many messages the second recording has that the first one has not.
+    pub(crate) fn n_of_b(&self) -> u64 {
+        self.comparison.topics.iter().map(|it| it.only_b).sum()
     }
 
     pub(crate) fn to_json(&self) -> serde_json::Value {
@@ -105,12 +110,12 @@ impl Beside {
             }
         }
         let counted = format!("{equal} messages on {} topics", topics.len());
-        let only_b: u64 = topics.iter().map(|topic| topic.only_b).sum();
         let _ = match &self.comparison.first {
             _ if self.has_none_of_a() => {
                 writeln!(
                     text,
-                    "nothing to compare: a has none of these messages, b has {only_b}"
+                    "nothing to compare: a has none of these messages, b has {}",
+                    self.n_of_b()
                 )
             }
             Some(first) => writeln!(text, "first difference: {}", in_words(first)),

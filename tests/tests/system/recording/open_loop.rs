@@ -76,6 +76,19 @@ fn only_a_part_of_a_recording_is_played_and_compared() {
     // Ticks 50 to 100 of 20 ms.
     assert_eq!(equal_on(&part, ControlRequest::ROW.name), 51, "{part:#}");
     assert!(all > 100, "{all}");
+    let path = file.display().to_string();
+    let none = [
+        "replay", &path, "--open", "mapping", "--from", "3", "--to", "1",
+    ];
+    refused(&zeronav(&none), "nothing lies between them");
+    // A part with nothing in it is not equal.
+    for open in [&["--open", "mapping"][..], &[]] {
+        let behind = ["replay", &path, "--json", "--from", "5000"];
+        let ended = zeronav(&[&behind[..], open].concat());
+        let compared = &ended.expect(1)["comparison"];
+        assert_eq!(compared["equal"], false, "{compared:#}");
+        assert_eq!(compared["compared"], false, "{compared:#}");
+    }
 }
 
 /// Seats that were empty for a while, and taken by a successor, are so again.
