@@ -51,7 +51,8 @@ fn length(len: usize) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::file::{Channel, RecordingFile, Stamped};
+    use crate::file::tests::a_channel;
+    use crate::file::{RecordingFile, Stamped};
     use crate::read::summary;
     use std::fs::File;
     use std::io::{Read, Seek, SeekFrom};
@@ -60,16 +61,7 @@ mod tests {
     fn a_file_that_was_cut_between_chunks_is_whole_with_its_end() {
         let mut kept: File = tempfile::tempfile().expect("a file");
         let mut file = RecordingFile::new(kept.try_clone().expect("it")).expect("a file");
-        let channel = file
-            .channel(&Channel {
-                topic: "/a",
-                encoding: "cdr",
-                schema: "a/msg/A",
-                schema_encoding: "ros2msg",
-                definition: b"uint8 a\n",
-                metadata: BTreeMap::new(),
-            })
-            .expect("a channel");
+        let channel = file.channel(&a_channel()).expect("a channel");
         let when = Stamped {
             sequence: 1,
             log_ns: 1,

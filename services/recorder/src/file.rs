@@ -187,19 +187,22 @@ pub(crate) mod tests {
     use super::*;
     use std::io::Cursor;
 
+    /// A channel of bytes.
+    pub(crate) fn a_channel() -> Channel<'static> {
+        Channel {
+            topic: "/a",
+            encoding: "cdr",
+            schema: "a/msg/A",
+            schema_encoding: "ros2msg",
+            definition: b"uint8 a\n",
+            metadata: BTreeMap::new(),
+        }
+    }
+
     /// A file with `n` messages, ten in each chunk.
     pub(crate) fn recording(n: u32) -> Vec<u8> {
         let mut file = RecordingFile::new(Cursor::new(Vec::new())).expect("a file");
-        let channel = file
-            .channel(&Channel {
-                topic: "/a",
-                encoding: "cdr",
-                schema: "a/msg/A",
-                schema_encoding: "ros2msg",
-                definition: b"uint8 a\n",
-                metadata: BTreeMap::new(),
-            })
-            .expect("a channel");
+        let channel = file.channel(&a_channel()).expect("a channel");
         for at in 0..n {
             let ns = 1_000 + u64::from(at);
             let when = Stamped {

@@ -253,20 +253,23 @@ fn a_recorded_run_is_driven_again_and_what_was_changed_is_found_where_it_begins(
     assert!(figure("a") > 0.3 && figure("b") > 0.3, "{differs:#}");
 }
 
+/// Drives `more` than a short drive in lockstep; its recording in `folder`.
+fn recorded(folder: &Path, name: &str, more: &str) -> PathBuf {
+    let file = |end: &str| folder.join(format!("{name}.{end}"));
+    std::fs::write(file("toml"), short_drive(more)).expect("written");
+    let record = format!("--record={}", file("mcap").display());
+    let scenario = file("toml").display().to_string();
+    let ended = zeronav(&["run", &scenario, "--lockstep", "--headless", &record]);
+    assert_eq!(ended.code(), 0, "{}", ended.stderr);
+    file("mcap")
+}
+
 #[test]
 fn a_fault_is_found_at_its_tick() {
     let folder = tempfile::tempdir().expect("a folder");
     let fault =
         "[[faults]]\nkind = \"kill\"\nservice = \"local_planner\"\nbegins = { at_s = 2.0 }\n";
-    let drive = |name: &str, more: &str| {
-        let file = |end: &str| folder.path().join(format!("{name}.{end}"));
-        std::fs::write(file("toml"), short_drive(more)).expect("written");
-        let record = format!("--record={}", file("mcap").display());
-        let scenario = file("toml").display().to_string();
-        let ended = zeronav(&["run", &scenario, "--lockstep", "--headless", &record]);
-        assert_eq!(ended.code(), 0, "{}", ended.stderr);
-        file("mcap")
-    };
+    let drive = |name: &str, more: &str| recorded(folder.path(), name, more);
     let compared = diff(&drive("plain", ""), &drive("fault", fault), 1);
     let first = &compared["first"];
     // The process is killed once it has answered tick 100: the next answer is that of a successor.

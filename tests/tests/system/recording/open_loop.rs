@@ -1,22 +1,11 @@
 //! Recordings that are played to some seats.
 
-use super::{n, recording_of, refused};
+use super::{n, recorded, recording_of, refused};
 use serde_json::Value;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use zeronav_msgs::topics::{ControlRequest, MapUpdate, PlanPath, Topic};
 use zeronav_tests::rooms::short_drive;
 use zeronav_tests::{Zeronav, real_time_turn, zeronav};
-
-/// Drives `more` than a short drive in lockstep; its recording in `folder`.
-fn recorded(folder: &Path, name: &str, more: &str) -> PathBuf {
-    let file = |end: &str| folder.join(format!("{name}.{end}"));
-    std::fs::write(file("toml"), short_drive(more)).expect("written");
-    let record = format!("--record={}", file("mcap").display());
-    let scenario = file("toml").display().to_string();
-    let ended = zeronav(&["run", &scenario, "--lockstep", "--headless", &record]);
-    assert_eq!(ended.code(), 0, "{}", ended.stderr);
-    file("mcap")
-}
 
 /// The comparison of a recording with what came of it in open loop.
 fn played(file: &Path, open: &str, more: &[&str], code: i32) -> Value {
