@@ -2,7 +2,7 @@
 //!
 //! A process that waits for a processor is not to blame for it: the machine is busy. So what a process
 //! may take is judged by its own time, which is what it computed and what it was blocked. [`OwnTime`]
-//! is pure over readings of the kernel's counters.
+//! is pure over readings of the kernel's counters. Time in which a debugger holds a process is nobody's.
 
 use core::time::Duration;
 use std::path::Path;
@@ -31,6 +31,8 @@ pub enum Doing {
     Stopped,
     /// It runs, or waits for a processor.
     Runnable,
+    /// A debugger has stopped it: for as long as somebody likes to look at it.
+    Traced,
 }
 
 /// One reading of the kernel's counters of a process, all threads together.
@@ -95,7 +97,8 @@ impl Thread {
         let number = |at: usize| fields.get(at)?.parse::<u64>().ok();
         let doing = match *fields.first()? {
             "R" => Some(Doing::Runnable),
-            "T" | "t" => Some(Doing::Stopped),
+            "T" => Some(Doing::Stopped),
+            "t" => Some(Doing::Traced),
             "D" => Some(Doing::Device),
             "Z" | "X" | "x" => None,
             _ => Some(Doing::Blocked),
@@ -201,7 +204,7 @@ impl OwnTime {
             _ => waited,
         };
         match doing {
-            Doing::Runnable => {}
+            Doing::Runnable | Doing::Traced => {}
             Doing::Blocked | Doing::Stopped => self.blocked += still,
             Doing::Device => self.device += still,
         }

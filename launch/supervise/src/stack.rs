@@ -333,9 +333,10 @@ impl Stack {
             .or_else(|| Reading::of(pid))
     }
 
-    /// True when no process of the stack runs or waits for a processor: none of them is about to answer.
+    /// True when no process of the stack runs, waits for a processor, or is held by a debugger: none of them is about
+    /// to answer.
     pub fn is_quiet(&self) -> bool {
-        let waits = |reading: Reading| reading.doing == Doing::Runnable;
+        let waits = |reading: Reading| matches!(reading.doing, Doing::Runnable | Doing::Traced);
         let beside = self.beside.as_ref().map(Child::pid);
         let all = Role::SERVICES.iter().filter_map(|role| self.reading(*role));
         !all.chain(beside.and_then(Reading::of)).any(waits)

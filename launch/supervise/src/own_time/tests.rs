@@ -36,6 +36,7 @@ fn time_goes_where_the_kernel_says() {
     let to = |doing, ran_ms, waited_ms| between(from, reading(doing, ran_ms, waited_ms));
     assert_eq!(to(Doing::Blocked, 52, 23), [2, 15, 0, 3]);
     assert_eq!(to(Doing::Stopped, 50, 20), [0, 20, 0, 0]);
+    assert_eq!(to(Doing::Traced, 50, 20), [0; 4], "a debugger has it");
     assert_eq!(to(Doing::Device, 51, 20), [1, 0, 19, 0]);
     assert_eq!(to(Doing::Runnable, 70, 20), [20, 0, 0, 0], "it computes");
     // The wait that goes on is not in the counter yet.
@@ -95,6 +96,9 @@ fn the_kernels_files_are_read_whatever_the_name_of_a_program() {
     assert_eq!((thread.ran_ns, thread.waited_ns), (1_000, 2_000));
     let coarse = Thread::parse(stat, None).expect("a thread");
     assert_eq!((coarse.ran_ns, coarse.waited_ns), (70 * MS, 0));
+    let traced = stat.replace(") S", ") t");
+    let traced = Thread::parse(&traced, None).expect("one");
+    assert_eq!(traced.doing, Some(Doing::Traced));
     let zombie = stat.replace(") S", ") Z");
     assert_eq!(Thread::parse(&zombie, None).expect("one").doing, None);
     for cut in ["", "12 (a", "12 (a) S", "12 (a) S 1 x"] {
