@@ -58,7 +58,7 @@ fn goals_of_two_clients_are_served_as_they_came_and_bad_ones_change_nothing() {
     let [x, y, yaw] = nearest[..] else {
         panic!("no pose: {rack}");
     };
-    up.ask(&["goal", x, y, yaw, "--time-limit", "0.5"], 0);
+    up.ask(&["goal", x, y, yaw, "--time-limit", "3"], 0);
     up.wait_for_outcome("the offered pose is driven to", "active");
     up.ask(&["wait", "goal"], 1);
     up.ask(&["wait", "idle"], 0);
