@@ -1,8 +1,10 @@
 //! The command line.
 
 use crate::bag::BagArgs;
+use crate::bisect::BisectArgs;
 use crate::busy;
 use crate::compare::cli::CompareArgs;
+use crate::debug::DebugArgs;
 use crate::import::ImportArgs;
 use crate::latency::cli::LatencyArgs;
 use crate::live_view::{PageArgs, ViewArgs};
@@ -20,25 +22,21 @@ use crate::remote::swap::{ShadowArgs, SwapArgs};
 use crate::replay::ReplayArgs;
 use crate::run_plan::{RunPlan, Source};
 use crate::start_up::StartUpArgs;
+use crate::suite_args::SuiteArgs;
 use crate::top::cli::TopArgs;
 use crate::topics::cli::TopicsArgs;
 use crate::why::cli::WhyArgs;
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
-use core::ops::Range;
 use std::io::IsTerminal;
-use std::num::NonZeroUsize;
 use std::path::PathBuf;
-use zeronav_console::arguments::{delay, hours, service_role};
+use zeronav_console::arguments::{delay, service_role};
 use zeronav_console::version::VERSION;
 use zeronav_contract_kit::cli::ContractArgs;
 use zeronav_contract_kit::no_memory;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::run::RunMode;
 use zeronav_scenario::settings::DriverArgs;
-use zeronav_scenario::{ForesightSpec, Perceive, Predict};
-use zeronav_suite::noise::Noise;
-use zeronav_suite::plan::SuitePlan;
 use zeronav_supervise::cleaner;
 
 /// Zero-copy, multi-process navigation: launch a scenario, swap a service, profile latency.
@@ -144,6 +142,11 @@ pub enum Command {
     /// Drive a recorded run again, the same or with another binary in a seat, as a whole or played to some seats, and say
     /// where it begins to differ.
     Replay(ReplayArgs),
+    /// Find the first tick, seat and field in which two programs or parameter values drive a run otherwise, or the first
+    /// commit whose program does.
+    Bisect(BisectArgs),
+    /// Let a lockstep run stand before a tick, with a debugger on one of its processes, and go on or back from there.
+    Debug(DebugArgs),
     /// Bring the log of another robot into the form of a recording, to be played with `replay --open`.
     Import(ImportArgs),
     /// A live page of a running stack: prints its link, and serves it until the stack ends.
@@ -341,102 +344,6 @@ impl UpArgs {
     }
 }
 
-/// Arguments of `zeronav suite`.
-#[derive(Debug, Clone, Args)]
-pub struct SuiteArgs {
-    /// generated and field (where real robots fail) need no data; barn, dynabarn, pedestrians, soak
-    /// (drives under random faults), or a folder of scenarios.
-    #[arg(
-        value_name = "generated|field|barn|dynabarn|pedestrians|soak|FOLDER",
-        default_value = "",
-        hide_default_value = true,
-        required_unless_present = "resume"
-    )]
-    pub suite: String,
-    /// Go on with the suite in this folder, which was interrupted, with the arguments that it was
-    /// begun with.
-    #[arg(long, value_name = "FOLDER",
-          conflicts_with_all = ["suite", "controller", "method", "setting", "seeds", "worlds", "noise",
-                                 "perceive", "predict", "data", "out"])]
-    pub resume: Option<PathBuf>,
-    /// Wall time of a soak in all of its calls, after which it begins no more drives; without, an hour.
-    #[arg(long, value_name = "H", value_parser = hours)]
-    pub hours: Option<f64>,
-    /// Key of the local planner's controller; without, beam for dynabarn, pedestrians and what moves
-    /// in generated, else its default or the scenario's.
-    #[arg(long, value_name = "KEY", conflicts_with = "method")]
-    pub controller: Option<String>,
-    /// Who drives.
-    #[command(flatten)]
-    pub driver: DriverArgs,
-    /// Drive nothing: plan a way through each run's world that touches nothing, with exact wheels and
-    /// the future of everything that moves known, and report what is possible. Where none is found
-    /// there may be one.
-    #[arg(long, conflicts_with_all = ["controller", "method", "setting", "resume", "perceive",
-                                      "predict"])]
-    pub bound: bool,
-    /// Runs of each world, with the seeds 1 to N.
-    #[arg(long, value_name = "N", default_value_t = 1,
-          value_parser = clap::value_parser!(u64).range(1..=10_000))]
-    pub seeds: u64,
-    /// Only the worlds with a number from A up to, but not including, B. Scenes and scenarios are
-    /// numbered from 0 by name.
-    #[arg(long, value_name = "A..B", value_parser = world_range)]
-    pub worlds: Option<Range<u32>>,
-    /// How badly wheels, odometry and lidar do.
-    #[arg(long, value_enum, default_value_t)]
-    pub noise: Noise,
-    /// How mapping knows what moves: truth measures what perception costs, and is no result.
-    #[arg(long, value_enum, default_value_t)]
-    pub perceive: Perceive,
-    /// How the local planner knows where that will be: truth measures what prediction costs, and is no
-    /// result.
-    #[arg(long, value_enum, default_value_t)]
-    pub predict: Predict,
-    /// Folder of the data sets: barn, dynabarn and pedestrians lie in it. Without, the environment's
-    /// `$ZERONAV_DATA`, then ./data.
-    #[arg(long, value_name = "DIR")]
-    pub data: Option<PathBuf>,
-    /// Runs at a time; without, as many as there are cores.
-    #[arg(long, value_name = "N")]
-    pub jobs: Option<NonZeroUsize>,
-    /// Print the report as one JSON object on standard output.
-    #[arg(long)]
-    pub json: bool,
-    /// Show nothing while it runs.
-    #[arg(long)]
-    pub headless: bool,
-    /// Folder in which the suite's own folder is made.
-    #[arg(long, value_name = "FOLDER", default_value = "runs")]
-    pub out: PathBuf,
-}
-
-impl SuiteArgs {
-    /// What the arguments mean.
-    #[must_use]
-    pub fn plan(&self) -> SuitePlan {
-        SuitePlan {
-            suite: self.suite.clone(),
-            resume: self.resume.clone(),
-            controller: self.controller.clone(),
-            settings: self.driver.settings(),
-            bound: self.bound,
-            seeds: self.seeds,
-            worlds: self.worlds.clone(),
-            noise: self.noise,
-            foresight: ForesightSpec {
-                perceive: self.perceive,
-                predict: self.predict,
-            },
-            data: self.data.clone(),
-            hours: self.hours,
-            jobs: self.jobs,
-            progress: !self.headless,
-            out: self.out.clone(),
-        }
-    }
-}
-
 /// Arguments of `zeronav picture`.
 #[derive(Debug, Clone, Args)]
 pub struct PictureArgs {
@@ -470,18 +377,4 @@ pub struct DrawArgs {
     /// File to write; without, animation.svg in that folder.
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
-}
-
-/// `0..20` as 0 to 19.
-fn world_range(text: &str) -> Result<Range<u32>, String> {
-    let (from, until) = text.split_once("..").ok_or("worlds read like 0..20")?;
-    let number = |text: &str| {
-        text.parse::<u32>()
-            .map_err(|_| format!("`{text}` is no number of a world"))
-    };
-    let range = number(from)?..number(until)?;
-    if range.is_empty() {
-        return Err(format!("no world lies in {text}"));
-    }
-    Ok(range)
 }

@@ -11,8 +11,9 @@ use zeronav::new_package;
 use zeronav::remote::{fault, goal, swap, verbs};
 use zeronav::show::log;
 use zeronav::{
-    bag, began, busy, commands, compare, completions, doctor, import, latency, logs, look,
-    map_save, params, picture, remote, replay, report, start_up, top, topics, why,
+    bag, began, bisect, busy, commands, compare, completions, debug, doctor, import, latency, logs,
+    look, map_save, params, picture, recordings, remote, replay, report, start_up, top, topics,
+    why,
 };
 use zeronav_console::exit::EXIT_USAGE;
 use zeronav_console::{arguments, terminal};
@@ -24,22 +25,9 @@ use zeronav_supervise::{cleaner, warden, will};
 // long: a line for each verb
 fn main() -> ExitCode {
     began::note();
-    if let Some(word) = arguments::unprintable(std::env::args_os().skip(1)) {
-        return terminal::usage(&format!(
-            "`{word}` holds control characters: rename that file or folder"
-        ));
-    }
-    let cli = match Cli::try_parse() {
+    let cli = match command_line() {
         Ok(cli) => cli,
-        Err(error) => {
-            // Help for a command line without a command is help, too.
-            let help = error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand;
-            if error.use_stderr() && !help {
-                return terminal::usage(&one_line(&error));
-            }
-            let _ = error.print();
-            return ExitCode::from(if help { EXIT_USAGE } else { 0 });
-        }
+        Err(code) => return code,
     };
     if let Command::Clean { root } = &cli.command {
         return ExitCode::from(u8::from(!cleaner::run(root)));
@@ -86,6 +74,8 @@ fn main() -> ExitCode {
         Command::Map(arguments) => map_save::map(&arguments),
         Command::Bag(arguments) => bag::bag(&arguments),
         Command::Replay(arguments) => replay::replay(&arguments),
+        Command::Bisect(arguments) => bisect::bisect(&arguments),
+        Command::Debug(arguments) => debug::debug(&arguments),
         Command::Import(arguments) => import::import(&arguments),
         Command::View(arguments) => live_view::view(&arguments),
         Command::Doctor { json } => doctor::doctor(json),
@@ -113,12 +103,34 @@ fn main() -> ExitCode {
             picture::picture(&arguments.run, arguments.out.as_deref(), true)
         }
         Command::Report(arguments) => report::report(&arguments.runs, arguments.out.as_deref()),
-        Command::Suite(arguments) => commands::suite(&arguments.plan(), arguments.json),
+        Command::Suite(arguments) => match arguments.of_recordings() {
+            Ok(Some(plan)) => recordings::recordings(&plan),
+            Ok(None) => commands::suite(&arguments.plan(), arguments.json),
+            Err(problem) => terminal::usage(&problem),
+        },
         Command::Completions { shell } => completions::completions(shell),
         Command::Man { folder, force } => completions::man(&folder, force),
         Command::Clean { .. }
         | Command::Busy { .. }
         | Command::WithoutMemory(_)
         | Command::Warden => ExitCode::SUCCESS,
+    })
+}
+
+/// The command line, or the exit code after what is wrong with it, or help, was said.
+fn command_line() -> Result<Cli, ExitCode> {
+    if let Some(word) = arguments::unprintable(std::env::args_os().skip(1)) {
+        return Err(terminal::usage(&format!(
+            "`{word}` holds control characters: rename that file or folder"
+        )));
+    }
+    Cli::try_parse().map_err(|error| {
+        // Help for a command line without a command is help, too.
+        let help = error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand;
+        if error.use_stderr() && !help {
+            return terminal::usage(&one_line(&error));
+        }
+        let _ = error.print();
+        ExitCode::from(if help { EXIT_USAGE } else { 0 })
     })
 }

@@ -62,6 +62,8 @@ pub struct Prepared {
     pub trials: Option<u32>,
     /// True when the stack stays up and waits for goals.
     pub stays: bool,
+    /// The tick before which a lockstep run is paused.
+    pub stands_before: Option<u64>,
     /// True when the services time the stages of their cycles.
     pub stages: bool,
     /// What else the machine does.
@@ -309,6 +311,7 @@ pub(crate) fn prepare(plan: &RunPlan) -> Result<Prepared, String> {
         progress: plan.progress,
         trials: plan.trials,
         stays: plan.stays,
+        stands_before: None,
         // For the trace, which a stack in real time leaves.
         stages: plan.stages && plan.mode == RunMode::RealTime,
         load: plan.load,

@@ -1,7 +1,7 @@
 //! `zeronav replay`: drives a recorded run again and says where it begins to differ. In closed loop the scenario of a
 //! lockstep run is driven; in open loop what was recorded is played to some seats.
 
-mod recorded;
+pub(crate) mod recorded;
 
 use crate::bag::diff::{Beside, beside};
 use crate::commands::drive_and_judge;
@@ -14,6 +14,8 @@ use recorded::Recorded;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 use zeronav_console::arguments::{seat, service_role};
 use zeronav_console::exit::{EXIT_FAIL, EXIT_OUTPUT, EXIT_PASS, EXIT_USAGE};
 use zeronav_console::interrupts::interrupts;
@@ -42,6 +44,9 @@ pub struct ReplayArgs {
     /// Compare up to this run time; in open loop nothing is played beyond it. [s]
     #[arg(long, value_name = "S", value_parser = run_time)]
     pub to: Option<f64>,
+    /// Exit code 1 when it differs also with --swap, --as or --set, as `git bisect run` wants it.
+    #[arg(long)]
+    pub equal: bool,
     /// Configure the open seats by this scenario (its name or path) in place of the one in the recording.
     #[arg(long, value_name = "SCENARIO", requires = "open")]
     pub scenario: Option<String>,
@@ -54,7 +59,7 @@ pub struct ReplayArgs {
 }
 
 /// A seat that can be open.
-fn open_seat(name: &str) -> Result<Role, String> {
+pub(crate) fn open_seat(name: &str) -> Result<Role, String> {
     let role = service_role(name)?;
     if open_loop::SEATS.contains(&role) {
         Ok(role)
@@ -71,7 +76,7 @@ fn run_time(text: &str) -> Result<f64, String> {
 }
 
 /// A run that was made to be compared with the recording.
-struct Again {
+pub(crate) struct Again {
     /// Its recording.
     file: PathBuf,
     /// What it is compared with.
@@ -82,8 +87,8 @@ struct Again {
 }
 
 /// Why there is nothing to compare, with what is known of the run.
-struct NotCompared {
-    why: String,
+pub(crate) struct NotCompared {
+    pub why: String,
     code: ExitCode,
     result: Value,
 }
@@ -101,7 +106,10 @@ impl From<String> for NotCompared {
 /// `zeronav replay`: exit code 1 when the run differs although nothing in it was changed.
 #[must_use]
 pub fn replay(arguments: &ReplayArgs) -> ExitCode {
-    let (again, beside) = match arguments.compared() {
+    let (again, beside) = match interrupts()
+        .map_err(NotCompared::from)
+        .and_then(|it| arguments.compared(&it))
+    {
         Ok(compared) => compared,
         Err(NotCompared { why, code, result }) => {
             if arguments.output.json && !result.is_null() {
@@ -116,7 +124,8 @@ pub fn replay(arguments: &ReplayArgs) -> ExitCode {
     } else {
         say(&to_text(&again, &beside));
     }
-    let is_changed = !arguments.swap.is_empty() || !arguments.driver.settings().is_empty();
+    let is_changed =
+        !arguments.equal && (!arguments.swap.is_empty() || !arguments.driver.settings().is_empty());
     // To what a robot of others did there is no answer that could differ.
     let has_none = !arguments.open.is_empty() && beside.has_none_of_a() && beside.n_of_b() > 0;
     ExitCode::from(if beside.is_equal() || is_changed || has_none {
@@ -137,7 +146,14 @@ fn to_text(again: &Again, beside: &Beside) -> String {
 }
 
 impl ReplayArgs {
-    fn compared(&self) -> Result<(Again, Beside), NotCompared> {
+    /// Drives or plays, and compares.
+    ///
+    /// # Errors
+    /// [`NotCompared`].
+    pub(crate) fn compared(
+        &self,
+        interrupted: &Arc<AtomicBool>,
+    ) -> Result<(Again, Beside), NotCompared> {
         if let (Some(from_s), Some(to_s)) = (self.from, self.to)
             && from_s > to_s
         {
@@ -146,9 +162,9 @@ impl ReplayArgs {
         }
         let recorded = Recorded::read(&self.file)?;
         let again = if self.open.is_empty() {
-            self.closed(&recorded)?
+            self.closed(&recorded, interrupted)?
         } else {
-            self.opened(&recorded)?
+            self.opened(&recorded, interrupted)?
         };
         let beside = beside(&self.scope(&recorded), &again.original, &again.file);
         match beside {
@@ -162,10 +178,14 @@ impl ReplayArgs {
     }
 
     /// Drives the scenario again.
-    fn closed(&self, recorded: &Recorded) -> Result<Again, NotCompared> {
+    fn closed(
+        &self,
+        recorded: &Recorded,
+        interrupted: &Arc<AtomicBool>,
+    ) -> Result<Again, NotCompared> {
         let (name, text) = recorded.drive().map_err(|why| self.in_file(&why))?;
         let plan = self.plan(recorded, Source::Text { name, text });
-        let (result, code) = drive_and_judge(&plan, &interrupts()?)?;
+        let (result, code) = drive_and_judge(&plan, interrupted)?;
         let json = serde_json::to_value(&result).unwrap_or_default();
         if ![EXIT_PASS, EXIT_FAIL].map(ExitCode::from).contains(&code) {
             return Err(NotCompared {
@@ -183,7 +203,11 @@ impl ReplayArgs {
     }
 
     /// Plays the recording to the open seats.
-    fn opened(&self, recorded: &Recorded) -> Result<Again, NotCompared> {
+    fn opened(
+        &self,
+        recorded: &Recorded,
+        interrupted: &Arc<AtomicBool>,
+    ) -> Result<Again, NotCompared> {
         self.check_seats()?;
         let source = match (&self.scenario, &recorded.scenario) {
             (Some(name), _) => Source::Named(name.clone()),
@@ -203,9 +227,8 @@ impl ReplayArgs {
                 .collect(),
             ..self.plan(recorded, source)
         };
-        let interrupted = interrupts()?;
         let input = (&*self.file, &recorded.found, recorded.is_lockstep());
-        let played = open_loop(input, &plan, &self.open, self.to, &interrupted);
+        let played = open_loop(input, &plan, &self.open, self.to, interrupted);
         let played = played.map_err(|NotPlayed { why, code }| NotCompared {
             why,
             code: ExitCode::from(code),

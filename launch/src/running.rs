@@ -74,6 +74,17 @@ pub(crate) fn all() -> Vec<(PathBuf, Result<RunReport, Silent>)> {
         .collect()
 }
 
+/// The run that this process drives itself, once it answers.
+pub(crate) fn own() -> Option<Running> {
+    let mut folders = domain::all()
+        .into_iter()
+        .filter_map(|root| Folder::open(&root).ok());
+    let own = rustix::process::getpid();
+    folders
+        .find(|folder| process(folder) == Some(own))
+        .map(|folder| Running { folder })
+}
+
 /// True when nobody answers for the domain: its run is over or has not begun, or is another user's.
 fn is_no_run(error: &Error) -> bool {
     use ErrorKind::{ConnectionRefused, NotFound, PermissionDenied};

@@ -24,6 +24,22 @@ pub fn interrupts() -> Result<Arc<AtomicBool>, String> {
     Ok(interrupted)
 }
 
+/// Flags that the keyboard raises (SIGINT, SIGQUIT), and that SIGTERM and SIGHUP do. For a command with another
+/// program in its terminal, which gets what the keyboard sends, too: nothing forces the end.
+///
+/// # Errors
+/// One line when the system refuses.
+pub fn keyboard_and_others() -> Result<[Arc<AtomicBool>; 2], String> {
+    use signal_hook::consts::{SIGINT, SIGQUIT};
+    let flags = [(), ()].map(|()| Arc::new(AtomicBool::new(false)));
+    for signal in zeronav_shell::signals::stopping() {
+        let flag = &flags[usize::from(![SIGINT, SIGQUIT].contains(&signal))];
+        signal_hook::flag::register(signal, Arc::clone(flag))
+            .map_err(|error| format!("catching signals: {error}"))?;
+    }
+    Ok(flags)
+}
+
 #[allow(
     unsafe_code,
     reason = "a main loop that is stuck cannot end the process, only a signal handler can"

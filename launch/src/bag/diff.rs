@@ -176,7 +176,7 @@ impl Beside {
 }
 
 /// What differs first, in a line.
-fn in_words(first: &Difference) -> String {
+pub(crate) fn in_words(first: &Difference) -> String {
     let Difference {
         topic,
         author,

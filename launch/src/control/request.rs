@@ -207,6 +207,8 @@ pub(crate) struct RunReport {
     pub ready: bool,
     /// True while run time is held.
     pub paused: bool,
+    /// True when a paused lockstep stack has answered every tick that it may do.
+    pub stands: bool,
     /// Lockstep only: times real time; `None` = as fast as it can.
     pub speed: Option<f64>,
     /// Binaries that the scenario names for each seat that can be swapped, as it names them; the

@@ -112,6 +112,11 @@ impl Driven {
             disturbance: None,
         }
     }
+
+    /// Of all answers. The last tick is left out: while it is answered, launch may already stop the robot.
+    pub(crate) fn run_hash(&self) -> String {
+        self.collector.hash.value(self.end_tick.saturating_sub(1))
+    }
 }
 
 /// Starts the stack, drives the scenario or the trials of `quota`, stops everything, leaves nothing

@@ -282,7 +282,8 @@ impl Session<'_> {
         })
     }
 
-    fn run_report(&self, stack: &mut Stack) -> RunReport {
+    /// The processes in the seats, and one beside them.
+    fn service_reports(&self, stack: &mut Stack) -> Vec<ServiceReport> {
         stack.heartbeats();
         let health: BTreeMap<Role, (String, u64)> = stack
             .taps
@@ -331,6 +332,10 @@ impl Session<'_> {
                 restarts: self.keeper.starts(*role) - 1,
             });
         }
+        services
+    }
+
+    fn run_report(&self, stack: &mut Stack) -> RunReport {
         let truth = self.collector.truth.as_ref();
         let mut report = RunReport {
             scenario: self.prepared.scenario.name.clone(),
@@ -340,6 +345,7 @@ impl Session<'_> {
             mode: self.prepared.mode.to_string(),
             ready: self.is_ready,
             paused: self.is_paused,
+            stands: self.stands(stack),
             binaries: self.listed_binaries(),
             speed: self.speed.factor(),
             time_s: seconds(self.collector.run_ns),
@@ -353,7 +359,7 @@ impl Session<'_> {
             goal: (self.orders.current()).and_then(|(id, _)| self.goal_report(id).ok()),
             goals_waiting: self.orders.n_waiting(),
             swap: self.swaps.result(None).cloned(),
-            services,
+            services: self.service_reports(stack),
             companions: self.companions.reports(),
             restarts: newest(self.keeper.records()),
             faults: newest(&self.faults.results()),
@@ -361,6 +367,12 @@ impl Session<'_> {
         };
         report.why = self.why(stack, &report);
         report
+    }
+
+    /// True when a paused lockstep stack has answered every tick that it may do.
+    fn stands(&self, stack: &Stack) -> bool {
+        let is_held = self.is_paused && self.is_ready && self.lockstep();
+        is_held && (self.collector).all_answered(self.hold_tick, &stack.roster)
     }
 
     /// Why the robot does what it does; empty before the stages have said anything.

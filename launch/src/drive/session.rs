@@ -126,8 +126,10 @@ impl<'a> Session<'a> {
             companions: Companions::default(),
             recorded: None,
             is_ready: false,
-            is_paused: false,
-            hold_tick: 0,
+            is_paused: prepared.stands_before.is_some(),
+            hold_tick: prepared
+                .stands_before
+                .map_or(0, |tick| tick.saturating_sub(1)),
             speed: Speed::default(),
             is_cancelling: false,
             is_ending: false,

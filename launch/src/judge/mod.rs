@@ -102,8 +102,7 @@ pub(crate) fn judge(prepared: &Prepared, driven: &Driven, environment: Environme
         reasons: (collector.reasons).moments(driven.goals_run_ns, driven.end_run_ns),
         environment,
         shared_memory_bytes: driven.shared_memory_bytes,
-        // The last tick is left out: while it is answered, launch may already stop the robot.
-        run_hash: lockstep.then(|| collector.hash.value(driven.end_tick.saturating_sub(1))),
+        run_hash: lockstep.then(|| driven.run_hash()),
         reproducible: lockstep.then_some(driven.not_reproducible.is_empty()),
         not_reproducible: driven.not_reproducible.clone(),
         expectations,

@@ -10,7 +10,7 @@ use zeronav_recorder::read::{Summary, attachment, summary};
 
 /// How the run in a recording was driven.
 #[derive(Debug)]
-pub(super) struct Recorded {
+pub(crate) struct Recorded {
     pub found: Summary,
     /// Name and text of its scenario.
     pub scenario: Option<(String, String)>,
@@ -23,7 +23,7 @@ impl Recorded {
     ///
     /// # Errors
     /// One line naming the file.
-    pub(super) fn read(file: &Path) -> Result<Self, String> {
+    pub(crate) fn read(file: &Path) -> Result<Self, String> {
         let wrong = |why: &dyn core::fmt::Display| format!("{}: {why}", file.display());
         let (found, damage) = summary(open(file)?);
         if let Some(damage) = damage {
@@ -58,12 +58,12 @@ impl Recorded {
         })
     }
 
-    pub(super) fn field(&self, name: &str) -> Option<&str> {
+    pub(crate) fn field(&self, name: &str) -> Option<&str> {
         let fields = self.found.metadata.get(START)?;
         fields.get(name).map(String::as_str)
     }
 
-    pub(super) fn is_lockstep(&self) -> bool {
+    pub(crate) fn is_lockstep(&self) -> bool {
         self.field("mode") == Some(RunMode::Lockstep.label())
     }
 
@@ -71,7 +71,7 @@ impl Recorded {
     ///
     /// # Errors
     /// Why it cannot.
-    pub(super) fn drive(&self) -> Result<(String, String), String> {
+    pub(crate) fn drive(&self) -> Result<(String, String), String> {
         const OPEN: &str = "`--open ROLE` plays it to a seat";
         if !self.is_lockstep() {
             return Err(format!(

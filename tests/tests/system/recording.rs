@@ -1,10 +1,13 @@
 //! Recordings: read by two independent implementations, honest about what is missing, and never in the way of
 //! a run.
 
+mod bisect;
 mod content;
+mod debug;
 mod import;
 mod lost;
 mod open_loop;
+mod suite;
 
 use rustix::process::Signal;
 use serde_json::Value;
