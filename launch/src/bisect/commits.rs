@@ -14,9 +14,11 @@ use zeronav_shell::printable::printable;
 /// One commit, by the exit codes of `git bisect run`: 0 equal, 1 different, 125 cannot be told, 255 ends the search.
 const STEP: &str = r#"
 git log -1 --format='%h %s' >&2
-sh -c "$ZERONAV_BISECT_BUILD" >&2 || exit 125
+sh -c "$ZERONAV_BISECT_BUILD" >&2 || { git reset --quiet --hard; exit 125; }
 "$@" >&2
 code=$?
+# A build may change files that are in the repository, which git would not go on from.
+[ -n "$ZERONAV_BISECT_STAYS" ] || git reset --quiet --hard
 case $code in 0|1) exit $code ;; 130) exit 255 ;; *) exit 125 ;; esac
 "#;
 
@@ -79,7 +81,7 @@ impl Commits<'_> {
         // A search between ends that are not what they are called ends somewhere all the same.
         for (commit, name, expected) in [(&bad, self.bad, EXIT_FAIL), (&good, self.good, EXIT_PASS)]
         {
-            worktree.git(&["checkout", "--quiet", "--detach", commit])?;
+            worktree.go_to(commit)?;
             let code = self.step(worktree, swap)?;
             if interrupted.load(Ordering::Relaxed) {
                 return Err(Problem::Interrupted);
@@ -130,7 +132,7 @@ impl Commits<'_> {
         if left.len() > 1 {
             return Ok(Found::OneOf(left));
         }
-        worktree.git(&["checkout", "--quiet", "--detach", &bad])?;
+        worktree.go_to(&bad)?;
         self.step(worktree, swap)?;
         Ok(Found::First(left.pop().unwrap_or(bad)))
     }
@@ -139,6 +141,7 @@ impl Commits<'_> {
     fn step(&self, worktree: &Worktree, swap: &[(Role, PathBuf)]) -> Result<i32, String> {
         let mut command = Command::new("sh");
         command.args(["-c", STEP, "sh"]).args(self.replay(swap)?);
+        command.env("ZERONAV_BISECT_STAYS", "1");
         self.carry_out(command, worktree)
     }
 

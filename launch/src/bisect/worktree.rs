@@ -22,20 +22,28 @@ impl Worktree {
     pub(super) fn add(repository: &Path, commit: &str) -> Result<Self, String> {
         let folder = tempfile::Builder::new().prefix("zeronav-bisect").tempdir();
         let folder = folder.map_err(|error| format!("making a temporary folder: {error}"))?;
-        let worktree = Self {
-            repository: repository.to_owned(),
-            folder,
-        };
-        let path = worktree.path();
+        let path = path_in(&folder);
         let words = ["worktree", "add", "--quiet", "--detach"].map(OsStr::new);
         let commit = [path.as_os_str(), OsStr::new(commit)];
         git(repository, words.into_iter().chain(commit))?;
-        Ok(worktree)
+        Ok(Self {
+            repository: repository.to_owned(),
+            folder,
+        })
     }
 
     /// Its top folder.
     pub(super) fn path(&self) -> PathBuf {
-        self.folder.path().join("commit")
+        path_in(&self.folder)
+    }
+
+    /// Goes to a commit, whatever a build has changed.
+    ///
+    /// # Errors
+    /// What git says against it.
+    pub(super) fn go_to(&self, commit: &str) -> Result<(), String> {
+        self.git(&["checkout", "--quiet", "--force", "--detach", commit])?;
+        Ok(())
     }
 
     /// Runs git in it; what it says.
@@ -66,6 +74,10 @@ impl Drop for Worktree {
             tracing::warn!(error, "the worktree is left");
         }
     }
+}
+
+fn path_in(folder: &tempfile::TempDir) -> PathBuf {
+    folder.path().join("commit")
 }
 
 /// Runs git in `folder`; its standard output.

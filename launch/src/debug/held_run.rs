@@ -8,10 +8,13 @@ use crate::running::{self, Running};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// Between two looks.
 const PAUSE: Duration = Duration::from_millis(2);
+
+/// How long a run may take from its last answer to its end.
+const ENDS_WITHIN: Duration = Duration::from_secs(60);
 
 /// See the module's description.
 #[derive(Debug)]
@@ -84,6 +87,7 @@ impl HeldRun {
     /// # Errors
     /// One line when it does not answer.
     pub(super) fn wait(&mut self, gives_up: impl Fn() -> bool) -> Result<Stand, String> {
+        let mut silent_since = None;
         while !self.thread.is_finished() {
             if gives_up() {
                 return Ok(Stand::GivenUp);
@@ -94,10 +98,14 @@ impl HeldRun {
             if let Some(running) = &self.running {
                 match running.report() {
                     Ok(report) if report.stands => return Ok(Stand::Stands(Box::new(report))),
-                    Ok(_) => {}
-                    // It may be ending.
-                    Err(_) if self.thread.is_finished() => break,
-                    Err(problem) => return Err(problem.text),
+                    Ok(_) => silent_since = None,
+                    // It may be ending, and closes its socket first.
+                    Err(problem) => {
+                        let since = silent_since.get_or_insert_with(Instant::now);
+                        if since.elapsed() > ENDS_WITHIN {
+                            return Err(problem.text);
+                        }
+                    }
                 }
             }
             std::thread::sleep(PAUSE);
