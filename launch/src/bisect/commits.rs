@@ -96,6 +96,7 @@ impl Commits<'_> {
                 "{name} {why}: nothing to search for"
             )));
         }
+        worktree.git(&["reset", "--quiet", "--hard"])?;
         worktree.git(&["bisect", "start", "--first-parent", &bad, &good])?;
         self.run(worktree, swap)?;
         if interrupted.load(Ordering::Relaxed) {
