@@ -223,15 +223,12 @@ impl<'a> Session<'a> {
         }
         let from_tick = if self.lockstep() { from_tick } else { 0 };
         self.is_cancelling = false;
-        // Numbers of goals are not used again.
-        self.collector.reached.clear();
         self.task_id = stack.send_goals(&goals, from_tick);
         for Goal { id, pose, .. } in goals.iter().filter(|_| self.task_id != 0) {
             let (x_m, y_m, yaw_rad) = (pose.x_m, pose.y_m, pose.yaw_rad);
             tracing::info!(task = self.task_id, goal = id, x_m, y_m, yaw_rad, "sent");
         }
-        let (run_ns, reached) = (self.collector.run_ns, &self.collector.reached);
-        self.collector.film.goals(run_ns, &goals, reached);
+        self.collector.goals(&goals);
         self.task = goals;
     }
 
