@@ -122,7 +122,7 @@ impl Collector {
 
     /// Takes in a scan.
     pub(crate) fn scan(&mut self, view: View<'_, RobotScan>) {
-        (self.film).scan(view.header.run_ns, view.meta, view.items);
+        (self.film).scan(view.header.tick, view.header.run_ns, view.meta, view.items);
     }
 
     /// Takes in what mapping sees moving.
@@ -147,7 +147,7 @@ impl Collector {
     /// Takes in what changed on the map.
     pub(crate) fn update(&mut self, view: View<'_, MapUpdate>, placed: Placed<'_>) {
         let scan = view.header.parents.scan;
-        self.film.placed(view.meta.map_from_odom);
+        self.film.placed(view.header.tick, view.meta.map_from_odom);
         self.film.written(view.items);
         if scan != 0 && view.meta.is_last_part() {
             self.located = Some((view.header.tick, view.meta.map_from_odom));

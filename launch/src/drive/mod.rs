@@ -193,6 +193,7 @@ fn drive_stack(
     let shared_memory_bytes = stack.shared_memory_bytes();
     let services = seat_report::stop(stack, &session.keeper, &prepared.binaries);
     session.listen(stack);
+    session.collector.film.end();
     let companions = session.companions.stop();
     session.conclude_recording();
     let (trials, trials_missed) = session

@@ -4,13 +4,18 @@
 //!
 //! Each kind of sample has a budget of its own. When that is used up, every second sample goes and
 //! the rate is halved, so the film of an hour is as large as that of five minutes and coarser.
+//!
+//! Poses and scans are where mapping placed their own tick, so that those of a lockstep run are the same however
+//! late anything was heard, and in whatever order a recording holds them.
 
 mod cut;
+mod held;
 mod samples;
 mod thinned;
 
 pub(crate) use cut::{Cut, Rates};
 
+use held::{Held, HeldOdometry};
 use samples::{Moving, Patch, Planned, beams_kept};
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use thinned::Thinned;
@@ -48,7 +53,7 @@ const TASK_BYTES: usize = 20_000;
 /// Interventions of the guard that are kept at most: the first ones.
 const INTERVENTIONS_MAX: usize = 2000;
 
-/// Ticks of which odometry and request are remembered for what refers to them.
+/// Requests that are remembered for the commands that refer to them.
 const RECENT_MAX: usize = 64;
 
 /// Tiles that are remembered, so that one that comes again unchanged takes no room.
@@ -73,8 +78,7 @@ pub(crate) struct Film {
     interventions_left_out: u64,
     /// Why the guard steps in at the moment.
     stepping_in: Option<Intervention>,
-    map_from_odom: Option<Pose>,
-    odometry: VecDeque<(u64, Pose)>,
+    held: Held,
     requests: VecDeque<(u64, VelocityRequest)>,
     task: Vec<Goal>,
     tiles: BTreeMap<(u32, u32), Tile>,
@@ -102,8 +106,7 @@ impl Default for Film {
             interventions: Vec::new(),
             interventions_left_out: 0,
             stepping_in: None,
-            map_from_odom: None,
-            odometry: VecDeque::new(),
+            held: Held::default(),
             requests: VecDeque::new(),
             task: Vec::new(),
             tiles: BTreeMap::new(),
@@ -143,18 +146,43 @@ impl Film {
 
     /// Where the wheels say it is.
     pub(crate) fn odometry(&mut self, tick: u64, run_ns: u64, odometry: &Odometry) {
-        remember(&mut self.odometry, run_ns, odometry.pose);
-        if !self.poses.is_due(run_ns) {
-            return;
-        }
-        if let Some(map_from_odom) = self.map_from_odom {
-            let moving = Moving {
-                tick,
-                pose: map_from_odom.then(&odometry.pose),
-                v_mps: odometry.v_mps,
-                w_radps: odometry.w_radps,
-            };
-            self.poses.push(run_ns, moving);
+        self.held.add(HeldOdometry {
+            tick,
+            run_ns,
+            odometry: *odometry,
+        });
+        self.settle();
+    }
+
+    /// Nothing more comes.
+    pub(crate) fn end(&mut self) {
+        self.held.end();
+        self.settle();
+    }
+
+    /// Takes in what was held back and has its place by now.
+    fn settle(&mut self) {
+        while let Some(next) = self.held.next() {
+            if self.poses.is_due(next.run_ns)
+                && let Some(map_from_odom) = self.held.place_at(next.tick)
+            {
+                let moving = Moving {
+                    tick: next.tick,
+                    pose: map_from_odom.then(&next.odometry.pose),
+                    v_mps: next.odometry.v_mps,
+                    w_radps: next.odometry.w_radps,
+                };
+                self.poses.push(next.run_ns, moving);
+            }
+            while let Some(scan) = self.held.next_scan(next.tick) {
+                if self.scans.is_due(scan.run_ns)
+                    && let Some(map_from_base) = self.held.place_of(&scan)
+                {
+                    let map_from_laser = map_from_base.then(&self.base_from_laser);
+                    let sample = SceneScan::of(&scan.scan, &scan.ranges_m, &map_from_laser);
+                    self.scans.push(scan.run_ns, sample);
+                }
+            }
         }
     }
 
@@ -183,19 +211,9 @@ impl Film {
     }
 
     /// A scan.
-    pub(crate) fn scan(&mut self, run_ns: u64, scan: &Scan, ranges_m: &[f32]) {
-        if !self.scans.is_due(run_ns) {
-            return;
-        }
-        let map_from_odom = self.map_from_odom;
-        let odom_from_base = recalled(&self.odometry, run_ns);
-        if let Some((map_from_odom, odom_from_base)) = map_from_odom.zip(odom_from_base) {
-            let map_from_base = map_from_odom.then(&odom_from_base);
-            let map_from_laser = map_from_base.then(&self.base_from_laser);
-            let (scan, ranges_m) = beams_kept(scan, ranges_m);
-            let sample = SceneScan::of(&scan, &ranges_m, &map_from_laser);
-            self.scans.push(run_ns, sample);
-        }
+    pub(crate) fn scan(&mut self, tick: u64, run_ns: u64, scan: &Scan, ranges_m: &[f32]) {
+        let (scan, ranges_m) = beams_kept(scan, ranges_m);
+        (self.held).add_scan(tick, run_ns, scan, ranges_m.into_owned());
     }
 
     /// What mapping follows.
@@ -252,9 +270,9 @@ impl Film {
         }
     }
 
-    /// Where mapping puts the odometry frame.
-    pub(crate) fn placed(&mut self, map_from_odom: Pose) {
-        self.map_from_odom = Some(map_from_odom);
+    /// Where mapping puts the odometry frame, from this tick on.
+    pub(crate) fn placed(&mut self, tick: u64, map_from_odom: Pose) {
+        self.held.place(tick, map_from_odom);
     }
 
     /// These tiles of the map were written.

@@ -65,7 +65,7 @@ pub(crate) fn busy_drive(duration_s: u64) -> Film {
     replica.keyframe(&info(Id::new(1, 1).0, SIDE), &keyframe);
     film.description(&Description::default(), &[]);
     film.written_all();
-    film.placed(Pose::default());
+    film.placed(0, Pose::default());
     let none = BTreeSet::new();
     film.goals(0, &[Goal::default()], &none);
     let ranges_m: Vec<f32> = (0..720_u16).map(|at| 1.0 + f32::from(at) / 100.0).collect();
@@ -100,7 +100,7 @@ pub(crate) fn busy_drive(duration_s: u64) -> Film {
         film.request(tick, &VelocityRequest::default());
         film.command(run_ns, tick, &command);
         if tick % 5 == 0 {
-            film.scan(run_ns, &scan, &ranges_m);
+            film.scan(tick, run_ns, &scan, &ranges_m);
             let obstacle = Obstacle {
                 x_m: 100.0 * noise.share(),
                 ..Obstacle::default()
@@ -124,6 +124,7 @@ pub(crate) fn busy_drive(duration_s: u64) -> Film {
             film.path(run_ns, &path, &[Waypoint::default(); 200]);
         }
     }
+    film.end();
     film
 }
 
