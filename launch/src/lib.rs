@@ -42,6 +42,7 @@ mod placed;
 mod prepare;
 mod program;
 mod record;
+mod recorded;
 mod recorder;
 mod recorder_start;
 pub mod recordings;

@@ -1,16 +1,14 @@
 //! `zeronav replay`: drives a recorded run again and says where it begins to differ. In closed loop the scenario of a
 //! lockstep run is driven; in open loop what was recorded is played to some seats.
 
-pub(crate) mod recorded;
-
 use crate::bag::diff::{Beside, beside};
 use crate::commands::drive_and_judge;
 use crate::open_loop::{self, NotPlayed, open_loop};
 use crate::output_args::OutputArgs;
+use crate::recorded::Recorded;
 use crate::recorder::RecordTo;
 use crate::run_plan::{RunPlan, Source};
 use clap::Args;
-use recorded::Recorded;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;

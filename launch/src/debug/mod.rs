@@ -11,7 +11,7 @@ mod words;
 
 use crate::prepare::prepare;
 use crate::recorder::RecordTo;
-use crate::replay::recorded::Recorded;
+use crate::recorded::Recorded;
 use crate::run_plan::{RunPlan, Source};
 use clap::Args;
 use console::Console;

@@ -7,6 +7,7 @@ mod score;
 mod ticks;
 
 use crate::prepare::{Prepared, prepare};
+use crate::recorded::end_tick;
 use crate::run_plan::RunPlan;
 use crate::show::log;
 use play::{PlayError, play};
@@ -18,7 +19,6 @@ use ticks::in_ticks;
 use zeronav_console::exit::{EXIT_INTERRUPTED, EXIT_SERVICE, EXIT_USAGE};
 use zeronav_msgs::role::Role;
 use zeronav_recorder::read::Summary;
-use zeronav_recorder::verdict::{END_TICK, VERDICT};
 
 /// The seats that can be open: those between the sensors and the wheels.
 pub(crate) const SEATS: [Role; 4] = [
@@ -101,12 +101,6 @@ pub(crate) fn open_loop(
         file: file.ok_or_else(|| "the run was not recorded".to_owned())?,
         last_tick,
     })
-}
-
-/// The tick with which the recorded run ended, where the recording says so.
-fn end_tick(found: &Summary) -> Option<u64> {
-    let tick = found.metadata.get(VERDICT)?.get(END_TICK)?;
-    tick.parse().ok()
 }
 
 /// The last tick that is played: what the robot did when the run was over, until everything had stopped, followed the

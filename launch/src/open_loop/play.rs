@@ -2,10 +2,11 @@
 //! order in which it was, and what an open seat owes is waited for where its answer had been.
 
 use super::player::{Player, is_latched};
-use super::score::{Note, Score};
+use super::score::Score;
 use crate::companions::Companions;
 use crate::configs;
 use crate::prepare::Prepared;
+use crate::recorded::notes::Note;
 use crate::recorder::{self, DrivenBy, RecordedTicks};
 use crate::recorder_start::start_recorder;
 use std::collections::BTreeMap;

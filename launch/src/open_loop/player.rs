@@ -1,7 +1,8 @@
 //! The ports of the seats that are played: what was recorded is sent again byte for byte, and whoever is to be rung
 //! for it is.
 
-use super::score::{Note, Score};
+use super::score::Score;
+use crate::recorded::notes::Note;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::{Duration, Instant};

@@ -4,8 +4,8 @@
 //! the next tick, and so does what mapping and the global planner made of it; all others belong to the tick that they
 //! answer. Within a tick messages come in the order of the data flow.
 
-use super::score::Note;
 use crate::prepare::Prepared;
+use crate::recorded::notes::Note;
 use std::collections::BTreeMap;
 use std::io::BufWriter;
 use std::path::PathBuf;

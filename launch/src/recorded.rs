@@ -1,4 +1,6 @@
-//! What a recording says of how its run was driven.
+//! A recording as it is read again: how its run was driven, and its messages.
+
+pub(crate) mod notes;
 
 use crate::bag::input::open;
 use std::path::Path;
@@ -7,6 +9,13 @@ use zeronav_recorder::file::{
     DRIVEN_BY, DRIVEN_BY_SCENARIO, SCENARIO_BYTES_MAX, SCENARIO_TYPE, START,
 };
 use zeronav_recorder::read::{Summary, attachment, summary};
+use zeronav_recorder::verdict::{END_TICK, VERDICT};
+
+/// The tick with which a recorded run ended, where its recording says so.
+pub(crate) fn end_tick(found: &Summary) -> Option<u64> {
+    let tick = found.metadata.get(VERDICT)?.get(END_TICK)?;
+    tick.parse().ok()
+}
 
 /// How the run in a recording was driven.
 #[derive(Debug)]
@@ -36,7 +45,9 @@ impl Recorded {
             return Err(wrong(&format!("{damage}{fix}")));
         }
         if !found.metadata.contains_key(START) {
-            return Err(wrong(&"zeronav-recorder has not written it"));
+            let why =
+                "zeronav-recorder has not written it; `zeronav import` reads logs of other robots";
+            return Err(wrong(&why));
         }
         let most = usize::try_from(SCENARIO_BYTES_MAX).unwrap_or(usize::MAX);
         let attached =
@@ -63,6 +74,11 @@ impl Recorded {
         fields.get(name).map(String::as_str)
     }
 
+    /// Who decided where the robot drove.
+    pub(crate) fn driven_by(&self) -> Option<&str> {
+        self.field(DRIVEN_BY)
+    }
+
     pub(crate) fn is_lockstep(&self) -> bool {
         self.field("mode") == Some(RunMode::Lockstep.label())
     }
@@ -80,7 +96,7 @@ impl Recorded {
             ));
         }
         if self
-            .field(DRIVEN_BY)
+            .driven_by()
             .is_some_and(|who| who != DRIVEN_BY_SCENARIO)
         {
             return Err(format!(
