@@ -58,6 +58,7 @@ pub mod start_up;
 mod starvation;
 mod stay_result;
 pub mod suite_args;
+mod subject;
 mod swap;
 mod swap_order;
 pub mod top;

@@ -5,6 +5,7 @@ use crate::film::Cut;
 use crate::judge;
 use crate::prepare::Prepared;
 use crate::show::recording::{RecordedObstacle, RecordedPath, Recording};
+use crate::subject::Subject;
 use std::path::Path;
 use zeronav_measure::DEADLINE_NS;
 use zeronav_measure::result::RunResult;
@@ -23,51 +24,69 @@ pub(crate) fn recording(
     result: &RunResult,
     timings: Option<Timings>,
 ) -> Recording {
-    let about = Recording {
-        outcome: result.outcome.clone(),
+    let recording = of_run(&Subject::of(prepared, driven), &result.outcome, timings);
+    Recording {
         reason: result.reason.clone(),
-        time_s: seconds(driven.end_run_ns.saturating_sub(driven.goals_run_ns)),
         driven_m: result.driven_m,
         contacts: result.contacts,
-        robot: judge::moments(driven)
-            .iter()
-            .map(|moment| pose(moment.run_ns, &moment.pose, driven))
-            .collect(),
-        paths: (driven.collector.records.paths.iter())
-            .filter(|path| path.status == PathStatus::Found && path.run_ns <= driven.end_run_ns)
-            .map(|path| RecordedPath {
-                time_s: since_goal_s(path.run_ns, driven),
-                cause: path.cause.to_string(),
-                length_m: path.length_m,
-                points_m: path.points_m.iter().map(|at| at.map(thousandths)).collect(),
-            })
-            .collect(),
-        timings: timings.unwrap_or_else(|| timings_of(prepared, driven)),
-        ..Recording::default()
-    };
-    complete(prepared, driven, about)
+        command: command(),
+        ..recording
+    }
 }
 
 /// The recording of a stack that stayed up: what its film has kept.
 #[must_use]
 pub(crate) fn of_stay(prepared: &Prepared, driven: &Driven, outcome: &str) -> Recording {
-    let truth = driven.collector.truth.unwrap_or_default();
-    let film = &driven.collector.film;
+    Recording {
+        command: command(),
+        ..of_film(&Subject::of(prepared, driven), outcome)
+    }
+}
+
+/// The recording of a run with an end.
+pub(crate) fn of_run(subject: &Subject<'_>, outcome: &str, timings: Option<Timings>) -> Recording {
+    let collector = subject.collector;
+    let truth = collector.seen.truth.unwrap_or_default();
+    let moments = judge::moments(subject);
+    let about = Recording {
+        driven_m: truth.driven_m,
+        contacts: truth.contacts_moving + truth.contacts_standing,
+        robot: moments
+            .iter()
+            .map(|moment| pose(moment.run_ns, &moment.pose, subject))
+            .collect(),
+        paths: (collector.records.paths.iter())
+            .filter(|path| path.status == PathStatus::Found && path.run_ns <= subject.end_run_ns)
+            .map(|path| RecordedPath {
+                time_s: since_goal_s(path.run_ns, subject),
+                cause: path.cause.to_string(),
+                length_m: path.length_m,
+                points_m: path.points_m.iter().map(|at| at.map(thousandths)).collect(),
+            })
+            .collect(),
+        time_s: seconds(subject.end_run_ns.saturating_sub(subject.goals_run_ns)),
+        timings: timings.unwrap_or_else(|| timings_of(subject)),
+        ..Recording::default()
+    };
+    complete(subject, outcome, about)
+}
+
+/// The recording of what has no end of its own: what the film has kept.
+pub(crate) fn of_film(subject: &Subject<'_>, outcome: &str) -> Recording {
+    let truth = subject.collector.truth.unwrap_or_default();
+    let film = &subject.collector.film;
     let paths = film.paths().iter();
     let found = paths.filter(|(_, planned)| planned.path.status() == Some(PathStatus::Found));
     let about = Recording {
-        outcome: outcome.to_owned(),
-        reason: outcome.replace('_', " "),
-        time_s: since_goal_s(driven.end_run_ns, driven),
         driven_m: truth.driven_m,
         contacts: truth.contacts_moving + truth.contacts_standing,
         robot: (film.poses().iter())
-            .filter(|(run_ns, _)| *run_ns >= driven.goals_run_ns)
-            .map(|(run_ns, moving)| pose(*run_ns, &moving.pose, driven))
+            .filter(|(run_ns, _)| *run_ns >= subject.goals_run_ns)
+            .map(|(run_ns, moving)| pose(*run_ns, &moving.pose, subject))
             .collect(),
         paths: found
             .map(|(run_ns, planned)| RecordedPath {
-                time_s: since_goal_s(*run_ns, driven),
+                time_s: since_goal_s(*run_ns, subject),
                 cause: (planned.path.cause()).map_or_else(String::new, |cause| cause.to_string()),
                 length_m: planned.path.length_m,
                 points_m: (planned.waypoints.iter())
@@ -75,51 +94,51 @@ pub(crate) fn of_stay(prepared: &Prepared, driven: &Driven, outcome: &str) -> Re
                     .collect(),
             })
             .collect(),
-        timings: timings_of(prepared, driven),
+        time_s: since_goal_s(subject.end_run_ns, subject),
+        timings: timings_of(subject),
         ..Recording::default()
     };
-    complete(prepared, driven, about)
+    complete(subject, outcome, about)
 }
 
 /// Adds what all recordings have in common.
-fn complete(prepared: &Prepared, driven: &Driven, about: Recording) -> Recording {
-    let map = prepared.world.rasterise();
+fn complete(subject: &Subject<'_>, outcome: &str, about: Recording) -> Recording {
+    let scenario = subject.scenario;
+    let map = subject.world.rasterise();
     let geometry = map.geometry;
     let origin_m = [geometry.origin_x_m, geometry.origin_y_m];
     let size_m = [geometry.width, geometry.height].map(|n| f64::from(n) * geometry.resolution_m);
-    let base = prepared.footprint.placed(&Pose::default());
-    let film = &driven.collector.film;
-    let mode = prepared.mode.to_string();
+    let base = subject.footprint.placed(&Pose::default());
+    let film = &subject.collector.film;
+    let mode = subject.mode.to_string();
     let cut = Cut {
-        scenario: &prepared.scenario.name,
+        scenario: &scenario.name,
         mode: &mode,
-        from_ns: driven.goals_run_ns,
-        until_ns: driven.end_run_ns,
+        from_ns: subject.goals_run_ns,
+        until_ns: subject.end_run_ns,
     };
     let scene = film.scene(&cut);
     let (interventions, interventions_left_out) = film.interventions();
-    let counts = |run_ns: &u64| (driven.goals_run_ns..=driven.end_run_ns).contains(run_ns);
+    let counts = |run_ns: &u64| (subject.goals_run_ns..=subject.end_run_ns).contains(run_ns);
     Recording {
-        scenario: prepared.scenario.name.clone(),
-        title: prepared.scenario.title.clone(),
-        seed: prepared.seed,
+        scenario: scenario.name.clone(),
+        title: scenario.title.clone(),
+        outcome: outcome.to_owned(),
+        reason: outcome.replace('_', " "),
+        seed: subject.seed,
         area_m: [origin_m, [origin_m[0] + size_m[0], origin_m[1] + size_m[1]]],
         walls_m: rectangles(&map),
         footprint_m: base.outline().iter().map(|at| [at.x, at.y]).collect(),
-        goals: prepared
-            .scenario
-            .goals
-            .iter()
+        goals: (scenario.goals.iter())
             .map(|goal| [goal.pose.x_m, goal.pose.y_m, goal.pose.yaw_rad])
             .collect(),
-        obstacles: obstacles(prepared, driven),
-        first_goal_s: thousandths(seconds(driven.goals_run_ns)),
-        tick_s: seconds(prepared.scenario.run.tick_ns()),
-        command: command(),
+        obstacles: obstacles(subject),
+        first_goal_s: thousandths(seconds(subject.goals_run_ns)),
+        tick_s: seconds(scenario.run.tick_ns()),
         interventions: interventions
             .iter()
             .filter(|(run_ns, _)| counts(run_ns))
-            .map(|(run_ns, why)| (since_goal_s(*run_ns, driven), why.to_string()))
+            .map(|(run_ns, why)| (since_goal_s(*run_ns, subject), why.to_string()))
             .collect(),
         interventions_left_out,
         rates: film.rates(),
@@ -142,19 +161,19 @@ fn command() -> Vec<String> {
 }
 
 /// The times of a drive.
-fn timings_of(prepared: &Prepared, driven: &Driven) -> Timings {
-    let records = &driven.collector.records;
-    let lockstep = prepared.mode == RunMode::Lockstep;
+fn timings_of(subject: &Subject<'_>) -> Timings {
+    let records = &subject.collector.records;
+    let lockstep = subject.mode == RunMode::Lockstep;
     let mut gathering = Gathering::default();
     gathering.compute(records);
     if !lockstep {
-        let (events, _) = judge::latency(prepared, driven);
+        let (events, _) = judge::latency(subject);
         let drive = Drive {
             records,
             events: &events,
             round: None,
-            tick_ns: prepared.scenario.run.tick_ns(),
-            from_ns: driven.goals_run_ns,
+            tick_ns: subject.scenario.run.tick_ns(),
+            from_ns: subject.goals_run_ns,
         };
         gathering.latencies(drive, DEADLINE_NS);
     }
@@ -162,24 +181,24 @@ fn timings_of(prepared: &Prepared, driven: &Driven) -> Timings {
 }
 
 /// Time since the first goal. [s]
-fn since_goal_s(run_ns: u64, driven: &Driven) -> f64 {
-    thousandths(seconds(run_ns.saturating_sub(driven.goals_run_ns)))
+fn since_goal_s(run_ns: u64, subject: &Subject<'_>) -> f64 {
+    thousandths(seconds(run_ns.saturating_sub(subject.goals_run_ns)))
 }
 
-fn pose(run_ns: u64, pose: &Pose, driven: &Driven) -> [f64; 4] {
+fn pose(run_ns: u64, pose: &Pose, subject: &Subject<'_>) -> [f64; 4] {
     let [x_m, y_m, yaw_rad] = [pose.x_m, pose.y_m, pose.yaw_rad].map(thousandths);
-    [since_goal_s(run_ns, driven), x_m, y_m, yaw_rad]
+    [since_goal_s(run_ns, subject), x_m, y_m, yaw_rad]
 }
 
-fn obstacles(prepared: &Prepared, driven: &Driven) -> Vec<RecordedObstacle> {
-    let seen = &driven.collector.seen.motion.obstacles;
+fn obstacles(subject: &Subject<'_>) -> Vec<RecordedObstacle> {
+    let seen = &subject.collector.seen.motion.obstacles;
     let recorded = |(index, poses): (&usize, &Vec<(u64, Pose)>)| {
-        let obstacle = prepared.world.obstacles().get(*index)?;
+        let obstacle = subject.world.obstacles().get(*index)?;
         let own_frame = obstacle.shape.placed_at(&Pose::default());
         let poses = poses
             .iter()
-            .filter(|(run_ns, _)| *run_ns <= driven.end_run_ns);
-        let row = |(run_ns, place): &(u64, Pose)| pose(*run_ns, place, driven);
+            .filter(|(run_ns, _)| *run_ns <= subject.end_run_ns);
+        let row = |(run_ns, place): &(u64, Pose)| pose(*run_ns, place, subject);
         Some(RecordedObstacle {
             name: obstacle.spec.name.clone(),
             outline_m: own_frame.outline().iter().map(|at| [at.x, at.y]).collect(),

@@ -4,6 +4,7 @@ use crate::drive::Driven;
 use crate::judge;
 use crate::prepare::Prepared;
 use crate::show::page::{write_companions, write_troubles};
+use crate::subject::Subject;
 use core::fmt::Write;
 use zeronav_measure::result::Environment;
 use zeronav_measure::result::latency::Figures;
@@ -25,7 +26,8 @@ pub(crate) fn of(prepared: &Prepared, driven: &Driven, environment: Environment)
         starved: driven.starved.clone(),
         faults: driven.faults.clone(),
         swaps: driven.swaps.clone(),
-        latency: (prepared.mode == RunMode::RealTime).then(|| judge::latency(prepared, driven).1),
+        latency: (prepared.mode == RunMode::RealTime)
+            .then(|| judge::latency(&Subject::of(prepared, driven)).1),
         services: driven.services.clone(),
         companions: driven.companions.clone(),
         environment,

@@ -5,6 +5,7 @@ mod reason;
 
 use crate::drive::Driven;
 use crate::prepare::Prepared;
+use crate::subject::Subject;
 use crate::trials::{self, Trials};
 use expectations::{contacts, expectations};
 use nalgebra::Point2;
@@ -33,20 +34,15 @@ use zeronav_msgs::time::seconds;
 pub(crate) fn judge(prepared: &Prepared, driven: &Driven, environment: Environment) -> RunResult {
     let (collector, seen) = (&driven.collector, &driven.collector.seen);
     let truth = seen.truth.unwrap_or_default();
-    let plans: Vec<PlannedPath> = collector
-        .records
-        .paths
-        .iter()
-        .filter(|path| path.status != PathStatus::NoGoal && path.run_ns <= driven.end_run_ns)
-        .map(|path| plan(prepared, path, driven.goals_run_ns))
-        .collect();
+    let subject = Subject::of(prepared, driven);
+    let plans = plans(&subject);
     let replans: Vec<PlannedPath> = plans
         .iter()
         .filter(|plan| plan.cause != PathCause::Goal.label())
         .cloned()
         .collect();
     let by_reason = interventions(driven);
-    let moments = moments(driven);
+    let moments = moments(&subject);
     let expectations = expectations(prepared, driven, &replans, &by_reason);
     let outcome = driven.ending.outcome();
     let met = expectations.iter().all(|expectation| expectation.met);
@@ -80,7 +76,7 @@ pub(crate) fn judge(prepared: &Prepared, driven: &Driven, environment: Environme
         jerk_mps3: jerk_mps3(moments),
         recoveries: seen.task.map_or(0, |task| task.recoveries),
         stuck_cause: seen.stuck_cause().map(|cause| cause.to_string()),
-        touches: touches(prepared, driven),
+        touches: touches(&subject),
         interventions: by_reason.values().sum(),
         interventions_by_reason: by_reason,
         pose: seen.comparison.pose(),
@@ -205,10 +201,10 @@ fn injected_us(steps: u16) -> f64 {
 }
 
 /// The moments from the first goal to the end of the task.
-pub(crate) fn moments(driven: &Driven) -> &[Moment] {
-    let moments = &driven.collector.seen.motion.moments;
-    let from = moments.partition_point(|moment| moment.run_ns < driven.goals_run_ns);
-    let to = moments.partition_point(|moment| moment.run_ns <= driven.end_run_ns);
+pub(crate) fn moments<'a>(subject: &Subject<'a>) -> &'a [Moment] {
+    let moments = &subject.collector.seen.motion.moments;
+    let from = moments.partition_point(|moment| moment.run_ns < subject.goals_run_ns);
+    let to = moments.partition_point(|moment| moment.run_ns <= subject.end_run_ns);
     moments.get(from..to).unwrap_or_default()
 }
 
@@ -223,35 +219,30 @@ fn row(moment: &Moment, driven: &Driven) -> [f64; 6] {
     ]
 }
 
-fn touches(prepared: &Prepared, driven: &Driven) -> Vec<Touch> {
+/// The contacts of the robot.
+pub(crate) fn touches(subject: &Subject<'_>) -> Vec<Touch> {
     let touch = |contact: &Contact| {
         let Contact { at, moving, .. } = contact;
         Touch {
-            time_s: seconds(at.run_ns.saturating_sub(driven.goals_run_ns)),
+            time_s: seconds(at.run_ns.saturating_sub(subject.goals_run_ns)),
             moving: *moving,
             v_mps: contact.v_before_mps,
-            with: touched(prepared, contact),
+            with: touched(subject, contact),
             pose: [at.pose.x_m, at.pose.y_m, at.pose.yaw_rad],
         }
     };
-    driven
-        .collector
-        .seen
-        .motion
-        .contacts
-        .iter()
-        .map(touch)
-        .collect()
+    let contacts = &subject.collector.seen.motion.contacts;
+    contacts.iter().map(touch).collect()
 }
 
 /// The nearest thing at a contact.
-fn touched(prepared: &Prepared, contact: &Contact) -> String {
+fn touched(subject: &Subject<'_>, contact: &Contact) -> String {
     /// Nothing that is farther away can be touched. [m]
     const REACH_M: f64 = 0.5;
-    let robot = prepared.footprint.placed(&contact.at.pose);
-    let mut nearest = ("world", prepared.world.convex_distance_m(&robot, REACH_M));
+    let robot = subject.footprint.placed(&contact.at.pose);
+    let mut nearest = ("world", subject.world.convex_distance_m(&robot, REACH_M));
     for (index, pose) in &contact.obstacles {
-        let Some(obstacle) = prepared.world.obstacles().get(*index) else {
+        let Some(obstacle) = subject.world.obstacles().get(*index) else {
             continue;
         };
         let distance_m = robot.distance_m(&obstacle.shape.placed_at(pose));
@@ -273,12 +264,21 @@ fn interventions(driven: &Driven) -> BTreeMap<String, usize> {
     by_reason
 }
 
-fn plan(prepared: &Prepared, path: &PathRecord, goals_run_ns: u64) -> PlannedPath {
+/// Every path, and every reason why there was none.
+pub(crate) fn plans(subject: &Subject<'_>) -> Vec<PlannedPath> {
+    let paths = subject.collector.records.paths.iter();
+    paths
+        .filter(|path| path.status != PathStatus::NoGoal && path.run_ns <= subject.end_run_ns)
+        .map(|path| plan(subject, path))
+        .collect()
+}
+
+fn plan(subject: &Subject<'_>, path: &PathRecord) -> PlannedPath {
     let points: Vec<Point2<f64>> = path.points_m.iter().map(|at| Point2::from(*at)).collect();
     let clearance_m =
-        prepared.world.polyline_clearance_m(&points) - prepared.footprint.inscribed_radius_m();
+        subject.world.polyline_clearance_m(&points) - subject.footprint.inscribed_radius_m();
     PlannedPath {
-        time_s: seconds(path.run_ns.saturating_sub(goals_run_ns)),
+        time_s: seconds(path.run_ns.saturating_sub(subject.goals_run_ns)),
         cause: path.cause.to_string(),
         planner: path.planner.clone(),
         status: path.status.to_string(),
@@ -297,17 +297,18 @@ fn latencies(prepared: &Prepared, driven: &Driven) -> Option<(Latency, Profile)>
     if prepared.mode == RunMode::Lockstep {
         return None;
     }
-    let (events, latency) = latency(prepared, driven);
+    let (events, latency) = latency(&Subject::of(prepared, driven));
     let records = &driven.collector.records;
     let round = RoundProfile::of(&events, records, None, trials::timing(prepared));
     Some((latency, trials::profile(prepared, &[round])))
 }
 
 /// What became of the obstacles of a drive, and its latencies.
-pub(crate) fn latency(prepared: &Prepared, driven: &Driven) -> (Vec<Event>, Latency) {
+pub(crate) fn latency(subject: &Subject<'_>) -> (Vec<Event>, Latency) {
+    let (collector, world) = (subject.collector, subject.world);
     let clearance_m = |index: usize, points_m: &[[f64; 2]]| {
-        let pose = driven.collector.obstacles.get(&index);
-        let obstacle = prepared.world.obstacles().get(index);
+        let pose = collector.obstacles.get(&index);
+        let obstacle = world.obstacles().get(index);
         obstacle
             .zip(pose)
             .map_or(f64::INFINITY, |(obstacle, pose)| {
@@ -318,9 +319,8 @@ pub(crate) fn latency(prepared: &Prepared, driven: &Driven) -> (Vec<Event>, Late
                 obstacle.shape.polyline_clearance_m(pose, &polyline)
             })
     };
-    let radius_m = prepared.footprint.inscribed_radius_m();
-    let records = &driven.collector.records;
-    zeronav_measure::measure(records, &clearance_m, radius_m, DEADLINE_NS)
+    let radius_m = subject.footprint.inscribed_radius_m();
+    zeronav_measure::measure(&collector.records, &clearance_m, radius_m, DEADLINE_NS)
 }
 
 /// What the start took.
