@@ -6,7 +6,7 @@ use crate::show::recording::Recording;
 use serde::Serialize;
 use zeronav_measure::result::fault::FaultResult;
 use zeronav_measure::result::swap::SwapResult;
-use zeronav_measure::result::{PlannedPath, Redirect, Restart};
+use zeronav_measure::result::{PlannedPath, Redirect, Restart, Touch};
 
 /// Events that a player marks at most.
 const MARKED_MAX: usize = 400;
@@ -33,25 +33,13 @@ pub(super) fn events(run: &RunFolder) -> Vec<Event> {
     match &run.outcome {
         Outcome::Run(result) => {
             events.extend(result.plans.iter().map(path));
-            events.extend(result.touches.iter().map(|touch| Event {
-                time_s: touch.time_s,
-                kind: "contact",
-                text: format!(
-                    "contact with {} at {:.2} m/s, {}",
-                    touch.with,
-                    touch.v_mps,
-                    if touch.moving { "moving" } else { "standing" }
-                ),
-            }));
+            events.extend(result.touches.iter().map(touch));
             events.extend(result.restarts.iter().map(|one| restart(one, from_s)));
             events.extend(result.faults.iter().map(|one| fault(one, from_s)));
             events.extend(result.redirects.iter().map(redirect));
             events.extend(swaps(&result.swaps, recording));
-            events.push(Event {
-                time_s: recording.map_or(result.time_s, |recording| recording.time_s),
-                kind: "end",
-                text: words(&result.outcome),
-            });
+            let time_s = recording.map_or(result.time_s, |recording| recording.time_s);
+            events.push(end(time_s, &result.outcome));
         }
         Outcome::Stay(result) => {
             let paths = recording.map_or(&[][..], |recording| &recording.paths);
@@ -68,13 +56,27 @@ pub(super) fn events(run: &RunFolder) -> Vec<Event> {
             events.extend(result.faults.iter().map(|one| fault(one, from_s)));
             events.extend(result.goals.iter().map(redirect));
             events.extend(swaps(&result.swaps, recording));
-            events.push(Event {
-                time_s: recording.map_or(result.time_s, |recording| recording.time_s),
-                kind: "end",
-                text: words(&result.outcome),
-            });
+            let time_s = recording.map_or(result.time_s, |recording| recording.time_s);
+            events.push(end(time_s, &result.outcome));
         }
     }
+    in_order(events, recording)
+}
+
+/// What happened in a run that is read from the recording of its messages.
+pub(super) fn of_messages(
+    plans: &[PlannedPath],
+    touches: &[Touch],
+    recording: &Recording,
+) -> Vec<Event> {
+    let mut events: Vec<Event> = plans.iter().map(path).collect();
+    events.extend(touches.iter().map(touch));
+    events.push(end(recording.time_s, &recording.outcome));
+    in_order(events, Some(recording))
+}
+
+/// The events with those of the recording, in order of time.
+fn in_order(mut events: Vec<Event>, recording: Option<&Recording>) -> Vec<Event> {
     if let Some(recording) = recording {
         events.extend(recording.obstacles.iter().filter_map(|obstacle| {
             let time_s = obstacle.poses.first()?[0];
@@ -105,6 +107,27 @@ pub(super) fn events(run: &RunFolder) -> Vec<Event> {
         by_time.then(is_answer(a).cmp(&is_answer(b)))
     });
     events
+}
+
+fn end(time_s: f64, outcome: &str) -> Event {
+    Event {
+        time_s,
+        kind: "end",
+        text: words(outcome),
+    }
+}
+
+fn touch(touch: &Touch) -> Event {
+    Event {
+        time_s: touch.time_s,
+        kind: "contact",
+        text: format!(
+            "contact with {} at {:.2} m/s, {}",
+            touch.with,
+            touch.v_mps,
+            if touch.moving { "moving" } else { "standing" }
+        ),
+    }
 }
 
 fn path(plan: &PlannedPath) -> Event {

@@ -11,6 +11,7 @@ mod events;
 pub(crate) mod folder;
 mod html;
 mod latencies;
+pub(crate) mod messages;
 mod page;
 mod paired;
 mod perfetto;

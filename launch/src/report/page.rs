@@ -23,22 +23,46 @@ const TRACE_PLACE: &str = "<!--trace-->";
 const PLAYER: &str = include_str!("page/player.html");
 const PLAYER_JS: &str = include_str!("page/player.js");
 
+/// What a page is put together from.
+pub(super) struct Parts<'a> {
+    /// Its title.
+    pub title: String,
+    /// What stands above the player.
+    pub before: String,
+    /// What the player plays.
+    pub recording: Option<&'a Recording>,
+    /// What it marks.
+    pub events: &'a [Event],
+    /// What stands below it, with [`TRACE_PLACE`] where the trace belongs.
+    pub after: String,
+    /// The trace.
+    pub trace: TraceSection,
+}
+
 /// The report as one HTML document of at most [`BYTES_MAX`].
 pub(super) fn page(run: &RunFolder) -> String {
     let events = events(run);
-    let (before, after) = (summary::head(run), below(run, &events));
-    let title = format!("{}: report of a run", run.scenario());
-    let scene = run
-        .recording
-        .as_ref()
-        .and_then(|recording| player(recording, &events));
-    let still = run.recording.as_ref().map(still);
+    document_of(&Parts {
+        title: format!("{}: report of a run", run.scenario()),
+        before: summary::head(run),
+        recording: run.recording.as_ref(),
+        events: &events,
+        after: below(run, &events),
+        trace: trace_section(run),
+    })
+}
+
+/// One HTML document of at most [`BYTES_MAX`].
+pub(super) fn document_of(parts: &Parts<'_>) -> String {
+    let recording = parts.recording;
+    let scene = recording.and_then(|recording| player(recording, parts.events));
+    let still = recording.map(still);
     let nothing = String::new();
     let (scene, still) = (scene.as_ref(), still.as_ref().unwrap_or(&nothing));
     let TraceSection {
         with_data: trace,
         without_data: linked,
-    } = &trace_section(run);
+    } = &parts.trace;
     let mut smallest = String::new();
     // What is left out first is the trace, which lies beside the page, then the picture for paper, then
     // the player.
@@ -59,7 +83,7 @@ pub(super) fn page(run: &RunFolder) -> String {
             "Picture and recorded frames are too large for this page.",
         ),
     ] {
-        let mut body = before.clone() + still;
+        let mut body = parts.before.clone() + still;
         match scene {
             Some(scene) => body.push_str(scene),
             None if !why.is_empty() => body.push_str(&note(why)),
@@ -67,8 +91,8 @@ pub(super) fn page(run: &RunFolder) -> String {
                 "No frames were kept of this run; it cannot be played.",
             )),
         }
-        body.push_str(&after.replacen(TRACE_PLACE, trace, 1));
-        smallest = document(&title, &body);
+        body.push_str(&parts.after.replacen(TRACE_PLACE, trace, 1));
+        smallest = document(&parts.title, &body);
         if smallest.len() <= BYTES_MAX {
             return smallest;
         }
@@ -83,13 +107,6 @@ fn below(run: &RunFolder, events: &[Event]) -> String {
     let none = Timings::default();
     let timings = recording.map_or(&none, |recording| &recording.timings);
     let mut html = section("figures", "Run", &summary::figures(run));
-    let left_out = recording.map_or(0, |recording| recording.interventions_left_out);
-    let mut happened = list(events);
-    if left_out > 0 {
-        happened.push_str(&note(&format!(
-            "{left_out} more interventions of the guard were not kept."
-        )));
-    }
     let (processes, companions, restarts, starved, faults, swaps) = match &run.outcome {
         Outcome::Run(result) => {
             let expectations = summary::expectations(&result.expectations);
@@ -112,7 +129,7 @@ fn below(run: &RunFolder, events: &[Event]) -> String {
             &result.swaps,
         ),
     };
-    html.push_str(&section("events", "Events", &happened));
+    html.push_str(&happened(events, recording));
     let latency = run.latency();
     let times = latencies::distributions(latency, timings);
     html.push_str(&section("latency", "Latency", &times));
@@ -146,6 +163,18 @@ fn below(run: &RunFolder, events: &[Event]) -> String {
         &environment::environment(run),
     ));
     html
+}
+
+/// The events.
+pub(super) fn happened(events: &[Event], recording: Option<&Recording>) -> String {
+    let left_out = recording.map_or(0, |recording| recording.interventions_left_out);
+    let mut happened = list(events);
+    if left_out > 0 {
+        happened.push_str(&note(&format!(
+            "{left_out} more interventions of the guard were not kept."
+        )));
+    }
+    section("events", "Events", &happened)
 }
 
 /// The picture for paper and for browsers without scripts.

@@ -91,6 +91,12 @@ pub(crate) fn line(mut moment: Moment, now: &Now, report: &RunReport) -> String 
     sentence::why(&moment, &around)
 }
 
+/// Why the robot did what it did at a moment of a run, as far as its stages have said it.
+#[must_use]
+pub(crate) fn in_words(moment: &Moment) -> String {
+    sentence::why(moment, &around::Around::default())
+}
+
 /// Why a task has failed, or will when it has waited, as the report of a run says it; `None` when neither
 /// is so.
 #[must_use]
