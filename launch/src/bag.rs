@@ -143,7 +143,7 @@ fn check(file: &Path) -> ExitCode {
 }
 
 /// True when nothing is missing, and why it is not otherwise.
-fn validity(found: &Summary, damage: Option<&ReadError>) -> (bool, String) {
+pub(crate) fn validity(found: &Summary, damage: Option<&ReadError>) -> (bool, String) {
     let verdict = found.metadata.get(VERDICT);
     let field = |name: &str| verdict.and_then(|fields| fields.get(name)).cloned();
     match (damage, field("valid")) {

@@ -149,7 +149,8 @@ pub enum Command {
     Debug(DebugArgs),
     /// Bring the log of another robot into the form of a recording, to be played with `replay --open`.
     Import(ImportArgs),
-    /// A live page of a running stack: prints its link, and serves it until the stack ends.
+    /// A live page of a running stack: prints its link, and serves it until the stack ends. Of a
+    /// recording, a page that plays it.
     View(ViewArgs),
     /// Whether this machine can run a stack well, and what to do where it cannot.
     Doctor {

@@ -1,4 +1,4 @@
-//! The live page of a stack: `zeronav view`, and the viewer that `zeronav run` and `zeronav up`
+//! The live page of a stack: `zeronav view` without a file, and the viewer that `zeronav run` and `zeronav up`
 //! start beside the services as a companion.
 
 use crate::running;
@@ -29,7 +29,7 @@ pub struct PageArgs {
     /// Port of the live page on 127.0.0.1; without, 8090, or any that is free.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub port: Option<u16>,
-    /// Open the live page in a browser.
+    /// Open the page in a browser.
     #[arg(long)]
     pub open: bool,
 }
@@ -50,6 +50,20 @@ impl PageArgs {
 /// Arguments of `zeronav view`.
 #[derive(Debug, Clone, Args)]
 pub struct ViewArgs {
+    /// A recording to be played in a page of its own: an MCAP file of `--record`, `bag recover` or
+    /// `import`, or the folder of a run with one. Without, the live page of a running stack.
+    #[arg(conflicts_with_all = ["port", "view_only"])]
+    pub file: Option<PathBuf>,
+    /// The page of a recording; without, beside it with the same name.
+    #[arg(short, long, value_name = "PAGE", requires = "file")]
+    pub out: Option<PathBuf>,
+    /// Replace a page of the same name.
+    #[arg(long, requires = "file")]
+    pub force: bool,
+    /// Print what is played of a recording as one JSON object, as in `recording.json`, and write no
+    /// page.
+    #[arg(long, requires = "file", conflicts_with_all = ["out", "open"])]
+    pub json: bool,
     /// Root folder of the stack, when several run (see `zeronav ps`).
     #[arg(long, value_name = "ROOT", env = "ZERONAV_DOMAIN")]
     pub domain: Option<PathBuf>,

@@ -13,7 +13,7 @@ use zeronav::show::log;
 use zeronav::{
     bag, began, bisect, busy, commands, compare, completions, debug, doctor, import, latency, logs,
     look, map_save, params, picture, recordings, remote, replay, report, start_up, top, topics,
-    why,
+    view_recording, why,
 };
 use zeronav_console::exit::EXIT_USAGE;
 use zeronav_console::{arguments, terminal};
@@ -77,7 +77,10 @@ fn main() -> ExitCode {
         Command::Bisect(arguments) => bisect::bisect(&arguments),
         Command::Debug(arguments) => debug::debug(&arguments),
         Command::Import(arguments) => import::import(&arguments),
-        Command::View(arguments) => live_view::view(&arguments),
+        Command::View(arguments) => match &arguments.file {
+            Some(file) => view_recording::view(file, &arguments),
+            None => live_view::view(&arguments),
+        },
         Command::Doctor { json } => doctor::doctor(json),
         Command::Goal(arguments) => goal::goal(&arguments),
         Command::Goals(arguments) => goal::goals(&arguments),

@@ -1,5 +1,6 @@
 //! A recording as it is read again: how its run was driven, and its messages.
 
+pub(crate) mod drive;
 pub(crate) mod notes;
 
 use crate::bag::input::open;
@@ -38,7 +39,7 @@ impl Recorded {
         if let Some(damage) = damage {
             // Of what is no recording nothing can be made whole.
             let fix = if found.profile.is_empty() {
-                ""
+                "; it is no MCAP file of `zeronav run --record`, and `zeronav import` reads logs of other robots"
             } else {
                 "; `zeronav bag recover` makes a whole file of what is there"
             };

@@ -133,6 +133,13 @@ impl Seen {
         }
     }
 
+    /// Nothing more is heard, and nobody says when the run ended: all that was heard counts.
+    pub fn end(&mut self) {
+        if self.end_tick.is_none() {
+            self.end_at(u64::MAX);
+        }
+    }
+
     /// Why the robot got stuck, if it did.
     #[must_use]
     pub fn stuck_cause(&self) -> Option<StuckCause> {

@@ -10,8 +10,8 @@ mod moment;
 mod words;
 
 use crate::prepare::prepare;
-use crate::recorder::RecordTo;
 use crate::recorded::Recorded;
+use crate::recorder::RecordTo;
 use crate::run_plan::{RunPlan, Source};
 use clap::Args;
 use console::Console;

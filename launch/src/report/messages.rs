@@ -100,9 +100,9 @@ fn figures(of: &OfMessages) -> String {
     all.extend([
         ("paths", recording.paths.len().to_string()),
         ("guard stepped in", n.to_string()),
-        ("mode", words(&recording.mode)),
     ]);
     if of.is_simulated {
+        all.push(("mode", words(&recording.mode)));
         all.push(("seed", recording.seed.to_string()));
     }
     pairs(&all)

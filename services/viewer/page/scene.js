@@ -429,13 +429,24 @@ const ZeronavScene = (() => {
       this.drawScaleBar(to, theme, width, height);
     }
 
-    /** Fits the map, or the surroundings of the robot, into the canvas. */
+    /** Fits the map, or without one where the robot has been and 5 m around it, into the canvas. */
     frame(log, moment, width, height) {
       const [x, y, w, h] = log
         ? [log.x, log.y, log.width * log.resolution, log.height * log.resolution]
-        : [moment.robot[0] - 5, moment.robot[1] - 5, 10, 10];
+        : this.driven(moment);
       this.scale = Math.min(SCALE.most, Math.max(SCALE.least, 0.96 * Math.min(width / w, height / h)));
       this.centre = [x + w / 2, y + h / 2];
+    }
+
+    /** A box around everywhere where the robot has been: x, y, width and height. [m] */
+    driven(moment) {
+      let [x, y, to_x, to_y] = [Infinity, Infinity, -Infinity, -Infinity];
+      for (const { robot, truth } of [moment, ...this.scene.states]) {
+        for (const [at_x, at_y] of truth ? [robot, truth] : [robot]) {
+          [x, y, to_x, to_y] = [Math.min(x, at_x), Math.min(y, at_y), Math.max(to_x, at_x), Math.max(to_y, at_y)];
+        }
+      }
+      return [x - 5, y - 5, to_x - x + 10, to_y - y + 10];
     }
 
     drawMap(to, log, moment, theme) {

@@ -8,6 +8,7 @@ mod import;
 mod lost;
 mod open_loop;
 mod suite;
+mod view;
 
 use rustix::process::Signal;
 use serde_json::Value;

@@ -143,6 +143,7 @@
     const seen = { scan: "scan", obstacle: "obstacles", path: "path", goal: "goals", arc: "control", truth: "truth", rollouts: "rollouts" };
     const has = (layer) => {
       if (layer.key === "cost" || layer.key === "clearance") return false;
+      if (layer.map && !scene.logs.length) return false;
       const key = seen[layer.key];
       return !key || scene.states.some((state) => state[key] && (!Array.isArray(state[key]) || state[key].length));
     };

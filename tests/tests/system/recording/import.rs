@@ -11,7 +11,7 @@ use zeronav_tests::rooms::short_drive;
 use zeronav_tests::{Zeronav, zeronav};
 
 /// Imports `log` as `out`; what is said of it.
-fn imported(log: &Path, out: &Path) -> Value {
+pub(super) fn imported(log: &Path, out: &Path) -> Value {
     let [log, out] = [log, out].map(|it| it.display().to_string());
     zeronav(&["import", &log, "--out", &out, "--json"]).expect(0)
 }
@@ -42,7 +42,7 @@ fn of(figures: &[(String, Option<f64>)], name: &str) -> f64 {
 }
 
 /// A drive of 3 m along the middle of a room of 8 m by 4 m, by wheels that count 2 % too much.
-fn carmen() -> String {
+pub(super) fn carmen() -> String {
     let mut text = String::new();
     for n in 0..=60_u32 {
         let x_m = 1.0 + 0.05 * f64::from(n);
