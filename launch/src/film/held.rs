@@ -166,7 +166,7 @@ mod tests {
         };
         for tick in 1..400 {
             held.add(odometry(tick));
-            if tick > late && (tick - late) % 5 == 0 {
+            if tick > late && (tick - late).is_multiple_of(5) {
                 let at = tick - late;
                 held.place(
                     at,
