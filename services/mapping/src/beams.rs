@@ -10,7 +10,7 @@ use zeronav_msgs::pose::wrap_angle;
 use zeronav_msgs::scan::Scan;
 
 /// Where the laser was during a turn, in the frame that the beams shall be in.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Sweep {
     /// `frame_from_laser` at beam 0.
     pub first: Pose,
@@ -26,6 +26,26 @@ impl Sweep {
             first: frame_from_laser,
             last: frame_from_laser,
         }
+    }
+
+    /// The same in the frame in which the other one lies at `other_from_frame`.
+    #[must_use]
+    pub(crate) fn seen_from(&self, other_from_frame: &Pose) -> Self {
+        Self {
+            first: other_from_frame.then(&self.first),
+            last: other_from_frame.then(&self.last),
+        }
+    }
+
+    /// `frame_from_laser` after a share, 0 to 1, of the turn.
+    pub(crate) fn at(&self, share: f64) -> Pose {
+        let shift = (self.last.point() - self.first.point()) * share;
+        let turn_rad = wrap_angle(self.last.yaw_rad - self.first.yaw_rad) * share;
+        Pose::new(
+            self.first.x_m + shift.x,
+            self.first.y_m + shift.y,
+            self.first.yaw_rad + turn_rad,
+        )
     }
 }
 
@@ -67,6 +87,7 @@ impl Beam {
 #[derive(Debug, Default)]
 pub struct Beams {
     cast: Vec<Beam>,
+    sweep: Sweep,
     /// Directions in the laser's own frame, and what they are of.
     directions: Vec<Vector2<f64>>,
     fan: (f32, f32),
@@ -83,6 +104,7 @@ impl Beams {
         let fan_rad = self.increment_rad * (ranges.len() as f64 + 0.5);
         self.full_turn = fan_rad >= core::f64::consts::TAU;
         self.cast.clear();
+        self.sweep = *sweep;
         let directions = self.directions.iter().zip(ranges);
         if sweep.first == sweep.last {
             let (sin, cos) = sweep.last.yaw_rad.sin_cos();
@@ -118,6 +140,12 @@ impl Beams {
     #[must_use]
     pub fn as_slice(&self) -> &[Beam] {
         &self.cast
+    }
+
+    /// Where the laser was while it took them, in their frame.
+    #[must_use]
+    pub(crate) fn sweep(&self) -> &Sweep {
+        &self.sweep
     }
 
     /// Angle from beam to beam, >= 0. [rad]

@@ -103,7 +103,7 @@ impl NearPoints {
 
 /// Standard deviation of hits across their surfaces, by how far they lie beside the middle of their
 /// neighbours. [m]
-fn noise_m(hits: &[Point2<f64>]) -> f64 {
+pub(crate) fn noise_m(hits: &[Point2<f64>]) -> f64 {
     let (mut sum_m, mut n) = (0.0, 0.0_f64);
     for three in hits.windows(3) {
         let along = three[2] - three[0];

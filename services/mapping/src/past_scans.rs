@@ -1,5 +1,6 @@
 //! Scans of the last second: what could be looked through then.
 
+use crate::beams::Sweep;
 use core::f64::consts::TAU;
 use nalgebra::Point2;
 use std::collections::VecDeque;
@@ -17,10 +18,15 @@ const APART_NS: u64 = 90_000_000;
 /// proves nothing.
 const BESIDE_MIN: i64 = 1;
 
+/// How often the beam towards a point is looked for from where the laser was at the beam of the look before:
+/// a laser turns much slower than its beams do.
+const LOOKS: usize = 3;
+
 /// One scan as it was seen.
 #[derive(Debug, Clone)]
 pub(crate) struct PastScan {
-    map_from_laser: Pose,
+    /// Where the laser was, in the map.
+    sweep: Sweep,
     run_ns: u64,
     scan: Scan,
     ranges: Vec<f32>,
@@ -83,13 +89,27 @@ impl PastScan {
         reason = "angles are a few turns, beams a few thousand"
     )]
     fn towards(&self, point_in_map: Point2<f64>) -> (i64, f64) {
-        let offset = point_in_map - self.map_from_laser.point();
+        let (mut beam, mut range_m) = self.towards_from(&self.sweep.last, point_in_map);
+        if self.sweep.first != self.sweep.last {
+            #[allow(clippy::cast_precision_loss, reason = "beams are a few thousand")]
+            let steps = self.ranges.len().saturating_sub(1).max(1) as f64;
+            for _ in 0..LOOKS {
+                let share = (beam / steps).min(1.0);
+                (beam, range_m) = self.towards_from(&self.sweep.at(share), point_in_map);
+            }
+        }
+        (beam as i64, range_m)
+    }
+
+    /// The same for a laser that stands at `map_from_laser`.
+    fn towards_from(&self, map_from_laser: &Pose, point_in_map: Point2<f64>) -> (f64, f64) {
+        let offset = point_in_map - map_from_laser.point();
         let increment = f64::from(self.scan.angle_increment_rad);
-        let angle = offset.y.atan2(offset.x) - self.map_from_laser.yaw_rad;
+        let angle = offset.y.atan2(offset.x) - map_from_laser.yaw_rad;
         // Going the way the lidar turns.
         let from_first = (angle - f64::from(self.scan.angle_min_rad)) * increment.signum();
         let beam = (from_first.rem_euclid(TAU) / increment.abs()).round();
-        (beam as i64, offset.norm())
+        (beam, offset.norm())
     }
 
     /// Range of a beam; a full turn goes on where it began. `None` beside the field of view. [m]
@@ -118,8 +138,8 @@ pub(crate) struct PastScans {
 }
 
 impl PastScans {
-    /// Adds a scan seen from `map_from_laser` at run time `run_ns`.
-    pub(crate) fn push(&mut self, scan: &Scan, ranges: &[f32], map_from_laser: &Pose, run_ns: u64) {
+    /// Adds a scan that was taken along `sweep` through the map at run time `run_ns`.
+    pub(crate) fn push(&mut self, scan: &Scan, ranges: &[f32], sweep: &Sweep, run_ns: u64) {
         // The newest one always, in place of the one before when that followed too soon.
         let mut latest = self.scans.iter().rev().map(PastScan::run_ns);
         let too_soon = latest
@@ -137,7 +157,7 @@ impl PastScans {
         memory.clear();
         memory.extend_from_slice(ranges);
         self.scans.push_back(PastScan {
-            map_from_laser: *map_from_laser,
+            sweep: *sweep,
             run_ns,
             scan: *scan,
             ranges: memory,
@@ -178,7 +198,7 @@ mod tests {
             ..Scan::default()
         };
         let mut scans = PastScans::default();
-        scans.push(&scan, ranges, &Pose::new(1.0, 2.0, 0.5), 7);
+        scans.push(&scan, ranges, &Sweep::still(Pose::new(1.0, 2.0, 0.5)), 7);
         scans.newest().expect("a scan").clone()
     }
 
@@ -251,5 +271,54 @@ mod tests {
         assert!(!past.sees_through(at(0.45), 0.1));
         assert!(!past.sees_through(at(0.6), 0.1) && !past.sees_through(at(-0.6), 0.1));
         assert!(!past.sees_through(at(3.0), 0.1));
+    }
+
+    /// A laser that turns by 0.4 rad while it takes its scan, in front of a wall along x = 4.
+    #[test]
+    fn a_wall_is_not_looked_through_because_the_robot_turned_meanwhile() {
+        let n_beams = 360_u16;
+        let scan = Scan {
+            n_beams: u32::from(n_beams),
+            angle_min_rad: -std::f32::consts::PI,
+            angle_increment_rad: std::f32::consts::TAU / f32::from(n_beams),
+            range_m_min: 0.1,
+            range_m_max: 10.0,
+            ..Scan::default()
+        };
+        let sweep = Sweep {
+            first: Pose::new(1.0, 2.0, 0.1),
+            last: Pose::new(1.1, 2.0, 0.5),
+        };
+        let ranges: Vec<f32> = (0..n_beams)
+            .map(|beam| {
+                let from = sweep.at(f64::from(beam) / f64::from(n_beams - 1));
+                let cos = (from.yaw_rad + scan.angle_of(usize::from(beam))).cos();
+                #[allow(clippy::cast_possible_truncation, reason = "ranges are f32")]
+                let range_m = ((4.0 - from.x_m) / cos) as f32;
+                if cos > 0.0 && range_m < scan.range_m_max {
+                    range_m
+                } else {
+                    f32::INFINITY
+                }
+            })
+            .collect();
+        let seen_along = |sweep: &Sweep| {
+            let mut scans = PastScans::default();
+            scans.push(&scan, &ranges, sweep, 7);
+            scans.newest().expect("a scan").clone()
+        };
+        let wall = || (0..40).map(|n| Point2::new(4.0, 0.1 * f64::from(n)));
+        let past = seen_along(&sweep);
+        for at in wall() {
+            assert!(
+                !past.sees_through(at, 0.1) && past.ended_at(at, 0.05),
+                "{at}"
+            );
+            let before = Point2::new(3.5, at.y);
+            assert!(past.sees_through(before, 0.1), "{before}");
+        }
+        // As if all beams had been taken at once, from where the last one was.
+        let at_once = seen_along(&Sweep::still(sweep.last));
+        assert!(wall().any(|at| at_once.sees_through(at, 0.1)));
     }
 }

@@ -9,6 +9,7 @@ use crate::beams::{Beam, Beams};
 use crate::clusters::{Cluster, Clusters};
 use crate::fit::{Fit, Place, disc_through, fit};
 use crate::form::Form;
+use crate::near_points::noise_m;
 use crate::past_scans::PastScans;
 use crate::track::Track;
 use nalgebra::{Matrix2, Point2, Vector2};
@@ -42,6 +43,10 @@ const POINT_SIGMA_M: f64 = 0.02;
 
 /// How long what moves keeps an acceleration. [s]
 const ACCELERATION_LASTS_S: f64 = 0.1;
+
+/// Standard deviations of a hit by which what is seen to have moved must have moved, where that is more than the
+/// configuration's gap.
+const GAP_SIGMAS: f64 = 5.0;
 
 /// Share of a cluster's points that must be seen to have moved, and the least number.
 const SEEN_MOVING: (f64, usize) = (0.25, 2);
@@ -130,6 +135,10 @@ pub struct Tracker {
     run_ns: u64,
     /// Of the last scan. [rad^2]
     yaw_doubt: f64,
+    /// Standard deviation of the last scan's hits across what they lie on. [m]
+    noise_m: f64,
+    /// Scratch: its hits. [m]
+    hits: Vec<Point2<f64>>,
     /// When something moved last. [ns]
     moved_ns: Option<u64>,
     seen: Vec<Seen>,
@@ -151,6 +160,8 @@ impl Tracker {
             next_number: 1,
             run_ns: 0,
             yaw_doubt: 0.0,
+            noise_m: 0.0,
+            hits: Vec::new(),
             moved_ns: None,
             seen: Vec::new(),
             pairs: Vec::new(),
@@ -173,6 +184,10 @@ impl Tracker {
         let dt_s = seconds(view.run_ns.saturating_sub(self.run_ns));
         self.run_ns = view.run_ns;
         self.yaw_doubt = view.yaw_doubt;
+        self.hits.clear();
+        self.hits
+            .extend(view.beams.as_slice().iter().filter_map(Beam::point));
+        self.noise_m = noise_m(&self.hits);
         self.end_lost();
         let acceleration_m2ps3 = self.config.acceleration_sigma_mps2.powi(2) * ACCELERATION_LASTS_S;
         for track in &mut self.tracks {
@@ -188,8 +203,8 @@ impl Tracker {
         let eye = view.map_from_laser.point();
         self.look(eye);
         self.associate(eye);
-        self.past
-            .push(view.scan, view.ranges, &view.map_from_laser, view.run_ns);
+        let sweep = view.beams.sweep().seen_from(&view.map_from_frame);
+        self.past.push(view.scan, view.ranges, &sweep, view.run_ns);
         for n in 0..self.seen.len() {
             match self.seen[n].track {
                 Some(track) => self.hit(track, n, eye),
@@ -340,7 +355,7 @@ impl Tracker {
 
     /// Where something of this form is, judged by a cluster.
     fn measured(&self, form: &Form, seen: &Seen, eye: Point2<f64>) -> Place {
-        let variance = self.config.position_sigma_m.powi(2);
+        let variance = self.config.position_sigma_m.max(self.noise_m).powi(2);
         let even = Matrix2::from_diagonal_element(variance);
         let points = self.clusters.points(&seen.cluster);
         let places = points.iter().map(|point| point.at);
@@ -441,15 +456,16 @@ impl Tracker {
             return false;
         };
         let ago_s = seconds(now.run_ns().saturating_sub(then.run_ns()));
+        let gap_m = self.config.gap_m.max(GAP_SIGMAS * self.noise_m);
         let came = track.filter.velocity() * ago_s;
         let points = self.clusters.points(cluster);
         let mut entered = 0;
         let mut left = 0;
         for point in points {
-            entered += usize::from(self.past.saw_through(point.at, self.config.gap_m));
+            entered += usize::from(self.past.saw_through(point.at, gap_m));
             let was_at = point.at - came;
-            let was_there = then.ended_at(was_at, self.config.gap_m);
-            left += usize::from(was_there && now.sees_through(was_at, self.config.gap_m));
+            let was_there = then.ended_at(was_at, gap_m);
+            left += usize::from(was_there && now.sees_through(was_at, gap_m));
         }
         #[allow(
             clippy::cast_possible_truncation,
