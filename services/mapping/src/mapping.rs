@@ -297,34 +297,22 @@ impl Mapping {
                 guess.y_m + sin * end.x + cos * end.y,
             )
         };
-        // What lies beyond is on no map.
         let range_m_max = self.config.obstacle_range_m;
-        let end_of = |beam: &Beam| match beam.end {
-            End::Hit(range_m) if range_m <= range_m_max => beam.point(),
-            _ => None,
-        };
-        let beams = self.beams.as_slice();
-        #[allow(clippy::cast_precision_loss, reason = "at most 4096 beams")]
-        let steps = beams.len().saturating_sub(1).max(1) as f64;
         let (tracker, mapper) = (&self.tracker, &self.mapper);
-        self.standing.clear();
-        self.ago.clear();
-        let mut n_ends = 0;
-        for (n, end) in beams.iter().enumerate() {
-            let Some(end) = end_of(end) else {
-                continue;
-            };
-            n_ends += 1;
-            if !tracker.is_restless_at(in_map(&end), run_ns) {
-                self.standing.push(end);
-                #[allow(clippy::cast_precision_loss, reason = "at most 4096 beams")]
-                self.ago.push(1.0 - n as f64 / steps);
-            }
-        }
-        let are_most = 4 * self.standing.len() >= 3 * n_ends;
-        if tracker.sees_motion(run_ns) && !are_most {
+        let ends = (&mut self.standing, &mut self.ago);
+        let n_ends = ends_of(self.beams.as_slice(), range_m_max, ends, |end| {
+            !tracker.is_restless_at(in_map(end), run_ns)
+        });
+        let mut are_most = 4 * self.standing.len() >= 3 * n_ends;
+        if !are_most && tracker.sees_motion(run_ns) {
             self.standing.clear();
             self.ago.clear();
+        } else if !are_most && !self.localiser.watches() {
+            // Nothing was seen to move, and what seems to is too much for somebody who comes into view: what stands
+            // seems to move by the lidar's noise, or because the wheels slip.
+            let ends = (&mut self.standing, &mut self.ago);
+            ends_of(self.beams.as_slice(), range_m_max, ends, |_| true);
+            are_most = true;
         }
         let known = |end: &&Point2<f64>| mapper.is_matchable(in_map(end));
         self.landmarks.clear();
@@ -374,4 +362,36 @@ impl Mapping {
     pub fn obstacles(&self) -> impl Iterator<Item = Obstacle> + '_ {
         self.tracker.obstacles()
     }
+}
+
+/// Puts the ends that stand, of the beams that ended no farther than `range_m_max`, in place of those in `at` [m],
+/// and which share of the scan was still to come in place of those in `ago`. How many ended.
+fn ends_of(
+    beams: &[Beam],
+    range_m_max: f64,
+    (at, ago): (&mut Vec<Point2<f64>>, &mut Vec<f64>),
+    stands: impl Fn(&Point2<f64>) -> bool,
+) -> usize {
+    #[allow(clippy::cast_precision_loss, reason = "at most 4096 beams")]
+    let steps = beams.len().saturating_sub(1).max(1) as f64;
+    at.clear();
+    ago.clear();
+    let mut n_ends = 0;
+    for (n, beam) in beams.iter().enumerate() {
+        // What lies beyond is on no map.
+        let end = match beam.end {
+            End::Hit(range_m) if range_m <= range_m_max => beam.point(),
+            _ => None,
+        };
+        let Some(end) = end else {
+            continue;
+        };
+        n_ends += 1;
+        if stands(&end) {
+            at.push(end);
+            #[allow(clippy::cast_precision_loss, reason = "at most 4096 beams")]
+            ago.push(1.0 - n as f64 / steps);
+        }
+    }
+    n_ends
 }

@@ -37,6 +37,8 @@ pub(crate) struct NearPoints {
     first: Vec<u16>,
     /// Standard deviation of the hits across their surfaces. [m]
     noise_m: f64,
+    /// Distance of the farthest hit. [m]
+    reach_m: f64,
 }
 
 /// Standard deviations per mean of absolute values of a normal variable, and of a hit beside the middle of
@@ -51,6 +53,8 @@ impl NearPoints {
         self.first.clear();
         self.first.resize(BUCKETS * BUCKETS, NONE);
         self.noise_m = noise_m(hits);
+        let far_m = hits.iter().map(|hit| hit.coords.norm());
+        self.reach_m = far_m.fold(0.0, f64::max);
         for n in 0..hits.len() {
             let Some(line) = line_through(hits, n) else {
                 continue;
@@ -73,6 +77,11 @@ impl NearPoints {
     /// Standard deviation of the hits across their surfaces; 0 where none has neighbours. [m]
     pub(crate) fn noise_m(&self) -> f64 {
         self.noise_m
+    }
+
+    /// Distance of the farthest hit; 0 without any. [m]
+    pub(crate) fn reach_m(&self) -> f64 {
+        self.reach_m
     }
 
     /// The line of the hit that is nearest to a place; `None` where none is within [`BUCKET_M`].
@@ -101,8 +110,8 @@ impl NearPoints {
     }
 }
 
-/// Standard deviation of hits across their surfaces, by how far they lie beside the middle of their
-/// neighbours. [m]
+/// Standard deviation of hits, in the order of their beams, across their surfaces, by how far they lie beside the
+/// middle of their neighbours. [m]
 pub(crate) fn noise_m(hits: &[Point2<f64>]) -> f64 {
     let (mut sum_m, mut n) = (0.0, 0.0_f64);
     for three in hits.windows(3) {

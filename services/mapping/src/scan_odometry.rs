@@ -263,6 +263,12 @@ impl ScanOdometry {
         lets_go_m.max(LETS_GO_SIGMAS * self.key.noise_m())
     }
 
+    /// True for what the key scan did not see so far, which says nothing: what ends with the view of a
+    /// short-sighted lidar goes along with the robot, as if it stood.
+    fn is_beyond(&self, place: Point2<f64>) -> bool {
+        place.coords.norm() > self.key.reach_m()
+    }
+
     /// Share of the points that lie on lines after a motion since the last scan, given odometry's.
     fn explained(&mut self, ends: &Ends<'_>, step: &Pose, motion: &Pose, lets_go_m: f64) -> f64 {
         ends.along(&mut self.ends, step, motion);
@@ -272,11 +278,14 @@ impl ScanOdometry {
         let lets_go_m = self.lets_go_m(lets_go_m);
         let (mut near, mut n) = (0.0, 0.0_f64);
         for end in self.ends.iter().step_by(every) {
-            n += 1.0;
             let place = Point2::new(
                 at.x_m + cos * end.x - sin * end.y,
                 at.y_m + sin * end.x + cos * end.y,
             );
+            if self.is_beyond(place) {
+                continue;
+            }
+            n += 1.0;
             if let Some(line) = self.key.line_near(place) {
                 let distance_m = (place - line.at).dot(&line.normal);
                 near += weight(distance_m, lets_go_m);
@@ -336,9 +345,11 @@ impl ScanOdometry {
                 laid.share + 0.5 * EXPLAINS_MORE
             }
         });
-        // Along a bare corridor any motion explains the scan: there odometry tells.
+        // Along a bare wall any motion explains the scan, and by chance another one than odometry's explains more:
+        // there odometry tells, unless it does not explain a scan full of points.
         let is_told = || deviations(&winner.left, &weak).0 <= TOLD_M;
-        if laid.is_some_and(|laid| laid.surprise > GATE) && !is_told() {
+        let may_be_right = laid.is_some() || ends.at.len() < LOST_POINTS_MIN;
+        if may_be_right && !is_told() {
             return None;
         }
         if winner.share < needed.max(already) {
@@ -394,9 +405,12 @@ impl ScanOdometry {
             let mut right = Vector3::zeros();
             let (mut n, mut found, mut near) = (0_usize, 0_usize, 0.0);
             for end in ends.iter().step_by(every) {
-                n += 1;
                 let turned = Vector2::new(cos * end.x - sin * end.y, sin * end.x + cos * end.y);
                 let place = Point2::new(at.x + turned.x, at.y + turned.y);
+                if self.is_beyond(place) {
+                    continue;
+                }
+                n += 1;
                 let Some(line) = self.key.line_near(place) else {
                     continue;
                 };

@@ -68,6 +68,21 @@ fn a_robot_whose_wheels_spin_arrives_where_its_goal_is() {
     }
 }
 
+/// To a lidar that is wrong by centimetres walls seem to move while the wheels spin.
+#[test]
+fn a_short_sighted_robot_whose_wheels_spin_arrives_where_its_goal_is() {
+    for seed in ["1", "2", "3"] {
+        let scenario = "tests/scenarios/spinning_wheels_short_sight.toml";
+        let result = lockstep(scenario, &["--seed", seed]);
+        let pose = &result["pose"];
+        assert!(
+            number(&pose["odometry_error_m_max"]) > 0.5,
+            "{seed}: {pose}"
+        );
+        assert!(number(&pose["error_m_max"]) < 0.2, "{seed}: {pose}");
+    }
+}
+
 #[test]
 fn a_narrow_door_that_is_open_is_not_closed_by_looking_at_it_from_afar() {
     for seed in ["1", "5"] {

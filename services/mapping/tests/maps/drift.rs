@@ -134,3 +134,41 @@ fn the_covariance_says_how_far_the_robot_has_drifted_on_its_own_map() {
     eprintln!("static: {off_m} {sigma_m}");
     assert!(sigma_m < 0.05 && off_m < 0.1, "{off_m} {sigma_m}");
 }
+
+/// Along the hall with wheels that spin for 8 s and then hold.
+fn spin(config: &MappingConfig, seed: u64) -> Drive {
+    let mut drive = Drive::new(HALL, config, Pose::new(2.5, 2.2, 0.5), seed);
+    for n in 0..170 {
+        let wheels = Pose::new(0.044, 0.0, 0.0);
+        let share = if (90..130).contains(&n) { 0.1 } else { 1.0 };
+        drive.go(&Pose::new(share * wheels.x_m, 0.0, 0.0), &wheels);
+    }
+    drive
+}
+
+/// By a lidar like this one walls seem to move while wheels spin: they must not be left out as what moves.
+#[test]
+fn a_short_sighted_robot_notices_that_its_wheels_spin() {
+    for seed in 1..=6 {
+        let drive = spin(&empty(), seed);
+        let (off_m, odometry_m) = (drive.off_m(), drive.odometry.distance_m(&drive.truth));
+        eprintln!("seed {seed}: {off_m} {odometry_m}");
+        assert!(odometry_m > 1.3, "seed {seed}: {odometry_m}");
+        assert!(off_m < 0.3, "seed {seed}: {off_m}");
+    }
+}
+
+/// Nothing moves, and the wheels hold: the noise of the lidar is no motion.
+#[test]
+fn a_short_sighted_robot_sees_nothing_move_where_nothing_moves() {
+    for seed in 1..=6 {
+        let mut drive = Drive::new(HALL, &empty(), Pose::new(2.5, 2.2, 0.5), seed);
+        let mut moving = Vec::new();
+        for _ in 0..200 {
+            let step = Pose::new(0.044, 0.0, 0.0);
+            drive.go(&step, &step);
+            moving.extend(drive.mapping.obstacles());
+        }
+        assert!(moving.is_empty(), "seed {seed}: {moving:?}");
+    }
+}
