@@ -32,7 +32,8 @@ impl RecordingsArgs {
     /// True when any is given.
     pub(crate) fn is_given(&self) -> bool {
         let lists = self.open.is_empty() && self.swap.is_empty();
-        self.recordings.is_some() || self.slower.is_some() || !lists
+        let one = self.recordings.is_some() || self.scenario.is_some() || self.slower.is_some();
+        one || !lists
     }
 }
 
@@ -49,6 +50,9 @@ pub struct RecordingsArgs {
     /// Another binary in one of these seats. May be given several times.
     #[arg(long, value_name = "ROLE=BINARY", value_parser = seat)]
     pub swap: Vec<(Role, PathBuf)>,
+    /// Configure the seats by this scenario (its name or path) in place of the one in each recording.
+    #[arg(long, value_name = "SCENARIO")]
+    pub scenario: Option<String>,
     /// Exit code 1 when the median computing time of a seat is above this many times that in the recording.
     #[arg(long, value_name = "FACTOR", value_parser = factor)]
     pub slower: Option<f64>,
@@ -93,7 +97,7 @@ enum Verdict {
 /// A recording.
 #[derive(Debug, Clone, Serialize)]
 struct Row {
-    file: PathBuf,
+    file: String,
     verdict: Verdict,
     /// By the label of the seat.
     computing: BTreeMap<&'static str, Computing>,
@@ -117,7 +121,10 @@ pub struct Plan<'a> {
 /// Plays them.
 #[must_use]
 pub fn recordings(plan: &Plan<'_>) -> ExitCode {
-    let found = plan.files().and_then(|files| Ok((files, interrupts()?)));
+    let found = plan.files().and_then(|files| {
+        plan.replay(Path::new("")).check_seats()?;
+        Ok((files, interrupts()?))
+    });
     let (files, interrupted) = match found {
         Ok(found) => found,
         Err(problem) => return usage(&problem),
@@ -132,20 +139,24 @@ pub fn recordings(plan: &Plan<'_>) -> ExitCode {
                 printable(&file.display().to_string())
             ));
         }
-        rows.push(plan.play(file, &interrupted));
+        let row = plan.play(file, &interrupted);
         if interrupted.load(Ordering::Relaxed) {
-            complain(&format!(
-                "interrupted at recording {} of {}",
-                n + 1,
-                files.len()
-            ));
-            return ExitCode::from(EXIT_INTERRUPTED);
+            break;
         }
+        rows.push(row);
     }
     if plan.output.json {
         say_json(&serde_json::json!({ "recordings": rows }));
     } else {
         say(&to_text(&rows));
+    }
+    if interrupted.load(Ordering::Relaxed) {
+        complain(&format!(
+            "interrupted after {} of {} recordings",
+            rows.len(),
+            files.len()
+        ));
+        return ExitCode::from(EXIT_INTERRUPTED);
     }
     ExitCode::from(if rows.iter().any(|row| plan.fails(row)) {
         EXIT_FAIL
@@ -164,6 +175,7 @@ impl Plan<'_> {
         let folder = self.arguments.recordings.as_deref();
         let folder = folder.ok_or("which recordings? `zeronav suite recordings FOLDER`")?;
         let mut files = Vec::new();
+        self.check_out(folder)?;
         for entry in entries(folder)? {
             if entry.is_dir() {
                 files.extend(entries(&entry)?.into_iter().filter(|it| is_recording(it)));
@@ -187,28 +199,48 @@ impl Plan<'_> {
         Ok(files)
     }
 
-    fn play(&self, file: &Path, interrupted: &Arc<AtomicBool>) -> Row {
+    /// What plays a recording.
+    fn replay(&self, file: &Path) -> ReplayArgs {
         let open = if self.arguments.open.is_empty() {
             crate::open_loop::SEATS.to_vec()
         } else {
             self.arguments.open.clone()
         };
-        let replay = ReplayArgs {
+        ReplayArgs {
             file: file.to_owned(),
-            open: open.clone(),
+            open,
             swap: self.arguments.swap.clone(),
             from: None,
             to: None,
             equal: false,
-            scenario: None,
+            scenario: self.arguments.scenario.clone(),
             driver: self.driver.clone(),
             output: OutputArgs {
                 headless: true,
                 ..self.output.clone()
             },
-        };
+        }
+    }
+
+    /// Accepts a folder for the runs that is not among the recordings: they would be found there the next time.
+    fn check_out(&self, folder: &Path) -> Result<(), String> {
+        let absolute = |path: &Path| path.canonicalize().or_else(|_| std::path::absolute(path));
+        let paths = [folder, &self.output.out].map(absolute);
+        match paths {
+            [Ok(folder), Ok(out)] if out.starts_with(&folder) || folder.starts_with(&out) => {
+                Err(format!(
+                    "the runs of this suite would land among its recordings, in {}: name another folder with --out",
+                    self.output.out.display()
+                ))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn play(&self, file: &Path, interrupted: &Arc<AtomicBool>) -> Row {
+        let replay = self.replay(file);
         let mut row = Row {
-            file: file.to_owned(),
+            file: file.display().to_string(),
             verdict: Verdict::Equal,
             computing: BTreeMap::new(),
             error_m: None,
@@ -222,7 +254,7 @@ impl Plan<'_> {
             }
         };
         let value = |second: bool, name: &str| value(&beside.figures[usize::from(second)], name);
-        for role in open {
+        for role in replay.open {
             let name = format!("median computing time, {role}");
             let computing = Computing {
                 recorded_ms: value(false, &name),
@@ -302,12 +334,7 @@ fn to_text(rows: &[Row]) -> String {
             Verdict::NotPlayed(why) => (3, format!("not played: {why}")),
         };
         counts[n] += 1;
-        let _ = writeln!(
-            text,
-            "{}: {}",
-            printable(&row.file.display().to_string()),
-            printable(&said)
-        );
+        let _ = writeln!(text, "{}: {}", printable(&row.file), printable(&said));
         if let Some(error_m) = row.error_m {
             let _ = writeln!(text, "  median error of the place {error_m:.3} m");
         }

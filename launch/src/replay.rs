@@ -247,7 +247,10 @@ impl ReplayArgs {
     }
 
     /// Accepts changes of open seats alone: what is played cannot be changed.
-    fn check_seats(&self) -> Result<(), String> {
+    ///
+    /// # Errors
+    /// One line that names the seat.
+    pub(crate) fn check_seats(&self) -> Result<(), String> {
         let settings = self.driver.settings();
         let mut changed: Vec<Role> = self.swap.iter().map(|(role, _)| *role).collect();
         changed.extend(

@@ -93,7 +93,7 @@ impl SuiteArgs {
     pub fn of_recordings(&self) -> Result<Option<recordings::Plan<'_>>, String> {
         if self.suite != recordings::SUITE {
             return if self.recordings.is_given() {
-                Err("RECORDINGS, --open, --swap and --slower: only `zeronav suite recordings FOLDER` takes them".to_owned())
+                Err("RECORDINGS, --open, --swap, --scenario and --slower: only `zeronav suite recordings FOLDER` takes them".to_owned())
             } else {
                 Ok(None)
             };

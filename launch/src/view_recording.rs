@@ -108,7 +108,8 @@ fn of_messages(file: &Path) -> Result<OfMessages, String> {
 
 /// Writes `out`, which is not the recording itself.
 fn write(file: &Path, out: &Path, force: bool, page: &str) -> Result<(), Problem> {
-    if file.canonicalize().ok() == Some(out.canonicalize().unwrap_or_default()) {
+    let is_out = |file: PathBuf| out.canonicalize().is_ok_and(|out| out == file);
+    if file.canonicalize().is_ok_and(is_out) {
         let problem = "it is the recording; name another file";
         return Err(Problem::Input(format!("{}: {problem}", out.display())));
     }

@@ -1,11 +1,13 @@
 //! The first commit of a range with whose binary a run differs.
 
-use super::worktree::Worktree;
+use super::worktree::{Worktree, in_no_repository};
+use rustix::process::{Pid, Signal, kill_process_group, test_kill_process_group};
 use std::ffi::OsString;
+use std::os::unix::process::CommandExt;
 use std::path::{Path, PathBuf};
-use std::process::Command;
-use std::sync::Arc;
+use std::process::{Child, Command, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
 use zeronav_console::exit::{EXIT_FAIL, EXIT_PASS};
 use zeronav_console::terminal::note;
 use zeronav_msgs::role::Role;
@@ -13,7 +15,7 @@ use zeronav_shell::printable::printable;
 
 /// One commit, by the exit codes of `git bisect run`: 0 equal, 1 different, 125 cannot be told, 255 ends the search.
 const STEP: &str = r#"
-git log -1 --format='%h %s' >&2
+git log -1 --format=%h >&2
 sh -c "$ZERONAV_BISECT_BUILD" >&2 || { git reset --quiet --hard; exit 125; }
 "$@" >&2
 code=$?
@@ -24,6 +26,12 @@ case $code in 0|1) exit $code ;; 130) exit 255 ;; *) exit 125 ;; esac
 
 /// The same when it cannot be told.
 const SKIPPED: i32 = 125;
+
+/// Between two looks.
+const PAUSE: Duration = Duration::from_millis(50);
+
+/// How long a build or a run may take to end once it is interrupted.
+const ENDS_WITHIN: Duration = Duration::from_secs(30);
 
 /// Why nothing was found.
 #[derive(Debug)]
@@ -42,14 +50,16 @@ impl From<String> for Problem {
 /// A search.
 #[derive(Debug)]
 pub(super) struct Commits<'a> {
-    pub good: &'a str,
-    pub bad: &'a str,
+    /// Name and hash of the ends.
+    pub good: (&'a str, &'a str),
+    pub bad: (&'a str, &'a str),
     /// For the shell.
     pub build: &'a str,
     /// The recording that a good commit drives again.
     pub file: &'a Path,
     /// Folder of the runs.
     pub out: &'a Path,
+    pub interrupted: &'a AtomicBool,
 }
 
 /// What was found.
@@ -70,22 +80,11 @@ impl Commits<'_> {
         &self,
         worktree: &Worktree,
         swap: &[(Role, PathBuf)],
-        interrupted: &Arc<AtomicBool>,
     ) -> Result<Found, Problem> {
-        let good = worktree.git(&[
-            "rev-parse",
-            "--verify",
-            &format!("{}^{{commit}}", self.good),
-        ])?;
-        let bad = worktree.git(&["rev-parse", "--verify", &format!("{}^{{commit}}", self.bad)])?;
         // A search between ends that are not what they are called ends somewhere all the same.
-        for (commit, name, expected) in [(&bad, self.bad, EXIT_FAIL), (&good, self.good, EXIT_PASS)]
-        {
+        for ((name, commit), expected) in [(self.bad, EXIT_FAIL), (self.good, EXIT_PASS)] {
             worktree.go_to(commit)?;
             let code = self.step(worktree, swap)?;
-            if interrupted.load(Ordering::Relaxed) {
-                return Err(Problem::Interrupted);
-            }
             let why = match code {
                 _ if code == i32::from(expected) => continue,
                 SKIPPED => "cannot be built or driven, see above",
@@ -97,10 +96,12 @@ impl Commits<'_> {
             )));
         }
         worktree.git(&["reset", "--quiet", "--hard"])?;
-        worktree.git(&["bisect", "start", "--first-parent", &bad, &good])?;
-        self.run(worktree, swap)?;
-        if interrupted.load(Ordering::Relaxed) {
-            return Err(Problem::Interrupted);
+        worktree.git(&["bisect", "start", "--first-parent", self.bad.1, self.good.1])?;
+        // 2 = only commits that cannot be told are left.
+        let code = self.run(worktree, swap)?;
+        if ![0, 2].contains(&code) {
+            let why = "git bisect stopped before the end of the search, see above";
+            return Err(Problem::Usage(why.to_owned()));
         }
         self.found(worktree, swap)
     }
@@ -139,36 +140,48 @@ impl Commits<'_> {
     }
 
     /// Judges the commit in the worktree; as `git bisect run` does.
-    fn step(&self, worktree: &Worktree, swap: &[(Role, PathBuf)]) -> Result<i32, String> {
-        let mut command = Command::new("sh");
+    fn step(&self, worktree: &Worktree, swap: &[(Role, PathBuf)]) -> Result<i32, Problem> {
+        let mut command = in_no_repository("sh");
         command.args(["-c", STEP, "sh"]).args(self.replay(swap)?);
         command.env("ZERONAV_BISECT_STAYS", "1");
         self.carry_out(command, worktree)
     }
 
     /// Lets git search.
-    fn run(&self, worktree: &Worktree, swap: &[(Role, PathBuf)]) -> Result<i32, String> {
-        let mut command = Command::new("git");
+    fn run(&self, worktree: &Worktree, swap: &[(Role, PathBuf)]) -> Result<i32, Problem> {
+        let mut command = in_no_repository("git");
         let words = ["bisect", "run", "sh", "-c", STEP, "sh"];
         command.args(words).args(self.replay(swap)?);
         self.carry_out(command, worktree)
     }
 
-    /// Runs a command in the worktree, with what it says on standard error; its exit code.
-    fn carry_out(&self, mut command: Command, worktree: &Worktree) -> Result<i32, String> {
+    /// Runs a command in the worktree, with what it says on standard error; its exit code. When this command is
+    /// interrupted, so is that one, and all that it has started.
+    fn carry_out(&self, mut command: Command, worktree: &Worktree) -> Result<i32, Problem> {
         note(&printable(&format!(
             "in {}: {}",
             worktree.path().display(),
             self.build
         )));
-        let status = command
+        let child = command
             .current_dir(worktree.path())
             .env("ZERONAV_BISECT_BUILD", self.build)
-            .stdin(std::process::Stdio::null())
+            .stdin(Stdio::null())
             .stdout(std::io::stderr())
-            .status();
-        let status = status.map_err(|error| format!("starting the search: {error}"))?;
-        Ok(status.code().unwrap_or(SKIPPED))
+            .process_group(0)
+            .spawn();
+        let failed = |error: std::io::Error| Problem::Usage(format!("the search: {error}"));
+        let mut child = child.map_err(failed)?;
+        loop {
+            if let Some(status) = child.try_wait().map_err(failed)? {
+                return Ok(status.code().unwrap_or(SKIPPED));
+            }
+            if self.interrupted.load(Ordering::Relaxed) {
+                end_group(&mut child);
+                return Err(Problem::Interrupted);
+            }
+            std::thread::sleep(PAUSE);
+        }
     }
 
     /// The command that compares, with these binaries.
@@ -185,5 +198,25 @@ impl Commits<'_> {
             words.extend(["--swap".into(), seat]);
         }
         Ok(words)
+    }
+}
+
+/// Ends a process and all that it has started in its group, and waits until none is left.
+fn end_group(child: &mut Child) {
+    let group = Pid::from_child(child);
+    let _ = kill_process_group(group, Signal::INT);
+    let since = Instant::now();
+    loop {
+        // It would stay in its group as a zombie.
+        let _ = child.try_wait();
+        if test_kill_process_group(group).is_err() {
+            return;
+        }
+        if since.elapsed() > ENDS_WITHIN {
+            let _ = kill_process_group(group, Signal::KILL);
+            let _ = child.wait();
+            return;
+        }
+        std::thread::sleep(PAUSE);
     }
 }

@@ -5,6 +5,7 @@ mod commits;
 mod worktree;
 
 use crate::bag::diff::Beside;
+use crate::commands::drive_and_judge;
 use crate::output_args::OutputArgs;
 use crate::recorder::RecordTo;
 use crate::replay::ReplayArgs;
@@ -29,8 +30,8 @@ use zeronav_shell::printable::printable;
 pub struct BisectArgs {
     /// Recording of a lockstep run, or name or path of a scenario, which is driven and recorded first.
     pub run: PathBuf,
-    /// The other binary in a seat; with --commits where the build leaves it, from the repository's top folder. May be given
-    /// several times.
+    /// The other binary in a seat; with --commits, the path of the built binary from the top folder of the repository. May
+    /// be given several times.
     #[arg(long, value_name = "ROLE=BINARY", value_parser = seat)]
     pub swap: Vec<(Role, PathBuf)>,
     /// Who drives instead.
@@ -75,7 +76,7 @@ pub fn bisect(arguments: &BisectArgs) -> ExitCode {
         Ok(code) => ExitCode::from(code),
         Err(Problem::Usage(why)) => usage(&printable(&why)),
         Err(Problem::Interrupted) => {
-            complain("interrupted; the worktree is removed");
+            complain("interrupted");
             ExitCode::from(EXIT_INTERRUPTED)
         }
     }
@@ -85,11 +86,11 @@ impl BisectArgs {
     fn check(&self) -> Result<(), Problem> {
         let none = self.swap.is_empty() && self.driver.settings().is_empty();
         if none {
-            let why = "what is to differ? --swap ROLE=BINARY, --set ROLE.KEY=VALUE, or --commits with --swap";
+            let why = "name what to change: --swap ROLE=BINARY or --set ROLE.KEY=VALUE";
             return Err(Problem::Usage(why.to_owned()));
         }
         if self.commits.is_some() && self.swap.is_empty() {
-            let why = "which of the programs that are built takes which seat? --swap ROLE=BINARY";
+            let why = "--commits needs --swap ROLE=BINARY: the built program and its seat";
             return Err(Problem::Usage(why.to_owned()));
         }
         if self.commits.is_some() && !self.driver.settings().is_empty() {
@@ -105,16 +106,20 @@ impl BisectArgs {
             let beside = self.compared(&file, &self.swap, interrupted)?;
             return Ok(tell(&beside));
         };
+        let ends = [good, bad].map(|name| worktree::commit(&self.repository, name));
+        let [good_hash, bad_hash] = ends;
+        let (good_hash, bad_hash) = (good_hash?, bad_hash?);
         let commits = Commits {
-            good,
-            bad,
+            good: (good, &good_hash),
+            bad: (bad, &bad_hash),
             build,
             file: &file,
             out: &self.out,
+            interrupted,
         };
-        let worktree = worktree::Worktree::add(&self.repository, bad)?;
+        let worktree = worktree::Worktree::add(&self.repository, &bad_hash)?;
         let swap = worktree.laid_under(&self.swap);
-        match commits.first(&worktree, &swap, interrupted)? {
+        match commits.first(&worktree, &swap)? {
             Found::First(commit) => {
                 say(&format!(
                     "the first commit that differs: {}\n",
@@ -125,8 +130,8 @@ impl BisectArgs {
             }
             Found::OneOf(commits) => {
                 say(&format!(
-                    "one of these is the first commit that differs; those before the last one could not be built or driven:\n{}",
-                    printable(&commits.join("\n")).replace("\\n", "\n")
+                    "one of these is the first commit that differs; those before the last one could not be built or driven:\n{}\n",
+                    commits.join("\n")
                 ));
                 Ok(EXIT_PASS)
             }
@@ -146,7 +151,10 @@ impl BisectArgs {
             progress: false,
             ..RunPlan::of(Source::Named(name.to_owned()), RunMode::Lockstep)
         };
-        let (result, _) = crate::commands::drive_and_judge(&plan, interrupted)?;
+        let (result, code) = drive_and_judge(&plan, interrupted)?;
+        if ![EXIT_PASS, EXIT_FAIL].map(ExitCode::from).contains(&code) {
+            return Err(format!("{name} was not recorded: {}", result.reason));
+        }
         let file = RecordTo::RunFolder.file(Path::new(&result.directory));
         std::path::absolute(file).map_err(|error| error.to_string())
     }

@@ -80,9 +80,20 @@ fn path_in(folder: &tempfile::TempDir) -> PathBuf {
     folder.path().join("commit")
 }
 
+/// The hash of a commit that is named so in a repository.
+///
+/// # Errors
+/// What git says against it.
+pub(super) fn commit(repository: &Path, name: &str) -> Result<String, String> {
+    let commit = format!("{name}^{{commit}}");
+    let words = ["rev-parse", "--verify", "--quiet", &commit].map(OsStr::new);
+    let found = git(repository, words.into_iter());
+    found.map_err(|why| format!("{name} is no commit there: {why}"))
+}
+
 /// Runs git in `folder`; its standard output.
 fn git<'a>(folder: &Path, words: impl Iterator<Item = &'a OsStr>) -> Result<String, String> {
-    let ran = Command::new("git")
+    let ran = in_no_repository("git")
         .arg("-C")
         .arg(folder)
         .args(words)
@@ -101,4 +112,13 @@ fn git<'a>(folder: &Path, words: impl Iterator<Item = &'a OsStr>) -> Result<Stri
         .find(|line| !line.trim().is_empty())
         .unwrap_or("it says nothing");
     Err(format!("git in {}: {}", folder.display(), printable(line)))
+}
+
+/// A command that takes the repository from its folder, whoever calls zeronav.
+pub(super) fn in_no_repository(program: &str) -> Command {
+    let mut command = Command::new(program);
+    for name in ["GIT_DIR", "GIT_WORK_TREE", "GIT_INDEX_FILE"] {
+        command.env_remove(name);
+    }
+    command
 }

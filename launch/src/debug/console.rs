@@ -1,6 +1,6 @@
 //! The prompt: where the run stands, and what is done next.
 
-use super::debugger::Debugger;
+use super::debugger::{Debugger, restriction};
 use super::held_run::{HeldRun, Over, Stand};
 use super::moment::Moment;
 use super::words::{HELP, Word};
@@ -17,7 +17,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use zeronav_console::exit::{EXIT_INTERRUPTED, EXIT_PASS, EXIT_SERVICE};
 use zeronav_console::interrupts::keyboard_and_others;
-use zeronav_console::terminal::{complain, say};
+use zeronav_console::terminal::{complain, note, say};
 use zeronav_msgs::role::Role;
 use zeronav_shell::printable::printable;
 
@@ -68,6 +68,9 @@ impl<'a> Console<'a> {
         debugger: Debugger,
     ) -> Result<Self, String> {
         let [keyboard, others] = keyboard_and_others()?;
+        if let Some(restriction) = restriction() {
+            note(restriction);
+        }
         Ok(Self {
             prepare: Box::new(prepare),
             debugger,
@@ -94,7 +97,7 @@ impl<'a> Console<'a> {
                 say(&in_words(&over));
                 let stood = over.end_tick >= tick;
                 if !stood {
-                    complain(&format!("it was over before tick {tick}"));
+                    complain(&format!("the run ended before tick {tick}"));
                 }
                 exit_code(&over.ending, stood)
             }
@@ -127,7 +130,6 @@ impl<'a> Console<'a> {
             began = Instant::now();
             match told {
                 Ok(Next::Moves) => {}
-                Ok(Next::Ends) => return over(self.to_the_end(run)),
                 Ok(Next::Again(tick)) => {
                     if let Err(why) = run.end() {
                         return End::Failed(why);
@@ -167,32 +169,37 @@ impl<'a> Console<'a> {
                 Some(word) => Ok(word),
                 None => self.ask(tick)?,
             };
-            match said {
-                Ok(Word::Nothing) => {}
-                Ok(Word::Help) => say(HELP),
-                Ok(Word::Why) => say(&format!("{}\n", printable(&report.why))),
+            let asked = match said {
+                Ok(Word::Nothing) => continue,
+                Ok(Word::Help) => {
+                    say(HELP);
+                    continue;
+                }
+                Ok(Word::Why) => {
+                    say(&format!("{}\n", printable(&report.why)));
+                    continue;
+                }
                 Ok(Word::Quit) => return Err(End::Quit),
-                Ok(Word::Continue) => return Ok(Next::Ends),
-                Ok(Word::Step(ticks)) => match run.step(ticks) {
-                    Ok(()) => return Ok(Next::Moves),
-                    Err(why) => complain(&printable(&why)),
-                },
+                Ok(Word::Continue) => run.go_on(),
+                Ok(Word::Step(ticks)) => run.step(ticks),
                 Ok(Word::Back(ticks)) => return Ok(Next::Again(tick.saturating_sub(ticks).max(1))),
                 Ok(Word::Goto(moment)) => {
                     let to = moment.tick(run.tick_ns);
                     if to <= tick {
                         return Ok(Next::Again(to));
                     }
-                    match run.step(to - tick) {
-                        Ok(()) => return Ok(Next::Moves),
-                        Err(why) => complain(&printable(&why)),
-                    }
+                    run.step(to - tick)
                 }
                 Ok(Word::Attach(role)) => {
                     self.attach(report, role)?;
                     // It may have let the run go on.
                     return Ok(Next::Moves);
                 }
+                Err(why) => Err(why),
+            };
+            match asked {
+                Ok(()) => return Ok(Next::Moves),
+                Err(_) if run.is_over() => return Ok(Next::Moves),
                 Err(why) => complain(&printable(&why)),
             }
         }
@@ -242,13 +249,6 @@ impl<'a> Console<'a> {
         Ok(())
     }
 
-    /// Drives to the end.
-    fn to_the_end(&self, mut run: HeldRun) -> Result<Over, String> {
-        run.go_on()?;
-        run.wait(|| self.is_interrupted())?;
-        run.end()
-    }
-
     fn is_interrupted(&self) -> bool {
         let flags = [&self.keyboard, &self.others];
         flags.iter().any(|flag| flag.load(Ordering::Relaxed))
@@ -292,8 +292,6 @@ impl<'a> Console<'a> {
 enum Next {
     /// The run stands somewhere else, or in the same place.
     Moves,
-    /// It is driven to its end.
-    Ends,
     /// It is driven again, to stand before this tick.
     Again(u64),
 }
@@ -306,7 +304,7 @@ fn over(ended: Result<Over, String>) -> End {
 fn stands(report: &RunReport, after: Duration) -> String {
     let RunReport { tick, time_s, .. } = report;
     let mut text = format!(
-        "{} stands before tick {}, after {time_s:.3} s of run time, in {:.2} s\n",
+        "{} is paused before tick {} (run time {time_s:.3} s, reached in {:.2} s)\n",
         printable(&report.scenario),
         tick + 1,
         after.as_secs_f64()

@@ -3,7 +3,6 @@
 use std::ffi::{OsStr, OsString};
 use std::path::Path;
 use std::process::{Child, Command};
-use zeronav_console::terminal::note;
 
 /// Which debugger, and with what.
 #[derive(Debug, Clone)]
@@ -15,7 +14,7 @@ pub(super) struct Debugger {
 /// What stands for the process in the arguments.
 const PID: &str = "{pid}";
 
-/// Whom Linux lets look into a process of the same user: 0 = everybody, 1 = its parents.
+/// To which processes a debugger may attach: 0 = those of its user, 1 = its children, 2 = root's choice, 3 = none.
 const SCOPE: &str = "/proc/sys/kernel/yama/ptrace_scope";
 
 impl Debugger {
@@ -52,14 +51,6 @@ impl Debugger {
     /// # Errors
     /// One line when it cannot be started.
     pub(super) fn start(&self, pid: u32, root: &Path) -> Result<Child, String> {
-        let scope = std::fs::read_to_string(SCOPE).unwrap_or_default();
-        let is_limited = !["", "0"].contains(&scope.trim());
-        if is_limited && !rustix::process::geteuid().is_root() {
-            note(
-                "Linux lets a debugger look into its own children alone: `sudo sysctl kernel.yama.ptrace_scope=0` \
-                 allows others until the next start of the machine",
-            );
-        }
         let mut command = Command::new(&self.program);
         command
             .args(self.arguments_for(pid))
@@ -88,6 +79,26 @@ impl Debugger {
             None => it.clone(),
         };
         self.arguments.iter().map(put_in).collect()
+    }
+}
+
+/// What the kernel forbids, and the fix; `None` = nothing.
+pub(super) fn restriction() -> Option<&'static str> {
+    if rustix::process::geteuid().is_root() {
+        return None;
+    }
+    match std::fs::read_to_string(SCOPE).unwrap_or_default().trim() {
+        "1" => Some(
+            "the kernel allows a debugger to attach only to its own children; `sudo sysctl kernel.yama.ptrace_scope=0` \
+             lifts that until the next reboot",
+        ),
+        "2" => {
+            Some("the kernel allows only root to attach a debugger (kernel.yama.ptrace_scope is 2)")
+        }
+        "3" => Some(
+            "the kernel lets nobody attach a debugger until the next reboot (kernel.yama.ptrace_scope is 3)",
+        ),
+        _ => None,
     }
 }
 

@@ -11,7 +11,7 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 /// Between two looks.
-const PAUSE: Duration = Duration::from_millis(2);
+const PAUSE: Duration = Duration::from_millis(5);
 
 /// How long a run may take from its last answer to its end.
 const ENDS_WITHIN: Duration = Duration::from_secs(60);
@@ -129,12 +129,24 @@ impl HeldRun {
         self.ask(&Request::Resume)
     }
 
+    /// True when it has ended.
+    pub(super) fn is_over(&self) -> bool {
+        self.thread.is_finished()
+    }
+
     /// Ends it; what became of it.
     ///
     /// # Errors
-    /// One line when it could not be driven.
+    /// One line when it could not be driven, or does not end.
     pub(super) fn end(self) -> Result<Over, String> {
         self.ends.store(true, Ordering::Relaxed);
+        let since = Instant::now();
+        while !self.thread.is_finished() {
+            if since.elapsed() > ENDS_WITHIN {
+                return Err("the run does not end; its warden stops what is left of it".to_owned());
+            }
+            std::thread::sleep(PAUSE);
+        }
         self.thread
             .join()
             .unwrap_or_else(|_| Err("the run has panicked".to_owned()))

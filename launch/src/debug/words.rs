@@ -6,14 +6,14 @@ use zeronav_msgs::role::Role;
 
 /// What the words are.
 pub(super) const HELP: &str = "\
-step [N]      do N ticks, 1 without N
-back [N]      stand N ticks earlier: the run is driven again from its start
-goto TICK|TIMEs
-attach [ROLE] start the debugger on the process in this seat, or in the one of before
+step [N]      run N ticks (default 1)
+back [N]      go back N ticks: drives the run again from its start
+goto TICK|TIMEs  pause there, forwards or back
+attach [ROLE] start the debugger on the process in this seat (default: the last one)
 why           why the robot does what it does
 continue      drive to the end
 quit          end the run
-In the debugger `shell zeronav step N` grants ticks, which the process does when it is let go on.
+In the debugger `shell zeronav step N` allows N more ticks; the process runs them when you continue or detach.
 ";
 
 /// A line at the prompt.

@@ -151,7 +151,7 @@ impl Session<'_> {
         if !(1..=STEP_TICKS_MAX).contains(&ticks) {
             return Err(format!("1 to {STEP_TICKS_MAX} ticks, not {ticks}"));
         }
-        self.hold_tick += ticks;
+        self.hold_tick = self.hold_tick.saturating_add(ticks);
         Ok(())
     }
 

@@ -1,9 +1,10 @@
 //! The first commit, tick and seat that drive a recorded run otherwise.
 
 use super::{recorded, refused};
+use rustix::process::Signal;
 use std::path::Path;
 use std::process::Command;
-use zeronav_tests::{Zeronav, binaries, workspace, zeronav};
+use zeronav_tests::{Zeronav, binaries, is_alive, workspace, zeronav};
 
 /// Runs git in `folder`, with nothing of the machine's configuration.
 fn git(folder: &Path, words: &[&str]) {
@@ -157,7 +158,7 @@ fn two_values_of_a_parameter_are_told_apart_and_mistakes_are_said() {
     assert_eq!(same.code(), 1, "{}{}", same.stdout, same.stderr);
     assert!(same.stdout.contains("equal: "), "{}", same.stdout);
     for (more, why) in [
-        (&[][..], "what is to differ?"),
+        (&[][..], "name what to change"),
         (&["--commits", "a..b"], "--build"),
         (
             &["--commits", "a", "--build", "x", "--swap", "mapping=x"],
@@ -176,7 +177,7 @@ fn two_values_of_a_parameter_are_told_apart_and_mistakes_are_said() {
                 "--set",
                 "mapping.footprint_clearing=true",
             ],
-            "which of the programs",
+            "--commits needs --swap",
         ),
     ] {
         refused(&zeronav(&[&["bisect", &file], more].concat()), why);
@@ -196,4 +197,41 @@ fn two_values_of_a_parameter_are_told_apart_and_mistakes_are_said() {
         &repository,
     ];
     refused(&zeronav(&absent), "absent");
+}
+
+#[test]
+fn an_interrupted_search_ends_its_build_and_leaves_no_worktree() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = recorded(folder.path(), "it", "").display().to_string();
+    let repo = folder.path().join("repository");
+    std::fs::create_dir(&repo).expect("a folder");
+    repository(&repo, &["stock", "other"]);
+    let place = folder.path().display().to_string();
+    let (repo, pid) = (repo.display().to_string(), format!("{place}/pid"));
+    let build = format!("echo $$ > {pid}; exec sleep 600");
+    let mut search = Zeronav::start(&[
+        "bisect",
+        &file,
+        "--commits",
+        "c0..c1",
+        "--build",
+        &build,
+        "--repository",
+        &repo,
+        "--swap",
+        "global_planner=planner",
+    ]);
+    let builds = || std::fs::read_to_string(&pid).is_ok_and(|pid| pid.ends_with('\n'));
+    search.wait_until("it builds", |_| builds());
+    search.signal(Signal::INT);
+    let ended = search.finish();
+    assert_eq!(ended.code(), 130, "{}", ended.stderr);
+    let pid = std::fs::read_to_string(&pid).expect("a process id");
+    assert!(!is_alive(pid.trim().parse().expect("a number")), "{pid}");
+    let list = Command::new("git")
+        .args(["worktree", "list"])
+        .current_dir(&repo)
+        .output();
+    let list = String::from_utf8_lossy(&list.expect("git runs").stdout).into_owned();
+    assert_eq!(list.lines().count(), 1, "{list}");
 }

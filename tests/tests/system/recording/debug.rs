@@ -39,8 +39,8 @@ fn debugged(folder: &Path, arguments: &[&str], lines: &str) -> (i32, String, Str
 
 /// The ticks before which the run stood.
 fn stood(said: &str) -> Vec<u64> {
-    let parts = said.split(" stands before tick ").skip(1);
-    let number = |text: &str| text.split(',').next().and_then(|tick| tick.parse().ok());
+    let parts = said.split(" is paused before tick ").skip(1);
+    let number = |text: &str| text.split(' ').next().and_then(|tick| tick.parse().ok());
     parts.filter_map(number).collect()
 }
 
@@ -144,7 +144,7 @@ fn a_signal_ends_a_run_that_stands_and_leaves_nothing() {
         let mut said = BufReader::new(process.stdout.take().expect("a pipe")).lines();
         let stands = said.find(|line| {
             line.as_ref()
-                .is_ok_and(|line| line.contains("stands before tick 5"))
+                .is_ok_and(|line| line.contains("is paused before tick 5"))
         });
         assert!(stands.is_some(), "{signal:?}");
         let domains = domains_of(process.id());

@@ -165,7 +165,7 @@ fn a_recording_in_real_time_and_one_that_was_cut_are_played_too() {
     }
     // Launch takes the moment of the goal from what it had heard by then, so times are some ticks apart.
     let first_goal_s = [&own, &read].map(|it| it["first_goal_s"].as_f64());
-    assert!(first_goal_s[1] > Some(0.0), "{first_goal_s:?}");
+    assert!(first_goal_s[1] >= Some(0.0), "{first_goal_s:?}");
     let frames = [&own, &read].map(|it| frames(it).len());
     assert!(frames[0] > 10 && frames[1] > frames[0] / 2, "{frames:?}");
     let reaction = &read["timings"]["reaction"]["figures"]["n"];
