@@ -1,5 +1,6 @@
 //! The hits of a scan, to be found by place, with the lines that they lie on.
 
+use core::f64::consts::PI;
 use nalgebra::{Point2, Vector2};
 
 /// Side of a bucket, and how far from a hit its line is found at least. [m]
@@ -14,6 +15,9 @@ const BESIDE: usize = 3;
 /// Farthest that neighbouring hits of one surface lie apart, and least length of a line. [m]
 const GAP_M: f64 = 0.15;
 const LENGTH_M_MIN: f64 = 0.03;
+
+/// Half of the directions without hits from which on they are behind the view. [rad]
+const BLIND_RAD_MIN: f64 = 0.1;
 
 /// No hit.
 const NONE: u16 = u16::MAX;
@@ -39,6 +43,8 @@ pub(crate) struct NearPoints {
     noise_m: f64,
     /// Distance of the farthest hit. [m]
     reach_m: f64,
+    /// Middle of the directions in which nothing was hit behind the view, and the cosine of half of them.
+    blind: (Vector2<f64>, f64),
 }
 
 /// Standard deviations per mean of absolute values of a normal variable, and of a hit beside the middle of
@@ -55,6 +61,7 @@ impl NearPoints {
         self.noise_m = noise_m(hits);
         let far_m = hits.iter().map(|hit| hit.coords.norm());
         self.reach_m = far_m.fold(0.0, f64::max);
+        self.blind = blind(hits);
         for n in 0..hits.len() {
             let Some(line) = line_through(hits, n) else {
                 continue;
@@ -79,9 +86,11 @@ impl NearPoints {
         self.noise_m
     }
 
-    /// Distance of the farthest hit; 0 without any. [m]
-    pub(crate) fn reach_m(&self) -> f64 {
-        self.reach_m
+    /// True where the scan that was taken in looked: no farther than its farthest hit, and not behind its view.
+    pub(crate) fn is_in_view(&self, place: Point2<f64>) -> bool {
+        let (behind, cos) = &self.blind;
+        let far_m = place.coords.norm();
+        far_m <= self.reach_m && place.coords.dot(behind) <= cos * far_m
     }
 
     /// The line of the hit that is nearest to a place; `None` where none is within [`BUCKET_M`].
@@ -124,6 +133,21 @@ pub(crate) fn noise_m(hits: &[Point2<f64>]) -> f64 {
         }
     }
     SIGMAS * sum_m / n.max(1.0)
+}
+
+/// Middle of the directions beyond the outermost hits, behind a scan that looks ahead, and the cosine of half of
+/// them; above 1 where there are hits all around.
+fn blind(hits: &[Point2<f64>]) -> (Vector2<f64>, f64) {
+    let bearings = hits.iter().map(|hit| hit.y.atan2(hit.x));
+    let (right, left) = bearings.fold((PI, -PI), |(right, left), bearing| {
+        (bearing.min(right), bearing.max(left))
+    });
+    let half_rad = PI - 0.5 * (left - right);
+    if half_rad < BLIND_RAD_MIN {
+        return (Vector2::x(), 2.0);
+    }
+    let (sin, cos) = (0.5 * (left + right) + PI).sin_cos();
+    (Vector2::new(cos, sin), half_rad.min(PI).cos())
 }
 
 /// True when a hit lies on one surface with the one before or after it.
@@ -210,6 +234,31 @@ mod tests {
             points.line_near(Point2::new(2.0, 0.5)).is_none(),
             "forgotten"
         );
+    }
+
+    #[test]
+    fn in_view_is_what_lies_between_the_outermost_hits_and_no_farther_than_the_farthest() {
+        // Walls on both sides, seen as far back as 135 degrees, and up to 4 m ahead.
+        let side = |y: f64| (0..200).map(move |n| Point2::new(0.02 * f64::from(n) - 0.3, y));
+        let hits: Vec<Point2<f64>> = side(-0.3).chain(side(0.3)).collect();
+        let mut points = NearPoints::default();
+        points.fill(&hits);
+        let sees = |x: f64, y: f64| points.is_in_view(Point2::new(x, y));
+        assert!(sees(-0.28, 0.3) && sees(-0.28, -0.3) && sees(3.5, 0.0));
+        assert!(!sees(-0.4, 0.3) && !sees(-0.4, -0.3) && !sees(-1.0, 0.0));
+        assert!(!sees(4.0, 0.0), "too far");
+        points.fill(
+            &(0..360)
+                .map(|n| {
+                    let (sin, cos) = f64::from(n).to_radians().sin_cos();
+                    Point2::new(2.0 * cos, 2.0 * sin)
+                })
+                .collect::<Vec<_>>(),
+        );
+        for n in 0..720 {
+            let (sin, cos) = (0.5 * f64::from(n)).to_radians().sin_cos();
+            assert!(points.is_in_view(Point2::new(1.9 * cos, 1.9 * sin)), "{n}");
+        }
     }
 
     /// The nearest of all hits, looked for one by one.

@@ -8,7 +8,8 @@
 //! the robot has gone or turned some way or sees too little of it, so drift grows with their number.
 //!
 //! Wheels that slip lie about the motion by more than the prior allows, and a match that begins where
-//! they say lets go of everything. So what other motions explain is looked at in every scan
+//! they say lets go of everything. What lies where the key scan did not look counts for nothing: the edge of the
+//! view goes along with the robot, as if it stood. So what other motions explain is looked at in every scan
 //! (`slip.rs`): none at all, none since the key scan, and that of the scan before. Where one of them explains more, the scans
 //! carry the robot; where nothing explains a scan full of points, the motion is not known.
 
@@ -263,12 +264,6 @@ impl ScanOdometry {
         lets_go_m.max(LETS_GO_SIGMAS * self.key.noise_m())
     }
 
-    /// True for what the key scan did not see so far, which says nothing: what ends with the view of a
-    /// short-sighted lidar goes along with the robot, as if it stood.
-    fn is_beyond(&self, place: Point2<f64>) -> bool {
-        place.coords.norm() > self.key.reach_m()
-    }
-
     /// Share of the points that lie on lines after a motion since the last scan, given odometry's.
     fn explained(&mut self, ends: &Ends<'_>, step: &Pose, motion: &Pose, lets_go_m: f64) -> f64 {
         ends.along(&mut self.ends, step, motion);
@@ -282,7 +277,7 @@ impl ScanOdometry {
                 at.x_m + cos * end.x - sin * end.y,
                 at.y_m + sin * end.x + cos * end.y,
             );
-            if self.is_beyond(place) {
+            if !self.key.is_in_view(place) {
                 continue;
             }
             n += 1.0;
@@ -407,7 +402,7 @@ impl ScanOdometry {
             for end in ends.iter().step_by(every) {
                 let turned = Vector2::new(cos * end.x - sin * end.y, sin * end.x + cos * end.y);
                 let place = Point2::new(at.x + turned.x, at.y + turned.y);
-                if self.is_beyond(place) {
+                if !self.key.is_in_view(place) {
                     continue;
                 }
                 n += 1;

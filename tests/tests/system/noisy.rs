@@ -79,7 +79,7 @@ fn a_short_sighted_robot_whose_wheels_spin_arrives_where_its_goal_is() {
             number(&pose["odometry_error_m_max"]) > 0.5,
             "{seed}: {pose}"
         );
-        assert!(number(&pose["error_m_max"]) < 0.2, "{seed}: {pose}");
+        assert!(number(&pose["error_m_max"]) < 0.3, "{seed}: {pose}");
     }
 }
 

@@ -278,3 +278,56 @@ fn a_motion_that_no_slip_explains_must_explain_most_of_the_scan() {
     assert_eq!(basis(&sideways, 1.0, true, &step), Basis::Scans);
     assert_eq!(basis(&sideways, 0.5, true, &step), Basis::Nothing);
 }
+
+/// Ends of beams along a bare wall at `far_m`, as far as a lidar sees that reaches 3.5 m and is wrong by `sigma_m`.
+fn bare_wall(far_m: f64, sigma_m: f64, seed: &mut u32) -> Vec<Point2<f64>> {
+    // About normal: twelve uniform numbers less six.
+    let mut normal = || {
+        let mut sum = -6.0;
+        for _ in 0..12 {
+            *seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            sum += f64::from(*seed >> 8) / f64::from(1_u32 << 24);
+        }
+        sum
+    };
+    (0..360)
+        .filter_map(|beam| {
+            let (sin, cos) = f64::from(beam).to_radians().sin_cos();
+            let range_m = far_m / sin + sigma_m * normal();
+            (sin > 0.0 && range_m < 3.5).then(|| Point2::new(range_m * cos, range_m * sin))
+        })
+        .collect()
+}
+
+#[test]
+fn what_comes_into_the_view_of_a_short_sighted_lidar_speaks_against_nobody() {
+    let mut scans = ScanOdometry::default();
+    let seen = bare_wall(3.3, 0.0, &mut 1);
+    scans.begin(&Pose::default(), &seen);
+    for n in 1..=7 {
+        let odometry = Pose::new(0.04 * f64::from(n), 0.0, 0.0);
+        let moved = scans.follow(&odometry, &noise(0.04, 0.0), &at_once(&seen), false);
+        assert_eq!(moved.basis, Basis::Odometry);
+        assert!(moved.share > 0.99, "{n}: {moved:?}");
+    }
+}
+
+/// By chance another motion along the wall explains more of a noisy scan: no reason to leave odometry.
+#[test]
+fn along_a_bare_wall_that_a_noisy_lidar_sees_odometry_is_believed() {
+    for far_m in [2.0, 2.8, 3.2, 3.4] {
+        let mut seed = 7;
+        let mut scans = ScanOdometry::default();
+        scans.begin(&Pose::default(), &bare_wall(far_m, 0.05, &mut seed));
+        let (mut slips, mut judged) = (0, Pose::default());
+        for n in 1..=500 {
+            let odometry = Pose::new(0.044 * f64::from(n), 0.0, 0.0);
+            let seen = bare_wall(far_m, 0.05, &mut seed);
+            let moved = scans.follow(&odometry, &noise(0.044, 0.0), &at_once(&seen), false);
+            slips += u32::from(moved.basis == Basis::Scans);
+            judged = judged.then(&moved.last_from_base);
+        }
+        eprintln!("{far_m} m: {slips} of 500, {judged:?}");
+        assert!(slips <= 2, "{far_m} m: {slips}");
+    }
+}
