@@ -18,7 +18,7 @@ use zeronav_console::exit::{EXIT_FAIL, EXIT_INTERRUPTED, EXIT_PASS};
 use zeronav_console::interrupts::interrupts;
 use zeronav_console::terminal::{complain, note, say, say_json, usage};
 use zeronav_msgs::role::Role;
-use zeronav_recorder::figures::Figure;
+use zeronav_recorder::figures::{Figure, MEDIAN_ERROR, median_computing};
 use zeronav_scenario::settings::DriverArgs;
 use zeronav_shell::printable::printable;
 
@@ -27,15 +27,6 @@ pub(crate) const SUITE: &str = "recordings";
 
 /// Most recordings of one suite.
 const FILES_MAX: usize = 10_000;
-
-impl RecordingsArgs {
-    /// True when any is given.
-    pub(crate) fn is_given(&self) -> bool {
-        let lists = self.open.is_empty() && self.swap.is_empty();
-        let one = self.recordings.is_some() || self.scenario.is_some() || self.slower.is_some();
-        one || !lists
-    }
-}
 
 /// What only a suite of recordings takes.
 #[derive(Debug, Clone, Default, Args)]
@@ -56,6 +47,15 @@ pub struct RecordingsArgs {
     /// Exit code 1 when the median computing time of a seat is above this many times that in the recording.
     #[arg(long, value_name = "FACTOR", value_parser = factor)]
     pub slower: Option<f64>,
+}
+
+impl RecordingsArgs {
+    /// True when any is given.
+    pub(crate) fn is_given(&self) -> bool {
+        let lists = self.open.is_empty() && self.swap.is_empty();
+        let one = self.recordings.is_some() || self.scenario.is_some() || self.slower.is_some();
+        one || !lists
+    }
 }
 
 /// A factor by which a time may grow.
@@ -227,12 +227,10 @@ impl Plan<'_> {
         let absolute = |path: &Path| path.canonicalize().or_else(|_| std::path::absolute(path));
         let paths = [folder, &self.output.out].map(absolute);
         match paths {
-            [Ok(folder), Ok(out)] if out.starts_with(&folder) || folder.starts_with(&out) => {
-                Err(format!(
-                    "the runs of this suite would land among its recordings, in {}: name another folder with --out",
-                    self.output.out.display()
-                ))
-            }
+            [Ok(folder), Ok(out)] if folder == out => Err(format!(
+                "the runs of this suite would land among its recordings, in {}: name another folder with --out",
+                self.output.out.display()
+            )),
             _ => Ok(()),
         }
     }
@@ -255,17 +253,17 @@ impl Plan<'_> {
         };
         let value = |second: bool, name: &str| value(&beside.figures[usize::from(second)], name);
         for role in replay.open {
-            let name = format!("median computing time, {role}");
+            let name = median_computing(role);
             let computing = Computing {
                 recorded_ms: value(false, &name),
                 now_ms: value(true, &name),
             };
             row.computing.insert(role.label(), computing);
         }
-        row.error_m = value(true, "median error of the place");
+        row.error_m = value(true, MEDIAN_ERROR);
         row.verdict = if beside.is_equal() {
             Verdict::Equal
-        } else if beside.has_none_of_a() && beside.n_of_b() > 0 {
+        } else if beside.cannot_differ() {
             Verdict::NothingToCompare
         } else {
             Verdict::Differs(match &beside.comparison.first {

@@ -7,7 +7,6 @@ use crate::output_file::{self, Problem};
 use crate::recorded::drive::RecordedDrive;
 use crate::recorder::RecordTo;
 use crate::report::messages::{OfMessages, page};
-use std::ffi::OsStr;
 use std::io::Write;
 use std::os::unix::process::CommandExt;
 use std::path::{Path, PathBuf};
@@ -81,7 +80,10 @@ fn of_messages(file: &Path) -> Result<OfMessages, String> {
         ("messages", found.messages().to_string()),
     ];
     if let Some([first_ns, last_ns]) = found.range_ns {
-        about.push(("time", format!("{:.1} s", seconds(last_ns - first_ns))));
+        about.push((
+            "time",
+            format!("{:.1} s", seconds(last_ns.saturating_sub(first_ns))),
+        ));
     }
     for name in ["format", "missing", "assumed", "mended"] {
         let said = imported.and_then(|fields| fields.get(name));
@@ -121,7 +123,7 @@ fn write(file: &Path, out: &Path, force: bool, page: &str) -> Result<(), Problem
 
 /// Opens a page in the browser of the user's choice, which outlives this process.
 fn open(page: &Path) {
-    let started = Command::new(OsStr::new("xdg-open"))
+    let started = Command::new("xdg-open")
         .arg(page)
         .stdin(Stdio::null())
         .stdout(Stdio::null())

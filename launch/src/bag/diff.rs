@@ -75,15 +75,20 @@ impl Beside {
         self.comparison.is_equal() && !self.has_none_of_a()
     }
 
-    /// True when the first recording has none of the messages that are compared, as the log of another robot: nothing can
-    /// differ.
-    pub(crate) fn has_none_of_a(&self) -> bool {
+    /// True when the first recording has none of the messages that are compared and the second one has, as against the log
+    /// of another robot: nothing can differ.
+    pub(crate) fn cannot_differ(&self) -> bool {
+        self.has_none_of_a() && self.n_of_b() > 0
+    }
+
+    /// True when the first recording has none of the messages that are compared.
+    fn has_none_of_a(&self) -> bool {
         let mut topics = self.comparison.topics.iter();
         topics.all(|it| it.equal + it.different + it.only_a == 0)
     }
 
     /// How many messages the second recording has that the first one has not.
-    pub(crate) fn n_of_b(&self) -> u64 {
+    fn n_of_b(&self) -> u64 {
         self.comparison.topics.iter().map(|it| it.only_b).sum()
     }
 

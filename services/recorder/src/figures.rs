@@ -26,6 +26,15 @@ pub struct Figure {
     pub value: Option<f64>,
 }
 
+/// Name of the figure of how far mapping had the robot from where it was, in the middle. [m]
+pub const MEDIAN_ERROR: &str = "median error of the place";
+
+/// Name of the figure of the median computing time of a seat. [ms]
+#[must_use]
+pub fn median_computing(role: Role) -> String {
+    format!("median computing time, {role}")
+}
+
 /// What is added up while a recording is read.
 #[derive(Default)]
 struct Sums {
@@ -199,7 +208,7 @@ impl Sums {
         let errors_m = &mut self.located.errors_m;
         errors_m.sort_unstable_by(f64::total_cmp);
         let median_m = errors_m.get(errors_m.len() / 2).copied();
-        figures.push(figure("median error of the place", "m", median_m));
+        figures.push(figure(MEDIAN_ERROR, "m", median_m));
         figures.push(figure(
             "largest error of the place",
             "m",
@@ -211,11 +220,7 @@ impl Sums {
             let median_ns = times_ns.get(times_ns.len() / 2).copied();
             if let (Some(role), Some(ns)) = (role, median_ns) {
                 let ms = zeronav_msgs::time::seconds(ns) * 1e3;
-                figures.push(figure(
-                    &format!("median computing time, {role}"),
-                    "ms",
-                    Some(ms),
-                ));
+                figures.push(figure(&median_computing(role), "ms", Some(ms)));
             }
         }
         figures

@@ -77,6 +77,10 @@ fn what_is_no_suite_of_recordings_is_refused() {
         (&["suite", "recordings"][..], "which recordings?"),
         (&["suite", "recordings", &path], "no MCAP file is in it"),
         (&["suite", "recordings", "/absent"], "/absent: "),
+        (
+            &["suite", "recordings", &path, "--out", &path],
+            "name another folder with --out",
+        ),
         (&["suite", "recordings", &path, "--seeds", "3"], "--seeds"),
         (
             &["suite", "generated", &path],
