@@ -25,27 +25,29 @@ use zeronav_shell::printable::printable;
 /// The word for it on the command line.
 pub(crate) const SUITE: &str = "recordings";
 
+/// Over them in the help.
+const HEADING: &str = "Of recordings";
+
 /// Most recordings of one suite.
 const FILES_MAX: usize = 10_000;
 
 /// What only a suite of recordings takes.
 #[derive(Debug, Clone, Default, Args)]
-#[command(next_help_heading = "Of recordings")]
 pub struct RecordingsArgs {
     /// Folder of the recordings, `suite recordings FOLDER`: its MCAP files, and those in its folders.
     #[arg(value_name = "RECORDINGS")]
     pub recordings: Option<PathBuf>,
     /// The seats that are started, to which all else is played; without, all four behind the robot.
-    #[arg(long, value_name = "ROLE[,ROLE]", value_delimiter = ',', value_parser = open_seat)]
+    #[arg(long, value_name = "ROLE[,ROLE]", value_delimiter = ',', value_parser = open_seat, help_heading = HEADING)]
     pub open: Vec<Role>,
     /// Another binary in one of these seats. May be given several times.
-    #[arg(long, value_name = "ROLE=BINARY", value_parser = seat)]
+    #[arg(long, value_name = "ROLE=BINARY", value_parser = seat, help_heading = HEADING)]
     pub swap: Vec<(Role, PathBuf)>,
     /// Configure the seats by this scenario (its name or path) in place of the one in each recording.
-    #[arg(long, value_name = "SCENARIO")]
+    #[arg(long, value_name = "SCENARIO", help_heading = HEADING)]
     pub scenario: Option<String>,
     /// Exit code 1 when the median computing time of a seat is above this many times that in the recording.
-    #[arg(long, value_name = "FACTOR", value_parser = factor)]
+    #[arg(long, value_name = "FACTOR", value_parser = factor, help_heading = HEADING)]
     pub slower: Option<f64>,
 }
 

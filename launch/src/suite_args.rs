@@ -166,3 +166,19 @@ fn world_range(text: &str) -> Result<Range<u32>, String> {
     }
     Ok(range)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::Command;
+
+    #[test]
+    fn only_what_recordings_take_stands_under_their_heading() {
+        let suite = SuiteArgs::augment_args(Command::new("suite"));
+        let under = suite
+            .get_arguments()
+            .filter(|arg| arg.get_help_heading().is_some());
+        let names: Vec<&str> = under.map(|arg| arg.get_id().as_str()).collect();
+        assert_eq!(names, ["open", "swap", "scenario", "slower"]);
+    }
+}

@@ -101,14 +101,15 @@ impl BisectArgs {
     }
 
     fn find(&self, interrupted: &Arc<AtomicBool>) -> Result<u8, Problem> {
-        let file = self.reference(interrupted)?;
         let (Some((good, bad)), Some(build)) = (&self.commits, &self.build) else {
+            let file = self.reference(interrupted)?;
             let beside = self.compared(&file, &self.swap, interrupted)?;
             return Ok(tell(&beside));
         };
         let ends = [good, bad].map(|name| worktree::commit(&self.repository, name));
         let [good_hash, bad_hash] = ends;
         let (good_hash, bad_hash) = (good_hash?, bad_hash?);
+        let file = self.reference(interrupted)?;
         let commits = Commits {
             good: (good, &good_hash),
             bad: (bad, &bad_hash),
