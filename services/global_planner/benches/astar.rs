@@ -152,6 +152,7 @@ fn astar(c: &mut Criterion) {
     let legality = Legality {
         unknown: query.unknown,
         corner_rule: query.corner_rule,
+        past_margin: false,
     };
     let mut corridor = Corridor::default();
     corridor.set(&query.map, legality, &path.cells);

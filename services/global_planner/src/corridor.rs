@@ -20,6 +20,8 @@ pub struct Legality {
     pub unknown: Unknown,
     /// What the cells beside a corner mean that the path passes exactly.
     pub corner_rule: CornerRule,
+    /// True when only obstacles count there, not the margin around them.
+    pub past_margin: bool,
 }
 
 /// A piece of the path inside one cell.
@@ -57,6 +59,7 @@ impl Default for Corridor {
             legality: Legality {
                 unknown: Unknown::default(),
                 corner_rule: CornerRule::default(),
+                past_margin: false,
             },
             pieces: Vec::new(),
             way_out: 0,
@@ -259,11 +262,11 @@ impl Corridor {
 
     fn is_blocked(&self, map: &MapView<'_>, piece: &Piece, n: usize) -> bool {
         let unknown = self.legality.unknown;
-        let blocks = |index: Option<usize>, on_way_out: bool| {
+        let blocks = |index: Option<usize>, only_lethal: bool| {
             index
                 .and_then(|index| map.cells.get(index))
                 .is_some_and(|cell| {
-                    if on_way_out {
+                    if only_lethal {
                         unknown.is_lethal(*cell)
                     } else {
                         unknown.blocks(*cell)
@@ -281,7 +284,8 @@ impl Corridor {
         }
         // The last step of the way out begins beside cells that are too close to an obstacle.
         let on_way_out = self.way_out > 0 && n <= self.way_out;
-        let beside = |offset| blocks(index.checked_add_signed(offset), on_way_out);
+        let only_lethal = on_way_out || self.legality.past_margin;
+        let beside = |offset| blocks(index.checked_add_signed(offset), only_lethal);
         let row = self.geometry.width.cast_signed() as isize;
         !self
             .legality

@@ -72,6 +72,7 @@ mod node_pool;
 mod options;
 mod padded;
 mod papers;
+mod past_corners;
 mod plan;
 mod planner;
 mod policy;

@@ -6,6 +6,7 @@
 //! and looking at it leads away from the door in which somebody stands.
 
 use crate::config::GlobalPlannerConfig;
+use crate::corridor::Legality;
 use crate::plan::{Blocked, Cut, Plan};
 use crate::planner::{Control, Expansions, GlobalPlanner, PlanQuery};
 use zeronav_msgs::map::ObstacleSource;
@@ -36,7 +37,7 @@ fn beside_m(config: &GlobalPlannerConfig) -> f64 {
 /// saw it, from afar.
 pub(crate) fn lead(
     planner: &mut dyn GlobalPlanner,
-    (query, config): (&PlanQuery<'_>, &GlobalPlannerConfig),
+    (query, config, legality): (&PlanQuery<'_>, &GlobalPlannerConfig, Legality),
     cut: Cut,
     budget: &mut dyn FnMut(Expansions) -> Control,
     plan: &mut Plan,
@@ -65,7 +66,7 @@ pub(crate) fn lead(
     plan.cells.clear();
     let result = planner.plan(&there, budget, &mut plan.cells);
     plan.cells.stats.add_effort(&effort);
-    plan.set(&there, config.legality(), target, result.err());
+    plan.set(&there, legality, target, result.err());
     if plan.status == PathStatus::Found {
         plan.is_look = true;
         (plan.cut, plan.closed) = (None, Some(blocked));

@@ -36,6 +36,8 @@
 //!    less than the octile distances to and from it.
 //! 9. Otherwise the path stays.
 //!
+//! Where only blocked corners close the way to a goal, they are passed on the way to it (`past_corners`).
+//!
 //! A result counts only after it was held against the newest map ([`Replanner::settle`]):
 //!
 //! 10. When goal or task changed meanwhile, or a newer update cuts the path found, one more search
@@ -50,6 +52,7 @@ use crate::change::{Change, CostMemory};
 use crate::config::GlobalPlannerConfig;
 use crate::look;
 use crate::moves::octile_cells;
+use crate::past_corners::PastCorners;
 use crate::plan::{Blocked, Cut, Plan, Target};
 use crate::planner::{Control, Expansions, GlobalPlanner, PlanQuery};
 use crate::smooth::Smooth;
@@ -150,6 +153,7 @@ pub struct Replanner {
     request_served: u64,
     /// Where the last path to the goal was cut.
     cut: Option<Cut>,
+    past_corners: PastCorners,
     barrier: Barrier,
     timer: StageTimer,
 }
@@ -177,6 +181,7 @@ impl Replanner {
             revisions_since_search: 0,
             request_served: 0,
             cut: None,
+            past_corners: PastCorners::default(),
             barrier: Barrier::default(),
             timer: StageTimer::default(),
         })
@@ -230,7 +235,7 @@ impl Replanner {
             return;
         };
         self.observe(situation);
-        let query = PlanQuery {
+        let mut query = PlanQuery {
             map,
             start: situation.robot,
             goal: target.pose,
@@ -256,7 +261,13 @@ impl Replanner {
             Ok(tried)
         } else {
             let mut rest = |Expansions(n)| limited(Expansions(n + tried.expanded));
-            let result = planner.plan(&query, &mut rest, &mut candidate.cells);
+            let asked = (&mut query, target);
+            let result = if self.config.past_corners {
+                let past = &mut self.past_corners;
+                past.plan(planner.as_mut(), asked, &mut rest, &mut candidate.cells)
+            } else {
+                planner.plan(&query, &mut rest, &mut candidate.cells)
+            };
             candidate.cells.stats.add_effort(&tried);
             result
         };
@@ -265,7 +276,7 @@ impl Replanner {
             self.smooth
                 .run(&query, self.config.smooth_m, &mut candidate.cells);
         }
-        let legality = self.config.legality();
+        let legality = self.past_corners.legality(&self.config, &target);
         candidate.set(&query, legality, target, result.err());
         if candidate.is_detour && candidate.status != PathStatus::Found {
             // It has more corners than a message holds.
@@ -286,7 +297,7 @@ impl Replanner {
             candidate.closed = self.barrier.find(&query);
         }
         if let Some(cut) = cut {
-            let asked = (&query, &self.config);
+            let asked = (&query, &self.config, legality);
             look::lead(planner.as_mut(), asked, cut, &mut limited, candidate);
         }
         candidate.searched_map = situation.revision;

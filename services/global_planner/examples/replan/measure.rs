@@ -214,6 +214,7 @@ impl Bench {
         let legality = Legality {
             unknown: Unknown::Free,
             corner_rule: CornerRule::ForbidAny,
+            past_margin: false,
         };
         let mut corridor = Corridor::default();
         corridor.set(&self.map.view(), legality, &path.cells);

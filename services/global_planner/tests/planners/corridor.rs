@@ -20,6 +20,7 @@ fn corridor(map: &Map, corner_rule: CornerRule, cells: &[Cell]) -> Corridor {
     let legality = Legality {
         unknown: Unknown::Free,
         corner_rule,
+        past_margin: false,
     };
     corridor.set(&map.view(), legality, cells);
     corridor

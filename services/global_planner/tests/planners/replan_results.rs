@@ -5,7 +5,7 @@ use crate::support::{Map, of_cost};
 use zeronav_global_planner::{
     Control, Expansions, GlobalPlannerConfig, News, Replanner, Request, Situation, Step, Target,
 };
-use zeronav_msgs::map::COST_LETHAL;
+use zeronav_msgs::map::{COST_INSCRIBED, COST_LETHAL};
 use zeronav_msgs::path::{Path, PathBlock, PathCause, PathStatus};
 use zeronav_msgs::request::RequestReason;
 use zeronav_msgs::{Cell, CellRect};
@@ -344,4 +344,34 @@ fn the_budget_is_that_of_the_configuration_and_of_the_caller() {
         assert_eq!(replanner.plan().status, PathStatus::OutOfBudget);
         assert!(replanner.plan().cells.stats.expanded < 7000);
     }
+}
+
+#[test]
+fn corners_of_the_margin_are_passed_where_they_alone_close_the_way() {
+    // An aisle askew to the cells: its free cells touch at corners alone.
+    let aisle = "S+####
+                 +.+###
+                 #+.+##
+                 ##+.+#
+                 ###+.+
+                 ####+G";
+    let (mut bench, at) = Bench::new(aisle);
+    bench.expect_new(PathCause::Goal, PathStatus::Found);
+    let first = bench.target.unwrap();
+    bench.target = Some(Target { task: 8, ..first });
+    bench.expect_new(PathCause::Goal, PathStatus::Found);
+    bench.update(&[], 0);
+    bench.expect_unchanged();
+    // With an obstacle at a corner, and where that is wanted, it is a proof.
+    bench.update(&[Cell::new(3, 3)], COST_LETHAL);
+    bench.expect_new(PathCause::Obstacle, PathStatus::UnreachableCorner);
+    assert!(bench.path().is_empty());
+    bench.update(&[Cell::new(3, 3)], COST_INSCRIBED);
+    bench.robot = bench.map.pose(at('S'));
+    let config = GlobalPlannerConfig {
+        past_corners: false,
+        ..GlobalPlannerConfig::default()
+    };
+    bench.replanner = Replanner::new(&config).unwrap();
+    bench.expect_new(PathCause::Goal, PathStatus::UnreachableCorner);
 }
