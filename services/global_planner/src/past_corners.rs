@@ -16,17 +16,28 @@ const CLOSED_BY_CORNERS: PlanError = PlanError::Unreachable {
     blocked_by_corner: true,
 };
 
-/// What no way leads to but past blocked corners.
-#[derive(Debug, Default)]
-pub(crate) struct PastCorners(Option<Target>);
+/// See the module's description.
+#[derive(Debug)]
+pub(crate) struct PastCorners {
+    is_wanted: bool,
+    /// What no way leads to but past blocked corners.
+    to: Option<Target>,
+}
 
 impl PastCorners {
+    pub(crate) const fn new(config: &GlobalPlannerConfig) -> Self {
+        Self {
+            is_wanted: config.past_corners,
+            to: None,
+        }
+    }
+
     /// Which steps of the path to `target` are legal.
     pub(crate) fn legality(&self, config: &GlobalPlannerConfig, target: &Target) -> Legality {
         Legality {
             unknown: config.unknown,
             corner_rule: config.corner_rule,
-            past_margin: self.0.as_ref() == Some(target),
+            past_margin: self.to.as_ref() == Some(target),
         }
     }
 
@@ -43,9 +54,9 @@ impl PastCorners {
         path: &mut CellPath,
     ) -> Result<PlanStats, PlanError> {
         let mut tried = PlanStats::default();
-        if self.0 != Some(target) {
+        if self.to != Some(target) {
             let result = planner.plan(query, budget, path);
-            if result != Err(CLOSED_BY_CORNERS) {
+            if !self.is_wanted || result != Err(CLOSED_BY_CORNERS) {
                 return result;
             }
             tried = path.stats;
@@ -62,7 +73,7 @@ impl PastCorners {
             path.curve.clear();
             result = Err(CLOSED_BY_CORNERS);
         }
-        self.0 = result.is_ok().then_some(target);
+        self.to = result.is_ok().then_some(target);
         if result.is_ok() {
             *query = past;
         }
@@ -70,15 +81,19 @@ impl PastCorners {
     }
 }
 
-/// True when the path passes a corner of an obstacle, or of a cell that blocks because it is unknown.
+/// True when the path passes a corner that its rule forbids, where only obstacles count and what is unknown as one.
 fn passes_obstacles(query: &PlanQuery<'_>, path: &CellPath) -> bool {
+    let is_lethal = |cell| {
+        let cell = query.map.get(cell);
+        cell.is_none_or(|cell| query.unknown.is_lethal(cell))
+    };
     let mut passes = false;
     for pair in path.cells.windows(2) {
         supercover(pair[0], pair[1], |crossing| {
-            for beside in crossing.touched.into_iter().flatten() {
-                let cell = query.map.get(beside);
-                passes |= cell.is_none_or(|cell| query.unknown.is_lethal(cell));
-            }
+            passes |= crossing.touched.is_some_and(|beside| {
+                let [one, other] = beside.map(is_lethal);
+                !query.corner_rule.permits(one, other)
+            });
         });
     }
     passes

@@ -181,7 +181,7 @@ impl Replanner {
             revisions_since_search: 0,
             request_served: 0,
             cut: None,
-            past_corners: PastCorners::default(),
+            past_corners: PastCorners::new(config),
             barrier: Barrier::default(),
             timer: StageTimer::default(),
         })
@@ -261,13 +261,9 @@ impl Replanner {
             Ok(tried)
         } else {
             let mut rest = |Expansions(n)| limited(Expansions(n + tried.expanded));
+            let past = &mut self.past_corners;
             let asked = (&mut query, target);
-            let result = if self.config.past_corners {
-                let past = &mut self.past_corners;
-                past.plan(planner.as_mut(), asked, &mut rest, &mut candidate.cells)
-            } else {
-                planner.plan(&query, &mut rest, &mut candidate.cells)
-            };
+            let result = past.plan(planner.as_mut(), asked, &mut rest, &mut candidate.cells);
             candidate.cells.stats.add_effort(&tried);
             result
         };

@@ -405,6 +405,47 @@ fn tests_start_zeronav_without_cargo() {
     assert!(tests.is_empty(), "use `zeronav_tests::command`: {tests:?}");
 }
 
+/// Cargo builds a package once for each set of features that is asked of it: what tests and benches alone ask
+/// makes everything above it be built twice where tests and `zeronav` are run.
+#[test]
+fn builds_with_and_without_tests_share_their_packages() {
+    let with_tests = features(&["--workspace", "--edges=normal,build,dev"]);
+    let install = ["--package=zeronav", "--features=services"];
+    for selected in [&["--workspace"][..], &[], &install] {
+        let mut alone = features(&[selected, &["--edges=normal,build"]].concat());
+        alone.retain(|package| !with_tests.contains(package));
+        // The one that has the feature.
+        alone
+            .retain(|package| !package.starts_with("zeronav v") || !package.ends_with(" services"));
+        let fix =
+            "ask for the features that are missing where it is used (services/viewer/Cargo.toml)";
+        assert!(alone.is_empty(), "{selected:?}: {alone:?}: {fix}");
+    }
+}
+
+/// Packages with their version and features, as a build of `selected` has them.
+fn features(selected: &[&str]) -> BTreeSet<String> {
+    let tree = std::process::Command::new(std::env::var_os("CARGO").unwrap_or("cargo".into()))
+        .args([
+            "tree",
+            "--locked",
+            "--offline",
+            "--prefix=none",
+            "--no-dedupe",
+        ])
+        .args(["--format={p} {f}"])
+        .args(selected)
+        .current_dir(workspace())
+        .output()
+        .expect("cargo runs");
+    let said = String::from_utf8_lossy(&tree.stderr);
+    assert!(tree.status.success(), "{said}");
+    String::from_utf8_lossy(&tree.stdout)
+        .lines()
+        .map(str::to_owned)
+        .collect()
+}
+
 fn sources(folder: &Path) -> Vec<PathBuf> {
     let mut files = Vec::new();
     let entries =
