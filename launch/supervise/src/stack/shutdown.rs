@@ -1,34 +1,56 @@
 //! How a stack ends.
 
 use super::Stack;
+use crate::child::Child;
 use crate::cleaner::Cleaner;
 use crate::descendants;
+use crate::own_time::Patience;
+use rustix::process::Signal;
 use std::path::Path;
 use std::time::{Duration, Instant};
 use zeronav_msgs::role::Role;
 use zeronav_shell::Peer;
 
-/// How long a process may take to stop before it is killed.
+/// Own time that a process may take to stop before it is killed.
 const STOP_LIMIT: Duration = Duration::from_secs(2);
+
+/// The same on a machine that has no time for it, by the clock.
+const STARVED_LIMIT: Duration = Duration::from_secs(20);
+
+/// Between two looks at whether one has taken too long.
+const LOOK_EVERY: Duration = Duration::from_millis(20);
 
 impl Stack {
     /// Ends the processes: asks, waits, kills. Returns those that had to be killed.
     pub fn stop_processes(&mut self) -> Vec<Role> {
-        let mut killed = Vec::new();
-        for child in self.children.iter_mut().chain(&mut self.beside) {
+        let asked = Instant::now();
+        let ask = |child: &mut Child| {
             child.memory_peak_bytes();
             child.scheduling();
-            child.signal(rustix::process::Signal::TERM);
+            child.signal(Signal::TERM);
+            Patience::with(child.pid())
+        };
+        let children = self.children.iter_mut().chain(&mut self.beside);
+        let mut waiting: Vec<_> = children.map(|child| (ask(child), child)).collect();
+        let mut killed = Vec::new();
+        loop {
+            waiting.retain_mut(|(patience, child)| {
+                if child.ended().is_some() {
+                    return false;
+                }
+                let is_over = patience.is_over(STOP_LIMIT) || asked.elapsed() > STARVED_LIMIT;
+                if is_over {
+                    killed.push(child.role);
+                    child.signal(Signal::KILL);
+                    child.wait(STOP_LIMIT);
+                }
+                !is_over
+            });
+            let Some((_, child)) = waiting.first_mut() else {
+                return killed;
+            };
+            child.wait(LOOK_EVERY);
         }
-        let deadline = Instant::now() + STOP_LIMIT;
-        for child in self.children.iter_mut().chain(&mut self.beside) {
-            if !child.wait(deadline.saturating_duration_since(Instant::now())) {
-                killed.push(child.role);
-                child.signal(rustix::process::Signal::KILL);
-                child.wait(STOP_LIMIT);
-            }
-        }
-        killed
     }
 }
 
