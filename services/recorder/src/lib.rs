@@ -26,6 +26,10 @@ pub mod made;
 pub mod messages;
 pub mod native;
 #[cfg(feature = "process")]
+mod orders;
+#[cfg(feature = "process")]
+mod priority;
+#[cfg(feature = "process")]
 pub mod process;
 pub mod read;
 #[cfg(feature = "process")]
@@ -38,3 +42,5 @@ pub mod times;
 #[cfg(feature = "process")]
 mod user_taps;
 pub mod verdict;
+#[cfg(feature = "process")]
+mod writer;

@@ -3,10 +3,13 @@
 use crate::domain_files::{END, OUTCOME_BYTES_MAX, RECORDED};
 use crate::file::{DRIVEN_BY_SCENARIO, SCENARIO_BYTES_MAX};
 use crate::logs::Logs;
-use crate::recorder::{Parameters, Recorder, Start, World, WriteError};
+use crate::orders::{Parameters, Start, World, WriteError};
+use crate::priority;
+use crate::recorder::Recorder;
 use crate::ros::bag_folder;
 use crate::taps::Taps;
 use crate::times::TimeBase;
+use crate::verdict::{END_TICK, OUTCOME, verdict};
 use clap::Parser;
 use rustix::fs::OFlags;
 use std::collections::{BTreeMap, VecDeque};
@@ -30,12 +33,9 @@ use zeronav_shell::{Domain, Peer, Roster, StartError, flags, logs, printable, si
 /// Guests are not restarted.
 const EPOCH: u32 = 1;
 
-/// How much lower than that of the stack the priority of this process is in real time, where the
-/// shortest queue holds the messages of 0.6 s.
-const NICER: i32 = 5;
-
-/// Time between two looks in real time.
-const PAUSE: Duration = Duration::from_millis(8);
+/// Time between two looks in real time, where the shortest queue holds the messages of 0.6 s: few, so that the stack is
+/// seldom disturbed, and each of them short.
+const PAUSE: Duration = Duration::from_millis(16);
 
 /// The same in lockstep, where run time is a hundred times as fast.
 const LOCKSTEP_PAUSE: Duration = Duration::from_micros(500);
@@ -152,13 +152,12 @@ fn record(arguments: &Arguments) -> Result<BTreeMap<String, String>, RecordError
         scenario_in(arguments.scenario.as_deref())?,
         parameters_in(arguments.parameters.as_deref())?,
     );
-    let mut logs = logs_in(arguments.logs.as_deref())?;
+    let logs = logs_in(arguments.logs.as_deref())?;
     let peer = Peer::join(Domain::join(&arguments.domain)?, Role::Tap, EPOCH)?;
     let mut taps = Taps::open(&peer, arguments.rollouts)?;
     let roster = known(&peer)?;
     if !roster.lockstep() {
-        // The stack comes first. Where the system does not allow even that, it goes on as it is.
-        let _ = rustix::process::nice(NICER);
+        priority::behind_the_stack();
     }
     let start = Start {
         scenario,
@@ -166,7 +165,8 @@ fn record(arguments: &Arguments) -> Result<BTreeMap<String, String>, RecordError
         driven_by: arguments.driven_by.clone(),
         ..start_of(&roster)
     };
-    let recorder = Recorder::start(file, &taps, &start).map_err(failed)?;
+    let started = Recorder::start(file, &taps.rows(), &start, logs);
+    let mut recorder = started.map_err(failed)?;
     for topic in taps.open_users(&peer) {
         recorder.add(topic);
     }
@@ -176,21 +176,32 @@ fn record(arguments: &Arguments) -> Result<BTreeMap<String, String>, RecordError
         .file(RECORDED, OFlags::RDWR | OFlags::CREATE)
         .map_err(|error| StartError::system("saying that the recording has begun", error))?;
     let said = (&roster, &progress);
-    let done = listen(&peer, &mut taps, &recorder, said, logs.as_mut(), || {
+    let done = listen(&peer, &mut taps, &mut recorder, said, || {
         stop.load(Ordering::Relaxed) || peer.domain().is_orphaned()
     });
     let end = peer.domain().folder().file(END, OFlags::RDONLY);
     let end = end.ok().and_then(|file| end_in(&file));
-    let finished = recorder.finish(&taps, end).map_err(failed);
+    let fields = fields_of(&taps, end);
+    let finished = recorder.finish(fields.clone()).map_err(failed);
     drop(taps);
     // Of a run that is over, launch removes what this cannot.
     let _ = peer.leave().close();
     done?;
-    let (fields, world) = finished?;
+    let world = finished?;
     if arguments.metadata {
         describe(&arguments.out, &world).map_err(|error| failed(error.into()))?;
     }
     Ok(fields)
+}
+
+/// The verdict on `taps`, with the tick with which the run ended and its outcome, if it did.
+fn fields_of(taps: &Taps, end: Option<(u64, String)>) -> BTreeMap<String, String> {
+    let mut fields = verdict(taps.tallies(), taps.problem());
+    if let Some((tick, outcome)) = end {
+        fields.insert(END_TICK.to_owned(), tick.to_string());
+        fields.insert(OUTCOME.to_owned(), outcome);
+    }
+    fields
 }
 
 /// Writes `metadata.yaml` beside a recording.
@@ -204,9 +215,8 @@ fn describe(file: &Path, world: &World) -> std::io::Result<()> {
 fn listen(
     peer: &Peer,
     taps: &mut Taps,
-    recorder: &Recorder,
+    recorder: &mut Recorder,
     (roster, progress): (&Roster, &File),
-    mut logs: Option<&mut Logs>,
     mut is_over: impl FnMut() -> bool,
 ) -> Result<(), StartError> {
     let pause = if roster.lockstep() {
@@ -227,11 +237,10 @@ fn listen(
             for topic in taps.open_users(peer) {
                 recorder.add(topic);
             }
-            // Nobody waits when it cannot be said.
-            let _ = progress.write_all_at(&taps.tick().to_le_bytes(), 0);
-        }
-        if let Some(logs) = &mut logs {
-            recorder.log(logs.look(last));
+            if roster.lockstep() {
+                // Nobody waits when it cannot be said.
+                let _ = progress.write_all_at(&taps.tick().to_le_bytes(), 0);
+            }
         }
         if last {
             return Ok(());
