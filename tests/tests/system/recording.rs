@@ -7,6 +7,7 @@ mod debug;
 mod import;
 mod lost;
 mod open_loop;
+mod stored;
 mod suite;
 mod view;
 
