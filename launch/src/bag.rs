@@ -1,11 +1,12 @@
 //! `zeronav bag`: what is in a recording, where two differ, tables of one, and one that was cut made whole again.
 
-pub(crate) mod diff;
+pub mod diff;
 mod export;
 pub(crate) mod input;
 
 use crate::output_file::{self, Problem};
 use clap::{Args, Subcommand};
+use diff::DiffArgs;
 use export::export;
 use input::open;
 use serde_json::json;
@@ -45,15 +46,7 @@ pub enum BagVerb {
         file: PathBuf,
     },
     /// Say where two recordings begin to differ, by tick, topic and field: exit code 1 when they do.
-    Diff {
-        /// The first MCAP file.
-        a: PathBuf,
-        /// The second one.
-        b: PathBuf,
-        /// Print one JSON object.
-        #[arg(long)]
-        json: bool,
-    },
+    Diff(DiffArgs),
     /// Write every message of the contract into tables, a CSV file for each topic and one for its items.
     Export {
         /// The MCAP file.
@@ -84,7 +77,7 @@ pub fn bag(arguments: &BagArgs) -> ExitCode {
     match &arguments.verb {
         BagVerb::Info { file, json } => info(file, *json),
         BagVerb::Check { file } => check(file),
-        BagVerb::Diff { a, b, json } => diff::diff(a, b, *json),
+        BagVerb::Diff(arguments) => diff::diff(arguments),
         BagVerb::Export { file, csv, topic } => match export(file, csv, topic) {
             Ok(rows) => {
                 let lines = rows.iter().map(|(topic, n)| format!("{n:>8}  {topic}\n"));

@@ -1,6 +1,7 @@
 //! The command line.
 
 use crate::bag::BagArgs;
+use crate::bag::diff::DiffArgs;
 use crate::bisect::BisectArgs;
 use crate::busy;
 use crate::compare::cli::CompareArgs;
@@ -139,6 +140,8 @@ pub enum Command {
     Map(MapArgs),
     /// What is in a recording, where two differ, tables of one, and one that was cut made whole again.
     Bag(BagArgs),
+    /// Say where two recorded runs begin to differ, by tick, topic and field: exit code 1 when they do.
+    Diff(DiffArgs),
     /// Drive a recorded run again, the same or with another binary in a seat, as a whole or played to some seats, and say
     /// where it begins to differ.
     Replay(ReplayArgs),
@@ -268,8 +271,9 @@ pub struct RunArgs {
     #[command(flatten)]
     pub start: StartArgs,
     /// Measure: drop the scenario's obstacle before the robot N times, in three rounds, with the
-    /// floor of the transport between them.
-    #[arg(long, value_name = "N", conflicts_with_all = ["lockstep", "record"],
+    /// floor of the transport between them. With --record each round has a file of its own:
+    /// `recording-1.mcap`, `recording-2.mcap`, `recording-3.mcap`.
+    #[arg(long, value_name = "N", conflicts_with = "lockstep",
           value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub trials: Option<u32>,
     /// Delay every answer of a service, to see that the delay appears in its hop and nowhere

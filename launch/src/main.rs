@@ -5,6 +5,7 @@
 use clap::Parser;
 use clap::error::ErrorKind;
 use std::process::ExitCode;
+use zeronav::bag::diff;
 use zeronav::cli::{Cli, Command};
 use zeronav::live_view;
 use zeronav::new_package;
@@ -73,6 +74,7 @@ fn main() -> ExitCode {
         Command::Logs(arguments) => logs::logs(&arguments),
         Command::Map(arguments) => map_save::map(&arguments),
         Command::Bag(arguments) => bag::bag(&arguments),
+        Command::Diff(arguments) => diff::diff(&arguments),
         Command::Replay(arguments) => replay::replay(&arguments),
         Command::Bisect(arguments) => bisect::bisect(&arguments),
         Command::Debug(arguments) => debug::debug(&arguments),

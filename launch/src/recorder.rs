@@ -67,6 +67,35 @@ impl RecordTo {
     }
 }
 
+/// The recording that is meant: the file itself, or that in the folder of a run.
+///
+/// # Errors
+/// One line when the folder holds none.
+pub(crate) fn recording_in(file: &Path) -> Result<PathBuf, String> {
+    if !file.is_dir() {
+        return Ok(file.to_owned());
+    }
+    let within = RecordTo::RunFolder.file(file);
+    if within.symlink_metadata().is_ok() {
+        return Ok(within);
+    }
+    Err(format!(
+        "{}: there is none; a run leaves it with --record",
+        within.display()
+    ))
+}
+
+/// The file of one of several drives that are recorded to `file`: `recording-2.mcap` of the second one.
+pub(crate) fn file_of_round(file: &Path, round: usize) -> PathBuf {
+    let mut name = file.file_stem().unwrap_or_default().to_owned();
+    name.push(format!("-{round}"));
+    if let Some(extension) = file.extension() {
+        name.push(".");
+        name.push(extension);
+    }
+    file.with_file_name(name)
+}
+
 /// Who decides where the robot of a run drives.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum DrivenBy {
@@ -140,4 +169,20 @@ pub(crate) fn last_words(log: &LogPlace) -> Option<String> {
     let said = last_lines(&log.open().ok()?, 1).pop()?;
     let own = said.strip_prefix("zeronav-recorder: ");
     Some(own.unwrap_or(&said).to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_of_several_drives_has_a_file_of_its_own() {
+        let of = |file: &str, round| file_of_round(Path::new(file), round);
+        assert_eq!(
+            of("runs/a/recording.mcap", 1),
+            Path::new("runs/a/recording-1.mcap")
+        );
+        assert_eq!(of("my.run.mcap", 12), Path::new("my.run-12.mcap"));
+        assert_eq!(of("/tmp/trials", 3), Path::new("/tmp/trials-3"));
+    }
 }

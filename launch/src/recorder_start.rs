@@ -15,8 +15,8 @@ use zeronav_supervise::binaries;
 use zeronav_supervise::own_time::Patience;
 use zeronav_supervise::stack::Stack;
 
-/// Starts the recorder of the run that is prepared, which is to be recorded, and waits until it records: a run that shall
-/// be recorded and cannot be does not begin. The configurations are those of companions.
+/// Starts the recorder of the run that is prepared, which is to be recorded in `file`, and waits until it records: a run
+/// that shall be recorded and cannot be does not begin. The configurations are those of companions.
 ///
 /// # Errors
 /// One line when the recorder does not work.
@@ -24,10 +24,10 @@ pub(crate) fn start_recorder(
     companions: &mut Companions,
     stack: &mut Stack,
     prepared: &Prepared,
+    file: PathBuf,
     (driven_by, configs): (DrivenBy, &BTreeMap<String, PathBuf>),
 ) -> Result<RecordedTicks, String> {
     let log = prepared.log(format!("{RECORDER}.log"));
-    let file = prepared.recording.clone().ok_or("no file is named")?;
     let plan = Plan {
         name: RECORDER.to_owned(),
         binary: binaries::find(Path::new(BINARY))?,
@@ -38,7 +38,9 @@ pub(crate) fn start_recorder(
             driven_by,
             parameters: write_parameters(stack, prepared, configs)?,
             logs: prepared.logs.path().to_owned(),
-            is_bag: file.parent() == Some(prepared.folder.path()),
+            // A bag has one recording.
+            is_bag: Some(&file) == prepared.recording.as_ref()
+                && file.parent() == Some(prepared.folder.path()),
             file,
         },
     };

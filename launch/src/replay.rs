@@ -1,7 +1,7 @@
 //! `zeronav replay`: drives a recorded run again and says where it begins to differ. In closed loop the scenario of a
 //! lockstep run is driven; in open loop what was recorded is played to some seats.
 
-use crate::bag::diff::{Beside, beside};
+use crate::bag::diff::{Beside, beside, run_time, ticks_of};
 use crate::commands::drive_and_judge;
 use crate::open_loop::{self, NotPlayed, open_loop};
 use crate::output_args::OutputArgs;
@@ -64,13 +64,6 @@ pub(crate) fn open_seat(name: &str) -> Result<Role, String> {
     } else {
         Err("what the robot senses is what is played: name a seat behind it".to_owned())
     }
-}
-
-/// A run time. [s]
-fn run_time(text: &str) -> Result<f64, String> {
-    let number: Option<f64> = text.parse().ok();
-    let time_s = number.filter(|it| it.is_finite() && *it >= 0.0);
-    time_s.ok_or_else(|| format!("`{text}` is no time such as 12.5"))
 }
 
 /// A run that was made to be compared with the recording.
@@ -152,19 +145,17 @@ impl ReplayArgs {
         &self,
         interrupted: &Arc<AtomicBool>,
     ) -> Result<(Again, Beside), NotCompared> {
-        if let (Some(from_s), Some(to_s)) = (self.from, self.to)
-            && from_s > to_s
-        {
-            let why = format!("--from {from_s} is behind --to {to_s}: nothing lies between them");
-            return Err(why.into());
-        }
+        // Before anything is read.
+        let ticks = |tick_ns| ticks_of([self.from, self.to], || Ok(tick_ns));
+        ticks(1)?;
         let recorded = Recorded::read(&self.file)?;
+        let scope = self.scope(&recorded, ticks(recorded.tick_ns)?);
         let again = if self.open.is_empty() {
             self.closed(&recorded, interrupted)?
         } else {
             self.opened(&recorded, interrupted)?
         };
-        let beside = beside(&self.scope(&recorded), &again.original, &again.file);
+        let beside = beside(&scope, &again.original, &again.file);
         match beside {
             Ok(beside) => Ok((again, beside)),
             Err(why) => Err(NotCompared {
@@ -267,11 +258,10 @@ impl ReplayArgs {
     }
 
     /// What is compared.
-    fn scope(&self, recorded: &Recorded) -> Scope {
-        let tick = |time_s: f64| zeronav_msgs::time::nanoseconds(time_s) / recorded.tick_ns;
+    fn scope(&self, recorded: &Recorded, ticks: [u64; 2]) -> Scope {
         Scope {
             authors: (!self.open.is_empty()).then(|| self.open.clone()),
-            ticks: [self.from.map_or(0, tick), self.to.map_or(u64::MAX, tick)],
+            ticks,
             // Seats of a run in real time answer more or less often.
             numbers: recorded.is_lockstep(),
         }

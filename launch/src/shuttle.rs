@@ -70,6 +70,8 @@ pub(crate) struct Quota {
     pub before: usize,
     /// Trials of all drives.
     pub total: usize,
+    /// The drive, counted from 1: each has a recording of its own.
+    pub round: usize,
 }
 
 /// One trial that counts.

@@ -79,6 +79,7 @@ pub(crate) fn make(
             seed: prepared.seed.wrapping_add(round as u64),
             before,
             total: wanted,
+            round: round + 1,
         };
         let mut driven = drive(prepared, Some(quota), interrupted)?;
         before += driven.trials.len();

@@ -5,7 +5,7 @@ use crate::judge;
 use crate::live_view::ViewArgs;
 use crate::output_file::{self, Problem};
 use crate::recorded::drive::RecordedDrive;
-use crate::recorder::RecordTo;
+use crate::recorder::recording_in;
 use crate::report::messages::{OfMessages, page};
 use std::io::Write;
 use std::os::unix::process::CommandExt;
@@ -20,7 +20,7 @@ use zeronav_shell::printable::printable;
 /// `zeronav view FILE`: writes the page and prints its name, or prints what is played as JSON.
 #[must_use]
 pub fn view(file: &Path, arguments: &ViewArgs) -> ExitCode {
-    let read = of_run(file).and_then(|file| Ok((of_messages(&file)?, file)));
+    let read = recording_in(file).and_then(|file| Ok((of_messages(&file)?, file)));
     let (of, file) = match read {
         Ok(read) => read,
         Err(problem) => return usage(&printable(&problem)),
@@ -43,24 +43,6 @@ pub fn view(file: &Path, arguments: &ViewArgs) -> ExitCode {
         open(&out);
     }
     ExitCode::from(EXIT_PASS)
-}
-
-/// The recording: in the folder of a run, or the file itself.
-///
-/// # Errors
-/// One line when the folder holds none.
-fn of_run(file: &Path) -> Result<PathBuf, String> {
-    if !file.is_dir() {
-        return Ok(file.to_owned());
-    }
-    let within = RecordTo::RunFolder.file(file);
-    if within.symlink_metadata().is_ok() {
-        return Ok(within);
-    }
-    Err(format!(
-        "{}: there is none; a run leaves it with --record",
-        within.display()
-    ))
 }
 
 /// What the recording in `file` says.

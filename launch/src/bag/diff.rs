@@ -1,14 +1,18 @@
-//! `zeronav bag diff`: where two recordings begin to differ.
+//! `zeronav diff`: where two recordings begin to differ.
 
 use super::input::{is_unit, open as open_file};
+use crate::recorder::recording_in;
+use clap::Args;
 use core::fmt::Write;
 use serde_json::json;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use zeronav_console::exit::{EXIT_FAIL, EXIT_PASS};
 use zeronav_console::terminal::{say, say_json, usage};
 use zeronav_recorder::compare::{Comparison, Difference, Scope, compare};
 use zeronav_recorder::figures::{Figure, figures};
+use zeronav_recorder::file::START;
+use zeronav_recorder::read::summary;
 use zeronav_shell::printable::printable;
 
 /// Two recordings beside each other.
@@ -51,13 +55,34 @@ pub(crate) fn beside(scope: &Scope, a: &Path, b: &Path) -> Result<Beside, String
     })
 }
 
-/// `zeronav bag diff`.
-pub(super) fn diff(a: &Path, b: &Path, as_json: bool) -> ExitCode {
-    let beside = match beside(&Scope::default(), a, b) {
+/// Arguments of `zeronav diff` and `zeronav bag diff`.
+#[derive(Debug, Clone, Args)]
+pub struct DiffArgs {
+    /// The first recording: an MCAP file, or the folder of a run with --record.
+    #[arg(value_name = "RUN")]
+    pub a: PathBuf,
+    /// The second one.
+    #[arg(value_name = "RUN")]
+    pub b: PathBuf,
+    /// Compare from this run time on. [s]
+    #[arg(long, value_name = "S", value_parser = run_time)]
+    pub from: Option<f64>,
+    /// Compare up to this run time. [s]
+    #[arg(long, value_name = "S", value_parser = run_time)]
+    pub to: Option<f64>,
+    /// Print one JSON object.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `zeronav diff` and `zeronav bag diff`.
+#[must_use]
+pub fn diff(arguments: &DiffArgs) -> ExitCode {
+    let beside = match arguments.beside() {
         Ok(beside) => beside,
-        Err(problem) => return usage(&problem),
+        Err(problem) => return usage(&printable(&problem)),
     };
-    if as_json {
+    if arguments.json {
         say_json(&beside.to_json());
     } else {
         say(&beside.to_text());
@@ -67,6 +92,69 @@ pub(super) fn diff(a: &Path, b: &Path, as_json: bool) -> ExitCode {
     } else {
         EXIT_FAIL
     })
+}
+
+impl DiffArgs {
+    fn beside(&self) -> Result<Beside, String> {
+        let [a, b] = [&self.a, &self.b].map(|run| recording_in(run));
+        let (a, b) = (a?, b?);
+        let ticks = ticks_of([self.from, self.to], || tick_ns(&a))?;
+        let scope = Scope {
+            ticks,
+            ..Scope::default()
+        };
+        beside(&scope, &a, &b)
+    }
+}
+
+/// How long a tick of a recorded run takes. [ns]
+///
+/// # Errors
+/// One line when the file does not say so.
+fn tick_ns(file: &Path) -> Result<u64, String> {
+    let (found, _) = summary(open_file(file)?);
+    let field = found.metadata.get(START).and_then(|it| it.get("tick_ns"));
+    let tick_ns = field.and_then(|field| field.parse().ok());
+    tick_ns.ok_or_else(|| {
+        format!(
+            "{}: it does not say how long a tick takes, so --from and --to mean nothing",
+            file.display()
+        )
+    })
+}
+
+/// The first and the last tick of a part of a run, from one run time to another [s], whose ticks take as long as `tick_ns`
+/// says.
+///
+/// # Errors
+/// One line when nothing lies between them, or what `tick_ns` says.
+pub(crate) fn ticks_of(
+    [from_s, to_s]: [Option<f64>; 2],
+    tick_ns: impl FnOnce() -> Result<u64, String>,
+) -> Result<[u64; 2], String> {
+    if let (Some(from_s), Some(to_s)) = (from_s, to_s)
+        && from_s > to_s
+    {
+        return Err(format!(
+            "--from {from_s} is behind --to {to_s}: nothing lies between them"
+        ));
+    }
+    if from_s.or(to_s).is_none() {
+        return Ok([0, u64::MAX]);
+    }
+    let tick_ns = tick_ns()?.max(1);
+    let tick = |time_s: f64| zeronav_msgs::time::nanoseconds(time_s) / tick_ns;
+    Ok([from_s.map_or(0, tick), to_s.map_or(u64::MAX, tick)])
+}
+
+/// A run time. [s]
+///
+/// # Errors
+/// What is wrong with the text.
+pub(crate) fn run_time(text: &str) -> Result<f64, String> {
+    let number: Option<f64> = text.parse().ok();
+    let time_s = number.filter(|it| it.is_finite() && *it >= 0.0);
+    time_s.ok_or_else(|| format!("`{text}` is no time such as 12.5"))
 }
 
 impl Beside {

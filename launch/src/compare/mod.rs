@@ -1,8 +1,10 @@
 //! `zeronav compare`: two scenarios, or one with two binaries in a seat, measured in turn round by
-//! round on the same seeds.
+//! round on the same seeds, or driven in lockstep and compared message by message.
 
 pub mod cli;
+mod lockstep;
 
+use crate::bag::diff::{DiffArgs, diff};
 use crate::commands::{exit_code, explain};
 use crate::drive::drive;
 use crate::ending::Ending;
@@ -13,7 +15,7 @@ use crate::trials::{timing, usual_time};
 use cli::CompareArgs;
 use core::fmt::Write;
 use serde::Serialize;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -56,10 +58,31 @@ struct Row {
 /// `zeronav compare`.
 #[must_use]
 pub fn compare(arguments: &CompareArgs) -> ExitCode {
+    if arguments.lockstep {
+        return lockstep::compare(arguments);
+    }
+    if let Some(runs) = recorded(arguments) {
+        return diff(&runs);
+    }
     match sides(arguments) {
         Ok(code) => code,
         Err(problem) => usage(&problem),
     }
+}
+
+/// Both sides, where they are recorded runs.
+fn recorded(arguments: &CompareArgs) -> Option<DiffArgs> {
+    let [a, b] = [&arguments.a, arguments.b.as_ref()?].map(PathBuf::from);
+    let is_run = |run: &Path| run.join("result.json").is_file();
+    let is_recording = |run: &Path| run.extension().is_some_and(|it| it == "mcap");
+    let are_runs = [&a, &b].iter().all(|run| is_run(run) || is_recording(run));
+    are_runs.then_some(DiffArgs {
+        json: arguments.output.json,
+        a,
+        b,
+        from: None,
+        to: None,
+    })
 }
 
 fn sides(arguments: &CompareArgs) -> Result<ExitCode, String> {
@@ -142,6 +165,7 @@ fn turns(
                 seed: prepared.seed.wrapping_add(round as u64),
                 before,
                 total: 2 * trials,
+                round: round + 1,
             };
             let driven = drive(prepared, Some(quota), interrupted)?;
             before += driven.trials.len();

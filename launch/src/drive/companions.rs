@@ -4,7 +4,7 @@ use super::session::Session;
 use crate::companions::{Plan, Told};
 use crate::configs;
 use crate::live_view::{self, LivePage};
-use crate::recorder::{DrivenBy, RecordedTicks, last_words};
+use crate::recorder::{DrivenBy, RecordedTicks, file_of_round, last_words};
 use crate::recorder_start::start_recorder;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -51,19 +51,23 @@ impl Session<'_> {
         configs: &BTreeMap<String, PathBuf>,
     ) -> Result<(), String> {
         let prepared = self.prepared;
-        if prepared.recording.is_none() {
+        let Some(file) = &prepared.recording else {
             return Ok(());
-        }
-        // A stack that stays up drives where its clients say, and what sits in a seat by hand is not known.
+        };
+        let round = self.quota.map(|quota| quota.round);
+        let file = round.map_or_else(|| file.clone(), |round| file_of_round(file, round));
+        // A stack that stays up drives where its clients say, trials come when launch sees fit, and what sits in a seat
+        // by hand is not known.
         let is_filled = Role::SERVICES
             .iter()
             .all(|role| prepared.binaries.contains_key(role));
-        let driven_by = if prepared.stays || !is_filled {
+        let driven_by = if prepared.stays || round.is_some() || !is_filled {
             DrivenBy::Clients
         } else {
             DrivenBy::Scenario
         };
-        let progress = start_recorder(&mut self.companions, stack, prepared, (driven_by, configs))?;
+        let who = (driven_by, configs);
+        let progress = start_recorder(&mut self.companions, stack, prepared, file, who)?;
         self.recorded = self.lockstep().then_some(progress);
         Ok(())
     }

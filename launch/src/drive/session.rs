@@ -46,7 +46,7 @@ const _: () = assert!(LEASE_TICKS <= GroundTruth::ROW.buffer() as u64);
 pub(super) struct Session<'a> {
     pub(super) prepared: &'a Prepared,
     pub(super) interrupted: Arc<AtomicBool>,
-    quota: Option<Quota>,
+    pub(super) quota: Option<Quota>,
     pub(super) shuttle: Option<Shuttle<'a>>,
     began: Instant,
     pub(super) collector: Collector,

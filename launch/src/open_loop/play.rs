@@ -127,7 +127,9 @@ impl Playing<'_> {
         }
         stack.extend_lease(u64::from(u32::MAX));
         let who = (DrivenBy::Recording, &BTreeMap::new());
-        let recorded = start_recorder(companions, stack, prepared, who);
+        let file = prepared.recording.clone();
+        let file = file.ok_or_else(|| start("no file is named".to_owned()))?;
+        let recorded = start_recorder(companions, stack, prepared, file, who);
         self.recorded = Some(recorded.map_err(start)?);
         let player = Player::open(stack.root(), self.score, self.live);
         let mut player = player.map_err(|error| start(error.to_string()))?;

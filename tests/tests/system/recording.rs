@@ -4,11 +4,13 @@
 mod bisect;
 mod content;
 mod debug;
+mod diff;
 mod import;
 mod lost;
 mod open_loop;
 mod stored;
 mod suite;
+mod trials;
 mod view;
 
 use rustix::process::Signal;
