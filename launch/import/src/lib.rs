@@ -10,7 +10,7 @@ pub mod recording;
 mod ros;
 mod sqlite;
 
-pub use log::{Log, Report, Topics};
+pub use log::{Log, LogMap, Report, Topics};
 
 use std::io::{BufReader, Read};
 use std::path::{Path, PathBuf};

@@ -10,6 +10,8 @@ pub struct Topics {
     pub scan: Option<String>,
     /// Of `nav_msgs/Odometry`.
     pub odometry: Option<String>,
+    /// Of `nav_msgs/OccupancyGrid`; without, the only one, or `/map`.
+    pub map: Option<String>,
 }
 
 /// What was missing, assumed, left out or mended.
@@ -56,6 +58,21 @@ pub struct LogPose {
     pub pose: Pose,
 }
 
+/// A map that the robot knew.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LogMap {
+    /// The frame in which it lies, without slashes.
+    pub frame: String,
+    /// Where the lower left corner lies in the frame `map`, and how the grid is turned.
+    pub corner: Pose,
+    /// Side of a cell. [m]
+    pub resolution_m: f64,
+    /// Columns and rows, each 1 to [`zeronav_msgs::grid::SIDE_CELLS_MAX`].
+    pub size: (u32, u32),
+    /// Row by row from the lower left: 0 to 100 for how sure it is occupied, anything else unknown. [percent]
+    pub cells: Vec<i8>,
+}
+
 /// Everything of a log that is used, each in the order of its times.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Log {
@@ -69,6 +86,8 @@ pub struct Log {
     pub corrected: Vec<LogPose>,
     /// `base_from_laser`.
     pub laser: Pose,
+    /// The map that was known.
+    pub map: Option<LogMap>,
     /// What was missing and assumed.
     pub report: Report,
     /// Beams of all scans.

@@ -19,6 +19,9 @@ use zeronav_recorder::made::{Made, MadeError, Moment};
 /// Name of the metadata record that says what was missing, assumed and mended.
 pub const IMPORTED: &str = "zeronav.import";
 
+/// Field of [`IMPORTED`]: the name of the YAML file beside the recording with the map that the robot knew.
+pub const MAP: &str = "map";
+
 /// Run time of a tick: no lidar of a mobile robot is faster than 20 ticks per second by much. [ns]
 const TICK_NS: u64 = 50_000_000;
 
@@ -95,7 +98,12 @@ impl<'a> Placed<'a> {
         let first = log.scans.first()?;
         let raw = pose_at(&log.odometry, first.ns)?;
         let corrected = log.corrected.iter().find(|it| it.ns == first.ns);
-        let start = corrected.map_or_else(|| inverse(&raw), |it| it.pose.then(&inverse(&raw)));
+        let start = match (corrected, &log.map) {
+            (Some(it), _) => it.pose.then(&inverse(&raw)),
+            // Nobody says where the odometry lies on the map.
+            (None, Some(_)) => Pose::default(),
+            (None, None) => inverse(&raw),
+        };
         let last_ns = log.scans.last()?.ns.min(log.odometry.last()?.ns);
         let zero_ns = first.ns.checked_sub(TICK_NS)?.max(log.odometry.first()?.ns);
         Some(Self {
@@ -135,7 +143,7 @@ impl<'a> Placed<'a> {
     }
 
     /// The scenario that configures the seats to which the recording is played.
-    fn scenario(&self) -> String {
+    fn scenario(&self, map: Option<&str>) -> String {
         let scan = self.log.scans.first();
         let [first, last] = self.area_m();
         let start = self.odometry(0);
@@ -146,13 +154,16 @@ impl<'a> Placed<'a> {
              v_mps_max = {V_MPS_MAX:?}\nw_radps_max = {W_RADPS_MAX:?}\na_mps2_max = {A_MPS2_MAX:?}\n\
              alpha_radps2_max = {ALPHA_RADPS2_MAX:?}\n\
              lidar = {{ n_beams = {n_beams}, rate_hz = 10.0, range_m_min = {:?}, range_m_max = {:?} }}\n\n\
-             [services.collision_guard]\nconfig.request_age_s = {AGE_S:?}\nconfig.odometry_age_s = {AGE_S:?}\n",
+             [services.collision_guard]\nconfig.request_age_s = {AGE_S:?}\nconfig.odometry_age_s = {AGE_S:?}\n{}",
             start.x_m,
             start.y_m,
             start.yaw_rad,
             seconds(self.ticks * TICK_NS) + 1.0,
             f64::from(range_m[0]),
             f64::from(range_m[1]),
+            map.map_or_else(String::new, |map| format!(
+                "\n[services.mapping]\nconfig.static_map = {map:?}\n"
+            )),
         )
     }
 
@@ -192,24 +203,28 @@ pub enum WriteError {
     Made(#[from] MadeError),
 }
 
-/// Writes a log as the recording `name`.
+/// Writes a log as the recording `name`, whose map is the file `map` beside it.
 ///
 /// # Errors
 /// [`WriteError`].
 pub fn write<W: Write + Seek>(
     log: &Log,
-    name: &str,
+    (name, map): (&str, Option<&str>),
     output: W,
 ) -> Result<(Imported, W), WriteError> {
     let placed = Placed::of(log);
     let placed = placed.ok_or(WriteError::Log(
         "no scan lies between two odometry messages",
     ))?;
-    Ok(placed.write(name, output)?)
+    Ok(placed.write((name, map), output)?)
 }
 
 impl Placed<'_> {
-    fn write<W: Write + Seek>(&self, name: &str, output: W) -> Result<(Imported, W), MadeError> {
+    fn write<W: Write + Seek>(
+        &self,
+        (name, map): (&str, Option<&str>),
+        output: W,
+    ) -> Result<(Imported, W), MadeError> {
         let start = [
             ("version", env!("CARGO_PKG_VERSION").to_owned()),
             ("mode", RunMode::Lockstep.label().to_owned()),
@@ -220,10 +235,10 @@ impl Placed<'_> {
             (DRIVEN_BY, "recording".to_owned()),
         ];
         let start = start.map(|(key, value)| (key.to_owned(), value));
-        let scenario = self.scenario();
+        let scenario = self.scenario(map);
         let file = format!("{name}.toml");
         let mut made = Made::begin(output, start.into(), Some((&file, &scenario)))?;
-        made.metadata(IMPORTED, self.report())?;
+        made.metadata(IMPORTED, self.report(map))?;
         let robot = |tick, run_ns| Moment {
             role: Role::Robot,
             tick,
@@ -309,7 +324,7 @@ impl Placed<'_> {
         Ok(())
     }
 
-    fn report(&self) -> BTreeMap<String, String> {
+    fn report(&self, map: Option<&str>) -> BTreeMap<String, String> {
         let report = &self.log.report;
         let mended = report.mended.iter().map(|(what, n)| format!("{n} {what}"));
         let fields = [
@@ -318,7 +333,9 @@ impl Placed<'_> {
             ("assumed", assumed(self.log).join("; ")),
             ("mended", mended.collect::<Vec<String>>().join("; ")),
         ];
-        fields.map(|(key, value)| (key.to_owned(), value)).into()
+        let map = map.map(|map| (MAP, map.to_owned()));
+        let fields = fields.into_iter().chain(map);
+        fields.map(|(key, value)| (key.to_owned(), value)).collect()
     }
 }
 
@@ -354,7 +371,7 @@ fn twist(from: &Pose, to: &Pose, with_scan: bool) -> Odometry {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::log::LogScan;
+    use crate::log::{LogMap, LogScan};
     use std::io::Cursor;
     use zeronav_msgs::topics::Topic;
     use zeronav_recorder::messages::native_messages;
@@ -388,7 +405,8 @@ mod tests {
 
     #[test]
     fn a_log_becomes_ticks_with_odometry_and_scans_at_the_next_one() {
-        let (imported, output) = write(&log(), "it", Cursor::new(Vec::new())).expect("written");
+        let (imported, output) =
+            write(&log(), ("it", None), Cursor::new(Vec::new())).expect("written");
         assert_eq!((imported.scans, imported.corrected), (3, 1));
         let bytes = output.into_inner();
         let (found, damage) = summary(&bytes[..]);
@@ -421,10 +439,41 @@ mod tests {
     }
 
     #[test]
+    fn the_map_beside_a_recording_configures_mapping_and_odometry_lies_on_it() {
+        let log = Log {
+            corrected: Vec::new(),
+            map: Some(LogMap {
+                frame: "map".to_owned(),
+                corner: Pose::default(),
+                resolution_m: 0.05,
+                size: (1, 1),
+                cells: vec![0],
+            }),
+            ..log()
+        };
+        let written = write(
+            &log,
+            ("it", Some("a \"map\".yaml")),
+            Cursor::new(Vec::new()),
+        );
+        let bytes = written.expect("written").1.into_inner();
+        let (found, _) = summary(&bytes[..]);
+        assert_eq!(found.metadata[IMPORTED][MAP], "a \"map\".yaml");
+        let scenario = attachment(&bytes[..], "application/toml", 10_000).expect("read");
+        let text = String::from_utf8(scenario.expect("a scenario").1).expect("text");
+        assert!(
+            text.contains("config.static_map = \"a \\\"map\\\".yaml\""),
+            "{text}"
+        );
+        // Run time 0 is 20 ms behind the second message of the odometry, in its own frame.
+        assert!(text.contains("start = [0.02"), "{text}");
+    }
+
+    #[test]
     fn a_log_without_odometry_around_its_scans_is_refused() {
         let mut log = log();
         log.odometry.clear();
-        let error = write(&log, "it", Cursor::new(Vec::new()))
+        let error = write(&log, ("it", None), Cursor::new(Vec::new()))
             .map(|_| ())
             .expect_err("none");
         assert!(error.to_string().contains("no scan"), "{error}");

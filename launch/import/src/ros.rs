@@ -1,15 +1,17 @@
 //! Bags of ROS 2: messages in CDR, of whichever container.
 
+mod map;
+mod parts;
+
 use crate::clock::{Clock, put_in_order};
 use crate::log::{Log, LogPose, LogScan, Topics, add_pose, clean_ranges};
-use byteorder::{BigEndian, LittleEndian};
-use cdr_encoding::from_bytes;
+use map::{MAP, Maps};
 use mcap::records::Record;
+use parts::{Header, Quaternion, Time, Vector3, decoded, plain, pose};
 use serde::Deserialize;
-use serde::de::DeserializeOwned;
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::Read;
-use zeronav_msgs::pose::{Pose, wrap_angle};
+use zeronav_msgs::pose::Pose;
 use zeronav_msgs::scan::BEAMS_MAX;
 use zeronav_recorder::read::{ReadError, records};
 
@@ -17,23 +19,10 @@ use zeronav_recorder::read::{ReadError, records};
 const SCAN: &str = "sensor_msgs/msg/LaserScan";
 const ODOMETRY: &str = "nav_msgs/msg/Odometry";
 const TF: &str = "tf2_msgs/msg/TFMessage";
-const MAP: &str = "nav_msgs/msg/OccupancyGrid";
 
 /// Most channels and most messages of a bag.
 const CHANNELS_MAX: usize = 10_000;
 const MESSAGES_MAX: usize = 20_000_000;
-
-#[derive(Deserialize, Clone, Copy)]
-struct Time {
-    sec: i32,
-    nanosec: u32,
-}
-
-#[derive(Deserialize)]
-struct Header {
-    stamp: Time,
-    frame_id: String,
-}
 
 #[derive(Deserialize)]
 struct LaserScan {
@@ -46,21 +35,6 @@ struct LaserScan {
     range_min: f32,
     range_max: f32,
     ranges: Vec<f32>,
-}
-
-#[derive(Deserialize)]
-struct Vector3 {
-    x: f64,
-    y: f64,
-    _z: f64,
-}
-
-#[derive(Deserialize)]
-struct Quaternion {
-    x: f64,
-    y: f64,
-    z: f64,
-    w: f64,
 }
 
 #[derive(Deserialize)]
@@ -96,6 +70,7 @@ pub(crate) struct Bag<'a> {
     fixed: BTreeMap<(String, String), Pose>,
     from_tf: Vec<LogPose>,
     map_from_odom: Vec<LogPose>,
+    maps: Maps,
     n: usize,
 }
 
@@ -113,6 +88,7 @@ impl<'a> Bag<'a> {
             fixed: BTreeMap::new(),
             from_tf: Vec::new(),
             map_from_odom: Vec::new(),
+            maps: Maps::default(),
             n: 0,
         }
     }
@@ -174,6 +150,7 @@ impl<'a> Bag<'a> {
             SCAN => self.scan(log_ns, data),
             ODOMETRY => self.odometry(log_ns, data),
             TF => self.transforms(data),
+            MAP => self.maps.take(topic, data),
             _ => Some(()),
         };
         if known.is_none() {
@@ -308,14 +285,19 @@ impl<'a> Bag<'a> {
             let missing = &mut log.report.missing;
             missing.push("scans of several lidars are taken for those of the first".to_owned());
         }
-        if !self.seen.contains_key(MAP) {
-            log.report.missing.push("no map".to_owned());
-        }
+        let named = self.topics.map.as_deref();
+        log.map = self.maps.chosen(named, &mut log.report)?;
         log.report
             .missing
             .push("no outline and no limits of the robot".to_owned());
         put_in_order(&mut log);
         correct(&mut log, self.map_from_odom);
+        if log.map.is_some() && log.corrected.is_empty() {
+            let assumed = &mut log.report.assumed;
+            assumed.push(
+                "the odometry begins in the frame of the map: no transform says where".to_owned(),
+            );
+        }
         Ok(log)
     }
 
@@ -387,33 +369,10 @@ fn mount(fixed: &BTreeMap<(String, String), Pose>, frame: &str) -> Option<Pose> 
     None
 }
 
-/// The name of a frame without a slash and a name space.
-fn plain(frame: &str) -> &str {
-    frame.rsplit('/').next().unwrap_or(frame)
-}
-
 /// A stamp, or when the message was logged where it has none. [ns]
 fn stamp(stamp: Time, log_ns: u64) -> u64 {
     let ns = u64::try_from(stamp.sec).unwrap_or(0) * 1_000_000_000 + u64::from(stamp.nanosec);
     if ns == 0 { log_ns } else { ns }
-}
-
-/// A pose in the plane; `None` when it is no number.
-fn pose(at: &Vector3, turn: &Quaternion) -> Option<Pose> {
-    let sin = 2.0 * (turn.w * turn.z + turn.x * turn.y);
-    let cos = 1.0 - 2.0 * (turn.y * turn.y + turn.z * turn.z);
-    let yaw_rad = sin.atan2(cos);
-    let is_sound = [at.x, at.y, yaw_rad].iter().all(|it| it.is_finite());
-    is_sound.then(|| Pose::new(at.x, at.y, wrap_angle(yaw_rad)))
-}
-
-/// A message in CDR of either byte order; what stands behind its fields is left.
-fn decoded<T: DeserializeOwned>(data: &[u8]) -> Option<T> {
-    let (head, body) = data.split_at_checked(4)?;
-    match head[1] & 1 {
-        1 => from_bytes::<T, LittleEndian>(body).ok().map(|(it, _)| it),
-        _ => from_bytes::<T, BigEndian>(body).ok().map(|(it, _)| it),
-    }
 }
 
 #[cfg(test)]

@@ -143,10 +143,135 @@ fn what_nothing_can_be_driven_with_is_refused() {
     assert!(error.contains("--scan (/a, /b)"), "{error}");
 }
 
+/// A map of 2 x 2 cells but for what `change` does.
+fn map(change: impl FnOnce(&mut messages::OccupancyGrid)) -> Vec<u8> {
+    let mut map = messages::OccupancyGrid {
+        header: messages::Header {
+            stamp: view::time(MS),
+            frame_id: "map",
+        },
+        info: messages::MapMetaData {
+            map_load_time: view::time(MS),
+            resolution: 0.05,
+            width: 2,
+            height: 2,
+            origin: view::pose(&Pose::new(-1.0, 2.0, 0.5)),
+        },
+        data: vec![0, 100, -1, 50],
+    };
+    change(&mut map);
+    cdr(&map).expect("CDR")
+}
+
+#[test]
+fn a_map_is_read_with_its_place_and_its_turn() {
+    let log = good(vec![("/map", MAP, map(|_| {}))]);
+    let read = log.map.expect("a map");
+    assert!(
+        (read.resolution_m - 0.05).abs() < 1e-12,
+        "{}",
+        read.resolution_m
+    );
+    assert!(
+        (read.corner.yaw_rad - 0.5).abs() < 1e-9,
+        "{:?}",
+        read.corner
+    );
+    assert_eq!(
+        (read.size, &read.cells[..]),
+        ((2, 2), &[0, 100, -1, 50][..])
+    );
+    let assumed = &log.report.assumed;
+    assert!(
+        assumed
+            .iter()
+            .any(|it| it.contains("begins in the frame of the map")),
+        "{assumed:?}"
+    );
+    assert!(
+        good(Vec::new())
+            .report
+            .missing
+            .contains(&"no map".to_owned())
+    );
+}
+
+#[test]
+fn a_map_whose_numbers_cannot_be_is_none() {
+    type Change = fn(&mut messages::OccupancyGrid);
+    let bad: [Change; 8] = [
+        |it| it.info.resolution = 0.0,
+        |it| it.info.resolution = f32::NAN,
+        |it| it.info.resolution = -0.05,
+        |it| it.info.width = u32::MAX,
+        |it| it.info.height = 0,
+        |it| it.data.truncate(3),
+        |it| it.info.origin.position.x = f64::INFINITY,
+        |it| it.info.origin.orientation.z = f64::NAN,
+    ];
+    for (n, change) in bad.into_iter().enumerate() {
+        let log = good(vec![("/map", MAP, map(change))]);
+        assert!(log.map.is_none(), "{n}");
+        assert_eq!(log.report.mended["messages that cannot be read"], 1, "{n}");
+    }
+}
+
+#[test]
+fn of_several_maps_the_one_that_is_meant_is_taken() {
+    let wide = |it: &mut messages::OccupancyGrid| {
+        (it.info.width, it.info.height) = (4, 1);
+    };
+    let of = |topics: &Topics, names: &[&str]| {
+        let mut bag = Bag::new(topics);
+        let good = [
+            ("/odom", ODOMETRY, odometry(1000, 0.0)),
+            ("/scan", SCAN, scan(1050, &[1.0])),
+            ("/odom", ODOMETRY, odometry(1100, 1.0)),
+        ];
+        for (topic, kind, data) in good {
+            bag.take(topic, kind, MS, &data);
+        }
+        for name in names {
+            let data = if *name == "/map" {
+                map(wide)
+            } else {
+                map(|_| {})
+            };
+            bag.take(name, MAP, MS, &data);
+        }
+        bag.into_log()
+    };
+    let any = Topics::default();
+    let log = of(&any, &["/local_costmap", "/map", "/map"]).expect("a log");
+    assert_eq!(log.map.expect("it").size, (4, 1));
+    let assumed = &log.report.assumed;
+    assert!(
+        assumed
+            .iter()
+            .any(|it| it.contains("the last of 2 on /map")),
+        "{assumed:?}"
+    );
+    let log = of(&any, &["/a", "/b"]).expect("a log");
+    assert!(log.map.is_none());
+    let missing = &log.report.missing;
+    assert!(
+        missing.iter().any(|it| it.contains("--map (/a, /b)")),
+        "{missing:?}"
+    );
+    let named = Topics {
+        map: Some("/b".to_owned()),
+        ..Topics::default()
+    };
+    let log = of(&named, &["/a", "/b", "/map"]).expect("a log");
+    assert_eq!(log.map.expect("it").size, (2, 2));
+    let error = of(&named, &["/a"]).expect_err("none");
+    assert!(error.contains("on /b; there is /a"), "{error}");
+}
+
 proptest! {
     #[test]
     fn no_bytes_make_it_panic(at in 0_usize..200, byte: u8, len in 0_usize..200) {
-        for (kind, whole) in [(SCAN, scan(1050, &[1.0; 9])), (TF, transform(1, "a", "b", 1.0))] {
+        for (kind, whole) in [(SCAN, scan(1050, &[1.0; 9])), (TF, transform(1, "a", "b", 1.0)), (MAP, map(|_| {}))] {
             let mut bytes = whole;
             let n = bytes.len();
             bytes[at % n] = byte;

@@ -152,7 +152,10 @@ fn bags_of_ros_are_imported_from_both_of_their_formats() {
     let outs = ["mcap", "db3"].map(|name| place.join(format!("{name}_imported.mcap")));
     let mut said = [imported(&bag, &outs[0]), imported(&db, &outs[1])];
     for it in &mut said {
-        it["recording"] = Value::Null;
+        for file in ["recording", "map"] {
+            assert!(it[file].is_string(), "{it:#}");
+            it[file] = Value::Null;
+        }
     }
     assert_eq!(said[0], said[1], "the same is in both");
     assert!(
@@ -165,6 +168,41 @@ fn bags_of_ros_are_imported_from_both_of_their_formats() {
         of(&figures, "largest error of the place") < 0.1,
         "{figures:?}"
     );
+    map_goes_along(&place, &bag);
+}
+
+/// The map in a bag, which was imported as `db3_imported.mcap`, is that of the room, and mapping begins with it.
+fn map_goes_along(place: &Path, bag: &Path) {
+    let map = std::fs::read_to_string(place.join("db3_imported_map.yaml")).expect("a map");
+    assert!(map.contains("resolution: 0.05"), "{map}");
+    // Wherever both have gone to.
+    let moved = place.join("moved");
+    std::fs::create_dir(&moved).expect("a folder");
+    for name in [
+        "db3_imported.mcap",
+        "db3_imported_map.yaml",
+        "db3_imported_map.pgm",
+    ] {
+        std::fs::rename(place.join(name), moved.join(name)).expect("moved");
+    }
+    let file = moved.join("db3_imported.mcap");
+    let figures = played(&file, "mapping,global_planner", &[]);
+    assert!(of(&figures, "paths found") > 0.0, "{figures:?}");
+    std::fs::remove_file(moved.join("db3_imported_map.pgm")).expect("removed");
+    let replay = ["replay", &file.display().to_string(), "--open", "mapping"];
+    refused(&zeronav(&replay), "db3_imported_map.pgm");
+    // What is there already stays there.
+    let again = [
+        "import",
+        &bag.display().to_string(),
+        "--out",
+        &file.display().to_string(),
+    ];
+    refused(&zeronav(&again), "it exists");
+    std::fs::remove_file(&file).expect("removed");
+    refused(&zeronav(&again), "db3_imported_map.yaml");
+    assert!(!file.exists(), "no recording without its map");
+    assert_eq!(zeronav(&[&again[..], &["--force"]].concat()).code(), 0);
 }
 
 #[test]

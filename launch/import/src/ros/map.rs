@@ -1,0 +1,129 @@
+//! The map of a bag: the one that its robot knew.
+
+use super::parts::{Header, Quaternion, Time, Vector3, decoded, plain, pose};
+use crate::log::{LogMap, Report};
+use serde::Deserialize;
+use std::collections::BTreeMap;
+use zeronav_msgs::grid::{RESOLUTION_M, SIDE_CELLS_MAX};
+use zeronav_msgs::message::COORDINATE_M_MAX;
+
+/// Its type.
+pub(super) const MAP: &str = "nav_msgs/msg/OccupancyGrid";
+
+/// Most topics with maps of which one is held.
+const HELD_MAX: usize = 8;
+
+/// The topic on which a `map_server`, and a node that maps, publish.
+const USUAL: &str = "/map";
+
+#[derive(Deserialize)]
+struct OccupancyGrid {
+    header: Header,
+    _map_load_time: Time,
+    resolution: f32,
+    width: u32,
+    height: u32,
+    position: Vector3,
+    orientation: Quaternion,
+    data: Vec<i8>,
+}
+
+/// The newest map of each topic, and how many there were.
+#[derive(Default)]
+pub(super) struct Maps(BTreeMap<String, (LogMap, u64)>);
+
+impl Maps {
+    /// Takes in a message; `None` when it is no map.
+    pub(super) fn take(&mut self, topic: &str, data: &[u8]) -> Option<()> {
+        let map = read(data)?;
+        if let Some((held, n)) = self.0.get_mut(topic) {
+            (*held, *n) = (map, *n + 1);
+        } else if self.0.len() < HELD_MAX {
+            self.0.insert(topic.to_owned(), (map, 1));
+        }
+        Some(())
+    }
+
+    /// The map on the topic `named`, on the only one, or on the usual one; what is missing and assumed goes into `report`.
+    ///
+    /// # Errors
+    /// When there is none on the topic that was named.
+    pub(super) fn chosen(
+        mut self,
+        named: Option<&str>,
+        report: &mut Report,
+    ) -> Result<Option<LogMap>, String> {
+        let names: Vec<String> = self.0.keys().cloned().collect();
+        let topic = match (named, &names[..]) {
+            (Some(named), _) if !self.0.contains_key(named) => {
+                let there = match names.join(", ") {
+                    none if none.is_empty() => "none at all".to_owned(),
+                    there => there,
+                };
+                return Err(format!(
+                    "no {MAP} that can be read is on {named}; there is {there}"
+                ));
+            }
+            (Some(named), _) => named.to_owned(),
+            (None, []) => {
+                report.missing.push("no map".to_owned());
+                return Ok(None);
+            }
+            (None, [only]) => only.clone(),
+            (None, several) if several.iter().any(|it| it == USUAL) => USUAL.to_owned(),
+            (None, several) => {
+                let several = several.join(", ");
+                let missing = &mut report.missing;
+                missing.push(format!(
+                    "which map is meant: name it with --map ({several})"
+                ));
+                return Ok(None);
+            }
+        };
+        let Some((map, n)) = self.0.remove(&topic) else {
+            return Ok(None);
+        };
+        if n > 1 {
+            report.assumed.push(format!(
+                "the map that is known from the beginning is the last of {n} on {topic}"
+            ));
+        }
+        if map.frame != "map" {
+            let frame = &map.frame;
+            let assumed = &mut report.assumed;
+            assumed.push(format!(
+                "the frame of the map ({frame}) is what others call map"
+            ));
+        }
+        Ok(Some(map))
+    }
+}
+
+/// A map whose numbers can be those of one.
+fn read(data: &[u8]) -> Option<LogMap> {
+    let it: OccupancyGrid = decoded(data)?;
+    let corner = pose(&it.position, &it.orientation)?;
+    let resolution_m = shortest(it.resolution);
+    let [least_m, most_m] = RESOLUTION_M;
+    let sides = 1..=SIDE_CELLS_MAX;
+    let n_cells = u64::from(it.width) * u64::from(it.height);
+    let is_sound = (least_m..=most_m).contains(&resolution_m)
+        && sides.contains(&it.width)
+        && sides.contains(&it.height)
+        && n_cells == it.data.len() as u64
+        && [corner.x_m, corner.y_m]
+            .iter()
+            .all(|at| at.abs() <= COORDINATE_M_MAX);
+    is_sound.then(|| LogMap {
+        frame: plain(&it.header.frame_id).to_owned(),
+        corner,
+        resolution_m,
+        size: (it.width, it.height),
+        cells: it.data,
+    })
+}
+
+/// The number that was meant: 0.05 is no number of 32 bits, and far from the origin the error adds up.
+fn shortest(number: f32) -> f64 {
+    number.to_string().parse().unwrap_or(f64::NAN)
+}
