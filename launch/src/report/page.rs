@@ -11,7 +11,7 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::json;
 use zeronav_measure::timings::Timings;
-use zeronav_viewer::page::SCENE_JS;
+use zeronav_viewer::page::{PLAYER_JS, SCENE_JS};
 
 /// Largest report. [bytes]
 const BYTES_MAX: usize = 3_000_000;
@@ -19,9 +19,9 @@ const BYTES_MAX: usize = 3_000_000;
 /// Where the trace stands in what is below the player.
 const TRACE_PLACE: &str = "<!--trace-->";
 
-/// The player: markup and script.
-const PLAYER: &str = include_str!("page/player.html");
-const PLAYER_JS: &str = include_str!("page/player.js");
+/// The drive in a player: markup and script.
+const DRIVE: &str = include_str!("page/drive.html");
+const DRIVE_JS: &str = include_str!("page/drive.js");
 
 /// What a page is put together from.
 pub(super) struct Parts<'a> {
@@ -209,8 +209,9 @@ fn player(recording: &Recording, events: &[Event]) -> Option<String> {
     };
     Some(format!(
         "{}\n<script type=\"application/json\" id=\"data\">{}</script>\n\
-         <script>\n{SCENE_JS}</script>\n<script>\n{PLAYER_JS}</script>\n",
-        PLAYER.replace("<!--about-->", &note(&about)),
+         <script>\n{SCENE_JS}</script>\n<script>\n{PLAYER_JS}</script>\n\
+         <script>\n{DRIVE_JS}</script>\n",
+        DRIVE.replace("<!--about-->", &note(&about)),
         json_in_script(&data.to_string())
     ))
 }
@@ -288,7 +289,7 @@ mod tests {
 
     #[test]
     fn scripts_of_the_page_do_not_end_early() {
-        for script in [SCENE_JS, PLAYER_JS, PERFETTO_JS] {
+        for script in [SCENE_JS, PLAYER_JS, DRIVE_JS, PERFETTO_JS] {
             assert!(!script.contains("</script") && !script.contains("<!--"));
         }
     }

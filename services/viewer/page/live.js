@@ -1,5 +1,5 @@
-// The live page: what the server tells, tables, time line. Drawing is ZeronavScene's, acts are
-// ZeronavActs'.
+// The live page: what the server tells, tables, time line. Drawing is ZeronavScene's, moving through time is ZeronavPlayer's,
+// acts are ZeronavActs'.
 (() => {
   "use strict";
 
@@ -59,6 +59,7 @@
       by("scenario").textContent = news.fixed.scenario || "zeronav";
       document.title = `${news.fixed.scenario || "run"} · zeronav`;
       is_live = true;
+      player.play(false);
     }
     if (news.frame && scene) takeFrame(news.frame);
     if (news.status) { status = news.status; showStatus(); }
@@ -79,6 +80,7 @@
       arrival.took = Math.min(1000 * LAG_S, Math.max(20, now - arrival.at));
       Object.assign(arrival, { from_s: shown_s(now), to_s: frame.time_s, at: now });
     }
+    if (is_live) player.now_s = frame.time_s;
     for (const event of frame.events || []) addEvent(event);
     showLegend();
     by("clock").textContent = `${frame.time_s.toFixed(2)} s`;
@@ -308,7 +310,7 @@
     name.style.setProperty("--kind", `var(${KINDS[kind] || "--soft"})`);
     line.append(make("time", `${time_s.toFixed(2)} s`), name, make("span", text));
     if (hops_us) line.title = "Show where its time went";
-    line.addEventListener("click", () => { travel(time_s); if (hops_us && !is_live) showPast(time_s, hops_us); });
+    line.addEventListener("click", () => { player.stopAt(time_s); if (hops_us && !is_live) showPast(time_s, hops_us); });
     const list = by("events");
     list.prepend(line);
     while (list.children.length > SHOWN_EVENTS) list.lastChild.remove();
@@ -362,42 +364,45 @@
     to.fillRect(Math.min(width - 2, x(at) - 1), 0, 2, height);
     by("live").setAttribute("aria-pressed", String(is_live));
     by("live").textContent = is_live ? "Live" : `${(at - end).toFixed(1)} s`;
+    player.told();
   }
 
-  function travel(time_s) {
-    const [from, end] = span();
-    is_live = time_s >= end - 0.05;
-    if (is_live) past = false;
-    view.seek(is_live ? end : Math.max(from, time_s));
+  // What is live moves by itself; a moment of the past stands, or plays behind it.
+  const player = new ZeronavPlayer.Player({
+    range: span,
+    stops: () => (scene ? scene.events.map((event) => event.time_s) : []),
+    shown: (time_s) => {
+      const [, end] = span();
+      is_live = time_s >= end - 0.05;
+      if (is_live) past = false;
+      if (is_live && player.playing) player.play(false);
+      view.seek(is_live ? end : time_s);
+      drawTimeline();
+    },
+    told: () => {
+      by("play").textContent = is_live || player.playing ? "Hold" : "Play";
+      by("rate").value = player.speed;
+    },
+  });
+  function toggle() {
+    const holds = is_live;
+    is_live = false;
+    player.play(!holds && !player.playing);
     drawTimeline();
   }
 
   function drag(event) {
     const box = timeline.getBoundingClientRect();
-    travel(scene ? scene.end_s - KEEP_S * (1 - (event.clientX - box.left) / box.width) : 0);
+    player.stopAt(scene ? scene.end_s - KEEP_S * (1 - (event.clientX - box.left) / box.width) : 0);
   }
   timeline.addEventListener("pointerdown", (event) => { timeline.setPointerCapture(event.pointerId); drag(event); });
   timeline.addEventListener("pointermove", (event) => { if (timeline.hasPointerCapture(event.pointerId)) drag(event); });
-  by("live").addEventListener("click", () => travel(Infinity));
+  by("live").addEventListener("click", () => player.stopAt(Infinity));
 
   // ---------------------------------------------------------------- the view
 
   function buildLayers() {
-    by("layers").replaceChildren(...ZeronavScene.LAYERS.map((layer) => {
-      const button = make("button");
-      const swatch = make("i");
-      button.append(swatch, layer.name);
-      button.setAttribute("aria-pressed", String(view.layers[layer.key]));
-      button.dataset.layer = layer.key;
-      swatch.style.background = view.colours[layer.colour || layer.key];
-      button.addEventListener("click", () => {
-        view.layers[layer.key] = !view.layers[layer.key];
-        button.setAttribute("aria-pressed", String(view.layers[layer.key]));
-        showLegend();
-        view.redraw();
-      });
-      return button;
-    }));
+    ZeronavPlayer.layers(by("layers"), view, { changed: showLegend });
     by("legend").replaceChildren(...ZeronavScene.ROLLOUTS.map(({ key, name }) => {
       const line = make("div", undefined, key);
       const swatch = make("i");
@@ -425,14 +430,9 @@
     drawTimeline();
   }
   by("theme").addEventListener("click", () => setTheme(THEMES[(THEMES.indexOf(view.theme) + 1) % THEMES.length]));
-  const follow = (is_on) => {
-    view.follow = is_on;
-    by("follow").setAttribute("aria-pressed", String(is_on));
-    view.redraw();
-  };
-  by("follow").addEventListener("click", () => follow(!view.follow));
-  by("fit").addEventListener("click", () => { follow(false); view.fit(); });
-  by("view").addEventListener("pointerup", () => by("follow").setAttribute("aria-pressed", String(view.follow)));
+  const framing = ZeronavPlayer.framing(view, { canvas: by("view"), follow: by("follow"), fit: by("fit") });
+  const buttons = { play: by("play"), before: by("before"), next: by("next"), speed: by("rate") };
+  ZeronavPlayer.controls(player, buttons, { " ": toggle, f: framing.follow, 0: framing.fit });
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { buildLayers(); drawTimeline(); });
   new ResizeObserver(drawTimeline).observe(timeline);
 

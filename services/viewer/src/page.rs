@@ -3,6 +3,9 @@
 /// `ZeronavScene`: keeps frames and draws a moment of them. A classic script.
 pub const SCENE_JS: &str = include_str!("../page/scene.js");
 
+/// `ZeronavPlayer`: moves through the time of a scene. A classic script, behind [`SCENE_JS`].
+pub const PLAYER_JS: &str = include_str!("../page/player.js");
+
 /// The live page.
 pub const INDEX_HTML: &str = include_str!("../page/index.html");
 

@@ -137,6 +137,10 @@ fn router(shared: Arc<Shared>) -> Router {
             get(async || file(page::SCENE_JS, "text/javascript; charset=utf-8")),
         )
         .route(
+            "/player.js",
+            get(async || file(page::PLAYER_JS, "text/javascript; charset=utf-8")),
+        )
+        .route(
             "/acts.js",
             get(async || file(page::ACTS_JS, "text/javascript; charset=utf-8")),
         )

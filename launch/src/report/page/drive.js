@@ -1,4 +1,4 @@
-// Plays the frames in #data: the renderer draws, this moves the time.
+// Plays the frames in #data: ZeronavScene draws, ZeronavPlayer moves the time, this shows what happened when.
 (() => {
   "use strict";
   const $ = (id) => document.getElementById(id);
@@ -10,55 +10,33 @@
 
   const start_s = scene.start_s;
   const last_s = Math.max(scene.end_s, Number.isFinite(end_s) ? end_s : 0, start_s + 0.01);
-  const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 4, 8, 16, 32, 64].filter((speed) => speed <= 4 || last_s / speed > 2);
   const view = new ZeronavScene.View($("view"));
-  let [now_s, playing, before_ms] = [start_s, false, 0];
-
-  for (const speed of SPEEDS) $("speed").append(new Option(`${speed} ×`, speed));
-  $("speed").value = 1;
+  const player = new ZeronavPlayer.Player({
+    range: () => [start_s, last_s],
+    stops: () => events.map((event) => event.time_s),
+    speeds: ZeronavPlayer.SPEEDS.filter((speed) => speed <= 4 || last_s / speed > 2),
+    shown: (now_s) => {
+      $("time").value = now_s;
+      $("clock").textContent = `${now_s.toFixed(1)} of ${last_s.toFixed(1)} s`;
+      view.seek(now_s);
+      drawPlayhead();
+      say();
+    },
+    told: () => {
+      $("play").textContent = player.playing ? "Pause" : "Play";
+      $("speed").value = player.speed;
+    },
+  });
   [$("time").min, $("time").max] = [start_s, last_s];
-
-  // -------------------------------------------------------------- time
-
-  function seek(time_s) {
-    now_s = Math.min(last_s, Math.max(start_s, time_s));
-    $("time").value = now_s;
-    $("clock").textContent = `${now_s.toFixed(1)} of ${last_s.toFixed(1)} s`;
-    view.seek(now_s);
-    drawPlayhead();
-    say();
-  }
-  function play(on) {
-    if (on && now_s >= last_s) seek(start_s);
-    playing = on;
-    before_ms = 0;
-    $("play").textContent = on ? "Pause" : "Play";
-    if (on) requestAnimationFrame(step);
-  }
-  function step(at_ms) {
-    if (!playing) return;
-    if (before_ms) seek(now_s + ((at_ms - before_ms) / 1000) * Number($("speed").value));
-    before_ms = at_ms;
-    if (now_s >= last_s) play(false);
-    else requestAnimationFrame(step);
-  }
-  function toEvent(direction) {
-    const times = [...new Set([start_s, ...events.map((event) => event.time_s), last_s])].sort((a, b) => a - b);
-    const found = direction > 0 ? times.find((time) => time > now_s + 0.005) : times.reverse().find((time) => time < now_s - 0.005);
-    if (found !== undefined) seek(found);
-  }
-  function faster(by) {
-    const at = SPEEDS.indexOf(Number($("speed").value)) + by;
-    if (SPEEDS[at]) $("speed").value = SPEEDS[at];
-  }
 
   /** The newest event stays on the picture for a moment, and its row is marked. */
   const rows = [...document.querySelectorAll("#events a[data-t]")].map((link) => [Number(link.dataset.t), link.closest("tr")]);
   let marked = null;
   function say() {
+    const { now_s, speed } = player;
     const past = events.filter((event) => event.time_s <= now_s + 0.005);
     const newest = past[past.length - 1];
-    const is_fresh = newest && now_s - newest.time_s < Math.max(2, 1.5 * Number($("speed").value));
+    const is_fresh = newest && now_s - newest.time_s < Math.max(2, 1.5 * speed);
     const together = past.filter((event) => newest && newest.time_s - event.time_s < 0.05).slice(-3);
     $("said").textContent = is_fresh ? together.map((event) => event.text).join("; ") : "";
     let row = null;
@@ -130,7 +108,7 @@
     const to = canvas.getContext("2d");
     to.clearRect(0, 0, canvas.width, canvas.height);
     to.drawImage(strip, 0, 0);
-    const at = ((now_s - start_s) / (last_s - start_s)) * canvas.width;
+    const at = ((player.now_s - start_s) / (last_s - start_s)) * canvas.width;
     to.fillStyle = colour("--ink");
     to.fillRect(Math.min(canvas.width - 2, Math.max(0, at - 1)), 0, 2, canvas.height);
   }
@@ -147,19 +125,7 @@
       const key = seen[layer.key];
       return !key || scene.states.some((state) => state[key] && (!Array.isArray(state[key]) || state[key].length));
     };
-    $("layers").replaceChildren(...ZeronavScene.LAYERS.filter(has).map((layer) => {
-      const button = document.createElement("button");
-      const dot = document.createElement("i");
-      dot.style.background = view.colours[layer.colour || layer.key];
-      button.append(dot, layer.name);
-      button.setAttribute("aria-pressed", view.layers[layer.key]);
-      button.onclick = () => {
-        view.layers[layer.key] = !view.layers[layer.key];
-        button.setAttribute("aria-pressed", view.layers[layer.key]);
-        view.redraw();
-      };
-      return button;
-    }));
+    ZeronavPlayer.layers($("layers"), view, { wanted: has });
   }
 
   // -------------------------------------------------------------- what a person does
@@ -169,46 +135,20 @@
   stage.addEventListener("wheel", (event) => { if (!event.ctrlKey) event.stopPropagation(); }, { capture: true });
   $("view").style.touchAction = "pan-y";
   const zoom = (by) => view.zoom(by, $("view").clientWidth / 2, $("view").clientHeight / 2);
-  const follow = (on) => {
-    view.follow = on;
-    $("follow").setAttribute("aria-pressed", on);
-    if (on && view.scale) view.scale = Math.max(view.scale, 45);
-    view.redraw();
-  };
-  $("view").addEventListener("pointerup", () => $("follow").setAttribute("aria-pressed", view.follow));
-  $("play").onclick = () => play(!playing);
-  $("before").onclick = () => toEvent(-1);
-  $("next").onclick = () => toEvent(1);
-  $("time").oninput = () => seek(Number($("time").value));
-  $("follow").onclick = () => follow(!view.follow);
+  const framing = ZeronavPlayer.framing(view, { canvas: $("view"), follow: $("follow"), fit: $("fit"), scale: 45 });
+  $("time").oninput = () => player.seek(Number($("time").value));
   $("in").onclick = () => zoom(1.4);
   $("out").onclick = () => zoom(1 / 1.4);
-  $("fit").onclick = () => { follow(false); view.fit(); };
   document.addEventListener("click", (event) => {
     const link = event.target instanceof Element && event.target.closest("a[data-t]");
     if (!link) return;
     event.preventDefault();
-    play(false);
-    seek(Number(link.dataset.t));
+    player.stopAt(Number(link.dataset.t));
     $("player").scrollIntoView({ block: "nearest" });
   });
-  const KEYS = {
-    " ": () => play(!playing),
-    ArrowLeft: (event) => seek(now_s - (event.shiftKey ? 10 : 1)),
-    ArrowRight: (event) => seek(now_s + (event.shiftKey ? 10 : 1)),
-    "[": () => toEvent(-1), "]": () => toEvent(1),
-    Home: () => seek(start_s), End: () => seek(last_s),
-    "<": () => faster(-1), ">": () => faster(1),
-    f: () => follow(!view.follow), "+": () => zoom(1.4), "-": () => zoom(1 / 1.4),
-    0: () => { follow(false); view.fit(); },
-  };
-  document.addEventListener("keydown", (event) => {
-    const act = KEYS[event.key];
-    if (!act || event.ctrlKey || event.metaKey || event.altKey) return;
-    const within = (names) => event.target instanceof Element && event.target.closest(names);
-    if (within("select") || (event.key === " " && within("button, a"))) return;
-    event.preventDefault();
-    act(event);
+  const buttons = { play: $("play"), before: $("before"), next: $("next"), speed: $("speed") };
+  ZeronavPlayer.controls(player, buttons, {
+    f: framing.follow, 0: framing.fit, "+": () => zoom(1.4), "-": () => zoom(1 / 1.4),
   });
 
   /** As high as the map needs, within what the window has. */
@@ -224,5 +164,5 @@
   view.show(scene);
   layers();
   drawStrip();
-  seek(start_s);
+  player.seek(start_s);
 })();
