@@ -1,6 +1,7 @@
 //! `zeronav replay --open`: what a recording holds goes into the open seats, and what they send is compared with what is
 //! in the recording. It needs neither world nor robot, so that recordings of real robots are driven again, too.
 
+mod once;
 mod play;
 mod player;
 mod score;
@@ -8,6 +9,7 @@ mod ticks;
 
 use crate::prepare::{Prepared, prepare};
 use crate::recorded::end_tick;
+use crate::recorded::notes::user_topics;
 use crate::run_plan::RunPlan;
 use crate::show::log;
 use play::{PlayError, play};
@@ -69,15 +71,19 @@ pub(crate) fn open_loop(
     to_s: Option<f64>,
     interrupted: &Arc<AtomicBool>,
 ) -> Result<Played, NotPlayed> {
-    let notes = notes_of(file, found)?;
+    let users = user_topics(found).map_err(|why| format!("{}: {why}", file.display()))?;
+    let notes = notes_of(file, (found, &users))?;
     let prepared = prepare(plan)?;
     // What was recorded in real time is brought into ticks, and is compared as such.
     let (notes, compared) = if is_lockstep {
         (notes, file.to_owned())
     } else {
-        in_ticks(notes, &prepared, end_tick(found))?
+        in_ticks((notes, &users), &prepared, end_tick(found))?
     };
-    let score = Score::of(notes, live);
+    let score = Score {
+        users,
+        ..Score::of(notes, live)
+    };
     let last_tick = last_tick(&score, found, &prepared, to_s);
     if let Err(error) = log::open(&prepared.logs) {
         tracing::warn!(%error, "no log of the supervisor");

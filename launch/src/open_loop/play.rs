@@ -117,6 +117,14 @@ impl Playing<'_> {
         let prepared = self.prepared;
         let configs = configs::write(&prepared.scenario, &prepared.world, stack.root());
         let configs = configs.map_err(start)?;
+        let who = (DrivenBy::Recording, &BTreeMap::new());
+        let file = prepared.recording.clone();
+        let file = file.ok_or_else(|| start("no file is named".to_owned()))?;
+        // Before the recorder, which so knows the topics of users from the beginning.
+        let player = Player::open(stack.root(), self.score, self.live);
+        let mut player = player.map_err(|error| start(error.to_string()))?;
+        let recorded = start_recorder(companions, stack, prepared, file, who);
+        self.recorded = Some(recorded.map_err(start)?);
         for role in self.live {
             stack
                 .hold_seat(*role)
@@ -126,13 +134,6 @@ impl Playing<'_> {
             stack.announce(*role, |seat| seat.epoch = *epoch);
         }
         stack.extend_lease(u64::from(u32::MAX));
-        let who = (DrivenBy::Recording, &BTreeMap::new());
-        let file = prepared.recording.clone();
-        let file = file.ok_or_else(|| start("no file is named".to_owned()))?;
-        let recorded = start_recorder(companions, stack, prepared, file, who);
-        self.recorded = Some(recorded.map_err(start)?);
-        let player = Player::open(stack.root(), self.score, self.live);
-        let mut player = player.map_err(|error| start(error.to_string()))?;
         for note in self.prelude().filter(|note| is_latched(note.row)) {
             player.play(note).map_err(start)?;
         }
@@ -232,6 +233,9 @@ impl Playing<'_> {
             if is_stage {
                 take_over(stack, note);
                 self.await_answers(stack, note.tick, Some(note.role))?;
+            } else if self.tick > 0 {
+                // It comes behind the tick: who still answers that must not see it.
+                self.await_answers(stack, self.tick, None)?;
             }
             if self.is_heard(note) {
                 player.play(note).map_err(PlayError::Start)?;

@@ -8,6 +8,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 use zeronav_msgs::role::Role;
 use zeronav_msgs::topics::{Discipline, Topic, TopicRow, TopicVisitor, visit_topics};
+use zeronav_msgs::user::name_in;
 use zeronav_shell::doorbell::Bells;
 use zeronav_shell::{Domain, Peer, RawUnsent, RawWriter, StartError};
 
@@ -51,6 +52,12 @@ impl Player {
             writers: BTreeMap::new(),
         };
         visit_topics(&mut opener)?;
+        for (row, form) in &score.users {
+            if let Some((name, len)) = name_in(row.name).zip(opener.most.get(row.name)) {
+                let writer = peer.raw_user_writer(name, form, *len)?;
+                opener.writers.insert(row.name, writer);
+            }
+        }
         Ok(Self {
             writers: opener.writers,
             bells: Bells::open(&peer)?,

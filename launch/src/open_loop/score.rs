@@ -5,7 +5,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::seats::{Answers, SEATS, SeatRow};
-use zeronav_msgs::topics::{DebugRollouts, HEALTH, RobotOdometry, RunClockTopic, SPANS, Topic};
+use zeronav_msgs::topics::{
+    DebugRollouts, HEALTH, RobotOdometry, RunClockTopic, SPANS, Topic, TopicRow,
+};
+use zeronav_msgs::user::Form;
 use zeronav_recorder::read::Summary;
 
 /// Most that is held in memory. [bytes]
@@ -22,6 +25,8 @@ pub(super) struct Score {
     pub answered: BTreeMap<Role, BTreeSet<u64>>,
     /// The first process of each seat that is played.
     pub epochs: BTreeMap<Role, u32>,
+    /// Topics of users, each with the form of its messages.
+    pub users: Vec<(&'static TopicRow, Form)>,
 }
 
 /// The row of a seat.
@@ -33,14 +38,17 @@ pub(super) fn seat_row(role: Role) -> Option<&'static SeatRow> {
 ///
 /// # Errors
 /// One line naming the file.
-pub(super) fn notes_of(file: &Path, found: &Summary) -> Result<Vec<Note>, String> {
+pub(super) fn notes_of(
+    file: &Path,
+    (found, users): (&Summary, &[(&'static TopicRow, Form)]),
+) -> Result<Vec<Note>, String> {
     let wrong = |why: &dyn core::fmt::Display| format!("{}: {why}", file.display());
     let (mut notes, mut bytes) = (Vec::new(), 0);
     let wants = |name: &str| {
         let left_out = [RunClockTopic::ROW.name, SPANS.name, DebugRollouts::ROW.name];
         !left_out.contains(&name) && HEALTH.iter().all(|row| row.name != name)
     };
-    obeyed(file, found, wants, |heard| {
+    obeyed(file, (found, users), wants, |heard| {
         if let Heard::Note(note) = heard {
             bytes += note.bytes.len();
             if bytes <= BYTES_MAX {

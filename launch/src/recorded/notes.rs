@@ -11,12 +11,16 @@ use zeronav_msgs::topics::{
     Envelope, RobotOdometry, RunControlTopic, SPANS, Topic, TopicRow, TopicVisitor, topics,
     visit_topics,
 };
+use zeronav_msgs::user::{Form, UserTopic, name_in, row};
 use zeronav_recorder::accepted::{Check, accepted};
 use zeronav_recorder::holders::Holders;
 use zeronav_recorder::messages::native_messages;
 use zeronav_recorder::native::PREFIX;
 use zeronav_recorder::read::Summary;
 use zeronav_shell::View;
+
+/// Most topics of users of a recording.
+const USERS_MAX: usize = 64;
 
 /// A message of a topic.
 #[derive(Debug, Clone)]
@@ -87,13 +91,14 @@ pub(crate) enum Heard {
 }
 
 /// Shows what was obeyed of the wanted topics of the recording in `file`, summed up as `found`, in the order in which it
-/// was recorded: messages that readers of the stack accept, of launch and of the processes that were obeyed.
+/// was recorded: messages that readers of the stack accept, of launch and of the processes that were obeyed, and on the
+/// topics in `users` also of companions.
 ///
 /// # Errors
 /// One line naming the file; what was read before has been shown.
 pub(crate) fn obeyed(
     file: &Path,
-    found: &Summary,
+    (found, users): (&Summary, &[(&'static TopicRow, Form)]),
     wants: impl Fn(&str) -> bool,
     see: impl FnMut(Heard),
 ) -> Result<(), String> {
@@ -103,6 +108,11 @@ pub(crate) fn obeyed(
     match visit_topics(&mut checks) {
         Ok(()) => {}
     }
+    let of_users = users.iter().map(|(row, _)| {
+        let check: Check = accepted::<UserTopic>;
+        (row.name, (*row, check))
+    });
+    checks.0.extend(of_users);
     let mut reading = Reading {
         see,
         holders: Holders::default(),
@@ -121,21 +131,45 @@ pub(crate) fn obeyed(
     Ok(())
 }
 
+/// Topics of users in a recording, each with the form of its messages.
+///
+/// # Errors
+/// One line that names the first whose form this build does not read, or has another layout for.
+pub(crate) fn user_topics(found: &Summary) -> Result<Vec<(&'static TopicRow, Form)>, String> {
+    let mut all = Vec::new();
+    for channel in found.channels.values() {
+        let name = channel.topic.strip_prefix(PREFIX).and_then(name_in);
+        let Some(name) = name else { continue };
+        let text = channel.metadata.get("form").map_or("", String::as_str);
+        let form = Form::new(text).map_err(|error| format!("{}: {error}", channel.topic))?;
+        let row = row(name, &form).map_err(|error| format!("{}: {error}", channel.topic))?;
+        same_layout(found, row)?;
+        all.push((row, form));
+        if all.len() > USERS_MAX {
+            return Err(format!("it has more than {USERS_MAX} topics of users"));
+        }
+    }
+    Ok(all)
+}
+
 /// Accepts a recording whose topics have the layout of this build.
 fn same_contract(found: &Summary) -> Result<(), String> {
-    for row in topics() {
-        let name = format!("{PREFIX}{}", row.name);
-        let mut channels = found.channels.values();
-        let channel = channels.find(|channel| channel.topic == name);
-        let expected = format!("{:016x}", row.schema);
-        let schema = channel.and_then(|channel| channel.metadata.get("schema_hash"));
-        if channel.is_some() && schema != Some(&expected) {
-            let library = &found.library;
-            return Err(format!(
-                "{} has another layout than in this build: use the version that recorded it ({library})",
-                row.name
-            ));
-        }
+    topics().iter().try_for_each(|row| same_layout(found, row))
+}
+
+/// Accepts a recording in which this topic has the layout of this build, if it is there.
+fn same_layout(found: &Summary, row: &TopicRow) -> Result<(), String> {
+    let name = format!("{PREFIX}{}", row.name);
+    let mut channels = found.channels.values();
+    let channel = channels.find(|channel| channel.topic == name);
+    let expected = format!("{:016x}", row.schema);
+    let schema = channel.and_then(|channel| channel.metadata.get("schema_hash"));
+    if channel.is_some() && schema != Some(&expected) {
+        let library = &found.library;
+        return Err(format!(
+            "{} has another layout than in this build: use the version that recorded it ({library})",
+            row.name
+        ));
     }
     Ok(())
 }
@@ -173,8 +207,12 @@ impl<F: FnMut(Heard)> Reading<F> {
             return;
         };
         let epoch = header.id().epoch();
+        let is_users = name_in(row.name).is_some();
         let Some(role) = header.role().filter(|role| {
-            *role == Role::Launch || self.is_obeyed(role.code(), epoch, header.tick)
+            let is_seat = Role::SERVICES.contains(role);
+            *role == Role::Launch
+                || (is_users && !is_seat)
+                || self.is_obeyed(role.code(), epoch, header.tick)
         }) else {
             return;
         };

@@ -13,6 +13,7 @@ use std::io::{Seek, Write};
 use zeronav_msgs::header::{Header, Id, Stamps};
 use zeronav_msgs::role::Role;
 use zeronav_msgs::topics::{Topic, TopicRow, seal};
+use zeronav_msgs::user::name_in;
 
 /// Why a recording could not be made.
 #[derive(Debug, thiserror::Error)]
@@ -45,7 +46,7 @@ pub struct Made<W: Write + Seek> {
     topics: Vec<NativeTopic>,
     channels: Channels,
     ros: Ros,
-    tallies: BTreeMap<usize, Tally>,
+    tallies: BTreeMap<&'static str, Tally>,
     counts: BTreeMap<(Role, &'static str), u64>,
     sent_ns: u64,
 }
@@ -94,6 +95,11 @@ impl<W: Write + Seek> Made<W> {
         Ok(self.file.metadata(name, fields)?)
     }
 
+    /// Messages of a user's own topic will come, too.
+    pub fn add(&mut self, topic: NativeTopic) {
+        self.topics.push(topic);
+    }
+
     /// Writes a message of topic `T`, the next of its author; its identity.
     ///
     /// # Errors
@@ -139,7 +145,12 @@ impl<W: Write + Seek> Made<W> {
         header: &Header,
         [envelope, items]: [&[u8]; 2],
     ) -> Result<(), MadeError> {
-        self.tallies.entry(row.number).or_default().see(header.id());
+        let tally = self.tallies.entry(row.name).or_default();
+        if name_in(row.name).is_some() {
+            tally.see_of_any(header.id());
+        } else {
+            tally.see(header.id());
+        }
         let log_ns = header.run_ns;
         let when = Stamped {
             sequence: u32::try_from(header.id().count() & 0xffff_ffff).unwrap_or(0),
@@ -147,7 +158,7 @@ impl<W: Write + Seek> Made<W> {
             publish_ns: log_ns,
         };
         let mut topics = self.topics.iter();
-        let topic = topics.find(|topic| topic.row.number == row.number);
+        let topic = topics.find(|topic| topic.row.name == row.name);
         let topic = topic.ok_or(MadeError::Topic(row.name))?;
         let channel = self.channels.native(&mut self.file, topic)?;
         self.file
@@ -175,7 +186,7 @@ impl<W: Write + Seek> Made<W> {
     /// What the output says.
     pub fn finish(mut self, end_tick: u64, why: Option<&str>) -> Result<W, MadeError> {
         let tallies = self.topics.iter().filter_map(|topic| {
-            let tally = self.tallies.get(&topic.row.number)?;
+            let tally = self.tallies.get(topic.row.name)?;
             Some((topic.row, tally))
         });
         let mut fields = verdict(tallies, why);

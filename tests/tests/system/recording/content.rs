@@ -1,6 +1,6 @@
 //! What a recording holds besides the topics of the contract.
 
-use super::{info, n, read_by_others};
+use super::{info, n, read_by_others, recording_of};
 use std::path::Path;
 use zeronav_msgs::Role;
 use zeronav_msgs::user::Form;
@@ -57,6 +57,8 @@ fn topics_of_users_logs_parameters_and_reasons_are_recorded() {
         "message,item,distance_m,n\n0,0,0,0\n1,0,1,7\n2,0,2,14\n"
     );
 
+    assert_eq!(played_again(&file, own.path()), table);
+
     let read = read_by_others(&file);
     let logs = read["rosout"].as_array().expect("logs");
     let of = |name: &str| logs.iter().filter(|it| it["name"] == name).count();
@@ -67,4 +69,29 @@ fn topics_of_users_logs_parameters_and_reasons_are_recorded() {
         guard.is_some_and(|it| it["msg"].is_string()),
         "{reasons:#?}"
     );
+}
+
+/// The table of the topic of a user in the recording of an open loop to which `file` is played, as it was sent.
+fn played_again(file: &Path, own: &Path) -> String {
+    let replay = ["replay", &file.display().to_string(), "--open", "mapping"];
+    let played = zeronav(&replay);
+    // A run that ended before its first scan has nothing of mapping to compare.
+    let is_played = [0, 1].contains(&played.code());
+    assert!(is_played, "{}{}", played.stdout, played.stderr);
+    let again = recording_of(played.folder.path()).display().to_string();
+    let check = zeronav(&["bag", "check", &again]);
+    assert_eq!(check.code(), 0, "{}", check.stderr);
+    let tables = own.join("again");
+    let folder = tables.display().to_string();
+    let export = [
+        "bag",
+        "export",
+        &again,
+        "--csv",
+        &folder,
+        "--topic",
+        "user/nearest",
+    ];
+    assert_eq!(zeronav(&export).code(), 0);
+    std::fs::read_to_string(tables.join("user-nearest.items.csv")).expect("a table")
 }

@@ -1,6 +1,6 @@
 //! Recordings that are played to some seats.
 
-use super::{n, recorded, recording_of, refused};
+use super::{diff, n, recorded, recording_of, refused};
 use serde_json::Value;
 use std::path::Path;
 use zeronav_msgs::topics::{ControlRequest, MapUpdate, PlanPath, Topic};
@@ -140,4 +140,24 @@ fn a_recording_in_real_time_is_played_too() {
     let compared = &said["comparison"];
     assert!([0, 1].contains(&ended.code()), "{}", ended.stderr);
     assert!(equal_on(compared, MapUpdate::ROW.name) > 20, "{compared:#}");
+
+    // Whatever it differs in from what was recorded, every playing is the same, from its first tick on.
+    for open in [
+        "collision_guard",
+        "local_planner",
+        "mapping,global_planner,local_planner",
+    ] {
+        let plays: Vec<_> = (0..5)
+            .map(|_| zeronav(&["replay", &path, "--open", open]))
+            .collect();
+        let files = plays.iter().map(|ended| {
+            assert!([0, 1].contains(&ended.code()), "{open}: {}", ended.stderr);
+            recording_of(ended.folder.path())
+        });
+        let files: Vec<_> = files.collect();
+        for again in &files[1..] {
+            let compared = diff(&files[0], again, 0);
+            assert_eq!(compared["equal"], true, "{open}: {compared:#}");
+        }
+    }
 }
