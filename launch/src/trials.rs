@@ -4,6 +4,7 @@ use crate::drive::{Driven, drive};
 use crate::ending::Ending;
 use crate::floor;
 use crate::prepare::Prepared;
+use crate::recorder::file_of_round;
 use crate::shuttle::{Quota, Trial};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -53,6 +54,19 @@ pub(crate) struct Trials {
     pub timings: Timings,
 }
 
+/// Before anything is measured: the recorder of a later round may not find a file in its place.
+fn check_files(prepared: &Prepared) -> Result<(), String> {
+    let mut files = (prepared.recording.iter())
+        .flat_map(|file| (1..=ROUNDS).map(|round| file_of_round(file, round)));
+    match files.find(|file| file.symlink_metadata().is_ok()) {
+        None => Ok(()),
+        Some(there) => Err(format!(
+            "{}: it exists; give --record another file, or remove it",
+            there.display()
+        )),
+    }
+}
+
 /// Makes `wanted` trials in three rounds. A round that ends early ends the trials.
 ///
 /// # Errors
@@ -63,6 +77,7 @@ pub(crate) fn make(
     interrupted: &Arc<AtomicBool>,
 ) -> Result<Trials, String> {
     let wanted = wanted as usize;
+    check_files(prepared)?;
     let mut rounds = Vec::new();
     let mut drives = Vec::new();
     let mut worst = Vec::new();

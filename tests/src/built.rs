@@ -119,3 +119,14 @@ pub fn executable(path: &Path, text: &str) {
     let status = install.wait().expect("it ends");
     assert!(status.success(), "{} is not written", path.display());
 }
+
+/// Copies a binary of this build into `folder`, so that it can be executed at once, as [`executable`].
+///
+/// # Panics
+/// When it cannot be copied.
+pub fn copy_binary(name: &str, folder: &Path) {
+    let mut install = Command::new("install");
+    let install = install.arg("--mode=755").arg(binaries().join(name));
+    let status = install.arg(folder).status().expect("it runs");
+    assert!(status.success(), "{name} is not copied");
+}

@@ -21,7 +21,7 @@ pub mod tracker_bench;
 mod turns;
 pub mod up;
 
-pub use built::{background, binaries, command, executable, quick_profile, workspace};
+pub use built::{background, binaries, command, copy_binary, executable, quick_profile, workspace};
 pub use processes::{children_of, domains_of, services_of};
 use rustix::process::{Pid, Signal, kill_process};
 use serde_json::Value;

@@ -162,7 +162,8 @@ impl<'a> Placed<'a> {
             f64::from(range_m[0]),
             f64::from(range_m[1]),
             map.map_or_else(String::new, |map| format!(
-                "\n[services.mapping]\nconfig.static_map = {map:?}\n"
+                "\n[services.mapping]\nconfig.static_map = {}\n",
+                basic_string(map)
             )),
         )
     }
@@ -201,6 +202,19 @@ pub enum WriteError {
     /// It cannot be written.
     #[error("{0}")]
     Made(#[from] MadeError),
+}
+
+/// A basic string of TOML.
+fn basic_string(text: &str) -> String {
+    let mut quoted = String::from('"');
+    for c in text.chars() {
+        match c {
+            '"' | '\\' => quoted.extend(['\\', c]),
+            c if c.is_control() => quoted.extend(format!("\\u{:04X}", u32::from(c)).chars()),
+            c => quoted.push(c),
+        }
+    }
+    quoted + "\""
 }
 
 /// Writes a log as the recording `name`, whose map is the file `map` beside it.
@@ -453,16 +467,16 @@ mod tests {
         };
         let written = write(
             &log,
-            ("it", Some("a \"map\".yaml")),
+            ("it", Some("a \"map\" e\u{301}\n.yaml")),
             Cursor::new(Vec::new()),
         );
         let bytes = written.expect("written").1.into_inner();
         let (found, _) = summary(&bytes[..]);
-        assert_eq!(found.metadata[IMPORTED][MAP], "a \"map\".yaml");
+        assert_eq!(found.metadata[IMPORTED][MAP], "a \"map\" e\u{301}\n.yaml");
         let scenario = attachment(&bytes[..], "application/toml", 10_000).expect("read");
         let text = String::from_utf8(scenario.expect("a scenario").1).expect("text");
         assert!(
-            text.contains("config.static_map = \"a \\\"map\\\".yaml\""),
+            text.contains("config.static_map = \"a \\\"map\\\" e\u{301}\\u000A.yaml\""),
             "{text}"
         );
         // Run time 0 is 20 ms behind the second message of the odometry, in its own frame.

@@ -150,7 +150,7 @@ impl<'a> Bag<'a> {
             SCAN => self.scan(log_ns, data),
             ODOMETRY => self.odometry(log_ns, data),
             TF => self.transforms(data),
-            MAP => self.maps.take(topic, data),
+            MAP => self.maps.take((topic, self.topics.map.as_deref()), data),
             _ => Some(()),
         };
         if known.is_none() {

@@ -19,7 +19,7 @@ pub struct CompareArgs {
     #[arg(long, value_name = "ROLE=BINARY", value_parser = seat)]
     pub swap: Vec<(Role, PathBuf)>,
     /// Drive both sides once in lockstep, with --record, and say where they begin to differ, by tick, topic and field, in
-    /// place of their latencies.
+    /// place of their latencies. The exit code is 0 whether they differ or not.
     #[arg(long)]
     pub lockstep: bool,
     /// Trials of each side, in six rounds that take turns.

@@ -58,11 +58,14 @@ struct Row {
 /// `zeronav compare`.
 #[must_use]
 pub fn compare(arguments: &CompareArgs) -> ExitCode {
+    if let Some(runs) = recorded(arguments) {
+        if arguments.lockstep || arguments.seed.is_some() {
+            return usage("recorded runs are compared as they are, without --lockstep and --seed");
+        }
+        return diff(&runs);
+    }
     if arguments.lockstep {
         return lockstep::compare(arguments);
-    }
-    if let Some(runs) = recorded(arguments) {
-        return diff(&runs);
     }
     match sides(arguments) {
         Ok(code) => code,

@@ -56,8 +56,8 @@ impl Session<'_> {
         };
         let round = self.quota.map(|quota| quota.round);
         let file = round.map_or_else(|| file.clone(), |round| file_of_round(file, round));
-        // A stack that stays up drives where its clients say, trials come when launch sees fit, and what sits in a seat
-        // by hand is not known.
+        // A stack that stays up drives where its clients say, trials come when the robot is ready for one, and what
+        // was started by hand in a seat is not known.
         let is_filled = Role::SERVICES
             .iter()
             .all(|role| prepared.binaries.contains_key(role));

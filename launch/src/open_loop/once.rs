@@ -16,8 +16,8 @@ const ONE_A_TICK: [&str; 3] = [
 #[derive(Debug, Default)]
 pub(super) struct LeftOut(BTreeMap<&'static str, Vec<u64>>);
 
-/// Keeps one answer of each stage behind mapping to a tick, of messages in their order: the first, since the others answer
-/// what came later, but of the guard the first that rests on the request that is kept.
+/// Keeps one answer of each stage behind mapping to a tick, of messages in their order. That is the first: the others
+/// answer what came later. Of the guard it is the first that rests on the request that is kept.
 pub(super) fn once(notes: Vec<Note>) -> (Vec<Note>, LeftOut) {
     let mut kept: BTreeMap<(u64, &str), usize> = BTreeMap::new();
     for (at, note) in notes.iter().enumerate() {

@@ -234,7 +234,7 @@ impl Playing<'_> {
                 take_over(stack, note);
                 self.await_answers(stack, note.tick, Some(note.role))?;
             } else if self.tick > 0 {
-                // It comes behind the tick: who still answers that must not see it.
+                // It comes behind the tick: seats that are still answering that must not see it.
                 self.await_answers(stack, self.tick, None)?;
             }
             if self.is_heard(note) {

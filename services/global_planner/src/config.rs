@@ -20,7 +20,7 @@ parameters! {
         corner_rule: CornerRule = CornerRule::default();
         /// Where only blocked corners close the way, they are passed: in an aisle askew to the cells the free ones
         /// touch at corners alone. Beside the corner the robot's centre comes up to 0.7 cells nearer to an obstacle
-        /// than in the cells themselves; the local planner and the guard look at the outline.
+        /// than in the cells themselves; the local planner and the guard look at the outline. It lasts for the rest of the way to that goal.
         past_corners: bool = true;
         /// Most expansions of a search; without, the search ends by itself, at the latest when
         /// every cell has been expanded.

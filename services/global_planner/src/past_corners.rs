@@ -20,7 +20,9 @@ const CLOSED_BY_CORNERS: PlanError = PlanError::Unreachable {
 #[derive(Debug)]
 pub(crate) struct PastCorners {
     is_wanted: bool,
-    /// What no way leads to but past blocked corners.
+    /// Where nothing else is needed.
+    rule: CornerRule,
+    /// What no way led to but past blocked corners.
     to: Option<Target>,
 }
 
@@ -28,7 +30,21 @@ impl PastCorners {
     pub(crate) const fn new(config: &GlobalPlannerConfig) -> Self {
         Self {
             is_wanted: config.past_corners,
+            rule: config.corner_rule,
             to: None,
+        }
+    }
+
+    fn lead_to(&self, target: &Target) -> bool {
+        self.to.as_ref() == Some(target)
+    }
+
+    /// What a planner is told of diagonal steps on the way to `target`.
+    pub(crate) fn rule(&self, target: &Target) -> CornerRule {
+        if self.lead_to(target) {
+            CornerRule::Allow
+        } else {
+            self.rule
         }
     }
 
@@ -36,13 +52,13 @@ impl PastCorners {
     pub(crate) fn legality(&self, config: &GlobalPlannerConfig, target: &Target) -> Legality {
         Legality {
             unknown: config.unknown,
-            corner_rule: config.corner_rule,
-            past_margin: self.to.as_ref() == Some(target),
+            corner_rule: self.rule,
+            past_margin: self.lead_to(target),
         }
     }
 
-    /// Plans, and past blocked corners where they alone close the way to `target`; `query` then has the rule of the
-    /// path.
+    /// Plans, past blocked corners where they alone close the way to `target`, and from then on; `query` then has the rule
+    /// of the path.
     ///
     /// # Errors
     /// Those of the planner.
@@ -54,7 +70,7 @@ impl PastCorners {
         path: &mut CellPath,
     ) -> Result<PlanStats, PlanError> {
         let mut tried = PlanStats::default();
-        if self.to != Some(target) {
+        if !self.lead_to(&target) {
             let result = planner.plan(query, budget, path);
             if !self.is_wanted || result != Err(CLOSED_BY_CORNERS) {
                 return result;
@@ -62,39 +78,40 @@ impl PastCorners {
             tried = path.stats;
         }
         let mut rest = |Expansions(n)| budget(Expansions(n + tried.expanded));
-        let past = PlanQuery {
-            corner_rule: CornerRule::Allow,
-            ..*query
-        };
-        let mut result = planner.plan(&past, &mut rest, path);
+        query.corner_rule = CornerRule::Allow;
+        let mut result = planner.plan(query, &mut rest, path);
         path.stats.add_effort(&tried);
-        if result.is_ok() && passes_obstacles(query, path) {
+        if result.is_ok() && self.passes_obstacles(query, path) {
             path.cells.clear();
             path.curve.clear();
             result = Err(CLOSED_BY_CORNERS);
         }
         self.to = result.is_ok().then_some(target);
-        if result.is_ok() {
-            *query = past;
+        if result.is_err() {
+            query.corner_rule = self.rule;
         }
         result
     }
-}
 
-/// True when the path passes a corner that its rule forbids, where only obstacles count and what is unknown as one.
-fn passes_obstacles(query: &PlanQuery<'_>, path: &CellPath) -> bool {
-    let is_lethal = |cell| {
-        let cell = query.map.get(cell);
-        cell.is_none_or(|cell| query.unknown.is_lethal(cell))
-    };
-    let mut passes = false;
-    for pair in path.cells.windows(2) {
-        supercover(pair[0], pair[1], |crossing| {
-            passes |= crossing.touched.is_some_and(|beside| {
-                let [one, other] = beside.map(is_lethal);
-                !query.corner_rule.permits(one, other)
+    /// True when the path of `query` passes a corner that the rule forbids, where only obstacles count and what is unknown
+    /// as one.
+    pub(crate) fn passes_obstacles(&self, query: &PlanQuery<'_>, path: &CellPath) -> bool {
+        if query.corner_rule == self.rule {
+            return false;
+        }
+        let is_lethal = |cell| {
+            let cell = query.map.get(cell);
+            cell.is_none_or(|cell| query.unknown.is_lethal(cell))
+        };
+        let mut passes = false;
+        for pair in path.cells.windows(2) {
+            supercover(pair[0], pair[1], |crossing| {
+                passes |= crossing.touched.is_some_and(|beside| {
+                    let [one, other] = beside.map(is_lethal);
+                    !self.rule.permits(one, other)
+                });
             });
-        });
+        }
+        passes
     }
-    passes
 }

@@ -235,14 +235,7 @@ impl Replanner {
             return;
         };
         self.observe(situation);
-        let mut query = PlanQuery {
-            map,
-            start: situation.robot,
-            goal: target.pose,
-            tolerance_m: target.tolerance_m,
-            unknown: self.config.unknown,
-            corner_rule: self.config.corner_rule,
-        };
+        let mut query = self.query(situation.robot, map, &target);
         let limit = self.config.budget_expansions;
         let mut limited = |expansions: Expansions| {
             if limit.is_some_and(|limit| expansions.0 >= limit) {
@@ -252,16 +245,16 @@ impl Replanner {
             }
         };
         let candidate = &mut self.candidate;
-        let planner = &mut self.planner;
+        let (planner, past) = (&mut self.planner, &mut self.past_corners);
         candidate.cells.clear();
         candidate.is_detour = pending.cause == PathCause::Obstacle
-            && (planner.detour(&query, &mut limited, &mut candidate.cells)).is_some();
+            && (planner.detour(&query, &mut limited, &mut candidate.cells)).is_some()
+            && !past.passes_obstacles(&query, &candidate.cells);
         let tried = candidate.cells.stats;
         let result = if candidate.is_detour {
             Ok(tried)
         } else {
             let mut rest = |Expansions(n)| limited(Expansions(n + tried.expanded));
-            let past = &mut self.past_corners;
             let asked = (&mut query, target);
             let result = past.plan(planner.as_mut(), asked, &mut rest, &mut candidate.cells);
             candidate.cells.stats.add_effort(&tried);
@@ -272,12 +265,14 @@ impl Replanner {
             self.smooth
                 .run(&query, self.config.smooth_m, &mut candidate.cells);
         }
-        let legality = self.past_corners.legality(&self.config, &target);
+        let legality = past.legality(&self.config, &target);
         candidate.set(&query, legality, target, result.err());
         if candidate.is_detour && candidate.status != PathStatus::Found {
             // It has more corners than a message holds.
             candidate.is_detour = false;
-            let result = planner.plan(&query, &mut limited, &mut candidate.cells);
+            let asked = (&mut query, target);
+            let result = past.plan(planner.as_mut(), asked, &mut limited, &mut candidate.cells);
+            let legality = past.legality(&self.config, &target);
             candidate.set(&query, legality, target, result.err());
         }
         self.timer.mark(Stage::Smooth);
@@ -293,7 +288,7 @@ impl Replanner {
             candidate.closed = self.barrier.find(&query);
         }
         if let Some(cut) = cut {
-            let asked = (&query, &self.config, legality);
+            let asked = (&query, &self.config, past.legality(&self.config, &target));
             look::lead(planner.as_mut(), asked, cut, &mut limited, candidate);
         }
         candidate.searched_map = situation.revision;
@@ -303,6 +298,17 @@ impl Replanner {
         self.change = Change::default();
         self.promised_m = f64::INFINITY;
         self.revisions_since_search = 0;
+    }
+
+    fn query<'a>(&self, robot: Pose, map: MapView<'a>, target: &Target) -> PlanQuery<'a> {
+        PlanQuery {
+            map,
+            start: robot,
+            goal: target.pose,
+            tolerance_m: target.tolerance_m,
+            unknown: self.config.unknown,
+            corner_rule: self.past_corners.rule(target),
+        }
     }
 
     /// Holds the result of the search against the newest situation: rules 10 and 11.

@@ -1,6 +1,9 @@
 //! Which processor time the threads of a recorder take from the stack beside it.
 //!
 //! Where the system does not allow it, a thread goes on as it is: recording is worth more than the priority.
+//!
+//! The two threads share the allocator and a channel. An idle thread that is preempted while it holds a lock of theirs
+//! holds up the reader; should that take longer than the stack's queues last, the verdict counts what was missed.
 
 /// How much lower than that of the stack the priority of the reading thread is.
 const NICER: i32 = 5;
@@ -12,8 +15,8 @@ pub(crate) fn behind_the_stack() {
     set(libc::SCHED_BATCH);
 }
 
-/// The calling thread runs only where nothing else wants to, and is left as soon as something does. On a busy machine
-/// it gets next to nothing.
+/// The calling thread runs on otherwise idle processors only, and is preempted at once. On a busy machine it gets next to
+/// nothing.
 pub(crate) fn when_idle() {
     set(libc::SCHED_IDLE);
 }

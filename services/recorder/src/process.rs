@@ -229,9 +229,12 @@ fn listen(
     loop {
         // Before the last messages are read, so that they are recorded.
         let last = is_over();
+        if !recorder.keep_up() {
+            return Ok(());
+        }
         if !recorder.is_full() {
             while taps.drain(&mut messages) > 0 && last {}
-            if !recorder.write(&mut messages) {
+            if !recorder.write(&mut messages) || last {
                 return Ok(());
             }
             for topic in taps.open_users(peer) {
@@ -241,9 +244,6 @@ fn listen(
                 // Nobody waits when it cannot be said.
                 let _ = progress.write_all_at(&taps.tick().to_le_bytes(), 0);
             }
-        }
-        if last {
-            return Ok(());
         }
         if !recorder.needs_keyframe() {
             may_ask = Instant::now() + ASK_PAUSE;

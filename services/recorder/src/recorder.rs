@@ -2,8 +2,8 @@
 //! message. Between them lie at most [`QUEUE_BYTES_MAX`]; beyond that nothing is read, and what the
 //! stack's queues then lose is counted.
 //!
-//! In real time the writing thread takes only what nobody else wants of the processors. When it does not keep up, or at
-//! the end, another thread goes on with its work that has a share of its own.
+//! In real time the writing thread runs on otherwise idle processors only. When it does not keep up, or at the end,
+//! another thread that has a share of its own takes over its work.
 
 use crate::logs::Logs;
 use crate::native::NativeTopic;
@@ -13,9 +13,9 @@ use crate::taps::Message;
 use crate::writer::{Ended, Writer};
 use std::collections::{BTreeMap, VecDeque};
 use std::fs::File;
-use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::sync::mpsc::{Sender, channel};
+use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 use zeronav_msgs::topics::TopicRow;
@@ -23,15 +23,17 @@ use zeronav_msgs::topics::TopicRow;
 /// Most that waits to be written. [bytes]
 const QUEUE_BYTES_MAX: usize = 64 << 20;
 
-/// How long something may wait to be written before the writing thread gets a share of the processors.
+/// How long a message may wait to be written before a thread with a share of the processors takes over.
 const WAIT_MAX: Duration = Duration::from_millis(500);
 
 /// The end of the recorder that takes messages.
 pub(crate) struct Recorder {
     orders: Sender<Order>,
     shared: Arc<Shared>,
-    /// Since when something has waited to be written.
-    waits_since: Option<Instant>,
+    /// All that was handed on so far. [bytes]
+    handed_bytes: usize,
+    /// How much was handed on at a moment since when some of it has waited to be written. [bytes]
+    waits: Option<(Instant, usize)>,
     /// `None` once it has ended with `done`.
     writer: Option<JoinHandle<Ended>>,
     done: Option<Result<World, WriteError>>,
@@ -54,7 +56,8 @@ impl Recorder {
         Ok(Self {
             orders,
             shared,
-            waits_since: None,
+            handed_bytes: 0,
+            waits: None,
             writer: Some(spawn(writer)?),
             done: None,
         })
@@ -62,12 +65,16 @@ impl Recorder {
 
     /// True while no more is to be read.
     pub(crate) fn is_full(&self) -> bool {
-        self.shared.queued_bytes.load(Ordering::Relaxed) > QUEUE_BYTES_MAX
+        self.queued_bytes() > QUEUE_BYTES_MAX
     }
 
-    /// True when the map can only be shown with a keyframe.
+    /// True when the map can only be shown with a keyframe, and none is on its way.
     pub(crate) fn needs_keyframe(&self) -> bool {
-        self.shared.needs_keyframe.load(Ordering::Relaxed)
+        self.queued_bytes() == 0 && self.shared.needs_keyframe.load(Ordering::Relaxed)
+    }
+
+    fn queued_bytes(&self) -> usize {
+        self.shared.queued_bytes.load(Ordering::Relaxed)
     }
 
     /// Messages of one more topic will come.
@@ -78,44 +85,50 @@ impl Recorder {
 
     /// Hands messages on; false when the file can be written no longer.
     pub(crate) fn write(&mut self, messages: &mut VecDeque<Message>) -> bool {
-        self.keep_up();
         if messages.is_empty() {
             return self.done.is_none();
         }
         let bytes = messages.iter().map(|it| it.bytes.len()).sum();
+        self.handed_bytes = self.handed_bytes.wrapping_add(bytes);
         self.shared.queued_bytes.fetch_add(bytes, Ordering::Relaxed);
         let order = Order::Write(core::mem::take(messages));
         self.orders.send(order).is_ok()
     }
 
-    /// Gives the writer a share of the processors when something waits for too long.
-    fn keep_up(&mut self) {
-        let now = Instant::now();
-        if self.shared.queued_bytes.load(Ordering::Relaxed) == 0 {
-            self.waits_since = None;
-        } else if now.duration_since(*self.waits_since.get_or_insert(now)) > WAIT_MAX {
-            self.shared.hurry.store(true, Ordering::Relaxed);
+    /// Lets another thread write when messages wait for too long: to be called again and again. False when the file can
+    /// be written no longer.
+    pub(crate) fn keep_up(&mut self) -> bool {
+        let (now, queued) = (Instant::now(), self.queued_bytes());
+        match self.waits {
+            Some((since, handed)) if queued > self.handed_bytes.wrapping_sub(handed) => {
+                if now.duration_since(since) > WAIT_MAX {
+                    self.shared.hurry.store(true, Ordering::Relaxed);
+                }
+            }
+            _ => self.waits = (queued > 0).then_some((now, self.handed_bytes)),
         }
-        let Some(ended) = self.writer.take_if(|writer| writer.is_finished()) else {
-            return;
-        };
-        match joined(ended) {
-            Ended::Done(done) => self.done = Some(done),
-            Ended::HandedOver(mut writer) => {
-                writer.gives_way = false;
-                match spawn(writer) {
-                    Ok(writer) => self.writer = Some(writer),
-                    Err(error) => self.done = Some(Err(error.into())),
+        if let Some(ended) = self.writer.take_if(|writer| writer.is_finished()) {
+            match joined(ended) {
+                Ended::Done(done) => self.done = Some(done),
+                Ended::HandedOver(mut writer) => {
+                    writer.gives_way = false;
+                    match spawn(writer) {
+                        Ok(writer) => self.writer = Some(writer),
+                        Err(error) => self.done = Some(Err(error)),
+                    }
                 }
             }
         }
+        self.done.is_none()
     }
 
-    /// Ends the file with these fields of its verdict. What is not written yet is written by the calling thread.
+    /// Ends the file with these fields of its verdict. A thread that gives way writes its present message; all that is
+    /// left is written by the calling one.
     pub(crate) fn finish(self, verdict: BTreeMap<String, String>) -> Result<World, WriteError> {
+        // First, or a thread without a share of the processors ends the file.
+        self.shared.hurry.store(true, Ordering::Release);
         // When the writer has ended, it says why itself.
         let _ = self.orders.send(Order::Finish(verdict));
-        self.shared.hurry.store(true, Ordering::Relaxed);
         let ended = match (self.done, self.writer) {
             (Some(done), _) => return done,
             (None, Some(writer)) => joined(writer),
@@ -136,13 +149,26 @@ impl Recorder {
 }
 
 /// Starts the writing thread.
-fn spawn(writer: Box<Writer>) -> std::io::Result<JoinHandle<Ended>> {
+fn spawn(writer: Box<Writer>) -> Result<JoinHandle<Ended>, WriteError> {
+    // Where there is no thread, the file still says why it ends.
+    let slot = Arc::new(Mutex::new(Some(writer)));
+    let take = |slot: &Mutex<Option<Box<Writer>>>| slot.lock().ok().and_then(|mut it| it.take());
+    let of_thread = Arc::clone(&slot);
     let thread = std::thread::Builder::new().name("writer".to_owned());
-    thread.spawn(move || {
+    let spawned = thread.spawn(move || {
+        let Some(writer) = take(&of_thread) else {
+            return Ended::Done(Err(WriteError::Ended));
+        };
         if writer.gives_way {
             priority::when_idle();
         }
         writer.run()
+    });
+    spawned.map_err(|error| {
+        if let Some(mut writer) = take(&slot) {
+            writer.give_up(&error.to_string());
+        }
+        error.into()
     })
 }
 

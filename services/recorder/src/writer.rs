@@ -124,16 +124,21 @@ impl Writer {
             Ok(None) => Ended::HandedOver(self),
             Ok(Some(verdict)) => self.finish(verdict),
             Err(error) => {
-                self.kept.end(&error.to_string());
+                self.give_up(&error.to_string());
                 Ended::Done(Err(error))
             }
         }
     }
 
+    /// Ends the file as far as it is whole, with the reason.
+    pub(crate) fn give_up(&mut self, why: &str) {
+        self.kept.end(why);
+    }
+
     /// Writes all but the verdict, which it gives back; `None` when another thread is to go on.
     fn write_on(&mut self) -> Result<Option<BTreeMap<String, String>>, WriteError> {
         loop {
-            if self.gives_way && self.shared.hurry.load(Ordering::Relaxed) {
+            if self.gives_way && self.shared.hurry.load(Ordering::Acquire) {
                 return Ok(None);
             }
             if let Some(message) = self.waiting.pop_front() {

@@ -6,9 +6,9 @@ const ZeronavPlayer = (() => {
 
   class Player {
     /** Moves between the two moments of `range()` [s], with stops at those of `stops()`. `shown(time_s)` shows one, and `told()`
-        says whether it plays and how fast. */
+        is called when `playing` or `speed` has changed. */
     constructor({ range, stops, shown, told, speeds = SPEEDS }) {
-      Object.assign(this, { range, stops, shown, told, speeds, speed: 1, playing: false, now_s: range()[0], before_ms: 0 });
+      Object.assign(this, { range, stops, shown, told, speeds, speed: 1, playing: false, now_s: range()[0], before_ms: 0, next: 0 });
     }
 
     seek(time_s) {
@@ -26,8 +26,9 @@ const ZeronavPlayer = (() => {
       const [from_s, to_s] = this.range();
       if (is_on && this.now_s >= to_s) this.seek(from_s);
       Object.assign(this, { playing: is_on, before_ms: 0 });
+      cancelAnimationFrame(this.next);
       this.told();
-      if (is_on) requestAnimationFrame((at_ms) => this.step(at_ms));
+      if (is_on) this.next = requestAnimationFrame((at_ms) => this.step(at_ms));
     }
 
     step(at_ms) {
@@ -35,7 +36,7 @@ const ZeronavPlayer = (() => {
       if (this.before_ms) this.seek(this.now_s + ((at_ms - this.before_ms) / 1000) * this.speed);
       this.before_ms = at_ms;
       if (this.now_s >= this.range()[1]) this.play(false);
-      else requestAnimationFrame((next_ms) => this.step(next_ms));
+      else this.next = requestAnimationFrame((next_ms) => this.step(next_ms));
     }
 
     /** To the next stop in this direction, 1 or -1. */

@@ -133,7 +133,7 @@ fn a_killed_planner_is_replaced_and_the_robot_arrives() {
 fn a_scenario_whose_binary_is_not_installed_is_not_offered() {
     let folder = tempfile::tempdir().expect("a folder");
     let alone = folder.path().join("zeronav");
-    std::fs::copy(zeronav_tests::binaries().join("zeronav"), &alone).expect("copied");
+    zeronav_tests::copy_binary("zeronav", folder.path());
     let listed = std::process::Command::new(&alone)
         .args(["list", "--json"])
         .current_dir(folder.path())

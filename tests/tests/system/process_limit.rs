@@ -7,7 +7,7 @@ use std::os::unix::fs::{MetadataExt, PermissionsExt, chown};
 use std::os::unix::process::CommandExt;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
-use zeronav_tests::{binaries, real_time_turn};
+use zeronav_tests::{copy_binary, real_time_turn};
 
 /// Users and groups who have no processes, as of `nobody` down: one for each test, as the limit is that of a
 /// user.
@@ -46,7 +46,7 @@ fn folder_of_nobody(nobody: u32) -> Option<tempfile::TempDir> {
         "zeronav-mapping",
         "zeronav-robot-sim",
     ] {
-        std::fs::copy(binaries().join(name), folder.path().join(name)).expect("a binary");
+        copy_binary(name, folder.path());
     }
     chown(folder.path(), Some(nobody), Some(nobody)).expect("its owner");
     Some(folder)

@@ -10,8 +10,8 @@ use zeronav_msgs::message::COORDINATE_M_MAX;
 /// Its type.
 pub(super) const MAP: &str = "nav_msgs/msg/OccupancyGrid";
 
-/// Most topics with maps of which one is held.
-const HELD_MAX: usize = 8;
+/// Most topics beside the one that is meant of which a map is held.
+const HELD_MAX: usize = 3;
 
 /// The topic on which a `map_server`, and a node that maps, publish.
 const USUAL: &str = "/map";
@@ -33,12 +33,14 @@ struct OccupancyGrid {
 pub(super) struct Maps(BTreeMap<String, (LogMap, u64)>);
 
 impl Maps {
-    /// Takes in a message; `None` when it is no map.
-    pub(super) fn take(&mut self, topic: &str, data: &[u8]) -> Option<()> {
+    /// Takes in a message on `topic`; `None` when it is no map. Of others than the topic `named`, if there is one, no
+    /// map is held.
+    pub(super) fn take(&mut self, (topic, named): (&str, Option<&str>), data: &[u8]) -> Option<()> {
         let map = read(data)?;
+        let is_meant = topic == named.unwrap_or(USUAL);
         if let Some((held, n)) = self.0.get_mut(topic) {
             (*held, *n) = (map, *n + 1);
-        } else if self.0.len() < HELD_MAX {
+        } else if is_meant || (named.is_none() && self.0.len() < HELD_MAX) {
             self.0.insert(topic.to_owned(), (map, 1));
         }
         Some(())
@@ -56,13 +58,7 @@ impl Maps {
         let names: Vec<String> = self.0.keys().cloned().collect();
         let topic = match (named, &names[..]) {
             (Some(named), _) if !self.0.contains_key(named) => {
-                let there = match names.join(", ") {
-                    none if none.is_empty() => "none at all".to_owned(),
-                    there => there,
-                };
-                return Err(format!(
-                    "no {MAP} that can be read is on {named}; there is {there}"
-                ));
+                return Err(format!("no {MAP} that can be read is on {named}"));
             }
             (Some(named), _) => named.to_owned(),
             (None, []) => {

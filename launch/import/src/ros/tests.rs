@@ -265,7 +265,11 @@ fn of_several_maps_the_one_that_is_meant_is_taken() {
     let log = of(&named, &["/a", "/b", "/map"]).expect("a log");
     assert_eq!(log.map.expect("it").size, (2, 2));
     let error = of(&named, &["/a"]).expect_err("none");
-    assert!(error.contains("on /b; there is /a"), "{error}");
+    assert!(error.contains("can be read is on /b"), "{error}");
+    // Many others leave room for the one that is meant.
+    let many = ["/c", "/d", "/e", "/f", "/map"];
+    let log = of(&any, &many).expect("a log");
+    assert_eq!(log.map.expect("it").size, (4, 1));
 }
 
 proptest! {

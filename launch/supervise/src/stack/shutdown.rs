@@ -4,7 +4,7 @@ use super::Stack;
 use crate::child::Child;
 use crate::cleaner::Cleaner;
 use crate::descendants;
-use crate::own_time::Patience;
+use crate::own_time::{Doing, Patience, Reading};
 use rustix::process::Signal;
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -38,7 +38,10 @@ impl Stack {
                 if child.ended().is_some() {
                     return false;
                 }
-                let is_over = patience.is_over(STOP_LIMIT) || asked.elapsed() > STARVED_LIMIT;
+                // The time in which a debugger holds it is not its own.
+                let is_held = Reading::of(child.pid()).is_some_and(|it| it.doing == Doing::Traced);
+                let limit = if is_held { STOP_LIMIT } else { STARVED_LIMIT };
+                let is_over = patience.is_over(STOP_LIMIT) || asked.elapsed() > limit;
                 if is_over {
                     killed.push(child.role);
                     child.signal(Signal::KILL);

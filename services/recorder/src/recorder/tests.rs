@@ -48,25 +48,49 @@ fn written(file: &tempfile::NamedTempFile) -> u64 {
     found.channels.values().map(|it| it.messages).sum()
 }
 
+/// Looks until another thread writes, for 60 s at most.
+fn await_successor(recorder: &mut Recorder) {
+    let writer = |recorder: &Recorder| recorder.writer.as_ref().map(|it| it.thread().id());
+    let (first, began) = (writer(recorder), Instant::now());
+    while writer(recorder) == first {
+        assert!(recorder.keep_up());
+        assert!(began.elapsed() < Duration::from_secs(60), "no handover");
+        std::thread::yield_now();
+    }
+}
+
 #[test]
 fn a_writer_that_gets_no_processor_hands_over_and_nothing_is_lost() {
     let (mut recorder, file) = recorder();
-    let writer = |recorder: &Recorder| recorder.writer.as_ref().map(|it| it.thread().id());
-    let first = writer(&recorder);
     assert!(recorder.write(&mut messages(40)));
     recorder.shared.hurry.store(true, Ordering::Relaxed);
     assert!(recorder.write(&mut messages(40)));
-    while writer(&recorder) == first {
-        assert!(recorder.write(&mut VecDeque::new()));
-        std::thread::yield_now();
-    }
+    await_successor(&mut recorder);
     assert!(recorder.write(&mut messages(20)));
     recorder.finish(verdict()).expect("finished");
     assert_eq!(written(&file), 100);
 }
 
 #[test]
-fn what_is_left_at_the_end_is_written_at_once() {
+fn a_full_queue_gets_a_successor_that_makes_room() {
+    let (mut recorder, file) = recorder();
+    // As if that much had been handed on, and waited for too long.
+    let much = QUEUE_BYTES_MAX + 1;
+    recorder.shared.queued_bytes.store(much, Ordering::Relaxed);
+    recorder.handed_bytes = much;
+    recorder.waits = Instant::now()
+        .checked_sub(2 * WAIT_MAX)
+        .map(|since| (since, much));
+    assert!(recorder.is_full());
+    await_successor(&mut recorder);
+    recorder.shared.queued_bytes.store(0, Ordering::Relaxed);
+    assert!(recorder.write(&mut messages(10)) && !recorder.is_full());
+    recorder.finish(verdict()).expect("finished");
+    assert_eq!(written(&file), 10);
+}
+
+#[test]
+fn what_is_left_at_the_end_is_written() {
     let (mut recorder, file) = recorder();
     assert!(recorder.write(&mut messages(100)));
     recorder.finish(verdict()).expect("finished");
@@ -74,14 +98,17 @@ fn what_is_left_at_the_end_is_written_at_once() {
 }
 
 #[test]
-fn what_waits_for_long_hurries_the_writer() {
+fn only_a_message_that_waits_for_long_hurries_the_writer() {
     let (mut recorder, _file) = recorder();
-    // As if there were something that the writer does not come to.
-    recorder.shared.queued_bytes.store(1, Ordering::Relaxed);
+    let hurries = |recorder: &Recorder| recorder.shared.hurry.load(Ordering::Relaxed);
+    let long_ago = Instant::now().checked_sub(2 * WAIT_MAX).expect("a moment");
+    // Something waits, but of what waited long ago all is written.
+    recorder.handed_bytes = 500;
+    recorder.shared.queued_bytes.store(100, Ordering::Relaxed);
+    recorder.waits = Some((long_ago, 400));
+    assert!(recorder.keep_up() && !hurries(&recorder));
+    recorder.waits = Some((long_ago, 401));
     recorder.keep_up();
-    assert!(!recorder.shared.hurry.load(Ordering::Relaxed));
-    recorder.waits_since = Instant::now().checked_sub(2 * WAIT_MAX);
-    recorder.keep_up();
-    assert!(recorder.shared.hurry.load(Ordering::Relaxed));
+    assert!(hurries(&recorder));
     recorder.finish(verdict()).expect("finished");
 }
