@@ -165,7 +165,7 @@ fn spawn(writer: Box<Writer>) -> Result<JoinHandle<Ended>, WriteError> {
         writer.run()
     });
     spawned.map_err(|error| {
-        if let Some(mut writer) = take(&slot) {
+        if let Some(writer) = take(&slot) {
             writer.give_up(&error.to_string());
         }
         error.into()

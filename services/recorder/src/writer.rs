@@ -131,8 +131,11 @@ impl Writer {
     }
 
     /// Ends the file as far as it is whole, with the reason.
-    pub(crate) fn give_up(&mut self, why: &str) {
-        self.kept.end(why);
+    pub(crate) fn give_up(self: Box<Self>, why: &str) {
+        let Self { file, kept, .. } = *self;
+        // First: what is still buffered goes to the file when it is dropped.
+        drop(file);
+        kept.end(why);
     }
 
     /// Writes all but the verdict, which it gives back; `None` when another thread is to go on.
