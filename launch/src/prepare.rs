@@ -4,7 +4,8 @@ use crate::configs;
 use crate::live_view::PageArgs;
 use crate::open_files;
 use crate::program;
-use crate::run_plan::{MachineLoad, RunPlan, Source};
+use crate::recorder::{RecordTo, file_of_round};
+use crate::run_plan::{MachineLoad, RunPlan, Source, TRIAL_ROUNDS};
 use crate::swap_order::SwapOrder;
 use crate::swap_order::require::Clause;
 use std::collections::BTreeMap;
@@ -290,6 +291,7 @@ pub(crate) fn prepare(plan: &RunPlan) -> Result<Prepared, String> {
     }
     if plan.trials.is_some() {
         await_trials(&mut scenario)?;
+        check_recordings(plan)?;
     }
     for (role, steps) in &plan.delays {
         check_delay(*role, *steps, &scenario)?;
@@ -368,6 +370,22 @@ pub(crate) fn check_delay(role: Role, steps: u16, scenario: &Scenario) -> Result
         delay.as_millis(),
         most.as_millis()
     ))
+}
+
+/// The recorder of a later round may not find a file in the place of its own, after the rounds before were measured.
+fn check_recordings(plan: &RunPlan) -> Result<(), String> {
+    // The folder of the run is new.
+    let Some(RecordTo::File(file)) = &plan.record else {
+        return Ok(());
+    };
+    let mut files = (1..=TRIAL_ROUNDS).map(|round| file_of_round(file, round));
+    match files.find(|file| file.symlink_metadata().is_ok()) {
+        None => Ok(()),
+        Some(there) => Err(format!(
+            "{}: it exists; give --record another file, or remove it",
+            there.display()
+        )),
+    }
 }
 
 /// Takes the script of the trials' obstacle away: it comes when it is put somewhere.

@@ -8,6 +8,9 @@ use zeronav_msgs::role::Role;
 use zeronav_msgs::run::RunMode;
 use zeronav_scenario::settings::Settings;
 
+/// Rounds of trials, each with a stack of its own.
+pub(crate) const TRIAL_ROUNDS: usize = 3;
+
 /// Where a scenario comes from.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Source {

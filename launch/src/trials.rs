@@ -4,7 +4,7 @@ use crate::drive::{Driven, drive};
 use crate::ending::Ending;
 use crate::floor;
 use crate::prepare::Prepared;
-use crate::recorder::file_of_round;
+use crate::run_plan::TRIAL_ROUNDS;
 use crate::shuttle::{Quota, Trial};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -17,9 +17,6 @@ use zeronav_measure::result::profile::Profile;
 use zeronav_measure::result::trials::{Load, Round, SlowHop, SlowTrial};
 use zeronav_measure::timings::{Drive, Gathering, Timings};
 use zeronav_measure::way::HOPS;
-
-/// Rounds, each with a stack of its own.
-const ROUNDS: usize = 3;
 
 /// Slowest trials that are listed with what disturbed them.
 const WORST: usize = 10;
@@ -54,19 +51,6 @@ pub(crate) struct Trials {
     pub timings: Timings,
 }
 
-/// Before anything is measured: the recorder of a later round may not find a file in its place.
-fn check_files(prepared: &Prepared) -> Result<(), String> {
-    let mut files = (prepared.recording.iter())
-        .flat_map(|file| (1..=ROUNDS).map(|round| file_of_round(file, round)));
-    match files.find(|file| file.symlink_metadata().is_ok()) {
-        None => Ok(()),
-        Some(there) => Err(format!(
-            "{}: it exists; give --record another file, or remove it",
-            there.display()
-        )),
-    }
-}
-
 /// Makes `wanted` trials in three rounds. A round that ends early ends the trials.
 ///
 /// # Errors
@@ -77,15 +61,14 @@ pub(crate) fn make(
     interrupted: &Arc<AtomicBool>,
 ) -> Result<Trials, String> {
     let wanted = wanted as usize;
-    check_files(prepared)?;
     let mut rounds = Vec::new();
     let mut drives = Vec::new();
     let mut worst = Vec::new();
     let mut profiles = Vec::new();
     let mut gathering = Gathering::default();
     let mut before = 0;
-    for round in 0..ROUNDS {
-        let n = wanted / ROUNDS + usize::from(round < wanted % ROUNDS);
+    for round in 0..TRIAL_ROUNDS {
+        let n = wanted / TRIAL_ROUNDS + usize::from(round < wanted % TRIAL_ROUNDS);
         if n == 0 {
             continue;
         }

@@ -64,6 +64,11 @@ pub fn log_in(path: &Path, topics: &Topics) -> Result<Log, ImportError> {
         read_bag(path, &mut bag)?;
         return bag.into_log().map_err(wrong);
     }
+    if *topics != Topics::default() {
+        return Err(wrong(
+            "no bag, so it has no topics: leave out --scan, --odometry and --map".to_owned(),
+        ));
+    }
     let input = read::open(path).map(BufReader::new);
     let input = input.map_err(|error| wrong(error.to_string()))?;
     let log = if start.starts_with(GZIP) {

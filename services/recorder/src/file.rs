@@ -69,6 +69,11 @@ pub struct Stamped {
     pub publish_ns: u64,
 }
 
+/// The last 32 bits: MCAP's numbers have no more.
+pub(crate) fn low32(count: u64) -> u32 {
+    u32::try_from(count & 0xffff_ffff).unwrap_or(0)
+}
+
 /// How a file of a recording is written.
 #[must_use]
 pub fn options() -> WriteOptions {

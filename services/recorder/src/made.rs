@@ -2,7 +2,7 @@
 //! is brought into another form. It has both layers, as the recorder writes them.
 
 use crate::channels::Channels;
-use crate::file::{RecordingFile, SCENARIO_TYPE, START, Stamped};
+use crate::file::{RecordingFile, SCENARIO_TYPE, START, Stamped, low32};
 use crate::native::{self, NativeTopic};
 use crate::ros::{Bytes, Ros};
 use crate::times::TimeBase;
@@ -153,7 +153,7 @@ impl<W: Write + Seek> Made<W> {
         }
         let log_ns = header.run_ns;
         let when = Stamped {
-            sequence: u32::try_from(header.id().count() & 0xffff_ffff).unwrap_or(0),
+            sequence: low32(header.id().count()),
             log_ns,
             publish_ns: log_ns,
         };

@@ -1,7 +1,7 @@
 //! The thread that writes the file.
 
 use crate::channels::Channels;
-use crate::file::{DRIVEN_BY, PARAMETERS, RecordingFile, SCENARIO_TYPE, START, Stamped};
+use crate::file::{DRIVEN_BY, PARAMETERS, RecordingFile, SCENARIO_TYPE, START, Stamped, low32};
 use crate::kept::Kept;
 use crate::logs::{LogLine, Logs};
 use crate::native::{self, NativeTopic};
@@ -294,9 +294,4 @@ impl Writer {
         self.log_line = self.log_line.wrapping_add(1);
         self.write_world(&made, when)
     }
-}
-
-/// The last 32 bits: MCAP's numbers have no more.
-fn low32(count: u64) -> u32 {
-    u32::try_from(count & 0xffff_ffff).unwrap_or(0)
 }

@@ -90,6 +90,8 @@ fn a_carmen_log_is_played_to_mapping_and_planners() {
         &out.display().to_string(),
     ];
     refused(&zeronav(&again), "it exists; name another file");
+    let named = [&again[..], &["--map", "/map"]].concat();
+    refused(&zeronav(&named), "leave out --scan, --odometry and --map");
     std::fs::write(&log, "this is no log at all\n").expect("written");
     refused(&zeronav(&again), "no line begins with FLASER");
     // What cannot become a recording does not cost the one that is there.

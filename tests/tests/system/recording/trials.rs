@@ -1,6 +1,6 @@
 //! Trials that are recorded: each of their rounds is a stack of its own.
 
-use super::{info, n};
+use super::{info, n, refused};
 use std::path::Path;
 use zeronav_msgs::topics::{RobotCommand, Topic};
 use zeronav_tests::{quiet_turn, zeronav};
@@ -39,4 +39,19 @@ fn each_round_of_trials_has_a_recording_of_its_own() {
     for absent in ["recording.mcap", "metadata.yaml"] {
         assert!(!Path::new(&folder).join(absent).exists(), "{absent}");
     }
+}
+
+#[test]
+fn a_file_in_the_place_of_a_later_round_is_named_before_the_first() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let later = folder.path().join("it-3.mcap");
+    std::fs::write(&later, "mine").expect("written");
+    let record = format!("--record={}", folder.path().join("it.mcap").display());
+    let ended = zeronav(&["run", "blocked_aisle", "--trials", "3", &record]);
+    refused(&ended, "it-3.mcap: it exists");
+    assert!(
+        !ended.folder.path().join("runs").exists(),
+        "a run was begun"
+    );
+    assert_eq!(std::fs::read(&later).expect("it"), b"mine");
 }
