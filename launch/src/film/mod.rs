@@ -80,6 +80,8 @@ pub(crate) struct Film {
     stepping_in: Option<Intervention>,
     held: Held,
     requests: VecDeque<(u64, VelocityRequest)>,
+    /// A command that was heard before the request that it rests on, with its run time [ns] and the id of that.
+    early: Option<(u64, u64, VelocityCommand)>,
     task: Vec<Goal>,
     tiles: BTreeMap<(u32, u32), Tile>,
     grid: Option<Grid>,
@@ -108,6 +110,7 @@ impl Default for Film {
             stepping_in: None,
             held: Held::default(),
             requests: VecDeque::new(),
+            early: None,
             task: Vec::new(),
             tiles: BTreeMap::new(),
             grid: None,
@@ -158,6 +161,7 @@ impl Film {
     pub(crate) fn end(&mut self) {
         self.held.end();
         self.settle();
+        self.show_early();
     }
 
     /// Takes in what was held back and has its place by now.
@@ -189,10 +193,14 @@ impl Film {
     /// What the local planner asked for.
     pub(crate) fn request(&mut self, id: u64, request: &VelocityRequest) {
         remember(&mut self.requests, id, *request);
+        if self.early.is_some_and(|(_, of, _)| of == id) {
+            self.show_early();
+        }
     }
 
     /// What the guard made of the request with this id.
     pub(crate) fn command(&mut self, run_ns: u64, request: u64, command: &VelocityCommand) {
+        self.show_early();
         let intervention = command.intervention();
         if intervention != self.stepping_in {
             self.stepping_in = intervention;
@@ -205,8 +213,18 @@ impl Film {
             }
         }
         if self.controls.is_due(run_ns) {
+            self.early = Some((run_ns, request, *command));
+            if request == 0 || recalled(&self.requests, request).is_some() {
+                self.show_early();
+            }
+        }
+    }
+
+    /// Shows the command that waits for its request, with what is known of that by now.
+    fn show_early(&mut self) {
+        if let Some((run_ns, request, command)) = self.early.take() {
             let request = recalled(&self.requests, request).unwrap_or_default();
-            self.controls.push(run_ns, Control::of(&request, command));
+            self.controls.push(run_ns, Control::of(&request, &command));
         }
     }
 

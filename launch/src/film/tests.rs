@@ -242,3 +242,33 @@ fn tiles_of_the_map_come_when_they_have_changed() {
     assert!(patch.grid.is_some());
     assert_eq!(patch.tiles.len(), 4);
 }
+
+#[test]
+fn a_command_shows_its_request_whichever_is_heard_first() {
+    let request = VelocityRequest {
+        v_mps: 0.5,
+        ..VelocityRequest::default()
+    };
+    let shown = |early: bool| {
+        let mut film = Film::default();
+        for id in 1..=2 {
+            let hear_request = |film: &mut Film| film.request(id, &request);
+            if !early {
+                hear_request(&mut film);
+            }
+            film.command(id * POSE_NS, id, &VelocityCommand::default());
+            if early {
+                hear_request(&mut film);
+            }
+        }
+        // Of this one the request is never heard.
+        film.command(3 * POSE_NS, 3, &VelocityCommand::default());
+        film.end();
+        film.controls.samples().to_vec()
+    };
+    let late = shown(false);
+    let speeds: Vec<Rounded> = late.iter().map(|(_, it)| it.request[0]).collect();
+    let [asked, nothing] = [0.5, 0.0].map(|v_mps| point(v_mps, 0.0)[0]);
+    assert_eq!(speeds, [asked, asked, nothing]);
+    assert_eq!(shown(true), late);
+}
