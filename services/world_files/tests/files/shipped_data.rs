@@ -26,7 +26,10 @@ fn the_shipped_data_is_drawn_again_bit_for_bit() {
     }
     let by_hand = ["README.md", "folder.rs"].map(str::to_owned);
     let names: BTreeSet<String> = made.into_keys().chain(by_hand).collect();
-    assert_eq!(listed(&folder, ""), names);
+    let mut listed = listed(&folder, "");
+    // Made by a command of their own; the system tests read them.
+    listed.retain(|name| !name.starts_with("recordings/"));
+    assert_eq!(listed, names);
 }
 
 /// The paths of all files below a folder.
