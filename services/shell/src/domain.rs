@@ -20,6 +20,7 @@ use std::hash::{BuildHasher, Hasher};
 use std::io::{ErrorKind, Write};
 use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 /// First letters of every domain that launch makes.
 pub(crate) const PREFIX_START: &str = "zn_";
@@ -49,6 +50,10 @@ const CREATION_LIMIT: std::time::Duration = std::time::Duration::from_secs(60);
 
 /// How often a new domain is tried again when a sweeper was faster.
 const CREATE_TRIES: u32 = 8;
+
+/// How often the maker of a domain looks again whether it is the last member, and the time between.
+const CLOSE_TRIES: u32 = 50;
+const CLOSE_PAUSE: Duration = Duration::from_millis(4);
 
 /// A domain and this process's membership in it.
 #[derive(Debug)]
@@ -198,7 +203,15 @@ impl Domain {
             // Without its folder the domain would not be found again.
             remove_segments(&self.prefix);
         }
+        // A child that was forked and has not called exec yet holds the locks of its parent, too.
+        let tries = if self.made_here { CLOSE_TRIES } else { 0 };
         drop(self);
+        for _ in 0..tries {
+            if sweep(&root)? {
+                return Ok(true);
+            }
+            std::thread::sleep(CLOSE_PAUSE);
+        }
         sweep(&root)
     }
 }
@@ -408,6 +421,23 @@ mod tests {
         assert_eq!(config.global.creation_timeout, CREATION_LIMIT);
         assert!(CREATION_LIMIT.as_secs() >= 60);
         assert!(domain.close().unwrap());
+    }
+
+    #[test]
+    #[allow(
+        clippy::used_underscore_binding,
+        reason = "held for life, looked at here alone"
+    )]
+    fn a_child_between_fork_and_exec_leaves_nothing_behind() {
+        let domain = Domain::create().unwrap();
+        // It shares the lock, as a child does.
+        let child = domain._member.try_clone().unwrap();
+        let exec = std::thread::spawn(move || {
+            std::thread::sleep(2 * CLOSE_PAUSE);
+            drop(child);
+        });
+        assert!(domain.close().unwrap());
+        exec.join().unwrap();
     }
 
     #[test]
