@@ -5,12 +5,13 @@
 //! the odometry, they are corrected ones.
 
 use crate::clock::{Clock, put_in_order};
-use crate::log::{Log, LogPose, LogScan, add_pose, clean_ranges};
+use crate::log::{Log, LogPose, LogScan, add_pose};
 use core::f32::consts::PI;
 use std::io::{BufRead, BufReader, Read};
 use zeronav_msgs::pose::Pose;
 use zeronav_msgs::scan::BEAMS_MAX;
 use zeronav_msgs::time::nanoseconds;
+use zeronav_ros_messages::received::clean_ranges;
 
 /// Longest line. [bytes]
 const LINE_BYTES_MAX: u64 = 1 << 20;
@@ -135,7 +136,8 @@ fn scan<'a>(
     let (corrected, own) = (pose(&mut words)?, pose(&mut words)?);
     // Who corrects poses writes scans long after the odometry of their time.
     let ns = clock.late(nanoseconds(number(&mut words)?));
-    clean_ranges(&mut ranges, [RANGE_M_MIN, RANGE_M_MAX], &mut log.report);
+    let invalid = clean_ranges(&mut ranges, [RANGE_M_MIN, RANGE_M_MAX]);
+    log.report.invalid(invalid);
     #[allow(clippy::cast_precision_loss, reason = "at most 4096 beams")]
     let step_rad = PI / (n as f32 - 1.0);
     log.add_scan(LogScan {

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use zeronav_msgs::pose::Pose;
+use zeronav_ros_messages::received::InvalidRanges;
 
 /// Which topics are read; the only one of its type without.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -29,6 +30,19 @@ impl Report {
     /// One more of these.
     pub fn mend(&mut self, what: &'static str) {
         *self.mended.entry(what).or_default() += 1;
+    }
+
+    /// Ranges that mean nothing.
+    pub(crate) fn invalid(&mut self, ranges: InvalidRanges) {
+        let InvalidRanges { nan, below } = ranges;
+        for (what, n) in [
+            ("ranges that are NaN", nan),
+            ("ranges below the least", below),
+        ] {
+            if n > 0 {
+                *self.mended.entry(what).or_default() += n;
+            }
+        }
     }
 }
 
@@ -117,53 +131,5 @@ pub(crate) fn add_pose(to: &mut Vec<LogPose>, pose: LogPose, report: &mut Report
         to.push(pose);
     } else {
         report.mend("poses behind the longest log that is held");
-    }
-}
-
-/// Ranges as the contract has them, from those of a sensor with these limits: what is closer than it can see, or is no
-/// number, is invalid; what is farther is no return.
-pub fn clean_ranges(ranges: &mut [f32], [min_m, max_m]: [f32; 2], report: &mut Report) {
-    for range in ranges {
-        if range.is_nan() || *range < min_m {
-            if range.is_nan() {
-                report.mend("ranges that are no number");
-            } else {
-                report.mend("ranges below the least");
-            }
-            *range = f32::NAN;
-        } else if *range >= max_m {
-            *range = f32::INFINITY;
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn ranges_that_mean_nothing_become_invalid_or_no_return() {
-        let mut report = Report::default();
-        let mut ranges = [
-            1.0,
-            0.0,
-            -1.0,
-            f32::NAN,
-            f32::INFINITY,
-            f32::NEG_INFINITY,
-            30.0,
-            80.0,
-        ];
-        clean_ranges(&mut ranges, [0.1, 30.0], &mut report);
-        assert_eq!(ranges[0].to_bits(), 1.0_f32.to_bits());
-        assert!(ranges[1].is_nan() && ranges[2].is_nan() && ranges[3].is_nan());
-        assert!(ranges[5].is_nan());
-        assert!(
-            [ranges[4], ranges[6], ranges[7]]
-                .iter()
-                .all(|it| *it == f32::INFINITY)
-        );
-        assert_eq!(report.mended["ranges that are no number"], 1);
-        assert_eq!(report.mended["ranges below the least"], 3);
     }
 }

@@ -1,19 +1,17 @@
 //! Bags of ROS 2: messages in CDR, of whichever container.
 
 mod map;
-mod parts;
 
 use crate::clock::{Clock, put_in_order};
-use crate::log::{Log, LogPose, LogScan, Topics, add_pose, clean_ranges};
+use crate::log::{Log, LogPose, LogScan, Topics, add_pose};
 use map::{MAP, Maps};
 use mcap::records::Record;
-use parts::{Header, Quaternion, Time, Vector3, decoded, plain, pose};
-use serde::Deserialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::Read;
 use zeronav_msgs::pose::Pose;
-use zeronav_msgs::scan::BEAMS_MAX;
 use zeronav_recorder::read::{ReadError, records};
+use zeronav_ros_messages::messages::{LaserScan, Odometry, TfMessage, Time};
+use zeronav_ros_messages::received::{self, decoded, plain_frame, planar_pose};
 
 /// The types that are read.
 const SCAN: &str = "sensor_msgs/msg/LaserScan";
@@ -23,40 +21,6 @@ const TF: &str = "tf2_msgs/msg/TFMessage";
 /// Most channels and most messages of a bag.
 const CHANNELS_MAX: usize = 10_000;
 const MESSAGES_MAX: usize = 20_000_000;
-
-#[derive(Deserialize)]
-struct LaserScan {
-    header: Header,
-    angle_min: f32,
-    _angle_max: f32,
-    angle_increment: f32,
-    time_increment: f32,
-    _scan_time: f32,
-    range_min: f32,
-    range_max: f32,
-    ranges: Vec<f32>,
-}
-
-#[derive(Deserialize)]
-struct Odometry {
-    header: Header,
-    _child_frame_id: String,
-    position: Vector3,
-    orientation: Quaternion,
-}
-
-#[derive(Deserialize)]
-struct TransformStamped {
-    header: Header,
-    child_frame_id: String,
-    translation: Vector3,
-    rotation: Quaternion,
-}
-
-#[derive(Deserialize)]
-struct TfMessage {
-    transforms: Vec<TransformStamped>,
-}
 
 /// What is kept of a bag while it is read.
 pub(crate) struct Bag<'a> {
@@ -173,46 +137,28 @@ impl<'a> Bag<'a> {
     }
 
     fn scan(&mut self, log_ns: u64, data: &[u8]) -> Option<()> {
-        let it: LaserScan = decoded(data)?;
-        let numbers = [it.angle_min, it.angle_increment, it.range_min, it.range_max];
-        let is_sound = numbers.iter().all(|it| it.is_finite())
-            && it.angle_increment.abs() > 1.0e-6
-            && it.angle_increment.abs() < 1.6
-            && it.angle_min.abs() < 12.6
-            && (0.0..=it.range_max).contains(&it.range_min)
-            && (1..=BEAMS_MAX).contains(&it.ranges.len());
-        if !is_sound {
-            return None;
-        }
+        let message: LaserScan = decoded(data)?;
+        let header = message.header.clone();
+        let it = received::scan(message).ok()?;
         let report = &mut self.log.report;
-        let step_s = it.time_increment;
-        let step_s = if (0.0..=1.0).contains(&step_s) {
-            step_s
-        } else {
-            0.0
-        };
-        #[allow(clippy::cast_precision_loss, reason = "at most 4096 beams")]
-        let turn_s = step_s * (it.ranges.len() as f32 - 1.0);
-        let first_ns = self.clock.at(stamp(it.header.stamp, log_ns), report);
-        let ns = first_ns.saturating_add(zeronav_msgs::time::nanoseconds(f64::from(turn_s)));
-        let range_m = [it.range_min, it.range_max.min(1.0e3)];
-        let mut ranges = it.ranges;
-        clean_ranges(&mut ranges, range_m, report);
-        self.scan_frames.insert(it.header.frame_id);
+        let first_ns = self.clock.at(stamp(header.stamp, log_ns), report);
+        report.invalid(it.invalid);
+        self.scan_frames.insert(header.frame_id.into_owned());
         self.log.add_scan(LogScan {
-            ns,
-            angle_min_rad: it.angle_min,
-            angle_increment_rad: it.angle_increment,
-            time_increment_s: step_s,
-            range_m,
-            ranges,
+            ns: first_ns.saturating_add(it.turn_ns),
+            angle_min_rad: it.scan.angle_min_rad,
+            angle_increment_rad: it.scan.angle_increment_rad,
+            time_increment_s: it.scan.time_increment_s,
+            range_m: [it.scan.range_m_min, it.scan.range_m_max],
+            ranges: it.ranges,
         });
         Some(())
     }
 
     fn odometry(&mut self, log_ns: u64, data: &[u8]) -> Option<()> {
         let it: Odometry = decoded(data)?;
-        let pose = pose(&it.position, &it.orientation)?;
+        let at = it.pose.pose;
+        let pose = planar_pose(&at.position, &at.orientation)?;
         let ns = self
             .clock
             .at(stamp(it.header.stamp, log_ns), &mut self.log.report);
@@ -226,11 +172,14 @@ impl<'a> Bag<'a> {
     fn transforms(&mut self, data: &[u8]) -> Option<()> {
         let message: TfMessage = decoded(data)?;
         for it in message.transforms {
-            let Some(pose) = pose(&it.translation, &it.rotation) else {
+            let Some(pose) = planar_pose(&it.translation, &it.rotation) else {
                 self.log.report.mend("transforms that are no numbers");
                 continue;
             };
-            let (parent, child) = (plain(&it.header.frame_id), plain(&it.child_frame_id));
+            let (parent, child) = (
+                plain_frame(&it.header.frame_id),
+                plain_frame(&it.child_frame_id),
+            );
             let place = LogPose {
                 ns: stamp(it.header.stamp, 0),
                 pose,
@@ -275,7 +224,7 @@ impl<'a> Bag<'a> {
             ));
         }
         let frame = self.scan_frames.first().cloned().unwrap_or_default();
-        match mount(&self.fixed, plain(&frame)) {
+        match mount(&self.fixed, plain_frame(&frame)) {
             Some(laser) => log.laser = laser,
             None => log.report.assumed.push(format!(
                 "the lidar ({frame}) is in the middle of the robot and looks ahead: no transform says where it is"
@@ -371,8 +320,10 @@ fn mount(fixed: &BTreeMap<(String, String), Pose>, frame: &str) -> Option<Pose> 
 
 /// A stamp, or when the message was logged where it has none. [ns]
 fn stamp(stamp: Time, log_ns: u64) -> u64 {
-    let ns = u64::try_from(stamp.sec).unwrap_or(0) * 1_000_000_000 + u64::from(stamp.nanosec);
-    if ns == 0 { log_ns } else { ns }
+    match received::stamp_ns(stamp) {
+        0 => log_ns,
+        ns => ns,
+    }
 }
 
 #[cfg(test)]

@@ -2,10 +2,10 @@
 
 use crate::file::{Channel, RecordingFile};
 use crate::native::{self, NativeTopic};
-use crate::ros::RosTopic;
 use mcap::McapError;
 use std::collections::BTreeMap;
 use std::io::{Seek, Write};
+use zeronav_ros_messages::RosTopic;
 
 /// Those of both layers that there are so far.
 #[derive(Debug, Default)]

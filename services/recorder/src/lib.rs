@@ -1,6 +1,6 @@
 //! Records a running stack into one MCAP file, in two layers:
 //!
-//! - for the world ([`ros`]): messages of ROS 2 in CDR with their definitions (`ros2msg`), as rosbag2
+//! - for the world ([`zeronav_ros_messages`]): messages of ROS 2 in CDR with their definitions (`ros2msg`), as rosbag2
 //!   writes them, so that the tools of ROS 2 open the file without a conversion;
 //! - for replay ([`native`]): every message of every topic byte for byte on `zeronav/<topic>`.
 //!
@@ -8,6 +8,7 @@
 //! a file into what is in it ([`read`], [`recover`]).
 
 pub mod accepted;
+pub mod bag_folder;
 mod channels;
 pub mod compare;
 pub mod domain_files;
@@ -35,10 +36,8 @@ pub mod read;
 #[cfg(feature = "process")]
 mod recorder;
 pub mod recover;
-pub mod ros;
 #[cfg(feature = "process")]
 mod taps;
-pub mod times;
 #[cfg(feature = "process")]
 mod user_taps;
 pub mod verdict;

@@ -1,13 +1,13 @@
 //! The logs of a run as they grow: every line once, whoever wrote it.
 
-use crate::ros::messages::Log;
-use crate::ros::reasons::{DEBUG, ERROR, INFO, WARN};
-use crate::ros::view::time;
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::os::unix::fs::FileExt;
 use std::time::{Duration, Instant, SystemTime};
 use zeronav_files::Folder;
+use zeronav_ros_messages::messages::Log;
+use zeronav_ros_messages::reasons::{DEBUG, ERROR, INFO, WARN};
+use zeronav_ros_messages::view::time;
 
 /// Time between two looks at the logs.
 const PAUSE: Duration = Duration::from_millis(100);

@@ -4,8 +4,6 @@
 use crate::channels::Channels;
 use crate::file::{RecordingFile, SCENARIO_TYPE, START, Stamped, low32};
 use crate::native::{self, NativeTopic};
-use crate::ros::{Bytes, Ros};
-use crate::times::TimeBase;
 use crate::verdict::{END_TICK, Tally, VERDICT, verdict};
 use mcap::McapError;
 use std::collections::BTreeMap;
@@ -14,6 +12,8 @@ use zeronav_msgs::header::{Header, Id, Stamps};
 use zeronav_msgs::role::Role;
 use zeronav_msgs::topics::{Topic, TopicRow, seal};
 use zeronav_msgs::user::name_in;
+use zeronav_ros_messages::times::TimeBase;
+use zeronav_ros_messages::{Bytes, Ros};
 
 /// Why a recording could not be made.
 #[derive(Debug, thiserror::Error)]
@@ -23,7 +23,7 @@ pub enum MadeError {
     File(#[from] McapError),
     /// A message that has no form in CDR.
     #[error("a message has no form in CDR: {0}")]
-    Cdr(#[from] cdr_encoding::Error),
+    Cdr(#[from] zeronav_ros_messages::CdrError),
     /// A topic that is not in the contract.
     #[error("{0} is no topic of the contract")]
     Topic(&'static str),

@@ -1,11 +1,11 @@
 //! What the two threads of a recorder say to each other, and what they know of the file.
 
 use crate::native::NativeTopic;
-use crate::ros::RosTopic;
 use crate::taps::Message;
-use crate::times::TimeBase;
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::atomic::{AtomicBool, AtomicUsize};
+use zeronav_ros_messages::RosTopic;
+use zeronav_ros_messages::times::TimeBase;
 
 /// Why a file cannot be written.
 #[derive(Debug, thiserror::Error)]
@@ -18,7 +18,7 @@ pub(crate) enum WriteError {
     System(#[from] std::io::Error),
     /// A message that has no form in CDR.
     #[error("a message has no form in CDR: {0}")]
-    Cdr(#[from] cdr_encoding::Error),
+    Cdr(#[from] zeronav_ros_messages::CdrError),
     /// The thread is gone.
     #[error("the writing thread has ended unexpectedly")]
     Ended,

@@ -1,14 +1,13 @@
 //! The process: its flags, its loop, and its end.
 
+use crate::bag_folder;
 use crate::domain_files::{END, OUTCOME_BYTES_MAX, RECORDED};
 use crate::file::{DRIVEN_BY_SCENARIO, SCENARIO_BYTES_MAX};
 use crate::logs::Logs;
 use crate::orders::{Parameters, Start, World, WriteError};
 use crate::priority;
 use crate::recorder::Recorder;
-use crate::ros::bag_folder;
 use crate::taps::Taps;
-use crate::times::TimeBase;
 use crate::verdict::{END_TICK, OUTCOME, verdict};
 use clap::Parser;
 use rustix::fs::OFlags;
@@ -24,6 +23,7 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 use zeronav_files::{Folder, Replace, parts, read};
 use zeronav_msgs::role::Role;
 use zeronav_msgs::topics::EVENT_NEED_KEYFRAME;
+use zeronav_ros_messages::times::TimeBase;
 use zeronav_shell::clock::now_ns;
 use zeronav_shell::doorbell::Bells;
 use zeronav_shell::error::EXIT_USAGE;

@@ -6,9 +6,7 @@ use crate::kept::Kept;
 use crate::logs::{LogLine, Logs};
 use crate::native::{self, NativeTopic};
 use crate::orders::{Order, Shared, Start, World, WriteError, in_words};
-use crate::ros::{Bytes, Ros, RosMessage, RosTopic, cdr};
 use crate::taps::Message;
-use crate::times::TimeBase;
 use crate::verdict::VERDICT;
 use std::collections::{BTreeMap, VecDeque};
 use std::fs::File;
@@ -18,6 +16,8 @@ use std::sync::atomic::Ordering;
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::{Duration, Instant};
 use zeronav_msgs::topics::TopicRow;
+use zeronav_ros_messages::times::TimeBase;
+use zeronav_ros_messages::{Bytes, Ros, RosMessage, RosTopic, cdr};
 
 /// How often what has come is handed to the system.
 const FLUSH_PAUSE: Duration = Duration::from_secs(1);

@@ -21,7 +21,7 @@ fn allowed(from: &str) -> &'static [&'static str] {
         "zeronav-shell" => &["zeronav-files", "zeronav-msgs", "zeronav-params"],
         "zeronav-world" => &["zeronav-msgs", "zeronav-params"],
         "zeronav-cpp" | "zeronav-viewer" => &["zeronav-msgs", "zeronav-shell"],
-        "zeronav-motion" => &["zeronav-msgs"],
+        "zeronav-motion" | "zeronav-ros-messages" => &["zeronav-msgs"],
         "zeronav-world-files" => &["zeronav-files", "zeronav-msgs", "zeronav-world"],
         "zeronav-robot-description" => &["zeronav-msgs", "zeronav-params", "zeronav-world"],
         "zeronav-mapping" => &[
@@ -53,9 +53,13 @@ fn allowed(from: &str) -> &'static [&'static str] {
             "zeronav-global-planner",
             "zeronav-local-planner",
         ],
-        "zeronav-measure" | "zeronav-recorder" => {
-            &["zeronav-files", "zeronav-msgs", "zeronav-shell"]
-        }
+        "zeronav-measure" => &["zeronav-files", "zeronav-msgs", "zeronav-shell"],
+        "zeronav-recorder" => &[
+            "zeronav-files",
+            "zeronav-msgs",
+            "zeronav-ros-messages",
+            "zeronav-shell",
+        ],
         "zeronav-scenario" => &[
             "zeronav-console",
             "zeronav-files",
@@ -89,7 +93,12 @@ fn allowed(from: &str) -> &'static [&'static str] {
             "zeronav-shell",
             "zeronav-supervise",
         ],
-        "zeronav-import" => &["zeronav-files", "zeronav-msgs", "zeronav-recorder"],
+        "zeronav-import" => &[
+            "zeronav-files",
+            "zeronav-msgs",
+            "zeronav-recorder",
+            "zeronav-ros-messages",
+        ],
         "zeronav-suite" => &[
             "zeronav-console",
             "zeronav-files",

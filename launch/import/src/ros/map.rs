@@ -1,11 +1,11 @@
 //! The map of a bag: the one that its robot knew.
 
-use super::parts::{Header, Quaternion, Time, Vector3, decoded, plain, pose};
 use crate::log::{LogMap, Report};
-use serde::Deserialize;
 use std::collections::BTreeMap;
 use zeronav_msgs::grid::{RESOLUTION_M, SIDE_CELLS_MAX};
 use zeronav_msgs::message::COORDINATE_M_MAX;
+use zeronav_ros_messages::messages::OccupancyGrid;
+use zeronav_ros_messages::received::{decoded, plain_frame, planar_pose};
 
 /// Its type.
 pub(super) const MAP: &str = "nav_msgs/msg/OccupancyGrid";
@@ -15,18 +15,6 @@ const HELD_MAX: usize = 3;
 
 /// The topic on which a `map_server`, and a node that maps, publish.
 const USUAL: &str = "/map";
-
-#[derive(Deserialize)]
-struct OccupancyGrid {
-    header: Header,
-    _map_load_time: Time,
-    resolution: f32,
-    width: u32,
-    height: u32,
-    position: Vector3,
-    orientation: Quaternion,
-    data: Vec<i8>,
-}
 
 /// The newest map of each topic, and how many there were.
 #[derive(Default)]
@@ -98,23 +86,24 @@ impl Maps {
 /// A map whose numbers can be those of one.
 fn read(data: &[u8]) -> Option<LogMap> {
     let it: OccupancyGrid = decoded(data)?;
-    let corner = pose(&it.position, &it.orientation)?;
-    let resolution_m = shortest(it.resolution);
+    let info = it.info;
+    let corner = planar_pose(&info.origin.position, &info.origin.orientation)?;
+    let resolution_m = shortest(info.resolution);
     let [least_m, most_m] = RESOLUTION_M;
     let sides = 1..=SIDE_CELLS_MAX;
-    let n_cells = u64::from(it.width) * u64::from(it.height);
+    let n_cells = u64::from(info.width) * u64::from(info.height);
     let is_sound = (least_m..=most_m).contains(&resolution_m)
-        && sides.contains(&it.width)
-        && sides.contains(&it.height)
+        && sides.contains(&info.width)
+        && sides.contains(&info.height)
         && n_cells == it.data.len() as u64
         && [corner.x_m, corner.y_m]
             .iter()
             .all(|at| at.abs() <= COORDINATE_M_MAX);
     is_sound.then(|| LogMap {
-        frame: plain(&it.header.frame_id).to_owned(),
+        frame: plain_frame(&it.header.frame_id).to_owned(),
         corner,
         resolution_m,
-        size: (it.width, it.height),
+        size: (info.width, info.height),
         cells: it.data,
     })
 }

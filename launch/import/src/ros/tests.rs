@@ -2,7 +2,7 @@
 
 use super::*;
 use proptest::prelude::*;
-use zeronav_recorder::ros::{cdr, messages, view};
+use zeronav_ros_messages::{cdr, messages, view};
 
 const MS: u64 = 1_000_000;
 
@@ -10,7 +10,7 @@ fn scan(ms: u64, ranges: &[f32]) -> Vec<u8> {
     let scan = messages::LaserScan {
         header: messages::Header {
             stamp: view::time(ms * MS),
-            frame_id: "laser",
+            frame_id: "laser".into(),
         },
         angle_min: -1.0,
         angle_max: 1.0,
@@ -148,7 +148,7 @@ fn map(change: impl FnOnce(&mut messages::OccupancyGrid)) -> Vec<u8> {
     let mut map = messages::OccupancyGrid {
         header: messages::Header {
             stamp: view::time(MS),
-            frame_id: "map",
+            frame_id: "map".into(),
         },
         info: messages::MapMetaData {
             map_load_time: view::time(MS),

@@ -1,9 +1,9 @@
 use super::*;
 use crate::read::summary;
-use crate::times::TimeBase;
 use std::io::Cursor;
 use zeronav_msgs::run::{RunClock, RunMode};
 use zeronav_msgs::topics::SPANS;
+use zeronav_ros_messages::times::TimeBase;
 
 /// Bytes of a message.
 const BYTES: usize = 400;

@@ -1,8 +1,8 @@
 //! The file `metadata.yaml` that makes a folder with a recording a bag of rosbag2.
 
-use super::RosTopic;
 use std::collections::BTreeMap;
 use std::fmt::Write;
+use zeronav_ros_messages::RosTopic;
 
 /// Name of the file.
 pub const FILE: &str = "metadata.yaml";

@@ -42,7 +42,7 @@ macro_rules! ros_topics {
             pub fn definition(self) -> &'static str {
                 match self {
                     $(Self::$variant => include_str!(
-                        concat!("../../msgs/", stringify!($kind), ".msg")
+                        concat!("../msgs/", stringify!($kind), ".msg")
                     )),*
                 }
             }

@@ -41,7 +41,7 @@ pub fn time(ns: u64) -> ros::Time {
 pub fn header(ns: u64, frame_id: &'static str) -> ros::Header {
     ros::Header {
         stamp: time(ns),
-        frame_id,
+        frame_id: frame_id.into(),
     }
 }
 
@@ -82,7 +82,7 @@ pub fn transform(
     ros::TfMessage {
         transforms: vec![ros::TransformStamped {
             header: header(ns, parent),
-            child_frame_id: child,
+            child_frame_id: child.into(),
             translation: it.position,
             rotation: it.orientation,
         }],
@@ -149,7 +149,7 @@ pub fn cloud(
         width,
         fields: fields
             .map(|(name, offset)| ros::PointField {
-                name,
+                name: name.into(),
                 offset,
                 datatype: FLOAT32,
                 count: 1,
@@ -183,7 +183,7 @@ pub fn odometry(ns: u64, odometry: &Odometry) -> ros::Odometry {
     (covariance[0][0], covariance[1][1], covariance[5][5]) = (x, y, yaw);
     ros::Odometry {
         header: header(ns, frame::ODOM),
-        child_frame_id: frame::BASE,
+        child_frame_id: frame::BASE.into(),
         pose: ros::PoseWithCovariance {
             pose: pose(&odometry.pose),
             covariance,
@@ -301,7 +301,7 @@ pub fn map_update(
 fn marker(ns: u64, action: i32) -> ros::Marker {
     ros::Marker {
         header: header(ns, frame::MAP),
-        ns: "tracks",
+        ns: "tracks".into(),
         id: 0,
         kind: 3, // CYLINDER
         action,
@@ -312,11 +312,11 @@ fn marker(ns: u64, action: i32) -> ros::Marker {
         frame_locked: false,
         points: Vec::new(),
         colors: Vec::new(),
-        texture_resource: "",
+        texture_resource: "".into(),
         texture: ros::CompressedImage::default(),
         uv_coordinates: Vec::new(),
         text: String::new(),
-        mesh_resource: "",
+        mesh_resource: "".into(),
         mesh_file: ros::MeshFile::default(),
         mesh_use_embedded_materials: false,
     }
@@ -374,18 +374,18 @@ pub fn diagnostic(role: Role, health: &Health) -> ros::DiagnosticStatus {
         } else {
             format!("{word}: {reasons}")
         },
-        hardware_id: "",
+        hardware_id: "".into(),
         values: vec![
             ros::KeyValue {
-                key: "pid",
+                key: "pid".into(),
                 value: health.pid.to_string(),
             },
             ros::KeyValue {
-                key: "rejected",
+                key: "rejected".into(),
                 value: health.refused.to_string(),
             },
             ros::KeyValue {
-                key: "superseded",
+                key: "superseded".into(),
                 value: health.superseded.to_string(),
             },
         ],

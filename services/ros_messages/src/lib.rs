@@ -1,17 +1,23 @@
-//! The layer for the world: what a stack with ROS 2 would have sent.
+//! The messages of ROS 2, in CDR: what a stack stands for there ([`Ros`]), and what others sent ([`received`]).
 //!
-//! It shows what is obeyed: a shadow, or a newcomer that is not obeyed yet, moves nothing here.
+//! [`Ros`] shows what is obeyed: a shadow, or a newcomer that is not obeyed yet, moves nothing here.
+//!
+//! Pure: no middleware, no files, no clock.
 
-pub mod bag_folder;
+#![forbid(unsafe_code)]
+
 mod grid;
 pub mod messages;
 pub mod reasons;
+pub mod received;
+pub mod times;
 mod topics;
 pub mod view;
 
+/// Why a message has no form in CDR.
+pub use cdr_encoding::Error as CdrError;
 pub use topics::{Qos, RosTopic, frame};
 
-use crate::times::TimeBase;
 use bytemuck::{AnyBitPattern, NoUninit, pod_collect_to_vec, try_pod_read_unaligned};
 use byteorder::LittleEndian;
 use cdr_encoding::to_writer;
@@ -19,6 +25,7 @@ use grid::Grid;
 use reasons::{Reason, Reasons};
 use serde::Serialize;
 use std::collections::BTreeMap;
+use times::TimeBase;
 use zeronav_msgs::description::Description;
 use zeronav_msgs::header::{Header, Id};
 use zeronav_msgs::health::Health;
@@ -53,7 +60,7 @@ pub struct RosMessage {
 ///
 /// # Errors
 /// For what has no form in CDR, such as a sequence of unknown length.
-pub fn cdr<T: Serialize>(message: &T) -> Result<Vec<u8>, cdr_encoding::Error> {
+pub fn cdr<T: Serialize>(message: &T) -> Result<Vec<u8>, CdrError> {
     let mut bytes = CDR_LE.to_vec();
     to_writer::<T, LittleEndian, _>(&mut bytes, message)?;
     Ok(bytes)
@@ -118,6 +125,11 @@ impl Ros {
         }
     }
 
+    /// Moments are from now on told by these times.
+    pub fn set_times(&mut self, times: TimeBase) {
+        self.times = times;
+    }
+
     /// True when the map can only be shown again with a keyframe of mapping.
     #[must_use]
     pub fn needs_keyframe(&self) -> bool {
@@ -128,7 +140,7 @@ impl Ros {
     ///
     /// # Errors
     /// As [`cdr`].
-    pub fn see(&mut self, message: &Bytes<'_>) -> Result<Vec<RosMessage>, cdr_encoding::Error> {
+    pub fn see(&mut self, message: &Bytes<'_>) -> Result<Vec<RosMessage>, CdrError> {
         if let Some((_, _, seats)) = message.of::<RunControlTopic>() {
             self.seats = seats;
         } else if let Some((header, meta, ranges)) = self.obeyed::<RobotScan>(message) {
@@ -170,7 +182,7 @@ impl Ros {
         Ok(core::mem::take(&mut self.made))
     }
 
-    fn see_rare(&mut self, message: &Bytes<'_>) -> Result<(), cdr_encoding::Error> {
+    fn see_rare(&mut self, message: &Bytes<'_>) -> Result<(), CdrError> {
         if let Some((_, meta, _)) = self.obeyed::<RobotDescription>(message) {
             self.description = Some(meta);
             let ns = message.log_ns;
@@ -208,7 +220,7 @@ impl Ros {
         Ok(())
     }
 
-    fn see_map(&mut self, message: &Bytes<'_>) -> Result<(), cdr_encoding::Error> {
+    fn see_map(&mut self, message: &Bytes<'_>) -> Result<(), CdrError> {
         if let Some((header, info, tiles)) = self.obeyed::<MapUpdate>(message) {
             self.grid.update(header.id(), &info, &tiles);
             if info.is_last_part() {
@@ -234,7 +246,7 @@ impl Ros {
         Ok(())
     }
 
-    fn see_task(&mut self, message: &Bytes<'_>) -> Result<(), cdr_encoding::Error> {
+    fn see_task(&mut self, message: &Bytes<'_>) -> Result<(), CdrError> {
         let goal = if let Some((_, task, goals)) = message.of::<TaskGoal>() {
             self.goals = goals;
             self.shown_goal = 0;
@@ -257,7 +269,8 @@ impl Ros {
     }
 
     /// The message, if it is of topic `T` and its author is obeyed.
-    fn obeyed<T: Topic>(&self, message: &Bytes<'_>) -> Option<(Header, T::Meta, Vec<T::Item>)> {
+    #[must_use]
+    pub fn obeyed<T: Topic>(&self, message: &Bytes<'_>) -> Option<(Header, T::Meta, Vec<T::Item>)> {
         let (header, meta, items) = message.of::<T>()?;
         let id: Id = header.id();
         let seat = self.seats.iter().find(|seat| seat.role == header.role);
@@ -265,7 +278,7 @@ impl Ros {
         is_obeyed.then_some((header, meta, items))
     }
 
-    fn tell(&mut self, ns: u64, reason: Option<Reason>) -> Result<(), cdr_encoding::Error> {
+    fn tell(&mut self, ns: u64, reason: Option<Reason>) -> Result<(), CdrError> {
         match reason {
             Some(reason) => self.make(RosTopic::Why, ns, &reason.message(ns)),
             None => Ok(()),
@@ -277,7 +290,7 @@ impl Ros {
         topic: RosTopic,
         log_ns: u64,
         message: &T,
-    ) -> Result<(), cdr_encoding::Error> {
+    ) -> Result<(), CdrError> {
         let bytes = cdr(message)?;
         self.made.push(RosMessage {
             topic,
