@@ -37,9 +37,15 @@ pub const REASON_NO_LOAN: u32 = 1 << 6;
 /// Reason bit: an output was longer than its writer was opened for and was dropped, since the
 /// start.
 pub const REASON_TOO_LONG: u32 = 1 << 7;
+/// Reason bit: no transforms say where the robot's lidar is.
+pub const REASON_TRANSFORM: u32 = 1 << 8;
+/// Reason bit: the robot's own clock was set, or stands still.
+pub const REASON_CLOCK: u32 = 1 << 9;
+/// Reason bit: two nodes publish what the robot measures.
+pub const REASON_PUBLISHERS: u32 = 1 << 10;
 
 /// The reason bits and a word for each.
-pub const REASONS: [(u32, &str); 8] = [
+pub const REASONS: [(u32, &str); 11] = [
     (REASON_SCAN, "scan"),
     (REASON_ODOMETRY, "odometry"),
     (REASON_MAP, "map"),
@@ -48,6 +54,9 @@ pub const REASONS: [(u32, &str); 8] = [
     (REASON_REFUSED, "rejected"),
     (REASON_NO_LOAN, "no_memory"),
     (REASON_TOO_LONG, "too_long"),
+    (REASON_TRANSFORM, "transform"),
+    (REASON_CLOCK, "clock"),
+    (REASON_PUBLISHERS, "publishers"),
 ];
 
 /// The words for a sum of reason bits; unknown bits have none.

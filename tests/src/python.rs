@@ -4,6 +4,7 @@ use rustix::fs::{FlockOperation, flock};
 use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::OnceLock;
 
 use crate::{binaries, executable, workspace};
 
@@ -12,6 +13,24 @@ const PACKAGE: &str = "services/python";
 
 /// What reads recordings, from the package registry.
 const READERS: [&str; 3] = ["mcap==1.6.0", "mcap-ros2-support==0.6.0", "rosbags==0.11.9"];
+
+/// ROS 2 as unofficial packages for Python have it, with Fast DDS: rclpy and messages of a distribution that
+/// belong together.
+const KILTED: [&str; 10] = [
+    "ros-rclpy[fastrtps]==9.1.2",
+    "ros-nav-msgs==5.5.1",
+    "ros-sensor-msgs==5.5.1",
+    "ros-geometry-msgs==5.5.1",
+    "ros-visualization-msgs==5.5.1",
+    "ros-diagnostic-msgs==5.5.1",
+    "empy==4.2.1",
+    "lark-parser==0.12.0",
+    "numpy==2.4.6",
+    "pyyaml==6.0.4",
+];
+
+/// Interfaces for which there are no packages, as they are built for that environment.
+const INTERFACES: &str = "services/ros2/tests/peers/interfaces.py";
 
 /// What a machine lacks that cannot make the environment.
 const NEEDED: &str = "install Python 3.11 or later with venv";
@@ -47,6 +66,27 @@ pub fn readers() -> PathBuf {
     let wanted = READERS.join("\n") + &version();
     environment("readers", wanted, |install| {
         install.args(READERS);
+    })
+}
+
+/// The Python of an environment with rclpy, and the folder of the interfaces that are built for it.
+///
+/// # Panics
+/// As [`python`], and without compilers and headers for C and C++.
+#[must_use]
+pub fn rclpy() -> &'static (PathBuf, PathBuf) {
+    static MADE: OnceLock<(PathBuf, PathBuf)> = OnceLock::new();
+    MADE.get_or_init(|| {
+        let wanted = KILTED.join("\n") + &version();
+        let python = environment("rclpy_kilted", wanted, |install| {
+            install.args(KILTED);
+        });
+        let interfaces = binaries().join("rclpy_kilted/interfaces");
+        let mut build = Command::new(&python);
+        build.arg(workspace().join(INTERFACES));
+        build.args(["--distro", "kilted"]).arg(&interfaces);
+        succeed(build, "install python3-dev and a compiler for C++");
+        (python, interfaces)
     })
 }
 

@@ -17,6 +17,9 @@ parameters! {
         hang_after_s: f64 = 0.5, [0.1, 3600.0] "s";
         /// Ticks for which a restarted seat stays empty, lockstep only.
         absent_ticks: u64 = 20, [0, 1_000_000];
+        /// The program in the robot's seat is restarted, too, in real time: the bridge to a robot that goes on by
+        /// itself. A simulated robot is not: its world would be lost.
+        robot: bool = false;
     }
 }
 

@@ -93,6 +93,9 @@ pub fn refresh_under_cargo(needed: Needed) -> Result<(), String> {
             "zeronav-tests",
             "--exclude",
             "zeronav-papers",
+            // Built when a scenario names it: others need no network of ROS.
+            "--exclude",
+            "zeronav-ros2",
             "--bins",
         ],
         Needed::Any => &["--bins"],
@@ -104,7 +107,7 @@ pub fn refresh_under_cargo(needed: Needed) -> Result<(), String> {
     }
 }
 
-/// Finds a binary like [`find`]; under cargo, a name that is not there may be an example that is
+/// Finds a binary like [`find`]; under cargo, a name that is not there may be a binary or an example that is
 /// still to be built.
 ///
 /// # Errors
@@ -115,7 +118,8 @@ pub fn find_or_build(name: &Path) -> Result<PathBuf, String> {
         return found;
     };
     let is_name = name.components().count() == 1;
-    if is_name && matches!(build(&["--example", example]), Some(Ok(true))) {
+    let is_built = |kind| matches!(build(&[kind, example]), Some(Ok(true)));
+    if is_name && (is_built("--bin") || is_built("--example")) {
         return find(name);
     }
     found

@@ -1,6 +1,6 @@
 //! What becomes of a seat whose process ended. A pure decision; killing and starting happen elsewhere.
 //!
-//! 1. The robot is not restarted: nothing else can stop the wheels, and a new simulator would be
+//! 1. The robot is not restarted unless the scenario says so: nothing else can stop the wheels, and a new simulator would be
 //!    another robot.
 //! 2. Bad configuration (exit code 2) and a contract mismatch (3) are not restarted: the next
 //!    start would end the same way.
@@ -64,7 +64,7 @@ impl Restarts {
         code: Option<i32>,
         run_ns: u64,
     ) -> Decision {
-        if role == Role::Robot {
+        if role == Role::Robot && !spec.robot {
             return Decision::GiveUp("the robot is not restarted");
         }
         match code {
@@ -284,5 +284,11 @@ mod tests {
         assert_eq!(decide(Some(3)), Decision::GiveUp(why));
         let robot = Restarts::default().decide(&spec, Role::Robot, Some(4), 0);
         assert_eq!(robot, Decision::GiveUp("the robot is not restarted"));
+        let spec = RestartSpec {
+            robot: true,
+            ..spec
+        };
+        let bridge = Restarts::default().decide(&spec, Role::Robot, None, 0);
+        assert_eq!(bridge, Decision::Restart(Duration::ZERO));
     }
 }

@@ -12,7 +12,7 @@ use iceoryx2::port::notifier::{Notifier, NotifierCreateError};
 use iceoryx2::prelude::{EventId, FileDescriptorBased, ipc};
 use iceoryx2::service::builder::event::EventOpenError;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
-use std::io::Read;
+use std::io::{ErrorKind, Read, Write};
 use std::os::fd::{AsFd, BorrowedFd};
 use std::os::unix::net::UnixStream;
 use zeronav_msgs::role::Role;
@@ -33,11 +33,25 @@ impl Rung {
     }
 }
 
-/// The own doorbell, and the pipe that wakes on signals.
+/// The own doorbell, and the pipes that wake on signals and for other threads.
 #[derive(Debug)]
 pub struct Doorbell {
     listener: Erased<Listener<ipc::Service>>,
     signals: UnixStream,
+    /// The own end of wakers, once one was asked for.
+    wakers: Option<(UnixStream, UnixStream)>,
+}
+
+/// Wakes a process from another of its threads.
+#[derive(Debug)]
+pub struct Waker(UnixStream);
+
+impl Waker {
+    /// Ends the wait, or the next one.
+    pub fn wake(&self) {
+        // A full pipe wakes, too.
+        let _ = (&self.0).write(&[0]);
+    }
 }
 
 impl Doorbell {
@@ -62,10 +76,28 @@ impl Doorbell {
         Ok(Self {
             listener: Erased::new(listener),
             signals,
+            wakers: None,
         })
     }
 
-    /// Sleeps until a ring, a signal or `deadline_ns` of the monotonic clock; says what rang.
+    /// What wakes it from another thread.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub fn waker(&mut self) -> std::io::Result<Waker> {
+        if self.wakers.is_none() {
+            let (own, other) = UnixStream::pair()?;
+            own.set_nonblocking(true)?;
+            other.set_nonblocking(true)?;
+            self.wakers = Some((own, other));
+        }
+        let other = self.wakers.as_ref().map(|(_, other)| other.try_clone());
+        other
+            .unwrap_or_else(|| Err(ErrorKind::NotConnected.into()))
+            .map(Waker)
+    }
+
+    /// Sleeps until a ring, a signal, a waker or `deadline_ns` of the monotonic clock; says what rang.
     #[allow(clippy::must_use_candidate, reason = "one may wait for the time alone")]
     pub fn wait(&self, deadline_ns: u64) -> Rung {
         let left_ns = deadline_ns.saturating_sub(now_ns()).min(WAKE_AT_LEAST_NS);
@@ -75,19 +107,21 @@ impl Doorbell {
         };
         {
             let bell = self.descriptor();
+            let own = self.wakers.as_ref().map_or(&self.signals, |(own, _)| own);
             let mut descriptors = [
                 PollFd::new(&bell, PollFlags::IN),
                 PollFd::from_borrowed_fd(self.signals.as_fd(), PollFlags::IN),
+                PollFd::from_borrowed_fd(own.as_fd(), PollFlags::IN),
             ];
+            let n = if self.wakers.is_some() { 3 } else { 2 };
             // An interrupted wait is a wake like any other.
-            let _ = poll(&mut descriptors, Some(&timeout));
+            let _ = poll(&mut descriptors[..n], Some(&timeout));
         }
         // The meaning of a signal is in its flag; its byte was only there to wake.
-        let mut bytes = [0; 16];
-        while (&self.signals)
-            .read(&mut bytes)
-            .is_ok_and(|n| n == bytes.len())
-        {}
+        drain(&self.signals);
+        if let Some((own, _)) = &self.wakers {
+            drain(own);
+        }
         let mut rung = Rung::default();
         let _ = self.listener.try_wait(|event| {
             let id = event.id.as_value();
@@ -107,6 +141,12 @@ impl Doorbell {
         // it lives; the borrow ends before the listener can be dropped, and nothing closes it.
         unsafe { BorrowedFd::borrow_raw(self.listener.file_descriptor().native_handle()) }
     }
+}
+
+/// Takes out what has come.
+fn drain(mut pipe: &UnixStream) {
+    let mut bytes = [0; 64];
+    while pipe.read(&mut bytes).is_ok_and(|n| n == bytes.len()) {}
 }
 
 /// The doorbells of the others.

@@ -5,7 +5,7 @@ use crate::printable::printable_event;
 use std::io::Write;
 use std::sync::Mutex;
 use tracing_subscriber::Layer as _;
-use tracing_subscriber::filter::Targets;
+use tracing_subscriber::filter::{LevelFilter, Targets};
 use tracing_subscriber::layer::SubscriberExt as _;
 use tracing_subscriber::util::SubscriberInitExt as _;
 
@@ -85,6 +85,9 @@ pub fn filter(text: &str) -> Result<String, String> {
     }
 }
 
+/// Libraries that log what only their authors read: nothing of them, unless the filter names them.
+const LIBRARIES: [&str; 2] = ["rustdds", "ros2_client"];
+
 /// Sends logs to stderr and quiets the middleware to errors.
 ///
 /// `filter` is a level or a filter directive; an unusable one falls back to `info`, aloud.
@@ -97,6 +100,11 @@ pub fn start(filter: &str) {
             Some(error),
         ),
     };
+    let targets = (LIBRARIES.iter())
+        .filter(|library| !filter.contains(**library))
+        .fold(targets, |targets, library| {
+            targets.with_target(*library, LevelFilter::OFF)
+        });
     // A second call in one process (tests) keeps the first subscriber, which is what is wanted.
     let lines = tracing_subscriber::fmt::layer()
         .with_writer(Mutex::new(Bounded::new(std::io::stderr())))

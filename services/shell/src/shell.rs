@@ -2,7 +2,7 @@
 
 use crate::clock::{self, now_ns, thread_cpu_ns};
 use crate::domain::Domain;
-use crate::doorbell::{Bells, Doorbell, Rung};
+use crate::doorbell::{Bells, Doorbell, Rung, Waker};
 use crate::due::{self, Due, Next, Trigger};
 use crate::error::StartError;
 use crate::flags::Flags;
@@ -145,6 +145,15 @@ impl Shell {
             self.wake_by_ns = self.woken_ns + link::LOOK_NS;
         }
         rung
+    }
+
+    /// What wakes this process from another of its threads, as for what comes over a network.
+    ///
+    /// # Errors
+    /// [`StartError::System`] when the system has no room.
+    pub fn waker(&mut self) -> Result<Waker, StartError> {
+        let waker = self.doorbell.waker();
+        waker.map_err(|error| StartError::system("making a waker", error))
     }
 
     /// Moment of the return from the wait. [ns]

@@ -8,8 +8,9 @@ use std::time::{Duration, Instant};
 use zeronav_msgs::command::VelocityCommand;
 use zeronav_msgs::header::Id;
 use zeronav_msgs::health::{
-    HealthState, REASON_MAP, REASON_NO_LOAN, REASON_ODOMETRY, REASON_PATH, REASON_REFUSED,
-    REASON_REQUEST, REASON_SCAN, REASON_TOO_LONG, SILENT_AFTER_NS,
+    HealthState, REASON_CLOCK, REASON_MAP, REASON_NO_LOAN, REASON_ODOMETRY, REASON_PATH,
+    REASON_PUBLISHERS, REASON_REFUSED, REASON_REQUEST, REASON_SCAN, REASON_TOO_LONG,
+    REASON_TRANSFORM, SILENT_AFTER_NS,
 };
 use zeronav_msgs::role::Role;
 use zeronav_msgs::span::{Span, SpanKind};
@@ -31,7 +32,7 @@ const RESTARTED: Duration = Duration::from_secs(2);
 const USAGE_PAUSE: Duration = Duration::from_secs(1);
 
 /// A word for each reason bit.
-const REASONS: [(u32, &str); 8] = [
+const REASONS: [(u32, &str); 11] = [
     (REASON_SCAN, "no scan"),
     (REASON_ODOMETRY, "no odometry"),
     (REASON_MAP, "no map"),
@@ -40,6 +41,9 @@ const REASONS: [(u32, &str); 8] = [
     (REASON_REFUSED, "messages rejected"),
     (REASON_NO_LOAN, "no memory to send"),
     (REASON_TOO_LONG, "output too long"),
+    (REASON_TRANSFORM, "no transform to the lidar"),
+    (REASON_CLOCK, "the robot's clock was set"),
+    (REASON_PUBLISHERS, "two publishers"),
 ];
 
 /// What is known of one seat.

@@ -54,6 +54,13 @@ fn allowed(from: &str) -> &'static [&'static str] {
             "zeronav-local-planner",
         ],
         "zeronav-measure" => &["zeronav-files", "zeronav-msgs", "zeronav-shell"],
+        "zeronav-ros2" => &[
+            "zeronav-msgs",
+            "zeronav-params",
+            "zeronav-robot-description",
+            "zeronav-ros-messages",
+            "zeronav-shell",
+        ],
         "zeronav-recorder" => &[
             "zeronav-files",
             "zeronav-msgs",

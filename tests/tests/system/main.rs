@@ -52,6 +52,7 @@ mod report;
 mod restarts;
 mod results;
 mod rollouts;
+mod ros2;
 mod rosmaps;
 mod scenarios;
 mod scheduling;
