@@ -1,4 +1,7 @@
-//! `zeronav import`: the log of another robot as a recording for `zeronav replay --open`.
+//! `zeronav import`: the log of another robot as a recording for `zeronav replay --open`, and the parameters of Nav2 as a
+//! scenario.
+
+mod nav2;
 
 use crate::output_file::{self, Problem};
 use clap::Args;
@@ -23,9 +26,10 @@ const OCCUPIED_MIN: i8 = 65;
 /// Arguments of `zeronav import`.
 #[derive(Debug, Clone, Args)]
 pub struct ImportArgs {
-    /// A bag of ROS 2 (an MCAP or .db3 file, or its folder), or a CARMEN log, which may be compressed by gzip.
+    /// A bag of ROS 2 (an MCAP or .db3 file, or its folder), or a CARMEN log, which may be compressed by gzip; or a parameter
+    /// file of Nav2 (.yaml).
     pub log: PathBuf,
-    /// The recording; without, `NAME_imported.mcap` in this folder.
+    /// The recording, or the scenario; without, `NAME_imported.mcap`, or `NAME_imported.toml`, in this folder.
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
     /// Replace a file of the same name.
@@ -37,9 +41,13 @@ pub struct ImportArgs {
     /// The topic of the odometry, of a bag that has several.
     #[arg(long, value_name = "TOPIC")]
     pub odometry: Option<String>,
-    /// The topic of the map that the robot knew, of a bag that has several maps and none on /map.
-    #[arg(long, value_name = "TOPIC")]
+    /// The topic of the map that the robot knew, of a bag that has several maps and none on /map; beside parameters of
+    /// Nav2, the YAML file of the map of a `map_server`.
+    #[arg(long, value_name = "TOPIC|MAP")]
     pub map: Option<String>,
+    /// The URDF of the robot, beside parameters of Nav2: where its lidar is, and its outline if they have none.
+    #[arg(long, value_name = "FILE")]
+    pub urdf: Option<PathBuf>,
     /// Print one JSON object.
     #[arg(long)]
     pub json: bool,
@@ -48,6 +56,24 @@ pub struct ImportArgs {
 /// `zeronav import`.
 #[must_use]
 pub fn import(arguments: &ImportArgs) -> ExitCode {
+    if zeronav_import::nav2::is_parameter_file(&arguments.log) {
+        if arguments.scan.is_some() || arguments.odometry.is_some() {
+            return usage(
+                "--scan and --odometry go with a bag: the parameters of Nav2 name topics themselves",
+            );
+        }
+        return nav2::import(&nav2::Order {
+            file: &arguments.log,
+            urdf: arguments.urdf.as_deref(),
+            map: arguments.map.as_deref().map(Path::new),
+            out: arguments.out.as_deref(),
+            force: arguments.force,
+            json: arguments.json,
+        });
+    }
+    if arguments.urdf.is_some() {
+        return usage("--urdf goes with a parameter file of Nav2 (.yaml), not with a log");
+    }
     let topics = Topics {
         scan: arguments.scan.clone(),
         odometry: arguments.odometry.clone(),

@@ -6,6 +6,7 @@
 mod carmen;
 mod clock;
 pub mod log;
+pub mod nav2;
 pub mod recording;
 mod ros;
 mod sqlite;
