@@ -1,5 +1,6 @@
 //! Programs of the other side, each a process with rclpy.
 
+use rustix::process::Signal;
 use serde_json::Value;
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
@@ -7,12 +8,16 @@ use std::process::{Child, Command, Stdio};
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
 use zeronav_tests::python::rclpy;
-use zeronav_tests::{await_by_itself, binaries, workspace};
+use zeronav_tests::{await_by_itself, binaries, send_signal, workspace};
 
 /// Domains of ROS 2 for tests: some that nobody uses by default, each with ports that lie below those that the system
 /// gives out.
 const DOMAINS: core::ops::Range<u32> = 20..100;
+
+/// How long a peer may take to leave.
+const PATIENCE: Duration = Duration::from_secs(3);
 
 /// A domain of ROS 2 that no other test of this program is in, and hardly one of another.
 pub(super) fn domain() -> u32 {
@@ -106,6 +111,13 @@ impl Peer {
 
 impl Drop for Peer {
     fn drop(&mut self) {
+        // Asked first: Fast DDS leaves its shared memory behind when it is killed.
+        drop(self.process.stdin.take());
+        let _ = send_signal(self.process.id(), Signal::TERM);
+        let asked = Instant::now();
+        while asked.elapsed() < PATIENCE && matches!(self.process.try_wait(), Ok(None)) {
+            std::thread::sleep(Duration::from_millis(10));
+        }
         let _ = self.process.kill();
         let _ = self.process.wait();
         if let Some(reader) = self.reader.take() {
