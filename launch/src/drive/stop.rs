@@ -4,10 +4,14 @@ use super::session::{LEASE_TICKS, Session};
 use std::time::{Duration, Instant};
 use zeronav_msgs::role::Role;
 use zeronav_msgs::run::RunMode;
+use zeronav_supervise::own_time::Patience;
 use zeronav_supervise::stack::Stack;
 
-/// How long the robot may take to stand.
+/// Own time that the robot and its guard may take until the robot stands.
 const STAND_LIMIT: Duration = Duration::from_secs(4);
+
+/// The same on a machine that has no time for them, by the clock.
+const STARVED_LIMIT: Duration = Duration::from_secs(20);
 
 /// How long clients that gave goals can still ask what became of them: `--wait` asks ten times a
 /// second.
@@ -27,10 +31,16 @@ impl Session<'_> {
         };
         stack.pause(false);
         stack.stop_robot();
+        let mut waits: Vec<Patience> = (stack.children.iter())
+            .filter(|child| matches!(child.role, Role::Robot | Role::CollisionGuard))
+            .map(|child| Patience::with(child.pid()))
+            .collect();
         loop {
             self.listen(stack);
             self.serve(stack);
-            let is_over = self.is_stopped(stack) || started.elapsed() >= STAND_LIMIT;
+            waits.retain_mut(|wait| !wait.is_over(STAND_LIMIT));
+            let too_long = waits.is_empty() || started.elapsed() >= STARVED_LIMIT;
+            let is_over = too_long || self.is_stopped(stack);
             if is_over && started.elapsed() >= answer_time {
                 tracing::info!(at_rest = self.is_at_rest(), "the robot was stopped");
                 return;

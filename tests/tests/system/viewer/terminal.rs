@@ -77,6 +77,9 @@ impl Drop for OnTerminal {
     fn drop(&mut self) {
         let _ = self.process.kill();
         let _ = self.process.wait();
+        if std::thread::panicking() {
+            eprintln!("on the terminal: {}", self.said());
+        }
     }
 }
 
@@ -110,8 +113,10 @@ fn on_a_terminal_a_stack_has_a_page_that_ends_with_it() {
     assert_eq!(leftovers(Path::new(&root)), Vec::<PathBuf>::new());
 
     // One that dies comes back under the same link as often as its budget allows, and is then missed by
-    // nobody; another can be had.
-    let stack = OnTerminal::start("up open_aisle");
+    // nobody; another can be had. The usual port could be taken by the page of another test meanwhile, any
+    // that is free by a connection.
+    let port = 20_000 + std::process::id() % 10_000;
+    let stack = OnTerminal::start(&format!("up open_aisle --port {port}"));
     let root = stack.word("/dev/shm/zn_");
     let link = stack.word("http://127.0.0.1:");
     let launch = stack.pids().0;
