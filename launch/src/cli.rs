@@ -6,6 +6,7 @@ use crate::bisect::BisectArgs;
 use crate::busy;
 use crate::compare::cli::CompareArgs;
 use crate::debug::DebugArgs;
+use crate::doctor::DoctorArgs;
 use crate::import::ImportArgs;
 use crate::latency::cli::LatencyArgs;
 use crate::live_view::{PageArgs, ViewArgs};
@@ -155,12 +156,9 @@ pub enum Command {
     /// A live page of a running stack: prints its link, and serves it until the stack ends. Of a
     /// recording, a page that plays it.
     View(ViewArgs),
-    /// Whether this machine can run a stack well, and what to do where it cannot.
-    Doctor {
-        /// Print one JSON object.
-        #[arg(long)]
-        json: bool,
-    },
+    /// Whether this machine can run a stack well, or with --ros2 whether a robot of ROS 2 can be driven, and
+    /// what to do where it cannot.
+    Doctor(DoctorArgs),
     /// Run the worlds of a data set, or a folder of scenarios, in lockstep on all cores.
     Suite(SuiteArgs),
     /// Test whether a program may be swapped into a seat: the contract, clause by clause.

@@ -50,7 +50,7 @@ fn main() -> ExitCode {
     log::start();
     // Whatever a killed run has left is removed by the next command, whichever it is; the doctor
     // does it itself.
-    if !matches!(cli.command, Command::Doctor { .. }) {
+    if !matches!(cli.command, Command::Doctor(_)) {
         for root in zeronav_shell::domain::sweep_dead() {
             tracing::info!(root = %root.display(), "removed the domain of a run that was killed");
         }
@@ -83,7 +83,7 @@ fn main() -> ExitCode {
             Some(file) => view_recording::view(file, &arguments),
             None => live_view::view(&arguments),
         },
-        Command::Doctor { json } => doctor::doctor(json),
+        Command::Doctor(arguments) => doctor::doctor(&arguments),
         Command::Goal(arguments) => goal::goal(&arguments),
         Command::Goals(arguments) => goal::goals(&arguments),
         Command::Cancel(arguments) => verbs::cancel(&arguments),

@@ -3,8 +3,10 @@
 mod checks;
 mod logind;
 mod processor;
+mod ros2;
 
 use checks::{Finding, Level};
+use clap::Args;
 use rustix::process::{Resource, getrlimit};
 use serde_json::json;
 use std::process::ExitCode;
@@ -13,9 +15,30 @@ use zeronav_console::terminal::{say, say_json};
 use zeronav_shell::memory::SHM;
 use zeronav_shell::{domain, printable};
 
+/// Arguments of `zeronav doctor`.
+#[derive(Debug, Clone, Args)]
+pub struct DoctorArgs {
+    /// Look at a robot of ROS 2: who publishes what and how, rates, ages, transforms, clocks.
+    #[arg(long)]
+    pub ros2: bool,
+    /// Scenario whose robot it is, which names its topics; without, those that are usual.
+    #[arg(requires = "ros2")]
+    pub scenario: Option<String>,
+    /// How long to listen to it. [s]
+    #[arg(long, requires = "ros2", value_name = "S", default_value_t = 6, value_parser = clap::value_parser!(u64).range(1..=600))]
+    pub seconds: u64,
+    /// Print one JSON object.
+    #[arg(long)]
+    pub json: bool,
+}
+
 /// `zeronav doctor`.
 #[must_use]
-pub fn doctor(json: bool) -> ExitCode {
+pub fn doctor(arguments: &DoctorArgs) -> ExitCode {
+    if arguments.ros2 {
+        return ros2::doctor(arguments);
+    }
+    let json = arguments.json;
     let findings = examine();
     let worst = findings.iter().map(|finding| finding.level).max();
     let can_run = worst < Some(Level::Error);

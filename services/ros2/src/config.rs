@@ -17,6 +17,10 @@ parameters! {
         odom_topic: String = "/odom".to_owned();
         /// Topic of the velocity commands.
         cmd_vel_topic: String = "/cmd_vel".to_owned();
+        /// Topic of the transforms that change; robots with a name space have one of their own.
+        tf_topic: String = "/tf".to_owned();
+        /// Topic of those that do not.
+        tf_static_topic: String = "/tf_static".to_owned();
         /// Commands are `geometry_msgs/TwistStamped`, as bases want them from Jazzy on; otherwise `Twist`.
         cmd_vel_stamped: bool = false;
         /// Frame of the odometry.
@@ -29,6 +33,29 @@ parameters! {
         use_sim_time: bool = false;
         /// Where they meet.
         network: NetworkConfig;
+    }
+}
+
+impl RosConfig {
+    /// Accepts names that topics can have.
+    ///
+    /// # Errors
+    /// The field, and what is wrong with it.
+    pub fn check_names(&self) -> Result<(), (&'static str, String)> {
+        let topics = [
+            ("scan_topic", &self.scan_topic),
+            ("odom_topic", &self.odom_topic),
+            ("cmd_vel_topic", &self.cmd_vel_topic),
+            ("tf_topic", &self.tf_topic),
+            ("tf_static_topic", &self.tf_static_topic),
+        ];
+        for (field, name) in topics {
+            if let Err(why) = ros2_client::Name::parse(name) {
+                let why = format!("{name:?} cannot be the name of a topic: {why:?}");
+                return Err((field, why));
+            }
+        }
+        Ok(())
     }
 }
 
@@ -84,17 +111,8 @@ impl SeatConfig {
         let robot = self.robot.check();
         robot.map_err(|it| StartError::config(format!("robot.{}", it.field), it.why))?;
         zeronav_params::check(&self.ros).map_err(|it| StartError::config("ros", it.to_string()))?;
-        let topics = [
-            ("scan_topic", &self.ros.scan_topic),
-            ("odom_topic", &self.ros.odom_topic),
-            ("cmd_vel_topic", &self.ros.cmd_vel_topic),
-        ];
-        for (field, name) in topics {
-            if let Err(why) = ros2_client::Name::parse(name) {
-                let why = format!("{name:?} cannot be the name of a topic: {why:?}");
-                return Err(StartError::config(format!("ros.{field}"), why));
-            }
-        }
+        let names = self.ros.check_names();
+        names.map_err(|(field, why)| StartError::config(format!("ros.{field}"), why))?;
         if self.start.iter().any(|it| !it.is_finite()) {
             return Err(StartError::config("start", "it is not finite"));
         }
@@ -105,6 +123,7 @@ impl SeatConfig {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::path::Path;
 
     const TEXT: &str = r#"
         start = [1.0, 2.0, 0.5]
@@ -137,5 +156,29 @@ mod tests {
         );
         let unknown = toml::from_str::<SeatConfig>(&TEXT.replace("scan_topic", "scn_topic"));
         assert!(unknown.unwrap_err().to_string().contains("scn_topic"));
+    }
+
+    #[test]
+    fn topics_of_shipped_robots_are_those_that_such_robots_have() {
+        let robots = Path::new(env!("CARGO_MANIFEST_DIR")).join("robots");
+        // The TurtleBot 4 whose topics were listed has a name space.
+        for (name, space) in [("turtlebot4", "/robot1"), ("jackal", "")] {
+            let read = |file: String| std::fs::read_to_string(robots.join(file)).expect("a file");
+            let list = read(format!("topics/{name}.txt"));
+            let file: toml::Table = read(format!("{name}.toml")).parse().expect("TOML");
+            let ros = &file["services"]["robot"]["config"]["ros"];
+            let ros: RosConfig = ros.clone().try_into().expect("topics");
+            assert_eq!(ros.check_names(), Ok(()));
+            for topic in [
+                &ros.scan_topic,
+                &ros.odom_topic,
+                &ros.cmd_vel_topic,
+                &ros.tf_topic,
+                &ros.tf_static_topic,
+            ] {
+                let topic = format!("{space}{topic}");
+                assert!(list.lines().any(|it| it == topic), "{name}: {topic}");
+            }
+        }
     }
 }

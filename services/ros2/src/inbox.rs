@@ -5,6 +5,7 @@ use crate::inputs::{Arrived, Event};
 use ros2_client::dds::rustdds::mio1::{self, Events, Interest, Poll, Token};
 use ros2_client::qos::{Durability, History, QosProfile, WhenFull};
 use ros2_client::{MessageInfo, MessageTypeName, Name, Node, Subscription};
+use rustix::time::{ClockId, clock_gettime};
 use serde::de::DeserializeOwned;
 use std::io::ErrorKind;
 use std::sync::Arc;
@@ -14,7 +15,6 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 use zeronav_ros_messages::messages::{LaserScan, Odometry, TfMessage};
 use zeronav_shell::clock::now_ns;
-use zeronav_shell::doorbell::Waker;
 
 /// Messages that wait for the seat. Its loop is never away for so many.
 const WAITING_MAX: usize = 256;
@@ -24,6 +24,16 @@ const LOOK: Duration = Duration::from_millis(100);
 
 /// Messages of one topic that are taken in before the others have their turn.
 const TURN: usize = 32;
+
+/// `CLOCK_MONOTONIC` minus the time of the system. [ns]
+#[must_use]
+pub fn host_offset_ns() -> i64 {
+    let system = clock_gettime(ClockId::Realtime);
+    let system_ns = system.tv_sec.saturating_mul(1_000_000_000) + system.tv_nsec;
+    i64::try_from(now_ns())
+        .unwrap_or(i64::MAX)
+        .saturating_sub(system_ns)
+}
 
 /// The receiving end.
 #[derive(Debug)]
@@ -85,7 +95,7 @@ struct Subscriptions {
 struct Post {
     sender: SyncSender<Arrived>,
     counts: Arc<Counts>,
-    waker: Waker,
+    wake: Box<dyn Fn() + Send>,
 }
 
 impl Post {
@@ -116,16 +126,20 @@ impl Post {
         if self.sender.try_send(arrived).is_err() {
             self.counts.dropped.fetch_add(1, Ordering::Relaxed);
         }
-        self.waker.wake();
+        (self.wake)();
     }
 }
 
 impl Inbox {
-    /// Subscribes, and begins to hear.
+    /// Subscribes, and begins to hear; `wake` is called for each message.
     ///
     /// # Errors
     /// One line that names what cannot be made.
-    pub fn open(node: &mut Node, config: &RosConfig, waker: Waker) -> Result<Self, String> {
+    pub fn open(
+        node: &mut Node,
+        config: &RosConfig,
+        wake: impl Fn() + Send + 'static,
+    ) -> Result<Self, String> {
         let sensor = sensor_qos();
         let tf = ["tf2_msgs", "TFMessage"];
         let mut subscriptions = Subscriptions {
@@ -136,8 +150,8 @@ impl Inbox {
                 &sensor,
             )?,
             odometry: subscribe(node, &config.odom_topic, ["nav_msgs", "Odometry"], &sensor)?,
-            tf: subscribe(node, "/tf", tf, &sensor)?,
-            tf_static: subscribe(node, "/tf_static", tf, &static_qos())?,
+            tf: subscribe(node, &config.tf_topic, tf, &sensor)?,
+            tf_static: subscribe(node, &config.tf_static_topic, tf, &static_qos())?,
         };
         let poll = Poll::new().map_err(|error| format!("waiting for messages: {error}"))?;
         register(&poll, &mut subscriptions)
@@ -148,7 +162,7 @@ impl Inbox {
         let post = Post {
             sender,
             counts: Arc::clone(&counts),
-            waker,
+            wake: Box::new(wake),
         };
         let is_over = Arc::clone(&stop);
         let thread = std::thread::Builder::new()

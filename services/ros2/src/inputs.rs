@@ -332,6 +332,12 @@ impl Inputs {
         self.rejected + self.frames.rejected()
     }
 
+    /// Why messages were rejected, each reason once.
+    #[must_use]
+    pub fn reasons(&self) -> &[&'static str] {
+        &self.said
+    }
+
     /// `stack_from_odom`, once odometry has come.
     #[must_use]
     pub fn anchor(&self) -> Option<Pose> {

@@ -2,7 +2,8 @@
 //!
 //! How to read this crate: [`inputs`] turns what a robot sends into measurements of the contract, by way of [`stamps`]
 //! (clocks), [`frames`] (transforms) and [`publishers`]; [`timeline`] gives them run time and ticks. All of that is
-//! pure. [`network`] joins the network, [`inbox`] hears; [`seat`] is the process in the seat, [`beside`] the companion.
+//! pure. [`network`] joins the network, [`inbox`] hears; [`seat`] is the process in the seat, [`beside`] the companion, and
+//! [`doctor`] says what is in the way of a drive.
 
 #![forbid(unsafe_code)]
 
@@ -14,6 +15,7 @@ compile_error!(
 pub mod anchor;
 pub mod beside;
 pub mod config;
+pub mod doctor;
 pub mod frames;
 pub mod inbox;
 pub mod inputs;

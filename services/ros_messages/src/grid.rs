@@ -1,9 +1,10 @@
 //! The map as an occupancy grid: which of its cells changed, and when it is shown as a whole.
 
-use super::view::{UNKNOWN, occupancy};
+use super::view::{UNKNOWN, cost, occupancy};
 use zeronav_msgs::grid::{Cell, CellRect, GridGeometry};
 use zeronav_msgs::header::Id;
 use zeronav_msgs::map::{MapInfo, MapTile};
+use zeronav_msgs::pose::Pose;
 use zeronav_msgs::replica::MapReplica;
 
 /// Least time between two whole maps of the same geometry, in the file's time. [ns]
@@ -40,6 +41,35 @@ impl Grid {
     /// The cells of the geometry of the last [`News`].
     pub(super) fn cells(&self) -> &[i8] {
         &self.cells
+    }
+
+    /// Costs within `half_m` of a pose in the map along both axes, and where they lie; `None` off the map and
+    /// before it is known. [m]
+    pub(super) fn costs_around(&self, at: &Pose, half_m: f64) -> Option<(GridGeometry, Vec<i8>)> {
+        let view = self.replica.view()?;
+        let centre = view.geometry.cell_at(at.point())?;
+        #[allow(clippy::cast_possible_truncation, reason = "a window of some metres")]
+        let half = (half_m / view.geometry.resolution_m).ceil() as i32;
+        let next = Cell::new(centre.x + 1, centre.y + 1);
+        let (min, max) = (centre, next);
+        let rect = CellRect { min, max }.grown(half, view.geometry);
+        let mut costs = Vec::new();
+        for y in rect.min.y..rect.max.y {
+            for x in rect.min.x..rect.max.x {
+                let index = view.geometry.index_of(Cell::new(x, y))?;
+                costs.push(cost(view.cells[index]));
+            }
+        }
+        let offset_m = |cells: i32| f64::from(cells) * view.geometry.resolution_m;
+        let size = |from: i32, to: i32| u32::try_from(to - from).unwrap_or(0);
+        let geometry = GridGeometry {
+            origin_x_m: view.geometry.origin_x_m + offset_m(rect.min.x),
+            origin_y_m: view.geometry.origin_y_m + offset_m(rect.min.y),
+            width: size(rect.min.x, rect.max.x),
+            height: size(rect.min.y, rect.max.y),
+            ..*view.geometry
+        };
+        Some((geometry, costs))
     }
 
     pub(super) fn update(&mut self, id: Id, info: &MapInfo, tiles: &[MapTile]) {

@@ -29,6 +29,7 @@ use times::TimeBase;
 use zeronav_msgs::description::Description;
 use zeronav_msgs::header::{Header, Id};
 use zeronav_msgs::health::Health;
+use zeronav_msgs::pose::Pose;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::rollouts::RolloutOutcome;
 use zeronav_msgs::run::Seat;
@@ -134,6 +135,14 @@ impl Ros {
     #[must_use]
     pub fn needs_keyframe(&self) -> bool {
         self.grid.needs_keyframe()
+    }
+
+    /// Costs within `half_m` of a pose in the map along both axes, as a costmap of Nav2 is published; `None` off the
+    /// map and before it is known. [m], [ns]
+    #[must_use]
+    pub fn costs_around(&self, ns: u64, at: &Pose, half_m: f64) -> Option<messages::OccupancyGrid> {
+        let (geometry, costs) = self.grid.costs_around(at, half_m)?;
+        Some(view::map(ns, &geometry, &costs))
     }
 
     /// What comes of an accepted message, in the order in which it belongs into the file.

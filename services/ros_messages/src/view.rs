@@ -6,7 +6,7 @@ use zeronav_msgs::command::VelocityCommand;
 use zeronav_msgs::description::Description;
 use zeronav_msgs::grid::{CellRect, GridGeometry};
 use zeronav_msgs::health::{Health, HealthState, reason_labels};
-use zeronav_msgs::map::{COST_LETHAL, COST_UNKNOWN, FLAG_UNKNOWN, MapCell};
+use zeronav_msgs::map::{COST_INSCRIBED, COST_LETHAL, COST_UNKNOWN, FLAG_UNKNOWN, MapCell};
 use zeronav_msgs::obstacles::Obstacle;
 use zeronav_msgs::odometry::Odometry;
 use zeronav_msgs::path::Waypoint;
@@ -252,6 +252,17 @@ pub fn occupancy(cell: MapCell) -> i8 {
         UNKNOWN
     } else {
         0
+    }
+}
+
+/// A cell as costmaps of Nav2 are published: 100 is an obstacle, 99 is so close to one that the robot's centre cannot
+/// be there, -1 is unknown; what lies between falls with the distance from obstacles.
+#[must_use]
+pub fn cost(cell: MapCell) -> i8 {
+    match (occupancy(cell), cell.cost) {
+        (0, COST_INSCRIBED) => 99,
+        (0, between) => i8::try_from(u32::from(between) * 98 / 252).unwrap_or(98),
+        (other, _) => other,
     }
 }
 

@@ -23,7 +23,7 @@ use zeronav_tests::rooms::short_drive;
 use zeronav_tests::{Ended, Zeronav, real_time_turn, send_signal, workspace, zeronav};
 
 /// The only file in the only run of a folder that is called so.
-fn recording_of(folder: &Path) -> PathBuf {
+pub(super) fn recording_of(folder: &Path) -> PathBuf {
     let runs = std::fs::read_dir(folder.join("runs")).expect("runs");
     let runs: Vec<PathBuf> = runs.flatten().map(|run| run.path()).collect();
     assert_eq!(runs.len(), 1, "{runs:?}");
@@ -31,7 +31,7 @@ fn recording_of(folder: &Path) -> PathBuf {
 }
 
 /// What two readers of others say of a recording.
-fn read_by_others(file: &Path) -> Value {
+pub(super) fn read_by_others(file: &Path) -> Value {
     let script = workspace().join("tests/src/read_recording.py");
     let read = Command::new(readers())
         .arg(script)

@@ -93,21 +93,27 @@ struct CancelStamp {
 ///
 /// # Errors
 /// One line that names it.
-pub(super) fn open(node: &mut Node, distro: Distro, kind: Kind) -> Result<Box<dyn Action>, String> {
+pub(super) fn open(
+    node: &mut Node,
+    space: &str,
+    distro: Distro,
+    kind: Kind,
+) -> Result<Box<dyn Action>, String> {
     use layouts::{GoalsGoal, LoopedWaypointsGoal, PosesGoal, ToPoseGoal, WaypointsGoal};
     Ok(match (kind, distro) {
-        (Kind::ToPose, _) => server::<ToPoseGoal>(node, distro, kind)?,
+        (Kind::ToPose, _) => server::<ToPoseGoal>(node, space, distro, kind)?,
         (Kind::ThroughPoses, Distro::Humble | Distro::Jazzy) => {
-            server::<PosesGoal>(node, distro, kind)?
+            server::<PosesGoal>(node, space, distro, kind)?
         }
-        (Kind::ThroughPoses, _) => server::<GoalsGoal>(node, distro, kind)?,
-        (Kind::Waypoints, Distro::Humble) => server::<WaypointsGoal>(node, distro, kind)?,
-        (Kind::Waypoints, _) => server::<LoopedWaypointsGoal>(node, distro, kind)?,
+        (Kind::ThroughPoses, _) => server::<GoalsGoal>(node, space, distro, kind)?,
+        (Kind::Waypoints, Distro::Humble) => server::<WaypointsGoal>(node, space, distro, kind)?,
+        (Kind::Waypoints, _) => server::<LoopedWaypointsGoal>(node, space, distro, kind)?,
     })
 }
 
 fn server<G: GoalMessage>(
     node: &mut Node,
+    space: &str,
     distro: Distro,
     kind: Kind,
 ) -> Result<Box<dyn Action>, String> {
@@ -130,7 +136,7 @@ fn server<G: GoalMessage>(
     };
     let server = node.create_action_server(
         ServiceMapping::Enhanced,
-        &Name::new("/", name).map_err(|why| failed(&why))?,
+        &Name::parse(&format!("{space}/{name}")).map_err(|why| failed(&why))?,
         &ActionTypeName::new("nav2_msgs", kind_name),
         qos,
     );

@@ -23,6 +23,8 @@ parameters! {
     pub struct BesideConfig {
         /// Distribution of those who send goals; it decides how Nav2's actions are laid out.
         distro: Distro = Distro::Jazzy;
+        /// Name space of its topics, actions and services, such as `/robot_1`; empty for none.
+        namespace: String = String::new();
         /// How close counts, of goals that come from ROS 2.
         tolerance_m: f64 = 0.25, [0.01, 10.0] "m";
         /// How close the yaw must be, of such goals.

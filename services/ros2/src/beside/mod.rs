@@ -22,18 +22,19 @@ use navigator::{Navigator, in_map};
 use outputs::{Outputs, profile};
 use ros2_client::qos::{History, QosProfile};
 use ros2_client::{MessageTypeName, Name, Node, Publisher, Subscription};
+use serde::Serialize;
 use serde::de::DeserializeOwned;
 use states::States;
 use std::time::{Duration, Instant};
 use zeronav_params::{Parameter, describe};
 use zeronav_ros_messages::Qos;
-use zeronav_ros_messages::messages::{PoseStamped, PoseWithCovarianceStamped};
+use zeronav_ros_messages::messages::{OccupancyGrid, PoseStamped, PoseWithCovarianceStamped};
 use zeronav_shell::{Companion, Domain, Guest, StartError};
 
 /// Name of the node.
 const NODE: &str = "zeronav";
 
-/// Time between two poses on `/amcl_pose`.
+/// Time between two poses on `/amcl_pose`, and between two costmaps.
 const POSE_PAUSE: Duration = Duration::from_millis(500);
 
 /// Messages of a topic that are taken in at a look: of a flood, the newest of these counts.
@@ -47,6 +48,7 @@ pub struct Beside {
     goals: Subscription<PoseStamped>,
     estimates: Subscription<PoseWithCovarianceStamped>,
     located: Publisher<PoseWithCovarianceStamped>,
+    costs: Publisher<OccupancyGrid>,
     located_at: Option<Instant>,
     rejected: u64,
     // Behind what belongs to it.
@@ -63,18 +65,25 @@ impl Companion for Beside {
     fn check(config: &BesideConfig) -> Result<(), StartError> {
         Network::new(&config.network).map_err(StartError::Usage)?;
         zeronav_params::check(config)
-            .map_err(|it| StartError::config(it.path.clone(), it.to_string()))
+            .map_err(|it| StartError::config(it.path.clone(), it.to_string()))?;
+        let space = &config.namespace;
+        if let Err(why) = Name::parse(&format!("{space}/map")) {
+            let why = format!("{space:?} cannot be a name space such as /robot_1: {why:?}");
+            return Err(StartError::config("namespace", why));
+        }
+        Ok(())
     }
 
     fn open(guest: &Guest, config: BesideConfig) -> Result<Self, StartError> {
         let failed = |why: String| StartError::system("ROS 2", why);
         let network = Network::new(&config.network).map_err(StartError::Usage)?;
         let (_, mut node) = network.node(NODE).map_err(failed)?;
+        let space = config.namespace.as_str();
         let mut actions = Vec::new();
         for kind in [Kind::ToPose, Kind::ThroughPoses, Kind::Waypoints] {
-            actions.push(actions::open(&mut node, config.distro, kind).map_err(failed)?);
+            actions.push(actions::open(&mut node, space, config.distro, kind).map_err(failed)?);
         }
-        let states = config.nav2_states.then(|| States::open(&mut node));
+        let states = (config.nav2_states).then(|| States::open(&mut node, space));
         let tolerance = Tolerance {
             distance_m: config.tolerance_m,
             yaw_rad: config.yaw_tolerance_rad,
@@ -82,11 +91,15 @@ impl Companion for Beside {
         let reliable = QosProfile::subscription_default().history(History::KeepLast { depth: 10 });
         let goal = ["geometry_msgs", "PoseStamped"];
         let estimate = ["geometry_msgs", "PoseWithCovarianceStamped"];
-        let goals = subscribe(&mut node, "/goal_pose", goal, &reliable).map_err(failed)?;
-        let estimates =
-            subscribe(&mut node, "/initialpose", estimate, &reliable).map_err(failed)?;
-        let located = located(&mut node, estimate).map_err(failed)?;
-        let outputs = Outputs::open(guest, &mut node, config.robot_topics)?;
+        let name = format!("{space}/goal_pose");
+        let goals = subscribe(&mut node, &name, goal, &reliable).map_err(failed)?;
+        let name = format!("{space}/initialpose");
+        let estimates = subscribe(&mut node, &name, estimate, &reliable).map_err(failed)?;
+        let name = format!("{space}/amcl_pose");
+        let located = latched(&mut node, &name, estimate).map_err(failed)?;
+        let name = format!("{space}/local_costmap/costmap");
+        let costs = latched(&mut node, &name, ["nav_msgs", "OccupancyGrid"]).map_err(failed)?;
+        let outputs = Outputs::open(guest, &mut node, &config)?;
         tracing::info!(
             domain_id = network.domain_id,
             range = ?network.range,
@@ -100,6 +113,7 @@ impl Companion for Beside {
             goals,
             estimates,
             located,
+            costs,
             located_at: None,
             rejected: 0,
             _node: node,
@@ -152,6 +166,9 @@ impl Beside {
         if let Some((header, pose)) = self.outputs.located() {
             self.located_at = Some(Instant::now());
             let _ = (self.located).publish(PoseWithCovarianceStamped { header, pose });
+            if let Some(costs) = self.outputs.costs() {
+                let _ = self.costs.publish(costs);
+            }
         }
     }
 }
@@ -169,12 +186,14 @@ fn newest<M: DeserializeOwned + 'static>(from: &Subscription<M>) -> Option<M> {
     newest
 }
 
-fn located(
+/// Publishes what later subscribers get, too.
+fn latched<M: Serialize>(
     node: &mut Node,
+    name: &str,
     [package, kind]: [&str; 2],
-) -> Result<Publisher<PoseWithCovarianceStamped>, String> {
-    let failed = |why: &dyn core::fmt::Debug| format!("publishing /amcl_pose: {why:?}");
-    let name = Name::parse("/amcl_pose").map_err(|why| failed(&why))?;
+) -> Result<Publisher<M>, String> {
+    let failed = |why: &dyn core::fmt::Debug| format!("publishing {name}: {why:?}");
+    let name = Name::parse(name).map_err(|why| failed(&why))?;
     let kind = MessageTypeName::new(package, kind);
     let topic = node.create_topic(&name, kind, &profile(Qos::Latched));
     let topic = topic.map_err(|why| failed(&why))?;

@@ -1,5 +1,6 @@
 //! What the stack stands for in ROS 2, published.
 
+use super::config::BesideConfig;
 use super::taps::{Message, Taps};
 use crate::anchor::{self, Anchor};
 use ros2_client::qos::{Durability, History, QosProfile};
@@ -13,11 +14,14 @@ use zeronav_msgs::run::RunClock;
 use zeronav_msgs::topics::{
     EVENT_NEED_KEYFRAME, MapUpdate, RobotCommand, RobotOdometry, RobotScan, Topic,
 };
-use zeronav_ros_messages::messages::{PoseStamped, PoseWithCovariance, TfMessage};
+use zeronav_ros_messages::messages::{OccupancyGrid, PoseStamped, PoseWithCovariance, TfMessage};
 use zeronav_ros_messages::times::TimeBase;
 use zeronav_ros_messages::{Bytes, Qos, Ros, RosMessage, RosTopic, cdr, frame, view};
 use zeronav_shell::doorbell::Bells;
 use zeronav_shell::{Guest, StartError};
+
+/// Half the side of the costs that are shown around the robot. [m]
+const COSTS_HALF_M: f64 = 3.0;
 
 /// Least time between two requests for the whole map.
 const ASK_PAUSE: Duration = Duration::from_secs(1);
@@ -72,17 +76,17 @@ impl Outputs {
     pub(super) fn open(
         guest: &Guest,
         node: &mut Node,
-        robot_topics: bool,
+        config: &BesideConfig,
     ) -> Result<Self, StartError> {
         let clock = guest.roster().clock;
         let times = times(&clock);
         let mut publishers = BTreeMap::new();
         for topic in RosTopic::ALL {
             let is_goal = *topic == RosTopic::GoalPose;
-            if is_goal || (is_robots(*topic) && !robot_topics) {
+            if is_goal || (is_robots(*topic) && !config.robot_topics) {
                 continue;
             }
-            publishers.insert(*topic, publisher(node, *topic)?);
+            publishers.insert(*topic, publisher(node, &config.namespace, *topic)?);
         }
         Ok(Self {
             taps: Taps::open(guest.peer())?,
@@ -90,7 +94,7 @@ impl Outputs {
             bells: Bells::open(guest.peer())?,
             asked_at: None,
             publishers,
-            robot_topics,
+            robot_topics: config.robot_topics,
             anchor: None,
             looked_at: None,
             clock,
@@ -106,6 +110,12 @@ impl Outputs {
     pub(super) fn pose(&self) -> Option<PoseStamped> {
         let pose = self.map_from_odom?.then(&self.odom_from_base?);
         Some(view::pose_in_map(self.stamp_ns, &pose))
+    }
+
+    /// The costs around the robot.
+    pub(super) fn costs(&self) -> Option<OccupancyGrid> {
+        let pose = self.map_from_odom?.then(&self.odom_from_base?);
+        self.ros.costs_around(self.stamp_ns, &pose, COSTS_HALF_M)
     }
 
     /// The same as `amcl` says it.
@@ -251,11 +261,11 @@ pub(super) fn profile(qos: Qos) -> QosProfile {
     }
 }
 
-fn publisher(node: &mut Node, topic: RosTopic) -> Result<Publisher<Raw>, StartError> {
+fn publisher(node: &mut Node, space: &str, topic: RosTopic) -> Result<Publisher<Raw>, StartError> {
     let failed = |why: &dyn core::fmt::Debug| {
         StartError::system(format!("publishing {}", topic.name()), format!("{why:?}"))
     };
-    let name = Name::parse(topic.name()).map_err(|why| failed(&why))?;
+    let name = Name::parse(&format!("{space}{}", topic.name())).map_err(|why| failed(&why))?;
     let (package, kind) = topic.type_name().split_once("/msg/").unwrap_or_default();
     let kind = MessageTypeName::new(package, kind);
     let made = node.create_topic(&name, kind, &profile(topic.qos()));

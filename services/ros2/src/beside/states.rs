@@ -37,13 +37,13 @@ const INACTIVE: (u8, &str) = (2, "inactive");
 const ACTIVE: (u8, &str) = (3, "active");
 
 /// Nodes that are asked for their state.
-const NODES: [&str; 2] = ["/bt_navigator", "/amcl"];
+const NODES: [&str; 2] = ["bt_navigator", "amcl"];
 
 /// Nodes that are asked whether all is active.
 const MANAGERS: [&str; 3] = [
-    "/lifecycle_manager",
-    "/lifecycle_manager_navigation",
-    "/lifecycle_manager_localization",
+    "lifecycle_manager",
+    "lifecycle_manager_navigation",
+    "lifecycle_manager_localization",
 ];
 
 /// See the module's description.
@@ -54,11 +54,12 @@ pub(super) struct States {
 
 fn server<R: Message + 'static>(
     node: &mut Node,
+    space: &str,
     [of, name]: [&str; 2],
     [package, kind]: [&str; 2],
 ) -> Result<Server<NoFields, R>, String> {
     let failed = |why: &dyn core::fmt::Debug| format!("offering {of}/{name}: {why:?}");
-    let full = Name::new(of, name).map_err(|why| failed(&why))?;
+    let full = Name::parse(&format!("{space}/{of}/{name}")).map_err(|why| failed(&why))?;
     let qos = QosProfile::publisher_default().history(History::KeepLast { depth: 10 });
     let server = node.create_server(
         ServiceMapping::Enhanced,
@@ -75,18 +76,24 @@ impl States {
     ///
     /// # Errors
     /// One line that names the one that cannot be offered.
-    pub(super) fn open(node: &mut Node) -> Result<Self, String> {
+    pub(super) fn open(node: &mut Node, space: &str) -> Result<Self, String> {
         let mut states = Vec::new();
         for of in NODES {
             states.push(server(
                 node,
+                space,
                 [of, "get_state"],
                 ["lifecycle_msgs", "GetState"],
             )?);
         }
         let mut managers = Vec::new();
         for of in MANAGERS {
-            managers.push(server(node, [of, "is_active"], ["std_srvs", "Trigger"])?);
+            managers.push(server(
+                node,
+                space,
+                [of, "is_active"],
+                ["std_srvs", "Trigger"],
+            )?);
         }
         Ok(Self { states, managers })
     }

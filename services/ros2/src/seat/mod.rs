@@ -9,13 +9,12 @@ mod sensors;
 
 use crate::anchor::{self, Anchor};
 use crate::config::SeatConfig;
-use crate::inbox::Inbox;
+use crate::inbox::{Inbox, host_offset_ns};
 use crate::inputs::{Inputs, Trouble};
 use crate::network::Network;
 use crate::stamps::Stamps;
 use crate::timeline::Timeline;
 use commands::Commands;
-use rustix::time::{ClockId, clock_gettime};
 use sensors::Sensors;
 use zeronav_msgs::health::{
     REASON_CLOCK, REASON_ODOMETRY, REASON_PUBLISHERS, REASON_SCAN, REASON_TRANSFORM,
@@ -70,7 +69,8 @@ impl Service for RosRobot {
         let network = Network::new(&config.ros.network).map_err(StartError::Usage)?;
         let (_, mut node) = network.node(NODE).map_err(failed)?;
         let commands = Commands::open(shell.peer(), &mut node, &config)?;
-        let inbox = Inbox::open(&mut node, &config.ros, shell.waker()?).map_err(failed)?;
+        let waker = shell.waker()?;
+        let inbox = Inbox::open(&mut node, &config.ros, move || waker.wake()).map_err(failed)?;
         let ros = &config.ros;
         tracing::info!(
             domain_id = network.domain_id,
@@ -181,13 +181,4 @@ impl RosRobot {
         }
         is_troubled || is_silent(scan) || is_silent(odometry)
     }
-}
-
-/// `CLOCK_MONOTONIC` minus the time of the system. [ns]
-fn host_offset_ns() -> i64 {
-    let system = clock_gettime(ClockId::Realtime);
-    let system_ns = system.tv_sec.saturating_mul(1_000_000_000) + system.tv_nsec;
-    i64::try_from(now_ns())
-        .unwrap_or(i64::MAX)
-        .saturating_sub(system_ns)
 }

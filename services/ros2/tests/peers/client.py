@@ -46,6 +46,7 @@ class Client(Node):
         self.goal_pose = self.create_publisher(PoseStamped, "goal_pose", 10)
         self.initial_pose = self.create_publisher(PoseWithCovarianceStamped, "initialpose", 10)
         self.create_subscription(OccupancyGrid, "map", self.see_map, LATCHED)
+        self.create_subscription(OccupancyGrid, "local_costmap/costmap", self.see_costs, LATCHED)
         self.create_subscription(Path, "plan", self.see_plan, 10)
         self.create_subscription(PoseWithCovarianceStamped, "amcl_pose", self.see_pose, LATCHED)
         self.create_subscription(TFMessage, "tf", self.see_tf, 100)
@@ -53,6 +54,14 @@ class Client(Node):
     def say(self, **what):
         with self.lock:
             print(json.dumps(what), flush=True)
+
+    def see_costs(self, message):
+        info, cells = message.info, list(message.data)
+        corner = [info.origin.position.x, info.origin.position.y]
+        side = [info.width * info.resolution, info.height * info.resolution]
+        between = sum(1 for cell in cells if 0 < cell < 99)
+        counts = {"obstacle": cells.count(100), "inscribed": cells.count(99), "between": between}
+        self.say(kind="costs", frame=message.header.frame_id, corner=corner, side=side, **counts)
 
     def see_map(self, message):
         info = message.info

@@ -43,10 +43,10 @@ class Robot(Node):
             self.create_subscription(TwistStamped, args.cmd_vel, lambda it: self.drive(it.twist), reliable)
         else:
             self.create_subscription(Twist, args.cmd_vel, self.drive, reliable)
-        self.tf = self.create_publisher(TFMessage, "/tf", reliable)
+        self.tf = self.create_publisher(TFMessage, args.tf, reliable)
         if args.laser:
             latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-            self.tf_static = self.create_publisher(TFMessage, "/tf_static", latched)
+            self.tf_static = self.create_publisher(TFMessage, args.tf_static, latched)
             self.tf_static.publish(self.transform(0, args.base_frame, args.laser_frame, *args.laser))
         self.hardware = subprocess.Popen(
             [args.hardware, args.config, str(args.tick_hz)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
@@ -141,6 +141,8 @@ def main():
     parser.add_argument("--scan", default="/scan")
     parser.add_argument("--odom", default="/odom")
     parser.add_argument("--cmd-vel", default="/cmd_vel")
+    parser.add_argument("--tf", default="/tf")
+    parser.add_argument("--tf-static", default="/tf_static")
     parser.add_argument("--stamped", action="store_true")
     parser.add_argument("--odom-frame", default="odom")
     parser.add_argument("--base-frame", default="base_link")

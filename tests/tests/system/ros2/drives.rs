@@ -1,12 +1,16 @@
 //! A robot of ROS 2 in the robot's seat.
 
 use super::peer::{Peer, domain};
+use crate::recording::{read_by_others, recording_of};
 use rustix::process::Signal;
+use serde_json::Value;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 use tempfile::TempDir;
 use zeronav_robot_sim::SimConfig;
 use zeronav_scenario::Scenario;
-use zeronav_tests::{Zeronav, real_time_turn, send_signal, shipped};
+use zeronav_tests::{Zeronav, binaries, real_time_turn, send_signal, shipped, workspace, zeronav};
 
 /// The shipped scenario `name` with the robot of a ROS domain in it: its folder, and the configuration of the robot's
 /// hardware.
@@ -63,18 +67,86 @@ fn is_at_goal(robot: &Peer) {
     assert_eq!((&last["v"], &last["w"]), (&stop, &stop), "the last command");
 }
 
+/// What `zeronav doctor --ros2` finds of the robot of the scenario in `folder`, by what was looked at.
+fn doctor(folder: &Path, code: i32) -> BTreeMap<String, Value> {
+    let ended = Command::new(binaries().join("zeronav"))
+        .args(["doctor", "--ros2", "./it.toml", "--json"])
+        .current_dir(folder)
+        .env_remove("CARGO")
+        .output()
+        .expect("the doctor");
+    let said = String::from_utf8_lossy(&ended.stderr);
+    assert_eq!(ended.status.code(), Some(code), "{said}");
+    let findings: Value = serde_json::from_slice(&ended.stdout).expect("JSON");
+    let checks = findings["checks"].as_array().expect("checks").iter();
+    let name = |it: &Value| it["check"].as_str().expect("a name").to_owned();
+    checks.map(|it| (name(it), it.clone())).collect()
+}
+
+/// A robot with a name space, stamped commands, 20 Hz of odometry and a clock that is an hour ahead, looked at by the
+/// doctor, driven and recorded.
 #[test]
 fn a_robot_of_ros_2_is_driven_around_a_load_in_the_aisle() {
     let _turn = real_time_turn();
     let domain_id = domain();
-    let (folder, config) = folder_of("blocked_aisle", domain_id, "");
-    // Its clock is an hour ahead.
-    let more = [&LASER[..], &["--clock-ahead-s", "3600"]].concat();
+    let more = "config.ros.scan_topic = \"/r2/sensors/scan\"\nconfig.ros.odom_topic = \"/r2/odom\"\n\
+                config.ros.tf_topic = \"/r2/tf\"\nconfig.ros.tf_static_topic = \"/r2/tf_static\"\n\
+                config.ros.cmd_vel_topic = \"/r2/cmd_vel\"\nconfig.ros.cmd_vel_stamped = true\n";
+    let (folder, config) = folder_of("blocked_aisle", domain_id, more);
+    let nobody = doctor(folder.path(), 1);
+    assert_eq!(nobody["network"]["level"], "error", "{nobody:#?}");
+    let topics = [
+        ["--scan", "/r2/sensors/scan"],
+        ["--odom", "/r2/odom"],
+        ["--tf", "/r2/tf"],
+        ["--tf-static", "/r2/tf_static"],
+        ["--cmd-vel", "/r2/cmd_vel"],
+        ["--tick-hz", "20"],
+        ["--clock-ahead-s", "3600"],
+    ];
+    let more = [&LASER[..], topics.as_flattened(), &["--stamped"]].concat();
     let robot = Peer::robot(domain_id, &config, &more);
-    let ended = Zeronav::start_in(folder, &FLAGS).finish();
+    robot.wait_for("truth", |_| true);
+    let seen = doctor(folder.path(), 0);
+    for (check, words) in [
+        ("scan", "/r2/sensors/scan by /robot (best effort)"),
+        ("odometry", "/r2/odom by /robot (reliable)"),
+        ("transforms", "from laser to base_link"),
+        ("clock", "s ahead of this system's"),
+        ("wheels", "geometry_msgs/TwistStamped is heard by /robot"),
+    ] {
+        let text = seen[check]["seen"].as_str().expect("text");
+        assert!(text.contains(words), "{check}: {text}");
+    }
+    let clock = seen["clock"]["seen"].as_str().expect("text");
+    let ahead_s = clock
+        .split_once('+')
+        .and_then(|(_, it)| it.split(' ').next());
+    let ahead_s: f64 = ahead_s.and_then(|it| it.parse().ok()).expect("a number");
+    assert!((ahead_s - 3600.0).abs() < 1.0, "{clock}");
+    let ended = Zeronav::start_in(folder, &[&FLAGS[..], &["--record"]].concat()).finish();
     let result = ended.expect(0);
     assert_eq!(result["outcome"], "reached", "{}", ended.stderr);
     is_at_goal(&robot);
+    // Others read the recording of it.
+    let read = read_by_others(&recording_of(ended.folder.path()));
+    assert_eq!(read["odometry_is_equal"], true, "{read:#}");
+    assert_eq!(read["folder"], read["decoded"], "{read:#}");
+    for topic in ["/scan", "/odom", "/cmd_vel", "/map", "/plan"] {
+        assert!(
+            read["rosbags"][topic].as_u64() > Some(0),
+            "{topic}: {read:#}"
+        );
+    }
+}
+
+#[test]
+fn shipped_robots_are_accepted() {
+    for name in ["turtlebot4", "jackal"] {
+        let file = workspace().join(format!("services/ros2/robots/{name}.toml"));
+        let ended = zeronav(&["check", &file.display().to_string()]);
+        assert_eq!(ended.code(), 0, "{}", ended.stderr);
+    }
 }
 
 #[test]

@@ -60,6 +60,21 @@ fn clients_of_nav2_see_the_stack_and_drive_it() {
         [&again["width"], &again["height"]]
     );
     assert!(map["occupied"].as_u64() > Some(100), "{map}");
+    // The costs around the robot, which stands at 3, 8.5 beside a rack.
+    let costs = client.wait_for("costs", |it| it["obstacle"].as_u64() > Some(10));
+    assert_eq!(costs["frame"], "map", "{costs}");
+    let (side, corner) = (&costs["side"][0], &costs["corner"][0]);
+    assert!(
+        (side.as_f64().expect("a side") - 6.0).abs() < 0.2,
+        "{costs}"
+    );
+    assert!(
+        corner.as_f64().is_some_and(|x_m| x_m.abs() < 0.2),
+        "{costs}"
+    );
+    for kind in ["inscribed", "between"] {
+        assert!(costs[kind].as_u64() > Some(10), "{costs}");
+    }
     for names in [["map", "odom"], ["odom", "base_link"]] {
         client.wait_for("tf", |it| [&it["parent"], &it["child"]] == names);
     }
