@@ -13,6 +13,7 @@ mod processes;
 pub mod python;
 pub mod results;
 pub mod rooms;
+pub mod ros2;
 mod said;
 pub mod seats;
 pub mod structure;

@@ -14,6 +14,9 @@ const PACKAGE: &str = "services/python";
 /// What reads recordings, from the package registry.
 const READERS: [&str; 3] = ["mcap==1.6.0", "mcap-ros2-support==0.6.0", "rosbags==0.11.9"];
 
+/// Names the distribution of ROS 2 whose peers are taken: `kilted`, or `jazzy`.
+const DISTRO: &str = "ZERONAV_RCLPY";
+
 /// ROS 2 as unofficial packages for Python have it, with Fast DDS: rclpy and messages of a distribution that
 /// belong together.
 const KILTED: [&str; 10] = [
@@ -23,6 +26,20 @@ const KILTED: [&str; 10] = [
     "ros-geometry-msgs==5.5.1",
     "ros-visualization-msgs==5.5.1",
     "ros-diagnostic-msgs==5.5.1",
+    "empy==4.2.1",
+    "lark-parser==0.12.0",
+    "numpy==2.4.6",
+    "pyyaml==6.0.4",
+];
+
+/// The same of Jazzy.
+const JAZZY: [&str; 10] = [
+    "ros-rclpy[fastrtps]==7.1.6",
+    "ros-nav-msgs==5.3.6",
+    "ros-sensor-msgs==5.3.6",
+    "ros-geometry-msgs==5.3.6",
+    "ros-visualization-msgs==5.3.6",
+    "ros-diagnostic-msgs==5.3.6",
     "empy==4.2.1",
     "lark-parser==0.12.0",
     "numpy==2.4.6",
@@ -69,6 +86,20 @@ pub fn readers() -> PathBuf {
     })
 }
 
+/// The distribution of ROS 2 whose peers are taken.
+///
+/// # Panics
+/// When `ZERONAV_RCLPY` names another one than `kilted` and `jazzy`.
+#[must_use]
+pub fn distro() -> String {
+    let distro = std::env::var(DISTRO).unwrap_or_else(|_| "kilted".to_owned());
+    assert!(
+        ["kilted", "jazzy"].contains(&distro.as_str()),
+        "{DISTRO} is {distro:?}, must be kilted or jazzy"
+    );
+    distro
+}
+
 /// The Python of an environment with rclpy, and the folder of the interfaces that are built for it.
 ///
 /// # Panics
@@ -77,14 +108,17 @@ pub fn readers() -> PathBuf {
 pub fn rclpy() -> &'static (PathBuf, PathBuf) {
     static MADE: OnceLock<(PathBuf, PathBuf)> = OnceLock::new();
     MADE.get_or_init(|| {
-        let wanted = KILTED.join("\n") + &version();
-        let python = environment("rclpy_kilted", wanted, |install| {
-            install.args(KILTED);
+        let distro = distro();
+        let packages = if distro == "jazzy" { JAZZY } else { KILTED };
+        let name = format!("rclpy_{distro}");
+        let wanted = packages.join("\n") + &version();
+        let python = environment(&name, wanted, |install| {
+            install.args(packages);
         });
-        let interfaces = binaries().join("rclpy_kilted/interfaces");
+        let interfaces = binaries().join(&name).join("interfaces");
         let mut build = Command::new(&python);
         build.arg(workspace().join(INTERFACES));
-        build.args(["--distro", "kilted"]).arg(&interfaces);
+        build.args(["--distro", &distro]).arg(&interfaces);
         succeed(build, "install python3-dev and a compiler for C++");
         (python, interfaces)
     })

@@ -36,7 +36,8 @@ pub struct DoctorArgs {
 #[must_use]
 pub fn doctor(arguments: &DoctorArgs) -> ExitCode {
     if arguments.ros2 {
-        return ros2::doctor(arguments);
+        let scenario = arguments.scenario.as_deref();
+        return ros2::doctor(scenario, arguments.seconds, arguments.json);
     }
     let json = arguments.json;
     let findings = examine();

@@ -1,6 +1,5 @@
 //! `zeronav doctor --ros2`: becomes the program that looks at a robot of ROS 2.
 
-use super::DoctorArgs;
 use std::os::unix::process::CommandExt;
 use std::path::Path;
 use std::process::{Command, ExitCode};
@@ -8,23 +7,26 @@ use zeronav_console::terminal::usage;
 use zeronav_scenario::Scenario;
 use zeronav_supervise::binaries;
 
-/// The program in the seat of a robot of ROS 2; that of Humble has more to its name.
+/// The program in the seat of a robot of ROS 2.
 const SEAT: &str = "zeronav-ros2";
+
+/// What the names of its programs end with: identities of Humble have another length.
+const DISTROS: [&str; 2] = ["", "-humble"];
 
 /// The program that looks.
 const BINARY: &str = "zeronav-ros2-doctor";
 
-/// `zeronav doctor --ros2`.
-pub(super) fn doctor(arguments: &DoctorArgs) -> ExitCode {
-    let ready = robot(arguments.scenario.as_deref())
+/// Listens for so long to the robot of the scenario, or to one with the usual topics. [s]
+pub(super) fn doctor(scenario: Option<&str>, seconds: u64, json: bool) -> ExitCode {
+    let ready = robot(scenario)
         .and_then(|(binary, ros)| Ok((binaries::find_or_build(Path::new(&binary))?, ros)));
     let (binary, ros) = match ready {
         Ok(ready) => ready,
         Err(problem) => return usage(&problem),
     };
     let mut command = Command::new(&binary);
-    command.args(["--ros", &ros, "--seconds", &arguments.seconds.to_string()]);
-    if arguments.json {
+    command.args(["--ros", &ros, "--seconds", &seconds.to_string()]);
+    if json {
         command.arg("--json");
     }
     let error = command.exec();
@@ -40,7 +42,8 @@ fn robot(scenario: Option<&str>) -> Result<(String, String), String> {
     let robot = &scenario.services.robot;
     let file = robot.binary.as_deref().and_then(Path::file_name);
     let seat = file.and_then(|it| it.to_str()).unwrap_or_default();
-    let Some(distro) = seat.strip_prefix(SEAT) else {
+    let distro = seat.strip_prefix(SEAT);
+    let Some(distro) = distro.filter(|it| DISTROS.contains(it)) else {
         return Err(format!(
             "{name}: its robot is no robot of ROS 2: [services.robot] binary = \"{SEAT}\""
         ));

@@ -10,8 +10,8 @@ use zeronav_supervise::stack::Stack;
 /// Own time that the robot and its guard may take until the robot stands.
 const STAND_LIMIT: Duration = Duration::from_secs(4);
 
-/// The same on a machine that has no time for them, by the clock.
-const STARVED_LIMIT: Duration = Duration::from_secs(20);
+/// The same on a machine that has no time for them, by the clock; `zeronav down` waits for longer.
+const STARVED_LIMIT: Duration = Duration::from_secs(10);
 
 /// How long clients that gave goals can still ask what became of them: `--wait` asks ten times a
 /// second.
@@ -35,11 +35,19 @@ impl Session<'_> {
             .filter(|child| matches!(child.role, Role::Robot | Role::CollisionGuard))
             .map(|child| Patience::with(child.pid()))
             .collect();
+        // Of processes that others have started only the clock is known.
+        let limit = if waits.is_empty() {
+            STAND_LIMIT
+        } else {
+            STARVED_LIMIT
+        };
         loop {
             self.listen(stack);
             self.serve(stack);
-            waits.retain_mut(|wait| !wait.is_over(STAND_LIMIT));
-            let too_long = waits.is_empty() || started.elapsed() >= STARVED_LIMIT;
+            let over = waits.iter_mut().map(|wait| wait.is_over(STAND_LIMIT));
+            let n_over = over.filter(|is_over| *is_over).count();
+            let are_over = n_over > 0 && n_over == waits.len();
+            let too_long = are_over || started.elapsed() >= limit;
             let is_over = too_long || self.is_stopped(stack);
             if is_over && started.elapsed() >= answer_time {
                 tracing::info!(at_rest = self.is_at_rest(), "the robot was stopped");

@@ -7,7 +7,10 @@ use crate::running::Running;
 use crate::topics::tap::{PAUSE, Tap};
 use std::time::{Duration, Instant};
 use zeronav_measure::result::moment::{Command, Moment, Obstacle, Path, Request};
-use zeronav_msgs::health::{HealthState, SILENT_AFTER_NS};
+use zeronav_msgs::health::{
+    HealthState, REASON_CLOCK, REASON_ODOMETRY, REASON_PUBLISHERS, REASON_SCAN, REASON_TRANSFORM,
+    SILENT_AFTER_NS,
+};
 use zeronav_msgs::role::Role;
 use zeronav_msgs::time::seconds;
 use zeronav_msgs::topics::{
@@ -111,15 +114,42 @@ impl Readers {
             Some(view) if view.meta.state() == Some(HealthState::Starting) => Some("is starting"),
             Some(_) => None,
         };
+        let troubled = |role: Role, health: &Latest<HealthTopic>| {
+            let reasons = health.get().map(|view| view.meta.reasons)?;
+            trouble(reasons).filter(|_| role == Role::Robot)
+        };
         let all = self.health.iter();
         all.filter_map(|(role, health)| {
+            let how = how(health).or_else(|| troubled(*role, health))?;
             Some(Missing {
                 role: role.to_string(),
-                how: how(health)?.to_owned(),
+                how: how.to_owned(),
             })
         })
         .collect()
     }
+}
+
+/// What a robot that is no simulation stands for, by its heartbeat.
+fn trouble(reasons: u32) -> Option<&'static str> {
+    let words = [
+        (
+            REASON_PUBLISHERS,
+            "is told by two nodes, which both publish scans or odometry, and stands",
+        ),
+        (
+            REASON_CLOCK,
+            "has a clock that was set or stands still, and stands",
+        ),
+        (
+            REASON_TRANSFORM,
+            "sends no transforms that say where its lidar is, and stands",
+        ),
+        (REASON_ODOMETRY, "sends no odometry, and stands"),
+        (REASON_SCAN, "sends no scans, and stands"),
+    ];
+    let named = words.iter().find(|(bit, _)| reasons & bit != 0);
+    named.map(|(_, words)| *words)
 }
 
 /// What holds now.
@@ -195,5 +225,19 @@ fn add(around: &mut Around, report: &RunReport) {
             let fault = format!("{} {} {}", fault.kind, fault.target, fault.figures);
             around.faults.push(fault.trim_end().to_owned());
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_worst_trouble_of_a_robot_is_named() {
+        assert_eq!(trouble(0), None);
+        let said = trouble(REASON_TRANSFORM | REASON_PUBLISHERS).expect("two troubles");
+        assert!(said.contains("two nodes"), "{said}");
+        let said = trouble(REASON_TRANSFORM).expect("a trouble");
+        assert!(said.contains("where its lidar is"), "{said}");
     }
 }

@@ -36,6 +36,21 @@ parameters! {
     }
 }
 
+/// The name of a topic with its name space.
+///
+/// # Errors
+/// What is wrong with it.
+pub fn whole_name(name: &str) -> Result<ros2_client::Name, String> {
+    let parsed = ros2_client::Name::parse(name);
+    let parsed =
+        parsed.map_err(|why| format!("{name:?} cannot be the name of a topic: {why:?}"))?;
+    if parsed.is_absolute() {
+        Ok(parsed)
+    } else {
+        Err(format!("{name:?} must begin with a slash"))
+    }
+}
+
 impl RosConfig {
     /// Accepts names that topics can have.
     ///
@@ -50,10 +65,7 @@ impl RosConfig {
             ("tf_static_topic", &self.tf_static_topic),
         ];
         for (field, name) in topics {
-            if let Err(why) = ros2_client::Name::parse(name) {
-                let why = format!("{name:?} cannot be the name of a topic: {why:?}");
-                return Err((field, why));
-            }
+            whole_name(name).map_err(|why| (field, why))?;
         }
         Ok(())
     }
@@ -154,6 +166,10 @@ mod tests {
             why.contains("ros.scan_topic") && why.contains("/front//scan"),
             "{why}"
         );
+        let text = TEXT.replace("/front/scan", "scan");
+        let config: SeatConfig = toml::from_str(&text).expect("a config");
+        let why = config.check().expect_err("a relative name").to_string();
+        assert!(why.contains("\"scan\" must begin with a slash"), "{why}");
         let unknown = toml::from_str::<SeatConfig>(&TEXT.replace("scan_topic", "scn_topic"));
         assert!(unknown.unwrap_err().to_string().contains("scn_topic"));
     }

@@ -118,6 +118,8 @@ impl Post {
     }
 
     fn pass(&self, event: Event, info: &MessageInfo) {
+        // Transforms say nothing by themselves: they are read with what comes next.
+        let is_measured = !matches!(event, Event::Transforms(_));
         let arrived = Arrived {
             event,
             came_ns: now_ns(),
@@ -126,12 +128,14 @@ impl Post {
         if self.sender.try_send(arrived).is_err() {
             self.counts.dropped.fetch_add(1, Ordering::Relaxed);
         }
-        (self.wake)();
+        if is_measured {
+            (self.wake)();
+        }
     }
 }
 
 impl Inbox {
-    /// Subscribes, and begins to hear; `wake` is called for each message.
+    /// Subscribes, and begins to hear; `wake` is called for each scan and odometry.
     ///
     /// # Errors
     /// One line that names what cannot be made.

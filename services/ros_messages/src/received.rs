@@ -70,11 +70,32 @@ pub struct ReceivedScan {
     pub invalid: InvalidRanges,
 }
 
+/// A step in time between two beams that can be one; drivers that leave it out leave anything. [s]
+fn step_s(time_increment: f32) -> f32 {
+    if (0.0..=TIME_INCREMENT_S_MAX).contains(&time_increment) {
+        time_increment
+    } else {
+        0.0
+    }
+}
+
+/// From the first beam, whose stamp the message has, to the last; of more beams than the contract holds, 0. [ns]
+#[must_use]
+pub fn turn_ns(message: &LaserScan) -> u64 {
+    match u32::try_from(message.ranges.len()) {
+        Ok(n @ 1..) if n as usize <= BEAMS_MAX => {
+            nanoseconds(f64::from(step_s(message.time_increment)) * f64::from(n - 1))
+        }
+        _ => 0,
+    }
+}
+
 /// A scan, its ranges as the contract has them.
 ///
 /// # Errors
 /// Why it cannot be one, naming the field.
 pub fn scan(message: LaserScan) -> Result<ReceivedScan, &'static str> {
+    let turn_ns = turn_ns(&message);
     let LaserScan {
         angle_min,
         angle_increment,
@@ -102,18 +123,15 @@ pub fn scan(message: LaserScan) -> Result<ReceivedScan, &'static str> {
         Ok(0) => return Err("it has no ranges"),
         _ => return Err("it has more ranges than the contract holds (4096)"),
     };
-    // Drivers that leave it out leave anything.
-    let is_step = (0.0..=TIME_INCREMENT_S_MAX).contains(&time_increment);
-    let time_increment_s = if is_step { time_increment } else { 0.0 };
     let range_m = [range_min, range_max.min(RANGE_M_MAX)];
     let invalid = clean_ranges(&mut ranges, range_m);
     Ok(ReceivedScan {
-        turn_ns: nanoseconds(f64::from(time_increment_s) * f64::from(n_beams - 1)),
+        turn_ns,
         scan: Scan {
             n_beams,
             angle_min_rad: angle_min,
             angle_increment_rad: angle_increment,
-            time_increment_s,
+            time_increment_s: step_s(time_increment),
             range_m_min: range_m[0],
             range_m_max: range_m[1],
             ..Scan::default()

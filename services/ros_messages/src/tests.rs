@@ -229,3 +229,42 @@ fn every_goal_is_shown_when_its_turn_comes() {
     };
     assert_eq!([7, 7, 8, 8, 0].map(&mut status), [0, 0, 1, 0, 0]);
 }
+
+#[test]
+fn costs_are_those_of_nav2_and_cut_off_at_the_edge_of_the_map() {
+    let cell = |cost| MapCell {
+        cost,
+        flags: 0,
+        ..MapCell::default()
+    };
+    let costs = [0, 1, 2, 252, 253, 254, 255].map(|cost| view::cost(cell(cost)));
+    assert_eq!(costs, [0, 1, 1, 98, 99, 100, -1]);
+
+    let geometry = GridGeometry {
+        resolution_m: 0.05,
+        width: 32,
+        height: 32,
+        ..GridGeometry::default()
+    };
+    let mut cells = vec![cell(0); geometry.len()];
+    cells[0].cost = zeronav_msgs::map::COST_LETHAL;
+    let mut tile = MapTile::default();
+    tile.fill_from(&geometry, &cells);
+    let info = MapInfo {
+        geometry,
+        revision: Id::new(2, 1).0,
+        parts: 1,
+        n_tiles: 1,
+        clearance_limit_mm: 1000,
+        ..MapInfo::default()
+    };
+    let mut ros = Ros::default();
+    let at = Pose::new(0.1, 0.1, 0.0);
+    assert_eq!(ros.costs_around(0, &at, 0.25), None, "no map yet");
+    show::<MapKeyframe>(&mut ros, (Role::Mapping, 2, 1), 0, info, &[tile]);
+    let grid = ros.costs_around(0, &at, 0.25).expect("a window");
+    // Two cells from the corner: 2 to the left, the own one, 5 to the right.
+    assert_eq!((grid.info.width, grid.info.height), (8, 8));
+    assert_eq!((grid.data[0], grid.data[1]), (100, 0));
+    assert_eq!(ros.costs_around(0, &Pose::new(-9.0, 0.0, 0.0), 0.25), None);
+}

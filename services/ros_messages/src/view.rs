@@ -6,7 +6,9 @@ use zeronav_msgs::command::VelocityCommand;
 use zeronav_msgs::description::Description;
 use zeronav_msgs::grid::{CellRect, GridGeometry};
 use zeronav_msgs::health::{Health, HealthState, reason_labels};
-use zeronav_msgs::map::{COST_INSCRIBED, COST_LETHAL, COST_UNKNOWN, FLAG_UNKNOWN, MapCell};
+use zeronav_msgs::map::{
+    COST_FREE, COST_INSCRIBED, COST_LETHAL, COST_UNKNOWN, FLAG_UNKNOWN, MapCell,
+};
 use zeronav_msgs::obstacles::Obstacle;
 use zeronav_msgs::odometry::Odometry;
 use zeronav_msgs::path::Waypoint;
@@ -261,7 +263,8 @@ pub fn occupancy(cell: MapCell) -> i8 {
 pub fn cost(cell: MapCell) -> i8 {
     match (occupancy(cell), cell.cost) {
         (0, COST_INSCRIBED) => 99,
-        (0, between) => i8::try_from(u32::from(between) * 98 / 252).unwrap_or(98),
+        (0, COST_FREE) => 0,
+        (0, between) => i8::try_from(1 + 97 * (u32::from(between) - 1) / 251).unwrap_or(98),
         (other, _) => other,
     }
 }

@@ -3,7 +3,7 @@
 use super::bench::{Bench, Measured};
 use super::printed::{mapping_scale, planner_replan, with_data};
 use super::{
-    big_map, extract, faults, latencies, paired, standing, suites, tracker, trials, viewing,
+    big_map, bridge, extract, faults, latencies, paired, standing, suites, tracker, trials, viewing,
 };
 
 /// One experiment.
@@ -117,6 +117,18 @@ pub const EXPERIMENTS: &[Experiment] = &[
              rounds. A client takes in the stream of the page and draws nothing.",
         ),
         make: viewing::viewers,
+    },
+    Experiment {
+        key: "bridge",
+        title: "the same drive with a simulated robot and with a robot of ROS 2, five rounds in turn",
+        minutes: 6.0,
+        by_default: false,
+        note: Some(
+            "The robot of ROS 2 is a node of rclpy (Kilted, Fast DDS) on the same machine with the simulator \
+             behind it. From the stamp of a scan to its publication in the stack, from the guard to the seat, \
+             from the seat to the callback of the node. Medians of the rounds, behind them their quartiles.",
+        ),
+        make: bridge::make,
     },
     Experiment {
         key: "stages",

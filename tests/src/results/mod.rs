@@ -6,6 +6,7 @@
 
 pub mod bench;
 mod big_map;
+mod bridge;
 pub mod experiments;
 pub mod extract;
 mod faults;

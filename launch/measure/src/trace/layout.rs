@@ -33,16 +33,13 @@ pub(super) struct Slice {
     pub to_ns: u64,
 }
 
-/// A record by which it is found again: role, kind, and main message or request.
+/// A record by which it is found again: role, kind, and main message, request or scan.
 pub(super) type Key = (u16, u16, u64);
 
 pub(super) fn key(span: &Span) -> Key {
-    let id = if span.output == 0 {
-        span.request
-    } else {
-        span.output
-    };
-    (span.role, span.kind, id)
+    let ids = [span.output, span.request, span.scan];
+    let id = ids.into_iter().find(|id| *id != 0);
+    (span.role, span.kind, id.unwrap_or(0))
 }
 
 /// The process of a role in the trace.

@@ -14,6 +14,7 @@ mod taps;
 
 pub use config::{BesideConfig, Distro};
 
+use crate::config::whole_name;
 use crate::inbox::subscribe;
 use crate::network::Network;
 use launch::Tolerance;
@@ -67,11 +68,9 @@ impl Companion for Beside {
         zeronav_params::check(config)
             .map_err(|it| StartError::config(it.path.clone(), it.to_string()))?;
         let space = &config.namespace;
-        if let Err(why) = Name::parse(&format!("{space}/map")) {
-            let why = format!("{space:?} cannot be a name space such as /robot_1: {why:?}");
-            return Err(StartError::config("namespace", why));
-        }
-        Ok(())
+        let map = whole_name(&format!("{space}/map"));
+        map.map(|_| ())
+            .map_err(|why| StartError::config("namespace", why))
     }
 
     fn open(guest: &Guest, config: BesideConfig) -> Result<Self, StartError> {

@@ -58,10 +58,12 @@ pub struct Facts {
     pub transforms: u64,
     /// Transforms lead from the frame of the scans to that of the robot.
     pub is_laser_placed: bool,
-    /// What the seat would stand for.
+    /// What the seat would stand for: its clock, or two publishers in turn.
     pub troubles: Vec<Trouble>,
     /// Why messages were rejected.
     pub rejected: Vec<&'static str>,
+    /// Scans and odometry were accepted all the same.
+    pub are_accepted: bool,
     /// Messages that are no messages of their type.
     pub broken: u64,
     /// By how much the robot's clock is ahead. [s]
@@ -261,7 +263,8 @@ fn clock(config: &RosConfig, facts: &Facts) -> Finding {
         let seen = "the robot's agrees with this system's: delays of the network are known";
         return finding(Level::Ok, check, seen.to_owned(), None);
     }
-    let seen = format!("the robot's is {ahead_s:+.3} s ahead of this system's");
+    let side = if ahead_s > 0.0 { "ahead of" } else { "behind" };
+    let seen = format!("the robot's is {:.3} s {side} this system's", ahead_s.abs());
     let fix = "it drives; with synchronised clocks (chrony) delays of the network would count as age, too";
     finding(Level::Warning, check, seen, fix.to_owned())
 }
@@ -275,6 +278,11 @@ fn publishers(config: &RosConfig, facts: &Facts) -> Finding {
             let fix = "end all but one, or name the topic of one";
             return finding(Level::Error, check, seen, fix.to_owned());
         }
+    }
+    if facts.troubles.contains(&Trouble::Publishers) {
+        let seen = "scans or odometry came of two nodes in turn".to_owned();
+        let fix = "end one of them: the robot stands while both publish";
+        return finding(Level::Error, check, seen, fix.to_owned());
     }
     let seen = "one publishes scans, one odometry, at most".to_owned();
     finding(Level::Ok, check, seen, None)
@@ -343,9 +351,14 @@ fn rejected(facts: &Facts) -> Option<Finding> {
             facts.broken
         ));
     }
-    let fix = "look at config.ros.odom_frame and base_frame, and at the driver";
+    let level = if facts.are_accepted {
+        Level::Warning
+    } else {
+        Level::Error
+    };
+    let fix = "look at the driver; frames of odometry are config.ros.odom_frame and base_frame";
     let seen = why.join("; ");
-    (!why.is_empty()).then(|| finding(Level::Error, "rejected", seen, fix.to_owned()))
+    (!why.is_empty()).then(|| finding(level, "rejected", seen, fix.to_owned()))
 }
 
 #[cfg(test)]

@@ -34,6 +34,14 @@ impl Heard {
         self.age_ns = Some([least.min(age_ns), most.max(age_ns)]);
     }
 
+    /// Nothing more came until this system's clock was at `now_ns`. [ns]
+    pub fn end(&mut self, now_ns: u64) {
+        if self.n > 0 {
+            let gap_ns = now_ns.saturating_sub(self.newest_ns);
+            self.longest_ns = self.longest_ns.max(gap_ns);
+        }
+    }
+
     /// Messages a second; `None` before the second one. [Hz]
     #[must_use]
     #[allow(clippy::cast_precision_loss, reason = "seconds, and a count of them")]
@@ -42,7 +50,7 @@ impl Heard {
         (self.n > 1 && took_s > 0.0).then(|| (self.n - 1) as f64 / took_s)
     }
 
-    /// Longest time between two messages. [s]
+    /// Longest time without a message after the first one. [s]
     #[must_use]
     #[allow(clippy::cast_precision_loss, reason = "seconds")]
     pub fn longest_s(&self) -> f64 {
@@ -62,10 +70,11 @@ impl Heard {
 mod tests {
     use super::*;
 
+    const MS: u64 = 1_000_000;
+
     #[test]
     fn rates_gaps_and_ages_are_those_of_the_messages() {
         let mut heard = Heard::default();
-        const MS: u64 = 1_000_000;
         for (stamp, came) in [(1_000, 1_003), (1_100, 1_109), (1_200, 1_402)] {
             heard.note(stamp * MS, came * MS, "laser");
         }
@@ -75,5 +84,10 @@ mod tests {
         let [least, most] = heard.age_s().expect("ages");
         assert!((least - 0.003).abs() < 1.0e-9 && (most - 0.202).abs() < 1.0e-9);
         assert_eq!(Heard::default().rate_hz(), None);
+        heard.end(3_402 * MS);
+        assert!(
+            (heard.longest_s() - 2.0).abs() < 1.0e-9,
+            "it has fallen silent"
+        );
     }
 }

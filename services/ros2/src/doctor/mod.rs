@@ -10,7 +10,7 @@ pub mod heard;
 use crate::config::RosConfig;
 use crate::frames::Frames;
 use crate::inbox::{Inbox, host_offset_ns};
-use crate::inputs::{Arrived, Event, Expected, Inputs, Trouble};
+use crate::inputs::{Arrived, Event, Expected, Inputs, Measured, Trouble};
 use crate::network::Network;
 use crate::stamps::Stamps;
 use clap::Parser;
@@ -21,7 +21,8 @@ use std::io::Write;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 use zeronav_msgs::pose::Pose;
-use zeronav_ros_messages::received::stamp_ns;
+use zeronav_ros_messages::received::{stamp_ns, turn_ns};
+use zeronav_shell::clock::now_ns;
 use zeronav_shell::printable;
 
 /// Time between two looks.
@@ -88,11 +89,10 @@ fn text(finding: &Finding) -> String {
         Level::Error => "error",
     };
     let seen = printable(&finding.seen);
-    let mut line = format!("{level:8} {}: {seen}\n", finding.check);
-    if let Some(fix) = &finding.fix {
-        line.push_str(&format!("{:8}   {}\n", "", printable(fix)));
-    }
-    line
+    let fix = finding.fix.as_ref();
+    let fix = fix.map(|fix| format!("{:8}   {}\n", "", printable(fix)));
+    let fix = fix.unwrap_or_default();
+    format!("{level:8} {}: {seen}\n{fix}", finding.check)
 }
 
 fn look(arguments: &Arguments) -> Result<Vec<Finding>, String> {
@@ -115,6 +115,7 @@ fn look(arguments: &Arguments) -> Result<Vec<Finding>, String> {
         std::thread::sleep(PAUSE);
     }
     watch.look();
+    listener.end();
     let network = format!(
         "domain {}, {}",
         network.domain_id,
@@ -141,6 +142,8 @@ struct Listener {
     odometry: Heard,
     transforms: u64,
     troubles: Vec<Trouble>,
+    /// Scans, odometry.
+    are_accepted: [bool; 2],
 }
 
 impl Listener {
@@ -162,6 +165,7 @@ impl Listener {
             odometry: Heard::default(),
             transforms: 0,
             troubles: Vec::new(),
+            are_accepted: [false; 2],
         }
     }
 
@@ -170,8 +174,10 @@ impl Listener {
         let of_system_ns = came_ns.saturating_add_signed(-self.host_offset_ns);
         match &arrived.event {
             Event::Scan(it) => {
-                let (header, stamp_ns) = (&it.header, stamp_ns(it.header.stamp));
-                self.scans.note(stamp_ns, of_system_ns, &header.frame_id);
+                // Its last beam is as old as the seat takes it to be.
+                let last_ns = stamp_ns(it.header.stamp).saturating_add(turn_ns(it));
+                let frame = &it.header.frame_id;
+                self.scans.note(last_ns, of_system_ns, frame);
             }
             Event::Odometry(it) => {
                 let (header, stamp_ns) = (&it.header, stamp_ns(it.header.stamp));
@@ -183,12 +189,22 @@ impl Listener {
             }
         }
         self.inputs.take(arrived);
-        while self.inputs.next_measured().is_some() {}
-        for trouble in Trouble::ALL {
+        while let Some(measured) = self.inputs.next_measured() {
+            let kind = usize::from(matches!(measured, Measured::Odometry { .. }));
+            self.are_accepted[kind] = true;
+        }
+        for trouble in [Trouble::Clock, Trouble::Publishers] {
             if self.inputs.holds(trouble, came_ns).is_some() && !self.troubles.contains(&trouble) {
                 self.troubles.push(trouble);
             }
         }
+    }
+
+    /// Nothing more is heard.
+    fn end(&mut self) {
+        let now_ns = now_ns().saturating_add_signed(-self.host_offset_ns);
+        self.scans.end(now_ns);
+        self.odometry.end(now_ns);
     }
 
     #[allow(clippy::cast_precision_loss, reason = "seconds")]
@@ -202,6 +218,7 @@ impl Listener {
             is_laser_placed: placed.is_some(),
             troubles: self.troubles.clone(),
             rejected: self.inputs.reasons().to_vec(),
+            are_accepted: self.are_accepted == [true; 2],
             clock_ahead_s: stamps.ahead_ns().map(|it| it as f64 * 1.0e-9),
             is_same_clock: stamps.is_same_clock(),
             ..Facts::default()

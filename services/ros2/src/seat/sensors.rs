@@ -6,7 +6,7 @@ use crate::inputs::Measured;
 use crate::stamps::Moment;
 use crate::timeline::{Tick, Timeline};
 use zeronav_msgs::description::{Corner, Description, FOOTPRINT_CORNERS_MAX};
-use zeronav_msgs::header::Parents;
+use zeronav_msgs::header::{Id, Parents};
 use zeronav_msgs::odometry::Odometry;
 use zeronav_msgs::pose::Pose;
 use zeronav_msgs::scan::{BEAMS_MAX, Scan};
@@ -14,7 +14,7 @@ use zeronav_msgs::span::SpanKind;
 use zeronav_msgs::topics::{RobotDescription, RobotOdometry, RobotScan};
 use zeronav_shell::clock::both_ns;
 use zeronav_shell::odometry::{REST_MESSAGES, is_stopped};
-use zeronav_shell::{Due, Input, Peer, Shell, StartError, Writer};
+use zeronav_shell::{Due, Input, Peer, Sent, Shell, StartError, Writer};
 
 /// A mount that moved by less than this is the same. [m], [rad]
 const SAME_MOUNT: f64 = 1.0e-3;
@@ -100,13 +100,15 @@ impl Sensors {
                 // Odometry around it was sent before.
                 let run_ns = timeline.run_ns(moment.at_ns);
                 if run_ns.is_some() && run_ns <= timeline.newest_run_ns() {
-                    self.send_scan(shell, timeline, timeline.tick());
+                    let newest = self.odometry.next_id().0.saturating_sub(1);
+                    self.send_scan(shell, timeline, timeline.tick(), newest, true);
                 }
             }
             Measured::Odometry { moment, odometry } => {
                 let tick_ns = shell.roster().clock.tick_ns;
                 if let Some(tick) = timeline.advance(moment.at_ns, tick_ns) {
-                    let scan = self.send_scan(shell, timeline, tick.tick);
+                    let next = self.odometry.next_id().0;
+                    let scan = self.send_scan(shell, timeline, tick.tick, next, false);
                     self.send_odometry(shell, (tick, moment), odometry, scan);
                 }
             }
@@ -138,8 +140,16 @@ impl Sensors {
         self.said.0 = next;
     }
 
-    /// Sends the scan that waits; its id, 0 without one.
-    fn send_scan(&mut self, shell: &mut Shell, timeline: &Timeline, tick: u64) -> u64 {
+    /// Sends the scan that waits, with this odometry; its id, 0 without one. One `alone` has a record of its own, which
+    /// is otherwise that of the odometry that follows.
+    fn send_scan(
+        &mut self,
+        shell: &mut Shell,
+        timeline: &Timeline,
+        tick: u64,
+        odometry: u64,
+        alone: bool,
+    ) -> u64 {
         let Some((moment, scan, ranges)) = self.waiting.take() else {
             return 0;
         };
@@ -148,13 +158,23 @@ impl Sensors {
         };
         let kind = SpanKind::Extra;
         let parents = Parents {
-            odometry: self.odometry.next_id().0,
+            odometry,
             ..Parents::default()
         };
-        let draft = shell.begin(Due { tick, kind }, run_ns, moment.capture_ns, parents);
+        let mut draft = shell.begin(Due { tick, kind }, run_ns, moment.capture_ns, parents);
         let sent = shell.send(&draft, &mut self.scan, scan, &ranges);
         self.came_ns[0] = Some(shell.woken_ns());
-        sent.map_or(0, |sent| sent.id.0)
+        let Some(sent) = sent else {
+            return 0;
+        };
+        if alone {
+            draft.parents.scan = sent.id.0;
+            draft.raw_ns = raw_at(moment.capture_ns);
+            // The ids of main messages are those of odometry.
+            let id = Id::NONE;
+            shell.finish(&draft, Some(Sent { id, ..sent }), 0);
+        }
+        sent.id.0
     }
 
     fn send_odometry(
@@ -179,8 +199,7 @@ impl Sensors {
             ..Parents::default()
         };
         let mut draft = shell.begin(due, tick.run_ns, moment.capture_ns, parents);
-        let (now, raw) = both_ns();
-        draft.raw_ns = raw.saturating_sub(now.saturating_sub(moment.capture_ns));
+        draft.raw_ns = raw_at(moment.capture_ns);
         self.stopped_messages = if is_stopped(&odometry) {
             self.stopped_messages.saturating_add(1)
         } else {
@@ -194,4 +213,10 @@ impl Sensors {
         self.came_ns[1] = Some(shell.woken_ns());
         shell.finish(&draft, sent, 0);
     }
+}
+
+/// The second clock at a moment of the first. [ns]
+fn raw_at(capture_ns: u64) -> u64 {
+    let (now, raw) = both_ns();
+    raw.saturating_sub(now.saturating_sub(capture_ns))
 }

@@ -8,6 +8,8 @@ JSON object a line.
 import argparse
 import json
 import math
+import queue
+import random
 import subprocess
 import sys
 import threading
@@ -35,14 +37,16 @@ class Robot(Node):
         self.lock = threading.Lock()
         self.origin = None
         self.commanded_ns = None
+        self.random = random.Random(7)
+        self.late = queue.Queue()
         self.moving = False
         reliable = QoSProfile(depth=10)
         self.odom = self.create_publisher(Odometry, args.odom, reliable)
         self.scan = self.create_publisher(LaserScan, args.scan, qos_profile_sensor_data)
         if args.stamped:
-            self.create_subscription(TwistStamped, args.cmd_vel, lambda it: self.drive(it.twist), reliable)
+            self.create_subscription(TwistStamped, args.cmd_vel, self.drive_stamped, reliable)
         else:
-            self.create_subscription(Twist, args.cmd_vel, self.drive, reliable)
+            self.create_subscription(Twist, args.cmd_vel, self.hear, reliable)
         self.tf = self.create_publisher(TFMessage, args.tf, reliable)
         if args.laser:
             latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -52,11 +56,38 @@ class Robot(Node):
             [args.hardware, args.config, str(args.tick_hz)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
         )
         self.zero_ns = time.time_ns()
-        threading.Thread(target=self.measure, daemon=True).start()
+        for work in (self.measure, self.deliver):
+            threading.Thread(target=self.until_the_end, args=(work,), daemon=True).start()
+
+    def until_the_end(self, work):
+        try:
+            work()
+        except Exception:
+            # Nothing can be published once the node is gone.
+            if rclpy.ok():
+                raise
 
     def say(self, **what):
         with self.lock:
             print(json.dumps(what), flush=True)
+
+    def over_network(self, act, *arguments):
+        """A network that loses some and delays all of what goes through it."""
+        if self.random.random() < self.args.lose:
+            return
+        if self.args.delay_ms > 0.0:
+            self.late.put((time.monotonic() + self.args.delay_ms / 1e3, act, arguments))
+        else:
+            act(*arguments)
+
+    def deliver(self):
+        while True:
+            due, act, arguments = self.late.get()
+            time.sleep(max(0.0, due - time.monotonic()))
+            act(*arguments)
+
+    def hear(self, twist):
+        self.over_network(self.drive, twist)
 
     def drive(self, twist):
         v, w = twist.linear.x, twist.angular.z
@@ -70,6 +101,12 @@ class Robot(Node):
             self.hardware.stdin.flush()
         except (BrokenPipeError, ValueError):
             pass
+
+    def drive_stamped(self, message):
+        if self.args.delays:
+            sent_ns = message.header.stamp.sec * 1_000_000_000 + message.header.stamp.nanosec
+            self.say(kind="delay", us=(time.time_ns() - sent_ns) / 1e3)
+        self.hear(message.twist)
 
     def measure(self):
         for line in self.hardware.stdout:
@@ -114,8 +151,9 @@ class Robot(Node):
         message.pose.pose.orientation.w = math.cos(turn / 2.0)
         message.twist.twist.linear.x = v
         message.twist.twist.angular.z = w
-        self.odom.publish(message)
-        self.tf.publish(self.transform(at_ns, self.args.odom_frame, self.args.base_frame, x, y, turn))
+        self.over_network(self.odom.publish, message)
+        transform = self.transform(at_ns, self.args.odom_frame, self.args.base_frame, x, y, turn)
+        self.over_network(self.tf.publish, transform)
 
     def publish_scan(self, at_ns, angle_min, angle_increment, time_increment, range_min, range_max, ranges):
         message = LaserScan()
@@ -129,7 +167,7 @@ class Robot(Node):
         message.range_min = range_min
         message.range_max = range_max
         message.ranges = ranges
-        self.scan.publish(message)
+        self.over_network(self.scan.publish, message)
 
 
 def main():
@@ -144,6 +182,9 @@ def main():
     parser.add_argument("--tf", default="/tf")
     parser.add_argument("--tf-static", default="/tf_static")
     parser.add_argument("--stamped", action="store_true")
+    parser.add_argument("--delays", action="store_true", help="say how long stamped commands were on their way")
+    parser.add_argument("--lose", type=float, default=0.0, help="share of messages that is lost, either way")
+    parser.add_argument("--delay-ms", type=float, default=0.0, help="by which each message comes later, either way")
     parser.add_argument("--odom-frame", default="odom")
     parser.add_argument("--base-frame", default="base_link")
     parser.add_argument("--laser-frame", default="laser")

@@ -1,48 +1,12 @@
 //! A robot of ROS 2 in the robot's seat.
 
-use super::peer::{Peer, domain};
 use crate::recording::{read_by_others, recording_of};
 use rustix::process::Signal;
 use serde_json::Value;
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
-use std::process::Command;
-use tempfile::TempDir;
-use zeronav_robot_sim::SimConfig;
-use zeronav_scenario::Scenario;
-use zeronav_tests::{Zeronav, binaries, real_time_turn, send_signal, shipped, workspace, zeronav};
-
-/// The shipped scenario `name` with the robot of a ROS domain in it: its folder, and the configuration of the robot's
-/// hardware.
-fn folder_of(name: &str, domain_id: u32, more: &str) -> (TempDir, PathBuf) {
-    let folder = tempfile::tempdir().expect("a folder");
-    let text = shipped(name);
-    // What the simulator alone can tell is asked of the robot's own side.
-    let (text, _) = text.split_once("[expect]").expect("expectations");
-    let text = format!(
-        "{text}\n[expect]\noutcome = \"reached\"\n\n[services.robot]\nbinary = \"zeronav-ros2\"\n\
-         config.ros.network = {{ domain_id = {domain_id}, range = \"localhost\" }}\n{more}\n"
-    );
-    std::fs::write(folder.path().join("it.toml"), text).expect("written");
-    let config = hardware(folder.path());
-    (folder, config)
-}
-
-/// Writes the world and the robot of the scenario in `folder` for the robot's hardware.
-fn hardware(folder: &Path) -> PathBuf {
-    let file = folder.join("it.toml").display().to_string();
-    let scenario = Scenario::load(&file).expect("a scenario");
-    let start = scenario.start;
-    let config = SimConfig {
-        start: [start.x_m, start.y_m, start.yaw_rad],
-        world: scenario.world.clone(),
-        robot: scenario.robot.clone(),
-    };
-    let path = folder.join("hardware.toml");
-    let text = toml::to_string(&config).expect("TOML");
-    std::fs::write(&path, text).expect("written");
-    path
-}
+use std::path::Path;
+use zeronav_tests::ros2::{Peer, domain, folder_of};
+use zeronav_tests::{Zeronav, command, real_time_turn, send_signal, workspace, zeronav};
 
 const FLAGS: [&str; 4] = ["run", "./it.toml", "--headless", "--json"];
 
@@ -69,10 +33,9 @@ fn is_at_goal(robot: &Peer) {
 
 /// What `zeronav doctor --ros2` finds of the robot of the scenario in `folder`, by what was looked at.
 fn doctor(folder: &Path, code: i32) -> BTreeMap<String, Value> {
-    let ended = Command::new(binaries().join("zeronav"))
+    let ended = command()
         .args(["doctor", "--ros2", "./it.toml", "--json"])
         .current_dir(folder)
-        .env_remove("CARGO")
         .output()
         .expect("the doctor");
     let said = String::from_utf8_lossy(&ended.stderr);
@@ -119,10 +82,8 @@ fn a_robot_of_ros_2_is_driven_around_a_load_in_the_aisle() {
         assert!(text.contains(words), "{check}: {text}");
     }
     let clock = seen["clock"]["seen"].as_str().expect("text");
-    let ahead_s = clock
-        .split_once('+')
-        .and_then(|(_, it)| it.split(' ').next());
-    let ahead_s: f64 = ahead_s.and_then(|it| it.parse().ok()).expect("a number");
+    let ahead_s = clock.split(' ').find_map(|word| word.parse::<f64>().ok());
+    let ahead_s = ahead_s.expect("a number");
     assert!((ahead_s - 3600.0).abs() < 1.0, "{clock}");
     let ended = Zeronav::start_in(folder, &[&FLAGS[..], &["--record"]].concat()).finish();
     let result = ended.expect(0);
@@ -156,7 +117,9 @@ fn a_bridge_that_is_killed_stands_the_robot_and_goes_on_when_it_is_back() {
     // A base obeys nothing that is older than its timeout.
     let more = "\n[restart]\nrobot = true\n";
     let (folder, config) = folder_of("blocked_aisle", domain_id, more);
-    let robot = Peer::robot(domain_id, &config, &LASER);
+    // Over a network that loses one message in twenty and is 50 ms late, either way.
+    let network = ["--lose", "0.05", "--delay-ms", "50"];
+    let robot = Peer::robot(domain_id, &config, &[&LASER[..], &network].concat());
     let mut run = Zeronav::start_in(folder, &FLAGS);
     for at_x_m in [5.0, 7.0] {
         robot.wait_for("truth", |it| it["x"].as_f64().is_some_and(|x| x > at_x_m));

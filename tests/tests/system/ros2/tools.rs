@@ -1,9 +1,12 @@
 //! Tools of ROS 2 beside the stack: what they see, and their goals.
 
-use super::peer::{Peer, domain};
+use rustix::process::Signal;
 use serde_json::{Value, json};
+use std::time::Duration;
+use zeronav_tests::python::distro;
+use zeronav_tests::ros2::{Peer, domain};
 use zeronav_tests::up::Up;
-use zeronav_tests::{await_by_itself, real_time_turn, shipped};
+use zeronav_tests::{await_by_itself, real_time_turn, send_signal, shipped};
 
 /// Statuses of `action_msgs/GoalStatus`.
 const SUCCEEDED: u64 = 4;
@@ -16,11 +19,21 @@ fn stack(domain_id: u32) -> Up {
     let text = shipped("open_aisle");
     let (text, _) = text.split_once("[[goals]]").expect("goals");
     let text = format!(
-        "{text}\n[companions.ros2]\nbinary = \"zeronav-ros2-companion\"\nconfig.distro = \"kilted\"\n\
-         config.robot_topics = true\nconfig.network = {{ domain_id = {domain_id}, range = \"localhost\" }}\n"
+        "{text}\n[companions.ros2]\nbinary = \"zeronav-ros2-companion\"\nconfig.distro = \"{}\"\n\
+         config.robot_topics = true\nconfig.network = {{ domain_id = {domain_id}, range = \"localhost\" }}\n",
+        distro()
     );
     std::fs::write(folder.path().join("it.toml"), text).expect("written");
     Up::start_in(folder, &["./it.toml"])
+}
+
+/// Process id of the companion.
+fn companion(up: &Up) -> u32 {
+    let report = up.stack.report().expect("a report");
+    let all = report["companions"].as_array().expect("companions");
+    let pid = all.iter().find(|it| it["name"] == "ros2");
+    let pid = pid.and_then(|it| it["pid"].as_u64()).expect("a process");
+    u32::try_from(pid).expect("a process id")
 }
 
 fn go(client: &mut Peer, name: &str, pose: [f64; 3]) {
@@ -120,6 +133,21 @@ fn clients_of_nav2_see_the_stack_and_drive_it() {
     });
     go(&mut client, "after", at(5.0));
     assert_eq!(end(&client, "after"), (SUCCEEDED, 0));
+
+    // Killed, the companion comes back, and clients find it.
+    let (maps, pid) = (client.said("map").len(), companion(&up));
+    assert!(send_signal(pid, Signal::KILL));
+    await_by_itself("the map is there again", || {
+        client.said("map").len() > maps && companion(&up) != pid
+    });
+    // Goals by topic: a request for an action may go to the one that is gone while its lease lasts.
+    let before = client.said("pose").len();
+    let is_there = |it: &Value| it["x"].as_f64().is_some_and(|x| x < 4.4);
+    await_by_itself("a goal is reached", || {
+        client.order(&json!({ "order": "goal_pose", "pose": at(4.0) }));
+        std::thread::sleep(Duration::from_millis(500));
+        client.said("pose").iter().skip(before).any(is_there)
+    });
     let report = up.down();
     assert_eq!(report["contacts"].as_u64().unwrap_or(0), 0, "{report:#}");
 }

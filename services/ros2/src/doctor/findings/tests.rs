@@ -148,6 +148,15 @@ fn two_publishers_and_other_commanders_are_named() {
         .ends
         .push(end("/odom", "nav_msgs/Odometry", "/ekf", true));
     is(&only(&facts, &config), Level::Error, "publishers", "/ekf");
+    // Discovery may know of one alone.
+    let mut facts = whole();
+    facts.troubles = vec![Trouble::Publishers];
+    is(
+        &only(&facts, &config),
+        Level::Error,
+        "publishers",
+        "in turn",
+    );
     let mut facts = whole();
     facts
         .graph
@@ -183,12 +192,15 @@ fn what_is_slow_late_or_silent_is_said() {
     }
     assert!(judge(&config, &facts)[1].level > Level::Ok);
     facts = whole();
+    facts.odometry.end(3_000 * MS);
+    is(&only(&facts, &config), Level::Error, "odometry", "0.5 s");
+    facts = whole();
     (facts.is_same_clock, facts.clock_ahead_s) = (false, Some(3600.0));
     is(
         &only(&facts, &config),
         Level::Warning,
         "clock",
-        "+3600.000 s",
+        "3600.000 s ahead of",
     );
     facts.troubles = vec![Trouble::Clock];
     is(
@@ -214,4 +226,10 @@ fn nobody_is_an_error_of_the_network_first() {
     };
     let found = only(&facts, &RosConfig::default());
     is(&found, Level::Error, "rejected", "3 that are no messages");
+    let facts = Facts {
+        are_accepted: true,
+        ..facts
+    };
+    let found = only(&facts, &RosConfig::default());
+    assert_eq!(found.level, Level::Warning, "most are accepted");
 }
