@@ -1,7 +1,7 @@
 //! What a robot of ROS 2 adds to the ways through the stack: the same drive with the simulator in the seat, and with
 //! the bridge in it and the simulator behind a node of rclpy.
 
-use super::bench::{Bench, Measured};
+use super::bench::{Bench, Measured, write_scenario};
 use super::extract::{list, table};
 use super::record::Row;
 use super::spread::{Figure, quantile};
@@ -35,7 +35,10 @@ pub(super) fn make(bench: &mut Bench) -> Result<Measured, String> {
         let (folder, config) = folder_of(SCENARIO, domain_id, more);
         let arguments = ["--laser", "0", "0", "0", "--stamped", "--delays"];
         let robot = Peer::robot(domain_id, &config, &arguments);
-        let file = folder.path().join("it.toml").display().to_string();
+        // A name that tells what was driven.
+        let text = std::fs::read_to_string(folder.path().join("it.toml"));
+        let text = text.map_err(|error| format!("the scenario of the bridge: {error}"))?;
+        let file = write_scenario("bridge", &text)?;
         bridged.push(bench.zeronav(&["run", &file])?);
         let said = robot.said("delay");
         let mut round: Vec<f64> = said.iter().filter_map(|it| it["us"].as_f64()).collect();
