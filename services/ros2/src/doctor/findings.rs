@@ -4,6 +4,7 @@ use super::graph::{End, Graph};
 use super::heard::Heard;
 use crate::config::RosConfig;
 use crate::inputs::Trouble;
+use crate::seat::NODE;
 use serde::Serialize;
 
 /// A lidar or odometry that is silent for longer stops the robot. [s]
@@ -333,7 +334,9 @@ fn wheels(config: &RosConfig, facts: &Facts) -> Finding {
 
 fn commanders(config: &RosConfig, facts: &Facts) -> Finding {
     let (check, topic) = ("commands", config.cmd_vel_topic.as_str());
-    let others = ends(facts.graph.of(topic, true));
+    // The seat of a stack that is up is nobody else.
+    let is_own = |end: &&End| end.node.strip_prefix('/') == Some(NODE);
+    let others = ends(facts.graph.of(topic, true).filter(|end| !is_own(end)));
     if others.is_empty() {
         let seen = format!("nobody else publishes {topic}");
         return finding(Level::Ok, check, seen, None);

@@ -32,7 +32,7 @@ const SILENT_NS: u64 = 500_000_000;
 const LOOK_NS: u64 = 20_000_000;
 
 /// Name of the node.
-const NODE: &str = "zeronav_robot";
+pub const NODE: &str = "zeronav_robot";
 
 /// See the module's description.
 pub struct RosRobot {

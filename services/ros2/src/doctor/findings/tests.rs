@@ -171,6 +171,19 @@ fn two_publishers_and_other_commanders_are_named() {
 }
 
 #[test]
+fn the_seat_of_a_stack_that_is_up_is_no_other_commander() {
+    let mut facts = whole();
+    let kind = "geometry_msgs/Twist";
+    let own = end("/cmd_vel", kind, "/zeronav_robot", true);
+    facts.graph.ends.push(own);
+    let findings = judge(&RosConfig::default(), &facts);
+    assert!(
+        findings.iter().all(|it| it.level == Level::Ok),
+        "{findings:?}"
+    );
+}
+
+#[test]
 fn what_is_slow_late_or_silent_is_said() {
     let config = RosConfig::default();
     let mut facts = whole();
