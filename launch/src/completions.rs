@@ -11,7 +11,7 @@ use std::process::ExitCode;
 use zeronav_console::exit::{EXIT_OUTPUT, EXIT_PASS};
 use zeronav_console::terminal::{complain, pour, say};
 use zeronav_files::{Folder, Replace, read};
-use zeronav_supervise::temporary;
+use zeronav_supervise::temporary::TemporaryFolder;
 
 /// Name of the command.
 const NAME: &str = "zeronav";
@@ -46,7 +46,7 @@ pub fn man(folder: &Path, force: bool) -> ExitCode {
 
 /// Name and text of each page.
 fn pages() -> std::io::Result<Vec<(String, Vec<u8>)>> {
-    let place = temporary::folder("zeronav-man-")?;
+    let place = TemporaryFolder::new("zeronav-man-")?;
     clap_mangen::generate_to(Cli::command(), place.path())?;
     let mut pages = Vec::new();
     for entry in std::fs::read_dir(place.path())? {

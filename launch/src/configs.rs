@@ -12,7 +12,7 @@ use zeronav_robot_description::RobotSpec;
 use zeronav_scenario::Scenario;
 use zeronav_shell::places::Places;
 use zeronav_supervise::question::{self, Silence, headline};
-use zeronav_supervise::temporary;
+use zeronav_supervise::temporary::TemporaryFolder;
 use zeronav_world::{World, WorldSpec};
 use zeronav_world_files::map_file;
 
@@ -108,8 +108,8 @@ struct Asked<'a> {
 }
 
 /// A folder for the configurations of a check.
-fn folder_of_check() -> Result<tempfile::TempDir, String> {
-    temporary::folder("zeronav-check-")
+fn folder_of_check() -> Result<TemporaryFolder, String> {
+    TemporaryFolder::new("zeronav-check-")
         .map_err(|error| format!("making a folder for the check: {error}"))
 }
 

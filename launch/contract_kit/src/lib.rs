@@ -29,12 +29,12 @@ use std::process::ExitCode;
 use zeronav_console::environment;
 use zeronav_console::exit::{EXIT_FAIL, EXIT_PASS};
 use zeronav_console::terminal::{note, say, say_json, usage};
-use zeronav_supervise::temporary;
+use zeronav_supervise::temporary::TemporaryFolder;
 
 /// `zeronav contract`.
 #[must_use]
 pub fn contract(arguments: &ContractArgs) -> ExitCode {
-    let folder = match temporary::folder("zeronav-contract-") {
+    let folder = match TemporaryFolder::new("zeronav-contract-") {
         Ok(folder) => folder,
         Err(error) => return usage(&format!("making a folder for logs: {error}")),
     };

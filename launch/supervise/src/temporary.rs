@@ -1,34 +1,55 @@
 //! Temporary folders that go with the command that made them, also when it is killed.
 
 use super::warden;
-use std::fs::Permissions;
+use std::fs::DirBuilder;
 use std::io::Result;
-use std::os::unix::fs::PermissionsExt;
-use tempfile::TempDir;
+use std::os::unix::fs::DirBuilderExt;
+use std::path::{Path, PathBuf};
 
-/// Makes a folder for this user alone whose name begins with `prefix`. It is removed when it is dropped,
-/// and by the warden when this process is killed before.
-///
-/// # Errors
-/// What the system says.
-pub fn folder(prefix: &str) -> Result<TempDir> {
-    // It has to be there before there is something to remove.
-    warden::start();
-    let folder = tempfile::Builder::new()
-        .prefix(prefix)
-        .permissions(Permissions::from_mode(0o700))
-        .tempdir()?;
-    warden::watch_folder(folder.path());
-    Ok(folder)
+/// A folder for this user alone. It is removed when this is dropped, and by the warden when this process is
+/// killed before.
+pub struct TemporaryFolder {
+    path: PathBuf,
+}
+
+impl TemporaryFolder {
+    /// Makes one whose name begins with `prefix`.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub fn new(prefix: &str) -> Result<Self> {
+        let made = tempfile::Builder::new().prefix(prefix).make(|path| {
+            // Before it is there: this process may be killed between the two.
+            warden::watch_folder(path);
+            (DirBuilder::new().mode(0o700).create(path))
+                .inspect_err(|_| warden::forget_folder(path))
+        })?;
+        let (_, path) = made.keep()?;
+        Ok(Self { path })
+    }
+
+    /// Where it is.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+}
+
+impl Drop for TemporaryFolder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.path);
+        warden::forget_folder(&self.path);
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::os::unix::fs::PermissionsExt;
 
     #[test]
     fn a_folder_is_its_users_alone_and_goes_when_it_is_dropped() {
-        let folder = folder("zeronav-test-").expect("a folder");
+        let folder = TemporaryFolder::new("zeronav-test-").expect("a folder");
         let path = folder.path().to_owned();
         let name = path.file_name().expect("a name").to_string_lossy();
         assert!(name.starts_with("zeronav-test-"), "{name}");

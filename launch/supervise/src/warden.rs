@@ -75,9 +75,14 @@ pub fn start() {
     tell("begin -", None);
 }
 
-/// Has a temporary folder of this process removed after its death.
-pub fn watch_folder(folder: &Path) {
+/// Has a temporary folder, which this process is about to make, removed after its death.
+pub(super) fn watch_folder(folder: &Path) {
     tell(&format!("folder {}", folder.display()), None);
+}
+
+/// Takes that back.
+pub(super) fn forget_folder(folder: &Path) {
+    tell(&format!("removed {}", folder.display()), None);
 }
 
 /// Has the domain at `root` removed after the death of this process.
@@ -229,7 +234,6 @@ pub fn run() {
         watched.logs.cut();
         watched.clear_up_after_the_dead();
         watched.domains.retain(|root| root.exists());
-        watched.folders.retain(|folder| folder.exists());
     }
     watched.execute_will();
     let Watched {
@@ -398,6 +402,7 @@ impl Watched {
             (Some(("log", _)), Some(log)) => self.logs.add(File::from(log)),
             (Some(("domain", root)), _) => self.domains.push(PathBuf::from(root)),
             (Some(("folder", path)), _) => self.folders.push(PathBuf::from(path)),
+            (Some(("removed", path)), _) => self.folders.retain(|folder| folder != Path::new(path)),
             _ => {}
         }
         true
