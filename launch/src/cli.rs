@@ -278,6 +278,10 @@ pub struct RunArgs {
     /// else. May be given several times.
     #[arg(long, value_name = "ROLE=TIME", value_parser = delay, conflicts_with = "lockstep")]
     pub inject: Vec<(Role, u16)>,
+    /// Name of the run's own folder, which must not be there yet; without, the scenario's, with the time and
+    /// the process.
+    #[arg(long, value_name = "NAME")]
+    pub folder: Option<String>,
     /// Leave no report, and no frames for one, when the run passes; the runs of a suite do so.
     #[arg(long)]
     pub report_failures_only: bool,
@@ -294,6 +298,7 @@ impl RunArgs {
         RunPlan {
             trials: self.trials,
             delays: self.inject.iter().copied().collect(),
+            folder: self.folder.clone(),
             report_failures_only: self.report_failures_only,
             stages: !self.no_stages,
             ..self.start.plan(Source::Named(self.scenario.clone()))

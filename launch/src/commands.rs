@@ -12,6 +12,7 @@ use crate::show::page;
 use crate::show::recording::{self, Recording};
 use crate::{picture, record, report, stay_result, trials};
 use serde::Serialize;
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -30,6 +31,7 @@ use zeronav_shell::printable::printable;
 use zeronav_suite;
 use zeronav_suite::error::SuiteError;
 use zeronav_suite::plan::SuitePlan;
+use zeronav_suite::timing::Ran;
 use zeronav_supervise::crash_result;
 use zeronav_supervise::will::Will;
 
@@ -271,22 +273,31 @@ pub(crate) fn explain(ending: &Ending) {
 /// `zeronav suite`.
 #[must_use]
 pub fn suite(plan: &SuitePlan, json: bool) -> ExitCode {
-    let interrupted = match interrupts() {
-        Ok(interrupted) => interrupted,
-        Err(problem) => return usage(&problem),
-    };
-    match zeronav_suite::suite(plan, &interrupted) {
-        Ok(report) if json => say_json(&report),
-        Ok(report) => say(&report.to_text()),
+    match interrupts() {
+        Ok(interrupted) => say_suite(zeronav_suite::suite(plan, &interrupted), json),
+        Err(problem) => usage(&problem),
+    }
+}
+
+/// `zeronav suite merge`.
+#[must_use]
+pub fn merge(shards: &[PathBuf], plan: &SuitePlan, json: bool) -> ExitCode {
+    say_suite(zeronav_suite::merge::merge(shards, plan), json)
+}
+
+fn say_suite(ran: Result<Ran, SuiteError>, json: bool) -> ExitCode {
+    match ran {
+        Ok(ran) if json => say_json(&ran),
+        Ok(ran) => say(&ran.to_text()),
         Err(SuiteError::Usage(problem)) => return usage(&problem),
         Err(SuiteError::Lost(problem)) => {
             lose(&problem);
             return ExitCode::from(EXIT_OUTPUT);
         }
-        Err(SuiteError::Interrupted(report)) => {
-            match report {
-                Some(report) if json => say_json(&report),
-                Some(report) => say(&report.to_text()),
+        Err(SuiteError::Interrupted(ran)) => {
+            match ran {
+                Some(ran) if json => say_json(&ran),
+                Some(ran) => say(&ran.to_text()),
                 None => {}
             }
             complain("interrupted, every run is stopped");

@@ -110,7 +110,11 @@ fn main() -> ExitCode {
         Command::Report(arguments) => report::report(&arguments.runs, arguments.out.as_deref()),
         Command::Suite(arguments) => match arguments.of_recordings() {
             Ok(Some(plan)) => recordings::recordings(&plan),
-            Ok(None) => commands::suite(&arguments.plan(), arguments.json),
+            Ok(None) => match arguments.of_merge() {
+                Ok(Some(shards)) => commands::merge(shards, &arguments.plan(), arguments.json),
+                Ok(None) => commands::suite(&arguments.plan(), arguments.json),
+                Err(problem) => terminal::usage(&problem),
+            },
             Err(problem) => terminal::usage(&problem),
         },
         Command::Completions { shell } => completions::completions(shell),

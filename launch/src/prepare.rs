@@ -9,7 +9,8 @@ use crate::run_plan::{MachineLoad, RunPlan, Source, TRIAL_ROUNDS};
 use crate::swap_order::SwapOrder;
 use crate::swap_order::require::Clause;
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::io::ErrorKind;
+use std::path::PathBuf;
 use std::time::Duration;
 use zeronav_console::leave;
 use zeronav_files::Folder;
@@ -302,7 +303,7 @@ pub(crate) fn prepare(plan: &RunPlan) -> Result<Prepared, String> {
         .map_err(|error| error.to_string())?;
     let seed = plan.seed.unwrap_or(scenario.run.seed);
     let faults = faults_of(&scenario, plan.mode, seed)?;
-    let (folder, logs) = run_folder(&plan.out, &scenario.name)?;
+    let (folder, logs) = run_folder(plan, &scenario.name)?;
     // Nobody sees a lockstep run go by, and trials are not to be disturbed.
     let is_seen = plan.trials.is_none() && (plan.stays || plan.mode == RunMode::RealTime);
     Ok(Prepared {
@@ -410,8 +411,21 @@ fn await_trials(scenario: &mut Scenario) -> Result<(), String> {
 }
 
 /// Makes the run's own folder and that of its logs.
-fn run_folder(out: &Path, scenario: &str) -> Result<(Folder, Folder), String> {
-    let folder = leave::new_folder(out, scenario)?;
+fn run_folder(plan: &RunPlan, scenario: &str) -> Result<(Folder, Folder), String> {
+    let folder = match &plan.folder {
+        Some(name) => {
+            let path = plan.out.join(name);
+            let made = Folder::make(&plan.out).and_then(|out| out.create(name));
+            made.map_err(|error| match error.kind() {
+                ErrorKind::AlreadyExists => format!(
+                    "{}: it is there already; give --folder another name",
+                    path.display()
+                ),
+                _ => leave::refused(&path, &error),
+            })?
+        }
+        None => leave::new_folder(&plan.out, scenario)?,
+    };
     let logs = folder.create("logs");
     let logs = logs.map_err(|error| leave::refused(&folder.path().join("logs"), &error))?;
     Ok((folder, logs))

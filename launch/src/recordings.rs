@@ -34,9 +34,6 @@ const FILES_MAX: usize = 10_000;
 /// What only a suite of recordings takes.
 #[derive(Debug, Clone, Default, Args)]
 pub struct RecordingsArgs {
-    /// Folder of the recordings, `suite recordings FOLDER`: its MCAP files, and those in its folders.
-    #[arg(value_name = "RECORDINGS")]
-    pub recordings: Option<PathBuf>,
     /// The seats that are started, to which all else is played; without, all four behind the robot.
     #[arg(long, value_name = "ROLE[,ROLE]", value_delimiter = ',', value_parser = open_seat, help_heading = HEADING)]
     pub open: Vec<Role>,
@@ -55,7 +52,7 @@ impl RecordingsArgs {
     /// True when any is given.
     pub(crate) fn is_given(&self) -> bool {
         let lists = self.open.is_empty() && self.swap.is_empty();
-        let one = self.recordings.is_some() || self.scenario.is_some() || self.slower.is_some();
+        let one = self.scenario.is_some() || self.slower.is_some();
         one || !lists
     }
 }
@@ -112,6 +109,8 @@ struct Row {
 /// A suite of recordings.
 #[derive(Debug)]
 pub struct Plan<'a> {
+    /// Where they are.
+    pub folder: &'a Path,
     /// What only they take.
     pub arguments: &'a RecordingsArgs,
     /// Who drives.
@@ -174,8 +173,7 @@ impl Plan<'_> {
 
     /// The MCAP files in the folder, by name.
     fn files(&self) -> Result<Vec<PathBuf>, String> {
-        let folder = self.arguments.recordings.as_deref();
-        let folder = folder.ok_or("which recordings? `zeronav suite recordings FOLDER`")?;
+        let folder = self.folder;
         let mut files = Vec::new();
         self.check_out(folder)?;
         for entry in entries(folder)? {

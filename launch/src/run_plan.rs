@@ -87,6 +87,8 @@ pub struct RunPlan {
     pub delays: BTreeMap<Role, u16>,
     /// Folder in which the run's own folder is made.
     pub out: PathBuf,
+    /// Name of that; `None` = one with the time and the process.
+    pub folder: Option<String>,
     /// What the services log: a level or a filter.
     pub log_level: String,
     /// True when a progress line is shown.
@@ -104,6 +106,7 @@ impl RunPlan {
         Self {
             view: None,
             record: None,
+            folder: None,
             report_failures_only: false,
             stages: true,
             scenario,

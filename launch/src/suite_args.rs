@@ -9,21 +9,28 @@ use std::path::PathBuf;
 use zeronav_console::arguments::hours;
 use zeronav_scenario::settings::DriverArgs;
 use zeronav_scenario::{ForesightSpec, Perceive, Predict};
+use zeronav_suite::merge;
 use zeronav_suite::noise::Noise;
 use zeronav_suite::plan::SuitePlan;
+use zeronav_suite::shard::Shard;
 
 /// Arguments of `zeronav suite`.
 #[derive(Debug, Clone, Args)]
 pub struct SuiteArgs {
     /// generated and field (where real robots fail) need no data; barn, dynabarn, pedestrians, soak
-    /// (drives under random faults), or a folder of scenarios; recordings, with a folder of them.
+    /// (drives under random faults), or a folder of scenarios; recordings, with a folder of them; merge,
+    /// with the folders of all shards of a suite.
     #[arg(
-        value_name = "generated|field|barn|dynabarn|pedestrians|soak|recordings|FOLDER",
+        value_name = "generated|field|barn|dynabarn|pedestrians|soak|recordings|merge|FOLDER",
         default_value = "",
         hide_default_value = true,
         required_unless_present = "resume"
     )]
     pub suite: String,
+    /// The folder of the recordings, `suite recordings FOLDER`: its MCAP files, and those in its folders;
+    /// or of every shard, `suite merge FOLDER...`: where `--shard` drove it.
+    #[arg(value_name = "FOLDER")]
+    pub folders: Vec<PathBuf>,
     /// Of recordings.
     #[command(flatten)]
     pub recordings: RecordingsArgs,
@@ -31,7 +38,7 @@ pub struct SuiteArgs {
     /// begun with.
     #[arg(long, value_name = "FOLDER",
           conflicts_with_all = ["suite", "controller", "method", "setting", "seeds", "worlds", "noise",
-                                 "perceive", "predict", "data", "out"])]
+                                 "perceive", "predict", "data", "out", "shard"])]
     pub resume: Option<PathBuf>,
     /// Wall time of a soak in all of its calls, after which it begins no more drives; without, an hour.
     #[arg(long, value_name = "H", value_parser = hours)]
@@ -57,6 +64,10 @@ pub struct SuiteArgs {
     /// numbered from 0 by name.
     #[arg(long, value_name = "A..B", value_parser = world_range)]
     pub worlds: Option<Range<u32>>,
+    /// Only the runs of part I of N, which are drawn by the names of the runs: for one of several machines.
+    /// `suite merge` makes one result of the folders of all parts.
+    #[arg(long, value_name = "I/N", conflicts_with = "bound")]
+    pub shard: Option<Shard>,
     /// How badly wheels, odometry and lidar do.
     #[arg(long, value_enum, default_value_t)]
     pub noise: Noise,
@@ -91,32 +102,27 @@ impl SuiteArgs {
     /// # Errors
     /// One line when they are about both.
     pub fn of_recordings(&self) -> Result<Option<recordings::Plan<'_>>, String> {
+        let folders = self.folders.as_slice();
         if self.suite != recordings::SUITE {
             return if self.recordings.is_given() {
-                Err("RECORDINGS, --open, --swap, --scenario and --slower: only `zeronav suite recordings FOLDER` takes them".to_owned())
+                Err("--open, --swap, --scenario and --slower: only `zeronav suite recordings FOLDER` takes them".to_owned())
             } else {
                 Ok(None)
             };
         }
-        let is_of_worlds = self.controller.is_some()
-            || self.bound
-            || self.seeds != 1
-            || self.worlds.is_some()
-            || self.noise != Noise::default()
-            || self.perceive != Perceive::default()
-            || self.predict != Predict::default()
-            || self.data.is_some()
-            || self.hours.is_some()
-            || self.jobs.is_some();
-        if is_of_worlds {
+        let [folder] = folders else {
+            return Err("which recordings? `zeronav suite recordings FOLDER`".to_owned());
+        };
+        if self.is_of_worlds() {
             return Err(
                 "recordings are played as they are, one after the other: of worlds and drives are --controller (--set \
                  local_planner.controller=KEY), --bound, --seeds, --worlds, --noise, --perceive, --predict, --data, \
-                 --hours and --jobs"
+                 --hours, --jobs and --shard"
                     .to_owned(),
             );
         }
         Ok(Some(recordings::Plan {
+            folder,
             arguments: &self.recordings,
             driver: &self.driver,
             output: OutputArgs {
@@ -126,6 +132,39 @@ impl SuiteArgs {
                 log_level: "info".to_owned(),
             },
         }))
+    }
+
+    /// The folders of the shards that are to be merged; `None` when none are.
+    ///
+    /// # Errors
+    /// One line when the arguments are about something else, too.
+    pub fn of_merge(&self) -> Result<Option<&[PathBuf]>, String> {
+        if self.suite != merge::WORD {
+            return if self.folders.is_empty() {
+                Ok(None)
+            } else {
+                Err("several folders: only `zeronav suite recordings FOLDER` and `zeronav suite merge FOLDER...` take them".to_owned())
+            };
+        }
+        if self.is_of_worlds() || !self.driver.settings().is_empty() {
+            return Err("what was driven is merged as it is: `zeronav suite merge` takes --json and --out alone".to_owned());
+        }
+        Ok(Some(&self.folders))
+    }
+
+    /// True when an argument is given that is about worlds and drives.
+    fn is_of_worlds(&self) -> bool {
+        self.controller.is_some()
+            || self.bound
+            || self.seeds != 1
+            || self.worlds.is_some()
+            || self.noise != Noise::default()
+            || self.perceive != Perceive::default()
+            || self.predict != Predict::default()
+            || self.data.is_some()
+            || self.hours.is_some()
+            || self.jobs.is_some()
+            || self.shard.is_some()
     }
 
     /// What the arguments mean.
@@ -146,6 +185,7 @@ impl SuiteArgs {
             },
             data: self.data.clone(),
             hours: self.hours,
+            shard: self.shard,
             jobs: self.jobs,
             progress: !self.headless,
             out: self.out.clone(),

@@ -72,6 +72,12 @@ pub(super) enum Success {
 }
 
 impl Case {
+    /// Names the run: its scenario and its seed.
+    pub(super) fn name(&self) -> String {
+        let scenario = self.scenario.file_stem().unwrap_or_default();
+        format!("{}-seed{}", scenario.to_string_lossy(), self.seed)
+    }
+
     /// The benchmark's clock; `None` where the benchmark has no score by time.
     pub(super) fn clock(&self) -> Option<Clock> {
         let Success::Arrival {

@@ -1,7 +1,7 @@
 //! Why a suite did not run to its end.
 
-use super::report::Report;
 use super::runner::Stopped;
+use super::timing::Ran;
 
 /// Why a suite did not run to its end.
 #[derive(Debug)]
@@ -9,7 +9,7 @@ pub enum SuiteError {
     /// Usage or configuration, in one line.
     Usage(String),
     /// Ctrl-C: everything is stopped, the report says what there is.
-    Interrupted(Option<Box<Report>>),
+    Interrupted(Option<Box<Ran>>),
     /// A file could not be written, in one line.
     Lost(String),
 }

@@ -3,8 +3,10 @@
 
 use super::case::Case;
 use super::hindsight::ContactRow;
-use super::plan::Setup;
+use super::noise::Noise;
+use super::plan::{Setup, SuitePlan};
 use super::row::Row;
+use super::shard::Shard;
 use super::soak::soaked::Soaked;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -41,6 +43,16 @@ pub(super) struct Order {
     pub(super) hours: Option<f64>,
     /// Hash of the stock binaries.
     pub(super) build: String,
+    /// The part that is driven here; `None` = all.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) shard: Option<Shard>,
+}
+
+/// The names of all runs, also of those that other shards make.
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Planned {
+    cases: Vec<String>,
 }
 
 /// A run that has finished.
@@ -48,6 +60,7 @@ pub(super) struct Order {
 struct Entry {
     key: String,
     row: Row,
+    wall_s: Option<f64>,
     contacts: Vec<ContactRow>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     soaked: Option<Box<Soaked>>,
@@ -60,21 +73,25 @@ struct Used {
     used_s: f64,
 }
 
+/// What a journal holds beside its order.
+#[derive(Debug, Default)]
+pub(super) struct Contents {
+    /// The names of all runs; `None` when they are not known in advance, or were not yet.
+    pub(super) planned: Option<Vec<String>>,
+    /// The rows by the names of their runs.
+    pub(super) rows: BTreeMap<String, Row>,
+    /// Wall time that a soak has used. [s]
+    used_s: f64,
+    /// Length of the lines that are whole. [bytes]
+    bytes: u64,
+}
+
 /// The journal, open for more.
 #[derive(Debug)]
 pub(super) struct Journal {
     file: PathBuf,
     open: File,
-    /// The rows that it holds by [`key`].
-    rows: BTreeMap<String, Row>,
-    /// Wall time that a soak has used. [s]
-    used_s: f64,
-}
-
-/// Names a run: its scenario and its seed.
-pub(super) fn key(case: &Case) -> String {
-    let name = case.scenario.file_stem().unwrap_or_default();
-    format!("{}-seed{}", name.to_string_lossy(), case.seed)
+    contents: Contents,
 }
 
 impl Journal {
@@ -90,62 +107,92 @@ impl Journal {
         let mut journal = Self {
             file,
             open,
-            rows: BTreeMap::new(),
-            used_s: 0.0,
+            contents: Contents::default(),
         };
         journal.append(order)?;
         Ok(journal)
     }
 
-    /// Opens the journal of a suite that shall go on: what was asked for, and what there is.
+    /// Reads the journal in `directory`: what was asked for, and what there is.
     ///
     /// # Errors
     /// One line naming the file and what is wrong with it.
-    pub(super) fn resume(directory: &Path) -> Result<(Order, Self), String> {
+    pub(super) fn read(directory: &Path) -> Result<(Order, Contents), String> {
         let file = directory.join(NAME);
-        let nothing = |error| format!("nothing to resume, {}: {error}", file.display());
-        let folder = Folder::open(directory).map_err(nothing)?;
-        let text = read::text(&file, read::RESULT_BYTES_MAX).map_err(nothing)?;
+        let unreadable = |error| format!("no journal of a suite, {}: {error}", file.display());
+        Folder::open(directory).map_err(unreadable)?;
+        let text = read::text(&file, read::RESULT_BYTES_MAX).map_err(unreadable)?;
         // A line without its end was being written when the suite was killed.
         let whole = text.rfind('\n').map_or("", |end| &text[..=end]);
         let mut lines = whole.lines();
         let unusable = |line: usize, error: &dyn core::fmt::Display| {
-            format!("nothing to resume, {}:{line}: {error}", file.display())
+            format!("no journal of a suite, {}:{line}: {error}", file.display())
         };
         let order: Order = serde_json::from_str(lines.next().unwrap_or_default())
             .map_err(|error| unusable(1, &error))?;
-        let mut rows = BTreeMap::new();
-        let mut used_s: f64 = 0.0;
+        let mut contents = Contents {
+            bytes: whole.len() as u64,
+            ..Contents::default()
+        };
         for (n, line) in lines.enumerate() {
             if let Ok(used) = serde_json::from_str::<Used>(line) {
-                used_s = used_s.max(used.used_s);
+                contents.used_s = contents.used_s.max(used.used_s);
+                continue;
+            }
+            if let Ok(planned) = serde_json::from_str::<Planned>(line) {
+                contents.planned = Some(planned.cases);
                 continue;
             }
             let entry: Entry =
                 serde_json::from_str(line).map_err(|error| unusable(n + 2, &error))?;
             let row = Row {
+                wall_s: entry.wall_s,
                 contacts: entry.contacts,
                 soaked: entry.soaked,
                 ..entry.row
             };
-            rows.insert(entry.key, row);
+            contents.rows.insert(entry.key, row);
         }
-        let open = folder
-            .append(NAME)
-            .and_then(|open| open.set_len(whole.len() as u64).map(|()| open))
+        Ok((order, contents))
+    }
+
+    /// Opens the journal of a suite that shall go on.
+    ///
+    /// # Errors
+    /// As [`Self::read`].
+    pub(super) fn resume(directory: &Path) -> Result<(Order, Self), String> {
+        let (order, contents) = Self::read(directory)?;
+        let file = directory.join(NAME);
+        let open = Folder::open(directory)
+            .and_then(|folder| folder.append(NAME))
+            .and_then(|open| open.set_len(contents.bytes).map(|()| open))
             .map_err(|error| failed(&file, &error))?;
         let journal = Self {
             file,
             open,
-            rows,
-            used_s,
+            contents,
         };
         Ok((order, journal))
     }
 
+    /// Notes the names of all runs, or compares them with those that it holds: false when they differ.
+    ///
+    /// # Errors
+    /// One line naming the file.
+    pub(super) fn plan(&mut self, cases: Vec<String>) -> Result<bool, String> {
+        if let Some(planned) = &self.contents.planned {
+            return Ok(*planned == cases);
+        }
+        self.append(&Planned {
+            cases: cases.clone(),
+        })?;
+        self.contents.planned = Some(cases);
+        Ok(true)
+    }
+
     /// The row of a run that has finished.
     pub(super) fn row(&self, case: &Case) -> Option<&Row> {
-        self.rows.get(&key(case))
+        self.contents.rows.get(&case.name())
     }
 
     /// Notes a run that has finished.
@@ -153,20 +200,29 @@ impl Journal {
     /// # Errors
     /// One line naming the file.
     pub(super) fn note(&mut self, case: &Case, row: Row) -> Result<(), String> {
+        self.note_as(case.name(), row)
+    }
+
+    /// The same of the run with this name.
+    ///
+    /// # Errors
+    /// One line naming the file.
+    pub(super) fn note_as(&mut self, name: String, row: Row) -> Result<(), String> {
         let entry = Entry {
-            key: key(case),
+            key: name,
+            wall_s: row.wall_s,
             contacts: row.contacts.clone(),
             soaked: row.soaked.clone(),
             row,
         };
         self.append(&entry)?;
-        self.rows.insert(entry.key, entry.row);
+        self.contents.rows.insert(entry.key, entry.row);
         Ok(())
     }
 
     /// Wall time that a soak has used, in all of its calls. [s]
     pub(super) fn used_s(&self) -> f64 {
-        self.used_s
+        self.contents.used_s
     }
 
     /// Notes how much that is by now.
@@ -174,7 +230,7 @@ impl Journal {
     /// # Errors
     /// One line naming the file.
     pub(super) fn use_up(&mut self, used_s: f64) -> Result<(), String> {
-        self.used_s = used_s;
+        self.contents.used_s = used_s;
         self.append(&Used { used_s })
     }
 
@@ -197,6 +253,23 @@ impl Order {
         *self == other
     }
 
+    /// What was asked for, with all that decides about no run taken from `plan`.
+    pub(super) fn plan(&self, plan: &SuitePlan) -> SuitePlan {
+        SuitePlan {
+            suite: self.suite.clone(),
+            controller: self.controller.clone(),
+            settings: self.settings.clone(),
+            seeds: self.seeds,
+            worlds: self.worlds.map(|[from, until]| from..until),
+            noise: Noise::from_label(&self.noise).unwrap_or_default(),
+            foresight: self.foresight,
+            data: self.data.clone(),
+            hours: plan.hours.or(self.hours),
+            shard: self.shard,
+            ..plan.clone()
+        }
+    }
+
     /// What `setup` asks for, with the binaries that are there now.
     ///
     /// # Errors
@@ -215,6 +288,7 @@ impl Order {
             data: plan.data.as_ref().map(absolute),
             hours: plan.hours,
             build: build()?,
+            shard: plan.shard,
         })
     }
 }

@@ -19,6 +19,7 @@ mod hindsight;
 mod journal;
 mod junit;
 mod kind;
+pub mod merge;
 pub mod noise;
 mod oracle;
 mod pedestrians;
@@ -28,8 +29,10 @@ mod row;
 mod rows;
 mod runner;
 mod score;
+pub mod shard;
 mod soak;
 mod summary;
+pub mod timing;
 mod track;
 
 use case::Case;
@@ -37,16 +40,16 @@ use data::WorldFile;
 use error::SuiteError;
 use journal::{Journal, Order};
 use kind::Kind;
-use noise::Noise;
 use plan::{Setup, SuitePlan};
 use report::Report;
-use row::Row;
+use row::{RUNS, Row};
 use rows::drive_rest;
 use runner::{Runner, Stopped};
 use soak::verdict::{End, SoakReport};
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
+use timing::{Ran, Timing};
 use zeronav_console::environment::Before;
 use zeronav_console::leave;
 use zeronav_files::Folder;
@@ -57,7 +60,7 @@ use zeronav_supervise::binaries::{self, Needed};
 ///
 /// # Errors
 /// [`SuiteError`]; runs that fail are no error but rows of the report.
-pub fn suite(plan: &SuitePlan, interrupted: &AtomicBool) -> Result<Report, SuiteError> {
+pub fn suite(plan: &SuitePlan, interrupted: &AtomicBool) -> Result<Ran, SuiteError> {
     if plan.resume.is_none() {
         check_words(plan)?;
     }
@@ -68,18 +71,7 @@ pub fn suite(plan: &SuitePlan, interrupted: &AtomicBool) -> Result<Report, Suite
         return begin(plan, interrupted, None);
     };
     let (order, journal) = Journal::resume(directory)?;
-    let plan = SuitePlan {
-        suite: order.suite.clone(),
-        controller: order.controller.clone(),
-        settings: order.settings.clone(),
-        seeds: order.seeds,
-        worlds: order.worlds.map(|[from, until]| from..until),
-        noise: Noise::from_label(&order.noise).unwrap_or_default(),
-        foresight: order.foresight,
-        data: order.data.clone(),
-        hours: plan.hours.or(order.hours),
-        ..plan.clone()
-    };
+    let plan = order.plan(plan);
     check_words(&plan)?;
     begin(&plan, interrupted, Some((directory, &order, journal)))
 }
@@ -88,7 +80,7 @@ fn begin(
     plan: &SuitePlan,
     interrupted: &AtomicBool,
     resumed: Option<(&Path, &Order, Journal)>,
-) -> Result<Report, SuiteError> {
+) -> Result<Ran, SuiteError> {
     let kind = Kind::of(&plan.suite);
     let worlds = worlds(kind, plan)?;
     check_binaries(kind, plan)?;
@@ -121,7 +113,17 @@ fn begin(
         let soaked = (driven.end, driven.used_s);
         (driven.cases, Some(soaked), driven.ended)
     } else {
-        let cases = cases(kind, &setup, &worlds, &runner)?;
+        let mut cases = cases(kind, &setup, &worlds, &runner)?;
+        let planned = cases.iter().map(Case::name).collect();
+        if !journal.plan(planned).map_err(SuiteError::Lost)? {
+            return Err(SuiteError::Usage(format!(
+                "{} was begun with other worlds than are here now: run the suite again",
+                directory.display()
+            )));
+        }
+        if let Some(shard) = plan.shard {
+            cases.retain(|case| shard.has(&case.name()));
+        }
         let ended = drive_rest(&runner, kind.label(), &cases, &mut journal);
         (cases, None, ended)
     };
@@ -129,7 +131,7 @@ fn begin(
         .iter()
         .filter_map(|case| journal.row(case).cloned())
         .collect();
-    let report = leave(
+    let ran = leave(
         &setup,
         (cases.len(), rows, soaked),
         &folders.all,
@@ -137,18 +139,18 @@ fn begin(
     )?;
     match ended {
         Ok(()) => {}
-        Err(Stopped::Interrupted) => return Err(SuiteError::Interrupted(Some(Box::new(report)))),
+        Err(Stopped::Interrupted) => return Err(SuiteError::Interrupted(Some(Box::new(ran)))),
         Err(other) => return Err(other.into()),
     }
-    match report.refusal() {
+    match ran.report.refusal() {
         Some(problem) => Err(SuiteError::Usage(problem)),
-        None => Ok(report),
+        None => Ok(ran),
     }
 }
 
 /// Plans a way through every run in place of driving it. The empty scenes of recorded people are
 /// driven all the same: the scenarios depend on the time that it takes.
-fn plan_all(plan: &SuitePlan, interrupted: &AtomicBool) -> Result<Report, SuiteError> {
+fn plan_all(plan: &SuitePlan, interrupted: &AtomicBool) -> Result<Ran, SuiteError> {
     let kind = Kind::of(&plan.suite);
     let worlds = worlds(kind, plan)?;
     if kind == Kind::Pedestrians {
@@ -180,26 +182,25 @@ fn leave(
     (n_cases, rows, soaked): (usize, Vec<Row>, Option<(End, f64)>),
     folder: &Folder,
     (started, before): (&Instant, &Before),
-) -> Result<Report, SuiteError> {
+) -> Result<Ran, SuiteError> {
     let soak = soaked.map(|(end, used_s)| {
         let hours = setup.plan.hours.unwrap_or(soak::HOURS);
         let drives = rows.iter().filter_map(|row| row.soaked.as_deref().cloned());
         SoakReport::new(end, (hours, used_s), drives.collect())
     });
-    let mut report = Report::new(
-        setup,
-        Kind::of(&setup.plan.suite),
-        n_cases,
-        rows,
+    let timing = Timing::new(
+        &rows,
         folder.path(),
         started.elapsed().as_secs_f64(),
         before.environment(),
     );
+    let mut report = Report::new(setup, Kind::of(&setup.plan.suite), n_cases, rows);
     if let Some(soak) = soak {
         report = report.of_soak(soak);
     }
     report.leave(folder).map_err(SuiteError::Lost)?;
-    Ok(report)
+    timing.leave(folder).map_err(SuiteError::Lost)?;
+    Ok(Ran { report, timing })
 }
 
 /// Accepts what fits the suite.
@@ -213,6 +214,8 @@ fn check_words(plan: &SuitePlan) -> Result<(), SuiteError> {
     } else if is_soak && (is_told || plan.bound || plan.seeds != 1) {
         "--perceive, --predict, --bound and --seeds: a soak has none of them; each of its drives has \
          the seed that is drawn from its number, and --worlds A..B picks some"
+    } else if is_soak && plan.shard.is_some() {
+        "--shard: the drives of a soak are endless; --worlds A..B picks some"
     } else if !is_soak && plan.hours.is_some() {
         "--hours: only a soak goes on until its time is used up"
     } else {
@@ -299,7 +302,7 @@ impl Folders {
         };
         Ok(Self {
             scenarios: part("scenarios")?,
-            runs: part("runs")?,
+            runs: part(RUNS)?,
             all,
         })
     }

@@ -1,6 +1,7 @@
 //! What a suite is asked to be.
 
 use super::noise::Noise;
+use super::shard::Shard;
 use core::ops::Range;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
@@ -31,6 +32,8 @@ pub struct SuitePlan {
     pub foresight: ForesightSpec,
     /// Folder of the data sets; `None` = `$ZERONAV_DATA` or `./data`.
     pub data: Option<PathBuf>,
+    /// The part of the runs that is made; `None` = all.
+    pub shard: Option<Shard>,
     /// Wall time of a soak in all its calls; `None` = an hour. [h]
     pub hours: Option<f64>,
     /// Runs at a time; `None` = as many as there are cores.

@@ -4,15 +4,15 @@ use super::hindsight::ContactRow;
 use super::kind::Kind;
 use super::plan::Setup;
 use super::row::Row;
+use super::shard::Shard;
 use super::soak::verdict::{End, SoakReport};
 use super::summary::Summary;
+use super::timing::Timing;
 use super::{csv_file, junit};
 use core::fmt::Write;
 use serde::Serialize;
 use std::collections::BTreeMap;
-use std::path::Path;
 use zeronav_files::Folder;
-use zeronav_measure::result::Environment;
 
 /// Columns of the table beside the name.
 const COLUMNS: usize = 14;
@@ -76,7 +76,10 @@ pub struct Report {
     pub seeds: u64,
     /// False when the suite was stopped before its last run.
     pub complete: bool,
-    /// Runs that were asked for.
+    /// The part of the suite that this is; null when it is all of it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub shard: Option<Shard>,
+    /// Runs that were asked for, of this part.
     pub planned: usize,
     /// All runs together.
     pub summary: Summary,
@@ -89,24 +92,10 @@ pub struct Report {
     /// What is asked of a soak, and what it came to; null for other suites.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub soak: Option<SoakReport>,
-    /// Wall time. [s]
-    pub wall_s: f64,
-    /// Machine and build.
-    pub environment: Environment,
-    /// Folder with everything.
-    pub directory: String,
 }
 
 impl Report {
-    pub(super) fn new(
-        setup: &Setup<'_>,
-        kind: Kind,
-        planned: usize,
-        runs: Vec<Row>,
-        directory: &Path,
-        wall_s: f64,
-        environment: Environment,
-    ) -> Self {
+    pub(super) fn new(setup: &Setup<'_>, kind: Kind, planned: usize, runs: Vec<Row>) -> Self {
         let plan = setup.plan;
         let mut classes: BTreeMap<&str, Vec<&Row>> = BTreeMap::new();
         for row in &runs {
@@ -128,6 +117,7 @@ impl Report {
             noise: plan.noise.label().to_owned(),
             foresight: plan.foresight.label(),
             seeds: plan.seeds,
+            shard: plan.shard,
             complete: runs.len() == planned,
             planned,
             summary: Summary::of(&runs.iter().collect::<Vec<_>>()),
@@ -135,9 +125,6 @@ impl Report {
             contacts: runs.iter().flat_map(|row| row.contacts.clone()).collect(),
             runs,
             soak: None,
-            wall_s,
-            environment,
-            directory: directory.display().to_string(),
         }
     }
 
@@ -171,8 +158,7 @@ impl Report {
     }
 
     /// The page for people.
-    #[must_use]
-    pub fn to_text(&self) -> String {
+    pub(super) fn to_text(&self, timing: &Timing) -> String {
         let mut text = String::new();
         if !self.complete {
             let of = match &self.soak {
@@ -183,7 +169,7 @@ impl Report {
                 text,
                 "interrupted: {}{of} runs; go on with `zeronav suite --resume {}`",
                 self.runs.len(),
-                self.directory
+                timing.directory
             );
         }
         let _ = writeln!(
@@ -194,9 +180,15 @@ impl Report {
             self.noise,
             self.summary.worlds,
             self.summary.runs,
-            self.wall_s,
+            timing.wall_s,
             self.note
         );
+        if let Some(shard) = self.shard {
+            let _ = writeln!(
+                text,
+                "  shard {shard} alone; `zeronav suite merge` makes one result of all\n"
+            );
+        }
         if let Some(told) = &self.foresight {
             let _ = writeln!(
                 text,
@@ -204,7 +196,7 @@ impl Report {
             );
         }
         self.write_table(&mut text);
-        self.write_failures(&mut text);
+        self.write_failures(&timing.directory, &mut text);
         self.write_faults(&mut text);
         if let Some(arrival) = self.summary.arrival_where_a_way_exists {
             let ratio = self.summary.mean_time_ratio.unwrap_or(0.0);
@@ -219,7 +211,7 @@ impl Report {
         if let Some(soak) = &self.soak {
             soak.write(&mut text);
         }
-        let _ = writeln!(text, "\n  {}", self.directory);
+        let _ = writeln!(text, "\n  {}", timing.directory);
         text
     }
 
@@ -237,7 +229,7 @@ impl Report {
     }
 
     /// The runs that failed, by cause.
-    fn write_failures(&self, text: &mut String) {
+    fn write_failures(&self, directory: &str, text: &mut String) {
         for (cause, n) in &self.summary.causes {
             let _ = writeln!(text, "\n  {n} x {cause}:");
             let failures = self
@@ -245,13 +237,9 @@ impl Report {
                 .iter()
                 .filter(|row| row.cause.as_ref() == Some(cause));
             for row in failures.take(FAILURES_SHOWN) {
-                let _ = writeln!(
-                    text,
-                    "    {} seed {}  {}",
-                    row.world,
-                    row.seed,
-                    row.directory.as_deref().unwrap_or("")
-                );
+                let own = row.directory.as_ref();
+                let own = own.map_or_else(String::new, |own| format!("{directory}/{own}"));
+                let _ = writeln!(text, "    {} seed {}  {own}", row.world, row.seed);
             }
         }
     }

@@ -10,6 +10,9 @@ use serde::{Deserialize, Serialize};
 use zeronav_console::exit::EXIT_USAGE;
 use zeronav_measure::result::{RunResult, Touch};
 
+/// The folder of the runs in that of the suite.
+pub(super) const RUNS: &str = "runs";
+
 /// Why a run is no success whose robot said that it had arrived and had not.
 const BESIDE_THE_GOAL: &str = "stopped beside the goal";
 
@@ -73,14 +76,15 @@ pub struct Row {
     pub driven_m: Option<f64>,
     /// How near the robot's centre really came to the goal. [m]
     pub goal_distance_m: Option<f64>,
-    /// Wall time of the drive. [s]
+    /// Wall time of the drive, which depends on the machine and is no result. [s]
+    #[serde(skip)]
     pub wall_s: Option<f64>,
     /// Hash of the run.
     pub run_hash: Option<String>,
     /// Why the run may go otherwise the next time; null when it does not.
     #[serde(default)]
     pub not_reproducible: Option<String>,
-    /// The run's folder.
+    /// The run's folder, in that of the suite.
     pub directory: Option<String>,
     /// Why it could not begin, exit code 2; the report has it once.
     #[serde(skip)]
@@ -160,7 +164,7 @@ impl Row {
                 Some(false) => Some(run.not_reproducible.join("; ")),
                 _ => None,
             },
-            directory: Some(run.directory.clone()),
+            directory: Some(format!("{RUNS}/{}", case.name())),
             contacts,
             ..Self::of(case)
         }

@@ -5,7 +5,7 @@ use super::plan::SuitePlan;
 use super::soak::left;
 use rustix::process::{Pid, Signal, kill_process};
 use std::fs::File;
-use std::io::Seek;
+use std::io::{ErrorKind, Seek};
 use std::path::PathBuf;
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -213,13 +213,16 @@ impl<'a> Runner<'a> {
     }
 
     fn start<'c>(&self, index: usize, case: &'c Case) -> Result<Going<'c>, String> {
-        let name = case.scenario.file_stem().unwrap_or_default();
-        let name = format!("{}-seed{}", name.to_string_lossy(), case.seed);
+        let name = case.name();
         let names = ["json", "txt"].map(|ending| format!("{name}.{ending}"));
         let failed = |error: std::io::Error| format!("starting a run of {name}: {error}");
         // Those of a suite that was killed.
         for name in &names {
             self.out.remove(name);
+        }
+        match std::fs::remove_dir_all(self.out.here().join(&name)) {
+            Err(error) if error.kind() != ErrorKind::NotFound => return Err(failed(error)),
+            _ => {}
         }
         let file = |name: &String| self.out.new_file(name).map_err(failed);
         let files = [file(&names[0])?, file(&names[1])?];
@@ -241,6 +244,7 @@ impl<'a> Runner<'a> {
             .args(["--seed", &case.seed.to_string()])
             .arg("--out")
             .arg(self.out.path())
+            .args(["--folder", &name])
             // The binaries were built before the first run, if cargo started the suite.
             .env_remove("CARGO")
             .stdin(Stdio::null())

@@ -58,6 +58,7 @@ mod scenarios;
 mod scheduling;
 mod seats;
 mod service_configs;
+mod shards;
 mod signals;
 mod silent_runs;
 mod soak;

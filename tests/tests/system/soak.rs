@@ -160,9 +160,8 @@ fn soak_as_a_suite_goes_on_and_counts_faults_restarts_and_what_is_left() {
 
     let name = report["directory"].as_str().expect("its folder").to_owned();
     let arguments = ["suite", "--resume", &name, "--hours", "0.5", "--json"];
-    let report = Zeronav::start_in(ended.folder, &arguments)
-        .finish()
-        .expect(0);
+    let ended = Zeronav::start_in(ended.folder, &arguments).finish();
+    let report = ended.expect(0);
     assert_eq!(report["complete"], true);
     let soak = &report["soak"];
     assert_eq!(
@@ -184,7 +183,13 @@ fn soak_as_a_suite_goes_on_and_counts_faults_restarts_and_what_is_left() {
     }
     assert_eq!(soak["drives"][0]["seed"], 1);
     let run = report["runs"][0]["directory"].as_str().expect("its folder");
-    assert!(run.starts_with(&name), "{run}");
+    let result = ended
+        .folder
+        .path()
+        .join(&name)
+        .join(run)
+        .join("result.json");
+    assert!(result.is_file(), "{}", result.display());
 }
 
 #[test]

@@ -15,6 +15,7 @@ fn plan() -> SuitePlan {
         foresight: ForesightSpec::default(),
         data: None,
         hours: None,
+        shard: None,
         jobs: None,
         progress: false,
         out: PathBuf::new(),

@@ -24,6 +24,7 @@ fn plan(out: &tempfile::TempDir) -> SuitePlan {
         foresight: ForesightSpec::default(),
         data: None,
         hours: Some(2.0),
+        shard: None,
         jobs: None,
         progress: false,
         out: out.path().to_owned(),
@@ -127,6 +128,7 @@ fn order() -> Order {
         data: None,
         hours: Some(1.0),
         build: "00ff".to_owned(),
+        shard: None,
     }
 }
 
@@ -148,6 +150,7 @@ fn wall_time_counts_over_all_calls_and_another_budget_is_the_same_soak() {
     assert!(begun.is_same(&order()) && begun.is_same(&longer));
     let other = Order {
         build: "0100".to_owned(),
+        shard: None,
         ..order()
     };
     assert!(!begun.is_same(&other));
