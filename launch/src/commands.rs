@@ -31,7 +31,7 @@ use zeronav_shell::printable::printable;
 use zeronav_suite;
 use zeronav_suite::error::SuiteError;
 use zeronav_suite::plan::SuitePlan;
-use zeronav_suite::timing::Ran;
+use zeronav_suite::ran::Ran;
 use zeronav_supervise::crash_result;
 use zeronav_supervise::will::Will;
 

@@ -14,6 +14,13 @@ const PACKAGE: &str = "services/python";
 /// What reads recordings, from the package registry.
 const READERS: [&str; 3] = ["mcap==1.6.0", "mcap-ros2-support==0.6.0", "rosbags==0.11.9"];
 
+/// What shares suites out, and what knows the files of others that do so.
+const ENGINES: [&str; 3] = [
+    "ray==2.60.0",
+    "check-jsonschema==0.39.0",
+    "kubernetes-validate==1.37.0",
+];
+
 /// Names the distribution of ROS 2 whose peers are taken: `kilted`, or `jazzy`.
 const DISTRO: &str = "ZERONAV_RCLPY";
 
@@ -83,6 +90,18 @@ pub fn readers() -> PathBuf {
     let wanted = READERS.join("\n") + &version();
     environment("readers", wanted, |install| {
         install.args(READERS);
+    })
+}
+
+/// The Python of an environment with Ray, and with what checks jobs of others.
+///
+/// # Panics
+/// As [`python`].
+#[must_use]
+pub fn engines() -> PathBuf {
+    let wanted = ENGINES.join("\n") + &version();
+    environment("engines", wanted, |install| {
+        install.args(ENGINES);
     })
 }
 

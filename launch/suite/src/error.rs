@@ -1,7 +1,7 @@
 //! Why a suite did not run to its end.
 
+use super::ran::Ran;
 use super::runner::Stopped;
-use super::timing::Ran;
 
 /// Why a suite did not run to its end.
 #[derive(Debug)]

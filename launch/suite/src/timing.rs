@@ -1,6 +1,5 @@
 //! What a suite took on its machine: beside the results, which do not depend on that.
 
-use super::report::Report;
 use super::row::Row;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -63,24 +62,5 @@ impl Timing {
     pub(super) fn leave(&self, folder: &Folder) -> Result<(), String> {
         let text = serde_json::to_string_pretty(self).map_err(|error| error.to_string())?;
         leave::write_in(folder, NAME, &(text + "\n"))
-    }
-}
-
-/// What a suite gave, and what it took.
-#[derive(Debug, Clone, Serialize)]
-pub struct Ran {
-    /// What it gave.
-    #[serde(flatten)]
-    pub report: Report,
-    /// What it took.
-    #[serde(flatten)]
-    pub timing: Timing,
-}
-
-impl Ran {
-    /// The page for people.
-    #[must_use]
-    pub fn to_text(&self) -> String {
-        self.report.to_text(&self.timing)
     }
 }

@@ -209,6 +209,37 @@ impl Bench {
         output(&mut command)
     }
 
+    /// Runs a script of the workspace, which finds `zeronav` on its path, and returns what it printed. Its results
+    /// go to a folder by `--out`.
+    ///
+    /// # Errors
+    /// See [`Self::zeronav`].
+    pub fn python(
+        &mut self,
+        python: &Path,
+        script: &str,
+        arguments: &[&str],
+    ) -> Result<String, String> {
+        let path = std::env::var("PATH").unwrap_or_default();
+        let mut command = Command::new(python);
+        command
+            .arg(script)
+            .arg("--out")
+            .arg(self.folder.path())
+            .args(arguments)
+            .env(
+                "PATH",
+                format!("{}:{path}", target().join("release").display()),
+            )
+            .env_remove("CARGO")
+            .current_dir(workspace());
+        let line = format!("python {script} {}", arguments.join(" "));
+        if !self.commands.contains(&line) {
+            self.commands.push(line);
+        }
+        output(&mut command)
+    }
+
     /// True when the data sets are there.
     #[must_use]
     pub fn has_data(&self) -> bool {

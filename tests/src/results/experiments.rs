@@ -3,7 +3,8 @@
 use super::bench::{Bench, Measured};
 use super::printed::{mapping_scale, planner_replan, with_data};
 use super::{
-    big_map, bridge, extract, faults, latencies, paired, standing, suites, tracker, trials, viewing,
+    big_map, bridge, extract, faults, latencies, paired, shards, standing, suites, tracker, trials,
+    viewing,
 };
 
 /// One experiment.
@@ -129,6 +130,18 @@ pub const EXPERIMENTS: &[Experiment] = &[
              from the seat to the callback of the node. Medians of the rounds, behind them their quartiles.",
         ),
         make: bridge::make,
+    },
+    Experiment {
+        key: "shards",
+        title: "a suite in shards by one worker of Ray and by two, three rounds in turn, and 10,000 runs reckoned",
+        minutes: 6.0,
+        by_default: false,
+        note: Some(
+            "Wall times hold the start of Ray and the merging. What is reckoned begins each run on the core that is \
+             free first, with the wall times that the runs of one worker took, one after the other until there are \
+             10,000; a machine whose cores are all in use is slower.",
+        ),
+        make: shards::make,
     },
     Experiment {
         key: "stages",

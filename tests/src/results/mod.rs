@@ -16,6 +16,7 @@ mod paired;
 mod printed;
 pub mod record;
 mod rounds;
+mod shards;
 pub mod spread;
 mod standing;
 mod suites;

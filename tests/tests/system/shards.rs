@@ -1,5 +1,7 @@
 //! Suites that several machines share: `--shard I/N` and `zeronav suite merge`.
 
+mod engines;
+
 use rustix::process::Signal;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
