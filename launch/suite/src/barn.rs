@@ -1,9 +1,9 @@
 //! BARN: static worlds, a score by time.
 
-use super::bound::turns::OutlineWay;
 use super::case::{Case, Manner, Rule, Sheet, Success};
 use super::data::{self, WorldFile};
 use super::plan::{Setup, SuitePlan};
+use super::turns::OutlineWay;
 use serde::Deserialize;
 use std::collections::HashMap;
 use toml::Table;

@@ -7,9 +7,7 @@
 
 mod crowd;
 mod gaits;
-mod ground;
 mod search;
-pub(super) mod turns;
 mod way;
 
 use super::case::{Case, Success};
@@ -18,12 +16,12 @@ use super::future::Future;
 use super::row::Row;
 use super::score::{RULES, score};
 use super::track::turning_rad;
+use super::turns::Turns;
 use core::f64::consts::PI;
 use std::collections::BTreeSet;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::time::{Duration, Instant};
-use turns::Turns;
 use way::{Task, Way};
 use zeronav_console::progress::{ProgressLine, Tally};
 use zeronav_console::terminal::note;

@@ -1,9 +1,9 @@
 //! One run that a suite makes, and by what it is judged.
 
-use super::bound::turns::OutlineWay;
 use super::noise;
 use super::plan::Setup;
 use super::track::Clock;
+use super::turns::OutlineWay;
 use std::path::PathBuf;
 use std::time::Duration;
 use toml::{Table, Value};

@@ -1,10 +1,10 @@
 //! `DynaBARN`: cylinders that go round whatever the robot does.
 
 use super::barn::TOLERANCE_SHARE;
-use super::bound::turns::OutlineWay;
 use super::case::{Case, Manner, Rule, Sheet, Success};
 use super::data::{self, WorldFile};
 use super::plan::{Setup, SuitePlan};
+use super::turns::OutlineWay;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use serde::Deserialize;

@@ -1,10 +1,10 @@
 //! A folder of scenarios, each judged by what it expects itself.
 
-use super::bound::turns::OutlineWay;
 use super::case::{Case, Manner, Rule, Success, write};
 use super::data::{self, WorldFile};
 use super::noise;
 use super::plan::{Setup, SuitePlan};
+use super::turns::OutlineWay;
 use std::path::Path;
 use toml::Table;
 use zeronav_scenario::Scenario;

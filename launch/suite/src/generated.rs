@@ -1,10 +1,10 @@
 //! Worlds that are drawn from a seed: no data is needed.
 
 use super::barn::TOLERANCE_SHARE;
-use super::bound::turns::OutlineWay;
 use super::case::{Case, Manner, Rule, Sheet, Success};
 use super::data::WorldFile;
 use super::plan::{Setup, SuitePlan};
+use super::turns::OutlineWay;
 use core::ops::Range;
 use std::path::PathBuf;
 use toml::Table;

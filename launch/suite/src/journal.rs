@@ -7,7 +7,7 @@ use super::noise::Noise;
 use super::plan::{Setup, SuitePlan};
 use super::row::Row;
 use super::shard::Shard;
-use super::soak::soaked::Soaked;
+use super::soaked::Soaked;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fs::File;

@@ -1,13 +1,13 @@
 //! Recorded people: the robot crosses the scene, and they do not see it.
 
 use super::barn::TOLERANCE_SHARE;
-use super::bound::turns::OutlineWay;
 use super::case::{Case, Manner, Rule, Sheet, Success};
 use super::data::{self, WorldFile};
 use super::error::SuiteError;
 use super::plan::{Setup, SuitePlan};
 use super::rows::drive;
 use super::runner::Runner;
+use super::turns::OutlineWay;
 use core::f64::consts::{FRAC_PI_2, PI};
 use toml::Table;
 use zeronav_msgs::Pose;

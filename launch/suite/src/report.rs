@@ -5,7 +5,7 @@ use super::kind::Kind;
 use super::plan::Setup;
 use super::row::Row;
 use super::shard::Shard;
-use super::soak::verdict::{End, SoakReport};
+use super::soaked::verdict::{End, SoakReport};
 use super::summary::Summary;
 use super::timing::Timing;
 use super::{csv_file, junit};

@@ -4,7 +4,7 @@ use super::case::{Case, Success};
 use super::hindsight::{ContactRow, Hindsight};
 use super::runner::Finish;
 use super::score::{RULES, score};
-use super::soak::soaked::Soaked;
+use super::soaked::Soaked;
 use super::track::{closest_m, turning_rad};
 use serde::{Deserialize, Serialize};
 use zeronav_console::exit::EXIT_USAGE;
@@ -310,8 +310,8 @@ fn by_the_suite(case: &Case) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::bound::turns::OutlineWay;
     use super::super::case::{Manner, Rule};
+    use super::super::turns::OutlineWay;
     use super::*;
     use serde_json::{Value, json};
     use std::path::PathBuf;

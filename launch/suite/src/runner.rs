@@ -1,8 +1,8 @@
 //! Runs side by side: each a `zeronav run` of its own, in lockstep unless its case is in real time.
 
 use super::case::Case;
+use super::left;
 use super::plan::SuitePlan;
-use super::soak::left;
 use rustix::process::{Pid, Signal, kill_process};
 use std::fs::File;
 use std::io::{ErrorKind, Seek};

@@ -7,25 +7,22 @@
 //! side by side; one in real time goes alone.
 
 mod drives;
-mod excuse;
-pub(super) mod left;
-pub(super) mod soaked;
 #[cfg(test)]
 mod tests;
-pub(super) mod verdict;
 
 use super::case::Case;
 use super::journal::Journal;
+use super::left;
 use super::plan::Setup;
 use super::row::Row;
 use super::runner::{Finish, Runner, Stopped};
+use super::soaked::Soaked;
+use super::soaked::verdict::{End, Totals};
 use drives::Drive;
-use soaked::Soaked;
 use std::collections::VecDeque;
 use std::io::ErrorKind;
 use std::ops::Range;
 use std::time::Instant;
-use verdict::{End, Totals};
 use zeronav_console::leave;
 use zeronav_console::progress::ProgressLine;
 use zeronav_files::Folder;

@@ -24,7 +24,7 @@ impl TemporaryFolder {
             (DirBuilder::new().mode(0o700).create(path))
                 .inspect_err(|_| warden::forget_folder(path))
         })?;
-        let (_, path) = made.keep()?;
+        let ((), path) = made.keep()?;
         Ok(Self { path })
     }
 

@@ -6,9 +6,9 @@
 //! enough. What is worth more than others is the time to the goal over an empty ground. A search
 //! that finds nothing begins again with larger layers.
 
+use super::super::ground::Ground;
 use super::crowd::{self, Passage};
 use super::gaits::{Gaits, MANOEUVRE_S, Manoeuvre};
-use super::ground::Ground;
 use super::way::{Task, Way};
 use core::f64::consts::TAU;
 use core::ops::Range;

@@ -1,6 +1,7 @@
 use super::super::case::{Manner, Rule};
 use super::super::future::{Mover, walker};
 use super::super::oracle::robot::{Abilities, State};
+use super::super::turns;
 use super::*;
 use zeronav_msgs::Pose;
 use zeronav_robot_description::RobotPreset;

@@ -8,13 +8,13 @@ mod kinds;
 mod robots;
 mod scene;
 
-use super::bound::turns::{self, OutlineWay, Turns};
 use super::case::{Case, Manner, Rule, Success, write};
 use super::data::WorldFile;
 use super::hindsight::Hindsight;
 use super::noise;
 use super::oracle::robot::Abilities;
 use super::plan::{Setup, SuitePlan};
+use super::turns::{self, OutlineWay, Turns};
 use core::ops::Range;
 use kinds::KINDS;
 use rand::{RngExt, SeedableRng};

@@ -1,8 +1,8 @@
 //! The drives of a soak: an endless list, in which each is drawn from its number alone.
 
-use super::super::bound::turns::OutlineWay;
 use super::super::case::{Case, Manner, Rule, Success, goal, numbers, write};
 use super::super::plan::Setup;
+use super::super::turns::OutlineWay;
 use super::super::{barn, generated};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;

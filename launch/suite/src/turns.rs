@@ -7,8 +7,8 @@
 //! limits takes up to the resolution of the search. A way that is found can be driven at a crawl; that none
 //! was found proves nothing, because the search is bounded and its steps are of one size.
 
-use super::super::oracle::robot::Abilities;
 use super::ground::Ground;
+use super::oracle::robot::Abilities;
 use core::f64::consts::TAU;
 use std::cmp::Ordering;
 use std::collections::{BinaryHeap, HashMap};

@@ -61,7 +61,7 @@ pub(crate) fn domain(temp: &Path) -> Option<PathBuf> {
 }
 
 /// What a run that has ended has left over, one line each, once it has had its time to go.
-pub(super) fn left_over(temp: &Path, domain: Option<&Path>) -> Vec<String> {
+pub(crate) fn left_over(temp: &Path, domain: Option<&Path>) -> Vec<String> {
     let began = Instant::now();
     loop {
         let left = look(temp, domain);

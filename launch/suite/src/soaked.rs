@@ -1,8 +1,11 @@
 //! What came of one drive of a soak.
 
-use super::super::case::Case;
-use super::super::hindsight::{ContactRow, Hindsight};
-use super::excuse::excuse;
+mod excuse;
+pub(super) mod verdict;
+
+use super::case::Case;
+use super::hindsight::{ContactRow, Hindsight};
+use excuse::excuse;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use zeronav_measure::result::RunResult;
@@ -58,7 +61,7 @@ pub struct Soaked {
 
 impl Soaked {
     /// What a case came to: its row, its run if it has a result, and what was left over.
-    pub(super) fn of(
+    pub(crate) fn of(
         case: &Case,
         (arrived, contacts): (bool, &[ContactRow]),
         run: Option<&RunResult>,
@@ -114,18 +117,18 @@ impl Soaked {
     }
 
     /// True when the same drive without faults has something to say.
-    pub(super) fn is_in_doubt(&self) -> bool {
+    pub(crate) fn is_in_doubt(&self) -> bool {
         !self.arrived || self.contacts_own_fault > 0
     }
 
     /// True when it did not reach its goals and it is not known that it would not have without faults
     /// either.
-    pub(super) fn is_lost(&self) -> bool {
+    pub(crate) fn is_lost(&self) -> bool {
         !self.arrived && self.arrives_without_faults != Some(false)
     }
 
     /// Why it is no success beside what is said of any run.
-    pub(super) fn cause(&self) -> Option<&'static str> {
+    pub(crate) fn cause(&self) -> Option<&'static str> {
         if self.contacts_own_fault > 0 {
             Some("contact by own fault")
         } else if self.left.is_empty() {
@@ -168,7 +171,7 @@ fn unasked(run: &RunResult) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::case::{Manner, Rule, Success};
+    use super::super::case::{Manner, Rule, Success};
     use super::*;
     use serde_json::{Value, json};
     use std::path::PathBuf;
@@ -186,7 +189,7 @@ mod tests {
                 optimal_time_s: None,
                 reference_m: None,
                 future_is_known: true,
-                way: crate::bound::turns::OutlineWay::NotSearched,
+                way: crate::turns::OutlineWay::NotSearched,
             },
             manner: Manner::default(),
         }
@@ -194,7 +197,7 @@ mod tests {
 
     /// A real result with these faults and restarts.
     fn run(faults: &Value, restarts: &Value) -> RunResult {
-        let text = include_str!("../../../measure/tests/data/result_lockstep.json");
+        let text = include_str!("../../measure/tests/data/result_lockstep.json");
         let mut result: Value = serde_json::from_str(text).unwrap();
         result["faults"] = faults.clone();
         result["restarts"] = restarts.clone();

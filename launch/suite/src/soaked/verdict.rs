@@ -1,6 +1,6 @@
 //! What a soak came to: counts by seat, and a verdict for each thing that is asked of it.
 
-use super::soaked::Soaked;
+use super::Soaked;
 use core::fmt::Write;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -119,7 +119,7 @@ pub struct SoakReport {
 
 impl Totals {
     /// Takes a drive in.
-    pub(super) fn add(&mut self, drive: &Soaked) {
+    pub(crate) fn add(&mut self, drive: &Soaked) {
         let add = |sums: &mut BTreeMap<String, u64>, more: &BTreeMap<String, u64>| {
             for (name, n) in more {
                 let sum = sums.entry(name.clone()).or_default();
@@ -153,13 +153,13 @@ impl Totals {
     }
 
     /// The seat with the fewest restarts.
-    pub(super) fn restarts_least(&self) -> u64 {
+    pub(crate) fn restarts_least(&self) -> u64 {
         let of_seats = mortals().map(|role| self.restarts_of(role));
         of_seats.min().unwrap_or(0)
     }
 
     /// True when enough was broken and restarted.
-    pub(super) fn is_enough(&self) -> bool {
+    pub(crate) fn is_enough(&self) -> bool {
         self.faults >= FAULTS && self.restarts_least() >= RESTARTS
     }
 

@@ -1,6 +1,6 @@
 //! What stands: how far the goal is, and whether the robot touches something.
 
-use super::super::oracle::robot::Abilities;
+use super::oracle::robot::Abilities;
 use nalgebra::Point2;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
