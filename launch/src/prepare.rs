@@ -417,6 +417,10 @@ fn run_folder(plan: &RunPlan, scenario: &str) -> Result<(Folder, Folder), String
             let path = plan.out.join(name);
             let made = Folder::make(&plan.out).and_then(|out| out.create(name));
             made.map_err(|error| match error.kind() {
+                ErrorKind::PermissionDenied => format!(
+                    "{}: name a folder of your own with --out",
+                    leave::refused(&path, &error)
+                ),
                 ErrorKind::AlreadyExists => format!(
                     "{}: it is there already; give --folder another name",
                     path.display()

@@ -64,8 +64,8 @@ pub struct SuiteArgs {
     /// numbered from 0 by name.
     #[arg(long, value_name = "A..B", value_parser = world_range)]
     pub worlds: Option<Range<u32>>,
-    /// Only the runs of part I of N, which are drawn by the names of the runs: for one of several machines.
-    /// `suite merge` makes one result of the folders of all parts.
+    /// Drive only shard I of N, for one of several machines; the name of a run decides its shard. `suite merge`
+    /// makes one suite of the folders of all shards.
     #[arg(long, value_name = "I/N", conflicts_with = "bound")]
     pub shard: Option<Shard>,
     /// How badly wheels, odometry and lidar do.
@@ -143,7 +143,7 @@ impl SuiteArgs {
             return if self.folders.is_empty() {
                 Ok(None)
             } else {
-                Err("several folders: only `zeronav suite recordings FOLDER` and `zeronav suite merge FOLDER...` take them".to_owned())
+                Err("only `zeronav suite recordings FOLDER` and `zeronav suite merge FOLDER...` take folders".to_owned())
             };
         }
         if self.is_of_worlds() || !self.driver.settings().is_empty() {

@@ -2,16 +2,15 @@
 
     python ray_suite.py --shards 64 --out /shared/suite -- barn --seeds 10 --data /shared/data
 
-Each shard is a task on one core. Ray starts it again elsewhere when its worker, or the machine of that, dies.
-All machines need the same zeronav and one folder in common. Needs `pip install ray`.
+Each shard is a task on one core. Ray starts it again elsewhere when its worker or its machine fails.
+All machines need the same zeronav and one folder in common; paths must be absolute on a cluster.
+Needs `pip install ray`.
 """
 
 import argparse
-import ctypes
 import json
 import os
 import shutil
-import signal
 import subprocess
 import sys
 import tempfile
@@ -21,21 +20,17 @@ from pathlib import Path
 os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")
 import ray  # noqa: E402  (reads the variable above)
 
-PR_SET_PDEATHSIG = 1
-# Shared memory of a Ray of this machine alone: tasks return a path. [bytes]
+# Shared memory of a local Ray: tasks return a path. [bytes]
 OBJECT_STORE = 80 * 1024 * 1024
-
-
-def end_with_worker():
-    """A shard must not go on beside the one that takes its place."""
-    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
+# Ends a shard with its worker: it must not go on beside the one that takes its place.
+WITH_WORKER = ["setpriv", "--pdeathsig", "TERM"]
 
 
 def drive(zeronav, suite, shard, out):
     """Drives a shard such as "2/64" in a folder of its own in `out`: the folder of its results."""
     attempt = Path(out) / "shards" / f"{shard.replace('/', '_of_')}-{uuid.uuid4().hex[:8]}"
     command = [zeronav, "suite", *suite, "--shard", shard, "--jobs", "1", "--headless", "--json", "--out", attempt]
-    done = subprocess.run(command, capture_output=True, text=True, check=False, preexec_fn=end_with_worker)
+    done = subprocess.run(WITH_WORKER + command, capture_output=True, text=True, check=False)
     if done.returncode != 0:
         raise RuntimeError(f"shard {shard}: exit code {done.returncode}: {done.stderr.strip()}")
     return json.loads(done.stdout)["directory"]
@@ -59,6 +54,7 @@ def main():
     else:
         session = tempfile.mkdtemp(prefix="ray")
         ray.init(
+            address="local",
             num_cpus=arguments.workers,
             include_dashboard=False,
             object_store_memory=OBJECT_STORE,
@@ -68,15 +64,21 @@ def main():
         task = ray.remote(num_cpus=1, max_retries=arguments.retries)(drive)
         shards = [f"{index}/{arguments.shards}" for index in range(1, arguments.shards + 1)]
         waiting = [task.remote(arguments.zeronav, arguments.suite, shard, str(out)) for shard in shards]
-        folders = []
+        folders, errors = [], []
         while waiting:
-            ready, waiting = ray.wait(waiting)
-            folders += ray.get(ready)
-            print(f"{len(folders)} of {len(shards)} shards are driven", file=sys.stderr)
+            [ready], waiting = ray.wait(waiting)
+            try:
+                folders.append(ray.get(ready))
+            except ray.exceptions.RayError as error:
+                errors.append(str(error))
+            print(f"{len(folders)} of {len(shards)} shards are driven, {len(errors)} failed", file=sys.stderr)
     finally:
         ray.shutdown()
         if session:
             shutil.rmtree(session, ignore_errors=True)
+    if errors:
+        print("\n".join(errors), "these are driven:", *folders, sep="\n", file=sys.stderr)
+        return 1
     merge = [arguments.zeronav, "suite", "merge", *folders, "--json", "--out", out]
     return subprocess.run(merge, check=False).returncode
 

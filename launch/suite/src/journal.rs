@@ -8,6 +8,8 @@ use super::plan::{Setup, SuitePlan};
 use super::row::Row;
 use super::shard::Shard;
 use super::soaked::Soaked;
+use rustix::fs::{FlockOperation, flock};
+use rustix::io::Errno;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -61,6 +63,8 @@ struct Entry {
     key: String,
     row: Row,
     wall_s: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    refusal: Option<String>,
     contacts: Vec<ContactRow>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     soaked: Option<Box<Soaked>>,
@@ -104,6 +108,7 @@ impl Journal {
         let open = folder
             .new_file(NAME)
             .map_err(|error| failed(&file, &error))?;
+        lock(&open, &file)?;
         let mut journal = Self {
             file,
             open,
@@ -119,14 +124,17 @@ impl Journal {
     /// One line naming the file and what is wrong with it.
     pub(super) fn read(directory: &Path) -> Result<(Order, Contents), String> {
         let file = directory.join(NAME);
-        let unreadable = |error| format!("no journal of a suite, {}: {error}", file.display());
+        let unreadable = |error| format!("{}: not the journal of a suite: {error}", file.display());
         Folder::open(directory).map_err(unreadable)?;
         let text = read::text(&file, read::RESULT_BYTES_MAX).map_err(unreadable)?;
         // A line without its end was being written when the suite was killed.
         let whole = text.rfind('\n').map_or("", |end| &text[..=end]);
         let mut lines = whole.lines();
         let unusable = |line: usize, error: &dyn core::fmt::Display| {
-            format!("no journal of a suite, {}:{line}: {error}", file.display())
+            format!(
+                "{}:{line}: not the journal of a suite: {error}",
+                file.display()
+            )
         };
         let order: Order = serde_json::from_str(lines.next().unwrap_or_default())
             .map_err(|error| unusable(1, &error))?;
@@ -147,6 +155,7 @@ impl Journal {
                 serde_json::from_str(line).map_err(|error| unusable(n + 2, &error))?;
             let row = Row {
                 wall_s: entry.wall_s,
+                refusal: entry.refusal,
                 contacts: entry.contacts,
                 soaked: entry.soaked,
                 ..entry.row
@@ -159,13 +168,15 @@ impl Journal {
     /// Opens the journal of a suite that shall go on.
     ///
     /// # Errors
-    /// As [`Self::read`].
+    /// As [`Self::read`], and when another process drives the suite.
     pub(super) fn resume(directory: &Path) -> Result<(Order, Self), String> {
-        let (order, contents) = Self::read(directory)?;
         let file = directory.join(NAME);
         let open = Folder::open(directory)
             .and_then(|folder| folder.append(NAME))
-            .and_then(|open| open.set_len(contents.bytes).map(|()| open))
+            .map_err(|error| format!("{}: not the journal of a suite: {error}", file.display()))?;
+        lock(&open, &file)?;
+        let (order, contents) = Self::read(directory)?;
+        open.set_len(contents.bytes)
             .map_err(|error| failed(&file, &error))?;
         let journal = Self {
             file,
@@ -211,6 +222,7 @@ impl Journal {
         let entry = Entry {
             key: name,
             wall_s: row.wall_s,
+            refusal: row.refusal.clone(),
             contacts: row.contacts.clone(),
             soaked: row.soaked.clone(),
             row,
@@ -253,7 +265,7 @@ impl Order {
         *self == other
     }
 
-    /// What was asked for, with all that decides about no run taken from `plan`.
+    /// What was asked for; options that do not affect the runs come from `plan`.
     pub(super) fn plan(&self, plan: &SuitePlan) -> SuitePlan {
         SuitePlan {
             suite: self.suite.clone(),
@@ -291,6 +303,14 @@ impl Order {
             shard: plan.shard,
         })
     }
+}
+
+/// Makes this the only process that drives the suite; the lock ends with the process.
+fn lock(open: &File, file: &Path) -> Result<(), String> {
+    flock(open, FlockOperation::NonBlockingLockExclusive).map_err(|error| match error {
+        Errno::WOULDBLOCK => format!("{}: another process drives this suite", file.display()),
+        error => failed(file, &error.into()),
+    })
 }
 
 fn failed(file: &Path, error: &std::io::Error) -> String {

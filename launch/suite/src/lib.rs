@@ -52,6 +52,7 @@ use row::{RUNS, Row};
 use rows::drive_rest;
 use runner::{Runner, Stopped};
 use soaked::verdict::{End, SoakReport};
+use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
@@ -120,7 +121,13 @@ fn begin(
         (driven.cases, Some(soaked), driven.ended)
     } else {
         let mut cases = cases(kind, &setup, &worlds, &runner)?;
-        let planned = cases.iter().map(Case::name).collect();
+        let planned: Vec<String> = cases.iter().map(Case::name).collect();
+        let mut seen = BTreeSet::new();
+        if let Some(name) = planned.iter().find(|name| !seen.insert(*name)) {
+            return Err(SuiteError::Usage(format!(
+                "two runs are called {name}: rename one of the scenarios, or its variant"
+            )));
+        }
         if !journal.plan(planned).map_err(SuiteError::Lost)? {
             return Err(SuiteError::Usage(format!(
                 "{} was begun with other worlds than are here now: run the suite again",
@@ -148,7 +155,9 @@ fn begin(
         Err(Stopped::Interrupted) => return Err(SuiteError::Interrupted(Some(Box::new(ran)))),
         Err(other) => return Err(other.into()),
     }
-    match ran.report.refusal() {
+    // A shard may hold nothing but what cannot run.
+    let refusal = ran.report.refusal().filter(|_| plan.shard.is_none());
+    match refusal {
         Some(problem) => Err(SuiteError::Usage(problem)),
         None => Ok(ran),
     }
@@ -194,10 +203,11 @@ fn leave(
         let drives = rows.iter().filter_map(|row| row.soaked.as_deref().cloned());
         SoakReport::new(end, (hours, used_s), drives.collect())
     });
+    let before_s = Timing::read(folder.path()).map_or(0.0, |timing| timing.wall_s);
     let timing = Timing::new(
         &rows,
         folder.path(),
-        started.elapsed().as_secs_f64(),
+        before_s + started.elapsed().as_secs_f64(),
         before.environment(),
     );
     let mut report = Report::new(setup, Kind::of(&setup.plan.suite), n_cases, rows);
@@ -279,6 +289,9 @@ fn check_binaries(kind: Kind, plan: &SuitePlan) -> Result<(), String> {
     }
 }
 
+/// The folder of the scenarios in that of the suite.
+const SCENARIOS: &str = "scenarios";
+
 /// The suite's own folder and those in it.
 struct Folders {
     all: Folder,
@@ -307,7 +320,7 @@ impl Folders {
             get(&all, name).map_err(|error| leave::refused(&path, &error))
         };
         Ok(Self {
-            scenarios: part("scenarios")?,
+            scenarios: part(SCENARIOS)?,
             runs: part(RUNS)?,
             all,
         })

@@ -16,7 +16,8 @@ pub(super) fn drive(runner: &Runner<'_>, title: &str, cases: &[Case]) -> Result<
     Ok(rows.into_iter().flatten().collect())
 }
 
-/// Makes the runs that the journal does not have yet.
+/// Makes the runs that the journal does not have yet, and those again that left no result: their machine may have
+/// ended them.
 pub(super) fn drive_rest(
     runner: &Runner<'_>,
     title: &str,
@@ -25,7 +26,7 @@ pub(super) fn drive_rest(
 ) -> Result<(), Stopped> {
     let left: Vec<&Case> = cases
         .iter()
-        .filter(|case| journal.row(case).is_none())
+        .filter(|case| journal.row(case).is_none_or(|row| row.outcome.is_none()))
         .collect();
     runner.each(title, &left, |index, finish| {
         let case = left[index];

@@ -15,6 +15,7 @@ use zeronav_console::progress::{ProgressLine, Tally};
 use zeronav_console::terminal::note;
 use zeronav_files::{Folder, read};
 use zeronav_measure::result::RunResult;
+use zeronav_supervise::process::end_with_this_thread;
 
 /// How long a run that was asked to stop may take, before it is killed.
 const STOP_LIMIT: Duration = Duration::from_secs(20);
@@ -220,10 +221,6 @@ impl<'a> Runner<'a> {
         for name in &names {
             self.out.remove(name);
         }
-        match std::fs::remove_dir_all(self.out.here().join(&name)) {
-            Err(error) if error.kind() != ErrorKind::NotFound => return Err(failed(error)),
-            _ => {}
-        }
         let file = |name: &String| self.out.new_file(name).map_err(failed);
         let files = [file(&names[0])?, file(&names[1])?];
         let handed = |file: &File| file.try_clone().map_err(failed);
@@ -234,6 +231,12 @@ impl<'a> Runner<'a> {
             std::fs::create_dir(temp).map_err(failed)?;
             command.env(left::TEMP, temp);
         }
+        match std::fs::remove_dir_all(self.out.here().join(&name)) {
+            Err(error) if error.kind() != ErrorKind::NotFound => return Err(failed(error)),
+            _ => {}
+        }
+        // A suite that is killed must not leave runs behind, whose folders the one that goes on takes.
+        end_with_this_thread(&mut command, Signal::TERM);
         let lockstep = (!case.manner.real_time).then_some("--lockstep");
         let process = command
             .arg("run")
@@ -244,7 +247,7 @@ impl<'a> Runner<'a> {
             .args(["--seed", &case.seed.to_string()])
             .arg("--out")
             .arg(self.out.path())
-            .args(["--folder", &name])
+            .arg(format!("--folder={name}"))
             // The binaries were built before the first run, if cargo started the suite.
             .env_remove("CARGO")
             .stdin(Stdio::null())

@@ -29,11 +29,12 @@ impl Shard {
     }
 
     /// True when the run with this name belongs to this part.
-    pub(super) fn has(self, name: &str) -> bool {
+    #[must_use]
+    pub fn has(self, name: &str) -> bool {
         Self::index_of(name, self.of) == self.index
     }
 
-    /// The part with this name among as many as this one.
+    /// The part that the run with this name belongs to, among as many as there are here.
     pub(super) fn sibling(self, name: &str) -> Self {
         Self {
             index: Self::index_of(name, self.of),

@@ -13,7 +13,7 @@ const NAME: &str = "timing.json";
 /// What a suite took.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Timing {
-    /// Wall time; of a suite that was merged, that of its longest shard. [s]
+    /// Wall time of all calls; of a suite that was merged, that of its longest shard. [s]
     pub wall_s: f64,
     /// Machine and build.
     pub environment: Environment,

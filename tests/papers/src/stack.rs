@@ -108,6 +108,8 @@ pub struct PlanRow {
 #[derive(Deserialize)]
 struct Report {
     runs: Vec<Row>,
+    /// Folder of the suite, in which those of the runs are.
+    directory: PathBuf,
 }
 
 #[derive(Deserialize)]
@@ -197,7 +199,7 @@ impl Stack {
             let row = report.runs.iter().find(|row| row.world == name);
             let row = row.ok_or_else(|| StackError::Suite(format!("{name} was not driven")))?;
             drives.push(Drive {
-                root: root.clone(),
+                root: root.join(&report.directory),
                 ..row.drive.clone()
             });
         }

@@ -233,7 +233,7 @@ impl Bench {
             )
             .env_remove("CARGO")
             .current_dir(workspace());
-        let line = format!("python {script} {}", arguments.join(" "));
+        let line = format!("python {script} --out runs {}", arguments.join(" "));
         if !self.commands.contains(&line) {
             self.commands.push(line);
         }

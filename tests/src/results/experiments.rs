@@ -133,11 +133,11 @@ pub const EXPERIMENTS: &[Experiment] = &[
     },
     Experiment {
         key: "shards",
-        title: "a suite in shards by one worker of Ray and by two, three rounds in turn, and 10,000 runs reckoned",
+        title: "a suite in shards by one worker of Ray and by two, three rounds in turn, and 10,000 runs estimated",
         minutes: 6.0,
         by_default: false,
         note: Some(
-            "Wall times hold the start of Ray and the merging. What is reckoned begins each run on the core that is \
+            "Wall times hold the start of Ray and the merging. Estimates begin each run on the core that is \
              free first, with the wall times that the runs of one worker took, one after the other until there are \
              10,000; a machine whose cores are all in use is slower.",
         ),

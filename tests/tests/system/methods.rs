@@ -99,7 +99,13 @@ fn up_and_suite_take_a_method_and_settings_too() {
         let report = ended.expect(0);
         assert_eq!(report["summary"]["success"], 1.0, "{report:#}");
         let run = report["runs"][0]["directory"].as_str().expect("a folder");
-        let file = ended.folder.path().join(run).join("result.json");
+        let suite = report["directory"].as_str().expect("a folder");
+        let file = ended
+            .folder
+            .path()
+            .join(suite)
+            .join(run)
+            .join("result.json");
         let text = std::fs::read_to_string(&file).expect("a result");
         let result: Value = serde_json::from_str(&text).expect("JSON");
         assert_eq!(result["plans"][0]["planner"], planner, "{arguments:?}");

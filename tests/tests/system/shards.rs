@@ -6,8 +6,8 @@ use rustix::process::Signal;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
-use zeronav_tests::Zeronav;
 use zeronav_tests::rooms::short_drive;
+use zeronav_tests::{Zeronav, await_by_itself, background, binaries, children_of, is_alive};
 
 /// What does not depend on the machine.
 const RESULTS: [&str; 3] = ["suite.json", "runs.csv", "junit.xml"];
@@ -210,7 +210,11 @@ fn what_is_missing_is_named_with_its_shard() {
     let name = other.directory();
     let said = suite(other.folder, &["merge", &first, &name, &third]);
     assert_eq!(said.code, 2);
-    assert!(said.stderr.contains("of another suite"), "{}", said.stderr);
+    assert!(
+        said.stderr.contains("is a shard of another suite"),
+        "{}",
+        said.stderr
+    );
 }
 
 #[test]
@@ -236,7 +240,7 @@ fn what_cannot_be_shared_out_or_merged_is_said_in_one_line() {
         (&["merge", "foreign"], "foreign/runs.jsonl:1"),
         (&["merge", "empty", "--seeds", "2"], "--out alone"),
         (&["merge", "empty", "--shard", "1/2"], "--out alone"),
-        (&["scenarios", "more"], "several folders"),
+        (&["scenarios", "more"], "take folders"),
         (&["recordings"], "which recordings?"),
     ] {
         let said = suite(folder.take().expect("the folder"), arguments);
@@ -260,13 +264,110 @@ fn names_in_a_foreign_journal_lead_nowhere() {
     let secret = whole.folder.path().join("secret");
     std::fs::create_dir(&secret).expect("a folder");
     std::fs::write(secret.join("result.json"), "{}").expect("a file");
-    let journal = whole.folder.path().join(&directory).join("runs.jsonl");
+    let journal = journal_of(&whole.folder, &directory);
     let text = std::fs::read_to_string(&journal).expect("the journal");
     std::fs::write(&journal, text.replace("far-seed1\"", "../../../secret\"")).expect("written");
     let said = suite(whole.folder, &["merge", &directory, "--out", "merged"]);
-    assert_eq!(said.code, 4, "{}", said.stderr);
-    assert!(said.stderr.contains("secret"), "{}", said.stderr);
+    assert_eq!(said.code, 2, "{}", said.stderr);
+    assert!(
+        said.stderr.contains("is not the name of a run"),
+        "{}",
+        said.stderr
+    );
     assert_eq!(said.stderr.lines().count(), 1, "{}", said.stderr);
+    assert!(!said.folder.path().join("merged").exists());
+    // The name alone says where a run is.
+    std::fs::write(
+        &journal_of(&said.folder, &directory),
+        text.replace("runs/far-seed1", "../../secret"),
+    )
+    .expect("written");
+    let said = suite(said.folder, &["merge", &directory, "--out", "merged"]);
+    assert_eq!(
+        said.report["runs"][0]["directory"], "runs/far-seed1",
+        "{}",
+        said.stderr
+    );
+}
+
+fn journal_of(folder: &TempDir, directory: &str) -> PathBuf {
+    folder.path().join(directory).join("runs.jsonl")
+}
+
+/// Runs end with their suite, which goes on as if nothing had been; one process at a time drives it.
+#[test]
+fn a_suite_that_is_killed_leaves_no_runs_and_goes_on() {
+    let arguments = [
+        "suite",
+        "scenarios",
+        "--seeds",
+        "4",
+        "--out",
+        "killed",
+        "--jobs",
+        "2",
+        "--json",
+    ];
+    let mut part = Zeronav::start_in(working_folder(), &arguments);
+    let mut runs = Vec::new();
+    part.wait_until("a run has finished, others go on", |part| {
+        runs = children_of(part.pid())
+            .into_iter()
+            .map(|(pid, _)| pid)
+            .collect();
+        let made = std::fs::read_dir(part.folder.path().join("killed"));
+        let journal = made.ok().and_then(|mut made| made.next()?.ok());
+        let journal =
+            journal.and_then(|made| std::fs::read_to_string(made.path().join("runs.jsonl")).ok());
+        journal.is_some_and(|text| text.lines().count() >= 3) && !runs.is_empty()
+    });
+    let name = only(&part.folder.path().join("killed"));
+    let name = name
+        .strip_prefix(part.folder.path())
+        .expect("inside")
+        .to_str()
+        .expect("a name")
+        .to_owned();
+    let mut second = background(binaries().join("zeronav"));
+    second
+        .args(["suite", "--resume", &name])
+        .current_dir(part.folder.path())
+        .env_remove("CARGO");
+    let refused = second.output().expect("it starts");
+    let said = String::from_utf8_lossy(&refused.stderr);
+    assert_eq!(refused.status.code(), Some(2), "{said}");
+    assert!(said.contains("another process drives this suite"), "{said}");
+    part.signal(Signal::KILL);
+    let ended = part.finish();
+    await_by_itself("its runs have ended", || {
+        !runs.iter().any(|pid| is_alive(*pid))
+    });
+    let resumed = suite(ended.folder, &["--resume", &name]);
+    assert_eq!(
+        resumed.report["summary"]["runs"], RUNS,
+        "{}",
+        resumed.stderr
+    );
+    assert_eq!(resumed.report["summary"]["timeouts"], 4);
+    for run in resumed.report["runs"].as_array().expect("runs") {
+        assert_ne!(run["outcome"], Value::Null, "{run:#}");
+    }
+}
+
+#[test]
+fn two_runs_of_one_name_are_an_error() {
+    let folder = working_folder();
+    let far = std::fs::read_to_string(folder.path().join("scenarios/far.toml")).expect("it");
+    let text = far.clone() + "[variants.b]\ntitle = \"b\"\n[variants.c]\ntitle = \"c\"\n";
+    std::fs::write(folder.path().join("scenarios/far.toml"), text).expect("written");
+    std::fs::write(folder.path().join("scenarios/far_b.toml"), far).expect("written");
+    let said = suite(folder, &["scenarios"]);
+    assert_eq!(said.code, 2, "{}", said.stderr);
+    assert!(
+        said.stderr.contains("two runs are called far_b-seed1"),
+        "{}",
+        said.stderr
+    );
 }
 
 #[test]
