@@ -134,7 +134,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
     Experiment {
         key: "shards",
         title: "a suite in shards by one worker of Ray and by two, three rounds in turn, and 10,000 runs estimated",
-        minutes: 6.0,
+        minutes: 10.0,
         by_default: false,
         note: Some(
             "Wall times hold the start of Ray and the merging. Estimates begin each run on the core that is \

@@ -152,13 +152,13 @@ fn what_a_killed_recorder_has_left_is_made_whole_and_the_run_goes_on() {
     let file = recording_of(stack.folder.path());
     let size = |file: &Path| std::fs::metadata(file).map_or(0, |it| it.len());
     // Some flushes, and more than a hundred messages: on a busy machine those come slowly.
-    const ENOUGH_BYTES: u64 = 150_000;
+    let enough_bytes = 150_000;
     let (mut flushes, mut last) = (0, size(&file));
     stack.wait_until("it records", |_| {
         let now = size(&file);
         flushes += u32::from(now > last);
         last = last.max(now);
-        flushes >= 4 && last > ENOUGH_BYTES
+        flushes >= 4 && last > enough_bytes
     });
     let pid = recorder(&stack)
         .map(|it| n(&it["pid"]))

@@ -66,10 +66,14 @@ impl Said {
     }
 }
 
-/// The only folder in this one.
-fn only(folder: &Path) -> PathBuf {
-    let mut entries = std::fs::read_dir(folder).expect("a folder").flatten();
-    entries.next().expect("something in it").path()
+/// The suite's folder in `out` once one run of it has finished, as its arguments name it.
+fn begun(suite: &Zeronav, out: &str) -> Option<String> {
+    let entry = std::fs::read_dir(suite.folder.path().join(out)).ok()?;
+    let made = entry.flatten().next()?.path();
+    // What was asked for, the names of all runs, and a run.
+    let journal = std::fs::read_to_string(made.join("runs.jsonl")).ok()?;
+    let name = made.strip_prefix(suite.folder.path()).ok()?.to_str()?;
+    (journal.lines().count() >= 3).then(|| name.to_owned())
 }
 
 fn read(folder: &Path, name: &str) -> String {
@@ -150,49 +154,41 @@ fn shards_that_are_merged_equal_the_whole_byte_for_byte() {
 #[test]
 fn what_is_missing_is_named_with_its_shard() {
     let (folder, first) = shard(working_folder(), 1, &["--jobs", "2"]);
-    let second = [
+    let last = [
         "scenarios",
         "--seeds",
         "4",
         "--shard",
-        "2/3",
+        "3/3",
         "--out",
-        "second",
+        "last",
         "--jobs",
         "1",
         "--json",
     ];
-    // The second shard is interrupted.
-    let mut part = Zeronav::start_in(folder, &[&["suite"], &second[..]].concat());
+    let (folder, second) = shard(folder, 2, &[]);
+    // The last shard, the largest, is interrupted.
+    let mut part = Zeronav::start_in(folder, &[&["suite"], &last[..]].concat());
+    let mut name = None;
     part.wait_until("a run has finished", |part| {
-        let made = std::fs::read_dir(part.folder.path().join("second"));
-        let journal = made.ok().and_then(|mut made| made.next()?.ok());
-        let journal =
-            journal.and_then(|made| std::fs::read_to_string(made.path().join("runs.jsonl")).ok());
-        journal.is_some_and(|text| text.lines().count() >= 3)
+        name = begun(part, "last");
+        name.is_some()
     });
     part.signal(Signal::INT);
     let part = part.finish();
     assert_eq!(part.code(), 130, "{}", part.stderr);
-    let name = only(&part.folder.path().join("second"));
-    let name = name
-        .strip_prefix(part.folder.path())
-        .expect("inside")
-        .to_str()
-        .expect("a name")
-        .to_owned();
-    let (folder, third) = shard(part.folder, 3, &[]);
-    let all = ["merge", &first, &name, &third];
-    let said = suite(folder, &all);
+    let name = name.expect("its folder");
+    let all = ["merge", &first, &second, &name];
+    let said = suite(part.folder, &all);
     assert_eq!(said.code, 2);
-    for part in ["of 12 runs are missing", "(shard 2/3)", "--resume"] {
+    for part in ["of 12 runs are missing", "(shard 3/3)", "--resume"] {
         assert!(said.stderr.contains(part), "{part}: {}", said.stderr);
     }
     assert!(!said.stderr.contains("(shard 1/3)"), "{}", said.stderr);
     assert_eq!(said.stderr.lines().count(), 1, "{}", said.stderr);
     // It goes on as the shard that it was begun as.
     let resumed = suite(said.folder, &["--resume", &name]);
-    assert_eq!(resumed.report["shard"], "2/3", "{}", resumed.stderr);
+    assert_eq!(resumed.report["shard"], "3/3", "{}", resumed.stderr);
     let merged = suite(resumed.folder, &all);
     assert_eq!(merged.report["summary"]["runs"], RUNS, "{}", merged.stderr);
 
@@ -208,7 +204,7 @@ fn what_is_missing_is_named_with_its_shard() {
     ];
     let other = suite(merged.folder, &other);
     let name = other.directory();
-    let said = suite(other.folder, &["merge", &first, &name, &third]);
+    let said = suite(other.folder, &["merge", &first, &second, &name]);
     assert_eq!(said.code, 2);
     assert!(
         said.stderr.contains("is a shard of another suite"),
@@ -278,7 +274,7 @@ fn names_in_a_foreign_journal_lead_nowhere() {
     assert!(!said.folder.path().join("merged").exists());
     // The name alone says where a run is.
     std::fs::write(
-        &journal_of(&said.folder, &directory),
+        journal_of(&said.folder, &directory),
         text.replace("runs/far-seed1", "../../secret"),
     )
     .expect("written");
@@ -309,25 +305,16 @@ fn a_suite_that_is_killed_leaves_no_runs_and_goes_on() {
         "--json",
     ];
     let mut part = Zeronav::start_in(working_folder(), &arguments);
-    let mut runs = Vec::new();
+    let (mut runs, mut name) = (Vec::new(), None);
     part.wait_until("a run has finished, others go on", |part| {
-        runs = children_of(part.pid())
-            .into_iter()
-            .map(|(pid, _)| pid)
-            .collect();
-        let made = std::fs::read_dir(part.folder.path().join("killed"));
-        let journal = made.ok().and_then(|mut made| made.next()?.ok());
-        let journal =
-            journal.and_then(|made| std::fs::read_to_string(made.path().join("runs.jsonl")).ok());
-        journal.is_some_and(|text| text.lines().count() >= 3) && !runs.is_empty()
+        let children = children_of(part.pid()).into_iter();
+        runs = children.map(|(pid, _)| pid).collect();
+        name = begun(part, "killed");
+        name.is_some() && !runs.is_empty()
     });
-    let name = only(&part.folder.path().join("killed"));
-    let name = name
-        .strip_prefix(part.folder.path())
-        .expect("inside")
-        .to_str()
-        .expect("a name")
-        .to_owned();
+    // It must not be over before the other one looks.
+    part.signal(Signal::STOP);
+    let name = name.expect("its folder");
     let mut second = background(binaries().join("zeronav"));
     second
         .args(["suite", "--resume", &name])
