@@ -7,6 +7,7 @@
 //! gets on, or to the goal with its yaw (`search.rs`, some periods long), and drives it (`track.rs`). It
 //! only wants twists: the pilot checks the stop from each as from every other command.
 
+mod ends;
 mod motions;
 mod search;
 mod space;
@@ -14,14 +15,12 @@ mod targets;
 mod track;
 mod view;
 
-use crate::progress::Place;
 use crate::situation::Situation;
 use core::f64::consts::PI;
 use motions::Motion;
 use search::{Progress, Search};
-use targets::{TARGETS_MAX, Target, is_inside};
+use targets::Target;
 use track::{Step, Track, sees_behind};
-use view::REACH_M;
 pub(crate) use view::View;
 use zeronav_motion::Twist;
 use zeronav_msgs::Pose;
@@ -30,13 +29,6 @@ use zeronav_msgs::pose::wrap_angle;
 
 /// [m] that the surroundings must reach when a search begins.
 pub(crate) const SIGHT_M: f64 = space::HALF_M;
-
-/// [m] of path ahead at which it may end first, and by how much more from attempt to attempt.
-const FIRST_M: f64 = 0.3;
-const FARTHER_M: f64 = 0.6;
-
-/// [m] from one possible end to the next.
-const EVERY_M: f64 = 0.1;
 
 /// [m] within which two manoeuvres begin at the same place.
 const SAME_PLACE_M: f64 = 0.8;
@@ -61,17 +53,8 @@ const CAREFUL_M: f64 = 0.02;
 /// [m] beyond its circle by which a robot backs where it sees nothing.
 const UNSEEN_M: f64 = 0.15;
 
-/// [m] of clearance from which a controller gets on: its margin, some more, and the share of the outline's
-/// extent by which the discs that it takes the outline for stand out.
-const FREE_M: f64 = 0.03;
-const OVERHANG: f64 = 0.04;
-
 /// Share of the goal's tolerances within which a manoeuvre ends there.
 const AIM: f64 = 0.6;
-
-/// How near to a pose on the path it ends, and to the farthest one.
-const ON_PATH: (f64, f64) = (0.12, 0.25);
-const FARTHEST: (f64, f64) = (0.2, 0.35);
 
 /// [m] by which any point of the outline moves from one checked pose of a turn to the next.
 const TURN_SPACING_M: f64 = 0.03;
@@ -118,10 +101,12 @@ pub(crate) struct Manoeuvre {
     search: Search,
     track: Track,
     motions: Vec<(Motion, f64)>,
-    /// The goal, where it is near.
+    /// The goal, where it is near, and whether it is to end there alone.
     goal: Option<Target>,
-    /// Where the search began.
+    is_for_goal: bool,
+    /// Where the search began, and the geometry of the path that it was to get on to.
     begun: Pose,
+    geometry: u64,
     /// Where the last ones began, and how many of them there.
     place: Pose,
     times: u32,
@@ -143,7 +128,9 @@ impl Manoeuvre {
             track: Track::new(),
             motions: Vec::with_capacity(MOTIONS),
             goal: None,
+            is_for_goal: false,
             begun: Pose::default(),
+            geometry: 0,
             place: Pose::default(),
             times: 0,
             failure: None,
@@ -241,6 +228,9 @@ impl Manoeuvre {
             });
         }
         let mut wanted = None;
+        if self.phase == Phase::Driving && self.stands_on_another_path(view) {
+            self.phase = Phase::Over(End::Done);
+        }
         if self.phase == Phase::Driving {
             match self.track.step(situation.robot, view.odom_from_base, twist) {
                 Step::Towards(twist) => wanted = Some(twist),
@@ -275,6 +265,7 @@ impl Manoeuvre {
     /// Prepares the search from where the robot stands and says what it begins with.
     fn set_targets(&mut self, view: &View<'_>) -> Phase {
         self.begun = *view.odom_from_base;
+        self.geometry = view.situation.path_geometry;
         self.fill(view);
         let Some(place) = view.tracker.place() else {
             return Phase::Over(End::NotFound);
@@ -285,6 +276,7 @@ impl Manoeuvre {
         if !alone {
             self.add_path(view, &place);
         }
+        self.is_for_goal = alone;
         let targets = &mut self.search.targets.all;
         self.goal = targets.first().copied();
         let Some(goal) = self.goal.filter(|goal| alone && goal.tolerance_rad < PI) else {
@@ -391,73 +383,6 @@ impl Manoeuvre {
             && is_free(goal.pose.yaw_rad)
             && !turn_is_free(off_rad)
             && !turn_is_free(other_rad)
-    }
-
-    /// Adds the goal when the path ends there within reach.
-    fn add_goal(&mut self, view: &View<'_>, place: &Place) {
-        let goal = view.situation.goal;
-        let pose = view.relative_to_robot(&goal.pose);
-        let footprint = &view.near.footprint;
-        // A path may end where the way to the goal is cut off.
-        let end = view.on_path(place.arc_m + place.remaining_m);
-        let leads_there = end.distance_m(&pose) <= goal.tolerance_m + EVERY_M;
-        let is_near = place.remaining_m <= REACH_M + goal.tolerance_m;
-        if !leads_there || !is_near || !is_inside(&pose, footprint) {
-            return;
-        }
-        let any_yaw = goal.yaw_tolerance_rad >= PI;
-        self.search.targets.all.push(Target {
-            pose,
-            tolerance_m: AIM * goal.tolerance_m,
-            tolerance_rad: if any_yaw {
-                PI
-            } else {
-                AIM * goal.yaw_tolerance_rad
-            },
-            either_way: false,
-            clearance_m: 0.0,
-        });
-    }
-
-    /// Adds poses along the path: those with room around them, and the farthest, facing either way.
-    fn add_path(&mut self, view: &View<'_>, place: &Place) {
-        let footprint = &view.near.footprint;
-        let (low, high) = footprint.bounds();
-        let free_m = FREE_M + OVERHANG * (high - low).max();
-        let reach_m = REACH_M.min(place.remaining_m);
-        let first_m = FIRST_M + FARTHER_M * f64::from(self.times);
-        let mut along_m = FIRST_M;
-        let mut farthest = None;
-        while along_m <= reach_m && self.search.targets.all.len() + 1 < TARGETS_MAX {
-            let pose = view.on_path(place.arc_m + along_m);
-            if !is_inside(&pose, footprint) {
-                break;
-            }
-            farthest = Some(pose);
-            let ahead = (1..=2).map(|n| view.on_path(place.arc_m + along_m + 0.2 * f64::from(n)));
-            let is_free = along_m >= first_m.min(reach_m)
-                && core::iter::once(pose).chain(ahead).all(|pose| {
-                    let space = &self.search.space;
-                    space.clearance_m(footprint, &pose, free_m, free_m) >= free_m
-                });
-            if is_free {
-                self.search.targets.all.push(Target {
-                    pose,
-                    tolerance_m: ON_PATH.0,
-                    tolerance_rad: ON_PATH.1,
-                    either_way: false,
-                    clearance_m: free_m,
-                });
-            }
-            along_m += EVERY_M;
-        }
-        self.search.targets.all.extend(farthest.map(|pose| Target {
-            pose,
-            tolerance_m: FARTHEST.0,
-            tolerance_rad: FARTHEST.1,
-            either_way: view.situation.robot.v_mps_min < 0.0,
-            clearance_m: 0.0,
-        }));
     }
 }
 

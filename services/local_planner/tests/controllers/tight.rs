@@ -6,6 +6,7 @@
 use crate::support::whole::Whole;
 use crate::support::{Block, Loop, Robot, block, goal_at, path};
 use core::f64::consts::{FRAC_PI_2, PI};
+use zeronav_local_planner::recovery::Behaviour;
 use zeronav_motion::Twist;
 use zeronav_msgs::Pose;
 use zeronav_msgs::description::{Corner, Description};
@@ -185,4 +186,43 @@ fn a_long_robot_gets_round_the_corner_of_a_corridor() {
         run.goal = goal_at(&run.path, 0.15, FRAC_PI_2, 0.3);
         check_reaches(&format!("corner of {width_m} m"), &mut run, "beam", 90.0);
     }
+}
+
+/// A robot that has to pass a passage too narrow to turn in, to turn round behind it for a path that leads back, goes on
+/// ahead when a path comes that does.
+#[test]
+fn a_manoeuvre_ends_where_another_path_leads_on() {
+    // It drives ahead only, so that it looks for room to turn.
+    let robot = rectangle(0.3, 0.3, 0.2, 0.0);
+    // A passage of 0.6 m from x = 5 to 7, and the robot in it: its outline of 0.72 m across cannot turn.
+    let passage = [block(5.0, 0.2, 7.0, 3.7), block(5.0, 4.3, 7.0, 7.8)];
+    let blocks = [&hall()[..], &passage].concat();
+    let start = Pose::new(6.5, 4.0, 0.0);
+    let back = path(&[(6.5, 4.0), (3.0, 4.0)]);
+    let mut run = Loop::new(robot, &blocks, (14.0, 8.0), start, back);
+    let mut whole = Whole::with("dwa_t");
+    let passed = |run: &Loop| run.pose.x_m > 7.05 && run.pose.yaw_rad.abs() < 0.2;
+    while !passed(&run) && run.time_s < 40.0 {
+        run.step(&mut whole);
+    }
+    assert!(passed(&run), "{:?} {:?}", run.pose, whole.changes);
+    let manoeuvres = |whole: &Whole| {
+        let begun = whole
+            .changes
+            .iter()
+            .filter(|change| change.to == Behaviour::Manoeuvre);
+        begun.count()
+    };
+    let begun = manoeuvres(&whole);
+    assert!(begun > 0, "{:?}", whole.changes);
+    run.replan(path(&[(run.pose.x_m, 4.0), (12.0, 4.0)]));
+    let (mut turned_rad, mut yaw_rad) = (0.0, run.pose.yaw_rad);
+    while run.pose.x_m < 11.0 && run.time_s < 30.0 {
+        run.step(&mut whole);
+        turned_rad += wrap_angle(run.pose.yaw_rad - yaw_rad).abs();
+        yaw_rad = run.pose.yaw_rad;
+    }
+    assert!(run.pose.x_m > 11.0, "{:?} {:?}", run.pose, whole.changes);
+    assert!(turned_rad < 0.5, "turned {turned_rad} rad");
+    assert_eq!(manoeuvres(&whole), begun, "{:?}", whole.changes);
 }
