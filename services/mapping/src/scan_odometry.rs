@@ -247,9 +247,10 @@ impl ScanOdometry {
         (0..others.len()).any(|n| {
             let other = &others[n];
             let is_new = others[..n].iter().all(|before| apart(before, other));
+            let enough = laid.share + EXPLAINS_MORE;
             is_new
                 && apart(other, step)
-                && self.explained(ends, step, other, LETS_GO_M) > laid.share + EXPLAINS_MORE
+                && self.explained(ends, (step, other), LETS_GO_M, enough) > enough
         })
     }
 
@@ -264,15 +265,32 @@ impl ScanOdometry {
         lets_go_m.max(LETS_GO_SIGMAS * self.key.noise_m())
     }
 
-    /// Share of the points that lie on lines after a motion since the last scan, given odometry's.
-    fn explained(&mut self, ends: &Ends<'_>, step: &Pose, motion: &Pose, lets_go_m: f64) -> f64 {
+    /// Share of the points that lie on lines after a motion since the last scan, given odometry's `step`; anything up to
+    /// `enough` where it is not more than that.
+    fn explained(
+        &mut self,
+        ends: &Ends<'_>,
+        (step, motion): (&Pose, &Pose),
+        lets_go_m: f64,
+        enough: f64,
+    ) -> f64 {
+        let every = ends.at.len().div_ceil(POINTS_MAX).max(1);
+        #[allow(clippy::cast_precision_loss, reason = "a scan's points")]
+        let mut left = ends.at.len().div_ceil(every) as f64;
+        if enough >= 1.0 {
+            return 0.0;
+        }
         ends.along(&mut self.ends, step, motion);
         let at = self.key_from_base.then(motion);
         let (sin, cos) = at.yaw_rad.sin_cos();
-        let every = self.ends.len().div_ceil(POINTS_MAX).max(1);
         let lets_go_m = self.lets_go_m(lets_go_m);
         let (mut near, mut n) = (0.0, 0.0_f64);
         for end in self.ends.iter().step_by(every) {
+            // What is left cannot make it enough any more.
+            if near + left <= enough * (n + left) {
+                return 0.0;
+            }
+            left -= 1.0;
             let place = Point2::new(
                 at.x_m + cos * end.x - sin * end.y,
                 at.y_m + sin * end.x + cos * end.y,
@@ -303,7 +321,8 @@ impl ScanOdometry {
         let mut best = [(0.0, Pose::default()); BEST];
         let others = [self.last, self.back_to_key()];
         for motion in motions(step).chain(others) {
-            let mut row = (self.explained(ends, step, &motion, LETS_GO_FAR_M), motion);
+            let share = self.explained(ends, (step, &motion), LETS_GO_FAR_M, best[BEST - 1].0);
+            let mut row = (share, motion);
             for place in &mut best {
                 if row.0 > place.0 {
                     core::mem::swap(place, &mut row);
