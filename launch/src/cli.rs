@@ -7,6 +7,7 @@ use crate::busy;
 use crate::compare::cli::CompareArgs;
 use crate::debug::DebugArgs;
 use crate::doctor::DoctorArgs;
+use crate::host::keys::LinkCommand;
 use crate::import::ImportArgs;
 use crate::latency::cli::LatencyArgs;
 use crate::live_view::{PageArgs, ViewArgs};
@@ -159,6 +160,9 @@ pub enum Command {
     /// Whether this machine can run a stack well, or with --ros2 whether a robot of ROS 2 can be driven, and
     /// what to do where it cannot.
     Doctor(DoctorArgs),
+    /// What two hosts of a stack need: keys by which they know each other.
+    #[command(subcommand)]
+    Link(LinkCommand),
     /// Run the worlds of a data set, or a folder of scenarios, in lockstep on all cores.
     Suite(SuiteArgs),
     /// Test whether a program may be swapped into a seat: the contract, clause by clause.
@@ -223,6 +227,10 @@ pub struct StartArgs {
     /// one in a debugger. May be given several times.
     #[arg(long, value_name = "ROLE", value_parser = service_role)]
     pub external: Vec<Role>,
+    /// Which of the scenario's hosts this computer is: it fills that one's seats, and the other host the others. The
+    /// one with the robot drives; the other takes part in run after run, until it is interrupted.
+    #[arg(long, value_name = "NAME")]
+    pub host: Option<String>,
     /// Who drives.
     #[command(flatten)]
     pub driver: DriverArgs,
@@ -253,6 +261,7 @@ impl StartArgs {
             record: self.record.record.clone(),
             seed: self.seed,
             external: self.external.clone(),
+            host: self.host.clone(),
             settings: self.driver.settings(),
             ..RunPlan::of(scenario, mode)
         };

@@ -4,8 +4,9 @@ use crate::busy::Burden;
 use crate::doctor;
 use crate::drive::{Driven, drive};
 use crate::ending::{self, Ending};
+use crate::host;
 use crate::judge::{judge, judge_trials};
-use crate::prepare::{Prepared, prepare};
+use crate::prepare::{Prepared, prepare, scenario_of};
 use crate::report::folder::Outcome;
 use crate::run_plan::RunPlan;
 use crate::show::page;
@@ -38,6 +39,9 @@ use zeronav_supervise::will::Will;
 /// `zeronav run`: plan, prepare, drive, judge, show.
 #[must_use]
 pub fn run(plan: &RunPlan, json: bool) -> ExitCode {
+    if let Some(code) = serve_host(plan) {
+        return code;
+    }
     let driven = interrupts().and_then(|interrupted| drive_and_judge(plan, &interrupted));
     match driven {
         Ok((result, code)) => {
@@ -113,11 +117,34 @@ fn leave_will(prepared: &Prepared, result: &impl Serialize) -> Will {
     Will::leave(&prepared.folder, &text)
 }
 
+/// Fills the seats of a host for the launch of another one, until it is interrupted; `None` when the plan is for a
+/// host that drives.
+fn serve_host(plan: &RunPlan) -> Option<ExitCode> {
+    let host = plan.host.as_deref()?;
+    let is_beside = scenario_of(plan).and_then(|read| host::is_beside(&read.scenario, host));
+    match is_beside {
+        Ok(false) => return None,
+        Ok(true) => {}
+        Err(problem) => return Some(usage(&problem)),
+    }
+    let served = prepare(plan).and_then(|prepared| host::serve(&prepared, host, &interrupts()?));
+    Some(match served {
+        Ok(()) => {
+            explain(&Ending::Interrupted);
+            ExitCode::from(EXIT_INTERRUPTED)
+        }
+        Err(problem) => usage(&problem),
+    })
+}
+
 /// `zeronav up`: prepare, drive to the goals of clients, until it is to end.
 #[must_use]
 pub fn up(plan: &RunPlan, json: bool) -> ExitCode {
     if let Some(danger) = doctor::logout_warning() {
         note(&format!("warning: {}", printable(&danger)));
+    }
+    if let Some(code) = serve_host(plan) {
+        return code;
     }
     let before = Before::read();
     let driven = prepare(plan).and_then(|prepared| {

@@ -205,7 +205,9 @@ impl<'a> Keeper<'a> {
     /// True when the newest process of a seat has spent too much of its own time without being able to
     /// answer.
     pub(crate) fn is_late(&mut self, role: Role) -> bool {
-        let start = self.starting.get_mut(&role);
+        // What is on the other host may have to be started there first.
+        let is_here = !self.prepared.remote.contains(&role);
+        let start = self.starting.get_mut(&role).filter(|_| is_here);
         start.is_some_and(|start| start.is_over(READY_LIMIT))
     }
 
@@ -326,7 +328,8 @@ impl<'a> Keeper<'a> {
         }
         let mut late = Vec::new();
         for joining in self.joining.iter_mut().filter(|joining| !joining.ready) {
-            if joining.start.is_over(READY_LIMIT) {
+            let is_here = !self.prepared.remote.contains(&joining.role);
+            if is_here && joining.start.is_over(READY_LIMIT) {
                 late.push(joining.role);
             }
         }

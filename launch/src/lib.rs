@@ -21,6 +21,7 @@ mod drive;
 mod ending;
 mod film;
 pub mod floor;
+pub mod host;
 pub mod import;
 mod judge;
 mod keeper;

@@ -12,9 +12,9 @@ use zeronav::new_package;
 use zeronav::remote::{fault, goal, swap, verbs};
 use zeronav::show::log;
 use zeronav::{
-    bag, began, bisect, busy, commands, compare, completions, debug, doctor, import, latency, logs,
-    look, map_save, params, picture, recordings, remote, replay, report, start_up, top, topics,
-    view_recording, why,
+    bag, began, bisect, busy, commands, compare, completions, debug, doctor, host, import, latency,
+    logs, look, map_save, params, picture, recordings, remote, replay, report, start_up, top,
+    topics, view_recording, why,
 };
 use zeronav_console::exit::EXIT_USAGE;
 use zeronav_console::{arguments, terminal};
@@ -99,6 +99,7 @@ fn main() -> ExitCode {
         Command::Status(arguments) => verbs::status(&arguments),
         Command::Wait(arguments) => verbs::wait(&arguments),
         Command::Down(arguments) => verbs::down(&arguments),
+        Command::Link(command) => host::keys::link(&command),
         Command::Contract(arguments) => zeronav_contract_kit::contract(&arguments),
         Command::New(arguments) => new_package::new(&arguments),
         Command::Picture(arguments) => {

@@ -1,6 +1,7 @@
 //! Everything that can be wrong is found here, before anything is started.
 
 use crate::configs;
+use crate::host::{self, OnHost};
 use crate::live_view::PageArgs;
 use crate::open_files;
 use crate::program;
@@ -44,6 +45,8 @@ pub struct Prepared {
     pub footprint: Footprint,
     /// The binary of each seat that launch fills; the others are filled by hand.
     pub binaries: BTreeMap<Role, PathBuf>,
+    /// Seats in which a program sits for a process on the other host.
+    pub remote: Vec<Role>,
     /// The binary of each companion of the scenario.
     pub companions: BTreeMap<String, PathBuf>,
     /// Path of the run's own folder, for people.
@@ -111,6 +114,8 @@ pub(crate) struct Checked {
     pub warnings: Vec<String>,
     /// The binary of each seat that launch fills. Each has accepted its configuration.
     pub binaries: BTreeMap<Role, PathBuf>,
+    /// What it is on one of its hosts; `None` = this computer fills every seat.
+    pub on_host: Option<OnHost>,
     /// The binary of each of its companions. Each has accepted its configuration.
     pub companions: BTreeMap<String, PathBuf>,
     /// Its swaps, with the tick before which each begins.
@@ -123,7 +128,7 @@ pub(crate) struct Checked {
 /// # Errors
 /// A line for each thing that is wrong, with the fix.
 pub(crate) fn check(source: &Source, external: &[Role]) -> Result<Checked, String> {
-    check_scenario(load(source)?, external)
+    check_scenario(load(source)?, external, None)
 }
 
 fn load(source: &Source) -> Result<AsFar, String> {
@@ -136,7 +141,7 @@ fn load(source: &Source) -> Result<AsFar, String> {
 }
 
 /// The scenario of a plan, with what the plan puts in the place of its words.
-fn scenario_of(plan: &RunPlan) -> Result<AsFar, String> {
+pub(crate) fn scenario_of(plan: &RunPlan) -> Result<AsFar, String> {
     let mut read = load(&plan.scenario)?;
     let scenario = &mut read.scenario;
     if let Some(rate_hz) = plan.rate_hz {
@@ -153,14 +158,27 @@ fn scenario_of(plan: &RunPlan) -> Result<AsFar, String> {
     Ok(read)
 }
 
-fn check_scenario(mut read: AsFar, external: &[Role]) -> Result<Checked, String> {
+fn check_scenario(
+    mut read: AsFar,
+    external: &[Role],
+    host: Option<&str>,
+) -> Result<Checked, String> {
     let checked = read.examine();
     let of_scenario = !read.wrong.is_empty();
     let AsFar {
-        scenario, wrong, ..
+        mut scenario,
+        wrong,
+        ..
     } = read;
     let mut wrong: Vec<String> = wrong.iter().map(ToString::to_string).collect();
-    let binaries = binaries_of(&scenario, external, &mut wrong)?;
+    let on_host = host.map(|host| host::lay_over(&mut scenario, host));
+    let on_host = on_host.transpose().unwrap_or_else(|why| {
+        wrong.push(why);
+        None
+    });
+    let left_out = on_host.as_ref().map_or(&[][..], |it| &it.left_out);
+    let left_out = [external, left_out].concat();
+    let binaries = binaries_of(&scenario, &left_out, &mut wrong)?;
     if let Some(checked) = &checked {
         // The robot is told of robot and world, of which it says what has been said.
         let asked = binaries.iter();
@@ -185,6 +203,7 @@ fn check_scenario(mut read: AsFar, external: &[Role]) -> Result<Checked, String>
         footprint,
         warnings: warnings.iter().map(ToString::to_string).collect(),
         binaries,
+        on_host,
         companions,
     })
 }
@@ -284,9 +303,10 @@ pub(crate) fn prepare(plan: &RunPlan) -> Result<Prepared, String> {
         footprint,
         warnings,
         binaries,
+        on_host,
         companions,
         swaps,
-    } = check_scenario(scenario_of(plan)?, &plan.external)?;
+    } = check_scenario(scenario_of(plan)?, &plan.external, plan.host.as_deref())?;
     for warning in &warnings {
         tracing::warn!("{warning}");
     }
@@ -325,6 +345,7 @@ pub(crate) fn prepare(plan: &RunPlan) -> Result<Prepared, String> {
         world,
         footprint,
         binaries,
+        remote: on_host.map(|it| it.remote).unwrap_or_default(),
         companions,
         directory: folder.path().to_owned(),
         folder,

@@ -79,6 +79,8 @@ pub struct RunPlan {
     pub load: MachineLoad,
     /// Seats that are left to processes started by hand.
     pub external: Vec<Role>,
+    /// Which of the scenario's hosts this is; `None` = this computer fills every seat.
+    pub host: Option<String>,
     /// Trials to make instead of the scenario's drive.
     pub trials: Option<u32>,
     /// True when the stack stays up and waits for goals, in place of the scenario's drive.
@@ -117,6 +119,7 @@ impl RunPlan {
             settings: Settings::default(),
             load: MachineLoad::Idle,
             external: Vec::new(),
+            host: None,
             trials: None,
             stays: false,
             delays: BTreeMap::new(),

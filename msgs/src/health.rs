@@ -43,9 +43,11 @@ pub const REASON_TRANSFORM: u32 = 1 << 8;
 pub const REASON_CLOCK: u32 = 1 << 9;
 /// Reason bit: two nodes publish what the robot measures.
 pub const REASON_PUBLISHERS: u32 = 1 << 10;
+/// Reason bit: the way to the other host, on which the process runs, is cut.
+pub const REASON_LINK: u32 = 1 << 11;
 
 /// The reason bits and a word for each.
-pub const REASONS: [(u32, &str); 11] = [
+pub const REASONS: [(u32, &str); 12] = [
     (REASON_SCAN, "scan"),
     (REASON_ODOMETRY, "odometry"),
     (REASON_MAP, "map"),
@@ -57,6 +59,7 @@ pub const REASONS: [(u32, &str); 11] = [
     (REASON_TRANSFORM, "transform"),
     (REASON_CLOCK, "clock"),
     (REASON_PUBLISHERS, "publishers"),
+    (REASON_LINK, "link"),
 ];
 
 /// The words for a sum of reason bits; unknown bits have none.

@@ -9,6 +9,7 @@ mod built;
 pub mod data;
 pub mod faults;
 pub mod generated;
+pub mod hosts;
 mod processes;
 pub mod python;
 pub mod results;
@@ -109,16 +110,34 @@ impl Zeronav {
     /// When it cannot be started.
     #[must_use]
     pub fn start_in(folder: tempfile::TempDir, arguments: &[&str]) -> Self {
-        let stdout = tempfile::tempfile().expect("a file");
-        let stderr = tempfile::tempfile().expect("a file");
         let is_suite = arguments.first() == Some(&"suite");
         let needs_no_clock = is_suite || arguments.contains(&"--lockstep");
         let place = (needs_no_clock && !turns::has_turn()).then(turns::background_place);
-        let mut command = if place.is_some() {
+        let command = if place.is_some() {
             built::background_command()
         } else {
             command()
         };
+        Self::spawn(command, folder, arguments, place)
+    }
+
+    /// Starts it by a command that needs no more than the arguments.
+    ///
+    /// # Panics
+    /// When it cannot be started.
+    #[must_use]
+    pub fn start_by(command: Command, folder: tempfile::TempDir, arguments: &[&str]) -> Self {
+        Self::spawn(command, folder, arguments, None)
+    }
+
+    fn spawn(
+        mut command: Command,
+        folder: tempfile::TempDir,
+        arguments: &[&str],
+        place: Option<turns::Place>,
+    ) -> Self {
+        let stdout = tempfile::tempfile().expect("a file");
+        let stderr = tempfile::tempfile().expect("a file");
         let process = command
             .args(arguments)
             .current_dir(folder.path())

@@ -4,7 +4,7 @@ use super::{
     COORDINATE_M_MAX, ExpectSpec, FAULTS_MAX, GoalSpec, KEEP_S_MIN, Outcome, RandomFaults,
     Scenario, ScenarioError, StackFault, TIME_LIMIT_S_MAX, TOLERANCE, YAW_RAD_MAX,
 };
-use crate::companions;
+use crate::{companions, hosts};
 use core::f64::consts::PI;
 use zeronav_msgs::command::Intervention;
 use zeronav_msgs::map::{TILES_PER_KEYFRAME_MAX, tiles_of};
@@ -71,6 +71,7 @@ impl Scenario {
         wrong.extend(self.check_words());
         wrong.extend(self.check_swaps().err());
         wrong.extend(companions::check(&self.companions));
+        wrong.extend(hosts::check(&self.hosts));
         let refused = |error: SpecError| self.error_at(&error.field, &error.why);
         let mut all = Vec::new();
         let loaded = zeronav_world_files::load(&self.world).map_err(|error| match error {

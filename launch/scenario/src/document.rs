@@ -15,6 +15,7 @@ use serde::de::DeserializeOwned;
 use std::path::Path;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
+use zeronav_msgs::message::{FNV_OFFSET, fnv1a};
 use zeronav_shell::nearest::{hinted, unknown};
 use zeronav_shell::places::{Places, line_of};
 
@@ -47,6 +48,16 @@ pub(super) struct Document {
     /// In the order in which they are merged; the scenario's own is the last.
     texts: Vec<Source>,
     places: Places,
+}
+
+impl Document {
+    /// A hash of all texts, in the order in which they are merged.
+    pub(super) fn fingerprint(&self) -> u64 {
+        let texts = self.texts.iter();
+        texts.fold(FNV_OFFSET, |hash, text| {
+            fnv1a(fnv1a(hash, text.text.as_bytes()), &[0])
+        })
+    }
 }
 
 /// What could be read of a scenario.

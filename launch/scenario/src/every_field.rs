@@ -245,8 +245,9 @@ fn every_misspelt_field_is_found_and_no_field_is_left_out() {
                 );
             }
         }
-        // The names of companions are their author's.
-        let is_named = |key: &&String| *key != "kind" && place != "companions";
+        // The names of companions and hosts are their author's.
+        let named = ["companions", "hosts"].contains(&place.as_str());
+        let is_named = |key: &&String| *key != "kind" && !named;
         for key in table.keys().filter(is_named) {
             let complaint = desk.complaint(document, &way, |value| {
                 let table = value.as_table_mut().unwrap();

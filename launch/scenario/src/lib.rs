@@ -28,6 +28,7 @@ mod every_field;
 pub mod fault_plan;
 mod faults;
 mod foresight;
+pub mod hosts;
 mod library;
 mod limits;
 mod made;
@@ -57,6 +58,7 @@ pub use schema::schema;
 pub use swaps::{KEEP_S, KEEP_S_MIN, SHADOW_S, ShadowSpec, SwapSpec};
 
 use crate::companions::CompanionSpec;
+use crate::hosts::HostSpec;
 use crate::restart::RestartSpec;
 use crate::scheduling::SchedulingSpec;
 use core::f64::consts::PI;
@@ -122,6 +124,9 @@ pub struct Scenario {
     /// Processes beside the stack on which nothing in it waits, by name.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub companions: BTreeMap<String, CompanionSpec>,
+    /// The computers that fill the seats, by name; without, the one on which it is started fills all.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub hosts: BTreeMap<String, HostSpec>,
     /// What the verdict asks for.
     #[serde(default)]
     pub expect: ExpectSpec,
@@ -364,6 +369,13 @@ impl Scenario {
     #[must_use]
     pub fn error_at(&self, field: &str, why: &str) -> ScenarioError {
         self.document.at_field(field, why)
+    }
+
+    /// A hash of the texts of the scenario and of what it builds on, wherever they lie: equal on two computers that
+    /// have the same ones. The files of its world are not in it.
+    #[must_use]
+    pub fn fingerprint(&self) -> u64 {
+        self.document.fingerprint()
     }
 }
 

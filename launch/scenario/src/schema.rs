@@ -11,9 +11,9 @@ use super::{
     CLOCK_MS, COORDINATE_M_MAX, DELAY_MS, FAULTS_MAX, KEEP_S_MIN, KINDS, RunSpec, SHARE, SLOW_MS,
     TIME_LIMIT_S_MAX, TOLERANCE, YAW_RAD_MAX, faultable,
 };
-use crate::companions;
 use crate::restart::RestartSpec;
 use crate::scheduling::SchedulingSpec;
+use crate::{companions, hosts};
 use serde_json::{Map, Value, json};
 use zeronav_msgs::Role;
 use zeronav_msgs::command::Intervention;
@@ -62,6 +62,7 @@ pub fn schema(services: &[(Role, Vec<Parameter>)]) -> Value {
         ("random_faults", random_faults()),
         ("swaps", list(&swap())),
         ("companions", companions::schema()),
+        ("hosts", hosts::schema()),
         ("expect", expect()),
         ("foresight", foresight()),
         ("trials", trials()),

@@ -93,9 +93,11 @@ pub fn refresh_under_cargo(needed: Needed) -> Result<(), String> {
             "zeronav-tests",
             "--exclude",
             "zeronav-papers",
-            // Built when a scenario names it: others need no network of ROS.
+            // Built when a scenario names them: others need no network.
             "--exclude",
             "zeronav-ros2",
+            "--exclude",
+            "zeronav-link",
             "--bins",
         ],
         Needed::Any => &["--bins"],

@@ -20,9 +20,6 @@ use std::time::Duration;
 use zeronav_msgs::role::Role;
 use zeronav_params::Parameter;
 
-/// How much lower than that of the stack the priority of a companion is.
-const NICER: i32 = 5;
-
 /// A program that runs beside a stack. It polls: it takes no seat, and no message rings for it.
 ///
 /// Launch starts it with the flags of a service and asks it to end (SIGTERM) once the services are gone.
@@ -32,6 +29,12 @@ pub trait Companion: Sized {
 
     /// Time between two looks. The shortest queue of a reader holds 32 messages: 0.6 s in real time.
     const PAUSE: Duration = Duration::from_millis(8);
+
+    /// How much lower than that of the stack its priority is.
+    const NICER: i32 = 5;
+
+    /// True when it waits, before it opens its ports, until launch has said how the run goes.
+    const AWAITS_LAUNCH: bool = true;
 
     /// The parameters of its configuration, printed by `--print-params`.
     #[must_use]
@@ -91,12 +94,14 @@ pub struct Guest {
 }
 
 impl Guest {
-    fn join(flags: &CompanionFlags) -> Result<Self, StartError> {
+    fn join(flags: &CompanionFlags, awaits_launch: bool) -> Result<Self, StartError> {
         let root = flags.member.domain.as_ref();
         let root = root.ok_or_else(|| StartError::Usage("--domain is missing".to_owned()))?;
         let peer = Peer::join(Domain::join(root)?, Role::Tap, flags.epoch)?;
         let mut roster = RosterReader::open(&peer)?;
-        roster.await_known()?;
+        if awaits_launch {
+            roster.await_known()?;
+        }
         Ok(Self { roster, peer })
     }
 
@@ -124,8 +129,8 @@ fn start<C: Companion>(flags: &CompanionFlags) -> Result<(), StartError> {
     }
     let (stop, signals) = signals::catch()?;
     // The stack comes first. Where the system does not allow even that, it goes on as it is.
-    let _ = rustix::process::nice(NICER);
-    let mut guest = Guest::join(flags)?;
+    let _ = rustix::process::nice(C::NICER);
+    let mut guest = Guest::join(flags, C::AWAITS_LAUNCH)?;
     let mut companion = C::open(&guest, config)?;
     while !is_over(&guest, &stop) {
         guest.roster.poll();

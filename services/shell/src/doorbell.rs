@@ -61,20 +61,8 @@ impl Doorbell {
     /// # Errors
     /// [`StartError::System`] when the doorbell is not there or taken twice.
     pub fn open(peer: &Peer, signals: UnixStream) -> Result<Self, StartError> {
-        let name = peer.role().doorbell();
-        let failed =
-            |error: &dyn core::fmt::Display| StartError::system(format!("opening {name}"), error);
-        let listener = peer
-            .node()
-            .service_builder(&service_name(&name)?)
-            .event()
-            .open()
-            .map_err(|error| failed(&error))?
-            .listener_builder()
-            .create()
-            .map_err(|error| failed(&error))?;
         Ok(Self {
-            listener: Erased::new(listener),
+            listener: listener(peer, peer.role())?,
             signals,
             wakers: None,
         })
@@ -106,7 +94,7 @@ impl Doorbell {
             tv_nsec: i64::try_from(left_ns).unwrap_or(0),
         };
         {
-            let bell = self.descriptor();
+            let bell = descriptor(&self.listener);
             let own = self.wakers.as_ref().map_or(&self.signals, |(own, _)| own);
             let mut descriptors = [
                 PollFd::new(&bell, PollFlags::IN),
@@ -122,24 +110,106 @@ impl Doorbell {
         if let Some((own, _)) = &self.wakers {
             drain(own);
         }
-        let mut rung = Rung::default();
-        let _ = self.listener.try_wait(|event| {
-            let id = event.id.as_value();
-            if id < 64 {
-                rung.0 |= 1 << id;
-            }
-        });
-        rung
+        rung(&self.listener)
+    }
+}
+
+/// Opens the doorbell of `role`.
+fn listener(peer: &Peer, role: Role) -> Result<Erased<Listener<ipc::Service>>, StartError> {
+    let name = role.doorbell();
+    let failed =
+        |error: &dyn core::fmt::Display| StartError::system(format!("opening {name}"), error);
+    let listener = peer
+        .node()
+        .service_builder(&service_name(&name)?)
+        .event()
+        .open()
+        .map_err(|error| failed(&error))?
+        .listener_builder()
+        .create()
+        .map_err(|error| failed(&error))?;
+    Ok(Erased::new(listener))
+}
+
+/// What rang since the last call.
+fn rung(listener: &Listener<ipc::Service>) -> Rung {
+    let mut rung = Rung::default();
+    let _ = listener.try_wait(|event| {
+        let id = event.id.as_value();
+        if id < 64 {
+            rung.0 |= 1 << id;
+        }
+    });
+    rung
+}
+
+#[allow(
+    unsafe_code,
+    reason = "the middleware hands out its descriptor as a bare number only"
+)]
+fn descriptor(listener: &Listener<ipc::Service>) -> BorrowedFd<'_> {
+    // SAFETY: the listener owns the descriptor and keeps it open and unchanged for as long as
+    // it lives; the borrow ends before the listener can be dropped, and nothing closes it.
+    unsafe { BorrowedFd::borrow_raw(listener.file_descriptor().native_handle()) }
+}
+
+/// The doorbells of seats that are filled on another host, heard by who carries the rings there.
+#[derive(Debug)]
+pub struct Overheard {
+    listeners: Vec<(Role, Erased<Listener<ipc::Service>>)>,
+    own: UnixStream,
+    waker: Waker,
+}
+
+impl Overheard {
+    /// Opens the doorbells of `roles`.
+    ///
+    /// # Errors
+    /// As [`Doorbell::open`].
+    pub fn open(peer: &Peer, roles: &[Role]) -> Result<Self, StartError> {
+        let failed = |error| StartError::system("making a waker", error);
+        let (own, other) = UnixStream::pair().map_err(failed)?;
+        for end in [&own, &other] {
+            end.set_nonblocking(true).map_err(failed)?;
+        }
+        let listeners = roles.iter().map(|role| Ok((*role, listener(peer, *role)?)));
+        Ok(Self {
+            listeners: listeners.collect::<Result<_, StartError>>()?,
+            own,
+            waker: Waker(other),
+        })
     }
 
-    #[allow(
-        unsafe_code,
-        reason = "the middleware hands out its descriptor as a bare number only"
-    )]
-    fn descriptor(&self) -> BorrowedFd<'_> {
-        // SAFETY: the listener owns the descriptor and keeps it open and unchanged for as long as
-        // it lives; the borrow ends before the listener can be dropped, and nothing closes it.
-        unsafe { BorrowedFd::borrow_raw(self.listener.file_descriptor().native_handle()) }
+    /// What ends the wait from another thread.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub fn waker(&self) -> std::io::Result<Waker> {
+        self.waker.0.try_clone().map(Waker)
+    }
+
+    /// Sleeps until somebody rings, a waker, or for `at_most`; says who was rung for what.
+    pub fn wait(&self, at_most: core::time::Duration) -> Vec<(Role, Rung)> {
+        let timeout = Timespec {
+            tv_sec: at_most.as_secs().cast_signed(),
+            tv_nsec: i64::from(at_most.subsec_nanos()),
+        };
+        {
+            let bells: Vec<BorrowedFd<'_>> =
+                (self.listeners.iter().map(|(_, bell)| descriptor(bell))).collect();
+            let mut looks: Vec<PollFd<'_>> = bells
+                .iter()
+                .map(|bell| PollFd::new(bell, PollFlags::IN))
+                .collect();
+            looks.push(PollFd::new(&self.own, PollFlags::IN));
+            let _ = poll(&mut looks, Some(&timeout));
+        }
+        drain(&self.own);
+        let all = self
+            .listeners
+            .iter()
+            .map(|(role, bell)| (*role, rung(bell)));
+        all.filter(|(_, rung)| rung.0 != 0).collect()
     }
 }
 

@@ -19,6 +19,7 @@
 //! | a question to launch over the run's socket | [`control`] |
 //! | a process: flags, configuration, logs, exit code, loop | [`Service`], [`run`], [`Companion`], [`flags`], [`logs`], [`error`] |
 //! | topics of a user's own | [`user_topics`] |
+//! | seats that are filled on another host | [`remote_seats`] |
 //!
 //! `examples/own_planner` is a service in a package of its own.
 
@@ -58,6 +59,7 @@ mod raw;
 mod reader;
 mod received;
 pub mod records;
+pub mod remote_seats;
 mod roster;
 pub mod roster_reader;
 pub mod seat;

@@ -259,6 +259,17 @@ impl Peer {
         Ok(RawWriter::new(sender, factory, row.item_bytes))
     }
 
+    /// [`Self::raw_writer_on`] for `run/spans`.
+    ///
+    /// # Errors
+    /// As [`Self::writer`].
+    pub fn raw_span_writer(&self) -> Result<RawWriter, StartError> {
+        let layout = Layout::of_spans();
+        let factory = self.open(&SPANS, &layout)?;
+        let sender = self.sender(&SPANS, &factory, &layout, 1)?;
+        Ok(RawWriter::new(sender, factory, SPANS.item_bytes))
+    }
+
     /// [`Self::raw_on`] for `run/spans`.
     ///
     /// # Errors

@@ -8,8 +8,8 @@ use std::time::{Duration, Instant};
 use zeronav_msgs::command::VelocityCommand;
 use zeronav_msgs::header::Id;
 use zeronav_msgs::health::{
-    HealthState, REASON_CLOCK, REASON_MAP, REASON_NO_LOAN, REASON_ODOMETRY, REASON_PATH,
-    REASON_PUBLISHERS, REASON_REFUSED, REASON_REQUEST, REASON_SCAN, REASON_TOO_LONG,
+    HealthState, REASON_CLOCK, REASON_LINK, REASON_MAP, REASON_NO_LOAN, REASON_ODOMETRY,
+    REASON_PATH, REASON_PUBLISHERS, REASON_REFUSED, REASON_REQUEST, REASON_SCAN, REASON_TOO_LONG,
     REASON_TRANSFORM, SILENT_AFTER_NS,
 };
 use zeronav_msgs::role::Role;
@@ -32,7 +32,7 @@ const RESTARTED: Duration = Duration::from_secs(2);
 const USAGE_PAUSE: Duration = Duration::from_secs(1);
 
 /// A word for each reason bit.
-const REASONS: [(u32, &str); 11] = [
+const REASONS: [(u32, &str); 12] = [
     (REASON_SCAN, "no scan"),
     (REASON_ODOMETRY, "no odometry"),
     (REASON_MAP, "no map"),
@@ -44,6 +44,7 @@ const REASONS: [(u32, &str); 11] = [
     (REASON_TRANSFORM, "no transform to the lidar"),
     (REASON_CLOCK, "the robot's clock was set"),
     (REASON_PUBLISHERS, "two publishers"),
+    (REASON_LINK, "the way to its host is cut"),
 ];
 
 /// What is known of one seat.

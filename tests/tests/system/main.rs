@@ -21,6 +21,7 @@ mod faults;
 mod foreign_files;
 mod full;
 mod goals;
+mod hosts;
 mod house;
 mod injection;
 mod late_readers;

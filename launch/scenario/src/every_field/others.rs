@@ -175,6 +175,14 @@ require = "p99<2ms"
 binary = "b"
 config.x = 1
 restarts = 1
+[hosts.robot]
+seats = ["robot", "collision_guard"]
+connect = "tls/base:7447"
+keys = "keys"
+[hosts.base]
+seats = ["mapping", "global_planner", "local_planner"]
+listen = "tls/0.0.0.0:7447"
+keys = "keys"
 [expect]
 outcome = "reached"
 contacts_max = 0

@@ -1,0 +1,223 @@
+//! A host that fills its seats for the launch of another one, run after run, until it is interrupted.
+
+use super::filled::Filled;
+use super::{LINK, LINK_PROGRAM};
+use crate::configs;
+use crate::prepare::Prepared;
+use rustix::process::Signal;
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use std::process::Stdio;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+use zeronav_console::terminal::{complain, note};
+use zeronav_msgs::role::Role;
+use zeronav_shell::remote_seats::{FromLink, Line, SeatStart, ToLink};
+use zeronav_shell::{Domain, Peer};
+use zeronav_supervise::child::Child;
+use zeronav_supervise::descendants;
+use zeronav_supervise::process::{Beginning, Process};
+use zeronav_supervise::warden;
+
+/// Launch's epoch in the domain of this host.
+const EPOCH: u32 = 1;
+
+/// Time between two looks.
+const PAUSE: Duration = Duration::from_millis(5);
+
+/// Time before a link that has ended is started again, and how long it may take to end.
+const LINK_PAUSE: Duration = Duration::from_millis(500);
+const LINK_LIMIT: Duration = Duration::from_secs(2);
+
+/// Fills the seats of `host` whenever the launch of the other one wants them, until `interrupted`.
+///
+/// # Errors
+/// One line when this host cannot do that.
+pub(crate) fn serve(
+    prepared: &Prepared,
+    host: &str,
+    interrupted: &Arc<AtomicBool>,
+) -> Result<(), String> {
+    warden::start();
+    while !interrupted.load(Ordering::Relaxed) {
+        serve_run(prepared, host, interrupted)?;
+    }
+    Ok(())
+}
+
+/// One run: a domain of its own.
+fn serve_run(prepared: &Prepared, host: &str, interrupted: &Arc<AtomicBool>) -> Result<(), String> {
+    let said = |error: zeronav_shell::StartError| error.to_string();
+    let domain = Domain::create().map_err(said)?;
+    let peer = Peer::join(domain, Role::Launch, EPOCH).map_err(said)?;
+    warden::watch_domain(peer.domain().root());
+    let topics = peer.create_topics().map_err(said)?;
+    let private = peer.domain().folder().make_files_private();
+    private.map_err(|error| error.to_string())?;
+    let served = fill(prepared, host, &peer, interrupted);
+    let strays = descendants::end(peer.domain().root());
+    if !strays.is_empty() {
+        tracing::warn!(pids = ?strays, "processes that services had started were ended");
+    }
+    drop(topics);
+    let domain = peer.leave();
+    let root = domain.root().to_owned();
+    if let Err(error) = domain.close() {
+        tracing::warn!(root = %root.display(), %error, "the domain could not be removed");
+    }
+    served
+}
+
+fn fill(
+    prepared: &Prepared,
+    host: &str,
+    peer: &Peer,
+    interrupted: &Arc<AtomicBool>,
+) -> Result<(), String> {
+    let mut filled = Filled::new(prepared, peer.domain())?;
+    let mut link = Link::new(prepared, filled.root())?;
+    let seats: Vec<&str> = prepared.binaries.keys().map(|role| role.label()).collect();
+    note(&format!(
+        "{host} waits for the robot's host; its seats: {}",
+        seats.join(", ")
+    ));
+    let (mut wanted, mut is_over) = (Wanted::default(), false);
+    while !is_over && !interrupted.load(Ordering::Relaxed) {
+        link.look(prepared, filled.root());
+        if let Some(news) = link.exchange(&filled) {
+            is_over = news.over;
+            if news.run != wanted.run && !news.run.is_empty() {
+                note(&format!("{host} takes part in {}", news.run));
+            }
+            wanted = news;
+        }
+        filled.look(&wanted.seats);
+        std::thread::sleep(PAUSE);
+    }
+    if is_over {
+        note(&format!("{} is over", wanted.run));
+    }
+    while !filled.is_empty() {
+        filled.look(&[]);
+        link.exchange(&filled);
+        std::thread::sleep(PAUSE);
+    }
+    link.stop();
+    Ok(())
+}
+
+/// What the link says.
+#[derive(Debug, Default)]
+struct Wanted {
+    run: String,
+    seats: Vec<SeatStart>,
+    over: bool,
+}
+
+/// The process of the link, and the line to it.
+struct Link {
+    binary: PathBuf,
+    config: PathBuf,
+    process: Option<Process>,
+    due: Instant,
+    line: Option<Line>,
+    told: Option<ToLink>,
+    folder: zeronav_shell::folder::Folder,
+}
+
+impl Link {
+    fn new(prepared: &Prepared, root: &Path) -> Result<Self, String> {
+        let none = || format!("no {LINK_PROGRAM}");
+        let binary = prepared.companions.get(LINK).ok_or_else(none)?;
+        let configs = configs::write_companions(&prepared.scenario, root)?;
+        let config = configs.get(LINK).ok_or_else(none)?;
+        let folder = zeronav_shell::folder::Folder::open(root);
+        Ok(Self {
+            binary: binary.clone(),
+            config: config.clone(),
+            process: None,
+            due: Instant::now(),
+            line: None,
+            told: None,
+            folder: folder.map_err(|error| error.to_string())?,
+        })
+    }
+
+    /// Starts the process, and again when it has ended.
+    fn look(&mut self, prepared: &Prepared, root: &Path) {
+        if let Some(status) = self.process.as_mut().and_then(Process::ended) {
+            let how = Child::end_in_words(status);
+            complain(&format!(
+                "the link has ended ({how}); see {}",
+                prepared.log("link.log").path().display()
+            ));
+            (self.process, self.line) = (None, None);
+            self.due = Instant::now() + LINK_PAUSE;
+        }
+        if self.process.is_some() || Instant::now() < self.due {
+            return;
+        }
+        let arguments: [OsString; 6] = [
+            "--domain".into(),
+            root.into(),
+            "--config".into(),
+            self.config.clone().into(),
+            "--log-level".into(),
+            prepared.log_level.clone().into(),
+        ];
+        let beginning = Beginning {
+            name: LINK,
+            binary: &self.binary,
+            arguments: &arguments,
+            root,
+            log: &prepared.log("link.log"),
+            stdin: Stdio::null(),
+            stdout: None,
+        };
+        match Process::start(beginning, |_| {}) {
+            Ok(process) => self.process = Some(process),
+            Err(error) => {
+                complain(&error.to_string());
+                self.due = Instant::now() + LINK_PAUSE;
+            }
+        }
+    }
+
+    /// Tells the link what became of the seats; what it wants, when that is news.
+    fn exchange(&mut self, filled: &Filled<'_>) -> Option<Wanted> {
+        if self.line.is_none() {
+            self.line = Line::connect(&self.folder).ok();
+            self.told = None;
+        }
+        let line = self.line.as_mut()?;
+        let tell = ToLink::Filled {
+            held: filled.held(),
+        };
+        let is_told = self.told.as_ref() == Some(&tell);
+        let said = (if is_told { Ok(()) } else { line.send(&tell) })
+            .and_then(|()| line.receive::<FromLink>());
+        self.told = Some(tell);
+        match said {
+            Ok(said) => {
+                let newest = said.into_iter().filter_map(|said| match said {
+                    FromLink::Wanted { run, seats, over } => Some(Wanted { run, seats, over }),
+                    FromLink::Ended { .. } => None,
+                });
+                newest.last()
+            }
+            Err(_) => {
+                self.line = None;
+                None
+            }
+        }
+    }
+
+    /// Ends the process: it has no more to carry.
+    fn stop(mut self) {
+        if let Some(process) = &mut self.process {
+            process.signal(Signal::TERM);
+            process.wait(LINK_LIMIT);
+        }
+    }
+}

@@ -1,0 +1,193 @@
+//! By how much the clock of the other host is ahead, from the times of beats that went to and fro.
+//!
+//! Source: the clock filter of NTP (Mills, RFC 5905, section 10): of the last exchanges the one with the
+//! shortest way tells most, and half of its way bounds the error.
+
+use std::collections::VecDeque;
+
+/// Exchanges that are kept.
+const KEPT: usize = 16;
+
+/// By how much two clocks may drift apart: 50 parts per million each. [ns per ns]
+const DRIFT: f64 = 1.0e-4;
+
+/// One exchange: a beat went out, and one came back that says when it had arrived and when it left.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Exchange {
+    /// [ns] of the own clock: the first one was sent.
+    pub sent_ns: u64,
+    /// [ns] of the other clock: it came.
+    pub came_there_ns: u64,
+    /// [ns] of the other clock: the answer was sent.
+    pub sent_there_ns: u64,
+    /// [ns] of the own clock: the answer came.
+    pub came_ns: u64,
+}
+
+/// The estimate.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Offset {
+    /// [ns] by which the other clock is ahead of the own.
+    pub ahead_ns: i64,
+    /// [ns] The true value lies within this of it.
+    pub uncertainty_ns: u64,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Sample {
+    ahead_ns: i64,
+    /// Time on the way there and back. [ns]
+    way_ns: u64,
+    came_ns: u64,
+}
+
+/// Estimates the offset.
+#[derive(Debug, Default)]
+pub struct ClockFilter {
+    samples: VecDeque<Sample>,
+}
+
+impl ClockFilter {
+    /// Takes in an exchange. One in which time runs backwards is ignored.
+    pub fn add(&mut self, exchange: Exchange) {
+        let Exchange {
+            sent_ns,
+            came_there_ns,
+            sent_there_ns,
+            came_ns,
+        } = exchange;
+        let (Some(there_and_back), Some(stay)) = (
+            came_ns.checked_sub(sent_ns),
+            sent_there_ns.checked_sub(came_there_ns),
+        ) else {
+            return;
+        };
+        let Some(way_ns) = there_and_back.checked_sub(stay) else {
+            return;
+        };
+        let apart = |there: u64, here: u64| i128::from(there) - i128::from(here);
+        let sum = apart(came_there_ns, sent_ns) + apart(sent_there_ns, came_ns);
+        let Ok(ahead_ns) = i64::try_from(sum / 2) else {
+            return;
+        };
+        self.samples.push_back(Sample {
+            ahead_ns,
+            way_ns,
+            came_ns,
+        });
+        if self.samples.len() > KEPT {
+            self.samples.pop_front();
+        }
+    }
+
+    /// Forgets everything: another host is there, or the same one after a new start.
+    pub fn clear(&mut self) {
+        self.samples.clear();
+    }
+
+    /// The estimate at `now_ns` of the own clock; `None` before the first exchange.
+    #[must_use]
+    pub fn offset(&self, now_ns: u64) -> Option<Offset> {
+        let judged = self.samples.iter().map(|sample| Offset {
+            ahead_ns: sample.ahead_ns,
+            uncertainty_ns: sample.way_ns / 2 + drifted_ns(now_ns.saturating_sub(sample.came_ns)),
+        });
+        judged.min_by_key(|offset| offset.uncertainty_ns)
+    }
+}
+
+/// How far two clocks may have drifted apart. [ns]
+#[allow(
+    clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a bound of nanoseconds; float to int saturates"
+)]
+fn drifted_ns(since_ns: u64) -> u64 {
+    (since_ns as f64 * DRIFT).ceil() as u64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// An exchange with these ways out and back, with a clock that is ahead.
+    fn exchange(at_ns: u64, ahead_ns: i64, out_ns: u64, back_ns: u64) -> Exchange {
+        let there = |ns: u64| ns.saturating_add_signed(ahead_ns);
+        let came = at_ns + out_ns;
+        let left = came + 3_000_000;
+        Exchange {
+            sent_ns: at_ns,
+            came_there_ns: there(came),
+            sent_there_ns: there(left),
+            came_ns: left + back_ns,
+        }
+    }
+
+    proptest! {
+        /// Whatever the ways are, the true offset is within the uncertainty.
+        #[test]
+        fn the_truth_is_within_the_uncertainty(
+            ahead_ns in -4_000_000_000_000_i64..4_000_000_000_000,
+            ways in prop::collection::vec((0_u64..50_000_000, 0_u64..50_000_000), 1..40),
+        ) {
+            let mut filter = ClockFilter::default();
+            let mut at_ns = 5_000_000_000_000;
+            for (out_ns, back_ns) in ways {
+                let exchange = exchange(at_ns, ahead_ns, out_ns, back_ns);
+                filter.add(exchange);
+                at_ns = exchange.came_ns + 100_000_000;
+                let offset = filter.offset(exchange.came_ns).expect("an exchange");
+                let error_ns = offset.ahead_ns.abs_diff(ahead_ns);
+                prop_assert!(error_ns <= offset.uncertainty_ns + 1, "{offset:?}");
+            }
+        }
+
+        /// And where one clock runs faster than the other, too, up to the drift that is allowed for.
+        #[test]
+        fn a_clock_that_drifts_stays_within_the_uncertainty(ppm in -100_i64..=100, out_ns in 0_u64..9_000_000) {
+            let mut filter = ClockFilter::default();
+            let ahead = |at_ns: u64| i64::try_from(at_ns / 1_000_000).unwrap_or(0) * ppm;
+            for n in 0..60_u64 {
+                let at_ns = 1_000_000_000 + n * 100_000_000;
+                // Only the first way is short.
+                let way_ns = if n == 0 { out_ns } else { out_ns + 20_000_000 };
+                let exchange = exchange(at_ns, ahead(at_ns), way_ns, way_ns / 3);
+                filter.add(exchange);
+                let now_ns = exchange.came_ns;
+                let offset = filter.offset(now_ns).expect("an exchange");
+                let error_ns = offset.ahead_ns.abs_diff(ahead(now_ns));
+                prop_assert!(error_ns <= offset.uncertainty_ns + 3_000, "{n}: {offset:?}, {error_ns}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_shortest_way_of_the_last_exchanges_counts() {
+        let mut filter = ClockFilter::default();
+        assert_eq!(filter.offset(0), None);
+        for (n, way_ns) in [9_000_000, 40_000, 7_000_000].into_iter().enumerate() {
+            filter.add(exchange(
+                1_000_000_000 * (n as u64 + 1),
+                -500,
+                way_ns,
+                way_ns / 2,
+            ));
+        }
+        let offset = filter.offset(3_100_000_000).expect("exchanges");
+        // 40 and 20 us on the way, and two clocks for a second.
+        assert_eq!(offset.ahead_ns, -500 + 10_000);
+        assert!((30_000..250_000).contains(&offset.uncertainty_ns));
+        // Impossible times change nothing.
+        filter.add(Exchange {
+            sent_ns: 10,
+            came_there_ns: 5,
+            sent_there_ns: 4,
+            came_ns: 11,
+        });
+        assert_eq!(filter.offset(3_100_000_000), Some(offset));
+        filter.clear();
+        assert_eq!(filter.offset(0), None);
+    }
+}
