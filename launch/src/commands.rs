@@ -6,6 +6,7 @@ use crate::drive::{Driven, drive};
 use crate::ending::{self, Ending};
 use crate::host;
 use crate::judge::{judge, judge_trials};
+use crate::on_host;
 use crate::prepare::{Prepared, prepare, scenario_of};
 use crate::report::folder::Outcome;
 use crate::run_plan::RunPlan;
@@ -121,7 +122,7 @@ fn leave_will(prepared: &Prepared, result: &impl Serialize) -> Will {
 /// host that drives.
 fn serve_host(plan: &RunPlan) -> Option<ExitCode> {
     let host = plan.host.as_deref()?;
-    let is_beside = scenario_of(plan).and_then(|read| host::is_beside(&read.scenario, host));
+    let is_beside = scenario_of(plan).and_then(|read| on_host::is_beside(&read.scenario, host));
     match is_beside {
         Ok(false) => return None,
         Ok(true) => {}

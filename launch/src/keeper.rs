@@ -203,12 +203,11 @@ impl<'a> Keeper<'a> {
     }
 
     /// True when the newest process of a seat has spent too much of its own time without being able to
-    /// answer.
+    /// answer. One on the other host may have to be started there first.
     pub(crate) fn is_late(&mut self, role: Role) -> bool {
-        // What is on the other host may have to be started there first.
         let is_here = !self.prepared.remote.contains(&role);
-        let start = self.starting.get_mut(&role).filter(|_| is_here);
-        start.is_some_and(|start| start.is_over(READY_LIMIT))
+        let start = self.starting.get_mut(&role);
+        is_here && start.is_some_and(|start| start.is_over(READY_LIMIT))
     }
 
     /// How many times the process of a seat was started.
@@ -322,18 +321,17 @@ impl<'a> Keeper<'a> {
             let reading = || stack.reading(role);
             let beat = (epoch, progress);
             let is_hung = self.hangs.look(role, beat, since, limit, reading);
-            if is_hung && left_out != Some(role) {
+            if is_hung && left_out != Some(role) && self.prepared.judges_hangs(role) {
                 self.kill(stack, role);
             }
         }
-        let mut late = Vec::new();
-        for joining in self.joining.iter_mut().filter(|joining| !joining.ready) {
-            let is_here = !self.prepared.remote.contains(&joining.role);
-            if is_here && joining.start.is_over(READY_LIMIT) {
-                late.push(joining.role);
-            }
-        }
-        for role in late {
+        let prepared = self.prepared;
+        let late = self.joining.iter_mut().filter_map(|joining| {
+            let is_here = !prepared.remote.contains(&joining.role);
+            (is_here && !joining.ready && joining.start.is_over(READY_LIMIT))
+                .then_some(joining.role)
+        });
+        for role in late.collect::<Vec<_>>() {
             self.kill(stack, role);
         }
         self.note_starved(collector, limit);

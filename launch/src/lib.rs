@@ -32,6 +32,7 @@ pub mod logs;
 pub mod look;
 pub mod map_save;
 pub mod new_package;
+mod on_host;
 mod open_files;
 mod open_loop;
 mod orders;

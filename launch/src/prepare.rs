@@ -1,8 +1,8 @@
 //! Everything that can be wrong is found here, before anything is started.
 
 use crate::configs;
-use crate::host::{self, OnHost};
 use crate::live_view::PageArgs;
+use crate::on_host::{self, OnHost};
 use crate::open_files;
 use crate::program;
 use crate::recorder::{RecordTo, file_of_round};
@@ -89,6 +89,12 @@ impl Prepared {
         LogPlace::new(&self.logs, name)
     }
 
+    /// True for a seat whose process this computer sees, or in real time hears: in lockstep no clock decides that one on
+    /// the other host hangs.
+    pub(crate) fn judges_hangs(&self, role: Role) -> bool {
+        self.mode == RunMode::RealTime || !self.remote.contains(&role)
+    }
+
     /// Time from scan to scan. [ns]
     #[must_use]
     #[allow(
@@ -171,7 +177,7 @@ fn check_scenario(
         ..
     } = read;
     let mut wrong: Vec<String> = wrong.iter().map(ToString::to_string).collect();
-    let on_host = host.map(|host| host::lay_over(&mut scenario, host));
+    let on_host = host.map(|host| on_host::lay_over(&mut scenario, host));
     let on_host = on_host.transpose().unwrap_or_else(|why| {
         wrong.push(why);
         None

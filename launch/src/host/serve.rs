@@ -1,8 +1,8 @@
 //! A host that fills its seats for the launch of another one, run after run, until it is interrupted.
 
 use super::filled::Filled;
-use super::{LINK, LINK_PROGRAM};
 use crate::configs;
+use crate::on_host::{LINK, LINK_PROGRAM};
 use crate::prepare::Prepared;
 use rustix::process::Signal;
 use std::ffi::OsString;
@@ -198,19 +198,14 @@ impl Link {
         let said = (if is_told { Ok(()) } else { line.send(&tell) })
             .and_then(|()| line.receive::<FromLink>());
         self.told = Some(tell);
-        match said {
-            Ok(said) => {
-                let newest = said.into_iter().filter_map(|said| match said {
-                    FromLink::Wanted { run, seats, over } => Some(Wanted { run, seats, over }),
-                    FromLink::Ended { .. } => None,
-                });
-                newest.last()
-            }
-            Err(_) => {
-                self.line = None;
-                None
-            }
-        }
+        let Ok(said) = said else {
+            self.line = None;
+            return None;
+        };
+        said.into_iter().rev().find_map(|said| match said {
+            FromLink::Wanted { run, seats, over } => Some(Wanted { run, seats, over }),
+            FromLink::Ended { .. } => None,
+        })
     }
 
     /// Ends the process: it has no more to carry.

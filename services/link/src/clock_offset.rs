@@ -34,6 +34,7 @@ pub struct Offset {
 }
 
 #[derive(Debug, Clone, Copy)]
+#[allow(clippy::struct_field_names, reason = "names end in their unit")]
 struct Sample {
     ahead_ns: i64,
     /// Time on the way there and back. [ns]

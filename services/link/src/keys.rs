@@ -73,7 +73,7 @@ pub fn make(folder: &Path, hosts: &[Named]) -> Result<(), String> {
     write("ca.pem", &certificate.pem())?;
     for Named { host, addresses } in hosts {
         let key = KeyPair::generate().map_err(failed)?;
-        let names = [&[host.clone()], addresses.as_slice()].concat();
+        let names = [std::slice::from_ref(host), addresses].concat();
         let mut own = CertificateParams::new(names).map_err(failed)?;
         own.distinguished_name
             .push(DnType::CommonName, host.as_str());

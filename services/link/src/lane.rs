@@ -246,9 +246,8 @@ impl Lane {
         let mut all: Vec<(Author, Parts)> = Vec::new();
         while let Some(parts) = reader.take(|envelope, items| (envelope.to_vec(), items.to_vec())) {
             let author = self.typed.author(&parts.0, &parts.1);
-            match author.filter(|author| !self.foreign.contains(author)) {
-                Some(author) => all.push((author, parts)),
-                None => {}
+            if let Some(author) = author.filter(|author| !self.foreign.contains(author)) {
+                all.push((author, parts));
             }
         }
         let newest_alone = matches!(
@@ -330,6 +329,7 @@ impl core::fmt::Debug for Lane {
 mod tests {
     use super::*;
     use zeronav_msgs::header::{Id, Stamps};
+    use zeronav_msgs::odometry::Odometry;
     use zeronav_msgs::role::Role;
     use zeronav_msgs::run::RunMode;
     use zeronav_msgs::span::SpanKind;
@@ -359,7 +359,7 @@ mod tests {
     fn moments_are_put_into_the_own_time_and_the_message_stays_whole() {
         let typed = WithHeader::<RobotOdometry>::new(RobotOdometry::ROW);
         let before =
-            bytes::<RobotOdometry>(header::<RobotOdometry>(Role::Robot), Default::default());
+            bytes::<RobotOdometry>(header::<RobotOdometry>(Role::Robot), Odometry::default());
         let (after, items) = typed.retimed(&before, &[], 30).expect("accepted");
         assert!(items.is_empty());
         assert_eq!(typed.author(&after, &[]), Some((Role::Robot.code(), 3)));

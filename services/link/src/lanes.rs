@@ -61,17 +61,30 @@ impl Lanes {
         self.0.iter_mut().for_each(Lane::restart);
     }
 
-    /// Hands what was written here to `send`, topic by topic, while that says that it has room. What is left
-    /// stays in the topics' queues.
+    /// Hands what was written here to `send`, while `has_room`; the rest stays in the topics' queues.
+    ///
+    /// What launch says is read last and sent first: the robot ticks because of it, and a host that heard of a tick
+    /// before the goal that holds from it on would drive otherwise than the robot's.
     pub fn take(&mut self, mut has_room: impl FnMut() -> bool, mut send: impl FnMut(u8, Parts)) {
-        for lane in &mut self.0 {
-            if !has_room() {
-                return;
+        let mut taken = Vec::new();
+        let mut of_launch = Vec::new();
+        for is_launch in [false, true] {
+            let lanes = self.0.iter_mut();
+            for lane in lanes.filter(|lane| is_of_launch(lane.row()) == is_launch) {
+                if is_large(lane.row()) && !has_room() {
+                    continue;
+                }
+                let number = u8::try_from(lane.row().number).unwrap_or(u8::MAX);
+                let to = if is_launch {
+                    &mut of_launch
+                } else {
+                    &mut taken
+                };
+                to.extend(lane.take().into_iter().map(|parts| (number, parts)));
             }
-            let number = u8::try_from(lane.row().number).unwrap_or(u8::MAX);
-            for parts in lane.take() {
-                send(number, parts);
-            }
+        }
+        for (number, parts) in of_launch.into_iter().chain(taken) {
+            send(number, parts);
         }
     }
 
@@ -97,6 +110,11 @@ impl Lanes {
 fn is_large(row: &TopicRow) -> bool {
     let large = [MapUpdate::ROW, MapKeyframe::ROW, DebugRollouts::ROW];
     large.iter().any(|other| other.number == row.number)
+}
+
+/// True for the topics that launch writes.
+fn is_of_launch(row: &TopicRow) -> bool {
+    row.writers == [Role::Launch].as_slice()
 }
 
 /// Whom a message of a topic rings.

@@ -208,8 +208,8 @@ impl Link {
     /// True while messages of the other host belong to the run of this one.
     fn takes(&self) -> bool {
         let beat = self.other.beat.as_ref();
-        let is_of_run = |beat: &&Beat| beat.run == self.run && self.refusal(beat).is_none();
-        !self.over && beat.filter(is_of_run).is_some()
+        let is_of_run = |beat: &Beat| beat.run == self.run && self.refusal(beat).is_none();
+        !self.over && beat.is_some_and(is_of_run)
     }
 
     fn write(
@@ -362,16 +362,19 @@ impl Link {
             *number += 1;
             outbox.push(frame.encode(*number));
         };
-        self.lanes.take(
-            || outbox.has_room(),
-            |topic, (envelope, items)| {
-                push(Frame::Message {
-                    topic,
-                    envelope: &envelope,
-                    items: &items,
-                });
-            },
-        );
+        // Without any room everything stays where the newest message wins.
+        if outbox.has_room() {
+            self.lanes.take(
+                || outbox.has_room(),
+                |topic, (envelope, items)| {
+                    push(Frame::Message {
+                        topic,
+                        envelope: &envelope,
+                        items: &items,
+                    });
+                },
+            );
+        }
         // Topics ring on the other host by themselves.
         for (role, rung) in rings.iter().filter(|_| bits != 0) {
             if rung.has(EVENT_NEED_KEYFRAME) {

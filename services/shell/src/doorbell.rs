@@ -189,6 +189,7 @@ impl Overheard {
     }
 
     /// Sleeps until somebody rings, a waker, or for `at_most`; says who was rung for what.
+    #[must_use]
     pub fn wait(&self, at_most: core::time::Duration) -> Vec<(Role, Rung)> {
         let timeout = Timespec {
             tv_sec: at_most.as_secs().cast_signed(),

@@ -237,7 +237,7 @@ mod tests {
         assert_eq!(error.kind(), ErrorKind::InvalidData);
         let (mut one, mut other) = pair();
         other
-            .write_all(&[b'x'; LINE_BYTES_MAX + 1])
+            .write_all(&vec![b'x'; LINE_BYTES_MAX + 1])
             .expect("written");
         let error = one.receive::<FromLink>().expect_err("no end");
         assert_eq!(error.kind(), ErrorKind::InvalidData);

@@ -61,6 +61,7 @@ fn allowed(from: &str) -> &'static [&'static str] {
             "zeronav-ros-messages",
             "zeronav-shell",
         ],
+        "zeronav-link" => &["zeronav-msgs", "zeronav-shell"],
         "zeronav-recorder" => &[
             "zeronav-files",
             "zeronav-msgs",

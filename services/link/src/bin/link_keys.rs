@@ -29,13 +29,13 @@ fn main() -> ExitCode {
     if let Err(problem) = make(&args.folder, &args.hosts) {
         return refused(&problem);
     }
-    let mut said = String::new();
+    let mut output = std::io::stdout().lock();
     for Named { host, .. } in &args.hosts {
-        said += &format!(
-            "{host}: ca.pem, {host}.pem and {host}.key in a folder of its own, which `keys` names\n"
+        let _ = writeln!(
+            output,
+            "{host}: ca.pem, {host}.pem and {host}.key in a folder of its own, which `keys` names"
         );
     }
-    let _ = std::io::stdout().write_all(said.as_bytes());
     ExitCode::SUCCESS
 }
 
