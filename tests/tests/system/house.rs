@@ -20,7 +20,7 @@ fn allowed(from: &str) -> &'static [&'static str] {
         "zeronav-files" | "zeronav-msgs" | "zeronav-params" => &[],
         "zeronav-shell" => &["zeronav-files", "zeronav-msgs", "zeronav-params"],
         "zeronav-world" => &["zeronav-msgs", "zeronav-params"],
-        "zeronav-cpp" | "zeronav-viewer" => &["zeronav-msgs", "zeronav-shell"],
+        "zeronav-cpp" | "zeronav-link" | "zeronav-viewer" => &["zeronav-msgs", "zeronav-shell"],
         "zeronav-motion" | "zeronav-ros-messages" => &["zeronav-msgs"],
         "zeronav-world-files" => &["zeronav-files", "zeronav-msgs", "zeronav-world"],
         "zeronav-robot-description" => &["zeronav-msgs", "zeronav-params", "zeronav-world"],
@@ -61,7 +61,6 @@ fn allowed(from: &str) -> &'static [&'static str] {
             "zeronav-ros-messages",
             "zeronav-shell",
         ],
-        "zeronav-link" => &["zeronav-msgs", "zeronav-shell"],
         "zeronav-recorder" => &[
             "zeronav-files",
             "zeronav-msgs",
