@@ -74,6 +74,8 @@ impl Default for Blindness {
 pub(crate) struct Look<'a> {
     pub(crate) scan: &'a Scan,
     pub(crate) ranges: &'a [f32],
+    /// Of the beams, in the laser's frame.
+    pub(crate) directions: &'a [Vector2<f64>],
     pub(crate) odom_from_laser: Isometry2<f64>,
     /// [rad] direction of the laser in `base`.
     pub(crate) laser_yaw_rad: f64,
@@ -99,10 +101,9 @@ impl Look<'_> {
 
     fn hit(&self, beam: usize) -> Option<Point2<f64>> {
         let range_m = *self.ranges.get(beam)?;
-        self.scan.is_hit(range_m).then(|| {
-            let (sin, cos) = self.scan.angle_of(beam).sin_cos();
-            self.odom_from_laser * Point2::from(Vector2::new(cos, sin) * f64::from(range_m))
-        })
+        let direction = self.directions.get(beam)?;
+        (self.scan.is_hit(range_m))
+            .then(|| self.odom_from_laser * Point2::from(direction * f64::from(range_m)))
     }
 
     /// True when a beam or one beside it returned.

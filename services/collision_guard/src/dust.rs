@@ -105,18 +105,25 @@ pub(crate) struct Looked {
     ranges: Vec<f32>,
     /// In `odom`, by beam; not a number where nothing was hit. [m]
     ends: Vec<Point2<f64>>,
+    /// Whether the beams to either side of one ended near it, by beam; as [`Self::is_near`].
+    beside: Vec<[Option<bool>; 2]>,
     /// Those beside which a beam ended elsewhere: what is thin, and edges.
     thin: Vec<Point2<f64>>,
+    /// Angle between beams. [rad]
+    step_rad: f64,
+    /// The first beam is beside the last one.
+    is_round: bool,
 }
 
 impl Looked {
     /// Room for any scan.
     pub(crate) fn with_capacity() -> Self {
         Self {
-            of: None,
             ranges: Vec::with_capacity(BEAMS_MAX),
             ends: Vec::with_capacity(BEAMS_MAX),
+            beside: Vec::with_capacity(BEAMS_MAX),
             thin: Vec::with_capacity(BEAMS_MAX),
+            ..Self::default()
         }
     }
 
@@ -125,6 +132,7 @@ impl Looked {
         self.of = None;
         self.ranges.clear();
         self.ends.clear();
+        self.beside.clear();
         self.thin.clear();
     }
 
@@ -132,6 +140,7 @@ impl Looked {
     pub(crate) fn begin(&mut self, scan: &Scan, ranges: &[f32], stance: Stance) {
         self.clear();
         self.of = Some((*scan, stance));
+        self.step_rad = f64::from(scan.angle_increment_rad).abs();
         self.ranges
             .extend_from_slice(&ranges[..ranges.len().min(BEAMS_MAX)]);
     }
@@ -144,14 +153,16 @@ impl Looked {
 
     /// All beams are there.
     pub(crate) fn end(&mut self) {
-        let mut thin = core::mem::take(&mut self.thin);
-        let is_thin = |beam: usize| {
-            let beside = |offset| self.is_near(beam, offset) == Some(true);
-            !(beside(-1) && beside(1))
-        };
-        let hits = (0..self.ends.len()).filter(|beam| is_thin(*beam));
-        thin.extend(hits.filter_map(|beam| self.hit(beam)));
-        self.thin = thin;
+        #[allow(clippy::cast_precision_loss, reason = "at most 4096 beams")]
+        let beams_rad = self.ends.len() as f64 * self.step_rad;
+        self.is_round = (beams_rad - TAU).abs() < self.step_rad;
+        for beam in 0..self.ends.len() {
+            let beside = [-1, 1].map(|offset| self.is_near(beam, offset));
+            self.beside.push(beside);
+            if beside != [Some(true); 2] {
+                self.thin.extend(self.hit(beam));
+            }
+        }
     }
 
     /// Where a beam ended in `odom`, if it hit anything. [m]
@@ -169,9 +180,10 @@ impl Looked {
         compared: &mut usize,
     ) -> bool {
         let [last, earlier, ..] = *before;
-        let (Some(at), Some(apart_m)) = (self.hit(beam), self.apart_m(beam)) else {
+        let Some(at) = self.hit(beam) else {
             return false;
         };
+        let apart_m = self.apart_m(beam);
         if apart_m > APART_M_MAX
             || !self.is_alone(beam, apart_m)
             || earlier.of.is_none()
@@ -200,14 +212,16 @@ impl Looked {
     }
 
     /// Distance between neighbouring beams at the range of this one. [m]
-    fn apart_m(&self, beam: usize) -> Option<f64> {
-        let (scan, _) = self.of.as_ref()?;
-        let range_m = f64::from(*self.ranges.get(beam)?);
-        Some(range_m * f64::from(scan.angle_increment_rad).abs())
+    fn apart_m(&self, beam: usize) -> f64 {
+        f64::from(self.ranges[beam]) * self.step_rad
     }
 
     /// True when fewer than half of the beams close beside this one ended near it.
     fn is_alone(&self, beam: usize, apart_m: f64) -> bool {
+        // Mostly it is one to either side.
+        if SIDE_M < 2.0 * apart_m {
+            return self.beside[beam] == [Some(false); 2];
+        }
         let side = rounded((SIDE_M / apart_m).floor()).clamp(1, SIDE_MAX);
         let beside = (1..=side).flat_map(|offset| [-offset, offset]);
         // No answer proves nothing.
@@ -218,10 +232,10 @@ impl Looked {
     /// Whether the beam so many beside this one ended near it; `None` = no answer.
     fn is_near(&self, beam: usize, offset: i32) -> Option<bool> {
         let other = self.index(i32::try_from(beam).ok()?.checked_add(offset)?)?;
-        let within_m = SAME_M + BESIDE_BEAMS * self.apart_m(beam)?;
+        let within_m = SAME_M + BESIDE_BEAMS * self.apart_m(beam);
         let answered = !self.ranges[other].is_nan();
         // Not a number = it hit nothing.
-        answered.then(|| (self.ends[other] - self.ends[beam]).norm() <= within_m)
+        answered.then(|| (self.ends[other] - self.ends[beam]).norm_squared() <= within_m * within_m)
     }
 
     /// True when beams that looked to a place in `odom` went on behind it.
@@ -306,11 +320,9 @@ impl Looked {
 
     /// The beam of this number; around the circle where the lidar sees all around.
     fn index(&self, beam: i32) -> Option<usize> {
-        let (scan, _) = self.of.as_ref()?;
-        let n = i32::try_from(self.ends.len().min(self.ranges.len())).ok()?;
-        let step_rad = f64::from(scan.angle_increment_rad).abs();
-        let is_round = (f64::from(n) * step_rad - TAU).abs() < step_rad;
-        let beam = if is_round && n > 0 {
+        let n = i32::try_from(self.ends.len()).ok()?;
+        let is_beside = !(0..n).contains(&beam);
+        let beam = if is_beside && self.is_round && n > 0 {
             beam.rem_euclid(n)
         } else {
             beam

@@ -232,6 +232,7 @@ impl Guard {
         self.blindness.take(&Look {
             scan: input.scan,
             ranges: input.ranges,
+            directions: self.view.directions(input.scan),
             odom_from_laser: odom_from_base.isometry() * base_from_laser,
             laser_yaw_rad: description.base_from_laser.yaw_rad,
         });

@@ -98,6 +98,11 @@ impl Default for View {
 }
 
 impl View {
+    /// Directions of the beams of a scan, in the laser's frame.
+    pub(crate) fn directions(&mut self, scan: &Scan) -> &[Vector2<f64>] {
+        self.directions.of(scan)
+    }
+
     /// Takes in a scan that passed its check. `odom_from_base` holds at its capture, run time `run_ns`, the
     /// time of the last beam; `twist` is the robot's while the lidar turned. Ranges that are no hits give
     /// no point, and neither does dust: a hit inside the outline that no neighbouring beam shares, and
@@ -134,8 +139,8 @@ impl View {
                 if at_once {
                     odom_from_laser * in_laser
                 } else {
-                    let in_base = base_from_laser.transform(in_laser);
-                    odom_from_base.transform(twist.arc(elapsed_s).transform(in_base))
+                    let in_base = stance.base_from_laser * in_laser;
+                    stance.odom_from_base * twist.arc(elapsed_s).transform(in_base)
                 }
             }));
             elapsed_s += beam_s;
@@ -161,11 +166,11 @@ impl View {
         for (beam, (range_m, direction)) in ranges.iter().zip(directions).enumerate() {
             let length_m = f64::from(*range_m);
             let is_within = || {
-                let in_laser = Point2::from(direction * length_m);
-                let in_base = base_from_laser.transform(in_laser).coords;
-                length_m < reach_m
-                    && is_lone(ranges, beam)
-                    && outline.distance_m(in_base, 0.0) < 0.0
+                length_m < reach_m && is_lone(ranges, beam) && {
+                    let in_laser = Point2::from(direction * length_m);
+                    let in_base = base_from_laser.transform(in_laser).coords;
+                    outline.distance_m(in_base, 0.0) < 0.0
+                }
             };
             if scan.is_hit(*range_m)
                 && !is_within()

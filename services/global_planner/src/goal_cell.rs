@@ -44,7 +44,12 @@ impl GoalCell {
             return false;
         }
         // One ring more, so that cells are connected around the end of a wall, too.
-        let window = Window::around(own, rings + 1);
+        let reach = rings + 1;
+        let row = |y: i32| (-reach..=reach).map(move |x| Cell::new(own.x + x, own.y + y));
+        if (-reach..=reach).flat_map(row).all(|at| is_free(query, at)) {
+            return true;
+        }
+        let window = Window::around(own, reach);
         let stride = if query.corner_rule == CornerRule::Allow {
             1
         } else {

@@ -1,6 +1,7 @@
 //! A scan of 720 beams into a map of 600 x 400 cells: nothing changes, a box comes and goes, the
 //! first scan of an unknown map; and everything that is done with a scan, with and without pose
-//! correction, into 400 x 400 and 4000 x 4000 cells.
+//! correction, into 400 x 400 and 4000 x 4000 cells; and, of a drive through a warehouse, the stage that
+//! looks where the robot is, alone.
 //!
 //! `cargo bench -p zeronav-mapping --no-default-features`
 
@@ -11,9 +12,14 @@ mod support;
 
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 use std::hint::black_box;
+use std::sync::LazyLock;
+use std::time::{Duration, Instant};
 use support::{Rng, Room, config, description};
 use zeronav_mapping::localiser::CorrectionMode;
 use zeronav_mapping::{Mapper, Mapping, Observation};
+use zeronav_msgs::Pose;
+use zeronav_msgs::scan::Scan;
+use zeronav_msgs::stages::{Stage, StageTimer};
 
 fn scan(c: &mut Criterion) {
     let mut room = Room::walled(600, 400, 3);
@@ -124,5 +130,104 @@ fn everything(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, scan, everything);
+/// An aisle of 2.05 m between racks of 3.9 m with gaps, in a hall of 30 m x 20 m.
+fn aisle() -> Room {
+    let mut room = Room::walled(600, 400, 4);
+    room.n_beams = 360;
+    for (low, high) in [(6, 108), (149, 251), (292, 394)] {
+        for rack in 0..4 {
+            room.fill(140 + 80 * rack, low, 218 + 80 * rack, high, true);
+        }
+    }
+    room
+}
+
+/// A robot's pose at the first and the last beam of a scan, and the scan.
+type Seen = (Pose, Pose, Scan, Vec<f32>);
+
+/// To and fro through the aisle, 9 cm a scan, with 8 mm of noise: again and again. Beams are taken at once, or one
+/// after the other.
+#[allow(clippy::cast_possible_truncation, reason = "ranges are f32")]
+fn drive(room: &Room, in_turn: bool) -> Vec<Seen> {
+    let mut rng = Rng(1);
+    let at = |n: f64| room.pose(120.0 + 1.8 * n, 128.5, 0.02 * (0.1 * n).sin());
+    let ways = (0..180)
+        .map(|n| (n, -1))
+        .chain((1..181).rev().map(|n| (n - 1, 1)));
+    ways.map(|(n, back)| {
+        let last = at(f64::from(n));
+        let first = if in_turn {
+            at(f64::from(n + back))
+        } else {
+            last
+        };
+        let (mut scan, mut ranges) = room.scan(&last);
+        scan.time_increment_s = if in_turn { 2.77e-4 } else { 0.0 };
+        for (beam, range_m) in (0_u16..).zip(&mut ranges) {
+            if in_turn {
+                let share = f64::from(beam) / f64::from(room.n_beams - 1);
+                let between = |a: f64, b: f64| a + share * (b - a);
+                let from = Pose::new(
+                    between(first.x_m, last.x_m),
+                    between(first.y_m, last.y_m),
+                    between(first.yaw_rad, last.yaw_rad),
+                );
+                *range_m = room.range_m(&from, from.yaw_rad + scan.angle_of(beam.into()));
+            }
+            *range_m += (0.008 * rng.normal()) as f32;
+        }
+        (first, last, scan, ranges)
+    })
+    .collect()
+}
+
+/// The stage that looks where the robot is: odometry tells it, exact odometry that is watched, odometry that
+/// is corrected; beams taken at once and one after the other.
+fn localise(c: &mut Criterion) {
+    static START: LazyLock<Instant> = LazyLock::new(Instant::now);
+    let clock = || u64::try_from(START.elapsed().as_nanos()).unwrap_or(u64::MAX);
+    let room = aisle();
+    let known = room.as_static_map();
+    let mut group = c.benchmark_group("360 beams, localise");
+    for (name, mode, in_turn) in [
+        ("told", CorrectionMode::Off, false),
+        ("watched", CorrectionMode::Auto, false),
+        ("watched, in turn", CorrectionMode::Auto, true),
+        ("corrected", CorrectionMode::On, false),
+    ] {
+        let drive = drive(&room, in_turn);
+        let mut config = config(&room);
+        config.pose_correction.mode = mode;
+        let mut mapping = Mapping::new(&config, Some(&known), &description(), &[]).expect("a map");
+        let mut n = 0;
+        group.bench_function(name, |b| {
+            b.iter_custom(|times| {
+                let mut took = Duration::ZERO;
+                for _ in 0..times {
+                    n += 1;
+                    let (first, last, scan, ranges) = &drive[n % drive.len()];
+                    *mapping.timer() = StageTimer::new(clock, clock());
+                    mapping.take_in(&Observation {
+                        scan,
+                        ranges: black_box(ranges),
+                        run_ns: n as u64 * 100_000_000,
+                        odom_from_base_first: *first,
+                        odom_from_base: *last,
+                        odometry_variance: [0.0; 3],
+                        goal: None,
+                        told: None,
+                    });
+                    let stages_ns = mapping.timer().stages_ns();
+                    took += Duration::from_nanos(stages_ns[Stage::Localise.place()].into());
+                }
+                took
+            });
+        });
+        let is_exact = mapping.map_from_odom().0 == Pose::default();
+        assert_eq!(is_exact, mode != CorrectionMode::On, "{name}");
+    }
+    group.finish();
+}
+
+criterion_group!(benches, scan, everything, localise);
 criterion_main!(benches);

@@ -233,36 +233,45 @@ impl Localiser {
         self.unknown = (0.0, 0.0);
     }
 
-    /// Takes in where odometry says the robot is, and where beams ended on static obstacles. The motion
-    /// since the last scan, as the scans and odometry tell it.
-    pub(crate) fn predict(
-        &mut self,
-        odometry: &OdometryAt,
-        standing: &Ends<'_>,
-        something_moves: bool,
-    ) -> Option<Moved> {
+    /// Takes in where odometry says the robot is. The covariance of its step since the last scan; `None` at the
+    /// first one.
+    pub(crate) fn step(&mut self, odometry: &OdometryAt) -> Option<Matrix3<f64>> {
         let odom_from_base = &odometry.odom_from_base;
         self.claimed_yaw[1] = odometry.claimed_yaw;
         let elapsed_s = odometry.run_s - core::mem::replace(&mut self.last_s, odometry.run_s);
         let Some(last) = self.last_odom_from_base.replace(*odom_from_base) else {
             self.map_from_base = self.map_from_base(odom_from_base);
             self.claimed_yaw[0] = self.claimed_yaw[1];
-            self.scans.begin(odom_from_base, standing.at);
             self.step_yaw = 0.0;
             return None;
         };
         self.has_jumped = self.is_jump(&last, odom_from_base, elapsed_s);
-        let noise = if self.has_jumped {
+        Some(if self.has_jumped {
             self.scans.jumped(odom_from_base);
             let (v_mps, w_radps) = self.fastest;
             let (place_m, yaw_rad) = (v_mps * elapsed_s, w_radps * elapsed_s);
             Matrix3::from_diagonal(&Vector3::new(place_m, place_m, yaw_rad).map(|s| s * s))
         } else {
             self.noise(&last, odom_from_base)
+        })
+    }
+
+    /// Takes in where beams ended on static obstacles, given the covariance of odometry's step since the last scan. The
+    /// motion since then, as the scans and odometry tell it.
+    pub(crate) fn predict(
+        &mut self,
+        noise: Option<&Matrix3<f64>>,
+        standing: &Ends<'_>,
+        something_moves: bool,
+    ) -> Option<Moved> {
+        let odom_from_base = &self.last_odom_from_base.unwrap_or_default();
+        let Some(noise) = noise else {
+            self.scans.begin(odom_from_base, standing.at);
+            return None;
         };
         let moved = self
             .scans
-            .follow(odom_from_base, &noise, standing, something_moves);
+            .follow(odom_from_base, noise, standing, something_moves);
         let predicted = self.map_from_base.then(&moved.last_from_base);
         let came = predicted.point() - self.map_from_base.point();
         let step = swing(&came);
@@ -288,6 +297,41 @@ impl Localiser {
         self.config.mode == CorrectionMode::Auto && !self.active
     }
 
+    /// True when a few ends of the scan do not speak against odometry that claims to be exact, and is watched: it
+    /// tells the pose. Otherwise nothing has changed. What moves would speak against it for nothing.
+    pub(crate) fn goes_along(
+        &mut self,
+        noise: &Matrix3<f64>,
+        few: &Ends<'_>,
+        something_moves: bool,
+    ) -> bool {
+        let odom_from_base = self.last_odom_from_base.unwrap_or_default();
+        let goes_along = !self.has_jumped
+            && (self.scans).goes_along(&odom_from_base, noise, few, something_moves);
+        if goes_along {
+            self.believe(&odom_from_base);
+        }
+        goes_along
+    }
+
+    /// True when the next key scan is due, after [`Self::goes_along`].
+    pub(crate) fn is_key_due(&self) -> bool {
+        self.scans.is_key_due()
+    }
+
+    /// This scan is the next key scan: where its beams ended on static obstacles.
+    pub(crate) fn next_key(&mut self, standing: &[Point2<f64>]) {
+        let odom_from_base = self.last_odom_from_base.unwrap_or_default();
+        self.scans.next_key(&odom_from_base, standing);
+    }
+
+    /// Odometry alone tells the pose.
+    fn believe(&mut self, odom_from_base: &Pose) {
+        self.map_from_base = self.map_from_base(odom_from_base);
+        (self.covariance, self.drift) = (Matrix3::zeros(), Matrix3::zeros());
+        self.unknown = (0.0, 0.0);
+    }
+
     /// True when `moved`, of [`Self::predict`], shows that odometry which claims to be exact is not:
     /// the wheels have slipped, or it has jumped. The pose is corrected from now on. Otherwise odometry
     /// alone tells the pose.
@@ -307,9 +351,7 @@ impl Localiser {
             if self.has_jumped {
                 self.scans.begin(&odom_from_base, standing.at);
             }
-            self.map_from_base = self.map_from_base(&odom_from_base);
-            (self.covariance, self.drift) = (Matrix3::zeros(), Matrix3::zeros());
-            self.unknown = (0.0, 0.0);
+            self.believe(&odom_from_base);
         }
         self.active
     }

@@ -324,6 +324,9 @@ impl Mapper {
     /// towards that end.
     #[must_use]
     pub fn is_matchable(&self, point_in_map: Point2<f64>) -> bool {
+        if self.candidates.is_empty() {
+            return true;
+        }
         let cell = self.geometry.unbounded_cell_at(point_in_map);
         (-1..=1).all(|dy| {
             (-1..=1).all(|dx| {

@@ -13,7 +13,7 @@ use crate::outline::Outline;
 use crate::slip::Ends;
 use crate::told::Told;
 use crate::tracker::{ScanView, Tracker};
-use nalgebra::Point2;
+use nalgebra::{Matrix3, Point2};
 use zeronav_msgs::Pose;
 use zeronav_msgs::description::{Corner, Description};
 use zeronav_msgs::map::{MapInfo, MapView};
@@ -26,6 +26,9 @@ use zeronav_world::StaticMap;
 /// How far beyond its radius the trail of something that moves is forgotten, in cells: its hits
 /// count half a cell behind where they were measured, and its radius is a guess.
 const TRAIL_MARGIN_CELLS: f64 = 2.0;
+
+/// Most beams that are asked in every scan whether odometry is right.
+const FEW: usize = 60;
 
 /// A scan with what is known about where it was taken.
 #[derive(Debug, Clone, Copy)]
@@ -203,17 +206,25 @@ impl Mapping {
             claimed_yaw: observation.odometry_variance[2],
             run_s: seconds(run_ns),
         };
-        let guess = self.localiser.map_from_base(&odometry.odom_from_base);
-        let are_most = self.find_landmarks(&guess, run_ns);
+        let mut guess = self.localiser.map_from_base(&odometry.odom_from_base);
         let sweep_share = self.sweep_share(observation);
-        let ends = Ends {
-            at: &self.standing,
-            ago: if sweep_share > 0.0 { &self.ago } else { &[] },
-            sweep_share,
-            are_most,
-        };
         let something_moves = self.tracker.sees_motion(run_ns);
-        let moved = self.localiser.predict(&odometry, &ends, something_moves);
+        let noise = self.localiser.step(&odometry);
+        if let Some(noise) = &noise
+            && self.localiser.watches()
+            && self.goes_along(noise, sweep_share, something_moves)
+        {
+            if self.localiser.is_key_due() {
+                self.find_standing(&guess, run_ns);
+                self.localiser.next_key(&self.standing);
+            }
+            return;
+        }
+        let are_most = self.find_standing(&guess, run_ns);
+        let ends = Ends::of((&self.standing, &self.ago), sweep_share, are_most);
+        let moved = self
+            .localiser
+            .predict(noise.as_ref(), &ends, something_moves);
         if self.localiser.watches()
             && !self
                 .localiser
@@ -225,8 +236,10 @@ impl Mapping {
             if sweep_share > 0.0 {
                 self.cast(observation, Some((&moved.last_from_base, sweep_share)));
             }
-            self.find_landmarks(&self.localiser.pose(), run_ns);
+            guess = self.localiser.pose();
+            self.find_standing(&guess, run_ns);
         }
+        self.find_landmarks(&guess);
         self.mapper.make_surfaces();
         let mapper = &self.mapper;
         let was_uncertain = self.localiser.is_uncertain();
@@ -243,6 +256,22 @@ impl Mapping {
             // What was tracked meanwhile was seen from elsewhere.
             self.tracker.restart();
         }
+    }
+
+    /// True when a few beams of the scan do not speak against odometry, whose step since the last scan has the covariance
+    /// `noise`: nothing else is done with most scans.
+    fn goes_along(
+        &mut self,
+        noise: &Matrix3<f64>,
+        sweep_share: f64,
+        something_moves: bool,
+    ) -> bool {
+        let beams = self.beams.as_slice();
+        let ends = (&mut self.standing, &mut self.ago);
+        let every = beams.len().div_ceil(FEW).max(1);
+        ends_of(beams, every, self.config.obstacle_range_m, ends, |_| true);
+        let few = Ends::of((&self.standing, &self.ago), sweep_share, true);
+        self.localiser.goes_along(noise, &few, something_moves)
     }
 
     /// Share, 0 to 1, of the time since the last scan that the scan took; 0 = all beams at once.
@@ -289,18 +318,12 @@ impl Mapping {
 
     /// Leaves out the beams that ended on what may move: laid onto the map of a moment ago they
     /// would carry the robot along. True when most beams are left.
-    fn find_landmarks(&mut self, guess: &Pose, run_ns: u64) -> bool {
-        let (sin, cos) = guess.yaw_rad.sin_cos();
-        let in_map = |end: &Point2<f64>| {
-            Point2::new(
-                guess.x_m + cos * end.x - sin * end.y,
-                guess.y_m + sin * end.x + cos * end.y,
-            )
-        };
+    fn find_standing(&mut self, guess: &Pose, run_ns: u64) -> bool {
+        let in_map = placed_at(guess);
         let range_m_max = self.config.obstacle_range_m;
-        let (tracker, mapper) = (&self.tracker, &self.mapper);
+        let tracker = &self.tracker;
         let ends = (&mut self.standing, &mut self.ago);
-        let n_ends = ends_of(self.beams.as_slice(), range_m_max, ends, |end| {
+        let n_ends = ends_of(self.beams.as_slice(), 1, range_m_max, ends, |end| {
             !tracker.is_restless_at(in_map(end), run_ns)
         });
         let mut are_most = 4 * self.standing.len() >= 3 * n_ends;
@@ -311,14 +334,19 @@ impl Mapping {
             // Nothing was seen to move, and what seems to is too much for somebody who comes into view: what stands
             // seems to move by the lidar's noise, or because the wheels slip.
             let ends = (&mut self.standing, &mut self.ago);
-            ends_of(self.beams.as_slice(), range_m_max, ends, |_| true);
+            ends_of(self.beams.as_slice(), 1, range_m_max, ends, |_| true);
             are_most = true;
         }
+        are_most
+    }
+
+    /// Of what stands, what may be trusted to be on the map.
+    fn find_landmarks(&mut self, guess: &Pose) {
+        let (in_map, mapper) = (placed_at(guess), &self.mapper);
         let known = |end: &&Point2<f64>| mapper.is_matchable(in_map(end));
         self.landmarks.clear();
         self.landmarks
             .extend(self.standing.iter().filter(known).copied());
-        are_most
     }
 
     /// True while the robot does not know where it is.
@@ -364,10 +392,18 @@ impl Mapping {
     }
 }
 
-/// Puts the ends that stand, of the beams that ended no farther than `range_m_max`, in place of those in `at` [m],
+/// Where points of `base` lie in the map.
+fn placed_at(map_from_base: &Pose) -> impl Fn(&Point2<f64>) -> Point2<f64> + use<> {
+    let (sin, cos) = map_from_base.yaw_rad.sin_cos();
+    let (x_m, y_m) = (map_from_base.x_m, map_from_base.y_m);
+    move |at| Point2::new(x_m + cos * at.x - sin * at.y, y_m + sin * at.x + cos * at.y)
+}
+
+/// Puts the ends that stand, of every n-th beam that ended no farther than `range_m_max`, in place of those in `at` [m],
 /// and which share of the scan was still to come in place of those in `ago`. How many ended.
 fn ends_of(
     beams: &[Beam],
+    every: usize,
     range_m_max: f64,
     (at, ago): (&mut Vec<Point2<f64>>, &mut Vec<f64>),
     stands: impl Fn(&Point2<f64>) -> bool,
@@ -377,7 +413,7 @@ fn ends_of(
     at.clear();
     ago.clear();
     let mut n_ends = 0;
-    for (n, beam) in beams.iter().enumerate() {
+    for (n, beam) in beams.iter().enumerate().step_by(every) {
         // What lies beyond is on no map.
         let end = match beam.end {
             End::Hit(range_m) if range_m <= range_m_max => beam.point(),

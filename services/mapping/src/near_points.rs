@@ -54,10 +54,13 @@ const SIGMAS: f64 = 1.2533 / 1.2247;
 impl NearPoints {
     /// Takes in hits in the order of their beams. [m]
     pub(crate) fn fill(&mut self, hits: &[Point2<f64>]) {
-        self.lines.clear();
-        self.next.clear();
-        self.first.clear();
         self.first.resize(BUCKETS * BUCKETS, NONE);
+        for line in self.lines.drain(..) {
+            if let Some(bucket) = bucket(line.at) {
+                self.first[bucket] = NONE;
+            }
+        }
+        self.next.clear();
         self.noise_m = noise_m(hits);
         let far_m = hits.iter().map(|hit| hit.coords.norm());
         self.reach_m = far_m.fold(0.0, f64::max);

@@ -12,6 +12,10 @@
 //! view goes along with the robot, as if it stood. So what other motions explain is looked at in every scan
 //! (`slip.rs`): none at all, none since the key scan, and that of the scan before. Where one of them explains more, the scans
 //! carry the robot; where nothing explains a scan full of points, the motion is not known.
+//!
+//! Odometry that claims to be exact is only watched: a few points of each scan tell whether the rest is worth a look (`doubt.rs`).
+
+mod doubt;
 
 use crate::moved::{Basis, Moved, TOLD_M, deviations};
 use crate::near_points::{NearPoints, is_linked};
@@ -25,7 +29,7 @@ use zeronav_msgs::pose::wrap_angle;
 const POINTS_MAX: usize = 180;
 
 /// Fewest that must find a line.
-const FOUND_MIN: usize = 20;
+const FOUND_MIN: f64 = 20.0;
 
 /// Share of the points that must find a line, and below which the next key scan is due.
 const FOUND_SHARE: (f64, f64) = (0.3, 0.6);
@@ -210,11 +214,10 @@ impl ScanOdometry {
             let left = turned(at.yaw_rad) * moved.left;
             self.drift = left * moved.noise * left.transpose();
         }
-        let is_far = at.x_m.hypot(at.y_m) > KEY.0 || at.yaw_rad.abs() > KEY.1;
         // A scan that cannot be believed tells against the next key scan, too: those who walk have
         // come too far to be taken for static only after a while.
         let is_lost = moved.basis == Basis::Nothing;
-        if is_far || is_lost || share.is_some_and(|share| share < FOUND_SHARE.1) {
+        if self.is_key_due() || is_lost || share.is_some_and(|share| share < FOUND_SHARE.1) {
             let last = self.last;
             if moved.basis == Basis::Scans {
                 ends.along(&mut self.ends, step, &last);
@@ -228,6 +231,12 @@ impl ScanOdometry {
         }
     }
 
+    /// True when the robot has come so far from the key scan that the next one is due.
+    pub(crate) fn is_key_due(&self) -> bool {
+        let at = self.key_from_base;
+        at.x_m.hypot(at.y_m) > KEY.0 || at.yaw_rad.abs() > KEY.1
+    }
+
     /// The next key scan.
     pub(crate) fn begin(&mut self, odom_from_base: &Pose, ends: &[Point2<f64>]) {
         self.key.fill(ends);
@@ -238,73 +247,9 @@ impl ScanOdometry {
         self.drift = Matrix3::zeros();
     }
 
-    /// True when the scan is not where odometry's `step` has it, or another motion explains more of it.
-    fn is_contradicted(&mut self, ends: &Ends<'_>, laid: Option<&Laid>, step: &Pose) -> bool {
-        let Some(laid) = laid.filter(|laid| laid.surprise <= GATE) else {
-            return true;
-        };
-        let others = [Pose::default(), self.last, self.back_to_key()];
-        (0..others.len()).any(|n| {
-            let other = &others[n];
-            let is_new = others[..n].iter().all(|before| apart(before, other));
-            let enough = laid.share + EXPLAINS_MORE;
-            is_new
-                && apart(other, step)
-                && self.explained(ends, (step, other), LETS_GO_M, enough) > enough
-        })
-    }
-
-    /// The motion of a robot that has stood since the key scan: wheels that slip slowly among noisy
-    /// returns are noticed late.
-    fn back_to_key(&self) -> Pose {
-        Pose::from(self.key_from_base.isometry().inverse())
-    }
-
     /// Distance at which a point lets go, with a lidar as noisy as this. [m]
     fn lets_go_m(&self, lets_go_m: f64) -> f64 {
         lets_go_m.max(LETS_GO_SIGMAS * self.key.noise_m())
-    }
-
-    /// Share of the points that lie on lines after a motion since the last scan, given odometry's `step`; anything up to
-    /// `enough` where it is not more than that.
-    fn explained(
-        &mut self,
-        ends: &Ends<'_>,
-        (step, motion): (&Pose, &Pose),
-        lets_go_m: f64,
-        enough: f64,
-    ) -> f64 {
-        let every = ends.at.len().div_ceil(POINTS_MAX).max(1);
-        #[allow(clippy::cast_precision_loss, reason = "a scan's points")]
-        let mut left = ends.at.len().div_ceil(every) as f64;
-        if enough >= 1.0 {
-            return 0.0;
-        }
-        ends.along(&mut self.ends, step, motion);
-        let at = self.key_from_base.then(motion);
-        let (sin, cos) = at.yaw_rad.sin_cos();
-        let lets_go_m = self.lets_go_m(lets_go_m);
-        let (mut near, mut n) = (0.0, 0.0_f64);
-        for end in self.ends.iter().step_by(every) {
-            // What is left cannot make it enough any more.
-            if near + left <= enough * (n + left) {
-                return 0.0;
-            }
-            left -= 1.0;
-            let place = Point2::new(
-                at.x_m + cos * end.x - sin * end.y,
-                at.y_m + sin * end.x + cos * end.y,
-            );
-            if !self.key.is_in_view(place) {
-                continue;
-            }
-            n += 1.0;
-            if let Some(line) = self.key.line_near(place) {
-                let distance_m = (place - line.at).dot(&line.normal);
-                near += weight(distance_m, lets_go_m);
-            }
-        }
-        near / n.max(1.0)
     }
 
     /// The motion that explains the scan best although odometry's `step` says otherwise, with the
@@ -404,7 +349,6 @@ impl ScanOdometry {
         guess: &Pose,
         lets_go_m: f64,
     ) -> Option<Laid> {
-        let every = ends.len().div_ceil(POINTS_MAX).max(1);
         let prior =
             (covariance + Matrix3::from_diagonal(&Vector3::repeat(1.0e-8))).try_inverse()?;
         let start = Vector3::new(predicted.x_m, predicted.y_m, predicted.yaw_rad);
@@ -414,34 +358,13 @@ impl ScanOdometry {
         let lets_go_m = self.lets_go_m(lets_go_m);
         let sigma_m = SIGMA_M.max(self.key.noise_m());
         for _ in 0..STEPS_MAX {
-            let (sin, cos) = at.z.sin_cos();
-            let mut normal = Matrix3::zeros();
-            let mut right = Vector3::zeros();
-            let (mut n, mut found, mut near) = (0_usize, 0_usize, 0.0);
-            for end in ends.iter().step_by(every) {
-                let turned = Vector2::new(cos * end.x - sin * end.y, sin * end.x + cos * end.y);
-                let place = Point2::new(at.x + turned.x, at.y + turned.y);
-                if !self.key.is_in_view(place) {
-                    continue;
-                }
-                n += 1;
-                let Some(line) = self.key.line_near(place) else {
-                    continue;
-                };
-                found += 1;
-                let distance_m = (place - line.at).dot(&line.normal);
-                let weight = weight(distance_m, lets_go_m);
-                near += weight;
-                let row = Vector3::new(
-                    line.normal.x,
-                    line.normal.y,
-                    line.normal.y * turned.x - line.normal.x * turned.y,
-                );
-                normal += row * row.transpose() * weight;
-                right += row * (weight * distance_m);
-            }
-            #[allow(clippy::cast_precision_loss, reason = "a scan's points")]
-            let all = n as f64;
+            let Sums {
+                normal,
+                right,
+                all,
+                found,
+                near,
+            } = self.sums(ends, &at, lets_go_m);
             if found < FOUND_MIN || near < FOUND_SHARE.0 * all {
                 return None;
             }
@@ -462,6 +385,49 @@ impl ScanOdometry {
             surprise: (off.transpose() * prior * off).x,
         })
     }
+
+    /// Of the ends, or every n-th, with `key_from_base` at x, y and yaw.
+    fn sums(&self, ends: &[Point2<f64>], at: &Vector3<f64>, lets_go_m: f64) -> Sums {
+        let every = ends.len().div_ceil(POINTS_MAX).max(1);
+        let (sin, cos) = at.z.sin_cos();
+        let mut sums = Sums::default();
+        for end in ends.iter().step_by(every) {
+            let turned = Vector2::new(cos * end.x - sin * end.y, sin * end.x + cos * end.y);
+            let place = Point2::new(at.x + turned.x, at.y + turned.y);
+            if !self.key.is_in_view(place) {
+                continue;
+            }
+            sums.all += 1.0;
+            let Some(line) = self.key.line_near(place) else {
+                continue;
+            };
+            sums.found += 1.0;
+            let distance_m = (place - line.at).dot(&line.normal);
+            let weight = weight(distance_m, lets_go_m);
+            sums.near += weight;
+            let row = Vector3::new(
+                line.normal.x,
+                line.normal.y,
+                line.normal.y * turned.x - line.normal.x * turned.y,
+            );
+            sums.normal += row * row.transpose() * weight;
+            sums.right += row * (weight * distance_m);
+        }
+        sums
+    }
+}
+
+/// Sums over the ends of a scan on a key scan.
+#[derive(Debug, Default)]
+struct Sums {
+    /// Of the normal equations in x, y and yaw.
+    normal: Matrix3<f64>,
+    right: Vector3<f64>,
+    /// Points that lie where the key scan looked, and those with a line.
+    all: f64,
+    found: f64,
+    /// What they count.
+    near: f64,
 }
 
 /// A scan on a key scan.

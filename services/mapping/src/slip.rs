@@ -64,7 +64,21 @@ impl EndsOf {
     }
 }
 
-impl Ends<'_> {
+impl<'a> Ends<'a> {
+    /// Ends, each with which share of the scan was still to come; that counts where the scan took time.
+    pub(crate) fn of(
+        (at, ago): (&'a [Point2<f64>], &'a [f64]),
+        sweep_share: f64,
+        are_most: bool,
+    ) -> Self {
+        Self {
+            at,
+            ago: if sweep_share > 0.0 { ago } else { &[] },
+            sweep_share,
+            are_most,
+        }
+    }
+
     /// Where they ended when the robot has moved by `motion` since the scan before, and not by
     /// odometry's `step`.
     pub(crate) fn along(&self, ends: &mut Vec<Point2<f64>>, step: &Pose, motion: &Pose) {

@@ -68,6 +68,11 @@ impl SurfaceCandidates {
         None
     }
 
+    /// True when there are none.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.since_ns.is_empty()
+    }
+
     /// True when the cell at `index` is a candidate.
     pub(crate) fn contains(&self, index: usize) -> bool {
         self.since_ns.contains_key(&index)

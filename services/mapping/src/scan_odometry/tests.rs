@@ -279,6 +279,46 @@ fn a_motion_that_no_slip_explains_must_explain_most_of_the_scan() {
     assert_eq!(basis(&sideways, 0.5, true, &step), Basis::Nothing);
 }
 
+/// A few ends are enough to go along with odometry that is right, scan after scan, and not to where wheels slip.
+#[test]
+fn a_few_ends_speak_against_wheels_that_slip_and_nothing_else() {
+    let few_of = |from: &Pose| -> Vec<Point2<f64>> { hall(from).into_iter().step_by(12).collect() };
+    let step = Pose::new(0.09, 0.0, 0.05);
+    for (way, turn) in [
+        (0.0, 0.0),
+        (0.5, 0.5),
+        (0.7, 0.0),
+        (1.0, 0.0),
+        (0.0, 1.0),
+        (1.0, 1.0),
+    ] {
+        let start = Pose::new(-1.5, -1.0, 0.0);
+        let (mut truth, mut odometry) = (start, start);
+        let mut scans = ScanOdometry::default();
+        scans.begin(&odometry, &hall(&truth));
+        let mut goes_along = |lost: (f64, f64)| {
+            truth = truth.then(&Pose::new(
+                (1.0 - lost.0) * step.x_m,
+                0.0,
+                (1.0 - lost.1) * step.yaw_rad,
+            ));
+            odometry = odometry.then(&step);
+            let goes_along = scans.goes_along(
+                &odometry,
+                &noise(0.09, 0.05),
+                &at_once(&few_of(&truth)),
+                false,
+            );
+            if goes_along && scans.is_key_due() {
+                scans.next_key(&odometry, &hall(&truth));
+            }
+            goes_along
+        };
+        assert!((0..20).all(|_| goes_along((0.0, 0.0))));
+        assert_eq!(goes_along((way, turn)), way + turn < 0.1, "{way} {turn}");
+    }
+}
+
 /// Ends of beams along a bare wall at `far_m`, as far as a lidar sees that reaches 3.5 m and is wrong by `sigma_m`.
 fn bare_wall(far_m: f64, sigma_m: f64, seed: &mut u32) -> Vec<Point2<f64>> {
     // About normal: twelve uniform numbers less six.

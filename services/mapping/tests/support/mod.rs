@@ -105,7 +105,7 @@ impl Room {
 
     /// Distance to the first solid cell, border by border.
     #[allow(clippy::cast_possible_truncation, reason = "a simulation")]
-    fn range_m(&self, from: &Pose, angle_rad: f64) -> f32 {
+    pub(crate) fn range_m(&self, from: &Pose, angle_rad: f64) -> f32 {
         let g = &self.geometry;
         let (dy, dx) = angle_rad.sin_cos();
         let at = |t: f64| {
