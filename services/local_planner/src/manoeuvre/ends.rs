@@ -114,7 +114,13 @@ impl Manoeuvre {
         }
         self.fill(view);
         let free_m = free_m(footprint);
-        let ahead = AHEAD_M.map(|along_m| view.on_path(place.arc_m + along_m));
+        // After manoeuvres that have not got on, as far as the next one would have to lead.
+        let first_m = FIRST_M + FARTHER_M * f64::from(self.times);
+        let first_m = first_m.min(REACH_M).min(place.remaining_m);
+        let farther = core::iter::successors(Some(AHEAD_M[1] + EVERY_M), |m| Some(m + EVERY_M));
+        let farther = farther.take_while(|along_m| *along_m <= first_m);
+        let ahead = AHEAD_M.into_iter().chain(farther);
+        let ahead = ahead.map(|along_m| view.on_path(place.arc_m + along_m));
         core::iter::once(here).chain(ahead).all(|pose| {
             let space = &self.search.space;
             space.clearance_m(footprint, &pose, free_m, free_m) >= free_m
